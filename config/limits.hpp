@@ -1,0 +1,39 @@
+// Every capacity of the component, with its reason. Compile-time: a table's size is part of the build that is tested.
+#pragma once
+
+#include <cstddef>
+
+namespace polhode::limits {
+
+// A frame's features: 800 spread over a body give 3 to 5 per grid cell; past that pose sigma falls as 1/sqrt(N) while
+// matching time grows as N.
+inline constexpr std::size_t kFeatures = 1000;
+
+// One keyframe per 6 deg over two full turns about different axes, less the overlap.
+inline constexpr std::size_t kKeyframes = 100;
+
+// A face sees about 400 landmarks; six faces seen under several lights need about 4000.
+inline constexpr std::size_t kLandmarks = 6000;
+
+// Frames that a start of the map can look back on (ALGORITHMS: 8 to 32).
+inline constexpr std::size_t kStartFrames = 32;
+
+// Tracks held while a map is being started.
+inline constexpr std::size_t kStartTracks = 1500;
+
+// Points that an absolute pose can use.
+inline constexpr std::size_t kPoseMatches = 1000;
+
+// Points of the denoised and completed cloud.
+inline constexpr std::size_t kCloudPoints = 12000;
+
+// Planes reported of a body: a box with two panels has ten.
+inline constexpr std::size_t kPlanes = 12;
+
+// Poses that the motion stage looks back on.
+inline constexpr std::size_t kMotionPoses = 512;
+
+// Packets of one step.
+inline constexpr std::size_t kPacketOctets = 1400;
+
+}  // namespace polhode::limits

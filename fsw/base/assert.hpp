@@ -1,0 +1,27 @@
+// Assertions for our own mistakes: they stay in flight builds and carry the value that broke the promise.
+#pragma once
+
+namespace polhode {
+
+struct AssertionReport {
+  const char* expression;
+  const char* file;
+  int line;
+  double value;
+};
+
+/// Called when an assertion fails. The platform sets one that records the report and restarts the program; it must not
+/// return. Without one the process is aborted.
+using AssertionHook = void (*)(const AssertionReport&);
+void set_assertion_hook(AssertionHook hook);
+
+[[noreturn]] void assertion_failed(const char* expression, const char* file, int line, double value);
+
+}  // namespace polhode
+
+#define POLHODE_ASSERT(condition, value)                                                             \
+  do {                                                                                               \
+    if (!(condition)) [[unlikely]] {                                                                 \
+      ::polhode::assertion_failed(#condition, __FILE__, __LINE__, static_cast<double>(value));       \
+    }                                                                                                \
+  } while (false)

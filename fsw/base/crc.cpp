@@ -1,0 +1,34 @@
+#include "base/crc.hpp"
+
+#include <array>
+#include <cstddef>
+
+namespace polhode {
+namespace {
+
+constexpr std::array<std::uint16_t, 256> make_table() {
+  std::array<std::uint16_t, 256> table{};
+  for (unsigned octet = 0; octet < 256; ++octet) {
+    unsigned remainder = octet << 8U;
+    for (int bit = 0; bit < 8; ++bit) {
+      remainder = (remainder & 0x8000U) != 0 ? (remainder << 1U) ^ 0x1021U : remainder << 1U;
+    }
+    table[octet] = static_cast<std::uint16_t>(remainder & 0xFFFFU);
+  }
+  return table;
+}
+
+constexpr auto kTable = make_table();
+
+}  // namespace
+
+std::uint16_t crc16_ccitt_false(std::span<const std::uint8_t> octets) {
+  unsigned crc = 0xFFFFU;
+  for (const std::uint8_t octet : octets) {
+    const std::size_t index = ((crc >> 8U) ^ octet) & 0xFFU;
+    crc = ((crc << 8U) ^ kTable[index]) & 0xFFFFU;
+  }
+  return static_cast<std::uint16_t>(crc);
+}
+
+}  // namespace polhode

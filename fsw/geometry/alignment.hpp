@@ -1,0 +1,26 @@
+// Best similarity between two sets of corresponding points.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+#include "base/result.hpp"
+
+namespace polhode {
+
+/// p_b = scale * R_ba * p_a + t_ba.
+struct Similarity {
+  double scale = 1.0;
+  Eigen::Matrix3d R_ba = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d t_ba = Eigen::Vector3d::Zero();
+
+  [[nodiscard]] Eigen::Vector3d apply(const Eigen::Vector3d& p_a) const { return scale * (R_ba * p_a) + t_ba; }
+};
+
+/// Least-squares similarity with weights >= 0 (Umeyama, PAMI 1991).
+/// @errors TooFewObservations (under 3), Degenerate (points coincide or lie on a line).
+Result<Similarity> align_similarity(std::span<const Eigen::Vector3d> points_a,
+                                    std::span<const Eigen::Vector3d> points_b,
+                                    std::span<const double> weights);
+
+}  // namespace polhode

@@ -1,0 +1,63 @@
+#include "geometry/reprojection.hpp"
+
+#include "base/assert.hpp"
+#include "geometry/so3.hpp"
+
+namespace polhode {
+namespace {
+// A point whose depth is under this fraction of the origin's is in the camera's plane for every purpose here.
+constexpr double kRelativeDepthMin = 1e-3;
+}  // namespace
+
+InverseDepthPose to_inverse_depth(const Pose& pose) {
+  POLHODE_ASSERT(pose.p_CT.z() > 0.0, pose.p_CT.z());
+  const double s = 1.0 / pose.p_CT.z();
+  return {.R_CT = pose.R_CT, .uvs = {pose.p_CT.x() * s, pose.p_CT.y() * s, s}};
+}
+
+Pose from_inverse_depth(const InverseDepthPose& pose) {
+  POLHODE_ASSERT(pose.uvs.z() > 0.0, pose.uvs.z());
+  const double depth = 1.0 / pose.uvs.z();
+  return {.R_CT = pose.R_CT, .p_CT = {pose.uvs.x() * depth, pose.uvs.y() * depth, depth}};
+}
+
+bool reproject(const InverseDepthPose& pose, const Eigen::Vector3d& p_T, Eigen::Vector2d* normalised) {
+  const Eigen::Vector3d q = pose.R_CT * p_T;
+  const double s = pose.uvs.z();
+  const double denominator = 1.0 + s * q.z();
+  if (!(denominator > kRelativeDepthMin) || !(s > 0.0)) {
+    return false;
+  }
+  *normalised = Eigen::Vector2d(s * q.x() + pose.uvs.x(), s * q.y() + pose.uvs.y()) / denominator;
+  return true;
+}
+
+bool reproject(const InverseDepthPose& pose, const Eigen::Vector3d& p_T, Eigen::Vector2d* normalised,
+               ReprojectionJacobians* jacobians) {
+  if (!reproject(pose, p_T, normalised)) {
+    return false;
+  }
+  const Eigen::Vector3d q = pose.R_CT * p_T;
+  const double s = pose.uvs.z();
+  const double inverse = 1.0 / (1.0 + s * q.z());
+  Eigen::Matrix<double, 2, 3> by_q;
+  by_q << s * inverse, 0.0, -s * inverse * normalised->x(), 0.0, s * inverse, -s * inverse * normalised->y();
+  jacobians->rotation = -by_q * hat(q);
+  jacobians->point = by_q * pose.R_CT;
+  jacobians->uvs << inverse, 0.0, inverse * (q.x() - normalised->x() * q.z()), 0.0, inverse,
+      inverse * (q.y() - normalised->y() * q.z());
+  return true;
+}
+
+Eigen::Matrix<double, 2, 6> projection_jacobian(const Pose& pose, const Eigen::Vector3d& p_T) {
+  const Eigen::Vector3d q = pose.R_CT * p_T;
+  const Eigen::Vector3d p_C = q + pose.p_CT;
+  const double inverse = 1.0 / p_C.z();
+  Eigen::Matrix<double, 2, 3> by_p;
+  by_p << inverse, 0.0, -inverse * inverse * p_C.x(), 0.0, inverse, -inverse * inverse * p_C.y();
+  Eigen::Matrix<double, 2, 6> J;
+  J << -by_p * hat(q), by_p;
+  return J;
+}
+
+}  // namespace polhode

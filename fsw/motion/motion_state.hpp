@@ -1,0 +1,35 @@
+// What is known of the motion at one frame; the content of the motion packet and of a row of motion.csv.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace polhode {
+
+enum class Mode : std::uint8_t { kIdle = 0, kAcquiring = 1, kTracking = 2, kLost = 3 };
+
+/// Frames: C camera, T target, I inertial. Values are meaningful only where their flag says so.
+struct MotionState {
+  std::uint32_t frame = 0;  ///< index of the accepted frame
+  std::int64_t timestamp_ns = 0;
+  Mode mode = Mode::kIdle;
+  bool pose_valid = false;
+  bool rate_valid = false;
+  bool velocity_valid = false;
+  bool scale_known = false;                          ///< lengths are metres; else map units
+  std::array<double, 4> q_CT{1.0, 0.0, 0.0, 0.0};    ///< w, x, y, z; sign continuous in time
+  std::array<double, 3> p_CT{};                      ///< T's origin in C
+  std::array<double, 3> v_C{};                       ///< its velocity relative to C's origin, in C, per second
+  std::array<double, 3> w_T_rad_s{};                 ///< target relative to inertial space, in T
+  double sigma_att_rad = 0.0;                        ///< 1-sigma, worst axis
+  double sigma_pos = 0.0;                            ///< 1-sigma, worst axis, unit of p_CT
+  double sigma_vel = 0.0;                            ///< 1-sigma, worst axis, unit of v_C
+  double sigma_rate_rad_s = 0.0;                     ///< 1-sigma, worst axis
+  std::uint16_t features = 0;                        ///< detected or followed in this frame
+  std::uint16_t matches = 0;                         ///< tied to landmarks (or to tracks, before a map)
+  std::uint16_t inliers = 0;                         ///< that agree with the pose
+  std::uint16_t landmarks = 0;                       ///< in the map
+  std::uint16_t keyframes = 0;                       ///< in the map
+};
+
+}  // namespace polhode

@@ -1,0 +1,107 @@
+// The one public header: a camera's frames in, the motion and shape of the target out.
+//
+// A component lives in memory that the caller hands over, takes one frame per step and answers with plain data. It has no
+// clock, thread, file or environment of its own: the same frames, parameters and commands give the same packets.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "base/image_view.hpp"
+#include "base/result.hpp"
+#include "motion/motion_state.hpp"
+#include "pipeline/parameters.hpp"
+
+namespace polhode {
+
+inline constexpr const char* kVersion = "0.1.0";
+
+/// Octets that a component needs for its own tables with these parameters.
+struct MemoryNeed {
+  std::size_t total = 0;
+};
+MemoryNeed memory_needed(const Parameters& parameters);
+
+/// One camera frame. A frame that the camera could not deliver whole (truncated file, transfer error) comes with
+/// `readable` false and no image: it is counted and answered, never looked at.
+struct Frame {
+  std::int64_t timestamp_ns = 0;  ///< mid-exposure, strictly increasing
+  ImageView image;                ///< read during the step only
+  bool readable = true;
+};
+
+struct StepInput {
+  Frame frame;
+};
+
+/// A measured image point of this frame, for overlays and for re-estimation on the ground.
+struct Observation {
+  std::int32_t landmark = -1;  ///< number of the landmark, never used twice in a run; -1: not (yet) a landmark
+  float u_px = 0.0F;           ///< distorted pixel
+  float v_px = 0.0F;
+  float sigma_px = 0.0F;
+  float predicted_u_px = 0.0F;  ///< where the landmark reprojects with the frame's pose; meaningful with `landmark`
+  float predicted_v_px = 0.0F;
+  bool inlier = false;
+};
+
+/// Why a frame was not used, or that it was.
+enum class FrameUse : std::uint8_t { kUsed, kUnreadable, kDark, kWrongSize, kTimeNotIncreasing };
+
+/// Stages of a step, for time measurements by the caller's clock.
+enum class Stage : std::uint8_t { kImage, kMask, kFeatures, kTracks, kMap, kShape, kMotion, kBus };
+inline constexpr std::size_t kStageCount = 8;
+
+struct Counters {
+  std::uint32_t frames_in = 0;
+  std::uint32_t frames_used = 0;
+  std::uint32_t frames_unreadable = 0;
+  std::uint32_t frames_dark = 0;
+  std::uint32_t frames_wrong_size = 0;
+  std::uint32_t frames_time_not_increasing = 0;
+  std::uint32_t poses = 0;
+  std::uint32_t lost = 0;            ///< times that tracking was lost
+  std::uint32_t relocalised = 0;     ///< times that it was found again
+  std::uint32_t start_contests = 0;  ///< attempts at starting a map
+  std::uint32_t keyframes_inserted = 0;
+  std::uint32_t keyframes_culled = 0;
+  std::uint32_t landmarks_created = 0;
+  std::uint32_t landmarks_culled = 0;
+  std::uint32_t closures = 0;
+  std::uint32_t tables_full = 0;     ///< times that a table had no free slot
+};
+
+struct StepOutput {
+  FrameUse use = FrameUse::kUsed;
+  MotionState motion;
+  std::span<const std::uint8_t> packets;        ///< whole packets, in order; valid until the next step
+  std::span<const Observation> observations;    ///< valid until the next step
+};
+
+/// Called at the end of each stage; lets the caller time the stages with its own clock. Must not throw.
+using StageHook = void (*)(void* context, Stage stage);
+
+class Component {
+ public:
+  /// Builds a component inside `memory`, which must outlive it and be aligned to 64 octets.
+  /// @errors BadParameter (names field, value, range), MemoryTooSmall.
+  static Result<Component*> create(std::span<std::byte> memory, const Parameters& parameters);
+
+  /// One frame. Bounded work; the output's spans stay valid until the next call.
+  const StepOutput& step(const StepInput& input);
+
+  void set_stage_hook(StageHook hook, void* context);
+  [[nodiscard]] const Counters& counters() const;
+
+  struct State;
+  [[nodiscard]] State& state() { return *state_; }
+  [[nodiscard]] const State& state() const { return *state_; }
+
+ private:
+  explicit Component(State* state) : state_(state) {}
+  State* state_;
+};
+
+}  // namespace polhode
