@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""Runs COLMAP on a sequence, with the same intrinsics, and judges it beside a replay.
+
+COLMAP (pycolmap, in a virtual environment of its own: .venv-colmap, made on first use) sees all frames at once and runs
+on the CPU with default features, fixed OPENCV intrinsics and exhaustive matching up to 150 frames, else sequential. Its
+trajectory is written as motion_smoothed.csv, so hil/evaluate.py reads the output folder like any run. In narrow fields
+of view COLMAP may return the depth-reversed twin with every frame registered: the table names it.
+"""
+
+import argparse
+import os
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from judge.venv import enter_venv, run_main  # noqa: E402
+
+
+def cache_folder(name: str) -> pathlib.Path:
+    """Where results are kept between calls: outside the tree."""
+    base = os.environ.get("POLHODE_CACHE")
+    root = pathlib.Path(base) if base else (
+        pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "polhode")
+    return root / "colmap" / name
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder")
+    parser.add_argument("--run", metavar="RUN", type=pathlib.Path, nargs="+", default=[],
+                        help="output folders of replays of the same sequence, set beside COLMAP")
+    parser.add_argument("--out", metavar="DIR", type=pathlib.Path,
+                        help="output folder (default: colmap/NAME in the cache); a finished one is reused")
+    parser.add_argument("--again", action="store_true", help="run COLMAP even if its result is there")
+    parser.add_argument("--json", metavar="FILE", type=pathlib.Path, help="write the reports as JSON")
+    return parser.parse_args()
+
+
+def fingerprint(sequence) -> str:
+    """Tells one sequence's frames and camera from another's of the same name: a reused result must be of these."""
+    import hashlib
+    digest = hashlib.sha256()
+    for path in (sequence.folder / "mav0/cam0/sensor.yaml", sequence.folder / "mav0/cam0/data.csv"):
+        digest.update(path.read_bytes())
+    for index in range(len(sequence.filenames)):
+        digest.update(sequence.frame_path(index).read_bytes() if sequence.frame_path(index).exists() else b"")
+    return digest.hexdigest()
+
+
+def main() -> int:
+    options = arguments()
+    from evaluate import write_json
+    from judge import colmap, report
+    from judge.run import judge_run, read_run, read_truth
+    from judge.sequence import read_sequence
+    sequence = read_sequence(options.sequence)
+    truth = read_truth(sequence) if sequence.truth_path.exists() else None
+    runs = [read_run(folder) for folder in options.run]
+    out = (options.out or cache_folder(sequence.name)).absolute()
+    out.mkdir(parents=True, exist_ok=True)
+    mark = out / "fingerprint"
+    wanted = fingerprint(sequence)
+    if options.again or not mark.exists() or mark.read_text() != wanted:
+        mark.unlink(missing_ok=True)
+        colmap.write_output(sequence, colmap.run_colmap(sequence, out), out)
+        mark.write_text(wanted)
+    peer = read_run(out)
+    print(f"{peer.summary['program']}: {peer.summary['models']} model(s), {peer.summary.get('points')} points, "
+          f"mean reprojection error {report.text_of(peer.summary.get('mean_reprojection_error_px'), '{:.2f}')} px, "
+          f"in {out}")
+    if truth is None:
+        print(f"{sequence.truth_path}: not there, nothing to judge by")
+        return 0
+    reports = [judge_run(run, sequence, truth) for run in (peer, *runs)]
+    reports[0]["run"] = "COLMAP"
+    print(report.text_report(reports))
+    if options.json:
+        write_json(options.json, reports)
+    return 0
+
+
+if __name__ == "__main__":
+    enter_venv()
+    run_main(main, "compare_colmap")

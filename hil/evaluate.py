@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+"""Judges replay outputs against a sequence's truth, side by side.
+
+Prints one table: coverage, attitude, position, angular velocity and its periods, linear velocity, shape, consistency of
+the published sigmas, cost; and says which runs follow the depth-reversed twin of the truth. motion.csv ("causal", what
+flies) and motion_smoothed.csv ("smoothed", to set beside offline systems) are both judged, after one constant rotation
+for attitude and one scale and offset for positions.
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from judge.venv import REPOSITORY, enter_venv, run_main  # noqa: E402
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="Sigmas are taken as one sigma of the worst axis: 95 % of the error norms should lie within 2.80.\n"
+               "Exit status: 0 judged, 2 unusable input (one line on stderr says which).")
+    parser.add_argument("run", metavar="RUN", type=pathlib.Path, help="output folder of a replay")
+    parser.add_argument("sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder with truth.csv")
+    parser.add_argument("--vs", metavar="RUN2", type=pathlib.Path, nargs="+", default=[],
+                        help="more runs of the same sequence, set beside the first")
+    parser.add_argument("--truth", metavar="FILE", type=pathlib.Path, help="truth instead of SEQ/truth.csv")
+    parser.add_argument("--json", metavar="FILE", type=pathlib.Path, help="write the reports of all runs as JSON")
+    parser.add_argument("--plots", metavar="DIR", type=pathlib.Path, help="write PNGs of each run's errors into DIR")
+    return parser.parse_args()
+
+
+def write_json(path: pathlib.Path, reports: list[dict]) -> None:
+    from judge.errors import BadInput
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps({"runs": reports}, indent=2) + "\n")
+    except OSError as problem:
+        raise BadInput(f"{path}: {problem.strerror}") from None
+
+
+def write_plots(folder: pathlib.Path, runs: list, truth) -> None:
+    sys.path.insert(0, str(REPOSITORY / "tools"))
+    from plots import errors, motion, style
+    style.prepare(folder)
+    for run in runs:
+        for path in (*motion.draw(run, truth, folder, prefix=f"{run.name}_"),
+                     *errors.draw(run, truth, folder, prefix=f"{run.name}_")):
+            print(path)
+
+
+def main() -> int:
+    options = arguments()
+    from judge import report
+    from judge.run import judge_run, read_run, read_truth
+    from judge.sequence import read_sequence
+    sequence = read_sequence(options.sequence)
+    truth = read_truth(sequence, options.truth)
+    runs = [read_run(folder) for folder in (options.run, *options.vs)]
+    reports = [judge_run(run, sequence, truth) for run in runs]
+    print(report.text_report(reports))
+    if options.json:
+        write_json(options.json, reports)
+    if options.plots:
+        write_plots(options.plots, runs, truth)
+    return 0
+
+
+if __name__ == "__main__":
+    enter_venv()
+    run_main(main, "evaluate")

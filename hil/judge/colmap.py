@@ -1,0 +1,106 @@
+"""COLMAP as a peer: prepares its input, starts it in its own process, writes its answer as an output folder."""
+
+import csv
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+
+from judge.errors import BadInput
+from judge.sequence import Camera, Sequence, read_json
+from judge.tables import POSITION, QUATERNION
+from judge.venv import REPOSITORY
+
+COLMAP_VENV = REPOSITORY / ".venv-colmap"
+COLMAP_VERSION = "4.2.1"
+# All pairs cost the square of the frames: 150 frames are 11,175 pairs, some minutes on two cores.
+EXHAUSTIVE_FRAMES_MAX = 150
+
+
+def ensure_venv() -> pathlib.Path:
+    """Python of COLMAP's own virtual environment, made on first use."""
+    python = COLMAP_VENV / "bin" / "python3"
+    if python.exists() and subprocess.run([python, "-c", "import pycolmap"], capture_output=True).returncode == 0:
+        return python
+    print(f"installing pycolmap {COLMAP_VERSION} into {COLMAP_VENV.name} (once)", file=sys.stderr)
+    base = pathlib.Path(sys.base_prefix) / "bin" / "python3"
+    for command in ([base, "-m", "venv", COLMAP_VENV],
+                    [python, "-m", "pip", "install", "--quiet", f"pycolmap=={COLMAP_VERSION}"]):
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode != 0:
+            last = (done.stderr or done.stdout).strip().splitlines()[-1:]
+            raise BadInput(f"{COLMAP_VENV.name}: can't be set up: {' '.join(last)}")
+    return python
+
+
+def colmap_params(camera: Camera) -> list[float]:
+    """fx, fy, cx, cy, k1, k2, p1, p2 of COLMAP's OPENCV model, whose pixel centres lie at + 0.5."""
+    fu, fv, cu, cv = (float(value) for value in camera.intrinsics_px)
+    return [fu, fv, cu + 0.5, cv + 0.5, *(float(value) for value in camera.distortion)]
+
+
+def prepare_images(sequence: Sequence, folder: pathlib.Path) -> list[str]:
+    """8-bit pictures under names that sort by time: links where the file serves as it is, else converted copies."""
+    from PIL import Image
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    names = []
+    for index, filename in enumerate(sequence.filenames):
+        source = sequence.frame_path(index)
+        suffix = pathlib.Path(filename).suffix.lower()
+        try:
+            with Image.open(source) as picture:
+                plain = picture.mode in ("L", "RGB") and suffix in (".png", ".jpg", ".jpeg")
+        except OSError as problem:
+            raise BadInput(f"{source}: {problem}") from None
+        name = f"{index:06d}{suffix if plain else '.png'}"
+        if plain:
+            (folder / name).symlink_to(source.resolve())
+        else:
+            Image.fromarray(sequence.read_gray(index)).save(folder / name)
+        names.append(name)
+    return names
+
+
+def run_colmap(sequence: Sequence, out: pathlib.Path) -> dict:
+    """Runs COLMAP at low priority; its result as the worker wrote it. The log is out/colmap.log."""
+    python = ensure_venv()
+    names = prepare_images(sequence, out / "images")
+    job = {"images": str(out / "images"), "names": names, "work": str(out / "work"),
+           "camera_params": colmap_params(sequence.camera), "result": str(out / "colmap.json"),
+           "matcher": "exhaustive" if len(names) <= EXHAUSTIVE_FRAMES_MAX else "sequential"}
+    (out / "job.json").write_text(json.dumps(job, indent=1))
+    worker = pathlib.Path(__file__).with_name("colmap_worker.py")
+    print(f"running COLMAP on {len(names)} frames ({job['matcher']} matching), log in {out / 'colmap.log'}", file=sys.stderr)
+    with open(out / "colmap.log", "w") as log:
+        done = subprocess.run(["nice", "-n", "10", str(python), str(worker), str(out / "job.json")],
+                              stdout=log, stderr=subprocess.STDOUT)
+    if done.returncode != 0:
+        last = (out / "colmap.log").read_text(errors="replace").strip().splitlines()[-1:]
+        raise BadInput(f"{out / 'colmap.log'}: COLMAP ended with {done.returncode}: {' '.join(last)}")
+    return read_json(out / "colmap.json")
+
+
+def write_output(sequence: Sequence, result: dict, out: pathlib.Path) -> None:
+    """COLMAP's answer in the files that the judge reads: motion_smoothed.csv (it sees all frames), cloud, summary."""
+    header = ["frame", "timestamp_ns", "mode", "pose_valid", "rate_valid", "velocity_valid", "scale_known",
+              *QUATERNION, *POSITION]
+    names = sorted(path.name for path in (out / "images").iterdir())
+    with open(out / "motion_smoothed.csv", "w", newline="") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(header)
+        for index, (name, timestamp_ns) in enumerate(zip(names, sequence.timestamp_ns)):
+            pose = result["poses"].get(name)
+            values = [f"{x:.12g}" for x in (*pose["q"], *pose["p"])] if pose else [""] * 7
+            writer.writerow([index, timestamp_ns, "TRACKING" if pose else "LOST", int(bool(pose)), 0, 0, 0, *values])
+    cloud = out / "work" / "cloud.ply"
+    if cloud.exists():
+        shutil.copyfile(cloud, out / "cloud.ply")
+    frames = max(result["images"], 1)
+    summary = {"program": f"COLMAP {result['version']}, {result['matcher']} matching", "models": result["models"],
+               "points": result.get("points"), "mean_reprojection_error_px": result.get("mean_reprojection_error_px"),
+               "timings": {"cpu_per_frame_s": result["cpu_s"] / frames, "wall_per_frame_s": result["wall_s"] / frames,
+                           "cpu_s": result["cpu_s"], "wall_s": result["wall_s"]},
+               "memory": {"peak_rss_mb": result["peak_rss_mb"]}, "sequence": str(sequence.folder)}
+    (out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")

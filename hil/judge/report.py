@@ -1,0 +1,134 @@
+"""The judge's table: one row per quantity, one column per run and motion file."""
+
+import math
+
+# (title, path into a motion file's report, format)
+MOTION_ROWS = (
+    ("coverage [%]", "coverage.coverage", "percent"),
+    ("coverage from the first pose on [%]", "coverage.coverage_after_first_pose", "percent"),
+    ("frames until the first pose", "coverage.frames_until_first_pose", "{:d}"),
+    ("attitude RMSE [deg]", "attitude.rmse_deg", "{:.3f}"),
+    ("attitude maximum [deg]", "attitude.max_deg", "{:.3f}"),
+    ("position RMSE [% of range]", "position.rmse_percent_of_range", "{:.3f}"),
+    ("target seen from camera RMSE [% of range]", "position.rmse_from_camera_percent_of_range", "{:.3f}"),
+    ("position RMSE, own scale [m]", "position.rmse_m", "{:.4g}"),
+    ("scale error [%]", "position.scale_error_percent", "{:+.2f}"),
+    ("w_x RMSE [deg/s]", "rates.rmse_deg_s.x", "{:.4f}"),
+    ("w_y RMSE [deg/s]", "rates.rmse_deg_s.y", "{:.4f}"),
+    ("w_z RMSE [deg/s]", "rates.rmse_deg_s.z", "{:.4f}"),
+    ("mean angular speed error [%]", "rates.mean_speed_error_percent", "{:.3f}"),
+    ("period error w_x [%]", "rates.period.x.error_percent", "{:.4f}"),
+    ("period error w_y [%]", "rates.period.y.error_percent", "{:.4f}"),
+    ("period error w_z [%]", "rates.period.z.error_percent", "{:.4f}"),
+    ("velocity RMSE [m/s]", "velocity.rmse_m_s", "{:.3g}"),
+    ("velocity RMSE, origin moved [m/s]", "velocity.rmse_offset_corrected_m_s", "{:.3g}"),
+    ("mean velocity error [%]", "velocity.mean_error_percent", "{:.2f}"),
+    ("mean velocity error, origin moved [%]", "velocity.mean_error_offset_corrected_percent", "{:.2f}"),
+    ("attitude within its 95 % bound [%]", "consistency.attitude.within_95_percent_bound", "percent"),
+    ("position within its 95 % bound [%]", "consistency.position.within_95_percent_bound", "percent"),
+    ("velocity within its 95 % bound [%]", "consistency.velocity.within_95_percent_bound", "percent"),
+    ("rate within its 95 % bound [%]", "consistency.rate.within_95_percent_bound", "percent"),
+    ("nearer to the truth or its twin", "twin.verdict", "{}"),
+    ("in-plane rate factor (+1 true, -1 twin)", "twin.in_plane_rate_factor", "{:+.2f}"),
+)
+SHAPE_ROWS = (
+    ("cloud points", "shape.points", "{:d}"),
+    ("cloud to mesh RMSE [% of size]", "shape.distance_rmse_percent", "{:.2f}"),
+    ("cloud to mesh median [% of size]", "shape.distance_median_percent", "{:.2f}"),
+    ("seen surface within 2 % of size [%]", "shape.complete_seen_within_2_percent", "percent"),
+    ("seen surface within 5 % of size [%]", "shape.complete_seen_within_5_percent", "percent"),
+)
+UNKNOWN = "-"
+
+
+def lookup(report: dict, path: str):
+    """Value at 'a.b.c', None where any part is missing."""
+    value = report
+    for key in path.split("."):
+        if not isinstance(value, dict) or value.get(key) is None:
+            return None
+        value = value[key]
+    return value
+
+
+def text_of(value, layout: str) -> str:
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
+        return UNKNOWN
+    return f"{100 * value:.1f}" if layout == "percent" else layout.format(value)
+
+
+def table(header: list[str], rows: list[list[str]]) -> str:
+    """Columns padded to their widest cell, the first to the left, the rest to the right."""
+    widths = [max(len(row[i]) for row in [header, *rows]) for i in range(len(header))]
+    lines = ["  ".join(cell.ljust(w) if i == 0 else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths)))
+             for row in [header, *rows]]
+    lines.insert(1, "  ".join("-" * w for w in widths))
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def _labels(reports: list[dict]) -> list[str]:
+    """Short names of the runs, told apart by number where two folders are called the same."""
+    names = [report["run"].rstrip("/").split("/")[-1] for report in reports]
+    return [name if names.count(name) == 1 else f"{name}#{i + 1}" for i, name in enumerate(names)]
+
+
+def _body(title: str, cells: list[str]) -> list[list[str]]:
+    return [[title, *cells]] if any(cell != UNKNOWN for cell in cells) else []
+
+
+def motion_table(reports: list[dict]) -> str:
+    columns = [(f"{label} {kind}", report["motion"][kind], report)
+               for label, report in zip(_labels(reports), reports) for kind in report["motion"]]
+    rows = []
+    for title, path, layout in MOTION_ROWS:
+        rows += _body(title, [text_of(lookup(motion, path), layout) for _, motion, _ in columns])
+    for title, path, layout in SHAPE_ROWS:
+        rows += _body(title, [text_of(lookup(report, path), layout) for _, _, report in columns])
+    return table(["", *(name for name, _, _ in columns)], rows)
+
+
+def _cost_text(value) -> str:
+    return UNKNOWN if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def cost_table(reports: list[dict]) -> str:
+    keys = list(dict.fromkeys(key for report in reports for key in (report["cost"] or {})))
+    rows = [[key, *(_cost_text((report["cost"] or {}).get(key)) for report in reports)] for key in keys]
+    return table(["cost, as the run's summary has it", *_labels(reports)], rows) if rows else ""
+
+
+def notes(reports: list[dict]) -> list[str]:
+    """Sentences that a reader must not miss."""
+    lines = []
+    digests = {}
+    for label, report in zip(_labels(reports), reports):
+        for kind, motion in report["motion"].items():
+            who = f"{label} {kind}"
+            if lookup(motion, "attitude.rmse_deg") is None:
+                lines.append(f"{who}: fewer than two frames with a pose, nothing to align")
+                continue
+            twin = motion["twin"]
+            if twin["verdict"] == "twin":
+                lines.append(f"{who}: DEPTH-REVERSED TWIN: {twin['rmse_to_twin_deg']:.2f} deg from the mirror image, "
+                             f"{twin['rmse_to_truth_deg']:.2f} deg from the truth")
+            elif twin["verdict"] == "neither":
+                lines.append(f"{who}: follows neither the truth ({twin['rmse_to_truth_deg']:.1f} deg) "
+                             f"nor its depth-reversed twin ({twin['rmse_to_twin_deg']:.1f} deg)")
+            if lookup(motion, "velocity.scale_from_alignment"):
+                lines.append(f"{who}: scale unknown, velocity judged with the scale of the alignment")
+        stated = report["determinism"]
+        if stated:
+            digests.setdefault(stated["bus_sha256"], []).append(label)
+            if stated["summary_agrees"] is False:
+                lines.append(f"{label}: bus.ccsds is NOT the file that summary.json names by its SHA-256")
+    for digest, labels in digests.items():
+        same = " (the same bytes)" if len(labels) > 1 else ""
+        lines.append(f"bus.ccsds {digest[:16]}...: {', '.join(labels)}{same}")
+    return lines
+
+
+def text_report(reports: list[dict]) -> str:
+    """The whole report as printed."""
+    parts = [f"sequence {reports[0]['sequence']}", motion_table(reports), cost_table(reports),
+             "\n".join(notes(reports))]
+    return "\n\n".join(part for part in parts if part)

@@ -1,0 +1,97 @@
+"""Distance of an estimated cloud to the true mesh, and how much of what was seen it covers."""
+
+import pathlib
+
+import numpy as np
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+from judge.errors import BadInput
+from judge.metrics import Aligned
+
+# Spacing of samples is about size * sqrt(area factor / count): 0.2 % of the size for a box, well under what is judged.
+SURFACE_SAMPLES = 200_000
+# A place of the surface counts as covered when a cloud point is this near, in % of the body's size.
+COVERED_PERCENT = (2.0, 5.0)
+# Views that decide what was seen, spread over the run, and the grid of their depth test in cells across the body.
+VIEWS = 40
+DEPTH_CELLS = 220
+
+
+def _load(path: pathlib.Path):
+    import trimesh
+    try:
+        return trimesh.load(path, process=False)
+    except Exception as problem:  # the reader's own errors have no common base class
+        raise BadInput(f"{path}: not a readable PLY file ({problem})") from None
+
+
+def read_cloud(path: pathlib.Path) -> np.ndarray:
+    """Points [N,3] of a PLY file."""
+    points = np.asarray(getattr(_load(path), "vertices", np.empty((0, 3))), dtype=float)
+    return points[np.isfinite(points).all(axis=1)] if len(points) else points.reshape(0, 3)
+
+
+def sample_mesh(path: pathlib.Path) -> tuple[np.ndarray, np.ndarray, float]:
+    """(points [S,3], outward normals [S,3], size) of a mesh; size is its bounding box's diagonal [m]."""
+    import trimesh
+    mesh = _load(path)
+    if isinstance(mesh, trimesh.Scene):
+        mesh = mesh.to_mesh()
+    if getattr(mesh, "faces", None) is None or len(mesh.faces) == 0:
+        raise BadInput(f"{path}: holds no faces, a mesh is needed")
+    points, faces = trimesh.sample.sample_surface(mesh, SURFACE_SAMPLES, seed=1)
+    return np.asarray(points), np.asarray(mesh.face_normals)[faces], float(np.linalg.norm(mesh.extents))
+
+
+def seen_samples(points_T: np.ndarray, normals_T: np.ndarray, R_CT: Rotation, p_CT: np.ndarray) -> np.ndarray:
+    """Mask [S] of the surface samples that face the camera and are not hidden in at least one view.
+
+    A depth buffer of the samples themselves, in cells a little wider than their spacing.
+    """
+    seen = np.zeros(len(points_T), dtype=bool)
+    for index in np.unique(np.linspace(0, len(p_CT) - 1, VIEWS).astype(int)):
+        p_C = R_CT[index].apply(points_T) + p_CT[index]
+        facing = np.einsum("ij,ij->i", R_CT[index].apply(normals_T), p_C) < 0
+        if np.any(p_C[:, 2] <= 0):
+            continue
+        direction = p_C[:, :2] / p_C[:, 2:]
+        low, high = direction.min(axis=0), direction.max(axis=0)
+        cell = np.floor((direction - low) / (high - low).max() * DEPTH_CELLS).astype(int)
+        key = cell[:, 0] * (DEPTH_CELLS + 1) + cell[:, 1]
+        nearest = np.full((DEPTH_CELLS + 1) ** 2, np.inf)
+        np.minimum.at(nearest, key, p_C[:, 2])
+        # Two cells of slack along the ray: a slanted surface has several depths within one cell.
+        slack = 2 * (high - low).max() / DEPTH_CELLS * p_C[:, 2]
+        slope = np.abs(np.einsum("ij,ij->i", R_CT[index].apply(normals_T), p_C)) / np.linalg.norm(p_C, axis=1)
+        seen |= facing & (p_C[:, 2] <= nearest[key] + slack / np.maximum(slope, 0.2))
+    return seen
+
+
+def cloud_in_truth(points_E: np.ndarray, aligned: Aligned, own_scale: bool = False) -> np.ndarray:
+    """Cloud points of the estimate's frame in the truth's body frame [m]."""
+    scale = 1.0 if own_scale else aligned.similarity.scale
+    return scale * aligned.R_ET.inv().apply(points_E - aligned.similarity.offset_E)
+
+
+def judge_shape(cloud_path: pathlib.Path, model_path: pathlib.Path, aligned: Aligned) -> dict | None:
+    """Accuracy and completeness of a cloud, in % of the body's size; None where a file is missing or empty."""
+    if not cloud_path.exists() or not model_path.exists():
+        return None
+    points_E = read_cloud(cloud_path)
+    if len(points_E) == 0:
+        return {"points": 0}
+    surface_T, normals_T, size_m = sample_mesh(model_path)
+    points_T = cloud_in_truth(points_E, aligned)
+    distance = 100 * cKDTree(surface_T).query(points_T)[0] / size_m
+    seen = seen_samples(surface_T, normals_T, aligned.R_CT, aligned.truth.p_CT[aligned.rows_T])
+    to_cloud = 100 * cKDTree(points_T).query(surface_T)[0] / size_m
+    result = {"points": len(points_T), "body_size_m": size_m,
+              "distance_rmse_percent": float(np.sqrt(np.mean(distance**2))),
+              "distance_median_percent": float(np.median(distance)),
+              "distance_p95_percent": float(np.percentile(distance, 95)),
+              "seen_share_of_surface": float(seen.mean())}
+    for bound in COVERED_PERCENT:
+        result[f"complete_within_{bound:g}_percent"] = float(np.mean(to_cloud <= bound))
+        result[f"complete_seen_within_{bound:g}_percent"] = float(np.mean(to_cloud[seen] <= bound)) if seen.any() else None
+    return result

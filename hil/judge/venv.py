@@ -1,0 +1,30 @@
+"""Entry of every Python script: run inside the repository's own virtual environment, end with one line on bad input."""
+
+import os
+import pathlib
+import sys
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+
+
+def enter_venv(name: str = ".venv") -> None:
+    """Re-executes this script by the interpreter of REPOSITORY/name, if that exists and is not the one running."""
+    home = REPOSITORY / name
+    python = home / "bin" / "python3"
+    if python.exists() and pathlib.Path(sys.prefix).resolve() != home.resolve():
+        os.execv(python, [str(python), *sys.argv])
+
+
+def run_main(main, program: str) -> None:
+    """Calls main(); bad input becomes one line on stderr and exit status 2, a closed pipe a quiet end."""
+    try:
+        from judge.errors import BadInput
+        sys.exit(main())
+    except ImportError as problem:
+        sys.exit(f"{program}: {problem}; run tools/setup.sh once, it installs tools/requirements.txt into .venv")
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
+    except BadInput as problem:
+        print(f"{program}: {problem}", file=sys.stderr)
+        sys.exit(2)
