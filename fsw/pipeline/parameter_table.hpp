@@ -1,0 +1,62 @@
+// One row per parameter: its name, where it lives, what it may be. The check before start, the
+// reader of configuration files, the printed table and config/default.toml all come from these
+// rows.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "base/result.hpp"
+#include "pipeline/parameters.hpp"
+
+namespace polhode {
+
+using PointPair = std::array<std::array<double, 2>, 2>;
+
+template <typename T>
+using Member = T& (*)(Parameters&);
+
+using AnyMember = std::variant<Member<bool>,
+                               Member<int>,
+                               Member<std::int64_t>,
+                               Member<std::uint64_t>,
+                               Member<double>,
+                               Member<PointPair>>;
+
+struct ParameterRow {
+  std::string_view key;  ///< dotted, as in a configuration file: "features.count_max"
+  AnyMember member;      ///< where the value is
+  double low = 0.0;      ///< least and greatest allowed value, both allowed
+  double high = 0.0;
+  std::string_view unit;  ///< empty: a count, a ratio or a switch
+  std::string_view help;  ///< one line: what it does
+};
+
+/// All parameters, in the order of the sections.
+std::span<const ParameterRow> parameter_table();
+
+/// @return the row of this dotted key, or nullptr.
+const ParameterRow* find_parameter(std::string_view key);
+
+/// True for keys that have no default: they are absent unless somebody gives them (`camera.*`,
+/// `scale.*`).
+bool has_no_default(std::string_view key);
+
+/// The value as text that reads back to the same value.
+std::string value_text(const ParameterRow& row, const Parameters& parameters);
+
+/// The allowed values as text, "50 .. 1000".
+std::string range_text(const ParameterRow& row);
+
+/// @return the problem with this one value, if it is out of range.
+std::optional<Error> check_row(const ParameterRow& row, const Parameters& parameters);
+
+/// As check(), without the camera: a configuration may leave it to the sequence's sensor.yaml.
+std::optional<Error> check_without_camera(const Parameters& parameters);
+
+}  // namespace polhode

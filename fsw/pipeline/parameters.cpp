@@ -1,0 +1,288 @@
+#include "pipeline/parameters.hpp"
+
+#include <charconv>
+#include <type_traits>
+
+#include "config/limits.hpp"
+#include "pipeline/parameter_table.hpp"
+
+namespace polhode {
+namespace {
+
+template <typename T>
+consteval AnyMember member(T& (*where)(Parameters&)) {
+  return where;
+}
+
+// The type of the row follows from the field: a field that changes its type changes its row.
+#define POLHODE_FIELD(path)                                                           \
+  member(static_cast<Member<std::remove_reference_t<decltype((Parameters{}.path))>>>( \
+      [](Parameters& p) -> std::remove_reference_t<decltype((Parameters{}.path))>& {  \
+        return p.path;                                                                \
+      }))
+
+constexpr double kInt64Max = 9.2e18;
+
+// clang-format off
+constexpr ParameterRow kRows[] = {
+  {"seed", POLHODE_FIELD(seed), 0, kInt64Max, "", "of every random draw"},
+
+  {"image.dark_level", POLHODE_FIELD(image.dark_level), 0.0, 0.5, "full scale",
+   "a frame whose brightest 0.1 % lie under this is dark and not used"},
+  {"image.saturated_level", POLHODE_FIELD(image.saturated_level), 0.5, 1.0, "full scale",
+   "pixels at or over this are saturated"},
+
+  {"mask.enabled", POLHODE_FIELD(mask.enabled), 0, 1, "", "tell the target from empty space"},
+  {"mask.dark_level", POLHODE_FIELD(mask.dark_level), 0.0, 0.5, "full scale",
+   "pixels at or under this are empty space"},
+
+  {"features.count_max", POLHODE_FIELD(features.count_max), 50, limits::kFeatures, "",
+   "features kept per frame"},
+  {"features.contrast_min", POLHODE_FIELD(features.contrast_min), 0.001, 0.2, "full scale",
+   "least contrast of a feature"},
+  {"features.working_pixels_max", POLHODE_FIELD(features.working_pixels_max), 10000, 4000000, "px",
+   "the region of interest is reduced to this many pixels before detection"},
+  {"features.sigma_px", POLHODE_FIELD(features.sigma_px), 0.05, 5.0, "px",
+   "1-sigma of a feature's position at the finest scale"},
+
+  {"tracks.descriptor_ratio_max", POLHODE_FIELD(tracks.descriptor_ratio_max), 0.3, 1.0, "",
+   "best over second-best descriptor distance of a match"},
+  {"tracks.forward_backward_max_px", POLHODE_FIELD(tracks.forward_backward_max_px), 0.05, 5.0, "px",
+   "optical flow must come back this near to its start"},
+  {"tracks.small_motion_max_px", POLHODE_FIELD(tracks.small_motion_max_px), 1.0, 100.0, "px",
+   "up to this predicted image motion optical flow follows, beyond it descriptors"},
+
+  {"start.frames_min", POLHODE_FIELD(start.frames_min), 3, limits::kStartFrames, "",
+   "frames collected before the first contest for a map"},
+  {"start.chi2_gap_commit", POLHODE_FIELD(start.chi2_gap_commit), 9.0, 1000.0, "",
+   "the depth-reversed twin must be worse by this"},
+  {"start.chi2_gap_convexity", POLHODE_FIELD(start.chi2_gap_convexity), 4.0, 1000.0, "",
+   "enough where convexity agrees; at most start.chi2_gap_commit"},
+
+  {"localise.inliers_min", POLHODE_FIELD(localise.inliers_min), 6, 200, "",
+   "fewer leave the frame without a pose"},
+  {"localise.ransac_iterations_max", POLHODE_FIELD(localise.ransac_iterations_max), 10, 5000, "",
+   "hypotheses of an absolute pose at most"},
+  {"localise.search_floor_px", POLHODE_FIELD(localise.search_floor_px), 1.0, 50.0, "px",
+   "the guided search never looks nearer than this"},
+
+  {"map.keyframes_max", POLHODE_FIELD(map.keyframes_max), 8, limits::kKeyframes, "",
+   "keyframes held at most"},
+  {"map.keyframe_rotation_min_rad", POLHODE_FIELD(map.keyframe_rotation_min_rad), 0.02, 0.5, "rad",
+   "body rotation that makes a new keyframe"},
+  {"map.keyframe_tracked_min", POLHODE_FIELD(map.keyframe_tracked_min), 0.1, 0.95, "",
+   "a keyframe comes sooner when less than this part is still tracked"},
+  {"map.window_keyframes", POLHODE_FIELD(map.window_keyframes), 3, 30, "",
+   "keyframes that the windowed adjustment moves"},
+  {"map.adjustment_iterations_max", POLHODE_FIELD(map.adjustment_iterations_max), 1, 100, "",
+   "iterations of one adjustment at most"},
+  {"map.landmark_parallax_min_rad", POLHODE_FIELD(map.landmark_parallax_min_rad), 0.005, 0.5, "rad",
+   "least angle between the rays of a new landmark"},
+
+  {"shape.outlier_radius_spacings", POLHODE_FIELD(shape.outlier_radius_spacings), 1.0, 50.0,
+   "point spacings", "radius of the outlier test"},
+  {"shape.outlier_neighbours_min", POLHODE_FIELD(shape.outlier_neighbours_min), 1, 100, "",
+   "points with fewer neighbours in that radius are noise"},
+  {"shape.voxel_spacings", POLHODE_FIELD(shape.voxel_spacings), 0.2, 20.0, "point spacings",
+   "edge of a voxel of the homogenised cloud"},
+  {"shape.plane_inlier_min", POLHODE_FIELD(shape.plane_inlier_min), 0.01, 1.0, "",
+   "a plane holds at least this fraction of the points"},
+  {"shape.plane_iterations_max", POLHODE_FIELD(shape.plane_iterations_max), 10, 10000, "",
+   "hypotheses of a plane at most"},
+
+  {"motion.window_poses_max", POLHODE_FIELD(motion.window_poses_max), 4, limits::kMotionPoses, "",
+   "poses that a rate is fitted to at most"},
+  {"motion.window_angle_max_rad", POLHODE_FIELD(motion.window_angle_max_rad), 0.1, 3.0, "rad",
+   "body rotation over that window at most"},
+
+  {"bus.apid_motion", POLHODE_FIELD(bus.apid_motion), 1, 2046, "",
+   "application process id of the motion packet"},
+
+  {"scale.known_length_m", POLHODE_FIELD(scale.known_length_m), 0.001, 1000.0, "m",
+   "distance between two points of the target; goes with points_px and frame_timestamp_ns"},
+  {"scale.points_px", POLHODE_FIELD(scale.points_px), -0.5, 16384.0, "px",
+   "its two ends [[u, v], [u, v]] as seen in that frame"},
+  {"scale.range_m", POLHODE_FIELD(scale.range_m), 0.01, 100000.0, "m",
+   "a range finder's reading to the nearest surface on the boresight; goes with frame_timestamp_ns"},
+  {"scale.frame_timestamp_ns", POLHODE_FIELD(scale.frame_timestamp_ns), 0, kInt64Max, "ns",
+   "the frame that the length or the range belongs to"},
+
+  {"camera.width_px", POLHODE_FIELD(camera.width_px), 32, 8192, "px", "image width"},
+  {"camera.height_px", POLHODE_FIELD(camera.height_px), 32, 8192, "px", "image height"},
+  {"camera.fu_px", POLHODE_FIELD(camera.fu_px), 10.0, 1000000.0, "px", "focal length along u"},
+  {"camera.fv_px", POLHODE_FIELD(camera.fv_px), 10.0, 1000000.0, "px", "focal length along v"},
+  {"camera.cu_px", POLHODE_FIELD(camera.cu_px), -8192.0, 16384.0, "px",
+   "principal point; the top-left pixel's centre is (0, 0)"},
+  {"camera.cv_px", POLHODE_FIELD(camera.cv_px), -8192.0, 16384.0, "px", "principal point"},
+  {"camera.k1", POLHODE_FIELD(camera.k1), -10.0, 10.0, "", "radial distortion, r^2"},
+  {"camera.k2", POLHODE_FIELD(camera.k2), -100.0, 100.0, "", "radial distortion, r^4"},
+  {"camera.p1", POLHODE_FIELD(camera.p1), -1.0, 1.0, "", "tangential distortion"},
+  {"camera.p2", POLHODE_FIELD(camera.p2), -1.0, 1.0, "", "tangential distortion"},
+};
+// clang-format on
+#undef POLHODE_FIELD
+
+template <typename T>
+std::string number_text(T value) {
+  char text[32];
+  std::to_chars_result end = std::to_chars(text, text + sizeof text, value);
+  if constexpr (std::is_floating_point_v<T>) {
+    // Shortest form that reads back, but 100000 rather than 1e+05 where people read it.
+    if (value >= 1.0 && value < 1e9) {
+      end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed);
+    }
+  }
+  std::string out(text, end.ptr);
+  // A floating value keeps a point or an exponent, so that it reads back as one.
+  if (std::is_floating_point_v<T> && out.find_first_of(".en") == std::string::npos) {
+    out += ".0";
+  }
+  return out;
+}
+
+std::string text_of(bool value) { return value ? "true" : "false"; }
+std::string text_of(int value) { return number_text(value); }
+std::string text_of(std::int64_t value) { return number_text(value); }
+std::string text_of(std::uint64_t value) { return number_text(value); }
+std::string text_of(double value) { return number_text(value); }
+std::string text_of(const PointPair& pair) {
+  return "[[" + text_of(pair[0][0]) + ", " + text_of(pair[0][1]) + "], [" + text_of(pair[1][0]) +
+         ", " + text_of(pair[1][1]) + "]]";
+}
+
+template <typename T>
+bool in_range(const ParameterRow& row, T value) {
+  const auto number = static_cast<double>(value);
+  return number >= row.low && number <= row.high;  // false for NaN
+}
+bool in_range(const ParameterRow& row, const PointPair& pair) {
+  return in_range(row, pair[0][0]) && in_range(row, pair[0][1]) && in_range(row, pair[1][0]) &&
+         in_range(row, pair[1][1]);
+}
+
+/// The members are reached through a mutable reference only; nothing is written here.
+Parameters& readable(const Parameters& parameters) { return const_cast<Parameters&>(parameters); }
+
+Error bad(std::string message) { return Error{ErrorCode::kBadParameter, std::move(message)}; }
+
+bool starts_with(std::string_view key, std::string_view section) {
+  return key.substr(0, section.size()) == section;
+}
+
+std::optional<Error> check_points(const Parameters& parameters) {
+  const ScaleOptions& scale = parameters.scale;
+  if (scale.points_px[0] == scale.points_px[1]) {
+    return bad("scale.points_px = " + text_of(scale.points_px) +
+               ": the two ends coincide, allowed are two different points");
+  }
+  const CameraParameters& camera = parameters.camera;
+  for (const std::array<double, 2>& point : scale.points_px) {
+    const bool inside = point[0] <= camera.width_px - 0.5 && point[1] <= camera.height_px - 0.5;
+    if (camera.width_px > 0 && !inside) {
+      return bad("scale.points_px = " + text_of(scale.points_px) + ": outside the image, allowed " +
+                 "u -0.5 .. " + text_of(camera.width_px - 0.5) + ", v -0.5 .. " +
+                 text_of(camera.height_px - 0.5));
+    }
+  }
+  return std::nullopt;
+}
+
+/// Only what the chosen source needs is looked at.
+std::optional<Error> check_scale(const Parameters& parameters) {
+  const ScaleSource source = parameters.scale.source;
+  if (source == ScaleSource::kNone) {
+    return std::nullopt;
+  }
+  const bool length = source == ScaleSource::kKnownLength;
+  const std::string_view value_key = length ? "scale.known_length_m" : "scale.range_m";
+  if (auto problem = check_row(*find_parameter(value_key), parameters)) {
+    return problem;
+  }
+  if (auto problem = check_row(*find_parameter("scale.frame_timestamp_ns"), parameters)) {
+    return problem;
+  }
+  if (!length) {
+    return std::nullopt;
+  }
+  if (auto problem = check_row(*find_parameter("scale.points_px"), parameters)) {
+    return problem;
+  }
+  return check_points(parameters);
+}
+
+std::optional<Error> check_section(const Parameters& parameters, bool camera) {
+  for (const ParameterRow& row : kRows) {
+    if (starts_with(row.key, "scale.") || starts_with(row.key, "camera.") != camera) {
+      continue;
+    }
+    if (auto problem = check_row(row, parameters)) {
+      return problem;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::span<const ParameterRow> parameter_table() { return kRows; }
+
+const ParameterRow* find_parameter(std::string_view key) {
+  for (const ParameterRow& row : kRows) {
+    if (row.key == key) {
+      return &row;
+    }
+  }
+  return nullptr;
+}
+
+bool has_no_default(std::string_view key) {
+  return starts_with(key, "camera.") || starts_with(key, "scale.");
+}
+
+std::string value_text(const ParameterRow& row, const Parameters& parameters) {
+  return std::visit([&](auto where) { return text_of(where(readable(parameters))); }, row.member);
+}
+
+std::string range_text(const ParameterRow& row) {
+  if (std::holds_alternative<Member<bool>>(row.member)) {
+    return "true, false";
+  }
+  if (std::holds_alternative<Member<double>>(row.member) ||
+      std::holds_alternative<Member<PointPair>>(row.member)) {
+    return text_of(row.low) + " .. " + text_of(row.high);
+  }
+  return text_of(static_cast<std::int64_t>(row.low)) + " .. " +
+         text_of(static_cast<std::int64_t>(row.high));
+}
+
+std::optional<Error> check_row(const ParameterRow& row, const Parameters& parameters) {
+  const bool good = std::visit(
+      [&](auto where) { return in_range(row, where(readable(parameters))); }, row.member);
+  if (good) {
+    return std::nullopt;
+  }
+  return bad(std::string(row.key) + " = " + value_text(row, parameters) +
+             ": out of range, allowed " + range_text(row));
+}
+
+std::optional<Error> check_without_camera(const Parameters& parameters) {
+  if (auto problem = check_section(parameters, false)) {
+    return problem;
+  }
+  const StartOptions& start = parameters.start;
+  if (start.chi2_gap_convexity > start.chi2_gap_commit) {
+    return bad("start.chi2_gap_convexity = " + text_of(start.chi2_gap_convexity) +
+               ": out of range, allowed 4.0 .. " + text_of(start.chi2_gap_commit) +
+               " (start.chi2_gap_commit)");
+  }
+  return check_scale(parameters);
+}
+
+std::optional<Error> check(const Parameters& parameters) {
+  if (auto problem = check_section(parameters, true)) {
+    return problem;
+  }
+  return check_without_camera(parameters);
+}
+
+}  // namespace polhode

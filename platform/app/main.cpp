@@ -1,0 +1,103 @@
+// The program: reads the command line, runs one command, turns problems into one line and an exit
+// status.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+
+#include "app/check.hpp"
+#include "app/replay.hpp"
+#include "errors.hpp"
+#include "pipeline/component.hpp"
+
+namespace {
+
+using polhode::platform::CheckArguments;
+using polhode::platform::ReplayArguments;
+
+constexpr int kRunFailed = 1;
+constexpr int kUnusable = 2;
+
+constexpr const char* kSetHelp =
+    "one value on top of the file, dotted key and TOML value, as in scale.known_length_m=0.6";
+
+CLI::Option* add_settings(CLI::App& command, std::vector<std::string>& settings) {
+  // One value an option: the words that follow are not swallowed.
+  return command.add_option("--set", settings, kSetHelp)
+      ->type_name("key=value")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false);
+}
+
+void add_replay(CLI::App& app, ReplayArguments& arguments) {
+  CLI::App* command =
+      app.add_subcommand("replay", "estimate motion and shape from a sequence on disk");
+  command->add_option("--config", arguments.config, "configuration")
+      ->type_name("CONFIG.toml")
+      ->required();
+  command
+      ->add_option(
+          "--sequence", arguments.sequence, "folder of an image sequence in the ASL layout")
+      ->type_name("SEQ")
+      ->required();
+  command->add_option("--out", arguments.out, "folder for the results; created if absent")
+      ->type_name("DIR")
+      ->required();
+  command->add_flag(
+      "--realtime", arguments.realtime, "hand frames over at the pace of their time stamps");
+  add_settings(*command, arguments.settings);
+  command->callback([&arguments] { polhode::platform::replay(arguments); });
+}
+
+void add_check(CLI::App& app, CheckArguments& arguments) {
+  CLI::App* command =
+      app.add_subcommand("check", "validate everything, print the effective table, start nothing");
+  auto* config =
+      command->add_option("--config", arguments.config, "configuration")->type_name("CONFIG.toml");
+  command->add_option("--sequence", arguments.sequence, "an image sequence to validate with it")
+      ->type_name("SEQ");
+  auto* settings = add_settings(*command, arguments.settings);
+  auto* defaults = command->add_flag(
+      "--defaults", arguments.defaults, "print a documented configuration of all defaults instead");
+  defaults->excludes(config)->excludes(settings);
+  command->callback([&arguments] {
+    if (arguments.config.empty() && !arguments.defaults) {
+      throw CLI::RequiredError("--config");
+    }
+    polhode::platform::check_configuration(arguments);
+  });
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Motion and shape of a tumbling object from one camera"};
+  app.set_version_flag("--version", std::string("polhode ") + polhode::kVersion);
+  app.require_subcommand(1);
+  ReplayArguments replay;
+  CheckArguments check;
+  add_replay(app, replay);
+  add_check(app, check);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& request) {  // --help and --version
+    return app.exit(request);
+  } catch (const CLI::ParseError& problem) {
+    fmt::print(stderr, "polhode: {} (polhode --help shows the usage)\n", problem.what());
+    return kUnusable;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const polhode::platform::UnusableInput& problem) {
+    fmt::print(stderr, "polhode: {}\n", problem.what());
+    return kUnusable;
+  } catch (const std::exception& problem) {
+    fmt::print(stderr, "polhode: {}\n", problem.what());
+    return kRunFailed;
+  }
+}

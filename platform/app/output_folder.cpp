@@ -1,0 +1,68 @@
+#include "app/output_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <system_error>
+
+#include "errors.hpp"
+#include "output_file.hpp"
+
+namespace polhode::platform {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kMarker = ".polhode-replay";
+
+constexpr const char* kOwnFiles[] = {
+    "motion.csv",
+    "motion_smoothed.csv",
+    "trajectory.tum",
+    "cloud_raw.ply",
+    "cloud.ply",
+    "shape.json",
+    "motion_model.json",
+    "bus.ccsds",
+    "observations.csv",
+    "summary.json",
+    ".observations.spool",
+};
+
+[[noreturn]] void fail(const fs::path& folder, const std::string& what) {
+  throw UnusableInput(fmt::format("--out {}: {}", folder.string(), what));
+}
+
+}  // namespace
+
+void prepare_output_folder(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
+    fail(folder, "exists and is not a folder");
+  }
+  fs::create_directories(folder, error);
+  if (error) {
+    fail(folder, "cannot be created: " + error.message());
+  }
+  const bool empty = fs::is_empty(folder, error);
+  if (error) {
+    fail(folder, "cannot be read: " + error.message());
+  }
+  if (!empty && !fs::exists(folder / kMarker, error)) {
+    fail(folder,
+         "holds files that no replay wrote; allowed is a new, an empty or an earlier run's folder");
+  }
+  try {
+    write_file(folder / kMarker, "A polhode replay writes here and may overwrite its own files.\n");
+  } catch (const RunFailure& problem) {
+    throw UnusableInput(fmt::format("--out {}", problem.what()));
+  }
+  for (const char* name : kOwnFiles) {
+    fs::remove(folder / name, error);
+    if (error) {
+      fail(folder,
+           fmt::format("{} of an earlier run cannot be removed: {}", name, error.message()));
+    }
+  }
+}
+
+}  // namespace polhode::platform

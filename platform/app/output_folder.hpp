@@ -1,0 +1,14 @@
+// The folder that a replay writes into. Nothing in it is overwritten that a replay did not write.
+#pragma once
+
+#include <filesystem>
+
+namespace polhode::platform {
+
+/// Creates the folder if it is absent, and marks it as a replay's. In a folder of an earlier replay
+/// the files that a replay writes are removed; others stay.
+/// @throws UnusableInput: it cannot be created or written, or it holds files and no replay wrote
+/// it.
+void prepare_output_folder(const std::filesystem::path& folder);
+
+}  // namespace polhode::platform

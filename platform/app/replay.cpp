@@ -1,0 +1,192 @@
+#include "app/replay.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+
+#include "app/finish.hpp"
+#include "app/machine.hpp"
+#include "app/motion_csv.hpp"
+#include "app/observations.hpp"
+#include "app/output_folder.hpp"
+#include "app/progress.hpp"
+#include "app/run_record.hpp"
+#include "app/summary.hpp"
+#include "app/timings.hpp"
+#include "camera/replay/file_camera.hpp"
+#include "camera/replay/sequence.hpp"
+#include "errors.hpp"
+#include "parameters/load.hpp"
+#include "parameters/sha256.hpp"
+#include "pipeline/component.hpp"
+#include "transport/file/packet_file.hpp"
+
+namespace polhode::platform {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// The block that the component lives in.
+class ComponentMemory {
+ public:
+  explicit ComponentMemory(std::size_t octets)
+      : octets_((octets + kAlignment - 1) / kAlignment * kAlignment),
+        block_(static_cast<std::byte*>(std::aligned_alloc(kAlignment, octets_))) {
+    if (!block_) {
+      throw RunFailure(
+          fmt::format("{} octets of memory for the component are not to be had", octets_));
+    }
+  }
+  [[nodiscard]] std::span<std::byte> span() const { return {block_.get(), octets_}; }
+
+ private:
+  static constexpr std::size_t kAlignment = 64;
+  struct Free {
+    void operator()(std::byte* block) const { std::free(block); }
+  };
+  std::size_t octets_;
+  std::unique_ptr<std::byte, Free> block_;
+};
+
+/// The files that grow frame by frame.
+struct FrameFiles {
+  FrameFiles(const fs::path& folder, std::size_t frames)
+      : motion(folder / "motion.csv"),
+        bus(folder / "bus.ccsds"),
+        table(folder / "observations.csv"),
+        spool(folder / ".observations.spool", frames) {
+    motion.write(motion_csv_header());
+  }
+  OutputFile motion;
+  PacketFile bus;
+  ObservationTable table;
+  ObservationSpool spool;
+};
+
+/// Holds frames back until their time stamps are due.
+class Pace {
+ public:
+  Pace(bool realtime, std::int64_t first_ns) : realtime_(realtime), first_ns_(first_ns) {}
+  void wait_for(std::int64_t timestamp_ns) const {
+    if (realtime_) {
+      std::this_thread::sleep_until(start_ + std::chrono::nanoseconds(timestamp_ns - first_ns_));
+    }
+  }
+
+ private:
+  bool realtime_;
+  std::int64_t first_ns_;
+  Clock::time_point start_ = Clock::now();
+};
+
+struct Run {
+  const Sequence& sequence;
+  Component& component;
+  FrameFiles& files;
+  Timings& timings;
+  RunRecord& record;
+};
+
+void write_frame(
+    Run& run, std::size_t index, const Frame& frame, const StepOutput& out, std::int64_t step_us) {
+  const MotionRow row{.frame = index,
+                      .timestamp_ns = frame.timestamp_ns,
+                      .used = out.use == FrameUse::kUsed,
+                      .step_us = step_us};
+  run.files.motion.write(motion_csv_row(row, out.motion));
+  run.files.bus.append(out.packets);
+  run.files.table.append(index, frame.timestamp_ns, out.observations);
+  run.files.spool.append(out.observations);
+}
+
+void run_frames(Run& run, bool realtime) {
+  FileCamera camera(run.sequence);
+  Progress progress(run.sequence.frames.size());
+  const Pace pace(realtime, run.sequence.frames.front().timestamp_ns);
+  Frame frame;
+  for (;;) {
+    const Clock::time_point before = Clock::now();
+    if (!camera.next(frame)) {
+      return;
+    }
+    run.timings.add_read(Clock::now() - before);
+    pace.wait_for(frame.timestamp_ns);
+    run.timings.start_step();
+    const StepOutput& out = run.component.step({.frame = frame});
+    const std::int64_t step_us = run.timings.end_step();
+    if (!frame.readable && run.record.bad_frames.size() < kBadFramesListed) {
+      progress.note(fmt::format("frame {} is not used: {}", camera.index(), camera.refusal()));
+    }
+    write_frame(run, camera.index(), frame, out, step_us);
+    add_frame(run.record, camera.index(), out, camera.refusal(), frame.timestamp_ns);
+    progress.update(camera.index() + 1, out.motion);
+  }
+}
+
+/// The configuration with the sequence's camera, checked as a whole.
+Parameters parameters_for(const ReplayArguments& arguments, const Sequence& sequence) {
+  Parameters parameters = load_configuration(arguments.config, arguments.settings).parameters;
+  parameters.camera = sequence.camera;
+  if (const auto problem = check(parameters)) {
+    throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), problem->message));
+  }
+  return parameters;
+}
+
+}  // namespace
+
+void replay(const ReplayArguments& arguments) {
+  const Sequence sequence = open_sequence(arguments.sequence);
+  const Parameters parameters = parameters_for(arguments, sequence);
+  const ComponentMemory memory(memory_needed(parameters).total);
+  Result<Component*> made = Component::create(memory.span(), parameters);
+  if (!made) {
+    throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));
+  }
+  prepare_output_folder(arguments.out);
+
+  const std::size_t frames = sequence.frames.size();
+  Timings timings(frames);
+  made.value()->set_stage_hook(Timings::hook, &timings);
+  FrameFiles files(arguments.out, frames);
+  RunRecord record;
+  Run run{sequence, *made.value(), files, timings, record};
+
+  const MachineUse at_start = machine_use();
+  const Clock::time_point start = Clock::now();
+  run_frames(run, arguments.realtime);
+  const double wall_s = seconds_since(start);
+  const MachineUse after_frames = machine_use();
+  files.motion.close();
+  files.table.close();
+  const std::string bus_sha256 = files.bus.finish();
+
+  const Clock::time_point finish_start = Clock::now();
+  finish_replay(*made.value(), sequence, files.spool, arguments.out);
+  const Counters& counters = made.value()->counters();
+  write_summary(arguments.out / "summary.json",
+                {.record = record,
+                 .timings = timings,
+                 .counters = counters,
+                 .parameters = parameters,
+                 .sequence = arguments.sequence.string(),
+                 .config_hash = sha256_of(canonical_text(parameters)),
+                 .bus_sha256 = bus_sha256,
+                 .bus_octets = files.bus.octets(),
+                 .component_octets = memory.span().size(),
+                 .at_start = at_start,
+                 .after_frames = after_frames,
+                 .at_end = machine_use(),
+                 .wall_s = wall_s,
+                 .finish_s = seconds_since(finish_start)});
+  fmt::print("{}\nwritten to {}\n", result_sentence(record, counters), arguments.out.string());
+}
+
+}  // namespace polhode::platform

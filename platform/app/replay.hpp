@@ -1,0 +1,22 @@
+// polhode replay: a sequence from disk through the component, everything that it publishes into a
+// folder.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace polhode::platform {
+
+struct ReplayArguments {
+  std::filesystem::path config;
+  std::filesystem::path sequence;
+  std::filesystem::path out;
+  bool realtime = false;
+  std::vector<std::string> settings;
+};
+
+/// @throws UnusableInput before anything started; RunFailure afterwards.
+void replay(const ReplayArguments& arguments);
+
+}  // namespace polhode::platform

@@ -1,0 +1,45 @@
+#include "app/run_record.hpp"
+
+namespace polhode::platform {
+
+const char* use_name(FrameUse use) {
+  switch (use) {
+    case FrameUse::kUsed:
+      return "used";
+    case FrameUse::kUnreadable:
+      return "unreadable";
+    case FrameUse::kDark:
+      return "dark";
+    case FrameUse::kWrongSize:
+      return "wrong size";
+    case FrameUse::kTimeNotIncreasing:
+      return "time not increasing";
+  }
+  return "";
+}
+
+void add_frame(RunRecord& record,
+               std::size_t frame,
+               const StepOutput& out,
+               const std::string& refusal,
+               std::int64_t timestamp_ns) {
+  const Mode mode = out.motion.mode;
+  if (record.frames_in == 0 || mode != record.last.mode) {
+    ++record.mode_changes_total;
+    if (record.mode_changes.size() < kModeChangesListed) {
+      record.mode_changes.push_back({.frame = frame, .timestamp_ns = timestamp_ns, .mode = mode});
+    }
+  }
+  if (out.use != FrameUse::kUsed && record.bad_frames.size() < kBadFramesListed) {
+    record.bad_frames.push_back(
+        {.frame = frame, .timestamp_ns = timestamp_ns, .use = out.use, .reason = refusal});
+  }
+  if (out.motion.pose_valid) {
+    ++record.frames_with_pose;
+    record.first_pose_frame = record.first_pose_frame.value_or(frame);
+  }
+  ++record.frames_in;
+  record.last = out.motion;
+}
+
+}  // namespace polhode::platform

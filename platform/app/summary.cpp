@@ -1,0 +1,153 @@
+#include "app/summary.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "app/motion_csv.hpp"
+#include "output_file.hpp"
+
+namespace polhode::platform {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json durations(const Durations& d) {
+  return {{"count", d.samples_us.size()},
+          {"p50_us", d.percentile_us(0.50)},
+          {"p95_us", d.percentile_us(0.95)},
+          {"p99_us", d.percentile_us(0.99)},
+          {"max_us", d.percentile_us(1.0)}};
+}
+
+Json timings(const SummaryInput& input) {
+  Json out{{"read", durations(input.timings.read)}, {"step", durations(input.timings.step)}};
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    out[stage_name(static_cast<Stage>(i))] = durations(input.timings.stages[i]);
+  }
+  return out;
+}
+
+Json counters(const Counters& c) {
+  return {{"frames_in", c.frames_in},
+          {"frames_used", c.frames_used},
+          {"frames_unreadable", c.frames_unreadable},
+          {"frames_dark", c.frames_dark},
+          {"frames_wrong_size", c.frames_wrong_size},
+          {"frames_time_not_increasing", c.frames_time_not_increasing},
+          {"poses", c.poses},
+          {"lost", c.lost},
+          {"relocalised", c.relocalised},
+          {"start_contests", c.start_contests},
+          {"keyframes_inserted", c.keyframes_inserted},
+          {"keyframes_culled", c.keyframes_culled},
+          {"landmarks_created", c.landmarks_created},
+          {"landmarks_culled", c.landmarks_culled},
+          {"closures", c.closures},
+          {"tables_full", c.tables_full}};
+}
+
+Json mode_history(const RunRecord& record) {
+  Json out = Json::array();
+  for (const ModeChange& change : record.mode_changes) {
+    out.push_back({{"frame", change.frame},
+                   {"timestamp_ns", change.timestamp_ns},
+                   {"mode", mode_name(change.mode)}});
+  }
+  return out;
+}
+
+Json bad_frames(const RunRecord& record) {
+  Json out = Json::array();
+  for (const BadFrame& bad : record.bad_frames) {
+    Json entry{
+        {"frame", bad.frame}, {"timestamp_ns", bad.timestamp_ns}, {"use", use_name(bad.use)}};
+    if (!bad.reason.empty()) {
+      entry["reason"] = bad.reason;
+    }
+    out.push_back(std::move(entry));
+  }
+  return out;
+}
+
+Json memory(const SummaryInput& input) {
+  return {{"budget_octets", input.component_octets},
+          {"peak_resident_octets", input.at_end.peak_resident_octets},
+          {"components",
+           {{"component_tables_octets", input.component_octets},
+            {"peak_resident_before_first_frame_octets", input.at_start.peak_resident_octets},
+            {"peak_resident_after_last_frame_octets", input.after_frames.peak_resident_octets}}}};
+}
+
+Json cost(const SummaryInput& input) {
+  const auto frames = static_cast<double>(input.record.frames_in);
+  const double cpu_s = input.after_frames.cpu_s - input.at_start.cpu_s;
+  return {{"wall_s", input.wall_s},
+          {"cpu_s", cpu_s},
+          {"cpu_per_frame_s", cpu_s / frames},
+          {"frames_per_s", frames / input.wall_s},
+          {"finish_wall_s", input.finish_s},
+          {"finish_cpu_s", input.at_end.cpu_s - input.after_frames.cpu_s}};
+}
+
+double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
+
+}  // namespace
+
+std::string result_sentence(const RunRecord& record, const Counters& counters) {
+  if (!record.first_pose_frame) {
+    return fmt::format(
+        "The target was never acquired: {} frames, {} of them usable, none with a pose; {} at the "
+        "end.",
+        record.frames_in,
+        counters.frames_used,
+        mode_name(record.last.mode));
+  }
+  std::string text = fmt::format(
+      "The target was acquired: poses on {} of {} frames, the first on frame {}; {} at the end",
+      record.frames_with_pose,
+      record.frames_in,
+      *record.first_pose_frame,
+      mode_name(record.last.mode));
+  if (record.last.rate_valid) {
+    text += fmt::format(", turning at {:.3f} deg/s",
+                        norm(record.last.w_T_rad_s) * 180.0 / std::numbers::pi);
+  }
+  if (record.last.velocity_valid) {
+    text += fmt::format(", moving at {:.4g} {}/s",
+                        norm(record.last.v_C),
+                        record.last.scale_known ? "m" : "map units");
+  }
+  return text + ".";
+}
+
+void write_summary(const std::filesystem::path& file, const SummaryInput& input) {
+  const RunRecord& record = input.record;
+  Json frames{{"in", record.frames_in},
+              {"processed", input.counters.frames_used},
+              {"with_pose", record.frames_with_pose}};
+  frames["first_with_pose"] = record.first_pose_frame ? Json(*record.first_pose_frame) : Json();
+  const Json summary{{"program", "polhode"},
+                     {"version", kVersion},
+                     {"result", result_sentence(record, input.counters)},
+                     {"acquired", record.first_pose_frame.has_value()},
+                     {"mode_at_end", mode_name(record.last.mode)},
+                     {"sequence", input.sequence},
+                     {"config_hash", input.config_hash},
+                     {"frames", frames},
+                     {"mode_changes", record.mode_changes_total},
+                     {"mode_history", mode_history(record)},
+                     {"bad_frames", bad_frames(record)},
+                     {"counters", counters(input.counters)},
+                     {"timings", timings(input)},
+                     {"memory", memory(input)},
+                     {"cost", cost(input)},
+                     {"bus", {{"octets", input.bus_octets}, {"sha256", input.bus_sha256}}},
+                     {"bus_sha256", input.bus_sha256}};
+  // Paths may hold any octets; what is not UTF-8 is replaced rather than refused.
+  write_file(file, summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace polhode::platform

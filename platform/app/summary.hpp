@@ -1,0 +1,37 @@
+// summary.json: what a run was, what it did, what it cost.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "app/machine.hpp"
+#include "app/run_record.hpp"
+#include "app/timings.hpp"
+#include "pipeline/component.hpp"
+
+namespace polhode::platform {
+
+struct SummaryInput {
+  const RunRecord& record;
+  const Timings& timings;
+  const Counters& counters;
+  const Parameters& parameters;
+  std::string sequence;
+  std::string config_hash;
+  std::string bus_sha256;
+  std::uint64_t bus_octets = 0;
+  std::size_t component_octets = 0;  ///< memory handed to the component
+  MachineUse at_start;               ///< before the first frame
+  MachineUse after_frames;           ///< before the end's re-estimation
+  MachineUse at_end;
+  double wall_s = 0.0;    ///< of the frame loop
+  double finish_s = 0.0;  ///< of the re-estimation at the end
+};
+
+/// One plain sentence: was the target acquired, on how many frames is there a pose, how does it
+/// turn.
+std::string result_sentence(const RunRecord& record, const Counters& counters);
+
+void write_summary(const std::filesystem::path& file, const SummaryInput& input);
+
+}  // namespace polhode::platform

@@ -1,0 +1,76 @@
+#include "app/timings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace polhode::platform {
+
+using Clock = std::chrono::steady_clock;
+
+void Durations::add(Clock::duration duration) {
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(duration).count();
+  samples_us.push_back(static_cast<std::uint32_t>(std::clamp<std::int64_t>(us, 0, UINT32_MAX)));
+}
+
+std::uint32_t Durations::percentile_us(double fraction) const {
+  if (samples_us.empty()) {
+    return 0;
+  }
+  std::vector<std::uint32_t> sorted = samples_us;
+  std::sort(sorted.begin(), sorted.end());
+  const auto rank =
+      static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(sorted.size())));
+  return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
+}
+
+Timings::Timings(std::size_t frames) : stages(kStageCount) {
+  read.samples_us.reserve(frames);
+  step.samples_us.reserve(frames);
+  for (Durations& stage : stages) {
+    stage.samples_us.reserve(frames);
+  }
+}
+
+void Timings::start_step() {
+  step_start_ = Clock::now();
+  stage_start_ = step_start_;
+}
+
+void Timings::end_of_stage(Stage stage) {
+  const Clock::time_point now = Clock::now();
+  stages[static_cast<std::size_t>(stage)].add(now - stage_start_);
+  stage_start_ = now;
+}
+
+std::int64_t Timings::end_step() {
+  step.add(Clock::now() - step_start_);
+  return step.samples_us.back();
+}
+
+void Timings::hook(void* context, Stage stage) {
+  static_cast<Timings*>(context)->end_of_stage(stage);
+}
+
+const char* stage_name(Stage stage) {
+  switch (stage) {
+    case Stage::kImage:
+      return "image";
+    case Stage::kMask:
+      return "mask";
+    case Stage::kFeatures:
+      return "features";
+    case Stage::kTracks:
+      return "tracks";
+    case Stage::kMap:
+      return "map";
+    case Stage::kShape:
+      return "shape";
+    case Stage::kMotion:
+      return "motion";
+    case Stage::kBus:
+      return "bus";
+  }
+  return "";
+}
+
+}  // namespace polhode::platform

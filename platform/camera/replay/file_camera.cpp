@@ -1,0 +1,47 @@
+#include "camera/replay/file_camera.hpp"
+
+#include <fmt/format.h>
+
+#include "camera/replay/file_octets.hpp"
+
+namespace polhode::platform {
+
+FileCamera::FileCamera(const Sequence& sequence) : sequence_(sequence) {
+  const auto pixels = static_cast<std::size_t>(sequence.camera.width_px) *
+                      static_cast<std::size_t>(sequence.camera.height_px);
+  image_.pixels.reserve(2 * pixels);  // 16 bits: no frame of this camera needs more
+}
+
+Refusal FileCamera::load(const SequenceFrame& frame) {
+  if (Refusal refusal = read_file(sequence_.image_folder / frame.file, octets_)) {
+    return refusal;
+  }
+  ImageHeader header;
+  if (Refusal refusal = read_header(octets_, header)) {
+    return refusal;
+  }
+  const CameraParameters& camera = sequence_.camera;
+  if (header.width_px != camera.width_px || header.height_px != camera.height_px) {
+    return fmt::format("image is {}x{}, but sensor.yaml says resolution: [{}, {}]",
+                       header.width_px,
+                       header.height_px,
+                       camera.width_px,
+                       camera.height_px);
+  }
+  return decode(octets_, image_);
+}
+
+bool FileCamera::next(Frame& frame) {
+  if (next_ >= sequence_.frames.size()) {
+    return false;
+  }
+  const SequenceFrame& entry = sequence_.frames[next_++];
+  const Refusal refusal = load(entry);
+  refusal_ = refusal ? entry.file + ": " + *refusal : std::string();
+  frame = {.timestamp_ns = entry.timestamp_ns,
+           .image = refusal ? ImageView{} : image_.view(),
+           .readable = !refusal};
+  return true;
+}
+
+}  // namespace polhode::platform

@@ -1,0 +1,39 @@
+// A camera that plays a sequence from disk, one frame a call.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "camera/replay/decode.hpp"
+#include "camera/replay/sequence.hpp"
+#include "pipeline/component.hpp"
+
+namespace polhode::platform {
+
+class FileCamera {
+ public:
+  /// @param sequence must outlive the camera.
+  explicit FileCamera(const Sequence& sequence);
+
+  /// The next frame; its image is valid until the next call. A file that is missing, truncated or
+  /// of another size than the camera's comes as a frame that is not readable.
+  /// @return false after the last frame.
+  bool next(Frame& frame);
+
+  [[nodiscard]] std::size_t index() const { return next_ - 1; }  ///< of the frame handed out last
+  [[nodiscard]] const std::string& refusal() const {
+    return refusal_;
+  }  ///< why that frame is not readable
+
+ private:
+  Refusal load(const SequenceFrame& frame);
+
+  const Sequence& sequence_;
+  std::size_t next_ = 0;
+  std::vector<std::uint8_t> octets_;
+  DecodedImage image_;
+  std::string refusal_;
+};
+
+}  // namespace polhode::platform

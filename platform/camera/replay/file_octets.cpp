@@ -1,0 +1,68 @@
+#include "camera/replay/file_octets.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <system_error>
+
+namespace polhode::platform {
+namespace {
+
+constexpr std::size_t kFileOctetsMax = std::size_t{1}
+                                       << 30U;  // an 8192x8192 image of 16-bit colour, stored raw
+
+std::string last_error() { return std::generic_category().message(errno); }
+
+class Descriptor {
+ public:
+  explicit Descriptor(const std::filesystem::path& file)
+      : number_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {}
+  ~Descriptor() {
+    if (number_ >= 0) {
+      ::close(number_);
+    }
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+}  // namespace
+
+std::optional<std::string> read_file(const std::filesystem::path& file,
+                                     std::vector<std::uint8_t>& octets) {
+  octets.clear();
+  const Descriptor in(file);
+  struct stat status {};
+  if (in.number() < 0 || ::fstat(in.number(), &status) != 0) {
+    return last_error();
+  }
+  if (!S_ISREG(status.st_mode)) {
+    return "not a regular file";
+  }
+  const auto size = static_cast<std::size_t>(status.st_size);
+  if (size > kFileOctetsMax) {
+    return "larger than 1 GiB";
+  }
+  octets.resize(size);
+  std::size_t done = 0;
+  while (done < size) {
+    const ssize_t count = ::read(in.number(), octets.data() + done, size - done);
+    if (count < 0 && errno == EINTR) {
+      continue;
+    }
+    if (count <= 0) {
+      return count < 0 ? last_error() : "the file shrank while it was read";
+    }
+    done += static_cast<std::size_t>(count);
+  }
+  return std::nullopt;
+}
+
+}  // namespace polhode::platform

@@ -1,0 +1,155 @@
+#include "camera/replay/sequence.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <fstream>
+#include <string_view>
+
+#include "camera/replay/decode.hpp"
+#include "camera/replay/file_octets.hpp"
+#include "camera/replay/sensor_yaml.hpp"
+#include "errors.hpp"
+
+namespace polhode::platform {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kFramesMax =
+    10'000'000;  // four days at 30 frames a second: more is a mistake
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) {
+    return {};
+  }
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// data.csv line by line; every message names the file and the line.
+class FrameTable {
+ public:
+  explicit FrameTable(const fs::path& file) : file_(file), in_(file) {
+    if (!in_ || fs::is_directory(file)) {
+      throw UnusableInput(fmt::format("{}: not readable", file.string()));
+    }
+  }
+
+  std::vector<SequenceFrame> read() {
+    std::vector<SequenceFrame> frames;
+    std::string line;
+    while (frames.size() < kFramesMax && std::getline(in_, line)) {
+      ++line_;
+      const std::string_view content = trimmed(line);
+      if (!content.empty() && content.front() != '#') {
+        frames.push_back(parse(content));
+        check_order(frames);
+      }
+    }
+    if (frames.empty()) {
+      throw UnusableInput(fmt::format("{}: the sequence has no frames", file_.string()));
+    }
+    return frames;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const {
+    throw UnusableInput(fmt::format("{}:{}: {}", file_.string(), line_, what));
+  }
+
+  SequenceFrame parse(std::string_view content) const {
+    const std::size_t comma = content.find(',');
+    if (comma == std::string_view::npos) {
+      fail(fmt::format("'{}' is not 'timestamp [ns],filename'", content));
+    }
+    const std::string_view stamp = trimmed(content.substr(0, comma));
+    const std::string_view name = trimmed(content.substr(comma + 1));
+    SequenceFrame frame;
+    const auto [end, error] =
+        std::from_chars(stamp.data(), stamp.data() + stamp.size(), frame.timestamp_ns);
+    if (error != std::errc{} || end != stamp.data() + stamp.size() || frame.timestamp_ns < 0) {
+      fail(fmt::format("timestamp [ns]: '{}', allowed are whole numbers 0 .. 9223372036854775807",
+                       stamp));
+    }
+    const fs::path relative(name);
+    if (name.empty() || relative.is_absolute() || name.find("..") != std::string_view::npos) {
+      fail(fmt::format("filename: '{}', allowed is a file inside the folder data", name));
+    }
+    frame.file = std::string(name);
+    return frame;
+  }
+
+  void check_order(const std::vector<SequenceFrame>& frames) const {
+    if (frames.size() < 2) {
+      return;
+    }
+    const std::int64_t before = frames[frames.size() - 2].timestamp_ns;
+    const std::int64_t now = frames.back().timestamp_ns;
+    if (now <= before) {
+      fail(fmt::format(
+          "timestamp [ns]: {} {} (the frame before has {}), allowed are increasing ones",
+          now,
+          now == before ? "repeats" : "runs back",
+          before));
+    }
+  }
+
+  fs::path file_;
+  std::ifstream in_;
+  int line_ = 0;
+};
+
+/// The first image whose header can be read must have the camera's size. Single bad files are the
+/// frame loop's matter.
+void check_first_image(const Sequence& sequence) {
+  std::vector<std::uint8_t> octets;
+  Refusal first_refusal;
+  for (const SequenceFrame& frame : sequence.frames) {
+    const fs::path file = sequence.image_folder / frame.file;
+    ImageHeader header;
+    Refusal refusal = read_file(file, octets);
+    if (!refusal) {
+      refusal = read_header(octets, header);
+    }
+    if (refusal) {
+      first_refusal = first_refusal ? first_refusal : file.string() + ": " + *refusal;
+      continue;
+    }
+    const CameraParameters& camera = sequence.camera;
+    if (header.width_px != camera.width_px || header.height_px != camera.height_px) {
+      throw UnusableInput(
+          fmt::format("{}: image is {}x{}, but sensor.yaml says resolution: [{}, {}]",
+                      file.string(),
+                      header.width_px,
+                      header.height_px,
+                      camera.width_px,
+                      camera.height_px));
+    }
+    return;
+  }
+  throw UnusableInput(fmt::format("none of the {} images can be read; the first: {}",
+                                  sequence.frames.size(),
+                                  first_refusal.value_or("")));
+}
+
+}  // namespace
+
+Sequence open_sequence(const fs::path& path) {
+  const fs::path camera = path / "mav0" / "cam0";
+  if (!fs::is_directory(path)) {
+    throw UnusableInput(fmt::format("{}: no such folder", path.string()));
+  }
+  if (!fs::exists(camera / "data.csv")) {
+    throw UnusableInput(
+        fmt::format("{}: not an image sequence: mav0/cam0/data.csv is missing", path.string()));
+  }
+  Sequence sequence{.path = path,
+                    .image_folder = camera / "data",
+                    .camera = read_sensor_yaml(camera / "sensor.yaml"),
+                    .frames = FrameTable(camera / "data.csv").read()};
+  check_first_image(sequence);
+  return sequence;
+}
+
+}  // namespace polhode::platform

@@ -1,0 +1,38 @@
+// A file that is written front to back; a disk that is full is noticed, not passed over.
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace polhode::platform {
+
+class OutputFile {
+ public:
+  /// Creates or empties the file. @throws RunFailure naming it, here and in every call below.
+  explicit OutputFile(const std::filesystem::path& file);
+
+  void write(const void* data, std::size_t octets);
+  void write(std::string_view text) { write(text.data(), text.size()); }
+
+  /// Writes out what is buffered and closes. Without it an error of the last octets would go
+  /// unnoticed.
+  void close();
+
+ private:
+  [[noreturn]] void fail() const;
+
+  struct Close {
+    void operator()(std::FILE* stream) const { std::fclose(stream); }
+  };
+  std::string name_;
+  std::unique_ptr<std::FILE, Close> stream_;
+};
+
+/// The whole of a small file at once.
+void write_file(const std::filesystem::path& file, std::string_view text);
+
+}  // namespace polhode::platform

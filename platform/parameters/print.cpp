@@ -1,0 +1,91 @@
+#include "parameters/print.hpp"
+
+#include <fmt/format.h>
+
+#include "pipeline/parameter_table.hpp"
+
+namespace polhode::platform {
+namespace {
+
+constexpr const char* kHead =
+    "# Every parameter of the estimator with its default. Works as it is on any sequence; lengths "
+    "are then in map units.\n"
+    "# Copy what you change into a file of your own, or change single values with --set "
+    "key=value.\n"
+    "# Written by `polhode check --defaults`; a test keeps it so.\n";
+
+constexpr const char* kScaleHead =
+    "# Metres instead of map units: take away the marks of one of the two, and give the frame that "
+    "it belongs to.\n";
+
+constexpr const char* kCameraHead =
+    "# A replay takes its camera from the sequence's sensor.yaml. This section is for a "
+    "configuration without a sequence.\n";
+
+std::string section_of(std::string_view key) {
+  const std::size_t dot = key.find('.');
+  return std::string(dot == std::string_view::npos ? std::string_view() : key.substr(0, dot));
+}
+
+/// Examples for keys that have no default.
+std::string example(const ParameterRow& row) {
+  Parameters sample;
+  sample.scale = {.source = ScaleSource::kNone,
+                  .known_length_m = 0.6,
+                  .points_px = {{{812.0, 400.5}, {1010.2, 377.9}}},
+                  .range_m = 12.5,
+                  .frame_timestamp_ns = 1700000000000000000};
+  sample.camera = {.width_px = 1920,
+                   .height_px = 1080,
+                   .fu_px = 2000.0,
+                   .fv_px = 2000.0,
+                   .cu_px = 959.5,
+                   .cv_px = 539.5};
+  return value_text(row, sample);
+}
+
+std::string limits_text(const ParameterRow& row) {
+  return row.unit.empty() ? range_text(row) : fmt::format("{} {}", range_text(row), row.unit);
+}
+
+}  // namespace
+
+std::string effective_table(const Configuration& configuration) {
+  std::string out = fmt::format("{:<32} {:<28} {:<40} {}\n", "key", "value", "allowed", "from");
+  const Parameters& parameters = configuration.parameters;
+  std::size_t index = 0;
+  for (const ParameterRow& row : parameter_table()) {
+    const std::string& origin = configuration.origins[index++];
+    const bool absent = has_no_default(row.key) && origin.empty();
+    out += fmt::format("{:<32} {:<28} {:<40} {}\n",
+                       row.key,
+                       absent ? "-" : value_text(row, parameters),
+                       limits_text(row),
+                       origin.empty() ? (absent ? "not given" : "default") : origin);
+  }
+  return out;
+}
+
+std::string documented_defaults() {
+  const Parameters defaults;
+  std::string out = kHead;
+  std::string section;
+  for (const ParameterRow& row : parameter_table()) {
+    const std::string here = section_of(row.key);
+    if (here != section) {
+      section = here;
+      out += fmt::format("\n[{}]\n", section);
+      out += section == "scale" ? kScaleHead : section == "camera" ? kCameraHead : "";
+    } else if (section.empty()) {
+      out += "\n";
+    }
+    const std::string field(row.key.substr(row.key.find('.') + 1));
+    const bool absent = has_no_default(row.key);
+    const std::string line = fmt::format(
+        "{}{} = {}", absent ? "# " : "", field, absent ? example(row) : value_text(row, defaults));
+    out += fmt::format("{:<44} # {}; {}\n", line, limits_text(row), row.help);
+  }
+  return out;
+}
+
+}  // namespace polhode::platform
