@@ -75,7 +75,7 @@ def box(name, low, high, material, bevel_m=0.0):
         tri = [index[corner, 0], index[corner, 1], index[corner, 2]]
         triangles.append(tri if sum(corner) % 2 else tri[::-1])
     vertices = np.array(vertices)
-    # A triangle is written as a quad with a repeated corner would shade badly; split all quads instead.
+    # One part has faces of one kind, and the cut corners are triangles: split the quads, too.
     faces = [t for q in quads for t in ([q[0], q[1], q[2]], [q[0], q[2], q[3]])] + triangles
     faces = _outward(vertices, np.array(faces), (low + high) / 2)
     return Part(name, vertices, faces, box_uv(vertices, faces), material)

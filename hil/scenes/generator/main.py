@@ -1,0 +1,75 @@
+"""Entry point inside Blender: main.py -- SCENE.toml OUT [--variant NAME] [--check]. Exit 0 done, 1 failed, 2 refused."""
+
+import os
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+USAGE = "usage: render_scene.sh SCENE.toml OUT [--variant NAME] [--check]"
+
+
+def parse(arguments):
+    """(scene path, out folder, variant or None, check only) or None if unusable."""
+    variant, check_only, rest = None, False, []
+    arguments = list(arguments)
+    while arguments:
+        word = arguments.pop(0)
+        if word == "--variant" and arguments:
+            variant = arguments.pop(0)
+        elif word == "--check":
+            check_only = True
+        elif word.startswith("-"):
+            return None
+        else:
+            rest.append(word)
+    return (rest[0], rest[1], variant, check_only) if len(rest) == 2 else None
+
+
+def run(arguments, report):
+    """Renders as the arguments say; returns the exit status."""
+    from generator import mesh, pipeline, scene_file
+    parsed = parse(arguments)
+    if parsed is None:
+        report(USAGE)
+        return 2
+    path, out, variant, check_only = parsed
+    try:
+        scene = scene_file.load(path, variant)
+        plan = pipeline.Plan(scene)
+        if scene["target"]["kind"] == "file":
+            from generator import blender_scene
+            blender_scene.reset(scene["render"]["samples"])
+        parts, materials, known = pipeline.build_target(scene)
+        pipeline.check_view(plan, mesh.all_vertices(parts))
+        if check_only:
+            report(f"{path}: fine")
+            return 0
+        pipeline.prepare_folder(out, plan, parts, known)
+    except scene_file.SceneError as error:
+        report(f"render_scene: {error}")
+        return 2
+    pipeline.render(plan, parts, materials, out, report)
+    return 0
+
+
+def main():
+    """Keeps stderr for our own lines and sends Blender's chatter away."""
+    own = os.fdopen(os.dup(2), "w", buffering=1)
+    quiet = os.open(os.devnull, os.O_WRONLY)
+    if not os.environ.get("POLHODE_BLENDER_LOG"):
+        os.dup2(quiet, 1)
+        os.dup2(quiet, 2)
+    try:
+        status = run(sys.argv[sys.argv.index("--") + 1:], lambda text: print(text, file=own))
+    except Exception as error:  # The last line of defence: say it in one line and fail.
+        print(f"render_scene: {type(error).__name__}: {error}", file=own)
+        if os.environ.get("POLHODE_BLENDER_LOG"):
+            raise
+        status = 1
+    own.flush()
+    os._exit(status)
+
+
+if __name__ == "__main__":
+    main()
