@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Configures and builds one preset (default: release), with a compiler cache where there is one.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+PRESET=${1:-release}
+
+# The solvers' headers take about 1.5 GB a compiler: as many at a time as there is memory for, not only as many as cores.
+jobs() {
+  local by_memory cores
+  by_memory=$(awk '/MemAvailable/ { print int($2 / 1572864) }' /proc/meminfo)
+  cores=$(nproc)
+  echo $((by_memory < 1 ? 1 : by_memory < cores ? by_memory : cores))
+}
+
+cache=()
+if command -v ccache >/dev/null; then
+  cache=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+fi
+printf '== build: %s\n' "$PRESET"
+log=$(cmake --preset "$PRESET" "${cache[@]}" 2>&1) || { printf "%s\n" "$log" >&2; exit 1; }
+cmake --build --preset "$PRESET" -j "$(jobs)"

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# From a fresh machine to pictures: set-up, build, replay of the shipped sample, judgement against its truth, plots.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+SEQUENCE=hil/data/sample
+OUT=build/demo
+
+say() { printf '== %s\n' "$*"; }
+
+tools/setup.sh
+tools/build.sh release
+
+say "replay: $SEQUENCE"
+build/release/bin/polhode replay --config config/default.toml --sequence "$SEQUENCE" --out "$OUT"
+
+say "judgement against the truth"
+.venv/bin/python hil/evaluate.py "$OUT" "$SEQUENCE"
+
+say "pictures"
+.venv/bin/python tools/plot_replay.py "$OUT" --sequence "$SEQUENCE" --truth "$SEQUENCE/truth.csv"
+
+say "found"
+.venv/bin/python - "$OUT/summary.json" <<'PYTHON'
+import json, sys
+summary = json.load(open(sys.argv[1]))
+step, memory = summary["timings"]["step"], summary["memory"]
+print(summary["result"])
+print(f"A frame takes {step['p50_us'] / 1000:.1f} ms (median), {step['max_us'] / 1000:.1f} ms at most; "
+      f"the process takes {memory['peak_resident_octets'] / 1e6:.0f} MB at most.")
+PYTHON
+say "pictures are in $OUT/plots, all other results in $OUT"

@@ -1,0 +1,46 @@
+#!/usr/bin/env bash
+# Set-up, build and all tests: those in C++ by ctest, those in Python by pytest. Ends with one line of totals.
+#   tools/run_tests.sh [-k FILTER] [--quick]
+#   -k FILTER  only tests whose name holds FILTER        --quick  without the tests that are marked slow
+set -euo pipefail
+cd "$(dirname "$0")/.."
+BUILD=build/release
+REPORTS=build/test-reports
+
+filter=
+quick=false
+while [ $# -gt 0 ]; do
+  case $1 in
+    -k) filter=${2:?run_tests: -k needs a filter}; shift 2 ;;
+    --quick) quick=true; shift ;;
+    -h | --help) sed -n '2,4s/^# //p' "$0"; exit 0 ;;
+    *) echo "run_tests: unknown argument '$1'; allowed: -k FILTER, --quick" >&2; exit 2 ;;
+  esac
+done
+
+ctest_arguments=(--test-dir "$BUILD" --output-on-failure --no-tests=ignore -j "$(nproc)")
+pytest_arguments=(-ra --durations=5)
+if [ -n "$filter" ]; then
+  ctest_arguments+=(-R "$filter")
+  pytest_arguments+=(-k "$filter")
+fi
+if $quick; then
+  ctest_arguments+=(-LE slow)
+  pytest_arguments+=(-m "not slow")
+fi
+
+tools/setup.sh
+tools/build.sh release
+
+mkdir -p "$REPORTS"
+rm -f "$REPORTS"/*.xml
+status=0
+printf '== tests in C++\n'
+ctest "${ctest_arguments[@]}" --output-junit "$PWD/$REPORTS/ctest.xml" || status=1
+printf '== tests in Python\n'
+# 5: the filter leaves no test on this side
+.venv/bin/python -m pytest tests "${pytest_arguments[@]}" --junitxml "$REPORTS/pytest.xml" || [ $? -eq 5 ] || status=1
+
+printf '== totals\n'
+.venv/bin/python tools/junit_totals.py "$REPORTS"/*.xml || status=1
+exit $status
