@@ -142,7 +142,7 @@ def velocity_pairs(aligned: Aligned) -> tuple[np.ndarray, np.ndarray, np.ndarray
     published = scale * estimate.v_C[rows_E]
     R_CE = align.rotations(truth.q_CT[rows_T]) * aligned.R_ET.inv()
     w_E = aligned.R_ET.apply(truth.w_T[rows_T])
-    moved = published + aligned.similarity.scale * R_CE.apply(np.cross(w_E, aligned.similarity.offset_E))
+    moved = published + scale * R_CE.apply(np.cross(w_E, aligned.similarity.offset_E))
     return rows_E, published, moved, truth.v_C[rows_T]
 
 

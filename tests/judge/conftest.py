@@ -1,0 +1,10 @@
+"""Makes the judge and the plots importable, and keeps matplotlib off any display."""
+
+import os
+import pathlib
+import sys
+
+os.environ["MPLBACKEND"] = "Agg"
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+for folder in ("hil", "tools", "tests/judge"):
+    sys.path.insert(0, str(REPOSITORY / folder))

@@ -1,0 +1,69 @@
+"""The cloud in three views, alone and with the camera's path around it."""
+
+import numpy as np
+from judge import align
+from judge.metrics import align_run
+from judge.shape import cloud_in_truth, read_cloud
+from plots import style
+from plots.style import plt
+
+VIEWS = ((0, 1, 2), (0, 2, 1), (1, 2, 0))  # horizontal, vertical, depth
+AXES = "xyz"
+POINTS_MAX = 20000
+
+
+def _path_and_cloud(run, truth):
+    """(cloud [N,3], camera path [M,3], seconds [M], description of the frame) or None."""
+    kind = next((kind for kind in ("smoothed", "causal")
+                 if kind in run.motions and run.motions[kind].pose_valid.any()), None)
+    path = next((run.folder / name for name in ("cloud.ply", "cloud_raw.ply") if (run.folder / name).exists()), None)
+    if kind is None or path is None:
+        return None
+    motion = run.motions[kind]
+    valid = motion.pose_valid
+    R_CE, p_CE = align.rotations(motion.q_CT[valid]), motion.p_CT[valid]
+    points, camera = read_cloud(path), -R_CE.inv().apply(p_CE)
+    aligned = align_run(motion, truth) if truth is not None else None
+    if aligned is not None:
+        points, camera = cloud_in_truth(points, aligned), cloud_in_truth(camera, aligned)
+        where = "the truth's body axes [m]"
+    else:
+        known = motion.scale_known[valid].all()
+        where = f"the estimate's body axes [{'m' if known else 'map units'}]"
+    return points[:: max(1, len(points) // POINTS_MAX)], camera, motion.seconds[valid], where
+
+
+def _limits(axis, points: np.ndarray, i: int, j: int, margin: float = 0.08) -> None:
+    """Equal axes around the bulk of the points: single strays do not shrink the body to a dot."""
+    low, high = np.percentile(points, [0.5, 99.5], axis=0)
+    half = (0.5 + margin) * (high - low).max()
+    centre = (low + high) / 2
+    axis.set_xlim(centre[i] - half, centre[i] + half)
+    axis.set_ylim(centre[j] - half, centre[j] + half)
+    axis.set_aspect("equal")
+
+
+def draw(run, truth, folder, prefix: str = "") -> list:
+    """cloud.png: upper row the cloud (brighter is nearer to the viewer), lower row with the camera's path."""
+    found = _path_and_cloud(run, truth)
+    if found is None or len(found[0]) == 0:
+        return []
+    points, camera, seconds, where = found
+    time, label = style.time_axis(seconds)
+    figure, axes = plt.subplots(2, 3, figsize=(12, 7.6))
+    for column, (i, j, depth) in enumerate(VIEWS):
+        sign = -1 if (i, j) == (0, 2) else 1  # x-z is looked at along +y, the others against their third axis
+        order = np.argsort(sign * points[:, depth])
+        upper, lower = axes[:, column]
+        upper.scatter(points[order, i], points[order, j], s=3, c=sign * points[order, depth], cmap="cividis", lw=0)
+        _limits(upper, points, i, j)
+        lower.plot(camera[:, i], camera[:, j], color="#bbbbbb", lw=0.7, zorder=1)
+        dots = lower.scatter(camera[:, i], camera[:, j], s=7, c=time, cmap="viridis", lw=0, zorder=2)
+        lower.scatter(points[:, i], points[:, j], s=0.6, color="#444444", lw=0, zorder=3)
+        _limits(lower, np.vstack([points, camera]), i, j, margin=0.12)
+        for axis in (upper, lower):
+            axis.set_xlabel(f"{AXES[i]}")
+            axis.set_ylabel(f"{AXES[j]}")
+    figure.colorbar(dots, ax=axes[1, :], label=f"camera, {label}", shrink=0.85)
+    figure.suptitle(f"Cloud of {len(points)} points (above) and the camera's path around it (below), in {where}", fontsize=11)
+    return [style.save(figure, folder, f"{prefix}cloud.png")]
