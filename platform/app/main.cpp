@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 
+#include "app/bus_dump.hpp"
 #include "app/check.hpp"
 #include "app/replay.hpp"
 #include "errors.hpp"
@@ -12,6 +13,7 @@
 
 namespace {
 
+using polhode::platform::BusDumpArguments;
 using polhode::platform::CheckArguments;
 using polhode::platform::ReplayArguments;
 
@@ -69,14 +71,25 @@ void add_check(CLI::App& app, CheckArguments& arguments) {
   });
 }
 
+void add_bus(CLI::App& app, BusDumpArguments& arguments) {
+  CLI::App* bus = app.add_subcommand("bus", "decode bus packets");
+  bus->require_subcommand(1);
+  CLI::App* dump = bus->add_subcommand("dump", "the packets of a file, as a table");
+  dump->add_option("FILE", arguments.file, "packets, end to end, as in bus.ccsds")->required();
+  dump->add_flag("--json", arguments.json, "one JSON object a line instead");
+  dump->callback([&arguments] { polhode::platform::dump_bus(arguments); });
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"Motion and shape of a tumbling object from one camera"};
   app.set_version_flag("--version", std::string("polhode ") + polhode::kVersion);
   app.require_subcommand(1);
   ReplayArguments replay;
   CheckArguments check;
+  BusDumpArguments bus_dump;
   add_replay(app, replay);
   add_check(app, check);
+  add_bus(app, bus_dump);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help and --version
