@@ -1,0 +1,66 @@
+// Rates at one time, and the pose at another, from a history of poses. Causal when the history ends at that time.
+//
+// Rotation is followed in the rotation vector psi relative to the reference attitude, R_CT(t) = R_CT(t_ref) exp(psi(t)):
+// linear in time for a constant rate at any angle, the same curve (but for a constant rotation) whether the rate is
+// constant in the body or in space, and with w_T = d psi / dt at the reference.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "base/result.hpp"
+#include "motion/motion_state.hpp"
+#include "motion/options.hpp"
+#include "motion/pose_history.hpp"
+
+namespace polhode {
+
+struct RateEstimate {
+  Eigen::Vector3d w_T_rad_s = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance_w_T = Eigen::Matrix3d::Zero();  ///< (rad/s)^2
+  Eigen::Vector3d v_C = Eigen::Vector3d::Zero();             ///< of T's origin, unit of the poses per second
+  Eigen::Matrix3d covariance_v_C = Eigen::Matrix3d::Zero();
+  Pose pose;                                                 ///< the fitted (smoothed) pose at the reference
+  std::size_t rotation_poses = 0;  ///< poses that the rotation was fitted to
+  std::size_t position_poses = 0;
+  double rotation_span_s = 0.0;    ///< largest distance in time among them
+  double position_span_s = 0.0;
+  double rotation_misfit = 1.0;    ///< factor on the declared covariance, >= 1; included in covariance_w_T
+  double position_misfit = 1.0;
+};
+
+/// Rates at the last pose of `history`, from it and earlier ones.
+/// @param history  time strictly increasing, in one unit of length.
+/// @errors TooFewObservations (under 2 poses), Degenerate (a covariance is not positive definite).
+/// @limit  a body that turns by more than pi between two poses is seen as turning the other way.
+/// @cost   at most options.window_poses_max poses; see fit_local().
+Result<RateEstimate> estimate_rates(std::span<const PoseSample> history, const MotionOptions& options);
+
+/// Rates at `history[index]` from poses on both sides: for the end of a run.
+Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
+                                       std::size_t index,
+                                       const MotionOptions& options);
+
+struct PosePrediction {
+  Pose pose;
+  PoseCovariance covariance = PoseCovariance::Zero();  ///< of (phi, dp) as in pose.hpp; rotation and position apart
+  std::size_t rotation_poses = 0;
+  std::size_t position_poses = 0;
+};
+
+/// The pose at `timestamp_ns`, at or after the last one of `history`, by the motion so far.
+/// @errors TooFewObservations (under 2 poses: nothing is known of the motion), Degenerate (as above, or the time is
+///         before the last pose).
+Result<PosePrediction> predict_pose(std::span<const PoseSample> history,
+                                    std::int64_t timestamp_ns,
+                                    const MotionOptions& options);
+
+/// Copies rates into the published state and sets both flags; sigmas are those of the worst axis.
+void publish(const RateEstimate& rates, MotionState& state);
+
+/// 1-sigma of the worst direction of a 3x3 covariance.
+[[nodiscard]] double worst_sigma(const Eigen::Matrix3d& covariance);
+
+}  // namespace polhode

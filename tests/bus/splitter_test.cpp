@@ -1,0 +1,116 @@
+#include "bus/splitter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/rng.hpp"
+#include "bus/telemetry.hpp"
+#include "motion_state_samples.hpp"
+
+namespace polhode::bus {
+namespace {
+
+std::vector<std::uint8_t> stream_of(std::uint16_t packets) {
+  std::vector<std::uint8_t> stream;
+  std::array<std::uint8_t, kMotionPacketOctets> packet{};
+  for (std::uint16_t i = 0; i < packets; ++i) {
+    encode_motion(random_motion_state(i), {}, i, packet);
+    stream.insert(stream.end(), packet.begin(), packet.end());
+  }
+  return stream;
+}
+
+struct Tally {
+  std::vector<std::uint16_t> sequences;
+  std::size_t damaged_octets = 0;
+  std::size_t covered_octets = 0;
+};
+
+Tally read_all(const std::vector<std::uint8_t>& stream) {
+  Tally tally;
+  for (std::size_t offset = 0; offset < stream.size();) {
+    const StreamPiece piece = next_piece(stream, offset, true);
+    EXPECT_EQ(piece.offset, offset);
+    EXPECT_GT(piece.octets, 0U);
+    EXPECT_NE(piece.kind, PieceKind::kIncomplete);
+    if (piece.kind == PieceKind::kPacket) {
+      tally.sequences.push_back(piece.header.sequence);
+    } else {
+      tally.damaged_octets += piece.octets;
+    }
+    tally.covered_octets += piece.octets;
+    offset += piece.octets;
+  }
+  return tally;
+}
+
+TEST(Splitter, FindsEveryPacketOfAGoodStream) {
+  const Tally tally = read_all(stream_of(50));
+  ASSERT_EQ(tally.sequences.size(), 50U);
+  EXPECT_EQ(tally.damaged_octets, 0U);
+  for (std::uint16_t i = 0; i < 50; ++i) {
+    EXPECT_EQ(tally.sequences[i], i);
+  }
+}
+
+TEST(Splitter, LosesOnlyThePacketThatIsDamaged) {
+  for (std::size_t octet = 0; octet < kMotionPacketOctets; ++octet) {
+    std::vector<std::uint8_t> stream = stream_of(3);
+    stream[kMotionPacketOctets + octet] ^= 0x5A;
+    const Tally tally = read_all(stream);
+    ASSERT_EQ(tally.sequences.size(), 2U) << octet;
+    EXPECT_EQ(tally.sequences[0], 0);
+    EXPECT_EQ(tally.sequences[1], 2);
+    EXPECT_EQ(tally.damaged_octets, kMotionPacketOctets);
+  }
+}
+
+TEST(Splitter, ResynchronisesAfterInsertedAndRemovedOctets) {
+  for (std::uint64_t trial = 0; trial < 200; ++trial) {
+    Rng rng(5, trial);
+    std::vector<std::uint8_t> stream = stream_of(6);
+    const auto place = static_cast<std::ptrdiff_t>(kMotionPacketOctets * 2 + rng.below(kMotionPacketOctets));
+    if (trial % 2 == 0) {
+      const std::size_t count = 1 + rng.below(400);
+      std::vector<std::uint8_t> noise(count);
+      for (std::uint8_t& octet : noise) octet = static_cast<std::uint8_t>(rng.next());
+      stream.insert(stream.begin() + place, noise.begin(), noise.end());
+    } else {
+      stream.erase(stream.begin() + place, stream.begin() + place + 1 + rng.below(100));
+    }
+    const Tally tally = read_all(stream);
+    EXPECT_EQ(tally.covered_octets, stream.size());
+    // At most the packet cut by the damage and, for a removal, its successor are lost.
+    ASSERT_GE(tally.sequences.size(), 4U) << trial;
+    EXPECT_EQ(tally.sequences.front(), 0);
+    EXPECT_EQ(tally.sequences.back(), 5);
+  }
+}
+
+TEST(Splitter, WaitsForTheRestOfAPacketUnlessTheEndIsKnown) {
+  const std::vector<std::uint8_t> stream = stream_of(1);
+  for (std::size_t octets = 1; octets < stream.size(); ++octets) {
+    const std::span<const std::uint8_t> front(stream.data(), octets);
+    EXPECT_EQ(next_piece(front, 0, false).kind, PieceKind::kIncomplete) << octets;
+    const StreamPiece last = next_piece(front, 0, true);
+    EXPECT_EQ(last.kind, PieceKind::kDamaged) << octets;
+    EXPECT_EQ(last.octets, octets);
+  }
+  EXPECT_EQ(next_piece(stream, 0, false).kind, PieceKind::kPacket);
+}
+
+TEST(Splitter, FindsNothingInNoise) {
+  Rng rng(6, 0);
+  std::vector<std::uint8_t> noise(100'000);
+  for (std::uint8_t& octet : noise) octet = static_cast<std::uint8_t>(rng.next());
+  // A false packet needs 22 fixed bits, the length and the CRC by chance: 1e5 places times 2^-43.
+  const Tally tally = read_all(noise);
+  EXPECT_TRUE(tally.sequences.empty());
+  EXPECT_EQ(tally.damaged_octets, noise.size());
+}
+
+}  // namespace
+}  // namespace polhode::bus
