@@ -1,0 +1,50 @@
+// Descriptor distances and matching.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/fixed_vector.hpp"
+#include "features/detect.hpp"
+
+namespace polhode {
+
+/// Squared Euclidean distance.
+int distance2(const Descriptor& a, const Descriptor& b);
+
+// RootSIFT octets have norm 512. Two views of one spot under 30 deg differ by about 200 (squared 40 000); unrelated
+// textures by 500 to 600. What lies beyond 380 is not worth a second look even within a gate.
+inline constexpr int kDistance2Max = 380 * 380;
+
+/// Features binned into square cells for look-up by place.
+class FeatureGrid {
+ public:
+  void build(std::span<const Feature> features, int width_px, int height_px);
+
+  /// Indices of the features within `radius_px` of a pixel, at most as many as `out` holds, in index order by cell.
+  std::size_t find(std::span<const Feature> features, double u_px, double v_px, double radius_px,
+                   std::span<std::int32_t> out) const;
+
+ private:
+  static constexpr int kCells = 32;
+  [[nodiscard]] int cell_of(double position_px, double size_px) const;
+
+  double width_px_ = 1.0;
+  double height_px_ = 1.0;
+  std::array<std::int32_t, kCells * kCells + 1> first_{};
+  std::array<std::int32_t, limits::kFeatures> order_{};
+};
+
+struct FeatureMatch {
+  std::int32_t a = -1;
+  std::int32_t b = -1;
+  int distance2 = 0;
+};
+
+using FeatureMatches = FixedVector<FeatureMatch, limits::kFeatures>;
+
+/// Matches that are each other's best and whose best beats the second best (at another place, over 2 px away) by the
+/// ratio. Exhaustive.
+void match_mutual(std::span<const Feature> a, std::span<const Feature> b, double ratio_max, FeatureMatches* matches);
+
+}  // namespace polhode

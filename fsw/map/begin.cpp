@@ -1,0 +1,43 @@
+#include "map/begin.hpp"
+
+#include <array>
+
+namespace polhode {
+
+void begin_map(const StartOutcome& outcome, const TrackTable& tracks, const MapOptions& options, Map* map) {
+  std::array<KeyframeId, limits::kStartFrames> keyframe_of{};
+  for (std::size_t f = 0; f < tracks.frames.size(); ++f) {
+    if (!outcome.frames[f].pose_valid || map->keyframe_count >= options.keyframes_max) {
+      continue;
+    }
+    const KeyframeId id = add_keyframe(map);
+    if (!id.valid()) {
+      break;
+    }
+    Keyframe& keyframe = map->keyframes[id.index()];
+    keyframe.frame = tracks.frames[f].frame;
+    keyframe.timestamp_ns = tracks.frames[f].timestamp_ns;
+    keyframe.pose = outcome.frames[f].pose;
+    keyframe.features = tracks.frames[f].features;
+    keyframe_of[f] = id;
+  }
+  for (std::size_t t = 0; t < tracks.tracks.size(); ++t) {
+    if (!outcome.points[t].valid) {
+      continue;
+    }
+    const LandmarkId id = add_landmark(map);
+    if (!id.valid()) {
+      break;
+    }
+    map->landmarks[id.index()].p_T = outcome.points[t].p_T;
+    map->landmarks[id.index()].created_keyframe = map->next_keyframe_number - 1;
+    for (const TrackPoint& point : tracks.tracks[t].points) {
+      const KeyframeId keyframe = keyframe_of[static_cast<std::size_t>(point.frame)];
+      if (keyframe.valid()) {
+        tie_sighting(keyframe, static_cast<std::size_t>(point.feature), id, map);
+      }
+    }
+  }
+}
+
+}  // namespace polhode

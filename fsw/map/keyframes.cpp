@@ -1,0 +1,111 @@
+#include "map/keyframes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/so3.hpp"
+
+namespace polhode {
+namespace {
+
+int sightings(const Keyframe& keyframe) {
+  int count = 0;
+  for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+    count += keyframe.landmark_of[i].valid() ? 1 : 0;
+  }
+  return count;
+}
+
+/// Part of the keyframe's landmarks that three other keyframes see as well.
+double redundancy(const Keyframe& keyframe, const Map& map) {
+  constexpr int kOthers = 3;
+  int seen = 0;
+  int seen_elsewhere = 0;
+  for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+    const LandmarkId id = keyframe.landmark_of[i];
+    if (id.valid()) {
+      ++seen;
+      seen_elsewhere += map.landmarks[id.index()].observations > kOthers ? 1 : 0;
+    }
+  }
+  return seen == 0 ? 1.0 : static_cast<double>(seen_elsewhere) / seen;
+}
+
+/// Largest cosine between the keyframe's viewing direction (in T) and any other's.
+double nearest_view_cosine(std::size_t slot, const Map& map) {
+  const Eigen::Vector3d own = (map.keyframes[slot].pose.camera_T() - map.centre_T).normalized();
+  double best = -1.0;
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    if (k != slot && map.keyframes[k].used) {
+      best = std::max(best, own.dot((map.keyframes[k].pose.camera_T() - map.centre_T).normalized()));
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOptions& options) {
+  const auto order = keyframes_by_age(map);
+  if (order.empty()) {
+    return true;
+  }
+  double nearest_rad = 10.0;
+  for (const KeyframeId id : order) {
+    nearest_rad = std::min(nearest_rad, rotation_angle_rad(map.keyframes[id.index()].pose.R_CT, pose.R_CT));
+  }
+  return nearest_rad > options.keyframe_rotation_min_rad ||
+         inliers < options.keyframe_tracked_min * sightings(map.keyframes[order[0].index()]);
+}
+
+KeyframeId most_redundant(const Map& map) {
+  constexpr double kAlone = 0.94;  // cos 20 deg
+  constexpr std::uint32_t kNewest = 2;
+  KeyframeId chosen;
+  double highest = -1.0;
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    const Keyframe& keyframe = map.keyframes[k];
+    if (!keyframe.used || keyframe.number + kNewest >= map.next_keyframe_number) {
+      continue;
+    }
+    const double closeness = nearest_view_cosine(k, map);
+    if (closeness < kAlone) {
+      continue;
+    }
+    // Coverage of the view sphere breaks ties: among equals the one with the nearest neighbour goes.
+    const double merit = redundancy(keyframe, map) + 0.01 * closeness;
+    if (merit > highest) {
+      highest = merit;
+      chosen = KeyframeId::from_index(k);
+    }
+  }
+  return chosen;
+}
+
+KeyframeId insert_keyframe(std::uint32_t frame, std::int64_t timestamp_ns, const Features& features,
+                           const LocalisedFrame& localised, const MapOptions& options, Map* map) {
+  if (map->keyframe_count >= options.keyframes_max) {
+    const KeyframeId leaving = most_redundant(*map);
+    if (!leaving.valid()) {
+      return {};
+    }
+    remove_keyframe(leaving, map);
+  }
+  const KeyframeId id = add_keyframe(map);
+  if (!id.valid()) {
+    return id;
+  }
+  Keyframe& keyframe = map->keyframes[id.index()];
+  keyframe.frame = frame;
+  keyframe.timestamp_ns = timestamp_ns;
+  keyframe.pose = localised.absolute.pose;
+  keyframe.features = features;
+  for (const LandmarkMatch& match : localised.matches) {
+    if (match.inlier && match.feature >= 0 && map->landmarks[match.landmark.index()].used) {
+      tie_sighting(id, static_cast<std::size_t>(match.feature), match.landmark, map);
+    }
+  }
+  return id;
+}
+
+}  // namespace polhode

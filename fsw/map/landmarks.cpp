@@ -1,0 +1,296 @@
+#include "map/landmarks.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "features/match.hpp"
+#include "geometry/epipolar.hpp"
+#include "geometry/triangulate.hpp"
+#include "map/localise.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr double kPairSigma = 3.0;     // epipolar distance and reprojection gates of new pairs, in sigma
+constexpr double kChi2Pair = 11.345;   // three degrees of freedom beyond the point's own, 99 %
+constexpr std::size_t kPartners = 4;
+
+double sigma_normalised(const Feature& feature, const CameraModel& camera) {
+  return static_cast<double>(feature.sigma_px) / camera.focal_px();
+}
+
+/// Angle at the body between the directions to two cameras.
+double view_angle_rad(const Pose& a, const Pose& b, const Eigen::Vector3d& centre_T) {
+  const Eigen::Vector3d to_a = (a.camera_T() - centre_T).normalized();
+  const Eigen::Vector3d to_b = (b.camera_T() - centre_T).normalized();
+  return std::acos(std::clamp(to_a.dot(to_b), -1.0, 1.0));
+}
+
+/// Keyframes whose view of the body differs by enough for depth and little enough for descriptors, best first: the ideal
+/// is 12 deg, where the depth error is small and SIFT still repeats.
+FixedVector<KeyframeId, limits::kKeyframes> partners_of(KeyframeId keyframe, const CreateOptions& options,
+                                                        const Map& map) {
+  constexpr double kIdeal_rad = 0.21;
+  constexpr double kMost_rad = 0.6;
+  const Keyframe& own = map.keyframes[keyframe.index()];
+  std::array<double, limits::kKeyframes> merit{};
+  FixedVector<KeyframeId, limits::kKeyframes> partners;
+  for (const KeyframeId id : keyframes_by_age(map)) {
+    const double angle = view_angle_rad(own.pose, map.keyframes[id.index()].pose, map.centre_T);
+    if (id == keyframe || angle < options.parallax_min_rad || angle > kMost_rad) {
+      continue;
+    }
+    merit[id.index()] = std::abs(std::log(angle / kIdeal_rad));
+    (void)partners.push_back(id);
+  }
+  std::stable_sort(partners.begin(), partners.end(),
+                   [&](KeyframeId a, KeyframeId b) { return merit[a.index()] < merit[b.index()]; });
+  partners.resize(std::min(partners.size(), kPartners));
+  return partners;
+}
+
+/// Features that see no landmark, and stand at a place where no feature with a landmark stands.
+void list_free(const Keyframe& keyframe, FixedVector<std::int32_t, limits::kFeatures>* out) {
+  out->clear();
+  for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+    bool taken = keyframe.landmark_of[i].valid();
+    for (std::size_t j = 0; j < keyframe.features.size() && !taken; ++j) {
+      const Feature& a = keyframe.features[i];
+      const Feature& b = keyframe.features[j];
+      taken = keyframe.landmark_of[j].valid() && std::abs(a.u_px - b.u_px) < 1.0F && std::abs(a.v_px - b.v_px) < 1.0F;
+    }
+    if (!taken) {
+      (void)out->push_back(static_cast<std::int32_t>(i));
+    }
+  }
+}
+
+struct PairSearch {
+  std::int32_t feature = -1;
+  int nearest2 = std::numeric_limits<int>::max();
+  int rival2 = std::numeric_limits<int>::max();
+};
+
+/// Best partner of a feature along its epipolar line.
+PairSearch search_line(const Feature& wanted, const Keyframe& partner, const Eigen::Matrix3d& E,
+                       const CameraModel& camera, const CreateScratch& scratch) {
+  PairSearch best;
+  for (const std::int32_t index : scratch.free_b) {
+    const Feature& f = partner.features[static_cast<std::size_t>(index)];
+    const double sigma = std::hypot(sigma_normalised(wanted, camera), sigma_normalised(f, camera));
+    if (std::abs(sampson_error(E, wanted.normalised, f.normalised)) > kPairSigma * sigma) {
+      continue;
+    }
+    const float ratio = wanted.scale_px / f.scale_px;
+    if (ratio < 0.5F || ratio > 2.0F) {
+      continue;
+    }
+    const int d2 = distance2(wanted.descriptor, f.descriptor);
+    const bool twin = best.feature >= 0 &&
+                      std::hypot(f.u_px - partner.features[static_cast<std::size_t>(best.feature)].u_px,
+                                 f.v_px - partner.features[static_cast<std::size_t>(best.feature)].v_px) < 2.0F;
+    if (d2 < best.nearest2) {
+      best.rival2 = twin ? best.rival2 : best.nearest2;
+      best.nearest2 = d2;
+      best.feature = index;
+    } else if (d2 < best.rival2 && !twin) {
+      best.rival2 = d2;
+    }
+  }
+  return best;
+}
+
+Sighting sighting(const Keyframe& keyframe, std::int32_t feature, const CameraModel& camera) {
+  const Feature& f = keyframe.features[static_cast<std::size_t>(feature)];
+  return {.pose = keyframe.pose, .normalised = f.normalised, .sigma_normalised = sigma_normalised(f, camera)};
+}
+
+/// The point of a matched pair, if it is one of this body's.
+bool acceptable(const TriangulatedPoint& point, const CreateOptions& options, const Map& map) {
+  // A body is compact: what lies past twice the radius that holds 90 % of its landmarks is a mismatch.
+  constexpr double kReach = 2.0;
+  return point.chi2 < kChi2Pair && point.parallax_rad > options.parallax_min_rad &&
+         (point.p_T - map.centre_T).norm() < kReach * map.radius_mu &&
+         std::sqrt(point.covariance_T.trace()) < map.radius_mu;
+}
+
+void create_pair(KeyframeId a, std::int32_t feature_a, KeyframeId b, std::int32_t feature_b,
+                 const CreateOptions& options, const CameraModel& camera, Map* map) {
+  const std::array<Sighting, 2> pair{sighting(map->keyframes[a.index()], feature_a, camera),
+                                     sighting(map->keyframes[b.index()], feature_b, camera)};
+  const Result<TriangulatedPoint> point = triangulate(pair);
+  if (!point || !acceptable(point.value(), options, *map)) {
+    return;
+  }
+  const LandmarkId id = add_landmark(map);
+  if (!id.valid()) {
+    return;
+  }
+  Landmark& landmark = map->landmarks[id.index()];
+  landmark.p_T = point.value().p_T;
+  landmark.created_keyframe = map->keyframes[a.index()].number;
+  tie_sighting(a, static_cast<std::size_t>(feature_a), id, map);
+  tie_sighting(b, static_cast<std::size_t>(feature_b), id, map);
+}
+
+void match_partner(KeyframeId a, KeyframeId b, const CreateOptions& options, const CameraModel& camera,
+                   CreateScratch* scratch, Map* map) {
+  const Keyframe& own = map->keyframes[a.index()];
+  const Keyframe& partner = map->keyframes[b.index()];
+  list_free(own, &scratch->free_a);
+  list_free(partner, &scratch->free_b);
+  RelativePose motion = relative_pose(own.pose, partner.pose);
+  motion.p_ba.normalize();
+  const Eigen::Matrix3d E = essential_matrix(motion);
+  scratch->best_of_b.fill(-1);
+  scratch->distance_of_b.fill(std::numeric_limits<std::int32_t>::max());
+  const double ratio2 = options.ratio_max * options.ratio_max;
+  for (const std::int32_t index : scratch->free_a) {
+    const PairSearch best =
+        search_line(own.features[static_cast<std::size_t>(index)], partner, E, camera, *scratch);
+    if (best.feature < 0 || best.nearest2 > kDistance2Max || best.nearest2 > ratio2 * best.rival2) {
+      continue;
+    }
+    const auto f = static_cast<std::size_t>(best.feature);
+    if (best.nearest2 < scratch->distance_of_b[f]) {
+      scratch->distance_of_b[f] = best.nearest2;
+      scratch->best_of_b[f] = index;
+    }
+  }
+  for (const std::int32_t index : scratch->free_b) {
+    if (scratch->best_of_b[static_cast<std::size_t>(index)] >= 0) {
+      create_pair(a, scratch->best_of_b[static_cast<std::size_t>(index)], b, index, options, camera, map);
+    }
+  }
+}
+
+/// Looks for one landmark among the free features of one keyframe.
+std::int32_t find_in(const Landmark& landmark, const Keyframe& keyframe, const FeatureGrid& grid,
+                     const CameraModel& camera, double ratio_max) {
+  Eigen::Vector2d pixel;
+  if (!should_be_seen(landmark, keyframe.pose, camera, &pixel)) {
+    return -1;
+  }
+  constexpr double kReach_px = 6.0;
+  std::array<std::int32_t, 32> near{};
+  const std::size_t count = grid.find(keyframe.features.view(), pixel.x(), pixel.y(), kReach_px, near);
+  PairSearch best;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto i = static_cast<std::size_t>(near[k]);
+    const Feature& f = keyframe.features[i];
+    const double off_px = std::hypot(pixel.x() - static_cast<double>(f.u_px), pixel.y() - static_cast<double>(f.v_px));
+    if (keyframe.landmark_of[i].valid() || off_px > kPairSigma * std::sqrt(2.0) * static_cast<double>(f.sigma_px)) {
+      continue;
+    }
+    for (const LandmarkView& view : landmark.views) {
+      const int d2 = distance2(view.descriptor, f.descriptor);
+      if (d2 < best.nearest2) {
+        best.nearest2 = d2;
+        best.feature = near[k];
+      }
+    }
+  }
+  (void)ratio_max;
+  return best.nearest2 <= kDistance2Max ? best.feature : -1;
+}
+
+double squared_residual(const Keyframe& keyframe, std::size_t feature, const Landmark& landmark,
+                        const CameraModel& camera) {
+  const Eigen::Vector3d p_C = keyframe.pose.to_camera(landmark.p_T);
+  if (!(p_C.z() > 0.0)) {
+    return std::numeric_limits<double>::max();
+  }
+  const Feature& f = keyframe.features[feature];
+  const double sigma = sigma_normalised(f, camera);
+  return (p_C.hnormalized() - f.normalised).squaredNorm() / (sigma * sigma);
+}
+
+bool is_bad(const Landmark& landmark, std::uint32_t keyframe_newest) {
+  constexpr int kTrialFrames = 4;
+  constexpr std::uint32_t kTrialKeyframes = 3;
+  const bool unseen = landmark.observations < 2;
+  const bool unconfirmed = landmark.observations < 3 && keyframe_newest > landmark.created_keyframe + kTrialKeyframes;
+  const bool rarely_found = landmark.predicted >= kTrialFrames && 4 * landmark.found < landmark.predicted &&
+                            landmark.observations < 4;
+  return unseen || unconfirmed || rarely_found;
+}
+
+}  // namespace
+
+int create_landmarks(KeyframeId keyframe, const CreateOptions& options, const CameraModel& camera,
+                     CreateScratch* scratch, Map* map) {
+  const std::int32_t before = map->next_landmark_number;
+  for (const KeyframeId partner : partners_of(keyframe, options, *map)) {
+    match_partner(keyframe, partner, options, camera, scratch, map);
+  }
+  return map->next_landmark_number - before;
+}
+
+int extend_landmarks(std::int32_t first_number, const CameraModel& camera, double ratio_max, Map* map) {
+  int tied = 0;
+  FeatureGrid grid;
+  for (const KeyframeId id : keyframes_by_age(*map)) {
+    Keyframe& keyframe = map->keyframes[id.index()];
+    grid.build(keyframe.features.view(), camera.width_px, camera.height_px);
+    for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
+      const Landmark& landmark = map->landmarks[i];
+      if (!landmark.used || landmark.number < first_number) {
+        continue;
+      }
+      const std::int32_t feature = find_in(landmark, keyframe, grid, camera, ratio_max);
+      const auto& ties = keyframe.landmark_of;
+      const LandmarkId wanted = LandmarkId::from_index(i);
+      const bool already = std::find(ties.begin(), ties.begin() + static_cast<std::ptrdiff_t>(keyframe.features.size()), wanted) !=
+                           ties.begin() + static_cast<std::ptrdiff_t>(keyframe.features.size());
+      if (feature >= 0 && !already) {
+        tie_sighting(id, static_cast<std::size_t>(feature), wanted, map);
+        ++tied;
+      }
+    }
+  }
+  return tied;
+}
+
+double residual_scale(const Map& map, const CameraModel& camera) {
+  FixedVector<double, 16384> squares;
+  for (const Keyframe& keyframe : map.keyframes) {
+    for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
+      const LandmarkId id = keyframe.landmark_of[i];
+      if (id.valid() && map.landmarks[id.index()].observations > 2 && !squares.full()) {
+        (void)squares.push_back(squared_residual(keyframe, i, map.landmarks[id.index()], camera));
+      }
+    }
+  }
+  if (squares.size() < 20) {
+    return 1.0;
+  }
+  std::nth_element(squares.begin(), squares.begin() + squares.size() / 2, squares.end());
+  constexpr double kMedianChi2 = 1.386;  // of two coordinates
+  return std::sqrt(squares[squares.size() / 2] / kMedianChi2);
+}
+
+int cull_landmarks(const CameraModel& camera, double noise_scale, Map* map) {
+  const double limit = 9.21 * noise_scale * noise_scale;
+  for (std::size_t k = 0; k < map->keyframes.size(); ++k) {
+    Keyframe& keyframe = map->keyframes[k];
+    for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
+      const LandmarkId id = keyframe.landmark_of[i];
+      if (id.valid() && squared_residual(keyframe, i, map->landmarks[id.index()], camera) > limit) {
+        untie_sighting(KeyframeId::from_index(k), i, map);
+      }
+    }
+  }
+  const std::uint32_t newest = map->next_keyframe_number;
+  int removed = 0;
+  for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
+    if (map->landmarks[i].used && is_bad(map->landmarks[i], newest)) {
+      remove_landmark(LandmarkId::from_index(i), map);
+      ++removed;
+    }
+  }
+  return removed;
+}
+
+}  // namespace polhode

@@ -1,0 +1,45 @@
+// New landmarks from pairs of keyframes, and the end of bad ones.
+#pragma once
+
+#include <cstdint>
+
+#include "geometry/camera_model.hpp"
+#include "map/map.hpp"
+#include "map/options.hpp"
+
+namespace polhode {
+
+struct CreateOptions {
+  double parallax_min_rad = 0.035;
+  double ratio_max = 0.8;
+};
+
+/// Working memory; contents mean nothing between calls.
+struct CreateScratch {
+  FixedVector<std::int32_t, limits::kFeatures> free_a;
+  FixedVector<std::int32_t, limits::kFeatures> free_b;
+  std::array<std::int32_t, limits::kFeatures> best_of_b{};
+  std::array<std::int32_t, limits::kFeatures> distance_of_b{};
+};
+
+/// Matches the free features of `keyframe` along the epipolar lines in up to four partner keyframes, triangulates, looks
+/// for the point in further keyframes, and keeps what agrees with all of them within chi-square.
+/// @return landmarks made.
+int create_landmarks(KeyframeId keyframe, const CreateOptions& options, const CameraModel& camera,
+                     CreateScratch* scratch, Map* map);
+
+/// Ties landmarks to free features of keyframes in which they should be seen: within 3 sigma, alike in appearance, and
+/// better than any rival. Done for the landmarks made since `first_number` in all keyframes that look at the same side.
+/// @return sightings tied.
+int extend_landmarks(std::int32_t first_number, const CameraModel& camera, double ratio_max, Map* map);
+
+/// Unties sightings whose reprojection error exceeds chi-square 9.21 (two coordinates, 99 %) by the noise scale, then
+/// removes landmarks seen by fewer than two keyframes, those still seen by only two when three keyframes have come since,
+/// and those found in under a quarter of the frames that should have seen them.
+/// @return landmarks removed.
+int cull_landmarks(const CameraModel& camera, double noise_scale, Map* map);
+
+/// Robust scale of the sightings' residuals in units of their sigma (median of squares over its value for a unit normal).
+double residual_scale(const Map& map, const CameraModel& camera);
+
+}  // namespace polhode

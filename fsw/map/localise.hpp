@@ -1,0 +1,76 @@
+// The pose of a frame from the map: guided matching about a predicted pose, or by descriptors alone.
+#pragma once
+
+#include <cstdint>
+
+#include "base/result.hpp"
+#include "features/match.hpp"
+#include "geometry/camera_model.hpp"
+#include "map/map.hpp"
+#include "map/options.hpp"
+#include "solve/absolute_pose.hpp"
+#include "tracks/options.hpp"
+
+namespace polhode {
+
+/// A feature of the frame that is taken for a landmark.
+struct LandmarkMatch {
+  LandmarkId landmark;
+  std::int32_t feature = -1;  ///< index into the frame's features; -1 where optical flow found it
+  float u_px = 0.0F;          ///< distorted pixel
+  float v_px = 0.0F;
+  Eigen::Vector2d normalised = Eigen::Vector2d::Zero();
+  double sigma_px = 1.0;
+  bool inlier = false;
+};
+
+using LandmarkMatches = FixedVector<LandmarkMatch, limits::kPoseMatches>;
+
+struct LocalisedFrame {
+  AbsolutePose absolute;
+  LandmarkMatches matches;
+  int predicted = 0;  ///< landmarks that should be seen from this pose
+};
+
+/// Working memory of the functions below; contents mean nothing between calls.
+struct LocaliseScratch {
+  FeatureGrid grid;
+  std::array<std::int32_t, limits::kFeatures> landmark_of_feature{};
+  std::array<std::int32_t, limits::kFeatures> distance_of_feature{};
+  FixedVector<PoseObservation, limits::kPoseMatches> observations;
+  std::array<std::uint8_t, limits::kPoseMatches> inlier{};
+};
+
+struct LocaliseInput {
+  const Map* map = nullptr;
+  const Features* features = nullptr;
+  const CameraModel* camera = nullptr;
+  const LocaliseOptions* options = nullptr;
+  double ratio_max = 0.8;
+  std::uint64_t seed = 0;
+  std::uint64_t stream = 0;  ///< differs from frame to frame
+};
+
+/// Is the landmark on the side that faces the camera, in front of it and inside the picture?
+bool should_be_seen(const Landmark& landmark, const Pose& pose, const CameraModel& camera, Eigen::Vector2d* pixel);
+
+/// Matches landmarks to features within `radius_px` of where `predicted` puts them, solves for the pose, matches anew
+/// about the result within its own covariance, and refines.
+/// @errors TooFewObservations, NoConsensus, Degenerate.
+Result<bool> localise_guided(const LocaliseInput& input, const Pose& predicted, double radius_px,
+                             LocaliseScratch* scratch, LocalisedFrame* out);
+
+/// Solves for the pose from `out->matches` as they stand, by consensus (`hint` is tried first when given), and marks the
+/// inliers.
+/// @errors TooFewObservations, NoConsensus, Degenerate.
+Result<bool> solve_matched(const LocaliseInput& input, const Pose* hint, LocaliseScratch* scratch, LocalisedFrame* out);
+
+/// Solves for the pose from `out->matches` as they stand, by consensus, then matches anew about it and refines.
+/// @errors as above.
+Result<bool> localise_matched(const LocaliseInput& input, LocaliseScratch* scratch, LocalisedFrame* out);
+
+/// Matches features to the landmarks of all keyframes by kd-tree, then as localise_matched.
+/// @errors as above.
+Result<bool> relocalise(const LocaliseInput& input, LocaliseScratch* scratch, LocalisedFrame* out);
+
+}  // namespace polhode

@@ -1,0 +1,199 @@
+#include "map/map.hpp"
+
+#include <algorithm>
+
+#include "base/assert.hpp"
+
+namespace polhode {
+namespace {
+
+Keyframe& at(Map* map, KeyframeId id) {
+  POLHODE_ASSERT(id.valid() && map->keyframes[id.index()].used, id.slot);
+  return map->keyframes[id.index()];
+}
+
+Landmark& at(Map* map, LandmarkId id) {
+  POLHODE_ASSERT(id.valid() && map->landmarks[id.index()].used, id.slot);
+  return map->landmarks[id.index()];
+}
+
+/// Keeps the views that differ most: a new one replaces the one nearest to it once all places are taken.
+void keep_view(const LandmarkView& view, Landmark* landmark) {
+  constexpr double kSameSide = 0.966;  // cos 15 deg: nearer views look alike
+  for (LandmarkView& held : landmark->views) {
+    if (held.direction_T.dot(view.direction_T) > kSameSide) {
+      held = view;  // the newer one has the newer light
+      return;
+    }
+  }
+  if (landmark->views.push_back(view)) {
+    return;
+  }
+  std::size_t nearest = 0;
+  for (std::size_t i = 1; i < landmark->views.size(); ++i) {
+    if (landmark->views[i].direction_T.dot(view.direction_T) >
+        landmark->views[nearest].direction_T.dot(view.direction_T)) {
+      nearest = i;
+    }
+  }
+  landmark->views[nearest] = view;
+}
+
+void refresh_extent(Map* map) {
+  FixedVector<double, limits::kLandmarks> values;
+  for (int axis = 0; axis < 3; ++axis) {
+    values.clear();
+    for (const Landmark& landmark : map->landmarks) {
+      if (landmark.used) {
+        (void)values.push_back(landmark.p_T[axis]);
+      }
+    }
+    if (values.empty()) {
+      return;
+    }
+    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+    map->centre_T[axis] = values[values.size() / 2];
+  }
+  values.clear();
+  for (const Landmark& landmark : map->landmarks) {
+    if (landmark.used) {
+      (void)values.push_back((landmark.p_T - map->centre_T).norm());
+    }
+  }
+  const std::size_t rank = values.size() * 9 / 10;
+  std::nth_element(values.begin(), values.begin() + rank, values.end());
+  map->radius_mu = values[rank];
+}
+
+}  // namespace
+
+KeyframeId add_keyframe(Map* map) {
+  for (std::size_t i = 0; i < map->keyframes.size(); ++i) {
+    Keyframe& keyframe = map->keyframes[i];
+    if (!keyframe.used) {
+      keyframe.used = true;
+      keyframe.number = map->next_keyframe_number++;
+      keyframe.features.clear();
+      keyframe.landmark_of.fill(LandmarkId{});
+      ++map->keyframe_count;
+      return KeyframeId::from_index(i);
+    }
+  }
+  return {};
+}
+
+LandmarkId add_landmark(Map* map) {
+  for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
+    if (!map->landmarks[i].used) {
+      map->landmarks[i] = Landmark{};
+      map->landmarks[i].used = true;
+      map->landmarks[i].number = map->next_landmark_number++;
+      ++map->landmark_count;
+      return LandmarkId::from_index(i);
+    }
+  }
+  return {};
+}
+
+void tie_sighting(KeyframeId keyframe, std::size_t feature, LandmarkId landmark, Map* map) {
+  Keyframe& k = at(map, keyframe);
+  POLHODE_ASSERT(feature < k.features.size() && !k.landmark_of[feature].valid(), feature);
+  k.landmark_of[feature] = landmark;
+  Landmark& l = at(map, landmark);
+  ++l.observations;
+  l.seen_keyframe = std::max(l.seen_keyframe, k.number);
+}
+
+void untie_sighting(KeyframeId keyframe, std::size_t feature, Map* map) {
+  Keyframe& k = at(map, keyframe);
+  POLHODE_ASSERT(k.landmark_of[feature].valid(), feature);
+  --at(map, k.landmark_of[feature]).observations;
+  k.landmark_of[feature] = LandmarkId{};
+}
+
+void remove_landmark(LandmarkId id, Map* map) {
+  at(map, id).used = false;
+  --map->landmark_count;
+  for (Keyframe& keyframe : map->keyframes) {
+    if (!keyframe.used) {
+      continue;
+    }
+    for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+      if (keyframe.landmark_of[i] == id) {
+        keyframe.landmark_of[i] = LandmarkId{};
+      }
+    }
+  }
+}
+
+void remove_keyframe(KeyframeId id, Map* map) {
+  Keyframe& keyframe = at(map, id);
+  for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+    if (keyframe.landmark_of[i].valid()) {
+      const LandmarkId landmark = keyframe.landmark_of[i];
+      untie_sighting(id, i, map);
+      if (map->landmarks[landmark.index()].observations < 2) {
+        remove_landmark(landmark, map);
+      }
+    }
+  }
+  keyframe.used = false;
+  --map->keyframe_count;
+}
+
+void refresh_landmarks(Map* map, const CameraModel& camera) {
+  for (Landmark& landmark : map->landmarks) {
+    landmark.normal_T.setZero();
+    landmark.size_mu = 0.0;
+    landmark.views.clear();
+  }
+  FixedVector<KeyframeId, limits::kKeyframes> order = keyframes_by_age(*map);
+  std::reverse(order.begin(), order.end());
+  for (const KeyframeId id : order) {
+    const Keyframe& keyframe = map->keyframes[id.index()];
+    for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+      if (!keyframe.landmark_of[i].valid()) {
+        continue;
+      }
+      Landmark& landmark = at(map, keyframe.landmark_of[i]);
+      const Eigen::Vector3d direction_T = (keyframe.pose.camera_T() - landmark.p_T).normalized();
+      landmark.normal_T += direction_T;
+      const double depth = keyframe.pose.to_camera(landmark.p_T).z();
+      landmark.size_mu += static_cast<double>(keyframe.features[i].scale_px) * depth / camera.focal_px();
+      keep_view({.descriptor = keyframe.features[i].descriptor, .direction_T = direction_T}, &landmark);
+    }
+  }
+  for (Landmark& landmark : map->landmarks) {
+    if (landmark.used && landmark.observations > 0) {
+      landmark.normal_T.normalize();
+      landmark.size_mu /= landmark.observations;
+    }
+  }
+  refresh_extent(map);
+}
+
+FixedVector<KeyframeId, limits::kKeyframes> keyframes_by_age(const Map& map) {
+  FixedVector<KeyframeId, limits::kKeyframes> ids;
+  for (std::size_t i = 0; i < map.keyframes.size(); ++i) {
+    if (map.keyframes[i].used) {
+      (void)ids.push_back(KeyframeId::from_index(i));
+    }
+  }
+  std::sort(ids.begin(), ids.end(), [&](KeyframeId a, KeyframeId b) {
+    return map.keyframes[a.index()].number > map.keyframes[b.index()].number;
+  });
+  return ids;
+}
+
+void clear(Map* map) {
+  for (Keyframe& keyframe : map->keyframes) {
+    keyframe.used = false;
+  }
+  for (Landmark& landmark : map->landmarks) {
+    landmark.used = false;
+  }
+  map->keyframe_count = 0;
+  map->landmark_count = 0;
+}
+
+}  // namespace polhode

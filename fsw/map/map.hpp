@@ -1,0 +1,80 @@
+// The bounded map: keyframes with their features, landmarks, and which feature sees which landmark.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "base/ids.hpp"
+#include "config/limits.hpp"
+#include "features/detect.hpp"
+#include "geometry/pose.hpp"
+
+namespace polhode {
+
+struct Keyframe {
+  bool used = false;
+  std::uint32_t number = 0;  ///< ascending in time, never used twice
+  std::uint32_t frame = 0;
+  std::int64_t timestamp_ns = 0;
+  Pose pose;
+  Features features;
+  std::array<LandmarkId, limits::kFeatures> landmark_of{};  ///< per feature
+};
+
+/// How a landmark looks from one side.
+struct LandmarkView {
+  Descriptor descriptor{};
+  Eigen::Vector3d direction_T = Eigen::Vector3d::Zero();  ///< unit, towards the camera
+};
+
+struct Landmark {
+  static constexpr std::size_t kViews = 3;
+
+  bool used = false;
+  std::int32_t number = -1;  ///< never used twice in a run
+  Eigen::Vector3d p_T = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal_T = Eigen::Vector3d::Zero();  ///< mean direction to the cameras that see it: stands in for the surface normal
+  double size_mu = 0.0;                                ///< radius of its blob on the body
+  FixedVector<LandmarkView, kViews> views;
+  std::int32_t observations = 0;  ///< in keyframes
+  std::int32_t found = 0;         ///< frames in which it was matched as an inlier
+  std::int32_t predicted = 0;     ///< frames in which it should have been seen
+  std::uint32_t created_keyframe = 0;
+  std::uint32_t seen_keyframe = 0;  ///< number of the last keyframe that saw it
+};
+
+struct Map {
+  std::array<Keyframe, limits::kKeyframes> keyframes{};
+  std::array<Landmark, limits::kLandmarks> landmarks{};
+  std::uint32_t next_keyframe_number = 0;
+  std::int32_t next_landmark_number = 0;
+  std::int32_t keyframe_count = 0;
+  std::int32_t landmark_count = 0;
+  Eigen::Vector3d centre_T = Eigen::Vector3d::Zero();  ///< median of the landmarks
+  double radius_mu = 0.0;                              ///< 90 % of them are nearer to the centre
+};
+
+/// @return an invalid id when the table is full.
+KeyframeId add_keyframe(Map* map);
+LandmarkId add_landmark(Map* map);
+
+/// Frees the slot; the landmark's sightings are untied.
+void remove_landmark(LandmarkId id, Map* map);
+/// Frees the slot; landmarks that fewer than two keyframes still see go with it.
+void remove_keyframe(KeyframeId id, Map* map);
+
+/// Ties feature `feature` of a keyframe to a landmark; the feature must be free.
+void tie_sighting(KeyframeId keyframe, std::size_t feature, LandmarkId landmark, Map* map);
+void untie_sighting(KeyframeId keyframe, std::size_t feature, Map* map);
+
+/// Recomputes each landmark's mean viewing direction, blob size and views from the keyframes, and the map's extent.
+void refresh_landmarks(Map* map, const CameraModel& camera);
+
+/// Slots of the used keyframes, newest first.
+FixedVector<KeyframeId, limits::kKeyframes> keyframes_by_age(const Map& map);
+
+void clear(Map* map);
+
+}  // namespace polhode

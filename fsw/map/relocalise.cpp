@@ -1,0 +1,66 @@
+#include <vector>
+
+#include "map/localise.hpp"
+#include "solve/neighbours.hpp"
+
+namespace polhode {
+
+namespace {
+
+struct DescriptorTable {
+  std::vector<std::uint8_t> octets;
+  std::vector<std::int32_t> landmark;  ///< slot, per row
+};
+
+DescriptorTable all_views(const Map& map) {
+  DescriptorTable table;
+  for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
+    if (!map.landmarks[i].used) {
+      continue;
+    }
+    for (const LandmarkView& view : map.landmarks[i].views) {
+      table.octets.insert(table.octets.end(), view.descriptor.begin(), view.descriptor.end());
+      table.landmark.push_back(static_cast<std::int32_t>(i));
+    }
+  }
+  return table;
+}
+
+}  // namespace
+
+Result<bool> relocalise(const LocaliseInput& input, LocaliseScratch* scratch, LocalisedFrame* out) {
+  const DescriptorTable table = all_views(*input.map);
+  if (table.landmark.empty()) {
+    return ErrorCode::kTooFewObservations;
+  }
+  std::vector<std::uint8_t> queries;
+  for (const Feature& feature : *input.features) {
+    queries.insert(queries.end(), feature.descriptor.begin(), feature.descriptor.end());
+  }
+  std::vector<Neighbours> found(input.features->size());
+  nearest_descriptors(table.octets, queries, found);
+  out->matches.clear();
+  const double ratio2 = input.ratio_max * input.ratio_max;
+  for (std::size_t f = 0; f < found.size(); ++f) {
+    if (found[f].nearest < 0) {
+      continue;
+    }
+    const std::int32_t landmark = table.landmark[static_cast<std::size_t>(found[f].nearest)];
+    // The second best may be another view of the same landmark: then it is no rival.
+    const bool rival = found[f].second >= 0 && table.landmark[static_cast<std::size_t>(found[f].second)] != landmark;
+    const bool clear = !rival || static_cast<double>(found[f].distance2_nearest) <= ratio2 * static_cast<double>(found[f].distance2_second);
+    if (clear && found[f].distance2_nearest <= static_cast<float>(kDistance2Max)) {
+      const Feature& feature = (*input.features)[f];
+      (void)out->matches.push_back({.landmark = LandmarkId{landmark},
+                                    .feature = static_cast<std::int32_t>(f),
+                                    .u_px = feature.u_px,
+                                    .v_px = feature.v_px,
+                                    .normalised = feature.normalised,
+                                    .sigma_px = static_cast<double>(feature.sigma_px),
+                                    .inlier = false});
+    }
+  }
+  return localise_matched(input, scratch, out);
+}
+
+}  // namespace polhode

@@ -1,0 +1,161 @@
+#include "map/window.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "geometry/alignment.hpp"
+
+namespace polhode {
+namespace {
+
+using Slots = std::array<std::int32_t, limits::kLandmarks>;
+
+int shared_landmarks(const Keyframe& keyframe, const std::array<bool, limits::kLandmarks>& wanted) {
+  int shared = 0;
+  for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+    const LandmarkId id = keyframe.landmark_of[i];
+    shared += id.valid() && wanted[id.index()] ? 1 : 0;
+  }
+  return shared;
+}
+
+void collect_landmarks(const Keyframe& keyframe, std::array<bool, limits::kLandmarks>* wanted) {
+  for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+    if (keyframe.landmark_of[i].valid()) {
+      (*wanted)[keyframe.landmark_of[i].index()] = true;
+    }
+  }
+}
+
+/// Keyframes by how many of the wanted landmarks they see, most first, newest first among equals.
+std::vector<KeyframeId> by_covisibility(const Map& map, const std::array<bool, limits::kLandmarks>& wanted,
+                                        const std::vector<KeyframeId>& except) {
+  std::vector<std::pair<int, KeyframeId>> ranked;
+  for (const KeyframeId id : keyframes_by_age(map)) {
+    const int shared = shared_landmarks(map.keyframes[id.index()], wanted);
+    if (shared > 0 && std::find(except.begin(), except.end(), id) == except.end()) {
+      ranked.emplace_back(shared, id);
+    }
+  }
+  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<KeyframeId> ids;
+  for (const auto& entry : ranked) {
+    ids.push_back(entry.second);
+  }
+  return ids;
+}
+
+void add_pose(const Map& map, KeyframeId id, bool fixed, AdjustmentSnapshot* s) {
+  s->keyframes.push_back(id);
+  s->poses.push_back(to_inverse_depth(map.keyframes[id.index()].pose));
+  s->pose_fixed.push_back(fixed ? 1 : 0);
+}
+
+/// Points in slot order and sightings in keyframe order: the solver sees the same problem in the same order each time.
+void add_points(const Map& map, const CameraModel& camera, const std::array<bool, limits::kLandmarks>& wanted,
+                AdjustmentSnapshot* s) {
+  Slots index{};
+  index.fill(-1);
+  for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
+    if (wanted[i] && map.landmarks[i].used && map.landmarks[i].observations >= 2) {
+      index[i] = static_cast<std::int32_t>(s->points_T.size());
+      s->landmarks.push_back(LandmarkId::from_index(i));
+      s->points_T.push_back(map.landmarks[i].p_T);
+      s->point_fixed.push_back(0);
+    }
+  }
+  for (std::size_t k = 0; k < s->keyframes.size(); ++k) {
+    const Keyframe& keyframe = map.keyframes[s->keyframes[k].index()];
+    for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+      const LandmarkId id = keyframe.landmark_of[i];
+      if (id.valid() && index[id.index()] >= 0) {
+        const Feature& f = keyframe.features[i];
+        s->observations.push_back({.pose = static_cast<std::int32_t>(k),
+                                   .point = index[id.index()],
+                                   .normalised = f.normalised,
+                                   .sigma_normalised = static_cast<double>(f.sigma_px) / camera.focal_px()});
+      }
+    }
+  }
+}
+
+}  // namespace
+
+AdjustmentSnapshot snapshot_window(const Map& map, const CameraModel& camera, int window) {
+  AdjustmentSnapshot s;
+  const auto order = keyframes_by_age(map);
+  if (order.empty()) {
+    return s;
+  }
+  std::array<bool, limits::kLandmarks> wanted{};
+  collect_landmarks(map.keyframes[order[0].index()], &wanted);
+  std::vector<KeyframeId> moving{order[0]};
+  for (const KeyframeId id : by_covisibility(map, wanted, moving)) {
+    if (static_cast<int>(moving.size()) < window) {
+      moving.push_back(id);
+    }
+  }
+  for (const KeyframeId id : moving) {
+    collect_landmarks(map.keyframes[id.index()], &wanted);
+    add_pose(map, id, false, &s);
+  }
+  const std::size_t held_max = 2 * static_cast<std::size_t>(window);
+  for (const KeyframeId id : by_covisibility(map, wanted, moving)) {
+    if (s.keyframes.size() < moving.size() + held_max) {
+      add_pose(map, id, true, &s);
+    }
+  }
+  if (s.keyframes.size() == moving.size()) {
+    s.pose_fixed.back() = 1;
+  }
+  add_points(map, camera, wanted, &s);
+  return s;
+}
+
+AdjustmentSnapshot snapshot_all(const Map& map, const CameraModel& camera) {
+  AdjustmentSnapshot s;
+  std::array<bool, limits::kLandmarks> wanted{};
+  wanted.fill(true);
+  for (const KeyframeId id : keyframes_by_age(map)) {
+    add_pose(map, id, s.keyframes.empty(), &s);
+  }
+  add_points(map, camera, wanted, &s);
+  return s;
+}
+
+BundleReport adjust(AdjustmentSnapshot* s, const BundleOptions& options) {
+  const BundleProblem problem{.poses = s->poses,
+                              .pose_fixed = s->pose_fixed,
+                              .points_T = s->points_T,
+                              .point_fixed = s->point_fixed,
+                              .observations = s->observations};
+  return adjust_bundle(problem, options);
+}
+
+void apply(const AdjustmentSnapshot& s, Map* map) {
+  Similarity back;  // identity: held keyframes keep the gauge
+  const auto held = std::count(s.pose_fixed.begin(), s.pose_fixed.end(), std::uint8_t{1});
+  if (held <= 1) {
+    std::vector<Eigen::Vector3d> before;
+    std::vector<double> weights;
+    for (const LandmarkId id : s.landmarks) {
+      before.push_back(map->landmarks[id.index()].p_T);
+      weights.push_back(map->landmarks[id.index()].observations);
+    }
+    const Result<Similarity> aligned = align_similarity(s.points_T, before, weights);
+    if (aligned) {
+      back = aligned.value();
+    }
+  }
+  for (std::size_t i = 0; i < s.landmarks.size(); ++i) {
+    map->landmarks[s.landmarks[i].index()].p_T = back.apply(s.points_T[i]);
+  }
+  for (std::size_t k = 0; k < s.keyframes.size(); ++k) {
+    // p_C = R p + t in the adjusted frame; with p' = c Q p + q the same point has p_C' = c p_C = (R Q^T)(p' - q) + c t.
+    const Pose pose = from_inverse_depth(s.poses[k]);
+    const Eigen::Matrix3d R_CT = pose.R_CT * back.R_ba.transpose();
+    map->keyframes[s.keyframes[k].index()].pose = {.R_CT = R_CT, .p_CT = back.scale * pose.p_CT - R_CT * back.t_ba};
+  }
+}
+
+}  // namespace polhode

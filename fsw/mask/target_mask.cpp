@@ -1,0 +1,77 @@
+#include "mask/target_mask.hpp"
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+
+namespace polhode {
+namespace {
+
+constexpr int kGroupCellsMin = 4;  // 8 x 8 px: a star's blur disc is 3 px across
+constexpr int kGrowCells = 2;
+
+/// Clears groups that are too small and returns the cells' enclosing rectangle.
+cv::Rect drop_small_groups(cv::Mat* cells) {
+  cv::Mat labels;
+  cv::Mat stats;
+  cv::Mat centroids;
+  const int groups = cv::connectedComponentsWithStats(*cells, labels, stats, centroids, 8, CV_32S);
+  cv::Rect region;
+  for (int g = 1; g < groups; ++g) {
+    const cv::Rect box(stats.at<int>(g, cv::CC_STAT_LEFT),
+                       stats.at<int>(g, cv::CC_STAT_TOP),
+                       stats.at<int>(g, cv::CC_STAT_WIDTH),
+                       stats.at<int>(g, cv::CC_STAT_HEIGHT));
+    if (stats.at<int>(g, cv::CC_STAT_AREA) >= kGroupCellsMin) {
+      region = region.empty() ? box : (region | box);
+      continue;
+    }
+    for (int row = box.y; row < box.y + box.height; ++row) {
+      for (int column = box.x; column < box.x + box.width; ++column) {
+        if (labels.at<int>(row, column) == g) {
+          cells->at<std::uint8_t>(row, column) = 0;
+        }
+      }
+    }
+  }
+  return region;
+}
+
+}  // namespace
+
+bool TargetMask::contains(double u_px, double v_px) const {
+  const int column = static_cast<int>(u_px + 0.5) / kCell_px;
+  const int row = static_cast<int>(v_px + 0.5) / kCell_px;
+  return row >= 0 && column >= 0 && row < cells.rows && column < cells.cols && cells.at<std::uint8_t>(row, column) != 0;
+}
+
+void find_target(const cv::Mat& gray, const MaskOptions& options, TargetMask* mask) {
+  const cv::Size size((gray.cols + TargetMask::kCell_px - 1) / TargetMask::kCell_px,
+                      (gray.rows + TargetMask::kCell_px - 1) / TargetMask::kCell_px);
+  const cv::Rect whole(0, 0, gray.cols, gray.rows);
+  if (!options.enabled) {
+    mask->cells.create(size, CV_8UC1);
+    mask->cells.setTo(255);
+    mask->region_px = whole;
+    mask->coverage = 1.0;
+    return;
+  }
+  cv::Mat small;
+  cv::resize(gray, small, size, 0.0, 0.0, cv::INTER_AREA);
+  cv::threshold(small, mask->cells, options.dark_level * 255.0, 255.0, cv::THRESH_BINARY);
+  const cv::Rect group = drop_small_groups(&mask->cells);
+  cv::dilate(mask->cells, mask->cells, cv::Mat(), cv::Point(-1, -1), kGrowCells);
+  mask->coverage = static_cast<double>(cv::countNonZero(mask->cells)) / static_cast<double>(mask->cells.total());
+  if (group.empty()) {
+    mask->region_px = cv::Rect();
+    return;
+  }
+  const cv::Rect grown(group.x - kGrowCells, group.y - kGrowCells, group.width + 2 * kGrowCells,
+                       group.height + 2 * kGrowCells);
+  mask->region_px = cv::Rect(grown.x * TargetMask::kCell_px,
+                             grown.y * TargetMask::kCell_px,
+                             grown.width * TargetMask::kCell_px,
+                             grown.height * TargetMask::kCell_px) &
+                    whole;
+}
+
+}  // namespace polhode

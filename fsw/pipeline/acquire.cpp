@@ -1,0 +1,152 @@
+#include "pipeline/acquire.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "map/begin.hpp"
+#include "pipeline/mapping.hpp"
+#include "pipeline/track.hpp"
+
+namespace polhode {
+namespace {
+
+struct PictureChange {
+  int matches = 0;
+  double shift_px = 0.0;     ///< mean motion
+  double relative_px = 0.0;  ///< RMS motion about the mean
+  double extent_px = 0.0;    ///< RMS distance of the features from their mean
+};
+
+PictureChange change_since(const CollectedFrame& before, const Features& now, double ratio_max, FeatureMatches* matches) {
+  match_mutual(before.features.view(), now.view(), ratio_max, matches);
+  PictureChange change;
+  change.matches = static_cast<int>(matches->size());
+  if (matches->empty()) {
+    return change;
+  }
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  double squares = 0.0;
+  double place_squares = 0.0;
+  for (const FeatureMatch& match : *matches) {
+    const Feature& a = before.features[static_cast<std::size_t>(match.a)];
+    const Feature& b = now[static_cast<std::size_t>(match.b)];
+    const Eigen::Vector2d at(a.u_px, a.v_px);
+    const Eigen::Vector2d d = Eigen::Vector2d(b.u_px, b.v_px) - at;
+    sum += d;
+    squares += d.squaredNorm();
+    place += at;
+    place_squares += at.squaredNorm();
+  }
+  const double n = change.matches;
+  change.shift_px = (sum / n).norm();
+  change.relative_px = std::sqrt(std::max(0.0, squares / n - (sum / n).squaredNorm()));
+  change.extent_px = std::sqrt(std::max(0.0, place_squares / n - (place / n).squaredNorm()));
+  return change;
+}
+
+/// Is the frame different enough from the last collected one to tell something about depth?
+bool worth_collecting(Component::State* s) {
+  if (s->tracks.frames.empty()) {
+    return true;
+  }
+  const PictureChange change = change_since(s->tracks.frames.back(), s->features,
+                                            s->parameters.tracks.descriptor_ratio_max, &s->tracks.scratch);
+  // A turn of 2 deg moves a body's near spots by 3 % of its radius against its far ones; a shift of a fifth of the radius
+  // changes the direction of view by as much as matters for translation alone.
+  constexpr double kRelativeMin = 0.03;
+  constexpr double kShiftMin = 0.2;
+  constexpr int kMatchesFew = 30;
+  return change.matches < kMatchesFew || change.relative_px > kRelativeMin * change.extent_px ||
+         change.shift_px > kShiftMin * change.extent_px;
+}
+
+StartProblem pose_problem(Component::State* s) {
+  static_assert(limits::kStartFrames <= 64);
+  for (std::size_t i = 0; i < s->tracks.frames.size(); ++i) {
+    const std::int64_t since_ns = s->tracks.frames[i].timestamp_ns - s->tracks.frames[0].timestamp_ns;
+    s->start_times_s[i] = static_cast<double>(since_ns) * 1e-9;
+  }
+  for (std::size_t t = 0; t < s->tracks.tracks.size(); ++t) {
+    StartTrack& track = s->start_tracks[t];
+    track.observations.clear();
+    for (const TrackPoint& point : s->tracks.tracks[t].points) {
+      const Feature& f =
+          s->tracks.frames[static_cast<std::size_t>(point.frame)].features[static_cast<std::size_t>(point.feature)];
+      (void)track.observations.push_back({.frame = point.frame,
+                                          .normalised = f.normalised,
+                                          .sigma_normalised = static_cast<double>(f.sigma_px) / s->camera.focal_px()});
+    }
+  }
+  return {.times_s = std::span(s->start_times_s).first(s->tracks.frames.size()),
+          .tracks = std::span(s->start_tracks).first(s->tracks.tracks.size()),
+          .seed = s->parameters.seed};
+}
+
+/// This frame's own matches and pose, from the keyframe that it has become.
+bool pose_from_keyframe(const Keyframe& keyframe, Component::State* s) {
+  s->localised.matches.clear();
+  for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+    const LandmarkId id = keyframe.landmark_of[i];
+    if (id.valid()) {
+      const Feature& f = keyframe.features[i];
+      (void)s->localised.matches.push_back({.landmark = id,
+                                            .feature = static_cast<std::int32_t>(i),
+                                            .u_px = f.u_px,
+                                            .v_px = f.v_px,
+                                            .normalised = f.normalised,
+                                            .sigma_px = static_cast<double>(f.sigma_px)});
+    }
+  }
+  s->localised.predicted = static_cast<int>(s->localised.matches.size());
+  return solve_matched(localise_input(*s), &keyframe.pose, &s->localise_scratch, &s->localised).ok();
+}
+
+/// Takes over the start: map, first joint adjustment, poses so far, this frame's own pose.
+void begin(const StartOutcome& outcome, Component::State* s) {
+  clear(&s->map);
+  begin_map(outcome, s->tracks, s->parameters.map, &s->map);
+  settle_map(s);
+  s->mode = Mode::kTracking;
+  s->poses.clear();
+  auto order = keyframes_by_age(s->map);
+  std::reverse(order.begin(), order.end());
+  for (const KeyframeId id : order) {
+    const Keyframe& keyframe = s->map.keyframes[id.index()];
+    const bool solved = pose_from_keyframe(keyframe, s);
+    if (keyframe.frame != s->frame && solved) {
+      remember_pose(keyframe.timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
+    }
+    s->pose_valid = keyframe.frame == s->frame && solved;
+  }
+}
+
+}  // namespace
+
+void ensure_features(Component::State* s) {
+  if (!s->features_ready) {
+    detect_features(s->gray, s->mask, s->camera, s->parameters.features, &s->features);
+    s->features_ready = true;
+  }
+}
+
+void acquire(Component::State* s) {
+  ensure_features(s);
+  constexpr std::size_t kFeaturesMin = 12;  // fewer cannot carry a pose
+  if (s->features.size() < kFeaturesMin || !worth_collecting(s)) {
+    return;
+  }
+  add_frame(s->frame, s->timestamp_ns, s->features, s->parameters.tracks.descriptor_ratio_max, &s->tracks);
+  s->counters.tables_full += s->tracks.full_count;
+  s->tracks.full_count = 0;
+  if (static_cast<int>(s->tracks.frames.size()) < s->parameters.start.frames_min) {
+    return;
+  }
+  ++s->counters.start_contests;
+  run_start_contest(pose_problem(s), s->parameters.start, &s->start_workspace, &s->start_outcome);
+  if (s->start_outcome.decision == StartDecision::kCommit) {
+    begin(s->start_outcome, s);
+  }
+}
+
+}  // namespace polhode

@@ -1,0 +1,57 @@
+#include "pipeline/component.hpp"
+
+#include <cstdint>
+#include <new>
+
+#include "pipeline/state.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr std::size_t kAlignment = 64;
+
+/// The component and its state lie side by side in the caller's memory.
+struct alignas(kAlignment) Storage {
+  Component::State state;
+  alignas(kAlignment) std::byte component[sizeof(Component)];
+};
+
+CameraModel to_model(const CameraParameters& c) {
+  return {.width_px = c.width_px,
+          .height_px = c.height_px,
+          .fu_px = c.fu_px,
+          .fv_px = c.fv_px,
+          .cu_px = c.cu_px,
+          .cv_px = c.cv_px,
+          .k1 = c.k1,
+          .k2 = c.k2,
+          .p1 = c.p1,
+          .p2 = c.p2};
+}
+
+}  // namespace
+
+MemoryNeed memory_needed(const Parameters& /*parameters*/) { return {.total = sizeof(Storage)}; }
+
+Result<Component*> Component::create(std::span<std::byte> memory, const Parameters& parameters) {
+  if (auto problem = check(parameters)) {
+    return *problem;
+  }
+  const bool aligned = reinterpret_cast<std::uintptr_t>(memory.data()) % kAlignment == 0;
+  if (memory.size() < sizeof(Storage) || !aligned) {
+    return Error{ErrorCode::kMemoryTooSmall, "memory must hold memory_needed().total octets, aligned to 64"};
+  }
+  auto* storage = ::new (static_cast<void*>(memory.data())) Storage;
+  storage->state.parameters = parameters;
+  storage->state.camera = to_model(parameters.camera);
+  return ::new (static_cast<void*>(storage->component)) Component(&storage->state);
+}
+
+void Component::set_stage_hook(StageHook hook, void* context) {
+  state_->hook = hook;
+  state_->hook_context = context;
+}
+
+const Counters& Component::counters() const { return state_->counters; }
+
+}  // namespace polhode

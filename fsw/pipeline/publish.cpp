@@ -1,0 +1,101 @@
+#include "pipeline/publish.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "bus/telemetry.hpp"
+
+namespace polhode {
+namespace {
+
+std::array<double, 3> to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+std::uint16_t clipped(std::size_t count) {
+  return static_cast<std::uint16_t>(std::min<std::size_t>(count, 0xFFFF));
+}
+
+std::uint16_t inliers(const LandmarkMatches& matches) {
+  return clipped(static_cast<std::size_t>(
+      std::count_if(matches.begin(), matches.end(), [](const LandmarkMatch& m) { return m.inlier; })));
+}
+
+double worst_sigma(const Eigen::Matrix3d& covariance) { return std::sqrt(covariance.diagonal().maxCoeff()); }
+
+/// Of the two quaternions of one rotation the one nearer to the last published.
+std::array<double, 4> continuous_quaternion(const Eigen::Matrix3d& R_CT, std::array<double, 4>* last) {
+  Eigen::Quaterniond q(R_CT);
+  q.normalize();
+  const double dot = q.w() * (*last)[0] + q.x() * (*last)[1] + q.y() * (*last)[2] + q.z() * (*last)[3];
+  if (dot < 0.0) {
+    q.coeffs() *= -1.0;
+  }
+  *last = {q.w(), q.x(), q.y(), q.z()};
+  return *last;
+}
+
+void fill_pose(const AbsolutePose& absolute, double unit, Component::State* s, MotionState* m) {
+  m->pose_valid = true;
+  m->q_CT = continuous_quaternion(absolute.pose.R_CT, &s->q_CT_last);
+  m->p_CT = to_array(unit * absolute.pose.p_CT);
+  m->sigma_att_rad = worst_sigma(absolute.covariance.topLeftCorner<3, 3>());
+  m->sigma_pos = unit * worst_sigma(absolute.covariance.bottomRightCorner<3, 3>());
+}
+
+void list_observations(Component::State* s) {
+  s->observations.clear();
+  for (const LandmarkMatch& match : s->localised.matches) {
+    const Landmark& landmark = s->map.landmarks[match.landmark.index()];
+    if (!landmark.used) {
+      continue;
+    }
+    Observation o{.landmark = landmark.number,
+                  .u_px = match.u_px,
+                  .v_px = match.v_px,
+                  .sigma_px = static_cast<float>(match.sigma_px),
+                  .inlier = match.inlier};
+    const Eigen::Vector3d p_C = s->localised.absolute.pose.to_camera(landmark.p_T);
+    if (p_C.z() > 0.0) {
+      const Eigen::Vector2d pixel = project_px(s->camera, p_C);
+      o.predicted_u_px = static_cast<float>(pixel.x());
+      o.predicted_v_px = static_cast<float>(pixel.y());
+    }
+    (void)s->observations.push_back(o);
+  }
+  for (const Feature& f : s->features) {
+    if (s->pose_valid || s->observations.full()) {
+      break;
+    }
+    (void)s->observations.push_back({.u_px = f.u_px, .v_px = f.v_px, .sigma_px = f.sigma_px});
+  }
+}
+
+}  // namespace
+
+void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
+  if (!s->pose_valid) {
+    s->localised.matches.clear();
+  }
+  MotionState m;
+  m.frame = s->frame;
+  m.timestamp_ns = timestamp_ns;
+  m.mode = s->mode;
+  m.scale_known = s->scale.known;
+  m.features = clipped(std::max(s->features.size(), s->localised.matches.size()));
+  m.matches = clipped(s->localised.matches.size());
+  m.inliers = inliers(s->localised.matches);
+  m.landmarks = clipped(static_cast<std::size_t>(s->map.landmark_count));
+  m.keyframes = clipped(static_cast<std::size_t>(s->map.keyframe_count));
+  if (s->pose_valid) {
+    fill_pose(s->localised.absolute, s->scale.metres_per_mu, s, &m);
+  }
+  list_observations(s);
+  const std::size_t octets = encode_motion(m, s->parameters.bus, s->sequence, s->packet);
+  s->sequence = static_cast<std::uint16_t>((s->sequence + 1) & 0x3FFF);
+  s->output.use = use;
+  s->output.motion = m;
+  s->output.packets = std::span<const std::uint8_t>(s->packet).first(octets);
+  s->output.observations = s->observations.view();
+}
+
+}  // namespace polhode

@@ -1,0 +1,11 @@
+// The frame's answer: motion state, packet, observations.
+#pragma once
+
+#include "pipeline/state.hpp"
+
+namespace polhode {
+
+/// Fills `state->output`. Every accepted frame gets exactly one motion packet, valid or not.
+void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* state);
+
+}  // namespace polhode

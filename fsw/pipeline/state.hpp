@@ -1,0 +1,83 @@
+// Everything that a component remembers from step to step. Visible, plain, owned by whoever owns the memory.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "bus/options.hpp"
+#include "config/limits.hpp"
+#include "features/detect.hpp"
+#include "image/image.hpp"
+#include "map/follow.hpp"
+#include "map/initialise.hpp"
+#include "map/landmarks.hpp"
+#include "map/localise.hpp"
+#include "map/map.hpp"
+#include "mask/target_mask.hpp"
+#include "pipeline/component.hpp"
+#include "tracks/track_table.hpp"
+
+namespace polhode {
+
+struct TimedPose {
+  std::int64_t timestamp_ns = 0;
+  Pose pose;
+  PoseCovariance covariance = PoseCovariance::Zero();
+};
+
+/// Known length between two picture points, or range, once it has been turned into metres per map unit.
+struct ScaleState {
+  bool known = false;
+  double metres_per_mu = 1.0;
+  double relative_sigma = 0.0;
+};
+
+struct Component::State {
+  Parameters parameters;
+  CameraModel camera;
+  Counters counters;
+  Mode mode = Mode::kIdle;
+  StageHook hook = nullptr;
+  void* hook_context = nullptr;
+
+  // This frame.
+  std::uint32_t frame = 0;
+  std::int64_t timestamp_ns = 0;
+  cv::Mat gray;
+  TargetMask mask;
+  Features features;
+  bool features_ready = false;
+  Pyramid pyramid;
+  LocalisedFrame localised;
+  bool pose_valid = false;
+
+  // Before the map.
+  TrackTable tracks;
+  StartWorkspace start_workspace;
+  StartOutcome start_outcome;
+  std::array<StartTrack, limits::kStartTracks> start_tracks;
+  std::array<double, limits::kStartFrames> start_times_s{};
+
+  // The map and what follows from it.
+  Map map;
+  FlowReference reference;
+  FixedVector<TimedPose, limits::kMotionPoses> poses;  ///< oldest first
+  ScaleState scale;
+  double noise_scale = 1.0;  ///< how much larger the residuals are than the features' sigma says
+  std::int32_t keyframes_at_last_adjustment = 0;
+  std::uint32_t frames_lost = 0;
+
+  // Working memory of single calls.
+  LocaliseScratch localise_scratch;
+  CreateScratch create_scratch;
+
+  // Output.
+  std::uint16_t sequence = 0;
+  std::array<double, 4> q_CT_last{1.0, 0.0, 0.0, 0.0};
+  std::array<std::uint8_t, limits::kPacketOctets> packet{};
+  FixedVector<Observation, limits::kPoseMatches> observations;
+  StepOutput output;
+};
+
+}  // namespace polhode

@@ -1,0 +1,101 @@
+// One step, the stages in the order that data travels.
+#include <algorithm>
+#include <cmath>
+
+#include "bus/telemetry.hpp"
+#include "pipeline/acquire.hpp"
+#include "pipeline/mapping.hpp"
+#include "pipeline/publish.hpp"
+#include "pipeline/state.hpp"
+#include "pipeline/track.hpp"
+
+namespace polhode {
+namespace {
+
+FrameUse judge(const Frame& frame, const Component::State& s) {
+  if (!frame.readable || frame.image.data == nullptr) {
+    return FrameUse::kUnreadable;
+  }
+  if (frame.image.width_px != s.camera.width_px || frame.image.height_px != s.camera.height_px) {
+    return FrameUse::kWrongSize;
+  }
+  if (s.counters.frames_in > 1 && frame.timestamp_ns <= s.timestamp_ns) {
+    return FrameUse::kTimeNotIncreasing;
+  }
+  return FrameUse::kUsed;
+}
+
+void count(FrameUse use, Counters* counters) {
+  switch (use) {
+    case FrameUse::kUsed: ++counters->frames_used; break;
+    case FrameUse::kUnreadable: ++counters->frames_unreadable; break;
+    case FrameUse::kDark: ++counters->frames_dark; break;
+    case FrameUse::kWrongSize: ++counters->frames_wrong_size; break;
+    case FrameUse::kTimeNotIncreasing: ++counters->frames_time_not_increasing; break;
+  }
+}
+
+void stage_done(Stage stage, const Component::State& s) {
+  if (s.hook != nullptr) {
+    s.hook(s.hook_context, stage);
+  }
+}
+
+FrameUse look(const Frame& frame, Component::State* s) {
+  import_frame(frame.image, &s->gray);
+  const ImageQuality quality = assess(s->gray, s->parameters.image);
+  stage_done(Stage::kImage, *s);
+  if (quality.dark) {
+    return FrameUse::kDark;
+  }
+  find_target(s->gray, s->parameters.mask, &s->mask);
+  stage_done(Stage::kMask, *s);
+  return FrameUse::kUsed;
+}
+
+void estimate(Component::State* s) {
+  if (s->mode == Mode::kIdle) {
+    s->mode = Mode::kAcquiring;
+  }
+  if (s->mode == Mode::kAcquiring) {
+    acquire(s);
+  } else {
+    build_pyramid(s->gray, &s->pyramid);
+    stage_done(Stage::kTracks, *s);
+    track(s);
+  }
+  if (s->pose_valid) {
+    remember_pose(s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
+    ++s->counters.poses;
+  }
+  stage_done(Stage::kMap, *s);
+}
+
+}  // namespace
+
+const StepOutput& Component::step(const StepInput& input) {
+  State* s = state_;
+  s->frame = s->counters.frames_in++;
+  s->pose_valid = false;
+  s->features_ready = false;
+  s->features.clear();
+  s->localised.matches.clear();
+  FrameUse use = judge(input.frame, *s);
+  if (use != FrameUse::kTimeNotIncreasing) {
+    s->timestamp_ns = std::max(s->timestamp_ns, input.frame.timestamp_ns);
+  }
+  if (use == FrameUse::kUsed) {
+    use = look(input.frame, s);
+  }
+  if (use == FrameUse::kUsed) {
+    estimate(s);
+  } else if (s->mode == Mode::kTracking) {
+    s->reference.valid = false;
+  }
+  count(use, &s->counters);
+  publish(use, input.frame.timestamp_ns, s);
+  stage_done(Stage::kBus, *s);
+  return s->output;
+}
+
+}  // namespace polhode

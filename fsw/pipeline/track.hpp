@@ -1,0 +1,18 @@
+// TRACKING and LOST: the pose of each frame from the map.
+#pragma once
+
+#include "pipeline/state.hpp"
+
+namespace polhode {
+
+/// Finds the frame's pose by optical flow or guided matching, whichever the predicted image motion calls for, else by
+/// relocalisation; extends the map. Sets `pose_valid`, `localised` and the mode.
+void track(Component::State* state);
+
+/// What the map's functions need of this frame.
+LocaliseInput localise_input(const Component::State& state);
+
+/// Where the body should be at `timestamp_ns` by its motion so far. False when no pose is known.
+bool predict_pose(const Component::State& state, std::int64_t timestamp_ns, Pose* predicted);
+
+}  // namespace polhode

@@ -1,0 +1,214 @@
+#include "solve/absolute_pose.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opengv/absolute_pose/CentralAbsoluteAdapter.hpp>
+#include <opengv/absolute_pose/methods.hpp>
+
+#include "base/rng.hpp"
+#include "geometry/reprojection.hpp"
+#include "geometry/so3.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr double kHuberSigma = 2.0;
+
+double error2(const Pose& pose, const PoseObservation& o) {
+  const Eigen::Vector3d p_C = pose.to_camera(o.p_T);
+  if (!(p_C.z() > 0.0)) {
+    return 1e12;
+  }
+  return (p_C.hnormalized() - o.normalised).squaredNorm() / (o.sigma_normalised * o.sigma_normalised);
+}
+
+/// Truncated sum of squares (MSAC, Torr and Zisserman 2000): smaller is better.
+double score(const Pose& pose, std::span<const PoseObservation> observations) {
+  double sum = 0.0;
+  for (const PoseObservation& o : observations) {
+    sum += std::min(error2(pose, o), kInlierChi2);
+  }
+  return sum;
+}
+
+int mark_inliers(const Pose& pose, std::span<const PoseObservation> observations, std::span<std::uint8_t> inlier) {
+  int count = 0;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    inlier[i] = error2(pose, observations[i]) < kInlierChi2 ? 1 : 0;
+    count += inlier[i];
+  }
+  return count;
+}
+
+struct Consensus {
+  Pose pose;
+  double score = 1e300;
+};
+
+void keep_better(const Pose& pose, std::span<const PoseObservation> observations, Consensus* best) {
+  const double s = score(pose, observations);
+  if (s < best->score) {
+    *best = {.pose = pose, .score = s};
+  }
+}
+
+/// Up to four poses from three points; each is scored on all observations.
+void try_sample(std::span<const PoseObservation> observations,
+                const std::array<std::size_t, 3>& sample,
+                Consensus* best) {
+  opengv::bearingVectors_t bearings;
+  opengv::points_t points;
+  for (const std::size_t i : sample) {
+    bearings.push_back(observations[i].normalised.homogeneous().normalized());
+    points.push_back(observations[i].p_T);
+  }
+  opengv::absolute_pose::CentralAbsoluteAdapter adapter(bearings, points);
+  for (const opengv::transformation_t& T_TC : opengv::absolute_pose::p3p_kneip(adapter)) {
+    if (!T_TC.allFinite()) {
+      continue;
+    }
+    const Eigen::Matrix3d R_CT = T_TC.leftCols<3>().transpose();
+    keep_better({.R_CT = R_CT, .p_CT = -R_CT * T_TC.col(3)}, observations, best);
+  }
+}
+
+std::array<std::size_t, 3> draw_sample(Rng* rng, std::size_t count) {
+  const auto n = static_cast<std::uint32_t>(count);
+  std::array<std::size_t, 3> sample{rng->below(n), rng->below(n - 1), rng->below(n - 2)};
+  // Draws without replacement: each later draw skips the earlier ones, in ascending order.
+  if (sample[1] >= sample[0]) {
+    ++sample[1];
+  }
+  const std::size_t low = std::min(sample[0], sample[1]);
+  const std::size_t high = std::max(sample[0], sample[1]);
+  if (sample[2] >= low) {
+    ++sample[2];
+  }
+  if (sample[2] >= high) {
+    ++sample[2];
+  }
+  return sample;
+}
+
+/// Draws after which three inliers have come together with 99.9 % probability.
+int draws_needed(double score, std::size_t count) {
+  const double outliers = std::min(0.98, score / (kInlierChi2 * static_cast<double>(count)));
+  const double all_inliers = std::pow(1.0 - outliers, 3.0);
+  return static_cast<int>(std::ceil(std::log(1e-3) / std::log(1.0 - std::min(all_inliers, 0.999))));
+}
+
+struct NormalEquations {
+  Eigen::Matrix<double, 6, 6> H = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
+  double robust_cost = 0.0;
+  double chi2 = 0.0;
+  int used = 0;
+};
+
+NormalEquations linearise(std::span<const PoseObservation> observations, const Pose& pose,
+                          std::span<const std::uint8_t> inlier) {
+  NormalEquations n;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const Eigen::Vector3d p_C = pose.to_camera(observations[i].p_T);
+    if (inlier[i] == 0 || !(p_C.z() > 0.0)) {
+      continue;
+    }
+    const double inverse_sigma = 1.0 / observations[i].sigma_normalised;
+    const Eigen::Vector2d r = inverse_sigma * (p_C.hnormalized() - observations[i].normalised);
+    const Eigen::Matrix<double, 2, 6> J = inverse_sigma * projection_jacobian(pose, observations[i].p_T);
+    const double norm = r.norm();
+    const double weight = norm > kHuberSigma ? kHuberSigma / norm : 1.0;
+    n.H += weight * J.transpose() * J;
+    n.g += weight * J.transpose() * r;
+    n.robust_cost += norm > kHuberSigma ? kHuberSigma * (2.0 * norm - kHuberSigma) : norm * norm;
+    n.chi2 += norm * norm;
+    ++n.used;
+  }
+  return n;
+}
+
+}  // namespace
+
+Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
+                                 const Pose& start,
+                                 std::span<const std::uint8_t> inlier) {
+  POLHODE_ASSERT(observations.size() == inlier.size(), inlier.size());
+  constexpr int kIterations = 12;
+  Pose pose = start;
+  NormalEquations n = linearise(observations, pose, inlier);
+  double damping = 1e-6;
+  for (int i = 0; i < kIterations; ++i) {
+    Eigen::Matrix<double, 6, 6> H = n.H;
+    H.diagonal() *= 1.0 + damping;
+    const Eigen::Matrix<double, 6, 1> step = -H.ldlt().solve(n.g);
+    if (!step.allFinite()) {
+      return ErrorCode::kDegenerate;
+    }
+    const Pose next{.R_CT = so3_exp(step.head<3>()) * pose.R_CT, .p_CT = pose.p_CT + step.tail<3>()};
+    const NormalEquations m = linearise(observations, next, inlier);
+    if (m.used < n.used || m.robust_cost > n.robust_cost) {
+      damping = std::max(1e-4, damping * 10.0);
+      continue;
+    }
+    const bool settled = n.robust_cost - m.robust_cost < 1e-6 * n.robust_cost;
+    pose = next;
+    n = m;
+    damping *= 0.1;
+    if (settled) {
+      break;
+    }
+  }
+  if (n.used < 4) {
+    return ErrorCode::kTooFewObservations;
+  }
+  AbsolutePose out{.pose = pose, .inliers = n.used, .chi2 = n.chi2};
+  out.pose.R_CT = nearest_rotation(out.pose.R_CT);
+  const double reduced = n.chi2 / std::max(1.0, 2.0 * n.used - 6.0);
+  out.covariance = n.H.inverse() * std::max(1.0, reduced);
+  if (!out.covariance.allFinite() || (out.covariance.diagonal().array() <= 0.0).any()) {
+    return ErrorCode::kDegenerate;
+  }
+  return out;
+}
+
+Result<AbsolutePose> absolute_pose(std::span<const PoseObservation> observations,
+                                   const Pose* hint,
+                                   const AbsolutePoseOptions& options,
+                                   std::span<std::uint8_t> inlier) {
+  POLHODE_ASSERT(observations.size() == inlier.size(), inlier.size());
+  if (observations.size() < static_cast<std::size_t>(std::max(4, options.inliers_min))) {
+    return ErrorCode::kTooFewObservations;
+  }
+  Consensus best;
+  if (hint != nullptr) {
+    keep_better(*hint, observations, &best);
+  }
+  Rng rng(options.seed, options.stream);
+  int needed = options.iterations_max;
+  for (int i = 0; i < std::min(needed, options.iterations_max); ++i) {
+    try_sample(observations, draw_sample(&rng, observations.size()), &best);
+    needed = draws_needed(best.score, observations.size());
+  }
+  constexpr int kRounds = 3;
+  Result<AbsolutePose> refined = ErrorCode::kNoConsensus;
+  for (int round = 0; round < kRounds; ++round) {
+    if (mark_inliers(best.pose, observations, inlier) < options.inliers_min) {
+      return ErrorCode::kNoConsensus;
+    }
+    refined = refine_pose(observations, best.pose, inlier);
+    if (!refined) {
+      return refined;
+    }
+    best.pose = refined.value().pose;
+  }
+  if (mark_inliers(best.pose, observations, inlier) < options.inliers_min) {
+    return ErrorCode::kNoConsensus;
+  }
+  return refined;
+}
+
+}  // namespace polhode

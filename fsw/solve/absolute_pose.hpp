@@ -1,0 +1,52 @@
+// Pose of the target in one frame from landmarks of known position.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+
+#include "base/result.hpp"
+#include "geometry/pose.hpp"
+
+namespace polhode {
+
+struct PoseObservation {
+  Eigen::Vector3d p_T = Eigen::Vector3d::Zero();
+  Eigen::Vector2d normalised = Eigen::Vector2d::Zero();
+  double sigma_normalised = 1.0;  ///< 1-sigma of each coordinate, the landmark's own uncertainty included
+};
+
+struct AbsolutePoseOptions {
+  int iterations_max = 200;
+  int inliers_min = 12;
+  std::uint64_t seed = 0;
+  std::uint64_t stream = 0;
+};
+
+struct AbsolutePose {
+  Pose pose;
+  PoseCovariance covariance = PoseCovariance::Zero();  ///< scaled up by chi2 / dof where that exceeds 1
+  int inliers = 0;
+  double chi2 = 0.0;  ///< over the inliers, 2 * inliers - 6 degrees of freedom
+};
+
+/// Two coordinates, 95 %: what counts as an inlier, in units of sigma squared.
+inline constexpr double kInlierChi2 = 5.991;
+
+/// Consensus of P3P hypotheses, then robust Gauss-Newton on the inliers and two rounds of picking the inliers anew.
+/// @param inlier  out, one octet per observation.
+/// @param hint    tried as the first hypothesis when given.
+/// @errors TooFewObservations, NoConsensus.
+/// @source P3P: Kneip, Scaramuzza, Siegwart, CVPR 2011, by way of OpenGV.
+Result<AbsolutePose> absolute_pose(std::span<const PoseObservation> observations,
+                                   const Pose* hint,
+                                   const AbsolutePoseOptions& options,
+                                   std::span<std::uint8_t> inlier);
+
+/// Robust Gauss-Newton (Huber at 2 sigma) from `pose` on the observations flagged in `inlier`.
+/// @errors TooFewObservations (under 4), Degenerate.
+Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
+                                 const Pose& pose,
+                                 std::span<const std::uint8_t> inlier);
+
+}  // namespace polhode

@@ -1,0 +1,94 @@
+#include "tracks/track_table.hpp"
+
+#include <algorithm>
+
+namespace polhode {
+namespace {
+
+/// The track of a feature, made anew when it has none. -1 when the table is full.
+std::int32_t track_for(std::size_t frame, std::int32_t feature, TrackTable* table) {
+  std::int32_t& track = table->track_of[frame][static_cast<std::size_t>(feature)];
+  if (track >= 0) {
+    return track;
+  }
+  Track fresh;
+  (void)fresh.points.push_back({.frame = static_cast<std::int32_t>(frame), .feature = feature});
+  if (!table->tracks.push_back(fresh)) {
+    ++table->full_count;
+    return -1;
+  }
+  track = static_cast<std::int32_t>(table->tracks.size()) - 1;
+  return track;
+}
+
+void tie(std::size_t earlier, std::size_t latest, double ratio_max, TrackTable* table) {
+  match_mutual(table->frames[earlier].features.view(), table->frames[latest].features.view(), ratio_max, &table->scratch);
+  for (const FeatureMatch& match : table->scratch) {
+    std::int32_t& now = table->track_of[latest][static_cast<std::size_t>(match.b)];
+    if (now >= 0) {
+      continue;
+    }
+    const std::int32_t track = track_for(earlier, match.a, table);
+    if (track < 0) {
+      continue;
+    }
+    Track& t = table->tracks[static_cast<std::size_t>(track)];
+    if (t.points.back().frame == static_cast<std::int32_t>(latest)) {
+      continue;  // already tied to another feature of this frame
+    }
+    (void)t.points.push_back({.frame = static_cast<std::int32_t>(latest), .feature = match.b});
+    now = track;
+  }
+}
+
+}  // namespace
+
+void clear(TrackTable* table) {
+  table->frames.clear();
+  table->tracks.clear();
+}
+
+void drop_oldest_frame(TrackTable* table) {
+  table->frames.erase(0);
+  for (std::size_t f = 0; f < table->frames.size(); ++f) {
+    table->track_of[f] = table->track_of[f + 1];
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < table->tracks.size(); ++i) {
+    Track track = table->tracks[i];
+    if (track.points[0].frame == 0) {
+      track.points.erase(0);
+    }
+    for (TrackPoint& point : track.points) {
+      --point.frame;
+    }
+    const auto renumbered = track.points.size() >= 1 ? static_cast<std::int32_t>(kept) : -1;
+    for (const TrackPoint& point : track.points) {
+      table->track_of[static_cast<std::size_t>(point.frame)][static_cast<std::size_t>(point.feature)] = renumbered;
+    }
+    if (renumbered >= 0) {
+      table->tracks[kept++] = track;
+    }
+  }
+  table->tracks.resize(kept);
+}
+
+void add_frame(std::uint32_t frame, std::int64_t timestamp_ns, const Features& features, double ratio_max,
+               TrackTable* table) {
+  if (table->frames.full()) {
+    drop_oldest_frame(table);
+  }
+  const std::size_t latest = table->frames.size();
+  table->frames.resize(latest + 1);
+  CollectedFrame& collected = table->frames[latest];
+  collected.frame = frame;
+  collected.timestamp_ns = timestamp_ns;
+  collected.features = features;
+  table->track_of[latest].fill(-1);
+  constexpr std::size_t kLookBack = 3;  // bridges a spot that was missed in one or two frames
+  for (std::size_t back = 1; back <= std::min(kLookBack, latest); ++back) {
+    tie(latest - back, latest, ratio_max, table);
+  }
+}
+
+}  // namespace polhode

@@ -1,0 +1,49 @@
+// Tracks before there is a map: the same spot of the body over several selected frames.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "base/fixed_vector.hpp"
+#include "config/limits.hpp"
+#include "features/match.hpp"
+#include "tracks/optical_flow.hpp"
+
+namespace polhode {
+
+/// A frame kept for the start of the map, with its features.
+struct CollectedFrame {
+  std::uint32_t frame = 0;
+  std::int64_t timestamp_ns = 0;
+  Features features;
+};
+
+struct TrackPoint {
+  std::int32_t frame = -1;    ///< index into TrackTable::frames
+  std::int32_t feature = -1;  ///< index into that frame's features
+};
+
+struct Track {
+  FixedVector<TrackPoint, limits::kStartFrames> points;  ///< ascending by frame
+};
+
+struct TrackTable {
+  FixedVector<CollectedFrame, limits::kStartFrames> frames;
+  FixedVector<Track, limits::kStartTracks> tracks;
+  /// Track that ends in feature i of frame f, or -1.
+  std::array<std::array<std::int32_t, limits::kFeatures>, limits::kStartFrames> track_of{};
+  FeatureMatches scratch;
+  std::uint32_t full_count = 0;  ///< tracks that found no place
+};
+
+/// Appends a frame (its features are copied) and ties its features to the tracks of the last three frames by mutual best
+/// descriptors, nearest frame first. A full table forgets its oldest frame.
+void add_frame(std::uint32_t frame, std::int64_t timestamp_ns, const Features& features, double ratio_max,
+               TrackTable* table);
+
+/// Forgets frame 0 and the tracks that live in it alone.
+void drop_oldest_frame(TrackTable* table);
+
+void clear(TrackTable* table);
+
+}  // namespace polhode
