@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from . import camera as camera_model
-from . import mesh, noise, png, sensor, truth
+from . import mesh, noise, png, relative_motion, sensor, truth
 from .materials import Material
-from .relative_motion import turning_history
-from .rotations import quat_to_matrix
+from .rotations import quat_from_axis_angle, quat_to_matrix
 from .scene_file import SceneError
 
 FORMAT = 1
@@ -59,7 +58,7 @@ class Plan:
             return settings["attitude_history"]
         if any(settings["w_C_deg_s"]):
             steps = max(2, int(np.ceil(end_s)) + 1)
-            return turning_history([1, 0, 0, 0], np.radians(settings["w_C_deg_s"]), np.linspace(0, end_s, steps))
+            return relative_motion.turning_history([1, 0, 0, 0], np.radians(settings["w_C_deg_s"]), np.linspace(0, end_s, steps))
         return []
 
     def _camera(self):
@@ -74,6 +73,25 @@ class Plan:
         if not camera_model.scene_margin_is_invertible(made):
             raise SceneError("camera.distortion: the model folds over inside the image")
         return made
+
+    @property
+    def R_IC0(self):
+        """Camera attitude at time 0."""
+        return quat_to_matrix(relative_motion.camera_attitude(self.history, 0.0))
+
+    @property
+    def orbit_normal_I(self):
+        normal = self.R_IC0 @ np.asarray(self.scene["background"]["orbit_normal_C"], dtype=float)
+        return normal / np.linalg.norm(normal)
+
+    def earth_direction_I(self, time_s):
+        """Unit vector to the Earth's centre; it turns with the orbit where the Earth is in the picture."""
+        direction = self.R_IC0 @ np.asarray(self.scene["light"]["earth_direction_C"], dtype=float)
+        direction = direction / np.linalg.norm(direction)
+        if self.scene["background"]["kind"] != "earth":
+            return direction
+        angle_rad = np.radians(self.scene["background"]["orbit_rate_deg_s"]) * time_s
+        return quat_to_matrix(quat_from_axis_angle(self.orbit_normal_I, angle_rad)) @ direction
 
     @property
     def centre_of_mass_G_m(self):
@@ -168,13 +186,15 @@ class Painter:
         # Materials of an imported file live in Blender; reading the file came first and must not be wiped.
         if scene["target"]["kind"] != "file":
             blender_scene.reset(scene["render"]["samples"])
-        self.target = blender_scene.add_parts(parts, materials, origin_m=plan.centre_of_mass_G_m)
+        own = [part for part in parts if part.material != "imported"]
+        self.target = blender_scene.add_parts(own, materials, origin_m=plan.centre_of_mass_G_m)
+        if len(own) < len(parts):
+            from .targets import imported
+            imported.adopt(self.target, plan.centre_of_mass_G_m)
         self.vertices_T = mesh.all_vertices(parts) - plan.centre_of_mass_G_m
         self.resampler = camera_model.Resampler(plan.camera)
-        R_IC0 = quat_to_matrix(plan.motion.q_IC[0]) if plan.history else np.eye(3)
         light = scene["light"]
-        self.sun_I = R_IC0 @ light["sun_direction_C"]
-        self.earth_I = R_IC0 @ light["earth_direction_C"]
+        self.sun_I = plan.R_IC0 @ light["sun_direction_C"]
         self.background = backgrounds.make(plan, self.resampler, blender_scene, scratch_path)
         if self.background.own_light:
             self.sun = None
@@ -190,8 +210,8 @@ class Painter:
         self.blender.place(self.target, R_CT, p_CT)
         if self.sun:
             self.blender.aim_sun(self.sun, R_CI @ self.sun_I)
-            self.blender.aim_earthshine(self.earth, R_CI @ self.earth_I)
-        window = self.resampler.target_window(self.vertices_T @ R_CT.T + p_CT)
+            self.blender.aim_earthshine(self.earth, R_CI @ self.plan.earth_direction_I(motion.time_s[row]))
+        window = self.resampler.target_window(self.background.reach(self.vertices_T @ R_CT.T + p_CT))
         camera = self.plan.camera
         if window is None:
             return np.zeros((camera.height, camera.width, 4), dtype=np.float32)

@@ -34,12 +34,12 @@ SCHEMA = {
     "time": {"start_s": (float, 0.0), "period_s": (float, 10.0), "frames": (int, 300),
              "epoch_ns": (int, 1700000000000000000)},
     "light": {"sun_direction_C": (_vector(3), [-0.5, -0.5, -0.7]), "sun": (float, 1.0),
-              "earth_direction_C": (_vector(3), [0.3, 1.0, -0.2]), "earthshine": (float, 0.3),
+              "earth_direction_C": (_vector(3), [0.3, 1.0, -0.2]), "earthshine": (float, 0.4),
               "earth_half_angle_deg": (float, 64.0)},
-    "background": {"kind": (str, "none"), "stars": (int, 1500), "ground_speed_deg_s": (float, 0.065),
-                   "limb_tilt_deg": (float, 12.0), "limb_height": (float, 0.35), "seed": (int, 5),
-                   "altitude_km": (float, 520.0)},
-    "sensor": {"exposure": (float, 0.9), "exposure_s": (float, 0.0), "blur_samples": (int, 1),
+    "background": {"kind": (str, "none"), "seed": (int, 5), "stars": (int, 3000), "altitude_km": (float, 520.0),
+                   "orbit_normal_C": (_vector(3), [1.0, 0.0, 0.0]), "orbit_rate_deg_s": (float, 0.063),
+                   "up_C": (_vector(3), [0.0, -1.0, 0.0]), "table_below_m": (float, 0.5)},
+    "sensor": {"exposure": (float, 1.3), "exposure_s": (float, 0.0), "blur_samples": (int, 1),
                "full_well_e": (float, 20000.0), "read_noise_e": (float, 8.0), "gamma": (float, 2.2),
                "bits": (int, 8), "color": (str, "gray")},
     "render": {"samples": (int, 24)},
@@ -179,11 +179,14 @@ def _check_values(scene):
     require(64 <= target["texture_px"] <= 8192, "target.texture_px: 64 to 8192 expected")
     kind = scene["background"]["kind"]
     require(kind in BACKGROUNDS, f"background.kind: one of {', '.join(BACKGROUNDS)} expected, found {kind!r}")
+    require(scene["background"]["stars"] >= 0 and scene["background"]["altitude_km"] > 100,
+            "background: stars >= 0 and altitude_km > 100 expected")
     require(scene["background"]["seed"] >= 0, "background.seed: must not be negative")
     translation = scene["motion"]["translation"]
     require(translation in ("constant", "hcw"), f"motion.translation: constant or hcw expected, found {translation!r}")
     require(scene["motion"]["mean_motion_rad_s"] > 0, "motion.mean_motion_rad_s: must be positive")
-    for table, key in (("motion", "q_CT0"), ("motion", "q_CH0"), ("light", "sun_direction_C"), ("light", "earth_direction_C")):
+    for table, key in (("motion", "q_CT0"), ("motion", "q_CH0"), ("light", "sun_direction_C"), ("light", "earth_direction_C"),
+                       ("background", "orbit_normal_C"), ("background", "up_C")):
         require(np.linalg.norm(scene[table][key]) > 1e-6, f"{table}.{key}: must not be zero")
     width, height = camera["resolution"]
     require(isinstance(width, int) and isinstance(height, int) and 16 <= width <= 8192 and 16 <= height <= 8192,

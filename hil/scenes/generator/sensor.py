@@ -16,7 +16,7 @@ LUMA = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
 class Sensor:
     """exposure: share of the full well that radiance 1 fills. gamma 1 is a linear sensor."""
 
-    exposure: float = 0.9
+    exposure: float = 1.3
     full_well_e: float = 20000.0
     read_noise_e: float = 8.0
     gamma: float = 2.2

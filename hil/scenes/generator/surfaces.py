@@ -56,16 +56,17 @@ def foil(shape, texels_per_m, rng, color=GOLD, cell_m=0.045):
     """Multi-layer insulation: crumpled facets at three scales, tape seams, stitches, a few stains."""
     slopes = np.zeros((*shape, 2), dtype=np.float32)
     creases = np.zeros(shape, dtype=np.float32)
-    for scale, deviation in ((1.0, 0.20), (0.38, 0.15), (0.15, 0.09)):
+    for scale, deviation in ((1.0, 0.15), (0.38, 0.12), (0.15, 0.08)):
         sx, sy, crease = noise.facet_slopes(shape, max(3.0, scale * cell_m * texels_per_m), rng, deviation)
         slopes[..., 0] += sx
         slopes[..., 1] += sy
         creases = np.maximum(creases, crease * min(1.0, 0.4 + scale))
     stain = noise.fractal(shape, rng, 2.4, 0.12 * texels_per_m)
     image = _canvas(shape, color)
-    image *= (1 + 0.10 * np.clip(stain, -2, 2) - 0.22 * creases)[..., None]
-    roughness = np.clip(0.33 + 0.05 * stain + 0.12 * creases, 0.2, 0.7).astype(np.float32)
-    metallic = np.full(shape, 0.86, dtype=np.float32)
+    image *= (1 + 0.13 * np.clip(stain, -2, 2) - 0.30 * creases)[..., None]
+    # Space-worn outer layers are part mirror, part matt: the matt part keeps its pattern as the light moves.
+    roughness = np.clip(0.40 + 0.05 * stain + 0.12 * creases, 0.25, 0.7).astype(np.float32)
+    metallic = np.full(shape, 0.62, dtype=np.float32)
     _tape(image, roughness, metallic, slopes, texels_per_m, rng)
     return Material(np.clip(image, 0, 1), roughness, metallic, slopes)
 
@@ -106,24 +107,24 @@ def solar_cells(shape, texels_per_m, rng, cell_m=(0.04, 0.08)):
     cut = 0.22 * pitch_u
     du, dv = pitch_u / 2 - gap - np.abs(cu), pitch_v / 2 - gap - np.abs(cv)
     inside = np.clip(np.minimum(np.minimum(du, dv), (du + dv - cut) * 0.7) + 0.5, 0, 1).astype(np.float32)
-    tone = rng.normal(1, 0.16, (iv.max() + 1, iu.max() + 1)).astype(np.float32)
+    tone = rng.normal(1, 0.18, (iv.max() + 1, iu.max() + 1)).astype(np.float32)
     hue = rng.normal(0, 0.025, (iv.max() + 1, iu.max() + 1)).astype(np.float32)
-    image = _canvas(shape, (0.33, 0.30, 0.25))
+    image = _canvas(shape, (0.66, 0.62, 0.54))
     grain = noise.fractal(shape, rng, 1.2, 0.02 * texels_per_m)
     image *= (1 + 0.12 * grain)[..., None]
-    cell = np.stack([0.10 + hue[iv, iu], 0.115 + 0 * hue[iv, iu], 0.26 - hue[iv, iu]], axis=-1)
+    cell = np.stack([0.17 + hue[iv, iu], 0.19 + 0 * hue[iv, iu], 0.34 - hue[iv, iu]], axis=-1)
     cell = cell * tone[iv, iu][..., None] * (1 + 0.05 * grain)[..., None]
     image += inside[..., None] * (cell - image)
     finger = 0.0022 * texels_per_m
     lines = np.clip(1.0 - np.abs(((v % finger) / finger - 0.5) * finger) / max(0.5, 0.12 * finger), 0, 1) * 0.35
     bars = np.clip(0.0009 * texels_per_m + 0.5 - np.abs(np.abs(cu) - 0.26 * pitch_u), 0, 1)
     metal = (np.maximum(lines * np.ones_like(u), bars * np.ones_like(v)) * inside).astype(np.float32)
-    _paint(image, metal * 0.75, (0.62, 0.63, 0.66))
+    _paint(image, metal * 0.8, (0.72, 0.73, 0.75))
     tabs = np.clip(0.0022 * texels_per_m + 0.5 - np.abs(np.abs(cu) - 0.26 * pitch_u), 0, 1)
     tabs = (tabs * np.clip(1 - dv / (2 * gap), 0, 1)).astype(np.float32)
     _paint(image, tabs, (0.82, 0.82, 0.84))
     roughness = np.where(inside > 0.5, 0.16, 0.6).astype(np.float32)
-    metallic = (0.7 * np.maximum(metal, tabs)).astype(np.float32)
+    metallic = (0.35 * np.maximum(metal, tabs)).astype(np.float32)
     _wear_of_cells(image, inside, iu, iv, rng)
     # Each coverglass is glued at its own small tilt: this is what makes an array glitter cell by cell.
     tilt = rng.normal(0, 0.012, (iv.max() + 1, iu.max() + 1, 2)).astype(np.float32)

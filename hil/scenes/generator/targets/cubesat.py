@@ -133,7 +133,7 @@ def _materials(s, seed, density, panel_length_m):
     unit = density * s
     rng = [noise.generator(seed, n) for n in range(12)]
     return {
-        "plate_x": surfaces.plate(side, unit, rng[0], (0.78, 0.78, 0.75), ("POLHODE-1", "TCS 04", "RF HAZARD")),
+        "plate_x": surfaces.plate(side, unit, rng[0], (0.72, 0.72, 0.69), ("POLHODE-1", "TCS 04", "RF HAZARD")),
         "foil_gold": surfaces.foil(side, unit, rng[1], surfaces.GOLD),
         "cells_body": surfaces.solar_cells(side, unit, rng[2], (0.068, 0.105)),
         "foil_silver": surfaces.foil(side, unit, rng[3], surfaces.SILVER),
