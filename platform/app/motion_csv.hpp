@@ -14,7 +14,7 @@ struct MotionRow {
   std::size_t frame = 0;  ///< index of the input frame
   std::int64_t timestamp_ns = 0;
   bool used = true;  ///< the frame was looked at; else nothing was counted in it
-  std::optional<std::int64_t> step_us;
+  std::optional<std::int64_t> step_us = {};
 };
 
 std::string motion_csv_header();

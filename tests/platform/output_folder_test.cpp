@@ -1,0 +1,50 @@
+#include "app/output_folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include "errors.hpp"
+#include "temporary_folder.hpp"
+
+namespace polhode::platform {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string refusal(const fs::path& folder) {
+  return refusal_of<UnusableInput>([&] { prepare_output_folder(folder); });
+}
+
+TEST(OutputFolder, IsCreatedWithItsParents) {
+  const TemporaryFolder folder;
+  prepare_output_folder(folder.path() / "a/b");
+  EXPECT_TRUE(fs::is_directory(folder.path() / "a/b"));
+}
+
+TEST(OutputFolder, OfAnEarlierRun_LosesThatRunsFilesOnly) {
+  const TemporaryFolder folder;
+  prepare_output_folder(folder.path());
+  folder.write("motion.csv", "old");
+  folder.write("notes.txt", "mine");
+  folder.write("plots/rates.png", "picture");
+  prepare_output_folder(folder.path());
+  EXPECT_FALSE(fs::exists(folder.path() / "motion.csv"));
+  EXPECT_TRUE(fs::exists(folder.path() / "notes.txt"));
+  EXPECT_TRUE(fs::exists(folder.path() / "plots/rates.png"));
+}
+
+TEST(OutputFolder, OfSomebodyElse_IsRefusedAndKept) {
+  const TemporaryFolder folder;
+  folder.write("motion.csv", "somebody's");
+  EXPECT_NE(refusal(folder.path()).find("holds files that no replay wrote"), std::string::npos);
+  EXPECT_TRUE(fs::exists(folder.path() / "motion.csv"));
+}
+
+TEST(OutputFolder, ThatIsAFile_IsRefused) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("file", "");
+  EXPECT_NE(refusal(file).find("is not a folder"), std::string::npos);
+  EXPECT_NE(refusal(file / "below").find("cannot be created"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace polhode::platform

@@ -1,0 +1,180 @@
+#include "camera/replay/sequence.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "camera/replay/file_camera.hpp"
+#include "encode.hpp"
+#include "errors.hpp"
+#include "temporary_folder.hpp"
+
+namespace polhode::platform {
+namespace {
+
+constexpr int kWidth = 64;
+constexpr int kHeight = 48;
+constexpr const char* kSensor =
+    "sensor_type: camera\nrate_hz: 10\nresolution: [64, 48]\ncamera_model: pinhole\n"
+    "intrinsics: [100.0, 101.0, 31.5, 23.5]\ndistortion_model: radial-tangential\n"
+    "distortion_coefficients: [0.1, -0.2, 0.001, 0.002]\n";
+
+std::string image(int width = kWidth, int height = kHeight) {
+  const File file =
+      encode_pgm(width, height, 255, File(static_cast<std::size_t>(width * height), 90));
+  return {file.begin(), file.end()};
+}
+
+/// A good sequence of three frames, to be spoiled.
+struct SequenceFolder : TemporaryFolder {
+  SequenceFolder() {
+    sensor(kSensor);
+    table("#timestamp [ns],filename\n100,a.pgm\n200,b.pgm\n300,c.pgm\n");
+    for (const char* name : {"a.pgm", "b.pgm", "c.pgm"}) {
+      frame(name, image());
+    }
+  }
+  void sensor(std::string_view text) const { write("mav0/cam0/sensor.yaml", text); }
+  void table(std::string_view text) const { write("mav0/cam0/data.csv", text); }
+  void frame(const std::string& name, std::string_view text) const {
+    write("mav0/cam0/data/" + name, text);
+  }
+  [[nodiscard]] std::string refusal() const {
+    return refusal_of<UnusableInput>([this] { (void)open_sequence(path()); });
+  }
+};
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+#define EXPECT_HOLDS(text, part) EXPECT_TRUE(holds(text, part)) << text
+
+TEST(Sequence, ReadsCameraAndFrames) {
+  const SequenceFolder folder;
+  const Sequence sequence = open_sequence(folder.path());
+  ASSERT_EQ(sequence.frames.size(), 3U);
+  EXPECT_EQ(sequence.frames[1].timestamp_ns, 200);
+  EXPECT_EQ(sequence.frames[1].file, "b.pgm");
+  EXPECT_EQ(sequence.camera.width_px, kWidth);
+  EXPECT_EQ(sequence.camera.fv_px, 101.0);
+  EXPECT_EQ(sequence.camera.p2, 0.002);
+}
+
+TEST(Sequence, TakesLineEndsAndBlanksAsTheyCome) {
+  const SequenceFolder folder;
+  folder.table("#timestamp [ns],filename\r\n100 , a.pgm \r\n\r\n200,b.pgm");
+  EXPECT_EQ(open_sequence(folder.path()).frames.size(), 2U);
+}
+
+TEST(Sequence, RefusesTimeStamps_NamingLineAndField) {
+  const SequenceFolder folder;
+  struct {
+    const char* rows;
+    const char* says;
+  } const cases[] = {
+      {"100,a.pgm\n100,b.pgm\n", "data.csv:2: timestamp [ns]: 100 repeats"},
+      {"100,a.pgm\n99,b.pgm\n", "data.csv:2: timestamp [ns]: 99 runs back"},
+      {"1.5,a.pgm\n", "data.csv:1: timestamp [ns]: '1.5'"},
+      {"-5,a.pgm\n", "data.csv:1: timestamp [ns]: '-5'"},
+      {"99999999999999999999,a.pgm\n", "data.csv:1: timestamp [ns]"},
+      {"100\n", "data.csv:1: '100' is not 'timestamp [ns],filename'"},
+      {"100,\n", "data.csv:1: filename: ''"},
+      {"100,../../secret.png\n", "data.csv:1: filename"},
+      {"#timestamp [ns],filename\n", "data.csv: the sequence has no frames"},
+  };
+  for (const auto& entry : cases) {
+    folder.table(entry.rows);
+    EXPECT_HOLDS(folder.refusal(), entry.says);
+  }
+}
+
+TEST(Sequence, RefusesSensorFiles_NamingFieldAndRange) {
+  const SequenceFolder folder;
+  struct {
+    const char* from;
+    const char* to;
+    const char* says;
+  } const cases[] = {
+      {"resolution: [64, 48]", "", "resolution: field is missing"},
+      {"[64, 48]", "[64]", "resolution: '[64]', allowed are 2 numbers"},
+      {"[64, 48]", "[64, 4]", "resolution[1]: 4 is out of range, allowed 32 .. 8192 px"},
+      {"[64, 48]", "[64.5, 48]", "resolution[0]: 64.5 is not a whole number"},
+      {"pinhole", "omni", "camera_model: 'omni', allowed is 'pinhole'"},
+      {"radial-tangential", "equidistant", "distortion_model: 'equidistant'"},
+      {"100.0,", "abc,", "intrinsics: 'abc' is not a number"},
+      {"100.0,", ".nan,", "intrinsics[0]"},
+      {"100.0,", "-100.0,", "intrinsics[0]: -100.0 is out of range"},
+      {"camera_model:", "camera_model: : [", "not YAML"},
+  };
+  for (const auto& entry : cases) {
+    std::string text = kSensor;
+    text.replace(text.find(entry.from), std::string(entry.from).size(), entry.to);
+    folder.sensor(text);
+    EXPECT_HOLDS(folder.refusal(), entry.says);
+    EXPECT_HOLDS(folder.refusal(), "sensor.yaml: ");
+  }
+  std::filesystem::remove(folder.path() / "mav0/cam0/sensor.yaml");
+  EXPECT_HOLDS(folder.refusal(), "sensor.yaml: no such file");
+}
+
+TEST(Sequence, RefusesFoldersThatAreNone) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const char* name) {
+    return refusal_of<UnusableInput>([&] { (void)open_sequence(folder.path() / name); });
+  };
+  EXPECT_HOLDS(refusal("absent"), "no such folder");
+  EXPECT_HOLDS(refusal("."), "not an image sequence: mav0/cam0/data.csv is missing");
+}
+
+TEST(Sequence, RefusesImagesOfAnotherSize_AndSequencesWithoutAnyImage) {
+  const SequenceFolder folder;
+  folder.frame("a.pgm",
+               "");  // a single bad frame is not the sequence's end: the next one tells the size
+  EXPECT_EQ(folder.refusal(), "");
+  folder.frame("b.pgm", image(65, 48));
+  EXPECT_HOLDS(folder.refusal(),
+               "b.pgm: image is 65x48, but sensor.yaml says resolution: [64, 48]");
+  for (const char* name : {"a.pgm", "b.pgm", "c.pgm"}) {
+    std::filesystem::remove(folder.path() / "mav0/cam0/data" / name);
+  }
+  EXPECT_HOLDS(folder.refusal(), "none of the 3 images can be read; the first: ");
+}
+
+TEST(FileCamera, HandsOverEveryFrame_BadOnesAsNotReadable) {
+  const SequenceFolder folder;
+  folder.table("100,a.pgm\n200,missing.pgm\n300,big.pgm\n400,short.pgm\n500,c.pgm\n");
+  folder.frame("big.pgm", image(640, 480));
+  folder.frame("short.pgm", image().substr(0, 500));
+  const Sequence sequence = open_sequence(folder.path());
+  FileCamera camera(sequence);
+  Frame frame;
+  const char* const reasons[] = {"",
+                                 "missing.pgm: No such file",
+                                 "big.pgm: image is 640x480",
+                                 "short.pgm: PGM: the file ends early",
+                                 ""};
+  for (std::size_t i = 0; i < 5; ++i) {
+    ASSERT_TRUE(camera.next(frame));
+    EXPECT_EQ(camera.index(), i);
+    EXPECT_EQ(frame.timestamp_ns, static_cast<std::int64_t>(100 * (i + 1)));
+    EXPECT_EQ(frame.readable, camera.refusal().empty());
+    EXPECT_EQ(frame.image.data != nullptr, frame.readable);
+    EXPECT_HOLDS(camera.refusal(), reasons[i]);
+  }
+  EXPECT_TRUE(frame.readable);
+  EXPECT_FALSE(camera.next(frame));
+}
+
+TEST(FileCamera, KeepsItsBuffer) {
+  const SequenceFolder folder;
+  const Sequence sequence = open_sequence(folder.path());
+  FileCamera camera(sequence);
+  Frame frame;
+  ASSERT_TRUE(camera.next(frame));
+  const std::uint8_t* before = frame.image.data;
+  ASSERT_TRUE(camera.next(frame));
+  EXPECT_EQ(frame.image.data, before);
+}
+
+}  // namespace
+}  // namespace polhode::platform
