@@ -97,10 +97,9 @@ def write_output(sequence: Sequence, result: dict, out: pathlib.Path) -> None:
     cloud = out / "work" / "cloud.ply"
     if cloud.exists():
         shutil.copyfile(cloud, out / "cloud.ply")
-    frames = max(result["images"], 1)
     summary = {"program": f"COLMAP {result['version']}, {result['matcher']} matching", "models": result["models"],
                "points": result.get("points"), "mean_reprojection_error_px": result.get("mean_reprojection_error_px"),
-               "timings": {"cpu_per_frame_s": result["cpu_s"] / frames, "wall_per_frame_s": result["wall_s"] / frames,
-                           "cpu_s": result["cpu_s"], "wall_s": result["wall_s"]},
-               "memory": {"peak_rss_mb": result["peak_rss_mb"]}, "sequence": str(sequence.folder)}
+               "sequence": str(sequence.folder), "frames": {"in": result["images"], "with_pose": len(result["poses"])},
+               "cost": {"cpu_s": result["cpu_s"], "wall_s": result["wall_s"]},
+               "memory": {"peak_resident_octets": round(result["peak_rss_mb"] * 2**20)}}
     (out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")

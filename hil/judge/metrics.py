@@ -114,7 +114,9 @@ def rates(aligned: Aligned) -> dict | None:
     error_deg_s = np.degrees(w_E - w_T)
     time_s = aligned.estimate.timestamp_ns[rows_E] * 1e-9 - aligned.estimate.timestamp_ns[0] * 1e-9
     speed_true = np.linalg.norm(w_T, axis=1).mean()
-    speed = np.linalg.norm(w_E, axis=1).mean()
+    # Along the true axis: the norm of a noisy vector would be too long.
+    axis_T = w_T / np.maximum(np.linalg.norm(w_T, axis=1, keepdims=True), 1e-12)
+    speed = np.einsum("ij,ij->i", w_E, axis_T).mean()
     mean_error = np.linalg.norm(w_E.mean(axis=0) - w_T.mean(axis=0))
     return {
         "frames": len(w_E),

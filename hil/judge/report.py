@@ -38,6 +38,16 @@ SHAPE_ROWS = (
     ("seen surface within 2 % of size [%]", "shape.complete_seen_within_2_percent", "percent"),
     ("seen surface within 5 % of size [%]", "shape.complete_seen_within_5_percent", "percent"),
 )
+COST_ROWS = (
+    ("CPU per frame [ms]", "cost.cpu_per_frame_ms", "{:.2f}"),
+    ("CPU per frame with the end's work [ms]", "cost.cpu_total_per_frame_ms", "{:.2f}"),
+    ("wall per frame [ms]", "cost.wall_per_frame_ms", "{:.2f}"),
+    ("step p50 [ms]", "cost.step_p50_ms", "{:.2f}"),
+    ("step p99 [ms]", "cost.step_p99_ms", "{:.2f}"),
+    ("step maximum [ms]", "cost.step_max_ms", "{:.2f}"),
+    ("peak resident memory [MB]", "cost.peak_resident_mb", "{:.1f}"),
+    ("heap calls after start", "cost.heap_calls_after_start", "{:.0f}"),
+)
 UNKNOWN = "-"
 
 
@@ -82,19 +92,9 @@ def motion_table(reports: list[dict]) -> str:
     rows = []
     for title, path, layout in MOTION_ROWS:
         rows += _body(title, [text_of(lookup(motion, path), layout) for _, motion, _ in columns])
-    for title, path, layout in SHAPE_ROWS:
+    for title, path, layout in (*SHAPE_ROWS, *COST_ROWS):
         rows += _body(title, [text_of(lookup(report, path), layout) for _, _, report in columns])
     return table(["", *(name for name, _, _ in columns)], rows)
-
-
-def _cost_text(value) -> str:
-    return UNKNOWN if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-def cost_table(reports: list[dict]) -> str:
-    keys = list(dict.fromkeys(key for report in reports for key in (report["cost"] or {})))
-    rows = [[key, *(_cost_text((report["cost"] or {}).get(key)) for report in reports)] for key in keys]
-    return table(["cost, as the run's summary has it", *_labels(reports)], rows) if rows else ""
 
 
 def notes(reports: list[dict]) -> list[str]:
@@ -129,6 +129,5 @@ def notes(reports: list[dict]) -> list[str]:
 
 def text_report(reports: list[dict]) -> str:
     """The whole report as printed."""
-    parts = [f"sequence {reports[0]['sequence']}", motion_table(reports), cost_table(reports),
-             "\n".join(notes(reports))]
+    parts = [f"sequence {reports[0]['sequence']}", motion_table(reports), "\n".join(notes(reports))]
     return "\n\n".join(part for part in parts if part)

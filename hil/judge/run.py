@@ -4,8 +4,11 @@ import hashlib
 import pathlib
 from dataclasses import dataclass
 
+import numpy as np
+
 from judge.errors import BadInput
 from judge.metrics import Aligned, align_run, judge_motion
+from judge.report import lookup
 from judge.sequence import Sequence, read_json
 from judge.shape import judge_shape
 from judge.tables import Motion, read_motion
@@ -55,30 +58,36 @@ def best_alignment(run: Run, truth: Motion) -> Aligned | None:
     return None
 
 
-def _flat(value: dict, prefix: str = "") -> dict:
-    """Nested dictionary as {'a.b.c': scalar}."""
-    result = {}
-    for key, inner in value.items():
-        if isinstance(inner, dict):
-            result |= _flat(inner, f"{prefix}{key}.")
-        elif not isinstance(inner, list):
-            result[prefix + key] = inner
-    return result
+def _number(summary: dict, path: str) -> float | None:
+    """A number at 'a.b.c' of the summary; None where it is not there."""
+    value = lookup(summary, path)
+    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
 
 def cost(run: Run) -> dict | None:
-    """Cost as the run's own summary tells it: every scalar of its timing and memory parts; None without a summary."""
-    parts = {key: value for key, value in run.summary.items()
-             if any(word in key for word in ("tim", "mem", "cpu", "wall", "heap", "rss", "step"))}
-    flat = _flat(parts)
-    motion = next(iter(run.motions.values()))
-    step_us = motion.columns["step_us"]
-    step_us = step_us[step_us == step_us]
-    if len(step_us):
-        import numpy as np
-        flat |= {"step_us.mean": float(step_us.mean()), "step_us.p50": float(np.percentile(step_us, 50)),
-                 "step_us.p95": float(np.percentile(step_us, 95)), "step_us.max": float(step_us.max())}
-    return flat or None
+    """Cost per frame and memory as the run's own summary tells them; None where it tells nothing.
+
+    Step times come from motion.csv where the summary has none. cpu_total_* counts the work after the last frame too,
+    which is what an offline system's total is to be set beside.
+    """
+    summary = run.summary
+    frames = _number(summary, "frames.in")
+    cpu_s, wall_s = _number(summary, "cost.cpu_s"), _number(summary, "cost.wall_s")
+    finish_s = _number(summary, "cost.finish_cpu_s") or 0.0
+    octets = _number(summary, "memory.peak_resident_octets")
+    step_us = next(iter(run.motions.values())).columns["step_us"]
+    step_us = step_us[np.isfinite(step_us)]
+    result = {"cpu_per_frame_ms": 1e3 * cpu_s / frames if cpu_s is not None and frames else None,
+              "cpu_total_per_frame_ms": 1e3 * (cpu_s + finish_s) / frames if cpu_s is not None and frames else None,
+              "wall_per_frame_ms": 1e3 * wall_s / frames if wall_s is not None and frames else None,
+              "peak_resident_mb": octets / 1e6 if octets else None,
+              "heap_calls_after_start": _number(summary, "memory.heap_calls_after_start")}
+    for name, percent in (("p50", 50), ("p95", 95), ("p99", 99), ("max", 100)):
+        stated_us = _number(summary, f"timings.step.{name}_us")
+        measured_us = float(np.percentile(step_us, percent)) if len(step_us) else None
+        value_us = stated_us if stated_us is not None else measured_us
+        result[f"step_{name}_ms"] = value_us / 1e3 if value_us is not None else None
+    return result if any(value is not None for value in result.values()) else None
 
 
 def _stated_sha256(value) -> str | None:

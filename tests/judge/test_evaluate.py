@@ -200,6 +200,17 @@ def test_cloud_on_the_surface_has_no_distance_and_covers_what_was_seen(tmp_path,
     assert 0.3 < shape["seen_share_of_surface"] <= 1.0
 
 
+def test_cost_is_per_frame_in_milliseconds_and_megabytes(tmp_path, scene, body):
+    cost = judged(tmp_path, scene, body, Errors())["cost"]
+    assert cost["cpu_per_frame_ms"] == pytest.approx(10.0)
+    assert cost["cpu_total_per_frame_ms"] == pytest.approx(10.0 + 500 / 120)
+    assert cost["wall_per_frame_ms"] == pytest.approx(20.0)
+    assert cost["peak_resident_mb"] == pytest.approx(50.0)
+    assert cost["step_p50_ms"] == pytest.approx(9.0) and cost["step_max_ms"] == pytest.approx(12.0)
+    assert cost["step_p95_ms"] == pytest.approx(13.5, rel=0.1)  # not in the summary: from the rows themselves
+    assert cost["heap_calls_after_start"] is None
+
+
 def test_period_of_a_noisy_sine_is_found():
     time_s = np.arange(0, 3000, 10.0)
     random = np.random.default_rng(2)

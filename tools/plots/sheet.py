@@ -73,9 +73,10 @@ def _window(points_px: np.ndarray, width_px: int, height_px: int) -> tuple[float
 
 
 def _trails(axis, now: Observations, before: list[Observations]) -> None:
-    """Lines from where each landmark was seen in the frames before to where it is seen now."""
+    """Lines from where each inlier was seen in the frames before to where it is seen now."""
     segments = []
-    end = {int(number): point for number, point in zip(now.landmark, now.seen_px) if np.isfinite(number)}
+    end = {int(number): point for number, point in zip(now.landmark[now.inlier], now.seen_px[now.inlier])
+           if np.isfinite(number)}
     for earlier in before:
         places = {int(number): point for number, point in zip(earlier.landmark, earlier.seen_px) if np.isfinite(number)}
         segments += [(places[number], end[number]) for number in places if number in end]

@@ -53,7 +53,7 @@ def head(figure, axes, title: str) -> None:
         for handle, label in zip(*axis.get_legend_handles_labels()):
             entries.setdefault(label, handle)
     if entries:
-        figure.legend(entries.values(), entries.keys(), loc="outside upper center", ncols=min(len(entries), 5))
+        figure.legend(entries.values(), entries.keys(), loc="outside upper center", ncols=4 if len(entries) <= 4 else 3)
 
 
 def time_axis(seconds: np.ndarray) -> tuple[np.ndarray, str]:
