@@ -1,0 +1,73 @@
+"""The program under test and sequences to feed it with."""
+
+import csv
+import json
+import os
+import pathlib
+import subprocess
+import types
+
+import pytest
+from sequence_writer import SequenceWriter, textured
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
+DEFAULTS = REPOSITORY / "config/default.toml"
+SAMPLE = REPOSITORY / "hil/data/sample"
+
+
+def pytest_collection_modifyitems(config, items):
+    here = pathlib.Path(__file__).parent
+    if not PROGRAM.exists():
+        for item in items:
+            if here in item.path.parents:
+                item.add_marker(pytest.mark.skip(reason=f"{PROGRAM} is not built"))
+
+
+@pytest.fixture
+def program():
+    """Calls the program. @return status, out (text), err (text)."""
+
+    def call(*arguments, timeout_s: float = 600, **options):
+        done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=timeout_s, **options)
+        return types.SimpleNamespace(status=done.returncode, out=done.stdout, err=done.stderr)
+
+    return call
+
+
+@pytest.fixture
+def replay(program, tmp_path):
+    """Replays a sequence into a folder of its own. @return as program, with `folder`."""
+
+    def call(sequence, *arguments, out=None, **options):
+        folder = out if out is not None else tmp_path / "out"
+        result = program("replay", "--config", DEFAULTS, "--sequence", sequence, "--out", folder, *arguments, **options)
+        result.folder = folder
+        return result
+
+    return call
+
+
+@pytest.fixture
+def sequence(tmp_path):
+    """A good sequence of three frames."""
+    writer = SequenceWriter(tmp_path / "sequence")
+    for seed in range(3):
+        writer.add(textured(seed))
+    return writer
+
+
+@pytest.fixture
+def sample():
+    if not (SAMPLE / "mav0/cam0/data.csv").exists():
+        pytest.skip("hil/data/sample is not there")
+    return SAMPLE
+
+
+def summary(folder: pathlib.Path) -> dict:
+    return json.loads((folder / "summary.json").read_text())
+
+
+def motion_rows(folder: pathlib.Path, name: str = "motion.csv") -> list[dict]:
+    with open(folder / name, newline="") as file:
+        return list(csv.DictReader(file))

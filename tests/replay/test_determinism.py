@@ -1,0 +1,85 @@
+"""Same input, same bytes: the bus stream depends on frames, configuration and commands, and on nothing else."""
+
+import multiprocessing
+import os
+import random
+import signal
+import subprocess
+import time
+
+import pytest
+from conftest import DEFAULTS, PROGRAM, SAMPLE, summary
+from sequence_writer import SequenceWriter, textured
+
+
+@pytest.fixture(params=["short", pytest.param("sample", marks=pytest.mark.slow)])
+def subject(request, tmp_path):
+    if request.param == "sample":
+        return request.getfixturevalue("sample")
+    writer = SequenceWriter(tmp_path / "short")
+    for seed in range(12):
+        writer.add(textured(seed // 4))
+    return writer.path
+
+
+def spin():
+    while True:
+        pass
+
+
+def hash_of(result):
+    assert result.status == 0, result.err
+    return summary(result.folder)["bus_sha256"]
+
+
+def test_two_replays_give_the_same_bytes(replay, subject, tmp_path):
+    first = replay(subject, out=tmp_path / "one")
+    second = replay(subject, out=tmp_path / "two")
+    assert hash_of(first) == hash_of(second)
+    for name in ("bus.ccsds", "observations.csv", "motion_smoothed.csv", "cloud.ply", "shape.json", "motion_model.json"):
+        assert (first.folder / name).read_bytes() == (second.folder / name).read_bytes(), name
+
+
+def test_on_a_loaded_machine(replay, subject, tmp_path):
+    """Twice as many busy processes as cores."""
+    quiet = hash_of(replay(subject, out=tmp_path / "quiet"))
+    busy = [multiprocessing.Process(target=spin, daemon=True) for _ in range(2 * os.cpu_count())]
+    try:
+        for process in busy:
+            process.start()
+        assert hash_of(replay(subject, out=tmp_path / "loaded")) == quiet
+    finally:
+        for process in busy:
+            process.kill()
+
+
+def test_at_the_pace_of_the_time_stamps(replay, subject, tmp_path):
+    if subject == SAMPLE:
+        pytest.skip("the short sequence shows it, in less time")
+    fast = replay(subject, out=tmp_path / "fast")
+    before = time.monotonic()
+    paced = replay(subject, "--realtime", out=tmp_path / "paced")
+    assert time.monotonic() - before >= 1.1  # 12 frames, 0.1 s apart
+    assert hash_of(fast) == hash_of(paced)
+
+
+def test_with_files_that_come_at_uneven_speed(replay, subject, tmp_path):
+    """The program is halted and let go at random moments, as a slow disk would do to it."""
+    steady = hash_of(replay(subject, out=tmp_path / "steady"))
+    halted = tmp_path / "halted"
+    process = subprocess.Popen([PROGRAM, "replay", "--config", DEFAULTS, "--sequence", subject, "--out", halted],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    chance = random.Random(1)
+    while process.poll() is None:
+        time.sleep(chance.uniform(0.001, 0.02))
+        os.kill(process.pid, signal.SIGSTOP)
+        time.sleep(chance.uniform(0.0, 0.02))
+        os.kill(process.pid, signal.SIGCONT)
+    assert process.returncode == 0
+    assert summary(halted)["bus_sha256"] == steady
+
+
+def test_another_seed_or_parameter_changes_the_hash_of_the_configuration(replay, sequence, tmp_path):
+    one = replay(sequence.path, out=tmp_path / "one")
+    two = replay(sequence.path, "--set", "seed=2", out=tmp_path / "two")
+    assert summary(one.folder)["config_hash"] != summary(two.folder)["config_hash"]

@@ -1,0 +1,34 @@
+"""Sequences without a target: the run ends well, and says that nothing was acquired."""
+
+import numpy
+import pytest
+from conftest import motion_rows, summary
+from sequence_writer import SequenceWriter, noise, textured, uniform
+
+FRAMES = 12
+
+SCENES = {
+    "black": lambda index: uniform(0),
+    "gray": lambda index: uniform(128),
+    "white": lambda index: uniform(255),
+    "noise": noise,
+    "dark noise": lambda index: (noise(index) // 32).astype(numpy.uint8),
+    "static picture": lambda index: textured(1),
+}
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_it_ends_in_acquiring_with_exit_0(replay, tmp_path, scene):
+    writer = SequenceWriter(tmp_path / "sequence")
+    for index in range(FRAMES):
+        writer.add(SCENES[scene](index))
+    result = replay(writer.path)
+    assert result.status == 0, result.err
+    rows, told = motion_rows(result.folder), summary(result.folder)
+    assert len(rows) == FRAMES
+    assert {row["mode"] for row in rows} == {"ACQUIRING"}
+    assert {row["pose_valid"] + row["rate_valid"] + row["velocity_valid"] for row in rows} == {"000"}
+    assert {row["q_CT_w"] + row["p_CT_x"] + row["w_T_x"] + row["sigma_att_rad"] for row in rows} == {""}
+    assert told["acquired"] is False and told["mode_at_end"] == "ACQUIRING"
+    assert told["frames"] == {"in": FRAMES, "processed": told["frames"]["processed"], "with_pose": 0, "first_with_pose": None}
+    assert "never acquired" in told["result"] and "never acquired" in result.out
