@@ -1,14 +1,7 @@
-// Value or derivative of a noisy 3-vector series at one time, from the polynomial that fits the longest stretch around it.
-//
-// A polynomial of degree 1, 2 or 3 is fitted by weighted least squares to the nearest 2, 3, 4, 6, 8, 12, ... points. Few
-// points leave noise, many points leave what the polynomial cannot follow. Of all degrees and stretches the one with the
-// least variance at the target is taken, where a stretch has to fit: its chi-square must not stand out from the common
-// noise level, and one more degree must not explain significantly more (an F test: more sensitive to bend than chi-square
-// over the whole stretch). What misfit remains widens the covariance.
+// Local models of rotation and of path around a reference time, for rates and for prediction.
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
 #include <span>
 
@@ -16,34 +9,53 @@
 
 namespace polhode {
 
-struct SeriesPoint {
-  double tau_s = 0.0;  ///< time relative to the series' reference
-  Eigen::Vector3d value = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  ///< inverse covariance, positive definite
+struct LocalFit {
+  Eigen::Vector3d estimate = Eigen::Vector3d::Zero();      ///< at the target
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();    ///< of the estimate: noise, unknown bend, misfit
+  Eigen::Vector3d at_reference = Eigen::Vector3d::Zero();  ///< fitted value at the reference
+  std::size_t points = 0;
+  double span_s = 0.0;  ///< largest distance from the reference in time
+  double misfit = 1.0;  ///< factor on the declared covariances, >= 1, included in the covariance
+  Eigen::Vector3d lever_T = Eigen::Vector3d::Zero();  ///< of a path: centre of mass seen from T's origin
 };
 
+struct RotationPoint {
+  double tau_s = 0.0;                                            ///< time since the reference
+  Eigen::Vector3d psi_rad = Eigen::Vector3d::Zero();             ///< R_CT(tau) = R_CT(0) exp(psi)
+  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();     ///< inverse covariance of psi
+};
+
+/// What is asked of a fit: at `tau_s` the value (derivative 0) or its rate per second (1).
 struct LocalTarget {
   double tau_s = 0.0;
-  int derivative = 0;  ///< 0: the value; 1: its rate per second
+  int derivative = 0;
 };
 
-inline constexpr int kLocalDegreeMax = 3;
-
-struct LocalFit {
-  Eigen::Vector3d estimate = Eigen::Vector3d::Zero();  ///< at the target
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the estimate, misfit included
-  std::array<Eigen::Vector3d, kLocalDegreeMax + 1> coefficients{};  ///< of tau^k, per second^k; 0 above `degree`
-  int degree = 0;
-  std::size_t points = 0;      ///< nearest points used
-  double span_s = 0.0;         ///< largest |tau| among them
-  double chi2 = 0.0;
-  int degrees_of_freedom = 0;  ///< 3 (points - degree - 1); 0 means that nothing has tested the model
-  double misfit = 1.0;         ///< factor by which the covariance was widened, >= 1
-};
-
-/// @param points  ordered so that each prefix is a stretch to be tried: nearest to the target first.
+/// Polynomial of degree 6 for psi. What turns at the rate w has derivatives of about A w^k, A being how far the motion is
+/// from a constant rate: these are the prior sigmas of the coefficients from the second on; A is averaged over.
+/// @param turning_rad_s  rate of the turning, >= 0.
 /// @errors TooFewObservations (under 2 points), Degenerate (times coincide, or an information matrix is not usable).
-/// @cost   one pass over the points, then at most 3 systems of 15 unknowns for each of at most 17 stretches.
-Result<LocalFit> fit_local(std::span<const SeriesPoint> points, const LocalTarget& target);
+Result<LocalFit> fit_rotation(std::span<const RotationPoint> points, double turning_rad_s, const LocalTarget& target);
+
+struct PathPoint {
+  double tau_s = 0.0;
+  Eigen::Vector3d p_CT = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d R_CT = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  ///< inverse covariance of p_CT
+};
+
+/// Attitude and rate that belong to the target: they carry T's origin around the centre of mass.
+struct PathTarget {
+  LocalTarget at;
+  Eigen::Matrix3d R_CT = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d w_T_rad_s = Eigen::Vector3d::Zero();  ///< used with derivative 1
+};
+
+/// T's origin moves as p_CT = g + v tau + a tau^2 / 2 - R_CT c: the centre of mass straight on with at most a slight bend,
+/// and the origin around it on the lever c. Sizes of a and c are averaged over, in parts of the range. Attitudes and rate
+/// are taken as exact; their share of the covariance is the caller's to add.
+/// @param points  the first one is at the reference (tau 0).
+/// @errors as fit_rotation().
+Result<LocalFit> fit_path(std::span<const PathPoint> points, const PathTarget& target);
 
 }  // namespace polhode

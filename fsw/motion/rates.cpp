@@ -11,15 +11,10 @@
 namespace polhode {
 namespace {
 
-using Series = FixedVector<SeriesPoint, limits::kMotionPoses>;
-
 // Rotation vectors relative to the reference are unique below pi; 0.5 rad of margin for noise and bend.
 constexpr double kPsiMax_rad = 2.6;
 // Bodies that turn far between frames exceed the window's angle at once; four poses are needed to test a linear rate.
 constexpr std::size_t kPosesMin = 4;
-// Of a free body |dw/dt| <= |w|^2 / sqrt(3), because (I_j - I_k) / I_i <= 1; a typical body has a moderate part of it.
-constexpr double kFreeAcceleration = 0.25;
-
 bool information_of(const Eigen::Matrix3d& covariance, Eigen::Matrix3d& information) {
   const Eigen::LLT<Eigen::Matrix3d> llt(covariance);
   if (!covariance.allFinite() || llt.info() != Eigen::Success) {
@@ -30,24 +25,26 @@ bool information_of(const Eigen::Matrix3d& covariance, Eigen::Matrix3d& informat
 }
 
 struct Window {
-  Series rotation;
-  Series position;
+  FixedVector<RotationPoint, limits::kMotionPoses> rotation;
+  FixedVector<PathPoint, limits::kMotionPoses> path;
   Eigen::Matrix3d R_CT = Eigen::Matrix3d::Identity();  ///< reference attitude
 };
 
 /// Adds one pose. False when its covariance is not usable.
 bool add(const PoseSample& sample, double tau_s, bool with_rotation, Window& window) {
-  SeriesPoint position{.tau_s = tau_s, .value = sample.pose.p_CT, .information = {}};
+  PathPoint position{.tau_s = tau_s, .p_CT = sample.pose.p_CT, .R_CT = sample.pose.R_CT, .information = {}};
   if (!information_of(sample.covariance.bottomRightCorner<3, 3>(), position.information) ||
-      !window.position.push_back(position)) {
+      !window.path.push_back(position)) {
     return false;
   }
   if (!with_rotation) {
     return true;
   }
-  SeriesPoint rotation{.tau_s = tau_s, .value = so3_log(window.R_CT.transpose() * sample.pose.R_CT), .information = {}};
+  RotationPoint rotation{.tau_s = tau_s,
+                         .psi_rad = so3_log(window.R_CT.transpose() * sample.pose.R_CT),
+                         .information = {}};
   // exp(phi) R = R_ref exp(R_ref^T phi) exp(psi): phi appears in psi as J_l(psi)^-1 R_ref^T phi.
-  const Eigen::Matrix3d to_phi = window.R_CT * so3_left_jacobian(rotation.value);
+  const Eigen::Matrix3d to_phi = window.R_CT * so3_left_jacobian(rotation.psi_rad);
   Eigen::Matrix3d information_phi;
   if (!information_of(sample.covariance.topLeftCorner<3, 3>(), information_phi)) {
     return false;
@@ -85,11 +82,17 @@ bool collect(std::span<const PoseSample> history, std::size_t index, const Motio
   return true;
 }
 
-/// What an untested constant rate may hide: the rate's change, in units of |w|^2.
-double hidden_acceleration_rad_s2(const LocalFit& rotation) {
-  return rotation.degrees_of_freedom == 0 && rotation.degree == 1
-             ? kFreeAcceleration * rotation.coefficients[1].squaredNorm()
-             : 0.0;
+/// Rate of turning over the window: the farthest attitude's angle over its time.
+double turning_rad_s(const Window& window) {
+  double rate_rad_s = 0.0;
+  double tau_max_s = 0.0;
+  for (const RotationPoint& point : window.rotation) {
+    if (std::abs(point.tau_s) > tau_max_s) {
+      tau_max_s = std::abs(point.tau_s);
+      rate_rad_s = point.psi_rad.norm() / tau_max_s;
+    }
+  }
+  return rate_rad_s;
 }
 
 }  // namespace
@@ -111,23 +114,29 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
     return ErrorCode::kDegenerate;
   }
   const LocalTarget rate{.tau_s = 0.0, .derivative = 1};
-  const Result<LocalFit> rotation = fit_local(window.rotation.view(), rate);
-  const Result<LocalFit> position = fit_local(window.position.view(), rate);
-  if (!rotation || !position) {
-    return rotation ? position.error() : rotation.error();
+  const Result<LocalFit> rotation = fit_rotation(window.rotation.view(), turning_rad_s(window), rate);
+  if (!rotation) {
+    return rotation.error();
   }
   const LocalFit& turn = rotation.value();
-  const LocalFit& path = position.value();
   // The fitted attitude is R_ref exp(offset), and w_T = J_r(offset) d psi / dt there.
-  const Eigen::Vector3d offset = turn.coefficients[0];
+  const Eigen::Vector3d offset = turn.at_reference;
+  const Eigen::Vector3d w_T_rad_s = so3_left_jacobian(-offset) * turn.estimate;
+  const PathTarget path_rate{.at = rate, .R_CT = window.R_CT * so3_exp(offset), .w_T_rad_s = w_T_rad_s};
+  const Result<LocalFit> position = fit_path(window.path.view(), path_rate);
+  if (!position) {
+    return position.error();
+  }
+  const LocalFit& path = position.value();
   RateEstimate rates;
-  rates.w_T_rad_s = so3_left_jacobian(-offset) * turn.estimate;
-  const double hidden = 0.5 * turn.span_s * hidden_acceleration_rad_s2(turn);
-  rates.covariance_w_T = turn.covariance + hidden * hidden * Eigen::Matrix3d::Identity();
+  rates.w_T_rad_s = w_T_rad_s;
+  rates.covariance_w_T = turn.covariance;
   rates.v_C = path.estimate;
-  rates.covariance_v_C = path.covariance;
-  rates.pose.R_CT = window.R_CT * so3_exp(offset);
-  rates.pose.p_CT = path.coefficients[0];
+  // The rate's error moves the origin on its lever: v holds -R (w x c).
+  const Eigen::Matrix3d by_rate = path_rate.R_CT * hat(path.lever_T);
+  rates.covariance_v_C = path.covariance + by_rate * turn.covariance * by_rate.transpose();
+  rates.pose.R_CT = path_rate.R_CT;
+  rates.pose.p_CT = path.at_reference;
   rates.rotation_poses = turn.points;
   rates.position_poses = path.points;
   rates.rotation_span_s = turn.span_s;
@@ -153,23 +162,28 @@ Result<PosePrediction> predict_pose(std::span<const PoseSample> history,
     return ErrorCode::kDegenerate;
   }
   const LocalTarget later{.tau_s = ahead_s, .derivative = 0};
-  const Result<LocalFit> rotation = fit_local(window.rotation.view(), later);
-  const Result<LocalFit> position = fit_local(window.position.view(), later);
-  if (!rotation || !position) {
-    return rotation ? position.error() : rotation.error();
+  const Result<LocalFit> rotation = fit_rotation(window.rotation.view(), turning_rad_s(window), later);
+  if (!rotation) {
+    return rotation.error();
   }
   const LocalFit& turn = rotation.value();
-  // A constant rate through two points misses a t (t + span) / 2 at the time t after the later one.
-  const double hidden = 0.5 * ahead_s * (ahead_s + turn.span_s) * hidden_acceleration_rad_s2(turn);
-  const Eigen::Matrix3d covariance_psi = turn.covariance + hidden * hidden * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d R_CT = window.R_CT * so3_exp(turn.estimate);
+  const Result<LocalFit> position = fit_path(window.path.view(), {.at = later, .R_CT = R_CT});
+  if (!position) {
+    return position.error();
+  }
+  const LocalFit& path = position.value();
   const Eigen::Matrix3d to_phi = window.R_CT * so3_left_jacobian(turn.estimate);
   PosePrediction prediction;
-  prediction.pose.R_CT = window.R_CT * so3_exp(turn.estimate);
-  prediction.pose.p_CT = position.value().estimate;
-  prediction.covariance.topLeftCorner<3, 3>() = to_phi * covariance_psi * to_phi.transpose();
-  prediction.covariance.bottomRightCorner<3, 3>() = position.value().covariance;
+  prediction.pose.R_CT = R_CT;
+  prediction.pose.p_CT = path.estimate;
+  prediction.covariance.topLeftCorner<3, 3>() = to_phi * turn.covariance * to_phi.transpose();
+  // exp(phi) moves the origin by phi x (-R c).
+  const Eigen::Matrix3d by_phi = hat(R_CT * path.lever_T);
+  prediction.covariance.bottomRightCorner<3, 3>() =
+      path.covariance + by_phi * prediction.covariance.topLeftCorner<3, 3>() * by_phi.transpose();
   prediction.rotation_poses = turn.points;
-  prediction.position_poses = position.value().points;
+  prediction.position_poses = path.points;
   return prediction;
 }
 
