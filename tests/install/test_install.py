@@ -1,0 +1,61 @@
+"""The installed library serves a program that knows nothing but find_package(polhode)."""
+
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+
+import pytest
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+BUILD = pathlib.Path(os.environ.get("POLHODE_BUILD", REPOSITORY / "build/release"))
+CONSUMER = pathlib.Path(__file__).parent / "consumer"
+
+
+def run(*command) -> str:
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def prefix(tmp_path_factory):
+    if not (BUILD / "CMakeCache.txt").exists():
+        pytest.skip(f"{BUILD} is not built")
+    folder = tmp_path_factory.mktemp("installed")
+    run("cmake", "--install", BUILD, "--prefix", folder)
+    return folder
+
+
+@pytest.mark.slow
+def test_a_program_of_twenty_lines_builds_and_runs(prefix, tmp_path):
+    shutil.copytree(CONSUMER, tmp_path / "consumer")
+    run("cmake", "-S", tmp_path / "consumer", "-B", tmp_path / "build", "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}",
+        "-DCMAKE_BUILD_TYPE=Release")
+    run("cmake", "--build", tmp_path / "build")
+    lines = run(tmp_path / "build/consumer").splitlines()
+    assert len(lines) == 3
+    assert all(re.fullmatch(r"[1-9]\d* octets for the bus, pose unknown", line) for line in lines), lines
+
+
+def test_only_the_public_header_and_what_it_includes_is_installed(prefix):
+    include = prefix / "include/polhode"
+    installed = {str(file.relative_to(include)) for file in include.rglob("*.hpp")}
+    needed, queue = set(), ["pipeline/component.hpp"]
+    while queue:
+        header = queue.pop()
+        if header not in needed:
+            needed.add(header)
+            queue += re.findall(r'#include "([^"]+)"', (REPOSITORY / "fsw" / header).read_text())
+    assert installed == needed
+
+
+def test_the_program_and_its_defaults_are_installed(prefix):
+    assert run(prefix / "bin/polhode", "check", "--config", prefix / "share/polhode/default.toml")
+
+
+def test_readme_shows_the_program_that_is_built():
+    blocks = re.findall(r"```cpp\n(.*?)```", (REPOSITORY / "README.md").read_text(), re.DOTALL)
+    program = (CONSUMER / "main.cpp").read_text().split("\n", 1)[1]  # without the remark about README.md
+    assert program in blocks
