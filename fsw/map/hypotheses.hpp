@@ -1,0 +1,70 @@
+// Hypotheses for the start of a map: where each comes from, and its refinement on a core of frames and tracks.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "base/fixed_vector.hpp"
+#include "config/limits.hpp"
+#include "solve/start_adjustment.hpp"
+
+namespace polhode {
+
+enum class HypothesisKind : std::uint8_t { kFivePoint, kHomography, kFactorisation, kConstantRate };
+inline constexpr std::size_t kHypothesisKinds = 4;
+
+/// One kind as a bit of a mask.
+constexpr std::uint32_t kind_bit(HypothesisKind kind) { return 1U << static_cast<unsigned>(kind); }
+inline constexpr std::uint32_t kAllKinds = (1U << kHypothesisKinds) - 1U;
+
+/// Tracks that hypotheses are compared on: past this the gap between them grows as N while its error grows as sqrt(N).
+inline constexpr std::size_t kContestTracks = 128;
+/// Tracks and frames of the core, which sees every track in every frame.
+inline constexpr std::size_t kCoreTracks = 80;
+inline constexpr std::size_t kCoreFrames = 10;
+
+struct StartHypothesis {
+  HypothesisKind kind = HypothesisKind::kFivePoint;
+  bool reversed = false;  ///< the depth-reversed twin of what that kind found
+  std::size_t frames = 0;
+  std::size_t tracks = 0;
+  std::array<InverseDepthPose, limits::kStartFrames> poses{};
+  std::array<std::uint8_t, limits::kStartFrames> posed{};
+  std::array<Eigen::Vector3d, kContestTracks> points_T{};
+  std::array<std::uint8_t, kContestTracks> known{};
+  StartFit fit;
+
+  [[nodiscard]] StartGeometryView view() {
+    return {std::span(poses).first(frames), std::span(posed).first(frames), std::span(points_T).first(tracks),
+            std::span(known).first(tracks)};
+  }
+};
+
+/// Seeds before refinement: 3 + 4 + 3 x 2 + 4 x 2 of the four kinds.
+inline constexpr std::size_t kSeeds = 24;
+using StartHypotheses = FixedVector<StartHypothesis, kSeeds>;
+
+/// What a seed is made from: `frames` of the sequence in which all of the first `tracks` contest tracks are seen.
+struct StartCore {
+  FixedVector<int, kCoreFrames> frames;
+  std::size_t tracks = 0;
+};
+
+struct SeedProblem {
+  std::span<const double> times_s;           ///< all frames
+  std::span<const StartSighting> sightings;  ///< contest tracks, ordered by track, then frame
+  std::size_t contest_tracks = 0;
+  const StartCore* core = nullptr;
+  std::uint64_t seed = 0;
+  std::uint32_t kinds = kAllKinds;
+};
+
+/// Hypotheses of each kind asked for, posed in the core's frames, with the core's tracks known.
+void seed_hypotheses(const SeedProblem& problem, StartHypotheses* seeds);
+
+/// Same geometry: points of the first camera's axes within `tolerance` extents RMS, and turns between frames within
+/// `tolerance` of the largest. Both in the gauge of normalise_gauge.
+bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double tolerance);
+
+}  // namespace polhode

@@ -1,0 +1,158 @@
+#include "solve/relative_pose.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opengv/relative_pose/CentralRelativeAdapter.hpp>
+#include <opengv/relative_pose/methods.hpp>
+#include <vector>
+
+#include "base/assert.hpp"
+#include "base/rng.hpp"
+#include "geometry/so3.hpp"
+
+namespace polhode {
+namespace {
+
+// One coordinate, 3 sigma: beyond it a pair's error counts the same however large.
+constexpr double kSampsonMax2 = 9.0;
+
+struct Pairs {
+  std::span<const Eigen::Vector2d> x_a;
+  std::span<const Eigen::Vector2d> x_b;
+  double inverse_sigma2;
+};
+
+double score_of(const Eigen::Matrix3d& E, const Pairs& pairs, int* inliers) {
+  double sum = 0.0;
+  *inliers = 0;
+  for (std::size_t i = 0; i < pairs.x_a.size(); ++i) {
+    const double e = sampson_error(E, pairs.x_a[i], pairs.x_b[i]);
+    const double e2 = e * e * pairs.inverse_sigma2;
+    sum += std::min(e2, kSampsonMax2);
+    *inliers += e2 < kSampsonMax2 ? 1 : 0;
+  }
+  return sum;
+}
+
+/// Of the four motions of an essential matrix, the one that has most points in front of both cameras.
+RelativePose choose_in_front(const Eigen::Matrix3d& E, const Pairs& pairs) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(E, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d U = svd.matrixU();
+  Eigen::Matrix3d V = svd.matrixV();
+  U *= U.determinant() < 0.0 ? -1.0 : 1.0;
+  V *= V.determinant() < 0.0 ? -1.0 : 1.0;
+  Eigen::Matrix3d W;
+  W << 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0;
+  RelativePose best;
+  int best_count = -1;
+  for (int k = 0; k < 4; ++k) {
+    RelativePose motion;
+    motion.R_ba = U * (k < 2 ? W : Eigen::Matrix3d(W.transpose())) * V.transpose();
+    motion.p_ba = k % 2 == 0 ? U.col(2) : Eigen::Vector3d(-U.col(2));
+    int count = 0;
+    for (std::size_t i = 0; i < pairs.x_a.size(); ++i) {
+      const double depth = depth_in_a(motion, pairs.x_a[i], pairs.x_b[i]);
+      const double depth_b = (motion.R_ba * (depth * pairs.x_a[i].homogeneous()) + motion.p_ba).z();
+      count += std::isfinite(depth) && depth > 0.0 && depth_b > 0.0 ? 1 : 0;
+    }
+    if (count > best_count) {
+      best_count = count;
+      best = motion;
+    }
+  }
+  return best;
+}
+
+opengv::essentials_t solve_sample(const Pairs& pairs, std::span<const int> sample) {
+  opengv::bearingVectors_t a;
+  opengv::bearingVectors_t b;
+  for (const int i : sample) {
+    a.push_back(pairs.x_a[static_cast<std::size_t>(i)].homogeneous().normalized());
+    b.push_back(pairs.x_b[static_cast<std::size_t>(i)].homogeneous().normalized());
+  }
+  // OpenGV's E obeys a^T E b = 0 for adapter(a, b); ours b^T E a = 0, so the roles are swapped.
+  opengv::relative_pose::CentralRelativeAdapter adapter(b, a);
+  return opengv::relative_pose::fivept_nister(adapter);
+}
+
+/// Keeps the list sorted, with one candidate per rotation.
+void insert(const RelativePoseCandidate& candidate, RelativePoseCandidates* list) {
+  // Rotations closer than this refine to the same minimum.
+  constexpr double kSameRotation_rad = 0.03;
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    if (rotation_angle_rad((*list)[i].motion.R_ba, candidate.motion.R_ba) < kSameRotation_rad) {
+      if (candidate.score >= (*list)[i].score) {
+        return;
+      }
+      list->erase(i);
+      break;
+    }
+  }
+  if (list->full()) {
+    if (candidate.score >= list->back().score) {
+      return;
+    }
+    list->pop_back();
+  }
+  (void)list->push_back(candidate);
+  for (std::size_t i = list->size() - 1; i > 0 && (*list)[i].score < (*list)[i - 1].score; --i) {
+    std::swap((*list)[i], (*list)[i - 1]);
+  }
+}
+
+}  // namespace
+
+double depth_in_a(const RelativePose& motion, const Eigen::Vector2d& x_a, const Eigen::Vector2d& x_b) {
+  // x_b x (z R x_a + p) = 0, least squares for z.
+  const Eigen::Vector3d b = x_b.homogeneous();
+  const Eigen::Vector3d moving = b.cross(motion.R_ba * x_a.homogeneous());
+  return -moving.dot(b.cross(motion.p_ba)) / moving.squaredNorm();
+}
+
+void draw_sample(std::uint64_t seed, std::uint64_t stream, std::uint32_t count, std::span<int> sample) {
+  POLHODE_ASSERT(sample.size() <= count, count);
+  Rng rng(seed, stream);
+  for (std::size_t i = 0; i < sample.size(); ++i) {
+    // Draws among those that are left: skips the earlier ones in ascending order.
+    int value = static_cast<int>(rng.below(count - static_cast<std::uint32_t>(i)));
+    std::sort(sample.begin(), sample.begin() + static_cast<std::ptrdiff_t>(i));
+    for (std::size_t k = 0; k < i; ++k) {
+      value += value >= sample[k] ? 1 : 0;
+    }
+    sample[i] = value;
+  }
+}
+
+RelativePoseCandidates find_relative_poses(std::span<const Eigen::Vector2d> x_a,
+                                           std::span<const Eigen::Vector2d> x_b,
+                                           const TwoViewOptions& options) {
+  POLHODE_ASSERT(x_a.size() == x_b.size(), x_a.size());
+  RelativePoseCandidates found;
+  if (x_a.size() < 8) {
+    return found;
+  }
+  const Pairs pairs{x_a, x_b, 1.0 / (options.sigma_normalised * options.sigma_normalised)};
+  std::array<int, 5> sample{};
+  for (int draw = 0; draw < options.samples; ++draw) {
+    draw_sample(options.seed, static_cast<std::uint64_t>(draw), static_cast<std::uint32_t>(x_a.size()), sample);
+    for (const Eigen::Matrix3d& E : solve_sample(pairs, sample)) {
+      if (!E.allFinite()) {
+        continue;
+      }
+      RelativePoseCandidate candidate;
+      candidate.score = score_of(E, pairs, &candidate.inliers);
+      if (found.full() && candidate.score >= found.back().score) {
+        continue;
+      }
+      candidate.motion = choose_in_front(E, pairs);
+      insert(candidate, &found);
+    }
+  }
+  return found;
+}
+
+}  // namespace polhode

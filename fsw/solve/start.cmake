@@ -1,0 +1,9 @@
+# What the start of a map needs of the solvers.
+target_sources(polhode_solve PRIVATE
+  affine_factorisation.cpp
+  constant_rate_grid.cpp
+  homography.cpp
+  relative_pose.cpp
+  start_adjustment.cpp
+  start_gauge.cpp)
+target_link_libraries(polhode_solve PRIVATE opencv_core opencv_calib3d opengv)

@@ -1,0 +1,384 @@
+#include "solve/start_adjustment.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "base/assert.hpp"
+#include "geometry/so3.hpp"
+
+namespace polhode {
+namespace {
+
+using Workspace = StartAdjustmentWorkspace;
+
+// Half of a chi-square with two degrees of freedom lies under this.
+constexpr double kChi2Median2 = 1.3863;
+// The squared residual, in units of width^2, that stands for a point behind the camera.
+constexpr double kBehindError = 1e4;
+
+struct LossValue {
+  double cost;
+  double weight;
+};
+
+LossValue loss(double error2, const StartAdjustmentOptions& options) {
+  const double width2 = options.width_sigma * options.width_sigma;
+  if (options.loss == StartLoss::kTruncated) {
+    return error2 < width2 ? LossValue{error2, 1.0} : LossValue{width2, 0.0};
+  }
+  return {width2 * std::log1p(error2 / width2), 1.0 / (1.0 + error2 / width2)};
+}
+
+bool usable(const StartGeometryView& geometry, const StartSighting& sighting) {
+  return geometry.posed[static_cast<std::size_t>(sighting.frame)] != 0 &&
+         geometry.known[static_cast<std::size_t>(sighting.track)] != 0;
+}
+
+double scaled_error2(const InverseDepthPose& pose, const Eigen::Vector3d& p_T, const StartSighting& sighting,
+                     const StartAdjustmentOptions& options) {
+  Eigen::Vector2d x;
+  if (!reproject(pose, p_T, &x)) {
+    return kBehindError * options.width_sigma * options.width_sigma;
+  }
+  const double sigma = sighting.sigma_normalised * options.sigma_scale;
+  return (x - sighting.normalised).squaredNorm() / (sigma * sigma);
+}
+
+double total_cost(std::span<const StartSighting> sightings, std::span<const InverseDepthPose> poses,
+                  std::span<const Eigen::Vector3d> points, const StartGeometryView& geometry,
+                  const StartAdjustmentOptions& options) {
+  double cost = 0.0;
+  for (const StartSighting& s : sightings) {
+    if (usable(geometry, s)) {
+      const double e = scaled_error2(poses[static_cast<std::size_t>(s.frame)],
+                                     points[static_cast<std::size_t>(s.track)], s, options);
+      cost += loss(e, options).cost;
+    } else if (options.loss == StartLoss::kTruncated) {
+      cost += options.width_sigma * options.width_sigma;
+    }
+  }
+  return cost;
+}
+
+/// Fills the camera, point and mixed blocks of the normal equations.
+void linearise(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
+               const StartAdjustmentOptions& options, Workspace* w) {
+  const std::size_t frames = geometry.poses.size();
+  for (std::size_t f = 0; f < frames; ++f) {
+    w->camera_blocks[f].setZero();
+  }
+  w->camera_gradient.setZero(static_cast<Eigen::Index>(6 * frames));
+  w->point_blocks.resize(geometry.points_T.size());
+  for (Workspace::PointBlock& block : w->point_blocks) {
+    block.V.setZero();
+    block.g.setZero();
+  }
+  w->blocks.resize(sightings.size());
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    const StartSighting& s = sightings[i];
+    w->blocks[i].frame = -1;
+    const auto frame = static_cast<std::size_t>(s.frame);
+    const auto track = static_cast<std::size_t>(s.track);
+    Eigen::Vector2d x;
+    ReprojectionJacobians J;
+    if (!usable(geometry, s) || !reproject(geometry.poses[frame], geometry.points_T[track], &x, &J)) {
+      continue;
+    }
+    const double inverse_sigma = 1.0 / (s.sigma_normalised * options.sigma_scale);
+    const Eigen::Vector2d residual = inverse_sigma * (x - s.normalised);
+    const double weight = loss(residual.squaredNorm(), options).weight;
+    if (!(weight > 0.0)) {
+      continue;
+    }
+    Eigen::Matrix<double, 2, 6> A;
+    A << inverse_sigma * J.rotation, inverse_sigma * J.uvs;
+    const Eigen::Matrix<double, 2, 3> B = inverse_sigma * J.point;
+    const Eigen::Matrix<double, 6, 2> weighted = weight * A.transpose();
+    w->blocks[i].frame = s.frame;
+    w->blocks[i].W.noalias() = weighted * B;
+    w->camera_blocks[frame].noalias() += weighted * A;
+    w->camera_gradient.segment<6>(6 * s.frame).noalias() += weighted * residual;
+    w->point_blocks[track].V.noalias() += weight * B.transpose() * B;
+    w->point_blocks[track].g.noalias() += weight * B.transpose() * residual;
+  }
+}
+
+/// Inverse of a point's damped block; zero for a point without weight.
+Eigen::Matrix3d point_inverse(const Eigen::Matrix3d& V, double damping) {
+  Eigen::Matrix3d damped = V;
+  damped.diagonal() *= 1.0 + damping;
+  const double floor = 1e-12 * V.trace();
+  if (!(floor > 0.0)) {
+    return Eigen::Matrix3d::Zero();
+  }
+  damped.diagonal().array() += floor;
+  return damped.inverse();
+}
+
+/// End of the run of sightings that belong to the track at `begin`.
+std::size_t track_end(std::span<const StartSighting> sightings, std::size_t begin) {
+  std::size_t end = begin + 1;
+  while (end < sightings.size() && sightings[end].track == sightings[begin].track) {
+    ++end;
+  }
+  return end;
+}
+
+/// Reduced camera system S (upper triangle, then mirrored) and its right side.
+void eliminate_points(std::span<const StartSighting> sightings, double damping, Workspace* w,
+                      Workspace::CameraVector* right) {
+  const Eigen::Index size = w->camera_gradient.size();
+  w->reduced.setZero(size, size);
+  *right = w->camera_gradient;
+  for (Eigen::Index f = 0; f < size / 6; ++f) {
+    Eigen::Matrix<double, 6, 6> U = w->camera_blocks[static_cast<std::size_t>(f)];
+    // A frame without sightings keeps its pose.
+    const bool empty = !(U.trace() > 0.0);
+    U.diagonal().array() *= 1.0 + damping;
+    U.diagonal().array() += empty ? 1.0 : 1e-12 * U.trace();
+    w->reduced.block<6, 6>(6 * f, 6 * f) = U;
+  }
+  for (std::size_t begin = 0; begin < sightings.size();) {
+    const std::size_t end = track_end(sightings, begin);
+    const Workspace::PointBlock& point = w->point_blocks[static_cast<std::size_t>(sightings[begin].track)];
+    const Eigen::Matrix3d V_inverse = point_inverse(point.V, damping);
+    for (std::size_t i = begin; i < end; ++i) {
+      const Workspace::Block& a = w->blocks[i];
+      if (a.frame < 0) {
+        continue;
+      }
+      const Eigen::Matrix<double, 6, 3> Y = a.W * V_inverse;
+      right->segment<6>(6 * a.frame).noalias() -= Y * point.g;
+      for (std::size_t j = i; j < end; ++j) {
+        const Workspace::Block& b = w->blocks[j];
+        if (b.frame >= 0) {
+          w->reduced.block<6, 6>(6 * a.frame, 6 * b.frame).noalias() -= Y * b.W.transpose();
+        }
+      }
+    }
+    begin = end;
+  }
+  w->reduced.triangularView<Eigen::StrictlyLower>() = w->reduced.transpose();
+}
+
+void apply_camera_step(const StartGeometryView& geometry, Workspace* w) {
+  for (std::size_t f = 0; f < geometry.poses.size(); ++f) {
+    w->trial_poses[f] = geometry.poses[f];
+    if (geometry.posed[f] != 0) {
+      const auto step = w->camera_step.segment<6>(static_cast<Eigen::Index>(6 * f));
+      w->trial_poses[f].R_CT = so3_exp(-step.head<3>()) * geometry.poses[f].R_CT;
+      w->trial_poses[f].uvs -= step.tail<3>();
+    }
+  }
+}
+
+void apply_point_steps(std::span<const StartSighting> sightings, const StartGeometryView& geometry, double damping,
+                       Workspace* w) {
+  std::copy(geometry.points_T.begin(), geometry.points_T.end(), w->trial_points.begin());
+  for (std::size_t begin = 0; begin < sightings.size();) {
+    const std::size_t end = track_end(sightings, begin);
+    const auto track = static_cast<std::size_t>(sightings[begin].track);
+    Eigen::Vector3d g = w->point_blocks[track].g;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (w->blocks[i].frame >= 0) {
+        g.noalias() -= w->blocks[i].W.transpose() * w->camera_step.segment<6>(6 * w->blocks[i].frame);
+      }
+    }
+    if (geometry.known[track] != 0) {
+      w->trial_points[track] -= point_inverse(w->point_blocks[track].V, damping) * g;
+    }
+    begin = end;
+  }
+}
+
+/// One damped step into the trial arrays. @return false when the system cannot be solved or a depth would turn negative.
+bool try_step(std::span<const StartSighting> sightings, const StartGeometryView& geometry, double damping,
+              Workspace* w) {
+  Workspace::CameraVector right;
+  eliminate_points(sightings, damping, w, &right);
+  const Eigen::LDLT<Eigen::Ref<Eigen::MatrixXd>> ldlt(w->reduced);
+  if (ldlt.info() != Eigen::Success) {
+    return false;
+  }
+  w->camera_step = ldlt.solve(right);
+  if (!w->camera_step.allFinite()) {
+    return false;
+  }
+  apply_camera_step(geometry, w);
+  for (std::size_t f = 0; f < geometry.poses.size(); ++f) {
+    if (geometry.posed[f] != 0 && !(w->trial_poses[f].uvs.z() > 0.0)) {
+      return false;
+    }
+  }
+  apply_point_steps(sightings, geometry, damping, w);
+  return true;
+}
+
+struct PoseEquations {
+  Eigen::Matrix<double, 6, 6> H = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
+  double cost = 0.0;
+  int used = 0;
+};
+
+PoseEquations linearise_pose(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
+                             const StartAdjustmentOptions& options, const InverseDepthPose& pose) {
+  PoseEquations n;
+  for (const StartSighting& s : sightings) {
+    const auto track = static_cast<std::size_t>(s.track);
+    Eigen::Vector2d x;
+    ReprojectionJacobians J;
+    if (geometry.known[track] == 0) {
+      continue;
+    }
+    ++n.used;
+    if (!reproject(pose, geometry.points_T[track], &x, &J)) {
+      n.cost += loss(kBehindError * options.width_sigma * options.width_sigma, options).cost;
+      continue;
+    }
+    const double inverse_sigma = 1.0 / (s.sigma_normalised * options.sigma_scale);
+    const Eigen::Vector2d residual = inverse_sigma * (x - s.normalised);
+    const LossValue value = loss(residual.squaredNorm(), options);
+    Eigen::Matrix<double, 2, 6> A;
+    A << inverse_sigma * J.rotation, inverse_sigma * J.uvs;
+    n.H.noalias() += value.weight * A.transpose() * A;
+    n.g.noalias() += value.weight * A.transpose() * residual;
+    n.cost += value.cost;
+  }
+  return n;
+}
+
+double median_of(std::span<double> values) {
+  if (values.empty()) {
+    return 0.0;
+  }
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+bool reduced_camera_system(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
+                           const StartAdjustmentOptions& options, Workspace* workspace) {
+  linearise(sightings, geometry, options, workspace);
+  Workspace::CameraVector right;
+  eliminate_points(sightings, 0.0, workspace, &right);
+  return workspace->reduced.allFinite();
+}
+
+StartFit evaluate_start(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
+                        const StartAdjustmentOptions& options, Workspace* workspace) {
+  POLHODE_ASSERT(sightings.size() <= Workspace::kSightings, sightings.size());
+  StartFit fit;
+  const double width2 = options.width_sigma * options.width_sigma;
+  workspace->errors2.clear();
+  for (std::size_t begin = 0; begin < sightings.size();) {
+    const std::size_t end = track_end(sightings, begin);
+    int track_inliers = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const StartSighting& s = sightings[i];
+      if (!usable(geometry, s)) {
+        continue;
+      }
+      const double e = scaled_error2(geometry.poses[static_cast<std::size_t>(s.frame)],
+                                     geometry.points_T[static_cast<std::size_t>(s.track)], s, options);
+      (void)workspace->errors2.push_back(e);
+      if (e < width2) {
+        ++track_inliers;
+        fit.chi2 += e;
+      }
+    }
+    fit.inliers += track_inliers;
+    fit.points += track_inliers >= 2 ? 1 : 0;
+    begin = end;
+  }
+  fit.sightings = static_cast<int>(sightings.size());
+  for (const std::uint8_t posed : geometry.posed) {
+    fit.frames += posed != 0 ? 1 : 0;
+  }
+  fit.cost = total_cost(sightings, geometry.poses, geometry.points_T, geometry, options);
+  fit.median = median_of(workspace->errors2.view());
+  // The fit takes up 3 of every point's residuals and 6 of every frame's, less the gauge.
+  const double coordinates = 2.0 * static_cast<double>(workspace->errors2.size());
+  const double free = coordinates - 3.0 * fit.points - 6.0 * fit.frames + 7.0;
+  fit.noise_scale = free > 0.0 ? std::sqrt(fit.median / kChi2Median2 * coordinates / free) : 0.0;
+  return fit;
+}
+
+StartFit adjust_start(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
+                      const StartAdjustmentOptions& options, Workspace* workspace) {
+  POLHODE_ASSERT(sightings.size() <= Workspace::kSightings, sightings.size());
+  POLHODE_ASSERT(geometry.poses.size() <= limits::kStartFrames, geometry.poses.size());
+  POLHODE_ASSERT(geometry.points_T.size() <= limits::kStartTracks, geometry.points_T.size());
+  // Where the first damping lies matters little: it moves by factors of 10 (Marquardt 1963).
+  double damping = 1e-3;
+  double cost = total_cost(sightings, geometry.poses, geometry.points_T, geometry, options);
+  int iteration = 0;
+  bool stale = true;
+  for (; iteration < options.iterations_max && damping < 1e8; ++iteration) {
+    if (stale) {
+      linearise(sightings, geometry, options, workspace);
+    }
+    stale = false;
+    if (!try_step(sightings, geometry, damping, workspace)) {
+      damping *= 10.0;
+      continue;
+    }
+    const double next = total_cost(sightings, workspace->trial_poses, std::span(workspace->trial_points).first(geometry.points_T.size()), geometry, options);
+    if (!(next < cost)) {
+      if (next - cost < options.settled) {
+        break;  // equal to rounding
+      }
+      damping *= 10.0;
+      continue;
+    }
+    std::copy_n(workspace->trial_poses.begin(), geometry.poses.size(), geometry.poses.begin());
+    std::copy_n(workspace->trial_points.begin(), geometry.points_T.size(), geometry.points_T.begin());
+    const bool settled = cost - next < options.settled;
+    cost = next;
+    stale = true;
+    damping = std::max(1e-9, damping * 0.1);
+    if (settled) {
+      break;
+    }
+  }
+  StartFit fit = evaluate_start(sightings, geometry, options, workspace);
+  fit.iterations = iteration;
+  return fit;
+}
+
+double adjust_single_pose(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
+                          const StartAdjustmentOptions& options, InverseDepthPose* pose) {
+  double damping = 1e-3;
+  PoseEquations equations = linearise_pose(sightings, geometry, options, *pose);
+  if (equations.used < 4) {
+    return -1.0;
+  }
+  for (int iteration = 0; iteration < options.iterations_max && damping < 1e8; ++iteration) {
+    Eigen::Matrix<double, 6, 6> H = equations.H;
+    H.diagonal() *= 1.0 + damping;
+    H.diagonal().array() += 1e-12 * H.trace();
+    const Eigen::Matrix<double, 6, 1> step = H.ldlt().solve(equations.g);
+    InverseDepthPose trial = *pose;
+    trial.R_CT = so3_exp(-step.head<3>()) * pose->R_CT;
+    trial.uvs -= step.tail<3>();
+    const PoseEquations next = linearise_pose(sightings, geometry, options, trial);
+    if (!step.allFinite() || !(trial.uvs.z() > 0.0) || !(next.cost < equations.cost)) {
+      damping *= 10.0;
+      continue;
+    }
+    const bool settled = equations.cost - next.cost < options.settled;
+    *pose = trial;
+    equations = next;
+    damping *= 0.1;
+    if (settled) {
+      break;
+    }
+  }
+  return equations.cost;
+}
+
+}  // namespace polhode
