@@ -19,7 +19,8 @@ MACHINE_HEADERS = re.compile(
     r"sstream|ostream|istream|cstdio|stdio\.h|filesystem|random|unistd\.h|fcntl\.h|pthread\.h|sched\.h|signal\.h|csignal|"
     r"sys/.*|fmt/.*")
 MACHINE_CALLS = re.compile(
-    r"\b(?:getenv|setenv|printf|fprintf|puts|fopen|time|clock|rand|srand|system|sleep|usleep|exit|quick_exit|_exit)\s*\(|"
+    r"\b(?:getenv|setenv|printf|fprintf|puts|fopen|clock|srand|system|sleep|usleep|exit|quick_exit|_exit)\s*\(|"
+    r"\btime\s*\(\s*(?:0|NULL|nullptr|&\w+)\s*\)|\bstd::rand\b|"
     r"\bstd::(?:cout|cerr|clog|thread|mutex|unordered_map|unordered_set|random_device)\b|\bcv::(?:theRNG|setNumThreads|RNG)\b")
 SOLVER_HEADERS = re.compile(r"(?:opengv|ceres|flann|opencv2/flann).*")
 
