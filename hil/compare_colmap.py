@@ -47,6 +47,20 @@ def fingerprint(sequence) -> str:
     return digest.hexdigest()
 
 
+def print_other_models(out: pathlib.Path, truth) -> None:
+    """One line for each smaller model: how it lies to the truth and its twin."""
+    from judge.metrics import align_run
+    from judge.run import read_run
+    from judge.twin import judge_twin
+    for folder in sorted(out.glob("model_*"), key=lambda path: int(path.name.removeprefix("model_"))):
+        aligned = align_run(read_run(folder).motions["smoothed"], truth)
+        if aligned is None:
+            continue
+        found = judge_twin(aligned.R_CE, aligned.R_CT, truth.p_CT[aligned.rows_T])
+        print(f"COLMAP's {folder.name}: {len(aligned.rows_E)} frames, {found['verdict']} "
+              f"({found['rmse_to_truth_deg']:.2f} deg from the truth, {found['rmse_to_twin_deg']:.2f} deg from its twin)")
+
+
 def main() -> int:
     options = arguments()
     from evaluate import write_json
@@ -74,6 +88,7 @@ def main() -> int:
     reports = [judge_run(run, sequence, truth) for run in (peer, *runs)]
     reports[0]["run"] = "COLMAP"
     print(report.text_report(reports))
+    print_other_models(out, truth)
     if options.json:
         write_json(options.json, reports)
     return 0

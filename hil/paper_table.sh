@@ -48,7 +48,8 @@ run_case() {
   [ -f "$scene" ] || fail "hil/scenes/paper_$1.toml is not there" 2
   mkdir -p "$cache/scenes" "$cache/replays"
   say "$name: frames in $sequence"
-  "$here/hil/render_scene.sh" "$scene" "$sequence" "${variant[@]}" || fail "$name: rendering failed" 1
+  "$here/hil/render_scene.sh" "$scene" "$sequence" "${variant[@]}" \
+    || fail "$name: rendering failed; if the scene file has changed since, remove $sequence" 1
   local scale=()
   mapfile -t scale < <("$python" "$here/hil/judge/paper.py" scale "$sequence")
   [ "${#scale[@]}" -gt 1 ] || { scale=(); say "$name: no known length is seen well, so the scale comes from the alignment"; }

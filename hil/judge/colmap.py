@@ -82,18 +82,31 @@ def run_colmap(sequence: Sequence, out: pathlib.Path) -> dict:
     return read_json(out / "colmap.json")
 
 
-def write_output(sequence: Sequence, result: dict, out: pathlib.Path) -> None:
-    """COLMAP's answer in the files that the judge reads: motion_smoothed.csv (it sees all frames), cloud, summary."""
+def _write_motion(path: pathlib.Path, names: list[str], sequence: Sequence, poses: dict) -> None:
+    """One model's poses in the columns of motion.csv; frames that it lacks have no pose."""
     header = ["frame", "timestamp_ns", "mode", "pose_valid", "rate_valid", "velocity_valid", "scale_known",
               *QUATERNION, *POSITION]
-    names = sorted(path.name for path in (out / "images").iterdir())
-    with open(out / "motion_smoothed.csv", "w", newline="") as stream:
+    with open(path, "w", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(header)
         for index, (name, timestamp_ns) in enumerate(zip(names, sequence.timestamp_ns)):
-            pose = result["poses"].get(name)
+            pose = poses.get(name)
             values = [f"{x:.12g}" for x in (*pose["q"], *pose["p"])] if pose else [""] * 7
             writer.writerow([index, timestamp_ns, "TRACKING" if pose else "LOST", int(bool(pose)), 0, 0, 0, *values])
+
+
+def write_output(sequence: Sequence, result: dict, out: pathlib.Path) -> None:
+    """COLMAP's answer in the files that the judge reads: motion_smoothed.csv (it sees all frames), cloud, summary.
+
+    Where COLMAP fell apart into several models the largest is its answer; the others go to model_N/.
+    """
+    names = sorted(path.name for path in (out / "images").iterdir())
+    _write_motion(out / "motion_smoothed.csv", names, sequence, result["poses"])
+    for old in out.glob("model_*"):
+        shutil.rmtree(old)
+    for number, poses in enumerate(result.get("other_poses", []), start=2):
+        (out / f"model_{number}").mkdir()
+        _write_motion(out / f"model_{number}" / "motion_smoothed.csv", names, sequence, poses)
     cloud = out / "work" / "cloud.ply"
     if cloud.exists():
         shutil.copyfile(cloud, out / "cloud.ply")

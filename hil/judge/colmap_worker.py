@@ -1,7 +1,8 @@
 """Runs COLMAP on a folder of 8-bit pictures with fixed intrinsics. Needs pycolmap; knows nothing of truth or judging.
 
 Call: colmap_worker.py JOB.json, with {"images", "names", "work", "camera_params", "matcher", "result"}. Writes RESULT:
-poses of the largest model as {"name": {"q": [w,x,y,z], "p": [x,y,z], "points": n}}, counts, CPU and wall time, memory.
+poses of the largest model as {"name": {"q": [w,x,y,z], "p": [x,y,z], "points": n}}, those of the others in the same form,
+counts, CPU and wall time, memory.
 """
 
 import json
@@ -70,8 +71,9 @@ def main() -> None:
               "cpu_s": cpu_s() - cpu_started_s,
               "peak_rss_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, "poses": {}}
     if models:
-        best = max(models, key=lambda model: model.num_reg_images())
-        result |= {"poses": poses_of(best), "points": best.num_points3D(),
+        models.sort(key=lambda model: model.num_reg_images(), reverse=True)
+        best = models[0]
+        result |= {"poses": poses_of(best), "other_poses": [poses_of(model) for model in models[1:]], "points": best.num_points3D(),
                    "mean_reprojection_error_px": best.compute_mean_reprojection_error()}
         best.export_PLY(str(work / "cloud.ply"))
         result["camera_params"] = list(next(iter(best.cameras.values())).params)

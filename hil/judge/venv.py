@@ -5,6 +5,8 @@ import pathlib
 import sys
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+# All problems here are small: threads of the linear algebra gain nothing and, on a busy machine, spin against each other.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def enter_venv(name: str = ".venv") -> None:

@@ -27,9 +27,11 @@ def scene(tmp_path_factory, body):
     return write_sequence(tmp_path_factory.mktemp("scene") / "seq", body)
 
 
-def judged(tmp_path, scene, body, causal, smoothed=None):
+def judged(tmp_path, scene, body, causal, cloud=False):
     sequence = read_sequence(scene)
-    run = read_run(write_run(tmp_path / "run", body, causal, smoothed))
+    run = read_run(write_run(tmp_path / "run", body, causal))
+    if not cloud:  # sampling the mesh takes the most time, and only the tests of shape look at it
+        (run.folder / "cloud.ply").unlink()
     return judge_run(run, sequence, read_truth(sequence))
 
 
@@ -185,7 +187,7 @@ def test_truth_without_rates_is_judged_by_poses(tmp_path, body):
 
 
 def test_never_acquired_is_a_report_and_no_crash(tmp_path, scene, body):
-    report = judged(tmp_path, scene, body, Errors(first_frame=10_000))
+    report = judged(tmp_path, scene, body, Errors(first_frame=10_000), cloud=True)
     assert report["motion"]["causal"]["coverage"]["coverage"] == 0
     assert report["motion"]["causal"]["coverage"]["frames_until_first_pose"] is None
     assert "attitude" not in report["motion"]["causal"]
@@ -193,7 +195,7 @@ def test_never_acquired_is_a_report_and_no_crash(tmp_path, scene, body):
 
 
 def test_cloud_on_the_surface_has_no_distance_and_covers_what_was_seen(tmp_path, scene, body):
-    shape = judged(tmp_path, scene, body, Errors())["shape"]
+    shape = judged(tmp_path, scene, body, Errors(), cloud=True)["shape"]
     assert shape["body_size_m"] == pytest.approx(np.linalg.norm([0.6, 0.4, 1.0]), rel=1e-5)
     assert shape["distance_rmse_percent"] < 0.3  # the spacing of the samples
     assert shape["complete_seen_within_5_percent"] > 0.9

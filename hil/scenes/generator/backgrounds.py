@@ -24,6 +24,9 @@ class Empty:
         """Points in C (N, 3) whose pictures bound what the target changes; here the target's own."""
         return p_C
 
+    def prepare(self, motion, row):
+        """Called before the target is rendered at a row of the motion."""
+
     def radiance(self, motion, row):
         """None: nothing is added."""
         del motion, row

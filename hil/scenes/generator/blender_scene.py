@@ -4,6 +4,7 @@ Blender's world axes are the camera's: x right, y down, z forward, with the came
 lights move; the camera never does. Light directions are unit vectors from the target towards the light.
 """
 
+import contextlib
 import math
 import os
 
@@ -220,3 +221,58 @@ def render_window(f_px, cu, cv, window, seed, scratch_path):
     bpy.data.images.remove(image)
     os.remove(scratch_path)
     return out.reshape(height, width, 4)[::-1]
+
+
+def add_ambient(radiance):
+    """Even white light from all around."""
+    world = bpy.data.worlds.new("ambient")
+    bpy.context.scene.world = world
+    world.use_nodes = True
+    world.cycles.sampling_method = "NONE"
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
+    world.node_tree.nodes["Background"].inputs["Strength"].default_value = radiance
+
+
+def add_lamp(root, place_m, width_m, strength):
+    """Disc lamp under root at place_m (3,), shining along root's -z; strength is the irradiance at root's origin
+    height below it in units of the sun's."""
+    light = bpy.data.lights.new("lamp", "AREA")
+    light.shape, light.size = "DISK", width_m
+    # Irradiance below a small lamp is power / (pi d^2); the sun's unit is pi.
+    light.energy = math.pi ** 2 * strength * float(place_m[2]) ** 2
+    lamp = bpy.data.objects.new("lamp", light)
+    lamp.location = [float(x) for x in place_m]
+    lamp.parent = root
+    bpy.context.scene.collection.objects.link(lamp)
+
+
+def child_named(root, name):
+    """The child of root whose name starts with name."""
+    return next(thing for thing in root.children if thing.name.startswith(name))
+
+
+def _show_room(room, shown, table):
+    """Shows the room or takes it away, all but the lamps and the table, which then catches shadows only."""
+    for thing in room.children:
+        if thing.type == "MESH" and thing is not table:
+            thing.hide_render = not shown
+    table.is_shadow_catcher = not shown
+
+
+@contextlib.contextmanager
+def room_only(room, table, samples):
+    """Within: the room alone is seen. After: only the target and its shadow on the table are."""
+    scene = bpy.context.scene
+    target = bpy.data.objects["target"]
+    usual = scene.cycles.samples
+    _show_room(room, True, table)
+    for thing in target.children:
+        thing.hide_render = True
+    scene.cycles.samples = samples
+    try:
+        yield
+    finally:
+        scene.cycles.samples = usual
+        for thing in target.children:
+            thing.hide_render = False
+        _show_room(room, False, table)

@@ -223,6 +223,7 @@ class Painter:
         total = None
         for k, row in enumerate(self.plan.rows[i]):
             seed = int(noise.generator(self.plan.scene["seed"], 11, i, k).integers(0, 2 ** 31 - 1))
+            self.background.prepare(self.plan.sub_motion, row)
             layer = self._target_layer(row, seed)
             behind = self.background.radiance(self.plan.sub_motion, row)
             picture = layer[..., :3] if behind is None else layer[..., :3] + (1 - np.clip(layer[..., 3:], 0, 1)) * behind

@@ -143,7 +143,8 @@ def _wear_of_cells(image, inside, iu, iv, rng):
         image[area] += disc[..., None] * (np.float32(rng.choice([0.75, 0.03])) - image[area])
 
 
-def plate(shape, texels_per_m, rng, color=(0.80, 0.80, 0.78), text=(), metallic=0.0, panels=True, wear=1.0):
+def plate(shape, texels_per_m, rng, color=(0.80, 0.80, 0.78), text=(), metallic=0.0, panels=True, wear=1.0,
+          decals=True):
     """Painted or bare plate: panel gaps, screws, lettering, stripes, fiducial-like decals, dirt and scratches."""
     image = _canvas(shape, color)
     dirt = noise.fractal(shape, rng, 2.2, 0.25 * texels_per_m)
@@ -154,7 +155,8 @@ def plate(shape, texels_per_m, rng, color=(0.80, 0.80, 0.78), text=(), metallic=
     metal = np.full(shape, metallic, dtype=np.float32)
     if panels:
         _gaps_and_screws(image, height, metal, texels_per_m, rng)
-    _decals(image, texels_per_m, rng, text)
+    if decals:
+        _decals(image, texels_per_m, rng, text)
     scratch = _scratches(shape, rng, int(26 * wear), 0.16 * texels_per_m, 0.0009 * texels_per_m)
     _paint(image, 0.8 * scratch, (0.93, 0.93, 0.95))
     dark = _scratches(shape, rng, int(16 * wear), 0.10 * texels_per_m, 0.0012 * texels_per_m)

@@ -18,7 +18,7 @@ class Tear:
 
     def __init__(self, rng):
         self.waves = []
-        for frequency, amplitude in ((3.1, 0.050), (7.3, 0.030), (17.0, 0.018), (39.0, 0.010)):
+        for frequency, amplitude in ((3.1, 0.050), (7.3, 0.030), (17.0, 0.014), (39.0, 0.005)):
             for _ in range(3):
                 heading = rng.uniform(0, 2 * np.pi)
                 self.waves.append((frequency * np.cos(heading), frequency * np.sin(heading), rng.uniform(0, 1), amplitude))
@@ -138,7 +138,7 @@ def _outside(s):
 
 def _inner_skin(shape, unit, rng):
     """Primer-yellow inner face with a grid of inserts and burn marks."""
-    skin = surfaces.plate(shape, unit, rng, (0.55, 0.56, 0.36), (), metallic=0.2, panels=False, wear=1.6)
+    skin = surfaces.plate(shape, unit, rng, (0.55, 0.56, 0.36), (), metallic=0.2, panels=False, wear=1.6, decals=False)
     burn = np.clip(noise.fractal(shape, rng, 2.6, 0.3 * unit), 0, 2)[..., None]
     skin.color = np.clip(skin.color * (1 - 0.4 * burn), 0, 1)
     return skin
@@ -167,9 +167,9 @@ def _materials(s, seed, texture_px):
         "inner": _inner_skin(shape, unit, rng[6]),
         "torn": _honeycomb(rng[7]),
         "box_white": surfaces.plate((256, 256), 700, rng[8], (0.8, 0.8, 0.78), ("R1",), panels=False),
-        "box_black": surfaces.plate((256, 256), 700, rng[9], (0.16, 0.16, 0.17), (), panels=False),
-        "box_green": surfaces.plate((256, 256), 700, rng[10], (0.32, 0.45, 0.36), (), panels=False),
-        "board": surfaces.plate((256, 256), 900, rng[11], (0.10, 0.32, 0.16), (), panels=False, wear=3),
+        "box_black": surfaces.plate((256, 256), 700, rng[9], (0.16, 0.16, 0.17), (), panels=False, decals=False),
+        "box_green": surfaces.plate((256, 256), 700, rng[10], (0.32, 0.45, 0.36), (), panels=False, decals=False),
+        "board": surfaces.plate((256, 256), 900, rng[11], (0.10, 0.32, 0.16), (), panels=False, decals=False, wear=3),
         "dish": Material((0.82, 0.82, 0.80), 0.6),
         "tank": Material((0.70, 0.66, 0.60), 0.28, 0.85),
         "metal": Material((0.72, 0.72, 0.73), 0.30, 0.9),

@@ -153,12 +153,12 @@ def _materials(s, seed, texture_px):
     small = (max(64, texture_px // 4), max(64, texture_px // 2))
     return {
         "tank": _tank_skin(s, seed, texture_px),
-        "dome": surfaces.plate(small, texture_px, rng[0], (0.66, 0.63, 0.56), (), 0.3, panels=False),
+        "dome": surfaces.plate(small, texture_px, rng[0], (0.66, 0.63, 0.56), (), 0.3, panels=False, decals=False),
         "adapter": surfaces.weave(small, texture_px, rng[1], (0.20, 0.20, 0.21)),
         "inside": Material((0.25, 0.24, 0.22), 0.7),
-        "engine": surfaces.plate(small, texture_px, rng[2], (0.46, 0.44, 0.42), (), 0.6, panels=False, wear=2),
-        "nozzle": surfaces.plate(small, texture_px, rng[3], (0.30, 0.27, 0.26), (), 0.55, panels=False, wear=2),
-        "raceway": surfaces.plate(small, texture_px, rng[4], (0.74, 0.74, 0.72), (), panels=False),
+        "engine": surfaces.plate(small, texture_px, rng[2], (0.46, 0.44, 0.42), (), 0.6, panels=False, decals=False, wear=2),
+        "nozzle": surfaces.plate(small, texture_px, rng[3], (0.30, 0.27, 0.26), (), 0.55, panels=False, decals=False, wear=2),
+        "raceway": surfaces.plate(small, texture_px, rng[4], (0.74, 0.74, 0.72), (), panels=False, decals=False),
         "bottle": surfaces.foil(small, texture_px, rng[5], surfaces.GOLD, 0.03),
         "metal": Material((0.70, 0.70, 0.71), 0.32, 0.9),
     }
