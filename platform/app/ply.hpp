@@ -1,0 +1,23 @@
+// Point clouds as PLY files.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+namespace polhode::platform {
+
+struct PlyCloud {
+  std::span<const Eigen::Vector3d> points;
+  std::span<const Eigen::Vector3d> normals;          ///< one a point, or none at all
+  std::span<const std::array<std::uint8_t, 3>> rgb;  ///< one a point, or none at all
+  std::string_view comment;                          ///< one line: frame and unit
+};
+
+/// Binary, little-endian, float coordinates.
+void write_ply(const std::filesystem::path& file, const PlyCloud& cloud);
+
+}  // namespace polhode::platform

@@ -1,0 +1,74 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "app/ply.hpp"
+#include "app/trajectory.hpp"
+#include "temporary_folder.hpp"
+
+namespace polhode::platform {
+namespace {
+
+std::string content(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(Trajectory, IsTheCameraSeenFromTheTarget) {
+  // The target turned by 90 deg about z and 5 ahead of the camera: p_TC = -R_CT^T (1, 0, 5) = (0,
+  // 1, -5).
+  MotionState state{.timestamp_ns = 1700000000000000123, .pose_valid = true};
+  state.q_CT = {0.5, 0.0, 0.0, 0.5};
+  state.q_CT[0] = state.q_CT[3] = 0.70710678118654757;
+  state.p_CT = {1.0, 0.0, 5.0};
+  std::istringstream line(tum_line(state));
+  std::string stamp;
+  double v[7] = {};
+  line >> stamp;
+  for (double& value : v) line >> value;
+  EXPECT_EQ(stamp, "1700000000.000000123");
+  const double expected[7] = {0.0, 1.0, -5.0, 0.0, 0.0, -0.707106781, 0.707106781};
+  for (int i = 0; i < 7; ++i) {
+    EXPECT_NEAR(v[i], expected[i], 1e-9) << i;  // nine digits are written
+  }
+}
+
+TEST(Trajectory, LeavesOutFramesWithoutAPose) {
+  const TemporaryFolder folder;
+  MotionState states[3];
+  states[1].pose_valid = true;
+  write_trajectory(folder.path() / "t.tum", states);
+  const std::string text = content(folder.path() / "t.tum");
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
+}
+
+TEST(Ply, HoldsWhatItsHeaderSays) {
+  const TemporaryFolder folder;
+  const Eigen::Vector3d points[] = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}};
+  const Eigen::Vector3d normals[] = {{0.0, 0.0, 1.0}, {0.0, 1.0, 0.0}};
+  const std::array<std::uint8_t, 3> rgb[] = {{1, 2, 3}, {4, 5, 6}};
+  write_ply(folder.path() / "c.ply",
+            {.points = points, .normals = normals, .rgb = rgb, .comment = "frame T"});
+  const std::string text = content(folder.path() / "c.ply");
+  const std::size_t data = text.find("end_header\n") + 11;
+  EXPECT_NE(text.find("element vertex 2\n"), std::string::npos);
+  ASSERT_EQ(text.size() - data, 2U * (6 * 4 + 3));
+  float x = 0.0F;
+  std::memcpy(
+      &x, text.data() + data + 27, sizeof x);  // on the little-endian machines that tests run on
+  EXPECT_EQ(x, 4.0F);
+}
+
+TEST(Ply, MayBeEmpty) {
+  const TemporaryFolder folder;
+  write_ply(folder.path() / "c.ply",
+            {.points = {}, .normals = {}, .rgb = {}, .comment = "frame T"});
+  EXPECT_NE(content(folder.path() / "c.ply").find("element vertex 0\n"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace polhode::platform
