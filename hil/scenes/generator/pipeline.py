@@ -183,9 +183,11 @@ class Painter:
         from . import backgrounds, blender_scene
         self.blender, self.plan, self.scratch_path = blender_scene, plan, scratch_path
         scene = plan.scene
+        # Sub-frames are averaged, so they share a frame's samples; 8 each keep the soft light even.
+        samples = max(min(8, scene["render"]["samples"]), scene["render"]["samples"] // len(plan.offsets_s))
         # Materials of an imported file live in Blender; reading the file came first and must not be wiped.
         if scene["target"]["kind"] != "file":
-            blender_scene.reset(scene["render"]["samples"])
+            blender_scene.reset(samples)
         own = [part for part in parts if part.material != "imported"]
         self.target = blender_scene.add_parts(own, materials, origin_m=plan.centre_of_mass_G_m)
         if len(own) < len(parts):

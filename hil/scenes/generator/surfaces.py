@@ -139,7 +139,7 @@ def _wear_of_cells(image, inside, iu, iv, rng):
     bad_v, bad_u = rng.integers(0, iv.max() + 1), rng.integers(0, iu.max() + 1)
     image *= np.where((iu == bad_u) & (iv == bad_v), 0.55, 1.0)[..., None].astype(np.float32)
     for _ in range(14):
-        area, disc = _disc(shape, rng.uniform(0, shape[1]), rng.uniform(0, shape[0]), rng.uniform(1.0, 0.006 * max(shape)))
+        area, disc = _disc(shape, rng.uniform(0, shape[1]), rng.uniform(0, shape[0]), rng.uniform(0.5, 1.0) * max(1.2, 0.006 * max(shape)))
         image[area] += disc[..., None] * (np.float32(rng.choice([0.75, 0.03])) - image[area])
 
 

@@ -1,0 +1,155 @@
+"""A furnished laboratory around a table, at rest in I: the distracting background of a test bed.
+
+Frame L: x to the right, y away from the camera, z up, origin on the table top below the target's first position.
+The room is rendered once per camera attitude as a picture of its own; per frame only the target and the shadow that it
+throws on the table are rendered and laid over it. Two soft lamps overhead and an even ambient light serve both.
+"""
+
+import numpy as np
+
+from . import mesh, noise, surfaces
+from .backgrounds import Empty
+from .materials import Material
+from .rotations import quat_to_matrix
+
+ROOM_SAMPLES = 96
+AMBIENT = 0.35
+# Irradiance of each lamp straight below it, relative to the sun's; place (x, y, z) and width in bodies.
+LAMPS = ((1.1, (-5.0, -4.0, 11.0), 4.0), (0.55, (6.0, 1.0, 12.0), 3.0))
+
+
+class Laboratory(Empty):
+    """The room's picture behind the target."""
+
+    own_light = True
+
+    def __init__(self, plan, resampler, blender, scratch_path):
+        settings = plan.scene["background"]
+        self.plan, self.resampler, self.blender, self.scratch_path = plan, resampler, blender, scratch_path
+        first_I = plan.R_IC0 @ np.asarray(plan.scene["motion"]["p_CT0_m"], dtype=float)
+        up_I = plan.R_IC0 @ np.asarray(settings["up_C"], dtype=float)
+        up_I /= np.linalg.norm(up_I)
+        away_I = first_I - np.dot(first_I, up_I) * up_I
+        away_I /= np.linalg.norm(away_I)
+        # Columns: axes of L in I.
+        self.R_IL = np.stack([np.cross(away_I, up_I), away_I, up_I], axis=1)
+        self.origin_I_m = first_I - settings["table_below_m"] * up_I
+        self.size_m = plan.scene["target"]["size_m"]
+        parts, materials = furniture(settings["seed"], self.size_m)
+        self.room = blender.add_parts(parts, materials, "laboratory")
+        self.table = blender.child_named(self.room, "table_top")
+        blender.add_ambient(AMBIENT)
+        for strength, place, width in LAMPS:
+            blender.add_lamp(self.room, np.array(place) * self.size_m, width * self.size_m, strength)
+        self.picture, self.picture_q_IC = None, None
+
+    def reach(self, p_C):
+        """The target's points and their shadows on the table, for lamps up to 45 deg from overhead."""
+        q_IC = self.plan.motion.q_IC[0] if self.picture_q_IC is None else self.picture_q_IC
+        R_CL = quat_to_matrix(q_IC).T @ self.R_IL
+        p_L = (p_C - quat_to_matrix(q_IC).T @ self.origin_I_m) @ R_CL
+        low, high = p_L.min(axis=0), p_L.max(axis=0)
+        spread = max(0.0, high[2]) * 0.8
+        corners = np.array([[x, y, 0.0] for x in (low[0] - spread, high[0] + spread) for y in (low[1] - spread, high[1] + spread)])
+        return np.concatenate([p_C, corners @ R_CL.T + quat_to_matrix(q_IC).T @ self.origin_I_m])
+
+    def prepare(self, motion, row):
+        """Puts the room where the camera sees it at this row; renders its picture if the view has changed."""
+        q_IC = motion.q_IC[row]
+        if self.picture is not None and np.allclose(q_IC, self.picture_q_IC, atol=1e-12):
+            return
+        self.picture_q_IC = q_IC.copy()
+        R_CI = quat_to_matrix(q_IC).T
+        self.blender.place(self.room, R_CI @ self.R_IL, R_CI @ self.origin_I_m)
+        window = self.resampler.full_window()
+        camera = self.plan.camera
+        with self.blender.room_only(self.room, self.table, ROOM_SAMPLES):
+            picture = self.blender.render_window(self.resampler.f_ideal, camera.cu, camera.cv, window,
+                                                 self.plan.scene["seed"], self.scratch_path)
+        self.picture = self.resampler.to_camera(picture, window)[..., :3]
+
+    def radiance(self, motion, row):
+        """Linear RGB (H, W, 3) of the room."""
+        del motion, row
+        return self.picture
+
+
+def furniture(seed, body_size_m):
+    """Parts and materials of the room in L, sized for a body of body_size_m on a table 9 bodies wide."""
+    unit = body_size_m
+    rng = noise.generator(seed, 31)
+    parts = [
+        mesh.box("table_top", [-4.5 * unit, -3 * unit, -0.2 * unit], [4.5 * unit, 3.2 * unit, 0], "table", 0.05 * unit),
+        *_room(unit), *_shelves(unit, rng), *_bench(unit, rng),
+    ]
+    return parts, _materials(seed)
+
+
+def _room(unit):
+    """Floor, back wall, white board, posters, a door. The other walls are left out: light comes in from there."""
+    w, d, h, low = 22 * unit, 18 * unit, 14 * unit, -8 * unit
+    return [
+        mesh.grid_patch("floor", [-w, -d, low], [2 * w, 0, 0], [0, 2 * d, 0], (1, 1), "floor"),
+        mesh.grid_patch("back_wall", [-w, d, low], [2 * w, 0, 0], [0, 0, h - low], (1, 1), "wall"),
+        mesh.box("board", [-7.5 * unit, d - 0.4 * unit, -0.5 * unit], [0 * unit, d - 0.1 * unit, 4.5 * unit], "whiteboard", 0.1 * unit),
+        mesh.box("poster_a", [1.0 * unit, d - 0.3 * unit, -1.2 * unit], [4.5 * unit, d - 0.1 * unit, 4 * unit], "poster_a"),
+        mesh.box("poster_b", [6.5 * unit, d - 0.3 * unit, 1 * unit], [11 * unit, d - 0.1 * unit, 5.5 * unit], "poster_b"),
+        mesh.box("door", [13 * unit, d - 0.3 * unit, low], [19 * unit, d - 0.1 * unit, 5 * unit], "door", 0.1 * unit),
+    ]
+
+
+def _shelves(unit, rng):
+    """Two racks of shelves with boxes of all kinds against the back wall."""
+    parts = []
+    for side, x0 in enumerate((-19.5, -13.3)):
+        for level in range(5):
+            z = (-7.5 + 3.2 * level) * unit
+            parts.append(mesh.box(f"shelf_{side}_{level}", [x0 * unit, 13 * unit, z], [(x0 + 6) * unit, 17 * unit, z + 0.2 * unit], "door"))
+            x = x0 + 0.2
+            while x < x0 + 5.2:
+                width, height = rng.uniform(0.5, 1.5), rng.uniform(0.8, 2.6)
+                parts.append(mesh.box(f"item_{side}_{level}_{x:.1f}", [x * unit, rng.uniform(13.1, 14.2) * unit, z + 0.2 * unit],
+                                      [(x + width) * unit, 16.5 * unit, z + (0.2 + height) * unit], f"item_{rng.integers(0, 6)}", 0.05 * unit))
+                x += width + rng.uniform(0.05, 0.5)
+    return parts
+
+
+def _bench(unit, rng):
+    """A bench with screens, instruments and a lattice of profile bars right of the table."""
+    parts = [mesh.box("bench", [4.8 * unit, 11 * unit, -2.4 * unit], [20 * unit, 16 * unit, -2 * unit], "table", 0.05 * unit)]
+    for k, x in enumerate((5.6, 9.6)):
+        parts.append(mesh.box(f"screen_{k}", [x * unit, 13.5 * unit, -1.2 * unit], [(x + 3) * unit, 13.8 * unit, 0.8 * unit], "screen", 0.05 * unit))
+        parts.append(mesh.box(f"foot_{k}", [(x + 1.3) * unit, 13.5 * unit, -2 * unit], [(x + 1.7) * unit, 13.9 * unit, -1.2 * unit], "door"))
+    for k in range(9):
+        x, y = rng.uniform(5, 16), rng.uniform(11.3, 13)
+        size = rng.uniform(0.4, 1.2, 3)
+        parts.append(mesh.box(f"tool_{k}", [x * unit, y * unit, -2 * unit], [(x + size[0]) * unit, (y + size[1]) * unit, (-2 + size[2]) * unit],
+                              f"item_{rng.integers(0, 6)}", 0.05 * unit))
+    for x in (-8.6, 8.4):
+        parts.append(mesh.box("post", [x * unit, 6 * unit, -8 * unit], [(x + 0.4) * unit, 6.4 * unit, 9 * unit], "bar", 0.04 * unit))
+    parts.append(mesh.box("beam", [-8.6 * unit, 6 * unit, 8.6 * unit], [8.8 * unit, 6.4 * unit, 9 * unit], "bar", 0.04 * unit))
+    for k in range(3):
+        x = (-10.0 + 1.4 * k)
+        parts.append(mesh.cylinder(f"flask_{k}", [x * unit, 12 * unit, -8 * unit], [x * unit, 12 * unit, (-4 + k) * unit], 0.55 * unit, f"item_{k}", 28))
+    return parts
+
+
+def _materials(seed):
+    def plate(n, color, text=(), shape=(512, 512), unit=900, **options):
+        return surfaces.plate(shape, unit, noise.generator(seed, 32, n), color, text, **options)
+
+    made = {
+        "table": plate(0, (0.42, 0.43, 0.45), panels=False, decals=False, wear=1.0, shape=(1024, 1024), unit=700),
+        "floor": surfaces.weave((1024, 1024), 9000, noise.generator(seed, 33), (0.42, 0.43, 0.42)),
+        "wall": plate(1, (0.66, 0.67, 0.66), panels=False, decals=False, wear=1.0, shape=(512, 1024)),
+        "whiteboard": plate(3, (0.85, 0.85, 0.86), ("I W - W X I W", "T 0 1 2 3 4", "SFM / PNP"), panels=False, wear=2.0, unit=500),
+        "poster_a": surfaces.solar_cells((512, 384), 900, noise.generator(seed, 34), (0.11, 0.16)),
+        "poster_b": plate(4, (0.55, 0.50, 0.36), ("LAB 3", "ORBIT", "DEBRIS"), wear=4.0),
+        "door": plate(5, (0.45, 0.41, 0.36), panels=True, decals=False),
+        "screen": plate(6, (0.14, 0.17, 0.22), ("RUN 12", "OK"), panels=False),
+        "bar": Material((0.62, 0.63, 0.65), 0.35, 0.8),
+    }
+    colors = ((0.55, 0.42, 0.28), (0.22, 0.34, 0.50), (0.70, 0.70, 0.68), (0.50, 0.18, 0.14), (0.20, 0.21, 0.22), (0.32, 0.45, 0.30))
+    for n, color in enumerate(colors):
+        made[f"item_{n}"] = plate(10 + n, color, (f"BOX {n}", "PARTS"), panels=n % 2 == 0, wear=2.0, unit=500)
+    return made

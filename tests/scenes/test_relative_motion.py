@@ -1,0 +1,51 @@
+"""Relative orbits and camera attitudes."""
+
+import numpy as np
+from generator import relative_motion, truth
+from generator.rotations import quat_from_axis_angle, quat_to_matrix
+
+N = 0.0011
+
+
+def _hill_acceleration(p, v):
+    return np.array([3 * N * N * p[0] + 2 * N * v[1], -2 * N * v[0], -N * N * p[2]])
+
+
+def test_hill_solution_satisfies_its_differential_equation():
+    p0, v0 = [10.0, -50.0, 4.0], [0.01, 0.02, -0.005]
+    for time_s in (0.0, 700.0, 2500.0):
+        h = 0.5
+        before, now, after = (relative_motion.hill_state(p0, v0, N, time_s + d) for d in (-h, 0, h))
+        assert np.allclose((after[0] - before[0]) / (2 * h), now[1], atol=1e-8)
+        assert np.allclose((after[1] - before[1]) / (2 * h), _hill_acceleration(*now), atol=1e-10)
+
+
+def test_hill_motion_gives_the_inertial_velocity():
+    R_IH0 = quat_to_matrix([0.5, 0.5, -0.5, 0.5])
+    def at(t):
+        return relative_motion.hill_motion([3.0, 1.0, 20.0], [0.001, 0.0, -0.01], R_IH0, N, t)
+    assert np.allclose(at(0.0)[0], [3.0, 1.0, 20.0]) and np.allclose(at(0.0)[1], [0.001, 0.0, -0.01])
+    assert np.allclose((at(900.5)[0] - at(899.5)[0]), at(900.0)[1], atol=1e-9)
+
+
+def _motion_table(**changes):
+    table = {"q_CT0": [1.0, 0.0, 0.0, 0.0], "w0_T_deg_s": [0.0, 0.0, 0.0], "inertia_kg_m2": np.eye(3).tolist(),
+             "p_CT0_m": [0.0, 0.0, 5.0], "v_C0_m_s": [0.0, 0.0, -0.1], "translation": "constant",
+             "q_CH0": [1.0, 0.0, 0.0, 0.0], "mean_motion_rad_s": N}
+    return {**table, **changes}
+
+
+def test_a_turning_camera_sees_a_resting_body_turn_the_other_way():
+    rate = np.radians(2.0)
+    history = relative_motion.turning_history([1, 0, 0, 0], [0.0, rate, 0.0], np.arange(0.0, 11.0))
+    motion = truth.motion_at(_motion_table(), history, [0.0, 2.5, 10.0])
+    for i, time_s in enumerate((0.0, 2.5, 10.0)):
+        R_CI = quat_to_matrix(quat_from_axis_angle([0, 1, 0], rate * time_s)).T
+        assert np.allclose(motion.R_CT(i), R_CI, atol=1e-9)
+        assert np.allclose(motion.p_CT_m[i], R_CI @ [0.0, 0.0, 5.0 - 0.1 * time_s], atol=1e-9)
+        assert np.allclose(motion.v_C_m_s[i], R_CI @ [0.0, 0.0, -0.1], atol=1e-9)
+
+
+def test_quaternions_come_out_continuous_through_several_turns():
+    motion = truth.motion_at(_motion_table(w0_T_deg_s=[0.0, 0.0, 30.0]), [], np.arange(0.0, 60.0))
+    assert np.sum(motion.q_CT[1:] * motion.q_CT[:-1], axis=1).min() > 0.9

@@ -1,0 +1,176 @@
+"""Whole runs through Blender: pixel-exact truth, repeatability, resuming, refusals."""
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from generator import camera as cam
+from generator import png
+from generator.rotations import quat_to_matrix
+
+ROOT = Path(__file__).resolve().parents[2]
+RENDER = ROOT / "hil" / "render_scene.sh"
+
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(shutil.which("blender") is None, reason="Blender is not installed")]
+
+# Corner points well off the dark box, not symmetric, each seen in some frames.
+POINTS = [[0.7, 0.7, 0.7], [-0.7, 0.7, 0.6], [0.7, -0.7, -0.6], [-0.7, -0.6, 0.7], [0.7, 0.6, -0.7], [-0.6, 0.7, -0.7], [0.0, -0.9, 0.1]]
+
+SCENE = """
+seed = 3
+[target]
+kind = "{kind}"
+size_m = 1.0
+texture_px = 256
+fiducials_G_m = {points}
+fiducial_radius_m = 0.016
+[motion]
+inertia_kg_m2 = [1.0, 1.2, 1.4]
+w0_T_deg_s = [5.0, -7.0, 9.0]
+q_CT0 = [0.8, 0.3, -0.4, 0.33]
+p_CT0_m = [0.2, -0.1, 6.0]
+v_C0_m_s = [0.01, 0.0, -0.05]
+centre_of_mass_G_m = [0.06, -0.04, 0.05]
+[camera]
+resolution = [400, 300]
+{camera}
+[time]
+frames = {frames}
+period_s = 2.0
+[light]
+sun = 0.02
+earthshine = 0.0
+[sensor]
+gamma = 1.0
+{sensor}
+[render]
+samples = 32
+"""
+
+PLAIN = "intrinsics_px = [560.0, 560.0, 203.0, 146.5]"
+DISTORTED = "intrinsics_px = [540.0, 546.0, 203.3, 146.1]\ndistortion = [-0.28, 0.09, 0.0012, -0.0015]"
+WINDING = "intrinsics_px = [540.0, 546.0, 203.3, 146.1]\ndistortion = [-0.28, 0.09, 0.0012, -0.0015]\nw_C_deg_s = [0.2, -0.3, 1.5]"
+
+
+def _run(scene, out, *more):
+    return subprocess.run([RENDER, scene, out, *more], capture_output=True, text=True, timeout=600)
+
+
+def _write(folder, camera=PLAIN, kind="box", frames=4, sensor="exposure = 0.8", points=POINTS):
+    path = folder / "scene.toml"
+    path.write_text(SCENE.format(camera=camera, kind=kind, frames=frames, sensor=sensor, points=points))
+    return path
+
+
+def _camera_of(sequence):
+    """Reads sensor.yaml as a user would."""
+    fields = dict(line.split("#")[0].strip().split(": ", 1) for line in (sequence / "mav0/cam0/sensor.yaml").read_text().splitlines())
+    size, k, d = (json.loads(fields[n]) for n in ("resolution", "intrinsics", "distortion_coefficients"))
+    return cam.Camera(int(size[0]), int(size[1]), *k, tuple(d))
+
+
+def _truth_rows(sequence):
+    lines = (sequence / "truth.csv").read_text().splitlines()
+    names = lines[0].split(",")
+    return [dict(zip(names, map(float, line.split(",")))) for line in lines[1:]], [int(line.split(",")[0]) for line in lines[1:]]
+
+
+def _blob_centre(image, uv, radius=7):
+    """Brightness centroid around uv, or None where no isolated blob is."""
+    u, v = int(round(uv[0])), int(round(uv[1]))
+    if not (radius < u < image.shape[1] - radius and radius < v < image.shape[0] - radius):
+        return None
+    patch = image[v - radius:v + radius + 1, u - radius:u + radius + 1].astype(float)
+    patch = np.clip(patch - 40, 0, None)
+    border = np.concatenate([patch[0], patch[-1], patch[:, 0], patch[:, -1]])
+    if patch.max() < 80 or border.max() > 0:
+        return None
+    yy, xx = np.mgrid[-radius:radius + 1, -radius:radius + 1]
+    return np.array([u + (patch * xx).sum() / patch.sum(), v + (patch * yy).sum() / patch.sum()])
+
+
+def residuals_px(sequence):
+    """Measured minus projected fiducials, (N, 2)."""
+    camera = _camera_of(sequence)
+    points_T = np.array(json.loads((sequence / "scene.json").read_text())["fiducials_T_m"])
+    rows, stamps = _truth_rows(sequence)
+    out = []
+    for row, stamp in zip(rows, stamps):
+        image = png.decode((sequence / f"mav0/cam0/data/{stamp}.png").read_bytes())
+        R_CT = quat_to_matrix([row[f"q_CT_{a}"] for a in "wxyz"])
+        p_C = points_T @ R_CT.T + [row[f"p_CT_{a}"] for a in "xyz"]
+        for uv in cam.project(camera, p_C):
+            found = _blob_centre(image, uv)
+            if found is not None:
+                out.append(found - uv)
+    return np.array(out)
+
+
+@pytest.mark.parametrize("camera", [PLAIN, DISTORTED, WINDING], ids=["plain", "distorted", "distorted_turning"])
+def test_truth_is_pixel_exact(tmp_path, camera):
+    done = _run(_write(tmp_path, camera), tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    error = residuals_px(tmp_path / "out")
+    print(f"\n{len(error)} points: mean {error.mean(axis=0)}, rms {np.sqrt((error ** 2).mean()):.4f}, max {np.abs(error).max():.4f} px")
+    assert len(error) >= 10
+    assert np.linalg.norm(error, axis=1).max() < 0.3
+    # A shift of half a pixel, the usual mistake, must not hide in the tolerance.
+    assert np.abs(error.mean(axis=0)).max() < 0.05
+
+
+def test_motion_blur_keeps_the_middle_of_the_exposure(tmp_path):
+    scene = _write(tmp_path, sensor="exposure = 0.8\nexposure_s = 0.1\nblur_samples = 5")
+    assert _run(scene, tmp_path / "out").returncode == 0
+    error = residuals_px(tmp_path / "out")
+    assert len(error) >= 8 and np.linalg.norm(error, axis=1).max() < 0.3
+
+
+def test_the_same_scene_gives_the_same_bytes_and_an_interrupted_one_too(tmp_path):
+    scene = _write(tmp_path, kind="cubesat", frames=3, points=[])
+    for name in ("a", "b"):
+        assert _run(scene, tmp_path / name).returncode == 0
+    files = sorted(p.relative_to(tmp_path / "a") for p in (tmp_path / "a").rglob("*") if p.is_file())
+    before = {f: (tmp_path / "a" / f).read_bytes() for f in files}
+    assert all((tmp_path / "b" / f).read_bytes() == data for f, data in before.items())
+    lost = sorted((tmp_path / "a/mav0/cam0/data").glob("*.png"))[1:]
+    for path in [*lost, tmp_path / "a/mav0/cam0/data.csv"]:
+        path.unlink()
+    again = _run(scene, tmp_path / "a")
+    assert again.returncode == 0 and "2 to render" in again.stderr
+    assert all((tmp_path / "a" / f).read_bytes() == data for f, data in before.items())
+    # Another scene must not be mixed into this folder.
+    scene.write_text(scene.read_text().replace("seed = 3", "seed = 4"))
+    assert _run(scene, tmp_path / "a").returncode == 2
+
+
+def test_a_refusal_is_one_line_and_leaves_nothing_behind(tmp_path):
+    scene = _write(tmp_path)
+    text = scene.read_text()
+    for old, new, words in (("seed = 3", "sead = 3", "unknown key sead"), ("[1.0, 1.2, 1.4]", "[1.0, 1.2, -1.4]", "must be positive"),
+                            ("[1.0, 1.2, 1.4]", "[1.0, 1.2, 2.4]", "exceeds the sum"), ("[0.2, -0.1, 6.0]", "[9.2, -0.1, 6.0]", "out of view"),
+                            ('kind = "box"', 'kind = "file"\npath = "no.stl"', "no model file"), ("frames = 4", 'frames = "4"', "a whole number")):
+        assert old in text
+        scene.write_text(text.replace(old, new))
+        done = _run(scene, tmp_path / "out")
+        assert done.returncode == 2 and words in done.stderr, done.stderr
+        assert len(done.stderr.strip().splitlines()) == 1 and not (tmp_path / "out").exists()
+
+
+OBJ = "".join(f"v {x} {y} {z}\n" for x in (-.5, .5) for y in (-.25, .25) for z in (-.1, .1)) + \
+    "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n"
+
+
+def test_an_imported_model_keeps_its_own_axes(tmp_path):
+    (tmp_path / "m.obj").write_text(OBJ)
+    scene = _write(tmp_path, points=[])
+    scene.write_text(scene.read_text().replace('kind = "box"', 'kind = "file"\npath = "m.obj"\nscale = 2.0').replace("sun = 0.02", "sun = 1.0"))
+    done = _run(scene, tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    low, high = json.loads((tmp_path / "out/scene.json").read_text())["bounding_box_T_m"]
+    offset = np.array([0.06, -0.04, 0.05])
+    assert np.allclose(low, [-1, -0.5, -0.2] - offset, atol=1e-6) and np.allclose(high, [1, 0.5, 0.2] - offset, atol=1e-6)
+    image = png.decode(next((tmp_path / "out/mav0/cam0/data").glob("*.png")).read_bytes())
+    assert (image > 30).sum() > 500
