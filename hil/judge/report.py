@@ -77,8 +77,10 @@ def table(header: list[str], rows: list[list[str]]) -> str:
 
 
 def _labels(reports: list[dict]) -> list[str]:
-    """Short names of the runs, told apart by number where two folders are called the same."""
-    names = [report["run"].rstrip("/").split("/")[-1] for report in reports]
+    """Short names of the runs: the last folder, with its parent where two are called the same, with a number if need be."""
+    parts = [report["run"].rstrip("/").split("/") for report in reports]
+    names = [part[-1] for part in parts]
+    names = [name if names.count(name) == 1 else "/".join(part[-2:]) for name, part in zip(names, parts)]
     return [name if names.count(name) == 1 else f"{name}#{i + 1}" for i, name in enumerate(names)]
 
 

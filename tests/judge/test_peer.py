@@ -44,12 +44,13 @@ def test_answer_is_written_so_that_the_judge_reads_it(scene, tmp_path):
     q_CT = body.R_CT.as_quat(scalar_first=True)
     poses = {name: {"q": list(q_CT[i]), "p": list(0.37 * body.p_CT[i])} for i, name in enumerate(names) if i >= 6}
     result = {"version": "0", "matcher": "exhaustive", "models": 1, "images": 30, "poses": poses, "cpu_s": 15.0,
-              "wall_s": 30.0, "peak_rss_mb": 200.0}
+              "wall_s": 30.0, "peak_rss_mb": 200.0, "other_poses": [dict(list(poses.items())[:9])]}
     colmap.write_output(sequence, result, tmp_path)
     report = judge_run(read_run(tmp_path), sequence, read_truth(sequence))
     assert report["motion"]["smoothed"]["attitude"]["rmse_deg"] < 1e-4
     assert report["motion"]["smoothed"]["coverage"]["coverage"] == pytest.approx(0.8)
     assert report["cost"]["cpu_total_per_frame_ms"] == pytest.approx(500.0)
+    assert read_run(tmp_path / "model_2").motions["smoothed"].pose_valid.sum() == 9
 
 
 def test_pictures_that_colmap_can_not_take_are_converted(scene, tmp_path):

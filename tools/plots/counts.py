@@ -1,11 +1,12 @@
 """Features, matches, inliers and landmarks over time, the mode behind them, and the time of each step."""
 
 import numpy as np
+from judge.tables import COUNTS
 from matplotlib.patches import Patch
 from plots import style
 from plots.style import plt
 
-SERIES = (("features", "#9aa0a6"), ("matches", style.CAUSAL), ("inliers", style.GOOD), ("landmarks", style.SMOOTHED))
+FRAME_SERIES = (("features", "#9aa0a6"), ("matches", style.CAUSAL), ("inliers", style.GOOD))
 
 
 def _mode_bands(axis, time, modes: list[str]) -> list:
@@ -20,33 +21,31 @@ def _mode_bands(axis, time, modes: list[str]) -> list:
     return [Patch(color=style.MODE_COLOURS.get(mode, "#ffffff"), alpha=0.45, label=mode) for mode in dict.fromkeys(modes)]
 
 
+def _lines(axis, time, columns: dict, series, label: str) -> None:
+    for name, colour in series:
+        if np.isfinite(columns[name]).any():
+            axis.plot(time, columns[name], color=colour, lw=1.3, label=name)
+    axis.set_ylabel(label)
+    axis.set_ylim(bottom=0)
+
+
 def draw(run, folder, prefix: str = "") -> list:
     """counts.png, from motion.csv where it is there: it tells what the flying estimator had at each frame."""
     motion = run.motions.get("causal") or next(iter(run.motions.values()))
-    columns = {name: motion.columns[name] for name in (*(name for name, _ in SERIES), "keyframes", "step_us")}
+    columns = {name: motion.columns[name] for name in COUNTS}
     if not any(np.isfinite(values).any() for values in columns.values()):
         return []
     time, label = style.time_axis(motion.seconds)
-    figure, axes = plt.subplots(2, 1, sharex=True, figsize=(9, 6.5), height_ratios=[2.2, 1])
-    for name, colour in SERIES:
-        if np.isfinite(columns[name]).any():
-            axes[0].plot(time, columns[name], color=colour, lw=1.3, label=name)
-    axes[0].set_ylabel("count per frame (landmarks: in the map)")
-    axes[0].set_ylim(bottom=0)
-    if np.isfinite(columns["keyframes"]).any():
-        axes[1].step(time, columns["keyframes"], where="post", color="#6b4c9a", lw=1.3, label="keyframes")
-        axes[1].set_ylabel("keyframes")
-        axes[1].set_ylim(bottom=0)
-    if np.isfinite(columns["step_us"]).any():
-        right = axes[1].twinx()
-        right.plot(time, columns["step_us"] / 1e3, ".", ms=2.5, color=style.BAD)
-        right.set_ylabel("step [ms]", color=style.BAD)
-        right.set_ylim(bottom=0)
-        right.grid(False)
-        axes[1].plot([], [], ".", color=style.BAD, label="step time")
+    figure, axes = plt.subplots(4, 1, sharex=True, figsize=(9, 8.5), height_ratios=[2.4, 1.2, 1, 1])
     patches = _mode_bands(axes[0], time, motion.mode)
-    axes[1].set_xlabel(label)
-    handles = [line for axis in axes for line in axis.get_legend_handles_labels()[0]] + patches
+    _lines(axes[0], time, columns, FRAME_SERIES, "count in the frame")
+    _lines(axes[1], time, columns, [("landmarks", style.SMOOTHED)], "landmarks\nin the map")
+    _lines(axes[2], time, columns, [("keyframes", "#6b4c9a")], "keyframes\nin the map")
+    axes[3].plot(time, columns["step_us"] / 1e3, ".", ms=3, color=style.BAD)
+    axes[3].set_ylabel("step time\n[ms]")
+    axes[3].set_ylim(bottom=0)
+    axes[3].set_xlabel(label)
     axes[0].set_title("What each frame had to work with", fontsize=11, loc="left")
-    figure.legend(handles=handles, loc="outside upper center", ncols=5)
+    handles = axes[0].get_legend_handles_labels()[0] + patches
+    figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 7))
     return [style.save(figure, folder, f"{prefix}counts.png")]
