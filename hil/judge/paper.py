@@ -38,6 +38,7 @@ COMMON = (
     ("frames with a pose [%]", "", "coverage.coverage", "percent"),
     ("attitude RMSE [deg]", "", "attitude.rmse_deg", "{:.3f}"),
     ("scale error [%]", "", "position.scale_error_percent", "{:+.2f}"),
+    ("scale taken from the truth", "", "velocity.scale_from_alignment", "{}"),
     ("nearer to the truth or its twin", "", "twin.verdict", "{}"),
 )
 
