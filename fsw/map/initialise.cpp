@@ -24,6 +24,10 @@ constexpr double kDepthSigmaMax = 0.08;
 constexpr double kInlierRatioMin = 0.6;
 // The caller's sigma may be wrong by this factor before the fit itself is in doubt.
 constexpr double kNoiseScaleMax = 4.0;
+// A track's share in a gap: more comes from a wrong track that one hypothesis happens to explain.
+constexpr double kTrackGapMax = 4.0;
+// A chi-square gap of 25 scatters by 10: less agreement between the tracks than 2 sigma is no evidence.
+constexpr double kAgreementMin = 2.0;
 // Two standard deviations: the sign of the curvature is right in 98 % of cases.
 constexpr double kConvexityMin = 2.0;
 
@@ -161,17 +165,41 @@ void challenge_winner(const Contest& c) {
   }
 }
 
+/// By how much `rival` fits worse than the winner: the smaller of the plain difference and of one in which no track
+/// decides alone; none at all when the tracks do not agree on it.
+double gap_to(const Contest& c, StartHypothesis* winner, StartHypothesis* rival) {
+  std::array<double, kContestTracks> of_winner;
+  std::array<double, kContestTracks> of_rival;
+  const StartAdjustmentOptions options = truncated(c, 0);
+  const std::size_t tracks = winner->tracks;
+  start_track_costs(c.w.set.sightings.view(), winner->view(), options, std::span(of_winner).first(tracks));
+  start_track_costs(c.w.set.sightings.view(), rival->view(), options, std::span(of_rival).first(tracks));
+  double plain = 0.0;
+  double clipped = 0.0;
+  double clipped2 = 0.0;
+  for (std::size_t i = 0; i < tracks; ++i) {
+    const double difference = of_rival[i] - of_winner[i];
+    const double bounded = std::clamp(difference, -kTrackGapMax, kTrackGapMax);
+    plain += difference;
+    clipped += bounded;
+    clipped2 += bounded * bounded;
+  }
+  const double scatter = std::sqrt(std::max(0.0, clipped2 - clipped * clipped / static_cast<double>(tracks)));
+  const double agreed = clipped < kAgreementMin * scatter ? 0.0 : clipped;
+  const double noise = std::max(1.0, winner->fit.noise_scale);
+  return std::min(plain, agreed) / (noise * noise);
+}
+
 double chi2_gap(const Contest& c) {
-  const StartHypotheses& list = c.w.refined;
+  StartHypotheses& list = c.w.refined;
   // Without a rival the gap is that to having no explanation at all.
   double gap = 16.0 * list[0].fit.sightings - list[0].fit.cost;
   for (std::size_t i = 1; i < list.size(); ++i) {
     if (!same_geometry(list[0], list[i], kDifferentGeometry)) {
-      gap = std::min(gap, list[i].fit.cost - list[0].fit.cost);
+      gap = std::min(gap, gap_to(c, &list[0], &list[i]));
     }
   }
-  const double scale = std::max(1.0, list[0].fit.noise_scale);
-  return gap / (scale * scale);
+  return gap;
 }
 
 /// Winner's poses into the arrays of all tracks, points triangulated; tracks beyond the adjustment's capacity are left.

@@ -16,7 +16,7 @@
 namespace polhode {
 namespace {
 
-constexpr double kHuberSigma = 2.0;
+constexpr double kCauchySigma = 2.0;
 
 double error2(const Pose& pose, const PoseObservation& o) {
   const Eigen::Vector3d p_C = pose.to_camera(o.p_T);
@@ -120,12 +120,13 @@ NormalEquations linearise(std::span<const PoseObservation> observations, const P
     const double inverse_sigma = 1.0 / observations[i].sigma_normalised;
     const Eigen::Vector2d r = inverse_sigma * (p_C.hnormalized() - observations[i].normalised);
     const Eigen::Matrix<double, 2, 6> J = inverse_sigma * projection_jacobian(pose, observations[i].p_T);
-    const double norm = r.norm();
-    const double weight = norm > kHuberSigma ? kHuberSigma / norm : 1.0;
+    constexpr double kCauchy2 = kCauchySigma * kCauchySigma;
+    const double squared = r.squaredNorm();
+    const double weight = 1.0 / (1.0 + squared / kCauchy2);
     n.H += weight * J.transpose() * J;
     n.g += weight * J.transpose() * r;
-    n.robust_cost += norm > kHuberSigma ? kHuberSigma * (2.0 * norm - kHuberSigma) : norm * norm;
-    n.chi2 += norm * norm;
+    n.robust_cost += kCauchy2 * std::log1p(squared / kCauchy2);
+    n.chi2 += weight * squared;
     ++n.used;
   }
   return n;

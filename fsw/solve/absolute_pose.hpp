@@ -30,10 +30,11 @@ struct AbsolutePose {
   double chi2 = 0.0;  ///< over the inliers, 2 * inliers - 6 degrees of freedom
 };
 
-/// Two coordinates, 95 %: what counts as an inlier, in units of sigma squared.
-inline constexpr double kInlierChi2 = 5.991;
+/// What counts as an inlier, in units of sigma squared: 4 sigma. Feature positions have heavier tails than a normal
+/// distribution, and between 2 and 4 sigma the robust loss weighs them by what they are worth.
+inline constexpr double kInlierChi2 = 16.0;
 
-/// Consensus of P3P hypotheses, then robust Gauss-Newton on the inliers and two rounds of picking the inliers anew.
+/// Consensus of P3P hypotheses, then robust Gauss-Newton (Cauchy) on the inliers and two rounds of picking the inliers anew.
 /// @param inlier  out, one octet per observation.
 /// @param hint    tried as the first hypothesis when given.
 /// @errors TooFewObservations, NoConsensus.
@@ -43,7 +44,7 @@ Result<AbsolutePose> absolute_pose(std::span<const PoseObservation> observations
                                    const AbsolutePoseOptions& options,
                                    std::span<std::uint8_t> inlier);
 
-/// Robust Gauss-Newton (Huber at 2 sigma) from `pose` on the observations flagged in `inlier`.
+/// Robust Gauss-Newton (Cauchy at 2 sigma) from `pose` on the observations flagged in `inlier`.
 /// @errors TooFewObservations (under 4), Degenerate.
 Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
                                  const Pose& pose,

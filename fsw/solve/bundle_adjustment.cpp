@@ -57,7 +57,7 @@ class Adjustment {
     ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     ownership.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     ceres::Problem ceres_problem(ownership);
-    ceres::HuberLoss loss(options.huber_sigma);
+    ceres::CauchyLoss loss(options.cauchy_sigma);
     PoseManifold manifold;
     ceres::Solver::Options solver = solver_options(options, poses_.size());
     auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();

@@ -28,7 +28,7 @@ struct BundleProblem {
 
 struct BundleOptions {
   int iterations_max = 10;
-  double huber_sigma = 2.0;  ///< residuals beyond this many sigma lose weight
+  double cauchy_sigma = 2.0;  ///< at this many sigma a residual has half its weight
 };
 
 struct BundleReport {

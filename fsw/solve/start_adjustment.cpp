@@ -46,20 +46,91 @@ double scaled_error2(const InverseDepthPose& pose, const Eigen::Vector3d& p_T, c
   return (x - sighting.normalised).squaredNorm() / (sigma * sigma);
 }
 
+/// End of the run of sightings that belong to the track at `begin`.
+std::size_t track_end(std::span<const StartSighting> sightings, std::size_t begin) {
+  std::size_t end = begin + 1;
+  while (end < sightings.size() && sightings[end].track == sightings[begin].track) {
+    ++end;
+  }
+  return end;
+}
+
+/// What a track of n sightings may cost with the truncated loss: 3 sigma above the mean of its chi-square. One that costs
+/// more belongs to no point of the body, and how badly it fits says nothing about the motion.
+double track_cost_max(std::size_t sightings) {
+  const double free = std::max(1.0, 2.0 * static_cast<double>(sightings) - 3.0);
+  return free + 3.0 * std::sqrt(2.0 * free);
+}
+
+struct TrackCost {
+  double cost = 0.0;
+  bool wrong = false;
+};
+
+/// @param run  sightings of one track.
+TrackCost track_cost(std::span<const StartSighting> run, std::span<const InverseDepthPose> poses,
+                     std::span<const Eigen::Vector3d> points, const StartGeometryView& geometry,
+                     const StartAdjustmentOptions& options) {
+  TrackCost sum;
+  const bool limited = options.loss == StartLoss::kTruncated;
+  for (const StartSighting& s : run) {
+    if (usable(geometry, s)) {
+      const double e = scaled_error2(poses[static_cast<std::size_t>(s.frame)],
+                                     points[static_cast<std::size_t>(s.track)], s, options);
+      sum.cost += loss(e, options).cost;
+    } else if (limited) {
+      sum.cost += options.width_sigma * options.width_sigma;
+    }
+  }
+  sum.wrong = limited && sum.cost > track_cost_max(run.size());
+  if (sum.wrong) {
+    sum.cost = track_cost_max(run.size());
+  }
+  return sum;
+}
+
 double total_cost(std::span<const StartSighting> sightings, std::span<const InverseDepthPose> poses,
                   std::span<const Eigen::Vector3d> points, const StartGeometryView& geometry,
                   const StartAdjustmentOptions& options) {
   double cost = 0.0;
-  for (const StartSighting& s : sightings) {
-    if (usable(geometry, s)) {
-      const double e = scaled_error2(poses[static_cast<std::size_t>(s.frame)],
-                                     points[static_cast<std::size_t>(s.track)], s, options);
-      cost += loss(e, options).cost;
-    } else if (options.loss == StartLoss::kTruncated) {
-      cost += options.width_sigma * options.width_sigma;
-    }
+  for (std::size_t begin = 0; begin < sightings.size();) {
+    const std::size_t end = track_end(sightings, begin);
+    cost += track_cost(sightings.subspan(begin, end - begin), poses, points, geometry, options).cost;
+    begin = end;
   }
   return cost;
+}
+
+/// Adds one sighting to the normal equations; a wrong track moves its own point only.
+void add_sighting(const StartSighting& s, bool wrong, const StartGeometryView& geometry,
+                  const StartAdjustmentOptions& options, Workspace::Block* block, Workspace* w) {
+  block->frame = -1;
+  const auto frame = static_cast<std::size_t>(s.frame);
+  const auto track = static_cast<std::size_t>(s.track);
+  Eigen::Vector2d x;
+  ReprojectionJacobians J;
+  if (!usable(geometry, s) || !reproject(geometry.poses[frame], geometry.points_T[track], &x, &J)) {
+    return;
+  }
+  const double inverse_sigma = 1.0 / (s.sigma_normalised * options.sigma_scale);
+  const Eigen::Vector2d residual = inverse_sigma * (x - s.normalised);
+  const double weight = loss(residual.squaredNorm(), options).weight;
+  if (!(weight > 0.0)) {
+    return;
+  }
+  const Eigen::Matrix<double, 2, 3> B = inverse_sigma * J.point;
+  w->point_blocks[track].V.noalias() += weight * B.transpose() * B;
+  w->point_blocks[track].g.noalias() += weight * B.transpose() * residual;
+  if (wrong) {
+    return;
+  }
+  Eigen::Matrix<double, 2, 6> A;
+  A << inverse_sigma * J.rotation, inverse_sigma * J.uvs;
+  const Eigen::Matrix<double, 6, 2> weighted = weight * A.transpose();
+  block->frame = s.frame;
+  block->W.noalias() = weighted * B;
+  w->camera_blocks[frame].noalias() += weighted * A;
+  w->camera_gradient.segment<6>(6 * s.frame).noalias() += weighted * residual;
 }
 
 /// Fills the camera, point and mixed blocks of the normal equations.
@@ -76,32 +147,14 @@ void linearise(std::span<const StartSighting> sightings, const StartGeometryView
     block.g.setZero();
   }
   w->blocks.resize(sightings.size());
-  for (std::size_t i = 0; i < sightings.size(); ++i) {
-    const StartSighting& s = sightings[i];
-    w->blocks[i].frame = -1;
-    const auto frame = static_cast<std::size_t>(s.frame);
-    const auto track = static_cast<std::size_t>(s.track);
-    Eigen::Vector2d x;
-    ReprojectionJacobians J;
-    if (!usable(geometry, s) || !reproject(geometry.poses[frame], geometry.points_T[track], &x, &J)) {
-      continue;
+  for (std::size_t begin = 0; begin < sightings.size();) {
+    const std::size_t end = track_end(sightings, begin);
+    const std::span run = sightings.subspan(begin, end - begin);
+    const bool wrong = track_cost(run, geometry.poses, geometry.points_T, geometry, options).wrong;
+    for (std::size_t i = begin; i < end; ++i) {
+      add_sighting(sightings[i], wrong, geometry, options, &w->blocks[i], w);
     }
-    const double inverse_sigma = 1.0 / (s.sigma_normalised * options.sigma_scale);
-    const Eigen::Vector2d residual = inverse_sigma * (x - s.normalised);
-    const double weight = loss(residual.squaredNorm(), options).weight;
-    if (!(weight > 0.0)) {
-      continue;
-    }
-    Eigen::Matrix<double, 2, 6> A;
-    A << inverse_sigma * J.rotation, inverse_sigma * J.uvs;
-    const Eigen::Matrix<double, 2, 3> B = inverse_sigma * J.point;
-    const Eigen::Matrix<double, 6, 2> weighted = weight * A.transpose();
-    w->blocks[i].frame = s.frame;
-    w->blocks[i].W.noalias() = weighted * B;
-    w->camera_blocks[frame].noalias() += weighted * A;
-    w->camera_gradient.segment<6>(6 * s.frame).noalias() += weighted * residual;
-    w->point_blocks[track].V.noalias() += weight * B.transpose() * B;
-    w->point_blocks[track].g.noalias() += weight * B.transpose() * residual;
+    begin = end;
   }
 }
 
@@ -115,15 +168,6 @@ Eigen::Matrix3d point_inverse(const Eigen::Matrix3d& V, double damping) {
   }
   damped.diagonal().array() += floor;
   return damped.inverse();
-}
-
-/// End of the run of sightings that belong to the track at `begin`.
-std::size_t track_end(std::span<const StartSighting> sightings, std::size_t begin) {
-  std::size_t end = begin + 1;
-  while (end < sightings.size() && sightings[end].track == sightings[begin].track) {
-    ++end;
-  }
-  return end;
 }
 
 /// Reduced camera system S (upper triangle, then mirrored) and its right side.
@@ -278,6 +322,9 @@ StartFit evaluate_start(std::span<const StartSighting> sightings, const StartGeo
   for (std::size_t begin = 0; begin < sightings.size();) {
     const std::size_t end = track_end(sightings, begin);
     int track_inliers = 0;
+    double track_chi2 = 0.0;
+    const std::span run = sightings.subspan(begin, end - begin);
+    const bool wrong = track_cost(run, geometry.poses, geometry.points_T, geometry, options).wrong;
     for (std::size_t i = begin; i < end; ++i) {
       const StartSighting& s = sightings[i];
       if (!usable(geometry, s)) {
@@ -288,10 +335,11 @@ StartFit evaluate_start(std::span<const StartSighting> sightings, const StartGeo
       (void)workspace->errors2.push_back(e);
       if (e < width2) {
         ++track_inliers;
-        fit.chi2 += e;
+        track_chi2 += e;
       }
     }
-    fit.inliers += track_inliers;
+    fit.inliers += wrong ? 0 : track_inliers;
+    fit.chi2 += wrong ? 0.0 : track_chi2;
     fit.points += track_inliers >= 2 ? 1 : 0;
     begin = end;
   }
@@ -306,6 +354,18 @@ StartFit evaluate_start(std::span<const StartSighting> sightings, const StartGeo
   const double free = coordinates - 3.0 * fit.points - 6.0 * fit.frames + 7.0;
   fit.noise_scale = free > 0.0 ? std::sqrt(fit.median / kChi2Median2 * coordinates / free) : 0.0;
   return fit;
+}
+
+void start_track_costs(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
+                       const StartAdjustmentOptions& options, std::span<double> costs) {
+  POLHODE_ASSERT(costs.size() == geometry.points_T.size(), costs.size());
+  std::fill(costs.begin(), costs.end(), 0.0);
+  for (std::size_t begin = 0; begin < sightings.size();) {
+    const std::size_t end = track_end(sightings, begin);
+    costs[static_cast<std::size_t>(sightings[begin].track)] =
+        track_cost(sightings.subspan(begin, end - begin), geometry.poses, geometry.points_T, geometry, options).cost;
+    begin = end;
+  }
 }
 
 StartFit adjust_start(std::span<const StartSighting> sightings, const StartGeometryView& geometry,

@@ -32,7 +32,7 @@ struct StartGeometryView {
 
 enum class StartLoss {
   kCauchy,     ///< wide basin: width^2 log(1 + e / width^2)
-  kTruncated,  ///< min(e, width^2): comparable between hypotheses
+  kTruncated,  ///< min(e, width^2), and no track more than 3 sigma above its mean: comparable between hypotheses
 };
 
 struct StartAdjustmentOptions {
@@ -47,7 +47,7 @@ struct StartAdjustmentOptions {
 struct StartFit {
   double cost = 0.0;  ///< robust; a lost sighting costs width^2 with the truncated loss, nothing with the other
   double chi2 = 0.0;  ///< of the inliers
-  int inliers = 0;    ///< sightings within width_sigma
+  int inliers = 0;    ///< sightings within width_sigma, in tracks that fit as a whole
   int sightings = 0;
   int frames = 0;
   int points = 0;           ///< with two inliers or more
@@ -97,6 +97,12 @@ StartFit evaluate_start(std::span<const StartSighting> sightings,
                         const StartGeometryView& geometry,
                         const StartAdjustmentOptions& options,
                         StartAdjustmentWorkspace* workspace);
+
+/// Cost of each track, 0 for one without sightings.
+void start_track_costs(std::span<const StartSighting> sightings,
+                       const StartGeometryView& geometry,
+                       const StartAdjustmentOptions& options,
+                       std::span<double> costs);
 
 /// Pose of one frame from the known points, by at most `iterations_max` damped steps with Cauchy loss.
 /// @param sightings  of this frame only.
