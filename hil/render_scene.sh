@@ -6,5 +6,6 @@ if ! command -v blender >/dev/null 2>&1; then
   echo "render_scene: blender is not installed (apt-get install --no-install-recommends blender python3-numpy)" >&2
   exit 2
 fi
+# Our own lines go to stderr; stdout carries only Blender's greeting.
 exec blender --background --factory-startup --python-exit-code 1 \
-  --python "$here/scenes/generator/main.py" -- "$@"
+  --python "$here/scenes/generator/main.py" -- "$@" >/dev/null

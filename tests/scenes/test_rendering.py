@@ -1,5 +1,6 @@
 """Whole runs through Blender: pixel-exact truth, repeatability, resuming, refusals."""
 
+import base64
 import json
 import shutil
 import subprocess
@@ -159,18 +160,57 @@ def test_a_refusal_is_one_line_and_leaves_nothing_behind(tmp_path):
         assert len(done.stderr.strip().splitlines()) == 1 and not (tmp_path / "out").exists()
 
 
-OBJ = "".join(f"v {x} {y} {z}\n" for x in (-.5, .5) for y in (-.25, .25) for z in (-.1, .1)) + \
-    "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n"
+CORNERS = np.array([[x, y, z] for x in (-.5, .5) for y in (-.25, .25) for z in (-.1, .1)], dtype="<f4")
+QUADS = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+TRIANGLES = np.array([t for q in QUADS for t in (q[:3], [q[0], q[2], q[3]])], dtype="<u2")
 
 
-def test_an_imported_model_keeps_its_own_axes(tmp_path):
-    (tmp_path / "m.obj").write_text(OBJ)
-    scene = _write(tmp_path, points=[])
-    scene.write_text(scene.read_text().replace('kind = "box"', 'kind = "file"\npath = "m.obj"\nscale = 2.0').replace("sun = 0.02", "sun = 1.0"))
+def _obj(path):
+    path.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS) + "".join("f " + " ".join(str(i + 1) for i in q) + "\n" for q in QUADS))
+
+
+def _stl(path):
+    facets = ["facet normal 0 0 0\nouter loop\n" + "".join("vertex {} {} {}\n".format(*CORNERS[i]) for i in t) + "endloop\nendfacet\n"
+              for t in TRIANGLES]
+    path.write_text("solid m\n" + "".join(facets) + "endsolid m\n")
+
+
+def _ply(path):
+    head = "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face 12\n" \
+           "property list uchar int vertex_indices\nend_header\n"
+    path.write_text(head + "".join(f"{x} {y} {z}\n" for x, y, z in CORNERS) + "".join("3 {} {} {}\n".format(*t) for t in TRIANGLES))
+
+
+def _gltf(path):
+    data = CORNERS.tobytes() + TRIANGLES.tobytes()
+    views = [{"buffer": 0, "byteOffset": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 72}]
+    accessors = [{"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3",
+                  "min": CORNERS.min(axis=0).tolist(), "max": CORNERS.max(axis=0).tolist()},
+                 {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"}]
+    uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    path.write_text(json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.6, 0.6, 0.6, 1.0], "metallicFactor": 0.0}}],
+        "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": len(data), "uri": uri}]}))
+
+
+@pytest.mark.parametrize("kind, write", [("obj", _obj), ("stl", _stl), ("ply", _ply), ("gltf", _gltf)])
+def test_an_imported_model_keeps_its_own_axes(tmp_path, kind, write):
+    write(tmp_path / f"m.{kind}")
+    scene = _write(tmp_path, points=[], frames=1)
+    text = scene.read_text().replace('kind = "box"', f'kind = "file"\npath = "m.{kind}"\nscale = 2.0')
+    scene.write_text(text.replace("sun = 0.02", "sun = 1.0\nsun_direction_C = [0.1, -0.1, -1.0]"))
     done = _run(scene, tmp_path / "out")
     assert done.returncode == 0, done.stderr
     low, high = json.loads((tmp_path / "out/scene.json").read_text())["bounding_box_T_m"]
     offset = np.array([0.06, -0.04, 0.05])
     assert np.allclose(low, [-1, -0.5, -0.2] - offset, atol=1e-6) and np.allclose(high, [1, 0.5, 0.2] - offset, atol=1e-6)
+    # The silhouette is the projection of the corners: the box is drawn where its mesh is said to be.
     image = png.decode(next((tmp_path / "out/mav0/cam0/data").glob("*.png")).read_bytes())
-    assert (image > 30).sum() > 500
+    row = _truth_rows(tmp_path / "out")[0][0]
+    R_CT = quat_to_matrix([row[f"q_CT_{a}"] for a in "wxyz"])
+    uv = cam.project(_camera_of(tmp_path / "out"), (2 * CORNERS - offset) @ R_CT.T + [row[f"p_CT_{a}"] for a in "xyz"])
+    lit = np.argwhere(image > 12)[:, ::-1]
+    assert np.all(lit.min(axis=0) > uv.min(axis=0) - 2) and np.all(lit.max(axis=0) < uv.max(axis=0) + 2)
+    assert len(lit) > 0.3 * np.prod(np.ptp(uv, axis=0)) / 2

@@ -246,4 +246,6 @@ def render(plan, parts, materials, out, report=lambda text: print(text, file=sys
             each_s = (time.monotonic() - begin) / done
             left_s = round(each_s * (len(missing) - done))
             report(f"frame {i + 1}/{len(plan.timestamps_ns)}  {each_s:.2f} s/frame  {left_s // 60} min {left_s % 60:02d} s left")
+    for leftover in [*folder.glob("*.part"), Path(out) / "window.exr"]:
+        leftover.unlink(missing_ok=True)
     truth.write_data_csv(Path(out) / "mav0/cam0/data.csv", plan.timestamps_ns)

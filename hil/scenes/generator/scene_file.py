@@ -1,6 +1,7 @@
 """The scene file: TOML with one table per subject, every key known, every value checked before rendering."""
 
 import copy
+import hashlib
 import tomllib
 from pathlib import Path
 
@@ -42,7 +43,7 @@ SCHEMA = {
     "sensor": {"exposure": (float, 1.3), "exposure_s": (float, 0.0), "blur_samples": (int, 1),
                "full_well_e": (float, 20000.0), "read_noise_e": (float, 8.0), "gamma": (float, 2.2),
                "bits": (int, 8), "color": (str, "gray")},
-    "render": {"samples": (int, 24)},
+    "render": {"samples": (int, 16)},
 }
 
 
@@ -128,6 +129,8 @@ def load(path, variant=None):
         if model.suffix.lower() not in (".obj", ".stl", ".ply", ".gltf", ".glb"):
             raise SceneError(f"{path}: target.path: OBJ, STL, PLY or glTF expected, found {model.name}")
         scene["target"]["path"] = str(model)
+        # Part of what decides the pixels, so that a changed model is another scene.
+        scene["target"]["model_sha256"] = hashlib.sha256(model.read_bytes()).hexdigest()
     scene["variant"] = variant or "full"
     return scene
 

@@ -37,7 +37,7 @@ def build(size_m, detail_seed, texture_px, panel_length_m=None):
 
 
 def _body(s, seed):
-    """Six sides over a bevelled box that shows along the edges."""
+    """Six sides, two of them in loose foil, over a bevelled box that shows along the edges."""
     w, h = HALF_WIDTH * s, HALF_HEIGHT * s
     lift, inset = 0.003 * s, 0.010 * s
     a, b = w - inset, h - inset
@@ -47,13 +47,13 @@ def _body(s, seed):
         ("y_plus", [a, w + lift, -b], [-2 * a, 0, 0], [0, 0, 2 * b], "cells_body", False),
         ("y_minus", [-a, -w - lift, -b], [2 * a, 0, 0], [0, 0, 2 * b], "foil_silver", True),
         ("z_plus", [-a, -a, h + lift], [2 * a, 0, 0], [0, 2 * a, 0], "plate_z", False),
-        ("z_minus", [-a, a, -h - lift], [2 * a, 0, 0], [0, -2 * a, 0], "foil_base", True),
+        ("z_minus", [-a, a, -h - lift], [2 * a, 0, 0], [0, -2 * a, 0], "plate_base", False),
     ]
     parts = [mesh.box("body_frame", [-w, -w, -h], [w, w, h], "rail", 0.008 * s)]
     for n, (name, origin, u, v, material, crumpled) in enumerate(side):
         counts, height = (1, 1), None
         if crumpled:
-            counts = (36, 36 if "z_" in name else 84)
+            counts = (36, 84)
             height = _billow(counts, noise.generator(seed, 50 + n), 0.007 * s)
         parts.append(mesh.grid_patch(name, origin, u, v, counts, material, height))
     return parts
@@ -138,7 +138,7 @@ def _materials(s, seed, density, panel_length_m):
         "cells_body": surfaces.solar_cells(side, unit, rng[2], (0.068, 0.105)),
         "foil_silver": surfaces.foil(side, unit, rng[3], surfaces.SILVER),
         "plate_z": surfaces.plate(end, unit, rng[4], (0.62, 0.60, 0.55), ("PX-2", "LIFT"), metallic=0.55),
-        "foil_base": surfaces.foil(end, unit, rng[5], surfaces.GOLD),
+        "plate_base": surfaces.plate(end, unit, rng[5], (0.58, 0.55, 0.47), ("SEP RING 3", "NO STEP"), metallic=0.3),
         "cells_a": surfaces.solar_cells(panel, unit, rng[6], (0.058, 0.098)),
         "cells_b": surfaces.solar_cells(panel, unit, rng[7], (0.058, 0.098)),
         "back_a": surfaces.weave(panel, unit, rng[8]),

@@ -16,7 +16,7 @@ def build(path, scale):
     try:
         _import(path, kind)
     except RuntimeError as error:
-        raise SceneError(f"target.path: {path} cannot be read: {str(error).strip().splitlines()[-1]}") from None
+        raise SceneError(f"target.path: {path} cannot be read: {_reason(str(error))}") from None
     objects = _mesh_objects()
     if not objects:
         raise SceneError(f"target.path: {path} holds no mesh")
@@ -36,6 +36,13 @@ def build(path, scale):
     return parts, {}, []
 
 
+def _reason(trace):
+    """The line of an importer's stack trace that says what went wrong."""
+    lines = [line.strip() for line in trace.splitlines() if line.strip() and not line.startswith((" ", "Location"))]
+    named = [line for line in lines if "Error: " in line and not line.startswith("Error: Python")]
+    return (named or lines or ["no reason given"])[-1]
+
+
 def _import(path, kind):
     if kind == ".obj":
         bpy.ops.import_scene.obj(filepath=path, axis_forward="Y", axis_up="Z")
@@ -44,6 +51,9 @@ def _import(path, kind):
     elif kind == ".ply":
         bpy.ops.import_mesh.ply(filepath=path)
     else:
+        # Debian's glTF importer is older than its NumPy and still asks for this alias.
+        if not hasattr(np, "bool"):
+            np.bool = bool
         bpy.ops.import_scene.gltf(filepath=path)
 
 
