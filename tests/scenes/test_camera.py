@@ -15,9 +15,11 @@ def test_undistort_inverts_distort():
 def test_the_model_is_the_radial_tangential_one():
     x, y = 0.3, -0.2
     r2 = x * x + y * y
-    radial = 1 + LENS[0] * r2 + LENS[1] * r2 ** 2
-    expected = [x * radial + 2 * LENS[2] * x * y + LENS[3] * (r2 + 2 * x * x),
-                y * radial + LENS[2] * (r2 + 2 * y * y) + 2 * LENS[3] * x * y]
+    radial = 1 + LENS[0] * r2 + LENS[1] * r2**2
+    expected = [
+        x * radial + 2 * LENS[2] * x * y + LENS[3] * (r2 + 2 * x * x),
+        y * radial + LENS[2] * (r2 + 2 * y * y) + 2 * LENS[3] * x * y,
+    ]
     assert np.allclose(cam.distort(np.array([x, y]), LENS), expected)
 
 

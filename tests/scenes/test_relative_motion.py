@@ -22,16 +22,25 @@ def test_hill_solution_satisfies_its_differential_equation():
 
 def test_hill_motion_gives_the_inertial_velocity():
     R_IH0 = quat_to_matrix([0.5, 0.5, -0.5, 0.5])
+
     def at(t):
         return relative_motion.hill_motion([3.0, 1.0, 20.0], [0.001, 0.0, -0.01], R_IH0, N, t)
+
     assert np.allclose(at(0.0)[0], [3.0, 1.0, 20.0]) and np.allclose(at(0.0)[1], [0.001, 0.0, -0.01])
     assert np.allclose((at(900.5)[0] - at(899.5)[0]), at(900.0)[1], atol=1e-9)
 
 
 def _motion_table(**changes):
-    table = {"q_CT0": [1.0, 0.0, 0.0, 0.0], "w0_T_deg_s": [0.0, 0.0, 0.0], "inertia_kg_m2": np.eye(3).tolist(),
-             "p_CT0_m": [0.0, 0.0, 5.0], "v_C0_m_s": [0.0, 0.0, -0.1], "translation": "constant",
-             "q_CH0": [1.0, 0.0, 0.0, 0.0], "mean_motion_rad_s": N}
+    table = {
+        "q_CT0": [1.0, 0.0, 0.0, 0.0],
+        "w0_T_deg_s": [0.0, 0.0, 0.0],
+        "inertia_kg_m2": np.eye(3).tolist(),
+        "p_CT0_m": [0.0, 0.0, 5.0],
+        "v_C0_m_s": [0.0, 0.0, -0.1],
+        "translation": "constant",
+        "q_CH0": [1.0, 0.0, 0.0, 0.0],
+        "mean_motion_rad_s": N,
+    }
     return {**table, **changes}
 
 

@@ -18,7 +18,15 @@ RENDER = ROOT / "hil" / "render_scene.sh"
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(shutil.which("blender") is None, reason="Blender is not installed")]
 
 # Corner points well off the dark box, not symmetric, each seen in some frames.
-POINTS = [[0.7, 0.7, 0.7], [-0.7, 0.7, 0.6], [0.7, -0.7, -0.6], [-0.7, -0.6, 0.7], [0.7, 0.6, -0.7], [-0.6, 0.7, -0.7], [0.0, -0.9, 0.1]]
+POINTS = [
+    [0.7, 0.7, 0.7],
+    [-0.7, 0.7, 0.6],
+    [0.7, -0.7, -0.6],
+    [-0.7, -0.6, 0.7],
+    [0.7, 0.6, -0.7],
+    [-0.6, 0.7, -0.7],
+    [0.0, -0.9, 0.1],
+]
 
 SCENE = """
 seed = 3
@@ -68,7 +76,10 @@ def _write(folder, camera=PLAIN, kind="box", frames=4, sensor="exposure = 0.8", 
 
 def _camera_of(sequence):
     """Reads sensor.yaml as a user would."""
-    fields = dict(line.split("#")[0].strip().split(": ", 1) for line in (sequence / "mav0/cam0/sensor.yaml").read_text().splitlines())
+    fields = dict(
+        line.split("#")[0].strip().split(": ", 1)
+        for line in (sequence / "mav0/cam0/sensor.yaml").read_text().splitlines()
+    )
     size, k, d = (json.loads(fields[n]) for n in ("resolution", "intrinsics", "distortion_coefficients"))
     return cam.Camera(int(size[0]), int(size[1]), *k, tuple(d))
 
@@ -76,7 +87,9 @@ def _camera_of(sequence):
 def _truth_rows(sequence):
     lines = (sequence / "truth.csv").read_text().splitlines()
     names = lines[0].split(",")
-    return [dict(zip(names, map(float, line.split(",")))) for line in lines[1:]], [int(line.split(",")[0]) for line in lines[1:]]
+    return [dict(zip(names, map(float, line.split(",")))) for line in lines[1:]], [
+        int(line.split(",")[0]) for line in lines[1:]
+    ]
 
 
 def _blob_centre(image, uv, radius=7):
@@ -84,12 +97,12 @@ def _blob_centre(image, uv, radius=7):
     u, v = int(round(uv[0])), int(round(uv[1]))
     if not (radius < u < image.shape[1] - radius and radius < v < image.shape[0] - radius):
         return None
-    patch = image[v - radius:v + radius + 1, u - radius:u + radius + 1].astype(float)
+    patch = image[v - radius : v + radius + 1, u - radius : u + radius + 1].astype(float)
     patch = np.clip(patch - 40, 0, None)
     border = np.concatenate([patch[0], patch[-1], patch[:, 0], patch[:, -1]])
     if patch.max() < 80 or border.max() > 0:
         return None
-    yy, xx = np.mgrid[-radius:radius + 1, -radius:radius + 1]
+    yy, xx = np.mgrid[-radius : radius + 1, -radius : radius + 1]
     return np.array([u + (patch * xx).sum() / patch.sum(), v + (patch * yy).sum() / patch.sum()])
 
 
@@ -115,7 +128,9 @@ def test_truth_is_pixel_exact(tmp_path, camera):
     done = _run(_write(tmp_path, camera), tmp_path / "out")
     assert done.returncode == 0, done.stderr
     error = residuals_px(tmp_path / "out")
-    print(f"\n{len(error)} points: mean {error.mean(axis=0)}, rms {np.sqrt((error ** 2).mean()):.4f}, max {np.abs(error).max():.4f} px")
+    print(
+        f"\n{len(error)} points: mean {error.mean(axis=0)}, rms {np.sqrt((error ** 2).mean()):.4f}, max {np.abs(error).max():.4f} px"
+    )
     assert len(error) >= 10
     assert np.linalg.norm(error, axis=1).max() < 0.3
     # A shift of half a pixel, the usual mistake, must not hide in the tolerance.
@@ -150,9 +165,14 @@ def test_the_same_scene_gives_the_same_bytes_and_an_interrupted_one_too(tmp_path
 def test_a_refusal_is_one_line_and_leaves_nothing_behind(tmp_path):
     scene = _write(tmp_path)
     text = scene.read_text()
-    for old, new, words in (("seed = 3", "sead = 3", "unknown key sead"), ("[1.0, 1.2, 1.4]", "[1.0, 1.2, -1.4]", "must be positive"),
-                            ("[1.0, 1.2, 1.4]", "[1.0, 1.2, 2.4]", "exceeds the sum"), ("[0.2, -0.1, 6.0]", "[9.2, -0.1, 6.0]", "out of view"),
-                            ('kind = "box"', 'kind = "file"\npath = "no.stl"', "no model file"), ("frames = 4", 'frames = "4"', "a whole number")):
+    for old, new, words in (
+        ("seed = 3", "sead = 3", "unknown key sead"),
+        ("[1.0, 1.2, 1.4]", "[1.0, 1.2, -1.4]", "must be positive"),
+        ("[1.0, 1.2, 1.4]", "[1.0, 1.2, 2.4]", "exceeds the sum"),
+        ("[0.2, -0.1, 6.0]", "[9.2, -0.1, 6.0]", "out of view"),
+        ('kind = "box"', 'kind = "file"\npath = "no.stl"', "no model file"),
+        ("frames = 4", 'frames = "4"', "a whole number"),
+    ):
         assert old in text
         scene.write_text(text.replace(old, new))
         done = _run(scene, tmp_path / "out")
@@ -160,39 +180,70 @@ def test_a_refusal_is_one_line_and_leaves_nothing_behind(tmp_path):
         assert len(done.stderr.strip().splitlines()) == 1 and not (tmp_path / "out").exists()
 
 
-CORNERS = np.array([[x, y, z] for x in (-.5, .5) for y in (-.25, .25) for z in (-.1, .1)], dtype="<f4")
+CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.25, 0.25) for z in (-0.1, 0.1)], dtype="<f4")
 QUADS = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 TRIANGLES = np.array([t for q in QUADS for t in (q[:3], [q[0], q[2], q[3]])], dtype="<u2")
 
 
 def _obj(path):
-    path.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS) + "".join("f " + " ".join(str(i + 1) for i in q) + "\n" for q in QUADS))
+    path.write_text(
+        "".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS)
+        + "".join("f " + " ".join(str(i + 1) for i in q) + "\n" for q in QUADS)
+    )
 
 
 def _stl(path):
-    facets = ["facet normal 0 0 0\nouter loop\n" + "".join("vertex {} {} {}\n".format(*CORNERS[i]) for i in t) + "endloop\nendfacet\n"
-              for t in TRIANGLES]
+    facets = [
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join("vertex {} {} {}\n".format(*CORNERS[i]) for i in t)
+        + "endloop\nendfacet\n"
+        for t in TRIANGLES
+    ]
     path.write_text("solid m\n" + "".join(facets) + "endsolid m\n")
 
 
 def _ply(path):
-    head = "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face 12\n" \
-           "property list uchar int vertex_indices\nend_header\n"
-    path.write_text(head + "".join(f"{x} {y} {z}\n" for x, y, z in CORNERS) + "".join("3 {} {} {}\n".format(*t) for t in TRIANGLES))
+    head = (
+        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face 12\n"
+        "property list uchar int vertex_indices\nend_header\n"
+    )
+    path.write_text(
+        head + "".join(f"{x} {y} {z}\n" for x, y, z in CORNERS) + "".join("3 {} {} {}\n".format(*t) for t in TRIANGLES)
+    )
 
 
 def _gltf(path):
     data = CORNERS.tobytes() + TRIANGLES.tobytes()
     views = [{"buffer": 0, "byteOffset": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 72}]
-    accessors = [{"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3",
-                  "min": CORNERS.min(axis=0).tolist(), "max": CORNERS.max(axis=0).tolist()},
-                 {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"}]
+    accessors = [
+        {
+            "bufferView": 0,
+            "componentType": 5126,
+            "count": 8,
+            "type": "VEC3",
+            "min": CORNERS.min(axis=0).tolist(),
+            "max": CORNERS.max(axis=0).tolist(),
+        },
+        {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"},
+    ]
     uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
-    path.write_text(json.dumps({
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
-        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.6, 0.6, 0.6, 1.0], "metallicFactor": 0.0}}],
-        "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": len(data), "uri": uri}]}))
+    path.write_text(
+        json.dumps(
+            {
+                "asset": {"version": "2.0"},
+                "scene": 0,
+                "scenes": [{"nodes": [0]}],
+                "nodes": [{"mesh": 0}],
+                "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+                "materials": [
+                    {"pbrMetallicRoughness": {"baseColorFactor": [0.6, 0.6, 0.6, 1.0], "metallicFactor": 0.0}}
+                ],
+                "accessors": accessors,
+                "bufferViews": views,
+                "buffers": [{"byteLength": len(data), "uri": uri}],
+            }
+        )
+    )
 
 
 @pytest.mark.parametrize("kind, write", [("obj", _obj), ("stl", _stl), ("ply", _ply), ("gltf", _gltf)])
@@ -205,7 +256,9 @@ def test_an_imported_model_keeps_its_own_axes(tmp_path, kind, write):
     assert done.returncode == 0, done.stderr
     low, high = json.loads((tmp_path / "out/scene.json").read_text())["bounding_box_T_m"]
     offset = np.array([0.06, -0.04, 0.05])
-    assert np.allclose(low, [-1, -0.5, -0.2] - offset, atol=1e-6) and np.allclose(high, [1, 0.5, 0.2] - offset, atol=1e-6)
+    assert np.allclose(low, [-1, -0.5, -0.2] - offset, atol=1e-6) and np.allclose(
+        high, [1, 0.5, 0.2] - offset, atol=1e-6
+    )
     # The silhouette is the projection of the corners: the box is drawn where its mesh is said to be.
     image = png.decode(next((tmp_path / "out/mav0/cam0/data").glob("*.png")).read_bytes())
     row = _truth_rows(tmp_path / "out")[0][0]

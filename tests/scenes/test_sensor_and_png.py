@@ -39,5 +39,6 @@ def test_png_gives_back_what_was_written(shape, kind):
 def test_png_is_read_by_others():
     image_module = pytest.importorskip("PIL.Image")
     import io
+
     image = (np.arange(48 * 64).reshape(48, 64) % 251).astype(np.uint8)
     assert np.array_equal(np.asarray(image_module.open(io.BytesIO(png.encode(image)))), image)

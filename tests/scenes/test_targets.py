@@ -48,13 +48,17 @@ def test_the_ply_holds_the_mesh_about_the_centre_of_mass(tmp_path):
     data = (tmp_path / "m.ply").read_bytes()
     head, body = data.split(b"end_header\n")
     count = int(head.split(b"element vertex ")[1].split()[0])
-    vertices = np.frombuffer(body[:12 * count], dtype="<f4").reshape(-1, 3)
+    vertices = np.frombuffer(body[: 12 * count], dtype="<f4").reshape(-1, 3)
     assert np.allclose(vertices.min(axis=0), [-1.25, -1, -1]) and np.allclose(vertices.max(axis=0), [0.75, 1, 1])
 
 
 def test_textures_have_structure_at_fine_and_coarse_scale():
     rng = noise.generator(1)
-    for made in (surfaces.foil((512, 512), 1000, rng), surfaces.solar_cells((512, 512), 1000, rng), surfaces.plate((512, 512), 1000, rng)):
+    for made in (
+        surfaces.foil((512, 512), 1000, rng),
+        surfaces.solar_cells((512, 512), 1000, rng),
+        surfaces.plate((512, 512), 1000, rng),
+    ):
         gray = made.color.mean(axis=2)
         coarse = gray.reshape(16, 32, 16, 32).mean(axis=(1, 3))
         assert np.abs(np.diff(gray, axis=1)).mean() > 0.003 and coarse.std() > 0.008

@@ -63,9 +63,9 @@ class Stars(Empty):
             u0, v0 = int(round(u)), int(round(v))
             if not (4 <= u0 < camera.width - 4 and 4 <= v0 < camera.height - 4):
                 continue
-            yy, xx = np.mgrid[v0 - 3:v0 + 4, u0 - 3:u0 + 4]
-            spot = np.exp(-((xx - u) ** 2 + (yy - v) ** 2) / (2 * self.SPREAD_PX ** 2))
-            out[v0 - 3:v0 + 4, u0 - 3:u0 + 4] += flux * spot / (2 * np.pi * self.SPREAD_PX ** 2)
+            yy, xx = np.mgrid[v0 - 3 : v0 + 4, u0 - 3 : u0 + 4]
+            spot = np.exp(-((xx - u) ** 2 + (yy - v) ** 2) / (2 * self.SPREAD_PX**2))
+            out[v0 - 3 : v0 + 4, u0 - 3 : u0 + 4] += flux * spot / (2 * np.pi * self.SPREAD_PX**2)
         return np.repeat(out[..., None], 3, axis=2)
 
 
@@ -103,10 +103,10 @@ class Earth(Empty):
         R_IC = quat_to_matrix(motion.q_IC[row])
         to_centre_I = self.plan.earth_direction_I(motion.time_s[row])
         along = self.ray_C @ (R_IC.T @ to_centre_I * self.distance_km).astype(np.float32)
-        miss_km = np.sqrt(np.maximum(self.distance_km ** 2 - along ** 2, 0))
+        miss_km = np.sqrt(np.maximum(self.distance_km**2 - along**2, 0))
         hit = (along > 0) & (miss_km < EARTH_RADIUS_KM)
         out = self.stars.radiance(motion, row)
-        depth = along - np.sqrt(np.maximum(EARTH_RADIUS_KM ** 2 - miss_km ** 2, 0))
+        depth = along - np.sqrt(np.maximum(EARTH_RADIUS_KM**2 - miss_km**2, 0))
         ray_I = self.ray_C @ R_IC.T.astype(np.float32)
         nearest = np.where(hit, depth, along)[..., None] * ray_I - (to_centre_I * self.distance_km).astype(np.float32)
         normal_I = nearest / np.linalg.norm(nearest, axis=-1, keepdims=True)
@@ -157,6 +157,7 @@ def make(plan, resampler, blender, scratch_path):
         return Empty()
     if kind == "laboratory":
         from .laboratory import Laboratory
+
         return Laboratory(plan, resampler, blender, scratch_path)
     stars = Stars(plan)
     return stars if kind == "stars" else Earth(plan, stars)

@@ -239,7 +239,7 @@ def add_lamp(root, place_m, width_m, strength):
     light = bpy.data.lights.new("lamp", "AREA")
     light.shape, light.size = "DISK", width_m
     # Irradiance below a small lamp is power / (pi d^2); the sun's unit is pi.
-    light.energy = math.pi ** 2 * strength * float(place_m[2]) ** 2
+    light.energy = math.pi**2 * strength * float(place_m[2]) ** 2
     lamp = bpy.data.objects.new("lamp", light)
     lamp.location = [float(x) for x in place_m]
     lamp.parent = root

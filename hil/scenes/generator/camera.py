@@ -35,10 +35,10 @@ def distort(xy, distortion):
     x, y = xy[..., 0], xy[..., 1]
     r2 = x * x + y * y
     radial = 1 + k1 * r2 + k2 * r2 * r2
-    return np.stack([
-        x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
-        y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y,
-    ], axis=-1)
+    return np.stack(
+        [x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y],
+        axis=-1,
+    )
 
 
 def undistort(xy_distorted, distortion):
@@ -116,7 +116,7 @@ class Resampler:
         out = np.zeros((camera.height, camera.width, channels), dtype=np.float32)
         x0, y0, width, height = window
         if self.map_uv is None:
-            out[y0:y0 + height, x0:x0 + width] = window_image
+            out[y0 : y0 + height, x0 : x0 + width] = window_image
             return out
         local = self.map_uv - [x0, y0]
         inside = (local[..., 0] >= 0) & (local[..., 0] <= width - 1)
@@ -128,12 +128,9 @@ class Resampler:
 def _cubic_weights(t):
     """Catmull-Rom weights (4, N) for fractions t in [0, 1)."""
     t2, t3 = t * t, t * t * t
-    return np.stack([
-        -0.5 * t + t2 - 0.5 * t3,
-        1 - 2.5 * t2 + 1.5 * t3,
-        0.5 * t + 2 * t2 - 1.5 * t3,
-        -0.5 * t2 + 0.5 * t3,
-    ]).astype(np.float32)
+    return np.stack(
+        [-0.5 * t + t2 - 0.5 * t3, 1 - 2.5 * t2 + 1.5 * t3, 0.5 * t + 2 * t2 - 1.5 * t3, -0.5 * t2 + 0.5 * t3]
+    ).astype(np.float32)
 
 
 def sample_cubic(image, uv):

@@ -50,7 +50,9 @@ class Laboratory(Empty):
         p_L = (p_C - quat_to_matrix(q_IC).T @ self.origin_I_m) @ R_CL
         low, high = p_L.min(axis=0), p_L.max(axis=0)
         spread = max(0.0, high[2]) * 0.8
-        corners = np.array([[x, y, 0.0] for x in (low[0] - spread, high[0] + spread) for y in (low[1] - spread, high[1] + spread)])
+        corners = np.array(
+            [[x, y, 0.0] for x in (low[0] - spread, high[0] + spread) for y in (low[1] - spread, high[1] + spread)]
+        )
         return np.concatenate([p_C, corners @ R_CL.T + quat_to_matrix(q_IC).T @ self.origin_I_m])
 
     def prepare(self, motion, row):
@@ -64,8 +66,9 @@ class Laboratory(Empty):
         window = self.resampler.full_window()
         camera = self.plan.camera
         with self.blender.room_only(self.room, self.table, ROOM_SAMPLES):
-            picture = self.blender.render_window(self.resampler.f_ideal, camera.cu, camera.cv, window,
-                                                 self.plan.scene["seed"], self.scratch_path)
+            picture = self.blender.render_window(
+                self.resampler.f_ideal, camera.cu, camera.cv, window, self.plan.scene["seed"], self.scratch_path
+            )
         self.picture = self.resampler.to_camera(picture, window)[..., :3]
 
     def radiance(self, motion, row):
@@ -80,7 +83,9 @@ def furniture(seed, body_size_m):
     rng = noise.generator(seed, 31)
     parts = [
         mesh.box("table_top", [-4.5 * unit, -3 * unit, -0.2 * unit], [4.5 * unit, 3.2 * unit, 0], "table", 0.05 * unit),
-        *_room(unit), *_shelves(unit, rng), *_bench(unit, rng),
+        *_room(unit),
+        *_shelves(unit, rng),
+        *_bench(unit, rng),
     ]
     return parts, _materials(seed)
 
@@ -91,9 +96,19 @@ def _room(unit):
     return [
         mesh.grid_patch("floor", [-w, -d, low], [2 * w, 0, 0], [0, 2 * d, 0], (1, 1), "floor"),
         mesh.grid_patch("back_wall", [-w, d, low], [2 * w, 0, 0], [0, 0, h - low], (1, 1), "wall"),
-        mesh.box("board", [-7.5 * unit, d - 0.4 * unit, -0.5 * unit], [0 * unit, d - 0.1 * unit, 4.5 * unit], "whiteboard", 0.1 * unit),
-        mesh.box("poster_a", [1.0 * unit, d - 0.3 * unit, -1.2 * unit], [4.5 * unit, d - 0.1 * unit, 4 * unit], "poster_a"),
-        mesh.box("poster_b", [6.5 * unit, d - 0.3 * unit, 1 * unit], [11 * unit, d - 0.1 * unit, 5.5 * unit], "poster_b"),
+        mesh.box(
+            "board",
+            [-7.5 * unit, d - 0.4 * unit, -0.5 * unit],
+            [0 * unit, d - 0.1 * unit, 4.5 * unit],
+            "whiteboard",
+            0.1 * unit,
+        ),
+        mesh.box(
+            "poster_a", [1.0 * unit, d - 0.3 * unit, -1.2 * unit], [4.5 * unit, d - 0.1 * unit, 4 * unit], "poster_a"
+        ),
+        mesh.box(
+            "poster_b", [6.5 * unit, d - 0.3 * unit, 1 * unit], [11 * unit, d - 0.1 * unit, 5.5 * unit], "poster_b"
+        ),
         mesh.box("door", [13 * unit, d - 0.3 * unit, low], [19 * unit, d - 0.1 * unit, 5 * unit], "door", 0.1 * unit),
     ]
 
@@ -104,33 +119,86 @@ def _shelves(unit, rng):
     for side, x0 in enumerate((-19.5, -13.3)):
         for level in range(5):
             z = (-7.5 + 3.2 * level) * unit
-            parts.append(mesh.box(f"shelf_{side}_{level}", [x0 * unit, 13 * unit, z], [(x0 + 6) * unit, 17 * unit, z + 0.2 * unit], "door"))
+            parts.append(
+                mesh.box(
+                    f"shelf_{side}_{level}",
+                    [x0 * unit, 13 * unit, z],
+                    [(x0 + 6) * unit, 17 * unit, z + 0.2 * unit],
+                    "door",
+                )
+            )
             x = x0 + 0.2
             while x < x0 + 5.2:
                 width, height = rng.uniform(0.5, 1.5), rng.uniform(0.8, 2.6)
-                parts.append(mesh.box(f"item_{side}_{level}_{x:.1f}", [x * unit, rng.uniform(13.1, 14.2) * unit, z + 0.2 * unit],
-                                      [(x + width) * unit, 16.5 * unit, z + (0.2 + height) * unit], f"item_{rng.integers(0, 6)}", 0.05 * unit))
+                parts.append(
+                    mesh.box(
+                        f"item_{side}_{level}_{x:.1f}",
+                        [x * unit, rng.uniform(13.1, 14.2) * unit, z + 0.2 * unit],
+                        [(x + width) * unit, 16.5 * unit, z + (0.2 + height) * unit],
+                        f"item_{rng.integers(0, 6)}",
+                        0.05 * unit,
+                    )
+                )
                 x += width + rng.uniform(0.05, 0.5)
     return parts
 
 
 def _bench(unit, rng):
     """A bench with screens, instruments and a lattice of profile bars right of the table."""
-    parts = [mesh.box("bench", [4.8 * unit, 11 * unit, -2.4 * unit], [20 * unit, 16 * unit, -2 * unit], "table", 0.05 * unit)]
+    parts = [
+        mesh.box("bench", [4.8 * unit, 11 * unit, -2.4 * unit], [20 * unit, 16 * unit, -2 * unit], "table", 0.05 * unit)
+    ]
     for k, x in enumerate((5.6, 9.6)):
-        parts.append(mesh.box(f"screen_{k}", [x * unit, 13.5 * unit, -1.2 * unit], [(x + 3) * unit, 13.8 * unit, 0.8 * unit], "screen", 0.05 * unit))
-        parts.append(mesh.box(f"foot_{k}", [(x + 1.3) * unit, 13.5 * unit, -2 * unit], [(x + 1.7) * unit, 13.9 * unit, -1.2 * unit], "door"))
+        parts.append(
+            mesh.box(
+                f"screen_{k}",
+                [x * unit, 13.5 * unit, -1.2 * unit],
+                [(x + 3) * unit, 13.8 * unit, 0.8 * unit],
+                "screen",
+                0.05 * unit,
+            )
+        )
+        parts.append(
+            mesh.box(
+                f"foot_{k}",
+                [(x + 1.3) * unit, 13.5 * unit, -2 * unit],
+                [(x + 1.7) * unit, 13.9 * unit, -1.2 * unit],
+                "door",
+            )
+        )
     for k in range(9):
         x, y = rng.uniform(5, 16), rng.uniform(11.3, 13)
         size = rng.uniform(0.4, 1.2, 3)
-        parts.append(mesh.box(f"tool_{k}", [x * unit, y * unit, -2 * unit], [(x + size[0]) * unit, (y + size[1]) * unit, (-2 + size[2]) * unit],
-                              f"item_{rng.integers(0, 6)}", 0.05 * unit))
+        parts.append(
+            mesh.box(
+                f"tool_{k}",
+                [x * unit, y * unit, -2 * unit],
+                [(x + size[0]) * unit, (y + size[1]) * unit, (-2 + size[2]) * unit],
+                f"item_{rng.integers(0, 6)}",
+                0.05 * unit,
+            )
+        )
     for x in (-8.6, 8.4):
-        parts.append(mesh.box("post", [x * unit, 6 * unit, -8 * unit], [(x + 0.4) * unit, 6.4 * unit, 9 * unit], "bar", 0.04 * unit))
-    parts.append(mesh.box("beam", [-8.6 * unit, 6 * unit, 8.6 * unit], [8.8 * unit, 6.4 * unit, 9 * unit], "bar", 0.04 * unit))
+        parts.append(
+            mesh.box(
+                "post", [x * unit, 6 * unit, -8 * unit], [(x + 0.4) * unit, 6.4 * unit, 9 * unit], "bar", 0.04 * unit
+            )
+        )
+    parts.append(
+        mesh.box("beam", [-8.6 * unit, 6 * unit, 8.6 * unit], [8.8 * unit, 6.4 * unit, 9 * unit], "bar", 0.04 * unit)
+    )
     for k in range(3):
-        x = (-10.0 + 1.4 * k)
-        parts.append(mesh.cylinder(f"flask_{k}", [x * unit, 12 * unit, -8 * unit], [x * unit, 12 * unit, (-4 + k) * unit], 0.55 * unit, f"item_{k}", 28))
+        x = -10.0 + 1.4 * k
+        parts.append(
+            mesh.cylinder(
+                f"flask_{k}",
+                [x * unit, 12 * unit, -8 * unit],
+                [x * unit, 12 * unit, (-4 + k) * unit],
+                0.55 * unit,
+                f"item_{k}",
+                28,
+            )
+        )
     return parts
 
 
@@ -142,14 +210,23 @@ def _materials(seed):
         "table": plate(0, (0.42, 0.43, 0.45), panels=False, decals=False, wear=1.0, shape=(1024, 1024), unit=700),
         "floor": surfaces.weave((1024, 1024), 9000, noise.generator(seed, 33), (0.42, 0.43, 0.42)),
         "wall": plate(1, (0.66, 0.67, 0.66), panels=False, decals=False, wear=1.0, shape=(512, 1024)),
-        "whiteboard": plate(3, (0.85, 0.85, 0.86), ("I W - W X I W", "T 0 1 2 3 4", "SFM / PNP"), panels=False, wear=2.0, unit=500),
+        "whiteboard": plate(
+            3, (0.85, 0.85, 0.86), ("I W - W X I W", "T 0 1 2 3 4", "SFM / PNP"), panels=False, wear=2.0, unit=500
+        ),
         "poster_a": surfaces.solar_cells((512, 384), 900, noise.generator(seed, 34), (0.11, 0.16)),
         "poster_b": plate(4, (0.55, 0.50, 0.36), ("LAB 3", "ORBIT", "DEBRIS"), wear=4.0),
         "door": plate(5, (0.45, 0.41, 0.36), panels=True, decals=False),
         "screen": plate(6, (0.14, 0.17, 0.22), ("RUN 12", "OK"), panels=False),
         "bar": Material((0.62, 0.63, 0.65), 0.35, 0.8),
     }
-    colors = ((0.55, 0.42, 0.28), (0.22, 0.34, 0.50), (0.70, 0.70, 0.68), (0.50, 0.18, 0.14), (0.20, 0.21, 0.22), (0.32, 0.45, 0.30))
+    colors = (
+        (0.55, 0.42, 0.28),
+        (0.22, 0.34, 0.50),
+        (0.70, 0.70, 0.68),
+        (0.50, 0.18, 0.14),
+        (0.20, 0.21, 0.22),
+        (0.32, 0.45, 0.30),
+    )
     for n, color in enumerate(colors):
         made[f"item_{n}"] = plate(10 + n, color, (f"BOX {n}", "PARTS"), panels=n % 2 == 0, wear=2.0, unit=500)
     return made

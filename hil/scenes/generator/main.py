@@ -29,6 +29,7 @@ def parse(arguments):
 def run(arguments, report):
     """Renders as the arguments say; returns the exit status."""
     from generator import mesh, pipeline, scene_file
+
     parsed = parse(arguments)
     if parsed is None:
         report(USAGE)
@@ -39,6 +40,7 @@ def run(arguments, report):
         plan = pipeline.Plan(scene)
         if scene["target"]["kind"] == "file":
             from generator import blender_scene
+
             blender_scene.reset(scene["render"]["samples"])
         parts, materials, known = pipeline.build_target(scene)
         pipeline.check_view(plan, mesh.all_vertices(parts))
@@ -61,7 +63,7 @@ def main():
         os.dup2(quiet, 1)
         os.dup2(quiet, 2)
     try:
-        status = run(sys.argv[sys.argv.index("--") + 1:], lambda text: print(text, file=own))
+        status = run(sys.argv[sys.argv.index("--") + 1 :], lambda text: print(text, file=own))
     except Exception as error:  # The last line of defence: say it in one line and fail.
         print(f"render_scene: {type(error).__name__}: {error}", file=own)
         if os.environ.get("POLHODE_BLENDER_LOG"):

@@ -203,8 +203,10 @@ def write_ply(path, parts, origin_G_m):
     triangles = triangles[area > 1e-14]
     rows = np.empty(len(triangles), dtype=[("n", "u1"), ("i", "<i4", 3)])
     rows["n"], rows["i"] = 3, triangles
-    header = (f"ply\nformat binary_little_endian 1.0\ncomment target mesh in T [m], origin at the centre of mass\n"
-              f"element vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
-              f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
+    header = (
+        f"ply\nformat binary_little_endian 1.0\ncomment target mesh in T [m], origin at the centre of mass\n"
+        f"element vertex {len(vertices)}\nproperty float x\nproperty float y\nproperty float z\n"
+        f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
     with open(path, "wb") as file:
         file.write(header.encode() + vertices.tobytes() + rows.tobytes())

@@ -31,9 +31,9 @@ def fractal(shape, rng, beta=2.0, scale_px=None):
     fx = np.fft.rfftfreq(size[1])[None, :]
     frequency = np.sqrt(fy * fy + fx * fx)
     lowest = 1.0 / (scale_px or max(size))
-    gain = 1.0 / (frequency ** 2 + lowest ** 2) ** (beta / 4)
+    gain = 1.0 / (frequency**2 + lowest**2) ** (beta / 4)
     gain[0, 0] = 0
-    out = np.fft.irfft2(np.fft.rfft2(white) * gain, s=size)[:shape[0], :shape[1]]
+    out = np.fft.irfft2(np.fft.rfft2(white) * gain, s=size)[: shape[0], : shape[1]]
     return ((out - out.mean()) / (out.std() + 1e-9)).astype(np.float32)
 
 

@@ -39,8 +39,14 @@ class Plan:
         self.rows = place.reshape(count, len(self.offsets_s))
         self.sub_motion = motion
         keep = self.rows[:, len(self.offsets_s) // 2]
-        self.motion = truth.Motion(mid_s, truth.continuous_signs(motion.q_CT[keep]), motion.p_CT_m[keep],
-                                   motion.v_C_m_s[keep], motion.w_T_rad_s[keep], motion.q_IC[keep])
+        self.motion = truth.Motion(
+            mid_s,
+            truth.continuous_signs(motion.q_CT[keep]),
+            motion.p_CT_m[keep],
+            motion.v_C_m_s[keep],
+            motion.w_T_rad_s[keep],
+            motion.q_IC[keep],
+        )
         self.camera = self._camera()
         self.sensor = sensor.Sensor(**{k: scene["sensor"][k] for k in sensor.Sensor.__dataclass_fields__})
 
@@ -58,7 +64,9 @@ class Plan:
             return settings["attitude_history"]
         if any(settings["w_C_deg_s"]):
             steps = max(2, int(np.ceil(end_s)) + 1)
-            return relative_motion.turning_history([1, 0, 0, 0], np.radians(settings["w_C_deg_s"]), np.linspace(0, end_s, steps))
+            return relative_motion.turning_history(
+                [1, 0, 0, 0], np.radians(settings["w_C_deg_s"]), np.linspace(0, end_s, steps)
+            )
         return []
 
     def _camera(self):
@@ -118,6 +126,7 @@ def build_target(scene):
     settings = scene["target"]
     if settings["kind"] == "file":
         from .targets import imported
+
         parts, materials, known = imported.build(settings["path"], settings["scale"])
     else:
         parts, materials, known = _build_own(settings)
@@ -129,9 +138,11 @@ def build_target(scene):
 
 def _build_own(settings):
     from .targets import box, cubesat
+
     builders = {"box": box, "cubesat": cubesat}
     if settings["kind"] in ("damaged_cube", "upper_stage"):
         from .targets import damaged_cube, upper_stage
+
         builders = {"damaged_cube": damaged_cube, "upper_stage": upper_stage}
     arguments = [settings["size_m"], settings["detail_seed"], settings["texture_px"]]
     if settings["kind"] == "cubesat":
@@ -160,13 +171,22 @@ def prepare_folder(out, plan, parts, known):
     mesh.write_ply(out / "model.ply", parts, plan.centre_of_mass_G_m)
     vertices_T = mesh.all_vertices(parts) - plan.centre_of_mass_G_m
     extent = vertices_T.max(axis=0) - vertices_T.min(axis=0)
-    truth.write_json(description, {
-        "fingerprint": mark, "scene": plan.scene, "body_size_m": float(extent.max()), "extent_T_m": extent.tolist(),
-        "bounding_box_T_m": [vertices_T.min(axis=0).tolist(), vertices_T.max(axis=0).tolist()],
-        "fiducials_T_m": [(np.array(p) - plan.centre_of_mass_G_m).tolist() for p in plan.scene["target"]["fiducials_G_m"]],
-        "known_lengths": truth.known_lengths(known, plan.centre_of_mass_G_m, plan.camera, plan.timestamps_ns, plan.motion,
-                                             camera_model.project),
-    })
+    truth.write_json(
+        description,
+        {
+            "fingerprint": mark,
+            "scene": plan.scene,
+            "body_size_m": float(extent.max()),
+            "extent_T_m": extent.tolist(),
+            "bounding_box_T_m": [vertices_T.min(axis=0).tolist(), vertices_T.max(axis=0).tolist()],
+            "fiducials_T_m": [
+                (np.array(p) - plan.centre_of_mass_G_m).tolist() for p in plan.scene["target"]["fiducials_G_m"]
+            ],
+            "known_lengths": truth.known_lengths(
+                known, plan.centre_of_mass_G_m, plan.camera, plan.timestamps_ns, plan.motion, camera_model.project
+            ),
+        },
+    )
 
 
 def write_atomically(path, data):
@@ -181,6 +201,7 @@ class Painter:
 
     def __init__(self, plan, parts, materials, scratch_path):
         from . import backgrounds, blender_scene
+
         self.blender, self.plan, self.scratch_path = blender_scene, plan, scratch_path
         scene = plan.scene
         # Sub-frames are averaged, so they share a frame's samples; 8 each keep the soft light even.
@@ -192,6 +213,7 @@ class Painter:
         self.target = blender_scene.add_parts(own, materials, origin_m=plan.centre_of_mass_G_m)
         if len(own) < len(parts):
             from .targets import imported
+
             imported.adopt(self.target, plan.centre_of_mass_G_m)
         self.vertices_T = mesh.all_vertices(parts) - plan.centre_of_mass_G_m
         self.resampler = camera_model.Resampler(plan.camera)
@@ -217,18 +239,22 @@ class Painter:
         camera = self.plan.camera
         if window is None:
             return np.zeros((camera.height, camera.width, 4), dtype=np.float32)
-        picture = self.blender.render_window(self.resampler.f_ideal, camera.cu, camera.cv, window, seed, self.scratch_path)
+        picture = self.blender.render_window(
+            self.resampler.f_ideal, camera.cu, camera.cv, window, seed, self.scratch_path
+        )
         return self.resampler.to_camera(picture, window)
 
     def frame(self, i):
         """Pixel values of frame i."""
         total = None
         for k, row in enumerate(self.plan.rows[i]):
-            seed = int(noise.generator(self.plan.scene["seed"], 11, i, k).integers(0, 2 ** 31 - 1))
+            seed = int(noise.generator(self.plan.scene["seed"], 11, i, k).integers(0, 2**31 - 1))
             self.background.prepare(self.plan.sub_motion, row)
             layer = self._target_layer(row, seed)
             behind = self.background.radiance(self.plan.sub_motion, row)
-            picture = layer[..., :3] if behind is None else layer[..., :3] + (1 - np.clip(layer[..., 3:], 0, 1)) * behind
+            picture = (
+                layer[..., :3] if behind is None else layer[..., :3] + (1 - np.clip(layer[..., 3:], 0, 1)) * behind
+            )
             total = picture if total is None else total + picture
         return sensor.expose(total / len(self.plan.rows[i]), self.plan.sensor, self.plan.scene["seed"], i)
 
@@ -245,7 +271,9 @@ def render(plan, parts, materials, out, report=lambda text: print(text, file=sys
             write_atomically(folder / f"{plan.timestamps_ns[i]}.png", png.encode(painter.frame(i)))
             each_s = (time.monotonic() - begin) / done
             left_s = round(each_s * (len(missing) - done))
-            report(f"frame {i + 1}/{len(plan.timestamps_ns)}  {each_s:.2f} s/frame  {left_s // 60} min {left_s % 60:02d} s left")
+            report(
+                f"frame {i + 1}/{len(plan.timestamps_ns)}  {each_s:.2f} s/frame  {left_s // 60} min {left_s % 60:02d} s left"
+            )
     for leftover in [*folder.glob("*.part"), Path(out) / "window.exr"]:
         leftover.unlink(missing_ok=True)
     truth.write_data_csv(Path(out) / "mav0/cam0/data.csv", plan.timestamps_ns)

@@ -63,8 +63,8 @@ def decode(data):
         raise ValueError("not a PNG file")
     position, body, header = 8, b"", None
     while position < len(data):
-        length, kind = struct.unpack(">I4s", data[position:position + 8])
-        payload = data[position + 8:position + 8 + length]
+        length, kind = struct.unpack(">I4s", data[position : position + 8])
+        payload = data[position + 8 : position + 8 + length]
         header = struct.unpack(">IIBBBBB", payload) if kind == b"IHDR" else header
         body += payload if kind == b"IDAT" else b""
         position += 12 + length

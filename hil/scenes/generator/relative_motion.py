@@ -20,16 +20,20 @@ def hill_state(p0_H_m, v0_H_m_s, mean_motion_rad_s, time_s):
     s, c = np.sin(n * t), np.cos(n * t)
     x0, y0, z0 = p0_H_m
     vx0, vy0, vz0 = v0_H_m_s
-    p_H = np.array([
-        (4 - 3 * c) * x0 + s / n * vx0 + 2 / n * (1 - c) * vy0,
-        6 * (s - n * t) * x0 + y0 - 2 / n * (1 - c) * vx0 + (4 * s - 3 * n * t) / n * vy0,
-        c * z0 + s / n * vz0,
-    ])
-    v_H = np.array([
-        3 * n * s * x0 + c * vx0 + 2 * s * vy0,
-        -6 * n * (1 - c) * x0 - 2 * s * vx0 + (4 * c - 3) * vy0,
-        -n * s * z0 + c * vz0,
-    ])
+    p_H = np.array(
+        [
+            (4 - 3 * c) * x0 + s / n * vx0 + 2 / n * (1 - c) * vy0,
+            6 * (s - n * t) * x0 + y0 - 2 / n * (1 - c) * vx0 + (4 * s - 3 * n * t) / n * vy0,
+            c * z0 + s / n * vz0,
+        ]
+    )
+    v_H = np.array(
+        [
+            3 * n * s * x0 + c * vx0 + 2 * s * vy0,
+            -6 * n * (1 - c) * x0 - 2 * s * vx0 + (4 * c - 3) * vy0,
+            -n * s * z0 + c * vz0,
+        ]
+    )
     return p_H, v_H
 
 

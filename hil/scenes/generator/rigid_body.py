@@ -23,11 +23,7 @@ def _derivative(state, inertia, inertia_inverse):
     qw, qx, qy, qz, wx, wy, wz = state
     w_T = state[4:]
     h_T = inertia @ w_T
-    torque_T = np.array([
-        -(wy * h_T[2] - wz * h_T[1]),
-        -(wz * h_T[0] - wx * h_T[2]),
-        -(wx * h_T[1] - wy * h_T[0]),
-    ])
+    torque_T = np.array([-(wy * h_T[2] - wz * h_T[1]), -(wz * h_T[0] - wx * h_T[2]), -(wx * h_T[1] - wy * h_T[0])])
     out = np.empty(7)
     out[0] = 0.5 * (-qx * wx - qy * wy - qz * wz)
     out[1] = 0.5 * (qw * wx + qy * wz - qz * wy)

@@ -22,27 +22,70 @@ def _vector(n):
 # table -> key -> (kind, default); a default of None means required, "" means optional without a value.
 SCHEMA = {
     "": {"name": (str, "scene"), "seed": (int, 1)},
-    "target": {"kind": (str, None), "size_m": (float, 1.0), "detail_seed": (int, 1), "texture_px": (int, 2048),
-               "panel_length_m": (float, ""), "path": (str, ""), "scale": (float, 1.0),
-               "fiducials_G_m": ("points", []), "fiducial_radius_m": (float, 0.01)},
-    "motion": {"inertia_kg_m2": ("inertia", None), "w0_T_deg_s": (_vector(3), None), "q_CT0": (_vector(4), None),
-               "p_CT0_m": (_vector(3), None), "v_C0_m_s": (_vector(3), [0.0, 0.0, 0.0]),
-               "centre_of_mass_G_m": (_vector(3), [0.0, 0.0, 0.0]), "translation": (str, "constant"),
-               "mean_motion_rad_s": (float, 0.0011), "q_CH0": (_vector(4), [1.0, 0.0, 0.0, 0.0])},
-    "camera": {"resolution": (_vector(2), [1920, 1080]), "lens_mm": (float, 50.0), "sensor_width_mm": (float, 36.0),
-               "intrinsics_px": (_vector(4), ""), "distortion": (_vector(4), [0.0, 0.0, 0.0, 0.0]),
-               "w_C_deg_s": (_vector(3), [0.0, 0.0, 0.0]), "attitude_history": ("history", [])},
-    "time": {"start_s": (float, 0.0), "period_s": (float, 10.0), "frames": (int, 300),
-             "epoch_ns": (int, 1700000000000000000)},
-    "light": {"sun_direction_C": (_vector(3), [-0.5, -0.5, -0.7]), "sun": (float, 1.0),
-              "earth_direction_C": (_vector(3), [0.3, 1.0, -0.2]), "earthshine": (float, 0.4),
-              "earth_half_angle_deg": (float, 64.0)},
-    "background": {"kind": (str, "none"), "seed": (int, 5), "stars": (int, 3000), "altitude_km": (float, 520.0),
-                   "orbit_normal_C": (_vector(3), [1.0, 0.0, 0.0]), "orbit_rate_deg_s": (float, 0.063),
-                   "up_C": (_vector(3), [0.0, -1.0, 0.0]), "table_below_m": (float, 0.5)},
-    "sensor": {"exposure": (float, 1.3), "exposure_s": (float, 0.0), "blur_samples": (int, 1),
-               "full_well_e": (float, 20000.0), "read_noise_e": (float, 8.0), "gamma": (float, 2.2),
-               "bits": (int, 8), "color": (str, "gray")},
+    "target": {
+        "kind": (str, None),
+        "size_m": (float, 1.0),
+        "detail_seed": (int, 1),
+        "texture_px": (int, 2048),
+        "panel_length_m": (float, ""),
+        "path": (str, ""),
+        "scale": (float, 1.0),
+        "fiducials_G_m": ("points", []),
+        "fiducial_radius_m": (float, 0.01),
+    },
+    "motion": {
+        "inertia_kg_m2": ("inertia", None),
+        "w0_T_deg_s": (_vector(3), None),
+        "q_CT0": (_vector(4), None),
+        "p_CT0_m": (_vector(3), None),
+        "v_C0_m_s": (_vector(3), [0.0, 0.0, 0.0]),
+        "centre_of_mass_G_m": (_vector(3), [0.0, 0.0, 0.0]),
+        "translation": (str, "constant"),
+        "mean_motion_rad_s": (float, 0.0011),
+        "q_CH0": (_vector(4), [1.0, 0.0, 0.0, 0.0]),
+    },
+    "camera": {
+        "resolution": (_vector(2), [1920, 1080]),
+        "lens_mm": (float, 50.0),
+        "sensor_width_mm": (float, 36.0),
+        "intrinsics_px": (_vector(4), ""),
+        "distortion": (_vector(4), [0.0, 0.0, 0.0, 0.0]),
+        "w_C_deg_s": (_vector(3), [0.0, 0.0, 0.0]),
+        "attitude_history": ("history", []),
+    },
+    "time": {
+        "start_s": (float, 0.0),
+        "period_s": (float, 10.0),
+        "frames": (int, 300),
+        "epoch_ns": (int, 1700000000000000000),
+    },
+    "light": {
+        "sun_direction_C": (_vector(3), [-0.5, -0.5, -0.7]),
+        "sun": (float, 1.0),
+        "earth_direction_C": (_vector(3), [0.3, 1.0, -0.2]),
+        "earthshine": (float, 0.4),
+        "earth_half_angle_deg": (float, 64.0),
+    },
+    "background": {
+        "kind": (str, "none"),
+        "seed": (int, 5),
+        "stars": (int, 3000),
+        "altitude_km": (float, 520.0),
+        "orbit_normal_C": (_vector(3), [1.0, 0.0, 0.0]),
+        "orbit_rate_deg_s": (float, 0.063),
+        "up_C": (_vector(3), [0.0, -1.0, 0.0]),
+        "table_below_m": (float, 0.5),
+    },
+    "sensor": {
+        "exposure": (float, 1.3),
+        "exposure_s": (float, 0.0),
+        "blur_samples": (int, 1),
+        "full_well_e": (float, 20000.0),
+        "read_noise_e": (float, 8.0),
+        "gamma": (float, 2.2),
+        "bits": (int, 8),
+        "color": (str, "gray"),
+    },
     "render": {"samples": (int, 16)},
 }
 
@@ -53,6 +96,7 @@ def _is_number(x):
 
 def _check_type(where, value, kind):
     """The value as the schema wants it, or SceneError."""
+
     def fail(wanted):
         raise SceneError(f"{where}: {wanted} expected, found {value!r}")
 
@@ -81,8 +125,11 @@ def _inertia(where, value):
     """Inertia tensor (3, 3) as nested lists from a diagonal or a full tensor; physical, or SceneError."""
     if isinstance(value, list) and len(value) == 3 and all(_is_number(x) for x in value):
         tensor = np.diag(np.array(value, dtype=float))
-    elif isinstance(value, list) and len(value) == 3 and all(
-            isinstance(r, list) and len(r) == 3 and all(_is_number(x) for x in r) for r in value):
+    elif (
+        isinstance(value, list)
+        and len(value) == 3
+        and all(isinstance(r, list) and len(r) == 3 and all(_is_number(x) for x in r) for r in value)
+    ):
         tensor = np.array(value, dtype=float)
     else:
         raise SceneError(f"{where}: 3 numbers or 3 rows of 3 numbers expected, found {value!r}")
@@ -92,8 +139,10 @@ def _inertia(where, value):
     if principal[0] <= 0:
         raise SceneError(f"{where}: principal moments must be positive, found {principal[0]:.4g} kg m^2")
     if principal[0] + principal[1] < principal[2] * (1 - 1e-9):
-        raise SceneError(f"{where}: no body has the principal moments {principal[0]:.4g}, {principal[1]:.4g}, "
-                         f"{principal[2]:.4g}: the largest exceeds the sum of the others")
+        raise SceneError(
+            f"{where}: no body has the principal moments {principal[0]:.4g}, {principal[1]:.4g}, "
+            f"{principal[2]:.4g}: the largest exceeds the sum of the others"
+        )
     return tensor.tolist()
 
 
@@ -170,6 +219,7 @@ def check(raw):
 
 def _check_values(scene):
     """Ranges and choices."""
+
     def require(condition, message):
         if not condition:
             raise SceneError(message)
@@ -177,36 +227,56 @@ def _check_values(scene):
     target, camera, time, sensor = scene["target"], scene["camera"], scene["time"], scene["sensor"]
     require(scene["seed"] >= 0, "seed: must not be negative")
     require(target["detail_seed"] >= 0, "target.detail_seed: must not be negative")
-    require(target["kind"] in TARGET_KINDS, f"target.kind: one of {', '.join(TARGET_KINDS)} expected, found {target['kind']!r}")
+    require(
+        target["kind"] in TARGET_KINDS,
+        f"target.kind: one of {', '.join(TARGET_KINDS)} expected, found {target['kind']!r}",
+    )
     require(target["size_m"] > 0 and target["scale"] > 0, "target.size_m and target.scale: must be positive")
     require(64 <= target["texture_px"] <= 8192, "target.texture_px: 64 to 8192 expected")
     kind = scene["background"]["kind"]
     require(kind in BACKGROUNDS, f"background.kind: one of {', '.join(BACKGROUNDS)} expected, found {kind!r}")
-    require(scene["background"]["stars"] >= 0 and scene["background"]["altitude_km"] > 100,
-            "background: stars >= 0 and altitude_km > 100 expected")
+    require(
+        scene["background"]["stars"] >= 0 and scene["background"]["altitude_km"] > 100,
+        "background: stars >= 0 and altitude_km > 100 expected",
+    )
     require(scene["background"]["seed"] >= 0, "background.seed: must not be negative")
     translation = scene["motion"]["translation"]
     require(translation in ("constant", "hcw"), f"motion.translation: constant or hcw expected, found {translation!r}")
     require(scene["motion"]["mean_motion_rad_s"] > 0, "motion.mean_motion_rad_s: must be positive")
-    for table, key in (("motion", "q_CT0"), ("motion", "q_CH0"), ("light", "sun_direction_C"), ("light", "earth_direction_C"),
-                       ("background", "orbit_normal_C"), ("background", "up_C")):
+    for table, key in (
+        ("motion", "q_CT0"),
+        ("motion", "q_CH0"),
+        ("light", "sun_direction_C"),
+        ("light", "earth_direction_C"),
+        ("background", "orbit_normal_C"),
+        ("background", "up_C"),
+    ):
         require(np.linalg.norm(scene[table][key]) > 1e-6, f"{table}.{key}: must not be zero")
     width, height = camera["resolution"]
-    require(isinstance(width, int) and isinstance(height, int) and 16 <= width <= 8192 and 16 <= height <= 8192,
-            "camera.resolution: two whole numbers from 16 to 8192 expected")
-    require(camera["lens_mm"] > 0 and camera["sensor_width_mm"] > 0, "camera.lens_mm and sensor_width_mm: must be positive")
+    require(
+        isinstance(width, int) and isinstance(height, int) and 16 <= width <= 8192 and 16 <= height <= 8192,
+        "camera.resolution: two whole numbers from 16 to 8192 expected",
+    )
+    require(
+        camera["lens_mm"] > 0 and camera["sensor_width_mm"] > 0, "camera.lens_mm and sensor_width_mm: must be positive"
+    )
     if camera["intrinsics_px"] is not None:
         require(min(camera["intrinsics_px"][:2]) > 0, "camera.intrinsics_px: focal lengths must be positive")
     stamps = [row[0] for row in camera["attitude_history"]]
     require(all(b > a for a, b in zip(stamps, stamps[1:])), "camera.attitude_history: times must ascend")
     require(not (stamps and any(camera["w_C_deg_s"])), "camera: give attitude_history or w_C_deg_s, not both")
-    require(time["frames"] >= 1 and time["period_s"] > 0 and time["start_s"] >= 0, "time: frames >= 1, period_s > 0, start_s >= 0 expected")
+    require(
+        time["frames"] >= 1 and time["period_s"] > 0 and time["start_s"] >= 0,
+        "time: frames >= 1, period_s > 0, start_s >= 0 expected",
+    )
     require(0 <= sensor["exposure_s"] <= time["period_s"], "sensor.exposure_s: from 0 to time.period_s expected")
     require(1 <= sensor["blur_samples"] <= 64, "sensor.blur_samples: 1 to 64 expected")
     require(sensor["bits"] in (8, 16), "sensor.bits: 8 or 16 expected")
     require(sensor["color"] in ("gray", "rgb"), "sensor.color: gray or rgb expected")
     require(not (sensor["bits"] == 16 and sensor["color"] == "rgb"), "sensor: 16 bit is for gray only")
-    require(sensor["exposure"] > 0 and sensor["full_well_e"] > 0 and sensor["read_noise_e"] >= 0 and sensor["gamma"] >= 1,
-            "sensor: exposure > 0, full_well_e > 0, read_noise_e >= 0, gamma >= 1 expected")
+    require(
+        sensor["exposure"] > 0 and sensor["full_well_e"] > 0 and sensor["read_noise_e"] >= 0 and sensor["gamma"] >= 1,
+        "sensor: exposure > 0, full_well_e > 0, read_noise_e >= 0, gamma >= 1 expected",
+    )
     require(1 <= scene["render"]["samples"] <= 4096, "render.samples: 1 to 4096 expected")
     require(scene["target"]["fiducial_radius_m"] > 0, "target.fiducial_radius_m: must be positive")

@@ -46,9 +46,9 @@ def expose(radiance, sensor, scene_seed, frame_index):
     electrons = np.clip(signal, 0, None) * (sensor.exposure * sensor.full_well_e)
     rng = np.random.Generator(np.random.Philox(np.random.SeedSequence([scene_seed, NOISE_STREAM, frame_index])))
     # Shot noise as a normal deviate: at the signals that matter (> 20 e) it differs from Poisson by less than one step.
-    deviation = np.sqrt(electrons + sensor.read_noise_e ** 2, dtype=np.float32)
+    deviation = np.sqrt(electrons + sensor.read_noise_e**2, dtype=np.float32)
     electrons = electrons + deviation * rng.standard_normal(electrons.shape, dtype=np.float32)
     out = response(np.clip(electrons / sensor.full_well_e, 0, 1), sensor.gamma)
-    top = 2 ** sensor.bits - 1
+    top = 2**sensor.bits - 1
     image = np.floor(out * top + 0.5).astype(np.uint16 if sensor.bits == 16 else np.uint8)
     return image if sensor.color == "rgb" else image[..., 0]

@@ -139,12 +139,18 @@ def _wear_of_cells(image, inside, iu, iv, rng):
     bad_v, bad_u = rng.integers(0, iv.max() + 1), rng.integers(0, iu.max() + 1)
     image *= np.where((iu == bad_u) & (iv == bad_v), 0.55, 1.0)[..., None].astype(np.float32)
     for _ in range(14):
-        area, disc = _disc(shape, rng.uniform(0, shape[1]), rng.uniform(0, shape[0]), rng.uniform(0.5, 1.0) * max(1.2, 0.006 * max(shape)))
+        area, disc = _disc(
+            shape,
+            rng.uniform(0, shape[1]),
+            rng.uniform(0, shape[0]),
+            rng.uniform(0.5, 1.0) * max(1.2, 0.006 * max(shape)),
+        )
         image[area] += disc[..., None] * (np.float32(rng.choice([0.75, 0.03])) - image[area])
 
 
-def plate(shape, texels_per_m, rng, color=(0.80, 0.80, 0.78), text=(), metallic=0.0, panels=True, wear=1.0,
-          decals=True):
+def plate(
+    shape, texels_per_m, rng, color=(0.80, 0.80, 0.78), text=(), metallic=0.0, panels=True, wear=1.0, decals=True
+):
     """Painted or bare plate: panel gaps, screws, lettering, stripes, fiducial-like decals, dirt and scratches."""
     image = _canvas(shape, color)
     dirt = noise.fractal(shape, rng, 2.2, 0.25 * texels_per_m)
@@ -222,7 +228,7 @@ def _decals(image, texels_per_m, rng, text):
     checker = np.kron(rng.integers(0, 2, (4, 4)), np.ones((block, block))).astype(np.float32)
     _stamp(image, np.ones_like(checker), 0.12, 0.15, (0.9, 0.9, 0.9))
     _stamp(image, checker, 0.12, 0.15, (0.05, 0.05, 0.05))
-    yy, xx = np.mgrid[0:2 * block, 0:14 * block]
+    yy, xx = np.mgrid[0 : 2 * block, 0 : 14 * block]
     stripe = (((xx + yy) // block) % 2).astype(np.float32)
     _stamp(image, np.ones_like(stripe), 0.9, 0.06, (0.85, 0.68, 0.1))
     _stamp(image, stripe, 0.9, 0.06, (0.06, 0.06, 0.06))
@@ -233,7 +239,7 @@ def _stamp(image, mask, fraction_u, fraction_v, color):
     h, w = image.shape[:2]
     mask = mask[:h, :w]
     v0, u0 = int(fraction_v * (h - mask.shape[0])), int(fraction_u * (w - mask.shape[1]))
-    _paint(image[v0:v0 + mask.shape[0], u0:u0 + mask.shape[1]], mask, color)
+    _paint(image[v0 : v0 + mask.shape[0], u0 : u0 + mask.shape[1]], mask, color)
 
 
 def weave(shape, texels_per_m, rng, color=(0.13, 0.13, 0.14)):
@@ -252,8 +258,13 @@ def weave(shape, texels_per_m, rng, color=(0.13, 0.13, 0.14)):
         _paint(image, wire, [(0.75, 0.72, 0.66), (0.55, 0.16, 0.1), (0.8, 0.8, 0.8), (0.7, 0.45, 0.12)][k])
         height += 2.5 * wire
         for where in rng.uniform(0.03, 0.97, 7):
-            _stamp(image, np.ones((int(0.011 * texels_per_m), int(0.035 * texels_per_m)), np.float32),
-                   0.1 + 0.22 * k, where, np.array([0.72, 0.47, 0.16]) * rng.uniform(0.7, 1.1))
+            _stamp(
+                image,
+                np.ones((int(0.011 * texels_per_m), int(0.035 * texels_per_m)), np.float32),
+                0.1 + 0.22 * k,
+                where,
+                np.array([0.72, 0.47, 0.16]) * rng.uniform(0.7, 1.1),
+            )
     for p in _around(0.03 * shape[1], 0.015 * shape[0], 0.97 * shape[1], 0.985 * shape[0], 0.06 * texels_per_m):
         _screw(image, height, metal, p, 0.004 * texels_per_m, rng)
     return Material(np.clip(image, 0, 1), 0.42, metal, slopes_from_height(height))

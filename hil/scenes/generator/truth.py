@@ -10,8 +10,9 @@ import numpy as np
 from . import relative_motion, rigid_body
 from .rotations import continuous_signs, quat_conjugate, quat_multiply, quat_to_matrix
 
-TRUTH_HEADER = ("timestamp_ns,p_CT_x,p_CT_y,p_CT_z,q_CT_w,q_CT_x,q_CT_y,q_CT_z,"
-                "v_C_x,v_C_y,v_C_z,w_T_x,w_T_y,w_T_z").split(",")
+TRUTH_HEADER = (
+    "timestamp_ns,p_CT_x,p_CT_y,p_CT_z,q_CT_w,q_CT_x,q_CT_y,q_CT_z," "v_C_x,v_C_y,v_C_z,w_T_x,w_T_y,w_T_z"
+).split(",")
 
 
 @dataclass
@@ -77,7 +78,8 @@ def write_sensor_yaml(path, camera, rate_hz):
         "camera_model: pinhole\n"
         f"intrinsics: [{numbers}]  # fu, fv, cu, cv [px]; pixel centres at integers\n"
         "distortion_model: radial-tangential\n"
-        f"distortion_coefficients: [{distortion}]  # k1, k2, p1, p2\n")
+        f"distortion_coefficients: [{distortion}]  # k1, k2, p1, p2\n"
+    )
 
 
 def known_lengths(known, centre_of_mass_G_m, camera, timestamps_ns, motion, project):
@@ -85,7 +87,12 @@ def known_lengths(known, centre_of_mass_G_m, camera, timestamps_ns, motion, proj
     out = []
     for item in known:
         ends_T = np.array([item["a_G_m"], item["b_G_m"]]) - centre_of_mass_G_m
-        entry = {"name": item["name"], "length_m": item["length_m"], "a_T_m": ends_T[0].tolist(), "b_T_m": ends_T[1].tolist()}
+        entry = {
+            "name": item["name"],
+            "length_m": item["length_m"],
+            "a_T_m": ends_T[0].tolist(),
+            "b_T_m": ends_T[1].tolist(),
+        }
         for i, stamp in enumerate(timestamps_ns):
             R_CT = motion.R_CT(i)
             p_C = ends_T @ R_CT.T + motion.p_CT_m[i]

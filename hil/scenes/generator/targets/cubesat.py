@@ -28,10 +28,20 @@ def build(size_m, detail_seed, texture_px, panel_length_m=None):
     outer = y + PANEL_WIDTH * s
     z = panel_length_m / 2
     known = [
-        {"name": "panel_long_edge", "length_m": panel_length_m, "normal_G": [1.0, 0.0, 0.0],
-         "a_G_m": [PANEL_THICKNESS * s / 2, outer, -z], "b_G_m": [PANEL_THICKNESS * s / 2, outer, z]},
-        {"name": "panel_short_edge", "length_m": PANEL_WIDTH * s, "normal_G": [1.0, 0.0, 0.0],
-         "a_G_m": [PANEL_THICKNESS * s / 2, y, z], "b_G_m": [PANEL_THICKNESS * s / 2, outer, z]},
+        {
+            "name": "panel_long_edge",
+            "length_m": panel_length_m,
+            "normal_G": [1.0, 0.0, 0.0],
+            "a_G_m": [PANEL_THICKNESS * s / 2, outer, -z],
+            "b_G_m": [PANEL_THICKNESS * s / 2, outer, z],
+        },
+        {
+            "name": "panel_short_edge",
+            "length_m": PANEL_WIDTH * s,
+            "normal_G": [1.0, 0.0, 0.0],
+            "a_G_m": [PANEL_THICKNESS * s / 2, y, z],
+            "b_G_m": [PANEL_THICKNESS * s / 2, outer, z],
+        },
     ]
     return parts, materials, known
 
@@ -72,18 +82,51 @@ def _instruments(s):
     """What stands out of the box: telescope, star tracker, boxes, patch and rod antennas, ring, thrusters."""
     w, h = HALF_WIDTH * s, HALF_HEIGHT * s
     parts = [
-        mesh.cylinder("telescope", [w, 0.02 * s, 0.20 * s], [w + 0.055 * s, 0.02 * s, 0.20 * s], 0.085 * s, "black", 48),
-        mesh.lathe("telescope_rim", [(0.05, 0.072), (0.062, 0.072), (0.062, 0.088), (0.0, 0.088)],
-                   [w, 0.02 * s, 0.20 * s], [1, 0, 0], "metal", 48, False),
-        mesh.cylinder("telescope_glass", [w + 0.05 * s, 0.02 * s, 0.20 * s], [w + 0.0565 * s, 0.02 * s, 0.20 * s], 0.070 * s, "glass", 48),
-        mesh.box("electronics", [w, -0.13 * s, -0.28 * s], [w + 0.035 * s, -0.02 * s, -0.13 * s], "box_white", 0.004 * s),
-        mesh.box("connector", [w + 0.035 * s, -0.11 * s, -0.22 * s], [w + 0.045 * s, -0.05 * s, -0.19 * s], "metal", 0.002 * s),
+        mesh.cylinder(
+            "telescope", [w, 0.02 * s, 0.20 * s], [w + 0.055 * s, 0.02 * s, 0.20 * s], 0.085 * s, "black", 48
+        ),
+        mesh.lathe(
+            "telescope_rim",
+            [(0.05, 0.072), (0.062, 0.072), (0.062, 0.088), (0.0, 0.088)],
+            [w, 0.02 * s, 0.20 * s],
+            [1, 0, 0],
+            "metal",
+            48,
+            False,
+        ),
+        mesh.cylinder(
+            "telescope_glass",
+            [w + 0.05 * s, 0.02 * s, 0.20 * s],
+            [w + 0.0565 * s, 0.02 * s, 0.20 * s],
+            0.070 * s,
+            "glass",
+            48,
+        ),
+        mesh.box(
+            "electronics", [w, -0.13 * s, -0.28 * s], [w + 0.035 * s, -0.02 * s, -0.13 * s], "box_white", 0.004 * s
+        ),
+        mesh.box(
+            "connector",
+            [w + 0.035 * s, -0.11 * s, -0.22 * s],
+            [w + 0.045 * s, -0.05 * s, -0.19 * s],
+            "metal",
+            0.002 * s,
+        ),
         mesh.box("patch_antenna", [w, 0.04 * s, -0.33 * s], [w + 0.012 * s, 0.14 * s, -0.23 * s], "ceramic", 0.003 * s),
-        mesh.cylinder("star_tracker", [-0.06 * s, 0.05 * s, h], [-0.085 * s, 0.08 * s, h + 0.068 * s], 0.042 * s, "black", 32),
+        mesh.cylinder(
+            "star_tracker", [-0.06 * s, 0.05 * s, h], [-0.085 * s, 0.08 * s, h + 0.068 * s], 0.042 * s, "black", 32
+        ),
         mesh.box("gps_patch", [0.04 * s, -0.12 * s, h], [0.12 * s, -0.04 * s, h + 0.018 * s], "ceramic", 0.003 * s),
         mesh.box("valve_box", [0.05 * s, 0.05 * s, h], [0.13 * s, 0.12 * s, h + 0.045 * s], "box_white", 0.004 * s),
-        mesh.lathe("launch_ring", [(0, 0.135), (0.03, 0.135), (0.03, 0.15), (0.05, 0.15), (0.05, 0.115), (0, 0.115)],
-                   [0, 0, -h], [0, 0, -1], "metal", 64, False),
+        mesh.lathe(
+            "launch_ring",
+            [(0, 0.135), (0.03, 0.135), (0.03, 0.15), (0.05, 0.15), (0.05, 0.115), (0, 0.115)],
+            [0, 0, -h],
+            [0, 0, -1],
+            "metal",
+            64,
+            False,
+        ),
     ]
     for part in parts:
         if part.name in ("telescope_rim", "launch_ring"):
@@ -95,7 +138,9 @@ def _instruments(s):
         tip = np.array([x * 2.1 * s, y * 0.9 * s, h + 0.068 * s])
         if k in (0, 2):
             parts.append(mesh.cylinder(f"antenna_{k}", [x * s, y * s, h], tip, 0.0035 * s, "metal", 10))
-    path = [[w + 0.006 * s, -0.06 * s + 0.015 * s * np.sin(t * 9), (-0.13 + 0.26 * t) * s] for t in np.linspace(0, 1, 24)]
+    path = [
+        [w + 0.006 * s, -0.06 * s + 0.015 * s * np.sin(t * 9), (-0.13 + 0.26 * t) * s] for t in np.linspace(0, 1, 24)
+    ]
     parts.append(mesh.tube("cable", path, 0.005 * s, "cable"))
     return parts
 
@@ -110,10 +155,26 @@ def _panels(s, length_m):
         y0, y1 = sorted((sign * near, sign * far))
         parts.append(mesh.box(f"panel_core_{tag}", [-t, y0, -z], [t, y1, z], "rail"))
         m, lift = 0.006 * s, 0.0012 * s
-        parts.append(mesh.grid_patch(f"panel_front_{tag}", [t + lift, y0 + m, -z + m], [0, y1 - y0 - 2 * m, 0],
-                                     [0, 0, 2 * z - 2 * m], (1, 1), f"cells_{tag}"))
-        parts.append(mesh.grid_patch(f"panel_back_{tag}", [-t - lift, y1 - m, -z + m], [0, y0 - y1 + 2 * m, 0],
-                                     [0, 0, 2 * z - 2 * m], (1, 1), f"back_{tag}"))
+        parts.append(
+            mesh.grid_patch(
+                f"panel_front_{tag}",
+                [t + lift, y0 + m, -z + m],
+                [0, y1 - y0 - 2 * m, 0],
+                [0, 0, 2 * z - 2 * m],
+                (1, 1),
+                f"cells_{tag}",
+            )
+        )
+        parts.append(
+            mesh.grid_patch(
+                f"panel_back_{tag}",
+                [-t - lift, y1 - m, -z + m],
+                [0, y0 - y1 + 2 * m, 0],
+                [0, 0, 2 * z - 2 * m],
+                (1, 1),
+                f"back_{tag}",
+            )
+        )
         for zh in (-0.6 * z, 0.0, 0.6 * z):
             low = [-0.012 * s, min(sign * HALF_WIDTH * s, sign * near), zh - 0.02 * s]
             high = [0.012 * s, max(sign * HALF_WIDTH * s, sign * near), zh + 0.02 * s]
@@ -123,6 +184,7 @@ def _panels(s, length_m):
 
 def _materials(s, seed, density, panel_length_m):
     """Materials by name; each texture has its own generator, so that one does not shift the others."""
+
     def texture(width_m, height_m):
         return max(16, int(height_m * density)), max(16, int(width_m * density))
 

@@ -21,7 +21,9 @@ class Tear:
         for frequency, amplitude in ((3.1, 0.050), (7.3, 0.030), (17.0, 0.014), (39.0, 0.005)):
             for _ in range(3):
                 heading = rng.uniform(0, 2 * np.pi)
-                self.waves.append((frequency * np.cos(heading), frequency * np.sin(heading), rng.uniform(0, 1), amplitude))
+                self.waves.append(
+                    (frequency * np.cos(heading), frequency * np.sin(heading), rng.uniform(0, 1), amplitude)
+                )
         self.lean = rng.uniform(-0.16, 0.16, 2)
 
     def cut(self, y, z):
@@ -37,14 +39,33 @@ def build(size_m, detail_seed, texture_px):
     """Parts, materials and known lengths in G."""
     tear = Tear(noise.generator(detail_seed, 90))
     parts = []
-    for name, axis, sign in (("x_plus", 0, 1), ("x_minus", 0, -1), ("y_plus", 1, 1), ("y_minus", 1, -1), ("z_plus", 2, 1), ("z_minus", 2, -1)):
+    for name, axis, sign in (
+        ("x_plus", 0, 1),
+        ("x_minus", 0, -1),
+        ("y_plus", 1, 1),
+        ("y_minus", 1, -1),
+        ("z_plus", 2, 1),
+        ("z_minus", 2, -1),
+    ):
         parts += _wall(name, axis, sign, tear, size_m, noise.generator(detail_seed, 91, axis, sign + 1))
     parts += _inside(size_m, noise.generator(detail_seed, 92)) + _outside(size_m)
     h = size_m / 2
-    known = [{"name": "cube_edge", "length_m": size_m, "normal_G": [-1.0, 0.0, 0.0],
-              "a_G_m": [-h, -h, -h], "b_G_m": [-h, -h, h]},
-             {"name": "cube_edge_2", "length_m": size_m, "normal_G": [-1.0, 0.0, 0.0],
-              "a_G_m": [-h, h, -h], "b_G_m": [-h, h, h]}]
+    known = [
+        {
+            "name": "cube_edge",
+            "length_m": size_m,
+            "normal_G": [-1.0, 0.0, 0.0],
+            "a_G_m": [-h, -h, -h],
+            "b_G_m": [-h, -h, h],
+        },
+        {
+            "name": "cube_edge_2",
+            "length_m": size_m,
+            "normal_G": [-1.0, 0.0, 0.0],
+            "a_G_m": [-h, h, -h],
+            "b_G_m": [-h, h, h],
+        },
+    ]
     return parts, _materials(size_m, detail_seed, texture_px), known
 
 
@@ -73,15 +94,24 @@ def _wall(name, axis, sign, tear, size_m, rng):
     wave = noise.fractal((CELLS + 1, CELLS + 1), rng, 2.8, 30).ravel()
     outer = p + (curl * (0.025 + 0.035 * wave))[:, None] * normal
     inner = outer - SKIN * normal
-    parts = [mesh.Part(f"{name}_skin", outer * size_m, faces, uv[faces], name),
-             mesh.Part(f"{name}_inner", inner * size_m, faces[:, ::-1], uv[faces[:, ::-1]], "inner")]
+    parts = [
+        mesh.Part(f"{name}_skin", outer * size_m, faces, uv[faces], name),
+        mesh.Part(f"{name}_inner", inner * size_m, faces[:, ::-1], uv[faces[:, ::-1]], "inner"),
+    ]
     rim = _rim(faces)
     quads = np.stack([rim[:, 0], rim[:, 0] + len(outer), rim[:, 1] + len(outer), rim[:, 1]], axis=1)
     both = np.concatenate([outer, inner]) * size_m
     along = np.cumsum(np.linalg.norm(outer[rim[:, 1]] - outer[rim[:, 0]], axis=1))
     zero = 0 * along
-    rim_uv = np.stack([np.stack([along, zero], -1), np.stack([along, zero + SKIN], -1),
-                       np.stack([along + 0.01, zero + SKIN], -1), np.stack([along + 0.01, zero], -1)], axis=1)
+    rim_uv = np.stack(
+        [
+            np.stack([along, zero], -1),
+            np.stack([along, zero + SKIN], -1),
+            np.stack([along + 0.01, zero + SKIN], -1),
+            np.stack([along + 0.01, zero], -1),
+        ],
+        axis=1,
+    )
     parts.append(mesh.Part(f"{name}_rim", both, quads, rim_uv % 1.0, "torn"))
     return parts
 
@@ -100,10 +130,16 @@ def _inside(s, rng):
     parts = [
         mesh.sphere("tank", [-0.12 * s, 0.18 * s, -0.16 * s], 0.185 * s, "tank", 40, 20),
         mesh.box("deck", [-0.47 * s, -0.47 * s, 0.03 * s], [0.05 * s, 0.47 * s, 0.05 * s], "inner", 0.002 * s),
-        mesh.box("computer", [-0.40 * s, -0.38 * s, 0.05 * s], [-0.05 * s, -0.06 * s, 0.26 * s], "box_black", 0.008 * s),
+        mesh.box(
+            "computer", [-0.40 * s, -0.38 * s, 0.05 * s], [-0.05 * s, -0.06 * s, 0.26 * s], "box_black", 0.008 * s
+        ),
         mesh.box("radio", [-0.35 * s, 0.02 * s, 0.05 * s], [-0.02 * s, 0.34 * s, 0.17 * s], "box_white", 0.006 * s),
-        mesh.box("battery", [-0.40 * s, -0.40 * s, -0.44 * s], [-0.02 * s, -0.10 * s, -0.22 * s], "box_green", 0.008 * s),
-        mesh.cylinder("wheel", [-0.18 * s, -0.22 * s, -0.20 * s], [-0.18 * s, -0.22 * s, -0.08 * s], 0.10 * s, "metal", 36),
+        mesh.box(
+            "battery", [-0.40 * s, -0.40 * s, -0.44 * s], [-0.02 * s, -0.10 * s, -0.22 * s], "box_green", 0.008 * s
+        ),
+        mesh.cylinder(
+            "wheel", [-0.18 * s, -0.22 * s, -0.20 * s], [-0.18 * s, -0.22 * s, -0.08 * s], 0.10 * s, "metal", 36
+        ),
         mesh.cylinder("strut", [-0.42 * s, 0.42 * s, 0.42 * s], [0.22 * s, 0.30 * s, 0.24 * s], 0.012 * s, "metal", 12),
     ]
     for k in range(4):
@@ -123,8 +159,26 @@ def _outside(s):
     h = s / 2
     parts = [
         mesh.cylinder("dish_foot", [-h, 0.15 * s, 0.1 * s], [-h - 0.05 * s, 0.15 * s, 0.1 * s], 0.03 * s, "metal", 20),
-        mesh.lathe("dish", np.array([(0.05, 0.0), (0.055, 0.05), (0.07, 0.10), (0.095, 0.14), (0.10, 0.14), (0.075, 0.10), (0.06, 0.05), (0.055, 0.0)]) * s,
-                   [-h, 0.15 * s, 0.1 * s], [-1, 0, 0], "dish", 48),
+        mesh.lathe(
+            "dish",
+            np.array(
+                [
+                    (0.05, 0.0),
+                    (0.055, 0.05),
+                    (0.07, 0.10),
+                    (0.095, 0.14),
+                    (0.10, 0.14),
+                    (0.075, 0.10),
+                    (0.06, 0.05),
+                    (0.055, 0.0),
+                ]
+            )
+            * s,
+            [-h, 0.15 * s, 0.1 * s],
+            [-1, 0, 0],
+            "dish",
+            48,
+        ),
         mesh.box("sensor", [-0.35 * s, -0.30 * s, h], [-0.20 * s, -0.18 * s, h + 0.06 * s], "box_white", 0.006 * s),
         mesh.cylinder("baffle", [-0.10 * s, 0.25 * s, h], [-0.10 * s, 0.25 * s, h + 0.09 * s], 0.055 * s, "black", 32),
         mesh.box("hinge_a", [-0.30 * s, -h - 0.03 * s, -0.36 * s], [-0.24 * s, -h, -0.26 * s], "metal", 0.005 * s),

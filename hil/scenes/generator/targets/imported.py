@@ -21,7 +21,11 @@ def build(path, scale):
     if not objects:
         raise SceneError(f"target.path: {path} holds no mesh")
     # The glTF importer turns the file's y-up axes into z-up ones; undo it.
-    back = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1))) if kind in (".gltf", ".glb") else Matrix.Identity(4)
+    back = (
+        Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1)))
+        if kind in (".gltf", ".glb")
+        else Matrix.Identity(4)
+    )
     parts = []
     worlds = [(thing, back @ Matrix.Scale(scale, 4) @ thing.matrix_world.copy()) for thing in objects]
     for thing, world in worlds:
@@ -40,7 +44,7 @@ def _reason(trace):
     """The line of an importer's stack trace that says what went wrong."""
     lines = [line.strip() for line in trace.splitlines() if line.strip() and not line.startswith((" ", "Location"))]
     named = [line for line in lines if "Error: " in line and not line.startswith("Error: Python")]
-    return (named or lines or ["no reason given"])[-1]
+    return (named or lines or ["no reason given"])[-1].removeprefix("Error: ")
 
 
 def _import(path, kind):
