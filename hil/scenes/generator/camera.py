@@ -66,7 +66,9 @@ def scene_margin_is_invertible(camera):
     if not any(camera.distortion):
         return True
     u, v = np.meshgrid(np.linspace(0, camera.width - 1, 40), np.linspace(0, camera.height - 1, 40))
-    xy = pixel_rays(camera, u, v)
+    # Where the model folds over, the iteration runs away; that is an answer, too.
+    with np.errstate(over="ignore", invalid="ignore"):
+        xy = pixel_rays(camera, u, v)
     if not np.all(np.isfinite(xy)):
         return False
     back = distort(xy, camera.distortion) * [camera.fu, camera.fv] + [camera.cu, camera.cv]
