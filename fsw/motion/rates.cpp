@@ -13,7 +13,7 @@ namespace {
 
 // Rotation vectors relative to the reference are unique below pi; 0.5 rad of margin for noise and bend.
 constexpr double kPsiMax_rad = 2.6;
-// Bodies that turn far between frames exceed the window's angle at once; four poses are needed to test a linear rate.
+// Bodies that turn far between frames exceed the window's angle at once; four poses tell something of the rate's change.
 constexpr std::size_t kPosesMin = 4;
 bool information_of(const Eigen::Matrix3d& covariance, Eigen::Matrix3d& information) {
   const Eigen::LLT<Eigen::Matrix3d> llt(covariance);
@@ -64,7 +64,7 @@ bool collect(std::span<const PoseSample> history, std::size_t index, const Motio
   for (std::size_t count = 0; count < limit; ++count) {
     const double tau_s = seconds_between(history[index].timestamp_ns, history[next].timestamp_ns);
     const double angle_rad = rotation_angle_rad(window.R_CT, history[next].pose.R_CT);
-    const double angle_max_rad = window.rotation.size() < kPosesMin ? kPsiMax_rad : options.window_angle_max_rad;
+    const double angle_max_rad = window.rotation.size() < kPosesMin ? kPsiMax_rad : std::min(kPsiMax_rad, options.window_angle_max_rad);
     rotation_open = rotation_open && angle_rad <= angle_max_rad;
     if (!add(history[next], tau_s, rotation_open, window)) {
       return false;

@@ -1,0 +1,182 @@
+#include "shape/planes.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "base/rng.hpp"
+#include "shape/rectangle.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr double kNormalCosineMin = 0.7;  // 45 deg: the blended direction at an edge of 90 deg
+constexpr int kRefinements = 6;
+// A sample whose points all but lie on a line gives any plane: sine of its angle at least this.
+constexpr double kSampleSineMin = 0.1;
+// Refinement narrows the band to three sigma of what is in it, but not below this part of the search's.
+constexpr double kBandPartMin = 0.3;
+
+struct Fit {
+  Eigen::Vector3d normal_T = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d mean_T = Eigen::Vector3d::Zero();
+  std::size_t count = 0;
+  double rms = 0.0;
+};
+
+struct Support {
+  std::span<const Eigen::Vector3d> points_T;
+  const SurfaceNormals& normals;
+  const PlaneOwners& owners;
+
+  [[nodiscard]] bool holds(const Fit& plane, double band, std::size_t i) const {
+    return owners[i] < 0 && std::abs(plane.normal_T.dot(points_T[i] - plane.mean_T)) <= band &&
+           (!normals[i].reliable || std::abs(normals[i].normal_T.dot(plane.normal_T)) >= kNormalCosineMin);
+  }
+  [[nodiscard]] std::size_t count(const Fit& plane, double band) const {
+    std::size_t sum = 0;
+    for (std::size_t i = 0; i < points_T.size(); ++i) {
+      sum += holds(plane, band, i) ? 1U : 0U;
+    }
+    return sum;
+  }
+};
+
+/// Least-squares plane of the points that support `start`.
+Fit refit(const Support& support, const Fit& start, double band) {
+  Fit fit = start;
+  fit.count = 0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < support.points_T.size(); ++i) {
+    if (support.holds(start, band, i)) {
+      const Eigen::Vector3d apart = support.points_T[i] - start.mean_T;
+      sum += apart;
+      square += apart * apart.transpose();
+      ++fit.count;
+    }
+  }
+  if (fit.count < 3) {
+    return fit;
+  }
+  const auto count = static_cast<double>(fit.count);
+  fit.mean_T = start.mean_T + sum / count;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(square - sum * sum.transpose() / count);
+  fit.normal_T = eigen.eigenvectors().col(0);
+  fit.rms = std::sqrt(std::max(0.0, eigen.eigenvalues()(0)) / count);
+  return fit;
+}
+
+/// Plane through three random free points. False for a sample on a line.
+bool sample(const Support& support, const CloudIndices& free, Rng& rng, Fit& fit) {
+  const auto bound = static_cast<std::uint32_t>(free.size());
+  const Eigen::Vector3d& a = support.points_T[free[rng.below(bound)]];
+  const Eigen::Vector3d ab = support.points_T[free[rng.below(bound)]] - a;
+  const Eigen::Vector3d ac = support.points_T[free[rng.below(bound)]] - a;
+  const Eigen::Vector3d normal = ab.cross(ac);
+  if (!(normal.norm() > kSampleSineMin * ab.norm() * ac.norm())) {
+    return false;
+  }
+  fit.normal_T = normal.normalized();
+  fit.mean_T = a;
+  return true;
+}
+
+/// The hypothesis with most support, refined; count is 0 when there is none.
+Fit best_plane(const Support& support, const CloudIndices& free, const PlaneSearch& search, Rng& rng, double* band) {
+  Fit best;
+  for (int i = 0; i < search.iterations_max; ++i) {
+    Fit fit;
+    if (!sample(support, free, rng, fit)) {
+      continue;
+    }
+    fit.count = support.count(fit, search.distance_max);
+    if (fit.count > best.count) {
+      best = fit;
+    }
+  }
+  *band = search.distance_max;
+  for (int i = 0; i < kRefinements && best.count >= 3; ++i) {
+    best = refit(support, best, *band);
+    *band = std::clamp(3.0 * best.rms, kBandPartMin * search.distance_max, search.distance_max);
+  }
+  return best;
+}
+
+Plane describe(const Fit& fit, const PlaneOwners& owners, std::int8_t number, const Support& support,
+               const Eigen::Vector3d& centroid) {
+  Plane plane;
+  plane.normal_T = fit.normal_T.dot(fit.mean_T - centroid) < 0.0 ? Eigen::Vector3d(-fit.normal_T) : fit.normal_T;
+  plane.offset = plane.normal_T.dot(fit.mean_T);
+  plane.rms = fit.rms;
+  FixedVector<Eigen::Vector2d, limits::kCloudPoints> flat;
+  const Eigen::Vector3d e1 = plane.normal_T.unitOrthogonal();
+  const Eigen::Vector3d e2 = plane.normal_T.cross(e1);
+  for (std::size_t i = 0; i < owners.size(); ++i) {
+    if (owners[i] == number) {
+      const Eigen::Vector3d apart = support.points_T[i] - fit.mean_T;
+      POLHODE_ASSERT(flat.push_back({e1.dot(apart), e2.dot(apart)}), i);
+    }
+  }
+  plane.inliers = flat.size();
+  const Rectangle rectangle = smallest_rectangle(flat.view());
+  plane.centre_T = fit.mean_T + e1 * rectangle.centre.x() + e2 * rectangle.centre.y();
+  plane.axes_T.col(0) = e1 * rectangle.u.x() + e2 * rectangle.u.y();
+  plane.axes_T.col(1) = plane.normal_T.cross(plane.axes_T.col(0));
+  plane.extents = rectangle.extents;
+  double square_u = 0.0;
+  double square_v = 0.0;
+  for (const Eigen::Vector2d& point : flat) {
+    square_u += std::pow(point.dot(rectangle.u), 2);
+    square_v += std::pow(point.dot(Eigen::Vector2d(-rectangle.u.y(), rectangle.u.x())), 2);
+  }
+  const double variance = fit.rms * fit.rms;
+  if (square_u > 0.0 && square_v > 0.0) {
+    plane.covariance.diagonal() << variance / square_v, variance / square_u,
+        variance / static_cast<double>(plane.inliers);
+  }
+  return plane;
+}
+
+}  // namespace
+
+void find_planes(std::span<const Eigen::Vector3d> points_T,
+                 const SurfaceNormals& normals,
+                 const PlaneSearch& search,
+                 PlaneOwners& owners,
+                 Planes& planes) {
+  POLHODE_ASSERT(normals.size() == points_T.size() && owners.size() == points_T.size(), points_T.size());
+  planes.clear();
+  if (points_T.empty()) {
+    return;
+  }
+  const Support support{.points_T = points_T, .normals = normals, .owners = owners};
+  const Eigen::Vector3d centroid = centroid_T(points_T);
+  while (!planes.full()) {
+    CloudIndices free;
+    for (std::size_t i = 0; i < points_T.size(); ++i) {
+      if (owners[i] < 0) {
+        POLHODE_ASSERT(free.push_back(static_cast<std::uint16_t>(i)), i);
+      }
+    }
+    if (free.size() < std::max<std::size_t>(3, search.inliers_min)) {
+      return;
+    }
+    Rng rng(search.seed, planes.size());
+    double band = 0.0;
+    const Fit fit = best_plane(support, free, search, rng, &band);
+    if (fit.count < search.inliers_min) {
+      return;
+    }
+    const auto number = static_cast<std::int8_t>(planes.size());
+    for (std::size_t i = 0; i < points_T.size(); ++i) {
+      if (support.holds(fit, band, i)) {
+        owners[i] = number;
+      }
+    }
+    POLHODE_ASSERT(planes.push_back(describe(fit, owners, number, support, centroid)), planes.size());
+  }
+}
+
+}  // namespace polhode

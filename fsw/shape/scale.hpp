@@ -1,0 +1,57 @@
+// Metres per map unit: from a known length between two picture points, or from a range finder's reading.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+
+#include "base/result.hpp"
+#include "geometry/pose.hpp"
+
+namespace polhode {
+
+struct ScaleEstimate {
+  double metres_per_mu = 0.0;
+  double sigma = 0.0;  ///< 1-sigma of metres_per_mu
+};
+
+/// Where a ray of the named frame meets the target.
+struct SurfaceHit {
+  double depth_mu = 0.0;  ///< z in C
+  double sigma_mu = 0.0;  ///< 1-sigma along the ray
+  Eigen::Vector3d p_C = Eigen::Vector3d::Zero();
+};
+
+/// What the frame shows: its pose and the landmarks seen in it (best), or all landmarks of the map: then the nearest
+/// surface on the ray is taken. Map units.
+struct ScaleView {
+  Pose pose;
+  std::span<const Eigen::Vector3d> landmarks_T;
+};
+
+/// Depth of the surface on a ray from the landmarks nearest to it in the picture. A plane in space has an inverse depth
+/// that is linear in the picture, so the ray meets the robust least-squares plane of up to 12 landmarks; where they are too
+/// few or lie on a line, their weighted mean depth.
+/// @param ray  normalised image point (undistorted).
+/// @errors TooFewObservations (under 3 landmarks in front of the camera), Degenerate (the ray passes the target: no
+///         landmark within 6 times the landmarks' typical distance in the picture).
+/// @cost   O(landmarks).
+Result<SurfaceHit> hit_surface(const ScaleView& view, const Eigen::Vector2d& ray);
+
+/// Scale from a known length between two points that lie on the surface.
+/// @param end_a, end_b  normalised image points of the two ends.
+/// @param sigma_ray     1-sigma of a picked point, normalised units (1 px over the focal length, when picked by hand).
+/// @errors those of hit_surface(); BadParameter (known_length_m not positive), Degenerate (the ends all but coincide:
+///         the length is under 5 of its sigmas).
+Result<ScaleEstimate> scale_from_length(const ScaleView& view,
+                                        const Eigen::Vector2d& end_a,
+                                        const Eigen::Vector2d& end_b,
+                                        double known_length_m,
+                                        double sigma_ray);
+
+/// Scale from the distance along the boresight to the nearest surface.
+/// @param sigma_range_m  1-sigma of the reading, >= 0.
+/// @errors those of hit_surface(); BadParameter (range_m not positive).
+Result<ScaleEstimate> scale_from_range(const ScaleView& view, double range_m, double sigma_range_m);
+
+}  // namespace polhode

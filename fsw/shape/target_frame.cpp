@@ -1,0 +1,139 @@
+#include "shape/target_frame.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "geometry/so3.hpp"
+
+namespace polhode {
+namespace {
+
+/// Mean direction of all planes parallel to `reference`, signs aligned with it, weighted by points.
+Eigen::Vector3d shared_direction(const Planes& planes, const Eigen::Vector3d& reference) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Plane& plane : planes) {
+    const double cosine = plane.normal_T.dot(reference);
+    if (std::abs(cosine) >= kParallelCosineMin) {
+      sum += std::copysign(static_cast<double>(plane.inliers), cosine) * plane.normal_T;
+    }
+  }
+  return sum.norm() > 0.0 ? Eigen::Vector3d(sum.normalized()) : reference;
+}
+
+/// Best direction across x: an orthogonal plane's, else that of the plane most across, else the long edge of the first.
+Eigen::Vector3d second_direction(const Planes& planes, const Eigen::Vector3d& x_T) {
+  constexpr double kUsableCosineMax = 0.866;  // nearer than 30 deg to x a normal says little about y
+  const Plane* oblique = nullptr;
+  for (const Plane& plane : planes) {
+    const double cosine = std::abs(plane.normal_T.dot(x_T));
+    if (cosine <= kOrthogonalCosineMax) {
+      return shared_direction(planes, plane.normal_T);
+    }
+    if (cosine <= kUsableCosineMax && oblique == nullptr) {
+      oblique = &plane;
+    }
+  }
+  return oblique != nullptr ? oblique->normal_T : Eigen::Vector3d(planes[0].axes_T.col(0));
+}
+
+Eigen::Vector3d part_across(const Eigen::Vector3d& direction, const Eigen::Vector3d& axis) {
+  return direction - axis * axis.dot(direction);
+}
+
+Eigen::Matrix3d from_z_and_x(const Eigen::Vector3d& z_T, const Eigen::Vector3d& x_like_T) {
+  Eigen::Matrix3d R_TB;
+  R_TB.col(2) = z_T;
+  R_TB.col(0) = part_across(x_like_T, z_T).normalized();
+  R_TB.col(1) = R_TB.col(2).cross(R_TB.col(0));
+  return R_TB;
+}
+
+Eigen::Matrix3d relabel_box(const Eigen::Matrix3d& R_TB, const Eigen::Matrix3d& previous) {
+  constexpr std::array<std::array<int, 3>, 6> kOrders{{{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
+  Eigen::Matrix3d best = R_TB;
+  double trace_best = -std::numeric_limits<double>::infinity();
+  for (const auto& order : kOrders) {
+    for (int signs = 0; signs < 4; ++signs) {
+      Eigen::Matrix3d candidate;
+      candidate.col(0) = (signs & 1) != 0 ? Eigen::Vector3d(-R_TB.col(order[0])) : Eigen::Vector3d(R_TB.col(order[0]));
+      candidate.col(1) = (signs & 2) != 0 ? Eigen::Vector3d(-R_TB.col(order[1])) : Eigen::Vector3d(R_TB.col(order[1]));
+      candidate.col(2) = candidate.col(0).cross(candidate.col(1));
+      const double trace = (candidate.transpose() * previous).trace();
+      if (trace > trace_best) {
+        trace_best = trace;
+        best = candidate;
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+TargetFrame frame_from_planes(const Planes& planes) {
+  POLHODE_ASSERT(!planes.empty(), planes.size());
+  const Eigen::Vector3d x_T = shared_direction(planes, planes[0].normal_T);
+  Eigen::Matrix3d rough;
+  rough.col(0) = x_T;
+  rough.col(1) = second_direction(planes, x_T);
+  rough.col(1) = part_across(rough.col(1), x_T).normalized();
+  rough.col(2) = rough.col(0).cross(rough.col(1));
+  // A third family of planes, where there is one, takes its share: the rotation nearest to all three directions.
+  for (const Plane& plane : planes) {
+    if (std::abs(plane.normal_T.dot(rough.col(2))) >= kParallelCosineMin) {
+      const Eigen::Vector3d third = shared_direction(planes, plane.normal_T);
+      rough.col(2) = third.dot(rough.col(2)) < 0.0 ? Eigen::Vector3d(-third) : third;
+      break;
+    }
+  }
+  return {.R_TB = nearest_rotation(rough), .source = FrameSource::kPlanes};
+}
+
+TargetFrame frame_from_cylinder(const Cylinder& cylinder, const Planes& planes) {
+  Eigen::Vector3d x_like_T = Eigen::Vector3d::Zero();
+  for (const Plane& plane : planes) {
+    if (std::abs(plane.normal_T.dot(cylinder.axis_T)) <= kOrthogonalCosineMax) {
+      x_like_T = plane.normal_T;
+      break;
+    }
+  }
+  if (x_like_T.isZero()) {
+    Eigen::Index most_across = 0;
+    cylinder.axis_T.cwiseAbs().minCoeff(&most_across);
+    x_like_T = Eigen::Vector3d::Unit(most_across);
+  }
+  return {.R_TB = from_z_and_x(cylinder.axis_T, x_like_T), .source = FrameSource::kCylinder};
+}
+
+TargetFrame frame_from_points(std::span<const Eigen::Vector3d> points_T) {
+  const Eigen::Vector3d mean_T = centroid_T(points_T);
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& point_T : points_T) {
+    scatter += (point_T - mean_T) * (point_T - mean_T).transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
+  TargetFrame frame;
+  frame.R_TB.col(0) = eigen.eigenvectors().col(2);
+  frame.R_TB.col(1) = eigen.eigenvectors().col(1);
+  frame.R_TB.col(2) = frame.R_TB.col(0).cross(frame.R_TB.col(1));
+  return frame;
+}
+
+TargetFrame relabel_like(const TargetFrame& frame, const TargetFrame& previous) {
+  if (frame.source != FrameSource::kCylinder) {
+    return {.R_TB = relabel_box(frame.R_TB, previous.R_TB), .source = frame.source};
+  }
+  // z stays along the axis, with the sign that it had; a round body leaves the turn about it to the previous x.
+  const Eigen::Vector3d z_T = frame.R_TB.col(2).dot(previous.R_TB.col(2)) < 0.0 ? Eigen::Vector3d(-frame.R_TB.col(2))
+                                                                                  : Eigen::Vector3d(frame.R_TB.col(2));
+  Eigen::Vector3d x_like_T = previous.R_TB.col(0);
+  if (part_across(x_like_T, z_T).norm() < 0.1) {
+    x_like_T = previous.R_TB.col(1);
+  }
+  return {.R_TB = from_z_and_x(z_T, x_like_T), .source = FrameSource::kCylinder};
+}
+
+}  // namespace polhode
