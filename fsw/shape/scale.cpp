@@ -13,13 +13,19 @@
 namespace polhode {
 namespace {
 
-constexpr std::size_t kNearest = 12;
+// Landmarks around the ray that a plane is sought among; all their triples are tried: 2024.
+constexpr std::size_t kNearest = 24;
 // A ray whose nearest landmark is farther than this many typical distances misses the target.
 constexpr double kMissDistances = 6.0;
-// Landmarks this much deeper than the nearest surface, in parts of the target's depth, belong to a farther one.
-constexpr double kFarSidePart = 0.3;
-constexpr int kRobustPasses = 8;
-constexpr double kTukey = 4.685;  // 95 % efficiency on normal noise
+// A landmark belongs to a plane within this many typical distances along the ray: three sigma of a cloud whose noise is a
+// third of its spacing.
+constexpr double kBandDistances = 1.0;
+// Refinement does not narrow the band below this part: a few landmarks may agree by chance.
+constexpr double kBandPartMin = 0.1;
+// At an edge two sides share the landmarks around the ray: the nearer one is taken when it has this part of the other's.
+constexpr double kFrontPart = 0.5;
+constexpr std::size_t kPlaneSupportMin = 5;  // five points leave two to judge the plane by
+constexpr int kRefinements = 5;
 constexpr double kSigmasMin = 5.0;
 
 struct Seen {
@@ -55,28 +61,94 @@ double typical_distance(const SeenTable& seen) {
   return (most - least).norm() / std::sqrt(static_cast<double>(seen.size()));
 }
 
-/// The landmarks near the ray that belong to the nearest surface there: by distance in the picture, at most kNearest.
 using NearTable = FixedVector<Seen, kNearest>;
-void take_near_surface(SeenTable& seen, double reach2, NearTable& near) {
-  double least_depth = seen[0].depth;
-  double most_depth = seen[0].depth;
-  for (const Seen& one : seen) {
-    least_depth = std::min(least_depth, one.depth);
-    most_depth = std::max(most_depth, one.depth);
-  }
-  // The front of what is around the ray, then all that is not much deeper.
-  const std::size_t around = std::min<std::size_t>(seen.size(), 2 * kNearest);
+
+/// The landmarks nearest to the ray in the picture.
+void take_near(SeenTable& seen, double reach2, NearTable& near) {
+  const std::size_t around = std::min<std::size_t>(seen.size(), kNearest);
   std::partial_sort(seen.begin(), seen.begin() + around, seen.end(), nearer);
-  double front = most_depth;
   for (std::size_t i = 0; i < around && seen[i].distance2 <= reach2; ++i) {
-    front = std::min(front, seen[i].depth);
+    POLHODE_ASSERT(near.push_back(seen[i]), i);
   }
-  const double limit = front + kFarSidePart * (most_depth - least_depth);
-  for (std::size_t i = 0; i < around && seen[i].distance2 <= reach2 && !near.full(); ++i) {
-    if (seen[i].depth <= limit) {
-      POLHODE_ASSERT(near.push_back(seen[i]), i);
+}
+
+/// Inverse depth over the picture: a + b . offset. A plane in space is linear there.
+struct InversePlane {
+  Eigen::Vector3d coefficients = Eigen::Vector3d::Zero();
+  std::size_t support = 0;
+
+  [[nodiscard]] double at(const Seen& seen) const {
+    return coefficients(0) + coefficients.tail<2>().dot(seen.offset);
+  }
+  [[nodiscard]] bool holds(const Seen& seen, double band) const {
+    const double inverse = at(seen);
+    return inverse > 0.0 && std::abs(1.0 / inverse - seen.depth) <= band;
+  }
+};
+
+std::size_t support_of(const InversePlane& plane, const NearTable& near, double band) {
+  std::size_t count = 0;
+  for (const Seen& seen : near) {
+    count += plane.holds(seen, band) ? 1U : 0U;
+  }
+  return count;
+}
+
+bool through(const Seen& a, const Seen& b, const Seen& c, double spread2, InversePlane* plane) {
+  Eigen::Matrix2d A;
+  A.row(0) = (b.offset - a.offset).transpose();
+  A.row(1) = (c.offset - a.offset).transpose();
+  // A triple whose triangle is under a hundredth of the neighbourhood extrapolates noise.
+  if (!(std::abs(A.determinant()) > 0.01 * spread2)) {
+    return false;
+  }
+  const Eigen::Vector2d slope = A.inverse() * Eigen::Vector2d(1.0 / b.depth - 1.0 / a.depth, 1.0 / c.depth - 1.0 / a.depth);
+  plane->coefficients << 1.0 / a.depth - slope.dot(a.offset), slope;
+  return true;
+}
+
+/// Calls visit(plane) for the planes through all triples that pass the ray no nearer than the nearest landmark.
+template <typename Visit>
+void for_planes(const NearTable& near, double band, const Visit& visit) {
+  double front = near[0].depth;
+  double spread2 = 0.0;
+  for (const Seen& seen : near) {
+    front = std::min(front, seen.depth);
+    spread2 = std::max(spread2, (seen.offset - near[0].offset).squaredNorm());
+  }
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      for (std::size_t k = 0; k < j; ++k) {
+        InversePlane plane;
+        if (through(near[i], near[j], near[k], spread2, &plane) && plane.coefficients(0) > 0.0 &&
+            1.0 / plane.coefficients(0) > front - band) {
+          plane.support = support_of(plane, near, band);
+          visit(plane);
+        }
+      }
     }
   }
+}
+
+/// The nearest plane on the ray that enough landmarks support.
+InversePlane front_plane(const NearTable& near, double band) {
+  std::size_t most = 0;
+  for_planes(near, band, [&most](const InversePlane& plane) { most = std::max(most, plane.support); });
+  const auto enough = std::max(kPlaneSupportMin, static_cast<std::size_t>(std::ceil(kFrontPart * static_cast<double>(most))));
+  double depth_least = 0.0;
+  for_planes(near, band, [&](const InversePlane& plane) {
+    const double depth = 1.0 / plane.coefficients(0);
+    depth_least = plane.support >= enough && (depth_least == 0.0 || depth < depth_least) ? depth : depth_least;
+  });
+  // Of the planes that cross the ray there, the best supported one: the very nearest has noise in its favour.
+  InversePlane best;
+  for_planes(near, band, [&](const InversePlane& plane) {
+    if (plane.support >= enough && 1.0 / plane.coefficients(0) <= depth_least + 2.0 * band &&
+        plane.support > best.support) {
+      best = plane;
+    }
+  });
+  return best;
 }
 
 struct InverseDepth {
@@ -84,57 +156,45 @@ struct InverseDepth {
   double sigma = 0.0;
 };
 
-double median_of_magnitudes(const std::array<double, kNearest>& residuals, std::size_t count) {
-  std::array<double, kNearest> sorted{};
-  for (std::size_t i = 0; i < count; ++i) {
-    sorted[i] = std::abs(residuals[i]);
-  }
-  std::sort(sorted.begin(), sorted.begin() + count);
-  return sorted[count / 2];
-}
-
-/// Robust fit of inverse depth = a + b . offset (or a alone); the value at the ray is a. False when singular.
-bool fit_inverse_depth(const NearTable& near, int unknowns, double reach, InverseDepth* at_ray) {
-  std::array<double, kNearest> weights{};
-  weights.fill(1.0);
-  std::array<double, kNearest> residuals{};
-  Eigen::Vector3d x = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  double scale = 0.0;
-  for (int pass = 0; pass < kRobustPasses; ++pass) {
+/// Least squares over the plane's landmarks, chosen anew after each step within three sigma of their scatter: landmarks of
+/// another side next to an edge drop out. Inverse depth and its sigma at the ray.
+bool refine(const NearTable& near, double band_max, InversePlane plane, InverseDepth* at_ray) {
+  double band = band_max;
+  for (int pass = 0; pass < kRefinements; ++pass) {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
-    for (std::size_t i = 0; i < near.size(); ++i) {
-      const Eigen::Vector3d J(1.0, near[i].offset.x() / reach, near[i].offset.y() / reach);
-      H += weights[i] * J * J.transpose();
-      g += weights[i] * J / near[i].depth;
-    }
-    if (unknowns == 1) {
-      H.block<2, 2>(1, 1) = Eigen::Matrix2d::Identity();
-      H(0, 1) = H(1, 0) = H(0, 2) = H(2, 0) = 0.0;
-      g.tail<2>().setZero();
+    double square = 0.0;
+    std::size_t count = 0;
+    for (const Seen& seen : near) {
+      if (plane.holds(seen, band)) {
+        const Eigen::Vector3d J(1.0, seen.offset.x(), seen.offset.y());
+        const double residual = 1.0 / seen.depth - plane.at(seen);
+        H += J * J.transpose();
+        g += J * residual;
+        square += residual * residual;
+        ++count;
+      }
     }
     const Eigen::LDLT<Eigen::Matrix3d> ldlt(H);
-    // 1e-4: offsets spread over less than a hundredth of the reach in one direction lie on a line.
-    if (!(ldlt.vectorD().minCoeff() > 1e-4)) {
+    if (count < kPlaneSupportMin || !(ldlt.vectorD().minCoeff() > 0.0)) {
       return false;
     }
-    x = ldlt.solve(g);
-    covariance = ldlt.solve(Eigen::Matrix3d::Identity());
-    for (std::size_t i = 0; i < near.size(); ++i) {
-      residuals[i] = 1.0 / near[i].depth - x(0) - x.tail<2>().dot(near[i].offset) / reach;
-    }
-    scale = 1.4826 * median_of_magnitudes(residuals, near.size());
-    for (std::size_t i = 0; i < near.size(); ++i) {
-      const double u = scale > 0.0 ? residuals[i] / (kTukey * scale) : 0.0;
-      weights[i] = std::abs(u) < 1.0 ? (1.0 - u * u) * (1.0 - u * u) : 0.0;
-    }
+    plane.coefficients += ldlt.solve(g);
+    const double variance = square / static_cast<double>(count - 3);
+    band = std::clamp(3.0 * near[0].depth * near[0].depth * std::sqrt(variance), kBandPartMin * band_max, band_max);
+    at_ray->value = plane.coefficients(0);
+    at_ray->sigma = std::sqrt(variance * ldlt.solve(Eigen::Vector3d::UnitX()).x());
   }
-  // The median of few residuals is small by n / (n - unknowns); exact data have no scale, and then no doubt either.
-  const auto count = static_cast<double>(near.size());
-  const double variance = scale * scale * count / std::max(1.0, count - unknowns);
-  *at_ray = {.value = x(0), .sigma = std::sqrt(variance * covariance(0, 0))};
-  return x.allFinite() && x(0) > 0.0;
+  return at_ray->value > 0.0 && std::isfinite(at_ray->sigma);
+}
+
+/// Where no plane can be made out: the nearest landmark's depth, unsure by the scatter of those around it.
+InverseDepth nearest_depth(const NearTable& near) {
+  double deviation = near[0].depth * std::sqrt(near[0].distance2);
+  for (std::size_t i = 1; i < std::min<std::size_t>(3, near.size()); ++i) {
+    deviation = std::max(deviation, std::abs(near[i].depth - near[0].depth));
+  }
+  return {.value = 1.0 / near[0].depth, .sigma = deviation / (near[0].depth * near[0].depth)};
 }
 
 }  // namespace
@@ -145,26 +205,23 @@ Result<SurfaceHit> hit_surface(const ScaleView& view, const Eigen::Vector2d& ray
   if (seen.size() < 3) {
     return ErrorCode::kTooFewObservations;
   }
-  const double reach = kMissDistances * typical_distance(seen);
+  const double typical = typical_distance(seen);
+  const double reach = kMissDistances * typical;
   NearTable near;
-  take_near_surface(seen, reach * reach, near);
+  take_near(seen, reach * reach, near);
   if (near.empty() || !(reach > 0.0)) {
     return ErrorCode::kDegenerate;
   }
+  const double band = kBandDistances * typical * near[0].depth;
+  const InversePlane plane = front_plane(near, band);
   InverseDepth at_ray;
-  // Five points leave two to judge the plane by.
-  const bool flat = near.size() >= 5 && fit_inverse_depth(near, 3, reach, &at_ray);
-  if (!flat && !fit_inverse_depth(near, 1, reach, &at_ray)) {
-    return ErrorCode::kDegenerate;
+  if (plane.support < kPlaneSupportMin || !refine(near, band, plane, &at_ray)) {
+    at_ray = nearest_depth(near);
   }
   SurfaceHit hit;
   hit.depth_mu = 1.0 / at_ray.value;
   const double along = ray.homogeneous().norm();
   hit.sigma_mu = along * hit.depth_mu * hit.depth_mu * at_ray.sigma;
-  if (!flat && near.size() < 3) {
-    // One or two landmarks say nothing of the slope: the depth may change as much as their distance from the ray.
-    hit.sigma_mu = std::max(hit.sigma_mu, hit.depth_mu * std::sqrt(near[0].distance2));
-  }
   hit.p_C = hit.depth_mu * ray.homogeneous();
   return hit;
 }

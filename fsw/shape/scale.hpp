@@ -22,16 +22,16 @@ struct SurfaceHit {
   Eigen::Vector3d p_C = Eigen::Vector3d::Zero();
 };
 
-/// What the frame shows: its pose and the landmarks seen in it (best), or all landmarks of the map: then the nearest
-/// surface on the ray is taken. Map units.
+/// What the frame shows: its pose and the landmarks seen in it, and only those: landmarks of sides that are turned away lie
+/// on the same rays. Map units.
 struct ScaleView {
   Pose pose;
   std::span<const Eigen::Vector3d> landmarks_T;
 };
 
 /// Depth of the surface on a ray from the landmarks nearest to it in the picture. A plane in space has an inverse depth
-/// that is linear in the picture, so the ray meets the robust least-squares plane of up to 12 landmarks; where they are too
-/// few or lie on a line, their weighted mean depth.
+/// that is linear in the picture: of the planes through triples of the 24 nearest landmarks the nearest one that enough of
+/// them support is taken and refined by least squares; where there is none, the nearest landmark's depth, with a wide sigma.
 /// @param ray  normalised image point (undistorted).
 /// @errors TooFewObservations (under 3 landmarks in front of the camera), Degenerate (the ray passes the target: no
 ///         landmark within 6 times the landmarks' typical distance in the picture).
