@@ -58,3 +58,13 @@ def test_a_turning_camera_sees_a_resting_body_turn_the_other_way():
 def test_quaternions_come_out_continuous_through_several_turns():
     motion = truth.motion_at(_motion_table(w0_T_deg_s=[0.0, 0.0, 30.0]), [], np.arange(0.0, 60.0))
     assert np.sum(motion.q_CT[1:] * motion.q_CT[:-1], axis=1).min() > 0.9
+
+
+def test_hill_motion_reaches_the_truth():
+    table = _motion_table(translation="hcw", q_CH0=[0.5, 0.5, -0.5, 0.5])
+    motion = truth.motion_at(table, [], [0.0, 1.0, 600.0])
+    straight = truth.motion_at(_motion_table(), [], [0.0, 1.0, 600.0])
+    assert np.allclose(motion.p_CT_m[0], [0, 0, 5]) and np.allclose(motion.v_C_m_s[0], [0, 0, -0.1])
+    # Tidal acceleration is at most 3 n^2 r = 1.8e-5 m/s^2 at 5 m: invisible after 1 s, metres after 600 s.
+    assert np.abs(motion.p_CT_m[1] - straight.p_CT_m[1]).max() < 2e-5
+    assert 0.1 < np.linalg.norm(motion.p_CT_m[2] - straight.p_CT_m[2]) < 20

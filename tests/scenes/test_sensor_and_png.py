@@ -42,3 +42,11 @@ def test_png_is_read_by_others():
 
     image = (np.arange(48 * 64).reshape(48, 64) % 251).astype(np.uint8)
     assert np.array_equal(np.asarray(image_module.open(io.BytesIO(png.encode(image)))), image)
+
+
+def test_colour_and_depth_come_out_as_asked():
+    radiance = np.zeros((8, 9, 3), dtype=np.float32)
+    radiance[..., 0] = 0.4
+    rgb = expose(radiance, Sensor(color="rgb"), 1, 0)
+    assert rgb.shape == (8, 9, 3) and rgb.dtype == np.uint8 and rgb[..., 0].mean() > 100 > 20 > rgb[..., 2].mean()
+    assert expose(radiance, Sensor(bits=16), 1, 0).dtype == np.uint16
