@@ -23,28 +23,32 @@ struct CoreImages {
   double sigma_normalised = 0.0;  ///< mean
 };
 
+std::size_t track_of(const StartCore& core, std::size_t column) { return static_cast<std::size_t>(core.tracks[column]); }
+
 CoreImages collect(const SeedProblem& problem) {
   const StartCore& core = *problem.core;
   CoreImages images;
   double sigma = 0.0;
   int count = 0;
   for (const StartSighting& s : problem.sightings) {
-    const auto* const at = std::find(core.frames.begin(), core.frames.end(), s.frame);
-    if (at != core.frames.end() && static_cast<std::size_t>(s.track) < core.tracks) {
-      images.x[static_cast<std::size_t>(at - core.frames.begin())][static_cast<std::size_t>(s.track)] = s.normalised;
+    const auto* const frame = std::find(core.frames.begin(), core.frames.end(), s.frame);
+    const auto* const track = std::find(core.tracks.begin(), core.tracks.end(), s.track);
+    if (frame != core.frames.end() && track != core.tracks.end()) {
+      images.x[static_cast<std::size_t>(frame - core.frames.begin())]
+              [static_cast<std::size_t>(track - core.tracks.begin())] = s.normalised;
       sigma += s.sigma_normalised;
       ++count;
     }
   }
-  POLHODE_ASSERT(count == static_cast<int>(core.tracks * core.frames.size()), count);
+  POLHODE_ASSERT(count == static_cast<int>(core.tracks.size() * core.frames.size()), count);
   images.sigma_normalised = sigma / count;
   const auto F = static_cast<Eigen::Index>(core.frames.size());
-  const auto N = static_cast<Eigen::Index>(core.tracks);
+  const auto N = static_cast<Eigen::Index>(core.tracks.size());
   images.turned.resize(2 * F, N);
   for (Eigen::Index f = 0; f < F; ++f) {
     const auto& row = images.x[static_cast<std::size_t>(f)];
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (std::size_t i = 0; i < core.tracks; ++i) {
+    for (std::size_t i = 0; i < core.tracks.size(); ++i) {
       mean += row[i].homogeneous().normalized();
     }
     const Eigen::Matrix3d R = Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()).toRotationMatrix();
@@ -95,9 +99,9 @@ void push_weak_perspective(const SeedProblem& problem, const CoreImages& images,
         {.R_CT = images.R_SC[k].transpose() * motion.R_CT[k], .p_CT = images.R_SC[k].transpose() * p_S});
     h.posed[frame] = 1;
   }
-  for (std::size_t i = 0; i < core.tracks; ++i) {
-    h.points_T[i] = points.col(static_cast<Eigen::Index>(i)) / extent;
-    h.known[i] = 1;
+  for (std::size_t i = 0; i < core.tracks.size(); ++i) {
+    h.points_T[track_of(core, i)] = points.col(static_cast<Eigen::Index>(i)) / extent;
+    h.known[track_of(core, i)] = 1;
   }
   (void)seeds->push_back(h);
 }
@@ -146,12 +150,12 @@ void push_two_view(const SeedProblem& problem, const CoreImages& images, std::ar
   const StartCore& core = *problem.core;
   StartHypothesis h = empty_hypothesis(problem, kind);
   FixedVector<double, kCoreTracks> positive;
-  for (std::size_t i = 0; i < core.tracks; ++i) {
+  for (std::size_t i = 0; i < core.tracks.size(); ++i) {
     if (depths.depth_a[i] > 0.0 && std::isfinite(depths.depth_a[i])) {
       (void)positive.push_back(depths.depth_a[i]);
     }
   }
-  if (positive.size() < 8 || 2 * positive.size() < core.tracks) {
+  if (positive.size() < 8 || 2 * positive.size() < core.tracks.size()) {
     return;
   }
   std::nth_element(positive.begin(), positive.begin() + positive.size() / 2, positive.end());
@@ -165,11 +169,11 @@ void push_two_view(const SeedProblem& problem, const CoreImages& images, std::ar
   h.poses[static_cast<std::size_t>(core.frames[pair[1]])] = to_inverse_depth({.R_CT = motion.R_ba, .p_CT = origin_b});
   h.posed[static_cast<std::size_t>(core.frames[pair[0]])] = 1;
   h.posed[static_cast<std::size_t>(core.frames[pair[1]])] = 1;
-  for (std::size_t i = 0; i < core.tracks; ++i) {
+  for (std::size_t i = 0; i < core.tracks.size(); ++i) {
     // Half and twice: nothing that is seen as one body reaches farther.
     if (depths.depth_a[i] > 0.5 * middle && depths.depth_a[i] < 2.0 * middle) {
-      h.points_T[i] = depths.depth_a[i] * images.x[pair[0]][i].homogeneous() - origin;
-      h.known[i] = 1;
+      h.points_T[track_of(core, i)] = depths.depth_a[i] * images.x[pair[0]][i].homogeneous() - origin;
+      h.known[track_of(core, i)] = 1;
     }
   }
   if (!normalise_gauge(h.view())) {
@@ -186,13 +190,13 @@ void push_two_view(const SeedProblem& problem, const CoreImages& images, std::ar
 void seed_two_view(const SeedProblem& problem, const CoreImages& images, std::array<std::size_t, 2> pair,
                    StartHypotheses* seeds) {
   const StartCore& core = *problem.core;
-  const std::span x_a = std::span(images.x[pair[0]]).first(core.tracks);
-  const std::span x_b = std::span(images.x[pair[1]]).first(core.tracks);
+  const std::span x_a = std::span(images.x[pair[0]]).first(core.tracks.size());
+  const std::span x_b = std::span(images.x[pair[1]]).first(core.tracks.size());
   const TwoViewOptions options{.sigma_normalised = images.sigma_normalised, .seed = problem.seed + pair[1]};
   if ((problem.kinds & kind_bit(HypothesisKind::kFivePoint)) != 0) {
     for (const RelativePoseCandidate& candidate : find_relative_poses(x_a, x_b, options)) {
       PairDepths depths{};
-      for (std::size_t i = 0; i < core.tracks; ++i) {
+      for (std::size_t i = 0; i < core.tracks.size(); ++i) {
         depths.depth_a[i] = depth_in_a(candidate.motion, x_a[i], x_b[i]);
       }
       push_two_view(problem, images, pair, candidate.motion, depths, HypothesisKind::kFivePoint, seeds);
@@ -201,7 +205,7 @@ void seed_two_view(const SeedProblem& problem, const CoreImages& images, std::ar
   if ((problem.kinds & kind_bit(HypothesisKind::kHomography)) != 0) {
     for (const PanelMotion& panel : find_homography(x_a, x_b, options).motions) {
       PairDepths depths{};
-      for (std::size_t i = 0; i < core.tracks; ++i) {
+      for (std::size_t i = 0; i < core.tracks.size(); ++i) {
         depths.depth_a[i] = 1.0 / panel.normal_a.dot(x_a[i].homogeneous());
       }
       push_two_view(problem, images, pair, panel.motion, depths, HypothesisKind::kHomography, seeds);
@@ -232,7 +236,8 @@ bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double to
       count += 1.0;
     }
   }
-  if (std::sqrt(difference2 / std::max(1.0, count)) > tolerance) {
+  // From different cores there may be nothing to compare.
+  if (count < 8.0 || std::sqrt(difference2 / count) > tolerance) {
     return false;
   }
   double largest = 0.0;

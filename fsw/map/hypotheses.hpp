@@ -41,14 +41,14 @@ struct StartHypothesis {
   }
 };
 
-/// Seeds before refinement: 3 + 4 + 3 x 2 + 4 x 2 of the four kinds.
+/// Seeds of one core: 3 + 4 + 3 x 2 + 4 x 2 of the four kinds.
 inline constexpr std::size_t kSeeds = 24;
 using StartHypotheses = FixedVector<StartHypothesis, kSeeds>;
 
-/// What a seed is made from: `frames` of the sequence in which all of the first `tracks` contest tracks are seen.
+/// What a seed is made from: frames of the sequence, and contest tracks that all of them see.
 struct StartCore {
   FixedVector<int, kCoreFrames> frames;
-  std::size_t tracks = 0;
+  FixedVector<int, kCoreTracks> tracks;
 };
 
 struct SeedProblem {

@@ -16,7 +16,8 @@ namespace {
 constexpr double kSameGeometry = 0.15;
 constexpr double kDifferentGeometry = 0.20;
 constexpr std::size_t kFamilies = 6;   // seeds that go on to full refinement, with their twins
-constexpr std::size_t kFinalists = 5;  // hypotheses that are grown to all frames
+constexpr std::size_t kFinalists = 6;  // hypotheses that are grown to all frames, shared by the cores
+constexpr int kExtendRounds = 3;       // frames posed on either side between two adjustments
 constexpr int kTwinRounds = 3;
 // A quarter of the depth is wrong with 3 sigma at most.
 constexpr double kDepthSigmaMax = 0.08;
@@ -89,7 +90,7 @@ StartHypothesis twin_of(const StartHypothesis& h) {
 
 /// Seeds, first without their twins: those that lead to the same minimum, or to its twin, are one family.
 void refine_families(const Contest& c) {
-  const std::span<const StartSighting> core = c.w.set.core_sightings.view();
+  const std::span<const StartSighting> core = c.w.core_sightings.view();
   StartHypotheses& families = c.w.refined;
   families.clear();
   for (StartHypothesis& seed : c.w.seeds) {
@@ -109,7 +110,7 @@ void refine_families(const Contest& c) {
 
 /// Both twins of the best families, refined on the core to convergence, the best first.
 void refine_twins(const Contest& c) {
-  const std::span<const StartSighting> core = c.w.set.core_sightings.view();
+  const std::span<const StartSighting> core = c.w.core_sightings.view();
   c.w.seeds.clear();
   for (std::size_t i = 0; i < std::min(kFamilies, c.w.refined.size()); ++i) {
     (void)c.w.seeds.push_back(c.w.refined[i]);
@@ -125,28 +126,63 @@ void refine_twins(const Contest& c) {
 }
 
 /// The noise is at least what the caller says; more when the best hypothesis says so.
-void rescale_noise(Contest* c) {
-  if (!c->w.refined.empty()) {
-    const double scale = c->sigma_scale * c->w.refined[0].fit.noise_scale;
-    c->sigma_scale = std::clamp(scale, 1.0, kNoiseScaleMax);
+double noise_scale(const Contest& c) {
+  const double scale = c.w.refined.empty() ? kNoiseScaleMax : c.sigma_scale * c.w.refined[0].fit.noise_scale;
+  return std::clamp(scale, 1.0, kNoiseScaleMax);
+}
+
+/// Best hypotheses of one core go on to the finals.
+void contest_core(const StartCore& core, Contest* c) {
+  StartWorkspace& w = c->w;
+  const StartContestSet& set = w.set;
+  w.core_sightings.clear();
+  for (const StartSighting& s : set.sightings) {
+    const bool seen = std::find(core.frames.begin(), core.frames.end(), s.frame) != core.frames.end();
+    if (seen && std::find(core.tracks.begin(), core.tracks.end(), s.track) != core.tracks.end()) {
+      (void)w.core_sightings.push_back(s);
+    }
   }
+  seed_hypotheses({.times_s = c->problem.times_s,
+                   .sightings = set.sightings.view(),
+                   .contest_tracks = set.tracks.size(),
+                   .core = &core,
+                   .seed = c->problem.seed,
+                   .kinds = c->problem.kinds},
+                  &w.seeds);
+  c->sigma_scale = 1.0;
+  refine_families(*c);
+  c->sigma_scale = noise_scale(*c);
+  refine_twins(*c);
+  c->sigma_scale = noise_scale(*c);
+  const std::size_t share = kFinalists / set.cores.size();
+  for (std::size_t i = 0; i < std::min(share, w.refined.size()); ++i) {
+    (void)w.finalists.push_back(w.refined[i]);
+  }
+}
+
+/// Grows a hypothesis to all frames, adjusting on the way so that errors do not add up.
+bool grow(const Contest& c, StartHypothesis* h) {
+  const std::span<const StartSighting> all = c.w.set.sightings.view();
+  for (std::size_t step = 0; step < h->frames; ++step) {
+    if (!extend(all, c.problem.times_s, kExtendRounds, h)) {
+      break;
+    }
+    if (!refine(c, all, 3, 3, 0, h)) {
+      return false;
+    }
+  }
+  return refine(c, all, 5, 10, 15, h);
 }
 
 /// Finalists grown to all frames and compared on all contest sightings.
 void refine_finalists(const Contest& c) {
-  StartHypotheses& list = c.w.refined;
-  while (list.size() > kFinalists) {
-    list.pop_back();
-  }
-  c.w.seeds.clear();
-  for (StartHypothesis& h : list) {
-    extend(c.w.set.sightings.view(), c.problem.times_s, &h);
-    if (refine(c, c.w.set.sightings.view(), 5, 10, 15, &h)) {
-      insert_distinct(h, &c.w.seeds);
+  c.w.refined.clear();
+  for (StartHypothesis& h : c.w.finalists) {
+    if (grow(c, &h)) {
+      insert_distinct(h, &c.w.refined);
     }
   }
-  list = c.w.seeds;
-  sort_by_cost(&list);
+  sort_by_cost(&c.w.refined);
 }
 
 /// The winner's own twin, started from the winner's final geometry: no rival loses for having stuck elsewhere.
@@ -328,6 +364,11 @@ StartDecision decide(const StartOutcome& out, const StartOptions& options, doubl
   return clear || likely ? StartDecision::kCommit : StartDecision::kTwinsTooClose;
 }
 
+int middle_frame(const StartContestSet& set) {
+  const StartCore& core = set.cores[set.cores.size() - 1];
+  return core.frames[core.frames.size() / 2];
+}
+
 }  // namespace
 
 double convexity_cue(std::span<const StartSighting> sightings, int frame, const StartGeometryView& geometry) {
@@ -364,17 +405,13 @@ StartOutcome run_start_contest(const StartProblem& problem, const StartOptions& 
   }
   Contest contest{.problem = problem, .options = options, .w = workspace};
   const StartContestSet& set = workspace.set;
-  seed_hypotheses({.times_s = problem.times_s,
-                   .sightings = set.sightings.view(),
-                   .contest_tracks = set.tracks.size(),
-                   .core = &set.core,
-                   .seed = problem.seed,
-                   .kinds = problem.kinds},
-                  &workspace.seeds);
-  refine_families(contest);
-  rescale_noise(&contest);
-  refine_twins(contest);
-  rescale_noise(&contest);
+  workspace.finalists.clear();
+  double scale = kNoiseScaleMax;
+  for (const StartCore& core : set.cores) {
+    contest_core(core, &contest);
+    scale = std::min(scale, contest.sigma_scale);
+  }
+  contest.sigma_scale = scale;
   refine_finalists(contest);
   challenge_winner(contest);
   if (workspace.refined.empty()) {
@@ -382,16 +419,16 @@ StartOutcome run_start_contest(const StartProblem& problem, const StartOptions& 
     return out;
   }
   StartHypothesis& winner = workspace.refined[0];
-  const double noise_scale = contest.sigma_scale * winner.fit.noise_scale;
+  const double noise = contest.sigma_scale * winner.fit.noise_scale;
   out.winner = winner.kind;
   out.winner_reversed = winner.reversed;
   out.hypotheses = static_cast<int>(workspace.refined.size());
-  out.reduced_chi2 = noise_scale * noise_scale;
+  out.reduced_chi2 = noise * noise;
   out.inlier_ratio = static_cast<double>(winner.fit.inliers) / winner.fit.sightings;
   out.chi2_gap = chi2_gap(contest);
-  out.convexity = convexity_cue(set.sightings.view(), set.core.frames[set.core.frames.size() / 2], winner.view());
+  out.convexity = convexity_cue(set.sightings.view(), middle_frame(set), winner.view());
   adjust_all_tracks(contest, &out);
-  out.decision = decide(out, options, noise_scale);
+  out.decision = decide(out, options, noise);
   return out;
 }
 

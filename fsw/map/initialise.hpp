@@ -70,10 +70,9 @@ struct StartOutcome {
 /// The frames and tracks on which hypotheses are compared.
 struct StartContestSet {
   static constexpr std::size_t kSightings = kContestTracks * limits::kStartFrames;
-  StartCore core;
-  FixedVector<int, kContestTracks> tracks;  ///< indices into StartProblem::tracks; the core's come first
+  FixedVector<StartCore, 2> cores;          ///< a long run of frames, and one with many tracks where that is another
+  FixedVector<int, kContestTracks> tracks;  ///< indices into StartProblem::tracks
   FixedVector<StartSighting, kSightings> sightings;
-  FixedVector<StartSighting, kSightings> core_sightings;
 };
 
 /// Everything that a contest needs and the caller keeps: some 5 MB, no content that outlives a call.
@@ -82,6 +81,8 @@ struct StartWorkspace {
   StartContestSet set;
   StartHypotheses seeds;
   StartHypotheses refined;
+  StartHypotheses finalists;
+  FixedVector<StartSighting, StartContestSet::kSightings> core_sightings;
   FixedVector<StartSighting, StartAdjustmentWorkspace::kSightings> sightings;
   std::array<InverseDepthPose, limits::kStartFrames> poses;
   std::array<std::uint8_t, limits::kStartFrames> posed;
@@ -96,7 +97,7 @@ struct StartWorkspace {
 /// Deterministic in (problem, options).
 StartOutcome run_start_contest(const StartProblem& problem, const StartOptions& options, StartWorkspace& workspace);
 
-/// Chooses the core (a run of frames with many tracks in common) and the contest's tracks, spread over the image.
+/// Chooses the cores (runs of frames with many tracks in common) and the contest's tracks, spread over the image.
 /// @return false when no three frames have enough tracks in common.
 bool select_contest_set(const StartProblem& problem, StartContestSet* set);
 

@@ -14,8 +14,10 @@ constexpr int kCommonMin = 12;
 constexpr int kFrameTracksMin = 8;
 // Past this many common tracks a longer run of frames is worth more than more tracks.
 constexpr double kCommonEnough = 60.0;
+// Tracks of the first core; the second one and the frames' quotas share the rest of kContestTracks.
+constexpr std::size_t kFirstCoreTracks = 80;
 // Tracks that each frame should have in the contest, when it has them.
-constexpr int kFrameQuota = 24;
+constexpr int kFrameQuota = 60;
 
 using FrameMask = std::uint32_t;
 static_assert(limits::kStartFrames <= 32);
@@ -65,8 +67,18 @@ int count_common(const StartProblem& problem, FrameMask mask) {
   return count;
 }
 
-/// The run of live frames that has the largest product of length and root of tracks in common.
-Run best_run(const StartProblem& problem) {
+double long_score(std::size_t frames, int common) {
+  return static_cast<double>(frames - 1) * std::sqrt(std::min<double>(common, kCommonEnough));
+}
+
+/// On a many-sided body that turns fast, what all of a long run sees is one flat side.
+double crowded_score(std::size_t frames, int common) {
+  return std::sqrt(static_cast<double>(frames - 1)) * std::min<double>(common, kCoreTracks);
+}
+
+/// The run of live frames with the highest score.
+template <typename Score>
+Run best_run(const StartProblem& problem, const Score& score) {
   const FixedVector<int, limits::kStartFrames> live = live_frames(problem);
   Run best;
   for (std::size_t begin = 0; begin < live.size(); ++begin) {
@@ -81,7 +93,7 @@ Run best_run(const StartProblem& problem) {
       if (common < kCommonMin) {
         break;
       }
-      run.score = static_cast<double>(run.frames.size() - 1) * std::sqrt(std::min<double>(common, kCommonEnough));
+      run.score = score(run.frames.size(), common);
       if (run.score > best.score) {
         best = run;
       }
@@ -164,20 +176,48 @@ void add_frame_quotas(const StartProblem& problem, StartContestSet* set) {
 
 void list_sightings(const StartProblem& problem, StartContestSet* set) {
   set->sightings.clear();
-  set->core_sightings.clear();
   for (std::size_t k = 0; k < set->tracks.size(); ++k) {
     for (const StartObservation& o : problem.tracks[static_cast<std::size_t>(set->tracks[k])].observations) {
-      const StartSighting s{.frame = o.frame,
-                            .track = static_cast<int>(k),
-                            .normalised = o.normalised,
-                            .sigma_normalised = o.sigma_normalised};
-      (void)set->sightings.push_back(s);
-      const bool in_core = k < set->core.tracks &&
-                           std::find(set->core.frames.begin(), set->core.frames.end(), o.frame) != set->core.frames.end();
-      if (in_core) {
-        (void)set->core_sightings.push_back(s);
-      }
+      (void)set->sightings.push_back({.frame = o.frame,
+                                      .track = static_cast<int>(k),
+                                      .normalised = o.normalised,
+                                      .sigma_normalised = o.sigma_normalised});
     }
+  }
+}
+
+/// Up to kCoreFrames of the run, evenly, its ends included.
+FrameMask choose_frames(const Run& run, StartCore* core) {
+  const std::size_t frames = std::min(kCoreFrames, run.frames.size());
+  FrameMask mask = 0;
+  core->frames.clear();
+  for (std::size_t k = 0; k < frames; ++k) {
+    const int frame = run.frames[k * (run.frames.size() - 1) / (frames - 1)];
+    (void)core->frames.push_back(frame);
+    mask |= 1U << static_cast<unsigned>(frame);
+  }
+  return mask;
+}
+
+/// Tracks that see all of the core's frames: those in the contest already, then more, spread over the middle frame.
+void choose_tracks(const StartProblem& problem, FrameMask mask, std::size_t tracks_max, StartContestSet* set,
+                   StartCore* core) {
+  const auto sees_all = [&](std::size_t i) { return (mask_of(problem.tracks[i]) & mask) == mask; };
+  Distances distance2;
+  distance2.resize(problem.tracks.size());
+  std::fill(distance2.begin(), distance2.end(), 1e300);
+  for (const int taken : set->tracks) {
+    distance2[static_cast<std::size_t>(taken)] = -1.0;
+  }
+  core->tracks.clear();
+  for (std::size_t k = 0; k < set->tracks.size() && core->tracks.size() < tracks_max; ++k) {
+    if (sees_all(static_cast<std::size_t>(set->tracks[k]))) {
+      (void)core->tracks.push_back(static_cast<int>(k));
+    }
+  }
+  const int middle = core->frames[core->frames.size() / 2];
+  while (core->tracks.size() < tracks_max && take_farthest(problem, middle, sees_all, &distance2, set)) {
+    (void)core->tracks.push_back(static_cast<int>(set->tracks.size()) - 1);
   }
 }
 
@@ -187,26 +227,21 @@ bool select_contest_set(const StartProblem& problem, StartContestSet* set) {
   POLHODE_ASSERT(problem.times_s.size() <= limits::kStartFrames, problem.times_s.size());
   POLHODE_ASSERT(problem.tracks.size() <= limits::kStartTracks, problem.tracks.size());
   set->tracks.clear();
-  set->core.frames.clear();
-  const Run run = best_run(problem);
-  if (run.frames.size() < 3) {
+  set->cores.clear();
+  const Run longest = best_run(problem, long_score);
+  if (longest.frames.size() < 3) {
     return false;
   }
-  const std::size_t frames = std::min(kCoreFrames, run.frames.size());
-  FrameMask mask = 0;
-  for (std::size_t k = 0; k < frames; ++k) {
-    const int frame = run.frames[k * (run.frames.size() - 1) / (frames - 1)];
-    (void)set->core.frames.push_back(frame);
-    mask |= 1U << static_cast<unsigned>(frame);
+  const Run crowded = best_run(problem, crowded_score);
+  for (const Run* run : {&longest, &crowded}) {
+    if (run == &crowded && run->mask == longest.mask) {
+      continue;
+    }
+    StartCore core;
+    const FrameMask mask = choose_frames(*run, &core);
+    choose_tracks(problem, mask, std::min(kCoreTracks, kFirstCoreTracks), set, &core);
+    (void)set->cores.push_back(core);
   }
-  const int middle = set->core.frames[frames / 2];
-  Distances distance2;
-  distance2.resize(problem.tracks.size());
-  std::fill(distance2.begin(), distance2.end(), 1e300);
-  const auto in_core = [&](std::size_t i) { return (mask_of(problem.tracks[i]) & mask) == mask; };
-  while (set->tracks.size() < kCoreTracks && take_farthest(problem, middle, in_core, &distance2, set)) {
-  }
-  set->core.tracks = set->tracks.size();
   add_frame_quotas(problem, set);
   list_sightings(problem, set);
   return true;

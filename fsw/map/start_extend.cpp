@@ -134,32 +134,30 @@ void add_points(std::span<const StartSighting> sightings, StartHypothesis* hypot
   }
 }
 
-void extend(std::span<const StartSighting> sightings, std::span<const double> times_s, StartHypothesis* hypothesis) {
+bool extend(std::span<const StartSighting> sightings, std::span<const double> times_s, int rounds,
+            StartHypothesis* hypothesis) {
   StartHypothesis& h = *hypothesis;
-  const int frames = static_cast<int>(h.frames);
-  // Distance from the posed frames grows by one each round, so that every new frame has a neighbour.
-  for (int round = 0; round < frames; ++round) {
-    add_points(sightings, &h);
+  bool grown = false;
+  add_points(sightings, &h);
+  for (int round = 0; round < rounds; ++round) {
     const std::array<std::uint8_t, limits::kStartFrames> posed = h.posed;
-    bool grown = false;
-    for (int f = 0; f < frames; ++f) {
-      const bool before = f > 0 && posed[static_cast<std::size_t>(f - 1)] != 0;
-      const bool after = f + 1 < frames && posed[static_cast<std::size_t>(f + 1)] != 0;
-      if (posed[static_cast<std::size_t>(f)] == 0 && (before || after)) {
-        grown = pose_frame(sightings, times_s, f, &h) || grown;
+    // The nearest unposed frame with data on either side of each posed one: gaps without data are stepped over.
+    for (int direction : {1, -1}) {
+      const int frames = static_cast<int>(h.frames);
+      bool open = false;
+      for (int k = 0; k < frames; ++k) {
+        const int f = direction > 0 ? k : frames - 1 - k;
+        if (posed[static_cast<std::size_t>(f)] != 0) {
+          open = true;
+        } else if (open && h.posed[static_cast<std::size_t>(f)] == 0 && pose_frame(sightings, times_s, f, &h)) {
+          grown = true;
+          open = false;
+        }
       }
     }
-    if (!grown) {
-      break;
-    }
+    add_points(sightings, &h);
   }
-  // Frames that lie beyond one that could not be posed.
-  for (int f = 0; f < frames; ++f) {
-    if (h.posed[static_cast<std::size_t>(f)] == 0) {
-      (void)pose_frame(sightings, times_s, f, &h);
-    }
-  }
-  add_points(sightings, &h);
+  return grown;
 }
 
 }  // namespace polhode

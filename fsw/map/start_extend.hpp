@@ -16,7 +16,11 @@ bool pose_frame(std::span<const StartSighting> sightings, std::span<const double
 /// Points of the tracks that are not known yet and are seen in two posed frames or more.
 void add_points(std::span<const StartSighting> sightings, StartHypothesis* hypothesis);
 
-/// Poses all frames outwards from those that are posed, adding points as it goes.
-void extend(std::span<const StartSighting> sightings, std::span<const double> times_s, StartHypothesis* hypothesis);
+/// Poses frames outwards from those that are posed, `rounds` to each side, adding points as it goes.
+/// @return false when no frame was added.
+bool extend(std::span<const StartSighting> sightings,
+            std::span<const double> times_s,
+            int rounds,
+            StartHypothesis* hypothesis);
 
 }  // namespace polhode
