@@ -158,7 +158,7 @@ def add_earthshine(radiance, half_angle_rad):
     world = bpy.data.worlds.new("world")
     bpy.context.scene.world = world
     world.use_nodes = True
-    # The cap is so wide that rays scattered by the surface find it well enough; sampling it as a light doubles the cost.
+    # The cap is so wide that scattered rays find it well enough; sampling it as a light doubles the cost.
     world.cycles.sampling_method = "NONE"
     tree = world.node_tree
     nodes, links = tree.nodes, tree.links

@@ -1,4 +1,4 @@
-"""Entry point inside Blender: main.py -- SCENE.toml OUT [--variant NAME] [--check]. Exit 0 done, 1 failed, 2 refused."""
+"""Entry point inside Blender: main.py -- SCENE.toml OUT [--variant NAME] [--check]. Exit 0, 1 failed, 2 refused."""
 
 import os
 import sys

@@ -260,7 +260,7 @@ class Painter:
 
 
 def render(plan, parts, materials, out, report=lambda text: print(text, file=sys.stderr)):
-    """Renders the frames that are not there yet, then writes data.csv: its presence says that the folder is complete."""
+    """Renders the frames that are not there yet, then writes data.csv, whose presence says that all is there."""
     folder = Path(out) / "mav0/cam0/data"
     missing = [i for i, stamp in enumerate(plan.timestamps_ns) if not (folder / f"{stamp}.png").is_file()]
     report(f"{len(plan.timestamps_ns)} frames, {len(missing)} to render")
@@ -272,7 +272,8 @@ def render(plan, parts, materials, out, report=lambda text: print(text, file=sys
             each_s = (time.monotonic() - begin) / done
             left_s = round(each_s * (len(missing) - done))
             report(
-                f"frame {i + 1}/{len(plan.timestamps_ns)}  {each_s:.2f} s/frame  {left_s // 60} min {left_s % 60:02d} s left"
+                f"frame {i + 1}/{len(plan.timestamps_ns)}  {each_s:.2f} s/frame"
+                f"  {left_s // 60} min {left_s % 60:02d} s left"
             )
     for leftover in [*folder.glob("*.part"), Path(out) / "window.exr"]:
         leftover.unlink(missing_ok=True)

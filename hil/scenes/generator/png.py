@@ -25,7 +25,7 @@ def encode(image):
     up = np.zeros_like(raw)
     up[1:] = raw[:-1]
     coded = np.stack([c.astype(np.uint8) for c in (raw, raw - left, raw - up)])
-    # The usual heuristic (per row, the filter with the smallest sum of absolute differences) over the three cheap filters.
+    # The usual heuristic over the cheap filters: per row the one with the smallest sum of absolute differences.
     cost = np.abs(coded.view(np.int8).astype(np.int16)).sum(axis=2, dtype=np.int32)
     choice = np.argmin(cost, axis=0)
     lines = np.empty((height, 1 + width * stride), dtype=np.uint8)

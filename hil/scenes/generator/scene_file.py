@@ -214,17 +214,20 @@ def check(raw):
             else:
                 into[key] = None if isinstance(default, str) and default == "" else copy.deepcopy(default)
     _check_values(scene)
+    _check_camera(scene)
     return scene
 
 
+def require(condition, message):
+    """SceneError with the message unless the condition holds."""
+    if not condition:
+        raise SceneError(message)
+
+
 def _check_values(scene):
-    """Ranges and choices."""
+    """Ranges and choices of what is shown."""
 
-    def require(condition, message):
-        if not condition:
-            raise SceneError(message)
-
-    target, camera, time, sensor = scene["target"], scene["camera"], scene["time"], scene["sensor"]
+    target = scene["target"]
     require(scene["seed"] >= 0, "seed: must not be negative")
     require(target["detail_seed"] >= 0, "target.detail_seed: must not be negative")
     require(
@@ -252,6 +255,12 @@ def _check_values(scene):
         ("background", "up_C"),
     ):
         require(np.linalg.norm(scene[table][key]) > 1e-6, f"{table}.{key}: must not be zero")
+    require(target["fiducial_radius_m"] > 0, "target.fiducial_radius_m: must be positive")
+
+
+def _check_camera(scene):
+    """Ranges and choices of what looks at it, and when."""
+    camera, time, sensor = scene["camera"], scene["time"], scene["sensor"]
     width, height = camera["resolution"]
     require(
         isinstance(width, int) and isinstance(height, int) and 16 <= width <= 8192 and 16 <= height <= 8192,
@@ -279,4 +288,3 @@ def _check_values(scene):
         "sensor: exposure > 0, full_well_e > 0, read_noise_e >= 0, gamma >= 1 expected",
     )
     require(1 <= scene["render"]["samples"] <= 4096, "render.samples: 1 to 4096 expected")
-    require(scene["target"]["fiducial_radius_m"] > 0, "target.fiducial_radius_m: must be positive")

@@ -22,7 +22,7 @@ def build(size_m, detail_seed, texture_px, panel_length_m=None):
     s = size_m
     panel_length_m = panel_length_m or 0.80 * s
     density = texture_px / s
-    parts = _body(s, detail_seed) + _instruments(s) + _panels(s, panel_length_m)
+    parts = _body(s, detail_seed) + _instruments(s) + _rods_and_thrusters(s) + _panels(s, panel_length_m)
     materials = _materials(s, detail_seed, density, panel_length_m)
     y = (HALF_WIDTH + PANEL_GAP) * s
     outer = y + PANEL_WIDTH * s
@@ -79,15 +79,15 @@ def _billow(counts, rng, amplitude_m):
 
 
 def _instruments(s):
-    """What stands out of the box: telescope, star tracker, boxes, patch and rod antennas, ring, thrusters."""
+    """What stands out of the box: telescope, star tracker, boxes, patch antennas, launch ring."""
     w, h = HALF_WIDTH * s, HALF_HEIGHT * s
-    parts = [
+    return [
         mesh.cylinder(
             "telescope", [w, 0.02 * s, 0.20 * s], [w + 0.055 * s, 0.02 * s, 0.20 * s], 0.085 * s, "black", 48
         ),
         mesh.lathe(
             "telescope_rim",
-            [(0.05, 0.072), (0.062, 0.072), (0.062, 0.088), (0.0, 0.088)],
+            np.array([(0.05, 0.072), (0.062, 0.072), (0.062, 0.088), (0.0, 0.088)]) * s,
             [w, 0.02 * s, 0.20 * s],
             [1, 0, 0],
             "metal",
@@ -120,7 +120,7 @@ def _instruments(s):
         mesh.box("valve_box", [0.05 * s, 0.05 * s, h], [0.13 * s, 0.12 * s, h + 0.045 * s], "box_white", 0.004 * s),
         mesh.lathe(
             "launch_ring",
-            [(0, 0.135), (0.03, 0.135), (0.03, 0.15), (0.05, 0.15), (0.05, 0.115), (0, 0.115)],
+            np.array([(0, 0.135), (0.03, 0.135), (0.03, 0.15), (0.05, 0.15), (0.05, 0.115), (0, 0.115)]) * s,
             [0, 0, -h],
             [0, 0, -1],
             "metal",
@@ -128,10 +128,12 @@ def _instruments(s):
             False,
         ),
     ]
-    for part in parts:
-        if part.name in ("telescope_rim", "launch_ring"):
-            origin = np.array([w, 0.02 * s, 0.20 * s]) if part.name == "telescope_rim" else np.array([0, 0, -h])
-            part.vertices_G_m = origin + (part.vertices_G_m - origin) * s
+
+
+def _rods_and_thrusters(s):
+    """Thrusters around the base, two rod antennas, a cable between the boxes."""
+    w, h = HALF_WIDTH * s, HALF_HEIGHT * s
+    parts = []
     for k, (x, y) in enumerate(((0.14, 0.14), (-0.14, 0.14), (-0.14, -0.14), (0.14, -0.14))):
         profile = np.array([(0, 0.010), (0.012, 0.012), (0.030, 0.020), (0.030, 0.018), (0.004, 0.006)]) * s
         parts.append(mesh.lathe(f"thruster_{k}", profile, [x * s, y * s, -h], [0, 0, -1], "metal", 24))
