@@ -16,7 +16,8 @@ std::string tum_line(const MotionState& motion) {
   const Eigen::Vector3d p_CT(motion.p_CT[0], motion.p_CT[1], motion.p_CT[2]);
   const Eigen::Quaterniond q_TC = q_CT.conjugate();
   const Eigen::Vector3d p_TC = -(q_TC * p_CT);
-  // Whole and fractional seconds as integers: a double of today's time is only good to 0.2 microseconds.
+  // Whole and fractional seconds as integers: a double of today's time is only good to 0.2
+  // microseconds.
   return fmt::format("{}.{:09d} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n",
                      motion.timestamp_ns / 1'000'000'000,
                      motion.timestamp_ns % 1'000'000'000,

@@ -1,0 +1,25 @@
+// shape.json: what the target looks like, in numbers.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "shape/shape.hpp"
+
+namespace polhode::platform {
+
+/// Lengths of the shape are in map units until `metres_per_mu` is known; the file is in metres
+/// then.
+struct ShapeReport {
+  const Shape* shape = nullptr;  ///< null: there is none, and `reason` says why
+  std::string reason;
+  ScaleSource scale_source = ScaleSource::kNone;
+  bool scale_known = false;    ///< lengths of `shape` are metres
+  double metres_per_mu = 0.0;  ///< meaningful with scale_known
+  double sigma_metres_per_mu = 0.0;
+};
+
+void write_shape_json(const std::filesystem::path& file, const ShapeReport& report);
+
+}  // namespace polhode::platform

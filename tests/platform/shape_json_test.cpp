@@ -1,0 +1,50 @@
+#include "app/shape_json.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "temporary_folder.hpp"
+
+namespace polhode::platform {
+namespace {
+
+nlohmann::json written(const ShapeReport& report) {
+  const TemporaryFolder folder;
+  write_shape_json(folder.path() / "shape.json", report);
+  std::ifstream in(folder.path() / "shape.json");
+  return nlohmann::json::parse(in);
+}
+
+TEST(ShapeJson, TellsWhatWasFound_InTheUnitThatIsKnown) {
+  Shape shape;
+  shape.dimensions = {1.0, 0.5, 0.25};
+  shape.frame.source = FrameSource::kPlanes;
+  ASSERT_TRUE(shape.planes.push_back(Plane{.offset = 0.5, .inliers = 40}));
+  shape.cylinder = Cylinder{.radius = 0.3};
+  const nlohmann::json json = written({.shape = &shape,
+                                       .reason = {},
+                                       .scale_source = ScaleSource::kKnownLength,
+                                       .scale_known = true,
+                                       .metres_per_mu = 2.0});
+  EXPECT_EQ(json["unit"], "m");
+  EXPECT_EQ(json["scale"]["source"], "known length");
+  EXPECT_EQ(json["scale"]["metres_per_map_unit"], 2.0);
+  EXPECT_EQ(json["shape"]["dimensions"], nlohmann::json({1.0, 0.5, 0.25}));
+  EXPECT_EQ(json["shape"]["planes"][0]["inliers"], 40);
+  EXPECT_EQ(json["shape"]["cylinder"]["radius"], 0.3);
+  EXPECT_TRUE(json["shape"]["box"].is_null());
+  EXPECT_EQ(json["shape"]["axes"]["z_T"], nlohmann::json({0.0, 0.0, 1.0}));
+}
+
+TEST(ShapeJson, WithoutAShape_SaysWhy) {
+  const nlohmann::json json = written({.reason = "the target was never acquired"});
+  EXPECT_EQ(json["unit"], "map unit");
+  EXPECT_TRUE(json["shape"].is_null());
+  EXPECT_TRUE(json["scale"]["metres_per_map_unit"].is_null());
+  EXPECT_EQ(json["reason"], "the target was never acquired");
+}
+
+}  // namespace
+}  // namespace polhode::platform
