@@ -11,20 +11,22 @@
 namespace polhode {
 namespace {
 
-struct Reduced {
+/// The region at the scale that detection works on.
+struct Resampled {
   cv::Mat image;
-  double factor_u = 1.0;  ///< reduced pixels per image pixel
+  double factor_u = 1.0;  ///< working pixels per image pixel
   double factor_v = 1.0;
 };
 
-Reduced reduce(const cv::Mat& region, int pixels_max) {
-  const double factor = std::sqrt(static_cast<double>(pixels_max) / static_cast<double>(region.total()));
-  if (factor >= 1.0) {
-    return {.image = region, .factor_u = 1.0, .factor_v = 1.0};
-  }
-  Reduced r;
+/// A small region is enlarged: its finest texture lies under the detector's smallest blob, and at twice the size three
+/// times as many spots repeat from frame to frame, at the same accuracy. More than twice brings interpolation, not texture.
+Resampled resample(const cv::Mat& region, int pixels_max) {
+  constexpr double kEnlargeMax = 2.0;
+  const double factor =
+      std::min(kEnlargeMax, std::sqrt(static_cast<double>(pixels_max) / static_cast<double>(region.total())));
   const cv::Size size(static_cast<int>(region.cols * factor), static_cast<int>(region.rows * factor));
-  cv::resize(region, r.image, size, 0.0, 0.0, cv::INTER_AREA);
+  Resampled r;
+  cv::resize(region, r.image, size, 0.0, 0.0, factor > 1.0 ? cv::INTER_CUBIC : cv::INTER_AREA);
   r.factor_u = static_cast<double>(size.width) / region.cols;
   r.factor_v = static_cast<double>(size.height) / region.rows;
   return r;
@@ -67,16 +69,16 @@ Descriptor to_root_sift(const float* row) {
   return d;
 }
 
-Feature to_feature(const cv::KeyPoint& point, const cv::Rect& region, const Reduced& reduced, double sigma_px) {
+Feature to_feature(const cv::KeyPoint& point, const cv::Rect& region, const Resampled& working, double sigma_px) {
   // OpenCV's SIFT doubles the image by bilinear resize, whose pixel (2x, 2y) is centred a quarter pixel short of (x, y),
   // and halves the coordinates without giving that back.
   constexpr double kDoublingShift_px = 0.25;
   Feature f;
   const double x = static_cast<double>(point.pt.x) - kDoublingShift_px;
   const double y = static_cast<double>(point.pt.y) - kDoublingShift_px;
-  f.u_px = static_cast<float>((x + 0.5) / reduced.factor_u - 0.5 + region.x);
-  f.v_px = static_cast<float>((y + 0.5) / reduced.factor_v - 0.5 + region.y);
-  f.scale_px = static_cast<float>(0.5 * static_cast<double>(point.size) / reduced.factor_u);
+  f.u_px = static_cast<float>((x + 0.5) / working.factor_u - 0.5 + region.x);
+  f.v_px = static_cast<float>((y + 0.5) / working.factor_v - 0.5 + region.y);
+  f.scale_px = static_cast<float>(0.5 * static_cast<double>(point.size) / working.factor_u);
   f.angle_rad = point.angle * std::numbers::pi_v<float> / 180.0F;
   // A blob's position is uncertain in proportion to its size; the finest ones (radius 1.6 px) are held by pixel noise.
   const double coarseness = std::max(1.0, static_cast<double>(f.scale_px) / 2.0);
@@ -97,23 +99,23 @@ void detect_features(const cv::Mat& gray,
   if (region.width < kSide_px_min || region.height < kSide_px_min) {
     return;
   }
-  const Reduced reduced = reduce(gray(region), options.working_pixels_max);
+  const Resampled working = resample(gray(region), options.working_pixels_max);
   constexpr int kOctaveLayers = 3;
   constexpr double kEdgeThreshold = 10.0;
   constexpr double kSigma = 1.6;
   const cv::Ptr<cv::SIFT> sift =
       cv::SIFT::create(0, kOctaveLayers, options.contrast_min * kOctaveLayers, kEdgeThreshold, kSigma);
   std::vector<cv::KeyPoint> points;
-  sift->detect(reduced.image, points);
+  sift->detect(working.image, points);
   std::erase_if(points, [&](const cv::KeyPoint& p) {
-    return !mask.contains(static_cast<double>(p.pt.x) / reduced.factor_u + region.x,
-                          static_cast<double>(p.pt.y) / reduced.factor_v + region.y);
+    return !mask.contains(static_cast<double>(p.pt.x) / working.factor_u + region.x,
+                          static_cast<double>(p.pt.y) / working.factor_v + region.y);
   });
-  points = spread(std::move(points), reduced.image.size(), static_cast<std::size_t>(options.count_max));
+  points = spread(std::move(points), working.image.size(), static_cast<std::size_t>(options.count_max));
   cv::Mat rows;
-  sift->compute(reduced.image, points, rows);
+  sift->compute(working.image, points, rows);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    Feature f = to_feature(points[i], region, reduced, options.sigma_px);
+    Feature f = to_feature(points[i], region, working, options.sigma_px);
     f.normalised = undistort(camera, {f.u_px, f.v_px});
     f.descriptor = to_root_sift(rows.ptr<float>(static_cast<int>(i)));
     if (!features->push_back(f)) {

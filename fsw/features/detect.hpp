@@ -29,7 +29,7 @@ struct Feature {
 
 using Features = FixedVector<Feature, limits::kFeatures>;
 
-/// Detects in the mask's region, reduced where it is larger than the working size, and keeps at most count_max by
+/// Detects in the mask's region, resampled to the working size (at most twice its own), and keeps at most count_max by
 /// strength with an even share for each cell of a grid over the region.
 /// @source Lowe, IJCV 2004, by way of OpenCV.
 void detect_features(const cv::Mat& gray,

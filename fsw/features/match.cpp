@@ -8,7 +8,7 @@ namespace {
 
 bool same_place(const Feature& a, const Feature& b) {
   // A feature with two orientations stands twice at one place: its twin is no rival.
-  constexpr float kSamePlace_px = 2.0F;
+  constexpr float kSamePlace_px = 1.0F;
   const float du = a.u_px - b.u_px;
   const float dv = a.v_px - b.v_px;
   return du * du + dv * dv < kSamePlace_px * kSamePlace_px;

@@ -1,5 +1,6 @@
 #include "geometry/epipolar.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "geometry/so3.hpp"

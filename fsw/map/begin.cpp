@@ -6,8 +6,8 @@ namespace polhode {
 
 void begin_map(const StartOutcome& outcome, const TrackTable& tracks, const MapOptions& options, Map* map) {
   std::array<KeyframeId, limits::kStartFrames> keyframe_of{};
-  for (std::size_t f = 0; f < tracks.frames.size(); ++f) {
-    if (!outcome.frames[f].pose_valid || map->keyframe_count >= options.keyframes_max) {
+  for (std::size_t f = 0; f < outcome.frames.size(); ++f) {
+    if (!outcome.frames[f].valid || map->keyframe_count >= options.keyframes_max) {
       continue;
     }
     const KeyframeId id = add_keyframe(map);
@@ -21,7 +21,7 @@ void begin_map(const StartOutcome& outcome, const TrackTable& tracks, const MapO
     keyframe.features = tracks.frames[f].features;
     keyframe_of[f] = id;
   }
-  for (std::size_t t = 0; t < tracks.tracks.size(); ++t) {
+  for (std::size_t t = 0; t < outcome.points.size(); ++t) {
     if (!outcome.points[t].valid) {
       continue;
     }

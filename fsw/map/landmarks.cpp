@@ -272,7 +272,7 @@ double residual_scale(const Map& map, const CameraModel& camera) {
 }
 
 int cull_landmarks(const CameraModel& camera, double noise_scale, Map* map) {
-  const double limit = 9.21 * noise_scale * noise_scale;
+  const double limit = kInlierChi2 * noise_scale * noise_scale;
   for (std::size_t k = 0; k < map->keyframes.size(); ++k) {
     Keyframe& keyframe = map->keyframes[k];
     for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {

@@ -33,7 +33,7 @@ int create_landmarks(KeyframeId keyframe, const CreateOptions& options, const Ca
 /// @return sightings tied.
 int extend_landmarks(std::int32_t first_number, const CameraModel& camera, double ratio_max, Map* map);
 
-/// Unties sightings whose reprojection error exceeds chi-square 9.21 (two coordinates, 99 %) by the noise scale, then
+/// Unties sightings whose reprojection error exceeds kInlierChi2 by the noise scale, then
 /// removes landmarks seen by fewer than two keyframes, those still seen by only two when three keyframes have come since,
 /// and those found in under a quarter of the frames that should have seen them.
 /// @return landmarks removed.

@@ -143,7 +143,7 @@ void acquire(Component::State* s) {
     return;
   }
   ++s->counters.start_contests;
-  run_start_contest(pose_problem(s), s->parameters.start, &s->start_workspace, &s->start_outcome);
+  s->start_outcome = run_start_contest(pose_problem(s), s->parameters.start, s->start_workspace);
   if (s->start_outcome.decision == StartDecision::kCommit) {
     begin(s->start_outcome, s);
   }

@@ -24,7 +24,7 @@ void create(KeyframeId keyframe, Component::State* s) {
   extend_landmarks(first, s->camera, options.ratio_max, &s->map);
 }
 
-BundleOptions bundle_options(int iterations_max) { return {.iterations_max = iterations_max, .huber_sigma = 2.0}; }
+BundleOptions bundle_options(int iterations_max) { return {.iterations_max = iterations_max, .cauchy_sigma = 2.0}; }
 
 /// Landmarks that were last seen long ago and are seen again now: a side has come back.
 int returned_landmarks(const Component::State& s) {
@@ -100,10 +100,8 @@ void extend_map(Component::State* s) {
 
 void remember_pose(std::int64_t timestamp_ns, const Pose& pose, const PoseCovariance& covariance,
                    Component::State* s) {
-  if (s->poses.full()) {
-    s->poses.erase(0);
-  }
-  (void)s->poses.push_back({.timestamp_ns = timestamp_ns, .pose = pose, .covariance = covariance});
+  // Times increase: the step has refused the others.
+  (void)remember(s->poses, {.timestamp_ns = timestamp_ns, .pose = pose, .covariance = covariance});
 }
 
 }  // namespace polhode

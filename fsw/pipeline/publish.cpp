@@ -20,8 +20,6 @@ std::uint16_t inliers(const LandmarkMatches& matches) {
       std::count_if(matches.begin(), matches.end(), [](const LandmarkMatch& m) { return m.inlier; })));
 }
 
-double worst_sigma(const Eigen::Matrix3d& covariance) { return std::sqrt(covariance.diagonal().maxCoeff()); }
-
 /// Of the two quaternions of one rotation the one nearer to the last published.
 std::array<double, 4> continuous_quaternion(const Eigen::Matrix3d& R_CT, std::array<double, 4>* last) {
   Eigen::Quaterniond q(R_CT);
@@ -40,6 +38,18 @@ void fill_pose(const AbsolutePose& absolute, double unit, Component::State* s, M
   m->p_CT = to_array(unit * absolute.pose.p_CT);
   m->sigma_att_rad = worst_sigma(absolute.covariance.topLeftCorner<3, 3>());
   m->sigma_pos = unit * worst_sigma(absolute.covariance.bottomRightCorner<3, 3>());
+}
+
+void fill_rates(double unit, const Component::State& s, MotionState* m) {
+  const Result<RateEstimate> rates = estimate_rates(s.poses.view(), s.parameters.motion);
+  if (!rates) {
+    return;
+  }
+  publish(rates.value(), *m);
+  for (double& v : m->v_C) {
+    v *= unit;
+  }
+  m->sigma_vel *= unit;
 }
 
 void list_observations(Component::State* s) {
@@ -88,6 +98,7 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   m.keyframes = clipped(static_cast<std::size_t>(s->map.keyframe_count));
   if (s->pose_valid) {
     fill_pose(s->localised.absolute, s->scale.metres_per_mu, s, &m);
+    fill_rates(s->scale.metres_per_mu, *s, &m);
   }
   list_observations(s);
   const std::size_t octets = encode_motion(m, s->parameters.bus, s->sequence, s->packet);

@@ -15,16 +15,11 @@
 #include "map/localise.hpp"
 #include "map/map.hpp"
 #include "mask/target_mask.hpp"
+#include "motion/rates.hpp"
 #include "pipeline/component.hpp"
 #include "tracks/track_table.hpp"
 
 namespace polhode {
-
-struct TimedPose {
-  std::int64_t timestamp_ns = 0;
-  Pose pose;
-  PoseCovariance covariance = PoseCovariance::Zero();
-};
 
 /// Known length between two picture points, or range, once it has been turned into metres per map unit.
 struct ScaleState {
@@ -62,7 +57,7 @@ struct Component::State {
   // The map and what follows from it.
   Map map;
   FlowReference reference;
-  FixedVector<TimedPose, limits::kMotionPoses> poses;  ///< oldest first
+  PoseHistory poses;
   ScaleState scale;
   double noise_scale = 1.0;  ///< how much larger the residuals are than the features' sigma says
   std::int32_t keyframes_at_last_adjustment = 0;

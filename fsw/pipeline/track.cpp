@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/so3.hpp"
 #include "map/keyframes.hpp"
 #include "pipeline/acquire.hpp"
 #include "pipeline/mapping.hpp"
@@ -118,31 +117,23 @@ LocaliseInput localise_input(const Component::State& s) {
           .stream = s.frame};
 }
 
-bool predict_pose(const Component::State& s, std::int64_t timestamp_ns, Pose* predicted) {
+bool predict_pose(const Component::State& s, PosePrediction* predicted) {
   if (s.poses.empty()) {
     return false;
   }
-  const TimedPose& last = s.poses.back();
-  *predicted = last.pose;
-  if (s.poses.size() < 2) {
-    return true;
-  }
-  const TimedPose& before = s.poses[s.poses.size() - 2];
-  const double ratio = static_cast<double>(timestamp_ns - last.timestamp_ns) /
-                       static_cast<double>(last.timestamp_ns - before.timestamp_ns);
-  const Eigen::Vector3d turn = so3_log(last.pose.R_CT * before.pose.R_CT.transpose());
-  predicted->R_CT = so3_exp(ratio * turn) * last.pose.R_CT;
-  predicted->p_CT = last.pose.p_CT + ratio * (last.pose.p_CT - before.pose.p_CT);
-  if (!(predicted->p_CT.z() > 0.1 * last.pose.p_CT.z())) {
-    predicted->p_CT = last.pose.p_CT;
+  const Result<PosePrediction> by_motion = predict_pose(s.poses.view(), s.timestamp_ns, s.parameters.motion);
+  *predicted = by_motion ? by_motion.value() : PosePrediction{.pose = s.poses.back().pose};
+  // Extrapolated through the camera: the last place is the better guess.
+  if (!(predicted->pose.p_CT.z() > 0.1 * s.poses.back().pose.p_CT.z())) {
+    predicted->pose.p_CT = s.poses.back().pose.p_CT;
   }
   return true;
 }
 
 void track(Component::State* s) {
-  Pose predicted;
-  const bool has_prediction = predict_pose(*s, s->timestamp_ns, &predicted);
-  bool found = has_prediction && (try_flow(predicted, s) || try_guided(predicted, s));
+  PosePrediction predicted;
+  const bool has_prediction = predict_pose(*s, &predicted);
+  const bool found = has_prediction && (try_flow(predicted.pose, s) || try_guided(predicted.pose, s));
   const bool everywhere = !found && try_everywhere(s);
   if (!found && !everywhere) {
     lose(s);

@@ -12,7 +12,7 @@ void track(Component::State* state);
 /// What the map's functions need of this frame.
 LocaliseInput localise_input(const Component::State& state);
 
-/// Where the body should be at `timestamp_ns` by its motion so far. False when no pose is known.
-bool predict_pose(const Component::State& state, std::int64_t timestamp_ns, Pose* predicted);
+/// Where the body should be at this frame's time by its motion so far. False when no pose is known.
+bool predict_pose(const Component::State& state, PosePrediction* predicted);
 
 }  // namespace polhode
