@@ -64,11 +64,9 @@ def main() -> None:
     (work / "models").mkdir(parents=True)
     started_s, cpu_started_s = time.monotonic(), cpu_s()
     extract_and_match(job, work / "database.db")
-    matched_s = time.monotonic()
     models = list(reconstruct(job, work / "database.db", work / "models").values())
     result = {"version": pycolmap.__version__, "matcher": job["matcher"], "images": len(job["names"]),
-              "models": len(models), "wall_s": time.monotonic() - started_s, "wall_mapping_s": time.monotonic() - matched_s,
-              "cpu_s": cpu_s() - cpu_started_s,
+              "models": len(models), "wall_s": time.monotonic() - started_s, "cpu_s": cpu_s() - cpu_started_s,
               "peak_rss_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, "poses": {}}
     if models:
         models.sort(key=lambda model: model.num_reg_images(), reverse=True)

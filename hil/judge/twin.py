@@ -13,8 +13,10 @@ from judge.align import align_rotation, angles_rad
 # Below this distance between truth and its own twin (RMSE after alignment) the two can't be told apart by attitude:
 # the body turned about the line of sight only, or hardly at all.
 SEPARATION_MIN_DEG = 2.0
-# An attitude error above this part of the separation fits neither of the two.
+# An attitude error above this part of the separation, or above this angle, fits neither of the two: a map that fell
+# apart is nearer to the one or the other by chance.
 NEITHER_RATIO = 0.7
+NEITHER_DEG = 20.0
 # Longer turns between frames have no clear axis.
 STEP_MAX_RAD = np.radians(120.0)
 
@@ -59,7 +61,7 @@ def judge_twin(R_CE: Rotation, R_CT: Rotation, p_CT: np.ndarray) -> dict:
     to_twin_deg = aligned_rmse_deg(R_CE, R_twin)
     if separation_deg < SEPARATION_MIN_DEG:
         verdict = "indistinguishable"
-    elif min(to_truth_deg, to_twin_deg) > NEITHER_RATIO * separation_deg:
+    elif min(to_truth_deg, to_twin_deg) > min(NEITHER_RATIO * separation_deg, NEITHER_DEG):
         verdict = "neither"
     else:
         verdict = "twin" if to_twin_deg < to_truth_deg else "truth"

@@ -142,6 +142,16 @@ def test_nonsense_is_neither_truth_nor_twin(body):
     assert twin.judge_twin(random, body.R_CT, body.p_CT)["verdict"] == "neither"
 
 
+def test_a_map_that_fell_in_two_is_neither_though_nearer_to_the_truth(body):
+    """A spin about an axis in the image plane is a half-turn from its twin: 40 deg are then near, but not right."""
+    spin = Rotation.from_rotvec(np.outer(0.05 * body.time_s, [0, 1, 0]))
+    ahead = np.tile([0.0, 0.0, 8.0], (len(body.time_s), 1))
+    slipped = Rotation.concatenate([spin[:60], Rotation.from_rotvec([1.4, 0, 0]) * spin[60:]])
+    found = twin.judge_twin(slipped, spin, ahead)
+    assert found["rmse_to_truth_deg"] < found["rmse_to_twin_deg"]
+    assert found["verdict"] == "neither"
+
+
 def test_twin_is_indistinguishable_when_the_body_turns_about_the_line_of_sight(body):
     spin = Rotation.from_rotvec(np.outer(0.03 * body.time_s, [0, 0, 1]))
     ahead = np.tile([0.0, 0.0, 8.0], (len(body.time_s), 1))
