@@ -369,9 +369,30 @@ int middle_frame(const StartContestSet& set) {
   return core.frames[core.frames.size() / 2];
 }
 
+double convexity_of(const Contest& c, StartHypothesis* h) {
+  return convexity_cue(c.w.set.sightings.view(), middle_frame(c.w.set), h->view());
+}
+
+/// Where the costs leave it open, a bulging hypothesis goes before a hollow one. The gap, negative then, still says so.
+void prefer_convex(const Contest& c) {
+  StartHypotheses& list = c.w.refined;
+  if (list.empty() || convexity_of(c, &list[0]) > -kConvexityMin) {
+    return;
+  }
+  for (std::size_t i = 1; i < list.size(); ++i) {
+    if (list[i].fit.cost - list[0].fit.cost < c.options.chi2_gap_convexity && convexity_of(c, &list[i]) >= kConvexityMin) {
+      std::swap(list[0], list[i]);
+      return;
+    }
+  }
+}
+
 }  // namespace
 
 double convexity_cue(std::span<const StartSighting> sightings, int frame, const StartGeometryView& geometry) {
+  if (geometry.posed[static_cast<std::size_t>(frame)] == 0) {
+    return 0.0;
+  }
   const InverseDepthPose& pose = geometry.poses[static_cast<std::size_t>(frame)];
   Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
   Eigen::Vector4d g = Eigen::Vector4d::Zero();
@@ -414,6 +435,7 @@ StartOutcome run_start_contest(const StartProblem& problem, const StartOptions& 
   contest.sigma_scale = scale;
   refine_finalists(contest);
   challenge_winner(contest);
+  prefer_convex(contest);
   if (workspace.refined.empty()) {
     out.decision = StartDecision::kNoHypothesis;
     return out;
@@ -426,7 +448,7 @@ StartOutcome run_start_contest(const StartProblem& problem, const StartOptions& 
   out.reduced_chi2 = noise * noise;
   out.inlier_ratio = static_cast<double>(winner.fit.inliers) / winner.fit.sightings;
   out.chi2_gap = chi2_gap(contest);
-  out.convexity = convexity_cue(set.sightings.view(), middle_frame(set), winner.view());
+  out.convexity = convexity_of(contest, &winner);
   adjust_all_tracks(contest, &out);
   out.decision = decide(out, options, noise);
   return out;

@@ -26,18 +26,19 @@ double median_of(FixedVector<double, limits::kStartTracks>* values) {
   return *middle;
 }
 
-Eigen::Vector3d median_point(const StartGeometryView& g) {
-  Eigen::Vector3d centre;
+/// Median by coordinates along the rows of R_NT; in T.
+Eigen::Vector3d median_point(const StartGeometryView& g, const Eigen::Matrix3d& R_NT) {
+  Eigen::Vector3d centre_N;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     FixedVector<double, limits::kStartTracks> values;
     for (std::size_t i = 0; i < g.points_T.size(); ++i) {
       if (g.known[i] != 0) {
-        (void)values.push_back(g.points_T[i](axis));
+        (void)values.push_back(R_NT.row(axis).dot(g.points_T[i]));
       }
     }
-    centre(axis) = median_of(&values);
+    centre_N(axis) = median_of(&values);
   }
-  return centre;
+  return R_NT.transpose() * centre_N;
 }
 
 double robust_extent(const StartGeometryView& g, const Eigen::Vector3d& centre) {
@@ -215,7 +216,8 @@ bool normalise_gauge(const StartGeometryView& g) {
   if (first == g.posed.size() || count_known(g.known) < 4) {
     return false;
   }
-  const Eigen::Vector3d centre = median_point(g);
+  const Eigen::Matrix3d R_NT = nearest_rotation(g.poses[first].R_CT);  // N: the new axes
+  const Eigen::Vector3d centre = median_point(g, R_NT);
   const double extent = robust_extent(g, centre);
   for (std::size_t f = 0; f < g.poses.size(); ++f) {
     if (g.posed[f] != 0 && !(from_inverse_depth(g.poses[f]).to_camera(centre).z() > 0.0)) {
@@ -225,16 +227,15 @@ bool normalise_gauge(const StartGeometryView& g) {
   if (!(extent > 0.0) || !std::isfinite(extent)) {
     return false;
   }
-  const Eigen::Matrix3d R_T = nearest_rotation(g.poses[first].R_CT);  // new axes from old
   for (std::size_t f = 0; f < g.poses.size(); ++f) {
     if (g.posed[f] != 0) {
       const Pose pose = from_inverse_depth(g.poses[f]);
       g.poses[f] = to_inverse_depth(
-          {.R_CT = nearest_rotation(pose.R_CT * R_T.transpose()), .p_CT = pose.to_camera(centre) / extent});
+          {.R_CT = nearest_rotation(pose.R_CT * R_NT.transpose()), .p_CT = pose.to_camera(centre) / extent});
     }
   }
   for (std::size_t i = 0; i < g.points_T.size(); ++i) {
-    g.points_T[i] = R_T * (g.points_T[i] - centre) / extent;
+    g.points_T[i] = R_NT * (g.points_T[i] - centre) / extent;
   }
   return true;
 }

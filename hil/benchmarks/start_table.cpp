@@ -1,6 +1,6 @@
 // How often each way to start a map finds the right geometry: cylinder 0.4 m high and 0.3 m across, 70 to 115 points seen
 // in all 8 frames, 0.5 px noise, f = 2667 px, random first attitude, constant turn about an axis within 30 deg of the image
-// plane, 2 % change of range. Usage: bench_start_table [trials] [frames] [first seed].
+// plane, 2 % change of range; alpha is the angle that the height subtends. Usage: bench_start_table [trials] [frames] [first seed].
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -23,8 +23,7 @@ struct Trial {
 
 Trial make_trial(double alpha_deg, double turn_deg, int frames, std::uint64_t seed) {
   Rng rng(seed, 1);
-  // The angle of the body's diagonal, 0.5 m.
-  const double range_m = 0.5 / (alpha_deg * kDegree);
+  const double range_m = 0.4 / (alpha_deg * kDegree);
   const synthetic::Body body = synthetic::cylinder(700, 0.15, 0.4, &rng);
   const double change = (rng.uniform() < 0.5 ? -0.02 : 0.02) * range_m;
   synthetic::ConstantTurn turn{.frames = frames, .turn_rad = turn_deg * kDegree};
