@@ -9,6 +9,7 @@
 #include "app/check.hpp"
 #include "app/replay.hpp"
 #include "errors.hpp"
+#include "os/linux/libraries.hpp"
 #include "pipeline/component.hpp"
 
 namespace {
@@ -104,6 +105,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  polhode::platform::pin_libraries();
   try {
     return run(argc, argv);
   } catch (const polhode::platform::UnusableInput& problem) {
