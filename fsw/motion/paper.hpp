@@ -1,0 +1,78 @@
+// The paper's motion parameters: rates and speeds from pairs of poses, and a sine through each component of the rate.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "base/fixed_vector.hpp"
+#include "base/result.hpp"
+#include "motion/pose_history.hpp"
+
+namespace polhode {
+
+/// What two successive poses say. It belongs to the middle of the interval: at either end alone it is off by half an
+/// interval of the rate's change.
+struct PaperRate {
+  std::int64_t timestamp_ns = 0;  ///< of the middle
+  double interval_s = 0.0;
+  Eigen::Vector3d w_T_rad_s = Eigen::Vector3d::Zero();   ///< rotation vector of R_CT(t)^T R_CT(t + dt), over dt
+  Eigen::Matrix3d covariance_w_T = Eigen::Matrix3d::Zero();
+  double radial_speed = 0.0;  ///< change of the radius vector's length, over dt; positive when it grows
+  double sigma_radial = 0.0;
+  Eigen::Vector3d v_C = Eigen::Vector3d::Zero();  ///< change of the radius vector, over dt
+};
+
+/// Eqs. (1)-(4) for one pair. @errors Degenerate (times not increasing).
+Result<PaperRate> paper_rate(const PoseSample& first, const PoseSample& second);
+
+/// offset + amplitude sin(2 pi (t - t0) / period + phase), t0 the first sample's time.
+struct SineFit {
+  double offset = 0.0;
+  double amplitude = 0.0;  ///< >= 0
+  double period_s = 0.0;
+  double phase_rad = 0.0;
+  double sigma_offset = 0.0;
+  double sigma_amplitude = 0.0;
+  double sigma_period_s = 0.0;
+  double sigma_phase_rad = 0.0;
+  double rms = 0.0;        ///< of the residuals
+  bool observed = false;   ///< the samples span a period and the amplitude stands out from noise; else the numbers say nothing
+};
+
+struct SineSample {
+  double time_s = 0.0;
+  double value = 0.0;
+  double sigma = 1.0;       ///< of the value, > 0
+  double interval_s = 0.0;  ///< the value is a mean over this time around time_s: a sine's mean is smaller, which is undone
+};
+
+inline constexpr std::size_t kSineSamplesMax = 20000;
+
+/// Least squares with the period searched over a grid (down to two samples, up to twice the span) and refined.
+/// Sigmas take successive samples as differences of the same poses: their noise is correlated by -1/2 where intervals touch,
+/// which makes a slow sine's parameters better than white noise would; scaled up by the residuals where they are larger.
+/// @errors TooFewObservations (under 8 samples), Degenerate (no time passes, or a sigma is not positive).
+/// @cost   at most 4000 grid points times the samples.
+Result<SineFit> fit_sine(std::span<const SineSample> samples);
+
+/// Straight motion of the centre of mass and its place in the body: p_CT(t) = p0 + v t - R_CT(t) c.
+struct DriftFit {
+  Eigen::Vector3d p0_C = Eigen::Vector3d::Zero();  ///< centre of mass at the first pose
+  Eigen::Vector3d v_C = Eigen::Vector3d::Zero();   ///< its velocity
+  Eigen::Vector3d c_T = Eigen::Vector3d::Zero();   ///< it, seen from T's origin
+  Eigen::Matrix3d covariance_v_C = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d covariance_c_T = Eigen::Matrix3d::Zero();
+  double chi2_per_dof = 0.0;
+  double speed = 0.0;
+};
+
+/// Linear least squares with the prior that the centre of mass lies within the body: c has the sigma `body_radius` in each
+/// direction beforehand. A direction in which the covariance keeps about that has not been observed (the spin axis of a
+/// pure spin); covariances are scaled up where the residuals are larger than declared.
+/// @errors TooFewObservations (under 4 poses), Degenerate (no time passes, covariance not usable), BadParameter
+///         (body_radius not positive).
+Result<DriftFit> fit_drift(std::span<const PoseSample> poses, double body_radius);
+
+}  // namespace polhode

@@ -1,0 +1,195 @@
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "motion/paper.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr std::size_t kSamplesMin = 8;
+constexpr int kGridMax = 4000;
+// Eight grid points in the width of a spectral line: the best one lies within the sine's own basin.
+constexpr double kGridPerLine = 8.0;
+constexpr int kRefinements = 20;
+// An amplitude under five sigma is found in noise by looking at a thousand frequencies.
+constexpr double kAmplitudeSigmasMin = 5.0;
+
+/// Parameters: offset, cosine part, sine part, angular rate.
+using Parameters = Eigen::Vector4d;
+
+/// A mean over `interval_s` of a sine is the sine in the middle times this.
+double attenuation(double rate_rad_s, double interval_s) {
+  const double half = 0.5 * rate_rad_s * interval_s;
+  return half > 1e-6 ? std::sin(half) / half : 1.0;
+}
+
+double attenuation_slope(double rate_rad_s, double interval_s) {
+  const double half = 0.5 * rate_rad_s * interval_s;
+  if (half < 1e-3) {
+    return -half * interval_s / 6.0;
+  }
+  return 0.5 * interval_s * (std::cos(half) / half - std::sin(half) / (half * half));
+}
+
+
+/// Linear least squares of offset and sine at a fixed rate.
+bool fit_at(std::span<const SineSample> samples, double rate_rad_s, Eigen::Vector3d* linear, double* chi2) {
+  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d g = Eigen::Vector3d::Zero();
+  double square = 0.0;
+  for (const SineSample& sample : samples) {
+    const double angle = rate_rad_s * (sample.time_s - samples[0].time_s);
+    const double damp = attenuation(rate_rad_s, sample.interval_s);
+    const double weight = 1.0 / (sample.sigma * sample.sigma);
+    const Eigen::Vector3d J(1.0, damp * std::cos(angle), damp * std::sin(angle));
+    H += weight * J * J.transpose();
+    g += weight * J * sample.value;
+    square += weight * sample.value * sample.value;
+  }
+  const Eigen::LDLT<Eigen::Matrix3d> ldlt(H);
+  if (!(ldlt.vectorD().minCoeff() > 1e-9 * ldlt.vectorD().maxCoeff())) {
+    return false;
+  }
+  *linear = ldlt.solve(g);
+  *chi2 = square - g.dot(*linear);
+  return linear->allFinite();
+}
+
+/// The rate with the least chi-square on the grid. False when none is usable.
+bool search(std::span<const SineSample> samples, double span_s, Parameters* best) {
+  const double mean_interval_s = span_s / static_cast<double>(samples.size() - 1);
+  const double rate_min = std::numbers::pi / span_s;  // half a period in the span
+  const double rate_max = std::numbers::pi / mean_interval_s;
+  const int steps = std::clamp(static_cast<int>((rate_max - rate_min) * span_s / (2.0 * std::numbers::pi) * kGridPerLine),
+                               16, kGridMax);
+  bool found = false;
+  double chi2_best = 0.0;
+  for (int i = 0; i <= steps; ++i) {
+    const double rate = rate_min + (rate_max - rate_min) * i / steps;
+    Eigen::Vector3d linear;
+    double chi2 = 0.0;
+    if (fit_at(samples, rate, &linear, &chi2) && (!found || chi2 < chi2_best)) {
+      *best << linear, rate;
+      chi2_best = chi2;
+      found = true;
+    }
+  }
+  return found;
+}
+
+Parameters jacobian(const Parameters& p, const SineSample& sample, double start_s) {
+  const double time = sample.time_s - start_s;
+  const double damp = attenuation(p(3), sample.interval_s);
+  const double cosine = std::cos(p(3) * time);
+  const double sine = std::sin(p(3) * time);
+  const double wave = p(1) * cosine + p(2) * sine;
+  return {1.0, damp * cosine, damp * sine,
+          damp * time * (p(2) * cosine - p(1) * sine) + attenuation_slope(p(3), sample.interval_s) * wave};
+}
+
+double residual(const Parameters& p, const SineSample& sample, double start_s) {
+  const double angle = p(3) * (sample.time_s - start_s);
+  const double damp = attenuation(p(3), sample.interval_s);
+  return sample.value - p(0) - damp * (p(1) * std::cos(angle) + p(2) * std::sin(angle));
+}
+
+struct System {
+  Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
+  Parameters g = Parameters::Zero();
+  double chi2 = 0.0;
+};
+
+System linearise(std::span<const SineSample> samples, const Parameters& p) {
+  System system;
+  for (const SineSample& sample : samples) {
+    const double weight = 1.0 / (sample.sigma * sample.sigma);
+    const Parameters J = jacobian(p, sample, samples[0].time_s);
+    const double r = residual(p, sample, samples[0].time_s);
+    system.H += weight * J * J.transpose();
+    system.g += weight * J * r;
+    system.chi2 += weight * r * r;
+  }
+  return system;
+}
+
+/// Covariance of the least-squares parameters with the true noise: successive samples that share a pose correlate by -1/2.
+Eigen::Matrix4d sandwich(std::span<const SineSample> samples, const Parameters& p, const Eigen::Matrix4d& inverse_H) {
+  Eigen::Matrix4d middle = Eigen::Matrix4d::Zero();
+  Parameters previous = Parameters::Zero();
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Parameters J = jacobian(p, samples[i], samples[0].time_s) / samples[i].sigma;
+    middle += J * J.transpose();
+    if (i > 0) {
+      const double apart_s = samples[i].time_s - samples[i - 1].time_s;
+      const double touch_s = 0.5 * (samples[i].interval_s + samples[i - 1].interval_s);
+      if (touch_s > 0.0 && std::abs(apart_s - touch_s) < 1e-3 * touch_s) {
+        middle -= 0.5 * (J * previous.transpose() + previous * J.transpose());
+      }
+    }
+    previous = J;
+  }
+  return inverse_H * middle * inverse_H;
+}
+
+SineFit describe(const Parameters& p, const Eigen::Matrix4d& covariance, double span_s) {
+  SineFit fit;
+  fit.offset = p(0);
+  fit.amplitude = std::hypot(p(1), p(2));
+  fit.period_s = 2.0 * std::numbers::pi / p(3);
+  fit.phase_rad = std::atan2(p(1), p(2));
+  const Eigen::Vector2d along = p.segment<2>(1) / std::max(fit.amplitude, 1e-300);
+  const Eigen::Vector2d across(along.y(), -along.x());
+  const Eigen::Matrix2d wave = covariance.block<2, 2>(1, 1);
+  fit.sigma_offset = std::sqrt(std::max(0.0, covariance(0, 0)));
+  fit.sigma_amplitude = std::sqrt(std::max(0.0, along.dot(wave * along)));
+  fit.sigma_phase_rad = std::sqrt(std::max(0.0, across.dot(wave * across))) / std::max(fit.amplitude, 1e-300);
+  fit.sigma_period_s = fit.period_s / p(3) * std::sqrt(std::max(0.0, covariance(3, 3)));
+  fit.observed = fit.period_s <= span_s && fit.amplitude > kAmplitudeSigmasMin * fit.sigma_amplitude;
+  return fit;
+}
+
+}  // namespace
+
+Result<SineFit> fit_sine(std::span<const SineSample> samples) {
+  if (samples.size() < kSamplesMin) {
+    return ErrorCode::kTooFewObservations;
+  }
+  const double span_s = samples.back().time_s - samples.front().time_s;
+  const bool usable = std::all_of(samples.begin(), samples.end(), [](const SineSample& sample) {
+    return sample.sigma > 0.0 && std::isfinite(sample.sigma) && std::isfinite(sample.value);
+  });
+  Parameters p;
+  if (!(span_s > 0.0) || !usable || !search(samples, span_s, &p)) {
+    return ErrorCode::kDegenerate;
+  }
+  System system = linearise(samples, p);
+  for (int i = 0; i < kRefinements; ++i) {
+    const Parameters next = p + system.H.ldlt().solve(system.g);
+    if (!next.allFinite() || !(next(3) > 0.0)) {
+      break;
+    }
+    const System at_next = linearise(samples, next);
+    if (at_next.chi2 >= system.chi2) {
+      break;
+    }
+    p = next;
+    system = at_next;
+  }
+  const Eigen::Matrix4d inverse_H = system.H.inverse();
+  if (!inverse_H.allFinite()) {
+    return ErrorCode::kDegenerate;
+  }
+  const double chi2_per_dof = system.chi2 / static_cast<double>(samples.size() - 4);
+  SineFit fit = describe(p, std::max(1.0, chi2_per_dof) * sandwich(samples, p, inverse_H), span_s);
+  double square = 0.0;
+  for (const SineSample& sample : samples) {
+    square += std::pow(residual(p, sample, samples[0].time_s), 2);
+  }
+  fit.rms = std::sqrt(square / static_cast<double>(samples.size()));
+  return fit;
+}
+
+}  // namespace polhode
