@@ -27,8 +27,8 @@ constexpr double kInlierRatioMin = 0.6;
 constexpr double kNoiseScaleMax = 4.0;
 // A track's share in a gap: more comes from a wrong track that one hypothesis happens to explain.
 constexpr double kTrackGapMax = 4.0;
-// A chi-square gap of 25 scatters by 10: less agreement between the tracks than 2 sigma is no evidence.
-constexpr double kAgreementMin = 2.0;
+// A chi-square gap of 25 scatters by 10: less agreement between the tracks than 1.5 sigma is no evidence.
+constexpr double kAgreementMin = 1.5;
 // Two standard deviations: the sign of the curvature is right in 98 % of cases.
 constexpr double kConvexityMin = 2.0;
 
@@ -414,9 +414,9 @@ double convexity_cue(std::span<const StartSighting> sightings, int frame, const 
     return 0.0;
   }
   const Eigen::Vector4d fit = H.ldlt().solve(g);
-  const double variance = std::max(0.0, zz - fit.dot(g)) / (count - 4);
-  const double sigma = std::sqrt(std::max(variance * H.inverse()(3, 3), 1e-300));
-  return fit(3) / sigma;
+  // An exact plane has no curvature to speak of: depths are never known better than a thousandth of the extent.
+  const double variance = std::max(1e-6, (zz - fit.dot(g)) / (count - 4));
+  return fit(3) / std::sqrt(variance * H.inverse()(3, 3));
 }
 
 StartOutcome run_start_contest(const StartProblem& problem, const StartOptions& options, StartWorkspace& workspace) {

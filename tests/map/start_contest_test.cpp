@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <cstring>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <memory>
 
+#include "geometry/alignment.hpp"
 #include "map/initialise.hpp"
 #include "synthetic/start_scenarios.hpp"
 
@@ -34,7 +36,7 @@ struct View {
   int points = 260;
 };
 
-/// A box that turns before the camera, seen whole in every frame.
+/// A box that turns before the camera, a corner towards it: points of two or three faces seen in every frame.
 StartScenario turning_box(const View& view, std::uint64_t seed) {
   Rng rng(seed, 3);
   StartScenario s;
@@ -42,7 +44,10 @@ StartScenario turning_box(const View& view, std::uint64_t seed) {
   const double range = 0.7 / (view.alpha_deg * synthetic::detail::kDegree);
   synthetic::ConstantTurn turn{.frames = view.frames, .turn_rad = view.turn_deg * synthetic::detail::kDegree};
   turn.axis_C = synthetic::direction_near_image_plane(0.5, &rng);
-  turn.R_first = synthetic::random_attitude(&rng);
+  const Eigen::Vector3d corner = Eigen::Vector3d(1.0, 1.0, 1.0).normalized();
+  const Eigen::Matrix3d R_corner =
+      Eigen::Quaterniond::FromTwoVectors(corner, -Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  turn.R_first = so3_exp(0.2 * synthetic::random_direction(&rng)) * R_corner;
   turn.p_first_m = {0.01 * range, 0.02 * range, range};
   turn.p_last_m = {0.0, 0.0, 0.98 * range};
   s.motion = synthetic::constant_turn(turn, &rng);
@@ -88,22 +93,36 @@ TEST(StartContest, FixesTheGaugeAsPromised) {
 }
 
 TEST(StartContest, PointSigmasCoverTheErrors) {
-  const StartScenario s = turning_box({}, 4);
-  const StartOutcome out = run(s, 4);
-  ASSERT_EQ(out.decision, StartDecision::kCommit);
-  // Every point's own noise beyond the shared gauge: judged by how its images fit the true body, by depth ratio.
-  int within = 0;
-  int count = 0;
-  const StartErrors errors = compare_start(out, s.tracks, s.motion);
-  for (const StartPoint& point : out.points) {
-    if (point.valid) {
-      ++count;
-      within += std::sqrt(point.covariance_T(2, 2)) < 0.1 ? 1 : 0;
+  double sum = 0.0;
+  double count = 0.0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const StartScenario s = turning_box({}, seed);
+    const StartOutcome out = run(s, seed);
+    ASSERT_EQ(out.decision, StartDecision::kCommit);
+    // Truth into the outcome's gauge by the points themselves; what that takes away is 7 of 3 N.
+    std::vector<Eigen::Vector3d> truth;
+    std::vector<Eigen::Vector3d> estimate;
+    for (std::size_t i = 0; i < out.points.size(); ++i) {
+      if (out.points[i].valid) {
+        truth.push_back(s.tracks[i].p_B);
+        estimate.push_back(out.points[i].p_T);
+      }
+    }
+    const std::vector<double> weights(truth.size(), 1.0);
+    const Result<Similarity> to_T = align_similarity(truth, estimate, weights);
+    ASSERT_TRUE(to_T.ok());
+    std::size_t k = 0;
+    for (const StartPoint& point : out.points) {
+      if (point.valid) {
+        const Eigen::Vector3d error = to_T.value().apply(truth[k++]) - point.p_T;
+        sum += error.dot(point.covariance_T.inverse() * error);
+        count += 3.0;
+      }
     }
   }
-  EXPECT_GE(count, 20);
-  EXPECT_GE(within, count * 9 / 10);
-  EXPECT_LT(errors.depth, 0.1);
+  // Errors of one start share its depth scale, so eight starts scatter widely; sigmas wrong by half would show.
+  EXPECT_GT(sum / count, 0.4);
+  EXPECT_LT(sum / count, 2.25);
 }
 
 TEST(StartContest, GivesTheSameBytes_ForTheSameInput) {
