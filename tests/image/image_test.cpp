@@ -1,0 +1,125 @@
+#include "image/image.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "base/rng.hpp"
+
+namespace polhode {
+namespace {
+
+cv::Mat constant(int width, int height, int level) {
+  cv::Mat gray(height, width, CV_8UC1);
+  gray.setTo(level);
+  return gray;
+}
+
+TEST(ImportFrame, CopiesEveryPixel_WhenRowsAreLongerThanThePicture) {
+  constexpr int kWidth = 7;
+  constexpr int kHeight = 5;
+  constexpr int kStride = 11;
+  std::vector<std::uint8_t> memory(kStride * kHeight, 0xEE);
+  Rng rng(1, 0);
+  for (int row = 0; row < kHeight; ++row) {
+    for (int column = 0; column < kWidth; ++column) {
+      memory[static_cast<std::size_t>(row * kStride + column)] = static_cast<std::uint8_t>(rng.below(256));
+    }
+  }
+  cv::Mat gray;
+  import_frame({.data = memory.data(), .width_px = kWidth, .height_px = kHeight, .stride_octets = kStride}, &gray);
+  ASSERT_EQ(gray.type(), CV_8UC1);
+  ASSERT_EQ(gray.size(), cv::Size(kWidth, kHeight));
+  for (int row = 0; row < kHeight; ++row) {
+    for (int column = 0; column < kWidth; ++column) {
+      EXPECT_EQ(gray.at<std::uint8_t>(row, column), memory[static_cast<std::size_t>(row * kStride + column)]);
+    }
+  }
+}
+
+TEST(ImportFrame, KeepsTheUpperOctet_WhenPixelsHave16Bits_AtAnyAlignment) {
+  const std::vector<std::uint16_t> values{0x0000, 0x00FF, 0x0100, 0x7F80, 0xFF00, 0xFFFF};
+  constexpr int kWidth = 3;
+  constexpr std::size_t kStride = 9;  // odd: the second row's pixels are not aligned
+  std::vector<std::uint8_t> memory(2 * kStride, 0xEE);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::memcpy(memory.data() + (i / kWidth) * kStride + 2 * (i % kWidth), &values[i], 2);
+  }
+  cv::Mat gray;
+  import_frame({.data = memory.data(),
+                .width_px = kWidth,
+                .height_px = 2,
+                .stride_octets = kStride,
+                .format = PixelFormat::kGray16},
+               &gray);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    EXPECT_EQ(gray.at<std::uint8_t>(static_cast<int>(i) / kWidth, static_cast<int>(i) % kWidth), values[i] >> 8U);
+  }
+}
+
+TEST(ImportFrame, OwnsItsPixels_SoThatTheCameraMayReuseTheMemory) {
+  std::vector<std::uint8_t> memory(16, 10);
+  cv::Mat gray;
+  const ImageView view{.data = memory.data(), .width_px = 4, .height_px = 4, .stride_octets = 4};
+  import_frame(view, &gray);
+  const std::uint8_t* first = gray.data;
+  std::fill(memory.begin(), memory.end(), std::uint8_t{20});
+  EXPECT_EQ(gray.at<std::uint8_t>(3, 3), 10);
+  import_frame(view, &gray);
+  EXPECT_EQ(gray.at<std::uint8_t>(3, 3), 20);
+  EXPECT_EQ(gray.data, first) << "the same size takes no new memory";
+}
+
+TEST(Assess, CallsABlackPictureDark_AndABrightOneNot) {
+  EXPECT_TRUE(assess(constant(64, 48, 0), {}).dark);
+  EXPECT_FALSE(assess(constant(64, 48, 128), {}).dark);
+  EXPECT_DOUBLE_EQ(assess(constant(64, 48, 51), {}).bright_level, 0.2);
+}
+
+TEST(Assess, ComparesWithTheDarkLevelThatItIsGiven) {
+  const cv::Mat gray = constant(64, 48, 51);  // a fifth of full scale
+  EXPECT_TRUE(assess(gray, {.dark_level = 0.21}).dark);
+  EXPECT_FALSE(assess(gray, {.dark_level = 0.19}).dark);
+}
+
+TEST(Assess, StaysDark_WhenOnlyAFewHotPixelsShine) {
+  cv::Mat gray = constant(100, 100, 0);
+  for (int i = 0; i < 9; ++i) {  // 9 of 10 000: under the one in a thousand that counts
+    gray.at<std::uint8_t>(11 * i, 7 * i) = 255;
+  }
+  EXPECT_TRUE(assess(gray, {}).dark);
+  cv::Mat target = constant(100, 100, 0);
+  target(cv::Rect(40, 40, 5, 5)).setTo(200);  // 25 of 10 000
+  EXPECT_FALSE(assess(target, {}).dark);
+  EXPECT_DOUBLE_EQ(assess(target, {}).bright_level, 200.0 / 255.0);
+}
+
+TEST(Assess, CountsSaturatedPixels_WhenTheyAreFew) {
+  cv::Mat gray = constant(100, 100, 100);
+  for (int i = 0; i < 7; ++i) {
+    gray.at<std::uint8_t>(i, i) = 255;
+  }
+  EXPECT_DOUBLE_EQ(assess(gray, {}).saturated_fraction, 7e-4);
+  EXPECT_DOUBLE_EQ(assess(constant(100, 100, 100), {}).saturated_fraction, 0.0);
+}
+
+TEST(Assess, DISABLED_CountsAllSaturatedPixels_WhenTheyHaveDifferentLevels) {
+  cv::Mat gray = constant(100, 100, 100);
+  gray.rowRange(0, 40).setTo(252);  // over 0.98 of full scale
+  gray.rowRange(40, 50).setTo(255);
+  EXPECT_DOUBLE_EQ(assess(gray, {}).saturated_fraction, 0.5);
+}
+
+TEST(Assess, LooksOnlyAtThePicture_WhenItIsAPartOfALargerOne) {
+  cv::Mat whole = constant(64, 64, 255);
+  cv::Mat part = whole(cv::Rect(10, 10, 20, 20));
+  part.setTo(0);
+  const ImageQuality quality = assess(part, {});
+  EXPECT_TRUE(quality.dark);
+  EXPECT_DOUBLE_EQ(quality.saturated_fraction, 0.0);
+}
+
+}  // namespace
+}  // namespace polhode
