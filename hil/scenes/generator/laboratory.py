@@ -44,16 +44,21 @@ class Laboratory(Empty):
         self.picture, self.picture_q_IC = None, None
 
     def reach(self, p_C):
-        """The target's points and their shadows on the table, for lamps up to 45 deg from overhead."""
+        """The target's points and their shadows on the table: below each of them and away from each lamp."""
         q_IC = self.plan.motion.q_IC[0] if self.picture_q_IC is None else self.picture_q_IC
-        R_CL = quat_to_matrix(q_IC).T @ self.R_IL
-        p_L = (p_C - quat_to_matrix(q_IC).T @ self.origin_I_m) @ R_CL
+        R_CI = quat_to_matrix(q_IC).T
+        R_CL, origin_C = R_CI @ self.R_IL, R_CI @ self.origin_I_m
+        p_L = (p_C - origin_C) @ R_CL
         low, high = p_L.min(axis=0), p_L.max(axis=0)
-        spread = max(0.0, high[2]) * 0.8
-        corners = np.array(
-            [[x, y, 0.0] for x in (low[0] - spread, high[0] + spread) for y in (low[1] - spread, high[1] + spread)]
-        )
-        return np.concatenate([p_C, corners @ R_CL.T + quat_to_matrix(q_IC).T @ self.origin_I_m])
+        corners = np.array(np.meshgrid(*np.stack([low, high], axis=1))).reshape(3, -1).T
+        # The soft shadow of the ambient light is lost in the noise a third of a body away.
+        around = 0.33 * self.size_m * np.array([[1, 1, 0], [1, -1, 0], [-1, 1, 0], [-1, -1, 0]])
+        shadows = [corners * [1, 1, 0] + step for step in around]
+        for _, place, _ in LAMPS:
+            lamp = np.array(place) * self.size_m
+            height = np.clip(corners[:, 2:], 0, 0.8 * lamp[2])
+            shadows.append((corners + (corners - lamp) * height / (lamp[2] - height)) * [1, 1, 0])
+        return np.concatenate([p_C, np.concatenate(shadows) @ R_CL.T + origin_C])
 
     def prepare(self, motion, row):
         """Puts the room where the camera sees it at this row; renders its picture if the view has changed."""
