@@ -1,9 +1,9 @@
 // How often each way to start a map finds the right geometry: cylinder 0.4 m high and 0.3 m across, 70 to 115 points seen
 // in all 8 frames, 0.5 px noise, f = 2667 px, random first attitude, constant turn about an axis within 30 deg of the image
 // plane, 2 % change of range; alpha is the angle that the height subtends. Usage: bench_start_table [trials] [frames] [first seed].
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -54,9 +54,9 @@ Cell run_cell(double alpha_deg, double turn_deg, int frames, int trials, std::ui
     const Trial trial = make_trial(alpha_deg, turn_deg, frames, seed);
     const std::vector<StartTrack> tracks = synthetic::to_start_tracks(trial.tracks, 0.5 / 2667.0);
     const StartProblem problem{.times_s = trial.motion.times_s, .tracks = tracks, .seed = seed, .kinds = kinds};
-    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t begin = std::clock();
     const StartOutcome out = run_start_contest(problem, StartOptions{}, *workspace);
-    cell.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    cell.seconds += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     const bool right = synthetic::compare_start(out, trial.tracks, trial.motion).right();
     cell.right += right ? 1 : 0;
     if (out.decision == StartDecision::kCommit) {
