@@ -1,0 +1,132 @@
+#include "map/keyframes.hpp"
+
+#include <gtest/gtest.h>
+
+#include "synthetic_map.hpp"
+
+namespace polhode {
+namespace {
+
+using namespace synthetic;
+
+/// A frame whose features are those of a picture, each match an inlier where `is_inlier` says so.
+struct Frame {
+  Picture picture;
+  std::unique_ptr<LocalisedFrame> localised = std::make_unique<LocalisedFrame>();
+};
+
+Frame frame_of(const std::vector<Spot>& body, const SyntheticMap& mapped, const Pose& pose, int outlier_every) {
+  Rng rng(5, 121);
+  Frame frame{.picture = take_picture(body, pose, kNoise_px, 0, &rng)};
+  frame.localised->absolute.pose = pose;
+  for (std::size_t i = 0; i < frame.picture.spot_of.size(); ++i) {
+    const LandmarkId id = mapped.landmark_of[static_cast<std::size_t>(frame.picture.spot_of[i])];
+    if (id.valid()) {
+      const bool inlier = outlier_every == 0 || i % static_cast<std::size_t>(outlier_every) != 0;
+      (void)frame.localised->matches.push_back(
+          {.landmark = id, .feature = static_cast<std::int32_t>(i), .inlier = inlier});
+    }
+  }
+  return frame;
+}
+
+KeyframeId insert(const Frame& frame, const MapOptions& options, Map* map) {
+  return insert_keyframe(77, 123456789, *frame.picture.features, *frame.localised, options, map);
+}
+
+TEST(WantsKeyframe, IsTrue_WhenThereIsNone) {
+  const auto map = std::make_unique<Map>();
+  EXPECT_TRUE(wants_keyframe(*map, turned(0.0), 0, {}));
+}
+
+TEST(WantsKeyframe, IsTrue_WhenTheBodyHasTurnedFromAllKeyframes_OrFewAreTracked) {
+  const auto s = make_map(ball(300, 31), turn_by(0.2, 3), kNoise_px, 31);
+  const MapOptions options{.keyframe_rotation_min_rad = 0.1, .keyframe_tracked_min = 0.5};
+  constexpr int kMany = 1000;
+  EXPECT_FALSE(wants_keyframe(*s.map, turned(0.4), kMany, options));
+  EXPECT_FALSE(wants_keyframe(*s.map, turned(0.05), kMany, options)) << "near the first, long ago";
+  EXPECT_FALSE(wants_keyframe(*s.map, turned(0.49), kMany, options));
+  EXPECT_TRUE(wants_keyframe(*s.map, turned(0.51), kMany, options));
+  EXPECT_TRUE(wants_keyframe(*s.map, turned(0.4), 0, options));
+}
+
+TEST(InsertKeyframe, StoresTheFrame_AndTiesItsInliersOnly) {
+  const auto body = ball(300, 32);
+  const auto s = make_map(body, turn_by(0.2, 3), kNoise_px, 32);
+  const Frame frame = frame_of(body, s, turned(0.5), 4);
+  const KeyframeId id = insert(frame, {}, s.map.get());
+  ASSERT_TRUE(id.valid());
+  const Keyframe& keyframe = s.map->keyframes[id.index()];
+  EXPECT_EQ(keyframe.frame, 77U);
+  EXPECT_EQ(keyframe.timestamp_ns, 123456789);
+  EXPECT_EQ(keyframe.pose.p_CT, turned(0.5).p_CT);
+  EXPECT_EQ(keyframe.features.size(), frame.picture.features->size());
+  int tied = 0;
+  for (const LandmarkMatch& m : frame.localised->matches) {
+    const LandmarkId held = keyframe.landmark_of[static_cast<std::size_t>(m.feature)];
+    EXPECT_EQ(held.valid(), m.inlier);
+    tied += held.valid() ? 1 : 0;
+  }
+  EXPECT_GT(tied, 30);
+  EXPECT_EQ(broken_promise(*s.map), "");
+}
+
+TEST(InsertKeyframe, TiesNothing_ToWhatOpticalFlowFound) {
+  const auto body = ball(300, 33);
+  const auto s = make_map(body, turn_by(0.2, 3), kNoise_px, 33);
+  const Frame frame = frame_of(body, s, turned(0.5), 0);
+  for (LandmarkMatch& m : frame.localised->matches) {
+    m.feature = -1;
+  }
+  const KeyframeId id = insert(frame, {}, s.map.get());
+  for (const LandmarkId& landmark : s.map->keyframes[id.index()].landmark_of) {
+    EXPECT_FALSE(landmark.valid());
+  }
+}
+
+TEST(InsertKeyframe, KeepsTheLimit_AndLosesAnOldOne) {
+  const auto body = ball(300, 34);
+  const auto s = make_map(body, turn_by(0.06, 12), kNoise_px, 34);
+  const MapOptions options{.keyframes_max = 12};
+  const KeyframeId newest[2] = {s.keyframes[11], s.keyframes[10]};
+  const std::uint32_t numbers[2] = {s.map->keyframes[newest[0].index()].number, s.map->keyframes[newest[1].index()].number};
+  const KeyframeId id = insert(frame_of(body, s, turned(0.8), 0), options, s.map.get());
+  ASSERT_TRUE(id.valid());
+  EXPECT_EQ(s.map->keyframe_count, 12);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_TRUE(s.map->keyframes[newest[i].index()].used);
+    EXPECT_EQ(s.map->keyframes[newest[i].index()].number, numbers[i]) << "the newest two never go";
+  }
+  EXPECT_EQ(broken_promise(*s.map), "");
+}
+
+TEST(MostRedundant, IsNone_WhenEachKeyframeIsAloneOnItsSide) {
+  const auto body = ball(300, 35);
+  const auto s = make_map(body, turn_by(0.6, 8), kNoise_px, 35);
+  EXPECT_FALSE(most_redundant(*s.map).valid());
+  const int count = s.map->keyframe_count;
+  const int landmarks = s.map->landmark_count;
+  EXPECT_FALSE(insert(frame_of(body, s, turned(0.3), 0), {.keyframes_max = count}, s.map.get()).valid());
+  EXPECT_EQ(s.map->keyframe_count, count);
+  EXPECT_EQ(s.map->landmark_count, landmarks);
+}
+
+TEST(MostRedundant, NeverTakesTheOnlyViewOfASide) {
+  // Ten views of one side, one of another: the lonely one is the oldest.
+  std::vector<Pose> poses{turned(1.5)};
+  for (int k = 0; k < 10; ++k) {
+    poses.push_back(turned(0.05 * k));
+  }
+  const auto s = make_map(ball(300, 36), poses, kNoise_px, 36);
+  for (int i = 0; i < 8; ++i) {
+    const KeyframeId leaving = most_redundant(*s.map);
+    ASSERT_TRUE(leaving.valid());
+    EXPECT_NE(leaving, s.keyframes[0]);
+    remove_keyframe(leaving, s.map.get());
+    refresh_landmarks(s.map.get(), camera());
+  }
+  EXPECT_FALSE(most_redundant(*s.map).valid()) << "the lonely one and the newest two are left";
+}
+
+}  // namespace
+}  // namespace polhode

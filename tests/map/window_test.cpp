@@ -1,0 +1,221 @@
+#include "map/window.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "geometry/alignment.hpp"
+#include "synthetic_map.hpp"
+
+namespace polhode {
+namespace {
+
+using namespace synthetic;
+
+constexpr BundleOptions kBundle{.iterations_max = 20, .cauchy_sigma = 2.0};
+
+int moving(const AdjustmentSnapshot& s) {
+  return static_cast<int>(std::count(s.pose_fixed.begin(), s.pose_fixed.end(), std::uint8_t{0}));
+}
+
+int held(const AdjustmentSnapshot& s) { return static_cast<int>(s.pose_fixed.size()) - moving(s); }
+
+/// RMS distance of the landmarks' images from where they were seen, in pixels.
+double rms_px(const Map& map) {
+  double sum = 0.0;
+  int count = 0;
+  for (const Keyframe& keyframe : map.keyframes) {
+    for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
+      if (keyframe.landmark_of[i].valid()) {
+        const Eigen::Vector3d p_C = keyframe.pose.to_camera(map.landmarks[keyframe.landmark_of[i].index()].p_T);
+        sum += (project_px(camera(), p_C) - project_px(camera(), keyframe.features[i].normalised)).squaredNorm();
+        ++count;
+      }
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+void disturb(std::uint64_t seed, Map* map) {
+  Rng rng(seed, 111);
+  for (Landmark& landmark : map->landmarks) {
+    landmark.p_T += 0.02 * normal3(&rng);
+  }
+  for (Keyframe& keyframe : map->keyframes) {
+    keyframe.pose.R_CT = so3_exp(0.005 * normal3(&rng)) * keyframe.pose.R_CT;
+    keyframe.pose.p_CT += Eigen::Vector3d(0.01 * rng.normal(), 0.01 * rng.normal(), 0.05 * rng.normal());
+  }
+}
+
+/// The similarity that takes the landmarks from where they were to where they are, each weighted by its sightings.
+Similarity drift(const Map& before, const Map& after) {
+  std::vector<Eigen::Vector3d> a;
+  std::vector<Eigen::Vector3d> b;
+  std::vector<double> weights;
+  for (std::size_t i = 0; i < before.landmarks.size(); ++i) {
+    if (before.landmarks[i].used) {
+      a.push_back(before.landmarks[i].p_T);
+      b.push_back(after.landmarks[i].p_T);
+      weights.push_back(before.landmarks[i].observations);
+    }
+  }
+  return align_similarity(a, b, weights).value();
+}
+
+TEST(SnapshotWindow, MovesTheWindow_AndHoldsAtMostTwiceAsManyOthers) {
+  const auto s = make_map(ball(300, 21), turn_by(0.1, 12), kNoise_px, 21);
+  const AdjustmentSnapshot snapshot = snapshot_window(*s.map, camera(), 3);
+  EXPECT_EQ(moving(snapshot), 3);
+  EXPECT_GE(held(snapshot), 1);
+  EXPECT_LE(held(snapshot), 6);
+  EXPECT_EQ(snapshot.keyframes.size(), snapshot.poses.size());
+  EXPECT_EQ(snapshot.landmarks.size(), snapshot.points_T.size());
+  EXPECT_EQ(snapshot.points_T.size(), snapshot.point_fixed.size());
+  const auto newest = std::find(snapshot.keyframes.begin(), snapshot.keyframes.end(), s.keyframes.back());
+  ASSERT_NE(newest, snapshot.keyframes.end());
+  EXPECT_EQ(snapshot.pose_fixed[static_cast<std::size_t>(newest - snapshot.keyframes.begin())], 0);
+}
+
+TEST(SnapshotWindow, HoldsAtLeastOneKeyframe_HoweverLargeTheWindow) {
+  const auto s = make_map(ball(200, 22), turn_by(0.1, 4), kNoise_px, 22);
+  const AdjustmentSnapshot snapshot = snapshot_window(*s.map, camera(), 30);
+  EXPECT_EQ(snapshot.keyframes.size(), 4U);
+  EXPECT_GE(held(snapshot), 1);
+  EXPECT_GE(moving(snapshot), 1);
+}
+
+TEST(SnapshotWindow, RefersOnlyToWhatItHolds) {
+  const auto s = make_map(ball(300, 23), turn_by(0.1, 12), kNoise_px, 23);
+  for (const AdjustmentSnapshot& snapshot : {snapshot_window(*s.map, camera(), 4), snapshot_all(*s.map, camera())}) {
+    ASSERT_FALSE(snapshot.observations.empty());
+    for (const BundleObservation& o : snapshot.observations) {
+      const auto k = static_cast<std::size_t>(o.pose);
+      const auto p = static_cast<std::size_t>(o.point);
+      ASSERT_LT(k, snapshot.keyframes.size());
+      ASSERT_LT(p, snapshot.landmarks.size());
+      EXPECT_GT(o.sigma_normalised, 0.0);
+      const auto& ties = s.map->keyframes[snapshot.keyframes[k].index()].landmark_of;
+      EXPECT_NE(std::find(ties.begin(), ties.end(), snapshot.landmarks[p]), ties.end());
+    }
+  }
+}
+
+TEST(SnapshotAll, HasEveryKeyframeAndEveryLandmark_WithItsSightings) {
+  const auto s = make_map(ball(300, 24), turn_by(0.1, 8), kNoise_px, 24);
+  const AdjustmentSnapshot snapshot = snapshot_all(*s.map, camera());
+  EXPECT_EQ(snapshot.keyframes.size(), 8U);
+  EXPECT_EQ(static_cast<int>(snapshot.landmarks.size()), s.map->landmark_count);
+  int sightings = 0;
+  for (const Landmark& landmark : s.map->landmarks) {
+    sightings += landmark.used ? landmark.observations : 0;
+  }
+  EXPECT_EQ(static_cast<int>(snapshot.observations.size()), sightings);
+  EXPECT_GE(held(snapshot), 1);
+}
+
+TEST(Snapshots, AreEmpty_WhenTheMapIs) {
+  const auto map = std::make_unique<Map>();
+  EXPECT_TRUE(snapshot_window(*map, camera(), 5).keyframes.empty());
+  AdjustmentSnapshot all = snapshot_all(*map, camera());
+  EXPECT_TRUE(all.keyframes.empty());
+  EXPECT_FALSE(adjust(&all, kBundle).usable);
+}
+
+TEST(Adjust, BringsAJoltedMapBackToItsNoise) {
+  const auto s = make_map(ball(300, 25), turn_by(0.15, 8), kNoise_px, 25);
+  disturb(25, s.map.get());
+  const double before_px = rms_px(*s.map);
+  ASSERT_GT(before_px, 3.0);
+  AdjustmentSnapshot all = snapshot_all(*s.map, camera());
+  ASSERT_TRUE(adjust(&all, kBundle).usable);
+  apply(all, s.map.get());
+  // Two coordinates of 0.5 px each are 0.71 px RMS; the fit takes some of it away.
+  EXPECT_LT(rms_px(*s.map), 1.1 * 0.71);
+  EXPECT_EQ(broken_promise(*s.map), "");
+}
+
+TEST(Adjust, OfAWindow_LowersTheErrorOfTheMap) {
+  const auto s = make_map(ball(300, 26), turn_by(0.1, 12), kNoise_px, 26);
+  Rng rng(26, 112);
+  Keyframe& newest = s.map->keyframes[s.keyframes.back().index()];
+  newest.pose.R_CT = so3_exp(0.02 * normal3(&rng)) * newest.pose.R_CT;
+  const double before_px = rms_px(*s.map);
+  AdjustmentSnapshot window = snapshot_window(*s.map, camera(), 4);
+  ASSERT_TRUE(adjust(&window, kBundle).usable);
+  apply(window, s.map.get());
+  EXPECT_LT(rms_px(*s.map), before_px);
+  EXPECT_LT(rms_px(*s.map), 1.2 * 0.71);
+}
+
+TEST(Adjust, OfAWindow_DoesNotMoveWhatIsHeld) {
+  const auto s = make_map(ball(300, 27), turn_by(0.1, 12), kNoise_px, 27);
+  disturb(27, s.map.get());
+  const auto before = std::make_unique<Map>(*s.map);
+  AdjustmentSnapshot window = snapshot_window(*s.map, camera(), 3);
+  ASSERT_GE(held(window), 2);
+  ASSERT_TRUE(adjust(&window, kBundle).usable);
+  apply(window, s.map.get());
+  std::vector<bool> moved(limits::kKeyframes, false);
+  for (std::size_t k = 0; k < window.keyframes.size(); ++k) {
+    moved[window.keyframes[k].index()] = window.pose_fixed[k] == 0;
+  }
+  for (const KeyframeId id : s.keyframes) {
+    if (!moved[id.index()]) {
+      const Pose& was = before->keyframes[id.index()].pose;
+      const Pose& is = s.map->keyframes[id.index()].pose;
+      EXPECT_LT((is.R_CT - was.R_CT).norm() + (is.p_CT - was.p_CT).norm(), 1e-12) << "to rounding";
+    }
+  }
+}
+
+TEST(Apply, KeepsAxesOriginAndScale_WhenAllMoved) {
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    const auto s = make_map(ball(300, 28), turn_by(0.15, 8), kNoise_px, seed);
+    disturb(seed, s.map.get());
+    const auto before = std::make_unique<Map>(*s.map);
+    AdjustmentSnapshot all = snapshot_all(*s.map, camera());
+    ASSERT_TRUE(adjust(&all, kBundle).usable);
+    apply(all, s.map.get());
+    const Similarity moved = drift(*before, *s.map);
+    // The least-squares similarity from the old to the new is not quite the inverse of the one back: they differ by the
+    // square of the scatter (0.02 of the radius) over the square of the extent.
+    EXPECT_NEAR(moved.scale, 1.0, 3.0 * 0.02 * 0.02);
+    EXPECT_LT(rotation_angle_rad(moved.R_ba, Eigen::Matrix3d::Identity()), 1e-6);
+    EXPECT_LT(moved.t_ba.norm(), 3.0 * 0.02 * 0.02);
+  }
+}
+
+TEST(Apply, GivesBackTheSameMap_WhenTheSolutionDiffersByASimilarity) {
+  const auto s = make_map(ball(200, 29), turn_by(0.15, 6), kNoise_px, 29);
+  const auto before = std::make_unique<Map>(*s.map);
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    Rng rng(seed, 113);
+    const double c = 0.5 + rng.uniform();
+    const Eigen::Matrix3d Q = so3_exp(normal3(&rng));
+    const Eigen::Vector3d q = normal3(&rng);
+    AdjustmentSnapshot all = snapshot_all(*s.map, camera());
+    for (Eigen::Vector3d& p : all.points_T) {
+      p = c * Q * p + q;
+    }
+    for (InverseDepthPose& pose : all.poses) {
+      // p_C' = c p_C for p' = c Q p + q: all images stay.
+      const Pose old = from_inverse_depth(pose);
+      const Eigen::Matrix3d R = old.R_CT * Q.transpose();
+      pose = to_inverse_depth({.R_CT = R, .p_CT = c * old.p_CT - R * q});
+    }
+    apply(all, s.map.get());
+    for (std::size_t i = 0; i < before->landmarks.size(); ++i) {
+      if (before->landmarks[i].used) {
+        EXPECT_LT((s.map->landmarks[i].p_T - before->landmarks[i].p_T).norm(), 1e-9);
+      }
+    }
+    for (const KeyframeId id : s.keyframes) {
+      const Pose& was = before->keyframes[id.index()].pose;
+      const Pose& is = s.map->keyframes[id.index()].pose;
+      EXPECT_LT((is.R_CT - was.R_CT).norm() + (is.p_CT - was.p_CT).norm(), 1e-9);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace polhode

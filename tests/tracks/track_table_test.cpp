@@ -1,0 +1,230 @@
+#include "tracks/track_table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "base/rng.hpp"
+
+namespace polhode {
+namespace {
+
+/// The look of spot `spot`: distinct octets that any other spot's are far from.
+Descriptor look_of(int spot) {
+  Rng rng(41, static_cast<std::uint64_t>(spot));
+  Descriptor d;
+  for (std::uint8_t& octet : d) {
+    octet = static_cast<std::uint8_t>(rng.below(2) * 90);  // norm near 720, two spots near 720 apart
+  }
+  return d;
+}
+
+struct Fixture {
+  std::unique_ptr<TrackTable> table = std::make_unique<TrackTable>();
+  std::unique_ptr<Features> features = std::make_unique<Features>();
+  std::uint32_t next_frame = 100;
+
+  /// A frame in which these spots are seen, in this order.
+  void add(const std::vector<int>& spots) {
+    features->clear();
+    for (const int spot : spots) {
+      Feature f;
+      f.u_px = 10.0F * static_cast<float>(spot % 60) + 0.25F;
+      f.v_px = 10.0F * static_cast<float>(spot / 60) + 0.75F;
+      f.scale_px = static_cast<float>(spot);
+      f.descriptor = look_of(spot);
+      ASSERT_TRUE(features->push_back(f));
+    }
+    add_frame(next_frame, 1000 * static_cast<std::int64_t>(next_frame), *features, 0.8, table.get());
+    ++next_frame;
+  }
+
+  int spot_of(const TrackPoint& point) const {
+    const auto& collected = table->frames[static_cast<std::size_t>(point.frame)];
+    return static_cast<int>(collected.features[static_cast<std::size_t>(point.feature)].scale_px);
+  }
+
+  /// What holds at any time: ascending frames, one spot a track, and track_of as the tracks' inverse.
+  void expect_consistent() const {
+    std::map<std::pair<int, int>, int> owner;
+    for (std::size_t t = 0; t < table->tracks.size(); ++t) {
+      const Track& track = table->tracks[t];
+      ASSERT_GE(track.points.size(), 1U);
+      for (std::size_t i = 0; i < track.points.size(); ++i) {
+        ASSERT_GE(track.points[i].frame, 0);
+        ASSERT_LT(track.points[i].frame, static_cast<std::int32_t>(table->frames.size()));
+        if (i > 0) {
+          ASSERT_GT(track.points[i].frame, track.points[i - 1].frame);
+        }
+        ASSERT_EQ(spot_of(track.points[i]), spot_of(track.points[0]));
+        const auto inserted = owner.emplace(std::pair{track.points[i].frame, track.points[i].feature}, static_cast<int>(t));
+        ASSERT_TRUE(inserted.second) << "one feature in two tracks";
+      }
+    }
+    for (std::size_t f = 0; f < table->frames.size(); ++f) {
+      for (std::size_t i = 0; i < table->frames[f].features.size(); ++i) {
+        const auto found = owner.find({static_cast<int>(f), static_cast<int>(i)});
+        ASSERT_EQ(table->track_of[f][i], found == owner.end() ? -1 : found->second);
+      }
+    }
+  }
+
+  /// Frames (as numbered by the caller) in which the track of each spot has a point.
+  std::map<int, std::set<std::uint32_t>> sightings() const {
+    std::map<int, std::set<std::uint32_t>> out;
+    for (const Track& track : table->tracks) {
+      for (const TrackPoint& point : track.points) {
+        out[spot_of(point)].insert(table->frames[static_cast<std::size_t>(point.frame)].frame);
+      }
+    }
+    return out;
+  }
+};
+
+std::vector<int> range(int first, int last) {
+  std::vector<int> spots;
+  for (int i = first; i < last; ++i) {
+    spots.push_back(i);
+  }
+  return spots;
+}
+
+TEST(TrackTable, HasNoTracks_AfterOneFrame) {
+  Fixture f;
+  f.add(range(0, 20));
+  EXPECT_EQ(f.table->frames.size(), 1U);
+  EXPECT_EQ(f.table->frames[0].frame, 100U);
+  EXPECT_EQ(f.table->frames[0].timestamp_ns, 100000);
+  EXPECT_EQ(f.table->frames[0].features.size(), 20U);
+  EXPECT_TRUE(f.table->tracks.empty());
+  f.expect_consistent();
+}
+
+TEST(TrackTable, ChainsASpotOverAllFrames_WhateverItsPlaceInTheList) {
+  Fixture f;
+  f.add({0, 1, 2, 3, 4});
+  f.add({4, 3, 2, 1, 0});
+  f.add({2, 0, 4, 1, 3});
+  ASSERT_EQ(f.table->tracks.size(), 5U);
+  for (const Track& track : f.table->tracks) {
+    EXPECT_EQ(track.points.size(), 3U);
+  }
+  f.expect_consistent();
+}
+
+TEST(TrackTable, BridgesTwoMissedFrames_ButNotThree) {
+  Fixture f;
+  f.add(range(0, 10));
+  f.add(range(1, 10));
+  f.add(range(2, 10));
+  f.add(range(0, 10));  // 0 was away for two frames
+  const auto bridged = f.sightings();
+  EXPECT_EQ(bridged.at(0), (std::set<std::uint32_t>{100, 103}));
+  EXPECT_EQ(bridged.at(1), (std::set<std::uint32_t>{100, 101, 103}));
+  f.expect_consistent();
+  Fixture g;
+  g.add(range(0, 10));
+  for (int i = 0; i < 3; ++i) {
+    g.add(range(1, 10));
+  }
+  g.add(range(0, 10));
+  EXPECT_EQ(g.sightings().count(0), 0U);
+  g.expect_consistent();
+}
+
+TEST(TrackTable, TiesNothing_BetweenFramesWithoutCommonSpots) {
+  Fixture f;
+  f.add(range(0, 20));
+  f.add(range(20, 40));
+  EXPECT_TRUE(f.table->tracks.empty());
+  f.add({});
+  EXPECT_TRUE(f.table->tracks.empty());
+  f.expect_consistent();
+}
+
+TEST(TrackTable, ForgetsTheOldestFrame_AndTheTracksOfItAlone) {
+  Fixture f;
+  f.add(range(0, 10));
+  f.add(range(0, 8));
+  f.add(range(0, 5));
+  drop_oldest_frame(f.table.get());
+  f.expect_consistent();
+  ASSERT_EQ(f.table->frames.size(), 2U);
+  EXPECT_EQ(f.table->frames[0].frame, 101U);
+  const auto left = f.sightings();
+  EXPECT_EQ(left.at(0), (std::set<std::uint32_t>{101, 102}));
+  EXPECT_EQ(left.at(7), (std::set<std::uint32_t>{101}));
+  EXPECT_EQ(left.count(9), 0U);
+  drop_oldest_frame(f.table.get());
+  f.expect_consistent();
+  EXPECT_EQ(f.sightings().size(), 5U);
+}
+
+TEST(TrackTable, KeepsTheLastFrames_WhenMoreComeThanItHolds) {
+  Fixture f;
+  constexpr int kFrames = static_cast<int>(limits::kStartFrames) + 7;
+  for (int i = 0; i < kFrames; ++i) {
+    f.add(range(i, i + 20));  // each spot is seen in 20 frames
+  }
+  EXPECT_EQ(f.table->frames.size(), limits::kStartFrames);
+  EXPECT_EQ(f.table->frames[0].frame, 107U);
+  EXPECT_EQ(f.table->frames.back().frame, static_cast<std::uint32_t>(100 + kFrames - 1));
+  f.expect_consistent();
+  for (const auto& [spot, frames] : f.sightings()) {
+    const int first = std::max(spot - 19, 7);
+    const int last = std::min(spot, kFrames - 1);
+    EXPECT_EQ(static_cast<int>(frames.size()), last - first + 1) << spot;
+  }
+}
+
+TEST(TrackTable, StaysConsistent_UnderRandomSightings) {
+  Fixture f;
+  Rng rng(42, 0);
+  for (int i = 0; i < 60; ++i) {
+    std::vector<int> spots;
+    for (int s = 0; s < 60; ++s) {
+      if (rng.uniform() < 0.6) {
+        spots.push_back(s);
+      }
+    }
+    for (std::size_t k = spots.size(); k > 1; --k) {
+      std::swap(spots[k - 1], spots[rng.below(static_cast<std::uint32_t>(k))]);
+    }
+    f.add(spots);
+    f.expect_consistent();
+  }
+}
+
+TEST(TrackTable, CountsTracksThatFindNoPlace_WhenItIsFull) {
+  Fixture f;
+  // New spots in each pair of frames; the third frame of each trio shares nothing, so that the tracks end.
+  constexpr int kSpots = 400;
+  int made = 0;
+  for (int pair = 0; made <= static_cast<int>(limits::kStartTracks); ++pair, made += kSpots) {
+    f.add(range(pair * kSpots, (pair + 1) * kSpots));
+    f.add(range(pair * kSpots, (pair + 1) * kSpots));
+  }
+  EXPECT_TRUE(f.table->tracks.full());
+  EXPECT_EQ(f.table->full_count, static_cast<std::uint32_t>(made) - limits::kStartTracks);
+  f.expect_consistent();
+}
+
+TEST(TrackTable, IsEmptyAgain_AfterClear) {
+  Fixture f;
+  f.add(range(0, 10));
+  f.add(range(0, 10));
+  clear(f.table.get());
+  EXPECT_TRUE(f.table->frames.empty());
+  EXPECT_TRUE(f.table->tracks.empty());
+  f.add(range(0, 10));
+  f.add(range(0, 10));
+  EXPECT_EQ(f.table->tracks.size(), 10U);
+  f.expect_consistent();
+}
+
+}  // namespace
+}  // namespace polhode
