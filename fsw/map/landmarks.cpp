@@ -168,7 +168,7 @@ void match_partner(KeyframeId a, KeyframeId b, const CreateOptions& options, con
 
 /// Looks for one landmark among the free features of one keyframe.
 std::int32_t find_in(const Landmark& landmark, const Keyframe& keyframe, const FeatureGrid& grid,
-                     const CameraModel& camera, double ratio_max) {
+                     const CameraModel& camera) {
   Eigen::Vector2d pixel;
   if (!should_be_seen(landmark, keyframe.pose, camera, &pixel)) {
     return -1;
@@ -192,7 +192,6 @@ std::int32_t find_in(const Landmark& landmark, const Keyframe& keyframe, const F
       }
     }
   }
-  (void)ratio_max;
   return best.nearest2 <= kDistance2Max ? best.feature : -1;
 }
 
@@ -228,24 +227,27 @@ int create_landmarks(KeyframeId keyframe, const CreateOptions& options, const Ca
   return map->next_landmark_number - before;
 }
 
-int extend_landmarks(std::int32_t first_number, const CameraModel& camera, double ratio_max, Map* map) {
+int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* map) {
   int tied = 0;
   FeatureGrid grid;
+  std::array<bool, limits::kLandmarks> seen{};
   for (const KeyframeId id : keyframes_by_age(*map)) {
-    Keyframe& keyframe = map->keyframes[id.index()];
+    const Keyframe& keyframe = map->keyframes[id.index()];
     grid.build(keyframe.features.view(), camera.width_px, camera.height_px);
+    seen.fill(false);
+    for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+      if (keyframe.landmark_of[i].valid()) {
+        seen[keyframe.landmark_of[i].index()] = true;
+      }
+    }
     for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
       const Landmark& landmark = map->landmarks[i];
-      if (!landmark.used || landmark.number < first_number) {
+      if (!landmark.used || seen[i] || landmark.number < first_number) {
         continue;
       }
-      const std::int32_t feature = find_in(landmark, keyframe, grid, camera, ratio_max);
-      const auto& ties = keyframe.landmark_of;
-      const LandmarkId wanted = LandmarkId::from_index(i);
-      const bool already = std::find(ties.begin(), ties.begin() + static_cast<std::ptrdiff_t>(keyframe.features.size()), wanted) !=
-                           ties.begin() + static_cast<std::ptrdiff_t>(keyframe.features.size());
-      if (feature >= 0 && !already) {
-        tie_sighting(id, static_cast<std::size_t>(feature), wanted, map);
+      const std::int32_t feature = find_in(landmark, keyframe, grid, camera);
+      if (feature >= 0) {
+        tie_sighting(id, static_cast<std::size_t>(feature), LandmarkId::from_index(i), map);
         ++tied;
       }
     }

@@ -28,10 +28,10 @@ struct CreateScratch {
 int create_landmarks(KeyframeId keyframe, const CreateOptions& options, const CameraModel& camera,
                      CreateScratch* scratch, Map* map);
 
-/// Ties landmarks to free features of keyframes in which they should be seen: within 3 sigma, alike in appearance, and
-/// better than any rival. Done for the landmarks made since `first_number` in all keyframes that look at the same side.
+/// Ties landmarks to free features of keyframes in which they should be seen: within 3 sigma and alike in
+/// appearance. Done for the landmarks numbered `first_number` and up, in all keyframes that look at their side.
 /// @return sightings tied.
-int extend_landmarks(std::int32_t first_number, const CameraModel& camera, double ratio_max, Map* map);
+int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* map);
 
 /// Unties sightings whose reprojection error exceeds kInlierChi2 by the noise scale, then
 /// removes landmarks seen by fewer than two keyframes, those still seen by only two when three keyframes have come since,

@@ -5,6 +5,7 @@
 
 #include "map/begin.hpp"
 #include "pipeline/mapping.hpp"
+#include "pipeline/picture.hpp"
 #include "pipeline/track.hpp"
 
 namespace polhode {
@@ -122,13 +123,6 @@ void begin(const StartOutcome& outcome, Component::State* s) {
 }
 
 }  // namespace
-
-void ensure_features(Component::State* s) {
-  if (!s->features_ready) {
-    detect_features(s->gray, s->mask, s->camera, s->parameters.features, &s->features);
-    s->features_ready = true;
-  }
-}
 
 void acquire(Component::State* s) {
   ensure_features(s);

@@ -5,9 +5,6 @@
 
 namespace polhode {
 
-/// Detects this frame's features, once.
-void ensure_features(Component::State* state);
-
 /// Adds the frame to the collection when the picture has changed by enough, and holds a contest. On a commit the map is
 /// made, the mode becomes TRACKING and the frame has its pose.
 void acquire(Component::State* state);

@@ -4,15 +4,9 @@
 
 #include "map/keyframes.hpp"
 #include "map/window.hpp"
-#include "pipeline/acquire.hpp"
 
 namespace polhode {
 namespace {
-
-void cull(Component::State* s) {
-  s->noise_scale = std::max(1.0, residual_scale(s->map, s->camera));
-  s->counters.landmarks_culled += static_cast<std::uint32_t>(cull_landmarks(s->camera, s->noise_scale, &s->map));
-}
 
 void create(KeyframeId keyframe, Component::State* s) {
   const std::int32_t first = s->map.next_landmark_number;
@@ -21,7 +15,7 @@ void create(KeyframeId keyframe, Component::State* s) {
   s->counters.landmarks_created += static_cast<std::uint32_t>(
       create_landmarks(keyframe, options, s->camera, &s->create_scratch, &s->map));
   refresh_landmarks(&s->map, s->camera);
-  extend_landmarks(first, s->camera, options.ratio_max, &s->map);
+  extend_landmarks(first, s->camera, &s->map);
 }
 
 BundleOptions bundle_options(int iterations_max) { return {.iterations_max = iterations_max, .cauchy_sigma = 2.0}; }
@@ -53,10 +47,15 @@ void adjust_all(int iterations_max, Component::State* s) {
   s->keyframes_at_last_adjustment = s->map.keyframe_count;
 }
 
+void cull_map(Component::State* s) {
+  s->noise_scale = std::max(1.0, residual_scale(s->map, s->camera));
+  s->counters.landmarks_culled += static_cast<std::uint32_t>(cull_landmarks(s->camera, s->noise_scale, &s->map));
+}
+
 void settle_map(Component::State* s) {
   refresh_landmarks(&s->map, s->camera);
   adjust_all(s->parameters.map.adjustment_iterations_max, s);
-  cull(s);
+  cull_map(s);
   refresh_landmarks(&s->map, s->camera);
   auto order = keyframes_by_age(s->map);
   std::reverse(order.begin(), order.end());
@@ -64,7 +63,7 @@ void settle_map(Component::State* s) {
     create(id, s);
   }
   adjust_all(s->parameters.map.adjustment_iterations_max, s);
-  cull(s);
+  cull_map(s);
   refresh_landmarks(&s->map, s->camera);
 }
 
@@ -93,7 +92,7 @@ void extend_map(Component::State* s) {
       apply(snapshot, &s->map);
     }
   }
-  cull(s);
+  cull_map(s);
   refresh_landmarks(&s->map, s->camera);
   s->localised.absolute.pose = s->map.keyframes[id.index()].pose;
 }

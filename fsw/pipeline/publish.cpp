@@ -32,14 +32,6 @@ std::array<double, 4> continuous_quaternion(const Eigen::Matrix3d& R_CT, std::ar
   return *last;
 }
 
-void fill_pose(const AbsolutePose& absolute, double unit, Component::State* s, MotionState* m) {
-  m->pose_valid = true;
-  m->q_CT = continuous_quaternion(absolute.pose.R_CT, &s->q_CT_last);
-  m->p_CT = to_array(unit * absolute.pose.p_CT);
-  m->sigma_att_rad = worst_sigma(absolute.covariance.topLeftCorner<3, 3>());
-  m->sigma_pos = unit * worst_sigma(absolute.covariance.bottomRightCorner<3, 3>());
-}
-
 void fill_rates(double unit, const Component::State& s, MotionState* m) {
   const Result<RateEstimate> rates = estimate_rates(s.poses.view(), s.parameters.motion);
   if (!rates) {
@@ -82,6 +74,22 @@ void list_observations(Component::State* s) {
 
 }  // namespace
 
+void fill_pose(const Pose& pose, const PoseCovariance& covariance, std::array<double, 4>* q_last, MotionState* m) {
+  m->pose_valid = true;
+  m->q_CT = continuous_quaternion(pose.R_CT, q_last);
+  m->p_CT = to_array(pose.p_CT);
+  m->sigma_att_rad = worst_sigma(covariance.topLeftCorner<3, 3>());
+  m->sigma_pos = worst_sigma(covariance.bottomRightCorner<3, 3>());
+}
+
+Pose scaled(const Pose& pose, double unit) { return {.R_CT = pose.R_CT, .p_CT = unit * pose.p_CT}; }
+
+PoseCovariance scaled(const PoseCovariance& covariance, double unit) {
+  Eigen::Matrix<double, 6, 1> units;
+  units << 1.0, 1.0, 1.0, unit, unit, unit;
+  return units.asDiagonal() * covariance * units.asDiagonal();
+}
+
 void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   if (!s->pose_valid) {
     s->localised.matches.clear();
@@ -97,8 +105,10 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   m.landmarks = clipped(static_cast<std::size_t>(s->map.landmark_count));
   m.keyframes = clipped(static_cast<std::size_t>(s->map.keyframe_count));
   if (s->pose_valid) {
-    fill_pose(s->localised.absolute, s->scale.metres_per_mu, s, &m);
-    fill_rates(s->scale.metres_per_mu, *s, &m);
+    const AbsolutePose& absolute = s->localised.absolute;
+    const double unit = s->scale.metres_per_mu;
+    fill_pose(scaled(absolute.pose, unit), scaled(absolute.covariance, unit), &s->q_CT_last, &m);
+    fill_rates(unit, *s, &m);
   }
   list_observations(s);
   const std::size_t octets = encode_motion(m, s->parameters.bus, s->sequence, s->packet);

@@ -4,8 +4,10 @@
 
 #include "bus/telemetry.hpp"
 #include "pipeline/acquire.hpp"
+#include "pipeline/picture.hpp"
 #include "pipeline/mapping.hpp"
 #include "pipeline/publish.hpp"
+#include "pipeline/scale_now.hpp"
 #include "pipeline/state.hpp"
 #include "pipeline/track.hpp"
 
@@ -13,12 +15,6 @@ namespace polhode {
 namespace {
 
 FrameUse judge(const Frame& frame, const Component::State& s) {
-  if (!frame.readable || frame.image.data == nullptr) {
-    return FrameUse::kUnreadable;
-  }
-  if (frame.image.width_px != s.camera.width_px || frame.image.height_px != s.camera.height_px) {
-    return FrameUse::kWrongSize;
-  }
   if (s.counters.frames_in > 1 && frame.timestamp_ns <= s.timestamp_ns) {
     return FrameUse::kTimeNotIncreasing;
   }
@@ -33,24 +29,6 @@ void count(FrameUse use, Counters* counters) {
     case FrameUse::kWrongSize: ++counters->frames_wrong_size; break;
     case FrameUse::kTimeNotIncreasing: ++counters->frames_time_not_increasing; break;
   }
-}
-
-void stage_done(Stage stage, const Component::State& s) {
-  if (s.hook != nullptr) {
-    s.hook(s.hook_context, stage);
-  }
-}
-
-FrameUse look(const Frame& frame, Component::State* s) {
-  import_frame(frame.image, &s->gray);
-  const ImageQuality quality = assess(s->gray, s->parameters.image);
-  stage_done(Stage::kImage, *s);
-  if (quality.dark) {
-    return FrameUse::kDark;
-  }
-  find_target(s->gray, s->parameters.mask, &s->mask);
-  stage_done(Stage::kMask, *s);
-  return FrameUse::kUsed;
 }
 
 void estimate(Component::State* s) {
@@ -69,6 +47,8 @@ void estimate(Component::State* s) {
     ++s->counters.poses;
   }
   stage_done(Stage::kMap, *s);
+  measure_scale(s);
+  stage_done(Stage::kShape, *s);
 }
 
 }  // namespace
@@ -77,15 +57,12 @@ const StepOutput& Component::step(const StepInput& input) {
   State* s = state_;
   s->frame = s->counters.frames_in++;
   s->pose_valid = false;
-  s->features_ready = false;
-  s->features.clear();
-  s->localised.matches.clear();
   FrameUse use = judge(input.frame, *s);
   if (use != FrameUse::kTimeNotIncreasing) {
     s->timestamp_ns = std::max(s->timestamp_ns, input.frame.timestamp_ns);
   }
   if (use == FrameUse::kUsed) {
-    use = look(input.frame, s);
+    use = take_picture(input.frame, s);
   }
   if (use == FrameUse::kUsed) {
     estimate(s);

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "map/keyframes.hpp"
-#include "pipeline/acquire.hpp"
 #include "pipeline/mapping.hpp"
+#include "pipeline/picture.hpp"
 
 namespace polhode {
 namespace {
@@ -38,15 +38,6 @@ bool try_guided(const Pose& predicted, Component::State* s) {
     }
   }
   return false;
-}
-
-/// By descriptors over all keyframes: a wrong one would poison the map, so more is asked of it.
-bool try_everywhere(Component::State* s) {
-  ensure_features(s);
-  constexpr int kInliersMin = 30;
-  const Result<bool> done = relocalise(localise_input(*s), &s->localise_scratch, &s->localised);
-  return done && s->localised.absolute.inliers >= kInliersMin &&
-         2 * s->localised.absolute.inliers >= static_cast<int>(s->localised.matches.size());
 }
 
 void renew_reference(Component::State* s) {
@@ -117,6 +108,15 @@ LocaliseInput localise_input(const Component::State& s) {
           .stream = s.frame};
 }
 
+bool relocalise_frame(Component::State* s) {
+  ensure_features(s);
+  // A wrong pose would poison the map: more is asked than of a predicted one.
+  constexpr int kInliersMin = 30;
+  const Result<bool> done = relocalise(localise_input(*s), &s->localise_scratch, &s->localised);
+  return done && s->localised.absolute.inliers >= kInliersMin &&
+         2 * s->localised.absolute.inliers >= static_cast<int>(s->localised.matches.size());
+}
+
 bool predict_pose(const Component::State& s, PosePrediction* predicted) {
   if (s.poses.empty()) {
     return false;
@@ -134,7 +134,7 @@ void track(Component::State* s) {
   PosePrediction predicted;
   const bool has_prediction = predict_pose(*s, &predicted);
   const bool found = has_prediction && (try_flow(predicted.pose, s) || try_guided(predicted.pose, s));
-  const bool everywhere = !found && try_everywhere(s);
+  const bool everywhere = !found && relocalise_frame(s);
   if (!found && !everywhere) {
     lose(s);
     return;

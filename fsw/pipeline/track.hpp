@@ -9,6 +9,9 @@ namespace polhode {
 /// relocalisation; extends the map. Sets `pose_valid`, `localised` and the mode.
 void track(Component::State* state);
 
+/// This frame's pose by its descriptors alone, over all keyframes; in `localised`.
+bool relocalise_frame(Component::State* state);
+
 /// What the map's functions need of this frame.
 LocaliseInput localise_input(const Component::State& state);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
 #include "app/observations.hpp"
 #include "camera/replay/sequence.hpp"
@@ -9,11 +10,18 @@
 
 namespace polhode::platform {
 
-/// Writes motion_smoothed.csv, trajectory.tum, the clouds, shape.json and motion_model.json into
-/// `folder`.
+/// What the run has left behind, frame by frame.
+struct ReplayLog {
+  std::span<const MotionState> published;
+  ObservationSpool& observations;
+};
+
+/// Writes motion_smoothed.csv, trajectory.tum, the clouds, shape.json and motion_model.json into `folder`. Lengths and
+/// poses in them are in the target's body frame: origin in the centroid, axes from the shape (T's own where no shape was
+/// found).
 void finish_replay(Component& component,
                    const Sequence& sequence,
-                   ObservationSpool& observations,
+                   const ReplayLog& log,
                    const std::filesystem::path& folder);
 
 }  // namespace polhode::platform

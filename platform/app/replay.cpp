@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <thread>
+#include <vector>
 
 #include "app/finish.hpp"
 #include "app/machine.hpp"
@@ -92,6 +93,7 @@ struct Run {
   FrameFiles& files;
   Timings& timings;
   RunRecord& record;
+  std::vector<MotionState>& published;
 };
 
 void write_frame(
@@ -104,6 +106,7 @@ void write_frame(
   run.files.bus.append(out.packets);
   run.files.table.append(index, frame.timestamp_ns, out.observations);
   run.files.spool.append(out.observations);
+  run.published.push_back(out.motion);
 }
 
 void run_frames(Run& run, bool realtime) {
@@ -157,7 +160,9 @@ void replay(const ReplayArguments& arguments) {
   made.value()->set_stage_hook(Timings::hook, &timings);
   FrameFiles files(arguments.out, frames);
   RunRecord record;
-  Run run{sequence, *made.value(), files, timings, record};
+  std::vector<MotionState> published;
+  published.reserve(frames);
+  Run run{sequence, *made.value(), files, timings, record, published};
 
   const MachineUse at_start = machine_use();
   const Clock::time_point start = Clock::now();
@@ -169,7 +174,7 @@ void replay(const ReplayArguments& arguments) {
   const std::string bus_sha256 = files.bus.finish();
 
   const Clock::time_point finish_start = Clock::now();
-  finish_replay(*made.value(), sequence, files.spool, arguments.out);
+  finish_replay(*made.value(), sequence, {.published = published, .observations = files.spool}, arguments.out);
   const Counters& counters = made.value()->counters();
   write_summary(arguments.out / "summary.json",
                 {.record = record,

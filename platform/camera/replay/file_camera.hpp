@@ -21,6 +21,9 @@ class FileCamera {
   /// @return false after the last frame.
   bool next(Frame& frame);
 
+  /// The next frame handed out is the one of this index.
+  void seek(std::size_t frame) { next_ = frame; }
+
   [[nodiscard]] std::size_t index() const { return next_ - 1; }  ///< of the frame handed out last
   [[nodiscard]] const std::string& refusal() const {
     return refusal_;

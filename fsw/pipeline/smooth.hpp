@@ -1,0 +1,46 @@
+// The end of a replay: the map brought to rest with all that was seen, and every frame's pose from it.
+//
+// This is work for the ground: it takes what memory and time it needs. What flies is step().
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pipeline/component.hpp"
+#include "solve/absolute_pose.hpp"
+
+namespace polhode {
+
+/// Joint adjustment of all keyframes and landmarks until nothing moves, with sightings looked for anew in every keyframe
+/// between the rounds. T keeps its axes, origin and scale.
+void bring_to_rest(Component::State* state);
+
+struct SmoothedPose {
+  bool valid = false;
+  AbsolutePose absolute;
+  int matches = 0;
+};
+
+/// Poses of single frames from the map at rest.
+class MapAtRest {
+ public:
+  explicit MapAtRest(Component::State* state);
+
+  /// From what the step measured: a keyframe has its adjusted pose, another frame the pose that its logged observations
+  /// give. `hint` is the causal pose.
+  SmoothedPose from_log(std::uint32_t frame, const Pose& hint, std::span<const Observation> inliers) const;
+
+  /// From the picture itself, for a frame that had no pose at its time: found by descriptors over the whole map.
+  SmoothedPose from_image(const Frame& frame);
+
+ private:
+  Component::State* state_;
+  std::vector<std::int32_t> slot_of_number_;  ///< landmark slot by number, -1: gone
+};
+
+/// Landmarks that three keyframes or more confirm, in slot order.
+std::vector<Eigen::Vector3d> confirmed_landmarks(const Component::State& state);
+
+}  // namespace polhode
