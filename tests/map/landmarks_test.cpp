@@ -92,14 +92,14 @@ TEST(ExtendLandmarks, TiesTheOtherKeyframesThatSeeANewLandmark) {
   Bench b;
   ASSERT_GT(b.create(), 50);
   refresh_landmarks(b.s.map.get(), camera());
-  EXPECT_GT(extend_landmarks(b.first, camera(), 0.8, b.s.map.get()), 30);
+  EXPECT_GT(extend_landmarks(b.first, camera(), b.s.map.get()), 30);
   EXPECT_EQ(broken_promise(*b.s.map), "");
   int confirmed = 0;
   for (const Landmark& landmark : b.s.map->landmarks) {
     confirmed += landmark.used && landmark.number >= b.first && landmark.observations >= 3 ? 1 : 0;
   }
   EXPECT_GT(confirmed, 30);
-  EXPECT_EQ(extend_landmarks(b.s.map->next_landmark_number, camera(), 0.8, b.s.map.get()), 0) << "none is that young";
+  EXPECT_EQ(extend_landmarks(b.s.map->next_landmark_number, camera(), b.s.map.get()), 0) << "none is that young";
 }
 
 TEST(CullLandmarks, LeavesAGoodMapAlone) {

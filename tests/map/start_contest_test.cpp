@@ -25,7 +25,8 @@ StartWorkspace& workspace() {
 
 StartOutcome run(const StartScenario& s, std::uint64_t seed) {
   const std::vector<StartTrack> tracks = to_start_tracks(s.tracks, s.sigma_normalised);
-  return run_start_contest({.times_s = s.motion.times_s, .tracks = tracks, .seed = seed}, StartOptions{}, workspace());
+  return run_start_contest(
+      {.times_s = s.motion.times_s, .tracks = tracks, .seed = seed}, StartOptions{}, workspace());
 }
 
 struct View {
@@ -36,13 +37,15 @@ struct View {
   int points = 260;
 };
 
-/// A box that turns before the camera, a corner towards it: points of two or three faces seen in every frame.
+/// A box that turns before the camera, a corner towards it: points of two or three faces seen in
+/// every frame.
 StartScenario turning_box(const View& view, std::uint64_t seed) {
   Rng rng(seed, 3);
   StartScenario s;
   const synthetic::Body body = synthetic::box(view.points, {0.3, 0.4, 0.5}, &rng);
   const double range = 0.7 / (view.alpha_deg * synthetic::detail::kDegree);
-  synthetic::ConstantTurn turn{.frames = view.frames, .turn_rad = view.turn_deg * synthetic::detail::kDegree};
+  synthetic::ConstantTurn turn{.frames = view.frames,
+                               .turn_rad = view.turn_deg * synthetic::detail::kDegree};
   turn.axis_C = synthetic::direction_near_image_plane(0.5, &rng);
   const Eigen::Vector3d corner = Eigen::Vector3d(1.0, 1.0, 1.0).normalized();
   const Eigen::Matrix3d R_corner =
@@ -51,7 +54,8 @@ StartScenario turning_box(const View& view, std::uint64_t seed) {
   turn.p_first_m = {0.01 * range, 0.02 * range, range};
   turn.p_last_m = {0.0, 0.0, 0.98 * range};
   s.motion = synthetic::constant_turn(turn, &rng);
-  s.tracks = synthetic::track_points(body, s.motion, {.noise_px = view.noise_px, .all_frames_only = true}, &rng);
+  s.tracks = synthetic::track_points(
+      body, s.motion, {.noise_px = view.noise_px, .all_frames_only = true}, &rng);
   s.sigma_normalised = 0.5 / synthetic::detail::kFocal_px;
   return s;
 }
@@ -89,7 +93,9 @@ TEST(StartContest, FixesTheGaugeAsPromised) {
       count += 1.0;
     }
   }
-  EXPECT_NEAR(std::sqrt(extent2 / count), 1.0, 0.05);  // points may have been dropped since the scale was fixed
+  EXPECT_NEAR(std::sqrt(extent2 / count),
+              1.0,
+              0.05);  // points may have been dropped since the scale was fixed
 }
 
 TEST(StartContest, PointSigmasCoverTheErrors) {
@@ -120,7 +126,8 @@ TEST(StartContest, PointSigmasCoverTheErrors) {
       }
     }
   }
-  // Errors of one start share its depth scale, so eight starts scatter widely; sigmas wrong by half would show.
+  // Errors of one start share its depth scale, so eight starts scatter widely; sigmas wrong by half
+  // would show.
   EXPECT_GT(sum / count, 0.4);
   EXPECT_LT(sum / count, 2.25);
 }
@@ -128,7 +135,8 @@ TEST(StartContest, PointSigmasCoverTheErrors) {
 TEST(StartContest, GivesTheSameBytes_ForTheSameInput) {
   const StartScenario s = make_start_scenario(StartFamily::kTumbling, 9);
   const StartOutcome a = run(s, 9);
-  (void)run(make_start_scenario(StartFamily::kFar, 1), 1);  // what the workspace held before does not matter
+  (void)run(make_start_scenario(StartFamily::kFar, 1),
+            1);  // what the workspace held before does not matter
   const StartOutcome b = run(s, 9);
   ASSERT_EQ(a.points.size(), b.points.size());
   EXPECT_EQ(a.chi2_gap, b.chi2_gap);
@@ -204,8 +212,8 @@ Tally tally(StartFamily family, int seeds) {
     }
     if (!synthetic::has_body(family) || errors.depth > 0.5 || errors.rotation > 0.5) {
       ++t.wrong;
-      ADD_FAILURE() << "wrong start: seed " << seed << " gap " << out.chi2_gap << " depth " << errors.depth << " turn "
-                    << errors.rotation;
+      ADD_FAILURE() << "wrong start: seed " << seed << " gap " << out.chi2_gap << " depth "
+                    << errors.depth << " turn " << errors.rotation;
     }
   }
   return t;
@@ -240,13 +248,21 @@ TEST(StartContest, StartsOnAFlatPanel) {
   EXPECT_GE(t.commits, 5);
 }
 
-TEST(StartContest, WaitsWhenTheNoiseIsThreeTimesTheClaim_OrIsRight) { (void)tally(StartFamily::kNoisy, 20); }
+TEST(StartContest, WaitsWhenTheNoiseIsThreeTimesTheClaim_OrIsRight) {
+  (void)tally(StartFamily::kNoisy, 20);
+}
 
-TEST(StartContest, NeverStarts_WhenNothingMoves) { EXPECT_EQ(tally(StartFamily::kStatic, 30).commits, 0); }
+TEST(StartContest, NeverStarts_WhenNothingMoves) {
+  EXPECT_EQ(tally(StartFamily::kStatic, 30).commits, 0);
+}
 
-TEST(StartContest, NeverStarts_OnRandomTracks) { EXPECT_EQ(tally(StartFamily::kRandom, 30).commits, 0); }
+TEST(StartContest, NeverStarts_OnRandomTracks) {
+  EXPECT_EQ(tally(StartFamily::kRandom, 30).commits, 0);
+}
 
-TEST(StartContest, NeverStarts_OnTracksThatDriftApart) { EXPECT_EQ(tally(StartFamily::kLumpy, 30).commits, 0); }
+TEST(StartContest, NeverStarts_OnTracksThatDriftApart) {
+  EXPECT_EQ(tally(StartFamily::kLumpy, 30).commits, 0);
+}
 
 TEST(ConvexityCue, TellsABallFromItsTwin) {
   Rng rng(1, 1);

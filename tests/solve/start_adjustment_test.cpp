@@ -15,14 +15,18 @@ using testing::disturb;
 using testing::make_start_geometry;
 using testing::StartGeometry;
 
-std::unique_ptr<StartAdjustmentWorkspace> workspace() { return std::make_unique<StartAdjustmentWorkspace>(); }
+std::unique_ptr<StartAdjustmentWorkspace> workspace() {
+  return std::make_unique<StartAdjustmentWorkspace>();
+}
 
 /// Largest difference between the geometry's images and the sightings, in sigma.
 double worst_image(StartGeometry* g) {
   double worst = 0.0;
   for (const StartSighting& s : g->sightings) {
     Eigen::Vector2d x;
-    EXPECT_TRUE(reproject(g->poses[static_cast<std::size_t>(s.frame)], g->points_T[static_cast<std::size_t>(s.track)], &x));
+    EXPECT_TRUE(reproject(g->poses[static_cast<std::size_t>(s.frame)],
+                          g->points_T[static_cast<std::size_t>(s.track)],
+                          &x));
     worst = std::max(worst, (x - s.normalised).norm() / s.sigma_normalised);
   }
   return worst;
@@ -35,8 +39,12 @@ TEST(StartAdjustment, RecoversExactGeometry_WithoutNoise) {
     disturb(0.03, 0.05, seed, &g);
     ASSERT_TRUE(normalise_gauge(truth.view()));
     const auto w = workspace();
-    (void)adjust_start(g.sightings, g.view(), {.iterations_max = 50, .loss = StartLoss::kCauchy, .width_sigma = 30.0}, w.get());
-    const StartFit fit = adjust_start(g.sightings, g.view(), {.iterations_max = 50, .settled = 1e-12}, w.get());
+    (void)adjust_start(g.sightings,
+                       g.view(),
+                       {.iterations_max = 50, .loss = StartLoss::kCauchy, .width_sigma = 30.0},
+                       w.get());
+    const StartFit fit =
+        adjust_start(g.sightings, g.view(), {.iterations_max = 50, .settled = 1e-12}, w.get());
     EXPECT_LT(fit.cost, 1e-6) << seed;
     ASSERT_TRUE(normalise_gauge(g.view()));
     for (std::size_t i = 0; i < g.points_T.size(); ++i) {
@@ -49,9 +57,11 @@ TEST(StartAdjustment, RecoversExactGeometry_WithoutNoise) {
 TEST(StartAdjustment, GradientVanishesAtTheMinimum_NumericallyChecked) {
   StartGeometry g = make_start_geometry({.points = 12, .frames = 4, .noise = 1.0}, 3);
   const auto w = workspace();
-  const StartAdjustmentOptions options{.iterations_max = 100, .loss = StartLoss::kCauchy, .settled = 1e-12};
+  const StartAdjustmentOptions options{
+      .iterations_max = 100, .loss = StartLoss::kCauchy, .settled = 1e-12};
   const double minimum = adjust_start(g.sightings, g.view(), options, w.get()).cost;
-  // With the analytic Jacobians wrong anywhere, the minimum found would not be one of the cost itself.
+  // With the analytic Jacobians wrong anywhere, the minimum found would not be one of the cost
+  // itself.
   const auto moved_cost = [&](const StartGeometry& moved) {
     StartGeometry copy = moved;
     return evaluate_start(copy.sightings, copy.view(), options, w.get()).cost;
@@ -81,7 +91,10 @@ TEST(StartAdjustment, LeavesWrongTracksAside) {
     }
   }
   const auto w = workspace();
-  (void)adjust_start(g.sightings, g.view(), {.iterations_max = 20, .loss = StartLoss::kCauchy, .width_sigma = 3.0}, w.get());
+  (void)adjust_start(g.sightings,
+                     g.view(),
+                     {.iterations_max = 20, .loss = StartLoss::kCauchy, .width_sigma = 3.0},
+                     w.get());
   const StartFit fit = adjust_start(g.sightings, g.view(), {.iterations_max = 30}, w.get());
   EXPECT_GE(fit.inliers, 48 * 6 * 95 / 100);
   EXPECT_LE(fit.inliers, 48 * 6);
@@ -94,8 +107,8 @@ TEST(StartAdjustment, NoiseScaleTellsHowWrongTheClaimIs) {
   for (const double factor : {1.0, 2.0}) {
     StartGeometry g = make_start_geometry({.points = 80, .frames = 8, .noise = factor}, 7);
     const auto w = workspace();
-    const StartFit fit =
-        adjust_start(g.sightings, g.view(), {.iterations_max = 30, .loss = StartLoss::kCauchy}, w.get());
+    const StartFit fit = adjust_start(
+        g.sightings, g.view(), {.iterations_max = 30, .loss = StartLoss::kCauchy}, w.get());
     // The median of 640 squared residuals scatters by 5 %, its root by 3 %; three of those.
     EXPECT_NEAR(fit.noise_scale / factor, 1.0, 0.1);
   }
@@ -109,7 +122,8 @@ TEST(StartAdjustment, NormaliseGauge_KeepsTheImages) {
 }
 
 TEST(StartAdjustment, ReverseDepth_ChangesImagesInSecondOrderOnly) {
-  // The images change by relief / range of themselves: halving the size over range quarters the change.
+  // The images change by relief / range of themselves: halving the size over range quarters the
+  // change.
   double last = 0.0;
   for (const double size : {0.02, 0.01, 0.005}) {
     StartGeometry g = make_start_geometry({.extent_over_range = size, .sigma = 1.0}, 13);
@@ -139,14 +153,16 @@ TEST(StartAdjustment, SinglePose_FindsItsWayFromTenDegrees) {
   }
   InverseDepthPose pose = g.poses[3];
   pose.R_CT = so3_exp({0.1, -0.12, 0.08}) * pose.R_CT;
-  StartAdjustmentOptions options{.iterations_max = 20, .loss = StartLoss::kCauchy, .width_sigma = 30.0};
+  StartAdjustmentOptions options{
+      .iterations_max = 20, .loss = StartLoss::kCauchy, .width_sigma = 30.0};
   EXPECT_GE(adjust_single_pose(own, g.view(), options, &pose), 0.0);
   options.width_sigma = 3.0;
   EXPECT_GE(adjust_single_pose(own, g.view(), options, &pose), 0.0);
   EXPECT_LT(rotation_angle_rad(pose.R_CT, g.poses[3].R_CT), 0.01);
 }
 
-/// Covariance by the dense pseudo-inverse and projection onto the gauge's constraints, all derivatives numeric.
+/// Covariance by the dense pseudo-inverse and projection onto the gauge's constraints, all
+/// derivatives numeric.
 Eigen::MatrixXd dense_point_covariance(StartGeometry* g) {
   const auto frames = static_cast<Eigen::Index>(g->poses.size());
   const auto points = static_cast<Eigen::Index>(g->points_T.size());
@@ -158,7 +174,8 @@ Eigen::MatrixXd dense_point_covariance(StartGeometry* g) {
       InverseDepthPose pose = g->poses[static_cast<std::size_t>(s.frame)];
       pose.R_CT = so3_exp(x.segment<3>(6 * s.frame)) * pose.R_CT;
       pose.uvs += x.segment<3>(6 * s.frame + 3);
-      const Eigen::Vector3d p = g->points_T[static_cast<std::size_t>(s.track)] + x.segment<3>(6 * frames + 3 * s.track);
+      const Eigen::Vector3d p =
+          g->points_T[static_cast<std::size_t>(s.track)] + x.segment<3>(6 * frames + 3 * s.track);
       Eigen::Vector2d image;
       EXPECT_TRUE(reproject(pose, p, &image));
       out.segment<2>(2 * static_cast<Eigen::Index>(i)) = image / s.sigma_normalised;
@@ -181,7 +198,8 @@ Eigen::MatrixXd dense_point_covariance(StartGeometry* g) {
   // Minimum-variance under exact constraints: invert on their null space.
   const Eigen::MatrixXd N = Eigen::FullPivLU<Eigen::MatrixXd>(H).kernel();
   const Eigen::MatrixXd JN = J * N;
-  return (N * (JN.transpose() * JN).inverse() * N.transpose()).bottomRightCorner(3 * points, 3 * points);
+  return (N * (JN.transpose() * JN).inverse() * N.transpose())
+      .bottomRightCorner(3 * points, 3 * points);
 }
 
 TEST(StartAdjustment, PointCovariances_EqualTheDenseOnesUnderTheSameGauge) {

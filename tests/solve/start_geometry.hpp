@@ -1,4 +1,5 @@
-// A start of known geometry for the tests of the solvers: points on a box, a few frames, exact or noisy images.
+// A start of known geometry for the tests of the solvers: points on a box, a few frames, exact or
+// noisy images.
 #pragma once
 
 #include <numbers>
@@ -31,7 +32,8 @@ struct StartGeometryOptions {
   double sigma = 1e-4;
   double noise = 0.0;  ///< in sigma
   bool flat = false;
-  bool on_axis = false;     ///< no drift across the image: weak perspective then errs by extent / range alone
+  bool on_axis =
+      false;  ///< no drift across the image: weak perspective then errs by extent / range alone
 };
 
 inline StartGeometry make_start_geometry(const StartGeometryOptions& options, std::uint64_t seed) {

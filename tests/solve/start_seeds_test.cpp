@@ -30,7 +30,8 @@ Pairs first_and_last(const StartGeometry& g) {
       pairs.b.push_back(s.normalised);
     }
   }
-  pairs.truth = relative_pose(from_inverse_depth(g.poses.front()), from_inverse_depth(g.poses.back()));
+  pairs.truth =
+      relative_pose(from_inverse_depth(g.poses.front()), from_inverse_depth(g.poses.back()));
   pairs.truth.p_ba.normalize();
   return pairs;
 }
@@ -45,7 +46,8 @@ ImageMatrix images_of(const StartGeometry& g) {
   return images;
 }
 
-/// Angle between the turn of the motion and the truth's, or its depth-reversed twin's, whichever is nearer.
+/// Angle between the turn of the motion and the truth's, or its depth-reversed twin's, whichever is
+/// nearer.
 double turn_error_rad(const Eigen::Matrix3d& turn, const Eigen::Matrix3d& truth) {
   const Eigen::DiagonalMatrix<double, 3> flip(1.0, 1.0, -1.0);
   return std::min(rotation_angle_rad(turn, truth), rotation_angle_rad(turn, flip * truth * flip));
@@ -55,7 +57,8 @@ TEST(RelativePoses, FindTheExactMotion_WithoutNoise) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const StartGeometry g = make_start_geometry({.extent_over_range = 0.2}, seed);
     const Pairs pairs = first_and_last(g);
-    const RelativePoseCandidates found = find_relative_poses(pairs.a, pairs.b, {.sigma_normalised = 1e-6, .seed = seed});
+    const RelativePoseCandidates found =
+        find_relative_poses(pairs.a, pairs.b, {.sigma_normalised = 1e-6, .seed = seed});
     ASSERT_FALSE(found.empty()) << seed;
     EXPECT_LT(rotation_angle_rad(found[0].motion.R_ba, pairs.truth.R_ba), 1e-6) << seed;
     EXPECT_LT((found[0].motion.p_ba - pairs.truth.p_ba).norm(), 1e-6) << seed;
@@ -63,13 +66,15 @@ TEST(RelativePoses, FindTheExactMotion_WithoutNoise) {
 }
 
 TEST(RelativePoses, SurviveOneWrongPairInFive) {
-  StartGeometry g = make_start_geometry({.points = 60, .extent_over_range = 0.25, .sigma = 2e-4, .noise = 1.0}, 4);
+  StartGeometry g = make_start_geometry(
+      {.points = 60, .extent_over_range = 0.25, .sigma = 2e-4, .noise = 1.0}, 4);
   Pairs pairs = first_and_last(g);
   Rng rng(1, 1);
   for (std::size_t i = 0; i < pairs.a.size(); i += 5) {
     pairs.b[i] += 0.05 * Eigen::Vector2d(rng.normal(), rng.normal());
   }
-  const RelativePoseCandidates found = find_relative_poses(pairs.a, pairs.b, {.sigma_normalised = 2e-4, .seed = 9});
+  const RelativePoseCandidates found =
+      find_relative_poses(pairs.a, pairs.b, {.sigma_normalised = 2e-4, .seed = 9});
   ASSERT_FALSE(found.empty());
   EXPECT_GE(found[0].inliers, 40);
   EXPECT_LT(rotation_angle_rad(found[0].motion.R_ba, pairs.truth.R_ba), 0.1);
@@ -105,13 +110,15 @@ TEST(Homography, KeepsBothNormals_OfAFlatPanel) {
     EXPECT_LT(best, 1e-5) << seed;
     both += fit.motions.size() == 2 ? 1 : 0;
   }
-  // The other normal lies behind the camera where the panel is seen at a slant: not in most attitudes.
+  // The other normal lies behind the camera where the panel is seen at a slant: not in most
+  // attitudes.
   EXPECT_GE(both, 5);
 }
 
 TEST(AffineFactorisation, RecoversTheTurnOfADistantBody_WithWrongTracks) {
   // Perspective shows in extent / range = 1e-3 of the relief: turns come out as exact as that.
-  StartGeometry g = make_start_geometry({.points = 50, .frames = 8, .turn_rad = 0.8, .extent_over_range = 1e-3, .on_axis = true}, 6);
+  StartGeometry g = make_start_geometry(
+      {.points = 50, .frames = 8, .turn_rad = 0.8, .extent_over_range = 1e-3, .on_axis = true}, 6);
   ImageMatrix images = images_of(g);
   Rng rng(2, 2);
   for (Eigen::Index i = 0; i < images.cols(); i += 5) {
@@ -130,7 +137,9 @@ TEST(AffineFactorisation, RecoversTheTurnOfADistantBody_WithWrongTracks) {
 
 TEST(ConstantRate, RecoversTheRate_OfADistantBody) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    StartGeometry g = make_start_geometry({.points = 50, .frames = 8, .turn_rad = 0.5, .extent_over_range = 1e-3, .on_axis = true}, seed);
+    StartGeometry g = make_start_geometry(
+        {.points = 50, .frames = 8, .turn_rad = 0.5, .extent_over_range = 1e-3, .on_axis = true},
+        seed);
     const ImageMatrix images = images_of(g);
     const std::vector<std::uint8_t> all(g.points_T.size(), 1);
     const ConstantRateMotions found = search_constant_rate(centred(images, all), g.times_s);
@@ -142,7 +151,8 @@ TEST(ConstantRate, RecoversTheRate_OfADistantBody) {
 }
 
 TEST(WeakPerspective, PointsAreThoseOfTheMotion) {
-  StartGeometry g = make_start_geometry({.points = 30, .frames = 5, .extent_over_range = 1e-4, .on_axis = true}, 8);
+  StartGeometry g = make_start_geometry(
+      {.points = 30, .frames = 5, .extent_over_range = 1e-4, .on_axis = true}, 8);
   const ImageMatrix images = images_of(g);
   const std::vector<std::uint8_t> all(g.points_T.size(), 1);
   WeakPerspectiveMotion motion;
@@ -156,7 +166,8 @@ TEST(WeakPerspective, PointsAreThoseOfTheMotion) {
     mean += p / static_cast<double>(g.points_T.size());
   }
   for (std::size_t i = 0; i < g.points_T.size(); ++i) {
-    // Relief / range is 1e-4; depth, from a turn of 0.6 rad, is a few times less certain than the sides.
+    // Relief / range is 1e-4; depth, from a turn of 0.6 rad, is a few times less certain than the
+    // sides.
     EXPECT_LT((points.col(static_cast<Eigen::Index>(i)) - (g.points_T[i] - mean)).norm(), 1e-3);
   }
 }

@@ -1,0 +1,128 @@
+// A component in memory of its own, and pictures to feed it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <span>
+#include <vector>
+
+#include "base/rng.hpp"
+#include "geometry/pose.hpp"
+#include "pipeline/component.hpp"
+
+namespace polhode::bench {
+
+inline constexpr int kWidth = 320;
+inline constexpr int kHeight = 240;
+inline constexpr double kFocal_px = 600.0;
+
+using Picture = std::vector<std::uint8_t>;
+
+inline Parameters parameters() {
+  Parameters p;
+  p.camera = {.width_px = kWidth, .height_px = kHeight, .fu_px = kFocal_px, .fv_px = kFocal_px, .cu_px = 160.0, .cv_px = 120.0};
+  return p;
+}
+
+/// Memory as a caller would acquire it: aligned to 64 octets, filled with what others left there.
+class Memory {
+ public:
+  explicit Memory(std::size_t octets)
+      : octets_(octets), data_(static_cast<std::byte*>(::operator new(octets, std::align_val_t{64}))) {
+    std::fill(data_.get(), data_.get() + octets, std::byte{0xA5});
+  }
+  [[nodiscard]] std::span<std::byte> view() const { return {data_.get(), octets_}; }
+
+ private:
+  struct Free {
+    void operator()(std::byte* data) const { ::operator delete(data, std::align_val_t{64}); }
+  };
+  std::size_t octets_;
+  std::unique_ptr<std::byte, Free> data_;
+};
+
+inline Frame frame_of(std::int64_t timestamp_ns, const Picture& picture, int width_px = kWidth, int height_px = kHeight) {
+  return {.timestamp_ns = timestamp_ns,
+          .image = {.data = picture.data(), .width_px = width_px, .height_px = height_px, .stride_octets = width_px}};
+}
+
+/// A component that was made without trouble.
+struct Bench {
+  explicit Bench(const Parameters& p = parameters()) : memory(memory_needed(p).total) {
+    Result<Component*> made = Component::create(memory.view(), p);
+    EXPECT_TRUE(made.ok());
+    component = made.value();
+  }
+  const StepOutput& show(const Picture& picture) { return component->step({.frame = frame_of(++time_s * kSecond_ns, picture)}); }
+
+  static constexpr std::int64_t kSecond_ns = 1'000'000'000;
+  Memory memory;
+  Component* component = nullptr;
+  std::int64_t time_s = 0;
+};
+
+inline Picture uniform(int level) { return Picture(kWidth * kHeight, static_cast<std::uint8_t>(level)); }
+
+inline Picture noise(std::uint64_t seed) {
+  Rng rng(seed, 151);
+  Picture picture(kWidth * kHeight);
+  for (std::uint8_t& pixel : picture) {
+    pixel = static_cast<std::uint8_t>(rng.below(256));
+  }
+  return picture;
+}
+
+/// A ball of radius 1 with patches of all sizes on it, seen against black.
+class Ball {
+ public:
+  explicit Ball(std::uint64_t seed) {
+    Rng rng(seed, 152);
+    for (int i = 0; i < 500; ++i) {
+      const Eigen::Vector3d n = Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal()).normalized();
+      const double reach = 0.04 + 0.12 * rng.uniform() * rng.uniform();
+      patches_.push_back({n, std::cos(reach), (rng.uniform() < 0.5 ? -1.0 : 1.0) * (30.0 + 40.0 * rng.uniform())});
+    }
+  }
+
+  [[nodiscard]] Picture seen_from(const Pose& pose) const {
+    Picture picture(kWidth * kHeight, 0);
+    for (int v = 0; v < kHeight; ++v) {
+      for (int u = 0; u < kWidth; ++u) {
+        const Eigen::Vector3d ray = Eigen::Vector3d((u - 160.0) / kFocal_px, (v - 120.0) / kFocal_px, 1.0).normalized();
+        const double along = ray.dot(pose.p_CT);
+        const double under_root = along * along - pose.p_CT.squaredNorm() + 1.0;
+        if (under_root > 0.0) {
+          const Eigen::Vector3d p_C = (along - std::sqrt(under_root)) * ray;
+          picture[static_cast<std::size_t>(v * kWidth + u)] = level_at(pose.R_CT.transpose() * (p_C - pose.p_CT));
+        }
+      }
+    }
+    return picture;
+  }
+
+ private:
+  struct Patch {
+    Eigen::Vector3d middle;
+    double cosine_edge;
+    double height;
+  };
+
+  [[nodiscard]] std::uint8_t level_at(const Eigen::Vector3d& n) const {
+    double level = 120.0;
+    for (const Patch& patch : patches_) {
+      const double inside = (n.dot(patch.middle) - patch.cosine_edge) / (1.0 - patch.cosine_edge);
+      level += inside > 0.0 ? patch.height * inside * inside * (3.0 - 2.0 * inside) : 0.0;
+    }
+    return static_cast<std::uint8_t>(std::clamp(level, 40.0, 250.0));
+  }
+  std::vector<Patch> patches_;
+};
+
+}  // namespace polhode::bench
