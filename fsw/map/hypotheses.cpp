@@ -15,7 +15,8 @@
 namespace polhode {
 namespace {
 
-/// The core's images, frame by frame, turned so that the tracks' mean lies on the axis: there weak perspective is best.
+/// The core's images, frame by frame, turned so that the tracks' mean lies on the axis: there weak
+/// perspective is best.
 struct CoreImages {
   std::array<std::array<Eigen::Vector2d, kCoreTracks>, kCoreFrames> x;
   std::array<Eigen::Matrix3d, kCoreFrames> R_SC;  ///< turned from camera
@@ -23,7 +24,9 @@ struct CoreImages {
   double sigma_normalised = 0.0;  ///< mean
 };
 
-std::size_t track_of(const StartCore& core, std::size_t column) { return static_cast<std::size_t>(core.tracks[column]); }
+std::size_t track_of(const StartCore& core, std::size_t column) {
+  return static_cast<std::size_t>(core.tracks[column]);
+}
 
 CoreImages collect(const SeedProblem& problem) {
   const StartCore& core = *problem.core;
@@ -51,7 +54,8 @@ CoreImages collect(const SeedProblem& problem) {
     for (std::size_t i = 0; i < core.tracks.size(); ++i) {
       mean += row[i].homogeneous().normalized();
     }
-    const Eigen::Matrix3d R = Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    const Eigen::Matrix3d R =
+        Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()).toRotationMatrix();
     images.R_SC[static_cast<std::size_t>(f)] = R;
     for (Eigen::Index i = 0; i < N; ++i) {
       const Eigen::Vector2d x = (R * row[static_cast<std::size_t>(i)].homogeneous()).hnormalized();
@@ -70,9 +74,14 @@ StartHypothesis empty_hypothesis(const SeedProblem& problem, HypothesisKind kind
   return h;
 }
 
-/// From weak perspective, which leaves neither depth nor its sign: inverse depth is the image scale per extent.
-void push_weak_perspective(const SeedProblem& problem, const CoreImages& images, std::span<const std::uint8_t> inlier,
-                           const WeakPerspectiveMotion& motion, HypothesisKind kind, StartHypotheses* seeds) {
+/// From weak perspective, which leaves neither depth nor its sign: inverse depth is the image scale
+/// per extent.
+void push_weak_perspective(const SeedProblem& problem,
+                           const CoreImages& images,
+                           std::span<const std::uint8_t> inlier,
+                           const WeakPerspectiveMotion& motion,
+                           HypothesisKind kind,
+                           StartHypotheses* seeds) {
   const StartCore& core = *problem.core;
   const Eigen::Matrix3Xd points = weak_perspective_points(images.turned, inlier, motion);
   double extent2 = 0.0;
@@ -95,8 +104,8 @@ void push_weak_perspective(const SeedProblem& problem, const CoreImages& images,
     const auto frame = static_cast<std::size_t>(core.frames[k]);
     const double depth = 1.0 / (motion.scale[k] * extent);
     const Eigen::Vector3d p_S(means(f) * depth, means(F + f) * depth, depth);
-    h.poses[frame] = to_inverse_depth(
-        {.R_CT = images.R_SC[k].transpose() * motion.R_CT[k], .p_CT = images.R_SC[k].transpose() * p_S});
+    h.poses[frame] = to_inverse_depth({.R_CT = images.R_SC[k].transpose() * motion.R_CT[k],
+                                       .p_CT = images.R_SC[k].transpose() * p_S});
     h.posed[frame] = 1;
   }
   for (std::size_t i = 0; i < core.tracks.size(); ++i) {
@@ -106,9 +115,12 @@ void push_weak_perspective(const SeedProblem& problem, const CoreImages& images,
   (void)seeds->push_back(h);
 }
 
-void seed_weak_perspective(const SeedProblem& problem, const CoreImages& images, StartHypotheses* seeds) {
+void seed_weak_perspective(const SeedProblem& problem,
+                           const CoreImages& images,
+                           StartHypotheses* seeds) {
   const StartCore& core = *problem.core;
-  const AffineSubspace subspace = find_affine_subspace(images.turned, images.sigma_normalised, problem.seed);
+  const AffineSubspace subspace =
+      find_affine_subspace(images.turned, images.sigma_normalised, problem.seed);
   if (!subspace.valid) {
     return;
   }
@@ -117,7 +129,8 @@ void seed_weak_perspective(const SeedProblem& problem, const CoreImages& images,
     for (const double isotropy : {0.0, 0.03, 0.3}) {
       WeakPerspectiveMotion motion;
       if (upgrade_to_metric(subspace, isotropy, &motion)) {
-        push_weak_perspective(problem, images, subspace.inlier.view(), motion, HypothesisKind::kFactorisation, seeds);
+        push_weak_perspective(
+            problem, images, subspace.inlier.view(), motion, HypothesisKind::kFactorisation, seeds);
       }
     }
   }
@@ -134,19 +147,30 @@ void seed_weak_perspective(const SeedProblem& problem, const CoreImages& images,
       }
     }
     for (const ConstantRateMotion& rate : search_constant_rate(chosen, times.view())) {
-      push_weak_perspective(problem, images, subspace.inlier.view(), to_motion(rate, times.view()),
-                            HypothesisKind::kConstantRate, seeds);
+      push_weak_perspective(problem,
+                            images,
+                            subspace.inlier.view(),
+                            to_motion(rate, times.view()),
+                            HypothesisKind::kConstantRate,
+                            seeds);
     }
   }
 }
 
 struct PairDepths {
-  std::array<double, kCoreTracks> depth_a;  ///< of each core track in the pair's first frame; not positive: unknown
+  std::array<double, kCoreTracks>
+      depth_a;  ///< of each core track in the pair's first frame; not positive: unknown
 };
 
-/// From two views: T is put into the middle of the points; the core's other frames follow by resection.
-void push_two_view(const SeedProblem& problem, const CoreImages& images, std::array<std::size_t, 2> pair,
-                   const RelativePose& motion, const PairDepths& depths, HypothesisKind kind, StartHypotheses* seeds) {
+/// From two views: T is put into the middle of the points; the core's other frames follow by
+/// resection.
+void push_two_view(const SeedProblem& problem,
+                   const CoreImages& images,
+                   std::array<std::size_t, 2> pair,
+                   const RelativePose& motion,
+                   const PairDepths& depths,
+                   HypothesisKind kind,
+                   StartHypotheses* seeds) {
   const StartCore& core = *problem.core;
   StartHypothesis h = empty_hypothesis(problem, kind);
   FixedVector<double, kCoreTracks> positive;
@@ -166,13 +190,15 @@ void push_two_view(const SeedProblem& problem, const CoreImages& images, std::ar
     return;
   }
   h.poses[static_cast<std::size_t>(core.frames[pair[0]])] = to_inverse_depth({.p_CT = origin});
-  h.poses[static_cast<std::size_t>(core.frames[pair[1]])] = to_inverse_depth({.R_CT = motion.R_ba, .p_CT = origin_b});
+  h.poses[static_cast<std::size_t>(core.frames[pair[1]])] =
+      to_inverse_depth({.R_CT = motion.R_ba, .p_CT = origin_b});
   h.posed[static_cast<std::size_t>(core.frames[pair[0]])] = 1;
   h.posed[static_cast<std::size_t>(core.frames[pair[1]])] = 1;
   for (std::size_t i = 0; i < core.tracks.size(); ++i) {
     // Half and twice: nothing that is seen as one body reaches farther.
     if (depths.depth_a[i] > 0.5 * middle && depths.depth_a[i] < 2.0 * middle) {
-      h.points_T[track_of(core, i)] = depths.depth_a[i] * images.x[pair[0]][i].homogeneous() - origin;
+      h.points_T[track_of(core, i)] =
+          depths.depth_a[i] * images.x[pair[0]][i].homogeneous() - origin;
       h.known[track_of(core, i)] = 1;
     }
   }
@@ -180,26 +206,31 @@ void push_two_view(const SeedProblem& problem, const CoreImages& images, std::ar
     return;
   }
   for (std::size_t k = 0; k < core.frames.size(); ++k) {
-    if (k != pair[0] && k != pair[1] && !pose_frame(problem.sightings, problem.times_s, core.frames[k], &h)) {
+    if (k != pair[0] && k != pair[1] &&
+        !pose_frame(problem.sightings, problem.times_s, core.frames[k], &h)) {
       return;
     }
   }
   (void)seeds->push_back(h);
 }
 
-void seed_two_view(const SeedProblem& problem, const CoreImages& images, std::array<std::size_t, 2> pair,
+void seed_two_view(const SeedProblem& problem,
+                   const CoreImages& images,
+                   std::array<std::size_t, 2> pair,
                    StartHypotheses* seeds) {
   const StartCore& core = *problem.core;
   const std::span x_a = std::span(images.x[pair[0]]).first(core.tracks.size());
   const std::span x_b = std::span(images.x[pair[1]]).first(core.tracks.size());
-  const TwoViewOptions options{.sigma_normalised = images.sigma_normalised, .seed = problem.seed + pair[1]};
+  const TwoViewOptions options{.sigma_normalised = images.sigma_normalised,
+                               .seed = problem.seed + pair[1]};
   if ((problem.kinds & kind_bit(HypothesisKind::kFivePoint)) != 0) {
     for (const RelativePoseCandidate& candidate : find_relative_poses(x_a, x_b, options)) {
       PairDepths depths{};
       for (std::size_t i = 0; i < core.tracks.size(); ++i) {
         depths.depth_a[i] = depth_in_a(candidate.motion, x_a[i], x_b[i]);
       }
-      push_two_view(problem, images, pair, candidate.motion, depths, HypothesisKind::kFivePoint, seeds);
+      push_two_view(
+          problem, images, pair, candidate.motion, depths, HypothesisKind::kFivePoint, seeds);
     }
   }
   if ((problem.kinds & kind_bit(HypothesisKind::kHomography)) != 0) {
@@ -208,7 +239,8 @@ void seed_two_view(const SeedProblem& problem, const CoreImages& images, std::ar
       for (std::size_t i = 0; i < core.tracks.size(); ++i) {
         depths.depth_a[i] = 1.0 / panel.normal_a.dot(x_a[i].homogeneous());
       }
-      push_two_view(problem, images, pair, panel.motion, depths, HypothesisKind::kHomography, seeds);
+      push_two_view(
+          problem, images, pair, panel.motion, depths, HypothesisKind::kHomography, seeds);
     }
   }
 }
@@ -221,7 +253,8 @@ void seed_hypotheses(const SeedProblem& problem, StartHypotheses* seeds) {
   const CoreImages images = collect(problem);
   seed_weak_perspective(problem, images, seeds);
   const std::size_t last = problem.core->frames.size() - 1;
-  // The widest pair has the most parallax; half of it survives where the widest has left the other pose ambiguous.
+  // The widest pair has the most parallax; half of it survives where the widest has left the other
+  // pose ambiguous.
   seed_two_view(problem, images, {0, last}, seeds);
   seed_two_view(problem, images, {0, (last + 1) / 2}, seeds);
 }

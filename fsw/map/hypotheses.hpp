@@ -1,4 +1,5 @@
-// Hypotheses for the start of a map: where each comes from, and its refinement on a core of frames and tracks.
+// Hypotheses for the start of a map: where each comes from, and its refinement on a core of frames
+// and tracks.
 #pragma once
 
 #include <array>
@@ -18,7 +19,8 @@ inline constexpr std::size_t kHypothesisKinds = 4;
 constexpr std::uint32_t kind_bit(HypothesisKind kind) { return 1U << static_cast<unsigned>(kind); }
 inline constexpr std::uint32_t kAllKinds = (1U << kHypothesisKinds) - 1U;
 
-/// Tracks that hypotheses are compared on: past this the gap between them grows as N while its error grows as sqrt(N).
+/// Tracks that hypotheses are compared on: past this the gap between them grows as N while its
+/// error grows as sqrt(N).
 inline constexpr std::size_t kContestTracks = 128;
 /// Tracks and frames of the core, which sees every track in every frame.
 inline constexpr std::size_t kCoreTracks = 80;
@@ -36,7 +38,9 @@ struct StartHypothesis {
   StartFit fit;
 
   [[nodiscard]] StartGeometryView view() {
-    return {std::span(poses).first(frames), std::span(posed).first(frames), std::span(points_T).first(tracks),
+    return {std::span(poses).first(frames),
+            std::span(posed).first(frames),
+            std::span(points_T).first(tracks),
             std::span(known).first(tracks)};
   }
 };
@@ -63,8 +67,8 @@ struct SeedProblem {
 /// Hypotheses of each kind asked for, posed in the core's frames, with the core's tracks known.
 void seed_hypotheses(const SeedProblem& problem, StartHypotheses* seeds);
 
-/// Same geometry: points of the first camera's axes within `tolerance` extents RMS, and turns between frames within
-/// `tolerance` of the largest. Both in the gauge of normalise_gauge.
+/// Same geometry: points of the first camera's axes within `tolerance` extents RMS, and turns
+/// between frames within `tolerance` of the largest. Both in the gauge of normalise_gauge.
 bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double tolerance);
 
 }  // namespace polhode

@@ -8,7 +8,8 @@
 namespace polhode {
 namespace {
 
-// An affine shape has 8 unknowns a frame and 3 a track: 12 tracks leave a third of the equations as a check.
+// An affine shape has 8 unknowns a frame and 3 a track: 12 tracks leave a third of the equations as
+// a check.
 constexpr int kCommonMin = 12;
 // Frames with fewer tracks say nothing about a body of which we know nothing.
 constexpr int kFrameTracksMin = 8;
@@ -36,7 +37,8 @@ FrameMask mask_of(const StartTrack& track) {
   return mask;
 }
 
-/// Frames with tracks enough, in order. A frame that lost most of its tracks would break every run through it.
+/// Frames with tracks enough, in order. A frame that lost most of its tracks would break every run
+/// through it.
 FixedVector<int, limits::kStartFrames> live_frames(const StartProblem& problem) {
   std::array<int, limits::kStartFrames> counts{};
   for (const StartTrack& track : problem.tracks) {
@@ -103,8 +105,10 @@ Run best_run(const StartProblem& problem, const Score& score) {
 }
 
 const StartObservation* find_frame(const StartTrack& track, int frame) {
-  const auto* const at = std::find_if(track.observations.begin(), track.observations.end(),
-                                      [frame](const StartObservation& o) { return o.frame == frame; });
+  const auto* const at = std::find_if(
+      track.observations.begin(), track.observations.end(), [frame](const StartObservation& o) {
+        return o.frame == frame;
+      });
   return at == track.observations.end() ? nullptr : at;
 }
 
@@ -112,7 +116,10 @@ using Distances = FixedVector<double, limits::kStartTracks>;
 
 /// Takes the track that lies farthest from those taken, among those that `eligible` allows.
 template <typename Eligible>
-bool take_farthest(const StartProblem& problem, int frame, const Eligible& eligible, Distances* distance2,
+bool take_farthest(const StartProblem& problem,
+                   int frame,
+                   const Eligible& eligible,
+                   Distances* distance2,
                    StartContestSet* set) {
   double farthest = -1.0;
   std::size_t chosen = 0;
@@ -130,7 +137,8 @@ bool take_farthest(const StartProblem& problem, int frame, const Eligible& eligi
   for (std::size_t i = 0; i < problem.tracks.size(); ++i) {
     const StartObservation* const other = find_frame(problem.tracks[i], frame);
     if (taken != nullptr && other != nullptr && (*distance2)[i] >= 0.0) {
-      (*distance2)[i] = std::min((*distance2)[i], (taken->normalised - other->normalised).squaredNorm());
+      (*distance2)[i] =
+          std::min((*distance2)[i], (taken->normalised - other->normalised).squaredNorm());
     }
   }
   return true;
@@ -149,7 +157,8 @@ void add_frame_quotas(const StartProblem& problem, StartContestSet* set) {
   };
   std::for_each(set->tracks.begin(), set->tracks.end(), count);
   for (std::size_t n = set->tracks.size(); n < kContestTracks; ++n) {
-    // The track that helps most frames short of their quota; the longer one, then the first, where several do.
+    // The track that helps most frames short of their quota; the longer one, then the first, where
+    // several do.
     int best_gain = 0;
     int best_track = -1;
     for (std::size_t i = 0; i < problem.tracks.size(); ++i) {
@@ -177,7 +186,8 @@ void add_frame_quotas(const StartProblem& problem, StartContestSet* set) {
 void list_sightings(const StartProblem& problem, StartContestSet* set) {
   set->sightings.clear();
   for (std::size_t k = 0; k < set->tracks.size(); ++k) {
-    for (const StartObservation& o : problem.tracks[static_cast<std::size_t>(set->tracks[k])].observations) {
+    for (const StartObservation& o :
+         problem.tracks[static_cast<std::size_t>(set->tracks[k])].observations) {
       (void)set->sightings.push_back({.frame = o.frame,
                                       .track = static_cast<int>(k),
                                       .normalised = o.normalised,
@@ -199,8 +209,12 @@ FrameMask choose_frames(const Run& run, StartCore* core) {
   return mask;
 }
 
-/// Tracks that see all of the core's frames: those in the contest already, then more, spread over the middle frame.
-void choose_tracks(const StartProblem& problem, FrameMask mask, std::size_t tracks_max, StartContestSet* set,
+/// Tracks that see all of the core's frames: those in the contest already, then more, spread over
+/// the middle frame.
+void choose_tracks(const StartProblem& problem,
+                   FrameMask mask,
+                   std::size_t tracks_max,
+                   StartContestSet* set,
                    StartCore* core) {
   const auto sees_all = [&](std::size_t i) { return (mask_of(problem.tracks[i]) & mask) == mask; };
   Distances distance2;
@@ -216,7 +230,8 @@ void choose_tracks(const StartProblem& problem, FrameMask mask, std::size_t trac
     }
   }
   const int middle = core->frames[core->frames.size() / 2];
-  while (core->tracks.size() < tracks_max && take_farthest(problem, middle, sees_all, &distance2, set)) {
+  while (core->tracks.size() < tracks_max &&
+         take_farthest(problem, middle, sees_all, &distance2, set)) {
     (void)core->tracks.push_back(static_cast<int>(set->tracks.size()) - 1);
   }
 }

@@ -12,7 +12,8 @@ namespace {
 using FrameSightings = FixedVector<StartSighting, kContestTracks>;
 
 constexpr int kPointsMin = 6;  // a pose has six unknowns: three points would do without noise
-// A start pose may be off by a whole frame's turn: tens of pixels; the second pass rejects what does not fit.
+// A start pose may be off by a whole frame's turn: tens of pixels; the second pass rejects what
+// does not fit.
 constexpr double kWideSigma = 30.0;
 constexpr double kNarrowSigma = 3.0;
 
@@ -28,7 +29,8 @@ void place(const FrameSightings& seen, const StartHypothesis& h, InverseDepthPos
     FixedVector<double, kContestTracks> values;
     for (const StartSighting& s : seen) {
       const Eigen::Vector3d q = pose->R_CT * h.points_T[static_cast<std::size_t>(s.track)];
-      (void)values.push_back(s.normalised(axis) * (1.0 + pose->uvs.z() * q.z()) - pose->uvs.z() * q(axis));
+      (void)values.push_back(s.normalised(axis) * (1.0 + pose->uvs.z() * q.z()) -
+                             pose->uvs.z() * q(axis));
     }
     pose->uvs(axis) = median_of(&values);
   }
@@ -50,15 +52,19 @@ std::array<int, 2> neighbours(const StartHypothesis& h, int frame) {
   return {posed.empty() ? -1 : posed[0], posed.size() < 2 ? -1 : posed[1]};
 }
 
-InverseDepthPose continued(const InverseDepthPose& near, const InverseDepthPose& far, double fraction) {
+InverseDepthPose continued(const InverseDepthPose& near,
+                           const InverseDepthPose& far,
+                           double fraction) {
   InverseDepthPose pose = near;
   pose.R_CT = so3_exp(fraction * so3_log(near.R_CT * far.R_CT.transpose())) * near.R_CT;
-  pose.uvs.z() = near.uvs.z() * std::pow(near.uvs.z() / far.uvs.z(), std::clamp(fraction, -2.0, 2.0));
+  pose.uvs.z() =
+      near.uvs.z() * std::pow(near.uvs.z() / far.uvs.z(), std::clamp(fraction, -2.0, 2.0));
   return pose;
 }
 
 double refine(const FrameSightings& seen, StartHypothesis* h, InverseDepthPose* pose) {
-  StartAdjustmentOptions options{.iterations_max = 10, .loss = StartLoss::kCauchy, .width_sigma = kWideSigma};
+  StartAdjustmentOptions options{
+      .iterations_max = 10, .loss = StartLoss::kCauchy, .width_sigma = kWideSigma};
   if (adjust_single_pose(seen.view(), h->view(), options, pose) < 0.0) {
     return -1.0;
   }
@@ -68,7 +74,9 @@ double refine(const FrameSightings& seen, StartHypothesis* h, InverseDepthPose* 
 
 }  // namespace
 
-bool pose_frame(std::span<const StartSighting> sightings, std::span<const double> times_s, int frame,
+bool pose_frame(std::span<const StartSighting> sightings,
+                std::span<const double> times_s,
+                int frame,
                 StartHypothesis* hypothesis) {
   StartHypothesis& h = *hypothesis;
   FrameSightings seen;
@@ -134,14 +142,17 @@ void add_points(std::span<const StartSighting> sightings, StartHypothesis* hypot
   }
 }
 
-bool extend(std::span<const StartSighting> sightings, std::span<const double> times_s, int rounds,
+bool extend(std::span<const StartSighting> sightings,
+            std::span<const double> times_s,
+            int rounds,
             StartHypothesis* hypothesis) {
   StartHypothesis& h = *hypothesis;
   bool grown = false;
   add_points(sightings, &h);
   for (int round = 0; round < rounds; ++round) {
     const std::array<std::uint8_t, limits::kStartFrames> posed = h.posed;
-    // The nearest unposed frame with data on either side of each posed one: gaps without data are stepped over.
+    // The nearest unposed frame with data on either side of each posed one: gaps without data are
+    // stepped over.
     for (int direction : {1, -1}) {
       const int frames = static_cast<int>(h.frames);
       bool open = false;
@@ -149,7 +160,8 @@ bool extend(std::span<const StartSighting> sightings, std::span<const double> ti
         const int f = direction > 0 ? k : frames - 1 - k;
         if (posed[static_cast<std::size_t>(f)] != 0) {
           open = true;
-        } else if (open && h.posed[static_cast<std::size_t>(f)] == 0 && pose_frame(sightings, times_s, f, &h)) {
+        } else if (open && h.posed[static_cast<std::size_t>(f)] == 0 &&
+                   pose_frame(sightings, times_s, f, &h)) {
           grown = true;
           open = false;
         }

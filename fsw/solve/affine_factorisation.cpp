@@ -18,7 +18,8 @@ namespace {
 using Axes = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
 constexpr int kSample = 5;
-// Five good tracks out of 65 % good ones come up once in nine draws: 40 draws miss them once in a hundred.
+// Five good tracks out of 65 % good ones come up once in nine draws: 40 draws miss them once in a
+// hundred.
 constexpr int kDraws = 40;
 constexpr int kRounds = 3;
 constexpr double kToleranceSigma = 3.0;
@@ -87,7 +88,8 @@ int mark(const Eigen::VectorXd& r, double tolerance, AffineSubspace* s) {
   return s->inliers;
 }
 
-Eigen::MatrixXd inlier_columns(const Eigen::MatrixXd& columns, std::span<const std::uint8_t> inlier) {
+Eigen::MatrixXd inlier_columns(const Eigen::MatrixXd& columns,
+                               std::span<const std::uint8_t> inlier) {
   Eigen::MatrixXd out(columns.rows(), columns.cols());
   Eigen::Index n = 0;
   for (Eigen::Index i = 0; i < columns.cols(); ++i) {
@@ -101,8 +103,8 @@ Eigen::MatrixXd inlier_columns(const Eigen::MatrixXd& columns, std::span<const s
 /// Coefficients of (a^T Q b) in the six different elements of the symmetric Q.
 Eigen::Matrix<double, 1, 6> quadratic_row(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   Eigen::Matrix<double, 1, 6> row;
-  row << a(0) * b(0), a(1) * b(1), a(2) * b(2), a(0) * b(1) + a(1) * b(0), a(0) * b(2) + a(2) * b(0),
-      a(1) * b(2) + a(2) * b(1);
+  row << a(0) * b(0), a(1) * b(1), a(2) * b(2), a(0) * b(1) + a(1) * b(0),
+      a(0) * b(2) + a(2) * b(0), a(1) * b(2) + a(2) * b(1);
   return row;
 }
 
@@ -121,7 +123,8 @@ Eigen::Matrix3d solve_metric(const Axes& M, double isotropy) {
   const auto count = static_cast<double>(frames);
   A.row(2 * frames) = size;
   b(2 * frames) = count;
-  // The isotropic body: Q a multiple of the unit matrix, of the size that the first equation asks for.
+  // The isotropic body: Q a multiple of the unit matrix, of the size that the first equation asks
+  // for.
   const double diagonal = count / size.head<3>().sum();
   const double weight = isotropy * std::sqrt(count) / diagonal;
   A.bottomRows<6>() = weight * Eigen::Matrix<double, 6, 6>::Identity();
@@ -138,7 +141,9 @@ ImageMatrix centred(const ImageMatrix& images, std::span<const std::uint8_t> inl
   return images.colwise() - inlier_columns(images, inlier).rowwise().mean();
 }
 
-AffineSubspace find_affine_subspace(const ImageMatrix& images, double sigma_normalised, std::uint64_t seed) {
+AffineSubspace find_affine_subspace(const ImageMatrix& images,
+                                    double sigma_normalised,
+                                    std::uint64_t seed) {
   POLHODE_ASSERT(images.rows() >= 6 && images.cols() >= 8, images.cols());
   POLHODE_ASSERT(images.cols() <= static_cast<Eigen::Index>(limits::kStartTracks), images.cols());
   AffineSubspace s;
@@ -152,7 +157,8 @@ AffineSubspace find_affine_subspace(const ImageMatrix& images, double sigma_norm
     const Eigen::MatrixXd chosen = inlier_columns(relative, s.inlier.view());
     s.axes = leading_axes(chosen);
     r = residuals(relative, s.axes);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(chosen * chosen.transpose() / s.inliers);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(chosen * chosen.transpose() /
+                                                               s.inliers);
     s.singular_values = eigen.eigenvalues().tail<4>().reverse().cwiseMax(0.0).cwiseSqrt();
     s.residual_rms = std::sqrt(residuals(chosen, s.axes).squaredNorm() / s.inliers);
   }
@@ -160,10 +166,14 @@ AffineSubspace find_affine_subspace(const ImageMatrix& images, double sigma_norm
   return s;
 }
 
-bool upgrade_to_metric(const AffineSubspace& subspace, double isotropy, WeakPerspectiveMotion* motion) {
+bool upgrade_to_metric(const AffineSubspace& subspace,
+                       double isotropy,
+                       WeakPerspectiveMotion* motion) {
   POLHODE_ASSERT(subspace.valid, subspace.inliers);
   // In these units the coordinates of an isotropic body have the same spread along each axis.
-  Axes M = subspace.axes * subspace.singular_values.head<3>().cwiseMax(1e-9 * subspace.singular_values(0)).asDiagonal();
+  Axes M =
+      subspace.axes *
+      subspace.singular_values.head<3>().cwiseMax(1e-9 * subspace.singular_values(0)).asDiagonal();
   const Eigen::Index frames = M.rows() / 2;
   const double size = std::sqrt(M.squaredNorm() / static_cast<double>(M.rows()));
   if (!(size > 0.0)) {
@@ -196,7 +206,8 @@ bool upgrade_to_metric(const AffineSubspace& subspace, double isotropy, WeakPers
   return true;
 }
 
-Eigen::Matrix3Xd weak_perspective_points(const ImageMatrix& images, std::span<const std::uint8_t> inlier,
+Eigen::Matrix3Xd weak_perspective_points(const ImageMatrix& images,
+                                         std::span<const std::uint8_t> inlier,
                                          const WeakPerspectiveMotion& motion) {
   const Eigen::Index frames = images.rows() / 2;
   POLHODE_ASSERT(static_cast<std::size_t>(frames) == motion.R_CT.size(), motion.R_CT.size());

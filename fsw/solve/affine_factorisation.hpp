@@ -10,8 +10,9 @@
 
 namespace polhode {
 
-/// Images of N tracks in each of F frames: row f is x and row F + f is y of frame f, a column per track; normalised
-/// units. Each frame is turned so that the tracks' centre lies near the optical axis.
+/// Images of N tracks in each of F frames: row f is x and row F + f is y of frame f, a column per
+/// track; normalised units. Each frame is turned so that the tracks' centre lies near the optical
+/// axis.
 using ImageMatrix = Eigen::MatrixXd;
 
 /// x = scale_f * (first two rows of R_f) * p_T + centroid of the frame.
@@ -22,31 +23,38 @@ struct WeakPerspectiveMotion {
 
 /// Three-dimensional subspace that the tracks' images span, found in spite of wrong tracks.
 struct AffineSubspace {
-  Eigen::Matrix<double, Eigen::Dynamic, 3> axes;                        ///< 2 F rows, orthonormal columns
-  Eigen::Vector4d singular_values = Eigen::Vector4d::Zero();            ///< of the inliers' images, divided by sqrt(N)
-  double residual_rms = 0.0;                                            ///< per coordinate, of the inliers, outside of it
-  FixedVector<std::uint8_t, limits::kStartTracks> inlier;               ///< by column
+  Eigen::Matrix<double, Eigen::Dynamic, 3> axes;  ///< 2 F rows, orthonormal columns
+  Eigen::Vector4d singular_values =
+      Eigen::Vector4d::Zero();  ///< of the inliers' images, divided by sqrt(N)
+  double residual_rms = 0.0;    ///< per coordinate, of the inliers, outside of it
+  FixedVector<std::uint8_t, limits::kStartTracks> inlier;  ///< by column
   int inliers = 0;
   bool valid = false;
 };
 
-/// Consensus over samples of five tracks by the median residual, then three rounds of least squares on those within
-/// three robust standard deviations: stands up to 35 % of wrong tracks.
+/// Consensus over samples of five tracks by the median residual, then three rounds of least squares
+/// on those within three robust standard deviations: stands up to 35 % of wrong tracks.
 /// @param images            F >= 3, N >= 8.
 /// @param sigma_normalised  1-sigma of a coordinate: the least tolerance.
 /// @source Tomasi and Kanade, IJCV 1992; median: Rousseeuw 1984.
-AffineSubspace find_affine_subspace(const ImageMatrix& images, double sigma_normalised, std::uint64_t seed);
+AffineSubspace find_affine_subspace(const ImageMatrix& images,
+                                    double sigma_normalised,
+                                    std::uint64_t seed);
 
-/// Rotations and scales for which the subspace is that of a rigid body, by the linear equations for Q = A A^T in
-/// |m1| = |m2|, m1.m2 = 0, regularised towards a body that is as deep as wide.
+/// Rotations and scales for which the subspace is that of a rigid body, by the linear equations for
+/// Q = A A^T in |m1| = |m2|, m1.m2 = 0, regularised towards a body that is as deep as wide.
 /// @param isotropy  weight of that regularisation per frame: 0 none; 0.01 weak; 0.3 strong.
 /// @return false when Q has no positive part in two of its directions.
 /// @source Poelman and Kanade, PAMI 1997 (scaled orthography).
-bool upgrade_to_metric(const AffineSubspace& subspace, double isotropy, WeakPerspectiveMotion* motion);
+bool upgrade_to_metric(const AffineSubspace& subspace,
+                       double isotropy,
+                       WeakPerspectiveMotion* motion);
 
-/// Least-squares points for the motion; columns of `images` are taken relative to their frame's mean over the inliers.
+/// Least-squares points for the motion; columns of `images` are taken relative to their frame's
+/// mean over the inliers.
 /// @return 3 x N, for inliers and outliers alike.
-Eigen::Matrix3Xd weak_perspective_points(const ImageMatrix& images, std::span<const std::uint8_t> inlier,
+Eigen::Matrix3Xd weak_perspective_points(const ImageMatrix& images,
+                                         std::span<const std::uint8_t> inlier,
                                          const WeakPerspectiveMotion& motion);
 
 /// Columns less the inliers' mean.

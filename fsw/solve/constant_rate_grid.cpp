@@ -17,10 +17,12 @@ namespace {
 using Motion4 = Eigen::Vector4d;
 constexpr Eigen::Index kColumns = 6;
 using Images = Eigen::Matrix<double, Eigen::Dynamic, kColumns>;
-using Model = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 2 * static_cast<int>(limits::kStartFrames), 3>;
+using Model =
+    Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 2 * static_cast<int>(limits::kStartFrames), 3>;
 
 constexpr int kAzimuths = 12;
-// In-plane turns over the interval, deg: steps of about 1.6, from where depth begins to show to a third of a turn.
+// In-plane turns over the interval, deg: steps of about 1.6, from where depth begins to show to a
+// third of a turn.
 constexpr std::array<double, 7> kTurns_deg = {6.0, 10.0, 16.0, 26.0, 42.0, 68.0, 110.0};
 constexpr int kSteps = 8;
 
@@ -95,7 +97,8 @@ Minimum descend(Motion4 motion, const Images& images, const Eigen::VectorXd& t) 
   return {motion, current};
 }
 
-/// Turn of the image about the line of sight and its change of scale, by the best 2-d similarity between the ends.
+/// Turn of the image about the line of sight and its change of scale, by the best 2-d similarity
+/// between the ends.
 Motion4 image_motion(const ImageMatrix& images) {
   const Eigen::Index frames = images.rows() / 2;
   const auto x0 = images.row(0);
@@ -116,7 +119,8 @@ Images compress(const ImageMatrix& images) {
   Images out = Images::Zero(images.rows(), kColumns);
   for (Eigen::Index k = 0; k < columns; ++k) {
     const Eigen::Index from = images.rows() - 1 - k;
-    out.col(k) = eigen.eigenvectors().col(from) * std::sqrt(std::max(0.0, eigen.eigenvalues()(from)));
+    out.col(k) =
+        eigen.eigenvectors().col(from) * std::sqrt(std::max(0.0, eigen.eigenvalues()(from)));
   }
   return out;
 }
@@ -129,8 +133,11 @@ bool same(const Motion4& a, const Motion4& b) {
 
 }  // namespace
 
-ConstantRateMotions search_constant_rate(const ImageMatrix& images, std::span<const double> times_s) {
-  POLHODE_ASSERT(times_s.size() >= 3 && images.rows() == 2 * static_cast<Eigen::Index>(times_s.size()), images.rows());
+ConstantRateMotions search_constant_rate(const ImageMatrix& images,
+                                         std::span<const double> times_s) {
+  POLHODE_ASSERT(
+      times_s.size() >= 3 && images.rows() == 2 * static_cast<Eigen::Index>(times_s.size()),
+      images.rows());
   POLHODE_ASSERT(times_s.back() > times_s.front(), times_s.front());
   const Eigen::VectorXd t = relative_times(times_s);
   const Images compressed = compress(images);
@@ -145,12 +152,15 @@ ConstantRateMotions search_constant_rate(const ImageMatrix& images, std::span<co
       (void)minima.push_back(descend(start, compressed, t));
     }
   }
-  std::sort(minima.begin(), minima.end(), [](const Minimum& a, const Minimum& b) { return a.residual2 < b.residual2; });
+  std::sort(minima.begin(), minima.end(), [](const Minimum& a, const Minimum& b) {
+    return a.residual2 < b.residual2;
+  });
   const double length = times_s.back() - times_s.front();
   ConstantRateMotions out;
   FixedVector<Motion4, kConstantRateMotions> kept;
   for (const Minimum& m : minima) {
-    const bool known = std::any_of(kept.begin(), kept.end(), [&](const Motion4& k) { return same(k, m.motion); });
+    const bool known =
+        std::any_of(kept.begin(), kept.end(), [&](const Motion4& k) { return same(k, m.motion); });
     if (known || !m.motion.allFinite() || kept.full()) {
       continue;
     }
@@ -167,7 +177,8 @@ WeakPerspectiveMotion to_motion(const ConstantRateMotion& rate, std::span<const 
   WeakPerspectiveMotion motion;
   for (const double time : times_s) {
     const double scale = std::max(0.1, 1.0 + rate.scale_rate_1_s * (time - middle));
-    if (!motion.R_CT.push_back(so3_exp(rate.w_C_rad_s * (time - middle))) || !motion.scale.push_back(scale)) {
+    if (!motion.R_CT.push_back(so3_exp(rate.w_C_rad_s * (time - middle))) ||
+        !motion.scale.push_back(scale)) {
       break;
     }
   }

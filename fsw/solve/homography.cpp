@@ -18,7 +18,8 @@ namespace {
 constexpr double kTransferMax2 = 9.21;
 constexpr int kRounds = 3;
 
-/// Similarity that moves the points' mean to 0 and their spread to 1: keeps the linear problem well conditioned.
+/// Similarity that moves the points' mean to 0 and their spread to 1: keeps the linear problem well
+/// conditioned.
 Eigen::Matrix3d conditioner(std::span<const Eigen::Vector2d> x) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& p : x) {
@@ -38,8 +39,11 @@ Eigen::Matrix3d conditioner(std::span<const Eigen::Vector2d> x) {
 
 /// Null vector of the linear equations of the pairs that `use` names.
 template <typename Use>
-Eigen::Matrix3d linear_homography(std::span<const Eigen::Vector2d> x_a, std::span<const Eigen::Vector2d> x_b,
-                                  const Eigen::Matrix3d& T_a, const Eigen::Matrix3d& T_b, const Use& use) {
+Eigen::Matrix3d linear_homography(std::span<const Eigen::Vector2d> x_a,
+                                  std::span<const Eigen::Vector2d> x_b,
+                                  const Eigen::Matrix3d& T_a,
+                                  const Eigen::Matrix3d& T_b,
+                                  const Use& use) {
   Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
   for (std::size_t i = 0; i < x_a.size(); ++i) {
     if (!use(i)) {
@@ -66,8 +70,11 @@ double transfer2(const Eigen::Matrix3d& H, const Eigen::Vector2d& x_a, const Eig
   return std::abs(y.z()) > 1e-12 ? (y.hnormalized() - x_b).squaredNorm() : 1e300;
 }
 
-double score_of(const Eigen::Matrix3d& H, std::span<const Eigen::Vector2d> x_a, std::span<const Eigen::Vector2d> x_b,
-                double inverse_variance, int* inliers) {
+double score_of(const Eigen::Matrix3d& H,
+                std::span<const Eigen::Vector2d> x_a,
+                std::span<const Eigen::Vector2d> x_b,
+                double inverse_variance,
+                int* inliers) {
   double sum = 0.0;
   *inliers = 0;
   for (std::size_t i = 0; i < x_a.size(); ++i) {
@@ -103,7 +110,8 @@ void decompose(std::span<const Eigen::Vector2d> x_a, HomographyFit* fit) {
   std::vector<cv::Mat> rotations;
   std::vector<cv::Mat> translations;
   std::vector<cv::Mat> normals;
-  const int count = cv::decomposeHomographyMat(H, cv::Matx33d::eye(), rotations, translations, normals);
+  const int count =
+      cv::decomposeHomographyMat(H, cv::Matx33d::eye(), rotations, translations, normals);
   for (int k = 0; k < count; ++k) {
     const auto i = static_cast<std::size_t>(k);
     PanelMotion m;
@@ -122,7 +130,8 @@ void decompose(std::span<const Eigen::Vector2d> x_a, HomographyFit* fit) {
 
 }  // namespace
 
-HomographyFit find_homography(std::span<const Eigen::Vector2d> x_a, std::span<const Eigen::Vector2d> x_b,
+HomographyFit find_homography(std::span<const Eigen::Vector2d> x_a,
+                              std::span<const Eigen::Vector2d> x_b,
                               const TwoViewOptions& options) {
   POLHODE_ASSERT(x_a.size() == x_b.size(), x_a.size());
   HomographyFit best;
@@ -145,7 +154,10 @@ HomographyFit find_homography(std::span<const Eigen::Vector2d> x_a, std::span<co
   };
   std::array<int, 4> sample{};
   for (int draw = 0; draw < options.samples; ++draw) {
-    draw_sample(options.seed, 0x484FULL + static_cast<std::uint64_t>(draw), static_cast<std::uint32_t>(x_a.size()), sample);
+    draw_sample(options.seed,
+                0x484FULL + static_cast<std::uint64_t>(draw),
+                static_cast<std::uint32_t>(x_a.size()),
+                sample);
     keep(linear_homography(x_a, x_b, T_a, T_b, [&](std::size_t i) {
       return std::find(sample.begin(), sample.end(), static_cast<int>(i)) != sample.end();
     }));

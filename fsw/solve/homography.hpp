@@ -19,9 +19,10 @@ struct PanelMotion {
 
 struct HomographyFit {
   Eigen::Matrix3d H_ba = Eigen::Matrix3d::Identity();  ///< x_b ~ H x_a
-  double score = 0.0;                                  ///< truncated sum of squared transfer errors, in sigma
+  double score = 0.0;  ///< truncated sum of squared transfer errors, in sigma
   int inliers = 0;
-  FixedVector<PanelMotion, 4> motions;  ///< those that have the panel in front of both cameras: two as a rule
+  FixedVector<PanelMotion, 4>
+      motions;  ///< those that have the panel in front of both cameras: two as a rule
 };
 
 /// Consensus of four-point samples, least squares on the inliers, decomposition.

@@ -38,7 +38,8 @@ double score_of(const Eigen::Matrix3d& E, const Pairs& pairs, int* inliers) {
   return sum;
 }
 
-/// Of the four motions of an essential matrix, the one that has most points in front of both cameras.
+/// Of the four motions of an essential matrix, the one that has most points in front of both
+/// cameras.
 RelativePose choose_in_front(const Eigen::Matrix3d& E, const Pairs& pairs) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(E, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d U = svd.matrixU();
@@ -106,14 +107,19 @@ void insert(const RelativePoseCandidate& candidate, RelativePoseCandidates* list
 
 }  // namespace
 
-double depth_in_a(const RelativePose& motion, const Eigen::Vector2d& x_a, const Eigen::Vector2d& x_b) {
+double depth_in_a(const RelativePose& motion,
+                  const Eigen::Vector2d& x_a,
+                  const Eigen::Vector2d& x_b) {
   // x_b x (z R x_a + p) = 0, least squares for z.
   const Eigen::Vector3d b = x_b.homogeneous();
   const Eigen::Vector3d moving = b.cross(motion.R_ba * x_a.homogeneous());
   return -moving.dot(b.cross(motion.p_ba)) / moving.squaredNorm();
 }
 
-void draw_sample(std::uint64_t seed, std::uint64_t stream, std::uint32_t count, std::span<int> sample) {
+void draw_sample(std::uint64_t seed,
+                 std::uint64_t stream,
+                 std::uint32_t count,
+                 std::span<int> sample) {
   POLHODE_ASSERT(sample.size() <= count, count);
   Rng rng(seed, stream);
   for (std::size_t i = 0; i < sample.size(); ++i) {
@@ -138,7 +144,10 @@ RelativePoseCandidates find_relative_poses(std::span<const Eigen::Vector2d> x_a,
   const Pairs pairs{x_a, x_b, 1.0 / (options.sigma_normalised * options.sigma_normalised)};
   std::array<int, 5> sample{};
   for (int draw = 0; draw < options.samples; ++draw) {
-    draw_sample(options.seed, static_cast<std::uint64_t>(draw), static_cast<std::uint32_t>(x_a.size()), sample);
+    draw_sample(options.seed,
+                static_cast<std::uint64_t>(draw),
+                static_cast<std::uint32_t>(x_a.size()),
+                sample);
     for (const Eigen::Matrix3d& E : solve_sample(pairs, sample)) {
       if (!E.allFinite()) {
         continue;

@@ -17,16 +17,16 @@ struct TwoViewOptions {
 };
 
 struct RelativePoseCandidate {
-  RelativePose motion;    ///< p_ba of unit length
-  double score = 0.0;     ///< truncated sum of squared Sampson errors, in sigma
+  RelativePose motion;  ///< p_ba of unit length
+  double score = 0.0;   ///< truncated sum of squared Sampson errors, in sigma
   int inliers = 0;
 };
 
 inline constexpr std::size_t kRelativePoses = 3;
 using RelativePoseCandidates = FixedVector<RelativePoseCandidate, kRelativePoses>;
 
-/// The best candidates that differ in their rotation, best first; none when under eight pairs or all samples fail.
-/// Small distant bodies give many that fit: the caller refines and compares them.
+/// The best candidates that differ in their rotation, best first; none when under eight pairs or
+/// all samples fail. Small distant bodies give many that fit: the caller refines and compares them.
 /// @param x_a, x_b  normalised image points, pair by pair.
 /// @cost `samples` minimal problems, up to ten solutions each, scored on all pairs.
 /// @source Nister, PAMI 2004, by way of OpenGV.
@@ -34,10 +34,16 @@ RelativePoseCandidates find_relative_poses(std::span<const Eigen::Vector2d> x_a,
                                            std::span<const Eigen::Vector2d> x_b,
                                            const TwoViewOptions& options);
 
-/// Depth of a point along its ray in a (z), by intersection of two rays; negative or infinite when behind or parallel.
-double depth_in_a(const RelativePose& motion, const Eigen::Vector2d& x_a, const Eigen::Vector2d& x_b);
+/// Depth of a point along its ray in a (z), by intersection of two rays; negative or infinite when
+/// behind or parallel.
+double depth_in_a(const RelativePose& motion,
+                  const Eigen::Vector2d& x_a,
+                  const Eigen::Vector2d& x_b);
 
 /// k different numbers below `count`; k <= count.
-void draw_sample(std::uint64_t seed, std::uint64_t stream, std::uint32_t count, std::span<int> sample);
+void draw_sample(std::uint64_t seed,
+                 std::uint64_t stream,
+                 std::uint32_t count,
+                 std::span<int> sample);
 
 }  // namespace polhode

@@ -5,5 +5,6 @@ target_sources(polhode_solve PRIVATE
   homography.cpp
   relative_pose.cpp
   start_adjustment.cpp
-  start_gauge.cpp)
+  start_gauge.cpp
+  start_residuals.cpp)
 target_link_libraries(polhode_solve PRIVATE opencv_core opencv_calib3d opengv)

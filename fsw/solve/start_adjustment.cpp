@@ -7,103 +7,20 @@
 
 #include "base/assert.hpp"
 #include "geometry/so3.hpp"
+#include "solve/start_residuals.hpp"
 
 namespace polhode {
 namespace {
 
 using Workspace = StartAdjustmentWorkspace;
 
-// Half of a chi-square with two degrees of freedom lies under this.
-constexpr double kChi2Median2 = 1.3863;
-// The squared residual, in units of width^2, that stands for a point behind the camera.
-constexpr double kBehindError = 1e4;
-
-struct LossValue {
-  double cost;
-  double weight;
-};
-
-LossValue loss(double error2, const StartAdjustmentOptions& options) {
-  const double width2 = options.width_sigma * options.width_sigma;
-  if (options.loss == StartLoss::kTruncated) {
-    return error2 < width2 ? LossValue{error2, 1.0} : LossValue{width2, 0.0};
-  }
-  return {width2 * std::log1p(error2 / width2), 1.0 / (1.0 + error2 / width2)};
-}
-
-bool usable(const StartGeometryView& geometry, const StartSighting& sighting) {
-  return geometry.posed[static_cast<std::size_t>(sighting.frame)] != 0 &&
-         geometry.known[static_cast<std::size_t>(sighting.track)] != 0;
-}
-
-double scaled_error2(const InverseDepthPose& pose, const Eigen::Vector3d& p_T, const StartSighting& sighting,
-                     const StartAdjustmentOptions& options) {
-  Eigen::Vector2d x;
-  if (!reproject(pose, p_T, &x)) {
-    return kBehindError * options.width_sigma * options.width_sigma;
-  }
-  const double sigma = sighting.sigma_normalised * options.sigma_scale;
-  return (x - sighting.normalised).squaredNorm() / (sigma * sigma);
-}
-
-/// End of the run of sightings that belong to the track at `begin`.
-std::size_t track_end(std::span<const StartSighting> sightings, std::size_t begin) {
-  std::size_t end = begin + 1;
-  while (end < sightings.size() && sightings[end].track == sightings[begin].track) {
-    ++end;
-  }
-  return end;
-}
-
-/// What a track of n sightings may cost with the truncated loss: 3 sigma above the mean of its chi-square. One that costs
-/// more belongs to no point of the body, and how badly it fits says nothing about the motion.
-double track_cost_max(std::size_t sightings) {
-  const double free = std::max(1.0, 2.0 * static_cast<double>(sightings) - 3.0);
-  return free + 3.0 * std::sqrt(2.0 * free);
-}
-
-struct TrackCost {
-  double cost = 0.0;
-  bool wrong = false;
-};
-
-/// @param run  sightings of one track.
-TrackCost track_cost(std::span<const StartSighting> run, std::span<const InverseDepthPose> poses,
-                     std::span<const Eigen::Vector3d> points, const StartGeometryView& geometry,
-                     const StartAdjustmentOptions& options) {
-  TrackCost sum;
-  const bool limited = options.loss == StartLoss::kTruncated;
-  for (const StartSighting& s : run) {
-    if (usable(geometry, s)) {
-      const double e = scaled_error2(poses[static_cast<std::size_t>(s.frame)],
-                                     points[static_cast<std::size_t>(s.track)], s, options);
-      sum.cost += loss(e, options).cost;
-    } else if (limited) {
-      sum.cost += options.width_sigma * options.width_sigma;
-    }
-  }
-  sum.wrong = limited && sum.cost > track_cost_max(run.size());
-  if (sum.wrong) {
-    sum.cost = track_cost_max(run.size());
-  }
-  return sum;
-}
-
-double total_cost(std::span<const StartSighting> sightings, std::span<const InverseDepthPose> poses,
-                  std::span<const Eigen::Vector3d> points, const StartGeometryView& geometry,
-                  const StartAdjustmentOptions& options) {
-  double cost = 0.0;
-  for (std::size_t begin = 0; begin < sightings.size();) {
-    const std::size_t end = track_end(sightings, begin);
-    cost += track_cost(sightings.subspan(begin, end - begin), poses, points, geometry, options).cost;
-    begin = end;
-  }
-  return cost;
-}
-
 /// Adds one sighting to the normal equations; a wrong track moves its own point only.
-void add_sighting(const StartSighting& s, bool wrong, const StartGeometryView& geometry,
-                  const StartAdjustmentOptions& options, Workspace::Block* block, Workspace* w) {
+void add_sighting(const StartSighting& s,
+                  bool wrong,
+                  const StartGeometryView& geometry,
+                  const StartAdjustmentOptions& options,
+                  Workspace::Block* block,
+                  Workspace* w) {
   block->frame = -1;
   const auto frame = static_cast<std::size_t>(s.frame);
   const auto track = static_cast<std::size_t>(s.track);
@@ -114,7 +31,7 @@ void add_sighting(const StartSighting& s, bool wrong, const StartGeometryView& g
   }
   const double inverse_sigma = 1.0 / (s.sigma_normalised * options.sigma_scale);
   const Eigen::Vector2d residual = inverse_sigma * (x - s.normalised);
-  const double weight = loss(residual.squaredNorm(), options).weight;
+  const double weight = start_loss(residual.squaredNorm(), options).weight;
   if (!(weight > 0.0)) {
     return;
   }
@@ -134,8 +51,10 @@ void add_sighting(const StartSighting& s, bool wrong, const StartGeometryView& g
 }
 
 /// Fills the camera, point and mixed blocks of the normal equations.
-void linearise(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
-               const StartAdjustmentOptions& options, Workspace* w) {
+void linearise(std::span<const StartSighting> sightings,
+               const StartGeometryView& geometry,
+               const StartAdjustmentOptions& options,
+               Workspace* w) {
   const std::size_t frames = geometry.poses.size();
   for (std::size_t f = 0; f < frames; ++f) {
     w->camera_blocks[f].setZero();
@@ -171,7 +90,9 @@ Eigen::Matrix3d point_inverse(const Eigen::Matrix3d& V, double damping) {
 }
 
 /// Reduced camera system S (upper triangle, then mirrored) and its right side.
-void eliminate_points(std::span<const StartSighting> sightings, double damping, Workspace* w,
+void eliminate_points(std::span<const StartSighting> sightings,
+                      double damping,
+                      Workspace* w,
                       Workspace::CameraVector* right) {
   const Eigen::Index size = w->camera_gradient.size();
   w->reduced.setZero(size, size);
@@ -186,7 +107,8 @@ void eliminate_points(std::span<const StartSighting> sightings, double damping, 
   }
   for (std::size_t begin = 0; begin < sightings.size();) {
     const std::size_t end = track_end(sightings, begin);
-    const Workspace::PointBlock& point = w->point_blocks[static_cast<std::size_t>(sightings[begin].track)];
+    const Workspace::PointBlock& point =
+        w->point_blocks[static_cast<std::size_t>(sightings[begin].track)];
     const Eigen::Matrix3d V_inverse = point_inverse(point.V, damping);
     for (std::size_t i = begin; i < end; ++i) {
       const Workspace::Block& a = w->blocks[i];
@@ -218,7 +140,9 @@ void apply_camera_step(const StartGeometryView& geometry, Workspace* w) {
   }
 }
 
-void apply_point_steps(std::span<const StartSighting> sightings, const StartGeometryView& geometry, double damping,
+void apply_point_steps(std::span<const StartSighting> sightings,
+                       const StartGeometryView& geometry,
+                       double damping,
                        Workspace* w) {
   std::copy(geometry.points_T.begin(), geometry.points_T.end(), w->trial_points.begin());
   for (std::size_t begin = 0; begin < sightings.size();) {
@@ -227,7 +151,8 @@ void apply_point_steps(std::span<const StartSighting> sightings, const StartGeom
     Eigen::Vector3d g = w->point_blocks[track].g;
     for (std::size_t i = begin; i < end; ++i) {
       if (w->blocks[i].frame >= 0) {
-        g.noalias() -= w->blocks[i].W.transpose() * w->camera_step.segment<6>(6 * w->blocks[i].frame);
+        g.noalias() -=
+            w->blocks[i].W.transpose() * w->camera_step.segment<6>(6 * w->blocks[i].frame);
       }
     }
     if (geometry.known[track] != 0) {
@@ -237,8 +162,11 @@ void apply_point_steps(std::span<const StartSighting> sightings, const StartGeom
   }
 }
 
-/// One damped step into the trial arrays. @return false when the system cannot be solved or a depth would turn negative.
-bool try_step(std::span<const StartSighting> sightings, const StartGeometryView& geometry, double damping,
+/// One damped step into the trial arrays. @return false when the system cannot be solved or a depth
+/// would turn negative.
+bool try_step(std::span<const StartSighting> sightings,
+              const StartGeometryView& geometry,
+              double damping,
               Workspace* w) {
   Workspace::CameraVector right;
   eliminate_points(sightings, damping, w, &right);
@@ -267,8 +195,10 @@ struct PoseEquations {
   int used = 0;
 };
 
-PoseEquations linearise_pose(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
-                             const StartAdjustmentOptions& options, const InverseDepthPose& pose) {
+PoseEquations linearise_pose(std::span<const StartSighting> sightings,
+                             const StartGeometryView& geometry,
+                             const StartAdjustmentOptions& options,
+                             const InverseDepthPose& pose) {
   PoseEquations n;
   for (const StartSighting& s : sightings) {
     const auto track = static_cast<std::size_t>(s.track);
@@ -279,12 +209,12 @@ PoseEquations linearise_pose(std::span<const StartSighting> sightings, const Sta
     }
     ++n.used;
     if (!reproject(pose, geometry.points_T[track], &x, &J)) {
-      n.cost += loss(kBehindError * options.width_sigma * options.width_sigma, options).cost;
+      n.cost += start_loss(behind_error2(options), options).cost;
       continue;
     }
     const double inverse_sigma = 1.0 / (s.sigma_normalised * options.sigma_scale);
     const Eigen::Vector2d residual = inverse_sigma * (x - s.normalised);
-    const LossValue value = loss(residual.squaredNorm(), options);
+    const LossValue value = start_loss(residual.squaredNorm(), options);
     Eigen::Matrix<double, 2, 6> A;
     A << inverse_sigma * J.rotation, inverse_sigma * J.uvs;
     n.H.noalias() += value.weight * A.transpose() * A;
@@ -294,82 +224,22 @@ PoseEquations linearise_pose(std::span<const StartSighting> sightings, const Sta
   return n;
 }
 
-double median_of(std::span<double> values) {
-  if (values.empty()) {
-    return 0.0;
-  }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
-bool reduced_camera_system(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
-                           const StartAdjustmentOptions& options, Workspace* workspace) {
+bool reduced_camera_system(std::span<const StartSighting> sightings,
+                           const StartGeometryView& geometry,
+                           const StartAdjustmentOptions& options,
+                           Workspace* workspace) {
   linearise(sightings, geometry, options, workspace);
   Workspace::CameraVector right;
   eliminate_points(sightings, 0.0, workspace, &right);
   return workspace->reduced.allFinite();
 }
 
-StartFit evaluate_start(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
-                        const StartAdjustmentOptions& options, Workspace* workspace) {
-  POLHODE_ASSERT(sightings.size() <= Workspace::kSightings, sightings.size());
-  StartFit fit;
-  const double width2 = options.width_sigma * options.width_sigma;
-  workspace->errors2.clear();
-  for (std::size_t begin = 0; begin < sightings.size();) {
-    const std::size_t end = track_end(sightings, begin);
-    int track_inliers = 0;
-    double track_chi2 = 0.0;
-    const std::span run = sightings.subspan(begin, end - begin);
-    const bool wrong = track_cost(run, geometry.poses, geometry.points_T, geometry, options).wrong;
-    for (std::size_t i = begin; i < end; ++i) {
-      const StartSighting& s = sightings[i];
-      if (!usable(geometry, s)) {
-        continue;
-      }
-      const double e = scaled_error2(geometry.poses[static_cast<std::size_t>(s.frame)],
-                                     geometry.points_T[static_cast<std::size_t>(s.track)], s, options);
-      (void)workspace->errors2.push_back(e);
-      if (e < width2) {
-        ++track_inliers;
-        track_chi2 += e;
-      }
-    }
-    fit.inliers += wrong ? 0 : track_inliers;
-    fit.chi2 += wrong ? 0.0 : track_chi2;
-    fit.points += track_inliers >= 2 ? 1 : 0;
-    begin = end;
-  }
-  fit.sightings = static_cast<int>(sightings.size());
-  for (const std::uint8_t posed : geometry.posed) {
-    fit.frames += posed != 0 ? 1 : 0;
-  }
-  fit.cost = total_cost(sightings, geometry.poses, geometry.points_T, geometry, options);
-  fit.median = median_of(workspace->errors2.view());
-  // The fit takes up 3 of every point's residuals and 6 of every frame's, less the gauge.
-  const double coordinates = 2.0 * static_cast<double>(workspace->errors2.size());
-  const double free = coordinates - 3.0 * fit.points - 6.0 * fit.frames + 7.0;
-  fit.noise_scale = free > 0.0 ? std::sqrt(fit.median / kChi2Median2 * coordinates / free) : 0.0;
-  return fit;
-}
-
-void start_track_costs(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
-                       const StartAdjustmentOptions& options, std::span<double> costs) {
-  POLHODE_ASSERT(costs.size() == geometry.points_T.size(), costs.size());
-  std::fill(costs.begin(), costs.end(), 0.0);
-  for (std::size_t begin = 0; begin < sightings.size();) {
-    const std::size_t end = track_end(sightings, begin);
-    costs[static_cast<std::size_t>(sightings[begin].track)] =
-        track_cost(sightings.subspan(begin, end - begin), geometry.poses, geometry.points_T, geometry, options).cost;
-    begin = end;
-  }
-}
-
-StartFit adjust_start(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
-                      const StartAdjustmentOptions& options, Workspace* workspace) {
+StartFit adjust_start(std::span<const StartSighting> sightings,
+                      const StartGeometryView& geometry,
+                      const StartAdjustmentOptions& options,
+                      Workspace* workspace) {
   POLHODE_ASSERT(sightings.size() <= Workspace::kSightings, sightings.size());
   POLHODE_ASSERT(geometry.poses.size() <= limits::kStartFrames, geometry.poses.size());
   POLHODE_ASSERT(geometry.points_T.size() <= limits::kStartTracks, geometry.points_T.size());
@@ -387,7 +257,12 @@ StartFit adjust_start(std::span<const StartSighting> sightings, const StartGeome
       damping *= 10.0;
       continue;
     }
-    const double next = total_cost(sightings, workspace->trial_poses, std::span(workspace->trial_points).first(geometry.points_T.size()), geometry, options);
+    const double next =
+        total_cost(sightings,
+                   workspace->trial_poses,
+                   std::span(workspace->trial_points).first(geometry.points_T.size()),
+                   geometry,
+                   options);
     if (!(next < cost)) {
       if (next - cost < options.settled) {
         break;  // equal to rounding
@@ -396,7 +271,8 @@ StartFit adjust_start(std::span<const StartSighting> sightings, const StartGeome
       continue;
     }
     std::copy_n(workspace->trial_poses.begin(), geometry.poses.size(), geometry.poses.begin());
-    std::copy_n(workspace->trial_points.begin(), geometry.points_T.size(), geometry.points_T.begin());
+    std::copy_n(
+        workspace->trial_points.begin(), geometry.points_T.size(), geometry.points_T.begin());
     const bool settled = cost - next < options.settled;
     cost = next;
     stale = true;
@@ -410,8 +286,10 @@ StartFit adjust_start(std::span<const StartSighting> sightings, const StartGeome
   return fit;
 }
 
-double adjust_single_pose(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
-                          const StartAdjustmentOptions& options, InverseDepthPose* pose) {
+double adjust_single_pose(std::span<const StartSighting> sightings,
+                          const StartGeometryView& geometry,
+                          const StartAdjustmentOptions& options,
+                          InverseDepthPose* pose) {
   double damping = 1e-3;
   PoseEquations equations = linearise_pose(sightings, geometry, options, *pose);
   if (equations.used < 4) {

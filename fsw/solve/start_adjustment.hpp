@@ -21,8 +21,9 @@ struct StartSighting {
   double sigma_normalised = 1.0;
 };
 
-/// A motion and a shape that explain the images, in the caller's arrays; a pose or a point that is not known is left out.
-/// Only ratios are determined: the seven freedoms of the gauge are fixed by `normalise_gauge`.
+/// A motion and a shape that explain the images, in the caller's arrays; a pose or a point that is
+/// not known is left out. Only ratios are determined: the seven freedoms of the gauge are fixed by
+/// `normalise_gauge`.
 struct StartGeometryView {
   std::span<InverseDepthPose> poses;  ///< by frame
   std::span<std::uint8_t> posed;
@@ -32,7 +33,8 @@ struct StartGeometryView {
 
 enum class StartLoss {
   kCauchy,     ///< wide basin: width^2 log(1 + e / width^2)
-  kTruncated,  ///< min(e, width^2), and no track more than 3 sigma above its mean: comparable between hypotheses
+  kTruncated,  ///< min(e, width^2), and no track more than 3 sigma above its mean: comparable
+               ///< between hypotheses
 };
 
 struct StartAdjustmentOptions {
@@ -43,16 +45,18 @@ struct StartAdjustmentOptions {
   double settled = 1e-3;     ///< stops when a step gains less chi-square than this
 };
 
-/// Residuals in units of the scaled sigma. Sightings that lie in unknown frames or tracks count as lost.
+/// Residuals in units of the scaled sigma. Sightings that lie in unknown frames or tracks count as
+/// lost.
 struct StartFit {
-  double cost = 0.0;  ///< robust; a lost sighting costs width^2 with the truncated loss, nothing with the other
+  double cost = 0.0;  ///< robust; a lost sighting costs width^2 with the truncated loss, nothing
+                      ///< with the other
   double chi2 = 0.0;  ///< of the inliers
   int inliers = 0;    ///< sightings within width_sigma, in tracks that fit as a whole
   int sightings = 0;
   int frames = 0;
-  int points = 0;           ///< with two inliers or more
-  double median = 0.0;      ///< squared residual of the sightings that are used
-  double noise_scale = 0.0; ///< the residuals' robust standard deviation over the scaled sigma
+  int points = 0;            ///< with two inliers or more
+  double median = 0.0;       ///< squared residual of the sightings that are used
+  double noise_scale = 0.0;  ///< the residuals' robust standard deviation over the scaled sigma
   int iterations = 0;
 };
 
@@ -63,7 +67,7 @@ struct StartAdjustmentWorkspace {
 
   struct Block {
     Eigen::Matrix<double, 6, 3> W = Eigen::Matrix<double, 6, 3>::Zero();  ///< camera against point
-    std::int32_t frame = -1;        ///< -1: without weight
+    std::int32_t frame = -1;                                              ///< -1: without weight
   };
   struct PointBlock {
     Eigen::Matrix3d V = Eigen::Matrix3d::Zero();
@@ -82,7 +86,8 @@ struct StartAdjustmentWorkspace {
   FixedVector<double, kSightings> errors2;
 };
 
-/// Levenberg-Marquardt with the points eliminated (Schur complement); the gauge is left free and held by the damping.
+/// Levenberg-Marquardt with the points eliminated (Schur complement); the gauge is left free and
+/// held by the damping.
 /// @param sightings  ordered by track; at most kSightings.
 /// @param geometry   changed in place; never made worse.
 /// @cost  iterations_max linear systems of 6 per frame. Deterministic.
@@ -104,7 +109,8 @@ void start_track_costs(std::span<const StartSighting> sightings,
                        const StartAdjustmentOptions& options,
                        std::span<double> costs);
 
-/// Pose of one frame from the known points, by at most `iterations_max` damped steps with Cauchy loss.
+/// Pose of one frame from the known points, by at most `iterations_max` damped steps with Cauchy
+/// loss.
 /// @param sightings  of this frame only.
 /// @return robust cost, or a negative number when fewer than four points are known.
 double adjust_single_pose(std::span<const StartSighting> sightings,
@@ -112,14 +118,16 @@ double adjust_single_pose(std::span<const StartSighting> sightings,
                           const StartAdjustmentOptions& options,
                           InverseDepthPose* pose);
 
-/// Normal equations at `geometry` with the points eliminated, undamped: fills workspace->blocks, point_blocks and reduced.
+/// Normal equations at `geometry` with the points eliminated, undamped: fills workspace->blocks,
+/// point_blocks and reduced.
 bool reduced_camera_system(std::span<const StartSighting> sightings,
                            const StartGeometryView& geometry,
                            const StartAdjustmentOptions& options,
                            StartAdjustmentWorkspace* workspace);
 
-/// Covariance of each known point (units of extent^2) in the gauge of `normalise_gauge`: centroid, RMS extent and the
-/// attitude of the first frame exact. Only sightings within the truncation count.
+/// Covariance of each known point (units of extent^2) in the gauge of `normalise_gauge`: centroid,
+/// RMS extent and the attitude of the first frame exact. Only sightings within the truncation
+/// count.
 /// @param covariances  by track; zero where unknown.
 /// @return false when the images do not determine the geometry; nothing is written then.
 bool start_point_covariances(std::span<const StartSighting> sightings,
@@ -128,9 +136,11 @@ bool start_point_covariances(std::span<const StartSighting> sightings,
                              std::span<Eigen::Matrix3d> covariances,
                              StartAdjustmentWorkspace* workspace);
 
-/// Same images, other gauge: T's axes parallel to the first known camera's, its origin in the median of the points, RMS
-/// extent 1 (points beyond three median extents do not count for the extent).
-/// @return false, with nothing changed, when the origin would lie behind a camera or under four points are known.
+/// Same images, other gauge: T's axes parallel to the first known camera's, its origin in the
+/// median of the points, RMS extent 1 (points beyond three median extents do not count for the
+/// extent).
+/// @return false, with nothing changed, when the origin would lie behind a camera or under four
+/// points are known.
 bool normalise_gauge(const StartGeometryView& geometry);
 
 /// The depth-reversed twin (Necker): same images to the first order in extent / range.

@@ -61,7 +61,8 @@ double robust_extent(const StartGeometryView& g, const Eigen::Vector3d& centre) 
 }
 
 int count_known(std::span<const std::uint8_t> known) {
-  return static_cast<int>(std::count_if(known.begin(), known.end(), [](std::uint8_t k) { return k != 0; }));
+  return static_cast<int>(
+      std::count_if(known.begin(), known.end(), [](std::uint8_t k) { return k != 0; }));
 }
 
 /// How a point moves with the gauge: turn of T (3), shift of T (3), scale (1).
@@ -83,7 +84,8 @@ Matrix67 camera_gauge(const InverseDepthPose& pose) {
   return G;
 }
 
-/// The constraints that fix the gauge, by a point: rows are centroid (3), extent (1); the attitude is the camera's.
+/// The constraints that fix the gauge, by a point: rows are centroid (3), extent (1); the attitude
+/// is the camera's.
 Eigen::Matrix<double, 7, 3> point_constraint(const Eigen::Vector3d& p_T) {
   Eigen::Matrix<double, 7, 3> h = Eigen::Matrix<double, 7, 3>::Zero();
   h.topRows<3>().setIdentity();
@@ -93,7 +95,8 @@ Eigen::Matrix<double, 7, 3> point_constraint(const Eigen::Vector3d& p_T) {
 
 struct GaugeFix {
   Eigen::MatrixXd camera_covariance;  ///< in an arbitrary gauge
-  GaugeByCameras by_cameras;                  ///< transposed: how the constraints move with the cameras, points following
+  GaugeByCameras
+      by_cameras;  ///< transposed: how the constraints move with the cameras, points following
   Matrix7 constraint_covariance;
   Matrix7 gauge_from_constraints;
 };
@@ -123,10 +126,13 @@ bool invert_cameras(const StartGeometryView& g, Workspace* w, GaugeFix* fix) {
     return false;
   }
   fix->camera_covariance = ldlt.solve(Eigen::MatrixXd::Identity(size, size));
-  return fix->camera_covariance.allFinite() && (fix->camera_covariance.diagonal().array() >= 0.0).all();
+  return fix->camera_covariance.allFinite() &&
+         (fix->camera_covariance.diagonal().array() >= 0.0).all();
 }
 
-void collect_constraints(std::span<const StartSighting> sightings, const StartGeometryView& g, const Workspace& w,
+void collect_constraints(std::span<const StartSighting> sightings,
+                         const StartGeometryView& g,
+                         const Workspace& w,
                          GaugeFix* fix) {
   const auto first = static_cast<Eigen::Index>(6 * first_posed(g));
   fix->by_cameras = GaugeByCameras::Zero(w.reduced.rows(), 7);
@@ -150,20 +156,27 @@ void collect_constraints(std::span<const StartSighting> sightings, const StartGe
       by_gauge += h * point_gauge(g.points_T[track]);
     }
     if (w.blocks[i].frame >= 0) {
-      fix->by_cameras.middleRows<6>(6 * w.blocks[i].frame) -= w.blocks[i].W * V_inverse * h.transpose();
+      fix->by_cameras.middleRows<6>(6 * w.blocks[i].frame) -=
+          w.blocks[i].W * V_inverse * h.transpose();
     }
   }
-  fix->constraint_covariance += fix->by_cameras.transpose() * fix->camera_covariance * fix->by_cameras;
+  fix->constraint_covariance +=
+      fix->by_cameras.transpose() * fix->camera_covariance * fix->by_cameras;
   fix->gauge_from_constraints = by_gauge.inverse();
 }
 
 /// Covariance of one point after projection onto the constraints.
-Eigen::Matrix3d point_covariance(std::span<const StartSighting> sightings, std::size_t begin, std::size_t end,
-                                 const Eigen::Vector3d& p_T, const Workspace& w, const GaugeFix& fix) {
+Eigen::Matrix3d point_covariance(std::span<const StartSighting> sightings,
+                                 std::size_t begin,
+                                 std::size_t end,
+                                 const Eigen::Vector3d& p_T,
+                                 const Workspace& w,
+                                 const GaugeFix& fix) {
   const auto track = static_cast<std::size_t>(sightings[begin].track);
   const Eigen::Matrix3d V_inverse = w.point_blocks[track].V.inverse();
   Eigen::Matrix<double, Eigen::Dynamic, 3, 0, Workspace::kCameraParameters, 3> by_cameras =
-      Eigen::Matrix<double, Eigen::Dynamic, 3, 0, Workspace::kCameraParameters, 3>::Zero(w.reduced.rows(), 3);
+      Eigen::Matrix<double, Eigen::Dynamic, 3, 0, Workspace::kCameraParameters, 3>::Zero(
+          w.reduced.rows(), 3);
   for (std::size_t i = begin; i < end; ++i) {
     if (w.blocks[i].frame >= 0) {
       by_cameras.middleRows<6>(6 * w.blocks[i].frame) -= w.blocks[i].W * V_inverse;
@@ -181,11 +194,14 @@ Eigen::Matrix3d point_covariance(std::span<const StartSighting> sightings, std::
 
 }  // namespace
 
-bool start_point_covariances(std::span<const StartSighting> sightings, const StartGeometryView& geometry,
-                             const StartAdjustmentOptions& options, std::span<Eigen::Matrix3d> covariances,
+bool start_point_covariances(std::span<const StartSighting> sightings,
+                             const StartGeometryView& geometry,
+                             const StartAdjustmentOptions& options,
+                             std::span<Eigen::Matrix3d> covariances,
                              Workspace* workspace) {
   POLHODE_ASSERT(covariances.size() == geometry.points_T.size(), covariances.size());
-  if (count_known(geometry.known) < 4 || !reduced_camera_system(sightings, geometry, options, workspace)) {
+  if (count_known(geometry.known) < 4 ||
+      !reduced_camera_system(sightings, geometry, options, workspace)) {
     return false;
   }
   GaugeFix fix;
@@ -204,7 +220,8 @@ bool start_point_covariances(std::span<const StartSighting> sightings, const Sta
       ++end;
     }
     if (geometry.known[track] != 0) {
-      covariances[track] = point_covariance(sightings, begin, end, geometry.points_T[track], *workspace, fix);
+      covariances[track] =
+          point_covariance(sightings, begin, end, geometry.points_T[track], *workspace, fix);
     }
     begin = end;
   }
@@ -230,8 +247,8 @@ bool normalise_gauge(const StartGeometryView& g) {
   for (std::size_t f = 0; f < g.poses.size(); ++f) {
     if (g.posed[f] != 0) {
       const Pose pose = from_inverse_depth(g.poses[f]);
-      g.poses[f] = to_inverse_depth(
-          {.R_CT = nearest_rotation(pose.R_CT * R_NT.transpose()), .p_CT = pose.to_camera(centre) / extent});
+      g.poses[f] = to_inverse_depth({.R_CT = nearest_rotation(pose.R_CT * R_NT.transpose()),
+                                     .p_CT = pose.to_camera(centre) / extent});
     }
   }
   for (std::size_t i = 0; i < g.points_T.size(); ++i) {
@@ -250,7 +267,8 @@ void reverse_depth(const StartGeometryView& g) {
     const Eigen::Vector3d direction(g.poses[f].uvs.x(), g.poses[f].uvs.y(), 1.0);
     const Eigen::Matrix3d R_SC =
         Eigen::Quaterniond::FromTwoVectors(direction, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    g.poses[f].R_CT = R_SC.transpose() * flip.asDiagonal() * R_SC * g.poses[f].R_CT * flip.asDiagonal();
+    g.poses[f].R_CT =
+        R_SC.transpose() * flip.asDiagonal() * R_SC * g.poses[f].R_CT * flip.asDiagonal();
   }
   for (Eigen::Vector3d& p_T : g.points_T) {
     p_T = flip.asDiagonal() * p_T;

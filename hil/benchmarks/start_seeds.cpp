@@ -1,5 +1,6 @@
-// Many seeds of each family of starts: how often a map is begun, and how often wrongly. Prints the seed of every wrong one.
-// Usage: bench_start_seeds [seeds] [first seed] [family]. Exit status 1 when a wrong start was committed.
+// Many seeds of each family of starts: how often a map is begun, and how often wrongly. Prints the
+// seed of every wrong one. Usage: bench_start_seeds [seeds] [first seed] [family]. Exit status 1
+// when a wrong start was committed.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -23,8 +24,12 @@ struct Tally {
   double seconds_max = 0.0;
 };
 
-void judge(const StartOutcome& out, const synthetic::StartScenario& s, const char* name, std::uint64_t seed,
-           bool has_body, Tally* tally) {
+void judge(const StartOutcome& out,
+           const synthetic::StartScenario& s,
+           const char* name,
+           std::uint64_t seed,
+           bool has_body,
+           Tally* tally) {
   ++tally->decisions[static_cast<std::size_t>(out.decision)];
   if (out.decision != StartDecision::kCommit) {
     return;
@@ -41,9 +46,17 @@ void judge(const StartOutcome& out, const synthetic::StartScenario& s, const cha
   }
   const bool poor = has_body && e.depth < 0.5 && e.rotation < 0.5;
   ++(poor ? tally->poor : tally->wrong);
-  std::printf("  %s %s seed %llu: gap %.1f depth %.2f turn %.2f sigma %.3f chi2 %.2f inliers %.2f\n",
-              poor ? "poor" : "WRONG", name, static_cast<unsigned long long>(seed), out.chi2_gap, e.depth, e.rotation,
-              out.depth_sigma, out.reduced_chi2, out.inlier_ratio);
+  std::printf(
+      "  %s %s seed %llu: gap %.1f depth %.2f turn %.2f sigma %.3f chi2 %.2f inliers %.2f\n",
+      poor ? "poor" : "WRONG",
+      name,
+      static_cast<unsigned long long>(seed),
+      out.chi2_gap,
+      e.depth,
+      e.rotation,
+      out.depth_sigma,
+      out.reduced_chi2,
+      out.inlier_ratio);
 }
 
 }  // namespace
@@ -63,21 +76,35 @@ int main(int argc, char** argv) {
     for (int i = 0; i < seeds; ++i) {
       const std::uint64_t seed = first + static_cast<std::uint64_t>(i);
       const synthetic::StartScenario s = synthetic::make_start_scenario(family, seed);
-      const std::vector<StartTrack> tracks = synthetic::to_start_tracks(s.tracks, s.sigma_normalised);
+      const std::vector<StartTrack> tracks =
+          synthetic::to_start_tracks(s.tracks, s.sigma_normalised);
       const std::clock_t begin = std::clock();
       const StartOutcome out =
-          run_start_contest({.times_s = s.motion.times_s, .tracks = tracks, .seed = seed}, StartOptions{}, *workspace);
+          run_start_contest({.times_s = s.motion.times_s, .tracks = tracks, .seed = seed},
+                            StartOptions{},
+                            *workspace);
       const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
       tally.seconds += seconds;
       tally.seconds_max = std::max(tally.seconds_max, seconds);
       judge(out, s, synthetic::kStartFamilyNames[k], seed, synthetic::has_body(family), &tally);
     }
     wrong += tally.wrong;
-    std::printf("%-12s commits %4d of %4d: right %4d poor %3d wrong %3d | waits: few tracks %d, no hypothesis %d, "
-                "little motion %d, twins %d | %.0f ms, at most %.0f\n",
-                synthetic::kStartFamilyNames[k], tally.commits, seeds, tally.right, tally.poor, tally.wrong,
-                tally.decisions[1], tally.decisions[2], tally.decisions[3], tally.decisions[4],
-                1e3 * tally.seconds / seeds, 1e3 * tally.seconds_max);
+    std::printf(
+        "%-12s commits %4d of %4d: right %4d poor %3d wrong %3d | waits: few tracks %d, no "
+        "hypothesis %d, "
+        "little motion %d, twins %d | %.0f ms, at most %.0f\n",
+        synthetic::kStartFamilyNames[k],
+        tally.commits,
+        seeds,
+        tally.right,
+        tally.poor,
+        tally.wrong,
+        tally.decisions[1],
+        tally.decisions[2],
+        tally.decisions[3],
+        tally.decisions[4],
+        1e3 * tally.seconds / seeds,
+        1e3 * tally.seconds_max);
     std::fflush(stdout);
   }
   return wrong == 0 ? 0 : 1;

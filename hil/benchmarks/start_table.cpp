@@ -1,6 +1,7 @@
-// How often each way to start a map finds the right geometry: cylinder 0.4 m high and 0.3 m across, 70 to 115 points seen
-// in all 8 frames, 0.5 px noise, f = 2667 px, random first attitude, constant turn about an axis within 30 deg of the image
-// plane, 2 % change of range; alpha is the angle that the height subtends. Usage: bench_start_table [trials] [frames] [first seed].
+// How often each way to start a map finds the right geometry: cylinder 0.4 m high and 0.3 m across,
+// 70 to 115 points seen in all 8 frames, 0.5 px noise, f = 2667 px, random first attitude, constant
+// turn about an axis within 30 deg of the image plane, 2 % change of range; alpha is the angle that
+// the height subtends. Usage: bench_start_table [trials] [frames] [first seed].
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -34,7 +35,8 @@ Trial make_trial(double alpha_deg, double turn_deg, int frames, std::uint64_t se
   Trial trial;
   trial.motion = synthetic::constant_turn(turn, &rng);
   const int count = 70 + static_cast<int>(rng.below(46));
-  trial.tracks = synthetic::track_points(body, trial.motion, {.all_frames_only = true, .tracks_max = count}, &rng);
+  trial.tracks = synthetic::track_points(
+      body, trial.motion, {.all_frames_only = true, .tracks_max = count}, &rng);
   return trial;
 }
 
@@ -45,7 +47,12 @@ struct Cell {
   double seconds = 0.0;
 };
 
-Cell run_cell(double alpha_deg, double turn_deg, int frames, int trials, std::uint64_t first_seed, std::uint32_t kinds,
+Cell run_cell(double alpha_deg,
+              double turn_deg,
+              int frames,
+              int trials,
+              std::uint64_t first_seed,
+              std::uint32_t kinds,
               StartWorkspace* workspace) {
   Cell cell;
   for (int i = 0; i < trials; ++i) {
@@ -53,7 +60,8 @@ Cell run_cell(double alpha_deg, double turn_deg, int frames, int trials, std::ui
                                static_cast<std::uint64_t>(1e6 * alpha_deg + 1e3 * turn_deg);
     const Trial trial = make_trial(alpha_deg, turn_deg, frames, seed);
     const std::vector<StartTrack> tracks = synthetic::to_start_tracks(trial.tracks, 0.5 / 2667.0);
-    const StartProblem problem{.times_s = trial.motion.times_s, .tracks = tracks, .seed = seed, .kinds = kinds};
+    const StartProblem problem{
+        .times_s = trial.motion.times_s, .tracks = tracks, .seed = seed, .kinds = kinds};
     const std::clock_t begin = std::clock();
     const StartOutcome out = run_start_contest(problem, StartOptions{}, *workspace);
     cell.seconds += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
@@ -63,9 +71,16 @@ Cell run_cell(double alpha_deg, double turn_deg, int frames, int trials, std::ui
       ++(right ? cell.commits_right : cell.commits_wrong);
       if (!right) {
         const synthetic::StartErrors e = synthetic::compare_start(out, trial.tracks, trial.motion);
-        std::printf("  wrong commit: alpha %.1f turn %.0f seed %llu gap %.1f depth %.2f rotation %.2f sigma %.3f\n",
-                    alpha_deg, turn_deg, static_cast<unsigned long long>(seed), out.chi2_gap, e.depth, e.rotation,
-                    out.depth_sigma);
+        std::printf(
+            "  wrong commit: alpha %.1f turn %.0f seed %llu gap %.1f depth %.2f rotation %.2f "
+            "sigma %.3f\n",
+            alpha_deg,
+            turn_deg,
+            static_cast<unsigned long long>(seed),
+            out.chi2_gap,
+            e.depth,
+            e.rotation,
+            out.depth_sigma);
       }
     }
   }
@@ -102,10 +117,16 @@ int main(int argc, char** argv) {
     for (const double turn_deg : {10.0, 20.0, 45.0}) {
       std::string line;
       for (const Column& column : columns) {
-        const Cell cell = run_cell(alpha_deg, turn_deg, frames, trials, first_seed, column.kinds, workspace.get());
+        const Cell cell = run_cell(
+            alpha_deg, turn_deg, frames, trials, first_seed, column.kinds, workspace.get());
         char text[64];
-        std::snprintf(text, sizeof text, "%3.0f [%3d/%d] %4.0f ms      ", 100.0 * cell.right / trials, cell.commits_right,
-                      cell.commits_wrong, 1e3 * cell.seconds / trials);
+        std::snprintf(text,
+                      sizeof text,
+                      "%3.0f [%3d/%d] %4.0f ms      ",
+                      100.0 * cell.right / trials,
+                      cell.commits_right,
+                      cell.commits_wrong,
+                      1e3 * cell.seconds / trials);
         line += text;
         if (!singles) {
           break;

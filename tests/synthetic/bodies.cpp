@@ -34,7 +34,8 @@ Body cylinder(int points, double radius_m, double height_m, Rng* rng) {
 }
 
 Body box(int points, const Eigen::Vector3d& size_m, Rng* rng) {
-  const std::array<double, 3> area = {size_m.y() * size_m.z(), size_m.x() * size_m.z(), size_m.x() * size_m.y()};
+  const std::array<double, 3> area = {
+      size_m.y() * size_m.z(), size_m.x() * size_m.z(), size_m.x() * size_m.y()};
   Body body;
   for (int i = 0; i < points; ++i) {
     double pick = rng->uniform() * (area[0] + area[1] + area[2]);

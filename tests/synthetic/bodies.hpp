@@ -16,10 +16,16 @@ struct SurfacePoint {
 using Body = std::vector<SurfacePoint>;
 
 /// Points spread evenly over the surface.
-Body cylinder(int points, double radius_m, double height_m, Rng* rng);  ///< axis z, both ends closed
+Body cylinder(int points,
+              double radius_m,
+              double height_m,
+              Rng* rng);  ///< axis z, both ends closed
 Body box(int points, const Eigen::Vector3d& size_m, Rng* rng);
 Body sphere(int points, double radius_m, Rng* rng);
-Body panel(int points, double width_m, double height_m, Rng* rng);  ///< in the plane z = 0, both sides
+Body panel(int points,
+           double width_m,
+           double height_m,
+           Rng* rng);  ///< in the plane z = 0, both sides
 /// Inside of a paraboloid that opens towards +z: the convexity cue's enemy.
 Body dish(int points, double radius_m, double depth_m, Rng* rng);
 /// A box with a panel on each side along x.

@@ -23,8 +23,8 @@ Eigen::Vector3d direction_near_image_plane(double angle_rad, Rng* rng);
 struct ConstantTurn {
   int frames = 8;
   double interval_s = 10.0;
-  double time_jitter = 0.0;                           ///< of each interval, as a part of it
-  double turn_rad = 0.0;                              ///< over all frames, about `axis_C`
+  double time_jitter = 0.0;  ///< of each interval, as a part of it
+  double turn_rad = 0.0;     ///< over all frames, about `axis_C`
   Eigen::Vector3d axis_C = Eigen::Vector3d::UnitY();
   Eigen::Matrix3d R_first = Eigen::Matrix3d::Identity();
   Eigen::Vector3d p_first_m = Eigen::Vector3d(0.0, 0.0, 10.0);

@@ -13,7 +13,8 @@
 namespace polhode::synthetic {
 
 /// The first kStartFrames frames of each of the first kStartTracks tracks.
-inline std::vector<StartTrack> to_start_tracks(const std::vector<Track>& tracks, double sigma_normalised) {
+inline std::vector<StartTrack> to_start_tracks(const std::vector<Track>& tracks,
+                                               double sigma_normalised) {
   std::vector<StartTrack> out;
   for (const Track& track : tracks) {
     StartTrack start;
@@ -27,13 +28,17 @@ inline std::vector<StartTrack> to_start_tracks(const std::vector<Track>& tracks,
 }
 
 struct StartErrors {
-  double depth = 1e300;     ///< depth profile in the first posed frame: RMS error over RMS depth, after scaling by the sides
-  double rotation = 1e300;  ///< error of the turn from the first to the last posed frame over that turn
+  double depth = 1e300;  ///< depth profile in the first posed frame: RMS error over RMS depth,
+                         ///< after scaling by the sides
+  double rotation =
+      1e300;  ///< error of the turn from the first to the last posed frame over that turn
   [[nodiscard]] bool right() const { return depth < 0.25 && rotation < 0.25; }
 };
 
 /// Against the truth; the outcome has to have poses.
-inline StartErrors compare_start(const StartOutcome& out, const std::vector<Track>& tracks, const Motion& motion) {
+inline StartErrors compare_start(const StartOutcome& out,
+                                 const std::vector<Track>& tracks,
+                                 const Motion& motion) {
   StartErrors errors;
   std::size_t first = out.frames.size();
   std::size_t last = 0;
@@ -78,7 +83,8 @@ inline StartErrors compare_start(const StartOutcome& out, const std::vector<Trac
     deep += depth * depth;
   }
   errors.depth = std::sqrt(wrong / deep);
-  const Eigen::Matrix3d turn_e = out.frames[last].pose.R_CT * out.frames[first].pose.R_CT.transpose();
+  const Eigen::Matrix3d turn_e =
+      out.frames[last].pose.R_CT * out.frames[first].pose.R_CT.transpose();
   const Eigen::Matrix3d turn_t = motion.poses[last].R_CT * motion.poses[first].R_CT.transpose();
   errors.rotation = rotation_angle_rad(turn_e, turn_t) / so3_log(turn_t).norm();
   return errors;

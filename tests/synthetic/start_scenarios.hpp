@@ -12,7 +12,8 @@
 namespace polhode::synthetic {
 
 enum class StartFamily {
-  kFar,          ///< 3 deg subtended, cylinder, box or satellite, 15 to 60 deg of turn, every point in every frame
+  kFar,  ///< 3 deg subtended, cylinder, box or satellite, 15 to 60 deg of turn, every point in
+         ///< every frame
   kFarPartial,   ///< the same with points that come and go, outliers, lost images
   kTumbling,     ///< torque-free, 6 to 10 deg a frame, 4 to 16 deg subtended, outliers
   kPanel,        ///< one flat panel
@@ -23,14 +24,29 @@ enum class StartFamily {
   kRandom,       ///< tracks without any body
   kLumpy,        ///< independent slow drifts of each track: smooth, not rigid
 };
-inline constexpr std::array kStartFamilies = {
-    StartFamily::kFar,         StartFamily::kFarPartial, StartFamily::kTumbling, StartFamily::kPanel,
-    StartFamily::kDish,        StartFamily::kTranslation, StartFamily::kNoisy,   StartFamily::kStatic,
-    StartFamily::kRandom,      StartFamily::kLumpy};
-inline constexpr std::array kStartFamilyNames = {"far",   "far partial", "tumbling", "panel",  "dish",
-                                                 "drift", "noisy",       "static",   "random", "lumpy"};
+inline constexpr std::array kStartFamilies = {StartFamily::kFar,
+                                              StartFamily::kFarPartial,
+                                              StartFamily::kTumbling,
+                                              StartFamily::kPanel,
+                                              StartFamily::kDish,
+                                              StartFamily::kTranslation,
+                                              StartFamily::kNoisy,
+                                              StartFamily::kStatic,
+                                              StartFamily::kRandom,
+                                              StartFamily::kLumpy};
+inline constexpr std::array kStartFamilyNames = {"far",
+                                                 "far partial",
+                                                 "tumbling",
+                                                 "panel",
+                                                 "dish",
+                                                 "drift",
+                                                 "noisy",
+                                                 "static",
+                                                 "random",
+                                                 "lumpy"};
 constexpr bool has_body(StartFamily family) {
-  return family != StartFamily::kStatic && family != StartFamily::kRandom && family != StartFamily::kLumpy;
+  return family != StartFamily::kStatic && family != StartFamily::kRandom &&
+         family != StartFamily::kLumpy;
 }
 
 struct StartScenario {
@@ -44,7 +60,9 @@ namespace detail {
 inline constexpr double kDegree = std::numbers::pi / 180.0;
 inline constexpr double kFocal_px = 2667.0;
 
-inline double between(double low, double high, Rng* rng) { return low + (high - low) * rng->uniform(); }
+inline double between(double low, double high, Rng* rng) {
+  return low + (high - low) * rng->uniform();
+}
 
 inline Body any_body(int points, Rng* rng) {
   switch (rng->below(3)) {
@@ -88,7 +106,8 @@ inline Motion motion_of(StartFamily family, const Body& body, Rng* rng) {
     alpha_deg = between(3.0, 10.0, rng);
   }
   const double range_m = 2.0 * radius_m(body) / (alpha_deg * kDegree);
-  const Eigen::Vector3d p(between(-0.05, 0.05, rng) * range_m, between(-0.05, 0.05, rng) * range_m, range_m);
+  const Eigen::Vector3d p(
+      between(-0.05, 0.05, rng) * range_m, between(-0.05, 0.05, rng) * range_m, range_m);
   if (family == StartFamily::kTumbling) {
     const Eigen::Vector3d w = random_direction(rng) * between(6.0, 10.0, rng) * kDegree / 10.0;
     return torque_free({.frames = 10,
@@ -121,8 +140,8 @@ inline Motion motion_of(StartFamily family, const Body& body, Rng* rng) {
 
 inline Imaging imaging_of(StartFamily family, Rng* rng) {
   Imaging imaging{.focal_px = kFocal_px, .noise_px = 0.5};
-  if (family == StartFamily::kFarPartial || family == StartFamily::kTumbling || family == StartFamily::kPanel ||
-      family == StartFamily::kDish) {
+  if (family == StartFamily::kFarPartial || family == StartFamily::kTumbling ||
+      family == StartFamily::kPanel || family == StartFamily::kDish) {
     imaging.outlier_tracks = between(0.0, 0.2, rng);
     imaging.wrong_matches = between(0.0, 0.05, rng);
     imaging.lost = between(0.0, 0.15, rng);
@@ -155,7 +174,8 @@ inline StartScenario make_start_scenario(StartFamily family, std::uint64_t seed)
   s.motion = detail::motion_of(moving, body, &rng);
   s.sigma_normalised = 0.5 / detail::kFocal_px;
   if (family == StartFamily::kRandom) {
-    s.tracks = random_tracks(90, static_cast<int>(s.motion.times_s.size()), 80.0, detail::kFocal_px, &rng);
+    s.tracks =
+        random_tracks(90, static_cast<int>(s.motion.times_s.size()), 80.0, detail::kFocal_px, &rng);
     return s;
   }
   s.tracks = track_points(body, s.motion, detail::imaging_of(family, &rng), &rng);

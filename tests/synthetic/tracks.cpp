@@ -33,7 +33,8 @@ Track ideal_track(const SurfacePoint& point, const Motion& motion, double cosine
 /// A glint or a shadow edge: it keeps near the body and moves steadily, by some pixels a frame.
 void slide(double focal_px, Rng* rng, Track* track) {
   track->outlier = true;
-  const Eigen::Vector2d step = in_disc(1.0, rng).normalized() * (2.0 + 6.0 * rng->uniform()) / focal_px;
+  const Eigen::Vector2d step =
+      in_disc(1.0, rng).normalized() * (2.0 + 6.0 * rng->uniform()) / focal_px;
   for (Observation& o : track->observations) {
     o.normalised += step * (o.frame - track->observations.front().frame);
   }
@@ -48,12 +49,16 @@ void spoil(const Motion& motion, const Imaging& imaging, double size, Rng* rng, 
     o.normalised.x() += imaging.noise_px / imaging.focal_px * rng->normal();
     o.normalised.y() += imaging.noise_px / imaging.focal_px * rng->normal();
   }
-  std::erase_if(track->observations, [&](const Observation&) { return rng->uniform() < imaging.lost; });
+  std::erase_if(track->observations,
+                [&](const Observation&) { return rng->uniform() < imaging.lost; });
 }
 
 }  // namespace
 
-std::vector<Track> track_points(const Body& body, const Motion& motion, const Imaging& imaging, Rng* rng) {
+std::vector<Track> track_points(const Body& body,
+                                const Motion& motion,
+                                const Imaging& imaging,
+                                Rng* rng) {
   std::vector<Track> tracks;
   const double size = radius_m(body);
   for (const SurfacePoint& point : body) {
@@ -76,7 +81,8 @@ std::vector<Track> track_points(const Body& body, const Motion& motion, const Im
   return tracks;
 }
 
-std::vector<Track> random_tracks(int tracks, int frames, double radius_px, double focal_px, Rng* rng) {
+std::vector<Track> random_tracks(
+    int tracks, int frames, double radius_px, double focal_px, Rng* rng) {
   std::vector<Track> out(static_cast<std::size_t>(tracks));
   for (Track& track : out) {
     track.outlier = true;
