@@ -112,10 +112,10 @@ TEST(MostRedundant, IsNone_WhenEachKeyframeIsAloneOnItsSide) {
 }
 
 TEST(MostRedundant, NeverTakesTheOnlyViewOfASide) {
-  // Ten views of one side, one of another: the lonely one is the oldest.
+  // Ten views of one side, all within 20 deg, and one of another: the lonely one is the oldest.
   std::vector<Pose> poses{turned(1.5)};
   for (int k = 0; k < 10; ++k) {
-    poses.push_back(turned(0.05 * k));
+    poses.push_back(turned(0.03 * k));
   }
   const auto s = make_map(ball(300, 36), poses, kNoise_px, 36);
   for (int i = 0; i < 8; ++i) {

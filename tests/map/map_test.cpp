@@ -195,7 +195,7 @@ TEST(RefreshLandmarks, GivesTheMeanDirectionAndSizeOfEachLandmark) {
   const auto body = synthetic::ball(300, 1);
   const auto poses = synthetic::turn_by(0.15, 4);
   const auto s = synthetic::make_map(body, poses, 0.0, 1);
-  ASSERT_GT(s.map->landmark_count, 80);
+  ASSERT_GT(s.map->landmark_count, 50);
   for (std::size_t spot = 0; spot < body.size(); ++spot) {
     if (!s.landmark_of[spot].valid()) {
       continue;

@@ -53,6 +53,9 @@ inline Frame frame_of(std::int64_t timestamp_ns, const Picture& picture, int wid
           .image = {.data = picture.data(), .width_px = width_px, .height_px = height_px, .stride_octets = width_px}};
 }
 
+/// A frame that the camera could not deliver whole.
+inline Frame unreadable(std::int64_t timestamp_ns) { return {.timestamp_ns = timestamp_ns, .image = {}, .readable = false}; }
+
 /// A component that was made without trouble.
 struct Bench {
   explicit Bench(const Parameters& p = parameters()) : memory(memory_needed(p).total) {

@@ -121,8 +121,10 @@ TEST(Step, AnswersAndCountsEachKindOfBadFrame_WithOneInvalidPacket) {
     EXPECT_EQ(m.timestamp_ns, frame.timestamp_ns);
   };
   expect(frame_of(100, good), FrameUse::kUsed);
-  expect({.timestamp_ns = 200, .readable = false}, FrameUse::kUnreadable);
-  expect({.timestamp_ns = 300}, FrameUse::kUnreadable);  // said to be readable, yet without an image
+  expect(unreadable(200), FrameUse::kUnreadable);
+  Frame empty = unreadable(300);
+  empty.readable = true;
+  expect(empty, FrameUse::kUnreadable);  // said to be readable, yet without an image
   expect(frame_of(400, small, 10, 10), FrameUse::kWrongSize);
   expect(frame_of(500, black), FrameUse::kDark);
   expect(frame_of(500, good), FrameUse::kTimeNotIncreasing);
@@ -148,7 +150,7 @@ TEST(Step, TakesAnyTimeStamp_AsTheFirst) {
 
 TEST(Step, SaysNothingOfFeatures_ForAFrameThatItDidNotLookAt) {
   const Picture picture = Ball(1).seen_from({.p_CT = {0.0, 0.0, 8.0}});
-  const Frame unseen[] = {{.timestamp_ns = 5 * Bench::kSecond_ns, .readable = false},
+  const Frame unseen[] = {unreadable(5 * Bench::kSecond_ns),
                           frame_of(5 * Bench::kSecond_ns, picture, 16, 16),
                           frame_of(Bench::kSecond_ns, picture)};  // the time stamp of the frame before
   for (const Frame& frame : unseen) {
@@ -169,7 +171,7 @@ TEST(Step, CountsFramesAndPackets_WithoutAGap) {
   Bench b;
   const Picture picture = uniform(128);
   for (int i = 0; i < 20; ++i) {
-    const StepOutput& out = i % 3 == 1 ? b.component->step({.frame = {.timestamp_ns = 1, .readable = false}}) : b.show(picture);
+    const StepOutput& out = i % 3 == 1 ? b.component->step({.frame = unreadable(1)}) : b.show(picture);
     EXPECT_EQ(sequence_count(out), i);
     EXPECT_EQ(out.motion.frame, static_cast<std::uint32_t>(i));
   }
@@ -179,7 +181,7 @@ TEST(Step, WrapsTheCountOfPackets_After14Bits) {
   Bench b;
   int last = -1;
   for (int i = 0; i < 0x4000 + 3; ++i) {
-    last = sequence_count(b.component->step({.frame = {.timestamp_ns = i, .readable = false}}));
+    last = sequence_count(b.component->step({.frame = unreadable(i)}));
     ASSERT_EQ(last, i % 0x4000);
   }
   EXPECT_EQ(last, 2);
@@ -196,7 +198,7 @@ TEST(Step, TellsTheEndOfTheStagesThatRan_InTheOrderOfTheFlow) {
   EXPECT_EQ(stages.back(), Stage::kBus);
   EXPECT_TRUE(std::is_sorted(stages.begin(), stages.end()));
   stages.clear();
-  (void)b.component->step({.frame = {.timestamp_ns = 5 * Bench::kSecond_ns, .readable = false}});
+  (void)b.component->step({.frame = unreadable(5 * Bench::kSecond_ns)});
   EXPECT_EQ(stages, std::vector<Stage>{Stage::kBus});
 }
 

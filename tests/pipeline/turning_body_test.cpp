@@ -35,7 +35,7 @@ Eigen::Matrix3d rotation_of(const MotionState& m) {
   return Eigen::Quaterniond(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]).toRotationMatrix();
 }
 
-struct Run {
+struct Passage {
   std::vector<MotionState> motion;
   std::vector<std::uint8_t> bytes;
   Counters counters;
@@ -43,13 +43,13 @@ struct Run {
 
 /// Frames for which `shown` is false come as unreadable.
 template <typename Shown>
-Run run(const Parameters& p, Shown shown) {
+Passage run(const Parameters& p, Shown shown) {
   Bench b(p);
-  Run r;
+  Passage r;
   for (int i = 0; i < kFrames; ++i) {
     const StepOutput& out =
         shown(i) ? b.show(pictures()[static_cast<std::size_t>(i)])
-                 : b.component->step({.frame = {.timestamp_ns = ++b.time_s * Bench::kSecond_ns, .readable = false}});
+                 : b.component->step({.frame = unreadable(++b.time_s * Bench::kSecond_ns)});
     r.motion.push_back(out.motion);
     r.bytes.insert(r.bytes.end(), out.packets.begin(), out.packets.end());
   }
@@ -57,13 +57,13 @@ Run run(const Parameters& p, Shown shown) {
   return r;
 }
 
-const Run& plain_run() {
-  static const Run r = run(parameters(), [](int) { return true; });
+const Passage& plain_run() {
+  static const Passage r = run(parameters(), [](int) { return true; });
   return r;
 }
 
 /// Worst error of the turns against the first posed frame, and of the direction to the body; -1 without two poses.
-double worst_turn_error_rad(const Run& r) {
+double worst_turn_error_rad(const Passage& r) {
   int first = -1;
   double worst = -1.0;
   for (int i = 0; i < kFrames; ++i) {
@@ -79,7 +79,7 @@ double worst_turn_error_rad(const Run& r) {
 }
 
 TEST(TurningBody, IsAcquired_AndFollowedToTheEnd) {
-  const Run& r = plain_run();
+  const Passage& r = plain_run();
   std::size_t first = 0;
   while (first < r.motion.size() && !r.motion[first].pose_valid) {
     EXPECT_EQ(r.motion[first].mode, Mode::kAcquiring);
@@ -116,7 +116,7 @@ TEST(TurningBody, HasTheRateOfTheTruth) {
 }
 
 TEST(TurningBody, HasAQuaternionThatDoesNotJump) {
-  const Run& r = plain_run();
+  const Passage& r = plain_run();
   for (std::size_t i = 1; i < r.motion.size(); ++i) {
     if (r.motion[i - 1].pose_valid && r.motion[i].pose_valid) {
       double dot = 0.0;
@@ -132,7 +132,7 @@ TEST(TurningBody, HasAQuaternionThatDoesNotJump) {
 }
 
 TEST(TurningBody, GivesTheSameBytes_InAnotherComponent) {
-  const Run again = run(parameters(), [](int) { return true; });
+  const Passage again = run(parameters(), [](int) { return true; });
   EXPECT_EQ(plain_run().bytes, again.bytes);
 }
 
@@ -154,7 +154,7 @@ TEST(TurningBody, GivesTheSameBytes_InTwoComponentsThatTakeTurns) {
 
 TEST(TurningBody, IsFoundAgain_AfterFramesThatCouldNotBeRead) {
   const auto shown = [](int i) { return i < 15 || i >= 18; };
-  const Run r = run(parameters(), shown);
+  const Passage r = run(parameters(), shown);
   for (int i = 15; i < 18; ++i) {
     EXPECT_FALSE(r.motion[static_cast<std::size_t>(i)].pose_valid);
   }
