@@ -10,8 +10,8 @@
 namespace polhode {
 namespace {
 
-// A quarter of the depth is wrong with 3 sigma at most.
-constexpr double kDepthSigmaMax = 0.08;
+// Depths of a body spread by some 0.6 extents: a quarter of that is then 3 sigma off.
+constexpr double kDepthSigmaMax = 0.05;
 // Tracks go wrong in 5 to 20 % of cases, and take their sightings with them.
 constexpr double kInlierRatioMin = 0.6;
 
