@@ -14,14 +14,19 @@ static_assert(std::numeric_limits<double>::is_iec559 && sizeof(double) == 8);
 
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
-void put_unsigned(std::span<std::uint8_t> out, std::size_t offset, std::uint64_t value, std::size_t octets) {
+void put_unsigned(std::span<std::uint8_t> out,
+                  std::size_t offset,
+                  std::uint64_t value,
+                  std::size_t octets) {
   POLHODE_ASSERT(offset + octets <= out.size(), offset);
   for (std::size_t i = 0; i < octets; ++i) {
     out[offset + i] = static_cast<std::uint8_t>((value >> (8U * (octets - 1U - i))) & 0xFFU);
   }
 }
 
-std::uint64_t get_unsigned(std::span<const std::uint8_t> in, std::size_t offset, std::size_t octets) {
+std::uint64_t get_unsigned(std::span<const std::uint8_t> in,
+                           std::size_t offset,
+                           std::size_t octets) {
   POLHODE_ASSERT(offset + octets <= in.size(), offset);
   std::uint64_t value = 0;
   for (std::size_t i = 0; i < octets; ++i) {
@@ -37,7 +42,8 @@ std::uint16_t next_sequence(std::uint16_t sequence) {
 }
 
 std::uint16_t packets_missing(std::uint16_t previous, std::uint16_t current) {
-  return static_cast<std::uint16_t>((current + 2U * kSequenceModulus - previous - 1U) % kSequenceModulus);
+  return static_cast<std::uint16_t>((current + 2U * kSequenceModulus - previous - 1U) %
+                                    kSequenceModulus);
 }
 
 void set_time(std::int64_t timestamp_ns, PacketHeader& header) {
@@ -56,8 +62,10 @@ void set_time(std::int64_t timestamp_ns, PacketHeader& header) {
 
 void write_header(const PacketHeader& header, std::span<std::uint8_t> out) {
   POLHODE_ASSERT(header.apid <= 0x7FFU, header.apid);
-  POLHODE_ASSERT(header.total_octets > kHeaderOctets && header.total_octets <= 65542U, header.total_octets);
-  // Version 000, type 0 (telemetry), secondary header 1, APID; then segmentation 11 (whole), count; then length - 7.
+  POLHODE_ASSERT(header.total_octets > kHeaderOctets && header.total_octets <= 65542U,
+                 header.total_octets);
+  // Version 000, type 0 (telemetry), secondary header 1, APID; then segmentation 11 (whole), count;
+  // then length - 7.
   put_u16(out, 0, static_cast<std::uint16_t>(0x0800U | header.apid));
   put_u16(out, 2, static_cast<std::uint16_t>(0xC000U | (header.sequence % kSequenceModulus)));
   put_u16(out, 4, static_cast<std::uint16_t>(header.total_octets - 7U));
@@ -75,8 +83,8 @@ bool read_header(std::span<const std::uint8_t> in, PacketHeader& header) {
   const unsigned identification = get_u16(in, 0);
   const unsigned control = get_u16(in, 2);
   const unsigned quality = get_u8(in, 15);
-  if ((identification & 0xF800U) != 0x0800U || (control & 0xC000U) != 0xC000U || get_u8(in, 6) != kTimePField ||
-      quality > static_cast<unsigned>(TimeQuality::kOutOfRange)) {
+  if ((identification & 0xF800U) != 0x0800U || (control & 0xC000U) != 0xC000U ||
+      get_u8(in, 6) != kTimePField || quality > static_cast<unsigned>(TimeQuality::kOutOfRange)) {
     return false;
   }
   header.apid = static_cast<std::uint16_t>(identification & 0x7FFU);

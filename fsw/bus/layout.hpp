@@ -1,4 +1,5 @@
-// Octets of the packets: CCSDS space packet header, CUC time, field offsets, big-endian pack and unpack.
+// Octets of the packets: CCSDS space packet header, CUC time, field offsets, big-endian pack and
+// unpack.
 #pragma once
 
 #include <cstddef>
@@ -8,42 +9,46 @@
 namespace polhode::bus {
 
 // Header, 16 octets, so that the payload starts on a multiple of 8.
-// Octets 0-5: CCSDS 133.0-B primary header. Octets 6-13: CUC time (CCSDS 301.0-B). 14: layout version. 15: time quality.
+// Octets 0-5: CCSDS 133.0-B primary header. Octets 6-13: CUC time (CCSDS 301.0-B). 14: layout
+// version. 15: time quality.
 inline constexpr std::size_t kPrimaryHeaderOctets = 6;
 inline constexpr std::size_t kHeaderOctets = 16;
 inline constexpr std::size_t kCrcOctets = 2;
-inline constexpr std::uint8_t kLayoutVersion = 1;  ///< a change of any packet's layout changes this and docs/bus.md
+inline constexpr std::uint8_t kLayoutVersion =
+    1;  ///< a change of any packet's layout changes this and docs/bus.md
 inline constexpr std::uint16_t kSequenceModulus = 0x4000;  ///< the 14-bit count wraps here
 inline constexpr std::uint16_t kApidMax = 0x7FE;           ///< 0x7FF is the idle packet
 
-// CUC P-field: no extension, agency-defined epoch (code 010), 4 octets of seconds, 3 octets of 2^-24 s.
+// CUC P-field: no extension, agency-defined epoch (code 010), 4 octets of seconds, 3 octets of
+// 2^-24 s.
 inline constexpr std::uint8_t kTimePField = 0x2F;
 
 enum class TimeQuality : std::uint8_t {
-  kCamera = 0,      ///< the camera's own time stamp
-  kOutOfRange = 1,  ///< the time stamp does not fit CUC (negative, or 2^32 s and more): the CUC field is zero
+  kCamera = 0,  ///< the camera's own time stamp
+  kOutOfRange =
+      1,  ///< the time stamp does not fit CUC (negative, or 2^32 s and more): the CUC field is zero
 };
 
 /// Offsets of the motion packet from its first octet; every field starts on a multiple of its size.
 namespace motion_layout {
-inline constexpr std::size_t kTimestamp_ns = 16;       ///< int64
-inline constexpr std::size_t kAttitude_q_CT = 24;      ///< 4 x float64: w, x, y, z
-inline constexpr std::size_t kPosition_p_CT = 56;      ///< 3 x float64
-inline constexpr std::size_t kVelocity_v_C = 80;       ///< 3 x float64
-inline constexpr std::size_t kRate_w_T_rad_s = 104;    ///< 3 x float64
-inline constexpr std::size_t kSigmaAttitude_rad = 128; ///< float64
-inline constexpr std::size_t kSigmaPosition = 136;     ///< float64
-inline constexpr std::size_t kSigmaVelocity = 144;     ///< float64
-inline constexpr std::size_t kSigmaRate_rad_s = 152;   ///< float64
-inline constexpr std::size_t kFrame = 160;             ///< uint32
-inline constexpr std::size_t kFeatures = 164;          ///< uint16
-inline constexpr std::size_t kMatches = 166;           ///< uint16
-inline constexpr std::size_t kInliers = 168;           ///< uint16
-inline constexpr std::size_t kLandmarks = 170;         ///< uint16
-inline constexpr std::size_t kKeyframes = 172;         ///< uint16
-inline constexpr std::size_t kMode = 174;              ///< uint8
-inline constexpr std::size_t kFlags = 175;             ///< uint8
-inline constexpr std::size_t kCrc = 176;               ///< uint16 over octets 0 .. 175
+inline constexpr std::size_t kTimestamp_ns = 16;        ///< int64
+inline constexpr std::size_t kAttitude_q_CT = 24;       ///< 4 x float64: w, x, y, z
+inline constexpr std::size_t kPosition_p_CT = 56;       ///< 3 x float64
+inline constexpr std::size_t kVelocity_v_C = 80;        ///< 3 x float64
+inline constexpr std::size_t kRate_w_T_rad_s = 104;     ///< 3 x float64
+inline constexpr std::size_t kSigmaAttitude_rad = 128;  ///< float64
+inline constexpr std::size_t kSigmaPosition = 136;      ///< float64
+inline constexpr std::size_t kSigmaVelocity = 144;      ///< float64
+inline constexpr std::size_t kSigmaRate_rad_s = 152;    ///< float64
+inline constexpr std::size_t kFrame = 160;              ///< uint32
+inline constexpr std::size_t kFeatures = 164;           ///< uint16
+inline constexpr std::size_t kMatches = 166;            ///< uint16
+inline constexpr std::size_t kInliers = 168;            ///< uint16
+inline constexpr std::size_t kLandmarks = 170;          ///< uint16
+inline constexpr std::size_t kKeyframes = 172;          ///< uint16
+inline constexpr std::size_t kMode = 174;               ///< uint8
+inline constexpr std::size_t kFlags = 175;              ///< uint8
+inline constexpr std::size_t kCrc = 176;                ///< uint16 over octets 0 .. 175
 inline constexpr std::size_t kPacketOctets = 178;
 
 inline constexpr std::uint8_t kFlagPose = 0x01;
@@ -60,7 +65,7 @@ struct PacketHeader {
   std::uint16_t apid = 0;      ///< 0 .. 0x7FF
   std::uint16_t sequence = 0;  ///< 0 .. 0x3FFF
   std::size_t total_octets = 0;
-  std::uint32_t seconds = 0;        ///< since 1970-01-01T00:00:00, as the camera's time stamps count
+  std::uint32_t seconds = 0;  ///< since 1970-01-01T00:00:00, as the camera's time stamps count
   std::uint32_t fraction_2_24 = 0;  ///< in units of 2^-24 s, under 2^24
   std::uint8_t layout_version = kLayoutVersion;
   TimeQuality time_quality = TimeQuality::kCamera;
@@ -79,7 +84,8 @@ void set_time(std::int64_t timestamp_ns, PacketHeader& header);
 void write_header(const PacketHeader& header, std::span<std::uint8_t> out);
 
 /// Reads and checks the fixed bits: version 0, telemetry, secondary header, unsegmented, P-field.
-/// @return false when `in` is shorter than a header or a fixed bit differs; `header` is then unspecified.
+/// @return false when `in` is shorter than a header or a fixed bit differs; `header` is then
+/// unspecified.
 [[nodiscard]] bool read_header(std::span<const std::uint8_t> in, PacketHeader& header);
 
 /// CRC-16/CCITT-FALSE of all but the last two octets, written into those.
@@ -93,7 +99,9 @@ void put_u8(std::span<std::uint8_t> out, std::size_t offset, std::uint8_t value)
 void put_u16(std::span<std::uint8_t> out, std::size_t offset, std::uint16_t value);
 void put_u32(std::span<std::uint8_t> out, std::size_t offset, std::uint32_t value);
 void put_i64(std::span<std::uint8_t> out, std::size_t offset, std::int64_t value);
-void put_f64(std::span<std::uint8_t> out, std::size_t offset, double value);  ///< value must be finite
+void put_f64(std::span<std::uint8_t> out,
+             std::size_t offset,
+             double value);  ///< value must be finite
 [[nodiscard]] std::uint8_t get_u8(std::span<const std::uint8_t> in, std::size_t offset);
 [[nodiscard]] std::uint16_t get_u16(std::span<const std::uint8_t> in, std::size_t offset);
 [[nodiscard]] std::uint32_t get_u32(std::span<const std::uint8_t> in, std::size_t offset);

@@ -11,7 +11,8 @@ enum class Verdict { kWhole, kNotAPacket, kNeedsMore };
 Verdict judge(std::span<const std::uint8_t> rest, PacketHeader& header) {
   if (rest.size() < kHeaderOctets) {
     // Only the fixed bits that are there can speak against it.
-    const bool plausible = (rest[0] & 0xF8U) == 0x08U && (rest.size() < 3 || (rest[2] & 0xC0U) == 0xC0U) &&
+    const bool plausible = (rest[0] & 0xF8U) == 0x08U &&
+                           (rest.size() < 3 || (rest[2] & 0xC0U) == 0xC0U) &&
                            (rest.size() < 7 || rest[6] == kTimePField);
     return plausible ? Verdict::kNeedsMore : Verdict::kNotAPacket;
   }

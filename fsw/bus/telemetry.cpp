@@ -11,19 +11,24 @@ namespace layout = bus::motion_layout;
 
 template <std::size_t kCount>
 bool all_finite(const std::array<double, kCount>& values, double sigma) {
-  return std::isfinite(sigma) &&
-         std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+  return std::isfinite(sigma) && std::all_of(values.begin(), values.end(), [](double value) {
+           return std::isfinite(value);
+         });
 }
 
 template <std::size_t kCount>
-void put_array(std::span<std::uint8_t> out, std::size_t offset, const std::array<double, kCount>& values) {
+void put_array(std::span<std::uint8_t> out,
+               std::size_t offset,
+               const std::array<double, kCount>& values) {
   for (std::size_t i = 0; i < kCount; ++i) {
     bus::put_f64(out, offset + 8 * i, values[i]);
   }
 }
 
 template <std::size_t kCount>
-bool get_array(std::span<const std::uint8_t> in, std::size_t offset, std::array<double, kCount>& values) {
+bool get_array(std::span<const std::uint8_t> in,
+               std::size_t offset,
+               std::array<double, kCount>& values) {
   for (std::size_t i = 0; i < kCount; ++i) {
     values[i] = bus::get_f64(in, offset + 8 * i);
   }
@@ -40,7 +45,8 @@ Error refused(const char* what) { return {.code = ErrorCode::kBadParameter, .mes
 /// Writes the estimates whose values are usable and returns the flags that say so.
 std::uint8_t put_estimates(const MotionState& state, std::span<std::uint8_t> out) {
   unsigned flags = 0;
-  if (state.pose_valid && all_finite(state.q_CT, state.sigma_att_rad) && all_finite(state.p_CT, state.sigma_pos)) {
+  if (state.pose_valid && all_finite(state.q_CT, state.sigma_att_rad) &&
+      all_finite(state.p_CT, state.sigma_pos)) {
     flags |= layout::kFlagPose;
     put_array(out, layout::kAttitude_q_CT, state.q_CT);
     put_array(out, layout::kPosition_p_CT, state.p_CT);
@@ -93,7 +99,8 @@ std::size_t encode_motion(const MotionState& state,
                           const BusOptions& options,
                           std::uint16_t sequence,
                           std::span<std::uint8_t> out) {
-  POLHODE_ASSERT(options.apid_motion >= 1 && options.apid_motion <= bus::kApidMax, options.apid_motion);
+  POLHODE_ASSERT(options.apid_motion >= 1 && options.apid_motion <= bus::kApidMax,
+                 options.apid_motion);
   if (out.size() < kMotionPacketOctets) {
     return 0;
   }

@@ -1,5 +1,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -13,8 +14,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 
-// The attitudes' own noise looks like motion that the lever c could explain. Along a direction whose information is not at
-// least this many times what noise alone gives, nothing is known; a body that turned by a radian has a million times.
+// The attitudes' own noise looks like motion that the lever c could explain. Along a direction
+// whose information is not at least this many times what noise alone gives, nothing is known; a
+// body that turned by a radian has a million times.
 constexpr double kOverNoiseMin = 10.0;
 
 /// Normal equations by the drift x = (p0, v span) and the lever c.
@@ -22,7 +24,8 @@ struct System {
   Matrix6 H_xx = Matrix6::Zero();
   Matrix63 H_xc = Matrix63::Zero();
   Eigen::Matrix3d H_cc = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d noise_cc = Eigen::Matrix3d::Zero();  ///< what the attitudes' noise adds to H_cc on average
+  Eigen::Matrix3d noise_cc =
+      Eigen::Matrix3d::Zero();  ///< what the attitudes' noise adds to H_cc on average
   Vector6 g_x = Vector6::Zero();
   Eigen::Vector3d g_c = Eigen::Vector3d::Zero();
   double square = 0.0;
@@ -33,14 +36,19 @@ Eigen::Matrix3d expected_square(const Eigen::Matrix3d& W, const Eigen::Matrix3d&
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (Eigen::Index k = 0; k < 3; ++k) {
     for (Eigen::Index l = 0; l < 3; ++l) {
-      sum += covariance_phi(k, l) * hat(Eigen::Vector3d::Unit(k)).transpose() * W * hat(Eigen::Vector3d::Unit(l));
+      sum += covariance_phi(k, l) * hat(Eigen::Vector3d::Unit(k)).transpose() * W *
+             hat(Eigen::Vector3d::Unit(l));
     }
   }
   return sum;
 }
 
-bool accumulate(const PoseSample& sample, double time, const Eigen::Vector3d& origin_C, System& system) {
-  const Eigen::LLT<Eigen::Matrix3d> llt(Eigen::Matrix3d(sample.covariance.bottomRightCorner<3, 3>()));
+bool accumulate(const PoseSample& sample,
+                double time,
+                const Eigen::Vector3d& origin_C,
+                System& system) {
+  const Eigen::LLT<Eigen::Matrix3d> llt(
+      Eigen::Matrix3d(sample.covariance.bottomRightCorner<3, 3>()));
   const Eigen::Matrix3d W = llt.solve(Eigen::Matrix3d::Identity());
   if (llt.info() != Eigen::Success || !W.allFinite()) {
     return false;
@@ -52,7 +60,8 @@ bool accumulate(const PoseSample& sample, double time, const Eigen::Vector3d& or
   system.H_xx += J.transpose() * W * J;
   system.H_xc -= J.transpose() * W * R_CT;
   system.H_cc += R_CT.transpose() * W * R_CT;
-  system.noise_cc += R_CT.transpose() * expected_square(W, sample.covariance.topLeftCorner<3, 3>()) * R_CT;
+  system.noise_cc +=
+      R_CT.transpose() * expected_square(W, sample.covariance.topLeftCorner<3, 3>()) * R_CT;
   system.g_x += J.transpose() * W * value;
   system.g_c -= R_CT.transpose() * W * value;
   system.square += value.dot(W * value);
@@ -65,22 +74,28 @@ struct Lever {
 };
 
 /// c with the drift eliminated, without what attitude noise pretends to know, and with its prior.
-Lever solve_lever(const Eigen::Matrix3d& information, const Eigen::Vector3d& g, const Eigen::Matrix3d& noise,
+Lever solve_lever(const Eigen::Matrix3d& information,
+                  const Eigen::Vector3d& g,
+                  const Eigen::Matrix3d& noise,
                   double prior_sigma) {
-  // A floor of a millionth keeps the pencil regular for exact attitudes.
+  // A floor of a millionth keeps the noise regular for exact attitudes.
   const Eigen::Matrix3d floored = noise + 1e-6 * information.trace() * Eigen::Matrix3d::Identity();
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d> pencil(information, floored);
-  const Eigen::Matrix3d& V = pencil.eigenvectors();  // V^T floored V = 1
+  // V with V^T floored V = 1 and V^T information V diagonal: whiten by the noise, then rotate.
+  const Eigen::Matrix3d L = floored.llt().matrixL();
+  const Eigen::Matrix3d inverse_L = L.inverse();
+  const Eigen::Matrix3d whitened = inverse_L * information * inverse_L.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(whitened);
+  const Eigen::Matrix3d V = inverse_L.transpose() * eigen.eigenvectors();
   Eigen::Matrix3d H = V.transpose() * V / (prior_sigma * prior_sigma);
   Eigen::Vector3d rhs = V.transpose() * g;
   for (Eigen::Index k = 0; k < 3; ++k) {
-    const double over_noise = pencil.eigenvalues()(k);
+    const double over_noise = eigen.eigenvalues()(k);
     const bool known = over_noise >= kOverNoiseMin;
     H(k, k) += known ? over_noise - 1.0 : 0.0;
     rhs(k) = known ? rhs(k) : 0.0;
   }
-  const Eigen::LDLT<Eigen::Matrix3d> ldlt(H);
-  return {.c_T = V * ldlt.solve(rhs), .covariance = V * ldlt.solve(Eigen::Matrix3d(V.transpose()))};
+  const Eigen::Matrix3d covariance = V * H.inverse() * V.transpose();
+  return {.c_T = V * (H.inverse() * rhs), .covariance = covariance};
 }
 
 }  // namespace
@@ -103,19 +118,19 @@ Result<DriftFit> fit_drift(std::span<const PoseSample> poses, double body_radius
       return ErrorCode::kDegenerate;
     }
   }
-  const Eigen::LDLT<Matrix6> ldlt(system.H_xx);
-  const Matrix63 by_c = ldlt.solve(system.H_xc);
+  const Matrix6 inverse_xx = system.H_xx.llt().solve(Matrix6::Identity());
+  const Matrix63 by_c = inverse_xx * system.H_xc;
   const Eigen::Matrix3d information = system.H_cc - system.H_xc.transpose() * by_c;
   const Eigen::Vector3d g_c = system.g_c - by_c.transpose() * system.g_x;
   const Lever lever = solve_lever(information, g_c, system.noise_cc, body_radius);
-  const Vector6 x = ldlt.solve(Vector6(system.g_x - system.H_xc * lever.c_T));
-  const Matrix6 covariance_x =
-      Matrix6(ldlt.solve(Matrix6::Identity())) + by_c * lever.covariance * by_c.transpose();
+  const Vector6 x = inverse_xx * system.g_x - by_c * lever.c_T;
+  const Matrix6 covariance_x = inverse_xx + by_c * lever.covariance * by_c.transpose();
   if (!x.allFinite() || !covariance_x.allFinite() || !lever.covariance.allFinite()) {
     return ErrorCode::kDegenerate;
   }
-  const double chi2 = system.square - 2.0 * (x.dot(system.g_x) + lever.c_T.dot(system.g_c)) + x.dot(system.H_xx * x) +
-                      2.0 * x.dot(system.H_xc * lever.c_T) + lever.c_T.dot(system.H_cc * lever.c_T);
+  const double chi2 = system.square - 2.0 * (x.dot(system.g_x) + lever.c_T.dot(system.g_c)) +
+                      x.dot(system.H_xx * x) + 2.0 * x.dot(system.H_xc * lever.c_T) +
+                      lever.c_T.dot(system.H_cc * lever.c_T);
   DriftFit fit;
   fit.chi2_per_dof = std::max(0.0, chi2) / (3.0 * static_cast<double>(poses.size()) - 6.0);
   const double widening = std::max(1.0, fit.chi2_per_dof);

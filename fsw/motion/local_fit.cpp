@@ -16,15 +16,17 @@ constexpr int kDegree = 6;
 constexpr int kRotationUnknowns = 3 * (kDegree + 1);
 constexpr int kPathUnknowns = 12;  // g, v, a, c
 
-// From uniform to as bent as a free body gets: |dw/dt| <= |w|^2 / sqrt(3), because (I_j - I_k) / I_i <= 1.
+// From uniform to as bent as a free body gets: |dw/dt| <= |w|^2 / sqrt(3), because (I_j - I_k) /
+// I_i <= 1.
 constexpr std::array<double, 6> kBends{1e-4, 0.01, 0.03, 0.1, 0.3, 1.0};
-// Keeps the prior proper for a body at rest: bends below a thousandth of a radian over the series do not matter.
+// Keeps the prior proper for a body at rest: bends below a thousandth of a radian over the series
+// do not matter.
 constexpr double kTurnMin_rad = 1e-3;
-// Lever from T's origin to the centre of mass in parts of the range: a distant body or one whose centres all but coincide,
-// a typical one, and one that fills the view and is lopsided.
+// Lever from T's origin to the centre of mass in parts of the range: a distant body or one whose
+// centres all but coincide, a typical one, and one that fills the view and is lopsided.
 constexpr std::array<double, 3> kLevers{3e-4, 3e-3, 3e-2};
-// Departure of the centre of mass from a straight line over the window, in parts of the range: a free body has none over
-// minutes; a braked or a hand-carried one has.
+// Departure of the centre of mass from a straight line over the window, in parts of the range: a
+// free body has none over minutes; a braked or a hand-carried one has.
 constexpr std::array<double, 3> kDepartures{1e-7, 1e-4, 1e-2};
 
 template <typename Point>
@@ -68,7 +70,10 @@ ModelRows path_rows(double time, const Eigen::Matrix3d& R_from_reference) {
   return rows;
 }
 
-ModelRows path_rate_rows(double time, double scale_s, const Eigen::Matrix3d& R_CT, const Eigen::Vector3d& w_T_rad_s) {
+ModelRows path_rate_rows(double time,
+                         double scale_s,
+                         const Eigen::Matrix3d& R_CT,
+                         const Eigen::Vector3d& w_T_rad_s) {
   ModelRows rows = ModelRows::Zero(3, kPathUnknowns);
   rows.block<3, 3>(0, 3) = Eigen::Matrix3d::Identity() / scale_s;
   rows.block<3, 3>(0, 6) = 2.0 * time / scale_s * Eigen::Matrix3d::Identity();
@@ -87,7 +92,9 @@ LocalFit local_fit(const ModelAnswer& answer, std::size_t points, double span_s)
 
 }  // namespace
 
-Result<LocalFit> fit_rotation(std::span<const RotationPoint> points, double turning_rad_s, const LocalTarget& target) {
+Result<LocalFit> fit_rotation(std::span<const RotationPoint> points,
+                              double turning_rad_s,
+                              const LocalTarget& target) {
   if (points.size() < 2) {
     return ErrorCode::kTooFewObservations;
   }
@@ -97,14 +104,16 @@ Result<LocalFit> fit_rotation(std::span<const RotationPoint> points, double turn
   }
   ModelData data(kRotationUnknowns);
   for (const RotationPoint& point : points) {
-    data.add(powers({.tau_s = point.tau_s, .derivative = 0}, scale_s), point.psi_rad, point.information);
+    data.add(
+        powers({.tau_s = point.tau_s, .derivative = 0}, scale_s), point.psi_rad, point.information);
   }
   std::array<ModelVector, kBends.size()> priors;
   const double turn_rad = std::max(kTurnMin_rad, turning_rad_s * scale_s);
   for (std::size_t i = 0; i < kBends.size(); ++i) {
     priors[i] = rotation_prior(kBends[i], turn_rad);
   }
-  const Result<ModelAnswer> answer = average_models(data, priors, powers(target, scale_s).transpose());
+  const Result<ModelAnswer> answer =
+      average_models(data, priors, powers(target, scale_s).transpose());
   if (!answer) {
     return answer.error();
   }
@@ -121,10 +130,12 @@ Result<LocalFit> fit_path(std::span<const PathPoint> points, const PathTarget& t
   if (!(scale_s > 0.0) || !std::isfinite(scale_s) || !(range > 0.0)) {
     return ErrorCode::kDegenerate;
   }
-  // Relative to the first position and attitude: small numbers, and the lever drops out where nothing turns.
+  // Relative to the first position and attitude: small numbers, and the lever drops out where
+  // nothing turns.
   ModelData data(kPathUnknowns);
   for (const PathPoint& point : points) {
-    data.add(path_rows(point.tau_s / scale_s, point.R_CT - points[0].R_CT), point.p_CT - points[0].p_CT,
+    data.add(path_rows(point.tau_s / scale_s, point.R_CT - points[0].R_CT),
+             point.p_CT - points[0].p_CT,
              point.information);
   }
   FixedVector<ModelVector, kLevers.size() * kDepartures.size()> priors;
@@ -137,8 +148,9 @@ Result<LocalFit> fit_path(std::span<const PathPoint> points, const PathTarget& t
     }
   }
   const double time = target.at.tau_s / scale_s;
-  const ModelRows rows = target.at.derivative == 0 ? path_rows(time, target.R_CT - points[0].R_CT)
-                                                   : path_rate_rows(time, scale_s, target.R_CT, target.w_T_rad_s);
+  const ModelRows rows = target.at.derivative == 0
+                             ? path_rows(time, target.R_CT - points[0].R_CT)
+                             : path_rate_rows(time, scale_s, target.R_CT, target.w_T_rad_s);
   const Result<ModelAnswer> answer = average_models(data, priors.view(), rows.transpose());
   if (!answer) {
     return answer.error();

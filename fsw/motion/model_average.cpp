@@ -10,9 +10,11 @@
 namespace polhode {
 namespace {
 
-// Declared variance may be too small by up to 64 (sigma by 8): map errors that all poses share, outliers let through.
+// Declared variance may be too small by up to 64 (sigma by 8): map errors that all poses share,
+// outliers let through.
 constexpr std::array<double, 6> kNoiseFactors{1.0, 2.0, 4.0, 8.0, 16.0, 64.0};
-// Each doubling of the noise is held half as likely beforehand, so that few points do not buy smoothness with it.
+// Each doubling of the noise is held half as likely beforehand, so that few points do not buy
+// smoothness with it.
 constexpr double kNoiseFactorPower = -1.0;
 // A residual chi-square this many standard deviations above its expectation widens the covariance.
 constexpr double kChi2Deviations = 3.5;
@@ -39,7 +41,10 @@ double log_product(const ModelVector& information) {
 }
 
 /// One prior, one noise factor. False when the system is singular.
-bool solve(const ModelData& data, const ModelVector& prior, const ModelTarget& target, Solution& solution) {
+bool solve(const ModelData& data,
+           const ModelVector& prior,
+           const ModelTarget& target,
+           Solution& solution) {
   ModelMatrix H = data.normal / solution.noise_factor;
   H.diagonal() += prior;
   const ModelVector balance = H.diagonal().cwiseSqrt().cwiseInverse();
@@ -57,14 +62,16 @@ bool solve(const ModelData& data, const ModelVector& prior, const ModelTarget& t
   const ModelTarget scaled = balance.asDiagonal() * target;
   solution.estimate = target.transpose() * solution.x;
   solution.covariance = scaled.transpose() * ModelTarget(ldlt.solve(scaled));
-  solution.chi2 =
-      std::max(0.0, data.square - 2.0 * solution.x.dot(data.rhs) + solution.x.dot(data.normal * solution.x));
+  solution.chi2 = std::max(
+      0.0, data.square - 2.0 * solution.x.dot(data.rhs) + solution.x.dot(data.normal * solution.x));
   const double log_det_H = ldlt.vectorD().array().log().sum() - 2.0 * balance.array().log().sum();
   const double log_noise = std::log(solution.noise_factor);
-  solution.log_evidence = 0.5 * (log_product(prior) - log_det_H - 3.0 * static_cast<double>(data.points) * log_noise -
-                                 solution.chi2 / solution.noise_factor - solution.x.cwiseAbs2().dot(prior)) +
-                          kNoiseFactorPower * log_noise;
-  return std::isfinite(solution.log_evidence) && solution.estimate.allFinite() && solution.covariance.allFinite();
+  solution.log_evidence =
+      0.5 * (log_product(prior) - log_det_H - 3.0 * static_cast<double>(data.points) * log_noise -
+             solution.chi2 / solution.noise_factor - solution.x.cwiseAbs2().dot(prior)) +
+      kNoiseFactorPower * log_noise;
+  return std::isfinite(solution.log_evidence) && solution.estimate.allFinite() &&
+         solution.covariance.allFinite();
 }
 
 ModelAnswer average(const Solutions& solutions, std::size_t points) {
@@ -105,7 +112,9 @@ ModelAnswer average(const Solutions& solutions, std::size_t points) {
 
 }  // namespace
 
-void ModelData::add(const ModelRows& rows, const Eigen::Vector3d& value, const Eigen::Matrix3d& information) {
+void ModelData::add(const ModelRows& rows,
+                    const Eigen::Vector3d& value,
+                    const Eigen::Matrix3d& information) {
   const ModelRows weighted = information * rows;
   normal.noalias() += rows.transpose() * weighted;
   rhs.noalias() += weighted.transpose() * value;

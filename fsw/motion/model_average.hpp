@@ -1,7 +1,8 @@
 // Linear least squares whose prior and noise level are known only to an order of magnitude.
 //
-// Every pair of a prior from a list and a noise factor from a grid is solved; the answers are averaged by their evidence
-// (how well the pair predicts the data). The covariance of the average holds noise, prior and the doubt about both.
+// Every pair of a prior from a list and a noise factor from a grid is solved; the answers are
+// averaged by their evidence (how well the pair predicts the data). The covariance of the average
+// holds noise, prior and the doubt about both.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +15,8 @@ namespace polhode {
 
 inline constexpr int kModelUnknownsMax = 21;
 using ModelVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kModelUnknownsMax, 1>;
-using ModelMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kModelUnknownsMax, kModelUnknownsMax>;
+using ModelMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kModelUnknownsMax, kModelUnknownsMax>;
 /// Three numbers as a linear function of the unknowns: answer = S^T x.
 using ModelTarget = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kModelUnknownsMax, 3>;
 /// Rows of the design matrix that belong to one 3-vector.
@@ -27,7 +29,8 @@ struct ModelData {
   double square = 0.0;
   std::size_t points = 0;
 
-  explicit ModelData(int unknowns) : normal(ModelMatrix::Zero(unknowns, unknowns)), rhs(ModelVector::Zero(unknowns)) {}
+  explicit ModelData(int unknowns)
+      : normal(ModelMatrix::Zero(unknowns, unknowns)), rhs(ModelVector::Zero(unknowns)) {}
   void add(const ModelRows& rows, const Eigen::Vector3d& value, const Eigen::Matrix3d& information);
 };
 
@@ -38,7 +41,8 @@ struct ModelAnswer {
   double misfit = 1.0;   ///< factor on the declared covariances, averaged, >= 1
 };
 
-/// @param priors  each the prior information of the unknowns (inverse variance about zero); the same unknowns have 0, no
+/// @param priors  each the prior information of the unknowns (inverse variance about zero); the
+/// same unknowns have 0, no
 ///                prior, in all of them. At most 16.
 /// @errors Degenerate: no pair gives a regular system.
 /// @cost   6 systems for each prior.

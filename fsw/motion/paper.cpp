@@ -17,11 +17,13 @@ Result<PaperRate> paper_rate(const PoseSample& first, const PoseSample& second) 
   rate.interval_s = interval_s;
   const Eigen::Vector3d psi_rad = so3_log(first.pose.R_CT.transpose() * second.pose.R_CT);
   rate.w_T_rad_s = psi_rad / interval_s;
-  // exp(phi2) R2 and exp(phi1) R1: phi2 - phi1, turned into T, appears through the inverse left Jacobian of psi.
+  // exp(phi2) R2 and exp(phi1) R1: phi2 - phi1, turned into T, appears through the inverse left
+  // Jacobian of psi.
   const Eigen::Matrix3d to_psi =
       so3_left_jacobian(psi_rad).inverse() * first.pose.R_CT.transpose() / interval_s;
   rate.covariance_w_T =
-      to_psi * (first.covariance.topLeftCorner<3, 3>() + second.covariance.topLeftCorner<3, 3>()) * to_psi.transpose();
+      to_psi * (first.covariance.topLeftCorner<3, 3>() + second.covariance.topLeftCorner<3, 3>()) *
+      to_psi.transpose();
   rate.v_C = (second.pose.p_CT - first.pose.p_CT) / interval_s;
   rate.radial_speed = (second.pose.p_CT.norm() - first.pose.p_CT.norm()) / interval_s;
   const Eigen::Vector3d e1 = first.pose.p_CT.normalized();

@@ -1,4 +1,5 @@
-// The paper's motion parameters: rates and speeds from pairs of poses, and a sine through each component of the rate.
+// The paper's motion parameters: rates and speeds from pairs of poses, and a sine through each
+// component of the rate.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,14 +13,16 @@
 
 namespace polhode {
 
-/// What two successive poses say. It belongs to the middle of the interval: at either end alone it is off by half an
-/// interval of the rate's change.
+/// What two successive poses say. It belongs to the middle of the interval: at either end alone it
+/// is off by half an interval of the rate's change.
 struct PaperRate {
   std::int64_t timestamp_ns = 0;  ///< of the middle
   double interval_s = 0.0;
-  Eigen::Vector3d w_T_rad_s = Eigen::Vector3d::Zero();   ///< rotation vector of R_CT(t)^T R_CT(t + dt), over dt
+  Eigen::Vector3d w_T_rad_s =
+      Eigen::Vector3d::Zero();  ///< rotation vector of R_CT(t)^T R_CT(t + dt), over dt
   Eigen::Matrix3d covariance_w_T = Eigen::Matrix3d::Zero();
-  double radial_speed = 0.0;  ///< change of the radius vector's length, over dt; positive when it grows
+  double radial_speed =
+      0.0;  ///< change of the radius vector's length, over dt; positive when it grows
   double sigma_radial = 0.0;
   Eigen::Vector3d v_C = Eigen::Vector3d::Zero();  ///< change of the radius vector, over dt
 };
@@ -37,23 +40,27 @@ struct SineFit {
   double sigma_amplitude = 0.0;
   double sigma_period_s = 0.0;
   double sigma_phase_rad = 0.0;
-  double rms = 0.0;        ///< of the residuals
-  bool observed = false;   ///< the samples span a period and the amplitude stands out from noise; else the numbers say nothing
+  double rms = 0.0;       ///< of the residuals
+  bool observed = false;  ///< the samples span a period and the amplitude stands out from noise;
+                          ///< else the numbers say nothing
 };
 
 struct SineSample {
   double time_s = 0.0;
   double value = 0.0;
   double sigma = 1.0;       ///< of the value, > 0
-  double interval_s = 0.0;  ///< the value is a mean over this time around time_s: a sine's mean is smaller, which is undone
+  double interval_s = 0.0;  ///< the value is a mean over this time around time_s: a sine's mean is
+                            ///< smaller, which is undone
 };
 
 inline constexpr std::size_t kSineSamplesMax = 20000;
 
-/// Least squares with the period searched over a grid (down to two samples, up to twice the span) and refined.
-/// Sigmas take successive samples as differences of the same poses: their noise is correlated by -1/2 where intervals touch,
-/// which makes a slow sine's parameters better than white noise would; scaled up by the residuals where they are larger.
-/// @errors TooFewObservations (under 8 samples), Degenerate (no time passes, or a sigma is not positive).
+/// Least squares with the period searched over a grid (down to two samples, up to twice the span)
+/// and refined. Sigmas take successive samples as differences of the same poses: their noise is
+/// correlated by -1/2 where intervals touch, which makes a slow sine's parameters better than white
+/// noise would; scaled up by the residuals where they are larger.
+/// @errors TooFewObservations (under 8 samples), Degenerate (no time passes, or a sigma is not
+/// positive).
 /// @cost   at most 4000 grid points times the samples.
 Result<SineFit> fit_sine(std::span<const SineSample> samples);
 
@@ -68,10 +75,12 @@ struct DriftFit {
   double speed = 0.0;
 };
 
-/// Linear least squares with the prior that the centre of mass lies within the body: c has the sigma `body_radius` in each
-/// direction beforehand. A direction in which the covariance keeps about that has not been observed (the spin axis of a
-/// pure spin); covariances are scaled up where the residuals are larger than declared.
-/// @errors TooFewObservations (under 4 poses), Degenerate (no time passes, covariance not usable), BadParameter
+/// Linear least squares with the prior that the centre of mass lies within the body: c has the
+/// sigma `body_radius` in each direction beforehand. A direction in which the covariance keeps
+/// about that has not been observed (the spin axis of a pure spin); covariances are scaled up where
+/// the residuals are larger than declared.
+/// @errors TooFewObservations (under 4 poses), Degenerate (no time passes, covariance not usable),
+/// BadParameter
 ///         (body_radius not positive).
 Result<DriftFit> fit_drift(std::span<const PoseSample> poses, double body_radius);
 

@@ -13,7 +13,8 @@ namespace polhode {
 struct PoseSample {
   std::int64_t timestamp_ns = 0;
   Pose pose;
-  PoseCovariance covariance = PoseCovariance::Zero();  ///< of (phi, dp), in C; both diagonal blocks positive definite
+  PoseCovariance covariance =
+      PoseCovariance::Zero();  ///< of (phi, dp), in C; both diagonal blocks positive definite
 };
 
 /// Time strictly increasing. The caller owns it.

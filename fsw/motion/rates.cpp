@@ -11,9 +11,11 @@
 namespace polhode {
 namespace {
 
-// Rotation vectors relative to the reference are unique below pi; 0.5 rad of margin for noise and bend.
+// Rotation vectors relative to the reference are unique below pi; 0.5 rad of margin for noise and
+// bend.
 constexpr double kPsiMax_rad = 2.6;
-// Bodies that turn far between frames exceed the window's angle at once; four poses tell something of the rate's change.
+// Bodies that turn far between frames exceed the window's angle at once; four poses tell something
+// of the rate's change.
 constexpr std::size_t kPosesMin = 4;
 bool information_of(const Eigen::Matrix3d& covariance, Eigen::Matrix3d& information) {
   const Eigen::LLT<Eigen::Matrix3d> llt(covariance);
@@ -32,7 +34,8 @@ struct Window {
 
 /// Adds one pose. False when its covariance is not usable.
 bool add(const PoseSample& sample, double tau_s, bool with_rotation, Window& window) {
-  PathPoint position{.tau_s = tau_s, .p_CT = sample.pose.p_CT, .R_CT = sample.pose.R_CT, .information = {}};
+  PathPoint position{
+      .tau_s = tau_s, .p_CT = sample.pose.p_CT, .R_CT = sample.pose.R_CT, .information = {}};
   if (!information_of(sample.covariance.bottomRightCorner<3, 3>(), position.information) ||
       !window.path.push_back(position)) {
     return false;
@@ -53,18 +56,25 @@ bool add(const PoseSample& sample, double tau_s, bool with_rotation, Window& win
   return window.rotation.push_back(rotation);
 }
 
-/// Poses around `index`, nearest in time first, at most window_poses_max; rotation ends where the angle gets too large.
-bool collect(std::span<const PoseSample> history, std::size_t index, const MotionOptions& options, Window& window) {
+/// Poses around `index`, nearest in time first, at most window_poses_max; rotation ends where the
+/// angle gets too large.
+bool collect(std::span<const PoseSample> history,
+             std::size_t index,
+             const MotionOptions& options,
+             Window& window) {
   window.R_CT = history[index].pose.R_CT;
   std::size_t before = index;     // next candidate is before - 1
   std::size_t after = index + 1;  // next candidate
   bool rotation_open = true;
-  const auto limit = std::min(limits::kMotionPoses, static_cast<std::size_t>(std::max(2, options.window_poses_max)));
+  const auto limit = std::min(limits::kMotionPoses,
+                              static_cast<std::size_t>(std::max(2, options.window_poses_max)));
   std::size_t next = index;
   for (std::size_t count = 0; count < limit; ++count) {
     const double tau_s = seconds_between(history[index].timestamp_ns, history[next].timestamp_ns);
     const double angle_rad = rotation_angle_rad(window.R_CT, history[next].pose.R_CT);
-    const double angle_max_rad = window.rotation.size() < kPosesMin ? kPsiMax_rad : std::min(kPsiMax_rad, options.window_angle_max_rad);
+    const double angle_max_rad = window.rotation.size() < kPosesMin
+                                     ? kPsiMax_rad
+                                     : std::min(kPsiMax_rad, options.window_angle_max_rad);
     rotation_open = rotation_open && angle_rad <= angle_max_rad;
     if (!add(history[next], tau_s, rotation_open, window)) {
       return false;
@@ -75,8 +85,9 @@ bool collect(std::span<const PoseSample> history, std::size_t index, const Motio
       break;
     }
     const bool take_before =
-        has_before && (!has_after || history[index].timestamp_ns - history[before - 1].timestamp_ns <=
-                                         history[after].timestamp_ns - history[index].timestamp_ns);
+        has_before &&
+        (!has_after || history[index].timestamp_ns - history[before - 1].timestamp_ns <=
+                           history[after].timestamp_ns - history[index].timestamp_ns);
     next = take_before ? --before : after++;
   }
   return true;
@@ -114,7 +125,8 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
     return ErrorCode::kDegenerate;
   }
   const LocalTarget rate{.tau_s = 0.0, .derivative = 1};
-  const Result<LocalFit> rotation = fit_rotation(window.rotation.view(), turning_rad_s(window), rate);
+  const Result<LocalFit> rotation =
+      fit_rotation(window.rotation.view(), turning_rad_s(window), rate);
   if (!rotation) {
     return rotation.error();
   }
@@ -122,7 +134,8 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
   // The fitted attitude is R_ref exp(offset), and w_T = J_r(offset) d psi / dt there.
   const Eigen::Vector3d offset = turn.at_reference;
   const Eigen::Vector3d w_T_rad_s = so3_left_jacobian(-offset) * turn.estimate;
-  const PathTarget path_rate{.at = rate, .R_CT = window.R_CT * so3_exp(offset), .w_T_rad_s = w_T_rad_s};
+  const PathTarget path_rate{
+      .at = rate, .R_CT = window.R_CT * so3_exp(offset), .w_T_rad_s = w_T_rad_s};
   const Result<LocalFit> position = fit_path(window.path.view(), path_rate);
   if (!position) {
     return position.error();
@@ -146,7 +159,8 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
   return rates;
 }
 
-Result<RateEstimate> estimate_rates(std::span<const PoseSample> history, const MotionOptions& options) {
+Result<RateEstimate> estimate_rates(std::span<const PoseSample> history,
+                                    const MotionOptions& options) {
   return estimate_rates_at(history, history.empty() ? 0 : history.size() - 1, options);
 }
 
@@ -162,7 +176,8 @@ Result<PosePrediction> predict_pose(std::span<const PoseSample> history,
     return ErrorCode::kDegenerate;
   }
   const LocalTarget later{.tau_s = ahead_s, .derivative = 0};
-  const Result<LocalFit> rotation = fit_rotation(window.rotation.view(), turning_rad_s(window), later);
+  const Result<LocalFit> rotation =
+      fit_rotation(window.rotation.view(), turning_rad_s(window), later);
   if (!rotation) {
     return rotation.error();
   }

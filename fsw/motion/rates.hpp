@@ -1,8 +1,10 @@
-// Rates at one time, and the pose at another, from a history of poses. Causal when the history ends at that time.
+// Rates at one time, and the pose at another, from a history of poses. Causal when the history ends
+// at that time.
 //
-// Rotation is followed in the rotation vector psi relative to the reference attitude, R_CT(t) = R_CT(t_ref) exp(psi(t)):
-// linear in time for a constant rate at any angle, the same curve (but for a constant rotation) whether the rate is
-// constant in the body or in space, and with w_T = d psi / dt at the reference.
+// Rotation is followed in the rotation vector psi relative to the reference attitude, R_CT(t) =
+// R_CT(t_ref) exp(psi(t)): linear in time for a constant rate at any angle, the same curve (but for
+// a constant rotation) whether the rate is constant in the body or in space, and with w_T = d psi /
+// dt at the reference.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,14 +22,15 @@ namespace polhode {
 struct RateEstimate {
   Eigen::Vector3d w_T_rad_s = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_w_T = Eigen::Matrix3d::Zero();  ///< (rad/s)^2
-  Eigen::Vector3d v_C = Eigen::Vector3d::Zero();             ///< of T's origin, unit of the poses per second
+  Eigen::Vector3d v_C = Eigen::Vector3d::Zero();  ///< of T's origin, unit of the poses per second
   Eigen::Matrix3d covariance_v_C = Eigen::Matrix3d::Zero();
-  Pose pose;                                                 ///< the fitted (smoothed) pose at the reference
+  Pose pose;                       ///< the fitted (smoothed) pose at the reference
   std::size_t rotation_poses = 0;  ///< poses that the rotation was fitted to
   std::size_t position_poses = 0;
-  double rotation_span_s = 0.0;    ///< largest distance in time among them
+  double rotation_span_s = 0.0;  ///< largest distance in time among them
   double position_span_s = 0.0;
-  double rotation_misfit = 1.0;    ///< factor on the declared covariance, >= 1; included in covariance_w_T
+  double rotation_misfit =
+      1.0;  ///< factor on the declared covariance, >= 1; included in covariance_w_T
   double position_misfit = 1.0;
 };
 
@@ -36,7 +39,8 @@ struct RateEstimate {
 /// @errors TooFewObservations (under 2 poses), Degenerate (a covariance is not positive definite).
 /// @limit  a body that turns by more than pi between two poses is seen as turning the other way.
 /// @cost   at most options.window_poses_max poses; see fit_local().
-Result<RateEstimate> estimate_rates(std::span<const PoseSample> history, const MotionOptions& options);
+Result<RateEstimate> estimate_rates(std::span<const PoseSample> history,
+                                    const MotionOptions& options);
 
 /// Rates at `history[index]` from poses on both sides: for the end of a run.
 Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
@@ -45,13 +49,15 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
 
 struct PosePrediction {
   Pose pose;
-  PoseCovariance covariance = PoseCovariance::Zero();  ///< of (phi, dp) as in pose.hpp; rotation and position apart
+  PoseCovariance covariance =
+      PoseCovariance::Zero();  ///< of (phi, dp) as in pose.hpp; rotation and position apart
   std::size_t rotation_poses = 0;
   std::size_t position_poses = 0;
 };
 
 /// The pose at `timestamp_ns`, at or after the last one of `history`, by the motion so far.
-/// @errors TooFewObservations (under 2 poses: nothing is known of the motion), Degenerate (as above, or the time is
+/// @errors TooFewObservations (under 2 poses: nothing is known of the motion), Degenerate (as
+/// above, or the time is
 ///         before the last pose).
 Result<PosePrediction> predict_pose(std::span<const PoseSample> history,
                                     std::int64_t timestamp_ns,

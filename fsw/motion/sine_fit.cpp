@@ -34,9 +34,11 @@ double attenuation_slope(double rate_rad_s, double interval_s) {
   return 0.5 * interval_s * (std::cos(half) / half - std::sin(half) / (half * half));
 }
 
-
 /// Linear least squares of offset and sine at a fixed rate.
-bool fit_at(std::span<const SineSample> samples, double rate_rad_s, Eigen::Vector3d* linear, double* chi2) {
+bool fit_at(std::span<const SineSample> samples,
+            double rate_rad_s,
+            Eigen::Vector3d* linear,
+            double* chi2) {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   Eigen::Vector3d g = Eigen::Vector3d::Zero();
   double square = 0.0;
@@ -63,8 +65,10 @@ bool search(std::span<const SineSample> samples, double span_s, Parameters* best
   const double mean_interval_s = span_s / static_cast<double>(samples.size() - 1);
   const double rate_min = std::numbers::pi / span_s;  // half a period in the span
   const double rate_max = std::numbers::pi / mean_interval_s;
-  const int steps = std::clamp(static_cast<int>((rate_max - rate_min) * span_s / (2.0 * std::numbers::pi) * kGridPerLine),
-                               16, kGridMax);
+  const int steps = std::clamp(
+      static_cast<int>((rate_max - rate_min) * span_s / (2.0 * std::numbers::pi) * kGridPerLine),
+      16,
+      kGridMax);
   bool found = false;
   double chi2_best = 0.0;
   for (int i = 0; i <= steps; ++i) {
@@ -86,8 +90,11 @@ Parameters jacobian(const Parameters& p, const SineSample& sample, double start_
   const double cosine = std::cos(p(3) * time);
   const double sine = std::sin(p(3) * time);
   const double wave = p(1) * cosine + p(2) * sine;
-  return {1.0, damp * cosine, damp * sine,
-          damp * time * (p(2) * cosine - p(1) * sine) + attenuation_slope(p(3), sample.interval_s) * wave};
+  return {1.0,
+          damp * cosine,
+          damp * sine,
+          damp * time * (p(2) * cosine - p(1) * sine) +
+              attenuation_slope(p(3), sample.interval_s) * wave};
 }
 
 double residual(const Parameters& p, const SineSample& sample, double start_s) {
@@ -115,8 +122,11 @@ System linearise(std::span<const SineSample> samples, const Parameters& p) {
   return system;
 }
 
-/// Covariance of the least-squares parameters with the true noise: successive samples that share a pose correlate by -1/2.
-Eigen::Matrix4d sandwich(std::span<const SineSample> samples, const Parameters& p, const Eigen::Matrix4d& inverse_H) {
+/// Covariance of the least-squares parameters with the true noise: successive samples that share a
+/// pose correlate by -1/2.
+Eigen::Matrix4d sandwich(std::span<const SineSample> samples,
+                         const Parameters& p,
+                         const Eigen::Matrix4d& inverse_H) {
   Eigen::Matrix4d middle = Eigen::Matrix4d::Zero();
   Parameters previous = Parameters::Zero();
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -145,9 +155,11 @@ SineFit describe(const Parameters& p, const Eigen::Matrix4d& covariance, double 
   const Eigen::Matrix2d wave = covariance.block<2, 2>(1, 1);
   fit.sigma_offset = std::sqrt(std::max(0.0, covariance(0, 0)));
   fit.sigma_amplitude = std::sqrt(std::max(0.0, along.dot(wave * along)));
-  fit.sigma_phase_rad = std::sqrt(std::max(0.0, across.dot(wave * across))) / std::max(fit.amplitude, 1e-300);
+  fit.sigma_phase_rad =
+      std::sqrt(std::max(0.0, across.dot(wave * across))) / std::max(fit.amplitude, 1e-300);
   fit.sigma_period_s = fit.period_s / p(3) * std::sqrt(std::max(0.0, covariance(3, 3)));
-  fit.observed = fit.period_s <= span_s && fit.amplitude > kAmplitudeSigmasMin * fit.sigma_amplitude;
+  fit.observed =
+      fit.period_s <= span_s && fit.amplitude > kAmplitudeSigmasMin * fit.sigma_amplitude;
   return fit;
 }
 

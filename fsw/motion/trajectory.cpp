@@ -8,7 +8,9 @@ namespace polhode {
 namespace {
 
 /// Samples of one component of the rate from all pairs. False when a pair is not usable.
-bool sample_component(std::span<const PoseSample> poses, Eigen::Index component, std::span<SineSample> samples) {
+bool sample_component(std::span<const PoseSample> poses,
+                      Eigen::Index component,
+                      std::span<SineSample> samples) {
   for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
     const Result<PaperRate> rate = paper_rate(poses[i], poses[i + 1]);
     if (!rate) {
@@ -49,7 +51,8 @@ void judge_mass_centre(double body_radius, MotionModel& model) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(model.drift.covariance_c_T);
   model.mass_centre_axes_T = eigen.eigenvectors();
   for (std::size_t k = 0; k < 3; ++k) {
-    const double sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(static_cast<Eigen::Index>(k))));
+    const double sigma =
+        std::sqrt(std::max(0.0, eigen.eigenvalues()(static_cast<Eigen::Index>(k))));
     model.mass_centre_axes[k] = observability_of(sigma, body_radius);
   }
 }
@@ -90,7 +93,8 @@ Result<MotionModel> paper_model(std::span<const PoseSample> poses,
   const MeanRate mean = mean_rate(poses, model.span_s);
   model.mean_w_T_rad_s = mean.w_T_rad_s;
   model.mean_rate_rad_s = mean.norm_rad_s;
-  // The norm of a noisy difference is never zero: whether the body turns is told by the mean vector and by the sines.
+  // The norm of a noisy difference is never zero: whether the body turns is told by the mean vector
+  // and by the sines.
   bool turns = mean.w_T_rad_s.norm() > 3.0 * mean.sigma_rad_s;
   for (const SineFit& sine : model.sines) {
     turns = turns || sine.observed;

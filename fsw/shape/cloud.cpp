@@ -9,16 +9,21 @@ namespace polhode {
 namespace {
 
 constexpr std::size_t kNeighbour = 4;
-// Mean distances to the k-th nearest of points at random on a plane go as Gamma(k + 1/2) / Gamma(k): 1.939 to 0.886.
+// Mean distances to the k-th nearest of points at random on a plane go as Gamma(k + 1/2) /
+// Gamma(k): 1.939 to 0.886.
 constexpr double kFourthOverFirst = 2.19;
 
-/// Calls visit(squared distance in x, squared distance) for the others, walking away from place `at` in both directions of
-/// x, each until visit returns false.
+/// Calls visit(squared distance in x, squared distance) for the others, walking away from place
+/// `at` in both directions of x, each until visit returns false.
 template <typename Visit>
-void walk(std::span<const Eigen::Vector3d> points_T, const CloudIndices& by_x, std::size_t at, const Visit& visit) {
+void walk(std::span<const Eigen::Vector3d> points_T,
+          const CloudIndices& by_x,
+          std::size_t at,
+          const Visit& visit) {
   const Eigen::Vector3d& centre = points_T[by_x[at]];
   for (const int direction : {-1, 1}) {
-    for (auto i = static_cast<std::ptrdiff_t>(at) + direction; i >= 0 && i < static_cast<std::ptrdiff_t>(by_x.size());
+    for (auto i = static_cast<std::ptrdiff_t>(at) + direction;
+         i >= 0 && i < static_cast<std::ptrdiff_t>(by_x.size());
          i += direction) {
       const std::uint16_t other = by_x[static_cast<std::size_t>(i)];
       const double dx = points_T[other].x() - centre.x();
@@ -30,7 +35,9 @@ void walk(std::span<const Eigen::Vector3d> points_T, const CloudIndices& by_x, s
 }
 
 /// Squared distance to the k-th nearest other point.
-double kth_distance2(std::span<const Eigen::Vector3d> points_T, const CloudIndices& by_x, std::size_t at) {
+double kth_distance2(std::span<const Eigen::Vector3d> points_T,
+                     const CloudIndices& by_x,
+                     std::size_t at) {
   std::array<double, kNeighbour> nearest{};
   nearest.fill(std::numeric_limits<double>::infinity());
   walk(points_T, by_x, at, [&nearest](double dx2, double distance2) {
@@ -78,7 +85,9 @@ Result<double> median_spacing(std::span<const Eigen::Vector3d> points_T, CloudSc
   sort_by_x(points_T, scratch);
   FixedVector<float, limits::kCloudPoints> distances;
   for (std::size_t at = 0; at < points_T.size(); ++at) {
-    POLHODE_ASSERT(distances.push_back(static_cast<float>(std::sqrt(kth_distance2(points_T, scratch.by_x, at)))), at);
+    POLHODE_ASSERT(distances.push_back(
+                       static_cast<float>(std::sqrt(kth_distance2(points_T, scratch.by_x, at)))),
+                   at);
   }
   float* middle = distances.begin() + distances.size() / 2;
   std::nth_element(distances.begin(), middle, distances.end());
@@ -89,7 +98,10 @@ Result<double> median_spacing(std::span<const Eigen::Vector3d> points_T, CloudSc
   return spacing;
 }
 
-std::size_t remove_outliers(double radius, int neighbours_min, CloudScratch& scratch, Cloud& cloud) {
+std::size_t remove_outliers(double radius,
+                            int neighbours_min,
+                            CloudScratch& scratch,
+                            Cloud& cloud) {
   const std::size_t before = cloud.points_T.size();
   const std::span<const Eigen::Vector3d> points_T = cloud.points_T.view();
   sort_by_x(points_T, scratch);
@@ -97,9 +109,10 @@ std::size_t remove_outliers(double radius, int neighbours_min, CloudScratch& scr
   keep.resize(before);
   for (std::size_t at = 0; at < before; ++at) {
     int neighbours = 0;
-    visit_neighbours(points_T, scratch.by_x, at, radius, [&neighbours, radius](std::uint16_t, double distance2) {
-      neighbours += distance2 <= radius * radius ? 1 : 0;
-    });
+    visit_neighbours(
+        points_T, scratch.by_x, at, radius, [&neighbours, radius](std::uint16_t, double distance2) {
+          neighbours += distance2 <= radius * radius ? 1 : 0;
+        });
     keep[scratch.by_x[at]] = neighbours >= neighbours_min ? 1 : 0;
   }
   std::size_t kept = 0;
@@ -120,22 +133,24 @@ std::size_t homogenise(double edge, CloudScratch& scratch, Cloud& cloud) {
   const std::size_t before = cloud.points_T.size();
   const std::span<const Eigen::Vector3d> points_T = cloud.points_T.view();
   sort_by_x(points_T, scratch);
-  std::sort(scratch.by_x.begin(), scratch.by_x.end(), [points_T, edge](std::uint16_t a, std::uint16_t b) {
-    for (const Eigen::Index k : {0, 1, 2}) {
-      const std::int64_t cube_a = cube(points_T[a](k), edge);
-      const std::int64_t cube_b = cube(points_T[b](k), edge);
-      if (cube_a != cube_b) {
-        return cube_a < cube_b;
-      }
-    }
-    return a < b;
-  });
+  std::sort(
+      scratch.by_x.begin(), scratch.by_x.end(), [points_T, edge](std::uint16_t a, std::uint16_t b) {
+        for (const Eigen::Index k : {0, 1, 2}) {
+          const std::int64_t cube_a = cube(points_T[a](k), edge);
+          const std::int64_t cube_b = cube(points_T[b](k), edge);
+          if (cube_a != cube_b) {
+            return cube_a < cube_b;
+          }
+        }
+        return a < b;
+      });
   auto& means_T = scratch.points_T;
   means_T.clear();
   for (std::size_t first = 0; first < before;) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     std::size_t next = first;
-    while (next < before && same_cube(points_T[scratch.by_x[first]], points_T[scratch.by_x[next]], edge)) {
+    while (next < before &&
+           same_cube(points_T[scratch.by_x[first]], points_T[scratch.by_x[next]], edge)) {
       sum += points_T[scratch.by_x[next++]];
     }
     POLHODE_ASSERT(means_T.push_back(sum / static_cast<double>(next - first)), first);
@@ -170,7 +185,10 @@ Result<double> denoise(std::span<const Eigen::Vector3d> landmarks_T,
   if (!spacing) {
     return spacing.error();
   }
-  remove_outliers(options.outlier_radius_spacings * spacing.value(), options.outlier_neighbours_min, scratch, cloud);
+  remove_outliers(options.outlier_radius_spacings * spacing.value(),
+                  options.outlier_neighbours_min,
+                  scratch,
+                  cloud);
   if (cloud.points_T.empty()) {
     return ErrorCode::kTooFewObservations;
   }

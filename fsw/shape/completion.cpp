@@ -9,18 +9,25 @@
 namespace polhode {
 namespace {
 
-constexpr double kExplainedMin = 0.7;    // dents and small attachments take the rest
-constexpr double kHole_pitches = 1.2;    // points at random leave such a hole by chance in 1 % of the places
-// Points of the neighbouring sides next to the edges pull a plane inwards by about this part of its noise.
+constexpr double kExplainedMin = 0.7;  // dents and small attachments take the rest
+constexpr double kHole_pitches =
+    1.2;  // points at random leave such a hole by chance in 1 % of the places
+// Points of the neighbouring sides next to the edges pull a plane inwards by about this part of its
+// noise.
 constexpr double kEdgePull = 0.2;
-// A plane is a side of the box when it lies this near to where the points end, in parts of the box's length.
+// A plane is a side of the box when it lies this near to where the points end, in parts of the
+// box's length.
 constexpr double kSideDepthMax = 0.1;
 
 /// Points by x, for "is there one near": fills by_x from the measured points once.
-bool has_near(std::span<const Eigen::Vector3d> points_T, const CloudIndices& by_x, const Eigen::Vector3d& place_T,
+bool has_near(std::span<const Eigen::Vector3d> points_T,
+              const CloudIndices& by_x,
+              const Eigen::Vector3d& place_T,
               double radius) {
-  const auto* at = std::lower_bound(by_x.begin(), by_x.end(), place_T.x() - radius,
-                                    [points_T](std::uint16_t i, double x) { return points_T[i].x() < x; });
+  const auto* at = std::lower_bound(
+      by_x.begin(), by_x.end(), place_T.x() - radius, [points_T](std::uint16_t i, double x) {
+        return points_T[i].x() < x;
+      });
   for (; at != by_x.end() && points_T[*at].x() <= place_T.x() + radius; ++at) {
     if ((points_T[*at] - place_T).squaredNorm() <= radius * radius) {
       return true;
@@ -38,7 +45,8 @@ struct Filler {
 
   /// Adds a point where the measured cloud has none near. False when the table is full.
   bool offer(const Eigen::Vector3d& place_T) {
-    if (has_near(cloud.points_T.view().first(measured), scratch.by_x, place_T, kHole_pitches * pitch)) {
+    if (has_near(
+            cloud.points_T.view().first(measured), scratch.by_x, place_T, kHole_pitches * pitch)) {
       return true;
     }
     if (!cloud.points_T.push_back(place_T)) {
@@ -60,7 +68,8 @@ Filler start_filling(double pitch, CloudScratch& scratch, Cloud& cloud) {
 
 /// Cells of about `pitch` over a length, bounded by the table that they fill.
 int cells(double length, double pitch) {
-  return static_cast<int>(std::clamp(std::round(length / pitch), 1.0, static_cast<double>(limits::kCloudPoints)));
+  return static_cast<int>(
+      std::clamp(std::round(length / pitch), 1.0, static_cast<double>(limits::kCloudPoints)));
 }
 
 struct Side {
@@ -69,8 +78,13 @@ struct Side {
   bool found = false;
 };
 
-/// The box's side at one end of an axis: the outermost plane near the points' end, else the end itself.
-Side find_side(const Planes& planes, const Eigen::Vector3d& axis_T, const Extent& extent, double sign, double spacing) {
+/// The box's side at one end of an axis: the outermost plane near the points' end, else the end
+/// itself.
+Side find_side(const Planes& planes,
+               const Eigen::Vector3d& axis_T,
+               const Extent& extent,
+               double sign,
+               double spacing) {
   const double end = sign > 0.0 ? extent.most : extent.least;
   const double depth_max = std::max(kSideDepthMax * (extent.most - extent.least), spacing);
   Side side{.position = end, .sigma = 0.5 * spacing};  // points end up to a gap before the edge
@@ -78,9 +92,11 @@ Side find_side(const Planes& planes, const Eigen::Vector3d& axis_T, const Extent
   for (const Plane& plane : planes) {
     const double cosine = plane.normal_T.dot(axis_T);
     const double position = axis_T.dot(plane.centre_T);
-    if (std::abs(cosine) >= kParallelCosineMin && std::abs(position - end) <= depth_max && plane.inliers > inliers) {
+    if (std::abs(cosine) >= kParallelCosineMin && std::abs(position - end) <= depth_max &&
+        plane.inliers > inliers) {
       inliers = plane.inliers;
-      side = {.position = position, .sigma = std::hypot(std::sqrt(plane.covariance(2, 2)), kEdgePull * plane.rms),
+      side = {.position = position,
+              .sigma = std::hypot(std::sqrt(plane.covariance(2, 2)), kEdgePull * plane.rms),
               .found = true};
     }
   }
@@ -135,7 +151,8 @@ Result<Box> find_box(const Cloud& cloud, const Planes& planes, double spacing, d
     const Eigen::Vector3d p_B = box.R_TB.transpose() * (point_T - box.centre_T);
     near += surface_distance(p_B, 0.5 * box.dimensions) <= tolerance ? 1U : 0U;
   }
-  box.explained = static_cast<double>(near) / static_cast<double>(std::max<std::size_t>(1, measured_T.size()));
+  box.explained =
+      static_cast<double>(near) / static_cast<double>(std::max<std::size_t>(1, measured_T.size()));
   if (box.explained < kExplainedMin || !(box.dimensions.minCoeff() > 2.0 * spacing)) {
     return ErrorCode::kNoConsensus;
   }
@@ -145,7 +162,8 @@ Result<Box> find_box(const Cloud& cloud, const Planes& planes, double spacing, d
 void snap_ends(const Planes& planes, Cylinder& cylinder) {
   Extent ends{.least = -0.5 * cylinder.length, .most = 0.5 * cylinder.length};
   const double depth_max = kSideDepthMax * cylinder.length;
-  for (std::size_t i = planes.size(); i-- > 0;) {  // the plane with most points last: it has the last word
+  for (std::size_t i = planes.size();
+       i-- > 0;) {  // the plane with most points last: it has the last word
     const double height = cylinder.axis_T.dot(planes[i].centre_T - cylinder.centre_T);
     if (std::abs(planes[i].normal_T.dot(cylinder.axis_T)) < kParallelCosineMin) {
       continue;
@@ -184,7 +202,10 @@ std::size_t complete_box(const Box& box, double pitch, CloudScratch& scratch, Cl
   return filler.added;
 }
 
-std::size_t complete_cylinder(const Cylinder& cylinder, double pitch, CloudScratch& scratch, Cloud& cloud) {
+std::size_t complete_cylinder(const Cylinder& cylinder,
+                              double pitch,
+                              CloudScratch& scratch,
+                              Cloud& cloud) {
   Filler filler = start_filling(pitch, scratch, cloud);
   const Eigen::Vector3d e1 = cylinder.axis_T.unitOrthogonal();
   const Eigen::Vector3d e2 = cylinder.axis_T.cross(e1);
@@ -222,8 +243,10 @@ double explained_by(const Cylinder& cylinder, const Cloud& cloud, double toleran
   for (const Eigen::Vector3d& point_T : cloud.points_T.view().first(cloud.measured)) {
     const double height = cylinder.axis_T.dot(point_T - cylinder.centre_T);
     const double outside = cylinder.distance(point_T);
-    const bool on_round = std::abs(outside) <= tolerance && std::abs(height) <= 0.5 * cylinder.length + tolerance;
-    const bool on_end = outside <= tolerance && std::abs(std::abs(height) - 0.5 * cylinder.length) <= tolerance;
+    const bool on_round =
+        std::abs(outside) <= tolerance && std::abs(height) <= 0.5 * cylinder.length + tolerance;
+    const bool on_end =
+        outside <= tolerance && std::abs(std::abs(height) - 0.5 * cylinder.length) <= tolerance;
     near += on_round || on_end ? 1U : 0U;
   }
   return static_cast<double>(near) / static_cast<double>(std::max<std::size_t>(1, cloud.measured));

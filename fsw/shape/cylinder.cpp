@@ -14,12 +14,14 @@
 namespace polhode {
 namespace {
 
-constexpr double kRadialCosineMin = 0.866;  // 30 deg: direction noise of a dozen neighbours, and curvature among them
-constexpr double kSampleSineMin = 0.3;      // two directions less than 17 deg apart do not fix an axis
+constexpr double kRadialCosineMin =
+    0.866;  // 30 deg: direction noise of a dozen neighbours, and curvature among them
+constexpr double kSampleSineMin = 0.3;  // two directions less than 17 deg apart do not fix an axis
 constexpr int kRefinements = 10;
 constexpr std::size_t kSectors = 36;
 constexpr std::size_t kSectorsMin = 9;  // 90 deg
-// Refinement narrows the band to three sigma of what is in it, but not below this part of the search's.
+// Refinement narrows the band to three sigma of what is in it, but not below this part of the
+// search's.
 constexpr double kBandPartMin = 0.3;
 
 using Normal5 = Eigen::Matrix<double, 5, 5>;
@@ -34,7 +36,8 @@ struct Support {
     const Eigen::Vector3d radial = apart - c.axis_T * c.axis_T.dot(apart);
     const double distance = radial.norm();
     return std::abs(distance - c.radius) <= band &&
-           (!normals[i].reliable || std::abs(normals[i].normal_T.dot(radial)) >= kRadialCosineMin * distance);
+           (!normals[i].reliable ||
+            std::abs(normals[i].normal_T.dot(radial)) >= kRadialCosineMin * distance);
   }
   [[nodiscard]] std::size_t count(const Cylinder& c, double band) const {
     std::size_t sum = 0;
@@ -46,7 +49,10 @@ struct Support {
 };
 
 /// Axis across both directions, through the meeting point of the two lines along them.
-bool hypothesis(const Eigen::Vector3d& p, const Eigen::Vector3d& n, const Eigen::Vector3d& q, const Eigen::Vector3d& m,
+bool hypothesis(const Eigen::Vector3d& p,
+                const Eigen::Vector3d& n,
+                const Eigen::Vector3d& q,
+                const Eigen::Vector3d& m,
                 Cylinder& c) {
   const Eigen::Vector3d cross = n.cross(m);
   const double sine = cross.norm();
@@ -62,7 +68,8 @@ bool hypothesis(const Eigen::Vector3d& p, const Eigen::Vector3d& n, const Eigen:
   return std::abs(std::abs(s) - std::abs(t)) <= 0.2 * c.radius;
 }
 
-/// One Gauss-Newton step on distance - radius over the inliers; unknowns: tilts, shifts across the axis, radius.
+/// One Gauss-Newton step on distance - radius over the inliers; unknowns: tilts, shifts across the
+/// axis, radius.
 bool refine(const Support& support, double band, Cylinder& c, Normal5* information) {
   const Eigen::Vector3d e1 = c.axis_T.unitOrthogonal();
   const Eigen::Vector3d e2 = c.axis_T.cross(e1);
@@ -122,7 +129,8 @@ void describe(const Support& support, double band, const Normal5& information, C
   c.length = extent.most - extent.least;
   c.coverage_rad = 2.0 * std::numbers::pi * static_cast<double>(sectors.count()) / kSectors;
   const Normal5 covariance = c.rms * c.rms * information.ldlt().solve(Normal5::Identity());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> tilt(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> tilt(
+      Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
   c.sigma_axis_rad = std::sqrt(std::max(0.0, tilt.eigenvalues()(1)));
   c.sigma_radius = std::sqrt(std::max(0.0, covariance(4, 4)));
 }

@@ -13,14 +13,15 @@
 namespace polhode {
 
 struct Cylinder {
-  Eigen::Vector3d axis_T = Eigen::Vector3d::UnitZ();  ///< unit, either sign
+  Eigen::Vector3d axis_T = Eigen::Vector3d::UnitZ();   ///< unit, either sign
   Eigen::Vector3d centre_T = Eigen::Vector3d::Zero();  ///< on the axis, at half length
   double radius = 0.0;
-  double length = 0.0;           ///< of the part that has points
-  double coverage_rad = 0.0;     ///< how much of the round has points, in sectors of 10 deg; at most 2 pi
+  double length = 0.0;  ///< of the part that has points
+  double coverage_rad =
+      0.0;  ///< how much of the round has points, in sectors of 10 deg; at most 2 pi
   std::size_t inliers = 0;
-  double rms = 0.0;              ///< of the inliers' distances
-  double sigma_axis_rad = 0.0;   ///< 1-sigma, worst direction
+  double rms = 0.0;             ///< of the inliers' distances
+  double sigma_axis_rad = 0.0;  ///< 1-sigma, worst direction
   double sigma_radius = 0.0;
 
   /// Distance from the round surface, positive outside.
@@ -36,9 +37,11 @@ struct CylinderSearch {
   std::uint64_t seed = 1;
 };
 
-/// The round surface that most points support: near, and with their own direction, where reliable, radial within 30 deg.
-/// Hypotheses come from two points with reliable directions, refined by least squares on the distances.
-/// @errors TooFewObservations (fewer points than inliers_min), NoConsensus (nothing round: too few inliers, or points over
+/// The round surface that most points support: near, and with their own direction, where reliable,
+/// radial within 30 deg. Hypotheses come from two points with reliable directions, refined by least
+/// squares on the distances.
+/// @errors TooFewObservations (fewer points than inliers_min), NoConsensus (nothing round: too few
+/// inliers, or points over
 ///         less than 90 deg of the round, which a plane explains as well).
 Result<Cylinder> find_cylinder(std::span<const Eigen::Vector3d> points_T,
                                const SurfaceNormals& normals,

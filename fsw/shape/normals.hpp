@@ -12,21 +12,24 @@ namespace polhode {
 
 struct SurfaceNormal {
   Eigen::Vector3d normal_T = Eigen::Vector3d::Zero();  ///< unit, either sign
-  bool reliable = false;  ///< the neighbours lie in a plane; false at edges, in thin or noisy places
+  bool reliable =
+      false;  ///< the neighbours lie in a plane; false at edges, in thin or noisy places
 };
 
 using SurfaceNormals = FixedVector<SurfaceNormal, limits::kCloudPoints>;
 
 /// Principal axes of the points within `radius`.
-/// @return the surface's thickness: median over the points of the neighbours' root mean square distance from their plane.
+/// @return the surface's thickness: median over the points of the neighbours' root mean square
+/// distance from their plane.
 /// @cost O(N) slabs of the radius.
 double estimate_normals(std::span<const Eigen::Vector3d> points_T,
                         double radius,
                         CloudScratch& scratch,
                         SurfaceNormals& normals);
 
-/// As above with the least radius that holds a piece of surface: three spacings (about 28 points), or more where the
-/// points' noise is larger than that. @return the thickness, which is then about the 1-sigma noise across the surface.
+/// As above with the least radius that holds a piece of surface: three spacings (about 28 points),
+/// or more where the points' noise is larger than that. @return the thickness, which is then about
+/// the 1-sigma noise across the surface.
 double estimate_normals_by_spacing(std::span<const Eigen::Vector3d> points_T,
                                    double spacing,
                                    CloudScratch& scratch,

@@ -15,7 +15,8 @@ constexpr double kNormalCosineMin = 0.7;  // 45 deg: the blended direction at an
 constexpr int kRefinements = 6;
 // A sample whose points all but lie on a line gives any plane: sine of its angle at least this.
 constexpr double kSampleSineMin = 0.1;
-// Refinement narrows the band to three sigma of what is in it, but not below this part of the search's.
+// Refinement narrows the band to three sigma of what is in it, but not below this part of the
+// search's.
 constexpr double kBandPartMin = 0.3;
 
 struct Fit {
@@ -32,7 +33,8 @@ struct Support {
 
   [[nodiscard]] bool holds(const Fit& plane, double band, std::size_t i) const {
     return owners[i] < 0 && std::abs(plane.normal_T.dot(points_T[i] - plane.mean_T)) <= band &&
-           (!normals[i].reliable || std::abs(normals[i].normal_T.dot(plane.normal_T)) >= kNormalCosineMin);
+           (!normals[i].reliable ||
+            std::abs(normals[i].normal_T.dot(plane.normal_T)) >= kNormalCosineMin);
   }
   [[nodiscard]] std::size_t count(const Fit& plane, double band) const {
     std::size_t sum = 0;
@@ -62,7 +64,8 @@ Fit refit(const Support& support, const Fit& start, double band) {
   }
   const auto count = static_cast<double>(fit.count);
   fit.mean_T = start.mean_T + sum / count;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(square - sum * sum.transpose() / count);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(square -
+                                                             sum * sum.transpose() / count);
   fit.normal_T = eigen.eigenvectors().col(0);
   fit.rms = std::sqrt(std::max(0.0, eigen.eigenvalues()(0)) / count);
   return fit;
@@ -84,7 +87,11 @@ bool sample(const Support& support, const CloudIndices& free, Rng& rng, Fit& fit
 }
 
 /// The hypothesis with most support, refined; count is 0 when there is none.
-Fit best_plane(const Support& support, const CloudIndices& free, const PlaneSearch& search, Rng& rng, double* band) {
+Fit best_plane(const Support& support,
+               const CloudIndices& free,
+               const PlaneSearch& search,
+               Rng& rng,
+               double* band) {
   Fit best;
   for (int i = 0; i < search.iterations_max; ++i) {
     Fit fit;
@@ -104,10 +111,14 @@ Fit best_plane(const Support& support, const CloudIndices& free, const PlaneSear
   return best;
 }
 
-Plane describe(const Fit& fit, const PlaneOwners& owners, std::int8_t number, const Support& support,
+Plane describe(const Fit& fit,
+               const PlaneOwners& owners,
+               std::int8_t number,
+               const Support& support,
                const Eigen::Vector3d& centroid) {
   Plane plane;
-  plane.normal_T = fit.normal_T.dot(fit.mean_T - centroid) < 0.0 ? Eigen::Vector3d(-fit.normal_T) : fit.normal_T;
+  plane.normal_T =
+      fit.normal_T.dot(fit.mean_T - centroid) < 0.0 ? Eigen::Vector3d(-fit.normal_T) : fit.normal_T;
   plane.offset = plane.normal_T.dot(fit.mean_T);
   plane.rms = fit.rms;
   FixedVector<Eigen::Vector2d, limits::kCloudPoints> flat;
@@ -146,7 +157,8 @@ void find_planes(std::span<const Eigen::Vector3d> points_T,
                  const PlaneSearch& search,
                  PlaneOwners& owners,
                  Planes& planes) {
-  POLHODE_ASSERT(normals.size() == points_T.size() && owners.size() == points_T.size(), points_T.size());
+  POLHODE_ASSERT(normals.size() == points_T.size() && owners.size() == points_T.size(),
+                 points_T.size());
   planes.clear();
   if (points_T.empty()) {
     return;
@@ -175,7 +187,8 @@ void find_planes(std::span<const Eigen::Vector3d> points_T,
         owners[i] = number;
       }
     }
-    POLHODE_ASSERT(planes.push_back(describe(fit, owners, number, support, centroid)), planes.size());
+    POLHODE_ASSERT(planes.push_back(describe(fit, owners, number, support, centroid)),
+                   planes.size());
   }
 }
 

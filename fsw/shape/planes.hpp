@@ -12,19 +12,24 @@
 
 namespace polhode {
 
-/// Points p of the plane: normal_T . p = offset. The rectangle holds its points; lengths in units of the cloud.
+/// Points p of the plane: normal_T . p = offset. The rectangle holds its points; lengths in units
+/// of the cloud.
 struct Plane {
   Eigen::Vector3d normal_T = Eigen::Vector3d::UnitZ();  ///< unit, away from the cloud's centroid
   double offset = 0.0;
   Eigen::Vector3d centre_T = Eigen::Vector3d::Zero();  ///< of the rectangle
-  Eigen::Matrix<double, 3, 2> axes_T = Eigen::Matrix<double, 3, 2>::Zero();  ///< unit: long edge u, short edge v
+  Eigen::Matrix<double, 3, 2> axes_T =
+      Eigen::Matrix<double, 3, 2>::Zero();            ///< unit: long edge u, short edge v
   Eigen::Vector2d extents = Eigen::Vector2d::Zero();  ///< full lengths along u and v
   std::size_t inliers = 0;
   double rms = 0.0;  ///< of the inliers' distances
-  /// Of (tilt about u [rad], tilt about v [rad], offset at the inliers' mean), white noise of `rms` taken for granted.
+  /// Of (tilt about u [rad], tilt about v [rad], offset at the inliers' mean), white noise of `rms`
+  /// taken for granted.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 
-  [[nodiscard]] double distance(const Eigen::Vector3d& point_T) const { return normal_T.dot(point_T) - offset; }
+  [[nodiscard]] double distance(const Eigen::Vector3d& point_T) const {
+    return normal_T.dot(point_T) - offset;
+  }
 };
 
 using Planes = FixedVector<Plane, limits::kPlanes>;
@@ -32,16 +37,17 @@ using Planes = FixedVector<Plane, limits::kPlanes>;
 using PlaneOwners = FixedVector<std::int8_t, limits::kCloudPoints>;
 
 struct PlaneSearch {
-  double distance_max = 0.0;      ///< of an inlier from its plane, cloud's unit
+  double distance_max = 0.0;  ///< of an inlier from its plane, cloud's unit
   std::size_t inliers_min = 10;
-  int iterations_max = 500;       ///< hypotheses for each plane
+  int iterations_max = 500;  ///< hypotheses for each plane
   std::uint64_t seed = 1;
 };
 
-/// Takes planes off the cloud, the one with most points first, until none has inliers_min or the table is full.
-/// A point supports a plane when it is near and its own surface direction, where reliable, agrees within 45 deg: a cut
-/// across the body collects near points, but not these.
-/// @param owners  points with a value other than -1 on entry are left alone; on return each point's plane.
+/// Takes planes off the cloud, the one with most points first, until none has inliers_min or the
+/// table is full. A point supports a plane when it is near and its own surface direction, where
+/// reliable, agrees within 45 deg: a cut across the body collects near points, but not these.
+/// @param owners  points with a value other than -1 on entry are left alone; on return each point's
+/// plane.
 /// @cost  iterations_max times the points, for each plane.
 void find_planes(std::span<const Eigen::Vector3d> points_T,
                  const SurfaceNormals& normals,

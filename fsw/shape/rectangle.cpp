@@ -17,7 +17,9 @@ constexpr int kDirections = 180;  // half a degree each over a quarter turn
 
 using Values = FixedVector<double, limits::kCloudPoints>;
 
-Extent extent_along(std::span<const Eigen::Vector2d> points, const Eigen::Vector2d& direction, Values& scratch) {
+Extent extent_along(std::span<const Eigen::Vector2d> points,
+                    const Eigen::Vector2d& direction,
+                    Values& scratch) {
   scratch.clear();
   for (const Eigen::Vector2d& point : points) {
     POLHODE_ASSERT(scratch.push_back(direction.dot(point)), scratch.size());
@@ -40,7 +42,8 @@ Extent robust_extent(std::span<double> values) {
   const double least = values[static_cast<std::size_t>(low)];
   std::nth_element(values.begin() + low, values.begin() + high, values.end());
   const double most = values[static_cast<std::size_t>(high)];
-  // N values spread evenly over a length leave half a gap at either end: rank r lies at (r + 1/2) / N of the length.
+  // N values spread evenly over a length leave half a gap at either end: rank r lies at (r + 1/2) /
+  // N of the length.
   const double per_rank = high > low ? (most - least) / static_cast<double>(high - low) : 0.0;
   const double cut_low = (static_cast<double>(low) + 0.5) * per_rank;
   const double cut_high = (last - static_cast<double>(high) + 0.5) * per_rank;
@@ -59,7 +62,8 @@ Rectangle smallest_rectangle(std::span<const Eigen::Vector2d> points) {
     const Eigen::Vector2d size(along.most - along.least, beside.most - beside.least);
     if (size.prod() < area_best) {
       area_best = size.prod();
-      best.centre = 0.5 * (along.least + along.most) * u + 0.5 * (beside.least + beside.most) * across(u);
+      best.centre =
+          0.5 * (along.least + along.most) * u + 0.5 * (beside.least + beside.most) * across(u);
       const bool along_is_longer = size.x() >= size.y();
       best.u = along_is_longer ? u : across(u);
       best.extents = along_is_longer ? size : Eigen::Vector2d(size.y(), size.x());

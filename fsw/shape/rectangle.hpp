@@ -8,8 +8,8 @@ namespace polhode {
 
 struct Rectangle {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
-  Eigen::Vector2d u = Eigen::Vector2d::UnitX();        ///< unit, along the longer edge
-  Eigen::Vector2d extents = Eigen::Vector2d::Zero();   ///< full lengths along u and across it
+  Eigen::Vector2d u = Eigen::Vector2d::UnitX();       ///< unit, along the longer edge
+  Eigen::Vector2d extents = Eigen::Vector2d::Zero();  ///< full lengths along u and across it
 };
 
 struct Extent {
@@ -17,11 +17,12 @@ struct Extent {
   double most = 0.0;
 };
 
-/// Both ends of values spread evenly over an interval: the 2 % quantiles, moved out by what they cut off. `values` gets
-/// reordered; empty gives zeros.
+/// Both ends of values spread evenly over an interval: the 2 % quantiles, moved out by what they
+/// cut off. `values` gets reordered; empty gives zeros.
 Extent robust_extent(std::span<double> values);
 
-/// Of all directions in steps of half a degree the one with the least area. At most limits::kCloudPoints points.
+/// Of all directions in steps of half a degree the one with the least area. At most
+/// limits::kCloudPoints points.
 Rectangle smallest_rectangle(std::span<const Eigen::Vector2d> points);
 
 }  // namespace polhode

@@ -17,12 +17,13 @@ namespace {
 constexpr std::size_t kNearest = 24;
 // A ray whose nearest landmark is farther than this many typical distances misses the target.
 constexpr double kMissDistances = 6.0;
-// A landmark belongs to a plane within this many typical distances along the ray: three sigma of a cloud whose noise is a
-// third of its spacing.
+// A landmark belongs to a plane within this many typical distances along the ray: three sigma of a
+// cloud whose noise is a third of its spacing.
 constexpr double kBandDistances = 1.0;
 // Refinement does not narrow the band below this part: a few landmarks may agree by chance.
 constexpr double kBandPartMin = 0.1;
-// At an edge two sides share the landmarks around the ray: the nearer one is taken when it has this part of the other's.
+// At an edge two sides share the landmarks around the ray: the nearer one is taken when it has this
+// part of the other's.
 constexpr double kFrontPart = 0.5;
 constexpr std::size_t kPlaneSupportMin = 5;  // five points leave two to judge the plane by
 constexpr int kRefinements = 5;
@@ -43,14 +44,16 @@ void collect(const ScaleView& view, const Eigen::Vector2d& ray, SeenTable& seen)
     const Eigen::Vector3d p_C = view.pose.to_camera(landmark_T);
     if (p_C.allFinite() && p_C.z() > 0.0) {
       const Eigen::Vector2d offset = p_C.hnormalized() - ray;
-      if (!seen.push_back({.offset = offset, .distance2 = offset.squaredNorm(), .depth = p_C.z()})) {
+      if (!seen.push_back(
+              {.offset = offset, .distance2 = offset.squaredNorm(), .depth = p_C.z()})) {
         return;
       }
     }
   }
 }
 
-/// Distance in the picture that landmarks spread evenly over their bounding box would have from their nearest neighbours.
+/// Distance in the picture that landmarks spread evenly over their bounding box would have from
+/// their nearest neighbours.
 double typical_distance(const SeenTable& seen) {
   Eigen::Vector2d least = seen[0].offset;
   Eigen::Vector2d most = seen[0].offset;
@@ -102,12 +105,14 @@ bool through(const Seen& a, const Seen& b, const Seen& c, double spread2, Invers
   if (!(std::abs(A.determinant()) > 0.01 * spread2)) {
     return false;
   }
-  const Eigen::Vector2d slope = A.inverse() * Eigen::Vector2d(1.0 / b.depth - 1.0 / a.depth, 1.0 / c.depth - 1.0 / a.depth);
+  const Eigen::Vector2d slope =
+      A.inverse() * Eigen::Vector2d(1.0 / b.depth - 1.0 / a.depth, 1.0 / c.depth - 1.0 / a.depth);
   plane->coefficients << 1.0 / a.depth - slope.dot(a.offset), slope;
   return true;
 }
 
-/// Calls visit(plane) for the planes through all triples that pass the ray no nearer than the nearest landmark.
+/// Calls visit(plane) for the planes through all triples that pass the ray no nearer than the
+/// nearest landmark.
 template <typename Visit>
 void for_planes(const NearTable& near, double band, const Visit& visit) {
   double front = near[0].depth;
@@ -133,14 +138,20 @@ void for_planes(const NearTable& near, double band, const Visit& visit) {
 /// The nearest plane on the ray that enough landmarks support.
 InversePlane front_plane(const NearTable& near, double band) {
   std::size_t most = 0;
-  for_planes(near, band, [&most](const InversePlane& plane) { most = std::max(most, plane.support); });
-  const auto enough = std::max(kPlaneSupportMin, static_cast<std::size_t>(std::ceil(kFrontPart * static_cast<double>(most))));
+  for_planes(
+      near, band, [&most](const InversePlane& plane) { most = std::max(most, plane.support); });
+  const auto enough =
+      std::max(kPlaneSupportMin,
+               static_cast<std::size_t>(std::ceil(kFrontPart * static_cast<double>(most))));
   double depth_least = 0.0;
   for_planes(near, band, [&](const InversePlane& plane) {
     const double depth = 1.0 / plane.coefficients(0);
-    depth_least = plane.support >= enough && (depth_least == 0.0 || depth < depth_least) ? depth : depth_least;
+    depth_least = plane.support >= enough && (depth_least == 0.0 || depth < depth_least)
+                      ? depth
+                      : depth_least;
   });
-  // Of the planes that cross the ray there, the best supported one: the very nearest has noise in its favour.
+  // Of the planes that cross the ray there, the best supported one: the very nearest has noise in
+  // its favour.
   InversePlane best;
   for_planes(near, band, [&](const InversePlane& plane) {
     if (plane.support >= enough && 1.0 / plane.coefficients(0) <= depth_least + 2.0 * band &&
@@ -156,8 +167,9 @@ struct InverseDepth {
   double sigma = 0.0;
 };
 
-/// Least squares over the plane's landmarks, chosen anew after each step within three sigma of their scatter: landmarks of
-/// another side next to an edge drop out. Inverse depth and its sigma at the ray.
+/// Least squares over the plane's landmarks, chosen anew after each step within three sigma of
+/// their scatter: landmarks of another side next to an edge drop out. Inverse depth and its sigma
+/// at the ray.
 bool refine(const NearTable& near, double band_max, InversePlane plane, InverseDepth* at_ray) {
   double band = band_max;
   for (int pass = 0; pass < kRefinements; ++pass) {
@@ -181,14 +193,17 @@ bool refine(const NearTable& near, double band_max, InversePlane plane, InverseD
     }
     plane.coefficients += ldlt.solve(g);
     const double variance = square / static_cast<double>(count - 3);
-    band = std::clamp(3.0 * near[0].depth * near[0].depth * std::sqrt(variance), kBandPartMin * band_max, band_max);
+    band = std::clamp(3.0 * near[0].depth * near[0].depth * std::sqrt(variance),
+                      kBandPartMin * band_max,
+                      band_max);
     at_ray->value = plane.coefficients(0);
     at_ray->sigma = std::sqrt(variance * ldlt.solve(Eigen::Vector3d::UnitX()).x());
   }
   return at_ray->value > 0.0 && std::isfinite(at_ray->sigma);
 }
 
-/// Where no plane can be made out: the nearest landmark's depth, unsure by the scatter of those around it.
+/// Where no plane can be made out: the nearest landmark's depth, unsure by the scatter of those
+/// around it.
 InverseDepth nearest_depth(const NearTable& near) {
   double deviation = near[0].depth * std::sqrt(near[0].distance2);
   for (std::size_t i = 1; i < std::min<std::size_t>(3, near.size()); ++i) {
@@ -244,7 +259,8 @@ Result<ScaleEstimate> scale_from_length(const ScaleView& view,
   if (!(length_mu > 0.0)) {
     return ErrorCode::kDegenerate;
   }
-  // Errors along the two rays count by their part along the length; a picked point moves its end across the ray.
+  // Errors along the two rays count by their part along the length; a picked point moves its end
+  // across the ray.
   const Eigen::Vector3d direction = apart / length_mu;
   const double by_a = direction.dot(end_a.homogeneous().normalized()) * a.value().sigma_mu;
   const double by_b = direction.dot(end_b.homogeneous().normalized()) * b.value().sigma_mu;
@@ -257,7 +273,9 @@ Result<ScaleEstimate> scale_from_length(const ScaleView& view,
   return ScaleEstimate{.metres_per_mu = scale, .sigma = scale * sigma_mu / length_mu};
 }
 
-Result<ScaleEstimate> scale_from_range(const ScaleView& view, double range_m, double sigma_range_m) {
+Result<ScaleEstimate> scale_from_range(const ScaleView& view,
+                                       double range_m,
+                                       double sigma_range_m) {
   if (!(range_m > 0.0) || !std::isfinite(range_m) || !(sigma_range_m >= 0.0)) {
     return ErrorCode::kBadParameter;
   }
@@ -266,7 +284,8 @@ Result<ScaleEstimate> scale_from_range(const ScaleView& view, double range_m, do
     return hit.error();
   }
   const double scale = range_m / hit.value().depth_mu;
-  const double relative = std::hypot(sigma_range_m / range_m, hit.value().sigma_mu / hit.value().depth_mu);
+  const double relative =
+      std::hypot(sigma_range_m / range_m, hit.value().sigma_mu / hit.value().depth_mu);
   return ScaleEstimate{.metres_per_mu = scale, .sigma = scale * relative};
 }
 

@@ -1,4 +1,5 @@
-// Metres per map unit: from a known length between two picture points, or from a range finder's reading.
+// Metres per map unit: from a known length between two picture points, or from a range finder's
+// reading.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,26 +23,30 @@ struct SurfaceHit {
   Eigen::Vector3d p_C = Eigen::Vector3d::Zero();
 };
 
-/// What the frame shows: its pose and the landmarks seen in it, and only those: landmarks of sides that are turned away lie
-/// on the same rays. Map units.
+/// What the frame shows: its pose and the landmarks seen in it, and only those: landmarks of sides
+/// that are turned away lie on the same rays. Map units.
 struct ScaleView {
   Pose pose;
   std::span<const Eigen::Vector3d> landmarks_T;
 };
 
-/// Depth of the surface on a ray from the landmarks nearest to it in the picture. A plane in space has an inverse depth
-/// that is linear in the picture: of the planes through triples of the 24 nearest landmarks the nearest one that enough of
-/// them support is taken and refined by least squares; where there is none, the nearest landmark's depth, with a wide sigma.
+/// Depth of the surface on a ray from the landmarks nearest to it in the picture. A plane in space
+/// has an inverse depth that is linear in the picture: of the planes through triples of the 24
+/// nearest landmarks the nearest one that enough of them support is taken and refined by least
+/// squares; where there is none, the nearest landmark's depth, with a wide sigma.
 /// @param ray  normalised image point (undistorted).
-/// @errors TooFewObservations (under 3 landmarks in front of the camera), Degenerate (the ray passes the target: no
+/// @errors TooFewObservations (under 3 landmarks in front of the camera), Degenerate (the ray
+/// passes the target: no
 ///         landmark within 6 times the landmarks' typical distance in the picture).
 /// @cost   O(landmarks).
 Result<SurfaceHit> hit_surface(const ScaleView& view, const Eigen::Vector2d& ray);
 
 /// Scale from a known length between two points that lie on the surface.
 /// @param end_a, end_b  normalised image points of the two ends.
-/// @param sigma_ray     1-sigma of a picked point, normalised units (1 px over the focal length, when picked by hand).
-/// @errors those of hit_surface(); BadParameter (known_length_m not positive), Degenerate (the ends all but coincide:
+/// @param sigma_ray     1-sigma of a picked point, normalised units (1 px over the focal length,
+/// when picked by hand).
+/// @errors those of hit_surface(); BadParameter (known_length_m not positive), Degenerate (the ends
+/// all but coincide:
 ///         the length is under 5 of its sigmas).
 Result<ScaleEstimate> scale_from_length(const ScaleView& view,
                                         const Eigen::Vector2d& end_a,

@@ -8,16 +8,17 @@
 namespace polhode {
 namespace {
 
-// A point belongs to a surface within half a spacing (neighbours' own height differences are below that wherever the cloud
-// resolves the surface at all), or within 2.5 sigma of its noise.
+// A point belongs to a surface within half a spacing (neighbours' own height differences are below
+// that wherever the cloud resolves the surface at all), or within 2.5 sigma of its noise.
 constexpr double kBand_spacings = 0.5;
 constexpr double kBand_thicknesses = 2.5;
-// A body's surface explains a point a little farther off: edges are round, sides slightly out of true.
+// A body's surface explains a point a little farther off: edges are round, sides slightly out of
+// true.
 constexpr double kTolerance_spacings = 1.5;
 constexpr double kTolerance_thicknesses = 3.5;
 constexpr std::size_t kPlanePointsMin = 10;
-// A cylinder costs two parameters more than a plane and replaces several; it must hold a third of all points, and not
-// fewer than the side planes that would stand for it.
+// A cylinder costs two parameters more than a plane and replaces several; it must hold a third of
+// all points, and not fewer than the side planes that would stand for it.
 constexpr double kCylinderPart = 0.33;
 constexpr double kCylinderOverPlanes = 0.9;
 constexpr double kCylinderExplainedMin = 0.7;
@@ -33,12 +34,16 @@ double tolerance_of(const Shape& shape) {
   return std::max(kTolerance_spacings * shape.spacing, kTolerance_thicknesses * shape.thickness);
 }
 
-PlaneSearch plane_search(const ShapeOptions& options, std::uint64_t seed, const Shape& shape, std::size_t points) {
+PlaneSearch plane_search(const ShapeOptions& options,
+                         std::uint64_t seed,
+                         const Shape& shape,
+                         std::size_t points) {
   const double part = options.plane_inlier_min * static_cast<double>(points);
-  return {.distance_max = std::max(kBand_spacings * shape.spacing, kBand_thicknesses * shape.thickness),
-          .inliers_min = std::max(kPlanePointsMin, static_cast<std::size_t>(std::ceil(part))),
-          .iterations_max = options.plane_iterations_max,
-          .seed = seed};
+  return {
+      .distance_max = std::max(kBand_spacings * shape.spacing, kBand_thicknesses * shape.thickness),
+      .inliers_min = std::max(kPlanePointsMin, static_cast<std::size_t>(std::ceil(part))),
+      .iterations_max = options.plane_iterations_max,
+      .seed = seed};
 }
 
 /// Points of the planes that a cylinder would replace: those along its axis.
@@ -52,22 +57,26 @@ std::size_t side_points(const Planes& planes, const Cylinder& cylinder) {
   return sum;
 }
 
-/// A cylinder where it explains the cloud better than planes do; then planes are sought among the rest.
+/// A cylinder where it explains the cloud better than planes do; then planes are sought among the
+/// rest.
 void find_surfaces(const ShapeOptions& options, std::uint64_t seed, Shape& shape, ShapeWork& work) {
   const std::span<const Eigen::Vector3d> points_T = work.cloud.points_T.view();
-  shape.thickness = estimate_normals_by_spacing(points_T, shape.spacing, work.scratch, work.normals);
+  shape.thickness =
+      estimate_normals_by_spacing(points_T, shape.spacing, work.scratch, work.normals);
   const PlaneSearch search = plane_search(options, seed, shape, points_T.size());
   reset_owners(points_T.size(), work.owners);
   find_planes(points_T, work.normals, search, work.owners, shape.planes);
   const CylinderSearch round{
       .distance_max = search.distance_max,
-      .inliers_min = std::max(kPlanePointsMin,
-                              static_cast<std::size_t>(kCylinderPart * static_cast<double>(points_T.size()))),
+      .inliers_min =
+          std::max(kPlanePointsMin,
+                   static_cast<std::size_t>(kCylinderPart * static_cast<double>(points_T.size()))),
       .iterations_max = options.plane_iterations_max,
       .seed = seed};
   const Result<Cylinder> cylinder = find_cylinder(points_T, work.normals, round);
-  if (!cylinder || static_cast<double>(cylinder.value().inliers) <
-                       kCylinderOverPlanes * static_cast<double>(side_points(shape.planes, cylinder.value()))) {
+  if (!cylinder ||
+      static_cast<double>(cylinder.value().inliers) <
+          kCylinderOverPlanes * static_cast<double>(side_points(shape.planes, cylinder.value()))) {
     return;
   }
   shape.cylinder = cylinder.value();
@@ -94,7 +103,8 @@ double pitch_of(const Shape& shape) {
     area = shape.planes[0].extents.prod();
     points = shape.planes[0].inliers;
   }
-  // Holes in the surface make the pitch too wide, never by more than a factor of 2 where it was found at all.
+  // Holes in the surface make the pitch too wide, never by more than a factor of 2 where it was
+  // found at all.
   const double pitch = points > 0 ? std::sqrt(area / static_cast<double>(points)) : 0.0;
   return std::clamp(pitch, shape.spacing, 4.0 * shape.spacing);
 }
@@ -103,7 +113,8 @@ void complete(Shape& shape, ShapeWork& work) {
   if (shape.cylinder) {
     if (explained_by(*shape.cylinder, work.cloud, tolerance_of(shape)) >= kCylinderExplainedMin) {
       shape.completion = CompletionKind::kCylinder;
-      shape.completion_points = complete_cylinder(*shape.cylinder, pitch_of(shape), work.scratch, work.cloud);
+      shape.completion_points =
+          complete_cylinder(*shape.cylinder, pitch_of(shape), work.scratch, work.cloud);
       shape.centroid_T = shape.cylinder->centre_T;
     }
     return;
@@ -113,7 +124,8 @@ void complete(Shape& shape, ShapeWork& work) {
     shape.box = box.value();
     shape.completion = CompletionKind::kBox;
     shape.completion_points = complete_box(*shape.box, pitch_of(shape), work.scratch, work.cloud);
-    // The mean of a whole box's evenly spread points is its centre, here without the noise of their density.
+    // The mean of a whole box's evenly spread points is its centre, here without the noise of their
+    // density.
     shape.centroid_T = shape.box->centre_T;
   }
 }
@@ -132,7 +144,8 @@ TargetFrame frame_of(const Shape& shape, const ShapeWork& work, const Shape* pre
 
 /// Lengths along B: of the box or cylinder where there is one, else of the measured points.
 void measure(const ShapeWork& work, Shape& shape) {
-  const std::span<const Eigen::Vector3d> measured_T = work.cloud.points_T.view().first(work.cloud.measured);
+  const std::span<const Eigen::Vector3d> measured_T =
+      work.cloud.points_T.view().first(work.cloud.measured);
   for (Eigen::Index k = 0; k < 3; ++k) {
     FixedVector<double, limits::kCloudPoints> along;
     for (const Eigen::Vector3d& point_T : measured_T) {
@@ -140,7 +153,8 @@ void measure(const ShapeWork& work, Shape& shape) {
     }
     const Extent extent = robust_extent(along.view());
     shape.dimensions(k) = extent.most - extent.least;
-    shape.sigma_dimensions(k) = shape.spacing + shape.thickness;  // a gap at the ends and the quantiles; noise
+    shape.sigma_dimensions(k) =
+        shape.spacing + shape.thickness;  // a gap at the ends and the quantiles; noise
   }
   if (shape.box) {
     for (Eigen::Index k = 0; k < 3; ++k) {

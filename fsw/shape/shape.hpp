@@ -1,4 +1,5 @@
-// The target's shape from its landmarks: denoised cloud, planes, cylinder, completion, centre, body frame, dimensions.
+// The target's shape from its landmarks: denoised cloud, planes, cylinder, completion, centre, body
+// frame, dimensions.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,15 +19,16 @@ namespace polhode {
 
 /// Lengths in the unit of the landmarks (map units until the scale is known).
 struct Shape {
-  double spacing = 0.0;                 ///< typical distance of neighbouring landmarks
-  double thickness = 0.0;               ///< 1-sigma noise of the cloud across its surface
-  std::size_t landmarks = 0;            ///< handed in
-  std::size_t cloud_points = 0;         ///< measured, after denoising
-  std::size_t completion_points = 0;    ///< added
+  double spacing = 0.0;               ///< typical distance of neighbouring landmarks
+  double thickness = 0.0;             ///< 1-sigma noise of the cloud across its surface
+  std::size_t landmarks = 0;          ///< handed in
+  std::size_t cloud_points = 0;       ///< measured, after denoising
+  std::size_t completion_points = 0;  ///< added
   CompletionKind completion = CompletionKind::kNone;
   Eigen::Vector3d centroid_measured_T = Eigen::Vector3d::Zero();  ///< mean of the denoised cloud
-  Eigen::Vector3d centroid_T = Eigen::Vector3d::Zero();  ///< the completed body's centre, else the same
-  TargetFrame frame;                    ///< axes B in T
+  Eigen::Vector3d centroid_T =
+      Eigen::Vector3d::Zero();  ///< the completed body's centre, else the same
+  TargetFrame frame;            ///< axes B in T
   Eigen::Vector3d dimensions = Eigen::Vector3d::Zero();        ///< full lengths along B's axes
   Eigen::Vector3d sigma_dimensions = Eigen::Vector3d::Zero();  ///< 1-sigma
   Planes planes;
@@ -34,7 +36,8 @@ struct Shape {
   std::optional<Box> box;
 };
 
-/// Tables that a shape estimate works in, and the cloud that it leaves behind. Owned by the caller: 2 MB.
+/// Tables that a shape estimate works in, and the cloud that it leaves behind. Owned by the caller:
+/// 2 MB.
 struct ShapeWork {
   Cloud cloud;  ///< denoised; points from cloud.measured on were added
   CloudScratch scratch;
@@ -45,8 +48,10 @@ inline constexpr std::int8_t kOnCylinder = 127;
 
 /// @param landmarks_T  at most limits::kCloudPoints are used; non-finite ones are left out.
 /// @param previous     the last estimate in the same T, for the names of the axes; null at first.
-/// @errors TooFewObservations (under 5 landmarks, or nothing left but noise), Degenerate (points coincide).
-///         What cannot be found (planes, a cylinder, a box) is absent from the answer, not an error.
+/// @errors TooFewObservations (under 5 landmarks, or nothing left but noise), Degenerate (points
+/// coincide).
+///         What cannot be found (planes, a cylinder, a box) is absent from the answer, not an
+///         error.
 /// @cost   dominated by plane_iterations_max times the cloud's points, for each plane, twice.
 ///         Deterministic in (landmarks, options, seed, previous).
 Result<Shape> estimate_shape(std::span<const Eigen::Vector3d> landmarks_T,
@@ -55,7 +60,8 @@ Result<Shape> estimate_shape(std::span<const Eigen::Vector3d> landmarks_T,
                              const Shape* previous,
                              ShapeWork& work);
 
-/// The frame B with its origin in the shape's centroid, seen from T: p_B = R_TB^T (p_T - centroid_T).
+/// The frame B with its origin in the shape's centroid, seen from T: p_B = R_TB^T (p_T -
+/// centroid_T).
 [[nodiscard]] inline Eigen::Vector3d to_body(const Shape& shape, const Eigen::Vector3d& p_T) {
   return shape.frame.R_TB.transpose() * (p_T - shape.centroid_T);
 }

@@ -23,9 +23,11 @@ Eigen::Vector3d shared_direction(const Planes& planes, const Eigen::Vector3d& re
   return sum.norm() > 0.0 ? Eigen::Vector3d(sum.normalized()) : reference;
 }
 
-/// Best direction across x: an orthogonal plane's, else that of the plane most across, else the long edge of the first.
+/// Best direction across x: an orthogonal plane's, else that of the plane most across, else the
+/// long edge of the first.
 Eigen::Vector3d second_direction(const Planes& planes, const Eigen::Vector3d& x_T) {
-  constexpr double kUsableCosineMax = 0.866;  // nearer than 30 deg to x a normal says little about y
+  constexpr double kUsableCosineMax =
+      0.866;  // nearer than 30 deg to x a normal says little about y
   const Plane* oblique = nullptr;
   for (const Plane& plane : planes) {
     const double cosine = std::abs(plane.normal_T.dot(x_T));
@@ -52,14 +54,17 @@ Eigen::Matrix3d from_z_and_x(const Eigen::Vector3d& z_T, const Eigen::Vector3d& 
 }
 
 Eigen::Matrix3d relabel_box(const Eigen::Matrix3d& R_TB, const Eigen::Matrix3d& previous) {
-  constexpr std::array<std::array<int, 3>, 6> kOrders{{{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
+  constexpr std::array<std::array<int, 3>, 6> kOrders{
+      {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
   Eigen::Matrix3d best = R_TB;
   double trace_best = -std::numeric_limits<double>::infinity();
   for (const auto& order : kOrders) {
     for (int signs = 0; signs < 4; ++signs) {
       Eigen::Matrix3d candidate;
-      candidate.col(0) = (signs & 1) != 0 ? Eigen::Vector3d(-R_TB.col(order[0])) : Eigen::Vector3d(R_TB.col(order[0]));
-      candidate.col(1) = (signs & 2) != 0 ? Eigen::Vector3d(-R_TB.col(order[1])) : Eigen::Vector3d(R_TB.col(order[1]));
+      candidate.col(0) = (signs & 1) != 0 ? Eigen::Vector3d(-R_TB.col(order[0]))
+                                          : Eigen::Vector3d(R_TB.col(order[0]));
+      candidate.col(1) = (signs & 2) != 0 ? Eigen::Vector3d(-R_TB.col(order[1]))
+                                          : Eigen::Vector3d(R_TB.col(order[1]));
       candidate.col(2) = candidate.col(0).cross(candidate.col(1));
       const double trace = (candidate.transpose() * previous).trace();
       if (trace > trace_best) {
@@ -81,7 +86,8 @@ TargetFrame frame_from_planes(const Planes& planes) {
   rough.col(1) = second_direction(planes, x_T);
   rough.col(1) = part_across(rough.col(1), x_T).normalized();
   rough.col(2) = rough.col(0).cross(rough.col(1));
-  // A third family of planes, where there is one, takes its share: the rotation nearest to all three directions.
+  // A third family of planes, where there is one, takes its share: the rotation nearest to all
+  // three directions.
   for (const Plane& plane : planes) {
     if (std::abs(plane.normal_T.dot(rough.col(2))) >= kParallelCosineMin) {
       const Eigen::Vector3d third = shared_direction(planes, plane.normal_T);
@@ -126,9 +132,11 @@ TargetFrame relabel_like(const TargetFrame& frame, const TargetFrame& previous) 
   if (frame.source != FrameSource::kCylinder) {
     return {.R_TB = relabel_box(frame.R_TB, previous.R_TB), .source = frame.source};
   }
-  // z stays along the axis, with the sign that it had; a round body leaves the turn about it to the previous x.
-  const Eigen::Vector3d z_T = frame.R_TB.col(2).dot(previous.R_TB.col(2)) < 0.0 ? Eigen::Vector3d(-frame.R_TB.col(2))
-                                                                                  : Eigen::Vector3d(frame.R_TB.col(2));
+  // z stays along the axis, with the sign that it had; a round body leaves the turn about it to the
+  // previous x.
+  const Eigen::Vector3d z_T = frame.R_TB.col(2).dot(previous.R_TB.col(2)) < 0.0
+                                  ? Eigen::Vector3d(-frame.R_TB.col(2))
+                                  : Eigen::Vector3d(frame.R_TB.col(2));
   Eigen::Vector3d x_like_T = previous.R_TB.col(0);
   if (part_across(x_like_T, z_T).norm() < 0.1) {
     x_like_T = previous.R_TB.col(1);

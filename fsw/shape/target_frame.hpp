@@ -1,4 +1,5 @@
-// The body frame B: axes from the target's own geometry, right-handed, and the same ones at each update.
+// The body frame B: axes from the target's own geometry, right-handed, and the same ones at each
+// update.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,22 +22,24 @@ struct TargetFrame {
   FrameSource source = FrameSource::kPrincipal;
 };
 
-/// Directions within this of each other count as parallel, and of a right angle as orthogonal: 10 deg.
+/// Directions within this of each other count as parallel, and of a right angle as orthogonal: 10
+/// deg.
 inline constexpr double kParallelCosineMin = 0.985;
 inline constexpr double kOrthogonalCosineMax = 0.174;
 
-/// Axes from planes, the one with most points first; parallel planes share a direction, weighted by their points. A single
-/// plane takes y from its rectangle's long edge. `planes` must not be empty.
+/// Axes from planes, the one with most points first; parallel planes share a direction, weighted by
+/// their points. A single plane takes y from its rectangle's long edge. `planes` must not be empty.
 TargetFrame frame_from_planes(const Planes& planes);
 
-/// z along the axis; x along the first plane's normal that lies across it, else the T axis most across it.
+/// z along the axis; x along the first plane's normal that lies across it, else the T axis most
+/// across it.
 TargetFrame frame_from_cylinder(const Cylinder& cylinder, const Planes& planes);
 
 /// x along the largest spread, z along the least.
 TargetFrame frame_from_points(std::span<const Eigen::Vector3d> points_T);
 
-/// The same axes named as in `previous`: of the 24 right-handed relabellings of a box's axes the nearest one; of a
-/// cylinder's frames, turned about the axis and upside down, the nearest one.
+/// The same axes named as in `previous`: of the 24 right-handed relabellings of a box's axes the
+/// nearest one; of a cylinder's frames, turned about the axis and upside down, the nearest one.
 TargetFrame relabel_like(const TargetFrame& frame, const TargetFrame& previous);
 
 }  // namespace polhode

@@ -20,7 +20,8 @@ TEST(Sequence, CountsMissingPacketsAcrossTheWrap) {
   EXPECT_EQ(packets_missing(5, 9), 3);
   EXPECT_EQ(packets_missing(0x3FFF, 0), 0);
   EXPECT_EQ(packets_missing(0x3FFE, 2), 3);
-  EXPECT_EQ(packets_missing(7, 7), 0x3FFF);  // a whole turn less one, or a repeat: the count cannot tell
+  EXPECT_EQ(packets_missing(7, 7),
+            0x3FFF);  // a whole turn less one, or a repeat: the count cannot tell
 }
 
 TEST(Time, IsTheTimestampRoundedDownToTwoToTheMinus24) {
@@ -36,8 +37,9 @@ TEST(Time, IsTheTimestampRoundedDownToTwoToTheMinus24) {
 
 TEST(Time, OutsideOfTheCodesRangeIsSaidAndZero) {
   PacketHeader header;
-  for (const std::int64_t timestamp_ns :
-       {std::int64_t{-1}, std::numeric_limits<std::int64_t>::min(), std::int64_t{4'294'967'296'000'000'000}}) {
+  for (const std::int64_t timestamp_ns : {std::int64_t{-1},
+                                          std::numeric_limits<std::int64_t>::min(),
+                                          std::int64_t{4'294'967'296'000'000'000}}) {
     set_time(timestamp_ns, header);
     EXPECT_EQ(header.time_quality, TimeQuality::kOutOfRange);
     EXPECT_EQ(header.seconds, 0U);
@@ -90,7 +92,15 @@ TEST(Header, IsRefusedWhenAFixedBitDiffersOrItIsShort) {
     std::size_t octet;
     std::uint8_t bits;
   };
-  for (const Flip flip : {Flip{0, 0x80}, {0, 0x40}, {0, 0x20}, {0, 0x10}, {0, 0x08}, {2, 0x80}, {2, 0x40}, {6, 0x01}, {15, 0x02}}) {
+  for (const Flip flip : {Flip{0, 0x80},
+                          {0, 0x40},
+                          {0, 0x20},
+                          {0, 0x10},
+                          {0, 0x08},
+                          {2, 0x80},
+                          {2, 0x40},
+                          {6, 0x01},
+                          {15, 0x02}}) {
     std::array<std::uint8_t, kHeaderOctets> damaged = octets;
     damaged[flip.octet] = static_cast<std::uint8_t>(damaged[flip.octet] ^ flip.bits);
     EXPECT_FALSE(read_header(damaged, back)) << flip.octet << " " << int{flip.bits};

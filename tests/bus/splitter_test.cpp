@@ -72,7 +72,8 @@ TEST(Splitter, ResynchronisesAfterInsertedAndRemovedOctets) {
   for (std::uint64_t trial = 0; trial < 200; ++trial) {
     Rng rng(5, trial);
     std::vector<std::uint8_t> stream = stream_of(6);
-    const auto place = static_cast<std::ptrdiff_t>(kMotionPacketOctets * 2 + rng.below(kMotionPacketOctets));
+    const auto place =
+        static_cast<std::ptrdiff_t>(kMotionPacketOctets * 2 + rng.below(kMotionPacketOctets));
     if (trial % 2 == 0) {
       const std::size_t count = 1 + rng.below(400);
       std::vector<std::uint8_t> noise(count);

@@ -140,8 +140,12 @@ TEST(MotionPacket, IsRefusedByNameWhenItsContentMakesNoSense) {
 TEST(MotionPacket, IsRefusedWhenAValidFieldIsNotFinite) {
   MotionState state = random_motion_state(9);
   state.pose_valid = state.rate_valid = state.velocity_valid = true;
-  for (const std::size_t offset : {layout::kAttitude_q_CT, layout::kPosition_p_CT, layout::kVelocity_v_C,
-                                   layout::kRate_w_T_rad_s, layout::kSigmaAttitude_rad, layout::kSigmaRate_rad_s}) {
+  for (const std::size_t offset : {layout::kAttitude_q_CT,
+                                   layout::kPosition_p_CT,
+                                   layout::kVelocity_v_C,
+                                   layout::kRate_w_T_rad_s,
+                                   layout::kSigmaAttitude_rad,
+                                   layout::kSigmaRate_rad_s}) {
     Packet packet = encoded(state);
     packet[offset] = 0x7F;
     packet[offset + 1] = 0xF8;

@@ -67,7 +67,8 @@ TEST(Camera, UndistortUndoesProjectOverTheWholePicture) {
   for (double v = 0.0; v < model.height_px; v += 107.0) {
     for (double u = 0.0; u < model.width_px; u += 191.0) {
       const Eigen::Vector2d normalised = undistort(model, {u, v});
-      EXPECT_LT((project_px(model, normalised) - Eigen::Vector2d(u, v)).norm(), 1e-9) << u << " " << v;
+      EXPECT_LT((project_px(model, normalised) - Eigen::Vector2d(u, v)).norm(), 1e-9)
+          << u << " " << v;
     }
   }
 }
@@ -121,7 +122,8 @@ TEST(Reprojection, HasTheDerivativesThatDifferencesGive) {
     const auto uvs = numeric_jacobian<2, 3>([&](const Eigen::Vector3d& d) {
       return at({.R_CT = pose.R_CT, .uvs = pose.uvs + d}, scene.p_T);
     });
-    const auto point = numeric_jacobian<2, 3>([&](const Eigen::Vector3d& d) { return at(pose, scene.p_T + d); });
+    const auto point =
+        numeric_jacobian<2, 3>([&](const Eigen::Vector3d& d) { return at(pose, scene.p_T + d); });
     EXPECT_LT((analytic.rotation - rotation).norm(), 1e-8);
     EXPECT_LT((analytic.uvs - uvs).norm(), 1e-8);
     EXPECT_LT((analytic.point - point).norm(), 1e-8);
@@ -132,10 +134,12 @@ TEST(Reprojection, PoseErrorJacobianIsThatOfTheProjection) {
   Rng rng(3, 0);
   for (int i = 0; i < 100; ++i) {
     const Scene scene = random_scene(rng);
-    const auto numeric = numeric_jacobian<2, 6>([&](const Eigen::Matrix<double, 6, 1>& d) -> Eigen::Vector2d {
-      const Pose moved{.R_CT = so3_exp(d.head<3>()) * scene.pose.R_CT, .p_CT = scene.pose.p_CT + d.tail<3>()};
-      return moved.to_camera(scene.p_T).hnormalized();
-    });
+    const auto numeric =
+        numeric_jacobian<2, 6>([&](const Eigen::Matrix<double, 6, 1>& d) -> Eigen::Vector2d {
+          const Pose moved{.R_CT = so3_exp(d.head<3>()) * scene.pose.R_CT,
+                           .p_CT = scene.pose.p_CT + d.tail<3>()};
+          return moved.to_camera(scene.p_T).hnormalized();
+        });
     EXPECT_LT((projection_jacobian(scene.pose, scene.p_T) - numeric).norm(), 1e-8);
   }
 }

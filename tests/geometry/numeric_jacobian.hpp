@@ -5,8 +5,8 @@
 
 namespace polhode {
 
-/// d f / d x at x = 0 of f: R^kIn -> R^kOut. With a step of 1e-5 the error is about 1e-10 of the third derivative plus
-/// 1e-11 of rounding.
+/// d f / d x at x = 0 of f: R^kIn -> R^kOut. With a step of 1e-5 the error is about 1e-10 of the
+/// third derivative plus 1e-11 of rounding.
 template <int kOut, int kIn, typename Function>
 Eigen::Matrix<double, kOut, kIn> numeric_jacobian(const Function& f) {
   constexpr double kStep = 1e-5;

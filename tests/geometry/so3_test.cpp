@@ -12,10 +12,13 @@
 namespace polhode {
 namespace {
 
-Eigen::Vector3d direction(Rng& rng) { return Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal()).normalized(); }
+Eigen::Vector3d direction(Rng& rng) {
+  return Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal()).normalized();
+}
 
 bool is_rotation(const Eigen::Matrix3d& R) {
-  return (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < 1e-14 * 10 && R.determinant() > 0.0;
+  return (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < 1e-14 * 10 &&
+         R.determinant() > 0.0;
 }
 
 TEST(So3, HatIsTheCrossProduct) {
@@ -29,7 +32,8 @@ TEST(So3, HatIsTheCrossProduct) {
 
 TEST(So3, ExpIsARotationByTheNormAboutTheDirection) {
   Rng rng(2, 0);
-  for (const double angle : {0.0, 1e-12, 1e-8, 0.9e-4, 1.1e-4, 1e-3, 0.5, 2.0, 3.14159, 4.0, 20.0}) {
+  for (const double angle :
+       {0.0, 1e-12, 1e-8, 0.9e-4, 1.1e-4, 1e-3, 0.5, 2.0, 3.14159, 4.0, 20.0}) {
     const Eigen::Vector3d axis = direction(rng);
     const Eigen::Matrix3d R = so3_exp(angle * axis);
     EXPECT_TRUE(is_rotation(R)) << angle;
@@ -63,9 +67,10 @@ TEST(So3, LeftJacobianIsTheDerivativeOfExp) {
   Rng rng(5, 0);
   for (const double angle : {0.0, 1e-6, 0.99e-4, 1.01e-4, 0.01, 0.7, 2.5, 3.1}) {
     const Eigen::Vector3d phi = angle * direction(rng);
-    const Eigen::Matrix3d numeric = numeric_jacobian<3, 3>([&](const Eigen::Vector3d& d) -> Eigen::Vector3d {
-      return so3_log(so3_exp(phi + d) * so3_exp(phi).transpose());
-    });
+    const Eigen::Matrix3d numeric =
+        numeric_jacobian<3, 3>([&](const Eigen::Vector3d& d) -> Eigen::Vector3d {
+          return so3_log(so3_exp(phi + d) * so3_exp(phi).transpose());
+        });
     EXPECT_LT((so3_left_jacobian(phi) - numeric).norm(), 1e-8) << angle;
   }
 }

@@ -20,7 +20,8 @@ Eigen::Vector3d random_vector(Rng& rng, double size) {
 }
 
 Pose random_pose(Rng& rng) {
-  return {.R_CT = so3_exp(random_vector(rng, 0.3)), .p_CT = random_vector(rng, 0.2) + Eigen::Vector3d(0.0, 0.0, 6.0)};
+  return {.R_CT = so3_exp(random_vector(rng, 0.3)),
+          .p_CT = random_vector(rng, 0.2) + Eigen::Vector3d(0.0, 0.0, 6.0)};
 }
 
 TEST(Epipolar, RelativePoseTakesPointsFromOneViewToTheOther) {
@@ -44,13 +45,14 @@ TEST(Epipolar, ErrorVanishesForTrueMatchesAndIsTheirDistanceOtherwise) {
     const Eigen::Vector2d x_a = a.to_camera(p_T).hnormalized();
     const Eigen::Vector2d x_b = b.to_camera(p_T).hnormalized();
     EXPECT_NEAR(sampson_error(E, x_a, x_b), 0.0, 1e-13);
-    // Moved across its line in b by d, the nearest pair that fits shares the way between both images: d times the ratio
-    // of the line's gradient in b to that in both.
+    // Moved across its line in b by d, the nearest pair that fits shares the way between both
+    // images: d times the ratio of the line's gradient in b to that in both.
     const Eigen::Vector3d line_b = E * x_a.homogeneous();
     const Eigen::Vector3d line_a = E.transpose() * x_b.homogeneous();
     const Eigen::Vector2d across = line_b.head<2>().normalized();
     const double d = 1e-6;
-    const double share = line_b.head<2>().norm() / std::hypot(line_b.head<2>().norm(), line_a.head<2>().norm());
+    const double share =
+        line_b.head<2>().norm() / std::hypot(line_b.head<2>().norm(), line_a.head<2>().norm());
     EXPECT_NEAR(sampson_error(E, x_a, x_b + d * across), d * share, 1e-4 * d);
   }
 }
@@ -59,13 +61,15 @@ TEST(Epipolar, OfNoBaselineIsZeroNotUndefined) {
   EXPECT_EQ(sampson_error(Eigen::Matrix3d::Zero(), {0.1, 0.2}, {0.3, 0.4}), 0.0);
 }
 
-std::vector<Sighting> sightings(const Eigen::Vector3d& p_T, int views, double step_rad, double sigma, Rng& rng) {
+std::vector<Sighting> sightings(
+    const Eigen::Vector3d& p_T, int views, double step_rad, double sigma, Rng& rng) {
   std::vector<Sighting> all;
   for (int i = 0; i < views; ++i) {
     Sighting one;
     one.pose.R_CT = so3_exp({0.1, step_rad * i, 0.0});
     one.pose.p_CT = {0.0, 0.0, 6.0};
-    one.normalised = one.pose.to_camera(p_T).hnormalized() + sigma * Eigen::Vector2d(rng.normal(), rng.normal());
+    one.normalised =
+        one.pose.to_camera(p_T).hnormalized() + sigma * Eigen::Vector2d(rng.normal(), rng.normal());
     one.sigma_normalised = std::max(sigma, 1e-9);
     all.push_back(one);
   }
@@ -96,8 +100,8 @@ TEST(Triangulate, HasAConsistentCovarianceAndChiSquare) {
     inside += error.dot(point.value().covariance_T.ldlt().solve(error)) < 7.815 ? 1 : 0;
     chi2 += point.value().chi2;
   }
-  // 95 % of chi-square with 3: 950 of 1000, four standard deviations of 6.9. Mean chi-square 2 5 - 3 = 7 with sigma
-  // sqrt(14 / 1000) = 0.12.
+  // 95 % of chi-square with 3: 950 of 1000, four standard deviations of 6.9. Mean chi-square 2 5 -
+  // 3 = 7 with sigma sqrt(14 / 1000) = 0.12.
   EXPECT_NEAR(inside, 950, 28);
   EXPECT_NEAR(chi2 / kTrials, 7.0, 0.5);
 }
@@ -105,7 +109,8 @@ TEST(Triangulate, HasAConsistentCovarianceAndChiSquare) {
 TEST(Triangulate, RefusesOneViewAndPointsBehind) {
   Rng rng(5, 0);
   const Eigen::Vector3d p_T(0.1, 0.2, 0.0);
-  EXPECT_EQ(triangulate(sightings(p_T, 1, 0.1, 0.0, rng)).error().code, ErrorCode::kTooFewObservations);
+  EXPECT_EQ(triangulate(sightings(p_T, 1, 0.1, 0.0, rng)).error().code,
+            ErrorCode::kTooFewObservations);
   std::vector<Sighting> diverging = sightings({0.0, 0.0, 0.0}, 2, 0.0, 0.0, rng);
   for (Sighting& one : diverging) one.pose.R_CT = Eigen::Matrix3d::Identity();
   diverging[0].pose.p_CT = {0.5, 0.0, 6.0};
@@ -115,12 +120,14 @@ TEST(Triangulate, RefusesOneViewAndPointsBehind) {
   EXPECT_EQ(triangulate(diverging).error().code, ErrorCode::kDegenerate);
 }
 
-// Off until triangulate() judges the rays by eigenvalues: FullPivLU::rcond() answers 1.7, not 0, for a matrix whose last
-// pivot is rounding, so parallel rays pass its check and a point is made up.
+// Off until triangulate() judges the rays by eigenvalues: FullPivLU::rcond() answers 1.7, not 0,
+// for a matrix whose last pivot is rounding, so parallel rays pass its check and a point is made
+// up.
 TEST(Triangulate, DISABLED_RefusesParallelRays) {
   Rng rng(8, 0);
   for (int i = 0; i < 20; ++i) {
-    const Result<TriangulatedPoint> point = triangulate(sightings(random_vector(rng, 0.3), 3, 0.0, 0.0, rng));
+    const Result<TriangulatedPoint> point =
+        triangulate(sightings(random_vector(rng, 0.3), 3, 0.0, 0.0, rng));
     ASSERT_FALSE(point.ok());
     EXPECT_EQ(point.error().code, ErrorCode::kDegenerate);
   }
@@ -158,19 +165,24 @@ TEST(Alignment, IgnoresPointsOfNoWeightAndNeverMirrors) {
     b.push_back(i < 8 ? a.back() : random_vector(rng, 50.0));
     weights.push_back(i < 8 ? 1.0 : 0.0);
   }
-  EXPECT_LT((align_similarity(a, b, weights).value().R_ba - Eigen::Matrix3d::Identity()).norm(), 1e-9);
+  EXPECT_LT((align_similarity(a, b, weights).value().R_ba - Eigen::Matrix3d::Identity()).norm(),
+            1e-9);
   for (Eigen::Vector3d& point : b) point.x() = -point.x();
   EXPECT_NEAR(align_similarity(a, b, weights).value().R_ba.determinant(), 1.0, 1e-12);
 }
 
 TEST(Alignment, RefusesTooFewPointsAndPointsOnALine) {
   const std::vector<Eigen::Vector3d> two{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}};
-  EXPECT_EQ(align_similarity(two, two, std::vector<double>(2, 1.0)).error().code, ErrorCode::kTooFewObservations);
+  EXPECT_EQ(align_similarity(two, two, std::vector<double>(2, 1.0)).error().code,
+            ErrorCode::kTooFewObservations);
   const std::vector<Eigen::Vector3d> line{{0.0, 0.0, 0.0}, {1.0, 1.0, 0.0}, {2.0, 2.0, 0.0}};
-  EXPECT_EQ(align_similarity(line, line, std::vector<double>(3, 1.0)).error().code, ErrorCode::kDegenerate);
+  EXPECT_EQ(align_similarity(line, line, std::vector<double>(3, 1.0)).error().code,
+            ErrorCode::kDegenerate);
   const std::vector<Eigen::Vector3d> same(4, Eigen::Vector3d::Ones());
-  EXPECT_EQ(align_similarity(same, same, std::vector<double>(4, 1.0)).error().code, ErrorCode::kDegenerate);
-  EXPECT_EQ(align_similarity(line, line, std::vector<double>(3, 0.0)).error().code, ErrorCode::kDegenerate);
+  EXPECT_EQ(align_similarity(same, same, std::vector<double>(4, 1.0)).error().code,
+            ErrorCode::kDegenerate);
+  EXPECT_EQ(align_similarity(line, line, std::vector<double>(3, 0.0)).error().code,
+            ErrorCode::kDegenerate);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Truth for the tests of motion: a torque-free rigid body that drifts in front of a resting camera, and noisy poses of it.
+// Truth for the tests of motion: a torque-free rigid body that drifts in front of a resting camera,
+// and noisy poses of it.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -29,11 +30,13 @@ struct TruthSample {
   Eigen::Vector3d v_C;  ///< of T's origin
 };
 
-inline Eigen::Vector3d euler_acceleration(const Eigen::Vector3d& inertia, const Eigen::Vector3d& w) {
+inline Eigen::Vector3d euler_acceleration(const Eigen::Vector3d& inertia,
+                                          const Eigen::Vector3d& w) {
   return -w.cross(inertia.cwiseProduct(w)).cwiseQuotient(inertia);
 }
 
-/// Steps of at most 0.01 rad: RK4 for the rate, exponential of its mean for the attitude; errors below 1e-8 rad a turn.
+/// Steps of at most 0.01 rad: RK4 for the rate, exponential of its mean for the attitude; errors
+/// below 1e-8 rad a turn.
 inline void advance(FreeBody& body, double dt_s) {
   const int steps = 1 + static_cast<int>(body.w_T_rad_s.norm() * dt_s / 0.01);
   const double h = dt_s / steps;
@@ -63,19 +66,22 @@ inline TruthSample truth_of(const FreeBody& body, std::int64_t timestamp_ns) {
 inline std::vector<TruthSample> tumble(FreeBody body, std::size_t frames, double interval_s) {
   std::vector<TruthSample> truth;
   for (std::size_t i = 0; i < frames; ++i) {
-    truth.push_back(truth_of(body, 1'700'000'000'000'000'000 + std::llround(1e9 * interval_s * static_cast<double>(i))));
+    truth.push_back(truth_of(
+        body, 1'700'000'000'000'000'000 + std::llround(1e9 * interval_s * static_cast<double>(i))));
     advance(body, interval_s);
   }
   return truth;
 }
 
 struct PoseNoise {
-  Eigen::Vector3d attitude_rad{1e-3, 1e-3, 3e-4};  ///< 1-sigma about C's axes: depth makes x and y the weak ones
+  Eigen::Vector3d attitude_rad{
+      1e-3, 1e-3, 3e-4};  ///< 1-sigma about C's axes: depth makes x and y the weak ones
   Eigen::Vector3d position{1e-3, 1e-3, 1e-2};
 };
 
 inline PoseSample observed(const TruthSample& truth, const PoseNoise& noise, Rng& rng) {
-  PoseSample sample{.timestamp_ns = truth.timestamp_ns, .pose = {}, .covariance = PoseCovariance::Zero()};
+  PoseSample sample{
+      .timestamp_ns = truth.timestamp_ns, .pose = {}, .covariance = PoseCovariance::Zero()};
   Eigen::Vector3d phi;
   for (Eigen::Index k = 0; k < 3; ++k) {
     phi(k) = noise.attitude_rad(k) * rng.normal();
@@ -87,7 +93,9 @@ inline PoseSample observed(const TruthSample& truth, const PoseNoise& noise, Rng
   return sample;
 }
 
-inline std::vector<PoseSample> observed(const std::vector<TruthSample>& truth, const PoseNoise& noise, std::uint64_t seed) {
+inline std::vector<PoseSample> observed(const std::vector<TruthSample>& truth,
+                                        const PoseNoise& noise,
+                                        std::uint64_t seed) {
   Rng rng(seed, 17);
   std::vector<PoseSample> samples;
   for (const TruthSample& sample : truth) {
@@ -98,7 +106,8 @@ inline std::vector<PoseSample> observed(const std::vector<TruthSample>& truth, c
 
 inline constexpr double kDegree_rad = 0.017453292519943295;
 
-/// The paper's case: a rod that turns about its long axis with a slight wobble, 10 s a frame, approaching.
+/// The paper's case: a rod that turns about its long axis with a slight wobble, 10 s a frame,
+/// approaching.
 inline FreeBody paper_body() {
   FreeBody body;
   body.inertia = {0.47, 0.47, 0.02};

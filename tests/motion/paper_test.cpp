@@ -19,8 +19,12 @@ TEST(PaperRate, IsTheRotationBetweenTwoPosesOverTheirTimeAtTheMiddle) {
   body.R_CT = so3_exp({0.3, 0.1, 0.9});
   body.v_mass_centre_C = {0.1, 0.0, -0.5};
   const std::vector<TruthSample> truth = tumble(body, 2, 4.0);
-  const PoseSample first{.timestamp_ns = truth[0].timestamp_ns, .pose = truth[0].pose, .covariance = PoseCovariance::Identity()};
-  const PoseSample second{.timestamp_ns = truth[1].timestamp_ns, .pose = truth[1].pose, .covariance = PoseCovariance::Identity()};
+  const PoseSample first{.timestamp_ns = truth[0].timestamp_ns,
+                         .pose = truth[0].pose,
+                         .covariance = PoseCovariance::Identity()};
+  const PoseSample second{.timestamp_ns = truth[1].timestamp_ns,
+                          .pose = truth[1].pose,
+                          .covariance = PoseCovariance::Identity()};
   const Result<PaperRate> rate = paper_rate(first, second);
   ASSERT_TRUE(rate.ok());
   EXPECT_LT((rate.value().w_T_rad_s - body.w_T_rad_s).norm(), 1e-10);
@@ -43,20 +47,22 @@ TEST(PaperRate, StampedAtTheMiddleIsBetterThanAtEitherEnd) {
   double at_middle = 0.0;
   double at_end = 0.0;
   for (std::size_t i = 0; i + 1 < truth.size(); ++i) {
-    const PaperRate rate = paper_rate({.timestamp_ns = truth[i].timestamp_ns, .pose = truth[i].pose},
-                                      {.timestamp_ns = truth[i + 1].timestamp_ns, .pose = truth[i + 1].pose})
-                               .value();
+    const PaperRate rate =
+        paper_rate({.timestamp_ns = truth[i].timestamp_ns, .pose = truth[i].pose},
+                   {.timestamp_ns = truth[i + 1].timestamp_ns, .pose = truth[i + 1].pose})
+            .value();
     at_middle += (rate.w_T_rad_s - middles[i].w_T_rad_s).squaredNorm();
     at_end += (rate.w_T_rad_s - truth[i + 1].w_T_rad_s).squaredNorm();
   }
-  // The wobble of 0.1 deg/s at 0.957 deg/s changes by 0.1 sin(4.8 deg) = 0.0083 deg/s in half an interval, over two
-  // components 0.0059 deg/s RMS each.
+  // The wobble of 0.1 deg/s at 0.957 deg/s changes by 0.1 sin(4.8 deg) = 0.0083 deg/s in half an
+  // interval, over two components 0.0059 deg/s RMS each.
   const double end_deg_s = std::sqrt(at_end / 199.0 / 2.0) / kDegree_rad;
   EXPECT_NEAR(end_deg_s, 0.0059, 0.0003);
   EXPECT_LT(std::sqrt(at_middle / 199.0 / 2.0) / kDegree_rad, 0.0003);
 }
 
-std::vector<SineSample> sine_samples(double period_s, double amplitude, double sigma, int count, std::uint64_t seed) {
+std::vector<SineSample> sine_samples(
+    double period_s, double amplitude, double sigma, int count, std::uint64_t seed) {
   Rng rng(seed, 3);
   std::vector<SineSample> samples;
   // Differences of noisy angles, as they come from poses: intervals of 10 s that touch.
@@ -65,8 +71,12 @@ std::vector<SineSample> sine_samples(double period_s, double amplitude, double s
     const double t = 10.0 * i + 5.0;
     const double next = sigma * 10.0 / std::sqrt(2.0) * rng.normal();
     const double half = 0.5 * kTau / period_s * 10.0;
-    const double mean = amplitude * std::sin(kTau * (t - 5.0) / period_s + 0.7) * std::sin(half) / half;
-    samples.push_back({.time_s = t, .value = 0.3 + mean + (next - previous) / 10.0, .sigma = sigma, .interval_s = 10.0});
+    const double mean =
+        amplitude * std::sin(kTau * (t - 5.0) / period_s + 0.7) * std::sin(half) / half;
+    samples.push_back({.time_s = t,
+                       .value = 0.3 + mean + (next - previous) / 10.0,
+                       .sigma = sigma,
+                       .interval_s = 10.0});
     previous = next;
   }
   return samples;
@@ -115,7 +125,8 @@ TEST(Sine, OfTooFewOrUnusableSamplesIsAnError) {
   std::vector<SineSample> samples = sine_samples(100.0, 0.1, 0.01, 20, 1);
   samples[4].sigma = 0.0;
   EXPECT_EQ(fit_sine(samples).error().code, ErrorCode::kDegenerate);
-  for (SineSample& sample : samples) sample = {.time_s = 1.0, .value = 1.0, .sigma = 1.0, .interval_s = 0.0};
+  for (SineSample& sample : samples)
+    sample = {.time_s = 1.0, .value = 1.0, .sigma = 1.0, .interval_s = 0.0};
   EXPECT_EQ(fit_sine(samples).error().code, ErrorCode::kDegenerate);
 }
 
@@ -189,7 +200,8 @@ TEST(PaperModel, OfThePapersCaseHasItsPeriodsAndSpeed) {
   std::vector<SineSample> workspace(299);
   const Result<MotionModel> model = paper_model(poses, 0.5, workspace);
   ASSERT_TRUE(model.ok());
-  // Nutation in the body: (1 - 0.02 / 0.47) 1 deg/s, 376 s. The paper reports errors of 0.043 % and 0.006 %.
+  // Nutation in the body: (1 - 0.02 / 0.47) 1 deg/s, 376 s. The paper reports errors of 0.043 % and
+  // 0.006 %.
   const double period_s = 360.0 / (1.0 - 0.02 / 0.47);
   for (const std::size_t k : {0U, 1U}) {
     ASSERT_TRUE(model.value().sines[k].observed);
@@ -205,7 +217,8 @@ TEST(PaperModel, NeedsPosesAndRoom) {
   const std::vector<PoseSample> poses = observed(tumble(paper_body(), 10, 10.0), {}, 6);
   std::vector<SineSample> workspace(8);
   EXPECT_EQ(paper_model(poses, 0.5, workspace).error().code, ErrorCode::kMemoryTooSmall);
-  EXPECT_EQ(paper_model(std::span(poses).first(1), 0.5, workspace).error().code, ErrorCode::kTooFewObservations);
+  EXPECT_EQ(paper_model(std::span(poses).first(1), 0.5, workspace).error().code,
+            ErrorCode::kTooFewObservations);
   const Result<MotionModel> two = paper_model(std::span(poses).first(2), 0.5, workspace);
   ASSERT_TRUE(two.ok());
   EXPECT_FALSE(two.value().drift_valid);

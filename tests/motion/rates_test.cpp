@@ -60,7 +60,10 @@ struct Tallies {
 };
 
 /// Causal estimates at every eighth frame (neighbours share most of their window) of several runs.
-Tallies run_causal(const Case& one, std::size_t first_frame, std::size_t last_frame, std::size_t step) {
+Tallies run_causal(const Case& one,
+                   std::size_t first_frame,
+                   std::size_t last_frame,
+                   std::size_t step) {
   Tallies tallies;
   const std::vector<TruthSample> truth = tumble(one.body, last_frame + 2, one.interval_s);
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
@@ -71,10 +74,12 @@ Tallies run_causal(const Case& one, std::size_t first_frame, std::size_t last_fr
       EXPECT_TRUE(rates.ok());
       tallies.rate.add(rates.value().w_T_rad_s - truth[i].w_T_rad_s, rates.value().covariance_w_T);
       tallies.velocity.add(rates.value().v_C - truth[i].v_C, rates.value().covariance_v_C);
-      const Result<PosePrediction> ahead = predict_pose(all.first(i + 1), truth[i + 1].timestamp_ns, {});
+      const Result<PosePrediction> ahead =
+          predict_pose(all.first(i + 1), truth[i + 1].timestamp_ns, {});
       EXPECT_TRUE(ahead.ok());
-      tallies.attitude_ahead.add(so3_log(truth[i + 1].pose.R_CT * ahead.value().pose.R_CT.transpose()),
-                                 ahead.value().covariance.topLeftCorner<3, 3>());
+      tallies.attitude_ahead.add(
+          so3_log(truth[i + 1].pose.R_CT * ahead.value().pose.R_CT.transpose()),
+          ahead.value().covariance.topLeftCorner<3, 3>());
       tallies.position_ahead.add(truth[i + 1].pose.p_CT - ahead.value().pose.p_CT,
                                  ahead.value().covariance.bottomRightCorner<3, 3>());
     }
@@ -85,9 +90,12 @@ Tallies run_causal(const Case& one, std::size_t first_frame, std::size_t last_fr
 TEST(Rates, AreConsistentWithTheirSigmasAndNotTooWide) {
   for (const Case& one : cases()) {
     const Tallies t = run_causal(one, 8, 200, 8);
-    // 150 values, of which neighbours share data: 95 % less three standard deviations of 40 independent ones, 0.85.
-    for (const auto& [what, tally] : {std::pair{"rate", &t.rate}, {"velocity", &t.velocity},
-                                      {"attitude ahead", &t.attitude_ahead}, {"position ahead", &t.position_ahead}}) {
+    // 150 values, of which neighbours share data: 95 % less three standard deviations of 40
+    // independent ones, 0.85.
+    for (const auto& [what, tally] : {std::pair{"rate", &t.rate},
+                                      {"velocity", &t.velocity},
+                                      {"attitude ahead", &t.attitude_ahead},
+                                      {"position ahead", &t.position_ahead}}) {
       EXPECT_GT(tally->part_inside(), 0.85) << one.name << ", " << what;
       EXPECT_LT(tally->sigma(), 3.0 * tally->rms()) << one.name << ", " << what;
     }
@@ -113,8 +121,8 @@ TEST(Rates, AreConsistentWithVeryFewPoses) {
 TEST(Rates, OfThePapersCaseAreBetterThanDifferencesOfPoses) {
   const Case paper = cases()[0];
   const Tallies t = run_causal(paper, 30, 200, 10);
-  // A difference of two poses has 1e-3 sqrt(2) sqrt(2) / 10 s in its two weak axes: 0.0115 deg/s, plus half an interval of
-  // the wobble's change, 0.1 deg/s 0.167 / 2 = 0.008 deg/s.
+  // A difference of two poses has 1e-3 sqrt(2) sqrt(2) / 10 s in its two weak axes: 0.0115 deg/s,
+  // plus half an interval of the wobble's change, 0.1 deg/s 0.167 / 2 = 0.008 deg/s.
   EXPECT_LT(t.rate.rms(), 0.0085 * kDegree_rad);
 }
 
@@ -139,7 +147,8 @@ TEST(Rates, AreExactForAConstantRateWithoutNoise) {
   body.R_CT = so3_exp({1.0, 0.4, -0.3});
   body.v_mass_centre_C = {0.01, 0.02, -0.03};
   const std::vector<TruthSample> truth = tumble(body, 8, 1.0);
-  std::vector<PoseSample> poses = observed(truth, {.attitude_rad = {1e-9, 1e-9, 1e-9}, .position = {1e-9, 1e-9, 1e-9}}, 1);
+  std::vector<PoseSample> poses =
+      observed(truth, {.attitude_rad = {1e-9, 1e-9, 1e-9}, .position = {1e-9, 1e-9, 1e-9}}, 1);
   const Result<RateEstimate> rates = estimate_rates(poses, {});
   ASSERT_TRUE(rates.ok());
   EXPECT_LT((rates.value().w_T_rad_s - body.w_T_rad_s).norm(), 1e-7);
@@ -165,7 +174,8 @@ TEST(Rates, NeedTwoPosesAndUsableCovariances) {
   const std::vector<TruthSample> truth = tumble(paper_body(), 5, 10.0);
   std::vector<PoseSample> poses = observed(truth, {}, 1);
   EXPECT_EQ(estimate_rates({}, {}).error().code, ErrorCode::kTooFewObservations);
-  EXPECT_EQ(estimate_rates(std::span(poses).first(1), {}).error().code, ErrorCode::kTooFewObservations);
+  EXPECT_EQ(estimate_rates(std::span(poses).first(1), {}).error().code,
+            ErrorCode::kTooFewObservations);
   EXPECT_EQ(predict_pose(std::span(poses).first(1), poses[1].timestamp_ns, {}).error().code,
             ErrorCode::kTooFewObservations);
   EXPECT_EQ(predict_pose(poses, poses[0].timestamp_ns, {}).error().code, ErrorCode::kDegenerate);
@@ -200,18 +210,22 @@ TEST(Prediction, FollowsAnAcceleratingSpin) {
                      .v_C = Eigen::Vector3d::Zero()});
   }
   const std::vector<PoseSample> poses = observed(truth, {}, 3);
-  const Result<PosePrediction> prediction = predict_pose(std::span(poses).first(11), poses[11].timestamp_ns, {});
+  const Result<PosePrediction> prediction =
+      predict_pose(std::span(poses).first(11), poses[11].timestamp_ns, {});
   ASSERT_TRUE(prediction.ok());
-  const Eigen::Vector3d error = so3_log(truth[11].pose.R_CT * prediction.value().pose.R_CT.transpose());
+  const Eigen::Vector3d error =
+      so3_log(truth[11].pose.R_CT * prediction.value().pose.R_CT.transpose());
   EXPECT_LT(error.norm(), 0.5 * kDegree_rad);
   EXPECT_LT(chi2(error, prediction.value().covariance.topLeftCorner<3, 3>()), 16.3);  // 99.9 %
 }
 
 TEST(Prediction, IsTheSameWhereverTheTimeStampsStart) {
   std::vector<PoseSample> poses = observed(tumble(asymmetric_body(0.1), 20, 1.0), {}, 4);
-  const Result<PosePrediction> late = predict_pose(poses, poses.back().timestamp_ns + 1'000'000'000, {});
+  const Result<PosePrediction> late =
+      predict_pose(poses, poses.back().timestamp_ns + 1'000'000'000, {});
   for (PoseSample& pose : poses) pose.timestamp_ns -= 1'700'000'000'000'000'000;
-  const Result<PosePrediction> early = predict_pose(poses, poses.back().timestamp_ns + 1'000'000'000, {});
+  const Result<PosePrediction> early =
+      predict_pose(poses, poses.back().timestamp_ns + 1'000'000'000, {});
   ASSERT_TRUE(late.ok() && early.ok());
   EXPECT_EQ(late.value().pose.R_CT, early.value().pose.R_CT);
   EXPECT_EQ(late.value().covariance, early.value().covariance);

@@ -28,9 +28,11 @@ std::size_t neighbours_by_force(const Points& points, std::size_t i, double radi
 }
 
 TEST(Spacing, IsHalfTheInverseRootOfTheDensityOnASurface) {
-  // Points at random with density rho have a mean nearest distance of 0.5 / sqrt(rho); the median of the fourth nearest
-  // lies 3 % under its mean. 2000 points on 1 x 1: 0.5 / sqrt(2000) = 0.01118. Points near the rim have fewer neighbours.
-  const Points points = box_points({1.0, 1.0, 0.0}, {false, false, false, false, true, false}, 2000, 0.0, 1);
+  // Points at random with density rho have a mean nearest distance of 0.5 / sqrt(rho); the median
+  // of the fourth nearest lies 3 % under its mean. 2000 points on 1 x 1: 0.5 / sqrt(2000) =
+  // 0.01118. Points near the rim have fewer neighbours.
+  const Points points =
+      box_points({1.0, 1.0, 0.0}, {false, false, false, false, true, false}, 2000, 0.0, 1);
   CloudScratch scratch;
   const Result<double> spacing = median_spacing(points, scratch);
   ASSERT_TRUE(spacing.ok());
@@ -38,7 +40,8 @@ TEST(Spacing, IsHalfTheInverseRootOfTheDensityOnASurface) {
 }
 
 TEST(Spacing, IsNotFooledByPairsOfPointsThatAllButCoincide) {
-  const Points points = box_points({1.0, 1.0, 0.0}, {false, false, false, false, true, false}, 1000, 0.0, 1);
+  const Points points =
+      box_points({1.0, 1.0, 0.0}, {false, false, false, false, true, false}, 1000, 0.0, 1);
   Points doubled = points;
   for (const Eigen::Vector3d& point : points) {
     doubled.push_back(point + Eigen::Vector3d(1e-9, 0.0, 0.0));
@@ -52,8 +55,10 @@ TEST(Spacing, IsNotFooledByPairsOfPointsThatAllButCoincide) {
 
 TEST(Spacing, IsAnErrorForTooFewOrCoincidingPoints) {
   CloudScratch scratch;
-  EXPECT_EQ(median_spacing(Points(4, Eigen::Vector3d::Zero()), scratch).error().code, ErrorCode::kTooFewObservations);
-  EXPECT_EQ(median_spacing(Points(50, Eigen::Vector3d::Ones()), scratch).error().code, ErrorCode::kDegenerate);
+  EXPECT_EQ(median_spacing(Points(4, Eigen::Vector3d::Zero()), scratch).error().code,
+            ErrorCode::kTooFewObservations);
+  EXPECT_EQ(median_spacing(Points(50, Eigen::Vector3d::Ones()), scratch).error().code,
+            ErrorCode::kDegenerate);
 }
 
 TEST(Outliers, AreExactlyThePointsWithTooFewNeighboursInOrder) {
@@ -83,7 +88,8 @@ TEST(Homogenise, LeavesOnePointACubeAndKeepsTheWeightedMean) {
   constexpr double kEdge = 0.1;
   homogenise(kEdge, scratch, cloud);
   const auto cube = [](const Eigen::Vector3d& p) {
-    return std::array<int, 3>{static_cast<int>(std::floor(p.x() / kEdge)), static_cast<int>(std::floor(p.y() / kEdge)),
+    return std::array<int, 3>{static_cast<int>(std::floor(p.x() / kEdge)),
+                              static_cast<int>(std::floor(p.y() / kEdge)),
                               static_cast<int>(std::floor(p.z() / kEdge))};
   };
   std::vector<std::array<int, 3>> cubes;
@@ -98,10 +104,12 @@ TEST(Homogenise, LeavesOnePointACubeAndKeepsTheWeightedMean) {
 }
 
 TEST(Homogenise, EvensOutADenseHalf) {
-  Points points = box_points({1.0, 1.0, 0.0}, {false, false, false, false, true, false}, 1000, 0.0, 6, {});
+  Points points =
+      box_points({1.0, 1.0, 0.0}, {false, false, false, false, true, false}, 1000, 0.0, 6, {});
   Placement half;
   half.centre_T = half.centre_T + half.R_TB * Eigen::Vector3d(0.25, 0.0, 0.0);
-  const Points dense = box_points({0.5, 1.0, 0.0}, {false, false, false, false, true, false}, 4000, 0.0, 7, half);
+  const Points dense =
+      box_points({0.5, 1.0, 0.0}, {false, false, false, false, true, false}, 4000, 0.0, 7, half);
   points.insert(points.end(), dense.begin(), dense.end());
   const Placement whole;
   const double before = (centroid_T(points) - whole.centre_T).norm();
@@ -124,10 +132,12 @@ TEST(Denoise, LeavesOutStraysAndValuesThatAreNotFinite) {
   std::size_t off = 0;
   for (const Eigen::Vector3d& p : cloud.points_T) {
     ASSERT_TRUE(p.allFinite());
-    const Eigen::Vector3d inside = (at.R_TB.transpose() * (p - at.centre_T)).cwiseAbs() - Eigen::Vector3d(0.5, 0.4, 0.3);
+    const Eigen::Vector3d inside =
+        (at.R_TB.transpose() * (p - at.centre_T)).cwiseAbs() - Eigen::Vector3d(0.5, 0.4, 0.3);
     off += inside.maxCoeff() > 0.1 ? 1U : 0U;
   }
-  EXPECT_EQ(off, 0U);  // 150 strays in 216 cubic units are 0.6 apart on average: no 4 of them within 4 spacings
+  EXPECT_EQ(off, 0U);  // 150 strays in 216 cubic units are 0.6 apart on average: no 4 of them
+                       // within 4 spacings
 }
 
 TEST(Denoise, IsAnErrorWithoutPoints) {

@@ -31,7 +31,8 @@ TEST(Shape, OfABoxHasItsCentreAxesAndDimensionsWithinTheirSigmas) {
   int beyond_two_sigma = 0;
   constexpr int kSeeds = 20;
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-    const Result<Shape> result = estimate_shape(box_points(kDimensions, kAllSides, 1500, 0.004, seed), {}, 1, nullptr, *work);
+    const Result<Shape> result = estimate_shape(
+        box_points(kDimensions, kAllSides, 1500, 0.004, seed), {}, 1, nullptr, *work);
     ASSERT_TRUE(result.ok());
     const Shape& shape = result.value();
     EXPECT_EQ(shape.completion, CompletionKind::kBox);
@@ -40,7 +41,8 @@ TEST(Shape, OfABoxHasItsCentreAxesAndDimensionsWithinTheirSigmas) {
     EXPECT_LT((shape.centroid_T - at.centre_T).norm(), 0.002);
     for (Eigen::Index k = 0; k < 3; ++k) {
       Eigen::Index axis = 0;
-      const double cosine = (at.R_TB.transpose() * shape.frame.R_TB.col(k)).cwiseAbs().maxCoeff(&axis);
+      const double cosine =
+          (at.R_TB.transpose() * shape.frame.R_TB.col(k)).cwiseAbs().maxCoeff(&axis);
       EXPECT_GT(cosine, std::cos(0.3 * 0.01745));
       const double error = std::abs(shape.dimensions(k) - kDimensions(axis));
       EXPECT_LT(error, 0.005);
@@ -70,11 +72,16 @@ TEST(Shape, OfADamagedBoxIsCompletedAndItsCentreTwiceAsGoodAtLeast) {
 TEST(Shape, CompletionPointsLieOnTheBoxAwayFromMeasuredOnesAtTheirDensity) {
   const Placement at;
   const auto work = new_work();
-  const Result<Shape> result = estimate_shape(box_points(kDimensions, {true, false, true, false, true, false}, 1200, 0.002, 3),
-                                              {}, 1, nullptr, *work);
+  const Result<Shape> result = estimate_shape(
+      box_points(kDimensions, {true, false, true, false, true, false}, 1200, 0.002, 3),
+      {},
+      1,
+      nullptr,
+      *work);
   ASSERT_TRUE(result.ok());
   ASSERT_EQ(result.value().completion, CompletionKind::kBox);
-  // Three of six sides are missing: as many points are added as were measured, give or take the rims.
+  // Three of six sides are missing: as many points are added as were measured, give or take the
+  // rims.
   const auto measured = static_cast<double>(work->cloud.measured);
   EXPECT_NEAR(static_cast<double>(result.value().completion_points), measured, 0.25 * measured);
   for (std::size_t i = work->cloud.measured; i < work->cloud.points_T.size(); ++i) {
@@ -88,7 +95,11 @@ TEST(Shape, OfACylinderHasItsAxisRadiusAndCentre) {
   const auto work = new_work();
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     const Result<Shape> result =
-        estimate_shape(cylinder_points(0.4, 1.2, 2.0 * std::numbers::pi, 1800, 0.004, seed), {}, 1, nullptr, *work);
+        estimate_shape(cylinder_points(0.4, 1.2, 2.0 * std::numbers::pi, 1800, 0.004, seed),
+                       {},
+                       1,
+                       nullptr,
+                       *work);
     ASSERT_TRUE(result.ok());
     const Shape& shape = result.value();
     ASSERT_TRUE(shape.cylinder.has_value());
@@ -103,8 +114,8 @@ TEST(Shape, OfACylinderHasItsAxisRadiusAndCentre) {
 TEST(Shape, OfAHalfSeenCylinderHasACentreThatIsMuchBetterThanTheCloudsMean) {
   const Placement at;
   const auto work = new_work();
-  const Result<Shape> result =
-      estimate_shape(cylinder_points(0.4, 1.2, std::numbers::pi, 1500, 0.003, 4), {}, 1, nullptr, *work);
+  const Result<Shape> result = estimate_shape(
+      cylinder_points(0.4, 1.2, std::numbers::pi, 1500, 0.003, 4), {}, 1, nullptr, *work);
   ASSERT_TRUE(result.ok());
   EXPECT_EQ(result.value().completion, CompletionKind::kCylinder);
   EXPECT_GT((result.value().centroid_measured_T - at.centre_T).norm(), 0.1);
@@ -117,7 +128,8 @@ TEST(Shape, OfASatelliteWithPanelsIsNotCompletedToABox) {
   for (const double side : {-0.9, 0.9}) {
     Placement at;
     at.centre_T += at.R_TB * Eigen::Vector3d(side, 0.0, 0.0);
-    const Points more = box_points({1.2, 0.5, 0.0}, {false, false, false, false, true, false}, 700, 0.002, 6, at);
+    const Points more =
+        box_points({1.2, 0.5, 0.0}, {false, false, false, false, true, false}, 700, 0.002, 6, at);
     points.insert(points.end(), more.begin(), more.end());
   }
   const auto work = new_work();
@@ -130,12 +142,16 @@ TEST(Shape, OfASatelliteWithPanelsIsNotCompletedToABox) {
 
 TEST(Shape, KeepsItsAxesWhenItIsEstimatedAgain) {
   const auto work = new_work();
-  Shape previous = estimate_shape(box_points({1.0, 1.0, 1.0}, kAllSides, 1500, 0.004, 0), {}, 1, nullptr, *work).value();
+  Shape previous =
+      estimate_shape(box_points({1.0, 1.0, 1.0}, kAllSides, 1500, 0.004, 0), {}, 1, nullptr, *work)
+          .value();
   for (std::uint64_t seed = 1; seed < 20; ++seed) {
     // A cube, of which other sides are seen each time: nothing but continuity tells its axes apart.
     const std::array<bool, 6> sides{seed % 2 == 0, true, true, seed % 3 == 0, seed % 5 != 0, true};
     const Shape next =
-        estimate_shape(box_points({1.0, 1.0, 1.0}, sides, 1500, 0.004, seed), {}, seed, &previous, *work).value();
+        estimate_shape(
+            box_points({1.0, 1.0, 1.0}, sides, 1500, 0.004, seed), {}, seed, &previous, *work)
+            .value();
     EXPECT_LT(rotation_angle_rad(next.frame.R_TB, previous.frame.R_TB), 0.02) << seed;
     previous = next;
   }
@@ -172,7 +188,11 @@ TEST(Shape, IsTheSameForTheSameInput) {
 TEST(Shape, OfOnePanelSaysOnlyWhatAPanelTells) {
   const auto work = new_work();
   const Result<Shape> result = estimate_shape(
-      box_points({1.0, 0.5, 0.0}, {false, false, false, false, true, false}, 600, 0.002, 8), {}, 1, nullptr, *work);
+      box_points({1.0, 0.5, 0.0}, {false, false, false, false, true, false}, 600, 0.002, 8),
+      {},
+      1,
+      nullptr,
+      *work);
   ASSERT_TRUE(result.ok());
   EXPECT_EQ(result.value().planes.size(), 1U);
   EXPECT_EQ(result.value().completion, CompletionKind::kNone);
@@ -199,7 +219,11 @@ TEST(Shape, OfDegenerateCloudsIsAnErrorOrHasNothingMadeUp) {
 TEST(Shape, TakesAtMostTheTablesCapacity) {
   const auto work = new_work();
   const Result<Shape> result = estimate_shape(
-      box_points(kDimensions, kAllSides, static_cast<int>(limits::kCloudPoints) + 500, 0.0005, 9), {}, 1, nullptr, *work);
+      box_points(kDimensions, kAllSides, static_cast<int>(limits::kCloudPoints) + 500, 0.0005, 9),
+      {},
+      1,
+      nullptr,
+      *work);
   ASSERT_TRUE(result.ok());
   EXPECT_LE(work->cloud.points_T.size(), limits::kCloudPoints);
 }

@@ -15,16 +15,24 @@ struct Found {
   Planes planes;
 };
 
-std::unique_ptr<Found> find(const Points& points, double spacing, double distance_max, std::uint64_t seed = 1) {
+std::unique_ptr<Found> find(const Points& points,
+                            double spacing,
+                            double distance_max,
+                            std::uint64_t seed = 1) {
   auto found = std::make_unique<Found>();
   CloudScratch scratch;
   estimate_normals_by_spacing(points, spacing, scratch, found->normals);
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_TRUE(found->owners.push_back(-1));
   }
-  find_planes(points, found->normals,
-              {.distance_max = distance_max, .inliers_min = points.size() / 20, .iterations_max = 500, .seed = seed},
-              found->owners, found->planes);
+  find_planes(points,
+              found->normals,
+              {.distance_max = distance_max,
+               .inliers_min = points.size() / 20,
+               .iterations_max = 500,
+               .seed = seed},
+              found->owners,
+              found->planes);
   return found;
 }
 
@@ -52,7 +60,8 @@ TEST(Rectangle, IsFoundAtAnyAngle) {
                        Eigen::Vector2d(-u.y(), u.x()) * (rng.uniform() - 0.5));
     }
     const Rectangle rectangle = smallest_rectangle(points);
-    // A turn by a adds 2.5 |a| to the area of 2, quantile noise of 0.006 in four edges changes it by 0.02 at the flat bottom.
+    // A turn by a adds 2.5 |a| to the area of 2, quantile noise of 0.006 in four edges changes it
+    // by 0.02 at the flat bottom.
     EXPECT_GT(std::abs(rectangle.u.dot(u)), std::cos(0.05)) << angle;
     EXPECT_NEAR(rectangle.extents.x(), 2.0, 0.06);
     EXPECT_NEAR(rectangle.extents.y(), 1.0, 0.06);
@@ -71,13 +80,16 @@ TEST(Planes, AreTheSixSidesOfABoxWithinTheirSigmas) {
     Eigen::Index axis = 0;
     const Eigen::Vector3d normal_B = at.R_TB.transpose() * plane.normal_T;
     const double cosine = normal_B.cwiseAbs().maxCoeff(&axis);
-    // White noise gives 0.003 / (sqrt(300) 0.2) = 0.05 deg; points of the next sides within the band tilt it by more.
+    // White noise gives 0.003 / (sqrt(300) 0.2) = 0.05 deg; points of the next sides within the
+    // band tilt it by more.
     EXPECT_GT(cosine, std::cos(0.3 * 0.01745));
     EXPECT_NEAR((plane.centre_T - at.centre_T).dot(plane.normal_T), 0.5 * dimensions(axis), 0.002);
     EXPECT_NEAR(plane.rms, kSigma, 0.3 * kSigma);
     EXPECT_NEAR(plane.normal_T.dot(plane.centre_T), plane.offset, 1e-9);
     const double area = dimensions.prod() / dimensions(axis);
-    EXPECT_NEAR(plane.extents.prod(), area, 0.12 * area);  // points next to the edges may go to the neighbouring side
+    EXPECT_NEAR(plane.extents.prod(),
+                area,
+                0.12 * area);  // points next to the edges may go to the neighbouring side
     EXPECT_NEAR(plane.axes_T.col(0).dot(plane.normal_T), 0.0, 1e-12);
     EXPECT_GT(plane.normal_T.dot(plane.centre_T - at.centre_T), 0.0);
   }
@@ -117,7 +129,8 @@ TEST(Planes, AreNotMadeUpInABall) {
   Rng rng(14, 0);
   Points points;
   for (int i = 0; i < 1500; ++i) points.push_back(noise(rng, 1.0).normalized());
-  // A band of 0.03 over a unit sphere holds caps of half angle sqrt(2 0.03): 1.5 % of the points, under the 5 % asked.
+  // A band of 0.03 over a unit sphere holds caps of half angle sqrt(2 0.03): 1.5 % of the points,
+  // under the 5 % asked.
   EXPECT_TRUE(find(points, 0.05, 0.015)->planes.empty());
 }
 
@@ -127,8 +140,12 @@ Result<Cylinder> cylinder_of(const Points& points, double spacing, double distan
   const auto normals = std::make_unique<SurfaceNormals>();
   CloudScratch scratch;
   estimate_normals_by_spacing(points, spacing, scratch, *normals);
-  return find_cylinder(points, *normals,
-                       {.distance_max = distance_max, .inliers_min = points.size() / 3, .iterations_max = 500, .seed = 1});
+  return find_cylinder(points,
+                       *normals,
+                       {.distance_max = distance_max,
+                        .inliers_min = points.size() / 3,
+                        .iterations_max = 500,
+                        .seed = 1});
 }
 
 TEST(Cylinder, HasTheRightAxisAndRadius) {
@@ -157,9 +174,14 @@ TEST(Cylinder, IsFoundFromAThirdOfItsRound) {
 }
 
 TEST(Cylinder, IsNotSeenInABoxOrAPanel) {
-  EXPECT_FALSE(cylinder_of(box_points({1.0, 0.8, 0.6}, kAllSides, 2000, 0.003, 23), 0.021, 0.0105).ok());
   EXPECT_FALSE(
-      cylinder_of(box_points({1.0, 1.0, 0.0}, {false, false, false, false, true, false}, 1000, 0.003, 24), 0.016, 0.008).ok());
+      cylinder_of(box_points({1.0, 0.8, 0.6}, kAllSides, 2000, 0.003, 23), 0.021, 0.0105).ok());
+  EXPECT_FALSE(
+      cylinder_of(
+          box_points({1.0, 1.0, 0.0}, {false, false, false, false, true, false}, 1000, 0.003, 24),
+          0.016,
+          0.008)
+          .ok());
   EXPECT_EQ(cylinder_of({}, 0.1, 0.1).error().code, ErrorCode::kTooFewObservations);
 }
 
