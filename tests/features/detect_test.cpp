@@ -38,8 +38,12 @@ cv::Mat draw(int width, int height, double background, const std::vector<Blob>& 
   sum.setTo(background);
   for (const Blob& blob : blobs) {
     const int reach = static_cast<int>(5.0 * blob.sigma_px) + 1;
-    for (int v = std::max(0, static_cast<int>(blob.v_px) - reach); v <= std::min(height - 1, static_cast<int>(blob.v_px) + reach); ++v) {
-      for (int u = std::max(0, static_cast<int>(blob.u_px) - reach); u <= std::min(width - 1, static_cast<int>(blob.u_px) + reach); ++u) {
+    for (int v = std::max(0, static_cast<int>(blob.v_px) - reach);
+         v <= std::min(height - 1, static_cast<int>(blob.v_px) + reach);
+         ++v) {
+      for (int u = std::max(0, static_cast<int>(blob.u_px) - reach);
+           u <= std::min(width - 1, static_cast<int>(blob.u_px) + reach);
+           ++u) {
         const double r2 = std::pow(u - blob.u_px, 2) + std::pow(v - blob.v_px, 2);
         sum.at<double>(v, u) += blob.height * std::exp(-0.5 * r2 / (blob.sigma_px * blob.sigma_px));
       }
@@ -56,7 +60,9 @@ TargetMask whole(const cv::Mat& gray) {
   return mask;
 }
 
-std::unique_ptr<Features> detect(const cv::Mat& gray, const TargetMask& mask, const FeatureOptions& options = {}) {
+std::unique_ptr<Features> detect(const cv::Mat& gray,
+                                 const TargetMask& mask,
+                                 const FeatureOptions& options = {}) {
   auto features = std::make_unique<Features>();
   detect_features(gray, mask, camera_for(gray), options, features.get());
   return features;
@@ -79,16 +85,21 @@ std::vector<Blob> blob_grid(int width, int height, double pitch_px, double sigma
   std::vector<Blob> blobs;
   for (double v = pitch_px; v < height - pitch_px; v += pitch_px) {
     for (double u = pitch_px; u < width - pitch_px; u += pitch_px) {
-      blobs.push_back({.u_px = u + rng->uniform(), .v_px = v + rng->uniform(), .sigma_px = sigma_px});
+      blobs.push_back(
+          {.u_px = u + rng->uniform(), .v_px = v + rng->uniform(), .sigma_px = sigma_px});
     }
   }
   return blobs;
 }
 
-/// Nearly all blobs are found (a perfectly round one whose size falls between two octaves may be refused by the detector's
-/// interpolation), each within `tolerance_px`; the mean offset, where a wrong pixel convention would show, within a third.
-void expect_found(const cv::Mat& gray, const TargetMask& mask, const FeatureOptions& options,
-                  const std::vector<Blob>& blobs, double tolerance_px) {
+/// Nearly all blobs are found (a perfectly round one whose size falls between two octaves may be
+/// refused by the detector's interpolation), each within `tolerance_px`; the mean offset, where a
+/// wrong pixel convention would show, within a third.
+void expect_found(const cv::Mat& gray,
+                  const TargetMask& mask,
+                  const FeatureOptions& options,
+                  const std::vector<Blob>& blobs,
+                  double tolerance_px) {
   const auto features = detect(gray, mask, options);
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   int found = 0;
@@ -109,8 +120,10 @@ TEST(DetectFeatures, FindsBlobsAtTheirPlace_ForEachSizeOfBlob) {
   for (const double sigma_px : {2.0, 3.0, 5.0}) {
     SCOPED_TRACE(sigma_px);
     Rng rng(21, 0);
-    // Round blobs come with several orientations each: few enough blobs that all fit into the table.
-    const std::vector<Blob> blobs = blob_grid(320, 240, std::max(40.0, 12.0 * sigma_px), sigma_px, &rng);
+    // Round blobs come with several orientations each: few enough blobs that all fit into the
+    // table.
+    const std::vector<Blob> blobs =
+        blob_grid(320, 240, std::max(40.0, 12.0 * sigma_px), sigma_px, &rng);
     const cv::Mat gray = draw(320, 240, 30.0, blobs);
     // Quantisation to 256 levels of a blob 120 high moves its peak by some hundredths of a pixel.
     expect_found(gray, whole(gray), {.count_max = 1000}, blobs, 0.1);
@@ -152,7 +165,8 @@ TEST(DetectFeatures, GivesTheUndistortedPointOfEachPixel) {
   ASSERT_FALSE(features->empty());
   for (const Feature& f : *features) {
     const Eigen::Vector2d back = project_px(camera, f.normalised);
-    // Pixels are stored in single precision: half a unit in the last place is 1.5e-5 px at 256 px and over.
+    // Pixels are stored in single precision: half a unit in the last place is 1.5e-5 px at 256 px
+    // and over.
     EXPECT_NEAR(back.x(), static_cast<double>(f.u_px), 2e-5);
     EXPECT_NEAR(back.y(), static_cast<double>(f.v_px), 2e-5);
     EXPECT_GT(f.sigma_px, 0.0F);
@@ -161,8 +175,8 @@ TEST(DetectFeatures, GivesTheUndistortedPointOfEachPixel) {
 }
 
 TEST(DetectFeatures, GivesLargerBlobsALargerScale_InProportion) {
-  // A blob of sigma s answers most at the scale s: the measured radii have the ratio of the sigmas, within half the
-  // step of the scale space (2^(1/6) with three layers an octave).
+  // A blob of sigma s answers most at the scale s: the measured radii have the ratio of the sigmas,
+  // within half the step of the scale space (2^(1/6) with three layers an octave).
   double radius[2] = {0.0, 0.0};
   const double sigma[2] = {2.5, 5.0};
   for (int i = 0; i < 2; ++i) {
@@ -170,7 +184,8 @@ TEST(DetectFeatures, GivesLargerBlobsALargerScale_InProportion) {
     double best = 1e9;
     const auto features = detect(gray, whole(gray));
     for (const Feature& f : *features) {
-      const double off = std::hypot(static_cast<double>(f.u_px) - 80.3, static_cast<double>(f.v_px) - 79.6);
+      const double off =
+          std::hypot(static_cast<double>(f.u_px) - 80.3, static_cast<double>(f.v_px) - 79.6);
       if (off < best) {
         best = off;
         radius[i] = static_cast<double>(f.scale_px);
@@ -207,10 +222,16 @@ TEST(DetectFeatures, KeepsAtMostCountMax_AndSpreadsThem) {
   Rng rng(26, 0);
   std::vector<Blob> blobs;
   for (int i = 0; i < 150; ++i) {
-    blobs.push_back({.u_px = 12.0 + 60.0 * rng.uniform(), .v_px = 10.0 + 220.0 * rng.uniform(), .sigma_px = 2.0, .height = 90.0});
+    blobs.push_back({.u_px = 12.0 + 60.0 * rng.uniform(),
+                     .v_px = 10.0 + 220.0 * rng.uniform(),
+                     .sigma_px = 2.0,
+                     .height = 90.0});
   }
   for (int i = 0; i < 40; ++i) {
-    blobs.push_back({.u_px = 240.0 + 68.0 * rng.uniform(), .v_px = 10.0 + 220.0 * rng.uniform(), .sigma_px = 2.0, .height = 20.0});
+    blobs.push_back({.u_px = 240.0 + 68.0 * rng.uniform(),
+                     .v_px = 10.0 + 220.0 * rng.uniform(),
+                     .sigma_px = 2.0,
+                     .height = 20.0});
   }
   const cv::Mat gray = draw(320, 240, 20.0, blobs);
   const auto all = detect(gray, whole(gray), {.count_max = 1000});
@@ -218,9 +239,11 @@ TEST(DetectFeatures, KeepsAtMostCountMax_AndSpreadsThem) {
   const auto few = detect(gray, whole(gray), {.count_max = 60});
   EXPECT_EQ(few->size(), 60U);
   const auto right = [](const Features& features) {
-    return std::count_if(features.begin(), features.end(), [](const Feature& f) { return f.u_px > 230.0F; });
+    return std::count_if(
+        features.begin(), features.end(), [](const Feature& f) { return f.u_px > 230.0F; });
   };
-  EXPECT_GE(right(*few), std::min<std::ptrdiff_t>(15, right(*all))) << "a quarter of the places for a fifth of the blobs";
+  EXPECT_GE(right(*few), std::min<std::ptrdiff_t>(15, right(*all)))
+      << "a quarter of the places for a fifth of the blobs";
 }
 
 TEST(DetectFeatures, GivesTheSameBytes_EachTime) {
@@ -259,8 +282,12 @@ TEST(DetectFeatures, MatchesAPictureTurnedByAnyAngle) {
     SCOPED_TRACE(angle_deg);
     const double middle = 0.5 * (kSide - 1);
     const double radians = angle_deg * std::numbers::pi / 180.0;
-    const cv::Matx23d turn(std::cos(radians), -std::sin(radians), middle * (1.0 - std::cos(radians) + std::sin(radians)),
-                           std::sin(radians), std::cos(radians), middle * (1.0 - std::sin(radians) - std::cos(radians)));
+    const cv::Matx23d turn(std::cos(radians),
+                           -std::sin(radians),
+                           middle * (1.0 - std::cos(radians) + std::sin(radians)),
+                           std::sin(radians),
+                           std::cos(radians),
+                           middle * (1.0 - std::sin(radians) - std::cos(radians)));
     cv::Mat after;
     cv::warpAffine(before, after, turn, before.size(), cv::INTER_CUBIC, cv::BORDER_CONSTANT, 120);
     const auto b = detect(after, whole(after));
@@ -273,12 +300,15 @@ TEST(DetectFeatures, MatchesAPictureTurnedByAnyAngle) {
       const Feature& fb = (*b)[static_cast<std::size_t>(m.b)];
       const cv::Vec2d expected = turn * cv::Vec3d(fa.u_px, fa.v_px, 1.0);
       // Clipped neighbourhoods shift the coarsest blobs by a pixel; wrong matches lie anywhere.
-      if (std::hypot(expected[0] - static_cast<double>(fb.u_px), expected[1] - static_cast<double>(fb.v_px)) < 1.5) {
+      if (std::hypot(expected[0] - static_cast<double>(fb.u_px),
+                     expected[1] - static_cast<double>(fb.v_px)) < 1.5) {
         ++right;
-        turned_wrong += std::abs(std::remainder(static_cast<double>(fb.angle_rad - fa.angle_rad) - radians, 2.0 * std::numbers::pi));
+        turned_wrong += std::abs(std::remainder(
+            static_cast<double>(fb.angle_rad - fa.angle_rad) - radians, 2.0 * std::numbers::pi));
       }
     }
-    EXPECT_GT(static_cast<int>(matches->size()), static_cast<int>(a->size()) / 3) << "corners of the square are lost";
+    EXPECT_GT(static_cast<int>(matches->size()), static_cast<int>(a->size()) / 3)
+        << "corners of the square are lost";
     EXPECT_GE(right, 95 * static_cast<int>(matches->size()) / 100);
     // The orientation histogram has bins of 10 deg.
     EXPECT_LT(turned_wrong / right, 10.0 * std::numbers::pi / 180.0);

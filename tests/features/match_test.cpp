@@ -46,7 +46,8 @@ Feature feature_at(double u_px, double v_px, const Descriptor& descriptor) {
 std::vector<Feature> random_features(int count, double width_px, double height_px, Rng* rng) {
   std::vector<Feature> features;
   for (int i = 0; i < count; ++i) {
-    features.push_back(feature_at(width_px * rng->uniform(), height_px * rng->uniform(), random_descriptor(rng)));
+    features.push_back(
+        feature_at(width_px * rng->uniform(), height_px * rng->uniform(), random_descriptor(rng)));
   }
   return features;
 }
@@ -76,7 +77,8 @@ TEST(FeatureGrid, FindsWhatASearchThroughAllFinds) {
     const double radius = 60.0 * rng.uniform();
     std::vector<std::int32_t> expected;
     for (std::size_t i = 0; i < features.size(); ++i) {
-      if (std::hypot(static_cast<double>(features[i].u_px) - u, static_cast<double>(features[i].v_px) - v) <= radius) {
+      if (std::hypot(static_cast<double>(features[i].u_px) - u,
+                     static_cast<double>(features[i].v_px) - v) <= radius) {
         expected.push_back(static_cast<std::int32_t>(i));
       }
     }
@@ -88,8 +90,10 @@ TEST(FeatureGrid, FindsWhatASearchThroughAllFinds) {
 }
 
 TEST(FeatureGrid, FindsFeaturesOnTheEdgesOfThePicture) {
-  const std::vector<Feature> features{
-      feature_at(0, 0, {}), feature_at(639.4, 0, {}), feature_at(0, 479.4, {}), feature_at(639.4, 479.4, {})};
+  const std::vector<Feature> features{feature_at(0, 0, {}),
+                                      feature_at(639.4, 0, {}),
+                                      feature_at(0, 479.4, {}),
+                                      feature_at(639.4, 479.4, {})};
   auto grid = std::make_unique<FeatureGrid>();
   grid->build(features, 640, 480);
   for (std::size_t i = 0; i < features.size(); ++i) {
@@ -115,8 +119,10 @@ TEST(FeatureGrid, FindsNothing_AmongNoFeatures) {
   EXPECT_EQ(grid->find({}, 10.0, 10.0, 1000.0, found), 0U);
 }
 
-/// The rule as written: mutual best, and best against the second best at another place, on both sides.
-std::vector<std::pair<int, int>> brute_force(const std::vector<Feature>& a, const std::vector<Feature>& b,
+/// The rule as written: mutual best, and best against the second best at another place, on both
+/// sides.
+std::vector<std::pair<int, int>> brute_force(const std::vector<Feature>& a,
+                                             const std::vector<Feature>& b,
                                              double ratio_max) {
   const auto place_apart = [](const Feature& p, const Feature& q) {
     return std::hypot(p.u_px - q.u_px, p.v_px - q.v_px) >= 2.0F;
@@ -124,14 +130,16 @@ std::vector<std::pair<int, int>> brute_force(const std::vector<Feature>& a, cons
   const auto best = [&](const Feature& wanted, const std::vector<Feature>& among) {
     std::size_t nearest = 0;
     for (std::size_t j = 1; j < among.size(); ++j) {
-      if (distance2(wanted.descriptor, among[j].descriptor) < distance2(wanted.descriptor, among[nearest].descriptor)) {
+      if (distance2(wanted.descriptor, among[j].descriptor) <
+          distance2(wanted.descriptor, among[nearest].descriptor)) {
         nearest = j;
       }
     }
     double rival = 1e18;
     for (const Feature& other : among) {
       if (place_apart(other, among[nearest])) {
-        rival = std::min(rival, static_cast<double>(distance2(wanted.descriptor, other.descriptor)));
+        rival =
+            std::min(rival, static_cast<double>(distance2(wanted.descriptor, other.descriptor)));
       }
     }
     const double d2 = distance2(wanted.descriptor, among[nearest].descriptor);
@@ -154,7 +162,8 @@ TEST(MatchMutual, FindsWhatASearchThroughAllFinds) {
   std::size_t total = 0;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Rng rng(seed, 13);
-    // Places on a grid of 10 px: either the same or far apart, so that "the same place" is an equivalence.
+    // Places on a grid of 10 px: either the same or far apart, so that "the same place" is an
+    // equivalence.
     std::vector<Feature> a;
     for (int i = 0; i < 60; ++i) {
       a.push_back(feature_at(10.0 * (i / 2), 10.0 * (i % 3), random_descriptor(&rng)));
@@ -163,8 +172,9 @@ TEST(MatchMutual, FindsWhatASearchThroughAllFinds) {
     for (int i = 0; i < 80; ++i) {
       const bool related = rng.uniform() < 0.6;
       // From nearly equal to hardly alike, some twice: each gate is met from both sides.
-      const Descriptor d = related ? disturbed(a[rng.below(60)].descriptor, 5.0 + 35.0 * rng.uniform(), &rng)
-                                   : random_descriptor(&rng);
+      const Descriptor d =
+          related ? disturbed(a[rng.below(60)].descriptor, 5.0 + 35.0 * rng.uniform(), &rng)
+                  : random_descriptor(&rng);
       b.push_back(feature_at(10.0 * (i / 2), 10.0 * (i % 5), d));
     }
     match_mutual(a, b, 0.8, matches.get());
@@ -172,7 +182,8 @@ TEST(MatchMutual, FindsWhatASearchThroughAllFinds) {
     for (const FeatureMatch& m : *matches) {
       found.emplace_back(m.a, m.b);
       EXPECT_EQ(m.distance2,
-                distance2(a[static_cast<std::size_t>(m.a)].descriptor, b[static_cast<std::size_t>(m.b)].descriptor));
+                distance2(a[static_cast<std::size_t>(m.a)].descriptor,
+                          b[static_cast<std::size_t>(m.b)].descriptor));
     }
     EXPECT_EQ(found, brute_force(a, b, 0.8)) << "seed " << seed;
     total += found.size();

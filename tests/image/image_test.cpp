@@ -25,16 +25,20 @@ TEST(ImportFrame, CopiesEveryPixel_WhenRowsAreLongerThanThePicture) {
   Rng rng(1, 0);
   for (int row = 0; row < kHeight; ++row) {
     for (int column = 0; column < kWidth; ++column) {
-      memory[static_cast<std::size_t>(row * kStride + column)] = static_cast<std::uint8_t>(rng.below(256));
+      memory[static_cast<std::size_t>(row * kStride + column)] =
+          static_cast<std::uint8_t>(rng.below(256));
     }
   }
   cv::Mat gray;
-  import_frame({.data = memory.data(), .width_px = kWidth, .height_px = kHeight, .stride_octets = kStride}, &gray);
+  import_frame(
+      {.data = memory.data(), .width_px = kWidth, .height_px = kHeight, .stride_octets = kStride},
+      &gray);
   ASSERT_EQ(gray.type(), CV_8UC1);
   ASSERT_EQ(gray.size(), cv::Size(kWidth, kHeight));
   for (int row = 0; row < kHeight; ++row) {
     for (int column = 0; column < kWidth; ++column) {
-      EXPECT_EQ(gray.at<std::uint8_t>(row, column), memory[static_cast<std::size_t>(row * kStride + column)]);
+      EXPECT_EQ(gray.at<std::uint8_t>(row, column),
+                memory[static_cast<std::size_t>(row * kStride + column)]);
     }
   }
 }
@@ -55,7 +59,8 @@ TEST(ImportFrame, KeepsTheUpperOctet_WhenPixelsHave16Bits_AtAnyAlignment) {
                 .format = PixelFormat::kGray16},
                &gray);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    EXPECT_EQ(gray.at<std::uint8_t>(static_cast<int>(i) / kWidth, static_cast<int>(i) % kWidth), values[i] >> 8U);
+    EXPECT_EQ(gray.at<std::uint8_t>(static_cast<int>(i) / kWidth, static_cast<int>(i) % kWidth),
+              values[i] >> 8U);
   }
 }
 

@@ -29,7 +29,8 @@ struct Bench {
     for (std::size_t t = 0; t < 5; ++t) {
       for (std::size_t f = 0; f < 4; ++f) {
         (void)tracks->tracks[t].points.push_back(
-            {.frame = static_cast<std::int32_t>(f), .feature = static_cast<std::int32_t>((t + f) % 6)});
+            {.frame = static_cast<std::int32_t>(f),
+             .feature = static_cast<std::int32_t>((t + f) % 6)});
       }
       outcome->points[t] = {.valid = t != 4, .p_T = {0.1 * static_cast<double>(t), -0.3, 0.2}};
     }

@@ -13,7 +13,8 @@ using namespace synthetic;
 
 constexpr double kDepth_mu = 10.0;
 
-/// A sum of waves, sampled exactly at any shift: what a textured panel shows that moves parallel to the image.
+/// A sum of waves, sampled exactly at any shift: what a textured panel shows that moves parallel to
+/// the image.
 cv::Mat texture(std::uint64_t seed, double shift_u_px, double shift_v_px) {
   const CameraModel model = camera();
   cv::Mat sum(model.height_px, model.width_px, CV_64FC1);
@@ -60,7 +61,8 @@ struct Bench {
       for (int u = 80; u <= 560; u += 40) {
         const LandmarkId id = add_landmark(map.get());
         Landmark& landmark = map->landmarks[id.index()];
-        const Eigen::Vector2d n = undistort(model, {static_cast<double>(u), static_cast<double>(v)});
+        const Eigen::Vector2d n =
+            undistort(model, {static_cast<double>(u), static_cast<double>(v)});
         landmark.p_T = kDepth_mu * Eigen::Vector3d(n.x(), n.y(), 0.0);
         landmark.normal_T = -Eigen::Vector3d::UnitZ();
         landmark.observations = 5;
@@ -76,8 +78,11 @@ struct Bench {
   }
 
   Result<bool> follow(const cv::Mat& picture, const Pose& predicted) {
-    const LocaliseInput input{
-        .map = map.get(), .features = features.get(), .camera = &model, .options = &options, .seed = 1};
+    const LocaliseInput input{.map = map.get(),
+                              .features = features.get(),
+                              .camera = &model,
+                              .options = &options,
+                              .seed = 1};
     Pyramid pyramid;
     build_pyramid(picture, &pyramid);
     return localise_by_flow(input, *reference, pyramid, {}, predicted, scratch.get(), out.get());
@@ -107,9 +112,14 @@ TEST(LocaliseByFlow, FindsThePose_OfAPictureThatHasMoved) {
     const Eigen::Vector3d& p_T = b.map->landmarks[m.landmark.index()].p_T;
     const Eigen::Vector2d expected = project_px(b.model, truth.to_camera(p_T));
     // Flow is good to 0.05 px in each coordinate, the fit to less.
-    EXPECT_LT((Eigen::Vector2d(static_cast<double>(m.u_px), static_cast<double>(m.v_px)) - expected).norm(), 0.1);
+    EXPECT_LT((Eigen::Vector2d(static_cast<double>(m.u_px), static_cast<double>(m.v_px)) - expected)
+                  .norm(),
+              0.1);
     EXPECT_LT((project_px(b.model, b.out->absolute.pose.to_camera(p_T)) - expected).norm(), 0.1);
-    EXPECT_LT((project_px(b.model, m.normalised) - Eigen::Vector2d(static_cast<double>(m.u_px), static_cast<double>(m.v_px))).norm(), 1e-6);
+    EXPECT_LT((project_px(b.model, m.normalised) -
+               Eigen::Vector2d(static_cast<double>(m.u_px), static_cast<double>(m.v_px)))
+                  .norm(),
+              1e-6);
   }
 }
 

@@ -15,7 +15,10 @@ struct Frame {
   std::unique_ptr<LocalisedFrame> localised = std::make_unique<LocalisedFrame>();
 };
 
-Frame frame_of(const std::vector<Spot>& body, const SyntheticMap& mapped, const Pose& pose, int outlier_every) {
+Frame frame_of(const std::vector<Spot>& body,
+               const SyntheticMap& mapped,
+               const Pose& pose,
+               int outlier_every) {
   Rng rng(5, 121);
   Frame frame{.picture = take_picture(body, pose, kNoise_px, 0, &rng)};
   frame.localised->absolute.pose = pose;
@@ -89,7 +92,8 @@ TEST(InsertKeyframe, KeepsTheLimit_AndLosesAnOldOne) {
   const auto s = make_map(body, turn_by(0.06, 12), kNoise_px, 34);
   const MapOptions options{.keyframes_max = 12};
   const KeyframeId newest[2] = {s.keyframes[11], s.keyframes[10]};
-  const std::uint32_t numbers[2] = {s.map->keyframes[newest[0].index()].number, s.map->keyframes[newest[1].index()].number};
+  const std::uint32_t numbers[2] = {s.map->keyframes[newest[0].index()].number,
+                                    s.map->keyframes[newest[1].index()].number};
   const KeyframeId id = insert(frame_of(body, s, turned(0.8), 0), options, s.map.get());
   ASSERT_TRUE(id.valid());
   EXPECT_EQ(s.map->keyframe_count, 12);
@@ -106,7 +110,8 @@ TEST(MostRedundant, IsNone_WhenEachKeyframeIsAloneOnItsSide) {
   EXPECT_FALSE(most_redundant(*s.map).valid());
   const int count = s.map->keyframe_count;
   const int landmarks = s.map->landmark_count;
-  EXPECT_FALSE(insert(frame_of(body, s, turned(0.3), 0), {.keyframes_max = count}, s.map.get()).valid());
+  EXPECT_FALSE(
+      insert(frame_of(body, s, turned(0.3), 0), {.keyframes_max = count}, s.map.get()).valid());
   EXPECT_EQ(s.map->keyframe_count, count);
   EXPECT_EQ(s.map->landmark_count, landmarks);
 }

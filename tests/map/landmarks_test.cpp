@@ -12,7 +12,9 @@ namespace {
 using namespace synthetic;
 
 /// Distance of each used landmark from the nearest spot of the body.
-std::vector<double> errors_of(const Map& map, const std::vector<Spot>& body, std::int32_t first_number) {
+std::vector<double> errors_of(const Map& map,
+                              const std::vector<Spot>& body,
+                              std::int32_t first_number) {
   std::vector<double> errors;
   for (const Landmark& landmark : map.landmarks) {
     if (!landmark.used || landmark.number < first_number) {
@@ -35,7 +37,9 @@ struct Bench {
   std::unique_ptr<CreateScratch> scratch = std::make_unique<CreateScratch>();
   std::int32_t first = s.map->next_landmark_number;
 
-  int create() { return create_landmarks(s.keyframes.back(), {}, camera(), scratch.get(), s.map.get()); }
+  int create() {
+    return create_landmarks(s.keyframes.back(), {}, camera(), scratch.get(), s.map.get());
+  }
 };
 
 TEST(CreateLandmarks, FindsTheSpotsThatWereNotMapped) {
@@ -47,8 +51,8 @@ TEST(CreateLandmarks, FindsTheSpotsThatWereNotMapped) {
   EXPECT_EQ(broken_promise(*b.s.map), "");
   const auto errors = errors_of(*b.s.map, b.body, b.first);
   ASSERT_EQ(static_cast<int>(errors.size()), made);
-  // 0.5 px at 8 / 1500 per pixel is 2.7 mm across the line of sight; along it sqrt(2) / parallax (0.15 rad) of that, 25 mm
-  // for neighbouring keyframes.
+  // 0.5 px at 8 / 1500 per pixel is 2.7 mm across the line of sight; along it sqrt(2) / parallax
+  // (0.15 rad) of that, 25 mm for neighbouring keyframes.
   EXPECT_LT(errors[errors.size() / 2], 0.03);
   EXPECT_LT(errors[errors.size() * 9 / 10], 0.1);
 }
@@ -65,7 +69,10 @@ TEST(CreateLandmarks, MakesNone_WithoutParallax) {
   std::vector<Pose> poses{turned(0.0), turned(0.005), turned(0.01)};
   auto s = make_map(body, poses, kNoise_px, 42, 150);
   const auto scratch = std::make_unique<CreateScratch>();
-  EXPECT_EQ(create_landmarks(s.keyframes.back(), {.parallax_min_rad = 0.035}, camera(), scratch.get(), s.map.get()), 0);
+  EXPECT_EQ(
+      create_landmarks(
+          s.keyframes.back(), {.parallax_min_rad = 0.035}, camera(), scratch.get(), s.map.get()),
+      0);
 }
 
 TEST(CreateLandmarks, MakesFew_WhenThePicturesShowDifferentBodies) {
@@ -75,8 +82,10 @@ TEST(CreateLandmarks, MakesFew_WhenThePicturesShowDifferentBodies) {
   const KeyframeId id = add_keyframe(b.s.map.get());
   b.s.map->keyframes[id.index()].pose = turned(0.6);
   b.s.map->keyframes[id.index()].features = *other.features;
-  // An unrelated feature near the epipolar line passes where it happens to have no rival: a few in a hundred.
-  EXPECT_LE(create_landmarks(id, {}, camera(), b.scratch.get(), b.s.map.get()), static_cast<int>(other.features->size() / 10));
+  // An unrelated feature near the epipolar line passes where it happens to have no rival: a few in
+  // a hundred.
+  EXPECT_LE(create_landmarks(id, {}, camera(), b.scratch.get(), b.s.map.get()),
+            static_cast<int>(other.features->size() / 10));
   EXPECT_EQ(broken_promise(*b.s.map), "");
 }
 
@@ -99,7 +108,8 @@ TEST(ExtendLandmarks, TiesTheOtherKeyframesThatSeeANewLandmark) {
     confirmed += landmark.used && landmark.number >= b.first && landmark.observations >= 3 ? 1 : 0;
   }
   EXPECT_GT(confirmed, 30);
-  EXPECT_EQ(extend_landmarks(b.s.map->next_landmark_number, camera(), b.s.map.get()), 0) << "none is that young";
+  EXPECT_EQ(extend_landmarks(b.s.map->next_landmark_number, camera(), b.s.map.get()), 0)
+      << "none is that young";
 }
 
 TEST(CullLandmarks, LeavesAGoodMapAlone) {
@@ -130,7 +140,8 @@ TEST(CullLandmarks, UntiesWrongSightings_AndRemovesLandmarksThatOneKeyframeSees)
   std::size_t feature = 0;
   for (std::size_t i = 0; i < s.map->keyframes[k.index()].features.size(); ++i) {
     const LandmarkId id = s.map->keyframes[k.index()].landmark_of[i];
-    if (id.valid() && s.map->landmarks[id.index()].observations >= 5 && std::find(wrong.begin(), wrong.end(), id) == wrong.end()) {
+    if (id.valid() && s.map->landmarks[id.index()].observations >= 5 &&
+        std::find(wrong.begin(), wrong.end(), id) == wrong.end()) {
       feature = i;
     }
   }
@@ -159,7 +170,8 @@ TEST(CullLandmarks, ForgivesMore_WhenTheNoiseIsLarger) {
 TEST(ResidualScale, TellsByHowMuchTheNoiseExceedsItsSigma) {
   for (const double factor : {0.5, 1.0, 2.5}) {
     const auto s = make_map(ball(400, 47), turn_by(0.1, 8), factor * kNoise_px, 47);
-    // The median of 1000 squares has a relative deviation of about 5 %, half of it for the scale; four of them.
+    // The median of 1000 squares has a relative deviation of about 5 %, half of it for the scale;
+    // four of them.
     EXPECT_NEAR(residual_scale(*s.map, camera()), factor, 0.1 * factor);
   }
 }
@@ -172,7 +184,8 @@ TEST(ResidualScale, IsNotMovedMuch_ByWrongSightings) {
       features[i].normalised += Eigen::Vector2d(0.05, 0.0);
     }
   }
-  // A tenth of wild values moves the median to the 5/9 quantile: ln(9/4) / ln 2 = 1.17 in squares, 1.08 in scale.
+  // A tenth of wild values moves the median to the 5/9 quantile: ln(9/4) / ln 2 = 1.17 in
+  // squares, 1.08 in scale.
   EXPECT_NEAR(residual_scale(*s.map, camera()), 1.08, 0.1);
 }
 

@@ -12,8 +12,8 @@ namespace {
 
 using namespace synthetic;
 
-// 99.99 % of chi-square with six degrees of freedom, doubled: landmarks carry errors of their own in no test here, but a
-// chance inlier among the clutter may pull a little.
+// 99.99 % of chi-square with six degrees of freedom, doubled: landmarks carry errors of their own
+// in no test here, but a chance inlier among the clutter may pull a little.
 constexpr double kError2Max = 2.0 * 27.9;
 
 double normalised_error2(const AbsolutePose& estimate, const Pose& truth) {
@@ -54,9 +54,13 @@ struct Bench {
       EXPECT_EQ(m.v_px, f.v_px);
       const int spot = picture.spot_of[static_cast<std::size_t>(m.feature)];
       inliers += m.inlier ? 1 : 0;
-      wrong += m.inlier && (spot < 0 || mapped.landmark_of[static_cast<std::size_t>(spot)] != m.landmark) ? 1 : 0;
+      wrong +=
+          m.inlier && (spot < 0 || mapped.landmark_of[static_cast<std::size_t>(spot)] != m.landmark)
+              ? 1
+              : 0;
     }
-    EXPECT_NEAR(inliers, out->absolute.inliers, 2) << "one on the limit may change sides in the last round";
+    EXPECT_NEAR(inliers, out->absolute.inliers, 2)
+        << "one on the limit may change sides in the last round";
     EXPECT_LE(100 * wrong, 2 * inliers) << "clutter may lie where a landmark is expected";
   }
 };
@@ -76,7 +80,8 @@ TEST(ShouldBeSeen, IsTrueForTheSideThatFacesTheCamera_AndFalseForTheOther) {
   const Pose from_behind = turned(0.3 + 3.14159265358979);
   for (const Landmark& landmark : b.mapped.map->landmarks) {
     Eigen::Vector2d pixel;
-    EXPECT_FALSE(landmark.used && landmark.normal_T.z() < -0.9 && should_be_seen(landmark, from_behind, b.model, &pixel));
+    EXPECT_FALSE(landmark.used && landmark.normal_T.z() < -0.9 &&
+                 should_be_seen(landmark, from_behind, b.model, &pixel));
   }
 }
 
@@ -103,7 +108,9 @@ TEST(LocaliseGuided, FindsThePose_FromAPredictionThatIsALittleOff) {
     // 0.02 rad at a radius of 1 and 8 away, f = 1500 px: up to 4 px.
     const Pose predicted{.R_CT = so3_exp(0.02 * normal3(&rng).normalized()) * truth.R_CT,
                          .p_CT = truth.p_CT + Eigen::Vector3d(0.01, -0.01, 0.1)};
-    ASSERT_TRUE(localise_guided(b.input(picture, seed), predicted, 12.0, b.scratch.get(), b.out.get()).ok()) << seed;
+    ASSERT_TRUE(
+        localise_guided(b.input(picture, seed), predicted, 12.0, b.scratch.get(), b.out.get()).ok())
+        << seed;
     b.expect_right(picture, truth);
     EXPECT_GT(b.out->predicted, 80);
     EXPECT_GT(2 * b.out->absolute.inliers, b.out->predicted);
@@ -116,7 +123,9 @@ TEST(LocaliseGuided, ReturnsAnError_WhenTheFeaturesBelongToAnotherBody) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Rng rng(seed, 102);
     const Picture picture = take_picture(other, turned(0.2), kNoise_px, 0, &rng);
-    EXPECT_FALSE(localise_guided(b.input(picture), turned(0.2), 12.0, b.scratch.get(), b.out.get()).ok()) << seed;
+    EXPECT_FALSE(
+        localise_guided(b.input(picture), turned(0.2), 12.0, b.scratch.get(), b.out.get()).ok())
+        << seed;
   }
 }
 
@@ -124,24 +133,28 @@ TEST(LocaliseGuided, ReturnsAnError_WhenThePredictionIsFarOff) {
   Bench b;
   Rng rng(1, 103);
   const Picture picture = take_picture(b.body, turned(0.1), kNoise_px, 0, &rng);
-  EXPECT_FALSE(localise_guided(b.input(picture), turned(0.6), 8.0, b.scratch.get(), b.out.get()).ok());
+  EXPECT_FALSE(
+      localise_guided(b.input(picture), turned(0.6), 8.0, b.scratch.get(), b.out.get()).ok());
 }
 
 TEST(LocaliseGuided, ReturnsTooFewObservations_WithoutFeatures_AndWithoutAMap) {
   Bench b;
   const Picture nothing;
-  const auto unseen = localise_guided(b.input(nothing), turned(0.1), 12.0, b.scratch.get(), b.out.get());
+  const auto unseen =
+      localise_guided(b.input(nothing), turned(0.1), 12.0, b.scratch.get(), b.out.get());
   ASSERT_FALSE(unseen.ok());
   EXPECT_EQ(unseen.error().code, ErrorCode::kTooFewObservations);
   Rng rng(1, 104);
   const Picture picture = take_picture(b.body, turned(0.1), kNoise_px, 0, &rng);
   clear(b.mapped.map.get());
-  EXPECT_FALSE(localise_guided(b.input(picture), turned(0.1), 12.0, b.scratch.get(), b.out.get()).ok());
+  EXPECT_FALSE(
+      localise_guided(b.input(picture), turned(0.1), 12.0, b.scratch.get(), b.out.get()).ok());
   EXPECT_FALSE(relocalise(b.input(picture), b.scratch.get(), b.out.get()).ok());
 }
 
 TEST(LocaliseGuided, RefusesASpotThatRepeatsWithinTheSearch) {
-  // A pattern of cells: each spot has the look of its neighbour 6 px away, so the ratio test leaves none.
+  // A pattern of cells: each spot has the look of its neighbour 6 px away, so the ratio test leaves
+  // none.
   Bench b;
   Rng rng(2, 105);
   Picture picture = take_picture(b.body, turned(0.1), 0.1, 0, &rng);
@@ -149,18 +162,21 @@ TEST(LocaliseGuided, RefusesASpotThatRepeatsWithinTheSearch) {
   for (std::size_t i = 0; i < spots; ++i) {
     Feature twin = (*picture.features)[i];
     twin.u_px += 6.0F;
-    twin.normalised = undistort(b.model, {static_cast<double>(twin.u_px), static_cast<double>(twin.v_px)});
+    twin.normalised =
+        undistort(b.model, {static_cast<double>(twin.u_px), static_cast<double>(twin.v_px)});
     ASSERT_TRUE(picture.features->push_back(twin));
     picture.spot_of.push_back(-1);
   }
-  EXPECT_FALSE(localise_guided(b.input(picture), turned(0.1), 12.0, b.scratch.get(), b.out.get()).ok());
+  EXPECT_FALSE(
+      localise_guided(b.input(picture), turned(0.1), 12.0, b.scratch.get(), b.out.get()).ok());
 }
 
 TEST(Relocalise, FindsThePose_WithoutAPrediction_FromEachMappedSide) {
   Bench b;
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     Rng rng(seed, 106);
-    const Pose truth{.R_CT = so3_exp({0.0, 0.0, 1.0 * static_cast<double>(seed)}) * turned(0.1 * static_cast<double>(seed)).R_CT,
+    const Pose truth{.R_CT = so3_exp({0.0, 0.0, 1.0 * static_cast<double>(seed)}) *
+                             turned(0.1 * static_cast<double>(seed)).R_CT,
                      .p_CT = {0.2, -0.1, 9.0}};
     const Picture picture = take_picture(b.body, truth, kNoise_px, 100, &rng);
     ASSERT_TRUE(relocalise(b.input(picture, seed), b.scratch.get(), b.out.get()).ok()) << seed;
@@ -191,7 +207,8 @@ TEST(Relocalise, GivesTheSameBytes_EachTime) {
   ASSERT_TRUE(relocalise(b.input(picture, 9), b.scratch.get(), b.out.get()).ok());
   const AbsolutePose first = b.out->absolute;
   const std::size_t matches = b.out->matches.size();
-  ASSERT_TRUE(localise_guided(b.input(picture, 4), turned(0.24), 12.0, b.scratch.get(), b.out.get()).ok());
+  ASSERT_TRUE(
+      localise_guided(b.input(picture, 4), turned(0.24), 12.0, b.scratch.get(), b.out.get()).ok());
   const auto other_scratch = std::make_unique<LocaliseScratch>();
   ASSERT_TRUE(relocalise(b.input(picture, 9), other_scratch.get(), b.out.get()).ok());
   EXPECT_EQ(b.out->absolute.pose.R_CT, first.pose.R_CT);

@@ -155,7 +155,8 @@ void operate(Rng* rng, Map* map) {
       }
       break;
     default:
-      if (keyframe.used && map->landmarks[l.index()].used && !keyframe.landmark_of[feature].valid()) {
+      if (keyframe.used && map->landmarks[l.index()].used &&
+          !keyframe.landmark_of[feature].valid()) {
         tie_sighting(k, feature, l, map);
       }
   }
@@ -211,7 +212,8 @@ TEST(RefreshLandmarks, GivesTheMeanDirectionAndSizeOfEachLandmark) {
       }
     }
     EXPECT_LT((landmark.normal_T - sum.normalized()).norm(), 1e-12);
-    EXPECT_NEAR(landmark.size_mu, synthetic::kSpotSize_mu, 1e-6) << "scales are stored in single precision";
+    EXPECT_NEAR(landmark.size_mu, synthetic::kSpotSize_mu, 1e-6)
+        << "scales are stored in single precision";
     EXPECT_GE(landmark.views.size(), 1U);
   }
 }

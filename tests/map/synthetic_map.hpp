@@ -1,4 +1,5 @@
-// A body of spots with looks, keyframes about it, and the map that a perfect mapper would have made of them.
+// A body of spots with looks, keyframes about it, and the map that a perfect mapper would have made
+// of them.
 #pragma once
 
 #include <Eigen/Core>
@@ -51,7 +52,12 @@ inline constexpr double kNoise_px = 0.5;
 inline constexpr double kDistance_mu = 8.0;
 
 inline CameraModel camera() {
-  return {.width_px = 640, .height_px = 480, .fu_px = 1500.0, .fv_px = 1500.0, .cu_px = 320.0, .cv_px = 240.0};
+  return {.width_px = 640,
+          .height_px = 480,
+          .fu_px = 1500.0,
+          .fv_px = 1500.0,
+          .cu_px = 320.0,
+          .cv_px = 240.0};
 }
 
 /// Spots on a ball of radius 1.
@@ -76,32 +82,43 @@ struct Picture {
   std::vector<int> spot_of;  ///< per feature; -1: clutter
 };
 
-/// The features that a camera sees of the body: sides that face it, with noise, then clutter that is nothing.
-inline Picture take_picture(const std::vector<Spot>& body, const Pose& pose, double noise_px, int clutter, Rng* rng) {
+/// The features that a camera sees of the body: sides that face it, with noise, then clutter that
+/// is nothing.
+inline Picture take_picture(
+    const std::vector<Spot>& body, const Pose& pose, double noise_px, int clutter, Rng* rng) {
   Picture picture;
   const CameraModel model = camera();
-  const auto add = [&](const Eigen::Vector2d& pixel, double scale_px, const Descriptor& look, int spot) {
-    Feature f;
-    f.u_px = static_cast<float>(pixel.x());
-    f.v_px = static_cast<float>(pixel.y());
-    f.normalised = undistort(model, {static_cast<double>(f.u_px), static_cast<double>(f.v_px)});
-    f.sigma_px = static_cast<float>(kNoise_px);
-    f.scale_px = static_cast<float>(scale_px);
-    f.descriptor = look;
-    if (picture.features->push_back(f)) {
-      picture.spot_of.push_back(spot);
-    }
-  };
+  const auto add =
+      [&](const Eigen::Vector2d& pixel, double scale_px, const Descriptor& look, int spot) {
+        Feature f;
+        f.u_px = static_cast<float>(pixel.x());
+        f.v_px = static_cast<float>(pixel.y());
+        f.normalised = undistort(model, {static_cast<double>(f.u_px), static_cast<double>(f.v_px)});
+        f.sigma_px = static_cast<float>(kNoise_px);
+        f.scale_px = static_cast<float>(scale_px);
+        f.descriptor = look;
+        if (picture.features->push_back(f)) {
+          picture.spot_of.push_back(spot);
+        }
+      };
   for (std::size_t i = 0; i < body.size(); ++i) {
     const Eigen::Vector3d p_C = pose.to_camera(body[i].p_T);
     const double facing = (pose.R_CT * body[i].normal_T).dot(-p_C.normalized());
-    const Eigen::Vector2d pixel = project_px(model, p_C) + noise_px * Eigen::Vector2d(rng->normal(), rng->normal());
-    if (facing > 0.4 && pixel.x() > 0.0 && pixel.y() > 0.0 && pixel.x() < 639.0 && pixel.y() < 479.0) {
-      add(pixel, kSpotSize_mu * model.focal_px() / p_C.z(), another_view(body[i].look, rng), static_cast<int>(i));
+    const Eigen::Vector2d pixel =
+        project_px(model, p_C) + noise_px * Eigen::Vector2d(rng->normal(), rng->normal());
+    if (facing > 0.4 && pixel.x() > 0.0 && pixel.y() > 0.0 && pixel.x() < 639.0 &&
+        pixel.y() < 479.0) {
+      add(pixel,
+          kSpotSize_mu * model.focal_px() / p_C.z(),
+          another_view(body[i].look, rng),
+          static_cast<int>(i));
     }
   }
   for (int i = 0; i < clutter; ++i) {
-    add({640.0 * rng->uniform(), 480.0 * rng->uniform()}, 2.0 + 8.0 * rng->uniform(), random_look(rng), -1);
+    add({640.0 * rng->uniform(), 480.0 * rng->uniform()},
+        2.0 + 8.0 * rng->uniform(),
+        random_look(rng),
+        -1);
   }
   return picture;
 }
@@ -112,9 +129,13 @@ struct SyntheticMap {
   std::vector<LandmarkId> landmark_of;  ///< per spot; invalid where no two keyframes see it
 };
 
-/// Every spot that two pictures see becomes a landmark at its true place, except those from `mapped_spots` on.
-inline SyntheticMap make_map(const std::vector<Spot>& body, const std::vector<Pose>& poses, double noise_px,
-                             std::uint64_t seed, std::size_t mapped_spots = 1000000) {
+/// Every spot that two pictures see becomes a landmark at its true place, except those from
+/// `mapped_spots` on.
+inline SyntheticMap make_map(const std::vector<Spot>& body,
+                             const std::vector<Pose>& poses,
+                             double noise_px,
+                             std::uint64_t seed,
+                             std::size_t mapped_spots = 1000000) {
   Rng rng(seed, 92);
   SyntheticMap s;
   s.landmark_of.resize(body.size());

@@ -27,8 +27,10 @@ double rms_px(const Map& map) {
   for (const Keyframe& keyframe : map.keyframes) {
     for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
       if (keyframe.landmark_of[i].valid()) {
-        const Eigen::Vector3d p_C = keyframe.pose.to_camera(map.landmarks[keyframe.landmark_of[i].index()].p_T);
-        sum += (project_px(camera(), p_C) - project_px(camera(), keyframe.features[i].normalised)).squaredNorm();
+        const Eigen::Vector3d p_C =
+            keyframe.pose.to_camera(map.landmarks[keyframe.landmark_of[i].index()].p_T);
+        sum += (project_px(camera(), p_C) - project_px(camera(), keyframe.features[i].normalised))
+                   .squaredNorm();
         ++count;
       }
     }
@@ -43,11 +45,13 @@ void disturb(std::uint64_t seed, Map* map) {
   }
   for (Keyframe& keyframe : map->keyframes) {
     keyframe.pose.R_CT = so3_exp(0.005 * normal3(&rng)) * keyframe.pose.R_CT;
-    keyframe.pose.p_CT += Eigen::Vector3d(0.01 * rng.normal(), 0.01 * rng.normal(), 0.05 * rng.normal());
+    keyframe.pose.p_CT +=
+        Eigen::Vector3d(0.01 * rng.normal(), 0.01 * rng.normal(), 0.05 * rng.normal());
   }
 }
 
-/// The similarity that takes the landmarks best from where they are to where they were, each weighted by its sightings.
+/// The similarity that takes the landmarks best from where they are to where they were, each
+/// weighted by its sightings.
 Similarity drift(const Map& before, const Map& after) {
   std::vector<Eigen::Vector3d> a;
   std::vector<Eigen::Vector3d> b;
@@ -71,7 +75,8 @@ TEST(SnapshotWindow, MovesTheWindow_AndHoldsAtMostTwiceAsManyOthers) {
   EXPECT_EQ(snapshot.keyframes.size(), snapshot.poses.size());
   EXPECT_EQ(snapshot.landmarks.size(), snapshot.points_T.size());
   EXPECT_EQ(snapshot.points_T.size(), snapshot.point_fixed.size());
-  const auto newest = std::find(snapshot.keyframes.begin(), snapshot.keyframes.end(), s.keyframes.back());
+  const auto newest =
+      std::find(snapshot.keyframes.begin(), snapshot.keyframes.end(), s.keyframes.back());
   ASSERT_NE(newest, snapshot.keyframes.end());
   EXPECT_EQ(snapshot.pose_fixed[static_cast<std::size_t>(newest - snapshot.keyframes.begin())], 0);
 }
@@ -86,7 +91,8 @@ TEST(SnapshotWindow, HoldsAtLeastOneKeyframe_HoweverLargeTheWindow) {
 
 TEST(SnapshotWindow, RefersOnlyToWhatItHolds) {
   const auto s = make_map(ball(300, 23), turn_by(0.1, 12), kNoise_px, 23);
-  for (const AdjustmentSnapshot& snapshot : {snapshot_window(*s.map, camera(), 4), snapshot_all(*s.map, camera())}) {
+  for (const AdjustmentSnapshot& snapshot :
+       {snapshot_window(*s.map, camera(), 4), snapshot_all(*s.map, camera())}) {
     ASSERT_FALSE(snapshot.observations.empty());
     for (const BundleObservation& o : snapshot.observations) {
       const auto k = static_cast<std::size_t>(o.pose);

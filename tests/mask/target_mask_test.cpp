@@ -11,7 +11,8 @@ namespace {
 
 constexpr int kWidth = 200;
 constexpr int kHeight = 120;
-// Cells are at most kCell_px wide, groups grow by two cells, and a group's rim may lie anywhere in its cell.
+// Cells are at most kCell_px wide, groups grow by two cells, and a group's rim may lie anywhere in
+// its cell.
 constexpr int kGrown_px = 3 * TargetMask::kCell_px;
 
 cv::Mat black() {
@@ -34,7 +35,10 @@ TEST(FindTarget, EnclosesABrightBodyClosely) {
   gray(body).setTo(120);
   const TargetMask mask = mask_of(gray);
   EXPECT_TRUE(encloses(mask.region_px, body));
-  const cv::Rect loose(body.x - kGrown_px, body.y - kGrown_px, body.width + 2 * kGrown_px, body.height + 2 * kGrown_px);
+  const cv::Rect loose(body.x - kGrown_px,
+                       body.y - kGrown_px,
+                       body.width + 2 * kGrown_px,
+                       body.height + 2 * kGrown_px);
   EXPECT_TRUE(encloses(loose, mask.region_px));
   EXPECT_GE(mask.coverage, static_cast<double>(body.area()) / (kWidth * kHeight));
   EXPECT_LE(mask.coverage, static_cast<double>(loose.area()) / (kWidth * kHeight));
@@ -93,7 +97,8 @@ TEST(FindTarget, EnclosesAllParts_WhenTheBodyFallsApartInThePicture) {
 }
 
 TEST(FindTarget, StaysInsideThePicture_WhenTheBodyTouchesItsEdge) {
-  for (const cv::Rect& body : {cv::Rect(0, 0, 30, 30), cv::Rect(kWidth - 30, kHeight - 30, 30, 30)}) {
+  for (const cv::Rect& body :
+       {cv::Rect(0, 0, 30, 30), cv::Rect(kWidth - 30, kHeight - 30, 30, 30)}) {
     cv::Mat gray = black();
     gray(body).setTo(150);
     const TargetMask mask = mask_of(gray);
@@ -108,7 +113,8 @@ TEST(FindTarget, FindsNothing_OnBlackAndOnFaintNoise) {
   EXPECT_FALSE(mask_of(gray).contains(50.0, 50.0));
   Rng rng(3, 0);
   for (int i = 0; i < kWidth * kHeight; ++i) {
-    gray.data[i] = static_cast<std::uint8_t>(rng.below(8));  // at most 7 of 255: under the dark level of 0.03
+    gray.data[i] =
+        static_cast<std::uint8_t>(rng.below(8));  // at most 7 of 255: under the dark level of 0.03
   }
   EXPECT_TRUE(mask_of(gray).region_px.empty());
 }
@@ -166,7 +172,9 @@ TEST(TargetMask, DISABLED_ContainsNothingOutsideThePicture) {
   EXPECT_FALSE(mask.contains(50.0, kHeight + 4.0));
 }
 
-TEST(TargetMask, ContainsNothing_BeforeThereWasAPicture) { EXPECT_FALSE(TargetMask{}.contains(0.0, 0.0)); }
+TEST(TargetMask, ContainsNothing_BeforeThereWasAPicture) {
+  EXPECT_FALSE(TargetMask{}.contains(0.0, 0.0));
+}
 
 }  // namespace
 }  // namespace polhode

@@ -27,7 +27,12 @@ using Picture = std::vector<std::uint8_t>;
 
 inline Parameters parameters() {
   Parameters p;
-  p.camera = {.width_px = kWidth, .height_px = kHeight, .fu_px = kFocal_px, .fv_px = kFocal_px, .cu_px = 160.0, .cv_px = 120.0};
+  p.camera = {.width_px = kWidth,
+              .height_px = kHeight,
+              .fu_px = kFocal_px,
+              .fv_px = kFocal_px,
+              .cu_px = 160.0,
+              .cv_px = 120.0};
   return p;
 }
 
@@ -35,26 +40,35 @@ inline Parameters parameters() {
 class Memory {
  public:
   explicit Memory(std::size_t octets)
-      : octets_(octets), data_(static_cast<std::byte*>(::operator new(octets, std::align_val_t{64}))) {
+      : octets_(octets),
+        data_(static_cast<std::byte*>(::operator new (octets, std::align_val_t{64}))) {
     std::fill(data_.get(), data_.get() + octets, std::byte{0xA5});
   }
   [[nodiscard]] std::span<std::byte> view() const { return {data_.get(), octets_}; }
 
  private:
   struct Free {
-    void operator()(std::byte* data) const { ::operator delete(data, std::align_val_t{64}); }
+    void operator()(std::byte* data) const { ::operator delete (data, std::align_val_t{64}); }
   };
   std::size_t octets_;
   std::unique_ptr<std::byte, Free> data_;
 };
 
-inline Frame frame_of(std::int64_t timestamp_ns, const Picture& picture, int width_px = kWidth, int height_px = kHeight) {
+inline Frame frame_of(std::int64_t timestamp_ns,
+                      const Picture& picture,
+                      int width_px = kWidth,
+                      int height_px = kHeight) {
   return {.timestamp_ns = timestamp_ns,
-          .image = {.data = picture.data(), .width_px = width_px, .height_px = height_px, .stride_octets = width_px}};
+          .image = {.data = picture.data(),
+                    .width_px = width_px,
+                    .height_px = height_px,
+                    .stride_octets = width_px}};
 }
 
 /// A frame that the camera could not deliver whole.
-inline Frame unreadable(std::int64_t timestamp_ns) { return {.timestamp_ns = timestamp_ns, .image = {}, .readable = false}; }
+inline Frame unreadable(std::int64_t timestamp_ns) {
+  return {.timestamp_ns = timestamp_ns, .image = {}, .readable = false};
+}
 
 /// A component that was made without trouble.
 struct Bench {
@@ -63,7 +77,9 @@ struct Bench {
     EXPECT_TRUE(made.ok());
     component = made.value();
   }
-  const StepOutput& show(const Picture& picture) { return component->step({.frame = frame_of(++time_s * kSecond_ns, picture)}); }
+  const StepOutput& show(const Picture& picture) {
+    return component->step({.frame = frame_of(++time_s * kSecond_ns, picture)});
+  }
 
   static constexpr std::int64_t kSecond_ns = 1'000'000'000;
   Memory memory;
@@ -71,7 +87,9 @@ struct Bench {
   std::int64_t time_s = 0;
 };
 
-inline Picture uniform(int level) { return Picture(kWidth * kHeight, static_cast<std::uint8_t>(level)); }
+inline Picture uniform(int level) {
+  return Picture(kWidth * kHeight, static_cast<std::uint8_t>(level));
+}
 
 inline Picture noise(std::uint64_t seed) {
   Rng rng(seed, 151);
@@ -88,9 +106,11 @@ class Ball {
   explicit Ball(std::uint64_t seed) {
     Rng rng(seed, 152);
     for (int i = 0; i < 500; ++i) {
-      const Eigen::Vector3d n = Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal()).normalized();
+      const Eigen::Vector3d n =
+          Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal()).normalized();
       const double reach = 0.04 + 0.12 * rng.uniform() * rng.uniform();
-      patches_.push_back({n, std::cos(reach), (rng.uniform() < 0.5 ? -1.0 : 1.0) * (30.0 + 40.0 * rng.uniform())});
+      patches_.push_back(
+          {n, std::cos(reach), (rng.uniform() < 0.5 ? -1.0 : 1.0) * (30.0 + 40.0 * rng.uniform())});
     }
   }
 
@@ -98,12 +118,14 @@ class Ball {
     Picture picture(kWidth * kHeight, 0);
     for (int v = 0; v < kHeight; ++v) {
       for (int u = 0; u < kWidth; ++u) {
-        const Eigen::Vector3d ray = Eigen::Vector3d((u - 160.0) / kFocal_px, (v - 120.0) / kFocal_px, 1.0).normalized();
+        const Eigen::Vector3d ray =
+            Eigen::Vector3d((u - 160.0) / kFocal_px, (v - 120.0) / kFocal_px, 1.0).normalized();
         const double along = ray.dot(pose.p_CT);
         const double under_root = along * along - pose.p_CT.squaredNorm() + 1.0;
         if (under_root > 0.0) {
           const Eigen::Vector3d p_C = (along - std::sqrt(under_root)) * ray;
-          picture[static_cast<std::size_t>(v * kWidth + u)] = level_at(pose.R_CT.transpose() * (p_C - pose.p_CT));
+          picture[static_cast<std::size_t>(v * kWidth + u)] =
+              level_at(pose.R_CT.transpose() * (p_C - pose.p_CT));
         }
       }
     }

@@ -24,7 +24,9 @@ MotionState packet_of(const StepOutput& out) {
   return decoded.value();
 }
 
-int sequence_count(const StepOutput& out) { return ((out.packets[2] & 0x3F) << 8) | out.packets[3]; }
+int sequence_count(const StepOutput& out) {
+  return ((out.packets[2] & 0x3F) << 8) | out.packets[3];
+}
 
 TEST(ComponentCreate, RefusesAParameterOutOfRange_AndNamesIt) {
   Parameters p = parameters();
@@ -86,7 +88,9 @@ void expect_acquiring(const std::vector<Picture>& pictures) {
   EXPECT_EQ(b.component->counters().frames_in, pictures.size());
 }
 
-TEST(Step, DISABLED_StaysAcquiring_OnBlack) { expect_acquiring(std::vector<Picture>(5, uniform(0))); }
+TEST(Step, DISABLED_StaysAcquiring_OnBlack) {
+  expect_acquiring(std::vector<Picture>(5, uniform(0)));
+}
 
 TEST(Step, StaysAcquiring_OnUniformPictures) {
   expect_acquiring(std::vector<Picture>(5, uniform(128)));
@@ -112,7 +116,9 @@ TEST(Step, AnswersAndCountsEachKindOfBadFrame_WithOneInvalidPacket) {
   const Picture good = noise(1);
   const Picture black = uniform(0);
   const Picture small(100, 50);
-  const auto step = [&](const Frame& frame) -> const StepOutput& { return b.component->step({.frame = frame}); };
+  const auto step = [&](const Frame& frame) -> const StepOutput& {
+    return b.component->step({.frame = frame});
+  };
   const auto expect = [&](const Frame& frame, FrameUse use) {
     const StepOutput& out = step(frame);
     EXPECT_EQ(out.use, use);
@@ -140,7 +146,8 @@ TEST(Step, AnswersAndCountsEachKindOfBadFrame_WithOneInvalidPacket) {
 }
 
 TEST(Step, TakesAnyTimeStamp_AsTheFirst) {
-  for (const std::int64_t first : {std::int64_t{0}, std::int64_t{1}, std::int64_t{1'700'000'000'000'000'000}}) {
+  for (const std::int64_t first :
+       {std::int64_t{0}, std::int64_t{1}, std::int64_t{1'700'000'000'000'000'000}}) {
     Bench b;
     const Picture picture = noise(1);
     EXPECT_EQ(b.component->step({.frame = frame_of(first, picture)}).use, FrameUse::kUsed);
@@ -175,7 +182,8 @@ TEST(Step, CountsFramesAndPackets_WithoutAGap) {
   Bench b;
   const Picture picture = uniform(128);
   for (int i = 0; i < 20; ++i) {
-    const StepOutput& out = i % 3 == 1 ? b.component->step({.frame = unreadable(1)}) : b.show(picture);
+    const StepOutput& out =
+        i % 3 == 1 ? b.component->step({.frame = unreadable(1)}) : b.show(picture);
     EXPECT_EQ(sequence_count(out), i);
     EXPECT_EQ(out.motion.frame, static_cast<std::uint32_t>(i));
   }
@@ -194,8 +202,11 @@ TEST(Step, WrapsTheCountOfPackets_After14Bits) {
 TEST(Step, TellsTheEndOfTheStagesThatRan_InTheOrderOfTheFlow) {
   Bench b;
   std::vector<Stage> stages;
-  b.component->set_stage_hook([](void* context, Stage stage) { static_cast<std::vector<Stage>*>(context)->push_back(stage); },
-                              &stages);
+  b.component->set_stage_hook(
+      [](void* context, Stage stage) {
+        static_cast<std::vector<Stage>*>(context)->push_back(stage);
+      },
+      &stages);
   (void)b.show(Ball(1).seen_from({.p_CT = {0.0, 0.0, 8.0}}));
   ASSERT_FALSE(stages.empty());
   EXPECT_EQ(stages.front(), Stage::kImage);
@@ -215,15 +226,17 @@ TEST(Step, TakesPicturesOf16Bits_AsTheirUpperOctets) {
   Bench a;
   Bench b;
   const StepOutput& from_eight = a.show(eight);
-  const StepOutput& from_sixteen =
-      b.component->step({.frame = {.timestamp_ns = Bench::kSecond_ns,
-                                   .image = {.data = reinterpret_cast<const std::uint8_t*>(sixteen.data()),
-                                             .width_px = kWidth,
-                                             .height_px = kHeight,
-                                             .stride_octets = 2 * kWidth,
-                                             .format = PixelFormat::kGray16}}});
+  const StepOutput& from_sixteen = b.component->step(
+      {.frame = {.timestamp_ns = Bench::kSecond_ns,
+                 .image = {.data = reinterpret_cast<const std::uint8_t*>(sixteen.data()),
+                           .width_px = kWidth,
+                           .height_px = kHeight,
+                           .stride_octets = 2 * kWidth,
+                           .format = PixelFormat::kGray16}}});
   EXPECT_GT(from_eight.motion.features, 20);
-  EXPECT_TRUE(std::equal(from_eight.packets.begin(), from_eight.packets.end(), from_sixteen.packets.begin(),
+  EXPECT_TRUE(std::equal(from_eight.packets.begin(),
+                         from_eight.packets.end(),
+                         from_sixteen.packets.begin(),
                          from_sixteen.packets.end()));
 }
 

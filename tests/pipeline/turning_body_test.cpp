@@ -1,4 +1,5 @@
-// The whole flow on rendered pictures of a ball that turns: acquired, followed, lost and found again, the same each time.
+// The whole flow on rendered pictures of a ball that turns: acquired, followed, lost and found
+// again, the same each time.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -62,7 +63,8 @@ const Passage& plain_run() {
   return r;
 }
 
-/// Worst error of the turns against the first posed frame, and of the direction to the body; -1 without two poses.
+/// Worst error of the turns against the first posed frame, and of the direction to the body; -1
+/// without two poses.
 double worst_turn_error_rad(const Passage& r) {
   int first = -1;
   double worst = -1.0;
@@ -71,8 +73,10 @@ double worst_turn_error_rad(const Passage& r) {
     if (m.pose_valid && first < 0) {
       first = i;
     } else if (m.pose_valid) {
-      const Eigen::Matrix3d turn = rotation_of(m) * rotation_of(r.motion[static_cast<std::size_t>(first)]).transpose();
-      worst = std::max(worst, rotation_angle_rad(turn, truth(i).R_CT * truth(first).R_CT.transpose()));
+      const Eigen::Matrix3d turn =
+          rotation_of(m) * rotation_of(r.motion[static_cast<std::size_t>(first)]).transpose();
+      worst =
+          std::max(worst, rotation_angle_rad(turn, truth(i).R_CT * truth(first).R_CT.transpose()));
     }
   }
   return worst;
@@ -101,8 +105,9 @@ TEST(TurningBody, IsAcquired_AndFollowedToTheEnd) {
 }
 
 TEST(TurningBody, HasTheAttitudeOfTheTruth) {
-  // 0.25 px on a ball of 75 px radius is 3 mrad for one point; a hundred of them and the keyframes' joint adjustment leave
-  // a drift of some mrad over the turn. 2 deg tells right from wrong, not good from better.
+  // 0.25 px on a ball of 75 px radius is 3 mrad for one point; a hundred of them and the keyframes'
+  // joint adjustment leave a drift of some mrad over the turn. 2 deg tells right from wrong, not
+  // good from better.
   const double error_rad = worst_turn_error_rad(plain_run());
   EXPECT_GT(error_rad, 0.0);
   EXPECT_LT(error_rad, 0.035);
@@ -111,7 +116,8 @@ TEST(TurningBody, HasTheAttitudeOfTheTruth) {
 TEST(TurningBody, HasTheRateOfTheTruth) {
   const MotionState& last = plain_run().motion.back();
   ASSERT_TRUE(last.rate_valid);
-  const double rate = Eigen::Vector3d(last.w_T_rad_s[0], last.w_T_rad_s[1], last.w_T_rad_s[2]).norm();
+  const double rate =
+      Eigen::Vector3d(last.w_T_rad_s[0], last.w_T_rad_s[1], last.w_T_rad_s[2]).norm();
   EXPECT_NEAR(rate, kStep_rad, 0.1 * kStep_rad);
 }
 
@@ -168,7 +174,9 @@ TEST(TurningBody, IsLost_WhenItIsGone_AndFoundAgain_WhenItReturns) {
   for (int i = 0; i < 16; ++i) {
     (void)b.show(pictures()[static_cast<std::size_t>(i)]);
   }
-  ASSERT_EQ(b.component->step({.frame = frame_of(++b.time_s * Bench::kSecond_ns, pictures()[16])}).motion.mode, Mode::kTracking);
+  ASSERT_EQ(b.component->step({.frame = frame_of(++b.time_s * Bench::kSecond_ns, pictures()[16])})
+                .motion.mode,
+            Mode::kTracking);
   for (std::uint64_t i = 0; i < 3; ++i) {
     const StepOutput& out = b.show(noise(i));
     EXPECT_EQ(out.motion.mode, Mode::kLost);
@@ -178,6 +186,27 @@ TEST(TurningBody, IsLost_WhenItIsGone_AndFoundAgain_WhenItReturns) {
   const StepOutput& back = b.show(pictures()[12]);
   EXPECT_EQ(back.motion.mode, Mode::kTracking);
   EXPECT_TRUE(back.motion.pose_valid);
+}
+
+/// Followed, then nothing but noise, then seen again: the pose has to come from relocalisation.
+std::vector<std::uint8_t> bytes_of_a_loss() {
+  Bench b;
+  std::vector<std::uint8_t> bytes;
+  const auto keep = [&](const StepOutput& out) {
+    bytes.insert(bytes.end(), out.packets.begin(), out.packets.end());
+  };
+  for (std::size_t i = 0; i < 14; ++i) {
+    keep(b.show(pictures()[i]));
+  }
+  keep(b.show(noise(1)));
+  for (const std::size_t i : {4U, 9U, 14U}) {
+    keep(b.show(pictures()[i]));
+  }
+  return bytes;
+}
+
+TEST(TurningBody, GivesTheSameBytes_WhenItWasLost) {
+  EXPECT_EQ(bytes_of_a_loss(), bytes_of_a_loss());
 }
 
 }  // namespace

@@ -25,11 +25,13 @@ struct Scene {
   std::vector<std::uint8_t> inlier;
 };
 
-/// A body of radius 1 some ten radii away, seen at `count` points; the first `outliers` are images of nothing.
+/// A body of radius 1 some ten radii away, seen at `count` points; the first `outliers` are images
+/// of nothing.
 Scene make_scene(std::uint64_t seed, int count, int outliers, double noise_sigmas) {
   Rng rng(seed, 51);
   Scene s;
-  s.truth = {.R_CT = so3_exp(2.0 * normal3(&rng)), .p_CT = {rng.normal(), rng.normal(), 10.0 + rng.uniform()}};
+  s.truth = {.R_CT = so3_exp(2.0 * normal3(&rng)),
+             .p_CT = {rng.normal(), rng.normal(), 10.0 + rng.uniform()}};
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3d p_T = normal3(&rng).normalized() * std::cbrt(rng.uniform());
     Eigen::Vector2d image = s.truth.to_camera(p_T).hnormalized();
@@ -50,7 +52,8 @@ Eigen::Matrix<double, 6, 1> error_of(const Pose& estimate, const Pose& truth) {
   return e;
 }
 
-/// Squared error in units of the published covariance: chi-square with 6 degrees of freedom where that is honest.
+/// Squared error in units of the published covariance: chi-square with 6 degrees of freedom where
+/// that is honest.
 double normalised_error2(const AbsolutePose& estimate, const Pose& truth) {
   const Eigen::Matrix<double, 6, 1> e = error_of(estimate.pose, truth);
   return e.dot(estimate.covariance.ldlt().solve(e));
@@ -61,11 +64,15 @@ TEST(AbsolutePose, IsExact_WhenTheImagesAre) {
     Scene s = make_scene(seed, 40, 0, 0.0);
     const auto found = absolute_pose(s.observations, nullptr, {}, s.inlier);
     ASSERT_TRUE(found.ok()) << seed;
-    // Gauss-Newton ends when a step gains under 1e-6 of the cost; its last step is quadratic, so the error is far below
-    // the 1e-4 rad that the weakest direction has at one sigma.
+    // Gauss-Newton ends when a step gains under 1e-6 of the cost; its last step is quadratic, so
+    // the error is far below the 1e-4 rad that the weakest direction has at one sigma.
     EXPECT_LT(error_of(found.value().pose, s.truth).norm(), 1e-7) << seed;
     EXPECT_EQ(found.value().inliers, 40);
-    EXPECT_NEAR((found.value().pose.R_CT * found.value().pose.R_CT.transpose() - Eigen::Matrix3d::Identity()).norm(), 0.0, 1e-12);
+    EXPECT_NEAR((found.value().pose.R_CT * found.value().pose.R_CT.transpose() -
+                 Eigen::Matrix3d::Identity())
+                    .norm(),
+                0.0,
+                1e-12);
   }
 }
 
@@ -74,7 +81,8 @@ TEST(AbsolutePose, FindsThePose_WhenHalfOfTheMatchesAreOutliers) {
     Scene s = make_scene(seed, 100, 50, 1.0);
     const auto found = absolute_pose(s.observations, nullptr, {.seed = seed}, s.inlier);
     ASSERT_TRUE(found.ok()) << seed;
-    // 99.99 % bound of chi-square with 6 degrees of freedom, and one or two chance inliers among the outliers.
+    // 99.99 % bound of chi-square with 6 degrees of freedom, and one or two chance inliers among
+    // the outliers.
     EXPECT_LT(normalised_error2(found.value(), s.truth), 2.0 * 27.9) << seed;
     int right = 0;
     int wrong = 0;
@@ -82,8 +90,8 @@ TEST(AbsolutePose, FindsThePose_WhenHalfOfTheMatchesAreOutliers) {
       right += s.inlier[i] != 0 && s.outlier[i] == 0 ? 1 : 0;
       wrong += s.inlier[i] != 0 && s.outlier[i] != 0 ? 1 : 0;
     }
-    // 50 good ones: four sigma hold all but 0.03 %. An outlier lies within 4 sigma of its place (2 mrad in a field of
-    // 400 mrad) with a probability of 8e-5.
+    // 50 good ones: four sigma hold all but 0.03 %. An outlier lies within 4 sigma of its place (2
+    // mrad in a field of 400 mrad) with a probability of 8e-5.
     EXPECT_GE(right, 48) << seed;
     EXPECT_LE(wrong, 1) << seed;
   }
@@ -93,7 +101,9 @@ TEST(AbsolutePose, CountsItsInliers) {
   Scene s = make_scene(7, 100, 30, 1.0);
   const auto found = absolute_pose(s.observations, nullptr, {}, s.inlier);
   ASSERT_TRUE(found.ok());
-  EXPECT_NEAR(found.value().inliers, static_cast<double>(std::count(s.inlier.begin(), s.inlier.end(), 1)), 2.0)
+  EXPECT_NEAR(found.value().inliers,
+              static_cast<double>(std::count(s.inlier.begin(), s.inlier.end(), 1)),
+              2.0)
       << "the last round of flags may differ by what lies on the limit";
 }
 
@@ -109,10 +119,11 @@ TEST(AbsolutePose, PublishesAnHonestCovariance) {
     sum += e2;
     beyond += e2 > 12.59 ? 1 : 0;  // 95 % of chi-square with 6 degrees of freedom
   }
-  // Exact covariances give a mean of 6 with a deviation of sqrt(12 / 200) = 0.245. The Cauchy weights (scale 2) have a
-  // mean of 0.72 on normal residuals, the published covariance is the inverse of the weighted information, 1.38 times that
-  // of least squares, while the estimator's own is 1.09 times: so the mean is 6 * 0.79 = 4.7. Between that and 6 is honest;
-  // four deviations on both sides.
+  // Exact covariances give a mean of 6 with a deviation of sqrt(12 / 200) = 0.245. The Cauchy
+  // weights (scale 2) have a mean of 0.72 on normal residuals, the published covariance is the
+  // inverse of the weighted information, 1.38 times that of least squares, while the estimator's
+  // own is 1.09 times: so the mean is 6 * 0.79 = 4.7. Between that and 6 is honest; four deviations
+  // on both sides.
   EXPECT_GT(sum / kSeeds, 4.7 - 4.0 * 0.245);
   EXPECT_LT(sum / kSeeds, 6.0 + 4.0 * 0.245);
   // 5 % of 200 with a deviation of 3.1.
@@ -190,7 +201,8 @@ TEST(RefinePose, UsesOnlyTheFlaggedObservations) {
   for (std::size_t i = 0; i < s.inlier.size(); ++i) {
     s.inlier[i] = s.outlier[i] == 0 ? 1 : 0;
   }
-  const Pose near{.R_CT = so3_exp({0.01, -0.02, 0.01}) * s.truth.R_CT, .p_CT = s.truth.p_CT + Eigen::Vector3d(0.02, 0.01, -0.1)};
+  const Pose near{.R_CT = so3_exp({0.01, -0.02, 0.01}) * s.truth.R_CT,
+                  .p_CT = s.truth.p_CT + Eigen::Vector3d(0.02, 0.01, -0.1)};
   const auto found = refine_pose(s.observations, near, s.inlier);
   ASSERT_TRUE(found.ok());
   EXPECT_LT(error_of(found.value().pose, s.truth).norm(), 1e-7);

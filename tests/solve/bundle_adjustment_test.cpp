@@ -32,14 +32,15 @@ struct Scene {
   }
 };
 
-/// A body of radius 1 ten radii away that turns by 10 deg from pose to pose; the first two poses are held: rotation,
-/// translation and scale have no freedom left.
+/// A body of radius 1 ten radii away that turns by 10 deg from pose to pose; the first two poses
+/// are held: rotation, translation and scale have no freedom left.
 Scene make_scene(int poses, int points, double noise_sigmas, std::uint64_t seed) {
   Rng rng(seed, 81);
   Scene s;
   const Eigen::Vector3d axis = Eigen::Vector3d(0.2, 1.0, -0.1).normalized();
   for (int k = 0; k < poses; ++k) {
-    const Pose pose{.R_CT = so3_exp(0.175 * k * axis), .p_CT = {0.05 * k, -0.02 * k, 10.0 + 0.1 * k}};
+    const Pose pose{.R_CT = so3_exp(0.175 * k * axis),
+                    .p_CT = {0.05 * k, -0.02 * k, 10.0 + 0.1 * k}};
     s.poses.push_back(to_inverse_depth(pose));
     s.pose_fixed.push_back(k < 2 ? 1 : 0);
   }
@@ -50,9 +51,11 @@ Scene make_scene(int poses, int points, double noise_sigmas, std::uint64_t seed)
   for (int k = 0; k < poses; ++k) {
     for (int i = 0; i < points; ++i) {
       Eigen::Vector2d image;
-      EXPECT_TRUE(reproject(s.poses[static_cast<std::size_t>(k)], s.points_T[static_cast<std::size_t>(i)], &image));
+      EXPECT_TRUE(reproject(
+          s.poses[static_cast<std::size_t>(k)], s.points_T[static_cast<std::size_t>(i)], &image));
       image += noise_sigmas * kSigma * Eigen::Vector2d(rng.normal(), rng.normal());
-      s.observations.push_back({.pose = k, .point = i, .normalised = image, .sigma_normalised = kSigma});
+      s.observations.push_back(
+          {.pose = k, .point = i, .normalised = image, .sigma_normalised = kSigma});
     }
   }
   return s;
@@ -64,7 +67,8 @@ Scene disturbed(const Scene& truth, std::uint64_t seed) {
   for (std::size_t k = 0; k < s.poses.size(); ++k) {
     if (s.pose_fixed[k] == 0) {
       s.poses[k].R_CT = so3_exp(0.02 * normal3(&rng)) * s.poses[k].R_CT;
-      s.poses[k].uvs += Eigen::Vector3d(2e-3 * rng.normal(), 2e-3 * rng.normal(), 1e-3 * rng.normal());
+      s.poses[k].uvs +=
+          Eigen::Vector3d(2e-3 * rng.normal(), 2e-3 * rng.normal(), 1e-3 * rng.normal());
     }
   }
   for (std::size_t i = 0; i < s.points_T.size(); ++i) {
@@ -103,8 +107,8 @@ TEST(AdjustBundle, FindsTheScene_WhenItWasDisturbed) {
     const BundleReport report = adjust_bundle(s.problem(), {.iterations_max = 50});
     ASSERT_TRUE(report.usable);
     EXPECT_LT(report.cost_after, 1e-6 * report.cost_before);
-    // Exact images: the last steps are quadratic and end where rounding of the images (1e-16 over the parallax of 0.1)
-    // or a cost of 1e-8 sigma squared is met.
+    // Exact images: the last steps are quadratic and end where rounding of the images (1e-16 over
+    // the parallax of 0.1) or a cost of 1e-8 sigma squared is met.
     EXPECT_LT(worst_error(s, truth), 1e-6) << seed;
   }
 }
@@ -118,8 +122,9 @@ TEST(AdjustBundle, EndsWhereItEndsFromTheTruth_WhenTheImagesAreNoisy) {
   ASSERT_TRUE(a.usable && b.usable);
   EXPECT_LE(a.cost_after, a.cost_before);
   EXPECT_NEAR(b.cost_after, a.cost_after, 1e-3 * a.cost_after);
-  // A point is seen six times with half a milliradian at a distance of 10 and a spread of views of 0.9 rad: some 5 mm in
-  // its worst direction, and the same again from the poses; five sigma of that.
+  // A point is seen six times with half a milliradian at a distance of 10 and a spread of views of
+  // 0.9 rad: some 5 mm in its worst direction, and the same again from the poses; five sigma of
+  // that.
   EXPECT_LT(worst_error(from_afar, truth), 0.05);
 }
 
@@ -132,7 +137,8 @@ TEST(AdjustBundle, DoesNotMoveWhatIsHeld) {
   }
   ASSERT_TRUE(adjust_bundle(s.problem(), {.iterations_max = 10}).usable);
   for (std::size_t k = 0; k < 2; ++k) {
-    EXPECT_LT((s.poses[k].R_CT - truth.poses[k].R_CT).norm(), 1e-14) << "to rounding: held as a quaternion";
+    EXPECT_LT((s.poses[k].R_CT - truth.poses[k].R_CT).norm(), 1e-14)
+        << "to rounding: held as a quaternion";
     EXPECT_EQ(s.poses[k].uvs, truth.poses[k].uvs);
   }
   for (std::size_t i = 0; i < 10; ++i) {
@@ -149,8 +155,8 @@ TEST(AdjustBundle, IsNotPulledAway_ByAFewWrongImages) {
   Scene clean = truth;
   ASSERT_TRUE(adjust_bundle(clean.problem(), {.iterations_max = 50}).usable);
   ASSERT_TRUE(adjust_bundle(s.problem(), {.iterations_max = 50}).usable);
-  // At 50 sigma a Cauchy loss of 2 sigma leaves a pull of c^2 / r = 0.08 sigma: unseen beside five other images of the
-  // point, while least squares would move it by 50 / 6 sigma, some 40 mm.
+  // At 50 sigma a Cauchy loss of 2 sigma leaves a pull of c^2 / r = 0.08 sigma: unseen beside five
+  // other images of the point, while least squares would move it by 50 / 6 sigma, some 40 mm.
   EXPECT_LT(worst_error(s, clean), 0.02);
 }
 

@@ -24,11 +24,15 @@ Octets random_rows(std::size_t rows, Rng* rng) {
 }
 
 /// Rows of `reference`, each a little changed: as another view of the same spot.
-Octets views_of(const Octets& reference, const std::vector<std::size_t>& rows, double sigma, Rng* rng) {
+Octets views_of(const Octets& reference,
+                const std::vector<std::size_t>& rows,
+                double sigma,
+                Rng* rng) {
   Octets octets;
   for (const std::size_t row : rows) {
     for (std::size_t i = 0; i < kRow; ++i) {
-      octets.push_back(static_cast<std::uint8_t>(std::clamp(reference[row * kRow + i] + sigma * rng->normal(), 0.0, 255.0)));
+      octets.push_back(static_cast<std::uint8_t>(
+          std::clamp(reference[row * kRow + i] + sigma * rng->normal(), 0.0, 255.0)));
     }
   }
   return octets;
@@ -37,7 +41,8 @@ Octets views_of(const Octets& reference, const std::vector<std::size_t>& rows, d
 double distance2(const Octets& a, std::size_t row_a, const Octets& b, std::size_t row_b) {
   double sum = 0.0;
   for (std::size_t i = 0; i < kRow; ++i) {
-    sum += std::pow(static_cast<double>(a[row_a * kRow + i]) - static_cast<double>(b[row_b * kRow + i]), 2);
+    sum += std::pow(
+        static_cast<double>(a[row_a * kRow + i]) - static_cast<double>(b[row_b * kRow + i]), 2);
   }
   return sum;
 }
@@ -61,12 +66,15 @@ TEST(NearestDescriptors, FindsTheSpot_OfWhichAQueryIsAnotherView) {
   for (std::size_t q = 0; q < rows.size(); ++q) {
     std::size_t nearest = 0;
     for (std::size_t r = 1; r < 2000; ++r) {
-      nearest = distance2(queries, q, reference, r) < distance2(queries, q, reference, nearest) ? r : nearest;
+      nearest = distance2(queries, q, reference, r) < distance2(queries, q, reference, nearest)
+                    ? r
+                    : nearest;
     }
     ASSERT_EQ(nearest, rows[q]);
     right += found[q].nearest == static_cast<std::int32_t>(nearest) ? 1 : 0;
   }
-  // The search looks at a bounded number of leaves, so some may be missed: relocalisation lives on half of them.
+  // The search looks at a bounded number of leaves, so some may be missed: relocalisation lives on
+  // half of them.
   EXPECT_GE(right, 270);
 }
 
@@ -81,8 +89,10 @@ TEST(NearestDescriptors, ReportsTrueDistances_NearestFirst) {
     EXPECT_NE(found[q].nearest, found[q].second);
     EXPECT_LE(found[q].distance2_nearest, found[q].distance2_second);
     // Sums of squares of octets are whole numbers under 2^24: exact in single precision.
-    EXPECT_EQ(found[q].distance2_nearest, distance2(queries, q, reference, static_cast<std::size_t>(found[q].nearest)));
-    EXPECT_EQ(found[q].distance2_second, distance2(queries, q, reference, static_cast<std::size_t>(found[q].second)));
+    EXPECT_EQ(found[q].distance2_nearest,
+              distance2(queries, q, reference, static_cast<std::size_t>(found[q].nearest)));
+    EXPECT_EQ(found[q].distance2_second,
+              distance2(queries, q, reference, static_cast<std::size_t>(found[q].second)));
   }
 }
 

@@ -38,7 +38,8 @@ Delta minus(const PoseBlock& y, const PoseBlock& x) {
 }
 
 double difference(const PoseBlock& a, const PoseBlock& b) {
-  return (from_block(a).R_CT - from_block(b).R_CT).norm() + (from_block(a).uvs - from_block(b).uvs).norm();
+  return (from_block(a).R_CT - from_block(b).R_CT).norm() +
+         (from_block(a).uvs - from_block(b).uvs).norm();
 }
 
 TEST(PoseBlock, ComesBackAsThePoseThatItWasMadeOf) {
@@ -91,13 +92,18 @@ struct Evaluation {
   Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
 };
 
-bool evaluate(const ReprojectionCost& cost, const PoseBlock& pose, const Eigen::Vector3d& point, Evaluation* out) {
+bool evaluate(const ReprojectionCost& cost,
+              const PoseBlock& pose,
+              const Eigen::Vector3d& point,
+              Evaluation* out) {
   const double* parameters[2] = {pose.data(), point.data()};
   double* jacobians[2] = {out->by_block.data(), out->by_point.data()};
   return cost.Evaluate(parameters, out->residual.data(), jacobians);
 }
 
-Eigen::Vector2d residual(const ReprojectionCost& cost, const PoseBlock& pose, const Eigen::Vector3d& point) {
+Eigen::Vector2d residual(const ReprojectionCost& cost,
+                         const PoseBlock& pose,
+                         const Eigen::Vector3d& point) {
   Eigen::Vector2d r;
   const double* parameters[2] = {pose.data(), point.data()};
   EXPECT_TRUE(cost.Evaluate(parameters, r.data(), nullptr));
@@ -135,17 +141,20 @@ TEST(ReprojectionCost, HasTheNumericDerivatives) {
     Eigen::Matrix<double, kPoseBlockSize, 6, Eigen::RowMajor> lift;
     ASSERT_TRUE(PoseManifold().PlusJacobian(pose.data(), lift.data()));
     const Eigen::Matrix<double, 2, 6> by_tangent = at.by_block * lift;
-    // Central differences with step h err by h^2 / 6 of the third derivative (order 1) and by 1e-16 / h: 1e-10 at 1e-5.
+    // Central differences with step h err by h^2 / 6 of the third derivative (order 1) and by 1e-16
+    // / h: 1e-10 at 1e-5.
     constexpr double kStep = 1e-5;
     for (int k = 0; k < 6; ++k) {
       const Delta step = kStep * Delta::Unit(k);
       const Eigen::Vector2d numeric =
-          (residual(cost, plus(pose, step), point) - residual(cost, plus(pose, -step), point)) / (2.0 * kStep);
+          (residual(cost, plus(pose, step), point) - residual(cost, plus(pose, -step), point)) /
+          (2.0 * kStep);
       EXPECT_LT((numeric - by_tangent.col(k)).norm(), 1e-8) << "pose " << k;
     }
     for (int k = 0; k < 3; ++k) {
       const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(k);
-      const Eigen::Vector2d numeric = (residual(cost, pose, point + step) - residual(cost, pose, point - step)) / (2.0 * kStep);
+      const Eigen::Vector2d numeric =
+          (residual(cost, pose, point + step) - residual(cost, pose, point - step)) / (2.0 * kStep);
       EXPECT_LT((numeric - at.by_point.col(k)).norm(), 1e-8) << "point " << k;
     }
   }

@@ -29,14 +29,17 @@ cv::Mat texture(std::uint64_t seed, double shift_u_px, double shift_v_px) {
   for (int i = 0; i < 40; ++i) {
     const double frequency = 2.0 * std::numbers::pi / (8.0 * std::pow(7.5, rng.uniform()));
     const double direction = 2.0 * std::numbers::pi * rng.uniform();
-    waves.push_back({frequency * std::cos(direction), frequency * std::sin(direction), 2.0 * std::numbers::pi * rng.uniform()});
+    waves.push_back({frequency * std::cos(direction),
+                     frequency * std::sin(direction),
+                     2.0 * std::numbers::pi * rng.uniform()});
   }
   cv::Mat gray(kHeight, kWidth, CV_8UC1);
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
       double sum = 0.0;
       for (const Wave& w : waves) {
-        sum += std::cos(w.fu_rad_px * (u - shift_u_px) + w.fv_rad_px * (v - shift_v_px) + w.phase_rad);
+        sum +=
+            std::cos(w.fu_rad_px * (u - shift_u_px) + w.fv_rad_px * (v - shift_v_px) + w.phase_rad);
       }
       gray.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(128.0 + 12.0 * sum);
     }
@@ -54,7 +57,8 @@ std::vector<FlowPoint> grid_of_points() {
   std::vector<FlowPoint> points;
   for (int v = 50; v <= kHeight - 50; v += 20) {
     for (int u = 50; u <= kWidth - 50; u += 20) {
-      points.push_back({.u_px = static_cast<float>(u) + 0.3F, .v_px = static_cast<float>(v) - 0.2F});
+      points.push_back(
+          {.u_px = static_cast<float>(u) + 0.3F, .v_px = static_cast<float>(v) - 0.2F});
     }
   }
   return points;
@@ -72,7 +76,8 @@ void expect_followed(double shift_u_px, double shift_v_px, double guess_error_px
   follow_points(before, now, from, {}, to);
   for (std::size_t i = 0; i < from.size(); ++i) {
     EXPECT_TRUE(to[i].followed) << i;
-    // Rounding to 256 levels with a contrast near 50 over 21 x 21 px leaves about 1e-3 px; the step rule stops at 0.01.
+    // Rounding to 256 levels with a contrast near 50 over 21 x 21 px leaves about 1e-3 px; the step
+    // rule stops at 0.01.
     EXPECT_NEAR(static_cast<double>(to[i].u_px - from[i].u_px), shift_u_px, 0.05) << i;
     EXPECT_NEAR(static_cast<double>(to[i].v_px - from[i].v_px), shift_v_px, 0.05) << i;
   }
@@ -104,8 +109,9 @@ TEST(FollowPoints, SurvivesAChangeOfBrightnessOfSomePercent) {
   for (std::size_t i = 0; i < from.size(); ++i) {
     followed += to[i].followed ? 1 : 0;
     if (to[i].followed) {
-      // A constant offset b of the patch biases the step by b times the mean gradient over the mean squared gradient:
-      // some tenths of a pixel for 2 to 5 levels against gradients of about 10 levels a pixel.
+      // A constant offset b of the patch biases the step by b times the mean gradient over the mean
+      // squared gradient: some tenths of a pixel for 2 to 5 levels against gradients of about 10
+      // levels a pixel.
       EXPECT_NEAR(static_cast<double>(to[i].u_px - from[i].u_px), 2.5, 0.3);
     }
   }
@@ -116,7 +122,8 @@ TEST(FollowPoints, LosesMostPoints_WhenThePicturesHaveNothingInCommon) {
   const std::vector<FlowPoint> from = grid_of_points();
   std::vector<FlowPoint> to = from;
   follow_points(pyramid_of(texture(1, 0.0, 0.0)), pyramid_of(texture(2, 0.0, 0.0)), from, {}, to);
-  const auto followed = std::count_if(to.begin(), to.end(), [](const FlowPoint& p) { return p.followed; });
+  const auto followed =
+      std::count_if(to.begin(), to.end(), [](const FlowPoint& p) { return p.followed; });
   EXPECT_LE(followed, static_cast<std::ptrdiff_t>(from.size() / 5));
 }
 

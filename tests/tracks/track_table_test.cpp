@@ -18,7 +18,8 @@ Descriptor look_of(int spot) {
   Rng rng(41, static_cast<std::uint64_t>(spot));
   Descriptor d;
   for (std::uint8_t& octet : d) {
-    octet = static_cast<std::uint8_t>(rng.below(2) * 90);  // norm near 720, two spots near 720 apart
+    octet =
+        static_cast<std::uint8_t>(rng.below(2) * 90);  // norm near 720, two spots near 720 apart
   }
   return d;
 }
@@ -39,7 +40,8 @@ struct Fixture {
       f.descriptor = look_of(spot);
       ASSERT_TRUE(features->push_back(f));
     }
-    add_frame(next_frame, 1000 * static_cast<std::int64_t>(next_frame), *features, 0.8, table.get());
+    add_frame(
+        next_frame, 1000 * static_cast<std::int64_t>(next_frame), *features, 0.8, table.get());
     ++next_frame;
   }
 
@@ -48,7 +50,8 @@ struct Fixture {
     return static_cast<int>(collected.features[static_cast<std::size_t>(point.feature)].scale_px);
   }
 
-  /// What holds at any time: ascending frames, one spot a track, and track_of as the tracks' inverse.
+  /// What holds at any time: ascending frames, one spot a track, and track_of as the tracks'
+  /// inverse.
   void expect_consistent() const {
     std::map<std::pair<int, int>, int> owner;
     for (std::size_t t = 0; t < table->tracks.size(); ++t) {
@@ -61,7 +64,8 @@ struct Fixture {
           ASSERT_GT(track.points[i].frame, track.points[i - 1].frame);
         }
         ASSERT_EQ(spot_of(track.points[i]), spot_of(track.points[0]));
-        const auto inserted = owner.emplace(std::pair{track.points[i].frame, track.points[i].feature}, static_cast<int>(t));
+        const auto inserted = owner.emplace(
+            std::pair{track.points[i].frame, track.points[i].feature}, static_cast<int>(t));
         ASSERT_TRUE(inserted.second) << "one feature in two tracks";
       }
     }
@@ -201,7 +205,8 @@ TEST(TrackTable, StaysConsistent_UnderRandomSightings) {
 
 TEST(TrackTable, CountsTracksThatFindNoPlace_WhenItIsFull) {
   Fixture f;
-  // New spots in each pair of frames; the third frame of each trio shares nothing, so that the tracks end.
+  // New spots in each pair of frames; the third frame of each trio shares nothing, so that the
+  // tracks end.
   constexpr int kSpots = 400;
   int made = 0;
   for (int pair = 0; made <= static_cast<int>(limits::kStartTracks); ++pair, made += kSpots) {
