@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/so3.hpp"
 #include "map/keyframes.hpp"
 #include "pipeline/mapping.hpp"
 #include "pipeline/picture.hpp"
@@ -12,28 +13,63 @@ namespace {
 
 int last_inliers(const Component::State& s) { return static_cast<int>(s.reference.points.size()); }
 
-/// By optical flow, when the prediction says that the picture moves little.
-bool try_flow(const Pose& predicted, Component::State* s) {
+/// Does the pose agree with the motion so far? The rate of a torque-free body changes by at most |w|^2 a second (Euler's
+/// equation with the inertia's triangle inequality), so over a step that turns it by a the prediction is off by at most
+/// a^2, beyond its own error and the pose's. Both of those are known to be optimistic: a degree is allowed on top.
+bool plausible(const PosePrediction& predicted, const Component::State& s) {
+  constexpr std::size_t kPosesMin = 3;  // two give a rate without a check
+  if (predicted.rotation_poses < kPosesMin) {
+    return true;
+  }
+  constexpr double kAllowance_rad = 0.0175;
+  const AbsolutePose& found = s.localised.absolute;
+  const double step_rad = rotation_angle_rad(s.poses.back().pose.R_CT, predicted.pose.R_CT);
+  const double sigma_rad = std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
+                                     found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
+  return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) <
+         step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad;
+}
+
+/// By optical flow, when the prediction says that the picture moves little and that the frame will not be a keyframe,
+/// which needs features anyway. Edges slide along themselves and glints stay where they are while the body turns: what
+/// flow finds must agree with the motion so far.
+bool try_flow(const PosePrediction& predicted, Component::State* s) {
   if (!s->reference.valid ||
-      predicted_motion_px(s->reference, predicted, s->map, s->camera) > s->parameters.tracks.small_motion_max_px) {
+      rotation_angle_rad(s->reference.pose.R_CT, predicted.pose.R_CT) > s->parameters.map.keyframe_rotation_min_rad ||
+      predicted_motion_px(s->reference, predicted.pose, s->map, s->camera) > s->parameters.tracks.small_motion_max_px) {
     return false;
   }
   const Result<bool> done = localise_by_flow(localise_input(*s), s->reference, s->pyramid, s->parameters.tracks,
-                                             predicted, &s->localise_scratch, &s->localised);
-  return done.ok() && 2 * s->localised.absolute.inliers >= last_inliers(*s);
+                                             predicted.pose, &s->localise_scratch, &s->localised);
+  return done.ok() && 2 * s->localised.absolute.inliers >= last_inliers(*s) && plausible(predicted, *s);
+}
+
+/// A mismatch within the smallest circle (4 px) falls within 4 sigma (1 px) of its landmark by chance one time in 16. Twice
+/// that many inliers are beyond chance; how many landmarks should be seen says less, since a map holds more of them than a
+/// single frame has features.
+bool agrees(const LocalisedFrame& localised, int inliers_min) {
+  return localised.absolute.inliers >= inliers_min + static_cast<int>(localised.matches.size()) / 8;
+}
+
+/// So many inliers that the pose stands by itself, whatever the motion so far says.
+bool certain(const LocalisedFrame& localised) {
+  constexpr int kInliersMin = 30;
+  return localised.absolute.inliers >= kInliersMin &&
+         2 * localised.absolute.inliers >= static_cast<int>(localised.matches.size());
 }
 
 /// By descriptors about the predicted pose, in a circle that grows when too few agree.
-bool try_guided(const Pose& predicted, Component::State* s) {
+bool try_guided(const PosePrediction& predicted, Component::State* s) {
   ensure_features(s);
-  const double body_px = s->map.radius_mu * s->camera.focal_px() / predicted.p_CT.z();
+  const double body_px = s->map.radius_mu * s->camera.focal_px() / predicted.pose.p_CT.z();
   // The rotation of one frame to the next is predicted to about a tenth; three circles bracket what that leaves.
   const double first_px = std::max(s->parameters.localise.search_floor_px, 0.04 * body_px);
   double radius_px = first_px;
   for (int i = 0; i < 3; ++i, radius_px *= 3.0) {
     const Result<bool> done =
-        localise_guided(localise_input(*s), predicted, radius_px, &s->localise_scratch, &s->localised);
-    if (done && 4 * s->localised.absolute.inliers >= s->localised.predicted) {
+        localise_guided(localise_input(*s), predicted.pose, radius_px, &s->localise_scratch, &s->localised);
+    if (done && (certain(s->localised) ||
+                 (agrees(s->localised, s->parameters.localise.inliers_min) && plausible(predicted, *s)))) {
       return true;
     }
   }
@@ -110,11 +146,8 @@ LocaliseInput localise_input(const Component::State& s) {
 
 bool relocalise_frame(Component::State* s) {
   ensure_features(s);
-  // A wrong pose would poison the map: more is asked than of a predicted one.
-  constexpr int kInliersMin = 30;
   const Result<bool> done = relocalise(localise_input(*s), &s->localise_scratch, &s->localised);
-  return done && s->localised.absolute.inliers >= kInliersMin &&
-         2 * s->localised.absolute.inliers >= static_cast<int>(s->localised.matches.size());
+  return done && certain(s->localised);
 }
 
 bool predict_pose(const Component::State& s, PosePrediction* predicted) {
@@ -133,7 +166,7 @@ bool predict_pose(const Component::State& s, PosePrediction* predicted) {
 void track(Component::State* s) {
   PosePrediction predicted;
   const bool has_prediction = predict_pose(*s, &predicted);
-  const bool found = has_prediction && (try_flow(predicted.pose, s) || try_guided(predicted.pose, s));
+  const bool found = has_prediction && (try_flow(predicted, s) || try_guided(predicted, s));
   const bool everywhere = !found && relocalise_frame(s);
   if (!found && !everywhere) {
     lose(s);
