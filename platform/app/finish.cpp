@@ -109,7 +109,8 @@ std::vector<Eigen::Vector3d> in_body(const BodyFrame& body, std::span<const Eige
 void write_clouds(const FoundShape& found, const std::vector<Eigen::Vector3d>& points_T, const fs::path& folder) {
   write_ply(folder / "cloud_raw.ply",
             {.points = in_body(found.body, points_T), .normals = {}, .rgb = {}, .comment = "landmarks, body frame"});
-  if (!found.shape) {
+  if (!found.shape) {  // an empty cloud, so that readers find every file of the table
+    write_ply(folder / "cloud.ply", {.points = {}, .normals = {}, .rgb = {}, .comment = "nothing found"});
     return;
   }
   const Cloud& cloud = found.work->cloud;

@@ -9,6 +9,7 @@
 
 namespace polhode::platform {
 
+/// The file is in the frame of the run's other final files: origin in the shape's centroid, axes along the body's.
 /// Lengths of the shape are in map units until `metres_per_mu` is known; the file is in metres
 /// then.
 struct ShapeReport {

@@ -35,7 +35,21 @@ TEST(ShapeJson, TellsWhatWasFound_InTheUnitThatIsKnown) {
   EXPECT_EQ(json["shape"]["planes"][0]["inliers"], 40);
   EXPECT_EQ(json["shape"]["cylinder"]["radius"], 0.3);
   EXPECT_TRUE(json["shape"]["box"].is_null());
-  EXPECT_EQ(json["shape"]["axes"]["z_T"], nlohmann::json({0.0, 0.0, 1.0}));
+  EXPECT_EQ(json["shape"]["axes"]["z"], nlohmann::json({0.0, 0.0, 1.0}));
+}
+
+TEST(ShapeJson, IsInTheBodysOwnFrame) {
+  Shape shape;
+  shape.frame.R_TB.col(0) = Eigen::Vector3d::UnitY();  // the body's x axis is the landmarks' y
+  shape.frame.R_TB.col(1) = -Eigen::Vector3d::UnitX();
+  shape.centroid_T = {1.0, 2.0, 3.0};
+  // A plane through (1, 2.5, 3), half a unit from the centroid along the body's x.
+  ASSERT_TRUE(shape.planes.push_back(
+      Plane{.normal_T = Eigen::Vector3d::UnitY(), .offset = 2.5, .centre_T = {1.0, 2.5, 3.0}}));
+  const nlohmann::json plane = written({.shape = &shape, .reason = {}})["shape"]["planes"][0];
+  EXPECT_EQ(plane["normal_T"], nlohmann::json({1.0, 0.0, 0.0}));
+  EXPECT_EQ(plane["offset"], 0.5);
+  EXPECT_EQ(plane["centre_T"], nlohmann::json({0.5, 0.0, 0.0}));
 }
 
 TEST(ShapeJson, WithoutAShape_SaysWhy) {
