@@ -18,13 +18,16 @@ struct Resampled {
   double factor_v = 1.0;
 };
 
-/// A small region is enlarged: its finest texture lies under the detector's smallest blob, and at twice the size three
-/// times as many spots repeat from frame to frame, at the same accuracy. More than twice brings interpolation, not texture.
+/// A small region is enlarged: its finest texture lies under the detector's smallest blob, and at
+/// twice the size three times as many spots repeat from frame to frame, at the same accuracy. More
+/// than twice brings interpolation, not texture.
 Resampled resample(const cv::Mat& region, int pixels_max) {
   constexpr double kEnlargeMax = 2.0;
   const double factor =
-      std::min(kEnlargeMax, std::sqrt(static_cast<double>(pixels_max) / static_cast<double>(region.total())));
-  const cv::Size size(static_cast<int>(region.cols * factor), static_cast<int>(region.rows * factor));
+      std::min(kEnlargeMax,
+               std::sqrt(static_cast<double>(pixels_max) / static_cast<double>(region.total())));
+  const cv::Size size(static_cast<int>(region.cols * factor),
+                      static_cast<int>(region.rows * factor));
   Resampled r;
   cv::resize(region, r.image, size, 0.0, 0.0, factor > 1.0 ? cv::INTER_CUBIC : cv::INTER_AREA);
   r.factor_u = static_cast<double>(size.width) / region.cols;
@@ -32,8 +35,11 @@ Resampled resample(const cv::Mat& region, int pixels_max) {
   return r;
 }
 
-/// Strongest first, one after the other from each cell of a grid, so that no bright corner takes all places.
-std::vector<cv::KeyPoint> spread(std::vector<cv::KeyPoint> points, const cv::Size& size, std::size_t count) {
+/// Strongest first, one after the other from each cell of a grid, so that no bright corner takes
+/// all places.
+std::vector<cv::KeyPoint> spread(std::vector<cv::KeyPoint> points,
+                                 const cv::Size& size,
+                                 std::size_t count) {
   constexpr int kGrid = 8;
   std::stable_sort(points.begin(), points.end(), [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
     return a.response != b.response ? a.response > b.response
@@ -42,13 +48,16 @@ std::vector<cv::KeyPoint> spread(std::vector<cv::KeyPoint> points, const cv::Siz
   std::array<int, kGrid * kGrid> taken{};
   std::vector<int> rank(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const int column = std::clamp(static_cast<int>(points[i].pt.x * kGrid / static_cast<float>(size.width)), 0, kGrid - 1);
-    const int row = std::clamp(static_cast<int>(points[i].pt.y * kGrid / static_cast<float>(size.height)), 0, kGrid - 1);
+    const int column = std::clamp(
+        static_cast<int>(points[i].pt.x * kGrid / static_cast<float>(size.width)), 0, kGrid - 1);
+    const int row = std::clamp(
+        static_cast<int>(points[i].pt.y * kGrid / static_cast<float>(size.height)), 0, kGrid - 1);
     rank[i] = taken[static_cast<std::size_t>(row * kGrid + column)]++;
   }
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank[a] < rank[b]; });
+  std::stable_sort(
+      order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank[a] < rank[b]; });
   std::vector<cv::KeyPoint> chosen;
   for (std::size_t i = 0; i < std::min(count, order.size()); ++i) {
     chosen.push_back(points[order[i]]);
@@ -69,9 +78,12 @@ Descriptor to_root_sift(const float* row) {
   return d;
 }
 
-Feature to_feature(const cv::KeyPoint& point, const cv::Rect& region, const Resampled& working, double sigma_px) {
-  // OpenCV's SIFT doubles the image by bilinear resize, whose pixel (2x, 2y) is centred a quarter pixel short of (x, y),
-  // and halves the coordinates without giving that back.
+Feature to_feature(const cv::KeyPoint& point,
+                   const cv::Rect& region,
+                   const Resampled& working,
+                   double sigma_px) {
+  // OpenCV's SIFT doubles the image by bilinear resize, whose pixel (2x, 2y) is centred a quarter
+  // pixel short of (x, y), and halves the coordinates without giving that back.
   constexpr double kDoublingShift_px = 0.25;
   Feature f;
   const double x = static_cast<double>(point.pt.x) - kDoublingShift_px;
@@ -80,7 +92,8 @@ Feature to_feature(const cv::KeyPoint& point, const cv::Rect& region, const Resa
   f.v_px = static_cast<float>((y + 0.5) / working.factor_v - 0.5 + region.y);
   f.scale_px = static_cast<float>(0.5 * static_cast<double>(point.size) / working.factor_u);
   f.angle_rad = point.angle * std::numbers::pi_v<float> / 180.0F;
-  // A blob's position is uncertain in proportion to its size; the finest ones (radius 1.6 px) are held by pixel noise.
+  // A blob's position is uncertain in proportion to its size; the finest ones (radius 1.6 px) are
+  // held by pixel noise.
   const double coarseness = std::max(1.0, static_cast<double>(f.scale_px) / 2.0);
   f.sigma_px = static_cast<float>(sigma_px * std::sqrt(coarseness));
   return f;
@@ -103,15 +116,16 @@ void detect_features(const cv::Mat& gray,
   constexpr int kOctaveLayers = 3;
   constexpr double kEdgeThreshold = 10.0;
   constexpr double kSigma = 1.6;
-  const cv::Ptr<cv::SIFT> sift =
-      cv::SIFT::create(0, kOctaveLayers, options.contrast_min * kOctaveLayers, kEdgeThreshold, kSigma);
+  const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(
+      0, kOctaveLayers, options.contrast_min * kOctaveLayers, kEdgeThreshold, kSigma);
   std::vector<cv::KeyPoint> points;
   sift->detect(working.image, points);
   std::erase_if(points, [&](const cv::KeyPoint& p) {
     return !mask.contains(static_cast<double>(p.pt.x) / working.factor_u + region.x,
                           static_cast<double>(p.pt.y) / working.factor_v + region.y);
   });
-  points = spread(std::move(points), working.image.size(), static_cast<std::size_t>(options.count_max));
+  points =
+      spread(std::move(points), working.image.size(), static_cast<std::size_t>(options.count_max));
   cv::Mat rows;
   sift->compute(working.image, points, rows);
   for (std::size_t i = 0; i < points.size(); ++i) {

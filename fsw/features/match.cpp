@@ -30,7 +30,8 @@ Best best_of(const Feature& wanted, std::span<const Feature> among) {
       }
       best.nearest2 = d2;
       best.index = static_cast<std::int32_t>(j);
-    } else if (d2 < best.rival2 && !same_place(among[j], among[static_cast<std::size_t>(best.index)])) {
+    } else if (d2 < best.rival2 &&
+               !same_place(among[j], among[static_cast<std::size_t>(best.index)])) {
       best.rival2 = d2;
     }
   }
@@ -58,7 +59,8 @@ void FeatureGrid::build(std::span<const Feature> features, int width_px, int hei
   height_px_ = height_px;
   first_.fill(0);
   const auto cell = [&](const Feature& f) {
-    return static_cast<std::size_t>(cell_of(f.v_px, height_px_) * kCells + cell_of(f.u_px, width_px_));
+    return static_cast<std::size_t>(cell_of(f.v_px, height_px_) * kCells +
+                                    cell_of(f.u_px, width_px_));
   };
   for (const Feature& f : features) {
     ++first_[cell(f) + 1];
@@ -66,21 +68,26 @@ void FeatureGrid::build(std::span<const Feature> features, int width_px, int hei
   for (std::size_t c = 1; c < first_.size(); ++c) {
     first_[c] += first_[c - 1];
   }
-  std::array<std::int32_t, kCells * kCells + 1> next = first_;
+  std::array<std::int32_t, kCells* kCells + 1> next = first_;
   for (std::size_t i = 0; i < features.size(); ++i) {
     order_[static_cast<std::size_t>(next[cell(features[i])]++)] = static_cast<std::int32_t>(i);
   }
 }
 
-std::size_t FeatureGrid::find(std::span<const Feature> features, double u_px, double v_px, double radius_px,
+std::size_t FeatureGrid::find(std::span<const Feature> features,
+                              double u_px,
+                              double v_px,
+                              double radius_px,
                               std::span<std::int32_t> out) const {
   std::size_t found = 0;
   const int row_last = cell_of(v_px + radius_px, height_px_);
   const int column_first = cell_of(u_px - radius_px, width_px_);
   const int column_last = cell_of(u_px + radius_px, width_px_);
   for (int row = cell_of(v_px - radius_px, height_px_); row <= row_last; ++row) {
-    const auto begin = static_cast<std::size_t>(first_[static_cast<std::size_t>(row * kCells + column_first)]);
-    const auto end = static_cast<std::size_t>(first_[static_cast<std::size_t>(row * kCells + column_last + 1)]);
+    const auto begin =
+        static_cast<std::size_t>(first_[static_cast<std::size_t>(row * kCells + column_first)]);
+    const auto end =
+        static_cast<std::size_t>(first_[static_cast<std::size_t>(row * kCells + column_last + 1)]);
     for (std::size_t k = begin; k < end && found < out.size(); ++k) {
       const Feature& f = features[static_cast<std::size_t>(order_[k])];
       const double du = static_cast<double>(f.u_px) - u_px;
@@ -93,7 +100,10 @@ std::size_t FeatureGrid::find(std::span<const Feature> features, double u_px, do
   return found;
 }
 
-void match_mutual(std::span<const Feature> a, std::span<const Feature> b, double ratio_max, FeatureMatches* matches) {
+void match_mutual(std::span<const Feature> a,
+                  std::span<const Feature> b,
+                  double ratio_max,
+                  FeatureMatches* matches) {
   matches->clear();
   if (a.empty() || b.empty()) {
     return;
@@ -105,9 +115,11 @@ void match_mutual(std::span<const Feature> a, std::span<const Feature> b, double
       continue;
     }
     const Best back = best_of(b[static_cast<std::size_t>(forward.index)], a);
-    const bool mutual = back.index >= 0 && same_place(a[static_cast<std::size_t>(back.index)], a[i]);
+    const bool mutual =
+        back.index >= 0 && same_place(a[static_cast<std::size_t>(back.index)], a[i]);
     if (mutual && back.nearest2 <= ratio2 * back.rival2) {
-      (void)matches->push_back({.a = static_cast<std::int32_t>(i), .b = forward.index, .distance2 = forward.nearest2});
+      (void)matches->push_back(
+          {.a = static_cast<std::int32_t>(i), .b = forward.index, .distance2 = forward.nearest2});
     }
   }
 }

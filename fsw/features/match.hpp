@@ -12,8 +12,9 @@ namespace polhode {
 /// Squared Euclidean distance.
 int distance2(const Descriptor& a, const Descriptor& b);
 
-// RootSIFT octets have norm 512. Two views of one spot under 30 deg differ by about 200 (squared 40 000); unrelated
-// textures by 500 to 600. What lies beyond 380 is not worth a second look even within a gate.
+// RootSIFT octets have norm 512. Two views of one spot under 30 deg differ by about 200 (squared 40
+// 000); unrelated textures by 500 to 600. What lies beyond 380 is not worth a second look even
+// within a gate.
 inline constexpr int kDistance2Max = 380 * 380;
 
 /// Features binned into square cells for look-up by place.
@@ -21,8 +22,12 @@ class FeatureGrid {
  public:
   void build(std::span<const Feature> features, int width_px, int height_px);
 
-  /// Indices of the features within `radius_px` of a pixel, at most as many as `out` holds, in index order by cell.
-  std::size_t find(std::span<const Feature> features, double u_px, double v_px, double radius_px,
+  /// Indices of the features within `radius_px` of a pixel, at most as many as `out` holds, in
+  /// index order by cell.
+  std::size_t find(std::span<const Feature> features,
+                   double u_px,
+                   double v_px,
+                   double radius_px,
                    std::span<std::int32_t> out) const;
 
  private:
@@ -43,8 +48,11 @@ struct FeatureMatch {
 
 using FeatureMatches = FixedVector<FeatureMatch, limits::kFeatures>;
 
-/// Matches that are each other's best and whose best beats the second best (at another place, over 2 px away) by the
-/// ratio. Exhaustive.
-void match_mutual(std::span<const Feature> a, std::span<const Feature> b, double ratio_max, FeatureMatches* matches);
+/// Matches that are each other's best and whose best beats the second best (at another place, over
+/// 2 px away) by the ratio. Exhaustive.
+void match_mutual(std::span<const Feature> a,
+                  std::span<const Feature> b,
+                  double ratio_max,
+                  FeatureMatches* matches);
 
 }  // namespace polhode

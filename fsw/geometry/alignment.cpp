@@ -8,7 +8,8 @@ namespace polhode {
 Result<Similarity> align_similarity(std::span<const Eigen::Vector3d> points_a,
                                     std::span<const Eigen::Vector3d> points_b,
                                     std::span<const double> weights) {
-  POLHODE_ASSERT(points_a.size() == points_b.size() && points_a.size() == weights.size(), points_a.size());
+  POLHODE_ASSERT(points_a.size() == points_b.size() && points_a.size() == weights.size(),
+                 points_a.size());
   if (points_a.size() < 3) {
     return ErrorCode::kTooFewObservations;
   }

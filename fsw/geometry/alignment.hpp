@@ -14,7 +14,9 @@ struct Similarity {
   Eigen::Matrix3d R_ba = Eigen::Matrix3d::Identity();
   Eigen::Vector3d t_ba = Eigen::Vector3d::Zero();
 
-  [[nodiscard]] Eigen::Vector3d apply(const Eigen::Vector3d& p_a) const { return scale * (R_ba * p_a) + t_ba; }
+  [[nodiscard]] Eigen::Vector3d apply(const Eigen::Vector3d& p_a) const {
+    return scale * (R_ba * p_a) + t_ba;
+  }
 };
 
 /// Least-squares similarity with weights >= 0 (Umeyama, PAMI 1991).

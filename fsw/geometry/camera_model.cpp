@@ -43,7 +43,8 @@ Eigen::Vector2d project_px(const CameraModel& camera, const Eigen::Vector3d& p_C
 }
 
 Eigen::Vector2d undistort(const CameraModel& camera, const Eigen::Vector2d& pixel) {
-  const Eigen::Vector2d target((pixel.x() - camera.cu_px) / camera.fu_px, (pixel.y() - camera.cv_px) / camera.fv_px);
+  const Eigen::Vector2d target((pixel.x() - camera.cu_px) / camera.fu_px,
+                               (pixel.y() - camera.cv_px) / camera.fv_px);
   constexpr int kIterations_max = 20;
   Eigen::Vector2d n = target;
   for (int i = 0; i < kIterations_max; ++i) {

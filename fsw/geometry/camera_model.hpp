@@ -27,8 +27,9 @@ Eigen::Vector2d project_px(const CameraModel& camera, const Eigen::Vector2d& nor
 /// Point in C (z > 0) to distorted pixel.
 Eigen::Vector2d project_px(const CameraModel& camera, const Eigen::Vector3d& p_C);
 
-/// Distorted pixel to normalised undistorted image point, by at most 20 Newton steps on the distortion polynomial.
-/// Exact to 1e-12 wherever the model is one-to-one; beyond its fold the last iterate comes back.
+/// Distorted pixel to normalised undistorted image point, by at most 20 Newton steps on the
+/// distortion polynomial. Exact to 1e-12 wherever the model is one-to-one; beyond its fold the last
+/// iterate comes back.
 Eigen::Vector2d undistort(const CameraModel& camera, const Eigen::Vector2d& pixel);
 
 }  // namespace polhode

@@ -7,14 +7,18 @@ namespace polhode {
 
 struct Pose {
   Eigen::Matrix3d R_CT = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d p_CT = Eigen::Vector3d::Zero();  ///< map units until the scale is known, then metres
+  Eigen::Vector3d p_CT =
+      Eigen::Vector3d::Zero();  ///< map units until the scale is known, then metres
 
-  [[nodiscard]] Eigen::Vector3d to_camera(const Eigen::Vector3d& p_T) const { return R_CT * p_T + p_CT; }
+  [[nodiscard]] Eigen::Vector3d to_camera(const Eigen::Vector3d& p_T) const {
+    return R_CT * p_T + p_CT;
+  }
   /// Camera centre in T.
   [[nodiscard]] Eigen::Vector3d camera_T() const { return -(R_CT.transpose() * p_CT); }
 };
 
-/// Covariance of a pose's error (phi, dp): R_true = exp(phi) R_CT, p_true = p_CT + dp; rad and map units, in C.
+/// Covariance of a pose's error (phi, dp): R_true = exp(phi) R_CT, p_true = p_CT + dp; rad and map
+/// units, in C.
 using PoseCovariance = Eigen::Matrix<double, 6, 6>;
 
 }  // namespace polhode

@@ -5,7 +5,8 @@
 
 namespace polhode {
 namespace {
-// A point whose depth is under this fraction of the origin's is in the camera's plane for every purpose here.
+// A point whose depth is under this fraction of the origin's is in the camera's plane for every
+// purpose here.
 constexpr double kRelativeDepthMin = 1e-3;
 }  // namespace
 
@@ -21,7 +22,9 @@ Pose from_inverse_depth(const InverseDepthPose& pose) {
   return {.R_CT = pose.R_CT, .p_CT = {pose.uvs.x() * depth, pose.uvs.y() * depth, depth}};
 }
 
-bool reproject(const InverseDepthPose& pose, const Eigen::Vector3d& p_T, Eigen::Vector2d* normalised) {
+bool reproject(const InverseDepthPose& pose,
+               const Eigen::Vector3d& p_T,
+               Eigen::Vector2d* normalised) {
   const Eigen::Vector3d q = pose.R_CT * p_T;
   const double s = pose.uvs.z();
   const double denominator = 1.0 + s * q.z();
@@ -32,7 +35,9 @@ bool reproject(const InverseDepthPose& pose, const Eigen::Vector3d& p_T, Eigen::
   return true;
 }
 
-bool reproject(const InverseDepthPose& pose, const Eigen::Vector3d& p_T, Eigen::Vector2d* normalised,
+bool reproject(const InverseDepthPose& pose,
+               const Eigen::Vector3d& p_T,
+               Eigen::Vector2d* normalised,
                ReprojectionJacobians* jacobians) {
   if (!reproject(pose, p_T, normalised)) {
     return false;
@@ -41,7 +46,8 @@ bool reproject(const InverseDepthPose& pose, const Eigen::Vector3d& p_T, Eigen::
   const double s = pose.uvs.z();
   const double inverse = 1.0 / (1.0 + s * q.z());
   Eigen::Matrix<double, 2, 3> by_q;
-  by_q << s * inverse, 0.0, -s * inverse * normalised->x(), 0.0, s * inverse, -s * inverse * normalised->y();
+  by_q << s * inverse, 0.0, -s * inverse * normalised->x(), 0.0, s * inverse,
+      -s * inverse * normalised->y();
   jacobians->rotation = -by_q * hat(q);
   jacobians->point = by_q * pose.R_CT;
   jacobians->uvs << inverse, 0.0, inverse * (q.x() - normalised->x() * q.z()), 0.0, inverse,

@@ -6,7 +6,8 @@
 
 namespace polhode {
 namespace {
-// Below this angle the closed forms lose digits to cancellation and two terms of the series are exact to rounding.
+// Below this angle the closed forms lose digits to cancellation and two terms of the series are
+// exact to rounding.
 constexpr double kSmallAngle_rad = 1e-4;
 }  // namespace
 

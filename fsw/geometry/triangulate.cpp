@@ -1,6 +1,7 @@
 #include "geometry/triangulate.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -35,11 +36,13 @@ bool nearest_to_rays(std::span<const Sighting> sightings, Eigen::Vector3d* p_T) 
     A += across;
     b += across * sighting.pose.camera_T();
   }
-  const Eigen::FullPivLU<Eigen::Matrix3d> lu(A);
-  if (lu.rcond() < 1e-12) {
+  // Parallel rays leave their own direction open: the smallest eigenvalue is the squared sine of
+  // the angle between them.
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(A);
+  if (!(eigen.eigenvalues()(0) > 1e-12 * eigen.eigenvalues()(2))) {
     return false;
   }
-  *p_T = lu.solve(b);
+  *p_T = A.ldlt().solve(b);
   return p_T->allFinite();
 }
 

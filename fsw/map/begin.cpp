@@ -4,7 +4,10 @@
 
 namespace polhode {
 
-void begin_map(const StartOutcome& outcome, const TrackTable& tracks, const MapOptions& options, Map* map) {
+void begin_map(const StartOutcome& outcome,
+               const TrackTable& tracks,
+               const MapOptions& options,
+               Map* map) {
   std::array<KeyframeId, limits::kStartFrames> keyframe_of{};
   for (std::size_t f = 0; f < outcome.frames.size(); ++f) {
     if (!outcome.frames[f].valid || map->keyframe_count >= options.keyframes_max) {

@@ -8,7 +8,11 @@
 
 namespace polhode {
 
-/// Each frame with a pose becomes a keyframe, each track with a point a landmark seen where its features are.
-void begin_map(const StartOutcome& outcome, const TrackTable& tracks, const MapOptions& options, Map* map);
+/// Each frame with a pose becomes a keyframe, each track with a point a landmark seen where its
+/// features are.
+void begin_map(const StartOutcome& outcome,
+               const TrackTable& tracks,
+               const MapOptions& options,
+               Map* map);
 
 }  // namespace polhode

@@ -5,7 +5,11 @@
 namespace polhode {
 namespace {
 
-bool project(const Map& map, LandmarkId id, const Pose& pose, const CameraModel& camera, Eigen::Vector2d* pixel) {
+bool project(const Map& map,
+             LandmarkId id,
+             const Pose& pose,
+             const CameraModel& camera,
+             Eigen::Vector2d* pixel) {
   const Landmark& landmark = map.landmarks[id.index()];
   const Eigen::Vector3d p_C = pose.to_camera(landmark.p_T);
   if (!landmark.used || !(p_C.z() > 0.0)) {
@@ -17,7 +21,9 @@ bool project(const Map& map, LandmarkId id, const Pose& pose, const CameraModel&
 
 }  // namespace
 
-double predicted_motion_px(const FlowReference& reference, const Pose& predicted, const Map& map,
+double predicted_motion_px(const FlowReference& reference,
+                           const Pose& predicted,
+                           const Map& map,
                            const CameraModel& camera) {
   constexpr double kOutOfReach_px = 1e6;
   FixedVector<double, limits::kPoseMatches> motions;
@@ -36,8 +42,12 @@ double predicted_motion_px(const FlowReference& reference, const Pose& predicted
   return motions[motions.size() / 2];
 }
 
-Result<bool> localise_by_flow(const LocaliseInput& input, const FlowReference& reference, const Pyramid& pyramid,
-                              const TrackOptions& options, const Pose& predicted, LocaliseScratch* scratch,
+Result<bool> localise_by_flow(const LocaliseInput& input,
+                              const FlowReference& reference,
+                              const Pyramid& pyramid,
+                              const TrackOptions& options,
+                              const Pose& predicted,
+                              LocaliseScratch* scratch,
                               LocalisedFrame* out) {
   FixedVector<FlowPoint, limits::kPoseMatches> from;
   FixedVector<FlowPoint, limits::kPoseMatches> to;
@@ -52,7 +62,8 @@ Result<bool> localise_by_flow(const LocaliseInput& input, const FlowReference& r
     // What the measurement was off by in the reference stays with the patch.
     const Eigen::Vector2d shift = now - before;
     (void)from.push_back({.u_px = point.u_px, .v_px = point.v_px});
-    (void)to.push_back({.u_px = point.u_px + static_cast<float>(shift.x()), .v_px = point.v_px + static_cast<float>(shift.y())});
+    (void)to.push_back({.u_px = point.u_px + static_cast<float>(shift.x()),
+                        .v_px = point.v_px + static_cast<float>(shift.y())});
     (void)out->matches.push_back(point);
   }
   out->predicted = static_cast<int>(out->matches.size());
@@ -66,7 +77,8 @@ Result<bool> localise_by_flow(const LocaliseInput& input, const FlowReference& r
     match.feature = -1;
     match.u_px = to[i].u_px;
     match.v_px = to[i].v_px;
-    match.normalised = undistort(*input.camera, {static_cast<double>(match.u_px), static_cast<double>(match.v_px)});
+    match.normalised = undistort(
+        *input.camera, {static_cast<double>(match.u_px), static_cast<double>(match.v_px)});
     out->matches[kept++] = match;
   }
   out->matches.resize(kept);

@@ -1,5 +1,5 @@
-// Small motion: the landmarks of the reference keyframe followed by optical flow straight from its image, so that no
-// drift builds up between keyframes.
+// Small motion: the landmarks of the reference keyframe followed by optical flow straight from its
+// image, so that no drift builds up between keyframes.
 #pragma once
 
 #include "map/localise.hpp"
@@ -15,14 +15,22 @@ struct FlowReference {
   LandmarkMatches points;  ///< inliers of the frame
 };
 
-/// Median image motion of the reference's landmarks between its pose and `predicted`; large when none stays in view.
-double predicted_motion_px(const FlowReference& reference, const Pose& predicted, const Map& map,
+/// Median image motion of the reference's landmarks between its pose and `predicted`; large when
+/// none stays in view.
+double predicted_motion_px(const FlowReference& reference,
+                           const Pose& predicted,
+                           const Map& map,
                            const CameraModel& camera);
 
-/// Follows the reference's points to the frame of `pyramid`, expected where `predicted` puts them, and solves for the pose.
+/// Follows the reference's points to the frame of `pyramid`, expected where `predicted` puts them,
+/// and solves for the pose.
 /// @errors TooFewObservations, NoConsensus, Degenerate.
-Result<bool> localise_by_flow(const LocaliseInput& input, const FlowReference& reference, const Pyramid& pyramid,
-                              const TrackOptions& options, const Pose& predicted, LocaliseScratch* scratch,
+Result<bool> localise_by_flow(const LocaliseInput& input,
+                              const FlowReference& reference,
+                              const Pyramid& pyramid,
+                              const TrackOptions& options,
+                              const Pose& predicted,
+                              LocaliseScratch* scratch,
                               LocalisedFrame* out);
 
 }  // namespace polhode

@@ -37,7 +37,8 @@ double nearest_view_cosine(std::size_t slot, const Map& map) {
   double best = -1.0;
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
     if (k != slot && map.keyframes[k].used) {
-      best = std::max(best, own.dot((map.keyframes[k].pose.camera_T() - map.centre_T).normalized()));
+      best =
+          std::max(best, own.dot((map.keyframes[k].pose.camera_T() - map.centre_T).normalized()));
     }
   }
   return best;
@@ -52,7 +53,8 @@ bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOpti
   }
   double nearest_rad = 10.0;
   for (const KeyframeId id : order) {
-    nearest_rad = std::min(nearest_rad, rotation_angle_rad(map.keyframes[id.index()].pose.R_CT, pose.R_CT));
+    nearest_rad =
+        std::min(nearest_rad, rotation_angle_rad(map.keyframes[id.index()].pose.R_CT, pose.R_CT));
   }
   return nearest_rad > options.keyframe_rotation_min_rad ||
          inliers < options.keyframe_tracked_min * sightings(map.keyframes[order[0].index()]);
@@ -72,7 +74,8 @@ KeyframeId most_redundant(const Map& map) {
     if (closeness < kAlone) {
       continue;
     }
-    // Coverage of the view sphere breaks ties: among equals the one with the nearest neighbour goes.
+    // Coverage of the view sphere breaks ties: among equals the one with the nearest neighbour
+    // goes.
     const double merit = redundancy(keyframe, map) + 0.01 * closeness;
     if (merit > highest) {
       highest = merit;
@@ -82,8 +85,12 @@ KeyframeId most_redundant(const Map& map) {
   return chosen;
 }
 
-KeyframeId insert_keyframe(std::uint32_t frame, std::int64_t timestamp_ns, const Features& features,
-                           const LocalisedFrame& localised, const MapOptions& options, Map* map) {
+KeyframeId insert_keyframe(std::uint32_t frame,
+                           std::int64_t timestamp_ns,
+                           const Features& features,
+                           const LocalisedFrame& localised,
+                           const MapOptions& options,
+                           Map* map) {
   if (map->keyframe_count >= options.keyframes_max) {
     const KeyframeId leaving = most_redundant(*map);
     if (!leaving.valid()) {

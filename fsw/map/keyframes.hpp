@@ -9,17 +9,24 @@
 
 namespace polhode {
 
-/// A frame becomes a keyframe when the body has turned against the camera by keyframe_rotation_min_rad since the nearest
-/// keyframe, or when it sees under keyframe_tracked_min of what the newest keyframe sees.
+/// A frame becomes a keyframe when the body has turned against the camera by
+/// keyframe_rotation_min_rad since the nearest keyframe, or when it sees under keyframe_tracked_min
+/// of what the newest keyframe sees.
 bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOptions& options);
 
-/// Stores the frame; its inlier matches become sightings. A full table first loses its most redundant keyframe.
+/// Stores the frame; its inlier matches become sightings. A full table first loses its most
+/// redundant keyframe.
 /// @return an invalid id when no keyframe may go.
-KeyframeId insert_keyframe(std::uint32_t frame, std::int64_t timestamp_ns, const Features& features,
-                           const LocalisedFrame& localised, const MapOptions& options, Map* map);
+KeyframeId insert_keyframe(std::uint32_t frame,
+                           std::int64_t timestamp_ns,
+                           const Features& features,
+                           const LocalisedFrame& localised,
+                           const MapOptions& options,
+                           Map* map);
 
-/// The keyframe of whose landmarks most are seen by three others, when that is over 90 %, else the one with the highest
-/// part; never the newest two, nor one that is alone on its side of the body (no other within 20 deg of viewing direction).
+/// The keyframe of whose landmarks most are seen by three others, when that is over 90 %, else the
+/// one with the highest part; never the newest two, nor one that is alone on its side of the body
+/// (no other within 20 deg of viewing direction).
 KeyframeId most_redundant(const Map& map);
 
 }  // namespace polhode

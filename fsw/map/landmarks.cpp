@@ -13,8 +13,9 @@
 namespace polhode {
 namespace {
 
-constexpr double kPairSigma = 3.0;     // epipolar distance and reprojection gates of new pairs, in sigma
-constexpr double kChi2Pair = 11.345;   // three degrees of freedom beyond the point's own, 99 %
+constexpr double kPairSigma =
+    3.0;  // epipolar distance and reprojection gates of new pairs, in sigma
+constexpr double kChi2Pair = 11.345;  // three degrees of freedom beyond the point's own, 99 %
 constexpr std::size_t kPartners = 4;
 
 double sigma_normalised(const Feature& feature, const CameraModel& camera) {
@@ -28,9 +29,10 @@ double view_angle_rad(const Pose& a, const Pose& b, const Eigen::Vector3d& centr
   return std::acos(std::clamp(to_a.dot(to_b), -1.0, 1.0));
 }
 
-/// Keyframes whose view of the body differs by enough for depth and little enough for descriptors, best first: the ideal
-/// is 12 deg, where the depth error is small and SIFT still repeats.
-FixedVector<KeyframeId, limits::kKeyframes> partners_of(KeyframeId keyframe, const CreateOptions& options,
+/// Keyframes whose view of the body differs by enough for depth and little enough for descriptors,
+/// best first: the ideal is 12 deg, where the depth error is small and SIFT still repeats.
+FixedVector<KeyframeId, limits::kKeyframes> partners_of(KeyframeId keyframe,
+                                                        const CreateOptions& options,
                                                         const Map& map) {
   constexpr double kIdeal_rad = 0.21;
   constexpr double kMost_rad = 0.6;
@@ -45,8 +47,9 @@ FixedVector<KeyframeId, limits::kKeyframes> partners_of(KeyframeId keyframe, con
     merit[id.index()] = std::abs(std::log(angle / kIdeal_rad));
     (void)partners.push_back(id);
   }
-  std::stable_sort(partners.begin(), partners.end(),
-                   [&](KeyframeId a, KeyframeId b) { return merit[a.index()] < merit[b.index()]; });
+  std::stable_sort(partners.begin(), partners.end(), [&](KeyframeId a, KeyframeId b) {
+    return merit[a.index()] < merit[b.index()];
+  });
   partners.resize(std::min(partners.size(), kPartners));
   return partners;
 }
@@ -59,7 +62,8 @@ void list_free(const Keyframe& keyframe, FixedVector<std::int32_t, limits::kFeat
     for (std::size_t j = 0; j < keyframe.features.size() && !taken; ++j) {
       const Feature& a = keyframe.features[i];
       const Feature& b = keyframe.features[j];
-      taken = keyframe.landmark_of[j].valid() && std::abs(a.u_px - b.u_px) < 1.0F && std::abs(a.v_px - b.v_px) < 1.0F;
+      taken = keyframe.landmark_of[j].valid() && std::abs(a.u_px - b.u_px) < 1.0F &&
+              std::abs(a.v_px - b.v_px) < 1.0F;
     }
     if (!taken) {
       (void)out->push_back(static_cast<std::int32_t>(i));
@@ -74,8 +78,11 @@ struct PairSearch {
 };
 
 /// Best partner of a feature along its epipolar line.
-PairSearch search_line(const Feature& wanted, const Keyframe& partner, const Eigen::Matrix3d& E,
-                       const CameraModel& camera, const CreateScratch& scratch) {
+PairSearch search_line(const Feature& wanted,
+                       const Keyframe& partner,
+                       const Eigen::Matrix3d& E,
+                       const CameraModel& camera,
+                       const CreateScratch& scratch) {
   PairSearch best;
   for (const std::int32_t index : scratch.free_b) {
     const Feature& f = partner.features[static_cast<std::size_t>(index)];
@@ -88,9 +95,10 @@ PairSearch search_line(const Feature& wanted, const Keyframe& partner, const Eig
       continue;
     }
     const int d2 = distance2(wanted.descriptor, f.descriptor);
-    const bool twin = best.feature >= 0 &&
-                      std::hypot(f.u_px - partner.features[static_cast<std::size_t>(best.feature)].u_px,
-                                 f.v_px - partner.features[static_cast<std::size_t>(best.feature)].v_px) < 2.0F;
+    const bool twin =
+        best.feature >= 0 &&
+        std::hypot(f.u_px - partner.features[static_cast<std::size_t>(best.feature)].u_px,
+                   f.v_px - partner.features[static_cast<std::size_t>(best.feature)].v_px) < 2.0F;
     if (d2 < best.nearest2) {
       best.rival2 = twin ? best.rival2 : best.nearest2;
       best.nearest2 = d2;
@@ -104,20 +112,28 @@ PairSearch search_line(const Feature& wanted, const Keyframe& partner, const Eig
 
 Sighting sighting(const Keyframe& keyframe, std::int32_t feature, const CameraModel& camera) {
   const Feature& f = keyframe.features[static_cast<std::size_t>(feature)];
-  return {.pose = keyframe.pose, .normalised = f.normalised, .sigma_normalised = sigma_normalised(f, camera)};
+  return {.pose = keyframe.pose,
+          .normalised = f.normalised,
+          .sigma_normalised = sigma_normalised(f, camera)};
 }
 
 /// The point of a matched pair, if it is one of this body's.
 bool acceptable(const TriangulatedPoint& point, const CreateOptions& options, const Map& map) {
-  // A body is compact: what lies past twice the radius that holds 90 % of its landmarks is a mismatch.
+  // A body is compact: what lies past twice the radius that holds 90 % of its landmarks is a
+  // mismatch.
   constexpr double kReach = 2.0;
   return point.chi2 < kChi2Pair && point.parallax_rad > options.parallax_min_rad &&
          (point.p_T - map.centre_T).norm() < kReach * map.radius_mu &&
          std::sqrt(point.covariance_T.trace()) < map.radius_mu;
 }
 
-void create_pair(KeyframeId a, std::int32_t feature_a, KeyframeId b, std::int32_t feature_b,
-                 const CreateOptions& options, const CameraModel& camera, Map* map) {
+void create_pair(KeyframeId a,
+                 std::int32_t feature_a,
+                 KeyframeId b,
+                 std::int32_t feature_b,
+                 const CreateOptions& options,
+                 const CameraModel& camera,
+                 Map* map) {
   const std::array<Sighting, 2> pair{sighting(map->keyframes[a.index()], feature_a, camera),
                                      sighting(map->keyframes[b.index()], feature_b, camera)};
   const Result<TriangulatedPoint> point = triangulate(pair);
@@ -135,8 +151,12 @@ void create_pair(KeyframeId a, std::int32_t feature_a, KeyframeId b, std::int32_
   tie_sighting(b, static_cast<std::size_t>(feature_b), id, map);
 }
 
-void match_partner(KeyframeId a, KeyframeId b, const CreateOptions& options, const CameraModel& camera,
-                   CreateScratch* scratch, Map* map) {
+void match_partner(KeyframeId a,
+                   KeyframeId b,
+                   const CreateOptions& options,
+                   const CameraModel& camera,
+                   CreateScratch* scratch,
+                   Map* map) {
   const Keyframe& own = map->keyframes[a.index()];
   const Keyframe& partner = map->keyframes[b.index()];
   list_free(own, &scratch->free_a);
@@ -161,13 +181,16 @@ void match_partner(KeyframeId a, KeyframeId b, const CreateOptions& options, con
   }
   for (const std::int32_t index : scratch->free_b) {
     if (scratch->best_of_b[static_cast<std::size_t>(index)] >= 0) {
-      create_pair(a, scratch->best_of_b[static_cast<std::size_t>(index)], b, index, options, camera, map);
+      create_pair(
+          a, scratch->best_of_b[static_cast<std::size_t>(index)], b, index, options, camera, map);
     }
   }
 }
 
 /// Looks for one landmark among the free features of one keyframe.
-std::int32_t find_in(const Landmark& landmark, const Keyframe& keyframe, const FeatureGrid& grid,
+std::int32_t find_in(const Landmark& landmark,
+                     const Keyframe& keyframe,
+                     const FeatureGrid& grid,
                      const CameraModel& camera) {
   Eigen::Vector2d pixel;
   if (!should_be_seen(landmark, keyframe.pose, camera, &pixel)) {
@@ -175,13 +198,16 @@ std::int32_t find_in(const Landmark& landmark, const Keyframe& keyframe, const F
   }
   constexpr double kReach_px = 6.0;
   std::array<std::int32_t, 32> near{};
-  const std::size_t count = grid.find(keyframe.features.view(), pixel.x(), pixel.y(), kReach_px, near);
+  const std::size_t count =
+      grid.find(keyframe.features.view(), pixel.x(), pixel.y(), kReach_px, near);
   PairSearch best;
   for (std::size_t k = 0; k < count; ++k) {
     const auto i = static_cast<std::size_t>(near[k]);
     const Feature& f = keyframe.features[i];
-    const double off_px = std::hypot(pixel.x() - static_cast<double>(f.u_px), pixel.y() - static_cast<double>(f.v_px));
-    if (keyframe.landmark_of[i].valid() || off_px > kPairSigma * std::sqrt(2.0) * static_cast<double>(f.sigma_px)) {
+    const double off_px = std::hypot(pixel.x() - static_cast<double>(f.u_px),
+                                     pixel.y() - static_cast<double>(f.v_px));
+    if (keyframe.landmark_of[i].valid() ||
+        off_px > kPairSigma * std::sqrt(2.0) * static_cast<double>(f.sigma_px)) {
       continue;
     }
     for (const LandmarkView& view : landmark.views) {
@@ -195,7 +221,9 @@ std::int32_t find_in(const Landmark& landmark, const Keyframe& keyframe, const F
   return best.nearest2 <= kDistance2Max ? best.feature : -1;
 }
 
-double squared_residual(const Keyframe& keyframe, std::size_t feature, const Landmark& landmark,
+double squared_residual(const Keyframe& keyframe,
+                        std::size_t feature,
+                        const Landmark& landmark,
                         const CameraModel& camera) {
   const Eigen::Vector3d p_C = keyframe.pose.to_camera(landmark.p_T);
   if (!(p_C.z() > 0.0)) {
@@ -210,16 +238,20 @@ bool is_bad(const Landmark& landmark, std::uint32_t keyframe_newest) {
   constexpr int kTrialFrames = 4;
   constexpr std::uint32_t kTrialKeyframes = 3;
   const bool unseen = landmark.observations < 2;
-  const bool unconfirmed = landmark.observations < 3 && keyframe_newest > landmark.created_keyframe + kTrialKeyframes;
-  const bool rarely_found = landmark.predicted >= kTrialFrames && 4 * landmark.found < landmark.predicted &&
-                            landmark.observations < 4;
+  const bool unconfirmed =
+      landmark.observations < 3 && keyframe_newest > landmark.created_keyframe + kTrialKeyframes;
+  const bool rarely_found = landmark.predicted >= kTrialFrames &&
+                            4 * landmark.found < landmark.predicted && landmark.observations < 4;
   return unseen || unconfirmed || rarely_found;
 }
 
 }  // namespace
 
-int create_landmarks(KeyframeId keyframe, const CreateOptions& options, const CameraModel& camera,
-                     CreateScratch* scratch, Map* map) {
+int create_landmarks(KeyframeId keyframe,
+                     const CreateOptions& options,
+                     const CameraModel& camera,
+                     CreateScratch* scratch,
+                     Map* map) {
   const std::int32_t before = map->next_landmark_number;
   for (const KeyframeId partner : partners_of(keyframe, options, *map)) {
     match_partner(keyframe, partner, options, camera, scratch, map);

@@ -7,7 +7,8 @@
 namespace polhode {
 namespace {
 
-// Past 70 deg from its mean viewing direction a spot is foreshortened to a third and its descriptor no longer holds.
+// Past 70 deg from its mean viewing direction a spot is foreshortened to a third and its descriptor
+// no longer holds.
 constexpr double kFacingCosineMin = 0.342;
 
 struct Candidate {
@@ -25,14 +26,21 @@ int distance_to_views(const Landmark& landmark, const Feature& feature) {
 }
 
 /// The predicted blob radius and the feature's agree within a factor of 2 (an octave).
-bool scale_agrees(const Landmark& landmark, const Feature& feature, double depth, const CameraModel& camera) {
+bool scale_agrees(const Landmark& landmark,
+                  const Feature& feature,
+                  double depth,
+                  const CameraModel& camera) {
   const double predicted_px = landmark.size_mu * camera.focal_px() / depth;
   const double ratio = static_cast<double>(feature.scale_px) / predicted_px;
   return ratio > 0.5 && ratio < 2.0;
 }
 
-Candidate best_candidate(const LocaliseInput& input, const Landmark& landmark, const Eigen::Vector2d& pixel,
-                         double depth, double radius_px, const FeatureGrid& grid) {
+Candidate best_candidate(const LocaliseInput& input,
+                         const Landmark& landmark,
+                         const Eigen::Vector2d& pixel,
+                         double depth,
+                         double radius_px,
+                         const FeatureGrid& grid) {
   std::array<std::int32_t, 256> near{};
   const Features& features = *input.features;
   const std::size_t count = grid.find(features.view(), pixel.x(), pixel.y(), radius_px, near);
@@ -43,8 +51,10 @@ Candidate best_candidate(const LocaliseInput& input, const Landmark& landmark, c
       continue;
     }
     const int d2 = distance_to_views(landmark, feature);
-    const bool twin = best.feature >= 0 && std::hypot(feature.u_px - features[static_cast<std::size_t>(best.feature)].u_px,
-                                                      feature.v_px - features[static_cast<std::size_t>(best.feature)].v_px) < 2.0F;
+    const bool twin =
+        best.feature >= 0 &&
+        std::hypot(feature.u_px - features[static_cast<std::size_t>(best.feature)].u_px,
+                   feature.v_px - features[static_cast<std::size_t>(best.feature)].v_px) < 2.0F;
     if (d2 < best.nearest2) {
       best.rival2 = twin ? best.rival2 : best.nearest2;
       best.nearest2 = d2;
@@ -56,7 +66,10 @@ Candidate best_candidate(const LocaliseInput& input, const Landmark& landmark, c
   return best;
 }
 
-void add_match(const LocaliseInput& input, std::size_t landmark, std::int32_t feature, LandmarkMatches* matches) {
+void add_match(const LocaliseInput& input,
+               std::size_t landmark,
+               std::int32_t feature,
+               LandmarkMatches* matches) {
   const Feature& f = (*input.features)[static_cast<std::size_t>(feature)];
   (void)matches->push_back({.landmark = LandmarkId::from_index(landmark),
                             .feature = feature,
@@ -67,41 +80,14 @@ void add_match(const LocaliseInput& input, std::size_t landmark, std::int32_t fe
                             .inlier = false});
 }
 
-/// One feature to one landmark: of several landmarks that want a feature the nearest in appearance gets it.
-int match_about(const LocaliseInput& input, const Pose& pose, double radius_px, LocaliseScratch* scratch,
-                LandmarkMatches* matches) {
-  scratch->landmark_of_feature.fill(-1);
-  scratch->distance_of_feature.fill(std::numeric_limits<std::int32_t>::max());
-  const double ratio2 = input.ratio_max * input.ratio_max;
-  int predicted = 0;
-  for (std::size_t i = 0; i < input.map->landmarks.size(); ++i) {
-    const Landmark& landmark = input.map->landmarks[i];
-    Eigen::Vector2d pixel;
-    if (!landmark.used || !should_be_seen(landmark, pose, *input.camera, &pixel)) {
-      continue;
-    }
-    ++predicted;
-    const double depth = pose.to_camera(landmark.p_T).z();
-    const Candidate best = best_candidate(input, landmark, pixel, depth, radius_px, scratch->grid);
-    if (best.feature < 0 || best.nearest2 > kDistance2Max || best.nearest2 > ratio2 * best.rival2) {
-      continue;
-    }
-    const auto f = static_cast<std::size_t>(best.feature);
-    if (best.nearest2 < scratch->distance_of_feature[f]) {
-      scratch->distance_of_feature[f] = best.nearest2;
-      scratch->landmark_of_feature[f] = static_cast<std::int32_t>(i);
-    }
-  }
-  matches->clear();
-  for (std::size_t f = 0; f < input.features->size(); ++f) {
-    if (scratch->landmark_of_feature[f] >= 0) {
-      add_match(input, static_cast<std::size_t>(scratch->landmark_of_feature[f]), static_cast<std::int32_t>(f), matches);
-    }
-  }
-  return predicted;
+bool takes_part(const LocaliseInput& input, const Landmark& landmark) {
+  const bool old = landmark.seen_keyframe + kRecentKeyframes < input.map->next_keyframe_number;
+  return landmark.used && (old || input.age == LandmarkAge::kAny);
 }
 
-void to_observations(const LocaliseInput& input, const LandmarkMatches& matches, LocaliseScratch* scratch) {
+void to_observations(const LocaliseInput& input,
+                     const LandmarkMatches& matches,
+                     LocaliseScratch* scratch) {
   scratch->observations.clear();
   for (const LandmarkMatch& match : matches) {
     const Landmark& landmark = input.map->landmarks[match.landmark.index()];
@@ -127,21 +113,69 @@ void mark(const LocaliseScratch& scratch, LandmarkMatches* matches) {
 /// Reach of the pose's 3-sigma error at the edge of the body, in pixels.
 double reach_px(const LocaliseInput& input, const AbsolutePose& absolute) {
   const double depth = std::max(absolute.pose.p_CT.z(), 1e-9);
-  const double turn_rad = std::sqrt(absolute.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
-  const double shift = std::sqrt(absolute.covariance.bottomRightCorner<3, 3>().diagonal().head<2>().maxCoeff());
-  const double sigma_px = (turn_rad * input.map->radius_mu + shift) * input.camera->focal_px() / depth;
+  const double turn_rad =
+      std::sqrt(absolute.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
+  const double shift =
+      std::sqrt(absolute.covariance.bottomRightCorner<3, 3>().diagonal().head<2>().maxCoeff());
+  const double sigma_px =
+      (turn_rad * input.map->radius_mu + shift) * input.camera->focal_px() / depth;
   return std::max(input.options->search_floor_px, 3.0 * sigma_px);
 }
 
-Result<bool> polish(const LocaliseInput& input, const AbsolutePose& first, LocaliseScratch* scratch,
+Result<bool> polish(const LocaliseInput& input,
+                    const AbsolutePose& first,
+                    LocaliseScratch* scratch,
                     LocalisedFrame* out) {
-  out->predicted = match_about(input, first.pose, reach_px(input, first), scratch, &out->matches);
+  match_about(input, first.pose, reach_px(input, first), scratch, out);
   return solve_matched(input, &first.pose, scratch, out);
 }
 
 }  // namespace
 
-bool should_be_seen(const Landmark& landmark, const Pose& pose, const CameraModel& camera, Eigen::Vector2d* pixel) {
+void match_about(const LocaliseInput& input,
+                 const Pose& pose,
+                 double radius_px,
+                 LocaliseScratch* scratch,
+                 LocalisedFrame* out) {
+  scratch->grid.build(input.features->view(), input.camera->width_px, input.camera->height_px);
+  // One feature to one landmark: of several that want it the nearest in appearance gets it.
+  scratch->landmark_of_feature.fill(-1);
+  scratch->distance_of_feature.fill(std::numeric_limits<std::int32_t>::max());
+  const double ratio2 = input.ratio_max * input.ratio_max;
+  out->predicted = 0;
+  for (std::size_t i = 0; i < input.map->landmarks.size(); ++i) {
+    const Landmark& landmark = input.map->landmarks[i];
+    Eigen::Vector2d pixel;
+    if (!takes_part(input, landmark) || !should_be_seen(landmark, pose, *input.camera, &pixel)) {
+      continue;
+    }
+    ++out->predicted;
+    const double depth = pose.to_camera(landmark.p_T).z();
+    const Candidate best = best_candidate(input, landmark, pixel, depth, radius_px, scratch->grid);
+    if (best.feature < 0 || best.nearest2 > kDistance2Max || best.nearest2 > ratio2 * best.rival2) {
+      continue;
+    }
+    const auto f = static_cast<std::size_t>(best.feature);
+    if (best.nearest2 < scratch->distance_of_feature[f]) {
+      scratch->distance_of_feature[f] = best.nearest2;
+      scratch->landmark_of_feature[f] = static_cast<std::int32_t>(i);
+    }
+  }
+  out->matches.clear();
+  for (std::size_t f = 0; f < input.features->size(); ++f) {
+    if (scratch->landmark_of_feature[f] >= 0) {
+      add_match(input,
+                static_cast<std::size_t>(scratch->landmark_of_feature[f]),
+                static_cast<std::int32_t>(f),
+                &out->matches);
+    }
+  }
+}
+
+bool should_be_seen(const Landmark& landmark,
+                    const Pose& pose,
+                    const CameraModel& camera,
+                    Eigen::Vector2d* pixel) {
   const Eigen::Vector3d p_C = pose.to_camera(landmark.p_T);
   if (!(p_C.z() > 0.0) || landmark.observations < 1) {
     return false;
@@ -151,17 +185,21 @@ bool should_be_seen(const Landmark& landmark, const Pose& pose, const CameraMode
     return false;
   }
   *pixel = project_px(camera, p_C);
-  return pixel->x() >= 0.0 && pixel->y() >= 0.0 && pixel->x() < camera.width_px && pixel->y() < camera.height_px;
+  return pixel->x() >= 0.0 && pixel->y() >= 0.0 && pixel->x() < camera.width_px &&
+         pixel->y() < camera.height_px;
 }
 
-Result<bool> solve_matched(const LocaliseInput& input, const Pose* hint, LocaliseScratch* scratch,
+Result<bool> solve_matched(const LocaliseInput& input,
+                           const Pose* hint,
+                           LocaliseScratch* scratch,
                            LocalisedFrame* out) {
   to_observations(input, out->matches, scratch);
   const AbsolutePoseOptions options{.iterations_max = input.options->ransac_iterations_max,
                                     .inliers_min = input.options->inliers_min,
                                     .seed = input.seed,
                                     .stream = input.stream};
-  const Result<AbsolutePose> pose = absolute_pose(scratch->observations.view(), hint, options, flags(scratch));
+  const Result<AbsolutePose> pose =
+      absolute_pose(scratch->observations.view(), hint, options, flags(scratch));
   if (!pose) {
     return pose.error();
   }
@@ -170,16 +208,19 @@ Result<bool> solve_matched(const LocaliseInput& input, const Pose* hint, Localis
   return true;
 }
 
-Result<bool> localise_guided(const LocaliseInput& input, const Pose& predicted, double radius_px,
-                             LocaliseScratch* scratch, LocalisedFrame* out) {
-  scratch->grid.build(input.features->view(), input.camera->width_px, input.camera->height_px);
-  out->predicted = match_about(input, predicted, radius_px, scratch, &out->matches);
+Result<bool> localise_guided(const LocaliseInput& input,
+                             const Pose& predicted,
+                             double radius_px,
+                             LocaliseScratch* scratch,
+                             LocalisedFrame* out) {
+  match_about(input, predicted, radius_px, scratch, out);
   const Result<bool> first = solve_matched(input, &predicted, scratch, out);
   return first ? polish(input, AbsolutePose(out->absolute), scratch, out) : first;
 }
 
-Result<bool> localise_matched(const LocaliseInput& input, LocaliseScratch* scratch, LocalisedFrame* out) {
-  scratch->grid.build(input.features->view(), input.camera->width_px, input.camera->height_px);
+Result<bool> localise_matched(const LocaliseInput& input,
+                              LocaliseScratch* scratch,
+                              LocalisedFrame* out) {
   const Result<bool> first = solve_matched(input, nullptr, scratch, out);
   return first ? polish(input, AbsolutePose(out->absolute), scratch, out) : first;
 }

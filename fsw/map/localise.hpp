@@ -1,4 +1,5 @@
-// The pose of a frame from the map: guided matching about a predicted pose, or by descriptors alone.
+// The pose of a frame from the map: guided matching about a predicted pose, or by descriptors
+// alone.
 #pragma once
 
 #include <cstdint>
@@ -41,35 +42,65 @@ struct LocaliseScratch {
   std::array<std::uint8_t, limits::kPoseMatches> inlier{};
 };
 
+/// Landmarks that take part.
+enum class LandmarkAge : std::uint8_t {
+  kAny,
+  kOld,  ///< seen by none of the newest kRecentKeyframes keyframes: a side that comes back
+};
+inline constexpr std::uint32_t kRecentKeyframes = 15;
+
 struct LocaliseInput {
   const Map* map = nullptr;
   const Features* features = nullptr;
   const CameraModel* camera = nullptr;
   const LocaliseOptions* options = nullptr;
   double ratio_max = 0.8;
+  LandmarkAge age = LandmarkAge::kAny;
   std::uint64_t seed = 0;
   std::uint64_t stream = 0;  ///< differs from frame to frame
 };
 
 /// Is the landmark on the side that faces the camera, in front of it and inside the picture?
-bool should_be_seen(const Landmark& landmark, const Pose& pose, const CameraModel& camera, Eigen::Vector2d* pixel);
+bool should_be_seen(const Landmark& landmark,
+                    const Pose& pose,
+                    const CameraModel& camera,
+                    Eigen::Vector2d* pixel);
 
-/// Matches landmarks to features within `radius_px` of where `predicted` puts them, solves for the pose, matches anew
-/// about the result within its own covariance, and refines.
+/// Landmarks of the wanted age that should be seen, tied to the features within `radius_px` of
+/// where `pose` puts them that look most alike; in `out->matches`, their number in
+/// `out->predicted`.
+void match_about(const LocaliseInput& input,
+                 const Pose& pose,
+                 double radius_px,
+                 LocaliseScratch* scratch,
+                 LocalisedFrame* out);
+
+/// Matches landmarks to features within `radius_px` of where `predicted` puts them, solves for the
+/// pose, matches anew about the result within its own covariance, and refines.
 /// @errors TooFewObservations, NoConsensus, Degenerate.
-Result<bool> localise_guided(const LocaliseInput& input, const Pose& predicted, double radius_px,
-                             LocaliseScratch* scratch, LocalisedFrame* out);
+Result<bool> localise_guided(const LocaliseInput& input,
+                             const Pose& predicted,
+                             double radius_px,
+                             LocaliseScratch* scratch,
+                             LocalisedFrame* out);
 
-/// Solves for the pose from `out->matches` as they stand, by consensus (`hint` is tried first when given), and marks the
-/// inliers.
+/// Solves for the pose from `out->matches` as they stand, by consensus (`hint` is tried first when
+/// given), and marks the inliers.
 /// @errors TooFewObservations, NoConsensus, Degenerate.
-Result<bool> solve_matched(const LocaliseInput& input, const Pose* hint, LocaliseScratch* scratch, LocalisedFrame* out);
+Result<bool> solve_matched(const LocaliseInput& input,
+                           const Pose* hint,
+                           LocaliseScratch* scratch,
+                           LocalisedFrame* out);
 
-/// Solves for the pose from `out->matches` as they stand, by consensus, then matches anew about it and refines.
+/// Solves for the pose from `out->matches` as they stand, by consensus, then matches anew about it
+/// and refines.
 /// @errors as above.
-Result<bool> localise_matched(const LocaliseInput& input, LocaliseScratch* scratch, LocalisedFrame* out);
+Result<bool> localise_matched(const LocaliseInput& input,
+                              LocaliseScratch* scratch,
+                              LocalisedFrame* out);
 
-/// Matches features to the landmarks of all keyframes by kd-tree, then as localise_matched.
+/// Matches features to the landmarks of all keyframes by nearest descriptors, then as
+/// localise_matched.
 /// @errors as above.
 Result<bool> relocalise(const LocaliseInput& input, LocaliseScratch* scratch, LocalisedFrame* out);
 

@@ -17,7 +17,8 @@ Landmark& at(Map* map, LandmarkId id) {
   return map->landmarks[id.index()];
 }
 
-/// Keeps the views that differ most: a new one replaces the one nearest to it once all places are taken.
+/// Keeps the views that differ most: a new one replaces the one nearest to it once all places are
+/// taken.
 void keep_view(const LandmarkView& view, Landmark* landmark) {
   constexpr double kSameSide = 0.966;  // cos 15 deg: nearer views look alike
   for (LandmarkView& held : landmark->views) {
@@ -126,6 +127,25 @@ void remove_landmark(LandmarkId id, Map* map) {
   }
 }
 
+void merge_landmarks(LandmarkId from, LandmarkId into, Map* map) {
+  POLHODE_ASSERT(from != into, from.slot);
+  for (std::size_t k = 0; k < map->keyframes.size(); ++k) {
+    const Keyframe& keyframe = map->keyframes[k];
+    std::ptrdiff_t moving = -1;
+    bool seen_already = !keyframe.used;
+    for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
+      moving = keyframe.landmark_of[i] == from ? static_cast<std::ptrdiff_t>(i) : moving;
+      seen_already = seen_already || keyframe.landmark_of[i] == into;
+    }
+    if (moving >= 0 && !seen_already) {
+      const KeyframeId id = KeyframeId::from_index(k);
+      untie_sighting(id, static_cast<std::size_t>(moving), map);
+      tie_sighting(id, static_cast<std::size_t>(moving), into, map);
+    }
+  }
+  remove_landmark(from, map);
+}
+
 void remove_keyframe(KeyframeId id, Map* map) {
   Keyframe& keyframe = at(map, id);
   for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
@@ -159,8 +179,10 @@ void refresh_landmarks(Map* map, const CameraModel& camera) {
       const Eigen::Vector3d direction_T = (keyframe.pose.camera_T() - landmark.p_T).normalized();
       landmark.normal_T += direction_T;
       const double depth = keyframe.pose.to_camera(landmark.p_T).z();
-      landmark.size_mu += static_cast<double>(keyframe.features[i].scale_px) * depth / camera.focal_px();
-      keep_view({.descriptor = keyframe.features[i].descriptor, .direction_T = direction_T}, &landmark);
+      landmark.size_mu +=
+          static_cast<double>(keyframe.features[i].scale_px) * depth / camera.focal_px();
+      keep_view({.descriptor = keyframe.features[i].descriptor, .direction_T = direction_T},
+                &landmark);
     }
   }
   for (Landmark& landmark : map->landmarks) {

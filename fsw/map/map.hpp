@@ -35,7 +35,8 @@ struct Landmark {
   bool used = false;
   std::int32_t number = -1;  ///< never used twice in a run
   Eigen::Vector3d p_T = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal_T = Eigen::Vector3d::Zero();  ///< mean direction to the cameras that see it: stands in for the surface normal
+  Eigen::Vector3d normal_T = Eigen::Vector3d::Zero();  ///< mean direction to the cameras that see
+                                                       ///< it: stands in for the surface normal
   double size_mu = 0.0;                                ///< radius of its blob on the body
   FixedVector<LandmarkView, kViews> views;
   std::int32_t observations = 0;  ///< in keyframes
@@ -69,7 +70,12 @@ void remove_keyframe(KeyframeId id, Map* map);
 void tie_sighting(KeyframeId keyframe, std::size_t feature, LandmarkId landmark, Map* map);
 void untie_sighting(KeyframeId keyframe, std::size_t feature, Map* map);
 
-/// Recomputes each landmark's mean viewing direction, blob size and views from the keyframes, and the map's extent.
+/// Two landmarks turn out to be one: the sightings of `from` go to `into`, except in keyframes that
+/// see `into` already.
+void merge_landmarks(LandmarkId from, LandmarkId into, Map* map);
+
+/// Recomputes each landmark's mean viewing direction, blob size and views from the keyframes, and
+/// the map's extent.
 void refresh_landmarks(Map* map, const CameraModel& camera);
 
 /// Slots of the used keyframes, newest first.

@@ -12,10 +12,19 @@ struct DescriptorTable {
   std::vector<std::int32_t> landmark;  ///< slot, per row
 };
 
+/// Views of the landmarks, at most kRowsMax: of a larger map every second landmark, or every third,
+/// stands for the rest.
 DescriptorTable all_views(const Map& map) {
+  constexpr std::size_t kRowsMax = 4000;  // 800 x 4000 distances take some 50 ms
+  std::size_t rows = 0;
+  for (const Landmark& landmark : map.landmarks) {
+    rows += landmark.used ? landmark.views.size() : 0;
+  }
+  const std::size_t stride = rows / kRowsMax + 1;
   DescriptorTable table;
+  std::size_t counted = 0;
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
-    if (!map.landmarks[i].used) {
+    if (!map.landmarks[i].used || counted++ % stride != 0) {
       continue;
     }
     for (const LandmarkView& view : map.landmarks[i].views) {
@@ -47,8 +56,10 @@ Result<bool> relocalise(const LocaliseInput& input, LocaliseScratch* scratch, Lo
     }
     const std::int32_t landmark = table.landmark[static_cast<std::size_t>(found[f].nearest)];
     // The second best may be another view of the same landmark: then it is no rival.
-    const bool rival = found[f].second >= 0 && table.landmark[static_cast<std::size_t>(found[f].second)] != landmark;
-    const bool clear = !rival || static_cast<double>(found[f].distance2_nearest) <= ratio2 * static_cast<double>(found[f].distance2_second);
+    const bool rival = found[f].second >= 0 &&
+                       table.landmark[static_cast<std::size_t>(found[f].second)] != landmark;
+    const bool clear = !rival || static_cast<double>(found[f].distance2_nearest) <=
+                                     ratio2 * static_cast<double>(found[f].distance2_second);
     if (clear && found[f].distance2_nearest <= static_cast<float>(kDistance2Max)) {
       const Feature& feature = (*input.features)[f];
       (void)out->matches.push_back({.landmark = LandmarkId{landmark},

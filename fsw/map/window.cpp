@@ -28,7 +28,8 @@ void collect_landmarks(const Keyframe& keyframe, std::array<bool, limits::kLandm
 }
 
 /// Keyframes by how many of the wanted landmarks they see, most first, newest first among equals.
-std::vector<KeyframeId> by_covisibility(const Map& map, const std::array<bool, limits::kLandmarks>& wanted,
+std::vector<KeyframeId> by_covisibility(const Map& map,
+                                        const std::array<bool, limits::kLandmarks>& wanted,
                                         const std::vector<KeyframeId>& except) {
   std::vector<std::pair<int, KeyframeId>> ranked;
   for (const KeyframeId id : keyframes_by_age(map)) {
@@ -37,7 +38,8 @@ std::vector<KeyframeId> by_covisibility(const Map& map, const std::array<bool, l
       ranked.emplace_back(shared, id);
     }
   }
-  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::stable_sort(
+      ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<KeyframeId> ids;
   for (const auto& entry : ranked) {
     ids.push_back(entry.second);
@@ -51,8 +53,11 @@ void add_pose(const Map& map, KeyframeId id, bool fixed, AdjustmentSnapshot* s) 
   s->pose_fixed.push_back(fixed ? 1 : 0);
 }
 
-/// Points in slot order and sightings in keyframe order: the solver sees the same problem in the same order each time.
-void add_points(const Map& map, const CameraModel& camera, const std::array<bool, limits::kLandmarks>& wanted,
+/// Points in slot order and sightings in keyframe order: the solver sees the same problem in the
+/// same order each time.
+void add_points(const Map& map,
+                const CameraModel& camera,
+                const std::array<bool, limits::kLandmarks>& wanted,
                 AdjustmentSnapshot* s) {
   Slots index{};
   index.fill(-1);
@@ -70,10 +75,11 @@ void add_points(const Map& map, const CameraModel& camera, const std::array<bool
       const LandmarkId id = keyframe.landmark_of[i];
       if (id.valid() && index[id.index()] >= 0) {
         const Feature& f = keyframe.features[i];
-        s->observations.push_back({.pose = static_cast<std::int32_t>(k),
-                                   .point = index[id.index()],
-                                   .normalised = f.normalised,
-                                   .sigma_normalised = static_cast<double>(f.sigma_px) / camera.focal_px()});
+        s->observations.push_back(
+            {.pose = static_cast<std::int32_t>(k),
+             .point = index[id.index()],
+             .normalised = f.normalised,
+             .sigma_normalised = static_cast<double>(f.sigma_px) / camera.focal_px()});
       }
     }
   }
@@ -151,10 +157,12 @@ void apply(const AdjustmentSnapshot& s, Map* map) {
     map->landmarks[s.landmarks[i].index()].p_T = back.apply(s.points_T[i]);
   }
   for (std::size_t k = 0; k < s.keyframes.size(); ++k) {
-    // p_C = R p + t in the adjusted frame; with p' = c Q p + q the same point has p_C' = c p_C = (R Q^T)(p' - q) + c t.
+    // p_C = R p + t in the adjusted frame; with p' = c Q p + q the same point has p_C' = c p_C = (R
+    // Q^T)(p' - q) + c t.
     const Pose pose = from_inverse_depth(s.poses[k]);
     const Eigen::Matrix3d R_CT = pose.R_CT * back.R_ba.transpose();
-    map->keyframes[s.keyframes[k].index()].pose = {.R_CT = R_CT, .p_CT = back.scale * pose.p_CT - R_CT * back.t_ba};
+    map->keyframes[s.keyframes[k].index()].pose = {
+        .R_CT = R_CT, .p_CT = back.scale * pose.p_CT - R_CT * back.t_ba};
   }
 }
 

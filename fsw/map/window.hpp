@@ -9,7 +9,8 @@
 
 namespace polhode {
 
-/// Copy of the part of the map that an adjustment works on; the adjustment itself needs nothing else.
+/// Copy of the part of the map that an adjustment works on; the adjustment itself needs nothing
+/// else.
 struct AdjustmentSnapshot {
   std::vector<KeyframeId> keyframes;
   std::vector<InverseDepthPose> poses;
@@ -20,8 +21,8 @@ struct AdjustmentSnapshot {
   std::vector<BundleObservation> observations;
 };
 
-/// The newest keyframe and those that share most landmarks with it, `window` in all, free to move; up to twice as many
-/// others that see the same landmarks, held.
+/// The newest keyframe and those that share most landmarks with it, `window` in all, free to move;
+/// up to twice as many others that see the same landmarks, held.
 AdjustmentSnapshot snapshot_window(const Map& map, const CameraModel& camera, int window);
 
 /// Every keyframe and every landmark. The newest keyframe is held.
@@ -29,8 +30,9 @@ AdjustmentSnapshot snapshot_all(const Map& map, const CameraModel& camera);
 
 BundleReport adjust(AdjustmentSnapshot* snapshot, const BundleOptions& options);
 
-/// Writes the result back. Where no more than one keyframe was held the whole map is first brought back onto where it was
-/// by the similarity that fits its landmarks best: T's axes, origin and scale do not move.
+/// Writes the result back. Where no more than one keyframe was held the whole map is first brought
+/// back onto where it was by the similarity that fits its landmarks best: T's axes, origin and
+/// scale do not move.
 void apply(const AdjustmentSnapshot& snapshot, Map* map);
 
 }  // namespace polhode

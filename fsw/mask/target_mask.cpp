@@ -6,7 +6,7 @@
 namespace polhode {
 namespace {
 
-constexpr int kGroupCellsMin = 4;  // 8 x 8 px: a star's blur disc is 3 px across
+constexpr int kGroupCellsMin = 5;  // a star's blur disc, 3 px across, touches 2 x 2 cells at most
 constexpr int kGrowCells = 2;
 
 /// Clears groups that are too small and returns the cells' enclosing rectangle.
@@ -41,7 +41,8 @@ cv::Rect drop_small_groups(cv::Mat* cells) {
 bool TargetMask::contains(double u_px, double v_px) const {
   const int column = static_cast<int>(u_px + 0.5) / kCell_px;
   const int row = static_cast<int>(v_px + 0.5) / kCell_px;
-  return row >= 0 && column >= 0 && row < cells.rows && column < cells.cols && cells.at<std::uint8_t>(row, column) != 0;
+  return u_px >= -0.5 && v_px >= -0.5 && row < cells.rows && column < cells.cols &&
+         cells.at<std::uint8_t>(row, column) != 0;
 }
 
 void find_target(const cv::Mat& gray, const MaskOptions& options, TargetMask* mask) {
@@ -60,12 +61,15 @@ void find_target(const cv::Mat& gray, const MaskOptions& options, TargetMask* ma
   cv::threshold(small, mask->cells, options.dark_level * 255.0, 255.0, cv::THRESH_BINARY);
   const cv::Rect group = drop_small_groups(&mask->cells);
   cv::dilate(mask->cells, mask->cells, cv::Mat(), cv::Point(-1, -1), kGrowCells);
-  mask->coverage = static_cast<double>(cv::countNonZero(mask->cells)) / static_cast<double>(mask->cells.total());
+  mask->coverage =
+      static_cast<double>(cv::countNonZero(mask->cells)) / static_cast<double>(mask->cells.total());
   if (group.empty()) {
     mask->region_px = cv::Rect();
     return;
   }
-  const cv::Rect grown(group.x - kGrowCells, group.y - kGrowCells, group.width + 2 * kGrowCells,
+  const cv::Rect grown(group.x - kGrowCells,
+                       group.y - kGrowCells,
+                       group.width + 2 * kGrowCells,
                        group.height + 2 * kGrowCells);
   mask->region_px = cv::Rect(grown.x * TargetMask::kCell_px,
                              grown.y * TargetMask::kCell_px,

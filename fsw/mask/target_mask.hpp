@@ -12,15 +12,17 @@ namespace polhode {
 struct TargetMask {
   static constexpr int kCell_px = 4;
 
-  cv::Mat cells;                ///< CV_8UC1, 255 on the target and 2 cells around it
-  cv::Rect region_px;           ///< what encloses it, in pixels of the image; empty when nothing is bright enough
-  double coverage = 0.0;        ///< fraction of the picture
+  cv::Mat cells;  ///< CV_8UC1, 255 on the target and 2 cells around it
+  cv::Rect
+      region_px;  ///< what encloses it, in pixels of the image; empty when nothing is bright enough
+  double coverage = 0.0;  ///< fraction of the picture
 
   [[nodiscard]] bool contains(double u_px, double v_px) const;
 };
 
-/// Cells brighter than the dark level, in connected groups of at least 4 cells (stars are smaller), grown by 2 cells.
-/// Disabled, or on a picture without dark background, the whole image is the target.
+/// Cells brighter than the dark level, in connected groups of at least 5 cells (stars are smaller),
+/// grown by 2 cells. Disabled, or on a picture without dark background, the whole image is the
+/// target.
 void find_target(const cv::Mat& gray, const MaskOptions& options, TargetMask* mask);
 
 }  // namespace polhode

@@ -18,7 +18,10 @@ struct PictureChange {
   double extent_px = 0.0;    ///< RMS distance of the features from their mean
 };
 
-PictureChange change_since(const CollectedFrame& before, const Features& now, double ratio_max, FeatureMatches* matches) {
+PictureChange change_since(const CollectedFrame& before,
+                           const Features& now,
+                           double ratio_max,
+                           FeatureMatches* matches) {
   match_mutual(before.features.view(), now.view(), ratio_max, matches);
   PictureChange change;
   change.matches = static_cast<int>(matches->size());
@@ -51,10 +54,13 @@ bool worth_collecting(Component::State* s) {
   if (s->tracks.frames.empty()) {
     return true;
   }
-  const PictureChange change = change_since(s->tracks.frames.back(), s->features,
-                                            s->parameters.tracks.descriptor_ratio_max, &s->tracks.scratch);
-  // A turn of 2 deg moves a body's near spots by 3 % of its radius against its far ones; a shift of a fifth of the radius
-  // changes the direction of view by as much as matters for translation alone.
+  const PictureChange change = change_since(s->tracks.frames.back(),
+                                            s->features,
+                                            s->parameters.tracks.descriptor_ratio_max,
+                                            &s->tracks.scratch);
+  // A turn of 2 deg moves a body's near spots by 3 % of its radius against its far ones; a shift of
+  // a fifth of the radius changes the direction of view by as much as matters for translation
+  // alone.
   constexpr double kRelativeMin = 0.03;
   constexpr double kShiftMin = 0.2;
   constexpr int kMatchesFew = 30;
@@ -65,18 +71,20 @@ bool worth_collecting(Component::State* s) {
 StartProblem pose_problem(Component::State* s) {
   static_assert(limits::kStartFrames <= 64);
   for (std::size_t i = 0; i < s->tracks.frames.size(); ++i) {
-    const std::int64_t since_ns = s->tracks.frames[i].timestamp_ns - s->tracks.frames[0].timestamp_ns;
+    const std::int64_t since_ns =
+        s->tracks.frames[i].timestamp_ns - s->tracks.frames[0].timestamp_ns;
     s->start_times_s[i] = static_cast<double>(since_ns) * 1e-9;
   }
   for (std::size_t t = 0; t < s->tracks.tracks.size(); ++t) {
     StartTrack& track = s->start_tracks[t];
     track.observations.clear();
     for (const TrackPoint& point : s->tracks.tracks[t].points) {
-      const Feature& f =
-          s->tracks.frames[static_cast<std::size_t>(point.frame)].features[static_cast<std::size_t>(point.feature)];
-      (void)track.observations.push_back({.frame = point.frame,
-                                          .normalised = f.normalised,
-                                          .sigma_normalised = static_cast<double>(f.sigma_px) / s->camera.focal_px()});
+      const Feature& f = s->tracks.frames[static_cast<std::size_t>(point.frame)]
+                             .features[static_cast<std::size_t>(point.feature)];
+      (void)track.observations.push_back(
+          {.frame = point.frame,
+           .normalised = f.normalised,
+           .sigma_normalised = static_cast<double>(f.sigma_px) / s->camera.focal_px()});
     }
   }
   return {.times_s = std::span(s->start_times_s).first(s->tracks.frames.size()),
@@ -100,7 +108,8 @@ bool pose_from_keyframe(const Keyframe& keyframe, Component::State* s) {
     }
   }
   s->localised.predicted = static_cast<int>(s->localised.matches.size());
-  return solve_matched(localise_input(*s), &keyframe.pose, &s->localise_scratch, &s->localised).ok();
+  return solve_matched(localise_input(*s), &keyframe.pose, &s->localise_scratch, &s->localised)
+      .ok();
 }
 
 /// Takes over the start: map, first joint adjustment, poses so far, this frame's own pose.
@@ -116,7 +125,8 @@ void begin(const StartOutcome& outcome, Component::State* s) {
     const Keyframe& keyframe = s->map.keyframes[id.index()];
     const bool solved = pose_from_keyframe(keyframe, s);
     if (keyframe.frame != s->frame && solved) {
-      remember_pose(keyframe.timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
+      remember_pose(
+          keyframe.timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
     }
     s->pose_valid = keyframe.frame == s->frame && solved;
   }
@@ -130,7 +140,11 @@ void acquire(Component::State* s) {
   if (s->features.size() < kFeaturesMin || !worth_collecting(s)) {
     return;
   }
-  add_frame(s->frame, s->timestamp_ns, s->features, s->parameters.tracks.descriptor_ratio_max, &s->tracks);
+  add_frame(s->frame,
+            s->timestamp_ns,
+            s->features,
+            s->parameters.tracks.descriptor_ratio_max,
+            &s->tracks);
   s->counters.tables_full += s->tracks.full_count;
   s->tracks.full_count = 0;
   if (static_cast<int>(s->tracks.frames.size()) < s->parameters.start.frames_min) {

@@ -5,8 +5,8 @@
 
 namespace polhode {
 
-/// Adds the frame to the collection when the picture has changed by enough, and holds a contest. On a commit the map is
-/// made, the mode becomes TRACKING and the frame has its pose.
+/// Adds the frame to the collection when the picture has changed by enough, and holds a contest. On
+/// a commit the map is made, the mode becomes TRACKING and the frame has its pose.
 void acquire(Component::State* state);
 
 }  // namespace polhode

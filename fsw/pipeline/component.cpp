@@ -39,7 +39,8 @@ Result<Component*> Component::create(std::span<std::byte> memory, const Paramete
   }
   const bool aligned = reinterpret_cast<std::uintptr_t>(memory.data()) % kAlignment == 0;
   if (memory.size() < sizeof(Storage) || !aligned) {
-    return Error{ErrorCode::kMemoryTooSmall, "memory must hold memory_needed().total octets, aligned to 64"};
+    return Error{ErrorCode::kMemoryTooSmall,
+                 "memory must hold memory_needed().total octets, aligned to 64"};
   }
   auto* storage = ::new (static_cast<void*>(memory.data())) Storage;
   storage->state.parameters = parameters;

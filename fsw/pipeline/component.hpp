@@ -1,7 +1,8 @@
 // The one public header: a camera's frames in, the motion and shape of the target out.
 //
-// A component lives in memory that the caller hands over, takes one frame per step and answers with plain data. It has no
-// clock, thread, file or environment of its own: the same frames, parameters and commands give the same packets.
+// A component lives in memory that the caller hands over, takes one frame per step and answers with
+// plain data. It has no clock, thread, file or environment of its own: the same frames, parameters
+// and commands give the same packets.
 #pragma once
 
 #include <cstddef>
@@ -24,8 +25,8 @@ struct MemoryNeed {
 };
 MemoryNeed memory_needed(const Parameters& parameters);
 
-/// One camera frame. A frame that the camera could not deliver whole (truncated file, transfer error) comes with
-/// `readable` false and no image: it is counted and answered, never looked at.
+/// One camera frame. A frame that the camera could not deliver whole (truncated file, transfer
+/// error) comes with `readable` false and no image: it is counted and answered, never looked at.
 struct Frame {
   std::int64_t timestamp_ns = 0;  ///< mid-exposure, strictly increasing
   ImageView image;                ///< read during the step only
@@ -38,11 +39,13 @@ struct StepInput {
 
 /// A measured image point of this frame, for overlays and for re-estimation on the ground.
 struct Observation {
-  std::int32_t landmark = -1;  ///< number of the landmark, never used twice in a run; -1: not (yet) a landmark
-  float u_px = 0.0F;           ///< distorted pixel
+  std::int32_t landmark =
+      -1;  ///< number of the landmark, never used twice in a run; -1: not (yet) a landmark
+  float u_px = 0.0F;  ///< distorted pixel
   float v_px = 0.0F;
   float sigma_px = 0.0F;
-  float predicted_u_px = 0.0F;  ///< where the landmark reprojects with the frame's pose; meaningful with `landmark`
+  float predicted_u_px =
+      0.0F;  ///< where the landmark reprojects with the frame's pose; meaningful with `landmark`
   float predicted_v_px = 0.0F;
   bool inlier = false;
 };
@@ -70,17 +73,18 @@ struct Counters {
   std::uint32_t landmarks_created = 0;
   std::uint32_t landmarks_culled = 0;
   std::uint32_t closures = 0;
-  std::uint32_t tables_full = 0;     ///< times that a table had no free slot
+  std::uint32_t tables_full = 0;  ///< times that a table had no free slot
 };
 
 struct StepOutput {
   FrameUse use = FrameUse::kUsed;
   MotionState motion;
-  std::span<const std::uint8_t> packets;        ///< whole packets, in order; valid until the next step
-  std::span<const Observation> observations;    ///< valid until the next step
+  std::span<const std::uint8_t> packets;  ///< whole packets, in order; valid until the next step
+  std::span<const Observation> observations;  ///< valid until the next step
 };
 
-/// Called at the end of each stage; lets the caller time the stages with its own clock. Must not throw.
+/// Called at the end of each stage; lets the caller time the stages with its own clock. Must not
+/// throw.
 using StageHook = void (*)(void* context, Stage stage);
 
 class Component {

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "map/closure.hpp"
 #include "map/keyframes.hpp"
 #include "map/window.hpp"
+#include "pipeline/track.hpp"
 
 namespace polhode {
 namespace {
@@ -18,23 +20,34 @@ void create(KeyframeId keyframe, Component::State* s) {
   extend_landmarks(first, s->camera, &s->map);
 }
 
-BundleOptions bundle_options(int iterations_max) { return {.iterations_max = iterations_max, .cauchy_sigma = 2.0}; }
-
-/// Landmarks that were last seen long ago and are seen again now: a side has come back.
-int returned_landmarks(const Component::State& s) {
-  constexpr std::uint32_t kLongAgo_keyframes = 12;
-  int returned = 0;
-  for (const LandmarkMatch& match : s.localised.matches) {
-    const Landmark& landmark = s.map.landmarks[match.landmark.index()];
-    returned += match.inlier && landmark.used && landmark.seen_keyframe + kLongAgo_keyframes < s.map.next_keyframe_number;
-  }
-  return returned;
+BundleOptions bundle_options(int iterations_max) {
+  return {.iterations_max = iterations_max, .cauchy_sigma = 2.0};
 }
 
-/// All keyframes are adjusted together when a side comes back, and each time the map has grown by a fifth.
-bool wants_adjustment_of_all(const Component::State& s, int returned) {
-  constexpr int kReturnedMin = 30;
-  return returned >= kReturnedMin || 5 * s.map.keyframe_count > 6 * s.keyframes_at_last_adjustment;
+/// All keyframes are adjusted together each time the map has grown by a fifth.
+bool wants_adjustment_of_all(const Component::State& s) {
+  return 5 * s.map.keyframe_count > 6 * s.keyframes_at_last_adjustment;
+}
+
+/// A loop that closes brings residuals of many sigma, which a narrow loss would take for outliers:
+/// the loss starts as wide as a tenth of the body and narrows in two steps.
+void adjust_closed_loop(Component::State* s) {
+  for (const double cauchy_sigma : {100.0, 15.0}) {
+    AdjustmentSnapshot snapshot = snapshot_all(s->map, s->camera);
+    const BundleOptions options{.iterations_max = 20, .cauchy_sigma = cauchy_sigma};
+    if (adjust(&snapshot, options).usable) {
+      apply(snapshot, &s->map);
+    }
+  }
+  adjust_all(s->parameters.map.adjustment_iterations_max, s);
+}
+
+void adjust_window(Component::State* s) {
+  AdjustmentSnapshot snapshot =
+      snapshot_window(s->map, s->camera, s->parameters.map.window_keyframes);
+  if (adjust(&snapshot, bundle_options(s->parameters.map.adjustment_iterations_max)).usable) {
+    apply(snapshot, &s->map);
+  }
 }
 
 }  // namespace
@@ -49,7 +62,8 @@ void adjust_all(int iterations_max, Component::State* s) {
 
 void cull_map(Component::State* s) {
   s->noise_scale = std::max(1.0, residual_scale(s->map, s->camera));
-  s->counters.landmarks_culled += static_cast<std::uint32_t>(cull_landmarks(s->camera, s->noise_scale, &s->map));
+  s->counters.landmarks_culled +=
+      static_cast<std::uint32_t>(cull_landmarks(s->camera, s->noise_scale, &s->map));
 }
 
 void settle_map(Component::State* s) {
@@ -69,13 +83,13 @@ void settle_map(Component::State* s) {
 
 void extend_map(Component::State* s) {
   const LocalisedFrame& localised = s->localised;
-  if (!wants_keyframe(s->map, localised.absolute.pose, localised.absolute.inliers, s->parameters.map)) {
+  if (!wants_keyframe(
+          s->map, localised.absolute.pose, localised.absolute.inliers, s->parameters.map)) {
     return;
   }
-  const int returned = returned_landmarks(*s);
   const std::int32_t count_before = s->map.keyframe_count;
-  const KeyframeId id =
-      insert_keyframe(s->frame, s->timestamp_ns, s->features, localised, s->parameters.map, &s->map);
+  const KeyframeId id = insert_keyframe(
+      s->frame, s->timestamp_ns, s->features, localised, s->parameters.map, &s->map);
   if (!id.valid()) {
     ++s->counters.tables_full;
     return;
@@ -83,21 +97,24 @@ void extend_map(Component::State* s) {
   ++s->counters.keyframes_inserted;
   s->counters.keyframes_culled += s->map.keyframe_count == count_before ? 1 : 0;
   create(id, s);
-  if (wants_adjustment_of_all(*s, returned)) {
-    s->counters.closures += s->map.keyframe_count > s->parameters.map.window_keyframes ? 1 : 0;
+  const int closed =
+      close_loop(localise_input(*s), id, {}, &s->localise_scratch, &s->closure, &s->map);
+  if (closed > 0) {
+    ++s->counters.closures;
+    adjust_closed_loop(s);
+  } else if (wants_adjustment_of_all(*s)) {
     adjust_all(s->parameters.map.adjustment_iterations_max, s);
   } else {
-    AdjustmentSnapshot snapshot = snapshot_window(s->map, s->camera, s->parameters.map.window_keyframes);
-    if (adjust(&snapshot, bundle_options(s->parameters.map.adjustment_iterations_max)).usable) {
-      apply(snapshot, &s->map);
-    }
+    adjust_window(s);
   }
   cull_map(s);
   refresh_landmarks(&s->map, s->camera);
   s->localised.absolute.pose = s->map.keyframes[id.index()].pose;
 }
 
-void remember_pose(std::int64_t timestamp_ns, const Pose& pose, const PoseCovariance& covariance,
+void remember_pose(std::int64_t timestamp_ns,
+                   const Pose& pose,
+                   const PoseCovariance& covariance,
                    Component::State* s) {
   // Times increase: the step has refused the others.
   (void)remember(s->poses, {.timestamp_ns = timestamp_ns, .pose = pose, .covariance = covariance});

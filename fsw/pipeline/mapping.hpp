@@ -5,11 +5,12 @@
 
 namespace polhode {
 
-/// Joint adjustment of a map that has just begun, with the landmarks that its keyframes give beyond the start's tracks.
+/// Joint adjustment of a map that has just begun, with the landmarks that its keyframes give beyond
+/// the start's tracks.
 void settle_map(Component::State* state);
 
-/// Makes this frame a keyframe when it should be one, extends the map by it, adjusts, culls; the frame's pose in
-/// `localised` becomes the adjusted one.
+/// Makes this frame a keyframe when it should be one, extends the map by it, adjusts, culls; the
+/// frame's pose in `localised` becomes the adjusted one.
 void extend_map(Component::State* state);
 
 /// Joint adjustment of all keyframes and landmarks.
@@ -19,7 +20,9 @@ void adjust_all(int iterations_max, Component::State* state);
 void cull_map(Component::State* state);
 
 /// Appends to the poses so far; the oldest goes when the table is full.
-void remember_pose(std::int64_t timestamp_ns, const Pose& pose, const PoseCovariance& covariance,
+void remember_pose(std::int64_t timestamp_ns,
+                   const Pose& pose,
+                   const PoseCovariance& covariance,
                    Component::State* state);
 
 }  // namespace polhode

@@ -1,4 +1,5 @@
-// Everything that may be set, in one plain table: defaults work on any sequence, units are in the names.
+// Everything that may be set, in one plain table: defaults work on any sequence, units are in the
+// names.
 #pragma once
 
 #include <cstdint>

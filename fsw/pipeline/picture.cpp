@@ -8,10 +8,13 @@ void stage_done(Stage stage, const Component::State& s) {
   }
 }
 
-FrameUse take_picture(const Frame& frame, Component::State* s) {
+void forget_picture(Component::State* s) {
   s->features_ready = false;
   s->features.clear();
   s->localised.matches.clear();
+}
+
+FrameUse take_picture(const Frame& frame, Component::State* s) {
   if (!frame.readable || frame.image.data == nullptr) {
     return FrameUse::kUnreadable;
   }

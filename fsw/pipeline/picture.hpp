@@ -8,7 +8,10 @@ namespace polhode {
 /// Tells the caller's hook that a stage has ended.
 void stage_done(Stage stage, const Component::State& state);
 
-/// Imports the image, measures its quality and finds the target's mask. What the last frame left behind is cleared.
+/// Clears what the last frame's picture has left behind.
+void forget_picture(Component::State* state);
+
+/// Imports the image, measures its quality and finds the target's mask.
 FrameUse take_picture(const Frame& frame, Component::State* state);
 
 /// Detects this frame's features, once.

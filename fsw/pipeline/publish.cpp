@@ -16,15 +16,17 @@ std::uint16_t clipped(std::size_t count) {
 }
 
 std::uint16_t inliers(const LandmarkMatches& matches) {
-  return clipped(static_cast<std::size_t>(
-      std::count_if(matches.begin(), matches.end(), [](const LandmarkMatch& m) { return m.inlier; })));
+  return clipped(static_cast<std::size_t>(std::count_if(
+      matches.begin(), matches.end(), [](const LandmarkMatch& m) { return m.inlier; })));
 }
 
 /// Of the two quaternions of one rotation the one nearer to the last published.
-std::array<double, 4> continuous_quaternion(const Eigen::Matrix3d& R_CT, std::array<double, 4>* last) {
+std::array<double, 4> continuous_quaternion(const Eigen::Matrix3d& R_CT,
+                                            std::array<double, 4>* last) {
   Eigen::Quaterniond q(R_CT);
   q.normalize();
-  const double dot = q.w() * (*last)[0] + q.x() * (*last)[1] + q.y() * (*last)[2] + q.z() * (*last)[3];
+  const double dot =
+      q.w() * (*last)[0] + q.x() * (*last)[1] + q.y() * (*last)[2] + q.z() * (*last)[3];
   if (dot < 0.0) {
     q.coeffs() *= -1.0;
   }
@@ -74,7 +76,10 @@ void list_observations(Component::State* s) {
 
 }  // namespace
 
-void fill_pose(const Pose& pose, const PoseCovariance& covariance, std::array<double, 4>* q_last, MotionState* m) {
+void fill_pose(const Pose& pose,
+               const PoseCovariance& covariance,
+               std::array<double, 4>* q_last,
+               MotionState* m) {
   m->pose_valid = true;
   m->q_CT = continuous_quaternion(pose.R_CT, q_last);
   m->p_CT = to_array(pose.p_CT);

@@ -5,9 +5,12 @@
 
 namespace polhode {
 
-/// Writes a pose with its sigmas into a motion state; of the two quaternions of one rotation the one nearer to `q_last`,
-/// which becomes the one written.
-void fill_pose(const Pose& pose, const PoseCovariance& covariance, std::array<double, 4>* q_last, MotionState* motion);
+/// Writes a pose with its sigmas into a motion state; of the two quaternions of one rotation the
+/// one nearer to `q_last`, which becomes the one written.
+void fill_pose(const Pose& pose,
+               const PoseCovariance& covariance,
+               std::array<double, 4>* q_last,
+               MotionState* motion);
 
 /// The same pose with lengths multiplied by `unit`.
 Pose scaled(const Pose& pose, double unit);

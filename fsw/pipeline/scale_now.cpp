@@ -30,7 +30,9 @@ SeenLandmarks seen_in(const Keyframe& keyframe, const Map& map) {
 
 }  // namespace
 
-bool measure_scale_in(const Pose& pose, std::span<const Eigen::Vector3d> landmarks_T, Component::State* s) {
+bool measure_scale_in(const Pose& pose,
+                      std::span<const Eigen::Vector3d> landmarks_T,
+                      Component::State* s) {
   const ScaleOptions& options = s->parameters.scale;
   const ScaleView view{.pose = pose, .landmarks_T = landmarks_T};
   const auto ray = [&](std::size_t end) {

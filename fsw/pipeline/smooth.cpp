@@ -20,9 +20,10 @@ std::vector<PoseObservation> sightings_of(const Keyframe& keyframe, const Compon
     const LandmarkId id = keyframe.landmark_of[i];
     if (id.valid()) {
       const Feature& f = keyframe.features[i];
-      observations.push_back({.p_T = s.map.landmarks[id.index()].p_T,
-                              .normalised = f.normalised,
-                              .sigma_normalised = static_cast<double>(f.sigma_px) / s.camera.focal_px()});
+      observations.push_back(
+          {.p_T = s.map.landmarks[id.index()].p_T,
+           .normalised = f.normalised,
+           .sigma_normalised = static_cast<double>(f.sigma_px) / s.camera.focal_px()});
     }
   }
   return observations;
@@ -44,7 +45,8 @@ SmoothedPose refine(const std::vector<PoseObservation>& observations, const Pose
 }
 
 const Keyframe* keyframe_of(const Component::State& s, std::uint32_t frame) {
-  const auto found = std::find_if(s.map.keyframes.begin(), s.map.keyframes.end(),
+  const auto found = std::find_if(s.map.keyframes.begin(),
+                                  s.map.keyframes.end(),
                                   [&](const Keyframe& k) { return k.used && k.frame == frame; });
   return found == s.map.keyframes.end() ? nullptr : &*found;
 }
@@ -66,15 +68,19 @@ void bring_to_rest(Component::State* s) {
 }
 
 MapAtRest::MapAtRest(Component::State* state)
-    : state_(state), slot_of_number_(static_cast<std::size_t>(state->map.next_landmark_number), -1) {
+    : state_(state),
+      slot_of_number_(static_cast<std::size_t>(state->map.next_landmark_number), -1) {
   for (std::size_t i = 0; i < state->map.landmarks.size(); ++i) {
     if (state->map.landmarks[i].used) {
-      slot_of_number_[static_cast<std::size_t>(state->map.landmarks[i].number)] = static_cast<std::int32_t>(i);
+      slot_of_number_[static_cast<std::size_t>(state->map.landmarks[i].number)] =
+          static_cast<std::int32_t>(i);
     }
   }
 }
 
-SmoothedPose MapAtRest::from_log(std::uint32_t frame, const Pose& hint, std::span<const Observation> inliers) const {
+SmoothedPose MapAtRest::from_log(std::uint32_t frame,
+                                 const Pose& hint,
+                                 std::span<const Observation> inliers) const {
   if (const Keyframe* keyframe = keyframe_of(*state_, frame)) {
     SmoothedPose smoothed = refine(sightings_of(*keyframe, *state_), keyframe->pose);
     smoothed.absolute.pose = keyframe->pose;
@@ -83,12 +89,14 @@ SmoothedPose MapAtRest::from_log(std::uint32_t frame, const Pose& hint, std::spa
   }
   std::vector<PoseObservation> observations;
   for (const Observation& o : inliers) {
-    const bool known = o.landmark >= 0 && static_cast<std::size_t>(o.landmark) < slot_of_number_.size();
+    const bool known =
+        o.landmark >= 0 && static_cast<std::size_t>(o.landmark) < slot_of_number_.size();
     const std::int32_t slot = known ? slot_of_number_[static_cast<std::size_t>(o.landmark)] : -1;
     if (slot >= 0) {
       observations.push_back(
           {.p_T = state_->map.landmarks[static_cast<std::size_t>(slot)].p_T,
-           .normalised = undistort(state_->camera, {static_cast<double>(o.u_px), static_cast<double>(o.v_px)}),
+           .normalised = undistort(state_->camera,
+                                   {static_cast<double>(o.u_px), static_cast<double>(o.v_px)}),
            .sigma_normalised = static_cast<double>(o.sigma_px) / state_->camera.focal_px()});
     }
   }
@@ -97,6 +105,7 @@ SmoothedPose MapAtRest::from_log(std::uint32_t frame, const Pose& hint, std::spa
 
 SmoothedPose MapAtRest::from_image(const Frame& frame) {
   Component::State* s = state_;
+  forget_picture(s);
   if (take_picture(frame, s) != FrameUse::kUsed) {
     return {};
   }

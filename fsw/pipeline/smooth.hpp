@@ -1,4 +1,5 @@
-// The end of a replay: the map brought to rest with all that was seen, and every frame's pose from it.
+// The end of a replay: the map brought to rest with all that was seen, and every frame's pose from
+// it.
 //
 // This is work for the ground: it takes what memory and time it needs. What flies is step().
 #pragma once
@@ -13,8 +14,8 @@
 
 namespace polhode {
 
-/// Joint adjustment of all keyframes and landmarks until nothing moves, with sightings looked for anew in every keyframe
-/// between the rounds. T keeps its axes, origin and scale.
+/// Joint adjustment of all keyframes and landmarks until nothing moves, with sightings looked for
+/// anew in every keyframe between the rounds. T keeps its axes, origin and scale.
 void bring_to_rest(Component::State* state);
 
 struct SmoothedPose {
@@ -28,11 +29,14 @@ class MapAtRest {
  public:
   explicit MapAtRest(Component::State* state);
 
-  /// From what the step measured: a keyframe has its adjusted pose, another frame the pose that its logged observations
-  /// give. `hint` is the causal pose.
-  SmoothedPose from_log(std::uint32_t frame, const Pose& hint, std::span<const Observation> inliers) const;
+  /// From what the step measured: a keyframe has its adjusted pose, another frame the pose that its
+  /// logged observations give. `hint` is the causal pose.
+  SmoothedPose from_log(std::uint32_t frame,
+                        const Pose& hint,
+                        std::span<const Observation> inliers) const;
 
-  /// From the picture itself, for a frame that had no pose at its time: found by descriptors over the whole map.
+  /// From the picture itself, for a frame that had no pose at its time: found by descriptors over
+  /// the whole map.
   SmoothedPose from_image(const Frame& frame);
 
  private:

@@ -1,4 +1,5 @@
-// Everything that a component remembers from step to step. Visible, plain, owned by whoever owns the memory.
+// Everything that a component remembers from step to step. Visible, plain, owned by whoever owns
+// the memory.
 #pragma once
 
 #include <array>
@@ -21,7 +22,8 @@
 
 namespace polhode {
 
-/// Known length between two picture points, or range, once it has been turned into metres per map unit.
+/// Known length between two picture points, or range, once it has been turned into metres per map
+/// unit.
 struct ScaleState {
   bool known = false;
   double metres_per_mu = 1.0;
@@ -38,7 +40,8 @@ struct Component::State {
 
   // This frame.
   std::uint32_t frame = 0;
-  std::int64_t timestamp_ns = 0;
+  std::int64_t timestamp_ns = 0;  ///< of the last frame whose picture could be looked at
+  bool time_known = false;
   cv::Mat gray;
   TargetMask mask;
   Features features;
@@ -66,6 +69,7 @@ struct Component::State {
   // Working memory of single calls.
   LocaliseScratch localise_scratch;
   CreateScratch create_scratch;
+  LocalisedFrame closure;
 
   // Output.
   std::uint16_t sequence = 0;

@@ -4,8 +4,8 @@
 
 #include "bus/telemetry.hpp"
 #include "pipeline/acquire.hpp"
-#include "pipeline/picture.hpp"
 #include "pipeline/mapping.hpp"
+#include "pipeline/picture.hpp"
 #include "pipeline/publish.hpp"
 #include "pipeline/scale_now.hpp"
 #include "pipeline/state.hpp"
@@ -15,7 +15,7 @@ namespace polhode {
 namespace {
 
 FrameUse judge(const Frame& frame, const Component::State& s) {
-  if (s.counters.frames_in > 1 && frame.timestamp_ns <= s.timestamp_ns) {
+  if (s.time_known && frame.timestamp_ns <= s.timestamp_ns) {
     return FrameUse::kTimeNotIncreasing;
   }
   return FrameUse::kUsed;
@@ -23,18 +23,25 @@ FrameUse judge(const Frame& frame, const Component::State& s) {
 
 void count(FrameUse use, Counters* counters) {
   switch (use) {
-    case FrameUse::kUsed: ++counters->frames_used; break;
-    case FrameUse::kUnreadable: ++counters->frames_unreadable; break;
-    case FrameUse::kDark: ++counters->frames_dark; break;
-    case FrameUse::kWrongSize: ++counters->frames_wrong_size; break;
-    case FrameUse::kTimeNotIncreasing: ++counters->frames_time_not_increasing; break;
+    case FrameUse::kUsed:
+      ++counters->frames_used;
+      break;
+    case FrameUse::kUnreadable:
+      ++counters->frames_unreadable;
+      break;
+    case FrameUse::kDark:
+      ++counters->frames_dark;
+      break;
+    case FrameUse::kWrongSize:
+      ++counters->frames_wrong_size;
+      break;
+    case FrameUse::kTimeNotIncreasing:
+      ++counters->frames_time_not_increasing;
+      break;
   }
 }
 
 void estimate(Component::State* s) {
-  if (s->mode == Mode::kIdle) {
-    s->mode = Mode::kAcquiring;
-  }
   if (s->mode == Mode::kAcquiring) {
     acquire(s);
   } else {
@@ -57,12 +64,17 @@ const StepOutput& Component::step(const StepInput& input) {
   State* s = state_;
   s->frame = s->counters.frames_in++;
   s->pose_valid = false;
-  FrameUse use = judge(input.frame, *s);
-  if (use != FrameUse::kTimeNotIncreasing) {
-    s->timestamp_ns = std::max(s->timestamp_ns, input.frame.timestamp_ns);
+  forget_picture(s);
+  if (s->mode == Mode::kIdle) {
+    s->mode = Mode::kAcquiring;
   }
+  FrameUse use = judge(input.frame, *s);
   if (use == FrameUse::kUsed) {
     use = take_picture(input.frame, s);
+  }
+  if (use == FrameUse::kUsed || use == FrameUse::kDark) {
+    s->timestamp_ns = input.frame.timestamp_ns;
+    s->time_known = true;
   }
   if (use == FrameUse::kUsed) {
     estimate(s);

@@ -13,9 +13,10 @@ namespace {
 
 int last_inliers(const Component::State& s) { return static_cast<int>(s.reference.points.size()); }
 
-/// Does the pose agree with the motion so far? The rate of a torque-free body changes by at most |w|^2 a second (Euler's
-/// equation with the inertia's triangle inequality), so over a step that turns it by a the prediction is off by at most
-/// a^2, beyond its own error and the pose's. Both of those are known to be optimistic: a degree is allowed on top.
+/// Does the pose agree with the motion so far? The rate of a torque-free body changes by at most
+/// |w|^2 a second (Euler's equation with the inertia's triangle inequality), so over a step that
+/// turns it by a the prediction is off by at most a^2, beyond its own error and the pose's. Both of
+/// those are known to be optimistic: a degree is allowed on top.
 bool plausible(const PosePrediction& predicted, const Component::State& s) {
   constexpr std::size_t kPosesMin = 3;  // two give a rate without a check
   if (predicted.rotation_poses < kPosesMin) {
@@ -24,29 +25,38 @@ bool plausible(const PosePrediction& predicted, const Component::State& s) {
   constexpr double kAllowance_rad = 0.0175;
   const AbsolutePose& found = s.localised.absolute;
   const double step_rad = rotation_angle_rad(s.poses.back().pose.R_CT, predicted.pose.R_CT);
-  const double sigma_rad = std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
-                                     found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
+  const double sigma_rad =
+      std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
+                found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
   return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) <
          step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad;
 }
 
-/// By optical flow, when the prediction says that the picture moves little and that the frame will not be a keyframe,
-/// which needs features anyway. Edges slide along themselves and glints stay where they are while the body turns: what
-/// flow finds must agree with the motion so far.
+/// By optical flow, when the prediction says that the picture moves little and that the frame will
+/// not be a keyframe, which needs features anyway. Edges slide along themselves and glints stay
+/// where they are while the body turns: what flow finds must agree with the motion so far.
 bool try_flow(const PosePrediction& predicted, Component::State* s) {
   if (!s->reference.valid ||
-      rotation_angle_rad(s->reference.pose.R_CT, predicted.pose.R_CT) > s->parameters.map.keyframe_rotation_min_rad ||
-      predicted_motion_px(s->reference, predicted.pose, s->map, s->camera) > s->parameters.tracks.small_motion_max_px) {
+      rotation_angle_rad(s->reference.pose.R_CT, predicted.pose.R_CT) >
+          s->parameters.map.keyframe_rotation_min_rad ||
+      predicted_motion_px(s->reference, predicted.pose, s->map, s->camera) >
+          s->parameters.tracks.small_motion_max_px) {
     return false;
   }
-  const Result<bool> done = localise_by_flow(localise_input(*s), s->reference, s->pyramid, s->parameters.tracks,
-                                             predicted.pose, &s->localise_scratch, &s->localised);
-  return done.ok() && 2 * s->localised.absolute.inliers >= last_inliers(*s) && plausible(predicted, *s);
+  const Result<bool> done = localise_by_flow(localise_input(*s),
+                                             s->reference,
+                                             s->pyramid,
+                                             s->parameters.tracks,
+                                             predicted.pose,
+                                             &s->localise_scratch,
+                                             &s->localised);
+  return done.ok() && 2 * s->localised.absolute.inliers >= last_inliers(*s) &&
+         plausible(predicted, *s);
 }
 
-/// A mismatch within the smallest circle (4 px) falls within 4 sigma (1 px) of its landmark by chance one time in 16. Twice
-/// that many inliers are beyond chance; how many landmarks should be seen says less, since a map holds more of them than a
-/// single frame has features.
+/// A mismatch within the smallest circle (4 px) falls within 4 sigma (1 px) of its landmark by
+/// chance one time in 16. Twice that many inliers are beyond chance; how many landmarks should be
+/// seen says less, since a map holds more of them than a single frame has features.
 bool agrees(const LocalisedFrame& localised, int inliers_min) {
   return localised.absolute.inliers >= inliers_min + static_cast<int>(localised.matches.size()) / 8;
 }
@@ -62,14 +72,16 @@ bool certain(const LocalisedFrame& localised) {
 bool try_guided(const PosePrediction& predicted, Component::State* s) {
   ensure_features(s);
   const double body_px = s->map.radius_mu * s->camera.focal_px() / predicted.pose.p_CT.z();
-  // The rotation of one frame to the next is predicted to about a tenth; three circles bracket what that leaves.
+  // The rotation of one frame to the next is predicted to about a tenth; three circles bracket what
+  // that leaves.
   const double first_px = std::max(s->parameters.localise.search_floor_px, 0.04 * body_px);
   double radius_px = first_px;
   for (int i = 0; i < 3; ++i, radius_px *= 3.0) {
-    const Result<bool> done =
-        localise_guided(localise_input(*s), predicted.pose, radius_px, &s->localise_scratch, &s->localised);
-    if (done && (certain(s->localised) ||
-                 (agrees(s->localised, s->parameters.localise.inliers_min) && plausible(predicted, *s)))) {
+    const Result<bool> done = localise_guided(
+        localise_input(*s), predicted.pose, radius_px, &s->localise_scratch, &s->localised);
+    if (done &&
+        (certain(s->localised) ||
+         (agrees(s->localised, s->parameters.localise.inliers_min) && plausible(predicted, *s)))) {
       return true;
     }
   }
@@ -102,14 +114,18 @@ void count_sightings(Component::State* s) {
   }
 }
 
-/// A frame followed by flow that is to become a keyframe needs features, and landmarks tied to them.
+/// A frame followed by flow that is to become a keyframe needs features, and landmarks tied to
+/// them.
 bool bring_features(Component::State* s) {
   if (s->features_ready) {
     return true;
   }
   ensure_features(s);
   const Pose pose = s->localised.absolute.pose;
-  return localise_guided(localise_input(*s), pose, s->parameters.localise.search_floor_px, &s->localise_scratch,
+  return localise_guided(localise_input(*s),
+                         pose,
+                         s->parameters.localise.search_floor_px,
+                         &s->localise_scratch,
                          &s->localised)
       .ok();
 }
@@ -154,7 +170,8 @@ bool predict_pose(const Component::State& s, PosePrediction* predicted) {
   if (s.poses.empty()) {
     return false;
   }
-  const Result<PosePrediction> by_motion = predict_pose(s.poses.view(), s.timestamp_ns, s.parameters.motion);
+  const Result<PosePrediction> by_motion =
+      predict_pose(s.poses.view(), s.timestamp_ns, s.parameters.motion);
   *predicted = by_motion ? by_motion.value() : PosePrediction{.pose = s.poses.back().pose};
   // Extrapolated through the camera: the last place is the better guess.
   if (!(predicted->pose.p_CT.z() > 0.1 * s.poses.back().pose.p_CT.z())) {
@@ -173,7 +190,8 @@ void track(Component::State* s) {
     return;
   }
   count_sightings(s);
-  if (wants_keyframe(s->map, s->localised.absolute.pose, s->localised.absolute.inliers, s->parameters.map)) {
+  if (wants_keyframe(
+          s->map, s->localised.absolute.pose, s->localised.absolute.inliers, s->parameters.map)) {
     if (!bring_features(s)) {
       lose(s);
       return;

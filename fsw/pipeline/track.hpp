@@ -5,8 +5,8 @@
 
 namespace polhode {
 
-/// Finds the frame's pose by optical flow or guided matching, whichever the predicted image motion calls for, else by
-/// relocalisation; extends the map. Sets `pose_valid`, `localised` and the mode.
+/// Finds the frame's pose by optical flow or guided matching, whichever the predicted image motion
+/// calls for, else by relocalisation; extends the map. Sets `pose_valid`, `localised` and the mode.
 void track(Component::State* state);
 
 /// This frame's pose by its descriptors alone, over all keyframes; in `localised`.

@@ -23,7 +23,8 @@ double error2(const Pose& pose, const PoseObservation& o) {
   if (!(p_C.z() > 0.0)) {
     return 1e12;
   }
-  return (p_C.hnormalized() - o.normalised).squaredNorm() / (o.sigma_normalised * o.sigma_normalised);
+  return (p_C.hnormalized() - o.normalised).squaredNorm() /
+         (o.sigma_normalised * o.sigma_normalised);
 }
 
 /// Truncated sum of squares (MSAC, Torr and Zisserman 2000): smaller is better.
@@ -35,7 +36,9 @@ double score(const Pose& pose, std::span<const PoseObservation> observations) {
   return sum;
 }
 
-int mark_inliers(const Pose& pose, std::span<const PoseObservation> observations, std::span<std::uint8_t> inlier) {
+int mark_inliers(const Pose& pose,
+                 std::span<const PoseObservation> observations,
+                 std::span<std::uint8_t> inlier) {
   int count = 0;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     inlier[i] = error2(pose, observations[i]) < kInlierChi2 ? 1 : 0;
@@ -109,7 +112,8 @@ struct NormalEquations {
   int used = 0;
 };
 
-NormalEquations linearise(std::span<const PoseObservation> observations, const Pose& pose,
+NormalEquations linearise(std::span<const PoseObservation> observations,
+                          const Pose& pose,
                           std::span<const std::uint8_t> inlier) {
   NormalEquations n;
   for (std::size_t i = 0; i < observations.size(); ++i) {
@@ -119,7 +123,8 @@ NormalEquations linearise(std::span<const PoseObservation> observations, const P
     }
     const double inverse_sigma = 1.0 / observations[i].sigma_normalised;
     const Eigen::Vector2d r = inverse_sigma * (p_C.hnormalized() - observations[i].normalised);
-    const Eigen::Matrix<double, 2, 6> J = inverse_sigma * projection_jacobian(pose, observations[i].p_T);
+    const Eigen::Matrix<double, 2, 6> J =
+        inverse_sigma * projection_jacobian(pose, observations[i].p_T);
     constexpr double kCauchy2 = kCauchySigma * kCauchySigma;
     const double squared = r.squaredNorm();
     const double weight = 1.0 / (1.0 + squared / kCauchy2);
@@ -149,7 +154,8 @@ Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
     if (!step.allFinite()) {
       return ErrorCode::kDegenerate;
     }
-    const Pose next{.R_CT = so3_exp(step.head<3>()) * pose.R_CT, .p_CT = pose.p_CT + step.tail<3>()};
+    const Pose next{.R_CT = so3_exp(step.head<3>()) * pose.R_CT,
+                    .p_CT = pose.p_CT + step.tail<3>()};
     const NormalEquations m = linearise(observations, next, inlier);
     if (m.used < n.used || m.robust_cost > n.robust_cost) {
       damping = std::max(1e-4, damping * 10.0);

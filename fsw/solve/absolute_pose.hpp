@@ -13,7 +13,8 @@ namespace polhode {
 struct PoseObservation {
   Eigen::Vector3d p_T = Eigen::Vector3d::Zero();
   Eigen::Vector2d normalised = Eigen::Vector2d::Zero();
-  double sigma_normalised = 1.0;  ///< 1-sigma of each coordinate, the landmark's own uncertainty included
+  double sigma_normalised =
+      1.0;  ///< 1-sigma of each coordinate, the landmark's own uncertainty included
 };
 
 struct AbsolutePoseOptions {
@@ -25,16 +26,19 @@ struct AbsolutePoseOptions {
 
 struct AbsolutePose {
   Pose pose;
-  PoseCovariance covariance = PoseCovariance::Zero();  ///< scaled up by chi2 / dof where that exceeds 1
+  PoseCovariance covariance =
+      PoseCovariance::Zero();  ///< scaled up by chi2 / dof where that exceeds 1
   int inliers = 0;
   double chi2 = 0.0;  ///< over the inliers, 2 * inliers - 6 degrees of freedom
 };
 
-/// What counts as an inlier, in units of sigma squared: 4 sigma. Feature positions have heavier tails than a normal
-/// distribution, and between 2 and 4 sigma the robust loss weighs them by what they are worth.
+/// What counts as an inlier, in units of sigma squared: 4 sigma. Feature positions have heavier
+/// tails than a normal distribution, and between 2 and 4 sigma the robust loss weighs them by what
+/// they are worth.
 inline constexpr double kInlierChi2 = 16.0;
 
-/// Consensus of P3P hypotheses, then robust Gauss-Newton (Cauchy) on the inliers and two rounds of picking the inliers anew.
+/// Consensus of P3P hypotheses, then robust Gauss-Newton (Cauchy) on the inliers and two rounds of
+/// picking the inliers anew.
 /// @param inlier  out, one octet per observation.
 /// @param hint    tried as the first hypothesis when given.
 /// @errors TooFewObservations, NoConsensus.

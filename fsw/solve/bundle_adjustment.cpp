@@ -32,7 +32,8 @@ ceres::Solver::Options solver_options(const BundleOptions& options, std::size_t 
   ceres::Solver::Options o;
   o.max_num_iterations = options.iterations_max;
   o.num_threads = 1;
-  // Past some forty moving poses the reduced camera system is sparse enough to pay for sparse factorisation.
+  // Past some forty moving poses the reduced camera system is sparse enough to pay for sparse
+  // factorisation.
   o.linear_solver_type = poses > 40 ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
   o.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
   o.function_tolerance = 1e-5;
@@ -75,7 +76,8 @@ class Adjustment {
     return summary;
   }
 
-  /// @return false, with the problem untouched, when the solution is not finite or lies behind a camera.
+  /// @return false, with the problem untouched, when the solution is not finite or lies behind a
+  /// camera.
   bool write_back() {
     if (!all_finite(poses_, points_)) {
       return false;
@@ -95,7 +97,9 @@ class Adjustment {
   }
 
  private:
-  void add_parameters(ceres::Problem* ceres_problem, PoseManifold* manifold, ceres::ParameterBlockOrdering* ordering) {
+  void add_parameters(ceres::Problem* ceres_problem,
+                      PoseManifold* manifold,
+                      ceres::ParameterBlockOrdering* ordering) {
     for (std::size_t i = 0; i < points_.size(); ++i) {
       ceres_problem->AddParameterBlock(points_[i].data(), 3);
       ordering->AddElementToGroup(points_[i].data(), 0);

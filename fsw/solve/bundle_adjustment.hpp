@@ -16,8 +16,8 @@ struct BundleObservation {
   double sigma_normalised = 1.0;
 };
 
-/// Poses and points are changed in place. At least one pose must be fixed; where only one is, the scale is held by the
-/// damping alone and the caller re-aligns.
+/// Poses and points are changed in place. At least one pose must be fixed; where only one is, the
+/// scale is held by the damping alone and the caller re-aligns.
 struct BundleProblem {
   std::span<InverseDepthPose> poses;
   std::span<const std::uint8_t> pose_fixed;  ///< 1: held
@@ -38,7 +38,8 @@ struct BundleReport {
   double cost_after = 0.0;
 };
 
-/// @cost at most iterations_max Levenberg-Marquardt steps, dense Schur complement, one thread. Deterministic.
+/// @cost at most iterations_max Levenberg-Marquardt steps, dense Schur complement, one thread.
+/// Deterministic.
 /// @source Triggs et al., Bundle Adjustment - A Modern Synthesis, 2000; by way of Ceres.
 BundleReport adjust_bundle(const BundleProblem& problem, const BundleOptions& options);
 

@@ -17,22 +17,20 @@ void nearest_descriptors(std::span<const std::uint8_t> reference,
   if (rows == 0 || out.empty()) {
     return;
   }
-  // FLANN takes its trees' random choices from the C library's generator: seeded before each build.
-  flann::seed_random(1U);
   std::vector<unsigned char> data(reference.begin(), reference.end());
   std::vector<unsigned char> wanted(queries.begin(), queries.end());
   const flann::Matrix<unsigned char> table(data.data(), rows, kColumns);
   const flann::Matrix<unsigned char> query(wanted.data(), out.size(), kColumns);
-  constexpr int kTrees = 4;
-  flann::Index<flann::L2<unsigned char>> index(table, flann::KDTreeIndexParams(kTrees));
+  // Exhaustive: FLANN 1.9.2 shuffles the points of its randomised trees by std::random_device,
+  // which no seed reaches.
+  flann::Index<flann::L2<unsigned char>> index(table, flann::LinearIndexParams());
   index.buildIndex();
   const std::size_t k = rows > 1 ? 2 : 1;
   std::vector<int> ids(out.size() * k, -1);
   std::vector<float> distances(out.size() * k, 0.0F);
   flann::Matrix<int> id_rows(ids.data(), out.size(), k);
   flann::Matrix<float> distance_rows(distances.data(), out.size(), k);
-  constexpr int kLeavesVisited = 64;
-  flann::SearchParams search(kLeavesVisited);
+  flann::SearchParams search;
   search.cores = 1;
   index.knnSearch(query, id_rows, distance_rows, k, search);
   for (std::size_t i = 0; i < out.size(); ++i) {

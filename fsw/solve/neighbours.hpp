@@ -1,4 +1,4 @@
-// Nearest descriptors by kd-tree, for relocalisation against everything in the map.
+// Nearest descriptors, for relocalisation against everything in the map.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,10 @@ struct Neighbours {
   float distance2_second = 0.0F;
 };
 
-/// For each query the two nearest of the reference descriptors (rows of 128 octets, Euclidean), approximately: randomised
-/// kd-trees with a fixed seed and a bound on the leaves visited. The tree is built and dropped inside the call.
+/// For each query the two nearest of the reference descriptors (rows of 128 octets, Euclidean),
+/// exactly.
 /// @param out  one per query; `second` is -1 where there is just one reference.
+/// @cost  rows times queries distances: the caller bounds both. Deterministic.
 void nearest_descriptors(std::span<const std::uint8_t> reference,
                          std::span<const std::uint8_t> queries,
                          std::span<Neighbours> out);

@@ -29,9 +29,10 @@ inline InverseDepthPose from_block(const double* block) {
 }
 inline InverseDepthPose from_block(const PoseBlock& block) { return from_block(block.data()); }
 
-/// Left perturbation R <- exp(phi) R and plain addition on (u, v, s). The cost functions below write their derivatives by
-/// the tangent into the first six of the seven ambient columns, so the lift back to the tangent is a plain selection: this
-/// saves the product with the 4x3 quaternion Jacobian in every residual.
+/// Left perturbation R <- exp(phi) R and plain addition on (u, v, s). The cost functions below
+/// write their derivatives by the tangent into the first six of the seven ambient columns, so the
+/// lift back to the tangent is a plain selection: this saves the product with the 4x3 quaternion
+/// Jacobian in every residual.
 class PoseManifold final : public ceres::Manifold {
  public:
   int AmbientSize() const override { return kPoseBlockSize; }
@@ -40,8 +41,9 @@ class PoseManifold final : public ceres::Manifold {
   bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
     const Eigen::Vector3d phi(delta[0], delta[1], delta[2]);
     const double angle = phi.norm();
-    const Eigen::Quaterniond step =
-        angle > 0.0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, phi / angle)) : Eigen::Quaterniond::Identity();
+    const Eigen::Quaterniond step = angle > 0.0
+                                        ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, phi / angle))
+                                        : Eigen::Quaterniond::Identity();
     const Eigen::Quaterniond q = (step * Eigen::Quaterniond(x[3], x[0], x[1], x[2])).normalized();
     x_plus_delta[0] = q.x();
     x_plus_delta[1] = q.y();
@@ -85,7 +87,9 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseBlockSize
   ReprojectionCost(const Eigen::Vector2d& normalised, double sigma_normalised)
       : measured_(normalised), weight_(1.0 / sigma_normalised) {}
 
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+  bool Evaluate(double const* const* parameters,
+                double* residuals,
+                double** jacobians) const override {
     const InverseDepthPose pose = from_block(parameters[0]);
     const Eigen::Map<const Eigen::Vector3d> p_T(parameters[1]);
     Eigen::Vector2d projected;

@@ -16,13 +16,26 @@ cv::TermCriteria stop_rule() {
   return {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kIterations, kStep_px};
 }
 
-void flow(const Pyramid& before, const Pyramid& now, const std::vector<cv::Point2f>& from,
-          std::vector<cv::Point2f>* to, std::vector<std::uint8_t>* found) {
+void flow(const Pyramid& before,
+          const Pyramid& now,
+          const std::vector<cv::Point2f>& from,
+          std::vector<cv::Point2f>* to,
+          std::vector<std::uint8_t>* found) {
   std::vector<float> error;
-  // Least eigenvalue of the patch's gradient matrix, per pixel: below it the patch has no corner to hold on to.
+  // Least eigenvalue of the patch's gradient matrix, per pixel: below it the patch has no corner to
+  // hold on to.
   constexpr double kEigenvalueMin = 1e-4;
-  cv::calcOpticalFlowPyrLK(before.levels, now.levels, from, *to, *found, error, cv::Size(kPatch_px, kPatch_px), kLevels,
-                           stop_rule(), cv::OPTFLOW_USE_INITIAL_FLOW, kEigenvalueMin);
+  cv::calcOpticalFlowPyrLK(before.levels,
+                           now.levels,
+                           from,
+                           *to,
+                           *found,
+                           error,
+                           cv::Size(kPatch_px, kPatch_px),
+                           kLevels,
+                           stop_rule(),
+                           cv::OPTFLOW_USE_INITIAL_FLOW,
+                           kEigenvalueMin);
 }
 
 }  // namespace
@@ -55,7 +68,9 @@ void follow_points(const Pyramid& before,
   for (std::size_t i = 0; i < from.size(); ++i) {
     const cv::Point2f d = back[i] - start[i];
     const bool returned = static_cast<double>(d.x * d.x + d.y * d.y) <= limit2;
-    guess[i] = {.u_px = end[i].x, .v_px = end[i].y, .followed = found[i] != 0 && found_back[i] != 0 && returned};
+    guess[i] = {.u_px = end[i].x,
+                .v_px = end[i].y,
+                .followed = found[i] != 0 && found_back[i] != 0 && returned};
   }
 }
 

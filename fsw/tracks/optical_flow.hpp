@@ -25,7 +25,8 @@ struct FlowPoint {
 };
 
 /// @param from   points in the image of `before`.
-/// @param guess  in: where they are expected in `now`; out: where they are, `followed` false where lost.
+/// @param guess  in: where they are expected in `now`; out: where they are, `followed` false where
+/// lost.
 /// @source Bouguet 2000, by way of OpenCV; forward-backward: Kalal, Mikolajczyk, Matas, ICPR 2010.
 void follow_points(const Pyramid& before,
                    const Pyramid& now,

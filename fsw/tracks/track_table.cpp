@@ -22,7 +22,10 @@ std::int32_t track_for(std::size_t frame, std::int32_t feature, TrackTable* tabl
 }
 
 void tie(std::size_t earlier, std::size_t latest, double ratio_max, TrackTable* table) {
-  match_mutual(table->frames[earlier].features.view(), table->frames[latest].features.view(), ratio_max, &table->scratch);
+  match_mutual(table->frames[earlier].features.view(),
+               table->frames[latest].features.view(),
+               ratio_max,
+               &table->scratch);
   for (const FeatureMatch& match : table->scratch) {
     std::int32_t& now = table->track_of[latest][static_cast<std::size_t>(match.b)];
     if (now >= 0) {
@@ -64,7 +67,8 @@ void drop_oldest_frame(TrackTable* table) {
     }
     const auto renumbered = track.points.size() >= 1 ? static_cast<std::int32_t>(kept) : -1;
     for (const TrackPoint& point : track.points) {
-      table->track_of[static_cast<std::size_t>(point.frame)][static_cast<std::size_t>(point.feature)] = renumbered;
+      table->track_of[static_cast<std::size_t>(point.frame)]
+                     [static_cast<std::size_t>(point.feature)] = renumbered;
     }
     if (renumbered >= 0) {
       table->tracks[kept++] = track;
@@ -73,7 +77,10 @@ void drop_oldest_frame(TrackTable* table) {
   table->tracks.resize(kept);
 }
 
-void add_frame(std::uint32_t frame, std::int64_t timestamp_ns, const Features& features, double ratio_max,
+void add_frame(std::uint32_t frame,
+               std::int64_t timestamp_ns,
+               const Features& features,
+               double ratio_max,
                TrackTable* table) {
   if (table->frames.full()) {
     drop_oldest_frame(table);

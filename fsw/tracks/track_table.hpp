@@ -36,9 +36,12 @@ struct TrackTable {
   std::uint32_t full_count = 0;  ///< tracks that found no place
 };
 
-/// Appends a frame (its features are copied) and ties its features to the tracks of the last three frames by mutual best
-/// descriptors, nearest frame first. A full table forgets its oldest frame.
-void add_frame(std::uint32_t frame, std::int64_t timestamp_ns, const Features& features, double ratio_max,
+/// Appends a frame (its features are copied) and ties its features to the tracks of the last three
+/// frames by mutual best descriptors, nearest frame first. A full table forgets its oldest frame.
+void add_frame(std::uint32_t frame,
+               std::int64_t timestamp_ns,
+               const Features& features,
+               double ratio_max,
                TrackTable* table);
 
 /// Forgets frame 0 and the tracks that live in it alone.

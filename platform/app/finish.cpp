@@ -24,11 +24,14 @@ namespace fs = std::filesystem;
 Pose causal_pose(const MotionState& m, double metres_per_mu) {
   const Eigen::Quaterniond q(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]);
   return {.R_CT = q.toRotationMatrix(),
-          .p_CT = Eigen::Vector3d(m.p_CT[0], m.p_CT[1], m.p_CT[2]) / (m.scale_known ? metres_per_mu : 1.0)};
+          .p_CT = Eigen::Vector3d(m.p_CT[0], m.p_CT[1], m.p_CT[2]) /
+                  (m.scale_known ? metres_per_mu : 1.0)};
 }
 
 /// Every frame's pose from the map at rest. Frames that had none at their time are looked at again.
-std::vector<SmoothedPose> smooth_frames(Component& component, const Sequence& sequence, const ReplayLog& log) {
+std::vector<SmoothedPose> smooth_frames(Component& component,
+                                        const Sequence& sequence,
+                                        const ReplayLog& log) {
   Component::State& state = component.state();
   bring_to_rest(&state);
   MapAtRest at_rest(&state);
@@ -51,16 +54,20 @@ std::vector<SmoothedPose> smooth_frames(Component& component, const Sequence& se
 }
 
 /// A frame that carries the scale may have found its pose only now.
-void measure_scale_late(const ReplayLog& log, const std::vector<SmoothedPose>& poses, Component::State* state) {
+void measure_scale_late(const ReplayLog& log,
+                        const std::vector<SmoothedPose>& poses,
+                        Component::State* state) {
   if (state->parameters.scale.source == ScaleSource::kNone || state->scale.known) {
     return;
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (poses[i].valid && log.published[i].timestamp_ns == state->parameters.scale.frame_timestamp_ns) {
+    if (poses[i].valid &&
+        log.published[i].timestamp_ns == state->parameters.scale.frame_timestamp_ns) {
       std::vector<Eigen::Vector3d> seen;
       for (const Landmark& landmark : state->map.landmarks) {
         Eigen::Vector2d pixel;
-        if (landmark.used && should_be_seen(landmark, poses[i].absolute.pose, state->camera, &pixel)) {
+        if (landmark.used &&
+            should_be_seen(landmark, poses[i].absolute.pose, state->camera, &pixel)) {
           seen.push_back(landmark.p_T);
         }
       }
@@ -90,7 +97,8 @@ FoundShape find_shape(const Component::State& state, const std::vector<Eigen::Ve
   const Result<Shape> shape =
       estimate_shape(points_T, state.parameters.shape, state.parameters.seed, nullptr, *found.work);
   if (!shape) {
-    found.reason = points_T.empty() ? "there is no map" : "too few landmarks, or none on a common surface";
+    found.reason =
+        points_T.empty() ? "there is no map" : "too few landmarks, or none on a common surface";
     return found;
   }
   found.shape = shape.value();
@@ -98,7 +106,8 @@ FoundShape find_shape(const Component::State& state, const std::vector<Eigen::Ve
   return found;
 }
 
-std::vector<Eigen::Vector3d> in_body(const BodyFrame& body, std::span<const Eigen::Vector3d> points_T) {
+std::vector<Eigen::Vector3d> in_body(const BodyFrame& body,
+                                     std::span<const Eigen::Vector3d> points_T) {
   std::vector<Eigen::Vector3d> points_B;
   for (const Eigen::Vector3d& point : points_T) {
     points_B.push_back(body.R_TB.transpose() * (point - body.centroid_T));
@@ -106,27 +115,40 @@ std::vector<Eigen::Vector3d> in_body(const BodyFrame& body, std::span<const Eige
   return points_B;
 }
 
-void write_clouds(const FoundShape& found, const std::vector<Eigen::Vector3d>& points_T, const fs::path& folder) {
+void write_clouds(const FoundShape& found,
+                  const std::vector<Eigen::Vector3d>& points_T,
+                  const fs::path& folder) {
   write_ply(folder / "cloud_raw.ply",
-            {.points = in_body(found.body, points_T), .normals = {}, .rgb = {}, .comment = "landmarks, body frame"});
+            {.points = in_body(found.body, points_T),
+             .normals = {},
+             .rgb = {},
+             .comment = "landmarks, body frame"});
   if (!found.shape) {  // an empty cloud, so that readers find every file of the table
-    write_ply(folder / "cloud.ply", {.points = {}, .normals = {}, .rgb = {}, .comment = "nothing found"});
+    write_ply(folder / "cloud.ply",
+              {.points = {}, .normals = {}, .rgb = {}, .comment = "nothing found"});
     return;
   }
   const Cloud& cloud = found.work->cloud;
   const std::vector<Eigen::Vector3d> points_B = in_body(found.body, cloud.points_T.view());
   std::vector<std::array<std::uint8_t, 3>> rgb(points_B.size(), {200, 200, 200});
-  std::fill(rgb.begin() + static_cast<std::ptrdiff_t>(cloud.measured), rgb.end(),
+  std::fill(rgb.begin() + static_cast<std::ptrdiff_t>(cloud.measured),
+            rgb.end(),
             std::array<std::uint8_t, 3>{240, 140, 40});
   write_ply(folder / "cloud.ply",
-            {.points = points_B, .normals = {}, .rgb = rgb, .comment = "denoised, body frame; orange: added"});
+            {.points = points_B,
+             .normals = {},
+             .rgb = rgb,
+             .comment = "denoised, body frame; orange: added"});
 }
 
-void write_smoothed(const std::vector<MotionState>& smoothed, const ReplayLog& log, const fs::path& folder) {
+void write_smoothed(const std::vector<MotionState>& smoothed,
+                    const ReplayLog& log,
+                    const fs::path& folder) {
   OutputFile table(folder / "motion_smoothed.csv");
   table.write(motion_csv_header());
   for (std::size_t i = 0; i < smoothed.size(); ++i) {
-    table.write(motion_csv_row({.frame = i, .timestamp_ns = log.published[i].timestamp_ns, .used = true}, smoothed[i]));
+    table.write(motion_csv_row(
+        {.frame = i, .timestamp_ns = log.published[i].timestamp_ns, .used = true}, smoothed[i]));
   }
   table.close();
   write_trajectory(folder / "trajectory.tum", smoothed);
@@ -151,7 +173,8 @@ void finish_replay(Component& component,
                     .scale_known = state.scale.known,
                     .metres_per_mu = state.scale.metres_per_mu,
                     .sigma_metres_per_mu = state.scale.relative_sigma * state.scale.metres_per_mu});
-  const std::vector<PoseSample> samples = samples_in_body(poses, log.published, found.body, state.scale.metres_per_mu);
+  const std::vector<PoseSample> samples =
+      samples_in_body(poses, log.published, found.body, state.scale.metres_per_mu);
   write_smoothed(smoothed_motion(poses, samples, log.published, state), log, folder);
   const double radius = found.shape ? 0.5 * found.shape->dimensions.maxCoeff()
                                     : state.map.radius_mu * state.scale.metres_per_mu;

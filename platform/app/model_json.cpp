@@ -19,9 +19,12 @@ Json sigmas(const Eigen::Matrix3d& covariance) {
 
 const char* name(Observability o) {
   switch (o) {
-    case Observability::kObserved: return "observed";
-    case Observability::kWeak: return "weak";
-    case Observability::kUnobserved: break;
+    case Observability::kObserved:
+      return "observed";
+    case Observability::kWeak:
+      return "weak";
+    case Observability::kUnobserved:
+      break;
   }
   return "unobserved";
 }
@@ -64,8 +67,12 @@ Json describe(const MotionModel& model) {
           {"span_s", model.span_s},
           {"mean_w_T_rad_s", to_json(model.mean_w_T_rad_s)},
           {"mean_rate_rad_s", model.mean_rate_rad_s},
-          {"rotation_period_s", model.rotation_period_s > 0.0 ? Json(model.rotation_period_s) : Json(nullptr)},
-          {"w_T_sines", {{"x", to_json(model.sines[0])}, {"y", to_json(model.sines[1])}, {"z", to_json(model.sines[2])}}},
+          {"rotation_period_s",
+           model.rotation_period_s > 0.0 ? Json(model.rotation_period_s) : Json(nullptr)},
+          {"w_T_sines",
+           {{"x", to_json(model.sines[0])},
+            {"y", to_json(model.sines[1])},
+            {"z", to_json(model.sines[2])}}},
           {"translation", drift(model)}};
 }
 
@@ -79,14 +86,16 @@ void write_model_json(const std::filesystem::path& file,
            {"frame", "T: the target's body frame of motion_smoothed.csv and shape.json"},
            {"length_unit", scale_known ? "m" : "map unit"}};
   std::vector<SineSample> workspace(std::min(samples.size(), kSineSamplesMax + 1));
-  const auto model = paper_model(samples.first(std::min(samples.size(), kSineSamplesMax + 1)), body_radius, workspace);
+  const auto model = paper_model(
+      samples.first(std::min(samples.size(), kSineSamplesMax + 1)), body_radius, workspace);
   if (model) {
     out["model"] = describe(model.value());
   } else {
     out["model"] = nullptr;
     out["reason"] = "too few poses to say how the target moves";
   }
-  // Principal axes, inertia ratios and a prediction need rigid-body dynamics; without that fit they are not known.
+  // Principal axes, inertia ratios and a prediction need rigid-body dynamics; without that fit they
+  // are not known.
   out["principal_axes_T"] = nullptr;
   out["inertia_ratios"] = nullptr;
   out["prediction_horizon_s"] = nullptr;

@@ -174,7 +174,10 @@ void replay(const ReplayArguments& arguments) {
   const std::string bus_sha256 = files.bus.finish();
 
   const Clock::time_point finish_start = Clock::now();
-  finish_replay(*made.value(), sequence, {.published = published, .observations = files.spool}, arguments.out);
+  finish_replay(*made.value(),
+                sequence,
+                {.published = published, .observations = files.spool},
+                arguments.out);
   const Counters& counters = made.value()->counters();
   write_summary(arguments.out / "summary.json",
                 {.record = record,

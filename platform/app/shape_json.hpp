@@ -9,9 +9,9 @@
 
 namespace polhode::platform {
 
-/// The file is in the frame of the run's other final files: origin in the shape's centroid, axes along the body's.
-/// Lengths of the shape are in map units until `metres_per_mu` is known; the file is in metres
-/// then.
+/// The file is in the frame of the run's other final files: origin in the shape's centroid, axes
+/// along the body's. Lengths of the shape are in map units until `metres_per_mu` is known; the file
+/// is in metres then.
 struct ShapeReport {
   const Shape* shape = nullptr;  ///< null: there is none, and `reason` says why
   std::string reason;

@@ -7,7 +7,10 @@
 namespace polhode::platform {
 namespace {
 
-PoseSample in_body(const AbsolutePose& absolute, std::int64_t timestamp_ns, const BodyFrame& body, double unit) {
+PoseSample in_body(const AbsolutePose& absolute,
+                   std::int64_t timestamp_ns,
+                   const BodyFrame& body,
+                   double unit) {
   const Pose pose = scaled(absolute.pose, unit);
   const Eigen::Vector3d arm_C = pose.R_CT * body.centroid_T;
   PoseCovariance by_T = PoseCovariance::Identity();  // (phi, dp) of B's origin by that of T's

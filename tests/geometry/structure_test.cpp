@@ -123,7 +123,7 @@ TEST(Triangulate, RefusesOneViewAndPointsBehind) {
 // Off until triangulate() judges the rays by eigenvalues: FullPivLU::rcond() answers 1.7, not 0,
 // for a matrix whose last pivot is rounding, so parallel rays pass its check and a point is made
 // up.
-TEST(Triangulate, DISABLED_RefusesParallelRays) {
+TEST(Triangulate, RefusesParallelRays) {
   Rng rng(8, 0);
   for (int i = 0; i < 20; ++i) {
     const Result<TriangulatedPoint> point =

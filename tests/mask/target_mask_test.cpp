@@ -62,7 +62,7 @@ TEST(FindTarget, ContainsEachPixelOfTheBody_AndNoneFarFromIt) {
   }
 }
 
-TEST(FindTarget, DISABLED_DropsAStar_WhereverItFallsOnTheCells) {
+TEST(FindTarget, DropsAStar_WhereverItFallsOnTheCells) {
   for (int phase = 0; phase < 16; ++phase) {
     cv::Mat gray = black();
     gray(cv::Rect(40 + phase % 4, 60 + phase / 4, 3, 3)).setTo(255);  // a star's blur disc
@@ -162,7 +162,7 @@ TEST(FindTarget, ForgetsTheLastPicture) {
   EXPECT_EQ(mask.coverage, 0.0);
 }
 
-TEST(TargetMask, DISABLED_ContainsNothingOutsideThePicture) {
+TEST(TargetMask, ContainsNothingOutsideThePicture) {
   const TargetMask mask = mask_of(black(), {.enabled = false});
   EXPECT_FALSE(mask.contains(-1.0, 50.0));
   EXPECT_FALSE(mask.contains(-3.0, 50.0));

@@ -110,7 +110,7 @@ TEST(NearestDescriptors, IsExact_WhenThereAreFewReferences) {
   }
 }
 
-TEST(NearestDescriptors, DISABLED_GivesTheSameAnswer_AfterOtherSearches) {
+TEST(NearestDescriptors, GivesTheSameAnswer_AfterOtherSearches) {
   Rng rng(74, 0);
   const Octets reference = random_rows(1500, &rng);
   const Octets queries = random_rows(100, &rng);
