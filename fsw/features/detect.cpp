@@ -35,29 +35,27 @@ Resampled resample(const cv::Mat& region, int pixels_max) {
   return r;
 }
 
-/// Strongest first, one after the other from each cell of a grid, so that no bright corner takes
-/// all places.
-std::vector<cv::KeyPoint> spread(std::vector<cv::KeyPoint> points,
-                                 const cv::Size& size,
-                                 std::size_t count) {
+/// The strongest of each cell of a grid first, then the second strongest, so that no bright corner
+/// takes all places.
+std::vector<cv::KeyPoint> spread(const std::vector<cv::KeyPoint>& points, const cv::Size& size, std::size_t count) {
   constexpr int kGrid = 8;
-  std::stable_sort(points.begin(), points.end(), [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+    const cv::KeyPoint& a = points[i];
+    const cv::KeyPoint& b = points[j];
     return a.response != b.response ? a.response > b.response
                                     : (a.pt.y != b.pt.y ? a.pt.y < b.pt.y : a.pt.x < b.pt.x);
   });
   std::array<int, kGrid * kGrid> taken{};
   std::vector<int> rank(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const int column = std::clamp(
-        static_cast<int>(points[i].pt.x * kGrid / static_cast<float>(size.width)), 0, kGrid - 1);
-    const int row = std::clamp(
-        static_cast<int>(points[i].pt.y * kGrid / static_cast<float>(size.height)), 0, kGrid - 1);
+  for (const std::size_t i : order) {
+    const cv::Point2f& at = points[i].pt;
+    const int column = std::clamp(static_cast<int>(at.x * kGrid / static_cast<float>(size.width)), 0, kGrid - 1);
+    const int row = std::clamp(static_cast<int>(at.y * kGrid / static_cast<float>(size.height)), 0, kGrid - 1);
     rank[i] = taken[static_cast<std::size_t>(row * kGrid + column)]++;
   }
-  std::vector<std::size_t> order(points.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(
-      order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank[a] < rank[b]; });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank[a] < rank[b]; });
   std::vector<cv::KeyPoint> chosen;
   for (std::size_t i = 0; i < std::min(count, order.size()); ++i) {
     chosen.push_back(points[order[i]]);
@@ -116,16 +114,15 @@ void detect_features(const cv::Mat& gray,
   constexpr int kOctaveLayers = 3;
   constexpr double kEdgeThreshold = 10.0;
   constexpr double kSigma = 1.6;
-  const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(
-      0, kOctaveLayers, options.contrast_min * kOctaveLayers, kEdgeThreshold, kSigma);
+  const cv::Ptr<cv::SIFT> sift =
+      cv::SIFT::create(0, kOctaveLayers, options.contrast_min * kOctaveLayers, kEdgeThreshold, kSigma);
   std::vector<cv::KeyPoint> points;
   sift->detect(working.image, points);
   std::erase_if(points, [&](const cv::KeyPoint& p) {
     return !mask.contains(static_cast<double>(p.pt.x) / working.factor_u + region.x,
                           static_cast<double>(p.pt.y) / working.factor_v + region.y);
   });
-  points =
-      spread(std::move(points), working.image.size(), static_cast<std::size_t>(options.count_max));
+  points = spread(points, working.image.size(), static_cast<std::size_t>(options.count_max));
   cv::Mat rows;
   sift->compute(working.image, points, rows);
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -84,10 +84,16 @@ PairSearch search_line(const Feature& wanted,
                        const CameraModel& camera,
                        const CreateScratch& scratch) {
   PairSearch best;
+  const Eigen::Vector3d line_b = E * wanted.normalised.homogeneous();
+  const double own_sigma = sigma_normalised(wanted, camera);
   for (const std::int32_t index : scratch.free_b) {
-    const Feature& f = partner.features[static_cast<std::size_t>(index)];
-    const double sigma = std::hypot(sigma_normalised(wanted, camera), sigma_normalised(f, camera));
-    if (std::abs(sampson_error(E, wanted.normalised, f.normalised)) > kPairSigma * sigma) {
+    const auto i = static_cast<std::size_t>(index);
+    const Feature& f = partner.features[i];
+    const double other_sigma = sigma_normalised(f, camera);
+    const double error = f.normalised.dot(line_b.head<2>()) + line_b.z();
+    const double gradient2 = line_b.head<2>().squaredNorm() + scratch.line_a[i].head<2>().squaredNorm();
+    // Sampson error against its gate, squared on both sides.
+    if (error * error > kPairSigma * kPairSigma * (own_sigma * own_sigma + other_sigma * other_sigma) * gradient2) {
       continue;
     }
     const float ratio = wanted.scale_px / f.scale_px;
@@ -164,6 +170,10 @@ void match_partner(KeyframeId a,
   RelativePose motion = relative_pose(own.pose, partner.pose);
   motion.p_ba.normalize();
   const Eigen::Matrix3d E = essential_matrix(motion);
+  for (const std::int32_t index : scratch->free_b) {
+    const auto i = static_cast<std::size_t>(index);
+    scratch->line_a[i] = E.transpose() * partner.features[i].normalised.homogeneous();
+  }
   scratch->best_of_b.fill(-1);
   scratch->distance_of_b.fill(std::numeric_limits<std::int32_t>::max());
   const double ratio2 = options.ratio_max * options.ratio_max;

@@ -119,6 +119,7 @@ void begin(const StartOutcome& outcome, Component::State* s) {
   settle_map(s);
   s->mode = Mode::kTracking;
   s->poses.clear();
+  s->drift.setZero();
   auto order = keyframes_by_age(s->map);
   std::reverse(order.begin(), order.end());
   for (const KeyframeId id : order) {

@@ -1,6 +1,7 @@
 #include "app/smoothed.hpp"
 
 #include "geometry/so3.hpp"
+#include "pipeline/mapping.hpp"
 #include "pipeline/publish.hpp"
 #include "pipeline/state.hpp"
 
@@ -56,7 +57,8 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
     if (next < samples.size() && poses[i].valid && samples[next].timestamp_ns == m.timestamp_ns) {
       m.matches = static_cast<std::uint16_t>(poses[i].matches);
       m.inliers = static_cast<std::uint16_t>(poses[i].absolute.inliers);
-      fill_pose(samples[next].pose, samples[next].covariance, &q_last, &m);
+      const PoseCovariance drift = kDriftHeldAtBothEnds * scaled(state.drift, state.scale.metres_per_mu);
+      fill_pose(samples[next].pose, samples[next].covariance + drift, &q_last, &m);
       if (const auto rates = estimate_rates_at(samples, next, state.parameters.motion)) {
         publish(rates.value(), m);
       }
