@@ -91,9 +91,11 @@ PairSearch search_line(const Feature& wanted,
     const Feature& f = partner.features[i];
     const double other_sigma = sigma_normalised(f, camera);
     const double error = f.normalised.dot(line_b.head<2>()) + line_b.z();
-    const double gradient2 = line_b.head<2>().squaredNorm() + scratch.line_a[i].head<2>().squaredNorm();
+    const double gradient2 =
+        line_b.head<2>().squaredNorm() + scratch.line_a[i].head<2>().squaredNorm();
     // Sampson error against its gate, squared on both sides.
-    if (error * error > kPairSigma * kPairSigma * (own_sigma * own_sigma + other_sigma * other_sigma) * gradient2) {
+    if (error * error >
+        kPairSigma * kPairSigma * (own_sigma * own_sigma + other_sigma * other_sigma) * gradient2) {
       continue;
     }
     const float ratio = wanted.scale_px / f.scale_px;

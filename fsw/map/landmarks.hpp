@@ -18,7 +18,8 @@ struct CreateOptions {
 struct CreateScratch {
   FixedVector<std::int32_t, limits::kFeatures> free_a;
   FixedVector<std::int32_t, limits::kFeatures> free_b;
-  std::array<Eigen::Vector3d, limits::kFeatures> line_a{};  ///< epipolar line in a of each feature of b
+  std::array<Eigen::Vector3d, limits::kFeatures>
+      line_a{};  ///< epipolar line in a of each feature of b
   std::array<std::int32_t, limits::kFeatures> best_of_b{};
   std::array<std::int32_t, limits::kFeatures> distance_of_b{};
 };

@@ -193,17 +193,29 @@ Result<bool> solve_matched(const LocaliseInput& input,
                            const Pose* hint,
                            LocaliseScratch* scratch,
                            LocalisedFrame* out) {
+  // With enough landmarks that have proved themselves the others only follow: they are marked by
+  // the pose of those.
+  constexpr std::ptrdiff_t kConfirmedMin = 30;
+  const auto first_unconfirmed = std::stable_partition(
+      out->matches.begin(), out->matches.end(), [&](const LandmarkMatch& match) {
+        return confirmed(input.map->landmarks[match.landmark.index()]);
+      });
+  const auto confirmed_count = first_unconfirmed - out->matches.begin();
   to_observations(input, out->matches, scratch);
+  const auto all = scratch->observations.view();
+  const auto deciding =
+      confirmed_count >= kConfirmedMin ? all.first(static_cast<std::size_t>(confirmed_count)) : all;
   const AbsolutePoseOptions options{.iterations_max = input.options->ransac_iterations_max,
                                     .inliers_min = input.options->inliers_min,
                                     .seed = input.seed,
                                     .stream = input.stream};
   const Result<AbsolutePose> pose =
-      absolute_pose(scratch->observations.view(), hint, options, flags(scratch));
+      absolute_pose(deciding, hint, options, flags(scratch).first(deciding.size()));
   if (!pose) {
     return pose.error();
   }
   out->absolute = pose.value();
+  out->absolute.inliers = mark_inliers(out->absolute.pose, all, flags(scratch));
   mark(*scratch, &out->matches);
   return true;
 }

@@ -1,6 +1,7 @@
 #include "map/map.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/assert.hpp"
 
@@ -165,6 +166,7 @@ void refresh_landmarks(Map* map, const CameraModel& camera) {
   for (Landmark& landmark : map->landmarks) {
     landmark.normal_T.setZero();
     landmark.size_mu = 0.0;
+    landmark.spread_rad = 0.0;
     landmark.views.clear();
   }
   FixedVector<KeyframeId, limits::kKeyframes> order = keyframes_by_age(*map);
@@ -177,6 +179,11 @@ void refresh_landmarks(Map* map, const CameraModel& camera) {
       }
       Landmark& landmark = at(map, keyframe.landmark_of[i]);
       const Eigen::Vector3d direction_T = (keyframe.pose.camera_T() - landmark.p_T).normalized();
+      if (landmark.views.empty()) {
+        landmark.oldest_direction_T = direction_T;
+      }
+      const double cosine = std::clamp(landmark.oldest_direction_T.dot(direction_T), -1.0, 1.0);
+      landmark.spread_rad = std::max(landmark.spread_rad, std::acos(cosine));
       landmark.normal_T += direction_T;
       const double depth = keyframe.pose.to_camera(landmark.p_T).z();
       landmark.size_mu +=

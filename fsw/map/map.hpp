@@ -39,12 +39,23 @@ struct Landmark {
                                                        ///< it: stands in for the surface normal
   double size_mu = 0.0;                                ///< radius of its blob on the body
   FixedVector<LandmarkView, kViews> views;
+  Eigen::Vector3d oldest_direction_T = Eigen::Vector3d::Zero();  ///< of view
+  double spread_rad = 0.0;  ///< between its oldest direction of view and the one farthest from it
   std::int32_t observations = 0;  ///< in keyframes
   std::int32_t found = 0;         ///< frames in which it was matched as an inlier
   std::int32_t predicted = 0;     ///< frames in which it should have been seen
   std::uint32_t created_keyframe = 0;
   std::uint32_t seen_keyframe = 0;  ///< number of the last keyframe that saw it
 };
+
+/// Three keyframes over 15 deg of rotation. Glints and silhouettes stay where they are in the
+/// picture while the body turns; for a few degrees they pass for spots at the depth of the axis,
+/// and would slow the estimated rotation down.
+inline bool confirmed(const Landmark& landmark) {
+  constexpr int kSightingsMin = 3;
+  constexpr double kSpreadMin_rad = 0.26;
+  return landmark.observations >= kSightingsMin && landmark.spread_rad >= kSpreadMin_rad;
+}
 
 struct Map {
   std::array<Keyframe, limits::kKeyframes> keyframes{};

@@ -8,6 +8,10 @@
 namespace polhode {
 namespace {
 
+// What has not proved itself pulls less. Measured on nine rendered sequences: at 1 a spinning body
+// is lost to glints, at 3 young maps are held too loosely.
+constexpr double kUnconfirmedSigma = 2.4;
+
 using Slots = std::array<std::int32_t, limits::kLandmarks>;
 
 int shared_landmarks(const Keyframe& keyframe, const std::array<bool, limits::kLandmarks>& wanted) {
@@ -75,11 +79,12 @@ void add_points(const Map& map,
       const LandmarkId id = keyframe.landmark_of[i];
       if (id.valid() && index[id.index()] >= 0) {
         const Feature& f = keyframe.features[i];
+        const double trust = confirmed(map.landmarks[id.index()]) ? 1.0 : kUnconfirmedSigma;
         s->observations.push_back(
             {.pose = static_cast<std::int32_t>(k),
              .point = index[id.index()],
              .normalised = f.normalised,
-             .sigma_normalised = static_cast<double>(f.sigma_px) / camera.focal_px()});
+             .sigma_normalised = trust * static_cast<double>(f.sigma_px) / camera.focal_px()});
       }
     }
   }

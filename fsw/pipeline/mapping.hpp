@@ -9,9 +9,9 @@ namespace polhode {
 /// the start's tracks.
 void settle_map(Component::State* state);
 
-// A map grows keyframe by keyframe, each placed by the last ones with its own error: a random walk, whose variance is the
-// sum of theirs. Held at both ends, as by a closed loop or by an adjustment of everything, a walk's variance is at most a
-// quarter of that, in its middle.
+// A map grows keyframe by keyframe, each placed by the last ones with its own error: a random walk,
+// whose variance is the sum of theirs. Held at both ends, as by a closed loop or by an adjustment
+// of everything, a walk's variance is at most a quarter of that, in its middle.
 inline constexpr double kDriftHeldAtBothEnds = 0.25;
 
 /// Makes this frame a keyframe when it should be one, extends the map by it, adjusts, culls; the

@@ -112,7 +112,10 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   if (s->pose_valid) {
     const AbsolutePose& absolute = s->localised.absolute;
     const double unit = s->scale.metres_per_mu;
-    fill_pose(scaled(absolute.pose, unit), scaled(absolute.covariance + s->drift, unit), &s->q_CT_last, &m);
+    fill_pose(scaled(absolute.pose, unit),
+              scaled(absolute.covariance + s->drift, unit),
+              &s->q_CT_last,
+              &m);
     fill_rates(unit, *s, &m);
   }
   list_observations(s);

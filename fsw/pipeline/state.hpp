@@ -60,8 +60,9 @@ struct Component::State {
   // The map and what follows from it.
   Map map;
   FlowReference reference;
-  PoseHistory poses;                                ///< errors of single frames, without the map's drift
-  PoseCovariance drift = PoseCovariance::Zero();    ///< of the map at this frame against T as it began
+  PoseHistory poses;  ///< errors of single frames, without the map's drift
+  PoseCovariance drift =
+      PoseCovariance::Zero();  ///< of the map at this frame against T as it began
   ScaleState scale;
   double noise_scale = 1.0;  ///< how much larger the residuals are than the features' sigma says
   std::int32_t keyframes_at_last_adjustment = 0;

@@ -36,17 +36,6 @@ double score(const Pose& pose, std::span<const PoseObservation> observations) {
   return sum;
 }
 
-int mark_inliers(const Pose& pose,
-                 std::span<const PoseObservation> observations,
-                 std::span<std::uint8_t> inlier) {
-  int count = 0;
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    inlier[i] = error2(pose, observations[i]) < kInlierChi2 ? 1 : 0;
-    count += inlier[i];
-  }
-  return count;
-}
-
 struct Consensus {
   Pose pose;
   double score = 1e300;
@@ -138,6 +127,17 @@ NormalEquations linearise(std::span<const PoseObservation> observations,
 }
 
 }  // namespace
+
+int mark_inliers(const Pose& pose,
+                 std::span<const PoseObservation> observations,
+                 std::span<std::uint8_t> inlier) {
+  int count = 0;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    inlier[i] = error2(pose, observations[i]) < kInlierChi2 ? 1 : 0;
+    count += inlier[i];
+  }
+  return count;
+}
 
 Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
                                  const Pose& start,

@@ -48,6 +48,11 @@ Result<AbsolutePose> absolute_pose(std::span<const PoseObservation> observations
                                    const AbsolutePoseOptions& options,
                                    std::span<std::uint8_t> inlier);
 
+/// Flags the observations that agree with a pose within kInlierChi2. @return how many.
+int mark_inliers(const Pose& pose,
+                 std::span<const PoseObservation> observations,
+                 std::span<std::uint8_t> inlier);
+
 /// Robust Gauss-Newton (Cauchy at 2 sigma) from `pose` on the observations flagged in `inlier`.
 /// @errors TooFewObservations (under 4), Degenerate.
 Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
