@@ -1,19 +1,12 @@
 """The program under test and sequences to feed it with."""
 
-import csv
-import json
-import os
 import pathlib
 import subprocess
 import types
 
 import pytest
+from replay_files import DEFAULTS, PROGRAM, SAMPLE
 from sequence_writer import SequenceWriter, textured
-
-REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
-DEFAULTS = REPOSITORY / "config/default.toml"
-SAMPLE = REPOSITORY / "hil/data/sample"
 
 
 def pytest_collection_modifyitems(config, items):
@@ -62,12 +55,3 @@ def sample():
     if not (SAMPLE / "mav0/cam0/data.csv").exists():
         pytest.skip("hil/data/sample is not there")
     return SAMPLE
-
-
-def summary(folder: pathlib.Path) -> dict:
-    return json.loads((folder / "summary.json").read_text())
-
-
-def motion_rows(folder: pathlib.Path, name: str = "motion.csv") -> list[dict]:
-    with open(folder / name, newline="") as file:
-        return list(csv.DictReader(file))

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from conftest import REPOSITORY, SAMPLE
+from replay_files import REPOSITORY, SAMPLE
 
 # The photographs may not be passed on: they are read from beside the checkout.
 PHOTOGRAPHS = pathlib.Path(

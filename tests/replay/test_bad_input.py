@@ -3,7 +3,7 @@
 import shutil
 
 import pytest
-from conftest import motion_rows, summary
+from replay_files import motion_rows, summary
 from sequence_writer import uniform, write_image
 
 

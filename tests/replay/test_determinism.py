@@ -8,7 +8,7 @@ import subprocess
 import time
 
 import pytest
-from conftest import DEFAULTS, PROGRAM, SAMPLE, summary
+from replay_files import DEFAULTS, PROGRAM, SAMPLE, summary
 from sequence_writer import SequenceWriter, textured
 
 

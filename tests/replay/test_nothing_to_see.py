@@ -2,7 +2,7 @@
 
 import numpy
 import pytest
-from conftest import motion_rows, summary
+from replay_files import motion_rows, summary
 from sequence_writer import SequenceWriter, noise, textured, uniform
 
 FRAMES = 12

@@ -6,7 +6,7 @@ import math
 
 import numpy
 import pytest
-from conftest import motion_rows, summary
+from replay_files import motion_rows, summary
 from sequence_writer import SequenceWriter, textured
 
 HEADER = (

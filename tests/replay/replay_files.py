@@ -1,0 +1,20 @@
+"""Where the program and its inputs are, and what it leaves behind."""
+
+import csv
+import json
+import os
+import pathlib
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
+DEFAULTS = REPOSITORY / "config/default.toml"
+SAMPLE = REPOSITORY / "hil/data/sample"
+
+
+def summary(folder: pathlib.Path) -> dict:
+    return json.loads((folder / "summary.json").read_text())
+
+
+def motion_rows(folder: pathlib.Path, name: str = "motion.csv") -> list[dict]:
+    with open(folder / name, newline="") as file:
+        return list(csv.DictReader(file))
