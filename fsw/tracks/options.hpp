@@ -1,6 +1,7 @@
 #pragma once
 
-// clang-format off: one line an option
+// One line an option:
+// clang-format off
 namespace polhode {
 
 struct TrackOptions {
