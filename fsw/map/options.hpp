@@ -5,29 +5,24 @@
 namespace polhode {
 
 struct StartOptions {
-  int frames_min = 3;  ///< frames collected before the first contest, 3 .. limits::kStartFrames
-  double chi2_gap_commit =
-      25.0;  ///< depth-reversed twin must be worse by this (5 sigma), 9 .. 1000
-  double chi2_gap_convexity =
-      12.0;  ///< enough where the convexity cue agrees, 4 .. chi2_gap_commit
+  int frames_min = 3;                 ///< frames collected before the first contest, 3 .. limits::kStartFrames
+  double chi2_gap_commit = 25.0;      ///< depth-reversed twin must be worse by this (5 sigma), 9 .. 1000
+  double chi2_gap_convexity = 12.0;   ///< enough where the convexity cue agrees, 4 .. chi2_gap_commit
 };
 
 struct LocaliseOptions {
-  int inliers_min = 12;             ///< fewer leave the frame without a pose, 6 .. 200
-  int ransac_iterations_max = 200;  ///< 10 .. 5000
-  double search_floor_px = 4.0;     ///< guided search never looks nearer than this, 1 .. 50
+  int inliers_min = 12;            ///< fewer leave the frame without a pose, 6 .. 200
+  int ransac_iterations_max = 200; ///< 10 .. 5000
+  double search_floor_px = 4.0;    ///< guided search never looks nearer than this, 1 .. 50
 };
 
 struct MapOptions {
-  int keyframes_max = 100;  ///< 8 .. limits::kKeyframes
-  double keyframe_rotation_min_rad =
-      0.10;  ///< 5.7 deg of body rotation make a new keyframe, 0.02 .. 0.5
-  double keyframe_tracked_min =
-      0.6;  ///< a keyframe comes sooner when less than this part is still tracked, 0.1 .. 0.95
-  int window_keyframes = 10;           ///< keyframes that the windowed adjustment moves, 3 .. 30
-  int adjustment_iterations_max = 10;  ///< 1 .. 100
-  double landmark_parallax_min_rad =
-      0.035;  ///< 2 deg: a 0.5 px error at f = 1000 px is then 1.4 % of depth, 0.005 .. 0.5
+  int keyframes_max = 100;                   ///< 8 .. limits::kKeyframes
+  double keyframe_rotation_min_rad = 0.10;   ///< 5.7 deg of body rotation make a new keyframe, 0.02 .. 0.5
+  double keyframe_tracked_min = 0.6;         ///< a keyframe comes sooner when less than this part is still tracked, 0.1 .. 0.95
+  int window_keyframes = 10;                 ///< keyframes that the windowed adjustment moves, 3 .. 30
+  int adjustment_iterations_max = 10;        ///< 1 .. 100
+  double landmark_parallax_min_rad = 0.035;  ///< 2 deg: a 0.5 px error at f = 1000 px is then 1.4 % of depth, 0.005 .. 0.5
 };
 
 }  // namespace polhode
