@@ -10,8 +10,10 @@ say() { printf '== %s\n' "$*"; }
 tools/setup.sh
 tools/build.sh release
 
-say "replay: $SEQUENCE"
-build/release/bin/polhode replay --config config/default.toml --sequence "$SEQUENCE" --out "$OUT"
+# One known edge of the target gives metres; without it the results are in map units.
+mapfile -t scale < <(.venv/bin/python hil/judge/paper.py scale "$SEQUENCE")
+say "replay: $SEQUENCE" "${scale[@]}"
+build/release/bin/polhode replay --config config/default.toml --sequence "$SEQUENCE" --out "$OUT" "${scale[@]}"
 
 say "judgement against the truth"
 .venv/bin/python hil/evaluate.py "$OUT" "$SEQUENCE"
