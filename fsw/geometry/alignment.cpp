@@ -5,6 +5,12 @@
 
 namespace polhode {
 
+Pose transformed(const Pose& pose_a, const Similarity& b_of_a) {
+  // p_C = R a + t with b = c Q a + q: c p_C = (R Q^T)(b - q) + c t.
+  const Eigen::Matrix3d R_Cb = pose_a.R_CT * b_of_a.R_ba.transpose();
+  return {.R_CT = R_Cb, .p_CT = b_of_a.scale * pose_a.p_CT - R_Cb * b_of_a.t_ba};
+}
+
 Result<Similarity> align_similarity(std::span<const Eigen::Vector3d> points_a,
                                     std::span<const Eigen::Vector3d> points_b,
                                     std::span<const double> weights) {

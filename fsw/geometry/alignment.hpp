@@ -5,6 +5,7 @@
 #include <span>
 
 #include "base/result.hpp"
+#include "geometry/pose.hpp"
 
 namespace polhode {
 
@@ -18,6 +19,9 @@ struct Similarity {
     return scale * (R_ba * p_a) + t_ba;
   }
 };
+
+/// The pose of frame b in the camera, in b's unit, where `pose_a` is that of frame a in a's unit.
+Pose transformed(const Pose& pose_a, const Similarity& b_of_a);
 
 /// Least-squares similarity with weights >= 0 (Umeyama, PAMI 1991).
 /// @errors TooFewObservations (under 3), Degenerate (points coincide or lie on a line).

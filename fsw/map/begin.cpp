@@ -6,6 +6,7 @@ namespace polhode {
 
 void begin_map(const StartOutcome& outcome,
                const TrackTable& tracks,
+               const Similarity& to_T,
                const MapOptions& options,
                Map* map) {
   std::array<KeyframeId, limits::kStartFrames> keyframe_of{};
@@ -20,7 +21,7 @@ void begin_map(const StartOutcome& outcome,
     Keyframe& keyframe = map->keyframes[id.index()];
     keyframe.frame = tracks.frames[f].frame;
     keyframe.timestamp_ns = tracks.frames[f].timestamp_ns;
-    keyframe.pose = outcome.frames[f].pose;
+    keyframe.pose = transformed(outcome.frames[f].pose, to_T);
     keyframe.features = tracks.frames[f].features;
     keyframe_of[f] = id;
   }
@@ -32,7 +33,7 @@ void begin_map(const StartOutcome& outcome,
     if (!id.valid()) {
       break;
     }
-    map->landmarks[id.index()].p_T = outcome.points[t].p_T;
+    map->landmarks[id.index()].p_T = to_T.apply(outcome.points[t].p_T);
     map->landmarks[id.index()].created_keyframe = map->next_keyframe_number - 1;
     for (const TrackPoint& point : tracks.tracks[t].points) {
       const KeyframeId keyframe = keyframe_of[static_cast<std::size_t>(point.frame)];

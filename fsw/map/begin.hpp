@@ -1,6 +1,7 @@
-// The first map, from a contest that was won.
+// A map, or a further part of one, from a contest that was won.
 #pragma once
 
+#include "geometry/alignment.hpp"
 #include "map/initialise.hpp"
 #include "map/map.hpp"
 #include "map/options.hpp"
@@ -9,9 +10,11 @@
 namespace polhode {
 
 /// Each frame with a pose becomes a keyframe, each track with a point a landmark seen where its
-/// features are.
+/// features are. What the map holds already stays; full tables take no more.
+/// @param to_T  takes the start's frame and unit to the map's.
 void begin_map(const StartOutcome& outcome,
                const TrackTable& tracks,
+               const Similarity& to_T,
                const MapOptions& options,
                Map* map);
 

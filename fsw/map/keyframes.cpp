@@ -85,18 +85,28 @@ KeyframeId most_redundant(const Map& map) {
   return chosen;
 }
 
+int make_room(int count, const MapOptions& options, Map* map) {
+  int gone = 0;
+  while (map->keyframe_count + count > options.keyframes_max) {
+    const KeyframeId leaving = most_redundant(*map);
+    if (!leaving.valid()) {
+      break;
+    }
+    remove_keyframe(leaving, map);
+    ++gone;
+  }
+  return gone;
+}
+
 KeyframeId insert_keyframe(std::uint32_t frame,
                            std::int64_t timestamp_ns,
                            const Features& features,
                            const LocalisedFrame& localised,
                            const MapOptions& options,
                            Map* map) {
+  (void)make_room(1, options, map);
   if (map->keyframe_count >= options.keyframes_max) {
-    const KeyframeId leaving = most_redundant(*map);
-    if (!leaving.valid()) {
-      return {};
-    }
-    remove_keyframe(leaving, map);
+    return {};
   }
   const KeyframeId id = add_keyframe(map);
   if (!id.valid()) {

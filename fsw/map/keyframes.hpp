@@ -24,6 +24,10 @@ KeyframeId insert_keyframe(std::uint32_t frame,
                            const MapOptions& options,
                            Map* map);
 
+/// Lets the most redundant keyframes go until `count` more fit under keyframes_max, or none may go.
+/// @return how many went.
+int make_room(int count, const MapOptions& options, Map* map);
+
 /// The keyframe of whose landmarks most are seen by three others, when that is over 90 %, else the
 /// one with the highest part; never the newest two, nor one that is alone on its side of the body
 /// (no other within 20 deg of viewing direction).

@@ -162,12 +162,8 @@ void apply(const AdjustmentSnapshot& s, Map* map) {
     map->landmarks[s.landmarks[i].index()].p_T = back.apply(s.points_T[i]);
   }
   for (std::size_t k = 0; k < s.keyframes.size(); ++k) {
-    // p_C = R p + t in the adjusted frame; with p' = c Q p + q the same point has p_C' = c p_C = (R
-    // Q^T)(p' - q) + c t.
-    const Pose pose = from_inverse_depth(s.poses[k]);
-    const Eigen::Matrix3d R_CT = pose.R_CT * back.R_ba.transpose();
-    map->keyframes[s.keyframes[k].index()].pose = {
-        .R_CT = R_CT, .p_CT = back.scale * pose.p_CT - R_CT * back.t_ba};
+    map->keyframes[s.keyframes[k].index()].pose =
+        transformed(from_inverse_depth(s.poses[k]), back);
   }
 }
 

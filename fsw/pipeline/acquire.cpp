@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "map/begin.hpp"
-#include "pipeline/mapping.hpp"
 #include "pipeline/picture.hpp"
-#include "pipeline/track.hpp"
 
 namespace polhode {
 namespace {
@@ -92,54 +89,13 @@ StartProblem pose_problem(Component::State* s) {
           .seed = s->parameters.seed};
 }
 
-/// This frame's own matches and pose, from the keyframe that it has become.
-bool pose_from_keyframe(const Keyframe& keyframe, Component::State* s) {
-  s->localised.matches.clear();
-  for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
-    const LandmarkId id = keyframe.landmark_of[i];
-    if (id.valid()) {
-      const Feature& f = keyframe.features[i];
-      (void)s->localised.matches.push_back({.landmark = id,
-                                            .feature = static_cast<std::int32_t>(i),
-                                            .u_px = f.u_px,
-                                            .v_px = f.v_px,
-                                            .normalised = f.normalised,
-                                            .sigma_px = static_cast<double>(f.sigma_px)});
-    }
-  }
-  s->localised.predicted = static_cast<int>(s->localised.matches.size());
-  return solve_matched(localise_input(*s), &keyframe.pose, &s->localise_scratch, &s->localised)
-      .ok();
-}
-
-/// Takes over the start: map, first joint adjustment, poses so far, this frame's own pose.
-void begin(const StartOutcome& outcome, Component::State* s) {
-  clear(&s->map);
-  begin_map(outcome, s->tracks, s->parameters.map, &s->map);
-  settle_map(s);
-  s->mode = Mode::kTracking;
-  s->poses.clear();
-  s->drift.setZero();
-  auto order = keyframes_by_age(s->map);
-  std::reverse(order.begin(), order.end());
-  for (const KeyframeId id : order) {
-    const Keyframe& keyframe = s->map.keyframes[id.index()];
-    const bool solved = pose_from_keyframe(keyframe, s);
-    if (keyframe.frame != s->frame && solved) {
-      remember_pose(
-          keyframe.timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
-    }
-    s->pose_valid = keyframe.frame == s->frame && solved;
-  }
-}
-
 }  // namespace
 
-void acquire(Component::State* s) {
+bool collect(Component::State* s) {
   ensure_features(s);
   constexpr std::size_t kFeaturesMin = 12;  // fewer cannot carry a pose
   if (s->features.size() < kFeaturesMin || !worth_collecting(s)) {
-    return;
+    return false;
   }
   add_frame(s->frame,
             s->timestamp_ns,
@@ -149,13 +105,11 @@ void acquire(Component::State* s) {
   s->counters.tables_full += s->tracks.full_count;
   s->tracks.full_count = 0;
   if (static_cast<int>(s->tracks.frames.size()) < s->parameters.start.frames_min) {
-    return;
+    return false;
   }
   ++s->counters.start_contests;
   s->start_outcome = run_start_contest(pose_problem(s), s->parameters.start, s->start_workspace);
-  if (s->start_outcome.decision == StartDecision::kCommit) {
-    begin(s->start_outcome, s);
-  }
+  return s->start_outcome.decision == StartDecision::kCommit;
 }
 
 }  // namespace polhode

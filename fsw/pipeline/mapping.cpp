@@ -66,7 +66,7 @@ void cull_map(Component::State* s) {
       static_cast<std::uint32_t>(cull_landmarks(s->camera, s->noise_scale, &s->map));
 }
 
-void settle_map(Component::State* s) {
+void settle_map(std::uint32_t first_keyframe, Component::State* s) {
   refresh_landmarks(&s->map, s->camera);
   adjust_all(s->parameters.map.adjustment_iterations_max, s);
   cull_map(s);
@@ -74,7 +74,9 @@ void settle_map(Component::State* s) {
   auto order = keyframes_by_age(s->map);
   std::reverse(order.begin(), order.end());
   for (const KeyframeId id : order) {
-    create(id, s);
+    if (s->map.keyframes[id.index()].number >= first_keyframe) {
+      create(id, s);
+    }
   }
   adjust_all(s->parameters.map.adjustment_iterations_max, s);
   cull_map(s);

@@ -5,9 +5,9 @@
 
 namespace polhode {
 
-/// Joint adjustment of a map that has just begun, with the landmarks that its keyframes give beyond
-/// the start's tracks.
-void settle_map(Component::State* state);
+/// Joint adjustment of a map that has just begun, or begun anew with the keyframe of this number,
+/// with the landmarks that those keyframes give beyond the start's tracks.
+void settle_map(std::uint32_t first_keyframe, Component::State* state);
 
 // A map grows keyframe by keyframe, each placed by the last ones with its own error: a random walk,
 // whose variance is the sum of theirs. Held at both ends, as by a closed loop or by an adjustment

@@ -4,6 +4,7 @@
 
 #include "bus/telemetry.hpp"
 #include "pipeline/acquire.hpp"
+#include "pipeline/begin.hpp"
 #include "pipeline/mapping.hpp"
 #include "pipeline/picture.hpp"
 #include "pipeline/publish.hpp"
@@ -43,7 +44,9 @@ void count(FrameUse use, Counters* counters) {
 
 void estimate(Component::State* s) {
   if (s->mode == Mode::kAcquiring) {
-    acquire(s);
+    if (collect(s)) {
+      begin(s);
+    }
   } else {
     build_pyramid(s->gray, &s->pyramid);
     stage_done(Stage::kTracks, *s);

@@ -5,6 +5,8 @@
 
 #include "geometry/so3.hpp"
 #include "map/keyframes.hpp"
+#include "pipeline/acquire.hpp"
+#include "pipeline/begin.hpp"
 #include "pipeline/mapping.hpp"
 #include "pipeline/picture.hpp"
 
@@ -134,6 +136,7 @@ void lose(Component::State* s) {
   s->reference.valid = false;
   if (s->mode == Mode::kTracking) {
     ++s->counters.lost;
+    clear(&s->tracks);
   }
   s->mode = Mode::kLost;
   ++s->frames_lost;
@@ -166,12 +169,14 @@ bool relocalise_frame(Component::State* s) {
   return done && certain(s->localised);
 }
 
-bool predict_pose(const Component::State& s, PosePrediction* predicted) {
+bool predict_pose(const Component::State& s,
+                  std::int64_t timestamp_ns,
+                  PosePrediction* predicted) {
   if (s.poses.empty()) {
     return false;
   }
   const Result<PosePrediction> by_motion =
-      predict_pose(s.poses.view(), s.timestamp_ns, s.parameters.motion);
+      predict_pose(s.poses.view(), timestamp_ns, s.parameters.motion);
   *predicted = by_motion ? by_motion.value() : PosePrediction{.pose = s.poses.back().pose};
   // Extrapolated through the camera: the last place is the better guess.
   if (!(predicted->pose.p_CT.z() > 0.1 * s.poses.back().pose.p_CT.z())) {
@@ -182,11 +187,14 @@ bool predict_pose(const Component::State& s, PosePrediction* predicted) {
 
 void track(Component::State* s) {
   PosePrediction predicted;
-  const bool has_prediction = predict_pose(*s, &predicted);
+  const bool has_prediction = predict_pose(*s, s->timestamp_ns, &predicted);
   const bool found = has_prediction && (try_flow(predicted, s) || try_guided(predicted, s));
   const bool everywhere = !found && relocalise_frame(s);
   if (!found && !everywhere) {
     lose(s);
+    if (collect(s)) {
+      begin_again(s);
+    }
     return;
   }
   count_sightings(s);

@@ -15,7 +15,9 @@ bool relocalise_frame(Component::State* state);
 /// What the map's functions need of this frame.
 LocaliseInput localise_input(const Component::State& state);
 
-/// Where the body should be at this frame's time by its motion so far. False when no pose is known.
-bool predict_pose(const Component::State& state, PosePrediction* predicted);
+/// Where the body should be at a time by its motion so far. False when no pose is known.
+bool predict_pose(const Component::State& state,
+                  std::int64_t timestamp_ns,
+                  PosePrediction* predicted);
 
 }  // namespace polhode

@@ -40,6 +40,7 @@ Json counters(const Counters& c) {
           {"poses", c.poses},
           {"lost", c.lost},
           {"relocalised", c.relocalised},
+          {"restarts", c.restarts},
           {"start_contests", c.start_contests},
           {"keyframes_inserted", c.keyframes_inserted},
           {"keyframes_culled", c.keyframes_culled},

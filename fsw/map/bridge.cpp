@@ -1,0 +1,101 @@
+#include "map/bridge.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/so3.hpp"
+
+namespace polhode {
+namespace {
+
+double weight_of(const BridgeFrame& frame) {
+  return 1.0 / (frame.predicted_sigma_rad * frame.predicted_sigma_rad);
+}
+
+/// Mean rotation from T' to T.
+Eigen::Matrix3d mean_rotation(std::span<const BridgeFrame> frames) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const BridgeFrame& frame : frames) {
+    sum += weight_of(frame) * frame.predicted.R_CT.transpose() * frame.start.R_CT;
+  }
+  return nearest_rotation(sum);
+}
+
+void judge_attitudes(std::span<const BridgeFrame> frames, Bridge* bridge) {
+  double squares = 0.0;
+  double sigma_rad = 0.0;
+  for (const BridgeFrame& frame : frames) {
+    const Eigen::Matrix3d R_CT = frame.start.R_CT * bridge->to_T.R_ba.transpose();
+    const double difference_rad = rotation_angle_rad(R_CT, frame.predicted.R_CT);
+    squares += difference_rad * difference_rad;
+    sigma_rad = std::max(sigma_rad, frame.predicted_sigma_rad);
+    bridge->turn_rad = std::max(
+        bridge->turn_rad, rotation_angle_rad(frame.start.R_CT, frames.front().start.R_CT));
+  }
+  bridge->misfit_rad = std::sqrt(squares / static_cast<double>(frames.size()));
+  constexpr double kTurnPart = 0.25;
+  bridge->agrees =
+      bridge->misfit_rad < std::max(kTurnPart * bridge->turn_rad, 3.0 * sigma_rad);
+}
+
+/// Scale k, origin q and the prediction's common offset d with k p' - R' Q^T q + d = p over all
+/// frames. What the path leaves open is held by the body: its sides have like extents, so the units
+/// of T and T', both the extent of a start's landmarks, differ little; and q is on its near side.
+Eigen::Vector4d scale_and_origin(std::span<const BridgeFrame> frames,
+                                 const BridgeBody& body,
+                                 const Eigen::Matrix3d& R_ba) {
+  using Vector7 = Eigen::Matrix<double, 7, 1>;
+  constexpr double kShapeOfPath_radii = 0.05;  // 1-sigma of the predicted path but for its offset
+  constexpr double kNearSide_radii = 0.5;
+  constexpr double kLikeExtents = 0.3;
+  const auto weight = [](double sigma) { return 1.0 / (sigma * sigma); };
+  const double shape_weight = weight(kShapeOfPath_radii * body.radius_mu);
+  const Pose& last = frames.back().predicted;
+  const Eigen::Vector3d near_side_T =
+      body.centre_T +
+      kNearSide_radii * body.radius_mu * (last.camera_T() - body.centre_T).normalized();
+  Vector7 weights;
+  weights << weight(kLikeExtents),
+      Eigen::Vector3d::Constant(weight(kNearSide_radii * body.radius_mu)),
+      Eigen::Vector3d::Constant(weight(frames.front().predicted_sigma_mu));
+  Vector7 expected;
+  expected << 1.0, near_side_T, Eigen::Vector3d::Zero();
+  Eigen::Matrix<double, 7, 7> normal = weights.asDiagonal();
+  Vector7 right = weights.cwiseProduct(expected);
+  for (const BridgeFrame& frame : frames) {
+    Eigen::Matrix<double, 3, 7> row;
+    row << frame.start.p_CT, -frame.start.R_CT * R_ba.transpose(), Eigen::Matrix3d::Identity();
+    normal += shape_weight * row.transpose() * row;
+    right += shape_weight * row.transpose() * frame.predicted.p_CT;
+  }
+  return normal.ldlt().solve(right).head<4>();
+}
+
+}  // namespace
+
+Result<Bridge> bridge_start(std::span<const BridgeFrame> frames, const BridgeBody& body) {
+  constexpr std::size_t kFramesMin = 3;
+  if (frames.size() < kFramesMin) {
+    return ErrorCode::kTooFewObservations;
+  }
+  const bool sigmas = std::all_of(frames.begin(), frames.end(), [](const BridgeFrame& f) {
+    return std::isfinite(f.predicted_sigma_rad) && f.predicted_sigma_rad > 0.0 &&
+           std::isfinite(f.predicted_sigma_mu) && f.predicted_sigma_mu > 0.0;
+  });
+  if (!sigmas || !(body.radius_mu > 0.0)) {
+    return ErrorCode::kDegenerate;
+  }
+  Bridge bridge;
+  bridge.to_T.R_ba = mean_rotation(frames);
+  const Eigen::Vector4d found = scale_and_origin(frames, body, bridge.to_T.R_ba);
+  if (!(found(0) > 0.0) || !found.allFinite()) {
+    return ErrorCode::kDegenerate;
+  }
+  bridge.to_T.scale = found(0);
+  bridge.to_T.t_ba = found.tail<3>();
+  judge_attitudes(frames, &bridge);
+  return bridge;
+}
+
+}  // namespace polhode

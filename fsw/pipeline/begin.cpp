@@ -1,0 +1,128 @@
+#include "pipeline/begin.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "map/begin.hpp"
+#include "map/bridge.hpp"
+#include "map/keyframes.hpp"
+#include "pipeline/mapping.hpp"
+#include "pipeline/track.hpp"
+
+namespace polhode {
+namespace {
+
+/// This frame's own matches and pose, from the keyframe that it has become.
+bool pose_from_keyframe(const Keyframe& keyframe, Component::State* s) {
+  s->localised.matches.clear();
+  for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+    const LandmarkId id = keyframe.landmark_of[i];
+    if (id.valid()) {
+      const Feature& f = keyframe.features[i];
+      (void)s->localised.matches.push_back({.landmark = id,
+                                            .feature = static_cast<std::int32_t>(i),
+                                            .u_px = f.u_px,
+                                            .v_px = f.v_px,
+                                            .normalised = f.normalised,
+                                            .sigma_px = static_cast<double>(f.sigma_px)});
+    }
+  }
+  s->localised.predicted = static_cast<int>(s->localised.matches.size());
+  return solve_matched(localise_input(*s), &keyframe.pose, &s->localise_scratch, &s->localised)
+      .ok();
+}
+
+/// The start's keyframes and landmarks into the map, a first joint adjustment, and the poses of its
+/// frames.
+void take_over_start(const Similarity& to_T, Component::State* s) {
+  const std::uint32_t first_keyframe = s->map.next_keyframe_number;
+  begin_map(s->start_outcome, s->tracks, to_T, s->parameters.map, &s->map);
+  settle_map(first_keyframe, s);
+  s->mode = Mode::kTracking;
+  s->frames_lost = 0;
+  auto order = keyframes_by_age(s->map);
+  std::reverse(order.begin(), order.end());
+  for (const KeyframeId id : order) {
+    const Keyframe& keyframe = s->map.keyframes[id.index()];
+    if (keyframe.number < first_keyframe) {
+      continue;
+    }
+    const bool solved = pose_from_keyframe(keyframe, s);
+    if (keyframe.frame != s->frame && solved) {
+      remember_pose(
+          keyframe.timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
+    }
+    s->pose_valid = keyframe.frame == s->frame && solved;
+  }
+}
+
+void forget_map(Component::State* s) {
+  clear(&s->map);
+  s->poses.clear();
+  s->keyframes_at_last_adjustment = 0;
+}
+
+/// The start's poses beside those that the motion before the loss predicts for the same times.
+FixedVector<BridgeFrame, limits::kStartFrames> predicted_beside(const Component::State& s) {
+  FixedVector<BridgeFrame, limits::kStartFrames> frames;
+  for (std::size_t f = 0; f < s.start_outcome.frames.size(); ++f) {
+    PosePrediction predicted;
+    if (s.start_outcome.frames[f].valid &&
+        predict_pose(s, s.tracks.frames[f].timestamp_ns, &predicted)) {
+      (void)frames.push_back(
+          {.start = s.start_outcome.frames[f].pose,
+           .predicted = predicted.pose,
+           .predicted_sigma_rad = worst_sigma(predicted.covariance.topLeftCorner<3, 3>()),
+           .predicted_sigma_mu = worst_sigma(predicted.covariance.bottomRightCorner<3, 3>())});
+    }
+  }
+  return frames;
+}
+
+bool has_room(const Component::State& s) {
+  const auto posed =
+      std::count_if(s.start_outcome.frames.begin(),
+                    s.start_outcome.frames.end(),
+                    [](const StartFramePose& f) { return f.valid; });
+  return s.map.keyframe_count + posed <= s.parameters.map.keyframes_max &&
+         static_cast<std::size_t>(s.map.landmark_count) + s.start_outcome.points.size() <=
+             limits::kLandmarks;
+}
+
+/// What the bridge leaves open of T: the prediction's own error at the first frame, where it is
+/// least, and the disagreement over the start.
+void widen_drift(const Bridge& bridge, double predicted_sigma_rad, Component::State* s) {
+  const double attitude_rad = std::hypot(predicted_sigma_rad, bridge.misfit_rad);
+  const double position_mu = 0.5 * s->map.radius_mu;
+  s->drift.topLeftCorner<3, 3>().diagonal().array() += attitude_rad * attitude_rad;
+  s->drift.bottomRightCorner<3, 3>().diagonal().array() += position_mu * position_mu;
+}
+
+}  // namespace
+
+void begin(Component::State* s) {
+  forget_map(s);
+  s->drift.setZero();
+  take_over_start({}, s);
+}
+
+void begin_again(Component::State* s) {
+  const auto frames = predicted_beside(*s);
+  const Result<Bridge> found = bridge_start(
+      frames.view(), {.centre_T = s->map.centre_T, .radius_mu = s->map.radius_mu});
+  if (!found) {
+    begin(s);  // too little was known of the motion to speak of the same T
+    return;
+  }
+  const Bridge& bridge = found.value();
+  widen_drift(bridge, frames[0].predicted_sigma_rad, s);
+  s->counters.keyframes_culled += static_cast<std::uint32_t>(make_room(
+      static_cast<int>(s->start_outcome.frames.size()), s->parameters.map, &s->map));
+  if (!bridge.agrees || !has_room(*s)) {
+    forget_map(s);
+  }
+  ++s->counters.restarts;
+  take_over_start(bridge.to_T, s);
+}
+
+}  // namespace polhode

@@ -1,0 +1,116 @@
+// A body that is out of sight for a quarter of a turn shows a side that no keyframe has seen: the
+// map begins anew, in the same T.
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include "bench.hpp"
+#include "geometry/so3.hpp"
+
+namespace polhode {
+namespace {
+
+using namespace bench;
+
+constexpr double kStep_rad = 0.07;  // 4 deg a frame
+constexpr int kGone = 20;           // first frame out of sight
+constexpr int kBack = 52;           // 128 deg later
+constexpr int kFrames = 76;
+
+Pose truth(int frame) {
+  const Eigen::Vector3d axis = Eigen::Vector3d(0.2, 1.0, 0.1).normalized();
+  return {.R_CT = so3_exp(kStep_rad * frame * axis), .p_CT = {0.05, -0.02, 8.0}};
+}
+
+struct Passage {
+  std::vector<MotionState> motion;
+  std::vector<std::uint8_t> bytes;
+  Counters counters;
+};
+
+Passage run() {
+  const Ball ball(3);
+  Bench b;
+  Passage r;
+  for (int i = 0; i < kFrames; ++i) {
+    const bool seen = i < kGone || i >= kBack;
+    const StepOutput& out =
+        seen ? b.show(ball.seen_from(truth(i)))
+             : b.component->step({.frame = unreadable(++b.time_s * Bench::kSecond_ns)});
+    r.motion.push_back(out.motion);
+    r.bytes.insert(r.bytes.end(), out.packets.begin(), out.packets.end());
+  }
+  r.counters = b.component->counters();
+  return r;
+}
+
+const Passage& passage() {
+  static const Passage r = run();
+  return r;
+}
+
+Eigen::Matrix3d rotation_of(const MotionState& m) {
+  return Eigen::Quaterniond(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]).toRotationMatrix();
+}
+
+int first_pose(int from) {
+  int i = from;
+  while (i < kFrames && !passage().motion[static_cast<std::size_t>(i)].pose_valid) {
+    ++i;
+  }
+  return i;
+}
+
+TEST(Restart, FollowsTheSideThatCameInTheDark) {
+  const int again = first_pose(kGone);
+  ASSERT_GE(again, kBack);
+  ASSERT_LT(again, kFrames - 8) << "a start takes half a radian of turn";
+  EXPECT_EQ(passage().counters.restarts, 1U);
+  EXPECT_EQ(passage().counters.lost, 1U);
+  for (int i = again; i < kFrames; ++i) {
+    EXPECT_TRUE(passage().motion[static_cast<std::size_t>(i)].pose_valid) << i;
+  }
+}
+
+TEST(Restart, StaysInTheSameT_AsFarAsTheMotionBeforeTellsIt) {
+  const int before = first_pose(0);
+  const int after = first_pose(kGone);
+  ASSERT_LT(after, kFrames);
+  const MotionState& a = passage().motion[static_cast<std::size_t>(before)];
+  const MotionState& b = passage().motion[static_cast<std::size_t>(after)];
+  const double error_rad = rotation_angle_rad(rotation_of(b) * rotation_of(a).transpose(),
+                                              truth(after).R_CT * truth(before).R_CT.transpose());
+  EXPECT_LT(error_rad, 3.0 * b.sigma_att_rad);
+  EXPECT_GT(b.sigma_att_rad, 2.0 * a.sigma_att_rad) << "the gap is part of the sigma";
+  EXPECT_LT(b.sigma_att_rad, 0.35) << "20 deg: more would say nothing";
+}
+
+Eigen::Vector3d position_of(const MotionState& m) { return {m.p_CT[0], m.p_CT[1], m.p_CT[2]}; }
+
+TEST(Restart, KeepsOriginAndUnit_AsFarAsTheBodyTellsThem) {
+  // The ball's centre stands still: unit k and centre c_T in the map's T with k p_C - R_CT c_T =
+  // p_CT, from the frames before.
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  for (int i = first_pose(0); i < kGone; ++i) {
+    const MotionState& m = passage().motion[static_cast<std::size_t>(i)];
+    Eigen::Matrix<double, 3, 4> row;
+    row << truth(i).p_CT, -rotation_of(m);
+    normal += row.transpose() * row;
+    right += row.transpose() * position_of(m);
+  }
+  const Eigen::Vector4d found = normal.ldlt().solve(right);
+  const int after = first_pose(kGone);
+  ASSERT_LT(after, kFrames);
+  const MotionState& m = passage().motion[static_cast<std::size_t>(after)];
+  const Eigen::Vector3d expected =
+      found(0) * truth(after).p_CT - rotation_of(m) * found.tail<3>();
+  EXPECT_LT((position_of(m) - expected).norm(), 3.0 * m.sigma_pos);
+  EXPECT_LT((position_of(m) - expected).norm(), 0.3 * expected.norm());
+}
+
+TEST(Restart, GivesTheSameBytes) { EXPECT_EQ(run().bytes, passage().bytes); }
+
+}  // namespace
+}  // namespace polhode
