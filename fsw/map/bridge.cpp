@@ -30,13 +30,12 @@ void judge_attitudes(std::span<const BridgeFrame> frames, Bridge* bridge) {
     const double difference_rad = rotation_angle_rad(R_CT, frame.predicted.R_CT);
     squares += difference_rad * difference_rad;
     sigma_rad = std::max(sigma_rad, frame.predicted_sigma_rad);
-    bridge->turn_rad = std::max(
-        bridge->turn_rad, rotation_angle_rad(frame.start.R_CT, frames.front().start.R_CT));
+    bridge->turn_rad =
+        std::max(bridge->turn_rad, rotation_angle_rad(frame.start.R_CT, frames.front().start.R_CT));
   }
   bridge->misfit_rad = std::sqrt(squares / static_cast<double>(frames.size()));
   constexpr double kTurnPart = 0.25;
-  bridge->agrees =
-      bridge->misfit_rad < std::max(kTurnPart * bridge->turn_rad, 3.0 * sigma_rad);
+  bridge->agrees = bridge->misfit_rad < std::max(kTurnPart * bridge->turn_rad, 3.0 * sigma_rad);
 }
 
 /// Scale k, origin q and the prediction's common offset d with k p' - R' Q^T q + d = p over all

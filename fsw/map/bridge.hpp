@@ -12,8 +12,8 @@ namespace polhode {
 
 /// One frame of the new start, as the start has it and as the motion before the loss predicts it.
 struct BridgeFrame {
-  Pose start;                     ///< T': frame and unit of the new start
-  Pose predicted;                 ///< T: frame and unit of the poses so far
+  Pose start;                        ///< T': frame and unit of the new start
+  Pose predicted;                    ///< T: frame and unit of the poses so far
   double predicted_sigma_rad = 0.0;  ///< 1-sigma of the worst direction, > 0
   double predicted_sigma_mu = 0.0;   ///< the same of the position
 };

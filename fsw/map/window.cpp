@@ -134,13 +134,15 @@ AdjustmentSnapshot snapshot_all(const Map& map, const CameraModel& camera) {
   return s;
 }
 
-BundleReport adjust(AdjustmentSnapshot* s, const BundleOptions& options) {
+BundleReport adjust(AdjustmentSnapshot* s,
+                    const BundleOptions& options,
+                    BundleWorkspace* workspace) {
   const BundleProblem problem{.poses = s->poses,
                               .pose_fixed = s->pose_fixed,
                               .points_T = s->points_T,
                               .point_fixed = s->point_fixed,
                               .observations = s->observations};
-  return adjust_bundle(problem, options);
+  return adjust_bundle(problem, options, workspace);
 }
 
 void apply(const AdjustmentSnapshot& s, Map* map) {
@@ -162,8 +164,7 @@ void apply(const AdjustmentSnapshot& s, Map* map) {
     map->landmarks[s.landmarks[i].index()].p_T = back.apply(s.points_T[i]);
   }
   for (std::size_t k = 0; k < s.keyframes.size(); ++k) {
-    map->keyframes[s.keyframes[k].index()].pose =
-        transformed(from_inverse_depth(s.poses[k]), back);
+    map->keyframes[s.keyframes[k].index()].pose = transformed(from_inverse_depth(s.poses[k]), back);
   }
 }
 

@@ -28,7 +28,9 @@ AdjustmentSnapshot snapshot_window(const Map& map, const CameraModel& camera, in
 /// Every keyframe and every landmark. The newest keyframe is held.
 AdjustmentSnapshot snapshot_all(const Map& map, const CameraModel& camera);
 
-BundleReport adjust(AdjustmentSnapshot* snapshot, const BundleOptions& options);
+BundleReport adjust(AdjustmentSnapshot* snapshot,
+                    const BundleOptions& options,
+                    BundleWorkspace* workspace);
 
 /// Writes the result back. Where no more than one keyframe was held the whole map is first brought
 /// back onto where it was by the similarity that fits its landmarks best: T's axes, origin and

@@ -80,10 +80,9 @@ FixedVector<BridgeFrame, limits::kStartFrames> predicted_beside(const Component:
 }
 
 bool has_room(const Component::State& s) {
-  const auto posed =
-      std::count_if(s.start_outcome.frames.begin(),
-                    s.start_outcome.frames.end(),
-                    [](const StartFramePose& f) { return f.valid; });
+  const auto posed = std::count_if(s.start_outcome.frames.begin(),
+                                   s.start_outcome.frames.end(),
+                                   [](const StartFramePose& f) { return f.valid; });
   return s.map.keyframe_count + posed <= s.parameters.map.keyframes_max &&
          static_cast<std::size_t>(s.map.landmark_count) + s.start_outcome.points.size() <=
              limits::kLandmarks;
@@ -108,16 +107,16 @@ void begin(Component::State* s) {
 
 void begin_again(Component::State* s) {
   const auto frames = predicted_beside(*s);
-  const Result<Bridge> found = bridge_start(
-      frames.view(), {.centre_T = s->map.centre_T, .radius_mu = s->map.radius_mu});
+  const Result<Bridge> found =
+      bridge_start(frames.view(), {.centre_T = s->map.centre_T, .radius_mu = s->map.radius_mu});
   if (!found) {
     begin(s);  // too little was known of the motion to speak of the same T
     return;
   }
   const Bridge& bridge = found.value();
   widen_drift(bridge, frames[0].predicted_sigma_rad, s);
-  s->counters.keyframes_culled += static_cast<std::uint32_t>(make_room(
-      static_cast<int>(s->start_outcome.frames.size()), s->parameters.map, &s->map));
+  s->counters.keyframes_culled += static_cast<std::uint32_t>(
+      make_room(static_cast<int>(s->start_outcome.frames.size()), s->parameters.map, &s->map));
   if (!bridge.agrees || !has_room(*s)) {
     forget_map(s);
   }

@@ -35,7 +35,7 @@ void adjust_closed_loop(Component::State* s) {
   for (const double cauchy_sigma : {100.0, 15.0}) {
     AdjustmentSnapshot snapshot = snapshot_all(s->map, s->camera);
     const BundleOptions options{.iterations_max = 20, .cauchy_sigma = cauchy_sigma};
-    if (adjust(&snapshot, options).usable) {
+    if (adjust(&snapshot, options, &s->bundle_workspace).usable) {
       apply(snapshot, &s->map);
     }
   }
@@ -45,7 +45,10 @@ void adjust_closed_loop(Component::State* s) {
 void adjust_window(Component::State* s) {
   AdjustmentSnapshot snapshot =
       snapshot_window(s->map, s->camera, s->parameters.map.window_keyframes);
-  if (adjust(&snapshot, bundle_options(s->parameters.map.adjustment_iterations_max)).usable) {
+  if (adjust(&snapshot,
+             bundle_options(s->parameters.map.adjustment_iterations_max),
+             &s->bundle_workspace)
+          .usable) {
     apply(snapshot, &s->map);
   }
 }
@@ -54,7 +57,7 @@ void adjust_window(Component::State* s) {
 
 void adjust_all(int iterations_max, Component::State* s) {
   AdjustmentSnapshot snapshot = snapshot_all(s->map, s->camera);
-  if (adjust(&snapshot, bundle_options(iterations_max)).usable) {
+  if (adjust(&snapshot, bundle_options(iterations_max), &s->bundle_workspace).usable) {
     apply(snapshot, &s->map);
   }
   s->keyframes_at_last_adjustment = s->map.keyframe_count;

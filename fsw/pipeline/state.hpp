@@ -18,6 +18,7 @@
 #include "mask/target_mask.hpp"
 #include "motion/rates.hpp"
 #include "pipeline/component.hpp"
+#include "solve/bundle_adjustment.hpp"
 #include "tracks/track_table.hpp"
 
 namespace polhode {
@@ -71,6 +72,7 @@ struct Component::State {
   // Working memory of single calls.
   LocaliseScratch localise_scratch;
   CreateScratch create_scratch;
+  BundleWorkspace bundle_workspace;
   LocalisedFrame closure;
 
   // Output.

@@ -169,9 +169,7 @@ bool relocalise_frame(Component::State* s) {
   return done && certain(s->localised);
 }
 
-bool predict_pose(const Component::State& s,
-                  std::int64_t timestamp_ns,
-                  PosePrediction* predicted) {
+bool predict_pose(const Component::State& s, std::int64_t timestamp_ns, PosePrediction* predicted) {
   if (s.poses.empty()) {
     return false;
   }

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "config/limits.hpp"
 #include "geometry/reprojection.hpp"
 
 namespace polhode {
@@ -16,8 +19,9 @@ struct BundleObservation {
   double sigma_normalised = 1.0;
 };
 
-/// Poses and points are changed in place. At least one pose must be fixed; where only one is, the
-/// scale is held by the damping alone and the caller re-aligns.
+/// Poses and points are changed in place; at most as many as BundleWorkspace holds. Where fewer
+/// than two poses are fixed, what is left of the gauge is held by the damping alone and the caller
+/// re-aligns.
 struct BundleProblem {
   std::span<InverseDepthPose> poses;
   std::span<const std::uint8_t> pose_fixed;  ///< 1: held
@@ -38,9 +42,32 @@ struct BundleReport {
   double cost_after = 0.0;
 };
 
-/// @cost at most iterations_max Levenberg-Marquardt steps, dense Schur complement, one thread.
-/// Deterministic.
-/// @source Triggs et al., Bundle Adjustment - A Modern Synthesis, 2000; by way of Ceres.
-BundleReport adjust_bundle(const BundleProblem& problem, const BundleOptions& options);
+/// Working memory of an adjustment, some 4 MB; contents mean nothing between calls.
+struct BundleWorkspace {
+  static constexpr std::size_t kPoses = limits::kKeyframes;
+  static constexpr std::size_t kPoints = limits::kLandmarks;
+  static constexpr std::size_t kObservations = limits::kKeyframes * limits::kFeatures;
+  static constexpr std::size_t kUnknowns = 6 * kPoses;
+
+  std::array<std::int32_t, kPoses> block_of_pose{};  ///< -1: held
+  std::array<std::int32_t, kPoints + 1> first_of_point{};
+  std::array<std::int32_t, kObservations>
+      by_point{};  ///< observations, those of one point together
+  std::array<InverseDepthPose, kPoses> trial_poses{};
+  std::array<Eigen::Vector3d, kPoints> trial_points{};
+  std::array<Eigen::Matrix<double, 6, 6>, kPoses> camera_blocks{};
+  alignas(64) std::array<double, kUnknowns * kUnknowns> reduced{};  ///< lower triangle
+  alignas(64) std::array<double, kUnknowns> gradient{};
+  alignas(64) std::array<double, kUnknowns> step{};
+};
+
+/// Levenberg-Marquardt with the points eliminated (Schur complement), residuals re-weighted by the
+/// Cauchy loss. Within a point's observations those of one pose follow each other.
+/// @cost at most iterations_max linear systems of 6 per moving pose. No heap; deterministic.
+/// @source Triggs et al., Bundle Adjustment - A Modern Synthesis, 2000 (elimination); Nielsen,
+/// IMM-REP-1999-05 (damping).
+BundleReport adjust_bundle(const BundleProblem& problem,
+                           const BundleOptions& options,
+                           BundleWorkspace* workspace);
 
 }  // namespace polhode

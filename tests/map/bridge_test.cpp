@@ -12,9 +12,8 @@ namespace {
 
 /// T' against T: axes, origin and unit are all different.
 Similarity truth() {
-  return {.scale = 0.8,
-          .R_ba = so3_exp({0.7, -1.1, 0.4}),
-          .t_ba = Eigen::Vector3d(0.1, 0.05, -0.45)};
+  return {
+      .scale = 0.8, .R_ba = so3_exp({0.7, -1.1, 0.4}), .t_ba = Eigen::Vector3d(0.1, 0.05, -0.45)};
 }
 
 const BridgeBody kBody{.centre_T = Eigen::Vector3d::Zero(), .radius_mu = 1.0};
@@ -73,7 +72,8 @@ TEST(Bridge, SaysThatTheMotionsContradict_WhenTheyTurnByDifferentRates) {
 
 TEST(Bridge, RefusesWhatItCannotUse) {
   const auto all = frames(0.6);
-  EXPECT_EQ(bridge_start(std::span(all).first(2), kBody).error().code, ErrorCode::kTooFewObservations);
+  EXPECT_EQ(bridge_start(std::span(all).first(2), kBody).error().code,
+            ErrorCode::kTooFewObservations);
   EXPECT_EQ(bridge_start(all, {.radius_mu = 0.0}).error().code, ErrorCode::kDegenerate);
   auto without_sigma = all;
   without_sigma[3].predicted_sigma_rad = 0.0;

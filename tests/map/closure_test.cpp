@@ -59,8 +59,7 @@ struct Return {
       mapped.map->landmarks[id.index()].p_T =
           drift.transpose() * seen[static_cast<std::size_t>(spot)].p_T;
       tie_sighting(back[0], i, id, mapped.map.get());
-      tie_sighting(
-          back[1], static_cast<std::size_t>(found - later.begin()), id, mapped.map.get());
+      tie_sighting(back[1], static_cast<std::size_t>(found - later.begin()), id, mapped.map.get());
     }
   }
 
@@ -103,8 +102,8 @@ TEST(CloseLoop, TiesTheNewKeyframeToTheOldLandmarks_AndMergesTheYoung) {
     if (!keyframe.landmark_of[i].valid()) {
       continue;
     }
-    const bool is_its_own =
-        spot >= 0 && keyframe.landmark_of[i] == r.mapped.landmark_of[static_cast<std::size_t>(spot)];
+    const bool is_its_own = spot >= 0 && keyframe.landmark_of[i] ==
+                                             r.mapped.landmark_of[static_cast<std::size_t>(spot)];
     (is_its_own ? right : wrong) += 1;
   }
   EXPECT_GT(right, 60);
@@ -117,7 +116,8 @@ TEST(CloseLoop, LeavesAnAdjustmentThatTakesTheDriftAway) {
   ASSERT_GT(r.close(), 0);
   for (const double cauchy_sigma : {100.0, 15.0, 2.0}) {
     AdjustmentSnapshot snapshot = snapshot_all(*r.mapped.map, r.model);
-    ASSERT_TRUE(adjust(&snapshot, {.iterations_max = 30, .cauchy_sigma = cauchy_sigma}).usable);
+    const BundleOptions options{.iterations_max = 30, .cauchy_sigma = cauchy_sigma};
+    ASSERT_TRUE(adjust(&snapshot, options, workspace()).usable);
     apply(snapshot, r.mapped.map.get());
   }
   // 0.5 px at 190 px of radius over a hundred sightings: some tenths of a mrad.

@@ -12,6 +12,7 @@
 #include "base/rng.hpp"
 #include "geometry/so3.hpp"
 #include "map/map.hpp"
+#include "solve/bundle_adjustment.hpp"
 
 namespace polhode::synthetic {
 
@@ -175,6 +176,12 @@ inline std::vector<Pose> turn_by(double step_rad, int count) {
     poses.push_back(turned(step_rad * k));
   }
   return poses;
+}
+
+/// For adjustments; contents mean nothing between calls.
+inline BundleWorkspace* workspace() {
+  static const auto own = std::make_unique<BundleWorkspace>();
+  return own.get();
 }
 
 /// What holds of a map at any time. @return text of the first promise that is broken, or empty.

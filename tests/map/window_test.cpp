@@ -124,7 +124,7 @@ TEST(Snapshots, AreEmpty_WhenTheMapIs) {
   EXPECT_TRUE(snapshot_window(*map, camera(), 5).keyframes.empty());
   AdjustmentSnapshot all = snapshot_all(*map, camera());
   EXPECT_TRUE(all.keyframes.empty());
-  EXPECT_FALSE(adjust(&all, kBundle).usable);
+  EXPECT_FALSE(adjust(&all, kBundle, workspace()).usable);
 }
 
 TEST(Adjust, BringsAJoltedMapBackToItsNoise) {
@@ -133,7 +133,7 @@ TEST(Adjust, BringsAJoltedMapBackToItsNoise) {
   const double before_px = rms_px(*s.map);
   ASSERT_GT(before_px, 3.0);
   AdjustmentSnapshot all = snapshot_all(*s.map, camera());
-  ASSERT_TRUE(adjust(&all, kBundle).usable);
+  ASSERT_TRUE(adjust(&all, kBundle, workspace()).usable);
   apply(all, s.map.get());
   // Two coordinates of 0.5 px each are 0.71 px RMS; the fit takes some of it away.
   EXPECT_LT(rms_px(*s.map), 1.1 * 0.71);
@@ -147,7 +147,7 @@ TEST(Adjust, OfAWindow_LowersTheErrorOfTheMap) {
   newest.pose.R_CT = so3_exp(0.02 * normal3(&rng)) * newest.pose.R_CT;
   const double before_px = rms_px(*s.map);
   AdjustmentSnapshot window = snapshot_window(*s.map, camera(), 4);
-  ASSERT_TRUE(adjust(&window, kBundle).usable);
+  ASSERT_TRUE(adjust(&window, kBundle, workspace()).usable);
   apply(window, s.map.get());
   EXPECT_LT(rms_px(*s.map), before_px);
   EXPECT_LT(rms_px(*s.map), 1.2 * 0.71);
@@ -159,7 +159,7 @@ TEST(Adjust, OfAWindow_DoesNotMoveWhatIsHeld) {
   const auto before = std::make_unique<Map>(*s.map);
   AdjustmentSnapshot window = snapshot_window(*s.map, camera(), 3);
   ASSERT_GE(held(window), 2);
-  ASSERT_TRUE(adjust(&window, kBundle).usable);
+  ASSERT_TRUE(adjust(&window, kBundle, workspace()).usable);
   apply(window, s.map.get());
   std::vector<bool> moved(limits::kKeyframes, false);
   for (std::size_t k = 0; k < window.keyframes.size(); ++k) {
@@ -180,7 +180,7 @@ TEST(Apply, KeepsAxesOriginAndScale_WhenAllMoved) {
     disturb(seed, s.map.get());
     const auto before = std::make_unique<Map>(*s.map);
     AdjustmentSnapshot all = snapshot_all(*s.map, camera());
-    ASSERT_TRUE(adjust(&all, kBundle).usable);
+    ASSERT_TRUE(adjust(&all, kBundle, workspace()).usable);
     apply(all, s.map.get());
     const Similarity moved = drift(*before, *s.map);
     // The map was brought back by this very fit: what is left of it is rounding.

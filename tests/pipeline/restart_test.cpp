@@ -104,8 +104,7 @@ TEST(Restart, KeepsOriginAndUnit_AsFarAsTheBodyTellsThem) {
   const int after = first_pose(kGone);
   ASSERT_LT(after, kFrames);
   const MotionState& m = passage().motion[static_cast<std::size_t>(after)];
-  const Eigen::Vector3d expected =
-      found(0) * truth(after).p_CT - rotation_of(m) * found.tail<3>();
+  const Eigen::Vector3d expected = found(0) * truth(after).p_CT - rotation_of(m) * found.tail<3>();
   EXPECT_LT((position_of(m) - expected).norm(), 3.0 * m.sigma_pos);
   EXPECT_LT((position_of(m) - expected).norm(), 0.3 * expected.norm());
 }
