@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "app/bus_dump.hpp"
+#include "app/camera_command.hpp"
 #include "app/check.hpp"
 #include "app/replay.hpp"
 #include "errors.hpp"
@@ -16,6 +17,7 @@ namespace {
 
 using polhode::platform::BusDumpArguments;
 using polhode::platform::CheckArguments;
+using polhode::platform::ProbeArguments;
 using polhode::platform::ReplayArguments;
 
 constexpr int kRunFailed = 1;
@@ -81,6 +83,18 @@ void add_bus(CLI::App& app, BusDumpArguments& arguments) {
   dump->callback([&arguments] { polhode::platform::dump_bus(arguments); });
 }
 
+void add_camera(CLI::App& app, ProbeArguments& arguments) {
+  CLI::App* camera = app.add_subcommand("camera", "what cameras there are and can do");
+  camera->require_subcommand(1);
+  camera->add_subcommand("list", "the video devices of this machine")
+      ->callback(&polhode::platform::list_cameras);
+  CLI::App* probe = camera->add_subcommand("probe", "what a device can do, what would be used");
+  probe->add_option("DEVICE", arguments.device, "as in /dev/video0")->required();
+  probe->add_option("--width", arguments.width_px, "at this width, pixels");
+  probe->add_option("--height", arguments.height_px, "at this height, pixels");
+  probe->callback([&arguments] { polhode::platform::probe_camera(arguments); });
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"Motion and shape of a tumbling object from one camera"};
   app.set_version_flag("--version", std::string("polhode ") + polhode::kVersion);
@@ -88,9 +102,11 @@ int run(int argc, char** argv) {
   ReplayArguments replay;
   CheckArguments check;
   BusDumpArguments bus_dump;
+  ProbeArguments probe;
   add_replay(app, replay);
   add_check(app, check);
   add_bus(app, bus_dump);
+  add_camera(app, probe);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help and --version

@@ -1,0 +1,21 @@
+// polhode camera list | probe: which cameras there are, what one can do, what Polhode would use of
+// it.
+#pragma once
+
+#include <string>
+
+namespace polhode::platform {
+
+/// A line for each video node.
+void list_cameras();
+
+struct ProbeArguments {
+  std::string device;
+  int width_px = 0;  ///< 0: as the device is set
+  int height_px = 0;
+};
+
+/// @throws UnusableInput when the device cannot be asked, or nothing of it could be used.
+void probe_camera(const ProbeArguments& arguments);
+
+}  // namespace polhode::platform

@@ -1,0 +1,134 @@
+#include "camera/v4l2/convert.hpp"
+
+#include <turbojpeg.h>
+
+#include <cstring>
+
+#include "base/assert.hpp"
+
+namespace polhode::platform {
+
+void GrayConverter::CloseDecoder::operator()(void* decoder) const { tjDestroy(decoder); }
+
+GrayConverter::GrayConverter(const OfferedFormat& format)
+    : format_(format), packing_(*find_packing(format.fourcc)) {
+  POLHODE_ASSERT(consistent(format), format.image_octets);
+  const auto pixels =
+      static_cast<std::size_t>(format.width_px) * static_cast<std::size_t>(format.height_px);
+  const bool widened = packing_.packing == Packing::kGray16 && packing_.bits < 16;
+  const bool as_it_is =
+      packing_.packing == Packing::kGray8 || (packing_.packing == Packing::kGray16 && !widened);
+  if (!as_it_is) {
+    image_.resize(widened ? 2 * pixels : pixels);
+  }
+  if (packing_.packing == Packing::kCompressed) {
+    decoder_.reset(tjInitDecompress());
+  }
+}
+
+bool GrayConverter::convert(std::span<const std::uint8_t> buffer, ImageView* view) {
+  *view = {.data = image_.data(),
+           .width_px = format_.width_px,
+           .height_px = format_.height_px,
+           .stride_octets = format_.width_px,
+           .format = PixelFormat::kGray8};
+  if (packing_.packing == Packing::kCompressed) {
+    return decompress(buffer);
+  }
+  const std::size_t row = static_cast<std::size_t>(format_.width_px) *
+                          static_cast<std::size_t>(packing_.octets_per_pixel);
+  const auto rows = static_cast<std::size_t>(format_.height_px);
+  if (buffer.size() < format_.row_octets * (rows - 1) + row) {
+    return false;
+  }
+  if (packing_.packing == Packing::kGray16) {
+    view->format = PixelFormat::kGray16;
+    view->stride_octets *= 2;
+  }
+  if (image_.empty()) {
+    view->data = buffer.data();
+    view->stride_octets = format_.row_octets;
+  } else {
+    convert_rows(buffer.data());
+  }
+  return true;
+}
+
+void GrayConverter::convert_rows(const std::uint8_t* buffer) {
+  const std::size_t row_octets = image_.size() / static_cast<std::size_t>(format_.height_px);
+  for (int row = 0; row < format_.height_px; ++row) {
+    const std::uint8_t* from = buffer + static_cast<std::size_t>(row) * format_.row_octets;
+    std::uint8_t* to = image_.data() + static_cast<std::size_t>(row) * row_octets;
+    switch (packing_.packing) {
+      case Packing::kGray16:
+        widen_row(from, format_.width_px, packing_.bits, to);
+        break;
+      case Packing::kLumaChroma:
+        luma_row(from, format_.width_px, to);
+        break;
+      case Packing::kRgb:
+        rgb_row(from, format_.width_px, to);
+        break;
+      case Packing::kGray8:
+      case Packing::kCompressed:
+        break;  // never converted by rows
+    }
+  }
+}
+
+bool GrayConverter::decompress(std::span<const std::uint8_t> buffer) {
+  int width_px = 0;
+  int height_px = 0;
+  int subsampling = 0;
+  int colour_space = 0;
+  const auto octets = static_cast<unsigned long>(buffer.size());
+  if (decoder_ == nullptr || buffer.empty() ||
+      tjDecompressHeader3(decoder_.get(),
+                          buffer.data(),
+                          octets,
+                          &width_px,
+                          &height_px,
+                          &subsampling,
+                          &colour_space) != 0 ||
+      width_px != format_.width_px || height_px != format_.height_px) {
+    return false;
+  }
+  // An image that ends early is refused, not painted gray. The accurate transform gives the same
+  // pixels whatever vector unit the machine has.
+  return tjDecompress2(decoder_.get(),
+                       buffer.data(),
+                       octets,
+                       image_.data(),
+                       width_px,
+                       width_px,
+                       height_px,
+                       TJPF_GRAY,
+                       TJFLAG_STOPONWARNING | TJFLAG_ACCURATEDCT) == 0;
+}
+
+void widen_row(const std::uint8_t* from, int pixels, int bits, std::uint8_t* to) {
+  for (int i = 0; i < pixels; ++i) {
+    const auto low = static_cast<unsigned>(from[2 * i]);
+    const auto high = static_cast<unsigned>(from[2 * i + 1]);
+    const auto wide =
+        static_cast<std::uint16_t>((low | high << 8U) << (16U - static_cast<unsigned>(bits)));
+    std::memcpy(to + 2 * i, &wide, sizeof wide);
+  }
+}
+
+void luma_row(const std::uint8_t* from, int pixels, std::uint8_t* to) {
+  for (int i = 0; i < pixels; ++i) {
+    to[i] = from[2 * i];
+  }
+}
+
+void rgb_row(const std::uint8_t* from, int pixels, std::uint8_t* to) {
+  // Weights in 1/65536, as for colour files.
+  for (int i = 0; i < pixels; ++i) {
+    const std::uint8_t* rgb = from + 3 * i;
+    const std::uint32_t sum = 19595U * rgb[0] + 38470U * rgb[1] + 7471U * rgb[2];
+    to[i] = static_cast<std::uint8_t>((sum + 32768U) >> 16U);
+  }
+}
+
+}  // namespace polhode::platform

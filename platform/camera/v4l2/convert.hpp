@@ -1,0 +1,43 @@
+// A camera's buffer as a gray image. What needs no conversion is handed on where it lies.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "base/image_view.hpp"
+#include "camera/v4l2/formats.hpp"
+
+namespace polhode::platform {
+
+class GrayConverter {
+ public:
+  /// Takes all memory that frames of this format will need. @param format consistent().
+  explicit GrayConverter(const OfferedFormat& format);
+
+  /// @param buffer what the camera has filled, from its first pixel on.
+  /// @param view of `buffer` itself, or of the converter's own image until the next call.
+  /// @return false when the buffer ends before its last pixel, or does not hold a whole JPEG image
+  /// of this size.
+  [[nodiscard]] bool convert(std::span<const std::uint8_t> buffer, ImageView* view);
+
+ private:
+  struct CloseDecoder {
+    void operator()(void* decoder) const;
+  };
+  bool decompress(std::span<const std::uint8_t> buffer);
+  void convert_rows(const std::uint8_t* buffer);
+
+  OfferedFormat format_;
+  PixelPacking packing_;
+  std::vector<std::uint8_t> image_;  ///< rows without padding
+  std::unique_ptr<void, CloseDecoder> decoder_;
+};
+
+/// One row each. Colour becomes luminance by ITU-R BT.601, in integers.
+void widen_row(const std::uint8_t* from, int pixels, int bits, std::uint8_t* to);
+void luma_row(const std::uint8_t* from, int pixels, std::uint8_t* to);
+void rgb_row(const std::uint8_t* from, int pixels, std::uint8_t* to);
+
+}  // namespace polhode::platform

@@ -1,0 +1,111 @@
+// An open capture device with its ring of mapped buffers: opened, configured, started, read and
+// closed. Knows one attempt; what to do after a failure is V4l2Camera's matter.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/fixed_vector.hpp"
+#include "camera/v4l2/controls.hpp"
+#include "camera/v4l2/device_calls.hpp"
+#include "camera/v4l2/formats.hpp"
+#include "camera/v4l2/frame_time.hpp"
+
+namespace polhode::platform {
+
+/// As much as a driver gives (V4L2 itself allows 32).
+inline constexpr std::size_t kDeviceBuffers = 32;
+
+struct DeviceWish {
+  std::string path;
+  FormatWish format;
+  double rate_hz = 10.0;
+  int buffers = 4;
+};
+
+enum class OpenResult : std::uint8_t {
+  kStreaming,
+  kAbsent,      ///< no such node, or it has gone meanwhile
+  kBusy,        ///< another program has it
+  kUnsuitable,  ///< not a capture device, or not in the wished format: trying again will not help
+  kFailed,      ///< a call failed that should not
+};
+
+enum class TakeResult : std::uint8_t { kBuffer, kNothing, kGone, kBroken };
+
+/// One filled buffer, out of the kernel's queue until it is given back.
+struct TakenBuffer {
+  std::uint32_t index = 0;
+  std::uint32_t sequence = 0;
+  std::int64_t stamp_ns = 0;  ///< of the kernel; of now where the driver gives none
+  StampedAt stamped_at = StampedAt::kEndOfFrame;
+  bool damaged = false;  ///< by the device's own word
+  std::span<const std::uint8_t> octets;
+};
+
+class DeviceStream {
+ public:
+  DeviceStream(DeviceCalls& calls, DeviceWish wish) : calls_(calls), wish_(std::move(wish)) {}
+  ~DeviceStream() { close(); }
+  DeviceStream(const DeviceStream&) = delete;
+  DeviceStream& operator=(const DeviceStream&) = delete;
+
+  OpenResult open();
+  void close();
+  [[nodiscard]] bool is_open() const { return device_ >= 0; }
+
+  /// Waits for a filled buffer and takes it. @param timeout_ms 0: only what is ready.
+  TakeResult take(int timeout_ms, TakenBuffer* taken);
+  /// @return false when the device does not take it: the stream is no more.
+  bool give_back(std::uint32_t index);
+
+  bool set_exposure(std::int64_t exposure_ns) {
+    return is_open() && controls_.set_exposure(calls_, device_, exposure_ns);
+  }
+  bool set_gain(double fraction) {
+    return is_open() && controls_.set_gain(calls_, device_, fraction);
+  }
+
+  [[nodiscard]] const OfferedFormat& format() const { return format_; }
+  [[nodiscard]] double rate_hz() const { return rate_hz_; }
+  [[nodiscard]] std::size_t buffers() const { return ring_.size(); }
+  [[nodiscard]] const ExposureControls& controls() const { return controls_; }
+  [[nodiscard]] std::string_view trouble() const {
+    return trouble_.data();
+  }  ///< of the last call that failed
+
+ private:
+  struct Mapped {
+    std::uint8_t* block = nullptr;
+    std::size_t octets = 0;
+  };
+
+  OpenResult configure();
+  OpenResult check_capabilities();
+  OpenResult set_format();
+  void set_interval();
+  OpenResult map_ring();
+  OpenResult start();
+  OpenResult failed(const char* what, int error);
+
+  DeviceCalls& calls_;
+  DeviceWish wish_;
+  int device_ = -1;
+  bool streaming_ = false;
+  OfferedFormat format_;
+  double rate_hz_ = 0.0;
+  ExposureControls controls_;
+  FixedVector<Mapped, kDeviceBuffers> ring_;
+  std::array<char, 160> trouble_{};
+};
+
+/// Asks the device (TRY_FMT) what it would give in each format that the driver can read.
+FixedVector<OfferedFormat, 16> ask_formats(DeviceCalls& calls,
+                                           int device,
+                                           int width_px,
+                                           int height_px);
+
+}  // namespace polhode::platform

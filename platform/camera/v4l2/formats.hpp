@@ -1,0 +1,72 @@
+// Pixel formats that the driver can turn into gray, and which of those on offer it takes.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace polhode::platform {
+
+enum class Packing : std::uint8_t {
+  kGray8,       ///< one octet
+  kGray16,      ///< two octets, little endian, `bits` significant ones at the lower end
+  kLumaChroma,  ///< two octets, the first is the luminance
+  kRgb,         ///< three octets
+  kCompressed,  ///< a JPEG image
+};
+
+struct PixelPacking {
+  std::uint32_t fourcc = 0;
+  Packing packing = Packing::kGray8;
+  int bits = 8;              ///< significant bits of a gray value
+  int octets_per_pixel = 1;  ///< 0: compressed
+  std::string_view name;
+};
+
+/// In order of preference: what needs no copy first, more bits before fewer (though the estimator
+/// looks at the upper eight), what is lossy last.
+std::span<const PixelPacking> pixel_packings();
+const PixelPacking* find_packing(std::uint32_t fourcc);
+const PixelPacking* find_packing(std::string_view name);
+
+/// "GREY", or "Y16 -BE" for formats with an unprintable or flagged code.
+std::string fourcc_text(std::uint32_t fourcc);
+
+/// What a device answers when it is asked for a format at a size.
+struct OfferedFormat {
+  std::uint32_t fourcc = 0;
+  int width_px = 0;
+  int height_px = 0;
+  std::uint32_t row_octets = 0;
+  std::uint32_t image_octets = 0;
+};
+
+struct FormatWish {
+  int width_px = 0;  ///< exactly: the intrinsics hold for one size
+  int height_px = 0;
+  std::uint32_t fourcc = 0;  ///< 0: any
+};
+
+/// True when rows and image are long enough for that size, and not beyond any memory.
+bool consistent(const OfferedFormat& offered);
+
+/// The most preferred consistent format of the wished size. @return its index, or nothing.
+std::optional<std::size_t> choose_format(std::span<const OfferedFormat> offered,
+                                         const FormatWish& wish);
+
+/// A frame interval as V4L2 has it.
+struct Interval {
+  std::uint32_t numerator = 0;
+  std::uint32_t denominator = 1;
+};
+double rate_hz(Interval interval);  ///< 0 for an interval that is none
+Interval interval_of(double rate_hz);
+
+/// The interval nearest to a rate, by ratio. @return its index, or nothing when none is usable.
+std::optional<std::size_t> choose_interval(std::span<const Interval> offered, double wished_hz);
+
+}  // namespace polhode::platform

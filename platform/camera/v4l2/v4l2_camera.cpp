@@ -1,0 +1,184 @@
+#include "camera/v4l2/v4l2_camera.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace polhode::platform {
+namespace {
+
+constexpr std::int64_t kMillisecond_ns = 1'000'000;
+
+bool same(const OfferedFormat& a, const OfferedFormat& b) {
+  return a.fourcc == b.fourcc && a.width_px == b.width_px && a.height_px == b.height_px &&
+         a.row_octets == b.row_octets;
+}
+
+}  // namespace
+
+V4l2Camera::V4l2Camera(DeviceCalls& calls, const V4l2Options& options)
+    : calls_(calls), options_(options), stream_(calls, options.wish) {
+  say("not opened yet", {});
+}
+
+void V4l2Camera::say(const char* what, std::string_view detail) {
+  std::snprintf(state_.data(),
+                state_.size(),
+                "%s%s%.*s",
+                what,
+                detail.empty() ? "" : ": ",
+                static_cast<int>(detail.size()),
+                detail.data());
+}
+
+OpenResult V4l2Camera::open() {
+  held_.reset();
+  ready_.clear();
+  sequence_.restart();
+  OpenResult result = stream_.open();
+  if (result == OpenResult::kStreaming && !converter_) {
+    first_format_ = stream_.format();
+    converter_.emplace(first_format_);
+  }
+  if (result == OpenResult::kStreaming && !same(stream_.format(), first_format_)) {
+    stream_.close();
+    say("came back with another format", options_.wish.path);
+    result = OpenResult::kUnsuitable;
+  } else if (result != OpenResult::kStreaming) {
+    say(result == OpenResult::kBusy ? "busy" : "away", stream_.trouble());
+  }
+  if (result != OpenResult::kStreaming) {
+    counters_.busy += result == OpenResult::kBusy ? 1 : 0;
+    backoff_.failed(calls_.now_ns());
+    return result;
+  }
+  backoff_.succeeded();
+  ++counters_.opened;
+  heard_ns_ = calls_.now_ns();
+  say("streaming", {});
+  set_exposure(options_.exposure_ns, options_.gain);
+  return result;
+}
+
+void V4l2Camera::set_exposure(std::int64_t exposure_ns, double gain) {
+  options_.exposure_ns = exposure_ns;  // once more when the device comes back
+  options_.gain = gain;
+  if (exposure_ns > 0) {
+    (void)stream_.set_exposure(exposure_ns);
+  }
+  if (gain >= 0.0) {
+    (void)stream_.set_gain(gain);
+  }
+}
+
+/// Never longer than the time-out, and one attempt at most.
+Arrival V4l2Camera::wait_to_open(int timeout_ms) {
+  const std::int64_t wait_ns = backoff_.due_ns() - calls_.now_ns();
+  if (wait_ns > 0) {
+    const std::int64_t wait_ms = (wait_ns + kMillisecond_ns - 1) / kMillisecond_ns;
+    calls_.sleep_ms(static_cast<int>(std::min<std::int64_t>(wait_ms, timeout_ms)));
+    if (calls_.now_ns() < backoff_.due_ns()) {
+      return Arrival::kNothing;
+    }
+  }
+  (void)open();
+  return Arrival::kNothing;
+}
+
+void V4l2Camera::end_stream(TakeResult why) {
+  (why == TakeResult::kGone ? counters_.disconnects : counters_.stream_errors) += 1;
+  say(why == TakeResult::kGone ? "gone" : "stream failed", stream_.trouble());
+  held_.reset();
+  ready_.clear();
+  stream_.close();
+  backoff_.succeeded();
+  backoff_.failed(calls_.now_ns());
+}
+
+void V4l2Camera::give_back(const TakenBuffer& buffer) {
+  if (!stream_.give_back(buffer.index)) {
+    end_stream(TakeResult::kGone);
+  }
+}
+
+/// Everything that is filled into `ready_`; waits only when nothing is there.
+/// @return false when the stream has ended.
+bool V4l2Camera::gather(int timeout_ms) {
+  for (std::size_t i = 0; i < kDeviceBuffers; ++i) {
+    TakenBuffer taken;
+    const TakeResult result = stream_.take(ready_.empty() ? timeout_ms : 0, &taken);
+    if (result == TakeResult::kNothing) {
+      return true;
+    }
+    if (result != TakeResult::kBuffer) {
+      // Frames that came whole before the end are lost with their buffers.
+      counters_.frames_missing += static_cast<std::uint32_t>(ready_.size());
+      end_stream(result);
+      return false;
+    }
+    heard_ns_ = calls_.now_ns();
+    counters_.frames_missing += sequence_.missing_before(taken.sequence);
+    (void)ready_.push_back(taken);  // has room for all buffers that there are
+  }
+  return true;
+}
+
+void V4l2Camera::pass_over_late() {
+  while (stream_.is_open() && static_cast<int>(ready_.size()) > 1 + options_.backlog_frames_max) {
+    const TakenBuffer oldest = ready_[0];
+    ready_.erase(0);
+    ++counters_.frames_late;
+    give_back(oldest);
+  }
+}
+
+Arrival V4l2Camera::hand_out(Frame* frame) {
+  const TakenBuffer buffer = ready_[0];
+  ready_.erase(0);
+  const std::int64_t timestamp_ns =
+      options_.clock_offset_ns +
+      mid_exposure_ns(buffer.stamp_ns,
+                      {.stamped_at = buffer.stamped_at,
+                       .exposure_ns = stream_.controls().exposure_ns(options_.exposure_ns),
+                       .readout_ns = options_.readout_ns});
+  if (timestamp_ns <= last_timestamp_ns_) {
+    ++counters_.frames_out_of_time;
+    give_back(buffer);
+    return Arrival::kNothing;
+  }
+  last_timestamp_ns_ = timestamp_ns;
+  *frame = {.timestamp_ns = timestamp_ns, .image = {}, .readable = false};
+  frame->readable = !buffer.damaged && converter_->convert(buffer.octets, &frame->image);
+  if (!frame->readable) {
+    frame->image = {};
+    ++counters_.frames_damaged;
+  }
+  ++counters_.frames;
+  held_ = buffer;
+  return Arrival::kFrame;
+}
+
+Arrival V4l2Camera::next(int timeout_ms, Frame* frame) {
+  if (held_) {
+    const TakenBuffer seen = *held_;
+    held_.reset();
+    give_back(seen);
+  }
+  if (!stream_.is_open()) {
+    return wait_to_open(timeout_ms);
+  }
+  if (!gather(timeout_ms)) {
+    return Arrival::kNothing;
+  }
+  pass_over_late();
+  if (!stream_.is_open() || ready_.empty()) {
+    ++counters_.timeouts;
+    if (stream_.is_open() && calls_.now_ns() - heard_ns_ > options_.silence_max_ns) {
+      end_stream(TakeResult::kBroken);
+      say("silent", options_.wish.path);
+    }
+    return Arrival::kNothing;
+  }
+  return hand_out(frame);
+}
+
+}  // namespace polhode::platform

@@ -1,0 +1,66 @@
+// The camera of a live run: a V4L2 device that is opened again when it fails, its frames as gray
+// images with the time of mid-exposure. After the first stream no memory is taken.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "base/fixed_vector.hpp"
+#include "camera/live_camera.hpp"
+#include "camera/v4l2/convert.hpp"
+#include "camera/v4l2/device_stream.hpp"
+#include "camera/v4l2/frame_time.hpp"
+
+namespace polhode::platform {
+
+struct V4l2Options {
+  DeviceWish wish;
+  std::int64_t exposure_ns = 0;      ///< set at start; 0: as the device has it
+  double gain = -1.0;                ///< fraction of the control's range; below 0: as it is
+  std::int64_t readout_ns = 0;       ///< end of exposure to the time stamp
+  std::int64_t clock_offset_ns = 0;  ///< added to every time stamp
+  int backlog_frames_max =
+      1;  ///< filled buffers that may wait; beyond it the oldest are passed over
+  std::int64_t silence_max_ns =
+      2'000'000'000;  ///< a stream that brings nothing for so long is opened anew
+};
+
+class V4l2Camera final : public LiveCamera {
+ public:
+  V4l2Camera(DeviceCalls& calls, const V4l2Options& options);
+
+  Arrival next(int timeout_ms, Frame* frame) override;
+  [[nodiscard]] const CameraCounters& counters() const override { return counters_; }
+  [[nodiscard]] std::string_view state() const override { return state_.data(); }
+  void set_exposure(std::int64_t exposure_ns, double gain) override;
+
+  /// One attempt, at once. Called at start, so that a device that will never do is refused there.
+  OpenResult open();
+  [[nodiscard]] const DeviceStream& stream() const { return stream_; }
+
+ private:
+  Arrival wait_to_open(int timeout_ms);
+  bool gather(int timeout_ms);
+  void pass_over_late();
+  Arrival hand_out(Frame* frame);
+  void give_back(const TakenBuffer& buffer);
+  void end_stream(TakeResult why);
+  void say(const char* what, std::string_view detail);
+
+  DeviceCalls& calls_;
+  V4l2Options options_;
+  DeviceStream stream_;
+  std::optional<GrayConverter> converter_;
+  OfferedFormat first_format_;
+  FixedVector<TakenBuffer, kDeviceBuffers> ready_;  ///< oldest first
+  std::optional<TakenBuffer> held_;                 ///< the estimator looks at it
+  SequenceWatch sequence_;
+  Backoff backoff_;
+  std::int64_t heard_ns_ = 0;  ///< when the stream last brought something, or was started
+  std::int64_t last_timestamp_ns_ = INT64_MIN;
+  CameraCounters counters_;
+  std::array<char, 200> state_{};
+};
+
+}  // namespace polhode::platform

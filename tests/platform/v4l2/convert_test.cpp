@@ -1,0 +1,188 @@
+#include "camera/v4l2/convert.hpp"
+
+#include <gtest/gtest.h>
+#include <linux/videodev2.h>
+#include <turbojpeg.h>
+
+#include <cstdlib>
+#include <cstring>
+
+namespace polhode::platform {
+namespace {
+
+constexpr int kWidth = 5;
+constexpr int kHeight = 3;
+
+OfferedFormat format_of(std::uint32_t fourcc,
+                        std::uint32_t octets_per_pixel,
+                        std::uint32_t padding) {
+  const std::uint32_t row = octets_per_pixel * kWidth + padding;
+  return {.fourcc = fourcc,
+          .width_px = kWidth,
+          .height_px = kHeight,
+          .row_octets = row,
+          .image_octets = row * kHeight};
+}
+
+/// Octets 1, 2, 3 ..., so that every position can be told from every other.
+std::vector<std::uint8_t> ramp(const OfferedFormat& format) {
+  std::vector<std::uint8_t> octets(format.image_octets);
+  for (std::size_t i = 0; i < octets.size(); ++i) {
+    octets[i] = static_cast<std::uint8_t>(1 + i);
+  }
+  return octets;
+}
+
+std::uint16_t pixel16(const ImageView& view, int u, int v) {
+  std::uint16_t value = 0;
+  std::memcpy(&value, view.data + v * view.stride_octets + 2 * u, sizeof value);
+  return value;
+}
+
+TEST(Convert, GrayIsReadWhereItLies_PaddingAndAll) {
+  const OfferedFormat format = format_of(V4L2_PIX_FMT_GREY, 1, 3);
+  const auto buffer = ramp(format);
+  ImageView view;
+  ASSERT_TRUE(GrayConverter(format).convert(buffer, &view));
+  EXPECT_EQ(view.data, buffer.data());
+  EXPECT_EQ(view.stride_octets, kWidth + 3);
+  EXPECT_EQ(view.format, PixelFormat::kGray8);
+}
+
+TEST(Convert, SixteenBitsAreReadWhereTheyLie) {
+  const OfferedFormat format = format_of(V4L2_PIX_FMT_Y16, 2, 2);
+  const auto buffer = ramp(format);
+  ImageView view;
+  ASSERT_TRUE(GrayConverter(format).convert(buffer, &view));
+  EXPECT_EQ(view.data, buffer.data());
+  EXPECT_EQ(view.format, PixelFormat::kGray16);
+  EXPECT_EQ(pixel16(view, 1, 2), buffer[2 * 12 + 2] + 256 * buffer[2 * 12 + 3]);
+}
+
+TEST(Convert, TenAndTwelveBitsFillTheUpperEnd) {
+  for (const auto& [fourcc, bits] :
+       {std::pair{V4L2_PIX_FMT_Y10, 10}, std::pair{V4L2_PIX_FMT_Y12, 12}}) {
+    const OfferedFormat format = format_of(fourcc, 2, 4);
+    std::vector<std::uint8_t> buffer(format.image_octets, 0xEE);  // padding that must not be seen
+    const auto full = static_cast<std::uint16_t>((1 << bits) - 1);
+    for (int v = 0; v < kHeight; ++v) {
+      for (int u = 0; u < kWidth; ++u) {
+        const auto value = static_cast<std::uint16_t>(full - 7 * u - v);
+        std::memcpy(&buffer[static_cast<std::size_t>(v) * format.row_octets +
+                            2 * static_cast<std::size_t>(u)],
+                    &value,
+                    2);
+      }
+    }
+    GrayConverter converter(format);
+    ImageView view;
+    ASSERT_TRUE(converter.convert(buffer, &view));
+    EXPECT_EQ(view.stride_octets, 2 * kWidth);
+    for (int v = 0; v < kHeight; ++v) {
+      for (int u = 0; u < kWidth; ++u) {
+        EXPECT_EQ(pixel16(view, u, v), (full - 7 * u - v) << (16 - bits)) << u << "," << v;
+      }
+    }
+  }
+}
+
+TEST(Convert, LumaIsEveryOtherOctet) {
+  const OfferedFormat format = format_of(V4L2_PIX_FMT_YUYV, 2, 1);
+  const auto buffer = ramp(format);
+  GrayConverter converter(format);
+  ImageView view;
+  ASSERT_TRUE(converter.convert(buffer, &view));
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      EXPECT_EQ(view.data[v * view.stride_octets + u],
+                buffer[static_cast<std::size_t>(11 * v + 2 * u)]);
+    }
+  }
+}
+
+TEST(Convert, ColourBecomesLuminance) {
+  const OfferedFormat format = format_of(V4L2_PIX_FMT_RGB24, 3, 0);
+  std::vector<std::uint8_t> buffer(format.image_octets, 0);
+  const std::uint8_t colours[5][3] = {
+      {255, 255, 255}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {10, 20, 30}};
+  std::memcpy(buffer.data(), colours, sizeof colours);
+  GrayConverter converter(format);
+  ImageView view;
+  ASSERT_TRUE(converter.convert(buffer, &view));
+  // 0.299 R + 0.587 G + 0.114 B, rounded
+  const std::uint8_t expected[5] = {255, 76, 150, 29, 18};
+  EXPECT_EQ(std::memcmp(view.data, expected, 5), 0);
+  EXPECT_EQ(view.data[kWidth], 0);
+}
+
+TEST(Convert, ABufferThatEndsEarlyIsRefused_OneOctetDecides) {
+  for (const auto& packing : pixel_packings()) {
+    if (packing.packing == Packing::kCompressed) {
+      continue;
+    }
+    const OfferedFormat format =
+        format_of(packing.fourcc, static_cast<std::uint32_t>(packing.octets_per_pixel), 0);
+    const auto buffer = ramp(format);
+    GrayConverter converter(format);
+    ImageView view;
+    EXPECT_TRUE(converter.convert(buffer, &view)) << packing.name;
+    EXPECT_FALSE(converter.convert(std::span(buffer).first(buffer.size() - 1), &view))
+        << packing.name;
+    EXPECT_FALSE(converter.convert({}, &view)) << packing.name;
+  }
+}
+
+class Jpeg : public testing::Test {
+ protected:
+  static constexpr int kSide = 64;
+
+  Jpeg() {
+    std::vector<std::uint8_t> gray(kSide * kSide);
+    for (int i = 0; i < kSide * kSide; ++i) {
+      gray[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(2 * (i / kSide) + i % kSide);
+    }
+    tjhandle coder = tjInitCompress();
+    unsigned char* out = nullptr;
+    unsigned long octets = 0;
+    tjCompress2(coder, gray.data(), kSide, 0, kSide, TJPF_GRAY, &out, &octets, TJSAMP_GRAY, 95, 0);
+    file_.assign(out, out + octets);
+    tjFree(out);
+    tjDestroy(coder);
+  }
+
+  static OfferedFormat format(int side) {
+    return {.fourcc = V4L2_PIX_FMT_MJPEG,
+            .width_px = side,
+            .height_px = side,
+            .row_octets = 0,
+            .image_octets = 100'000};
+  }
+
+  std::vector<std::uint8_t> file_;
+};
+
+TEST_F(Jpeg, IsDecodedToGray) {
+  GrayConverter converter(format(kSide));
+  ImageView view;
+  ASSERT_TRUE(converter.convert(file_, &view));
+  for (int v = 0; v < kSide; v += 9) {
+    for (int u = 0; u < kSide; u += 7) {
+      EXPECT_NEAR(view.data[v * view.stride_octets + u], 2 * v + u, 3);  // of quality 95
+    }
+  }
+}
+
+TEST_F(Jpeg, TruncatedOrOfAnotherSizeOrNoJpegAtAll_IsRefused) {
+  GrayConverter converter(format(kSide));
+  ImageView view;
+  EXPECT_FALSE(converter.convert(std::span(file_).first(file_.size() / 2), &view));
+  EXPECT_FALSE(converter.convert(std::span(file_).first(1), &view));
+  EXPECT_FALSE(converter.convert({}, &view));
+  const std::vector<std::uint8_t> noise(4000, 0x5A);
+  EXPECT_FALSE(converter.convert(noise, &view));
+  EXPECT_FALSE(GrayConverter(format(kSide / 2)).convert(file_, &view));
+  EXPECT_TRUE(converter.convert(file_, &view));  // the decoder is none the worse for it
+}
+
+}  // namespace
+}  // namespace polhode::platform

@@ -1,0 +1,222 @@
+// A capture device in memory with videobuf2's rules of buffer ownership, and every fault on
+// request.
+#pragma once
+
+#include <linux/videodev2.h>
+#include <poll.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <deque>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "camera/v4l2/device_calls.hpp"
+
+namespace polhode::platform {
+
+class FakeDevice final : public DeviceCalls {
+ public:
+  static constexpr int kDescriptor = 7;
+
+  // What it is.
+  std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
+  std::vector<std::uint32_t> formats{V4L2_PIX_FMT_GREY};
+  std::uint32_t width = 64;
+  std::uint32_t height = 48;
+  std::uint32_t row_padding = 0;
+  std::uint32_t buffers_given = 0;  ///< 0: as many as are asked for
+  std::uint32_t stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_EOF;
+  bool has_exposure = true;
+
+  // What goes wrong: the answer to a request from now on, -errno.
+  std::map<unsigned long, int> answers;
+  int open_answer = kDescriptor;
+  bool map_fails = false;
+  std::uint32_t lie_about_index = 0;  ///< added to the number of each filled buffer
+  bool gone = false;                  ///< unplugged: every call fails with ENODEV
+  bool failed = false;  ///< fatal streaming error: poll tells it, taking a buffer is EIO
+
+  // What happened.
+  std::int64_t time_ns = 1'000'000'000;
+  int open_count = 0;
+  int open_now = 0;
+  std::size_t mapped_now = 0;
+  bool streaming = false;
+  std::map<std::uint32_t, std::int32_t> controls;
+
+  /// The sensor takes a frame into the next queued buffer; without one, the frame is lost.
+  bool take_frame(std::uint8_t level, std::uint32_t flags = 0, std::uint32_t octets_short = 0) {
+    const std::uint32_t number = sequence_++;
+    if (!streaming || queued_.empty()) {
+      return false;
+    }
+    v4l2_buffer buffer{};
+    buffer.index = queued_.front();
+    queued_.pop_front();
+    std::memset(memory_[buffer.index].data(), level, memory_[buffer.index].size());
+    buffer.sequence = number;
+    buffer.bytesused = static_cast<std::uint32_t>(memory_[buffer.index].size()) - octets_short;
+    buffer.flags = stamp_flags | flags;
+    buffer.timestamp.tv_sec = time_ns / 1'000'000'000;
+    buffer.timestamp.tv_usec = time_ns % 1'000'000'000 / 1000;
+    filled_.push_back(buffer);
+    return true;
+  }
+  void lose_frames(std::uint32_t count) { sequence_ += count; }
+  [[nodiscard]] std::size_t queued() const { return queued_.size(); }
+
+  int open(const char* /*path*/) override {
+    ++open_count;
+    if (open_answer < 0) {
+      return open_answer;
+    }
+    ++open_now;
+    gone = false;
+    failed = false;
+    return kDescriptor;
+  }
+  void close(int /*device*/) override {
+    --open_now;
+    streaming = false;
+    queued_.clear();
+    filled_.clear();
+  }
+  int ioctl(int /*device*/, unsigned long request, void* argument) override {
+    if (gone) {
+      return -ENODEV;
+    }
+    if (const auto found = answers.find(request); found != answers.end()) {
+      return found->second;
+    }
+    return answer(request, argument);
+  }
+  std::uint8_t* map(int /*device*/, std::size_t /*octets*/, std::int64_t offset) override {
+    if (map_fails) {
+      return nullptr;
+    }
+    ++mapped_now;
+    return memory_[static_cast<std::size_t>(offset)].data();
+  }
+  void unmap(std::uint8_t* /*block*/, std::size_t /*octets*/) override { --mapped_now; }
+  int poll(int /*device*/, int timeout_ms) override {
+    if (gone || failed) {
+      return gone ? POLLERR | POLLHUP : POLLERR;
+    }
+    if (filled_.empty()) {
+      time_ns += std::int64_t{timeout_ms} * 1'000'000;
+      return 0;
+    }
+    return POLLIN;
+  }
+  std::int64_t now_ns() override { return time_ns; }
+  void sleep_ms(int duration_ms) override { time_ns += std::int64_t{duration_ms} * 1'000'000; }
+
+ private:
+  int answer(unsigned long request, void* argument) {
+    switch (request) {
+      case VIDIOC_QUERYCAP:
+        static_cast<v4l2_capability*>(argument)->capabilities = capabilities;
+        return 0;
+      case VIDIOC_TRY_FMT:
+      case VIDIOC_S_FMT:
+        return set_format(static_cast<v4l2_format*>(argument));
+      case VIDIOC_S_PARM:
+        static_cast<v4l2_streamparm*>(argument)->parm.capture.capability = V4L2_CAP_TIMEPERFRAME;
+        return 0;
+      case VIDIOC_QUERYCTRL:
+        return query_control(static_cast<v4l2_queryctrl*>(argument));
+      case VIDIOC_S_CTRL: {
+        const auto* control = static_cast<v4l2_control*>(argument);
+        controls[control->id] = control->value;
+        return 0;
+      }
+      case VIDIOC_G_CTRL: {
+        auto* control = static_cast<v4l2_control*>(argument);
+        control->value = controls[control->id];
+        return 0;
+      }
+      default:
+        return stream_answer(request, argument);
+    }
+  }
+
+  int stream_answer(unsigned long request, void* argument) {
+    auto* buffer = static_cast<v4l2_buffer*>(argument);
+    switch (request) {
+      case VIDIOC_REQBUFS: {
+        auto* asked = static_cast<v4l2_requestbuffers*>(argument);
+        asked->count = buffers_given > 0 ? buffers_given : asked->count;
+        memory_.assign(asked->count, std::vector<std::uint8_t>(image_octets()));
+        return 0;
+      }
+      case VIDIOC_QUERYBUF:
+        buffer->length = image_octets();
+        buffer->m.offset = buffer->index;
+        return 0;
+      case VIDIOC_QBUF:
+        queued_.push_back(buffer->index);
+        return 0;
+      case VIDIOC_DQBUF:
+        return give(buffer);
+      case VIDIOC_STREAMON:
+        streaming = true;
+        sequence_ = 0;
+        return 0;
+      case VIDIOC_STREAMOFF:
+        streaming = false;
+        return 0;
+      default:
+        return -ENOTTY;
+    }
+  }
+
+  int give(v4l2_buffer* buffer) {
+    if (failed) {
+      return -EIO;
+    }
+    if (filled_.empty()) {
+      return -EAGAIN;
+    }
+    *buffer = filled_.front();
+    buffer->index += lie_about_index;
+    filled_.pop_front();
+    return 0;
+  }
+
+  int set_format(v4l2_format* format) const {
+    v4l2_pix_format& pix = format->fmt.pix;
+    for (const std::uint32_t known : formats) {
+      if (pix.pixelformat == known) {
+        pix.width = width;
+        pix.height = height;
+        pix.bytesperline = width + row_padding;
+        pix.sizeimage = image_octets();
+        return 0;
+      }
+    }
+    pix.pixelformat = formats.front();
+    return 0;
+  }
+
+  int query_control(v4l2_queryctrl* query) const {
+    if (!has_exposure || (query->id != V4L2_CID_EXPOSURE_ABSOLUTE && query->id != V4L2_CID_GAIN)) {
+      return -EINVAL;
+    }
+    query->minimum = 1;
+    query->maximum = 1000;
+    query->step = 1;
+    return 0;
+  }
+
+  [[nodiscard]] std::uint32_t image_octets() const { return (width + row_padding) * height; }
+
+  std::vector<std::vector<std::uint8_t>> memory_;
+  std::deque<std::uint32_t> queued_;
+  std::deque<v4l2_buffer> filled_;
+  std::uint32_t sequence_ = 0;
+};
+
+}  // namespace polhode::platform
