@@ -1,4 +1,5 @@
 // CRC-16/CCITT-FALSE: polynomial 0x1021, initial value 0xFFFF, no reflection, check value 0x29B1.
+// CRC-32/ISO-HDLC (zlib's): polynomial 0x04C11DB7, reflected, check value 0xCBF43926.
 #pragma once
 
 #include <cstdint>
@@ -8,5 +9,8 @@ namespace polhode {
 
 /// @return the checksum of `octets`; over a message followed by its own checksum (big-endian) it is 0.
 std::uint16_t crc16_ccitt_false(std::span<const std::uint8_t> octets);
+
+/// @param before  checksum of what comes before `octets`, 0 where nothing does.
+std::uint32_t crc32_iso_hdlc(std::span<const std::uint8_t> octets, std::uint32_t before = 0);
 
 }  // namespace polhode

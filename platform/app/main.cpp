@@ -9,6 +9,7 @@
 #include "app/camera_command.hpp"
 #include "app/check.hpp"
 #include "app/replay.hpp"
+#include "app/run.hpp"
 #include "errors.hpp"
 #include "os/linux/libraries.hpp"
 #include "pipeline/component.hpp"
@@ -19,6 +20,7 @@ using polhode::platform::BusDumpArguments;
 using polhode::platform::CheckArguments;
 using polhode::platform::ProbeArguments;
 using polhode::platform::ReplayArguments;
+using polhode::platform::RunArguments;
 
 constexpr int kRunFailed = 1;
 constexpr int kUnusable = 2;
@@ -53,6 +55,16 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
       "--realtime", arguments.realtime, "hand frames over at the pace of their time stamps");
   add_settings(*command, arguments.settings);
   command->callback([&arguments] { polhode::platform::replay(arguments); });
+}
+
+void add_run(CLI::App& app, RunArguments& arguments) {
+  CLI::App* command =
+      app.add_subcommand("run", "live: camera, bus and recording as the configuration says");
+  command->add_option("--config", arguments.config, "configuration")
+      ->type_name("CONFIG.toml")
+      ->required();
+  add_settings(*command, arguments.settings);
+  command->callback([&arguments] { polhode::platform::run_command(arguments); });
 }
 
 void add_check(CLI::App& app, CheckArguments& arguments) {
@@ -100,10 +112,12 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", std::string("polhode ") + polhode::kVersion);
   app.require_subcommand(1);
   ReplayArguments replay;
+  RunArguments run;
   CheckArguments check;
   BusDumpArguments bus_dump;
   ProbeArguments probe;
   add_replay(app, replay);
+  add_run(app, run);
   add_check(app, check);
   add_bus(app, bus_dump);
   add_camera(app, probe);

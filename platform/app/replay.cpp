@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <thread>
 #include <vector>
 
+#include "app/component_memory.hpp"
 #include "app/finish.hpp"
 #include "app/machine.hpp"
 #include "app/motion_csv.hpp"
@@ -33,28 +33,6 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
-
-/// The block that the component lives in.
-class ComponentMemory {
- public:
-  explicit ComponentMemory(std::size_t octets)
-      : octets_((octets + kAlignment - 1) / kAlignment * kAlignment),
-        block_(static_cast<std::byte*>(std::aligned_alloc(kAlignment, octets_))) {
-    if (!block_) {
-      throw RunFailure(
-          fmt::format("{} octets of memory for the component are not to be had", octets_));
-    }
-  }
-  [[nodiscard]] std::span<std::byte> span() const { return {block_.get(), octets_}; }
-
- private:
-  static constexpr std::size_t kAlignment = 64;
-  struct Free {
-    void operator()(std::byte* block) const { std::free(block); }
-  };
-  std::size_t octets_;
-  std::unique_ptr<std::byte, Free> block_;
-};
 
 /// The files that grow frame by frame.
 struct FrameFiles {

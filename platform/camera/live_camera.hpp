@@ -26,6 +26,7 @@ struct CameraCounters {
   std::uint32_t stream_errors = 0;       ///< the stream failed and was opened anew
   std::uint32_t disconnects = 0;         ///< the device went away
   std::uint32_t busy = 0;                ///< attempts that found another program on it
+  std::uint32_t attempts = 0;            ///< at opening the device
   std::uint32_t opened = 0;              ///< times that a stream was started
 };
 
@@ -36,6 +37,9 @@ class LiveCamera {
   /// The next frame within `timeout_ms`; its image is valid until the next call. Never blocks
   /// longer, opens the device (again) when it is due.
   virtual Arrival next(int timeout_ms, Frame* frame) = 0;
+
+  /// Monotonic time at which the frame handed out last was there to be taken.
+  [[nodiscard]] virtual std::int64_t available_ns() const = 0;
 
   [[nodiscard]] virtual const CameraCounters& counters() const = 0;
   /// One line: what state the camera is in, and why.

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "errors.hpp"
+#include "parameters/machine_options.hpp"
 #include "parameters/suggest.hpp"
 #include "pipeline/parameter_table.hpp"
 
@@ -133,6 +134,9 @@ class Loader {
       if (section == nullptr) {
         assign(name, node, source);
         continue;
+      }
+      if (is_machine_section(name)) {
+        continue;  // load_machine_options() reads and checks it
       }
       if (section->empty() && !is_section(name)) {
         unknown(name, node, source);

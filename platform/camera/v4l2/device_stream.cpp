@@ -228,12 +228,13 @@ TakeResult DeviceStream::take(int timeout_ms, TakenBuffer* taken) {
   const bool at_start =
       (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
   const Mapped& mapped = ring_[buffer.index];
+  const std::int64_t now_ns = calls_.now_ns();
   *taken = {
       .index = buffer.index,
       .sequence = buffer.sequence,
       .stamp_ns = stamped ? std::int64_t{buffer.timestamp.tv_sec} * 1'000'000'000 +
                                 std::int64_t{buffer.timestamp.tv_usec} * 1000
-                          : calls_.now_ns(),
+                          : now_ns,
       .stamped_at = stamped && at_start ? StampedAt::kStartOfExposure : StampedAt::kEndOfFrame,
       .damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0,
       .octets = {mapped.block, std::min<std::size_t>(buffer.bytesused, mapped.octets)}};

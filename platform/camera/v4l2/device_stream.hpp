@@ -42,7 +42,8 @@ struct TakenBuffer {
   std::uint32_t sequence = 0;
   std::int64_t stamp_ns = 0;  ///< of the kernel; of now where the driver gives none
   StampedAt stamped_at = StampedAt::kEndOfFrame;
-  bool damaged = false;  ///< by the device's own word
+  std::int64_t taken_ns = 0;  ///< when it came out of the queue
+  bool damaged = false;       ///< by the device's own word
   std::span<const std::uint8_t> octets;
 };
 

@@ -17,7 +17,7 @@ bool same(const OfferedFormat& a, const OfferedFormat& b) {
 
 V4l2Camera::V4l2Camera(DeviceCalls& calls, const V4l2Options& options)
     : calls_(calls), options_(options), stream_(calls, options.wish) {
-  say("not opened yet", {});
+  say("not opened yet", "");
 }
 
 void V4l2Camera::say(const char* what, std::string_view detail) {
@@ -34,6 +34,7 @@ OpenResult V4l2Camera::open() {
   held_.reset();
   ready_.clear();
   sequence_.restart();
+  ++counters_.attempts;
   OpenResult result = stream_.open();
   if (result == OpenResult::kStreaming && !converter_) {
     first_format_ = stream_.format();
@@ -54,7 +55,7 @@ OpenResult V4l2Camera::open() {
   backoff_.succeeded();
   ++counters_.opened;
   heard_ns_ = calls_.now_ns();
-  say("streaming", {});
+  say("streaming", "");
   set_exposure(options_.exposure_ns, options_.gain);
   return result;
 }
@@ -115,7 +116,7 @@ bool V4l2Camera::gather(int timeout_ms) {
       end_stream(result);
       return false;
     }
-    heard_ns_ = calls_.now_ns();
+    heard_ns_ = taken.taken_ns;
     counters_.frames_missing += sequence_.missing_before(taken.sequence);
     (void)ready_.push_back(taken);  // has room for all buffers that there are
   }
@@ -146,6 +147,7 @@ Arrival V4l2Camera::hand_out(Frame* frame) {
     return Arrival::kNothing;
   }
   last_timestamp_ns_ = timestamp_ns;
+  available_ns_ = buffer.taken_ns;
   *frame = {.timestamp_ns = timestamp_ns, .image = {}, .readable = false};
   frame->readable = !buffer.damaged && converter_->convert(buffer.octets, &frame->image);
   if (!frame->readable) {

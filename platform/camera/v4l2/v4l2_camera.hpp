@@ -31,6 +31,7 @@ class V4l2Camera final : public LiveCamera {
   V4l2Camera(DeviceCalls& calls, const V4l2Options& options);
 
   Arrival next(int timeout_ms, Frame* frame) override;
+  [[nodiscard]] std::int64_t available_ns() const override { return available_ns_; }
   [[nodiscard]] const CameraCounters& counters() const override { return counters_; }
   [[nodiscard]] std::string_view state() const override { return state_.data(); }
   void set_exposure(std::int64_t exposure_ns, double gain) override;
@@ -58,6 +59,7 @@ class V4l2Camera final : public LiveCamera {
   SequenceWatch sequence_;
   Backoff backoff_;
   std::int64_t heard_ns_ = 0;  ///< when the stream last brought something, or was started
+  std::int64_t available_ns_ = 0;
   std::int64_t last_timestamp_ns_ = INT64_MIN;
   CameraCounters counters_;
   std::array<char, 200> state_{};

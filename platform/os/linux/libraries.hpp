@@ -1,9 +1,11 @@
-// What third-party libraries would do to the machine on their own, switched off before anything else runs.
+// What third-party libraries would do to the machine on their own, switched off before anything
+// else runs.
 #pragma once
 
 namespace polhode::platform {
 
-/// One thread in the vision library, no graphics-card runtime, no log files and no log lines of the solver.
+/// One thread in the vision library, no graphics-card runtime, no log files and no log lines of the
+/// solver.
 void pin_libraries();
 
 }  // namespace polhode::platform

@@ -1,0 +1,33 @@
+#include <array>
+#include <cstddef>
+
+#include "base/crc.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr std::array<std::uint32_t, 256> make_table() {
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t octet = 0; octet < 256; ++octet) {
+    std::uint32_t remainder = octet;
+    for (int bit = 0; bit < 8; ++bit) {
+      remainder = (remainder & 1U) != 0 ? (remainder >> 1U) ^ 0xEDB88320U : remainder >> 1U;
+    }
+    table[octet] = remainder;
+  }
+  return table;
+}
+
+constexpr auto kTable = make_table();
+
+}  // namespace
+
+std::uint32_t crc32_iso_hdlc(std::span<const std::uint8_t> octets, std::uint32_t before) {
+  std::uint32_t crc = ~before;
+  for (const std::uint8_t octet : octets) {
+    crc = (crc >> 8U) ^ kTable[(crc ^ octet) & 0xFFU];
+  }
+  return ~crc;
+}
+
+}  // namespace polhode

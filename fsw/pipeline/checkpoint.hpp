@@ -1,0 +1,28 @@
+// What a component must know to go on where another left off: the map, the poses that the motion is
+// estimated from, scale, counters. Not what lives for one frame, and not a start that is under way.
+//
+// The content is the tables as they lie in memory, for the same build only: its first words tell
+// the layout, and another one's is refused. Whoever stores it checks that it is whole.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "pipeline/component.hpp"
+
+namespace polhode {
+
+/// Octets that no checkpoint is longer than.
+std::size_t checkpoint_octets_max();
+
+/// Unused slots of tables are left out. @param out at least checkpoint_octets_max() long.
+/// @return octets written.
+std::size_t save_checkpoint(const Component::State& state, std::span<std::uint8_t> out);
+
+/// Into a component that has just been created. With a map in it, the component begins as one that
+/// has lost its target: it looks where the motion says, then everywhere.
+/// @return false, with nothing changed, when the octets are of another build, or cut off.
+bool restore_checkpoint(std::span<const std::uint8_t> octets, Component::State* state);
+
+}  // namespace polhode

@@ -1,0 +1,145 @@
+#include "app/checkpoint_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <fstream>
+
+#include "base/crc.hpp"
+#include "camera/replay/file_octets.hpp"
+
+namespace polhode::platform {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Read by the same build on the same machine only: as it lies in memory.
+struct FileHeader {
+  std::array<char, 8> magic{'P', 'L', 'H', 'C', 'H', 'K', '0', '1'};
+  CheckpointIdentity identity;
+  std::uint32_t content_crc32 = 0;
+  std::int64_t utc_ns = 0;
+  std::uint64_t content_octets = 0;
+  std::uint32_t spare = 0;
+  std::uint32_t header_crc32 = 0;
+};
+static_assert(sizeof(FileHeader) == 136, "no gaps: the checksum goes over all octets");
+
+std::uint32_t crc_of(const FileHeader& header) {
+  return crc32_iso_hdlc(
+      {reinterpret_cast<const std::uint8_t*>(&header), sizeof header - sizeof header.header_crc32});
+}
+
+bool write_all(int file, const void* data, std::size_t octets) {
+  const auto* at = static_cast<const std::uint8_t*>(data);
+  while (octets > 0) {
+    const ssize_t written = ::write(file, at, octets);
+    if (written <= 0) {
+      return false;
+    }
+    at += written;
+    octets -= static_cast<std::size_t>(written);
+  }
+  return true;
+}
+
+/// A rename is on the disk when its folder is.
+void sync_folder_of(const fs::path& file) {
+  std::array<char, 4096> folder{};
+  const char* name = file.c_str();
+  const char* slash = std::strrchr(name, '/');
+  const std::size_t length = slash == nullptr ? 0 : static_cast<std::size_t>(slash - name);
+  if (length + 1 >= folder.size()) {
+    return;
+  }
+  std::memcpy(folder.data(), length == 0 ? "." : name, length == 0 ? 1 : length);
+  const int descriptor = ::open(folder.data(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor >= 0) {
+    (void)::fsync(descriptor);
+    ::close(descriptor);
+  }
+}
+
+std::string refusal_of(const FileHeader& header,
+                       std::span<const std::uint8_t> content,
+                       const CheckpointIdentity& identity) {
+  if (header.magic != FileHeader{}.magic || header.header_crc32 != crc_of(header)) {
+    return "not a checkpoint, or its beginning is damaged";
+  }
+  if (header.content_octets != content.size() || header.content_crc32 != crc32_iso_hdlc(content)) {
+    return "torn or damaged";
+  }
+  if (header.identity.config_hash != identity.config_hash) {
+    return "of another configuration";
+  }
+  if (header.identity.boot_id != identity.boot_id) {
+    return "from before the machine was started";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::array<char, 36> this_boot() {
+  std::array<char, 36> id{};
+  std::ifstream in("/proc/sys/kernel/random/boot_id");
+  in.read(id.data(), id.size());
+  return in ? id : std::array<char, 36>{};
+}
+
+bool write_checkpoint_file(const fs::path& file,
+                           const fs::path& beside,
+                           const CheckpointIdentity& identity,
+                           std::int64_t utc_ns,
+                           std::span<const std::uint8_t> content) {
+  FileHeader header{.identity = identity,
+                    .content_crc32 = crc32_iso_hdlc(content),
+                    .utc_ns = utc_ns,
+                    .content_octets = content.size()};
+  header.header_crc32 = crc_of(header);
+  const int out = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
+  if (out < 0) {
+    return false;
+  }
+  const bool written = write_all(out, &header, sizeof header) &&
+                       write_all(out, content.data(), content.size()) && ::fsync(out) == 0;
+  const bool closed = ::close(out) == 0;
+  if (!written || !closed || ::rename(beside.c_str(), file.c_str()) != 0) {
+    (void)::unlink(beside.c_str());
+    return false;
+  }
+  sync_folder_of(file);
+  return true;
+}
+
+LoadedCheckpoint load_checkpoint_file(const fs::path& file,
+                                      const CheckpointIdentity& identity,
+                                      std::int64_t utc_ns,
+                                      double age_s_max) {
+  LoadedCheckpoint loaded;
+  std::vector<std::uint8_t> octets;
+  if (const auto unreadable = read_file(file, octets)) {
+    loaded.refusal = *unreadable;
+    return loaded;
+  }
+  FileHeader header;
+  if (octets.size() < sizeof header) {
+    loaded.refusal = "too short";
+    return loaded;
+  }
+  std::memcpy(&header, octets.data(), sizeof header);
+  octets.erase(octets.begin(), octets.begin() + sizeof header);
+  loaded.refusal = refusal_of(header, octets, identity);
+  loaded.age_s = 1e-9 * static_cast<double>(utc_ns - header.utc_ns);
+  if (loaded.refusal.empty() && !(loaded.age_s >= 0.0 && loaded.age_s <= age_s_max)) {
+    loaded.refusal = fmt::format("{:.0f} s old, allowed are 0 .. {:.0f}", loaded.age_s, age_s_max);
+  }
+  if (loaded.refusal.empty()) {
+    loaded.content = std::move(octets);
+  }
+  return loaded;
+}
+
+}  // namespace polhode::platform

@@ -1,0 +1,82 @@
+#include "app/checkpoint_writer.hpp"
+
+#include <time.h>
+
+namespace polhode::platform {
+
+std::int64_t utc_now_ns() {
+  timespec now{};
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+CheckpointWriter::CheckpointWriter(const std::filesystem::path& file,
+                                   const CheckpointIdentity& identity)
+    : file_(file),
+      beside_(file.string() + ".new"),
+      identity_(identity),
+      buffer_(checkpoint_octets_max()) {
+  thread_.start(&CheckpointWriter::work, this);
+}
+
+CheckpointWriter::~CheckpointWriter() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void CheckpointWriter::offer(const Component::State& state) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (waiting_ > 0) {
+      ++counters_.skipped;
+      return;
+    }
+  }
+  const std::size_t octets = save_checkpoint(state, buffer_);
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_ = octets;
+  }
+  changed_.notify_all();
+}
+
+void CheckpointWriter::write_now(const Component::State& state) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return waiting_ == 0; });
+  lock.unlock();
+  offer(state);
+  lock.lock();
+  changed_.wait(lock, [this] { return waiting_ == 0; });
+}
+
+CheckpointCounters CheckpointWriter::counters() {
+  const std::lock_guard lock(mutex_);
+  return counters_;
+}
+
+void CheckpointWriter::work(void* writer) { static_cast<CheckpointWriter*>(writer)->serve(); }
+
+void CheckpointWriter::serve() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return stop_ || waiting_ > 0; });
+    if (waiting_ == 0) {
+      return;
+    }
+    const std::size_t octets = waiting_;
+    lock.unlock();
+    const bool written = write_checkpoint_file(
+        file_, beside_, identity_, utc_now_ns(), std::span(buffer_).first(octets));
+    lock.lock();
+    ++(written ? counters_.written : counters_.failed);
+    counters_.octets = octets;
+    waiting_ = 0;
+    changed_.notify_all();
+  }
+}
+
+}  // namespace polhode::platform

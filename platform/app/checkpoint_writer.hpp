@@ -1,0 +1,56 @@
+// Checkpoints of a live run, written by a thread of their own: the frame loop only copies.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <vector>
+
+#include "app/checkpoint_file.hpp"
+#include "os/linux/background_thread.hpp"
+#include "pipeline/checkpoint.hpp"
+
+namespace polhode::platform {
+
+struct CheckpointCounters {
+  std::uint32_t written = 0;
+  std::uint32_t failed = 0;   ///< the disk did not take it
+  std::uint32_t skipped = 0;  ///< the one before was still being written
+  std::uint64_t octets = 0;   ///< of the last
+};
+
+class CheckpointWriter {
+ public:
+  CheckpointWriter(const std::filesystem::path& file, const CheckpointIdentity& identity);
+  ~CheckpointWriter();
+  CheckpointWriter(const CheckpointWriter&) = delete;
+  CheckpointWriter& operator=(const CheckpointWriter&) = delete;
+
+  /// Copies the state and returns; nothing when the last one is still being written.
+  void offer(const Component::State& state);
+  /// As offer(), but waits until it is on the disk. For the end of a run.
+  void write_now(const Component::State& state);
+
+  [[nodiscard]] CheckpointCounters counters();
+
+ private:
+  static void work(void* writer);
+  void serve();
+
+  std::filesystem::path file_;
+  std::filesystem::path beside_;
+  CheckpointIdentity identity_;
+  std::vector<std::uint8_t> buffer_;  ///< of the thread while `waiting_`
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::size_t waiting_ = 0;  ///< octets to be written; 0: none
+  bool stop_ = false;
+  CheckpointCounters counters_;
+  BackgroundThread thread_;
+};
+
+/// CLOCK_REALTIME.
+std::int64_t utc_now_ns();
+
+}  // namespace polhode::platform

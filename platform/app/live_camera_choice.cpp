@@ -1,0 +1,95 @@
+#include "app/live_camera_choice.hpp"
+
+#include <fmt/format.h>
+#include <time.h>
+
+#include "app/live_report.hpp"
+#include "camera/replay/played_sequence.hpp"
+#include "camera/v4l2/v4l2_camera.hpp"
+#include "errors.hpp"
+
+namespace polhode::platform {
+namespace {
+
+/// What turns the kernel's monotonic clock into UTC, as it is now. Taken once: a clock that is set
+/// later must not make time jump.
+std::int64_t utc_offset_ns() {
+  timespec utc{};
+  ::clock_gettime(CLOCK_REALTIME, &utc);
+  return std::int64_t{utc.tv_sec} * 1'000'000'000 + utc.tv_nsec - linux_device_calls().now_ns();
+}
+
+V4l2Options device_options(const DeviceOptions& device, const CameraParameters& camera) {
+  constexpr std::int64_t kMicrosecond_ns = 1000;
+  const PixelPacking* packing = find_packing(device.pixel_format);
+  return {.wish = {.path = device.source,
+                   .format = {.width_px = camera.width_px,
+                              .height_px = camera.height_px,
+                              .fourcc = packing == nullptr ? 0 : packing->fourcc},
+                   .rate_hz = device.rate_hz,
+                   .buffers = device.buffers},
+          .exposure_ns = device.exposure_us * kMicrosecond_ns,
+          .gain = device.gain,
+          .readout_ns = device.readout_us * kMicrosecond_ns,
+          .clock_offset_ns = device.clock == "utc" ? utc_offset_ns() : 0,
+          .backlog_frames_max = device.backlog_frames_max,
+          .silence_max_ns = device.silence_ms_max * 1000 * kMicrosecond_ns};
+}
+
+}  // namespace
+
+ChosenCamera::ChosenCamera(const std::filesystem::path& config,
+                           const MachineOptions& machine,
+                           Parameters* parameters) {
+  const DeviceOptions& device = machine.device;
+  if (device.source.empty()) {
+    throw UnusableInput(fmt::format(
+        "{}: device.source is missing: allowed is a video device or the folder of a sequence",
+        config.string()));
+  }
+  if (std::filesystem::is_directory(device.source)) {
+    play(device, parameters);
+  }
+  if (const auto problem = check(*parameters)) {
+    throw UnusableInput(fmt::format("{}: {}", config.string(), problem->message));
+  }
+  if (!camera_) {
+    open(config, device, *parameters);
+  }
+}
+
+void ChosenCamera::play(const DeviceOptions& device, Parameters* parameters) {
+  sequence_ = open_sequence(device.source);
+  parameters->camera = sequence_->camera;
+  const std::int64_t start_ns =
+      device.sequence_start_ns > 0 ? device.sequence_start_ns : linux_device_calls().now_ns();
+  camera_ =
+      std::make_unique<PlayedSequence>(*sequence_,
+                                       PlayOptions{.speed = device.sequence_speed,
+                                                   .passes = device.sequence_passes,
+                                                   .backlog_frames_max = device.backlog_frames_max,
+                                                   .start_ns = start_ns});
+}
+
+void ChosenCamera::open(const std::filesystem::path& config,
+                        const DeviceOptions& device,
+                        const Parameters& parameters) {
+  auto camera =
+      std::make_unique<V4l2Camera>(linux_device_calls(), device_options(device, parameters.camera));
+  if (camera->open() == OpenResult::kUnsuitable) {
+    throw UnusableInput(fmt::format("{}: device.source: {}", config.string(), camera->state()));
+  }
+  if (camera->stream().is_open()) {
+    const OfferedFormat& format = camera->stream().format();
+    say("camera: %s, %s %dx%d, %.4g Hz, %zu buffers",
+        device.source.c_str(),
+        fourcc_text(format.fourcc).c_str(),
+        format.width_px,
+        format.height_px,
+        camera->stream().rate_hz(),
+        camera->stream().buffers());
+  }
+  camera_ = std::move(camera);
+}
+
+}  // namespace polhode::platform

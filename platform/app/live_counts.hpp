@@ -1,0 +1,75 @@
+// What a live run counts and measures, in memory that does not grow.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+namespace polhode::platform {
+
+/// Durations in classes of 1/16 of an octave: a percentile is known to 5 %.
+class DurationHistogram {
+ public:
+  void add(std::int64_t duration_ns) {
+    const auto duration_us = static_cast<std::uint64_t>(duration_ns > 0 ? duration_ns / 1000 : 0);
+    ++classes_[class_of(duration_us)];
+    ++count_;
+    sum_us_ += duration_us;
+    max_us_ = duration_us > max_us_ ? duration_us : max_us_;
+  }
+  /// Upper end of the class that holds this fraction; 0 without samples.
+  [[nodiscard]] std::uint64_t percentile_us(double fraction) const {
+    std::uint64_t below = 0;
+    for (std::size_t i = 0; i < classes_.size(); ++i) {
+      below += classes_[i];
+      if (below > 0 && static_cast<double>(below) >= fraction * static_cast<double>(count_)) {
+        return upper_end_us(i) < max_us_ ? upper_end_us(i) : max_us_;
+      }
+    }
+    return max_us_;
+  }
+  [[nodiscard]] std::uint64_t max_us() const { return max_us_; }
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+  [[nodiscard]] double mean_us() const {
+    return count_ == 0 ? 0.0 : static_cast<double>(sum_us_) / static_cast<double>(count_);
+  }
+
+ private:
+  static constexpr std::size_t kPerOctave = 16;
+  static constexpr std::size_t kOctaves = 40;  // 12 days
+
+  static std::size_t class_of(std::uint64_t duration_us) {
+    if (duration_us < kPerOctave) {
+      return duration_us;
+    }
+    const auto octave = static_cast<std::size_t>(std::bit_width(duration_us)) - 5;
+    const std::size_t found = kPerOctave * octave + (duration_us >> octave);
+    return found < kPerOctave * kOctaves ? found : kPerOctave * kOctaves - 1;
+  }
+  static std::uint64_t upper_end_us(std::size_t index) {
+    if (index < kPerOctave) {
+      return index;
+    }
+    const std::size_t octave = index / kPerOctave - 1;
+    const std::uint64_t lower = (index - kPerOctave * octave);
+    return ((lower + 1) << octave) - 1;
+  }
+
+  std::array<std::uint32_t, kPerOctave * kOctaves> classes_{};
+  std::uint64_t count_ = 0;
+  std::uint64_t sum_us_ = 0;
+  std::uint64_t max_us_ = 0;
+};
+
+struct LiveCounts {
+  std::uint32_t frames_accepted = 0;
+  std::uint32_t frames_dropped_for_job = 0;  ///< the work that was due had not come back
+  std::uint32_t frames_with_pose = 0;
+  std::uint32_t first_pose_frame = UINT32_MAX;  ///< accepted frames before it
+  DurationHistogram step;
+  DurationHistogram latency;  ///< frame available to packets handed over
+  DurationHistogram outside;  ///< processor time a frame outside the step, of the frame's thread
+};
+
+}  // namespace polhode::platform

@@ -1,0 +1,77 @@
+#include "app/live_report.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdarg>
+#include <cstdio>
+#include <cstring>
+
+#include "app/motion_csv.hpp"
+
+namespace polhode::platform {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+/// Trouble that is worth a line at once.
+std::uint32_t trouble(const CameraCounters& c) {
+  return c.opened + c.disconnects + c.stream_errors + c.busy + c.frames_damaged + c.frames_missing;
+}
+
+}  // namespace
+
+void say(const char* format, ...) {
+  std::array<char, 200> line{};
+  std::va_list arguments;
+  va_start(arguments, format);
+  const int length = std::vsnprintf(line.data(), line.size() - 1, format, arguments);
+  va_end(arguments);
+  const auto octets =
+      static_cast<std::size_t>(std::clamp(length, 0, static_cast<int>(line.size()) - 2));
+  line[octets] = '\n';
+  // One call: lines of several threads do not mix. Nothing can be done about a closed stderr.
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, line.data(), octets + 1);
+}
+
+LiveReport::LiveReport(ServiceManager& manager, int period_s)
+    : manager_(manager), period_ns_(period_s * kSecond_ns) {}
+
+void LiveReport::passed(const LiveCamera& camera, const LiveCounts& counts, std::int64_t now_ns) {
+  const CameraCounters& c = camera.counters();
+  if (trouble(c) != trouble(told_) && now_ns >= trouble_due_ns_) {
+    trouble_due_ns_ = now_ns + kSecond_ns;
+    told_ = c;
+    const std::string_view state = camera.state();
+    say("camera: %.*s (opened %u, gone %u, failed %u, busy %u; damaged %u, missing %u)",
+        static_cast<int>(state.size()),
+        state.data(),
+        c.opened,
+        c.disconnects,
+        c.stream_errors,
+        c.busy,
+        c.frames_damaged,
+        c.frames_missing);
+  }
+  if (now_ns >= due_ns_) {
+    due_ns_ = now_ns + period_ns_;
+    say_state(camera, counts);
+  }
+}
+
+void LiveReport::say_state(const LiveCamera& camera, const LiveCounts& counts) {
+  std::array<char, 160> line{};
+  std::snprintf(line.data(),
+                line.size(),
+                "%s, %u frames, %u with a pose, %u passed over, step p99 %.1f ms",
+                mode_name(last_.mode),
+                counts.frames_accepted,
+                counts.frames_with_pose,
+                camera.counters().frames_late + counts.frames_dropped_for_job,
+                1e-3 * static_cast<double>(counts.step.percentile_us(0.99)));
+  say("%s", line.data());
+  manager_.status(line.data());
+}
+
+}  // namespace polhode::platform

@@ -1,0 +1,39 @@
+// How a live run fares, for people: a line on stderr when something happens and every few seconds,
+// and run.json.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "app/live_counts.hpp"
+#include "camera/live_camera.hpp"
+#include "os/linux/service_manager.hpp"
+#include "pipeline/component.hpp"
+
+namespace polhode::platform {
+
+class LiveReport {
+ public:
+  LiveReport(ServiceManager& manager, int period_s);
+
+  void stepped(const StepOutput& out) { last_ = out.motion; }
+  /// Once a turn of the loop: says what is new, and the state every period.
+  void passed(const LiveCamera& camera, const LiveCounts& counts, std::int64_t now_ns);
+  [[nodiscard]] const MotionState& last() const { return last_; }
+
+ private:
+  void say_state(const LiveCamera& camera, const LiveCounts& counts);
+
+  ServiceManager& manager_;
+  std::int64_t period_ns_;
+  std::int64_t due_ns_ = 0;
+  CameraCounters told_;
+  std::int64_t trouble_due_ns_ = 0;  ///< lines about trouble come no faster than this
+  MotionState last_;
+};
+
+/// A line of its own on stderr, cut at 200 characters.
+void say(const char* format, ...) __attribute__((format(printf, 1, 2)));
+
+}  // namespace polhode::platform

@@ -1,0 +1,89 @@
+#include "app/live_run.hpp"
+
+#include <time.h>
+
+#include "app/checkpoint_writer.hpp"
+#include "os/linux/stop_request.hpp"
+
+namespace polhode::platform {
+namespace {
+
+// How soon a request to stop is seen when no frame comes.
+constexpr int kWait_ms = 100;
+
+std::int64_t clock_ns(clockid_t clock) {
+  timespec now{};
+  ::clock_gettime(clock, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+void record_passed_over(LiveParts& parts, std::uint32_t late_before) {
+  const std::uint32_t late = parts.camera.counters().frames_late - late_before;
+  if (parts.recorder != nullptr && late > 0) {
+    parts.recorder->dropped(DropReason::kLate, late);
+  }
+}
+
+/// One accepted frame, from the step to everything that follows from it.
+void take_frame(LiveParts& parts, const Frame& frame, const LiveLimits& limits) {
+  LiveCounts& counts = parts.counts;
+  if (parts.recorder != nullptr) {
+    parts.recorder->frame(frame);
+  }
+  const std::int64_t before_ns = clock_ns(CLOCK_MONOTONIC);
+  const StepOutput& out = parts.component.step({.frame = frame});
+  const std::int64_t stepped_ns = clock_ns(CLOCK_MONOTONIC);
+  if (parts.packets != nullptr) {
+    (void)parts.packets->append(out.packets);
+  }
+  counts.step.add(stepped_ns - before_ns);
+  counts.latency.add(clock_ns(CLOCK_MONOTONIC) - parts.camera.available_ns());
+  if (out.motion.pose_valid) {
+    ++counts.frames_with_pose;
+    counts.first_pose_frame = std::min(counts.first_pose_frame, counts.frames_accepted);
+  }
+  ++counts.frames_accepted;
+  const auto every = static_cast<std::uint32_t>(limits.checkpoint_frames);
+  if (parts.checkpoint != nullptr && counts.frames_accepted % every == 0) {
+    parts.checkpoint->offer(parts.component.state());
+  }
+  parts.report.stepped(out);
+}
+
+}  // namespace
+
+LiveEnd run_live(LiveParts& parts, const LiveLimits& limits) {
+  const std::int64_t start_ns = clock_ns(CLOCK_MONOTONIC);
+  std::uint32_t attempts = 0;
+  std::uint32_t late = 0;
+  Frame frame;
+  while (!stop_requested()) {
+    const std::int64_t cpu_before_ns = clock_ns(CLOCK_THREAD_CPUTIME_ID);
+    const Arrival arrival = parts.camera.next(kWait_ms, &frame);
+    const CameraCounters& camera = parts.camera.counters();
+    const std::int64_t now_ns = clock_ns(CLOCK_MONOTONIC);
+    if (arrival == Arrival::kEnded) {
+      return LiveEnd::kPlayed;
+    }
+    record_passed_over(parts, late);
+    late = camera.frames_late;
+    if (arrival == Arrival::kFrame) {
+      const std::int64_t outside_ns = clock_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_before_ns;
+      take_frame(parts, frame, limits);
+      parts.counts.outside.add(outside_ns);
+    } else if (limits.start_s_max > 0 && camera.opened == 0 &&
+               now_ns - start_ns > std::int64_t{limits.start_s_max} * 1'000'000'000) {
+      return LiveEnd::kNoCamera;
+    }
+    // Progress is a frame that was stepped or, without a camera, another attempt at it: waiting is
+    // none, so a stream that hangs in the kernel is noticed.
+    if (arrival == Arrival::kFrame || camera.attempts != attempts) {
+      parts.manager.progress(now_ns);
+    }
+    attempts = camera.attempts;
+    parts.report.passed(parts.camera, parts.counts, now_ns);
+  }
+  return LiveEnd::kStopped;
+}
+
+}  // namespace polhode::platform

@@ -1,0 +1,44 @@
+// The frame loop of a live run: camera, step, bus, until somebody asks it to stop.
+#pragma once
+
+#include <cstdint>
+
+#include "app/live_counts.hpp"
+#include "app/live_report.hpp"
+#include "camera/live_camera.hpp"
+#include "os/linux/service_manager.hpp"
+#include "pipeline/component.hpp"
+#include "recording/recorder.hpp"
+#include "transport/file/packet_log.hpp"
+
+namespace polhode::platform {
+
+class CheckpointWriter;
+
+enum class LiveEnd : std::uint8_t {
+  kStopped,   ///< by a signal
+  kPlayed,    ///< a played sequence is over
+  kNoCamera,  ///< none within the time allowed at start
+};
+
+/// What the loop works with. Those that may be absent are pointers.
+struct LiveParts {
+  Component& component;
+  LiveCamera& camera;
+  ServiceManager& manager;
+  LiveReport& report;
+  LiveCounts& counts;
+  PacketLog* packets = nullptr;
+  Recorder* recorder = nullptr;
+  CheckpointWriter* checkpoint = nullptr;
+};
+
+struct LiveLimits {
+  int checkpoint_frames = 50;
+  int start_s_max = 10;
+};
+
+/// Takes no memory of its own.
+LiveEnd run_live(LiveParts& parts, const LiveLimits& limits);
+
+}  // namespace polhode::platform

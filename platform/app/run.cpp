@@ -1,0 +1,172 @@
+#include "app/run.hpp"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <memory>
+#include <optional>
+
+#include "app/checkpoint_writer.hpp"
+#include "app/component_memory.hpp"
+#include "app/live_camera_choice.hpp"
+#include "app/live_run.hpp"
+#include "app/run_json.hpp"
+#include "errors.hpp"
+#include "os/linux/stop_request.hpp"
+#include "parameters/load.hpp"
+#include "parameters/machine_options.hpp"
+#include "parameters/sha256.hpp"
+
+namespace polhode::platform {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Where this run begins: anew, or where a checkpoint says. Bad checkpoints are no reason not to
+/// run.
+class Beginning {
+ public:
+  Beginning(const MachineOptions& machine, const std::string& config_hash) : machine_(machine) {
+    std::memcpy(identity_.config_hash.data(),
+                config_hash.data(),
+                std::min(config_hash.size(), identity_.config_hash.size()));
+    if (machine.device.clock == "monotonic") {
+      identity_.boot_id = this_boot();
+    }
+  }
+
+  void restore(Component& component) {
+    if (machine_.run.checkpoint.empty()) {
+      return;
+    }
+    if (!fs::exists(machine_.run.checkpoint)) {
+      how_ = "cold: no checkpoint";
+      return;
+    }
+    loaded_ = load_checkpoint_file(
+        machine_.run.checkpoint, identity_, utc_now_ns(), machine_.run.checkpoint_age_s_max);
+    if (loaded_.refusal.empty() && !restore_checkpoint(loaded_.content, &component.state())) {
+      loaded_.refusal = "of another build";
+    }
+    warm_ = loaded_.refusal.empty();
+    how_ = warm_ ? fmt::format("warm: from frame {}, {:.1f} s ago",
+                               component.counters().frames_in,
+                               loaded_.age_s)
+                 : fmt::format("cold: the checkpoint is not used: {}", loaded_.refusal);
+  }
+
+  [[nodiscard]] const CheckpointIdentity& identity() const { return identity_; }
+  [[nodiscard]] const std::string& how() const { return how_; }
+  [[nodiscard]] std::span<const std::uint8_t> content() const {
+    return warm_ ? std::span<const std::uint8_t>(loaded_.content) : std::span<const std::uint8_t>();
+  }
+
+ private:
+  const MachineOptions& machine_;
+  CheckpointIdentity identity_;
+  LoadedCheckpoint loaded_;
+  bool warm_ = false;
+  std::string how_ = "cold";
+};
+
+std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
+                                        const Parameters& parameters,
+                                        std::span<const std::uint8_t> checkpoint) {
+  const RecordingOptions& wish = machine.recording;
+  if (wish.folder.empty()) {
+    return nullptr;
+  }
+  constexpr std::uint64_t kMega = 1'000'000;
+  const std::uint64_t folder_octets = kMega * static_cast<std::uint64_t>(wish.disk_mb_max);
+  // Two files at least, so that there is something left when the oldest goes.
+  const std::uint64_t segment_octets =
+      std::min(kMega * static_cast<std::uint64_t>(wish.segment_mb), folder_octets / 4);
+  const std::size_t frame_octets = 2 * static_cast<std::size_t>(parameters.camera.width_px) *
+                                   static_cast<std::size_t>(parameters.camera.height_px);
+  auto recorder = std::make_unique<Recorder>(
+      RecorderOptions{
+          .folder = wish.folder,
+          .run_utc_ns = utc_now_ns(),
+          .limits = {.segment_octets_max = segment_octets, .folder_octets_max = folder_octets},
+          .slots = static_cast<std::size_t>(wish.slots),
+          .complete = wish.complete},
+      fmt::format("# polhode {}\n{}", kVersion, canonical_text(parameters)),
+      frame_octets);
+  if (!checkpoint.empty()) {
+    recorder->checkpoint(checkpoint);
+  }
+  return recorder;
+}
+
+void say_end(LiveEnd end, const LiveCounts& counts, const CameraCounters& camera) {
+  say("%s: %u frames, %u with a pose; %u missing, %u damaged, %u passed over",
+      end == LiveEnd::kPlayed ? "played to the end" : "stopped",
+      counts.frames_accepted,
+      counts.frames_with_pose,
+      camera.frames_missing,
+      camera.frames_damaged,
+      camera.frames_late);
+}
+
+}  // namespace
+
+void run_command(const RunArguments& arguments) {
+  Configuration configuration = load_configuration(arguments.config, arguments.settings);
+  const MachineOptions machine = load_machine_options(arguments.config, arguments.settings);
+  // Signals of now on end the run in order, also while the camera is being opened.
+  listen_for_stop();
+  ChosenCamera chosen(arguments.config, machine, &configuration.parameters);
+  const Parameters& parameters = configuration.parameters;
+  const ComponentMemory memory(memory_needed(parameters).total);
+  Result<Component*> made = Component::create(memory.span(), parameters);
+  if (!made) {
+    throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));
+  }
+  Component& component = *made.value();
+  const std::string config_hash = sha256_of(canonical_text(parameters));
+  Beginning beginning(machine, config_hash);
+  beginning.restore(component);
+  say("start %s", beginning.how().c_str());
+
+  std::optional<PacketLog> packets;
+  if (!machine.run.folder.empty()) {
+    std::error_code problem;
+    fs::create_directories(machine.run.folder, problem);
+    packets.emplace(fs::path(machine.run.folder) / "bus.ccsds");
+  }
+  const auto recorder = make_recorder(machine, parameters, beginning.content());
+  std::optional<CheckpointWriter> checkpoint;
+  if (!machine.run.checkpoint.empty()) {
+    checkpoint.emplace(machine.run.checkpoint, beginning.identity());
+  }
+  ServiceManager manager;
+  LiveReport report(manager, machine.run.report_s);
+  const auto counts = std::make_unique<LiveCounts>();
+  LiveParts parts{.component = component,
+                  .camera = chosen.camera(),
+                  .manager = manager,
+                  .report = report,
+                  .counts = *counts,
+                  .packets = packets ? &*packets : nullptr,
+                  .recorder = recorder.get(),
+                  .checkpoint = checkpoint ? &*checkpoint : nullptr};
+  manager.ready();
+  const LiveEnd end = run_live(
+      parts,
+      {.checkpoint_frames = machine.run.checkpoint_frames, .start_s_max = machine.run.start_s_max});
+  manager.stopping();
+  if (checkpoint && component.counters().frames_in > 0) {
+    checkpoint->write_now(component.state());
+  }
+  if (!machine.run.folder.empty()) {
+    write_run_json(fs::path(machine.run.folder) / "run.json",
+                   {.parts = parts, .config_hash = config_hash, .beginning = beginning.how()});
+  }
+  if (end == LiveEnd::kNoCamera) {
+    throw RunFailure(
+        fmt::format("no camera within {} s: {}", machine.run.start_s_max, chosen.camera().state()));
+  }
+  say_end(end, *counts, chosen.camera().counters());
+}
+
+}  // namespace polhode::platform

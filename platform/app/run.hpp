@@ -1,0 +1,18 @@
+// polhode run: the live program, from a camera to the bus, until it is asked to stop.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace polhode::platform {
+
+struct RunArguments {
+  std::filesystem::path config;
+  std::vector<std::string> settings;
+};
+
+/// @throws UnusableInput before anything started; RunFailure afterwards.
+void run_command(const RunArguments& arguments);
+
+}  // namespace polhode::platform

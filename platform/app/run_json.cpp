@@ -1,0 +1,86 @@
+#include "app/run_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "app/checkpoint_writer.hpp"
+#include "app/machine.hpp"
+#include "app/motion_csv.hpp"
+#include "output_file.hpp"
+
+namespace polhode::platform {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json durations(const DurationHistogram& h) {
+  return {{"count", h.count()},
+          {"mean", h.mean_us()},
+          {"p50", h.percentile_us(0.5)},
+          {"p95", h.percentile_us(0.95)},
+          {"p99", h.percentile_us(0.99)},
+          {"max", h.max_us()}};
+}
+
+Json camera_counts(const CameraCounters& c) {
+  return {{"frames", c.frames},
+          {"frames_damaged", c.frames_damaged},
+          {"frames_missing", c.frames_missing},
+          {"frames_late", c.frames_late},
+          {"frames_out_of_time", c.frames_out_of_time},
+          {"timeouts", c.timeouts},
+          {"stream_errors", c.stream_errors},
+          {"disconnects", c.disconnects},
+          {"busy", c.busy},
+          {"attempts", c.attempts},
+          {"opened", c.opened}};
+}
+
+Json recording(Recorder* recorder) {
+  if (recorder == nullptr) {
+    return nullptr;
+  }
+  const RecorderCounters c = recorder->counters();
+  return {{"frames", c.frames},
+          {"missed", c.missed},
+          {"write_failures", c.write_failures},
+          {"octets", c.octets}};
+}
+
+Json checkpoints(CheckpointWriter* writer) {
+  if (writer == nullptr) {
+    return nullptr;
+  }
+  const CheckpointCounters c = writer->counters();
+  return {
+      {"written", c.written}, {"failed", c.failed}, {"skipped", c.skipped}, {"octets", c.octets}};
+}
+
+}  // namespace
+
+void write_run_json(const std::filesystem::path& file, const RunJsonInput& input) {
+  const LiveCounts& counts = input.parts.counts;
+  const MachineUse use = machine_use();
+  const bool pose = counts.frames_with_pose > 0;
+  const Json run = {
+      {"version", kVersion},
+      {"config_hash", input.config_hash},
+      {"start", input.beginning},
+      {"mode", mode_name(input.parts.report.last().mode)},
+      {"frames_accepted", counts.frames_accepted},
+      {"frames_dropped_for_job", counts.frames_dropped_for_job},
+      {"frames_with_pose", counts.frames_with_pose},
+      {"first_pose_frame", pose ? Json(counts.first_pose_frame) : Json(nullptr)},
+      {"camera", camera_counts(input.parts.camera.counters())},
+      {"step_us", durations(counts.step)},
+      {"latency_us", durations(counts.latency)},
+      {"outside_cpu_us", durations(counts.outside)},
+      {"bus_octets", input.parts.packets == nullptr ? 0 : input.parts.packets->octets()},
+      {"bus_write_failures", input.parts.packets == nullptr ? 0 : input.parts.packets->failures()},
+      {"recording", recording(input.parts.recorder)},
+      {"checkpoints", checkpoints(input.parts.checkpoint)},
+      {"peak_resident_octets", use.peak_resident_octets},
+      {"cpu_s", use.cpu_s}};
+  write_file(file, run.dump(2) + "\n");
+}
+
+}  // namespace polhode::platform

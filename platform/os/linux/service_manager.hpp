@@ -1,0 +1,41 @@
+// What a service manager (systemd) is told: that the run is ready, that it makes progress, what it
+// is doing, that it stops. Without one, nothing.
+#pragma once
+
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <cstdint>
+#include <string_view>
+
+namespace polhode::platform {
+
+class ServiceManager {
+ public:
+  /// From NOTIFY_SOCKET and WATCHDOG_USEC of the environment.
+  ServiceManager();
+  ~ServiceManager();
+  ServiceManager(const ServiceManager&) = delete;
+  ServiceManager& operator=(const ServiceManager&) = delete;
+
+  void ready() { tell("READY=1\nSTATUS=running"); }
+  void stopping() { tell("STOPPING=1\nSTATUS=stopping"); }
+  void status(std::string_view line);
+  /// Strokes the watchdog. To be called after real progress and never else; told on when a quarter
+  /// of the watchdog's time has passed since the last.
+  void progress(std::int64_t now_ns);
+
+  /// 0: nobody watches.
+  [[nodiscard]] std::int64_t watchdog_ns() const { return watchdog_ns_; }
+
+ private:
+  void tell(std::string_view text);
+
+  int socket_ = -1;
+  sockaddr_un address_{};
+  socklen_t address_octets_ = 0;
+  std::int64_t watchdog_ns_ = 0;
+  std::int64_t told_ns_ = 0;
+};
+
+}  // namespace polhode::platform

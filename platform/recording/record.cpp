@@ -1,0 +1,105 @@
+#include "recording/record.hpp"
+
+#include <cstring>
+
+#include "base/assert.hpp"
+#include "base/crc.hpp"
+
+namespace polhode::platform {
+namespace {
+
+constexpr std::uint32_t kMagic = 0x31524850;  // "PHR1"
+constexpr std::size_t kCrcAt = kRecordHeaderOctets - 4;
+
+template <typename T>
+void put(std::uint8_t*& at, T value) {
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    *at++ = static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i));
+  }
+}
+
+template <typename T>
+T take(const std::uint8_t*& at) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    value |= std::uint64_t{*at++} << (8 * i);
+  }
+  return static_cast<T>(value);
+}
+
+}  // namespace
+
+std::array<std::uint8_t, kRecordHeaderOctets> encode(const RecordHeader& header) {
+  std::array<std::uint8_t, kRecordHeaderOctets> octets{};
+  std::uint8_t* at = octets.data();
+  put(at, kMagic);
+  put(at, static_cast<std::uint8_t>(header.kind));
+  put(at, static_cast<std::uint8_t>((header.readable ? 1U : 0U) | (header.deep ? 2U : 0U)));
+  put(at, static_cast<std::uint8_t>(header.packing));
+  put(at, static_cast<std::uint8_t>(header.reason));
+  put(at, header.width_px);
+  put(at, header.height_px);
+  put(at, header.count);
+  put(at, header.timestamp_ns);
+  put(at, header.octets);
+  put(at, header.content_crc32);
+  at = octets.data() + kCrcAt;
+  put(at, crc32_iso_hdlc(std::span(octets).first(kCrcAt)));
+  return octets;
+}
+
+std::optional<RecordHeader> decode_record_header(std::span<const std::uint8_t> octets) {
+  if (octets.size() < kRecordHeaderOctets) {
+    return std::nullopt;
+  }
+  const std::uint8_t* at = octets.data() + kCrcAt;
+  if (take<std::uint32_t>(at) != crc32_iso_hdlc(octets.first(kCrcAt))) {
+    return std::nullopt;
+  }
+  at = octets.data();
+  if (take<std::uint32_t>(at) != kMagic) {
+    return std::nullopt;
+  }
+  RecordHeader header;
+  header.kind = static_cast<RecordKind>(take<std::uint8_t>(at));
+  const auto flags = take<std::uint8_t>(at);
+  header.readable = (flags & 1U) != 0;
+  header.deep = (flags & 2U) != 0;
+  header.packing = static_cast<RecordPacking>(take<std::uint8_t>(at));
+  header.reason = static_cast<DropReason>(take<std::uint8_t>(at));
+  header.width_px = take<std::uint16_t>(at);
+  header.height_px = take<std::uint16_t>(at);
+  header.count = take<std::uint32_t>(at);
+  header.timestamp_ns = take<std::int64_t>(at);
+  header.octets = take<std::uint32_t>(at);
+  header.content_crc32 = take<std::uint32_t>(at);
+  return header;
+}
+
+void difference_rows(std::span<const std::uint8_t> from,
+                     int width_px,
+                     bool deep,
+                     std::uint8_t* to) {
+  const std::size_t pixel = deep ? 2 : 1;
+  const std::size_t row = pixel * static_cast<std::size_t>(width_px);
+  POLHODE_ASSERT(row > 0 && from.size() % row == 0, from.size());
+  for (std::size_t start = 0; start < from.size(); start += row) {
+    std::memcpy(to + start, from.data() + start, pixel);
+    for (std::size_t i = start + pixel; i < start + row; ++i) {
+      to[i] = static_cast<std::uint8_t>(from[i] - from[i - pixel]);  // octet by octet, modulo 256
+    }
+  }
+}
+
+void sum_rows(std::span<std::uint8_t> pixels, int width_px, bool deep) {
+  const std::size_t pixel = deep ? 2 : 1;
+  const std::size_t row = pixel * static_cast<std::size_t>(width_px);
+  POLHODE_ASSERT(row > 0 && pixels.size() % row == 0, pixels.size());
+  for (std::size_t start = 0; start < pixels.size(); start += row) {
+    for (std::size_t i = start + pixel; i < start + row; ++i) {
+      pixels[i] = static_cast<std::uint8_t>(pixels[i] + pixels[i - pixel]);
+    }
+  }
+}
+
+}  // namespace polhode::platform

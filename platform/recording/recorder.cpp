@@ -1,0 +1,186 @@
+#include "recording/recorder.hpp"
+
+#include <lz4.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/assert.hpp"
+#include "base/crc.hpp"
+
+namespace polhode::platform {
+namespace {
+
+constexpr std::size_t kCommandOctetsMax = 65542;  // the longest CCSDS packet
+
+std::span<const std::uint8_t> octets_of(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+}  // namespace
+
+Recorder::Recorder(const RecorderOptions& options, std::string begin, std::size_t frame_octets_max)
+    : complete_(options.complete),
+      begin_(std::move(begin)),
+      segments_(options.folder, options.run_utc_ns, options.limits),
+      slots_(options.slots),
+      differences_(frame_octets_max),
+      compressed_(static_cast<std::size_t>(LZ4_compressBound(static_cast<int>(frame_octets_max)))),
+      lz4_state_(static_cast<std::size_t>(LZ4_sizeofState())) {
+  for (Slot& slot : slots_) {
+    slot.content.resize(std::max(frame_octets_max, kCommandOctetsMax));
+  }
+  thread_.start(&Recorder::work, this);
+}
+
+Recorder::~Recorder() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+Recorder::Slot* Recorder::claim(bool wait) {
+  std::unique_lock lock(mutex_);
+  if (wait) {
+    changed_.wait(lock, [this] { return filled_ < slots_.size(); });
+  }
+  return filled_ < slots_.size() ? &slots_[(first_ + filled_) % slots_.size()] : nullptr;
+}
+
+void Recorder::commit() {
+  {
+    const std::lock_guard lock(mutex_);
+    ++filled_;
+  }
+  changed_.notify_all();
+}
+
+void Recorder::checkpoint(std::span<const std::uint8_t> octets) {
+  // Nothing waits for this thread yet, and the other has nothing to write: the file is ours.
+  (void)write_record({.kind = RecordKind::kCheckpoint}, octets);
+}
+
+void Recorder::frame(const Frame& frame) {
+  Slot* slot = claim(complete_);
+  if (slot != nullptr && missed_since_ > 0) {
+    slot->header = {
+        .kind = RecordKind::kDropped, .reason = DropReason::kNotRecorded, .count = missed_since_};
+    missed_since_ = 0;
+    commit();
+    slot = claim(complete_);
+  }
+  if (slot == nullptr) {
+    ++missed_since_;
+    const std::lock_guard lock(mutex_);
+    ++counters_.missed;
+    return;
+  }
+  const ImageView& image = frame.image;
+  const bool deep = image.format == PixelFormat::kGray16;
+  slot->header = {.kind = RecordKind::kFrame,
+                  .readable = frame.readable,
+                  .deep = deep,
+                  .width_px = static_cast<std::uint16_t>(image.width_px),
+                  .height_px = static_cast<std::uint16_t>(image.height_px),
+                  .timestamp_ns = frame.timestamp_ns};
+  if (frame.readable) {
+    const std::size_t row = static_cast<std::size_t>(image.width_px) * (deep ? 2 : 1);
+    slot->header.octets =
+        static_cast<std::uint32_t>(row * static_cast<std::size_t>(image.height_px));
+    POLHODE_ASSERT(slot->header.octets <= slot->content.size(), slot->header.octets);
+    for (int v = 0; v < image.height_px; ++v) {
+      std::memcpy(slot->content.data() + static_cast<std::size_t>(v) * row,
+                  image.data + v * image.stride_octets,
+                  row);
+    }
+  }
+  commit();
+}
+
+void Recorder::dropped(DropReason reason, std::uint32_t count) {
+  if (Slot* slot = claim(complete_)) {
+    slot->header = {.kind = RecordKind::kDropped, .reason = reason, .count = count};
+    commit();
+  }
+}
+
+void Recorder::command(std::span<const std::uint8_t> packet) {
+  // Rare, and nothing may be missing: waits for the disk.
+  Slot* slot = claim(true);
+  const std::size_t octets = std::min(packet.size(), slot->content.size());
+  slot->header = {.kind = RecordKind::kCommand, .octets = static_cast<std::uint32_t>(octets)};
+  std::copy_n(packet.begin(), octets, slot->content.begin());
+  commit();
+}
+
+RecorderCounters Recorder::counters() {
+  const std::lock_guard lock(mutex_);
+  return counters_;
+}
+
+void Recorder::work(void* recorder) { static_cast<Recorder*>(recorder)->serve(); }
+
+void Recorder::serve() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return stop_ || filled_ > 0; });
+    if (filled_ == 0) {
+      return;  // asked to stop, and all is written
+    }
+    Slot& slot = slots_[first_];
+    lock.unlock();
+    write_slot(slot);
+    lock.lock();
+    first_ = (first_ + 1) % slots_.size();
+    --filled_;
+    changed_.notify_all();
+  }
+}
+
+/// Leaves the content as it is where compression gains nothing.
+void Recorder::compress(Slot& slot, std::span<const std::uint8_t>* content) {
+  difference_rows(*content, slot.header.width_px, slot.header.deep, differences_.data());
+  const int octets = LZ4_compress_fast_extState(lz4_state_.data(),
+                                                reinterpret_cast<const char*>(differences_.data()),
+                                                reinterpret_cast<char*>(compressed_.data()),
+                                                static_cast<int>(content->size()),
+                                                static_cast<int>(compressed_.size()),
+                                                1);
+  if (octets > 0 && static_cast<std::size_t>(octets) < content->size()) {
+    slot.header.packing = RecordPacking::kDifferenceLz4;
+    *content = std::span(compressed_).first(static_cast<std::size_t>(octets));
+  }
+}
+
+void Recorder::write_slot(Slot& slot) {
+  std::span<const std::uint8_t> content = std::span(slot.content).first(slot.header.octets);
+  slot.header.packing = RecordPacking::kRaw;
+  const bool picture = slot.header.kind == RecordKind::kFrame && slot.header.readable;
+  if (picture) {
+    compress(slot, &content);
+  }
+  const bool written = write_record(slot.header, content);
+  const std::lock_guard lock(mutex_);
+  counters_.frames += slot.header.kind == RecordKind::kFrame && written ? 1 : 0;
+  counters_.write_failures += written ? 0 : 1;
+  counters_.octets += written ? kRecordHeaderOctets + content.size() : 0;
+}
+
+bool Recorder::write_record(RecordHeader header, std::span<const std::uint8_t> content) {
+  const auto whole = [this](RecordHeader h, std::span<const std::uint8_t> c) {
+    h.octets = static_cast<std::uint32_t>(c.size());
+    h.content_crc32 = crc32_iso_hdlc(c);
+    return segments_.write(encode(h)) && segments_.write(c);
+  };
+  if (segments_.wants_next(kRecordHeaderOctets + content.size())) {
+    if (!segments_.begin_next() || !whole({.kind = RecordKind::kBegin}, octets_of(begin_))) {
+      return false;
+    }
+  }
+  return whole(header, content);
+}
+
+}  // namespace polhode::platform

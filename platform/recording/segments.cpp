@@ -1,0 +1,107 @@
+#include "recording/segments.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+
+#include "errors.hpp"
+
+namespace polhode::platform {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> segment_files(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename();
+    if (name.rfind("recording-", 0) == 0 && entry.path().extension() == ".rec") {
+      files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+Segments::Segments(const fs::path& folder, std::int64_t run_utc_ns, const SegmentLimits& limits)
+    : folder_(folder), run_utc_ns_(run_utc_ns), limits_(limits) {
+  std::error_code problem;
+  fs::create_directories(folder, problem);
+  folder_descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder_descriptor_ < 0) {
+    throw RunFailure(fmt::format("{}: cannot be used for a recording", folder.string()));
+  }
+  const std::vector<fs::path> present = segment_files(folder);
+  segments_.reserve(present.size() + limits.folder_octets_max / limits.segment_octets_max + 2);
+  for (const fs::path& file : present) {
+    Segment segment;
+    std::snprintf(segment.name.data(), segment.name.size(), "%s", file.filename().c_str());
+    segment.octets = fs::file_size(file, problem);
+    folder_octets_ += segment.octets;
+    segments_.push_back(segment);
+  }
+}
+
+Segments::~Segments() {
+  if (file_ >= 0) {
+    ::close(file_);
+  }
+  ::close(folder_descriptor_);
+}
+
+bool Segments::wants_next(std::uint64_t octets) const {
+  return file_ < 0 || segments_.back().octets + octets > limits_.segment_octets_max;
+}
+
+void Segments::remove_oldest() {
+  (void)::unlinkat(folder_descriptor_, segments_.front().name.data(), 0);
+  folder_octets_ -= segments_.front().octets;
+  segments_.erase(segments_.begin());
+  ++removed_;
+}
+
+bool Segments::begin_next() {
+  if (file_ >= 0) {
+    ::close(file_);
+    file_ = -1;
+  }
+  while (!segments_.empty() &&
+         (folder_octets_ + limits_.segment_octets_max > limits_.folder_octets_max ||
+          segments_.size() == segments_.capacity())) {
+    remove_oldest();
+  }
+  Segment segment;
+  std::snprintf(segment.name.data(),
+                segment.name.size(),
+                "recording-%019lld-%06u.rec",
+                static_cast<long long>(run_utc_ns_),
+                ++number_);
+  file_ = ::openat(folder_descriptor_,
+                   segment.name.data(),
+                   O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC,
+                   0640);
+  if (file_ < 0) {
+    return false;
+  }
+  segments_.push_back(segment);
+  return true;
+}
+
+bool Segments::write(std::span<const std::uint8_t> octets) {
+  while (!octets.empty()) {
+    const ssize_t written = ::write(file_, octets.data(), octets.size());
+    if (written <= 0) {
+      return false;
+    }
+    const auto taken = static_cast<std::size_t>(written);
+    segments_.back().octets += taken;
+    folder_octets_ += taken;
+    octets = octets.subspan(taken);
+  }
+  return true;
+}
+
+}  // namespace polhode::platform

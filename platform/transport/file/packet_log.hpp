@@ -1,0 +1,31 @@
+// The packets of a live run, appended to one file step by step: what was published before a sudden
+// end is in it, and a run that starts anew goes on at its end.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+namespace polhode::platform {
+
+class PacketLog {
+ public:
+  /// @throws RunFailure when the file cannot be opened.
+  explicit PacketLog(const std::filesystem::path& file);
+  ~PacketLog();
+  PacketLog(const PacketLog&) = delete;
+  PacketLog& operator=(const PacketLog&) = delete;
+
+  /// @return false when the disk did not take all of it; counted.
+  bool append(std::span<const std::uint8_t> packets);
+
+  [[nodiscard]] std::uint64_t octets() const { return octets_; }
+  [[nodiscard]] std::uint32_t failures() const { return failures_; }
+
+ private:
+  int file_ = -1;
+  std::uint64_t octets_ = 0;
+  std::uint32_t failures_ = 0;
+};
+
+}  // namespace polhode::platform
