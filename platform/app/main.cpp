@@ -8,6 +8,7 @@
 #include "app/bus_dump.hpp"
 #include "app/camera_command.hpp"
 #include "app/check.hpp"
+#include "app/recording_command.hpp"
 #include "app/replay.hpp"
 #include "app/run.hpp"
 #include "errors.hpp"
@@ -18,6 +19,7 @@ namespace {
 
 using polhode::platform::BusDumpArguments;
 using polhode::platform::CheckArguments;
+using polhode::platform::ExportArguments;
 using polhode::platform::ProbeArguments;
 using polhode::platform::ReplayArguments;
 using polhode::platform::RunArguments;
@@ -51,6 +53,10 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
   command->add_option("--out", arguments.out, "folder for the results; created if absent")
       ->type_name("DIR")
       ->required();
+  command
+      ->add_option(
+          "--checkpoint", arguments.checkpoint, "state to start from, as exported with a recording")
+      ->type_name("FILE");
   command->add_flag(
       "--realtime", arguments.realtime, "hand frames over at the pace of their time stamps");
   add_settings(*command, arguments.settings);
@@ -107,6 +113,21 @@ void add_camera(CLI::App& app, ProbeArguments& arguments) {
   probe->callback([&arguments] { polhode::platform::probe_camera(arguments); });
 }
 
+void add_recording(CLI::App& app, ExportArguments& arguments) {
+  CLI::App* recording = app.add_subcommand("recording", "what live runs have recorded");
+  recording->require_subcommand(1);
+  CLI::App* list = recording->add_subcommand("list", "the runs of a folder");
+  list->add_option("FOLDER", arguments.folder, "of recordings")->required();
+  list->callback([&arguments] { polhode::platform::list_recordings(arguments.folder); });
+  CLI::App* to = recording->add_subcommand("export", "a run as a sequence in the ASL layout");
+  to->add_option("FOLDER", arguments.folder, "of recordings")->required();
+  to->add_option("--out", arguments.out, "folder of the sequence; not there, or empty")
+      ->type_name("SEQ")
+      ->required();
+  to->add_option("--run", arguments.run_utc_ns, "as listed; else the last one");
+  to->callback([&arguments] { polhode::platform::export_recording(arguments); });
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"Motion and shape of a tumbling object from one camera"};
   app.set_version_flag("--version", std::string("polhode ") + polhode::kVersion);
@@ -116,11 +137,13 @@ int run(int argc, char** argv) {
   CheckArguments check;
   BusDumpArguments bus_dump;
   ProbeArguments probe;
+  ExportArguments recording;
   add_replay(app, replay);
   add_run(app, run);
   add_check(app, check);
   add_bus(app, bus_dump);
   add_camera(app, probe);
+  add_recording(app, recording);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help and --version

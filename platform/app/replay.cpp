@@ -17,10 +17,12 @@
 #include "app/summary.hpp"
 #include "app/timings.hpp"
 #include "camera/replay/file_camera.hpp"
+#include "camera/replay/file_octets.hpp"
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
 #include "parameters/load.hpp"
 #include "parameters/sha256.hpp"
+#include "pipeline/checkpoint.hpp"
 #include "pipeline/component.hpp"
 #include "transport/file/packet_file.hpp"
 
@@ -121,6 +123,20 @@ Parameters parameters_for(const ReplayArguments& arguments, const Sequence& sequ
   return parameters;
 }
 
+/// The state that a recorded run started from.
+void restore(const fs::path& checkpoint, Component& component) {
+  std::vector<std::uint8_t> octets;
+  if (checkpoint.empty()) {
+    return;
+  }
+  if (const auto unreadable = read_file(checkpoint, octets)) {
+    throw UnusableInput(fmt::format("{}: {}", checkpoint.string(), *unreadable));
+  }
+  if (!restore_checkpoint(octets, &component.state())) {
+    throw UnusableInput(fmt::format("{}: not a checkpoint of this build", checkpoint.string()));
+  }
+}
+
 }  // namespace
 
 void replay(const ReplayArguments& arguments) {
@@ -131,6 +147,7 @@ void replay(const ReplayArguments& arguments) {
   if (!made) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));
   }
+  restore(arguments.checkpoint, *made.value());
   prepare_output_folder(arguments.out);
 
   const std::size_t frames = sequence.frames.size();

@@ -12,6 +12,7 @@ struct ReplayArguments {
   std::filesystem::path config;
   std::filesystem::path sequence;
   std::filesystem::path out;
+  std::filesystem::path checkpoint;  ///< content of one; empty: cold
   bool realtime = false;
   std::vector<std::string> settings;
 };

@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# The camera's path through a real kernel, in a virtual machine: capture, the live run and its faults.
+#   hil/v4l2_vm.sh [JOB]...     one or more of hil/v4l2/jobs/*.sh; without, all of them
+# Sets up what it needs (hil/v4l2/setup_vm.sh). The program under test is the host's own build/release.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+RESULTS=build/v4l2_vm/results
+TIMEOUT_S=${POLHODE_VM_TIMEOUT_S:-1800}
+
+for program in polhode filecam_feed; do
+  [ -x "build/release/bin/$program" ] || { echo "v4l2_vm: build/release/bin/$program is not built" >&2; exit 2; }
+done
+hil/v4l2/setup_vm.sh || exit 1
+
+jobs=("$@")
+[ "${#jobs[@]}" -gt 0 ] || for file in hil/v4l2/jobs/*.sh; do jobs+=("$(basename "$file" .sh)"); done
+failed=0
+for job in "${jobs[@]}"; do
+  [ -f "hil/v4l2/jobs/$job.sh" ] || { echo "v4l2_vm: no job '$job' in hil/v4l2/jobs" >&2; exit 2; }
+  out=$RESULTS/$job
+  rm -rf "$out"
+  mkdir -p "$out"
+  [ ! -f "hil/v4l2/jobs/$job.prepare" ] || bash "hil/v4l2/jobs/$job.prepare" "$out" || exit 1
+  before=$(date +%s)
+  hil/v4l2/boot.sh "hil/v4l2/jobs/$job.sh" "$out" "$TIMEOUT_S"
+  status=$?
+  if [ -f "hil/v4l2/jobs/$job.judge" ] && [ $status -eq 0 ]; then
+    bash "hil/v4l2/jobs/$job.judge" "$out" || status=1
+  fi
+  printf '%-14s %-6s %4d s\n' "$job" "$([ $status -eq 0 ] && echo passed || echo FAILED)" $(($(date +%s) - before))
+  [ -f "$out/told.txt" ] && sed 's/^/    /' "$out/told.txt"
+  if [ $status -ne 0 ]; then
+    failed=1
+    tail -n 30 "$out/console.txt" | sed 's/^/    | /'
+  fi
+done
+exit $failed

@@ -1,0 +1,31 @@
+// A recorded run as a sequence in the ASL layout, with what else a replay needs for the same bytes.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "recording/reader.hpp"
+
+namespace polhode::platform {
+
+struct ExportReport {
+  std::uint64_t frames = 0;
+  std::uint64_t unreadable = 0;  ///< of these: rows without a file
+  std::uint64_t dropped = 0;     ///< by the live run, as it decided
+  std::uint64_t not_recorded = 0;
+  std::uint64_t commands = 0;
+  std::uint64_t octets_lost = 0;
+  bool has_checkpoint = false;
+  bool has_begin = false;  ///< else the replay starts where the recording does
+};
+
+/// Writes mav0/cam0/{data.csv, sensor.yaml, data/*.png}, config.toml, recording.json and, where the
+/// run has them, checkpoint and commands.csv (timestamp_ns of the frame that follows, packet in
+/// hexadecimal) into `folder`, which must not be there or be empty.
+/// @throws UnusableInput, RunFailure.
+ExportReport export_run(const RecordedRun& run, const std::filesystem::path& folder);
+
+/// True when a replay of the export gives the bytes of the live run.
+bool replays_to_the_same_bytes(const ExportReport& report);
+
+}  // namespace polhode::platform

@@ -1,0 +1,55 @@
+// Reads a recording back: record by record over its files, passing over what is damaged.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "recording/record.hpp"
+
+namespace polhode::platform {
+
+struct Record {
+  RecordHeader header;
+  std::vector<std::uint8_t> content;  ///< of frames: the pixels, unpacked, rows without padding
+};
+
+/// A run's files, in order.
+struct RecordedRun {
+  std::int64_t utc_ns = 0;  ///< when it began
+  std::vector<std::filesystem::path> files;
+  bool begins = false;  ///< its first file is still there
+};
+
+/// The runs of a folder, oldest first.
+/// @throws UnusableInput when there is none.
+std::vector<RecordedRun> recorded_runs(const std::filesystem::path& folder);
+
+class RecordingReader {
+ public:
+  explicit RecordingReader(const RecordedRun& run) : run_(run) {}
+
+  /// @return false at the end.
+  bool next(Record* record);
+
+  /// Octets that were passed over, because they were damaged or cut off.
+  [[nodiscard]] std::uint64_t octets_lost() const { return octets_lost_; }
+
+ private:
+  bool open_next_file();
+  bool read_record(Record* record);
+  void pass_over(std::uint64_t from);
+
+  const RecordedRun& run_;
+  std::size_t next_file_ = 0;
+  std::vector<std::uint8_t> octets_;  ///< of the present file
+  std::size_t at_ = 0;
+  std::uint64_t octets_lost_ = 0;
+};
+
+/// The pixels of a frame's record as it is stored. @return false when they cannot be had.
+bool unpack(const RecordHeader& header, std::vector<std::uint8_t>* content);
+
+}  // namespace polhode::platform
