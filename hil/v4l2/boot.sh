@@ -42,7 +42,7 @@ dependencies() {
 }
 
 build_initramfs
-rm -f "$RESULTS/status"
+rm -f "$RESULTS"/{status,console.txt,boot.txt}
 { echo "export REPOSITORY='$PWD' PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8"; cat "$JOB"; } > "$RESULTS/job.sh"
 
 # One core, time counted in instructions: what happens in the guest does not depend on how busy this machine is.

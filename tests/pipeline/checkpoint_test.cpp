@@ -1,0 +1,160 @@
+// A run that ends at any moment and begins again from its checkpoint.
+#include "pipeline/checkpoint.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include "bench.hpp"
+#include "geometry/so3.hpp"
+#include "pipeline/state.hpp"
+
+namespace polhode {
+namespace {
+
+using namespace bench;
+
+constexpr double kStep_rad = 0.07;
+constexpr int kFrames = 24;
+
+Pose truth(int frame) {
+  const Eigen::Vector3d axis = Eigen::Vector3d(0.2, 1.0, 0.1).normalized();
+  return {.R_CT = so3_exp(kStep_rad * frame * axis), .p_CT = {0.05, -0.02, 8.0}};
+}
+
+const Picture& picture(int frame) {
+  static const std::vector<Picture> rendered = [] {
+    const Ball ball(3);
+    std::vector<Picture> all;
+    for (int i = 0; i < kFrames; ++i) {
+      all.push_back(ball.seen_from(truth(i)));
+    }
+    return all;
+  }();
+  return rendered[static_cast<std::size_t>(frame)];
+}
+
+const StepOutput& show(Bench& b, int frame) {
+  return b.component->step({.frame = frame_of((frame + 1) * Bench::kSecond_ns, picture(frame))});
+}
+
+std::vector<std::uint8_t> saved(const Bench& b) {
+  std::vector<std::uint8_t> octets(checkpoint_octets_max());
+  octets.resize(save_checkpoint(b.component->state(), octets));
+  return octets;
+}
+
+/// A run over the first frames, and what it leaves.
+struct Before {
+  explicit Before(int frames) : bench(parameters()) {
+    for (int i = 0; i < frames; ++i) {
+      show(bench, i);
+    }
+    octets = saved(bench);
+  }
+  Bench bench;
+  std::vector<std::uint8_t> octets;
+};
+
+const Before& before_the_end() {
+  static const Before run(14);
+  return run;
+}
+
+Eigen::Matrix3d rotation_of(const MotionState& m) {
+  return Eigen::Quaterniond(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]).toRotationMatrix();
+}
+
+TEST(Checkpoint, AfterIt_TheTargetIsFoundAtOnce_InTheSameFrame) {
+  const Before& run = before_the_end();
+  ASSERT_GT(run.bench.component->state().map.keyframe_count, 0);
+  for (const int missed : {0, 3}) {  // frames that went by meanwhile
+    Bench b(parameters());
+    ASSERT_TRUE(restore_checkpoint(run.octets, &b.component->state()));
+    const StepOutput& out = show(b, 14 + missed);
+    ASSERT_TRUE(out.motion.pose_valid) << missed;
+    EXPECT_EQ(out.motion.mode, Mode::kTracking);
+    EXPECT_EQ(out.motion.frame, 14U);
+    // T is the T from before: its rotation against the truth's is still the same constant one.
+    const Eigen::Matrix3d R_TT = truth(14 + missed).R_CT.transpose() * rotation_of(out.motion);
+    const Eigen::Matrix3d R_TT_before =
+        truth(13).R_CT.transpose() * rotation_of(run.bench.component->state().output.motion);
+    EXPECT_LT(rotation_angle_rad(R_TT, R_TT_before), 0.035) << missed;
+    EXPECT_TRUE(out.motion.rate_valid);
+  }
+}
+
+TEST(Checkpoint, BeginsWithTheSameTables) {
+  const Before& run = before_the_end();
+  Bench b(parameters());
+  ASSERT_TRUE(restore_checkpoint(run.octets, &b.component->state()));
+  const Component::State& old = run.bench.component->state();
+  const Component::State& now = b.component->state();
+  EXPECT_EQ(now.map.keyframe_count, old.map.keyframe_count);
+  EXPECT_EQ(now.map.landmark_count, old.map.landmark_count);
+  EXPECT_EQ(now.poses.size(), old.poses.size());
+  EXPECT_EQ(now.counters.frames_in, old.counters.frames_in);
+  EXPECT_EQ(now.counters.poses, old.counters.poses);
+  for (std::size_t i = 0; i < old.map.landmarks.size(); ++i) {
+    ASSERT_EQ(now.map.landmarks[i].used, old.map.landmarks[i].used);
+    if (old.map.landmarks[i].used) {
+      EXPECT_EQ(now.map.landmarks[i].number, old.map.landmarks[i].number);
+      EXPECT_EQ(now.map.landmarks[i].p_T, old.map.landmarks[i].p_T);
+    }
+  }
+  EXPECT_EQ(saved(b), run.octets);
+}
+
+TEST(Checkpoint, OfTheSameStateTwoRunsGiveTheSameBytes) {
+  const Before& run = before_the_end();
+  std::vector<std::vector<std::uint8_t>> packets(2);
+  for (auto& bytes : packets) {
+    Bench b(parameters());
+    ASSERT_TRUE(restore_checkpoint(run.octets, &b.component->state()));
+    for (int i = 14; i < kFrames; ++i) {
+      const StepOutput& out = show(b, i);
+      bytes.insert(bytes.end(), out.packets.begin(), out.packets.end());
+    }
+  }
+  EXPECT_EQ(packets[0], packets[1]);
+}
+
+TEST(Checkpoint, BeforeThereIsAMap_OnlyCountersAndTimeGoOn) {
+  const Before run(2);
+  Bench b(parameters());
+  ASSERT_TRUE(restore_checkpoint(run.octets, &b.component->state()));
+  EXPECT_EQ(show(b, 1).use, FrameUse::kTimeNotIncreasing);
+  const StepOutput& out = show(b, 2);
+  EXPECT_EQ(out.use, FrameUse::kUsed);
+  EXPECT_EQ(out.motion.mode, Mode::kAcquiring);
+  EXPECT_EQ(out.motion.frame, 3U);
+}
+
+TEST(Checkpoint, CutOffOrTooLongOrOfAnotherBuild_ChangesNothing) {
+  const Before& run = before_the_end();
+  Bench b(parameters());
+  const auto refused = [&](std::span<const std::uint8_t> octets) {
+    const bool restored = restore_checkpoint(octets, &b.component->state());
+    EXPECT_EQ(b.component->state().map.keyframe_count, 0);
+    EXPECT_EQ(b.component->counters().frames_in, 0U);
+    return !restored;
+  };
+  for (const std::size_t length : {std::size_t{0},
+                                   std::size_t{8},
+                                   std::size_t{100},
+                                   run.octets.size() / 2,
+                                   run.octets.size() - 1}) {
+    EXPECT_TRUE(refused(std::span(run.octets).first(length))) << length;
+  }
+  std::vector<std::uint8_t> longer = run.octets;
+  longer.push_back(0);
+  EXPECT_TRUE(refused(longer));
+  for (std::size_t octet = 0; octet < 48; octet += 8) {  // the words that tell the layout
+    std::vector<std::uint8_t> other = run.octets;
+    other[octet] ^= 1;
+    EXPECT_TRUE(refused(other)) << octet;
+  }
+}
+
+}  // namespace
+}  // namespace polhode

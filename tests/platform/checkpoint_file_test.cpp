@@ -1,0 +1,100 @@
+#include "app/checkpoint_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "temporary_folder.hpp"
+
+namespace polhode::platform {
+namespace {
+
+namespace fs = std::filesystem;
+
+CheckpointIdentity identity(char config, char boot) {
+  CheckpointIdentity made;
+  made.config_hash.fill(config);
+  made.boot_id.fill(boot);
+  return made;
+}
+
+class CheckpointFile : public testing::Test {
+ protected:
+  bool write(std::span<const std::uint8_t> content) {
+    return write_checkpoint_file(file_, beside_, identity('a', 'b'), 1'000'000'000'000, content);
+  }
+  [[nodiscard]] LoadedCheckpoint load(const CheckpointIdentity& who = identity('a', 'b'),
+                                      std::int64_t utc_ns = 1'005'000'000'000) const {
+    return load_checkpoint_file(file_, who, utc_ns, 60.0);
+  }
+  [[nodiscard]] std::string octets() const {
+    std::ifstream in(file_, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  void replace(const std::string& octets) const {
+    std::ofstream(file_, std::ios::binary | std::ios::trunc) << octets;
+  }
+
+  TemporaryFolder folder_;
+  fs::path file_ = folder_.path() / "checkpoint";
+  fs::path beside_ = folder_.path() / "checkpoint.new";
+  std::vector<std::uint8_t> content_{1, 2, 3, 4, 5, 6, 7};
+};
+
+TEST_F(CheckpointFile, ComesBackAsItWas) {
+  ASSERT_TRUE(write(content_));
+  const LoadedCheckpoint loaded = load();
+  EXPECT_EQ(loaded.refusal, "");
+  EXPECT_EQ(loaded.content, content_);
+  EXPECT_DOUBLE_EQ(loaded.age_s, 5.0);
+  EXPECT_FALSE(fs::exists(beside_));
+}
+
+TEST_F(CheckpointFile, CutOffAnywhereItIsRefused) {
+  ASSERT_TRUE(write(content_));
+  const std::string good = octets();
+  for (std::size_t length = 0; length < good.size(); ++length) {
+    replace(good.substr(0, length));
+    EXPECT_NE(load().refusal, "") << length;
+    EXPECT_TRUE(load().content.empty()) << length;
+  }
+  replace(good + "x");
+  EXPECT_NE(load().refusal, "");
+}
+
+TEST_F(CheckpointFile, WithAnyBitFlippedItIsRefused) {
+  ASSERT_TRUE(write(content_));
+  const std::string good = octets();
+  for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+    std::string damaged = good;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
+    replace(damaged);
+    EXPECT_NE(load().refusal, "") << bit;
+  }
+}
+
+TEST_F(CheckpointFile, OfAnotherConfigurationBootOrTimeItIsRefused) {
+  ASSERT_TRUE(write(content_));
+  EXPECT_EQ(load(identity('x', 'b')).refusal, "of another configuration");
+  EXPECT_EQ(load(identity('a', 'x')).refusal, "from before the machine was started");
+  EXPECT_NE(load(identity('a', 'b'), 1'061'000'000'000).refusal, "");  // 61 s old
+  EXPECT_NE(load(identity('a', 'b'), 999'000'000'000).refusal, "");    // from the future
+}
+
+TEST_F(CheckpointFile, ThatIsNotThereIsRefused) { EXPECT_NE(load().refusal, ""); }
+
+TEST_F(CheckpointFile, AFailedWriteLeavesTheOldOne) {
+  ASSERT_TRUE(write(content_));
+  EXPECT_FALSE(write_checkpoint_file(
+      file_, folder_.path() / "absent/new", identity('a', 'b'), 2, std::vector<std::uint8_t>{9}));
+  EXPECT_EQ(load().content, content_);
+  // A half-written one beside it, as an end in the middle of writing leaves it, changes nothing.
+  std::ofstream(beside_) << "half";
+  EXPECT_EQ(load().content, content_);
+  ASSERT_TRUE(write({}));
+  EXPECT_EQ(load().refusal, "");
+}
+
+}  // namespace
+}  // namespace polhode::platform

@@ -1,0 +1,306 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "base/rng.hpp"
+#include "camera/replay/file_camera.hpp"
+#include "errors.hpp"
+#include "recording/export.hpp"
+#include "recording/recorder.hpp"
+#include "temporary_folder.hpp"
+
+namespace polhode::platform {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWidth = 64;
+constexpr int kHeight = 48;
+constexpr const char* kBegin =
+    "# polhode\nseed = 1\ncamera.width_px = 64\ncamera.height_px = 48\ncamera.fu_px = 100.0\n"
+    "camera.fv_px = 101.0\ncamera.cu_px = 31.5\ncamera.cv_px = 23.5\ncamera.k1 = 0.1\n"
+    "camera.k2 = 0.0\ncamera.p1 = 0.0\ncamera.p2 = 0.0\n";
+
+using Pixels = std::vector<std::uint8_t>;
+
+/// Noise does not compress, a ramp does.
+Pixels noise(std::uint64_t seed, std::size_t octets) {
+  Rng rng(seed, 1);
+  Pixels pixels(octets);
+  for (std::uint8_t& pixel : pixels) {
+    pixel = static_cast<std::uint8_t>(rng.below(256));
+  }
+  return pixels;
+}
+
+Pixels ramp(std::size_t octets) {
+  Pixels pixels(octets);
+  for (std::size_t i = 0; i < octets; ++i) {
+    pixels[i] = static_cast<std::uint8_t>(i / 7);
+  }
+  return pixels;
+}
+
+Frame frame_of(std::int64_t timestamp_ns,
+               const Pixels& pixels,
+               PixelFormat format = PixelFormat::kGray8) {
+  return {.timestamp_ns = timestamp_ns,
+          .image = {.data = pixels.data(),
+                    .width_px = kWidth,
+                    .height_px = kHeight,
+                    .stride_octets = format == PixelFormat::kGray16 ? 2 * kWidth : kWidth,
+                    .format = format}};
+}
+
+RecorderOptions options(const fs::path& folder) {
+  return {.folder = folder,
+          .run_utc_ns = 1000,
+          .limits = {.segment_octets_max = 1'000'000, .folder_octets_max = 10'000'000},
+          .slots = 4,
+          .complete = true};
+}
+
+constexpr std::size_t kFrameOctets = 2 * kWidth * kHeight;
+
+std::vector<Record> read_all(const fs::path& folder, std::uint64_t* octets_lost = nullptr) {
+  const auto runs = recorded_runs(folder);
+  RecordingReader reader(runs.back());
+  std::vector<Record> records;
+  Record record;
+  while (reader.next(&record)) {
+    records.push_back(record);
+  }
+  if (octets_lost != nullptr) {
+    *octets_lost = reader.octets_lost();
+  }
+  return records;
+}
+
+TEST(Recording, GivesFramesDropsAndCommandsBackInTheirOrder) {
+  const TemporaryFolder folder;
+  const Pixels shallow = noise(1, kWidth * kHeight);
+  const Pixels deep = ramp(kFrameOctets);
+  const Pixels packet{1, 2, 3};
+  {
+    Recorder recorder(options(folder.path()), kBegin, kFrameOctets);
+    recorder.frame(frame_of(10, shallow));
+    recorder.dropped(DropReason::kLate, 3);
+    recorder.command(packet);
+    recorder.frame(frame_of(20, deep, PixelFormat::kGray16));
+    recorder.frame({.timestamp_ns = 30, .image = {}, .readable = false});
+  }
+  const auto records = read_all(folder.path());
+  ASSERT_EQ(records.size(), 6U);
+  EXPECT_EQ(records[0].header.kind, RecordKind::kBegin);
+  EXPECT_EQ(std::string(records[0].content.begin(), records[0].content.end()), kBegin);
+  EXPECT_EQ(records[1].header.timestamp_ns, 10);
+  EXPECT_EQ(records[1].content, shallow);
+  EXPECT_EQ(records[1].header.packing, RecordPacking::kRaw);
+  EXPECT_EQ(records[2].header.kind, RecordKind::kDropped);
+  EXPECT_EQ(records[2].header.count, 3U);
+  EXPECT_EQ(records[3].content, packet);
+  EXPECT_EQ(records[4].content, deep);
+  EXPECT_EQ(records[4].header.packing, RecordPacking::kDifferenceLz4);
+  EXPECT_TRUE(records[4].header.deep);
+  EXPECT_FALSE(records[5].header.readable);
+  EXPECT_EQ(records[5].header.timestamp_ns, 30);
+}
+
+TEST(Recording, PaddedRowsAreStoredWithoutTheirPadding) {
+  const TemporaryFolder folder;
+  const Pixels padded = noise(2, (kWidth + 10) * kHeight);
+  Frame frame = frame_of(10, padded);
+  frame.image.stride_octets = kWidth + 10;
+  { Recorder(options(folder.path()), kBegin, kFrameOctets).frame(frame); }
+  const auto records = read_all(folder.path());
+  ASSERT_EQ(records.size(), 2U);
+  ASSERT_EQ(records[1].content.size(), static_cast<std::size_t>(kWidth * kHeight));
+  EXPECT_EQ(records[1].content[3 * kWidth + 5], padded[3 * (kWidth + 10) + 5]);
+}
+
+TEST(Recording, StaysWithinItsBound_TheOldestGoFirst) {
+  const TemporaryFolder folder;
+  RecorderOptions bounded = options(folder.path());
+  bounded.limits = {.segment_octets_max = 20'000, .folder_octets_max = 100'000};
+  {
+    Recorder recorder(bounded, kBegin, kFrameOctets);
+    for (int i = 0; i < 200; ++i) {  // 600 kB
+      recorder.frame(frame_of(i, noise(static_cast<std::uint64_t>(i), kWidth * kHeight)));
+    }
+  }
+  std::uintmax_t octets = 0;
+  for (const auto& entry : fs::directory_iterator(folder.path())) {
+    octets += entry.file_size();
+    EXPECT_LE(entry.file_size(), 20'000U);
+  }
+  EXPECT_LE(octets, 100'000U);
+  EXPECT_GE(octets, 60'000U);
+  const auto records = read_all(folder.path());
+  EXPECT_EQ(records.front().header.kind, RecordKind::kBegin);
+  EXPECT_EQ(records.back().header.timestamp_ns, 199);
+  EXPECT_FALSE(recorded_runs(folder.path()).back().begins);
+}
+
+TEST(Recording, AnEarlierRunsFilesCountAndGoFirst) {
+  const TemporaryFolder folder;
+  RecorderOptions run = options(folder.path());
+  run.limits = {.segment_octets_max = 20'000, .folder_octets_max = 100'000};
+  for (int n = 0; n < 3; ++n) {
+    run.run_utc_ns = 1000 + n;
+    Recorder recorder(run, kBegin, kFrameOctets);
+    for (int i = 0; i < 15; ++i) {
+      recorder.frame(frame_of(i, noise(static_cast<std::uint64_t>(i), kWidth * kHeight)));
+    }
+  }
+  const auto runs = recorded_runs(folder.path());
+  EXPECT_EQ(runs.back().utc_ns, 1002);
+  EXPECT_TRUE(runs.back().begins);
+  EXPECT_FALSE(runs.front().begins);
+}
+
+TEST(Recording, ADiskThatIsTooSlowCostsFrames_CountedAndWrittenDown) {
+  const TemporaryFolder folder;
+  RecorderOptions hasty = options(folder.path());
+  hasty.complete = false;
+  hasty.slots = 2;
+  RecorderCounters counters;
+  constexpr std::uint64_t kFrames = 400;
+  {
+    Recorder recorder(hasty, kBegin, kFrameOctets);
+    const Pixels pixels = noise(1, kWidth * kHeight);
+    for (std::uint64_t i = 0; i < kFrames; ++i) {
+      recorder.frame(frame_of(static_cast<std::int64_t>(i), pixels));
+    }
+    counters = recorder.counters();
+  }
+  std::uint64_t frames = 0;
+  std::uint64_t missed = 0;
+  for (const Record& record : read_all(folder.path())) {
+    frames += record.header.kind == RecordKind::kFrame ? 1 : 0;
+    missed += record.header.reason == DropReason::kNotRecorded ? record.header.count : 0;
+  }
+  EXPECT_GT(counters.missed, 0U);
+  EXPECT_LE(missed, counters.missed);  // those at the very end find nobody to write them down
+  EXPECT_EQ(frames + counters.missed, kFrames);
+}
+
+class DamagedRecording : public testing::Test {
+ protected:
+  DamagedRecording() {
+    Recorder recorder(options(folder_.path()), kBegin, kFrameOctets);
+    for (int i = 0; i < 10; ++i) {
+      recorder.frame(frame_of(i, noise(static_cast<std::uint64_t>(i), kWidth * kHeight)));
+    }
+  }
+  [[nodiscard]] fs::path file() const { return segment_files(folder_.path()).front(); }
+  [[nodiscard]] std::string octets() const {
+    std::ifstream in(file(), std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  void replace(const std::string& octets) const {
+    std::ofstream(file(), std::ios::binary | std::ios::trunc) << octets;
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(DamagedRecording, OneFlippedBitCostsOneFrame) {
+  const std::string good = octets();
+  const std::size_t record = kRecordHeaderOctets + kWidth * kHeight;
+  const std::size_t begin = kRecordHeaderOctets + std::string(kBegin).size();
+  for (const std::size_t where : {std::size_t{2}, std::size_t{20}, kRecordHeaderOctets + 100}) {
+    std::string damaged = good;
+    damaged[begin + 4 * record + where] =
+        static_cast<char>(damaged[begin + 4 * record + where] ^ 16);
+    replace(damaged);
+    std::uint64_t lost = 0;
+    const auto records = read_all(folder_.path(), &lost);
+    EXPECT_EQ(records.size(), 10U) << where;  // 1 + 10 - 1
+    EXPECT_EQ(lost, record) << where;
+    EXPECT_EQ(records[4].header.timestamp_ns, 3);
+    EXPECT_EQ(records[5].header.timestamp_ns, 5);
+  }
+}
+
+TEST_F(DamagedRecording, ATornEndCostsTheLastFrame_WhereverItIsTorn) {
+  const std::string good = octets();
+  for (const std::size_t cut : {1U, 500U, static_cast<unsigned>(kWidth * kHeight), 3100U}) {
+    replace(good.substr(0, good.size() - cut));
+    std::uint64_t lost = 0;
+    EXPECT_EQ(read_all(folder_.path(), &lost).size(), 10U) << cut;
+    EXPECT_EQ(lost, kRecordHeaderOctets + kWidth * kHeight - cut);
+  }
+}
+
+TEST_F(DamagedRecording, RubbishIsNoRecording) {
+  Rng rng(5, 5);
+  std::string rubbish(50'000, '\0');
+  for (char& octet : rubbish) {
+    octet = static_cast<char>(rng.below(256));
+  }
+  replace(rubbish);
+  EXPECT_TRUE(read_all(folder_.path()).empty());
+  const TemporaryFolder empty;
+  EXPECT_THROW((void)recorded_runs(empty.path()), UnusableInput);
+  EXPECT_THROW((void)recorded_runs(empty.path() / "absent"), UnusableInput);
+}
+
+TEST(Export, IsASequenceWithTheSamePixelsAndTimes) {
+  const TemporaryFolder folder;
+  const Pixels shallow = noise(1, kWidth * kHeight);
+  const Pixels deep = noise(2, kFrameOctets);
+  const Pixels packet{0xAB, 0x01};
+  {
+    Recorder recorder(options(folder.path() / "rec"), kBegin, kFrameOctets);
+    recorder.frame(frame_of(1000, shallow));
+    recorder.frame({.timestamp_ns = 2000, .image = {}, .readable = false});
+    recorder.command(packet);
+    recorder.frame(frame_of(3000, deep, PixelFormat::kGray16));
+    recorder.dropped(DropReason::kLate, 2);
+  }
+  const fs::path out = folder.path() / "seq";
+  const ExportReport report = export_run(recorded_runs(folder.path() / "rec").back(), out);
+  EXPECT_EQ(report.frames, 3U);
+  EXPECT_EQ(report.unreadable, 1U);
+  EXPECT_EQ(report.dropped, 2U);
+  EXPECT_EQ(report.commands, 1U);
+  EXPECT_TRUE(replays_to_the_same_bytes(report));
+  const Sequence sequence = open_sequence(out);
+  EXPECT_EQ(sequence.camera.fv_px, 101.0);
+  EXPECT_EQ(sequence.camera.k1, 0.1);
+  FileCamera camera(sequence);
+  Frame frame;
+  ASSERT_TRUE(camera.next(frame));
+  EXPECT_EQ(frame.timestamp_ns, 1000);
+  EXPECT_TRUE(std::equal(shallow.begin(), shallow.end(), frame.image.data));
+  ASSERT_TRUE(camera.next(frame));
+  EXPECT_FALSE(frame.readable);
+  ASSERT_TRUE(camera.next(frame));
+  EXPECT_EQ(frame.image.format, PixelFormat::kGray16);
+  EXPECT_TRUE(std::equal(deep.begin(), deep.end(), frame.image.data));
+  std::ifstream commands(out / "commands.csv");
+  std::string line;
+  std::getline(commands, line);
+  std::getline(commands, line);
+  EXPECT_EQ(line, "3000,ab01");
+}
+
+TEST(Export, OverwritesNothing) {
+  const TemporaryFolder folder;
+  {
+    Recorder(options(folder.path() / "rec"), kBegin, kFrameOctets)
+        .frame(frame_of(1, ramp(kWidth * kHeight)));
+  }
+  folder.write("seq/mine.txt", "x");
+  EXPECT_THROW((void)export_run(recorded_runs(folder.path() / "rec").back(), folder.path() / "seq"),
+               UnusableInput);
+}
+
+TEST(Export, SaysWhenTheBytesWillDiffer) {
+  EXPECT_TRUE(replays_to_the_same_bytes({.has_begin = true}));
+  EXPECT_FALSE(replays_to_the_same_bytes({.has_begin = false}));
+  EXPECT_FALSE(replays_to_the_same_bytes({.not_recorded = 1, .has_begin = true}));
+  EXPECT_FALSE(replays_to_the_same_bytes({.octets_lost = 1, .has_begin = true}));
+}
+
+}  // namespace
+}  // namespace polhode::platform
