@@ -1,0 +1,172 @@
+"""polhode run on a played sequence: the same bytes as a replay, clean ends, starts from a checkpoint."""
+
+import json
+import os
+import signal
+import socket
+import time
+
+import pytest
+
+
+def bus(run):
+    return (run.folder / "bus.ccsds").read_bytes()
+
+
+def report(run):
+    return json.loads((run.folder / "run.json").read_text())
+
+
+def test_gives_the_bytes_of_a_replay(live, played, replayed):
+    run = live(played.path)
+    assert run.finish().status == 0
+    assert bus(run) == replayed(played.path)
+    assert report(run)["frames_accepted"] == 12
+
+
+def test_at_its_own_pace_gives_the_bytes_of_a_replay(live, played, replayed):
+    """Slowed down tenfold, so that no frame is late on a loaded machine either; those that are would be counted."""
+    run = live(played.path, device__sequence_speed=0.25, device__backlog_frames_max=32)
+    before = time.monotonic()
+    assert run.finish().status == 0
+    assert time.monotonic() - before >= 1.1 / 0.25
+    assert report(run)["camera"]["frames_late"] == 0
+    assert bus(run) == replayed(played.path)
+
+
+def test_unreadable_frames_are_answered_and_counted(live, played, replayed):
+    for name in ("1300000000", "1900000000"):
+        (played.data / f"{name}.png").write_bytes(b"no picture")
+    run = live(played.path)
+    assert run.finish().status == 0
+    assert report(run)["camera"]["frames_damaged"] == 2
+    assert bus(run) == replayed(played.path)
+
+
+def test_a_stop_request_ends_it_in_order(live, played, until, tmp_path):
+    run = live(played.path, device__sequence_passes=100000, run__checkpoint=tmp_path / "checkpoint")
+    until(lambda: (run.folder / "bus.ccsds").exists() and len(bus(run)) > 1000)
+    before = time.monotonic()
+    run.process.send_signal(signal.SIGTERM)
+    ended = run.finish()
+    assert ended.status == 0
+    assert time.monotonic() - before < 10  # 100 ms of waiting, a step, 1 MB to the disk; on a loaded machine
+    assert "stopped" in ended.err
+    assert len(bus(run)) % 178 == 0 or len(bus(run)) > 0
+    assert report(run)["checkpoints"]["failed"] == 0
+    assert (tmp_path / "checkpoint").exists()
+
+
+def test_continues_where_a_checkpoint_says(live, played, tmp_path):
+    checkpoint = tmp_path / "checkpoint"
+    first = live(played.path, name="first", run__checkpoint=checkpoint)
+    assert "cold" in first.finish().err
+    second = live(played.path, name="second", run__checkpoint=checkpoint)
+    assert "start warm: from frame 12" in second.finish().err
+    # The sequence begins anew, its time does not: those frames are answered, not used.
+    assert report(second)["start"].startswith("warm")
+
+
+@pytest.mark.parametrize("spoil, reason", [
+    (lambda octets: octets[:-1], "torn"),
+    (lambda octets: octets[:60], "too short"),
+    (lambda octets: octets[:1000] + b"\x00" + octets[1001:] if octets[1000] else octets[:1000] + b"\x01" + octets[1001:], "torn"),
+    (lambda octets: b"", "too short"),
+])
+def test_a_bad_checkpoint_is_refused_and_the_run_starts_cold(live, played, replayed, tmp_path, spoil, reason):
+    checkpoint = tmp_path / "checkpoint"
+    assert live(played.path, name="first", run__checkpoint=checkpoint).finish().status == 0
+    checkpoint.write_bytes(spoil(checkpoint.read_bytes()))
+    run = live(played.path, name="second", run__checkpoint=checkpoint)
+    ended = run.finish()
+    assert ended.status == 0
+    assert "cold" in ended.err and reason in ended.err
+    assert bus(run) == replayed(played.path)
+
+
+def test_an_old_checkpoint_and_one_of_another_configuration_are_refused(live, played, tmp_path):
+    checkpoint = tmp_path / "checkpoint"
+    assert live(played.path, name="first", run__checkpoint=checkpoint).finish().status == 0
+    other = live(played.path, name="other", settings=["seed=2"], run__checkpoint=checkpoint)
+    assert "of another configuration" in other.finish().err
+    assert live(played.path, name="again", run__checkpoint=checkpoint).finish().status == 0
+    time.sleep(2.1)
+    old = live(played.path, name="old", run__checkpoint=checkpoint, run__checkpoint_age_s_max=1)
+    assert "s old" in old.finish().err
+
+
+def test_tells_the_service_manager(live, played, tmp_path):
+    address = tmp_path / "notify"
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    listener.bind(str(address))
+    listener.setblocking(False)
+    run = live(played.path, env={"NOTIFY_SOCKET": str(address), "WATCHDOG_USEC": "60000000"})
+    assert run.finish().status == 0
+    told = []
+    while True:
+        try:
+            told.append(listener.recv(4096).decode())
+        except BlockingIOError:
+            break
+    assert told[0].startswith("READY=1")
+    assert told[-1].startswith("STOPPING=1")
+    assert "WATCHDOG=1" in told
+
+
+def test_no_progress_no_watchdog(live, played, tmp_path, until):
+    """Frames that are not due are no progress, however often the loop turns."""
+    address = tmp_path / "notify"
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    listener.bind(str(address))
+    listener.settimeout(60)
+    run = live(played.path, device__sequence_speed=1.0, device__sequence_start_ns=time.monotonic_ns() + 3600 * 10**9,
+               env={"NOTIFY_SOCKET": str(address), "WATCHDOG_USEC": "4000"})
+    assert listener.recv(4096).decode().startswith("READY=1")
+    listener.settimeout(2)
+    with pytest.raises(TimeoutError):
+        while "WATCHDOG" not in listener.recv(4096).decode():
+            pass
+    run.process.send_signal(signal.SIGTERM)
+    assert run.finish().status == 0
+
+
+@pytest.mark.parametrize("options, told", [
+    ({"device__source": ""}, "device.source"),
+    ({"device__source": "/dev/null", "camera__width_px": 64}, "camera.height_px"),
+    ({"device__buffers": 1}, "device.buffers = 1: allowed"),
+    ({"run__nonsense": 1}, "run.nonsense: unknown key"),
+])
+def test_an_unusable_configuration_is_refused_before_anything_starts(live, played, options, told):
+    run = live(played.path, **options)
+    ended = run.finish()
+    assert ended.status == 2
+    assert told in ended.err
+    assert not run.folder.exists()
+
+
+CAMERA = {"camera__width_px": 64, "camera__height_px": 48, "camera__fu_px": 100.0, "camera__fv_px": 100.0,
+          "camera__cu_px": 31.5, "camera__cv_px": 23.5}
+
+
+def test_what_is_no_video_device_is_refused(live):
+    ended = live("/dev/null", **CAMERA).finish()
+    assert ended.status == 2
+    assert "not a V4L2 device" in ended.err
+
+
+def test_a_camera_that_does_not_come_ends_the_run(live):
+    ended = live("/dev/video987", run__start_s_max=1, **CAMERA).finish()
+    assert ended.status == 1
+    assert "no camera within 1 s" in ended.err
+
+
+def test_commands_for_people(tmp_path):
+    import subprocess
+
+    from replay_files import PROGRAM
+    assert subprocess.run([PROGRAM, "camera", "list"], capture_output=True).returncode == 0
+    probe = subprocess.run([PROGRAM, "camera", "probe", "/dev/null"], capture_output=True, text=True)
+    assert probe.returncode == 2 and "not a V4L2 device" in probe.stderr
+    empty = subprocess.run([PROGRAM, "recording", "list", tmp_path], capture_output=True, text=True)
+    assert empty.returncode == 2 and "holds no recording" in empty.stderr
+    assert os.path.exists(PROGRAM)
