@@ -15,23 +15,43 @@ namespace {
 
 int last_inliers(const Component::State& s) { return static_cast<int>(s.reference.points.size()); }
 
-/// Does the pose agree with the motion so far? The rate of a torque-free body changes by at most
-/// |w|^2 a second (Euler's equation with the inertia's triangle inequality), so over a step that
-/// turns it by a the prediction is off by at most a^2, beyond its own error and the pose's. Both of
-/// those are known to be optimistic: a degree is allowed on top.
+/// Does the pose agree with the motion so far? The prediction knows its own error and how sharply a
+/// free body's motion may bend; a map's depth is known to some percent, which falsifies a step by
+/// as much. A young motion has hardly been checked: there the bound is what Euler's equation allows
+/// (the rate changes by at most |w|^2 a second, a step of a radians by a^2) and a degree.
 bool plausible(const PosePrediction& predicted, const Component::State& s) {
   constexpr std::size_t kPosesMin = 3;  // two give a rate without a check
+  constexpr std::size_t kPosesTried = 6;
   if (predicted.rotation_poses < kPosesMin) {
     return true;
   }
+  constexpr double kDepthError = 0.05;
   constexpr double kAllowance_rad = 0.0175;
   const AbsolutePose& found = s.localised.absolute;
   const double step_rad = rotation_angle_rad(s.poses.back().pose.R_CT, predicted.pose.R_CT);
   const double sigma_rad =
       std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
                 found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
-  return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) <
-         step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad;
+  const double bound_rad = predicted.rotation_poses < kPosesTried
+                               ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
+                               : kDepthError * step_rad + 4.0 * sigma_rad;
+  return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) < bound_rad;
+}
+
+/// A side has come back, and its old landmarks carry the pose: then the drift of the young ones, not
+/// the body, has jumped.
+bool comes_back(const Component::State& s) {
+  constexpr int kOldMin = 30;  // as for a closed loop
+  int old = 0;
+  int old_inliers = 0;
+  for (const LandmarkMatch& match : s.localised.matches) {
+    const Landmark& landmark = s.map.landmarks[match.landmark.index()];
+    if (landmark.seen_keyframe + kRecentKeyframes < s.map.next_keyframe_number) {
+      ++old;
+      old_inliers += match.inlier ? 1 : 0;
+    }
+  }
+  return old_inliers >= kOldMin && 2 * old_inliers >= old;
 }
 
 /// By optical flow, when the prediction says that the picture moves little and that the frame will
@@ -63,7 +83,7 @@ bool agrees(const LocalisedFrame& localised, int inliers_min) {
   return localised.absolute.inliers >= inliers_min + static_cast<int>(localised.matches.size()) / 8;
 }
 
-/// So many inliers that the pose stands by itself, whatever the motion so far says.
+/// So many inliers that the pose stands by itself where nothing is known of the motion.
 bool certain(const LocalisedFrame& localised) {
   constexpr int kInliersMin = 30;
   return localised.absolute.inliers >= kInliersMin &&
@@ -81,9 +101,8 @@ bool try_guided(const PosePrediction& predicted, Component::State* s) {
   for (int i = 0; i < 3; ++i, radius_px *= 3.0) {
     const Result<bool> done = localise_guided(
         localise_input(*s), predicted.pose, radius_px, &s->localise_scratch, &s->localised);
-    if (done &&
-        (certain(s->localised) ||
-         (agrees(s->localised, s->parameters.localise.inliers_min) && plausible(predicted, *s)))) {
+    if (done && agrees(s->localised, s->parameters.localise.inliers_min) &&
+        (plausible(predicted, *s) || comes_back(*s))) {
       return true;
     }
   }
@@ -187,7 +206,8 @@ void track(Component::State* s) {
   PosePrediction predicted;
   const bool has_prediction = predict_pose(*s, s->timestamp_ns, &predicted);
   const bool found = has_prediction && (try_flow(predicted, s) || try_guided(predicted, s));
-  const bool everywhere = !found && relocalise_frame(s);
+  const bool everywhere = !found && relocalise_frame(s) &&
+                          (!has_prediction || plausible(predicted, *s) || comes_back(*s));
   if (!found && !everywhere) {
     lose(s);
     if (collect(s)) {
