@@ -32,12 +32,25 @@ bool pose_from_keyframe(const Keyframe& keyframe, Component::State* s) {
       .ok();
 }
 
+void start_drift(const Similarity& to_T, Component::State* s) {
+  const StartOutcome& start = s->start_outcome;
+  const auto first = std::find_if(start.frames.begin(),
+                                  start.frames.end(),
+                                  [](const StartFramePose& f) { return f.valid; });
+  begin_drift(transformed(first->pose, to_T).R_CT,
+              start.rotation_rad,
+              start.depth_sigma,
+              to_T.scale,
+              &s->drift);
+}
+
 /// The start's keyframes and landmarks into the map, a first joint adjustment, and the poses of its
 /// frames.
 void take_over_start(const Similarity& to_T, Component::State* s) {
   const std::uint32_t first_keyframe = s->map.next_keyframe_number;
   begin_map(s->start_outcome, s->tracks, to_T, s->parameters.map, &s->map);
   settle_map(first_keyframe, s);
+  start_drift(to_T, s);
   s->mode = Mode::kTracking;
   s->frames_lost = 0;
   auto order = keyframes_by_age(s->map);
@@ -93,15 +106,15 @@ bool has_room(const Component::State& s) {
 void widen_drift(const Bridge& bridge, double predicted_sigma_rad, Component::State* s) {
   const double attitude_rad = std::hypot(predicted_sigma_rad, bridge.misfit_rad);
   const double position_mu = 0.5 * s->map.radius_mu;
-  s->drift.topLeftCorner<3, 3>().diagonal().array() += attitude_rad * attitude_rad;
-  s->drift.bottomRightCorner<3, 3>().diagonal().array() += position_mu * position_mu;
+  s->drift.walk.topLeftCorner<3, 3>().diagonal().array() += attitude_rad * attitude_rad;
+  s->drift.walk.bottomRightCorner<3, 3>().diagonal().array() += position_mu * position_mu;
 }
 
 }  // namespace
 
 void begin(Component::State* s) {
   forget_map(s);
-  s->drift.setZero();
+  s->drift = {};
   take_over_start({}, s);
 }
 

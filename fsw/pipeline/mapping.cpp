@@ -100,14 +100,14 @@ void extend_map(Component::State* s) {
     return;
   }
   ++s->counters.keyframes_inserted;
-  s->drift += localised.absolute.covariance;
+  add_keyframe_error(localised, &s->drift);
   s->counters.keyframes_culled += s->map.keyframe_count == count_before ? 1 : 0;
   create(id, s);
   const int closed =
       close_loop(localise_input(*s), id, {}, &s->localise_scratch, &s->closure, &s->map);
   if (closed > 0) {
     ++s->counters.closures;
-    s->drift *= kDriftHeldAtBothEnds;
+    hold_at_both_ends(&s->drift);
     adjust_closed_loop(s);
   } else if (wants_adjustment_of_all(*s)) {
     adjust_all(s->parameters.map.adjustment_iterations_max, s);

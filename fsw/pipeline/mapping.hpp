@@ -9,11 +9,6 @@ namespace polhode {
 /// with the landmarks that those keyframes give beyond the start's tracks.
 void settle_map(std::uint32_t first_keyframe, Component::State* state);
 
-// A map grows keyframe by keyframe, each placed by the last ones with its own error: a random walk,
-// whose variance is the sum of theirs. Held at both ends, as by a closed loop or by an adjustment
-// of everything, a walk's variance is at most a quarter of that, in its middle.
-inline constexpr double kDriftHeldAtBothEnds = 0.25;
-
 /// Makes this frame a keyframe when it should be one, extends the map by it, adjusts, culls; the
 /// frame's pose in `localised` becomes the adjusted one.
 void extend_map(Component::State* state);

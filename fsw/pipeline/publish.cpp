@@ -113,7 +113,7 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
     const AbsolutePose& absolute = s->localised.absolute;
     const double unit = s->scale.metres_per_mu;
     fill_pose(scaled(absolute.pose, unit),
-              scaled(absolute.covariance + s->drift, unit),
+              scaled(absolute.covariance + covariance(s->drift), unit),
               &s->q_CT_last,
               &m);
     fill_rates(unit, *s, &m);

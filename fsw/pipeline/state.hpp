@@ -10,6 +10,7 @@
 #include "config/limits.hpp"
 #include "features/detect.hpp"
 #include "image/image.hpp"
+#include "map/drift.hpp"
 #include "map/follow.hpp"
 #include "map/initialise.hpp"
 #include "map/landmarks.hpp"
@@ -62,8 +63,7 @@ struct Component::State {
   Map map;
   FlowReference reference;
   PoseHistory poses;  ///< errors of single frames, without the map's drift
-  PoseCovariance drift =
-      PoseCovariance::Zero();  ///< of the map at this frame against T as it began
+  MapDrift drift;
   ScaleState scale;
   double noise_scale = 1.0;  ///< how much larger the residuals are than the features' sigma says
   std::int32_t keyframes_at_last_adjustment = 0;

@@ -54,6 +54,7 @@ void estimate(Component::State* s) {
   }
   if (s->pose_valid) {
     remember_pose(s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
+    widen_turn(s->localised.absolute.pose, &s->drift);
     ++s->counters.poses;
   }
   stage_done(Stage::kMap, *s);

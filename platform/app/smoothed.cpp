@@ -45,6 +45,8 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
   std::vector<MotionState> smoothed;
   std::array<double, 4> q_last{1.0, 0.0, 0.0, 0.0};
   std::size_t next = 0;
+  MapDrift held = state.drift;
+  hold_at_both_ends(&held);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     MotionState m;
     m.frame = published[i].frame;
@@ -57,8 +59,7 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
     if (next < samples.size() && poses[i].valid && samples[next].timestamp_ns == m.timestamp_ns) {
       m.matches = static_cast<std::uint16_t>(poses[i].matches);
       m.inliers = static_cast<std::uint16_t>(poses[i].absolute.inliers);
-      const PoseCovariance drift =
-          kDriftHeldAtBothEnds * scaled(state.drift, state.scale.metres_per_mu);
+      const PoseCovariance drift = scaled(covariance(held), state.scale.metres_per_mu);
       fill_pose(samples[next].pose, samples[next].covariance + drift, &q_last, &m);
       if (const auto rates = estimate_rates_at(samples, next, state.parameters.motion)) {
         publish(rates.value(), m);

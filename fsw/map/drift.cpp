@@ -1,0 +1,50 @@
+#include "map/drift.hpp"
+
+#include <algorithm>
+
+#include "geometry/so3.hpp"
+
+namespace polhode {
+
+void begin_drift(const Eigen::Matrix3d& R_first_CT,
+                 double turn_rad,
+                 double depth_sigma,
+                 double extent_mu,
+                 MapDrift* drift) {
+  drift->R_first_CT = R_first_CT;
+  constexpr double kExchangedMost_rad = 0.5;  // of sin(t) cos(t)
+  drift->start_sigma_rad = depth_sigma * std::min(turn_rad, kExchangedMost_rad);
+  drift->start_sigma_mu = depth_sigma * extent_mu;
+  drift->start_turn_rad = turn_rad;
+  drift->turn_rad = turn_rad;
+}
+
+void widen_turn(const Pose& pose, MapDrift* drift) {
+  drift->turn_rad =
+      std::max(drift->turn_rad, rotation_angle_rad(pose.R_CT, drift->R_first_CT));
+}
+
+void add_keyframe_error(const LocalisedFrame& keyframe, MapDrift* drift) {
+  const double clutter = static_cast<double>(keyframe.matches.size()) /
+                         static_cast<double>(std::max(1, keyframe.absolute.inliers));
+  drift->walk += std::max(1.0, clutter) * keyframe.absolute.covariance;
+}
+
+void hold_at_both_ends(MapDrift* drift) {
+  constexpr double kMiddleOfAHeldWalk = 0.25;
+  drift->walk *= kMiddleOfAHeldWalk;
+}
+
+PoseCovariance covariance(const MapDrift& drift) {
+  PoseCovariance sum = drift.walk;
+  if (drift.turn_rad > 0.0) {
+    const double part = drift.start_turn_rad / drift.turn_rad;
+    const double turn_rad = part * drift.start_sigma_rad;
+    const double depth_mu = part * drift.start_sigma_mu;
+    sum.topLeftCorner<3, 3>().diagonal().array() += turn_rad * turn_rad;
+    sum.bottomRightCorner<3, 3>().diagonal().array() += depth_mu * depth_mu;
+  }
+  return sum;
+}
+
+}  // namespace polhode

@@ -1,0 +1,51 @@
+// What a growing map does not know of its own T: the part of a published pose's error that all
+// landmarks share.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "geometry/pose.hpp"
+#include "map/localise.hpp"
+
+namespace polhode {
+
+/// Two parts. The start: seen over a short turn, depth and turn can be exchanged for each other
+/// (bas-relief ambiguity), so the start's turn is known to the same part as its depth. The part
+/// shrinks as the body turns on; landmarks that were placed by the start leave slowly, so it does
+/// so with the largest turn seen, not with its square, as the images would allow (measured: the
+/// square is too quick by a factor of two on fifteen sequences). The walk: a map grows keyframe by
+/// keyframe, each placed by the last ones with its own error.
+struct MapDrift {
+  PoseCovariance walk = PoseCovariance::Zero();
+  Eigen::Matrix3d R_first_CT = Eigen::Matrix3d::Identity();  ///< attitude of the start's first frame
+  double start_sigma_rad = 0.0;  ///< of the start's turn
+  double start_sigma_mu = 0.0;   ///< of its depths
+  double start_turn_rad = 0.0;
+  double turn_rad = 0.0;  ///< largest turn from R_first_CT so far
+};
+
+/// A start takes its turn.
+/// @param depth_sigma  1-sigma of its depths, in its extents.
+/// @param extent_mu    its extent in the map's unit.
+void begin_drift(const Eigen::Matrix3d& R_first_CT,
+                 double turn_rad,
+                 double depth_sigma,
+                 double extent_mu,
+                 MapDrift* drift);
+
+/// A frame has its pose.
+void widen_turn(const Pose& pose, MapDrift* drift);
+
+/// A keyframe joins the map. Matches that are no inliers say how much clutter there is, some of
+/// which falls within the gate and pulls: the pose's covariance is taken as many times larger as
+/// there are matches to an inlier.
+void add_keyframe_error(const LocalisedFrame& keyframe, MapDrift* drift);
+
+/// A walk that is held at both ends, as by a closed loop, has at most a quarter of its variance, in
+/// its middle.
+void hold_at_both_ends(MapDrift* drift);
+
+/// To be added to the covariance of a single pose.
+PoseCovariance covariance(const MapDrift& drift);
+
+}  // namespace polhode

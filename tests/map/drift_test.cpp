@@ -1,0 +1,81 @@
+#include "map/drift.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "geometry/so3.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr double kDepthSigma = 0.06;
+constexpr double kTurn_rad = 0.3;
+
+MapDrift started(double turn_rad) {
+  MapDrift drift;
+  begin_drift(Eigen::Matrix3d::Identity(), turn_rad, kDepthSigma, 2.0, &drift);
+  return drift;
+}
+
+double attitude_sigma_rad(const MapDrift& drift) { return std::sqrt(covariance(drift)(0, 0)); }
+
+Pose turned(double angle_rad) {
+  return {.R_CT = so3_exp({0.0, angle_rad, 0.0}), .p_CT = {0.0, 0.0, 8.0}};
+}
+
+std::unique_ptr<LocalisedFrame> keyframe(int matches, int inliers) {
+  auto frame = std::make_unique<LocalisedFrame>();
+  frame->matches.resize(static_cast<std::size_t>(matches));
+  frame->absolute.inliers = inliers;
+  frame->absolute.covariance = 1e-6 * PoseCovariance::Identity();
+  return frame;
+}
+
+TEST(MapDrift, KnowsNothingOfItself_BeforeAStart) {
+  EXPECT_EQ(covariance(MapDrift{}), PoseCovariance::Zero());
+}
+
+TEST(MapDrift, KnowsTheStartsTurn_AsWellAsItsDepth) {
+  const MapDrift drift = started(kTurn_rad);
+  EXPECT_NEAR(attitude_sigma_rad(drift), kDepthSigma * kTurn_rad, 1e-12);
+  EXPECT_NEAR(std::sqrt(covariance(drift)(5, 5)), kDepthSigma * 2.0, 1e-12);
+  EXPECT_LT(attitude_sigma_rad(started(1.5)), kDepthSigma * 0.5 + 1e-12)
+      << "over a large turn the two are no longer exchanged";
+}
+
+TEST(MapDrift, ForgetsTheStart_AsTheBodyTurnsOn_AndNeverGrowsByIt) {
+  MapDrift drift = started(kTurn_rad);
+  double last = attitude_sigma_rad(drift);
+  for (double angle_rad = 0.0; angle_rad < 3.0; angle_rad += 0.2) {
+    widen_turn(turned(angle_rad), &drift);
+    EXPECT_LE(attitude_sigma_rad(drift), last);
+    last = attitude_sigma_rad(drift);
+  }
+  EXPECT_NEAR(last, kDepthSigma * kTurn_rad * kTurn_rad / 2.8, 1e-9);
+  widen_turn(turned(0.1), &drift);
+  EXPECT_EQ(attitude_sigma_rad(drift), last) << "what was seen stays seen";
+}
+
+TEST(MapDrift, WalksWithEachKeyframe_MoreWhereThereIsClutter) {
+  MapDrift clean;
+  MapDrift cluttered;
+  for (int i = 0; i < 4; ++i) {
+    add_keyframe_error(*keyframe(100, 100), &clean);
+    add_keyframe_error(*keyframe(300, 100), &cluttered);
+  }
+  EXPECT_NEAR(attitude_sigma_rad(clean), 2e-3, 1e-12) << "the square root of four";
+  EXPECT_NEAR(attitude_sigma_rad(cluttered), 2e-3 * std::sqrt(3.0), 1e-12);
+}
+
+TEST(MapDrift, IsHalved_WhenItIsHeldAtBothEnds) {
+  MapDrift drift;
+  add_keyframe_error(*keyframe(100, 100), &drift);
+  const double before = attitude_sigma_rad(drift);
+  hold_at_both_ends(&drift);
+  EXPECT_NEAR(attitude_sigma_rad(drift), 0.5 * before, 1e-15);
+}
+
+}  // namespace
+}  // namespace polhode
