@@ -20,8 +20,7 @@ void begin_drift(const Eigen::Matrix3d& R_first_CT,
 }
 
 void widen_turn(const Pose& pose, MapDrift* drift) {
-  drift->turn_rad =
-      std::max(drift->turn_rad, rotation_angle_rad(pose.R_CT, drift->R_first_CT));
+  drift->turn_rad = std::max(drift->turn_rad, rotation_angle_rad(pose.R_CT, drift->R_first_CT));
 }
 
 void add_keyframe_error(const LocalisedFrame& keyframe, MapDrift* drift) {

@@ -17,9 +17,10 @@ namespace polhode {
 /// keyframe, each placed by the last ones with its own error.
 struct MapDrift {
   PoseCovariance walk = PoseCovariance::Zero();
-  Eigen::Matrix3d R_first_CT = Eigen::Matrix3d::Identity();  ///< attitude of the start's first frame
-  double start_sigma_rad = 0.0;  ///< of the start's turn
-  double start_sigma_mu = 0.0;   ///< of its depths
+  Eigen::Matrix3d R_first_CT =
+      Eigen::Matrix3d::Identity();  ///< attitude of the start's first frame
+  double start_sigma_rad = 0.0;     ///< of the start's turn
+  double start_sigma_mu = 0.0;      ///< of its depths
   double start_turn_rad = 0.0;
   double turn_rad = 0.0;  ///< largest turn from R_first_CT so far
 };

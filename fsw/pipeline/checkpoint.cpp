@@ -25,7 +25,7 @@ struct Remembered {
   ScaleState scale;
   std::int64_t timestamp_ns = 0;
   bool time_known = false;
-  PoseCovariance drift;
+  MapDrift drift;
   double noise_scale = 1.0;
   std::int32_t keyframes_at_last_adjustment = 0;
   std::array<double, 4> q_CT_last{};
