@@ -11,6 +11,9 @@ for program in polhode filecam_feed; do
   [ -x "build/release/bin/$program" ] || { echo "v4l2_vm: build/release/bin/$program is not built" >&2; exit 2; }
 done
 hil/v4l2/setup_vm.sh || exit 1
+# Copies, so that a build meanwhile does not change what is under test.
+mkdir -p build/v4l2_vm/bin
+cp build/release/bin/polhode build/release/bin/filecam_feed build/v4l2_vm/bin/ || exit 1
 
 jobs=("$@")
 [ "${#jobs[@]}" -gt 0 ] || for file in hil/v4l2/jobs/*.sh; do jobs+=("$(basename "$file" .sh)"); done
@@ -20,12 +23,12 @@ for job in "${jobs[@]}"; do
   out=$RESULTS/$job
   rm -rf "$out"
   mkdir -p "$out"
-  [ ! -f "hil/v4l2/jobs/$job.prepare" ] || bash "hil/v4l2/jobs/$job.prepare" "$out" || exit 1
+  .venv/bin/python hil/v4l2/sequences.py "$out/sequences" || exit 1
   before=$(date +%s)
   hil/v4l2/boot.sh "hil/v4l2/jobs/$job.sh" "$out" "$TIMEOUT_S"
   status=$?
-  if [ -f "hil/v4l2/jobs/$job.judge" ] && [ $status -eq 0 ]; then
-    bash "hil/v4l2/jobs/$job.judge" "$out" || status=1
+  if [ $status -eq 0 ]; then
+    .venv/bin/python hil/v4l2/judge.py "$job" "$out" >> "$out/told.txt" || status=1
   fi
   printf '%-14s %-6s %4d s\n' "$job" "$([ $status -eq 0 ] && echo passed || echo FAILED)" $(($(date +%s) - before))
   [ -f "$out/told.txt" ] && sed 's/^/    /' "$out/told.txt"

@@ -2,6 +2,8 @@
 
 #include <time.h>
 
+#include <algorithm>
+
 #include "app/checkpoint_writer.hpp"
 #include "os/linux/stop_request.hpp"
 
@@ -82,6 +84,10 @@ LiveEnd run_live(LiveParts& parts, const LiveLimits& limits) {
     }
     attempts = camera.attempts;
     parts.report.passed(parts.camera, parts.counts, now_ns);
+    if (limits.frames_max > 0 &&
+        parts.counts.frames_accepted >= static_cast<std::uint32_t>(limits.frames_max)) {
+      return LiveEnd::kPlayed;
+    }
   }
   return LiveEnd::kStopped;
 }

@@ -36,6 +36,7 @@ struct LiveParts {
 struct LiveLimits {
   int checkpoint_frames = 50;
   int start_s_max = 10;
+  int frames_max = 0;  ///< 0: as many as come
 };
 
 /// Takes no memory of its own.

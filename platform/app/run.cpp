@@ -100,7 +100,7 @@ std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
 
 void say_end(LiveEnd end, const LiveCounts& counts, const CameraCounters& camera) {
   say("%s: %u frames, %u with a pose; %u missing, %u damaged, %u passed over",
-      end == LiveEnd::kPlayed ? "played to the end" : "stopped",
+      end == LiveEnd::kPlayed ? "at the end" : "stopped",
       counts.frames_accepted,
       counts.frames_with_pose,
       camera.frames_missing,
@@ -151,9 +151,10 @@ void run_command(const RunArguments& arguments) {
                   .recorder = recorder.get(),
                   .checkpoint = checkpoint ? &*checkpoint : nullptr};
   manager.ready();
-  const LiveEnd end = run_live(
-      parts,
-      {.checkpoint_frames = machine.run.checkpoint_frames, .start_s_max = machine.run.start_s_max});
+  const LiveEnd end = run_live(parts,
+                               {.checkpoint_frames = machine.run.checkpoint_frames,
+                                .start_s_max = machine.run.start_s_max,
+                                .frames_max = machine.run.frames_max});
   manager.stopping();
   if (checkpoint && component.counters().frames_in > 0) {
     checkpoint->write_now(component.state());

@@ -51,6 +51,7 @@ const Row kRows[] = {
   {"run.checkpoint_frames", POLHODE_OPTION(run.checkpoint_frames), 1, 1000000},
   {"run.checkpoint_age_s_max", POLHODE_OPTION(run.checkpoint_age_s_max), 1, 1000000},
   {"run.start_s_max", POLHODE_OPTION(run.start_s_max), 0, 1000000},
+  {"run.frames_max", POLHODE_OPTION(run.frames_max), 0, 2e9},
   {"run.report_s", POLHODE_OPTION(run.report_s), 1, 86400},
   {"recording.folder", POLHODE_OPTION(recording.folder)},
   {"recording.disk_mb_max", POLHODE_OPTION(recording.disk_mb_max), 16, 100000000},

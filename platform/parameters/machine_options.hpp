@@ -35,6 +35,7 @@ struct RunOptions {
   int checkpoint_frames = 50;           ///< frames from one to the next, 1 .. 1000000
   int checkpoint_age_s_max = 600;       ///< an older one is not used: the motion model no longer holds, 1 .. 1000000
   int start_s_max = 10;                 ///< a camera that brings no stream within so long ends the run; 0: wait for ever, 0 .. 1000000
+  int frames_max = 0;                   ///< accepted frames after which the run ends; 0: none, 0 .. 2000000000
   int report_s = 10;                    ///< seconds from one line on stderr and run.json to the next, 1 .. 86400
 };
 

@@ -3,9 +3,14 @@
 // Each frame is written when a buffer waits for it. Its time stamp marks the end of the frame: the
 // sequence's (mid-exposure) plus half of the exposure that the camera is set to.
 // A script has one line a fault, "FRAME WHAT [ARGUMENT]", done before that frame:
-//   damage | skip N | fatal | disconnect SECONDS | pause SECONDS | touch FILE
+//   damage | skip N | fatal | disconnect SECONDS | pause SECONDS | kill FILE (with a process
+//   number)
+// Before a fault the feeder waits until the reader has all earlier frames and waits for more, so
+// that what is lost is what the fault loses.
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <linux/videodev2.h>
+#include <signal.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -89,31 +94,57 @@ class TestCamera {
     send(header);
   }
 
-  /// Until a stream runs; a camera that nobody opens is given up after a while.
-  void wait_for_stream() const {
+  /// Until a stream runs, or none does; given up after a while.
+  void wait_for(bool streaming) const {
+    wait([&](const filecam_state& s) { return (s.streaming != 0) == streaming; });
+  }
+  /// Until the reader has given all buffers back and so waits for a frame.
+  void wait_for_idle_reader() const {
+    wait([](const filecam_state& s) { return s.streaming != 0 && s.queued >= kBuffers; });
+  }
+
+ private:
+  static constexpr __u32 kBuffers = 4;  // the live run's default
+
+  template <typename Condition>
+  void wait(Condition condition) const {
     constexpr int kTriesMax = 60000;
     for (int i = 0; i < kTriesMax; ++i) {
-      if (state().streaming != 0) {
+      if (condition(state())) {
         return;
       }
       sleep_s(0.005);
     }
-    throw std::runtime_error("nobody streams");
+    throw std::runtime_error("waited in vain for the reader");
   }
 
- private:
   int file_;
   std::vector<std::uint8_t> message_;
 };
 
+/// Significant bits of a 16-bit pixel in the camera's format.
+unsigned bits_of(__u32 pixel_format) {
+  return pixel_format == V4L2_PIX_FMT_Y10 ? 10U : pixel_format == V4L2_PIX_FMT_Y12 ? 12U : 16U;
+}
+
 /// Rows without padding, as the camera has them.
-std::vector<std::uint8_t> pixels_of(const polhode::ImageView& image) {
+std::vector<std::uint8_t> pixels_of(const polhode::ImageView& image, __u32 pixel_format) {
   std::vector<std::uint8_t> pixels;
+  if ((image.format == polhode::PixelFormat::kGray16) == (pixel_format == V4L2_PIX_FMT_GREY)) {
+    throw std::runtime_error("the sequence has another depth than the camera's format");
+  }
   const std::size_t row = static_cast<std::size_t>(image.width_px) *
                           (image.format == polhode::PixelFormat::kGray16 ? 2 : 1);
   for (int v = 0; v < image.height_px; ++v) {
     const std::uint8_t* from = image.data + v * image.stride_octets;
     pixels.insert(pixels.end(), from, from + row);
+  }
+  const unsigned shift = 16U - bits_of(pixel_format);
+  for (std::size_t i = 0; shift > 0 && i < pixels.size(); i += 2) {
+    std::uint16_t value = 0;
+    std::memcpy(&value, &pixels[i], sizeof value);
+    value = static_cast<std::uint16_t>(value >> shift);
+    std::memcpy(&pixels[i], &value, sizeof value);
   }
   return pixels;
 }
@@ -126,16 +157,22 @@ void play_fault(const Fault& fault, TestCamera& camera, filecam_header* header) 
     header->sequence_skip = static_cast<__u32>(std::stoul(fault.argument));
   } else if (fault.what == "fatal") {
     camera.command(FILECAM_FATAL_ERROR);
-    camera.wait_for_stream();
+    camera.wait_for(true);
   } else if (fault.what == "disconnect") {
     camera.command(FILECAM_DISCONNECT);
     sleep_s(std::stod(fault.argument));
     camera.command(FILECAM_CONNECT);
-    camera.wait_for_stream();
+    camera.wait_for(true);
   } else if (fault.what == "pause") {
     sleep_s(std::stod(fault.argument));
-  } else if (fault.what == "touch") {
-    std::ofstream(fault.argument) << "\n";
+  } else if (fault.what == "kill") {
+    pid_t process = 0;
+    std::ifstream(fault.argument) >> process;
+    if (process <= 0 || ::kill(process, SIGKILL) != 0) {
+      throw std::runtime_error("nobody to kill in " + fault.argument);
+    }
+    camera.wait_for(false);
+    camera.wait_for(true);
   } else {
     throw std::runtime_error("no such fault: " + fault.what);
   }
@@ -145,20 +182,24 @@ void feed(const Sequence& sequence, std::size_t frames, double interval_s, const
   TestCamera camera;
   FileCamera files(sequence);
   polhode::Frame frame;
-  camera.wait_for_stream();
+  camera.wait_for(true);
   for (std::size_t i = 0; i < frames && files.next(frame); ++i) {
     filecam_header header{};
     const auto [first, last] = script.equal_range(i);
+    if (first != last) {
+      camera.wait_for_idle_reader();
+    }
     for (auto fault = first; fault != last; ++fault) {
       play_fault(fault->second, camera, &header);
     }
-    const auto pixels = pixels_of(frame.image);
+    const auto pixels = pixels_of(frame.image, camera.state().pixel_format);
     header.octets = static_cast<__u32>(pixels.size());
     header.timestamp_ns = static_cast<__u64>(frame.timestamp_ns) +
                           std::uint64_t{camera.state().exposure_100us} * 100'000 / 2;
     camera.send(header, pixels);
     sleep_s(interval_s);
   }
+  camera.wait_for_idle_reader();
 }
 
 }  // namespace

@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""Judges what a job of the virtual machine has left, on the host. Prints a line for each thing that was shown.
+
+usage: judge.py JOB RESULTS     status 1 when something is not as it must be
+"""
+
+import csv
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+
+import numpy
+from PIL import Image
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = REPOSITORY / "build/v4l2_vm/bin/polhode"
+SETTINGS = ["--set", "features.count_max=250", "--set", "features.working_pixels_max=40000"]  # as in jobs/common.inc
+
+
+def require(true: bool, what: str) -> None:
+    if not true:
+        print(f"NOT SO: {what}")
+        sys.exit(1)
+
+
+def report(folder: pathlib.Path) -> dict:
+    return json.loads((folder / "run.json").read_text())
+
+
+def images(sequence: pathlib.Path) -> list[tuple[int, numpy.ndarray]]:
+    camera = sequence / "mav0/cam0"
+    with open(camera / "data.csv", newline="") as file:
+        rows = [row for row in csv.reader(file) if not row[0].startswith("#")]
+    return [(int(stamp), numpy.array(Image.open(camera / "data" / name))) for stamp, name in rows]
+
+
+def exported(folder: pathlib.Path) -> list[tuple[int, numpy.ndarray]]:
+    out = folder / "exported"
+    shutil.rmtree(out, ignore_errors=True)
+    subprocess.run([PROGRAM, "recording", "export", folder / "recording", "--out", out], check=True, capture_output=True)
+    return images(out)
+
+
+def replayed(sequence: pathlib.Path, out: pathlib.Path) -> bytes:
+    shutil.rmtree(out, ignore_errors=True)
+    subprocess.run(["nice", PROGRAM, "replay", "--config", REPOSITORY / "config/default.toml", "--sequence", sequence,
+                    "--out", out, *SETTINGS], check=True, capture_output=True)
+    return (out / "bus.ccsds").read_bytes()
+
+
+def compliance(results: pathlib.Path) -> None:
+    """The job has judged itself."""
+
+
+def capture(results: pathlib.Path) -> None:
+    for name, source in (("GREY", "noise8"), ("Y16", "noise16"), ("Y12", "noise16"), ("Y10", "noise16")):
+        fed = images(results / "sequences" / source)
+        got = exported(results / f"filecam_{name}")
+        require(len(got) == len(fed), f"{name}: {len(got)} frames of {len(fed)}")
+        for (fed_ns, fed_pixels), (got_ns, got_pixels) in zip(fed, got):
+            require(fed_ns == got_ns, f"{name}: time {got_ns} instead of {fed_ns}")
+            require(numpy.array_equal(fed_pixels, got_pixels), f"{name}: other pixels at {fed_ns}")
+        print(f"test camera, {name}: 8 of 8 frames octet for octet, times of mid-exposure exact")
+    for name in ("GREY", "Y16", "Y12", "Y10", "YUYV", "RGB24"):
+        got = exported(results / f"vivid_{name}")
+        counts = report(results / f"vivid_{name}")["camera"]
+        require(len(got) == 4 and counts["frames_damaged"] == 0, f"vivid {name}")
+        deep = got[0][1].dtype != numpy.uint8
+        require(deep == name.startswith("Y1"), f"vivid {name}: depth")
+        contrast = float(numpy.std(got[0][1])) / (65535.0 if deep else 255.0)
+        require(contrast > 0.1, f"vivid {name}: no picture")
+    print("vivid: GREY, Y16, Y12, Y10, YUYV, RGB24 captured")
+    full = report(results / "full_hd")
+    outside = full["outside_cpu_us"]
+    lost = full["camera"]["frames_missing"] + full["camera"]["frames_late"]
+    print(f"1080p GREY at 30 Hz: {full['frames_accepted']} frames, {lost} lost; outside the step p50 {outside['p50'] / 1000:.2f} ms, "
+          f"p99 {outside['p99'] / 1000:.2f} ms of the guest's processor")
+    require(outside["p99"] < 2000, "under 2 ms a frame outside the estimator")
+
+
+def run(results: pathlib.Path) -> None:
+    live = (results / "live/bus.ccsds").read_bytes()
+    truth = replayed(results / "sequences/body", results / "replay")
+    about = report(results / "live")
+    require(live == truth, f"the bus stream of the replay: {len(live)} octets, {len(truth)} expected")
+    print(f"the bus stream of {about['frames_accepted']} frames through /dev/video0 is the replay's, {len(live)} octets; "
+          f"{about['frames_with_pose']} poses")
+    latency = about["latency_us"]
+    print(f"frame available to packet, virtual time: p50 {latency['p50'] / 1000:.1f} ms, p99 {latency['p99'] / 1000:.1f} ms")
+
+
+def faults(results: pathlib.Path) -> None:
+    about = report(results / "faults")
+    counts = about["camera"]
+    require(about["frames_accepted"] == 40, f"all frames: {about['frames_accepted']}")
+    expected = {"frames_damaged": 1, "frames_missing": 3, "disconnects": 1}
+    for key, number in expected.items():
+        require(counts[key] == number, f"{key} is {counts[key]}, {number} expected")
+    require(counts["stream_errors"] in (1, 2), f"stream_errors {counts['stream_errors']}")  # 2: the pause of 3 s is silence
+    spoiled = results / "spoiled"
+    shutil.rmtree(spoiled, ignore_errors=True)
+    shutil.copytree(results / "sequences/body", spoiled)
+    sorted((spoiled / "mav0/cam0/data").iterdir())[10].write_bytes(b"damaged")
+    require((results / "faults/bus.ccsds").read_bytes() == replayed(spoiled, results / "replay"), "the replay's bus stream")
+    print(f"error flag, gap, fatal error, unplugged for 1.5 s, silent for 3 s: 40 of 40 frames, the replay's bus stream; "
+          f"{about['frames_with_pose']} poses")
+    second = report(results / "killed/2")
+    first_err = (results / "killed/stderr1.txt").read_text()
+    require("busy" in first_err, "the first start has found the device busy")
+    require(second["start"].startswith("warm"), second["start"])
+    require(second["first_pose_frame"] is not None and second["first_pose_frame"] < 3, "a pose within 3 frames")
+    print(f"busy device waited for; SIGKILL at frame 25: {second['start']}, pose on frame {second['first_pose_frame'] + 1} after it")
+    cycles = report(results / "cycles")
+    rows = [list(map(int, line.split())) for line in (results / "cycles/growth.txt").read_text().splitlines() if len(line.split()) == 3]
+    rows = [row for row in rows if row[0] > 0]
+    early, late = rows[len(rows) // 4], rows[-2]
+    require(cycles["camera"]["disconnects"] == 10, f"{cycles['camera']['disconnects']} disconnects")
+    require(max(row[1] for row in rows[len(rows) // 2:]) <= max(row[1] for row in rows), "descriptors")
+    require(late[0] <= early[0] * 1.01 + 64, f"memory grows from {early[0]} to {late[0]} kB")
+    print(f"10 times unplugged and back: {cycles['frames_accepted']} of 8 frames, memory {early[0]} kB then {late[0]} kB, "
+          f"at most {max(row[1] for row in rows)} descriptors")
+
+
+if __name__ == "__main__":
+    {"compliance": compliance, "capture": capture, "run": run, "faults": faults}[sys.argv[1]](pathlib.Path(sys.argv[2]))

@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""Calibrates a camera from pictures of a chessboard or ChArUco board.
+
+usage: calibrate_camera.py --board chessboard --squares 10x7 --square-m 0.03 --out sensor.yaml PICTURE...
+       calibrate_camera.py --board charuco --squares 10x7 --square-m 0.03 --marker-m 0.022 --out sensor.yaml PICTURE...
+
+Twenty pictures with the board tilted by 30 to 45 deg in all directions and in all corners of the picture are good, five the least.
+Writes sensor.yaml (ASL layout, as `polhode replay` reads it), beside it a picture of the residuals, and prints the same values
+as a [camera] section for `polhode run`. Status 1: the pictures do not determine the camera; 2: unusable arguments.
+"""
+
+import argparse
+import pathlib
+import sys
+
+import cv2
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+from calibration import pictures  # noqa: E402
+from calibration.boards import Board, find_view  # noqa: E402
+from calibration.solve import Calibration, NotCalibrated, calibrate, warnings  # noqa: E402
+
+SENSOR = """\
+# From {views} pictures, RMS residual {rms:.3f} px. 1 sigma: fu {sfu:.2f}, fv {sfv:.2f}, cu {scu:.2f}, cv {scv:.2f} px
+sensor_type: camera
+rate_hz: {rate}
+resolution: [{width}, {height}]
+camera_model: pinhole
+intrinsics: [{fu:.6f}, {fv:.6f}, {cu:.6f}, {cv:.6f}]  # fu, fv, cu, cv [px]; the centre of the top-left pixel is (0, 0)
+distortion_model: radial-tangential
+distortion_coefficients: [{k1:.8f}, {k2:.8f}, {p1:.8f}, {p2:.8f}]
+"""
+
+SECTION = """\
+[camera]
+width_px = {width}
+height_px = {height}
+fu_px = {fu:.6f}
+fv_px = {fv:.6f}
+cu_px = {cu:.6f}
+cv_px = {cv:.6f}
+k1 = {k1:.8f}
+k2 = {k2:.8f}
+p1 = {p1:.8f}
+p2 = {p2:.8f}
+"""
+
+
+def values(calibration: Calibration, rate_hz: float) -> dict:
+    named = dict(zip(("fu", "fv", "cu", "cv"), calibration.intrinsics))
+    named |= dict(zip(("sfu", "sfv", "scu", "scv"), calibration.sigma_intrinsics))
+    named |= dict(zip(("k1", "k2", "p1", "p2"), calibration.distortion))
+    return named | {"width": calibration.width_px, "height": calibration.height_px, "rate": rate_hz,
+                    "rms": calibration.rms_px, "views": len(calibration.views)}
+
+
+def squares(text: str) -> tuple[int, int]:
+    columns, rows = (int(part) for part in text.lower().split("x"))
+    if min(columns, rows) < 3:
+        raise ValueError
+    return columns, rows
+
+
+def parse(arguments: list[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description="Calibrates a camera from pictures of a board.")
+    parser.add_argument("pictures", nargs="+", type=pathlib.Path, metavar="PICTURE")
+    parser.add_argument("--board", choices=("chessboard", "charuco"), required=True)
+    parser.add_argument("--squares", type=squares, required=True, help="columns x rows of squares, as in 10x7")
+    parser.add_argument("--square-m", type=float, required=True, help="edge of a square, metres")
+    parser.add_argument("--marker-m", type=float, default=0.0, help="edge of a marker, metres (charuco)")
+    parser.add_argument("--dictionary", default="DICT_5X5_100", help="of the markers (charuco)")
+    parser.add_argument("--rate-hz", type=float, default=10.0, help="written into sensor.yaml")
+    parser.add_argument("--out", type=pathlib.Path, required=True, metavar="sensor.yaml")
+    parsed = parser.parse_args(arguments)
+    if parsed.square_m <= 0 or (parsed.board == "charuco" and not 0 < parsed.marker_m < parsed.square_m):
+        parser.error("--square-m must be positive, --marker-m between 0 and it")
+    if not hasattr(cv2.aruco, parsed.dictionary):
+        parser.error(f"--dictionary {parsed.dictionary}: unknown")
+    return parsed
+
+
+def find_views(files: list[pathlib.Path], board: Board) -> tuple[list, tuple[int, int]]:
+    views, size = [], None
+    for file in files:
+        gray = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE)
+        if gray is None:
+            raise NotCalibrated(f"{file}: not a picture")
+        size = size or gray.shape[::-1]
+        if gray.shape[::-1] != size:
+            raise NotCalibrated(f"{file}: {gray.shape[1]}x{gray.shape[0]}, but the pictures before it are {size[0]}x{size[1]}")
+        view = find_view(str(file), gray, board)
+        print(f"{file.name}: {f'{len(view.image_px)} corners' if view else 'board not found'}")
+        if view is not None:
+            views.append(view)
+    return views, size
+
+
+def main(arguments: list[str]) -> int:
+    asked = parse(arguments)
+    board = Board(asked.board, *asked.squares, asked.square_m, asked.marker_m, asked.dictionary)
+    try:
+        views, (width_px, height_px) = find_views(asked.pictures, board)
+        calibration = calibrate(views, width_px, height_px)
+    except NotCalibrated as problem:
+        print(f"calibrate_camera: {problem}", file=sys.stderr)
+        return 1
+    named = values(calibration, asked.rate_hz)
+    asked.out.write_text(SENSOR.format(**named))
+    plot = asked.out.with_suffix(".png")
+    pictures.draw(calibration, plot)
+    print(SECTION.format(**named))
+    for name in calibration.left_out:
+        print(f"left out, does not fit the others: {name}")
+    for warning in warnings(calibration):
+        print(f"warning: {warning}")
+    print(f"RMS residual {calibration.rms_px:.3f} px; written {asked.out} and {plot}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""Puts a sequence, as `polhode recording export` writes it, and the packets that belong to it into one MCAP file.
+
+usage: sequence_to_mcap.py SEQ --out run.mcap [--bus DIR/bus.ccsds]
+  /camera/image   foxglove.CompressedImage (JSON): the files as they are, at their time of mid-exposure
+  /bus/packet     the packets as they were published, one a message, at their own time
+Parameters, camera and the account of the recording are attachments. Status 1: SEQ or the packets cannot be read.
+"""
+
+import argparse
+import base64
+import csv
+import json
+import pathlib
+import sys
+
+from mcap.writer import Writer
+
+IMAGE_SCHEMA = {
+    "title": "foxglove.CompressedImage",
+    "type": "object",
+    "properties": {
+        "timestamp": {"type": "object", "title": "time",
+                      "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}},
+        "frame_id": {"type": "string"},
+        "data": {"type": "string", "contentEncoding": "base64"},
+        "format": {"type": "string"},
+    },
+}
+ATTACHMENTS = ("config.toml", "recording.json", "commands.csv", "mav0/cam0/sensor.yaml")
+PRIMARY_OCTETS = 6
+CUC_AT = 6  # P-field, four octets of seconds, three of their fraction (docs/bus.md)
+
+
+class Unreadable(Exception):
+    pass
+
+
+def packets_of(stream: bytes):
+    """Packet by packet. @raises Unreadable where the stream ends within one."""
+    at = 0
+    while at < len(stream):
+        if at + PRIMARY_OCTETS > len(stream):
+            raise Unreadable(f"the packets end within a header, at octet {at}")
+        length = PRIMARY_OCTETS + 1 + int.from_bytes(stream[at + 4:at + 6], "big")
+        if at + length > len(stream):
+            raise Unreadable(f"the packets end within one, at octet {at}")
+        yield stream[at:at + length]
+        at += length
+
+
+def time_of(packet: bytes) -> int:
+    """Nanoseconds, to the 60 ns that the field resolves."""
+    whole = int.from_bytes(packet[CUC_AT + 1:CUC_AT + 5], "big")
+    fraction = int.from_bytes(packet[CUC_AT + 5:CUC_AT + 8], "big")
+    return whole * 1_000_000_000 + round(fraction * 1e9 / 2**24)
+
+
+def frames_of(sequence: pathlib.Path) -> list[tuple[int, pathlib.Path]]:
+    camera = sequence / "mav0" / "cam0"
+    try:
+        with open(camera / "data.csv", newline="") as file:
+            return [(int(row[0]), camera / "data" / row[1].strip()) for row in csv.reader(file) if row and not row[0].startswith("#")]
+    except (OSError, ValueError, IndexError) as problem:
+        raise Unreadable(f"{camera / 'data.csv'}: {problem}") from problem
+
+
+def write_images(writer: Writer, frames: list[tuple[int, pathlib.Path]]) -> int:
+    schema = writer.register_schema("foxglove.CompressedImage", "jsonschema", json.dumps(IMAGE_SCHEMA).encode())
+    channel = writer.register_channel("/camera/image", "json", schema)
+    count = 0
+    for stamp, file in frames:
+        if not file.exists():
+            continue  # a frame that the camera could not deliver whole
+        message = {"timestamp": {"sec": stamp // 1_000_000_000, "nsec": stamp % 1_000_000_000}, "frame_id": "C",
+                   "data": base64.b64encode(file.read_bytes()).decode(), "format": file.suffix[1:].replace("jpg", "jpeg")}
+        writer.add_message(channel, stamp, json.dumps(message).encode(), stamp, count)
+        count += 1
+    return count
+
+
+def write_packets(writer: Writer, stream: bytes) -> int:
+    channel = writer.register_channel("/bus/packet", "ccsds", 0)
+    count = 0
+    for packet in packets_of(stream):
+        writer.add_message(channel, time_of(packet), packet, time_of(packet), count)
+        count += 1
+    return count
+
+
+def convert(sequence: pathlib.Path, bus: pathlib.Path | None, out: pathlib.Path) -> tuple[int, int]:
+    frames = frames_of(sequence)
+    stream = b"" if bus is None else bus.read_bytes()
+    with open(out, "wb") as file:
+        writer = Writer(file)
+        writer.start(library="polhode")
+        counts = write_images(writer, frames), write_packets(writer, stream)
+        for name in ATTACHMENTS:
+            if (sequence / name).exists():
+                stamp = frames[0][0] if frames else 0
+                writer.add_attachment(stamp, stamp, pathlib.Path(name).name, "text/plain", (sequence / name).read_bytes())
+        writer.finish()
+    return counts
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("sequence", type=pathlib.Path, metavar="SEQ")
+    parser.add_argument("--bus", type=pathlib.Path, metavar="bus.ccsds")
+    parser.add_argument("--out", type=pathlib.Path, required=True, metavar="run.mcap")
+    asked = parser.parse_args()
+    try:
+        images, packets = convert(asked.sequence, asked.bus, asked.out)
+    except (Unreadable, OSError) as problem:
+        print(f"sequence_to_mcap: {problem}", file=sys.stderr)
+        return 1
+    print(f"{images} images, {packets} packets: {asked.out}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
