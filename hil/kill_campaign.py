@@ -10,6 +10,7 @@ than with the third frame. FOLDER receives the runs and campaign.json.
 
 import argparse
 import json
+import os
 import pathlib
 import random
 import signal
@@ -18,7 +19,7 @@ import sys
 import time
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
-PROGRAM = REPOSITORY / "build/release/bin/polhode"
+PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
 sys.path.insert(0, str(REPOSITORY / "hil/v4l2"))
 
 FRAMES_TO_POSE_MAX = 3

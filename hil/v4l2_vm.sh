@@ -13,7 +13,7 @@ done
 hil/v4l2/setup_vm.sh || exit 1
 # Copies, so that a build meanwhile does not change what is under test.
 mkdir -p build/v4l2_vm/bin
-cp build/release/bin/polhode build/release/bin/filecam_feed build/v4l2_vm/bin/ || exit 1
+cp --remove-destination build/release/bin/polhode build/release/bin/filecam_feed build/v4l2_vm/bin/ || exit 1
 
 jobs=("$@")
 [ "${#jobs[@]}" -gt 0 ] || for file in hil/v4l2/jobs/*.sh; do jobs+=("$(basename "$file" .sh)"); done

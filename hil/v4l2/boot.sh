@@ -16,7 +16,7 @@ MODULES=(9p 9pnet_virtio virtio_pci videobuf2-v4l2 videobuf2-vmalloc vivid)
 LOADED_AT_BOOT=(9p 9pnet_virtio virtio_pci)
 
 build_initramfs() {
-  local root=$PLACE/initramfs module
+  local root=$RESULTS/.initramfs module
   rm -rf "$root"
   mkdir -p "$root"/{bin,proc,sys,dev,host,modules}
   cp "$(command -v busybox)" "$root/bin/busybox"
@@ -30,7 +30,8 @@ build_initramfs() {
   dependencies videobuf2-v4l2 videobuf2-vmalloc | sed 's#.*/#/run/guest_modules/#' > "$root/modules/filecam.order"
   dependencies vivid | sed 's#.*/#/run/guest_modules/#' > "$root/modules/vivid.order"
   cp "$PLACE/module/filecam.ko" "$root/modules/"
-  (cd "$root" && find . | cpio -o -H newc --quiet | gzip -1 > "$PLACE/initramfs.gz")
+  (cd "$root" && find . | cpio -o -H newc --quiet | gzip -1 > "$RESULTS/.initramfs.gz")
+  rm -rf "$root"
 }
 
 # Files of modules with those that they need before them, each once.
@@ -46,9 +47,9 @@ rm -f "$RESULTS"/{status,console.txt,boot.txt}
 { echo "export REPOSITORY='$PWD' PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8"; cat "$JOB"; } > "$RESULTS/job.sh"
 
 # One core, time counted in instructions: what happens in the guest does not depend on how busy this machine is.
-timeout "$TIMEOUT_S" nice qemu-system-x86_64 -M pc -m 1536 -nographic -no-reboot -nodefaults -serial stdio \
+timeout "$TIMEOUT_S" nice -n "${POLHODE_VM_NICE:-10}" qemu-system-x86_64 -M pc -m 1536 -nographic -no-reboot -nodefaults -serial stdio \
   -smp 1 -accel tcg,thread=single -icount shift=2,sleep=off \
-  -kernel "$KERNEL/boot/vmlinuz-$RELEASE" -initrd "$PLACE/initramfs.gz" \
+  -kernel "$KERNEL/boot/vmlinuz-$RELEASE" -initrd "$RESULTS/.initramfs.gz" \
   -append "console=ttyS0 quiet panic=-1 oops=panic mitigations=off random.trust_cpu=on" \
   -fsdev "local,id=host,path=/,security_model=none,readonly=on,multidevs=remap" \
   -device virtio-9p-pci,fsdev=host,mount_tag=host \

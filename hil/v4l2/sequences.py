@@ -3,7 +3,7 @@
 
 usage: sequences.py FOLDER
   FOLDER/noise8, FOLDER/noise16   eight frames of 64x48 noise, 8 and 16 bits (the lower six bits zero, so that ten are enough)
-  FOLDER/body                     a textured ball that turns by 4 deg a frame, 40 frames of 320x240
+  FOLDER/body                     a textured ball that turns by 4 deg a frame, 24 frames of 320x240
 """
 
 import pathlib
@@ -73,7 +73,7 @@ def turn(angle_rad: float) -> numpy.ndarray:
     return numpy.eye(3) + numpy.sin(angle_rad) * K + (1.0 - numpy.cos(angle_rad)) * K @ K
 
 
-def body(frames: int = 40) -> list[numpy.ndarray]:
+def body(frames: int = 24) -> list[numpy.ndarray]:
     ball = Ball(3)
     return [ball.seen_from(turn(0.07 * i), numpy.array([0.05, -0.02, 8.0]), 320, 240, 600.0) for i in range(frames)]
 

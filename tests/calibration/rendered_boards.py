@@ -44,7 +44,7 @@ def printed(board, columns: int, rows: int, per_square: int = 60):
     return level
 
 
-def seen(level, square_m: float, R: numpy.ndarray, t: numpy.ndarray, random: numpy.random.Generator, samples: int = 3):
+def seen(level, square_m: float, R: numpy.ndarray, t: numpy.ndarray, random: numpy.random.Generator, samples: int = 2):
     """The board at pose p_C = R p_board + t, each pixel averaged over samples x samples points, with a little noise."""
     total = numpy.zeros((HEIGHT, WIDTH))
     for i in range(samples):
@@ -64,6 +64,6 @@ def poses(columns: int, rows: int, square_m: float, count: int, random: numpy.ra
     for n in range(count):
         tilt = numpy.deg2rad(numpy.array([35.0 * numpy.cos(2.4 * n), 35.0 * numpy.sin(2.4 * n), random.uniform(-20, 20)]))
         R, _ = cv2.Rodrigues(tilt)
-        distance = random.uniform(0.75, 1.05) * columns * square_m * INTRINSICS[0] / 420.0
-        aside = numpy.array([((n % 3) - 1) * 0.13, ((n // 3 % 3) - 1) * 0.1, 0.0]) * distance
+        distance = random.uniform(0.95, 1.2) * columns * square_m * INTRINSICS[0] / 420.0
+        aside = numpy.array([((n % 3) - 1) * 0.09, ((n // 3 % 3) - 1) * 0.05, 0.0]) * distance
         yield R, numpy.array([0.0, 0.0, distance]) + aside - R @ centre

@@ -7,27 +7,27 @@ fetch noise8
 
 config faults 320 240 600
 cat > $WORK/script <<SCRIPT
-10 damage
-12 skip 3
-14 fatal
-18 disconnect 1.5
-22 pause 3
+6 damage
+8 skip 3
+9 fatal
+11 disconnect 1.5
+13 pause 3
 SCRIPT
 $FEED --sequence $WORK/body --script $WORK/script &
-$POLHODE run --config $WORK/faults.toml "${SETTINGS[@]}" --set run.frames_max=40 2> $WORK/faults/stderr.txt || fail "the run with faults"
+$POLHODE run --config $WORK/faults.toml "${SETTINGS[@]}" --set run.frames_max=24 2> $WORK/faults/stderr.txt || fail "the run with faults"
 wait
 keep faults
 
-# Held by another program at first; killed at frame 25, started anew by this loop as by a service manager.
+# Held by another program at first; killed at frame 12, started anew by this loop as by a service manager.
 config killed 320 240 600
 v4l2-ctl -d /dev/video0 --set-fmt-video=width=320,height=240,pixelformat=GREY --stream-mmap --stream-count=1000 > /dev/null 2>&1 &
 holder=$!
 until [ "$(v4l2-ctl -d /dev/video0 --stream-mmap --stream-count=1 2>&1 | grep -c busy)" -gt 0 ]; do sleep 0.1; done
 (sleep 2; kill $holder) &
-echo "25 kill $WORK/pid" > $WORK/script
+echo "12 kill $WORK/pid" > $WORK/script
 for start in 1 2; do
   $POLHODE run --config $WORK/killed.toml "${SETTINGS[@]}" --set "run.checkpoint=\"$WORK/killed/checkpoint\"" \
-    --set run.checkpoint_frames=5 --set "run.folder=\"$WORK/killed/$start\"" --set run.frames_max=$((start == 1 ? 40 : 15)) \
+    --set run.checkpoint_frames=5 --set "run.folder=\"$WORK/killed/$start\"" --set run.frames_max=$((start == 1 ? 24 : 10)) \
     2> "$WORK/killed/stderr$start.txt" &
   echo $! > $WORK/pid
   [ $start -eq 2 ] || { sleep 4; $FEED --sequence $WORK/body --script $WORK/script & }

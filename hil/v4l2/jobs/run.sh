@@ -4,6 +4,6 @@ load_filecam || fail "the test camera does not load"
 fetch body
 config live 320 240 600
 $FEED --sequence $WORK/body &
-$POLHODE run --config $WORK/live.toml "${SETTINGS[@]}" --set run.frames_max=40 2> $WORK/live/stderr.txt || fail "the run"
+$POLHODE run --config $WORK/live.toml "${SETTINGS[@]}" --set run.frames_max=24 2> $WORK/live/stderr.txt || fail "the run"
 wait
 keep live
