@@ -46,9 +46,10 @@ build_initramfs
 rm -f "$RESULTS"/{status,console.txt,boot.txt}
 { echo "export REPOSITORY='$PWD' PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8"; cat "$JOB"; } > "$RESULTS/job.sh"
 
+# All vector units that can be emulated: the vision library chooses its code, and so its last digits, by what it finds.
 # One core, time counted in instructions: what happens in the guest does not depend on how busy this machine is.
 timeout "$TIMEOUT_S" nice -n "${POLHODE_VM_NICE:-10}" qemu-system-x86_64 -M pc -m 1536 -nographic -no-reboot -nodefaults -serial stdio \
-  -smp 1 -accel tcg,thread=single -icount shift=2,sleep=off \
+  -cpu max -smp 1 -accel tcg,thread=single -icount shift=2,sleep=off \
   -kernel "$KERNEL/boot/vmlinuz-$RELEASE" -initrd "$RESULTS/.initramfs.gz" \
   -append "console=ttyS0 quiet panic=-1 oops=panic mitigations=off random.trust_cpu=on" \
   -fsdev "local,id=host,path=/,security_model=none,readonly=on,multidevs=remap" \

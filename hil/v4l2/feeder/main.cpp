@@ -199,7 +199,6 @@ void feed(const Sequence& sequence, std::size_t frames, double interval_s, const
     camera.send(header, pixels);
     sleep_s(interval_s);
   }
-  camera.wait_for_idle_reader();
 }
 
 }  // namespace

@@ -236,6 +236,7 @@ TakeResult DeviceStream::take(int timeout_ms, TakenBuffer* taken) {
                                 std::int64_t{buffer.timestamp.tv_usec} * 1000
                           : now_ns,
       .stamped_at = stamped && at_start ? StampedAt::kStartOfExposure : StampedAt::kEndOfFrame,
+      .taken_ns = now_ns,
       .damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0,
       .octets = {mapped.block, std::min<std::size_t>(buffer.bytesused, mapped.octets)}};
   return TakeResult::kBuffer;

@@ -177,6 +177,20 @@ TEST_F(V4l2CameraTest, AStreamThatFallsSilentIsOpenedAnew) {
   EXPECT_GE(camera.counters().timeouts, 100U);  // 2 s in steps of 20 ms
 }
 
+TEST_F(V4l2CameraTest, AStreamThatPausesIsLeftAlone_AndAFrameEndsTheSilence) {
+  V4l2Camera camera(device, options());
+  ASSERT_EQ(camera.open(), OpenResult::kStreaming);
+  for (int round = 0; round < 3; ++round) {
+    take_frame(1);
+    ASSERT_EQ(camera.next(kWait_ms, &frame), Arrival::kFrame);
+    EXPECT_EQ(camera.available_ns(), device.time_ns);
+    for (int i = 0; i < 90; ++i) {  // 1.8 s of the 2 s allowed
+      EXPECT_EQ(camera.next(kWait_ms, &frame), Arrival::kNothing);
+    }
+  }
+  EXPECT_EQ(camera.counters().opened, 1U);
+}
+
 TEST_F(V4l2CameraTest, DoesNotTakeAnotherFormatWhenItComesBack) {
   V4l2Camera camera(device, options());
   ASSERT_EQ(camera.open(), OpenResult::kStreaming);
