@@ -14,6 +14,8 @@ hil/v4l2/setup_vm.sh || exit 1
 # Copies, so that a build meanwhile does not change what is under test.
 mkdir -p build/v4l2_vm/bin
 cp --remove-destination build/release/bin/polhode build/release/bin/filecam_feed build/v4l2_vm/bin/ || exit 1
+rm -rf build/v4l2_vm/sequences
+.venv/bin/python hil/v4l2/sequences.py build/v4l2_vm/sequences || exit 1
 
 jobs=("$@")
 [ "${#jobs[@]}" -gt 0 ] || for file in hil/v4l2/jobs/*.sh; do jobs+=("$(basename "$file" .sh)"); done
@@ -23,7 +25,7 @@ for job in "${jobs[@]}"; do
   out=$RESULTS/$job
   rm -rf "$out"
   mkdir -p "$out"
-  .venv/bin/python hil/v4l2/sequences.py "$out/sequences" || exit 1
+  cp -r build/v4l2_vm/sequences "$out/sequences"
   before=$(date +%s)
   hil/v4l2/boot.sh "hil/v4l2/jobs/$job.sh" "$out" "$TIMEOUT_S"
   status=$?

@@ -20,6 +20,7 @@ def test_holds_every_image_and_every_packet(played, replayed, tmp_path):
     assert done.returncode == 0, done.stderr
     with open(tmp_path / "run.mcap", "rb") as file:
         messages = list(reader.make_reader(file).iter_messages(log_time_order=False))
+        file.seek(0)
         names = [attachment.name for attachment in reader.make_reader(file).iter_attachments()]
     images = [(m.log_time, json.loads(m.data)) for _, channel, m in messages if channel.topic == "/camera/image"]
     assert len(images) == 11
