@@ -14,7 +14,8 @@ cat > $WORK/script <<SCRIPT
 13 pause 3
 SCRIPT
 $FEED --sequence $WORK/body --script $WORK/script &
-$POLHODE run --config $WORK/faults.toml "${SETTINGS[@]}" --set run.frames_max=24 2> $WORK/faults/stderr.txt || fail "the run with faults"
+timeout 120 $POLHODE run --config $WORK/faults.toml "${SETTINGS[@]}" --set run.frames_max=24 2> /mnt/faults_stderr.txt || fail "the run with faults"
+kill %1 2>/dev/null
 wait
 keep faults
 
@@ -41,8 +42,9 @@ config cycles 64 48 100
 for frame in 0 1 2 3 4 5 6 7; do echo "$frame disconnect 0.3"; done > $WORK/script
 echo "1 disconnect 0.5" >> $WORK/script
 echo "6 disconnect 0.1" >> $WORK/script
-$POLHODE run --config $WORK/cycles.toml --set run.frames_max=8 2> $WORK/cycles/stderr.txt &
-run=$!
+timeout 120 $POLHODE run --config $WORK/cycles.toml --set run.frames_max=8 2> $WORK/cycles/stderr.txt &
+sleep 1
+run=$(pgrep -x polhode)
 $FEED --sequence $WORK/noise8 --script $WORK/script &
 while kill -0 $run 2>/dev/null; do
   echo "$(grep VmRSS /proc/$run/status 2>/dev/null | tr -dc 0-9) $(ls /proc/$run/fd 2>/dev/null | wc -l) $(grep -c video /proc/$run/maps 2>/dev/null)" >> $WORK/cycles/growth.txt

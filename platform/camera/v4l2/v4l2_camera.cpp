@@ -54,7 +54,7 @@ OpenResult V4l2Camera::open() {
   }
   backoff_.succeeded();
   ++counters_.opened;
-  heard_ns_ = calls_.now_ns();
+  waited_ns_ = 0;
   say("streaming", "");
   set_exposure(options_.exposure_ns, options_.gain);
   return result;
@@ -116,7 +116,7 @@ bool V4l2Camera::gather(int timeout_ms) {
       end_stream(result);
       return false;
     }
-    heard_ns_ = taken.taken_ns;
+    waited_ns_ = 0;
     counters_.frames_missing += sequence_.missing_before(taken.sequence);
     (void)ready_.push_back(taken);  // has room for all buffers that there are
   }
@@ -168,13 +168,15 @@ Arrival V4l2Camera::next(int timeout_ms, Frame* frame) {
   if (!stream_.is_open()) {
     return wait_to_open(timeout_ms);
   }
+  const std::int64_t before_ns = calls_.now_ns();
   if (!gather(timeout_ms)) {
     return Arrival::kNothing;
   }
   pass_over_late();
   if (!stream_.is_open() || ready_.empty()) {
     ++counters_.timeouts;
-    if (stream_.is_open() && calls_.now_ns() - heard_ns_ > options_.silence_max_ns) {
+    waited_ns_ += calls_.now_ns() - before_ns;
+    if (stream_.is_open() && waited_ns_ > options_.silence_max_ns) {
       end_stream(TakeResult::kBroken);
       say("silent", options_.wish.path);
     }

@@ -58,7 +58,8 @@ class V4l2Camera final : public LiveCamera {
   std::optional<TakenBuffer> held_;                 ///< the estimator looks at it
   SequenceWatch sequence_;
   Backoff backoff_;
-  std::int64_t heard_ns_ = 0;  ///< when the stream last brought something, or was started
+  std::int64_t waited_ns_ =
+      0;  ///< since the stream last brought something; the estimator's time does not count
   std::int64_t available_ns_ = 0;
   std::int64_t last_timestamp_ns_ = INT64_MIN;
   CameraCounters counters_;

@@ -191,6 +191,16 @@ TEST_F(V4l2CameraTest, AStreamThatPausesIsLeftAlone_AndAFrameEndsTheSilence) {
   EXPECT_EQ(camera.counters().opened, 1U);
 }
 
+TEST_F(V4l2CameraTest, ALongStepIsNoSilenceOfTheDevice) {
+  V4l2Camera camera(device, options());
+  ASSERT_EQ(camera.open(), OpenResult::kStreaming);
+  take_frame(1);
+  ASSERT_EQ(camera.next(kWait_ms, &frame), Arrival::kFrame);
+  device.time_ns += 60'000'000'000;  // the estimator takes a minute
+  EXPECT_EQ(camera.next(kWait_ms, &frame), Arrival::kNothing);
+  EXPECT_EQ(camera.counters().stream_errors, 0U);
+}
+
 TEST_F(V4l2CameraTest, DoesNotTakeAnotherFormatWhenItComesBack) {
   V4l2Camera camera(device, options());
   ASSERT_EQ(camera.open(), OpenResult::kStreaming);
