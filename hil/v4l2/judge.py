@@ -47,8 +47,10 @@ def exported(folder: pathlib.Path) -> list[tuple[int, numpy.ndarray]]:
 
 def replayed(sequence: pathlib.Path, out: pathlib.Path) -> bytes:
     shutil.rmtree(out, ignore_errors=True)
-    subprocess.run(["nice", PROGRAM, "replay", "--config", REPOSITORY / "config/default.toml", "--sequence", sequence,
-                    "--out", out, *SETTINGS], check=True, capture_output=True, env=os.environ | {"OPENCV_CPU_DISABLE": NOT_EMULATED})
+    config = out.parent / "defaults.toml"  # the program's own, as in the guest
+    config.write_text("")
+    subprocess.run(["nice", PROGRAM, "replay", "--config", config, "--sequence", sequence, "--out", out, *SETTINGS],
+                   check=True, capture_output=True, env=os.environ | {"OPENCV_CPU_DISABLE": NOT_EMULATED})
     return (out / "bus.ccsds").read_bytes()
 
 
@@ -119,7 +121,7 @@ def faults(results: pathlib.Path) -> None:
     rows = [row for row in rows if row[0] > 0]
     early, late = rows[len(rows) // 4], rows[-2]
     require(cycles["camera"]["disconnects"] == 10, f"{cycles['camera']['disconnects']} disconnects")
-    require(max(row[1] for row in rows[len(rows) // 2:]) <= max(row[1] for row in rows), "descriptors")
+    require(max(row[1] for row in rows[len(rows) // 2:]) <= max(row[1] for row in rows[: len(rows) // 2]), "descriptors grow")
     require(late[0] <= early[0] * 1.01 + 64, f"memory grows from {early[0]} to {late[0]} kB")
     print(f"10 times unplugged and back: {cycles['frames_accepted']} of 8 frames, memory {early[0]} kB then {late[0]} kB, "
           f"at most {max(row[1] for row in rows)} descriptors")

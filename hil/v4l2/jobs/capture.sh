@@ -21,7 +21,7 @@ $POLHODE camera list > /mnt/list.txt
 for format in GREY Y16 Y12 Y10 YUYV RGB24; do
   name=vivid_$format
   config "$name" 320 180 300
-  $POLHODE run --config "$WORK/$name.toml" --set "device.pixel_format=\"$format\"" --set device.rate_hz=15.0 --set run.frames_max=4 \
+  $POLHODE run --config "$WORK/$name.toml" "${SETTINGS[@]}" --set "device.pixel_format=\"$format\"" --set device.rate_hz=15.0 --set run.frames_max=4 \
     --set "recording.folder=\"$WORK/$name/recording\"" --set recording.complete=true 2> "$WORK/$name/stderr.txt" || fail "vivid $format"
   keep "$name"
 done
