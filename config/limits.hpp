@@ -30,6 +30,9 @@ inline constexpr std::size_t kCloudPoints = 12000;
 // Planes reported of a body: a box with two panels has ten.
 inline constexpr std::size_t kPlanes = 12;
 
+// Sightings of one adjustment: 100 keyframes that tie 600 of their features each. The sample's full map has 26,000.
+inline constexpr std::size_t kAdjustmentSightings = 60000;
+
 // Poses that the motion stage looks back on.
 inline constexpr std::size_t kMotionPoses = 512;
 

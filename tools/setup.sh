@@ -13,7 +13,7 @@ PACKAGES=(
   # platform: images, configuration, command line, text, JSON, SHA-256
   libcli11-dev libfmt-dev libgoogle-glog-dev libpng-dev libssl-dev libtomlplusplus-dev libturbojpeg0-dev libyaml-cpp-dev nlohmann-json3-dev
   # tests
-  libgtest-dev
+  libgtest-dev valgrind
 )
 REQUIREMENTS=tools/requirements.txt
 STAMP=.venv/.installed-requirements

@@ -13,6 +13,7 @@ namespace {
 constexpr double kUnconfirmedSigma = 2.4;
 
 using Slots = std::array<std::int32_t, limits::kLandmarks>;
+using KeyframeIds = FixedVector<KeyframeId, limits::kKeyframes>;
 
 int shared_landmarks(const Keyframe& keyframe, const std::array<bool, limits::kLandmarks>& wanted) {
   int shared = 0;
@@ -32,29 +33,47 @@ void collect_landmarks(const Keyframe& keyframe, std::array<bool, limits::kLandm
 }
 
 /// Keyframes by how many of the wanted landmarks they see, most first, newest first among equals.
-std::vector<KeyframeId> by_covisibility(const Map& map,
-                                        const std::array<bool, limits::kLandmarks>& wanted,
-                                        const std::vector<KeyframeId>& except) {
-  std::vector<std::pair<int, KeyframeId>> ranked;
+KeyframeIds by_covisibility(const Map& map,
+                            const std::array<bool, limits::kLandmarks>& wanted,
+                            const KeyframeIds& except) {
+  struct Ranked {
+    int shared = 0;
+    std::uint32_t number = 0;
+    KeyframeId id;
+  };
+  FixedVector<Ranked, limits::kKeyframes> ranked;
   for (const KeyframeId id : keyframes_by_age(map)) {
-    const int shared = shared_landmarks(map.keyframes[id.index()], wanted);
+    const Keyframe& keyframe = map.keyframes[id.index()];
+    const int shared = shared_landmarks(keyframe, wanted);
     if (shared > 0 && std::find(except.begin(), except.end(), id) == except.end()) {
-      ranked.emplace_back(shared, id);
+      (void)ranked.push_back({.shared = shared, .number = keyframe.number, .id = id});
     }
   }
-  std::stable_sort(
-      ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  std::vector<KeyframeId> ids;
-  for (const auto& entry : ranked) {
-    ids.push_back(entry.second);
+  std::sort(ranked.begin(), ranked.end(), [](const Ranked& a, const Ranked& b) {
+    return a.shared != b.shared ? a.shared > b.shared : a.number > b.number;
+  });
+  KeyframeIds ids;
+  for (const Ranked& entry : ranked) {
+    (void)ids.push_back(entry.id);
   }
   return ids;
 }
 
+void clear(AdjustmentSnapshot* s) {
+  s->keyframes.clear();
+  s->poses.clear();
+  s->pose_fixed.clear();
+  s->landmarks.clear();
+  s->points_T.clear();
+  s->point_fixed.clear();
+  s->observations.clear();
+  s->left_out = 0;
+}
+
 void add_pose(const Map& map, KeyframeId id, bool fixed, AdjustmentSnapshot* s) {
-  s->keyframes.push_back(id);
-  s->poses.push_back(to_inverse_depth(map.keyframes[id.index()].pose));
-  s->pose_fixed.push_back(fixed ? 1 : 0);
+  (void)s->keyframes.push_back(id);
+  (void)s->poses.push_back(to_inverse_depth(map.keyframes[id.index()].pose));
+  (void)s->pose_fixed.push_back(fixed ? 1 : 0);
 }
 
 /// Points in slot order and sightings in keyframe order: the solver sees the same problem in the
@@ -68,9 +87,9 @@ void add_points(const Map& map,
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     if (wanted[i] && map.landmarks[i].used && map.landmarks[i].observations >= 2) {
       index[i] = static_cast<std::int32_t>(s->points_T.size());
-      s->landmarks.push_back(LandmarkId::from_index(i));
-      s->points_T.push_back(map.landmarks[i].p_T);
-      s->point_fixed.push_back(0);
+      (void)s->landmarks.push_back(LandmarkId::from_index(i));
+      (void)s->points_T.push_back(map.landmarks[i].p_T);
+      (void)s->point_fixed.push_back(0);
     }
   }
   for (std::size_t k = 0; k < s->keyframes.size(); ++k) {
@@ -80,11 +99,12 @@ void add_points(const Map& map,
       if (id.valid() && index[id.index()] >= 0) {
         const Feature& f = keyframe.features[i];
         const double trust = confirmed(map.landmarks[id.index()]) ? 1.0 : kUnconfirmedSigma;
-        s->observations.push_back(
+        const bool stored = s->observations.push_back(
             {.pose = static_cast<std::int32_t>(k),
              .point = index[id.index()],
              .normalised = f.normalised,
              .sigma_normalised = trust * static_cast<double>(f.sigma_px) / camera.focal_px()});
+        s->left_out += stored ? 0 : 1;
       }
     }
   }
@@ -92,56 +112,58 @@ void add_points(const Map& map,
 
 }  // namespace
 
-AdjustmentSnapshot snapshot_window(const Map& map, const CameraModel& camera, int window) {
-  AdjustmentSnapshot s;
+void snapshot_window(const Map& map,
+                     const CameraModel& camera,
+                     int window,
+                     AdjustmentSnapshot* s) {
+  clear(s);
   const auto order = keyframes_by_age(map);
   if (order.empty()) {
-    return s;
+    return;
   }
   std::array<bool, limits::kLandmarks> wanted{};
   collect_landmarks(map.keyframes[order[0].index()], &wanted);
-  std::vector<KeyframeId> moving{order[0]};
+  KeyframeIds moving;
+  (void)moving.push_back(order[0]);
   for (const KeyframeId id : by_covisibility(map, wanted, moving)) {
     if (static_cast<int>(moving.size()) < window) {
-      moving.push_back(id);
+      (void)moving.push_back(id);
     }
   }
   for (const KeyframeId id : moving) {
     collect_landmarks(map.keyframes[id.index()], &wanted);
-    add_pose(map, id, false, &s);
+    add_pose(map, id, false, s);
   }
   const std::size_t held_max = 2 * static_cast<std::size_t>(window);
   for (const KeyframeId id : by_covisibility(map, wanted, moving)) {
-    if (s.keyframes.size() < moving.size() + held_max) {
-      add_pose(map, id, true, &s);
+    if (s->keyframes.size() < moving.size() + held_max) {
+      add_pose(map, id, true, s);
     }
   }
-  if (s.keyframes.size() == moving.size()) {
-    s.pose_fixed.back() = 1;
+  if (s->keyframes.size() == moving.size()) {
+    s->pose_fixed.back() = 1;
   }
-  add_points(map, camera, wanted, &s);
-  return s;
+  add_points(map, camera, wanted, s);
 }
 
-AdjustmentSnapshot snapshot_all(const Map& map, const CameraModel& camera) {
-  AdjustmentSnapshot s;
+void snapshot_all(const Map& map, const CameraModel& camera, AdjustmentSnapshot* s) {
+  clear(s);
   std::array<bool, limits::kLandmarks> wanted{};
   wanted.fill(true);
   for (const KeyframeId id : keyframes_by_age(map)) {
-    add_pose(map, id, s.keyframes.empty(), &s);
+    add_pose(map, id, s->keyframes.empty(), s);
   }
-  add_points(map, camera, wanted, &s);
-  return s;
+  add_points(map, camera, wanted, s);
 }
 
 BundleReport adjust(AdjustmentSnapshot* s,
                     const BundleOptions& options,
                     BundleWorkspace* workspace) {
-  const BundleProblem problem{.poses = s->poses,
-                              .pose_fixed = s->pose_fixed,
-                              .points_T = s->points_T,
-                              .point_fixed = s->point_fixed,
-                              .observations = s->observations};
+  const BundleProblem problem{.poses = s->poses.view(),
+                              .pose_fixed = s->pose_fixed.view(),
+                              .points_T = s->points_T.view(),
+                              .point_fixed = s->point_fixed.view(),
+                              .observations = s->observations.view()};
   return adjust_bundle(problem, options, workspace);
 }
 
@@ -149,13 +171,14 @@ void apply(const AdjustmentSnapshot& s, Map* map) {
   Similarity back;  // identity: held keyframes keep the gauge
   const auto held = std::count(s.pose_fixed.begin(), s.pose_fixed.end(), std::uint8_t{1});
   if (held <= 1) {
-    std::vector<Eigen::Vector3d> before;
-    std::vector<double> weights;
+    FixedVector<Eigen::Vector3d, limits::kLandmarks> before;
+    FixedVector<double, limits::kLandmarks> weights;
     for (const LandmarkId id : s.landmarks) {
-      before.push_back(map->landmarks[id.index()].p_T);
-      weights.push_back(map->landmarks[id.index()].observations);
+      (void)before.push_back(map->landmarks[id.index()].p_T);
+      (void)weights.push_back(map->landmarks[id.index()].observations);
     }
-    const Result<Similarity> aligned = align_similarity(s.points_T, before, weights);
+    const Result<Similarity> aligned =
+        align_similarity(s.points_T.view(), before.view(), weights.view());
     if (aligned) {
       back = aligned.value();
     }
@@ -164,7 +187,8 @@ void apply(const AdjustmentSnapshot& s, Map* map) {
     map->landmarks[s.landmarks[i].index()].p_T = back.apply(s.points_T[i]);
   }
   for (std::size_t k = 0; k < s.keyframes.size(); ++k) {
-    map->keyframes[s.keyframes[k].index()].pose = transformed(from_inverse_depth(s.poses[k]), back);
+    map->keyframes[s.keyframes[k].index()].pose =
+        transformed(from_inverse_depth(s.poses[k]), back);
   }
 }
 

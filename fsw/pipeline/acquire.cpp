@@ -65,15 +65,21 @@ bool worth_collecting(Component::State* s) {
          change.shift_px > kShiftMin * change.extent_px;
 }
 
-StartProblem pose_problem(Component::State* s) {
+void pose_problem(Component::State* s) {
   static_assert(limits::kStartFrames <= 64);
-  for (std::size_t i = 0; i < s->tracks.frames.size(); ++i) {
+  StartJob& job = s->job.start;
+  job.frame_count = s->tracks.frames.size();
+  job.track_count = s->tracks.tracks.size();
+  job.seed = s->parameters.seed;
+  job.options = s->parameters.start;
+  job.losses = s->counters.lost;
+  for (std::size_t i = 0; i < job.frame_count; ++i) {
     const std::int64_t since_ns =
         s->tracks.frames[i].timestamp_ns - s->tracks.frames[0].timestamp_ns;
-    s->start_times_s[i] = static_cast<double>(since_ns) * 1e-9;
+    job.times_s[i] = static_cast<double>(since_ns) * 1e-9;
   }
-  for (std::size_t t = 0; t < s->tracks.tracks.size(); ++t) {
-    StartTrack& track = s->start_tracks[t];
+  for (std::size_t t = 0; t < job.track_count; ++t) {
+    StartTrack& track = job.tracks[t];
     track.observations.clear();
     for (const TrackPoint& point : s->tracks.tracks[t].points) {
       const Feature& f = s->tracks.frames[static_cast<std::size_t>(point.frame)]
@@ -84,18 +90,18 @@ StartProblem pose_problem(Component::State* s) {
            .sigma_normalised = static_cast<double>(f.sigma_px) / s->camera.focal_px()});
     }
   }
-  return {.times_s = std::span(s->start_times_s).first(s->tracks.frames.size()),
-          .tracks = std::span(s->start_tracks).first(s->tracks.tracks.size()),
-          .seed = s->parameters.seed};
 }
 
 }  // namespace
 
-bool collect(Component::State* s) {
+void collect(Component::State* s) {
+  if (!job_slot_free(*s)) {
+    return;
+  }
   ensure_features(s);
   constexpr std::size_t kFeaturesMin = 12;  // fewer cannot carry a pose
   if (s->features.size() < kFeaturesMin || !worth_collecting(s)) {
-    return false;
+    return;
   }
   add_frame(s->frame,
             s->timestamp_ns,
@@ -105,11 +111,11 @@ bool collect(Component::State* s) {
   s->counters.tables_full += s->tracks.full_count;
   s->tracks.full_count = 0;
   if (static_cast<int>(s->tracks.frames.size()) < s->parameters.start.frames_min) {
-    return false;
+    return;
   }
   ++s->counters.start_contests;
-  s->start_outcome = run_start_contest(pose_problem(s), s->parameters.start, s->start_workspace);
-  return s->start_outcome.decision == StartDecision::kCommit;
+  pose_problem(s);
+  issue_job(JobKind::kStart, s);
 }
 
 }  // namespace polhode

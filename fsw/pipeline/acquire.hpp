@@ -6,9 +6,8 @@
 
 namespace polhode {
 
-/// Adds the frame to the collection when the picture has changed by enough, and holds a contest.
-/// @return true when the contest commits: the outcome, over the collected frames, is in
-/// `start_outcome`.
-bool collect(Component::State* state);
+/// Adds the frame to the collection when the picture has changed by enough, and asks for a contest.
+/// While a job is out the collection stays as it is.
+void collect(Component::State* state);
 
 }  // namespace polhode

@@ -33,7 +33,7 @@ bool pose_from_keyframe(const Keyframe& keyframe, Component::State* s) {
 }
 
 void start_drift(const Similarity& to_T, Component::State* s) {
-  const StartOutcome& start = s->start_outcome;
+  const StartOutcome& start = s->job.start.outcome;
   const auto first = std::find_if(start.frames.begin(),
                                   start.frames.end(),
                                   [](const StartFramePose& f) { return f.valid; });
@@ -44,28 +44,35 @@ void start_drift(const Similarity& to_T, Component::State* s) {
               &s->drift);
 }
 
-/// The start's keyframes and landmarks into the map, a first joint adjustment, and the poses of its
-/// frames.
+bool belongs_to_start(const Keyframe& keyframe, const Component::State& s) {
+  return keyframe.used && keyframe.number >= s.job.adjustment.first_keyframe;
+}
+
+/// Poses so far that were not those of the start's keyframes.
+PoseHistory other_poses(const Component::State& s) {
+  PoseHistory others;
+  for (const PoseSample& sample : s.poses) {
+    const bool of_keyframe =
+        std::any_of(s.map.keyframes.begin(), s.map.keyframes.end(), [&](const Keyframe& keyframe) {
+          return belongs_to_start(keyframe, s) && keyframe.timestamp_ns == sample.timestamp_ns;
+        });
+    if (!of_keyframe) {
+      (void)others.push_back(sample);
+    }
+  }
+  return others;
+}
+
+/// The start's keyframes and landmarks into the map, and a first joint adjustment asked for.
 void take_over_start(const Similarity& to_T, Component::State* s) {
   const std::uint32_t first_keyframe = s->map.next_keyframe_number;
-  begin_map(s->start_outcome, s->tracks, to_T, s->parameters.map, &s->map);
+  begin_map(s->job.start.outcome, s->tracks, to_T, s->parameters.map, &s->map);
   settle_map(first_keyframe, s);
   start_drift(to_T, s);
   s->mode = Mode::kTracking;
   s->frames_lost = 0;
-  auto order = keyframes_by_age(s->map);
-  std::reverse(order.begin(), order.end());
-  for (const KeyframeId id : order) {
-    const Keyframe& keyframe = s->map.keyframes[id.index()];
-    if (keyframe.number < first_keyframe) {
-      continue;
-    }
-    const bool solved = pose_from_keyframe(keyframe, s);
-    if (keyframe.frame != s->frame && solved) {
-      remember_pose(
-          keyframe.timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
-    }
-    s->pose_valid = keyframe.frame == s->frame && solved;
+  if (s->parameters.jobs.delay_frames > 0) {  // frames come before the map has settled
+    restate_poses(s);
   }
 }
 
@@ -78,12 +85,12 @@ void forget_map(Component::State* s) {
 /// The start's poses beside those that the motion before the loss predicts for the same times.
 FixedVector<BridgeFrame, limits::kStartFrames> predicted_beside(const Component::State& s) {
   FixedVector<BridgeFrame, limits::kStartFrames> frames;
-  for (std::size_t f = 0; f < s.start_outcome.frames.size(); ++f) {
+  for (std::size_t f = 0; f < s.job.start.outcome.frames.size(); ++f) {
     PosePrediction predicted;
-    if (s.start_outcome.frames[f].valid &&
+    if (s.job.start.outcome.frames[f].valid &&
         predict_pose(s, s.tracks.frames[f].timestamp_ns, &predicted)) {
       (void)frames.push_back(
-          {.start = s.start_outcome.frames[f].pose,
+          {.start = s.job.start.outcome.frames[f].pose,
            .predicted = predicted.pose,
            .predicted_sigma_rad = worst_sigma(predicted.covariance.topLeftCorner<3, 3>()),
            .predicted_sigma_mu = worst_sigma(predicted.covariance.bottomRightCorner<3, 3>())});
@@ -93,11 +100,12 @@ FixedVector<BridgeFrame, limits::kStartFrames> predicted_beside(const Component:
 }
 
 bool has_room(const Component::State& s) {
-  const auto posed = std::count_if(s.start_outcome.frames.begin(),
-                                   s.start_outcome.frames.end(),
-                                   [](const StartFramePose& f) { return f.valid; });
+  const auto posed =
+      std::count_if(s.job.start.outcome.frames.begin(),
+                    s.job.start.outcome.frames.end(),
+                    [](const StartFramePose& f) { return f.valid; });
   return s.map.keyframe_count + posed <= s.parameters.map.keyframes_max &&
-         static_cast<std::size_t>(s.map.landmark_count) + s.start_outcome.points.size() <=
+         static_cast<std::size_t>(s.map.landmark_count) + s.job.start.outcome.points.size() <=
              limits::kLandmarks;
 }
 
@@ -110,31 +118,75 @@ void widen_drift(const Bridge& bridge, double predicted_sigma_rad, Component::St
   s->drift.walk.bottomRightCorner<3, 3>().diagonal().array() += position_mu * position_mu;
 }
 
-}  // namespace
-
+/// The first map.
 void begin(Component::State* s) {
   forget_map(s);
   s->drift = {};
   take_over_start({}, s);
 }
 
+/// After a loss. T stays: the new start is bridged to it by the motion so far, and the published
+/// sigmas grow by what that motion leaves open. The old map stays beside the new part, and joins it
+/// when one of its sides comes back; it goes when its motion contradicts the new start's, which was
+/// decided on its own, and when the tables have no room for both.
 void begin_again(Component::State* s) {
   const auto frames = predicted_beside(*s);
-  const Result<Bridge> found =
-      bridge_start(frames.view(), {.centre_T = s->map.centre_T, .radius_mu = s->map.radius_mu});
+  const Result<Bridge> found = bridge_start(
+      frames.view(), {.centre_T = s->map.centre_T, .radius_mu = s->map.radius_mu});
   if (!found) {
     begin(s);  // too little was known of the motion to speak of the same T
     return;
   }
   const Bridge& bridge = found.value();
   widen_drift(bridge, frames[0].predicted_sigma_rad, s);
-  s->counters.keyframes_culled += static_cast<std::uint32_t>(
-      make_room(static_cast<int>(s->start_outcome.frames.size()), s->parameters.map, &s->map));
+  s->counters.keyframes_culled += static_cast<std::uint32_t>(make_room(
+      static_cast<int>(s->job.start.outcome.frames.size()), s->parameters.map, &s->map));
   if (!bridge.agrees || !has_room(*s)) {
     forget_map(s);
   }
   ++s->counters.restarts;
   take_over_start(bridge.to_T, s);
+}
+
+}  // namespace
+
+void take_start(Component::State* s) {
+  const StartJob& job = s->job.start;
+  const bool frames_are_there = job.losses == s->counters.lost;
+  if (job.outcome.decision != StartDecision::kCommit || !frames_are_there) {
+    return;
+  }
+  if (s->mode == Mode::kAcquiring) {
+    begin(s);
+  } else if (s->mode == Mode::kLost) {  // else a known side has come back in the meantime
+    begin_again(s);
+  }
+}
+
+void restate_poses(Component::State* s) {
+  const PoseHistory others = other_poses(*s);
+  std::size_t next = 0;
+  s->poses.clear();
+  auto order = keyframes_by_age(s->map);
+  std::reverse(order.begin(), order.end());
+  for (const KeyframeId id : order) {
+    const Keyframe& keyframe = s->map.keyframes[id.index()];
+    if (!belongs_to_start(keyframe, *s)) {
+      continue;
+    }
+    for (; next < others.size() && others[next].timestamp_ns < keyframe.timestamp_ns; ++next) {
+      (void)remember(s->poses, others[next]);
+    }
+    const bool solved = pose_from_keyframe(keyframe, s);
+    if (keyframe.frame != s->frame && solved) {
+      remember_pose(
+          keyframe.timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
+    }
+    s->pose_valid = keyframe.frame == s->frame && solved;
+  }
+  for (; next < others.size(); ++next) {
+    (void)remember(s->poses, others[next]);
+  }
 }
 
 }  // namespace polhode

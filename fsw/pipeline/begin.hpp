@@ -1,18 +1,16 @@
-// A contest has been won: the map begins, or begins anew after a loss.
+// A contest has come back: the map begins, or begins anew after a loss.
 #pragma once
 
 #include "pipeline/state.hpp"
 
 namespace polhode {
 
-/// Makes the map of `start_outcome` with a first joint adjustment; the mode becomes TRACKING, the
-/// poses of the start's frames are remembered and this frame has its own.
-void begin(Component::State* state);
+/// When the contest commits, its outcome becomes the map, or a further part of it after a loss; the
+/// mode becomes TRACKING, and a joint adjustment is asked for.
+void take_start(Component::State* state);
 
-/// After a loss. T stays: the new start is bridged to it by the motion so far, and the published
-/// sigmas grow by what that motion leaves open. The old map stays beside the new part, and joins it
-/// when one of its sides comes back; it goes when its motion contradicts the new start's, which was
-/// decided on its own, and when the tables have no room for both.
-void begin_again(Component::State* state);
+/// The poses of the start's frames, anew from a map that has changed, in the poses so far; this
+/// frame's own when it is one of them.
+void restate_poses(Component::State* state);
 
 }  // namespace polhode

@@ -1,6 +1,9 @@
 #include "pipeline/component.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <iterator>
 #include <new>
 
 #include "pipeline/state.hpp"
@@ -31,7 +34,37 @@ CameraModel to_model(const CameraParameters& c) {
 
 }  // namespace
 
-MemoryNeed memory_needed(const Parameters& /*parameters*/) { return {.total = sizeof(Storage)}; }
+MemoryNeed memory_needed(const Parameters& /*parameters*/) {
+  using State = Component::State;
+  static constexpr TableNeed kTables[] = {
+      {"keyframes", sizeof(Map::keyframes)},
+      {"landmarks", sizeof(Map::landmarks)},
+      {"frames and tracks before the map", sizeof(State::tracks)},
+      {"job: start of a map", sizeof(Job::start)},
+      {"job: adjustment", sizeof(Job::adjustment)},
+      {"poses so far", sizeof(State::poses)},
+      {"features of the frame", sizeof(State::features)},
+      {"reference of optical flow", sizeof(State::reference)},
+      {"matches of the frame and of a closure", sizeof(State::localised) + sizeof(State::closure)},
+      {"working memory of matching", sizeof(State::localise_scratch) + sizeof(State::create_scratch)},
+      {"observations put out", sizeof(State::observations)},
+  };
+  static constexpr std::size_t kListed = [] {
+    std::size_t sum = 0;
+    for (const TableNeed& table : kTables) {
+      sum += table.octets;
+    }
+    return sum;
+  }();
+  static constexpr TableNeed kRest{"everything else", sizeof(Storage) - kListed};
+  static constexpr auto kAll = [] {
+    std::array<TableNeed, std::size(kTables) + 1> all;
+    std::copy(std::begin(kTables), std::end(kTables), all.begin());
+    all.back() = kRest;
+    return all;
+  }();
+  return {.total = sizeof(Storage), .tables = kAll};
+}
 
 Result<Component*> Component::create(std::span<std::byte> memory, const Parameters& parameters) {
   if (auto problem = check(parameters)) {

@@ -19,9 +19,16 @@ namespace polhode {
 
 inline constexpr const char* kVersion = "0.1.0";
 
+/// One of a component's own tables.
+struct TableNeed {
+  const char* name = "";
+  std::size_t octets = 0;
+};
+
 /// Octets that a component needs for its own tables with these parameters.
 struct MemoryNeed {
   std::size_t total = 0;
+  std::span<const TableNeed> tables;  ///< the total, one by one
 };
 MemoryNeed memory_needed(const Parameters& parameters);
 
@@ -33,8 +40,27 @@ struct Frame {
   bool readable = true;
 };
 
+/// Work that takes longer than a frame has time: the start of a map, adjustments of it. The step
+/// hands it out, the caller runs it where it likes while steps go on, and hands it back to the step
+/// that it names, so that the packets do not depend on how long it took.
+struct Job;
+
+/// Does the work. Touches nothing but the job.
+void run_job(Job& job);
+
+/// Instead of run_job, when there is no memory for it: it comes back without a result, which the
+/// step counts and does without.
+void skip_job(Job& job);
+
+/// Number of the step (the first is 0) that takes the result.
+std::uint32_t due_step(const Job& job);
+
 struct StepInput {
   Frame frame;
+  Job* finished = nullptr;  ///< the job that names this step, run to its end; else nullptr
+  /// Libraries have drawn on the reserve since the last step: for a while less is asked of them
+  /// (fewer features, a smaller window), and the step is counted.
+  bool memory_short = false;
 };
 
 /// A measured image point of this frame, for overlays and for re-estimation on the ground.
@@ -54,8 +80,8 @@ struct Observation {
 enum class FrameUse : std::uint8_t { kUsed, kUnreadable, kDark, kWrongSize, kTimeNotIncreasing };
 
 /// Stages of a step, for time measurements by the caller's clock.
-enum class Stage : std::uint8_t { kImage, kMask, kFeatures, kTracks, kMap, kShape, kMotion, kBus };
-inline constexpr std::size_t kStageCount = 8;
+enum class Stage : std::uint8_t { kImage, kMask, kFeatures, kTracks, kMap, kShape, kMotion, kBus, kJobs };
+inline constexpr std::size_t kStageCount = 9;
 
 struct Counters {
   std::uint32_t frames_in = 0;
@@ -74,6 +100,9 @@ struct Counters {
   std::uint32_t landmarks_created = 0;
   std::uint32_t landmarks_culled = 0;
   std::uint32_t closures = 0;
+  std::uint32_t jobs_issued = 0;
+  std::uint32_t jobs_without_result = 0;   ///< skipped for want of memory
+  std::uint32_t steps_short_of_memory = 0;  ///< in which less was asked of the libraries
   std::uint32_t tables_full = 0;  ///< times that a table had no free slot
 };
 
@@ -82,6 +111,7 @@ struct StepOutput {
   MotionState motion;
   std::span<const std::uint8_t> packets;  ///< whole packets, in order; valid until the next step
   std::span<const Observation> observations;  ///< valid until the next step
+  Job* job = nullptr;  ///< to be run by the caller; at most one is out at a time
 };
 
 /// Called at the end of each stage; lets the caller time the stages with its own clock. Must not

@@ -4,13 +4,28 @@
 
 #include "map/closure.hpp"
 #include "map/keyframes.hpp"
+#include "map/room.hpp"
 #include "map/window.hpp"
+#include "pipeline/begin.hpp"
 #include "pipeline/track.hpp"
 
 namespace polhode {
 namespace {
 
+/// A full table of landmarks gives up a tenth at a time, so that it does so seldom.
+void make_room_for_landmarks(Component::State* s) {
+  const auto free = limits::kLandmarks - static_cast<std::size_t>(s->map.landmark_count);
+  if (free >= static_cast<std::size_t>(s->parameters.features.count_max)) {
+    return;
+  }
+  ++s->counters.tables_full;
+  const std::size_t wanted = std::max(limits::kLandmarks / 10, limits::kFeatures);
+  s->counters.landmarks_culled +=
+      static_cast<std::uint32_t>(make_landmark_room(wanted, &s->map));
+}
+
 void create(KeyframeId keyframe, Component::State* s) {
+  make_room_for_landmarks(s);
   const std::int32_t first = s->map.next_landmark_number;
   const CreateOptions options{.parallax_min_rad = s->parameters.map.landmark_parallax_min_rad,
                               .ratio_max = s->parameters.tracks.descriptor_ratio_max};
@@ -20,45 +35,99 @@ void create(KeyframeId keyframe, Component::State* s) {
   extend_landmarks(first, s->camera, &s->map);
 }
 
+constexpr int kWindowLeast = 3;
+
 BundleOptions bundle_options(int iterations_max) {
   return {.iterations_max = iterations_max, .cauchy_sigma = 2.0};
 }
 
-/// All keyframes are adjusted together each time the map has grown by a fifth.
+/// All keyframes are adjusted together each time the map has grown by a fifth, unless memory is
+/// short.
 bool wants_adjustment_of_all(const Component::State& s) {
-  return 5 * s.map.keyframe_count > 6 * s.keyframes_at_last_adjustment;
+  return s.steps_to_shed == 0 && 5 * s.map.keyframe_count > 6 * s.keyframes_at_last_adjustment;
 }
 
-/// A loop that closes brings residuals of many sigma, which a narrow loss would take for outliers:
-/// the loss starts as wide as a tenth of the body and narrows in two steps.
-void adjust_closed_loop(Component::State* s) {
-  for (const double cauchy_sigma : {100.0, 15.0}) {
-    AdjustmentSnapshot snapshot = snapshot_all(s->map, s->camera);
-    const BundleOptions options{.iterations_max = 20, .cauchy_sigma = cauchy_sigma};
-    if (adjust(&snapshot, options, &s->bundle_workspace).usable) {
-      apply(snapshot, &s->map);
+/// @param closed  a loop that closes brings residuals of many sigma, which a narrow loss would take
+/// for outliers: the loss starts as wide as a tenth of the body and narrows in two steps.
+void ask_for(AdjustmentReason reason, bool closed, Component::State* s) {
+  AdjustmentJob& job = s->job.adjustment;
+  job.reason = reason;
+  job.rounds.clear();
+  if (closed) {
+    for (const double cauchy_sigma : {100.0, 15.0}) {
+      (void)job.rounds.push_back({.iterations_max = 20, .cauchy_sigma = cauchy_sigma});
     }
   }
-  adjust_all(s->parameters.map.adjustment_iterations_max, s);
+  (void)job.rounds.push_back(bundle_options(s->parameters.map.adjustment_iterations_max));
+  s->counters.tables_full += job.snapshot.left_out > 0 ? 1 : 0;
+  issue_job(JobKind::kAdjustment, s);
 }
 
-void adjust_window(Component::State* s) {
-  AdjustmentSnapshot snapshot =
-      snapshot_window(s->map, s->camera, s->parameters.map.window_keyframes);
-  if (adjust(&snapshot,
-             bundle_options(s->parameters.map.adjustment_iterations_max),
-             &s->bundle_workspace)
-          .usable) {
-    apply(snapshot, &s->map);
+void ask_for_all(AdjustmentReason reason, bool closed, Component::State* s) {
+  snapshot_all(s->map, s->camera, &s->job.adjustment.snapshot);
+  s->keyframes_at_last_adjustment = s->map.keyframe_count;
+  ask_for(reason, closed, s);
+}
+
+void ask_after_growth(KeyframeId keyframe, bool closed, Component::State* s) {
+  AdjustmentJob& job = s->job.adjustment;
+  job.keyframe = keyframe;
+  if (closed || wants_adjustment_of_all(*s)) {
+    ask_for_all(AdjustmentReason::kMapGrown, closed, s);
+    return;
+  }
+  const int window = s->parameters.map.window_keyframes / (s->steps_to_shed > 0 ? 2 : 1);
+  snapshot_window(s->map, s->camera, std::max(kWindowLeast, window), &job.snapshot);
+  ask_for(AdjustmentReason::kMapGrown, closed, s);
+}
+
+/// A map that has just been adjusted for the first time gets all the landmarks that its keyframes
+/// give.
+void complete_map(Component::State* s) {
+  auto order = keyframes_by_age(s->map);
+  std::reverse(order.begin(), order.end());
+  for (const KeyframeId id : order) {
+    if (s->map.keyframes[id.index()].number >= s->job.adjustment.first_keyframe) {
+      create(id, s);
+    }
+  }
+  ask_for_all(AdjustmentReason::kMapCompleted, false, s);
+}
+
+/// The reference keeps only landmarks that are still there.
+void tidy_reference(FlowReference* reference, const Map& map) {
+  std::size_t kept = 0;
+  for (const LandmarkMatch& point : reference->points) {
+    if (map.landmarks[point.landmark.index()].used) {
+      reference->points[kept++] = point;
+    }
+  }
+  reference->points.resize(kept);
+}
+
+/// The keyframe that the map has grown by stands elsewhere now.
+void move_with(const Keyframe& keyframe, Component::State* s) {
+  if (s->reference_frame == keyframe.frame) {
+    s->reference.pose = keyframe.pose;
+  }
+  if (s->frame == keyframe.frame) {
+    s->localised.absolute.pose = keyframe.pose;
+    return;
+  }
+  for (PoseSample& sample : s->poses) {
+    if (sample.timestamp_ns == keyframe.timestamp_ns) {
+      sample.pose = keyframe.pose;
+    }
   }
 }
 
 }  // namespace
 
 void adjust_all(int iterations_max, Component::State* s) {
-  AdjustmentSnapshot snapshot = snapshot_all(s->map, s->camera);
-  if (adjust(&snapshot, bundle_options(iterations_max), &s->bundle_workspace).usable) {
-    apply(snapshot, &s->map);
+  AdjustmentJob& job = s->job.adjustment;
+  snapshot_all(s->map, s->camera, &job.snapshot);
+  if (adjust(&job.snapshot, bundle_options(iterations_max), &job.workspace).usable) {
+    apply(job.snapshot, &s->map);
   }
   s->keyframes_at_last_adjustment = s->map.keyframe_count;
 }
@@ -71,25 +140,41 @@ void cull_map(Component::State* s) {
 
 void settle_map(std::uint32_t first_keyframe, Component::State* s) {
   refresh_landmarks(&s->map, s->camera);
-  adjust_all(s->parameters.map.adjustment_iterations_max, s);
-  cull_map(s);
-  refresh_landmarks(&s->map, s->camera);
-  auto order = keyframes_by_age(s->map);
-  std::reverse(order.begin(), order.end());
-  for (const KeyframeId id : order) {
-    if (s->map.keyframes[id.index()].number >= first_keyframe) {
-      create(id, s);
-    }
+  s->job.adjustment.first_keyframe = first_keyframe;
+  ask_for_all(AdjustmentReason::kMapBegun, false, s);
+}
+
+void take_adjustment(Component::State* s) {
+  const AdjustmentJob& job = s->job.adjustment;
+  if (job.usable) {
+    apply(job.snapshot, &s->map);
   }
-  adjust_all(s->parameters.map.adjustment_iterations_max, s);
   cull_map(s);
   refresh_landmarks(&s->map, s->camera);
+  tidy_reference(&s->reference, s->map);
+  switch (job.reason) {
+    case AdjustmentReason::kMapBegun:
+      complete_map(s);
+      break;
+    case AdjustmentReason::kMapCompleted:
+      restate_poses(s);
+      break;
+    case AdjustmentReason::kMapGrown:
+      move_with(s->map.keyframes[job.keyframe.index()], s);
+      break;
+  }
+}
+
+bool may_extend_map(const Component::State& s) {
+  return job_slot_free(s) && wants_keyframe(s.map,
+                                            s.localised.absolute.pose,
+                                            s.localised.absolute.inliers,
+                                            s.parameters.map);
 }
 
 void extend_map(Component::State* s) {
   const LocalisedFrame& localised = s->localised;
-  if (!wants_keyframe(
-          s->map, localised.absolute.pose, localised.absolute.inliers, s->parameters.map)) {
+  if (!may_extend_map(*s)) {
     return;
   }
   const std::int32_t count_before = s->map.keyframe_count;
@@ -108,15 +193,8 @@ void extend_map(Component::State* s) {
   if (closed > 0) {
     ++s->counters.closures;
     hold_at_both_ends(&s->drift);
-    adjust_closed_loop(s);
-  } else if (wants_adjustment_of_all(*s)) {
-    adjust_all(s->parameters.map.adjustment_iterations_max, s);
-  } else {
-    adjust_window(s);
   }
-  cull_map(s);
-  refresh_landmarks(&s->map, s->camera);
-  s->localised.absolute.pose = s->map.keyframes[id.index()].pose;
+  ask_after_growth(id, closed > 0, s);
 }
 
 void remember_pose(std::int64_t timestamp_ns,

@@ -5,15 +5,23 @@
 
 namespace polhode {
 
-/// Joint adjustment of a map that has just begun, or begun anew with the keyframe of this number,
-/// with the landmarks that those keyframes give beyond the start's tracks.
+/// A map has just begun, or begun anew with the keyframe of this number: asks for its joint
+/// adjustment, after which come the landmarks that those keyframes give beyond the start's tracks,
+/// and a second one.
 void settle_map(std::uint32_t first_keyframe, Component::State* state);
 
-/// Makes this frame a keyframe when it should be one, extends the map by it, adjusts, culls; the
-/// frame's pose in `localised` becomes the adjusted one.
+/// Should this frame become a keyframe, and may it? While a job is out the map does not grow, so
+/// that the result still belongs to it.
+bool may_extend_map(const Component::State& state);
+
+/// Makes this frame a keyframe, extends the map by it and asks for an adjustment.
 void extend_map(Component::State* state);
 
-/// Joint adjustment of all keyframes and landmarks.
+/// An adjustment has come back: the map takes it over and is culled. What was derived from the
+/// adjusted keyframes follows: this frame's pose, those remembered, the reference of optical flow.
+void take_adjustment(Component::State* state);
+
+/// Joint adjustment of all keyframes and landmarks, here and now.
 void adjust_all(int iterations_max, Component::State* state);
 
 /// Sightings and landmarks that do not fit go; the noise scale is measured anew.

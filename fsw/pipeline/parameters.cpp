@@ -98,6 +98,20 @@ constexpr ParameterRow kRows[] = {
   {"bus.apid_motion", POLHODE_FIELD(bus.apid_motion), 1, 2046, "",
    "application process id of the motion packet"},
 
+  {"jobs.delay_frames", POLHODE_FIELD(jobs.delay_frames), 0, 60, "frames",
+   "from the issue of a job for the second core to the step that takes its result; 0: within the step"},
+
+  {"budget.frame_ms", POLHODE_FIELD(budget.frame_ms), 0.0, 10000.0, "ms",
+   "time that a step may take; 0: none is set"},
+  {"budget.total_mb", POLHODE_FIELD(budget.total_mb), 32, 16384, "MiB", "memory of the whole process"},
+  {"budget.general_mb", POLHODE_FIELD(budget.general_mb), 4, 4096, "MiB",
+   "pool for files and whatever is not one of the others"},
+  {"budget.step_mb", POLHODE_FIELD(budget.step_mb), 4, 4096, "MiB",
+   "pool for the libraries called within a step"},
+  {"budget.jobs_mb", POLHODE_FIELD(budget.jobs_mb), 4, 4096, "MiB", "pool for those called by jobs"},
+  {"budget.reserve_mb", POLHODE_FIELD(budget.reserve_mb), 1, 4096, "MiB",
+   "for what overflows from the pools"},
+
   {"scale.known_length_m", POLHODE_FIELD(scale.known_length_m), 0.001, 1000.0, "m",
    "distance between two points of the target; goes with points_px and frame_timestamp_ns"},
   {"scale.points_px", POLHODE_FIELD(scale.points_px), -0.5, 16384.0, "px",

@@ -12,6 +12,7 @@
 #include "map/options.hpp"
 #include "mask/options.hpp"
 #include "motion/options.hpp"
+#include "pipeline/options.hpp"
 #include "shape/options.hpp"
 #include "tracks/options.hpp"
 
@@ -44,6 +45,8 @@ struct Parameters {
   ScaleOptions scale;
   MotionOptions motion;
   BusOptions bus;
+  JobOptions jobs;
+  BudgetOptions budget;
   std::uint64_t seed = 1;  ///< of every random draw
 };
 

@@ -1,6 +1,13 @@
 #include "pipeline/picture.hpp"
 
+#include <algorithm>
+
 namespace polhode {
+namespace {
+
+constexpr int kCountLeast = 50;  // as a configuration may say
+
+}  // namespace
 
 void stage_done(Stage stage, const Component::State& s) {
   if (s.hook != nullptr) {
@@ -34,7 +41,12 @@ FrameUse take_picture(const Frame& frame, Component::State* s) {
 
 void ensure_features(Component::State* s) {
   if (!s->features_ready) {
-    detect_features(s->gray, s->mask, s->camera, s->parameters.features, &s->features);
+    FeatureOptions options = s->parameters.features;
+    if (s->steps_to_shed > 0) {  // half the pixels, and as many features as those give
+      options.working_pixels_max /= 2;
+      options.count_max = std::max(kCountLeast, options.count_max / 2);
+    }
+    detect_features(s->gray, s->mask, s->camera, options, &s->features);
     s->features_ready = true;
     stage_done(Stage::kFeatures, *s);
   }

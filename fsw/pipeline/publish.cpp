@@ -125,6 +125,7 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   s->output.motion = m;
   s->output.packets = std::span<const std::uint8_t>(s->packet).first(octets);
   s->output.observations = s->observations.view();
+  s->output.job = job_for_caller(s);
 }
 
 }  // namespace polhode

@@ -56,6 +56,7 @@ const Keyframe* keyframe_of(const Component::State& s, std::uint32_t frame) {
 void bring_to_rest(Component::State* s) {
   constexpr int kRounds = 3;
   constexpr int kIterations = 50;
+  close_jobs(s);
   for (int round = 0; round < kRounds && s->map.keyframe_count > 1; ++round) {
     adjust_all(kIterations, s);
     cull_map(s);

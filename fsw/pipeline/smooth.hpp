@@ -15,7 +15,8 @@
 namespace polhode {
 
 /// Joint adjustment of all keyframes and landmarks until nothing moves, with sightings looked for
-/// anew in every keyframe between the rounds. T keeps its axes, origin and scale.
+/// anew in every keyframe between the rounds. A job that is still out is ended first: the caller has
+/// it no longer. T keeps its axes, origin and scale.
 void bring_to_rest(Component::State* state);
 
 struct SmoothedPose {

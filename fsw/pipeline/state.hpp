@@ -19,7 +19,7 @@
 #include "mask/target_mask.hpp"
 #include "motion/rates.hpp"
 #include "pipeline/component.hpp"
-#include "solve/bundle_adjustment.hpp"
+#include "pipeline/jobs.hpp"
 #include "tracks/track_table.hpp"
 
 namespace polhode {
@@ -51,17 +51,15 @@ struct Component::State {
   Pyramid pyramid;
   LocalisedFrame localised;
   bool pose_valid = false;
+  std::uint32_t steps_to_shed = 0;  ///< for so long less is asked of the libraries
 
   // Before the map.
   TrackTable tracks;
-  StartWorkspace start_workspace;
-  StartOutcome start_outcome;
-  std::array<StartTrack, limits::kStartTracks> start_tracks;
-  std::array<double, limits::kStartFrames> start_times_s{};
 
   // The map and what follows from it.
   Map map;
   FlowReference reference;
+  std::uint32_t reference_frame = 0;  ///< that it was taken from
   PoseHistory poses;  ///< errors of single frames, without the map's drift
   MapDrift drift;
   ScaleState scale;
@@ -69,10 +67,12 @@ struct Component::State {
   std::int32_t keyframes_at_last_adjustment = 0;
   std::uint32_t frames_lost = 0;
 
+  // The long work that is out, or that has just come back.
+  Job job;
+
   // Working memory of single calls.
   LocaliseScratch localise_scratch;
   CreateScratch create_scratch;
-  BundleWorkspace bundle_workspace;
   LocalisedFrame closure;
 
   // Output.

@@ -4,7 +4,6 @@
 
 #include "bus/telemetry.hpp"
 #include "pipeline/acquire.hpp"
-#include "pipeline/begin.hpp"
 #include "pipeline/mapping.hpp"
 #include "pipeline/picture.hpp"
 #include "pipeline/publish.hpp"
@@ -42,22 +41,33 @@ void count(FrameUse use, Counters* counters) {
   }
 }
 
+/// Memory that was short comes back when less is asked for; after a second or so of frames it is
+/// tried again in full.
+void shed_load(bool memory_short, Component::State* s) {
+  constexpr std::uint32_t kSteps = 30;
+  if (memory_short) {
+    s->steps_to_shed = kSteps;
+  } else if (s->steps_to_shed > 0) {
+    --s->steps_to_shed;
+  }
+  s->counters.steps_short_of_memory += s->steps_to_shed > 0 ? 1 : 0;
+}
+
 void estimate(Component::State* s) {
   if (s->mode == Mode::kAcquiring) {
-    if (collect(s)) {
-      begin(s);
-    }
+    collect(s);
   } else {
     build_pyramid(s->gray, &s->pyramid);
     stage_done(Stage::kTracks, *s);
     track(s);
   }
+  stage_done(Stage::kMap, *s);
+  run_undelayed_jobs(s);
   if (s->pose_valid) {
     remember_pose(s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
     widen_turn(s->localised.absolute.pose, &s->drift);
     ++s->counters.poses;
   }
-  stage_done(Stage::kMap, *s);
   measure_scale(s);
   stage_done(Stage::kShape, *s);
 }
@@ -68,6 +78,8 @@ const StepOutput& Component::step(const StepInput& input) {
   State* s = state_;
   s->frame = s->counters.frames_in++;
   s->pose_valid = false;
+  shed_load(input.memory_short, s);
+  take_due_job(input.finished, s);
   forget_picture(s);
   if (s->mode == Mode::kIdle) {
     s->mode = Mode::kAcquiring;

@@ -6,7 +6,6 @@
 #include "geometry/so3.hpp"
 #include "map/keyframes.hpp"
 #include "pipeline/acquire.hpp"
-#include "pipeline/begin.hpp"
 #include "pipeline/mapping.hpp"
 #include "pipeline/picture.hpp"
 
@@ -118,6 +117,7 @@ bool try_guided(const PosePrediction& predicted, Component::State* s) {
 
 void renew_reference(Component::State* s) {
   s->reference.valid = true;
+  s->reference_frame = s->frame;
   std::swap(s->reference.pyramid, s->pyramid);  // the next frame builds its own in the old one
   s->reference.pose = s->localised.absolute.pose;
   s->reference.points.clear();
@@ -219,14 +219,11 @@ void track(Component::State* s) {
       !found && relocalise_frame(s) && (!has_prediction || believable(predicted, *s));
   if (!found && !everywhere) {
     lose(s);
-    if (collect(s)) {
-      begin_again(s);
-    }
+    collect(s);
     return;
   }
   count_sightings(s);
-  if (wants_keyframe(
-          s->map, s->localised.absolute.pose, s->localised.absolute.inliers, s->parameters.map)) {
+  if (may_extend_map(*s)) {
     if (!bring_features(s)) {
       lose(s);
       return;

@@ -46,7 +46,7 @@ struct BundleReport {
 struct BundleWorkspace {
   static constexpr std::size_t kPoses = limits::kKeyframes;
   static constexpr std::size_t kPoints = limits::kLandmarks;
-  static constexpr std::size_t kObservations = limits::kKeyframes * limits::kFeatures;
+  static constexpr std::size_t kObservations = limits::kAdjustmentSightings;
   static constexpr std::size_t kUnknowns = 6 * kPoses;
 
   std::array<std::int32_t, kPoses> block_of_pose{};  ///< -1: held

@@ -4,6 +4,7 @@
 
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
+#include "memory_plan.hpp"
 #include "parameters/load.hpp"
 #include "parameters/print.hpp"
 #include "parameters/sha256.hpp"
@@ -47,9 +48,24 @@ void check_configuration(const CheckArguments& arguments) {
              effective_table(configuration),
              frames,
              sha256_of(canonical_text(configuration.parameters)));
+  if (arguments.memory && !configuration.has_camera) {
+    throw UnusableInput(fmt::format(
+        "{}: the memory depends on the camera's size: give --sequence, or a section [camera]",
+        arguments.config.string()));
+  }
   if (configuration.has_camera) {
-    fmt::print("memory of the component: {} octets\n",
-               memory_needed(configuration.parameters).total);
+    const MemoryPlan plan = plan_memory(configuration.parameters);
+    fmt::print("memory of the component: {} octets; in all: {} of {}\n",
+               plan.tables_octets,
+               plan.total_octets,
+               plan.limit_octets);
+    if (arguments.memory) {
+      fmt::print("\n{}", text_of(plan));
+    }
+    if (!plan.problem.empty()) {
+      throw UnusableInput(fmt::format(
+          "{}: the memory does not fit: {}", arguments.config.string(), plan.problem));
+    }
   }
 }
 

@@ -11,6 +11,7 @@ struct CheckArguments {
   std::filesystem::path config;
   std::filesystem::path sequence;  ///< empty: the configuration alone
   std::vector<std::string> settings;
+  bool memory = false;    ///< print the whole memory plan as well; one that does not fit is refused
   bool defaults = false;  ///< print a documented file of defaults instead
 };
 

@@ -1,37 +1,26 @@
-// The block that a component lives in.
+// The memory of a run: planned, checked and acquired before anything else starts.
 #pragma once
 
-#include <fmt/format.h>
+#include <string>
 
-#include <cstddef>
-#include <cstdlib>
-#include <memory>
-#include <span>
-
-#include "errors.hpp"
+#include "memory_plan.hpp"
+#include "os/linux/memory/table_memory.hpp"
 
 namespace polhode::platform {
 
+/// The pools, and the block that a component lives in.
 class ComponentMemory {
  public:
-  /// @throws RunFailure when there is not so much.
-  explicit ComponentMemory(std::size_t octets)
-      : octets_((octets + kAlignment - 1) / kAlignment * kAlignment),
-        block_(static_cast<std::byte*>(std::aligned_alloc(kAlignment, octets_))) {
-    if (!block_) {
-      throw RunFailure(
-          fmt::format("{} octets of memory for the component are not to be had", octets_));
-    }
-  }
-  [[nodiscard]] std::span<std::byte> span() const { return {block_.get(), octets_}; }
+  /// @param where  the configuration's name, for the message.
+  /// @throws UnusableInput when the plan does not fit; RunFailure when the machine has not so much.
+  ComponentMemory(const Parameters& parameters, const std::string& where);
+
+  [[nodiscard]] std::span<std::byte> span() const { return tables_.span(); }
+  [[nodiscard]] const MemoryPlan& plan() const { return plan_; }
 
  private:
-  static constexpr std::size_t kAlignment = 64;
-  struct Free {
-    void operator()(std::byte* block) const { std::free(block); }
-  };
-  std::size_t octets_;
-  std::unique_ptr<std::byte, Free> block_;
+  MemoryPlan plan_;
+  TableMemory tables_;
 };
 
 }  // namespace polhode::platform

@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "app/checkpoint_writer.hpp"
+#include "app/next_input.hpp"
+#include "os/linux/memory/region.hpp"
 #include "os/linux/stop_request.hpp"
 
 namespace polhode::platform {
@@ -26,6 +28,23 @@ void record_passed_over(LiveParts& parts, std::uint32_t late_before) {
   }
 }
 
+const StepOutput& step_from_pool(Component& component, const StepInput& input) {
+  const PoolScope scope(Pool::kStep);
+  return component.step(input);
+}
+
+/// The frame that finds the work for it unfinished is dropped; the next one is tried.
+bool dropped_for_job(LiveParts& parts) {
+  if (!parts.worker.late_for(parts.component.counters().frames_in)) {
+    return false;
+  }
+  ++parts.counts.frames_dropped_for_job;
+  if (parts.recorder != nullptr) {
+    parts.recorder->dropped(DropReason::kJob, 1);
+  }
+  return true;
+}
+
 /// One accepted frame, from the step to everything that follows from it.
 void take_frame(LiveParts& parts, const Frame& frame, const LiveLimits& limits) {
   LiveCounts& counts = parts.counts;
@@ -33,8 +52,10 @@ void take_frame(LiveParts& parts, const Frame& frame, const LiveLimits& limits) 
     parts.recorder->frame(frame);
   }
   const std::int64_t before_ns = clock_ns(CLOCK_MONOTONIC);
-  const StepOutput& out = parts.component.step({.frame = frame});
+  const StepInput input = next_input(parts.component, parts.worker, frame);
+  const StepOutput& out = step_from_pool(parts.component, input);
   const std::int64_t stepped_ns = clock_ns(CLOCK_MONOTONIC);
+  parts.worker.submit(out.job);
   if (parts.packets != nullptr) {
     (void)parts.packets->append(out.packets);
   }
@@ -69,11 +90,11 @@ LiveEnd run_live(LiveParts& parts, const LiveLimits& limits) {
     }
     record_passed_over(parts, late);
     late = camera.frames_late;
-    if (arrival == Arrival::kFrame) {
+    if (arrival == Arrival::kFrame && !dropped_for_job(parts)) {
       const std::int64_t outside_ns = clock_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_before_ns;
       take_frame(parts, frame, limits);
       parts.counts.outside.add(outside_ns);
-    } else if (limits.start_s_max > 0 && camera.opened == 0 &&
+    } else if (arrival != Arrival::kFrame && limits.start_s_max > 0 && camera.opened == 0 &&
                now_ns - start_ns > std::int64_t{limits.start_s_max} * 1'000'000'000) {
       return LiveEnd::kNoCamera;
     }

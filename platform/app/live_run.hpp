@@ -7,6 +7,7 @@
 #include "app/live_report.hpp"
 #include "camera/live_camera.hpp"
 #include "os/linux/service_manager.hpp"
+#include "os/linux/worker.hpp"
 #include "pipeline/component.hpp"
 #include "recording/recorder.hpp"
 #include "transport/file/packet_log.hpp"
@@ -24,6 +25,7 @@ enum class LiveEnd : std::uint8_t {
 /// What the loop works with. Those that may be absent are pointers.
 struct LiveParts {
   Component& component;
+  Worker& worker;
   LiveCamera& camera;
   ServiceManager& manager;
   LiveReport& report;

@@ -59,6 +59,13 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
       ->type_name("FILE");
   command->add_flag(
       "--realtime", arguments.realtime, "hand frames over at the pace of their time stamps");
+  command->add_flag(
+      "--one-core", arguments.one_core, "run jobs between the steps instead of beside them");
+  command
+      ->add_option("--job-latency-ms",
+                   arguments.job_latency_ms,
+                   "for tests: hold each job back by a random time up to this")
+      ->type_name("MS");
   add_settings(*command, arguments.settings);
   command->callback([&arguments] { polhode::platform::replay(arguments); });
 }
@@ -80,6 +87,8 @@ void add_check(CLI::App& app, CheckArguments& arguments) {
       command->add_option("--config", arguments.config, "configuration")->type_name("CONFIG.toml");
   command->add_option("--sequence", arguments.sequence, "an image sequence to validate with it")
       ->type_name("SEQ");
+  command->add_flag(
+      "--memory", arguments.memory, "print the whole memory plan; refuse one that does not fit");
   auto* settings = add_settings(*command, arguments.settings);
   auto* defaults = command->add_flag(
       "--defaults", arguments.defaults, "print a documented configuration of all defaults instead");

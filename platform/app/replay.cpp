@@ -10,6 +10,7 @@
 #include "app/finish.hpp"
 #include "app/machine.hpp"
 #include "app/motion_csv.hpp"
+#include "app/next_input.hpp"
 #include "app/observations.hpp"
 #include "app/output_folder.hpp"
 #include "app/progress.hpp"
@@ -20,6 +21,9 @@
 #include "camera/replay/file_octets.hpp"
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
+#include "os/linux/deadline.hpp"
+#include "os/linux/memory/region.hpp"
+#include "os/linux/worker.hpp"
 #include "parameters/load.hpp"
 #include "parameters/sha256.hpp"
 #include "pipeline/checkpoint.hpp"
@@ -70,6 +74,8 @@ class Pace {
 struct Run {
   const Sequence& sequence;
   Component& component;
+  Worker& worker;
+  DeadlineMonitor& deadline;
   FrameFiles& files;
   Timings& timings;
   RunRecord& record;
@@ -89,6 +95,16 @@ void write_frame(
   run.published.push_back(out.motion);
 }
 
+const StepOutput& timed_step(Run& run, const Frame& frame) {
+  const StepInput input = next_input(run.component, run.worker, frame);
+  if (input.finished != nullptr) {
+    run.timings.job.add(run.worker.last_duration());
+  }
+  const PoolScope scope(Pool::kStep);
+  run.timings.start_step();
+  return run.component.step(input);
+}
+
 void run_frames(Run& run, bool realtime) {
   FileCamera camera(run.sequence);
   Progress progress(run.sequence.frames.size());
@@ -101,9 +117,10 @@ void run_frames(Run& run, bool realtime) {
     }
     run.timings.add_read(Clock::now() - before);
     pace.wait_for(frame.timestamp_ns);
-    run.timings.start_step();
-    const StepOutput& out = run.component.step({.frame = frame});
+    const StepOutput& out = timed_step(run, frame);
     const std::int64_t step_us = run.timings.end_step();
+    run.deadline.add(step_us);
+    run.worker.submit(out.job);
     if (!frame.readable && run.record.bad_frames.size() < kBadFramesListed) {
       progress.note(fmt::format("frame {} is not used: {}", camera.index(), camera.refusal()));
     }
@@ -137,31 +154,47 @@ void restore(const fs::path& checkpoint, Component& component) {
   }
 }
 
-}  // namespace
-
-void replay(const ReplayArguments& arguments) {
-  const Sequence sequence = open_sequence(arguments.sequence);
-  const Parameters parameters = parameters_for(arguments, sequence);
-  const ComponentMemory memory(memory_needed(parameters).total);
+Component& make_component(const ComponentMemory& memory,
+                          const Parameters& parameters,
+                          const ReplayArguments& arguments) {
   Result<Component*> made = Component::create(memory.span(), parameters);
   if (!made) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));
   }
   restore(arguments.checkpoint, *made.value());
+  return *made.value();
+}
+
+}  // namespace
+
+void replay(const ReplayArguments& arguments) {
+  const Sequence sequence = open_sequence(arguments.sequence);
+  const Parameters parameters = parameters_for(arguments, sequence);
+  const ComponentMemory memory(parameters, arguments.config.string());
+  Component& component = make_component(memory, parameters, arguments);
   prepare_output_folder(arguments.out);
 
   const std::size_t frames = sequence.frames.size();
   Timings timings(frames);
-  made.value()->set_stage_hook(Timings::hook, &timings);
+  component.set_stage_hook(Timings::hook, &timings);
   FrameFiles files(arguments.out, frames);
   RunRecord record;
   std::vector<MotionState> published;
   published.reserve(frames);
-  Run run{sequence, *made.value(), files, timings, record, published};
+  Worker worker({.own_thread = !arguments.one_core && parameters.jobs.delay_frames > 0,
+                 .latency_ms_max = arguments.job_latency_ms,
+                 .job_octets = job_worst_case(parameters)});
+  DeadlineMonitor deadline(parameters.budget.frame_ms);
+  Run run{sequence, component, worker, deadline, files, timings, record, published};
 
   const MachineUse at_start = machine_use();
   const Clock::time_point start = Clock::now();
+  forget_pool_peaks();
+  seal_memory();
   run_frames(run, arguments.realtime);
+  worker.finish();
+  const PoolReport pools = report_pools();
+  unseal_memory();  // the end of a replay is work for the ground
   const double wall_s = seconds_since(start);
   const MachineUse after_frames = machine_use();
   files.motion.close();
@@ -169,11 +202,11 @@ void replay(const ReplayArguments& arguments) {
   const std::string bus_sha256 = files.bus.finish();
 
   const Clock::time_point finish_start = Clock::now();
-  finish_replay(*made.value(),
+  finish_replay(component,
                 sequence,
                 {.published = published, .observations = files.spool},
                 arguments.out);
-  const Counters& counters = made.value()->counters();
+  const Counters& counters = component.counters();
   write_summary(arguments.out / "summary.json",
                 {.record = record,
                  .timings = timings,
@@ -183,7 +216,9 @@ void replay(const ReplayArguments& arguments) {
                  .config_hash = sha256_of(canonical_text(parameters)),
                  .bus_sha256 = bus_sha256,
                  .bus_octets = files.bus.octets(),
-                 .component_octets = memory.span().size(),
+                 .plan = memory.plan(),
+                 .pools = pools,
+                 .deadline = deadline,
                  .at_start = at_start,
                  .after_frames = after_frames,
                  .at_end = machine_use(),

@@ -14,6 +14,8 @@ struct ReplayArguments {
   std::filesystem::path out;
   std::filesystem::path checkpoint;  ///< content of one; empty: cold
   bool realtime = false;
+  bool one_core = false;            ///< jobs run between the steps, on the same thread
+  std::uint32_t job_latency_ms = 0;  ///< for tests: jobs are held back by a random time up to this
   std::vector<std::string> settings;
 };
 

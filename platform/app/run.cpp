@@ -12,6 +12,7 @@
 #include "app/live_run.hpp"
 #include "app/run_json.hpp"
 #include "errors.hpp"
+#include "os/linux/memory/region.hpp"
 #include "os/linux/stop_request.hpp"
 #include "parameters/load.hpp"
 #include "parameters/machine_options.hpp"
@@ -98,6 +99,19 @@ std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
   return recorder;
 }
 
+/// From the first frame to the last nothing is asked of the machine.
+LiveEnd run_sealed(LiveParts& parts, const RunOptions& wish) {
+  seal_memory();
+  const LiveEnd end = run_live(
+      parts,
+      {.checkpoint_frames = wish.checkpoint_frames,
+       .start_s_max = wish.start_s_max,
+       .frames_max = wish.frames_max});
+  parts.worker.finish();
+  unseal_memory();
+  return end;
+}
+
 void say_end(LiveEnd end, const LiveCounts& counts, const CameraCounters& camera) {
   say("%s: %u frames, %u with a pose; %u missing, %u damaged, %u passed over",
       end == LiveEnd::kPlayed ? "at the end" : "stopped",
@@ -117,7 +131,7 @@ void run_command(const RunArguments& arguments) {
   listen_for_stop();
   ChosenCamera chosen(arguments.config, machine, &configuration.parameters);
   const Parameters& parameters = configuration.parameters;
-  const ComponentMemory memory(memory_needed(parameters).total);
+  const ComponentMemory memory(parameters, arguments.config.string());
   Result<Component*> made = Component::create(memory.span(), parameters);
   if (!made) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));
@@ -142,7 +156,10 @@ void run_command(const RunArguments& arguments) {
   ServiceManager manager;
   LiveReport report(manager, machine.run.report_s);
   const auto counts = std::make_unique<LiveCounts>();
+  Worker worker({.own_thread = parameters.jobs.delay_frames > 0,
+                 .job_octets = job_worst_case(parameters)});
   LiveParts parts{.component = component,
+                  .worker = worker,
                   .camera = chosen.camera(),
                   .manager = manager,
                   .report = report,
@@ -151,10 +168,7 @@ void run_command(const RunArguments& arguments) {
                   .recorder = recorder.get(),
                   .checkpoint = checkpoint ? &*checkpoint : nullptr};
   manager.ready();
-  const LiveEnd end = run_live(parts,
-                               {.checkpoint_frames = machine.run.checkpoint_frames,
-                                .start_s_max = machine.run.start_s_max,
-                                .frames_max = machine.run.frames_max});
+  const LiveEnd end = run_sealed(parts, machine.run);
   manager.stopping();
   if (checkpoint && component.counters().frames_in > 0) {
     checkpoint->write_now(component.state());

@@ -23,7 +23,8 @@ Json durations(const Durations& d) {
 }
 
 Json timings(const SummaryInput& input) {
-  Json out{{"read", durations(input.timings.read)}, {"step", durations(input.timings.step)}};
+  Json out{{"read", durations(input.timings.read)}, {"step", durations(input.timings.step)},
+           {"job", durations(input.timings.job)}};
   for (std::size_t i = 0; i < kStageCount; ++i) {
     out[stage_name(static_cast<Stage>(i))] = durations(input.timings.stages[i]);
   }
@@ -47,6 +48,9 @@ Json counters(const Counters& c) {
           {"landmarks_created", c.landmarks_created},
           {"landmarks_culled", c.landmarks_culled},
           {"closures", c.closures},
+          {"jobs_issued", c.jobs_issued},
+          {"jobs_without_result", c.jobs_without_result},
+          {"steps_short_of_memory", c.steps_short_of_memory},
           {"tables_full", c.tables_full}};
 }
 
@@ -74,10 +78,22 @@ Json bad_frames(const RunRecord& record) {
 }
 
 Json memory(const SummaryInput& input) {
-  return {{"budget_octets", input.component_octets},
+  Json pools = Json::object();
+  for (std::size_t i = 0; i < kPoolCount; ++i) {
+    const HeapUse& use = input.pools[i];
+    pools[pool_name(static_cast<Pool>(i))] = {{"octets", use.total_octets},
+                                              {"peak_octets", use.peak_octets},
+                                              {"at_end_octets", use.used_octets},
+                                              {"live_blocks", use.live_blocks}};
+  }
+  return {{"budget_octets", input.plan.limit_octets},
+          {"planned_octets", input.plan.total_octets},
+          {"fixed", memory_is_fixed()},
           {"peak_resident_octets", input.at_end.peak_resident_octets},
+          {"pools", pools},
           {"components",
-           {{"component_tables_octets", input.component_octets},
+           {{"component_tables_octets", input.plan.tables_octets},
+            {"grown_beyond_pools_octets", grown_octets()},
             {"peak_resident_before_first_frame_octets", input.at_start.peak_resident_octets},
             {"peak_resident_after_last_frame_octets", input.after_frames.peak_resident_octets}}}};
 }
@@ -145,6 +161,11 @@ void write_summary(const std::filesystem::path& file, const SummaryInput& input)
                      {"timings", timings(input)},
                      {"memory", memory(input)},
                      {"cost", cost(input)},
+                     {"deadline",
+                      {{"frame_us", input.deadline.allowed_us()},
+                       {"missed", input.deadline.missed()},
+                       {"missed_in_a_row", input.deadline.missed_in_a_row_max()},
+                       {"worst_us", input.deadline.worst_us()}}},
                      {"bus", {{"octets", input.bus_octets}, {"sha256", input.bus_sha256}}},
                      {"bus_sha256", input.bus_sha256}};
   // Paths may hold any octets; what is not UTF-8 is replaced rather than refused.

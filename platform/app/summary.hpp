@@ -7,6 +7,8 @@
 #include "app/machine.hpp"
 #include "app/run_record.hpp"
 #include "app/timings.hpp"
+#include "memory_plan.hpp"
+#include "os/linux/deadline.hpp"
 #include "pipeline/component.hpp"
 
 namespace polhode::platform {
@@ -20,7 +22,9 @@ struct SummaryInput {
   std::string config_hash;
   std::string bus_sha256;
   std::uint64_t bus_octets = 0;
-  std::size_t component_octets = 0;  ///< memory handed to the component
+  const MemoryPlan& plan;
+  PoolReport pools;  ///< over the frames
+  const DeadlineMonitor& deadline;
   MachineUse at_start;               ///< before the first frame
   MachineUse after_frames;           ///< before the end's re-estimation
   MachineUse at_end;

@@ -26,6 +26,7 @@ std::uint32_t Durations::percentile_us(double fraction) const {
 Timings::Timings(std::size_t frames) : stages(kStageCount) {
   read.samples_us.reserve(frames);
   step.samples_us.reserve(frames);
+  job.samples_us.reserve(frames);
   for (Durations& stage : stages) {
     stage.samples_us.reserve(frames);
   }
@@ -69,6 +70,8 @@ const char* stage_name(Stage stage) {
       return "motion";
     case Stage::kBus:
       return "bus";
+    case Stage::kJobs:
+      return "jobs";
   }
   return "";
 }

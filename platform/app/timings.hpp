@@ -34,6 +34,7 @@ class Timings {
 
   Durations read;  ///< reading and decoding a frame's file
   Durations step;
+  Durations job;  ///< on the second core
   std::vector<Durations> stages;
 
  private:

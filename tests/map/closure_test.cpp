@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "map/window.hpp"
 #include "synthetic_map.hpp"
 
@@ -115,7 +117,9 @@ TEST(CloseLoop, LeavesAnAdjustmentThatTakesTheDriftAway) {
   ASSERT_NEAR(r.pose_error_rad(), 0.09, 1e-6);
   ASSERT_GT(r.close(), 0);
   for (const double cauchy_sigma : {100.0, 15.0, 2.0}) {
-    AdjustmentSnapshot snapshot = snapshot_all(*r.mapped.map, r.model);
+    const auto taken = std::make_unique<AdjustmentSnapshot>();
+    AdjustmentSnapshot& snapshot = *taken;
+    snapshot_all(*r.mapped.map, r.model, &snapshot);
     const BundleOptions options{.iterations_max = 30, .cauchy_sigma = cauchy_sigma};
     ASSERT_TRUE(adjust(&snapshot, options, workspace()).usable);
     apply(snapshot, r.mapped.map.get());

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "geometry/alignment.hpp"
 #include "synthetic_map.hpp"
@@ -13,6 +14,18 @@ namespace {
 using namespace synthetic;
 
 constexpr BundleOptions kBundle{.iterations_max = 20, .cauchy_sigma = 2.0};
+
+std::unique_ptr<AdjustmentSnapshot> window_of(const Map& map, int keyframes) {
+  auto snapshot = std::make_unique<AdjustmentSnapshot>();
+  snapshot_window(map, camera(), keyframes, snapshot.get());
+  return snapshot;
+}
+
+std::unique_ptr<AdjustmentSnapshot> all_of(const Map& map) {
+  auto snapshot = std::make_unique<AdjustmentSnapshot>();
+  snapshot_all(map, camera(), snapshot.get());
+  return snapshot;
+}
 
 int moving(const AdjustmentSnapshot& s) {
   return static_cast<int>(std::count(s.pose_fixed.begin(), s.pose_fixed.end(), std::uint8_t{0}));
@@ -68,7 +81,8 @@ Similarity drift(const Map& before, const Map& after) {
 
 TEST(SnapshotWindow, MovesTheWindow_AndHoldsAtMostTwiceAsManyOthers) {
   const auto s = make_map(ball(300, 21), turn_by(0.1, 12), kNoise_px, 21);
-  const AdjustmentSnapshot snapshot = snapshot_window(*s.map, camera(), 3);
+  const auto snapshot_of_map = window_of(*s.map, 3);
+  const AdjustmentSnapshot& snapshot = *snapshot_of_map;
   EXPECT_EQ(moving(snapshot), 3);
   EXPECT_GE(held(snapshot), 1);
   EXPECT_LE(held(snapshot), 6);
@@ -83,7 +97,8 @@ TEST(SnapshotWindow, MovesTheWindow_AndHoldsAtMostTwiceAsManyOthers) {
 
 TEST(SnapshotWindow, HoldsAtLeastOneKeyframe_HoweverLargeTheWindow) {
   const auto s = make_map(ball(200, 22), turn_by(0.1, 4), kNoise_px, 22);
-  const AdjustmentSnapshot snapshot = snapshot_window(*s.map, camera(), 30);
+  const auto snapshot_of_map = window_of(*s.map, 30);
+  const AdjustmentSnapshot& snapshot = *snapshot_of_map;
   EXPECT_EQ(snapshot.keyframes.size(), 4U);
   EXPECT_GE(held(snapshot), 1);
   EXPECT_GE(moving(snapshot), 1);
@@ -91,8 +106,9 @@ TEST(SnapshotWindow, HoldsAtLeastOneKeyframe_HoweverLargeTheWindow) {
 
 TEST(SnapshotWindow, RefersOnlyToWhatItHolds) {
   const auto s = make_map(ball(300, 23), turn_by(0.1, 12), kNoise_px, 23);
-  for (const AdjustmentSnapshot& snapshot :
-       {snapshot_window(*s.map, camera(), 4), snapshot_all(*s.map, camera())}) {
+  for (const bool whole : {false, true}) {
+    const auto taken = whole ? all_of(*s.map) : window_of(*s.map, 4);
+    const AdjustmentSnapshot& snapshot = *taken;
     ASSERT_FALSE(snapshot.observations.empty());
     for (const BundleObservation& o : snapshot.observations) {
       const auto k = static_cast<std::size_t>(o.pose);
@@ -108,7 +124,8 @@ TEST(SnapshotWindow, RefersOnlyToWhatItHolds) {
 
 TEST(SnapshotAll, HasEveryKeyframeAndEveryLandmark_WithItsSightings) {
   const auto s = make_map(ball(300, 24), turn_by(0.1, 8), kNoise_px, 24);
-  const AdjustmentSnapshot snapshot = snapshot_all(*s.map, camera());
+  const auto snapshot_of_map = all_of(*s.map);
+  const AdjustmentSnapshot& snapshot = *snapshot_of_map;
   EXPECT_EQ(snapshot.keyframes.size(), 8U);
   EXPECT_EQ(static_cast<int>(snapshot.landmarks.size()), s.map->landmark_count);
   int sightings = 0;
@@ -121,8 +138,9 @@ TEST(SnapshotAll, HasEveryKeyframeAndEveryLandmark_WithItsSightings) {
 
 TEST(Snapshots, AreEmpty_WhenTheMapIs) {
   const auto map = std::make_unique<Map>();
-  EXPECT_TRUE(snapshot_window(*map, camera(), 5).keyframes.empty());
-  AdjustmentSnapshot all = snapshot_all(*map, camera());
+  EXPECT_TRUE(window_of(*map, 5)->keyframes.empty());
+  const auto all_of_map = all_of(*map);
+  AdjustmentSnapshot& all = *all_of_map;
   EXPECT_TRUE(all.keyframes.empty());
   EXPECT_FALSE(adjust(&all, kBundle, workspace()).usable);
 }
@@ -132,7 +150,8 @@ TEST(Adjust, BringsAJoltedMapBackToItsNoise) {
   disturb(25, s.map.get());
   const double before_px = rms_px(*s.map);
   ASSERT_GT(before_px, 3.0);
-  AdjustmentSnapshot all = snapshot_all(*s.map, camera());
+  const auto all_of_map = all_of(*s.map);
+  AdjustmentSnapshot& all = *all_of_map;
   ASSERT_TRUE(adjust(&all, kBundle, workspace()).usable);
   apply(all, s.map.get());
   // Two coordinates of 0.5 px each are 0.71 px RMS; the fit takes some of it away.
@@ -146,7 +165,8 @@ TEST(Adjust, OfAWindow_LowersTheErrorOfTheMap) {
   Keyframe& newest = s.map->keyframes[s.keyframes.back().index()];
   newest.pose.R_CT = so3_exp(0.02 * normal3(&rng)) * newest.pose.R_CT;
   const double before_px = rms_px(*s.map);
-  AdjustmentSnapshot window = snapshot_window(*s.map, camera(), 4);
+  const auto window_of_map = window_of(*s.map, 4);
+  AdjustmentSnapshot& window = *window_of_map;
   ASSERT_TRUE(adjust(&window, kBundle, workspace()).usable);
   apply(window, s.map.get());
   EXPECT_LT(rms_px(*s.map), before_px);
@@ -157,7 +177,8 @@ TEST(Adjust, OfAWindow_DoesNotMoveWhatIsHeld) {
   const auto s = make_map(ball(300, 27), turn_by(0.1, 12), kNoise_px, 27);
   disturb(27, s.map.get());
   const auto before = std::make_unique<Map>(*s.map);
-  AdjustmentSnapshot window = snapshot_window(*s.map, camera(), 3);
+  const auto window_of_map = window_of(*s.map, 3);
+  AdjustmentSnapshot& window = *window_of_map;
   ASSERT_GE(held(window), 2);
   ASSERT_TRUE(adjust(&window, kBundle, workspace()).usable);
   apply(window, s.map.get());
@@ -179,7 +200,8 @@ TEST(Apply, KeepsAxesOriginAndScale_WhenAllMoved) {
     const auto s = make_map(ball(300, 28), turn_by(0.15, 8), kNoise_px, seed);
     disturb(seed, s.map.get());
     const auto before = std::make_unique<Map>(*s.map);
-    AdjustmentSnapshot all = snapshot_all(*s.map, camera());
+    const auto all_of_map = all_of(*s.map);
+    AdjustmentSnapshot& all = *all_of_map;
     ASSERT_TRUE(adjust(&all, kBundle, workspace()).usable);
     apply(all, s.map.get());
     const Similarity moved = drift(*before, *s.map);
@@ -198,7 +220,8 @@ TEST(Apply, GivesBackTheSameMap_WhenTheSolutionDiffersByASimilarity) {
     const double c = 0.5 + rng.uniform();
     const Eigen::Matrix3d Q = so3_exp(normal3(&rng));
     const Eigen::Vector3d q = normal3(&rng);
-    AdjustmentSnapshot all = snapshot_all(*s.map, camera());
+    const auto all_of_map = all_of(*s.map);
+    AdjustmentSnapshot& all = *all_of_map;
     for (Eigen::Vector3d& p : all.points_T) {
       p = c * Q * p + q;
     }

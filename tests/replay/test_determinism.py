@@ -79,6 +79,16 @@ def test_with_files_that_come_at_uneven_speed(replay, subject, tmp_path):
     assert summary(halted)["bus_sha256"] == steady
 
 
+@pytest.mark.parametrize("delay_frames", [1, 4])
+def test_on_one_core_or_two_and_however_long_a_job_takes(replay, subject, tmp_path, delay_frames):
+    delay = ("--set", f"jobs.delay_frames={delay_frames}")
+    expected = hash_of(replay(subject, *delay, out=tmp_path / "two"))
+    assert hash_of(replay(subject, *delay, "--one-core", out=tmp_path / "one")) == expected
+    for latency_ms in (3, 40):
+        held = replay(subject, *delay, "--job-latency-ms", str(latency_ms), out=tmp_path / f"held_{latency_ms}")
+        assert hash_of(held) == expected
+
+
 def test_another_seed_or_parameter_changes_the_hash_of_the_configuration(replay, sequence, tmp_path):
     one = replay(sequence.path, out=tmp_path / "one")
     two = replay(sequence.path, "--set", "seed=2", out=tmp_path / "two")

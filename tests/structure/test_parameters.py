@@ -13,6 +13,7 @@ SECTIONS = {
     "ImageOptions": "image", "MaskOptions": "mask", "FeatureOptions": "features", "TrackOptions": "tracks",
     "StartOptions": "start", "LocaliseOptions": "localise", "MapOptions": "map", "ShapeOptions": "shape",
     "ScaleOptions": "scale", "MotionOptions": "motion", "BusOptions": "bus", "CameraParameters": "camera",
+    "JobOptions": "jobs", "BudgetOptions": "budget",
 }
 NOT_SET_DIRECTLY = {"scale.source"}  # follows from what is given
 FIELD = re.compile(r"^\s+(?:bool|int|double|std::\w+(?:<.*>)?|ScaleSource)\s+(\w+)\s*(?:=[^;]*|\{\})?;(?:\s*///<(.*))?$")

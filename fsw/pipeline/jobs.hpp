@@ -1,0 +1,79 @@
+// The long work, apart from the step: plain snapshots that a pure function turns into results, on
+// whichever thread the caller likes.
+//
+// One job is out at a time. Its result is taken in at a step that is named when it is issued
+// (logical execution time), so the packets do not depend on how long the work took.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "base/fixed_vector.hpp"
+#include "base/ids.hpp"
+#include "config/limits.hpp"
+#include "map/initialise.hpp"
+#include "map/window.hpp"
+#include "pipeline/component.hpp"
+
+namespace polhode {
+
+enum class JobKind : std::uint8_t { kNone, kStart, kAdjustment };
+
+/// A contest for the start of a map.
+struct StartJob {
+  std::size_t frame_count = 0;
+  std::size_t track_count = 0;
+  std::array<double, limits::kStartFrames> times_s{};
+  std::array<StartTrack, limits::kStartTracks> tracks;
+  std::uint64_t seed = 0;
+  std::uint32_t losses = 0;  ///< so far: another one, and the frames of the contest are gone
+  StartOptions options;
+  StartWorkspace workspace;
+  StartOutcome outcome;  ///< the result
+};
+
+/// What an adjustment is for, which decides what follows from it.
+enum class AdjustmentReason : std::uint8_t { kMapBegun, kMapCompleted, kMapGrown };
+
+/// A joint adjustment of part of the map, in rounds with a loss of their own.
+struct AdjustmentJob {
+  static constexpr std::size_t kRounds = 3;
+  AdjustmentReason reason = AdjustmentReason::kMapGrown;
+  KeyframeId keyframe;               ///< that the map has grown by
+  std::uint32_t first_keyframe = 0;  ///< number of the first one of the part that has begun
+  FixedVector<BundleOptions, kRounds> rounds;
+  AdjustmentSnapshot snapshot;  ///< in: as the map is; out: as it should be
+  BundleWorkspace workspace;
+  bool usable = false;  ///< of the result
+};
+
+struct Job {
+  JobKind kind = JobKind::kNone;
+  bool done = false;
+  bool skipped = false;  ///< there is no result
+  std::uint32_t issued_step = 0;
+  std::uint32_t due_step = 0;
+  StartJob start;
+  AdjustmentJob adjustment;
+};
+
+/// Sends off what has been prepared in `state->job`: to the caller with this step's output, or,
+/// with a delay of 0, to run_undelayed_jobs.
+void issue_job(JobKind kind, Component::State* state);
+
+/// No job is out: the map may be changed, and a new job prepared.
+[[nodiscard]] bool job_slot_free(const Component::State& state);
+
+/// Takes the result in when its step has come; may issue the next job.
+void take_due_job(Job* finished, Component::State* state);
+
+/// With a delay of 0 frames: runs the job here, and those that follow from it.
+void run_undelayed_jobs(Component::State* state);
+
+/// At the end of a run: what is still out is run, unless that is done, and taken in.
+void close_jobs(Component::State* state);
+
+/// The job that this step has issued for the caller to run; nullptr when there is none.
+[[nodiscard]] Job* job_for_caller(Component::State* state);
+
+}  // namespace polhode

@@ -1,0 +1,25 @@
+#include "app/component_memory.hpp"
+
+#include <fmt/format.h>
+
+#include "errors.hpp"
+
+namespace polhode::platform {
+namespace {
+
+MemoryPlan acquired(const Parameters& parameters, const std::string& where) {
+  MemoryPlan plan = plan_memory(parameters);
+  if (!plan.problem.empty()) {
+    throw UnusableInput(fmt::format(
+        "{}: the memory does not fit: {} (polhode check --memory)", where, plan.problem));
+  }
+  open_pools(plan.pools);
+  return plan;
+}
+
+}  // namespace
+
+ComponentMemory::ComponentMemory(const Parameters& parameters, const std::string& where)
+    : plan_(acquired(parameters, where)), tables_(memory_needed(parameters).total) {}
+
+}  // namespace polhode::platform

@@ -1,0 +1,134 @@
+#include "memory_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "os/linux/worker.hpp"
+
+namespace polhode::platform {
+namespace {
+
+constexpr std::size_t kMiB = std::size_t{1} << 20;
+
+// Measured with this distribution's libraries by tests/memory, which fails when one of them takes
+// more.
+constexpr std::size_t kHypothesesOctets = 4 * kMiB;
+constexpr std::size_t kPoseOctets = kMiB;
+// Five octaves of eleven pictures of floating-point numbers, the first at twice the size.
+constexpr std::size_t kPerWorkingPixel = 260;
+// The program's text, its 117 shared libraries and their own data before anything is asked of them.
+constexpr std::size_t kProgramOctets = 34 * kMiB;
+constexpr std::size_t kMainStackOctets = 2 * kMiB;
+// Frames that are in memory at a time: the one that is decoded and the one that is looked at.
+constexpr std::size_t kPictures = 2;
+
+std::size_t pixels(const Parameters& p) {
+  return static_cast<std::size_t>(p.camera.width_px) * static_cast<std::size_t>(p.camera.height_px);
+}
+
+std::vector<CallCost> calls(const Parameters& p) {
+  // A pyramid of three levels is 4/3 of the picture, with a border; its gradients are two 16-bit
+  // pictures of a level.
+  const auto working = static_cast<std::size_t>(p.features.working_pixels_max);
+  const std::size_t pyramids = 2 * (pixels(p) * 14 / 10) + 5 * pixels(p);
+  return {{"optical flow: two pyramids and gradients", Pool::kStep, pyramids},
+          {"picture, mask and region of interest", Pool::kStep, 3 * pixels(p)},
+          {"features of the region of interest", Pool::kStep, kPerWorkingPixel * working},
+          {"absolute pose: hypotheses of three points", Pool::kStep, kPoseOctets},
+          {"start of a map: hypotheses of all kinds",
+           p.jobs.delay_frames == 0 ? Pool::kStep : Pool::kJobs,
+           kHypothesesOctets}};
+}
+
+std::size_t sum_of(const std::vector<CallCost>& calls, Pool pool) {
+  std::size_t sum = 0;
+  for (const CallCost& call : calls) {
+    sum += call.pool == pool ? call.octets : 0;
+  }
+  return sum;
+}
+
+std::string misfit(const MemoryPlan& plan) {
+  for (const Pool pool : {Pool::kStep, Pool::kJobs}) {
+    const std::size_t worst = sum_of(plan.calls, pool);
+    const std::size_t held = plan.pools[static_cast<std::size_t>(pool)];
+    if (worst > held) {
+      return fmt::format("calls may take {} octets of the pool '{}', which holds {} (budget.{}_mb)",
+                         worst,
+                         pool_name(pool),
+                         held,
+                         pool_name(pool));
+    }
+  }
+  if (plan.total_octets > plan.limit_octets) {
+    return fmt::format("all of it is {} octets, budget.total_mb allows {}",
+                       plan.total_octets,
+                       plan.limit_octets);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::size_t job_worst_case(const Parameters& /*parameters*/) { return kHypothesesOctets; }
+
+MemoryPlan plan_memory(const Parameters& p) {
+  MemoryPlan plan;
+  const MemoryNeed need = memory_needed(p);
+  for (const TableNeed& table : need.tables) {
+    plan.tables.push_back({std::string(table.name), table.octets});
+  }
+  plan.tables_octets = need.total;
+  plan.calls = calls(p);
+  const auto mib = [](int value) { return static_cast<std::size_t>(value) * kMiB; };
+  plan.pools = {mib(p.budget.general_mb),
+                mib(p.budget.step_mb),
+                mib(p.budget.jobs_mb),
+                mib(p.budget.reserve_mb)};
+  if (p.jobs.delay_frames == 0) {  // jobs are then done within the step, from its pool
+    plan.pools[static_cast<std::size_t>(Pool::kStep)] += std::exchange(
+        plan.pools[static_cast<std::size_t>(Pool::kJobs)], std::size_t{0});
+  }
+  plan.others = {{"pictures", kPictures * pixels(p)},
+                 {"stack of the steps", kMainStackOctets},
+                 {"stack of the jobs", WorkerOptions{}.stack_octets},
+                 {"program and libraries", kProgramOctets}};
+  plan.total_octets = plan.tables_octets;
+  for (const std::size_t pool : plan.pools) {
+    plan.total_octets += pool;
+  }
+  for (const PlanRow& row : plan.others) {
+    plan.total_octets += row.octets;
+  }
+  plan.limit_octets = mib(p.budget.total_mb);
+  plan.problem = misfit(plan);
+  return plan;
+}
+
+std::string text_of(const MemoryPlan& plan) {
+  const auto row = [](const std::string& name, std::size_t octets) {
+    return fmt::format("  {:<52} {:>12}\n", name, octets);
+  };
+  std::string text = "own tables, octets\n";
+  for (const PlanRow& table : plan.tables) {
+    text += row(table.name, table.octets);
+  }
+  text += row("all tables", plan.tables_octets) + "pools for the libraries\n";
+  for (std::size_t i = 0; i < kPoolCount; ++i) {
+    text += row(pool_name(static_cast<Pool>(i)), plan.pools[i]);
+  }
+  text += "the most that one call takes, and its pool\n";
+  for (const CallCost& call : plan.calls) {
+    text += row(fmt::format("{} ({})", call.name, pool_name(call.pool)), call.octets);
+  }
+  text += "the rest\n";
+  for (const PlanRow& other : plan.others) {
+    text += row(other.name, other.octets);
+  }
+  text += row("in all", plan.total_octets) + row("allowed (budget.total_mb)", plan.limit_octets);
+  return text + (plan.problem.empty() ? "It fits.\n" : "It does not fit: " + plan.problem + "\n");
+}
+
+}  // namespace polhode::platform

@@ -1,0 +1,46 @@
+// The whole memory of a run, decided before it starts: own tables, the libraries' pools, stacks,
+// pictures, the program itself.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "os/linux/memory/region.hpp"
+#include "pipeline/component.hpp"
+
+namespace polhode::platform {
+
+struct PlanRow {
+  std::string name;
+  std::size_t octets = 0;
+};
+
+/// The most that one library call takes from its pool at the sizes that the configuration allows.
+struct CallCost {
+  std::string name;
+  Pool pool = Pool::kStep;
+  std::size_t octets = 0;
+};
+
+struct MemoryPlan {
+  std::vector<PlanRow> tables;  ///< the component's own, one by one
+  std::vector<CallCost> calls;
+  std::vector<PlanRow> others;  ///< pictures, stacks, the program with its libraries
+  PoolOctets pools{};
+  std::size_t tables_octets = 0;
+  std::size_t total_octets = 0;
+  std::size_t limit_octets = 0;
+  std::string problem;  ///< why it does not fit; empty when it does
+};
+
+/// @param parameters checked, with a camera.
+MemoryPlan plan_memory(const Parameters& parameters);
+
+/// The plan as a table for people.
+std::string text_of(const MemoryPlan& plan);
+
+/// What one job may take from its pool at most; admission asks for this much before it runs.
+std::size_t job_worst_case(const Parameters& parameters);
+
+}  // namespace polhode::platform

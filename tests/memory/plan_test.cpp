@@ -1,0 +1,101 @@
+#include "memory_plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "os/linux/deadline.hpp"
+
+namespace polhode::platform {
+namespace {
+
+Parameters at(int width_px, int height_px) {
+  Parameters p;
+  p.camera = {.width_px = width_px,
+              .height_px = height_px,
+              .fu_px = 1000.0,
+              .fv_px = 1000.0,
+              .cu_px = 320.0,
+              .cv_px = 240.0};
+  return p;
+}
+
+TEST(MemoryPlan, OfTheDefaultsFits) {
+  EXPECT_EQ(plan_memory(at(640, 480)).problem, "");
+  EXPECT_EQ(plan_memory(at(1920, 1080)).problem, "");
+}
+
+TEST(MemoryPlan, ListsTheTablesWhole) {
+  const Parameters p = at(640, 480);
+  const MemoryPlan plan = plan_memory(p);
+  std::size_t sum = 0;
+  for (const PlanRow& table : plan.tables) {
+    EXPECT_GT(table.octets, 0U) << table.name;
+    sum += table.octets;
+  }
+  EXPECT_EQ(sum, memory_needed(p).total);
+  EXPECT_EQ(plan.tables_octets, sum);
+}
+
+TEST(MemoryPlan, TheTotalIsTheSumOfItsParts) {
+  const MemoryPlan plan = plan_memory(at(1280, 720));
+  std::size_t sum = std::accumulate(plan.pools.begin(), plan.pools.end(), plan.tables_octets);
+  for (const PlanRow& row : plan.others) {
+    sum += row.octets;
+  }
+  EXPECT_EQ(plan.total_octets, sum);
+}
+
+TEST(MemoryPlan, RefusesATotalThatIsTooSmall_AndSaysWhatIsNeeded) {
+  Parameters p = at(640, 480);
+  p.budget.total_mb = 64;
+  const MemoryPlan plan = plan_memory(p);
+  EXPECT_NE(plan.problem.find("budget.total_mb"), std::string::npos);
+  EXPECT_NE(plan.problem.find(std::to_string(plan.total_octets)), std::string::npos);
+  EXPECT_NE(text_of(plan).find("does not fit"), std::string::npos);
+}
+
+TEST(MemoryPlan, RefusesAPoolThatTheWorstCallsOverflow) {
+  Parameters p = at(1920, 1080);
+  p.budget.step_mb = 8;
+  EXPECT_NE(plan_memory(p).problem.find("budget.step_mb"), std::string::npos);
+  p = at(640, 480);
+  p.jobs.delay_frames = 1;
+  p.budget.jobs_mb = 4;
+  EXPECT_EQ(plan_memory(p).problem, "");
+}
+
+TEST(MemoryPlan, WithoutDelayTheJobsDrawFromTheStepsPool) {
+  Parameters p = at(640, 480);
+  const MemoryPlan within = plan_memory(p);
+  p.jobs.delay_frames = 2;
+  const MemoryPlan beside = plan_memory(p);
+  EXPECT_EQ(within.pools[static_cast<std::size_t>(Pool::kJobs)], 0U);
+  EXPECT_GT(beside.pools[static_cast<std::size_t>(Pool::kJobs)], 0U);
+  EXPECT_EQ(within.total_octets, beside.total_octets);
+}
+
+TEST(MemoryPlan, ALargerPictureTakesMore) {
+  EXPECT_GT(plan_memory(at(1920, 1080)).total_octets, plan_memory(at(640, 480)).total_octets);
+}
+
+TEST(DeadlineMonitor, CountsWhatWasLate) {
+  DeadlineMonitor monitor(10.0);
+  EXPECT_TRUE(monitor.add(10'000));
+  EXPECT_FALSE(monitor.add(10'001));
+  EXPECT_FALSE(monitor.add(50'000));
+  EXPECT_TRUE(monitor.add(9'000));
+  EXPECT_FALSE(monitor.add(11'000));
+  EXPECT_EQ(monitor.missed(), 3U);
+  EXPECT_EQ(monitor.missed_in_a_row_max(), 2U);
+  EXPECT_EQ(monitor.worst_us(), 50'000);
+}
+
+TEST(DeadlineMonitor, WithoutADeadlineNothingIsLate) {
+  DeadlineMonitor monitor(0.0);
+  EXPECT_TRUE(monitor.add(1'000'000));
+  EXPECT_EQ(monitor.missed(), 0U);
+}
+
+}  // namespace
+}  // namespace polhode::platform

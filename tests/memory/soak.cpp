@@ -1,0 +1,253 @@
+// Many frames after the seal: a sequence played back and forth from memory, on two threads, under
+// the kernel's eyes. Prints what it found as JSON; exit code 5 tells that something asked the
+// machine for memory, a thread or a file.
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/component_memory.hpp"
+#include "camera/replay/file_camera.hpp"
+#include "camera/replay/sequence.hpp"
+#include "errors.hpp"
+#include "os/linux/libraries.hpp"
+#include "os/linux/memory/lock.hpp"
+#include "os/linux/memory/region.hpp"
+#include "os/linux/memory/trap.hpp"
+#include "os/linux/worker.hpp"
+#include "parameters/load.hpp"
+#include "pipeline/component.hpp"
+
+namespace {
+
+using namespace polhode;
+using namespace polhode::platform;
+
+struct Arguments {
+  std::string config;
+  std::string sequence;
+  std::vector<std::string> settings;
+  int warm_up = 200;
+  int frames = 500;
+  std::string control;  ///< a forbidden call to make on purpose
+};
+
+/// Frames decoded before the start, so that the run opens no file.
+std::vector<std::vector<std::uint8_t>> pictures_of(const Sequence& sequence) {
+  FileCamera camera(sequence);
+  Frame frame;
+  std::vector<std::vector<std::uint8_t>> pictures;
+  while (camera.next(frame)) {
+    std::vector<std::uint8_t> rows;
+    for (int v = 0; v < frame.image.height_px; ++v) {
+      const std::uint8_t* row = frame.image.data + v * frame.image.stride_octets;
+      rows.insert(rows.end(), row, row + frame.image.width_px);
+    }
+    pictures.push_back(std::move(rows));
+  }
+  return pictures;
+}
+
+/// 0 1 2 ... n-1 n-2 ... 1 0 1 ...: the body turns on, then back.
+std::size_t back_and_forth(std::size_t i, std::size_t n) {
+  const std::size_t period = 2 * (n - 1);
+  return std::min(i % period, period - i % period);
+}
+
+struct Reading {
+  long faults = 0;
+  long resident_pages = 0;
+  std::size_t live_blocks = 0;
+  std::size_t used_octets = 0;
+};
+
+class Meter {
+ public:
+  Meter() : file_(std::fopen("/proc/self/statm", "r")) {}
+  Reading read() {
+    Reading r;
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    r.faults = usage.ru_minflt + usage.ru_majflt;
+    char text[128]{};
+    if (::pread(::fileno(file_), text, sizeof text - 1, 0) > 0) {
+      long total = 0;
+      (void)std::sscanf(text, "%ld %ld", &total, &r.resident_pages);
+    }
+    for (std::size_t i = 0; i < kPoolCount; ++i) {
+      const HeapUse use = pool_use(static_cast<Pool>(i));
+      r.live_blocks += use.live_blocks;
+      r.used_octets += use.used_octets;
+    }
+    return r;
+  }
+
+ private:
+  std::FILE* file_;
+};
+
+double thread_cpu_ms() {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+/// The positive control: shows that the trap would have seen it.
+void do_what_is_forbidden(const std::string& control) {
+  if (control == "mmap") {
+    (void)::mmap(nullptr, 4096, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  } else if (control == "brk") {
+    (void)::sbrk(4096);
+  } else if (control == "open") {
+    (void)std::fopen("/dev/null", "r");
+  } else if (control == "thread") {
+    pthread_t thread{};
+    pthread_create(&thread, nullptr, [](void* p) { return p; }, nullptr);
+  } else if (control == "madvise") {
+    alignas(4096) static char page[4096];
+    (void)::madvise(page, sizeof page, MADV_NORMAL);
+  }
+}
+
+class Soak {
+ public:
+  Soak(const Arguments& arguments, const Sequence& sequence, const Parameters& parameters)
+      : arguments_(arguments),
+        parameters_(parameters),
+        pictures_(pictures_of(sequence)),
+        memory_(parameters, arguments.config),
+        worker_({.own_thread = parameters.jobs.delay_frames > 0}) {
+    Result<Component*> made = Component::create(memory_.span(), parameters);
+    if (!made) {
+      throw UnusableInput(made.error().message);
+    }
+    component_ = made.value();
+    step_ms_.reserve(static_cast<std::size_t>(arguments.frames));
+  }
+
+  void run() {
+    for (int i = 0; i < arguments_.warm_up; ++i) {
+      step();
+    }
+    const std::string lock_problem = lock_memory();
+    Reading at_seal = meter_.read();
+    seal_memory();
+    const bool trapped = set_memory_trap();
+    do_what_is_forbidden(arguments_.control);
+    std::vector<Reading> readings;
+    readings.reserve(11);
+    at_seal = meter_.read();
+    for (int i = 0; i < arguments_.frames; ++i) {
+      if (i % std::max(1, arguments_.frames / 10) == 0) {
+        readings.push_back(meter_.read());
+      }
+      step();
+    }
+    readings.push_back(meter_.read());
+    print(at_seal, readings, trapped, lock_problem.empty());
+    std::fflush(stdout);
+    ::_exit(0);  // ending the thread would be trapped
+  }
+
+ private:
+  void step() {
+    const std::vector<std::uint8_t>& picture = pictures_[back_and_forth(next_, pictures_.size())];
+    const CameraParameters& c = parameters_.camera;
+    const Frame frame{.timestamp_ns = static_cast<std::int64_t>(++next_) * 10'000'000'000,
+                      .image = {.data = picture.data(),
+                                .width_px = c.width_px,
+                                .height_px = c.height_px,
+                                .stride_octets = c.width_px}};
+    const PoolScope scope(Pool::kStep);
+    Job* finished = worker_.due(static_cast<std::uint32_t>(next_ - 1));
+    const double before_ms = thread_cpu_ms();
+    const StepOutput& out = component_->step({.frame = frame, .finished = finished});
+    if (memory_is_sealed()) {
+      step_ms_.push_back(thread_cpu_ms() - before_ms);
+      poses_ += out.motion.pose_valid ? 1 : 0;
+    }
+    worker_.submit(out.job);
+  }
+
+  [[nodiscard]] double median_ms(std::size_t from, std::size_t count) const {
+    std::vector<double> part(
+        step_ms_.begin() + static_cast<std::ptrdiff_t>(from),
+        step_ms_.begin() + static_cast<std::ptrdiff_t>(std::min(from + count, step_ms_.size())));
+    std::sort(part.begin(), part.end());
+    return part.empty() ? 0.0 : part[part.size() / 2];
+  }
+
+  void print(const Reading& at_seal, const std::vector<Reading>& readings, bool trapped, bool locked) {
+    std::string live;
+    std::string used;
+    std::string resident;
+    for (const Reading& r : readings) {
+      const char* comma = live.empty() ? "" : ", ";
+      live += fmt::format("{}{}", comma, r.live_blocks);
+      used += fmt::format("{}{}", comma, r.used_octets);
+      resident += fmt::format("{}{}", comma, r.resident_pages * 4096);
+    }
+    const std::size_t tenth = step_ms_.size() / 10;
+    fmt::print(
+        "{{\"frames\": {}, \"poses\": {}, \"trap\": {}, \"locked\": {},\n"
+        " \"faults_after_seal\": {}, \"live_blocks\": [{}],\n \"used_octets\": [{}],\n"
+        " \"resident_octets\": [{}],\n \"grown_octets\": {}, \"overdrafts\": {},\n"
+        " \"median_step_ms_second_tenth\": {:.3f}, \"median_step_ms_last_tenth\": {:.3f}}}\n",
+        arguments_.frames,
+        poses_,
+        trapped,
+        locked,
+        readings.back().faults - at_seal.faults,
+        live,
+        used,
+        resident,
+        grown_octets(),
+        take_overdrafts(Pool::kStep) + take_overdrafts(Pool::kJobs) +
+            take_overdrafts(Pool::kGeneral),
+        median_ms(tenth, tenth),
+        median_ms(9 * tenth, tenth));
+  }
+
+  const Arguments& arguments_;
+  const Parameters& parameters_;
+  std::vector<std::vector<std::uint8_t>> pictures_;
+  ComponentMemory memory_;
+  Worker worker_;
+  Meter meter_;
+  Component* component_ = nullptr;
+  std::size_t next_ = 0;
+  int poses_ = 0;
+  std::vector<double> step_ms_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  pin_libraries();
+  Arguments arguments;
+  CLI::App app{"many frames after the seal"};
+  app.add_option("--config", arguments.config)->required();
+  app.add_option("--sequence", arguments.sequence)->required();
+  app.add_option("--set", arguments.settings)->expected(1)->multi_option_policy(
+      CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--warm-up", arguments.warm_up);
+  app.add_option("--frames", arguments.frames);
+  app.add_option("--control", arguments.control);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    const Sequence sequence = open_sequence(arguments.sequence);
+    Parameters parameters = load_configuration(arguments.config, arguments.settings).parameters;
+    parameters.camera = sequence.camera;
+    Soak(arguments, sequence, parameters).run();
+  } catch (const std::exception& problem) {
+    fmt::print(stderr, "soak: {}\n", problem.what());
+    return 2;
+  }
+}

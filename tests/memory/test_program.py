@@ -1,0 +1,65 @@
+"""The program's memory from outside: the plan, its refusal, and what a run says that it used."""
+
+import json
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(REPOSITORY / "tests/replay"))
+
+from replay_files import DEFAULTS, PROGRAM  # noqa: E402
+from sequence_writer import SequenceWriter, textured  # noqa: E402
+
+pytestmark = pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
+
+
+def call(*arguments):
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=600)
+
+
+@pytest.fixture
+def sequence(tmp_path):
+    writer = SequenceWriter(tmp_path / "sequence")
+    for seed in range(4):
+        writer.add(textured(seed))
+    return writer.path
+
+
+def test_the_plan_names_tables_pools_calls_and_stacks(sequence):
+    result = call("check", "--config", DEFAULTS, "--sequence", sequence, "--memory")
+    assert result.returncode == 0, result.stderr
+    for part in ("keyframes", "landmarks", "general", "reserve", "optical flow", "stack of the jobs", "in all", "It fits."):
+        assert part in result.stdout
+
+
+def test_the_plan_needs_a_camera():
+    result = call("check", "--config", DEFAULTS, "--memory")
+    assert result.returncode == 2
+    assert "--sequence" in result.stderr
+
+
+@pytest.mark.parametrize("setting", ["budget.total_mb=64", "budget.step_mb=8"])
+def test_what_does_not_fit_is_refused_before_the_start(sequence, tmp_path, setting):
+    key = setting.split("=")[0]
+    checked = call("check", "--config", DEFAULTS, "--sequence", sequence, "--set", setting)
+    assert checked.returncode == 2 and key in checked.stderr
+    replayed = call("replay", "--config", DEFAULTS, "--sequence", sequence, "--out", tmp_path / "out", "--set", setting)
+    assert replayed.returncode == 2 and key in replayed.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_run_stays_in_its_pools(sequence, tmp_path):
+    result = call("replay", "--config", DEFAULTS, "--sequence", sequence, "--out", tmp_path / "out")
+    assert result.returncode == 0, result.stderr
+    summary = json.loads((tmp_path / "out/summary.json").read_text())
+    memory = summary["memory"]
+    assert memory["budget_octets"] >= memory["planned_octets"]
+    if not memory["fixed"]:
+        pytest.skip("fixed memory is off in this build")
+    for name, pool in memory["pools"].items():
+        assert pool["peak_octets"] <= pool["octets"], name
+    assert memory["pools"]["reserve"]["peak_octets"] == 0
+    assert summary["counters"]["steps_short_of_memory"] == 0

@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+"""The first packet and field in which two bus streams differ.
+
+    tools/first_difference.py EXPECTED.ccsds FOUND.ccsds
+
+Exit status 0: the same octets; 1: they differ.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
+PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
+
+
+def packets(file: pathlib.Path) -> list[dict]:
+    dump = subprocess.run([PROGRAM, "bus", "dump", file, "--json"], capture_output=True, text=True, check=True)
+    return [json.loads(line) for line in dump.stdout.splitlines() if line.strip()]
+
+
+def flat(value, name: str = "") -> dict:
+    """{"q_CT[0]": ..., "mode": ...}: one entry a number."""
+    if isinstance(value, dict):
+        return {k: v for key, part in value.items() for k, v in flat(part, f"{name}.{key}" if name else key).items()}
+    if isinstance(value, list):
+        return {k: v for i, part in enumerate(value) for k, v in flat(part, f"{name}[{i}]").items()}
+    return {name: value}
+
+
+def first_difference(expected: list[dict], found: list[dict]) -> str | None:
+    for number, (a, b) in enumerate(zip(expected, found)):
+        left, right = flat(a), flat(b)
+        for field in [*left, *(key for key in right if key not in left)]:
+            if left.get(field) != right.get(field):
+                others = sum(left.get(key) != right.get(key) for key in {*left, *right}) - 1
+                return (f"packet {number}, {field}: expected {left.get(field)!r}, found {right.get(field)!r}"
+                        f" ({others} other fields of this packet differ too)")
+    if len(expected) != len(found):
+        return f"packet {min(len(expected), len(found))}: expected {len(expected)} packets, found {len(found)}"
+    return None
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("expected", type=pathlib.Path)
+    parser.add_argument("found", type=pathlib.Path)
+    arguments = parser.parse_args()
+    if arguments.expected.read_bytes() == arguments.found.read_bytes():
+        print("the same octets")
+        return 0
+    print(first_difference(packets(arguments.expected), packets(arguments.found))
+          or "all fields are the same, the octets are not: headers or check sums differ")
+    return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,8 @@
+#!/usr/bin/env bash
+# The long memory test: 20,000 frames after the seal (the everyday suite takes 500).
+#   tools/soak.sh [FRAMES]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+export POLHODE_SOAK_FRAMES=${1:-20000}
+tools/build.sh release
+exec .venv/bin/python -m pytest tests/memory -ra
