@@ -25,7 +25,7 @@ for format in GREY Y16 Y12 Y10 YUYV RGB24; do
     --set "recording.folder=\"$WORK/$name/recording\"" --set recording.complete=true 2> "$WORK/$name/stderr.txt" || fail "vivid $format"
   keep "$name"
 done
-v4l2-ctl -d /dev/video0 -c test_pattern=6 || true # all black: a dark frame, so that the estimator stays out of it
+v4l2-ctl -d /dev/video0 -c test_pattern=6,osd_text_mode=2 || true # all black, no text: a dark frame, so that the estimator stays out of it
 name=full_hd
 config $name 1920 1080 2000
 $POLHODE run --config "$WORK/$name.toml" --set device.pixel_format='"GREY"' --set device.rate_hz=30.0 --set run.frames_max=60 \
