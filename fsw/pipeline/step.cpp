@@ -26,11 +26,13 @@ FrameUse judge(const Frame& frame, const Component::State& s) {
 }
 
 /// A job that was out when the target was forgotten comes back with a result for nothing.
-void leave_forgotten_job(Job* finished, Component::State* s) {
-  if (finished != nullptr && s->bus.job_is_forgotten) {
-    skip_job(*finished);
-    s->bus.job_is_forgotten = false;
+Job* wanted(Job* finished, Component::State* s) {
+  if (finished == nullptr || !s->bus.job_is_forgotten) {
+    return finished;
   }
+  s->bus.job_is_forgotten = false;
+  finished->kind = JobKind::kNone;
+  return nullptr;
 }
 
 void count(FrameUse use, Counters* counters) {
@@ -97,8 +99,7 @@ const StepOutput& Component::step(const StepInput& input) {
   ++s->counters.frames_in;
   s->pose_valid = false;
   shed_load(input.memory_short, s);
-  leave_forgotten_job(input.finished, s);
-  take_due_job(input.finished, s);
+  take_due_job(wanted(input.finished, s), s);
   if (s->bus.held) {
     s->mode = Mode::kIdle;
   }
