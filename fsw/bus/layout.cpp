@@ -6,6 +6,7 @@
 
 #include "base/assert.hpp"
 #include "base/crc.hpp"
+#include "bus/octets.hpp"
 
 namespace polhode::bus {
 namespace {
@@ -13,27 +14,6 @@ namespace {
 static_assert(std::numeric_limits<double>::is_iec559 && sizeof(double) == 8);
 
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-
-void put_unsigned(std::span<std::uint8_t> out,
-                  std::size_t offset,
-                  std::uint64_t value,
-                  std::size_t octets) {
-  POLHODE_ASSERT(offset + octets <= out.size(), offset);
-  for (std::size_t i = 0; i < octets; ++i) {
-    out[offset + i] = static_cast<std::uint8_t>((value >> (8U * (octets - 1U - i))) & 0xFFU);
-  }
-}
-
-std::uint64_t get_unsigned(std::span<const std::uint8_t> in,
-                           std::size_t offset,
-                           std::size_t octets) {
-  POLHODE_ASSERT(offset + octets <= in.size(), offset);
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < octets; ++i) {
-    value = (value << 8U) | in[offset + i];
-  }
-  return value;
-}
 
 }  // namespace
 

@@ -1,10 +1,11 @@
-// Octets of the packets: CCSDS space packet header, CUC time, field offsets, big-endian pack and
-// unpack.
+// Octets of the packets: CCSDS space packet header, CUC time, CRC, big-endian access.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
+
+#include "bus/packet_layout.hpp"
 
 namespace polhode::bus {
 
@@ -14,8 +15,6 @@ namespace polhode::bus {
 inline constexpr std::size_t kPrimaryHeaderOctets = 6;
 inline constexpr std::size_t kHeaderOctets = 16;
 inline constexpr std::size_t kCrcOctets = 2;
-inline constexpr std::uint8_t kLayoutVersion =
-    1;  ///< a change of any packet's layout changes this and docs/bus.md
 inline constexpr std::uint16_t kSequenceModulus = 0x4000;  ///< the 14-bit count wraps here
 inline constexpr std::uint16_t kApidMax = 0x7FE;           ///< 0x7FF is the idle packet
 
@@ -28,38 +27,6 @@ enum class TimeQuality : std::uint8_t {
   kOutOfRange =
       1,  ///< the time stamp does not fit CUC (negative, or 2^32 s and more): the CUC field is zero
 };
-
-/// Offsets of the motion packet from its first octet; every field starts on a multiple of its size.
-namespace motion_layout {
-inline constexpr std::size_t kTimestamp_ns = 16;        ///< int64
-inline constexpr std::size_t kAttitude_q_CT = 24;       ///< 4 x float64: w, x, y, z
-inline constexpr std::size_t kPosition_p_CT = 56;       ///< 3 x float64
-inline constexpr std::size_t kVelocity_v_C = 80;        ///< 3 x float64
-inline constexpr std::size_t kRate_w_T_rad_s = 104;     ///< 3 x float64
-inline constexpr std::size_t kSigmaAttitude_rad = 128;  ///< float64
-inline constexpr std::size_t kSigmaPosition = 136;      ///< float64
-inline constexpr std::size_t kSigmaVelocity = 144;      ///< float64
-inline constexpr std::size_t kSigmaRate_rad_s = 152;    ///< float64
-inline constexpr std::size_t kFrame = 160;              ///< uint32
-inline constexpr std::size_t kFeatures = 164;           ///< uint16
-inline constexpr std::size_t kMatches = 166;            ///< uint16
-inline constexpr std::size_t kInliers = 168;            ///< uint16
-inline constexpr std::size_t kLandmarks = 170;          ///< uint16
-inline constexpr std::size_t kKeyframes = 172;          ///< uint16
-inline constexpr std::size_t kMode = 174;               ///< uint8
-inline constexpr std::size_t kFlags = 175;              ///< uint8
-inline constexpr std::size_t kCrc = 176;                ///< uint16 over octets 0 .. 175
-inline constexpr std::size_t kPacketOctets = 178;
-
-inline constexpr std::uint8_t kFlagPose = 0x01;
-inline constexpr std::uint8_t kFlagRate = 0x02;
-inline constexpr std::uint8_t kFlagVelocity = 0x04;
-inline constexpr std::uint8_t kFlagScale = 0x08;
-inline constexpr std::uint8_t kFlagsUsed = 0x0F;
-}  // namespace motion_layout
-
-static_assert(motion_layout::kTimestamp_ns == kHeaderOctets);
-static_assert(motion_layout::kPacketOctets == motion_layout::kCrc + kCrcOctets);
 
 struct PacketHeader {
   std::uint16_t apid = 0;      ///< 0 .. 0x7FF

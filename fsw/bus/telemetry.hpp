@@ -1,6 +1,8 @@
-// The motion packet: one per accepted frame, valid or not. Field table: docs/bus.md.
+// Telemetry packets: a struct of the field table (packets.hpp) to octets and back; and the packets of
+// one step, end to end.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -8,28 +10,80 @@
 #include "base/result.hpp"
 #include "bus/layout.hpp"
 #include "bus/options.hpp"
+#include "bus/packets.hpp"
+#include "bus/capacities.hpp"
 #include "motion/motion_state.hpp"
 
 namespace polhode {
 
 inline constexpr std::size_t kMotionPacketOctets = bus::motion_layout::kPacketOctets;
 
-/// Writes the motion packet of one frame into the front of `out`.
-/// What a flag declares invalid goes out as zeros (the scale flag says only which unit lengths
-/// have). A value that is not finite takes its flag down: no NaN and no infinity goes on the bus.
-/// @param sequence  count of this APID; only its 14 low bits are used. The caller counts with
-/// bus::next_sequence().
+namespace bus {
+
+/// What a packet is sent under.
+struct Envelope {
+  int apid_first = 0x1A0;
+  std::uint16_t sequence = 0;  ///< only its 14 low bits are used
+  std::int64_t timestamp_ns = 0;
+};
+
+/// Settles the packet (see fields.hpp), then writes header, fields and CRC into the front of `out`.
+/// @return octets written, or 0 (nothing written) when `out` is shorter than the layout says.
+std::size_t encode(const Layout& layout,
+                   void* packet,
+                   const Envelope& envelope,
+                   std::span<std::uint8_t> out);
+
+/// Reads exactly one packet of this layout.
+/// @errors BadParameter: length, header, layout version, CRC, or a value out of the field table's
+/// range; the message says which.
+Result<PacketHeader> decode(const Layout& layout,
+                            std::span<const std::uint8_t> octets,
+                            void* packet);
+
+/// The packets of one step and the counts of all APIDs: these count always, with or without room and
+/// readers, so that a reader can tell what it did not get.
+struct PacketStream {
+  std::array<std::uint8_t, limits::kStepOctets> octets{};
+  std::size_t size = 0;
+  std::array<std::uint16_t, kPacketKinds> sequence{};
+  std::uint32_t not_sent = 0;  ///< for want of room
+
+  [[nodiscard]] std::span<const std::uint8_t> view() const {
+    return std::span<const std::uint8_t>(octets).first(size);
+  }
+};
+
+/// @return false when there was no room: the packet is lost, counted in its sequence and in
+/// `not_sent`.
+bool append(const Layout& layout,
+            void* packet,
+            std::int64_t timestamp_ns,
+            const BusOptions& options,
+            PacketStream* stream);
+
+/// The same for a packet of the table, which is settled in place.
+template <typename Packet>
+bool append(Packet& packet, const BusOptions& options, PacketStream* stream) {
+  return append(Packet::layout(), &packet, packet.timestamp_ns, options, stream);
+}
+
+/// The motion state as a packet, and back. Fields whose flag is down come back with MotionState's
+/// defaults.
+MotionPacket to_packet(const MotionState& state);
+MotionState from_packet(const MotionPacket& packet);
+
+}  // namespace bus
+
+/// One motion packet by itself. What a flag declares invalid goes out as zeros (the scale flag says
+/// only which unit lengths have). A value that is not finite takes its flag down.
 /// @return octets written, or 0 (nothing written) when `out` is shorter than kMotionPacketOctets.
 std::size_t encode_motion(const MotionState& state,
                           const BusOptions& options,
                           std::uint16_t sequence,
                           std::span<std::uint8_t> out);
 
-/// Reads exactly one motion packet. Fields whose flag is down come back with MotionState's
-/// defaults.
-/// @errors BadParameter: length, header, layout version, CRC, mode, reserved flag, or a value that
-/// is not finite; the
-///         message says which.
+/// Reads exactly one motion packet. @errors as decode().
 Result<MotionState> decode_motion(std::span<const std::uint8_t> packet);
 
 }  // namespace polhode

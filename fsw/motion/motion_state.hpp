@@ -25,6 +25,9 @@ struct MotionState {
   double sigma_pos = 0.0;                            ///< 1-sigma, worst axis, unit of p_CT
   double sigma_vel = 0.0;                            ///< 1-sigma, worst axis, unit of v_C
   double sigma_rate_rad_s = 0.0;                     ///< 1-sigma, worst axis
+  std::array<double, 21> cov_pose{};                 ///< of (phi, dp) as in pose.hpp, upper triangle by rows
+  std::array<double, 6> cov_v{};                     ///< of v_C: xx, xy, xz, yy, yz, zz
+  std::array<double, 6> cov_w{};                     ///< of w_T, likewise
   std::uint16_t features = 0;                        ///< detected or followed in this frame
   std::uint16_t matches = 0;                         ///< tied to landmarks (or to tracks, before a map)
   std::uint16_t inliers = 0;                         ///< that agree with the pose

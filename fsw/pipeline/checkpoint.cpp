@@ -29,7 +29,9 @@ struct Remembered {
   double noise_scale = 1.0;
   std::int32_t keyframes_at_last_adjustment = 0;
   std::array<double, 4> q_CT_last{};
-  std::uint16_t sequence = 0;
+  std::uint32_t next_frame = 0;
+  Parameters parameters;  ///< as activated by command
+  BusRemembered bus;
   std::uint32_t next_keyframe_number = 0;
   std::int32_t next_landmark_number = 0;
   std::int32_t keyframe_count = 0;
@@ -49,7 +51,9 @@ Remembered remember(const Component::State& s) {
           .noise_scale = s.noise_scale,
           .keyframes_at_last_adjustment = s.keyframes_at_last_adjustment,
           .q_CT_last = s.q_CT_last,
-          .sequence = s.sequence,
+          .next_frame = s.next_frame,
+          .parameters = s.parameters,
+          .bus = remember(s.bus),
           .next_keyframe_number = s.map.next_keyframe_number,
           .next_landmark_number = s.map.next_landmark_number,
           .keyframe_count = s.map.keyframe_count,
@@ -67,7 +71,9 @@ void recall(const Remembered& r, Component::State* s) {
   s->noise_scale = r.noise_scale;
   s->keyframes_at_last_adjustment = r.keyframes_at_last_adjustment;
   s->q_CT_last = r.q_CT_last;
-  s->sequence = r.sequence;
+  s->next_frame = r.next_frame;
+  s->parameters = r.parameters;
+  recall(r.bus, &s->bus);
   s->map.next_keyframe_number = r.next_keyframe_number;
   s->map.next_landmark_number = r.next_landmark_number;
   s->map.keyframe_count = r.keyframe_count;

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <new>
 
+#include "pipeline/parameter_image.hpp"
 #include "pipeline/state.hpp"
 
 namespace polhode {
@@ -78,6 +79,8 @@ Result<Component*> Component::create(std::span<std::byte> memory, const Paramete
   auto* storage = ::new (static_cast<void*>(memory.data())) Storage;
   storage->state.parameters = parameters;
   storage->state.camera = to_model(parameters.camera);
+  storage->state.bus.memory_octets = sizeof(Storage);
+  storage->state.bus.table_crc = table_crc(parameters);
   return ::new (static_cast<void*>(storage->component)) Component(&storage->state);
 }
 

@@ -61,6 +61,9 @@ struct StepInput {
   /// Libraries have drawn on the reserve since the last step: for a while less is asked of them
   /// (fewer features, a smaller window), and the step is counted.
   bool memory_short = false;
+  /// Command packets received since the last step, one each, carried out before the frame is looked
+  /// at. At most limits::kStepCommands; those beyond are rejected.
+  std::span<const std::span<const std::uint8_t>> commands = {};
 };
 
 /// A measured image point of this frame, for overlays and for re-estimation on the ground.
@@ -77,7 +80,7 @@ struct Observation {
 };
 
 /// Why a frame was not used, or that it was.
-enum class FrameUse : std::uint8_t { kUsed, kUnreadable, kDark, kWrongSize, kTimeNotIncreasing };
+enum class FrameUse : std::uint8_t { kUsed, kUnreadable, kDark, kWrongSize, kTimeNotIncreasing, kHeld };
 
 /// Stages of a step, for time measurements by the caller's clock.
 enum class Stage : std::uint8_t { kImage, kMask, kFeatures, kTracks, kMap, kShape, kMotion, kBus, kJobs };
@@ -90,6 +93,7 @@ struct Counters {
   std::uint32_t frames_dark = 0;
   std::uint32_t frames_wrong_size = 0;
   std::uint32_t frames_time_not_increasing = 0;
+  std::uint32_t frames_held = 0;  ///< passed over by command
   std::uint32_t poses = 0;
   std::uint32_t lost = 0;            ///< times that tracking was lost
   std::uint32_t relocalised = 0;     ///< times that it was found again
@@ -113,6 +117,7 @@ struct StepOutput {
   std::span<const std::uint8_t> packets;  ///< whole packets, in order; valid until the next step
   std::span<const Observation> observations;  ///< valid until the next step
   Job* job = nullptr;  ///< to be run by the caller; at most one is out at a time
+  bool checkpoint_asked = false;              ///< by command: the caller is to write one now
 };
 
 /// Called at the end of each stage; lets the caller time the stages with its own clock. Must not

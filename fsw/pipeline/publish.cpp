@@ -4,12 +4,25 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bus/telemetry.hpp"
+#include "pipeline/telemetry.hpp"
 
 namespace polhode {
 namespace {
 
 std::array<double, 3> to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// Rows of the upper triangle, one after the other.
+template <std::size_t kCount, typename Matrix>
+std::array<double, kCount> upper_triangle(const Matrix& m) {
+  std::array<double, kCount> out{};
+  std::size_t i = 0;
+  for (Eigen::Index row = 0; row < m.rows(); ++row) {
+    for (Eigen::Index column = row; column < m.cols(); ++column) {
+      out[i++] = m(row, column);
+    }
+  }
+  return out;
+}
 
 std::uint16_t clipped(std::size_t count) {
   return static_cast<std::uint16_t>(std::min<std::size_t>(count, 0xFFFF));
@@ -34,16 +47,32 @@ std::array<double, 4> continuous_quaternion(const Eigen::Matrix3d& R_CT,
   return *last;
 }
 
+/// Rates seen from a camera that turns are those relative to inertial space less its own.
+void add_servicer_motion(const Eigen::Vector3d& w_CI_C, MotionState* m) {
+  const Eigen::Quaterniond q_CT(m->q_CT[0], m->q_CT[1], m->q_CT[2], m->q_CT[3]);
+  const Eigen::Vector3d w_CI_T = q_CT.conjugate() * w_CI_C;
+  const Eigen::Vector3d transport = w_CI_C.cross(Eigen::Vector3d(m->p_CT.data()));
+  for (std::size_t i = 0; i < 3; ++i) {
+    m->w_T_rad_s[i] += w_CI_T[static_cast<Eigen::Index>(i)];
+    m->v_C[i] += transport[static_cast<Eigen::Index>(i)];
+  }
+}
+
 void fill_rates(double unit, const Component::State& s, MotionState* m) {
   const Result<RateEstimate> rates = estimate_rates(s.poses.view(), s.parameters.motion);
   if (!rates) {
     return;
   }
   publish(rates.value(), *m);
+  m->cov_w = upper_triangle<6>(rates.value().covariance_w_T);
+  m->cov_v = upper_triangle<6>(unit * unit * rates.value().covariance_v_C);
   for (double& v : m->v_C) {
     v *= unit;
   }
   m->sigma_vel *= unit;
+  if (s.bus.servicer.known) {
+    add_servicer_motion(s.bus.servicer.w_C_rad_s, m);
+  }
 }
 
 void list_observations(Component::State* s) {
@@ -85,6 +114,7 @@ void fill_pose(const Pose& pose,
   m->p_CT = to_array(pose.p_CT);
   m->sigma_att_rad = worst_sigma(covariance.topLeftCorner<3, 3>());
   m->sigma_pos = worst_sigma(covariance.bottomRightCorner<3, 3>());
+  m->cov_pose = upper_triangle<21>(covariance);
 }
 
 Pose scaled(const Pose& pose, double unit) { return {.R_CT = pose.R_CT, .p_CT = unit * pose.p_CT}; }
@@ -119,12 +149,10 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
     fill_rates(unit, *s, &m);
   }
   list_observations(s);
-  const std::size_t octets = encode_motion(m, s->parameters.bus, s->sequence, s->packet);
-  s->sequence = static_cast<std::uint16_t>((s->sequence + 1) & 0x3FFF);
   s->output.use = use;
   s->output.motion = m;
-  s->output.packets = std::span<const std::uint8_t>(s->packet).first(octets);
   s->output.observations = s->observations.view();
+  send_telemetry(use, m, s);
   s->output.job = job_for_caller(s);
 }
 

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "bus/options.hpp"
 #include "config/limits.hpp"
 #include "features/detect.hpp"
 #include "image/image.hpp"
@@ -18,6 +17,7 @@
 #include "map/map.hpp"
 #include "mask/target_mask.hpp"
 #include "motion/rates.hpp"
+#include "pipeline/bus_state.hpp"
 #include "pipeline/component.hpp"
 #include "pipeline/jobs.hpp"
 #include "shape/scale_fusion.hpp"
@@ -46,7 +46,8 @@ struct Component::State {
   void* hook_context = nullptr;
 
   // This frame.
-  std::uint32_t frame = 0;
+  std::uint32_t frame = 0;  ///< index; no command resets it
+  std::uint32_t next_frame = 0;
   std::int64_t timestamp_ns = 0;  ///< of the last frame whose picture could be looked at
   bool time_known = false;
   cv::Mat gray;
@@ -81,9 +82,8 @@ struct Component::State {
   LocalisedFrame closure;
 
   // Output.
-  std::uint16_t sequence = 0;
+  BusState bus;
   std::array<double, 4> q_CT_last{1.0, 0.0, 0.0, 0.0};
-  std::array<std::uint8_t, limits::kPacketOctets> packet{};
   FixedVector<Observation, limits::kPoseMatches> observations;
   StepOutput output;
 };

@@ -2,23 +2,37 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bus/telemetry.hpp"
 #include "pipeline/acquire.hpp"
+#include "pipeline/commands.hpp"
 #include "pipeline/mapping.hpp"
 #include "pipeline/picture.hpp"
 #include "pipeline/publish.hpp"
 #include "pipeline/scale_now.hpp"
 #include "pipeline/state.hpp"
+#include "pipeline/telemetry.hpp"
 #include "pipeline/track.hpp"
 
 namespace polhode {
 namespace {
 
 FrameUse judge(const Frame& frame, const Component::State& s) {
+  if (s.bus.held) {
+    return FrameUse::kHeld;
+  }
   if (s.time_known && frame.timestamp_ns <= s.timestamp_ns) {
     return FrameUse::kTimeNotIncreasing;
   }
   return FrameUse::kUsed;
+}
+
+/// A job that was out when the target was forgotten comes back with a result for nothing.
+Job* wanted(Job* finished, Component::State* s) {
+  if (finished == nullptr || !s->bus.job_is_forgotten) {
+    return finished;
+  }
+  s->bus.job_is_forgotten = false;
+  finished->kind = JobKind::kNone;
+  return nullptr;
 }
 
 void count(FrameUse use, Counters* counters) {
@@ -37,6 +51,9 @@ void count(FrameUse use, Counters* counters) {
       break;
     case FrameUse::kTimeNotIncreasing:
       ++counters->frames_time_not_increasing;
+      break;
+    case FrameUse::kHeld:
+      ++counters->frames_held;
       break;
   }
 }
@@ -76,12 +93,18 @@ void estimate(Component::State* s) {
 
 const StepOutput& Component::step(const StepInput& input) {
   State* s = state_;
-  s->frame = s->counters.frames_in++;
+  s->frame = s->next_frame++;
+  begin_telemetry(s);
+  execute_commands(input.commands, s);
+  ++s->counters.frames_in;
   s->pose_valid = false;
   shed_load(input.memory_short, s);
-  take_due_job(input.finished, s);
+  take_due_job(wanted(input.finished, s), s);
+  if (s->bus.held) {
+    s->mode = Mode::kIdle;
+  }
   forget_picture(s);
-  if (s->mode == Mode::kIdle) {
+  if (s->mode == Mode::kIdle && !s->bus.held) {
     s->mode = Mode::kAcquiring;
   }
   FrameUse use = judge(input.frame, *s);

@@ -8,6 +8,7 @@ namespace polhode::platform {
 struct BusDumpArguments {
   std::filesystem::path file;
   bool json = false;  ///< one object a line instead of a table
+  int apid_first = 0x1A0;
 };
 
 /// Damage is told on standard error and skipped; the packets around it are printed.

@@ -48,14 +48,20 @@ bool dropped_for_job(LiveParts& parts) {
 /// One accepted frame, from the step to everything that follows from it.
 void take_frame(LiveParts& parts, const Frame& frame, const LiveLimits& limits) {
   LiveCounts& counts = parts.counts;
+  const auto commands = parts.transports.received();
   if (parts.recorder != nullptr) {
+    for (const std::span<const std::uint8_t> command : commands) {
+      parts.recorder->command(command);
+    }
     parts.recorder->frame(frame);
   }
   const std::int64_t before_ns = clock_ns(CLOCK_MONOTONIC);
-  const StepInput input = next_input(parts.component, parts.worker, frame);
+  StepInput input = next_input(parts.component, parts.worker, frame);
+  input.commands = commands;
   const StepOutput& out = step_from_pool(parts.component, input);
   const std::int64_t stepped_ns = clock_ns(CLOCK_MONOTONIC);
   parts.worker.submit(out.job);
+  parts.transports.send(out.packets);
   if (parts.packets != nullptr) {
     (void)parts.packets->append(out.packets);
   }
@@ -67,7 +73,8 @@ void take_frame(LiveParts& parts, const Frame& frame, const LiveLimits& limits) 
   }
   ++counts.frames_accepted;
   const auto every = static_cast<std::uint32_t>(limits.checkpoint_frames);
-  if (parts.checkpoint != nullptr && counts.frames_accepted % every == 0) {
+  const bool due = counts.frames_accepted % every == 0 || out.checkpoint_asked;
+  if (parts.checkpoint != nullptr && due) {
     parts.checkpoint->offer(parts.component.state());
   }
   parts.report.stepped(out);

@@ -11,6 +11,7 @@
 #include "pipeline/component.hpp"
 #include "recording/recorder.hpp"
 #include "transport/file/packet_log.hpp"
+#include "transport/transports.hpp"
 
 namespace polhode::platform {
 
@@ -30,6 +31,7 @@ struct LiveParts {
   ServiceManager& manager;
   LiveReport& report;
   LiveCounts& counts;
+  Transports& transports;
   PacketLog* packets = nullptr;
   Recorder* recorder = nullptr;
   CheckpointWriter* checkpoint = nullptr;

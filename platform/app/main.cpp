@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "app/bus_dump.hpp"
+#include "app/bus_follow.hpp"
 #include "app/camera_command.hpp"
 #include "app/check.hpp"
 #include "app/recording_command.hpp"
@@ -18,6 +19,8 @@
 namespace {
 
 using polhode::platform::BusDumpArguments;
+using polhode::platform::BusFollowArguments;
+using polhode::platform::BusSendArguments;
 using polhode::platform::CheckArguments;
 using polhode::platform::ExportArguments;
 using polhode::platform::ProbeArguments;
@@ -66,6 +69,11 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
                    arguments.job_latency_ms,
                    "for tests: hold each job back by a random time up to this")
       ->type_name("MS");
+  command
+      ->add_option("--commands",
+                   arguments.commands,
+                   "time-tagged commands, a line each: TIMESTAMP_NS COMMAND [argument=value]...")
+      ->type_name("FILE");
   add_settings(*command, arguments.settings);
   command->callback([&arguments] { polhode::platform::replay(arguments); });
 }
@@ -101,12 +109,52 @@ void add_check(CLI::App& app, CheckArguments& arguments) {
   });
 }
 
-void add_bus(CLI::App& app, BusDumpArguments& arguments) {
-  CLI::App* bus = app.add_subcommand("bus", "decode bus packets");
+CLI::Option* add_apid(CLI::App& command, int& apid_first) {
+  return command.add_option("--apid-first", apid_first, "bus.apid_first of the run, 416 by default")
+      ->check(CLI::Range(1, 2031));
+}
+
+void add_follow(CLI::App& bus, BusFollowArguments& arguments) {
+  CLI::App* follow = bus.add_subcommand("follow", "packets as they come, as a table");
+  follow
+      ->add_option("ADDRESS",
+                   arguments.address,
+                   "unix:PATH, udp:PORT, udp:HOST:PORT (bound here), shm:/NAME, file:PATH")
+      ->required();
+  follow->add_flag("--json", arguments.json, "one JSON object a line instead");
+  follow->add_option("--count", arguments.count, "end after so many packets");
+  follow->add_option("--timeout", arguments.timeout_s, "end when none comes for so many seconds");
+  add_apid(*follow, arguments.apid_first);
+  follow->callback([&arguments] { polhode::platform::follow_bus(arguments); });
+}
+
+void add_send(CLI::App& bus, BusSendArguments& arguments) {
+  CLI::App* send = bus.add_subcommand("send", "send a command");
+  send->add_option("ADDRESS", arguments.address, "unix:PATH, udp:PORT, udp:HOST:PORT")->required();
+  send->add_option("COMMAND",
+                   arguments.words,
+                   "as in: set_range frame_timestamp_ns=5 range_m=12.5; several with + between them")
+      ->required();
+  add_apid(*send, arguments.apid_first);
+  send->callback([&arguments] { polhode::platform::send_command(arguments); });
+}
+
+struct BusArguments {
+  BusDumpArguments dump;
+  BusFollowArguments follow;
+  BusSendArguments send;
+};
+
+void add_bus(CLI::App& app, BusArguments& all) {
+  CLI::App* bus = app.add_subcommand("bus", "decode bus packets, send commands");
   bus->require_subcommand(1);
+  add_follow(*bus, all.follow);
+  add_send(*bus, all.send);
+  BusDumpArguments& arguments = all.dump;
   CLI::App* dump = bus->add_subcommand("dump", "the packets of a file, as a table");
   dump->add_option("FILE", arguments.file, "packets, end to end, as in bus.ccsds")->required();
   dump->add_flag("--json", arguments.json, "one JSON object a line instead");
+  add_apid(*dump, arguments.apid_first);
   dump->callback([&arguments] { polhode::platform::dump_bus(arguments); });
 }
 
@@ -144,13 +192,13 @@ int run(int argc, char** argv) {
   ReplayArguments replay;
   RunArguments run;
   CheckArguments check;
-  BusDumpArguments bus_dump;
+  BusArguments bus;
   ProbeArguments probe;
   ExportArguments recording;
   add_replay(app, replay);
   add_run(app, run);
   add_check(app, check);
-  add_bus(app, bus_dump);
+  add_bus(app, bus);
   add_camera(app, probe);
   add_recording(app, recording);
   try {

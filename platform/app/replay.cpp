@@ -26,9 +26,12 @@
 #include "os/linux/worker.hpp"
 #include "parameters/load.hpp"
 #include "parameters/sha256.hpp"
+#include "parameters/transport_options.hpp"
 #include "pipeline/checkpoint.hpp"
 #include "pipeline/component.hpp"
+#include "transport/command_file.hpp"
 #include "transport/file/packet_file.hpp"
+#include "transport/transports.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -80,6 +83,8 @@ struct Run {
   Timings& timings;
   RunRecord& record;
   std::vector<MotionState>& published;
+  CommandFile& commands;
+  Transports& transports;
 };
 
 void write_frame(
@@ -96,7 +101,8 @@ void write_frame(
 }
 
 const StepOutput& timed_step(Run& run, const Frame& frame) {
-  const StepInput input = next_input(run.component, run.worker, frame);
+  StepInput input = next_input(run.component, run.worker, frame);
+  input.commands = run.commands.due(frame.timestamp_ns);
   if (input.finished != nullptr) {
     run.timings.job.add(run.worker.last_duration());
   }
@@ -121,6 +127,7 @@ void run_frames(Run& run, bool realtime) {
     const std::int64_t step_us = run.timings.end_step();
     run.deadline.add(step_us);
     run.worker.submit(out.job);
+    run.transports.send(out.packets);
     if (!frame.readable && run.record.bad_frames.size() < kBadFramesListed) {
       progress.note(fmt::format("frame {} is not used: {}", camera.index(), camera.refusal()));
     }
@@ -128,6 +135,10 @@ void run_frames(Run& run, bool realtime) {
     add_frame(run.record, camera.index(), out, camera.refusal(), frame.timestamp_ns);
     progress.update(camera.index() + 1, out.motion);
   }
+}
+
+CommandFile commands_of(const fs::path& file, const Parameters& parameters) {
+  return file.empty() ? CommandFile() : CommandFile(file, parameters.bus.apid_first);
 }
 
 /// The configuration with the sequence's camera, checked as a whole.
@@ -170,9 +181,13 @@ Component& make_component(const ComponentMemory& memory,
 void replay(const ReplayArguments& arguments) {
   const Sequence sequence = open_sequence(arguments.sequence);
   const Parameters parameters = parameters_for(arguments, sequence);
+  const TransportOptions options = load_transport_options(arguments.config, arguments.settings);
+  CommandFile commands = commands_of(
+      arguments.commands.empty() ? options.commands_file : arguments.commands, parameters);
   const ComponentMemory memory(parameters, arguments.config.string());
   Component& component = make_component(memory, parameters, arguments);
   prepare_output_folder(arguments.out);
+  Transports transports({.send = options.transport.send, .receive = {}});
 
   const std::size_t frames = sequence.frames.size();
   Timings timings(frames);
@@ -185,7 +200,7 @@ void replay(const ReplayArguments& arguments) {
                  .latency_ms_max = arguments.job_latency_ms,
                  .job_octets = job_worst_case(parameters)});
   DeadlineMonitor deadline(parameters.budget.frame_ms);
-  Run run{sequence, component, worker, deadline, files, timings, record, published};
+  Run run{sequence, component, worker, deadline, files, timings, record, published, commands, transports};
 
   const MachineUse at_start = machine_use();
   const Clock::time_point start = Clock::now();
@@ -196,6 +211,7 @@ void replay(const ReplayArguments& arguments) {
   const PoolReport pools = report_pools();
   unseal_memory();  // the end of a replay is work for the ground
   const double wall_s = seconds_since(start);
+  transports.flush();
   const MachineUse after_frames = machine_use();
   files.motion.close();
   files.table.close();

@@ -16,6 +16,7 @@ struct ReplayArguments {
   bool realtime = false;
   bool one_core = false;            ///< jobs run between the steps, on the same thread
   std::uint32_t job_latency_ms = 0;  ///< for tests: jobs are held back by a random time up to this
+  std::filesystem::path commands;  ///< over [commands] file of the configuration; empty: that
   std::vector<std::string> settings;
 };
 

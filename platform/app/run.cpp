@@ -17,6 +17,7 @@
 #include "parameters/load.hpp"
 #include "parameters/machine_options.hpp"
 #include "parameters/sha256.hpp"
+#include "parameters/transport_options.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -158,12 +159,14 @@ void run_command(const RunArguments& arguments) {
   const auto counts = std::make_unique<LiveCounts>();
   Worker worker({.own_thread = parameters.jobs.delay_frames > 0,
                  .job_octets = job_worst_case(parameters)});
+  Transports transports(load_transport_options(arguments.config, arguments.settings).transport);
   LiveParts parts{.component = component,
                   .worker = worker,
                   .camera = chosen.camera(),
                   .manager = manager,
                   .report = report,
                   .counts = *counts,
+                  .transports = transports,
                   .packets = packets ? &*packets : nullptr,
                   .recorder = recorder.get(),
                   .checkpoint = checkpoint ? &*checkpoint : nullptr};

@@ -14,6 +14,8 @@ const char* use_name(FrameUse use) {
       return "wrong size";
     case FrameUse::kTimeNotIncreasing:
       return "time not increasing";
+    case FrameUse::kHeld:
+      return "held";
   }
   return "";
 }

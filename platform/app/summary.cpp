@@ -38,6 +38,7 @@ Json counters(const Counters& c) {
           {"frames_dark", c.frames_dark},
           {"frames_wrong_size", c.frames_wrong_size},
           {"frames_time_not_increasing", c.frames_time_not_increasing},
+          {"frames_held", c.frames_held},
           {"poses", c.poses},
           {"lost", c.lost},
           {"relocalised", c.relocalised},

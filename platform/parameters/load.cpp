@@ -9,6 +9,7 @@
 #include "errors.hpp"
 #include "parameters/machine_options.hpp"
 #include "parameters/suggest.hpp"
+#include "parameters/transport_options.hpp"
 #include "pipeline/parameter_table.hpp"
 
 namespace polhode::platform {
@@ -135,8 +136,8 @@ class Loader {
         assign(name, node, source);
         continue;
       }
-      if (is_machine_section(name)) {
-        continue;  // load_machine_options() reads and checks it
+      if (is_machine_section(name) || is_transport_section(name)) {
+        continue;  // load_machine_options() and load_transport_options() read and check these
       }
       if (section->empty() && !is_section(name)) {
         unknown(name, node, source);

@@ -19,7 +19,8 @@ inline MotionState random_motion_state(std::uint64_t number) {
   state.velocity_valid = rng.below(2) == 1;
   state.scale_known = rng.below(2) == 1;
   if (state.pose_valid) {
-    for (double& value : state.q_CT) value = rng.normal();
+    for (double& value : state.q_CT) value = 2.0 * rng.uniform() - 1.0;
+    for (double& value : state.cov_pose) value = static_cast<float>(rng.normal());
     for (double& value : state.p_CT) value = 10.0 * rng.normal();
     state.sigma_att_rad = rng.uniform();
     state.sigma_pos = rng.uniform();
@@ -27,10 +28,12 @@ inline MotionState random_motion_state(std::uint64_t number) {
   if (state.velocity_valid) {
     for (double& value : state.v_C) value = 0.01 * rng.normal();
     state.sigma_vel = rng.uniform();
+    for (double& value : state.cov_v) value = static_cast<float>(rng.normal());
   }
   if (state.rate_valid) {
     for (double& value : state.w_T_rad_s) value = 0.1 * rng.normal();
     state.sigma_rate_rad_s = rng.uniform();
+    for (double& value : state.cov_w) value = static_cast<float>(rng.normal());
   }
   state.features = static_cast<std::uint16_t>(rng.next());
   state.matches = static_cast<std::uint16_t>(rng.next());

@@ -36,6 +36,9 @@ void expect_equal(const MotionState& a, const MotionState& b) {
   EXPECT_EQ(a.sigma_pos, b.sigma_pos);
   EXPECT_EQ(a.sigma_vel, b.sigma_vel);
   EXPECT_EQ(a.sigma_rate_rad_s, b.sigma_rate_rad_s);
+  EXPECT_EQ(a.cov_pose, b.cov_pose);
+  EXPECT_EQ(a.cov_v, b.cov_v);
+  EXPECT_EQ(a.cov_w, b.cov_w);
   EXPECT_EQ(a.features, b.features);
   EXPECT_EQ(a.matches, b.matches);
   EXPECT_EQ(a.inliers, b.inliers);
@@ -56,7 +59,7 @@ TEST(MotionPacket, SaysCountTimeAndApidInItsHeader) {
   MotionState state = random_motion_state(1);
   state.timestamp_ns = 1'700'000'000'250'000'000;
   Packet packet{};
-  ASSERT_EQ(encode_motion(state, {.apid_motion = 0x123}, 0x3FFF, packet), kMotionPacketOctets);
+  ASSERT_EQ(encode_motion(state, {.apid_first = 0x123}, 0x3FFF, packet), kMotionPacketOctets);
   bus::PacketHeader header;
   ASSERT_TRUE(bus::read_header(packet, header));
   EXPECT_EQ(header.apid, 0x123);
@@ -74,7 +77,7 @@ TEST(MotionPacket, HoldsZerosWhereItsFlagIsDown) {
   state.v_C = {1.0, 2.0, 3.0};
   state.sigma_att_rad = state.sigma_pos = state.sigma_vel = state.sigma_rate_rad_s = 0.5;
   const Packet packet = encoded(state);
-  for (std::size_t i = layout::kAttitude_q_CT; i < layout::kFrame; ++i) {
+  for (std::size_t i = layout::kQ_CT; i < layout::kFrame; ++i) {
     EXPECT_EQ(packet[i], 0) << i;
   }
   EXPECT_EQ(packet[layout::kFlags], 0);
@@ -91,7 +94,7 @@ TEST(MotionPacket, NeverCarriesANonFiniteValue) {
     state.v_C[2] = bad;
     const Packet packet = encoded(state);
     EXPECT_EQ(packet[layout::kFlags] & 0x07, 0);
-    for (std::size_t i = layout::kAttitude_q_CT; i < layout::kFrame; i += 8) {
+    for (std::size_t i = layout::kQ_CT; i < layout::kCov_pose; i += 8) {
       EXPECT_TRUE(std::isfinite(bus::get_f64(packet, i))) << i;
     }
     EXPECT_TRUE(decode_motion(packet).ok());
@@ -128,31 +131,31 @@ std::string refusal(std::size_t offset, std::uint8_t octet) {
 }
 
 TEST(MotionPacket, IsRefusedByNameWhenItsContentMakesNoSense) {
-  EXPECT_NE(refusal(14, 2).find("version"), std::string::npos);
+  EXPECT_NE(refusal(14, 1).find("version"), std::string::npos);
   EXPECT_NE(refusal(layout::kMode, 4).find("mode"), std::string::npos);
-  EXPECT_NE(refusal(layout::kFlags, 0x10).find("flag"), std::string::npos);
+  EXPECT_NE(refusal(layout::kFlags, 0x10).find("flags"), std::string::npos);
   EXPECT_NE(refusal(5, 10).find("header"), std::string::npos);
   Packet packet = encoded(random_motion_state(8));
-  EXPECT_FALSE(decode_motion(std::span(packet).first(177)).ok());
+  EXPECT_FALSE(decode_motion(std::span(packet).first(kMotionPacketOctets - 1)).ok());
   EXPECT_FALSE(decode_motion({}).ok());
 }
 
 TEST(MotionPacket, IsRefusedWhenAValidFieldIsNotFinite) {
   MotionState state = random_motion_state(9);
   state.pose_valid = state.rate_valid = state.velocity_valid = true;
-  for (const std::size_t offset : {layout::kAttitude_q_CT,
-                                   layout::kPosition_p_CT,
-                                   layout::kVelocity_v_C,
-                                   layout::kRate_w_T_rad_s,
-                                   layout::kSigmaAttitude_rad,
-                                   layout::kSigmaRate_rad_s}) {
+  for (const std::size_t offset : {layout::kQ_CT,
+                                   layout::kP_CT,
+                                   layout::kV_C,
+                                   layout::kW_T_rad_s,
+                                   layout::kSigma_att_rad,
+                                   layout::kSigma_rate_rad_s}) {
     Packet packet = encoded(state);
     packet[offset] = 0x7F;
     packet[offset + 1] = 0xF8;
     bus::write_crc(packet);
     const Result<MotionState> back = decode_motion(packet);
     ASSERT_FALSE(back.ok()) << offset;
-    EXPECT_NE(back.error().message.find("finite"), std::string::npos);
+    EXPECT_NE(back.error().message.find("out of range"), std::string::npos);
   }
 }
 

@@ -1,0 +1,131 @@
+#include "bus/commands.hpp"
+
+#include <cmath>
+
+namespace polhode::bus {
+namespace {
+
+constexpr std::size_t kShortest = kCommandHeaderOctets + kCrcOctets;
+constexpr std::size_t kVersionOctet = 6;
+constexpr std::size_t kCodeOctet = 7;
+
+bool header_is_right(std::span<const std::uint8_t> octets, int apid_first) {
+  // Version 000, type 1 (telecommand), secondary header 1; whole.
+  const int identification = 0x1800 | (apid_first + kCommandApid);
+  return get_u16(octets, 0) == identification && (get_u16(octets, 2) & 0xC000U) == 0xC000U &&
+         get_u8(octets, kVersionOctet) == kLayoutVersion;
+}
+
+Refusal wrong_length(std::size_t is, std::size_t expected) {
+  return {Rejection::kLength,
+          {.values = {static_cast<double>(is), static_cast<double>(expected)}}};
+}
+
+/// The length that the command has, by its own count of entries where it repeats any.
+std::size_t exact_octets(CommandCode code, std::span<const std::uint8_t> octets) {
+  const Layout& layout = *command_layouts()[static_cast<std::size_t>(code)];
+  if (code != CommandCode::kTableLoad || octets.size() < layout.octets) {
+    return layout.octets;
+  }
+  return layout.octets + get_u16(octets, table_load_layout::kEntries) * TableLoadEntry::layout().octets;
+}
+
+Refusal out_of_range_of(CommandCode code, std::string_view field) {
+  return {Rejection::kRange, {.values = {static_cast<double>(code), 0.0}, .word = field}};
+}
+
+/// Values that are each in range but make no sense together. @return the field, or empty.
+std::string_view contradiction(const Command& command) {
+  if (command.code == CommandCode::kServicerAttitude) {
+    const auto attitude = command.arguments<ServicerAttitudeCommand>();
+    const auto& q = attitude.q_IC;
+    const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    return std::abs(norm - 1.0) > 1e-3 ? "q_IC" : "";
+  }
+  if (command.code == CommandCode::kSetKnownLength) {
+    const auto length = command.arguments<SetKnownLengthCommand>();
+    return length.first_px == length.second_px ? "second_px" : "";
+  }
+  return {};
+}
+
+std::string_view bad_argument(const Command& command) {
+  std::array<std::byte, kStructOctetsMax> arguments{};
+  unpack_fields(*command.layout, command.octets, arguments.data());
+  if (const Field* field = out_of_range(*command.layout, arguments.data(), 0.0)) {
+    return field->name;
+  }
+  for (std::size_t i = 0; i < command.entries; ++i) {
+    const TableLoadEntry entry = command.entry(i);
+    if (const Field* field = out_of_range(TableLoadEntry::layout(), &entry, 0.0)) {
+      return field->name;
+    }
+  }
+  return contradiction(command);
+}
+
+}  // namespace
+
+std::span<const std::uint8_t> Command::entry_octets() const {
+  return octets.subspan(layout->octets - kCrcOctets, entries * TableLoadEntry::layout().octets);
+}
+
+TableLoadEntry Command::entry(std::size_t index) const {
+  POLHODE_ASSERT(index < entries, index);
+  const std::size_t size = TableLoadEntry::layout().octets;
+  TableLoadEntry out;
+  unpack_fields(TableLoadEntry::layout(), entry_octets().subspan(index * size, size), &out);
+  return out;
+}
+
+Refusal read_command(std::span<const std::uint8_t> octets, int apid_first, Command* command) {
+  if (octets.size() < kShortest) {
+    return wrong_length(octets.size(), kShortest);
+  }
+  if (get_u16(octets, 4) + 7U != octets.size()) {
+    return wrong_length(octets.size(), get_u16(octets, 4) + 7U);
+  }
+  if (!header_is_right(octets, apid_first)) {
+    return {Rejection::kHeader, {}};
+  }
+  if (!crc_is_right(octets)) {
+    return {Rejection::kCrc, {.values = {static_cast<double>(octets.size()), 0.0}}};
+  }
+  const std::uint8_t code = get_u8(octets, kCodeOctet);
+  if (code >= command_layouts().size()) {
+    return {Rejection::kUnknownCode, {.values = {static_cast<double>(code), 0.0}}};
+  }
+  command->code = static_cast<CommandCode>(code);
+  command->layout = command_layouts()[code];
+  command->octets = octets;
+  const std::size_t expected = exact_octets(command->code, octets);
+  if (octets.size() != expected) {
+    return wrong_length(octets.size(), expected);
+  }
+  command->entries = (expected - command->layout->octets) / TableLoadEntry::layout().octets;
+  const std::string_view bad = bad_argument(*command);
+  return bad.empty() ? Refusal{} : out_of_range_of(command->code, bad);
+}
+
+EventId event_of(Rejection reason) {
+  switch (reason) {
+    case Rejection::kLength:
+      return EventId::kCommandLength;
+    case Rejection::kCrc:
+      return EventId::kCommandCrc;
+    case Rejection::kUnknownCode:
+      return EventId::kCommandUnknown;
+    case Rejection::kRange:
+      return EventId::kCommandRange;
+    case Rejection::kState:
+      return EventId::kCommandState;
+    case Rejection::kTooMany:
+      return EventId::kCommandTooMany;
+    case Rejection::kNone:
+    case Rejection::kHeader:
+      break;
+  }
+  return EventId::kCommandHeader;
+}
+
+}  // namespace polhode::bus

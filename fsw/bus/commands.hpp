@@ -1,0 +1,50 @@
+// Commands: CCSDS telecommand packets, checked to the last octet before anything is done.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "bus/events.hpp"
+#include "bus/packets.hpp"
+
+namespace polhode::bus {
+
+inline constexpr std::size_t kCommandHeaderOctets = 8;
+
+/// A command whose length, header, CRC, code and ranges are right.
+struct Command {
+  CommandCode code = CommandCode::kNoop;
+  const Layout* layout = nullptr;
+  std::span<const std::uint8_t> octets;  ///< the whole packet
+  std::size_t entries = 0;               ///< of a TABLE_LOAD
+
+  /// The arguments, of the command's own struct.
+  template <typename Arguments>
+  [[nodiscard]] Arguments arguments() const {
+    Arguments out;
+    unpack_fields(Arguments::layout(), octets, &out);
+    return out;
+  }
+  /// Entry `index` (under `entries`) of a TABLE_LOAD.
+  [[nodiscard]] TableLoadEntry entry(std::size_t index) const;
+  /// The octets of all entries.
+  [[nodiscard]] std::span<const std::uint8_t> entry_octets() const;
+};
+
+/// Why a packet is no command, for the event that says so.
+struct Refusal {
+  Rejection reason = Rejection::kNone;
+  EventDetails details;
+};
+
+/// Checks, in this order: the length that the header states is that of `octets`; version, type,
+/// secondary header, APID, segmentation and layout version; CRC; function code; the length that the
+/// command has; every argument's and entry's range.
+/// @return Rejection::kNone, and the command; it refers to `octets`.
+Refusal read_command(std::span<const std::uint8_t> octets, int apid_first, Command* command);
+
+/// The event that tells of a refusal.
+EventId event_of(Rejection reason);
+
+}  // namespace polhode::bus

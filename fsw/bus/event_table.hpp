@@ -1,0 +1,94 @@
+// Written by tools/generate_bus.py from config/bus/*.toml: change those.
+// All events: what an id means, how bad it is, what a person reads.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace polhode::bus {
+
+// clang-format off
+enum class Severity : std::uint8_t {
+  kDebug = 0,
+  kInfo = 1,
+  kWarning = 2,
+  kError = 3,
+  kCritical = 4,
+};
+
+enum class EventId : std::uint16_t {
+  kStarted = 1,
+  kTargetAcquired = 2,
+  kTargetLost = 3,
+  kTargetFoundAgain = 4,
+  kLoopClosed = 5,
+  kScaleKnown = 6,
+  kTableFull = 7,
+  kShapeKnown = 8,
+  kCountersReset = 10,
+  kModeChanged = 9,
+  kFrameUnreadable = 20,
+  kFrameDark = 21,
+  kFrameWrongSize = 22,
+  kFrameTimeNotIncreasing = 23,
+  kNoop = 40,
+  kCommandAccepted = 41,
+  kCommandLength = 42,
+  kCommandHeader = 43,
+  kCommandCrc = 44,
+  kCommandUnknown = 45,
+  kCommandRange = 46,
+  kCommandState = 47,
+  kCommandTooMany = 48,
+  kTableLoaded = 60,
+  kTableRefused = 61,
+  kTableActivated = 62,
+  kTableNotActivated = 63,
+  kCloudBegun = 70,
+  kCheckpointAsked = 71,
+};
+
+struct EventRow {
+  EventId id;
+  Severity severity;
+  const char* name;
+  const char* text;  ///< {0}, {1}: the event's numbers; {}: its word
+};
+
+inline constexpr std::uint32_t kEventBurst = 4;  ///< of one id in a window of frames
+inline constexpr std::size_t kEventKinds = 29;
+inline constexpr std::array<EventRow, kEventKinds> kEvents{{
+    {EventId::kStarted, Severity::kInfo, "started", "component {} started, table CRC {0}"},
+    {EventId::kTargetAcquired, Severity::kInfo, "target_acquired", "map begun: {0} landmarks, {1} keyframes"},
+    {EventId::kTargetLost, Severity::kWarning, "target_lost", "target lost after {0} poses"},
+    {EventId::kTargetFoundAgain, Severity::kInfo, "target_found_again", "target found again after {0} frames"},
+    {EventId::kLoopClosed, Severity::kInfo, "loop_closed", "{0} loops closed"},
+    {EventId::kScaleKnown, Severity::kInfo, "scale_known", "scale known: {0} m per map unit, relative sigma {1}"},
+    {EventId::kTableFull, Severity::kWarning, "table_full", "a table was full {0} times"},
+    {EventId::kShapeKnown, Severity::kInfo, "shape_known", "shape estimated: {0} points, {1} planes"},
+    {EventId::kCountersReset, Severity::kInfo, "counters_reset", "counters reset"},
+    {EventId::kModeChanged, Severity::kInfo, "mode_changed", "mode {0} to {1}"},
+    {EventId::kFrameUnreadable, Severity::kWarning, "frame_unreadable", "frame {0} unreadable"},
+    {EventId::kFrameDark, Severity::kWarning, "frame_dark", "frame {0} too dark"},
+    {EventId::kFrameWrongSize, Severity::kError, "frame_wrong_size", "frame {0} has the wrong size"},
+    {EventId::kFrameTimeNotIncreasing, Severity::kError, "frame_time_not_increasing", "frame {0}: time does not increase"},
+    {EventId::kNoop, Severity::kInfo, "noop", "NOOP, version {}"},
+    {EventId::kCommandAccepted, Severity::kInfo, "command_accepted", "command {0} {} accepted"},
+    {EventId::kCommandLength, Severity::kError, "command_length", "command refused: {0} octets, expected {1}"},
+    {EventId::kCommandHeader, Severity::kError, "command_header", "command refused: header or layout version"},
+    {EventId::kCommandCrc, Severity::kError, "command_crc", "command refused: CRC of {0} octets differs"},
+    {EventId::kCommandUnknown, Severity::kError, "command_unknown", "command refused: unknown code {0}"},
+    {EventId::kCommandRange, Severity::kError, "command_range", "command {0} refused: {} out of range"},
+    {EventId::kCommandState, Severity::kError, "command_state", "command {0} refused: {}"},
+    {EventId::kCommandTooMany, Severity::kError, "command_too_many", "{0} commands in one frame refused, {1} are the limit"},
+    {EventId::kTableLoaded, Severity::kInfo, "table_loaded", "{0} entries loaded, {1} in all"},
+    {EventId::kTableRefused, Severity::kError, "table_refused", "table entry {0} refused: {}"},
+    {EventId::kTableActivated, Severity::kInfo, "table_activated", "table activated, CRC {0}"},
+    {EventId::kTableNotActivated, Severity::kError, "table_not_activated", "table not activated: {}"},
+    {EventId::kCloudBegun, Severity::kInfo, "cloud_begun", "cloud of {0} points in {1} packets"},
+    {EventId::kCheckpointAsked, Severity::kInfo, "checkpoint_asked", "checkpoint asked for at frame {0}"},
+}};
+// clang-format on
+
+}  // namespace polhode::bus

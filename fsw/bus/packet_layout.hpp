@@ -1,0 +1,290 @@
+// Written by tools/generate_bus.py from config/bus/*.toml: change those.
+// Offsets of all fields from their packet's first octet.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace polhode::bus {
+
+// clang-format off
+inline constexpr std::uint8_t kLayoutVersion = 2;
+
+namespace motion_layout {
+inline constexpr std::size_t kTimestamp_ns = 16;  ///< i64
+inline constexpr std::size_t kQ_CT = 24;  ///< 4 x f64
+inline constexpr std::size_t kP_CT = 56;  ///< 3 x f64
+inline constexpr std::size_t kV_C = 80;  ///< 3 x f64
+inline constexpr std::size_t kW_T_rad_s = 104;  ///< 3 x f64
+inline constexpr std::size_t kSigma_att_rad = 128;  ///< f64
+inline constexpr std::size_t kSigma_pos = 136;  ///< f64
+inline constexpr std::size_t kSigma_vel = 144;  ///< f64
+inline constexpr std::size_t kSigma_rate_rad_s = 152;  ///< f64
+inline constexpr std::size_t kCov_pose = 160;  ///< 21 x f32
+inline constexpr std::size_t kCov_v = 244;  ///< 6 x f32
+inline constexpr std::size_t kCov_w = 268;  ///< 6 x f32
+inline constexpr std::size_t kFrame = 292;  ///< u32
+inline constexpr std::size_t kFeatures = 296;  ///< u16
+inline constexpr std::size_t kMatches = 298;  ///< u16
+inline constexpr std::size_t kInliers = 300;  ///< u16
+inline constexpr std::size_t kLandmarks = 302;  ///< u16
+inline constexpr std::size_t kKeyframes = 304;  ///< u16
+inline constexpr std::size_t kMode = 306;  ///< u8
+inline constexpr std::size_t kFlags = 307;  ///< u8
+inline constexpr std::size_t kCrc = 308;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 310;
+inline constexpr std::uint8_t kFlagPose = 0x01;
+inline constexpr std::uint8_t kFlagRate = 0x02;
+inline constexpr std::uint8_t kFlagVelocity = 0x04;
+inline constexpr std::uint8_t kFlagScaleKnown = 0x08;
+inline constexpr std::uint8_t kFlagsUsed = 0x0F;
+}  // namespace motion_layout
+
+namespace model_layout {
+inline constexpr std::size_t kTimestamp_ns = 16;  ///< i64
+inline constexpr std::size_t kW_T_rad_s = 24;  ///< 3 x f64
+inline constexpr std::size_t kQ_TB = 48;  ///< 4 x f64
+inline constexpr std::size_t kInertia_ratio = 80;  ///< 2 x f64
+inline constexpr std::size_t kPeriod_spin_s = 96;  ///< f64
+inline constexpr std::size_t kPeriod_precession_s = 104;  ///< f64
+inline constexpr std::size_t kV_C = 112;  ///< 3 x f64
+inline constexpr std::size_t kC_T = 136;  ///< 3 x f64
+inline constexpr std::size_t kCov_w = 160;  ///< 6 x f32
+inline constexpr std::size_t kSigma_axes_rad = 184;  ///< 3 x f32
+inline constexpr std::size_t kSigma_inertia_ratio = 196;  ///< 2 x f32
+inline constexpr std::size_t kSigma_period_spin_s = 204;  ///< f32
+inline constexpr std::size_t kSigma_period_precession_s = 208;  ///< f32
+inline constexpr std::size_t kCov_v = 212;  ///< 6 x f32
+inline constexpr std::size_t kCov_c = 236;  ///< 6 x f32
+inline constexpr std::size_t kSpan_s = 260;  ///< f32
+inline constexpr std::size_t kChi2_per_dof = 264;  ///< f32
+inline constexpr std::size_t kPoses = 268;  ///< u32
+inline constexpr std::size_t kFrame = 272;  ///< u32
+inline constexpr std::size_t kDynamics = 276;  ///< u8
+inline constexpr std::size_t kClass_inertia = 277;  ///< u8
+inline constexpr std::size_t kClass_mass_centre = 278;  ///< u8
+inline constexpr std::size_t kFlags = 279;  ///< u8
+inline constexpr std::size_t kCrc = 280;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 282;
+inline constexpr std::uint8_t kFlagRate = 0x01;
+inline constexpr std::uint8_t kFlagAxes = 0x02;
+inline constexpr std::uint8_t kFlagInertia = 0x04;
+inline constexpr std::uint8_t kFlagPeriods = 0x08;
+inline constexpr std::uint8_t kFlagVelocity = 0x10;
+inline constexpr std::uint8_t kFlagMassCentre = 0x20;
+inline constexpr std::uint8_t kFlagScaleKnown = 0x40;
+inline constexpr std::uint8_t kFlagsUsed = 0x7F;
+}  // namespace model_layout
+
+namespace prediction_layout {
+inline constexpr std::size_t kTimestamp_ns = 16;  ///< i64
+inline constexpr std::size_t kPredicted_timestamp_ns = 24;  ///< i64
+inline constexpr std::size_t kQ_CT = 32;  ///< 4 x f64
+inline constexpr std::size_t kP_CT = 64;  ///< 3 x f64
+inline constexpr std::size_t kW_T_rad_s = 88;  ///< 3 x f64
+inline constexpr std::size_t kCov_pose = 112;  ///< 21 x f32
+inline constexpr std::size_t kSigma_rate_rad_s = 196;  ///< f32
+inline constexpr std::size_t kFrame = 200;  ///< u32
+inline constexpr std::size_t kPoses = 204;  ///< u16
+inline constexpr std::size_t kDynamics = 206;  ///< u8
+inline constexpr std::size_t kFlags = 207;  ///< u8
+inline constexpr std::size_t kCrc = 208;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 210;
+inline constexpr std::uint8_t kFlagPose = 0x01;
+inline constexpr std::uint8_t kFlagRate = 0x02;
+inline constexpr std::uint8_t kFlagScaleKnown = 0x04;
+inline constexpr std::uint8_t kFlagsUsed = 0x07;
+}  // namespace prediction_layout
+
+namespace shape_layout {
+inline constexpr std::size_t kTimestamp_ns = 16;  ///< i64
+inline constexpr std::size_t kQ_TB = 24;  ///< 4 x f64
+inline constexpr std::size_t kCentroid_T = 56;  ///< 3 x f64
+inline constexpr std::size_t kCentroid_measured_T = 80;  ///< 3 x f64
+inline constexpr std::size_t kDimensions = 104;  ///< 3 x f64
+inline constexpr std::size_t kSigma_dimensions = 128;  ///< 3 x f64
+inline constexpr std::size_t kMetres_per_mu = 152;  ///< f64
+inline constexpr std::size_t kCylinder_axis_T = 160;  ///< 3 x f32
+inline constexpr std::size_t kCylinder_centre_T = 172;  ///< 3 x f32
+inline constexpr std::size_t kCylinder_radius = 184;  ///< f32
+inline constexpr std::size_t kCylinder_length = 188;  ///< f32
+inline constexpr std::size_t kCylinder_coverage_rad = 192;  ///< f32
+inline constexpr std::size_t kSigma_cylinder_axis_rad = 196;  ///< f32
+inline constexpr std::size_t kSigma_cylinder_radius = 200;  ///< f32
+inline constexpr std::size_t kSpacing = 204;  ///< f32
+inline constexpr std::size_t kThickness = 208;  ///< f32
+inline constexpr std::size_t kSigma_scale = 212;  ///< f32
+inline constexpr std::size_t kPlane_normal_T = 216;  ///< 36 x f32
+inline constexpr std::size_t kPlane_offset = 360;  ///< 12 x f32
+inline constexpr std::size_t kPlane_centre_T = 408;  ///< 36 x f32
+inline constexpr std::size_t kPlane_extent = 552;  ///< 24 x f32
+inline constexpr std::size_t kPlane_sigma = 648;  ///< 36 x f32
+inline constexpr std::size_t kFrame = 792;  ///< u32
+inline constexpr std::size_t kPlane_inliers = 796;  ///< 12 x u16
+inline constexpr std::size_t kLandmarks = 820;  ///< u16
+inline constexpr std::size_t kCloud_points = 822;  ///< u16
+inline constexpr std::size_t kCompletion_points = 824;  ///< u16
+inline constexpr std::size_t kPlane_count = 826;  ///< u8
+inline constexpr std::size_t kCompletion = 827;  ///< u8
+inline constexpr std::size_t kFrame_source = 828;  ///< u8
+inline constexpr std::size_t kFlags = 829;  ///< u8
+inline constexpr std::size_t kCrc = 830;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 832;
+inline constexpr std::uint8_t kFlagShape = 0x01;
+inline constexpr std::uint8_t kFlagCylinder = 0x02;
+inline constexpr std::uint8_t kFlagScaleKnown = 0x04;
+inline constexpr std::uint8_t kFlagsUsed = 0x07;
+}  // namespace shape_layout
+
+namespace housekeeping_layout {
+inline constexpr std::size_t kTimestamp_ns = 16;  ///< i64
+inline constexpr std::size_t kMemory_octets = 24;  ///< u64
+inline constexpr std::size_t kFrame = 32;  ///< u32
+inline constexpr std::size_t kFrames_in = 36;  ///< u32
+inline constexpr std::size_t kFrames_used = 40;  ///< u32
+inline constexpr std::size_t kFrames_unreadable = 44;  ///< u32
+inline constexpr std::size_t kFrames_dark = 48;  ///< u32
+inline constexpr std::size_t kFrames_wrong_size = 52;  ///< u32
+inline constexpr std::size_t kFrames_time_not_increasing = 56;  ///< u32
+inline constexpr std::size_t kFrames_held = 60;  ///< u32
+inline constexpr std::size_t kPoses = 64;  ///< u32
+inline constexpr std::size_t kLost = 68;  ///< u32
+inline constexpr std::size_t kRelocalised = 72;  ///< u32
+inline constexpr std::size_t kRestarts = 76;  ///< u32
+inline constexpr std::size_t kStart_contests = 80;  ///< u32
+inline constexpr std::size_t kKeyframes_inserted = 84;  ///< u32
+inline constexpr std::size_t kKeyframes_culled = 88;  ///< u32
+inline constexpr std::size_t kLandmarks_created = 92;  ///< u32
+inline constexpr std::size_t kLandmarks_culled = 96;  ///< u32
+inline constexpr std::size_t kClosures = 100;  ///< u32
+inline constexpr std::size_t kTables_full = 104;  ///< u32
+inline constexpr std::size_t kCommands_accepted = 108;  ///< u32
+inline constexpr std::size_t kCommands_rejected = 112;  ///< u32
+inline constexpr std::size_t kEvents_sent = 116;  ///< u32
+inline constexpr std::size_t kEvents_suppressed = 120;  ///< u32
+inline constexpr std::size_t kPackets_not_sent = 124;  ///< u32
+inline constexpr std::size_t kTable_crc = 128;  ///< u32
+inline constexpr std::size_t kTable_loaded_crc = 132;  ///< u32
+inline constexpr std::size_t kTable_entries = 136;  ///< u16
+inline constexpr std::size_t kLandmarks = 138;  ///< u16
+inline constexpr std::size_t kKeyframes = 140;  ///< u16
+inline constexpr std::size_t kCloud_chunks_left = 142;  ///< u16
+inline constexpr std::size_t kLast_command = 144;  ///< u8
+inline constexpr std::size_t kLast_rejection = 145;  ///< u8
+inline constexpr std::size_t kMode = 146;  ///< u8
+inline constexpr std::size_t kVersion = 147;  ///< 3 x u8
+inline constexpr std::size_t kFlags = 150;  ///< u8
+inline constexpr std::size_t kSpare = 151;  ///< u8
+inline constexpr std::size_t kCrc = 152;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 154;
+inline constexpr std::uint8_t kFlagHeld = 0x01;
+inline constexpr std::uint8_t kFlagScaleKnown = 0x02;
+inline constexpr std::uint8_t kFlagTableLoaded = 0x04;
+inline constexpr std::uint8_t kFlagServicerAttitude = 0x08;
+inline constexpr std::uint8_t kFlagsUsed = 0x0F;
+}  // namespace housekeeping_layout
+
+namespace event_layout {
+inline constexpr std::size_t kTimestamp_ns = 16;  ///< i64
+inline constexpr std::size_t kValue = 24;  ///< 2 x f64
+inline constexpr std::size_t kFrame = 40;  ///< u32
+inline constexpr std::size_t kOccurrences = 44;  ///< u32
+inline constexpr std::size_t kSuppressed = 48;  ///< u32
+inline constexpr std::size_t kId = 52;  ///< u16
+inline constexpr std::size_t kSeverity = 54;  ///< u8
+inline constexpr std::size_t kText_octets = 55;  ///< u8
+inline constexpr std::size_t kText = 56;  ///< 122 x text
+inline constexpr std::size_t kSpare = 178;  ///< 2 x u8
+inline constexpr std::size_t kCrc = 180;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 182;
+}  // namespace event_layout
+
+namespace cloud_layout {
+inline constexpr std::size_t kTimestamp_ns = 16;  ///< i64
+inline constexpr std::size_t kMetres_per_mu = 24;  ///< f64
+inline constexpr std::size_t kPoints_total = 32;  ///< u32
+inline constexpr std::size_t kFirst_point = 36;  ///< u32
+inline constexpr std::size_t kCloud = 40;  ///< u16
+inline constexpr std::size_t kChunk = 42;  ///< u16
+inline constexpr std::size_t kChunks = 44;  ///< u16
+inline constexpr std::size_t kPoints = 46;  ///< u8
+inline constexpr std::size_t kFlags = 47;  ///< u8
+inline constexpr std::size_t kP_T = 48;  ///< 330 x f32
+inline constexpr std::size_t kCrc = 1368;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 1370;
+inline constexpr std::uint8_t kFlagScaleKnown = 0x01;
+inline constexpr std::uint8_t kFlagsUsed = 0x01;
+}  // namespace cloud_layout
+
+namespace platform_layout {
+inline constexpr std::size_t kTimestamp_ns = 16;  ///< i64
+inline constexpr std::size_t kResident_octets = 24;  ///< u64
+inline constexpr std::size_t kResident_peak_octets = 32;  ///< u64
+inline constexpr std::size_t kUptime_s = 40;  ///< u32
+inline constexpr std::size_t kFrames_dropped = 44;  ///< u32
+inline constexpr std::size_t kCamera_errors = 48;  ///< u32
+inline constexpr std::size_t kCamera_reopened = 52;  ///< u32
+inline constexpr std::size_t kDeadline_misses = 56;  ///< u32
+inline constexpr std::size_t kJobs_late = 60;  ///< u32
+inline constexpr std::size_t kLast_step_us = 64;  ///< u32
+inline constexpr std::size_t kLongest_step_us = 68;  ///< u32
+inline constexpr std::size_t kPackets_sent = 72;  ///< u32
+inline constexpr std::size_t kPackets_dropped = 76;  ///< u32
+inline constexpr std::size_t kCommands_received = 80;  ///< u32
+inline constexpr std::size_t kCommands_dropped = 84;  ///< u32
+inline constexpr std::size_t kRestarts = 88;  ///< u16
+inline constexpr std::size_t kFlags = 90;  ///< u8
+inline constexpr std::size_t kSpare = 91;  ///< u8
+inline constexpr std::size_t kCrc = 92;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 94;
+inline constexpr std::uint8_t kFlagWatchdog = 0x01;
+inline constexpr std::uint8_t kFlagLockedMemory = 0x02;
+inline constexpr std::uint8_t kFlagRealTime = 0x04;
+inline constexpr std::uint8_t kFlagsUsed = 0x07;
+}  // namespace platform_layout
+
+namespace set_known_length_layout {
+inline constexpr std::size_t kFrame_timestamp_ns = 8;  ///< i64
+inline constexpr std::size_t kLength_m = 16;  ///< f64
+inline constexpr std::size_t kFirst_px = 24;  ///< 2 x f64
+inline constexpr std::size_t kSecond_px = 40;  ///< 2 x f64
+inline constexpr std::size_t kCrc = 56;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 58;
+}  // namespace set_known_length_layout
+
+namespace set_range_layout {
+inline constexpr std::size_t kFrame_timestamp_ns = 8;  ///< i64
+inline constexpr std::size_t kRange_m = 16;  ///< f64
+inline constexpr std::size_t kCrc = 24;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 26;
+}  // namespace set_range_layout
+
+namespace servicer_attitude_layout {
+inline constexpr std::size_t kTimestamp_ns = 8;  ///< i64
+inline constexpr std::size_t kQ_IC = 16;  ///< 4 x f64
+inline constexpr std::size_t kW_C_rad_s = 48;  ///< 3 x f64
+inline constexpr std::size_t kCrc = 72;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 74;
+}  // namespace servicer_attitude_layout
+
+namespace request_cloud_layout {
+inline constexpr std::size_t kPoints_max = 8;  ///< u32
+inline constexpr std::size_t kCrc = 12;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 14;
+}  // namespace request_cloud_layout
+
+namespace table_load_layout {
+inline constexpr std::size_t kEntries = 8;  ///< u16
+inline constexpr std::size_t kSpare = 10;  ///< 3 x u16
+inline constexpr std::size_t kPacketOctets = 18;
+}  // namespace table_load_layout
+
+namespace table_activate_layout {
+inline constexpr std::size_t kCrc32 = 8;  ///< u32
+inline constexpr std::size_t kEntries = 12;  ///< u32
+inline constexpr std::size_t kCrc = 16;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 18;
+}  // namespace table_activate_layout
+// clang-format on
+
+}  // namespace polhode::bus

@@ -1,0 +1,325 @@
+// Written by tools/generate_bus.py from config/bus/*.toml: change those.
+// Everything on the bus as plain data: telemetry packets and the arguments of commands.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "bus/fields.hpp"
+
+namespace polhode::bus {
+
+// clang-format off
+enum class PacketId : std::uint8_t {
+  kMotion = 0,
+  kModel = 1,
+  kPrediction = 2,
+  kShape = 3,
+  kHousekeeping = 4,
+  kEvent = 5,
+  kCloud = 6,
+  kPlatform = 7,
+};
+
+inline constexpr std::size_t kPacketKinds = 8;
+inline constexpr int kCommandApid = 15;  ///< above the first one
+
+enum class CommandCode : std::uint8_t {
+  kNoop = 0,
+  kResetCounters = 1,
+  kResetMap = 2,
+  kHold = 3,
+  kResume = 4,
+  kSetKnownLength = 5,
+  kSetRange = 6,
+  kServicerAttitude = 7,
+  kRequestCloud = 8,
+  kTableLoad = 9,
+  kTableActivate = 10,
+  kTableDiscard = 11,
+  kCheckpoint = 12,
+};
+
+enum class Rejection : std::uint8_t {
+  kNone = 0,
+  kLength = 1,
+  kHeader = 2,
+  kCrc = 3,
+  kUnknownCode = 4,
+  kRange = 5,
+  kState = 6,
+  kTooMany = 7,
+};
+
+/// How the target is turned, where it is, how both change, at the middle of this frame's exposure.
+struct MotionPacket {
+  std::int64_t timestamp_ns = 0;  ///< middle of the exposure since 1970-01-01T00:00:00, exact; ns
+  std::array<double, 4> q_CT{};  ///< takes T components to C components; unit norm, sign continuous in time; flag pose
+  std::array<double, 3> p_CT{};  ///< T's origin seen from C, in C; length; flag pose
+  std::array<double, 3> v_C{};  ///< velocity of T's origin relative to C's origin, in C; length/s; flag velocity
+  std::array<double, 3> w_T_rad_s{};  ///< angular velocity of T relative to inertial space, in T; rad/s; flag rate
+  double sigma_att_rad = 0.0;  ///< 1-sigma of the attitude, worst axis; rad; flag pose
+  double sigma_pos = 0.0;  ///< 1-sigma of the position, worst axis; length; flag pose
+  double sigma_vel = 0.0;  ///< 1-sigma of the velocity, worst axis; length/s; flag velocity
+  double sigma_rate_rad_s = 0.0;  ///< 1-sigma of the rate, worst axis; rad/s; flag rate
+  std::array<float, 21> cov_pose{};  ///< covariance of (phi, dp) in C, upper triangle by rows; R_true = exp(phi) R_CT, p_true = p_CT + dp; rad and length; flag pose
+  std::array<float, 6> cov_v{};  ///< covariance of v_C; (length/s)^2; flag velocity
+  std::array<float, 6> cov_w{};  ///< covariance of w_T; (rad/s)^2; flag rate
+  std::uint32_t frame = 0;  ///< index of the accepted frame
+  std::uint16_t features = 0;  ///< detected or followed in this frame
+  std::uint16_t matches = 0;  ///< tied to landmarks, or to tracks before a map
+  std::uint16_t inliers = 0;  ///< that agree with the pose
+  std::uint16_t landmarks = 0;  ///< in the map
+  std::uint16_t keyframes = 0;  ///< in the map
+  std::uint8_t mode = 0;  ///< what the component is doing
+  std::uint8_t flags = 0;
+
+  static const Layout& layout();  ///< 310 octets
+};
+
+/// The torque-free motion that fits the poses so far: rates, principal axes, inertia ratios, periods, velocity, centre of mass.
+struct ModelPacket {
+  std::int64_t timestamp_ns = 0;  ///< the time that the values belong to; ns
+  std::array<double, 3> w_T_rad_s{};  ///< the model's angular velocity at that time, relative to inertial space, in T; rad/s; flag rate
+  std::array<double, 4> q_TB{};  ///< principal axes of inertia B: takes B components to T components; flag axes
+  std::array<double, 2> inertia_ratio{};  ///< principal moments over the first one: Jy/Jx, Jz/Jx; flag inertia
+  double period_spin_s = 0.0;  ///< time in which the body rates repeat (the polhode's period); s; flag periods
+  double period_precession_s = 0.0;  ///< mean time of a turn about the angular momentum; s; flag periods
+  std::array<double, 3> v_C{};  ///< velocity of the centre of mass relative to C's origin, in C; length/s; flag velocity
+  std::array<double, 3> c_T{};  ///< centre of mass seen from T's origin, in T; length; flag mass_centre
+  std::array<float, 6> cov_w{};  ///< covariance of w_T; (rad/s)^2; flag rate
+  std::array<float, 3> sigma_axes_rad{};  ///< 1-sigma of the axes' turn about each of them; rad; flag axes
+  std::array<float, 2> sigma_inertia_ratio{};  ///< 1-sigma of the ratios; flag inertia
+  float sigma_period_spin_s = 0.0F;  ///< 1-sigma; s; flag periods
+  float sigma_period_precession_s = 0.0F;  ///< 1-sigma; s; flag periods
+  std::array<float, 6> cov_v{};  ///< covariance of v_C; (length/s)^2; flag velocity
+  std::array<float, 6> cov_c{};  ///< covariance of c_T; length^2; flag mass_centre
+  float span_s = 0.0F;  ///< time between the first and the last pose of the fit; s
+  float chi2_per_dof = 0.0F;  ///< of the fit; 1 where the declared sigmas are right
+  std::uint32_t poses = 0;  ///< that the fit used
+  std::uint32_t frame = 0;  ///< index of the frame at publication
+  std::uint8_t dynamics = 0;  ///< what was fitted; LOCAL: a polynomial through the last poses
+  std::uint8_t class_inertia = 0;  ///< whether the data determine the ratios
+  std::uint8_t class_mass_centre = 0;  ///< the same of the centre of mass, worst axis
+  std::uint8_t flags = 0;
+
+  static const Layout& layout();  ///< 282 octets
+};
+
+/// Where the target will be `bus.prediction_ahead_s` from now if nothing acts on it.
+struct PredictionPacket {
+  std::int64_t timestamp_ns = 0;  ///< of the last frame that the prediction knows; ns
+  std::int64_t predicted_timestamp_ns = 0;  ///< the time that the values belong to; ns
+  std::array<double, 4> q_CT{};  ///< predicted attitude; sign continuous with the motion packet's; flag pose
+  std::array<double, 3> p_CT{};  ///< predicted position of T's origin, in C; length; flag pose
+  std::array<double, 3> w_T_rad_s{};  ///< predicted angular velocity, in T; rad/s; flag rate
+  std::array<float, 21> cov_pose{};  ///< as in the motion packet; rad and length; flag pose
+  float sigma_rate_rad_s = 0.0F;  ///< 1-sigma, worst axis; rad/s; flag rate
+  std::uint32_t frame = 0;  ///< index of the frame at publication
+  std::uint16_t poses = 0;  ///< that the prediction rests on
+  std::uint8_t dynamics = 0;  ///< what was used; LOCAL: a polynomial through the last poses
+  std::uint8_t flags = 0;
+
+  static const Layout& layout();  ///< 210 octets
+};
+
+/// Dimensions, body frame, flat faces and cylinder of the target.
+struct ShapePacket {
+  std::int64_t timestamp_ns = 0;  ///< of the frame at publication; ns
+  std::array<double, 4> q_TB{};  ///< body frame B: takes B components to T components; flag shape
+  std::array<double, 3> centroid_T{};  ///< centre of the completed body, B's origin, in T; length; flag shape
+  std::array<double, 3> centroid_measured_T{};  ///< mean of the measured cloud, in T; length; flag shape
+  std::array<double, 3> dimensions{};  ///< full lengths along B's axes; length; flag shape
+  std::array<double, 3> sigma_dimensions{};  ///< 1-sigma; length; flag shape
+  double metres_per_mu = 0.0;  ///< the scale that turned map units into metres; m/map unit; flag scale_known
+  std::array<float, 3> cylinder_axis_T{};  ///< unit, either sign; flag cylinder
+  std::array<float, 3> cylinder_centre_T{};  ///< on the axis, at half length; length; flag cylinder
+  float cylinder_radius = 0.0F;  ///< length; flag cylinder
+  float cylinder_length = 0.0F;  ///< of the part that has points; length; flag cylinder
+  float cylinder_coverage_rad = 0.0F;  ///< how much of the round has points; rad; flag cylinder
+  float sigma_cylinder_axis_rad = 0.0F;  ///< 1-sigma, worst direction; rad; flag cylinder
+  float sigma_cylinder_radius = 0.0F;  ///< 1-sigma; length; flag cylinder
+  float spacing = 0.0F;  ///< typical distance of neighbouring points; length; flag shape
+  float thickness = 0.0F;  ///< 1-sigma noise of the cloud across its surface; length; flag shape
+  float sigma_scale = 0.0F;  ///< 1-sigma of metres_per_mu over its value; flag scale_known
+  std::array<float, 36> plane_normal_T{};  ///< of plane i: unit, away from the centroid; planes from plane_count on are zero; flag shape
+  std::array<float, 12> plane_offset{};  ///< normal . p = offset for points p of the plane, in T; length; flag shape
+  std::array<float, 36> plane_centre_T{};  ///< centre of the rectangle that holds its points; length; flag shape
+  std::array<float, 24> plane_extent{};  ///< that rectangle's full lengths; length; flag shape
+  std::array<float, 36> plane_sigma{};  ///< 1-sigma of the tilt about u and v, and of the offset; rad, rad, length; flag shape
+  std::uint32_t frame = 0;  ///< index of the frame at publication
+  std::array<std::uint16_t, 12> plane_inliers{};  ///< points of the plane; flag shape
+  std::uint16_t landmarks = 0;  ///< that the estimate used
+  std::uint16_t cloud_points = 0;  ///< measured, after denoising
+  std::uint16_t completion_points = 0;  ///< added
+  std::uint8_t plane_count = 0;  ///< planes that follow
+  std::uint8_t completion = 0;  ///< what the cloud was completed to
+  std::uint8_t frame_source = 0;  ///< where B's axes come from
+  std::uint8_t flags = 0;
+
+  static const Layout& layout();  ///< 832 octets
+};
+
+/// Counters and state of the component. Counters start at 0, wrap at 2^32 and go to 0 by RESET_COUNTERS; frame does not.
+struct HousekeepingPacket {
+  std::int64_t timestamp_ns = 0;  ///< of the frame at publication; ns
+  std::uint64_t memory_octets = 0;  ///< of the component's own tables, fixed since start; octet
+  std::uint32_t frame = 0;  ///< index of the frame at publication
+  std::uint32_t frames_in = 0;  ///< handed over
+  std::uint32_t frames_used = 0;  ///< that were looked at
+  std::uint32_t frames_unreadable = 0;  ///< that the camera could not deliver whole
+  std::uint32_t frames_dark = 0;  ///< too dark to be used
+  std::uint32_t frames_wrong_size = 0;
+  std::uint32_t frames_time_not_increasing = 0;
+  std::uint32_t frames_held = 0;  ///< passed over while held
+  std::uint32_t poses = 0;  ///< frames with a pose
+  std::uint32_t lost = 0;  ///< times that tracking was lost
+  std::uint32_t relocalised = 0;  ///< times that it was found again
+  std::uint32_t restarts = 0;  ///< times that a map was begun anew after a loss
+  std::uint32_t start_contests = 0;  ///< attempts at starting a map
+  std::uint32_t keyframes_inserted = 0;
+  std::uint32_t keyframes_culled = 0;
+  std::uint32_t landmarks_created = 0;
+  std::uint32_t landmarks_culled = 0;
+  std::uint32_t closures = 0;  ///< loops closed
+  std::uint32_t tables_full = 0;  ///< times that a table had no free slot
+  std::uint32_t commands_accepted = 0;
+  std::uint32_t commands_rejected = 0;
+  std::uint32_t events_sent = 0;
+  std::uint32_t events_suppressed = 0;  ///< held back by the throttle
+  std::uint32_t packets_not_sent = 0;  ///< that found no room in a frame's output
+  std::uint32_t table_crc = 0;  ///< CRC-32 of the active parameter table
+  std::uint32_t table_loaded_crc = 0;  ///< CRC-32 over the entries loaded since the inactive table was begun
+  std::uint16_t table_entries = 0;  ///< entries loaded into the inactive table
+  std::uint16_t landmarks = 0;  ///< in the map
+  std::uint16_t keyframes = 0;  ///< in the map
+  std::uint16_t cloud_chunks_left = 0;  ///< of a requested cloud, still to be sent
+  std::uint8_t last_command = 0;  ///< function code of the last command, accepted or not; 255: none yet
+  std::uint8_t last_rejection = 0;  ///< why the last rejected command was refused
+  std::uint8_t mode = 0;
+  std::array<std::uint8_t, 3> version{};  ///< of the component
+  std::uint8_t flags = 0;
+  std::uint8_t spare = 0;  ///< 0
+
+  static const Layout& layout();  ///< 154 octets
+};
+
+/// Something happened. The id alone says what; the text is for people.
+struct EventPacket {
+  std::int64_t timestamp_ns = 0;  ///< of the frame; ns
+  std::array<double, 2> value{};  ///< the event's numbers, in the order of its text
+  std::uint32_t frame = 0;  ///< index of the frame
+  std::uint32_t occurrences = 0;  ///< of this id since start or RESET_COUNTERS, this one and suppressed ones included
+  std::uint32_t suppressed = 0;  ///< of this id since the last one that was sent
+  std::uint16_t id = 0;  ///< see the table of events
+  std::uint8_t severity = 0;
+  std::uint8_t text_octets = 0;  ///< length of the text
+  std::array<char, 122> text{};  ///< ASCII without control characters, zero-padded
+  std::array<std::uint8_t, 2> spare{};  ///< 0
+
+  static const Layout& layout();  ///< 182 octets
+};
+
+/// A part of the map's landmarks as they were when the request was executed.
+struct CloudPacket {
+  std::int64_t timestamp_ns = 0;  ///< of the frame at which the request was executed; ns
+  double metres_per_mu = 0.0;  ///< already applied to the points; m/map unit; flag scale_known
+  std::uint32_t points_total = 0;  ///< of the whole cloud
+  std::uint32_t first_point = 0;  ///< index of this packet's first point
+  std::uint16_t cloud = 0;  ///< number of the request, from 1, wraps
+  std::uint16_t chunk = 0;  ///< of this cloud, from 0
+  std::uint16_t chunks = 0;  ///< of this cloud
+  std::uint8_t points = 0;  ///< in this packet; the rest is zero
+  std::uint8_t flags = 0;
+  std::array<float, 330> p_T{};  ///< landmarks, in T; length
+
+  static const Layout& layout();  ///< 1370 octets
+};
+
+/// What the machine around the component did: not part of the stream that the same frames reproduce.
+struct PlatformPacket {
+  std::int64_t timestamp_ns = 0;  ///< of the last frame; ns
+  std::uint64_t resident_octets = 0;  ///< of the process now; octet
+  std::uint64_t resident_peak_octets = 0;  ///< of the process since start; octet
+  std::uint32_t uptime_s = 0;  ///< s
+  std::uint32_t frames_dropped = 0;  ///< by the camera or for want of time
+  std::uint32_t camera_errors = 0;
+  std::uint32_t camera_reopened = 0;
+  std::uint32_t deadline_misses = 0;  ///< steps that took longer than a frame
+  std::uint32_t jobs_late = 0;  ///< results that were not there when due
+  std::uint32_t last_step_us = 0;  ///< us
+  std::uint32_t longest_step_us = 0;  ///< since start or RESET_COUNTERS; us
+  std::uint32_t packets_sent = 0;  ///< over all transports
+  std::uint32_t packets_dropped = 0;  ///< that a transport would not take
+  std::uint32_t commands_received = 0;  ///< datagrams at the command sockets
+  std::uint32_t commands_dropped = 0;  ///< of these, held no longer for want of room
+  std::uint16_t restarts = 0;  ///< of the process since its checkpoint was first made
+  std::uint8_t flags = 0;
+  std::uint8_t spare = 0;  ///< 0
+
+  static const Layout& layout();  ///< 94 octets
+};
+
+/// the distance between two picture points of a frame is this long; replaces any earlier length or range
+struct SetKnownLengthCommand {
+  std::int64_t frame_timestamp_ns = 0;  ///< of the frame in which the points are seen; one that has become a keyframe, or one to come; ns
+  double length_m = 0.0;  ///< m
+  std::array<double, 2> first_px{};  ///< one end; px
+  std::array<double, 2> second_px{};  ///< the other end; px
+
+  static const Layout& layout();  ///< 58 octets
+};
+
+/// a range finder's reading to the target's nearest surface on the boresight; replaces any earlier length or range
+struct SetRangeCommand {
+  std::int64_t frame_timestamp_ns = 0;  ///< of the frame at which it was read; ns
+  double range_m = 0.0;  ///< m
+
+  static const Layout& layout();  ///< 26 octets
+};
+
+/// how the camera is turned and turns relative to inertial space; until the first one it does not turn
+struct ServicerAttitudeCommand {
+  std::int64_t timestamp_ns = 0;  ///< the time that the values belong to; later than the last one's; ns
+  std::array<double, 4> q_IC{};  ///< takes C components to I components; norm within 1e-3 of 1
+  std::array<double, 3> w_C_rad_s{};  ///< angular velocity of C relative to I, in C; rad/s
+
+  static const Layout& layout();  ///< 74 octets
+};
+
+/// the map's landmarks are sent in cloud packets; a request under way is dropped
+struct RequestCloudCommand {
+  std::uint32_t points_max = 0;  ///< at most so many, evenly taken from the map
+
+  static const Layout& layout();  ///< 14 octets
+};
+
+/// entries for the inactive parameter table; the first one after start, activation or discard begins it as a copy of the active one. One bad entry and the packet changes nothing
+struct TableLoadCommand {
+  std::uint16_t entries = 0;  ///< that follow
+  std::array<std::uint16_t, 3> spare{};  ///< 0
+
+  static const Layout& layout();  ///< with the CRC and no entries
+};
+
+inline constexpr std::size_t kTableLoadEntriesMax = 64;
+struct TableLoadEntry {
+  std::uint32_t key_crc = 0;  ///< CRC-32 (ISO-HDLC) of the parameter's dotted key, as in features.count_max
+  std::uint16_t index = 0;  ///< of a component of a compound value, else 0
+  std::uint16_t spare = 0;  ///< 0
+  std::uint64_t value = 0;  ///< bits of a binary64, or a two's complement whole number (a switch: 0 or 1), by the parameter's type
+
+  static const Layout& layout();  ///< 16 octets, offsets from its first
+};
+
+/// the inactive table is checked as a whole and becomes active before the next frame is looked at
+struct TableActivateCommand {
+  std::uint32_t crc32 = 0;  ///< CRC-32 (ISO-HDLC) over the octets of all entries loaded since the table was begun
+  std::uint32_t entries = 0;  ///< how many these are
+
+  static const Layout& layout();  ///< 18 octets
+};
+
+// clang-format on
+
+}  // namespace polhode::bus

@@ -1,0 +1,22 @@
+// The shape packet's content from a shape.
+#pragma once
+
+#include "bus/packets.hpp"
+#include "shape/shape.hpp"
+
+namespace polhode::bus {
+
+/// Scale of a run: metres per unit of the shape's lengths, once it is known.
+struct LengthUnit {
+  bool known = false;
+  double metres_per_mu = 1.0;
+  double relative_sigma = 0.0;
+};
+
+/// All lengths multiplied by the unit. Time stamp and frame are left to the caller.
+ShapePacket to_packet(const Shape& shape, const LengthUnit& unit);
+
+/// Hamilton quaternion w, x, y, z of a rotation, w >= 0.
+std::array<double, 4> quaternion_of(const Eigen::Matrix3d& R);
+
+}  // namespace polhode::bus

@@ -1,0 +1,322 @@
+#include "pipeline/commands.hpp"
+
+#include <algorithm>
+
+#include "base/crc.hpp"
+#include "bus/commands.hpp"
+#include "pipeline/parameter_image.hpp"
+
+namespace polhode {
+namespace {
+
+using bus::Command;
+using bus::EventId;
+using bus::Refusal;
+using bus::Rejection;
+
+/// What a command that is right in itself came to: done, or refused in this state and why.
+using Outcome = std::string_view;
+constexpr Outcome kDone{};
+
+Outcome hold(Component::State* s) {
+  if (s->bus.held) {
+    return "held already";
+  }
+  s->bus.held = true;
+  s->mode = Mode::kIdle;
+  s->reference.valid = false;
+  return kDone;
+}
+
+Outcome resume(Component::State* s) {
+  if (!s->bus.held) {
+    return "not held";
+  }
+  s->bus.held = false;
+  s->mode = s->map.landmark_count > 0 ? Mode::kLost : Mode::kAcquiring;
+  return kDone;
+}
+
+Outcome set_known_length(const Command& command, Component::State* s) {
+  const auto length = command.arguments<bus::SetKnownLengthCommand>();
+  const auto inside = [&](const std::array<double, 2>& px) {
+    return px[0] <= s->camera.width_px - 0.5 && px[1] <= s->camera.height_px - 0.5;
+  };
+  if (!inside(length.first_px) || !inside(length.second_px)) {
+    return "point outside the image";
+  }
+  s->parameters.scale = {.source = ScaleSource::kKnownLength,
+                         .known_length_m = length.length_m,
+                         .points_px = {length.first_px, length.second_px},
+                         .frame_timestamp_ns = length.frame_timestamp_ns};
+  s->scale = {};
+  return kDone;
+}
+
+Outcome set_range(const Command& command, Component::State* s) {
+  const auto range = command.arguments<bus::SetRangeCommand>();
+  s->parameters.scale = {.source = ScaleSource::kRange,
+                         .range_m = range.range_m,
+                         .frame_timestamp_ns = range.frame_timestamp_ns};
+  s->scale = {};
+  return kDone;
+}
+
+Outcome servicer_attitude(const Command& command, Component::State* s) {
+  const auto told = command.arguments<bus::ServicerAttitudeCommand>();
+  ServicerAttitude& servicer = s->bus.servicer;
+  if (servicer.known && told.timestamp_ns <= servicer.timestamp_ns) {
+    return "time does not increase";
+  }
+  servicer = {
+      .known = true,
+      .timestamp_ns = told.timestamp_ns,
+      .q_IC =
+          Eigen::Quaterniond(told.q_IC[0], told.q_IC[1], told.q_IC[2], told.q_IC[3]).normalized(),
+      .w_C_rad_s = {told.w_C_rad_s[0], told.w_C_rad_s[1], told.w_C_rad_s[2]}};
+  return kDone;
+}
+
+Outcome request_cloud(const Command& command, Component::State* s) {
+  const auto request = command.arguments<bus::RequestCloudCommand>();
+  const auto in_map = static_cast<std::size_t>(s->map.landmark_count);
+  if (in_map == 0) {
+    return "no map";
+  }
+  CloudRequest& cloud = s->bus.cloud;
+  cloud.points_T.clear();
+  cloud.next = 0;
+  ++cloud.number;
+  cloud.timestamp_ns = s->timestamp_ns;
+  cloud.scale_known = s->scale.known;
+  cloud.metres_per_mu = s->scale.metres_per_mu;
+  const std::size_t wanted = std::min<std::size_t>(request.points_max, in_map);
+  std::size_t seen = 0;
+  for (const Landmark& landmark : s->map.landmarks) {
+    if (!landmark.used) {
+      continue;
+    }
+    // Evenly over the map's slots: every in_map / wanted-th one.
+    const bool taken = seen * wanted / in_map != (seen + 1) * wanted / in_map;
+    ++seen;
+    if (taken) {
+      const Eigen::Vector3f p = (cloud.metres_per_mu * landmark.p_T).cast<float>();
+      (void)cloud.points_T.push_back({p.x(), p.y(), p.z()});
+    }
+  }
+  constexpr auto kPerPacket = std::tuple_size_v<decltype(bus::CloudPacket::p_T)> / 3;
+  const double packets = static_cast<double>((cloud.points_T.size() + kPerPacket - 1) / kPerPacket);
+  bus::report(EventId::kCloudBegun,
+              {.values = {static_cast<double>(cloud.points_T.size()), packets}},
+              &s->bus.events);
+  return kDone;
+}
+
+Outcome table_load(const Command& command, Component::State* s) {
+  InactiveTable& table = s->bus.inactive;
+  Parameters changed = table.begun ? table.parameters : s->parameters;
+  for (std::size_t i = 0; i < command.entries; ++i) {
+    const bus::TableLoadEntry entry = command.entry(i);
+    const ParameterRow* row = find_parameter_by_crc(entry.key_crc);
+    const bool good = row != nullptr && may_change_in_flight(row->key) &&
+                      set_from_bits(*row, entry.index, entry.value, &changed);
+    if (!good) {
+      bus::report(EventId::kTableRefused,
+                  {.values = {static_cast<double>(i), 0.0},
+                   .word = row == nullptr ? std::string_view("unknown key") : row->key},
+                  &s->bus.events);
+      return "entry";
+    }
+  }
+  if (!table.begun) {
+    table = {.begun = true, .parameters = {}, .crc = 0, .entries = 0};
+  }
+  table.parameters = changed;
+  table.crc = crc32_iso_hdlc(command.entry_octets(), table.crc);
+  table.entries += static_cast<std::uint32_t>(command.entries);
+  bus::report(EventId::kTableLoaded,
+              {.values = {static_cast<double>(command.entries), static_cast<double>(table.entries)}},
+              &s->bus.events);
+  return kDone;
+}
+
+/// Why the inactive table may not become active, or empty.
+std::string_view objection(const bus::TableActivateCommand& told, const Component::State& s) {
+  const InactiveTable& table = s.bus.inactive;
+  if (!table.begun) {
+    return "no table loaded";
+  }
+  if (told.entries != table.entries || told.crc32 != table.crc) {
+    return "count of entries or CRC differs";
+  }
+  if (const std::string_view key = first_bad_key(table.parameters); !key.empty()) {
+    return key;
+  }
+  if (check(table.parameters)) {
+    return "values that do not go together";
+  }
+  return memory_needed(table.parameters).total > s.bus.memory_octets ? "needs more memory" : "";
+}
+
+Outcome table_activate(const Command& command, Component::State* s) {
+  const std::string_view why = objection(command.arguments<bus::TableActivateCommand>(), *s);
+  if (!why.empty()) {
+    bus::report(EventId::kTableNotActivated, {.word = why}, &s->bus.events);
+    return why;
+  }
+  // Length and range may have come by command since the table was begun.
+  const ScaleOptions scale = s->parameters.scale;
+  s->parameters = s->bus.inactive.parameters;
+  s->parameters.scale = scale;
+  s->bus.inactive = {};
+  s->bus.table_crc = table_crc(s->parameters);
+  bus::report(EventId::kTableActivated,
+              {.values = {static_cast<double>(s->bus.table_crc), 0.0}},
+              &s->bus.events);
+  return kDone;
+}
+
+Outcome table_discard(Component::State* s) {
+  if (!s->bus.inactive.begun) {
+    return "no table loaded";
+  }
+  s->bus.inactive = {};
+  return kDone;
+}
+
+Outcome noop(Component::State* s) {
+  bus::report(EventId::kNoop, {.word = kVersion}, &s->bus.events);
+  return kDone;
+}
+
+Outcome reset_counters(Component::State* s) {
+  s->counters = {};
+  s->bus.told.counters = {};
+  s->bus.commands = {};
+  s->bus.stream.not_sent = 0;
+  s->bus.events.counts = {};
+  s->bus.events.sent = 0;
+  s->bus.events.suppressed = 0;
+  bus::report(EventId::kCountersReset, {}, &s->bus.events);
+  return kDone;
+}
+
+Outcome checkpoint(Component::State* s) {
+  s->output.checkpoint_asked = true;
+  bus::report(EventId::kCheckpointAsked,
+              {.values = {static_cast<double>(s->frame), 0.0}},
+              &s->bus.events);
+  return kDone;
+}
+
+Outcome reset_map(Component::State* s) {
+  forget_target(s);
+  return kDone;
+}
+
+Outcome carry_out(const Command& command, Component::State* s) {
+  switch (command.code) {
+    case bus::CommandCode::kNoop:
+      return noop(s);
+    case bus::CommandCode::kResetCounters:
+      return reset_counters(s);
+    case bus::CommandCode::kResetMap:
+      return reset_map(s);
+    case bus::CommandCode::kHold:
+      return hold(s);
+    case bus::CommandCode::kResume:
+      return resume(s);
+    case bus::CommandCode::kSetKnownLength:
+      return set_known_length(command, s);
+    case bus::CommandCode::kSetRange:
+      return set_range(command, s);
+    case bus::CommandCode::kServicerAttitude:
+      return servicer_attitude(command, s);
+    case bus::CommandCode::kRequestCloud:
+      return request_cloud(command, s);
+    case bus::CommandCode::kTableLoad:
+      return table_load(command, s);
+    case bus::CommandCode::kTableActivate:
+      return table_activate(command, s);
+    case bus::CommandCode::kTableDiscard:
+      return table_discard(s);
+    case bus::CommandCode::kCheckpoint:
+      return checkpoint(s);
+  }
+  return "unknown";
+}
+
+/// Events of their own answer these: an acceptance by name would say it twice.
+bool answers_by_itself(bus::CommandCode code) {
+  return code == bus::CommandCode::kNoop || code == bus::CommandCode::kResetCounters;
+}
+
+void reject(Rejection reason, const bus::EventDetails& details, Component::State* s) {
+  ++s->bus.commands.rejected;
+  s->bus.commands.last_rejection = reason;
+  bus::report(bus::event_of(reason), details, &s->bus.events);
+}
+
+void execute(std::span<const std::uint8_t> octets, Component::State* s) {
+  Command command;
+  const Refusal refusal = bus::read_command(octets, s->parameters.bus.apid_first, &command);
+  if (octets.size() >= bus::kCommandHeaderOctets) {
+    s->bus.commands.last_code = bus::get_u8(octets, bus::kCommandHeaderOctets - 1);
+  }
+  if (refusal.reason != Rejection::kNone) {
+    reject(refusal.reason, refusal.details, s);
+    return;
+  }
+  const double code = static_cast<double>(command.code);
+  const Outcome outcome = carry_out(command, s);
+  if (outcome != kDone) {
+    reject(Rejection::kState, {.values = {code, 0.0}, .word = outcome}, s);
+    return;
+  }
+  ++s->bus.commands.accepted;
+  if (!answers_by_itself(command.code)) {
+    bus::report(EventId::kCommandAccepted,
+                {.values = {code, 0.0}, .word = command.layout->name},
+                &s->bus.events);
+  }
+}
+
+}  // namespace
+
+void execute_commands(std::span<const std::span<const std::uint8_t>> commands,
+                      Component::State* s) {
+  const std::size_t read = std::min(commands.size(), limits::kStepCommands);
+  for (const std::span<const std::uint8_t> octets : commands.first(read)) {
+    execute(octets, s);
+  }
+  if (commands.size() > read) {
+    const std::size_t beyond = commands.size() - read;
+    reject(Rejection::kTooMany,
+           {.values = {static_cast<double>(beyond), static_cast<double>(limits::kStepCommands)}},
+           s);
+    s->bus.commands.rejected += static_cast<std::uint32_t>(beyond - 1);
+  }
+}
+
+void forget_target(Component::State* s) {
+  s->bus.job_is_forgotten = !job_slot_free(*s);
+  clear(&s->map);
+  clear(&s->tracks);
+  s->reference.valid = false;
+  s->reference.points.clear();
+  s->poses.clear();
+  s->localised.matches.clear();
+  s->drift = {};
+  s->scale = {};
+  s->noise_scale = 1.0;
+  s->keyframes_at_last_adjustment = 0;
+  s->frames_lost = 0;
+  s->pose_valid = false;
+  s->bus.cloud.points_T.clear();
+  s->bus.cloud.next = 0;
+  if (!s->bus.held) {
+    s->mode = Mode::kAcquiring;
+  }
+}
+
+}  // namespace polhode

@@ -1,0 +1,205 @@
+#include "pipeline/telemetry.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bus/shape_telemetry.hpp"
+#include "motion/rates.hpp"
+#include "pipeline/publish.hpp"
+#include "pipeline/tell_events.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr std::uint8_t kDynamicsLocal = 1;
+
+std::uint16_t clipped(std::size_t count) {
+  return static_cast<std::uint16_t>(std::min<std::size_t>(count, 0xFFFF));
+}
+
+bool due(std::uint32_t frame, int every_frames) {
+  return frame % static_cast<std::uint32_t>(every_frames) == 0;
+}
+
+std::uint8_t flag_if(bool up, std::uint8_t flag) { return up ? flag : std::uint8_t{0}; }
+
+template <std::size_t kCount>
+std::array<float, kCount> narrowed(const std::array<double, kCount>& values) {
+  std::array<float, kCount> out{};
+  std::transform(values.begin(), values.end(), out.begin(), [](double value) {
+    return static_cast<float>(value);
+  });
+  return out;
+}
+
+void send_model(const MotionState& motion, Component::State* s) {
+  namespace flag = bus::model_layout;
+  bus::ModelPacket packet;
+  packet.timestamp_ns = motion.timestamp_ns;
+  packet.frame = motion.frame;
+  packet.poses = static_cast<std::uint32_t>(s->poses.size());
+  if (!s->poses.empty()) {
+    packet.span_s = static_cast<float>(
+        seconds_between(s->poses[0].timestamp_ns, s->poses.back().timestamp_ns));
+  }
+  if (motion.rate_valid) {
+    packet.dynamics = kDynamicsLocal;
+    packet.w_T_rad_s = motion.w_T_rad_s;
+    packet.cov_w = narrowed(motion.cov_w);
+  }
+  packet.flags = static_cast<std::uint8_t>(flag_if(motion.rate_valid, flag::kFlagRate) |
+                                           flag_if(s->scale.known, flag::kFlagScaleKnown));
+  append(packet, s->parameters.bus, &s->bus.stream);
+}
+
+void send_prediction(const MotionState& motion, Component::State* s) {
+  namespace flag = bus::prediction_layout;
+  bus::PredictionPacket packet;
+  packet.timestamp_ns = motion.timestamp_ns;
+  packet.frame = motion.frame;
+  packet.predicted_timestamp_ns =
+      motion.timestamp_ns + std::llround(s->parameters.bus.prediction_ahead_s * 1e9);
+  packet.flags = flag_if(s->scale.known, flag::kFlagScaleKnown);
+  const Result<PosePrediction> predicted =
+      predict_pose(s->poses.view(), packet.predicted_timestamp_ns, s->parameters.motion);
+  if (predicted) {
+    const double unit = s->scale.metres_per_mu;
+    std::array<double, 4> q_CT = motion.q_CT;
+    MotionState ahead;
+    fill_pose(scaled(predicted.value().pose, unit),
+              scaled(predicted.value().covariance, unit),
+              &q_CT,
+              &ahead);
+    packet.flags |= flag::kFlagPose;
+    packet.q_CT = ahead.q_CT;
+    packet.p_CT = ahead.p_CT;
+    packet.cov_pose = narrowed(ahead.cov_pose);
+    packet.poses = clipped(predicted.value().rotation_poses);
+    packet.dynamics = kDynamicsLocal;
+  }
+  append(packet, s->parameters.bus, &s->bus.stream);
+}
+
+void put_counters(const Counters& c, bus::HousekeepingPacket* packet) {
+  packet->frames_in = c.frames_in;
+  packet->frames_used = c.frames_used;
+  packet->frames_unreadable = c.frames_unreadable;
+  packet->frames_dark = c.frames_dark;
+  packet->frames_wrong_size = c.frames_wrong_size;
+  packet->frames_time_not_increasing = c.frames_time_not_increasing;
+  packet->frames_held = c.frames_held;
+  packet->poses = c.poses;
+  packet->lost = c.lost;
+  packet->relocalised = c.relocalised;
+  packet->restarts = c.restarts;
+  packet->start_contests = c.start_contests;
+  packet->keyframes_inserted = c.keyframes_inserted;
+  packet->keyframes_culled = c.keyframes_culled;
+  packet->landmarks_created = c.landmarks_created;
+  packet->landmarks_culled = c.landmarks_culled;
+  packet->closures = c.closures;
+  packet->tables_full = c.tables_full;
+}
+
+std::size_t points_per_chunk() { return std::tuple_size_v<decltype(bus::CloudPacket::p_T)> / 3; }
+
+std::size_t chunks_left(const CloudRequest& cloud) {
+  const std::size_t points = cloud.points_T.size() - cloud.next;
+  return (points + points_per_chunk() - 1) / points_per_chunk();
+}
+
+/// Major, minor, patch of kVersion.
+std::array<std::uint8_t, 3> version_numbers() {
+  std::array<std::uint8_t, 3> numbers{};
+  std::size_t part = 0;
+  for (const char* c = kVersion; *c != '\0' && part < numbers.size(); ++c) {
+    if (*c == '.') {
+      ++part;
+    } else {
+      numbers[part] = static_cast<std::uint8_t>(10 * numbers[part] + (*c - '0'));
+    }
+  }
+  return numbers;
+}
+
+void send_housekeeping(const MotionState& motion, Component::State* s) {
+  namespace flag = bus::housekeeping_layout;
+  const BusState& bus = s->bus;
+  bus::HousekeepingPacket packet;
+  packet.timestamp_ns = motion.timestamp_ns;
+  packet.memory_octets = bus.memory_octets;
+  packet.frame = motion.frame;
+  put_counters(s->counters, &packet);
+  packet.commands_accepted = bus.commands.accepted;
+  packet.commands_rejected = bus.commands.rejected;
+  packet.last_command = bus.commands.last_code;
+  packet.last_rejection = static_cast<std::uint8_t>(bus.commands.last_rejection);
+  packet.events_sent = bus.events.sent;
+  packet.events_suppressed = bus.events.suppressed;
+  packet.packets_not_sent = bus.stream.not_sent;
+  packet.table_crc = bus.table_crc;
+  packet.table_loaded_crc = bus.inactive.crc;
+  packet.table_entries = clipped(bus.inactive.entries);
+  packet.landmarks = motion.landmarks;
+  packet.keyframes = motion.keyframes;
+  packet.cloud_chunks_left = clipped(chunks_left(bus.cloud));
+  packet.mode = static_cast<std::uint8_t>(motion.mode);
+  packet.version = version_numbers();
+  packet.flags = static_cast<std::uint8_t>(
+      flag_if(bus.held, flag::kFlagHeld) | flag_if(s->scale.known, flag::kFlagScaleKnown) |
+      flag_if(bus.inactive.begun, flag::kFlagTableLoaded) |
+      flag_if(bus.servicer.known, flag::kFlagServicerAttitude));
+  append(packet, s->parameters.bus, &s->bus.stream);
+}
+
+void send_cloud_chunk(Component::State* s) {
+  CloudRequest& cloud = s->bus.cloud;
+  const std::size_t points = std::min(points_per_chunk(), cloud.points_T.size() - cloud.next);
+  bus::CloudPacket packet;
+  packet.timestamp_ns = cloud.timestamp_ns;
+  packet.points_total = static_cast<std::uint32_t>(cloud.points_T.size());
+  packet.first_point = static_cast<std::uint32_t>(cloud.next);
+  packet.cloud = cloud.number;
+  packet.chunk = clipped(cloud.next / points_per_chunk());
+  packet.chunks = clipped((cloud.points_T.size() + points_per_chunk() - 1) / points_per_chunk());
+  packet.points = static_cast<std::uint8_t>(points);
+  if (cloud.scale_known) {
+    packet.flags = bus::cloud_layout::kFlagScaleKnown;
+    packet.metres_per_mu = cloud.metres_per_mu;
+  }
+  for (std::size_t i = 0; i < points; ++i) {
+    std::copy_n(cloud.points_T[cloud.next + i].begin(), 3, packet.p_T.begin() + 3 * static_cast<std::ptrdiff_t>(i));
+  }
+  cloud.next += points;
+  append(packet, s->parameters.bus, &s->bus.stream);
+}
+
+}  // namespace
+
+void begin_telemetry(Component::State* s) {
+  s->bus.stream.size = 0;
+  s->output.checkpoint_asked = false;
+}
+
+void send_telemetry(FrameUse use, const MotionState& motion, Component::State* s) {
+  const BusOptions& options = s->parameters.bus;
+  bus::MotionPacket packet = bus::to_packet(motion);
+  append(packet, options, &s->bus.stream);
+  if (due(motion.frame, options.model_every_frames) && s->map.landmark_count > 0) {
+    send_model(motion, s);
+    if (motion.pose_valid) {
+      send_prediction(motion, s);
+    }
+  }
+  if (due(motion.frame, options.housekeeping_every_frames)) {
+    send_housekeeping(motion, s);
+  }
+  tell_events(use, motion, s);
+  bus::send_events(motion.frame, motion.timestamp_ns, options, &s->bus.events, &s->bus.stream);
+  for (int i = 0; i < options.cloud_chunks_per_frame && chunks_left(s->bus.cloud) > 0; ++i) {
+    send_cloud_chunk(s);
+  }
+  s->output.packets = s->bus.stream.view();
+}
+
+}  // namespace polhode

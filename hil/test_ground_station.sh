@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Tests of the ground station: a YAMCS server takes a replay's stream, a browser shows it. In a network of its own, so that the
+# server's ports are nobody else's. Takes two minutes, and the first time 60 MB from Maven Central and Debian's browser.
+#   hil/test_ground_station.sh [arguments of pytest]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+hil/ground_station.sh --install
+if ! command -v chromium >/dev/null; then
+  apt-get update -q
+  DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends chromium fonts-dejavu-core
+fi
+POLHODE_GROUND_STATION=1 exec unshare -n sh -c 'ip link set lo up && exec .venv/bin/python -m pytest tests/ground_station "$@"' sh "$@"

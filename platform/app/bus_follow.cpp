@@ -1,0 +1,119 @@
+#include "app/bus_follow.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <system_error>
+
+#include "app/packet_printer.hpp"
+#include "errors.hpp"
+#include "transport/client/c/polhode_bus.h"
+#include "transport/command_text.hpp"
+#include "transport/datagram/datagram.hpp"
+
+namespace polhode::platform {
+namespace {
+
+constexpr int kWait_ms = 200;  // after which an interruption is seen
+
+volatile std::sig_atomic_t interrupted = 0;
+
+struct CloseBus {
+  void operator()(polhode_bus* bus) const {
+    polhode_bus_close(bus);
+    delete bus;
+  }
+};
+
+std::unique_ptr<polhode_bus, CloseBus> open_bus(const Address& address) {
+  std::unique_ptr<polhode_bus, CloseBus> bus(new polhode_bus{});
+  const int failed = polhode_bus_open(bus.get(), address.text.c_str());
+  if (failed != 0) {
+    throw UnusableInput(fmt::format("{}: cannot be opened: {}",
+                                    address.text,
+                                    std::generic_category().message(-failed)));
+  }
+  return bus;
+}
+
+/// Tells of damage that the reader skipped since the last call.
+void tell_loss(const polhode_bus& bus, std::uint64_t& damaged, std::uint64_t& overrun) {
+  if (bus.damaged_octets != damaged) {
+    fmt::print(stderr, "{} octets were no packet\n", bus.damaged_octets - damaged);
+    damaged = bus.damaged_octets;
+  }
+  if (bus.overrun != overrun) {
+    fmt::print(stderr, "{} packets were overwritten before they were read\n", bus.overrun - overrun);
+    overrun = bus.overrun;
+  }
+}
+
+}  // namespace
+
+void follow_bus(const BusFollowArguments& arguments) {
+  const Address address = parse_address(arguments.address);
+  const auto bus = open_bus(address);
+  std::signal(SIGINT, [](int) { interrupted = 1; });
+  std::signal(SIGTERM, [](int) { interrupted = 1; });
+  PacketPrinter printer(
+      {.source = address.text, .json = arguments.json, .apid_first = arguments.apid_first});
+  std::array<std::uint8_t, POLHODE_PACKET_OCTETS_MAX> packet{};
+  std::uint64_t damaged = 0;
+  std::uint64_t overrun = 0;
+  double waited_s = 0.0;
+  while (interrupted == 0) {
+    const int octets = polhode_bus_next(bus.get(), packet.data(), packet.size(), kWait_ms);
+    tell_loss(*bus, damaged, overrun);
+    if (octets < 0) {
+      throw RunFailure(
+          fmt::format("{}: {}", address.text, std::generic_category().message(-octets)));
+    }
+    waited_s = octets == 0 ? waited_s + 1e-3 * kWait_ms : 0.0;
+    if (octets > 0) {
+      const auto view = std::span(packet).first(static_cast<std::size_t>(octets));
+      bus::PacketHeader header;
+      (void)bus::read_header(view, header);
+      printer.packet(header, view);
+      std::fflush(stdout);
+    }
+    if ((arguments.count > 0 && printer.packets() >= static_cast<std::uint64_t>(arguments.count)) ||
+        (arguments.timeout_s > 0.0 && waited_s >= arguments.timeout_s)) {
+      break;
+    }
+  }
+  printer.finish();
+}
+
+void send_command(const BusSendArguments& arguments) {
+  const Address address = parse_address(arguments.address);
+  if (address.kind != AddressKind::kUnix && address.kind != AddressKind::kUdp) {
+    throw UnusableInput(fmt::format("{}: allowed are unix: and udp:", arguments.address));
+  }
+  CommandWriter writer(arguments.apid_first);
+  std::vector<std::vector<std::uint8_t>> packets;
+  std::string line;
+  for (const std::string& word : arguments.words) {
+    if (word == "+") {
+      packets.push_back(writer.packet(line));
+      line.clear();
+    } else {
+      line += (line.empty() ? "" : " ") + word;
+    }
+  }
+  packets.push_back(writer.packet(line));
+  DatagramSender sender(address);
+  for (const auto& packet : packets) {
+    if (packet.size() > limits::kPacketOctets) {
+      throw UnusableInput(fmt::format("a command of {} octets: allowed are {}", packet.size(), limits::kPacketOctets));
+    }
+    sender.send(packet);
+  }
+  if (sender.counts().sent != packets.size()) {
+    throw RunFailure(fmt::format("{}: nobody takes commands there", arguments.address));
+  }
+}
+
+}  // namespace polhode::platform

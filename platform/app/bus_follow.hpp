@@ -1,0 +1,31 @@
+// polhode bus follow and send: the bus as it runs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace polhode::platform {
+
+struct BusFollowArguments {
+  std::string address;
+  bool json = false;  ///< one object a line instead of a table
+  int apid_first = 0x1A0;
+  int count = 0;          ///< end after so many packets; 0: never
+  double timeout_s = 0.0;  ///< end when none comes for so long; 0: never
+};
+
+/// Prints packets as they come, until interrupted. What was lost or damaged is told on standard error.
+/// @throws UnusableInput: the address cannot be opened.
+void follow_bus(const BusFollowArguments& arguments);
+
+struct BusSendArguments {
+  std::string address;             ///< unix: or udp:
+  std::vector<std::string> words;  ///< the command as CommandWriter takes it
+  int apid_first = 0x1A0;
+};
+
+/// Sends one command. `table_load` and `table_activate` in one call: between them a word `+`.
+/// @throws UnusableInput: no such command; RunFailure: nobody takes it.
+void send_command(const BusSendArguments& arguments);
+
+}  // namespace polhode::platform

@@ -1,0 +1,119 @@
+#include "app/packet_printer.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdio>
+#include <cstring>
+
+#include "app/packet_json.hpp"
+#include "bus/telemetry.hpp"
+#include "errors.hpp"
+
+namespace polhode::platform {
+namespace {
+
+void print_packet(const bus::Layout& layout,
+                  const bus::PacketHeader& header,
+                  const void* packet,
+                  bool json) {
+  if (!json) {
+    std::int64_t timestamp_ns = 0;  // every packet begins with it
+    std::memcpy(&timestamp_ns, packet, sizeof timestamp_ns);
+    fmt::print("{:>5} {:<12} {:>19} {}\n",
+               header.sequence,
+               layout.name,
+               timestamp_ns,
+               fields_text(layout, packet));
+    return;
+  }
+  nlohmann::ordered_json out{{"packet", std::string(layout.name)},
+                             {"apid", header.apid},
+                             {"sequence", header.sequence}};
+  out.update(fields_json(layout, packet));
+  fmt::print("{}\n", out.dump());
+}
+
+}  // namespace
+
+void PacketPrinter::count_missing(const bus::PacketHeader& header) {
+  const auto [last, first_of_apid] = last_sequence_.try_emplace(header.apid, header.sequence);
+  if (!first_of_apid) {
+    missing_ += bus::packets_missing(last->second, header.sequence);
+    last->second = header.sequence;
+  }
+}
+
+void PacketPrinter::packet(const bus::PacketHeader& header, std::span<const std::uint8_t> octets) {
+  tell_damage();
+  if (packets_++ == 0 && !options_.json) {
+    fmt::print("{:>5} {:<12} {:>19} {}\n", "count", "packet", "timestamp_ns", "fields");
+  }
+  count_missing(header);
+  const bus::Layout* layout = bus::find_packet(header.apid, options_.apid_first);
+  if (layout == nullptr) {
+    fmt::print(stderr, "packet {}: APID {} is not in the field table\n", packets_ - 1, header.apid);
+    return;
+  }
+  alignas(std::max_align_t) std::array<std::byte, bus::kStructOctetsMax> packet{};
+  const Result<bus::PacketHeader> decoded = bus::decode(*layout, octets, packet.data());
+  if (!decoded) {
+    fmt::print(stderr,
+               "packet {} of APID {}: {}\n",
+               packets_ - 1,
+               header.apid,
+               decoded.error().message);
+    return;
+  }
+  print_packet(*layout, header, packet.data(), options_.json);
+}
+
+void PacketPrinter::damage(std::uint64_t offset, std::size_t octets) {
+  if (damage_octets_ == 0) {
+    damage_offset_ = offset;
+  }
+  damage_octets_ += octets;
+  damaged_total_ += octets;
+}
+
+void PacketPrinter::finish() {
+  tell_damage();
+  fmt::print(stderr,
+             "{} packets, {} missing by their counts, {} octets damaged\n",
+             packets_,
+             missing_,
+             damaged_total_);
+}
+
+void PacketPrinter::tell_damage() {
+  if (damage_octets_ != 0) {
+    fmt::print(stderr,
+               "{}: {} octets at offset {} are no packet\n",
+               options_.source,
+               damage_octets_,
+               damage_offset_);
+    damage_octets_ = 0;
+  }
+}
+
+void StreamReader::add(std::span<const std::uint8_t> more, bool at_end, PacketPrinter& printer) {
+  held_.insert(held_.end(), more.begin(), more.end());
+  std::size_t at = 0;
+  while (at < held_.size()) {
+    const bus::StreamPiece piece = bus::next_piece(held_, at, at_end);
+    if (piece.kind == bus::PieceKind::kIncomplete) {
+      break;
+    }
+    if (piece.kind == bus::PieceKind::kPacket) {
+      printer.packet(piece.header, std::span(held_).subspan(piece.offset, piece.octets));
+    } else {
+      printer.damage(offset_ + piece.offset, piece.octets);
+    }
+    at += piece.octets;
+  }
+  held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(at));
+  offset_ += at;
+}
+
+}  // namespace polhode::platform

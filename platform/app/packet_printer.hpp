@@ -1,0 +1,62 @@
+// Packets of any kind decoded for people or as JSON, by the field table; what was lost is told.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bus/splitter.hpp"
+
+namespace polhode::platform {
+
+struct PrinterOptions {
+  std::string source;  ///< named in what is said of damage
+  bool json = false;   ///< one object a line instead of a table
+  int apid_first = 0x1A0;
+};
+
+/// Prints packets one by one on standard output and counts what was wrong.
+class PacketPrinter {
+ public:
+  explicit PacketPrinter(PrinterOptions options) : options_(std::move(options)) {}
+
+  void packet(const bus::PacketHeader& header, std::span<const std::uint8_t> octets);
+
+  /// Octets that belong to no packet. Told, on standard error, only once packets stand beside it: a
+  /// file of something else gets one line, not hundreds.
+  void damage(std::uint64_t offset, std::size_t octets);
+
+  /// The last line, on standard error.
+  void finish();
+
+  [[nodiscard]] std::uint64_t packets() const { return packets_; }
+  [[nodiscard]] std::uint64_t damaged_octets() const { return damaged_total_; }
+
+ private:
+  void tell_damage();
+  void count_missing(const bus::PacketHeader& header);
+
+  PrinterOptions options_;
+  std::map<std::uint16_t, std::uint16_t> last_sequence_;  ///< per APID
+  std::uint64_t packets_ = 0;
+  std::uint64_t missing_ = 0;
+  std::uint64_t damaged_total_ = 0;
+  std::uint64_t damage_offset_ = 0;  ///< of the damage since the last packet
+  std::uint64_t damage_octets_ = 0;
+};
+
+/// A stream that arrives in pieces, cut into packets.
+class StreamReader {
+ public:
+  /// @param more    what arrived
+  /// @param at_end  nothing will follow: what is left is damage
+  void add(std::span<const std::uint8_t> more, bool at_end, PacketPrinter& printer);
+
+ private:
+  std::vector<std::uint8_t> held_;
+  std::uint64_t offset_ = 0;  ///< of held_ in the stream
+};
+
+}  // namespace polhode::platform

@@ -1,0 +1,105 @@
+#include "parameters/transport_options.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include "errors.hpp"
+#include "transport/address.hpp"
+
+namespace polhode::platform {
+namespace {
+
+constexpr const char* kText = "a text";
+
+/// Where a value stands and what it is called, for messages.
+struct Place {
+  std::string source;
+  std::string key;
+};
+
+[[noreturn]] void refuse(const Place& place, const char* allowed) {
+  throw UnusableInput(fmt::format("{}: {}: allowed is {}", place.source, place.key, allowed));
+}
+
+std::string text_of(const toml::node& node, const Place& place) {
+  const auto text = node.value_exact<std::string>();
+  if (!text) {
+    refuse(place, kText);
+  }
+  return *text;
+}
+
+std::string address_of(const toml::node& node, const Place& place) {
+  const std::string text = text_of(node, place);
+  try {
+    (void)parse_address(text);
+  } catch (const UnusableInput& problem) {
+    throw UnusableInput(fmt::format("{}: {}: {}", place.source, place.key, problem.what()));
+  }
+  return text;
+}
+
+void take_value(const toml::node& node, const Place& place, TransportOptions& options) {
+  if (place.key == "transport.send") {
+    const toml::array* list = node.as_array();
+    if (list == nullptr) {
+      refuse(place, "a list of addresses");
+    }
+    options.transport.send.clear();
+    for (const toml::node& entry : *list) {
+      options.transport.send.push_back(address_of(entry, place));
+    }
+  } else if (place.key == "transport.receive") {
+    options.transport.receive = text_of(node, place);
+    if (!options.transport.receive.empty()) {
+      (void)address_of(node, place);
+    }
+  } else if (place.key == "commands.file") {
+    options.commands_file = text_of(node, place);
+  } else {
+    throw UnusableInput(fmt::format(
+        "{}: {}: unknown key; known are transport.send, transport.receive, commands.file",
+        place.source,
+        place.key));
+  }
+}
+
+void take_table(const toml::table& table, const std::string& source, TransportOptions& options) {
+  for (const auto& [section, node] : table) {
+    const toml::table* keys = node.as_table();
+    if (keys == nullptr || !is_transport_section(section.str())) {
+      continue;
+    }
+    for (const auto& [field, value] : *keys) {
+      const bool in_file = source.rfind("--set", 0) != 0;
+      const Place place{
+          .source = in_file ? fmt::format("{}:{}", source, value.source().begin.line) : source,
+          .key = fmt::format("{}.{}", section.str(), field.str())};
+      take_value(value, place, options);
+    }
+  }
+}
+
+}  // namespace
+
+bool is_transport_section(std::string_view section) {
+  return section == "transport" || section == "commands";
+}
+
+TransportOptions load_transport_options(const std::filesystem::path& file,
+                                        std::span<const std::string> settings) {
+  TransportOptions options;
+  std::string source = file.string();
+  try {
+    take_table(toml::parse_file(source), source, options);
+    for (const std::string& setting : settings) {
+      source = fmt::format("--set {}", setting);
+      take_table(toml::parse(setting), source, options);
+    }
+  } catch (const toml::parse_error& problem) {
+    throw UnusableInput(fmt::format("{}: {}", source, problem.description()));
+  }
+  return options;
+}
+
+}  // namespace polhode::platform

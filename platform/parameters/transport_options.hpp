@@ -1,0 +1,27 @@
+// The sections of a configuration that say where packets go and commands come from. They belong to
+// the machine, not to the estimator's parameters.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "transport/transports.hpp"
+
+namespace polhode::platform {
+
+struct TransportOptions {
+  TransportSettings transport;          ///< [transport] send, receive
+  std::filesystem::path commands_file;  ///< [commands] file: of a replay; empty: none
+};
+
+/// True for `transport` and `commands`.
+bool is_transport_section(std::string_view section);
+
+/// Reads these sections of the file, then of the settings (key=value as on the command line).
+/// @throws UnusableInput naming file, key, value and what is allowed.
+TransportOptions load_transport_options(const std::filesystem::path& file,
+                                        std::span<const std::string> settings);
+
+}  // namespace polhode::platform

@@ -1,0 +1,73 @@
+"""Commands as octets."""
+
+import binascii
+import socket
+import struct
+
+from .decode import crc16
+from .packets import APID_COMMAND, APID_FIRST, COMMANDS, LAYOUT_VERSION
+
+_BY_NAME = {row[0]: (code, row) for code, row in COMMANDS.items()}
+
+
+def _packet(code: int, arguments: bytes, apid_first: int) -> bytes:
+    octets = struct.pack(">HHHBB", 0x1800 | (apid_first + APID_COMMAND), 0xC000, len(arguments) + 3, LAYOUT_VERSION, code) + arguments
+    return octets + struct.pack(">H", crc16(octets))
+
+
+def make_command(name: str, apid_first: int = APID_FIRST, **arguments) -> bytes:
+    """A command by its name in the field table, as in make_command("set_range", frame_timestamp_ns=5, range_m=12.0).
+    Ranges are checked by the receiver. Raises TypeError for arguments that are missing or not the command's."""
+    code, (_, _, _, rows) = _BY_NAME[name]
+    packed = b""
+    for row in rows:
+        default = [0] * row[2] if row[4] else 0
+        value = default if row[0] == "spare" else arguments.pop(row[0], None)
+        if value is None:
+            raise TypeError(f"{name}: {row[0]} is missing")
+        packed += struct.pack(f">{row[2]}{row[1]}", *(value if row[4] else [value]))
+    if arguments:
+        raise TypeError(f"{name}: has no {', '.join(arguments)}")
+    return _packet(code, packed, apid_first)
+
+
+def _bits(value) -> int:
+    if isinstance(value, float):
+        return struct.unpack(">Q", struct.pack(">d", value))[0]
+    return int(value) & 0xFFFFFFFFFFFFFFFF
+
+
+def table_entries(values: dict) -> bytes:
+    """Parameters by dotted key: floats where the parameter is one, else whole numbers or switches."""
+    return b"".join(struct.pack(">IHHQ", binascii.crc32(key.encode()), 0, 0, _bits(value)) for key, value in values.items())
+
+
+def make_table_load(values: dict, apid_first: int = APID_FIRST) -> bytes:
+    """TABLE_LOAD of up to 64 parameters, as in make_table_load({"features.count_max": 500})."""
+    return _packet(_BY_NAME["table_load"][0], struct.pack(">HHHH", len(values), 0, 0, 0) + table_entries(values), apid_first)
+
+
+def make_table_activate(loads: list, apid_first: int = APID_FIRST) -> bytes:
+    """TABLE_ACTIVATE of what these make_table_load() calls loaded, given their arguments in order."""
+    octets = b"".join(map(table_entries, loads))
+    return make_command("table_activate", apid_first, crc32=binascii.crc32(octets), entries=sum(map(len, loads)))
+
+
+class CommandSender:
+    """Sends to unix:PATH, udp:PORT or udp:HOST:PORT."""
+
+    def __init__(self, address: str):
+        kind, _, rest = address.partition(":")
+        if kind == "unix":
+            self._socket, self._to = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM), rest
+        elif kind == "udp":
+            host, _, port = rest.rpartition(":")
+            self._socket, self._to = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), (host or "127.0.0.1", int(port))
+        else:
+            raise ValueError(f"{address}: allowed are unix:PATH, udp:PORT, udp:HOST:PORT")
+
+    def send(self, octets: bytes) -> None:
+        self._socket.sendto(octets, self._to)
+
+    def close(self) -> None:
+        self._socket.close()

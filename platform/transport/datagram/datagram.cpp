@@ -1,0 +1,176 @@
+#include "transport/datagram/datagram.hpp"
+
+#include <fmt/format.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "base/assert.hpp"
+#include "errors.hpp"
+
+namespace polhode::platform {
+namespace {
+
+std::string reason() { return std::generic_category().message(errno); }
+
+int open_socket(AddressKind kind) {
+  const int family = kind == AddressKind::kUnix ? AF_UNIX : AF_INET;
+  const int fd = ::socket(family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (fd < 0) {
+    throw RunFailure(fmt::format("no socket is to be had: {}", reason()));
+  }
+  return fd;
+}
+
+sockaddr_un unix_address(const std::string& path) {
+  sockaddr_un out{};
+  out.sun_family = AF_UNIX;
+  std::memcpy(out.sun_path, path.c_str(), path.size() + 1);  // parse_address() has seen to its length
+  return out;
+}
+
+const sockaddr* as_socket_address(const void* address) {
+  return static_cast<const sockaddr*>(address);
+}
+
+/// A socket file that nobody listens at any more was left behind by a process that died.
+void remove_if_dead(const Address& address, const sockaddr_un& to) {
+  struct stat status{};
+  if (::lstat(address.path.c_str(), &status) != 0) {
+    return;
+  }
+  if (!S_ISSOCK(status.st_mode)) {
+    throw UnusableInput(fmt::format("{}: is there and is no socket", address.text));
+  }
+  const Descriptor probe(open_socket(AddressKind::kUnix));
+  if (::connect(probe.get(), as_socket_address(&to), sizeof to) == 0) {
+    throw UnusableInput(fmt::format("{}: another process listens there", address.text));
+  }
+  if (errno == ECONNREFUSED) {
+    ::unlink(address.path.c_str());
+  }
+}
+
+void bind_unix(int fd, const Address& address) {
+  const sockaddr_un to = unix_address(address.path);
+  remove_if_dead(address, to);
+  const mode_t before = ::umask(0177);  // the file is never, not even for a moment, open to others
+  const int failed = ::bind(fd, as_socket_address(&to), sizeof to);
+  const int error = errno;
+  ::umask(before);
+  if (failed != 0) {
+    throw UnusableInput(fmt::format(
+        "{}: cannot be bound: {}", address.text, std::generic_category().message(error)));
+  }
+}
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+  if (fd_ >= 0) {
+    ::close(fd_);
+  }
+}
+
+DatagramSender::DatagramSender(const Address& address)
+    : socket_(open_socket(address.kind)), backlog_(kBacklog) {
+  static_assert(sizeof(sockaddr_un) <= sizeof to_);
+  if (address.kind == AddressKind::kUnix) {
+    const sockaddr_un to = unix_address(address.path);
+    std::memcpy(to_.data(), &to, sizeof to);
+    to_octets_ = sizeof to;
+  } else {
+    std::memcpy(to_.data(), &address.udp, sizeof address.udp);
+    to_octets_ = sizeof address.udp;
+  }
+}
+
+DatagramSender::Outcome DatagramSender::try_send(std::span<const std::uint8_t> packet) {
+  const auto octets = ::sendto(socket_.get(),
+                               packet.data(),
+                               packet.size(),
+                               MSG_DONTWAIT | MSG_NOSIGNAL,
+                               as_socket_address(to_.data()),
+                               to_octets_);
+  if (octets == static_cast<ssize_t>(packet.size())) {
+    return Outcome::kSent;
+  }
+  const bool nobody = errno == ENOENT || errno == ECONNREFUSED || errno == EACCES;
+  return nobody ? Outcome::kNoReader : Outcome::kNoRoom;
+}
+
+void DatagramSender::flush() {
+  while (waiting_ > 0) {
+    const Waiting& oldest = backlog_[first_];
+    const Outcome outcome = try_send(std::span(oldest.packet).first(oldest.octets));
+    if (outcome == Outcome::kNoRoom) {
+      return;
+    }
+    counts_.sent += outcome == Outcome::kSent ? 1 : 0;
+    counts_.no_reader += outcome == Outcome::kNoReader ? 1 : 0;
+    first_ = (first_ + 1) % kBacklog;
+    --waiting_;
+  }
+}
+
+void DatagramSender::send(std::span<const std::uint8_t> packet) {
+  POLHODE_ASSERT(packet.size() <= limits::kPacketOctets, packet.size());
+  flush();
+  const Outcome outcome = waiting_ > 0 ? Outcome::kNoRoom : try_send(packet);
+  counts_.sent += outcome == Outcome::kSent ? 1 : 0;
+  counts_.no_reader += outcome == Outcome::kNoReader ? 1 : 0;
+  if (outcome != Outcome::kNoRoom) {
+    return;
+  }
+  if (waiting_ == kBacklog) {
+    ++counts_.dropped;
+    return;
+  }
+  Waiting& last = backlog_[(first_ + waiting_) % kBacklog];
+  std::copy(packet.begin(), packet.end(), last.packet.begin());
+  last.octets = packet.size();
+  ++waiting_;
+}
+
+DatagramReceiver::DatagramReceiver(const Address& address) : socket_(open_socket(address.kind)) {
+  if (address.kind == AddressKind::kUnix) {
+    bind_unix(socket_.get(), address);
+    path_ = address.path;
+  } else if (::bind(socket_.get(), as_socket_address(&address.udp), sizeof address.udp) != 0) {
+    throw UnusableInput(fmt::format("{}: cannot be bound: {}", address.text, reason()));
+  }
+}
+
+DatagramReceiver::DatagramReceiver(DatagramReceiver&& other) noexcept
+    : socket_(std::move(other.socket_)),
+      path_(std::exchange(other.path_, {})),
+      received_(other.received_) {}
+
+DatagramReceiver::~DatagramReceiver() {
+  if (!path_.empty()) {
+    ::unlink(path_.c_str());
+  }
+}
+
+std::span<const std::span<const std::uint8_t>> DatagramReceiver::receive() {
+  std::size_t count = 0;
+  while (count < packets_.size()) {
+    const ssize_t octets =
+        ::recv(socket_.get(), octets_[count].data(), octets_[count].size(), MSG_DONTWAIT);
+    if (octets < 0) {
+      break;  // nothing there; an error of a sender's (ECONNREFUSED) says nothing to a receiver
+    }
+    packets_[count] = std::span(octets_[count]).first(static_cast<std::size_t>(octets));
+    ++count;
+    ++received_;
+  }
+  return std::span(packets_).first(count);
+}
+
+}  // namespace polhode::platform

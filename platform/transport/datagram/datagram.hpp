@@ -1,0 +1,106 @@
+// Datagram sockets: one packet each, never waiting.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "bus/layout.hpp"
+#include "bus/capacities.hpp"
+#include "transport/address.hpp"
+
+namespace polhode::platform {
+
+/// A descriptor that is closed with its owner.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd = -1) : fd_(fd) {}
+  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor();
+  [[nodiscard]] int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+/// What became of the packets handed to one transport.
+struct SendCounts {
+  std::uint64_t sent = 0;
+  std::uint64_t dropped = 0;    ///< the reader is there but has had no room for long
+  std::uint64_t no_reader = 0;  ///< nobody has bound the address
+};
+
+/// Sends to one address. A reader may come, go and come back at any time; sending never waits for it
+/// and never fails: what it does not take is counted.
+///
+/// A Unix socket holds 10 datagrams (net.unix.max_dgram_qlen), which at 1000 packets a second is 10 ms
+/// of a reader that does not get the processor. What finds its reader's queue full waits here, in
+/// order, and goes with the next call; kBacklog packets at most.
+class DatagramSender {
+ public:
+  static constexpr std::size_t kBacklog = 512;
+
+  /// @throws RunFailure when the system gives no socket.
+  explicit DatagramSender(const Address& address);
+
+  void send(std::span<const std::uint8_t> packet);
+  /// Tries again what waits.
+  void flush();
+  [[nodiscard]] const SendCounts& counts() const { return counts_; }
+
+ private:
+  enum class Outcome : std::uint8_t { kSent, kNoRoom, kNoReader };
+  Outcome try_send(std::span<const std::uint8_t> packet);
+
+  struct Waiting {
+    std::size_t octets = 0;
+    std::array<std::uint8_t, limits::kPacketOctets> packet{};
+  };
+  Descriptor socket_;
+  std::vector<Waiting> backlog_;  ///< a ring, made at start
+  std::size_t first_ = 0;
+  std::size_t waiting_ = 0;
+  alignas(8) std::array<std::byte, 128> to_{};  ///< a socket address of either family
+  std::uint32_t to_octets_ = 0;
+  SendCounts counts_;
+};
+
+/// Receives command packets. A Unix socket's file belongs to its owner alone (mode 0600) and goes
+/// with the receiver.
+class DatagramReceiver {
+ public:
+  /// @throws UnusableInput when the address is in use or cannot be bound.
+  explicit DatagramReceiver(const Address& address);
+  DatagramReceiver(DatagramReceiver&&) noexcept;
+  DatagramReceiver& operator=(DatagramReceiver&&) = delete;
+  DatagramReceiver(const DatagramReceiver&) = delete;
+  DatagramReceiver& operator=(const DatagramReceiver&) = delete;
+  ~DatagramReceiver();
+
+  /// What has arrived, oldest first, at most limits::kStepCommands; the rest stays for the next call.
+  /// A datagram longer than a packet may be arrives cut, and so is refused by its length.
+  /// @return valid until the next call. Never waits.
+  std::span<const std::span<const std::uint8_t>> receive();
+
+  [[nodiscard]] std::uint64_t received() const { return received_; }
+  [[nodiscard]] int descriptor() const { return socket_.get(); }
+
+ private:
+  static constexpr std::size_t kOctets = limits::kPacketOctets + 1;  // one more tells a longer one
+  Descriptor socket_;
+  std::string path_;  ///< of a Unix socket, to be removed; empty once moved from
+  std::array<std::array<std::uint8_t, kOctets>, limits::kStepCommands> octets_{};
+  std::array<std::span<const std::uint8_t>, limits::kStepCommands> packets_{};
+  std::uint64_t received_ = 0;
+};
+
+}  // namespace polhode::platform

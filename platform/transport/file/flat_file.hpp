@@ -1,0 +1,27 @@
+// A flat file of packets that grows during a flight.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "transport/address.hpp"
+#include "transport/datagram/datagram.hpp"
+
+namespace polhode::platform {
+
+/// Appends packets end to end. Each is one system call: what was sent is in the file whatever happens
+/// to the process. A packet that the disk does not take whole is counted as dropped; a reader
+/// resynchronises behind it.
+class FlatFile {
+ public:
+  /// Appends to what is there. Mode 0600. @throws UnusableInput.
+  explicit FlatFile(const Address& address);
+  void send(std::span<const std::uint8_t> packet);
+  [[nodiscard]] const SendCounts& counts() const { return counts_; }
+
+ private:
+  Descriptor file_;
+  SendCounts counts_;
+};
+
+}  // namespace polhode::platform

@@ -1,0 +1,41 @@
+// The writing end of the shared-memory ring.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "transport/address.hpp"
+#include "transport/datagram/datagram.hpp"
+
+namespace polhode::platform {
+
+namespace ring {
+struct Ring;
+}
+
+/// Overwrites the oldest packet; no reader can delay or stop it.
+class RingWriter {
+ public:
+  /// Creates the shared memory (mode 0600), or goes on in what an earlier writer left: its readers
+  /// stay attached. The name stays when the writer goes.
+  /// @throws UnusableInput: another writer has it, or it cannot be made.
+  explicit RingWriter(const Address& address);
+  RingWriter(RingWriter&& other) noexcept
+      : file_(std::move(other.file_)), ring_(std::exchange(other.ring_, nullptr)) {}
+  RingWriter& operator=(RingWriter&&) = delete;
+  RingWriter(const RingWriter&) = delete;
+  RingWriter& operator=(const RingWriter&) = delete;
+  ~RingWriter();
+
+  /// At most limits::kPacketOctets.
+  void send(std::span<const std::uint8_t> packet);
+  [[nodiscard]] const SendCounts& counts() const { return counts_; }
+
+ private:
+  Descriptor file_;  ///< locked, so that there is one writer
+  ring::Ring* ring_ = nullptr;
+  SendCounts counts_;
+};
+
+}  // namespace polhode::platform

@@ -1,0 +1,96 @@
+#include "transport/transports.hpp"
+
+#include <fmt/format.h>
+
+#include "base/assert.hpp"
+#include "errors.hpp"
+
+namespace polhode::platform {
+
+Transports::Transports(const TransportSettings& settings) {
+  senders_.reserve(settings.send.size());
+  for (const std::string& text : settings.send) {
+    const Address address = parse_address(text);
+    switch (address.kind) {
+      case AddressKind::kUnix:
+      case AddressKind::kUdp:
+        senders_.push_back({text, DatagramSender(address)});
+        break;
+      case AddressKind::kShm:
+        senders_.push_back({text, RingWriter(address)});
+        break;
+      case AddressKind::kFile:
+        senders_.push_back({text, FlatFile(address)});
+        break;
+    }
+  }
+  if (settings.receive.empty()) {
+    return;
+  }
+  const Address address = parse_address(settings.receive);
+  if (address.kind != AddressKind::kUnix && address.kind != AddressKind::kUdp) {
+    throw UnusableInput(
+        fmt::format("transport.receive = '{}': allowed are unix:PATH and udp:", settings.receive));
+  }
+  receiver_.emplace(address);
+}
+
+void Transports::send(std::span<const std::uint8_t> packets) {
+  for (std::size_t at = 0; at < packets.size();) {
+    const std::span<const std::uint8_t> rest = packets.subspan(at);
+    bus::PacketHeader header;
+    const bool whole = bus::read_header(rest, header) && header.total_octets <= rest.size();
+    POLHODE_ASSERT(whole, at);
+    for (Sender& sender : senders_) {
+      std::visit([&](auto& to) { to.send(rest.first(header.total_octets)); }, sender.to);
+    }
+    at += header.total_octets;
+  }
+}
+
+void Transports::flush() {
+  for (Sender& sender : senders_) {
+    if (auto* datagrams = std::get_if<DatagramSender>(&sender.to)) {
+      datagrams->flush();
+    }
+  }
+}
+
+std::span<const std::span<const std::uint8_t>> Transports::received() {
+  if (!receiver_) {
+    return {};
+  }
+  return receiver_->receive();
+}
+
+SendCounts Transports::counts() const {
+  SendCounts sum;
+  for (const Sender& sender : senders_) {
+    const SendCounts& one =
+        std::visit([](const auto& to) -> const SendCounts& { return to.counts(); }, sender.to);
+    sum.sent += one.sent;
+    sum.dropped += one.dropped;
+    sum.no_reader += one.no_reader;
+  }
+  return sum;
+}
+
+std::uint64_t Transports::commands_received() const {
+  return receiver_ ? receiver_->received() : 0;
+}
+
+std::string Transports::report() const {
+  std::string text;
+  for (const Sender& sender : senders_) {
+    const SendCounts& one =
+        std::visit([](const auto& to) -> const SendCounts& { return to.counts(); }, sender.to);
+    text += fmt::format("{}: {} packets sent, {} dropped, {} without a reader\n",
+                        sender.address,
+                        one.sent,
+                        one.dropped,
+                        one.no_reader);
+  }
+  return text;
+}
+
+}  // namespace polhode::platform

@@ -1,0 +1,37 @@
+"""ccsdspy (NASA) decodes the stream by the CSV definitions."""
+
+import io
+
+import ccsdspy
+import pytest
+from flights import REPOSITORY, expect_rows
+
+APID_FIRST = 0x1A0
+
+
+def load(stream: bytes, name: str) -> dict:
+    from polhode_bus.packets import PACKETS
+
+    number = next(number for number, row in PACKETS.items() if row[0] == name)
+    parts = ccsdspy.utils.split_by_apid(io.BytesIO(stream))
+    definition = ccsdspy.FixedLength.from_file(REPOSITORY / "config/bus/ccsdspy" / f"{name}.csv")
+    return definition.load(parts[APID_FIRST + number], include_primary_header=True)
+
+
+def test_motion_equals_the_table(flight):
+    columns = load(flight.stream, "motion")
+    rows = [{name: values[index] for name, values in columns.items()} for index in range(len(columns["frame"]))]
+    expect_rows(rows, flight.rows)
+    assert list(columns["CCSDS_SEQUENCE_COUNT"]) == list(range(len(rows)))
+
+
+@pytest.mark.parametrize(("name", "field"), [("housekeeping", "table_crc"), ("event", "id"), ("cloud", "points"), ("model", "poses"),
+                                             ("prediction", "predicted_timestamp_ns")])
+def test_other_packets_agree_with_the_python_client(flight, name, field):
+    ours = [getattr(packet, field) for packet in flight.packets if packet.name == name]
+    assert [int(value) for value in load(flight.stream, name)[field]] == ours and ours
+
+
+def test_events_have_their_texts(flight):
+    texts = [packet.text for packet in flight.packets if packet.name == "event"]
+    assert [bytes(text).rstrip(b"\0").decode() for text in load(flight.stream, "event")["text"]] == texts

@@ -1,0 +1,95 @@
+"""`polhode bus follow` and the Python client on all transports, and commands sent to a socket."""
+
+import json
+import os
+import subprocess
+import time
+
+import pytest
+from flights import PROGRAM, split
+
+
+@pytest.fixture
+def follow():
+    running = []
+
+    def start(address, *arguments):
+        process = subprocess.Popen([PROGRAM, "bus", "follow", address, "--json", "--timeout", "10", *arguments],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        running.append(process)
+        return process
+
+    yield start
+    for process in running:
+        process.kill()
+
+
+def wait_for(path, seconds=20.0):
+    until = time.monotonic() + seconds
+    while not os.path.exists(path):
+        assert time.monotonic() < until
+        time.sleep(0.01)
+
+
+def send(path, octets):
+    import socket
+
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
+        sender.sendto(octets, path)
+
+
+def test_follow_prints_what_comes_and_tells_of_damage(follow, flight, damaged, tmp_path):
+    path = str(tmp_path / "telemetry")
+    process = follow(f"unix:{path}", "--count", str(len(damaged.packets) - 1))
+    wait_for(path)
+    assert os.stat(path).st_mode & 0o777 == 0o600
+    for octets in damaged.packets:
+        send(path, octets)
+        time.sleep(0.002)
+    out, err = process.communicate(timeout=60)
+    lines = [json.loads(line) for line in out.splitlines()]
+    assert [line["packet"] for line in lines if line["packet"] == "motion"] == ["motion"] * (len(flight.rows) - 2)
+    assert "310 octets were no packet" in err and "2 missing by their counts" in err
+    assert not os.path.exists(path)
+
+
+def test_follow_of_a_file_reads_it_from_its_beginning(flight, tmp_path):
+    done = subprocess.run([PROGRAM, "bus", "follow", f"file:{flight.file}", "--json", "--timeout", "0.5"], capture_output=True, text=True, timeout=60)
+    assert len(done.stdout.splitlines()) == len(flight.packets)
+
+
+@pytest.mark.parametrize("address", ["unix", "unix:", "udp:x", "shm:none", "http://x", "shm:/polhode_not_there"])
+def test_follow_of_nothing_is_refused(address):
+    done = subprocess.run([PROGRAM, "bus", "follow", address], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2 and done.stderr.startswith("polhode: ") and len(done.stderr.splitlines()) == 1
+
+
+def test_python_client_reads_datagrams(flight, tmp_path):
+    from polhode_bus import open_bus
+
+    path = str(tmp_path / "telemetry")
+    with open_bus(f"unix:{path}") as bus:
+        for octets in split(flight.stream)[:5]:
+            send(path, octets)
+            assert bus.next_octets(5.0) == octets
+        send(path, b"noise")
+        assert bus.next_octets(0.05) is None and bus.damaged == 1
+
+
+def test_commands_are_sent_as_the_python_client_makes_them(tmp_path):
+    import socket
+
+    from polhode_bus import make_command, make_table_activate, make_table_load
+
+    path = str(tmp_path / "commands")
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(path)
+        receiver.settimeout(20)
+        words = ("set_range range_m=12.5 frame_timestamp_ns=7 + table_load features.count_max=500 features.sigma_px=0.3 + table_activate").split()
+        subprocess.run([PROGRAM, "bus", "send", f"unix:{path}", *words], check=True, timeout=60)
+        load = {"features.count_max": 500, "features.sigma_px": 0.3}
+        assert receiver.recv(2000) == make_command("set_range", range_m=12.5, frame_timestamp_ns=7)
+        assert receiver.recv(2000) == make_table_load(load)
+        assert receiver.recv(2000) == make_table_activate([load])
+    done = subprocess.run([PROGRAM, "bus", "send", f"unix:{tmp_path}/nobody", "noop"], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1 and "nobody takes commands" in done.stderr

@@ -1,0 +1,1 @@
+"""From the bus's one field table to all that must agree with it."""

@@ -1,0 +1,166 @@
+"""C++: plain structs, offsets, and the tables by which they are packed, unpacked and printed."""
+
+from .table import Event, Field, Layout, Table
+
+NOTE = "// Written by tools/generate_bus.py from config/bus/*.toml: change those.\n"
+TYPES = {"u8": "std::uint8_t", "u16": "std::uint16_t", "u32": "std::uint32_t", "u64": "std::uint64_t", "i64": "std::int64_t",
+         "f32": "float", "f64": "double", "text": "char"}
+DEFAULTS = {"f32": "0.0F", "f64": "0.0"}
+
+
+def camel(name: str) -> str:
+    return "".join(part[:1].upper() + part[1:] for part in name.split("_"))
+
+
+def constant(name: str) -> str:
+    """k and the field's own name: frames and units stay readable, kQ_CT, kTimestamp_ns."""
+    return "k" + name[0].upper() + name[1:]
+
+
+def struct_name(layout: Layout, kind: str) -> str:
+    return camel(layout.name) + kind
+
+
+def comment(field: Field) -> str:
+    parts = [field.help] if field.help else []
+    if field.unit:
+        parts.append(field.unit)
+    if field.valid:
+        parts.append(f"flag {field.valid}")
+    return f"  ///< {'; '.join(parts)}" if parts else ""
+
+
+def member(field: Field) -> str:
+    kind = TYPES[field.type]
+    if field.is_array:
+        return f"  std::array<{kind}, {field.count}> {field.name}{{}};{comment(field)}\n"
+    return f"  {kind} {field.name} = {DEFAULTS.get(field.type, '0')};{comment(field)}\n"
+
+
+def struct(layout: Layout, kind: str, table_name: str) -> str:
+    name = struct_name(layout, kind)
+    text = f"/// {layout.help}\nstruct {name} {{\n" if layout.help else f"struct {name} {{\n"
+    text += "".join(member(field) for field in layout.fields)
+    text += f"\n  static const Layout& layout();  ///< {table_name}\n}};\n\n"
+    return text
+
+
+def enum(name: str, rows: list[tuple[str, int]], kind: str) -> str:
+    body = "".join(f"  k{camel(row.lower())} = {number},\n" for row, number in rows)
+    return f"enum class {name} : {kind} {{\n{body}}};\n\n"
+
+
+def packets_header(table: Table) -> str:
+    text = NOTE + "// Everything on the bus as plain data: telemetry packets and the arguments of commands.\n"
+    text += '#pragma once\n\n#include <array>\n#include <cstdint>\n\n#include "bus/fields.hpp"\n\nnamespace polhode::bus {\n\n// clang-format off\n'
+    text += enum("PacketId", [(packet.name, packet.number) for packet in table.packets], "std::uint8_t")
+    text += f"inline constexpr std::size_t kPacketKinds = {max(p.number for p in table.packets) + 1};\n"
+    text += f"inline constexpr int kCommandApid = {table.apid_command};  ///< above the first one\n\n"
+    text += enum("CommandCode", [(command.name, command.number) for command in table.commands], "std::uint8_t")
+    housekeeping = table.packet("housekeeping")
+    rejection = next(field for field in housekeeping.fields if field.name == "last_rejection")
+    text += enum("Rejection", [(name, number) for number, name in enumerate(rejection.enum)], "std::uint8_t")
+    text += "".join(struct(packet, "Packet", f"{packet.octets} octets") for packet in table.packets)
+    for command in table.commands:
+        if command.fields:
+            text += struct(command, "Command", "with the CRC and no entries" if command.entry else f"{command.octets} octets")
+        if command.entry:
+            text += f"inline constexpr std::size_t k{camel(command.name)}EntriesMax = {command.repeated};\n"
+            command.entry.help = ""
+            text += struct(command.entry, "", f"{command.entry.end} octets, offsets from its first")
+    return text + "// clang-format on\n\n}  // namespace polhode::bus\n"
+
+
+def layout_header(table: Table) -> str:
+    text = NOTE + "// Offsets of all fields from their packet's first octet.\n#pragma once\n\n#include <cstddef>\n#include <cstdint>\n\n"
+    text += "namespace polhode::bus {\n\n// clang-format off\n"
+    text += f"inline constexpr std::uint8_t kLayoutVersion = {table.layout_version};\n"
+    for layout in [*table.packets, *[command for command in table.commands if command.fields]]:
+        text += f"\nnamespace {layout.name}_layout {{\n"
+        for field in layout.fields:
+            kind = f"{field.count} x {field.type}" if field.is_array else field.type
+            text += f"inline constexpr std::size_t {constant(field.name)} = {field.offset};  ///< {kind}\n"
+        text += f"inline constexpr std::size_t kCrc = {layout.end};  ///< u16 over all octets before it\n" if not layout.entry else ""
+        text += f"inline constexpr std::size_t kPacketOctets = {layout.octets};\n"
+        for bit, flag in enumerate(layout.flags):
+            text += f"inline constexpr std::uint8_t kFlag{camel(flag)} = 0x{1 << bit:02X};\n"
+        if layout.flags:
+            text += f"inline constexpr std::uint8_t kFlagsUsed = 0x{(1 << len(layout.flags)) - 1:02X};\n"
+        text += f"}}  // namespace {layout.name}_layout\n"
+    return text + "// clang-format on\n\n}  // namespace polhode::bus\n"
+
+
+def number(value: float) -> str:
+    if value in (float("inf"), float("-inf")):
+        return "-kNoLimit" if value < 0 else "kNoLimit"
+    return repr(float(value))
+
+
+def field_row(field: Field, owner: str, flags: tuple[str, ...]) -> str:
+    low, high = field.range or (float("-inf"), float("inf"))
+    if field.enum:
+        low, high = 0, len(field.enum) - 1
+    if field.is_flags:
+        low, high = 0, (1 << len(flags)) - 1
+    valid = flags.index(field.valid) if field.valid else -1
+    return (f'    {{"{field.name}", FieldType::k{field.type.capitalize()}, {field.count}, {str(field.is_array).lower()}, {field.offset}, '
+            f'offsetof({owner}, {field.name}), {valid}, {number(low)}, {number(high)}, '
+            f'"{" ".join(field.elements)}", "{field.unit}", "{" ".join(field.enum)}"}},\n')
+
+
+def layout_rows(layout: Layout, kind: str, where: str) -> str:
+    owner = struct_name(layout, kind)
+    flags = next((f"offsetof({owner}, flags)" for field in layout.fields if field.is_flags), "kNoFlags")
+    octets = layout.octets if kind else layout.end
+    return (f"constexpr Field {where}[] = {{\n" + "".join(field_row(field, owner, layout.flags) for field in layout.fields)
+            + f"}};\nconstexpr Layout {where}Layout{{\"{layout.name}\", {layout.number}, {octets}, {where}, {flags}, "
+            f"\"{' '.join(layout.flags)}\"}};\nstatic_assert(sizeof({owner}) <= kStructOctetsMax);\n\n")
+
+
+def packet_table(table: Table) -> str:
+    text = NOTE + '#include <cstddef>\n\n#include "bus/packets.hpp"\n\nnamespace polhode::bus {\nnamespace {\n\n// clang-format off\n'
+    ends, rows, commands = "", [], []
+    for packet in table.packets:
+        where = f"k{camel(packet.name)}Packet"
+        text += layout_rows(packet, "Packet", where)
+        ends += f"const Layout& {camel(packet.name)}Packet::layout() {{ return {where}Layout; }}\n"
+        rows.append(f"&{where}Layout")
+    for command in table.commands:
+        where = f"k{camel(command.name)}Command"
+        if command.fields:
+            text += layout_rows(command, "Command", where)
+            ends += f"const Layout& {camel(command.name)}Command::layout() {{ return {where}Layout; }}\n"
+        else:
+            text += f'constexpr Layout {where}Layout{{"{command.name}", {command.number}, {command.octets}, {{}}, kNoFlags, ""}};\n\n'
+        commands.append(f"&{where}Layout")
+        if command.entry:
+            text += layout_rows(command.entry, "", f"k{camel(command.entry.name)}")
+            ends += f"const Layout& {camel(command.entry.name)}::layout() {{ return k{camel(command.entry.name)}Layout; }}\n"
+    text += f"constexpr const Layout* kPackets[] = {{{', '.join(rows)}}};\n"
+    text += f"constexpr const Layout* kCommands[] = {{{', '.join(commands)}}};\n"
+    text += "// clang-format on\n\n}  // namespace\n\n" + ends
+    text += "\nstd::span<const Layout* const> packet_layouts() { return kPackets; }\n"
+    text += "std::span<const Layout* const> command_layouts() { return kCommands; }\n"
+    return text + "\n}  // namespace polhode::bus\n"
+
+
+def event_row(event: Event) -> str:
+    return f'    {{EventId::k{camel(event.name)}, Severity::k{camel(event.severity.lower())}, "{event.name}", "{event.text}"}},\n'
+
+
+def event_header(table: Table) -> str:
+    text = NOTE + "// All events: what an id means, how bad it is, what a person reads.\n#pragma once\n\n#include <array>\n#include <cstddef>\n"
+    text += "#include <cstdint>\n\nnamespace polhode::bus {\n\n// clang-format off\n"
+    text += enum("Severity", [(name, number) for number, name in enumerate(table.severities)], "std::uint8_t")
+    text += enum("EventId", [(event.name, event.id) for event in table.events], "std::uint16_t")
+    text += "struct EventRow {\n  EventId id;\n  Severity severity;\n  const char* name;\n"
+    text += "  const char* text;  ///< {0}, {1}: the event's numbers; {}: its word\n};\n\n"
+    text += f"inline constexpr std::uint32_t kEventBurst = {table.event_burst};  ///< of one id in a window of frames\n"
+    text += f"inline constexpr std::size_t kEventKinds = {len(table.events)};\n"
+    text += "inline constexpr std::array<EventRow, kEventKinds> kEvents{{\n" + "".join(map(event_row, table.events)) + "}};\n"
+    return text + "// clang-format on\n\n}  // namespace polhode::bus\n"
+
+
+def files(table: Table) -> dict[str, str]:
+    return {"fsw/bus/packets.hpp": packets_header(table), "fsw/bus/packet_layout.hpp": layout_header(table),
+            "fsw/bus/packet_table.cpp": packet_table(table), "fsw/bus/event_table.hpp": event_header(table)}

@@ -1,0 +1,30 @@
+"""Python: the table by which the client package decodes packets and makes commands."""
+
+from .table import Field, Layout, Table
+
+NOTE = '"""Written by tools/generate_bus.py from config/bus/*.toml: change those."""\n\n'
+CODES = {"u8": "B", "u16": "H", "u32": "I", "u64": "Q", "i64": "q", "f32": "f", "f64": "d", "text": "s"}
+
+
+def field_row(field: Field, layout: Layout) -> str:
+    valid = layout.flags.index(field.valid) if field.valid else None
+    shape = None if not field.is_array else (field.rows, field.count // field.rows) if field.rows > 1 else (field.count,)
+    return f'        ("{field.name}", "{CODES[field.type]}", {field.count}, {field.offset}, {shape}, {valid}, {field.enum}),\n'
+
+
+def layout_text(layout: Layout) -> str:
+    octets = layout.octets
+    return (f'    {layout.number}: ("{layout.name}", {octets}, {layout.flags}, [\n'
+            + "".join(field_row(field, layout) for field in layout.fields) + "    ]),\n")
+
+
+def files(table: Table) -> dict[str, str]:
+    text = NOTE + f"LAYOUT_VERSION = {table.layout_version}\nAPID_FIRST = {table.apid_first}\nAPID_COMMAND = {table.apid_command}\n\n"
+    text += "# Number of the packet (its APID less the first one): name, octets, flags, fields as (name, code of struct, values,\n"
+    text += "# octet, shape, bit of the flag that has to be up, names of the values 0, 1, ...).\nPACKETS = {\n"
+    text += "".join(map(layout_text, table.packets)) + "}\n\n# Function code: the same.\nCOMMANDS = {\n"
+    text += "".join(map(layout_text, table.commands)) + "}\n\n# Entries of commands that repeat them.\nENTRIES = {\n"
+    text += "".join(f'    "{command.name}": {[(f.name, CODES[f.type]) for f in command.entry.fields]},\n'
+                    for command in table.commands if command.entry) + "}\n\n"
+    text += "EVENTS = {\n" + "".join(f'    {event.id}: ("{event.name}", "{event.severity}"),\n' for event in table.events) + "}\n"
+    return {"platform/transport/client/python/polhode_bus/packets.py": text}

@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""Writes everything that follows from the bus's field table (config/bus/*.toml): C++ structs and layout, the C and Python
+clients' tables, the XTCE, the CSV files for ccsdspy and the interface control document.
+
+  tools/generate_bus.py            writes what differs
+  tools/generate_bus.py --check    writes nothing; exit status 1 names the files that are out of date
+"""
+
+import argparse
+import pathlib
+import sys
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY / "tools"))
+from busgen import c_client, ccsdspy_csv, cpp, document, python_client, xtce  # noqa: E402
+from busgen.table import TableError, read_table  # noqa: E402
+
+
+def generated(table) -> dict[str, str]:
+    """Path in the repository -> text."""
+    files = {}
+    for part in (cpp, c_client, python_client, xtce, ccsdspy_csv, document):
+        files.update(part.files(table))
+    return files
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="write nothing, tell what is out of date")
+    arguments = parser.parse_args()
+    try:
+        files = generated(read_table(REPOSITORY / "config/bus"))
+    except TableError as problem:
+        print(f"generate_bus: {problem}", file=sys.stderr)
+        return 2
+    old = [name for name, text in files.items()
+           if not (REPOSITORY / name).exists() or (REPOSITORY / name).read_text() != text]
+    for name in old:
+        if arguments.check:
+            print(f"{name} is out of date: run tools/generate_bus.py", file=sys.stderr)
+            continue
+        (REPOSITORY / name).parent.mkdir(parents=True, exist_ok=True)
+        (REPOSITORY / name).write_text(files[name])
+        print(f"written: {name}")
+    return 1 if old and arguments.check else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
