@@ -1,5 +1,6 @@
 #include "motion/body_dynamics.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -260,6 +261,14 @@ Result<BodyDynamics> describe_dynamics(const RigidModel& model) {
   if (steady) {
     out.spin_period_s.observability = Observability::kUnobserved;
     out.precession_period_s.observability = Observability::kUnobserved;
+  }
+  // Nor does one that cannot be told from a body at rest turn about anything.
+  const double sigma_rate = worst_sigma(model.covariance.block<3, 3>(3, 3));
+  if (!(model.reference.w_T_rad_s.norm() > 4.0 * sigma_rate)) {
+    out.rotation_period_s.observability = Observability::kUnobserved;
+    out.spin_period_s.observability = Observability::kUnobserved;
+    out.precession_period_s.observability = Observability::kUnobserved;
+    out.momentum_axis = Observability::kUnobserved;
   }
   if (model.path_known) {
     add_path(model, &out);

@@ -1,4 +1,5 @@
 // A fitted model at other times than its own.
+#include <Eigen/Geometry>
 #include <Eigen/Cholesky>
 #include <cmath>
 

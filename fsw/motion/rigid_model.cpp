@@ -71,7 +71,9 @@ bool trace(const TurningSolution& turning,
            MotionWorkspace& work) {
   const Inertia inertia = inertia_of(turning.shape);
   work.residuals.clear();
-  work.residuals.resize(work.attitudes.size());
+  for (std::size_t i = 0; i < work.attitudes.size(); ++i) {
+    (void)work.residuals.push_back(Eigen::Vector3d::Zero());
+  }
   for (const bool forward : {true, false}) {
     TurningState state = turning.reference;
     TurningDerivative derivative = TurningDerivative::at_reference();

@@ -35,7 +35,7 @@ std::array<double, 4> continuous_quaternion(const Eigen::Matrix3d& R_CT,
 }
 
 void fill_rates(double unit, const Component::State& s, MotionState* m) {
-  const Result<RateEstimate> rates = estimate_rates(s.poses.view(), s.parameters.motion);
+  const Result<RateEstimate> rates = rates_now(s);
   if (!rates) {
     return;
   }

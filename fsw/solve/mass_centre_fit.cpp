@@ -1,5 +1,6 @@
 #include "solve/mass_centre_fit.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>

@@ -1,5 +1,6 @@
 #include "solve/rigid_body.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>

@@ -186,11 +186,11 @@ Result<TurningSolution> refine_turning(const TurningProblem& problem,
   constexpr int kRounds = 3;
   double scale2 = 1.0;
   for (int round = 0; round < kRounds; ++round) {
-    const double before = scale2;
-    scale2 = std::max(1e-2, median_of(system.squares, count));
-    if (round > 0 && std::abs(scale2 - before) < 0.1 * before) {
+    const double found = std::max(1e-2, median_of(system.squares, count));
+    if (round > 0 && std::abs(found - scale2) < 0.1 * scale2) {
       break;
     }
+    scale2 = found;
     if (!minimise(problem, window, scale2, problem.iterations_max, &system, &solution)) {
       return ErrorCode::kDegenerate;
     }

@@ -8,6 +8,7 @@ import numpy as np
 
 from judge.errors import BadInput
 from judge.metrics import Aligned, align_run, judge_motion
+from judge.prediction import judge_prediction
 from judge.report import lookup
 from judge.sequence import Sequence, read_json
 from judge.shape import judge_shape
@@ -120,6 +121,7 @@ def judge_run(run: Run, sequence: Sequence, truth: Motion) -> dict:
               "motion": {kind: judge_motion(motion, truth, frames_in) for kind, motion in run.motions.items()}}
     aligned = best_alignment(run, truth)
     report["shape"] = judge_shape(run.folder / "cloud.ply", sequence.model_path, aligned) if aligned else None
+    report["prediction"] = judge_prediction(run.folder / "motion_model.json", aligned)
     report["cost"] = cost(run)
     report["determinism"] = determinism(run)
     return report
