@@ -217,6 +217,9 @@ Result<RateEstimate> rates_now(const Component::State& s) {
   }
   if (!rates && s.parameters.motion.mode != MotionMode::kPaper) {
     rates = estimate_rates(m.recent.view(), s.parameters.motion);
+    if (rates) {
+      widen_by_drift(turned(m.R_IC, s.drift), rates.value());
+    }
   }
   if (rates) {
     rates.value().v_C = m.R_IC.transpose() * rates.value().v_C;

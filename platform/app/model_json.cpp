@@ -9,7 +9,7 @@
 namespace polhode::platform {
 namespace {
 
-Json to_json(const SineFit& fit) {
+Json sine_json(const SineFit& fit) {
   if (!fit.observed) {
     return nullptr;
   }
@@ -50,9 +50,9 @@ Json describe(const MotionModel& model) {
           {"rotation_period_s",
            model.rotation_period_s > 0.0 ? Json(model.rotation_period_s) : Json(nullptr)},
           {"w_T_sines",
-           {{"x", to_json(model.sines[0])},
-            {"y", to_json(model.sines[1])},
-            {"z", to_json(model.sines[2])}}},
+           {{"x", sine_json(model.sines[0])},
+            {"y", sine_json(model.sines[1])},
+            {"z", sine_json(model.sines[2])}}},
           {"translation", drift(model)}};
 }
 

@@ -33,6 +33,7 @@ PoseSample in_body(const AbsolutePose& absolute,
 /// Rates at a sample: by the model where it holds, else by local fits from both sides. Velocity in I.
 Result<RateEstimate> rates_at(std::span<const PoseSample> samples,
                               std::size_t index,
+                              const PoseCovariance& drift,
                               RigidModel& model,
                               const MotionOptions& options) {
   const bool within = model.accepted() && model.path_known;
@@ -47,7 +48,11 @@ Result<RateEstimate> rates_at(std::span<const PoseSample> samples,
       return rates;
     }
   }
-  return estimate_rates_at(samples, index, options);
+  Result<RateEstimate> local = estimate_rates_at(samples, index, options);
+  if (local) {
+    widen_by_drift(drift, local.value());
+  }
+  return local;
 }
 
 }  // namespace
@@ -122,6 +127,7 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
       RigidModel none;
       auto rates = rates_at(samples,
                             next,
+                            drift_at_rest(state),
                             m.timestamp_ns >= held_from_ns ? moving : none,
                             state.parameters.motion);
       if (rates) {
