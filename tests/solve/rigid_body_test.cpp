@@ -82,9 +82,9 @@ TEST(Turning, KeepsMomentumAndEnergy) {
     const Eigen::Vector3d momentum = state.R_IT * inertia.J_T * state.w_T_rad_s;
     const double energy = state.w_T_rad_s.dot(inertia.J_T * state.w_T_rad_s);
     ASSERT_TRUE(advance(inertia, {}, 200.0, state, nullptr));
-    // About 30 rad in 300 steps, 1e-8 rad each.
-    EXPECT_LT((state.R_IT * inertia.J_T * state.w_T_rad_s - momentum).norm(), 3e-6 * momentum.norm());
-    EXPECT_NEAR(state.w_T_rad_s.dot(inertia.J_T * state.w_T_rad_s), energy, 3e-6 * energy);
+    // Up to 60 rad in 600 steps, 1e-8 rad each.
+    EXPECT_LT((state.R_IT * inertia.J_T * state.w_T_rad_s - momentum).norm(), 1e-5 * momentum.norm());
+    EXPECT_NEAR(state.w_T_rad_s.dot(inertia.J_T * state.w_T_rad_s), energy, 1e-5 * energy);
     EXPECT_EQ(state.time_s, 200.0);
   }
 }
@@ -109,8 +109,8 @@ TEST(Turning, OfABodyOfRevolutionIsThatOfTheTextbook) {
   state.w_T_rad_s = {0.0, 0.002, 0.017};
   ASSERT_TRUE(advance(inertia, {}, 1000.0, state, nullptr));
   const double turn = (0.02 / 0.47 - 1.0) * 0.017 * 1000.0;
-  EXPECT_NEAR(state.w_T_rad_s.x(), -0.002 * std::sin(turn), 1e-8);
-  EXPECT_NEAR(state.w_T_rad_s.y(), 0.002 * std::cos(turn), 1e-8);
+  EXPECT_NEAR(state.w_T_rad_s.x(), -0.002 * std::sin(turn), 1e-7);
+  EXPECT_NEAR(state.w_T_rad_s.y(), 0.002 * std::cos(turn), 1e-7);
   EXPECT_NEAR(state.w_T_rad_s.z(), 0.017, 1e-12);
 }
 
