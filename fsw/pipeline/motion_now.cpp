@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/so3.hpp"
 #include "motion/fit_poses.hpp"
 #include "motion/paper.hpp"
 #include "pipeline/state.hpp"
@@ -70,7 +71,7 @@ void fit(Component::State* s) {
   if (m.R_IC.isIdentity(0.0)) {
     follow_map(s->map, m.snapshot.poses);
   }
-  m.snapshot.drift = turned(m.R_IC, s->drift);
+  m.snapshot.drift = turned(m.R_IC, polhode::covariance(s->drift));
   m.snapshot.body_radius = s->map.radius_mu;
   m.snapshot.options = s->parameters.motion;
   m.snapshot.previous = m.model;
@@ -171,7 +172,7 @@ void remember_motion(std::int64_t timestamp_ns,
   (void)remember_for_fit(m.snapshot.poses, sample, s->parameters.motion);
   ++m.poses_since_fit;
   if (m.model.accepted()) {
-    check(sample, turned(m.R_IC, s->drift), &m);
+    check(sample, turned(m.R_IC, polhode::covariance(s->drift)), &m);
   }
   if (due(m)) {
     fit(s);
@@ -218,7 +219,7 @@ Result<RateEstimate> rates_now(const Component::State& s) {
   if (!rates && s.parameters.motion.mode != MotionMode::kPaper) {
     rates = estimate_rates(m.recent.view(), s.parameters.motion);
     if (rates) {
-      widen_by_drift(turned(m.R_IC, s.drift), rates.value());
+      widen_by_drift(turned(m.R_IC, polhode::covariance(s.drift)), rates.value());
     }
   }
   if (rates) {
@@ -235,8 +236,13 @@ Result<PosePrediction> predict_by_motion(const Component::State& s, std::int64_t
   if (!m.recent.empty() && holds(m)) {
     const Result<MotionPrediction> by_model = predict_from(m.model, m.recent.back(), timestamp_ns);
     if (by_model && by_model.value().path_known) {
+      // The next pose will be one of the map: its drift changes while the body turns.
+      constexpr double kSideAngle_rad = 0.8;  // as in residual_level.cpp
+      const double part = rotation_angle_rad(m.recent.back().pose.R_CT, by_model.value().pose.R_CT) /
+                          kSideAngle_rad;
       predicted = PosePrediction{.pose = by_model.value().pose,
-                                 .covariance = by_model.value().covariance,
+                                 .covariance = by_model.value().covariance +
+                                               part * part * turned(m.R_IC, polhode::covariance(s.drift)),
                                  .rotation_poses = m.model.poses,
                                  .position_poses = m.model.poses};
     }

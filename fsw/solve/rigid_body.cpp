@@ -11,8 +11,9 @@
 namespace polhode {
 namespace {
 
-// At 0.1 rad a step the fourth-order terms that are left out come to 1e-8 rad.
-constexpr double kAngleOfStep_rad = 0.1;
+// Runge-Kutta's phase lags by the step to the fourth over 120: at 0.1 rad by 3e-5 rad in eight turns,
+// which is a bias of two sigma in the inertia of a long run; at 0.05 rad a sixteenth of that.
+constexpr double kAngleOfStep_rad = 0.05;
 constexpr double kMomentFloor = 0.01;
 
 /// dS by d log S in the direction `direction` (Daleckii and Krein), V and l being those of log S.

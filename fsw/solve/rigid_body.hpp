@@ -66,8 +66,8 @@ Eigen::Vector3d angular_acceleration(const Inertia& inertia,
 
 inline constexpr int kTurningStepsMax = 20000;
 
-/// Moves `state` to `time_s`, earlier or later, in steps that turn by at most 0.1 rad: fourth-order
-/// Runge-Kutta for the rate and a Magnus step for the attitude; 1e-6 rad a turn. `derivative`, where
+/// Moves `state` to `time_s`, earlier or later, in steps that turn by at most 0.05 rad: fourth-order
+/// Runge-Kutta for the rate and a Magnus step for the attitude; 1e-6 rad in ten turns. `derivative`, where
 /// given, is moved along.
 /// @return false, with the state somewhere on the way, when that takes over kTurningStepsMax steps
 /// or leaves the numbers.

@@ -75,7 +75,9 @@ std::vector<PoseSample> samples_in_body(const std::vector<SmoothedPose>& poses,
 }
 
 PoseCovariance drift_at_rest(const Component::State& state) {
-  return kDriftHeldAtBothEnds * scaled(state.drift, state.scale.metres_per_mu);
+  MapDrift held = state.drift;
+  hold_at_both_ends(&held);
+  return scaled(covariance(held), state.scale.metres_per_mu);
 }
 
 RigidModel model_of(std::span<const PoseSample> samples,
