@@ -164,6 +164,15 @@ Result<RateEstimate> estimate_rates(std::span<const PoseSample> history,
   return estimate_rates_at(history, history.empty() ? 0 : history.size() - 1, options);
 }
 
+void widen_by_drift(const PoseCovariance& drift, RateEstimate& rates) {
+  constexpr double kSideAngle_rad = 0.8;  // as in residual_level.cpp
+  const double per_s = rates.w_T_rad_s.norm() / kSideAngle_rad;
+  const Eigen::Matrix3d R_TC = rates.pose.R_CT.transpose();
+  rates.covariance_w_T +=
+      per_s * per_s * R_TC * drift.topLeftCorner<3, 3>() * R_TC.transpose();
+  rates.covariance_v_C += per_s * per_s * drift.bottomRightCorner<3, 3>();
+}
+
 Result<PosePrediction> predict_pose(std::span<const PoseSample> history,
                                     std::int64_t timestamp_ns,
                                     const MotionOptions& options) {

@@ -47,6 +47,10 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
                                        std::size_t index,
                                        const MotionOptions& options);
 
+/// Adds what the map's drift does to rates that were fitted within one side of the body: it changes by
+/// about its own size while 0.8 rad are turned, and passes for motion.
+void widen_by_drift(const PoseCovariance& drift, RateEstimate& rates);
+
 struct PosePrediction {
   Pose pose;
   PoseCovariance covariance =

@@ -48,21 +48,6 @@ bool belongs_to_start(const Keyframe& keyframe, const Component::State& s) {
   return keyframe.used && keyframe.number >= s.job.adjustment.first_keyframe;
 }
 
-/// Poses so far that were not those of the start's keyframes.
-PoseHistory other_poses(const Component::State& s) {
-  PoseHistory others;
-  for (const PoseSample& sample : s.poses) {
-    const bool of_keyframe =
-        std::any_of(s.map.keyframes.begin(), s.map.keyframes.end(), [&](const Keyframe& keyframe) {
-          return belongs_to_start(keyframe, s) && keyframe.timestamp_ns == sample.timestamp_ns;
-        });
-    if (!of_keyframe) {
-      (void)others.push_back(sample);
-    }
-  }
-  return others;
-}
-
 /// The start's keyframes and landmarks into the map, and a first joint adjustment asked for.
 void take_over_start(const Similarity& to_T, Component::State* s) {
   const std::uint32_t first_keyframe = s->map.next_keyframe_number;
@@ -78,7 +63,7 @@ void take_over_start(const Similarity& to_T, Component::State* s) {
 
 void forget_map(Component::State* s) {
   clear(&s->map);
-  s->poses.clear();
+  forget_motion(s);
   s->keyframes_at_last_adjustment = 0;
 }
 
@@ -164,9 +149,7 @@ void take_start(Component::State* s) {
 }
 
 void restate_poses(Component::State* s) {
-  const PoseHistory others = other_poses(*s);
-  std::size_t next = 0;
-  s->poses.clear();
+  StartPoses poses;
   auto order = keyframes_by_age(s->map);
   std::reverse(order.begin(), order.end());
   for (const KeyframeId id : order) {
@@ -174,19 +157,15 @@ void restate_poses(Component::State* s) {
     if (!belongs_to_start(keyframe, *s)) {
       continue;
     }
-    for (; next < others.size() && others[next].timestamp_ns < keyframe.timestamp_ns; ++next) {
-      (void)remember(s->poses, others[next]);
-    }
     const bool solved = pose_from_keyframe(keyframe, s);
     if (keyframe.frame != s->frame && solved) {
-      remember_pose(
-          keyframe.timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
+      (void)poses.push_back({.timestamp_ns = keyframe.timestamp_ns,
+                             .pose = s->localised.absolute.pose,
+                             .covariance = s->localised.absolute.covariance});
     }
     s->pose_valid = keyframe.frame == s->frame && solved;
   }
-  for (; next < others.size(); ++next) {
-    (void)remember(s->poses, others[next]);
-  }
+  restate_motion(poses.view(), s);
 }
 
 }  // namespace polhode

@@ -10,7 +10,7 @@ namespace {
 
 /// Everything whose size shows that a table's entry has changed.
 struct Fingerprint {
-  std::uint64_t version = 1;  ///< changes when the order or the meaning of the content does
+  std::uint64_t version = 2;  ///< changes when the order or the meaning of the content does
   std::uint64_t keyframe = sizeof(Keyframe);
   std::uint64_t landmark = sizeof(Landmark);
   std::uint64_t pose = sizeof(PoseSample);
@@ -28,6 +28,9 @@ struct Remembered {
   MapDrift drift;
   double noise_scale = 1.0;
   std::int32_t keyframes_at_last_adjustment = 0;
+  RigidModel model;
+  std::uint32_t poses_since_fit = 0;
+  std::uint32_t disagreements = 0;
   std::array<double, 4> q_CT_last{};
   std::uint32_t next_frame = 0;
   Parameters parameters;  ///< as activated by command
@@ -50,6 +53,9 @@ Remembered remember(const Component::State& s) {
           .drift = s.drift,
           .noise_scale = s.noise_scale,
           .keyframes_at_last_adjustment = s.keyframes_at_last_adjustment,
+          .model = s.motion.model,
+          .poses_since_fit = s.motion.poses_since_fit,
+          .disagreements = s.motion.disagreements,
           .q_CT_last = s.q_CT_last,
           .next_frame = s.next_frame,
           .parameters = s.parameters,
@@ -70,6 +76,9 @@ void recall(const Remembered& r, Component::State* s) {
   s->drift = r.drift;
   s->noise_scale = r.noise_scale;
   s->keyframes_at_last_adjustment = r.keyframes_at_last_adjustment;
+  s->motion.model = r.model;
+  s->motion.poses_since_fit = r.poses_since_fit;
+  s->motion.disagreements = r.disagreements;
   s->q_CT_last = r.q_CT_last;
   s->next_frame = r.next_frame;
   s->parameters = r.parameters;
@@ -169,7 +178,7 @@ void take_used(Reader* in, Table* table) {
 bool is_whole(Reader in, const Component::State& s) {
   Fingerprint theirs;
   return in.take(&theirs) && theirs == fingerprint() && in.skip(sizeof(Remembered)) &&
-         in.skip(sizeof(PoseHistory)) && slots_are_whole(&in, s.map.keyframes) &&
+         in.skip(2 * sizeof(PoseHistory)) && slots_are_whole(&in, s.map.keyframes) &&
          slots_are_whole(&in, s.map.landmarks) && in.at_end();
 }
 
@@ -177,7 +186,7 @@ bool is_whole(Reader in, const Component::State& s) {
 
 std::size_t checkpoint_octets_max() {
   constexpr std::size_t kPlace = sizeof(std::uint32_t);
-  return sizeof(Fingerprint) + sizeof(Remembered) + sizeof(PoseHistory) + 2 * kPlace +
+  return sizeof(Fingerprint) + sizeof(Remembered) + 2 * sizeof(PoseHistory) + 2 * kPlace +
          limits::kKeyframes * (kPlace + sizeof(Keyframe)) +
          limits::kLandmarks * (kPlace + sizeof(Landmark));
 }
@@ -186,7 +195,8 @@ std::size_t save_checkpoint(const Component::State& state, std::span<std::uint8_
   Writer writer(out);
   writer.put(fingerprint());
   writer.put(remember(state));
-  writer.put(state.poses);
+  writer.put(state.motion.recent);
+  writer.put(state.motion.snapshot.poses);
   put_used(state.map.keyframes, &writer);
   put_used(state.map.landmarks, &writer);
   return writer.used();
@@ -198,8 +208,9 @@ bool restore_checkpoint(std::span<const std::uint8_t> octets, Component::State* 
     return false;
   }
   Remembered remembered;
-  const bool taken =
-      reader.skip(sizeof(Fingerprint)) && reader.take(&remembered) && reader.take(&state->poses);
+  const bool taken = reader.skip(sizeof(Fingerprint)) && reader.take(&remembered) &&
+                     reader.take(&state->motion.recent) &&
+                     reader.take(&state->motion.snapshot.poses);
   POLHODE_ASSERT(taken, octets.size());
   clear(&state->map);
   take_used(&reader, &state->map.keyframes);

@@ -45,8 +45,7 @@ Outcome set_known_length(const Command& command, Component::State* s) {
   if (!inside(length.first_px) || !inside(length.second_px)) {
     return "point outside the image";
   }
-  s->parameters.scale = {.source = ScaleSource::kKnownLength,
-                         .known_length_m = length.length_m,
+  s->parameters.scale = {.known_length_m = length.length_m,
                          .points_px = {length.first_px, length.second_px},
                          .frame_timestamp_ns = length.frame_timestamp_ns};
   s->scale = {};
@@ -55,8 +54,7 @@ Outcome set_known_length(const Command& command, Component::State* s) {
 
 Outcome set_range(const Command& command, Component::State* s) {
   const auto range = command.arguments<bus::SetRangeCommand>();
-  s->parameters.scale = {.source = ScaleSource::kRange,
-                         .range_m = range.range_m,
+  s->parameters.scale = {.range_m = range.range_m,
                          .frame_timestamp_ns = range.frame_timestamp_ns};
   s->scale = {};
   return kDone;
@@ -304,7 +302,7 @@ void forget_target(Component::State* s) {
   clear(&s->tracks);
   s->reference.valid = false;
   s->reference.points.clear();
-  s->poses.clear();
+  forget_motion(s);
   s->localised.matches.clear();
   s->drift = {};
   s->scale = {};

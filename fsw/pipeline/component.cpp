@@ -43,7 +43,7 @@ MemoryNeed memory_needed(const Parameters& /*parameters*/) {
       {"frames and tracks before the map", sizeof(State::tracks)},
       {"job: start of a map", sizeof(Job::start)},
       {"job: adjustment", sizeof(Job::adjustment)},
-      {"poses so far", sizeof(State::poses)},
+      {"poses so far", sizeof(State::motion)},
       {"features of the frame", sizeof(State::features)},
       {"reference of optical flow", sizeof(State::reference)},
       {"matches of the frame and of a closure", sizeof(State::localised) + sizeof(State::closure)},

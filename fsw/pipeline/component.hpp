@@ -5,6 +5,7 @@
 // and commands give the same packets.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -57,6 +58,8 @@ std::uint32_t due_step(const Job& job);
 
 struct StepInput {
   Frame frame;
+  /// The observer's attitude at the frame: q_IC, w, x, y, z, C's components to inertial ones.
+  std::array<double, 4> q_IC{1.0, 0.0, 0.0, 0.0};
   Job* finished = nullptr;  ///< the job that names this step, run to its end; else nullptr
   /// Libraries have drawn on the reserve since the last step: for a while less is asked of them
   /// (fewer features, a smaller window), and the step is counted.

@@ -114,11 +114,7 @@ void move_with(const Keyframe& keyframe, Component::State* s) {
     s->localised.absolute.pose = keyframe.pose;
     return;
   }
-  for (PoseSample& sample : s->poses) {
-    if (sample.timestamp_ns == keyframe.timestamp_ns) {
-      sample.pose = keyframe.pose;
-    }
-  }
+  move_pose(keyframe.timestamp_ns, keyframe.pose, s);
 }
 
 }  // namespace
@@ -195,14 +191,6 @@ void extend_map(Component::State* s) {
     hold_at_both_ends(&s->drift);
   }
   ask_after_growth(id, closed > 0, s);
-}
-
-void remember_pose(std::int64_t timestamp_ns,
-                   const Pose& pose,
-                   const PoseCovariance& covariance,
-                   Component::State* s) {
-  // Times increase: the step has refused the others.
-  (void)remember(s->poses, {.timestamp_ns = timestamp_ns, .pose = pose, .covariance = covariance});
 }
 
 }  // namespace polhode

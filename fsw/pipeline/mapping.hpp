@@ -27,10 +27,4 @@ void adjust_all(int iterations_max, Component::State* state);
 /// Sightings and landmarks that do not fit go; the noise scale is measured anew.
 void cull_map(Component::State* state);
 
-/// Appends to the poses so far; the oldest goes when the table is full.
-void remember_pose(std::int64_t timestamp_ns,
-                   const Pose& pose,
-                   const PoseCovariance& covariance,
-                   Component::State* state);
-
 }  // namespace polhode

@@ -26,7 +26,17 @@ using AnyMember = std::variant<Member<bool>,
                                Member<std::int64_t>,
                                Member<std::uint64_t>,
                                Member<double>,
+                               Member<MotionMode>,
+                               Member<DynamicsKind>,
                                Member<PointPair>>;
+
+/// The words that a choice is written in, in the order of its values.
+inline constexpr std::array<std::string_view, 2> choices_of(MotionMode /*which*/) {
+  return {"dynamics", "paper"};
+}
+inline constexpr std::array<std::string_view, 2> choices_of(DynamicsKind /*which*/) {
+  return {"torque_free", "orbit"};
+}
 
 struct ParameterRow {
   std::string_view key;  ///< dotted, as in a configuration file: "features.count_max"

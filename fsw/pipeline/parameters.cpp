@@ -1,6 +1,7 @@
 #include "pipeline/parameters.hpp"
 
 #include <charconv>
+#include <cmath>
 #include <type_traits>
 
 #include "config/limits.hpp"
@@ -90,10 +91,27 @@ constexpr ParameterRow kRows[] = {
   {"shape.plane_iterations_max", POLHODE_FIELD(shape.plane_iterations_max), 10, 10000, "",
    "hypotheses of a plane at most"},
 
+  {"motion.mode", POLHODE_FIELD(motion.mode), 0, 1, "",
+   "rigid-body dynamics where the poses bear them out, or rates from pairs of poses"},
+  {"motion.dynamics", POLHODE_FIELD(motion.dynamics), 0, 1, "",
+   "what moves the target: nothing, or a circular orbit's gravity"},
   {"motion.window_poses_max", POLHODE_FIELD(motion.window_poses_max), 4, limits::kMotionPoses, "",
    "poses that a rate is fitted to at most"},
   {"motion.window_angle_max_rad", POLHODE_FIELD(motion.window_angle_max_rad), 0.1, 3.0, "rad",
    "body rotation over that window at most"},
+  {"motion.fit_poses_max", POLHODE_FIELD(motion.fit_poses_max), 16, limits::kMotionPoses, "",
+   "poses that the dynamics are fitted to at most; the older half is thinned"},
+  {"motion.forgetting_s", POLHODE_FIELD(motion.forgetting_s), 0.0, 1000000.0, "s",
+   "older poses are not fitted; 0: none is forgotten"},
+  {"motion.mean_motion_rad_s", POLHODE_FIELD(motion.mean_motion_rad_s), 0.00001, 0.01, "rad/s",
+   "of the observer's orbit"},
+  {"motion.q_IH_w", POLHODE_FIELD(motion.q_IH_w), -1.0, 1.0, "",
+   "Hill's frame (radial, along track, normal) in inertial axes at the epoch"},
+  {"motion.q_IH_x", POLHODE_FIELD(motion.q_IH_x), -1.0, 1.0, "", "as q_IH_w"},
+  {"motion.q_IH_y", POLHODE_FIELD(motion.q_IH_y), -1.0, 1.0, "", "as q_IH_w"},
+  {"motion.q_IH_z", POLHODE_FIELD(motion.q_IH_z), -1.0, 1.0, "", "as q_IH_w"},
+  {"motion.orbit_epoch_ns", POLHODE_FIELD(motion.orbit_epoch_ns), 0, kInt64Max, "ns",
+   "the time that q_IH holds at"},
 
   {"bus.apid_first", POLHODE_FIELD(bus.apid_first), 1, 2031, "",
    "application process id of the motion packet; the others' follow, commands come at + 15"},
@@ -177,15 +195,26 @@ std::string text_of(int value) { return number_text(value); }
 std::string text_of(std::int64_t value) { return number_text(value); }
 std::string text_of(std::uint64_t value) { return number_text(value); }
 std::string text_of(double value) { return number_text(value); }
+template <typename Choice>
+  requires std::is_enum_v<Choice>
+std::string text_of(Choice choice) {
+  return "\"" + std::string(choices_of(choice)[static_cast<std::size_t>(choice)]) + "\"";
+}
 std::string text_of(const PointPair& pair) {
   return "[[" + text_of(pair[0][0]) + ", " + text_of(pair[0][1]) + "], [" + text_of(pair[1][0]) +
          ", " + text_of(pair[1][1]) + "]]";
 }
 
 template <typename T>
+  requires std::is_arithmetic_v<T>
 bool in_range(const ParameterRow& row, T value) {
   const auto number = static_cast<double>(value);
   return number >= row.low && number <= row.high;  // false for NaN
+}
+template <typename Choice>
+  requires std::is_enum_v<Choice>
+bool in_range(const ParameterRow& /*row*/, Choice choice) {
+  return static_cast<std::size_t>(choice) < choices_of(choice).size();
 }
 bool in_range(const ParameterRow& row, const PointPair& pair) {
   return in_range(row, pair[0][0]) && in_range(row, pair[0][1]) && in_range(row, pair[1][0]) &&
@@ -245,6 +274,15 @@ std::optional<Error> check_scale(const Parameters& parameters) {
   return length ? check_points(parameters) : std::nullopt;
 }
 
+std::optional<Error> check_orbit(const MotionOptions& motion) {
+  const double norm = std::hypot(std::hypot(motion.q_IH_w, motion.q_IH_x),
+                                 std::hypot(motion.q_IH_y, motion.q_IH_z));
+  if (motion.dynamics != DynamicsKind::kOrbit || std::abs(norm - 1.0) < 1e-3) {
+    return std::nullopt;
+  }
+  return bad("motion.q_IH_w and its x, y, z: norm " + text_of(norm) + ", allowed 0.999 .. 1.001");
+}
+
 std::optional<Error> check_section(const Parameters& parameters, bool camera) {
   for (const ParameterRow& row : kRows) {
     if (starts_with(row.key, "scale.") || starts_with(row.key, "camera.") != camera) {
@@ -282,6 +320,19 @@ std::string range_text(const ParameterRow& row) {
   if (std::holds_alternative<Member<bool>>(row.member)) {
     return "true, false";
   }
+  const auto words = [](const auto& choices) {
+    std::string text;
+    for (const std::string_view choice : choices) {
+      text += (text.empty() ? "\"" : ", \"") + std::string(choice) + "\"";
+    }
+    return text;
+  };
+  if (std::holds_alternative<Member<MotionMode>>(row.member)) {
+    return words(choices_of(MotionMode{}));
+  }
+  if (std::holds_alternative<Member<DynamicsKind>>(row.member)) {
+    return words(choices_of(DynamicsKind{}));
+  }
   if (std::holds_alternative<Member<double>>(row.member) ||
       std::holds_alternative<Member<PointPair>>(row.member)) {
     return text_of(row.low) + " .. " + text_of(row.high);
@@ -309,6 +360,9 @@ std::optional<Error> check_without_camera(const Parameters& parameters) {
     return bad("start.chi2_gap_convexity = " + text_of(start.chi2_gap_convexity) +
                ": out of range, allowed 4.0 .. " + text_of(start.chi2_gap_commit) +
                " (start.chi2_gap_commit)");
+  }
+  if (auto problem = check_orbit(parameters.motion)) {
+    return problem;
   }
   return check_scale(parameters);
 }

@@ -59,7 +59,7 @@ void add_servicer_motion(const Eigen::Vector3d& w_CI_C, MotionState* m) {
 }
 
 void fill_rates(double unit, const Component::State& s, MotionState* m) {
-  const Result<RateEstimate> rates = estimate_rates(s.poses.view(), s.parameters.motion);
+  const Result<RateEstimate> rates = rates_now(s);
   if (!rates) {
     return;
   }

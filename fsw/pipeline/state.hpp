@@ -16,10 +16,10 @@
 #include "map/localise.hpp"
 #include "map/map.hpp"
 #include "mask/target_mask.hpp"
-#include "motion/rates.hpp"
 #include "pipeline/bus_state.hpp"
 #include "pipeline/component.hpp"
 #include "pipeline/jobs.hpp"
+#include "pipeline/motion_now.hpp"
 #include "shape/scale_fusion.hpp"
 #include "tracks/track_table.hpp"
 
@@ -66,8 +66,8 @@ struct Component::State {
   Map map;
   FlowReference reference;
   std::uint32_t reference_frame = 0;  ///< that it was taken from
-  PoseHistory poses;  ///< errors of single frames, without the map's drift
   MapDrift drift;
+  MotionNow motion;
   ScaleState scale;
   double noise_scale = 1.0;  ///< how much larger the residuals are than the features' sigma says
   std::int32_t keyframes_at_last_adjustment = 0;

@@ -81,7 +81,7 @@ void estimate(Component::State* s) {
   stage_done(Stage::kMap, *s);
   run_undelayed_jobs(s);
   if (s->pose_valid) {
-    remember_pose(s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
+    remember_motion(s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
     widen_turn(s->localised.absolute.pose, &s->drift);
     ++s->counters.poses;
   }
@@ -107,6 +107,7 @@ const StepOutput& Component::step(const StepInput& input) {
   if (s->mode == Mode::kIdle && !s->bus.held) {
     s->mode = Mode::kAcquiring;
   }
+  set_observer(input.q_IC, s);
   FrameUse use = judge(input.frame, *s);
   if (use == FrameUse::kUsed) {
     use = take_picture(input.frame, s);

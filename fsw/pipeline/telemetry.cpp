@@ -37,10 +37,11 @@ void send_model(const MotionState& motion, Component::State* s) {
   bus::ModelPacket packet;
   packet.timestamp_ns = motion.timestamp_ns;
   packet.frame = motion.frame;
-  packet.poses = static_cast<std::uint32_t>(s->poses.size());
-  if (!s->poses.empty()) {
-    packet.span_s = static_cast<float>(
-        seconds_between(s->poses[0].timestamp_ns, s->poses.back().timestamp_ns));
+  const PoseHistory& poses = s->motion.recent;
+  packet.poses = static_cast<std::uint32_t>(poses.size());
+  if (!poses.empty()) {
+    packet.span_s =
+        static_cast<float>(seconds_between(poses[0].timestamp_ns, poses.back().timestamp_ns));
   }
   if (motion.rate_valid) {
     packet.dynamics = kDynamicsLocal;
@@ -61,7 +62,7 @@ void send_prediction(const MotionState& motion, Component::State* s) {
       motion.timestamp_ns + std::llround(s->parameters.bus.prediction_ahead_s * 1e9);
   packet.flags = flag_if(s->scale.known, flag::kFlagScaleKnown);
   const Result<PosePrediction> predicted =
-      predict_pose(s->poses.view(), packet.predicted_timestamp_ns, s->parameters.motion);
+      predict_by_motion(*s, packet.predicted_timestamp_ns);
   if (predicted) {
     const double unit = s->scale.metres_per_mu;
     std::array<double, 4> q_CT = motion.q_CT;

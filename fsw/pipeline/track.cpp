@@ -27,7 +27,7 @@ bool plausible(const PosePrediction& predicted, const Component::State& s) {
   constexpr double kDepthError = 0.05;
   constexpr double kAllowance_rad = 0.0175;
   const AbsolutePose& found = s.localised.absolute;
-  const double step_rad = rotation_angle_rad(s.poses.back().pose.R_CT, predicted.pose.R_CT);
+  const double step_rad = rotation_angle_rad(last_pose_now(s).R_CT, predicted.pose.R_CT);
   const double sigma_rad =
       std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
                 found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
@@ -198,15 +198,15 @@ bool relocalise_frame(Component::State* s) {
 }
 
 bool predict_pose(const Component::State& s, std::int64_t timestamp_ns, PosePrediction* predicted) {
-  if (s.poses.empty()) {
+  if (s.motion.recent.empty()) {
     return false;
   }
-  const Result<PosePrediction> by_motion =
-      predict_pose(s.poses.view(), timestamp_ns, s.parameters.motion);
-  *predicted = by_motion ? by_motion.value() : PosePrediction{.pose = s.poses.back().pose};
+  const Pose last = last_pose_now(s);
+  const Result<PosePrediction> by_motion = predict_by_motion(s, timestamp_ns);
+  *predicted = by_motion ? by_motion.value() : PosePrediction{.pose = last};
   // Extrapolated through the camera: the last place is the better guess.
-  if (!(predicted->pose.p_CT.z() > 0.1 * s.poses.back().pose.p_CT.z())) {
-    predicted->pose.p_CT = s.poses.back().pose.p_CT;
+  if (!(predicted->pose.p_CT.z() > 0.1 * last.p_CT.z())) {
+    predicted->pose.p_CT = last.p_CT;
   }
   return true;
 }

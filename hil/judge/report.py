@@ -141,7 +141,18 @@ def notes(reports: list[dict]) -> list[str]:
     return lines
 
 
+def prediction_table(judged: list[dict] | None) -> str:
+    """Errors over the horizon; empty where the truth ends with the run."""
+    rows = [[f"{row['ahead_s']:.0f}", f"{row['attitude_deg']:.3f}", f"{row['sigma_attitude_deg']:.3f}",
+             f"{row['rate_deg_s']:.5f}", text_of(row["position_percent_of_range"], "{:.3f}")]
+            for row in judged or [] if row["ahead_s"] > 0]
+    header = ["predicted ahead [s]", "attitude error [deg]", "its sigma [deg]", "rate error [deg/s]",
+              "position error [% of range]"]
+    return table(header, rows) if rows else ""
+
+
 def text_report(reports: list[dict]) -> str:
     """The whole report as printed."""
-    parts = [f"sequence {reports[0]['sequence']}", motion_table(reports), "\n".join(notes(reports))]
+    parts = [f"sequence {reports[0]['sequence']}", motion_table(reports),
+             *(prediction_table(report.get("prediction")) for report in reports), "\n".join(notes(reports))]
     return "\n\n".join(part for part in parts if part)

@@ -9,6 +9,7 @@ import numpy as np
 from judge.body import judge_body
 from judge.errors import BadInput
 from judge.metrics import Aligned, align_run, judge_motion
+from judge.prediction import judge_prediction
 from judge.report import lookup
 from judge.sequence import Sequence, read_json
 from judge.shape import judge_shape
@@ -123,6 +124,7 @@ def judge_run(run: Run, sequence: Sequence, truth: Motion) -> dict:
     report["shape"] = judge_shape(run.folder / "cloud.ply", sequence.model_path, aligned) if aligned else None
     scene = read_json(sequence.model_path.parent / "scene.json")
     report["body"] = judge_body(run.folder, sequence.model_path, scene, aligned) if aligned else None
+    report["prediction"] = judge_prediction(run.folder / "motion_model.json", aligned)
     report["cost"] = cost(run)
     report["determinism"] = determinism(run)
     return report

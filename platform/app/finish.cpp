@@ -215,15 +215,26 @@ void finish_replay(Component& component,
   write_shape_json(folder / "shape.json",
                    {.shape = found.shape ? &*found.shape : nullptr,
                     .reason = found.reason,
-                    .surface = found.surface ? &*found.surface : nullptr,
-                    .scale_options = state.parameters.scale,
-                    .scale = state.scale});
-  const std::vector<PoseSample> samples =
-      samples_in_body(poses, log.published, found.body, state.scale.metres_per_mu);
-  write_smoothed(smoothed_motion(poses, samples, log.published, state), log, folder);
+                     .surface = found.surface ? &*found.surface : nullptr,
+                     .scale_options = state.parameters.scale,
+                     .scale = state.scale});
+  const std::vector<PoseSample> samples = samples_in_body(
+      poses, log.published, found.body, state.scale.metres_per_mu, log.servicer);
   const double radius = found.shape ? 0.5 * found.shape->dimensions.maxCoeff()
                                     : state.map.radius_mu * state.scale.metres_per_mu;
-  write_model_json(folder / "motion_model.json", samples, radius, state.scale.known);
+  const RigidModel model = model_of(samples, radius, state);
+  write_smoothed(
+      smoothed_motion(poses, samples, log.published, model, log.servicer, state), log, folder);
+  write_model_json(folder / "motion_model.json",
+                   {.samples = samples,
+                    .model = model,
+                    .options = state.parameters.motion,
+                    .body_radius = radius,
+                    .scale_known = state.scale.known,
+                    .R_CI = samples.empty()
+                                ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
+                                : Eigen::Matrix3d(
+                                      log.servicer.R_IC(samples.back().timestamp_ns).transpose())});
 }
 
 }  // namespace polhode::platform

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "app/observations.hpp"
+#include "app/servicer_attitude.hpp"
 #include "camera/replay/sequence.hpp"
 #include "pipeline/component.hpp"
 
@@ -14,6 +15,7 @@ namespace polhode::platform {
 struct ReplayLog {
   std::span<const MotionState> published;
   ObservationSpool& observations;
+  const ServicerAttitude& servicer;
 };
 
 /// Writes motion_smoothed.csv, trajectory.tum, the clouds, shape.json and motion_model.json into

@@ -1,35 +1,15 @@
 #include "app/model_json.hpp"
 
-#include <cmath>
-#include <nlohmann/json.hpp>
+#include <algorithm>
 #include <vector>
 
+#include "app/dynamics_json.hpp"
 #include "output_file.hpp"
 
 namespace polhode::platform {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-Json sigmas(const Eigen::Matrix3d& covariance) {
-  return to_json(Eigen::Vector3d(covariance.diagonal().cwiseMax(0.0).cwiseSqrt()));
-}
-
-const char* name(Observability o) {
-  switch (o) {
-    case Observability::kObserved:
-      return "observed";
-    case Observability::kWeak:
-      return "weak";
-    case Observability::kUnobserved:
-      break;
-  }
-  return "unobserved";
-}
-
-Json to_json(const SineFit& fit) {
+Json sine_json(const SineFit& fit) {
   if (!fit.observed) {
     return nullptr;
   }
@@ -70,35 +50,42 @@ Json describe(const MotionModel& model) {
           {"rotation_period_s",
            model.rotation_period_s > 0.0 ? Json(model.rotation_period_s) : Json(nullptr)},
           {"w_T_sines",
-           {{"x", to_json(model.sines[0])},
-            {"y", to_json(model.sines[1])},
-            {"z", to_json(model.sines[2])}}},
+           {{"x", sine_json(model.sines[0])},
+            {"y", sine_json(model.sines[1])},
+            {"z", sine_json(model.sines[2])}}},
           {"translation", drift(model)}};
+}
+
+Json paper(const ModelInput& input) {
+  const auto samples =
+      input.samples.first(std::min(input.samples.size(), kSineSamplesMax + 1));
+  std::vector<SineSample> workspace(samples.size());
+  const auto model = paper_model(samples, input.body_radius, workspace);
+  return model ? describe(model.value()) : Json(nullptr);
 }
 
 }  // namespace
 
-void write_model_json(const std::filesystem::path& file,
-                      std::span<const PoseSample> samples,
-                      double body_radius,
-                      bool scale_known) {
-  Json out{{"mode", "paper"},
+void write_model_json(const std::filesystem::path& file, const ModelInput& input) {
+  const bool by_pairs = input.options.mode == MotionMode::kPaper;
+  Json out{{"mode", by_pairs ? "paper" : "dynamics"},
            {"frame", "T: the target's body frame of motion_smoothed.csv and shape.json"},
-           {"length_unit", scale_known ? "m" : "map unit"}};
-  std::vector<SineSample> workspace(std::min(samples.size(), kSineSamplesMax + 1));
-  const auto model = paper_model(
-      samples.first(std::min(samples.size(), kSineSamplesMax + 1)), body_radius, workspace);
-  if (model) {
-    out["model"] = describe(model.value());
-  } else {
-    out["model"] = nullptr;
+           {"length_unit", input.scale_known ? "m" : "map unit"}};
+  out["model"] = paper(input);
+  if (out["model"].is_null()) {
     out["reason"] = "too few poses to say how the target moves";
   }
-  // Principal axes, inertia ratios and a prediction need rigid-body dynamics; without that fit they
-  // are not known.
-  out["principal_axes_T"] = nullptr;
-  out["inertia_ratios"] = nullptr;
-  out["prediction_horizon_s"] = nullptr;
+  out["fit"] = by_pairs ? Json(nullptr) : fit_json(input.model, input.options);
+  if (input.model.accepted()) {
+    add_dynamics(input.model, input.R_CI, &out);
+    add_prediction(input.model, input.R_CI, &out);
+  } else {
+    // Without dynamics that hold none of these is known.
+    for (const char* key : {"principal_axes_T", "inertia_ratios", "prediction_horizon_s"}) {
+      out[key] = nullptr;
+    }
+    out["prediction"] = Json::array();
+  }
   OutputFile stream(file);
   stream.write(out.dump(2) + "\n");
   stream.close();

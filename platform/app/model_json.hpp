@@ -4,16 +4,22 @@
 #include <filesystem>
 #include <span>
 
+#include "motion/rigid_model.hpp"
 #include "motion/trajectory.hpp"
 
 namespace polhode::platform {
 
-/// Fits the motion model to the run's poses and writes it; what the data do not determine is null,
-/// with its reason.
-/// @param body_radius  half the body's largest dimension, unit of the poses.
-void write_model_json(const std::filesystem::path& file,
-                      std::span<const PoseSample> samples,
-                      double body_radius,
-                      bool scale_known);
+struct ModelInput {
+  std::span<const PoseSample> samples;  ///< in I
+  const RigidModel& model;
+  const MotionOptions& options;
+  double body_radius = 1.0;  ///< half the body's largest dimension, unit of the poses
+  bool scale_known = false;
+  Eigen::Matrix3d R_CI = Eigen::Matrix3d::Identity();  ///< of the camera at the last sample
+};
+
+/// Writes the rigid-body model with its prediction, and beside it the paper's (sines through the
+/// rates); what the data do not determine is null, with its reason.
+void write_model_json(const std::filesystem::path& file, const ModelInput& input);
 
 }  // namespace polhode::platform

@@ -15,6 +15,7 @@
 #include "app/output_folder.hpp"
 #include "app/progress.hpp"
 #include "app/run_record.hpp"
+#include "app/servicer_attitude.hpp"
 #include "app/summary.hpp"
 #include "app/timings.hpp"
 #include "camera/replay/file_camera.hpp"
@@ -76,6 +77,7 @@ class Pace {
 
 struct Run {
   const Sequence& sequence;
+  const ServicerAttitude& servicer;
   Component& component;
   Worker& worker;
   DeadlineMonitor& deadline;
@@ -103,6 +105,7 @@ void write_frame(
 const StepOutput& timed_step(Run& run, const Frame& frame) {
   StepInput input = next_input(run.component, run.worker, frame);
   input.commands = run.commands.due(frame.timestamp_ns);
+  input.q_IC = run.servicer.components(frame.timestamp_ns);
   if (input.finished != nullptr) {
     run.timings.job.add(run.worker.last_duration());
   }
@@ -180,6 +183,7 @@ Component& make_component(const ComponentMemory& memory,
 
 void replay(const ReplayArguments& arguments) {
   const Sequence sequence = open_sequence(arguments.sequence);
+  const ServicerAttitude servicer = ServicerAttitude::of_sequence(arguments.sequence);
   const Parameters parameters = parameters_for(arguments, sequence);
   const TransportOptions options = load_transport_options(arguments.config, arguments.settings);
   CommandFile commands = commands_of(
@@ -200,7 +204,17 @@ void replay(const ReplayArguments& arguments) {
                  .latency_ms_max = arguments.job_latency_ms,
                  .job_octets = job_worst_case(parameters)});
   DeadlineMonitor deadline(parameters.budget.frame_ms);
-  Run run{sequence, component, worker, deadline, files, timings, record, published, commands, transports};
+  Run run{sequence,
+          servicer,
+          component,
+          worker,
+          deadline,
+          files,
+          timings,
+          record,
+          published,
+          commands,
+          transports};
 
   const MachineUse at_start = machine_use();
   const Clock::time_point start = Clock::now();
@@ -220,7 +234,7 @@ void replay(const ReplayArguments& arguments) {
   const Clock::time_point finish_start = Clock::now();
   finish_replay(component,
                 sequence,
-                {.published = published, .observations = files.spool},
+                {.published = published, .observations = files.spool, .servicer = servicer},
                 arguments.out);
   const Counters& counters = component.counters();
   write_summary(arguments.out / "summary.json",

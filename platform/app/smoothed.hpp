@@ -1,11 +1,15 @@
-// The run's motion from all frames: poses in the body frame, rates from both sides.
+// The run's motion from all frames: poses in the body frame, rates from the dynamics or from both
+// sides.
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "app/servicer_attitude.hpp"
 #include "motion/pose_history.hpp"
+#include "motion/rigid_model.hpp"
 #include "pipeline/component.hpp"
 #include "pipeline/smooth.hpp"
 
@@ -17,16 +21,28 @@ struct BodyFrame {
   Eigen::Vector3d centroid_T = Eigen::Vector3d::Zero();
 };
 
-/// The valid poses, of B, with lengths in the published unit.
+/// The valid poses, of B seen from the servicer in axes that do not turn, with lengths in the
+/// published unit.
 std::vector<PoseSample> samples_in_body(const std::vector<SmoothedPose>& poses,
                                         std::span<const MotionState> published,
                                         const BodyFrame& body,
-                                        double metres_per_mu);
+                                        double metres_per_mu,
+                                        const ServicerAttitude& servicer);
+
+/// The map's drift as the poses at rest still carry it, in the published unit.
+PoseCovariance drift_at_rest(const Component::State& state);
+
+/// Rigid-body dynamics through all samples (every so-many-th where there are more than a fit takes).
+RigidModel model_of(std::span<const PoseSample> samples,
+                    double body_radius,
+                    const Component::State& state);
 
 /// One row a frame; empty where the frame has no pose.
 std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
                                          const std::vector<PoseSample>& samples,
                                          std::span<const MotionState> published,
+                                         const RigidModel& model,
+                                         const ServicerAttitude& servicer,
                                          const Component::State& state);
 
 }  // namespace polhode::platform

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -52,6 +53,18 @@ struct Assign {
   }
   const char* operator()(Member<double> where) const {
     return number(node, where(parameters)) ? nullptr : "a number";
+  }
+  template <typename Choice>
+    requires std::is_enum_v<Choice>
+  const char* operator()(Member<Choice> where) const {
+    const auto word = node.value_exact<std::string>();
+    const auto& choices = choices_of(Choice{});
+    const auto* const found = std::find(choices.begin(), choices.end(), word.value_or(""));
+    if (found == choices.end()) {
+      return "one of these words";
+    }
+    where(parameters) = static_cast<Choice>(found - choices.begin());
+    return nullptr;
   }
   const char* operator()(Member<PointPair> where) const {
     const char* const allowed = "two points [[u, v], [u, v]]";

@@ -48,7 +48,8 @@ inline void advance(FreeBody& body, double dt_s) {
     const Eigen::Vector3d k4 = euler_acceleration(body.inertia, w + h * k3);
     body.w_T_rad_s = w + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
     // Fourth-order Magnus step: Simpson's mean of the rate and the commutator of its ends.
-    const Eigen::Vector3d middle = w + 0.5 * h * k2;
+    const Eigen::Vector3d end = euler_acceleration(body.inertia, body.w_T_rad_s);
+    const Eigen::Vector3d middle = 0.5 * (w + body.w_T_rad_s) + h / 8.0 * (k1 - end);
     const Eigen::Vector3d mean = (w + 4.0 * middle + body.w_T_rad_s) / 6.0;
     body.R_CT = body.R_CT * so3_exp(h * mean + h * h / 12.0 * w.cross(body.w_T_rad_s));
   }

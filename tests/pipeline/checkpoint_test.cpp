@@ -92,7 +92,7 @@ TEST(Checkpoint, BeginsWithTheSameTables) {
   const Component::State& now = b.component->state();
   EXPECT_EQ(now.map.keyframe_count, old.map.keyframe_count);
   EXPECT_EQ(now.map.landmark_count, old.map.landmark_count);
-  EXPECT_EQ(now.poses.size(), old.poses.size());
+  EXPECT_EQ(now.motion.recent.size(), old.motion.recent.size());
   EXPECT_EQ(now.counters.frames_in, old.counters.frames_in);
   EXPECT_EQ(now.counters.poses, old.counters.poses);
   for (std::size_t i = 0; i < old.map.landmarks.size(); ++i) {

@@ -159,11 +159,11 @@ TEST(Commands, LengthAndRangeReplaceEachOther) {
                                                       .first_px = {1.0, 2.0},
                                                       .second_px = {30.0, 40.0}}));
   const ScaleOptions& scale = bench.component->state().parameters.scale;
-  EXPECT_EQ(scale.source, ScaleSource::kKnownLength);
+  EXPECT_EQ(scale.known_length_m, 0.6);
   EXPECT_EQ(scale.points_px[1][1], 40.0);
   (void)bench.step(command(CommandCode::kSetRange,
                            bus::SetRangeCommand{.frame_timestamp_ns = 7, .range_m = 12.5}));
-  EXPECT_EQ(scale.source, ScaleSource::kRange);
+  EXPECT_EQ(scale.known_length_m, 0.0);
   EXPECT_EQ(scale.range_m, 12.5);
   const StepOutput& out =
       bench.step(command(CommandCode::kSetKnownLength,
@@ -172,7 +172,7 @@ TEST(Commands, LengthAndRangeReplaceEachOther) {
                                                     .first_px = {1.0, 2.0},
                                                     .second_px = {30.0, 4000.0}}));
   EXPECT_TRUE(event(EventId::kCommandState, out));
-  EXPECT_EQ(scale.source, ScaleSource::kRange);
+  EXPECT_EQ(scale.known_length_m, 0.0);
 }
 
 TEST(Commands, ServicerAttitudeGoesForwardInTimeOnly) {

@@ -16,7 +16,7 @@ SECTIONS = {
     "JobOptions": "jobs", "BudgetOptions": "budget",
 }
 NOT_SET_DIRECTLY: set[str] = set()
-FIELD = re.compile(r"^\s+(?:bool|int|double|std::\w+(?:<.*>)?|ScaleSource)\s+(\w+)\s*(?:=[^;]*|\{\})?;(?:\s*///<(.*))?$")
+FIELD = re.compile(r"^\s+(?:bool|int|double|std::\w+(?:<.*>)?|ScaleSource|MotionMode|DynamicsKind)\s+(\w+)\s*(?:=[^;]*|\{\})?;(?:\s*///<(.*))?$")
 
 
 def option_fields() -> dict[str, str]:

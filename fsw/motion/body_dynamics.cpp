@@ -1,0 +1,279 @@
+#include "motion/body_dynamics.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "geometry/so3.hpp"
+
+namespace polhode {
+namespace {
+
+// Ratios and periods: a tenth is a measurement, a half is a hint.
+constexpr double kObservedRelative = 0.1;
+constexpr double kWeakRelative = 0.5;
+// Directions: 6 deg and 30 deg.
+constexpr double kObservedAngle_rad = 0.1;
+constexpr double kWeakAngle_rad = 0.5;
+
+using Gradient = Eigen::Matrix<double, kTurningUnknowns, 1>;
+
+Observability classify(double sigma, double observed_max, double weak_max) {
+  if (!(sigma < weak_max)) {
+    return Observability::kUnobserved;
+  }
+  return sigma < observed_max ? Observability::kObserved : Observability::kWeak;
+}
+
+TurningCovariance turning_covariance(const RigidModel& model) {
+  return model.covariance.topLeftCorner<kTurningUnknowns, kTurningUnknowns>();
+}
+
+double sigma_of(const Gradient& gradient, const RigidModel& model) {
+  return std::sqrt(std::max(0.0, gradient.dot(turning_covariance(model) * gradient)));
+}
+
+struct Principal {
+  Eigen::Vector3d moments;
+  Eigen::Matrix3d R_TP;
+};
+
+Principal principal(const Inertia& inertia) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(inertia.J_T);
+  Principal axes{.moments = eigen.eigenvalues(), .R_TP = eigen.eigenvectors()};
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    Eigen::Index largest = 0;
+    axes.R_TP.col(k).cwiseAbs().maxCoeff(&largest);
+    axes.R_TP.col(k) *= axes.R_TP(largest, k) < 0.0 ? -1.0 : 1.0;
+  }
+  axes.R_TP.col(2) = axes.R_TP.col(0).cross(axes.R_TP.col(1));
+  return axes;
+}
+
+/// Gradient of v_i^T J v_j over `divisor` by the unknowns.
+Gradient moment_gradient(const Inertia& inertia,
+                         const Principal& axes,
+                         Eigen::Index i,
+                         Eigen::Index j,
+                         double divisor) {
+  Gradient gradient = Gradient::Zero();
+  for (Eigen::Index k = 0; k < 5; ++k) {
+    gradient(6 + k) = axes.R_TP.col(i).dot(inertia.J_by_shape[static_cast<std::size_t>(k)] *
+                                           axes.R_TP.col(j)) /
+                      divisor;
+  }
+  return gradient;
+}
+
+void add_inertia(const RigidModel& model, const Inertia& inertia, BodyDynamics* out) {
+  const Principal axes = principal(inertia);
+  out->R_TP = axes.R_TP;
+  const auto ratio = [&](Eigen::Index k) {
+    // d ln (J_k / J_0)
+    const Gradient gradient = moment_gradient(inertia, axes, k, k, axes.moments(k)) -
+                              moment_gradient(inertia, axes, 0, 0, axes.moments(0));
+    const double sigma = sigma_of(gradient, model);
+    const double value = axes.moments(k) / axes.moments(0);
+    return Estimated{.value = value,
+                     .sigma = value * sigma,
+                     .observability = classify(sigma, kObservedRelative, kWeakRelative)};
+  };
+  out->middle_over_least = ratio(1);
+  out->largest_over_least = ratio(2);
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    double variance = 0.0;
+    for (Eigen::Index other = 0; other < 3; ++other) {
+      if (other != k) {
+        const double apart = std::max(1e-12, std::abs(axes.moments(k) - axes.moments(other)));
+        variance += std::pow(sigma_of(moment_gradient(inertia, axes, k, other, apart), model), 2);
+      }
+    }
+    const auto index = static_cast<std::size_t>(k);
+    out->sigma_axis_rad[index] = std::sqrt(variance);
+    out->axes[index] = classify(std::sqrt(variance), kObservedAngle_rad, kWeakAngle_rad);
+  }
+}
+
+/// A number that follows from rate and shape, its sigma by differences over half a sigma of each
+/// unknown (or over what keeps them small).
+template <typename Function>
+Estimated of_turning(const RigidModel& model, const Function& function) {
+  const auto at = [&](Eigen::Index k, double step) {
+    InertiaShape shape = model.shape;
+    Eigen::Vector3d w = model.reference.w_T_rad_s;
+    (k < 6 ? w(k - 3) : shape(k - 6)) += step;
+    return std::log(function(inertia_of(shape).J_T, w));
+  };
+  const TurningCovariance covariance = turning_covariance(model);
+  Gradient gradient = Gradient::Zero();
+  for (Eigen::Index k = 3; k < kTurningUnknowns; ++k) {
+    const double own = std::sqrt(std::max(0.0, covariance(k, k)));
+    const double step = std::clamp(0.5 * own, 1e-9, k < 6 ? 1e3 : 0.05);
+    gradient(k) = (at(k, step) - at(k, -step)) / (2.0 * step);
+  }
+  const double value = function(inertia_of(model.shape).J_T, model.reference.w_T_rad_s);
+  const double sigma = sigma_of(gradient, model);
+  const bool finite = std::isfinite(value) && std::isfinite(sigma);
+  return {.value = value,
+          .sigma = value * sigma,
+          .observability = finite ? classify(sigma, kObservedRelative, kWeakRelative)
+                                  : Observability::kUnobserved};
+}
+
+void add_momentum(const RigidModel& model, const Inertia& inertia, BodyDynamics* out) {
+  const Eigen::Vector3d h_T = inertia.J_T * model.reference.w_T_rad_s;
+  const double size = h_T.norm();
+  if (!(size > 0.0)) {
+    return;
+  }
+  const Eigen::Matrix3d& R = model.reference.R_IT;
+  out->momentum_axis_I = R * h_T / size;
+  TurningMatrix by = TurningMatrix::Zero();
+  by.leftCols<3>() = -hat(R * h_T);
+  by.middleCols<3>(3) = R * inertia.J_T;
+  for (Eigen::Index k = 0; k < 5; ++k) {
+    by.col(6 + k) = R * inertia.J_by_shape[static_cast<std::size_t>(k)] *
+                    model.reference.w_T_rad_s;
+  }
+  const Eigen::Matrix3d across =
+      (Eigen::Matrix3d::Identity() - out->momentum_axis_I * out->momentum_axis_I.transpose()) /
+      size;
+  const Eigen::Matrix3d covariance =
+      across * by * turning_covariance(model) * by.transpose() * across;
+  out->sigma_momentum_axis_rad = worst_sigma(covariance);
+  out->momentum_axis = classify(out->sigma_momentum_axis_rad, kObservedAngle_rad, kWeakAngle_rad);
+}
+
+void add_path(const RigidModel& model, BodyDynamics* out) {
+  out->v_I = model.path.segment<3>(3);
+  out->covariance_v_I =
+      model.covariance.block<3, 3>(kTurningUnknowns + 3, kTurningUnknowns + 3);
+  const Eigen::Matrix3d covariance = model.covariance.bottomRightCorner<3, 3>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+  out->mass_centre_axes_T = eigen.eigenvectors();
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const double sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(k)));
+    out->mass_centre[static_cast<std::size_t>(k)] = {
+        .value = eigen.eigenvectors().col(k).dot(model.path.tail<3>()),
+        .sigma = sigma,
+        .observability = observability_of(sigma, model.lever_sigma)};
+  }
+}
+
+/// Complete elliptic integral of the first kind, by the arithmetic-geometric mean.
+double elliptic_K(double m) {
+  double a = 1.0;
+  double b = std::sqrt(std::max(0.0, 1.0 - m));
+  for (int i = 0; i < 40 && std::abs(a - b) > 1e-15 * a; ++i) {
+    const double mean = 0.5 * (a + b);
+    b = std::sqrt(a * b);
+    a = mean;
+  }
+  return 0.5 * std::numbers::pi / a;
+}
+
+/// Moments and rate in principal axes, by growing moment.
+struct InPrincipal {
+  Eigen::Vector3d J;
+  Eigen::Vector3d w;
+  bool about_largest;  ///< the polhode surrounds the axis of the largest moment, else of the least
+};
+
+InPrincipal in_principal(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_T_rad_s) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(J_T);
+  InPrincipal body{.J = eigen.eigenvalues(),
+                   .w = eigen.eigenvectors().transpose() * w_T_rad_s,
+                   .about_largest = false};
+  const double momentum2 = body.J.cwiseProduct(body.w).squaredNorm();
+  const double energy2 = body.J.dot(body.w.cwiseAbs2());
+  body.about_largest = momentum2 >= energy2 * body.J(1);
+  return body;
+}
+
+}  // namespace
+
+double spin_period_s(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_T_rad_s) {
+  const InPrincipal body = in_principal(J_T, w_T_rad_s);
+  const Eigen::Vector3d& J = body.J;
+  const double momentum2 = J.cwiseProduct(body.w).squaredNorm();
+  const double energy2 = J.dot(body.w.cwiseAbs2());
+  const double product = J.prod();
+  const double low = momentum2 - energy2 * J(0);
+  const double high = energy2 * J(2) - momentum2;
+  const double rate2 = body.about_largest ? (J(2) - J(1)) * low / product
+                                          : (J(1) - J(0)) * high / product;
+  const double m = body.about_largest ? (J(1) - J(0)) * high / ((J(2) - J(1)) * low)
+                                      : (J(2) - J(1)) * low / ((J(1) - J(0)) * high);
+  return 4.0 * elliptic_K(std::min(1.0, m)) / std::sqrt(std::max(0.0, rate2));
+}
+
+double precession_period_s(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_T_rad_s) {
+  const double period_s = spin_period_s(J_T, w_T_rad_s);
+  if (!std::isfinite(period_s)) {
+    return period_s;
+  }
+  const InPrincipal body = in_principal(J_T, w_T_rad_s);
+  const Eigen::Index axis = body.about_largest ? 2 : 0;
+  const Inertia inertia{.J_T = body.J.asDiagonal(),
+                        .J_inverse = body.J.cwiseInverse().asDiagonal()};
+  const double momentum = body.J.cwiseProduct(body.w).norm();
+  // The mean over a period of a smooth periodic function: equal steps are exact to rounding.
+  constexpr int kSteps = 64;
+  TurningState state{.time_s = 0.0, .R_IT = Eigen::Matrix3d::Identity(), .w_T_rad_s = body.w};
+  double sum = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    Eigen::Vector3d h = body.J.cwiseProduct(state.w_T_rad_s);
+    Eigen::Vector3d hw = h.cwiseProduct(state.w_T_rad_s);
+    h(axis) = hw(axis) = 0.0;
+    // About the momentum the axis turns at |h| (h_a w_a + h_b w_b) / (h_a^2 + h_b^2); of a spin about
+    // the axis itself the limit is |h| over the mean of the other moments.
+    const double across2 = h.squaredNorm();
+    const double mean_moment = 0.5 * (body.J.sum() - body.J(axis));
+    sum += across2 > 1e-18 * momentum * momentum ? momentum * hw.sum() / across2
+                                                 : momentum / mean_moment;
+    if (!advance(inertia, {}, period_s * (i + 1) / kSteps, state, nullptr)) {
+      return std::nan("");
+    }
+  }
+  return 2.0 * std::numbers::pi * kSteps / sum;
+}
+
+Result<BodyDynamics> describe_dynamics(const RigidModel& model) {
+  if (!model.accepted()) {
+    return ErrorCode::kDegenerate;
+  }
+  const Inertia inertia = inertia_of(model.shape);
+  BodyDynamics out;
+  add_inertia(model, inertia, &out);
+  add_momentum(model, inertia, &out);
+  out.rotation_period_s =
+      of_turning(model, [](const Eigen::Matrix3d&, const Eigen::Vector3d& w) {
+        return 2.0 * std::numbers::pi / w.norm();
+      });
+  out.spin_period_s = of_turning(model, spin_period_s);
+  out.precession_period_s = of_turning(model, precession_period_s);
+  // A body that turns steadily about a principal axis shows neither.
+  const bool steady = out.largest_over_least.observability == Observability::kUnobserved &&
+                      out.middle_over_least.observability == Observability::kUnobserved;
+  if (steady) {
+    out.spin_period_s.observability = Observability::kUnobserved;
+    out.precession_period_s.observability = Observability::kUnobserved;
+  }
+  // Nor does one that cannot be told from a body at rest turn about anything.
+  const double sigma_rate = worst_sigma(model.covariance.block<3, 3>(3, 3));
+  if (!(model.reference.w_T_rad_s.norm() > 4.0 * sigma_rate)) {
+    out.rotation_period_s.observability = Observability::kUnobserved;
+    out.spin_period_s.observability = Observability::kUnobserved;
+    out.precession_period_s.observability = Observability::kUnobserved;
+    out.momentum_axis = Observability::kUnobserved;
+  }
+  if (model.path_known) {
+    add_path(model, &out);
+  }
+  return out;
+}
+
+}  // namespace polhode

@@ -1,0 +1,26 @@
+// What residuals tell of the noise: how large it is, and how much of it poses have in common.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+
+#include "motion/rigid_model.hpp"
+
+namespace polhode {
+
+struct ResidualInput {
+  std::span<const Eigen::Vector3d> residuals;  ///< in order of time, in sigmas as declared
+  int unknowns = 0;                            ///< that were fitted
+  /// Part of the declared variance that is an error of the map: poses of the same side share it.
+  double drift_share = 0.0;
+  double turn_of_frame_rad = 0.0;  ///< mean angle between successive poses
+};
+
+/// @see ResidualLevel. Residuals over 5 sigma of the larger of declared and found noise are outliers.
+ResidualLevel residual_level(const ResidualInput& input);
+
+/// What the covariance of a fit to independent residuals of the declared size is to be multiplied by.
+[[nodiscard]] double widening(const ResidualLevel& level);
+
+}  // namespace polhode

@@ -1,0 +1,251 @@
+#include "motion/rigid_model.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/so3.hpp"
+#include "motion/residual_level.hpp"
+
+namespace polhode {
+namespace {
+
+// Chi-square over its degrees of freedom that a free body's poses stay under, their sigmas being
+// right to a fifth.
+constexpr double kChi2PerDofMax = 1.4;
+constexpr double kOutliersMax = 0.3;
+
+Orbit orbit_at(const MotionOptions& options, std::int64_t reference_ns) {
+  Orbit orbit;
+  if (options.dynamics != DynamicsKind::kOrbit) {
+    return orbit;
+  }
+  orbit.mean_motion_rad_s = options.mean_motion_rad_s;
+  const Eigen::Quaterniond q_IH(options.q_IH_w, options.q_IH_x, options.q_IH_y, options.q_IH_z);
+  orbit.R_IH = q_IH.normalized().toRotationMatrix();
+  orbit.R_IH = orbit.R_IH_at(seconds_between(options.orbit_epoch_ns, reference_ns));
+  return orbit;
+}
+
+bool inverse_of(const Eigen::Matrix3d& covariance, Eigen::Matrix3d& information) {
+  const Eigen::LLT<Eigen::Matrix3d> llt(covariance);
+  information = llt.solve(Eigen::Matrix3d::Identity());
+  return covariance.allFinite() && llt.info() == Eigen::Success && information.allFinite();
+}
+
+/// The poses as samples of both fits, by the covariance of noise and drift. False when one is not
+/// usable.
+bool load(std::span<const PoseSample> poses,
+          const PoseCovariance& drift,
+          std::int64_t reference_ns,
+          MotionWorkspace& work) {
+  work.attitudes.clear();
+  work.positions.clear();
+  for (const PoseSample& pose : poses) {
+    const PoseCovariance total = pose.covariance + drift;
+    AttitudeSample attitude{.time_s = seconds_between(reference_ns, pose.timestamp_ns),
+                            .R_IT = pose.pose.R_CT,
+                            .information_I = {}};
+    PositionSample position{.time_s = attitude.time_s,
+                            .p_I = pose.pose.p_CT,
+                            .information_I = {},
+                            .R_IT = pose.pose.R_CT};
+    if (!inverse_of(total.topLeftCorner<3, 3>(), attitude.information_I) ||
+        !inverse_of(total.bottomRightCorner<3, 3>(), position.information_I) ||
+        !work.attitudes.push_back(attitude) || !work.positions.push_back(position)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Residual in sigmas as declared.
+Eigen::Vector3d whitened(const Eigen::Vector3d& residual, const Eigen::Matrix3d& information) {
+  return information.llt().matrixU() * residual;
+}
+
+/// Attitudes and their derivatives by the fit at every sample, and its residuals.
+bool trace(const TurningSolution& turning,
+           const TurningProblem& problem,
+           MotionWorkspace& work) {
+  const Inertia inertia = inertia_of(turning.shape);
+  work.residuals.clear();
+  for (std::size_t i = 0; i < work.attitudes.size(); ++i) {
+    (void)work.residuals.push_back(Eigen::Vector3d::Zero());
+  }
+  for (const bool forward : {true, false}) {
+    TurningState state = turning.reference;
+    TurningDerivative derivative = TurningDerivative::at_reference();
+    const std::size_t count =
+        forward ? work.attitudes.size() - problem.reference : problem.reference;
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t i = forward ? problem.reference + k : problem.reference - 1 - k;
+      const AttitudeSample& sample = work.attitudes[i];
+      if (!advance(inertia, problem.orbit, sample.time_s, state, &derivative)) {
+        return false;
+      }
+      work.positions[i].R_IT = state.R_IT;
+      work.positions[i].attitude_by_turning_I = derivative.attitude_I;
+      work.residuals[i] =
+          whitened(so3_log(sample.R_IT * state.R_IT.transpose()), sample.information_I);
+    }
+  }
+  return true;
+}
+
+double share_of(const Eigen::Matrix3d& drift, const Eigen::Matrix3d& total) {
+  return total.trace() > 0.0 ? std::clamp(drift.trace() / total.trace(), 0.0, 1.0) : 0.0;
+}
+
+/// Share of the drift in the declared variances, and the turning between poses.
+ResidualInput residual_input(std::span<const PoseSample> poses,
+                             const PoseCovariance& drift,
+                             bool attitude,
+                             const MotionWorkspace& work) {
+  ResidualInput input{.residuals = work.residuals.view(),
+                      .unknowns = attitude ? kTurningUnknowns : kPathUnknowns};
+  const Eigen::Index corner = attitude ? 0 : 3;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Eigen::Matrix3d of_drift = drift.block<3, 3>(corner, corner);
+    const Eigen::Matrix3d of_pose = poses[i].covariance.block<3, 3>(corner, corner);
+    input.drift_share += share_of(of_drift, of_drift + of_pose);
+    if (i > 0) {
+      input.turn_of_frame_rad +=
+          rotation_angle_rad(work.positions[i - 1].R_IT, work.positions[i].R_IT);
+    }
+  }
+  input.drift_share /= static_cast<double>(poses.size());
+  input.turn_of_frame_rad /= static_cast<double>(std::max<std::size_t>(1, poses.size() - 1));
+  return input;
+}
+
+template <typename Matrix>
+Matrix widened_inverse(const Matrix& information, const Matrix& prior, double factor) {
+  const Matrix total = (information - prior) / factor + prior;
+  return total.ldlt().solve(Matrix::Identity());
+}
+
+bool fit_turning(const TurningProblem& problem, const RigidModel& previous, TurningSolution* out) {
+  if (previous.accepted()) {
+    TurningSolution solution;
+    solution.reference = previous.reference;
+    solution.shape = previous.shape;
+    const auto warm = refine_turning(problem, solution, 0, problem.samples.size());
+    if (warm && chi2_per_dof(warm.value()) < kChi2PerDofMax) {
+      *out = warm.value();
+      return true;
+    }
+  }
+  const auto found = solve_turning(problem, kChi2PerDofMax);
+  if (found) {
+    *out = found.value();
+  }
+  return found.ok();
+}
+
+void add_path(std::span<const PoseSample> poses,
+              const MotionSnapshot& snapshot,
+              const TurningCovariance& turning,
+              MotionWorkspace& work,
+              RigidModel& model) {
+  const PathProblem problem{.samples = work.positions.view(),
+                            .reference_s = 0.0,
+                            .orbit = model.orbit,
+                            .lever_sigma = snapshot.body_radius};
+  const Result<PathSolution> solved = solve_path(problem);
+  if (!solved) {
+    return;
+  }
+  const PathSolution& path = solved.value();
+  for (std::size_t i = 0; i < work.positions.size(); ++i) {
+    const PositionSample& sample = work.positions[i];
+    const auto transition = path_transition(model.orbit, 0.0, sample.time_s);
+    const Eigen::Vector3d fitted = transition.topRows<3>() * path.unknowns.head<6>() -
+                                   sample.R_IT * path.unknowns.tail<3>();
+    work.residuals[i] = whitened(sample.p_I - fitted, sample.information_I);
+  }
+  model.position = residual_level(residual_input(poses, snapshot.drift, false, work));
+  PathCovariance prior = PathCovariance::Zero();
+  prior.diagonal().tail<3>().setConstant(1.0 / (snapshot.body_radius * snapshot.body_radius));
+  const PathCovariance own = widened_inverse(path.information, prior, widening(model.position));
+  model.path = path.unknowns;
+  model.covariance.bottomLeftCorner<kPathUnknowns, kTurningUnknowns>() = path.by_turning * turning;
+  model.covariance.topRightCorner<kTurningUnknowns, kPathUnknowns>() =
+      (path.by_turning * turning).transpose();
+  model.covariance.bottomRightCorner<kPathUnknowns, kPathUnknowns>() =
+      own + path.by_turning * turning * path.by_turning.transpose();
+  model.path_known = own.allFinite() && own.diagonal().minCoeff() > 0.0;
+}
+
+RigidModel fit_window(std::span<const PoseSample> poses,
+                      const MotionSnapshot& snapshot,
+                      MotionWorkspace& work) {
+  RigidModel model;
+  model.poses = poses.size();
+  if (poses.size() < kModelPosesMin) {
+    return model;
+  }
+  model.status = ModelStatus::kNoFit;
+  const std::size_t middle = poses.size() / 2;
+  model.reference_ns = poses[middle].timestamp_ns;
+  model.span_s = seconds_between(poses.front().timestamp_ns, poses.back().timestamp_ns);
+  model.orbit = orbit_at(snapshot.options, model.reference_ns);
+  model.lever_sigma = snapshot.body_radius;
+  TurningProblem problem{.samples = {}, .reference = middle, .orbit = model.orbit};
+  problem.shape_sigma = kModelShapeSigma;
+  RigidModel previous = snapshot.previous;
+  if (!load(poses, snapshot.drift, model.reference_ns, work)) {
+    return model;
+  }
+  if (!move_reference(model.reference_ns, previous)) {
+    previous.status = ModelStatus::kNoFit;
+  }
+  problem.samples = work.attitudes.view();
+  TurningSolution turning;
+  if (!fit_turning(problem, previous, &turning) || !trace(turning, problem, work)) {
+    return model;
+  }
+  model.reference = turning.reference;
+  model.shape = turning.shape;
+  model.attitude = residual_level(residual_input(poses, snapshot.drift, true, work));
+  const double outliers_max = kOutliersMax * static_cast<double>(poses.size());
+  if (!(model.attitude.chi2_per_dof < kChi2PerDofMax) ||
+      static_cast<double>(model.attitude.outliers) > outliers_max) {
+    model.status = ModelStatus::kResidualsTooLarge;
+    return model;
+  }
+  TurningCovariance prior = TurningCovariance::Zero();
+  prior.diagonal().tail<5>().setConstant(1.0 / (kModelShapeSigma * kModelShapeSigma));
+  const TurningCovariance covariance =
+      widened_inverse(turning.information, prior, widening(model.attitude));
+  if (!covariance.allFinite() || !(covariance.diagonal().minCoeff() > 0.0)) {
+    return model;
+  }
+  model.covariance.topLeftCorner<kTurningUnknowns, kTurningUnknowns>() = covariance;
+  model.status = ModelStatus::kAccepted;
+  add_path(poses, snapshot, covariance, work, model);
+  return model;
+}
+
+}  // namespace
+
+RigidModel fit_rigid_model(const MotionSnapshot& snapshot, MotionWorkspace& workspace) {
+  const std::span<const PoseSample> poses = snapshot.poses.view();
+  RigidModel model = fit_window(poses, snapshot, workspace);
+  // What disturbed the target lies before the later part of the poses, if it lies anywhere.
+  for (const std::size_t part : {2U, 4U}) {
+    const std::size_t count = poses.size() / part;
+    if (model.accepted() || count < 2 * kModelPosesMin) {
+      break;
+    }
+    const RigidModel later = fit_window(poses.last(count), snapshot, workspace);
+    model = later.accepted() ? later : model;
+  }
+  if (model.accepted() && !move_reference(poses.back().timestamp_ns, model)) {
+    model.status = ModelStatus::kNoFit;
+  }
+  return model;
+}
+
+}  // namespace polhode

@@ -1,0 +1,264 @@
+#include "pipeline/motion_now.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/so3.hpp"
+#include "motion/fit_poses.hpp"
+#include "motion/paper.hpp"
+#include "pipeline/state.hpp"
+
+namespace polhode {
+namespace {
+
+// 99.9 % of chi-square with six degrees of freedom; sigmas of single poses are right to a factor of
+// two.
+constexpr double kChi2Max = 4.0 * 22.5;
+constexpr std::uint32_t kDisagreementsMax = 3;
+
+Pose turned(const Eigen::Matrix3d& R, const Pose& pose) {
+  return {.R_CT = R * pose.R_CT, .p_CT = R * pose.p_CT};
+}
+
+PoseCovariance turned(const Eigen::Matrix3d& R, const PoseCovariance& covariance) {
+  PoseCovariance by = PoseCovariance::Zero();
+  by.topLeftCorner<3, 3>() = R;
+  by.bottomRightCorner<3, 3>() = R;
+  return by * covariance * by.transpose();
+}
+
+bool holds(const MotionNow& m) {
+  return m.model.accepted() && m.disagreements < kDisagreementsMax;
+}
+
+const Keyframe* keyframe_at(std::int64_t timestamp_ns, const Map& map) {
+  const auto found = std::find_if(map.keyframes.begin(), map.keyframes.end(), [&](const Keyframe& k) {
+    return k.used && k.timestamp_ns == timestamp_ns;
+  });
+  return found == map.keyframes.end() ? nullptr : &*found;
+}
+
+/// Adjustments move keyframes after their poses were remembered, and the poses since then with them.
+/// An observer that turned between is not in the keyframes: its poses stay as they were.
+void follow_map(const Map& map, PoseHistory& poses) {
+  Pose from;  // what the last keyframe's pose was, and is
+  Pose to;
+  for (PoseSample& sample : poses) {
+    if (const Keyframe* keyframe = keyframe_at(sample.timestamp_ns, map)) {
+      from = sample.pose;
+      to = keyframe->pose;
+      sample.pose = to;
+      continue;
+    }
+    const Eigen::Matrix3d R = to.R_CT * from.R_CT.transpose();
+    sample.pose.R_CT = R * sample.pose.R_CT;
+    sample.pose.p_CT = to.p_CT + R * (sample.pose.p_CT - from.p_CT);
+  }
+}
+
+bool due(const MotionNow& m) {
+  const std::size_t poses = m.snapshot.poses.size();
+  if (poses < kModelPosesMin) {
+    return false;
+  }
+  // One pose in twenty tells little more; from nothing a fit costs tens of times as much.
+  return m.poses_since_fit >= (m.model.accepted() ? 1 + poses / 20 : 2 + poses / 8);
+}
+
+void fit(Component::State* s) {
+  MotionNow& m = s->motion;
+  if (m.R_IC.isIdentity(0.0)) {
+    follow_map(s->map, m.snapshot.poses);
+  }
+  m.snapshot.drift = turned(m.R_IC, polhode::covariance(s->drift));
+  m.snapshot.body_radius = s->map.radius_mu;
+  m.snapshot.options = s->parameters.motion;
+  m.snapshot.previous = m.model;
+  m.model = fit_rigid_model(m.snapshot, m.workspace);
+  m.poses_since_fit = 0;
+  m.disagreements = 0;
+}
+
+void check(const PoseSample& sample, const PoseCovariance& drift_I, MotionNow* m) {
+  const Result<double> chi2 = chi2_against(m->model, sample, drift_I);
+  m->disagreements = chi2 && chi2.value() > kChi2Max ? m->disagreements + 1 : 0;
+  if (m->disagreements >= kDisagreementsMax) {
+    m->model.status = ModelStatus::kResidualsTooLarge;
+  }
+}
+
+PoseSample turned(const Eigen::Matrix3d& R, const PoseSample& sample) {
+  return {.timestamp_ns = sample.timestamp_ns,
+          .pose = turned(R, sample.pose),
+          .covariance = turned(R, sample.covariance)};
+}
+
+/// Both in order of time; where they meet the new one stays, and a full table loses its oldest.
+void merge(std::span<const PoseSample> news, const Eigen::Matrix3d& R_IC, PoseHistory& history) {
+  const PoseHistory old = history;
+  history.clear();
+  std::size_t next = 0;
+  for (const PoseSample& sample : news) {
+    for (; next < old.size() && old[next].timestamp_ns < sample.timestamp_ns; ++next) {
+      (void)remember(history, old[next]);
+    }
+    (void)remember(history, turned(R_IC, sample));
+  }
+  for (; next < old.size(); ++next) {
+    (void)remember(history, old[next]);  // refuses what a new one has replaced
+  }
+}
+
+Result<RateEstimate> rates_by_pairs(const MotionNow& m) {
+  const std::size_t count = m.recent.size();
+  if (count < 2) {
+    return ErrorCode::kTooFewObservations;
+  }
+  const PoseSample& first = m.recent[count - 2];
+  const PoseSample& second = m.recent[count - 1];
+  const Result<PaperRate> pair = paper_rate(first, second);
+  if (!pair) {
+    return pair.error();
+  }
+  RateEstimate rates;
+  rates.w_T_rad_s = pair.value().w_T_rad_s;
+  rates.covariance_w_T = pair.value().covariance_w_T;
+  rates.v_C = pair.value().v_C;
+  rates.covariance_v_C = (first.covariance + second.covariance).bottomRightCorner<3, 3>() /
+                         (pair.value().interval_s * pair.value().interval_s);
+  rates.rotation_poses = rates.position_poses = 2;
+  return rates;
+}
+
+Result<RateEstimate> rates_by_model(const MotionNow& m) {
+  const Result<MotionPrediction> now = predict_motion(m.model, m.recent.back().timestamp_ns);
+  if (!now || !now.value().path_known) {
+    return ErrorCode::kDegenerate;
+  }
+  RateEstimate rates;
+  rates.w_T_rad_s = now.value().w_T_rad_s;
+  rates.covariance_w_T = now.value().covariance_w_T;
+  rates.v_C = now.value().v_I;
+  rates.covariance_v_C = now.value().covariance_v_I;
+  rates.rotation_poses = rates.position_poses = m.model.poses;
+  return rates;
+}
+
+}  // namespace
+
+void set_observer(const std::array<double, 4>& q_IC, Component::State* s) {
+  const Eigen::Quaterniond q(q_IC[0], q_IC[1], q_IC[2], q_IC[3]);
+  constexpr double kNormError = 1e-2;  // of a printed or single-precision unit quaternion, generously
+  if (std::abs(q.norm() - 1.0) < kNormError) {
+    s->motion.R_IC = q.normalized().toRotationMatrix();
+  }
+}
+
+void remember_motion(std::int64_t timestamp_ns,
+                     const Pose& pose,
+                     const PoseCovariance& covariance,
+                     Component::State* s) {
+  MotionNow& m = s->motion;
+  const PoseSample sample{.timestamp_ns = timestamp_ns,
+                          .pose = turned(m.R_IC, pose),
+                          .covariance = turned(m.R_IC, covariance)};
+  if (!remember(m.recent, sample)) {
+    return;
+  }
+  if (s->parameters.motion.mode == MotionMode::kPaper) {
+    return;
+  }
+  (void)remember_for_fit(m.snapshot.poses, sample, s->parameters.motion);
+  ++m.poses_since_fit;
+  if (m.model.accepted()) {
+    check(sample, turned(m.R_IC, polhode::covariance(s->drift)), &m);
+  }
+  if (due(m)) {
+    fit(s);
+  }
+}
+
+void restate_motion(std::span<const PoseSample> start, Component::State* s) {
+  MotionNow& m = s->motion;
+  for (PoseHistory* const history : {&m.recent, &m.snapshot.poses}) {
+    merge(start, m.R_IC, *history);
+  }
+  m.model = {};
+  m.poses_since_fit += static_cast<std::uint32_t>(start.size());
+}
+
+void move_pose(std::int64_t timestamp_ns, const Pose& pose, Component::State* s) {
+  MotionNow& m = s->motion;
+  for (PoseHistory* const history : {&m.recent, &m.snapshot.poses}) {
+    for (PoseSample& sample : *history) {
+      if (sample.timestamp_ns == timestamp_ns) {
+        sample.pose = turned(m.R_IC, pose);
+      }
+    }
+  }
+}
+
+void forget_motion(Component::State* s) {
+  MotionNow& m = s->motion;
+  m.recent.clear();
+  m.snapshot.poses.clear();
+  m.model = {};
+  m.poses_since_fit = 0;
+  m.disagreements = 0;
+}
+
+Result<RateEstimate> rates_now(const Component::State& s) {
+  const MotionNow& m = s.motion;
+  Result<RateEstimate> rates = ErrorCode::kTooFewObservations;
+  if (s.parameters.motion.mode == MotionMode::kPaper) {
+    rates = rates_by_pairs(m);
+  } else if (holds(m)) {
+    rates = rates_by_model(m);
+  }
+  if (!rates && s.parameters.motion.mode != MotionMode::kPaper) {
+    rates = estimate_rates(m.recent.view(), s.parameters.motion);
+    if (rates) {
+      widen_by_drift(turned(m.R_IC, polhode::covariance(s.drift)), rates.value());
+    }
+  }
+  if (rates) {
+    rates.value().v_C = m.R_IC.transpose() * rates.value().v_C;
+    rates.value().covariance_v_C =
+        m.R_IC.transpose() * rates.value().covariance_v_C * m.R_IC;
+  }
+  return rates;
+}
+
+Result<PosePrediction> predict_by_motion(const Component::State& s, std::int64_t timestamp_ns) {
+  const MotionNow& m = s.motion;
+  Result<PosePrediction> predicted = ErrorCode::kTooFewObservations;
+  if (!m.recent.empty() && holds(m)) {
+    const Result<MotionPrediction> by_model = predict_from(m.model, m.recent.back(), timestamp_ns);
+    if (by_model && by_model.value().path_known) {
+      // The next pose will be one of the map: its drift changes while the body turns.
+      constexpr double kSideAngle_rad = 0.8;  // as in residual_level.cpp
+      const double part = rotation_angle_rad(m.recent.back().pose.R_CT, by_model.value().pose.R_CT) /
+                          kSideAngle_rad;
+      predicted = PosePrediction{.pose = by_model.value().pose,
+                                 .covariance = by_model.value().covariance +
+                                               part * part * turned(m.R_IC, polhode::covariance(s.drift)),
+                                 .rotation_poses = m.model.poses,
+                                 .position_poses = m.model.poses};
+    }
+  }
+  if (!predicted) {
+    predicted = predict_pose(m.recent.view(), timestamp_ns, s.parameters.motion);
+  }
+  if (predicted) {
+    predicted.value().pose = turned(m.R_IC.transpose(), predicted.value().pose);
+    predicted.value().covariance = turned(m.R_IC.transpose(), predicted.value().covariance);
+  }
+  return predicted;
+}
+
+Pose last_pose_now(const Component::State& s) {
+  return turned(s.motion.R_IC.transpose(), s.motion.recent.back().pose);
+}
+
+}  // namespace polhode

@@ -1,0 +1,59 @@
+// The motion as far as it is known at this frame: what is remembered of the poses, when the dynamics
+// are fitted anew, and what is published and predicted from them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "motion/rates.hpp"
+#include "motion/rigid_model.hpp"
+#include "pipeline/component.hpp"
+
+namespace polhode {
+
+struct MotionNow {
+  Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();  ///< the observer's attitude at this frame
+  PoseHistory recent;  ///< in I, one by one; errors of single frames, without the map's drift
+  MotionSnapshot snapshot;  ///< of the next fit; its poses are the past, thinned
+  MotionWorkspace workspace;
+  RigidModel model;  ///< of the last fit; used while it is accepted and the poses agree
+  std::uint32_t poses_since_fit = 0;
+  std::uint32_t disagreements = 0;  ///< poses in succession that are not where the model has them
+};
+
+/// The observer's attitude q_IC (w, x, y, z) at the frame that begins. What is not a rotation leaves
+/// the last one.
+void set_observer(const std::array<double, 4>& q_IC, Component::State* state);
+
+/// A pose found at `timestamp_ns`, in C. The dynamics are fitted anew when that is due.
+void remember_motion(std::int64_t timestamp_ns,
+                     const Pose& pose,
+                     const PoseCovariance& covariance,
+                     Component::State* state);
+
+using StartPoses = FixedVector<PoseSample, limits::kKeyframes>;
+
+/// The poses of a start's keyframes, in order of time and in C, come into the past or replace what is
+/// there at their times. The observer is taken to have kept its attitude since.
+void restate_motion(std::span<const PoseSample> start, Component::State* state);
+
+/// The pose at that time, where there is one, has become another one by an adjustment; as above.
+void move_pose(std::int64_t timestamp_ns, const Pose& pose, Component::State* state);
+
+/// T is another one from here on: nothing of the poses so far holds.
+void forget_motion(Component::State* state);
+
+/// Rates at this frame, which has a pose: by the dynamics where they hold, else by a local fit, or by
+/// the last two poses in paper mode. Velocity in C, unit of the poses. @errors as estimate_rates().
+Result<RateEstimate> rates_now(const Component::State& state);
+
+/// The pose in C at a time not before the last pose's, the observer's attitude being that of this
+/// frame. @errors as predict_pose() of motion/rates.hpp.
+Result<PosePrediction> predict_by_motion(const Component::State& state, std::int64_t timestamp_ns);
+
+/// The last pose as this frame's observer would see it, had the target not moved since; there must be
+/// one.
+Pose last_pose_now(const Component::State& state);
+
+}  // namespace polhode

@@ -1,0 +1,148 @@
+#include "solve/mass_centre_fit.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "config/limits.hpp"
+#include "geometry/so3.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr std::size_t kSamplesMin = 4;
+constexpr double kMedian3 = 2.366;  // of chi-square with three degrees of freedom
+constexpr double kGate2 = 25.0;     // 5 sigma
+constexpr int kRounds = 4;
+
+using Squares = std::array<double, limits::kMotionPoses>;
+using PathRows = Eigen::Matrix<double, 3, kPathUnknowns>;
+
+PathRows rows_of(const PathProblem& problem, const PositionSample& sample) {
+  const Eigen::Matrix<double, 6, 6> transition =
+      path_transition(problem.orbit, problem.reference_s, sample.time_s - problem.reference_s);
+  PathRows rows;
+  rows << transition.topRows<3>(), -sample.R_IT;
+  return rows;
+}
+
+double scale_of(const Squares& squares, std::size_t count) {
+  Squares sorted = squares;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(count / 2);
+  std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(count));
+  return *middle / kMedian3;
+}
+
+struct System {
+  PathCovariance H = PathCovariance::Zero();
+  PathVector g = PathVector::Zero();
+  Eigen::Matrix<double, kPathUnknowns, kTurningUnknowns> by_turning =
+      Eigen::Matrix<double, kPathUnknowns, kTurningUnknowns>::Zero();
+};
+
+/// Normal equations with weights by the residuals of `squares` (none: all alike).
+System accumulate(const PathProblem& problem,
+                  const Squares* squares,
+                  double scale2,
+                  const Eigen::Vector3d& lever_T) {
+  System system;
+  const double c2 = problem.cauchy_sigma * problem.cauchy_sigma * scale2;
+  for (std::size_t i = 0; i < problem.samples.size(); ++i) {
+    const PositionSample& sample = problem.samples[i];
+    const double weight = squares == nullptr ? 1.0 : 1.0 / (1.0 + (*squares)[i] / c2);
+    const PathRows rows = rows_of(problem, sample);
+    const PathRows weighted = weight * sample.information_I * rows;
+    system.H.noalias() += rows.transpose() * weighted;
+    system.g.noalias() += weighted.transpose() * sample.p_I;
+    // The lever's arm R c follows an error phi of the attitude as phi x R c.
+    const Eigen::Matrix3d by_phi = hat(sample.R_IT * lever_T);
+    system.by_turning.noalias() -=
+        weighted.transpose() * (by_phi * sample.attitude_by_turning_I);
+  }
+  return system;
+}
+
+}  // namespace
+
+Eigen::Matrix<double, 6, 6> path_transition(const Orbit& orbit, double time_s, double ahead_s) {
+  Eigen::Matrix<double, 6, 6> transition = Eigen::Matrix<double, 6, 6>::Identity();
+  if (!orbit.active()) {
+    transition.topRightCorner<3, 3>() = ahead_s * Eigen::Matrix3d::Identity();
+    return transition;
+  }
+  const double n = orbit.mean_motion_rad_s;
+  const double t = ahead_s;
+  const double s = std::sin(n * t);
+  const double c = std::cos(n * t);
+  Eigen::Matrix<double, 6, 6> hill;  // Clohessy and Wiltshire, in the turning axes of H
+  hill << 4.0 - 3.0 * c, 0.0, 0.0, s / n, 2.0 / n * (1.0 - c), 0.0,                      //
+      6.0 * (s - n * t), 1.0, 0.0, -2.0 / n * (1.0 - c), (4.0 * s - 3.0 * n * t) / n, 0.0,  //
+      0.0, 0.0, c, 0.0, 0.0, s / n,                                                      //
+      3.0 * n * s, 0.0, 0.0, c, 2.0 * s, 0.0,                                            //
+      -6.0 * n * (1.0 - c), 0.0, 0.0, -2.0 * s, 4.0 * c - 3.0, 0.0,                      //
+      0.0, 0.0, -n * s, 0.0, 0.0, c;
+  const Eigen::Matrix3d turning = hat({0.0, 0.0, n});
+  const auto to_hill = [&](const Eigen::Matrix3d& R_HI) {
+    Eigen::Matrix<double, 6, 6> to = Eigen::Matrix<double, 6, 6>::Zero();
+    to.topLeftCorner<3, 3>() = R_HI;
+    to.bottomRightCorner<3, 3>() = R_HI;
+    to.bottomLeftCorner<3, 3>() = -turning * R_HI;
+    return to;
+  };
+  const Eigen::Matrix3d R_IH = orbit.R_IH_at(time_s + ahead_s);
+  Eigen::Matrix<double, 6, 6> from_hill = Eigen::Matrix<double, 6, 6>::Zero();
+  from_hill.topLeftCorner<3, 3>() = R_IH;
+  from_hill.bottomRightCorner<3, 3>() = R_IH;
+  from_hill.bottomLeftCorner<3, 3>() = R_IH * turning;
+  return from_hill * hill * to_hill(orbit.R_IH_at(time_s).transpose());
+}
+
+Result<PathSolution> solve_path(const PathProblem& problem) {
+  const std::size_t count = problem.samples.size();
+  if (count < kSamplesMin) {
+    return ErrorCode::kTooFewObservations;
+  }
+  if (!(problem.lever_sigma > 0.0) || !std::isfinite(problem.lever_sigma)) {
+    return ErrorCode::kBadParameter;
+  }
+  if (count > limits::kMotionPoses ||
+      !(problem.samples.back().time_s > problem.samples.front().time_s)) {
+    return ErrorCode::kDegenerate;
+  }
+  const double prior = 1.0 / (problem.lever_sigma * problem.lever_sigma);
+  PathSolution solution;
+  Squares squares{};
+  System system;
+  for (int round = 0; round < kRounds; ++round) {
+    const double scale2 = round == 0 ? 1.0 : std::max(1e-4, scale_of(squares, count));
+    system = accumulate(
+        problem, round == 0 ? nullptr : &squares, scale2, solution.unknowns.tail<3>());
+    // The prior counts in the found noise, as the data do.
+    PathCovariance H = system.H / scale2;
+    H.diagonal().tail<3>().array() += prior;
+    solution.unknowns = H.ldlt().solve(system.g / scale2);
+    if (!solution.unknowns.allFinite()) {
+      return ErrorCode::kDegenerate;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const PositionSample& sample = problem.samples[i];
+      const Eigen::Vector3d r = sample.p_I - rows_of(problem, sample) * solution.unknowns;
+      squares[i] = r.dot(sample.information_I * r);
+    }
+  }
+  solution.median2 = scale_of(squares, count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (squares[i] <= kGate2 * std::max(1.0, solution.median2)) {
+      solution.chi2 += squares[i];
+      ++solution.inside;
+    }
+  }
+  solution.information = system.H;
+  solution.information.diagonal().tail<3>().array() += prior;
+  solution.by_turning = solution.information.ldlt().solve(system.by_turning);
+  return solution;
+}
+
+}  // namespace polhode

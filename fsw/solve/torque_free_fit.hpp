@@ -1,0 +1,63 @@
+// Attitude, rate and inertia of a rigid body from attitudes over time: nonlinear least squares under
+// Euler's equation.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "base/result.hpp"
+#include "solve/rigid_body.hpp"
+
+namespace polhode {
+
+struct AttitudeSample {
+  double time_s = 0.0;
+  Eigen::Matrix3d R_IT = Eigen::Matrix3d::Identity();
+  /// Inverse covariance of phi in I, R_true = exp(phi) R_IT, by the declared noise.
+  Eigen::Matrix3d information_I = Eigen::Matrix3d::Identity();
+};
+
+struct TurningProblem {
+  std::span<const AttitudeSample> samples;  ///< in order of time
+  std::size_t reference = 0;                ///< sample whose time the unknowns belong to
+  Orbit orbit;                              ///< times count as the samples'
+  /// 1-sigma of each number of the shape beforehand: 1.5 spans bodies of 1:30 in their moments.
+  double shape_sigma = 1.5;
+  /// Residuals beyond this many sigmas lose their pull (Cauchy): 4 costs 2 % of normal data.
+  double cauchy_sigma = 4.0;
+  int iterations_max = 12;
+};
+
+struct TurningSolution {
+  TurningState reference;
+  InertiaShape shape = InertiaShape::Zero();
+  /// Inverse covariance of the unknowns by the declared noise, outliers weighted down, with the
+  /// prior of the shape.
+  TurningCovariance information = TurningCovariance::Zero();
+  double cost = 0.0;     ///< sum of log(1 + chi2 of a sample): compares solutions of the same samples
+  double median2 = 0.0;  ///< median over the samples of chi2 / 3, per what normal noise gives
+  double chi2 = 0.0;     ///< of the samples within the gate
+  std::size_t inside = 0;  ///< samples within the gate: 5 sigma of the larger of declared and found noise
+  int iterations = 0;
+};
+
+/// Levenberg-Marquardt from `start` (its reference state at the reference sample's time) over
+/// samples [first, last).
+/// @errors Degenerate: the start leads nowhere (numbers run away, or a covariance is not usable).
+/// @cost   problem.iterations_max integrations over the samples.
+Result<TurningSolution> refine_turning(const TurningProblem& problem,
+                                       const TurningSolution& start,
+                                       std::size_t first,
+                                       std::size_t last);
+
+/// From nothing: angular momentum that does not change is linear in the inertia, which gives a
+/// start; the window about the reference grows by steps of two. Where that does not reach
+/// `chi2_per_dof_max`, the ball, the rod and the disc about the mean axis are tried too and the best
+/// one is taken.
+/// @errors TooFewObservations (under 4 samples), Degenerate (no start leads anywhere).
+Result<TurningSolution> solve_turning(const TurningProblem& problem, double chi2_per_dof_max);
+
+/// chi2 over its degrees of freedom, of the samples within the gate.
+[[nodiscard]] double chi2_per_dof(const TurningSolution& solution);
+
+}  // namespace polhode

@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+"""Replays the first frames of a sequence and sets what they predict beside the truth of the rest.
+
+Makes a sequence of the first N frames (its pictures are links), replays it and prints the errors over the horizon.
+"""
+
+import argparse
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from judge.venv import REPOSITORY, enter_venv, run_main  # noqa: E402
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder with truth.csv")
+    parser.add_argument("out", metavar="DIR", type=pathlib.Path, help="folder for the short sequence and its run")
+    parser.add_argument("--frames", type=int, default=200, help="frames to predict from (%(default)s)")
+    parser.add_argument("--config", type=pathlib.Path, default=REPOSITORY / "config/default.toml")
+    parser.add_argument("--program", type=pathlib.Path, default=REPOSITORY / "build/release/bin/polhode")
+    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="as of polhode replay")
+    return parser.parse_args()
+
+
+def shorten(sequence: pathlib.Path, frames: int, out: pathlib.Path) -> pathlib.Path:
+    """The sequence with its first frames only; pictures stay where they are."""
+    from judge.errors import BadInput
+    source = sequence / "mav0" / "cam0"
+    target = out / "mav0" / "cam0"
+    try:
+        rows = (source / "data.csv").read_text().splitlines()
+        shutil.rmtree(out, ignore_errors=True)
+        target.mkdir(parents=True)
+        head = [row for row in rows if row.startswith("#")]
+        body = [row for row in rows if row and not row.startswith("#")]
+        (target / "data.csv").write_text("\n".join(head + body[:frames]) + "\n")
+        shutil.copy(source / "sensor.yaml", target / "sensor.yaml")
+        os.symlink((source / "data").resolve(), target / "data")
+        if (sequence / "servicer_attitude.csv").exists():
+            shutil.copy(sequence / "servicer_attitude.csv", out)
+    except OSError as problem:
+        raise BadInput(f"{sequence}: {problem}") from None
+    return out
+
+
+def main() -> int:
+    options = arguments()
+    from judge import report
+    from judge.errors import BadInput
+    from judge.prediction import judge_prediction
+    from judge.run import best_alignment, read_run, read_truth
+    from judge.sequence import read_sequence
+    truth = read_truth(read_sequence(options.sequence))
+    short = shorten(options.sequence, options.frames, options.out / "sequence")
+    settings = [word for setting in options.set for word in ("--set", setting)]
+    done = subprocess.run([options.program, "replay", "--config", options.config, "--sequence", short,
+                           "--out", options.out / "run", *settings], stdout=subprocess.DEVNULL)
+    if done.returncode != 0:
+        raise BadInput(f"{options.program}: the replay of {short} failed")
+    run = read_run(options.out / "run")
+    judged = judge_prediction(run.folder / "motion_model.json", best_alignment(run, truth))
+    print(report.prediction_table(judged) or "no prediction: motion_model.json says why")
+    return 0
+
+
+if __name__ == "__main__":
+    enter_venv()
+    run_main(main, "predict")

@@ -1,0 +1,33 @@
+// The dynamics and the prediction of motion_model.json.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "motion/rigid_model.hpp"
+#include "motion/trajectory.hpp"
+
+namespace polhode::platform {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Eigen::Vector3d& v);
+
+/// 1-sigma of each component.
+Json sigmas(const Eigen::Matrix3d& covariance);
+
+const char* name(Observability observability);
+
+/// Whether the poses bear out a free rigid body, and why not.
+Json fit_json(const RigidModel& model, const MotionOptions& options);
+
+/// Adds rates, principal axes, inertia ratios, periods, angular momentum, velocity and mass centre to
+/// `out`; what is unobserved is null. The model must be accepted.
+/// @param R_CI  takes inertial components to those of the camera at the model's reference.
+void add_dynamics(const RigidModel& model, const Eigen::Matrix3d& R_CI, Json* out);
+
+/// Adds `prediction`, rows from now to 30 min ahead with the camera held as it is at the reference,
+/// and `prediction_horizon_s`: the longest of them whose attitude is sure to 5 deg (1 sigma, worst
+/// axis), null where none is.
+void add_prediction(const RigidModel& model, const Eigen::Matrix3d& R_CI, Json* out);
+
+}  // namespace polhode::platform

@@ -1,0 +1,93 @@
+#include "app/model_json.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/servicer_attitude.hpp"
+#include "errors.hpp"
+#include "temporary_folder.hpp"
+
+namespace polhode::platform {
+namespace {
+
+nlohmann::json written(const RigidModel& model, const MotionOptions& options = {}) {
+  const TemporaryFolder folder;
+  write_model_json(folder.path() / "model.json",
+                   {.samples = {}, .model = model, .options = options});
+  std::ifstream in(folder.path() / "model.json");
+  return nlohmann::json::parse(in);
+}
+
+TEST(ModelJson, OfARefusedModelHasNoNumbersOfDynamicsAndSaysWhy) {
+  RigidModel model;
+  model.status = ModelStatus::kResidualsTooLarge;
+  const nlohmann::json json = written(model);
+  EXPECT_EQ(json["mode"], "dynamics");
+  EXPECT_NE(json["fit"]["status"].get<std::string>().find("refused"), std::string::npos);
+  EXPECT_TRUE(json["principal_axes_T"].is_null());
+  EXPECT_TRUE(json["inertia_ratios"].is_null());
+  EXPECT_TRUE(json["prediction_horizon_s"].is_null());
+  EXPECT_TRUE(json["prediction"].empty());
+  EXPECT_FALSE(json.contains("w_T_rad_s"));
+}
+
+TEST(ModelJson, ShowsNoNumberOfWhatIsUnobserved) {
+  RigidModel model;
+  model.status = ModelStatus::kAccepted;
+  model.path_known = true;
+  model.reference.w_T_rad_s = {0.0, 0.0, 0.05};
+  model.path << 0.0, 0.0, 10.0, 0.0, 0.0, -0.01, 0.1, 0.2, 0.3;
+  model.lever_sigma = 0.5;
+  model.covariance.diagonal().setConstant(1e-10);
+  model.covariance.diagonal().segment<5>(6).setConstant(2.25);
+  model.covariance(19, 19) = 0.25;  // the mass centre along the axis: as before
+  const nlohmann::json json = written(model);
+  EXPECT_TRUE(json["inertia_ratios"]["largest_over_least"]["value"].is_null());
+  EXPECT_EQ(json["inertia_ratios"]["largest_over_least"]["observability"], "unobserved");
+  EXPECT_TRUE(json["periods_s"]["spin"]["value"].is_null());
+  EXPECT_NEAR(json["periods_s"]["rotation"]["value"].get<double>(), 125.66, 0.01);
+  for (const auto& axis : json["principal_axes_T"]) EXPECT_TRUE(axis["axis_T"].is_null());
+  const auto& centre = json["translation"]["centre_of_mass"];
+  EXPECT_EQ(centre[0]["observability"], "observed");
+  EXPECT_TRUE(centre[2]["value"].is_null());
+  EXPECT_EQ(json["prediction"].size(), 10U);
+  EXPECT_EQ(json["prediction"][1]["ahead_s"], 10.0);
+  EXPECT_NEAR(json["prediction"][1]["v_C"][2].get<double>(), -0.01, 1e-9);
+}
+
+TEST(ModelJson, InPaperModeHasNoFit) {
+  MotionOptions options;
+  options.mode = MotionMode::kPaper;
+  const nlohmann::json json = written({}, options);
+  EXPECT_EQ(json["mode"], "paper");
+  EXPECT_TRUE(json["fit"].is_null());
+}
+
+TEST(ServicerAttitude, WithoutAFileIsHeld) {
+  const TemporaryFolder folder;
+  const auto attitude = ServicerAttitude::of_sequence(folder.path());
+  EXPECT_EQ(attitude.components(5), (std::array<double, 4>{1.0, 0.0, 0.0, 0.0}));
+}
+
+TEST(ServicerAttitude, IsInterpolatedAndHeldAtItsEnds) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "servicer_attitude.csv")
+      << "#timestamp_ns,q_IC_w,q_IC_x,q_IC_y,q_IC_z\n100,1,0,0,0\n200,0.5,0,0,0.8660254037844386\n";
+  const auto attitude = ServicerAttitude::of_sequence(folder.path());
+  EXPECT_NEAR(attitude.components(150)[3], 0.5, 1e-12);  // half of 120 deg about z
+  EXPECT_EQ(attitude.components(50)[0], 1.0);
+  EXPECT_NEAR(attitude.components(300)[0], 0.5, 1e-12);
+}
+
+TEST(ServicerAttitude, ThatCannotBeReadIsRefusedWithItsLine) {
+  for (const char* rows : {"100,1,0,0\n", "100,2,0,0,0\n", "100,1,0,0,0\n100,1,0,0,0\n", "x,1,0,0,0\n", "#\n"}) {
+    const TemporaryFolder folder;
+    std::ofstream(folder.path() / "servicer_attitude.csv") << rows;
+    EXPECT_THROW((void)ServicerAttitude::of_sequence(folder.path()), UnusableInput) << rows;
+  }
+}
+
+}  // namespace
+}  // namespace polhode::platform
