@@ -28,6 +28,8 @@ struct WriteBits {
   bool operator()(Member<std::int64_t> where) const { return whole(where, true); }
   bool operator()(Member<std::uint64_t> where) const { return whole(where, true); }
   bool operator()(Member<double> where) const { return real(where(parameters)); }
+  bool operator()(Member<MotionMode> where) const { return choice(where); }
+  bool operator()(Member<DynamicsKind> where) const { return choice(where); }
   bool operator()(Member<PointPair> where) const {
     return real(where(parameters)[index / 2][index % 2]);
   }
@@ -40,6 +42,15 @@ struct WriteBits {
     const double value = std::bit_cast<double>(bits);
     to = in_range(value) ? value : to;
     return in_range(value);
+  }
+  /// A word, by its place among those allowed.
+  template <typename T>
+  bool choice(Member<T> where) const {
+    if (bits >= choices_of(T{}).size()) {
+      return false;
+    }
+    where(parameters) = static_cast<T>(bits);
+    return true;
   }
   template <typename T>
   bool whole(Member<T> where, bool fits) const {
