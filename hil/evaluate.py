@@ -35,7 +35,7 @@ def write_json(path: pathlib.Path, reports: list[dict]) -> None:
     from judge.errors import BadInput
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps({"runs": reports}, indent=2) + "\n")
+        path.write_text(json.dumps({"runs": reports}, indent=2, default=lambda value: value.item()) + "\n")
     except OSError as problem:
         raise BadInput(f"{path}: {problem.strerror}") from None
 
