@@ -120,10 +120,9 @@ SmoothedPose MapAtRest::from_image(const Frame& frame) {
 }
 
 std::vector<Eigen::Vector3d> confirmed_landmarks(const Component::State& s) {
-  constexpr int kSightingsMin = 3;
   std::vector<Eigen::Vector3d> points;
   for (const Landmark& landmark : s.map.landmarks) {
-    if (landmark.used && landmark.observations >= kSightingsMin) {
+    if (landmark.used && confirmed(landmark)) {
       points.push_back(landmark.p_T);
     }
   }

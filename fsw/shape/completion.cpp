@@ -159,9 +159,11 @@ Result<Box> find_box(const Cloud& cloud, const Planes& planes, double spacing, d
   return box;
 }
 
-void snap_ends(const Planes& planes, Cylinder& cylinder) {
+int snap_ends(const Planes& planes, Cylinder& cylinder) {
   Extent ends{.least = -0.5 * cylinder.length, .most = 0.5 * cylinder.length};
   const double depth_max = kSideDepthMax * cylinder.length;
+  bool low_found = false;
+  bool high_found = false;
   for (std::size_t i = planes.size();
        i-- > 0;) {  // the plane with most points last: it has the last word
     const double height = cylinder.axis_T.dot(planes[i].centre_T - cylinder.centre_T);
@@ -170,12 +172,15 @@ void snap_ends(const Planes& planes, Cylinder& cylinder) {
     }
     if (std::abs(height - 0.5 * cylinder.length) <= depth_max) {
       ends.most = height;
+      high_found = true;
     } else if (std::abs(height + 0.5 * cylinder.length) <= depth_max) {
       ends.least = height;
+      low_found = true;
     }
   }
   cylinder.centre_T += 0.5 * (ends.least + ends.most) * cylinder.axis_T;
   cylinder.length = ends.most - ends.least;
+  return (low_found ? 1 : 0) + (high_found ? 1 : 0);
 }
 
 std::size_t complete_box(const Box& box, double pitch, CloudScratch& scratch, Cloud& cloud) {

@@ -36,7 +36,8 @@ Result<Box> find_box(const Cloud& cloud, const Planes& planes, double spacing, d
 
 /// Moves the cylinder's ends to the flat ends found across its axis near them: points of the ends'
 /// rims lie on the round surface, too, and make it look longer.
-void snap_ends(const Planes& planes, Cylinder& cylinder);
+/// @return number of ends found, 0 .. 2.
+int snap_ends(const Planes& planes, Cylinder& cylinder);
 
 /// Adds points on the box's sides wherever the cloud has none within 1.2 grid steps. Full tables
 /// end it.

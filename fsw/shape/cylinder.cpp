@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "base/rng.hpp"
+#include "shape/grouped_covariance.hpp"
 #include "shape/rectangle.hpp"
 
 namespace polhode {
@@ -17,6 +18,16 @@ namespace {
 constexpr double kRadialCosineMin =
     0.866;  // 30 deg: direction noise of a dozen neighbours, and curvature among them
 constexpr double kSampleSineMin = 0.3;  // two directions less than 17 deg apart do not fix an axis
+// Directions fitted to noisy points are off by several degrees, and an axis from two of them leaves
+// the surface after half a radius; axes that all points vote for do not. Every other hypothesis
+// takes one of these, in turn.
+constexpr std::size_t kVotedAxes = 4;
+constexpr int kVoteRounds = 10;
+// sin 6 deg: direction noise of a good cloud.
+constexpr double kVoteSoftness = 0.1;
+// A hypothesis with this part of the best one's support is refined before the two are compared.
+constexpr double kPromising = 0.7;
+constexpr int kRefinementsEach = 3;
 constexpr int kRefinements = 10;
 constexpr std::size_t kSectors = 36;
 constexpr std::size_t kSectorsMin = 9;  // 90 deg
@@ -48,28 +59,113 @@ struct Support {
   }
 };
 
-/// Axis across both directions, through the meeting point of the two lines along them.
-bool hypothesis(const Eigen::Vector3d& p,
-                const Eigen::Vector3d& n,
-                const Eigen::Vector3d& q,
-                const Eigen::Vector3d& m,
-                Cylinder& c) {
-  const Eigen::Vector3d cross = n.cross(m);
-  const double sine = cross.norm();
-  if (!(sine >= kSampleSineMin)) {
-    return false;
+/// The direction that the surface directions are most across, robustly: on the sphere of directions
+/// a round body's lie on a great circle, and its ends at that circle's poles.
+Eigen::Vector3d axis_of_directions(const SurfaceNormals& normals, const CloudIndices& directed) {
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+  for (int round = 0; round < kVoteRounds; ++round) {
+    Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+    for (const std::uint16_t i : directed) {
+      const Eigen::Vector3d& n = normals[i].normal_T;
+      const double off = n.dot(axis);  // 0 at first: all count alike
+      const double weight = 1.0 / (1.0 + off * off / (kVoteSoftness * kVoteSoftness));
+      scatter += weight * n * n.transpose();
+    }
+    axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
   }
-  c.axis_T = cross / sine;
-  // p + s n and q + t m meet in the plane across the axis.
-  const double s = (q - p).cross(m).dot(c.axis_T) / sine;
-  const double t = (q - p).cross(n).dot(c.axis_T) / sine;
-  c.centre_T = p + s * n;
-  c.radius = 0.5 * (std::abs(s) + std::abs(t));
-  return std::abs(std::abs(s) - std::abs(t)) <= 0.2 * c.radius;
+  return axis;
 }
 
-/// One Gauss-Newton step on distance - radius over the inliers; unknowns: tilts, shifts across the
-/// axis, radius.
+using Axes = std::array<Eigen::Vector3d, kVotedAxes>;
+
+/// Axes that the whole cloud suggests: across its surface directions, and along its spread.
+Axes voted_axes(const Support& support, const CloudIndices& directed) {
+  const Eigen::Vector3d mean_T = centroid_T(support.points_T);
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& point_T : support.points_T) {
+    scatter += (point_T - mean_T) * (point_T - mean_T).transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
+  return {axis_of_directions(support.normals, directed),
+          eigen.eigenvectors().col(2),
+          eigen.eigenvectors().col(0),
+          eigen.eigenvectors().col(1)};
+}
+
+/// Circle across the axis through three points. False where they all but lie on a line.
+bool circle_through(const Eigen::Vector3d& p,
+                    const Eigen::Vector3d& q,
+                    const Eigen::Vector3d& r,
+                    Cylinder& c) {
+  const auto across = [&c](const Eigen::Vector3d& v) {
+    return Eigen::Vector3d(v - c.axis_T * c.axis_T.dot(v));
+  };
+  const Eigen::Vector3d a = across(q - p);
+  const Eigen::Vector3d b = across(r - p);
+  const double area = a.cross(b).dot(c.axis_T);
+  if (!(std::abs(area) >= kSampleSineMin * a.norm() * b.norm()) || !(std::abs(area) > 0.0)) {
+    return false;
+  }
+  const Eigen::Vector3d to_centre =
+      (b.squaredNorm() * a - a.squaredNorm() * b).cross(c.axis_T) / (-2.0 * area);
+  c.centre_T = p + to_centre;
+  c.radius = to_centre.norm();
+  return true;
+}
+
+/// Axis: one of the voted ones, or across two points' directions. Circle: through three points.
+bool hypothesis(const Support& support,
+                const CloudIndices& directed,
+                const Axes& axes,
+                int number,
+                Rng& rng,
+                Cylinder& c) {
+  const auto draw = [&] { return directed[rng.below(static_cast<std::uint32_t>(directed.size()))]; };
+  const std::uint16_t a = draw();
+  const std::uint16_t b = draw();
+  const std::uint16_t third = draw();
+  if (number % 2 == 0) {
+    c.axis_T = axes[static_cast<std::size_t>(number / 2) % kVotedAxes];
+  } else {
+    const Eigen::Vector3d cross = support.normals[a].normal_T.cross(support.normals[b].normal_T);
+    if (!(cross.norm() >= kSampleSineMin)) {
+      return false;
+    }
+    c.axis_T = cross.normalized();
+  }
+  return circle_through(
+      support.points_T[a], support.points_T[b], support.points_T[third], c);
+}
+
+/// Which of `count` equal sectors a direction lies in.
+std::size_t sector(double y, double x, std::size_t count) {
+  const double turn = std::atan2(y, x) / (2.0 * std::numbers::pi) + 0.5;
+  return std::min(count - 1, static_cast<std::size_t>(turn * static_cast<double>(count)));
+}
+
+/// How the distance from the round surface changes with tilts, shifts across the axis and radius;
+/// e1, e2 across the axis.
+Vector5 derivative(const Cylinder& c,
+                   const Eigen::Vector3d& e1,
+                   const Eigen::Vector3d& e2,
+                   const Eigen::Vector3d& point_T) {
+  const Eigen::Vector3d apart = point_T - c.centre_T;
+  const double height = c.axis_T.dot(apart);
+  const Eigen::Vector3d radial = (apart - c.axis_T * height).normalized();
+  Vector5 J;
+  J << -height * radial.dot(e1), -height * radial.dot(e2), -radial.dot(e1), -radial.dot(e2), -1.0;
+  return J;
+}
+
+/// Points far off the surface count less, without a step that would make them come and go: 0.5 at
+/// half the band. Noise of landmarks has long tails, and longer ones outwards.
+double weight_of(double residual, double band) {
+  const double part = 2.0 * residual / band;
+  return 1.0 / (1.0 + part * part);
+}
+
+/// One Gauss-Newton step on the distances of the points that support it; unknowns: tilts, shifts
+/// across the axis, radius.
 bool refine(const Support& support, double band, Cylinder& c, Normal5* information) {
   const Eigen::Vector3d e1 = c.axis_T.unitOrthogonal();
   const Eigen::Vector3d e2 = c.axis_T.cross(e1);
@@ -81,14 +177,11 @@ bool refine(const Support& support, double band, Cylinder& c, Normal5* informati
     if (!support.holds(c, band, i)) {
       continue;
     }
-    const Eigen::Vector3d apart = support.points_T[i] - c.centre_T;
-    const double height = c.axis_T.dot(apart);
-    const Eigen::Vector3d radial = (apart - c.axis_T * height).normalized();
     const double residual = c.distance(support.points_T[i]);
-    Vector5 J;
-    J << -height * radial.dot(e1), -height * radial.dot(e2), -radial.dot(e1), -radial.dot(e2), -1.0;
-    H += J * J.transpose();
-    g += J * residual;
+    const double weight = weight_of(residual, band);
+    const Vector5 J = derivative(c, e1, e2, support.points_T[i]);
+    H += weight * J * J.transpose();
+    g += weight * residual * J;
     square += residual * residual;
     ++c.inliers;
   }
@@ -108,31 +201,99 @@ bool refine(const Support& support, double band, Cylinder& c, Normal5* informati
   return c.radius > 0.0;
 }
 
+/// Of the five unknowns; the scatter of patches of 30 deg by a quarter of the length, and not less
+/// than white noise would give.
+Normal5 covariance_of(const Support& support,
+                      double band,
+                      const Normal5& information,
+                      const Cylinder& c) {
+  constexpr std::size_t kAround = 12;
+  constexpr std::size_t kAlong = 4;
+  const Eigen::Vector3d e1 = c.axis_T.unitOrthogonal();
+  const Eigen::Vector3d e2 = c.axis_T.cross(e1);
+  GroupedCovariance<5, kAround * kAlong> grouped;
+  for (std::size_t i = 0; i < support.points_T.size(); ++i) {
+    if (!support.holds(c, band, i)) {
+      continue;
+    }
+    const Eigen::Vector3d apart = support.points_T[i] - c.centre_T;
+    const double residual = c.distance(support.points_T[i]);
+    const std::size_t around = sector(apart.dot(e2), apart.dot(e1), kAround);
+    const double height = std::clamp(c.axis_T.dot(apart) / c.length + 0.5, 0.0, 1.0);
+    const auto along = std::min(kAlong - 1, static_cast<std::size_t>(height * kAlong));
+    grouped.add(around * kAlong + along,
+                weight_of(residual, band) * residual *
+                    derivative(c, e1, e2, support.points_T[i]));
+  }
+  const Normal5 white = c.rms * c.rms * information.ldlt().solve(Normal5::Identity());
+  const Normal5 patches = grouped.covariance(information);
+  return patches.trace() > white.trace() ? patches : white;
+}
+
 /// Length, middle, coverage and sigmas of a refined cylinder.
-void describe(const Support& support, double band, const Normal5& information, Cylinder& c) {
+void describe(const Support& support,
+              double band,
+              double search_band,
+              const Normal5& information,
+              Cylinder& c) {
   const Eigen::Vector3d e1 = c.axis_T.unitOrthogonal();
   const Eigen::Vector3d e2 = c.axis_T.cross(e1);
   FixedVector<double, limits::kCloudPoints> heights;
   std::bitset<kSectors> sectors;
   c.inliers = 0;
+  c.beside = 0;
   for (std::size_t i = 0; i < support.points_T.size(); ++i) {
     if (support.holds(c, band, i)) {
       const Eigen::Vector3d apart = support.points_T[i] - c.centre_T;
-      const double turn = std::atan2(apart.dot(e2), apart.dot(e1)) / (2.0 * std::numbers::pi) + 0.5;
-      sectors.set(std::min(kSectors - 1, static_cast<std::size_t>(turn * kSectors)));
+      sectors.set(sector(apart.dot(e2), apart.dot(e1), kSectors));
       POLHODE_ASSERT(heights.push_back(c.axis_T.dot(apart)), i);
       ++c.inliers;
+    } else if (support.holds(c, 2.0 * search_band, i)) {
+      ++c.beside;
     }
   }
   const Extent extent = robust_extent(heights.view());
-  c.centre_T += 0.5 * (extent.least + extent.most) * c.axis_T;
   c.length = extent.most - extent.least;
   c.coverage_rad = 2.0 * std::numbers::pi * static_cast<double>(sectors.count()) / kSectors;
-  const Normal5 covariance = c.rms * c.rms * information.ldlt().solve(Normal5::Identity());
+  c.centre_T += 0.5 * (extent.least + extent.most) * c.axis_T;
+  if (!(c.length > 0.0)) {
+    return;
+  }
+  const Normal5 covariance = covariance_of(support, band, information, c);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> tilt(
       Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
   c.sigma_axis_rad = std::sqrt(std::max(0.0, tilt.eigenvalues()(1)));
   c.sigma_radius = std::sqrt(std::max(0.0, covariance(4, 4)));
+}
+
+/// The hypothesis with most support; promising ones are refined first, so that the axis of few
+/// points counts as what it leads to.
+Cylinder best_hypothesis(const Support& support,
+                         const CloudIndices& directed,
+                         const CylinderSearch& search,
+                         Normal5* information) {
+  Rng rng(search.seed, 100);
+  const Axes axes = voted_axes(support, directed);
+  Cylinder best;
+  for (int i = 0; i < search.iterations_max; ++i) {
+    Cylinder c;
+    if (!hypothesis(support, directed, axes, i, rng, c)) {
+      continue;
+    }
+    c.inliers = support.count(c, search.distance_max);
+    if (static_cast<double>(c.inliers) < kPromising * static_cast<double>(best.inliers)) {
+      continue;
+    }
+    bool good = true;
+    for (int k = 0; k < kRefinementsEach && good; ++k) {
+      good = refine(support, 2.0 * search.distance_max, c, information);
+    }
+    c.inliers = good ? support.count(c, search.distance_max) : 0;
+    if (c.inliers > best.inliers) {
+      best = c;
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -151,25 +312,11 @@ Result<Cylinder> find_cylinder(std::span<const Eigen::Vector3d> points_T,
     return ErrorCode::kTooFewObservations;
   }
   const Support support{.points_T = points_T, .normals = normals};
-  Rng rng(search.seed, 100);
-  Cylinder best;
-  const auto bound = static_cast<std::uint32_t>(directed.size());
-  for (int i = 0; i < search.iterations_max; ++i) {
-    const std::uint16_t a = directed[rng.below(bound)];
-    const std::uint16_t b = directed[rng.below(bound)];
-    Cylinder c;
-    if (!hypothesis(points_T[a], normals[a].normal_T, points_T[b], normals[b].normal_T, c)) {
-      continue;
-    }
-    c.inliers = support.count(c, search.distance_max);
-    if (c.inliers > best.inliers) {
-      best = c;
-    }
-  }
+  Normal5 information = Normal5::Identity();
+  Cylinder best = best_hypothesis(support, directed, search, &information);
   if (best.inliers < search.inliers_min) {
     return ErrorCode::kNoConsensus;
   }
-  Normal5 information = Normal5::Identity();
   double band = 2.0 * search.distance_max;  // the first hypothesis hangs on two points' directions
   for (int i = 0; i < kRefinements; ++i) {
     if (!refine(support, band, best, &information)) {
@@ -177,7 +324,7 @@ Result<Cylinder> find_cylinder(std::span<const Eigen::Vector3d> points_T,
     }
     band = std::clamp(3.0 * best.rms, kBandPartMin * search.distance_max, search.distance_max);
   }
-  describe(support, band, information, best);
+  describe(support, band, search.distance_max, information, best);
   const double coverage_min_rad = 2.0 * std::numbers::pi * kSectorsMin / kSectors - 1e-9;
   if (best.inliers < search.inliers_min || best.coverage_rad < coverage_min_rad) {
     return ErrorCode::kNoConsensus;

@@ -19,10 +19,12 @@ struct Cylinder {
   double length = 0.0;  ///< of the part that has points
   double coverage_rad =
       0.0;  ///< how much of the round has points, in sectors of 10 deg; at most 2 pi
+  int ends_found = 0;  ///< flat ends found across the axis, 0 .. 2
   std::size_t inliers = 0;
+  std::size_t beside = 0;       ///< points just off the round surface, as far out again
   double rms = 0.0;             ///< of the inliers' distances
-  double sigma_axis_rad = 0.0;  ///< 1-sigma, worst direction
-  double sigma_radius = 0.0;
+  double sigma_axis_rad = 0.0;  ///< 1-sigma, worst direction, from the residuals of its parts
+  double sigma_radius = 0.0;    ///< 1-sigma, likewise
 
   /// Distance from the round surface, positive outside.
   [[nodiscard]] double distance(const Eigen::Vector3d& point_T) const {
@@ -38,8 +40,8 @@ struct CylinderSearch {
 };
 
 /// The round surface that most points support: near, and with their own direction, where reliable,
-/// radial within 30 deg. Hypotheses come from two points with reliable directions, refined by least
-/// squares on the distances.
+/// radial within 30 deg. Hypotheses take their axis from two points' directions or from the whole
+/// cloud, their circle from three points, and are refined by robust least squares on the distances.
 /// @errors TooFewObservations (fewer points than inliers_min), NoConsensus (nothing round: too few
 /// inliers, or points over
 ///         less than 90 deg of the round, which a plane explains as well).

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/rng.hpp"
+#include "shape/grouped_covariance.hpp"
 #include "shape/rectangle.hpp"
 
 namespace polhode {
@@ -19,10 +20,14 @@ constexpr double kSampleSineMin = 0.1;
 // search's.
 constexpr double kBandPartMin = 0.3;
 
+// Beside a surface lie at most this many points for each one on it: neighbouring sides' rims, noise.
+constexpr double kBesideMax = 0.8;
+
 struct Fit {
   Eigen::Vector3d normal_T = Eigen::Vector3d::UnitZ();
   Eigen::Vector3d mean_T = Eigen::Vector3d::Zero();
   std::size_t count = 0;
+  std::size_t beside = 0;
   double rms = 0.0;
 };
 
@@ -32,7 +37,10 @@ struct Support {
   const PlaneOwners& owners;
 
   [[nodiscard]] bool holds(const Fit& plane, double band, std::size_t i) const {
-    return owners[i] < 0 && std::abs(plane.normal_T.dot(points_T[i] - plane.mean_T)) <= band &&
+    return owners[i] < 0 && agrees(plane, band, i);
+  }
+  [[nodiscard]] bool agrees(const Fit& plane, double band, std::size_t i) const {
+    return std::abs(plane.normal_T.dot(points_T[i] - plane.mean_T)) <= band &&
            (!normals[i].reliable ||
             std::abs(normals[i].normal_T.dot(plane.normal_T)) >= kNormalCosineMin);
   }
@@ -40,6 +48,17 @@ struct Support {
     std::size_t sum = 0;
     for (std::size_t i = 0; i < points_T.size(); ++i) {
       sum += holds(plane, band, i) ? 1U : 0U;
+    }
+    return sum;
+  }
+  /// Points beside the band, as far out again, whoever owns them: a slab through the inside of a
+  /// cloud, or one that shares a thick surface with another plane, has as many as within it; a
+  /// surface of its own has few.
+  [[nodiscard]] std::size_t beside(const Fit& plane, double band) const {
+    std::size_t sum = 0;
+    for (std::size_t i = 0; i < points_T.size(); ++i) {
+      const double off = std::abs(plane.normal_T.dot(points_T[i] - plane.mean_T));
+      sum += off > band && agrees(plane, 2.0 * band, i) ? 1U : 0U;
     }
     return sum;
   }
@@ -93,13 +112,21 @@ Fit best_plane(const Support& support,
                Rng& rng,
                double* band) {
   Fit best;
+  double worth_best = 0.0;
   for (int i = 0; i < search.iterations_max; ++i) {
     Fit fit;
     if (!sample(support, free, rng, fit)) {
       continue;
     }
     fit.count = support.count(fit, search.distance_max);
-    if (fit.count > best.count) {
+    // Points beside it are counted only where that can still matter.
+    if (static_cast<double>(fit.count) <= worth_best) {
+      continue;
+    }
+    fit.beside = support.beside(fit, search.distance_max);
+    const double worth = static_cast<double>(fit.count) - 0.5 * static_cast<double>(fit.beside);
+    if (worth > worth_best) {
+      worth_best = worth;
       best = fit;
     }
   }
@@ -108,7 +135,51 @@ Fit best_plane(const Support& support,
     best = refit(support, best, *band);
     *band = std::clamp(3.0 * best.rms, kBandPartMin * search.distance_max, search.distance_max);
   }
+  best.beside = support.beside(best, search.distance_max);
+  if (static_cast<double>(best.beside) > kBesideMax * static_cast<double>(best.count)) {
+    best.count = 0;
+  }
   return best;
+}
+
+/// Of tilts about the long and the short edge and of the offset at the inliers' mean: the scatter of
+/// the rectangle's 16 parts, and not less than white noise would give.
+Eigen::Matrix3d covariance_of(const Fit& fit,
+                              const Plane& plane,
+                              const PlaneOwners& owners,
+                              std::int8_t number,
+                              const Support& support) {
+  constexpr std::size_t kParts = 4;
+  const auto part = [](double along, double extent) {
+    const double place = std::clamp(along / extent + 0.5, 0.0, 1.0);
+    return std::min(kParts - 1, static_cast<std::size_t>(place * kParts));
+  };
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  GroupedCovariance<3, kParts * kParts> grouped;
+  if (!(plane.extents.minCoeff() > 0.0)) {
+    return Eigen::Matrix3d::Zero();
+  }
+  for (std::size_t i = 0; i < owners.size(); ++i) {
+    if (owners[i] != number) {
+      continue;
+    }
+    const Eigen::Vector2d from_mean = plane.axes_T.transpose() * (support.points_T[i] - fit.mean_T);
+    const Eigen::Vector2d from_centre =
+        plane.axes_T.transpose() * (support.points_T[i] - plane.centre_T);
+    // A turn by a about u takes a v off the normal, one by b about v adds b u.
+    const Eigen::Vector3d J(-from_mean.y(), from_mean.x(), -1.0);
+    information += J * J.transpose();
+    grouped.add(part(from_centre.x(), plane.extents.x()) * kParts +
+                    part(from_centre.y(), plane.extents.y()),
+                plane.distance(support.points_T[i]) * J);
+  }
+  const Eigen::LDLT<Eigen::Matrix3d> ldlt(information);
+  if (!(ldlt.vectorD().minCoeff() > 0.0)) {
+    return Eigen::Matrix3d::Zero();
+  }
+  const Eigen::Matrix3d white = fit.rms * fit.rms * ldlt.solve(Eigen::Matrix3d::Identity());
+  const Eigen::Matrix3d parts = grouped.covariance(information);
+  return parts.trace() > white.trace() ? parts : white;
 }
 
 Plane describe(const Fit& fit,
@@ -136,17 +207,8 @@ Plane describe(const Fit& fit,
   plane.axes_T.col(0) = e1 * rectangle.u.x() + e2 * rectangle.u.y();
   plane.axes_T.col(1) = plane.normal_T.cross(plane.axes_T.col(0));
   plane.extents = rectangle.extents;
-  double square_u = 0.0;
-  double square_v = 0.0;
-  for (const Eigen::Vector2d& point : flat) {
-    square_u += std::pow(point.dot(rectangle.u), 2);
-    square_v += std::pow(point.dot(Eigen::Vector2d(-rectangle.u.y(), rectangle.u.x())), 2);
-  }
-  const double variance = fit.rms * fit.rms;
-  if (square_u > 0.0 && square_v > 0.0) {
-    plane.covariance.diagonal() << variance / square_v, variance / square_u,
-        variance / static_cast<double>(plane.inliers);
-  }
+  plane.beside = fit.beside;
+  plane.covariance = covariance_of(fit, plane, owners, number, support);
   return plane;
 }
 

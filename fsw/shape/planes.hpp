@@ -22,9 +22,10 @@ struct Plane {
       Eigen::Matrix<double, 3, 2>::Zero();            ///< unit: long edge u, short edge v
   Eigen::Vector2d extents = Eigen::Vector2d::Zero();  ///< full lengths along u and v
   std::size_t inliers = 0;
-  double rms = 0.0;  ///< of the inliers' distances
-  /// Of (tilt about u [rad], tilt about v [rad], offset at the inliers' mean), white noise of `rms`
-  /// taken for granted.
+  std::size_t beside = 0;  ///< points just off it, as far out again: few for a surface of its own
+  double rms = 0.0;        ///< of the inliers' distances
+  /// Of (tilt about u [rad], tilt about v [rad], offset at the inliers' mean), from the residuals of
+  /// the rectangle's parts.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 
   [[nodiscard]] double distance(const Eigen::Vector3d& point_T) const {
@@ -45,7 +46,8 @@ struct PlaneSearch {
 
 /// Takes planes off the cloud, the one with most points first, until none has inliers_min or the
 /// table is full. A point supports a plane when it is near and its own surface direction, where
-/// reliable, agrees within 45 deg: a cut across the body collects near points, but not these.
+/// reliable, agrees within 45 deg: a cut across the body collects near points, but not these. A
+/// plane with four fifths as many points beside it is such a cut, and not taken.
 /// @param owners  points with a value other than -1 on entry are left alone; on return each point's
 /// plane.
 /// @cost  iterations_max times the points, for each plane.

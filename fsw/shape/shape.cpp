@@ -46,15 +46,20 @@ PlaneSearch plane_search(const ShapeOptions& options,
       .seed = seed};
 }
 
-/// Points of the planes that a cylinder would replace: those along its axis.
-std::size_t side_points(const Planes& planes, const Cylinder& cylinder) {
-  std::size_t sum = 0;
+/// Points of the planes that a cylinder would replace, those along its axis, less the points beside
+/// each: a slab cut out of a thick cloud is worth little.
+double worth_of_sides(const Planes& planes, const Cylinder& cylinder) {
+  double sum = 0.0;
   for (const Plane& plane : planes) {
     if (std::abs(plane.normal_T.dot(cylinder.axis_T)) <= kOrthogonalCosineMax) {
-      sum += plane.inliers;
+      sum += static_cast<double>(plane.inliers) - static_cast<double>(plane.beside);
     }
   }
   return sum;
+}
+
+double worth_of(const Cylinder& cylinder) {
+  return static_cast<double>(cylinder.inliers) - static_cast<double>(cylinder.beside);
 }
 
 /// A cylinder where it explains the cloud better than planes do; then planes are sought among the
@@ -74,9 +79,8 @@ void find_surfaces(const ShapeOptions& options, std::uint64_t seed, Shape& shape
       .iterations_max = options.plane_iterations_max,
       .seed = seed};
   const Result<Cylinder> cylinder = find_cylinder(points_T, work.normals, round);
-  if (!cylinder ||
-      static_cast<double>(cylinder.value().inliers) <
-          kCylinderOverPlanes * static_cast<double>(side_points(shape.planes, cylinder.value()))) {
+  if (!cylinder || worth_of(cylinder.value()) <
+                       kCylinderOverPlanes * worth_of_sides(shape.planes, cylinder.value())) {
     return;
   }
   shape.cylinder = cylinder.value();
@@ -89,7 +93,7 @@ void find_surfaces(const ShapeOptions& options, std::uint64_t seed, Shape& shape
     }
   }
   find_planes(points_T, work.normals, search, work.owners, shape.planes);
-  snap_ends(shape.planes, *shape.cylinder);
+  shape.cylinder->ends_found = snap_ends(shape.planes, *shape.cylinder);
 }
 
 /// Distance of evenly spread points on the best measured surface.
@@ -109,6 +113,19 @@ double pitch_of(const Shape& shape) {
   return std::clamp(pitch, shape.spacing, 4.0 * shape.spacing);
 }
 
+Extent extent_along(const ShapeWork& work, const Eigen::Vector3d& direction_T) {
+  FixedVector<double, limits::kCloudPoints> along;
+  for (const Eigen::Vector3d& point_T : work.cloud.points_T.view().first(work.cloud.measured)) {
+    POLHODE_ASSERT(along.push_back(direction_T.dot(point_T)), along.size());
+  }
+  return robust_extent(along.view());
+}
+
+/// Whether points lie beyond the cylinder's ends; `extent` is theirs along its axis.
+bool reaches_beyond(const Extent& extent, const Shape& shape) {
+  return extent.most - extent.least > shape.cylinder->length + 2.0 * tolerance_of(shape);
+}
+
 void complete(Shape& shape, ShapeWork& work) {
   if (shape.cylinder) {
     if (explained_by(*shape.cylinder, work.cloud, tolerance_of(shape)) >= kCylinderExplainedMin) {
@@ -116,6 +133,14 @@ void complete(Shape& shape, ShapeWork& work) {
       shape.completion_points =
           complete_cylinder(*shape.cylinder, pitch_of(shape), work.scratch, work.cloud);
       shape.centroid_T = shape.cylinder->centre_T;
+      // A nozzle or an adapter reaches beyond the round: the whole body's middle along the axis is
+      // that of the points.
+      const Extent extent = extent_along(work, shape.cylinder->axis_T);
+      if (reaches_beyond(extent, shape)) {
+        const double at = shape.cylinder->axis_T.dot(shape.centroid_T);
+        shape.centroid_T +=
+            (0.5 * (extent.least + extent.most) - at) * shape.cylinder->axis_T;
+      }
     }
     return;
   }
@@ -142,32 +167,62 @@ TargetFrame frame_of(const Shape& shape, const ShapeWork& work, const Shape* pre
   return previous != nullptr ? relabel_like(frame, previous->frame) : frame;
 }
 
-/// Lengths along B: of the box or cylinder where there is one, else of the measured points.
-void measure(const ShapeWork& work, Shape& shape) {
-  const std::span<const Eigen::Vector3d> measured_T =
-      work.cloud.points_T.view().first(work.cloud.measured);
+// Points this flat, in spacings and thicknesses, do not tell a length from noise.
+constexpr double kFlat_spacings = 2.0;
+constexpr double kFlat_thicknesses = 5.0;
+
+void measure_points(const ShapeWork& work, Shape& shape) {
+  const double flat = kFlat_spacings * shape.spacing + kFlat_thicknesses * shape.thickness;
   for (Eigen::Index k = 0; k < 3; ++k) {
-    FixedVector<double, limits::kCloudPoints> along;
-    for (const Eigen::Vector3d& point_T : measured_T) {
-      POLHODE_ASSERT(along.push_back(shape.frame.R_TB.col(k).dot(point_T)), along.size());
-    }
-    const Extent extent = robust_extent(along.view());
+    const Extent extent = extent_along(work, shape.frame.R_TB.col(k));
     shape.dimensions(k) = extent.most - extent.least;
     shape.sigma_dimensions(k) =
         shape.spacing + shape.thickness;  // a gap at the ends and the quantiles; noise
+    shape.dimension_basis[static_cast<std::size_t>(k)] =
+        shape.dimensions(k) > flat ? DimensionBasis::kPoints : DimensionBasis::kNothing;
   }
-  if (shape.box) {
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      Eigen::Index same = 0;  // the box's axis that is B's axis k, whatever its name and sign
-      (shape.box->R_TB.transpose() * shape.frame.R_TB.col(k)).cwiseAbs().maxCoeff(&same);
-      shape.dimensions(k) = shape.box->dimensions(same);
-      shape.sigma_dimensions(k) = shape.box->sigma_dimensions(same);
+}
+
+void measure_box(Shape& shape) {
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    Eigen::Index same = 0;  // the box's axis that is B's axis k, whatever its name and sign
+    (shape.box->R_TB.transpose() * shape.frame.R_TB.col(k)).cwiseAbs().maxCoeff(&same);
+    shape.dimensions(k) = shape.box->dimensions(same);
+    shape.sigma_dimensions(k) = shape.box->sigma_dimensions(same);
+    const auto face = 2 * static_cast<std::size_t>(same);
+    shape.dimension_basis[static_cast<std::size_t>(k)] =
+        shape.box->face_found[face] && shape.box->face_found[face + 1] ? DimensionBasis::kSurfaces
+                                                                       : DimensionBasis::kPoints;
+  }
+}
+
+void measure_cylinder(Shape& shape) {
+  Eigen::Index along = 0;
+  (shape.frame.R_TB.transpose() * shape.cylinder->axis_T).cwiseAbs().maxCoeff(&along);
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    if (k == along) {
+      if (shape.dimensions(k) > shape.cylinder->length + 2.0 * tolerance_of(shape)) {
+        continue;  // the points reach beyond the round
+      }
+      shape.dimensions(k) = shape.cylinder->length;
+      shape.dimension_basis[at] =
+          shape.cylinder->ends_found == 2 ? DimensionBasis::kSurfaces : DimensionBasis::kPoints;
+    } else {
+      shape.dimensions(k) = 2.0 * shape.cylinder->radius;
+      shape.sigma_dimensions(k) = 2.0 * shape.cylinder->sigma_radius;
+      shape.dimension_basis[at] = DimensionBasis::kSurfaces;
     }
   }
-  if (shape.cylinder && shape.completion == CompletionKind::kCylinder) {
-    const double diameter = 2.0 * shape.cylinder->radius;
-    shape.dimensions << diameter, diameter, shape.cylinder->length;
-    shape.sigma_dimensions.head<2>().setConstant(2.0 * shape.cylinder->sigma_radius);
+}
+
+/// Lengths along B: of the box or cylinder where there is one, else of the measured points.
+void measure(const ShapeWork& work, Shape& shape) {
+  measure_points(work, shape);
+  if (shape.completion == CompletionKind::kBox) {
+    measure_box(shape);
+  } else if (shape.completion == CompletionKind::kCylinder) {
+    measure_cylinder(shape);
   }
 }
 

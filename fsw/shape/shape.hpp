@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -16,6 +17,13 @@
 #include "shape/target_frame.hpp"
 
 namespace polhode {
+
+/// What a length along a body axis rests on.
+enum class DimensionBasis : std::uint8_t {
+  kNothing = 0,  ///< the points are flat there: the body may reach any depth behind them
+  kPoints = 1,   ///< where the points end: the body is at least so long
+  kSurfaces = 2  ///< surfaces found at both ends, or the round's diameter
+};
 
 /// Lengths in the unit of the landmarks (map units until the scale is known).
 struct Shape {
@@ -31,6 +39,7 @@ struct Shape {
   TargetFrame frame;            ///< axes B in T
   Eigen::Vector3d dimensions = Eigen::Vector3d::Zero();        ///< full lengths along B's axes
   Eigen::Vector3d sigma_dimensions = Eigen::Vector3d::Zero();  ///< 1-sigma
+  std::array<DimensionBasis, 3> dimension_basis{};
   Planes planes;
   std::optional<Cylinder> cylinder;
   std::optional<Box> box;

@@ -25,19 +25,24 @@ Eigen::Vector3d shared_direction(const Planes& planes, const Eigen::Vector3d& re
 
 /// Best direction across x: an orthogonal plane's, else that of the plane most across, else the
 /// long edge of the first.
-Eigen::Vector3d second_direction(const Planes& planes, const Eigen::Vector3d& x_T) {
+/// `known`: false where it is a choice, as on a single square face.
+Eigen::Vector3d second_direction(const Planes& planes, const Eigen::Vector3d& x_T, bool* known) {
+  constexpr double kLongerEdgeMin = 1.1;  // a rectangle's edges are told apart from here on
   constexpr double kUsableCosineMax =
       0.866;  // nearer than 30 deg to x a normal says little about y
   const Plane* oblique = nullptr;
   for (const Plane& plane : planes) {
     const double cosine = std::abs(plane.normal_T.dot(x_T));
     if (cosine <= kOrthogonalCosineMax) {
+      *known = true;
       return shared_direction(planes, plane.normal_T);
     }
     if (cosine <= kUsableCosineMax && oblique == nullptr) {
       oblique = &plane;
     }
   }
+  *known = oblique != nullptr ||
+           planes[0].extents.x() > kLongerEdgeMin * planes[0].extents.y();
   return oblique != nullptr ? oblique->normal_T : Eigen::Vector3d(planes[0].axes_T.col(0));
 }
 
@@ -53,10 +58,11 @@ Eigen::Matrix3d from_z_and_x(const Eigen::Vector3d& z_T, const Eigen::Vector3d& 
   return R_TB;
 }
 
-Eigen::Matrix3d relabel_box(const Eigen::Matrix3d& R_TB, const Eigen::Matrix3d& previous) {
+TargetFrame relabel_box(const TargetFrame& frame, const Eigen::Matrix3d& previous) {
   constexpr std::array<std::array<int, 3>, 6> kOrders{
       {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
-  Eigen::Matrix3d best = R_TB;
+  const Eigen::Matrix3d& R_TB = frame.R_TB;
+  TargetFrame best = frame;
   double trace_best = -std::numeric_limits<double>::infinity();
   for (const auto& order : kOrders) {
     for (int signs = 0; signs < 4; ++signs) {
@@ -69,7 +75,10 @@ Eigen::Matrix3d relabel_box(const Eigen::Matrix3d& R_TB, const Eigen::Matrix3d& 
       const double trace = (candidate.transpose() * previous).trace();
       if (trace > trace_best) {
         trace_best = trace;
-        best = candidate;
+        best.R_TB = candidate;
+        for (std::size_t k = 0; k < 3; ++k) {
+          best.axes_known[k] = frame.axes_known[static_cast<std::size_t>(order[k])];
+        }
       }
     }
   }
@@ -83,7 +92,8 @@ TargetFrame frame_from_planes(const Planes& planes) {
   const Eigen::Vector3d x_T = shared_direction(planes, planes[0].normal_T);
   Eigen::Matrix3d rough;
   rough.col(0) = x_T;
-  rough.col(1) = second_direction(planes, x_T);
+  bool across_known = false;
+  rough.col(1) = second_direction(planes, x_T, &across_known);
   rough.col(1) = part_across(rough.col(1), x_T).normalized();
   rough.col(2) = rough.col(0).cross(rough.col(1));
   // A third family of planes, where there is one, takes its share: the rotation nearest to all
@@ -95,7 +105,9 @@ TargetFrame frame_from_planes(const Planes& planes) {
       break;
     }
   }
-  return {.R_TB = nearest_rotation(rough), .source = FrameSource::kPlanes};
+  return {.R_TB = nearest_rotation(rough),
+          .source = FrameSource::kPlanes,
+          .axes_known = {true, across_known, across_known}};
 }
 
 TargetFrame frame_from_cylinder(const Cylinder& cylinder, const Planes& planes) {
@@ -106,12 +118,15 @@ TargetFrame frame_from_cylinder(const Cylinder& cylinder, const Planes& planes) 
       break;
     }
   }
-  if (x_like_T.isZero()) {
+  const bool across_known = !x_like_T.isZero();
+  if (!across_known) {
     Eigen::Index most_across = 0;
     cylinder.axis_T.cwiseAbs().minCoeff(&most_across);
     x_like_T = Eigen::Vector3d::Unit(most_across);
   }
-  return {.R_TB = from_z_and_x(cylinder.axis_T, x_like_T), .source = FrameSource::kCylinder};
+  return {.R_TB = from_z_and_x(cylinder.axis_T, x_like_T),
+          .source = FrameSource::kCylinder,
+          .axes_known = {across_known, across_known, true}};
 }
 
 TargetFrame frame_from_points(std::span<const Eigen::Vector3d> points_T) {
@@ -125,23 +140,32 @@ TargetFrame frame_from_points(std::span<const Eigen::Vector3d> points_T) {
   frame.R_TB.col(0) = eigen.eigenvectors().col(2);
   frame.R_TB.col(1) = eigen.eigenvectors().col(1);
   frame.R_TB.col(2) = frame.R_TB.col(0).cross(frame.R_TB.col(1));
+  // Spreads nearer to each other than this are told apart by the choice of points alone.
+  constexpr double kSpreadRatioMin = 1.3;
+  const Eigen::Vector3d spread = eigen.eigenvalues().reverse().cwiseMax(0.0);
+  const bool first = spread(0) > kSpreadRatioMin * spread(1);
+  const bool last = spread(1) > kSpreadRatioMin * spread(2);
+  frame.axes_known = {first, first && last, last};
   return frame;
 }
 
 TargetFrame relabel_like(const TargetFrame& frame, const TargetFrame& previous) {
   if (frame.source != FrameSource::kCylinder) {
-    return {.R_TB = relabel_box(frame.R_TB, previous.R_TB), .source = frame.source};
+    return relabel_box(frame, previous.R_TB);
   }
-  // z stays along the axis, with the sign that it had; a round body leaves the turn about it to the
-  // previous x.
-  const Eigen::Vector3d z_T = frame.R_TB.col(2).dot(previous.R_TB.col(2)) < 0.0
-                                  ? Eigen::Vector3d(-frame.R_TB.col(2))
-                                  : Eigen::Vector3d(frame.R_TB.col(2));
-  Eigen::Vector3d x_like_T = previous.R_TB.col(0);
-  if (part_across(x_like_T, z_T).norm() < 0.1) {
-    x_like_T = previous.R_TB.col(1);
-  }
-  return {.R_TB = from_z_and_x(z_T, x_like_T), .source = FrameSource::kCylinder};
+  const Eigen::Vector3d axis_T = frame.R_TB.col(2);
+  Eigen::Index name = 0;
+  (previous.R_TB.transpose() * axis_T).cwiseAbs().maxCoeff(&name);
+  const Eigen::Index next = (name + 1) % 3;
+  const Eigen::Vector3d along_T =
+      axis_T.dot(previous.R_TB.col(name)) < 0.0 ? Eigen::Vector3d(-axis_T) : axis_T;
+  TargetFrame out{.source = FrameSource::kCylinder};
+  const Eigen::Matrix3d R = from_z_and_x(along_T, previous.R_TB.col(next));
+  out.R_TB.col(name) = R.col(2);
+  out.R_TB.col(next) = R.col(0);
+  out.R_TB.col((name + 2) % 3) = R.col(1);
+  out.axes_known[static_cast<std::size_t>(name)] = true;
+  return out;
 }
 
 }  // namespace polhode

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -20,6 +21,9 @@ enum class FrameSource : std::uint8_t {
 struct TargetFrame {
   Eigen::Matrix3d R_TB = Eigen::Matrix3d::Identity();  ///< takes B components to T components
   FrameSource source = FrameSource::kPrincipal;
+  /// Axes that the body's geometry fixes; the others are a choice (a ball has none, a smooth
+  /// cylinder one).
+  std::array<bool, 3> axes_known{};
 };
 
 /// Directions within this of each other count as parallel, and of a right angle as orthogonal: 10
@@ -39,7 +43,8 @@ TargetFrame frame_from_cylinder(const Cylinder& cylinder, const Planes& planes);
 TargetFrame frame_from_points(std::span<const Eigen::Vector3d> points_T);
 
 /// The same axes named as in `previous`: of the 24 right-handed relabellings of a box's axes the
-/// nearest one; of a cylinder's frames, turned about the axis and upside down, the nearest one.
+/// nearest one. A round body leaves the turn about its axis open: the axis keeps the name that the
+/// previous axis nearest to it has, and the other two stay where they were as far as they can.
 TargetFrame relabel_like(const TargetFrame& frame, const TargetFrame& previous);
 
 }  // namespace polhode

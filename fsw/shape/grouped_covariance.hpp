@@ -1,0 +1,57 @@
+// Covariance of a least-squares fit whose residuals hang together in places: a map that is bent or a
+// side that is dented is off by the same amount over a patch, and white noise would promise too much.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+
+#include "base/assert.hpp"
+
+namespace polhode {
+
+/// Sums of the gradient over each patch of a surface. Each patch counts as one observation.
+/// @source Liang and Zeger, "Longitudinal data analysis using generalized linear models", 1986.
+template <int kUnknowns, std::size_t kGroups>
+class GroupedCovariance {
+ public:
+  using Vector = Eigen::Matrix<double, kUnknowns, 1>;
+  using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+
+  /// @param gradient  weight * residual * derivative of the residual by the unknowns.
+  void add(std::size_t group, const Vector& gradient) {
+    POLHODE_ASSERT(group < kGroups, group);
+    sums_[group] += gradient;
+    used_[group] = true;
+  }
+
+  /// @param information  sum of weight * derivative * derivative^T, invertible.
+  /// @return covariance of the unknowns; zero where too few patches are filled to tell.
+  [[nodiscard]] Matrix covariance(const Matrix& information) const {
+    Matrix scatter = Matrix::Zero();
+    int count = 0;
+    for (std::size_t g = 0; g < kGroups; ++g) {
+      if (used_[g]) {
+        scatter += sums_[g] * sums_[g].transpose();
+        ++count;
+      }
+    }
+    if (count < kUnknowns + 2) {
+      return Matrix::Zero();
+    }
+    const Matrix inverse = information.ldlt().solve(Matrix::Identity());
+    const double left = static_cast<double>(count) / (count - 1);
+    return left * inverse * scatter * inverse;
+  }
+
+ private:
+  std::array<Vector, kGroups> sums_ = [] {
+    std::array<Vector, kGroups> zero;
+    zero.fill(Vector::Zero());
+    return zero;
+  }();
+  std::array<bool, kGroups> used_{};
+};
+
+}  // namespace polhode
