@@ -103,6 +103,7 @@ struct Counters {
   std::uint32_t jobs_issued = 0;
   std::uint32_t jobs_without_result = 0;   ///< skipped for want of memory
   std::uint32_t steps_short_of_memory = 0;  ///< in which less was asked of the libraries
+  std::uint32_t scale_contradictions = 0;  ///< readings of the scale that do not agree
   std::uint32_t tables_full = 0;  ///< times that a table had no free slot
 };
 

@@ -118,8 +118,14 @@ constexpr ParameterRow kRows[] = {
    "its two ends [[u, v], [u, v]] as seen in that frame"},
   {"scale.range_m", POLHODE_FIELD(scale.range_m), 0.01, 100000.0, "m",
    "a range finder's reading to the nearest surface on the boresight; goes with frame_timestamp_ns"},
+  {"scale.range_sigma_m", POLHODE_FIELD(scale.range_sigma_m), 0.0, 1000.0, "m",
+   "1-sigma of that reading"},
   {"scale.frame_timestamp_ns", POLHODE_FIELD(scale.frame_timestamp_ns), 0, kInt64Max, "ns",
    "the frame that the length or the range belongs to"},
+  {"scale.known_diameter_m", POLHODE_FIELD(scale.known_diameter_m), 0.001, 1000.0, "m",
+   "diameter of the round body, which the program finds by itself"},
+  {"scale.known_edge_m", POLHODE_FIELD(scale.known_edge_m), 0.001, 1000.0, "m",
+   "longest edge of its flat sides, which the program finds by itself; with another reading at hand the edge that fits it"},
 
   {"camera.width_px", POLHODE_FIELD(camera.width_px), 32, 8192, "px", "image width"},
   {"camera.height_px", POLHODE_FIELD(camera.height_px), 32, 8192, "px", "image height"},
@@ -201,27 +207,30 @@ std::optional<Error> check_points(const Parameters& parameters) {
   return std::nullopt;
 }
 
-/// Only what the chosen source needs is looked at.
+/// Only what is given is looked at, and what goes with it.
 std::optional<Error> check_scale(const Parameters& parameters) {
-  const ScaleSource source = parameters.scale.source;
-  if (source == ScaleSource::kNone) {
-    return std::nullopt;
+  const ScaleOptions& scale = parameters.scale;
+  struct Given {
+    bool given;
+    std::string_view key;
+  };
+  const bool length = scale.known_length_m != 0.0;
+  const bool range = scale.range_m != 0.0;
+  for (const auto& [given, key] : {Given{length, "scale.known_length_m"},
+                                   Given{length, "scale.points_px"},
+                                   Given{range, "scale.range_m"},
+                                   Given{range, "scale.range_sigma_m"},
+                                   Given{length || range, "scale.frame_timestamp_ns"},
+                                   Given{scale.known_diameter_m != 0.0, "scale.known_diameter_m"},
+                                   Given{scale.known_edge_m != 0.0, "scale.known_edge_m"}}) {
+    if (!given) {
+      continue;
+    }
+    if (auto problem = check_row(*find_parameter(key), parameters)) {
+      return problem;
+    }
   }
-  const bool length = source == ScaleSource::kKnownLength;
-  const std::string_view value_key = length ? "scale.known_length_m" : "scale.range_m";
-  if (auto problem = check_row(*find_parameter(value_key), parameters)) {
-    return problem;
-  }
-  if (auto problem = check_row(*find_parameter("scale.frame_timestamp_ns"), parameters)) {
-    return problem;
-  }
-  if (!length) {
-    return std::nullopt;
-  }
-  if (auto problem = check_row(*find_parameter("scale.points_px"), parameters)) {
-    return problem;
-  }
-  return check_points(parameters);
+  return length ? check_points(parameters) : std::nullopt;
 }
 
 std::optional<Error> check_section(const Parameters& parameters, bool camera) {

@@ -1,6 +1,10 @@
 #include "pipeline/scale_now.hpp"
 
+#include <algorithm>
+#include <optional>
+
 #include "shape/scale.hpp"
+#include "shape/scale_of_shape.hpp"
 
 namespace polhode {
 namespace {
@@ -28,33 +32,94 @@ SeenLandmarks seen_in(const Keyframe& keyframe, const Map& map) {
   return seen;
 }
 
+bool has_reading(ScaleSource source, const Component::State& s) {
+  return std::any_of(s.scale.readings.begin(),
+                     s.scale.readings.end(),
+                     [source](const ScaleReading& reading) { return reading.source == source; });
+}
+
+/// What the readings together say.
+void settle(Component::State* s) {
+  ScaleState& scale = s->scale;
+  const FusedScale fused = fuse_scales(scale.readings);
+  if (fused.contradiction && !scale.contradiction) {
+    ++s->counters.scale_contradictions;
+  }
+  scale.contradiction = fused.contradiction;
+  scale.used = fused.used;
+  scale.known = fused.known;
+  scale.metres_per_mu = fused.known ? fused.metres_per_mu : 1.0;
+  scale.relative_sigma = fused.known ? fused.sigma / fused.metres_per_mu : 0.0;
+  scale.metres_per_mu_published = fused.known ? fused.metres_per_mu : scale.metres_per_mu_published;
+}
+
+bool take(ScaleSource source, const Result<ScaleEstimate>& estimate, Component::State* s) {
+  if (!estimate) {
+    return false;
+  }
+  const ScaleReading reading{.source = source,
+                             .metres_per_mu = estimate.value().metres_per_mu,
+                             .sigma = estimate.value().sigma};
+  return take_reading(reading, s->scale.readings);
+}
+
 }  // namespace
+
+bool waits_for_frame(const Component::State& s) {
+  const ScaleOptions& options = s.parameters.scale;
+  return (options.known_length_m != 0.0 && !has_reading(ScaleSource::kKnownLength, s)) ||
+         (options.range_m != 0.0 && !has_reading(ScaleSource::kRange, s));
+}
 
 bool measure_scale_in(const Pose& pose,
                       std::span<const Eigen::Vector3d> landmarks_T,
                       Component::State* s) {
   const ScaleOptions& options = s->parameters.scale;
   const ScaleView view{.pose = pose, .landmarks_T = landmarks_T};
-  const auto ray = [&](std::size_t end) {
-    return undistort(s->camera, {options.points_px[end][0], options.points_px[end][1]});
-  };
-  // A point picked in a picture by a person or an edge finder is good to a pixel.
-  const double sigma_ray = 1.0 / s->camera.focal_px();
-  const Result<ScaleEstimate> scale =
-      options.source == ScaleSource::kKnownLength
-          ? scale_from_length(view, ray(0), ray(1), options.known_length_m, sigma_ray)
-          : scale_from_range(view, options.range_m, 0.0);
-  if (!scale) {
-    return false;
+  bool taken = false;
+  if (options.known_length_m != 0.0 && !has_reading(ScaleSource::kKnownLength, *s)) {
+    const auto ray = [&](std::size_t end) {
+      return undistort(s->camera, {options.points_px[end][0], options.points_px[end][1]});
+    };
+    // A point picked in a picture by a person or an edge finder is good to a pixel.
+    const double sigma_ray = 1.0 / s->camera.focal_px();
+    taken |= take(ScaleSource::kKnownLength,
+                  scale_from_length(view, ray(0), ray(1), options.known_length_m, sigma_ray),
+                  s);
   }
-  s->scale = {.known = true,
-              .metres_per_mu = scale.value().metres_per_mu,
-              .relative_sigma = scale.value().sigma / scale.value().metres_per_mu};
-  return true;
+  if (options.range_m != 0.0 && !has_reading(ScaleSource::kRange, *s)) {
+    taken |= take(
+        ScaleSource::kRange, scale_from_range(view, options.range_m, options.range_sigma_m), s);
+  }
+  if (taken) {
+    settle(s);
+  }
+  return taken;
+}
+
+bool measure_scale_of(const Shape& shape, Component::State* s) {
+  const ScaleOptions& options = s->parameters.scale;
+  bool taken = false;
+  if (options.known_diameter_m != 0.0) {
+    taken |= take(ScaleSource::kDiameter, scale_from_diameter(shape, options.known_diameter_m), s);
+  }
+  if (options.known_edge_m != 0.0) {
+    const FusedScale others = fuse_scales(s->scale.readings);
+    taken |=
+        take(ScaleSource::kEdge,
+             scale_from_edge(shape,
+                             options.known_edge_m,
+                             others.known ? std::optional(others.metres_per_mu) : std::nullopt),
+             s);
+  }
+  if (taken) {
+    settle(s);
+  }
+  return taken;
 }
 
 void measure_scale(Component::State* s) {
-  if (s->parameters.scale.source == ScaleSource::kNone || s->scale.known || !s->pose_valid) {
+  if (!s->pose_valid || !waits_for_frame(*s)) {
     return;
   }
   const std::int64_t wanted_ns = s->parameters.scale.frame_timestamp_ns;

@@ -20,16 +20,21 @@
 #include "motion/rates.hpp"
 #include "pipeline/component.hpp"
 #include "pipeline/jobs.hpp"
+#include "shape/scale_fusion.hpp"
 #include "tracks/track_table.hpp"
 
 namespace polhode {
 
-/// Known length between two picture points, or range, once it has been turned into metres per map
-/// unit.
+/// Metres per map unit from all readings so far; unknown, in map units, while there is none or they
+/// contradict each other.
 struct ScaleState {
   bool known = false;
   double metres_per_mu = 1.0;
   double relative_sigma = 0.0;
+  double metres_per_mu_published = 1.0;  ///< of the last frame that was published in metres
+  ScaleReadings readings;
+  std::array<bool, kScaleSources> used{};  ///< readings that the scale comes from
+  bool contradiction = false;
 };
 
 struct Component::State {

@@ -120,7 +120,9 @@ bool hypothesis(const Support& support,
                 int number,
                 Rng& rng,
                 Cylinder& c) {
-  const auto draw = [&] { return directed[rng.below(static_cast<std::uint32_t>(directed.size()))]; };
+  const auto draw = [&] {
+    return directed[rng.below(static_cast<std::uint32_t>(directed.size()))];
+  };
   const std::uint16_t a = draw();
   const std::uint16_t b = draw();
   const std::uint16_t third = draw();
@@ -133,8 +135,7 @@ bool hypothesis(const Support& support,
     }
     c.axis_T = cross.normalized();
   }
-  return circle_through(
-      support.points_T[a], support.points_T[b], support.points_T[third], c);
+  return circle_through(support.points_T[a], support.points_T[b], support.points_T[third], c);
 }
 
 /// Which of `count` equal sectors a direction lies in.
@@ -222,8 +223,7 @@ Normal5 covariance_of(const Support& support,
     const double height = std::clamp(c.axis_T.dot(apart) / c.length + 0.5, 0.0, 1.0);
     const auto along = std::min(kAlong - 1, static_cast<std::size_t>(height * kAlong));
     grouped.add(around * kAlong + along,
-                weight_of(residual, band) * residual *
-                    derivative(c, e1, e2, support.points_T[i]));
+                weight_of(residual, band) * residual * derivative(c, e1, e2, support.points_T[i]));
   }
   const Normal5 white = c.rms * c.rms * information.ldlt().solve(Normal5::Identity());
   const Normal5 patches = grouped.covariance(information);

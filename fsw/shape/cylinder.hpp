@@ -18,7 +18,7 @@ struct Cylinder {
   double radius = 0.0;
   double length = 0.0;  ///< of the part that has points
   double coverage_rad =
-      0.0;  ///< how much of the round has points, in sectors of 10 deg; at most 2 pi
+      0.0;             ///< how much of the round has points, in sectors of 10 deg; at most 2 pi
   int ends_found = 0;  ///< flat ends found across the axis, 0 .. 2
   std::size_t inliers = 0;
   std::size_t beside = 0;       ///< points just off the round surface, as far out again

@@ -1,5 +1,6 @@
-// Covariance of a least-squares fit whose residuals hang together in places: a map that is bent or a
-// side that is dented is off by the same amount over a patch, and white noise would promise too much.
+// Covariance of a least-squares fit whose residuals hang together in places: a map that is bent or
+// a side that is dented is off by the same amount over a patch, and white noise would promise too
+// much.
 #pragma once
 
 #include <Eigen/Cholesky>

@@ -21,8 +21,7 @@ double distance(const HullWork::Facet& facet, const Eigen::Vector3d& point_T) {
 
 HullWork::Facet facet_through(Points points_T, std::uint16_t a, std::uint16_t b, std::uint16_t c) {
   HullWork::Facet facet{.corners = {a, b, c}, .used = true};
-  const Eigen::Vector3d normal =
-      (points_T[b] - points_T[a]).cross(points_T[c] - points_T[a]);
+  const Eigen::Vector3d normal = (points_T[b] - points_T[a]).cross(points_T[c] - points_T[a]);
   // Corners on a line leave a face without a direction: no point is ever beyond it.
   if (normal.norm() > 0.0) {
     facet.normal = normal.normalized();
@@ -183,7 +182,8 @@ void raise(Points points_T, std::uint16_t corner, std::size_t visible, HullWork&
 }
 
 /// Adds the outermost points as corners. False where the tables left no room for one.
-bool grow(Points points_T, double tolerance, double rounding, std::size_t* corners, HullWork& work) {
+bool grow(
+    Points points_T, double tolerance, double rounding, std::size_t* corners, HullWork& work) {
   while (true) {
     const auto* outermost = std::max_element(work.beyond.begin(), work.beyond.end());
     if (*outermost <= tolerance) {
@@ -223,8 +223,7 @@ Result<Hull> describe(Points points_T, const HullWork& work) {
     }
     const auto [a, b, c] = facet.corners;
     POLHODE_ASSERT(hull.faces.push_back({number[a], number[b], number[c]}), hull.faces.size());
-    const Eigen::Vector3d twice_area =
-        (points_T[b] - points_T[a]).cross(points_T[c] - points_T[a]);
+    const Eigen::Vector3d twice_area = (points_T[b] - points_T[a]).cross(points_T[c] - points_T[a]);
     hull.area += 0.5 * twice_area.norm();
     hull.volume += twice_area.dot(points_T[a] - inside_T) / 6.0;
   }

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace polhode {
 
+// One line an option:
+// clang-format off
 struct ShapeOptions {
   double outlier_radius_spacings = 4.0;  ///< radius of the outlier test in median point spacings, 1 .. 50
   int outlier_neighbours_min = 4;        ///< points with fewer neighbours in that radius are noise, 1 .. 100
@@ -13,14 +16,27 @@ struct ShapeOptions {
   int plane_iterations_max = 500;        ///< 10 .. 10000
 };
 
-enum class ScaleSource : std::uint8_t { kNone, kKnownLength, kRange };
+/// Where a scale comes from: a length between two picture points, a range finder's reading, the
+/// diameter of the cylinder or an edge of a flat side that the program finds by itself.
+enum class ScaleSource : std::uint8_t { kNone, kKnownLength, kRange, kDiameter, kEdge };
+inline constexpr std::size_t kScaleSources = 4;
 
+/// What is 0 is not given. Several may be: they are combined by their sigmas.
 struct ScaleOptions {
-  ScaleSource source = ScaleSource::kNone;
-  double known_length_m = 0.0;                            ///< > 0 with kKnownLength
-  std::array<std::array<double, 2>, 2> points_px{};       ///< its two ends (distorted pixels) in the frame named below
-  double range_m = 0.0;                                   ///< > 0 with kRange: to the nearest surface on the boresight
-  std::int64_t frame_timestamp_ns = 0;
+  double known_length_m = 0.0;                       ///< 0.001 .. 1000
+  std::array<std::array<double, 2>, 2> points_px{};  ///< its two ends (distorted pixels) in the frame named below
+  double range_m = 0.0;                              ///< to the nearest surface on the boresight, 0.01 .. 100000
+  double range_sigma_m = 0.0;                        ///< 1-sigma of that reading, 0 .. 1000
+  std::int64_t frame_timestamp_ns = 0;               ///< the frame that the length or the range belongs to
+  double known_diameter_m = 0.0;                     ///< of the round body, 0.001 .. 1000
+  double known_edge_m = 0.0;                         ///< longest edge of its flat sides, 0.001 .. 1000
 };
+// clang-format on
+
+/// Whether a scale can ever be told.
+[[nodiscard]] inline bool any_given(const ScaleOptions& options) {
+  return options.known_length_m != 0.0 || options.range_m != 0.0 ||
+         options.known_diameter_m != 0.0 || options.known_edge_m != 0.0;
+}
 
 }  // namespace polhode

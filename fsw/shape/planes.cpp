@@ -20,7 +20,8 @@ constexpr double kSampleSineMin = 0.1;
 // search's.
 constexpr double kBandPartMin = 0.3;
 
-// Beside a surface lie at most this many points for each one on it: neighbouring sides' rims, noise.
+// Beside a surface lie at most this many points for each one on it: neighbouring sides' rims,
+// noise.
 constexpr double kBesideMax = 0.8;
 
 struct Fit {
@@ -142,8 +143,8 @@ Fit best_plane(const Support& support,
   return best;
 }
 
-/// Of tilts about the long and the short edge and of the offset at the inliers' mean: the scatter of
-/// the rectangle's 16 parts, and not less than white noise would give.
+/// Of tilts about the long and the short edge and of the offset at the inliers' mean: the scatter
+/// of the rectangle's 16 parts, and not less than white noise would give.
 Eigen::Matrix3d covariance_of(const Fit& fit,
                               const Plane& plane,
                               const PlaneOwners& owners,

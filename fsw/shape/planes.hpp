@@ -24,8 +24,8 @@ struct Plane {
   std::size_t inliers = 0;
   std::size_t beside = 0;  ///< points just off it, as far out again: few for a surface of its own
   double rms = 0.0;        ///< of the inliers' distances
-  /// Of (tilt about u [rad], tilt about v [rad], offset at the inliers' mean), from the residuals of
-  /// the rectangle's parts.
+  /// Of (tilt about u [rad], tilt about v [rad], offset at the inliers' mean), from the residuals
+  /// of the rectangle's parts.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 
   [[nodiscard]] double distance(const Eigen::Vector3d& point_T) const {

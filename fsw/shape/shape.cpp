@@ -138,8 +138,7 @@ void complete(Shape& shape, ShapeWork& work) {
       const Extent extent = extent_along(work, shape.cylinder->axis_T);
       if (reaches_beyond(extent, shape)) {
         const double at = shape.cylinder->axis_T.dot(shape.centroid_T);
-        shape.centroid_T +=
-            (0.5 * (extent.least + extent.most) - at) * shape.cylinder->axis_T;
+        shape.centroid_T += (0.5 * (extent.least + extent.most) - at) * shape.cylinder->axis_T;
       }
     }
     return;

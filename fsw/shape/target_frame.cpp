@@ -41,8 +41,7 @@ Eigen::Vector3d second_direction(const Planes& planes, const Eigen::Vector3d& x_
       oblique = &plane;
     }
   }
-  *known = oblique != nullptr ||
-           planes[0].extents.x() > kLongerEdgeMin * planes[0].extents.y();
+  *known = oblique != nullptr || planes[0].extents.x() > kLongerEdgeMin * planes[0].extents.y();
   return oblique != nullptr ? oblique->normal_T : Eigen::Vector3d(planes[0].axes_T.col(0));
 }
 

@@ -38,6 +38,18 @@ SHAPE_ROWS = (
     ("seen surface within 2 % of size [%]", "shape.complete_seen_within_2_percent", "percent"),
     ("seen surface within 5 % of size [%]", "shape.complete_seen_within_5_percent", "percent"),
 )
+BODY_ROWS = (
+    ("planes found", "body.planes_found", "{:d}"),
+    ("planes that the mesh does not have", "body.planes_made_up", "{:d}"),
+    ("plane normal error, median [deg]", "body.plane_angle_median_deg", "{:.2f}"),
+    ("plane normal error, maximum [deg]", "body.plane_angle_max_deg", "{:.2f}"),
+    ("cylinder axis error [deg]", "body.cylinder.axis_error_deg", "{:.2f}"),
+    ("cylinder radius error [%]", "body.cylinder.radius_error_percent", "{:+.2f}"),
+    ("centroid error [% of size]", "body.centroid.error_percent", "{:.2f}"),
+    ("centroid error before completion [% of size]", "body.centroid.error_before_completion_percent", "{:.2f}"),
+    ("hull volume error [%]", "body.surface.volume_error_percent", "{:+.1f}"),
+    ("hull to true hull RMSE [% of size]", "body.surface.distance_rmse_percent", "{:.2f}"),
+)
 COST_ROWS = (
     ("CPU per frame [ms]", "cost.cpu_per_frame_ms", "{:.2f}"),
     ("CPU per frame with the end's work [ms]", "cost.cpu_total_per_frame_ms", "{:.2f}"),
@@ -94,7 +106,7 @@ def motion_table(reports: list[dict]) -> str:
     rows = []
     for title, path, layout in MOTION_ROWS:
         rows += _body(title, [text_of(lookup(motion, path), layout) for _, motion, _ in columns])
-    for title, path, layout in (*SHAPE_ROWS, *COST_ROWS):
+    for title, path, layout in (*SHAPE_ROWS, *BODY_ROWS, *COST_ROWS):
         rows += _body(title, [text_of(lookup(report, path), layout) for _, _, report in columns])
     return table(["", *(name for name, _, _ in columns)], rows)
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from judge.body import judge_body
 from judge.errors import BadInput
 from judge.metrics import Aligned, align_run, judge_motion
 from judge.report import lookup
@@ -120,6 +121,8 @@ def judge_run(run: Run, sequence: Sequence, truth: Motion) -> dict:
               "motion": {kind: judge_motion(motion, truth, frames_in) for kind, motion in run.motions.items()}}
     aligned = best_alignment(run, truth)
     report["shape"] = judge_shape(run.folder / "cloud.ply", sequence.model_path, aligned) if aligned else None
+    scene = read_json(sequence.model_path.parent / "scene.json")
+    report["body"] = judge_body(run.folder, sequence.model_path, scene, aligned) if aligned else None
     report["cost"] = cost(run)
     report["determinism"] = determinism(run)
     return report

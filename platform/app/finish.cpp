@@ -15,6 +15,7 @@
 #include "pipeline/scale_now.hpp"
 #include "pipeline/smooth.hpp"
 #include "pipeline/state.hpp"
+#include "shape/hull.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -39,7 +40,7 @@ std::vector<SmoothedPose> smooth_frames(Component& component,
   std::vector<SmoothedPose> poses;
   for (std::size_t i = 0; i < log.published.size(); ++i) {
     const MotionState& m = log.published[i];
-    const Pose hint = causal_pose(m, state.scale.metres_per_mu);
+    const Pose hint = causal_pose(m, state.scale.metres_per_mu_published);
     SmoothedPose pose = at_rest.from_log(m.frame, hint, log.observations.of_frame(i));
     Frame frame;
     if (!pose.valid && state.map.keyframe_count > 0) {
@@ -57,7 +58,7 @@ std::vector<SmoothedPose> smooth_frames(Component& component,
 void measure_scale_late(const ReplayLog& log,
                         const std::vector<SmoothedPose>& poses,
                         Component::State* state) {
-  if (state->parameters.scale.source == ScaleSource::kNone || state->scale.known) {
+  if (!waits_for_frame(*state)) {
     return;
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -79,6 +80,7 @@ void measure_scale_late(const ReplayLog& log,
 struct FoundShape {
   std::unique_ptr<ShapeWork> work = std::make_unique<ShapeWork>();
   std::optional<Shape> shape;
+  std::optional<Hull> surface;
   std::string reason;
   BodyFrame body;
 };
@@ -92,6 +94,20 @@ std::vector<Eigen::Vector3d> landmarks_T(const Component::State& state) {
   return points;
 }
 
+/// A diameter or an edge of the shape may be what carries the scale.
+void measure_scale_by_shape(Component::State* state) {
+  const ScaleOptions& options = state->parameters.scale;
+  if (options.known_diameter_m == 0.0 && options.known_edge_m == 0.0) {
+    return;
+  }
+  const auto work = std::make_unique<ShapeWork>();
+  const Result<Shape> shape = estimate_shape(
+      confirmed_landmarks(*state), state->parameters.shape, state->parameters.seed, nullptr, *work);
+  if (shape) {
+    (void)measure_scale_of(shape.value(), state);
+  }
+}
+
 FoundShape find_shape(const Component::State& state, const std::vector<Eigen::Vector3d>& points_T) {
   FoundShape found;
   const Result<Shape> shape =
@@ -103,6 +119,13 @@ FoundShape find_shape(const Component::State& state, const std::vector<Eigen::Ve
   }
   found.shape = shape.value();
   found.body = {.R_TB = shape.value().frame.R_TB, .centroid_T = shape.value().centroid_T};
+  const auto hull_work = std::make_unique<HullWork>();
+  // What the cloud does not resolve is left out of its surface.
+  const double tolerance = std::max(0.5 * shape.value().spacing, shape.value().thickness);
+  const Result<Hull> hull = convex_hull(found.work->cloud.points_T.view(), tolerance, *hull_work);
+  if (hull) {
+    found.surface = hull.value();
+  }
   return found;
 }
 
@@ -115,6 +138,24 @@ std::vector<Eigen::Vector3d> in_body(const BodyFrame& body,
   return points_B;
 }
 
+/// The convex hull; without faces where nothing encloses a volume.
+void write_surface(const FoundShape& found, const fs::path& folder) {
+  std::vector<Eigen::Vector3d> vertices_B;
+  std::vector<std::array<std::uint32_t, 3>> faces;
+  if (found.surface) {
+    vertices_B = in_body(found.body, found.surface->vertices_T.view());
+    for (const auto& [a, b, c] : found.surface->faces) {
+      faces.push_back({a, b, c});
+    }
+  }
+  write_ply(folder / "surface.ply",
+            {.points = vertices_B,
+             .normals = {},
+             .rgb = {},
+             .faces = faces,
+             .comment = found.surface ? "convex hull of cloud.ply, body frame" : "nothing found"});
+}
+
 void write_clouds(const FoundShape& found,
                   const std::vector<Eigen::Vector3d>& points_T,
                   const fs::path& folder) {
@@ -123,6 +164,7 @@ void write_clouds(const FoundShape& found,
              .normals = {},
              .rgb = {},
              .comment = "landmarks, body frame"});
+  write_surface(found, folder);
   if (!found.shape) {  // an empty cloud, so that readers find every file of the table
     write_ply(folder / "cloud.ply",
               {.points = {}, .normals = {}, .rgb = {}, .comment = "nothing found"});
@@ -134,11 +176,14 @@ void write_clouds(const FoundShape& found,
   std::fill(rgb.begin() + static_cast<std::ptrdiff_t>(cloud.measured),
             rgb.end(),
             std::array<std::uint8_t, 3>{240, 140, 40});
+  std::vector<std::uint8_t> added(points_B.size(), 0);
+  std::fill(added.begin() + static_cast<std::ptrdiff_t>(cloud.measured), added.end(), 1);
   write_ply(folder / "cloud.ply",
             {.points = points_B,
              .normals = {},
              .rgb = rgb,
-             .comment = "denoised, body frame; orange: added"});
+             .added = added,
+             .comment = "denoised, body frame; orange, added = 1: by completion, not measured"});
 }
 
 void write_smoothed(const std::vector<MotionState>& smoothed,
@@ -163,16 +208,16 @@ void finish_replay(Component& component,
   const std::vector<SmoothedPose> poses = smooth_frames(component, sequence, log);
   Component::State& state = component.state();
   measure_scale_late(log, poses, &state);
+  measure_scale_by_shape(&state);
   const std::vector<Eigen::Vector3d> points_T = landmarks_T(state);
   const FoundShape found = find_shape(state, points_T);
   write_clouds(found, points_T, folder);
   write_shape_json(folder / "shape.json",
                    {.shape = found.shape ? &*found.shape : nullptr,
                     .reason = found.reason,
-                    .scale_source = state.parameters.scale.source,
-                    .scale_known = state.scale.known,
-                    .metres_per_mu = state.scale.metres_per_mu,
-                    .sigma_metres_per_mu = state.scale.relative_sigma * state.scale.metres_per_mu});
+                    .surface = found.surface ? &*found.surface : nullptr,
+                    .scale_options = state.parameters.scale,
+                    .scale = state.scale});
   const std::vector<PoseSample> samples =
       samples_in_body(poses, log.published, found.body, state.scale.metres_per_mu);
   write_smoothed(smoothed_motion(poses, samples, log.published, state), log, folder);

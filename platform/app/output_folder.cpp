@@ -20,6 +20,7 @@ constexpr const char* kOwnFiles[] = {
     "trajectory.tum",
     "cloud_raw.ply",
     "cloud.ply",
+    "surface.ply",
     "shape.json",
     "motion_model.json",
     "bus.ccsds",

@@ -18,6 +18,12 @@ void put_float(std::string& out, double value) {
   }
 }
 
+void put_whole(std::string& out, std::uint32_t value) {
+  for (unsigned shift = 0; shift < 32; shift += 8) {
+    out += static_cast<char>((value >> shift) & 0xFFU);
+  }
+}
+
 void put_vector(std::string& out, const Eigen::Vector3d& vector) {
   put_float(out, vector.x());
   put_float(out, vector.y());
@@ -33,6 +39,13 @@ std::string header(const PlyCloud& cloud) {
   }
   if (!cloud.rgb.empty()) {
     text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  }
+  if (!cloud.added.empty()) {
+    text += "property uchar added\n";
+  }
+  if (!cloud.faces.empty()) {
+    text += fmt::format("element face {}\nproperty list uchar int vertex_indices\n",
+                        cloud.faces.size());
   }
   return text + "end_header\n";
 }
@@ -50,6 +63,15 @@ void write_ply(const std::filesystem::path& file, const PlyCloud& cloud) {
       for (const std::uint8_t channel : cloud.rgb[i]) {
         content += static_cast<char>(channel);
       }
+    }
+    if (!cloud.added.empty()) {
+      content += static_cast<char>(cloud.added[i]);
+    }
+  }
+  for (const auto& face : cloud.faces) {
+    content += static_cast<char>(face.size());
+    for (const std::uint32_t corner : face) {
+      put_whole(content, corner);
     }
   }
   write_file(file, content);

@@ -1,4 +1,4 @@
-// Point clouds as PLY files.
+// Point clouds and surfaces as PLY files.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,11 @@ struct PlyCloud {
   std::span<const Eigen::Vector3d> points;
   std::span<const Eigen::Vector3d> normals;          ///< one a point, or none at all
   std::span<const std::array<std::uint8_t, 3>> rgb;  ///< one a point, or none at all
-  std::string_view comment;                          ///< one line: frame and unit
+  std::span<const std::uint8_t> added =
+      {};  ///< 1: not measured, made by completion; one a point, or none
+  std::span<const std::array<std::uint32_t, 3>> faces =
+      {};                    ///< triangles, anticlockwise from outside
+  std::string_view comment;  ///< one line: frame and unit
 };
 
 /// Binary, little-endian, float coordinates.

@@ -5,20 +5,21 @@
 #include <optional>
 #include <string>
 
+#include "pipeline/state.hpp"
+#include "shape/hull.hpp"
 #include "shape/shape.hpp"
 
 namespace polhode::platform {
 
 /// The file is in the frame of the run's other final files: origin in the shape's centroid, axes
-/// along the body's. Lengths of the shape are in map units until `metres_per_mu` is known; the file
-/// is in metres then.
+/// along the body's. Lengths of the shape are in map units until the scale is known; they, and the
+/// file, are in metres then.
 struct ShapeReport {
   const Shape* shape = nullptr;  ///< null: there is none, and `reason` says why
   std::string reason;
-  ScaleSource scale_source = ScaleSource::kNone;
-  bool scale_known = false;    ///< lengths of `shape` are metres
-  double metres_per_mu = 0.0;  ///< meaningful with scale_known
-  double sigma_metres_per_mu = 0.0;
+  const Hull* surface = nullptr;  ///< null: the points enclose nothing
+  ScaleOptions scale_options;     ///< what was given
+  ScaleState scale;
 };
 
 void write_shape_json(const std::filesystem::path& file, const ShapeReport& report);

@@ -51,6 +51,7 @@ Json counters(const Counters& c) {
           {"jobs_issued", c.jobs_issued},
           {"jobs_without_result", c.jobs_without_result},
           {"steps_short_of_memory", c.steps_short_of_memory},
+          {"scale_contradictions", c.scale_contradictions},
           {"tables_full", c.tables_full}};
 }
 

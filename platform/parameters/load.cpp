@@ -114,7 +114,7 @@ class Loader {
   }
 
   Configuration finish(const std::filesystem::path& file) {
-    choose_scale(file);
+    check_scale_is_whole(file);
     Parameters& parameters = configuration_.parameters;
     configuration_.has_camera = given("camera.width_px");
     const std::optional<Error> problem =
@@ -181,9 +181,8 @@ class Loader {
                                         : fmt::format("; did you mean {}?", near)));
   }
 
-  /// A length and a range at once, or half of one, would leave the scale to guessing.
-  void choose_scale(const std::filesystem::path& file) {
-    ScaleOptions& scale = configuration_.parameters.scale;
+  /// Half of a length or of a range would leave the scale to guessing.
+  void check_scale_is_whole(const std::filesystem::path& file) {
     const bool length = given("scale.known_length_m") || given("scale.points_px");
     const bool range = given("scale.range_m");
     const auto need = [&](const char* key, const char* with) {
@@ -192,20 +191,17 @@ class Loader {
             fmt::format("{}: {} is missing, it goes with {}", file.string(), key, with));
       }
     };
-    if (length && range) {
-      throw UnusableInput(fmt::format(
-          "{}: scale.range_m and scale.known_length_m are both given, allowed is one of them",
-          origin(*find_parameter("scale.range_m"))));
-    }
     if (length) {
       need("scale.known_length_m", "scale.points_px");
       need("scale.points_px", "scale.known_length_m");
       need("scale.frame_timestamp_ns", "scale.known_length_m");
-      scale.source = ScaleSource::kKnownLength;
-    } else if (range) {
+    }
+    if (given("scale.range_sigma_m")) {
+      need("scale.range_m", "scale.range_sigma_m");
+    }
+    if (range) {
       need("scale.frame_timestamp_ns", "scale.range_m");
-      scale.source = ScaleSource::kRange;
-    } else if (given("scale.frame_timestamp_ns")) {
+    } else if (!length && given("scale.frame_timestamp_ns")) {
       need("scale.known_length_m", "scale.frame_timestamp_ns");
     }
   }
@@ -265,8 +261,7 @@ std::string canonical_text(const Parameters& parameters) {
   for (const ParameterRow& row : parameter_table()) {
     const bool scale = row.key.substr(0, 6) == "scale.";
     const bool camera = row.key.substr(0, 7) == "camera.";
-    if ((scale && parameters.scale.source == ScaleSource::kNone) ||
-        (camera && parameters.camera.width_px == 0)) {
+    if ((scale && !any_given(parameters.scale)) || (camera && parameters.camera.width_px == 0)) {
       continue;
     }
     text += fmt::format("{} = {}\n", row.key, value_text(row, parameters));

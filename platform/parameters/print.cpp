@@ -15,8 +15,12 @@ constexpr const char* kHead =
     "# Written by `polhode check --defaults`; a test keeps it so.\n";
 
 constexpr const char* kScaleHead =
-    "# Metres instead of map units: take away the marks of one of the two, and give the frame that "
-    "it belongs to.\n";
+    "# Metres instead of map units: take away the marks of what is known; a length and a range "
+    "need "
+    "the frame that they belong to.\n"
+    "# Several are combined by their sigmas; where they contradict each other, shape.json says so "
+    "and "
+    "lengths stay in map units.\n";
 
 constexpr const char* kCameraHead =
     "# A replay takes its camera from the sequence's sensor.yaml. This section is for a "
@@ -30,11 +34,13 @@ std::string section_of(std::string_view key) {
 /// Examples for keys that have no default.
 std::string example(const ParameterRow& row) {
   Parameters sample;
-  sample.scale = {.source = ScaleSource::kNone,
-                  .known_length_m = 0.6,
+  sample.scale = {.known_length_m = 0.6,
                   .points_px = {{{812.0, 400.5}, {1010.2, 377.9}}},
                   .range_m = 12.5,
-                  .frame_timestamp_ns = 1700000000000000000};
+                  .range_sigma_m = 0.05,
+                  .frame_timestamp_ns = 1700000000000000000,
+                  .known_diameter_m = 1.9,
+                  .known_edge_m = 0.8};
   sample.camera = {.width_px = 1920,
                    .height_px = 1080,
                    .fu_px = 2000.0,

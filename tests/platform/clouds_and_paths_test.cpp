@@ -63,6 +63,30 @@ TEST(Ply, HoldsWhatItsHeaderSays) {
   EXPECT_EQ(x, 4.0F);
 }
 
+TEST(Ply, MarksAddedPointsAndHoldsFaces) {
+  const TemporaryFolder folder;
+  const Eigen::Vector3d points[] = {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}};
+  const std::uint8_t added[] = {0, 0, 1};
+  const std::array<std::uint32_t, 3> faces[] = {{0, 1, 2}};
+  write_ply(folder.path() / "c.ply",
+            {.points = points,
+             .normals = {},
+             .rgb = {},
+             .added = added,
+             .faces = faces,
+             .comment = "frame T"});
+  const std::string text = content(folder.path() / "c.ply");
+  EXPECT_NE(text.find("property uchar added\nelement face 1\nproperty list uchar int "
+                      "vertex_indices\nend_header\n"),
+            std::string::npos);
+  const std::size_t data = text.find("end_header\n") + 11;
+  ASSERT_EQ(text.size() - data, 3U * 13U + 1U + 3U * 4U);
+  EXPECT_EQ(text[data + 12], 0);
+  EXPECT_EQ(text[data + 38], 1);
+  EXPECT_EQ(text[data + 39], 3);
+  EXPECT_EQ(text[data + 48], 2);
+}
+
 TEST(Ply, MayBeEmpty) {
   const TemporaryFolder folder;
   write_ply(folder.path() / "c.ply",

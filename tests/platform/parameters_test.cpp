@@ -84,11 +84,17 @@ TEST(Parameters, CheckTiesTheTwoGapsOfTheStartTogether) {
 TEST(Parameters, CheckLooksAtTheScaleThatIsChosen) {
   Parameters parameters;
   parameters.camera = good_camera();
-  parameters.scale.source = ScaleSource::kRange;
-  EXPECT_HOLDS(check(parameters)->message, "scale.range_m = 0.0: out of range");
+  parameters.scale.range_m = -1.0;
+  EXPECT_HOLDS(check(parameters)->message, "scale.range_m = -1.0: out of range");
   parameters.scale.range_m = 10.0;
   EXPECT_FALSE(check(parameters));
-  parameters.scale = {.source = ScaleSource::kKnownLength, .known_length_m = 0.5};
+  parameters.scale.range_sigma_m = -0.1;
+  EXPECT_HOLDS(check(parameters)->message, "scale.range_sigma_m = -0.1: out of range");
+  parameters.scale = {.known_diameter_m = 5000.0};
+  EXPECT_HOLDS(check(parameters)->message, "scale.known_diameter_m = 5000.0: out of range");
+  parameters.scale = {.known_edge_m = std::nan("")};
+  EXPECT_HOLDS(check(parameters)->message, "scale.known_edge_m = nan: out of range");
+  parameters.scale = {.known_length_m = 0.5};
   EXPECT_HOLDS(check(parameters)->message, "the two ends coincide");
   parameters.scale.points_px = {{{10.0, 20.0}, {700.0, 30.0}}};
   EXPECT_HOLDS(check(parameters)->message, "outside the image");
@@ -137,7 +143,9 @@ TEST(Configuration, RefusalsNameFileLineKeyValueAndRange) {
       {"[scale]\nframe_timestamp_ns = 5\n", "scale.known_length_m is missing"},
       {"[scale]\npoints_px = [[1.0, 2.0]]\n", "wrong type, allowed is two points [[u, v], [u, v]]"},
       {"[scale]\npoints_px = [[1.0, 2.0], [3.0, \"4\"]]\n", "allowed is two points"},
-      {"[scale]\nrange_m = 5\nknown_length_m = 1\nframe_timestamp_ns = 1\n", "are both given"},
+      {"[scale]\nrange_m = 5\nknown_length_m = 1\nframe_timestamp_ns = 1\n",
+       "scale.points_px is missing"},
+      {"[scale]\nrange_sigma_m = 5\n", "scale.range_m is missing"},
       {"[start]\nchi2_gap_commit = 10\n",
        "start.chi2_gap_convexity = 12.0: out of range, allowed 4.0 .. 10.0"},
       {"[camera]\nwidth_px = 640\n", "camera.height_px = 0: out of range, allowed 32 .. 8192"},
@@ -166,7 +174,7 @@ TEST(Configuration, AKnownLengthChoosesTheScale) {
                                     {"scale.known_length_m=0.6",
                                      "scale.points_px=[[812.0,400.5],[1010.2,377.9]]",
                                      "scale.frame_timestamp_ns=1700000000000000000"});
-  EXPECT_EQ(loaded.parameters.scale.source, ScaleSource::kKnownLength);
+  EXPECT_EQ(loaded.parameters.scale.known_length_m, 0.6);
   EXPECT_EQ(loaded.parameters.scale.points_px[1][0], 1010.2);
   EXPECT_EQ(loaded.parameters.scale.frame_timestamp_ns, 1700000000000000000);
 }

@@ -17,17 +17,23 @@ nlohmann::json written(const ShapeReport& report) {
   return nlohmann::json::parse(in);
 }
 
+ScaleState known_scale() {
+  ScaleState scale{.known = true, .metres_per_mu = 2.0, .relative_sigma = 0.01};
+  const bool taken = take_reading(
+      {.source = ScaleSource::kKnownLength, .metres_per_mu = 2.0, .sigma = 0.02}, scale.readings);
+  scale.used[0] = taken;
+  return scale;
+}
+
 TEST(ShapeJson, TellsWhatWasFound_InTheUnitThatIsKnown) {
   Shape shape;
   shape.dimensions = {1.0, 0.5, 0.25};
   shape.frame.source = FrameSource::kPlanes;
   ASSERT_TRUE(shape.planes.push_back(Plane{.offset = 0.5, .inliers = 40}));
   shape.cylinder = Cylinder{.radius = 0.3};
-  const nlohmann::json json = written({.shape = &shape,
-                                       .reason = {},
-                                       .scale_source = ScaleSource::kKnownLength,
-                                       .scale_known = true,
-                                       .metres_per_mu = 2.0});
+  shape.dimension_basis = {
+      DimensionBasis::kSurfaces, DimensionBasis::kPoints, DimensionBasis::kNothing};
+  const nlohmann::json json = written({.shape = &shape, .reason = {}, .scale = known_scale()});
   EXPECT_EQ(json["unit"], "m");
   EXPECT_EQ(json["scale"]["source"], "known length");
   EXPECT_EQ(json["scale"]["metres_per_map_unit"], 2.0);
@@ -36,6 +42,34 @@ TEST(ShapeJson, TellsWhatWasFound_InTheUnitThatIsKnown) {
   EXPECT_EQ(json["shape"]["cylinder"]["radius"], 0.3);
   EXPECT_TRUE(json["shape"]["box"].is_null());
   EXPECT_EQ(json["shape"]["axes"]["z"], nlohmann::json({0.0, 0.0, 1.0}));
+  EXPECT_EQ(json["shape"]["dimensions_rest_on"], nlohmann::json({"surfaces", "points", "nothing"}));
+  EXPECT_EQ(json["scale"]["contradiction"], false);
+}
+
+TEST(ShapeJson, ReportsReadingsThatContradictEachOther) {
+  ScaleState scale = known_scale();
+  ASSERT_TRUE(take_reading({.source = ScaleSource::kRange, .metres_per_mu = 3.0, .sigma = 0.01},
+                           scale.readings));
+  scale.known = false;
+  scale.contradiction = true;
+  scale.used = {};
+  const nlohmann::json json = written({.reason = "none", .scale = scale});
+  EXPECT_EQ(json["unit"], "map unit");
+  EXPECT_EQ(json["scale"]["contradiction"], true);
+  EXPECT_EQ(json["scale"]["source"], "none");
+  EXPECT_EQ(json["scale"]["readings"][1]["source"], "range");
+  EXPECT_EQ(json["scale"]["readings"][1]["metres_per_map_unit"], 3.0);
+  EXPECT_EQ(json["unknown"][0], "scale: the readings contradict each other");
+}
+
+TEST(ShapeJson, NamesWhatCouldNotBeMeasured) {
+  const nlohmann::json json =
+      written({.reason = "there is no map", .scale_options = {.known_diameter_m = 2.0}});
+  EXPECT_EQ(
+      json["unknown"],
+      nlohmann::json({"scale: nothing in the run could be measured against the known diameter",
+                      "metres: lengths are in map units",
+                      "shape: there is no map"}));
 }
 
 TEST(ShapeJson, IsInTheBodysOwnFrame) {

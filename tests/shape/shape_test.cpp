@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "surfaces.hpp"
 
 namespace polhode {
@@ -168,6 +170,78 @@ TEST(Shape, OfACylinderKeepsItsAxesToo) {
     EXPECT_LT(rotation_angle_rad(next.frame.R_TB, previous.frame.R_TB), 0.01) << seed;
     previous = next;
   }
+}
+
+TEST(Shape, NeverRenamesItsAxesWhateverIsSeenOfIt) {
+  // Any sides of any box and any arc of any cylinder, one after the other: the frame turns by what
+  // the geometry has changed, never by a quarter or half turn on top. Each next frame is within
+  // half of the least relabelling of a box, 90 deg; a cylinder's about its axis is free.
+  const auto work = new_work();
+  for (std::uint64_t run = 0; run < 4; ++run) {
+    Rng rng(run, 40);
+    std::optional<Shape> previous;
+    const Eigen::Vector3d size(1.0, 0.6 + 0.4 * rng.uniform(), 0.6 + 0.4 * rng.uniform());
+    for (std::uint64_t update = 0; update < 8; ++update) {
+      std::array<bool, 6> sides{};
+      for (bool& side : sides) side = rng.uniform() < 0.7;
+      sides[0] = sides[2] = true;  // two orthogonal ones at least
+      const bool round = rng.uniform() < 0.3;
+      const Points points =
+          round ? cylinder_points(0.4, 1.2, 3.0 + 3.0 * rng.uniform(), 900, 0.004, update)
+                : box_points(size, sides, 900, 0.004, update);
+      const Result<Shape> next =
+          estimate_shape(points, {}, update, previous ? &*previous : nullptr, *work);
+      ASSERT_TRUE(next.ok());
+      EXPECT_TRUE(is_rotation(next.value().frame.R_TB));
+      if (previous) {
+        // Not above 60 deg, where no relabelling of a cube can be nearer than 63 deg at worst.
+        EXPECT_LT(rotation_angle_rad(next.value().frame.R_TB, previous->frame.R_TB), 1.1)
+            << run << " " << update;
+      }
+      previous = next.value();
+    }
+  }
+}
+
+TEST(Shape, ACylinderTakesTheNameOfTheAxisThatItHadAsABox) {
+  const auto work = new_work();
+  Shape previous;
+  previous.frame.R_TB = Placement{}.R_TB * so3_exp({0.0, 0.5 * std::numbers::pi, 0.0});
+  const Shape shape =
+      estimate_shape(cylinder_points(0.4, 1.2, 2.0 * std::numbers::pi, 1200, 0.004, 3),
+                     {},
+                     1,
+                     &previous,
+                     *work)
+          .value();
+  // B's x lies along the axis now, and the dimensions follow the names.
+  EXPECT_LT(rotation_angle_rad(shape.frame.R_TB, previous.frame.R_TB), 0.02);
+  EXPECT_NEAR(shape.dimensions.x(), 1.2, 0.02);
+  EXPECT_NEAR(shape.dimensions.z(), 0.8, 0.01);
+  EXPECT_EQ(shape.frame.axes_known, (std::array<bool, 3>{true, false, false}));
+}
+
+TEST(Shape, SaysWhatItsLengthsAndAxesRestOn) {
+  const auto work = new_work();
+  const auto one = [&](const Points& points) {
+    return estimate_shape(points, {}, 1, nullptr, *work).value();
+  };
+  const Shape box = one(box_points(kDimensions, kAllSides, 1500, 0.004, 1));
+  EXPECT_EQ(box.frame.axes_known, (std::array<bool, 3>{true, true, true}));
+  for (const DimensionBasis basis : box.dimension_basis) {
+    EXPECT_EQ(basis, DimensionBasis::kSurfaces);
+  }
+  const Shape panel =
+      one(box_points({1.0, 0.5, 0.0}, {false, false, false, false, true, false}, 600, 0.002, 8));
+  EXPECT_EQ(panel.dimension_basis[0], DimensionBasis::kNothing);  // x is its normal
+  EXPECT_EQ(panel.dimension_basis[1], DimensionBasis::kPoints);
+  EXPECT_EQ(panel.dimension_basis[2], DimensionBasis::kPoints);
+  Points line;
+  for (int i = 0; i < 200; ++i) line.push_back(0.01 * i * Eigen::Vector3d(1.0, 2.0, -0.5));
+  const Shape rod = one(line);
+  EXPECT_EQ(rod.frame.axes_known, (std::array<bool, 3>{true, false, false}));
+  EXPECT_EQ(rod.dimension_basis[0], DimensionBasis::kPoints);
+  EXPECT_EQ(rod.dimension_basis[1], DimensionBasis::kNothing);
 }
 
 TEST(Shape, IsTheSameForTheSameInput) {

@@ -134,6 +134,36 @@ TEST(Planes, AreNotMadeUpInABall) {
   EXPECT_TRUE(find(points, 0.05, 0.015)->planes.empty());
 }
 
+TEST(Planes, AreNotCutOutOfTheInsideOfACloud) {
+  Rng rng(15, 0);
+  Points points;
+  // A ball filled with points: any slab holds its part of them, and as many lie beside it.
+  while (points.size() < 2000) {
+    const Eigen::Vector3d p(
+        2.0 * rng.uniform() - 1.0, 2.0 * rng.uniform() - 1.0, 2.0 * rng.uniform() - 1.0);
+    if (p.norm() < 1.0) points.push_back(p);
+  }
+  EXPECT_TRUE(find(points, 0.13, 0.1)->planes.empty());
+}
+
+TEST(Planes, OfADentedSideSayThatTheyKnowLess) {
+  Rng rng(16, 0);
+  Points even;
+  Points bent;
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d p(rng.uniform() - 0.5, rng.uniform() - 0.5, 0.002 * rng.normal());
+    even.push_back(p);
+    // The same spread of heights, but in patches instead of point by point.
+    bent.push_back({p.x(), p.y(), 0.0028 * std::sin(9.0 * p.x())});
+  }
+  const auto flat = find(even, 0.03, 0.015);
+  const auto wavy = find(bent, 0.03, 0.015);
+  ASSERT_EQ(flat->planes.size(), 1U);
+  ASSERT_EQ(wavy->planes.size(), 1U);
+  EXPECT_NEAR(wavy->planes[0].rms, flat->planes[0].rms, 0.2 * flat->planes[0].rms);
+  EXPECT_GT(wavy->planes[0].covariance(1, 1), 4.0 * flat->planes[0].covariance(1, 1));
+}
+
 TEST(Planes, OfAnEmptyCloudAreNone) { EXPECT_TRUE(find({}, 0.05, 0.02)->planes.empty()); }
 
 Result<Cylinder> cylinder_of(const Points& points, double spacing, double distance_max) {
@@ -171,6 +201,27 @@ TEST(Cylinder, IsFoundFromAThirdOfItsRound) {
   ASSERT_TRUE(found.ok());
   EXPECT_NEAR(found.value().radius, 0.4, 0.008);
   EXPECT_LT(angle_between_axes(found.value().axis_T, at.R_TB.col(2)), 0.01745);
+}
+
+TEST(Cylinder, IsFoundInALoudCloudWithABodyAround) {
+  // As an upper stage comes out of a small picture: noise of 6 % of the radius, more outwards,
+  // stray points inside, and another body at one end.
+  const Placement at;
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    Points points = cylinder_points(0.4, 1.7, 2.0 * std::numbers::pi, 1800, 0.02, seed);
+    add_strays(points, 250, 0.7, seed);
+    const Points more = box_points({0.4, 0.4, 0.7},
+                                   kAllSides,
+                                   400,
+                                   0.02,
+                                   seed,
+                                   {.R_TB = at.R_TB, .centre_T = at.place({0.0, 0.0, -1.2})});
+    points.insert(points.end(), more.begin(), more.end());
+    const Result<Cylinder> found = cylinder_of(points, 0.03, 0.05);
+    ASSERT_TRUE(found.ok()) << seed;
+    EXPECT_LT(angle_between_axes(found.value().axis_T, at.R_TB.col(2)), 0.01745) << seed;
+    EXPECT_NEAR(found.value().radius, 0.4, 0.02 * 0.4) << seed;
+  }
 }
 
 TEST(Cylinder, IsNotSeenInABoxOrAPanel) {

@@ -15,7 +15,7 @@ SECTIONS = {
     "ScaleOptions": "scale", "MotionOptions": "motion", "BusOptions": "bus", "CameraParameters": "camera",
     "JobOptions": "jobs", "BudgetOptions": "budget",
 }
-NOT_SET_DIRECTLY = {"scale.source"}  # follows from what is given
+NOT_SET_DIRECTLY: set[str] = set()
 FIELD = re.compile(r"^\s+(?:bool|int|double|std::\w+(?:<.*>)?|ScaleSource)\s+(\w+)\s*(?:=[^;]*|\{\})?;(?:\s*///<(.*))?$")
 
 

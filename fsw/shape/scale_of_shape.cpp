@@ -1,0 +1,79 @@
+#include "shape/scale_of_shape.hpp"
+
+#include <cmath>
+
+namespace polhode {
+namespace {
+
+// A surface lies within its points' noise: systematic errors of a map bend it by about half of it,
+// whatever the number of points.
+constexpr double kBent_thicknesses = 0.5;
+constexpr double kRelativeSigmaMax = 0.2;
+
+struct Length {
+  double value = 0.0;
+  double sigma = 0.0;
+};
+
+Result<ScaleEstimate> scale_of(const Length& length, double known_m) {
+  if (!(length.value > 0.0) || !(length.sigma <= kRelativeSigmaMax * length.value)) {
+    return ErrorCode::kDegenerate;
+  }
+  const double scale = known_m / length.value;
+  return ScaleEstimate{.metres_per_mu = scale, .sigma = scale * length.sigma / length.value};
+}
+
+}  // namespace
+
+Result<ScaleEstimate> scale_from_diameter(const Shape& shape, double diameter_m) {
+  if (!(diameter_m > 0.0) || !std::isfinite(diameter_m)) {
+    return ErrorCode::kBadParameter;
+  }
+  if (!shape.cylinder) {
+    return ErrorCode::kNoConsensus;
+  }
+  const double sigma =
+      2.0 * std::hypot(shape.cylinder->sigma_radius, kBent_thicknesses * shape.thickness);
+  return scale_of({.value = 2.0 * shape.cylinder->radius, .sigma = sigma}, diameter_m);
+}
+
+Result<ScaleEstimate> scale_from_edge(const Shape& shape,
+                                      double edge_m,
+                                      std::optional<double> expected_metres_per_mu) {
+  if (!(edge_m > 0.0) || !std::isfinite(edge_m)) {
+    return ErrorCode::kBadParameter;
+  }
+  Length best;
+  const auto offer = [&](double value, double sigma) {
+    const auto misfit = [&](double length) {
+      return std::abs(std::log(*expected_metres_per_mu * length / edge_m));
+    };
+    const bool better = !expected_metres_per_mu || best.value == 0.0
+                            ? value > best.value
+                            : value > 0.0 && misfit(value) < misfit(best.value);
+    if (better) {
+      best = {.value = value, .sigma = sigma};
+    }
+  };
+  const double bent = kBent_thicknesses * shape.thickness;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto axis = static_cast<Eigen::Index>(k);
+    if (shape.box && shape.dimension_basis[k] == DimensionBasis::kSurfaces) {
+      offer(shape.dimensions(axis), std::hypot(shape.sigma_dimensions(axis), bent));
+    }
+  }
+  if (best.value == 0.0) {
+    // A rectangle ends where its points do: up to a gap before the edge, noise beyond it.
+    const double sigma = std::hypot(shape.spacing, shape.thickness);
+    for (const Plane& plane : shape.planes) {
+      offer(plane.extents.x(), sigma);
+      offer(plane.extents.y(), sigma);
+    }
+  }
+  if (best.value == 0.0) {
+    return ErrorCode::kNoConsensus;
+  }
+  return scale_of(best, edge_m);
+}
+
+}  // namespace polhode
