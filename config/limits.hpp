@@ -33,11 +33,6 @@ inline constexpr std::size_t kPlanes = 12;
 // Sightings of one adjustment: 100 keyframes that tie 600 of their features each. The sample's full map has 26,000.
 inline constexpr std::size_t kAdjustmentSightings = 60000;
 
-// Corners of the coarse surface: a round body of 500 is true to 0.4 % of its size. A closed surface of triangles has
-// twice as many faces, less four.
-inline constexpr std::size_t kHullVertices = 500;
-inline constexpr std::size_t kHullFaces = 2 * kHullVertices - 4;
-
 // Poses that the motion stage looks back on.
 inline constexpr std::size_t kMotionPoses = 512;
 

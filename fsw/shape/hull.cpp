@@ -90,8 +90,8 @@ void assign(Points points_T, std::size_t i, const Facets& facets, HullWork& work
   }
 }
 
-std::array<std::size_t, limits::kHullFaces> all_facets() {
-  std::array<std::size_t, limits::kHullFaces> all{};
+std::array<std::size_t, Hull::kFaces> all_facets() {
+  std::array<std::size_t, Hull::kFaces> all{};
   for (std::size_t f = 0; f < all.size(); ++f) {
     all[f] = f;
   }
@@ -191,8 +191,8 @@ bool grow(
     }
     const auto corner = static_cast<std::uint16_t>(outermost - work.beyond.begin());
     const std::size_t visible = find_rim(points_T[corner], rounding, work);
-    if (*corners >= limits::kHullVertices ||
-        work.facets_used - visible + work.edges.size() > limits::kHullFaces) {
+    if (*corners >= Hull::kVertices ||
+        work.facets_used - visible + work.edges.size() > Hull::kFaces) {
       return false;
     }
     ++*corners;

@@ -15,10 +15,14 @@ namespace polhode {
 
 /// A closed convex surface.
 struct Hull {
+  /// A round body of 500 corners is true to 0.4 % of its size. A closed surface of triangles has
+  /// twice as many faces, less four.
+  static constexpr std::size_t kVertices = 500;
+  static constexpr std::size_t kFaces = 2 * kVertices - 4;
   using Face = std::array<std::uint16_t, 3>;  ///< corners, anticlockwise as seen from outside
 
-  FixedVector<Eigen::Vector3d, limits::kHullVertices> vertices_T;
-  FixedVector<Face, limits::kHullFaces> faces;
+  FixedVector<Eigen::Vector3d, kVertices> vertices_T;
+  FixedVector<Face, kFaces> faces;
   double volume = 0.0;
   double area = 0.0;
   double outside = 0.0;  ///< how far the outermost point lies beyond a face
@@ -37,14 +41,14 @@ struct HullWork {
     std::uint16_t from = 0;
     std::uint16_t to = 0;
   };
-  static constexpr std::size_t kNoFacet = limits::kHullFaces;
+  static constexpr std::size_t kNoFacet = Hull::kFaces;
 
-  std::array<Facet, limits::kHullFaces> facets{};
+  std::array<Facet, Hull::kFaces> facets{};
   std::size_t facets_used = 0;
   FixedVector<std::uint16_t, limits::kCloudPoints> outside_of;  ///< facet that a point lies beyond
   FixedVector<double, limits::kCloudPoints> beyond;             ///< and how far
-  FixedVector<Edge, 3 * limits::kHullFaces> edges;
-  FixedVector<std::uint16_t, limits::kHullFaces> fresh;  ///< facets of the newest corner
+  FixedVector<Edge, 3 * Hull::kFaces> edges;
+  FixedVector<std::uint16_t, Hull::kFaces> fresh;  ///< facets of the newest corner
 };
 
 /// Convex hull by quickhull: the point farthest beyond its face becomes a corner, until no point is
@@ -53,7 +57,7 @@ struct HullWork {
 /// @param tolerance  > 0: a coarse surface leaves out what the cloud does not resolve.
 /// @errors TooFewObservations (under 4 points), Degenerate (all points within `tolerance` of a
 /// plane, a line or a place: they enclose nothing).
-/// @cost   at most limits::kHullVertices times the points and the faces. Deterministic.
+/// @cost   at most Hull::kVertices times the points and the faces. Deterministic.
 /// @source Barber, Dobkin, Huhdanpaa, "The quickhull algorithm for convex hulls", 1996.
 Result<Hull> convex_hull(std::span<const Eigen::Vector3d> points_T,
                          double tolerance,

@@ -98,7 +98,7 @@ TEST(Hull, OfMoreCornersThanTheTableHoldsLeavesOutTheLeast) {
   for (int i = 0; i < 5000; ++i) points.push_back(noise(rng, 1.0).normalized());
   const Result<Hull> hull = hull_of(points, 1e-9);
   ASSERT_TRUE(hull.ok());
-  EXPECT_LE(hull.value().vertices_T.size(), limits::kHullVertices);
+  EXPECT_LE(hull.value().vertices_T.size(), Hull::kVertices);
   EXPECT_TRUE(is_closed(hull.value()));
   // A ball of 500 corners: caps of 4 pi / 1000 each are 0.2 % high, the largest a few times that.
   EXPECT_GT(hull.value().outside, 0.0);
