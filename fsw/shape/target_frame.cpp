@@ -143,7 +143,9 @@ TargetFrame frame_from_points(std::span<const Eigen::Vector3d> points_T) {
   constexpr double kSpreadRatioMin = 1.3;
   const Eigen::Vector3d spread = eigen.eigenvalues().reverse().cwiseMax(0.0);
   const bool first = spread(0) > kSpreadRatioMin * spread(1);
-  const bool last = spread(1) > kSpreadRatioMin * spread(2);
+  // Points on a line spread across it by rounding only.
+  constexpr double kLineSpread = 1e-6;
+  const bool last = spread(1) > kSpreadRatioMin * spread(2) && spread(1) > kLineSpread * spread(0);
   frame.axes_known = {first, first && last, last};
   return frame;
 }
