@@ -55,11 +55,10 @@ Result<ScaleEstimate> scale_from_edge(const Shape& shape,
       best = {.value = value, .sigma = sigma};
     }
   };
-  const double bent = kBent_thicknesses * shape.thickness;
   for (std::size_t k = 0; k < 3; ++k) {
     const auto axis = static_cast<Eigen::Index>(k);
     if (shape.box && shape.dimension_basis[k] == DimensionBasis::kSurfaces) {
-      offer(shape.dimensions(axis), std::hypot(shape.sigma_dimensions(axis), bent));
+      offer(shape.dimensions(axis), shape.sigma_dimensions(axis));
     }
   }
   if (best.value == 0.0) {

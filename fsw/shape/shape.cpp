@@ -182,12 +182,17 @@ void measure_points(const ShapeWork& work, Shape& shape) {
   }
 }
 
+// A map bends its surfaces by about this part of their points' noise, whatever their number: on
+// rendered bodies lengths between surfaces are off by 1 to 2 % where the noise is 3 %.
+constexpr double kBent_thicknesses = 0.5;
+
 void measure_box(Shape& shape) {
+  const double bent = kBent_thicknesses * shape.thickness;
   for (Eigen::Index k = 0; k < 3; ++k) {
     Eigen::Index same = 0;  // the box's axis that is B's axis k, whatever its name and sign
     (shape.box->R_TB.transpose() * shape.frame.R_TB.col(k)).cwiseAbs().maxCoeff(&same);
     shape.dimensions(k) = shape.box->dimensions(same);
-    shape.sigma_dimensions(k) = shape.box->sigma_dimensions(same);
+    shape.sigma_dimensions(k) = std::hypot(shape.box->sigma_dimensions(same), bent);
     const auto face = 2 * static_cast<std::size_t>(same);
     shape.dimension_basis[static_cast<std::size_t>(k)] =
         shape.box->face_found[face] && shape.box->face_found[face + 1] ? DimensionBasis::kSurfaces
@@ -209,7 +214,8 @@ void measure_cylinder(Shape& shape) {
           shape.cylinder->ends_found == 2 ? DimensionBasis::kSurfaces : DimensionBasis::kPoints;
     } else {
       shape.dimensions(k) = 2.0 * shape.cylinder->radius;
-      shape.sigma_dimensions(k) = 2.0 * shape.cylinder->sigma_radius;
+      shape.sigma_dimensions(k) =
+          2.0 * std::hypot(shape.cylinder->sigma_radius, kBent_thicknesses * shape.thickness);
       shape.dimension_basis[at] = DimensionBasis::kSurfaces;
     }
   }

@@ -26,10 +26,26 @@ def _load(path: pathlib.Path):
         raise BadInput(f"{path}: not a readable PLY file ({problem})") from None
 
 
-def read_cloud(path: pathlib.Path) -> np.ndarray:
-    """Points [N,3] of a PLY file."""
-    points = np.asarray(getattr(_load(path), "vertices", np.empty((0, 3))), dtype=float)
-    return points[np.isfinite(points).all(axis=1)] if len(points) else points.reshape(0, 3)
+def read_cloud(path: pathlib.Path, measured_only: bool = False) -> np.ndarray:
+    """Points [N,3] of a PLY file; with measured_only those that completion added, where they are marked, are left out."""
+    mesh = _load(path)
+    points = np.asarray(getattr(mesh, "vertices", np.empty((0, 3))), dtype=float)
+    if len(points) == 0:
+        return points.reshape(0, 3)
+    keep = np.isfinite(points).all(axis=1)
+    if measured_only:
+        added = _added(mesh, len(points))
+        keep &= ~added if added is not None else True
+    return points[keep]
+
+
+def _added(mesh, count: int) -> np.ndarray | None:
+    """The property "added" of each point as a mask [N]; None where the file has none."""
+    try:
+        added = np.asarray(mesh.metadata["_ply_raw"]["vertex"]["data"]["added"]).reshape(-1) != 0
+    except (AttributeError, KeyError, IndexError, TypeError, ValueError):
+        return None
+    return added if len(added) == count else None
 
 
 def sample_mesh(path: pathlib.Path) -> tuple[np.ndarray, np.ndarray, float]:
@@ -75,10 +91,10 @@ def cloud_in_truth(points_E: np.ndarray, aligned: Aligned, own_scale: bool = Fal
 
 
 def judge_shape(cloud_path: pathlib.Path, model_path: pathlib.Path, aligned: Aligned) -> dict | None:
-    """Accuracy and completeness of a cloud, in % of the body's size; None where a file is missing or empty."""
+    """Accuracy and completeness of a cloud's measured points, in % of the body's size; None where a file is missing."""
     if not cloud_path.exists() or not model_path.exists():
         return None
-    points_E = read_cloud(cloud_path)
+    points_E = read_cloud(cloud_path, measured_only=True)
     if len(points_E) == 0:
         return {"points": 0}
     surface_T, normals_T, size_m = sample_mesh(model_path)

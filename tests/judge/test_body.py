@@ -7,6 +7,7 @@ import pytest
 from judge.body import judge_body
 from judge.run import best_alignment, read_run, read_truth
 from judge.sequence import read_sequence
+from judge.shape import read_cloud
 from scipy.spatial.transform import Rotation
 from synthetic import BOX_M, Errors, tumbling_body, write_ply, write_run, write_sequence
 
@@ -133,3 +134,14 @@ def test_a_round_body_is_judged_by_its_axis_and_radius(tmp_path, body):
     assert found["radius_error_percent"] == pytest.approx(2.0, abs=0.15)
     estimate.shape["cylinder"]["radius"] = 0.15
     assert estimate.judged()["cylinder"]["made_up"]
+
+
+def test_points_that_completion_added_are_not_judged_as_measured(tmp_path):
+    header = ["ply", "format ascii 1.0", "element vertex 3", *(f"property float {a}" for a in "xyz"), "property uchar added",
+              "end_header"]
+    marked = tmp_path / "cloud.ply"
+    marked.write_text("\n".join([*header, "0 0 0 0", "1 0 0 1", "2 0 0 0"]) + "\n")
+    assert read_cloud(marked, measured_only=True)[:, 0].tolist() == [0.0, 2.0]
+    assert len(read_cloud(marked)) == 3
+    write_ply(tmp_path / "plain.ply", np.eye(3))
+    assert len(read_cloud(tmp_path / "plain.ply", measured_only=True)) == 3
