@@ -18,8 +18,8 @@ struct ShapeReport {
   const Shape* shape = nullptr;  ///< null: there is none, and `reason` says why
   std::string reason;
   const Hull* surface = nullptr;  ///< null: the points enclose nothing
-  ScaleOptions scale_options;     ///< what was given
-  ScaleState scale;
+  ScaleOptions scale_options{};   ///< what was given
+  ScaleState scale{};
 };
 
 void write_shape_json(const std::filesystem::path& file, const ShapeReport& report);

@@ -18,7 +18,10 @@ nlohmann::json written(const ShapeReport& report) {
 }
 
 ScaleState known_scale() {
-  ScaleState scale{.known = true, .metres_per_mu = 2.0, .relative_sigma = 0.01};
+  ScaleState scale;
+  scale.known = true;
+  scale.metres_per_mu = 2.0;
+  scale.relative_sigma = 0.01;
   const bool taken = take_reading(
       {.source = ScaleSource::kKnownLength, .metres_per_mu = 2.0, .sigma = 0.02}, scale.readings);
   scale.used[0] = taken;
