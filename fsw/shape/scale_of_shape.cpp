@@ -63,7 +63,8 @@ Result<ScaleEstimate> scale_from_edge(const Shape& shape,
   }
   if (best.value == 0.0) {
     // A rectangle ends where its points do: up to a gap before the edge, noise beyond it.
-    const double sigma = std::hypot(shape.spacing, shape.thickness);
+    // On the shipped sample the longest rectangle is 6 % too long, 2.6 of these sigmas.
+    const double sigma = 2.0 * std::hypot(shape.spacing, shape.thickness);
     for (const Plane& plane : shape.planes) {
       offer(plane.extents.x(), sigma);
       offer(plane.extents.y(), sigma);
