@@ -21,4 +21,16 @@ struct Pose {
 /// units, in C.
 using PoseCovariance = Eigen::Matrix<double, 6, 6>;
 
+/// The same pose with components of another frame X in C's place; R takes C's components to X's.
+inline Pose turned(const Eigen::Matrix3d& R_XC, const Pose& pose) {
+  return {.R_CT = R_XC * pose.R_CT, .p_CT = R_XC * pose.p_CT};
+}
+
+inline PoseCovariance turned(const Eigen::Matrix3d& R_XC, const PoseCovariance& covariance) {
+  PoseCovariance by = PoseCovariance::Zero();
+  by.topLeftCorner<3, 3>() = R_XC;
+  by.bottomRightCorner<3, 3>() = R_XC;
+  return by * covariance * by.transpose();
+}
+
 }  // namespace polhode

@@ -21,6 +21,7 @@ void begin_map(const StartOutcome& outcome,
     Keyframe& keyframe = map->keyframes[id.index()];
     keyframe.frame = tracks.frames[f].frame;
     keyframe.timestamp_ns = tracks.frames[f].timestamp_ns;
+    keyframe.R_IC = tracks.frames[f].R_IC;
     keyframe.pose = transformed(outcome.frames[f].pose, to_T);
     keyframe.features = tracks.frames[f].features;
     keyframe_of[f] = id;

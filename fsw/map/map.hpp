@@ -18,6 +18,7 @@ struct Keyframe {
   std::uint32_t number = 0;  ///< ascending in time, never used twice
   std::uint32_t frame = 0;
   std::int64_t timestamp_ns = 0;
+  Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();  ///< the observer's attitude at that time
   Pose pose;
   Features features;
   std::array<LandmarkId, limits::kFeatures> landmark_of{};  ///< per feature

@@ -17,6 +17,13 @@ struct PoseSample {
       PoseCovariance::Zero();  ///< of (phi, dp), in C; both diagonal blocks positive definite
 };
 
+/// With components of another frame X in C's place; as turned() of a pose.
+inline PoseSample turned(const Eigen::Matrix3d& R_XC, const PoseSample& sample) {
+  return {.timestamp_ns = sample.timestamp_ns,
+          .pose = turned(R_XC, sample.pose),
+          .covariance = turned(R_XC, sample.covariance)};
+}
+
 /// Time strictly increasing. The caller owns it.
 using PoseHistory = FixedVector<PoseSample, limits::kMotionPoses>;
 

@@ -105,6 +105,7 @@ void collect(Component::State* s) {
   }
   add_frame(s->frame,
             s->timestamp_ns,
+            s->motion.R_IC,
             s->features,
             s->parameters.tracks.descriptor_ratio_max,
             &s->tracks);

@@ -73,7 +73,7 @@ FixedVector<BridgeFrame, limits::kStartFrames> predicted_beside(const Component:
   for (std::size_t f = 0; f < s.job.start.outcome.frames.size(); ++f) {
     PosePrediction predicted;
     if (s.job.start.outcome.frames[f].valid &&
-        predict_pose(s, s.tracks.frames[f].timestamp_ns, &predicted)) {
+        predict_pose(s, s.tracks.frames[f].timestamp_ns, s.tracks.frames[f].R_IC, &predicted)) {
       (void)frames.push_back(
           {.start = s.job.start.outcome.frames[f].pose,
            .predicted = predicted.pose,
@@ -159,9 +159,10 @@ void restate_poses(Component::State* s) {
     }
     const bool solved = pose_from_keyframe(keyframe, s);
     if (keyframe.frame != s->frame && solved) {
-      (void)poses.push_back({.timestamp_ns = keyframe.timestamp_ns,
-                             .pose = s->localised.absolute.pose,
-                             .covariance = s->localised.absolute.covariance});
+      (void)poses.push_back(turned(keyframe.R_IC,
+                                   PoseSample{.timestamp_ns = keyframe.timestamp_ns,
+                                              .pose = s->localised.absolute.pose,
+                                              .covariance = s->localised.absolute.covariance}));
     }
     s->pose_valid = keyframe.frame == s->frame && solved;
   }

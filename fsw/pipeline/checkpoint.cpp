@@ -28,6 +28,8 @@ struct Remembered {
   MapDrift drift;
   double noise_scale = 1.0;
   std::int32_t keyframes_at_last_adjustment = 0;
+  Eigen::Matrix3d R_IC;
+  bool observer_known = false;
   RigidModel model;
   std::uint32_t poses_since_fit = 0;
   std::uint32_t disagreements = 0;
@@ -53,6 +55,8 @@ Remembered remember(const Component::State& s) {
           .drift = s.drift,
           .noise_scale = s.noise_scale,
           .keyframes_at_last_adjustment = s.keyframes_at_last_adjustment,
+          .R_IC = s.motion.R_IC,
+          .observer_known = s.motion.observer_known,
           .model = s.motion.model,
           .poses_since_fit = s.motion.poses_since_fit,
           .disagreements = s.motion.disagreements,
@@ -76,6 +80,8 @@ void recall(const Remembered& r, Component::State* s) {
   s->drift = r.drift;
   s->noise_scale = r.noise_scale;
   s->keyframes_at_last_adjustment = r.keyframes_at_last_adjustment;
+  s->motion.R_IC = r.R_IC;
+  s->motion.observer_known = r.observer_known;
   s->motion.model = r.model;
   s->motion.poses_since_fit = r.poses_since_fit;
   s->motion.disagreements = r.disagreements;

@@ -58,8 +58,10 @@ std::uint32_t due_step(const Job& job);
 
 struct StepInput {
   Frame frame;
-  /// The observer's attitude at the frame: q_IC, w, x, y, z, C's components to inertial ones.
-  std::array<double, 4> q_IC{1.0, 0.0, 0.0, 0.0};
+  /// The observer's attitude at the frame: q_IC, w, x, y, z, C's components to inertial ones. Without
+  /// it the last attitude and rate that came by command are carried on; without those the camera
+  /// keeps its attitude.
+  std::optional<std::array<double, 4>> q_IC = {};
   Job* finished = nullptr;  ///< the job that names this step, run to its end; else nullptr
   /// Libraries have drawn on the reserve since the last step: for a while less is asked of them
   /// (fewer features, a smaller window), and the step is counted.

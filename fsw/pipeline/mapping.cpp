@@ -114,7 +114,7 @@ void move_with(const Keyframe& keyframe, Component::State* s) {
     s->localised.absolute.pose = keyframe.pose;
     return;
   }
-  move_pose(keyframe.timestamp_ns, keyframe.pose, s);
+  move_pose(keyframe, s);
 }
 
 }  // namespace
@@ -180,6 +180,7 @@ void extend_map(Component::State* s) {
     ++s->counters.tables_full;
     return;
   }
+  s->map.keyframes[id.index()].R_IC = s->motion.R_IC;
   ++s->counters.keyframes_inserted;
   add_keyframe_error(localised, &s->drift);
   s->counters.keyframes_culled += s->map.keyframe_count == count_before ? 1 : 0;

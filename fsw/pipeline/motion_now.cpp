@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "geometry/so3.hpp"
 #include "motion/fit_poses.hpp"
@@ -17,17 +18,6 @@ namespace {
 constexpr double kChi2Max = 4.0 * 22.5;
 constexpr std::uint32_t kDisagreementsMax = 3;
 
-Pose turned(const Eigen::Matrix3d& R, const Pose& pose) {
-  return {.R_CT = R * pose.R_CT, .p_CT = R * pose.p_CT};
-}
-
-PoseCovariance turned(const Eigen::Matrix3d& R, const PoseCovariance& covariance) {
-  PoseCovariance by = PoseCovariance::Zero();
-  by.topLeftCorner<3, 3>() = R;
-  by.bottomRightCorner<3, 3>() = R;
-  return by * covariance * by.transpose();
-}
-
 bool holds(const MotionNow& m) {
   return m.model.accepted() && m.disagreements < kDisagreementsMax;
 }
@@ -40,14 +30,13 @@ const Keyframe* keyframe_at(std::int64_t timestamp_ns, const Map& map) {
 }
 
 /// Adjustments move keyframes after their poses were remembered, and the poses since then with them.
-/// An observer that turned between is not in the keyframes: its poses stay as they were.
 void follow_map(const Map& map, PoseHistory& poses) {
   Pose from;  // what the last keyframe's pose was, and is
   Pose to;
   for (PoseSample& sample : poses) {
     if (const Keyframe* keyframe = keyframe_at(sample.timestamp_ns, map)) {
       from = sample.pose;
-      to = keyframe->pose;
+      to = turned(keyframe->R_IC, keyframe->pose);
       sample.pose = to;
       continue;
     }
@@ -68,9 +57,7 @@ bool due(const MotionNow& m) {
 
 void fit(Component::State* s) {
   MotionNow& m = s->motion;
-  if (m.R_IC.isIdentity(0.0)) {
-    follow_map(s->map, m.snapshot.poses);
-  }
+  follow_map(s->map, m.snapshot.poses);
   m.snapshot.drift = turned(m.R_IC, polhode::covariance(s->drift));
   m.snapshot.body_radius = s->map.radius_mu;
   m.snapshot.options = s->parameters.motion;
@@ -88,14 +75,8 @@ void check(const PoseSample& sample, const PoseCovariance& drift_I, MotionNow* m
   }
 }
 
-PoseSample turned(const Eigen::Matrix3d& R, const PoseSample& sample) {
-  return {.timestamp_ns = sample.timestamp_ns,
-          .pose = turned(R, sample.pose),
-          .covariance = turned(R, sample.covariance)};
-}
-
 /// Both in order of time; where they meet the new one stays, and a full table loses its oldest.
-void merge(std::span<const PoseSample> news, const Eigen::Matrix3d& R_IC, PoseHistory& history) {
+void merge(std::span<const PoseSample> news, PoseHistory& history) {
   const PoseHistory old = history;
   history.clear();
   std::size_t next = 0;
@@ -103,7 +84,7 @@ void merge(std::span<const PoseSample> news, const Eigen::Matrix3d& R_IC, PoseHi
     for (; next < old.size() && old[next].timestamp_ns < sample.timestamp_ns; ++next) {
       (void)remember(history, old[next]);
     }
-    (void)remember(history, turned(R_IC, sample));
+    (void)remember(history, sample);
   }
   for (; next < old.size(); ++next) {
     (void)remember(history, old[next]);  // refuses what a new one has replaced
@@ -145,13 +126,52 @@ Result<RateEstimate> rates_by_model(const MotionNow& m) {
   return rates;
 }
 
+std::optional<Eigen::Quaterniond> told_attitude(const StepInput& input,
+                                                const ServicerAttitude& servicer) {
+  if (input.q_IC) {
+    const std::array<double, 4>& q = *input.q_IC;
+    return Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+  }
+  if (!servicer.known) {
+    return std::nullopt;
+  }
+  const double since_s =
+      1e-9 * static_cast<double>(input.frame.timestamp_ns - servicer.timestamp_ns);
+  return servicer.q_IC * Eigen::Quaterniond(so3_exp(since_s * servicer.w_C_rad_s));
+}
+
+/// All that is remembered, from I as it was taken to be into I as it is.
+void turn_past(const Eigen::Matrix3d& R, Component::State* s) {
+  if (R.isIdentity(0.0)) {
+    return;
+  }
+  for (Keyframe& keyframe : s->map.keyframes) {
+    keyframe.R_IC = R * keyframe.R_IC;
+  }
+  for (CollectedFrame& frame : s->tracks.frames) {
+    frame.R_IC = R * frame.R_IC;
+  }
+  for (PoseHistory* const history : {&s->motion.recent, &s->motion.snapshot.poses}) {
+    for (PoseSample& sample : *history) {
+      sample = turned(R, sample);
+    }
+  }
+  s->motion.model = {};
+}
+
 }  // namespace
 
-void set_observer(const std::array<double, 4>& q_IC, Component::State* s) {
-  const Eigen::Quaterniond q(q_IC[0], q_IC[1], q_IC[2], q_IC[3]);
+void set_observer(const StepInput& input, Component::State* s) {
+  const std::optional<Eigen::Quaterniond> q_IC = told_attitude(input, s->bus.servicer);
   constexpr double kNormError = 1e-2;  // of a printed or single-precision unit quaternion, generously
-  if (std::abs(q.norm() - 1.0) < kNormError) {
-    s->motion.R_IC = q.normalized().toRotationMatrix();
+  if (!q_IC || !(std::abs(q_IC->norm() - 1.0) < kNormError)) {
+    return;
+  }
+  MotionNow& m = s->motion;
+  m.R_IC = q_IC->normalized().toRotationMatrix();
+  if (!m.observer_known) {
+    m.observer_known = true;
+    turn_past(m.R_IC, s);
   }
 }
 
@@ -182,18 +202,17 @@ void remember_motion(std::int64_t timestamp_ns,
 void restate_motion(std::span<const PoseSample> start, Component::State* s) {
   MotionNow& m = s->motion;
   for (PoseHistory* const history : {&m.recent, &m.snapshot.poses}) {
-    merge(start, m.R_IC, *history);
+    merge(start, *history);
   }
   m.model = {};
   m.poses_since_fit += static_cast<std::uint32_t>(start.size());
 }
 
-void move_pose(std::int64_t timestamp_ns, const Pose& pose, Component::State* s) {
-  MotionNow& m = s->motion;
-  for (PoseHistory* const history : {&m.recent, &m.snapshot.poses}) {
+void move_pose(const Keyframe& keyframe, Component::State* s) {
+  for (PoseHistory* const history : {&s->motion.recent, &s->motion.snapshot.poses}) {
     for (PoseSample& sample : *history) {
-      if (sample.timestamp_ns == timestamp_ns) {
-        sample.pose = turned(m.R_IC, pose);
+      if (sample.timestamp_ns == keyframe.timestamp_ns) {
+        sample.pose = turned(keyframe.R_IC, keyframe.pose);
       }
     }
   }
@@ -230,7 +249,9 @@ Result<RateEstimate> rates_now(const Component::State& s) {
   return rates;
 }
 
-Result<PosePrediction> predict_by_motion(const Component::State& s, std::int64_t timestamp_ns) {
+Result<PosePrediction> predict_by_motion(const Component::State& s,
+                                         std::int64_t timestamp_ns,
+                                         const Eigen::Matrix3d& R_IC) {
   const MotionNow& m = s.motion;
   Result<PosePrediction> predicted = ErrorCode::kTooFewObservations;
   if (!m.recent.empty() && holds(m)) {
@@ -251,14 +272,14 @@ Result<PosePrediction> predict_by_motion(const Component::State& s, std::int64_t
     predicted = predict_pose(m.recent.view(), timestamp_ns, s.parameters.motion);
   }
   if (predicted) {
-    predicted.value().pose = turned(m.R_IC.transpose(), predicted.value().pose);
-    predicted.value().covariance = turned(m.R_IC.transpose(), predicted.value().covariance);
+    predicted.value().pose = turned(R_IC.transpose(), predicted.value().pose);
+    predicted.value().covariance = turned(R_IC.transpose(), predicted.value().covariance);
   }
   return predicted;
 }
 
-Pose last_pose_now(const Component::State& s) {
-  return turned(s.motion.R_IC.transpose(), s.motion.recent.back().pose);
+Pose last_pose_seen(const Component::State& s, const Eigen::Matrix3d& R_IC) {
+  return turned(R_IC.transpose(), s.motion.recent.back().pose);
 }
 
 }  // namespace polhode

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "map/map.hpp"
 #include "motion/rates.hpp"
 #include "motion/rigid_model.hpp"
 #include "pipeline/component.hpp"
@@ -14,6 +15,7 @@ namespace polhode {
 
 struct MotionNow {
   Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();  ///< the observer's attitude at this frame
+  bool observer_known = false;  ///< it was told; else C stands in for I
   PoseHistory recent;  ///< in I, one by one; errors of single frames, without the map's drift
   MotionSnapshot snapshot;  ///< of the next fit; its poses are the past, thinned
   MotionWorkspace workspace;
@@ -22,9 +24,10 @@ struct MotionNow {
   std::uint32_t disagreements = 0;  ///< poses in succession that are not where the model has them
 };
 
-/// The observer's attitude q_IC (w, x, y, z) at the frame that begins. What is not a rotation leaves
-/// the last one.
-void set_observer(const std::array<double, 4>& q_IC, Component::State* state);
+/// The observer's attitude at the frame that begins: the frame's own, else the one last told by command
+/// and turned on at its rate. What is not a rotation leaves the last one. With the first attitude of a
+/// run the poses so far, for which C stood in for I, are turned into I.
+void set_observer(const StepInput& input, Component::State* state);
 
 /// A pose found at `timestamp_ns`, in C. The dynamics are fitted anew when that is due.
 void remember_motion(std::int64_t timestamp_ns,
@@ -34,12 +37,12 @@ void remember_motion(std::int64_t timestamp_ns,
 
 using StartPoses = FixedVector<PoseSample, limits::kKeyframes>;
 
-/// The poses of a start's keyframes, in order of time and in C, come into the past or replace what is
-/// there at their times. The observer is taken to have kept its attitude since.
+/// The poses of a start's keyframes, in order of time and in I, come into the past or replace what is
+/// there at their times.
 void restate_motion(std::span<const PoseSample> start, Component::State* state);
 
-/// The pose at that time, where there is one, has become another one by an adjustment; as above.
-void move_pose(std::int64_t timestamp_ns, const Pose& pose, Component::State* state);
+/// The pose at the keyframe's time, where there is one, has become the keyframe's by an adjustment.
+void move_pose(const Keyframe& keyframe, Component::State* state);
 
 /// T is another one from here on: nothing of the poses so far holds.
 void forget_motion(Component::State* state);
@@ -48,12 +51,13 @@ void forget_motion(Component::State* state);
 /// the last two poses in paper mode. Velocity in C, unit of the poses. @errors as estimate_rates().
 Result<RateEstimate> rates_now(const Component::State& state);
 
-/// The pose in C at a time not before the last pose's, the observer's attitude being that of this
-/// frame. @errors as predict_pose() of motion/rates.hpp.
-Result<PosePrediction> predict_by_motion(const Component::State& state, std::int64_t timestamp_ns);
+/// The pose in C at a time not before the last pose's, for an observer with the attitude R_IC. @errors as predict_pose() of motion/rates.hpp.
+Result<PosePrediction> predict_by_motion(const Component::State& state,
+                                         std::int64_t timestamp_ns,
+                                         const Eigen::Matrix3d& R_IC);
 
-/// The last pose as this frame's observer would see it, had the target not moved since; there must be
-/// one.
-Pose last_pose_now(const Component::State& state);
+/// The last pose as an observer with the attitude R_IC would see it, had the target not moved since;
+/// there must be one.
+Pose last_pose_seen(const Component::State& state, const Eigen::Matrix3d& R_IC);
 
 }  // namespace polhode

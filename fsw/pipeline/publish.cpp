@@ -47,17 +47,6 @@ std::array<double, 4> continuous_quaternion(const Eigen::Matrix3d& R_CT,
   return *last;
 }
 
-/// Rates seen from a camera that turns are those relative to inertial space less its own.
-void add_servicer_motion(const Eigen::Vector3d& w_CI_C, MotionState* m) {
-  const Eigen::Quaterniond q_CT(m->q_CT[0], m->q_CT[1], m->q_CT[2], m->q_CT[3]);
-  const Eigen::Vector3d w_CI_T = q_CT.conjugate() * w_CI_C;
-  const Eigen::Vector3d transport = w_CI_C.cross(Eigen::Vector3d(m->p_CT.data()));
-  for (std::size_t i = 0; i < 3; ++i) {
-    m->w_T_rad_s[i] += w_CI_T[static_cast<Eigen::Index>(i)];
-    m->v_C[i] += transport[static_cast<Eigen::Index>(i)];
-  }
-}
-
 void fill_rates(double unit, const Component::State& s, MotionState* m) {
   const Result<RateEstimate> rates = rates_now(s);
   if (!rates) {
@@ -70,9 +59,6 @@ void fill_rates(double unit, const Component::State& s, MotionState* m) {
     v *= unit;
   }
   m->sigma_vel *= unit;
-  if (s.bus.servicer.known) {
-    add_servicer_motion(s.bus.servicer.w_C_rad_s, m);
-  }
 }
 
 void list_observations(Component::State* s) {

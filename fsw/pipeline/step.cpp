@@ -107,7 +107,7 @@ const StepOutput& Component::step(const StepInput& input) {
   if (s->mode == Mode::kIdle && !s->bus.held) {
     s->mode = Mode::kAcquiring;
   }
-  set_observer(input.q_IC, s);
+  set_observer(input, s);
   FrameUse use = judge(input.frame, *s);
   if (use == FrameUse::kUsed) {
     use = take_picture(input.frame, s);

@@ -62,7 +62,7 @@ void send_prediction(const MotionState& motion, Component::State* s) {
       motion.timestamp_ns + std::llround(s->parameters.bus.prediction_ahead_s * 1e9);
   packet.flags = flag_if(s->scale.known, flag::kFlagScaleKnown);
   const Result<PosePrediction> predicted =
-      predict_by_motion(*s, packet.predicted_timestamp_ns);
+      predict_by_motion(*s, packet.predicted_timestamp_ns, s->motion.R_IC);
   if (predicted) {
     const double unit = s->scale.metres_per_mu;
     std::array<double, 4> q_CT = motion.q_CT;

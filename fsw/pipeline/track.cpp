@@ -27,7 +27,7 @@ bool plausible(const PosePrediction& predicted, const Component::State& s) {
   constexpr double kDepthError = 0.05;
   constexpr double kAllowance_rad = 0.0175;
   const AbsolutePose& found = s.localised.absolute;
-  const double step_rad = rotation_angle_rad(last_pose_now(s).R_CT, predicted.pose.R_CT);
+  const double step_rad = rotation_angle_rad(last_pose_seen(s, s.motion.R_IC).R_CT, predicted.pose.R_CT);
   const double sigma_rad =
       std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
                 found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
@@ -197,12 +197,15 @@ bool relocalise_frame(Component::State* s) {
          2 * s->localised.absolute.inliers >= static_cast<int>(s->localised.matches.size());
 }
 
-bool predict_pose(const Component::State& s, std::int64_t timestamp_ns, PosePrediction* predicted) {
+bool predict_pose(const Component::State& s,
+                  std::int64_t timestamp_ns,
+                  const Eigen::Matrix3d& R_IC,
+                  PosePrediction* predicted) {
   if (s.motion.recent.empty()) {
     return false;
   }
-  const Pose last = last_pose_now(s);
-  const Result<PosePrediction> by_motion = predict_by_motion(s, timestamp_ns);
+  const Pose last = last_pose_seen(s, R_IC);
+  const Result<PosePrediction> by_motion = predict_by_motion(s, timestamp_ns, R_IC);
   *predicted = by_motion ? by_motion.value() : PosePrediction{.pose = last};
   // Extrapolated through the camera: the last place is the better guess.
   if (!(predicted->pose.p_CT.z() > 0.1 * last.p_CT.z())) {
@@ -213,7 +216,7 @@ bool predict_pose(const Component::State& s, std::int64_t timestamp_ns, PosePred
 
 void track(Component::State* s) {
   PosePrediction predicted;
-  const bool has_prediction = predict_pose(*s, s->timestamp_ns, &predicted);
+  const bool has_prediction = predict_pose(*s, s->timestamp_ns, s->motion.R_IC, &predicted);
   const bool found = has_prediction && (try_flow(predicted, s) || try_guided(predicted, s));
   const bool everywhere =
       !found && relocalise_frame(s) && (!has_prediction || believable(predicted, *s));

@@ -18,6 +18,7 @@ LocaliseInput localise_input(const Component::State& state);
 /// Where the body should be at a time by its motion so far. False when no pose is known.
 bool predict_pose(const Component::State& state,
                   std::int64_t timestamp_ns,
+                  const Eigen::Matrix3d& R_IC,
                   PosePrediction* predicted);
 
 }  // namespace polhode

@@ -79,6 +79,7 @@ void drop_oldest_frame(TrackTable* table) {
 
 void add_frame(std::uint32_t frame,
                std::int64_t timestamp_ns,
+               const Eigen::Matrix3d& R_IC,
                const Features& features,
                double ratio_max,
                TrackTable* table) {
@@ -90,6 +91,7 @@ void add_frame(std::uint32_t frame,
   CollectedFrame& collected = table->frames[latest];
   collected.frame = frame;
   collected.timestamp_ns = timestamp_ns;
+  collected.R_IC = R_IC;
   collected.features = features;
   table->track_of[latest].fill(-1);
   constexpr std::size_t kLookBack = 3;  // bridges a spot that was missed in one or two frames

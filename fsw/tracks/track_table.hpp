@@ -1,6 +1,7 @@
 // Tracks before there is a map: the same spot of the body over several selected frames.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 
@@ -15,6 +16,7 @@ namespace polhode {
 struct CollectedFrame {
   std::uint32_t frame = 0;
   std::int64_t timestamp_ns = 0;
+  Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();  ///< the observer's attitude at that time
   Features features;
 };
 
@@ -40,6 +42,7 @@ struct TrackTable {
 /// frames by mutual best descriptors, nearest frame first. A full table forgets its oldest frame.
 void add_frame(std::uint32_t frame,
                std::int64_t timestamp_ns,
+               const Eigen::Matrix3d& R_IC,
                const Features& features,
                double ratio_max,
                TrackTable* table);

@@ -75,18 +75,27 @@ class Pace {
   Clock::time_point start_ = Clock::now();
 };
 
+/// What a replay works with from its first frame to its last.
 struct Run {
   const Sequence& sequence;
   const ServicerAttitude& servicer;
   Component& component;
-  Worker& worker;
-  DeadlineMonitor& deadline;
-  FrameFiles& files;
-  Timings& timings;
-  RunRecord& record;
-  std::vector<MotionState>& published;
-  CommandFile& commands;
-  Transports& transports;
+  CommandFile commands;
+  Transports transports;
+  Worker worker;
+  DeadlineMonitor deadline;
+  FrameFiles files;
+  Timings timings;
+  RunRecord record;
+  std::vector<MotionState> published;
+};
+
+/// What the frames cost.
+struct RunCost {
+  MachineUse at_start;
+  MachineUse after_frames;
+  PoolReport pools;
+  double wall_s = 0.0;
 };
 
 void write_frame(
@@ -105,7 +114,7 @@ void write_frame(
 const StepOutput& timed_step(Run& run, const Frame& frame) {
   StepInput input = next_input(run.component, run.worker, frame);
   input.commands = run.commands.due(frame.timestamp_ns);
-  input.q_IC = run.servicer.components(frame.timestamp_ns);
+  input.q_IC = run.servicer.told(frame.timestamp_ns);
   if (input.finished != nullptr) {
     run.timings.job.add(run.worker.last_duration());
   }
@@ -179,6 +188,32 @@ Component& make_component(const ComponentMemory& memory,
   return *made.value();
 }
 
+/// From the first frame to the last nothing is asked of the machine.
+RunCost run_sealed(Run& run, bool realtime) {
+  RunCost cost{.at_start = machine_use(), .after_frames = {}, .pools = {}};
+  const Clock::time_point start = Clock::now();
+  forget_pool_peaks();
+  seal_memory();
+  run_frames(run, realtime);
+  run.worker.finish();
+  cost.pools = report_pools();
+  unseal_memory();  // the end of a replay is work for the ground
+  cost.wall_s = seconds_since(start);
+  run.transports.flush();
+  cost.after_frames = machine_use();
+  return cost;
+}
+
+void finish_files(Run& run, const fs::path& folder) {
+  run.files.motion.close();
+  run.files.table.close();
+  finish_replay(
+      run.component,
+      run.sequence,
+      {.published = run.published, .observations = run.files.spool, .servicer = run.servicer},
+      folder);
+}
+
 }  // namespace
 
 void replay(const ReplayArguments& arguments) {
@@ -191,70 +226,47 @@ void replay(const ReplayArguments& arguments) {
   const ComponentMemory memory(parameters, arguments.config.string());
   Component& component = make_component(memory, parameters, arguments);
   prepare_output_folder(arguments.out);
-  Transports transports({.send = options.transport.send, .receive = {}});
 
   const std::size_t frames = sequence.frames.size();
-  Timings timings(frames);
-  component.set_stage_hook(Timings::hook, &timings);
-  FrameFiles files(arguments.out, frames);
-  RunRecord record;
-  std::vector<MotionState> published;
-  published.reserve(frames);
-  Worker worker({.own_thread = !arguments.one_core && parameters.jobs.delay_frames > 0,
-                 .latency_ms_max = arguments.job_latency_ms,
-                 .job_octets = job_worst_case(parameters)});
-  DeadlineMonitor deadline(parameters.budget.frame_ms);
-  Run run{sequence,
-          servicer,
-          component,
-          worker,
-          deadline,
-          files,
-          timings,
-          record,
-          published,
-          commands,
-          transports};
+  Run run{.sequence = sequence,
+          .servicer = servicer,
+          .component = component,
+          .commands = std::move(commands),
+          .transports = Transports({.send = options.transport.send, .receive = {}}),
+          .worker = Worker({.own_thread = !arguments.one_core && parameters.jobs.delay_frames > 0,
+                            .latency_ms_max = arguments.job_latency_ms,
+                            .job_octets = job_worst_case(parameters)}),
+          .deadline = DeadlineMonitor(parameters.budget.frame_ms),
+          .files = FrameFiles(arguments.out, frames),
+          .timings = Timings(frames),
+          .record = {},
+          .published = {}};
+  run.published.reserve(frames);
+  component.set_stage_hook(Timings::hook, &run.timings);
 
-  const MachineUse at_start = machine_use();
-  const Clock::time_point start = Clock::now();
-  forget_pool_peaks();
-  seal_memory();
-  run_frames(run, arguments.realtime);
-  worker.finish();
-  const PoolReport pools = report_pools();
-  unseal_memory();  // the end of a replay is work for the ground
-  const double wall_s = seconds_since(start);
-  transports.flush();
-  const MachineUse after_frames = machine_use();
-  files.motion.close();
-  files.table.close();
-  const std::string bus_sha256 = files.bus.finish();
-
+  const RunCost cost = run_sealed(run, arguments.realtime);
+  const std::string bus_sha256 = run.files.bus.finish();
   const Clock::time_point finish_start = Clock::now();
-  finish_replay(component,
-                sequence,
-                {.published = published, .observations = files.spool, .servicer = servicer},
-                arguments.out);
+  finish_files(run, arguments.out);
   const Counters& counters = component.counters();
   write_summary(arguments.out / "summary.json",
-                {.record = record,
-                 .timings = timings,
+                {.record = run.record,
+                 .timings = run.timings,
                  .counters = counters,
                  .parameters = parameters,
                  .sequence = arguments.sequence.string(),
                  .config_hash = sha256_of(canonical_text(parameters)),
                  .bus_sha256 = bus_sha256,
-                 .bus_octets = files.bus.octets(),
+                 .bus_octets = run.files.bus.octets(),
                  .plan = memory.plan(),
-                 .pools = pools,
-                 .deadline = deadline,
-                 .at_start = at_start,
-                 .after_frames = after_frames,
+                 .pools = cost.pools,
+                 .deadline = run.deadline,
+                 .at_start = cost.at_start,
+                 .after_frames = cost.after_frames,
                  .at_end = machine_use(),
-                 .wall_s = wall_s,
+                 .wall_s = cost.wall_s,
                  .finish_s = seconds_since(finish_start)});
-  fmt::print("{}\nwritten to {}\n", result_sentence(record, counters), arguments.out.string());
+  fmt::print("{}\nwritten to {}\n", result_sentence(run.record, counters), arguments.out.string());
 }
 
 }  // namespace polhode::platform

@@ -100,6 +100,15 @@ std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
   return recorder;
 }
 
+void open_packet_log(const fs::path& folder, std::optional<PacketLog>* packets) {
+  if (folder.empty()) {
+    return;
+  }
+  std::error_code problem;  // told by the file that then cannot be opened
+  fs::create_directories(folder, problem);
+  packets->emplace(folder / "bus.ccsds");
+}
+
 /// From the first frame to the last nothing is asked of the machine.
 LiveEnd run_sealed(LiveParts& parts, const RunOptions& wish) {
   seal_memory();
@@ -144,11 +153,7 @@ void run_command(const RunArguments& arguments) {
   say("start %s", beginning.how().c_str());
 
   std::optional<PacketLog> packets;
-  if (!machine.run.folder.empty()) {
-    std::error_code problem;
-    fs::create_directories(machine.run.folder, problem);
-    packets.emplace(fs::path(machine.run.folder) / "bus.ccsds");
-  }
+  open_packet_log(machine.run.folder, &packets);
   const auto recorder = make_recorder(machine, parameters, beginning.content());
   std::optional<CheckpointWriter> checkpoint;
   if (!machine.run.checkpoint.empty()) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace polhode::platform {
@@ -22,9 +23,13 @@ class ServicerAttitude {
   [[nodiscard]] Eigen::Matrix3d R_IC(std::int64_t timestamp_ns) const {
     return q_IC(timestamp_ns).toRotationMatrix();
   }
-  [[nodiscard]] std::array<double, 4> components(std::int64_t timestamp_ns) const {
+  /// For the step: w, x, y, z; nothing without rows.
+  [[nodiscard]] std::optional<std::array<double, 4>> told(std::int64_t timestamp_ns) const {
+    if (rows_.empty()) {
+      return std::nullopt;
+    }
     const Eigen::Quaterniond q = q_IC(timestamp_ns);
-    return {q.w(), q.x(), q.y(), q.z()};
+    return std::array<double, 4>{q.w(), q.x(), q.y(), q.z()};
   }
 
  private:

@@ -8,15 +8,6 @@
 namespace polhode::platform {
 namespace {
 
-PoseSample turned(const Eigen::Matrix3d& R, const PoseSample& sample) {
-  PoseCovariance by = PoseCovariance::Zero();
-  by.topLeftCorner<3, 3>() = R;
-  by.bottomRightCorner<3, 3>() = R;
-  return {.timestamp_ns = sample.timestamp_ns,
-          .pose = {.R_CT = R * sample.pose.R_CT, .p_CT = R * sample.pose.p_CT},
-          .covariance = by * sample.covariance * by.transpose()};
-}
-
 PoseSample in_body(const AbsolutePose& absolute,
                    std::int64_t timestamp_ns,
                    const BodyFrame& body,

@@ -68,7 +68,7 @@ TEST(ModelJson, InPaperModeHasNoFit) {
 TEST(ServicerAttitude, WithoutAFileIsHeld) {
   const TemporaryFolder folder;
   const auto attitude = ServicerAttitude::of_sequence(folder.path());
-  EXPECT_EQ(attitude.components(5), (std::array<double, 4>{1.0, 0.0, 0.0, 0.0}));
+  EXPECT_FALSE(attitude.told(5).has_value());
 }
 
 TEST(ServicerAttitude, IsInterpolatedAndHeldAtItsEnds) {
@@ -76,9 +76,9 @@ TEST(ServicerAttitude, IsInterpolatedAndHeldAtItsEnds) {
   std::ofstream(folder.path() / "servicer_attitude.csv")
       << "#timestamp_ns,q_IC_w,q_IC_x,q_IC_y,q_IC_z\n100,1,0,0,0\n200,0.5,0,0,0.8660254037844386\n";
   const auto attitude = ServicerAttitude::of_sequence(folder.path());
-  EXPECT_NEAR(attitude.components(150)[3], 0.5, 1e-12);  // half of 120 deg about z
-  EXPECT_EQ(attitude.components(50)[0], 1.0);
-  EXPECT_NEAR(attitude.components(300)[0], 0.5, 1e-12);
+  EXPECT_NEAR(attitude.q_IC(150).z(), 0.5, 1e-12);  // half of 120 deg about z
+  EXPECT_EQ(attitude.told(50), (std::array<double, 4>{1.0, 0.0, 0.0, 0.0}));
+  EXPECT_NEAR(attitude.q_IC(300).w(), 0.5, 1e-12);
 }
 
 TEST(ServicerAttitude, ThatCannotBeReadIsRefusedWithItsLine) {

@@ -40,8 +40,12 @@ struct Fixture {
       f.descriptor = look_of(spot);
       ASSERT_TRUE(features->push_back(f));
     }
-    add_frame(
-        next_frame, 1000 * static_cast<std::int64_t>(next_frame), *features, 0.8, table.get());
+    add_frame(next_frame,
+              1000 * static_cast<std::int64_t>(next_frame),
+              Eigen::Matrix3d::Identity(),
+              *features,
+              0.8,
+              table.get());
     ++next_frame;
   }
 
