@@ -29,6 +29,27 @@ double view_angle_rad(const Pose& a, const Pose& b, const Eigen::Vector3d& centr
   return std::acos(std::clamp(to_a.dot(to_b), -1.0, 1.0));
 }
 
+/// Have the two been adjusted against each other? Those of one stretch of time have, and those that
+/// a closed loop has tied. Between others stands the drift, and a match along an epipolar line that
+/// is off by it is a match by chance.
+bool connected(const Keyframe& a, const Keyframe& b) {
+  constexpr int kSharedMin = 15;
+  if (std::max(a.number, b.number) - std::min(a.number, b.number) <= kRecentKeyframes) {
+    return true;
+  }
+  std::array<bool, limits::kLandmarks> seen{};
+  for (std::size_t i = 0; i < a.features.size(); ++i) {
+    if (a.landmark_of[i].valid()) {
+      seen[a.landmark_of[i].index()] = true;
+    }
+  }
+  int shared = 0;
+  for (std::size_t i = 0; i < b.features.size(); ++i) {
+    shared += b.landmark_of[i].valid() && seen[b.landmark_of[i].index()] ? 1 : 0;
+  }
+  return shared >= kSharedMin;
+}
+
 /// Keyframes whose view of the body differs by enough for depth and little enough for descriptors,
 /// best first: the ideal is 12 deg, where the depth error is small and SIFT still repeats.
 FixedVector<KeyframeId, limits::kKeyframes> partners_of(KeyframeId keyframe,
@@ -41,7 +62,8 @@ FixedVector<KeyframeId, limits::kKeyframes> partners_of(KeyframeId keyframe,
   FixedVector<KeyframeId, limits::kKeyframes> partners;
   for (const KeyframeId id : keyframes_by_age(map)) {
     const double angle = view_angle_rad(own.pose, map.keyframes[id.index()].pose, map.centre_T);
-    if (id == keyframe || angle < options.parallax_min_rad || angle > kMost_rad) {
+    if (id == keyframe || angle < options.parallax_min_rad || angle > kMost_rad ||
+        !connected(own, map.keyframes[id.index()])) {
       continue;
     }
     merit[id.index()] = std::abs(std::log(angle / kIdeal_rad));
@@ -199,6 +221,13 @@ void match_partner(KeyframeId a,
   }
 }
 
+/// Was the landmark seen shortly before or after the keyframe, or both in the stretch before a loop
+/// and in that after it? Else the drift stands between.
+bool of_same_stretch(const Landmark& landmark, const Keyframe& keyframe) {
+  return keyframe.number + kRecentKeyframes >= landmark.created_keyframe &&
+         keyframe.number <= landmark.seen_keyframe + kRecentKeyframes;
+}
+
 /// Looks for one landmark among the free features of one keyframe.
 std::int32_t find_in(const Landmark& landmark,
                      const Keyframe& keyframe,
@@ -286,7 +315,8 @@ int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* 
     }
     for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
       const Landmark& landmark = map->landmarks[i];
-      if (!landmark.used || seen[i] || landmark.number < first_number) {
+      if (!landmark.used || seen[i] || landmark.number < first_number ||
+          !of_same_stretch(landmark, keyframe)) {
         continue;
       }
       const std::int32_t feature = find_in(landmark, keyframe, grid, camera);

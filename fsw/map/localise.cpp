@@ -81,8 +81,7 @@ void add_match(const LocaliseInput& input,
 }
 
 bool takes_part(const LocaliseInput& input, const Landmark& landmark) {
-  const bool old = landmark.seen_keyframe + kRecentKeyframes < input.map->next_keyframe_number;
-  return landmark.used && (old || input.age == LandmarkAge::kAny);
+  return landmark.used && (input.age == LandmarkAge::kAny || is_old(landmark, *input.map));
 }
 
 void to_observations(const LocaliseInput& input,
@@ -120,6 +119,54 @@ double reach_px(const LocaliseInput& input, const AbsolutePose& absolute) {
   const double sigma_px =
       (turn_rad * input.map->radius_mu + shift) * input.camera->focal_px() / depth;
   return std::max(input.options->search_floor_px, 3.0 * sigma_px);
+}
+
+Result<bool> solve_all(const LocaliseInput& input,
+                       const Pose* hint,
+                       LocaliseScratch* scratch,
+                       LocalisedFrame* out) {
+  // With enough landmarks that have proved themselves the others only follow: they are marked by
+  // the pose of those.
+  constexpr std::ptrdiff_t kConfirmedMin = 30;
+  const auto first_unconfirmed = std::stable_partition(
+      out->matches.begin(), out->matches.end(), [&](const LandmarkMatch& match) {
+        return confirmed(input.map->landmarks[match.landmark.index()]);
+      });
+  const auto confirmed_count = first_unconfirmed - out->matches.begin();
+  to_observations(input, out->matches, scratch);
+  const auto all = scratch->observations.view();
+  const auto deciding =
+      confirmed_count >= kConfirmedMin ? all.first(static_cast<std::size_t>(confirmed_count)) : all;
+  const AbsolutePoseOptions options{.iterations_max = input.options->ransac_iterations_max,
+                                    .inliers_min = input.options->inliers_min,
+                                    .seed = input.seed,
+                                    .stream = input.stream};
+  const Result<AbsolutePose> pose =
+      absolute_pose(deciding, hint, options, flags(scratch).first(deciding.size()));
+  if (!pose) {
+    return pose.error();
+  }
+  out->absolute = pose.value();
+  out->absolute.inliers = mark_inliers(out->absolute.pose, all, flags(scratch));
+  mark(*scratch, &out->matches);
+  return true;
+}
+
+/// Of a side that has come back, seen through the drift since, some landmark or other stands within
+/// the gate of a wrong feature. Such ties hold the drift in place: an old side takes part where most
+/// of it agrees, else not at all.
+bool drop_old_side_that_disagrees(const Map& map, LandmarkMatches* matches) {
+  const auto old = [&](const LandmarkMatch& m) { return is_old(map.landmarks[m.landmark.index()], map); };
+  const auto count = std::count_if(matches->begin(), matches->end(), old);
+  const auto inliers = std::count_if(
+      matches->begin(), matches->end(), [&](const LandmarkMatch& m) { return m.inlier && old(m); });
+  constexpr std::ptrdiff_t kInliersMin = 8;
+  if (count == 0 || (inliers >= kInliersMin && 2 * inliers >= count)) {
+    return false;
+  }
+  matches->resize(static_cast<std::size_t>(
+      std::remove_if(matches->begin(), matches->end(), old) - matches->begin()));
+  return true;
 }
 
 Result<bool> polish(const LocaliseInput& input,
@@ -193,31 +240,12 @@ Result<bool> solve_matched(const LocaliseInput& input,
                            const Pose* hint,
                            LocaliseScratch* scratch,
                            LocalisedFrame* out) {
-  // With enough landmarks that have proved themselves the others only follow: they are marked by
-  // the pose of those.
-  constexpr std::ptrdiff_t kConfirmedMin = 30;
-  const auto first_unconfirmed = std::stable_partition(
-      out->matches.begin(), out->matches.end(), [&](const LandmarkMatch& match) {
-        return confirmed(input.map->landmarks[match.landmark.index()]);
-      });
-  const auto confirmed_count = first_unconfirmed - out->matches.begin();
-  to_observations(input, out->matches, scratch);
-  const auto all = scratch->observations.view();
-  const auto deciding =
-      confirmed_count >= kConfirmedMin ? all.first(static_cast<std::size_t>(confirmed_count)) : all;
-  const AbsolutePoseOptions options{.iterations_max = input.options->ransac_iterations_max,
-                                    .inliers_min = input.options->inliers_min,
-                                    .seed = input.seed,
-                                    .stream = input.stream};
-  const Result<AbsolutePose> pose =
-      absolute_pose(deciding, hint, options, flags(scratch).first(deciding.size()));
-  if (!pose) {
-    return pose.error();
+  Result<bool> solved = solve_all(input, hint, scratch, out);
+  if (solved && input.age == LandmarkAge::kAny &&
+      drop_old_side_that_disagrees(*input.map, &out->matches)) {
+    solved = solve_all(input, hint, scratch, out);
   }
-  out->absolute = pose.value();
-  out->absolute.inliers = mark_inliers(out->absolute.pose, all, flags(scratch));
-  mark(*scratch, &out->matches);
-  return true;
+  return solved;
 }
 
 Result<bool> localise_guided(const LocaliseInput& input,

@@ -49,6 +49,12 @@ enum class LandmarkAge : std::uint8_t {
 };
 inline constexpr std::uint32_t kRecentKeyframes = 15;
 
+/// Drift has come between such a landmark and the newest keyframes: only as part of a side that
+/// agrees as a whole does it say anything.
+inline bool is_old(const Landmark& landmark, const Map& map) {
+  return landmark.seen_keyframe + kRecentKeyframes < map.next_keyframe_number;
+}
+
 struct LocaliseInput {
   const Map* map = nullptr;
   const Features* features = nullptr;

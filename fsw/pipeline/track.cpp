@@ -45,7 +45,7 @@ bool comes_back(const Component::State& s) {
   int old_inliers = 0;
   for (const LandmarkMatch& match : s.localised.matches) {
     const Landmark& landmark = s.map.landmarks[match.landmark.index()];
-    if (landmark.seen_keyframe + kRecentKeyframes < s.map.next_keyframe_number) {
+    if (is_old(landmark, s.map)) {
       ++old;
       old_inliers += match.inlier ? 1 : 0;
     }
