@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <set>
 
 #include "synthetic_map.hpp"
@@ -232,6 +233,46 @@ TEST(SolveMatched, MarksWrongMatches) {
     EXPECT_FALSE(b.out->matches[i].inlier);
   }
   EXPECT_LT(normalised_error2(b.out->absolute, truth), kError2Max);
+}
+
+/// Every second landmark was last seen long ago, and the map has turned under it since.
+struct OldSide : Bench {
+  explicit OldSide(double drift_rad) {
+    Map& map = *mapped.map;
+    map.next_keyframe_number += 50;
+    const Eigen::Matrix3d drift = so3_exp(drift_rad * Eigen::Vector3d(0.3, 0.9, 0.3).normalized());
+    for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
+      Landmark& landmark = map.landmarks[i];
+      if (i % 2 == 0) {
+        landmark.p_T = drift * landmark.p_T;
+      } else {
+        landmark.seen_keyframe = map.next_keyframe_number - 1;
+      }
+    }
+    Rng rng(5, 103);
+    const Pose truth = turned(0.3);
+    const Picture picture = take_picture(body, truth, kNoise_px, 60, &rng);
+    EXPECT_TRUE(localise_guided(input(picture), truth, 4.0, scratch.get(), out.get()));
+    expect_right(picture, truth);
+  }
+  [[nodiscard]] std::ptrdiff_t old_matches() const {
+    return std::count_if(out->matches.begin(), out->matches.end(), [&](const LandmarkMatch& m) {
+      return is_old(mapped.map->landmarks[m.landmark.index()], *mapped.map);
+    });
+  }
+};
+
+TEST(OldSide, TakesPart_WhereItAgrees) {
+  const OldSide b(0.0);
+  EXPECT_GT(b.old_matches(), 30);
+}
+
+// 0.03 rad of drift is 5.6 px in the picture's middle and less towards its axis: some landmarks stay
+// within the gate, most do not.
+TEST(OldSide, StaysOut_WhereItHasDrifted) {
+  const OldSide b(0.03);
+  EXPECT_EQ(b.old_matches(), 0);
+  EXPECT_GT(b.out->matches.size(), 30U);
 }
 
 }  // namespace
