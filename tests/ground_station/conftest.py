@@ -59,7 +59,7 @@ def server(tmp_path_factory):
         running = f"http://127.0.0.1:{HTTP}/api/instances/polhode"
         wait_until(lambda: answers(running), 240, "the server starts")
         client = YamcsClient(f"127.0.0.1:{HTTP}")
-        wait_until(lambda: client.get_link("polhode", "telemetry").status == "OK", 60, "the telemetry link")
+        wait_until(lambda: client.get_link("polhode", "telemetry").get_info().status == "OK", 60, "the telemetry link")
         yield types.SimpleNamespace(client=client, send=lambda octets: sender.sendto(octets, ("127.0.0.1", TM)), log=folder / "server.log")
     finally:
         os.killpg(process.pid, signal.SIGTERM)
