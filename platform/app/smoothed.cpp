@@ -1,5 +1,8 @@
 #include "app/smoothed.hpp"
 
+#include <cmath>
+#include <optional>
+
 #include "geometry/so3.hpp"
 #include "pipeline/mapping.hpp"
 #include "pipeline/publish.hpp"
@@ -7,6 +10,26 @@
 
 namespace polhode::platform {
 namespace {
+
+// A model answers for its own poses' time and for a tenth of it on either side, as long as it is surer
+// than this: frames beyond that stay empty.
+constexpr double kBeyond = 0.1;
+constexpr double kAttitudeSigmaMax_rad = 0.0873;  // 5 deg
+
+/// The run's model on its way through the frames.
+struct ModelOfRun {
+  RigidModel model;  ///< its reference is the last time asked
+  std::int64_t from_ns = 0;
+  std::int64_t to_ns = 0;
+};
+
+ModelOfRun of_run(const RigidModel& model) {
+  const auto span_ns = static_cast<std::int64_t>(1e9 * model.span_s);
+  const auto beyond_ns = static_cast<std::int64_t>(kBeyond * 1e9 * model.span_s);
+  return {.model = model,
+          .from_ns = model.reference_ns - span_ns - beyond_ns,
+          .to_ns = model.reference_ns + beyond_ns};
+}
 
 PoseSample in_body(const AbsolutePose& absolute,
                    std::int64_t timestamp_ns,
@@ -21,29 +44,75 @@ PoseSample in_body(const AbsolutePose& absolute,
           .covariance = by_T * scaled(absolute.covariance, unit) * by_T.transpose()};
 }
 
-/// Rates at a sample: by the model where it holds, else by local fits from both sides. Velocity in I.
-Result<RateEstimate> rates_at(std::span<const PoseSample> samples,
-                              std::size_t index,
-                              const PoseCovariance& drift,
-                              RigidModel& model,
-                              const MotionOptions& options) {
-  const bool within = model.accepted() && model.path_known;
-  if (within && move_reference(samples[index].timestamp_ns, model)) {
-    const Result<MotionPrediction> at = predict_motion(model, samples[index].timestamp_ns);
-    if (at) {
-      RateEstimate rates;
-      rates.w_T_rad_s = at.value().w_T_rad_s;
-      rates.covariance_w_T = at.value().covariance_w_T;
-      rates.v_C = at.value().v_I;
-      rates.covariance_v_C = at.value().covariance_v_I;
-      return rates;
-    }
+/// What is known of the motion at one frame, in I.
+struct AtFrame {
+  std::optional<PoseSample> pose;  ///< with the error that poses of one side share
+  std::optional<RateEstimate> rates;
+};
+
+/// By the model, where it may answer. It holds every measured pose with its weight already: a measured
+/// one beside it would count twice. The run's model is moved on, so that a run costs one integration.
+AtFrame by_model(std::int64_t timestamp_ns, ModelOfRun* run) {
+  if (!run->model.accepted() || !run->model.path_known || timestamp_ns < run->from_ns ||
+      timestamp_ns > run->to_ns || !move_reference(timestamp_ns, run->model)) {
+    return {};
   }
+  const Result<MotionPrediction> found = predict_motion(run->model, timestamp_ns);
+  if (!found ||
+      worst_sigma(found.value().covariance.topLeftCorner<3, 3>()) > kAttitudeSigmaMax_rad) {
+    return {};
+  }
+  const MotionPrediction& at = found.value();
+  RateEstimate rates;
+  rates.w_T_rad_s = at.w_T_rad_s;
+  rates.covariance_w_T = at.covariance_w_T;
+  rates.v_C = at.v_I;
+  rates.covariance_v_C = at.covariance_v_I;
+  return {.pose = PoseSample{.timestamp_ns = timestamp_ns,
+                             .pose = at.pose,
+                             .covariance = at.covariance},
+          .rates = rates};
+}
+
+/// The measured pose, and rates by local fits from both sides.
+AtFrame by_measurement(std::span<const PoseSample> samples,
+                       std::size_t index,
+                       const PoseCovariance& drift,
+                       const MotionOptions& options) {
+  AtFrame at{.pose = samples[index], .rates = std::nullopt};
+  at.pose->covariance += drift;
   Result<RateEstimate> local = estimate_rates_at(samples, index, options);
   if (local) {
     widen_by_drift(drift, local.value());
+    at.rates = local.value();
   }
-  return local;
+  return at;
+}
+
+MotionState row_of(const MotionState& published, const SmoothedPose& pose, const Component::State& state) {
+  MotionState m;
+  m.frame = published.frame;
+  m.timestamp_ns = published.timestamp_ns;
+  m.scale_known = state.scale.known;
+  m.mode = pose.valid ? Mode::kTracking : published.mode;
+  m.features = published.features;
+  m.landmarks = static_cast<std::uint16_t>(state.map.landmark_count);
+  m.keyframes = static_cast<std::uint16_t>(state.map.keyframe_count);
+  return m;
+}
+
+void write_motion(const AtFrame& at,
+                  const Eigen::Matrix3d& R_CI,
+                  std::array<double, 4>* q_last,
+                  MotionState* m) {
+  const PoseSample in_C = turned(R_CI, *at.pose);
+  fill_pose(in_C.pose, in_C.covariance, q_last, m);
+  if (at.rates) {
+    RateEstimate rates = *at.rates;
+    rates.v_C = R_CI * rates.v_C;
+    rates.covariance_v_C = R_CI * rates.covariance_v_C * R_CI.transpose();
+    publish(rates, *m);
+  }
 }
 
 }  // namespace
@@ -99,36 +168,23 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
   std::vector<MotionState> smoothed;
   std::array<double, 4> q_last{1.0, 0.0, 0.0, 0.0};
   std::size_t next = 0;
-  RigidModel moving = model;
-  const std::int64_t held_from_ns =
-      model.reference_ns - static_cast<std::int64_t>(1e9 * model.span_s) - 1;
+  ModelOfRun run = of_run(model);
+  const PoseCovariance drift = drift_at_rest(state);
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    MotionState m;
-    m.frame = published[i].frame;
-    m.timestamp_ns = published[i].timestamp_ns;
-    m.scale_known = state.scale.known;
-    m.mode = poses[i].valid ? Mode::kTracking : published[i].mode;
-    m.features = published[i].features;
-    m.landmarks = static_cast<std::uint16_t>(state.map.landmark_count);
-    m.keyframes = static_cast<std::uint16_t>(state.map.keyframe_count);
-    if (next < samples.size() && poses[i].valid && samples[next].timestamp_ns == m.timestamp_ns) {
+    MotionState m = row_of(published[i], poses[i], state);
+    AtFrame at = by_model(m.timestamp_ns, &run);
+    const bool measured = next < samples.size() && poses[i].valid &&
+                          samples[next].timestamp_ns == m.timestamp_ns;
+    if (measured) {
       m.matches = static_cast<std::uint16_t>(poses[i].matches);
       m.inliers = static_cast<std::uint16_t>(poses[i].absolute.inliers);
-      const Eigen::Matrix3d R_CI = servicer.R_IC(m.timestamp_ns).transpose();
-      const PoseSample in_C = turned(R_CI, samples[next]);
-      fill_pose(in_C.pose, in_C.covariance + drift_at_rest(state), &q_last, &m);
-      RigidModel none;
-      auto rates = rates_at(samples,
-                            next,
-                            drift_at_rest(state),
-                            m.timestamp_ns >= held_from_ns ? moving : none,
-                            state.parameters.motion);
-      if (rates) {
-        rates.value().v_C = R_CI * rates.value().v_C;
-        rates.value().covariance_v_C = R_CI * rates.value().covariance_v_C * R_CI.transpose();
-        publish(rates.value(), m);
+      if (!at.pose) {
+        at = by_measurement(samples, next, drift, state.parameters.motion);
       }
       ++next;
+    }
+    if (at.pose) {
+      write_motion(at, servicer.R_IC(m.timestamp_ns).transpose(), &q_last, &m);
     }
     smoothed.push_back(m);
   }

@@ -37,7 +37,8 @@ RigidModel model_of(std::span<const PoseSample> samples,
                     double body_radius,
                     const Component::State& state);
 
-/// One row a frame; empty where the frame has no pose.
+/// One row a frame. Where the model is accepted, pose and rates are the model's, in frames without a
+/// measured pose too; elsewhere the measured pose and a local fit. Empty where there is neither.
 std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
                                          const std::vector<PoseSample>& samples,
                                          std::span<const MotionState> published,
