@@ -11,14 +11,26 @@
 namespace polhode::platform {
 namespace {
 
-// A model answers for its own poses' time and for a tenth of it on either side, as long as it is surer
-// than this: frames beyond that stay empty.
+// A model answers for its own poses' time and for a tenth of it on either side, as long as it is
+// surer than this: frames beyond that stay empty.
 constexpr double kBeyond = 0.1;
 constexpr double kAttitudeSigmaMax_rad = 0.0873;  // 5 deg
+
+// Poses are the model's where hardly any measured one lies far from it. Photographs that claim
+// times they were not taken at have one in four there, rendered sequences one in thirty at most.
+constexpr double kOutliersMax = 0.05;
+constexpr double kChi2PerDofMax = 1.4;
+
+bool goes_through_poses(const RigidModel& model) {
+  const auto few = static_cast<std::size_t>(kOutliersMax * static_cast<double>(model.poses));
+  return model.accepted() && model.path_known && model.attitude.outliers <= few &&
+         model.position.outliers <= few && model.position.chi2_per_dof < kChi2PerDofMax;
+}
 
 /// The run's model on its way through the frames.
 struct ModelOfRun {
   RigidModel model;  ///< its reference is the last time asked
+  bool with_poses = false;
   std::int64_t from_ns = 0;
   std::int64_t to_ns = 0;
 };
@@ -27,6 +39,7 @@ ModelOfRun of_run(const RigidModel& model) {
   const auto span_ns = static_cast<std::int64_t>(1e9 * model.span_s);
   const auto beyond_ns = static_cast<std::int64_t>(kBeyond * 1e9 * model.span_s);
   return {.model = model,
+          .with_poses = goes_through_poses(model),
           .from_ns = model.reference_ns - span_ns - beyond_ns,
           .to_ns = model.reference_ns + beyond_ns};
 }
@@ -50,8 +63,9 @@ struct AtFrame {
   std::optional<RateEstimate> rates;
 };
 
-/// By the model, where it may answer. It holds every measured pose with its weight already: a measured
-/// one beside it would count twice. The run's model is moved on, so that a run costs one integration.
+/// By the model, where it may answer. It holds every measured pose with its weight already: a
+/// measured one beside it would count twice. The run's model is moved on, so that a run costs one
+/// integration.
 AtFrame by_model(std::int64_t timestamp_ns, ModelOfRun* run) {
   if (!run->model.accepted() || !run->model.path_known || timestamp_ns < run->from_ns ||
       timestamp_ns > run->to_ns || !move_reference(timestamp_ns, run->model)) {
@@ -68,19 +82,25 @@ AtFrame by_model(std::int64_t timestamp_ns, ModelOfRun* run) {
   rates.covariance_w_T = at.covariance_w_T;
   rates.v_C = at.v_I;
   rates.covariance_v_C = at.covariance_v_I;
-  return {.pose = PoseSample{.timestamp_ns = timestamp_ns,
-                             .pose = at.pose,
-                             .covariance = at.covariance},
-          .rates = rates};
+  AtFrame by_model{.pose = std::nullopt, .rates = rates};
+  if (run->with_poses) {
+    by_model.pose =
+        PoseSample{.timestamp_ns = timestamp_ns, .pose = at.pose, .covariance = at.covariance};
+  }
+  return by_model;
 }
 
-/// The measured pose, and rates by local fits from both sides.
+/// The measured pose; where the model has no rates, those of a fit to poses on both sides.
 AtFrame by_measurement(std::span<const PoseSample> samples,
                        std::size_t index,
                        const PoseCovariance& drift,
-                       const MotionOptions& options) {
-  AtFrame at{.pose = samples[index], .rates = std::nullopt};
+                       const MotionOptions& options,
+                       const std::optional<RateEstimate>& rates_by_model) {
+  AtFrame at{.pose = samples[index], .rates = rates_by_model};
   at.pose->covariance += drift;
+  if (rates_by_model) {
+    return at;
+  }
   Result<RateEstimate> local = estimate_rates_at(samples, index, options);
   if (local) {
     widen_by_drift(drift, local.value());
@@ -89,7 +109,9 @@ AtFrame by_measurement(std::span<const PoseSample> samples,
   return at;
 }
 
-MotionState row_of(const MotionState& published, const SmoothedPose& pose, const Component::State& state) {
+MotionState row_of(const MotionState& published,
+                   const SmoothedPose& pose,
+                   const Component::State& state) {
   MotionState m;
   m.frame = published.frame;
   m.timestamp_ns = published.timestamp_ns;
@@ -173,13 +195,13 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
   for (std::size_t i = 0; i < poses.size(); ++i) {
     MotionState m = row_of(published[i], poses[i], state);
     AtFrame at = by_model(m.timestamp_ns, &run);
-    const bool measured = next < samples.size() && poses[i].valid &&
-                          samples[next].timestamp_ns == m.timestamp_ns;
+    const bool measured =
+        next < samples.size() && poses[i].valid && samples[next].timestamp_ns == m.timestamp_ns;
     if (measured) {
       m.matches = static_cast<std::uint16_t>(poses[i].matches);
       m.inliers = static_cast<std::uint16_t>(poses[i].absolute.inliers);
       if (!at.pose) {
-        at = by_measurement(samples, next, drift, state.parameters.motion);
+        at = by_measurement(samples, next, drift, state.parameters.motion, at.rates);
       }
       ++next;
     }

@@ -1,0 +1,127 @@
+#include "app/smoothed.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "../motion/free_body.hpp"
+#include "pipeline/state.hpp"
+
+namespace polhode::platform {
+namespace {
+
+constexpr std::size_t kFrames = 60;
+constexpr double kInterval_s = 10.0;
+constexpr double kSigma95 = 2.7955;  // norm of three unit normal numbers
+
+/// A run over a tumbling body: poses as measured, none in the first frames and in a gap.
+class Smoothed : public testing::Test {
+ protected:
+  Smoothed()
+      : state_(std::make_unique<Component::State>()),
+        truth_(tumble(asymmetric_body(0.015), kFrames, kInterval_s)) {
+    samples_ = observed(truth_, noise_, 3);
+    for (std::size_t i = 0; i < kFrames; ++i) {
+      const bool valid = i >= 3 && (i < 30 || i >= 35);
+      poses_.push_back({.valid = valid, .absolute = {.pose = samples_[i].pose}, .matches = 40});
+      published_.push_back(
+          {.frame = static_cast<std::uint32_t>(i), .timestamp_ns = truth_[i].timestamp_ns});
+    }
+    for (std::size_t i = kFrames; i-- > 0;) {
+      if (!poses_[i].valid) {
+        samples_.erase(samples_.begin() + static_cast<std::ptrdiff_t>(i));
+      }
+    }
+  }
+
+  [[nodiscard]] std::vector<MotionState> rows(const RigidModel& model) const {
+    return smoothed_motion(poses_, samples_, published_, model, ServicerAttitude(), *state_);
+  }
+
+  [[nodiscard]] RigidModel model() const { return model_of(samples_, 1.0, *state_); }
+
+  [[nodiscard]] double attitude_error_rad(const MotionState& m) const {
+    const Eigen::Quaterniond q(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]);
+    return rotation_angle_rad(q.toRotationMatrix(), truth_[m.frame].pose.R_CT);
+  }
+
+  [[nodiscard]] double position_error(const MotionState& m) const {
+    return (Eigen::Vector3d(m.p_CT[0], m.p_CT[1], m.p_CT[2]) - truth_[m.frame].pose.p_CT).norm();
+  }
+
+  std::unique_ptr<Component::State> state_;
+  std::vector<TruthSample> truth_;
+  PoseNoise noise_{.attitude_rad = {1e-2, 1e-2, 3e-3}, .position = {1e-3, 1e-3, 3e-2}};
+  std::vector<PoseSample> samples_;
+  std::vector<SmoothedPose> poses_;
+  std::vector<MotionState> published_;
+};
+
+TEST_F(Smoothed, EveryFrameHasThePoseOfTheDynamics_WithSigmasThatHoldItsError) {
+  const RigidModel fitted = model();
+  ASSERT_TRUE(fitted.accepted());
+  std::size_t inside = 0;
+  double square_rad2 = 0.0;
+  for (const MotionState& m : rows(fitted)) {
+    ASSERT_TRUE(m.pose_valid && m.rate_valid && m.velocity_valid) << m.frame;
+    EXPECT_EQ(m.matches, poses_[m.frame].valid ? 40 : 0);
+    // The body's own sigma of the noise is 1e-2 rad and 3e-2: the dynamics must be surer than
+    // single poses.
+    EXPECT_LT(m.sigma_att_rad, 0.7e-2) << m.frame;
+    EXPECT_LT(m.sigma_pos, 2e-2) << m.frame;
+    inside += attitude_error_rad(m) < kSigma95 * m.sigma_att_rad &&
+                      position_error(m) < kSigma95 * m.sigma_pos
+                  ? 1
+                  : 0;
+    square_rad2 += attitude_error_rad(m) * attitude_error_rad(m);
+  }
+  EXPECT_GE(inside, kFrames * 9 / 10);
+  // 52 poses to 11 unknowns: a part of sqrt(11 / 156) of the noise remains, 0.38e-2 rad; twice
+  // that.
+  EXPECT_LT(std::sqrt(square_rad2 / kFrames), 0.76e-2);
+}
+
+TEST_F(Smoothed, MeasuredPosesStand_WhereNoModelIsAccepted) {
+  std::size_t next = 0;
+  for (const MotionState& m : rows(RigidModel())) {
+    ASSERT_EQ(m.pose_valid, poses_[m.frame].valid) << m.frame;
+    if (m.pose_valid) {
+      const Eigen::Quaterniond q(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]);
+      EXPECT_LT(rotation_angle_rad(q.toRotationMatrix(), samples_[next].pose.R_CT), 1e-9);
+      EXPECT_EQ(m.p_CT[2], samples_[next].pose.p_CT.z());
+      ++next;
+    }
+  }
+}
+
+TEST_F(Smoothed, AModelOfTheLaterPosesDoesNotSpeakOfMuchEarlierFrames) {
+  const RigidModel later = model_of(std::span(samples_).last(20), 1.0, *state_);
+  ASSERT_TRUE(later.accepted());
+  const std::vector<MotionState> all = rows(later);
+  EXPECT_FALSE(all[0].pose_valid);
+  EXPECT_FALSE(all[32].pose_valid);
+  // A tenth of 190 s before the first of its poses, which is that of frame 40.
+  EXPECT_EQ(all[38].p_CT[2], samples_[38 - 8].pose.p_CT.z());
+  EXPECT_NE(all[39].p_CT[2], samples_[39 - 8].pose.p_CT.z());
+}
+
+TEST_F(Smoothed, AModelThatManyPosesContradictGivesRatesOnly) {
+  RigidModel contradicted = model();
+  ASSERT_TRUE(contradicted.accepted());
+  contradicted.attitude.outliers = 5;  // of 52
+  const std::vector<MotionState> all = rows(contradicted);
+  EXPECT_FALSE(all[0].pose_valid);
+  EXPECT_EQ(all[40].p_CT[2], samples_[40 - 8].pose.p_CT.z());
+  EXPECT_TRUE(all[40].rate_valid);
+}
+
+TEST_F(Smoothed, AModelThatIsNotSureOfItsAttitudeWritesNothing) {
+  RigidModel unsure = model();
+  ASSERT_TRUE(unsure.accepted());
+  unsure.covariance.topLeftCorner<3, 3>() += 0.01 * Eigen::Matrix3d::Identity();  // 5.7 deg
+  EXPECT_FALSE(rows(unsure)[0].pose_valid);
+}
+
+}  // namespace
+}  // namespace polhode::platform
