@@ -78,7 +78,6 @@ struct BusState {
   InactiveTable inactive;
   std::uint32_t table_crc = 0;  ///< of the active table
   bool held = false;
-  bool job_is_forgotten = false;  ///< the one that is out belongs to a target that was forgotten
   CloudRequest cloud;
   ServicerAttitude servicer;
   ToldSoFar told;

@@ -202,7 +202,7 @@ std::size_t save_checkpoint(const Component::State& state, std::span<std::uint8_
   writer.put(fingerprint());
   writer.put(remember(state));
   writer.put(state.motion.recent);
-  writer.put(state.motion.snapshot.poses);
+  writer.put(state.motion.past);
   put_used(state.map.keyframes, &writer);
   put_used(state.map.landmarks, &writer);
   return writer.used();
@@ -216,7 +216,7 @@ bool restore_checkpoint(std::span<const std::uint8_t> octets, Component::State* 
   Remembered remembered;
   const bool taken = reader.skip(sizeof(Fingerprint)) && reader.take(&remembered) &&
                      reader.take(&state->motion.recent) &&
-                     reader.take(&state->motion.snapshot.poses);
+                     reader.take(&state->motion.past);
   POLHODE_ASSERT(taken, octets.size());
   clear(&state->map);
   take_used(&reader, &state->map.keyframes);

@@ -297,7 +297,7 @@ void execute_commands(std::span<const std::span<const std::uint8_t>> commands,
 }
 
 void forget_target(Component::State* s) {
-  s->bus.job_is_forgotten = !job_slot_free(*s);
+  forget_jobs(s);
   clear(&s->map);
   clear(&s->tracks);
   s->reference.valid = false;

@@ -41,8 +41,9 @@ MemoryNeed memory_needed(const Parameters& /*parameters*/) {
       {"keyframes", sizeof(Map::keyframes)},
       {"landmarks", sizeof(Map::landmarks)},
       {"frames and tracks before the map", sizeof(State::tracks)},
-      {"job: start of a map", sizeof(Job::start)},
-      {"job: adjustment", sizeof(Job::adjustment)},
+      {"job: start of a map", sizeof(MapJob::start)},
+      {"job: adjustment", sizeof(MapJob::adjustment)},
+      {"job: fit of the dynamics", sizeof(FitJob)},
       {"poses so far", sizeof(State::motion)},
       {"features of the frame", sizeof(State::features)},
       {"reference of optical flow", sizeof(State::reference)},
@@ -90,5 +91,7 @@ void Component::set_stage_hook(StageHook hook, void* context) {
 }
 
 const Counters& Component::counters() const { return state_->counters; }
+
+std::uint32_t Component::next_step() const { return state_->next_frame; }
 
 }  // namespace polhode

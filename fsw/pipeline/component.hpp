@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 
+#include "base/fixed_vector.hpp"
 #include "base/image_view.hpp"
 #include "base/result.hpp"
 #include "motion/motion_state.hpp"
@@ -41,10 +42,13 @@ struct Frame {
   bool readable = true;
 };
 
-/// Work that takes longer than a frame has time: the start of a map, adjustments of it. The step
-/// hands it out, the caller runs it where it likes while steps go on, and hands it back to the step
-/// that it names, so that the packets do not depend on how long it took.
+/// Work that takes longer than a frame has time: the start of a map, adjustments of it, the fit of
+/// the dynamics. The step hands it out, the caller runs it where it likes while steps go on, and
+/// hands it back to the step that it names, so that the packets do not depend on how long it took.
 struct Job;
+
+/// In the order in which they are best run. Out at a time: one of the map and one fit.
+using Jobs = FixedVector<Job*, 2>;
 
 /// Does the work. Touches nothing but the job.
 void run_job(Job& job);
@@ -62,7 +66,7 @@ struct StepInput {
   /// it the last attitude and rate that came by command are carried on; without those the camera
   /// keeps its attitude.
   std::optional<std::array<double, 4>> q_IC = {};
-  Job* finished = nullptr;  ///< the job that names this step, run to its end; else nullptr
+  Jobs finished = {};  ///< the jobs that name this step, run to their end
   /// Libraries have drawn on the reserve since the last step: for a while less is asked of them
   /// (fewer features, a smaller window), and the step is counted.
   bool memory_short = false;
@@ -121,7 +125,7 @@ struct StepOutput {
   MotionState motion;
   std::span<const std::uint8_t> packets;  ///< whole packets, in order; valid until the next step
   std::span<const Observation> observations;  ///< valid until the next step
-  Job* job = nullptr;  ///< to be run by the caller; at most one is out at a time
+  Jobs jobs;  ///< to be run by the caller
   bool checkpoint_asked = false;              ///< by command: the caller is to write one now
 };
 
@@ -140,6 +144,9 @@ class Component {
 
   void set_stage_hook(StageHook hook, void* context);
   [[nodiscard]] const Counters& counters() const;
+  /// Number of the step to come, by which jobs name theirs. It goes on after a restart, and no
+  /// command resets it.
+  [[nodiscard]] std::uint32_t next_step() const;
 
   struct State;
   [[nodiscard]] State& state() { return *state_; }

@@ -1,8 +1,11 @@
 #include "pipeline/jobs.hpp"
 
+#include <algorithm>
+
 #include "base/assert.hpp"
 #include "pipeline/begin.hpp"
 #include "pipeline/mapping.hpp"
+#include "pipeline/motion_now.hpp"
 #include "pipeline/picture.hpp"
 #include "pipeline/state.hpp"
 
@@ -27,79 +30,120 @@ void run_adjustment(AdjustmentJob* job) {
   }
 }
 
-void take_result(Component::State* s) {
-  const JobKind kind = s->job.kind;
-  POLHODE_ASSERT(s->job.done, s->job.due_step);
-  s->job.kind = JobKind::kNone;
-  s->counters.jobs_without_result += s->job.skipped ? 1 : 0;
+void run_fit(FitJob* job) { job->model = fit_rigid_model(job->snapshot, job->workspace); }
+
+void issue(JobKind kind, Job* job, Component::State* s) {
+  POLHODE_ASSERT(job->kind == JobKind::kNone, job->due_step);
+  *job = {.kind = kind,
+          .issued_step = s->frame,
+          .due_step = s->frame + static_cast<std::uint32_t>(s->parameters.jobs.delay_frames)};
+  ++s->counters.jobs_issued;
+}
+
+void take_result(Job* job, Component::State* s) {
+  const JobKind kind = job->kind;
+  POLHODE_ASSERT(job->done, job->due_step);
+  job->kind = JobKind::kNone;
+  s->counters.jobs_without_result += job->skipped ? 1 : 0;
+  if (job->unwanted) {
+    return;
+  }
   if (kind == JobKind::kStart) {
     take_start(s);
   } else if (kind == JobKind::kAdjustment) {
     take_adjustment(s);
+  } else if (kind == JobKind::kFit) {
+    take_fit(s);
   }
   stage_done(Stage::kJobs, *s);
+}
+
+void take_if_due(Job* job, const Jobs& finished, Component::State* s) {
+  const bool handed_in = std::find(finished.begin(), finished.end(), job) != finished.end();
+  const bool due = job->kind != JobKind::kNone && s->frame >= job->due_step;
+  // The caller waits for a late job before it steps: without that, results would depend on time.
+  POLHODE_ASSERT(handed_in == due, s->frame);
+  if (due) {
+    take_result(job, s);
+  }
+}
+
+void close(Job* job, Component::State* s) {
+  for (int i = 0; i < kJobsInARowMax && job->kind != JobKind::kNone; ++i) {
+    if (!job->done) {
+      run_job(*job);
+    }
+    take_result(job, s);
+  }
+  POLHODE_ASSERT(job->kind == JobKind::kNone, job->due_step);
 }
 
 }  // namespace
 
 void run_job(Job& job) {
   if (job.kind == JobKind::kStart) {
-    run_start(&job.start);
+    run_start(&static_cast<MapJob&>(job).start);
   } else if (job.kind == JobKind::kAdjustment) {
-    run_adjustment(&job.adjustment);
+    run_adjustment(&static_cast<MapJob&>(job).adjustment);
+  } else if (job.kind == JobKind::kFit) {
+    run_fit(&static_cast<FitJob&>(job));
   }
   job.done = true;
 }
 
 void skip_job(Job& job) {
-  job.start.outcome.decision = StartDecision::kTooFewTracks;
-  job.adjustment.usable = false;
+  if (job.kind == JobKind::kStart) {
+    static_cast<MapJob&>(job).start.outcome.decision = StartDecision::kTooFewTracks;
+  } else if (job.kind == JobKind::kAdjustment) {
+    static_cast<MapJob&>(job).adjustment.usable = false;
+  }
   job.skipped = true;
   job.done = true;
 }
 
 std::uint32_t due_step(const Job& job) { return job.due_step; }
 
-void issue_job(JobKind kind, Component::State* s) {
-  POLHODE_ASSERT(job_slot_free(*s), s->job.due_step);
-  s->job.kind = kind;
-  s->job.done = false;
-  s->job.skipped = false;
-  s->job.issued_step = s->frame;
-  s->job.due_step = s->frame + static_cast<std::uint32_t>(s->parameters.jobs.delay_frames);
-  ++s->counters.jobs_issued;
+void issue_job(JobKind kind, Component::State* s) { issue(kind, &s->job, s); }
+
+void issue_fit(Component::State* s) {
+  issue(JobKind::kFit, &s->fit_job, s);
+  if (s->parameters.jobs.delay_frames == 0) {
+    close(&s->fit_job, s);
+  }
 }
 
 bool job_slot_free(const Component::State& s) { return s.job.kind == JobKind::kNone; }
+bool fit_slot_free(const Component::State& s) { return s.fit_job.kind == JobKind::kNone; }
 
-void take_due_job(Job* finished, Component::State* s) {
-  if (job_slot_free(*s) || s->frame < s->job.due_step) {
-    POLHODE_ASSERT(finished == nullptr, s->frame);
-    return;
-  }
-  // The caller waits for a late job before it steps: without that, results would depend on time.
-  POLHODE_ASSERT(finished == &s->job, s->frame);
-  take_result(s);
+void take_due_jobs(const Jobs& finished, Component::State* s) {
+  take_if_due(&s->job, finished, s);
+  take_if_due(&s->fit_job, finished, s);
+}
+
+void forget_jobs(Component::State* s) {
+  s->job.unwanted = true;
+  s->fit_job.unwanted = true;
 }
 
 void run_undelayed_jobs(Component::State* s) {
   if (s->parameters.jobs.delay_frames == 0) {
-    close_jobs(s);
+    close(&s->job, s);
   }
 }
 
 void close_jobs(Component::State* s) {
-  for (int i = 0; i < kJobsInARowMax && !job_slot_free(*s); ++i) {
-    if (!s->job.done) {
-      run_job(s->job);
-    }
-    take_result(s);
-  }
-  POLHODE_ASSERT(job_slot_free(*s), s->job.due_step);
+  close(&s->job, s);
+  close(&s->fit_job, s);
 }
 
-Job* job_for_caller(Component::State* s) {
-  return !job_slot_free(*s) && s->job.issued_step == s->frame ? &s->job : nullptr;
+Jobs jobs_for_caller(Component::State* s) {
+  Jobs jobs;
+  for (Job* const job : std::initializer_list<Job*>{&s->job, &s->fit_job}) {
+    if (job->kind != JobKind::kNone && job->issued_step == s->frame) {
+      (void)jobs.push_back(job);
+    }
+  }
+  return jobs;
 }
 
 }  // namespace polhode

@@ -1,7 +1,8 @@
 // The long work, apart from the step: plain snapshots that a pure function turns into results, on
 // whichever thread the caller likes.
 //
-// One job is out at a time. Its result is taken in at a step that is named when it is issued
+// One job of the map and one fit of the dynamics are out at a time; neither waits for the other, as
+// a fit works on poses alone. A result is taken in at a step that is named when the job is issued
 // (logical execution time), so the packets do not depend on how long the work took.
 #pragma once
 
@@ -13,11 +14,23 @@
 #include "config/limits.hpp"
 #include "map/initialise.hpp"
 #include "map/window.hpp"
+#include "motion/rigid_model.hpp"
 #include "pipeline/component.hpp"
 
 namespace polhode {
 
-enum class JobKind : std::uint8_t { kNone, kStart, kAdjustment };
+enum class JobKind : std::uint8_t { kNone, kStart, kAdjustment, kFit };
+
+/// What all jobs have in common.
+struct Job {
+  JobKind kind = JobKind::kNone;  ///< kNone: it is not out
+  bool done = false;
+  bool skipped = false;   ///< there is no result
+  bool unwanted = false;  ///< the result is for nothing: what it was taken from has been given up
+  std::uint32_t issued_step = 0;
+  std::uint32_t due_step = 0;
+};
+
 
 /// A contest for the start of a map.
 struct StartJob {
@@ -47,33 +60,44 @@ struct AdjustmentJob {
   bool usable = false;  ///< of the result
 };
 
-struct Job {
-  JobKind kind = JobKind::kNone;
-  bool done = false;
-  bool skipped = false;  ///< there is no result
-  std::uint32_t issued_step = 0;
-  std::uint32_t due_step = 0;
+/// Work on the map, of one kind or the other.
+struct MapJob : Job {
   StartJob start;
   AdjustmentJob adjustment;
+};
+
+/// A fit of the dynamics to the poses so far.
+struct FitJob : Job {
+  MotionSnapshot snapshot;
+  MotionWorkspace workspace;
+  std::uint32_t poses_new = 0;  ///< since the fit before
+  RigidModel model;             ///< the result
 };
 
 /// Sends off what has been prepared in `state->job`: to the caller with this step's output, or,
 /// with a delay of 0, to run_undelayed_jobs.
 void issue_job(JobKind kind, Component::State* state);
 
-/// No job is out: the map may be changed, and a new job prepared.
+/// As issue_job, of `state->fit_job`; with a delay of 0 the fit is run and taken in here.
+void issue_fit(Component::State* state);
+
+/// No job of the map is out: it may be changed, and a new job prepared.
 [[nodiscard]] bool job_slot_free(const Component::State& state);
+[[nodiscard]] bool fit_slot_free(const Component::State& state);
 
-/// Takes the result in when its step has come; may issue the next job.
-void take_due_job(Job* finished, Component::State* state);
+/// Takes the results in whose step has come; may issue the next jobs.
+void take_due_jobs(const Jobs& finished, Component::State* state);
 
-/// With a delay of 0 frames: runs the job here, and those that follow from it.
+/// What is out belongs to a target that is forgotten.
+void forget_jobs(Component::State* state);
+
+/// With a delay of 0 frames: runs the map's job here, and those that follow from it.
 void run_undelayed_jobs(Component::State* state);
 
 /// At the end of a run: what is still out is run, unless that is done, and taken in.
 void close_jobs(Component::State* state);
 
-/// The job that this step has issued for the caller to run; nullptr when there is none.
-[[nodiscard]] Job* job_for_caller(Component::State* state);
+/// The jobs that this step has issued for the caller to run.
+[[nodiscard]] Jobs jobs_for_caller(Component::State* state);
 
 }  // namespace polhode

@@ -47,7 +47,7 @@ void follow_map(const Map& map, PoseHistory& poses) {
 }
 
 bool due(const MotionNow& m) {
-  const std::size_t poses = m.snapshot.poses.size();
+  const std::size_t poses = m.past.size();
   if (poses < kModelPosesMin) {
     return false;
   }
@@ -55,16 +55,23 @@ bool due(const MotionNow& m) {
   return m.poses_since_fit >= (m.model.accepted() ? 1 + poses / 20 : 2 + poses / 8);
 }
 
-void fit(Component::State* s) {
+void ask_for_fit(Component::State* s) {
   MotionNow& m = s->motion;
-  follow_map(s->map, m.snapshot.poses);
-  m.snapshot.drift = turned(m.R_IC, polhode::covariance(s->drift));
-  m.snapshot.body_radius = s->map.radius_mu;
-  m.snapshot.options = s->parameters.motion;
-  m.snapshot.previous = m.model;
-  m.model = fit_rigid_model(m.snapshot, m.workspace);
-  m.poses_since_fit = 0;
-  m.disagreements = 0;
+  follow_map(s->map, m.past);
+  FitJob& job = s->fit_job;
+  job.snapshot.poses = m.past;
+  job.snapshot.drift = turned(m.R_IC, polhode::covariance(s->drift));
+  job.snapshot.body_radius = s->map.radius_mu;
+  job.snapshot.options = s->parameters.motion;
+  job.snapshot.previous = m.model;
+  job.poses_new = m.poses_since_fit;
+  issue_fit(s);
+}
+
+/// What the poses were no longer holds, and neither does what is being fitted to them.
+void forsake_model(Component::State* s) {
+  s->motion.model = {};
+  s->fit_job.unwanted = true;
 }
 
 void check(const PoseSample& sample, const PoseCovariance& drift_I, MotionNow* m) {
@@ -151,12 +158,12 @@ void turn_past(const Eigen::Matrix3d& R, Component::State* s) {
   for (CollectedFrame& frame : s->tracks.frames) {
     frame.R_IC = R * frame.R_IC;
   }
-  for (PoseHistory* const history : {&s->motion.recent, &s->motion.snapshot.poses}) {
+  for (PoseHistory* const history : {&s->motion.recent, &s->motion.past}) {
     for (PoseSample& sample : *history) {
       sample = turned(R, sample);
     }
   }
-  s->motion.model = {};
+  forsake_model(s);
 }
 
 }  // namespace
@@ -189,27 +196,44 @@ void remember_motion(std::int64_t timestamp_ns,
   if (s->parameters.motion.mode == MotionMode::kPaper) {
     return;
   }
-  (void)remember_for_fit(m.snapshot.poses, sample, s->parameters.motion);
+  (void)remember_for_fit(m.past, sample, s->parameters.motion);
   ++m.poses_since_fit;
   if (m.model.accepted()) {
     check(sample, turned(m.R_IC, polhode::covariance(s->drift)), &m);
   }
-  if (due(m)) {
-    fit(s);
+  if (fit_slot_free(*s) && due(m)) {
+    ask_for_fit(s);
+  }
+}
+
+void take_fit(Component::State* s) {
+  MotionNow& m = s->motion;
+  const FitJob& job = s->fit_job;
+  if (job.skipped) {
+    return;
+  }
+  m.model = job.model;
+  m.poses_since_fit -= std::min(m.poses_since_fit, job.poses_new);
+  m.disagreements = 0;
+  const std::int64_t fitted_to_ns = job.snapshot.poses.back().timestamp_ns;
+  for (const PoseSample& sample : m.recent) {
+    if (m.model.accepted() && sample.timestamp_ns > fitted_to_ns) {
+      check(sample, turned(m.R_IC, polhode::covariance(s->drift)), &m);
+    }
   }
 }
 
 void restate_motion(std::span<const PoseSample> start, Component::State* s) {
   MotionNow& m = s->motion;
-  for (PoseHistory* const history : {&m.recent, &m.snapshot.poses}) {
+  for (PoseHistory* const history : {&m.recent, &m.past}) {
     merge(start, *history);
   }
-  m.model = {};
+  forsake_model(s);
   m.poses_since_fit += static_cast<std::uint32_t>(start.size());
 }
 
 void move_pose(const Keyframe& keyframe, Component::State* s) {
-  for (PoseHistory* const history : {&s->motion.recent, &s->motion.snapshot.poses}) {
+  for (PoseHistory* const history : {&s->motion.recent, &s->motion.past}) {
     for (PoseSample& sample : *history) {
       if (sample.timestamp_ns == keyframe.timestamp_ns) {
         sample.pose = turned(keyframe.R_IC, keyframe.pose);
@@ -221,8 +245,8 @@ void move_pose(const Keyframe& keyframe, Component::State* s) {
 void forget_motion(Component::State* s) {
   MotionNow& m = s->motion;
   m.recent.clear();
-  m.snapshot.poses.clear();
-  m.model = {};
+  m.past.clear();
+  forsake_model(s);
   m.poses_since_fit = 0;
   m.disagreements = 0;
 }

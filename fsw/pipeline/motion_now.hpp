@@ -17,8 +17,7 @@ struct MotionNow {
   Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();  ///< the observer's attitude at this frame
   bool observer_known = false;  ///< it was told; else C stands in for I
   PoseHistory recent;  ///< in I, one by one; errors of single frames, without the map's drift
-  MotionSnapshot snapshot;  ///< of the next fit; its poses are the past, thinned
-  MotionWorkspace workspace;
+  PoseHistory past;    ///< as recent, thinned: what the dynamics are fitted to
   RigidModel model;  ///< of the last fit; used while it is accepted and the poses agree
   std::uint32_t poses_since_fit = 0;
   std::uint32_t disagreements = 0;  ///< poses in succession that are not where the model has them
@@ -40,6 +39,9 @@ using StartPoses = FixedVector<PoseSample, limits::kKeyframes>;
 /// The poses of a start's keyframes, in order of time and in I, come into the past or replace what is
 /// there at their times.
 void restate_motion(std::span<const PoseSample> start, Component::State* state);
+
+/// The fit that comes back: the poses since it was asked for judge it as they would have.
+void take_fit(Component::State* state);
 
 /// The pose at the keyframe's time, where there is one, has become the keyframe's by an adjustment.
 void move_pose(const Keyframe& keyframe, Component::State* state);

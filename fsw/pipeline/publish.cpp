@@ -139,7 +139,7 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   s->output.motion = m;
   s->output.observations = s->observations.view();
   send_telemetry(use, m, s);
-  s->output.job = job_for_caller(s);
+  s->output.jobs = jobs_for_caller(s);
 }
 
 }  // namespace polhode

@@ -74,7 +74,8 @@ struct Component::State {
   std::uint32_t frames_lost = 0;
 
   // The long work that is out, or that has just come back.
-  Job job;
+  MapJob job;
+  FitJob fit_job;
 
   // Working memory of single calls.
   LocaliseScratch localise_scratch;

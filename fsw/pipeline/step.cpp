@@ -25,16 +25,6 @@ FrameUse judge(const Frame& frame, const Component::State& s) {
   return FrameUse::kUsed;
 }
 
-/// A job that was out when the target was forgotten comes back with a result for nothing.
-Job* wanted(Job* finished, Component::State* s) {
-  if (finished == nullptr || !s->bus.job_is_forgotten) {
-    return finished;
-  }
-  s->bus.job_is_forgotten = false;
-  finished->kind = JobKind::kNone;
-  return nullptr;
-}
-
 void count(FrameUse use, Counters* counters) {
   switch (use) {
     case FrameUse::kUsed:
@@ -99,7 +89,7 @@ const StepOutput& Component::step(const StepInput& input) {
   ++s->counters.frames_in;
   s->pose_valid = false;
   shed_load(input.memory_short, s);
-  take_due_job(wanted(input.finished, s), s);
+  take_due_jobs(input.finished, s);
   if (s->bus.held) {
     s->mode = Mode::kIdle;
   }

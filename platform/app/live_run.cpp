@@ -35,7 +35,7 @@ const StepOutput& step_from_pool(Component& component, const StepInput& input) {
 
 /// The frame that finds the work for it unfinished is dropped; the next one is tried.
 bool dropped_for_job(LiveParts& parts) {
-  if (!parts.worker.late_for(parts.component.counters().frames_in)) {
+  if (!parts.worker.late_for(parts.component.next_step())) {
     return false;
   }
   ++parts.counts.frames_dropped_for_job;
@@ -60,7 +60,7 @@ void take_frame(LiveParts& parts, const Frame& frame, const LiveLimits& limits) 
   input.commands = commands;
   const StepOutput& out = step_from_pool(parts.component, input);
   const std::int64_t stepped_ns = clock_ns(CLOCK_MONOTONIC);
-  parts.worker.submit(out.job);
+  parts.worker.submit(out.jobs);
   parts.transports.send(out.packets);
   if (parts.packets != nullptr) {
     (void)parts.packets->append(out.packets);

@@ -5,8 +5,7 @@
 namespace polhode::platform {
 
 StepInput next_input(const Component& component, Worker& worker, const Frame& frame) {
-  // The number of the step to come; it goes on from a checkpoint's.
-  Job* finished = worker.due(component.counters().frames_in);
+  const Jobs finished = worker.due(component.next_step());
   bool memory_short = false;
   for (const Pool pool : {Pool::kGeneral, Pool::kStep, Pool::kJobs}) {
     memory_short = take_overdrafts(pool) > 0 || memory_short;

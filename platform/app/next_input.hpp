@@ -1,4 +1,4 @@
-// What a step is given: the frame, the job that is due, and whether memory ran short.
+// What a step is given: the frame, the jobs that are due, and whether memory ran short.
 #pragma once
 
 #include "os/linux/worker.hpp"
@@ -6,7 +6,7 @@
 
 namespace polhode::platform {
 
-/// Waits for a job that is due and not done.
+/// Waits for the jobs that are due and not done.
 StepInput next_input(const Component& component, Worker& worker, const Frame& frame);
 
 }  // namespace polhode::platform

@@ -115,8 +115,8 @@ const StepOutput& timed_step(Run& run, const Frame& frame) {
   StepInput input = next_input(run.component, run.worker, frame);
   input.commands = run.commands.due(frame.timestamp_ns);
   input.q_IC = run.servicer.told(frame.timestamp_ns);
-  if (input.finished != nullptr) {
-    run.timings.job.add(run.worker.last_duration());
+  for (const auto duration : run.worker.last_durations()) {
+    run.timings.job.add(duration);
   }
   const PoolScope scope(Pool::kStep);
   run.timings.start_step();
@@ -138,7 +138,7 @@ void run_frames(Run& run, bool realtime) {
     const StepOutput& out = timed_step(run, frame);
     const std::int64_t step_us = run.timings.end_step();
     run.deadline.add(step_us);
-    run.worker.submit(out.job);
+    run.worker.submit(out.jobs);
     run.transports.send(out.packets);
     if (!frame.readable && run.record.bad_frames.size() < kBadFramesListed) {
       progress.note(fmt::format("frame {} is not used: {}", camera.index(), camera.refusal()));

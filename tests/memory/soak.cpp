@@ -166,14 +166,14 @@ class Soak {
                                 .height_px = c.height_px,
                                 .stride_octets = c.width_px}};
     const PoolScope scope(Pool::kStep);
-    Job* finished = worker_.due(static_cast<std::uint32_t>(next_ - 1));
+    const Jobs finished = worker_.due(component_->next_step());
     const double before_ms = thread_cpu_ms();
     const StepOutput& out = component_->step({.frame = frame, .finished = finished});
     if (memory_is_sealed()) {
       step_ms_.push_back(thread_cpu_ms() - before_ms);
       poses_ += out.motion.pose_valid ? 1 : 0;
     }
-    worker_.submit(out.job);
+    worker_.submit(out.jobs);
   }
 
   [[nodiscard]] double median_ms(std::size_t from, std::size_t count) const {

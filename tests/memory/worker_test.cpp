@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <memory>
 
 #include "pipeline/jobs.hpp"
@@ -10,11 +11,17 @@ namespace polhode::platform {
 namespace {
 
 /// A contest without frames: it ends at once, undecided.
-std::unique_ptr<Job> job_due_at(std::uint32_t step) {
-  auto job = std::make_unique<Job>();
+std::unique_ptr<MapJob> job_due_at(std::uint32_t step) {
+  auto job = std::make_unique<MapJob>();
   job->kind = JobKind::kStart;
   job->due_step = step;
   return job;
+}
+
+Jobs one(Job* job) {
+  Jobs jobs;
+  (void)jobs.push_back(job);
+  return jobs;
 }
 
 class WorkerTest : public ::testing::TestWithParam<bool> {};
@@ -23,20 +30,22 @@ TEST_P(WorkerTest, HandsAJobBackToTheStepThatItNames_RunToItsEnd) {
   Worker worker({.own_thread = GetParam()});
   for (std::uint32_t i = 0; i < 20; ++i) {
     const auto job = job_due_at(i + 3);
-    worker.submit(job.get());
-    EXPECT_EQ(worker.due(i + 1), nullptr);
-    EXPECT_EQ(worker.due(i + 2), nullptr);
-    Job* finished = worker.due(i + 3);
-    ASSERT_EQ(finished, job.get());
-    EXPECT_TRUE(finished->done);
-    EXPECT_EQ(worker.due(i + 4), nullptr) << "once";
+    worker.submit(one(job.get()));
+    EXPECT_TRUE(worker.due(i + 1).empty());
+    EXPECT_TRUE(worker.due(i + 2).empty());
+    const Jobs finished = worker.due(i + 3);
+    ASSERT_EQ(finished.size(), 1U);
+    EXPECT_EQ(finished[0], job.get());
+    EXPECT_TRUE(finished[0]->done);
+    EXPECT_EQ(worker.last_durations().size(), 1U);
+    EXPECT_TRUE(worker.due(i + 4).empty()) << "once";
   }
 }
 
 TEST_P(WorkerTest, NoJobIsNoWork) {
   Worker worker({.own_thread = GetParam()});
-  worker.submit(nullptr);
-  EXPECT_EQ(worker.due(7), nullptr);
+  worker.submit({});
+  EXPECT_TRUE(worker.due(7).empty());
   EXPECT_FALSE(worker.late_for(7));
   worker.finish();
 }
@@ -45,8 +54,8 @@ TEST_P(WorkerTest, WaitsForALateJob) {
   Worker worker({.own_thread = GetParam(), .latency_ms_max = 30});
   for (std::uint32_t i = 0; i < 5; ++i) {
     const auto job = job_due_at(i);
-    worker.submit(job.get());
-    ASSERT_EQ(worker.due(i), job.get());
+    worker.submit(one(job.get()));
+    ASSERT_EQ(worker.due(i).size(), 1U);
     EXPECT_TRUE(job->done);
     EXPECT_FALSE(worker.late_for(i));
   }
@@ -55,10 +64,44 @@ TEST_P(WorkerTest, WaitsForALateJob) {
 TEST_P(WorkerTest, EndsWithAJobStillOut) {
   const auto job = job_due_at(1);
   Worker worker({.own_thread = GetParam(), .latency_ms_max = 10});
-  worker.submit(job.get());
+  worker.submit(one(job.get()));
   worker.finish();
   EXPECT_TRUE(job->done);
-  EXPECT_EQ(worker.due(1), nullptr) << "it is the caller's again";
+  EXPECT_TRUE(worker.due(1).empty()) << "it is the caller's again";
+}
+
+TEST_P(WorkerTest, TwoAreOutAtATime_EachComesBackToItsOwnStep) {
+  Worker worker({.own_thread = GetParam(), .latency_ms_max = 10});
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    const auto map = job_due_at(10 * i + 5);
+    const auto fit = job_due_at(10 * i + 3);
+    worker.submit(one(map.get()));
+    worker.submit(one(fit.get()));
+    EXPECT_TRUE(worker.due(10 * i + 2).empty());
+    const Jobs first = worker.due(10 * i + 3);
+    ASSERT_EQ(first.size(), 1U);
+    EXPECT_EQ(first[0], fit.get());
+    EXPECT_TRUE(fit->done);
+    const Jobs second = worker.due(10 * i + 5);
+    ASSERT_EQ(second.size(), 1U);
+    EXPECT_EQ(second[0], map.get());
+    EXPECT_TRUE(map->done);
+  }
+}
+
+TEST_P(WorkerTest, TwoThatNameTheSameStepComeBackInTheOrderOfTheirIssue) {
+  Worker worker({.own_thread = GetParam(), .latency_ms_max = 10});
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    const std::array<std::unique_ptr<MapJob>, 2> jobs{job_due_at(i), job_due_at(i)};
+    Jobs both = one(jobs[0].get());
+    (void)both.push_back(jobs[1].get());
+    worker.submit(both);
+    const Jobs finished = worker.due(i);
+    ASSERT_EQ(finished.size(), 2U);
+    EXPECT_EQ(finished[0], jobs[0].get());
+    EXPECT_EQ(finished[1], jobs[1].get());
+    EXPECT_EQ(worker.last_durations().size(), 2U);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(InlineAndBeside, WorkerTest, ::testing::Bool());

@@ -3,9 +3,11 @@
 #include <sched.h>
 #include <time.h>
 
+#include <algorithm>
 #include <cstring>
 #include <string>
 
+#include "base/assert.hpp"
 #include "base/rng.hpp"
 #include "errors.hpp"
 #include "os/linux/memory/region.hpp"
@@ -95,20 +97,28 @@ void* Worker::thread_main(void* worker) {
   return nullptr;
 }
 
+Worker::Held* Worker::next() {
+  Held* const found =
+      std::find_if(held_.begin(), held_.end(), [](const Held& held) { return !held.done; });
+  return found == held_.end() ? nullptr : found;
+}
+
 void Worker::serve() {
   const Lock lock(mutex_);
   for (;;) {
-    while (!stop_ && !running_) {
+    while (!stop_ && next() == nullptr) {
       pthread_cond_wait(&changed_, &mutex_);
     }
-    if (stop_ && !running_) {
+    if (next() == nullptr) {
       return;
     }
-    Job* job = job_;
+    Job* const job = next()->job;
     pthread_mutex_unlock(&mutex_);
-    run(job);
+    const Duration duration = run(job);
     pthread_mutex_lock(&mutex_);
-    running_ = false;
+    // Others may have been handed back meanwhile, never this one: it is still the first.
+    next()->duration = duration;
+    next()->done = true;
     pthread_cond_broadcast(&changed_);
   }
 }
@@ -118,7 +128,7 @@ bool Worker::admitted() const {
          pool_use(Pool::kJobs).largest_free_octets >= options_.job_octets;
 }
 
-void Worker::run(Job* job) {
+Worker::Duration Worker::run(Job* job) {
   if (options_.latency_ms_max > 0) {
     constexpr std::uint64_t kStream = 6101;
     Rng rng(runs_, kStream);
@@ -132,49 +142,63 @@ void Worker::run(Job* job) {
   } else {
     skip_job(*job);
   }
-  duration_ = Clock::now() - start;
+  return Clock::now() - start;
 }
 
-void Worker::submit(Job* job) {
-  if (job == nullptr) {
-    return;
+void Worker::submit(const Jobs& jobs) {
+  for (Job* const job : jobs) {
+    const Duration duration = state_.own_thread ? Duration{} : run(job);
+    const Lock lock(mutex_);
+    const bool stored =
+        held_.push_back({.job = job, .done = !state_.own_thread, .duration = duration});
+    POLHODE_ASSERT(stored, held_.size());
+    pthread_cond_broadcast(&changed_);
   }
-  if (!state_.own_thread) {
-    job_ = job;
-    run(job);
-    return;
-  }
-  const Lock lock(mutex_);
-  job_ = job;
-  running_ = true;
-  pthread_cond_broadcast(&changed_);
 }
 
 bool Worker::late_for(std::uint32_t step) {
   const Lock lock(mutex_);
-  return job_ != nullptr && running_ && step >= due_step(*job_);
+  return std::any_of(held_.begin(), held_.end(), [&](const Held& held) {
+    return !held.done && step >= due_step(*held.job);
+  });
 }
 
-void Worker::wait_until_done() {
-  const Lock lock(mutex_);
-  while (running_) {
+/// With the lock held.
+void Worker::wait_until_done(const Job* job) {
+  const auto is_done = [&] {
+    return std::any_of(held_.begin(), held_.end(), [&](const Held& held) {
+      return held.job == job && held.done;
+    });
+  };
+  while (!is_done()) {
     pthread_cond_wait(&changed_, &mutex_);
   }
 }
 
-Job* Worker::due(std::uint32_t step) {
-  if (job_ == nullptr || step < due_step(*job_)) {
-    return nullptr;
+Jobs Worker::due(std::uint32_t step) {
+  Jobs finished;
+  durations_.clear();
+  const Lock lock(mutex_);
+  for (std::size_t i = 0; i < held_.size();) {
+    Job* const job = held_[i].job;
+    if (step < due_step(*job)) {
+      ++i;
+      continue;
+    }
+    wait_until_done(job);
+    (void)finished.push_back(job);
+    (void)durations_.push_back(held_[i].duration);
+    held_.erase(i);
   }
-  wait_until_done();
-  Job* finished = job_;
-  job_ = nullptr;
   return finished;
 }
 
 void Worker::finish() {
-  wait_until_done();
-  job_ = nullptr;
+  const Lock lock(mutex_);
+  for (std::size_t i = 0; i < held_.size(); ++i) {
+    wait_until_done(held_[i].job);
+  }
+  held_.clear();
 }
 
 }  // namespace polhode::platform

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/fixed_vector.hpp"
 #include "pipeline/component.hpp"
 
 namespace polhode::platform {
@@ -28,7 +29,8 @@ struct WorkerState {
   bool bound_to_core = false;
 };
 
-/// One job at a time. The thread lives as long as the worker.
+/// One job at a time, in the order in which they come; as many may be out as a component has. The
+/// thread lives as long as the worker.
 class Worker {
  public:
   /// @throws RunFailure when the thread cannot be made.
@@ -39,40 +41,51 @@ class Worker {
   Worker(Worker&&) = delete;
   Worker& operator=(Worker&&) = delete;
 
-  /// Takes a step's job; nullptr is no job.
-  void submit(Job* job);
+  using Duration = std::chrono::steady_clock::duration;
+  using Durations = FixedVector<Duration, Jobs::capacity()>;
 
-  /// Is the job that names this step still running? In flight the frame is then dropped, and counted.
+  /// Takes a step's jobs.
+  void submit(const Jobs& jobs);
+
+  /// Is a job that names this step not done yet? In flight the frame is then dropped, and counted.
   [[nodiscard]] bool late_for(std::uint32_t step);
 
-  /// The job that names this step, run to its end: waits for it. nullptr when there is none.
-  Job* due(std::uint32_t step);
+  /// The jobs that name this step, run to their end: waits for them.
+  Jobs due(std::uint32_t step);
 
-  /// Waits for a job that is still running; it is then no longer the worker's.
+  /// Waits for what is not done yet; no job is then the worker's.
   void finish();
 
   [[nodiscard]] const WorkerState& state() const { return state_; }
-  /// How long the job took that was handed back last.
-  [[nodiscard]] std::chrono::steady_clock::duration last_duration() const { return duration_; }
+  /// How long each of the jobs took that due() has handed back last.
+  [[nodiscard]] const Durations& last_durations() const { return durations_; }
 
  private:
+  /// A job that was submitted and not yet handed back.
+  struct Held {
+    Job* job = nullptr;
+    bool done = false;
+    Duration duration{};
+  };
+
   static void* thread_main(void* worker);
   void serve();
   [[nodiscard]] bool admitted() const;
-  void run(Job* job);
+  /// The first job that is not done; nullptr when all are.
+  [[nodiscard]] Held* next();
+  Duration run(Job* job);
   void start_thread();
-  void wait_until_done();
+  void wait_until_done(const Job* job);
 
   WorkerOptions options_;
   WorkerState state_;
   pthread_t thread_{};
   pthread_mutex_t mutex_{};
   pthread_cond_t changed_{};
-  Job* job_ = nullptr;  ///< submitted and not yet handed back
-  bool running_ = false;
+  FixedVector<Held, Jobs::capacity()> held_;  ///< in order of their coming; slots move under the lock only
   bool stop_ = false;
   std::uint32_t runs_ = 0;
-  std::chrono::steady_clock::duration duration_{};
+  Durations durations_;
 };
 
 /// Cores that this process may use.

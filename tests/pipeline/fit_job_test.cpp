@@ -1,0 +1,159 @@
+// The fit of the dynamics as a job: what happens to poses, maps, targets and axes while it is out.
+#include <gtest/gtest.h>
+
+#include "../bus/command_packets.hpp"
+#include "job_caller.hpp"
+#include "pipeline/checkpoint.hpp"
+
+namespace polhode {
+namespace {
+
+using namespace bench;
+
+class FitJobs : public ::testing::TestWithParam<int> {
+ protected:
+  /// Shows pictures until a fit is out that will not come back with the next one.
+  static std::size_t show_until_fit(Caller& caller) {
+    std::size_t i = 0;
+    while (i < turning_ball().size() && caller.out(JobKind::kFit) == nullptr) {
+      (void)caller.show(turning_ball()[i++]);
+    }
+    return i;
+  }
+};
+
+TEST_P(FitJobs, PacketsDoNotShowWhenAFitWasRun) {
+  Caller early = shown(GetParam(), Run::kAtOnce);
+  EXPECT_EQ(early.packets(), shown(GetParam(), Run::kWhenDue).packets());
+  EXPECT_EQ(early.packets(), shown(GetParam(), Run::kAtRandom).packets());
+  EXPECT_GT(early.fits(), GetParam() > 0 ? 1 : -1);
+}
+
+TEST_P(FitJobs, TheMotionIsFoundWhateverTheDelay) {
+  Caller caller = shown(GetParam(), Run::kWhenDue);
+  const MotionNow& m = caller.state().motion;
+  EXPECT_TRUE(m.model.accepted());
+  EXPECT_LE(m.poses_since_fit, m.past.size());
+  const MotionState& now = caller.show(turning_ball().back()).motion;
+  EXPECT_TRUE(now.pose_valid);
+}
+
+TEST_P(FitJobs, PosesFoundMeanwhileAreKept) {
+  Caller caller(parameters(), GetParam(), Run::kWhenDue);
+  std::size_t poses = 0;
+  for (const Picture& picture : turning_ball()) {
+    const bool found = caller.show(picture).motion.pose_valid;
+    const std::size_t now = caller.state().motion.recent.size();
+    if (found && poses > 0) {
+      EXPECT_GE(now, poses + 1);
+    }
+    poses = now;
+  }
+  EXPECT_EQ(caller.state().motion.past.size(), poses) << "too few to be thinned";
+}
+
+TEST_P(FitJobs, AFitOfAForgottenTargetIsNotTaken) {
+  if (GetParam() == 0) {
+    GTEST_SKIP() << "a fit is never out";
+  }
+  Caller caller(parameters(), GetParam(), Run::kWhenDue);
+  std::size_t i = show_until_fit(caller);
+  ASSERT_NE(caller.out(JobKind::kFit), nullptr);
+  const std::vector<std::uint8_t> reset = bus::command(bus::CommandCode::kResetMap);
+  const std::span<const std::uint8_t> command(reset);
+  (void)caller.show(turning_ball()[i++], {&command, 1});
+  while (caller.out(JobKind::kFit) != nullptr && i < turning_ball().size()) {
+    (void)caller.show(turning_ball()[i++]);
+    EXPECT_FALSE(caller.state().motion.model.accepted());
+  }
+  EXPECT_EQ(caller.state().motion.model.poses, 0U);
+}
+
+TEST_P(FitJobs, AFitInOldAxesIsNotTaken) {
+  if (GetParam() == 0) {
+    GTEST_SKIP() << "a fit is never out";
+  }
+  Caller caller(parameters(), GetParam(), Run::kWhenDue);
+  (void)show_until_fit(caller);
+  ASSERT_NE(caller.out(JobKind::kFit), nullptr);
+  set_observer({.frame = {}, .q_IC = std::array<double, 4>{0.0, 1.0, 0.0, 0.0}}, &caller.component().state());
+  close_jobs(&caller.component().state());
+  EXPECT_FALSE(caller.state().motion.model.accepted()) << "C stood in for I when it was asked for";
+}
+
+TEST_P(FitJobs, PosesSinceItWasAskedForJudgeIt) {
+  if (GetParam() < 4) {
+    GTEST_SKIP() << "too few poses meanwhile";
+  }
+  Caller caller(parameters(), GetParam(), Run::kAtOnce);
+  std::size_t i = show_until_fit(caller);
+  ASSERT_NE(caller.out(JobKind::kFit), nullptr);
+  for (int n = 0; n < 3; ++n) {  // frames later the target stands elsewhere
+    (void)caller.show(turning_ball()[i++]);
+  }
+  MotionNow& m = caller.component().state().motion;
+  for (std::size_t n = m.recent.size() - 3; n < m.recent.size(); ++n) {
+    m.recent[n].pose.R_CT = so3_exp({0.0, 0.0, 0.7}) * m.recent[n].pose.R_CT;
+  }
+  close_jobs(&caller.component().state());
+  EXPECT_EQ(m.model.status, ModelStatus::kResidualsTooLarge);
+  EXPECT_GE(m.disagreements, 3U);
+}
+
+TEST_P(FitJobs, AfterACheckpointAFitThatWasOutIsAskedForAgain) {
+  if (GetParam() == 0) {
+    GTEST_SKIP() << "a fit is never out";
+  }
+  Caller caller(parameters(), GetParam(), Run::kWhenDue);
+  const std::size_t i = show_until_fit(caller);
+  ASSERT_NE(caller.out(JobKind::kFit), nullptr);
+  std::vector<std::uint8_t> octets(checkpoint_octets_max());
+  octets.resize(save_checkpoint(caller.state(), octets));
+  Caller restored(parameters(), GetParam(), Run::kWhenDue);
+  ASSERT_TRUE(restore_checkpoint(octets, &restored.component().state()));
+  ASSERT_EQ(restored.out(JobKind::kFit), nullptr);
+  for (std::size_t n = i - 1; n + 1 < turning_ball().size() && restored.fits() == 0; ++n) {
+    (void)restored.show(turning_ball()[n]);
+  }
+  EXPECT_EQ(restored.fits(), 1);
+}
+
+TEST_P(FitJobs, AFitWithoutMemoryLeavesTheModelAsItWas) {
+  Caller caller(parameters(), GetParam(), Run::kWhenDue);
+  (void)show_until_fit(caller);
+  Component::State& s = caller.component().state();
+  close_jobs(&s);
+  const std::uint32_t before = s.counters.jobs_without_result;
+  const RigidModel model = s.motion.model;
+  const std::uint32_t poses_since_fit = s.motion.poses_since_fit;
+  s.fit_job.kind = JobKind::kFit;
+  skip_job(s.fit_job);
+  close_jobs(&s);
+  EXPECT_EQ(s.counters.jobs_without_result, before + 1);
+  EXPECT_EQ(s.motion.model.poses, model.poses);
+  EXPECT_EQ(s.motion.model.reference_ns, model.reference_ns);
+  EXPECT_EQ(s.motion.poses_since_fit, poses_since_fit);
+}
+
+INSTANTIATE_TEST_SUITE_P(Delays, FitJobs, ::testing::Values(0, 1, 4));
+
+TEST(JobsAndCommands, ResetCountersDoNotMakeTheCallerMissAJob) {
+  Caller caller(parameters(), 4, Run::kWhenDue);
+  std::size_t i = 0;
+  while (i < turning_ball().size() && caller.map_job_out() == nullptr) {
+    (void)caller.show(turning_ball()[i++]);
+  }
+  ASSERT_NE(caller.map_job_out(), nullptr);
+  const std::vector<std::uint8_t> reset = bus::command(bus::CommandCode::kResetCounters);
+  const std::span<const std::uint8_t> command(reset);
+  (void)caller.show(turning_ball()[i++], {&command, 1});
+  EXPECT_EQ(caller.component().counters().frames_in, 1U);
+  EXPECT_EQ(caller.component().next_step(), i);
+  while (i < turning_ball().size()) {
+    (void)caller.show(turning_ball()[i++]);
+  }
+  EXPECT_EQ(caller.state().mode, Mode::kTracking);
+}
+
+}  // namespace
+}  // namespace polhode
