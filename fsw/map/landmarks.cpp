@@ -77,17 +77,34 @@ FixedVector<KeyframeId, limits::kKeyframes> partners_of(KeyframeId keyframe,
 }
 
 /// Features that see no landmark, and stand at a place where no feature with a landmark stands.
-void list_free(const Keyframe& keyframe, FixedVector<std::int32_t, limits::kFeatures>* out) {
+/// @cost  few neighbours of each feature by u, not all of them.
+void list_free(const Keyframe& keyframe,
+               FixedVector<std::int32_t, limits::kFeatures>* taken,
+               FixedVector<std::int32_t, limits::kFeatures>* out) {
+  const auto at = [&](std::int32_t i) -> const Feature& {
+    return keyframe.features[static_cast<std::size_t>(i)];
+  };
+  taken->clear();
+  for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+    if (keyframe.landmark_of[i].valid()) {
+      (void)taken->push_back(static_cast<std::int32_t>(i));
+    }
+  }
+  std::sort(taken->begin(), taken->end(), [&](std::int32_t a, std::int32_t b) {
+    return at(a).u_px < at(b).u_px;
+  });
   out->clear();
   for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
-    bool taken = keyframe.landmark_of[i].valid();
-    for (std::size_t j = 0; j < keyframe.features.size() && !taken; ++j) {
-      const Feature& a = keyframe.features[i];
-      const Feature& b = keyframe.features[j];
-      taken = keyframe.landmark_of[j].valid() && std::abs(a.u_px - b.u_px) < 1.0F &&
-              std::abs(a.v_px - b.v_px) < 1.0F;
+    const Feature& f = keyframe.features[i];
+    bool free = !keyframe.landmark_of[i].valid();
+    const std::int32_t* near = std::lower_bound(
+        taken->begin(), taken->end(), f.u_px - 1.0F, [&](std::int32_t other, float u_px) {
+          return at(other).u_px < u_px;
+        });
+    for (; free && near != taken->end() && at(*near).u_px - f.u_px < 1.0F; ++near) {
+      free = !(std::abs(f.u_px - at(*near).u_px) < 1.0F && std::abs(f.v_px - at(*near).v_px) < 1.0F);
     }
-    if (!taken) {
+    if (free) {
       (void)out->push_back(static_cast<std::int32_t>(i));
     }
   }
@@ -189,8 +206,8 @@ void match_partner(KeyframeId a,
                    Map* map) {
   const Keyframe& own = map->keyframes[a.index()];
   const Keyframe& partner = map->keyframes[b.index()];
-  list_free(own, &scratch->free_a);
-  list_free(partner, &scratch->free_b);
+  list_free(own, &scratch->taken, &scratch->free_a);
+  list_free(partner, &scratch->taken, &scratch->free_b);
   RelativePose motion = relative_pose(own.pose, partner.pose);
   motion.p_ba.normalize();
   const Eigen::Matrix3d E = essential_matrix(motion);
@@ -359,14 +376,14 @@ int cull_landmarks(const CameraModel& camera, double noise_scale, Map* map) {
     }
   }
   const std::uint32_t newest = map->next_keyframe_number;
-  int removed = 0;
+  FixedVector<LandmarkId, limits::kLandmarks> bad;
   for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
     if (map->landmarks[i].used && is_bad(map->landmarks[i], newest)) {
-      remove_landmark(LandmarkId::from_index(i), map);
-      ++removed;
+      (void)bad.push_back(LandmarkId::from_index(i));
     }
   }
-  return removed;
+  remove_landmarks(bad.view(), map);
+  return static_cast<int>(bad.size());
 }
 
 }  // namespace polhode

@@ -16,6 +16,7 @@ struct CreateOptions {
 
 /// Working memory; contents mean nothing between calls.
 struct CreateScratch {
+  FixedVector<std::int32_t, limits::kFeatures> taken;  ///< features with a landmark, by u
   FixedVector<std::int32_t, limits::kFeatures> free_a;
   FixedVector<std::int32_t, limits::kFeatures> free_b;
   std::array<Eigen::Vector3d, limits::kFeatures>

@@ -85,7 +85,8 @@ KeyframeId add_keyframe(Map* map) {
 }
 
 LandmarkId add_landmark(Map* map) {
-  for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
+  for (std::size_t i = map->landmark_free_from; i < map->landmarks.size(); ++i) {
+    map->landmark_free_from = i + 1;
     if (!map->landmarks[i].used) {
       map->landmarks[i] = Landmark{};
       map->landmarks[i].used = true;
@@ -113,16 +114,23 @@ void untie_sighting(KeyframeId keyframe, std::size_t feature, Map* map) {
   k.landmark_of[feature] = LandmarkId{};
 }
 
-void remove_landmark(LandmarkId id, Map* map) {
-  at(map, id).used = false;
-  --map->landmark_count;
+void remove_landmark(LandmarkId id, Map* map) { remove_landmarks({&id, 1}, map); }
+
+void remove_landmarks(std::span<const LandmarkId> ids, Map* map) {
+  int sightings = 0;
+  for (const LandmarkId id : ids) {
+    Landmark& landmark = at(map, id);
+    landmark.used = false;
+    map->landmark_free_from = std::min(map->landmark_free_from, id.index());
+    sightings += landmark.observations;
+  }
+  map->landmark_count -= static_cast<std::int32_t>(ids.size());
   for (Keyframe& keyframe : map->keyframes) {
-    if (!keyframe.used) {
-      continue;
-    }
-    for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
-      if (keyframe.landmark_of[i] == id) {
-        keyframe.landmark_of[i] = LandmarkId{};
+    for (std::size_t i = 0; keyframe.used && sightings > 0 && i < keyframe.features.size(); ++i) {
+      LandmarkId& seen = keyframe.landmark_of[i];
+      if (seen.valid() && !map->landmarks[seen.index()].used) {
+        seen = LandmarkId{};
+        --sightings;
       }
     }
   }
@@ -223,6 +231,7 @@ void clear(Map* map) {
   }
   map->keyframe_count = 0;
   map->landmark_count = 0;
+  map->landmark_free_from = 0;
 }
 
 }  // namespace polhode

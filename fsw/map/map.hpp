@@ -65,6 +65,7 @@ struct Map {
   std::int32_t next_landmark_number = 0;
   std::int32_t keyframe_count = 0;
   std::int32_t landmark_count = 0;
+  std::size_t landmark_free_from = 0;  ///< no slot before this one is free
   Eigen::Vector3d centre_T = Eigen::Vector3d::Zero();  ///< median of the landmarks
   double radius_mu = 0.0;                              ///< 90 % of them are nearer to the centre
 };
@@ -75,6 +76,8 @@ LandmarkId add_landmark(Map* map);
 
 /// Frees the slot; the landmark's sightings are untied.
 void remove_landmark(LandmarkId id, Map* map);
+/// As remove_landmark() of each, none twice, in one pass over the keyframes.
+void remove_landmarks(std::span<const LandmarkId> ids, Map* map);
 /// Frees the slot; landmarks that fewer than two keyframes still see go with it.
 void remove_keyframe(KeyframeId id, Map* map);
 

@@ -30,9 +30,7 @@ int make_landmark_room(std::size_t wanted, Map* map) {
                                                   : one.number < two.number;
   });
   const std::size_t count = std::min(wanted - free, leaving.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    remove_landmark(leaving[i], map);
-  }
+  remove_landmarks(leaving.view().first(count), map);
   return static_cast<int>(count);
 }
 

@@ -8,6 +8,7 @@
 
 #include "app/checkpoint_writer.hpp"
 #include "app/component_memory.hpp"
+#include "app/exhaustion.hpp"
 #include "app/live_camera_choice.hpp"
 #include "app/live_run.hpp"
 #include "app/run_json.hpp"
@@ -156,8 +157,10 @@ void run_command(const RunArguments& arguments) {
   open_packet_log(machine.run.folder, &packets);
   const auto recorder = make_recorder(machine, parameters, beginning.content());
   std::optional<CheckpointWriter> checkpoint;
+  std::optional<CheckpointOnExhaustion> last_words;
   if (!machine.run.checkpoint.empty()) {
     checkpoint.emplace(machine.run.checkpoint, beginning.identity());
+    last_words.emplace(component, *checkpoint);
   }
   ServiceManager manager;
   LiveReport report(manager, machine.run.report_s);

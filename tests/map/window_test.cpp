@@ -136,6 +136,25 @@ TEST(SnapshotAll, HasEveryKeyframeAndEveryLandmark_WithItsSightings) {
   EXPECT_GE(held(snapshot), 1);
 }
 
+TEST(SnapshotAll, LeavesOutTheOldestSightings_WhenTheTableIsFull_AndTheRestIsAdjusted) {
+  const auto s = make_map(ball(1700, 29), turn_by(0.06, limits::kKeyframes), kNoise_px, 29);
+  const auto all_of_map = all_of(*s.map);
+  AdjustmentSnapshot& all = *all_of_map;
+  ASSERT_TRUE(all.observations.full());
+  ASSERT_GT(all.left_out, 1000U);
+  std::vector<int> of_pose(all.poses.size(), 0);
+  for (const BundleObservation& o : all.observations) {
+    ++of_pose[static_cast<std::size_t>(o.pose)];
+  }
+  EXPECT_GT(of_pose.front(), 0) << "the newest keyframe";
+  EXPECT_EQ(of_pose.back(), 0) << "the oldest one";
+  ASSERT_TRUE(adjust(&all, {.iterations_max = 3, .cauchy_sigma = 2.0}, workspace()).usable);
+  apply(all, s.map.get());
+  // Where nothing is seen nothing moves, but by what brings all of the map back to its place.
+  EXPECT_LT(rms_px(*s.map), 1.1 * 0.71);
+  EXPECT_EQ(broken_promise(*s.map), "");
+}
+
 TEST(Snapshots, AreEmpty_WhenTheMapIs) {
   const auto map = std::make_unique<Map>();
   EXPECT_TRUE(window_of(*map, 5)->keyframes.empty());

@@ -23,19 +23,17 @@ class FitJobs : public ::testing::TestWithParam<int> {
 };
 
 TEST_P(FitJobs, PacketsDoNotShowWhenAFitWasRun) {
-  Caller early = shown(GetParam(), Run::kAtOnce);
+  Caller& early = shown(GetParam(), Run::kAtOnce);
   EXPECT_EQ(early.packets(), shown(GetParam(), Run::kWhenDue).packets());
   EXPECT_EQ(early.packets(), shown(GetParam(), Run::kAtRandom).packets());
   EXPECT_GT(early.fits(), GetParam() > 0 ? 1 : -1);
 }
 
 TEST_P(FitJobs, TheMotionIsFoundWhateverTheDelay) {
-  Caller caller = shown(GetParam(), Run::kWhenDue);
+  Caller& caller = shown(GetParam(), Run::kWhenDue);
   const MotionNow& m = caller.state().motion;
   EXPECT_TRUE(m.model.accepted());
-  EXPECT_LE(m.poses_since_fit, m.past.size());
-  const MotionState& now = caller.show(turning_ball().back()).motion;
-  EXPECT_TRUE(now.pose_valid);
+  EXPECT_LT(m.poses_since_fit, m.past.size());
 }
 
 TEST_P(FitJobs, PosesFoundMeanwhileAreKept) {
@@ -86,12 +84,18 @@ TEST_P(FitJobs, PosesSinceItWasAskedForJudgeIt) {
     GTEST_SKIP() << "too few poses meanwhile";
   }
   Caller caller(parameters(), GetParam(), Run::kAtOnce);
-  std::size_t i = show_until_fit(caller);
+  MotionNow& m = caller.component().state().motion;
+  std::size_t i = 0;
+  while (i + 3 < turning_ball().size() &&
+         !(m.model.accepted() && caller.out(JobKind::kFit) != nullptr)) {
+    (void)caller.show(turning_ball()[i++]);
+  }
   ASSERT_NE(caller.out(JobKind::kFit), nullptr);
+  ASSERT_TRUE(m.model.accepted());
   for (int n = 0; n < 3; ++n) {  // frames later the target stands elsewhere
     (void)caller.show(turning_ball()[i++]);
   }
-  MotionNow& m = caller.component().state().motion;
+  ASSERT_NE(caller.out(JobKind::kFit), nullptr);
   for (std::size_t n = m.recent.size() - 3; n < m.recent.size(); ++n) {
     m.recent[n].pose.R_CT = so3_exp({0.0, 0.0, 0.7}) * m.recent[n].pose.R_CT;
   }

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "base/rng.hpp"
@@ -97,12 +100,17 @@ inline const std::vector<Picture>& turning_ball() {
   return pictures;
 }
 
-inline Caller shown(int delay_frames, Run run) {
-  Caller caller(parameters(), delay_frames, run);
-  for (const Picture& picture : turning_ball()) {
-    (void)caller.show(picture);
+/// After all of turning_ball(); made once for each way of running it.
+inline Caller& shown(int delay_frames, Run run) {
+  static std::map<std::pair<int, Run>, std::unique_ptr<Caller>> made;
+  std::unique_ptr<Caller>& caller = made[{delay_frames, run}];
+  if (caller == nullptr) {
+    caller = std::make_unique<Caller>(parameters(), delay_frames, run);
+    for (const Picture& picture : turning_ball()) {
+      (void)caller->show(picture);
+    }
   }
-  return caller;
+  return *caller;
 }
 
 }  // namespace polhode::bench

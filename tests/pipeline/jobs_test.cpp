@@ -10,7 +10,7 @@ namespace {
 using namespace bench;
 
 TEST(Jobs, WithoutDelay_AreDoneWithinTheStep) {
-  Caller caller = shown(0, Run::kWhenDue);
+  Caller& caller = shown(0, Run::kWhenDue);
   EXPECT_EQ(caller.jobs(), 0);
   EXPECT_GT(caller.component().counters().jobs_issued, 3U);
   EXPECT_EQ(caller.component().state().mode, Mode::kTracking);
@@ -19,8 +19,8 @@ TEST(Jobs, WithoutDelay_AreDoneWithinTheStep) {
 class JobsWithDelay : public ::testing::TestWithParam<int> {};
 
 TEST_P(JobsWithDelay, PacketsDoNotShowWhenAJobWasRun) {
-  Caller early = shown(GetParam(), Run::kAtOnce);
-  Caller late = shown(GetParam(), Run::kWhenDue);
+  Caller& early = shown(GetParam(), Run::kAtOnce);
+  Caller& late = shown(GetParam(), Run::kWhenDue);
   EXPECT_GT(early.jobs(), 3);
   EXPECT_EQ(early.packets(), shown(GetParam(), Run::kAtRandom).packets());
   EXPECT_EQ(early.jobs(), late.jobs());
@@ -28,7 +28,7 @@ TEST_P(JobsWithDelay, PacketsDoNotShowWhenAJobWasRun) {
 }
 
 TEST_P(JobsWithDelay, TheBodyIsAcquiredAndFollowed) {
-  Caller caller = shown(GetParam(), Run::kWhenDue);
+  Caller& caller = shown(GetParam(), Run::kWhenDue);
   EXPECT_EQ(caller.component().state().mode, Mode::kTracking);
   EXPECT_EQ(caller.component().counters().lost, 0U);
   EXPECT_GT(caller.component().state().map.keyframe_count, 3);
