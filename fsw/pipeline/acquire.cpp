@@ -109,6 +109,8 @@ void collect(Component::State* s) {
             s->features,
             s->parameters.tracks.descriptor_ratio_max,
             &s->tracks);
+  constexpr std::size_t kConnectingMin = 8;  // fewer cannot carry a start
+  drop_unconnected_frames(kConnectingMin, &s->tracks);
   s->counters.tables_full += s->tracks.full_count;
   s->tracks.full_count = 0;
   if (static_cast<int>(s->tracks.frames.size()) < s->parameters.start.frames_min) {

@@ -5,6 +5,8 @@
 namespace polhode {
 namespace {
 
+constexpr std::size_t kLookBack = 3;  // bridges a spot that was missed in one or two frames
+
 /// The track of a feature, made anew when it has none. -1 when the table is full.
 std::int32_t track_for(std::size_t frame, std::int32_t feature, TrackTable* table) {
   std::int32_t& track = table->track_of[frame][static_cast<std::size_t>(feature)];
@@ -77,6 +79,23 @@ void drop_oldest_frame(TrackTable* table) {
   table->tracks.resize(kept);
 }
 
+void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table) {
+  if (table->frames.size() <= kLookBack) {
+    return;
+  }
+  const auto first_late = static_cast<std::int32_t>(table->frames.size() - kLookBack);
+  std::size_t leading = 0;
+  for (const Track& track : table->tracks) {
+    leading += track.points[0].frame < first_late && track.points.back().frame >= first_late ? 1 : 0;
+  }
+  if (leading >= tracks_min) {
+    return;
+  }
+  while (table->frames.size() > kLookBack) {
+    drop_oldest_frame(table);
+  }
+}
+
 void add_frame(std::uint32_t frame,
                std::int64_t timestamp_ns,
                const Eigen::Matrix3d& R_IC,
@@ -94,7 +113,6 @@ void add_frame(std::uint32_t frame,
   collected.R_IC = R_IC;
   collected.features = features;
   table->track_of[latest].fill(-1);
-  constexpr std::size_t kLookBack = 3;  // bridges a spot that was missed in one or two frames
   for (std::size_t back = 1; back <= std::min(kLookBack, latest); ++back) {
     tie(latest - back, latest, ratio_max, table);
   }

@@ -50,6 +50,10 @@ void add_frame(std::uint32_t frame,
 /// Forgets frame 0 and the tracks that live in it alone.
 void drop_oldest_frame(TrackTable* table);
 
+/// Forgets the frames before the last three (those that a new frame is tied to) where fewer than
+/// `tracks_min` tracks lead from them to these: they show something else, and no start can have both.
+void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table);
+
 void clear(TrackTable* table);
 
 }  // namespace polhode

@@ -33,6 +33,10 @@ constexpr int kUnusable = 2;
 constexpr const char* kSetHelp =
     "one value on top of the file, dotted key and TOML value, as in scale.known_length_m=0.6";
 
+constexpr const char* kTrapHelp =
+    "for tests: exit status 5 when memory or a thread is asked for after the start; ends with the "
+    "last frame";
+
 CLI::Option* add_settings(CLI::App& command, std::vector<std::string>& settings) {
   // One value an option: the words that follow are not swallowed.
   return command.add_option("--set", settings, kSetHelp)
@@ -74,6 +78,7 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
                    arguments.commands,
                    "time-tagged commands, a line each: TIMESTAMP_NS COMMAND [argument=value]...")
       ->type_name("FILE");
+  command->add_flag("--memory-trap", arguments.memory_trap, kTrapHelp);
   add_settings(*command, arguments.settings);
   command->callback([&arguments] { polhode::platform::replay(arguments); });
 }
@@ -84,6 +89,7 @@ void add_run(CLI::App& app, RunArguments& arguments) {
   command->add_option("--config", arguments.config, "configuration")
       ->type_name("CONFIG.toml")
       ->required();
+  command->add_flag("--memory-trap", arguments.memory_trap, kTrapHelp);
   add_settings(*command, arguments.settings);
   command->callback([&arguments] { polhode::platform::run_command(arguments); });
 }

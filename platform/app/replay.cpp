@@ -8,6 +8,7 @@
 
 #include "app/component_memory.hpp"
 #include "app/finish.hpp"
+#include "app/frames_trapped.hpp"
 #include "app/machine.hpp"
 #include "app/motion_csv.hpp"
 #include "app/next_input.hpp"
@@ -189,13 +190,15 @@ Component& make_component(const ComponentMemory& memory,
 }
 
 /// From the first frame to the last nothing is asked of the machine.
-RunCost run_sealed(Run& run, bool realtime) {
+RunCost run_sealed(Run& run, const ReplayArguments& arguments) {
   RunCost cost{.at_start = machine_use(), .after_frames = {}, .pools = {}};
   const Clock::time_point start = Clock::now();
   forget_pool_peaks();
   seal_memory();
-  run_frames(run, realtime);
+  const FramesTrapped trapped(arguments.memory_trap);
+  run_frames(run, arguments.realtime);
   run.worker.finish();
+  trapped.end();
   cost.pools = report_pools();
   unseal_memory();  // the end of a replay is work for the ground
   cost.wall_s = seconds_since(start);
@@ -244,7 +247,7 @@ void replay(const ReplayArguments& arguments) {
   run.published.reserve(frames);
   component.set_stage_hook(Timings::hook, &run.timings);
 
-  const RunCost cost = run_sealed(run, arguments.realtime);
+  const RunCost cost = run_sealed(run, arguments);
   const std::string bus_sha256 = run.files.bus.finish();
   const Clock::time_point finish_start = Clock::now();
   finish_files(run, arguments.out);

@@ -17,6 +17,8 @@ struct ReplayArguments {
   bool one_core = false;            ///< jobs run between the steps, on the same thread
   std::uint32_t job_latency_ms = 0;  ///< for tests: jobs are held back by a random time up to this
   std::filesystem::path commands;  ///< over [commands] file of the configuration; empty: that
+  bool memory_trap = false;  ///< for tests: exit code 5 when memory is asked for between the first
+                             ///< frame and the last; the files of the end are then not written
   std::vector<std::string> settings;
 };
 

@@ -9,6 +9,7 @@
 #include "app/checkpoint_writer.hpp"
 #include "app/component_memory.hpp"
 #include "app/exhaustion.hpp"
+#include "app/frames_trapped.hpp"
 #include "app/live_camera_choice.hpp"
 #include "app/live_run.hpp"
 #include "app/run_json.hpp"
@@ -111,14 +112,16 @@ void open_packet_log(const fs::path& folder, std::optional<PacketLog>* packets) 
 }
 
 /// From the first frame to the last nothing is asked of the machine.
-LiveEnd run_sealed(LiveParts& parts, const RunOptions& wish) {
+LiveEnd run_sealed(LiveParts& parts, const RunOptions& wish, bool memory_trap) {
   seal_memory();
+  const FramesTrapped trapped(memory_trap);
   const LiveEnd end = run_live(
       parts,
       {.checkpoint_frames = wish.checkpoint_frames,
        .start_s_max = wish.start_s_max,
        .frames_max = wish.frames_max});
   parts.worker.finish();
+  trapped.end();
   unseal_memory();
   return end;
 }
@@ -179,7 +182,7 @@ void run_command(const RunArguments& arguments) {
                   .recorder = recorder.get(),
                   .checkpoint = checkpoint ? &*checkpoint : nullptr};
   manager.ready();
-  const LiveEnd end = run_sealed(parts, machine.run);
+  const LiveEnd end = run_sealed(parts, machine.run, arguments.memory_trap);
   manager.stopping();
   if (checkpoint && component.counters().frames_in > 0) {
     checkpoint->write_now(component.state());

@@ -9,6 +9,7 @@ namespace polhode::platform {
 
 struct RunArguments {
   std::filesystem::path config;
+  bool memory_trap = false;  ///< as in ReplayArguments
   std::vector<std::string> settings;
 };
 

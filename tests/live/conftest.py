@@ -45,7 +45,7 @@ def live(tmp_path):
     @return the process, with `folder` and `finish()` -> status, err."""
     started = []
 
-    def start(source, name="run", settings=(), env=None, **options):
+    def start(source, name="run", settings=(), env=None, memory_trap=False, **options):
         folder = tmp_path / name
         keys = {"device__source": source, "device__sequence_speed": 0.0, "run__folder": folder, **options}
         config = tmp_path / f"{name}.toml"
@@ -54,7 +54,7 @@ def live(tmp_path):
             section, field = key.split("__")
             sections.setdefault(section, []).append(f"{field} = {toml(value)}")
         config.write_text("\n".join(line for section, lines in sections.items() for line in (f"[{section}]", *lines)) + "\n")
-        command = [PROGRAM, "run", "--config", config]
+        command = [PROGRAM, "run", "--config", config, *(["--memory-trap"] if memory_trap else [])]
         for setting in settings:
             command += ["--set", setting]
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,

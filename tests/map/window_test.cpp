@@ -137,7 +137,7 @@ TEST(SnapshotAll, HasEveryKeyframeAndEveryLandmark_WithItsSightings) {
 }
 
 TEST(SnapshotAll, LeavesOutTheOldestSightings_WhenTheTableIsFull_AndTheRestIsAdjusted) {
-  const auto s = make_map(ball(1700, 29), turn_by(0.06, limits::kKeyframes), kNoise_px, 29);
+  const auto s = make_map(ball(2600, 29), turn_by(0.06, limits::kKeyframes), kNoise_px, 29);
   const auto all_of_map = all_of(*s.map);
   AdjustmentSnapshot& all = *all_of_map;
   ASSERT_TRUE(all.observations.full());

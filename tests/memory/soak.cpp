@@ -139,7 +139,7 @@ class Soak {
     const std::string lock_problem = lock_memory();
     Reading at_seal = meter_.read();
     seal_memory();
-    const bool trapped = set_memory_trap();
+    const bool trapped = set_memory_trap(true);
     do_what_is_forbidden(arguments_.control);
     std::vector<Reading> readings;
     readings.reserve(11);

@@ -59,7 +59,7 @@ TEST_P(JobsWithDelay, TheEndOfARunTakesInWhatIsStillOut) {
   EXPECT_TRUE(job_slot_free(caller.component().state()));
 }
 
-INSTANTIATE_TEST_SUITE_P(Delays, JobsWithDelay, ::testing::Values(1, 4));
+INSTANTIATE_TEST_SUITE_P(Delays, JobsWithDelay, ::testing::Values(1, 3));
 
 TEST(Jobs, ADueJobThatIsNotHandedInIsAMistakeOfTheCaller) {
   Caller caller(parameters(), 1, Run::kAtOnce);

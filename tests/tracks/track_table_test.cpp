@@ -172,6 +172,36 @@ TEST(TrackTable, ForgetsTheOldestFrame_AndTheTracksOfItAlone) {
   EXPECT_EQ(f.sightings().size(), 5U);
 }
 
+TEST(TrackTable, ForgetsWhatLeadsNowhere_WhenThePictureHasChanged) {
+  Fixture f;
+  for (int i = 0; i < 6; ++i) {
+    f.add(range(0, 20));  // one thing
+  }
+  for (int i = 0; i < 2; ++i) {
+    f.add(range(40, 60));  // another
+    drop_unconnected_frames(8, f.table.get());
+    EXPECT_GE(f.table->frames.size(), 6U) << "the first one may come back";
+  }
+  f.add(range(40, 60));
+  drop_unconnected_frames(8, f.table.get());
+  ASSERT_EQ(f.table->frames.size(), 3U);
+  EXPECT_EQ(f.table->frames[0].frame, 106U);
+  EXPECT_EQ(f.sightings().size(), 20U);
+  f.expect_consistent();
+}
+
+TEST(TrackTable, KeepsWhatLeadsOn_OverTwoStrangeFrames) {
+  Fixture f;
+  f.add(range(0, 20));
+  f.add(range(0, 20));
+  f.add(range(100, 120));
+  f.add(range(120, 140));
+  f.add(range(0, 20));
+  drop_unconnected_frames(8, f.table.get());
+  EXPECT_EQ(f.table->frames.size(), 5U);
+  f.expect_consistent();
+}
+
 TEST(TrackTable, KeepsTheLastFrames_WhenMoreComeThanItHolds) {
   Fixture f;
   constexpr int kFrames = static_cast<int>(limits::kStartFrames) + 7;

@@ -25,12 +25,21 @@ struct Call {
 constexpr Call kCalls[] = {
     {__NR_mmap, "mmap"},         {__NR_mremap, "mremap"}, {__NR_munmap, "munmap"},
     {__NR_mprotect, "mprotect"}, {__NR_brk, "brk"},       {__NR_madvise, "madvise"},
-    {__NR_clone, "clone"},       {__NR_clone3, "clone3"}, {__NR_openat, "openat"},
-#ifdef __NR_open  // calls that newer architectures do without
-    {__NR_open, "open"},         {__NR_fork, "fork"},     {__NR_vfork, "vfork"},
+    {__NR_clone, "clone"},       {__NR_clone3, "clone3"},
+#ifdef __NR_fork  // calls that newer architectures do without
+    {__NR_fork, "fork"},         {__NR_vfork, "vfork"},
+#endif
+    {__NR_openat, "openat"},  // files: the last ones
+#ifdef __NR_open
+    {__NR_open, "open"},
 #endif
 };
 constexpr std::size_t kCallCount = sizeof kCalls / sizeof kCalls[0];
+#ifdef __NR_open
+constexpr std::size_t kFileCalls = 2;
+#else
+constexpr std::size_t kFileCalls = 1;
+#endif
 
 #if defined(__x86_64__)
 constexpr unsigned kArchitecture = AUDIT_ARCH_X86_64;
@@ -57,7 +66,7 @@ void on_trap(int /*signal*/, siginfo_t* info, void* /*context*/) {
 
 }  // namespace
 
-bool set_memory_trap() {
+bool set_memory_trap(bool files) {
   struct sigaction action {};
   action.sa_sigaction = on_trap;
   action.sa_flags = SA_SIGINFO;
@@ -68,10 +77,12 @@ bool set_memory_trap() {
   std::array<sock_filter, kCallCount + 5> program{};
   std::size_t i = 0;
   program[i++] = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, arch));
-  program[i++] = BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, kArchitecture, 0, kCallCount + 1);
+  const std::size_t count = files ? kCallCount : kCallCount - kFileCalls;
+  program[i++] = BPF_JUMP(
+      BPF_JMP | BPF_JEQ | BPF_K, kArchitecture, 0, static_cast<std::uint8_t>(count + 1));
   program[i++] = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr));
-  for (std::size_t c = 0; c < kCallCount; ++c) {
-    const auto to_trap = static_cast<std::uint8_t>(kCallCount - c);
+  for (std::size_t c = 0; c < count; ++c) {
+    const auto to_trap = static_cast<std::uint8_t>(count - c);
     program[i++] = BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, kCalls[c].number, to_trap, 0);
   }
   program[i++] = BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
