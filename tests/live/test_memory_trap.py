@@ -27,8 +27,9 @@ def test_a_replay(played, tmp_path, delay_frames):
 
 @pytest.mark.parametrize("delay_frames", [0, 1])
 def test_a_live_run_that_records_sends_and_writes_checkpoints(live, played, tmp_path, delay_frames):
-    run = live(played.path, memory_trap=True, settings=[f"jobs.delay_frames={delay_frames}"], device__sequence_passes=3,
+    run = live(played.path, memory_trap=True, device__sequence_passes=3,
+               settings=[f"jobs.delay_frames={delay_frames}", 'transport.send=["udp:127.0.0.1:40123"]'],
                run__checkpoint=tmp_path / "checkpoint", run__checkpoint_frames=4, recording__folder=tmp_path / "recording",
-               recording__complete=True, transport__send="udp:127.0.0.1:40123")
+               recording__complete=True)
     done = run.finish()
     assert done.status == 0 and NOTHING in done.err, done.err
