@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <iterator>
+#include <memory>
 #include <new>
 
 #include "pipeline/parameter_image.hpp"
@@ -83,6 +84,11 @@ Result<Component*> Component::create(std::span<std::byte> memory, const Paramete
   storage->state.bus.memory_octets = sizeof(Storage);
   storage->state.bus.table_crc = table_crc(parameters);
   return ::new (static_cast<void*>(storage->component)) Component(&storage->state);
+}
+
+void Component::destroy(Component* component) {
+  // The component's own part has nothing to give back.
+  std::destroy_at(reinterpret_cast<Storage*>(component->state_));
 }
 
 void Component::set_stage_hook(StageHook hook, void* context) {

@@ -139,6 +139,10 @@ class Component {
   /// @errors BadParameter (names field, value, range), MemoryTooSmall.
   static Result<Component*> create(std::span<std::byte> memory, const Parameters& parameters);
 
+  /// Gives back what the component has drawn from the heap by way of libraries; the memory is the
+  /// caller's again.
+  static void destroy(Component* component);
+
   /// One frame. Bounded work; the output's spans stay valid until the next call.
   const StepOutput& step(const StepInput& input);
 

@@ -13,6 +13,7 @@
 #include "app/live_camera_choice.hpp"
 #include "app/live_run.hpp"
 #include "app/run_json.hpp"
+#include "app/warm_up.hpp"
 #include "errors.hpp"
 #include "os/linux/memory/region.hpp"
 #include "os/linux/stop_request.hpp"
@@ -146,6 +147,7 @@ void run_command(const RunArguments& arguments) {
   ChosenCamera chosen(arguments.config, machine, &configuration.parameters);
   const Parameters& parameters = configuration.parameters;
   const ComponentMemory memory(parameters, arguments.config.string());
+  say("warmed up: %d poses of a made-up body", warm_up(memory, parameters));
   Result<Component*> made = Component::create(memory.span(), parameters);
   if (!made) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));

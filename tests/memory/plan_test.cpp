@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <numeric>
+#include <vector>
 
 #include "os/linux/deadline.hpp"
+#include "os/linux/memory/heap.hpp"
+#include "os/linux/worker.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -72,7 +76,23 @@ TEST(MemoryPlan, WithoutDelayTheJobsDrawFromTheStepsPool) {
   const MemoryPlan beside = plan_memory(p);
   EXPECT_EQ(within.pools[static_cast<std::size_t>(Pool::kJobs)], 0U);
   EXPECT_GT(beside.pools[static_cast<std::size_t>(Pool::kJobs)], 0U);
-  EXPECT_EQ(within.total_octets, beside.total_octets);
+  EXPECT_EQ(within.total_octets + WorkerOptions{}.stack_octets, beside.total_octets)
+      << "no thread, no stack";
+}
+
+TEST(MemoryPlan, AJobsPoolThatIsAllowedLetsAJobBegin) {
+  Parameters p = at(640, 480);
+  p.jobs.delay_frames = 1;
+  p.budget.jobs_mb = 4;
+  const MemoryPlan plan = plan_memory(p);
+  ASSERT_EQ(plan.problem, "");
+  std::vector<std::byte> memory(plan.pools[static_cast<std::size_t>(Pool::kJobs)] + 64);
+  void* start = memory.data();
+  std::size_t space = memory.size();
+  Heap heap;
+  heap.open({static_cast<std::byte*>(std::align(64, memory.size() - 64, start, space)),
+             memory.size() - 64});
+  EXPECT_GE(heap.use().largest_free_octets, job_worst_case(p));
 }
 
 TEST(MemoryPlan, ALargerPictureTakesMore) {
