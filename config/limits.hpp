@@ -9,6 +9,15 @@ namespace polhode::limits {
 // matching time grows as N.
 inline constexpr std::size_t kFeatures = 1000;
 
+// Pixels of the picture that features are sought in: the default, rounded up. Its scale space takes 32 octets a pixel.
+inline constexpr std::size_t kWorkingPixels = 600000;
+
+// The longer side of that picture: a boom across a camera's whole picture, enlarged.
+inline constexpr std::size_t kWorkingSide = 4096;
+
+// The longer side of a camera's picture.
+inline constexpr std::size_t kImageSide = 8192;
+
 // One keyframe per 6 deg over two full turns about different axes, less the overlap.
 inline constexpr std::size_t kKeyframes = 100;
 

@@ -17,8 +17,6 @@ constexpr std::size_t kMiB = std::size_t{1} << 20;
 constexpr std::size_t kHypothesesOctets = 3 * kMiB;
 constexpr std::size_t kPoseOctets = kMiB;
 constexpr std::size_t kHeapHeader = 4096;
-// Five octaves of eleven pictures of floating-point numbers, the first at twice the size.
-constexpr std::size_t kPerWorkingPixel = 260;
 // The program's text, its shared libraries, their own data and what constructors ask for before the
 // pools are open: 26 MiB were measured.
 constexpr std::size_t kProgramOctets = 27 * kMiB;
@@ -33,11 +31,9 @@ std::size_t pixels(const Parameters& p) {
 std::vector<CallCost> calls(const Parameters& p) {
   // A pyramid of three levels is 4/3 of the picture, with a border; its gradients are two 16-bit
   // pictures of a level.
-  const auto working = static_cast<std::size_t>(p.features.working_pixels_max);
   const std::size_t pyramids = 2 * (pixels(p) * 14 / 10) + 5 * pixels(p);
   return {{"optical flow: two pyramids and gradients", Pool::kStep, pyramids},
           {"picture, mask and region of interest", Pool::kStep, 3 * pixels(p)},
-          {"features of the region of interest", Pool::kStep, kPerWorkingPixel * working},
           {"absolute pose: hypotheses of three points", Pool::kStep, kPoseOctets},
           {"start of a map: hypotheses of all kinds",
            p.jobs.delay_frames == 0 ? Pool::kStep : Pool::kJobs,

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <limits>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 namespace polhode {
 namespace {
 
@@ -20,26 +24,43 @@ struct Best {
   int rival2 = std::numeric_limits<int>::max();
 };
 
-Best best_of(const Feature& wanted, std::span<const Feature> among) {
-  Best best;
-  for (std::size_t j = 0; j < among.size(); ++j) {
-    const int d2 = distance2(wanted.descriptor, among[j].descriptor);
-    if (d2 < best.nearest2) {
-      if (best.index >= 0 && !same_place(among[j], among[static_cast<std::size_t>(best.index)])) {
-        best.rival2 = best.nearest2;
-      }
-      best.nearest2 = d2;
-      best.index = static_cast<std::int32_t>(j);
-    } else if (d2 < best.rival2 &&
-               !same_place(among[j], among[static_cast<std::size_t>(best.index)])) {
-      best.rival2 = d2;
+/// Takes one more of `among` into account; they come in the order of their index.
+void consider(std::size_t index, int d2, std::span<const Feature> among, Best* best) {
+  const auto is_twin = [&] {
+    return same_place(among[index], among[static_cast<std::size_t>(best->index)]);
+  };
+  if (d2 < best->nearest2) {
+    if (best->index >= 0 && !is_twin()) {
+      best->rival2 = best->nearest2;
     }
+    best->nearest2 = d2;
+    best->index = static_cast<std::int32_t>(index);
+  } else if (d2 < best->rival2 && !is_twin()) {
+    best->rival2 = d2;
   }
-  return best;
 }
 
 }  // namespace
 
+#if defined(__SSE2__)
+int distance2(const Descriptor& a, const Descriptor& b) {
+  static_assert(sizeof(Descriptor) % sizeof(__m128i) == 0);
+  const __m128i zero = _mm_setzero_si128();
+  __m128i sum = zero;  // 4 x 32 bits: 32 squares of at most 255^2 each
+  for (std::size_t i = 0; i < a.size(); i += sizeof(__m128i)) {
+    const __m128i left = _mm_loadu_si128(reinterpret_cast<const __m128i*>(a.data() + i));
+    const __m128i right = _mm_loadu_si128(reinterpret_cast<const __m128i*>(b.data() + i));
+    // Of the two saturated differences one is zero: together they are the absolute one.
+    const __m128i apart = _mm_or_si128(_mm_subs_epu8(left, right), _mm_subs_epu8(right, left));
+    const __m128i low = _mm_unpacklo_epi8(apart, zero);
+    const __m128i high = _mm_unpackhi_epi8(apart, zero);
+    sum = _mm_add_epi32(sum, _mm_add_epi32(_mm_madd_epi16(low, low), _mm_madd_epi16(high, high)));
+  }
+  sum = _mm_add_epi32(sum, _mm_unpackhi_epi64(sum, sum));
+  sum = _mm_add_epi32(sum, _mm_shuffle_epi32(sum, 1));
+  return _mm_cvtsi128_si32(sum);
+}
+#else
 int distance2(const Descriptor& a, const Descriptor& b) {
   int sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -48,6 +69,7 @@ int distance2(const Descriptor& a, const Descriptor& b) {
   }
   return sum;
 }
+#endif
 
 int FeatureGrid::cell_of(double position_px, double size_px) const {
   return std::clamp(static_cast<int>(position_px * kCells / size_px), 0, kCells - 1);
@@ -108,18 +130,27 @@ void match_mutual(std::span<const Feature> a,
   if (a.empty() || b.empty()) {
     return;
   }
+  POLHODE_ASSERT(a.size() <= limits::kFeatures && b.size() <= limits::kFeatures, a.size());
+  std::array<Best, limits::kFeatures> forward;
+  std::array<Best, limits::kFeatures> back;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const int d2 = distance2(a[i].descriptor, b[j].descriptor);
+      consider(j, d2, b, &forward[i]);
+      consider(i, d2, a, &back[j]);
+    }
+  }
   const double ratio2 = ratio_max * ratio_max;
-  for (std::size_t i = 0; i < a.size() && !matches->full(); ++i) {
-    const Best forward = best_of(a[i], b);
-    if (forward.nearest2 > kDistance2Max || forward.nearest2 > ratio2 * forward.rival2) {
+  const auto stands_out = [&](const Best& best) { return best.nearest2 <= ratio2 * best.rival2; };
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const auto j = static_cast<std::size_t>(forward[i].index);
+    if (forward[i].nearest2 > kDistance2Max || !stands_out(forward[i]) || !stands_out(back[j])) {
       continue;
     }
-    const Best back = best_of(b[static_cast<std::size_t>(forward.index)], a);
-    const bool mutual =
-        back.index >= 0 && same_place(a[static_cast<std::size_t>(back.index)], a[i]);
-    if (mutual && back.nearest2 <= ratio2 * back.rival2) {
-      (void)matches->push_back(
-          {.a = static_cast<std::int32_t>(i), .b = forward.index, .distance2 = forward.nearest2});
+    if (same_place(a[static_cast<std::size_t>(back[j].index)], a[i])) {
+      (void)matches->push_back({.a = static_cast<std::int32_t>(i),
+                                .b = forward[i].index,
+                                .distance2 = forward[i].nearest2});
     }
   }
 }

@@ -41,7 +41,7 @@ constexpr ParameterRow kRows[] = {
    "features kept per frame"},
   {"features.contrast_min", POLHODE_FIELD(features.contrast_min), 0.001, 0.2, "full scale",
    "least contrast of a feature"},
-  {"features.working_pixels_max", POLHODE_FIELD(features.working_pixels_max), 10000, 4000000, "px",
+  {"features.working_pixels_max", POLHODE_FIELD(features.working_pixels_max), 10000, limits::kWorkingPixels, "px",
    "the region of interest is resampled to this many pixels before detection"},
   {"features.sigma_px", POLHODE_FIELD(features.sigma_px), 0.05, 5.0, "px",
    "1-sigma of a feature's position at the finest scale"},

@@ -46,7 +46,7 @@ void ensure_features(Component::State* s) {
       options.working_pixels_max /= 2;
       options.count_max = std::max(kCountLeast, options.count_max / 2);
     }
-    detect_features(s->gray, s->mask, s->camera, options, &s->features);
+    detect_features(s->gray, s->mask, s->camera, options, &s->feature_workspace, &s->features);
     s->features_ready = true;
     stage_done(Stage::kFeatures, *s);
   }

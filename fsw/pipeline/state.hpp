@@ -8,6 +8,7 @@
 
 #include "config/limits.hpp"
 #include "features/detect.hpp"
+#include "features/workspace.hpp"
 #include "image/image.hpp"
 #include "map/drift.hpp"
 #include "map/follow.hpp"
@@ -78,6 +79,7 @@ struct Component::State {
   FitJob fit_job;
 
   // Working memory of single calls.
+  FeatureWorkspace feature_workspace;
   LocaliseScratch localise_scratch;
   CreateScratch create_scratch;
   LocalisedFrame closure;

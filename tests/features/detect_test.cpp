@@ -12,6 +12,7 @@
 
 #include "base/rng.hpp"
 #include "features/match.hpp"
+#include "features/workspace.hpp"
 
 namespace polhode {
 namespace {
@@ -64,7 +65,8 @@ std::unique_ptr<Features> detect(const cv::Mat& gray,
                                  const TargetMask& mask,
                                  const FeatureOptions& options = {}) {
   auto features = std::make_unique<Features>();
-  detect_features(gray, mask, camera_for(gray), options, features.get());
+  const auto workspace = std::make_unique<FeatureWorkspace>();
+  detect_features(gray, mask, camera_for(gray), options, workspace.get(), features.get());
   return features;
 }
 
@@ -161,7 +163,8 @@ TEST(DetectFeatures, GivesTheUndistortedPointOfEachPixel) {
   camera.k1 = -0.2;
   camera.p1 = 1e-3;
   auto features = std::make_unique<Features>();
-  detect_features(gray, whole(gray), camera, {}, features.get());
+  const auto workspace = std::make_unique<FeatureWorkspace>();
+  detect_features(gray, whole(gray), camera, {}, workspace.get(), features.get());
   ASSERT_FALSE(features->empty());
   for (const Feature& f : *features) {
     const Eigen::Vector2d back = project_px(camera, f.normalised);

@@ -1,0 +1,135 @@
+#include "features/descriptor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "features/lanes.hpp"
+#include "features/patch.hpp"
+
+namespace polhode::sift {
+namespace {
+
+constexpr int kFields = 4;
+constexpr int kDirections = 8;
+constexpr float kFieldSide = 3.0F;  // in the place's sigma
+constexpr int kSide = 16;           // samples along a side of the patch
+constexpr float kSpan = 5.0F;       // fields that the patch spans: half a field more on either side
+constexpr float kWindow = 2.0F;     // sigma of the weights, fields: half the descriptor's side
+
+/// How much a sample of a row (or column) of the patch counts for two neighbouring rows (columns)
+/// of fields. The first of them is field - 1: there is one field too many on either side.
+struct Share {
+  std::size_t field = 0;
+  float first = 0.0F;
+  float second = 0.0F;
+};
+using Shares = std::array<Share, kSide>;
+
+Shares make_shares() {
+  Shares shares{};
+  for (int i = 0; i < kSide; ++i) {
+    const double off = (i - 0.5 * (kSide - 1)) * static_cast<double>(kSpan) / kSide;  // fields
+    const double window = std::exp(-0.5 * off * off / static_cast<double>(kWindow * kWindow));
+    const double at = off + 0.5 * (kFields + 1);
+    const double field = std::floor(at);
+    shares[static_cast<std::size_t>(i)] = {
+        .field = static_cast<std::size_t>(field),
+        .first = static_cast<float>(window * (1.0 - (at - field))),
+        .second = static_cast<float>(window * (at - field))};
+  }
+  return shares;
+}
+
+/// The eight directions of one field.
+struct Field {
+  Lanes first{};
+  Lanes last{};
+};
+
+/// Shares of the directions k, round the circle, in a gradient of direction `at` (0 .. 8).
+Lanes direction_shares(Lanes k, float at) {
+  const Lanes none{};
+  const Lanes off = splat(at) - k;
+  const Lanes apart = larger(off, -off);
+  return larger(none, splat(1.0F) - smaller(apart, splat(kDirections) - apart));
+}
+
+void add(Field* field, float share, Lanes first, Lanes last) {
+  field->first += splat(share) * first;
+  field->last += splat(share) * last;
+}
+
+constexpr std::size_t kWide = kFields + 2;  // with the fields too many
+using Row = std::array<Field, kWide>;
+using Histogram = std::array<Row, kWide>;
+
+void accumulate(const Gradients<kSide>& gradients, const Shares& shares, Histogram* histogram) {
+  constexpr float kPerRad = 0.5F * kDirections / std::numbers::pi_v<float>;
+  const Lanes first{0.0F, 1.0F, 2.0F, 3.0F};
+  const Lanes last{4.0F, 5.0F, 6.0F, 7.0F};
+  for (std::size_t j = 0; j < kSide; ++j) {
+    Row row{};
+    for (std::size_t i = 0; i < kSide; ++i) {
+      const float at = gradients.angle_rad[j * kSide + i] * kPerRad;
+      const Lanes length = splat(gradients.length[j * kSide + i]);
+      const Lanes a = length * direction_shares(first, at);
+      const Lanes b = length * direction_shares(last, at);
+      add(&row[shares[i].field], shares[i].first, a, b);
+      add(&row[shares[i].field + 1], shares[i].second, a, b);
+    }
+    for (std::size_t f = 1; f <= kFields; ++f) {
+      add(&(*histogram)[shares[j].field][f], shares[j].first, row[f].first, row[f].last);
+      add(&(*histogram)[shares[j].field + 1][f], shares[j].second, row[f].first, row[f].last);
+    }
+  }
+}
+
+Descriptor to_octets(const Histogram& histogram) {
+  constexpr std::size_t kCount = sizeof(Descriptor);
+  std::array<float, kCount> value{};
+  static_assert(sizeof value == kFields * kFields * sizeof(Field));
+  for (std::size_t r = 0; r < kFields; ++r) {
+    std::memcpy(value.data() + r * kFields * kDirections,
+                histogram[r + 1].data() + 1,
+                kFields * sizeof(Field));
+  }
+  float sum2 = 0.0F;
+  for (const float v : value) {
+    sum2 += v * v;
+  }
+  // One strong edge, or a glint, shall not outweigh the rest.
+  constexpr float kLargest = 0.2F;
+  const float limit = kLargest * std::sqrt(sum2);
+  float sum = 0.0F;
+  for (float& v : value) {
+    v = std::min(v, limit);
+    sum += v;
+  }
+  const float inverse = sum > 0.0F ? 1.0F / sum : 0.0F;
+  Descriptor d;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    d[i] =
+        static_cast<std::uint8_t>(std::min(255.0F, 512.0F * std::sqrt(value[i] * inverse) + 0.5F));
+  }
+  return d;
+}
+
+}  // namespace
+
+Descriptor describe(const Plane& level, const OrientedPlace& place) {
+  static const Shares kShares = make_shares();
+  const float step = kSpan * kFieldSide / kSide * place.sigma_px;
+  Gradients<kSide> gradients;
+  sample_gradients(level,
+                   {.x = place.x,
+                    .y = place.y,
+                    .step_x = step * std::cos(place.angle_rad),
+                    .step_y = step * std::sin(place.angle_rad)},
+                   &gradients);
+  Histogram histogram{};
+  accumulate(gradients, kShares, &histogram);
+  return to_octets(histogram);
+}
+
+}  // namespace polhode::sift

@@ -1,0 +1,86 @@
+#include "features/orientation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "features/patch.hpp"
+
+namespace polhode::sift {
+namespace {
+
+constexpr int kSide = 12;
+constexpr int kBins = 36;
+constexpr float kWindow = 1.5F;  // sigma of the weights, in the blob's
+constexpr float kReach =
+    4.5F;  // half side of the patch, in the blob's sigma: three of the window's
+
+using Histogram = std::array<float, kBins>;
+
+/// Weights along one axis of the patch; a sample's is the product of its row's and its column's.
+std::array<float, kSide> window() {
+  std::array<float, kSide> weight{};
+  for (int i = 0; i < kSide; ++i) {
+    const double off = (i - 0.5 * (kSide - 1)) * 2.0 * static_cast<double>(kReach) / kSide;
+    weight[static_cast<std::size_t>(i)] =
+        static_cast<float>(std::exp(-0.5 * off * off / static_cast<double>(kWindow * kWindow)));
+  }
+  return weight;
+}
+
+void accumulate(const Gradients<kSide>& gradients, Histogram* histogram) {
+  static const std::array<float, kSide> kWeight = window();
+  constexpr float kBinsPerRad = 0.5F * kBins / std::numbers::pi_v<float>;
+  std::array<float, kBins + 2> sum{};
+  for (std::size_t j = 0; j < kSide; ++j) {
+    for (std::size_t i = 0; i < kSide; ++i) {
+      const std::size_t k = j * kSide + i;
+      const float weight = kWeight[i] * kWeight[j] * gradients.length[k];
+      const float at = gradients.angle_rad[k] * kBinsPerRad;
+      const auto bin = static_cast<std::size_t>(at);  // up to kBins, by rounding of 2 pi
+      const float share = at - static_cast<float>(bin);
+      sum[bin] += weight * (1.0F - share);
+      sum[bin + 1] += weight * share;
+    }
+  }
+  sum[0] += sum[kBins];
+  sum[1] += sum[kBins + 1];
+  std::copy_n(sum.begin(), kBins, histogram->begin());
+}
+
+Histogram smoothed(const Histogram& h) {
+  const auto at = [&](std::size_t i) { return h[i % kBins]; };
+  Histogram out{};
+  for (std::size_t i = 0; i < kBins; ++i) {
+    out[i] = (at(i + kBins - 2) + at(i + 2)) * (1.0F / 16.0F) +
+             (at(i + kBins - 1) + at(i + 1)) * (4.0F / 16.0F) + h[i] * (6.0F / 16.0F);
+  }
+  return out;
+}
+
+}  // namespace
+
+void find_orientations(const Plane& level, float x, float y, float sigma_px, Orientations* out) {
+  Gradients<kSide> gradients;
+  sample_gradients(level, {.x = x, .y = y, .step_x = 2.0F * kReach / kSide * sigma_px}, &gradients);
+  Histogram raw{};
+  accumulate(gradients, &raw);
+  const Histogram h = smoothed(raw);
+  constexpr float kPeakRatio = 0.8F;
+  const float threshold = kPeakRatio * *std::max_element(h.begin(), h.end());
+  out->clear();
+  for (std::size_t i = 0; i < kBins; ++i) {
+    const float before = h[(i + kBins - 1) % kBins];
+    const float after = h[(i + 1) % kBins];
+    if (h[i] > before && h[i] > after && h[i] >= threshold) {
+      const float bin =
+          static_cast<float>(i) + 0.5F * (before - after) / (before - 2.0F * h[i] + after);
+      constexpr float kTurn = 2.0F * std::numbers::pi_v<float>;
+      const float angle_rad = bin * kTurn / kBins;
+      (void)out->push_back(angle_rad < 0.0F ? angle_rad + kTurn : angle_rad);
+    }
+  }
+}
+
+}  // namespace polhode::sift

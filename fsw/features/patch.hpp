@@ -1,0 +1,35 @@
+// Gradients on a small grid that is laid over a level of the scale space, turned and scaled.
+#pragma once
+
+#include <array>
+
+#include "features/plane.hpp"
+
+namespace polhode::sift {
+
+/// Where the grid's middle is, and how far and whither its next column is; the next row is a
+/// quarter turn further.
+struct PatchFrame {
+  float x = 0.0F;
+  float y = 0.0F;
+  float step_x = 1.0F;
+  float step_y = 0.0F;
+};
+
+/// Length (gray levels per two steps) and direction (0 .. 2 pi, from the columns' direction towards
+/// the rows') of kSide x kSide gradients, row by row.
+template <int kSide>
+struct Gradients {
+  static constexpr int kCount = kSide * kSide;
+  std::array<float, kCount> length{};
+  std::array<float, kCount> angle_rad{};
+};
+
+/// Past the picture's border the outermost pixels go on.
+template <int kSide>
+void sample_gradients(const Plane& level, const PatchFrame& frame, Gradients<kSide>* out);
+
+extern template void sample_gradients<12>(const Plane&, const PatchFrame&, Gradients<12>*);
+extern template void sample_gradients<16>(const Plane&, const PatchFrame&, Gradients<16>*);
+
+}  // namespace polhode::sift

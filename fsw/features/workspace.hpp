@@ -1,0 +1,19 @@
+// Working memory of detection.
+#pragma once
+
+#include "features/blobs.hpp"
+#include "features/resample.hpp"
+#include "features/scale_space.hpp"
+
+namespace polhode {
+
+/// Everything that detection needs beside its input and output. Nothing in it lasts from call to
+/// call.
+struct FeatureWorkspace {
+  sift::ResampleScratch resample;
+  sift::ScaleSpace space;
+  sift::LayerRows rows;
+  sift::BlobGrid blobs;
+};
+
+}  // namespace polhode
