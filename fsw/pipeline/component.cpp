@@ -49,6 +49,7 @@ MemoryNeed memory_needed(const Parameters& /*parameters*/) {
       {"features of the frame", sizeof(State::features)},
       {"reference of optical flow", sizeof(State::reference)},
       {"matches of the frame and of a closure", sizeof(State::localised) + sizeof(State::closure)},
+      {"working memory of detection", sizeof(State::feature_workspace)},
       {"working memory of matching", sizeof(State::localise_scratch) + sizeof(State::create_scratch)},
       {"observations put out", sizeof(State::observations)},
   };

@@ -5,6 +5,7 @@ import pathlib
 import subprocess
 import sys
 
+import numpy
 import pytest
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
@@ -41,12 +42,15 @@ def test_the_plan_needs_a_camera():
     assert "--sequence" in result.stderr
 
 
-@pytest.mark.parametrize("setting", ["budget.total_mb=64", "budget.step_mb=8"])
-def test_what_does_not_fit_is_refused_before_the_start(sequence, tmp_path, setting):
+@pytest.mark.parametrize("setting", ["budget.total_mb=64", "budget.step_mb=4"])
+def test_what_does_not_fit_is_refused_before_the_start(tmp_path, setting):
     key = setting.split("=")[0]
-    checked = call("check", "--config", DEFAULTS, "--sequence", sequence, "--set", setting)
+    writer = SequenceWriter(tmp_path / "large", width=1920, height=1080)
+    writer.add(numpy.zeros((1080, 1920), numpy.uint8))
+    large = writer.path
+    checked = call("check", "--config", DEFAULTS, "--sequence", large, "--set", setting)
     assert checked.returncode == 2 and key in checked.stderr
-    replayed = call("replay", "--config", DEFAULTS, "--sequence", sequence, "--out", tmp_path / "out", "--set", setting)
+    replayed = call("replay", "--config", DEFAULTS, "--sequence", large, "--out", tmp_path / "out", "--set", setting)
     assert replayed.returncode == 2 and key in replayed.stderr
     assert not (tmp_path / "out").exists()
 
