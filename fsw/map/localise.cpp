@@ -152,20 +152,39 @@ Result<bool> solve_all(const LocaliseInput& input,
   return true;
 }
 
+struct Agreement {
+  std::ptrdiff_t inliers = 0;
+  std::ptrdiff_t matches = 0;
+  [[nodiscard]] double part() const {
+    return static_cast<double>(inliers) / static_cast<double>(std::max<std::ptrdiff_t>(1, matches));
+  }
+};
+
 /// Of a side that has come back, seen through the drift since, some landmark or other stands within
-/// the gate of a wrong feature. Such ties hold the drift in place: an old side takes part where most
-/// of it agrees, else not at all.
+/// the gate of a wrong feature (one in 16, in the smallest circle). Such ties hold the drift in
+/// place: an old side takes part where it agrees half as well as the young one, and beyond chance.
 bool drop_old_side_that_disagrees(const Map& map, LandmarkMatches* matches) {
-  const auto old = [&](const LandmarkMatch& m) { return is_old(map.landmarks[m.landmark.index()], map); };
-  const auto count = std::count_if(matches->begin(), matches->end(), old);
-  const auto inliers = std::count_if(
-      matches->begin(), matches->end(), [&](const LandmarkMatch& m) { return m.inlier && old(m); });
   constexpr std::ptrdiff_t kInliersMin = 8;
-  if (count == 0 || (inliers >= kInliersMin && 2 * inliers >= count)) {
+  constexpr std::ptrdiff_t kYoungMin = 20;  // fewer are no measure
+  constexpr double kChance = 1.0 / 16.0;
+  Agreement old_side;
+  Agreement young;
+  const auto is_of_old_side = [&](const LandmarkMatch& match) {
+    return is_old(map.landmarks[match.landmark.index()], map);
+  };
+  for (const LandmarkMatch& match : *matches) {
+    Agreement& side = is_of_old_side(match) ? old_side : young;
+    ++side.matches;
+    side.inliers += match.inlier ? 1 : 0;
+  }
+  const double part_min =
+      std::max(2.0 * kChance, young.matches < kYoungMin ? 4.0 * kChance : 0.5 * young.part());
+  if (old_side.matches == 0 ||
+      (old_side.inliers >= kInliersMin && old_side.part() >= part_min)) {
     return false;
   }
   matches->resize(static_cast<std::size_t>(
-      std::remove_if(matches->begin(), matches->end(), old) - matches->begin()));
+      std::remove_if(matches->begin(), matches->end(), is_of_old_side) - matches->begin()));
   return true;
 }
 
