@@ -9,6 +9,15 @@ namespace polhode::limits {
 // A frame's features: half as many as in the standard set give a pose sigma that is larger by 1.4.
 inline constexpr std::size_t kFeatures = 450;
 
+// A body 110 px across is enlarged three times, and larger ones less. Its scale space takes 32 octets a pixel.
+inline constexpr std::size_t kWorkingPixels = 200000;
+
+// The longer side of that picture: a boom across the whole picture, enlarged.
+inline constexpr std::size_t kWorkingSide = 2048;
+
+// The longer side of a camera's picture.
+inline constexpr std::size_t kImageSide = 2048;
+
 // One keyframe per 9 deg over a full turn.
 inline constexpr std::size_t kKeyframes = 40;
 
