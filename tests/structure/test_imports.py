@@ -1,0 +1,34 @@
+"""What Python needs is named where a fresh machine installs it from."""
+
+import ast
+import re
+import sys
+
+from source_tree import REPOSITORY, name_of, source_files
+
+# Name of the package that brings a module, where the two differ.
+PACKAGE_OF = {"PIL": "pillow", "cv2": "opencv-python-headless", "yaml": "pyyaml", "yamcs": "yamcs-client",
+              "websocket": "websocket-client"}
+# Run inside a program or an environment that brings them: Blender's own Python, COLMAP's virtual environment.
+BROUGHT = {"bpy": "hil/scenes/", "mathutils": "hil/scenes/", "pycolmap": "hil/judge/colmap_worker.py"}
+
+
+def modules_of(file):
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            yield node.module.split(".")[0]
+
+
+def test_every_imported_package_is_installed_by_the_set_up():
+    lines = (REPOSITORY / "tools/requirements.txt").read_text().splitlines()
+    named = {re.split("[=<>]", line)[0].strip().lower() for line in lines if line and not line.startswith("#")}
+    files = source_files(suffixes=(".py",))
+    own = {file.stem for file in files} | {file.parent.name for file in files}
+    for file in files:
+        for module in modules_of(file):
+            brought = module in BROUGHT and name_of(file).startswith(BROUGHT[module])
+            if module in sys.stdlib_module_names or module in own or brought:
+                continue
+            assert PACKAGE_OF.get(module, module).lower() in named, f"{name_of(file)} imports {module}"
