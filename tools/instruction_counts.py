@@ -9,6 +9,7 @@ record can follow.
 """
 
 import json
+import os
 import platform
 import re
 import shutil
@@ -18,7 +19,7 @@ import tempfile
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[1]
-PROGRAM = REPOSITORY / "build/release/bin/polhode"
+PROGRAM = Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
 SAMPLE = REPOSITORY / "hil/data/sample"
 RECORD = REPOSITORY / "tests/budget/instructions.json"
 FRAMES = 14

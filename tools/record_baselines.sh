@@ -1,0 +1,9 @@
+#!/usr/bin/env bash
+# All that is recorded of this version, anew, in one go: the sample's streams (tests/golden) and the instructions a frame by stage
+# (tests/budget/instructions.json). After a change of the estimator that was meant; say in the commit what moved and why.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+tools/build.sh release
+.venv/bin/python tools/golden.py record
+.venv/bin/python tools/instruction_counts.py record
+git --no-pager diff --stat -- tests/golden tests/budget/instructions.json
