@@ -48,17 +48,16 @@ std::array<double, 4> continuous_quaternion(const Eigen::Matrix3d& R_CT,
 }
 
 void fill_rates(double unit, const Component::State& s, MotionState* m) {
-  const Result<RateEstimate> rates = rates_now(s);
+  Result<RateEstimate> rates = rates_now(s);
   if (!rates) {
     return;
   }
-  publish(rates.value(), *m);
-  m->cov_w = upper_triangle<6>(rates.value().covariance_w_T);
-  m->cov_v = upper_triangle<6>(unit * unit * rates.value().covariance_v_C);
-  for (double& v : m->v_C) {
-    v *= unit;
-  }
-  m->sigma_vel *= unit;
+  RateEstimate& found = rates.value();
+  found.v_C *= unit;
+  found.covariance_v_C = unit * unit * found.covariance_v_C + by_scale(found.v_C, s.scale);
+  publish(found, *m);
+  m->cov_w = upper_triangle<6>(found.covariance_w_T);
+  m->cov_v = upper_triangle<6>(found.covariance_v_C);
 }
 
 void list_observations(Component::State* s) {
@@ -111,6 +110,16 @@ PoseCovariance scaled(const PoseCovariance& covariance, double unit) {
   return units.asDiagonal() * covariance * units.asDiagonal();
 }
 
+Eigen::Matrix3d by_scale(const Eigen::Vector3d& length, const ScaleState& scale) {
+  return scale.relative_sigma * scale.relative_sigma * length * length.transpose();
+}
+
+PoseCovariance by_scale(const Pose& pose, const ScaleState& scale) {
+  PoseCovariance added = PoseCovariance::Zero();
+  added.bottomRightCorner<3, 3>() = by_scale(pose.p_CT, scale);
+  return added;
+}
+
 void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   if (!s->pose_valid) {
     s->localised.matches.clear();
@@ -128,8 +137,9 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   if (s->pose_valid) {
     const AbsolutePose& absolute = s->localised.absolute;
     const double unit = s->scale.metres_per_mu;
-    fill_pose(scaled(absolute.pose, unit),
-              scaled(absolute.covariance + covariance(s->drift), unit),
+    const Pose pose = scaled(absolute.pose, unit);
+    fill_pose(pose,
+              scaled(absolute.covariance + covariance(s->drift), unit) + by_scale(pose, s->scale),
               &s->q_CT_last,
               &m);
     fill_rates(unit, *s, &m);

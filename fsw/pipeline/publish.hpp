@@ -16,6 +16,10 @@ void fill_pose(const Pose& pose,
 Pose scaled(const Pose& pose, double unit);
 PoseCovariance scaled(const PoseCovariance& covariance, double unit);
 
+/// What the scale's own error adds to the covariance of a length, in its unit.
+Eigen::Matrix3d by_scale(const Eigen::Vector3d& length, const ScaleState& scale);
+PoseCovariance by_scale(const Pose& pose, const ScaleState& scale);
+
 /// Fills `state->output`. Every accepted frame gets exactly one motion packet, valid or not.
 void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* state);
 

@@ -67,8 +67,9 @@ void send_prediction(const MotionState& motion, Component::State* s) {
     const double unit = s->scale.metres_per_mu;
     std::array<double, 4> q_CT = motion.q_CT;
     MotionState ahead;
-    fill_pose(scaled(predicted.value().pose, unit),
-              scaled(predicted.value().covariance, unit),
+    const Pose pose = scaled(predicted.value().pose, unit);
+    fill_pose(pose,
+              scaled(predicted.value().covariance, unit) + by_scale(pose, s->scale),
               &q_CT,
               &ahead);
     packet.flags |= flag::kFlagPose;

@@ -36,7 +36,18 @@ class Aligned:
     @property
     def position_error_m(self) -> np.ndarray:
         """[N] after the similarity."""
-        moved = align.apply_similarity(self.similarity, self.R_CE, self.estimate.p_CT[self.rows_E])
+        return self._position_error_m(self.similarity)
+
+    @property
+    def own_position_error_m(self) -> np.ndarray:
+        """[N] of an estimate in metres by its own scale, one that claims none by the similarity's."""
+        if not self.metric:
+            return self.position_error_m
+        p_CE, p_CT = self.estimate.p_CT[self.rows_E], self.truth.p_CT[self.rows_T]
+        return self._position_error_m(align.align_positions(self.R_CE, p_CE, p_CT, fit_scale=False))
+
+    def _position_error_m(self, similarity: align.Similarity) -> np.ndarray:
+        moved = align.apply_similarity(similarity, self.R_CE, self.estimate.p_CT[self.rows_E])
         return np.linalg.norm(moved - self.truth.p_CT[self.rows_T], axis=1)
 
     @property
@@ -91,8 +102,7 @@ def position(aligned: Aligned) -> dict:
               "max_from_camera_percent_of_range": 100 * float(np.max(seen)),
               "metric": aligned.metric, "rmse_m": None, "scale_error_percent": None}
     if aligned.metric:
-        own = align.align_positions(aligned.R_CE, p_CE, p_CT, fit_scale=False)
-        result["rmse_m"] = rms(np.linalg.norm(align.apply_similarity(own, aligned.R_CE, p_CE) - p_CT, axis=1))
+        result["rmse_m"] = rms(aligned.own_position_error_m)
         result["scale_error_percent"] = 100 * (1 / float(aligned.similarity.scale) - 1)
     return result
 
@@ -187,14 +197,15 @@ def consistency(aligned: Aligned) -> dict:
     """
     estimate = aligned.estimate
     sigma = {name: estimate.columns[name] for name in estimate.columns if name.startswith("sigma")}
-    length_scale = aligned.similarity.scale
+    # What a run says in metres is judged in its own metres: its sigmas hold the error of its scale.
+    length_scale = 1.0 if aligned.metric else aligned.similarity.scale
     rows_w, w_E, w_T = rate_pairs(aligned)
     rows_v, _, v_moved, v_true = velocity_pairs(aligned)
     return {
         "attitude": _normalised(aligned.attitude_error_rad, sigma["sigma_att_rad"][aligned.rows_E]),
-        "position": _normalised(aligned.position_error_m, length_scale * sigma["sigma_pos"][aligned.rows_E]),
+        "position": _normalised(aligned.own_position_error_m, length_scale * sigma["sigma_pos"][aligned.rows_E]),
         "velocity": _normalised(np.linalg.norm(v_moved - v_true, axis=1),
-                                (1.0 if aligned.metric else length_scale) * sigma["sigma_vel"][rows_v]),
+                                length_scale * sigma["sigma_vel"][rows_v]),
         "rate": _normalised(np.linalg.norm(w_E - w_T, axis=1), sigma["sigma_rate_rad_s"][rows_w])}
 
 

@@ -125,14 +125,16 @@ MotionState row_of(const MotionState& published,
 
 void write_motion(const AtFrame& at,
                   const Eigen::Matrix3d& R_CI,
+                  const ScaleState& scale,
                   std::array<double, 4>* q_last,
                   MotionState* m) {
   const PoseSample in_C = turned(R_CI, *at.pose);
-  fill_pose(in_C.pose, in_C.covariance, q_last, m);
+  fill_pose(in_C.pose, in_C.covariance + by_scale(in_C.pose, scale), q_last, m);
   if (at.rates) {
     RateEstimate rates = *at.rates;
     rates.v_C = R_CI * rates.v_C;
-    rates.covariance_v_C = R_CI * rates.covariance_v_C * R_CI.transpose();
+    rates.covariance_v_C =
+        R_CI * rates.covariance_v_C * R_CI.transpose() + by_scale(rates.v_C, scale);
     publish(rates, *m);
   }
 }
@@ -206,7 +208,7 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
       ++next;
     }
     if (at.pose) {
-      write_motion(at, servicer.R_IC(m.timestamp_ns).transpose(), &q_last, &m);
+      write_motion(at, servicer.R_IC(m.timestamp_ns).transpose(), state.scale, &q_last, &m);
     }
     smoothed.push_back(m);
   }

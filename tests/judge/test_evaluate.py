@@ -5,6 +5,7 @@ import json
 import pathlib
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -109,6 +110,16 @@ def test_honest_sigmas_pass_and_small_ones_fail(tmp_path, scene, body):
         assert report["consistency"][name]["within_95_percent_bound"] == 1.0, name
         assert report["consistency"][name]["rms_normalised"] == pytest.approx(1.0, rel=0.05), name
     assert metrics._normalised(np.full(50, 3.0), np.full(50, 1.0))["within_95_percent_bound"] == 0.0
+
+
+def test_sigmas_in_metres_must_hold_the_error_of_the_scale(tmp_path, scene, body):
+    """A run without a scale gets it from the alignment; one in metres answers for its own."""
+    errors = Errors(scale=1.05, position_rms_m=0.005)
+    claimed, unknown = (judged(tmp_path / name, scene, body, errors if known else replace(errors, scale_known=False))
+                        for name, known in (("claimed", True), ("unknown", False)))
+    position = [report["motion"]["causal"]["consistency"]["position"] for report in (claimed, unknown)]
+    assert position[0]["within_95_percent_bound"] == 0.0
+    assert position[1]["within_95_percent_bound"] > 0.9
 
 
 def test_normal_errors_lie_within_the_bound_in_95_of_100_frames():

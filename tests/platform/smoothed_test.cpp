@@ -116,6 +116,24 @@ TEST_F(Smoothed, AModelThatManyPosesContradictGivesRatesOnly) {
   EXPECT_TRUE(all[40].rate_valid);
 }
 
+TEST_F(Smoothed, LengthsInMetresCarryTheErrorOfTheScale) {
+  const RigidModel fitted = model();
+  const std::vector<MotionState> exact = rows(fitted);
+  state_->scale.known = true;
+  state_->scale.relative_sigma = 0.02;
+  for (const MotionState& m : rows(fitted)) {
+    const MotionState& before = exact[m.frame];
+    const double p = Eigen::Vector3d(m.p_CT[0], m.p_CT[1], m.p_CT[2]).norm();
+    const double v = Eigen::Vector3d(m.v_C[0], m.v_C[1], m.v_C[2]).norm();
+    // Both errors in one direction at most, across each other at least.
+    EXPECT_GE(m.sigma_pos, 0.02 * p * (1.0 - 1e-9));
+    EXPECT_LE(m.sigma_pos, std::hypot(0.02 * p, before.sigma_pos) * (1.0 + 1e-9));
+    EXPECT_GE(m.sigma_vel, 0.02 * v * (1.0 - 1e-9));
+    EXPECT_LE(m.sigma_vel, std::hypot(0.02 * v, before.sigma_vel) * (1.0 + 1e-9));
+    EXPECT_EQ(m.sigma_att_rad, before.sigma_att_rad);
+  }
+}
+
 TEST_F(Smoothed, AModelThatIsNotSureOfItsAttitudeWritesNothing) {
   RigidModel unsure = model();
   ASSERT_TRUE(unsure.accepted());
