@@ -76,6 +76,7 @@ void estimate(Component::State* s) {
     ++s->counters.poses;
   }
   measure_scale(s);
+  ask_for_shape(s);
   stage_done(Stage::kShape, *s);
 }
 
