@@ -31,6 +31,9 @@ std::size_t pixels(const Parameters& p) {
 /// The mask's working picture is at most 320 px across: sixteen of those, evidence and labels, and
 /// the graph of a cut, 32 octets a node and 4 edges of 12.
 std::size_t mask_octets(const Parameters& p) {
+  if (!p.mask.enabled || !p.mask.background) {
+    return 0;
+  }
   constexpr std::size_t kAcross_px = 320;
   constexpr std::size_t kPerPixel = 192;
   const auto width = static_cast<std::size_t>(p.camera.width_px);
