@@ -28,12 +28,28 @@ std::size_t pixels(const Parameters& p) {
   return static_cast<std::size_t>(p.camera.width_px) * static_cast<std::size_t>(p.camera.height_px);
 }
 
+/// The mask's working picture is at most 320 px across: sixteen of those, evidence and labels, and
+/// the graph of a cut, 32 octets a node and 4 edges of 12.
+std::size_t mask_octets(const Parameters& p) {
+  if (!p.mask.enabled || !p.mask.background) {
+    return 0;
+  }
+  constexpr std::size_t kAcross_px = 320;
+  constexpr std::size_t kPerPixel = 192;
+  const auto width = static_cast<std::size_t>(p.camera.width_px);
+  const std::size_t decimation = (width + kAcross_px - 1) / kAcross_px;
+  return kPerPixel * (pixels(p) / (decimation * decimation));
+}
+
 std::vector<CallCost> calls(const Parameters& p) {
   // A pyramid of three levels is 4/3 of the picture, with a border; its gradients are two 16-bit
   // pictures of a level.
   const std::size_t pyramids = 2 * (pixels(p) * 14 / 10) + 5 * pixels(p);
   return {{"optical flow: two pyramids and gradients", Pool::kStep, pyramids},
           {"picture, mask and region of interest", Pool::kStep, 3 * pixels(p)},
+          {"frame before, and the mask against a background",
+           Pool::kStep,
+           pixels(p) + mask_octets(p)},
           {"absolute pose: hypotheses of three points", Pool::kStep, kPoseOctets},
           {"start of a map: hypotheses of all kinds",
            p.jobs.delay_frames == 0 ? Pool::kStep : Pool::kJobs,
@@ -66,9 +82,8 @@ std::string misfit(const MemoryPlan& plan) {
     }
   }
   if (plan.total_octets > plan.limit_octets) {
-    return fmt::format("all of it is {} octets, budget.total_mb allows {}",
-                       plan.total_octets,
-                       plan.limit_octets);
+    return fmt::format(
+        "all of it is {} octets, budget.total_mb allows {}", plan.total_octets, plan.limit_octets);
   }
   return {};
 }
@@ -91,8 +106,8 @@ MemoryPlan plan_memory(const Parameters& p) {
                 mib(p.budget.jobs_mb),
                 mib(p.budget.reserve_mb)};
   if (p.jobs.delay_frames == 0) {  // jobs are then done within the step, from its pool
-    plan.pools[static_cast<std::size_t>(Pool::kStep)] += std::exchange(
-        plan.pools[static_cast<std::size_t>(Pool::kJobs)], std::size_t{0});
+    plan.pools[static_cast<std::size_t>(Pool::kStep)] +=
+        std::exchange(plan.pools[static_cast<std::size_t>(Pool::kJobs)], std::size_t{0});
   }
   plan.others = {{"pictures", kPictures * pixels(p)},
                  {"stack of the steps", kMainStackOctets},

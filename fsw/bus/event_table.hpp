@@ -32,6 +32,12 @@ enum class EventId : std::uint16_t {
   kFrameDark = 21,
   kFrameWrongSize = 22,
   kFrameTimeNotIncreasing = 23,
+  kFrameFlat = 24,
+  kFrameSaturated = 25,
+  kFrameFrozen = 26,
+  kFrameTorn = 27,
+  kFrameBitErrors = 28,
+  kFrameWithCare = 29,
   kNoop = 40,
   kCommandAccepted = 41,
   kCommandLength = 42,
@@ -57,7 +63,7 @@ struct EventRow {
   const char* text;  ///< {0}, {1}: the event's numbers; {}: its word
 };
 
-inline constexpr std::size_t kEventKinds = 29;
+inline constexpr std::size_t kEventKinds = 35;
 inline constexpr std::array<EventRow, kEventKinds> kEvents{{
     {EventId::kStarted, Severity::kInfo, 4, "started", "component {} started, table CRC {0}"},
     {EventId::kTargetAcquired, Severity::kInfo, 4, "target_acquired", "map begun: {0} landmarks, {1} keyframes"},
@@ -73,6 +79,12 @@ inline constexpr std::array<EventRow, kEventKinds> kEvents{{
     {EventId::kFrameDark, Severity::kWarning, 4, "frame_dark", "frame {0} too dark"},
     {EventId::kFrameWrongSize, Severity::kError, 4, "frame_wrong_size", "frame {0} has the wrong size"},
     {EventId::kFrameTimeNotIncreasing, Severity::kError, 4, "frame_time_not_increasing", "frame {0}: time does not increase"},
+    {EventId::kFrameFlat, Severity::kWarning, 4, "frame_flat", "frame {0} without contrast"},
+    {EventId::kFrameSaturated, Severity::kWarning, 4, "frame_saturated", "frame {0} skipped: {1} of it saturated"},
+    {EventId::kFrameFrozen, Severity::kWarning, 4, "frame_frozen", "frame {0} is the one before"},
+    {EventId::kFrameTorn, Severity::kWarning, 4, "frame_torn", "frame {0} torn: {1} rows are old"},
+    {EventId::kFrameBitErrors, Severity::kWarning, 4, "frame_bit_errors", "frame {0} has bit errors"},
+    {EventId::kFrameWithCare, Severity::kInfo, 4, "frame_with_care", "frame {0} used with care: fault {1}"},
     {EventId::kNoop, Severity::kInfo, 16, "noop", "NOOP, version {}"},
     {EventId::kCommandAccepted, Severity::kInfo, 16, "command_accepted", "command {0} {} accepted"},
     {EventId::kCommandLength, Severity::kError, 16, "command_length", "command refused: {0} octets, expected {1}"},

@@ -182,6 +182,14 @@ struct HousekeepingPacket {
   std::uint32_t frames_wrong_size = 0;
   std::uint32_t frames_time_not_increasing = 0;
   std::uint32_t frames_held = 0;  ///< passed over while held
+  std::uint32_t frames_missing = 0;  ///< that never came, by the gaps in time
+  std::uint32_t frames_flat = 0;  ///< without contrast; this and the next five: skipped, or used with care
+  std::uint32_t frames_saturated = 0;  ///< far more saturated than those before
+  std::uint32_t frames_frozen = 0;  ///< the previous picture once more
+  std::uint32_t frames_torn = 0;  ///< a part of which is the previous picture's
+  std::uint32_t frames_bit_errors = 0;  ///< with pixels, lines or blocks that are not of the picture
+  std::uint32_t frames_blurred = 0;  ///< far less sharp than those before
+  std::uint32_t frames_with_care = 0;  ///< used for a pose, not for the map
   std::uint32_t poses = 0;  ///< frames with a pose
   std::uint32_t lost = 0;  ///< times that tracking was lost
   std::uint32_t relocalised = 0;  ///< times that it was found again
@@ -216,7 +224,7 @@ struct HousekeepingPacket {
   std::uint8_t flags = 0;
   std::uint8_t spare = 0;  ///< 0
 
-  static const Layout& layout();  ///< 174 octets
+  static const Layout& layout();  ///< 206 octets
 };
 
 /// Something happened. The id alone says what; the text is for people.

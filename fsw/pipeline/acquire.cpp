@@ -100,9 +100,11 @@ void collect(Component::State* s) {
   }
   ensure_features(s);
   constexpr std::size_t kFeaturesMin = 12;  // fewer cannot carry a pose
-  if (s->features.size() < kFeaturesMin || !worth_collecting(s)) {
+  if (s->verdict.decision != FrameDecision::kUse || s->features.size() < kFeaturesMin ||
+      !worth_collecting(s)) {
     return;
   }
+  sharpen_outline({}, &s->mask_state);
   add_frame(s->frame,
             s->timestamp_ns,
             s->motion.R_IC,

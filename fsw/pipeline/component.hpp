@@ -14,6 +14,7 @@
 #include "base/fixed_vector.hpp"
 #include "base/image_view.hpp"
 #include "base/result.hpp"
+#include "image/verdict.hpp"
 #include "motion/motion_state.hpp"
 #include "pipeline/parameters.hpp"
 
@@ -89,7 +90,19 @@ struct Observation {
 };
 
 /// Why a frame was not used, or that it was.
-enum class FrameUse : std::uint8_t { kUsed, kUnreadable, kDark, kWrongSize, kTimeNotIncreasing, kHeld };
+enum class FrameUse : std::uint8_t {
+  kUsed,
+  kUnreadable,
+  kDark,
+  kWrongSize,
+  kTimeNotIncreasing,
+  kHeld,
+  kFlat,
+  kSaturated,
+  kFrozen,
+  kTorn,
+  kBitErrors
+};
 
 /// Stages of a step, for time measurements by the caller's clock.
 enum class Stage : std::uint8_t { kImage, kMask, kFeatures, kTracks, kMap, kShape, kMotion, kBus, kJobs };
@@ -103,6 +116,16 @@ struct Counters {
   std::uint32_t frames_wrong_size = 0;
   std::uint32_t frames_time_not_increasing = 0;
   std::uint32_t frames_held = 0;  ///< passed over by command
+  std::uint32_t frames_missing = 0;  ///< that never came, by the gaps in time
+  // By what was wrong with the picture, whether it was skipped for that or used with care (as
+  // frames_dark).
+  std::uint32_t frames_flat = 0;
+  std::uint32_t frames_saturated = 0;
+  std::uint32_t frames_frozen = 0;
+  std::uint32_t frames_torn = 0;
+  std::uint32_t frames_bit_errors = 0;
+  std::uint32_t frames_blurred = 0;
+  std::uint32_t frames_with_care = 0;  ///< used, but they taught the map nothing
   std::uint32_t poses = 0;
   std::uint32_t lost = 0;            ///< times that tracking was lost
   std::uint32_t relocalised = 0;     ///< times that it was found again
@@ -123,6 +146,7 @@ struct Counters {
 
 struct StepOutput {
   FrameUse use = FrameUse::kUsed;
+  FrameVerdict verdict;  ///< on the picture: what was wrong with it, and by what number
   MotionState motion;
   std::span<const std::uint8_t> packets;  ///< whole packets, in order; valid until the next step
   std::span<const Observation> observations;  ///< valid until the next step

@@ -34,6 +34,8 @@ constexpr ParameterRow kRows[] = {
    "pixels at or over this are saturated"},
 
   {"mask.enabled", POLHODE_FIELD(mask.enabled), 0, 1, "", "tell the target from empty space"},
+  {"mask.background", POLHODE_FIELD(mask.background), 0, 1, "",
+   "tell the target from what is behind it, where something is"},
   {"mask.dark_level", POLHODE_FIELD(mask.dark_level), 0.0, 0.5, "full scale",
    "pixels at or under this are empty space"},
 

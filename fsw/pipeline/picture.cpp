@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "image/saturation.hpp"
+#include "pipeline/track.hpp"
+
 namespace polhode {
 namespace {
 
@@ -18,10 +21,52 @@ void stage_done(Stage stage, const Component::State& s) {
 void forget_picture(Component::State* s) {
   s->features_ready = false;
   s->features.clear();
+  s->verdict = {};
   s->localised.matches.clear();
 }
 
-FrameUse take_picture(const Frame& frame, Component::State* s) {
+namespace {
+
+FrameUse use_of(const FrameVerdict& verdict) {
+  if (verdict.decision != FrameDecision::kSkip) {
+    return FrameUse::kUsed;
+  }
+  switch (verdict.fault) {
+    case FrameFault::kDark:
+      return FrameUse::kDark;
+    case FrameFault::kFlat:
+      return FrameUse::kFlat;
+    case FrameFault::kSaturated:
+      return FrameUse::kSaturated;
+    case FrameFault::kFrozen:
+      return FrameUse::kFrozen;
+    case FrameFault::kTorn:
+      return FrameUse::kTorn;
+    case FrameFault::kBitErrors:
+      return FrameUse::kBitErrors;
+    case FrameFault::kNone:
+    case FrameFault::kBlurred:
+      break;
+  }
+  return FrameUse::kUsed;
+}
+
+/// What lies at a glint's edge is the glint's.
+void drop_saturated(const cv::Mat& gray, double saturated_level, Features* features) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < features->size(); ++i) {
+    const Feature& f = (*features)[i];
+    if (!near_saturated(
+            gray, static_cast<double>(f.u_px), static_cast<double>(f.v_px), saturated_level)) {
+      (*features)[kept++] = f;
+    }
+  }
+  features->resize(kept);
+}
+
+}  // namespace
+
+FrameUse bring_picture(const Frame& frame, Component::State* s) {
   if (!frame.readable || frame.image.data == nullptr) {
     return FrameUse::kUnreadable;
   }
@@ -29,14 +74,51 @@ FrameUse take_picture(const Frame& frame, Component::State* s) {
     return FrameUse::kWrongSize;
   }
   import_frame(frame.image, &s->gray);
-  const ImageQuality quality = assess(s->gray, s->parameters.image);
-  stage_done(Stage::kImage, *s);
-  if (quality.dark) {
-    return FrameUse::kDark;
-  }
-  find_target(s->gray, s->parameters.mask, &s->mask);
-  stage_done(Stage::kMask, *s);
   return FrameUse::kUsed;
+}
+
+FrameUse take_picture(const Frame& frame, Component::State* s) {
+  const FrameUse brought = bring_picture(frame, s);
+  if (brought != FrameUse::kUsed) {
+    return brought;
+  }
+  s->verdict = assess(s->gray, s->parameters.image, &s->quality);
+  stage_done(Stage::kImage, *s);
+  const FrameUse use = use_of(s->verdict);
+  return use;
+}
+
+MaskPrior mask_prior(const Pose& pose, Component::State* s) {
+  // Enough to outline a body by those that have proved themselves alone.
+  constexpr int kConfirmedMin = 30;
+  int proved = 0;
+  for (const bool all : {false, true}) {
+    s->prior_points_px.clear();
+    for (const Landmark& landmark : s->map.landmarks) {
+      Eigen::Vector2d pixel;
+      if (landmark.used && (all || confirmed(landmark)) &&
+          should_be_seen(landmark, pose, s->camera, &pixel)) {
+        (void)s->prior_points_px.push_back(cv::Point2d(pixel.x(), pixel.y()));
+        proved += all ? 0 : 1;
+      }
+    }
+    if (proved >= kConfirmedMin) {
+      break;
+    }
+  }
+  return {.points_px = s->prior_points_px.view(),
+          .radius_px = s->map.radius_mu * s->camera.focal_px() / pose.p_CT.z()};
+}
+
+void look_for_target(Component::State* s) {
+  PosePrediction predicted;
+  MaskPrior prior;
+  if (s->mask_state.behind && s->mode == Mode::kTracking &&
+      predict_pose(*s, s->timestamp_ns, s->motion.R_IC, &predicted)) {
+    prior = mask_prior(predicted.pose, s);
+  }
+  follow_target(s->gray, prior, s->parameters.mask, &s->mask_state, &s->mask);
+  stage_done(Stage::kMask, *s);
 }
 
 void ensure_features(Component::State* s) {
@@ -47,6 +129,7 @@ void ensure_features(Component::State* s) {
       options.count_max = std::max(kCountLeast, options.count_max / 2);
     }
     detect_features(s->gray, s->mask, s->camera, options, &s->feature_workspace, &s->features);
+    drop_saturated(s->gray, s->parameters.image.saturated_level, &s->features);
     s->features_ready = true;
     stage_done(Stage::kFeatures, *s);
   }

@@ -11,8 +11,17 @@ void stage_done(Stage stage, const Component::State& state);
 /// Clears what the last frame's picture has left behind.
 void forget_picture(Component::State* state);
 
-/// Imports the image, measures its quality and finds the target's mask.
+/// Imports the image alone.
+FrameUse bring_picture(const Frame& frame, Component::State* state);
+
+/// Imports the image and judges its quality.
 FrameUse take_picture(const Frame& frame, Component::State* state);
+
+/// Where the map's landmarks are in the picture with this pose.
+MaskPrior mask_prior(const Pose& pose, Component::State* state);
+
+/// Finds the target's mask, by the predicted pose where there is something behind the target.
+void look_for_target(Component::State* state);
 
 /// Detects this frame's features, once.
 void ensure_features(Component::State* state);

@@ -146,6 +146,7 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   }
   list_observations(s);
   s->output.use = use;
+  s->output.verdict = s->verdict;
   s->output.motion = m;
   s->output.observations = s->observations.view();
   send_telemetry(use, m, s);

@@ -107,9 +107,10 @@ SmoothedPose MapAtRest::from_log(std::uint32_t frame,
 SmoothedPose MapAtRest::from_image(const Frame& frame) {
   Component::State* s = state_;
   forget_picture(s);
-  if (take_picture(frame, s) != FrameUse::kUsed) {
+  if (bring_picture(frame, s) != FrameUse::kUsed) {
     return {};
   }
+  find_target(s->gray, s->parameters.mask, &s->mask);
   SmoothedPose smoothed;
   if (relocalise_frame(s)) {
     smoothed.valid = true;

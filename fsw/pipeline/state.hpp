@@ -10,13 +10,16 @@
 #include "config/limits.hpp"
 #include "features/detect.hpp"
 #include "features/workspace.hpp"
+#include "image/arrival.hpp"
 #include "image/image.hpp"
+#include "image/quality.hpp"
 #include "map/drift.hpp"
 #include "map/follow.hpp"
 #include "map/initialise.hpp"
 #include "map/landmarks.hpp"
 #include "map/localise.hpp"
 #include "map/map.hpp"
+#include "mask/follow.hpp"
 #include "mask/target_mask.hpp"
 #include "motion/prediction_walk.hpp"
 #include "pipeline/bus_state.hpp"
@@ -70,7 +73,12 @@ struct Component::State {
   std::int64_t timestamp_ns = 0;  ///< of the last frame whose picture could be looked at
   bool time_known = false;
   cv::Mat gray;
+  QualityHistory quality;
+  ArrivalHistory arrivals;
+  FrameVerdict verdict;
   TargetMask mask;
+  MaskState mask_state;
+  FixedVector<cv::Point2f, limits::kLandmarks> prior_points_px;
   Features features;
   bool features_ready = false;
   Pyramid pyramid;

@@ -25,6 +25,12 @@ FrameUse judge(const Frame& frame, const Component::State& s) {
   return FrameUse::kUsed;
 }
 
+/// Was there a picture, good or bad, with a time of its own?
+bool looked_at(FrameUse use) {
+  return use != FrameUse::kUnreadable && use != FrameUse::kWrongSize &&
+         use != FrameUse::kTimeNotIncreasing && use != FrameUse::kHeld;
+}
+
 void count(FrameUse use, Counters* counters) {
   switch (use) {
     case FrameUse::kUsed:
@@ -32,9 +38,6 @@ void count(FrameUse use, Counters* counters) {
       break;
     case FrameUse::kUnreadable:
       ++counters->frames_unreadable;
-      break;
-    case FrameUse::kDark:
-      ++counters->frames_dark;
       break;
     case FrameUse::kWrongSize:
       ++counters->frames_wrong_size;
@@ -44,6 +47,37 @@ void count(FrameUse use, Counters* counters) {
       break;
     case FrameUse::kHeld:
       ++counters->frames_held;
+      break;
+    default:
+      break;  // counted by what was wrong with the picture
+  }
+}
+
+void count(const FrameVerdict& verdict, Counters* counters) {
+  counters->frames_with_care += verdict.decision == FrameDecision::kCare ? 1 : 0;
+  switch (verdict.fault) {
+    case FrameFault::kNone:
+      break;
+    case FrameFault::kDark:
+      ++counters->frames_dark;
+      break;
+    case FrameFault::kFlat:
+      ++counters->frames_flat;
+      break;
+    case FrameFault::kSaturated:
+      ++counters->frames_saturated;
+      break;
+    case FrameFault::kFrozen:
+      ++counters->frames_frozen;
+      break;
+    case FrameFault::kTorn:
+      ++counters->frames_torn;
+      break;
+    case FrameFault::kBitErrors:
+      ++counters->frames_bit_errors;
+      break;
+    case FrameFault::kBlurred:
+      ++counters->frames_blurred;
       break;
   }
 }
@@ -101,18 +135,22 @@ const StepOutput& Component::step(const StepInput& input) {
   set_observer(input, s);
   FrameUse use = judge(input.frame, *s);
   if (use == FrameUse::kUsed) {
+    s->counters.frames_missing +=
+        static_cast<std::uint32_t>(missing_frames(input.frame.timestamp_ns, &s->arrivals));
     use = take_picture(input.frame, s);
   }
-  if (use == FrameUse::kUsed || use == FrameUse::kDark) {
+  if (looked_at(use)) {
     s->timestamp_ns = input.frame.timestamp_ns;
     s->time_known = true;
   }
   if (use == FrameUse::kUsed) {
+    look_for_target(s);
     estimate(s);
   } else if (s->mode == Mode::kTracking) {
     s->reference.valid = false;
   }
   count(use, &s->counters);
+  count(s->verdict, &s->counters);
   publish(use, input.frame.timestamp_ns, s);
   stage_done(Stage::kBus, *s);
   return s->output;

@@ -26,6 +26,14 @@ void put_counters(const Counters& c, bus::HousekeepingPacket* packet) {
   packet->frames_wrong_size = c.frames_wrong_size;
   packet->frames_time_not_increasing = c.frames_time_not_increasing;
   packet->frames_held = c.frames_held;
+  packet->frames_missing = c.frames_missing;
+  packet->frames_flat = c.frames_flat;
+  packet->frames_saturated = c.frames_saturated;
+  packet->frames_frozen = c.frames_frozen;
+  packet->frames_torn = c.frames_torn;
+  packet->frames_bit_errors = c.frames_bit_errors;
+  packet->frames_blurred = c.frames_blurred;
+  packet->frames_with_care = c.frames_with_care;
   packet->poses = c.poses;
   packet->lost = c.lost;
   packet->relocalised = c.relocalised;

@@ -9,19 +9,50 @@ void tell(EventId id, double first, double second, Component::State* s) {
   bus::report(id, {.values = {first, second}}, &s->bus.events);
 }
 
-void tell_frame(FrameUse use, std::uint32_t frame, Component::State* s) {
-  const double number = frame;
+/// The event of a frame that was not used; a frame that was used has none.
+bool event_of(FrameUse use, EventId* id) {
   switch (use) {
     case FrameUse::kUnreadable:
-      return tell(EventId::kFrameUnreadable, number, 0.0, s);
+      *id = EventId::kFrameUnreadable;
+      return true;
     case FrameUse::kDark:
-      return tell(EventId::kFrameDark, number, 0.0, s);
+      *id = EventId::kFrameDark;
+      return true;
     case FrameUse::kWrongSize:
-      return tell(EventId::kFrameWrongSize, number, 0.0, s);
+      *id = EventId::kFrameWrongSize;
+      return true;
     case FrameUse::kTimeNotIncreasing:
-      return tell(EventId::kFrameTimeNotIncreasing, number, 0.0, s);
-    default:
-      return;
+      *id = EventId::kFrameTimeNotIncreasing;
+      return true;
+    case FrameUse::kFlat:
+      *id = EventId::kFrameFlat;
+      return true;
+    case FrameUse::kSaturated:
+      *id = EventId::kFrameSaturated;
+      return true;
+    case FrameUse::kFrozen:
+      *id = EventId::kFrameFrozen;
+      return true;
+    case FrameUse::kTorn:
+      *id = EventId::kFrameTorn;
+      return true;
+    case FrameUse::kBitErrors:
+      *id = EventId::kFrameBitErrors;
+      return true;
+    case FrameUse::kUsed:
+    case FrameUse::kHeld:
+      break;
+  }
+  return false;
+}
+
+void tell_frame(FrameUse use, std::uint32_t frame, Component::State* s) {
+  const double number = frame;
+  EventId id = EventId::kFrameWithCare;
+  if (event_of(use, &id)) {
+    tell(id, number, static_cast<double>(s->verdict.measure), s);
+  } else if (s->verdict.decision == FrameDecision::kCare) {
+    tell(id, number, static_cast<double>(s->verdict.fault), s);
   }
 }
 

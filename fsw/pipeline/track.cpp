@@ -226,11 +226,13 @@ void track(Component::State* s) {
     return;
   }
   count_sightings(s);
-  if (may_extend_map(*s)) {
+  const bool may_teach = s->verdict.decision == FrameDecision::kUse;
+  if (may_teach && may_extend_map(*s)) {
     if (!bring_features(s)) {
       lose(s);
       return;
     }
+    sharpen_outline(mask_prior(s->localised.absolute.pose, s), &s->mask_state);
     extend_map(s);
     renew_reference(s);
   } else if (!s->reference.valid) {

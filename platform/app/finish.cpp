@@ -43,7 +43,7 @@ std::vector<SmoothedPose> smooth_frames(Component& component,
     const Pose hint = causal_pose(m, state.scale.metres_per_mu_published);
     SmoothedPose pose = at_rest.from_log(m.frame, hint, log.observations.of_frame(i));
     Frame frame;
-    if (!pose.valid && state.map.keyframe_count > 0) {
+    if (!pose.valid && log.uses[i] == FrameUse::kUsed && state.map.keyframe_count > 0) {
       camera.seek(i);
       if (camera.next(frame) && frame.readable) {
         pose = at_rest.from_image(frame);

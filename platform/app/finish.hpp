@@ -14,6 +14,7 @@ namespace polhode::platform {
 /// What the run has left behind, frame by frame.
 struct ReplayLog {
   std::span<const MotionState> published;
+  std::span<const FrameUse> uses;
   ObservationSpool& observations;
   const ServicerAttitude& servicer;
 };

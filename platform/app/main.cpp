@@ -79,6 +79,8 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
                    "time-tagged commands, a line each: TIMESTAMP_NS COMMAND [argument=value]...")
       ->type_name("FILE");
   command->add_flag("--memory-trap", arguments.memory_trap, kTrapHelp);
+  command->add_flag(
+      "--masks", arguments.masks, "write masks.pgms and mask_tracks.csv, for overlays");
   add_settings(*command, arguments.settings);
   command->callback([&arguments] { polhode::platform::replay(arguments); });
 }

@@ -25,6 +25,8 @@ constexpr const char* kOwnFiles[] = {
     "motion_model.json",
     "bus.ccsds",
     "observations.csv",
+    "masks.pgms",
+    "mask_tracks.csv",
     "summary.json",
     ".observations.spool",
 };

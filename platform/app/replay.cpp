@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <memory>
 #include <thread>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "app/finish.hpp"
 #include "app/frames_trapped.hpp"
 #include "app/machine.hpp"
+#include "app/mask_log.hpp"
 #include "app/motion_csv.hpp"
 #include "app/next_input.hpp"
 #include "app/observations.hpp"
@@ -89,6 +91,8 @@ struct Run {
   Timings timings;
   RunRecord record;
   std::vector<MotionState> published;
+  std::vector<FrameUse> uses;
+  std::unique_ptr<MaskLog> masks;  ///< only on request
 };
 
 /// What the frames cost.
@@ -110,6 +114,7 @@ void write_frame(
   run.files.table.append(index, frame.timestamp_ns, out.observations);
   run.files.spool.append(out.observations);
   run.published.push_back(out.motion);
+  run.uses.push_back(out.use);
 }
 
 const StepOutput& timed_step(Run& run, const Frame& frame) {
@@ -145,6 +150,9 @@ void run_frames(Run& run, bool realtime) {
       progress.note(fmt::format("frame {} is not used: {}", camera.index(), camera.refusal()));
     }
     write_frame(run, camera.index(), frame, out, step_us);
+    if (run.masks != nullptr) {
+      run.masks->append(camera.index(), out, run.component.state());
+    }
     add_frame(run.record, camera.index(), out, camera.refusal(), frame.timestamp_ns);
     progress.update(camera.index() + 1, out.motion);
   }
@@ -210,10 +218,16 @@ RunCost run_sealed(Run& run, const ReplayArguments& arguments) {
 void finish_files(Run& run, const fs::path& folder) {
   run.files.motion.close();
   run.files.table.close();
+  if (run.masks) {
+    run.masks->close();
+  }
   finish_replay(
       run.component,
       run.sequence,
-      {.published = run.published, .observations = run.files.spool, .servicer = run.servicer},
+      {.published = run.published,
+       .uses = run.uses,
+       .observations = run.files.spool,
+       .servicer = run.servicer},
       folder);
 }
 
@@ -243,8 +257,11 @@ void replay(const ReplayArguments& arguments) {
           .files = FrameFiles(arguments.out, frames),
           .timings = Timings(frames),
           .record = {},
-          .published = {}};
+          .published = {},
+          .uses = {},
+          .masks = arguments.masks ? std::make_unique<MaskLog>(arguments.out) : nullptr};
   run.published.reserve(frames);
+  run.uses.reserve(frames);
   component.set_stage_hook(Timings::hook, &run.timings);
 
   const RunCost cost = run_sealed(run, arguments);

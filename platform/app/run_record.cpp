@@ -1,5 +1,7 @@
 #include "app/run_record.hpp"
 
+#include <array>
+
 namespace polhode::platform {
 
 const char* use_name(FrameUse use) {
@@ -16,8 +18,24 @@ const char* use_name(FrameUse use) {
       return "time not increasing";
     case FrameUse::kHeld:
       return "held";
+    case FrameUse::kFlat:
+      return "flat";
+    case FrameUse::kSaturated:
+      return "saturated";
+    case FrameUse::kFrozen:
+      return "frozen";
+    case FrameUse::kTorn:
+      return "torn";
+    case FrameUse::kBitErrors:
+      return "bit errors";
   }
   return "";
+}
+
+const char* fault_name(FrameFault fault) {
+  constexpr std::array<const char*, kFrameFaults> kNames{
+      "none", "dark", "flat", "saturated", "frozen", "torn", "bit errors", "blurred"};
+  return kNames[static_cast<std::size_t>(fault)];
 }
 
 void add_frame(RunRecord& record,
@@ -32,9 +50,14 @@ void add_frame(RunRecord& record,
       record.mode_changes.push_back({.frame = frame, .timestamp_ns = timestamp_ns, .mode = mode});
     }
   }
-  if (out.use != FrameUse::kUsed && record.bad_frames.size() < kBadFramesListed) {
+  if ((out.use != FrameUse::kUsed || out.verdict.fault != FrameFault::kNone) &&
+      record.bad_frames.size() < kBadFramesListed) {
     record.bad_frames.push_back(
-        {.frame = frame, .timestamp_ns = timestamp_ns, .use = out.use, .reason = refusal});
+        {.frame = frame,
+         .timestamp_ns = timestamp_ns,
+         .use = out.use,
+         .verdict = out.verdict,
+         .reason = refusal});
   }
   if (out.motion.pose_valid) {
     ++record.frames_with_pose;

@@ -21,6 +21,7 @@ struct BadFrame {
   std::size_t frame = 0;
   std::int64_t timestamp_ns = 0;
   FrameUse use = FrameUse::kUnreadable;
+  FrameVerdict verdict;
   std::string reason;
 };
 
@@ -47,5 +48,6 @@ void add_frame(RunRecord& record,
                std::int64_t timestamp_ns);
 
 const char* use_name(FrameUse use);
+const char* fault_name(FrameFault fault);
 
 }  // namespace polhode::platform

@@ -39,6 +39,14 @@ Json counters(const Counters& c) {
           {"frames_wrong_size", c.frames_wrong_size},
           {"frames_time_not_increasing", c.frames_time_not_increasing},
           {"frames_held", c.frames_held},
+          {"frames_missing", c.frames_missing},
+          {"frames_flat", c.frames_flat},
+          {"frames_saturated", c.frames_saturated},
+          {"frames_frozen", c.frames_frozen},
+          {"frames_torn", c.frames_torn},
+          {"frames_bit_errors", c.frames_bit_errors},
+          {"frames_blurred", c.frames_blurred},
+          {"frames_with_care", c.frames_with_care},
           {"poses", c.poses},
           {"lost", c.lost},
           {"relocalised", c.relocalised},
@@ -71,6 +79,11 @@ Json bad_frames(const RunRecord& record) {
   for (const BadFrame& bad : record.bad_frames) {
     Json entry{
         {"frame", bad.frame}, {"timestamp_ns", bad.timestamp_ns}, {"use", use_name(bad.use)}};
+    if (bad.verdict.fault != FrameFault::kNone) {
+      entry["fault"] = fault_name(bad.verdict.fault);
+      entry["measure"] = bad.verdict.measure;
+      entry["limit"] = bad.verdict.limit;
+    }
     if (!bad.reason.empty()) {
       entry["reason"] = bad.reason;
     }

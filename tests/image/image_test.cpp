@@ -11,12 +11,6 @@
 namespace polhode {
 namespace {
 
-cv::Mat constant(int width, int height, int level) {
-  cv::Mat gray(height, width, CV_8UC1);
-  gray.setTo(level);
-  return gray;
-}
-
 TEST(ImportFrame, CopiesEveryPixel_WhenRowsAreLongerThanThePicture) {
   constexpr int kWidth = 7;
   constexpr int kHeight = 5;
@@ -75,55 +69,6 @@ TEST(ImportFrame, OwnsItsPixels_SoThatTheCameraMayReuseTheMemory) {
   import_frame(view, &gray);
   EXPECT_EQ(gray.at<std::uint8_t>(3, 3), 20);
   EXPECT_EQ(gray.data, first) << "the same size takes no new memory";
-}
-
-TEST(Assess, CallsABlackPictureDark_AndABrightOneNot) {
-  EXPECT_TRUE(assess(constant(64, 48, 0), {}).dark);
-  EXPECT_FALSE(assess(constant(64, 48, 128), {}).dark);
-  EXPECT_DOUBLE_EQ(assess(constant(64, 48, 51), {}).bright_level, 0.2);
-}
-
-TEST(Assess, ComparesWithTheDarkLevelThatItIsGiven) {
-  const cv::Mat gray = constant(64, 48, 51);  // a fifth of full scale
-  EXPECT_TRUE(assess(gray, {.dark_level = 0.21}).dark);
-  EXPECT_FALSE(assess(gray, {.dark_level = 0.19}).dark);
-}
-
-TEST(Assess, StaysDark_WhenOnlyAFewHotPixelsShine) {
-  cv::Mat gray = constant(100, 100, 0);
-  for (int i = 0; i < 9; ++i) {  // 9 of 10 000: under the one in a thousand that counts
-    gray.at<std::uint8_t>(11 * i, 7 * i) = 255;
-  }
-  EXPECT_TRUE(assess(gray, {}).dark);
-  cv::Mat target = constant(100, 100, 0);
-  target(cv::Rect(40, 40, 5, 5)).setTo(200);  // 25 of 10 000
-  EXPECT_FALSE(assess(target, {}).dark);
-  EXPECT_DOUBLE_EQ(assess(target, {}).bright_level, 200.0 / 255.0);
-}
-
-TEST(Assess, CountsSaturatedPixels_WhenTheyAreFew) {
-  cv::Mat gray = constant(100, 100, 100);
-  for (int i = 0; i < 7; ++i) {
-    gray.at<std::uint8_t>(i, i) = 255;
-  }
-  EXPECT_DOUBLE_EQ(assess(gray, {}).saturated_fraction, 7e-4);
-  EXPECT_DOUBLE_EQ(assess(constant(100, 100, 100), {}).saturated_fraction, 0.0);
-}
-
-TEST(Assess, CountsAllSaturatedPixels_WhenTheyHaveDifferentLevels) {
-  cv::Mat gray = constant(100, 100, 100);
-  gray.rowRange(0, 40).setTo(252);  // over 0.98 of full scale
-  gray.rowRange(40, 50).setTo(255);
-  EXPECT_DOUBLE_EQ(assess(gray, {}).saturated_fraction, 0.5);
-}
-
-TEST(Assess, LooksOnlyAtThePicture_WhenItIsAPartOfALargerOne) {
-  cv::Mat whole = constant(64, 64, 255);
-  cv::Mat part = whole(cv::Rect(10, 10, 20, 20));
-  part.setTo(0);
-  const ImageQuality quality = assess(part, {});
-  EXPECT_TRUE(quality.dark);
-  EXPECT_DOUBLE_EQ(quality.saturated_fraction, 0.0);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "base/rng.hpp"
+#include "mask/target_levels.hpp"
 
 namespace polhode {
 namespace {
@@ -170,6 +171,16 @@ TEST(TargetMask, ContainsNothingOutsideThePicture) {
   EXPECT_FALSE(mask.contains(-10.0, 50.0));
   EXPECT_FALSE(mask.contains(kWidth + 4.0, 50.0));
   EXPECT_FALSE(mask.contains(50.0, kHeight + 4.0));
+}
+
+TEST(TargetLevels, CountTheTarget_AndNothingAroundIt) {
+  cv::Mat gray = black();
+  gray(cv::Rect(50, 30, 60, 60)).setTo(120);
+  gray.at<std::uint8_t>(5, 5) = 200;
+  const TargetMask mask = mask_of(gray);
+  const LevelCounts counts = target_levels(gray, {}, mask);
+  EXPECT_EQ(counts[120], 3600U);
+  EXPECT_EQ(counts[200] + counts[0], 0U);
 }
 
 TEST(TargetMask, ContainsNothing_BeforeThereWasAPicture) {

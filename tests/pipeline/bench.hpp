@@ -100,6 +100,32 @@ inline Picture noise(std::uint64_t seed) {
   return picture;
 }
 
+/// Something else than the target: blots of some 8 px all over the picture.
+inline Picture clutter(std::uint64_t seed) {
+  constexpr int kGrain_px = 8;
+  constexpr int kColumns = kWidth / kGrain_px + 2;
+  constexpr int kRows = kHeight / kGrain_px + 2;
+  Rng rng(seed, 153);
+  std::vector<double> level(static_cast<std::size_t>(kColumns * kRows));
+  for (double& one : level) {
+    one = 20.0 + 200.0 * rng.uniform();
+  }
+  Picture picture(kWidth * kHeight);
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const auto at = static_cast<std::size_t>((v / kGrain_px) * kColumns + u / kGrain_px);
+      const double right = static_cast<double>(u % kGrain_px) / kGrain_px;
+      const double down = static_cast<double>(v % kGrain_px) / kGrain_px;
+      const double upper = level[at] + right * (level[at + 1] - level[at]);
+      const double lower =
+          level[at + kColumns] + right * (level[at + kColumns + 1] - level[at + kColumns]);
+      picture[static_cast<std::size_t>(v * kWidth + u)] =
+          static_cast<std::uint8_t>(upper + down * (lower - upper));
+    }
+  }
+  return picture;
+}
+
 /// A ball of radius 1 with patches of all sizes on it, seen against black.
 class Ball {
  public:

@@ -151,7 +151,8 @@ TEST(Step, TakesAnyTimeStamp_AsTheFirst) {
     Bench b;
     const Picture picture = noise(1);
     EXPECT_EQ(b.component->step({.frame = frame_of(first, picture)}).use, FrameUse::kUsed);
-    EXPECT_EQ(b.component->step({.frame = frame_of(first + 1, picture)}).use, FrameUse::kUsed);
+    const Picture next = noise(2);
+    EXPECT_EQ(b.component->step({.frame = frame_of(first + 1, next)}).use, FrameUse::kUsed);
   }
 }
 

@@ -178,7 +178,7 @@ TEST(TurningBody, IsLost_WhenItIsGone_AndFoundAgain_WhenItReturns) {
                 .motion.mode,
             Mode::kTracking);
   for (std::uint64_t i = 0; i < 3; ++i) {
-    const StepOutput& out = b.show(noise(i));
+    const StepOutput& out = b.show(clutter(i));
     EXPECT_EQ(out.motion.mode, Mode::kLost);
     EXPECT_FALSE(out.motion.pose_valid);
   }
@@ -188,7 +188,22 @@ TEST(TurningBody, IsLost_WhenItIsGone_AndFoundAgain_WhenItReturns) {
   EXPECT_TRUE(back.motion.pose_valid);
 }
 
-/// Followed, then nothing but noise, then seen again: the pose has to come from relocalisation.
+TEST(TurningBody, IsNotLost_ByFramesThatAreSkipped) {
+  Bench b;
+  for (int i = 0; i < 16; ++i) {
+    (void)b.show(pictures()[static_cast<std::size_t>(i)]);
+  }
+  const StepOutput& bad = b.show(noise(1));  // random octets are no picture of anything
+  EXPECT_EQ(bad.use, FrameUse::kBitErrors);
+  EXPECT_FALSE(bad.motion.pose_valid);
+  EXPECT_EQ(bad.motion.mode, Mode::kTracking);
+  const StepOutput& good = b.show(pictures()[17]);
+  EXPECT_TRUE(good.motion.pose_valid);
+  EXPECT_EQ(b.component->counters().lost, 0U);
+  EXPECT_EQ(b.component->counters().frames_bit_errors, 1U);
+}
+
+/// Followed, then something else, then seen again: the pose has to come from relocalisation.
 std::vector<std::uint8_t> bytes_of_a_loss() {
   Bench b;
   std::vector<std::uint8_t> bytes;
@@ -198,7 +213,7 @@ std::vector<std::uint8_t> bytes_of_a_loss() {
   for (std::size_t i = 0; i < 14; ++i) {
     keep(b.show(pictures()[i]));
   }
-  keep(b.show(noise(1)));
+  keep(b.show(clutter(1)));
   for (const std::size_t i : {4U, 9U, 14U}) {
     keep(b.show(pictures()[i]));
   }

@@ -192,7 +192,7 @@ struct polhode_shape {
 };
 
 #define POLHODE_HOUSEKEEPING 4 /* number of the packet: its APID less the first one */
-#define POLHODE_HOUSEKEEPING_OCTETS 174
+#define POLHODE_HOUSEKEEPING_OCTETS 206
 #define POLHODE_HOUSEKEEPING_HELD 0x01
 #define POLHODE_HOUSEKEEPING_SCALE_KNOWN 0x02
 #define POLHODE_HOUSEKEEPING_TABLE_LOADED 0x04
@@ -221,6 +221,14 @@ struct polhode_housekeeping {
   uint32_t frames_wrong_size;
   uint32_t frames_time_not_increasing;
   uint32_t frames_held; /* passed over while held */
+  uint32_t frames_missing; /* that never came, by the gaps in time */
+  uint32_t frames_flat; /* without contrast; this and the next five: skipped, or used with care */
+  uint32_t frames_saturated; /* far more saturated than those before */
+  uint32_t frames_frozen; /* the previous picture once more */
+  uint32_t frames_torn; /* a part of which is the previous picture's */
+  uint32_t frames_bit_errors; /* with pixels, lines or blocks that are not of the picture */
+  uint32_t frames_blurred; /* far less sharp than those before */
+  uint32_t frames_with_care; /* used for a pose, not for the map */
   uint32_t poses; /* frames with a pose */
   uint32_t lost; /* times that tracking was lost */
   uint32_t relocalised; /* times that it was found again */

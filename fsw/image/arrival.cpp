@@ -1,0 +1,41 @@
+#include "image/arrival.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace polhode {
+
+int missing_frames(std::int64_t timestamp_ns, ArrivalHistory* history) {
+  constexpr std::size_t kIntervalsMin = 3;
+  constexpr double kTolerance = 0.25;
+  constexpr double kMissingMax = 1000.0;  // a longer silence is a pause, not a loss
+  const std::int64_t interval_ns = timestamp_ns - history->last_ns;
+  const bool first = !history->any;
+  history->any = true;
+  history->last_ns = timestamp_ns;
+  if (first) {
+    return 0;
+  }
+  int missing = 0;
+  auto& known = history->intervals_ns;
+  if (known.size() >= kIntervalsMin) {
+    std::array<std::int64_t, ArrivalHistory::kIntervals> sorted{};
+    std::copy(known.begin(), known.end(), sorted.begin());
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+    std::nth_element(
+        sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(known.size()));
+    const double periods = static_cast<double>(interval_ns) / static_cast<double>(*middle);
+    const double whole = std::round(periods);
+    if (whole >= 2.0 && whole < kMissingMax && std::abs(periods - whole) < kTolerance) {
+      missing = static_cast<int>(whole) - 1;
+    }
+  }
+  if (known.full()) {
+    known.erase(0);
+  }
+  (void)known.push_back(interval_ns);
+  return missing;
+}
+
+}  // namespace polhode

@@ -1,0 +1,138 @@
+#include <algorithm>
+#include <opencv2/core/hal/intrin.hpp>
+#include <vector>
+
+#include "base/assert.hpp"
+#include "image/quality.hpp"
+
+namespace polhode {
+namespace {
+
+// A flipped bit of weight 32 or more, eight times the noise of a dim pixel. Smaller flips do no
+// harm.
+constexpr int kStep = 24;
+
+/// Outstanding pixels of a row: over (under) all four neighbours by kStep and twice their range, so
+/// that edges, lines and grain do not count. The peak of a star does: they are as many in each
+/// frame.
+int impulses_in_row(const std::uint8_t* above,
+                    const std::uint8_t* row,
+                    const std::uint8_t* below,
+                    int columns) {
+  int count = 0;
+  int column = 1;
+  const cv::v_uint8x16 step = cv::v_setall_u8(kStep);
+  const cv::v_uint8x16 one = cv::v_setall_u8(1);
+  for (; column + 17 <= columns; column += 16) {
+    const cv::v_uint8x16 p = cv::v_load(row + column);
+    const cv::v_uint8x16 a = cv::v_load(above + column);
+    const cv::v_uint8x16 b = cv::v_load(below + column);
+    const cv::v_uint8x16 l = cv::v_load(row + column - 1);
+    const cv::v_uint8x16 r = cv::v_load(row + column + 1);
+    const cv::v_uint8x16 high = cv::v_max(cv::v_max(a, b), cv::v_max(l, r));
+    const cv::v_uint8x16 low = cv::v_min(cv::v_min(a, b), cv::v_min(l, r));
+    const cv::v_uint8x16 range = high - low;  // saturating, as all sums here
+    const cv::v_uint8x16 limit = range + range + step;
+    const cv::v_uint8x16 out = cv::v_max(p - high, low - p);
+    count += static_cast<int>(cv::v_reduce_sum(cv::v_min(out - limit, one)));
+  }
+  for (; column + 1 < columns; ++column) {
+    const int p = row[column];
+    const auto [low, high] =
+        std::minmax({above[column], below[column], row[column - 1], row[column + 1]});
+    const int limit = std::min(255, 2 * (high - low) + kStep);
+    count += std::max(p - high, low - p) > limit ? 1 : 0;
+  }
+  return count;
+}
+
+/// Sum of absolute differences.
+int difference(const std::uint8_t* a, const std::uint8_t* b, int columns) {
+  unsigned sum = 0;
+  int column = 0;
+  for (; column + 16 <= columns; column += 16) {
+    sum += cv::v_reduce_sad(cv::v_load(a + column), cv::v_load(b + column));
+  }
+  int rest = static_cast<int>(sum);
+  for (; column < columns; ++column) {
+    rest += std::abs(a[column] - b[column]);
+  }
+  return rest;
+}
+
+/// A broken line differs from the rows on its two sides, which agree.
+bool broken_line(const cv::Mat& gray, int row) {
+  constexpr double kLevelsMin = 8.0;  // mean over the row; a thin strut or the sensor's noise is 2
+  constexpr int kTimes = 3;
+  const std::uint8_t* above = gray.ptr<std::uint8_t>(row - 1);
+  const std::uint8_t* here = gray.ptr<std::uint8_t>(row);
+  const std::uint8_t* below = gray.ptr<std::uint8_t>(row + 1);
+  const int from_above = difference(above, here, gray.cols);
+  if (from_above < kLevelsMin * gray.cols) {
+    return false;
+  }
+  const int from_below = difference(here, below, gray.cols);
+  return std::min(from_above, from_below) > std::max(static_cast<int>(kLevelsMin * gray.cols),
+                                                     kTimes * difference(above, below, gray.cols));
+}
+
+constexpr int kSide_px = 16;
+
+/// Mean change from pixel to pixel, the lesser of those along and across rows.
+int roughness(const cv::Mat& gray, int row0, int column0) {
+  unsigned across = 0;
+  unsigned along = 0;
+  for (int row = row0; row < row0 + kSide_px; ++row) {
+    const std::uint8_t* p = gray.ptr<std::uint8_t>(row) + column0;
+    if (row > row0) {
+      across +=
+          cv::v_reduce_sad(cv::v_load(p), cv::v_load(gray.ptr<std::uint8_t>(row - 1) + column0));
+    }
+    const cv::v_uint8x16 here = cv::v_load(p);
+    along += cv::v_reduce_sad(here, cv::v_rotate_left<1>(here, cv::v_setall_u8(p[0])));
+  }
+  return static_cast<int>(std::min(across, along) / (kSide_px * (kSide_px - 1)));
+}
+
+/// Tiles as rough as octets of which one bit in ten is flipped (45; random ones have 85), and much
+/// rougher than the last good picture was nearby: the finest texture comes near it too, but not from
+/// one picture to the next.
+int count_rough_tiles(const cv::Mat& gray, QualityHistory* history) {
+  constexpr int kRough = 40;
+  constexpr int kTimes = 2;
+  history->roughness.create(gray.rows / kSide_px, gray.cols / kSide_px, CV_8UC1);
+  const bool any_before = !history->roughness_good.empty();
+  int count = 0;
+  for (int row = 0; row < history->roughness.rows; ++row) {
+    const std::uint8_t* before =
+        any_before ? history->roughness_good.ptr<std::uint8_t>(row) : nullptr;
+    std::uint8_t* now = history->roughness.ptr<std::uint8_t>(row);
+    for (int column = 0; column < history->roughness.cols; ++column) {
+      now[column] =
+          static_cast<std::uint8_t>(roughness(gray, row * kSide_px, column * kSide_px));
+      const int limit = any_before ? std::max(kRough, kTimes * before[column]) : kRough;
+      count += now[column] > limit ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
+BitErrorTraces find_bit_errors(const cv::Mat& gray, QualityHistory* history) {
+  POLHODE_ASSERT(gray.type() == CV_8UC1, gray.type());
+  BitErrorTraces traces;
+  int impulses = 0;
+  for (int row = 1; row + 1 < gray.rows; ++row) {
+    impulses += impulses_in_row(gray.ptr<std::uint8_t>(row - 1),
+                                gray.ptr<std::uint8_t>(row),
+                                gray.ptr<std::uint8_t>(row + 1),
+                                gray.cols);
+    traces.lines += broken_line(gray, row) ? 1 : 0;
+  }
+  traces.rough_tiles = count_rough_tiles(gray, history);
+  traces.impulse_fraction = static_cast<double>(impulses) / static_cast<double>(gray.total());
+  return traces;
+}
+
+}  // namespace polhode

@@ -1,0 +1,212 @@
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "image/quality.hpp"
+
+namespace polhode {
+namespace {
+
+using Entry = QualityHistory::Entry;
+using History = FixedVector<Entry, QualityHistory::kFrames>;
+
+// Below this many good frames there is nothing to compare with.
+constexpr std::size_t kFramesMin = 2;
+// Seen this much oftener than not, a fault is the scene's or the camera's way.
+constexpr int kInsistent = 3;
+constexpr int kInsistenceMax = 8;
+
+struct Typical {
+  double median = 0.0;
+  double spread = 0.0;  ///< one sigma by the median of absolute deviations
+};
+
+Typical typical(const History& frames, double Entry::*field) {
+  std::array<double, QualityHistory::kFrames> values{};
+  const std::size_t n = frames.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    values[i] = frames[i].*field;
+  }
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(n / 2);
+  const auto end = values.begin() + static_cast<std::ptrdiff_t>(n);
+  std::nth_element(values.begin(), middle, end);
+  Typical t;
+  t.median = *middle;
+  for (std::size_t i = 0; i < n; ++i) {
+    values[i] = std::abs(frames[i].*field - t.median);
+  }
+  std::nth_element(values.begin(), middle, end);
+  t.spread = 1.4826 * *middle;
+  return t;
+}
+
+struct Finding {
+  bool found = false;
+  bool grave = false;  ///< the frame is of no use
+  double measure = 0.0;
+  double limit = 0.0;
+};
+
+/// A body that turns loses light over several frames (in the steepest of ten sequences a third from
+/// one to the next, 3 to 10 deg apart); a failed exposure loses it at once. The median level goes
+/// down by 4 and the bright one by 2.5.
+Finding find_dark(const ImageLevels& now, const History& frames) {
+  if (now.dark) {
+    return {.found = true, .grave = true, .measure = now.bright_level, .limit = 0.0};
+  }
+  if (frames.size() < kFramesMin) {
+    return {};
+  }
+  const double mean = typical(frames, &Entry::mean_level).median;
+  const double bright = typical(frames, &Entry::bright_level).median;
+  const bool sudden = now.mean_level < 0.25 * mean && now.bright_level < 0.4 * bright;
+  return {.found = sudden, .grave = sudden, .measure = now.bright_level, .limit = 0.4 * bright};
+}
+
+/// Nothing stands out: less contrast than a picture needs not to be dark.
+Finding find_flat(const ImageLevels& now, const ImageOptions& options) {
+  const double contrast = now.bright_level - now.dim_level;
+  const bool flat = contrast < options.dark_level;
+  return {.found = flat, .grave = flat, .measure = contrast, .limit = options.dark_level};
+}
+
+/// Glints take up to a quarter of what is lit. Three times the right exposure takes a third to nine
+/// tenths of what was lit before; it lights the sensor's noise, too, so that before is what counts.
+Finding find_saturated(const ImageLevels& now, const History& frames) {
+  constexpr double kGlint = 0.25;
+  constexpr double kAlone = 0.9;
+  const bool alone = frames.size() < kFramesMin;
+  const double lit = alone ? now.lit_fraction : typical(frames, &Entry::lit_fraction).median;
+  const double before = alone ? 0.0 : typical(frames, &Entry::saturated_fraction).median;
+  const double limit = alone ? kAlone * lit : before + 1.2 * kGlint * lit;
+  const bool found = now.saturated_fraction > limit;
+  return {.found = found, .grave = found, .measure = now.saturated_fraction, .limit = limit};
+}
+
+/// All rows that tell anything are the previous frame's.
+Finding find_frozen(const RepeatedRows& rows) {
+  const bool frozen = rows.repeated > 0 && rows.fresh == 0;
+  return {.found = frozen,
+          .grave = frozen,
+          .measure = static_cast<double>(rows.repeated),
+          .limit = 0.0};
+}
+
+/// Both kinds of rows in a few runs. In a noise-free or compressed sequence of a static scene this
+/// comes with each frame, and insists.
+Finding find_torn(const RepeatedRows& rows) {
+  constexpr int kRowsMin = 4;
+  constexpr int kChangesMax = 4;
+  const bool torn = std::min(rows.repeated, rows.fresh) >= kRowsMin && rows.changes <= kChangesMax;
+  return {.found = torn,
+          .grave = torn,
+          .measure = static_cast<double>(rows.repeated),
+          .limit = kRowsMin};
+}
+
+/// More traces than the scene has of its own, by 6 sigma of its last frames; one pixel in
+/// 5000, two tiles, half a line on top, as much as glints come and go by. Fewer single pixels do no
+/// harm: they fall on few landmarks and on no two frames alike.
+Finding find_bit_errors(const BitErrorTraces& now, const History& frames) {
+  if (frames.size() < kFramesMin) {
+    return {};
+  }
+  constexpr double kSigmas = 6.0;
+  constexpr double kHarmless = 1e-3;
+  const auto excess = [&](double value, double Entry::*field, double floor) {
+    const Typical t = typical(frames, field);
+    return value - t.median - std::max(kSigmas * t.spread, 0.25 * t.median) - floor;
+  };
+  const double impulses = excess(now.impulse_fraction, &Entry::impulse_fraction, 2e-4);
+  const double tiles = excess(now.rough_tiles, &Entry::rough_tiles, 2.0);
+  const double lines = excess(now.lines, &Entry::lines, 0.5);
+  return {.found = impulses > 0.0 || tiles > 0.0 || lines > 0.0,
+          .grave = impulses > kHarmless || tiles > 0.0 || lines > 0.0,
+          .measure = now.impulse_fraction,
+          .limit = now.impulse_fraction - impulses};
+}
+
+/// Three fifths of the sharpness of the frames before: the finest blobs are gone, the others
+/// displaced along the motion. Sharp pictures have 0.5 to 1; 0.25 is left where no fine texture is.
+Finding find_blurred(const ImageLevels& now, const History& frames) {
+  if (frames.size() < kFramesMin) {
+    return {};
+  }
+  const double limit = 0.6 * typical(frames, &Entry::sharpness).median;
+  return {.found = now.sharpness < limit, .grave = false, .measure = now.sharpness, .limit = limit};
+}
+
+void remember(const ImageQuality& q, History* frames) {
+  if (frames->full()) {
+    frames->erase(0);
+  }
+  (void)frames->push_back({.bright_level = q.levels.bright_level,
+                           .mean_level = q.levels.mean_level,
+                           .saturated_fraction = q.levels.saturated_fraction,
+                           .lit_fraction = q.levels.lit_fraction,
+                           .sharpness = q.levels.sharpness,
+                           .impulse_fraction = q.bit_errors.impulse_fraction,
+                           .rough_tiles = static_cast<double>(q.bit_errors.rough_tiles),
+                           .lines = static_cast<double>(q.bit_errors.lines)});
+}
+
+}  // namespace
+
+FrameVerdict judge_quality(const ImageQuality& quality,
+                           const ImageOptions& options,
+                           QualityHistory* history) {
+  // In the order of precedence: a frozen dark frame is frozen, a torn bright one is torn.
+  const std::array<std::pair<FrameFault, Finding>, kFrameFaults - 1> findings{
+      {{FrameFault::kDark, find_dark(quality.levels, history->frames)},
+       {FrameFault::kFlat, find_flat(quality.levels, options)},
+       {FrameFault::kFrozen, find_frozen(quality.rows)},
+       {FrameFault::kTorn, find_torn(quality.rows)},
+       {FrameFault::kSaturated, find_saturated(quality.levels, history->frames)},
+       {FrameFault::kBitErrors, find_bit_errors(quality.bit_errors, history->frames)},
+       {FrameFault::kBlurred, find_blurred(quality.levels, history->frames)}}};
+  const bool nothing_to_see =
+      quality.levels.dark ||
+      quality.levels.bright_level - quality.levels.dim_level < options.dark_level;
+  FrameVerdict verdict;
+  for (const auto& [fault, finding] : findings) {
+    int& insistence = history->insistence[static_cast<std::size_t>(fault)];
+    const bool insists = insistence >= kInsistent;
+    insistence = std::clamp(insistence + (finding.found ? 1 : -1), 0, kInsistenceMax);
+    if (!finding.found) {
+      continue;
+    }
+    verdict.faults =
+        static_cast<std::uint16_t>(verdict.faults | 1U << static_cast<unsigned>(fault));
+    const bool never = nothing_to_see || fault == FrameFault::kFrozen;
+    const FrameDecision decision =
+        finding.grave && (never || !insists) ? FrameDecision::kSkip : FrameDecision::kCare;
+    if (verdict.fault == FrameFault::kNone) {
+      verdict.fault = fault;
+      verdict.measure = static_cast<float>(finding.measure);
+      verdict.limit = static_cast<float>(finding.limit);
+    }
+    verdict.decision = std::max(verdict.decision, decision);
+  }
+  if (verdict.decision != FrameDecision::kSkip) {
+    remember(quality, &history->frames);
+  }
+  return verdict;
+}
+
+FrameVerdict assess(const cv::Mat& gray, const ImageOptions& options, QualityHistory* history) {
+  const ImageQuality quality{.levels = measure_levels(gray, options),
+                             .bit_errors = find_bit_errors(gray, history),
+                             .rows = compare_rows(gray, history->previous)};
+  gray.copyTo(history->previous);
+  const FrameVerdict verdict = judge_quality(quality, options, history);
+  if (verdict.decision != FrameDecision::kSkip) {
+    cv::dilate(history->roughness,
+               history->roughness_good,
+               cv::Mat(),
+               cv::Point(-1, -1),
+               2);  // as far as a tile's content moves from one frame to the next
+  }
+  return verdict;
+}
+
+}  // namespace polhode

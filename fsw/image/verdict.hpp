@@ -1,0 +1,33 @@
+// The verdict on a frame's picture, as plain data for whoever publishes it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace polhode {
+
+/// What is wrong with a picture.
+enum class FrameFault : std::uint8_t {
+  kNone,
+  kDark,       ///< nothing bright, or far darker than the frames before
+  kFlat,       ///< no contrast
+  kSaturated,  ///< far more of what is lit is saturated than in the frames before
+  kFrozen,     ///< the previous frame once more
+  kTorn,       ///< part of it is the previous frame's
+  kBitErrors,  ///< single pixels, lines or blocks that are not of this picture
+  kBlurred,    ///< far less sharp than the frames before
+};
+inline constexpr std::size_t kFrameFaults = 8;
+
+/// What is done with it: a frame used with care gives a pose and teaches the map nothing.
+enum class FrameDecision : std::uint8_t { kUse, kCare, kSkip };
+
+struct FrameVerdict {
+  FrameDecision decision = FrameDecision::kUse;
+  FrameFault fault = FrameFault::kNone;  ///< the first of those found, in the order of precedence
+  std::uint16_t faults = 0;              ///< bit n: FrameFault n was found
+  float measure = 0.0F;                  ///< what the fault was judged by
+  float limit = 0.0F;                    ///< what it was compared with
+};
+
+}  // namespace polhode

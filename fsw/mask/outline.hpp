@@ -1,0 +1,32 @@
+// From evidence to an outline: the one piece of the picture that is the target.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+namespace polhode {
+
+/// Working memory; contents mean nothing between calls.
+struct OutlineScratch {
+  cv::Mat positive, labels, stats, centroids, closed, flooded, distance;
+};
+
+/// The piece with the most evidence, and what lies close to it: closed, its holes filled.
+/// @param evidence CV_32FC1. @param certain CV_8UC1 or empty: target whatever the evidence.
+/// @param outline CV_8UC1, 255 on the target; all 0 when there is no piece worth a target.
+/// @return false when there is none.
+bool find_outline(const cv::Mat& evidence,
+                  const cv::Mat& certain,
+                  OutlineScratch* scratch,
+                  cv::Mat* outline);
+
+/// Moves the outline to the edges of the picture nearby: the least cut between target and the rest,
+/// dear where the picture is even. Only in the box of the outline, grown by an eighth; for keyframes.
+/// @param opinion CV_32FC1: for (positive) or against target, pixel by pixel; 6 equals an even place.
+/// @cost one maximum flow over the region's pixels.
+/// @source Boykov and Kolmogorov, PAMI 2004, by way of OpenCV.
+void cut_at_edges(const cv::Mat& picture,
+                  const cv::Mat& opinion,
+                  const cv::Mat& certain,
+                  cv::Mat* outline);
+
+}  // namespace polhode

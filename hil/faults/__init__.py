@@ -1,0 +1,1 @@
+"""Bad frames made on purpose, and what a replay made of them."""

@@ -1,0 +1,136 @@
+"""Makes a faulted copy of a sequence, with a log of what was done to which frame.
+
+Every fault is what a camera chain produces: pixels far too dark or too bright, a buffer delivered twice, a picture whose
+upper or lower part is still the one before, flipped bits (single ones all over, whole lines, or a block), a frame that never
+comes. A repeated buffer holds what was delivered last, faults included.
+"""
+
+import csv
+import shutil
+from dataclasses import dataclass
+
+import numpy as np
+
+KINDS = ("dark", "saturated", "frozen", "torn", "bits", "dropped")
+
+
+@dataclass
+class Injected:
+    """One line of the log."""
+
+    frame: int
+    timestamp_ns: int
+    kind: str
+    detail: str
+
+
+def plan(frames: int, fraction: float, kinds: tuple[str, ...], seed: int) -> dict[int, str]:
+    """Kind by frame: `fraction` of all frames at random, the kinds in equal shares. The first two frames stay good."""
+    rng = np.random.default_rng([seed, 1])
+    count = round(fraction * frames)
+    chosen = np.sort(rng.choice(np.arange(2, frames), size=min(count, frames - 2), replace=False))
+    shares = [kinds[i % len(kinds)] for i in range(len(chosen))]
+    return dict(zip(chosen.tolist(), rng.permutation(shares).tolist()))
+
+
+def darken(gray, rng):
+    factor = rng.uniform(0.01, 0.1)
+    return (gray * factor).astype(np.uint8), f"factor {factor:.3f}"
+
+
+def saturate(gray, rng):
+    factor = rng.uniform(4.0, 10.0)
+    return np.minimum(255, gray * factor).astype(np.uint8), f"factor {factor:.2f}"
+
+
+def tear(gray, before, rng):
+    """Half of the frame is the one before, from the top or from the bottom."""
+    row = int(rng.uniform(0.4, 0.6) * len(gray))
+    torn = gray.copy()
+    if rng.random() < 0.5:
+        torn[:row] = before[:row]
+        return torn, f"rows 0 to {row - 1} of the frame before"
+    torn[row:] = before[row:]
+    return torn, f"rows from {row} of the frame before"
+
+
+def flip_bits(gray, rng):
+    """Single bits all over, or every bit with chance one in four in a few lines or in a block."""
+    salted = gray.copy()
+    style = rng.choice(["pixels", "lines", "block"])
+    if style == "pixels":
+        share = 10 ** rng.uniform(-2.7, -1.7)
+        hit = rng.random(gray.shape) < share
+        bits = (1 << rng.integers(0, 8, gray.shape)).astype(np.uint8)
+        salted[hit] ^= bits[hit]
+        return salted, f"one bit of {share:.4f} of the pixels"
+    noise = np.packbits(rng.random((*gray.shape, 8)) < 0.25, axis=-1)[..., 0]
+    if style == "lines":
+        rows = rng.choice(len(gray), size=int(rng.integers(3, 20)), replace=False)
+        salted[rows] ^= noise[rows]
+        return salted, f"{len(rows)} lines"
+    height, width = (int(rng.uniform(0.1, 0.3) * side) for side in gray.shape)
+    top, left = int(rng.integers(0, gray.shape[0] - height)), int(rng.integers(0, gray.shape[1] - width))
+    block = np.s_[top : top + height, left : left + width]
+    salted[block] ^= noise[block]
+    return salted, f"block of {width} x {height} at {left}, {top}"
+
+
+def spoil(kind, gray, before, rng):
+    """Pixels and detail of one fault that leaves a picture."""
+    if kind == "dark":
+        return darken(gray, rng)
+    if kind == "saturated":
+        return saturate(gray, rng)
+    if kind == "torn":
+        return tear(gray, before, rng)
+    if kind == "bits":
+        return flip_bits(gray, rng)
+    return before, "the frame delivered before"
+
+
+def inject(sequence, out, fraction=0.1, kinds=KINDS, seed=1) -> list[Injected]:
+    """Writes the faulted copy to `out` (a new folder) with faults.csv beside truth.csv. @return the log."""
+    from PIL import Image
+
+    data = out / "mav0/cam0/data"
+    data.mkdir(parents=True)
+    shutil.copy(sequence.folder / "mav0/cam0/sensor.yaml", out / "mav0/cam0/sensor.yaml")
+    for name in ("truth.csv", "model.ply", "scene.json"):
+        if (sequence.folder / name).exists():
+            shutil.copy(sequence.folder / name, out / name)
+    log, rows, before = [], [], None
+    faults = plan(len(sequence.filenames), fraction, kinds, seed)
+    for frame, name in enumerate(sequence.filenames):
+        stamp, kind = int(sequence.timestamp_ns[frame]), faults.get(frame)
+        if kind is None:
+            shutil.copy(sequence.frame_path(frame), data / name)
+            before = None
+        elif kind == "dropped":
+            log.append(Injected(frame, stamp, kind, "never came"))
+            continue
+        else:
+            rng = np.random.default_rng([seed, 2, frame])
+            if before is None:
+                before = sequence.read_gray(last)
+            before, detail = spoil(kind, sequence.read_gray(frame), before, rng)
+            name = f"{stamp}.png"
+            Image.fromarray(before).save(data / name)
+            log.append(Injected(frame, stamp, kind, detail))
+        last = frame
+        rows.append(f"{stamp},{name}")
+    (out / "mav0/cam0/data.csv").write_text("\n".join(["#timestamp [ns],filename", *rows]) + "\n")
+    write_log(out / "faults.csv", log)
+    return log
+
+
+def write_log(path, log: list[Injected]) -> None:
+    with open(path, "w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(["frame", "timestamp_ns", "kind", "detail"])
+        table.writerows([one.frame, one.timestamp_ns, one.kind, one.detail] for one in log)
+
+
+def read_log(path) -> list[Injected]:
+    with open(path, newline="") as file:
+        return [Injected(int(r["frame"]), int(r["timestamp_ns"]), r["kind"], r["detail"]) for r in csv.DictReader(file)]

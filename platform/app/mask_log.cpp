@@ -1,0 +1,94 @@
+#include "app/mask_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "pipeline/state.hpp"
+
+namespace polhode::platform {
+namespace {
+
+constexpr unsigned char kTarget = 128;
+constexpr unsigned char kOpen = 64;
+
+const char* class_name(TrackClass kind) {
+  switch (kind) {
+    case TrackClass::kBackground:
+      return "background";
+    case TrackClass::kTarget:
+      return "target";
+    case TrackClass::kUnassigned:
+      break;
+  }
+  return "unassigned";
+}
+
+/// Before black space the cells are the mask.
+void draw(const Component::State& state, const cv::Size& size, std::vector<unsigned char>* pixels) {
+  const cv::Mat& cells = state.mask.cells;
+  const bool behind = state.mask_state.behind;
+  pixels->resize(static_cast<std::size_t>(size.area()));
+  for (int row = 0; row < size.height; ++row) {
+    for (int column = 0; column < size.width; ++column) {
+      const bool open = cells.at<std::uint8_t>(row * cells.rows / size.height,
+                                               column * cells.cols / size.width) != 0;
+      const bool target =
+          behind ? state.mask_state.outline.at<std::uint8_t>(row, column) != 0 : open;
+      (*pixels)[static_cast<std::size_t>(row * size.width + column)] =
+          static_cast<unsigned char>((open ? kOpen : 0) + (target ? kTarget : 0));
+    }
+  }
+}
+
+}  // namespace
+
+MaskLog::MaskLog(const std::filesystem::path& folder)
+    : pictures_(folder / "masks.pgms"), tracks_(folder / "mask_tracks.csv") {
+  tracks_.write("frame,u_px,v_px,from_u_px,from_v_px,class\n");
+}
+
+void MaskLog::append(std::size_t frame, const StepOutput& out, const Component::State& state) {
+  const MaskState& mask = state.mask_state;
+  const bool used = out.use == FrameUse::kUsed && !state.mask.cells.empty();
+  const cv::Size size = !used         ? cv::Size(1, 1)
+                        : mask.behind ? mask.outline.size()
+                                      : state.mask.cells.size();
+  if (used) {
+    draw(state, size, &pixels_);
+  } else {
+    pixels_.assign(1, 0);
+  }
+  pictures_.write(fmt::format(
+      "P5\n# frame {} used {:d} behind {:d} found {:d} sharp {:d} decimation {}\n{} {}\n255\n",
+      frame,
+      used,
+      used && mask.behind,
+      used && mask.found,
+      used && mask.sharp,
+      mask.behind ? mask.background.decimation : TargetMask::kCell_px,
+      size.width,
+      size.height));
+  pictures_.write(pixels_.data(), pixels_.size());
+  if (!used || !mask.behind) {
+    return;
+  }
+  const auto full = static_cast<float>(mask.background.decimation);
+  const auto pixel = [full](float working) { return (working + 0.5F) * full - 0.5F; };
+  for (const MaskTrack& track : mask.background.tracks) {
+    tracks_.write(fmt::format("{},{:.2f},{:.2f},{:.2f},{:.2f},{}\n",
+                              frame,
+                              pixel(track.to.x),
+                              pixel(track.to.y),
+                              pixel(track.from.x),
+                              pixel(track.from.y),
+                              class_name(track.kind)));
+  }
+}
+
+void MaskLog::close() {
+  pictures_.close();
+  tracks_.close();
+}
+
+}  // namespace polhode::platform

@@ -1,0 +1,28 @@
+// What was taken for the target, frame by frame, for overlays and for judging: written on request.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "output_file.hpp"
+#include "pipeline/component.hpp"
+
+namespace polhode::platform {
+
+/// masks.pgms: one binary PGM after the other, a frame each, reduced by the factor that its comment
+/// names ("# frame 7 used 1 behind 1 found 1 sharp 0 decimation 2"). 128: target; plus 64: features
+/// may be made there. mask_tracks.csv: points followed by the mask, with their class.
+class MaskLog {
+ public:
+  explicit MaskLog(const std::filesystem::path& folder);
+  void append(std::size_t frame, const StepOutput& out, const Component::State& state);
+  void close();
+
+ private:
+  OutputFile pictures_;
+  OutputFile tracks_;
+  std::vector<unsigned char> pixels_;
+};
+
+}  // namespace polhode::platform

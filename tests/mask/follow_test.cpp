@@ -1,0 +1,202 @@
+#include "mask/follow.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "moving_scene.hpp"
+
+namespace polhode {
+namespace {
+
+using moving::overlap;
+using moving::Scene;
+
+/// A mask that has followed a scene.
+struct Follower {
+  std::unique_ptr<MaskState> state = std::make_unique<MaskState>();
+  TargetMask mask;
+  MaskOptions options;
+
+  void show(const Scene& scene, int first, int frames, const MaskPrior& prior = {}) {
+    for (int i = first; i < first + frames; ++i) {
+      follow_target(scene.picture(i), prior, options, state.get(), &mask);
+    }
+  }
+};
+
+constexpr int kFrames = 16;
+
+/// Part of the target in which features may be made.
+double open_part(const TargetMask& mask, const cv::Mat& truth) {
+  int open = 0;
+  for (int v = 0; v < truth.rows; ++v) {
+    for (int u = 0; u < truth.cols; ++u) {
+      open += truth.at<std::uint8_t>(v, u) != 0 && mask.contains(u, v) ? 1 : 0;
+    }
+  }
+  return static_cast<double>(open) / cv::countNonZero(truth);
+}
+
+/// The target is found and nothing else: half of it before edges are asked, most of it after.
+void expect_found(const Scene& scene, double overlap_min, double open_min = 0.3) {
+  Follower follower;
+  follower.show(scene, 0, kFrames);
+  EXPECT_TRUE(follower.state->behind);
+  ASSERT_TRUE(follower.state->found);
+  const cv::Mat truth = scene.truth(kFrames - 1);
+  sharpen_outline({}, follower.state.get());
+  EXPECT_GE(overlap(follower.state->outline, truth), overlap_min);
+  EXPECT_GE(open_part(follower.mask, truth), open_min);
+  EXPECT_FALSE(follower.mask.contains(10.0, 230.0));
+  EXPECT_FALSE(follower.mask.contains(310.0, 230.0));
+  EXPECT_LT(follower.mask.coverage, 0.25);
+}
+
+TEST(FollowTarget, FindsATurningTarget_BeforeAMovingBackground) {
+  expect_found({.background_px = {3.0, 1.0}, .target_turn_deg = 3.0}, 0.75);
+}
+
+TEST(FollowTarget, FindsATurningTarget_BeforeAStaticRoom) {
+  expect_found({.target_turn_deg = 3.0}, 0.75);
+}
+
+TEST(FollowTarget, FindsATargetThatDoesNotTurn_BeforeAMovingBackground) {
+  expect_found({.background_px = {3.0, -1.0}}, 0.75);
+}
+
+TEST(FollowTarget, FindsASlowTarget_BeforeAStaticRoom) {
+  // Near its axis it moves by less than the noise shows; edges have to do the rest.
+  expect_found({.target_px = {0.3, 0.1}, .target_turn_deg = 0.4}, 0.4, 0.05);
+}
+
+TEST(FollowTarget, FindsATargetThatCrossesTheLimb) {
+  const Scene scene{.background_px = {2.0, 1.0},
+                    .target_px = {0.0, -4.0},
+                    .target_turn_deg = 3.0,
+                    .start_px = {160.0, 180.0},
+                    .horizon_row = 120};
+  expect_found(scene, 0.5);  // it moves by half its size in the evidence's memory
+}
+
+TEST(FollowTarget, FindsNothing_WhereOnlyTheBackgroundIs) {
+  for (const cv::Point2d& motion : {cv::Point2d(0.0, 0.0), cv::Point2d(3.0, 1.0)}) {
+    Follower follower;
+    follower.show({.background_px = motion, .target = false}, 0, kFrames);
+    EXPECT_FALSE(follower.state->found);
+    EXPECT_TRUE(follower.mask.region_px.empty());
+    EXPECT_EQ(follower.mask.coverage, 0.0);
+  }
+}
+
+TEST(FollowTarget, IsFindTarget_BeforeBlackSpace) {
+  const Scene scene{.target_px = {1.0, 0.5}, .target_turn_deg = 4.0, .background = false};
+  Follower follower;
+  for (int i = 0; i < 6; ++i) {
+    follower.show(scene, i, 1);
+    TargetMask alone;
+    find_target(scene.picture(i), {}, &alone);
+    EXPECT_FALSE(follower.state->behind);
+    EXPECT_EQ(follower.mask.region_px, alone.region_px);
+    EXPECT_EQ(cv::norm(follower.mask.cells, alone.cells, cv::NORM_L1), 0.0);
+  }
+}
+
+TEST(FollowTarget, IsFindTarget_WhenTheBackgroundIsNotToBeToldApart) {
+  Follower follower;
+  follower.options.background = false;
+  const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
+  follower.show(scene, 0, 4);
+  EXPECT_EQ(follower.mask.region_px, cv::Rect(0, 0, moving::kWidth, moving::kHeight));
+}
+
+TEST(FollowTarget, TakesEverythingLit_WhereNoMotionExplainsTheBackground) {
+  Follower follower;
+  for (int i = 0; i < 8; ++i) {
+    Scene scene{.target = false};
+    scene.behind =
+        moving::texture(900, static_cast<std::uint64_t>(100 + i));  // another one each time
+    follower.show(scene, i, 1);
+  }
+  EXPECT_FALSE(follower.state->found);
+  EXPECT_EQ(follower.mask.region_px, cv::Rect(0, 0, moving::kWidth, moving::kHeight));
+}
+
+TEST(FollowTarget, KeepsTheTarget_WhereTheMapSaysThatItIs_ThoughNothingMoves) {
+  const Scene scene;
+  std::vector<cv::Point2f> points;
+  for (int i = 0; i < 60; ++i) {
+    const double angle = 2.4 * i;
+    const double r = 38.0 * std::sqrt((i + 0.5) / 60.0);
+    points.emplace_back(cv::Point2d(160.0 + r * std::cos(angle), 120.0 + r * std::sin(angle)));
+  }
+  Follower follower;
+  follower.show(scene, 0, kFrames, {.points_px = points, .radius_px = 40.0});
+  ASSERT_TRUE(follower.state->found);
+  EXPECT_TRUE(follower.mask.contains(160.0, 120.0));
+  EXPECT_FALSE(follower.mask.contains(160.0, 20.0));
+  EXPECT_GE(overlap(follower.state->outline, scene.truth(0)), 0.7);
+}
+
+TEST(FollowTarget, FindsTheTargetAgain_AfterTheBackgroundWasAwayForAWhile) {
+  Follower follower;
+  const Scene with{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
+  Scene without = with;
+  without.background = false;
+  follower.show(with, 0, 8);
+  follower.show(without, 8, 4);
+  EXPECT_FALSE(follower.state->behind);
+  follower.show(with, 12, kFrames);
+  EXPECT_TRUE(follower.state->found);
+  EXPECT_GE(open_part(follower.mask, with.truth(0)), 0.3);
+}
+
+TEST(FollowTarget, SaysTheSame_WhenShownTheSame_WhateverWasThereBefore) {
+  const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
+  Follower a;
+  Follower b;
+  Scene other = scene;
+  other.background = false;
+  b.show(other, 0, 3);
+  a.show(scene, 0, kFrames);
+  b.show(scene, 0, kFrames);
+  EXPECT_EQ(cv::norm(a.mask.cells, b.mask.cells, cv::NORM_L1), 0.0);
+  EXPECT_EQ(cv::norm(a.state->background.evidence, b.state->background.evidence, cv::NORM_L1), 0.0);
+}
+
+TEST(FollowTarget, TellsTracksApart) {
+  Follower follower;
+  const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
+  follower.show(scene, 0, kFrames);
+  int right = 0;
+  int wrong = 0;
+  for (const MaskTrack& track : follower.state->background.tracks) {
+    const double from_centre = cv::norm(cv::Point2d(track.to) - scene.centre(kFrames - 1));
+    if (track.kind == TrackClass::kBackground) {
+      (from_centre > scene.radius_px ? right : wrong) += 1;
+    }
+  }
+  EXPECT_GE(right, 50);
+  EXPECT_LE(wrong, right / 20);
+}
+
+TEST(SharpenOutline, FindsTheEdge_FromAPriorThatIsOffByAFewPixels) {
+  const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
+  std::vector<cv::Point2f> points;
+  for (int i = 0; i < 60; ++i) {
+    const double angle = 2.4 * i;
+    const double r = 34.0 * std::sqrt((i + 0.5) / 60.0);
+    points.emplace_back(cv::Point2d(161.0 + r * std::cos(angle), 119.0 + r * std::sin(angle)));
+  }
+  const MaskPrior prior{.points_px = points, .radius_px = 40.0};
+  Follower follower;
+  follower.show(scene, 0, kFrames, prior);
+  sharpen_outline(prior, follower.state.get());
+  EXPECT_TRUE(follower.state->sharp);
+  // Both sides of the edge are of the same texture: motion alone tells them apart, to 3 px of 40.
+  EXPECT_GE(overlap(follower.state->outline, scene.truth(kFrames - 1)), 0.8);
+}
+
+}  // namespace
+}  // namespace polhode

@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""Draws over frames of a replay made with --masks what it took for the target: the target's outline (blue), where no
+features may be made (darkened), points that the mask followed and landmarks by class (green: target, red: background,
+yellow: unassigned). With truth and mesh, prints the overlap (intersection over union) of the sharpened outlines."""
+
+import argparse
+import pathlib
+import sys
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(REPOSITORY / "hil"), str(REPOSITORY / "tools")]
+from judge.venv import enter_venv, run_main  # noqa: E402
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("run", metavar="DIR", type=pathlib.Path, help="output folder of a replay with --masks")
+    parser.add_argument("sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder")
+    parser.add_argument("--frames", metavar="N,N,...", help="frames to draw (default: nine, evenly)")
+    parser.add_argument("--out", metavar="OUT", type=pathlib.Path, help="folder for the pictures (default: DIR/plots)")
+    return parser.parse_args()
+
+
+def main() -> int:
+    options = arguments()
+    import numpy as np
+    from judge.landmarks import on_background, outline_overlaps
+    from judge.sequence import read_sequence
+    from plots import overlay, style
+    sequence = read_sequence(options.sequence)
+    count = len(sequence.filenames)
+    frames = [int(one) for one in options.frames.split(",")] if options.frames else \
+        sorted({int(one) for one in np.linspace(0, count - 1, 9)})
+    out = options.out or options.run / "plots"
+    style.prepare(out)
+    for path in overlay.draw(options.run, sequence, frames, out):
+        print(path)
+    if sequence.model_path.exists() and sequence.truth_path.exists():
+        overlaps = outline_overlaps(overlay.read_masks(options.run / "masks.pgms"), sequence)
+        if overlaps:
+            print(f"outlines of {len(overlaps)} keyframes: overlap mean {np.mean(overlaps):.3f}, median {np.median(overlaps):.3f}")
+        outside, landmarks = on_background(options.run, sequence)
+        print(f"landmarks on the background: {outside} of {landmarks}")
+    return 0
+
+
+if __name__ == "__main__":
+    enter_venv()
+    run_main(main, "plot_masks")
