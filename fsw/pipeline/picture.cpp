@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "image/saturation.hpp"
 #include "pipeline/track.hpp"
 
 namespace polhode {
@@ -49,19 +48,6 @@ FrameUse use_of(const FrameVerdict& verdict) {
       break;
   }
   return FrameUse::kUsed;
-}
-
-/// What lies at a glint's edge is the glint's.
-void drop_saturated(const cv::Mat& gray, double saturated_level, Features* features) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < features->size(); ++i) {
-    const Feature& f = (*features)[i];
-    if (!near_saturated(
-            gray, static_cast<double>(f.u_px), static_cast<double>(f.v_px), saturated_level)) {
-      (*features)[kept++] = f;
-    }
-  }
-  features->resize(kept);
 }
 
 }  // namespace
@@ -129,7 +115,6 @@ void ensure_features(Component::State* s) {
       options.count_max = std::max(kCountLeast, options.count_max / 2);
     }
     detect_features(s->gray, s->mask, s->camera, options, &s->feature_workspace, &s->features);
-    drop_saturated(s->gray, s->parameters.image.saturated_level, &s->features);
     s->features_ready = true;
     stage_done(Stage::kFeatures, *s);
   }

@@ -7,7 +7,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/rng.hpp"
-#include "image/saturation.hpp"
 
 namespace polhode {
 namespace {
@@ -195,20 +194,6 @@ TEST(FindBitErrors, TakesPicturesOfAnySize) {
     EXPECT_EQ(traces.impulse_fraction, 0.0);
     EXPECT_EQ(traces.rough_tiles + traces.lines, 0);
   }
-}
-
-TEST(NearSaturated, IsTrueWithinThreePixels_AndInsideThePictureOnly) {
-  cv::Mat gray = constant(40, 30, 100);
-  gray.at<std::uint8_t>(12, 20) = 255;
-  for (int v = 0; v < 30; ++v) {
-    for (int u = 0; u < 40; ++u) {
-      EXPECT_EQ(near_saturated(gray, u + 0.4, v - 0.4, 0.98),
-                std::abs(u - 20) <= 3 && std::abs(v - 12) <= 3);
-    }
-  }
-  gray.at<std::uint8_t>(0, 0) = 255;
-  EXPECT_TRUE(near_saturated(gray, -0.5, -0.5, 0.98));
-  EXPECT_FALSE(near_saturated(gray, -50.0, -50.0, 0.98));
 }
 
 TEST(CompareRows, SaysNothing_WithoutAFrameBefore_OrWhereRowsAreBlank) {
