@@ -52,42 +52,42 @@ enum class EventId : std::uint16_t {
 struct EventRow {
   EventId id;
   Severity severity;
+  std::uint32_t burst;  ///< sent in a window of frames
   const char* name;
   const char* text;  ///< {0}, {1}: the event's numbers; {}: its word
 };
 
-inline constexpr std::uint32_t kEventBurst = 4;  ///< of one id in a window of frames
 inline constexpr std::size_t kEventKinds = 29;
 inline constexpr std::array<EventRow, kEventKinds> kEvents{{
-    {EventId::kStarted, Severity::kInfo, "started", "component {} started, table CRC {0}"},
-    {EventId::kTargetAcquired, Severity::kInfo, "target_acquired", "map begun: {0} landmarks, {1} keyframes"},
-    {EventId::kTargetLost, Severity::kWarning, "target_lost", "target lost after {0} poses"},
-    {EventId::kTargetFoundAgain, Severity::kInfo, "target_found_again", "target found again after {0} frames"},
-    {EventId::kLoopClosed, Severity::kInfo, "loop_closed", "{0} loops closed"},
-    {EventId::kScaleKnown, Severity::kInfo, "scale_known", "scale known: {0} m per map unit, relative sigma {1}"},
-    {EventId::kTableFull, Severity::kWarning, "table_full", "a table was full {0} times"},
-    {EventId::kShapeKnown, Severity::kInfo, "shape_known", "shape estimated: {0} points, {1} planes"},
-    {EventId::kCountersReset, Severity::kInfo, "counters_reset", "counters reset"},
-    {EventId::kModeChanged, Severity::kInfo, "mode_changed", "mode {0} to {1}"},
-    {EventId::kFrameUnreadable, Severity::kWarning, "frame_unreadable", "frame {0} unreadable"},
-    {EventId::kFrameDark, Severity::kWarning, "frame_dark", "frame {0} too dark"},
-    {EventId::kFrameWrongSize, Severity::kError, "frame_wrong_size", "frame {0} has the wrong size"},
-    {EventId::kFrameTimeNotIncreasing, Severity::kError, "frame_time_not_increasing", "frame {0}: time does not increase"},
-    {EventId::kNoop, Severity::kInfo, "noop", "NOOP, version {}"},
-    {EventId::kCommandAccepted, Severity::kInfo, "command_accepted", "command {0} {} accepted"},
-    {EventId::kCommandLength, Severity::kError, "command_length", "command refused: {0} octets, expected {1}"},
-    {EventId::kCommandHeader, Severity::kError, "command_header", "command refused: header or layout version"},
-    {EventId::kCommandCrc, Severity::kError, "command_crc", "command refused: CRC of {0} octets differs"},
-    {EventId::kCommandUnknown, Severity::kError, "command_unknown", "command refused: unknown code {0}"},
-    {EventId::kCommandRange, Severity::kError, "command_range", "command {0} refused: {} out of range"},
-    {EventId::kCommandState, Severity::kError, "command_state", "command {0} refused: {}"},
-    {EventId::kCommandTooMany, Severity::kError, "command_too_many", "{0} commands in one frame refused, {1} are the limit"},
-    {EventId::kTableLoaded, Severity::kInfo, "table_loaded", "{0} entries loaded, {1} in all"},
-    {EventId::kTableRefused, Severity::kError, "table_refused", "table entry {0} refused: {}"},
-    {EventId::kTableActivated, Severity::kInfo, "table_activated", "table activated, CRC {0}"},
-    {EventId::kTableNotActivated, Severity::kError, "table_not_activated", "table not activated: {}"},
-    {EventId::kCloudBegun, Severity::kInfo, "cloud_begun", "cloud of {0} points in {1} packets"},
-    {EventId::kCheckpointAsked, Severity::kInfo, "checkpoint_asked", "checkpoint asked for at frame {0}"},
+    {EventId::kStarted, Severity::kInfo, 4, "started", "component {} started, table CRC {0}"},
+    {EventId::kTargetAcquired, Severity::kInfo, 4, "target_acquired", "map begun: {0} landmarks, {1} keyframes"},
+    {EventId::kTargetLost, Severity::kWarning, 4, "target_lost", "target lost after {0} poses"},
+    {EventId::kTargetFoundAgain, Severity::kInfo, 4, "target_found_again", "target found again after {0} frames"},
+    {EventId::kLoopClosed, Severity::kInfo, 4, "loop_closed", "{0} loops closed"},
+    {EventId::kScaleKnown, Severity::kInfo, 4, "scale_known", "scale known: {0} m per map unit, relative sigma {1}"},
+    {EventId::kTableFull, Severity::kWarning, 4, "table_full", "a table was full {0} times"},
+    {EventId::kShapeKnown, Severity::kInfo, 4, "shape_known", "shape estimated: {0} points, {1} planes"},
+    {EventId::kCountersReset, Severity::kInfo, 4, "counters_reset", "counters reset"},
+    {EventId::kModeChanged, Severity::kInfo, 4, "mode_changed", "mode {0} to {1}"},
+    {EventId::kFrameUnreadable, Severity::kWarning, 4, "frame_unreadable", "frame {0} unreadable"},
+    {EventId::kFrameDark, Severity::kWarning, 4, "frame_dark", "frame {0} too dark"},
+    {EventId::kFrameWrongSize, Severity::kError, 4, "frame_wrong_size", "frame {0} has the wrong size"},
+    {EventId::kFrameTimeNotIncreasing, Severity::kError, 4, "frame_time_not_increasing", "frame {0}: time does not increase"},
+    {EventId::kNoop, Severity::kInfo, 16, "noop", "NOOP, version {}"},
+    {EventId::kCommandAccepted, Severity::kInfo, 16, "command_accepted", "command {0} {} accepted"},
+    {EventId::kCommandLength, Severity::kError, 16, "command_length", "command refused: {0} octets, expected {1}"},
+    {EventId::kCommandHeader, Severity::kError, 16, "command_header", "command refused: header or layout version"},
+    {EventId::kCommandCrc, Severity::kError, 16, "command_crc", "command refused: CRC of {0} octets differs"},
+    {EventId::kCommandUnknown, Severity::kError, 16, "command_unknown", "command refused: unknown code {0}"},
+    {EventId::kCommandRange, Severity::kError, 16, "command_range", "command {0} refused: {} out of range"},
+    {EventId::kCommandState, Severity::kError, 16, "command_state", "command {0} refused: {}"},
+    {EventId::kCommandTooMany, Severity::kError, 16, "command_too_many", "{0} commands in one frame refused, {1} are the limit"},
+    {EventId::kTableLoaded, Severity::kInfo, 16, "table_loaded", "{0} entries loaded, {1} in all"},
+    {EventId::kTableRefused, Severity::kError, 16, "table_refused", "table entry {0} refused: {}"},
+    {EventId::kTableActivated, Severity::kInfo, 16, "table_activated", "table activated, CRC {0}"},
+    {EventId::kTableNotActivated, Severity::kError, 16, "table_not_activated", "table not activated: {}"},
+    {EventId::kCloudBegun, Severity::kInfo, 16, "cloud_begun", "cloud of {0} points in {1} packets"},
+    {EventId::kCheckpointAsked, Severity::kInfo, 16, "checkpoint_asked", "checkpoint asked for at frame {0}"},
 }};
 // clang-format on
 

@@ -97,7 +97,7 @@ void report(EventId id, const EventDetails& details, EventLog* log) {
   const std::size_t index = index_of(id);
   EventCount& count = log->counts[index];
   ++count.occurrences;
-  if (count.in_window >= kEventBurst || log->waiting.full()) {
+  if (count.in_window >= kEvents[index].burst || log->waiting.full()) {
     ++count.suppressed;
     ++log->suppressed;
     return;

@@ -34,7 +34,7 @@ struct EventDetails {
   std::string_view word = {};      ///< cut where the text is full
 };
 
-/// Something happened. Past kEventBurst of one id in a window, or with no room left in this step, it
+/// Something happened. Past its id's burst in a window, or with no room left in this step, it
 /// is counted only.
 void report(EventId id, const EventDetails& details, EventLog* log);
 

@@ -77,53 +77,60 @@ struct MotionPacket {
   static const Layout& layout();  ///< 310 octets
 };
 
-/// The torque-free motion that fits the poses so far: rates, principal axes, inertia ratios, periods, velocity, centre of mass.
+/// The motion of a free rigid body that fits the poses so far: rates, principal axes, inertia ratios, periods, velocity, centre of mass. Each class says what the data tell: 1-sigma under about a half of its value, 30 deg, or of the body's radius is WEAK, under a tenth, 6 deg, OBSERVED; what is UNOBSERVED is zero.
 struct ModelPacket {
   std::int64_t timestamp_ns = 0;  ///< the time that the values belong to; ns
   std::array<double, 3> w_T_rad_s{};  ///< the model's angular velocity at that time, relative to inertial space, in T; rad/s; flag rate
-  std::array<double, 4> q_TB{};  ///< principal axes of inertia B: takes B components to T components; flag axes
-  std::array<double, 2> inertia_ratio{};  ///< principal moments over the first one: Jy/Jx, Jz/Jx; flag inertia
-  double period_spin_s = 0.0;  ///< time in which the body rates repeat (the polhode's period); s; flag periods
-  double period_precession_s = 0.0;  ///< mean time of a turn about the angular momentum; s; flag periods
-  std::array<double, 3> v_C{};  ///< velocity of the centre of mass relative to C's origin, in C; length/s; flag velocity
-  std::array<double, 3> c_T{};  ///< centre of mass seen from T's origin, in T; length; flag mass_centre
+  std::array<double, 4> q_TB{};  ///< principal axes of inertia B by growing moment: takes B components to T components; an axis holds as class_axes says; flag axes
+  std::array<double, 2> inertia_ratio{};  ///< principal moments over the least one: Jy/Jx, Jz/Jx; flag inertia
+  double period_spin_s = 0.0;  ///< time in which the body rates repeat (the polhode's period); s; flag spin
+  double period_precession_s = 0.0;  ///< mean time of a turn about the angular momentum; s; flag precession
+  std::array<double, 3> momentum_axis_C{};  ///< direction of the angular momentum, in C at that time; zero where class_momentum is UNOBSERVED
+  std::array<double, 3> v_C{};  ///< velocity of the centre of mass relative to C's origin, in C at that time; length/s; flag velocity
+  std::array<double, 3> c_T{};  ///< centre of mass seen from T's origin, in T; its part along UNOBSERVED directions is left out; length; flag mass_centre
   std::array<float, 6> cov_w{};  ///< covariance of w_T; (rad/s)^2; flag rate
-  std::array<float, 3> sigma_axes_rad{};  ///< 1-sigma of the axes' turn about each of them; rad; flag axes
+  std::array<float, 3> sigma_axes_rad{};  ///< 1-sigma of each axis' direction, worst way; rad; flag axes
   std::array<float, 2> sigma_inertia_ratio{};  ///< 1-sigma of the ratios; flag inertia
-  float sigma_period_spin_s = 0.0F;  ///< 1-sigma; s; flag periods
-  float sigma_period_precession_s = 0.0F;  ///< 1-sigma; s; flag periods
+  float sigma_period_spin_s = 0.0F;  ///< 1-sigma; s; flag spin
+  float sigma_period_precession_s = 0.0F;  ///< 1-sigma; s; flag precession
+  float sigma_momentum_axis_rad = 0.0F;  ///< 1-sigma, worst way; zero where class_momentum is UNOBSERVED; rad
   std::array<float, 6> cov_v{};  ///< covariance of v_C; (length/s)^2; flag velocity
-  std::array<float, 6> cov_c{};  ///< covariance of c_T; length^2; flag mass_centre
+  std::array<float, 6> cov_c{};  ///< covariance of c_T; along UNOBSERVED directions what is possible of the body; length^2; flag mass_centre
   float span_s = 0.0F;  ///< time between the first and the last pose of the fit; s
-  float chi2_per_dof = 0.0F;  ///< of the fit; 1 where the declared sigmas are right
+  std::array<float, 2> chi2_per_dof{};  ///< of the fit; 1 where the declared sigmas are right; cov and sigma are by the noise as found
   std::uint32_t poses = 0;  ///< that the fit used
   std::uint32_t frame = 0;  ///< index of the frame at publication
   std::uint8_t dynamics = 0;  ///< what was fitted; LOCAL: a polynomial through the last poses
-  std::uint8_t class_inertia = 0;  ///< whether the data determine the ratios
-  std::uint8_t class_mass_centre = 0;  ///< the same of the centre of mass, worst axis
+  std::uint8_t refusal = 0;  ///< why the poses are not taken for a free rigid body's
+  std::array<std::uint8_t, 3> class_axes{};  ///< what the data tell of each axis of B
+  std::array<std::uint8_t, 2> class_inertia{};  ///< of each ratio
+  std::uint8_t class_spin = 0;  ///< of its period
+  std::uint8_t class_precession = 0;  ///< of its period
+  std::uint8_t class_momentum = 0;  ///< of its direction
+  std::array<std::uint8_t, 3> class_mass_centre{};  ///< along the principal axes of cov_c
   std::uint8_t flags = 0;
 
-  static const Layout& layout();  ///< 282 octets
+  static const Layout& layout();  ///< 324 octets
 };
 
-/// Where the target will be `bus.prediction_ahead_s` from now if nothing acts on it.
+/// Where the target will be if nothing acts on it. Attitude and position are valid while their 1-sigma is under 0.5 rad and under half the distance.
 struct PredictionPacket {
   std::int64_t timestamp_ns = 0;  ///< of the last frame that the prediction knows; ns
   std::int64_t predicted_timestamp_ns = 0;  ///< the time that the values belong to; ns
-  std::array<double, 4> q_CT{};  ///< predicted attitude; sign continuous with the motion packet's; flag pose
-  std::array<double, 3> p_CT{};  ///< predicted position of T's origin, in C; length; flag pose
+  std::array<double, 4> q_CT{};  ///< predicted attitude, in C as it was turned at timestamp_ns; w >= 0; flag attitude
+  std::array<double, 3> p_CT{};  ///< predicted position of T's origin seen from C's, in C as it was turned at timestamp_ns; length; flag position
   std::array<double, 3> w_T_rad_s{};  ///< predicted angular velocity, in T; rad/s; flag rate
-  std::array<float, 21> cov_pose{};  ///< as in the motion packet; rad and length; flag pose
-  float sigma_rate_rad_s = 0.0F;  ///< 1-sigma, worst axis; rad/s; flag rate
-  std::uint32_t frame = 0;  ///< index of the frame at publication
+  std::array<float, 21> cov_pose{};  ///< as in the motion packet; rows and columns of what is not valid are zero; rad and length
+  std::array<float, 6> cov_w{};  ///< covariance of w_T; (rad/s)^2; flag rate
+  std::uint32_t frame = 0;  ///< index of the last frame that the prediction knows
   std::uint16_t poses = 0;  ///< that the prediction rests on
   std::uint8_t dynamics = 0;  ///< what was used; LOCAL: a polynomial through the last poses
   std::uint8_t flags = 0;
 
-  static const Layout& layout();  ///< 210 octets
+  static const Layout& layout();  ///< 230 octets
 };
 
-/// Dimensions, body frame, flat faces and cylinder of the target.
+/// Dimensions, body frame, flat faces and cylinder of the target, from the map's confirmed landmarks. The flags axis_x, axis_y, axis_z say which axes of B the body's geometry fixes; the others are a choice.
 struct ShapePacket {
   std::int64_t timestamp_ns = 0;  ///< of the frame at publication; ns
   std::array<double, 4> q_TB{};  ///< body frame B: takes B components to T components; flag shape
@@ -148,6 +155,7 @@ struct ShapePacket {
   std::array<float, 24> plane_extent{};  ///< that rectangle's full lengths; length; flag shape
   std::array<float, 36> plane_sigma{};  ///< 1-sigma of the tilt about u and v, and of the offset; rad, rad, length; flag shape
   std::uint32_t frame = 0;  ///< index of the frame at publication
+  std::uint32_t frame_of_estimate = 0;  ///< index of the frame whose map it was estimated from
   std::array<std::uint16_t, 12> plane_inliers{};  ///< points of the plane; flag shape
   std::uint16_t landmarks = 0;  ///< that the estimate used
   std::uint16_t cloud_points = 0;  ///< measured, after denoising
@@ -155,9 +163,11 @@ struct ShapePacket {
   std::uint8_t plane_count = 0;  ///< planes that follow
   std::uint8_t completion = 0;  ///< what the cloud was completed to
   std::uint8_t frame_source = 0;  ///< where B's axes come from
+  std::array<std::uint8_t, 3> dimension_basis{};  ///< what each length rests on: the points are flat there; where points end, so at least so long; surfaces at both ends; flag shape
   std::uint8_t flags = 0;
+  std::uint8_t spare = 0;  ///< 0
 
-  static const Layout& layout();  ///< 832 octets
+  static const Layout& layout();  ///< 840 octets
 };
 
 /// Counters and state of the component. Counters start at 0, wrap at 2^32 and go to 0 by RESET_COUNTERS; frame does not.
@@ -182,6 +192,11 @@ struct HousekeepingPacket {
   std::uint32_t landmarks_created = 0;
   std::uint32_t landmarks_culled = 0;
   std::uint32_t closures = 0;  ///< loops closed
+  std::uint32_t shapes = 0;  ///< estimates of the shape
+  std::uint32_t jobs_issued = 0;  ///< starts, adjustments, shapes
+  std::uint32_t jobs_without_result = 0;  ///< skipped for want of memory
+  std::uint32_t steps_short_of_memory = 0;  ///< in which less was asked of the libraries
+  std::uint32_t scale_contradictions = 0;  ///< times that the readings of the scale stopped agreeing
   std::uint32_t tables_full = 0;  ///< times that a table had no free slot
   std::uint32_t commands_accepted = 0;
   std::uint32_t commands_rejected = 0;
@@ -201,7 +216,7 @@ struct HousekeepingPacket {
   std::uint8_t flags = 0;
   std::uint8_t spare = 0;  ///< 0
 
-  static const Layout& layout();  ///< 154 octets
+  static const Layout& layout();  ///< 174 octets
 };
 
 /// Something happened. The id alone says what; the text is for people.

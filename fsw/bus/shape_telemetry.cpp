@@ -41,6 +41,16 @@ void put_planes(const Planes& planes, double unit, ShapePacket* packet) {
   }
 }
 
+/// What the body's geometry fixes of its axes, and what each length rests on.
+void put_axes(const Shape& shape, ShapePacket* packet) {
+  constexpr std::array<std::uint8_t, 3> kFlags{
+      shape_layout::kFlagAxisX, shape_layout::kFlagAxisY, shape_layout::kFlagAxisZ};
+  for (std::size_t k = 0; k < 3; ++k) {
+    packet->flags |= shape.frame.axes_known[k] ? kFlags[k] : std::uint8_t{0};
+    packet->dimension_basis[k] = static_cast<std::uint8_t>(shape.dimension_basis[k]);
+  }
+}
+
 void put_cylinder(const Cylinder& cylinder, double unit, ShapePacket* packet) {
   packet->flags |= shape_layout::kFlagCylinder;
   put_row(cylinder.axis_T, 0, &packet->cylinder_axis_T);
@@ -79,6 +89,7 @@ ShapePacket to_packet(const Shape& shape, const LengthUnit& unit) {
   packet.completion_points = clipped(shape.completion_points);
   packet.completion = static_cast<std::uint8_t>(shape.completion);
   packet.frame_source = static_cast<std::uint8_t>(shape.frame.source);
+  put_axes(shape, &packet);
   if (unit.known) {
     packet.flags |= shape_layout::kFlagScaleKnown;
     packet.metres_per_mu = scale;

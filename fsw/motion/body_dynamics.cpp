@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "geometry/so3.hpp"
@@ -182,6 +183,17 @@ struct InPrincipal {
   bool about_largest;  ///< the polhode surrounds the axis of the largest moment, else of the least
 };
 
+/// Of the elliptic functions that the rate follows; 1 where the body turns about its middle axis.
+double modulus_of(const InPrincipal& body) {
+  const Eigen::Vector3d& J = body.J;
+  const double momentum2 = J.cwiseProduct(body.w).squaredNorm();
+  const double energy2 = J.dot(body.w.cwiseAbs2());
+  const double low = momentum2 - energy2 * J(0);
+  const double high = energy2 * J(2) - momentum2;
+  return body.about_largest ? (J(1) - J(0)) * high / ((J(2) - J(1)) * low)
+                            : (J(2) - J(1)) * low / ((J(1) - J(0)) * high);
+}
+
 InPrincipal in_principal(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_T_rad_s) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(J_T);
   InPrincipal body{.J = eigen.eigenvalues(),
@@ -205,40 +217,41 @@ double spin_period_s(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_T_rad_
   const double high = energy2 * J(2) - momentum2;
   const double rate2 = body.about_largest ? (J(2) - J(1)) * low / product
                                           : (J(1) - J(0)) * high / product;
-  const double m = body.about_largest ? (J(1) - J(0)) * high / ((J(2) - J(1)) * low)
-                                      : (J(2) - J(1)) * low / ((J(1) - J(0)) * high);
-  return 4.0 * elliptic_K(std::min(1.0, m)) / std::sqrt(std::max(0.0, rate2));
+  return 4.0 * elliptic_K(std::min(1.0, modulus_of(body))) / std::sqrt(std::max(0.0, rate2));
 }
 
 double precession_period_s(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_T_rad_s) {
-  const double period_s = spin_period_s(J_T, w_T_rad_s);
-  if (!std::isfinite(period_s)) {
-    return period_s;
-  }
   const InPrincipal body = in_principal(J_T, w_T_rad_s);
+  const Eigen::Vector3d& J = body.J;
+  const double momentum2 = J.cwiseProduct(body.w).squaredNorm();
+  const double energy2 = J.dot(body.w.cwiseAbs2());
   const Eigen::Index axis = body.about_largest ? 2 : 0;
-  const Inertia inertia{.J_T = body.J.asDiagonal(),
-                        .J_inverse = body.J.cwiseInverse().asDiagonal()};
-  const double momentum = body.J.cwiseProduct(body.w).norm();
-  // The mean over a period of a smooth periodic function: equal steps are exact to rounding.
-  constexpr int kSteps = 64;
-  TurningState state{.time_s = 0.0, .R_IT = Eigen::Matrix3d::Identity(), .w_T_rad_s = body.w};
-  double sum = 0.0;
-  for (int i = 0; i < kSteps; ++i) {
-    Eigen::Vector3d h = body.J.cwiseProduct(state.w_T_rad_s);
-    Eigen::Vector3d hw = h.cwiseProduct(state.w_T_rad_s);
-    h(axis) = hw(axis) = 0.0;
-    // About the momentum the axis turns at |h| (h_a w_a + h_b w_b) / (h_a^2 + h_b^2); of a spin about
-    // the axis itself the limit is |h| over the mean of the other moments.
-    const double across2 = h.squaredNorm();
-    const double mean_moment = 0.5 * (body.J.sum() - body.J(axis));
-    sum += across2 > 1e-18 * momentum * momentum ? momentum * hw.sum() / across2
-                                                 : momentum / mean_moment;
-    if (!advance(inertia, {}, period_s * (i + 1) / kSteps, state, nullptr)) {
-      return std::nan("");
-    }
+  const Eigen::Index other = 2 - axis;
+  // Squares of the rate about the axes other than `axis` at their largest: w_other = a cn, w_1 = b sn.
+  const double room = std::abs(momentum2 - energy2 * J(axis));
+  const double a2 = room / (J(other) * std::abs(J(2) - J(0)));
+  const double b2 = room / (J(1) * std::abs(J(1) - J(axis)));
+  const double m = modulus_of(body);
+  if (!(m < 1.0) || !std::isfinite(a2 + b2)) {
+    return std::numeric_limits<double>::infinity();
   }
-  return 2.0 * std::numbers::pi * kSteps / sum;
+  // The mean over a period, in equal steps of the amplitude, of the rate at which `axis` turns about
+  // the momentum, |h| (h_1 w_1 + h_o w_o) / (h_1^2 + h_o^2): exact to rounding but near m = 1.
+  constexpr int kSteps = 256;
+  double sum = 0.0;
+  double time = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double sine = std::sin(std::numbers::pi * (i + 0.5) / kSteps);
+    const double w1_2 = b2 * sine * sine;
+    const double wo_2 = a2 * (1.0 - sine * sine);
+    const double across2 = J(1) * J(1) * w1_2 + J(other) * J(other) * wo_2;
+    const double weight = 1.0 / std::sqrt(1.0 - m * sine * sine);
+    // Of a spin about the axis itself: |h| over the mean of the other moments.
+    sum += weight * (across2 > 1e-18 * momentum2 ? (J(1) * w1_2 + J(other) * wo_2) / across2
+                                                 : 2.0 / (J(1) + J(other)));
+    time += weight;
+  }
+  return 2.0 * std::numbers::pi * time / (std::sqrt(momentum2) * sum);
 }
 
 Result<BodyDynamics> describe_dynamics(const RigidModel& model) {

@@ -112,6 +112,16 @@ Result<MotionPrediction> predict_motion(const RigidModel& model, std::int64_t ti
   return describe(model, at, timestamp_ns, &rows);
 }
 
+MotionPrediction predict_at(const RigidModel& model,
+                            const TurningState& state,
+                            const TurningDerivative& derivative) {
+  const Reached at{.state = state,
+                   .derivative = derivative,
+                   .transition = path_transition(model.orbit, 0.0, state.time_s)};
+  Eigen::Matrix<double, 6, kModelUnknownsAll> rows;
+  return describe(model, at, model.reference_ns + std::llround(1e9 * state.time_s), &rows);
+}
+
 Result<MotionPrediction> predict_from(const RigidModel& model,
                                       const PoseSample& last,
                                       std::int64_t timestamp_ns) {

@@ -100,6 +100,12 @@ struct MotionPrediction {
 /// beyond its reach).
 Result<MotionPrediction> predict_motion(const RigidModel& model, std::int64_t timestamp_ns);
 
+/// The same from where advance() has brought the model's reference and its derivative: a long way is
+/// gone in parts. The time is the state's, after the reference.
+MotionPrediction predict_at(const RigidModel& model,
+                            const TurningState& state,
+                            const TurningDerivative& derivative);
+
 /// Where the next pose will be found: from the last one by the model's motion in between, so that
 /// what both have in common, the map's drift, drops out.
 Result<MotionPrediction> predict_from(const RigidModel& model,

@@ -64,6 +64,7 @@ void take_over_start(const Similarity& to_T, Component::State* s) {
 void forget_map(Component::State* s) {
   clear(&s->map);
   forget_motion(s);
+  forget_shape(s);
   s->keyframes_at_last_adjustment = 0;
 }
 

@@ -25,6 +25,7 @@ struct Remembered {
   ScaleState scale;
   std::int64_t timestamp_ns = 0;
   bool time_known = false;
+  ShapeNow shape;
   MapDrift drift;
   double noise_scale = 1.0;
   std::int32_t keyframes_at_last_adjustment = 0;
@@ -52,6 +53,7 @@ Remembered remember(const Component::State& s) {
           .scale = s.scale,
           .timestamp_ns = s.timestamp_ns,
           .time_known = s.time_known,
+          .shape = s.shape,
           .drift = s.drift,
           .noise_scale = s.noise_scale,
           .keyframes_at_last_adjustment = s.keyframes_at_last_adjustment,
@@ -77,6 +79,7 @@ void recall(const Remembered& r, Component::State* s) {
   s->scale = r.scale;
   s->timestamp_ns = r.timestamp_ns;
   s->time_known = r.time_known;
+  s->shape = r.shape;
   s->drift = r.drift;
   s->noise_scale = r.noise_scale;
   s->keyframes_at_last_adjustment = r.keyframes_at_last_adjustment;

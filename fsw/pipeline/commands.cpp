@@ -303,6 +303,7 @@ void forget_target(Component::State* s) {
   s->reference.valid = false;
   s->reference.points.clear();
   forget_motion(s);
+  forget_shape(s);
   s->localised.matches.clear();
   s->drift = {};
   s->scale = {};

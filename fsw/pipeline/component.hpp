@@ -113,6 +113,7 @@ struct Counters {
   std::uint32_t landmarks_created = 0;
   std::uint32_t landmarks_culled = 0;
   std::uint32_t closures = 0;
+  std::uint32_t shapes = 0;
   std::uint32_t jobs_issued = 0;
   std::uint32_t jobs_without_result = 0;   ///< skipped for want of memory
   std::uint32_t steps_short_of_memory = 0;  ///< in which less was asked of the libraries

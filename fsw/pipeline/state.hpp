@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "bus/shape_telemetry.hpp"
 #include "config/limits.hpp"
 #include "features/detect.hpp"
 #include "features/workspace.hpp"
@@ -17,10 +18,12 @@
 #include "map/localise.hpp"
 #include "map/map.hpp"
 #include "mask/target_mask.hpp"
+#include "motion/prediction_walk.hpp"
 #include "pipeline/bus_state.hpp"
 #include "pipeline/component.hpp"
 #include "pipeline/jobs.hpp"
 #include "pipeline/motion_now.hpp"
+#include "pipeline/shape_now.hpp"
 #include "shape/scale_fusion.hpp"
 #include "tracks/track_table.hpp"
 
@@ -36,6 +39,21 @@ struct ScaleState {
   ScaleReadings readings;
   std::array<bool, kScaleSources> used{};  ///< readings that the scale comes from
   bool contradiction = false;
+};
+
+/// As the bus's packets take it.
+inline bus::LengthUnit length_unit(const ScaleState& scale) {
+  return {.known = scale.known,
+          .metres_per_mu = scale.metres_per_mu,
+          .relative_sigma = scale.relative_sigma};
+}
+
+/// Predictions under way to the bus, and what the frame that they start from had.
+struct AheadNow {
+  PredictionWalk walk;
+  std::int64_t timestamp_ns = 0;
+  std::uint32_t frame = 0;
+  Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();
 };
 
 struct Component::State {
@@ -69,6 +87,8 @@ struct Component::State {
   std::uint32_t reference_frame = 0;  ///< that it was taken from
   MapDrift drift;
   MotionNow motion;
+  AheadNow ahead;
+  ShapeNow shape;
   ScaleState scale;
   double noise_scale = 1.0;  ///< how much larger the residuals are than the features' sigma says
   std::int32_t keyframes_at_last_adjustment = 0;

@@ -69,6 +69,7 @@ void estimate(Component::State* s) {
     track(s);
   }
   stage_done(Stage::kMap, *s);
+  ask_for_shape(s);
   run_undelayed_jobs(s);
   if (s->pose_valid) {
     remember_motion(s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);

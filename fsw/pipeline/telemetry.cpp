@@ -1,17 +1,12 @@
 #include "pipeline/telemetry.hpp"
 
 #include <algorithm>
-#include <cmath>
 
-#include "bus/shape_telemetry.hpp"
-#include "motion/rates.hpp"
-#include "pipeline/publish.hpp"
+#include "pipeline/motion_telemetry.hpp"
 #include "pipeline/tell_events.hpp"
 
 namespace polhode {
 namespace {
-
-constexpr std::uint8_t kDynamicsLocal = 1;
 
 std::uint16_t clipped(std::size_t count) {
   return static_cast<std::uint16_t>(std::min<std::size_t>(count, 0xFFFF));
@@ -22,65 +17,6 @@ bool due(std::uint32_t frame, int every_frames) {
 }
 
 std::uint8_t flag_if(bool up, std::uint8_t flag) { return up ? flag : std::uint8_t{0}; }
-
-template <std::size_t kCount>
-std::array<float, kCount> narrowed(const std::array<double, kCount>& values) {
-  std::array<float, kCount> out{};
-  std::transform(values.begin(), values.end(), out.begin(), [](double value) {
-    return static_cast<float>(value);
-  });
-  return out;
-}
-
-void send_model(const MotionState& motion, Component::State* s) {
-  namespace flag = bus::model_layout;
-  bus::ModelPacket packet;
-  packet.timestamp_ns = motion.timestamp_ns;
-  packet.frame = motion.frame;
-  const PoseHistory& poses = s->motion.recent;
-  packet.poses = static_cast<std::uint32_t>(poses.size());
-  if (!poses.empty()) {
-    packet.span_s =
-        static_cast<float>(seconds_between(poses[0].timestamp_ns, poses.back().timestamp_ns));
-  }
-  if (motion.rate_valid) {
-    packet.dynamics = kDynamicsLocal;
-    packet.w_T_rad_s = motion.w_T_rad_s;
-    packet.cov_w = narrowed(motion.cov_w);
-  }
-  packet.flags = static_cast<std::uint8_t>(flag_if(motion.rate_valid, flag::kFlagRate) |
-                                           flag_if(s->scale.known, flag::kFlagScaleKnown));
-  append(packet, s->parameters.bus, &s->bus.stream);
-}
-
-void send_prediction(const MotionState& motion, Component::State* s) {
-  namespace flag = bus::prediction_layout;
-  bus::PredictionPacket packet;
-  packet.timestamp_ns = motion.timestamp_ns;
-  packet.frame = motion.frame;
-  packet.predicted_timestamp_ns =
-      motion.timestamp_ns + std::llround(s->parameters.bus.prediction_ahead_s * 1e9);
-  packet.flags = flag_if(s->scale.known, flag::kFlagScaleKnown);
-  const Result<PosePrediction> predicted =
-      predict_by_motion(*s, packet.predicted_timestamp_ns, s->motion.R_IC);
-  if (predicted) {
-    const double unit = s->scale.metres_per_mu;
-    std::array<double, 4> q_CT = motion.q_CT;
-    MotionState ahead;
-    const Pose pose = scaled(predicted.value().pose, unit);
-    fill_pose(pose,
-              scaled(predicted.value().covariance, unit) + by_scale(pose, s->scale),
-              &q_CT,
-              &ahead);
-    packet.flags |= flag::kFlagPose;
-    packet.q_CT = ahead.q_CT;
-    packet.p_CT = ahead.p_CT;
-    packet.cov_pose = narrowed(ahead.cov_pose);
-    packet.poses = clipped(predicted.value().rotation_poses);
-    packet.dynamics = kDynamicsLocal;
-  }
-  append(packet, s->parameters.bus, &s->bus.stream);
-}
 
 void put_counters(const Counters& c, bus::HousekeepingPacket* packet) {
   packet->frames_in = c.frames_in;
@@ -100,6 +36,11 @@ void put_counters(const Counters& c, bus::HousekeepingPacket* packet) {
   packet->landmarks_created = c.landmarks_created;
   packet->landmarks_culled = c.landmarks_culled;
   packet->closures = c.closures;
+  packet->shapes = c.shapes;
+  packet->jobs_issued = c.jobs_issued;
+  packet->jobs_without_result = c.jobs_without_result;
+  packet->steps_short_of_memory = c.steps_short_of_memory;
+  packet->scale_contradictions = c.scale_contradictions;
   packet->tables_full = c.tables_full;
 }
 
@@ -187,11 +128,13 @@ void send_telemetry(FrameUse use, const MotionState& motion, Component::State* s
   const BusOptions& options = s->parameters.bus;
   bus::MotionPacket packet = bus::to_packet(motion);
   append(packet, options, &s->bus.stream);
-  if (due(motion.frame, options.model_every_frames) && s->map.landmark_count > 0) {
-    send_model(motion, s);
-    if (motion.pose_valid) {
-      send_prediction(motion, s);
+  if (s->map.landmark_count > 0) {
+    const bool model_due = due(motion.frame, options.model_every_frames);
+    if (model_due) {
+      send_model(motion, s);
     }
+    send_prediction(motion, model_due, s);
+    send_shape(motion, s);
   }
   if (due(motion.frame, options.housekeeping_every_frames)) {
     send_housekeeping(motion, s);

@@ -11,9 +11,6 @@
 namespace polhode {
 namespace {
 
-// Runge-Kutta's phase lags by the step to the fourth over 120: at 0.1 rad by 3e-5 rad in eight turns,
-// near what a long run can tell (5e-5 rad of 300 frames); at 0.05 rad by a sixteenth of that.
-constexpr double kAngleOfStep_rad = 0.05;
 constexpr double kMomentFloor = 0.01;
 
 /// dS by d log S in the direction `direction` (Daleckii and Krein), V and l being those of log S.
@@ -218,7 +215,7 @@ bool advance(const Inertia& inertia,
   for (int i = 0; i < kTurningStepsMax; ++i) {
     const double left_s = time_s - state.time_s;
     const double rate_rad_s = state.w_T_rad_s.norm() + orbit.mean_motion_rad_s;
-    const double steps_left = std::abs(left_s) * rate_rad_s / kAngleOfStep_rad;
+    const double steps_left = std::abs(left_s) * rate_rad_s / kTurningStepAngle_rad;
     if (!(steps_left < kTurningStepsMax) || !state.R_IT.allFinite()) {
       return false;
     }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -12,6 +13,12 @@ namespace polhode::bus {
 namespace {
 
 const BusOptions kOptions{.event_window_frames = 10};
+
+std::uint32_t burst_of(EventId id) {
+  const auto row =
+      std::find_if(kEvents.begin(), kEvents.end(), [id](const EventRow& r) { return r.id == id; });
+  return row->burst;
+}
 
 std::vector<EventPacket> sent_at(std::uint32_t frame, EventLog* log) {
   PacketStream stream;
@@ -79,10 +86,15 @@ TEST(EventThrottle, SendsABurstAndCountsTheRest) {
     report(EventId::kFrameDark, {}, &log);
   }
   const auto packets = sent_at(0, &log);
-  ASSERT_EQ(packets.size(), kEventBurst);
-  EXPECT_EQ(packets.back().occurrences, kEventBurst);
-  EXPECT_EQ(log.suppressed, 10 - kEventBurst);
-  EXPECT_EQ(log.sent, kEventBurst);
+  ASSERT_EQ(packets.size(), burst_of(EventId::kFrameDark));
+  EXPECT_EQ(packets.back().occurrences, burst_of(EventId::kFrameDark));
+  EXPECT_EQ(log.suppressed, 10 - burst_of(EventId::kFrameDark));
+  EXPECT_EQ(log.sent, burst_of(EventId::kFrameDark));
+}
+
+TEST(EventThrottle, LetsAPassOfCommandsBeAnsweredEach_AndLeavesRoomBesideAFlood) {
+  EXPECT_GE(burst_of(EventId::kCommandAccepted), 2 * limits::kStepCommands);
+  EXPECT_LT(burst_of(EventId::kCommandCrc) + limits::kStepCommands, limits::kStepEvents + 1);
 }
 
 TEST(EventThrottle, TellsOfWhatItHeldBack_WhenTheWindowEnds) {
@@ -95,7 +107,7 @@ TEST(EventThrottle, TellsOfWhatItHeldBack_WhenTheWindowEnds) {
   const auto told = sent_at(10, &log);
   ASSERT_EQ(told.size(), 1U);
   EXPECT_EQ(told[0].id, static_cast<std::uint16_t>(EventId::kFrameDark));
-  EXPECT_EQ(told[0].suppressed, 10 - kEventBurst);
+  EXPECT_EQ(told[0].suppressed, 10 - burst_of(EventId::kFrameDark));
   EXPECT_EQ(told[0].occurrences, 10U);
   EXPECT_TRUE(sent_at(20, &log).empty());
 }
@@ -111,7 +123,7 @@ TEST(EventThrottle, OfOneKindHidesNoOther) {
     const auto lost = std::count_if(packets.begin(), packets.end(), [](const EventPacket& p) {
       return p.id == static_cast<std::uint16_t>(EventId::kTargetLost);
     });
-    EXPECT_EQ(lost, frame < static_cast<int>(kEventBurst) ? 1 : 0) << frame;
+    EXPECT_EQ(lost, frame < static_cast<int>(burst_of(EventId::kTargetLost)) ? 1 : 0) << frame;
   }
   EXPECT_EQ(log.sent + log.suppressed, 5U * 1001U);
 }

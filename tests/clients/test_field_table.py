@@ -20,7 +20,7 @@ def test_generated_files_are_up_to_date():
      ('valid = "pose"', 'valid = "posture"'),
      ('  { name = "features", type = "u16"', '  { name = "extra", type = "u8", help = "" },\n  { name = "features", type = "u16"'),
      ('apid = 1\n', 'apid = 0\n'),
-     ('layout_version = 2', 'layout_version = 3')])
+     ('layout_version = 3', 'layout_version = 4')])
 def test_a_table_that_contradicts_itself_is_refused(tmp_path, old, new):
     for file in (REPOSITORY / "config/bus").glob("*.toml"):
         text = file.read_text()

@@ -145,7 +145,7 @@ def packet_table(table: Table) -> str:
 
 
 def event_row(event: Event) -> str:
-    return f'    {{EventId::k{camel(event.name)}, Severity::k{camel(event.severity.lower())}, "{event.name}", "{event.text}"}},\n'
+    return f'    {{EventId::k{camel(event.name)}, Severity::k{camel(event.severity.lower())}, {event.burst}, "{event.name}", "{event.text}"}},\n'
 
 
 def event_header(table: Table) -> str:
@@ -153,9 +153,8 @@ def event_header(table: Table) -> str:
     text += "#include <cstdint>\n\nnamespace polhode::bus {\n\n// clang-format off\n"
     text += enum("Severity", [(name, number) for number, name in enumerate(table.severities)], "std::uint8_t")
     text += enum("EventId", [(event.name, event.id) for event in table.events], "std::uint16_t")
-    text += "struct EventRow {\n  EventId id;\n  Severity severity;\n  const char* name;\n"
+    text += "struct EventRow {\n  EventId id;\n  Severity severity;\n  std::uint32_t burst;  ///< sent in a window of frames\n  const char* name;\n"
     text += "  const char* text;  ///< {0}, {1}: the event's numbers; {}: its word\n};\n\n"
-    text += f"inline constexpr std::uint32_t kEventBurst = {table.event_burst};  ///< of one id in a window of frames\n"
     text += f"inline constexpr std::size_t kEventKinds = {len(table.events)};\n"
     text += "inline constexpr std::array<EventRow, kEventKinds> kEvents{{\n" + "".join(map(event_row, table.events)) + "}};\n"
     return text + "// clang-format on\n\n}  // namespace polhode::bus\n"

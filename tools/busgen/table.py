@@ -10,6 +10,7 @@ COMMAND_HEADER_OCTETS = 8
 CRC_OCTETS = 2
 PACKET_OCTETS_MAX = 1400
 TEXT_OCTETS_MAX = 122
+COMMAND_EVENTS = range(40, 80)  # ids of answers to commands
 
 SIZES = {"u8": 1, "u16": 2, "u32": 4, "u64": 8, "i64": 8, "f32": 4, "f64": 8, "text": 1}
 
@@ -87,6 +88,7 @@ class Event:
     name: str
     severity: str
     text: str
+    burst: int  # sent within a window of frames
 
 
 @dataclasses.dataclass
@@ -97,7 +99,6 @@ class Table:
     packets: list[Layout]
     commands: list[Layout]
     events: list[Event]
-    event_burst: int
 
     def packet(self, name: str) -> Layout:
         return next(packet for packet in self.packets if packet.name == name)
@@ -163,7 +164,7 @@ def read_command(raw: dict) -> Layout:
 
 
 def read_events(raw: dict, severities: tuple[str, ...]) -> list[Event]:
-    events = [Event(**entry) for entry in raw["event"]]
+    events = [Event(**entry, burst=raw["command_burst" if entry["id"] in COMMAND_EVENTS else "burst"]) for entry in raw["event"]]
     for event in events:
         if event.severity not in severities or len(event.text) > TEXT_OCTETS_MAX or not event.text.isascii():
             raise TableError(f"event {event.name}: severity, or text longer than {TEXT_OCTETS_MAX} ASCII characters")
@@ -181,7 +182,7 @@ def read_table(folder: pathlib.Path) -> Table:
         raise TableError("telemetry.toml and commands.toml have different layout versions")
     table = Table(layout_version=telemetry["layout_version"], apid_first=telemetry["apid_first"], apid_command=commands["apid"],
                   packets=[read_packet(raw) for raw in telemetry["packet"]],
-                  commands=[read_command(raw) for raw in commands["command"]], events=[], event_burst=events["burst"])
+                  commands=[read_command(raw) for raw in commands["command"]], events=[])
     table.events = read_events(events, table.severities)
     numbers = [packet.number for packet in table.packets] + [table.apid_command]
     codes = [command.number for command in table.commands]

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#define POLHODE_LAYOUT_VERSION 2
+#define POLHODE_LAYOUT_VERSION 3
 #define POLHODE_APID_FIRST 416
 
 #define POLHODE_MOTION 0 /* number of the packet: its APID less the first one */
@@ -42,87 +42,118 @@ struct polhode_motion {
 };
 
 #define POLHODE_MODEL 1 /* number of the packet: its APID less the first one */
-#define POLHODE_MODEL_OCTETS 282
+#define POLHODE_MODEL_OCTETS 324
 #define POLHODE_MODEL_RATE 0x01
 #define POLHODE_MODEL_AXES 0x02
 #define POLHODE_MODEL_INERTIA 0x04
-#define POLHODE_MODEL_PERIODS 0x08
-#define POLHODE_MODEL_VELOCITY 0x10
-#define POLHODE_MODEL_MASS_CENTRE 0x20
-#define POLHODE_MODEL_SCALE_KNOWN 0x40
+#define POLHODE_MODEL_SPIN 0x08
+#define POLHODE_MODEL_PRECESSION 0x10
+#define POLHODE_MODEL_VELOCITY 0x20
+#define POLHODE_MODEL_MASS_CENTRE 0x40
+#define POLHODE_MODEL_SCALE_KNOWN 0x80
 #define POLHODE_MODEL_DYNAMICS_NONE 0
 #define POLHODE_MODEL_DYNAMICS_LOCAL 1
 #define POLHODE_MODEL_DYNAMICS_TORQUE_FREE 2
 #define POLHODE_MODEL_DYNAMICS_ORBIT 3
+#define POLHODE_MODEL_REFUSAL_NONE 0
+#define POLHODE_MODEL_REFUSAL_TOO_FEW_POSES 1
+#define POLHODE_MODEL_REFUSAL_NO_FIT 2
+#define POLHODE_MODEL_REFUSAL_RESIDUALS_TOO_LARGE 3
+#define POLHODE_MODEL_CLASS_AXES_UNOBSERVED 0
+#define POLHODE_MODEL_CLASS_AXES_WEAK 1
+#define POLHODE_MODEL_CLASS_AXES_OBSERVED 2
 #define POLHODE_MODEL_CLASS_INERTIA_UNOBSERVED 0
 #define POLHODE_MODEL_CLASS_INERTIA_WEAK 1
 #define POLHODE_MODEL_CLASS_INERTIA_OBSERVED 2
+#define POLHODE_MODEL_CLASS_SPIN_UNOBSERVED 0
+#define POLHODE_MODEL_CLASS_SPIN_WEAK 1
+#define POLHODE_MODEL_CLASS_SPIN_OBSERVED 2
+#define POLHODE_MODEL_CLASS_PRECESSION_UNOBSERVED 0
+#define POLHODE_MODEL_CLASS_PRECESSION_WEAK 1
+#define POLHODE_MODEL_CLASS_PRECESSION_OBSERVED 2
+#define POLHODE_MODEL_CLASS_MOMENTUM_UNOBSERVED 0
+#define POLHODE_MODEL_CLASS_MOMENTUM_WEAK 1
+#define POLHODE_MODEL_CLASS_MOMENTUM_OBSERVED 2
 #define POLHODE_MODEL_CLASS_MASS_CENTRE_UNOBSERVED 0
 #define POLHODE_MODEL_CLASS_MASS_CENTRE_WEAK 1
 #define POLHODE_MODEL_CLASS_MASS_CENTRE_OBSERVED 2
-/* The torque-free motion that fits the poses so far: rates, principal axes, inertia ratios, periods, velocity, centre of mass. */
+/* The motion of a free rigid body that fits the poses so far: rates, principal axes, inertia ratios, periods, velocity, centre of mass. Each class says what the data tell: 1-sigma under about a half of its value, 30 deg, or of the body's radius is WEAK, under a tenth, 6 deg, OBSERVED; what is UNOBSERVED is zero. */
 struct polhode_model {
   int64_t timestamp_ns; /* the time that the values belong to; ns */
   double w_T_rad_s[3]; /* the model's angular velocity at that time, relative to inertial space, in T; rad/s; flag rate */
-  double q_TB[4]; /* principal axes of inertia B: takes B components to T components; flag axes */
-  double inertia_ratio[2]; /* principal moments over the first one: Jy/Jx, Jz/Jx; flag inertia */
-  double period_spin_s; /* time in which the body rates repeat (the polhode's period); s; flag periods */
-  double period_precession_s; /* mean time of a turn about the angular momentum; s; flag periods */
-  double v_C[3]; /* velocity of the centre of mass relative to C's origin, in C; length/s; flag velocity */
-  double c_T[3]; /* centre of mass seen from T's origin, in T; length; flag mass_centre */
+  double q_TB[4]; /* principal axes of inertia B by growing moment: takes B components to T components; an axis holds as class_axes says; flag axes */
+  double inertia_ratio[2]; /* principal moments over the least one: Jy/Jx, Jz/Jx; flag inertia */
+  double period_spin_s; /* time in which the body rates repeat (the polhode's period); s; flag spin */
+  double period_precession_s; /* mean time of a turn about the angular momentum; s; flag precession */
+  double momentum_axis_C[3]; /* direction of the angular momentum, in C at that time; zero where class_momentum is UNOBSERVED */
+  double v_C[3]; /* velocity of the centre of mass relative to C's origin, in C at that time; length/s; flag velocity */
+  double c_T[3]; /* centre of mass seen from T's origin, in T; its part along UNOBSERVED directions is left out; length; flag mass_centre */
   float cov_w[6]; /* covariance of w_T; (rad/s)^2; flag rate */
-  float sigma_axes_rad[3]; /* 1-sigma of the axes' turn about each of them; rad; flag axes */
+  float sigma_axes_rad[3]; /* 1-sigma of each axis' direction, worst way; rad; flag axes */
   float sigma_inertia_ratio[2]; /* 1-sigma of the ratios; flag inertia */
-  float sigma_period_spin_s; /* 1-sigma; s; flag periods */
-  float sigma_period_precession_s; /* 1-sigma; s; flag periods */
+  float sigma_period_spin_s; /* 1-sigma; s; flag spin */
+  float sigma_period_precession_s; /* 1-sigma; s; flag precession */
+  float sigma_momentum_axis_rad; /* 1-sigma, worst way; zero where class_momentum is UNOBSERVED; rad */
   float cov_v[6]; /* covariance of v_C; (length/s)^2; flag velocity */
-  float cov_c[6]; /* covariance of c_T; length^2; flag mass_centre */
+  float cov_c[6]; /* covariance of c_T; along UNOBSERVED directions what is possible of the body; length^2; flag mass_centre */
   float span_s; /* time between the first and the last pose of the fit; s */
-  float chi2_per_dof; /* of the fit; 1 where the declared sigmas are right */
+  float chi2_per_dof[2]; /* of the fit; 1 where the declared sigmas are right; cov and sigma are by the noise as found */
   uint32_t poses; /* that the fit used */
   uint32_t frame; /* index of the frame at publication */
   uint8_t dynamics; /* what was fitted; LOCAL: a polynomial through the last poses */
-  uint8_t class_inertia; /* whether the data determine the ratios */
-  uint8_t class_mass_centre; /* the same of the centre of mass, worst axis */
+  uint8_t refusal; /* why the poses are not taken for a free rigid body's */
+  uint8_t class_axes[3]; /* what the data tell of each axis of B */
+  uint8_t class_inertia[2]; /* of each ratio */
+  uint8_t class_spin; /* of its period */
+  uint8_t class_precession; /* of its period */
+  uint8_t class_momentum; /* of its direction */
+  uint8_t class_mass_centre[3]; /* along the principal axes of cov_c */
   uint8_t flags;
 };
 
 #define POLHODE_PREDICTION 2 /* number of the packet: its APID less the first one */
-#define POLHODE_PREDICTION_OCTETS 210
-#define POLHODE_PREDICTION_POSE 0x01
+#define POLHODE_PREDICTION_OCTETS 230
+#define POLHODE_PREDICTION_ATTITUDE 0x01
 #define POLHODE_PREDICTION_RATE 0x02
-#define POLHODE_PREDICTION_SCALE_KNOWN 0x04
+#define POLHODE_PREDICTION_POSITION 0x04
+#define POLHODE_PREDICTION_SCALE_KNOWN 0x08
 #define POLHODE_PREDICTION_DYNAMICS_NONE 0
 #define POLHODE_PREDICTION_DYNAMICS_LOCAL 1
 #define POLHODE_PREDICTION_DYNAMICS_TORQUE_FREE 2
 #define POLHODE_PREDICTION_DYNAMICS_ORBIT 3
-/* Where the target will be `bus.prediction_ahead_s` from now if nothing acts on it. */
+/* Where the target will be if nothing acts on it. Attitude and position are valid while their 1-sigma is under 0.5 rad and under half the distance. */
 struct polhode_prediction {
   int64_t timestamp_ns; /* of the last frame that the prediction knows; ns */
   int64_t predicted_timestamp_ns; /* the time that the values belong to; ns */
-  double q_CT[4]; /* predicted attitude; sign continuous with the motion packet's; flag pose */
-  double p_CT[3]; /* predicted position of T's origin, in C; length; flag pose */
+  double q_CT[4]; /* predicted attitude, in C as it was turned at timestamp_ns; w >= 0; flag attitude */
+  double p_CT[3]; /* predicted position of T's origin seen from C's, in C as it was turned at timestamp_ns; length; flag position */
   double w_T_rad_s[3]; /* predicted angular velocity, in T; rad/s; flag rate */
-  float cov_pose[21]; /* as in the motion packet; rad and length; flag pose */
-  float sigma_rate_rad_s; /* 1-sigma, worst axis; rad/s; flag rate */
-  uint32_t frame; /* index of the frame at publication */
+  float cov_pose[21]; /* as in the motion packet; rows and columns of what is not valid are zero; rad and length */
+  float cov_w[6]; /* covariance of w_T; (rad/s)^2; flag rate */
+  uint32_t frame; /* index of the last frame that the prediction knows */
   uint16_t poses; /* that the prediction rests on */
   uint8_t dynamics; /* what was used; LOCAL: a polynomial through the last poses */
   uint8_t flags;
 };
 
 #define POLHODE_SHAPE 3 /* number of the packet: its APID less the first one */
-#define POLHODE_SHAPE_OCTETS 832
+#define POLHODE_SHAPE_OCTETS 840
 #define POLHODE_SHAPE_SHAPE 0x01
 #define POLHODE_SHAPE_CYLINDER 0x02
 #define POLHODE_SHAPE_SCALE_KNOWN 0x04
+#define POLHODE_SHAPE_AXIS_X 0x08
+#define POLHODE_SHAPE_AXIS_Y 0x10
+#define POLHODE_SHAPE_AXIS_Z 0x20
 #define POLHODE_SHAPE_COMPLETION_NONE 0
 #define POLHODE_SHAPE_COMPLETION_BOX 1
 #define POLHODE_SHAPE_COMPLETION_CYLINDER 2
 #define POLHODE_SHAPE_FRAME_SOURCE_PRINCIPAL 0
 #define POLHODE_SHAPE_FRAME_SOURCE_PLANES 1
 #define POLHODE_SHAPE_FRAME_SOURCE_CYLINDER 2
-/* Dimensions, body frame, flat faces and cylinder of the target. */
+#define POLHODE_SHAPE_DIMENSION_BASIS_NOTHING 0
+#define POLHODE_SHAPE_DIMENSION_BASIS_POINTS 1
+#define POLHODE_SHAPE_DIMENSION_BASIS_SURFACES 2
+/* Dimensions, body frame, flat faces and cylinder of the target, from the map's confirmed landmarks. The flags axis_x, axis_y, axis_z say which axes of B the body's geometry fixes; the others are a choice. */
 struct polhode_shape {
   int64_t timestamp_ns; /* of the frame at publication; ns */
   double q_TB[4]; /* body frame B: takes B components to T components; flag shape */
@@ -147,6 +178,7 @@ struct polhode_shape {
   float plane_extent[24]; /* that rectangle's full lengths; length; flag shape */
   float plane_sigma[36]; /* 1-sigma of the tilt about u and v, and of the offset; rad, rad, length; flag shape */
   uint32_t frame; /* index of the frame at publication */
+  uint32_t frame_of_estimate; /* index of the frame whose map it was estimated from */
   uint16_t plane_inliers[12]; /* points of the plane; flag shape */
   uint16_t landmarks; /* that the estimate used */
   uint16_t cloud_points; /* measured, after denoising */
@@ -154,11 +186,13 @@ struct polhode_shape {
   uint8_t plane_count; /* planes that follow */
   uint8_t completion; /* what the cloud was completed to */
   uint8_t frame_source; /* where B's axes come from */
+  uint8_t dimension_basis[3]; /* what each length rests on: the points are flat there; where points end, so at least so long; surfaces at both ends; flag shape */
   uint8_t flags;
+  uint8_t spare; /* 0 */
 };
 
 #define POLHODE_HOUSEKEEPING 4 /* number of the packet: its APID less the first one */
-#define POLHODE_HOUSEKEEPING_OCTETS 154
+#define POLHODE_HOUSEKEEPING_OCTETS 174
 #define POLHODE_HOUSEKEEPING_HELD 0x01
 #define POLHODE_HOUSEKEEPING_SCALE_KNOWN 0x02
 #define POLHODE_HOUSEKEEPING_TABLE_LOADED 0x04
@@ -197,6 +231,11 @@ struct polhode_housekeeping {
   uint32_t landmarks_created;
   uint32_t landmarks_culled;
   uint32_t closures; /* loops closed */
+  uint32_t shapes; /* estimates of the shape */
+  uint32_t jobs_issued; /* starts, adjustments, shapes */
+  uint32_t jobs_without_result; /* skipped for want of memory */
+  uint32_t steps_short_of_memory; /* in which less was asked of the libraries */
+  uint32_t scale_contradictions; /* times that the readings of the scale stopped agreeing */
   uint32_t tables_full; /* times that a table had no free slot */
   uint32_t commands_accepted;
   uint32_t commands_rejected;

@@ -1,0 +1,224 @@
+#include "bus/dynamics_telemetry.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "bus/packet_layout.hpp"
+#include "motion/body_dynamics.hpp"
+
+namespace polhode::bus {
+namespace {
+
+// An attitude that may be off by 30 deg, or a position by half the distance, is of no use to anybody;
+// and there first-order covariances stop telling the truth.
+constexpr double kAttitudeSigmaMax_rad = 0.5;
+constexpr double kPositionSigmaMax = 0.5;
+
+std::array<double, 3> to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// Rows of the upper triangle, one after the other.
+template <std::size_t kCount, typename Matrix>
+void put_upper_triangle(const Matrix& m, std::array<float, kCount>* out) {
+  std::size_t i = 0;
+  for (Eigen::Index row = 0; row < m.rows(); ++row) {
+    for (Eigen::Index column = row; column < m.cols(); ++column) {
+      (*out)[i++] = static_cast<float>(m(row, column));
+    }
+  }
+}
+
+std::uint8_t number(Observability observability) {
+  return static_cast<std::uint8_t>(observability);
+}
+
+bool known(Observability observability) { return observability != Observability::kUnobserved; }
+
+std::uint8_t dynamics_of(const RigidModel& model) {
+  constexpr std::uint8_t kTorqueFree = 2;
+  constexpr std::uint8_t kOrbit = 3;
+  return model.orbit.active() ? kOrbit : kTorqueFree;
+}
+
+void put_axes(const BodyDynamics& body, ModelPacket* packet) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    packet->class_axes[k] = number(body.axes[k]);
+    if (known(body.axes[k])) {
+      packet->flags |= model_layout::kFlagAxes;
+      packet->sigma_axes_rad[k] = static_cast<float>(body.sigma_axis_rad[k]);
+    }
+  }
+  packet->q_TB = quaternion_of(body.R_TP);
+}
+
+void put_inertia(const BodyDynamics& body, ModelPacket* packet) {
+  const std::array<const Estimated*, 2> ratios{&body.middle_over_least, &body.largest_over_least};
+  for (std::size_t k = 0; k < 2; ++k) {
+    packet->class_inertia[k] = number(ratios[k]->observability);
+    if (known(ratios[k]->observability)) {
+      packet->flags |= model_layout::kFlagInertia;
+      packet->inertia_ratio[k] = ratios[k]->value;
+      packet->sigma_inertia_ratio[k] = static_cast<float>(ratios[k]->sigma);
+    }
+  }
+}
+
+void put_period(const Estimated& period_s,
+                std::uint8_t flag,
+                double* value,
+                float* sigma,
+                ModelPacket* packet) {
+  if (known(period_s.observability)) {
+    packet->flags |= flag;
+    *value = period_s.value;
+    *sigma = static_cast<float>(period_s.sigma);
+  }
+}
+
+void put_periods(const BodyDynamics& body, ModelPacket* packet) {
+  packet->class_spin = number(body.spin_period_s.observability);
+  packet->class_precession = number(body.precession_period_s.observability);
+  put_period(body.spin_period_s,
+             model_layout::kFlagSpin,
+             &packet->period_spin_s,
+             &packet->sigma_period_spin_s,
+             packet);
+  put_period(body.precession_period_s,
+             model_layout::kFlagPrecession,
+             &packet->period_precession_s,
+             &packet->sigma_period_precession_s,
+             packet);
+}
+
+void put_momentum(const BodyDynamics& body, const Eigen::Matrix3d& R_CI, ModelPacket* packet) {
+  packet->class_momentum = number(body.momentum_axis);
+  if (known(body.momentum_axis)) {
+    packet->momentum_axis_C = to_array(R_CI * body.momentum_axis_I);
+    packet->sigma_momentum_axis_rad = static_cast<float>(body.sigma_momentum_axis_rad);
+  }
+}
+
+void put_path(const BodyDynamics& body,
+              const RigidModel& model,
+              const Eigen::Matrix3d& R_CI,
+              double unit,
+              ModelPacket* packet) {
+  packet->flags |= model_layout::kFlagVelocity;
+  packet->v_C = to_array(unit * (R_CI * body.v_I));
+  put_upper_triangle(Eigen::Matrix3d(unit * unit * (R_CI * body.covariance_v_I * R_CI.transpose())),
+                     &packet->cov_v);
+  Eigen::Vector3d c_T = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Estimated& along = body.mass_centre[k];
+    packet->class_mass_centre[k] = number(along.observability);
+    if (known(along.observability)) {
+      packet->flags |= model_layout::kFlagMassCentre;
+      c_T += along.value * body.mass_centre_axes_T.col(static_cast<Eigen::Index>(k));
+    }
+  }
+  packet->c_T = to_array(unit * c_T);
+  put_upper_triangle(Eigen::Matrix3d(unit * unit * model.covariance.bottomRightCorner<3, 3>()),
+                     &packet->cov_c);
+}
+
+std::uint8_t refusal_of(const RigidModel& model) { return static_cast<std::uint8_t>(model.status); }
+
+/// `covariance` is of (phi, dp) in C and in the packet's unit.
+void put_pose(const Pose& pose_C,
+              const PoseCovariance& covariance,
+              bool path_known,
+              PredictionPacket* packet) {
+  PoseCovariance shown = covariance;
+  const double sigma_position = worst_sigma(covariance.bottomRightCorner<3, 3>());
+  const bool position =
+      path_known && sigma_position < kPositionSigmaMax * pose_C.p_CT.norm();
+  if (position) {
+    packet->flags |= prediction_layout::kFlagPosition;
+    packet->p_CT = to_array(pose_C.p_CT);
+  } else {
+    shown.bottomRows<3>().setZero();
+    shown.rightCols<3>().setZero();
+  }
+  if (worst_sigma(covariance.topLeftCorner<3, 3>()) < kAttitudeSigmaMax_rad) {
+    packet->flags |= prediction_layout::kFlagAttitude;
+    packet->q_CT = quaternion_of(pose_C.R_CT);
+  } else {
+    shown.topRows<3>().setZero();
+    shown.leftCols<3>().setZero();
+  }
+  put_upper_triangle(shown, &packet->cov_pose);
+}
+
+Pose in_unit(const Pose& pose, double unit) { return {.R_CT = pose.R_CT, .p_CT = unit * pose.p_CT}; }
+
+/// Into C's axes and the unit.
+PoseCovariance in_unit(const PoseCovariance& covariance_I, const Eigen::Matrix3d& R_CI, double unit) {
+  PoseCovariance by = PoseCovariance::Zero();
+  by.topLeftCorner<3, 3>() = R_CI;
+  by.bottomRightCorner<3, 3>() = unit * R_CI;
+  return by * covariance_I * by.transpose();
+}
+
+}  // namespace
+
+ModelPacket to_packet(const RigidModel& model, const Eigen::Matrix3d& R_CI, const LengthUnit& unit) {
+  ModelPacket packet;
+  packet.timestamp_ns = model.reference_ns;
+  packet.refusal = refusal_of(model);
+  packet.flags = unit.known ? model_layout::kFlagScaleKnown : std::uint8_t{0};
+  const Result<BodyDynamics> described = describe_dynamics(model);
+  if (!described) {
+    return packet;
+  }
+  const BodyDynamics& body = described.value();
+  packet.dynamics = dynamics_of(model);
+  packet.poses = static_cast<std::uint32_t>(model.poses);
+  packet.span_s = static_cast<float>(model.span_s);
+  packet.chi2_per_dof[0] = static_cast<float>(model.attitude.chi2_per_dof);
+  packet.flags |= model_layout::kFlagRate;
+  packet.w_T_rad_s = to_array(model.reference.w_T_rad_s);
+  put_upper_triangle(Eigen::Matrix3d(model.covariance.block<3, 3>(3, 3)), &packet.cov_w);
+  put_axes(body, &packet);
+  put_inertia(body, &packet);
+  put_periods(body, &packet);
+  put_momentum(body, R_CI, &packet);
+  if (model.path_known) {
+    packet.chi2_per_dof[1] = static_cast<float>(model.position.chi2_per_dof);
+    put_path(body, model, R_CI, unit.metres_per_mu, &packet);
+  }
+  return packet;
+}
+
+PredictionPacket to_packet(const MotionPrediction& prediction,
+                           const RigidModel& model,
+                           const Eigen::Matrix3d& R_CI,
+                           const LengthUnit& unit) {
+  PredictionPacket packet;
+  packet.predicted_timestamp_ns = prediction.timestamp_ns;
+  packet.dynamics = dynamics_of(model);
+  packet.poses = static_cast<std::uint16_t>(std::min<std::size_t>(model.poses, 0xFFFF));
+  packet.flags = prediction_layout::kFlagRate;
+  packet.flags |= unit.known ? prediction_layout::kFlagScaleKnown : std::uint8_t{0};
+  packet.w_T_rad_s = to_array(prediction.w_T_rad_s);
+  put_upper_triangle(prediction.covariance_w_T, &packet.cov_w);
+  const Pose pose_C{.R_CT = R_CI * prediction.pose.R_CT, .p_CT = R_CI * prediction.pose.p_CT};
+  put_pose(in_unit(pose_C, unit.metres_per_mu),
+           in_unit(prediction.covariance, R_CI, unit.metres_per_mu),
+           prediction.path_known,
+           &packet);
+  return packet;
+}
+
+PredictionPacket to_packet(const PosePrediction& prediction, const LengthUnit& unit) {
+  PredictionPacket packet;
+  packet.dynamics = kDynamicsLocal;
+  packet.poses = static_cast<std::uint16_t>(std::min<std::size_t>(prediction.rotation_poses, 0xFFFF));
+  packet.flags = unit.known ? prediction_layout::kFlagScaleKnown : std::uint8_t{0};
+  put_pose(in_unit(prediction.pose, unit.metres_per_mu),
+           in_unit(prediction.covariance, Eigen::Matrix3d::Identity(), unit.metres_per_mu),
+           true,
+           &packet);
+  return packet;
+}
+
+}  // namespace polhode::bus

@@ -1,0 +1,96 @@
+#include "pipeline/shape_now.hpp"
+
+#include "bus/shape_telemetry.hpp"
+#include "map/landmarks.hpp"
+#include "pipeline/state.hpp"
+
+namespace polhode {
+namespace {
+
+bool wants_shape(const Component::State& s) {
+  const ShapeNow& now = s.shape;
+  if (s.mode != Mode::kTracking || !s.pose_valid || !job_slot_free(s)) {
+    return false;
+  }
+  const auto every = static_cast<std::uint32_t>(s.parameters.bus.shape_every_frames);
+  return !now.asked || (s.frame - now.frame_asked >= every &&
+                        s.map.next_keyframe_number != now.keyframe_asked);
+}
+
+void tell_change(const std::optional<Shape>& before, const Shape& now, Component::State* s) {
+  const bool same = before && before->planes.size() == now.planes.size() &&
+                    before->completion == now.completion;
+  if (!same) {
+    bus::report(bus::EventId::kShapeKnown,
+                {.values = {static_cast<double>(now.cloud_points),
+                            static_cast<double>(now.planes.size())}},
+                &s->bus.events);
+  }
+}
+
+}  // namespace
+
+void ask_for_shape(Component::State* s) {
+  if (!wants_shape(*s)) {
+    return;
+  }
+  ShapeNow& now = s->shape;
+  ShapeJob& job = s->job.shape;
+  job.landmarks_T.clear();
+  for (const Landmark& landmark : s->map.landmarks) {
+    if (landmark.used && confirmed(landmark)) {
+      (void)job.landmarks_T.push_back(landmark.p_T);
+    }
+  }
+  job.options = s->parameters.shape;
+  job.seed = s->parameters.seed;
+  job.frame = s->frame;
+  job.previous = now.shape;
+  job.outcome.reset();
+  now.asked = true;
+  now.frame_asked = s->frame;
+  now.keyframe_asked = s->map.next_keyframe_number;
+  issue_job(JobKind::kShape, s);
+}
+
+void run_shape(ShapeJob* job) {
+  const Result<Shape> shape = estimate_shape(job->landmarks_T.view(),
+                                             job->options,
+                                             job->seed,
+                                             job->previous ? &*job->previous : nullptr,
+                                             job->work);
+  if (shape) {
+    job->outcome = shape.value();
+  }
+}
+
+void take_shape(Component::State* s) {
+  const ShapeJob& job = s->job.shape;
+  if (!job.outcome) {
+    return;
+  }
+  ++s->counters.shapes;
+  tell_change(s->shape.shape, *job.outcome, s);
+  s->shape.shape = job.outcome;
+  s->shape.frame_of_estimate = job.frame;
+  s->shape.is_new = true;
+}
+
+void forget_shape(Component::State* s) { s->shape = {}; }
+
+void send_shape(const MotionState& motion, Component::State* s) {
+  ShapeNow& now = s->shape;
+  const bool due =
+      motion.frame % static_cast<std::uint32_t>(s->parameters.bus.shape_every_frames) == 0;
+  if (!now.shape || !(now.is_new || due)) {
+    return;
+  }
+  now.is_new = false;
+  bus::ShapePacket packet = bus::to_packet(*now.shape, length_unit(s->scale));
+  packet.timestamp_ns = motion.timestamp_ns;
+  packet.frame = motion.frame;
+  packet.frame_of_estimate = now.frame_of_estimate;
+  append(packet, s->parameters.bus, &s->bus.stream);
+}
+
+}  // namespace polhode
