@@ -45,6 +45,7 @@ MemoryNeed memory_needed(const Parameters& /*parameters*/) {
       {"job: start of a map", sizeof(MapJob::start)},
       {"job: adjustment", sizeof(MapJob::adjustment)},
       {"job: fit of the dynamics", sizeof(FitJob)},
+      {"job: shape", sizeof(ShapeJob)},
       {"poses so far", sizeof(State::motion)},
       {"features of the frame", sizeof(State::features)},
       {"reference of optical flow", sizeof(State::reference)},

@@ -43,12 +43,12 @@ struct Frame {
 };
 
 /// Work that takes longer than a frame has time: the start of a map, adjustments of it, the fit of
-/// the dynamics. The step hands it out, the caller runs it where it likes while steps go on, and
+/// the dynamics, the shape. The step hands it out, the caller runs it where it likes while steps go on, and
 /// hands it back to the step that it names, so that the packets do not depend on how long it took.
 struct Job;
 
-/// In the order in which they are best run. Out at a time: one of the map and one fit.
-using Jobs = FixedVector<Job*, 2>;
+/// In the order in which they are best run. Out at a time: one of the map, one fit, one shape.
+using Jobs = FixedVector<Job*, 3>;
 
 /// Does the work. Touches nothing but the job.
 void run_job(Job& job);

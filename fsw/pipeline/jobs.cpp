@@ -32,6 +32,17 @@ void run_adjustment(AdjustmentJob* job) {
 
 void run_fit(FitJob* job) { job->model = fit_rigid_model(job->snapshot, job->workspace); }
 
+void run_shape(ShapeJob* job) {
+  const Result<Shape> shape = estimate_shape(job->landmarks_T.view(),
+                                             job->options,
+                                             job->seed,
+                                             job->previous ? &*job->previous : nullptr,
+                                             job->work);
+  if (shape) {
+    job->outcome = shape.value();
+  }
+}
+
 void issue(JobKind kind, Job* job, Component::State* s) {
   POLHODE_ASSERT(job->kind == JobKind::kNone, job->due_step);
   *job = {.kind = kind,
@@ -54,6 +65,8 @@ void take_result(Job* job, Component::State* s) {
     take_adjustment(s);
   } else if (kind == JobKind::kFit) {
     take_fit(s);
+  } else if (kind == JobKind::kShape) {
+    take_shape(s);
   }
   stage_done(Stage::kJobs, *s);
 }
@@ -87,6 +100,8 @@ void run_job(Job& job) {
     run_adjustment(&static_cast<MapJob&>(job).adjustment);
   } else if (job.kind == JobKind::kFit) {
     run_fit(&static_cast<FitJob&>(job));
+  } else if (job.kind == JobKind::kShape) {
+    run_shape(&static_cast<ShapeJob&>(job));
   }
   job.done = true;
 }
@@ -112,17 +127,27 @@ void issue_fit(Component::State* s) {
   }
 }
 
+void issue_shape(Component::State* s) {
+  issue(JobKind::kShape, &s->shape_job, s);
+  if (s->parameters.jobs.delay_frames == 0) {
+    close(&s->shape_job, s);
+  }
+}
+
 bool job_slot_free(const Component::State& s) { return s.job.kind == JobKind::kNone; }
 bool fit_slot_free(const Component::State& s) { return s.fit_job.kind == JobKind::kNone; }
+bool shape_slot_free(const Component::State& s) { return s.shape_job.kind == JobKind::kNone; }
 
 void take_due_jobs(const Jobs& finished, Component::State* s) {
   take_if_due(&s->job, finished, s);
   take_if_due(&s->fit_job, finished, s);
+  take_if_due(&s->shape_job, finished, s);
 }
 
 void forget_jobs(Component::State* s) {
   s->job.unwanted = true;
   s->fit_job.unwanted = true;
+  s->shape_job.unwanted = true;
 }
 
 void run_undelayed_jobs(Component::State* s) {
@@ -134,11 +159,12 @@ void run_undelayed_jobs(Component::State* s) {
 void close_jobs(Component::State* s) {
   close(&s->job, s);
   close(&s->fit_job, s);
+  close(&s->shape_job, s);
 }
 
 Jobs jobs_for_caller(Component::State* s) {
   Jobs jobs;
-  for (Job* const job : std::initializer_list<Job*>{&s->job, &s->fit_job}) {
+  for (Job* const job : std::initializer_list<Job*>{&s->job, &s->fit_job, &s->shape_job}) {
     if (job->kind != JobKind::kNone && job->issued_step == s->frame) {
       (void)jobs.push_back(job);
     }

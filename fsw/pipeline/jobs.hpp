@@ -1,13 +1,14 @@
 // The long work, apart from the step: plain snapshots that a pure function turns into results, on
 // whichever thread the caller likes.
 //
-// One job of the map and one fit of the dynamics are out at a time; neither waits for the other, as
-// a fit works on poses alone. A result is taken in at a step that is named when the job is issued
+// One job of the map, one fit of the dynamics and one estimate of the shape are out at a time; none
+// waits for another, as the last two change nothing of the map. A result is taken in at a step that is named when the job is issued
 // (logical execution time), so the packets do not depend on how long the work took.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "base/fixed_vector.hpp"
 #include "base/ids.hpp"
@@ -16,10 +17,11 @@
 #include "map/window.hpp"
 #include "motion/rigid_model.hpp"
 #include "pipeline/component.hpp"
+#include "shape/shape.hpp"
 
 namespace polhode {
 
-enum class JobKind : std::uint8_t { kNone, kStart, kAdjustment, kFit };
+enum class JobKind : std::uint8_t { kNone, kStart, kAdjustment, kFit, kShape };
 
 /// What all jobs have in common.
 struct Job {
@@ -74,6 +76,16 @@ struct FitJob : Job {
   RigidModel model;             ///< the result
 };
 
+/// An estimate of the shape, in map units.
+struct ShapeJob : Job {
+  FixedVector<Eigen::Vector3d, limits::kLandmarks> landmarks_T;
+  ShapeOptions options;
+  std::uint64_t seed = 0;
+  std::optional<Shape> previous;
+  ShapeWork work;
+  std::optional<Shape> outcome;  ///< the result
+};
+
 /// Sends off what has been prepared in `state->job`: to the caller with this step's output, or,
 /// with a delay of 0, to run_undelayed_jobs.
 void issue_job(JobKind kind, Component::State* state);
@@ -81,9 +93,13 @@ void issue_job(JobKind kind, Component::State* state);
 /// As issue_job, of `state->fit_job`; with a delay of 0 the fit is run and taken in here.
 void issue_fit(Component::State* state);
 
+/// As issue_fit, of `state->shape_job`.
+void issue_shape(Component::State* state);
+
 /// No job of the map is out: it may be changed, and a new job prepared.
 [[nodiscard]] bool job_slot_free(const Component::State& state);
 [[nodiscard]] bool fit_slot_free(const Component::State& state);
+[[nodiscard]] bool shape_slot_free(const Component::State& state);
 
 /// Takes the results in whose step has come; may issue the next jobs.
 void take_due_jobs(const Jobs& finished, Component::State* state);

@@ -1,5 +1,7 @@
 #include "pipeline/shape_now.hpp"
 
+#include <algorithm>
+
 #include "bus/shape_telemetry.hpp"
 #include "map/landmarks.hpp"
 #include "pipeline/state.hpp"
@@ -7,14 +9,17 @@
 namespace polhode {
 namespace {
 
+/// Between two estimates; while there is none, sooner: a young map has few confirmed landmarks.
+std::uint32_t frames_between(const Component::State& s) {
+  const auto every = static_cast<std::uint32_t>(s.parameters.bus.shape_every_frames);
+  return s.shape.shape ? every : std::max(1U, every / 5);
+}
+
 bool wants_shape(const Component::State& s) {
   const ShapeNow& now = s.shape;
-  if (s.mode != Mode::kTracking || !s.pose_valid || !job_slot_free(s)) {
-    return false;
-  }
-  const auto every = static_cast<std::uint32_t>(s.parameters.bus.shape_every_frames);
-  return !now.asked || (s.frame - now.frame_asked >= every &&
-                        s.map.next_keyframe_number != now.keyframe_asked);
+  return s.mode == Mode::kTracking && shape_slot_free(s) &&
+         s.map.next_keyframe_number != now.keyframe_asked &&
+         (!now.asked || s.frame - now.frame_asked >= frames_between(s));
 }
 
 void tell_change(const std::optional<Shape>& before, const Shape& now, Component::State* s) {
@@ -35,7 +40,7 @@ void ask_for_shape(Component::State* s) {
     return;
   }
   ShapeNow& now = s->shape;
-  ShapeJob& job = s->job.shape;
+  ShapeJob& job = s->shape_job;
   job.landmarks_T.clear();
   for (const Landmark& landmark : s->map.landmarks) {
     if (landmark.used && confirmed(landmark)) {
@@ -44,39 +49,30 @@ void ask_for_shape(Component::State* s) {
   }
   job.options = s->parameters.shape;
   job.seed = s->parameters.seed;
-  job.frame = s->frame;
   job.previous = now.shape;
   job.outcome.reset();
   now.asked = true;
   now.frame_asked = s->frame;
   now.keyframe_asked = s->map.next_keyframe_number;
-  issue_job(JobKind::kShape, s);
-}
-
-void run_shape(ShapeJob* job) {
-  const Result<Shape> shape = estimate_shape(job->landmarks_T.view(),
-                                             job->options,
-                                             job->seed,
-                                             job->previous ? &*job->previous : nullptr,
-                                             job->work);
-  if (shape) {
-    job->outcome = shape.value();
-  }
+  issue_shape(s);
 }
 
 void take_shape(Component::State* s) {
-  const ShapeJob& job = s->job.shape;
+  const ShapeJob& job = s->shape_job;
   if (!job.outcome) {
     return;
   }
   ++s->counters.shapes;
   tell_change(s->shape.shape, *job.outcome, s);
   s->shape.shape = job.outcome;
-  s->shape.frame_of_estimate = job.frame;
+  s->shape.frame_of_estimate = job.issued_step;
   s->shape.is_new = true;
 }
 
-void forget_shape(Component::State* s) { s->shape = {}; }
+void forget_shape(Component::State* s) {
+  s->shape = {};
+  s->shape_job.unwanted = true;
+}
 
 void send_shape(const MotionState& motion, Component::State* s) {
   ShapeNow& now = s->shape;

@@ -1,27 +1,13 @@
 // The shape as far as the map shows it: estimated now and then as a job, and told on the bus.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 
-#include "base/fixed_vector.hpp"
-#include "config/limits.hpp"
 #include "pipeline/component.hpp"
 #include "shape/shape.hpp"
 
 namespace polhode {
-
-/// An estimate of the shape, in map units.
-struct ShapeJob {
-  FixedVector<Eigen::Vector3d, limits::kLandmarks> landmarks_T;
-  ShapeOptions options;
-  std::uint64_t seed = 0;
-  std::uint32_t frame = 0;  ///< whose map this is
-  std::optional<Shape> previous;
-  ShapeWork work;
-  std::optional<Shape> outcome;  ///< the result
-};
 
 /// The last estimate, and the map that it was made from.
 struct ShapeNow {
@@ -33,12 +19,9 @@ struct ShapeNow {
   std::uint32_t keyframe_asked = 0;  ///< number of the next keyframe at that time
 };
 
-/// Asks for an estimate while the target is followed, the map has grown since the last one,
-/// bus.shape_every_frames have passed, and nothing else wants the place of the job.
+/// Asks for an estimate while the target is followed, the map has grown since the last one and
+/// bus.shape_every_frames have passed; while there is none, a fifth of these.
 void ask_for_shape(Component::State* state);
-
-/// A pure function of the job. @see estimate_shape() for its cost.
-void run_shape(ShapeJob* job);
 
 /// The estimate comes in; where there is none the last one stays.
 void take_shape(Component::State* state);

@@ -97,6 +97,7 @@ struct Component::State {
   // The long work that is out, or that has just come back.
   MapJob job;
   FitJob fit_job;
+  ShapeJob shape_job;
 
   // Working memory of single calls.
   FeatureWorkspace feature_workspace;

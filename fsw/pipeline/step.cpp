@@ -69,7 +69,6 @@ void estimate(Component::State* s) {
     track(s);
   }
   stage_done(Stage::kMap, *s);
-  ask_for_shape(s);
   run_undelayed_jobs(s);
   if (s->pose_valid) {
     remember_motion(s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
@@ -77,6 +76,7 @@ void estimate(Component::State* s) {
     ++s->counters.poses;
   }
   measure_scale(s);
+  ask_for_shape(s);
   stage_done(Stage::kShape, *s);
 }
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import types
 
+import numpy
 import pytest
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
@@ -15,6 +16,7 @@ PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/rel
 CLIENT = REPOSITORY / "platform/transport/client"
 XTCE = REPOSITORY / "config/bus/polhode.xtce.xml"
 FRAMES = 24
+KINDS = ["motion", "model", "prediction", "shape", "housekeeping", "event", "cloud"]  # that a replay sends
 sys.path[:0] = [str(CLIENT / "python"), str(REPOSITORY / "tools")]
 
 COMMANDS = """\
@@ -104,3 +106,22 @@ def expect_rows(found: list[dict], rows: list[dict]) -> None:
                 assert float(values[field]) == pytest.approx(float(row[column]), rel=1e-8, abs=1e-12), (row["frame"], field)
             else:
                 assert float(values[field]) == 0.0 and row[column] == ""
+
+
+def flat(packet) -> dict:
+    """Values of a packet of the Python client by the flat names of XTCE and CSV; zeros where a flag is down, numbers for words."""
+    from busgen.table import read_table
+
+    layout = read_table(REPOSITORY / "config/bus").packet(packet.name)
+    values = {}
+    for field in layout.fields:
+        if field.is_flags or field.name == "spare":
+            continue
+        value = packet.values[field.name]
+        listed = numpy.ravel(value).tolist() if field.is_array and field.type != "text" else [value]
+        if value is None:
+            listed = [0] * len(field.element_names())
+        if field.enum:
+            listed = [field.enum.index(word) if isinstance(word, str) else word for word in listed]
+        values.update(zip(field.element_names(), listed))
+    return values

@@ -42,6 +42,20 @@ def test_an_activated_parameter_takes_effect_with_the_next_frame(flight):
     assert frames == [0, 10, 15, 20]  # every 10 frames, from the 12th frame on every 5
 
 
+def test_shape_model_and_predictions_are_told(flight):
+    shape = named(flight, "shape")[-1]
+    assert shape.shape_valid and shape.plane_count > 0 and all(length > 0.0 for length in shape.dimensions)
+    assert shape.frame_of_estimate <= shape.frame
+    models = named(flight, "model")
+    assert models[-1].dynamics == "TORQUE_FREE" and models[-1].rate_valid and models[-1].w_T_rad_s is not None
+    ahead = sorted({(p.predicted_timestamp_ns - p.timestamp_ns) // 10**9 for p in named(flight, "prediction")})
+    assert ahead[0] == 10 and set(ahead) <= {10, 30, 60, 120, 300, 600, 900, 1200, 1800} and len(ahead) > 1
+
+
+def test_every_accepted_command_is_answered_by_an_event(flight):
+    assert len(events(flight, "command_accepted")) == named(flight, "housekeeping")[-1].commands_accepted - 1  # NOOP by its own
+
+
 def test_a_requested_cloud_comes_whole(flight):
     chunks = named(flight, "cloud")
     assert [chunk.chunk for chunk in chunks] == list(range(chunks[0].chunks))

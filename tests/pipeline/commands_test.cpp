@@ -8,7 +8,7 @@
 #include "../bus/command_packets.hpp"
 #include "base/crc.hpp"
 #include "bench.hpp"
-#include "bus/splitter.hpp"
+#include "packets_of.hpp"
 #include "pipeline/commands.hpp"
 #include "pipeline/parameter_image.hpp"
 #include "pipeline/state.hpp"
@@ -21,25 +21,6 @@ using bus::command;
 using bus::CommandCode;
 using bus::CommandOctets;
 using bus::EventId;
-
-/// Every packet of a step of this kind, decoded.
-template <typename Packet>
-std::vector<Packet> packets_of(const StepOutput& out) {
-  std::vector<Packet> found;
-  for (std::size_t at = 0; at < out.packets.size();) {
-    const bus::StreamPiece piece = bus::next_piece(out.packets, at, true);
-    EXPECT_EQ(piece.kind, bus::PieceKind::kPacket);
-    if (piece.header.apid == BusOptions{}.apid_first + Packet::layout().number) {
-      Packet packet;
-      const auto header =
-          bus::decode(Packet::layout(), out.packets.subspan(at, piece.octets), &packet);
-      EXPECT_TRUE(header.ok()) << (header ? "" : header.error().message);
-      found.push_back(packet);
-    }
-    at += piece.octets;
-  }
-  return found;
-}
 
 std::optional<bus::EventPacket> event(EventId id, const StepOutput& out) {
   for (const bus::EventPacket& packet : packets_of<bus::EventPacket>(out)) {
