@@ -25,7 +25,7 @@ COMMANDS = """\
 {9} servicer_attitude timestamp_ns={9} q_IC=1,0,0,0 w_C_rad_s=0,0,0
 {10} table_load bus.housekeeping_every_frames=5 features.sigma_px=0.26
 {11} table_activate
-{12} hex 19AFC0000003020000FF   # its checksum is wrong
+{12} hex 19AFC0000003030000FF   # its checksum is wrong
 {13} request_cloud points_max=300
 {14} table_load features.count_max=5000
 {15} checkpoint

@@ -10,12 +10,14 @@ from flights import PROGRAM, split
 
 
 @pytest.fixture
-def follow():
+def follow(tmp_path):
+    """Starts a reader whose output goes into tmp_path / "followed": a pipe that nobody empties would hold it up."""
     running = []
 
     def start(address, *arguments):
-        process = subprocess.Popen([PROGRAM, "bus", "follow", address, "--json", "--timeout", "10", *arguments],
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        with open(tmp_path / "followed", "w") as out:
+            process = subprocess.Popen([PROGRAM, "bus", "follow", address, "--json", "--timeout", "10", *arguments],
+                                       stdout=out, stderr=subprocess.PIPE, text=True)
         running.append(process)
         return process
 
@@ -35,6 +37,7 @@ def send(path, octets):
     import socket
 
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
+        sender.settimeout(20.0)
         sender.sendto(octets, path)
 
 
@@ -46,8 +49,8 @@ def test_follow_prints_what_comes_and_tells_of_damage(follow, flight, damaged, t
     for octets in damaged.packets:
         send(path, octets)
         time.sleep(0.002)
-    out, err = process.communicate(timeout=60)
-    lines = [json.loads(line) for line in out.splitlines()]
+    _, err = process.communicate(timeout=60)
+    lines = [json.loads(line) for line in (tmp_path / "followed").read_text().splitlines()]
     assert [line["packet"] for line in lines if line["packet"] == "motion"] == ["motion"] * (len(flight.rows) - 2)
     assert "310 octets were no packet" in err and "2 missing by their counts" in err
     assert not os.path.exists(path)

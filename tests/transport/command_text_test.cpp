@@ -44,7 +44,7 @@ TEST(CommandText, MakesPacketsThatAreTaken) {
 
 TEST(CommandText, LeavesRangesToTheReceiver) {
   EXPECT_EQ(Read("set_range range_m=-1 frame_timestamp_ns=0").reason, bus::Rejection::kRange);
-  EXPECT_EQ(Read("hex 19AFC00000030200").reason, bus::Rejection::kLength);
+  EXPECT_EQ(Read("hex 19AFC00000030300").reason, bus::Rejection::kLength);
 }
 
 TEST(CommandText, LoadsParametersByKey_AndKnowsTheirChecksum) {
@@ -100,7 +100,12 @@ TEST(CommandFile, HandsCommandsOverWithTheFirstFrameOfTheirTimeOrLater) {
 
 TEST(CommandFile, TakesWhatARecordingExports) {
   const Folder folder;
-  CommandFile file = file_of(folder, "#timestamp [ns],packet\n100,19afc000000302009b67\n");
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string hex;
+  for (const std::uint8_t octet : Read("noop").octets) {
+    hex += {kDigits[octet >> 4], kDigits[octet & 0xF]};
+  }
+  CommandFile file = file_of(folder, "#timestamp [ns],packet\n100," + hex + "\n");
   ASSERT_EQ(file.size(), 1U);
   const auto handed = file.due(100);
   bus::Command command;
