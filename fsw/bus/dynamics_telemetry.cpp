@@ -28,6 +28,11 @@ void put_upper_triangle(const Matrix& m, std::array<float, kCount>* out) {
   }
 }
 
+/// What the scale's own error adds to the covariance of a length in its unit.
+Eigen::Matrix3d by_scale(const Eigen::Vector3d& length, const LengthUnit& unit) {
+  return unit.relative_sigma * unit.relative_sigma * length * length.transpose();
+}
+
 std::uint8_t number(Observability observability) {
   return static_cast<std::uint8_t>(observability);
 }
@@ -101,12 +106,14 @@ void put_momentum(const BodyDynamics& body, const Eigen::Matrix3d& R_CI, ModelPa
 void put_path(const BodyDynamics& body,
               const RigidModel& model,
               const Eigen::Matrix3d& R_CI,
-              double unit,
+              const LengthUnit& lengths,
               ModelPacket* packet) {
+  const double unit = lengths.metres_per_mu;
+  const Eigen::Vector3d v_C = unit * (R_CI * body.v_I);
   packet->flags |= model_layout::kFlagVelocity;
-  packet->v_C = to_array(unit * (R_CI * body.v_I));
-  put_upper_triangle(Eigen::Matrix3d(unit * unit * (R_CI * body.covariance_v_I * R_CI.transpose())),
-                     &packet->cov_v);
+  packet->v_C = to_array(v_C);
+  const Eigen::Matrix3d covariance_v_C = unit * unit * (R_CI * body.covariance_v_I * R_CI.transpose());
+  put_upper_triangle(Eigen::Matrix3d(covariance_v_C + by_scale(v_C, lengths)), &packet->cov_v);
   Eigen::Vector3d c_T = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < 3; ++k) {
     const Estimated& along = body.mass_centre[k];
@@ -117,19 +124,21 @@ void put_path(const BodyDynamics& body,
     }
   }
   packet->c_T = to_array(unit * c_T);
-  put_upper_triangle(Eigen::Matrix3d(unit * unit * model.covariance.bottomRightCorner<3, 3>()),
-                     &packet->cov_c);
+  const Eigen::Matrix3d covariance_c_T = unit * unit * model.covariance.bottomRightCorner<3, 3>();
+  put_upper_triangle(Eigen::Matrix3d(covariance_c_T + by_scale(unit * c_T, lengths)), &packet->cov_c);
 }
 
 std::uint8_t refusal_of(const RigidModel& model) { return static_cast<std::uint8_t>(model.status); }
 
-/// `covariance` is of (phi, dp) in C and in the packet's unit.
+/// Pose and covariance in C and in the packet's unit, the latter without the scale's own error.
 void put_pose(const Pose& pose_C,
               const PoseCovariance& covariance,
+              const LengthUnit& unit,
               bool path_known,
               PredictionPacket* packet) {
   PoseCovariance shown = covariance;
-  const double sigma_position = worst_sigma(covariance.bottomRightCorner<3, 3>());
+  shown.bottomRightCorner<3, 3>() += by_scale(pose_C.p_CT, unit);
+  const double sigma_position = worst_sigma(shown.bottomRightCorner<3, 3>());
   const bool position =
       path_known && sigma_position < kPositionSigmaMax * pose_C.p_CT.norm();
   if (position) {
@@ -184,7 +193,7 @@ ModelPacket to_packet(const RigidModel& model, const Eigen::Matrix3d& R_CI, cons
   put_momentum(body, R_CI, &packet);
   if (model.path_known) {
     packet.chi2_per_dof[1] = static_cast<float>(model.position.chi2_per_dof);
-    put_path(body, model, R_CI, unit.metres_per_mu, &packet);
+    put_path(body, model, R_CI, unit, &packet);
   }
   return packet;
 }
@@ -204,6 +213,7 @@ PredictionPacket to_packet(const MotionPrediction& prediction,
   const Pose pose_C{.R_CT = R_CI * prediction.pose.R_CT, .p_CT = R_CI * prediction.pose.p_CT};
   put_pose(in_unit(pose_C, unit.metres_per_mu),
            in_unit(prediction.covariance, R_CI, unit.metres_per_mu),
+           unit,
            prediction.path_known,
            &packet);
   return packet;
@@ -216,6 +226,7 @@ PredictionPacket to_packet(const PosePrediction& prediction, const LengthUnit& u
   packet.flags = unit.known ? prediction_layout::kFlagScaleKnown : std::uint8_t{0};
   put_pose(in_unit(prediction.pose, unit.metres_per_mu),
            in_unit(prediction.covariance, Eigen::Matrix3d::Identity(), unit.metres_per_mu),
+           unit,
            true,
            &packet);
   return packet;

@@ -15,7 +15,7 @@
 namespace polhode::bus {
 namespace {
 
-const LengthUnit kMetres{.known = true, .metres_per_mu = 2.0, .relative_sigma = 0.01};
+const LengthUnit kMetres{.known = true, .metres_per_mu = 2.0};
 const Eigen::Matrix3d kR_CI = so3_exp({0.3, -0.2, 0.5});
 
 /// A body that tumbles, known as well as `sigma` says of every unknown.
@@ -78,6 +78,17 @@ TEST(ModelPacketOf, LengthsAreInTheUnitAndInC) {
   EXPECT_NEAR(packet.cov_v[0], 4e-8, 1e-12);
   EXPECT_NEAR(packet.cov_c[5], 4e-8, 1e-12);
   EXPECT_NEAR(packet.cov_w[0], 1e-8, 1e-12);
+}
+
+TEST(PacketsOfLengths, HoldTheErrorOfTheScaleItself) {
+  const LengthUnit loose{.known = true, .metres_per_mu = 2.0, .relative_sigma = 0.1};
+  const ModelPacket model = through_the_bus(to_packet(tumbling(1e-4), kR_CI, loose));
+  EXPECT_NEAR(model.cov_v[0], 4e-8 + 0.01 * model.v_C[0] * model.v_C[0], 1e-11);
+  EXPECT_NEAR(model.cov_c[1], 0.01 * model.c_T[0] * model.c_T[1], 1e-9);
+  const MotionPrediction there{.pose = {.R_CT = Eigen::Matrix3d::Identity(), .p_CT = {1.0, 2.0, 20.0}},
+                               .path_known = true};
+  const PredictionPacket ahead = through_the_bus(to_packet(there, tumbling(1e-4), kR_CI, loose));
+  EXPECT_NEAR(ahead.cov_pose[20], 0.01 * ahead.p_CT[2] * ahead.p_CT[2], 1e-5);
 }
 
 TEST(ModelPacketOf, WhatTheDataDoNotTellIsZeroAndSaysSo) {
