@@ -5,8 +5,9 @@
     tools/golden.py record    replays it and records the stream
 
 A recorded stream may change with a change of the estimator, of its defaults or of the bus layout: record anew, and say in the
-commit what moved and why the new stream is as good. It must not change with the compiler's version, the machine, its load,
-the number of cores or the environment: that is a fault to be found, not recorded.
+commit what moved and why the new stream is as good. It must not change with the compiler's version, the machine's load, the
+number of cores or the environment: that is a fault to be found, not recorded. The libraries choose their arithmetic by the
+processor's vector units (fused multiply-add rounds once): a stream is compared on processors that have the recorded ones.
 """
 
 import hashlib
@@ -20,7 +21,21 @@ from first_difference import PROGRAM, REPOSITORY, first_difference, packets
 
 GOLDEN = REPOSITORY / "tests/golden" / platform.machine()
 SAMPLE = REPOSITORY / "hil/data/sample"
+UNITS = GOLDEN / "vector_units.txt"
 CONFIGURATIONS = {"default": [], "jobs_beside": ["--set", "jobs.delay_frames=1"]}
+
+
+def vector_units() -> str:
+    """Those of this processor, from the kernel's list."""
+    words = set()
+    for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
+        if line.lower().startswith(("flags", "features")):
+            words.update(line.split(":", 1)[1].split())
+    return " ".join(sorted(word for word in words if word.startswith(("sse", "ssse", "avx", "fma", "asimd", "sve"))))
+
+
+def comparable() -> bool:
+    return UNITS.exists() and UNITS.read_text().split() == vector_units().split()
 
 
 def stream(arguments: list[str], folder: pathlib.Path) -> pathlib.Path:
@@ -46,12 +61,15 @@ def main() -> int:
         print(__doc__, file=sys.stderr)
         return 2
     good = True
+    if sys.argv[1] == "check" and not comparable():
+        print(f"recorded with other vector units: {UNITS}")
     with tempfile.TemporaryDirectory() as scratch:
         for name, arguments in CONFIGURATIONS.items():
             found = stream(arguments, pathlib.Path(scratch) / name)
             if sys.argv[1] == "record":
                 GOLDEN.mkdir(parents=True, exist_ok=True)
                 (GOLDEN / f"{name}.ccsds").write_bytes(found.read_bytes())
+                UNITS.write_text(vector_units() + "\n")
                 print(f"{name}: {hashlib.sha256(found.read_bytes()).hexdigest()}, recorded")
             else:
                 good = compare(name, found) and good

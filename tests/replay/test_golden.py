@@ -18,6 +18,8 @@ def test_the_stream_is_the_recorded_one(name, tmp_path):
     expected = golden.GOLDEN / f"{name}.ccsds"
     if not expected.exists():
         pytest.skip(f"nothing is recorded for {golden.GOLDEN.name}")
+    if not golden.comparable():
+        pytest.skip(f"recorded with other vector units: {golden.UNITS}")
     found = golden.stream(golden.CONFIGURATIONS[name], tmp_path / name)
     if expected.read_bytes() != found.read_bytes():
         difference = first_difference(packets(expected), packets(found)) or "headers or check sums differ"
