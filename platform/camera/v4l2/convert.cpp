@@ -1,14 +1,10 @@
 #include "camera/v4l2/convert.hpp"
 
-#include <turbojpeg.h>
-
 #include <cstring>
 
 #include "base/assert.hpp"
 
 namespace polhode::platform {
-
-void GrayConverter::CloseDecoder::operator()(void* decoder) const { tjDestroy(decoder); }
 
 GrayConverter::GrayConverter(const OfferedFormat& format)
     : format_(format), packing_(*find_packing(format.fourcc)) {
@@ -22,7 +18,7 @@ GrayConverter::GrayConverter(const OfferedFormat& format)
     image_.resize(widened ? 2 * pixels : pixels);
   }
   if (packing_.packing == Packing::kCompressed) {
-    decoder_.reset(tjInitDecompress());
+    decoder_ = std::make_unique<JpegDecoder>(format.width_px, format.height_px);
   }
 }
 
@@ -33,7 +29,7 @@ bool GrayConverter::convert(std::span<const std::uint8_t> buffer, ImageView* vie
            .stride_octets = format_.width_px,
            .format = PixelFormat::kGray8};
   if (packing_.packing == Packing::kCompressed) {
-    return decompress(buffer);
+    return decoder_->decode(buffer, image_.data());
   }
   const std::size_t row = static_cast<std::size_t>(format_.width_px) *
                           static_cast<std::size_t>(packing_.octets_per_pixel);
@@ -74,36 +70,6 @@ void GrayConverter::convert_rows(const std::uint8_t* buffer) {
         break;  // never converted by rows
     }
   }
-}
-
-bool GrayConverter::decompress(std::span<const std::uint8_t> buffer) {
-  int width_px = 0;
-  int height_px = 0;
-  int subsampling = 0;
-  int colour_space = 0;
-  const auto octets = static_cast<unsigned long>(buffer.size());
-  if (decoder_ == nullptr || buffer.empty() ||
-      tjDecompressHeader3(decoder_.get(),
-                          buffer.data(),
-                          octets,
-                          &width_px,
-                          &height_px,
-                          &subsampling,
-                          &colour_space) != 0 ||
-      width_px != format_.width_px || height_px != format_.height_px) {
-    return false;
-  }
-  // An image that ends early is refused, not painted gray. The accurate transform gives the same
-  // pixels whatever vector unit the machine has.
-  return tjDecompress2(decoder_.get(),
-                       buffer.data(),
-                       octets,
-                       image_.data(),
-                       width_px,
-                       width_px,
-                       height_px,
-                       TJPF_GRAY,
-                       TJFLAG_STOPONWARNING | TJFLAG_ACCURATEDCT) == 0;
 }
 
 void widen_row(const std::uint8_t* from, int pixels, int bits, std::uint8_t* to) {

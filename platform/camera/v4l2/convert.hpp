@@ -8,6 +8,7 @@
 
 #include "base/image_view.hpp"
 #include "camera/v4l2/formats.hpp"
+#include "camera/v4l2/jpeg_decoder.hpp"
 
 namespace polhode::platform {
 
@@ -23,16 +24,12 @@ class GrayConverter {
   [[nodiscard]] bool convert(std::span<const std::uint8_t> buffer, ImageView* view);
 
  private:
-  struct CloseDecoder {
-    void operator()(void* decoder) const;
-  };
-  bool decompress(std::span<const std::uint8_t> buffer);
   void convert_rows(const std::uint8_t* buffer);
 
   OfferedFormat format_;
   PixelPacking packing_;
   std::vector<std::uint8_t> image_;  ///< rows without padding
-  std::unique_ptr<void, CloseDecoder> decoder_;
+  std::unique_ptr<JpegDecoder> decoder_;  ///< of compressed formats
 };
 
 /// One row each. Colour becomes luminance by ITU-R BT.601, in integers.

@@ -1,0 +1,38 @@
+// JPEG images of one size to gray, in memory that is taken at start: what a camera that delivers
+// compressed frames needs thirty times a second.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace polhode::platform {
+
+class JpegDecoder {
+ public:
+  /// Takes all memory that images of this size will need.
+  JpegDecoder(int width_px, int height_px);
+  ~JpegDecoder();
+  JpegDecoder(const JpegDecoder&) = delete;
+  JpegDecoder& operator=(const JpegDecoder&) = delete;
+  JpegDecoder(JpegDecoder&&) = delete;
+  JpegDecoder& operator=(JpegDecoder&&) = delete;
+
+  /// @param gray   room for width times height.
+  /// @return false when the octets are no whole baseline JPEG image of this size (an image that ends
+  /// early is refused, not painted gray), or it asks for more memory than such images do. The next one
+  /// is decoded none the worse for it. No heap.
+  [[nodiscard]] bool decode(std::span<const std::uint8_t> octets, std::uint8_t* gray);
+
+  /// The most that an image has taken so far, of memory_octets().
+  [[nodiscard]] std::size_t peak_octets() const;
+  [[nodiscard]] std::size_t memory_octets() const;
+
+  struct State;  ///< the library's and ours; in the source file
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace polhode::platform
