@@ -59,8 +59,12 @@ class Exhaustion : public ::testing::Test {
     std::filesystem::remove(file_);
   }
   ~Exhaustion() override { std::filesystem::remove(file_); }
-  std::filesystem::path file_ = std::filesystem::temp_directory_path() /
-                                ("polhode_exhaustion_" + std::to_string(::getsid(0)));
+  // The tests run beside each other, and each in two processes, the second of which runs the test
+  // anew up to the death that is expected: same session and name, same file.
+  std::filesystem::path file_ =
+      std::filesystem::temp_directory_path() /
+      ("polhode_exhaustion_" + std::to_string(::getsid(0)) + "_" +
+       ::testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
 TEST_F(Exhaustion, OfTheReserveLeavesACheckpointBehind_AndItsOwnExitCode) {
