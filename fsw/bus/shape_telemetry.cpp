@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bus/narrow.hpp"
 #include "bus/packet_layout.hpp"
 
 namespace polhode::bus {
@@ -12,10 +13,6 @@ namespace {
 static_assert(std::tuple_size_v<decltype(ShapePacket::plane_offset)> == limits::kPlanes);
 
 std::array<double, 3> to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-std::uint16_t clipped(std::size_t count) {
-  return static_cast<std::uint16_t>(std::min<std::size_t>(count, 0xFFFF));
-}
 
 template <std::size_t kCount, typename Vector>
 void put_row(const Vector& v, std::size_t row, std::array<float, kCount>* out) {

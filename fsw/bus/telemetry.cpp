@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "bus/narrow.hpp"
+
 namespace polhode {
 namespace bus {
 namespace {
@@ -11,15 +13,6 @@ constexpr double kRangeSlack = 1e-6;  // rounding of binary32
 Error refused(const Layout& layout, const char* what) {
   return {.code = ErrorCode::kBadParameter,
           .message = std::string(layout.name) + " packet: " + what};
-}
-
-template <std::size_t kCount>
-std::array<float, kCount> narrowed(const std::array<double, kCount>& values) {
-  std::array<float, kCount> out{};
-  std::transform(values.begin(), values.end(), out.begin(), [](double value) {
-    return static_cast<float>(value);
-  });
-  return out;
 }
 
 template <std::size_t kCount>

@@ -21,6 +21,8 @@ struct alignas(kAlignment) Storage {
   alignas(kAlignment) std::byte component[sizeof(Component)];
 };
 
+}  // namespace
+
 CameraModel to_model(const CameraParameters& c) {
   return {.width_px = c.width_px,
           .height_px = c.height_px,
@@ -33,8 +35,6 @@ CameraModel to_model(const CameraParameters& c) {
           .p1 = c.p1,
           .p2 = c.p2};
 }
-
-}  // namespace
 
 MemoryNeed memory_needed(const Parameters& /*parameters*/) {
   using State = Component::State;

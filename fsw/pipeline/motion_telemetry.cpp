@@ -1,21 +1,12 @@
 #include "pipeline/motion_telemetry.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "bus/dynamics_telemetry.hpp"
+#include "bus/narrow.hpp"
 
 namespace polhode {
 namespace {
-
-template <std::size_t kCount>
-std::array<float, kCount> narrowed(const std::array<double, kCount>& values) {
-  std::array<float, kCount> out{};
-  std::transform(values.begin(), values.end(), out.begin(), [](double value) {
-    return static_cast<float>(value);
-  });
-  return out;
-}
 
 bool dynamics_hold(const Component::State& s) {
   return s.parameters.motion.mode == MotionMode::kDynamics && s.motion.model.accepted();
@@ -32,7 +23,7 @@ void put_local_rate(const MotionState& motion, const PoseHistory& poses, bus::Mo
     packet->dynamics = bus::kDynamicsLocal;
     packet->flags |= bus::model_layout::kFlagRate;
     packet->w_T_rad_s = motion.w_T_rad_s;
-    packet->cov_w = narrowed(motion.cov_w);
+    packet->cov_w = bus::narrowed(motion.cov_w);
   }
 }
 

@@ -32,6 +32,9 @@ struct CameraParameters {
   double p2 = 0.0;
 };
 
+struct CameraModel;  // geometry/camera_model.hpp
+CameraModel to_model(const CameraParameters& camera);
+
 struct Parameters {
   CameraParameters camera;
   ImageOptions image;

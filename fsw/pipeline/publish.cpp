@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bus/narrow.hpp"
 #include "pipeline/telemetry.hpp"
 
 namespace polhode {
@@ -24,12 +25,8 @@ std::array<double, kCount> upper_triangle(const Matrix& m) {
   return out;
 }
 
-std::uint16_t clipped(std::size_t count) {
-  return static_cast<std::uint16_t>(std::min<std::size_t>(count, 0xFFFF));
-}
-
 std::uint16_t inliers(const LandmarkMatches& matches) {
-  return clipped(static_cast<std::size_t>(std::count_if(
+  return bus::clipped(static_cast<std::size_t>(std::count_if(
       matches.begin(), matches.end(), [](const LandmarkMatch& m) { return m.inlier; })));
 }
 
@@ -129,11 +126,11 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   m.timestamp_ns = timestamp_ns;
   m.mode = s->mode;
   m.scale_known = s->scale.known;
-  m.features = clipped(std::max(s->features.size(), s->localised.matches.size()));
-  m.matches = clipped(s->localised.matches.size());
+  m.features = bus::clipped(std::max(s->features.size(), s->localised.matches.size()));
+  m.matches = bus::clipped(s->localised.matches.size());
   m.inliers = inliers(s->localised.matches);
-  m.landmarks = clipped(static_cast<std::size_t>(s->map.landmark_count));
-  m.keyframes = clipped(static_cast<std::size_t>(s->map.keyframe_count));
+  m.landmarks = bus::clipped(static_cast<std::size_t>(s->map.landmark_count));
+  m.keyframes = bus::clipped(static_cast<std::size_t>(s->map.keyframe_count));
   if (s->pose_valid) {
     const AbsolutePose& absolute = s->localised.absolute;
     const double unit = s->scale.metres_per_mu;

@@ -2,15 +2,12 @@
 
 #include <algorithm>
 
+#include "bus/narrow.hpp"
 #include "pipeline/motion_telemetry.hpp"
 #include "pipeline/tell_events.hpp"
 
 namespace polhode {
 namespace {
-
-std::uint16_t clipped(std::size_t count) {
-  return static_cast<std::uint16_t>(std::min<std::size_t>(count, 0xFFFF));
-}
 
 bool due(std::uint32_t frame, int every_frames) {
   return frame % static_cast<std::uint32_t>(every_frames) == 0;
@@ -90,10 +87,10 @@ void send_housekeeping(const MotionState& motion, Component::State* s) {
   packet.packets_not_sent = bus.stream.not_sent;
   packet.table_crc = bus.table_crc;
   packet.table_loaded_crc = bus.inactive.crc;
-  packet.table_entries = clipped(bus.inactive.entries);
+  packet.table_entries = bus::clipped(bus.inactive.entries);
   packet.landmarks = motion.landmarks;
   packet.keyframes = motion.keyframes;
-  packet.cloud_chunks_left = clipped(chunks_left(bus.cloud));
+  packet.cloud_chunks_left = bus::clipped(chunks_left(bus.cloud));
   packet.mode = static_cast<std::uint8_t>(motion.mode);
   packet.version = version_numbers();
   packet.flags = static_cast<std::uint8_t>(
@@ -111,8 +108,8 @@ void send_cloud_chunk(Component::State* s) {
   packet.points_total = static_cast<std::uint32_t>(cloud.points_T.size());
   packet.first_point = static_cast<std::uint32_t>(cloud.next);
   packet.cloud = cloud.number;
-  packet.chunk = clipped(cloud.next / points_per_chunk());
-  packet.chunks = clipped((cloud.points_T.size() + points_per_chunk() - 1) / points_per_chunk());
+  packet.chunk = bus::clipped(cloud.next / points_per_chunk());
+  packet.chunks = bus::clipped((cloud.points_T.size() + points_per_chunk() - 1) / points_per_chunk());
   packet.points = static_cast<std::uint8_t>(points);
   if (cloud.scale_known) {
     packet.flags = bus::cloud_layout::kFlagScaleKnown;

@@ -62,18 +62,8 @@ struct Frames {
 Frames read_frames(const std::string& folder) {
   const platform::Sequence sequence = platform::open_sequence(folder);
   const auto truth = read_truth(folder + "/truth.csv");
-  const CameraParameters& c = sequence.camera;
   Frames frames;
-  frames.camera = {.width_px = c.width_px,
-                   .height_px = c.height_px,
-                   .fu_px = c.fu_px,
-                   .fv_px = c.fv_px,
-                   .cu_px = c.cu_px,
-                   .cv_px = c.cv_px,
-                   .k1 = c.k1,
-                   .k2 = c.k2,
-                   .p1 = c.p1,
-                   .p2 = c.p2};
+  frames.camera = to_model(sequence.camera);
   platform::FileCamera camera(sequence);
   Frame frame;
   while (camera.next(frame)) {

@@ -15,6 +15,7 @@
 
 #include "base/rng.hpp"
 #include "geometry/pose.hpp"
+#include "geometry/so3.hpp"
 #include "pipeline/component.hpp"
 
 namespace polhode::bench {
@@ -175,5 +176,23 @@ class Ball {
   }
   std::vector<Patch> patches_;
 };
+
+inline constexpr double kTurn_rad = 0.07;  ///< of the turning ball from frame to frame, 4 deg
+
+/// Where the turning ball is at a frame.
+inline Pose turning(int frame) {
+  const Eigen::Vector3d axis = Eigen::Vector3d(0.2, 1.0, 0.1).normalized();
+  return {.R_CT = so3_exp(kTurn_rad * frame * axis), .p_CT = {0.05, -0.02, 8.0}};
+}
+
+/// What the camera sees of it, frame by frame.
+inline std::vector<Picture> pictures_of_turning(int frames) {
+  const Ball ball(3);
+  std::vector<Picture> pictures;
+  for (int i = 0; i < frames; ++i) {
+    pictures.push_back(ball.seen_from(turning(i)));
+  }
+  return pictures;
+}
 
 }  // namespace polhode::bench

@@ -14,23 +14,10 @@ namespace {
 
 using namespace bench;
 
-constexpr double kStep_rad = 0.07;
 constexpr int kFrames = 24;
 
-Pose truth(int frame) {
-  const Eigen::Vector3d axis = Eigen::Vector3d(0.2, 1.0, 0.1).normalized();
-  return {.R_CT = so3_exp(kStep_rad * frame * axis), .p_CT = {0.05, -0.02, 8.0}};
-}
-
 const Picture& picture(int frame) {
-  static const std::vector<Picture> rendered = [] {
-    const Ball ball(3);
-    std::vector<Picture> all;
-    for (int i = 0; i < kFrames; ++i) {
-      all.push_back(ball.seen_from(truth(i)));
-    }
-    return all;
-  }();
+  static const std::vector<Picture> rendered = pictures_of_turning(kFrames);
   return rendered[static_cast<std::size_t>(frame)];
 }
 
@@ -76,9 +63,9 @@ TEST(Checkpoint, AfterIt_TheTargetIsFoundAtOnce_InTheSameFrame) {
     EXPECT_EQ(out.motion.mode, Mode::kTracking);
     EXPECT_EQ(out.motion.frame, 14U);
     // T is the T from before: its rotation against the truth's is still the same constant one.
-    const Eigen::Matrix3d R_TT = truth(14 + missed).R_CT.transpose() * rotation_of(out.motion);
+    const Eigen::Matrix3d R_TT = turning(14 + missed).R_CT.transpose() * rotation_of(out.motion);
     const Eigen::Matrix3d R_TT_before =
-        truth(13).R_CT.transpose() * rotation_of(run.bench.component->state().output.motion);
+        turning(13).R_CT.transpose() * rotation_of(run.bench.component->state().output.motion);
     EXPECT_LT(rotation_angle_rad(R_TT, R_TT_before), 0.035) << missed;
     EXPECT_TRUE(out.motion.rate_valid);
   }

@@ -13,24 +13,11 @@ namespace {
 
 using namespace bench;
 
-constexpr double kStep_rad = 0.07;
 constexpr int kFrames = 20;
 const Eigen::Vector3d kCameraRate_C{0.0, 0.01, -0.02};  // rad/s
 
-Pose seen(int frame) {
-  const Eigen::Vector3d axis = Eigen::Vector3d(0.2, 1.0, 0.1).normalized();
-  return {.R_CT = so3_exp(kStep_rad * frame * axis), .p_CT = {0.05, -0.02, 8.0}};
-}
-
 const std::vector<Picture>& pictures() {
-  static const std::vector<Picture> rendered = [] {
-    const Ball ball(3);
-    std::vector<Picture> all;
-    for (int i = 0; i < kFrames; ++i) {
-      all.push_back(ball.seen_from(seen(i)));
-    }
-    return all;
-  }();
+  static const std::vector<Picture> rendered = pictures_of_turning(kFrames);
   return rendered;
 }
 

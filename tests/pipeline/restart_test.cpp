@@ -13,15 +13,9 @@ namespace {
 
 using namespace bench;
 
-constexpr double kStep_rad = 0.07;  // 4 deg a frame
 constexpr int kGone = 20;           // first frame out of sight
 constexpr int kBack = 52;           // 128 deg later
 constexpr int kFrames = 76;
-
-Pose truth(int frame) {
-  const Eigen::Vector3d axis = Eigen::Vector3d(0.2, 1.0, 0.1).normalized();
-  return {.R_CT = so3_exp(kStep_rad * frame * axis), .p_CT = {0.05, -0.02, 8.0}};
-}
 
 struct Passage {
   std::vector<MotionState> motion;
@@ -36,7 +30,7 @@ Passage run() {
   for (int i = 0; i < kFrames; ++i) {
     const bool seen = i < kGone || i >= kBack;
     const StepOutput& out =
-        seen ? b.show(ball.seen_from(truth(i)))
+        seen ? b.show(ball.seen_from(turning(i)))
              : b.component->step({.frame = unreadable(++b.time_s * Bench::kSecond_ns)});
     r.motion.push_back(out.motion);
     r.bytes.insert(r.bytes.end(), out.packets.begin(), out.packets.end());
@@ -80,7 +74,7 @@ TEST(Restart, StaysInTheSameT_AsFarAsTheMotionBeforeTellsIt) {
   const MotionState& a = passage().motion[static_cast<std::size_t>(before)];
   const MotionState& b = passage().motion[static_cast<std::size_t>(after)];
   const double error_rad = rotation_angle_rad(rotation_of(b) * rotation_of(a).transpose(),
-                                              truth(after).R_CT * truth(before).R_CT.transpose());
+                                              turning(after).R_CT * turning(before).R_CT.transpose());
   EXPECT_LT(error_rad, 3.0 * b.sigma_att_rad);
   EXPECT_GT(b.sigma_att_rad, 2.0 * a.sigma_att_rad) << "the gap is part of the sigma";
   EXPECT_LT(b.sigma_att_rad, 0.35) << "20 deg: more would say nothing";
@@ -96,7 +90,7 @@ TEST(Restart, KeepsOriginAndUnit_AsFarAsTheBodyTellsThem) {
   for (int i = first_pose(0); i < kGone; ++i) {
     const MotionState& m = passage().motion[static_cast<std::size_t>(i)];
     Eigen::Matrix<double, 3, 4> row;
-    row << truth(i).p_CT, -rotation_of(m);
+    row << turning(i).p_CT, -rotation_of(m);
     normal += row.transpose() * row;
     right += row.transpose() * position_of(m);
   }
@@ -104,7 +98,7 @@ TEST(Restart, KeepsOriginAndUnit_AsFarAsTheBodyTellsThem) {
   const int after = first_pose(kGone);
   ASSERT_LT(after, kFrames);
   const MotionState& m = passage().motion[static_cast<std::size_t>(after)];
-  const Eigen::Vector3d expected = found(0) * truth(after).p_CT - rotation_of(m) * found.tail<3>();
+  const Eigen::Vector3d expected = found(0) * turning(after).p_CT - rotation_of(m) * found.tail<3>();
   EXPECT_LT((position_of(m) - expected).norm(), 3.0 * m.sigma_pos);
   EXPECT_LT((position_of(m) - expected).norm(), 0.3 * expected.norm());
 }

@@ -12,23 +12,10 @@ namespace {
 
 using namespace bench;
 
-constexpr double kStep_rad = 0.07;  // 4 deg a frame
 constexpr int kFrames = 24;
 
-Pose truth(int frame) {
-  const Eigen::Vector3d axis = Eigen::Vector3d(0.2, 1.0, 0.1).normalized();
-  return {.R_CT = so3_exp(kStep_rad * frame * axis), .p_CT = {0.05, -0.02, 8.0}};
-}
-
 const std::vector<Picture>& pictures() {
-  static const std::vector<Picture> rendered = [] {
-    const Ball ball(3);
-    std::vector<Picture> all;
-    for (int i = 0; i < kFrames; ++i) {
-      all.push_back(ball.seen_from(truth(i)));
-    }
-    return all;
-  }();
+  static const std::vector<Picture> rendered = pictures_of_turning(kFrames);
   return rendered;
 }
 
@@ -76,7 +63,7 @@ double worst_turn_error_rad(const Passage& r) {
       const Eigen::Matrix3d turn =
           rotation_of(m) * rotation_of(r.motion[static_cast<std::size_t>(first)]).transpose();
       worst =
-          std::max(worst, rotation_angle_rad(turn, truth(i).R_CT * truth(first).R_CT.transpose()));
+          std::max(worst, rotation_angle_rad(turn, turning(i).R_CT * turning(first).R_CT.transpose()));
     }
   }
   return worst;
@@ -118,7 +105,7 @@ TEST(TurningBody, HasTheRateOfTheTruth) {
   ASSERT_TRUE(last.rate_valid);
   const double rate =
       Eigen::Vector3d(last.w_T_rad_s[0], last.w_T_rad_s[1], last.w_T_rad_s[2]).norm();
-  EXPECT_NEAR(rate, kStep_rad, 0.1 * kStep_rad);
+  EXPECT_NEAR(rate, kTurn_rad, 0.1 * kTurn_rad);
 }
 
 TEST(TurningBody, HasAQuaternionThatDoesNotJump) {
@@ -131,7 +118,7 @@ TEST(TurningBody, HasAQuaternionThatDoesNotJump) {
         dot += r.motion[i - 1].q_CT[k] * r.motion[i].q_CT[k];
         norm2 += r.motion[i].q_CT[k] * r.motion[i].q_CT[k];
       }
-      EXPECT_GT(dot, std::cos(kStep_rad)) << "half the turn of one frame, with room";
+      EXPECT_GT(dot, std::cos(kTurn_rad)) << "half the turn of one frame, with room";
       EXPECT_NEAR(norm2, 1.0, 1e-12);
     }
   }

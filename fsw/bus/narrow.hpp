@@ -1,0 +1,26 @@
+// Numbers as a packet holds them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace polhode::bus {
+
+/// The largest number that fits stands for all that are larger.
+inline std::uint16_t clipped(std::size_t count) {
+  return static_cast<std::uint16_t>(std::min<std::size_t>(count, 0xFFFF));
+}
+
+/// Rounded to binary32.
+template <std::size_t kCount>
+std::array<float, kCount> narrowed(const std::array<double, kCount>& values) {
+  std::array<float, kCount> out{};
+  std::transform(values.begin(), values.end(), out.begin(), [](double value) {
+    return static_cast<float>(value);
+  });
+  return out;
+}
+
+}  // namespace polhode::bus
