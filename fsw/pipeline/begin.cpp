@@ -7,6 +7,7 @@
 #include "map/bridge.hpp"
 #include "map/keyframes.hpp"
 #include "pipeline/mapping.hpp"
+#include "pipeline/scale_now.hpp"
 #include "pipeline/track.hpp"
 
 namespace polhode {
@@ -104,9 +105,10 @@ void widen_drift(const Bridge& bridge, double predicted_sigma_rad, Component::St
   s->drift.walk.bottomRightCorner<3, 3>().diagonal().array() += position_mu * position_mu;
 }
 
-/// The first map.
+/// The first map, or another one with a T and a unit of its own.
 void begin(Component::State* s) {
   forget_map(s);
+  forget_scale(s);
   s->drift = {};
   take_over_start({}, s);
 }
@@ -129,6 +131,9 @@ void begin_again(Component::State* s) {
       static_cast<int>(s->job.start.outcome.frames.size()), s->parameters.map, &s->map));
   if (!bridge.agrees || !has_room(*s)) {
     forget_map(s);
+  }
+  if (!bridge.agrees) {
+    forget_scale(s);  // the unit comes from the motion that was contradicted
   }
   ++s->counters.restarts;
   take_over_start(bridge.to_T, s);

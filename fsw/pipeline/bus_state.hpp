@@ -51,7 +51,7 @@ struct ToldSoFar {
   bool started = false;
   Counters counters;
   Mode mode = Mode::kIdle;
-  bool scale_known = false;
+  double metres_per_mu = 0.0;  ///< 0: lengths were in map units
   std::uint32_t frame_of_loss = 0;
 };
 

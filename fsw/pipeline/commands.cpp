@@ -5,6 +5,7 @@
 #include "base/crc.hpp"
 #include "bus/commands.hpp"
 #include "pipeline/parameter_image.hpp"
+#include "pipeline/scale_now.hpp"
 
 namespace polhode {
 namespace {
@@ -48,7 +49,7 @@ Outcome set_known_length(const Command& command, Component::State* s) {
   s->parameters.scale = {.known_length_m = length.length_m,
                          .points_px = {length.first_px, length.second_px},
                          .frame_timestamp_ns = length.frame_timestamp_ns};
-  s->scale = {};
+  forget_scale(s);
   return kDone;
 }
 
@@ -56,7 +57,7 @@ Outcome set_range(const Command& command, Component::State* s) {
   const auto range = command.arguments<bus::SetRangeCommand>();
   s->parameters.scale = {.range_m = range.range_m,
                          .frame_timestamp_ns = range.frame_timestamp_ns};
-  s->scale = {};
+  forget_scale(s);
   return kDone;
 }
 
@@ -306,7 +307,7 @@ void forget_target(Component::State* s) {
   forget_shape(s);
   s->localised.matches.clear();
   s->drift = {};
-  s->scale = {};
+  forget_scale(s);
   s->noise_scale = 1.0;
   s->keyframes_at_last_adjustment = 0;
   s->frames_lost = 0;

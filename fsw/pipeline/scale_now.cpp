@@ -32,10 +32,17 @@ SeenLandmarks seen_in(const Keyframe& keyframe, const Map& map) {
   return seen;
 }
 
-bool has_reading(ScaleSource source, const Component::State& s) {
-  return std::any_of(s.scale.readings.begin(),
-                     s.scale.readings.end(),
-                     [source](const ScaleReading& reading) { return reading.source == source; });
+/// Nothing was read from the named frame yet, or the map has grown by half since.
+bool is_due(const Component::State& s) {
+  const ScaleOptions& options = s.parameters.scale;
+  const auto lacks = [&s](ScaleSource source) {
+    return std::none_of(s.scale.readings.begin(),
+                        s.scale.readings.end(),
+                        [source](const ScaleReading& reading) { return reading.source == source; });
+  };
+  return (options.known_length_m != 0.0 && lacks(ScaleSource::kKnownLength)) ||
+         (options.range_m != 0.0 && lacks(ScaleSource::kRange)) ||
+         2 * s.map.next_keyframe_number >= 3 * s.scale.keyframes_at_reading;
 }
 
 /// What the readings together say.
@@ -63,21 +70,11 @@ bool take(ScaleSource source, const Result<ScaleEstimate>& estimate, Component::
   return take_reading(reading, s->scale.readings);
 }
 
-}  // namespace
-
-bool waits_for_frame(const Component::State& s) {
-  const ScaleOptions& options = s.parameters.scale;
-  return (options.known_length_m != 0.0 && !has_reading(ScaleSource::kKnownLength, s)) ||
-         (options.range_m != 0.0 && !has_reading(ScaleSource::kRange, s));
-}
-
-bool measure_scale_in(const Pose& pose,
-                      std::span<const Eigen::Vector3d> landmarks_T,
-                      Component::State* s) {
+/// The named length and range, in place of what an earlier view said of them.
+bool measure_scale_in(const ScaleView& view, Component::State* s) {
   const ScaleOptions& options = s->parameters.scale;
-  const ScaleView view{.pose = pose, .landmarks_T = landmarks_T};
   bool taken = false;
-  if (options.known_length_m != 0.0 && !has_reading(ScaleSource::kKnownLength, *s)) {
+  if (options.known_length_m != 0.0) {
     const auto ray = [&](std::size_t end) {
       return undistort(s->camera, {options.points_px[end][0], options.points_px[end][1]});
     };
@@ -87,14 +84,27 @@ bool measure_scale_in(const Pose& pose,
                   scale_from_length(view, ray(0), ray(1), options.known_length_m, sigma_ray),
                   s);
   }
-  if (options.range_m != 0.0 && !has_reading(ScaleSource::kRange, *s)) {
+  if (options.range_m != 0.0) {
     taken |= take(
         ScaleSource::kRange, scale_from_range(view, options.range_m, options.range_sigma_m), s);
   }
   if (taken) {
+    s->scale.keyframes_at_reading = s->map.next_keyframe_number;
     settle(s);
   }
   return taken;
+}
+
+}  // namespace
+
+bool names_frame(const ScaleOptions& options) {
+  return options.known_length_m != 0.0 || options.range_m != 0.0;
+}
+
+void forget_scale(Component::State* s) {
+  const double published = s->scale.metres_per_mu_published;
+  s->scale = {};
+  s->scale.metres_per_mu_published = published;
 }
 
 bool measure_scale_of(const Shape& shape, Component::State* s) {
@@ -118,20 +128,30 @@ bool measure_scale_of(const Shape& shape, Component::State* s) {
   return taken;
 }
 
-void measure_scale(Component::State* s) {
-  if (!s->pose_valid || !waits_for_frame(*s)) {
-    return;
-  }
+bool measure_scale_in_keyframe(Component::State* s) {
   const std::int64_t wanted_ns = s->parameters.scale.frame_timestamp_ns;
-  if (s->timestamp_ns == wanted_ns) {
-    (void)measure_scale_in(s->localised.absolute.pose, seen_in_this_frame(*s).view(), s);
-    return;
-  }
   for (const Keyframe& keyframe : s->map.keyframes) {
     if (keyframe.used && keyframe.timestamp_ns == wanted_ns) {
-      (void)measure_scale_in(keyframe.pose, seen_in(keyframe, s->map).view(), s);
-      return;
+      return measure_scale_in({.pose = keyframe.pose, .landmarks_T = seen_in(keyframe, s->map).view()}, s);
     }
+  }
+  return false;
+}
+
+bool measure_scale_in_frame(Component::State* s) {
+  return measure_scale_in(
+      {.pose = s->localised.absolute.pose, .landmarks_T = seen_in_this_frame(*s).view()}, s);
+}
+
+void measure_scale(Component::State* s) {
+  const ScaleOptions& options = s->parameters.scale;
+  if (!s->pose_valid || !names_frame(options) || !is_due(*s)) {
+    return;
+  }
+  if (s->timestamp_ns == options.frame_timestamp_ns) {
+    (void)measure_scale_in_frame(s);
+  } else {
+    (void)measure_scale_in_keyframe(s);
   }
 }
 

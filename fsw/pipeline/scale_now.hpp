@@ -1,29 +1,29 @@
 // Metres per map unit, as soon as what carries the scale has been seen.
 #pragma once
 
-#include <cstdint>
-#include <span>
-
 #include "pipeline/state.hpp"
 #include "shape/shape.hpp"
 
 namespace polhode {
 
 /// Where the configuration names a length or a range in a frame, and that frame is this one or a
-/// keyframe, they are read, once. Afterwards lengths are published in metres, unless readings
-/// contradict each other.
+/// keyframe, they are read, and read anew each time the map has grown by half: a map of a few frames
+/// is bent, and its lengths are off by percents. Lengths are published in metres from then on, unless
+/// readings contradict each other.
 void measure_scale(Component::State* state);
 
-/// The same from any view of that frame: its pose and the landmarks seen in it. False where nothing
-/// more can be told.
-bool measure_scale_in(const Pose& pose,
-                      std::span<const Eigen::Vector3d> landmarks_T,
-                      Component::State* state);
+/// What was measured holds no longer: lengths are in map units. What is to be measured stays.
+void forget_scale(Component::State* state);
+
+/// The same at once, in place of what an earlier reading said: from the keyframe of the named time,
+/// or from this frame as it was localised last. False where nothing can be told.
+bool measure_scale_in_keyframe(Component::State* state);
+bool measure_scale_in_frame(Component::State* state);
 
 /// From a found shape in map units, where the configuration names a diameter or an edge.
 bool measure_scale_of(const Shape& shape, Component::State* state);
 
-/// Whether a named length or range still waits for its frame.
-[[nodiscard]] bool waits_for_frame(const Component::State& state);
+/// Whether a length or a range is named in a frame.
+[[nodiscard]] bool names_frame(const ScaleOptions& options);
 
 }  // namespace polhode

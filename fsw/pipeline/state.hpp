@@ -39,6 +39,7 @@ struct ScaleState {
   double metres_per_mu = 1.0;
   double relative_sigma = 0.0;
   double metres_per_mu_published = 1.0;  ///< of the last frame that was published in metres
+  std::uint32_t keyframes_at_reading = 0;  ///< number of the map's next one at the last reading
   ScaleReadings readings;
   std::array<bool, kScaleSources> used{};  ///< readings that the scale comes from
   bool contradiction = false;

@@ -95,13 +95,13 @@ void tell_events(FrameUse use, const MotionState& motion, Component::State* s) {
   if (now.tables_full != told.counters.tables_full) {
     tell(EventId::kTableFull, now.tables_full - told.counters.tables_full, 0.0, s);
   }
-  if (s->scale.known && !told.scale_known) {
+  if (s->scale.known && told.metres_per_mu != s->scale.metres_per_mu) {
     tell(EventId::kScaleKnown, s->scale.metres_per_mu, s->scale.relative_sigma, s);
   }
   told.started = true;
   told.counters = now;
   told.mode = motion.mode;
-  told.scale_known = s->scale.known;
+  told.metres_per_mu = s->scale.known ? s->scale.metres_per_mu : 0.0;
 }
 
 }  // namespace polhode

@@ -54,25 +54,23 @@ std::vector<SmoothedPose> smooth_frames(Component& component,
   return poses;
 }
 
-/// A frame that carries the scale may have found its pose only now.
-void measure_scale_late(const ReplayLog& log,
-                        const std::vector<SmoothedPose>& poses,
-                        Component::State* state) {
-  if (!waits_for_frame(*state)) {
+/// The frame that carries the scale may have found its pose only now, and has its best one now: that
+/// of its keyframe, or what its picture gives.
+void measure_scale_late(const Sequence& sequence, const ReplayLog& log, Component::State* state) {
+  if (!names_frame(state->parameters.scale) || state->map.keyframe_count == 0 ||
+      measure_scale_in_keyframe(state)) {
     return;
   }
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (poses[i].valid &&
+  MapAtRest at_rest(state);
+  FileCamera camera(sequence);
+  for (std::size_t i = 0; i < log.published.size(); ++i) {
+    Frame frame;
+    if (log.uses[i] == FrameUse::kUsed &&
         log.published[i].timestamp_ns == state->parameters.scale.frame_timestamp_ns) {
-      std::vector<Eigen::Vector3d> seen;
-      for (const Landmark& landmark : state->map.landmarks) {
-        Eigen::Vector2d pixel;
-        if (landmark.used &&
-            should_be_seen(landmark, poses[i].absolute.pose, state->camera, &pixel)) {
-          seen.push_back(landmark.p_T);
-        }
+      camera.seek(i);
+      if (camera.next(frame) && frame.readable && at_rest.from_image(frame).valid) {
+        (void)measure_scale_in_frame(state);
       }
-      (void)measure_scale_in(poses[i].absolute.pose, seen, state);
     }
   }
 }
@@ -207,7 +205,7 @@ void finish_replay(Component& component,
                    const fs::path& folder) {
   const std::vector<SmoothedPose> poses = smooth_frames(component, sequence, log);
   Component::State& state = component.state();
-  measure_scale_late(log, poses, &state);
+  measure_scale_late(sequence, log, &state);
   measure_scale_by_shape(&state);
   const std::vector<Eigen::Vector3d> points_T = landmarks_T(state);
   const FoundShape found = find_shape(state, points_T);
