@@ -28,12 +28,12 @@ void place_prior(const MaskPrior& prior, MaskState* s) {
     s->reach.release();
     return;
   }
-  const auto scale = static_cast<float>(1.0 / s->background.decimation);
+  const auto scale = static_cast<float>(1.0 / s->points.decimation);
   const double radius = prior.radius_px * static_cast<double>(scale);
   const int disc = std::max(1, static_cast<int>(std::lround(0.05 * radius)));
   const auto reach = static_cast<float>(std::max(6.0, 0.35 * radius));
   s->near_px = std::max(2.0, 0.15 * radius);
-  const cv::Size size = s->background.evidence.size();
+  const cv::Size size = s->points.whole().size();
   s->certain.create(size, CV_8UC1);
   s->certain.setTo(0);
   for (const cv::Point2f& p : prior.points_px) {
@@ -47,48 +47,75 @@ void place_prior(const MaskPrior& prior, MaskState* s) {
 }
 
 void find_piece(MaskState* s) {
-  s->found = find_outline(s->background.evidence, s->certain, &s->scratch, &s->outline);
+  s->found = find_outline(s->evidence.total, s->certain, &s->scratch, &s->outline);
   if (!s->reach.empty()) {
     cv::bitwise_and(s->outline, s->reach, s->outline);
   }
 }
 
-/// What speaks for the target in each pixel before the edges are asked. Without a map: the evidence
-/// so far, and the outline that was made of it. With a map the evidence's memory, which trails
-/// behind what moves, counts for little: the nearness to landmarks and this picture alone decide.
+/// What speaks for the target in each pixel before the edges are asked: this picture and the few
+/// before it, and with a map the nearness to landmarks.
 void form_opinion(double radius, MaskState* s) {
-  const BackgroundState& b = s->background;
+  constexpr float kEvidenceShare = 0.5F;
+  constexpr float kOutlineShare = 0.6F;
+  constexpr float kMapShare = 0.8F;
   const bool by_map = !s->certain.empty();
-  const auto near = static_cast<float>(std::max(2.0, 0.1 * radius));
-  s->opinion.create(b.evidence.size(), CV_32FC1);
+  const auto near = static_cast<float>(std::max(3.0, 0.1 * radius));
+  s->opinion.create(s->evidence.total.size(), CV_32FC1);
   for (int row = 0; row < s->opinion.rows; ++row) {
-    const auto* evidence = b.evidence.ptr<float>(row);
-    const auto* instant = b.instant.ptr<float>(row);
+    const auto* evidence = s->evidence.total.ptr<float>(row);
     const auto* distance = by_map ? s->scratch.distance.ptr<float>(row) : nullptr;
     const std::uint8_t* outline = s->outline.ptr<std::uint8_t>(row);
     auto* opinion = s->opinion.ptr<float>(row);
     for (int column = 0; column < s->opinion.cols; ++column) {
+      opinion[column] = kEvidenceShare * evidence[column] +
+                        (outline[column] != 0 ? kOutlineShare : -kOutlineShare);
       if (by_map) {
-        const float nearness = std::clamp(1.0F - distance[column] / near, -1.0F, 1.0F);
-        opinion[column] = 0.15F * evidence[column] + 1.5F * instant[column] + 0.8F * nearness;
-      } else {
-        opinion[column] = 0.5F * evidence[column] + (outline[column] != 0 ? 0.6F : -0.6F);
+        opinion[column] += kMapShare * std::clamp(1.0F - distance[column] / near, -1.0F, 1.0F);
       }
     }
   }
 }
 
-/// Where this picture agrees with the background's motion, textured as it is: what the target has
-/// just left, or never was. A quarter more agreement than contradiction over 5 x 5 pixels.
+/// Where the pictures agree with the background's motion and not with the target's.
 void find_agreement(MaskState* s) {
-  constexpr double kAgreement = -0.25;
-  cv::blur(s->background.instant, s->opinion, cv::Size(5, 5));
-  cv::compare(s->opinion, kAgreement, s->agreeing, cv::CMP_LT);
-  // A turning body agrees now and then, where it moves little: much evidence stands for five
-  // pictures.
-  constexpr double kMuchEvidence = 4.5;
-  cv::compare(s->background.evidence, kMuchEvidence, s->cells, cv::CMP_LT);
-  cv::bitwise_and(s->agreeing, s->cells, s->agreeing);
+  constexpr double kAgreement = -0.3;
+  cv::compare(s->evidence.total, kAgreement, s->agreeing, cv::CMP_LT);
+}
+
+/// Where pictures are compared: about the target where it is known, and now and then everywhere.
+cv::Rect region_of_interest(const MaskState& s) {
+  constexpr std::size_t kEverywhereEach = 8;
+  const cv::Rect whole = s.points.whole();
+  if (!s.was_found || s.compared % kEverywhereEach == 0 || s.outline.size() != whole.size()) {
+    return whole;
+  }
+  cv::Rect box = cv::boundingRect(s.outline);
+  if (!s.certain.empty()) {
+    box |= cv::boundingRect(s.certain);
+  }
+  const int margin = std::max(16, std::max(box.width, box.height) / 4);
+  return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
+         whole;
+}
+
+/// Takes a picture in and compares it with the ones before. @return whether a background's motion
+/// was found.
+bool compare_pictures(const cv::Mat& gray, const MaskPrior& prior, MaskState* s) {
+  const bool first = add_picture(gray, &s->points);
+  if (first) {
+    clear(&s->background);
+    clear(&s->evidence);
+    s->compared = 0;
+  }
+  follow_points(&s->points);
+  place_prior(prior, s);
+  const bool explained = explain_background(s->certain, &s->points, &s->background);
+  const cv::Rect region = region_of_interest(*s);
+  weigh_motions(s->points, s->background, region, &s->evidence);
+  choose_age(s->points, &s->background);
+  ++s->compared;
+  return explained;
 }
 
 /// Lit cells that the outline covers by half and that do not agree with the background. The rim of
@@ -121,34 +148,34 @@ void follow_target(const cv::Mat& gray,
                    MaskState* s,
                    TargetMask* mask) {
   find_target(gray, options, mask);
+  s->was_found = s->found;
   s->found = false;
   s->sharp = false;
   s->behind = options.enabled && options.background && lit_rim(mask->cells) > kRimLitMin;
   if (!s->behind) {
-    clear(&s->background);
+    clear(&s->points);
     s->unexplained = kPatience;
     return;
   }
-  add_picture(gray, &s->background);
-  place_prior(prior, s);
-  const bool explained = compare_pictures(s->certain, &s->background);
+  const bool explained = compare_pictures(gray, prior, s);
   s->unexplained = explained ? 0 : std::min(s->unexplained + 1, 2 * kPatience);
   find_piece(s);
-  if (!s->found && s->unexplained >= kPatience && s->background.stored > 1) {
+  refill_points(s->found ? cv::boundingRect(s->outline) : cv::Rect(), s->compared <= 1, &s->points);
+  if (!s->found && s->unexplained >= kPatience && s->points.stored > 1) {
     return;
   }
   to_cells(s, mask);
 }
 
 void sharpen_outline(const MaskPrior& prior, MaskState* s) {
-  if (!s->behind || s->background.stored == 0) {
+  if (!s->behind || s->points.stored == 0) {
     return;
   }
   place_prior(prior, s);
   find_piece(s);
   if (s->found) {
-    form_opinion(prior.radius_px / s->background.decimation, s);
-    cut_at_edges(s->background.pictures[s->background.newest], s->opinion, s->certain, &s->outline);
+    form_opinion(prior.radius_px / s->points.decimation, s);
+    cut_at_edges(s->points.picture(0), s->opinion, s->certain, &s->outline);
     s->sharp = true;
   }
 }

@@ -6,7 +6,9 @@
 #include <span>
 
 #include "mask/background.hpp"
+#include "mask/evidence.hpp"
 #include "mask/outline.hpp"
+#include "mask/points.hpp"
 #include "mask/target_mask.hpp"
 
 namespace polhode {
@@ -19,9 +21,13 @@ struct MaskPrior {
 
 /// What is remembered from picture to picture.
 struct MaskState {
+  PointsState points;
   BackgroundState background;
+  EvidenceState evidence;
+  std::size_t compared = 0;  ///< pictures since something was behind the target
   bool behind = false;  ///< something is behind the target: the rim of the picture is lit
   bool found = false;   ///< `outline` holds the target
+  bool was_found = false;  ///< in the picture before
   bool sharp = false;   ///< `outline` has been moved to the picture's edges
   int unexplained = 1000;  ///< pictures since the last whose background had a motion
   cv::Mat outline;      ///< CV_8UC1 of the working size, 255 on the target; not grown

@@ -10,16 +10,16 @@
 namespace polhode {
 namespace {
 
-constexpr float kTargetEvidence = 1.5F;  // more than one contradiction
-constexpr int kPieceAreaMin = 40;        // working pixels; a target that small carries no map
-constexpr double kPieceEvidenceMin = 100.0;
+constexpr float kTargetEvidence = 0.4F;  // of sigmas a pixel over a window of 25
+constexpr int kPieceAreaMin = 100;       // working pixels; a target that small carries no map
+constexpr double kPieceEvidenceMin = 250.0;
 
 cv::Mat disc(int radius) {
   return cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(2 * radius + 1, 2 * radius + 1));
 }
 
 /// Gaps of up to twice this are closed: the spacing of a body's texture.
-int closing_radius(const cv::Size& size) { return std::max(2, size.width / 80); }
+int closing_radius(const cv::Size& size) { return std::max(2, size.width / 160); }
 
 struct Piece {
   int label = 0;

@@ -66,22 +66,22 @@ void MaskLog::append(std::size_t frame, const StepOutput& out, const Component::
       used && mask.behind,
       used && mask.found,
       used && mask.sharp,
-      mask.behind ? mask.background.decimation : TargetMask::kCell_px,
+      mask.behind ? mask.points.decimation : TargetMask::kCell_px,
       size.width,
       size.height));
   pictures_.write(pixels_.data(), pixels_.size());
   if (!used || !mask.behind) {
     return;
   }
-  const auto full = static_cast<float>(mask.background.decimation);
+  const auto full = static_cast<float>(mask.points.decimation);
   const auto pixel = [full](float working) { return (working + 0.5F) * full - 0.5F; };
-  for (const MaskTrack& track : mask.background.tracks) {
+  for (const MaskTrack& track : mask.points.tracks) {
     tracks_.write(fmt::format("{},{:.2f},{:.2f},{:.2f},{:.2f},{}\n",
                               frame,
-                              pixel(track.to.x),
-                              pixel(track.to.y),
-                              pixel(track.from.x),
-                              pixel(track.from.y),
+                              pixel(track.now().x),
+                              pixel(track.now().y),
+                              pixel(track.places[track.count - 1].x),
+                              pixel(track.places[track.count - 1].y),
                               class_name(track.kind)));
   }
 }

@@ -162,7 +162,7 @@ TEST(FollowTarget, SaysTheSame_WhenShownTheSame_WhateverWasThereBefore) {
   a.show(scene, 0, kFrames);
   b.show(scene, 0, kFrames);
   EXPECT_EQ(cv::norm(a.mask.cells, b.mask.cells, cv::NORM_L1), 0.0);
-  EXPECT_EQ(cv::norm(a.state->background.evidence, b.state->background.evidence, cv::NORM_L1), 0.0);
+  EXPECT_EQ(cv::norm(a.state->evidence.total, b.state->evidence.total, cv::NORM_L1), 0.0);
 }
 
 TEST(FollowTarget, TellsTracksApart) {
@@ -171,8 +171,8 @@ TEST(FollowTarget, TellsTracksApart) {
   follower.show(scene, 0, kFrames);
   int right = 0;
   int wrong = 0;
-  for (const MaskTrack& track : follower.state->background.tracks) {
-    const double from_centre = cv::norm(cv::Point2d(track.to) - scene.centre(kFrames - 1));
+  for (const MaskTrack& track : follower.state->points.tracks) {
+    const double from_centre = cv::norm(cv::Point2d(track.now()) - scene.centre(kFrames - 1));
     if (track.kind == TrackClass::kBackground) {
       (from_centre > scene.radius_px ? right : wrong) += 1;
     }

@@ -1,0 +1,252 @@
+#include "mask/evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace polhode {
+namespace {
+
+constexpr int kCell_px = 8;      // of the grid on which the target's motion is known
+constexpr int kWindow_px = 5;    // over which disagreement is summed
+constexpr double kCapSigma = 8;  // a place that disagrees more, disagrees
+
+/// Half the difference of the newest picture and the same place before, by its median, is noise.
+double measure_noise(const cv::Mat& now, const cv::Mat& warped) {
+  std::array<int, 256> counts{};
+  int total = 0;
+  for (int row = 1; row < now.rows; row += 3) {
+    const std::uint8_t* a = now.ptr<std::uint8_t>(row);
+    const std::uint8_t* b = warped.ptr<std::uint8_t>(row);
+    for (int column = 1; column < now.cols; column += 3) {
+      if (a[column] > 8) {  // black pixels have no noise: it is cut off at zero
+        ++counts[static_cast<std::size_t>(std::abs(a[column] - b[column]))];
+        ++total;
+      }
+    }
+  }
+  int below = 0;
+  std::size_t level = 0;
+  while (level + 1 < counts.size() && 2 * (below += counts[level]) < total) {
+    ++level;
+  }
+  return std::clamp(static_cast<double>(level) * 1.4826 / std::sqrt(2.0), 1.0, 8.0);
+}
+
+/// Motion of the target's points over `age` pictures, spread to the places between and around them.
+/// flow_full: CV_32FC2, for each pixel of the region where it came from.
+void spread_motion(const PointsState& points,
+                   std::size_t age,
+                   const cv::Rect& region,
+                   EvidenceState* s) {
+  const cv::Size size = points.picture(0).size();
+  const cv::Size grid((size.width + kCell_px - 1) / kCell_px,
+                      (size.height + kCell_px - 1) / kCell_px);
+  s->flow.create(grid, CV_32FC2);
+  s->weight.create(grid, CV_32FC1);
+  s->flow.setTo(cv::Scalar::all(0.0));
+  s->weight.setTo(0.0);
+  for (const MaskTrack& track : points.tracks) {
+    if (track.kind == TrackClass::kTarget && track.count > 1) {
+      const cv::Point cell(static_cast<int>(track.now().x) / kCell_px,
+                           static_cast<int>(track.now().y) / kCell_px);
+      s->flow.at<cv::Point2f>(cell) += track.motion(age);
+      s->weight.at<float>(cell) += 1.0F;
+    }
+  }
+  // Points near by count, and where there are none, those within three times as far.
+  constexpr double kNear = 1.75;
+  constexpr double kFar = 3.0 * kNear;
+  constexpr double kFarShare = 0.09;
+  cv::GaussianBlur(s->flow, s->flow_far, cv::Size(0, 0), kFar);
+  cv::GaussianBlur(s->weight, s->weight_far, cv::Size(0, 0), kFar);
+  cv::GaussianBlur(s->flow, s->flow, cv::Size(0, 0), kNear);
+  cv::GaussianBlur(s->weight, s->weight, cv::Size(0, 0), kNear);
+  cv::scaleAdd(s->flow_far, kFarShare, s->flow, s->flow);
+  cv::scaleAdd(s->weight_far, kFarShare, s->weight, s->weight);
+  for (int row = 0; row < grid.height; ++row) {
+    for (int column = 0; column < grid.width; ++column) {
+      s->flow.at<cv::Point2f>(row, column) /= std::max(s->weight.at<float>(row, column), 1E-9F);
+    }
+  }
+  const cv::Rect cells(region.x / kCell_px,
+                       region.y / kCell_px,
+                       (region.width + kCell_px - 1) / kCell_px,
+                       (region.height + kCell_px - 1) / kCell_px);
+  cv::resize(s->flow(cells),
+             s->flow_full,
+             cv::Size(cells.width * kCell_px, cells.height * kCell_px),
+             0.0,
+             0.0,
+             cv::INTER_LINEAR);
+  for (int row = 0; row < region.height; ++row) {
+    auto* from = s->flow_full.ptr<cv::Point2f>(row);
+    for (int column = 0; column < region.width; ++column) {
+      from[column].x = static_cast<float>(region.x + column) - from[column].x;
+      from[column].y = static_cast<float>(region.y + row) - from[column].y;
+    }
+  }
+}
+
+/// How far each pixel of `now` lies outside of what `warped` has within a pixel of it, in levels.
+void measure_excess(const cv::Mat& now, double cap, EvidenceState* s) {
+  cv::dilate(s->warped, s->high, cv::Mat());
+  cv::erode(s->warped, s->low, cv::Mat());
+  cv::subtract(now, s->high, s->excess);  // saturates at 0
+  cv::subtract(s->low, now, s->high);
+  cv::max(s->excess, s->high, s->excess);
+  cv::min(s->excess, cap, s->excess);
+}
+
+void sum_over_window(const cv::Mat& excess, cv::Mat* sum) {
+  cv::boxFilter(
+      excess, *sum, CV_16U, cv::Size(kWindow_px, kWindow_px), cv::Point(-1, -1), false);
+}
+
+/// Where the layer brings something from inside the earlier picture.
+void find_seen(const cv::Matx33d& layer, const cv::Size& size, const cv::Rect& region, cv::Mat* seen) {
+  constexpr float kRim_px = 3.0F;
+  const auto right = static_cast<float>(size.width) - 1.0F - kRim_px;
+  const auto bottom = static_cast<float>(size.height) - 1.0F - kRim_px;
+  const std::array<cv::Point2f, 4> before{cv::Point2f(kRim_px, kRim_px),
+                                          cv::Point2f(right, kRim_px),
+                                          cv::Point2f(right, bottom),
+                                          cv::Point2f(kRim_px, bottom)};
+  std::array<cv::Point2f, 4> now;
+  cv::perspectiveTransform(before, now, layer);
+  std::array<cv::Point, 4> corners_px;
+  const float limit = 4.0F * static_cast<float>(size.width);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    corners_px[i] = cv::Point(static_cast<int>(std::clamp(now[i].x, -limit, limit)) - region.x,
+                              static_cast<int>(std::clamp(now[i].y, -limit, limit)) - region.y);
+  }
+  seen->create(region.size(), CV_8UC1);
+  seen->setTo(0);
+  cv::fillConvexPoly(*seen, corners_px.data(), static_cast<int>(corners_px.size()), cv::Scalar(255));
+}
+
+/// What contradicts all of the background's motions. What they bring from outside the earlier picture
+/// is not known and contradicts nothing.
+void compare_with_background(const PointsState& points,
+                             const BackgroundMotion& motion,
+                             const cv::Rect& region,
+                             EvidenceState* s) {
+  const cv::Mat now = points.picture(0)(region);
+  for (std::size_t i = 0; i < motion.layers.size(); ++i) {
+    const cv::Matx33d shift(1, 0, -region.x, 0, 1, -region.y, 0, 0, 1);
+    cv::warpPerspective(points.picture(motion.age),
+                        s->warped,
+                        shift * motion.layers[i],
+                        region.size(),
+                        cv::INTER_LINEAR,
+                        cv::BORDER_REPLICATE);
+    if (i == 0) {
+      s->noise = 0.5 * s->noise + 0.5 * measure_noise(now, s->warped);
+    }
+    measure_excess(now, std::round(kCapSigma * s->noise), s);
+    find_seen(motion.layers[i], points.picture(0).size(), region, &s->seen);
+    cv::bitwise_and(s->excess, s->seen, s->excess);
+    if (i == 0) {
+      cv::swap(s->excess, s->least);
+    } else {
+      cv::min(s->excess, s->least, s->least);
+    }
+  }
+  sum_over_window(s->least, &s->sum_background);
+}
+
+void compare_with_target(const PointsState& points,
+                         std::size_t age,
+                         const cv::Rect& region,
+                         EvidenceState* s) {
+  spread_motion(points, age, region, s);
+  cv::remap(points.picture(age),
+            s->warped,
+            s->flow_full(cv::Rect(cv::Point(), region.size())),
+            cv::noArray(),
+            cv::INTER_LINEAR,
+            cv::BORDER_REPLICATE);
+  measure_excess(points.picture(0)(region), std::round(kCapSigma * s->noise), s);
+  sum_over_window(s->excess, &s->sum_target);
+}
+
+/// Adds a share of what one age says: sums of levels to sigmas a pixel, background over target.
+void add_instant(double share, const cv::Rect& region, EvidenceState* s) {
+  constexpr float kSaysMost = 2.0F;
+  const auto scale = static_cast<float>(1.0 / (kWindow_px * kWindow_px * s->noise));
+  const auto part = static_cast<float>(share);
+  for (int row = 0; row < region.height; ++row) {
+    const auto* background = s->sum_background.ptr<std::uint16_t>(row);
+    const auto* target = s->sum_target.ptr<std::uint16_t>(row);
+    auto* instant = s->instant.ptr<float>(region.y + row) + region.x;
+    for (int column = 0; column < region.width; ++column) {
+      const float says = scale * static_cast<float>(background[column] - target[column]);
+      instant[column] += part * std::clamp(says, -kSaysMost, kSaysMost);
+    }
+  }
+}
+
+/// Target evidence goes along with the target; half of it, or two and a half pictures' worth, stays.
+void carry(const PointsState& points, const cv::Rect& region, EvidenceState* s) {
+  constexpr float kMemory = 0.55F;
+  spread_motion(points, 1, region, s);
+  cv::remap(s->total,
+            s->carried,
+            s->flow_full(cv::Rect(cv::Point(), region.size())),
+            cv::noArray(),
+            cv::INTER_LINEAR,
+            cv::BORDER_REPLICATE);
+  s->total.setTo(0.0);
+  for (int row = 0; row < region.height; ++row) {
+    const auto* carried = s->carried.ptr<float>(row);
+    const auto* instant = s->instant.ptr<float>(region.y + row) + region.x;
+    auto* total = s->total.ptr<float>(region.y + row) + region.x;
+    for (int column = 0; column < region.width; ++column) {
+      total[column] = std::clamp(kMemory * std::max(carried[column], 0.0F) + instant[column],
+                                 -EvidenceState::kMax,
+                                 EvidenceState::kMax);
+    }
+  }
+}
+
+}  // namespace
+
+void weigh_motions(const PointsState& points,
+                   const BackgroundState& background,
+                   const cv::Rect& region,
+                   EvidenceState* s) {
+  const cv::Size size = points.picture(0).size();
+  if (s->total.size() != size) {
+    s->total.create(size, CV_32FC1);
+    s->instant.create(size, CV_32FC1);
+    s->total.setTo(0.0);
+  }
+  s->instant.setTo(0.0);
+  // Starts at a cell of the motion's grid.
+  const cv::Point start(region.x / kCell_px * kCell_px, region.y / kCell_px * kCell_px);
+  s->region = cv::Rect(start, region.br()) & points.whole();
+  const auto explained = std::count_if(background.motions.begin(),
+                                       background.motions.end(),
+                                       [](const BackgroundMotion& m) { return !m.layers.empty(); });
+  if (explained == 0 || background.target_tracks == 0) {
+    s->total *= 0.8;
+    return;
+  }
+  for (const BackgroundMotion& motion : background.motions) {
+    if (!motion.layers.empty()) {
+      compare_with_background(points, motion, s->region, s);
+      compare_with_target(points, motion.age, s->region, s);
+      add_instant(1.0 / static_cast<double>(explained), s->region, s);
+    }
+  }
+  carry(points, s->region, s);
+}
+
+void clear(EvidenceState* s) {
+  if (!s->total.empty()) {
+    s->total.setTo(0.0);
+  }
+  s->noise = 2.0;
+}
+
+}  // namespace polhode

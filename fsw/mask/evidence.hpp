@@ -1,0 +1,36 @@
+// Pixel by pixel: does the picture move like the background, or like the target's points?
+//
+// Each place of the newest picture is compared with where the background's motion and where the
+// target's would have brought it from. What one of the two explains and the other does not is told
+// apart to a pixel or two, from the second picture on; what both explain, an even place, or neither,
+// one that has just come into view, says nothing.
+#pragma once
+
+#include "mask/background.hpp"
+
+namespace polhode {
+
+struct EvidenceState {
+  static constexpr float kMax = 6.0F;
+
+  cv::Mat total;    ///< CV_32FC1: positive where the target is; carried along with its motion
+  cv::Mat instant;  ///< CV_32FC1, -2 .. 2: what this picture alone says; 0 outside of `region`
+  cv::Rect region;  ///< in which the last pictures were compared
+  double noise = 2.0;  ///< one sigma of a working pixel, levels
+
+  // Scratch; contents mean nothing between calls.
+  cv::Mat warped, seen, low, high, excess, least, sum_background, sum_target, came_from, carried;
+  cv::Mat flow, flow_far, weight, weight_far, flow_full;
+};
+
+/// Compares the newest picture with earlier ones within a region and adds to the evidence. What was
+/// known outside of it is forgotten. Needs points of both kinds.
+/// @cost in proportion to the region: two warps of it for each age and layer.
+void weigh_motions(const PointsState& points,
+                   const BackgroundState& background,
+                   const cv::Rect& region,
+                   EvidenceState* state);
+
+void clear(EvidenceState* state);
+
+}  // namespace polhode

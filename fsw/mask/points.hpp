@@ -1,0 +1,71 @@
+// Points followed from picture to picture, all over the picture and closer together on the target.
+//
+// Works on the picture reduced to at most 640 px across ("working pixels").
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "base/fixed_vector.hpp"
+
+namespace polhode {
+
+enum class TrackClass : std::uint8_t { kUnassigned, kBackground, kTarget };
+
+/// A point where it was in the last pictures, in working pixels.
+struct MaskTrack {
+  static constexpr std::size_t kPlaces = 16;
+
+  std::array<cv::Point2f, kPlaces> places;  ///< newest first
+  std::size_t count = 0;                    ///< of these that are known
+  TrackClass kind = TrackClass::kUnassigned;
+
+  [[nodiscard]] cv::Point2f now() const { return places[0]; }
+  /// Motion over the last `age` pictures, at the rate of those that are known.
+  [[nodiscard]] cv::Point2f motion(std::size_t age) const;
+};
+
+/// What is remembered from picture to picture. Memory is taken with the first picture.
+struct PointsState {
+  static constexpr std::size_t kPictures = MaskTrack::kPlaces;
+  static constexpr std::size_t kTracks = 360;
+
+  int decimation = 1;                       ///< pixels of the image per working pixel
+  std::array<cv::Mat, kPictures> pictures;  ///< ring
+  std::size_t newest = 0;
+  std::size_t stored = 0;
+  std::size_t band = 0;  ///< of the picture in which points are looked for next
+  FixedVector<MaskTrack, kTracks> tracks;
+
+  // Scratch; contents mean nothing between calls.
+  cv::Mat corner_score;
+  std::vector<cv::Point2f> from, to;
+  std::vector<std::uint8_t> found;
+  std::vector<float> error;
+
+  /// The picture `age` pictures ago.
+  [[nodiscard]] const cv::Mat& picture(std::size_t age) const {
+    return pictures[(newest + kPictures - age) % kPictures];
+  }
+  [[nodiscard]] cv::Rect whole() const { return {cv::Point(), picture(0).size()}; }
+};
+
+/// Reduces a picture and stores it. @return whether it is the first, or the first of its size.
+bool add_picture(const cv::Mat& gray, PointsState* state);
+
+/// Follows all points from the picture before to the newest one; those that are lost go.
+void follow_points(PointsState* state);
+
+/// Follows points of a class back to the picture before: those that do not come back to where they
+/// were go. Noise and rims make points move unlike anything.
+void drop_stray_points(TrackClass kind, PointsState* state);
+
+/// New points where there are none: all over the picture if `everywhere`, else in the next quarter
+/// of it; closer together in `target`, which may be empty.
+void refill_points(const cv::Rect& target, bool everywhere, PointsState* state);
+
+void clear(PointsState* state);
+
+}  // namespace polhode
