@@ -20,30 +20,78 @@ double lit_rim(const cv::Mat& cells) {
   return static_cast<double>(lit) / (2.0 * (cells.rows + cells.cols));
 }
 
-/// Discs about the landmarks, and how far the body can reach beyond them: a new side comes into
-/// view, and landmarks do not sit on its rim.
-void place_prior(const MaskPrior& prior, MaskState* s) {
+constexpr float kAgreement = -0.3F;  // evidence under this: moves like the background
+
+cv::Point working_pixel(const cv::Point2f& p_px, const MaskState& s) {
+  const auto scale = static_cast<float>(1.0 / s.points.decimation);
+  return {static_cast<int>(std::lround((p_px.x + 0.5F) * scale - 0.5F)),
+          static_cast<int>(std::lround((p_px.y + 0.5F) * scale - 0.5F))};
+}
+
+/// Discs about the landmarks.
+void place_landmarks(const MaskPrior& prior, bool contradicted_too, MaskState* s) {
   if (prior.points_px.empty()) {
     s->certain.release();
+    return;
+  }
+  const double radius = prior.radius_px / s->points.decimation;
+  const int disc = std::max(1, static_cast<int>(std::lround(0.05 * radius)));
+  const cv::Rect whole = s->points.whole();
+  s->certain.create(whole.size(), CV_8UC1);
+  s->certain.setTo(0);
+  for (const cv::Point2f& p_px : prior.points_px) {
+    const cv::Point at = working_pixel(p_px, *s);
+    if (contradicted_too || (whole.contains(at) && s->evidence.total.at<float>(at) > kAgreement)) {
+      cv::circle(s->certain, at, disc, cv::Scalar(255), cv::FILLED);
+    }
+  }
+}
+
+/// Distance to what is set, within a box; outside of it: far.
+void distance_within(const cv::Mat& set, const cv::Rect& box, cv::Mat* inverse, cv::Mat* distance) {
+  constexpr double kFar = 1E4;
+  distance->create(set.size(), CV_32FC1);
+  distance->setTo(kFar);
+  cv::bitwise_not(set, *inverse);
+  cv::Mat part = (*distance)(box);
+  cv::distanceTransform((*inverse)(box), part, cv::DIST_L2, 3, CV_32F);
+}
+
+/// Between landmarks that are close together, there is the body.
+void close_gaps(const cv::Rect& box, MaskState* s) {
+  cv::compare(s->scratch.distance, s->near_px, s->cells, cv::CMP_LE);
+  cv::bitwise_not(s->cells, s->cells);
+  distance_within(s->cells, box, &s->distance, &s->opinion);
+  cv::compare(s->opinion(box), s->near_px, s->cells(box), cv::CMP_GT);
+  cv::bitwise_or(s->certain(box), s->cells(box), s->certain(box));
+  cv::compare(s->evidence.total(box), static_cast<double>(kAgreement), s->cells(box), cv::CMP_GT);
+  cv::bitwise_and(s->certain(box), s->cells(box), s->certain(box));
+}
+
+/// Landmarks are certain, and so is what lies between them, unless the pictures say that the
+/// background is there: a map has some that are wrong. And how far the body can reach beyond them: a
+/// new side comes into view, and landmarks do not sit on its rim.
+void place_prior(const MaskPrior& prior, MaskState* s) {
+  place_landmarks(prior, false, s);
+  if (s->certain.empty()) {
     s->reach.release();
     return;
   }
-  const auto scale = static_cast<float>(1.0 / s->points.decimation);
-  const double radius = prior.radius_px * static_cast<double>(scale);
-  const int disc = std::max(1, static_cast<int>(std::lround(0.05 * radius)));
-  const auto reach = static_cast<float>(std::max(6.0, 0.35 * radius));
+  const double radius = prior.radius_px / s->points.decimation;
+  const double reach = std::max(6.0, 0.35 * radius);
   s->near_px = std::max(2.0, 0.15 * radius);
-  const cv::Size size = s->points.whole().size();
-  s->certain.create(size, CV_8UC1);
-  s->certain.setTo(0);
-  for (const cv::Point2f& p : prior.points_px) {
-    const cv::Point at(static_cast<int>(std::lround((p.x + 0.5F) * scale - 0.5F)),
-                       static_cast<int>(std::lround((p.y + 0.5F) * scale - 0.5F)));
-    cv::circle(s->certain, at, disc, cv::Scalar(255), cv::FILLED);
+  const int margin = static_cast<int>(reach) + 2;
+  const cv::Rect landmarks = cv::boundingRect(s->certain);
+  const cv::Rect box = cv::Rect(landmarks.x - margin,
+                                landmarks.y - margin,
+                                landmarks.width + 2 * margin,
+                                landmarks.height + 2 * margin) &
+                       s->points.whole();
+  distance_within(s->certain, box, &s->distance, &s->scratch.distance);
+  cv::compare(s->scratch.distance, reach, s->reach, cv::CMP_LE);
+  if (!box.empty()) {
+    close_gaps(box, s);
   }
-  cv::bitwise_not(s->certain, s->distance);
-  cv::distanceTransform(s->distance, s->scratch.distance, cv::DIST_L2, 3, CV_32F);
-  cv::compare(s->scratch.distance, static_cast<double>(reach), s->reach, cv::CMP_LE);
 }
 
 void find_piece(MaskState* s) {
@@ -79,8 +127,7 @@ void form_opinion(double radius, MaskState* s) {
 
 /// Where the pictures agree with the background's motion and not with the target's.
 void find_agreement(MaskState* s) {
-  constexpr double kAgreement = -0.3;
-  cv::compare(s->evidence.total, kAgreement, s->agreeing, cv::CMP_LT);
+  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->agreeing, cv::CMP_LT);
 }
 
 /// Where pictures are compared: about the target where it is known, and now and then everywhere.
@@ -109,10 +156,11 @@ bool compare_pictures(const cv::Mat& gray, const MaskPrior& prior, MaskState* s)
     s->compared = 0;
   }
   follow_points(&s->points);
-  place_prior(prior, s);
+  place_landmarks(prior, true, s);
   const bool explained = explain_background(s->certain, &s->points, &s->background);
   const cv::Rect region = region_of_interest(*s);
   weigh_motions(s->points, s->background, region, &s->evidence);
+  place_prior(prior, s);
   choose_age(s->points, &s->background);
   ++s->compared;
   return explained;
