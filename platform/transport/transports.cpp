@@ -14,7 +14,7 @@ Transports::Transports(const TransportSettings& settings) {
     switch (address.kind) {
       case AddressKind::kUnix:
       case AddressKind::kUdp:
-        senders_.push_back({text, DatagramSender(address)});
+        senders_.push_back({text, DatagramSender(address, SenderName::kBesideReader)});
         break;
       case AddressKind::kShm:
         senders_.push_back({text, RingWriter(address)});

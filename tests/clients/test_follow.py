@@ -79,6 +79,27 @@ def test_python_client_reads_datagrams(flight, tmp_path):
         assert bus.next_octets(0.05) is None and bus.damaged == 1
 
 
+def test_python_client_connects_to_the_sender_and_lets_go_of_a_dead_one(flight, tmp_path):
+    import socket
+
+    from polhode_bus import open_bus
+
+    path, name = str(tmp_path / "telemetry"), str(tmp_path / "telemetry.sender")
+    packets = split(flight.stream)
+    with open_bus(f"unix:{path}") as bus:
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
+            sender.bind(name)
+            sender.setblocking(False)
+            sender.sendto(packets[0], path)
+            assert bus.next_octets(5.0) == packets[0]
+            for octets in packets[1:40]:  # of a stranger the system would hold 10
+                sender.sendto(octets, path)
+            assert [bus.next_octets(5.0) for _ in range(39)] == packets[1:40]
+        assert bus.next_octets(0.3) is None
+        send(path, packets[40])
+        assert bus.next_octets(5.0) == packets[40]
+
+
 def test_commands_are_sent_as_the_python_client_makes_them(tmp_path):
     import socket
 

@@ -122,6 +122,65 @@ TEST(UnixDatagram, ReaderThatIsLateGetsEverythingInOrder) {
   EXPECT_EQ(sender.counts().dropped, 0U);
 }
 
+TEST(UnixDatagram, ReaderThatHasHeardTheSenderOnceIsHeldHundredsByTheSystem) {
+  const Folder folder;
+  const std::string address = "unix:" + folder / "telemetry";
+  Reader reader(address);
+  DatagramSender sender(parse_address(address), SenderName::kBesideReader);
+  sender.send(motion_packet(0));
+  ASSERT_EQ(reader.next(), motion_packet(0));
+  const std::uint32_t burst = 150;
+  for (std::uint32_t i = 1; i <= burst; ++i) {
+    sender.send(motion_packet(i));
+  }
+  EXPECT_EQ(sender.counts().sent, burst + 1);  // nothing waits for another call
+  for (std::uint32_t i = 1; i <= burst; ++i) {
+    ASSERT_EQ(reader.next(), motion_packet(i));
+  }
+}
+
+TEST(UnixDatagram, SendersFileIsItsOwnersAlone_AndGoesWithIt) {
+  const Folder folder;
+  const std::string file = folder / "telemetry.sender";
+  struct stat status {};
+  {
+    Transports transports({.send = {"unix:" + folder / "telemetry"}, .receive = {}});
+    ASSERT_EQ(::stat(file.c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777, 0600U);
+    // A second sender to one reader has no name, and works.
+    Reader reader("unix:" + folder / "telemetry");
+    DatagramSender second(parse_address("unix:" + folder / "telemetry"), SenderName::kBesideReader);
+    second.send(motion_packet(1));
+    EXPECT_EQ(reader.next(), motion_packet(1));
+  }
+  EXPECT_NE(::stat(file.c_str(), &status), 0);
+}
+
+TEST(UnixDatagram, SenderThatDiesAndComesBackIsHeard_WithoutLoss) {
+  const Folder folder;
+  const std::string address = "unix:" + folder / "telemetry";
+  Reader reader(address);
+  {
+    DatagramSender first(parse_address(address), SenderName::kBesideReader);
+    first.send(motion_packet(0));
+    ASSERT_EQ(reader.next(), motion_packet(0));
+  }
+  DatagramSender second(parse_address(address), SenderName::kBesideReader);
+  std::uint32_t next = 1;
+  for (std::uint32_t i = 1; i <= 40; ++i) {
+    second.send(motion_packet(i));
+    const Octets packet = reader.next(20);
+    if (!packet.empty()) {
+      ASSERT_EQ(packet, motion_packet(next++));
+    }
+  }
+  second.flush();
+  for (; next <= 40; ++next) {
+    ASSERT_EQ(reader.next(20), motion_packet(next));
+  }
+  EXPECT_EQ(second.counts().sent, 40U);
+}
+
 TEST(UnixDatagram, GoesOnWithTheNextReader) {
   const Folder folder;
   const std::string address = "unix:" + folder / "telemetry";

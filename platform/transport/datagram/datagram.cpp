@@ -70,7 +70,32 @@ void bind_unix(int fd, const Address& address) {
   }
 }
 
+constexpr std::string_view kSenderSuffix = ".sender";
+constexpr int kSendBuffer_octets = 1 << 20;  // the system gives what it allows
+
+/// A name for a sender beside its reader's. Without one it works, too: the reader's queue is then
+/// short. So a folder that is not there or another sender in the place is no failure.
+SocketFile bind_beside(int fd, const Address& reader) {
+  Address own = reader;
+  own.path += kSenderSuffix;
+  if (own.path.size() >= sizeof(sockaddr_un::sun_path)) {
+    return SocketFile();
+  }
+  try {
+    bind_unix(fd, own);
+  } catch (const UnusableInput&) {
+    return SocketFile();
+  }
+  return SocketFile(own.path);
+}
+
 }  // namespace
+
+SocketFile::~SocketFile() {
+  if (!path_.empty()) {
+    ::unlink(path_.c_str());
+  }
+}
 
 Descriptor::~Descriptor() {
   if (fd_ >= 0) {
@@ -78,13 +103,18 @@ Descriptor::~Descriptor() {
   }
 }
 
-DatagramSender::DatagramSender(const Address& address)
+DatagramSender::DatagramSender(const Address& address, SenderName name)
     : socket_(open_socket(address.kind)), backlog_(kBacklog) {
   static_assert(sizeof(sockaddr_un) <= sizeof to_);
   if (address.kind == AddressKind::kUnix) {
     const sockaddr_un to = unix_address(address.path);
     std::memcpy(to_.data(), &to, sizeof to);
     to_octets_ = sizeof to;
+    if (name == SenderName::kBesideReader) {
+      (void)::setsockopt(
+          socket_.get(), SOL_SOCKET, SO_SNDBUF, &kSendBuffer_octets, sizeof kSendBuffer_octets);
+      file_ = bind_beside(socket_.get(), address);
+    }
   } else {
     std::memcpy(to_.data(), &address.udp, sizeof address.udp);
     to_octets_ = sizeof address.udp;
@@ -101,6 +131,7 @@ DatagramSender::Outcome DatagramSender::try_send(std::span<const std::uint8_t> p
   if (octets == static_cast<ssize_t>(packet.size())) {
     return Outcome::kSent;
   }
+  // A reader that is still connected to a sender that has died (EPERM) finds out soon.
   const bool nobody = errno == ENOENT || errno == ECONNREFUSED || errno == EACCES;
   return nobody ? Outcome::kNoReader : Outcome::kNoRoom;
 }
@@ -141,20 +172,9 @@ void DatagramSender::send(std::span<const std::uint8_t> packet) {
 DatagramReceiver::DatagramReceiver(const Address& address) : socket_(open_socket(address.kind)) {
   if (address.kind == AddressKind::kUnix) {
     bind_unix(socket_.get(), address);
-    path_ = address.path;
+    file_ = SocketFile(address.path);
   } else if (::bind(socket_.get(), as_socket_address(&address.udp), sizeof address.udp) != 0) {
     throw UnusableInput(fmt::format("{}: cannot be bound: {}", address.text, reason()));
-  }
-}
-
-DatagramReceiver::DatagramReceiver(DatagramReceiver&& other) noexcept
-    : socket_(std::move(other.socket_)),
-      path_(std::exchange(other.path_, {})),
-      received_(other.received_) {}
-
-DatagramReceiver::~DatagramReceiver() {
-  if (!path_.empty()) {
-    ::unlink(path_.c_str());
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,26 @@ class Descriptor {
   int fd_;
 };
 
+/// The file of a bound Unix socket, removed with its owner; empty: there is none.
+class SocketFile {
+ public:
+  explicit SocketFile(std::string path = {}) : path_(std::move(path)) {}
+  SocketFile(SocketFile&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  SocketFile& operator=(SocketFile&& other) noexcept {
+    std::swap(path_, other.path_);
+    return *this;
+  }
+  SocketFile(const SocketFile&) = delete;
+  SocketFile& operator=(const SocketFile&) = delete;
+  ~SocketFile();
+
+ private:
+  std::string path_;
+};
+
+/// Has a sender an address of its own, that a reader can answer to?
+enum class SenderName : std::uint8_t { kNone, kBesideReader };
+
 /// What became of the packets handed to one transport.
 struct SendCounts {
   std::uint64_t sent = 0;
@@ -42,15 +63,18 @@ struct SendCounts {
 /// Sends to one address. A reader may come, go and come back at any time; sending never waits for it
 /// and never fails: what it does not take is counted.
 ///
-/// A Unix socket holds 10 datagrams (net.unix.max_dgram_qlen), which at 1000 packets a second is 10 ms
-/// of a reader that does not get the processor. What finds its reader's queue full waits here, in
-/// order, and goes with the next call; kBacklog packets at most.
+/// A Unix socket holds 10 datagrams of strangers (net.unix.max_dgram_qlen), which at 1000 packets a
+/// second is 10 ms of a reader that does not get the processor, and all that it gets each time it
+/// does. Of the one that it is connected to it holds what that one's send buffer allows (SO_SNDBUF,
+/// at most net.core.wmem_max), hundreds. So a sender has a name, PATH.sender, where it can be had,
+/// which this project's readers connect to. What finds the queue full waits here, in order, and goes
+/// with the next call; kBacklog packets at most.
 class DatagramSender {
  public:
   static constexpr std::size_t kBacklog = 512;
 
   /// @throws RunFailure when the system gives no socket.
-  explicit DatagramSender(const Address& address);
+  explicit DatagramSender(const Address& address, SenderName name = SenderName::kNone);
 
   void send(std::span<const std::uint8_t> packet);
   /// Tries again what waits.
@@ -66,6 +90,7 @@ class DatagramSender {
     std::array<std::uint8_t, limits::kPacketOctets> packet{};
   };
   Descriptor socket_;
+  SocketFile file_;
   std::vector<Waiting> backlog_;  ///< a ring, made at start
   std::size_t first_ = 0;
   std::size_t waiting_ = 0;
@@ -80,11 +105,6 @@ class DatagramReceiver {
  public:
   /// @throws UnusableInput when the address is in use or cannot be bound.
   explicit DatagramReceiver(const Address& address);
-  DatagramReceiver(DatagramReceiver&&) noexcept;
-  DatagramReceiver& operator=(DatagramReceiver&&) = delete;
-  DatagramReceiver(const DatagramReceiver&) = delete;
-  DatagramReceiver& operator=(const DatagramReceiver&) = delete;
-  ~DatagramReceiver();
 
   /// What has arrived, oldest first, at most limits::kStepCommands; the rest stays for the next call.
   /// A datagram longer than a packet may be arrives cut, and so is refused by its length.
@@ -97,7 +117,7 @@ class DatagramReceiver {
  private:
   static constexpr std::size_t kOctets = limits::kPacketOctets + 1;  // one more tells a longer one
   Descriptor socket_;
-  std::string path_;  ///< of a Unix socket, to be removed; empty once moved from
+  SocketFile file_;
   std::array<std::array<std::uint8_t, kOctets>, limits::kStepCommands> octets_{};
   std::array<std::span<const std::uint8_t>, limits::kStepCommands> packets_{};
   std::uint64_t received_ = 0;

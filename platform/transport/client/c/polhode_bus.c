@@ -9,6 +9,7 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <stdatomic.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -46,6 +47,12 @@ static void count(struct polhode_bus *bus, const uint8_t *packet) {
 
 /* ---- datagrams ---- */
 
+static int64_t now_ms(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
+}
+
 static int bind_unix(struct polhode_bus *bus, const char *path) {
   struct sockaddr_un to = {.sun_family = AF_UNIX};
   if (strlen(path) >= sizeof to.sun_path) return -ENAMETOOLONG;
@@ -82,20 +89,46 @@ static int bind_udp(struct polhode_bus *bus, const char *rest) {
   return bind(bus->fd, (struct sockaddr *)&to, sizeof to) != 0 ? -errno : 0;
 }
 
+/* Of a stranger the system holds 10 datagrams for a Unix socket, of the one it is connected to hundreds: the first sender that
+ * has a name is the one, as long as it lives. */
+static void connect_to(struct polhode_bus *bus, const struct sockaddr_un *from, socklen_t octets) {
+  const size_t path_at = offsetof(struct sockaddr_un, sun_path);
+  if (bus->path[0] == '\0' || bus->connected || octets <= path_at + 1 || from->sun_path[0] == '\0') return;
+  bus->connected = connect(bus->fd, (const struct sockaddr *)from, octets) == 0;
+}
+
+/* After some silence: an empty datagram tells whether the sender lives (it never reads any). The system itself undoes the
+ * connection to a dead one; another may then send. */
+static void let_go_of_dead(struct polhode_bus *bus) {
+  if (bus->connected && send(bus->fd, "", 0, MSG_DONTWAIT | MSG_NOSIGNAL) < 0 && errno == ECONNREFUSED) bus->connected = 0;
+}
+
 static int next_datagram(struct polhode_bus *bus, uint8_t *packet, size_t capacity, int timeout_ms) {
+  enum { SILENCE_MS = 200 };
+  int left_ms = timeout_ms;
   for (;;) {
-    const ssize_t octets = recv(bus->fd, packet, capacity, MSG_DONTWAIT | MSG_TRUNC);
+    struct sockaddr_un from;
+    socklen_t from_octets = sizeof from;
+    const ssize_t octets =
+        recvfrom(bus->fd, packet, capacity, MSG_DONTWAIT | MSG_TRUNC, (struct sockaddr *)&from, &from_octets);
     if (octets > 0) {
-      if ((size_t)octets <= capacity && packet_at(packet, (size_t)octets) == octets) return (int)octets;
+      if ((size_t)octets <= capacity && packet_at(packet, (size_t)octets) == octets) {
+        connect_to(bus, &from, from_octets);
+        bus->heard_ms = now_ms();
+        return (int)octets;
+      }
       bus->damaged_octets += (uint64_t)octets;
       continue;
     }
     if (octets == 0) continue;
     if (errno != EAGAIN && errno != EINTR) return -errno;
+    if (bus->connected && now_ms() - bus->heard_ms >= SILENCE_MS) let_go_of_dead(bus);
+    const int slice_ms = bus->connected && (left_ms < 0 || left_ms > SILENCE_MS) ? SILENCE_MS : left_ms;
     struct pollfd wait = {.fd = bus->fd, .events = POLLIN};
-    const int ready = poll(&wait, 1, timeout_ms);
+    const int ready = poll(&wait, 1, slice_ms);
     if (ready < 0 && errno != EINTR) return -errno;
-    if (ready == 0) return 0;
+    if (ready == 0 && slice_ms == left_ms) return 0;
+    if (ready == 0 && left_ms > 0) left_ms -= slice_ms;
   }
 }
 
@@ -159,12 +192,6 @@ static int read_slot(struct polhode_bus *bus, uint8_t *packet, size_t capacity) 
   }
   atomic_thread_fence(memory_order_acquire);
   return atomic_load_explicit(&slot->version, memory_order_relaxed) == version ? (int)octets : -1;
-}
-
-static int64_t now_ms(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
 }
 
 /* Until a packet beyond bus->next is there. 1: perhaps; 0: the time is over. */

@@ -34,6 +34,8 @@ struct polhode_bus {
   int kind;
   int fd;
   char path[128];           /* of a Unix socket, removed when closed */
+  int connected;            /* a Unix socket, to the sender that is heard */
+  int64_t heard_ms;         /* last, on the monotonic clock */
   const void *ring;         /* shared memory */
   uint64_t next;            /* packet of the ring to be read next */
   size_t held;              /* octets in `stream` */

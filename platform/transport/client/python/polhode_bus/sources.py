@@ -12,11 +12,14 @@ from .decode import PACKET_OCTETS_MAX, Packet, crc16, decode, header_of
 _RING_MAGIC = 0x31474E5248444C50
 _RING_HEADER = 128  # octets; the count of packets written is at 64
 _POLL_S = 0.001
+_SILENCE_S = 0.2  # after which a sender may have died
 
 
 class _Datagrams:
     def __init__(self, kind: str, rest: str):
         self._path = rest if kind == "unix" else None
+        self._connected = False
+        self._heard_s = 0.0
         self._socket = socket.socket(socket.AF_UNIX if kind == "unix" else socket.AF_INET, socket.SOCK_DGRAM)
         if kind == "udp":
             host, _, port = rest.rpartition(":")
@@ -38,12 +41,38 @@ class _Datagrams:
             except ConnectionRefusedError:
                 os.unlink(path)
 
-    def read(self, timeout_s: float) -> bytes | None:
-        self._socket.settimeout(max(timeout_s, 1e-6))
+    def _connect_to(self, sender: str | bytes | None) -> None:
+        """The system holds 10 datagrams of a stranger, of the one that the socket is connected to hundreds."""
+        if self._path and sender and not self._connected:
+            with contextlib.suppress(OSError):
+                self._socket.connect(sender)
+                self._connected = True
+
+    def _let_go_of_dead(self) -> None:
+        """The system itself undoes the connection to a dead sender when it is sent to."""
         try:
-            return self._socket.recv(PACKET_OCTETS_MAX + 1)
-        except TimeoutError:
-            return None
+            self._socket.send(b"", socket.MSG_DONTWAIT)
+        except ConnectionRefusedError:
+            self._connected = False
+        except BlockingIOError:
+            pass
+
+    def read(self, timeout_s: float) -> bytes | None:
+        left_s = max(timeout_s, 1e-6)
+        while True:
+            slice_s = min(left_s, _SILENCE_S) if self._connected else left_s
+            self._socket.settimeout(slice_s)
+            try:
+                octets, sender = self._socket.recvfrom(PACKET_OCTETS_MAX + 1)
+                self._connect_to(sender)
+                self._heard_s = time.monotonic()
+                return octets
+            except TimeoutError:
+                if self._connected and time.monotonic() - self._heard_s >= _SILENCE_S:
+                    self._let_go_of_dead()
+                left_s -= slice_s
+                if left_s <= 0.0:
+                    return None
 
     def close(self) -> None:
         self._socket.close()
