@@ -21,6 +21,8 @@ constexpr std::size_t kHeapHeader = 4096;
 // pools are open: 26 MiB were measured.
 constexpr std::size_t kProgramOctets = 27 * kMiB;
 constexpr std::size_t kMainStackOctets = 2 * kMiB;
+// Configuration, files, names and tables of the program: 1.5 MiB were measured.
+constexpr std::size_t kGeneralOctets = 2 * kMiB;
 // Frames that are in memory at a time: the one that is decoded and the one that is looked at.
 constexpr std::size_t kPictures = 2;
 
@@ -41,7 +43,7 @@ std::size_t mask_octets(const Parameters& p) {
   return kPerPixel * (pixels(p) / (decimation * decimation));
 }
 
-std::vector<CallCost> calls(const Parameters& p) {
+std::vector<CallCost> calls(const Parameters& p, const MachineNeeds& machine) {
   // A pyramid of three levels is 4/3 of the picture, with a border; its gradients are two 16-bit
   // pictures of a level.
   const std::size_t pyramids = 2 * (pixels(p) * 14 / 10) + 5 * pixels(p);
@@ -53,7 +55,9 @@ std::vector<CallCost> calls(const Parameters& p) {
           {"absolute pose: hypotheses of three points", Pool::kStep, kPoseOctets},
           {"start of a map: hypotheses of all kinds",
            p.jobs.delay_frames == 0 ? Pool::kStep : Pool::kJobs,
-           kHypothesesOctets}};
+           kHypothesesOctets},
+          {"files and texts of the program", Pool::kGeneral, kGeneralOctets},
+          {"packets that wait for their readers", Pool::kGeneral, machine.general_octets}};
 }
 
 std::size_t sum_of(const std::vector<CallCost>& calls, Pool pool) {
@@ -65,7 +69,7 @@ std::size_t sum_of(const std::vector<CallCost>& calls, Pool pool) {
 }
 
 std::string misfit(const MemoryPlan& plan) {
-  for (const Pool pool : {Pool::kStep, Pool::kJobs}) {
+  for (const Pool pool : {Pool::kGeneral, Pool::kStep, Pool::kJobs}) {
     std::size_t worst = sum_of(plan.calls, pool);
     if (pool == Pool::kJobs && worst > 0) {
       // A job is begun when its pool has this much in one piece. The heap promises the next lower
@@ -92,14 +96,14 @@ std::string misfit(const MemoryPlan& plan) {
 
 std::size_t job_worst_case(const Parameters& /*parameters*/) { return kHypothesesOctets; }
 
-MemoryPlan plan_memory(const Parameters& p) {
+MemoryPlan plan_memory(const Parameters& p, const MachineNeeds& machine) {
   MemoryPlan plan;
   const MemoryNeed need = memory_needed(p);
   for (const TableNeed& table : need.tables) {
     plan.tables.push_back({std::string(table.name), table.octets});
   }
   plan.tables_octets = need.total;
-  plan.calls = calls(p);
+  plan.calls = calls(p, machine);
   const auto mib = [](int value) { return static_cast<std::size_t>(value) * kMiB; };
   plan.pools = {mib(p.budget.general_mb),
                 mib(p.budget.step_mb),
@@ -113,6 +117,7 @@ MemoryPlan plan_memory(const Parameters& p) {
                  {"stack of the steps", kMainStackOctets},
                  {"stack of the jobs", p.jobs.delay_frames > 0 ? WorkerOptions{}.stack_octets : 0},
                  {"program and libraries", kProgramOctets}};
+  plan.others.insert(plan.others.end(), machine.rows.begin(), machine.rows.end());
   plan.total_octets = plan.tables_octets;
   for (const std::size_t pool : plan.pools) {
     plan.total_octets += pool;

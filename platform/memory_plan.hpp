@@ -34,8 +34,14 @@ struct MemoryPlan {
   std::string problem;  ///< why it does not fit; empty when it does
 };
 
+/// What a run needs beside the estimator, by what it does with frames and packets.
+struct MachineNeeds {
+  std::vector<PlanRow> rows;      ///< in memory of their own
+  std::size_t general_octets = 0;  ///< from the general pool
+};
+
 /// @param parameters checked, with a camera.
-MemoryPlan plan_memory(const Parameters& parameters);
+MemoryPlan plan_memory(const Parameters& parameters, const MachineNeeds& machine = {});
 
 /// The plan as a table for people.
 std::string text_of(const MemoryPlan& plan);

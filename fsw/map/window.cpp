@@ -59,11 +59,15 @@ KeyframeIds by_covisibility(const Map& map,
   return ids;
 }
 
-void clear(AdjustmentSnapshot* s) {
+void begin(const Map& map, AdjustmentSnapshot* s) {
+  s->next_keyframe_number = map.next_keyframe_number;
+  s->next_landmark_number = map.next_landmark_number;
   s->keyframes.clear();
+  s->keyframe_numbers.clear();
   s->poses.clear();
   s->pose_fixed.clear();
   s->landmarks.clear();
+  s->landmark_numbers.clear();
   s->points_T.clear();
   s->point_fixed.clear();
   s->observations.clear();
@@ -72,6 +76,7 @@ void clear(AdjustmentSnapshot* s) {
 
 void add_pose(const Map& map, KeyframeId id, bool fixed, AdjustmentSnapshot* s) {
   (void)s->keyframes.push_back(id);
+  (void)s->keyframe_numbers.push_back(map.keyframes[id.index()].number);
   (void)s->poses.push_back(to_inverse_depth(map.keyframes[id.index()].pose));
   (void)s->pose_fixed.push_back(fixed ? 1 : 0);
 }
@@ -88,6 +93,7 @@ void add_points(const Map& map,
     if (wanted[i] && map.landmarks[i].used && map.landmarks[i].observations >= 2) {
       index[i] = static_cast<std::int32_t>(s->points_T.size());
       (void)s->landmarks.push_back(LandmarkId::from_index(i));
+      (void)s->landmark_numbers.push_back(map.landmarks[i].number);
       (void)s->points_T.push_back(map.landmarks[i].p_T);
       (void)s->point_fixed.push_back(0);
     }
@@ -110,13 +116,56 @@ void add_points(const Map& map,
   }
 }
 
+/// Slots are used anew: is the landmark of the snapshot still the one in its place?
+bool is_there(const AdjustmentSnapshot& s, std::size_t i, const Map& map) {
+  const Landmark& landmark = map.landmarks[s.landmarks[i].index()];
+  return landmark.used && landmark.number == s.landmark_numbers[i];
+}
+
+/// From the adjusted map onto the one that it came from; identity where held keyframes keep the gauge.
+Similarity back_onto(const AdjustmentSnapshot& s, const Map& map) {
+  if (std::count(s.pose_fixed.begin(), s.pose_fixed.end(), std::uint8_t{1}) > 1) {
+    return {};
+  }
+  FixedVector<Eigen::Vector3d, limits::kLandmarks> adjusted;
+  FixedVector<Eigen::Vector3d, limits::kLandmarks> before;
+  FixedVector<double, limits::kLandmarks> weights;
+  for (std::size_t i = 0; i < s.landmarks.size(); ++i) {
+    if (is_there(s, i, map)) {
+      const Landmark& landmark = map.landmarks[s.landmarks[i].index()];
+      (void)adjusted.push_back(s.points_T[i]);
+      (void)before.push_back(landmark.p_T);
+      (void)weights.push_back(landmark.observations);
+    }
+  }
+  const Result<Similarity> aligned =
+      align_similarity(adjusted.view(), before.view(), weights.view());
+  return aligned ? aligned.value() : Similarity{};
+}
+
+void take_along(const AdjustmentSnapshot& s, const MapCorrection& correction, Map* map) {
+  if (map->next_keyframe_number == s.next_keyframe_number) {
+    return;
+  }
+  for (Keyframe& keyframe : map->keyframes) {
+    if (keyframe.used && keyframe.number >= s.next_keyframe_number) {
+      keyframe.pose = correction.moved(keyframe.pose);
+    }
+  }
+  for (Landmark& landmark : map->landmarks) {
+    if (landmark.used && landmark.number >= s.next_landmark_number) {
+      landmark.p_T = correction.moved_point(landmark.p_T);
+    }
+  }
+}
+
 }  // namespace
 
 void snapshot_window(const Map& map,
                      const CameraModel& camera,
                      int window,
                      AdjustmentSnapshot* s) {
-  clear(s);
+  begin(map, s);
   const auto order = keyframes_by_age(map);
   if (order.empty()) {
     return;
@@ -147,7 +196,7 @@ void snapshot_window(const Map& map,
 }
 
 void snapshot_all(const Map& map, const CameraModel& camera, AdjustmentSnapshot* s) {
-  clear(s);
+  begin(map, s);
   std::array<bool, limits::kLandmarks> wanted{};
   wanted.fill(true);
   for (const KeyframeId id : keyframes_by_age(map)) {
@@ -167,29 +216,32 @@ BundleReport adjust(AdjustmentSnapshot* s,
   return adjust_bundle(problem, options, workspace);
 }
 
-void apply(const AdjustmentSnapshot& s, Map* map) {
-  Similarity back;  // identity: held keyframes keep the gauge
-  const auto held = std::count(s.pose_fixed.begin(), s.pose_fixed.end(), std::uint8_t{1});
-  if (held <= 1) {
-    FixedVector<Eigen::Vector3d, limits::kLandmarks> before;
-    FixedVector<double, limits::kLandmarks> weights;
-    for (const LandmarkId id : s.landmarks) {
-      (void)before.push_back(map->landmarks[id.index()].p_T);
-      (void)weights.push_back(map->landmarks[id.index()].observations);
+MapCorrection apply(const AdjustmentSnapshot& s, Map* map) {
+  const Similarity back = back_onto(s, *map);
+  MapCorrection correction;
+  std::uint32_t newest = 0;
+  for (std::size_t k = 0; k < s.keyframes.size(); ++k) {
+    Keyframe& keyframe = map->keyframes[s.keyframes[k].index()];
+    if (!keyframe.used || keyframe.number != s.keyframe_numbers[k]) {
+      continue;
     }
-    const Result<Similarity> aligned =
-        align_similarity(s.points_T.view(), before.view(), weights.view());
-    if (aligned) {
-      back = aligned.value();
+    const Pose after = transformed(from_inverse_depth(s.poses[k]), back);
+    if (keyframe.number >= newest) {
+      newest = keyframe.number;
+      correction = {.timestamp_ns = keyframe.timestamp_ns,
+                    .frame = keyframe.frame,
+                    .before = keyframe.pose,
+                    .after = after};
     }
+    keyframe.pose = after;
   }
   for (std::size_t i = 0; i < s.landmarks.size(); ++i) {
-    map->landmarks[s.landmarks[i].index()].p_T = back.apply(s.points_T[i]);
+    if (is_there(s, i, *map)) {
+      map->landmarks[s.landmarks[i].index()].p_T = back.apply(s.points_T[i]);
+    }
   }
-  for (std::size_t k = 0; k < s.keyframes.size(); ++k) {
-    map->keyframes[s.keyframes[k].index()].pose =
-        transformed(from_inverse_depth(s.poses[k]), back);
-  }
+  take_along(s, correction, map);
+  return correction;
 }
 
 }  // namespace polhode

@@ -13,12 +13,16 @@ namespace polhode {
 /// else. Some 3 MB: not for the stack.
 struct AdjustmentSnapshot {
   FixedVector<KeyframeId, limits::kKeyframes> keyframes;
+  FixedVector<std::uint32_t, limits::kKeyframes> keyframe_numbers;
   FixedVector<InverseDepthPose, limits::kKeyframes> poses;
   FixedVector<std::uint8_t, limits::kKeyframes> pose_fixed;
   FixedVector<LandmarkId, limits::kLandmarks> landmarks;
+  FixedVector<std::int32_t, limits::kLandmarks> landmark_numbers;
   FixedVector<Eigen::Vector3d, limits::kLandmarks> points_T;
   FixedVector<std::uint8_t, limits::kLandmarks> point_fixed;
   FixedVector<BundleObservation, limits::kAdjustmentSightings> observations;
+  std::uint32_t next_keyframe_number = 0;  ///< of the map: from here on is what came later
+  std::int32_t next_landmark_number = 0;
   std::uint32_t left_out = 0;  ///< sightings that found the table full: those of the last keyframes
 };
 
@@ -36,9 +40,26 @@ BundleReport adjust(AdjustmentSnapshot* snapshot,
                     const BundleOptions& options,
                     BundleWorkspace* workspace);
 
-/// Writes the result back. Where no more than one keyframe was held the whole map is first brought
-/// back onto where it was by the similarity that fits its landmarks best: T's axes, origin and
-/// scale do not move.
-void apply(const AdjustmentSnapshot& snapshot, Map* map);
+/// How the newest keyframe of a snapshot was moved. What was placed by it since goes along.
+struct MapCorrection {
+  std::int64_t timestamp_ns = INT64_MAX;  ///< of that keyframe; INT64_MAX: it is no longer there
+  std::uint32_t frame = UINT32_MAX;
+  Pose before;
+  Pose after;
+
+  [[nodiscard]] Pose moved(const Pose& pose) const {
+    const Eigen::Matrix3d R = pose.R_CT * before.R_CT.transpose();
+    return {.R_CT = R * after.R_CT, .p_CT = R * (after.p_CT - before.p_CT) + pose.p_CT};
+  }
+  [[nodiscard]] Eigen::Vector3d moved_point(const Eigen::Vector3d& p_T) const {
+    return after.R_CT.transpose() * (before.to_camera(p_T) - after.p_CT);
+  }
+};
+
+/// Writes the result back to what of the snapshot is still in the map. Where no more than one
+/// keyframe was held the whole map is first brought back onto where it was by the similarity that
+/// fits its landmarks best: T's axes, origin and scale do not move. Keyframes and landmarks that have
+/// come since keep their place beside the snapshot's newest keyframe.
+MapCorrection apply(const AdjustmentSnapshot& snapshot, Map* map);
 
 }  // namespace polhode

@@ -148,6 +148,7 @@ void forget_jobs(Component::State* s) {
   s->job.unwanted = true;
   s->fit_job.unwanted = true;
   s->shape_job.unwanted = true;
+  s->growth = {};
 }
 
 void run_undelayed_jobs(Component::State* s) {

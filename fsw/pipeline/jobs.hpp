@@ -54,12 +54,19 @@ enum class AdjustmentReason : std::uint8_t { kMapBegun, kMapCompleted, kMapGrown
 struct AdjustmentJob {
   static constexpr std::size_t kRounds = 3;
   AdjustmentReason reason = AdjustmentReason::kMapGrown;
-  KeyframeId keyframe;               ///< that the map has grown by
+  KeyframeId keyframe;               ///< newest one that the map has grown by
+  std::uint32_t keyframe_number = 0;
   std::uint32_t first_keyframe = 0;  ///< number of the first one of the part that has begun
   FixedVector<BundleOptions, kRounds> rounds;
   AdjustmentSnapshot snapshot;  ///< in: as the map is; out: as it should be
   BundleWorkspace workspace;
   bool usable = false;  ///< of the result
+};
+
+/// By what the map has grown while an adjustment of it was out; the next one is for that.
+struct GrowthWaiting {
+  bool any = false;
+  bool closed = false;  ///< a loop, too
 };
 
 /// Work on the map, of one kind or the other.
@@ -96,7 +103,7 @@ void issue_fit(Component::State* state);
 /// As issue_fit, of `state->shape_job`.
 void issue_shape(Component::State* state);
 
-/// No job of the map is out: it may be changed, and a new job prepared.
+/// No job of the map is out: a new one may be prepared.
 [[nodiscard]] bool job_slot_free(const Component::State& state);
 [[nodiscard]] bool fit_slot_free(const Component::State& state);
 [[nodiscard]] bool shape_slot_free(const Component::State& state);

@@ -1,6 +1,7 @@
 #include "pipeline/mapping.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "map/closure.hpp"
 #include "map/keyframes.hpp"
@@ -72,6 +73,7 @@ void ask_for_all(AdjustmentReason reason, bool closed, Component::State* s) {
 void ask_after_growth(KeyframeId keyframe, bool closed, Component::State* s) {
   AdjustmentJob& job = s->job.adjustment;
   job.keyframe = keyframe;
+  job.keyframe_number = s->map.keyframes[keyframe.index()].number;
   if (closed || wants_adjustment_of_all(*s)) {
     ask_for_all(AdjustmentReason::kMapGrown, closed, s);
     return;
@@ -106,7 +108,11 @@ void tidy_reference(FlowReference* reference, const Map& map) {
 }
 
 /// The keyframe that the map has grown by stands elsewhere now.
-void move_with(const Keyframe& keyframe, Component::State* s) {
+void move_with(const AdjustmentJob& job, Component::State* s) {
+  const Keyframe& keyframe = s->map.keyframes[job.keyframe.index()];
+  if (!keyframe.used || keyframe.number != job.keyframe_number) {
+    return;
+  }
   if (s->reference_frame == keyframe.frame) {
     s->reference.pose = keyframe.pose;
   }
@@ -117,13 +123,29 @@ void move_with(const Keyframe& keyframe, Component::State* s) {
   move_pose(keyframe, s);
 }
 
+/// So does what was seen after the adjusted keyframes.
+void move_since(const MapCorrection& correction, Component::State* s) {
+  if (s->reference.valid && s->reference_frame > correction.frame) {
+    s->reference.pose = correction.moved(s->reference.pose);
+  }
+  move_poses_with_map(correction.timestamp_ns, s);
+}
+
+void ask_for_growth_waiting(Component::State* s) {
+  const auto order = keyframes_by_age(s->map);
+  if (s->growth.any && job_slot_free(*s) && !order.empty()) {
+    const GrowthWaiting growth = std::exchange(s->growth, {});
+    ask_after_growth(order[0], growth.closed, s);
+  }
+}
+
 }  // namespace
 
 void adjust_all(int iterations_max, Component::State* s) {
   AdjustmentJob& job = s->job.adjustment;
   snapshot_all(s->map, s->camera, &job.snapshot);
   if (adjust(&job.snapshot, bundle_options(iterations_max), &job.workspace).usable) {
-    apply(job.snapshot, &s->map);
+    (void)apply(job.snapshot, &s->map);
   }
   s->keyframes_at_last_adjustment = s->map.keyframe_count;
 }
@@ -131,7 +153,12 @@ void adjust_all(int iterations_max, Component::State* s) {
 void cull_map(Component::State* s) {
   s->noise_scale = std::max(1.0, residual_scale(s->map, s->camera));
   s->counters.landmarks_culled +=
-      static_cast<std::uint32_t>(cull_landmarks(s->camera, s->noise_scale, &s->map));
+      static_cast<std::uint32_t>(cull_landmarks(
+          s->camera,
+          s->noise_scale,
+          {.keyframes_before = s->job.adjustment.snapshot.next_keyframe_number,
+           .landmarks_before = s->job.adjustment.snapshot.next_landmark_number},
+          &s->map));
 }
 
 void settle_map(std::uint32_t first_keyframe, Component::State* s) {
@@ -143,7 +170,7 @@ void settle_map(std::uint32_t first_keyframe, Component::State* s) {
 void take_adjustment(Component::State* s) {
   const AdjustmentJob& job = s->job.adjustment;
   if (job.usable) {
-    apply(job.snapshot, &s->map);
+    move_since(apply(job.snapshot, &s->map), s);
   }
   cull_map(s);
   refresh_landmarks(&s->map, s->camera);
@@ -156,13 +183,15 @@ void take_adjustment(Component::State* s) {
       restate_poses(s);
       break;
     case AdjustmentReason::kMapGrown:
-      move_with(s->map.keyframes[job.keyframe.index()], s);
+      move_with(job, s);
       break;
   }
+  ask_for_growth_waiting(s);
 }
 
 bool may_extend_map(const Component::State& s) {
-  return job_slot_free(s) && wants_keyframe(s.map,
+  const bool may_grow = job_slot_free(s) || s.job.kind == JobKind::kAdjustment;
+  return may_grow && wants_keyframe(s.map,
                                             s.localised.absolute.pose,
                                             s.localised.absolute.inliers,
                                             s.parameters.map);
@@ -190,6 +219,10 @@ void extend_map(Component::State* s) {
   if (closed > 0) {
     ++s->counters.closures;
     hold_at_both_ends(&s->drift);
+  }
+  if (!job_slot_free(*s)) {
+    s->growth = {.any = true, .closed = s->growth.closed || closed > 0};
+    return;
   }
   ask_after_growth(id, closed > 0, s);
 }

@@ -242,6 +242,14 @@ void move_pose(const Keyframe& keyframe, Component::State* s) {
   }
 }
 
+void move_poses_with_map(std::int64_t adjusted_to_ns, Component::State* s) {
+  for (PoseHistory* const history : {&s->motion.recent, &s->motion.past}) {
+    if (!history->empty() && history->back().timestamp_ns > adjusted_to_ns) {
+      follow_map(s->map, *history);
+    }
+  }
+}
+
 void forget_motion(Component::State* s) {
   MotionNow& m = s->motion;
   m.recent.clear();

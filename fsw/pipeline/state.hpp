@@ -107,6 +107,7 @@ struct Component::State {
   MapJob job;
   FitJob fit_job;
   ShapeJob shape_job;
+  GrowthWaiting growth;
 
   // Working memory of single calls.
   FeatureWorkspace feature_workspace;

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include "app/machine_needs.hpp"
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
 #include "memory_plan.hpp"
 #include "parameters/load.hpp"
+#include "parameters/machine_options.hpp"
 #include "parameters/print.hpp"
 #include "parameters/sha256.hpp"
+#include "parameters/transport_options.hpp"
 #include "pipeline/component.hpp"
 #include "pipeline/parameter_table.hpp"
 
@@ -54,7 +57,12 @@ void check_configuration(const CheckArguments& arguments) {
         arguments.config.string()));
   }
   if (configuration.has_camera) {
-    const MemoryPlan plan = plan_memory(configuration.parameters);
+    const MachineOptions machine = load_machine_options(arguments.config, arguments.settings);
+    const TransportSettings transport =
+        load_transport_options(arguments.config, arguments.settings).transport;
+    const MemoryPlan plan =
+        plan_memory(configuration.parameters,
+                    live_needs(machine, transport, configuration.parameters.camera));
     fmt::print("memory of the component: {} octets; in all: {} of {}\n",
                plan.tables_octets,
                plan.total_octets,

@@ -2,13 +2,17 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <system_error>
 
 #include "base/crc.hpp"
-#include "camera/replay/file_octets.hpp"
+#include "pipeline/checkpoint.hpp"
+#include "transport/datagram/datagram.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -80,6 +84,45 @@ std::string refusal_of(const FileHeader& header,
   return {};
 }
 
+bool read_all(int file, void* data, std::size_t octets) {
+  auto* at = static_cast<std::uint8_t*>(data);
+  while (octets > 0) {
+    const ssize_t got = ::read(file, at, octets);
+    if (got <= 0) {
+      return false;
+    }
+    at += got;
+    octets -= static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+/// @return why it cannot be read; empty when it has been.
+std::string read_whole(const fs::path& file, FileHeader* header, LoadedCheckpoint* loaded) {
+  const Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  struct stat status {};
+  if (in.get() < 0 || ::fstat(in.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
+    return fmt::format("cannot be read: {}", std::generic_category().message(errno));
+  }
+  const auto octets = static_cast<std::size_t>(status.st_size);
+  if (octets < sizeof *header || !read_all(in.get(), header, sizeof *header)) {
+    return "too short";
+  }
+  if (octets > sizeof *header + checkpoint_octets_max()) {
+    return "too long";
+  }
+  if (octets == sizeof *header) {
+    return {};
+  }
+  loaded->memory = std::make_unique<TableMemory>(octets - sizeof *header);
+  const std::span<std::byte> content = loaded->memory->span();
+  if (!read_all(in.get(), content.data(), content.size())) {
+    return "cannot be read to its end";
+  }
+  loaded->content = {reinterpret_cast<const std::uint8_t*>(content.data()), content.size()};
+  return {};
+}
+
 }  // namespace
 
 std::array<char, 36> this_boot() {
@@ -119,25 +162,17 @@ LoadedCheckpoint load_checkpoint_file(const fs::path& file,
                                       std::int64_t utc_ns,
                                       double age_s_max) {
   LoadedCheckpoint loaded;
-  std::vector<std::uint8_t> octets;
-  if (const auto unreadable = read_file(file, octets)) {
-    loaded.refusal = *unreadable;
-    return loaded;
-  }
   FileHeader header;
-  if (octets.size() < sizeof header) {
-    loaded.refusal = "too short";
-    return loaded;
+  loaded.refusal = read_whole(file, &header, &loaded);
+  if (loaded.refusal.empty()) {
+    loaded.refusal = refusal_of(header, loaded.content, identity);
   }
-  std::memcpy(&header, octets.data(), sizeof header);
-  octets.erase(octets.begin(), octets.begin() + sizeof header);
-  loaded.refusal = refusal_of(header, octets, identity);
   loaded.age_s = 1e-9 * static_cast<double>(utc_ns - header.utc_ns);
   if (loaded.refusal.empty() && !(loaded.age_s >= 0.0 && loaded.age_s <= age_s_max)) {
     loaded.refusal = fmt::format("{:.0f} s old, allowed are 0 .. {:.0f}", loaded.age_s, age_s_max);
   }
-  if (loaded.refusal.empty()) {
-    loaded.content = std::move(octets);
+  if (!loaded.refusal.empty()) {
+    loaded.content = {};
   }
   return loaded;
 }

@@ -4,9 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
-#include <vector>
+
+#include "os/linux/memory/table_memory.hpp"
 
 namespace polhode::platform {
 
@@ -29,7 +31,8 @@ bool write_checkpoint_file(const std::filesystem::path& file,
                            std::span<const std::uint8_t> content);
 
 struct LoadedCheckpoint {
-  std::vector<std::uint8_t> content;  ///< empty when refused
+  std::unique_ptr<TableMemory> memory;    ///< of the content: goes with it, beside the pools
+  std::span<const std::uint8_t> content;  ///< empty when refused
   std::string refusal;                ///< why; empty when it is good
   double age_s = 0.0;
 };

@@ -15,7 +15,8 @@ CheckpointWriter::CheckpointWriter(const std::filesystem::path& file,
     : file_(file),
       beside_(file.string() + ".new"),
       identity_(identity),
-      buffer_(checkpoint_octets_max()) {
+      memory_(checkpoint_octets_max()),
+      buffer_(reinterpret_cast<std::uint8_t*>(memory_.span().data()), memory_.span().size()) {
   thread_.start(&CheckpointWriter::work, this);
 }
 
@@ -70,7 +71,7 @@ void CheckpointWriter::serve() {
     const std::size_t octets = waiting_;
     lock.unlock();
     const bool written = write_checkpoint_file(
-        file_, beside_, identity_, utc_now_ns(), std::span(buffer_).first(octets));
+        file_, beside_, identity_, utc_now_ns(), buffer_.first(octets));
     lock.lock();
     ++(written ? counters_.written : counters_.failed);
     counters_.octets = octets;

@@ -5,10 +5,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
-#include <vector>
+#include <span>
 
 #include "app/checkpoint_file.hpp"
 #include "os/linux/background_thread.hpp"
+#include "os/linux/memory/table_memory.hpp"
 #include "pipeline/checkpoint.hpp"
 
 namespace polhode::platform {
@@ -41,7 +42,8 @@ class CheckpointWriter {
   std::filesystem::path file_;
   std::filesystem::path beside_;
   CheckpointIdentity identity_;
-  std::vector<std::uint8_t> buffer_;  ///< of the thread while `waiting_`
+  TableMemory memory_;  ///< beside the pools, which are the libraries'
+  std::span<std::uint8_t> buffer_;  ///< of the thread while `waiting_`
   std::mutex mutex_;
   std::condition_variable changed_;
   std::size_t waiting_ = 0;  ///< octets to be written; 0: none

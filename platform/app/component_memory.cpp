@@ -7,8 +7,10 @@
 namespace polhode::platform {
 namespace {
 
-MemoryPlan acquired(const Parameters& parameters, const std::string& where) {
-  MemoryPlan plan = plan_memory(parameters);
+MemoryPlan acquired(const Parameters& parameters,
+                    const std::string& where,
+                    const MachineNeeds& machine) {
+  MemoryPlan plan = plan_memory(parameters, machine);
   if (!plan.problem.empty()) {
     throw UnusableInput(fmt::format(
         "{}: the memory does not fit: {} (polhode check --memory)", where, plan.problem));
@@ -19,7 +21,9 @@ MemoryPlan acquired(const Parameters& parameters, const std::string& where) {
 
 }  // namespace
 
-ComponentMemory::ComponentMemory(const Parameters& parameters, const std::string& where)
-    : plan_(acquired(parameters, where)), tables_(memory_needed(parameters).total) {}
+ComponentMemory::ComponentMemory(const Parameters& parameters,
+                                 const std::string& where,
+                                 const MachineNeeds& machine)
+    : plan_(acquired(parameters, where, machine)), tables_(memory_needed(parameters).total) {}
 
 }  // namespace polhode::platform

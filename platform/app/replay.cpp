@@ -13,6 +13,7 @@
 #include "app/machine.hpp"
 #include "app/mask_log.hpp"
 #include "app/motion_csv.hpp"
+#include "app/machine_needs.hpp"
 #include "app/next_input.hpp"
 #include "app/observations.hpp"
 #include "app/output_folder.hpp"
@@ -240,7 +241,8 @@ void replay(const ReplayArguments& arguments) {
   const TransportOptions options = load_transport_options(arguments.config, arguments.settings);
   CommandFile commands = commands_of(
       arguments.commands.empty() ? options.commands_file : arguments.commands, parameters);
-  const ComponentMemory memory(parameters, arguments.config.string());
+  const ComponentMemory memory(
+      parameters, arguments.config.string(), transport_needs(options.transport));
   Component& component = make_component(memory, parameters, arguments);
   prepare_output_folder(arguments.out);
 

@@ -12,6 +12,7 @@
 #include "app/frames_trapped.hpp"
 #include "app/live_camera_choice.hpp"
 #include "app/live_run.hpp"
+#include "app/machine_needs.hpp"
 #include "app/run_json.hpp"
 #include "app/warm_up.hpp"
 #include "errors.hpp"
@@ -63,7 +64,12 @@ class Beginning {
   [[nodiscard]] const CheckpointIdentity& identity() const { return identity_; }
   [[nodiscard]] const std::string& how() const { return how_; }
   [[nodiscard]] std::span<const std::uint8_t> content() const {
-    return warm_ ? std::span<const std::uint8_t>(loaded_.content) : std::span<const std::uint8_t>();
+    return warm_ ? loaded_.content : std::span<const std::uint8_t>();
+  }
+  /// The memory of its content goes back; how it was stays known.
+  void forget_content() {
+    warm_ = false;
+    loaded_ = {};
   }
 
  private:
@@ -86,8 +92,6 @@ std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
   // Two files at least, so that there is something left when the oldest goes.
   const std::uint64_t segment_octets =
       std::min(kMega * static_cast<std::uint64_t>(wish.segment_mb), folder_octets / 4);
-  const std::size_t frame_octets = 2 * static_cast<std::size_t>(parameters.camera.width_px) *
-                                   static_cast<std::size_t>(parameters.camera.height_px);
   auto recorder = std::make_unique<Recorder>(
       RecorderOptions{
           .folder = wish.folder,
@@ -96,7 +100,7 @@ std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
           .slots = static_cast<std::size_t>(wish.slots),
           .complete = wish.complete},
       fmt::format("# polhode {}\n{}", kVersion, canonical_text(parameters)),
-      frame_octets);
+      recorded_frame_octets(parameters.camera));
   if (!checkpoint.empty()) {
     recorder->checkpoint(checkpoint);
   }
@@ -146,7 +150,10 @@ void run_command(const RunArguments& arguments) {
   listen_for_stop();
   ChosenCamera chosen(arguments.config, machine, &configuration.parameters);
   const Parameters& parameters = configuration.parameters;
-  const ComponentMemory memory(parameters, arguments.config.string());
+  const TransportSettings transport =
+      load_transport_options(arguments.config, arguments.settings).transport;
+  const ComponentMemory memory(
+      parameters, arguments.config.string(), live_needs(machine, transport, parameters.camera));
   say("warmed up: %d poses of a made-up body", warm_up(memory, parameters));
   Result<Component*> made = Component::create(memory.span(), parameters);
   if (!made) {
@@ -161,6 +168,7 @@ void run_command(const RunArguments& arguments) {
   std::optional<PacketLog> packets;
   open_packet_log(machine.run.folder, &packets);
   const auto recorder = make_recorder(machine, parameters, beginning.content());
+  beginning.forget_content();
   std::optional<CheckpointWriter> checkpoint;
   std::optional<CheckpointOnExhaustion> last_words;
   if (!machine.run.checkpoint.empty()) {
@@ -172,7 +180,7 @@ void run_command(const RunArguments& arguments) {
   const auto counts = std::make_unique<LiveCounts>();
   Worker worker({.own_thread = parameters.jobs.delay_frames > 0,
                  .job_octets = job_worst_case(parameters)});
-  Transports transports(load_transport_options(arguments.config, arguments.settings).transport);
+  Transports transports(transport);
   LiveParts parts{.component = component,
                   .worker = worker,
                   .camera = chosen.camera(),

@@ -13,23 +13,42 @@ namespace {
 
 constexpr std::size_t kCommandOctetsMax = 65542;  // the longest CCSDS packet
 
+constexpr std::size_t aligned(std::size_t octets) { return (octets + 63) / 64 * 64; }
+
+std::size_t compressed_octets(std::size_t octets) {
+  return static_cast<std::size_t>(LZ4_compressBound(static_cast<int>(octets)));
+}
+
 std::span<const std::uint8_t> octets_of(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
 }  // namespace
 
+std::size_t Recorder::octets_needed(std::size_t slots, std::size_t frame_octets_max) {
+  const std::size_t slot = std::max(frame_octets_max, kCommandOctetsMax);
+  return slots * aligned(slot) + aligned(frame_octets_max) + aligned(compressed_octets(frame_octets_max)) +
+         aligned(static_cast<std::size_t>(LZ4_sizeofState()));
+}
+
 Recorder::Recorder(const RecorderOptions& options, std::string begin, std::size_t frame_octets_max)
     : complete_(options.complete),
       begin_(std::move(begin)),
       segments_(options.folder, options.run_utc_ns, options.limits),
       slots_(options.slots),
-      differences_(frame_octets_max),
-      compressed_(static_cast<std::size_t>(LZ4_compressBound(static_cast<int>(frame_octets_max)))),
-      lz4_state_(static_cast<std::size_t>(LZ4_sizeofState())) {
+      memory_(octets_needed(options.slots, frame_octets_max)) {
+  std::span<std::byte> left = memory_.span();
+  const auto take = [&left](std::size_t octets) {
+    const std::span<std::uint8_t> taken(reinterpret_cast<std::uint8_t*>(left.data()), octets);
+    left = left.subspan(aligned(octets));
+    return taken;
+  };
   for (Slot& slot : slots_) {
-    slot.content.resize(std::max(frame_octets_max, kCommandOctetsMax));
+    slot.content = take(std::max(frame_octets_max, kCommandOctetsMax));
   }
+  differences_ = take(frame_octets_max);
+  compressed_ = take(compressed_octets(frame_octets_max));
+  lz4_state_ = take(static_cast<std::size_t>(LZ4_sizeofState()));
   thread_.start(&Recorder::work, this);
 }
 
@@ -151,12 +170,12 @@ void Recorder::compress(Slot& slot, std::span<const std::uint8_t>* content) {
                                                 1);
   if (octets > 0 && static_cast<std::size_t>(octets) < content->size()) {
     slot.header.packing = RecordPacking::kDifferenceLz4;
-    *content = std::span(compressed_).first(static_cast<std::size_t>(octets));
+    *content = compressed_.first(static_cast<std::size_t>(octets));
   }
 }
 
 void Recorder::write_slot(Slot& slot) {
-  std::span<const std::uint8_t> content = std::span(slot.content).first(slot.header.octets);
+  std::span<const std::uint8_t> content = slot.content.first(slot.header.octets);
   slot.header.packing = RecordPacking::kRaw;
   const bool picture = slot.header.kind == RecordKind::kFrame && slot.header.readable;
   if (picture) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "os/linux/background_thread.hpp"
+#include "os/linux/memory/table_memory.hpp"
 #include "pipeline/component.hpp"
 #include "recording/record.hpp"
 #include "recording/segments.hpp"
@@ -34,6 +35,9 @@ struct RecorderCounters {
 
 class Recorder {
  public:
+  /// What its pictures need.
+  static std::size_t octets_needed(std::size_t slots, std::size_t frame_octets_max);
+
   /// Takes all memory that it will need. @param begin what the run's parameters are, as text.
   /// @throws RunFailure when the folder cannot be used.
   Recorder(const RecorderOptions& options, std::string begin, std::size_t frame_octets_max);
@@ -52,7 +56,7 @@ class Recorder {
  private:
   struct Slot {
     RecordHeader header;
-    std::vector<std::uint8_t> content;  ///< of its greatest size
+    std::span<std::uint8_t> content;  ///< of its greatest size
   };
 
   /// The next free slot; waits for one only when told to.
@@ -68,9 +72,10 @@ class Recorder {
   std::string begin_;
   Segments segments_;
   std::vector<Slot> slots_;
-  std::vector<std::uint8_t> differences_;
-  std::vector<std::uint8_t> compressed_;
-  std::vector<std::uint8_t> lz4_state_;
+  TableMemory memory_;  ///< of all pictures that wait, beside the pools, which are the libraries'
+  std::span<std::uint8_t> differences_;
+  std::span<std::uint8_t> compressed_;
+  std::span<std::uint8_t> lz4_state_;
 
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -122,7 +122,7 @@ TEST(CloseLoop, LeavesAnAdjustmentThatTakesTheDriftAway) {
     snapshot_all(*r.mapped.map, r.model, &snapshot);
     const BundleOptions options{.iterations_max = 30, .cauchy_sigma = cauchy_sigma};
     ASSERT_TRUE(adjust(&snapshot, options, workspace()).usable);
-    apply(snapshot, r.mapped.map.get());
+    (void)apply(snapshot, r.mapped.map.get());
   }
   // 0.5 px at 190 px of radius over a hundred sightings: some tenths of a mrad.
   EXPECT_LT(r.pose_error_rad(), 0.003);

@@ -149,7 +149,7 @@ TEST(SnapshotAll, LeavesOutTheOldestSightings_WhenTheTableIsFull_AndTheRestIsAdj
   EXPECT_GT(of_pose.front(), 0) << "the newest keyframe";
   EXPECT_EQ(of_pose.back(), 0) << "the oldest one";
   ASSERT_TRUE(adjust(&all, {.iterations_max = 3, .cauchy_sigma = 2.0}, workspace()).usable);
-  apply(all, s.map.get());
+  (void)apply(all, s.map.get());
   // Where nothing is seen nothing moves, but by what brings all of the map back to its place.
   EXPECT_LT(rms_px(*s.map), 1.1 * 0.71);
   EXPECT_EQ(broken_promise(*s.map), "");
@@ -172,7 +172,7 @@ TEST(Adjust, BringsAJoltedMapBackToItsNoise) {
   const auto all_of_map = all_of(*s.map);
   AdjustmentSnapshot& all = *all_of_map;
   ASSERT_TRUE(adjust(&all, kBundle, workspace()).usable);
-  apply(all, s.map.get());
+  (void)apply(all, s.map.get());
   // Two coordinates of 0.5 px each are 0.71 px RMS; the fit takes some of it away.
   EXPECT_LT(rms_px(*s.map), 1.1 * 0.71);
   EXPECT_EQ(broken_promise(*s.map), "");
@@ -187,7 +187,7 @@ TEST(Adjust, OfAWindow_LowersTheErrorOfTheMap) {
   const auto window_of_map = window_of(*s.map, 4);
   AdjustmentSnapshot& window = *window_of_map;
   ASSERT_TRUE(adjust(&window, kBundle, workspace()).usable);
-  apply(window, s.map.get());
+  (void)apply(window, s.map.get());
   EXPECT_LT(rms_px(*s.map), before_px);
   EXPECT_LT(rms_px(*s.map), 1.2 * 0.71);
 }
@@ -200,7 +200,7 @@ TEST(Adjust, OfAWindow_DoesNotMoveWhatIsHeld) {
   AdjustmentSnapshot& window = *window_of_map;
   ASSERT_GE(held(window), 2);
   ASSERT_TRUE(adjust(&window, kBundle, workspace()).usable);
-  apply(window, s.map.get());
+  (void)apply(window, s.map.get());
   std::vector<bool> moved(limits::kKeyframes, false);
   for (std::size_t k = 0; k < window.keyframes.size(); ++k) {
     moved[window.keyframes[k].index()] = window.pose_fixed[k] == 0;
@@ -222,13 +222,71 @@ TEST(Apply, KeepsAxesOriginAndScale_WhenAllMoved) {
     const auto all_of_map = all_of(*s.map);
     AdjustmentSnapshot& all = *all_of_map;
     ASSERT_TRUE(adjust(&all, kBundle, workspace()).usable);
-    apply(all, s.map.get());
+    (void)apply(all, s.map.get());
     const Similarity moved = drift(*before, *s.map);
     // The map was brought back by this very fit: what is left of it is rounding.
     EXPECT_NEAR(moved.scale, 1.0, 1e-9);
     EXPECT_LT(rotation_angle_rad(moved.R_ba, Eigen::Matrix3d::Identity()), 1e-7);
     EXPECT_LT(moved.t_ba.norm(), 1e-9);
   }
+}
+
+/// A window's snapshot whose newest keyframe the solution has moved, and the map that has grown by a
+/// keyframe and a landmark since.
+struct GrownSince {
+  explicit GrownSince(std::uint64_t seed)
+      : synthetic(make_map(ball(300, 30), turn_by(0.1, 12), kNoise_px, seed)),
+        snapshot(window_of(*synthetic.map, 4)) {
+    Map& map = *synthetic.map;
+    Rng rng(seed, 114);
+    before = map.keyframes[snapshot->keyframes[0].index()].pose;
+    Pose solved = before;
+    solved.R_CT = so3_exp(0.02 * normal3(&rng)) * solved.R_CT;
+    solved.p_CT += 0.05 * normal3(&rng);
+    snapshot->poses[0] = to_inverse_depth(solved);
+    keyframe = add_keyframe(&map);
+    map.keyframes[keyframe.index()].pose = {.R_CT = so3_exp({0.0, 0.1, 0.0}) * before.R_CT,
+                                            .p_CT = before.p_CT};
+    landmark = add_landmark(&map);
+    map.landmarks[landmark.index()].p_T = normal3(&rng);
+  }
+  [[nodiscard]] Map& map() const { return *synthetic.map; }
+
+  SyntheticMap synthetic;
+  std::unique_ptr<AdjustmentSnapshot> snapshot;
+  Pose before;  ///< of the snapshot's newest keyframe
+  KeyframeId keyframe;
+  LandmarkId landmark;
+};
+
+TEST(Apply, WhatHasComeSinceKeepsItsPlaceBesideTheNewestKeyframe) {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    const GrownSince g(seed);
+    const Pose young_before = g.map().keyframes[g.keyframe.index()].pose;
+    const Eigen::Vector3d p_before = g.map().landmarks[g.landmark.index()].p_T;
+    const MapCorrection correction = apply(*g.snapshot, &g.map());
+    const Pose& after = g.map().keyframes[g.snapshot->keyframes[0].index()].pose;
+    ASSERT_GT((after.R_CT - g.before.R_CT).norm(), 1e-3);
+    // The point stands before both cameras as it did, and so does one camera before the other.
+    const Pose& young = g.map().keyframes[g.keyframe.index()].pose;
+    const Eigen::Vector3d p = g.map().landmarks[g.landmark.index()].p_T;
+    EXPECT_LT((after.to_camera(p) - g.before.to_camera(p_before)).norm(), 1e-12);
+    EXPECT_LT((young.to_camera(p) - young_before.to_camera(p_before)).norm(), 1e-12);
+    const Pose moved = correction.moved(young_before);
+    EXPECT_LT((moved.R_CT - young.R_CT).norm() + (moved.p_CT - young.p_CT).norm(), 1e-12);
+  }
+}
+
+TEST(Apply, LeavesAloneWhatHasTakenAFreedPlaceSince) {
+  const GrownSince g(7);
+  const LandmarkId left = g.snapshot->landmarks[3];
+  remove_landmark(left, &g.map());
+  const LandmarkId came = add_landmark(&g.map());
+  ASSERT_EQ(came, left);
+  const Eigen::Vector3d p_T(3.0, 2.0, 1.0);
+  g.map().landmarks[came.index()].p_T = p_T;
+  const MapCorrection correction = apply(*g.snapshot, &g.map());
+  EXPECT_LT((g.map().landmarks[came.index()].p_T - correction.moved_point(p_T)).norm(), 1e-12);
 }
 
 TEST(Apply, GivesBackTheSameMap_WhenTheSolutionDiffersByASimilarity) {
@@ -250,7 +308,7 @@ TEST(Apply, GivesBackTheSameMap_WhenTheSolutionDiffersByASimilarity) {
       const Eigen::Matrix3d R = old.R_CT * Q.transpose();
       pose = to_inverse_depth({.R_CT = R, .p_CT = c * old.p_CT - R * q});
     }
-    apply(all, s.map.get());
+    (void)apply(all, s.map.get());
     for (std::size_t i = 0; i < before->landmarks.size(); ++i) {
       if (before->landmarks[i].used) {
         EXPECT_LT((s.map->landmarks[i].p_T - before->landmarks[i].p_T).norm(), 1e-9);

@@ -6,9 +6,11 @@
 #include <numeric>
 #include <vector>
 
+#include "app/machine_needs.hpp"
 #include "os/linux/deadline.hpp"
 #include "os/linux/memory/heap.hpp"
 #include "os/linux/worker.hpp"
+#include "pipeline/checkpoint.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -93,6 +95,30 @@ TEST(MemoryPlan, AJobsPoolThatIsAllowedLetsAJobBegin) {
   heap.open({static_cast<std::byte*>(std::align(64, memory.size() - 64, start, space)),
              memory.size() - 64});
   EXPECT_GE(heap.use().largest_free_octets, job_worst_case(p));
+}
+
+TEST(MemoryPlan, HoldsWhatALiveRunNeedsBesideTheEstimator) {
+  MachineOptions machine;
+  machine.device.source = "/dev/video0";
+  const Parameters p = at(640, 480);
+  const std::size_t bare = plan_memory(p, live_needs(machine, {}, p.camera)).total_octets;
+  EXPECT_EQ(bare, plan_memory(p).total_octets + 4 * 2 * 640 * 480);
+  machine.run.checkpoint = "checkpoint";
+  const std::size_t kept = plan_memory(p, live_needs(machine, {}, p.camera)).total_octets;
+  EXPECT_EQ(kept, bare + checkpoint_octets_max());
+  machine.recording.folder = "recordings";
+  const std::size_t recorded = plan_memory(p, live_needs(machine, {}, p.camera)).total_octets;
+  EXPECT_GT(recorded, kept + 10 * 2 * 640 * 480);
+}
+
+TEST(MemoryPlan, RefusesMoreReadersThanTheGeneralPoolHasRoomFor) {
+  Parameters p = at(640, 480);
+  p.budget.general_mb = 4;
+  TransportSettings transport{.send = {"unix:/tmp/a", "udp:10015"}, .receive = {}};
+  EXPECT_EQ(plan_memory(p, transport_needs(transport)).problem, "");
+  transport.send.insert(transport.send.end(), 2, "udp:10016");
+  EXPECT_NE(plan_memory(p, transport_needs(transport)).problem.find("budget.general_mb"),
+            std::string::npos);
 }
 
 TEST(MemoryPlan, ALargerPictureTakesMore) {

@@ -122,7 +122,7 @@ class Soak {
       : arguments_(arguments),
         parameters_(parameters),
         pictures_(pictures_of(sequence)),
-        memory_(parameters, arguments.config),
+        memory_(parameters, arguments.config, {}),
         worker_({.own_thread = parameters.jobs.delay_frames > 0}) {
     Result<Component*> made = Component::create(memory_.span(), parameters);
     if (!made) {

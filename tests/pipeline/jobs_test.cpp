@@ -73,25 +73,53 @@ TEST(Jobs, ADueJobThatIsNotHandedInIsAMistakeOfTheCaller) {
   EXPECT_DEATH((void)caller.component().step(without), "");
 }
 
-TEST(Jobs, AMapThatIsBeingAdjustedDoesNotGrow) {
+TEST(Jobs, AMapGoesOnGrowingWhileItIsAdjusted_NotWhileAStartIsSought) {
   Caller caller(parameters(), 8, Run::kWhenDue);
   std::int32_t keyframes = 0;
-  std::uint32_t due = 0;  // of the job that was out; 0: none
-  int compared = 0;
+  int grown = 0;
   for (const Picture& picture : turning_ball()) {
+    const bool adjusted = caller.out(JobKind::kAdjustment) != nullptr;
+    const bool sought = caller.out(JobKind::kStart) != nullptr;
     (void)caller.show(picture);
-    const std::int32_t now = caller.component().state().map.keyframe_count;
-    const Job* job = caller.map_job_out();
-    const std::uint32_t due_now = job == nullptr ? 0 : due_step(*job);
-    if (due_now != 0 && due_now == due) {
-      EXPECT_EQ(now, keyframes);
-      ++compared;
+    const Component::State& s = caller.component().state();
+    grown += adjusted && s.map.keyframe_count > keyframes ? 1 : 0;
+    if (sought && caller.out(JobKind::kStart) != nullptr) {
+      EXPECT_EQ(s.map.keyframe_count, keyframes);
     }
-    due = due_now;
-    keyframes = now;
+    keyframes = s.map.keyframe_count;
   }
-  EXPECT_GT(compared, 5);
-  EXPECT_GT(caller.jobs(), 1);
+  EXPECT_GT(grown, 5);
+  EXPECT_GT(caller.jobs(), 2);
+}
+
+TEST(Jobs, WhatGrewMeanwhileIsAdjustedNext) {
+  Caller caller(parameters(), 6, Run::kWhenDue);
+  int waited = 0;
+  for (const Picture& picture : turning_ball()) {
+    const bool waiting = caller.state().growth.any;
+    const Job* const before = caller.map_job_out();
+    const bool due = before != nullptr && due_step(*before) == caller.component().next_step();
+    (void)caller.show(picture);
+    if (waiting && due && caller.state().job.adjustment.reason == AdjustmentReason::kMapGrown) {
+      EXPECT_NE(caller.out(JobKind::kAdjustment), nullptr);
+      ++waited;
+    }
+  }
+  EXPECT_GT(waited, 1);
+}
+
+TEST(Jobs, AMapThatGrowsWhileItIsAdjustedKeepsItsShape) {
+  // The ball turns by 3 deg a frame: with a delay of six frames that is 18 deg from result to result.
+  Caller& at_once = shown(0, Run::kWhenDue);
+  Caller& late = shown(6, Run::kWhenDue);
+  for (Caller* caller : {&at_once, &late}) {
+    const Component::State& s = caller->state();
+    EXPECT_EQ(s.counters.lost, 0U);
+    EXPECT_EQ(s.mode, Mode::kTracking);
+    // All residuals of the map, in units of the features' sigma.
+    EXPECT_LT(residual_scale(s.map, s.camera), 1.5);
+  }
+  EXPECT_GT(3 * late.state().map.keyframe_count, 2 * at_once.state().map.keyframe_count);
 }
 
 /// As Caller, for trouble: steps until the first job, then what the test says.

@@ -76,6 +76,9 @@ class DatagramSender {
   /// @throws RunFailure when the system gives no socket.
   explicit DatagramSender(const Address& address, SenderName name = SenderName::kNone);
 
+  /// Of the heap, at start.
+  static constexpr std::size_t backlog_octets() { return kBacklog * sizeof(Waiting); }
+
   void send(std::span<const std::uint8_t> packet);
   /// Tries again what waits.
   void flush();

@@ -78,6 +78,8 @@ RingWriter::~RingWriter() {
   }
 }
 
+std::size_t RingWriter::octets() { return sizeof(Ring); }
+
 void RingWriter::send(std::span<const std::uint8_t> packet) {
   POLHODE_ASSERT(packet.size() <= limits::kPacketOctets, packet.size());
   ring::Header& header = ring_->header;

@@ -28,6 +28,9 @@ class RingWriter {
   RingWriter& operator=(const RingWriter&) = delete;
   ~RingWriter();
 
+  /// Of shared memory.
+  static std::size_t octets();
+
   /// At most limits::kPacketOctets.
   void send(std::span<const std::uint8_t> packet);
   [[nodiscard]] const SendCounts& counts() const { return counts_; }

@@ -14,13 +14,16 @@ static uint64_t get(const uint8_t *in, size_t octets) {
   return value;
 }
 
+/* What the four highest bits of the remainder do to the rest. */
+static const uint16_t crc_of_nibble[16] = {0x0000, 0x1021, 0x2042, 0x3063, 0x4084, 0x50A5, 0x60C6, 0x70E7,
+                                      0x8108, 0x9129, 0xA14A, 0xB16B, 0xC18C, 0xD1AD, 0xE1CE, 0xF1EF};
+
 uint16_t polhode_crc16(const uint8_t *octets, size_t count) {
   unsigned crc = 0xFFFF;
   for (size_t i = 0; i < count; ++i) {
     crc ^= (unsigned)octets[i] << 8;
-    for (int bit = 0; bit < 8; ++bit) {
-      crc = (crc & 0x8000) != 0 ? (crc << 1 ^ 0x1021) & 0xFFFF : crc << 1;
-    }
+    crc = (crc << 4 ^ crc_of_nibble[crc >> 12]) & 0xFFFF;
+    crc = (crc << 4 ^ crc_of_nibble[crc >> 12]) & 0xFFFF;
   }
   return (uint16_t)crc;
 }
