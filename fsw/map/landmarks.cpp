@@ -364,18 +364,13 @@ double residual_scale(const Map& map, const CameraModel& camera) {
   return std::sqrt(squares[squares.size() / 2] / kMedianChi2);
 }
 
-int cull_landmarks(const CameraModel& camera,
-                   double noise_scale,
-                   const AdjustedPart& adjusted,
-                   Map* map) {
+int cull_landmarks(const CameraModel& camera, double noise_scale, Map* map) {
   const double limit = kInlierChi2 * noise_scale * noise_scale;
   for (std::size_t k = 0; k < map->keyframes.size(); ++k) {
     Keyframe& keyframe = map->keyframes[k];
-    const bool is_part = keyframe.used && keyframe.number < adjusted.keyframes_before;
-    for (std::size_t i = 0; is_part && i < keyframe.features.size(); ++i) {
+    for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
       const LandmarkId id = keyframe.landmark_of[i];
-      if (id.valid() && map->landmarks[id.index()].number < adjusted.landmarks_before &&
-          squared_residual(keyframe, i, map->landmarks[id.index()], camera) > limit) {
+      if (id.valid() && squared_residual(keyframe, i, map->landmarks[id.index()], camera) > limit) {
         untie_sighting(KeyframeId::from_index(k), i, map);
       }
     }

@@ -41,22 +41,12 @@ int create_landmarks(KeyframeId keyframe,
 /// @return sightings tied.
 int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* map);
 
-/// What an adjustment has seen of the map: numbers from here on came later, and their residuals still hold
-/// the errors of the poses that they were placed from.
-struct AdjustedPart {
-  std::uint32_t keyframes_before = UINT32_MAX;
-  std::int32_t landmarks_before = INT32_MAX;
-};
-
 /// Unties sightings whose reprojection error exceeds kInlierChi2 by the noise scale, then
 /// removes landmarks seen by fewer than two keyframes, those still seen by only two when three
 /// keyframes have come since, and those found in under a quarter of the frames that should have
 /// seen them.
 /// @return landmarks removed.
-int cull_landmarks(const CameraModel& camera,
-                   double noise_scale,
-                   const AdjustedPart& adjusted,
-                   Map* map);
+int cull_landmarks(const CameraModel& camera, double noise_scale, Map* map);
 
 /// Robust scale of the sightings' residuals in units of their sigma (median of squares over its
 /// value for a unit normal).

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "geometry/so3.hpp"
 #include "map/closure.hpp"
 #include "map/keyframes.hpp"
 #include "map/room.hpp"
@@ -128,7 +129,9 @@ void move_since(const MapCorrection& correction, Component::State* s) {
   if (s->reference.valid && s->reference_frame > correction.frame) {
     s->reference.pose = correction.moved(s->reference.pose);
   }
-  move_poses_with_map(correction.timestamp_ns, s);
+  if (move_poses_with_map(correction.timestamp_ns, s)) {
+    s->map_moved_rad = rotation_angle_rad(correction.before.R_CT, correction.after.R_CT);
+  }
 }
 
 void ask_for_growth_waiting(Component::State* s) {
@@ -153,12 +156,7 @@ void adjust_all(int iterations_max, Component::State* s) {
 void cull_map(Component::State* s) {
   s->noise_scale = std::max(1.0, residual_scale(s->map, s->camera));
   s->counters.landmarks_culled +=
-      static_cast<std::uint32_t>(cull_landmarks(
-          s->camera,
-          s->noise_scale,
-          {.keyframes_before = s->job.adjustment.snapshot.next_keyframe_number,
-           .landmarks_before = s->job.adjustment.snapshot.next_landmark_number},
-          &s->map));
+      static_cast<std::uint32_t>(cull_landmarks(s->camera, s->noise_scale, &s->map));
 }
 
 void settle_map(std::uint32_t first_keyframe, Component::State* s) {

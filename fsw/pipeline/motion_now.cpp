@@ -242,12 +242,15 @@ void move_pose(const Keyframe& keyframe, Component::State* s) {
   }
 }
 
-void move_poses_with_map(std::int64_t adjusted_to_ns, Component::State* s) {
+bool move_poses_with_map(std::int64_t adjusted_to_ns, Component::State* s) {
+  bool moved = false;
   for (PoseHistory* const history : {&s->motion.recent, &s->motion.past}) {
     if (!history->empty() && history->back().timestamp_ns > adjusted_to_ns) {
       follow_map(s->map, *history);
+      moved = true;
     }
   }
+  return moved;
 }
 
 void forget_motion(Component::State* s) {

@@ -48,7 +48,8 @@ void move_pose(const Keyframe& keyframe, Component::State* state);
 
 /// Frames have come since the newest keyframe of an adjustment that is taken in now: all poses go along
 /// with their keyframes, as a rate from poses before and after a jump would be wrong.
-void move_poses_with_map(std::int64_t adjusted_to_ns, Component::State* state);
+/// @return false when none has come.
+bool move_poses_with_map(std::int64_t adjusted_to_ns, Component::State* state);
 
 /// T is another one from here on: nothing of the poses so far holds.
 void forget_motion(Component::State* state);

@@ -124,6 +124,7 @@ const StepOutput& Component::step(const StepInput& input) {
   ++s->counters.frames_in;
   s->pose_valid = false;
   shed_load(input.memory_short, s);
+  s->map_moved_rad = 0.0;
   take_due_jobs(input.finished, s);
   if (s->bus.held) {
     s->mode = Mode::kIdle;

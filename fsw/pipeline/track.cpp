@@ -17,7 +17,8 @@ int last_inliers(const Component::State& s) { return static_cast<int>(s.referenc
 /// Does the pose agree with the motion so far? The prediction knows its own error and how sharply a
 /// free body's motion may bend; a map's depth is known to some percent, which falsifies a step by
 /// as much. A young motion has hardly been checked: there the bound is what Euler's equation allows
-/// (the rate changes by at most |w|^2 a second, a step of a radians by a^2) and a degree.
+/// (the rate changes by at most |w|^2 a second, a step of a radians by a^2) and a degree. A map that has
+/// just been moved under poses that it gave leaves the prediction off by as much.
 bool plausible(const PosePrediction& predicted, const Component::State& s) {
   constexpr std::size_t kPosesMin = 3;  // two give a rate without a check
   constexpr std::size_t kPosesTried = 6;
@@ -34,7 +35,7 @@ bool plausible(const PosePrediction& predicted, const Component::State& s) {
   const double bound_rad = predicted.rotation_poses < kPosesTried
                                ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
                                : kDepthError * step_rad + 4.0 * sigma_rad;
-  return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) < bound_rad;
+  return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) < bound_rad + s.map_moved_rad;
 }
 
 /// A side has come back, and its old landmarks carry the pose: then the drift of the young ones,

@@ -120,7 +120,7 @@ TEST(CullLandmarks, LeavesAGoodMapAlone) {
     old += landmark.used ? 1 : 0;
   }
   // Truth and noise of one sigma: 16 squared sigmas are exceeded once in 3000 times.
-  EXPECT_LE(cull_landmarks(camera(), 1.0, {}, s.map.get()), 3);
+  EXPECT_LE(cull_landmarks(camera(), 1.0, s.map.get()), 3);
   EXPECT_GE(s.map->landmark_count, old - 3);
   EXPECT_EQ(broken_promise(*s.map), "");
 }
@@ -149,7 +149,7 @@ TEST(CullLandmarks, UntiesWrongSightings_AndRemovesLandmarksThatOneKeyframeSees)
   ASSERT_TRUE(victim.valid());
   const int sightings = s.map->landmarks[victim.index()].observations;
   s.map->keyframes[k.index()].features[feature].normalised += Eigen::Vector2d(0.01, 0.01);
-  EXPECT_GE(cull_landmarks(camera(), 1.0, {}, s.map.get()), 10);
+  EXPECT_GE(cull_landmarks(camera(), 1.0, s.map.get()), 10);
   for (const LandmarkId id : wrong) {
     EXPECT_FALSE(s.map->landmarks[id.index()].used);
   }
@@ -162,8 +162,8 @@ TEST(CullLandmarks, UntiesWrongSightings_AndRemovesLandmarksThatOneKeyframeSees)
 TEST(CullLandmarks, ForgivesMore_WhenTheNoiseIsLarger) {
   const auto strict = make_map(ball(300, 46), turn_by(0.1, 6), 3.0 * kNoise_px, 46);
   const auto mild = make_map(ball(300, 46), turn_by(0.1, 6), 3.0 * kNoise_px, 46);
-  cull_landmarks(camera(), 1.0, {}, strict.map.get());
-  cull_landmarks(camera(), 3.0, {}, mild.map.get());
+  cull_landmarks(camera(), 1.0, strict.map.get());
+  cull_landmarks(camera(), 3.0, mild.map.get());
   EXPECT_GT(mild.map->landmark_count, strict.map->landmark_count);
 }
 

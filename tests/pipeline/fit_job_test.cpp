@@ -92,6 +92,8 @@ TEST(FitJob, PosesSinceItWasAskedForJudgeIt) {
   for (std::size_t n = m.recent.size() - 3; n < m.recent.size(); ++n) {
     m.recent[n].pose.R_CT = so3_exp({0.0, 0.0, 0.7}) * m.recent[n].pose.R_CT;
   }
+  // An adjustment that came back now would put them where its keyframes are.
+  caller.component().state().job.unwanted = true;
   close_jobs(&caller.component().state());
   EXPECT_EQ(m.model.status, ModelStatus::kResidualsTooLarge);
   EXPECT_GE(m.disagreements, 3U);

@@ -1,0 +1,90 @@
+#include "app/exposure_control.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+#include "mask/target_levels.hpp"
+#include "pipeline/state.hpp"
+
+namespace polhode::platform {
+namespace {
+
+/// Of the points of the body's edge: it turns, and moves across.
+double image_motion_px_s(const MotionState& motion, const Component::State& s) {
+  const double depth = motion.p_CT[2];
+  if (!motion.pose_valid || !motion.rate_valid || depth <= 0.0) {
+    return 0.0;
+  }
+  const double radius_px =
+      s.camera.focal_px() * s.map.radius_mu / s.localised.absolute.pose.p_CT.z();
+  const double across = motion.velocity_valid ? std::hypot(motion.v_C[0], motion.v_C[1]) : 0.0;
+  return Eigen::Map<const Eigen::Vector3d>(motion.w_T_rad_s.data()).norm() * std::abs(radius_px) +
+         s.camera.focal_px() * across / depth;
+}
+
+}  // namespace
+
+SeenTarget seen_target(const StepOutput& out, const Component::State& state) {
+  SeenTarget seen;
+  switch (out.use) {
+    case FrameUse::kDark:
+      seen.levels.front() = 1;
+      break;
+    case FrameUse::kSaturated:
+      seen.levels.back() = 1;
+      break;
+    case FrameUse::kUsed:
+      seen.levels = target_levels(state.gray, state.parameters.mask, state.mask);
+      seen.image_motion_px_s = image_motion_px_s(out.motion, state);
+      break;
+    default:  // of a damaged picture nothing is to be learnt
+      break;
+  }
+  return seen;
+}
+
+CameraExposure next_setting(const SeenTarget& seen,
+                            const CameraExposure& now,
+                            double gain_factor_max) {
+  constexpr double kSecond_ns = 1e9;
+  const double gain_span = now.has_gain ? gain_factor_max - 1.0 : 0.0;
+  const ExposureRange range{.exposure_min_s = static_cast<double>(now.exposure_min_ns) / kSecond_ns,
+                            .exposure_max_s = static_cast<double>(now.exposure_max_ns) / kSecond_ns,
+                            .gain_min = 1.0,
+                            .gain_max = 1.0 + gain_span};
+  const Exposure before{.exposure_s = static_cast<double>(now.exposure_ns) / kSecond_ns,
+                        .gain = 1.0 + gain_span * now.gain};
+  const Exposure next = next_exposure(seen.levels, before, seen.image_motion_px_s, range, {});
+  CameraExposure setting = now;
+  setting.exposure_ns = std::llround(next.exposure_s * kSecond_ns);
+  setting.gain = gain_span > 0.0 ? std::clamp((next.gain - 1.0) / gain_span, 0.0, 1.0) : now.gain;
+  return setting;
+}
+
+void ExposureControl::after(const StepOutput& out,
+                            const Component::State& state,
+                            LiveCamera& camera) {
+  if (!options_.enabled || ++frames_since_ < kFrames) {
+    return;
+  }
+  const CameraExposure now = camera.exposure();
+  if (!now.settable) {
+    return;
+  }
+  frames_since_ = 0;
+  const CameraExposure next = next_setting(seen_target(out, state), now, options_.gain_factor_max);
+  // Steps of the device's are coarse: what is nearly the same is left as it is.
+  constexpr double kSame = 0.02;
+  const bool same =
+      std::abs(static_cast<double>(next.exposure_ns - now.exposure_ns)) <
+          kSame * static_cast<double>(now.exposure_ns) &&
+      std::abs(next.gain - now.gain) * options_.gain_factor_max <
+          kSame * (1.0 + (options_.gain_factor_max - 1.0) * now.gain);
+  if (!same) {
+    camera.set_exposure(next.exposure_ns, now.has_gain ? next.gain : -1.0);
+    ++changes_;
+  }
+}
+
+}  // namespace polhode::platform
