@@ -107,6 +107,16 @@ std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
   return recorder;
 }
 
+Component& make_component(const ComponentMemory& memory,
+                          const Parameters& parameters,
+                          const RunArguments& arguments) {
+  Result<Component*> made = Component::create(memory.span(), parameters);
+  if (!made) {
+    throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));
+  }
+  return *made.value();
+}
+
 void open_packet_log(const fs::path& folder, std::optional<PacketLog>* packets) {
   if (folder.empty()) {
     return;
@@ -155,11 +165,7 @@ void run_command(const RunArguments& arguments) {
   const ComponentMemory memory(
       parameters, arguments.config.string(), live_needs(machine, transport, parameters.camera));
   say("warmed up: %d poses of a made-up body", warm_up(memory, parameters));
-  Result<Component*> made = Component::create(memory.span(), parameters);
-  if (!made) {
-    throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));
-  }
-  Component& component = *made.value();
+  Component& component = make_component(memory, parameters, arguments);
   const std::string config_hash = sha256_of(canonical_text(parameters));
   Beginning beginning(machine, config_hash);
   beginning.restore(component);
