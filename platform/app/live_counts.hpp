@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "os/linux/deadline.hpp"
+
 namespace polhode::platform {
 
 /// Durations in classes of 1/16 of an octave: a percentile is known to 5 %.
@@ -67,6 +69,7 @@ struct LiveCounts {
   std::uint32_t frames_dropped_for_job = 0;  ///< the work that was due had not come back
   std::uint32_t frames_with_pose = 0;
   std::uint32_t first_pose_frame = UINT32_MAX;  ///< accepted frames before it
+  DeadlineMonitor deadline{0.0};  ///< of the steps
   DurationHistogram step;
   DurationHistogram latency;  ///< frame available to packets handed over
   DurationHistogram outside;  ///< processor time a frame outside the step, of the frame's thread

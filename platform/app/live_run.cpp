@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/checkpoint_writer.hpp"
+#include "app/exposure_control.hpp"
 #include "app/next_input.hpp"
 #include "os/linux/memory/region.hpp"
 #include "os/linux/stop_request.hpp"
@@ -66,6 +67,7 @@ void take_frame(LiveParts& parts, const Frame& frame, const LiveLimits& limits) 
     (void)parts.packets->append(out.packets);
   }
   counts.step.add(stepped_ns - before_ns);
+  (void)counts.deadline.add((stepped_ns - before_ns) / 1000);
   counts.latency.add(clock_ns(CLOCK_MONOTONIC) - parts.camera.available_ns());
   if (out.motion.pose_valid) {
     ++counts.frames_with_pose;
@@ -77,6 +79,7 @@ void take_frame(LiveParts& parts, const Frame& frame, const LiveLimits& limits) 
   if (parts.checkpoint != nullptr && due) {
     parts.checkpoint->offer(parts.component.state());
   }
+  parts.exposure.after(out, parts.component.state(), parts.camera);
   parts.report.stepped(out);
 }
 

@@ -16,6 +16,7 @@
 namespace polhode::platform {
 
 class CheckpointWriter;
+class ExposureControl;
 
 enum class LiveEnd : std::uint8_t {
   kStopped,   ///< by a signal
@@ -35,6 +36,7 @@ struct LiveParts {
   PacketLog* packets = nullptr;
   Recorder* recorder = nullptr;
   CheckpointWriter* checkpoint = nullptr;
+  ExposureControl& exposure;
 };
 
 struct LiveLimits {

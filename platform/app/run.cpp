@@ -9,6 +9,7 @@
 #include "app/checkpoint_writer.hpp"
 #include "app/component_memory.hpp"
 #include "app/exhaustion.hpp"
+#include "app/exposure_control.hpp"
 #include "app/frames_trapped.hpp"
 #include "app/live_camera_choice.hpp"
 #include "app/live_run.hpp"
@@ -141,6 +142,17 @@ LiveEnd run_sealed(LiveParts& parts, const RunOptions& wish, bool memory_trap) {
   return end;
 }
 
+/// The state and the report.
+void leave_behind(const RunJsonInput& input, const fs::path& folder) {
+  const LiveParts& parts = input.parts;
+  if (parts.checkpoint != nullptr && parts.component.counters().frames_in > 0) {
+    parts.checkpoint->write_now(parts.component.state());
+  }
+  if (!folder.empty()) {
+    write_run_json(folder / "run.json", input);
+  }
+}
+
 void say_end(LiveEnd end, const LiveCounts& counts, const CameraCounters& camera) {
   say("%s: %u frames, %u with a pose; %u missing, %u damaged, %u passed over",
       end == LiveEnd::kPlayed ? "at the end" : "stopped",
@@ -184,6 +196,9 @@ void run_command(const RunArguments& arguments) {
   ServiceManager manager;
   LiveReport report(manager, machine.run.report_s);
   const auto counts = std::make_unique<LiveCounts>();
+  counts->deadline = DeadlineMonitor(parameters.budget.frame_ms);
+  ExposureControl exposure({.enabled = machine.device.exposure_control,
+                            .gain_factor_max = machine.device.gain_factor_max});
   Worker worker({.own_thread = parameters.jobs.delay_frames > 0,
                  .job_octets = job_worst_case(parameters)});
   Transports transports(transport);
@@ -196,17 +211,13 @@ void run_command(const RunArguments& arguments) {
                   .transports = transports,
                   .packets = packets ? &*packets : nullptr,
                   .recorder = recorder.get(),
-                  .checkpoint = checkpoint ? &*checkpoint : nullptr};
+                  .checkpoint = checkpoint ? &*checkpoint : nullptr,
+                  .exposure = exposure};
   manager.ready();
   const LiveEnd end = run_sealed(parts, machine.run, arguments.memory_trap);
   manager.stopping();
-  if (checkpoint && component.counters().frames_in > 0) {
-    checkpoint->write_now(component.state());
-  }
-  if (!machine.run.folder.empty()) {
-    write_run_json(fs::path(machine.run.folder) / "run.json",
-                   {.parts = parts, .config_hash = config_hash, .beginning = beginning.how()});
-  }
+  leave_behind({.parts = parts, .config_hash = config_hash, .beginning = beginning.how()},
+               machine.run.folder);
   if (end == LiveEnd::kNoCamera) {
     throw RunFailure(
         fmt::format("no camera within {} s: {}", machine.run.start_s_max, chosen.camera().state()));

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/checkpoint_writer.hpp"
+#include "app/exposure_control.hpp"
 #include "app/machine.hpp"
 #include "app/motion_csv.hpp"
 #include "output_file.hpp"
@@ -72,6 +73,11 @@ void write_run_json(const std::filesystem::path& file, const RunJsonInput& input
       {"first_pose_frame", pose ? Json(counts.first_pose_frame) : Json(nullptr)},
       {"camera", camera_counts(input.parts.camera.counters())},
       {"step_us", durations(counts.step)},
+      {"deadline",
+       {{"allowed_us", counts.deadline.allowed_us()},
+        {"missed", counts.deadline.missed()},
+        {"missed_in_a_row_max", counts.deadline.missed_in_a_row_max()}}},
+      {"exposure_changes", input.parts.exposure.changes()},
       {"latency_us", durations(counts.latency)},
       {"outside_cpu_us", durations(counts.outside)},
       {"bus_octets", input.parts.packets == nullptr ? 0 : input.parts.packets->octets()},

@@ -30,6 +30,16 @@ struct CameraCounters {
   std::uint32_t opened = 0;              ///< times that a stream was started
 };
 
+/// How a camera is set, and how it can be.
+struct CameraExposure {
+  bool settable = false;  ///< the rest is meaningful
+  std::int64_t exposure_ns = 0;
+  std::int64_t exposure_min_ns = 0;
+  std::int64_t exposure_max_ns = 0;
+  bool has_gain = false;
+  double gain = 0.0;  ///< fraction of the control's range
+};
+
 class LiveCamera {
  public:
   virtual ~LiveCamera() = default;
@@ -47,6 +57,7 @@ class LiveCamera {
 
   /// Asks for another exposure and gain; a camera without these controls ignores it.
   virtual void set_exposure(std::int64_t exposure_ns, double gain) = 0;
+  [[nodiscard]] virtual CameraExposure exposure() const { return {}; }
 };
 
 }  // namespace polhode::platform

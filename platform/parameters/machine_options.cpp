@@ -41,6 +41,8 @@ const Row kRows[] = {
   {"device.silence_ms_max", POLHODE_OPTION(device.silence_ms_max), 50, 600000},
   {"device.exposure_us", POLHODE_OPTION(device.exposure_us), 0, 10000000},
   {"device.gain", POLHODE_OPTION(device.gain), -1, 1},
+  {"device.exposure_control", POLHODE_OPTION(device.exposure_control)},
+  {"device.gain_factor_max", POLHODE_OPTION(device.gain_factor_max), 1, 1000},
   {"device.readout_us", POLHODE_OPTION(device.readout_us), 0, 10000000},
   {"device.clock", POLHODE_OPTION(device.clock)},
   {"device.sequence_speed", POLHODE_OPTION(device.sequence_speed), 0, 1000},

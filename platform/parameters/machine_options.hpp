@@ -22,6 +22,8 @@ struct DeviceOptions {
   int silence_ms_max = 2000;            ///< a stream that brings nothing for so long is opened anew, 50 .. 600000
   int exposure_us = 0;                  ///< set at start; 0: as the device has it, 0 .. 10000000
   double gain = -1.0;                   ///< fraction of the device's range; -1: as it has it, -1 .. 1
+  bool exposure_control = true;         ///< exposure and gain follow the target's brightness, as far as the device has controls for them
+  double gain_factor_max = 16.0;        ///< light at the gain's highest setting, of that at its lowest, 1 .. 1000
   int readout_us = 0;                   ///< end of exposure to the device's time stamp, 0 .. 10000000
   std::string clock = "monotonic";      ///< of time stamps: "monotonic" (since boot), or "utc" (its offset is taken once, at start)
   double sequence_speed = 1.0;          ///< of a played sequence; 0: as fast as it is taken, 0 .. 1000

@@ -52,6 +52,7 @@ void ExposureControls::find(DeviceCalls& calls, int device) {
   exposure_ = find_control(calls, device, V4L2_CID_EXPOSURE_ABSOLUTE);
   gain_ = find_control(calls, device, V4L2_CID_GAIN);
   exposure_setting_ = get_control(calls, device, exposure_);
+  gain_setting_ = get_control(calls, device, gain_);
 }
 
 bool ExposureControls::set_exposure(DeviceCalls& calls, int device, std::int64_t wished_ns) {
@@ -67,7 +68,12 @@ bool ExposureControls::set_exposure(DeviceCalls& calls, int device, std::int64_t
 bool ExposureControls::set_gain(DeviceCalls& calls, int device, double fraction) {
   const double value =
       static_cast<double>(gain_.low) + fraction * static_cast<double>(gain_.high - gain_.low);
-  return set_control(calls, device, gain_, nearest_setting(gain_, value));
+  const std::int64_t setting = nearest_setting(gain_, value);
+  if (!set_control(calls, device, gain_, setting)) {
+    return false;
+  }
+  gain_setting_ = setting;
+  return true;
 }
 
 }  // namespace polhode::platform

@@ -37,6 +37,11 @@ class ExposureControls {
   [[nodiscard]] std::int64_t exposure_ns(std::int64_t otherwise_ns) const {
     return exposure_.present && exposure_setting_ > 0 ? exposure_setting_ * kUnit_ns : otherwise_ns;
   }
+  /// As the device has it now, as a fraction of the control's range; 0 without one.
+  [[nodiscard]] double gain_fraction() const {
+    const auto span = static_cast<double>(gain_.high - gain_.low);
+    return gain_.present && span > 0.0 ? static_cast<double>(gain_setting_ - gain_.low) / span : 0.0;
+  }
   [[nodiscard]] const ControlRange& exposure() const { return exposure_; }
   [[nodiscard]] const ControlRange& gain() const { return gain_; }
 
@@ -46,6 +51,7 @@ class ExposureControls {
   ControlRange exposure_;
   ControlRange gain_;
   std::int64_t exposure_setting_ = 0;
+  std::int64_t gain_setting_ = 0;
 };
 
 }  // namespace polhode::platform

@@ -64,11 +64,38 @@ void V4l2Camera::set_exposure(std::int64_t exposure_ns, double gain) {
   options_.exposure_ns = exposure_ns;  // once more when the device comes back
   options_.gain = gain;
   if (exposure_ns > 0) {
+    exposure_before_ns_ = stream_.controls().exposure_ns(exposure_ns);
+    exposure_changed_ns_ = calls_.now_ns();
     (void)stream_.set_exposure(exposure_ns);
   }
   if (gain >= 0.0) {
     (void)stream_.set_gain(gain);
   }
+}
+
+CameraExposure V4l2Camera::exposure() const {
+  const ExposureControls& controls = stream_.controls();
+  const ControlRange& range = controls.exposure();
+  if (!stream_.is_open() || !range.present || controls.exposure_ns(0) == 0) {
+    return {};
+  }
+  std::int64_t longest_ns = range.high * ExposureControls::kUnit_ns;
+  if (stream_.rate_hz() > 0.0) {
+    longest_ns = std::min(longest_ns, static_cast<std::int64_t>(1e9 / stream_.rate_hz()));
+  }
+  return {.settable = true,
+          .exposure_ns = controls.exposure_ns(0),
+          .exposure_min_ns = std::max<std::int64_t>(range.low, 1) * ExposureControls::kUnit_ns,
+          .exposure_max_ns = longest_ns,
+          .has_gain = controls.gain().present,
+          .gain = controls.gain_fraction()};
+}
+
+/// Buffers that were filled before a change still have the exposure from before it.
+std::int64_t V4l2Camera::exposure_at(std::int64_t stamp_ns) const {
+  return stamp_ns < exposure_changed_ns_ && exposure_before_ns_ > 0
+             ? exposure_before_ns_
+             : stream_.controls().exposure_ns(options_.exposure_ns);
 }
 
 /// Never longer than the time-out, and one attempt at most.
@@ -139,7 +166,7 @@ Arrival V4l2Camera::hand_out(Frame* frame) {
       options_.clock_offset_ns +
       mid_exposure_ns(buffer.stamp_ns,
                       {.stamped_at = buffer.stamped_at,
-                       .exposure_ns = stream_.controls().exposure_ns(options_.exposure_ns),
+                       .exposure_ns = exposure_at(buffer.stamp_ns),
                        .readout_ns = options_.readout_ns});
   if (timestamp_ns <= last_timestamp_ns_) {
     ++counters_.frames_out_of_time;

@@ -35,6 +35,8 @@ class V4l2Camera final : public LiveCamera {
   [[nodiscard]] const CameraCounters& counters() const override { return counters_; }
   [[nodiscard]] std::string_view state() const override { return state_.data(); }
   void set_exposure(std::int64_t exposure_ns, double gain) override;
+  /// No longer than the time from frame to frame.
+  [[nodiscard]] CameraExposure exposure() const override;
 
   /// One attempt, at once. Called at start, so that a device that will never do is refused there.
   OpenResult open();
@@ -47,6 +49,7 @@ class V4l2Camera final : public LiveCamera {
   Arrival hand_out(Frame* frame);
   void give_back(const TakenBuffer& buffer);
   void end_stream(TakeResult why);
+  [[nodiscard]] std::int64_t exposure_at(std::int64_t stamp_ns) const;
   void say(const char* what, std::string_view detail);
 
   DeviceCalls& calls_;
@@ -60,6 +63,8 @@ class V4l2Camera final : public LiveCamera {
   Backoff backoff_;
   std::int64_t waited_ns_ =
       0;  ///< since the stream last brought something; the estimator's time does not count
+  std::int64_t exposure_before_ns_ = 0;  ///< until exposure_changed_ns_, on the clock of the stamps
+  std::int64_t exposure_changed_ns_ = INT64_MIN;
   std::int64_t available_ns_ = 0;
   std::int64_t last_timestamp_ns_ = INT64_MIN;
   CameraCounters counters_;

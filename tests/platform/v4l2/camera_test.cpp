@@ -238,5 +238,38 @@ TEST_F(V4l2CameraTest, SetsExposureAgainAfterTheDeviceCameBack) {
   EXPECT_EQ(device.controls[V4L2_CID_EXPOSURE_ABSOLUTE], 123);
 }
 
+TEST_F(V4l2CameraTest, TellsHowItIsSet_AndThatItCannotExposeLongerThanAFrame) {
+  V4l2Options wanted = options();
+  wanted.exposure_ns = 8'000'000;
+  wanted.gain = 0.25;
+  V4l2Camera camera(device, wanted);
+  EXPECT_FALSE(camera.exposure().settable) << "not open yet";
+  ASSERT_EQ(camera.open(), OpenResult::kStreaming);
+  const CameraExposure now = camera.exposure();
+  ASSERT_TRUE(now.settable);
+  EXPECT_EQ(now.exposure_ns, 8'000'000);
+  EXPECT_EQ(now.exposure_min_ns, 100'000);
+  EXPECT_LE(now.exposure_max_ns, 100'000'000);  // 10 Hz, also the end of the control's range
+  ASSERT_TRUE(now.has_gain);
+  EXPECT_NEAR(now.gain, 0.25, 1e-3);
+}
+
+TEST_F(V4l2CameraTest, ABufferFilledBeforeAChangeHasTheExposureFromBeforeIt) {
+  V4l2Options wanted = options();
+  wanted.exposure_ns = 8'000'000;
+  V4l2Camera camera(device, wanted);
+  ASSERT_EQ(camera.open(), OpenResult::kStreaming);
+  take_frame(1);
+  const std::int64_t before_ns = device.time_ns;
+  device.time_ns += 1'000'000;
+  camera.set_exposure(2'000'000, -1.0);
+  device.time_ns += 20'000'000;
+  ASSERT_EQ(camera.next(kWait_ms, &frame), Arrival::kFrame);
+  EXPECT_EQ(frame.timestamp_ns, before_ns - 4'000'000);
+  take_frame(2);
+  ASSERT_EQ(camera.next(kWait_ms, &frame), Arrival::kFrame);
+  EXPECT_EQ(frame.timestamp_ns, device.time_ns - 1'000'000);
+}
+
 }  // namespace
 }  // namespace polhode::platform
