@@ -1,0 +1,245 @@
+#include "solve/bundle_system.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/assert.hpp"
+#include "geometry/so3.hpp"
+
+namespace polhode {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+// A diagonal element smaller than this times the largest carries no information of its own; it
+// bounds what the damping leaves free.
+constexpr double kDiagonalMin = 1e-12;
+
+std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+double loss(double error2, double width_sigma) {
+  const double width2 = width_sigma * width_sigma;
+  return width2 * std::log1p(error2 / width2);
+}
+
+double weight(double error2, double width_sigma) {
+  return 1.0 / (1.0 + error2 / (width_sigma * width_sigma));
+}
+
+Eigen::Matrix3d damped_inverse(const Eigen::Matrix3d& V, double damping) {
+  const double largest = V.diagonal().maxCoeff();
+  if (!(largest > 0.0)) {
+    return Eigen::Matrix3d::Zero();
+  }
+  Eigen::Matrix3d damped = V;
+  damped.diagonal() += damping * V.diagonal().cwiseMax(kDiagonalMin * largest);
+  return damped.inverse();
+}
+
+bool fits(const BundleProblem& problem) {
+  return problem.poses.size() <= BundleWorkspace::kPoses &&
+         problem.points_T.size() <= BundleWorkspace::kPoints &&
+         problem.observations.size() <= BundleWorkspace::kObservations;
+}
+
+}  // namespace
+
+struct BundleSystem::Linearised {
+  Eigen::Vector2d residual;  ///< in sigma
+  double weight = 0.0;       ///< of the Cauchy loss
+  Eigen::Matrix<double, 2, 6> by_pose;
+  Eigen::Matrix<double, 2, 3> by_point;
+};
+
+BundleSystem::BundleSystem(const BundleProblem& problem,
+                           double cauchy_sigma,
+                           BundleWorkspace* workspace)
+    : p_(problem), cauchy_sigma_(cauchy_sigma), w_(*workspace) {
+  POLHODE_ASSERT(problem.poses.size() == problem.pose_fixed.size(), problem.poses.size());
+  POLHODE_ASSERT(problem.points_T.size() == problem.point_fixed.size(), problem.points_T.size());
+  POLHODE_ASSERT(fits(problem), problem.observations.size());
+  number_blocks();
+  sort_by_point();
+}
+
+double BundleSystem::cost(std::span<const InverseDepthPose> poses,
+                          std::span<const Eigen::Vector3d> points) const {
+  double sum = 0.0;
+  for (const BundleObservation& o : p_.observations) {
+    Eigen::Vector2d x;
+    if (!reproject(poses[index(o.pose)], points[index(o.point)], &x)) {
+      return std::numeric_limits<double>::infinity();
+    }
+    const double error2 =
+        (x - o.normalised).squaredNorm() / (o.sigma_normalised * o.sigma_normalised);
+    sum += loss(error2, cauchy_sigma_);
+  }
+  return 0.5 * sum;
+}
+
+void BundleSystem::keep_trial() {
+  std::copy_n(w_.trial_poses.begin(), p_.poses.size(), p_.poses.begin());
+  std::copy_n(w_.trial_points.begin(), p_.points_T.size(), p_.points_T.begin());
+}
+
+void BundleSystem::number_blocks() {
+  std::int32_t blocks = 0;
+  for (std::size_t k = 0; k < p_.poses.size(); ++k) {
+    w_.block_of_pose[k] = p_.pose_fixed[k] != 0 ? -1 : blocks++;
+  }
+  size_ = 6 * blocks;
+}
+
+/// Counting sort; the order within a point is that of the caller.
+void BundleSystem::sort_by_point() {
+  auto& first = w_.first_of_point;
+  std::fill_n(first.begin(), p_.points_T.size() + 1, 0);
+  for (const BundleObservation& o : p_.observations) {
+    ++first[index(o.point) + 1];
+  }
+  for (std::size_t i = 0; i < p_.points_T.size(); ++i) {
+    first[i + 1] += first[i];
+  }
+  for (std::size_t i = 0; i < p_.observations.size(); ++i) {
+    w_.by_point[index(first[index(p_.observations[i].point)]++)] = static_cast<std::int32_t>(i);
+  }
+  for (std::size_t i = p_.points_T.size(); i > 0; --i) {
+    first[i] = first[i - 1];
+  }
+  first[0] = 0;
+}
+
+bool BundleSystem::linearise(const BundleObservation& o, Linearised* out) const {
+  Eigen::Vector2d x;
+  ReprojectionJacobians J;
+  if (!reproject(p_.poses[index(o.pose)], p_.points_T[index(o.point)], &x, &J)) {
+    return false;
+  }
+  const double inverse_sigma = 1.0 / o.sigma_normalised;
+  out->residual = inverse_sigma * (x - o.normalised);
+  out->weight = weight(out->residual.squaredNorm(), cauchy_sigma_);
+  out->by_pose << inverse_sigma * J.rotation, inverse_sigma * J.uvs;
+  out->by_point = inverse_sigma * J.point;
+  return true;
+}
+
+/// The point's equations; what its observations say of the poses alone goes into `take`.
+template <typename TakePoseTerms>
+void BundleSystem::linearise_point(std::size_t point, TakePoseTerms take) {
+  system_.V.setZero();
+  system_.g.setZero();
+  system_.mixed.clear();
+  for (auto i = w_.first_of_point[point]; i < w_.first_of_point[point + 1]; ++i) {
+    const BundleObservation& o = p_.observations[index(w_.by_point[index(i)])];
+    Linearised l;
+    if (!linearise(o, &l)) {
+      continue;
+    }
+    system_.V.noalias() += l.weight * l.by_point.transpose() * l.by_point;
+    system_.g.noalias() += l.weight * l.by_point.transpose() * l.residual;
+    const std::int32_t block = w_.block_of_pose[index(o.pose)];
+    if (block < 0) {
+      continue;
+    }
+    take(block, l);
+    if (system_.mixed.empty() || system_.mixed.back().block != block) {
+      (void)system_.mixed.push_back({.block = block, .W = Matrix63::Zero()});
+    }
+    system_.mixed.back().W.noalias() += l.weight * l.by_pose.transpose() * l.by_point;
+  }
+}
+
+void BundleSystem::eliminate(const Eigen::Matrix3d& V_inverse, Reduced* S, Unknowns* right) const {
+  for (std::size_t i = 0; i < system_.mixed.size(); ++i) {
+    const PointSystem::Mixed& a = system_.mixed[i];
+    const Matrix63 Y = a.W * V_inverse;
+    right->segment<6>(6 * a.block).noalias() += Y * system_.g;
+    for (std::size_t j = 0; j <= i; ++j) {
+      const PointSystem::Mixed& b = system_.mixed[j];
+      if (a.block >= b.block) {
+        S->block<6, 6>(6 * a.block, 6 * b.block).noalias() -= Y * b.W.transpose();
+      } else {
+        S->block<6, 6>(6 * b.block, 6 * a.block).noalias() -= b.W * Y.transpose();
+      }
+    }
+  }
+}
+
+void BundleSystem::build(double damping) {
+  Reduced S = reduced();
+  S.setZero();
+  Unknowns gradient(w_.gradient.data(), size_);
+  Unknowns right = step();
+  gradient.setZero();
+  right.setZero();
+  std::fill_n(w_.camera_blocks.begin(), size_ / 6, Eigen::Matrix<double, 6, 6>::Zero());
+  for (std::size_t point = 0; point < p_.points_T.size(); ++point) {
+    linearise_point(point, [&](std::int32_t block, const Linearised& l) {
+      w_.camera_blocks[index(block)].noalias() += l.weight * l.by_pose.transpose() * l.by_pose;
+      gradient.segment<6>(6 * block).noalias() += l.weight * l.by_pose.transpose() * l.residual;
+    });
+    if (p_.point_fixed[point] == 0) {
+      eliminate(damped_inverse(system_.V, damping), &S, &right);
+    }
+  }
+  right -= gradient;
+  for (Eigen::Index b = 0; b < size_ / 6; ++b) {
+    Eigen::Matrix<double, 6, 6> U = w_.camera_blocks[static_cast<std::size_t>(b)];
+    const double largest = U.diagonal().maxCoeff();
+    // A pose that sees nothing stays where it is.
+    U.diagonal() += largest > 0.0
+                        ? Vector6(damping * U.diagonal().cwiseMax(kDiagonalMin * largest))
+                        : Vector6::Ones();
+    S.block<6, 6>(6 * b, 6 * b) += U;
+  }
+}
+
+bool BundleSystem::move_poses() {
+  for (std::size_t k = 0; k < p_.poses.size(); ++k) {
+    w_.trial_poses[k] = p_.poses[k];
+    if (w_.block_of_pose[k] < 0) {
+      continue;
+    }
+    const Eigen::Map<const Vector6> step(&w_.step[6 * index(w_.block_of_pose[k])]);
+    w_.trial_poses[k].R_CT = so3_exp(step.head<3>()) * p_.poses[k].R_CT;
+    w_.trial_poses[k].uvs += step.tail<3>();
+    if (!(w_.trial_poses[k].uvs.z() > 0.0)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+double BundleSystem::pose_gain(double damping) const {
+  double gain = 0.0;
+  for (std::size_t b = 0; 6 * b < static_cast<std::size_t>(size_); ++b) {
+    const Eigen::Map<const Vector6> step(&w_.step[6 * b]);
+    const Eigen::Map<const Vector6> gradient(&w_.gradient[6 * b]);
+    const Vector6 diagonal = w_.camera_blocks[b].diagonal();
+    gain += 0.5 * (damping * step.cwiseAbs2().dot(diagonal) - step.dot(gradient));
+  }
+  return gain;
+}
+
+double BundleSystem::move_points(double damping) {
+  double gain = pose_gain(damping);
+  for (std::size_t point = 0; point < p_.points_T.size(); ++point) {
+    w_.trial_points[point] = p_.points_T[point];
+    if (p_.point_fixed[point] != 0) {
+      continue;
+    }
+    linearise_point(point, [](std::int32_t, const Linearised&) {});
+    Eigen::Vector3d right = system_.g;
+    for (const PointSystem::Mixed& m : system_.mixed) {
+      right += m.W.transpose() * Eigen::Map<const Vector6>(&w_.step[6 * index(m.block)]);
+    }
+    const Eigen::Vector3d step = -(damped_inverse(system_.V, damping) * right);
+    w_.trial_points[point] += step;
+    gain += 0.5 * (damping * step.cwiseAbs2().dot(system_.V.diagonal()) - step.dot(system_.g));
+  }
+  return gain;
+}
+
+}  // namespace polhode

@@ -1,0 +1,122 @@
+// The linearised system of a bundle with its points eliminated, and the damped steps by it: what every
+// adjustment of poses and points is made of.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "base/fixed_vector.hpp"
+#include "solve/bundle_adjustment.hpp"
+
+namespace polhode {
+
+/// A problem about its present poses and points. The workspace holds the trial that a step leads to.
+class BundleSystem {
+ public:
+  using Reduced = Eigen::Map<Eigen::MatrixXd, Eigen::Aligned64>;
+  using Unknowns = Eigen::Map<Eigen::VectorXd, Eigen::Aligned64>;
+
+  BundleSystem(const BundleProblem& problem, double cauchy_sigma, BundleWorkspace* workspace);
+
+  /// Six for each moving pose, in the order of the poses: phi of R = exp(phi) R_CT, then uvs.
+  [[nodiscard]] Eigen::Index size() const { return size_; }
+
+  /// Half the robust sum of squares; infinite where a point lies behind a camera that sees it.
+  [[nodiscard]] double cost(std::span<const InverseDepthPose> poses,
+                            std::span<const Eigen::Vector3d> points) const;
+  [[nodiscard]] double cost() const { return cost(p_.poses, p_.points_T); }
+  [[nodiscard]] double trial_cost() const { return cost(w_.trial_poses, w_.trial_points); }
+
+  /// Fills reduced() (lower triangle), and step() with the right side of reduced() * step = right.
+  void build(double damping);
+  [[nodiscard]] Reduced reduced() { return {w_.reduced.data(), size_, size_}; }
+  [[nodiscard]] Unknowns step() { return {w_.step.data(), size_}; }
+
+  /// The trial's poses by step(). @return false where an inverse depth would not be positive.
+  bool move_poses();
+
+  /// The trial's points, as they follow step(). @return what the linear model gains by both: for a step
+  /// x that solves the damped system, (damping x' D x - x' g) / 2.
+  double move_points(double damping);
+
+  [[nodiscard]] std::span<InverseDepthPose> trial_poses() {
+    return std::span(w_.trial_poses).first(p_.poses.size());
+  }
+  void keep_trial();
+
+ private:
+  using Matrix63 = Eigen::Matrix<double, 6, 3>;
+  struct Linearised;
+  /// Normal equations of one point: its own block and its product with each moving pose that sees it.
+  struct PointSystem {
+    struct Mixed {
+      std::int32_t block = -1;
+      Matrix63 W = Matrix63::Zero();
+    };
+    Eigen::Matrix3d V = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d g = Eigen::Vector3d::Zero();
+    FixedVector<Mixed, BundleWorkspace::kPoses> mixed;
+  };
+
+  void number_blocks();
+  void sort_by_point();
+  bool linearise(const BundleObservation& observation, Linearised* out) const;
+  template <typename TakePoseTerms>
+  void linearise_point(std::size_t point, TakePoseTerms take);
+  void eliminate(const Eigen::Matrix3d& V_inverse, Reduced* S, Unknowns* right) const;
+  [[nodiscard]] double pose_gain(double damping) const;
+
+  const BundleProblem& p_;
+  double cauchy_sigma_;
+  BundleWorkspace& w_;
+  PointSystem system_;
+  Eigen::Index size_ = 0;
+};
+
+/// Nielsen's damping: after a good step down to a third, after a bad one up by ever larger factors.
+/// Started as for a problem that is nearly solved, which a tracked map's is.
+/// @param try_step    damping -> what the linear model gains by the trial; not positive: there is none.
+/// @param trial_cost  of that trial.
+/// @param keep_trial  makes it the state.
+/// @source Nielsen, IMM-REP-1999-05.
+template <typename TryStep, typename TrialCost, typename KeepTrial>
+BundleReport take_damped_steps(double cost,
+                               int iterations_max,
+                               TryStep try_step,
+                               TrialCost trial_cost,
+                               KeepTrial keep_trial) {
+  constexpr double kSettled = 1e-5;     // a relative gain that moves nothing by a part of its sigma
+  constexpr double kGainMin = 1e-3;     // of what the linear model promised
+  constexpr double kDampingMax = 1e12;  // steps are too small to matter
+  BundleReport report{.usable = std::isfinite(cost), .cost_before = cost, .cost_after = cost};
+  double damping = 1e-4;
+  double factor = 2.0;
+  while (report.usable && report.iterations < iterations_max && damping < kDampingMax) {
+    ++report.iterations;
+    const double promised = try_step(damping);
+    const double reached =
+        promised > 0.0 ? trial_cost() : std::numeric_limits<double>::infinity();
+    const double gained = report.cost_after - reached;
+    if (gained > kGainMin * promised) {
+      keep_trial();
+      report.cost_after = reached;
+      const double quality = gained / promised;
+      damping *= std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * quality - 1.0, 3));
+      factor = 2.0;
+    } else {
+      damping *= factor;
+      factor *= 2.0;
+    }
+    if (std::abs(gained) <= kSettled * report.cost_after) {
+      break;
+    }
+  }
+  return report;
+}
+
+}  // namespace polhode

@@ -1,0 +1,246 @@
+#include "solve/free_body_adjustment.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "base/assert.hpp"
+#include "geometry/so3.hpp"
+#include "solve/bundle_system.hpp"
+
+namespace polhode {
+namespace {
+
+using ByUnknowns = FreeBodyWorkspace::ByUnknowns;
+using GaugeRows = Eigen::Matrix<double, 7, kFreeBodyUnknowns>;
+
+/// Position of T's origin in I, and what it owes to the unknowns.
+struct Place {
+  Eigen::Vector3d p_I;
+  Eigen::Matrix<double, 3, kFreeBodyUnknowns> by_unknowns;
+};
+
+Place place_of(const FreeBodyMotion& motion,
+               const TurningState& state,
+               const TurningMatrix& attitude_I) {
+  const double reference_s = motion.reference.time_s;
+  const Eigen::Matrix<double, 6, 6> transition =
+      path_transition(motion.orbit, reference_s, state.time_s - reference_s);
+  const Eigen::Vector3d lever_I = state.R_IT * motion.path.tail<3>();
+  Place place;
+  place.p_I = transition.topRows<3>() * motion.path.head<6>() - lever_I;
+  // The lever R c follows an error phi of the attitude as phi x R c.
+  place.by_unknowns << hat(lever_I) * attitude_I, transition.topRows<3>(), -state.R_IT;
+  return place;
+}
+
+/// Derivative of (p_x / p_z, p_y / p_z, 1 / p_z) by p.
+Eigen::Matrix3d uvs_by_position(const Eigen::Vector3d& p_C) {
+  const double s = 1.0 / p_C.z();
+  Eigen::Matrix3d by;
+  by << s, 0.0, -p_C.x() * s * s,  //
+      0.0, s, -p_C.y() * s * s,    //
+      0.0, 0.0, -s * s;
+  return by;
+}
+
+class FreeBody {
+ public:
+  FreeBody(const FreeBodyProblem& problem,
+           const BundleOptions& options,
+           BundleWorkspace* workspace,
+           FreeBodyWorkspace* own)
+      : p_(problem), w_(*own), system_(problem.bundle, options.cauchy_sigma, workspace) {
+    POLHODE_ASSERT(problem.times.size() == count(), problem.times.size());
+    const auto order = std::span(w_.in_order_of_time).first(count());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return p_.times[a].time_s < p_.times[b].time_s;
+    });
+  }
+
+  /// The poses as the motion has them. @return false where it does not reach or lies behind the camera.
+  bool pose(const FreeBodyMotion& motion, std::span<InverseDepthPose> poses) {
+    return trace(motion, nullptr, [&](std::size_t k, const TurningState& state, const TurningDerivative&) {
+      const Eigen::Matrix3d R_CI = p_.times[k].R_IC.transpose();
+      const Pose pose{.R_CT = R_CI * state.R_IT,
+                      .p_CT = R_CI * place_of(motion, state, TurningMatrix::Zero()).p_I};
+      poses[k] = to_inverse_depth(pose);
+      return pose.p_CT.z() > 0.0 && pose.p_CT.allFinite();
+    });
+  }
+
+  double try_step(double damping) {
+    if (!linearise()) {
+      return -1.0;
+    }
+    system_.build(damping);
+    FreeBodyInformation H = project();
+    FreeBodyVector right = FreeBodyVector::Zero();
+    const BundleSystem::Unknowns of_poses = system_.step();
+    for (std::size_t k = 0; k < count(); ++k) {
+      right += w_.pose_by_unknowns[k].transpose() * of_poses.segment<6>(6 * static_cast<Eigen::Index>(k));
+    }
+    const FreeBodyVector prior_gradient = prior().cwiseProduct(unknowns_of(*p_.motion));
+    H.diagonal() += prior();
+    right -= prior_gradient;
+    const Eigen::LLT<FreeBodyInformation> factor(H);
+    if (factor.info() != Eigen::Success) {
+      return -1.0;
+    }
+    const FreeBodyVector x = factor.solve(right);
+    trial_ = moved(*p_.motion, x);
+    BundleSystem::Unknowns step = system_.step();
+    for (std::size_t k = 0; k < count(); ++k) {
+      step.segment<6>(6 * static_cast<Eigen::Index>(k)) = w_.pose_by_unknowns[k] * x;
+    }
+    if (!x.allFinite() || !pose(trial_, system_.trial_poses())) {
+      return -1.0;
+    }
+    return system_.move_points(damping) - 0.5 * x.dot(prior_gradient);
+  }
+
+  [[nodiscard]] double cost() const { return system_.cost() + prior_cost(*p_.motion); }
+  [[nodiscard]] double trial_cost() const { return system_.trial_cost() + prior_cost(trial_); }
+
+  void keep_trial() {
+    system_.keep_trial();
+    *p_.motion = trial_;
+  }
+
+  FreeBodyInformation information() {
+    constexpr double kNextToNothing = 1e-9;  // of damping, for points that two poses see under no angle
+    if (!linearise()) {
+      return FreeBodyInformation::Zero();
+    }
+    system_.build(kNextToNothing);
+    FreeBodyInformation H = project();
+    H.diagonal() += prior();
+    // Far tighter than what the images say of anything, far from the limits of arithmetic.
+    constexpr double kHeld = 1e-6;
+    const GaugeRows held = gauge() / kHeld;
+    return H + held.transpose() * held;
+  }
+
+ private:
+  [[nodiscard]] std::size_t count() const { return p_.bundle.poses.size(); }
+
+  /// Calls `take` for each pose with the state at its time, and with the derivatives where asked for.
+  template <typename Take>
+  bool trace(const FreeBodyMotion& motion, const TurningDerivative* begin, Take take) {
+    const Inertia inertia = inertia_of(motion.shape);
+    const auto order = std::span(w_.in_order_of_time).first(count());
+    const auto later = std::find_if(order.begin(), order.end(), [&](std::size_t k) {
+      return p_.times[k].time_s >= motion.reference.time_s;
+    });
+    const auto walk = [&](auto first, auto last) {
+      TurningState state = motion.reference;
+      TurningDerivative derivative = begin != nullptr ? *begin : TurningDerivative{};
+      return std::all_of(first, last, [&](std::size_t k) {
+        return advance(inertia,
+                       motion.orbit,
+                       p_.times[k].time_s,
+                       state,
+                       begin != nullptr ? &derivative : nullptr) &&
+               take(k, state, derivative);
+      });
+    };
+    return walk(later, order.end()) &&
+           walk(std::make_reverse_iterator(later), std::make_reverse_iterator(order.begin()));
+  }
+
+  bool linearise() {
+    const TurningDerivative begin = TurningDerivative::at_reference();
+    gauge_.setZero();
+    return trace(*p_.motion, &begin, [&](std::size_t k, const TurningState& state, const TurningDerivative& by) {
+      const Place place = place_of(*p_.motion, state, by.attitude_I);
+      const Eigen::Matrix3d R_CI = p_.times[k].R_IC.transpose();
+      Eigen::Matrix<double, 3, kFreeBodyUnknowns> turning;
+      turning << by.attitude_I, Eigen::Matrix<double, 3, kPathUnknowns>::Zero();
+      w_.pose_by_unknowns[k] << R_CI * turning,
+          uvs_by_position(R_CI * place.p_I) * (R_CI * place.by_unknowns);
+      gauge_.topRows<3>() += state.R_IT.transpose() * turning;
+      gauge_.middleRows<3>(3) += state.R_IT.transpose() * place.by_unknowns / p_.lever_sigma;
+      gauge_.row(6) += place.p_I.transpose() * place.by_unknowns / place.p_I.squaredNorm();
+      return true;
+    });
+  }
+
+  /// T's turn, shift (in the body's extent) and growth with the unknowns, on the mean of the poses.
+  [[nodiscard]] GaugeRows gauge() const { return gauge_ / static_cast<double>(count()); }
+
+  /// The reduced system of the poses in terms of the unknowns.
+  FreeBodyInformation project() {
+    const BundleSystem::Reduced S = system_.reduced();
+    FreeBodyInformation H = FreeBodyInformation::Zero();
+    for (std::size_t a = 0; a < count(); ++a) {
+      const auto at = [](std::size_t k) { return 6 * static_cast<Eigen::Index>(k); };
+      ByUnknowns row = S.block<6, 6>(at(a), at(a)).selfadjointView<Eigen::Lower>() * w_.pose_by_unknowns[a];
+      row *= 0.5;  // the other half is its transpose
+      for (std::size_t b = 0; b < a; ++b) {
+        row.noalias() += S.block<6, 6>(at(a), at(b)) * w_.pose_by_unknowns[b];
+      }
+      H.noalias() += w_.pose_by_unknowns[a].transpose() * row;
+    }
+    return H + FreeBodyInformation(H.transpose());
+  }
+
+  [[nodiscard]] FreeBodyVector prior() const {
+    FreeBodyVector information = FreeBodyVector::Zero();
+    information.segment<5>(6).setConstant(1.0 / (p_.shape_sigma * p_.shape_sigma));
+    information.tail<3>().setConstant(1.0 / (p_.lever_sigma * p_.lever_sigma));
+    return information;
+  }
+
+  static FreeBodyVector unknowns_of(const FreeBodyMotion& motion) {
+    FreeBodyVector unknowns;
+    unknowns << Eigen::Vector3d::Zero(), motion.reference.w_T_rad_s, motion.shape, motion.path;
+    return unknowns;
+  }
+
+  [[nodiscard]] double prior_cost(const FreeBodyMotion& motion) const {
+    return 0.5 * prior().dot(unknowns_of(motion).cwiseAbs2());
+  }
+
+  static FreeBodyMotion moved(const FreeBodyMotion& motion, const FreeBodyVector& x) {
+    FreeBodyMotion to = motion;
+    to.reference.R_IT = so3_exp(x.head<3>()) * motion.reference.R_IT;
+    to.reference.w_T_rad_s += x.segment<3>(3);
+    to.shape += x.segment<5>(6);
+    to.path += x.tail<kPathUnknowns>();
+    return to;
+  }
+
+  const FreeBodyProblem& p_;
+  FreeBodyWorkspace& w_;
+  BundleSystem system_;
+  FreeBodyMotion trial_;
+  GaugeRows gauge_ = GaugeRows::Zero();
+};
+
+}  // namespace
+
+FreeBodyReport adjust_free_body(const FreeBodyProblem& problem,
+                                const BundleOptions& options,
+                                BundleWorkspace* workspace,
+                                FreeBodyWorkspace* own) {
+  FreeBody body(problem, options, workspace, own);
+  FreeBodyReport report;
+  if (problem.bundle.observations.empty() || !body.pose(*problem.motion, problem.bundle.poses)) {
+    return report;
+  }
+  report.bundle = take_damped_steps(
+      body.cost(),
+      options.iterations_max,
+      [&](double damping) { return body.try_step(damping); },
+      [&] { return body.trial_cost(); },
+      [&] { body.keep_trial(); });
+  if (report.bundle.usable) {
+    report.information = body.information();
+  }
+  return report;
+}
+
+}  // namespace polhode
