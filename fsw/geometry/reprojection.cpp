@@ -22,6 +22,15 @@ Pose from_inverse_depth(const InverseDepthPose& pose) {
   return {.R_CT = pose.R_CT, .p_CT = {pose.uvs.x() * depth, pose.uvs.y() * depth, depth}};
 }
 
+Eigen::Matrix3d uvs_by_position(const Eigen::Vector3d& p_CT) {
+  const double s = 1.0 / p_CT.z();
+  Eigen::Matrix3d by;
+  by << s, 0.0, -p_CT.x() * s * s,  //
+      0.0, s, -p_CT.y() * s * s,    //
+      0.0, 0.0, -s * s;
+  return by;
+}
+
 bool reproject(const InverseDepthPose& pose,
                const Eigen::Vector3d& p_T,
                Eigen::Vector2d* normalised) {

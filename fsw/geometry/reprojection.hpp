@@ -18,6 +18,9 @@ struct InverseDepthPose {
 InverseDepthPose to_inverse_depth(const Pose& pose);
 Pose from_inverse_depth(const InverseDepthPose& pose);
 
+/// Derivative of uvs by the position p_CT.
+Eigen::Matrix3d uvs_by_position(const Eigen::Vector3d& p_CT);
+
 /// Normalised image point of p_T: (s r1.p + u, s r2.p + v) / (1 + s r3.p).
 /// @return false when the point lies in or behind the camera's plane.
 bool reproject(const InverseDepthPose& pose,

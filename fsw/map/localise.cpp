@@ -267,6 +267,16 @@ Result<bool> solve_matched(const LocaliseInput& input,
   return solved;
 }
 
+void take_pose(const Pose& pose,
+               const PoseCovariance& covariance,
+               LocaliseScratch* scratch,
+               LocalisedFrame* out) {
+  out->absolute.pose = pose;
+  out->absolute.covariance = covariance;
+  out->absolute.inliers = mark_inliers(pose, scratch->observations.view(), flags(scratch));
+  mark(*scratch, &out->matches);
+}
+
 Result<bool> localise_guided(const LocaliseInput& input,
                              const Pose& predicted,
                              double radius_px,

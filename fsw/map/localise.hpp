@@ -110,4 +110,10 @@ Result<bool> localise_matched(const LocaliseInput& input,
 /// @errors as above.
 Result<bool> relocalise(const LocaliseInput& input, LocaliseScratch* scratch, LocalisedFrame* out);
 
+/// Another pose for the frame that was solved last: its matches are told anew from their outliers.
+void take_pose(const Pose& pose,
+               const PoseCovariance& covariance,
+               LocaliseScratch* scratch,
+               LocalisedFrame* out);
+
 }  // namespace polhode

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "geometry/alignment.hpp"
 
 namespace polhode {
 namespace {
@@ -66,6 +65,9 @@ void begin(const Map& map, AdjustmentSnapshot* s) {
   s->keyframe_numbers.clear();
   s->poses.clear();
   s->pose_fixed.clear();
+  s->timestamps_ns.clear();
+  s->R_IC.clear();
+  s->priors.clear();
   s->landmarks.clear();
   s->landmark_numbers.clear();
   s->points_T.clear();
@@ -79,6 +81,8 @@ void add_pose(const Map& map, KeyframeId id, bool fixed, AdjustmentSnapshot* s) 
   (void)s->keyframe_numbers.push_back(map.keyframes[id.index()].number);
   (void)s->poses.push_back(to_inverse_depth(map.keyframes[id.index()].pose));
   (void)s->pose_fixed.push_back(fixed ? 1 : 0);
+  (void)s->timestamps_ns.push_back(map.keyframes[id.index()].timestamp_ns);
+  (void)s->R_IC.push_back(map.keyframes[id.index()].R_IC);
 }
 
 /// Points in slot order and sightings in keyframe order: the solver sees the same problem in the
@@ -205,20 +209,25 @@ void snapshot_all(const Map& map, const CameraModel& camera, AdjustmentSnapshot*
   add_points(map, camera, wanted, s);
 }
 
+BundleProblem problem_of(AdjustmentSnapshot* s) {
+  return {.poses = s->poses.view(),
+          .pose_fixed = s->pose_fixed.view(),
+          .points_T = s->points_T.view(),
+          .point_fixed = s->point_fixed.view(),
+          .observations = s->observations.view(),
+          .priors = s->priors.view()};
+}
+
 BundleReport adjust(AdjustmentSnapshot* s,
                     const BundleOptions& options,
                     BundleWorkspace* workspace) {
-  const BundleProblem problem{.poses = s->poses.view(),
-                              .pose_fixed = s->pose_fixed.view(),
-                              .points_T = s->points_T.view(),
-                              .point_fixed = s->point_fixed.view(),
-                              .observations = s->observations.view()};
-  return adjust_bundle(problem, options, workspace);
+  return adjust_bundle(problem_of(s), options, workspace);
 }
 
 MapCorrection apply(const AdjustmentSnapshot& s, Map* map) {
   const Similarity back = back_onto(s, *map);
   MapCorrection correction;
+  correction.back = back;
   std::uint32_t newest = 0;
   for (std::size_t k = 0; k < s.keyframes.size(); ++k) {
     Keyframe& keyframe = map->keyframes[s.keyframes[k].index()];
@@ -231,7 +240,8 @@ MapCorrection apply(const AdjustmentSnapshot& s, Map* map) {
       correction = {.timestamp_ns = keyframe.timestamp_ns,
                     .frame = keyframe.frame,
                     .before = keyframe.pose,
-                    .after = after};
+                    .after = after,
+                    .back = back};
     }
     keyframe.pose = after;
   }

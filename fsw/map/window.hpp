@@ -3,6 +3,7 @@
 
 #include "base/fixed_vector.hpp"
 #include "config/limits.hpp"
+#include "geometry/alignment.hpp"
 #include "geometry/camera_model.hpp"
 #include "map/map.hpp"
 #include "solve/bundle_adjustment.hpp"
@@ -16,6 +17,9 @@ struct AdjustmentSnapshot {
   FixedVector<std::uint32_t, limits::kKeyframes> keyframe_numbers;
   FixedVector<InverseDepthPose, limits::kKeyframes> poses;
   FixedVector<std::uint8_t, limits::kKeyframes> pose_fixed;
+  FixedVector<std::int64_t, limits::kKeyframes> timestamps_ns;  ///< of the keyframes,
+  FixedVector<Eigen::Matrix3d, limits::kKeyframes> R_IC;        ///< and the observer's attitude then
+  FixedVector<PosePrior, limits::kKeyframes> priors;
   FixedVector<LandmarkId, limits::kLandmarks> landmarks;
   FixedVector<std::int32_t, limits::kLandmarks> landmark_numbers;
   FixedVector<Eigen::Vector3d, limits::kLandmarks> points_T;
@@ -36,6 +40,9 @@ void snapshot_window(const Map& map,
 /// Every keyframe and every landmark. The newest keyframe is held.
 void snapshot_all(const Map& map, const CameraModel& camera, AdjustmentSnapshot* snapshot);
 
+/// As the solver sees it.
+BundleProblem problem_of(AdjustmentSnapshot* snapshot);
+
 BundleReport adjust(AdjustmentSnapshot* snapshot,
                     const BundleOptions& options,
                     BundleWorkspace* workspace);
@@ -46,6 +53,7 @@ struct MapCorrection {
   std::uint32_t frame = UINT32_MAX;
   Pose before;
   Pose after;
+  Similarity back;  ///< that the whole snapshot was brought back by; identity where there was none
 
   [[nodiscard]] Pose moved(const Pose& pose) const {
     const Eigen::Matrix3d R = pose.R_CT * before.R_CT.transpose();

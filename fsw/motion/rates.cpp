@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/so3.hpp"
+#include "motion/residual_level.hpp"
 #include "motion/local_fit.hpp"
 
 namespace polhode {
@@ -165,7 +166,6 @@ Result<RateEstimate> estimate_rates(std::span<const PoseSample> history,
 }
 
 void widen_by_drift(const PoseCovariance& drift, RateEstimate& rates) {
-  constexpr double kSideAngle_rad = 0.8;  // as in residual_level.cpp
   const double per_s = rates.w_T_rad_s.norm() / kSideAngle_rad;
   const Eigen::Matrix3d R_TC = rates.pose.R_CT.transpose();
   rates.covariance_w_T +=

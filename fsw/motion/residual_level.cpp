@@ -14,9 +14,6 @@ constexpr double kGate2 = 25.0;
 // The declared sigma counts as much as this many numbers would: a dozen poses that 11 unknowns have
 // swallowed most of say little of the noise.
 constexpr double kDeclaredWeight = 20.0;
-// A map's error changes with the side that is seen: over 0.8 rad on the rendered sequences (their
-// attitude errors' correlation falls to 1/e in 45 to 55 deg).
-constexpr double kSideAngle_rad = 0.8;
 
 double median2_of(std::span<const Eigen::Vector3d> residuals) {
   std::array<double, limits::kMotionPoses> squares{};
@@ -79,12 +76,16 @@ ResidualLevel residual_level(const ResidualInput& input) {
   const double freedom = std::max(1.0, 3.0 * inside - input.unknowns);
   level.chi2_per_dof = chi2 / freedom;
   level.scale2 = (chi2 + kDeclaredWeight) / (freedom + kDeclaredWeight);
-  const double of_side =
-      std::clamp(2.0 * kSideAngle_rad / std::max(1e-9, input.turn_of_frame_rad), 1.0,
-                 std::max(1.0, 0.5 * count));
+  const double of_side = poses_of_a_side(input.turn_of_frame_rad, input.residuals.size());
   const double by_drift = 1.0 + input.drift_share * (of_side - 1.0);
   level.correlation = std::max(by_drift, correlation_length(input.residuals, gate2));
   return level;
+}
+
+double poses_of_a_side(double turn_of_frame_rad, std::size_t poses) {
+  return std::clamp(2.0 * kSideAngle_rad / std::max(1e-9, turn_of_frame_rad),
+                    1.0,
+                    std::max(1.0, 0.5 * static_cast<double>(poses)));
 }
 
 double widening(const ResidualLevel& level) { return level.scale2 * level.correlation; }

@@ -9,6 +9,14 @@
 
 namespace polhode {
 
+/// Poses that see the same side share their errors: on rendered sequences the correlation falls to 1/e
+/// over 45 to 55 deg of rotation.
+inline constexpr double kSideAngle_rad = 0.8;
+
+/// Poses that tell as much as one independent pose would, of `poses` that turn by `turn_of_frame_rad` from one
+/// to the next: the sum of that correlation over all of them.
+[[nodiscard]] double poses_of_a_side(double turn_of_frame_rad, std::size_t poses);
+
 struct ResidualInput {
   std::span<const Eigen::Vector3d> residuals;  ///< in order of time, in sigmas as declared
   int unknowns = 0;                            ///< that were fitted

@@ -16,18 +16,6 @@ namespace {
 constexpr double kChi2PerDofMax = 1.4;
 constexpr double kOutliersMax = 0.3;
 
-Orbit orbit_at(const MotionOptions& options, std::int64_t reference_ns) {
-  Orbit orbit;
-  if (options.dynamics != DynamicsKind::kOrbit) {
-    return orbit;
-  }
-  orbit.mean_motion_rad_s = options.mean_motion_rad_s;
-  const Eigen::Quaterniond q_IH(options.q_IH_w, options.q_IH_x, options.q_IH_y, options.q_IH_z);
-  orbit.R_IH = q_IH.normalized().toRotationMatrix();
-  orbit.R_IH = orbit.R_IH_at(seconds_between(options.orbit_epoch_ns, reference_ns));
-  return orbit;
-}
-
 bool inverse_of(const Eigen::Matrix3d& covariance, Eigen::Matrix3d& information) {
   const Eigen::LLT<Eigen::Matrix3d> llt(covariance);
   information = llt.solve(Eigen::Matrix3d::Identity());
@@ -229,6 +217,18 @@ RigidModel fit_window(std::span<const PoseSample> poses,
 }
 
 }  // namespace
+
+Orbit orbit_at(const MotionOptions& options, std::int64_t reference_ns) {
+  Orbit orbit;
+  if (options.dynamics != DynamicsKind::kOrbit) {
+    return orbit;
+  }
+  orbit.mean_motion_rad_s = options.mean_motion_rad_s;
+  const Eigen::Quaterniond q_IH(options.q_IH_w, options.q_IH_x, options.q_IH_y, options.q_IH_z);
+  orbit.R_IH = q_IH.normalized().toRotationMatrix();
+  orbit.R_IH = orbit.R_IH_at(seconds_between(options.orbit_epoch_ns, reference_ns));
+  return orbit;
+}
 
 RigidModel fit_rigid_model(const MotionSnapshot& snapshot, MotionWorkspace& workspace) {
   const std::span<const PoseSample> poses = snapshot.poses.view();

@@ -41,6 +41,7 @@ using ModelCovariance = Eigen::Matrix<double, kModelUnknownsAll, kModelUnknownsA
 struct RigidModel {
   ModelStatus status = ModelStatus::kTooFewPoses;
   bool path_known = false;  ///< the path's unknowns are fitted, too
+  bool of_map = false;      ///< fitted with the landmarks: its poses are the map's own
   std::int64_t reference_ns = 0;
   TurningState reference;  ///< its time is 0
   InertiaShape shape = InertiaShape::Zero();
@@ -74,6 +75,9 @@ struct MotionWorkspace {
   FixedVector<PositionSample, limits::kMotionPoses> positions;
   FixedVector<Eigen::Vector3d, limits::kMotionPoses> residuals;  ///< in sigmas as declared
 };
+
+/// The orbit that the options name, its time 0 at `reference_ns`; not active where they name none.
+Orbit orbit_at(const MotionOptions& options, std::int64_t reference_ns);
 
 /// Fits turning, then path, to all poses; where chi-square refuses that, to the later half, then to
 /// the later quarter. The noise level is found from the residuals, and their correlation widens the

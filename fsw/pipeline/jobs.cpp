@@ -23,13 +23,6 @@ void run_start(StartJob* job) {
                                    job->workspace);
 }
 
-void run_adjustment(AdjustmentJob* job) {
-  job->usable = false;
-  for (const BundleOptions& round : job->rounds) {
-    job->usable = adjust(&job->snapshot, round, &job->workspace).usable || job->usable;
-  }
-}
-
 void run_fit(FitJob* job) { job->model = fit_rigid_model(job->snapshot, job->workspace); }
 
 void run_shape(ShapeJob* job) {
@@ -111,6 +104,7 @@ void skip_job(Job& job) {
     static_cast<MapJob&>(job).start.outcome.decision = StartDecision::kTooFewTracks;
   } else if (job.kind == JobKind::kAdjustment) {
     static_cast<MapJob&>(job).adjustment.usable = false;
+    static_cast<MapJob&>(job).adjustment.model = {};
   }
   job.skipped = true;
   job.done = true;

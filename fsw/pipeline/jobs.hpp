@@ -15,6 +15,7 @@
 #include "config/limits.hpp"
 #include "map/initialise.hpp"
 #include "map/window.hpp"
+#include "motion/joint_fit.hpp"
 #include "motion/rigid_model.hpp"
 #include "pipeline/component.hpp"
 #include "shape/shape.hpp"
@@ -50,7 +51,8 @@ struct StartJob {
 /// What an adjustment is for, which decides what follows from it.
 enum class AdjustmentReason : std::uint8_t { kMapBegun, kMapCompleted, kMapGrown };
 
-/// A joint adjustment of part of the map, in rounds with a loss of their own.
+/// A joint adjustment of part of the map, in rounds with a loss of their own; then, where asked for, of
+/// all of it as a free body's, which stands where the images bear it out.
 struct AdjustmentJob {
   static constexpr std::size_t kRounds = 3;
   AdjustmentReason reason = AdjustmentReason::kMapGrown;
@@ -61,6 +63,14 @@ struct AdjustmentJob {
   AdjustmentSnapshot snapshot;  ///< in: as the map is; out: as it should be
   BundleWorkspace workspace;
   bool usable = false;  ///< of the result
+
+  bool as_free_body = false;
+  bool model_unwanted = false;  ///< the motion so far has been given up since
+  double body_radius_mu = 1.0;
+  MotionOptions motion;
+  RigidModel model;  ///< in: the last one; out: of this map, where accepted
+  std::uint32_t doubts = 0;  ///< carried from one fit to the next
+  JointFitWorkspace joint;
 };
 
 /// By what the map has grown while an adjustment of it was out; the next one is for that.

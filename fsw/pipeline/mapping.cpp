@@ -1,5 +1,6 @@
 #include "pipeline/mapping.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "map/room.hpp"
 #include "map/window.hpp"
 #include "pipeline/begin.hpp"
+#include "pipeline/motion_now.hpp"
 #include "pipeline/track.hpp"
 
 namespace polhode {
@@ -65,9 +67,49 @@ void ask_for(AdjustmentReason reason, bool closed, Component::State* s) {
   issue_job(JobKind::kAdjustment, s);
 }
 
-void ask_for_all(AdjustmentReason reason, bool closed, Component::State* s) {
-  snapshot_all(s->map, s->camera, &s->job.adjustment.snapshot);
+/// Where the motion is known together with the map, it says where the keyframes are: a side that shows
+/// little does not bend the map.
+void add_priors(Component::State* s) {
+  AdjustmentSnapshot& snapshot = s->job.adjustment.snapshot;
+  for (std::size_t k = 0; k < snapshot.poses.size(); ++k) {
+    if (snapshot.pose_fixed[k] != 0) {
+      continue;
+    }
+    const auto prior = pose_by_map_model(*s, snapshot.timestamps_ns[k], snapshot.R_IC[k]);
+    if (!prior || !(prior->pose.p_CT.z() > 0.0)) {
+      return;
+    }
+    Eigen::Matrix<double, 6, 6> by = Eigen::Matrix<double, 6, 6>::Identity();
+    by.bottomRightCorner<3, 3>() = uvs_by_position(prior->pose.p_CT);
+    const Eigen::Matrix<double, 6, 6> covariance = by * prior->covariance * by.transpose();
+    const Eigen::LLT<Eigen::Matrix<double, 6, 6>> factor(covariance);
+    if (factor.info() == Eigen::Success) {
+      (void)snapshot.priors.push_back(
+          {.pose = static_cast<std::int32_t>(k),
+           .mean = to_inverse_depth(prior->pose),
+           .information = factor.solve(Eigen::Matrix<double, 6, 6>::Identity())});
+    }
+  }
+}
+
+/// All of the map, with its motion where that is one of free bodies: paper mode knows no dynamics, and what is
+/// to be forgotten must not shape the map.
+void prepare_all(Component::State* s) {
+  AdjustmentJob& job = s->job.adjustment;
+  snapshot_all(s->map, s->camera, &job.snapshot);
   s->keyframes_at_last_adjustment = s->map.keyframe_count;
+  job.motion = s->parameters.motion;
+  // What comes while the job is out can only follow as a whole, and the motion reshapes a young map.
+  const bool old_enough = s->map.keyframe_count >= 5 * s->parameters.jobs.delay_frames;
+  job.as_free_body =
+      old_enough && job.motion.mode == MotionMode::kDynamics && job.motion.forgetting_s == 0.0;
+  job.body_radius_mu = s->map.radius_mu;
+  job.model = s->motion.model;
+  job.model_unwanted = false;
+}
+
+void ask_for_all(AdjustmentReason reason, bool closed, Component::State* s) {
+  prepare_all(s);
   ask_for(reason, closed, s);
 }
 
@@ -81,6 +123,8 @@ void ask_after_growth(KeyframeId keyframe, bool closed, Component::State* s) {
   }
   const int window = s->parameters.map.window_keyframes / (s->steps_to_shed > 0 ? 2 : 1);
   snapshot_window(s->map, s->camera, std::max(kWindowLeast, window), &job.snapshot);
+  add_priors(s);
+  job.as_free_body = false;
   ask_for(AdjustmentReason::kMapGrown, closed, s);
 }
 
@@ -95,6 +139,19 @@ void complete_map(Component::State* s) {
     }
   }
   ask_for_all(AdjustmentReason::kMapCompleted, false, s);
+}
+
+/// The map and, where one came out, the motion take the result over.
+MapCorrection take_over(Component::State* s) {
+  const AdjustmentJob& job = s->job.adjustment;
+  if (!job.usable) {
+    return {};
+  }
+  const MapCorrection correction = apply(job.snapshot, &s->map);
+  if (job.as_free_body && job.model.accepted() && !job.model_unwanted) {
+    take_joint_fit(transformed(job.model, correction.back), s);
+  }
+  return correction;
 }
 
 /// The reference keeps only landmarks that are still there.
@@ -144,13 +201,35 @@ void ask_for_growth_waiting(Component::State* s) {
 
 }  // namespace
 
+void run_adjustment(AdjustmentJob* job) {
+  job->usable = false;
+  for (const BundleOptions& round : job->rounds) {
+    job->usable = adjust(&job->snapshot, round, &job->workspace).usable || job->usable;
+  }
+  const RigidModel previous = job->model;
+  job->model = {};
+  if (job->as_free_body && job->usable) {
+    job->model = fit_jointly({.bundle = problem_of(&job->snapshot),
+                              .observations = job->snapshot.observations.view(),
+                              .timestamps_ns = job->snapshot.timestamps_ns.view(),
+                              .R_IC = job->snapshot.R_IC.view(),
+                              .body_radius = job->body_radius_mu,
+                              .motion = job->motion,
+                              .previous = previous,
+                              .options = job->rounds.back()},
+                             &job->doubts,
+                             &job->workspace,
+                             &job->joint);
+  }
+}
+
 void adjust_all(int iterations_max, Component::State* s) {
   AdjustmentJob& job = s->job.adjustment;
-  snapshot_all(s->map, s->camera, &job.snapshot);
-  if (adjust(&job.snapshot, bundle_options(iterations_max), &job.workspace).usable) {
-    (void)apply(job.snapshot, &s->map);
-  }
-  s->keyframes_at_last_adjustment = s->map.keyframe_count;
+  prepare_all(s);
+  job.rounds.clear();
+  (void)job.rounds.push_back(bundle_options(iterations_max));
+  run_adjustment(&job);
+  (void)take_over(s);
 }
 
 void cull_map(Component::State* s) {
@@ -167,9 +246,7 @@ void settle_map(std::uint32_t first_keyframe, Component::State* s) {
 
 void take_adjustment(Component::State* s) {
   const AdjustmentJob& job = s->job.adjustment;
-  if (job.usable) {
-    move_since(apply(job.snapshot, &s->map), s);
-  }
+  move_since(take_over(s), s);
   cull_map(s);
   refresh_landmarks(&s->map, s->camera);
   tidy_reference(&s->reference, s->map);

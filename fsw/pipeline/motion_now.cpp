@@ -8,6 +8,7 @@
 #include "geometry/so3.hpp"
 #include "motion/fit_poses.hpp"
 #include "motion/paper.hpp"
+#include "motion/residual_level.hpp"
 #include "pipeline/state.hpp"
 
 namespace polhode {
@@ -51,6 +52,9 @@ bool due(const MotionNow& m) {
   if (poses < kModelPosesMin) {
     return false;
   }
+  if (m.model.of_map && m.model.accepted()) {
+    return m.poses_since_fit > poses / 4;  // the map has not grown, and the next joint fit is far
+  }
   // One pose in twenty tells little more; from nothing a fit costs tens of times as much.
   return m.poses_since_fit >= (m.model.accepted() ? 1 + poses / 20 : 2 + poses / 8);
 }
@@ -72,6 +76,7 @@ void ask_for_fit(Component::State* s) {
 void forsake_model(Component::State* s) {
   s->motion.model = {};
   s->fit_job.unwanted = true;
+  s->job.adjustment.model_unwanted = true;
 }
 
 void check(const PoseSample& sample, const PoseCovariance& drift_I, MotionNow* m) {
@@ -198,12 +203,39 @@ void remember_motion(std::int64_t timestamp_ns,
   }
   (void)remember_for_fit(m.past, sample, s->parameters.motion);
   ++m.poses_since_fit;
-  if (m.model.accepted()) {
-    check(sample, turned(m.R_IC, polhode::covariance(s->drift)), &m);
-  }
   if (fit_slot_free(*s) && due(m)) {
     ask_for_fit(s);
   }
+}
+
+void check_motion(std::int64_t timestamp_ns,
+                  const Pose& pose,
+                  const PoseCovariance& covariance,
+                  Component::State* s) {
+  MotionNow& m = s->motion;
+  if (m.model.accepted()) {
+    const PoseSample measured{.timestamp_ns = timestamp_ns,
+                              .pose = turned(m.R_IC, pose),
+                              .covariance = turned(m.R_IC, covariance)};
+    check(measured, turned(m.R_IC, polhode::covariance(s->drift)), &m);
+  }
+}
+
+std::optional<PosePrediction> pose_by_map_model(const Component::State& s,
+                                                std::int64_t timestamp_ns,
+                                                const Eigen::Matrix3d& R_IC) {
+  const MotionNow& m = s.motion;
+  if (!m.model.of_map || !holds(m)) {
+    return std::nullopt;
+  }
+  const Result<MotionPrediction> at = predict_motion(m.model, timestamp_ns);
+  if (!at || !at.value().path_known) {
+    return std::nullopt;
+  }
+  return PosePrediction{.pose = turned(R_IC.transpose(), at.value().pose),
+                        .covariance = turned(R_IC.transpose(), at.value().covariance),
+                        .rotation_poses = m.model.poses,
+                        .position_poses = m.model.poses};
 }
 
 void take_fit(Component::State* s) {
@@ -220,6 +252,18 @@ void take_fit(Component::State* s) {
     if (m.model.accepted() && sample.timestamp_ns > fitted_to_ns) {
       check(sample, turned(m.R_IC, polhode::covariance(s->drift)), &m);
     }
+  }
+}
+
+void take_joint_fit(const RigidModel& model, Component::State* s) {
+  MotionNow& m = s->motion;
+  m.model = model;
+  m.poses_since_fit = 0;
+  m.disagreements = 0;
+  s->fit_job.unwanted = true;
+  const Result<MotionPrediction> now = predict_motion(model, model.reference_ns);
+  if (now && now.value().path_known) {
+    s->drift = {.walk = turned(m.R_IC.transpose(), now.value().covariance)};
   }
 }
 
@@ -293,7 +337,6 @@ Result<PosePrediction> predict_by_motion(const Component::State& s,
     const Result<MotionPrediction> by_model = predict_from(m.model, m.recent.back(), timestamp_ns);
     if (by_model && by_model.value().path_known) {
       // The next pose will be one of the map: its drift changes while the body turns.
-      constexpr double kSideAngle_rad = 0.8;  // as in residual_level.cpp
       const double part = rotation_angle_rad(m.recent.back().pose.R_CT, by_model.value().pose.R_CT) /
                           kSideAngle_rad;
       predicted = PosePrediction{.pose = by_model.value().pose,

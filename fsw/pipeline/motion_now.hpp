@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "map/map.hpp"
@@ -43,6 +44,10 @@ void restate_motion(std::span<const PoseSample> start, Component::State* state);
 /// The fit that comes back: the poses since it was asked for judge it as they would have.
 void take_fit(Component::State* state);
 
+/// The model of a map that was fitted with it as a free body's: it stands for all poses so far, and the map
+/// has no other drift than the model's own error.
+void take_joint_fit(const RigidModel& model, Component::State* state);
+
 /// The pose at the keyframe's time, where there is one, has become the keyframe's by an adjustment.
 void move_pose(const Keyframe& keyframe, Component::State* state);
 
@@ -62,6 +67,17 @@ Result<RateEstimate> rates_now(const Component::State& state);
 Result<PosePrediction> predict_by_motion(const Component::State& state,
                                          std::int64_t timestamp_ns,
                                          const Eigen::Matrix3d& R_IC);
+
+/// The pose in C by a model that was fitted with the map; nothing where there is none that holds.
+std::optional<PosePrediction> pose_by_map_model(const Component::State& state,
+                                                std::int64_t timestamp_ns,
+                                                const Eigen::Matrix3d& R_IC);
+
+/// A pose has been measured, by landmarks alone: does the model bear it out?
+void check_motion(std::int64_t timestamp_ns,
+                  const Pose& pose,
+                  const PoseCovariance& covariance,
+                  Component::State* state);
 
 /// The last pose as an observer with the attitude R_IC would see it, had the target not moved since;
 /// there must be one.

@@ -1,5 +1,6 @@
 #include "pipeline/track.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -116,6 +117,35 @@ bool try_guided(const PosePrediction& predicted, Component::State* s) {
   return false;
 }
 
+/// A side may show little of a turn; the motion, where it is known together with the map, knows the
+/// rest. A measurement that contradicts it stands by itself.
+void fuse_with_motion(Component::State* s) {
+  const AbsolutePose& measured = s->localised.absolute;
+  check_motion(s->timestamp_ns, measured.pose, measured.covariance, s);
+  const auto prior = pose_by_map_model(*s, s->timestamp_ns, s->motion.R_IC);
+  if (!prior) {
+    return;
+  }
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  Vector6 apart;
+  apart << so3_log(measured.pose.R_CT * prior->pose.R_CT.transpose()),
+      measured.pose.p_CT - prior->pose.p_CT;
+  const PoseCovariance sum = prior->covariance + measured.covariance;
+  const Eigen::LDLT<PoseCovariance> factor(sum);
+  constexpr double kChi2Max = 22.5;  // 99.9 % of six numbers
+  if (factor.info() != Eigen::Success || !(apart.dot(factor.solve(apart)) < kChi2Max)) {
+    return;
+  }
+  const PoseCovariance by_sum = factor.solve(prior->covariance);  // transposed gain
+  const Vector6 step = by_sum.transpose() * apart;
+  const PoseCovariance covariance = prior->covariance - by_sum.transpose() * prior->covariance;
+  take_pose({.R_CT = so3_exp(step.head<3>()) * prior->pose.R_CT,
+             .p_CT = prior->pose.p_CT + step.tail<3>()},
+            0.5 * (covariance + covariance.transpose()),
+            &s->localise_scratch,
+            &s->localised);
+}
+
 void renew_reference(Component::State* s) {
   s->reference.valid = true;
   s->reference_frame = s->frame;
@@ -226,6 +256,7 @@ void track(Component::State* s) {
     collect(s);
     return;
   }
+  fuse_with_motion(s);
   count_sightings(s);
   const bool may_teach = s->verdict.decision == FrameDecision::kUse;
   if (may_teach && may_extend_map(*s)) {

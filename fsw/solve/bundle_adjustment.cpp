@@ -7,16 +7,19 @@
 namespace polhode {
 namespace {
 
-double try_step(double damping, BundleSystem* system) {
-  system->build(damping);
-  BundleSystem::Reduced S = system->reduced();
+// For a problem that is nearly solved, which a tracked map's is.
+constexpr double kDampingFirst = 1e-4;
+
+double try_step(double damping, BundleSystem* bundle) {
+  bundle->build(damping);
+  BundleSystem::Reduced S = bundle->reduced();
   const Eigen::LLT<Eigen::Ref<BundleSystem::Reduced>> factor(S);
   if (factor.info() != Eigen::Success) {
     return -1.0;
   }
-  BundleSystem::Unknowns step = system->step();
+  BundleSystem::Unknowns step = bundle->step();
   factor.solveInPlace(step);
-  return step.allFinite() && system->move_poses() ? system->move_points(damping) : -1.0;
+  return step.allFinite() && bundle->move_poses() ? bundle->move_points(damping) : -1.0;
 }
 
 }  // namespace
@@ -24,13 +27,14 @@ double try_step(double damping, BundleSystem* system) {
 BundleReport adjust_bundle(const BundleProblem& problem,
                            const BundleOptions& options,
                            BundleWorkspace* workspace) {
-  BundleSystem system(problem, options.cauchy_sigma, workspace);
+  BundleSystem bundle(problem, options.cauchy_sigma, workspace);
   BundleReport report = take_damped_steps(
-      system.cost(),
+      bundle.cost(),
       problem.observations.empty() ? 0 : options.iterations_max,
-      [&](double damping) { return try_step(damping, &system); },
-      [&] { return system.trial_cost(); },
-      [&] { system.keep_trial(); });
+      kDampingFirst,
+      [&](double damping) { return try_step(damping, &bundle); },
+      [&] { return bundle.trial_cost(); },
+      [&] { bundle.keep_trial(); });
   report.usable = report.usable && !problem.observations.empty();
   return report;
 }

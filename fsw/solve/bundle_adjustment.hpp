@@ -19,6 +19,13 @@ struct BundleObservation {
   double sigma_normalised = 1.0;
 };
 
+/// What is known of a pose beforehand: of (phi, uvs) about `mean`.
+struct PosePrior {
+  std::int32_t pose = 0;
+  InverseDepthPose mean;
+  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
+};
+
 /// Poses and points are changed in place; at most as many as BundleWorkspace holds. Where fewer
 /// than two poses are fixed, what is left of the gauge is held by the damping alone and the caller
 /// re-aligns.
@@ -28,6 +35,7 @@ struct BundleProblem {
   std::span<Eigen::Vector3d> points_T;
   std::span<const std::uint8_t> point_fixed;
   std::span<const BundleObservation> observations;
+  std::span<const PosePrior> priors = {};
 };
 
 struct BundleOptions {

@@ -68,6 +68,8 @@ class BundleSystem {
   bool linearise(const BundleObservation& observation, Linearised* out) const;
   template <typename TakePoseTerms>
   void linearise_point(std::size_t point, TakePoseTerms take);
+  void add_priors(Unknowns* gradient);
+  [[nodiscard]] double prior_cost(std::span<const InverseDepthPose> poses) const;
   void eliminate(const Eigen::Matrix3d& V_inverse, Reduced* S, Unknowns* right) const;
   [[nodiscard]] double pose_gain(double damping) const;
 
@@ -87,6 +89,7 @@ class BundleSystem {
 template <typename TryStep, typename TrialCost, typename KeepTrial>
 BundleReport take_damped_steps(double cost,
                                int iterations_max,
+                               double damping,
                                TryStep try_step,
                                TrialCost trial_cost,
                                KeepTrial keep_trial) {
@@ -94,7 +97,6 @@ BundleReport take_damped_steps(double cost,
   constexpr double kGainMin = 1e-3;     // of what the linear model promised
   constexpr double kDampingMax = 1e12;  // steps are too small to matter
   BundleReport report{.usable = std::isfinite(cost), .cost_before = cost, .cost_after = cost};
-  double damping = 1e-4;
   double factor = 2.0;
   while (report.usable && report.iterations < iterations_max && damping < kDampingMax) {
     ++report.iterations;

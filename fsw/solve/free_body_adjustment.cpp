@@ -14,6 +14,10 @@ namespace polhode {
 namespace {
 
 using ByUnknowns = FreeBodyWorkspace::ByUnknowns;
+// All poses and points move together with an unknown, by many times what their own curvature lets damping
+// allow each of them.
+constexpr double kDampingFirst = 1e-6;
+
 using GaugeRows = Eigen::Matrix<double, 7, kFreeBodyUnknowns>;
 
 /// Position of T's origin in I, and what it owes to the unknowns.
@@ -34,16 +38,6 @@ Place place_of(const FreeBodyMotion& motion,
   // The lever R c follows an error phi of the attitude as phi x R c.
   place.by_unknowns << hat(lever_I) * attitude_I, transition.topRows<3>(), -state.R_IT;
   return place;
-}
-
-/// Derivative of (p_x / p_z, p_y / p_z, 1 / p_z) by p.
-Eigen::Matrix3d uvs_by_position(const Eigen::Vector3d& p_C) {
-  const double s = 1.0 / p_C.z();
-  Eigen::Matrix3d by;
-  by << s, 0.0, -p_C.x() * s * s,  //
-      0.0, s, -p_C.y() * s * s,    //
-      0.0, 0.0, -s * s;
-  return by;
 }
 
 class FreeBody {
@@ -67,8 +61,11 @@ class FreeBody {
       const Eigen::Matrix3d R_CI = p_.times[k].R_IC.transpose();
       const Pose pose{.R_CT = R_CI * state.R_IT,
                       .p_CT = R_CI * place_of(motion, state, TurningMatrix::Zero()).p_I};
-      poses[k] = to_inverse_depth(pose);
-      return pose.p_CT.z() > 0.0 && pose.p_CT.allFinite();
+      const bool ahead = pose.p_CT.allFinite() && pose.p_CT.z() > 0.0;
+      if (ahead) {
+        poses[k] = to_inverse_depth(pose);
+      }
+      return ahead;
     });
   }
 
@@ -234,6 +231,7 @@ FreeBodyReport adjust_free_body(const FreeBodyProblem& problem,
   report.bundle = take_damped_steps(
       body.cost(),
       options.iterations_max,
+      kDampingFirst,
       [&](double damping) { return body.try_step(damping); },
       [&] { return body.trial_cost(); },
       [&] { body.keep_trial(); });

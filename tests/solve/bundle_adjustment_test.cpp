@@ -268,5 +268,31 @@ TEST(AdjustBundle, HandlesManyPoses_AsWellAsFew) {
   EXPECT_LT(worst_error(s, truth), 1e-5);
 }
 
+TEST(BundleAdjustment, APriorHoldsWhatTheImagesLeaveOpen) {
+  // All sightings of the last pose are gone but two: they leave directions open in which the prior decides.
+  const Scene truth = make_scene(5, 40, 0.0, 21);
+  Scene s = disturbed(truth, 22);
+  std::erase_if(s.observations, [](const BundleObservation& o) { return o.pose == 4 && o.point > 1; });
+  BundleProblem problem = s.problem();
+  std::vector<PosePrior> priors{{.pose = 4, .mean = truth.poses[4]}};
+  priors[0].information.diagonal().setConstant(1e8);  // 1e-4
+  problem.priors = priors;
+  ASSERT_TRUE(adjusted(problem, {.iterations_max = 40}).usable);
+  EXPECT_LT(rotation_angle_rad(s.poses[4].R_CT, truth.poses[4].R_CT), 1e-4);
+  EXPECT_LT((s.poses[4].uvs - truth.poses[4].uvs).norm(), 1e-4);
+}
+
+TEST(BundleAdjustment, APriorThatIsFarOffLosesItsPull) {
+  const Scene truth = make_scene(5, 40, 0.0, 23);
+  Scene s = truth;
+  BundleProblem problem = s.problem();
+  std::vector<PosePrior> priors{{.pose = 4, .mean = truth.poses[4]}};
+  priors[0].mean.R_CT = so3_exp({0.0, 0.1, 0.0}) * priors[0].mean.R_CT;
+  priors[0].information.diagonal().setConstant(1e6);  // 0.1 rad is 100 sigma
+  problem.priors = priors;
+  ASSERT_TRUE(adjusted(problem, {.iterations_max = 40}).usable);
+  EXPECT_LT(rotation_angle_rad(s.poses[4].R_CT, truth.poses[4].R_CT), 0.01) << "of the 0.1 that it is off";
+}
+
 }  // namespace
 }  // namespace polhode

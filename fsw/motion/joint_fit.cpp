@@ -1,0 +1,334 @@
+#include "motion/joint_fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "base/assert.hpp"
+#include "geometry/so3.hpp"
+#include "motion/residual_level.hpp"
+#include "solve/absolute_pose.hpp"
+
+namespace polhode {
+namespace {
+
+// What free poses gain over a free body's by following the noise is a chi-square with as many degrees of
+// freedom as they have more: 1 each, were the sightings' errors independent and of the declared size.
+// They are neither; on rendered scenes free bodies stay under 8, and times that are off by a fifth of a frame
+// give 11 and more.
+constexpr double kGainPerDofMax = 8.0;
+
+// A map that has grown without the motion has wrong ties in it, because they agree with its drift, and
+// they speak against the motion until it has had the map once: then they are gone. So a motion that keeps
+// nearly all sightings is believed twice beyond that.
+constexpr double kDoubtfulGainMax = 40.0;
+constexpr double kKeptMin = 0.95;
+constexpr std::uint32_t kDoubtsMax = 2;
+
+// Drift that the first fit, to the poses alone, may find them to have: 1 deg, 1 % of the range.
+constexpr double kPoseSigma_rad = 0.02;
+constexpr double kPoseSigmaOfRange = 0.01;
+constexpr double kChi2PerDofMax = 1.4;
+
+std::size_t count_of(const JointFitInput& input) { return input.bundle.poses.size(); }
+
+std::span<const std::size_t> order_by_time(const JointFitInput& input, JointFitWorkspace* w) {
+  const auto order = std::span(w->in_order_of_time).first(count_of(input));
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return input.timestamps_ns[a] < input.timestamps_ns[b];
+  });
+  return order;
+}
+
+void load(const JointFitInput& input,
+          std::span<const std::size_t> order,
+          std::int64_t reference_ns,
+          JointFitWorkspace* w) {
+  w->attitudes.clear();
+  w->positions.clear();
+  for (const std::size_t k : order) {
+    const Pose pose = turned(input.R_IC[k], from_inverse_depth(input.bundle.poses[k]));
+    const double time_s = seconds_between(reference_ns, input.timestamps_ns[k]);
+    w->times[k] = {.time_s = time_s, .R_IC = input.R_IC[k]};
+    const double sigma_mu = kPoseSigmaOfRange * pose.p_CT.norm();
+    (void)w->attitudes.push_back(
+        {.time_s = time_s,
+         .R_IT = pose.R_CT,
+         .information_I = Eigen::Matrix3d::Identity() / (kPoseSigma_rad * kPoseSigma_rad)});
+    (void)w->positions.push_back({.time_s = time_s,
+                                  .p_I = pose.p_CT,
+                                  .information_I = Eigen::Matrix3d::Identity() / (sigma_mu * sigma_mu),
+                                  .R_IT = pose.R_CT});
+  }
+}
+
+Result<TurningSolution> turning_of(const JointFitInput& input,
+                                   const TurningProblem& problem,
+                                   std::int64_t reference_ns) {
+  RigidModel previous = input.previous;
+  if (move_reference(reference_ns, previous)) {
+    TurningSolution start;
+    start.reference = previous.reference;
+    start.shape = previous.shape;
+    const auto warm = refine_turning(problem, start, 0, problem.samples.size());
+    if (warm && chi2_per_dof(warm.value()) < kChi2PerDofMax) {
+      return warm;
+    }
+  }
+  return solve_turning(problem, kChi2PerDofMax);
+}
+
+/// The positions' attitudes become the motion's.
+bool trace(const TurningProblem& problem, const TurningSolution& turning, JointFitWorkspace* w) {
+  const Inertia inertia = inertia_of(turning.shape);
+  const auto walk = [&](std::size_t first, std::size_t last, bool forward) {
+    TurningState state = turning.reference;
+    for (std::size_t n = 0; n < last - first; ++n) {
+      PositionSample& sample = w->positions[forward ? first + n : last - 1 - n];
+      if (!advance(inertia, problem.orbit, sample.time_s, state, nullptr)) {
+        return false;
+      }
+      sample.R_IT = state.R_IT;
+    }
+    return true;
+  };
+  return walk(problem.reference, w->positions.size(), true) && walk(0, problem.reference, false);
+}
+
+std::optional<FreeBodyMotion> motion_of_poses(const JointFitInput& input,
+                                              const RigidModel& model,
+                                              std::size_t reference,
+                                              JointFitWorkspace* w) {
+  TurningProblem problem{.samples = w->attitudes.view(), .reference = reference, .orbit = model.orbit};
+  problem.shape_sigma = kModelShapeSigma;
+  const auto turning = turning_of(input, problem, model.reference_ns);
+  if (!turning || !trace(problem, turning.value(), w)) {
+    return std::nullopt;
+  }
+  const auto path = solve_path({.samples = w->positions.view(),
+                                .reference_s = 0.0,
+                                .orbit = model.orbit,
+                                .lever_sigma = input.body_radius});
+  if (!path) {
+    return std::nullopt;
+  }
+  return FreeBodyMotion{.reference = turning.value().reference,
+                        .shape = turning.value().shape,
+                        .path = path.value().unknowns,
+                        .orbit = model.orbit};
+}
+
+/// First the points alone follow the poses, then all together with an ever narrower loss: poses that
+/// have drifted give residuals of many sigma.
+FreeBodyReport adjust(const JointFitInput& input,
+                      FreeBodyMotion* motion,
+                      BundleWorkspace* workspace,
+                      JointFitWorkspace* w) {
+  FreeBodyProblem problem{.bundle = input.bundle,
+                          .times = std::span(w->times).first(count_of(input)),
+                          .motion = motion,
+                          .shape_sigma = kModelShapeSigma,
+                          .lever_sigma = input.body_radius};
+  problem.bundle.pose_fixed = std::span(w->none_held).first(count_of(input));
+  FreeBodyReport report = adjust_free_body(problem, {.iterations_max = 0}, workspace, &w->free_body);
+  if (!report.bundle.usable) {
+    return report;
+  }
+  BundleProblem points = problem.bundle;
+  points.pose_fixed = std::span(w->all_held).first(count_of(input));
+  constexpr double kWide = 15.0;
+  (void)adjust_bundle(points, {.iterations_max = 5, .cauchy_sigma = kWide}, workspace);
+  for (const double cauchy_sigma : {kWide, input.options.cauchy_sigma}) {
+    report = adjust_free_body(problem,
+                              {.iterations_max = 4 * input.options.iterations_max, .cauchy_sigma = cauchy_sigma},
+                              workspace,
+                              &w->free_body);
+  }
+  return report;
+}
+
+void keep(const BundleProblem& bundle, BundleCopy* copy) {
+  std::copy(bundle.poses.begin(), bundle.poses.end(), copy->poses.begin());
+  std::copy(bundle.points_T.begin(), bundle.points_T.end(), copy->points_T.begin());
+}
+
+void restore(const BundleCopy& copy, const BundleProblem& bundle) {
+  std::copy_n(copy.poses.begin(), bundle.poses.size(), bundle.poses.begin());
+  std::copy_n(copy.points_T.begin(), bundle.points_T.size(), bundle.points_T.begin());
+}
+
+bool agrees(const BundleProblem& bundle, const BundleObservation& o) {
+  Eigen::Vector2d x;
+  return reproject(bundle.poses[static_cast<std::size_t>(o.pose)],
+                   bundle.points_T[static_cast<std::size_t>(o.point)],
+                   &x) &&
+         (x - o.normalised).squaredNorm() <
+             kInlierChi2 * o.sigma_normalised * o.sigma_normalised;
+}
+
+std::size_t agreeing(const BundleProblem& bundle) {
+  return static_cast<std::size_t>(
+      std::count_if(bundle.observations.begin(),
+                    bundle.observations.end(),
+                    [&](const BundleObservation& o) { return agrees(bundle, o); }));
+}
+
+/// What free poses gain over the joint fit, per degree of freedom that they have more, on the sightings
+/// that agree with it.
+double gain_per_dof(const JointFitInput& input, BundleWorkspace* workspace, JointFitWorkspace* w) {
+  BundleProblem problem = input.bundle;
+  const auto end = std::stable_partition(
+      input.observations.begin(), input.observations.end(), [&](const BundleObservation& o) {
+        return agrees(problem, o);
+      });
+  problem.observations =
+      input.observations.first(static_cast<std::size_t>(end - input.observations.begin()));
+  keep(problem, &w->joint);
+  const BundleReport free = adjust_bundle(problem, input.options, workspace);
+  restore(w->joint, problem);
+  const double dof = 6.0 * static_cast<double>(count_of(input)) - kFreeBodyUnknowns;
+  return 2.0 * (free.cost_before - free.cost_after) / dof;
+}
+
+/// Does each pose see points that earlier ones see? Parts of a map that nothing ties have an axis and a
+/// unit each, and what a motion makes of the gap between them is no measurement.
+bool hangs_together(const JointFitInput& input,
+                    std::span<const std::size_t> order,
+                    JointFitWorkspace* w) {
+  constexpr std::size_t kSharedMin = 12;  // as many as a pose needs
+  std::array<std::size_t, BundleWorkspace::kPoses> rank{};
+  std::array<std::size_t, BundleWorkspace::kPoses> shared{};
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    rank[order[i]] = i;
+  }
+  w->earliest_of_point.fill(order.size());
+  for (const BundleObservation& o : input.observations) {
+    std::size_t& earliest = w->earliest_of_point[static_cast<std::size_t>(o.point)];
+    earliest = std::min(earliest, rank[static_cast<std::size_t>(o.pose)]);
+  }
+  for (const BundleObservation& o : input.observations) {
+    const std::size_t own = rank[static_cast<std::size_t>(o.pose)];
+    shared[own] += w->earliest_of_point[static_cast<std::size_t>(o.point)] < own ? 1 : 0;
+  }
+  return std::all_of(shared.begin() + 1,
+                     shared.begin() + static_cast<std::ptrdiff_t>(order.size()),
+                     [&](std::size_t count) { return count >= kSharedMin; });
+}
+
+/// Mean turn from one keyframe to the next.
+double turn_of_keyframe(const JointFitInput& input, std::span<const std::size_t> order) {
+  double turn_rad = 0.0;
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    const auto R_IT = [&](std::size_t k) {
+      return Eigen::Matrix3d(input.R_IC[k] * input.bundle.poses[k].R_CT);
+    };
+    turn_rad += rotation_angle_rad(R_IT(order[i - 1]), R_IT(order[i]));
+  }
+  return turn_rad / static_cast<double>(order.size() - 1);
+}
+
+void take(const FreeBodyMotion& motion,
+          const FreeBodyReport& report,
+          const ResidualLevel& noise,
+          RigidModel* model) {
+  model->reference = motion.reference;
+  model->shape = motion.shape;
+  model->path = motion.path;
+  model->attitude = noise;
+  model->position = noise;
+  const ModelCovariance covariance =
+      widening(noise) * report.information.ldlt().solve(FreeBodyInformation::Identity());
+  model->covariance = 0.5 * (covariance + covariance.transpose());
+  const bool usable = covariance.allFinite() && covariance.diagonal().minCoeff() > 0.0;
+  model->path_known = usable;
+  model->of_map = usable;
+  model->status = usable ? ModelStatus::kAccepted : ModelStatus::kNoFit;
+}
+
+}  // namespace
+
+RigidModel fit_jointly(const JointFitInput& input,
+                       std::uint32_t* doubts,
+                       BundleWorkspace* workspace,
+                       JointFitWorkspace* w) {
+  POLHODE_ASSERT(input.timestamps_ns.size() == count_of(input), input.timestamps_ns.size());
+  POLHODE_ASSERT(input.R_IC.size() == count_of(input), input.R_IC.size());
+  RigidModel model;
+  model.poses = count_of(input);
+  if (model.poses < kModelPosesMin) {
+    return model;
+  }
+  model.status = ModelStatus::kNoFit;
+  const std::span<const std::size_t> order = order_by_time(input, w);
+  if (!hangs_together(input, order, w)) {
+    return model;
+  }
+  const std::size_t middle = order.size() / 2;
+  model.reference_ns = input.timestamps_ns[order[middle]];
+  model.span_s = seconds_between(input.timestamps_ns[order.front()], input.timestamps_ns[order.back()]);
+  model.orbit = orbit_at(input.motion, model.reference_ns);
+  model.lever_sigma = input.body_radius;
+  load(input, order, model.reference_ns, w);
+  std::optional<FreeBodyMotion> motion = motion_of_poses(input, model, middle, w);
+  if (!motion) {
+    return model;
+  }
+  std::fill(w->none_held.begin(), w->none_held.end(), std::uint8_t{0});
+  std::fill(w->all_held.begin(), w->all_held.end(), std::uint8_t{1});
+  keep(input.bundle, &w->free);
+  const auto before = static_cast<double>(agreeing(input.bundle));
+  const FreeBodyReport report = adjust(input, &*motion, workspace, w);
+  if (report.bundle.usable) {
+    const double kept = static_cast<double>(agreeing(input.bundle)) / before;
+    const double gain = gain_per_dof(input, workspace, w);
+    const bool convincing = gain < kGainPerDofMax;
+    const bool sufferable = gain < kDoubtfulGainMax && kept > kKeptMin && *doubts < kDoubtsMax;
+    model.status = ModelStatus::kResidualsTooLarge;
+    model.attitude.chi2_per_dof = gain;
+    if (convincing || sufferable) {
+      *doubts = convincing ? 0 : *doubts + 1;
+      take(*motion,
+           report,
+           {.chi2_per_dof = gain,
+            .scale2 = std::max(1.0, gain),
+            .correlation = poses_of_a_side(turn_of_keyframe(input, order), order.size())},
+           &model);
+    }
+  }
+  if (model.accepted() && !move_reference(input.timestamps_ns[order.back()], model)) {
+    model.status = ModelStatus::kNoFit;
+  }
+  if (!model.accepted()) {
+    restore(w->free, input.bundle);
+  }
+  return model;
+}
+
+RigidModel transformed(const RigidModel& model, const Similarity& b_of_a) {
+  RigidModel to = model;
+  const Eigen::Matrix3d& R = b_of_a.R_ba;
+  Eigen::Matrix<double, 5, 5> shape;
+  for (int k = 0; k < 5; ++k) {
+    for (int j = 0; j < 5; ++j) {
+      shape(j, k) = shape_basis(j).cwiseProduct(R * shape_basis(k) * R.transpose()).sum();
+    }
+  }
+  ModelCovariance by = ModelCovariance::Identity();
+  by.block<3, 3>(3, 3) = R;
+  by.block<5, 5>(6, 6) = shape;
+  by.block<6, 6>(kTurningUnknowns, kTurningUnknowns) *= b_of_a.scale;
+  by.bottomRightCorner<3, 3>() = b_of_a.scale * R;
+  to.reference.R_IT = model.reference.R_IT * R.transpose();
+  to.reference.w_T_rad_s = R * model.reference.w_T_rad_s;
+  to.shape = shape * model.shape;
+  to.path.head<6>() *= b_of_a.scale;
+  to.path.tail<3>() = b_of_a.apply(model.path.tail<3>());
+  to.lever_sigma *= b_of_a.scale;
+  to.covariance = by * model.covariance * by.transpose();
+  return to;
+}
+
+}  // namespace polhode
