@@ -1,43 +1,59 @@
 #include "solve/neighbours.hpp"
 
-#include <flann/flann.hpp>
-#include <vector>
+#include <cstddef>
+#include <limits>
 
 #include "base/assert.hpp"
 
 namespace polhode {
+namespace {
+
+constexpr auto kColumns = static_cast<std::size_t>(kDescriptorOctets);
+
+/// Plain, of constant length: the compiler takes sixteen columns at once.
+int distance2(const std::uint8_t* a, const std::uint8_t* b) {
+  int sum = 0;
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    const int difference = static_cast<int>(a[i]) - static_cast<int>(b[i]);
+    sum += difference * difference;
+  }
+  return sum;
+}
+
+/// Of equals the one that comes first.
+Neighbours nearest_two(std::span<const std::uint8_t> reference, const std::uint8_t* query) {
+  int nearest2 = std::numeric_limits<int>::max();
+  int second2 = std::numeric_limits<int>::max();
+  Neighbours found;
+  for (std::size_t row = 0; row * kColumns < reference.size(); ++row) {
+    const int d2 = distance2(&reference[row * kColumns], query);
+    if (d2 < nearest2) {
+      found.second = found.nearest;
+      second2 = nearest2;
+      found.nearest = static_cast<std::int32_t>(row);
+      nearest2 = d2;
+    } else if (d2 < second2) {
+      found.second = static_cast<std::int32_t>(row);
+      second2 = d2;
+    }
+  }
+  found.distance2_nearest = static_cast<float>(nearest2);
+  found.distance2_second = found.second < 0 ? 0.0F : static_cast<float>(second2);
+  return found;
+}
+
+}  // namespace
 
 void nearest_descriptors(std::span<const std::uint8_t> reference,
                          std::span<const std::uint8_t> queries,
                          std::span<Neighbours> out) {
-  constexpr auto kColumns = static_cast<std::size_t>(kDescriptorOctets);
   POLHODE_ASSERT(reference.size() % kColumns == 0, reference.size());
   POLHODE_ASSERT(queries.size() == out.size() * kColumns, queries.size());
-  const std::size_t rows = reference.size() / kColumns;
-  if (rows == 0 || out.empty()) {
+  if (reference.empty()) {
     return;
   }
-  std::vector<unsigned char> data(reference.begin(), reference.end());
-  std::vector<unsigned char> wanted(queries.begin(), queries.end());
-  const flann::Matrix<unsigned char> table(data.data(), rows, kColumns);
-  const flann::Matrix<unsigned char> query(wanted.data(), out.size(), kColumns);
-  // Exhaustive: FLANN 1.9.2 shuffles the points of its randomised trees by std::random_device,
-  // which no seed reaches.
-  flann::Index<flann::L2<unsigned char>> index(table, flann::LinearIndexParams());
-  index.buildIndex();
-  const std::size_t k = rows > 1 ? 2 : 1;
-  std::vector<int> ids(out.size() * k, -1);
-  std::vector<float> distances(out.size() * k, 0.0F);
-  flann::Matrix<int> id_rows(ids.data(), out.size(), k);
-  flann::Matrix<float> distance_rows(distances.data(), out.size(), k);
-  flann::SearchParams search;
-  search.cores = 1;
-  index.knnSearch(query, id_rows, distance_rows, k, search);
   for (std::size_t i = 0; i < out.size(); ++i) {
-    out[i].nearest = ids[i * k];
-    out[i].distance2_nearest = distances[i * k];
-    out[i].second = k > 1 ? ids[i * k + 1] : -1;
-    out[i].distance2_second = k > 1 ? distances[i * k + 1] : 0.0F;
+    out[i] = nearest_two(reference, &queries[i * kColumns]);
   }
 }
 
