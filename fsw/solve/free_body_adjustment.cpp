@@ -58,7 +58,7 @@ class FreeBody {
   /// The poses as the motion has them. @return false where it does not reach or lies behind the camera.
   bool pose(const FreeBodyMotion& motion, std::span<InverseDepthPose> poses) {
     return trace(motion, nullptr, [&](std::size_t k, const TurningState& state, const TurningDerivative&) {
-      const Eigen::Matrix3d R_CI = p_.times[k].R_IC.transpose();
+      const auto R_CI = p_.times[k].R_IC.transpose();
       const Pose pose{.R_CT = R_CI * state.R_IT,
                       .p_CT = R_CI * place_of(motion, state, TurningMatrix::Zero()).p_I};
       const bool ahead = pose.p_CT.allFinite() && pose.p_CT.z() > 0.0;
@@ -153,7 +153,7 @@ class FreeBody {
     gauge_.setZero();
     return trace(*p_.motion, &begin, [&](std::size_t k, const TurningState& state, const TurningDerivative& by) {
       const Place place = place_of(*p_.motion, state, by.attitude_I);
-      const Eigen::Matrix3d R_CI = p_.times[k].R_IC.transpose();
+      const auto R_CI = p_.times[k].R_IC.transpose();
       Eigen::Matrix<double, 3, kFreeBodyUnknowns> turning;
       turning << by.attitude_I, Eigen::Matrix<double, 3, kPathUnknowns>::Zero();
       w_.pose_by_unknowns[k] << R_CI * turning,
