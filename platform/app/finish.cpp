@@ -220,7 +220,8 @@ void finish_replay(Component& component,
       poses, log.published, found.body, state.scale.metres_per_mu, log.servicer);
   const double radius = found.shape ? 0.5 * found.shape->dimensions.maxCoeff()
                                     : state.map.radius_mu * state.scale.metres_per_mu;
-  const RigidModel model = model_of(samples, radius, state);
+  const std::optional<RigidModel> of_map = model_of_map(samples, found.body, state);
+  const RigidModel model = of_map ? *of_map : model_of(samples, radius, state);
   write_smoothed(
       smoothed_motion(poses, samples, log.published, model, log.servicer, state), log, folder);
   write_model_json(folder / "motion_model.json",

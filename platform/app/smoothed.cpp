@@ -23,6 +23,9 @@ constexpr double kChi2PerDofMax = 1.4;
 
 bool goes_through_poses(const RigidModel& model) {
   const auto few = static_cast<std::size_t>(kOutliersMax * static_cast<double>(model.poses));
+  if (model.of_map) {
+    return model.accepted();  // they are its own
+  }
   return model.accepted() && model.path_known && model.attitude.outliers <= few &&
          model.position.outliers <= few && model.position.chi2_per_dof < kChi2PerDofMax;
 }
@@ -181,6 +184,28 @@ RigidModel model_of(std::span<const PoseSample> samples,
   snapshot->body_radius = body_radius > 0.0 ? body_radius : 1.0;
   snapshot->options = state.parameters.motion;
   return fit_rigid_model(*snapshot, *workspace);
+}
+
+std::optional<RigidModel> model_of_map(std::span<const PoseSample> samples,
+                                       const BodyFrame& body,
+                                       const Component::State& state) {
+  const AdjustmentJob& last = state.job.adjustment;
+  if (samples.empty() || !last.as_free_body || !last.model.accepted() || !state.motion.model.of_map) {
+    return std::nullopt;
+  }
+  const RigidModel model = transformed(state.motion.model,
+                                       {.scale = state.scale.metres_per_mu,
+                                        .R_ba = body.R_TB.transpose(),
+                                        .t_ba = -(body.R_TB.transpose() * body.centroid_T)});
+  constexpr double kApart_rad = 0.02;  // axes that are not the model's are off by more
+  for (const PoseSample* sample : {&samples.front(), &samples[samples.size() / 2], &samples.back()}) {
+    const Result<MotionPrediction> at = predict_motion(model, sample->timestamp_ns);
+    if (!at || !at.value().path_known ||
+        rotation_angle_rad(at.value().pose.R_CT, sample->pose.R_CT) > kApart_rad) {
+      return std::nullopt;
+    }
+  }
+  return model;
 }
 
 std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -36,6 +37,12 @@ PoseCovariance drift_at_rest(const Component::State& state);
 RigidModel model_of(std::span<const PoseSample> samples,
                     double body_radius,
                     const Component::State& state);
+
+/// The model that the map at rest was fitted with, in B and the published unit, where there is one and the samples
+/// lie on it: they were placed by it, so that a fit to them would find no noise and take itself for exact.
+std::optional<RigidModel> model_of_map(std::span<const PoseSample> samples,
+                                       const BodyFrame& body,
+                                       const Component::State& state);
 
 /// One row a frame. Where the model is accepted, pose and rates are the model's, in frames without a
 /// measured pose too; elsewhere the measured pose and a local fit. Empty where there is neither.

@@ -141,5 +141,33 @@ TEST_F(Smoothed, AModelThatIsNotSureOfItsAttitudeWritesNothing) {
   EXPECT_FALSE(rows(unsure)[0].pose_valid);
 }
 
+TEST_F(Smoothed, TheMapsOwnModelStands_WhereTheSamplesLieOnIt) {
+  RigidModel own = model();
+  ASSERT_TRUE(own.accepted());
+  own.of_map = true;
+  state_->motion.model = own;
+  EXPECT_FALSE(model_of_map(samples_, {}, *state_)) << "the last adjustment did not bear it out";
+  state_->job.adjustment.as_free_body = true;
+  state_->job.adjustment.model = own;
+  const BodyFrame body{.R_TB = so3_exp({0.2, -0.4, 0.1}), .centroid_T = {0.1, 0.0, -0.2}};
+  std::vector<PoseSample> in_body = samples_;
+  for (PoseSample& sample : in_body) {
+    sample.pose.p_CT += sample.pose.R_CT * body.centroid_T;
+    sample.pose.R_CT = sample.pose.R_CT * body.R_TB;
+  }
+  const std::optional<RigidModel> found = model_of_map(in_body, body, *state_);
+  ASSERT_TRUE(found);
+  const auto at = predict_motion(*found, in_body[20].timestamp_ns);
+  const auto before = predict_motion(own, in_body[20].timestamp_ns);
+  ASSERT_TRUE(at && before);
+  const Pose& pose = before.value().pose;
+  EXPECT_LT(rotation_angle_rad(at.value().pose.R_CT, pose.R_CT * body.R_TB), 1e-9);
+  EXPECT_LT((at.value().pose.p_CT - (pose.p_CT + pose.R_CT * body.centroid_T)).norm(), 1e-8);
+  for (PoseSample& sample : in_body) {
+    sample.pose.R_CT = so3_exp({0.1, 0.0, 0.0}) * sample.pose.R_CT;
+  }
+  EXPECT_FALSE(model_of_map(in_body, body, *state_)) << "other axes than the model's";
+}
+
 }  // namespace
 }  // namespace polhode::platform

@@ -37,6 +37,8 @@ def test_sample(replay):
     # COLMAP, which sees all frames at once, comes to 0.35 deg and 0.61 % of range on these frames.
     assert found["smoothed"]["attitude"]["rmse_deg"] <= 0.35
     assert found["smoothed"]["position"]["rmse_percent_of_range"] <= 0.6
+    assert found["causal"]["consistency"]["attitude"]["within_95_percent_bound"] >= 0.95
+    assert found["smoothed"]["consistency"]["attitude"]["within_95_percent_bound"] >= 0.95
     assert found["causal"]["twin"]["verdict"] == "truth"
 
 
