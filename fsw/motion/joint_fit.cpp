@@ -30,7 +30,6 @@ constexpr std::uint32_t kDoubtsMax = 2;
 // Drift that the first fit, to the poses alone, may find them to have: 1 deg, 1 % of the range.
 constexpr double kPoseSigma_rad = 0.02;
 constexpr double kPoseSigmaOfRange = 0.01;
-constexpr double kChi2PerDofMax = 1.4;
 
 std::size_t count_of(const JointFitInput& input) { return input.bundle.poses.size(); }
 
@@ -65,22 +64,6 @@ void load(const JointFitInput& input,
   }
 }
 
-Result<TurningSolution> turning_of(const JointFitInput& input,
-                                   const TurningProblem& problem,
-                                   std::int64_t reference_ns) {
-  RigidModel previous = input.previous;
-  if (move_reference(reference_ns, previous)) {
-    TurningSolution start;
-    start.reference = previous.reference;
-    start.shape = previous.shape;
-    const auto warm = refine_turning(problem, start, 0, problem.samples.size());
-    if (warm && chi2_per_dof(warm.value()) < kChi2PerDofMax) {
-      return warm;
-    }
-  }
-  return solve_turning(problem, kChi2PerDofMax);
-}
-
 /// The positions' attitudes become the motion's.
 bool trace(const TurningProblem& problem, const TurningSolution& turning, JointFitWorkspace* w) {
   const Inertia inertia = inertia_of(turning.shape);
@@ -104,7 +87,7 @@ std::optional<FreeBodyMotion> motion_of_poses(const JointFitInput& input,
                                               JointFitWorkspace* w) {
   TurningProblem problem{.samples = w->attitudes.view(), .reference = reference, .orbit = model.orbit};
   problem.shape_sigma = kModelShapeSigma;
-  const auto turning = turning_of(input, problem, model.reference_ns);
+  const auto turning = fit_turning(problem, model.reference_ns, input.previous);
   if (!turning || !trace(problem, turning.value(), w)) {
     return std::nullopt;
   }

@@ -114,24 +114,6 @@ Matrix widened_inverse(const Matrix& information, const Matrix& prior, double fa
   return total.ldlt().solve(Matrix::Identity());
 }
 
-bool fit_turning(const TurningProblem& problem, const RigidModel& previous, TurningSolution* out) {
-  if (previous.accepted()) {
-    TurningSolution solution;
-    solution.reference = previous.reference;
-    solution.shape = previous.shape;
-    const auto warm = refine_turning(problem, solution, 0, problem.samples.size());
-    if (warm && chi2_per_dof(warm.value()) < kChi2PerDofMax) {
-      *out = warm.value();
-      return true;
-    }
-  }
-  const auto found = solve_turning(problem, kChi2PerDofMax);
-  if (found) {
-    *out = found.value();
-  }
-  return found.ok();
-}
-
 void add_path(std::span<const PoseSample> poses,
               const MotionSnapshot& snapshot,
               const TurningCovariance& turning,
@@ -182,18 +164,15 @@ RigidModel fit_window(std::span<const PoseSample> poses,
   model.lever_sigma = snapshot.body_radius;
   TurningProblem problem{.samples = {}, .reference = middle, .orbit = model.orbit};
   problem.shape_sigma = kModelShapeSigma;
-  RigidModel previous = snapshot.previous;
   if (!load(poses, snapshot.drift, model.reference_ns, work)) {
     return model;
   }
-  if (!move_reference(model.reference_ns, previous)) {
-    previous.status = ModelStatus::kNoFit;
-  }
   problem.samples = work.attitudes.view();
-  TurningSolution turning;
-  if (!fit_turning(problem, previous, &turning) || !trace(turning, problem, work)) {
+  const Result<TurningSolution> found = fit_turning(problem, model.reference_ns, snapshot.previous);
+  if (!found || !trace(found.value(), problem, work)) {
     return model;
   }
+  const TurningSolution& turning = found.value();
   model.reference = turning.reference;
   model.shape = turning.shape;
   model.attitude = residual_level(residual_input(poses, snapshot.drift, true, work));
@@ -217,6 +196,21 @@ RigidModel fit_window(std::span<const PoseSample> poses,
 }
 
 }  // namespace
+
+Result<TurningSolution> fit_turning(const TurningProblem& problem,
+                                    std::int64_t reference_ns,
+                                    RigidModel previous) {
+  if (move_reference(reference_ns, previous)) {
+    TurningSolution solution;
+    solution.reference = previous.reference;
+    solution.shape = previous.shape;
+    const auto warm = refine_turning(problem, solution, 0, problem.samples.size());
+    if (warm && chi2_per_dof(warm.value()) < kChi2PerDofMax) {
+      return warm;
+    }
+  }
+  return solve_turning(problem, kChi2PerDofMax);
+}
 
 Orbit orbit_at(const MotionOptions& options, std::int64_t reference_ns) {
   Orbit orbit;

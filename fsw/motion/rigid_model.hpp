@@ -79,6 +79,12 @@ struct MotionWorkspace {
 /// The orbit that the options name, its time 0 at `reference_ns`; not active where they name none.
 Orbit orbit_at(const MotionOptions& options, std::int64_t reference_ns);
 
+/// The turning, its reference at `reference_ns`: from the previous model where that is accepted and chi-square
+/// bears it out, else from nothing. @errors as solve_turning().
+Result<TurningSolution> fit_turning(const TurningProblem& problem,
+                                    std::int64_t reference_ns,
+                                    RigidModel previous);
+
 /// Fits turning, then path, to all poses; where chi-square refuses that, to the later half, then to
 /// the later quarter. The noise level is found from the residuals, and their correlation widens the
 /// covariance. The answer's reference is the last pose.
