@@ -30,7 +30,7 @@ def _plan(background, camera=None, light=None):
 @pytest.mark.parametrize("distortion", [[0.0, 0.0, 0.0, 0.0], [-0.2, 0.05, 0.001, -0.001]])
 def test_stars_stand_still_in_inertial_space_while_the_camera_turns(distortion):
     plan = _plan({"kind": "stars", "stars": 8000}, {"w_C_deg_s": [0.3, 0.2, 0.5], "distortion": distortion})
-    stars = backgrounds.make(plan, None, None, None)
+    stars = backgrounds.make(plan, None, None, None, None)
     for row in (0, 2):
         image = stars.radiance(plan.motion, row)[..., 0]
         d_C = stars.direction_I @ quat_to_matrix(plan.motion.q_IC[row])
@@ -55,7 +55,7 @@ def test_the_limb_is_where_the_altitude_puts_it():
     light = {"earth_direction_C": [0.0, np.sin(radius), np.cos(radius)], "sun_direction_C": [0.0, -0.3, -1.0]}
     background = {"kind": "earth", "stars": 0, "altitude_km": altitude_km, "orbit_rate_deg_s": 0.05}
     plan = _plan(background, light=light)
-    earth = backgrounds.make(plan, None, None, None)
+    earth = backgrounds.make(plan, None, None, None, None)
     column = earth.radiance(plan.motion, 0)[:, 160].sum(axis=1)
     assert np.all(np.isfinite(column)) and column[120:].min() > 0.02
     # Above the limb there is only a glow that fades: 14 km at 2600 km of distance are 0.31 deg or 2.2 px.

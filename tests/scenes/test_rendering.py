@@ -162,6 +162,58 @@ def test_the_same_scene_gives_the_same_bytes_and_an_interrupted_one_too(tmp_path
     assert _run(scene, tmp_path / "a").returncode == 2
 
 
+LABORATORY = """
+seed = 3
+[target]
+kind = "box"
+size_m = 0.15
+texture_px = 256
+[motion]
+inertia_kg_m2 = [1.0, 1.2, 1.4]
+w0_T_deg_s = [0.0, 0.0, 0.0]
+q_CT0 = [1.0, 0.0, 0.0, 0.0]
+p_CT0_m = [-0.12, -0.06, 0.6]
+v_C0_m_s = [0.24, 0.0, 0.0]
+[camera]
+resolution = [240, 180]
+lens_mm = 28.0
+[time]
+frames = 2
+period_s = 1.0
+[background]
+kind = "laboratory"
+up_C = [0.0, -1.0, 0.0]
+table_below_m = 0.15
+[sensor]
+bits = 16
+gamma = 1.0
+full_well_e = 1000000
+[render]
+samples = 4
+"""
+
+
+def test_a_body_in_the_laboratory_throws_its_shadow_on_the_table_and_changes_nothing_else(tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(LABORATORY)
+    assert _run(scene, tmp_path / "out").returncode == 0
+    frames = sorted((tmp_path / "out/mav0/cam0/data").glob("*.png"))
+    first, second = (png.decode(path.read_bytes()).astype(float) for path in frames)
+    rows, _ = _truth_rows(tmp_path / "out")
+    camera = _camera_of(tmp_path / "out")
+    for row, shaded, free in ((rows[0], first, second), (rows[1], second, first)):
+        u, v = cam.project(camera, np.array([row["p_CT_x"], row["p_CT_y"] + 0.15, row["p_CT_z"]])).astype(int)
+        patch = np.s_[v - 3 : v + 4, u - 3 : u + 4]
+        assert shaded[patch].mean() < 0.9 * free[patch].mean()
+    # The wall high above the body and the table's near corners: only the sensor's noise differs, 0.3 % at mid-grey.
+    for patch in (np.s_[:20, :], np.s_[-15:, :30], np.s_[-15:, -30:]):
+        assert abs(first[patch].mean() / second[patch].mean() - 1) < 1e-3
+    before = frames[1].read_bytes()
+    frames[1].unlink()
+    assert _run(scene, tmp_path / "out").returncode == 0
+    assert frames[1].read_bytes() == before
+
+
 def test_a_refusal_is_one_line_and_leaves_nothing_behind(tmp_path):
     scene = _write(tmp_path)
     text = scene.read_text()

@@ -20,15 +20,11 @@ class Empty:
 
     own_light = False
 
-    def reach(self, p_C):
-        """Points in C (N, 3) whose pictures bound what the target changes; here the target's own."""
-        return p_C
-
     def prepare(self, motion, row):
         """Called before the target is rendered at a row of the motion."""
 
     def radiance(self, motion, row):
-        """None: nothing is added."""
+        """None: nothing is added. Called after the target was rendered at that row."""
         del motion, row
         return None
 
@@ -150,14 +146,14 @@ def _wrapped(image, s, t):
     return (upper * (1 - fy) + (image[y1, x0] * (1 - fx) + image[y1, x1] * fx) * fy).astype(np.float32)
 
 
-def make(plan, resampler, blender, scratch_path):
-    """The background that the scene asks for."""
+def make(plan, resampler, blender, scratch_path, vertices_T):
+    """The background that the scene asks for; the target's vertices_T (N, 3) tell where it can throw its shadow."""
     kind = plan.scene["background"]["kind"]
     if kind == "none":
         return Empty()
     if kind == "laboratory":
         from .laboratory import Laboratory
 
-        return Laboratory(plan, resampler, blender, scratch_path)
+        return Laboratory(plan, resampler, blender, scratch_path, vertices_T)
     stars = Stars(plan)
     return stars if kind == "stars" else Earth(plan, stars)

@@ -251,21 +251,23 @@ def child_named(root, name):
     return next(thing for thing in root.children if thing.name.startswith(name))
 
 
-def _show_room(room, shown, table):
-    """Shows the room or takes it away, all but the lamps and the table, which then catches shadows only."""
+def show_target_only(room, table):
+    """The room is gone but for its lamps and the table, which gives the target its bounced light and isn't seen."""
     for thing in room.children:
         if thing.type == "MESH" and thing is not table:
-            thing.hide_render = not shown
-    table.is_shadow_catcher = not shown
+            thing.hide_render = True
+    table.visible_camera = False
 
 
 @contextlib.contextmanager
 def room_only(room, table, samples):
-    """Within: the room alone is seen. After: only the target and its shadow on the table are."""
+    """Within: the room alone is seen. After: the target alone."""
     scene = bpy.context.scene
     target = bpy.data.objects["target"]
     usual = scene.cycles.samples
-    _show_room(room, True, table)
+    for thing in room.children:
+        thing.hide_render = False
+    table.visible_camera = True
     for thing in target.children:
         thing.hide_render = True
     scene.cycles.samples = samples
@@ -275,4 +277,26 @@ def room_only(room, table, samples):
         scene.cycles.samples = usual
         for thing in target.children:
             thing.hide_render = False
-        _show_room(room, False, table)
+        show_target_only(room, table)
+
+
+@contextlib.contextmanager
+def table_only(table, matt, samples, shadowed):
+    """Within: the table alone is seen, of the material matt, with the target's shadow if shadowed. After: the target.
+
+    Every pixel gets the same random numbers whether the target is there or not, if the seed is the same.
+    """
+    cycles = bpy.context.scene.cycles
+    target = bpy.data.objects["target"]
+    usual, own = cycles.samples, table.data.materials[0]
+    cycles.samples, cycles.use_adaptive_sampling = samples, False
+    table.data.materials[0], table.visible_camera = matt, True
+    for thing in target.children:
+        thing.visible_camera, thing.hide_render = False, not shadowed
+    try:
+        yield
+    finally:
+        cycles.samples, cycles.use_adaptive_sampling = usual, True
+        table.data.materials[0], table.visible_camera = own, False
+        for thing in target.children:
+            thing.visible_camera, thing.hide_render = True, False

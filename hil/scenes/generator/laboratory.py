@@ -1,8 +1,9 @@
 """A furnished laboratory around a table, at rest in I: the distracting background of a test bed.
 
 Frame L: x to the right, y away from the camera, z up, origin on the table top below the target's first position.
-The room is rendered once per camera attitude as a picture of its own; per frame only the target and the shadow that it
-throws on the table are rendered and laid over it. Two soft lamps overhead and an even ambient light serve both.
+The room is rendered once per camera attitude as a picture of its own; per frame only the target is rendered, and, on a
+coarse grid, the table's light with and without the target above it, whose ratio darkens the picture: the lamps are wide,
+so the shadow is soft. Two soft lamps overhead and an even ambient light serve both.
 """
 
 import numpy as np
@@ -13,6 +14,9 @@ from .materials import Material
 from .rotations import quat_to_matrix
 
 ROOM_SAMPLES = 96
+# The shadow's grid: about this many columns across the picture, so that the narrowest penumbra covers three of them.
+SHADOW_COLUMNS = 400
+SHADOW_SAMPLES = 32
 AMBIENT = 0.35
 # Irradiance of each lamp straight below it, relative to the sun's; place (x, y, z) and width in bodies.
 LAMPS = ((1.1, (-5.0, -4.0, 11.0), 4.0), (0.55, (6.0, 1.0, 12.0), 3.0))
@@ -23,7 +27,7 @@ class Laboratory(Empty):
 
     own_light = True
 
-    def __init__(self, plan, resampler, blender, scratch_path):
+    def __init__(self, plan, resampler, blender, scratch_path, vertices_T):
         settings = plan.scene["background"]
         self.plan, self.resampler, self.blender, self.scratch_path = plan, resampler, blender, scratch_path
         first_I = plan.R_IC0 @ np.asarray(plan.scene["motion"]["p_CT0_m"], dtype=float)
@@ -38,27 +42,31 @@ class Laboratory(Empty):
         parts, materials = furniture(settings["seed"], self.size_m)
         self.room = blender.add_parts(parts, materials, "laboratory")
         self.table = blender.child_named(self.room, "table_top")
+        self.matt = blender.make_material("matt_table", Material((0.45, 0.45, 0.45), 1.0, specular=0.0))
         blender.add_ambient(AMBIENT)
         for strength, place, width in LAMPS:
             blender.add_lamp(self.room, np.array(place) * self.size_m, width * self.size_m, strength)
+        self.box_T = np.array(np.meshgrid(*np.stack([vertices_T.min(axis=0), vertices_T.max(axis=0)], axis=1)))
+        self.box_T = self.box_T.reshape(3, -1).T
+        self.coarseness = max(1, round(plan.camera.width / SHADOW_COLUMNS))
         self.picture, self.picture_q_IC = None, None
 
-    def reach(self, p_C):
-        """The target's points and their shadows on the table: below each of them and away from each lamp."""
-        q_IC = self.plan.motion.q_IC[0] if self.picture_q_IC is None else self.picture_q_IC
-        R_CI = quat_to_matrix(q_IC).T
+    def _shadow_reach(self, R_CI):
+        """Points in C (N, 3) around all shadows on the table: below the target and away from each lamp."""
         R_CL, origin_C = R_CI @ self.R_IL, R_CI @ self.origin_I_m
-        p_L = (p_C - origin_C) @ R_CL
-        low, high = p_L.min(axis=0), p_L.max(axis=0)
-        corners = np.array(np.meshgrid(*np.stack([low, high], axis=1))).reshape(3, -1).T
-        # The soft shadow of the ambient light is lost in the noise a third of a body away.
-        around = 0.33 * self.size_m * np.array([[1, 1, 0], [1, -1, 0], [-1, 1, 0], [-1, -1, 0]])
-        shadows = [corners * [1, 1, 0] + step for step in around]
-        for _, place, _ in LAMPS:
-            lamp = np.array(place) * self.size_m
-            height = np.clip(corners[:, 2:], 0, 0.8 * lamp[2])
-            shadows.append((corners + (corners - lamp) * height / (lamp[2] - height)) * [1, 1, 0])
-        return np.concatenate([p_C, np.concatenate(shadows) @ R_CL.T + origin_C])
+        motion, shadows = self.plan.sub_motion, []
+        for row in range(len(motion.time_s)):
+            R_IC = quat_to_matrix(motion.q_IC[row])
+            p_I = (self.box_T @ motion.R_CT(row).T + motion.p_CT_m[row]) @ R_IC.T
+            p_L = (p_I - self.origin_I_m) @ self.R_IL
+            # The soft shadow of the ambient light is too faint to see a third of a body away.
+            around = 0.33 * self.size_m * np.array([[1, 1, 0], [1, -1, 0], [-1, 1, 0], [-1, -1, 0]])
+            shadows += [p_L * [1, 1, 0] + step for step in around]
+            for _, place, _ in LAMPS:
+                lamp = np.array(place) * self.size_m
+                height = np.clip(p_L[:, 2:], 0, 0.8 * lamp[2])
+                shadows.append((p_L + (p_L - lamp) * height / (lamp[2] - height)) * [1, 1, 0])
+        return np.concatenate(shadows) @ R_CL.T + origin_C
 
     def prepare(self, motion, row):
         """Puts the room where the camera sees it at this row; renders its picture if the view has changed."""
@@ -75,11 +83,63 @@ class Laboratory(Empty):
                 self.resampler.f_ideal, camera.cu, camera.cv, window, self.plan.scene["seed"], self.scratch_path
             )
         self.picture = self.resampler.to_camera(picture, window)[..., :3]
+        self.shadow_window = self.resampler.target_window(self._shadow_reach(R_CI))
+        if self.shadow_window is None:
+            return
+        with self.blender.table_only(self.table, self.matt, SHADOW_SAMPLES, shadowed=False):
+            self.table_cover = self.blender.render_window(
+                self.resampler.f_ideal, camera.cu, camera.cv, self.shadow_window, 1, self.scratch_path
+            )[..., 3:]
+            self.unshadowed = self._table_light()
+
+    def _table_light(self):
+        """Linear RGB (H, W, 3) of the matt table over the shadow window, spread over a coarse pixel's surroundings."""
+        x0, y0, width, height = self.shadow_window
+        coarse = [n // self.coarseness for n in (x0, y0)]
+        coarse += [-(-n // self.coarseness) - c for n, c in zip((x0 + width, y0 + height), coarse)]
+        camera, n = self.plan.camera, self.coarseness
+        # One seed for all: without noise of its own, the ratio is 1 wherever the target is not in the way.
+        picture = self.blender.render_window(
+            self.resampler.f_ideal / n,
+            (camera.cu + 0.5) / n - 0.5,
+            (camera.cv + 0.5) / n - 0.5,
+            coarse,
+            self.plan.scene["seed"],
+            self.scratch_path,
+        )[..., :3]
+        for axis in (0, 1):
+            picture = _smoothed(picture, axis)
+        v, u = (
+            (np.arange(start, start + count) + 0.5) / n - 0.5 - first
+            for start, count, first in ((y0, height, coarse[1]), (x0, width, coarse[0]))
+        )
+        return _stretched(_stretched(picture, v, 0), u, 1)
 
     def radiance(self, motion, row):
-        """Linear RGB (H, W, 3) of the room."""
+        """Linear RGB (H, W, 3) of the room with the target's shadow; the target is where it was rendered last."""
         del motion, row
-        return self.picture
+        if self.shadow_window is None:
+            return self.picture
+        with self.blender.table_only(self.table, self.matt, SHADOW_SAMPLES, shadowed=True):
+            light = self._table_light() / np.maximum(self.unshadowed, 1e-6)
+        darkening = self.table_cover * (1 - light)
+        return self.picture * (1 - self.resampler.to_camera(darkening, self.shadow_window))
+
+
+def _smoothed(image, axis):
+    """Binomial mean of five neighbours along an axis, the edges repeated."""
+    wide = np.pad(image, [(2, 2) if a == axis else (0, 0) for a in range(image.ndim)], mode="edge")
+    count = image.shape[axis]
+    return sum(w * np.take(wide, range(k, k + count), axis) for k, w in enumerate((1 / 16, 4 / 16, 6 / 16, 4 / 16, 1 / 16)))
+
+
+def _stretched(image, where, axis):
+    """Linear interpolation along an axis at pixel coordinates where (N,), the edges repeated."""
+    last = image.shape[axis] - 1
+    low = np.clip(np.floor(where).astype(int), 0, last)
+    high = np.minimum(low + 1, last)
+    share = np.clip(where - low, 0, 1).astype(np.float32).reshape([-1 if a == axis else 1 for a in range(image.ndim)])
+    return np.take(image, low, axis) * (1 - share) + np.take(image, high, axis) * share
 
 
 def furniture(seed, body_size_m):
