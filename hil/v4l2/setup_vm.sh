@@ -48,12 +48,12 @@ build_module() {
   local release headers module=$PLACE/module
   release=$(cat "$KERNEL/release")
   headers=$KERNEL/usr/src/linux-headers-$release
-  mkdir -p "$module"
-  if [ "$module/filecam.ko" -nt hil/v4l2/filecam/filecam.c ] && [ "$module/filecam.ko" -nt hil/v4l2/filecam/feed_format.h ]; then
+  if [ -e "$module/filecam.ko" ] && [ -z "$(find hil/v4l2/filecam -newer "$module/filecam.ko")" ]; then
     return 0
   fi
   say "module: building filecam for $release"
-  cp hil/v4l2/filecam/* "$module/"
+  rm -rf "$module"
+  cp -r hil/v4l2/filecam "$module"
   ln -sfn "$KERNEL"/usr/lib/linux-kbuild-*/scripts "$KERNEL/usr/src/scripts"
   sed "s#/usr/src/#$KERNEL/usr/src/#g" "$headers/Makefile" > "$headers/Makefile.here"
   make -s -C "$headers" -f Makefile.here M="$module" KERNELRELEASE="$release" modules

@@ -13,6 +13,7 @@ enum filecam_command {
 };
 
 #define FILECAM_FLAG_DAMAGED 1u	/* the frame is handed over with the error flag */
+#define FILECAM_GAIN_MAX 480
 
 struct filecam_header {
 	__u32 command;
