@@ -265,18 +265,18 @@ struct PlatformPacket {
   std::uint64_t resident_octets = 0;  ///< of the process now; octet
   std::uint64_t resident_peak_octets = 0;  ///< of the process since start; octet
   std::uint32_t uptime_s = 0;  ///< s
-  std::uint32_t frames_dropped = 0;  ///< by the camera or for want of time
-  std::uint32_t camera_errors = 0;
-  std::uint32_t camera_reopened = 0;
+  std::uint32_t frames_dropped = 0;  ///< missing in the camera's count, passed over for newer ones, or for want of time
+  std::uint32_t camera_errors = 0;  ///< damaged frames, failed streams, disconnections
+  std::uint32_t camera_reopened = 0;  ///< streams opened after the first one
   std::uint32_t deadline_misses = 0;  ///< steps that took longer than a frame
-  std::uint32_t jobs_late = 0;  ///< results that were not there when due
+  std::uint32_t jobs_late = 0;  ///< results that were not there when due; each costs a frame
   std::uint32_t last_step_us = 0;  ///< us
-  std::uint32_t longest_step_us = 0;  ///< since start or RESET_COUNTERS; us
+  std::uint32_t longest_step_us = 0;  ///< since start; us
   std::uint32_t packets_sent = 0;  ///< over all transports
-  std::uint32_t packets_dropped = 0;  ///< that a transport would not take
-  std::uint32_t commands_received = 0;  ///< datagrams at the command sockets
-  std::uint32_t commands_dropped = 0;  ///< of these, held no longer for want of room
-  std::uint16_t restarts = 0;  ///< of the process since its checkpoint was first made
+  std::uint32_t packets_dropped = 0;  ///< of readers that are there and have had no room for long
+  std::uint32_t commands_received = 0;  ///< datagrams at the command socket
+  std::uint32_t commands_dropped = 0;  ///< by the system before they were taken, as far as it tells (UDP)
+  std::uint16_t restarts = 0;  ///< from checkpoint to checkpoint, since a cold start
   std::uint8_t flags = 0;
   std::uint8_t spare = 0;  ///< 0
 

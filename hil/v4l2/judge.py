@@ -127,5 +127,31 @@ def faults(results: pathlib.Path) -> None:
           f"at most {max(row[1] for row in rows)} descriptors")
 
 
+BRIGHT = 0.8 * 255  # where the controller puts the level that a fiftieth of the target's pixels exceed
+SETTLED = 0.2  # its dead band, the gain's steps, the mask's edge
+
+
+def exposure(results: pathlib.Path) -> None:
+    """The sensor's account has a line a frame: number, exposure [us], gain, light, bright level, saturated pixels."""
+    about = report(results / "exposure")
+    rows = [[float(word) for word in line.split()] for line in (results / "exposure/sensor.txt").read_text().splitlines()]
+    require(len(rows) == about["frames_accepted"] == 48, f"all frames: {about['frames_accepted']}")
+    brightened = next(int(row[0]) for row in rows if row[3] != rows[0][3])
+
+    def settled_at(first: int, last: int) -> int:
+        """Frames from the change of light until the level is where it shall be, and stays."""
+        off = [i for i in range(first, last) if abs(rows[i][4] / BRIGHT - 1.0) > SETTLED]
+        return (off[-1] + 1 if off else first) - first
+
+    dark, bright = settled_at(0, brightened), settled_at(brightened, len(rows))
+    require(abs(rows[0][4] / BRIGHT - 1.0) > 0.5, "too dark at first")
+    require(max(row[1] for row in rows) <= 50_000, "no longer exposed than a frame's time")
+    require(dark <= brightened - 4, f"the level is not reached before the light changes: {[row[4] for row in rows]}")
+    require(bright <= len(rows) - brightened - 4, f"nor after it: {[row[4] for row in rows]}")
+    print(f"sixteen times too dark: level reached after {dark} frames; four times the light: after {bright}; "
+          f"{about['exposure_changes']} settings made, {about['frames_with_pose']} poses")
+
+
 if __name__ == "__main__":
-    {"compliance": compliance, "capture": capture, "run": run, "faults": faults}[sys.argv[1]](pathlib.Path(sys.argv[2]))
+    jobs = {"compliance": compliance, "capture": capture, "run": run, "faults": faults, "exposure": exposure}
+    jobs[sys.argv[1]](pathlib.Path(sys.argv[2]))

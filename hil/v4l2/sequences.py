@@ -4,6 +4,7 @@
 usage: sequences.py FOLDER
   FOLDER/noise8, FOLDER/noise16   eight frames of 64x48 noise, 8 and 16 bits (the lower six bits zero, so that ten are enough)
   FOLDER/body                     a textured ball that turns by 4 deg a frame, 24 frames of 320x240
+  FOLDER/small                    the same, 48 frames of 160x120
 """
 
 import pathlib
@@ -73,9 +74,10 @@ def turn(angle_rad: float) -> numpy.ndarray:
     return numpy.eye(3) + numpy.sin(angle_rad) * K + (1.0 - numpy.cos(angle_rad)) * K @ K
 
 
-def body(frames: int = 24) -> list[numpy.ndarray]:
+def body(frames: int = 24, width: int = 320) -> list[numpy.ndarray]:
     ball = Ball(3)
-    return [ball.seen_from(turn(0.07 * i), numpy.array([0.05, -0.02, 8.0]), 320, 240, 600.0) for i in range(frames)]
+    return [ball.seen_from(turn(0.07 * i), numpy.array([0.05, -0.02, 8.0]), width, width * 3 // 4, width * 1.875)
+            for i in range(frames)]
 
 
 def main(folder: pathlib.Path) -> None:
@@ -83,6 +85,7 @@ def main(folder: pathlib.Path) -> None:
     write(folder / "noise8", [random.integers(0, 256, (48, 64)).astype(numpy.uint8) for _ in range(8)], 100.0)
     write(folder / "noise16", [(random.integers(0, 1024, (48, 64)) << 6).astype(numpy.uint16) for _ in range(8)], 100.0)
     write(folder / "body", body(), 600.0)
+    write(folder / "small", body(48, 160), 300.0)
 
 
 if __name__ == "__main__":

@@ -38,7 +38,9 @@ void dump_bus(const BusDumpArguments& arguments) {
   while (!at_end) {
     const std::size_t count = std::fread(chunk.data(), 1, chunk.size(), in.get());
     if (std::ferror(in.get()) != 0) {
-      throw UnusableInput(fmt::format("{}: cannot be read", arguments.file.string()));
+      throw UnusableInput(fmt::format("{}: cannot be read: {}",
+                                      arguments.file.string(),
+                                      std::generic_category().message(errno)));
     }
     at_end = count == 0;
     reader.add(std::span(chunk).first(count), at_end, printer);

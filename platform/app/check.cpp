@@ -37,6 +37,9 @@ void check_configuration(const CheckArguments& arguments) {
     return;
   }
   Configuration configuration = load_configuration(arguments.config, arguments.settings);
+  const MachineOptions machine = load_machine_options(arguments.config, arguments.settings);
+  const TransportSettings transport =
+      load_transport_options(arguments.config, arguments.settings).transport;
   std::string frames;
   if (!arguments.sequence.empty()) {
     const Sequence sequence = open_sequence(arguments.sequence);
@@ -57,9 +60,6 @@ void check_configuration(const CheckArguments& arguments) {
         arguments.config.string()));
   }
   if (configuration.has_camera) {
-    const MachineOptions machine = load_machine_options(arguments.config, arguments.settings);
-    const TransportSettings transport =
-        load_transport_options(arguments.config, arguments.settings).transport;
     const MemoryPlan plan =
         plan_memory(configuration.parameters,
                     live_needs(machine, transport, configuration.parameters.camera));

@@ -26,7 +26,7 @@ struct FileHeader {
   std::uint32_t content_crc32 = 0;
   std::int64_t utc_ns = 0;
   std::uint64_t content_octets = 0;
-  std::uint32_t spare = 0;
+  std::uint32_t restarts = 0;
   std::uint32_t header_crc32 = 0;
 };
 static_assert(sizeof(FileHeader) == 136, "no gaps: the checksum goes over all octets");
@@ -58,7 +58,8 @@ void sync_folder_of(const fs::path& file) {
   if (length + 1 >= folder.size()) {
     return;
   }
-  std::memcpy(folder.data(), length == 0 ? "." : name, length == 0 ? 1 : length);
+  const char* root_or_here = slash == nullptr ? "." : "/";
+  std::memcpy(folder.data(), length == 0 ? root_or_here : name, length == 0 ? 1 : length);
   const int descriptor = ::open(folder.data(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor >= 0) {
     (void)::fsync(descriptor);
@@ -101,8 +102,11 @@ bool read_all(int file, void* data, std::size_t octets) {
 std::string read_whole(const fs::path& file, FileHeader* header, LoadedCheckpoint* loaded) {
   const Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat status {};
-  if (in.get() < 0 || ::fstat(in.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
+  if (in.get() < 0 || ::fstat(in.get(), &status) != 0) {
     return fmt::format("cannot be read: {}", std::generic_category().message(errno));
+  }
+  if (!S_ISREG(status.st_mode)) {
+    return "no file";
   }
   const auto octets = static_cast<std::size_t>(status.st_size);
   if (octets < sizeof *header || !read_all(in.get(), header, sizeof *header)) {
@@ -134,13 +138,13 @@ std::array<char, 36> this_boot() {
 
 bool write_checkpoint_file(const fs::path& file,
                            const fs::path& beside,
-                           const CheckpointIdentity& identity,
-                           std::int64_t utc_ns,
+                           const CheckpointStamp& stamp,
                            std::span<const std::uint8_t> content) {
-  FileHeader header{.identity = identity,
+  FileHeader header{.identity = stamp.identity,
                     .content_crc32 = crc32_iso_hdlc(content),
-                    .utc_ns = utc_ns,
-                    .content_octets = content.size()};
+                    .utc_ns = stamp.utc_ns,
+                    .content_octets = content.size(),
+                    .restarts = stamp.restarts};
   header.header_crc32 = crc_of(header);
   const int out = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
   if (out < 0) {
@@ -173,6 +177,8 @@ LoadedCheckpoint load_checkpoint_file(const fs::path& file,
   }
   if (!loaded.refusal.empty()) {
     loaded.content = {};
+  } else {
+    loaded.restarts = header.restarts;
   }
   return loaded;
 }

@@ -18,6 +18,13 @@ struct CheckpointIdentity {
   std::array<char, 36> boot_id{};      ///< zeros where time stamps do not depend on the boot
 };
 
+/// What is written with a state.
+struct CheckpointStamp {
+  CheckpointIdentity identity;
+  std::int64_t utc_ns = 0;
+  std::uint32_t restarts = 0;  ///< of the program, from checkpoint to checkpoint, since a cold start
+};
+
 /// Of this machine since it was started; zeros when it does not tell.
 std::array<char, 36> this_boot();
 
@@ -26,8 +33,7 @@ std::array<char, 36> this_boot();
 /// @return false when the disk did not take it; the old one is still there.
 bool write_checkpoint_file(const std::filesystem::path& file,
                            const std::filesystem::path& beside,
-                           const CheckpointIdentity& identity,
-                           std::int64_t utc_ns,
+                           const CheckpointStamp& stamp,
                            std::span<const std::uint8_t> content);
 
 struct LoadedCheckpoint {
@@ -35,6 +41,7 @@ struct LoadedCheckpoint {
   std::span<const std::uint8_t> content;  ///< empty when refused
   std::string refusal;                ///< why; empty when it is good
   double age_s = 0.0;
+  std::uint32_t restarts = 0;
 };
 
 LoadedCheckpoint load_checkpoint_file(const std::filesystem::path& file,

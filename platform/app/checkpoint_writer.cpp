@@ -11,10 +11,11 @@ std::int64_t utc_now_ns() {
 }
 
 CheckpointWriter::CheckpointWriter(const std::filesystem::path& file,
-                                   const CheckpointIdentity& identity)
+                                   const CheckpointIdentity& identity,
+                                   std::uint32_t restarts)
     : file_(file),
       beside_(file.string() + ".new"),
-      identity_(identity),
+      stamp_{.identity = identity, .restarts = restarts},
       memory_(checkpoint_octets_max()),
       buffer_(reinterpret_cast<std::uint8_t*>(memory_.span().data()), memory_.span().size()) {
   thread_.start(&CheckpointWriter::work, this);
@@ -70,8 +71,8 @@ void CheckpointWriter::serve() {
     }
     const std::size_t octets = waiting_;
     lock.unlock();
-    const bool written = write_checkpoint_file(
-        file_, beside_, identity_, utc_now_ns(), buffer_.first(octets));
+    stamp_.utc_ns = utc_now_ns();
+    const bool written = write_checkpoint_file(file_, beside_, stamp_, buffer_.first(octets));
     lock.lock();
     ++(written ? counters_.written : counters_.failed);
     counters_.octets = octets;

@@ -23,7 +23,10 @@ struct CheckpointCounters {
 
 class CheckpointWriter {
  public:
-  CheckpointWriter(const std::filesystem::path& file, const CheckpointIdentity& identity);
+  /// @param restarts written with every state
+  CheckpointWriter(const std::filesystem::path& file,
+                   const CheckpointIdentity& identity,
+                   std::uint32_t restarts = 0);
   ~CheckpointWriter();
   CheckpointWriter(const CheckpointWriter&) = delete;
   CheckpointWriter& operator=(const CheckpointWriter&) = delete;
@@ -41,7 +44,7 @@ class CheckpointWriter {
 
   std::filesystem::path file_;
   std::filesystem::path beside_;
-  CheckpointIdentity identity_;
+  CheckpointStamp stamp_;  ///< the time is that of each writing; the thread's
   TableMemory memory_;  ///< beside the pools, which are the libraries'
   std::span<std::uint8_t> buffer_;  ///< of the thread while `waiting_`
   std::mutex mutex_;

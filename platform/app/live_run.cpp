@@ -67,7 +67,8 @@ void take_frame(LiveParts& parts, const Frame& frame, const LiveLimits& limits) 
     (void)parts.packets->append(out.packets);
   }
   counts.step.add(stepped_ns - before_ns);
-  (void)counts.deadline.add((stepped_ns - before_ns) / 1000);
+  counts.last_step_us = (stepped_ns - before_ns) / 1000;
+  (void)counts.deadline.add(counts.last_step_us);
   counts.latency.add(clock_ns(CLOCK_MONOTONIC) - parts.camera.available_ns());
   if (out.motion.pose_valid) {
     ++counts.frames_with_pose;
@@ -115,6 +116,8 @@ LiveEnd run_live(LiveParts& parts, const LiveLimits& limits) {
     }
     attempts = camera.attempts;
     parts.report.passed(parts.camera, parts.counts, now_ns);
+    parts.telemetry.passed(
+        parts.counts, parts.camera, parts.transports, now_ns, parts.report.last().timestamp_ns);
     if (limits.frames_max > 0 &&
         parts.counts.frames_accepted >= static_cast<std::uint32_t>(limits.frames_max)) {
       return LiveEnd::kPlayed;

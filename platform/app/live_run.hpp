@@ -5,6 +5,7 @@
 
 #include "app/live_counts.hpp"
 #include "app/live_report.hpp"
+#include "app/platform_telemetry.hpp"
 #include "camera/live_camera.hpp"
 #include "os/linux/service_manager.hpp"
 #include "os/linux/worker.hpp"
@@ -33,6 +34,7 @@ struct LiveParts {
   LiveReport& report;
   LiveCounts& counts;
   Transports& transports;
+  PlatformTelemetry& telemetry;
   PacketLog* packets = nullptr;
   Recorder* recorder = nullptr;
   CheckpointWriter* checkpoint = nullptr;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 
 #include "app/bus_dump.hpp"
@@ -193,6 +194,46 @@ void add_recording(CLI::App& app, ExportArguments& arguments) {
   to->callback([&arguments] { polhode::platform::export_recording(arguments); });
 }
 
+/// The commands that lead the arguments, as far as there are such.
+struct NamedCommand {
+  std::string path = "polhode";
+  std::string unknown;  ///< the word where another command was expected; may be empty
+  std::string allowed;  ///< there
+};
+
+NamedCommand find_command(const CLI::App& app, int argc, char** argv) {
+  NamedCommand named;
+  const CLI::App* at = &app;
+  for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
+    const auto commands = at->get_subcommands([](const CLI::App*) { return true; });
+    const auto found = std::find_if(commands.begin(), commands.end(), [&](const CLI::App* command) {
+      return command->get_name() == argv[i];
+    });
+    if (found == commands.end()) {
+      named.unknown = commands.empty() ? "" : argv[i];
+      for (const CLI::App* command : commands) {
+        named.allowed += (named.allowed.empty() ? "" : ", ") + command->get_name();
+      }
+      return named;
+    }
+    at = *found;
+    named.path += " " + at->get_name();
+  }
+  return named;
+}
+
+void tell_misuse(const NamedCommand& named, const char* problem) {
+  if (named.unknown.empty()) {
+    fmt::print(stderr, "polhode: {} ({} --help shows the usage)\n", problem, named.path);
+  } else {
+    fmt::print(stderr,
+               "{}: unknown command '{}'; allowed are {}\n",
+               named.path == "polhode" ? "polhode" : "polhode: " + named.path.substr(8),
+               named.unknown,
+               named.allowed);
+  }
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"Motion and shape of a tumbling object from one camera"};
   app.set_version_flag("--version", std::string("polhode ") + polhode::kVersion);
@@ -214,7 +255,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& request) {  // --help and --version
     return app.exit(request);
   } catch (const CLI::ParseError& problem) {
-    fmt::print(stderr, "polhode: {} (polhode --help shows the usage)\n", problem.what());
+    tell_misuse(find_command(app, argc, argv), problem.what());
     return kUnusable;
   }
   return 0;

@@ -14,10 +14,13 @@
 #include "app/live_camera_choice.hpp"
 #include "app/live_run.hpp"
 #include "app/machine_needs.hpp"
+#include "app/places.hpp"
 #include "app/run_json.hpp"
 #include "app/warm_up.hpp"
 #include "errors.hpp"
+#include "os/linux/memory/lock.hpp"
 #include "os/linux/memory/region.hpp"
+#include "os/linux/priority.hpp"
 #include "os/linux/stop_request.hpp"
 #include "parameters/load.hpp"
 #include "parameters/machine_options.hpp"
@@ -56,6 +59,7 @@ class Beginning {
       loaded_.refusal = "of another build";
     }
     warm_ = loaded_.refusal.empty();
+    restarts_ = warm_ ? loaded_.restarts + 1 : 0;
     how_ = warm_ ? fmt::format("warm: from frame {}, {:.1f} s ago",
                                component.counters().frames_in,
                                loaded_.age_s)
@@ -64,6 +68,8 @@ class Beginning {
 
   [[nodiscard]] const CheckpointIdentity& identity() const { return identity_; }
   [[nodiscard]] const std::string& how() const { return how_; }
+  /// Of the program, this start included, since a cold one.
+  [[nodiscard]] std::uint32_t restarts() const { return restarts_; }
   [[nodiscard]] std::span<const std::uint8_t> content() const {
     return warm_ ? loaded_.content : std::span<const std::uint8_t>();
   }
@@ -78,6 +84,7 @@ class Beginning {
   CheckpointIdentity identity_;
   LoadedCheckpoint loaded_;
   bool warm_ = false;
+  std::uint32_t restarts_ = 0;
   std::string how_ = "cold";
 };
 
@@ -122,9 +129,23 @@ void open_packet_log(const fs::path& folder, std::optional<PacketLog>* packets) 
   if (folder.empty()) {
     return;
   }
-  std::error_code problem;  // told by the file that then cannot be opened
-  fs::create_directories(folder, problem);
   packets->emplace(folder / "bus.ccsds");
+}
+
+/// What the machine grants of memory and priority; what it does not is said.
+PlatformFacts settle_in(const RunOptions& wish, const ServiceManager& manager, std::uint32_t restarts) {
+  const std::string not_locked = wish.lock_memory ? lock_memory() : "run.lock_memory is false";
+  const std::string ordinary = wish.priority > 0 ? take_priority(wish.priority) : "none is wished";
+  if (wish.lock_memory && !not_locked.empty()) {
+    say("%s", not_locked.c_str());
+  }
+  if (wish.priority > 0 && !ordinary.empty()) {
+    say("%s", ordinary.c_str());
+  }
+  return {.watchdog = manager.watchdog_ns() > 0,
+          .locked_memory = not_locked.empty(),
+          .real_time = ordinary.empty(),
+          .restarts = static_cast<std::uint16_t>(restarts)};
 }
 
 /// From the first frame to the last nothing is asked of the machine.
@@ -171,6 +192,7 @@ void run_command(const RunArguments& arguments) {
   // Signals of now on end the run in order, also while the camera is being opened.
   listen_for_stop();
   ChosenCamera chosen(arguments.config, machine, &configuration.parameters);
+  prepare_places(arguments.config, machine);
   const Parameters& parameters = configuration.parameters;
   const TransportSettings transport =
       load_transport_options(arguments.config, arguments.settings).transport;
@@ -190,7 +212,7 @@ void run_command(const RunArguments& arguments) {
   std::optional<CheckpointWriter> checkpoint;
   std::optional<CheckpointOnExhaustion> last_words;
   if (!machine.run.checkpoint.empty()) {
-    checkpoint.emplace(machine.run.checkpoint, beginning.identity());
+    checkpoint.emplace(machine.run.checkpoint, beginning.identity(), beginning.restarts());
     last_words.emplace(component, *checkpoint);
   }
   ServiceManager manager;
@@ -202,6 +224,8 @@ void run_command(const RunArguments& arguments) {
   Worker worker({.own_thread = parameters.jobs.delay_frames > 0,
                  .job_octets = job_worst_case(parameters)});
   Transports transports(transport);
+  PlatformTelemetry telemetry(parameters.bus,
+                              settle_in(machine.run, manager, beginning.restarts()));
   LiveParts parts{.component = component,
                   .worker = worker,
                   .camera = chosen.camera(),
@@ -209,6 +233,7 @@ void run_command(const RunArguments& arguments) {
                   .report = report,
                   .counts = *counts,
                   .transports = transports,
+                  .telemetry = telemetry,
                   .packets = packets ? &*packets : nullptr,
                   .recorder = recorder.get(),
                   .checkpoint = checkpoint ? &*checkpoint : nullptr,

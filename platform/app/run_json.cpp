@@ -56,6 +56,20 @@ Json checkpoints(CheckpointWriter* writer) {
       {"written", c.written}, {"failed", c.failed}, {"skipped", c.skipped}, {"octets", c.octets}};
 }
 
+Json transports(const Transports& all) {
+  Json addresses = Json::array();
+  for (std::size_t i = 0; i < all.senders(); ++i) {
+    const SendCounts& c = all.counts(i);
+    addresses.push_back({{"address", all.address(i)},
+                         {"sent", c.sent},
+                         {"dropped", c.dropped},
+                         {"without_reader", c.no_reader}});
+  }
+  return {{"send", addresses},
+          {"commands_received", all.commands_received()},
+          {"commands_dropped", all.commands_dropped()}};
+}
+
 }  // namespace
 
 void write_run_json(const std::filesystem::path& file, const RunJsonInput& input) {
@@ -82,6 +96,7 @@ void write_run_json(const std::filesystem::path& file, const RunJsonInput& input
       {"outside_cpu_us", durations(counts.outside)},
       {"bus_octets", input.parts.packets == nullptr ? 0 : input.parts.packets->octets()},
       {"bus_write_failures", input.parts.packets == nullptr ? 0 : input.parts.packets->failures()},
+      {"transport", transports(input.parts.transports)},
       {"recording", recording(input.parts.recorder)},
       {"checkpoints", checkpoints(input.parts.checkpoint)},
       {"peak_resident_octets", use.peak_resident_octets},

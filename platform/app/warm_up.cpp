@@ -21,14 +21,16 @@ constexpr double kTurn_rad = 0.05;
 constexpr double kPart = 0.35;  ///< of the picture's lesser side, the ball's radius
 constexpr std::int64_t kInterval_ns = 100'000'000;
 
-/// A ball with round patches of all sizes, seen from afar.
+/// A ball of radius 1 with round patches of all sizes, straight ahead. As the camera sees it: under
+/// parallel rays a map would not be begun.
 class PatchedBall {
  public:
   explicit PatchedBall(const CameraParameters& camera)
-      : width_(camera.width_px),
-        height_(camera.height_px),
-        radius_px_(kPart * std::min(camera.width_px, camera.height_px)),
-        picture_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {
+      : camera_(camera),
+        distance_(std::hypot(
+            camera.fu_px / (kPart * std::min(camera.width_px, camera.height_px)), 1.0)),
+        picture_(static_cast<std::size_t>(camera.width_px) *
+                 static_cast<std::size_t>(camera.height_px)) {
     Rng rng(1, 6201);
     for (Patch& patch : patches_) {
       patch.middle = Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal()).normalized();
@@ -38,19 +40,26 @@ class PatchedBall {
   }
 
   ImageView turned_by(double angle_rad) {
-    const Eigen::Matrix3d R = so3_exp(Eigen::Vector3d(0.1, 1.0, 0.05).normalized() * angle_rad);
-    for (int v = 0; v < height_; ++v) {
-      for (int u = 0; u < width_; ++u) {
-        const double x = (u - 0.5 * width_) / radius_px_;
-        const double y = (v - 0.5 * height_) / radius_px_;
-        const double z2 = 1.0 - x * x - y * y;
-        const auto i = static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
-                       static_cast<std::size_t>(u);
-        picture_[i] =
-            z2 > 0.0 ? level_at(R.transpose() * Eigen::Vector3d(x, y, -std::sqrt(z2))) : 0;
+    const Eigen::Matrix3d R_TC =
+        so3_exp(Eigen::Vector3d(0.1, 1.0, 0.05).normalized() * angle_rad).transpose();
+    std::size_t i = 0;
+    for (int v = 0; v < camera_.height_px; ++v) {
+      for (int u = 0; u < camera_.width_px; ++u) {
+        const Eigen::Vector3d ray_C = Eigen::Vector3d((u - camera_.cu_px) / camera_.fu_px,
+                                                      (v - camera_.cv_px) / camera_.fv_px,
+                                                      1.0)
+                                          .normalized();
+        const double along = distance_ * ray_C.z();
+        const double within = along * along - distance_ * distance_ + 1.0;
+        const Eigen::Vector3d normal_C =
+            (along - std::sqrt(std::max(within, 0.0))) * ray_C - Eigen::Vector3d(0, 0, distance_);
+        picture_[i++] = within > 0.0 ? level_at(R_TC * normal_C) : 0;
       }
     }
-    return {.data = picture_.data(), .width_px = width_, .height_px = height_, .stride_octets = width_};
+    return {.data = picture_.data(),
+            .width_px = camera_.width_px,
+            .height_px = camera_.height_px,
+            .stride_octets = camera_.width_px};
   }
 
  private:
@@ -68,9 +77,8 @@ class PatchedBall {
     return static_cast<std::uint8_t>(std::clamp(level, 40.0, 250.0));
   }
 
-  int width_;
-  int height_;
-  double radius_px_;
+  CameraParameters camera_;
+  double distance_;
   std::array<Patch, 150> patches_;
   std::vector<std::uint8_t> picture_;
 };

@@ -55,6 +55,8 @@ const Row kRows[] = {
   {"run.start_s_max", POLHODE_OPTION(run.start_s_max), 0, 1000000},
   {"run.frames_max", POLHODE_OPTION(run.frames_max), 0, 2e9},
   {"run.report_s", POLHODE_OPTION(run.report_s), 1, 86400},
+  {"run.lock_memory", POLHODE_OPTION(run.lock_memory)},
+  {"run.priority", POLHODE_OPTION(run.priority), 0, 99},
   {"recording.folder", POLHODE_OPTION(recording.folder)},
   {"recording.disk_mb_max", POLHODE_OPTION(recording.disk_mb_max), 16, 100000000},
   {"recording.segment_mb", POLHODE_OPTION(recording.segment_mb), 1, 4096},

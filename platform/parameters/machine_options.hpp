@@ -38,7 +38,9 @@ struct RunOptions {
   int checkpoint_age_s_max = 600;       ///< an older one is not used: the motion model no longer holds, 1 .. 1000000
   int start_s_max = 10;                 ///< a camera that brings no stream within so long ends the run; 0: wait for ever, 0 .. 1000000
   int frames_max = 0;                   ///< accepted frames after which the run ends; 0: none, 0 .. 2000000000
-  int report_s = 10;                    ///< seconds from one line on stderr and run.json to the next, 1 .. 86400
+  int report_s = 10;                    ///< seconds from one line on stderr to the next, 1 .. 86400
+  bool lock_memory = true;              ///< no page leaves the memory, as far as the limit on locked memory allows it
+  int priority = 0;                     ///< real-time priority (SCHED_FIFO) of the thread that steps frames; 0: an ordinary one, 0 .. 99
 };
 
 struct RecordingOptions {

@@ -5,8 +5,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <system_error>
 
 #include "errors.hpp"
 
@@ -32,7 +34,9 @@ Segments::Segments(const fs::path& folder, std::int64_t run_utc_ns, const Segmen
   fs::create_directories(folder, problem);
   folder_descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder_descriptor_ < 0) {
-    throw RunFailure(fmt::format("{}: cannot be used for a recording", folder.string()));
+    throw RunFailure(fmt::format("{}: cannot be used for a recording: {}",
+                                 folder.string(),
+                                 std::generic_category().message(errno)));
   }
   const std::vector<fs::path> present = segment_files(folder);
   segments_.reserve(present.size() + limits.folder_octets_max / limits.segment_octets_max + 2);

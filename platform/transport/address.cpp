@@ -49,6 +49,9 @@ Address parse_address(std::string_view text) {
   const std::string_view rest =
       colon == std::string_view::npos ? std::string_view() : text.substr(colon + 1);
   Address out{.text = std::string(text), .path = std::string(rest)};
+  if (colon == std::string_view::npos) {
+    refuse(text, "its kind is missing");
+  }
   if (rest.empty()) {
     refuse(text, "nothing follows its kind");
   }

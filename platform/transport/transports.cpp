@@ -10,18 +10,10 @@ namespace polhode::platform {
 Transports::Transports(const TransportSettings& settings) {
   senders_.reserve(settings.send.size());
   for (const std::string& text : settings.send) {
-    const Address address = parse_address(text);
-    switch (address.kind) {
-      case AddressKind::kUnix:
-      case AddressKind::kUdp:
-        senders_.push_back({text, DatagramSender(address, SenderName::kBesideReader)});
-        break;
-      case AddressKind::kShm:
-        senders_.push_back({text, RingWriter(address)});
-        break;
-      case AddressKind::kFile:
-        senders_.push_back({text, FlatFile(address)});
-        break;
+    try {
+      add_sender(text);
+    } catch (const UnusableInput& problem) {
+      throw UnusableInput(fmt::format("transport.send: {}", problem.what()));
     }
   }
   if (settings.receive.empty()) {
@@ -30,9 +22,29 @@ Transports::Transports(const TransportSettings& settings) {
   const Address address = parse_address(settings.receive);
   if (address.kind != AddressKind::kUnix && address.kind != AddressKind::kUdp) {
     throw UnusableInput(
-        fmt::format("transport.receive = '{}': allowed are unix:PATH and udp:", settings.receive));
+        fmt::format("transport.receive: '{}': allowed are unix:PATH and udp:", settings.receive));
   }
-  receiver_.emplace(address);
+  try {
+    receiver_.emplace(address);
+  } catch (const UnusableInput& problem) {
+    throw UnusableInput(fmt::format("transport.receive: {}", problem.what()));
+  }
+}
+
+void Transports::add_sender(const std::string& text) {
+  const Address address = parse_address(text);
+  switch (address.kind) {
+    case AddressKind::kUnix:
+    case AddressKind::kUdp:
+      senders_.push_back({text, DatagramSender(address, SenderName::kBesideReader)});
+      break;
+    case AddressKind::kShm:
+      senders_.push_back({text, RingWriter(address)});
+      break;
+    case AddressKind::kFile:
+      senders_.push_back({text, FlatFile(address)});
+      break;
+  }
 }
 
 void Transports::send(std::span<const std::uint8_t> packets) {
@@ -63,11 +75,15 @@ std::span<const std::span<const std::uint8_t>> Transports::received() {
   return receiver_->receive();
 }
 
+const SendCounts& Transports::counts(std::size_t number) const {
+  return std::visit([](const auto& to) -> const SendCounts& { return to.counts(); },
+                    senders_[number].to);
+}
+
 SendCounts Transports::counts() const {
   SendCounts sum;
-  for (const Sender& sender : senders_) {
-    const SendCounts& one =
-        std::visit([](const auto& to) -> const SendCounts& { return to.counts(); }, sender.to);
+  for (std::size_t i = 0; i < senders_.size(); ++i) {
+    const SendCounts& one = counts(i);
     sum.sent += one.sent;
     sum.dropped += one.dropped;
     sum.no_reader += one.no_reader;
@@ -79,18 +95,6 @@ std::uint64_t Transports::commands_received() const {
   return receiver_ ? receiver_->received() : 0;
 }
 
-std::string Transports::report() const {
-  std::string text;
-  for (const Sender& sender : senders_) {
-    const SendCounts& one =
-        std::visit([](const auto& to) -> const SendCounts& { return to.counts(); }, sender.to);
-    text += fmt::format("{}: {} packets sent, {} dropped, {} without a reader\n",
-                        sender.address,
-                        one.sent,
-                        one.dropped,
-                        one.no_reader);
-  }
-  return text;
-}
+std::uint32_t Transports::commands_dropped() const { return receiver_ ? receiver_->dropped() : 0; }
 
 }  // namespace polhode::platform

@@ -41,15 +41,23 @@ class Transports {
 
   /// Over all transports.
   [[nodiscard]] SendCounts counts() const;
+  /// Of the address with this number, from 0, as in the settings.
+  [[nodiscard]] const SendCounts& counts(std::size_t number) const;
+  [[nodiscard]] const std::string& address(std::size_t number) const {
+    return senders_[number].address;
+  }
+  [[nodiscard]] std::size_t senders() const { return senders_.size(); }
   [[nodiscard]] std::uint64_t commands_received() const;
-  /// One line a transport, for people.
-  [[nodiscard]] std::string report() const;
+  /// By the system, for want of room; of a Unix socket none, as its sender is told instead.
+  [[nodiscard]] std::uint32_t commands_dropped() const;
 
  private:
   struct Sender {
     std::string address;
     std::variant<DatagramSender, RingWriter, FlatFile> to;
   };
+  void add_sender(const std::string& text);
+
   std::vector<Sender> senders_;
   std::optional<DatagramReceiver> receiver_;
 };

@@ -24,6 +24,11 @@ def test_gives_the_bytes_of_a_replay(live, played, replayed):
     assert report(run)["frames_accepted"] == 12
 
 
+def test_is_warmed_up_by_a_body_whose_map_is_begun(live, played):
+    said = live(played.path).finish().err.splitlines()[0]
+    assert said.startswith("warmed up: ") and int(said.split()[2]) >= 3
+
+
 def test_at_its_own_pace_gives_the_bytes_of_a_replay(live, played, replayed):
     """Slowed down tenfold, so that no frame is late on a loaded machine either; those that are would be counted."""
     run = live(played.path, device__sequence_speed=0.25, device__backlog_frames_max=32)
@@ -151,7 +156,16 @@ CAMERA = {"camera__width_px": 64, "camera__height_px": 48, "camera__fu_px": 100.
 def test_what_is_no_video_device_is_refused(live):
     ended = live("/dev/null", **CAMERA).finish()
     assert ended.status == 2
-    assert "not a V4L2 device" in ended.err
+    assert "device.source: unsuitable: /dev/null: not a V4L2 device" in ended.err
+
+
+@pytest.mark.parametrize("key", ["run.folder", "run.checkpoint", "recording.folder"])
+def test_what_cannot_be_written_is_found_before_the_run_starts(live, played, key):
+    run = live(played.path, settings=[f'{key}="/proc/polhode/here"'])
+    ended = run.finish()
+    assert ended.status == 2
+    assert f"{key}: /proc/polhode/here: " in ended.err.splitlines()[-1]
+    assert "warmed up" not in ended.err
 
 
 def test_a_camera_that_does_not_come_ends_the_run(live):

@@ -22,7 +22,11 @@ CheckpointIdentity identity(char config, char boot) {
 class CheckpointFile : public testing::Test {
  protected:
   bool write(std::span<const std::uint8_t> content) {
-    return write_checkpoint_file(file_, beside_, identity('a', 'b'), 1'000'000'000'000, content);
+    return write_checkpoint_file(
+        file_,
+        beside_,
+        {.identity = identity('a', 'b'), .utc_ns = 1'000'000'000'000, .restarts = 3},
+        content);
   }
   [[nodiscard]] LoadedCheckpoint load(const CheckpointIdentity& who = identity('a', 'b'),
                                       std::int64_t utc_ns = 1'005'000'000'000) const {
@@ -51,6 +55,7 @@ TEST_F(CheckpointFile, ComesBackAsItWas) {
   EXPECT_EQ(loaded.refusal, "");
   EXPECT_EQ(content_of(loaded), content_);
   EXPECT_DOUBLE_EQ(loaded.age_s, 5.0);
+  EXPECT_EQ(loaded.restarts, 3U);
   EXPECT_FALSE(fs::exists(beside_));
 }
 
@@ -90,7 +95,7 @@ TEST_F(CheckpointFile, ThatIsNotThereIsRefused) { EXPECT_NE(load().refusal, "");
 TEST_F(CheckpointFile, AFailedWriteLeavesTheOldOne) {
   ASSERT_TRUE(write(content_));
   EXPECT_FALSE(write_checkpoint_file(
-      file_, folder_.path() / "absent/new", identity('a', 'b'), 2, std::vector<std::uint8_t>{9}));
+      file_, folder_.path() / "absent/new", {.identity = identity('a', 'b')}, std::vector<std::uint8_t>{9}));
   EXPECT_EQ(content_of(load()), content_);
   // A half-written one beside it, as an end in the middle of writing leaves it, changes nothing.
   std::ofstream(beside_) << "half";

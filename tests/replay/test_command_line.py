@@ -129,3 +129,24 @@ def test_output_that_fails_during_the_run_is_exit_1(sequence, tmp_path):
     assert done.returncode == 1
     assert "cannot be written: File too large" in done.stderr
     assert str(tmp_path / "out") in done.stderr.strip().splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["fly"], "polhode: unknown command 'fly'; allowed are replay, run, check, bus, camera, recording"),
+        (["bus", "fly"], "polhode: bus: unknown command 'fly'; allowed are follow, send, dump"),
+        (["replay"], "polhode: --config is required (polhode replay --help shows the usage)"),
+        (["bus", "dump"], "(polhode bus dump --help shows the usage)"),
+    ],
+)
+def test_misuse_is_told_by_the_command_that_is_meant(program, arguments, says):
+    refused(program(*arguments), says)
+
+
+def test_check_reads_what_only_a_live_run_needs(program, tmp_path):
+    config = tmp_path / "live.toml"
+    config.write_text("[device]\nsorce = '/dev/video0'\n")
+    refused(program("check", "--config", config), "live.toml:2: device.sorce: unknown key")
+    config.write_text("[transport]\nsend = ['10015']\n")
+    refused(program("check", "--config", config), "transport.send: address '10015': its kind is missing")

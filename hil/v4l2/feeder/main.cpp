@@ -1,10 +1,12 @@
 // Plays a sequence into the test camera, and faults with it: the side of the sensor.
-//   filecam_feed --sequence SEQ [--frames N] [--interval SECONDS] [--script FILE]
+//   filecam_feed --sequence SEQ [--frames N] [--interval SECONDS] [--script FILE] [--light L]
 // Each frame is written when a buffer waits for it. Its time stamp marks the end of the frame: the
 // sequence's (mid-exposure) plus half of the exposure that the camera is set to.
+// With --light the pixels follow exposure and gain, too (sensor.hpp), frames are taken one by one as
+// the reader waits for them, and stamped when they are; a line a frame tells what the sensor did.
 // A script has one line a fault, "FRAME WHAT [ARGUMENT]", done before that frame:
 //   damage | skip N | fatal | disconnect SECONDS | pause SECONDS | kill FILE (with a process
-//   number)
+//   number) | light L
 // Before a fault the feeder waits until the reader has all earlier frames and waits for more, so
 // that what is lost is what the fault loses.
 #include <fcntl.h>
@@ -25,6 +27,7 @@
 
 #include "camera/replay/file_camera.hpp"
 #include "camera/replay/sequence.hpp"
+#include "hil/v4l2/feeder/sensor.hpp"
 #include "hil/v4l2/filecam/feed_format.h"
 
 namespace {
@@ -150,8 +153,10 @@ std::vector<std::uint8_t> pixels_of(const polhode::ImageView& image, __u32 pixel
 }
 
 /// Faults that come before the frame; the others change its header.
-void play_fault(const Fault& fault, TestCamera& camera, filecam_header* header) {
-  if (fault.what == "damage") {
+void play_fault(const Fault& fault, TestCamera& camera, filecam_header* header, Sensor* sensor) {
+  if (fault.what == "light") {
+    sensor->light = std::stod(fault.argument);
+  } else if (fault.what == "damage") {
     header->flags |= FILECAM_FLAG_DAMAGED;
   } else if (fault.what == "skip") {
     header->sequence_skip = static_cast<__u32>(std::stoul(fault.argument));
@@ -178,26 +183,41 @@ void play_fault(const Fault& fault, TestCamera& camera, filecam_header* header) 
   }
 }
 
-void feed(const Sequence& sequence, std::size_t frames, double interval_s, const Script& script) {
+struct Wish {
+  std::size_t frames = SIZE_MAX;
+  double interval_s = 0.0;
+  double light = 0.0;  ///< 0: pixels as they are in the sequence
+};
+
+void feed(const Sequence& sequence, const Wish& wish, const Script& script) {
   TestCamera camera;
+  Sensor sensor;
+  sensor.light = wish.light;
+  const bool exposes = wish.light > 0.0;
   FileCamera files(sequence);
   polhode::Frame frame;
   camera.wait_for(true);
-  for (std::size_t i = 0; i < frames && files.next(frame); ++i) {
+  for (std::size_t i = 0; i < wish.frames && files.next(frame); ++i) {
     filecam_header header{};
     const auto [first, last] = script.equal_range(i);
-    if (first != last) {
+    if (first != last || exposes) {
       camera.wait_for_idle_reader();
     }
     for (auto fault = first; fault != last; ++fault) {
-      play_fault(fault->second, camera, &header);
+      play_fault(fault->second, camera, &header, &sensor);
     }
-    const auto pixels = pixels_of(frame.image, camera.state().pixel_format);
+    const filecam_state state = camera.state();
+    auto pixels = pixels_of(frame.image, state.pixel_format);
     header.octets = static_cast<__u32>(pixels.size());
     header.timestamp_ns = static_cast<__u64>(frame.timestamp_ns) +
-                          std::uint64_t{camera.state().exposure_100us} * 100'000 / 2;
+                          std::uint64_t{state.exposure_100us} * 100'000 / 2;
+    if (exposes) {
+      sensor.expose(state, pixels);
+      header.timestamp_ns = 0;  // now
+      fmt::print("{} {}\n", i, sensor.account());
+    }
     camera.send(header, pixels);
-    sleep_s(interval_s);
+    sleep_s(wish.interval_s);
   }
 }
 
@@ -207,15 +227,15 @@ int main(int argc, char** argv) {
   CLI::App app{"Plays a sequence into the test camera"};
   std::string sequence;
   std::string script;
-  std::size_t frames = SIZE_MAX;
-  double interval_s = 0.0;
+  Wish wish;
   app.add_option("--sequence", sequence)->required();
   app.add_option("--script", script);
-  app.add_option("--frames", frames);
-  app.add_option("--interval", interval_s, "seconds to rest after each frame");
+  app.add_option("--frames", wish.frames);
+  app.add_option("--interval", wish.interval_s, "seconds to rest after each frame");
+  app.add_option("--light", wish.light, "of the scene: level of a pixel over the sequence's, at 10 ms and least gain");
   CLI11_PARSE(app, argc, argv);
   try {
-    feed(polhode::platform::open_sequence(sequence), frames, interval_s, read_script(script));
+    feed(polhode::platform::open_sequence(sequence), wish, read_script(script));
   } catch (const std::exception& problem) {
     fmt::print(stderr, "filecam_feed: {}\n", problem.what());
     return 1;

@@ -13,6 +13,19 @@ bool same(const OfferedFormat& a, const OfferedFormat& b) {
          a.row_octets == b.row_octets;
 }
 
+const char* name_of(OpenResult result) {
+  switch (result) {
+    case OpenResult::kBusy:
+      return "busy";
+    case OpenResult::kUnsuitable:
+      return "unsuitable";
+    case OpenResult::kFailed:
+      return "not to be opened";
+    default:
+      return "away";
+  }
+}
+
 }  // namespace
 
 V4l2Camera::V4l2Camera(DeviceCalls& calls, const V4l2Options& options)
@@ -45,7 +58,7 @@ OpenResult V4l2Camera::open() {
     say("came back with another format", options_.wish.path);
     result = OpenResult::kUnsuitable;
   } else if (result != OpenResult::kStreaming) {
-    say(result == OpenResult::kBusy ? "busy" : "away", stream_.trouble());
+    say(name_of(result), stream_.trouble());
   }
   if (result != OpenResult::kStreaming) {
     counters_.busy += result == OpenResult::kBusy ? 1 : 0;

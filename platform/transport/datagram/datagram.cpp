@@ -173,16 +173,35 @@ DatagramReceiver::DatagramReceiver(const Address& address) : socket_(open_socket
   if (address.kind == AddressKind::kUnix) {
     bind_unix(socket_.get(), address);
     file_ = SocketFile(address.path);
-  } else if (::bind(socket_.get(), as_socket_address(&address.udp), sizeof address.udp) != 0) {
+    return;
+  }
+  const int tell = 1;  // with each datagram, how many the system has dropped before it
+  (void)::setsockopt(socket_.get(), SOL_SOCKET, SO_RXQ_OVFL, &tell, sizeof tell);
+  if (::bind(socket_.get(), as_socket_address(&address.udp), sizeof address.udp) != 0) {
     throw UnusableInput(fmt::format("{}: cannot be bound: {}", address.text, reason()));
   }
+}
+
+ssize_t DatagramReceiver::receive_one(std::span<std::uint8_t> octets) {
+  iovec place{.iov_base = octets.data(), .iov_len = octets.size()};
+  alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof dropped_)> beside{};
+  msghdr message{};
+  message.msg_iov = &place;
+  message.msg_iovlen = 1;
+  message.msg_control = beside.data();
+  message.msg_controllen = beside.size();
+  const ssize_t got = ::recvmsg(socket_.get(), &message, MSG_DONTWAIT);
+  const cmsghdr* told = got < 0 ? nullptr : CMSG_FIRSTHDR(&message);
+  if (told != nullptr && told->cmsg_level == SOL_SOCKET && told->cmsg_type == SO_RXQ_OVFL) {
+    std::memcpy(&dropped_, CMSG_DATA(told), sizeof dropped_);
+  }
+  return got;
 }
 
 std::span<const std::span<const std::uint8_t>> DatagramReceiver::receive() {
   std::size_t count = 0;
   while (count < packets_.size()) {
-    const ssize_t octets =
-        ::recv(socket_.get(), octets_[count].data(), octets_[count].size(), MSG_DONTWAIT);
+    const ssize_t octets = receive_one(octets_[count]);
     if (octets < 0) {
       break;  // nothing there; an error of a sender's (ECONNREFUSED) says nothing to a receiver
     }

@@ -1,6 +1,8 @@
 // Datagram sockets: one packet each, never waiting.
 #pragma once
 
+#include <sys/types.h>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -115,15 +117,20 @@ class DatagramReceiver {
   std::span<const std::span<const std::uint8_t>> receive();
 
   [[nodiscard]] std::uint64_t received() const { return received_; }
+  /// By the system for want of room, as far as it tells (UDP).
+  [[nodiscard]] std::uint32_t dropped() const { return dropped_; }
   [[nodiscard]] int descriptor() const { return socket_.get(); }
 
  private:
+  ssize_t receive_one(std::span<std::uint8_t> octets);
+
   static constexpr std::size_t kOctets = limits::kPacketOctets + 1;  // one more tells a longer one
   Descriptor socket_;
   SocketFile file_;
   std::array<std::array<std::uint8_t, kOctets>, limits::kStepCommands> octets_{};
   std::array<std::span<const std::uint8_t>, limits::kStepCommands> packets_{};
   std::uint64_t received_ = 0;
+  std::uint32_t dropped_ = 0;
 };
 
 }  // namespace polhode::platform

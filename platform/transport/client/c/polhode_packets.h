@@ -313,18 +313,18 @@ struct polhode_platform {
   uint64_t resident_octets; /* of the process now; octet */
   uint64_t resident_peak_octets; /* of the process since start; octet */
   uint32_t uptime_s; /* s */
-  uint32_t frames_dropped; /* by the camera or for want of time */
-  uint32_t camera_errors;
-  uint32_t camera_reopened;
+  uint32_t frames_dropped; /* missing in the camera's count, passed over for newer ones, or for want of time */
+  uint32_t camera_errors; /* damaged frames, failed streams, disconnections */
+  uint32_t camera_reopened; /* streams opened after the first one */
   uint32_t deadline_misses; /* steps that took longer than a frame */
-  uint32_t jobs_late; /* results that were not there when due */
+  uint32_t jobs_late; /* results that were not there when due; each costs a frame */
   uint32_t last_step_us; /* us */
-  uint32_t longest_step_us; /* since start or RESET_COUNTERS; us */
+  uint32_t longest_step_us; /* since start; us */
   uint32_t packets_sent; /* over all transports */
-  uint32_t packets_dropped; /* that a transport would not take */
-  uint32_t commands_received; /* datagrams at the command sockets */
-  uint32_t commands_dropped; /* of these, held no longer for want of room */
-  uint16_t restarts; /* of the process since its checkpoint was first made */
+  uint32_t packets_dropped; /* of readers that are there and have had no room for long */
+  uint32_t commands_received; /* datagrams at the command socket */
+  uint32_t commands_dropped; /* by the system before they were taken, as far as it tells (UDP) */
+  uint16_t restarts; /* from checkpoint to checkpoint, since a cold start */
   uint8_t flags;
   uint8_t spare; /* 0 */
 };

@@ -1,0 +1,92 @@
+#include "app/platform_telemetry.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cstdlib>
+
+#include "app/machine.hpp"
+#include "bus/packet_layout.hpp"
+#include "bus/telemetry.hpp"
+
+namespace polhode::platform {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+bus::PlatformPacket packet_of(const LiveCounts& counts,
+                              const CameraCounters& camera,
+                              const Transports& transports) {
+  const SendCounts sent = transports.counts();
+  return {.frames_dropped = camera.frames_missing + camera.frames_late +
+                            camera.frames_out_of_time + counts.frames_dropped_for_job,
+          .camera_errors = camera.frames_damaged + camera.stream_errors + camera.disconnects,
+          .camera_reopened = camera.opened > 0 ? camera.opened - 1 : 0,
+          .deadline_misses = static_cast<std::uint32_t>(counts.deadline.missed()),
+          .jobs_late = counts.frames_dropped_for_job,
+          .last_step_us = static_cast<std::uint32_t>(counts.last_step_us),
+          .longest_step_us = static_cast<std::uint32_t>(counts.deadline.worst_us()),
+          .packets_sent = static_cast<std::uint32_t>(sent.sent),
+          .packets_dropped = static_cast<std::uint32_t>(sent.dropped),
+          .commands_received = static_cast<std::uint32_t>(transports.commands_received()),
+          .commands_dropped = transports.commands_dropped()};
+}
+
+std::uint8_t flags_of(const PlatformFacts& facts) {
+  namespace layout = bus::platform_layout;
+  return static_cast<std::uint8_t>((facts.watchdog ? layout::kFlagWatchdog : 0) |
+                                   (facts.locked_memory ? layout::kFlagLockedMemory : 0) |
+                                   (facts.real_time ? layout::kFlagRealTime : 0));
+}
+
+}  // namespace
+
+PlatformTelemetry::PlatformTelemetry(const BusOptions& options, const PlatformFacts& facts)
+    : options_(options),
+      facts_(facts),
+      statm_(::open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}
+
+PlatformTelemetry::~PlatformTelemetry() {
+  if (statm_ >= 0) {
+    ::close(statm_);
+  }
+}
+
+/// The second number of statm, in pages; 0 where the kernel does not tell.
+std::uint64_t PlatformTelemetry::resident_octets() const {
+  std::array<char, 128> text{};
+  if (statm_ < 0 || ::pread(statm_, text.data(), text.size() - 1, 0) <= 0) {
+    return 0;
+  }
+  char* after_total = nullptr;
+  (void)std::strtoull(text.data(), &after_total, 10);
+  return std::strtoull(after_total, nullptr, 10) *
+         static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+void PlatformTelemetry::passed(const LiveCounts& counts,
+                               const LiveCamera& camera,
+                               Transports& transports,
+                               std::int64_t now_ns,
+                               std::int64_t frame_ns) {
+  if (now_ns < due_ns_) {
+    return;
+  }
+  begun_ns_ = due_ns_ == 0 ? now_ns : begun_ns_;
+  due_ns_ = now_ns + kSecond_ns;
+  bus::PlatformPacket packet = packet_of(counts, camera.counters(), transports);
+  packet.timestamp_ns = frame_ns;
+  packet.resident_octets = resident_octets();
+  packet.resident_peak_octets = static_cast<std::uint64_t>(machine_use().peak_resident_octets);
+  packet.uptime_s = static_cast<std::uint32_t>((now_ns - begun_ns_) / kSecond_ns);
+  packet.restarts = facts_.restarts;
+  packet.flags = flags_of(facts_);
+  const std::size_t octets = bus::encode(
+      bus::PlatformPacket::layout(),
+      &packet,
+      {.apid_first = options_.apid_first, .sequence = sequence_++, .timestamp_ns = frame_ns},
+      octets_);
+  transports.send(std::span(octets_).first(octets));
+}
+
+}  // namespace polhode::platform

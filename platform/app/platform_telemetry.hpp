@@ -1,0 +1,53 @@
+// What the machine around the component does, once a second on the bus: the packet of the field
+// table that is in no replay. It goes to the transports only, never into a run's bus.ccsds.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "app/live_counts.hpp"
+#include "bus/options.hpp"
+#include "bus/packet_layout.hpp"
+#include "camera/live_camera.hpp"
+#include "transport/transports.hpp"
+
+namespace polhode::platform {
+
+/// What stays as it is for the whole run.
+struct PlatformFacts {
+  bool watchdog = false;       ///< somebody watches the run's progress
+  bool locked_memory = false;  ///< no page leaves the memory
+  bool real_time = false;      ///< the frames' thread has a real-time priority
+  std::uint16_t restarts = 0;  ///< starts from a checkpoint since it was first made
+};
+
+class PlatformTelemetry {
+ public:
+  PlatformTelemetry(const BusOptions& options, const PlatformFacts& facts);
+  ~PlatformTelemetry();
+  PlatformTelemetry(const PlatformTelemetry&) = delete;
+  PlatformTelemetry& operator=(const PlatformTelemetry&) = delete;
+
+  /// Once a turn of the frame loop. Takes no memory.
+  /// @param now_ns    monotonic
+  /// @param frame_ns  time stamp of the last frame; 0 before the first
+  void passed(const LiveCounts& counts,
+              const LiveCamera& camera,
+              Transports& transports,
+              std::int64_t now_ns,
+              std::int64_t frame_ns);
+
+ private:
+  [[nodiscard]] std::uint64_t resident_octets() const;
+
+  BusOptions options_;
+  PlatformFacts facts_;
+  int statm_;  ///< held open: of the process, by the kernel
+  std::int64_t begun_ns_ = 0;
+  std::int64_t due_ns_ = 0;
+  std::uint16_t sequence_ = 0;
+  std::array<std::uint8_t, bus::platform_layout::kPacketOctets> octets_{};
+};
+
+}  // namespace polhode::platform

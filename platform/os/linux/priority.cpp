@@ -1,0 +1,24 @@
+#include "os/linux/priority.hpp"
+
+#include <sched.h>
+#include <sys/resource.h>
+
+#include <cerrno>
+#include <system_error>
+
+namespace polhode::platform {
+
+std::string take_priority(int priority) {
+  sched_param wished{};
+  wished.sched_priority = priority;
+  if (::sched_setscheduler(0, SCHED_FIFO, &wished) == 0) {  // 0: of this thread alone
+    return {};
+  }
+  const std::string reason = std::generic_category().message(errno);
+  rlimit limit{};
+  ::getrlimit(RLIMIT_RTPRIO, &limit);
+  return "no real-time priority: " + reason + "; the limit (ulimit -r) is " +
+         std::to_string(limit.rlim_cur);
+}
+
+}  // namespace polhode::platform

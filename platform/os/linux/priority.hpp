@@ -1,0 +1,13 @@
+// The priority of the thread that steps frames.
+#pragma once
+
+#include <string>
+
+namespace polhode::platform {
+
+/// Gives the calling thread a real-time priority (SCHED_FIFO). Threads made before keep theirs.
+/// @param priority 1 .. 99
+/// @return why it could not be done; empty when it was.
+std::string take_priority(int priority);
+
+}  // namespace polhode::platform

@@ -1,0 +1,103 @@
+#include "app/platform_telemetry.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "bus/telemetry.hpp"
+#include "temporary_folder.hpp"
+
+namespace polhode::platform {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kFrame_ns = 1'700'000'000'123'456'789;
+
+class CountingCamera final : public LiveCamera {
+ public:
+  Arrival next(int /*timeout_ms*/, Frame* /*frame*/) override { return Arrival::kNothing; }
+  [[nodiscard]] std::int64_t available_ns() const override { return 0; }
+  [[nodiscard]] const CameraCounters& counters() const override { return counted; }
+  [[nodiscard]] std::string_view state() const override { return {}; }
+  void set_exposure(std::int64_t /*exposure_ns*/, double /*gain*/) override {}
+
+  CameraCounters counted;
+};
+
+class PlatformTelemetryTest : public testing::Test {
+ protected:
+  void pass(std::int64_t now_ns) {
+    telemetry_.passed(counts_, camera_, transports_, now_ns, kFrame_ns);
+  }
+  [[nodiscard]] std::vector<bus::PlatformPacket> sent() const {
+    std::ifstream in(file_, std::ios::binary);
+    const std::vector<char> octets{std::istreambuf_iterator<char>(in), {}};
+    std::vector<bus::PlatformPacket> packets(octets.size() / kOctets);
+    EXPECT_EQ(octets.size() % kOctets, 0U);
+    for (std::size_t i = 0; i < packets.size(); ++i) {
+      const auto* begin = reinterpret_cast<const std::uint8_t*>(octets.data()) + i * kOctets;
+      const auto header =
+          bus::decode(bus::PlatformPacket::layout(), {begin, kOctets}, &packets[i]);
+      EXPECT_TRUE(header) << header.error().message;
+      EXPECT_EQ(header.value().sequence, i);
+      EXPECT_EQ(header.value().apid, 0x1A0 + 7);
+    }
+    return packets;
+  }
+
+  static constexpr std::size_t kOctets = bus::platform_layout::kPacketOctets;
+  TemporaryFolder folder_;
+  std::filesystem::path file_ = folder_.path() / "sent";
+  Transports transports_{{.send = {"file:" + file_.string()}, .receive = {}}};
+  LiveCounts counts_;
+  CountingCamera camera_;
+  PlatformTelemetry telemetry_{
+      {}, {.watchdog = true, .locked_memory = false, .real_time = true, .restarts = 7}};
+};
+
+TEST_F(PlatformTelemetryTest, IsSentOnceASecond_HoweverOftenTheLoopTurns) {
+  for (std::int64_t now_ns = 5 * kSecond_ns; now_ns <= 8 * kSecond_ns; now_ns += kSecond_ns / 100) {
+    pass(now_ns);
+  }
+  const auto packets = sent();
+  ASSERT_EQ(packets.size(), 4U);
+  EXPECT_EQ(packets[0].uptime_s, 0U);
+  EXPECT_EQ(packets[3].uptime_s, 3U);
+  EXPECT_EQ(packets[3].packets_sent, 3U);
+}
+
+TEST_F(PlatformTelemetryTest, TellsWhatTheRunHasCounted) {
+  counts_.deadline = DeadlineMonitor(1.0);
+  (void)counts_.deadline.add(5000);
+  (void)counts_.deadline.add(900);
+  counts_.last_step_us = 900;
+  counts_.frames_dropped_for_job = 2;
+  camera_.counted = {.frames_damaged = 1,
+                     .frames_missing = 10,
+                     .frames_late = 100,
+                     .frames_out_of_time = 1000,
+                     .stream_errors = 3,
+                     .disconnects = 5,
+                     .opened = 9};
+  pass(kSecond_ns);
+  const auto packets = sent();
+  ASSERT_EQ(packets.size(), 1U);
+  const bus::PlatformPacket& told = packets[0];
+  EXPECT_EQ(told.timestamp_ns, kFrame_ns);
+  EXPECT_EQ(told.frames_dropped, 1112U);
+  EXPECT_EQ(told.camera_errors, 9U);
+  EXPECT_EQ(told.camera_reopened, 8U);
+  EXPECT_EQ(told.deadline_misses, 1U);
+  EXPECT_EQ(told.jobs_late, 2U);
+  EXPECT_EQ(told.last_step_us, 900U);
+  EXPECT_EQ(told.longest_step_us, 5000U);
+  EXPECT_EQ(told.restarts, 7U);
+  EXPECT_EQ(told.flags, bus::platform_layout::kFlagWatchdog | bus::platform_layout::kFlagRealTime);
+  EXPECT_GT(told.resident_octets, 1'000'000U);
+  EXPECT_GE(told.resident_peak_octets, told.resident_octets / 2);
+}
+
+}  // namespace
+}  // namespace polhode::platform
