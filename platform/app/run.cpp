@@ -174,7 +174,15 @@ void leave_behind(const RunJsonInput& input, const fs::path& folder) {
   }
 }
 
-void say_end(LiveEnd end, const LiveCounts& counts, const CameraCounters& camera) {
+/// @throws RunFailure when there was no camera.
+void say_end(LiveEnd end,
+             const LiveCounts& counts,
+             const LiveCamera& from,
+             const RunOptions& wish) {
+  if (end == LiveEnd::kNoCamera) {
+    throw RunFailure(fmt::format("no camera within {} s: {}", wish.start_s_max, from.state()));
+  }
+  const CameraCounters& camera = from.counters();
   say("%s: %u frames, %u with a pose; %u missing, %u damaged, %u passed over",
       end == LiveEnd::kPlayed ? "at the end" : "stopped",
       counts.frames_accepted,
@@ -243,11 +251,7 @@ void run_command(const RunArguments& arguments) {
   manager.stopping();
   leave_behind({.parts = parts, .config_hash = config_hash, .beginning = beginning.how()},
                machine.run.folder);
-  if (end == LiveEnd::kNoCamera) {
-    throw RunFailure(
-        fmt::format("no camera within {} s: {}", machine.run.start_s_max, chosen.camera().state()));
-  }
-  say_end(end, *counts, chosen.camera().counters());
+  say_end(end, *counts, chosen.camera(), machine.run);
 }
 
 }  // namespace polhode::platform
