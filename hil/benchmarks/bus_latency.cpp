@@ -1,16 +1,20 @@
 // How long a packet takes from the sender to a reader in another process, what is lost, and how long
 // sending takes, with two good readers and a stopped one on each transport.
 //   bus_latency [--seconds 10] [--rate 1000]
-// One line a transport. Exit status 1 when a good reader lost a packet or the heap was called.
+// One line a transport, after one for the machine's own part: two processes woken by a word in shared
+// memory, with nothing sent. Exit status 1 when a good reader lost a packet or the heap was called.
 #include <fmt/format.h>
+#include <linux/futex.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
+#include <climits>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -57,9 +61,10 @@ struct ReaderResult {
   std::uint32_t latency_ns[kSamplesMax];
 };
 
-ReaderResult* shared_result() {
-  void* memory = ::mmap(nullptr, sizeof(ReaderResult), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  return new (memory) ReaderResult{};
+template <typename T>
+T* make_shared_memory() {
+  void* memory = ::mmap(nullptr, sizeof(T), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  return new (memory) T{};
 }
 
 void read_all(const std::string& address, ReaderResult& result) {
@@ -95,11 +100,12 @@ struct Reader {
   ReaderResult* result = nullptr;
 };
 
-Reader start_reader(const std::string& address) {
-  Reader reader{.process = 0, .result = shared_result()};
+template <typename Read>
+Reader start_reader(Read read) {
+  Reader reader{.process = 0, .result = make_shared_memory<ReaderResult>()};
   reader.process = ::fork();
   if (reader.process == 0) {
-    read_all(address, *reader.result);
+    read(*reader.result);
     std::_Exit(0);
   }
   while (!reader.result->ready) {
@@ -147,6 +153,58 @@ double percentile_us(std::vector<std::uint32_t> values, double part) {
   return 1e-3 * values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
 }
 
+/// A word that two processes wait at.
+struct Bell {
+  static constexpr std::size_t kTimes = 1024;
+  std::atomic<std::uint32_t> rung = 0;
+  std::atomic<bool> over = false;
+  std::atomic<std::int64_t> at_ns[kTimes] = {};
+};
+
+void hear(Bell& bell, ReaderResult& result) {
+  std::uint32_t heard = 0;
+  result.ready = true;
+  while (!bell.over) {
+    ::syscall(SYS_futex, &bell.rung, FUTEX_WAIT, heard, nullptr, nullptr, 0);
+    const std::int64_t now = now_ns();
+    const std::uint32_t rung = bell.rung;
+    if (rung != heard && result.packets < kSamplesMax) {
+      result.latency_ns[result.packets++] = static_cast<std::uint32_t>(now - bell.at_ns[rung % Bell::kTimes]);
+    }
+    heard = rung;
+  }
+}
+
+/// What waking two processes costs on this machine as it is loaded now.
+void measure_waking(int seconds, int rate) {
+  Bell* bell = make_shared_memory<Bell>();
+  std::vector<Reader> readers;
+  for (int i = 0; i < kGoodReaders; ++i) {
+    readers.push_back(start_reader([bell](ReaderResult& result) { hear(*bell, result); }));
+  }
+  const auto total = static_cast<std::uint32_t>(seconds * rate);
+  std::vector<std::uint32_t> waking_ns;
+  auto due = Clock::now();
+  for (std::uint32_t i = 1; i <= total; ++i, due += std::chrono::nanoseconds(1'000'000'000 / rate)) {
+    std::this_thread::sleep_until(due);
+    const std::int64_t before_ns = now_ns();
+    bell->at_ns[i % Bell::kTimes] = before_ns;
+    bell->over = i == total;
+    bell->rung = i;
+    ::syscall(SYS_futex, &bell->rung, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
+    waking_ns.push_back(static_cast<std::uint32_t>(now_ns() - before_ns));
+  }
+  std::vector<std::uint32_t> latency;
+  for (const Reader& reader : readers) {
+    ::waitpid(reader.process, nullptr, 0);
+    latency.insert(latency.end(), reader.result->latency_ns, reader.result->latency_ns + reader.result->packets);
+  }
+  fmt::print("{:<14} {:>8} {:>6} {:>9.1f} {:>9.1f} {:>9.1f}   {:>9.1f} {:>9.1f} {:>9.1f}\n", "(waking alone)", total, "", percentile_us(latency, 0.5),
+             percentile_us(latency, 0.99), percentile_us(latency, 1.0), percentile_us(waking_ns, 0.5), percentile_us(waking_ns, 0.99),
+             percentile_us(waking_ns, 1.0));
+  std::fflush(stdout);
+}
+
 /// @return true when nothing was lost and no heap was used.
 bool measure(const char* name, const std::vector<std::string>& addresses, int seconds, int rate) {
   // The shared-memory ring has to be there before its readers.
@@ -155,7 +213,7 @@ bool measure(const char* name, const std::vector<std::string>& addresses, int se
   std::vector<Reader> readers;
   Transports early({.send = shared ? unique : std::vector<std::string>(), .receive = {}});
   for (const std::string& address : addresses) {
-    readers.push_back(start_reader(address));
+    readers.push_back(start_reader([&](ReaderResult& result) { read_all(address, result); }));
   }
   ::kill(readers.back().process, SIGSTOP);
   Transports later({.send = shared ? std::vector<std::string>() : unique, .receive = {}});
@@ -194,6 +252,7 @@ int main(int argc, char** argv) {
   const std::string ring = fmt::format("shm:/polhode_latency_{}", ::getpid());
   fmt::print("{:<14} {:>8} {:>6} {:>29}   {:>29} {:>6}\n", "", "packets", "lost", "to a reader, us: p50 p99 max", "sending, us: p50 p99 max", "heap");
   bool good = true;
+  measure_waking(seconds, rate);
   good = measure("unix datagram", {"unix:" + folder + "/a", "unix:" + folder + "/b", "unix:" + folder + "/stopped"}, seconds, rate) && good;
   good = measure("shared memory", {ring, ring, ring}, seconds, rate) && good;
   good = measure("udp loopback", {"udp:39301", "udp:39302", "udp:39303"}, seconds, rate) && good;

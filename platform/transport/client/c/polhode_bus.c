@@ -162,7 +162,7 @@ static int open_ring(struct polhode_bus *bus, const char *name) {
   struct stat status;
   if (fstat(bus->fd, &status) != 0) return -errno;
   if ((size_t)status.st_size < sizeof(struct ring)) return -EPROTO;
-  void *memory = mmap(NULL, (size_t)status.st_size, PROT_READ, MAP_SHARED, bus->fd, 0);
+  void *memory = mmap(NULL, (size_t)status.st_size, PROT_READ, MAP_SHARED | MAP_POPULATE, bus->fd, 0);
   if (memory == MAP_FAILED) return -errno;
   const struct ring *ring = memory;
   if (atomic_load_explicit(&ring->magic, memory_order_acquire) != RING_MAGIC || ring->words != RING_WORDS ||
