@@ -74,8 +74,12 @@ class Start:
 
     def wait_for_frames(self, frames: int, limit_s: float = 300.0) -> None:
         end = time.monotonic() + limit_s
-        while len(packets(self.folder / "bus.ccsds")) < frames and time.monotonic() < end:
+        while len(self.poses_valid()) < frames and time.monotonic() < end:
             time.sleep(0.1)
+
+    def poses_valid(self) -> list[bool]:
+        """Of each frame that has been answered."""
+        return [valid for valid in map(pose_valid, packets(self.folder / "bus.ccsds")) if valid is not None]
 
     def kill(self) -> None:
         self.process.send_signal(signal.SIGKILL)
@@ -85,7 +89,7 @@ class Start:
     def account(self, first_packet_s: float) -> dict:
         said = (self.folder / "stderr.txt").read_text()
         begun = next((line for line in said.splitlines() if line.startswith("start ")), "")
-        valid = [v for v in map(pose_valid, packets(self.folder / "bus.ccsds")) if v is not None]
+        valid = self.poses_valid()
         return {"begun": begun, "first_packet_s": round(first_packet_s, 3), "frames": len(valid),
                 "frames_to_pose": valid.index(True) + 1 if True in valid else None}
 
@@ -121,7 +125,7 @@ def campaign(folder: pathlib.Path, kills: int, seed: int, interval_s: float) -> 
 def judge(accounts: list[dict]) -> dict:
     after = accounts[1:]
     cold = [a for a in after if "warm" not in a["begun"]]
-    late = [a for a in after if a["frames"] >= FRAMES_TO_POSE_MAX and (a["frames_to_pose"] or 99) > FRAMES_TO_POSE_MAX]
+    late = [a for a in after if (a["frames_to_pose"] or 99) > FRAMES_TO_POSE_MAX]
     times = sorted(a["first_packet_s"] for a in after)
     return {"kills": len(after), "cold_starts": len(cold), "later_than_third_frame": len(late),
             "frames_to_pose": sorted(a["frames_to_pose"] or 99 for a in after),

@@ -53,7 +53,7 @@ void PacketPrinter::packet(const bus::PacketHeader& header, std::span<const std:
   count_missing(header);
   const bus::Layout* layout = bus::find_packet(header.apid, options_.apid_first);
   if (layout == nullptr) {
-    fmt::print(stderr, "packet {}: APID {} is not in the field table\n", packets_ - 1, header.apid);
+    ++unknown_[header.apid];
     return;
   }
   alignas(std::max_align_t) std::array<std::byte, bus::kStructOctetsMax> packet{};
@@ -79,6 +79,14 @@ void PacketPrinter::damage(std::uint64_t offset, std::size_t octets) {
 
 void PacketPrinter::finish() {
   tell_damage();
+  for (const auto& [apid, count] : unknown_) {
+    fmt::print(stderr,
+               "{}: {} packets of APID {}, which is none of {} and following (--apid-first)\n",
+               options_.source,
+               count,
+               apid,
+               options_.apid_first);
+  }
   fmt::print(stderr,
              "{} packets, {} missing by their counts, {} octets damaged\n",
              packets_,

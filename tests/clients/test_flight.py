@@ -77,6 +77,14 @@ def test_commands_are_part_of_what_determines_the_bytes(flight, tmp_path):
     assert (tmp_path / "same/bus.ccsds").read_bytes() == flight.stream
 
 
+def test_dump_tells_of_packets_that_are_none_of_the_field_table_once(flight, tmp_path):
+    (tmp_path / "bus.ccsds").write_bytes(flight.stream)
+    done = subprocess.run([PROGRAM, "bus", "dump", "--apid-first", "700", tmp_path / "bus.ccsds"], capture_output=True, text=True)
+    lines = done.stderr.splitlines()
+    assert done.returncode == 0 and len(lines) == len({packet.header.apid for packet in flight.packets}) + 1
+    assert "packets of APID 416, which is none of 700 and following (--apid-first)" in lines[0]
+
+
 def test_dump_tells_of_damage_and_reads_on(damaged, tmp_path):
     (tmp_path / "damaged.ccsds").write_bytes(damaged.stream)
     done = subprocess.run([PROGRAM, "bus", "dump", tmp_path / "damaged.ccsds"], capture_output=True, text=True)
