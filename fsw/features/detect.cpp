@@ -114,7 +114,12 @@ void detect_features(const cv::Mat& gray,
   if (space.octaves == 0) {
     return;
   }
-  sift::resample(gray, mask.region_px, region.size, &workspace->resample, picture);
+  sift::resample(gray,
+                 mask.region_px,
+                 region.size,
+                 sift::light_of_gray(options.gamma),
+                 &workspace->resample,
+                 picture);
   sift::fill_scale_space(kPictureBlur_px, &space);
   constexpr double kFullScale = 255.0;
   sift::find_blobs(space,

@@ -47,8 +47,12 @@ void fill_taps(int in, int out, AxisTaps* axis) {
   }
 }
 
-void weigh_rows(
-    const cv::Mat& gray, const cv::Rect& region_px, const AxisTaps& down, int y, float* row) {
+void weigh_rows(const cv::Mat& gray,
+                const cv::Rect& region_px,
+                const AxisTaps& down,
+                const Tone& tone,
+                int y,
+                float* row) {
   const auto width = static_cast<std::size_t>(region_px.width);
   std::fill_n(row, width, 0.0F);
   const float* weight = down.weight.data() + static_cast<std::ptrdiff_t>(y) * down.taps;
@@ -58,7 +62,7 @@ void weigh_rows(
         region_px.x;
     const float w = weight[k];
     for (std::size_t x = 0; x < width; ++x) {
-      row[x] += w * static_cast<float>(from[x]);
+      row[x] += w * tone[from[x]];
     }
   }
 }
@@ -93,9 +97,20 @@ WorkingSize working_size(const cv::Rect& region_px, int pixels_max, double enlar
   return size;
 }
 
+Tone light_of_gray(double gamma) {
+  constexpr double kFullScale = 255.0;
+  Tone tone;
+  for (std::size_t level = 0; level < tone.size(); ++level) {
+    tone[level] =
+        static_cast<float>(kFullScale * std::pow(static_cast<double>(level) / kFullScale, gamma));
+  }
+  return tone;
+}
+
 void resample(const cv::Mat& gray,
               const cv::Rect& region_px,
               const WorkingSize& size,
+              const Tone& tone,
               ResampleScratch* scratch,
               const Plane& out) {
   POLHODE_ASSERT(out.width == size.width && out.height == size.height, out.width);
@@ -104,7 +119,7 @@ void resample(const cv::Mat& gray,
   fill_taps(region_px.height, size.height, &scratch->down);
   float* row = scratch->row.data();
   for (int y = 0; y < size.height; ++y) {
-    weigh_rows(gray, region_px, scratch->down, y, row);
+    weigh_rows(gray, region_px, scratch->down, tone, y, row);
     if (scratch->across.taps == 4) {
       weigh_columns<4>(row, scratch->across, size.width, out.row(y));
     } else {

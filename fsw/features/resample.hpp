@@ -16,6 +16,12 @@ struct AxisTaps {
   std::array<float, 4 * limits::kWorkingSide + limits::kImageSide> weight{};  ///< taps of each
 };
 
+/// What each gray level stands for, on the same scale: 0 .. 255.
+using Tone = std::array<float, 256>;
+
+/// Light, of a camera that answers it with its power 1 / gamma.
+Tone light_of_gray(double gamma);
+
 struct ResampleScratch {
   AxisTaps across;
   AxisTaps down;
@@ -35,12 +41,13 @@ struct WorkingSize {
 WorkingSize working_size(const cv::Rect& region_px, int pixels_max, double enlarge_max);
 
 /// Enlarges by cubic convolution (Catmull-Rom), reduces by the mean over each output pixel's area.
-/// Gray levels stay 0 .. 255; cubic convolution may overshoot. Pixel centres are at integers on
+/// Pixels are weighed by their tone; cubic convolution may overshoot its 0 .. 255. Pixel centres are at integers on
 /// both sides.
 /// @param out  of the working size.
 void resample(const cv::Mat& gray,
               const cv::Rect& region_px,
               const WorkingSize& size,
+              const Tone& tone,
               ResampleScratch* scratch,
               const Plane& out);
 

@@ -260,17 +260,20 @@ void seed_hypotheses(const SeedProblem& problem, StartHypotheses* seeds) {
 }
 
 bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double tolerance) {
-  double difference2 = 0.0;
-  double count = 0.0;
+  FixedVector<double, kContestTracks> apart;
   for (std::size_t i = 0; i < a.tracks; ++i) {
     if (a.known[i] != 0 && b.known[i] != 0) {
-      // A wrong track's point may be anywhere.
-      difference2 += std::min(1.0, (a.points_T[i] - b.points_T[i]).squaredNorm());
-      count += 1.0;
+      (void)apart.push_back((a.points_T[i] - b.points_T[i]).norm());
     }
   }
   // From different cores there may be nothing to compare.
-  if (count < 8.0 || std::sqrt(difference2 / count) > tolerance) {
+  if (apart.size() < 8) {
+    return false;
+  }
+  // Not the mean: up to a third of the tracks are wrong, and a wrong track's point may be anywhere.
+  auto* const middle = apart.begin() + static_cast<std::ptrdiff_t>(apart.size() / 2);
+  std::nth_element(apart.begin(), middle, apart.end());
+  if (*middle > tolerance) {
     return false;
   }
   double largest = 0.0;

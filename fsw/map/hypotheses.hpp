@@ -67,7 +67,7 @@ struct SeedProblem {
 /// Hypotheses of each kind asked for, posed in the core's frames, with the core's tracks known.
 void seed_hypotheses(const SeedProblem& problem, StartHypotheses* seeds);
 
-/// Same geometry: points of the first camera's axes within `tolerance` extents RMS, and turns
+/// Same geometry: points of the first camera's axes within `tolerance` extents (median), and turns
 /// between frames within `tolerance` of the largest. Both in the gauge of normalise_gauge.
 bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double tolerance);
 

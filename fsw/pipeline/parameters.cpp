@@ -41,8 +41,10 @@ constexpr ParameterRow kRows[] = {
 
   {"features.count_max", POLHODE_FIELD(features.count_max), 50, limits::kFeatures, "",
    "features kept per frame"},
+  {"features.gamma", POLHODE_FIELD(features.gamma), 1.0, 3.0, "",
+   "gray levels to this power are taken for light; 1 where the camera is linear"},
   {"features.contrast_min", POLHODE_FIELD(features.contrast_min), 0.001, 0.2, "full scale",
-   "least contrast of a feature"},
+   "least contrast of a feature, in light"},
   {"features.working_pixels_max", POLHODE_FIELD(features.working_pixels_max), 10000, limits::kWorkingPixels, "px",
    "the region of interest is resampled to this many pixels before detection"},
   {"features.sigma_px", POLHODE_FIELD(features.sigma_px), 0.05, 5.0, "px",

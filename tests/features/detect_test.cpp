@@ -55,6 +55,9 @@ cv::Mat draw(int width, int height, double background, const std::vector<Blob>& 
   return gray;
 }
 
+/// For pictures that are drawn in light.
+constexpr FeatureOptions kLinear{.gamma = 1.0};
+
 TargetMask whole(const cv::Mat& gray) {
   TargetMask mask;
   find_target(gray, {.enabled = false}, &mask);
@@ -63,7 +66,7 @@ TargetMask whole(const cv::Mat& gray) {
 
 std::unique_ptr<Features> detect(const cv::Mat& gray,
                                  const TargetMask& mask,
-                                 const FeatureOptions& options = {}) {
+                                 const FeatureOptions& options = kLinear) {
   auto features = std::make_unique<Features>();
   const auto workspace = std::make_unique<FeatureWorkspace>();
   detect_features(gray, mask, camera_for(gray), options, workspace.get(), features.get());
@@ -118,6 +121,42 @@ void expect_found(const cv::Mat& gray,
   EXPECT_LT((sum / found).norm(), tolerance_px / 3.0);
 }
 
+/// What a camera that answers light with its power 1 / gamma makes of a linear one's picture.
+cv::Mat coded(const cv::Mat& light, double gamma) {
+  cv::Mat table(1, 256, CV_8UC1);
+  for (int level = 0; level < 256; ++level) {
+    table.at<std::uint8_t>(level) =
+        static_cast<std::uint8_t>(std::lround(255.0 * std::pow(level / 255.0, 1.0 / gamma)));
+  }
+  cv::Mat gray;
+  cv::LUT(light, table, gray);
+  return gray;
+}
+
+/// Largest distance of a lone blob's feature from its place, over phases of the pixel; the blob
+/// stands on the flank of a wide one, as on a shaded side.
+double worst_shift_px(double camera_gamma, double gamma) {
+  double worst = 0.0;
+  for (const double phase : {0.0, 0.3, 0.6}) {
+    const Blob spot{.u_px = 80.0 + phase, .v_px = 60.0 + phase, .sigma_px = 3.0, .height = 60.0};
+    const Blob shade{.u_px = 110.0, .v_px = 60.0, .sigma_px = 25.0, .height = 130.0};
+    const cv::Mat light = draw(160, 120, 8.0, {spot, shade});
+    Eigen::Vector2d off = Eigen::Vector2d::Zero();
+    const auto features =
+        detect(coded(light, camera_gamma), whole(light), {.gamma = gamma, .contrast_min = 0.01});
+    worst = std::max(worst, nearest_px(*features, spot.u_px, spot.v_px, &off));
+  }
+  return worst;
+}
+
+/// Light adds up, gray levels of a camera that bends it do not: on a shaded side they displace a
+/// spot, and all spots of the side alike.
+TEST(DetectFeatures, PlacesSpotsOnAShadedSideByTheirLight) {
+  const double linear_px = worst_shift_px(1.0, 1.0);
+  EXPECT_NEAR(worst_shift_px(2.2, 2.2), linear_px, 0.05);
+  EXPECT_GT(worst_shift_px(2.2, 1.0), linear_px + 0.1);
+}
+
 TEST(DetectFeatures, FindsBlobsAtTheirPlace_ForEachSizeOfBlob) {
   for (const double sigma_px : {2.0, 3.0, 5.0}) {
     SCOPED_TRACE(sigma_px);
@@ -128,7 +167,7 @@ TEST(DetectFeatures, FindsBlobsAtTheirPlace_ForEachSizeOfBlob) {
         blob_grid(320, 240, std::max(40.0, 12.0 * sigma_px), sigma_px, &rng);
     const cv::Mat gray = draw(320, 240, 30.0, blobs);
     // Quantisation to 256 levels of a blob 120 high moves its peak by some hundredths of a pixel.
-    expect_found(gray, whole(gray), {.count_max = 1000}, blobs, 0.1);
+    expect_found(gray, whole(gray), {.count_max = 1000, .gamma = 1.0}, blobs, 0.1);
   }
 }
 
@@ -145,7 +184,7 @@ TEST(DetectFeatures, FindsBlobsAtTheirPlace_WhenTheRegionIsAPartOfThePicture) {
   TargetMask mask;
   find_target(gray, {}, &mask);
   ASSERT_LT(mask.region_px.width, 240) << "the region has to be a part";
-  expect_found(gray, mask, {.count_max = 1000}, blobs, 0.1);
+  expect_found(gray, mask, {.count_max = 1000, .gamma = 1.0}, blobs, 0.1);
 }
 
 TEST(DetectFeatures, FindsBlobsAtTheirPlace_WhenTheRegionIsReduced) {
@@ -153,7 +192,11 @@ TEST(DetectFeatures, FindsBlobsAtTheirPlace_WhenTheRegionIsReduced) {
   const std::vector<Blob> blobs = blob_grid(643, 481, 72.0, 6.0, &rng);
   const cv::Mat gray = draw(643, 481, 30.0, blobs);
   // 643 x 481 to 80 000 pixels is a factor of 1.97: a tenth of a reduced pixel is 0.2 px.
-  expect_found(gray, whole(gray), {.count_max = 1000, .working_pixels_max = 80000}, blobs, 0.2);
+  expect_found(gray,
+               whole(gray),
+               {.count_max = 1000, .gamma = 1.0, .working_pixels_max = 80000},
+               blobs,
+               0.2);
 }
 
 TEST(DetectFeatures, GivesTheUndistortedPointOfEachPixel) {
@@ -237,9 +280,9 @@ TEST(DetectFeatures, KeepsAtMostCountMax_AndSpreadsThem) {
                      .height = 20.0});
   }
   const cv::Mat gray = draw(320, 240, 20.0, blobs);
-  const auto all = detect(gray, whole(gray), {.count_max = 1000});
+  const auto all = detect(gray, whole(gray), {.count_max = 1000, .gamma = 1.0});
   ASSERT_GT(all->size(), 100U);
-  const auto few = detect(gray, whole(gray), {.count_max = 60});
+  const auto few = detect(gray, whole(gray), {.count_max = 60, .gamma = 1.0});
   EXPECT_EQ(few->size(), 60U);
   const auto right = [](const Features& features) {
     return std::count_if(

@@ -126,7 +126,7 @@ TEST(Resample, KeepsPlaces_WhenItEnlarges_AndWhenItReduces) {
     SCOPED_TRACE(pixels_max);
     const WorkingSize size = working_size(region, pixels_max, 2.0);
     const Picture out = picture(size.width, size.height);
-    resample(gray, region, size, scratch.get(), out.plane);
+    resample(gray, region, size, light_of_gray(1.0), scratch.get(), out.plane);
     // Three output pixels from the border nothing of the outside is left. In a mean over an area a
     // pixel that is partly covered counts with its centre, up to 1/4 pixel from the covered part's,
     // over up to half a pixel at either end; cubic convolution is exact on a ramp.
@@ -139,6 +139,24 @@ TEST(Resample, KeepsPlaces_WhenItEnlarges_AndWhenItReduces) {
         ASSERT_NEAR(
             static_cast<double>(out.plane.row(y)[x]), u_px + v_px, inside ? tolerance : 1.0);
       }
+    }
+  }
+}
+
+TEST(LightOfGray, UndoesTheCameraThatCodedIt) {
+  for (const double gamma : {1.0, 1.8, 2.2}) {
+    SCOPED_TRACE(gamma);
+    const Tone light = light_of_gray(gamma);
+    EXPECT_EQ(light.front(), 0.0F);
+    EXPECT_FLOAT_EQ(light.back(), 255.0F);
+    EXPECT_TRUE(std::is_sorted(light.begin(), light.end()));
+    for (const double seen : {20.0, 90.0, 200.0}) {
+      const double gray = 255.0 * std::pow(seen / 255.0, 1.0 / gamma);
+      // A gray level is rounded by a half, and its light by gamma times its share of that.
+      const double step = gamma * 0.5 / gray * seen;
+      EXPECT_NEAR(static_cast<double>(light[static_cast<std::size_t>(std::lround(gray))]),
+                  seen,
+                  1.1 * step);
     }
   }
 }
@@ -156,7 +174,7 @@ TEST(Resample, GivesBackThePicture_AtItsOwnSize) {
   ASSERT_EQ(size.width, 50);
   const Picture out = picture(50, 40);
   const auto scratch = std::make_unique<ResampleScratch>();
-  resample(gray, all, size, scratch.get(), out.plane);
+  resample(gray, all, size, light_of_gray(1.0), scratch.get(), out.plane);
   for (int v = 0; v < 40; ++v) {
     for (int u = 0; u < 50; ++u) {
       EXPECT_NEAR(static_cast<double>(out.plane.row(v)[u]), gray.at<std::uint8_t>(v, u), 1e-4);

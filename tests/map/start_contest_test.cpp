@@ -283,5 +283,39 @@ TEST(ConvexityCue, TellsABallFromItsTwin) {
   EXPECT_LT(convexity_cue(sightings, 0, h.view()), -5.0);
 }
 
+StartHypothesis made_up_hypothesis() {
+  Rng rng(77, 0);
+  StartHypothesis h;
+  h.frames = 4;
+  h.tracks = 60;
+  for (std::size_t f = 0; f < h.frames; ++f) {
+    h.poses[f] =
+        to_inverse_depth({.R_CT = so3_exp(Eigen::Vector3d(0.02, 0.1, 0.0) * static_cast<double>(f)),
+                          .p_CT = {0.0, 0.0, 20.0}});
+    h.posed[f] = 1;
+  }
+  for (std::size_t i = 0; i < h.tracks; ++i) {
+    h.points_T[i] = synthetic::random_direction(&rng);
+    h.known[i] = 1;
+  }
+  return h;
+}
+
+/// A rival that differs in nothing but what it makes of wrong tracks is no rival.
+TEST(SameGeometry, LooksPastWrongTracks_ButNotPastATwinOrAnotherTurn) {
+  const StartHypothesis h = made_up_hypothesis();
+  StartHypothesis astray = h;
+  for (std::size_t i = 0; i < h.tracks; i += 3) {
+    astray.points_T[i] *= -5.0;
+  }
+  EXPECT_TRUE(same_geometry(h, astray, 0.15));
+  StartHypothesis twin = h;
+  reverse_depth(twin.view());
+  EXPECT_FALSE(same_geometry(h, twin, 0.2));
+  StartHypothesis faster = h;
+  faster.poses[3].R_CT = so3_exp(Eigen::Vector3d(0.02, 0.1, 0.0) * 4.0);
+  EXPECT_FALSE(same_geometry(h, faster, 0.2));
+}
+
 }  // namespace
 }  // namespace polhode
