@@ -104,7 +104,7 @@ void find_piece(MaskState* s) {
 /// What speaks for the target in each pixel before the edges are asked: this picture and the few
 /// before it, and with a map the nearness to landmarks.
 void form_opinion(double radius, MaskState* s) {
-  constexpr float kEvidenceShare = 0.5F;
+  constexpr float kEvidenceShare = 1.0F;
   constexpr float kOutlineShare = 0.6F;
   constexpr float kMapShare = 0.8F;
   const bool by_map = !s->certain.empty();

@@ -10,7 +10,7 @@
 namespace polhode {
 namespace {
 
-constexpr float kTargetEvidence = 0.4F;  // of sigmas a pixel over a window of 25
+constexpr float kTargetEvidence = 0.3F;  // of sigmas a pixel over a window of 25
 constexpr int kPieceAreaMin = 100;       // working pixels; a target that small carries no map
 constexpr double kPieceEvidenceMin = 250.0;
 
