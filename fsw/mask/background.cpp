@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/calib3d.hpp>
+
+#include "mask/plane_motion.hpp"
 
 namespace polhode {
 namespace {
@@ -14,23 +15,29 @@ constexpr float kContradiction_px = 1.5F;
 constexpr std::size_t kLayerTracksMin = 10;
 constexpr std::size_t kAgeMax = (MaskTrack::kPlaces - 1) / 2;
 
-/// Does a group of points surround the middle, as a background does? The picture in 4 x 4 blocks:
-/// at least three of the 12 outer ones hold some, and they hold at least half.
+/// Does a group of points surround the middle, as a background does? The picture in 4 x 4 blocks: it
+/// is in at least three of the 12 outer ones, and covers as much of them as of the inner ones. What
+/// it covers is told in quarters of a block: points are closer together about the target.
 bool surrounds(const std::vector<cv::Point2f>& points, const cv::Size& size) {
-  int outer = 0;
+  constexpr int kQuarters = 8;
+  std::array<bool, kQuarters * kQuarters> covered{};
   std::array<bool, 16> block{};
+  int outer = 0;
+  int inner = 0;
   for (const cv::Point2f& p : points) {
-    const int column =
-        std::clamp(static_cast<int>(4.0F * p.x / static_cast<float>(size.width)), 0, 3);
-    const int row =
-        std::clamp(static_cast<int>(4.0F * p.y / static_cast<float>(size.height)), 0, 3);
-    if (column == 0 || column == 3 || row == 0 || row == 3) {
-      ++outer;
-      block[static_cast<std::size_t>(4 * row + column)] = true;
+    const int column = std::clamp(static_cast<int>(p.x) * kQuarters / size.width, 0, kQuarters - 1);
+    const int row = std::clamp(static_cast<int>(p.y) * kQuarters / size.height, 0, kQuarters - 1);
+    bool& quarter = covered[static_cast<std::size_t>(kQuarters * row + column)];
+    if (quarter) {
+      continue;
     }
+    quarter = true;
+    const bool rim = std::min(column, row) < 2 || std::max(column, row) >= kQuarters - 2;
+    (rim ? outer : inner) += 1;
+    block[static_cast<std::size_t>(4 * (row / 2) + column / 2)] =
+        rim || block[static_cast<std::size_t>(4 * (row / 2) + column / 2)];
   }
-  return std::count(block.begin(), block.end(), true) >= 3 &&
-         2 * outer >= static_cast<int>(points.size());
+  return std::count(block.begin(), block.end(), true) >= 3 && outer >= inner;
 }
 
 /// Points known over the whole age and not known to be target.
@@ -46,12 +53,12 @@ void gather(const cv::Mat& target, std::size_t age, const PointsState& points, B
   }
 }
 
-/// Takes the points that the mask names out of those that are still to be explained.
-void take_out(const cv::Mat& inlier, BackgroundState* s) {
+/// Takes the points that agree out of those that are still to be explained.
+void take_out_agreeing(BackgroundState* s) {
   std::size_t kept = 0;
   s->group.clear();
   for (std::size_t i = 0; i < s->from.size(); ++i) {
-    if (inlier.at<std::uint8_t>(static_cast<int>(i)) != 0) {
+    if (s->agrees[i] != 0) {
       s->group.push_back(s->to[i]);
     } else {
       s->from[kept] = s->from[i];
@@ -71,33 +78,25 @@ void fit_layers(const cv::Size& size, BackgroundMotion* motion, BackgroundState*
     if (s->from.size() < kLayerTracksMin) {
       return;
     }
-    cv::Mat inlier;
-    constexpr int kDrawsMax = 300;
-    const cv::Mat H =
-        cv::findHomography(s->from, s->to, cv::RANSAC, kFit_px, inlier, kDrawsMax, 0.99);
-    if (H.empty()) {
+    cv::Matx33d layer;
+    if (!fit_plane_motion(s->from, s->to, kFit_px, &layer, &s->agrees)) {
       return;
     }
-    take_out(inlier, s);
+    take_out_agreeing(s);
     if (s->group.size() < kLayerTracksMin) {
       return;
     }
     if (surrounds(s->group, size)) {
-      (void)motion->layers.push_back(cv::Matx33d(H));
+      (void)motion->layers.push_back(layer);
     }
   }
-}
-
-cv::Point2f apply(const cv::Matx33d& H, const cv::Point2f& p) {
-  const cv::Vec3d q = H * cv::Vec3d(static_cast<double>(p.x), static_cast<double>(p.y), 1.0);
-  return {static_cast<float>(q[0] / q[2]), static_cast<float>(q[1] / q[2])};
 }
 
 /// How far a point is from where the nearest of the background's motions brings it.
 float contradiction_px(const MaskTrack& track, const BackgroundMotion& motion) {
   float least = 1E6F;
   for (const cv::Matx33d& layer : motion.layers) {
-    const cv::Point2f d = track.now() - apply(layer, track.places[motion.age]);
+    const cv::Point2f d = track.now() - moved(layer, track.places[motion.age]);
     least = std::min(least, std::hypot(d.x, d.y));
   }
   return least;

@@ -29,7 +29,7 @@ struct BackgroundState {
 
   // Scratch; contents mean nothing between calls.
   std::vector<cv::Point2f> from, to, group;
-  std::vector<std::size_t> index;
+  std::vector<std::uint8_t> agrees;
   std::vector<float> contradictions_px;
 };
 

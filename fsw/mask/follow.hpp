@@ -31,7 +31,8 @@ struct MaskState {
   bool sharp = false;   ///< `outline` has been moved to the picture's edges
   int unexplained = 1000;  ///< pictures since the last whose background had a motion
   cv::Mat outline;      ///< CV_8UC1 of the working size, 255 on the target; not grown
-  cv::Mat certain;      ///< CV_8UC1: about the map's landmarks
+  cv::Mat landmarks;    ///< CV_8UC1: about the map's landmarks that the pictures do not contradict
+  cv::Mat certain;      ///< CV_8UC1: target by the map, where motion alone does not tell
   cv::Mat reach;        ///< CV_8UC1: as far as the target can be by the map
   double near_px = 0.0;  ///< nearer to a landmark than this is target, in working pixels
   OutlineScratch scratch;

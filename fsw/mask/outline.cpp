@@ -11,6 +11,7 @@ namespace polhode {
 namespace {
 
 constexpr float kTargetEvidence = 0.3F;  // of sigmas a pixel over a window of 25
+constexpr float kCertainEvidence = 6.0F;
 constexpr int kPieceAreaMin = 100;       // working pixels; a target that small carries no map
 constexpr double kPieceEvidenceMin = 250.0;
 
@@ -34,11 +35,13 @@ std::vector<Piece> weigh_pieces(const cv::Mat& evidence,
                                 const OutlineScratch& s) {
   std::vector<Piece> pieces(static_cast<std::size_t>(count));
   for (int row = 0; row < evidence.rows; ++row) {
+    const auto* says = evidence.ptr<float>(row);
+    const auto* label = s.labels.ptr<int>(row);
+    const std::uint8_t* sure = certain.empty() ? nullptr : certain.ptr<std::uint8_t>(row);
     for (int column = 0; column < evidence.cols; ++column) {
-      const int label = s.labels.at<int>(row, column);
-      const bool sure = !certain.empty() && certain.at<std::uint8_t>(row, column) != 0;
-      pieces[static_cast<std::size_t>(label)].evidence +=
-          static_cast<double>(std::max(0.0F, sure ? 6.0F : evidence.at<float>(row, column)));
+      const float weight = sure != nullptr && sure[column] != 0 ? kCertainEvidence : says[column];
+      pieces[static_cast<std::size_t>(label[column])].evidence +=
+          static_cast<double>(std::max(0.0F, weight));
     }
   }
   for (int i = 0; i < count; ++i) {
@@ -140,11 +143,19 @@ void tie_neighbours(const cv::Mat& gray, Graph* graph) {
 
 }  // namespace
 
-bool find_outline(const cv::Mat& evidence,
-                  const cv::Mat& certain,
+bool find_outline(const cv::Mat& all_evidence,
+                  const cv::Mat& all_certain,
+                  const cv::Rect& region,
                   OutlineScratch* s,
-                  cv::Mat* outline) {
-  outline->create(evidence.size(), CV_8UC1);
+                  cv::Mat* whole_outline) {
+  whole_outline->create(all_evidence.size(), CV_8UC1);
+  whole_outline->setTo(0);
+  if (region.empty()) {
+    return false;
+  }
+  const cv::Mat evidence = all_evidence(region);
+  const cv::Mat certain = all_certain.empty() ? cv::Mat() : all_certain(region);
+  cv::Mat outline = (*whole_outline)(region);
   cv::threshold(
       evidence, s->closed, static_cast<double>(kTargetEvidence), 255.0, cv::THRESH_BINARY);
   s->closed.convertTo(s->positive, CV_8UC1);
@@ -152,7 +163,7 @@ bool find_outline(const cv::Mat& evidence,
   if (!certain.empty()) {
     cv::bitwise_or(s->positive, certain, s->positive);
   }
-  const cv::Mat element = disc(closing_radius(evidence.size()));
+  const cv::Mat element = disc(closing_radius(all_evidence.size()));
   cv::morphologyEx(s->positive, s->positive, cv::MORPH_CLOSE, element);
   const int count =
       cv::connectedComponentsWithStats(s->positive, s->labels, s->stats, s->centroids, 8, CV_32S);
@@ -162,7 +173,6 @@ bool find_outline(const cv::Mat& evidence,
         return a.evidence < b.evidence;
       });
   if (count < 2 || main->evidence < kPieceEvidenceMin || main->box.area() < kPieceAreaMin) {
-    outline->setTo(0);
     return false;
   }
   std::vector<std::uint8_t> keep(pieces.size(), 0);
@@ -171,12 +181,12 @@ bool find_outline(const cv::Mat& evidence,
   }
   for (int row = 0; row < evidence.rows; ++row) {
     const int* label = s->labels.ptr<int>(row);
-    std::uint8_t* to = outline->ptr<std::uint8_t>(row);
+    std::uint8_t* to = outline.ptr<std::uint8_t>(row);
     for (int column = 0; column < evidence.cols; ++column) {
       to[column] = keep[static_cast<std::size_t>(label[column])];
     }
   }
-  fill_holes(outline, &s->flooded);
+  fill_holes(&outline, &s->flooded);
   return true;
 }
 

@@ -12,10 +12,12 @@ struct OutlineScratch {
 
 /// The piece with the most evidence, and what lies close to it: closed, its holes filled.
 /// @param evidence CV_32FC1. @param certain CV_8UC1 or empty: target whatever the evidence.
+/// @param region outside of it there is no evidence.
 /// @param outline CV_8UC1, 255 on the target; all 0 when there is no piece worth a target.
 /// @return false when there is none.
 bool find_outline(const cv::Mat& evidence,
                   const cv::Mat& certain,
+                  const cv::Rect& region,
                   OutlineScratch* scratch,
                   cv::Mat* outline);
 

@@ -46,29 +46,31 @@ bool is_near(const cv::Point2f& p, const PointsState& s) {
   });
 }
 
-/// The best corner of each tile of a grid over part of the picture.
-void add_corners(const cv::Rect& part, int columns, int rows, PointsState* s) {
+/// The best corner of each tile of a grid over part of the picture, until there are so many points.
+void add_corners(const cv::Rect& part, int columns, int rows, std::size_t most, PointsState* s) {
   // A step of 20 levels at a corner has 5e-4; noise of 2 levels gives a tenth of that.
   constexpr double kScoreMin = 2E-4;
   if (part.width < columns || part.height < rows) {
     return;
   }
   cv::cornerMinEigenVal(s->picture(0)(part), s->corner_score, 3, 3);
-  for (int r = 0; r < rows; ++r) {
-    for (int c = 0; c < columns; ++c) {
-      const cv::Rect tile(
-          cv::Point(c * part.width / columns, r * part.height / rows),
-          cv::Point((c + 1) * part.width / columns, (r + 1) * part.height / rows));
-      double best = 0.0;
-      cv::Point where;
-      cv::minMaxLoc(s->corner_score(tile), nullptr, &best, nullptr, &where);
-      MaskTrack track;
-      track.places[0] = cv::Point2f(where + tile.tl() + part.tl());
-      track.count = 1;
-      if (best > kScoreMin && inside(track.now(), s->picture(0).size()) &&
-          !is_near(track.now(), *s)) {
-        (void)s->tracks.push_back(track);
-      }
+  // In an order that is spread over the part: what is left out when it is full is so, too.
+  constexpr int kStride = 37;
+  const int tiles = rows * columns;
+  for (int i = 0; i < tiles && s->tracks.size() < most; ++i) {
+    const int r = (i * kStride % tiles) / columns;
+    const int c = (i * kStride % tiles) % columns;
+    const cv::Rect tile(cv::Point(c * part.width / columns, r * part.height / rows),
+                        cv::Point((c + 1) * part.width / columns, (r + 1) * part.height / rows));
+    double best = 0.0;
+    cv::Point where;
+    cv::minMaxLoc(s->corner_score(tile), nullptr, &best, nullptr, &where);
+    MaskTrack track;
+    track.places[0] = cv::Point2f(where + tile.tl() + part.tl());
+    track.count = 1;
+    if (best > kScoreMin && inside(track.now(), s->picture(0).size()) &&
+        !is_near(track.now(), *s)) {
+      (void)s->tracks.push_back(track);
     }
   }
 }
@@ -152,13 +154,21 @@ void refill_points(const cv::Rect& target, bool everywhere, PointsState* s) {
   constexpr int kBands = 4;
   constexpr int kRowsOfBand = 3;
   constexpr int kOnTarget = 12;  // rows and columns of the finer grid
+  constexpr std::size_t kOnTargetMost = 200;
   const cv::Rect whole = s->whole();
-  add_corners(target & whole, kOnTarget, kOnTarget, s);
+  const auto there = static_cast<std::size_t>(
+      std::count_if(s->tracks.begin(), s->tracks.end(), [&](const MaskTrack& track) {
+        return target.contains(cv::Point(track.now()));
+      }));
+  if (there < kOnTargetMost) {
+    const std::size_t most = s->tracks.size() + kOnTargetMost - there;
+    add_corners(target & whole, kOnTarget, kOnTarget, most, s);
+  }
   for (int band = 0; band < kBands; ++band) {
     if (everywhere || static_cast<std::size_t>(band) == s->band) {
       const int top = band * whole.height / kBands;
       const int bottom = (band + 1) * whole.height / kBands;
-      add_corners({0, top, whole.width, bottom - top}, kColumns, kRowsOfBand, s);
+      add_corners({0, top, whole.width, bottom - top}, kColumns, kRowsOfBand, PointsState::kTracks, s);
     }
   }
   s->band = (s->band + 1) % kBands;

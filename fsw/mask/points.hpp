@@ -30,7 +30,7 @@ struct MaskTrack {
 /// What is remembered from picture to picture. Memory is taken with the first picture.
 struct PointsState {
   static constexpr std::size_t kPictures = MaskTrack::kPlaces;
-  static constexpr std::size_t kTracks = 360;
+  static constexpr std::size_t kTracks = 420;
 
   int decimation = 1;                       ///< pixels of the image per working pixel
   std::array<cv::Mat, kPictures> pictures;  ///< ring

@@ -1,0 +1,182 @@
+#include "mask/plane_motion.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "base/assert.hpp"
+#include "base/rng.hpp"
+
+namespace polhode {
+namespace {
+
+using Vector8d = Eigen::Matrix<double, 8, 1>;
+using Matrix8d = Eigen::Matrix<double, 8, 8>;
+
+constexpr int kDrawsMax = 100;
+constexpr std::size_t kAgreeMin = 8;
+// Coordinates in hundreds of pixels keep the equations' terms of one size.
+constexpr double kUnit_px = 100.0;
+
+struct Sample {
+  std::array<std::size_t, 4> index;
+};
+
+/// The two equations, linear in the eight unknowns (the ninth element is 1), of a pair of points.
+void equations(const cv::Point2f& from,
+               const cv::Point2f& to,
+               Vector8d* row_u,
+               Vector8d* row_v,
+               double* u,
+               double* v) {
+  const double x = static_cast<double>(from.x) / kUnit_px;
+  const double y = static_cast<double>(from.y) / kUnit_px;
+  *u = static_cast<double>(to.x) / kUnit_px;
+  *v = static_cast<double>(to.y) / kUnit_px;
+  *row_u << x, y, 1.0, 0.0, 0.0, 0.0, -*u * x, -*u * y;
+  *row_v << 0.0, 0.0, 0.0, x, y, 1.0, -*v * x, -*v * y;
+}
+
+/// Back to pixels.
+cv::Matx33d in_pixels(const Vector8d& h) {
+  return {h(0), h(1), h(2) * kUnit_px,
+          h(3), h(4), h(5) * kUnit_px,
+          h(6) / kUnit_px, h(7) / kUnit_px, 1.0};
+}
+
+bool through_four(std::span<const cv::Point2f> from,
+                  std::span<const cv::Point2f> to,
+                  const Sample& sample,
+                  cv::Matx33d* motion) {
+  Matrix8d A;
+  Vector8d b;
+  for (int i = 0; i < 4; ++i) {
+    const std::size_t k = sample.index[static_cast<std::size_t>(i)];
+    Vector8d row_u;
+    Vector8d row_v;
+    equations(from[k], to[k], &row_u, &row_v, &b(2 * i), &b(2 * i + 1));
+    A.row(2 * i) = row_u.transpose();
+    A.row(2 * i + 1) = row_v.transpose();
+  }
+  const Vector8d h = A.partialPivLu().solve(b);
+  *motion = in_pixels(h);
+  return h.allFinite();
+}
+
+/// Sum of squared distances, each at most the square of what still agrees.
+double score(std::span<const cv::Point2f> from,
+             std::span<const cv::Point2f> to,
+             const cv::Matx33d& motion,
+             double fit_px,
+             std::size_t* agree) {
+  const auto limit = static_cast<float>(fit_px * fit_px);
+  double sum = 0.0;
+  *agree = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const cv::Point2f d = moved(motion, from[i]) - to[i];
+    const float e2 = d.x * d.x + d.y * d.y;
+    const bool near = e2 < limit;
+    *agree += near ? 1 : 0;
+    sum += static_cast<double>(near ? e2 : limit);
+  }
+  return sum;
+}
+
+/// Least squares on the points that agree with `motion`, which is replaced.
+void refine(std::span<const cv::Point2f> from,
+            std::span<const cv::Point2f> to,
+            double fit_px,
+            cv::Matx33d* motion) {
+  const auto limit = static_cast<float>(fit_px * fit_px);
+  Matrix8d normal = Matrix8d::Zero();
+  Vector8d right = Vector8d::Zero();
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const cv::Point2f d = moved(*motion, from[i]) - to[i];
+    if (d.x * d.x + d.y * d.y < limit) {
+      Vector8d row_u;
+      Vector8d row_v;
+      double u = 0.0;
+      double v = 0.0;
+      equations(from[i], to[i], &row_u, &row_v, &u, &v);
+      normal += row_u * row_u.transpose() + row_v * row_v.transpose();
+      right += u * row_u + v * row_v;
+    }
+  }
+  const Vector8d h = normal.ldlt().solve(right);
+  if (h.allFinite()) {
+    *motion = in_pixels(h);
+  }
+}
+
+/// Draws that find four agreeing points with 99 %, when this part of all agrees.
+int draws_needed(double part) {
+  const double four = std::pow(std::clamp(part, 0.01, 0.999), 4.0);
+  return static_cast<int>(std::ceil(std::log(0.01) / std::log(1.0 - four)));
+}
+
+Sample draw(std::size_t count, Rng* rng) {
+  Sample sample{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    bool again = true;
+    while (again) {
+      sample.index[i] = rng->below(static_cast<std::uint32_t>(count));
+      again = std::find(sample.index.begin(),
+                        sample.index.begin() + static_cast<std::ptrdiff_t>(i),
+                        sample.index[i]) != sample.index.begin() + static_cast<std::ptrdiff_t>(i);
+    }
+  }
+  return sample;
+}
+
+}  // namespace
+
+cv::Point2f moved(const cv::Matx33d& motion, const cv::Point2f& point) {
+  const auto x = static_cast<double>(point.x);
+  const auto y = static_cast<double>(point.y);
+  const double w = motion(2, 0) * x + motion(2, 1) * y + motion(2, 2);
+  return {static_cast<float>((motion(0, 0) * x + motion(0, 1) * y + motion(0, 2)) / w),
+          static_cast<float>((motion(1, 0) * x + motion(1, 1) * y + motion(1, 2)) / w)};
+}
+
+bool fit_plane_motion(std::span<const cv::Point2f> from,
+                      std::span<const cv::Point2f> to,
+                      double fit_px,
+                      cv::Matx33d* motion,
+                      std::vector<std::uint8_t>* agrees) {
+  POLHODE_ASSERT(from.size() == to.size(), from.size());
+  if (from.size() < kAgreeMin) {
+    return false;
+  }
+  Rng rng(0, from.size());
+  double best = 1E300;
+  int draws = kDrawsMax;
+  for (int i = 0; i < draws; ++i) {
+    cv::Matx33d candidate;
+    std::size_t agree = 0;
+    if (!through_four(from, to, draw(from.size(), &rng), &candidate)) {
+      continue;
+    }
+    const double cost = score(from, to, candidate, fit_px, &agree);
+    if (cost < best) {
+      best = cost;
+      *motion = candidate;
+      const double part = static_cast<double>(agree) / static_cast<double>(from.size());
+      draws = std::min(draws, std::max(i + 1, draws_needed(part)));
+    }
+  }
+  constexpr int kRounds = 3;
+  for (int i = 0; i < kRounds && best < 1E300; ++i) {
+    refine(from, to, fit_px, motion);
+  }
+  agrees->assign(from.size(), 0);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < from.size() && best < 1E300; ++i) {
+    const cv::Point2f d = moved(*motion, from[i]) - to[i];
+    (*agrees)[i] = std::hypot(d.x, d.y) < static_cast<float>(fit_px) ? 1 : 0;
+    count += (*agrees)[i];
+  }
+  return count >= kAgreeMin;
+}
+
+}  // namespace polhode
