@@ -15,9 +15,9 @@ constexpr float kContradiction_px = 1.5F;
 constexpr std::size_t kLayerTracksMin = 10;
 constexpr std::size_t kAgeMax = (MaskTrack::kPlaces - 1) / 2;
 
-/// Does a group of points surround the middle, as a background does? The picture in 4 x 4 blocks: it
-/// is in at least three of the 12 outer ones, and covers as much of them as of the inner ones. What
-/// it covers is told in quarters of a block: points are closer together about the target.
+/// Does a group of points surround the middle, as a background does? The picture in 4 x 4 blocks:
+/// it is in at least three of the 12 outer ones, and covers as much of them as of the inner ones.
+/// What it covers is told in quarters of a block: points are closer together about the target.
 bool surrounds(const std::vector<cv::Point2f>& points, const cv::Size& size) {
   constexpr int kQuarters = 8;
   std::array<bool, kQuarters * kQuarters> covered{};
@@ -69,8 +69,8 @@ void take_out_agreeing(BackgroundState* s) {
   s->to.resize(kept);
 }
 
-/// One plane motion after the other, each through the points that the ones before left over. A group
-/// that does not surround the middle is a side of the target: it is set aside.
+/// One plane motion after the other, each through the points that the ones before left over. A
+/// group that does not surround the middle is a side of the target: it is set aside.
 void fit_layers(const cv::Size& size, BackgroundMotion* motion, BackgroundState* s) {
   constexpr int kGroupsMax = static_cast<int>(BackgroundMotion::kLayers) + 1;
   motion->layers.clear();

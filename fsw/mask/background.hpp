@@ -1,7 +1,7 @@
 // Which points move like what is behind the target, and which do not.
 //
-// One plane motion (homography) at a time, up to three, explains the points that surround the middle
-// of the picture: none for a static room, a rotation for stars, a plane for the Earth. What
+// One plane motion (homography) at a time, up to three, explains the points that surround the
+// middle of the picture: none for a static room, a rotation for stars, a plane for the Earth. What
 // contradicts all of them, in a group, is on the target.
 #pragma once
 
@@ -33,8 +33,8 @@ struct BackgroundState {
   std::vector<float> contradictions_px;
 };
 
-/// Fits the background's motions and tells the points apart. @param target known parts of the target
-/// (CV_8UC1 of the working size, or empty): their points are no background.
+/// Fits the background's motions and tells the points apart. @param target known parts of the
+/// target (CV_8UC1 of the working size, or empty): their points are no background.
 /// @return false when no motion of a background was found; all points are unassigned then.
 bool explain_background(const cv::Mat& target, PointsState* points, BackgroundState* state);
 

@@ -99,12 +99,14 @@ void measure_excess(const cv::Mat& now, double cap, EvidenceState* s) {
 }
 
 void sum_over_window(const cv::Mat& excess, cv::Mat* sum) {
-  cv::boxFilter(
-      excess, *sum, CV_16U, cv::Size(kWindow_px, kWindow_px), cv::Point(-1, -1), false);
+  cv::boxFilter(excess, *sum, CV_16U, cv::Size(kWindow_px, kWindow_px), cv::Point(-1, -1), false);
 }
 
 /// Where the layer brings something from inside the earlier picture.
-void find_seen(const cv::Matx33d& layer, const cv::Size& size, const cv::Rect& region, cv::Mat* seen) {
+void find_seen(const cv::Matx33d& layer,
+               const cv::Size& size,
+               const cv::Rect& region,
+               cv::Mat* seen) {
   constexpr float kRim_px = 3.0F;
   const auto right = static_cast<float>(size.width) - 1.0F - kRim_px;
   const auto bottom = static_cast<float>(size.height) - 1.0F - kRim_px;
@@ -122,11 +124,12 @@ void find_seen(const cv::Matx33d& layer, const cv::Size& size, const cv::Rect& r
   }
   seen->create(region.size(), CV_8UC1);
   seen->setTo(0);
-  cv::fillConvexPoly(*seen, corners_px.data(), static_cast<int>(corners_px.size()), cv::Scalar(255));
+  cv::fillConvexPoly(
+      *seen, corners_px.data(), static_cast<int>(corners_px.size()), cv::Scalar(255));
 }
 
-/// What contradicts all of the background's motions. What they bring from outside the earlier picture
-/// is not known and contradicts nothing.
+/// What contradicts all of the background's motions. What they bring from outside the earlier
+/// picture is not known and contradicts nothing.
 void compare_with_background(const PointsState& points,
                              const BackgroundMotion& motion,
                              const cv::Rect& region,
@@ -186,7 +189,8 @@ void add_instant(double share, const cv::Rect& region, EvidenceState* s) {
   }
 }
 
-/// Target evidence goes along with the target; half of it, or two and a half pictures' worth, stays.
+/// Target evidence goes along with the target; half of it, or two and a half pictures' worth,
+/// stays.
 void carry(const PointsState& points, const cv::Rect& region, EvidenceState* s) {
   constexpr float kMemory = 0.55F;
   spread_motion(points, 1, region, s);

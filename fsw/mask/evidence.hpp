@@ -2,8 +2,8 @@
 //
 // Each place of the newest picture is compared with where the background's motion and where the
 // target's would have brought it from. What one of the two explains and the other does not is told
-// apart to a pixel or two, from the second picture on; what both explain, an even place, or neither,
-// one that has just come into view, says nothing.
+// apart to a pixel or two, from the second picture on; what both explain, an even place, or
+// neither, one that has just come into view, says nothing.
 #pragma once
 
 #include "mask/background.hpp"
@@ -13,9 +13,9 @@ namespace polhode {
 struct EvidenceState {
   static constexpr float kMax = 6.0F;
 
-  cv::Mat total;    ///< CV_32FC1: positive where the target is; carried along with its motion
-  cv::Mat instant;  ///< CV_32FC1, -2 .. 2: what this picture alone says; 0 outside of `region`
-  cv::Rect region;  ///< in which the last pictures were compared
+  cv::Mat total;       ///< CV_32FC1: positive where the target is; carried along with its motion
+  cv::Mat instant;     ///< CV_32FC1, -2 .. 2: what this picture alone says; 0 outside of `region`
+  cv::Rect region;     ///< in which the last pictures were compared
   double noise = 2.0;  ///< one sigma of a working pixel, levels
 
   // Scratch; contents mean nothing between calls.

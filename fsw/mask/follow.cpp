@@ -8,8 +8,8 @@ namespace polhode {
 namespace {
 
 // Two fifths of the picture's rim: the Earth behind half of the picture lights half of it. Before
-// photographs of a body on a stand, which reaches the rim (up to 0.36), there is no motion to be told
-// apart and much of the body to be lost.
+// photographs of a body on a stand, which reaches the rim (up to 0.36), there is no motion to be
+// told apart and much of the body to be lost.
 constexpr double kRimLitMin = 0.4;
 constexpr int kPatience = 5;
 
@@ -69,8 +69,8 @@ void close_gaps(const cv::Rect& box, MaskState* s) {
 }
 
 /// Landmarks are certain, and so is what lies between them, unless the pictures say that the
-/// background is there: a map has some that are wrong. And how far the body can reach beyond them: a
-/// new side comes into view, and landmarks do not sit on its rim.
+/// background is there: a map has some that are wrong. And how far the body can reach beyond them:
+/// a new side comes into view, and landmarks do not sit on its rim.
 void place_prior(const MaskPrior& prior, MaskState* s) {
   place_landmarks(prior, false, s);
   if (s->certain.empty()) {

@@ -25,15 +25,15 @@ struct MaskState {
   BackgroundState background;
   EvidenceState evidence;
   std::size_t compared = 0;  ///< pictures since something was behind the target
-  bool behind = false;  ///< something is behind the target: the rim of the picture is lit
-  bool found = false;   ///< `outline` holds the target
-  bool was_found = false;  ///< in the picture before
-  bool sharp = false;   ///< `outline` has been moved to the picture's edges
-  int unexplained = 1000;  ///< pictures since the last whose background had a motion
-  cv::Mat outline;      ///< CV_8UC1 of the working size, 255 on the target; not grown
-  cv::Mat landmarks;    ///< CV_8UC1: about the map's landmarks that the pictures do not contradict
-  cv::Mat certain;      ///< CV_8UC1: target by the map, where motion alone does not tell
-  cv::Mat reach;        ///< CV_8UC1: as far as the target can be by the map
+  bool behind = false;       ///< something is behind the target: the rim of the picture is lit
+  bool found = false;        ///< `outline` holds the target
+  bool was_found = false;    ///< in the picture before
+  bool sharp = false;        ///< `outline` has been moved to the picture's edges
+  int unexplained = 1000;    ///< pictures since the last whose background had a motion
+  cv::Mat outline;           ///< CV_8UC1 of the working size, 255 on the target; not grown
+  cv::Mat landmarks;     ///< CV_8UC1: about the map's landmarks that the pictures do not contradict
+  cv::Mat certain;       ///< CV_8UC1: target by the map, where motion alone does not tell
+  cv::Mat reach;         ///< CV_8UC1: as far as the target can be by the map
   double near_px = 0.0;  ///< nearer to a landmark than this is target, in working pixels
   OutlineScratch scratch;
   cv::Mat opinion, agreeing, cells, distance;  ///< scratch
@@ -41,17 +41,17 @@ struct MaskState {
 
 /// Before black space: as find_target. With something behind the target: the piece of the picture
 /// that contradicts the background's motion, or that the map's landmarks are in. While there is no
-/// such piece the mask is empty; where the background had no motion that explains it either, not for
-/// five pictures, everything lit is the target.
-/// @cost about 3 ms a picture of 1920 x 1080 beyond find_target.
+/// such piece the mask is empty; where the background had no motion that explains it either, not
+/// for five pictures, everything lit is the target.
+/// @cost about 12 ms a picture of 1920 x 1080.
 void follow_target(const cv::Mat& gray,
                    const MaskPrior& prior,
                    const MaskOptions& options,
                    MaskState* state,
                    TargetMask* mask);
 
-/// For keyframes: moves the outline to the picture's edges, with the prior that the frame's own pose
-/// gives. Nothing is done before black space.
+/// For keyframes: moves the outline to the picture's edges, with the prior that the frame's own
+/// pose gives. Nothing is done before black space.
 void sharpen_outline(const MaskPrior& prior, MaskState* state);
 
 }  // namespace polhode

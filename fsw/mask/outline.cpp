@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kTargetEvidence = 0.3F;  // of sigmas a pixel over a window of 25
 constexpr float kCertainEvidence = 6.0F;
-constexpr int kPieceAreaMin = 100;       // working pixels; a target that small carries no map
+constexpr int kPieceAreaMin = 100;  // working pixels; a target that small carries no map
 constexpr double kPieceEvidenceMin = 250.0;
 
 cv::Mat disc(int radius) {
@@ -203,10 +203,7 @@ void cut_at_edges(const cv::Mat& picture,
   box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
         cv::Rect(0, 0, picture.cols, picture.rows);
   Graph graph(static_cast<unsigned>(box.area()), static_cast<unsigned>(4 * box.area()));
-  add_places(opinion(box),
-             certain.empty() ? cv::Mat() : certain(box),
-             (*outline)(box),
-             &graph);
+  add_places(opinion(box), certain.empty() ? cv::Mat() : certain(box), (*outline)(box), &graph);
   tie_neighbours(picture(box), &graph);
   graph.maxFlow();
   outline->setTo(0);

@@ -22,8 +22,10 @@ bool find_outline(const cv::Mat& evidence,
                   cv::Mat* outline);
 
 /// Moves the outline to the edges of the picture nearby: the least cut between target and the rest,
-/// dear where the picture is even. Only in the box of the outline, grown by an eighth; for keyframes.
-/// @param opinion CV_32FC1: for (positive) or against target, pixel by pixel; 6 equals an even place.
+/// dear where the picture is even. Only in the box of the outline, grown by an eighth; for
+/// keyframes.
+/// @param opinion CV_32FC1: for (positive) or against target, pixel by pixel; 6 equals an even
+/// place.
 /// @cost one maximum flow over the region's pixels.
 /// @source Boykov and Kolmogorov, PAMI 2004, by way of OpenCV.
 void cut_at_edges(const cv::Mat& picture,

@@ -40,9 +40,15 @@ void equations(const cv::Point2f& from,
 
 /// Back to pixels.
 cv::Matx33d in_pixels(const Vector8d& h) {
-  return {h(0), h(1), h(2) * kUnit_px,
-          h(3), h(4), h(5) * kUnit_px,
-          h(6) / kUnit_px, h(7) / kUnit_px, 1.0};
+  return {h(0),
+          h(1),
+          h(2) * kUnit_px,
+          h(3),
+          h(4),
+          h(5) * kUnit_px,
+          h(6) / kUnit_px,
+          h(7) / kUnit_px,
+          1.0};
 }
 
 bool through_four(std::span<const cv::Point2f> from,

@@ -168,7 +168,8 @@ void refill_points(const cv::Rect& target, bool everywhere, PointsState* s) {
     if (everywhere || static_cast<std::size_t>(band) == s->band) {
       const int top = band * whole.height / kBands;
       const int bottom = (band + 1) * whole.height / kBands;
-      add_corners({0, top, whole.width, bottom - top}, kColumns, kRowsOfBand, PointsState::kTracks, s);
+      add_corners(
+          {0, top, whole.width, bottom - top}, kColumns, kRowsOfBand, PointsState::kTracks, s);
     }
   }
   s->band = (s->band + 1) % kBands;
