@@ -24,13 +24,14 @@ float layer_at(const Octave& octave, int layer, int y, int x) {
          octave[static_cast<std::size_t>(layer)].row(y)[x];
 }
 
+template <class Lanes>
 void fill_row(const Octave& octave, int y, LayerRows* rows) {
   for (std::size_t i = 0; i + 1 < ScaleSpace::kLevels; ++i) {
     const float* fine = octave[i].row(y);
     const float* coarse = octave[i + 1].row(y);
     float* out = rows->layer[i][static_cast<std::size_t>(y % 3)].data();
-    for (int x = 0; x < octave[i].width; x += kLanes) {
-      store(load(coarse + x) - load(fine + x), out + x);
+    for (int x = 0; x < octave[i].width; x += kLanes<Lanes>) {
+      store(load<Lanes>(coarse + x) - load<Lanes>(fine + x), out + x);
     }
   }
 }
@@ -48,31 +49,36 @@ ThreeRows three_rows(const LayerRows& rows, int layer, int y) {
   return three;
 }
 
+template <class Lanes>
 struct Range {
   Lanes least;
   Lanes most;
 };
 
-Range range_of(const float* a, const float* b, const float* c, const float* d) {
-  const Lanes first = load(a);
-  const Lanes second = load(b);
-  const Lanes third = load(c);
-  const Lanes fourth = load(d);
+template <class Lanes>
+Range<Lanes> range_of(const float* a, const float* b, const float* c, const float* d) {
+  const Lanes first = load<Lanes>(a);
+  const Lanes second = load<Lanes>(b);
+  const Lanes third = load<Lanes>(c);
+  const Lanes fourth = load<Lanes>(d);
   return {.least = smaller(smaller(first, second), smaller(third, fourth)),
           .most = larger(larger(first, second), larger(third, fourth))};
 }
 
 /// Lanes from x on that are beyond the threshold and not beaten by their eight neighbours in the
 /// layer. Of equals, the last one counts.
-LaneMask extreme_in_layer(const ThreeRows& rows, int x, Lanes threshold) {
-  const Lanes middle = load(rows[1] + x);
-  LaneMask high = middle > threshold;
-  LaneMask low = middle < -threshold;
+template <class Lanes>
+LaneMask<Lanes> extreme_in_layer(const ThreeRows& rows, int x, Lanes threshold) {
+  const Lanes middle = load<Lanes>(rows[1] + x);
+  LaneMask<Lanes> high = middle > threshold;
+  LaneMask<Lanes> low = middle < -threshold;
   if (!any(high | low)) {
     return high;
   }
-  const Range before = range_of(rows[0] + x - 1, rows[0] + x, rows[0] + x + 1, rows[1] + x - 1);
-  const Range after = range_of(rows[1] + x + 1, rows[2] + x - 1, rows[2] + x, rows[2] + x + 1);
+  const auto before =
+      range_of<Lanes>(rows[0] + x - 1, rows[0] + x, rows[0] + x + 1, rows[1] + x - 1);
+  const auto after =
+      range_of<Lanes>(rows[1] + x + 1, rows[2] + x - 1, rows[2] + x, rows[2] + x + 1);
   high &= (middle >= before.most) & (middle > after.most);
   low &= (middle <= before.least) & (middle < after.least);
   return high | low;
@@ -224,29 +230,49 @@ struct Search {
   BlobGrid* grid;
 };
 
+/// One pixel of a layer whose eight neighbours do not beat it.
+void search_pixel(
+    const Octave& octave, std::int32_t number, const LayerRows& rows, int layer, int y, int x,
+    const Search& search) {
+  const float value = three_rows(rows, layer, y)[1][x];
+  if (!beats(value, three_rows(rows, layer - 1, y), x) ||
+      !beats(value, three_rows(rows, layer + 1, y), x)) {
+    return;
+  }
+  if (auto blob = refine(octave, layer, y, x, search.contrast_min)) {
+    blob->octave = number;
+    keep(*blob, search.region, search.grid);
+  }
+}
+
+template <class Lanes>
 void search_row(
     const Octave& octave, std::int32_t number, const LayerRows& rows, int y, const Search& search) {
-  const Lanes threshold = splat(kPixelShare * search.contrast_min);
+  const Lanes threshold = splat<Lanes>(kPixelShare * search.contrast_min);
   const int end = octave[0].width - kMargin_px;
   for (int layer = 1; layer <= ScaleSpace::kLayers; ++layer) {
     const ThreeRows here = three_rows(rows, layer, y);
-    for (int x = kMargin_px; x < end; x += kLanes) {
-      const LaneMask found = extreme_in_layer(here, x, threshold);
+    for (int x = kMargin_px; x < end; x += kLanes<Lanes>) {
+      const LaneMask<Lanes> found = extreme_in_layer(here, x, threshold);
       if (!any(found)) {
         continue;
       }
-      for (int lane = 0; lane < std::min(kLanes, end - x); ++lane) {
-        const float value = here[1][x + lane];
-        if (found[lane] == 0 || !beats(value, three_rows(rows, layer - 1, y), x + lane) ||
-            !beats(value, three_rows(rows, layer + 1, y), x + lane)) {
-          continue;
-        }
-        if (auto blob = refine(octave, layer, y, x + lane, search.contrast_min)) {
-          blob->octave = number;
-          keep(*blob, search.region, search.grid);
+      for (int lane = 0; lane < std::min(kLanes<Lanes>, end - x); ++lane) {
+        if (found[lane] != 0) {
+          search_pixel(octave, number, rows, layer, y, x + lane, search);
         }
       }
     }
+  }
+}
+
+template <class Lanes>
+void search_octave(const Octave& octave, std::int32_t number, LayerRows* rows, const Search& search) {
+  fill_row<Lanes>(octave, kMargin_px - 1, rows);
+  fill_row<Lanes>(octave, kMargin_px, rows);
+  for (int y = kMargin_px; y < octave[0].height - kMargin_px; ++y) {
+    fill_row<Lanes>(octave, y + 1, rows);
+    search_row<Lanes>(octave, number, *rows, y, search);
   }
 }
 
@@ -263,12 +289,9 @@ void find_blobs(const ScaleSpace& space,
   const Search search{.region = region, .contrast_min = contrast_min, .grid = grid};
   for (int o = 0; o < space.octaves; ++o) {
     const Octave& octave = space.level[static_cast<std::size_t>(o)];
-    fill_row(octave, kMargin_px - 1, scratch);
-    fill_row(octave, kMargin_px, scratch);
-    for (int y = kMargin_px; y < octave[0].height - kMargin_px; ++y) {
-      fill_row(octave, y + 1, scratch);
-      search_row(octave, o, *scratch, y, search);
-    }
+    with_lanes([&](auto kind) {
+      search_octave<typename decltype(kind)::Lanes>(octave, o, scratch, search);
+    });
   }
 }
 

@@ -27,20 +27,39 @@ struct Neighbours {
   std::array<const float*, GaussianKernel::kRadiusMax + 1> after{};
 };
 
+template <class Lanes>
 void weigh(const Neighbours& from, const GaussianKernel& kernel, int width, float* to) {
-  for (int x = 0; x < width; x += 2 * kLanes) {
-    const Lanes middle = splat(kernel.weight[0]);
-    Lanes left = middle * load(from.before[0] + x);
-    Lanes right = middle * load(from.before[0] + x + kLanes);
+  for (int x = 0; x < width; x += kLanes<Lanes>) {
+    Lanes sum = splat<Lanes>(kernel.weight[0]) * load<Lanes>(from.before[0] + x);
     for (std::size_t k = 1; k <= static_cast<std::size_t>(kernel.radius); ++k) {
-      const Lanes weight = splat(kernel.weight[k]);
-      const float* before = from.before[k] + x;
-      const float* after = from.after[k] + x;
-      left += weight * (load(before) + load(after));
-      right += weight * (load(before + kLanes) + load(after + kLanes));
+      sum += splat<Lanes>(kernel.weight[k]) *
+             (load<Lanes>(from.before[k] + x) + load<Lanes>(from.after[k] + x));
     }
-    store(left, to + x);
-    store(right, to + x + kLanes);
+    store(sum, to + x);
+  }
+}
+
+template <class Lanes>
+void blur_by(const Plane& in, const GaussianKernel& kernel, BlurRow* scratch, const Plane& out) {
+  float* row = scratch->data() + GaussianKernel::kRadiusMax;
+  const int radius = kernel.radius;
+  Neighbours vertical;
+  Neighbours horizontal;
+  for (int k = 0; k <= radius; ++k) {
+    horizontal.before[static_cast<std::size_t>(k)] = row - k;
+    horizontal.after[static_cast<std::size_t>(k)] = row + k;
+  }
+  for (int y = 0; y < in.height; ++y) {
+    for (int k = 0; k <= radius; ++k) {
+      vertical.before[static_cast<std::size_t>(k)] = in.row(mirrored(y - k, in.height));
+      vertical.after[static_cast<std::size_t>(k)] = in.row(mirrored(y + k, in.height));
+    }
+    weigh<Lanes>(vertical, kernel, in.width, row);
+    for (int k = 1; k <= radius; ++k) {
+      row[-k] = row[mirrored(-k, in.width)];
+      row[in.width - 1 + k] = row[mirrored(in.width - 1 + k, in.width)];
+    }
+    weigh<Lanes>(horizontal, kernel, in.width, out.row(y));
   }
 }
 
@@ -67,26 +86,9 @@ GaussianKernel gaussian_kernel(double sigma_px) {
 void blur(const Plane& in, const GaussianKernel& kernel, BlurRow* scratch, const Plane& out) {
   POLHODE_ASSERT(in.width == out.width && in.height == out.height, out.width);
   POLHODE_ASSERT(in.width <= static_cast<int>(limits::kWorkingSide), in.width);
-  float* row = scratch->data() + GaussianKernel::kRadiusMax;
-  const int radius = kernel.radius;
-  Neighbours vertical;
-  Neighbours horizontal;
-  for (int k = 0; k <= radius; ++k) {
-    horizontal.before[static_cast<std::size_t>(k)] = row - k;
-    horizontal.after[static_cast<std::size_t>(k)] = row + k;
-  }
-  for (int y = 0; y < in.height; ++y) {
-    for (int k = 0; k <= radius; ++k) {
-      vertical.before[static_cast<std::size_t>(k)] = in.row(mirrored(y - k, in.height));
-      vertical.after[static_cast<std::size_t>(k)] = in.row(mirrored(y + k, in.height));
-    }
-    weigh(vertical, kernel, in.width, row);
-    for (int k = 1; k <= radius; ++k) {
-      row[-k] = row[mirrored(-k, in.width)];
-      row[in.width - 1 + k] = row[mirrored(in.width - 1 + k, in.width)];
-    }
-    weigh(horizontal, kernel, in.width, out.row(y));
-  }
+  with_lanes([&](auto kind) {
+    blur_by<typename decltype(kind)::Lanes>(in, kernel, scratch, out);
+  });
 }
 
 }  // namespace polhode::sift

@@ -41,46 +41,48 @@ Shares make_shares() {
   return shares;
 }
 
-/// The eight directions of one field.
-struct Field {
-  Lanes first{};
-  Lanes last{};
+constexpr std::size_t kWide = kFields + 2;  // with the fields too many
+
+/// The directions of each field.
+struct Histogram {
+  std::array<std::array<std::array<float, kDirections>, kWide>, kWide> field{};
 };
 
 /// Shares of the directions k, round the circle, in a gradient of direction `at` (0 .. 8).
+template <class Lanes>
 Lanes direction_shares(Lanes k, float at) {
   const Lanes none{};
-  const Lanes off = splat(at) - k;
+  const Lanes off = splat<Lanes>(at) - k;
   const Lanes apart = larger(off, -off);
-  return larger(none, splat(1.0F) - smaller(apart, splat(kDirections) - apart));
+  return larger(none, splat<Lanes>(1.0F) - smaller(apart, splat<Lanes>(kDirections) - apart));
 }
 
-void add(Field* field, float share, Lanes first, Lanes last) {
-  field->first += splat(share) * first;
-  field->last += splat(share) * last;
+template <class Lanes>
+void add(float share, Lanes what, float* to) {
+  store(load<Lanes>(to) + splat<Lanes>(share) * what, to);
 }
 
-constexpr std::size_t kWide = kFields + 2;  // with the fields too many
-using Row = std::array<Field, kWide>;
-using Histogram = std::array<Row, kWide>;
-
-void accumulate(const Gradients<kSide>& gradients, const Shares& shares, Histogram* histogram) {
+/// Some of the directions, as many as there are lanes, from the one numbered `first`.
+template <class Lanes>
+void accumulate(const Gradients<kSide>& gradients,
+                const Shares& shares,
+                std::size_t first,
+                Histogram* histogram) {
   constexpr float kPerRad = 0.5F * kDirections / std::numbers::pi_v<float>;
-  const Lanes first{0.0F, 1.0F, 2.0F, 3.0F};
-  const Lanes last{4.0F, 5.0F, 6.0F, 7.0F};
+  constexpr std::array<float, kDirections> kNumbers{0.0F, 1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 6.0F, 7.0F};
+  const Lanes directions = load<Lanes>(kNumbers.data() + first);
   for (std::size_t j = 0; j < kSide; ++j) {
-    Row row{};
+    std::array<Lanes, kWide> row{};
     for (std::size_t i = 0; i < kSide; ++i) {
       const float at = gradients.angle_rad[j * kSide + i] * kPerRad;
-      const Lanes length = splat(gradients.length[j * kSide + i]);
-      const Lanes a = length * direction_shares(first, at);
-      const Lanes b = length * direction_shares(last, at);
-      add(&row[shares[i].field], shares[i].first, a, b);
-      add(&row[shares[i].field + 1], shares[i].second, a, b);
+      const Lanes part =
+          splat<Lanes>(gradients.length[j * kSide + i]) * direction_shares(directions, at);
+      row[shares[i].field] += splat<Lanes>(shares[i].first) * part;
+      row[shares[i].field + 1] += splat<Lanes>(shares[i].second) * part;
     }
     for (std::size_t f = 1; f <= kFields; ++f) {
-      add(&(*histogram)[shares[j].field][f], shares[j].first, row[f].first, row[f].last);
-      add(&(*histogram)[shares[j].field + 1][f], shares[j].second, row[f].first, row[f].last);
+      add(shares[j].first, row[f], histogram->field[shares[j].field][f].data() + first);
+      add(shares[j].second, row[f], histogram->field[shares[j].field + 1][f].data() + first);
     }
   }
 }
@@ -88,11 +90,9 @@ void accumulate(const Gradients<kSide>& gradients, const Shares& shares, Histogr
 Descriptor to_octets(const Histogram& histogram) {
   constexpr std::size_t kCount = sizeof(Descriptor);
   std::array<float, kCount> value{};
-  static_assert(sizeof value == kFields * kFields * sizeof(Field));
+  constexpr std::size_t kRow = kFields * kDirections;
   for (std::size_t r = 0; r < kFields; ++r) {
-    std::memcpy(value.data() + r * kFields * kDirections,
-                histogram[r + 1].data() + 1,
-                kFields * sizeof(Field));
+    std::memcpy(value.data() + r * kRow, histogram.field[r + 1][1].data(), kRow * sizeof(float));
   }
   float sum2 = 0.0F;
   for (const float v : value) {
@@ -119,6 +119,7 @@ Descriptor to_octets(const Histogram& histogram) {
 
 Descriptor describe(const Plane& level, const OrientedPlace& place) {
   static const Shares kShares = make_shares();
+  const Shares& shares = kShares;
   const float step = kSpan * kFieldSide / kSide * place.sigma_px;
   Gradients<kSide> gradients;
   sample_gradients(level,
@@ -128,7 +129,12 @@ Descriptor describe(const Plane& level, const OrientedPlace& place) {
                     .step_y = step * std::sin(place.angle_rad)},
                    &gradients);
   Histogram histogram{};
-  accumulate(gradients, kShares, &histogram);
+  with_lanes([&](auto kind) {
+    using Lanes = typename decltype(kind)::Lanes;
+    for (std::size_t first = 0; first < kDirections; first += kLanes<Lanes>) {
+      accumulate<Lanes>(gradients, shares, first, &histogram);
+    }
+  });
   return to_octets(histogram);
 }
 

@@ -1,49 +1,104 @@
-// Four floats side by side. Each lane is plain IEEE arithmetic, so the result has the same bits on
-// any machine.
+// Floats side by side: four, or eight where the processor has registers for them. Each lane is plain IEEE arithmetic, so
+// the result has the same bits on any machine and with either number.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 
+#include "base/wide.hpp"
+
 #if defined(__SSE2__)
-#include <emmintrin.h>
+#include <immintrin.h>
 #endif
 
 namespace polhode::sift {
 
-inline constexpr int kLanes = 4;
-using Lanes = float __attribute__((vector_size(16)));
-using LaneMask = std::int32_t __attribute__((vector_size(16)));  ///< all bits of a lane, or none
+using Lanes4 = float __attribute__((vector_size(16)));
+
+template <class Lanes>
+inline constexpr int kLanes = static_cast<int>(sizeof(Lanes) / sizeof(float));
+
+/// All bits of a lane, or none.
+template <class Lanes>
+using LaneMask = decltype(Lanes{} < Lanes{});
 
 /// From an address that need not be aligned.
-inline Lanes load(const float* from) {
+template <class Lanes>
+Lanes load(const float* from) {
   Lanes v;
   std::memcpy(&v, from, sizeof v);
   return v;
 }
 
-inline void store(Lanes v, float* to) { std::memcpy(to, &v, sizeof v); }
+template <class Lanes>
+void store(Lanes v, float* to) {
+  std::memcpy(to, &v, sizeof v);
+}
 
-inline Lanes splat(float value) { return Lanes{value, value, value, value}; }
+template <class Lanes>
+Lanes splat(float value);
+
+template <>
+inline Lanes4 splat<Lanes4>(float value) {
+  return Lanes4{value, value, value, value};
+}
 
 // What plain operators would say in many instructions. Neither form has rounding, nor do they
 // differ for numbers that are not NaN.
 #if defined(__SSE2__)
-inline bool any(LaneMask mask) { return _mm_movemask_epi8(reinterpret_cast<__m128i>(mask)) != 0; }
-inline Lanes smaller(Lanes a, Lanes b) { return _mm_min_ps(a, b); }
-inline Lanes larger(Lanes a, Lanes b) { return _mm_max_ps(a, b); }
-inline Lanes square_root(Lanes a) { return _mm_sqrt_ps(a); }
+inline bool any(LaneMask<Lanes4> mask) {
+  return _mm_movemask_epi8(reinterpret_cast<__m128i>(mask)) != 0;
+}
+inline Lanes4 smaller(Lanes4 a, Lanes4 b) { return _mm_min_ps(a, b); }
+inline Lanes4 larger(Lanes4 a, Lanes4 b) { return _mm_max_ps(a, b); }
+inline Lanes4 square_root(Lanes4 a) { return _mm_sqrt_ps(a); }
 #else
-inline bool any(LaneMask mask) {
+inline bool any(LaneMask<Lanes4> mask) {
   std::uint64_t half[2];
   std::memcpy(half, &mask, sizeof half);
   return (half[0] | half[1]) != 0;
 }
-inline Lanes smaller(Lanes a, Lanes b) { return a < b ? a : b; }
-inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
-inline Lanes square_root(Lanes a) {
-  return Lanes{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+inline Lanes4 smaller(Lanes4 a, Lanes4 b) { return a < b ? a : b; }
+inline Lanes4 larger(Lanes4 a, Lanes4 b) { return a > b ? a : b; }
+inline Lanes4 square_root(Lanes4 a) {
+  return Lanes4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+}
+#endif
+
+/// Tells a callable which lanes to take: `[](auto kind) { using Lanes = typename decltype(kind)::Lanes; }`.
+template <class L>
+struct LaneKind {
+  using Lanes = L;
+};
+
+#if defined(__x86_64__)
+using Lanes8 = float __attribute__((vector_size(32)));
+
+template <>
+[[gnu::target("avx2")]] inline Lanes8 splat<Lanes8>(float value) {
+  return _mm256_set1_ps(value);
+}
+[[gnu::target("avx2")]] inline bool any(LaneMask<Lanes8> mask) {
+  return _mm256_movemask_epi8(reinterpret_cast<__m256i>(mask)) != 0;
+}
+[[gnu::target("avx2")]] inline Lanes8 smaller(Lanes8 a, Lanes8 b) { return _mm256_min_ps(a, b); }
+[[gnu::target("avx2")]] inline Lanes8 larger(Lanes8 a, Lanes8 b) { return _mm256_max_ps(a, b); }
+[[gnu::target("avx2")]] inline Lanes8 square_root(Lanes8 a) { return _mm256_sqrt_ps(a); }
+
+/// Runs `work` with the widest lanes that this processor has.
+template <class Work>
+void with_lanes(const Work& work) {
+  if (has_wide_registers()) {
+    run_wide([&] { work(LaneKind<Lanes8>{}); });
+  } else {
+    work(LaneKind<Lanes4>{});
+  }
+}
+#else
+template <class Work>
+void with_lanes(const Work& work) {
+  work(LaneKind<Lanes4>{});
 }
 #endif
 

@@ -3,12 +3,20 @@
 #include <algorithm>
 #include <limits>
 
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
+#include "base/wide.hpp"
 
 namespace polhode {
 namespace {
+
+/// Plain, of constant length: the compiler takes many octets at once.
+int sum_of_squares(const Descriptor& a, const Descriptor& b) {
+  int sum = 0;
+  for (std::size_t i = 0; i < std::tuple_size_v<Descriptor>; ++i) {
+    const int difference = static_cast<int>(a[i]) - static_cast<int>(b[i]);
+    sum += difference * difference;
+  }
+  return sum;
+}
 
 bool same_place(const Feature& a, const Feature& b) {
   // A feature with two orientations stands twice at one place: its twin is no rival.
@@ -40,36 +48,27 @@ void consider(std::size_t index, int d2, std::span<const Feature> among, Best* b
   }
 }
 
+using Bests = std::array<Best, limits::kFeatures>;
+
+/// Each feature's nearest of the other list, and the nearest of those at another place.
+void find_nearest(std::span<const Feature> a,
+                  std::span<const Feature> b,
+                  Bests* forward,
+                  Bests* back) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const int d2 = sum_of_squares(a[i].descriptor, b[j].descriptor);
+      consider(j, d2, b, &(*forward)[i]);
+      consider(i, d2, a, &(*back)[j]);
+    }
+  }
+}
+
 }  // namespace
 
-#if defined(__SSE2__)
 int distance2(const Descriptor& a, const Descriptor& b) {
-  static_assert(sizeof(Descriptor) % sizeof(__m128i) == 0);
-  const __m128i zero = _mm_setzero_si128();
-  __m128i sum = zero;  // 4 x 32 bits: 32 squares of at most 255^2 each
-  for (std::size_t i = 0; i < a.size(); i += sizeof(__m128i)) {
-    const __m128i left = _mm_loadu_si128(reinterpret_cast<const __m128i*>(a.data() + i));
-    const __m128i right = _mm_loadu_si128(reinterpret_cast<const __m128i*>(b.data() + i));
-    // Of the two saturated differences one is zero: together they are the absolute one.
-    const __m128i apart = _mm_or_si128(_mm_subs_epu8(left, right), _mm_subs_epu8(right, left));
-    const __m128i low = _mm_unpacklo_epi8(apart, zero);
-    const __m128i high = _mm_unpackhi_epi8(apart, zero);
-    sum = _mm_add_epi32(sum, _mm_add_epi32(_mm_madd_epi16(low, low), _mm_madd_epi16(high, high)));
-  }
-  sum = _mm_add_epi32(sum, _mm_unpackhi_epi64(sum, sum));
-  sum = _mm_add_epi32(sum, _mm_shuffle_epi32(sum, 1));
-  return _mm_cvtsi128_si32(sum);
+  return widely([&] { return sum_of_squares(a, b); });
 }
-#else
-int distance2(const Descriptor& a, const Descriptor& b) {
-  int sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const int difference = static_cast<int>(a[i]) - static_cast<int>(b[i]);
-    sum += difference * difference;
-  }
-  return sum;
-}
-#endif
 
 int FeatureGrid::cell_of(double position_px, double size_px) const {
   return std::clamp(static_cast<int>(position_px * kCells / size_px), 0, kCells - 1);
@@ -131,15 +130,9 @@ void match_mutual(std::span<const Feature> a,
     return;
   }
   POLHODE_ASSERT(a.size() <= limits::kFeatures && b.size() <= limits::kFeatures, a.size());
-  std::array<Best, limits::kFeatures> forward;
-  std::array<Best, limits::kFeatures> back;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const int d2 = distance2(a[i].descriptor, b[j].descriptor);
-      consider(j, d2, b, &forward[i]);
-      consider(i, d2, a, &back[j]);
-    }
-  }
+  Bests forward;
+  Bests back;
+  widely([&] { find_nearest(a, b, &forward, &back); });
   const double ratio2 = ratio_max * ratio_max;
   const auto stands_out = [&](const Best& best) { return best.nearest2 <= ratio2 * best.rival2; };
   for (std::size_t i = 0; i < a.size(); ++i) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <type_traits>
 
 #include "features/lanes.hpp"
 
@@ -52,33 +53,37 @@ void sample(const Plane& level, const PatchFrame& frame, Levels<kSide>* out) {
   }
 }
 
-Lanes choose(LaneMask mask, Lanes yes, Lanes no) { return mask ? yes : no; }
+template <class Lanes>
+Lanes choose(LaneMask<Lanes> mask, Lanes yes, Lanes no) {
+  return mask ? yes : no;
+}
 
 /// Direction of (x, y) in 0 .. 2 pi, to 1e-5 rad: a minimax polynomial for the eighth turn
 /// (Abramowitz and Stegun, 4.4.49 shortened).
+template <class Lanes>
 Lanes direction_rad(Lanes x, Lanes y) {
   constexpr float kPi = std::numbers::pi_v<float>;
   const Lanes zero{};
   const Lanes ax = larger(x, -x);
   const Lanes ay = larger(y, -y);
-  const Lanes t = smaller(ax, ay) / larger(larger(ax, ay), splat(1e-20F));
+  const Lanes t = smaller(ax, ay) / larger(larger(ax, ay), splat<Lanes>(1e-20F));
   const Lanes t2 = t * t;
   Lanes angle = t * (0.9998660F +
                      t2 * (-0.3302995F + t2 * (0.1801410F + t2 * (-0.0851330F + t2 * 0.0208351F))));
-  angle = choose(ay > ax, 0.5F * kPi - angle, angle);
-  angle = choose(x < zero, kPi - angle, angle);
-  return choose(y < zero, 2.0F * kPi - angle, angle);
+  angle = choose<Lanes>(ay > ax, 0.5F * kPi - angle, angle);
+  angle = choose<Lanes>(x < zero, kPi - angle, angle);
+  return choose<Lanes>(y < zero, 2.0F * kPi - angle, angle);
 }
 
-template <int kSide>
+template <class Lanes, int kSide>
 void to_polar(const Levels<kSide>& levels, Gradients<kSide>* out) {
-  static_assert(kSide % kLanes == 0);
+  static_assert(kSide % kLanes<Lanes> == 0);
   constexpr int kWide = kSide + 2;
   for (int j = 0; j < kSide; ++j) {
     const float* row = levels.data() + (j + 1) * kWide + 1;
-    for (int i = 0; i < kSide; i += kLanes) {
-      const Lanes dx = load(row + i + 1) - load(row + i - 1);
-      const Lanes dy = load(row + i + kWide) - load(row + i - kWide);
+    for (int i = 0; i < kSide; i += kLanes<Lanes>) {
+      const Lanes dx = load<Lanes>(row + i + 1) - load<Lanes>(row + i - 1);
+      const Lanes dy = load<Lanes>(row + i + kWide) - load<Lanes>(row + i - kWide);
       store(square_root(dx * dx + dy * dy), out->length.data() + j * kSide + i);
       store(direction_rad(dx, dy), out->angle_rad.data() + j * kSide + i);
     }
@@ -100,7 +105,10 @@ void sample_gradients(const Plane& level, const PatchFrame& frame, Gradients<kSi
   } else {
     sample<kSide, false>(level, frame, &levels);
   }
-  to_polar<kSide>(levels, out);
+  with_lanes([&](auto kind) {
+    using Lanes = typename decltype(kind)::Lanes;
+    to_polar<std::conditional_t<kSide % kLanes<Lanes> == 0, Lanes, Lanes4>>(levels, out);
+  });
 }
 
 template void sample_gradients<12>(const Plane&, const PatchFrame&, Gradients<12>*);

@@ -10,6 +10,7 @@ namespace polhode {
 /// The image that points are followed from, and the landmarks seen in it.
 struct FlowReference {
   bool valid = false;
+  cv::Mat gray;     ///< of which the pyramid is built when a frame is to be followed by flow
   Pyramid pyramid;
   Pose pose;
   LandmarkMatches points;  ///< inliers of the frame

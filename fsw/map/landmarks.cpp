@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/wide.hpp"
 #include "features/match.hpp"
 #include "geometry/epipolar.hpp"
 #include "geometry/triangulate.hpp"
@@ -18,8 +19,8 @@ constexpr double kPairSigma =
 constexpr double kChi2Pair = 11.345;  // three degrees of freedom beyond the point's own, 99 %
 constexpr std::size_t kPartners = 4;
 
-double sigma_normalised(const Feature& feature, const CameraModel& camera) {
-  return static_cast<double>(feature.sigma_px) / camera.focal_px();
+double sigma_normalised(const Feature& feature, double focal_px) {
+  return static_cast<double>(feature.sigma_px) / focal_px;
 }
 
 /// Angle at the body between the directions to two cameras.
@@ -116,27 +117,61 @@ struct PairSearch {
   int rival2 = std::numeric_limits<int>::max();
 };
 
+/// What a search along lines asks of each free feature of the partner first.
+void prepare_lines(const Keyframe& partner,
+                   const Eigen::Matrix3d& E,
+                   double focal_px,
+                   CreateScratch* scratch) {
+  LineTable& lines = scratch->lines;
+  for (std::size_t k = 0; k < scratch->free_b.size(); ++k) {
+    const Feature& f = partner.features[static_cast<std::size_t>(scratch->free_b[k])];
+    const Eigen::Vector3d line_a = E.transpose() * f.normalised.homogeneous();
+    const double sigma = sigma_normalised(f, focal_px);
+    lines.x[k] = f.normalised.x();
+    lines.y[k] = f.normalised.y();
+    lines.variance[k] = sigma * sigma;
+    lines.gradient2[k] = line_a.head<2>().squaredNorm();
+  }
+}
+
+/// Sampson error against its gate, squared on both sides: marks whom the line passes. Plain loops of
+/// constant length over plain numbers, of which the compiler takes several at once.
+void mark_near(const Eigen::Vector3d& line_b,
+               double own_variance,
+               std::size_t count,
+               LineTable* lines) {
+  const double a = line_b.x();
+  const double b = line_b.y();
+  const double c = line_b.z();
+  const double own_gradient2 = a * a + b * b;
+  for (std::size_t begin = 0; begin < count; begin += LineTable::kGrain) {
+    for (std::size_t k = begin; k < begin + LineTable::kGrain; ++k) {
+      const double error = lines->x[k] * a + lines->y[k] * b + c;
+      const double gate = kPairSigma * kPairSigma * (own_variance + lines->variance[k]) *
+                          (own_gradient2 + lines->gradient2[k]);
+      lines->near[k] = error * error > gate ? 0 : 1;
+    }
+  }
+}
+
 /// Best partner of a feature along its epipolar line.
 PairSearch search_line(const Feature& wanted,
                        const Keyframe& partner,
                        const Eigen::Matrix3d& E,
-                       const CameraModel& camera,
-                       const CreateScratch& scratch) {
+                       double focal_px,
+                       CreateScratch* scratch) {
   PairSearch best;
+  const double own_sigma = sigma_normalised(wanted, focal_px);
   const Eigen::Vector3d line_b = E * wanted.normalised.homogeneous();
-  const double own_sigma = sigma_normalised(wanted, camera);
-  for (const std::int32_t index : scratch.free_b) {
-    const auto i = static_cast<std::size_t>(index);
-    const Feature& f = partner.features[i];
-    const double other_sigma = sigma_normalised(f, camera);
-    const double error = f.normalised.dot(line_b.head<2>()) + line_b.z();
-    const double gradient2 =
-        line_b.head<2>().squaredNorm() + scratch.line_a[i].head<2>().squaredNorm();
-    // Sampson error against its gate, squared on both sides.
-    if (error * error >
-        kPairSigma * kPairSigma * (own_sigma * own_sigma + other_sigma * other_sigma) * gradient2) {
+  widely([&] {
+    mark_near(line_b, own_sigma * own_sigma, scratch->free_b.size(), &scratch->lines);
+  });
+  for (std::size_t k = 0; k < scratch->free_b.size(); ++k) {
+    if (scratch->lines.near[k] == 0) {
       continue;
     }
+    const std::int32_t index = scratch->free_b[k];
+    const Feature& f = partner.features[static_cast<std::size_t>(index)];
     const float ratio = wanted.scale_px / f.scale_px;
     if (ratio < 0.5F || ratio > 2.0F) {
       continue;
@@ -157,11 +192,11 @@ PairSearch search_line(const Feature& wanted,
   return best;
 }
 
-Sighting sighting(const Keyframe& keyframe, std::int32_t feature, const CameraModel& camera) {
+Sighting sighting(const Keyframe& keyframe, std::int32_t feature, double focal_px) {
   const Feature& f = keyframe.features[static_cast<std::size_t>(feature)];
   return {.pose = keyframe.pose,
           .normalised = f.normalised,
-          .sigma_normalised = sigma_normalised(f, camera)};
+          .sigma_normalised = sigma_normalised(f, focal_px)};
 }
 
 /// The point of a matched pair, if it is one of this body's.
@@ -179,10 +214,10 @@ void create_pair(KeyframeId a,
                  KeyframeId b,
                  std::int32_t feature_b,
                  const CreateOptions& options,
-                 const CameraModel& camera,
+                 double focal_px,
                  Map* map) {
-  const std::array<Sighting, 2> pair{sighting(map->keyframes[a.index()], feature_a, camera),
-                                     sighting(map->keyframes[b.index()], feature_b, camera)};
+  const std::array<Sighting, 2> pair{sighting(map->keyframes[a.index()], feature_a, focal_px),
+                                     sighting(map->keyframes[b.index()], feature_b, focal_px)};
   const Result<TriangulatedPoint> point = triangulate(pair);
   if (!point || !acceptable(point.value(), options, *map)) {
     return;
@@ -201,7 +236,7 @@ void create_pair(KeyframeId a,
 void match_partner(KeyframeId a,
                    KeyframeId b,
                    const CreateOptions& options,
-                   const CameraModel& camera,
+                   double focal_px,
                    CreateScratch* scratch,
                    Map* map) {
   const Keyframe& own = map->keyframes[a.index()];
@@ -211,16 +246,13 @@ void match_partner(KeyframeId a,
   RelativePose motion = relative_pose(own.pose, partner.pose);
   motion.p_ba.normalize();
   const Eigen::Matrix3d E = essential_matrix(motion);
-  for (const std::int32_t index : scratch->free_b) {
-    const auto i = static_cast<std::size_t>(index);
-    scratch->line_a[i] = E.transpose() * partner.features[i].normalised.homogeneous();
-  }
+  prepare_lines(partner, E, focal_px, scratch);
   scratch->best_of_b.fill(-1);
   scratch->distance_of_b.fill(std::numeric_limits<std::int32_t>::max());
   const double ratio2 = options.ratio_max * options.ratio_max;
   for (const std::int32_t index : scratch->free_a) {
     const PairSearch best =
-        search_line(own.features[static_cast<std::size_t>(index)], partner, E, camera, *scratch);
+        search_line(own.features[static_cast<std::size_t>(index)], partner, E, focal_px, scratch);
     if (best.feature < 0 || best.nearest2 > kDistance2Max || best.nearest2 > ratio2 * best.rival2) {
       continue;
     }
@@ -233,7 +265,7 @@ void match_partner(KeyframeId a,
   for (const std::int32_t index : scratch->free_b) {
     if (scratch->best_of_b[static_cast<std::size_t>(index)] >= 0) {
       create_pair(
-          a, scratch->best_of_b[static_cast<std::size_t>(index)], b, index, options, camera, map);
+          a, scratch->best_of_b[static_cast<std::size_t>(index)], b, index, options, focal_px, map);
     }
   }
 }
@@ -282,13 +314,13 @@ std::int32_t find_in(const Landmark& landmark,
 double squared_residual(const Keyframe& keyframe,
                         std::size_t feature,
                         const Landmark& landmark,
-                        const CameraModel& camera) {
+                        double focal_px) {
   const Eigen::Vector3d p_C = keyframe.pose.to_camera(landmark.p_T);
   if (!(p_C.z() > 0.0)) {
     return std::numeric_limits<double>::max();
   }
   const Feature& f = keyframe.features[feature];
-  const double sigma = sigma_normalised(f, camera);
+  const double sigma = sigma_normalised(f, focal_px);
   return (p_C.hnormalized() - f.normalised).squaredNorm() / (sigma * sigma);
 }
 
@@ -311,18 +343,30 @@ int create_landmarks(KeyframeId keyframe,
                      CreateScratch* scratch,
                      Map* map) {
   const std::int32_t before = map->next_landmark_number;
+  const double focal_px = camera.focal_px();
   for (const KeyframeId partner : partners_of(keyframe, options, *map)) {
-    match_partner(keyframe, partner, options, camera, scratch, map);
+    match_partner(keyframe, partner, options, focal_px, scratch, map);
   }
   return map->next_landmark_number - before;
 }
 
 int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* map) {
+  FixedVector<LandmarkId, limits::kLandmarks> young;
+  for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
+    if (map->landmarks[i].used && map->landmarks[i].number >= first_number) {
+      (void)young.push_back(LandmarkId::from_index(i));
+    }
+  }
   int tied = 0;
   FeatureGrid grid;
   std::array<bool, limits::kLandmarks> seen{};
   for (const KeyframeId id : keyframes_by_age(*map)) {
     const Keyframe& keyframe = map->keyframes[id.index()];
+    if (std::none_of(young.begin(), young.end(), [&](LandmarkId landmark) {
+          return of_same_stretch(map->landmarks[landmark.index()], keyframe);
+        })) {
+      continue;
+    }
     grid.build(keyframe.features.view(), camera.width_px, camera.height_px);
     seen.fill(false);
     for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
@@ -330,15 +374,14 @@ int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* 
         seen[keyframe.landmark_of[i].index()] = true;
       }
     }
-    for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
-      const Landmark& landmark = map->landmarks[i];
-      if (!landmark.used || seen[i] || landmark.number < first_number ||
-          !of_same_stretch(landmark, keyframe)) {
+    for (const LandmarkId landmark : young) {
+      if (seen[landmark.index()] || !of_same_stretch(map->landmarks[landmark.index()], keyframe)) {
         continue;
       }
-      const std::int32_t feature = find_in(landmark, keyframe, grid, camera);
+      const std::int32_t feature =
+          find_in(map->landmarks[landmark.index()], keyframe, grid, camera);
       if (feature >= 0) {
-        tie_sighting(id, static_cast<std::size_t>(feature), LandmarkId::from_index(i), map);
+        tie_sighting(id, static_cast<std::size_t>(feature), landmark, map);
         ++tied;
       }
     }
@@ -348,11 +391,12 @@ int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* 
 
 double residual_scale(const Map& map, const CameraModel& camera) {
   FixedVector<double, 16384> squares;
+  const double focal_px = camera.focal_px();
   for (const Keyframe& keyframe : map.keyframes) {
     for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
       const LandmarkId id = keyframe.landmark_of[i];
       if (id.valid() && map.landmarks[id.index()].observations > 2 && !squares.full()) {
-        (void)squares.push_back(squared_residual(keyframe, i, map.landmarks[id.index()], camera));
+        (void)squares.push_back(squared_residual(keyframe, i, map.landmarks[id.index()], focal_px));
       }
     }
   }
@@ -366,11 +410,13 @@ double residual_scale(const Map& map, const CameraModel& camera) {
 
 int cull_landmarks(const CameraModel& camera, double noise_scale, Map* map) {
   const double limit = kInlierChi2 * noise_scale * noise_scale;
+  const double focal_px = camera.focal_px();
   for (std::size_t k = 0; k < map->keyframes.size(); ++k) {
     Keyframe& keyframe = map->keyframes[k];
     for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
       const LandmarkId id = keyframe.landmark_of[i];
-      if (id.valid() && squared_residual(keyframe, i, map->landmarks[id.index()], camera) > limit) {
+      if (id.valid() &&
+          squared_residual(keyframe, i, map->landmarks[id.index()], focal_px) > limit) {
         untie_sighting(KeyframeId::from_index(k), i, map);
       }
     }

@@ -14,13 +14,23 @@ struct CreateOptions {
   double ratio_max = 0.8;
 };
 
+/// Free features of a partner as a search along epipolar lines wants them: one number beside the other.
+struct LineTable {
+  static constexpr std::size_t kGrain = 8;
+  using Column = std::array<double, (limits::kFeatures + kGrain - 1) / kGrain * kGrain>;
+  Column x{};  ///< normalised
+  Column y{};
+  Column variance{};   ///< normalised
+  Column gradient2{};  ///< of the epipolar line in the keyframe itself: squared slope of the error
+  std::array<std::int64_t, std::tuple_size_v<Column>> near{};  ///< 1: within the gate
+};
+
 /// Working memory; contents mean nothing between calls.
 struct CreateScratch {
   FixedVector<std::int32_t, limits::kFeatures> taken;  ///< features with a landmark, by u
   FixedVector<std::int32_t, limits::kFeatures> free_a;
   FixedVector<std::int32_t, limits::kFeatures> free_b;
-  std::array<Eigen::Vector3d, limits::kFeatures>
-      line_a{};  ///< epipolar line in a of each feature of b
+  LineTable lines;  ///< row k is free_b[k]
   std::array<std::int32_t, limits::kFeatures> best_of_b{};
   std::array<std::int32_t, limits::kFeatures> distance_of_b{};
 };

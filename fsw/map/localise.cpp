@@ -26,19 +26,16 @@ int distance_to_views(const Landmark& landmark, const Feature& feature) {
 }
 
 /// The predicted blob radius and the feature's agree within a factor of 2 (an octave).
-bool scale_agrees(const Landmark& landmark,
-                  const Feature& feature,
-                  double depth,
-                  const CameraModel& camera) {
-  const double predicted_px = landmark.size_mu * camera.focal_px() / depth;
+bool scale_agrees(double predicted_px, const Feature& feature) {
   const double ratio = static_cast<double>(feature.scale_px) / predicted_px;
   return ratio > 0.5 && ratio < 2.0;
 }
 
+/// @param size_px  predicted radius of the landmark's blob.
 Candidate best_candidate(const LocaliseInput& input,
                          const Landmark& landmark,
                          const Eigen::Vector2d& pixel,
-                         double depth,
+                         double size_px,
                          double radius_px,
                          const FeatureGrid& grid) {
   std::array<std::int32_t, 256> near{};
@@ -47,19 +44,20 @@ Candidate best_candidate(const LocaliseInput& input,
   Candidate best;
   for (std::size_t k = 0; k < count; ++k) {
     const Feature& feature = features[static_cast<std::size_t>(near[k])];
-    if (!scale_agrees(landmark, feature, depth, *input.camera)) {
+    if (!scale_agrees(size_px, feature)) {
       continue;
     }
     const int d2 = distance_to_views(landmark, feature);
-    const bool twin =
-        best.feature >= 0 &&
-        std::hypot(feature.u_px - features[static_cast<std::size_t>(best.feature)].u_px,
-                   feature.v_px - features[static_cast<std::size_t>(best.feature)].v_px) < 2.0F;
+    const auto is_twin = [&] {
+      return best.feature >= 0 &&
+             std::hypot(feature.u_px - features[static_cast<std::size_t>(best.feature)].u_px,
+                        feature.v_px - features[static_cast<std::size_t>(best.feature)].v_px) < 2.0F;
+    };
     if (d2 < best.nearest2) {
-      best.rival2 = twin ? best.rival2 : best.nearest2;
+      best.rival2 = is_twin() ? best.rival2 : best.nearest2;
       best.nearest2 = d2;
       best.feature = near[k];
-    } else if (d2 < best.rival2 && !twin) {
+    } else if (d2 < best.rival2 && !is_twin()) {
       best.rival2 = d2;
     }
   }
@@ -208,6 +206,7 @@ void match_about(const LocaliseInput& input,
   scratch->landmark_of_feature.fill(-1);
   scratch->distance_of_feature.fill(std::numeric_limits<std::int32_t>::max());
   const double ratio2 = input.ratio_max * input.ratio_max;
+  const double focal_px = input.camera->focal_px();
   out->predicted = 0;
   for (std::size_t i = 0; i < input.map->landmarks.size(); ++i) {
     const Landmark& landmark = input.map->landmarks[i];
@@ -216,8 +215,8 @@ void match_about(const LocaliseInput& input,
       continue;
     }
     ++out->predicted;
-    const double depth = pose.to_camera(landmark.p_T).z();
-    const Candidate best = best_candidate(input, landmark, pixel, depth, radius_px, scratch->grid);
+    const double size_px = landmark.size_mu * focal_px / pose.to_camera(landmark.p_T).z();
+    const Candidate best = best_candidate(input, landmark, pixel, size_px, radius_px, scratch->grid);
     if (best.feature < 0 || best.nearest2 > kDistance2Max || best.nearest2 > ratio2 * best.rival2) {
       continue;
     }

@@ -171,36 +171,40 @@ void remove_keyframe(KeyframeId id, Map* map) {
 }
 
 void refresh_landmarks(Map* map, const CameraModel& camera) {
+  const double focal_px = camera.focal_px();
+  std::array<double, limits::kLandmarks> spread_cosine;
+  spread_cosine.fill(1.0);
   for (Landmark& landmark : map->landmarks) {
     landmark.normal_T.setZero();
     landmark.size_mu = 0.0;
-    landmark.spread_rad = 0.0;
     landmark.views.clear();
   }
   FixedVector<KeyframeId, limits::kKeyframes> order = keyframes_by_age(*map);
   std::reverse(order.begin(), order.end());
   for (const KeyframeId id : order) {
     const Keyframe& keyframe = map->keyframes[id.index()];
+    const Eigen::Vector3d camera_T = keyframe.pose.camera_T();
     for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
       if (!keyframe.landmark_of[i].valid()) {
         continue;
       }
       Landmark& landmark = at(map, keyframe.landmark_of[i]);
-      const Eigen::Vector3d direction_T = (keyframe.pose.camera_T() - landmark.p_T).normalized();
+      const Eigen::Vector3d direction_T = (camera_T - landmark.p_T).normalized();
       if (landmark.views.empty()) {
         landmark.oldest_direction_T = direction_T;
       }
-      const double cosine = std::clamp(landmark.oldest_direction_T.dot(direction_T), -1.0, 1.0);
-      landmark.spread_rad = std::max(landmark.spread_rad, std::acos(cosine));
+      double& cosine = spread_cosine[keyframe.landmark_of[i].index()];
+      cosine = std::min(cosine, landmark.oldest_direction_T.dot(direction_T));
       landmark.normal_T += direction_T;
       const double depth = keyframe.pose.to_camera(landmark.p_T).z();
-      landmark.size_mu +=
-          static_cast<double>(keyframe.features[i].scale_px) * depth / camera.focal_px();
+      landmark.size_mu += static_cast<double>(keyframe.features[i].scale_px) * depth / focal_px;
       keep_view({.descriptor = keyframe.features[i].descriptor, .direction_T = direction_T},
                 &landmark);
     }
   }
-  for (Landmark& landmark : map->landmarks) {
+  for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
+    Landmark& landmark = map->landmarks[i];
+    landmark.spread_rad = std::acos(std::max(-1.0, spread_cosine[i]));  // 0 without sightings
     if (landmark.used && landmark.observations > 0) {
       landmark.normal_T.normalize();
       landmark.size_mu /= landmark.observations;

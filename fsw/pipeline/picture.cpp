@@ -20,6 +20,7 @@ void stage_done(Stage stage, const Component::State& s) {
 void forget_picture(Component::State* s) {
   s->features_ready = false;
   s->features.clear();
+  s->pyramid.built = false;
   s->verdict = {};
   s->localised.matches.clear();
 }

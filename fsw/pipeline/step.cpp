@@ -98,8 +98,6 @@ void estimate(Component::State* s) {
   if (s->mode == Mode::kAcquiring) {
     collect(s);
   } else {
-    build_pyramid(s->gray, &s->pyramid);
-    stage_done(Stage::kTracks, *s);
     track(s);
   }
   stage_done(Stage::kMap, *s);

@@ -55,6 +55,15 @@ bool comes_back(const Component::State& s) {
   return old_inliers >= kOldMin && 2 * old_inliers >= old;
 }
 
+/// Most keyframes are never followed, and most frames not by flow: pyramids are built for those that are.
+void ensure_pyramids(Component::State* s) {
+  if (!s->reference.pyramid.built) {
+    build_pyramid(s->reference.gray, &s->reference.pyramid);
+  }
+  build_pyramid(s->gray, &s->pyramid);
+  stage_done(Stage::kTracks, *s);
+}
+
 /// By optical flow, when the prediction says that the picture moves little and that the frame will
 /// not be a keyframe, which needs features anyway. Edges slide along themselves and glints stay
 /// where they are while the body turns: what flow finds must agree with the motion so far.
@@ -66,6 +75,7 @@ bool try_flow(const PosePrediction& predicted, Component::State* s) {
           s->parameters.tracks.small_motion_max_px) {
     return false;
   }
+  ensure_pyramids(s);
   const Result<bool> done = localise_by_flow(localise_input(*s),
                                              s->reference,
                                              s->pyramid,
@@ -149,7 +159,10 @@ void fuse_with_motion(Component::State* s) {
 void renew_reference(Component::State* s) {
   s->reference.valid = true;
   s->reference_frame = s->frame;
-  std::swap(s->reference.pyramid, s->pyramid);  // the next frame builds its own in the old one
+  std::swap(s->reference.pyramid, s->pyramid);
+  if (!s->reference.pyramid.built) {
+    s->gray.copyTo(s->reference.gray);
+  }
   s->reference.pose = s->localised.absolute.pose;
   s->reference.points.clear();
   for (const LandmarkMatch& match : s->localised.matches) {

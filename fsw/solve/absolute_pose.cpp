@@ -27,11 +27,11 @@ double error2(const Pose& pose, const PoseObservation& o) {
          (o.sigma_normalised * o.sigma_normalised);
 }
 
-/// Truncated sum of squares (MSAC, Torr and Zisserman 2000): smaller is better.
-double score(const Pose& pose, std::span<const PoseObservation> observations) {
+/// Truncated sum of squares (MSAC, Torr and Zisserman 2000): smaller is better. Past `enough` it is not summed on.
+double score(const Pose& pose, std::span<const PoseObservation> observations, double enough) {
   double sum = 0.0;
-  for (const PoseObservation& o : observations) {
-    sum += std::min(error2(pose, o), kInlierChi2);
+  for (std::size_t i = 0; i < observations.size() && sum < enough; ++i) {
+    sum += std::min(error2(pose, observations[i]), kInlierChi2);
   }
   return sum;
 }
@@ -42,7 +42,7 @@ struct Consensus {
 };
 
 void keep_better(const Pose& pose, std::span<const PoseObservation> observations, Consensus* best) {
-  const double s = score(pose, observations);
+  const double s = score(pose, observations, best->score);
   if (s < best->score) {
     *best = {.pose = pose, .score = s};
   }

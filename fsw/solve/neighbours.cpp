@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/assert.hpp"
+#include "base/wide.hpp"
 
 namespace polhode {
 namespace {
@@ -52,9 +53,11 @@ void nearest_descriptors(std::span<const std::uint8_t> reference,
   if (reference.empty()) {
     return;
   }
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    out[i] = nearest_two(reference, &queries[i * kColumns]);
-  }
+  widely([&] {
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      out[i] = nearest_two(reference, &queries[i * kColumns]);
+    }
+  });
 }
 
 }  // namespace polhode

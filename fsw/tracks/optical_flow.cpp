@@ -42,6 +42,7 @@ void flow(const Pyramid& before,
 
 void build_pyramid(const cv::Mat& gray, Pyramid* pyramid) {
   cv::buildOpticalFlowPyramid(gray, pyramid->levels, cv::Size(kPatch_px, kPatch_px), kLevels);
+  pyramid->built = true;
 }
 
 void follow_points(const Pyramid& before,

@@ -13,7 +13,7 @@ namespace polhode {
 /// An image and its halves, as the flow needs them.
 struct Pyramid {
   std::vector<cv::Mat> levels;
-  [[nodiscard]] bool empty() const { return levels.empty(); }
+  bool built = false;  ///< of the picture that it belongs to; else the levels are only memory
 };
 
 void build_pyramid(const cv::Mat& gray, Pyramid* pyramid);
