@@ -65,36 +65,42 @@ Range<Lanes> range_of(const float* a, const float* b, const float* c, const floa
           .most = larger(larger(first, second), larger(third, fourth))};
 }
 
+/// Lanes that are extremes so far.
+template <class Lanes>
+struct Extremes {
+  LaneMask<Lanes> high;
+  LaneMask<Lanes> low;
+  [[nodiscard]] LaneMask<Lanes> either() const { return high | low; }
+};
+
 /// Lanes from x on that are beyond the threshold and not beaten by their eight neighbours in the
 /// layer. Of equals, the last one counts.
 template <class Lanes>
-LaneMask<Lanes> extreme_in_layer(const ThreeRows& rows, int x, Lanes threshold) {
+Extremes<Lanes> extreme_in_layer(const ThreeRows& rows, int x, Lanes threshold) {
   const Lanes middle = load<Lanes>(rows[1] + x);
-  LaneMask<Lanes> high = middle > threshold;
-  LaneMask<Lanes> low = middle < -threshold;
-  if (!any(high | low)) {
-    return high;
+  Extremes<Lanes> found{.high = middle > threshold, .low = middle < -threshold};
+  if (!any(found.either())) {
+    return found;
   }
   const auto before =
       range_of<Lanes>(rows[0] + x - 1, rows[0] + x, rows[0] + x + 1, rows[1] + x - 1);
   const auto after =
       range_of<Lanes>(rows[1] + x + 1, rows[2] + x - 1, rows[2] + x, rows[2] + x + 1);
-  high &= (middle >= before.most) & (middle > after.most);
-  low &= (middle <= before.least) & (middle < after.least);
-  return high | low;
+  found.high &= (middle >= before.most) & (middle > after.most);
+  found.low &= (middle <= before.least) & (middle < after.least);
+  return found;
 }
 
-/// Whether no pixel of the 3 x 3 about x in a neighbouring layer is beyond `value`.
-bool beats(float value, const ThreeRows& rows, int x) {
+/// Leaves those lanes that no pixel of the 3 x 3 about them in a neighbouring layer is beyond.
+template <class Lanes>
+void keep_unbeaten(Lanes middle, const ThreeRows& rows, int x, Extremes<Lanes>* found) {
   for (const float* row : rows) {
     for (int i = -1; i <= 1; ++i) {
-      const float other = row[x + i];
-      if (value > 0.0F ? other > value : other < value) {
-        return false;
-      }
+      const Lanes other = load<Lanes>(row + x + i);
+      found->high &= other <= middle;
+      found->low &= other >= middle;
     }
   }
-  return true;
 }
 
 /// First and second differences of the layers at a pixel: x, y, layer.
@@ -230,21 +236,6 @@ struct Search {
   BlobGrid* grid;
 };
 
-/// One pixel of a layer whose eight neighbours do not beat it.
-void search_pixel(
-    const Octave& octave, std::int32_t number, const LayerRows& rows, int layer, int y, int x,
-    const Search& search) {
-  const float value = three_rows(rows, layer, y)[1][x];
-  if (!beats(value, three_rows(rows, layer - 1, y), x) ||
-      !beats(value, three_rows(rows, layer + 1, y), x)) {
-    return;
-  }
-  if (auto blob = refine(octave, layer, y, x, search.contrast_min)) {
-    blob->octave = number;
-    keep(*blob, search.region, search.grid);
-  }
-}
-
 template <class Lanes>
 void search_row(
     const Octave& octave, std::int32_t number, const LayerRows& rows, int y, const Search& search) {
@@ -252,14 +243,24 @@ void search_row(
   const int end = octave[0].width - kMargin_px;
   for (int layer = 1; layer <= ScaleSpace::kLayers; ++layer) {
     const ThreeRows here = three_rows(rows, layer, y);
+    const ThreeRows finer = three_rows(rows, layer - 1, y);
+    const ThreeRows coarser = three_rows(rows, layer + 1, y);
     for (int x = kMargin_px; x < end; x += kLanes<Lanes>) {
-      const LaneMask<Lanes> found = extreme_in_layer(here, x, threshold);
-      if (!any(found)) {
+      Extremes<Lanes> found = extreme_in_layer(here, x, threshold);
+      if (!any(found.either())) {
         continue;
       }
-      for (int lane = 0; lane < std::min(kLanes<Lanes>, end - x); ++lane) {
-        if (found[lane] != 0) {
-          search_pixel(octave, number, rows, layer, y, x + lane, search);
+      const Lanes middle = load<Lanes>(here[1] + x);
+      keep_unbeaten(middle, finer, x, &found);
+      keep_unbeaten(middle, coarser, x, &found);
+      const LaneMask<Lanes> left = found.either();
+      for (int lane = 0; any(left) && lane < std::min(kLanes<Lanes>, end - x); ++lane) {
+        if (left[lane] == 0) {
+          continue;
+        }
+        if (auto blob = refine(octave, layer, y, x + lane, search.contrast_min)) {
+          blob->octave = number;
+          keep(*blob, search.region, search.grid);
         }
       }
     }
