@@ -18,27 +18,27 @@ Landmark& at(Map* map, LandmarkId id) {
   return map->landmarks[id.index()];
 }
 
-/// Keeps the views that differ most: a new one replaces the one nearest to it once all places are
-/// taken.
-void keep_view(const LandmarkView& view, Landmark* landmark) {
+/// Where a view from this direction goes: the views that differ most are kept, a new one replaces the one nearest
+/// to it once all places are taken.
+LandmarkView* place_for(const Eigen::Vector3d& direction_T, Landmark* landmark) {
   constexpr double kSameSide = 0.966;  // cos 15 deg: nearer views look alike
   for (LandmarkView& held : landmark->views) {
-    if (held.direction_T.dot(view.direction_T) > kSameSide) {
-      held = view;  // the newer one has the newer light
-      return;
+    if (held.direction_T.dot(direction_T) > kSameSide) {
+      return &held;  // the newer one has the newer light
     }
   }
-  if (landmark->views.push_back(view)) {
-    return;
+  if (!landmark->views.full()) {
+    landmark->views.resize(landmark->views.size() + 1);
+    return &landmark->views.back();
   }
   std::size_t nearest = 0;
   for (std::size_t i = 1; i < landmark->views.size(); ++i) {
-    if (landmark->views[i].direction_T.dot(view.direction_T) >
-        landmark->views[nearest].direction_T.dot(view.direction_T)) {
+    if (landmark->views[i].direction_T.dot(direction_T) >
+        landmark->views[nearest].direction_T.dot(direction_T)) {
       nearest = i;
     }
   }
-  landmark->views[nearest] = view;
+  return &landmark->views[nearest];
 }
 
 void refresh_extent(Map* map) {
@@ -175,9 +175,12 @@ void refresh_landmarks(Map* map, const CameraModel& camera) {
   std::array<double, limits::kLandmarks> spread_cosine;
   spread_cosine.fill(1.0);
   for (Landmark& landmark : map->landmarks) {
-    landmark.normal_T.setZero();
-    landmark.size_mu = 0.0;
-    landmark.views.clear();
+    if (landmark.used) {
+      landmark.normal_T.setZero();
+      landmark.size_mu = 0.0;
+      landmark.spread_rad = 0.0;
+      landmark.views.clear();
+    }
   }
   FixedVector<KeyframeId, limits::kKeyframes> order = keyframes_by_age(*map);
   std::reverse(order.begin(), order.end());
@@ -198,16 +201,23 @@ void refresh_landmarks(Map* map, const CameraModel& camera) {
       landmark.normal_T += direction_T;
       const double depth = keyframe.pose.to_camera(landmark.p_T).z();
       landmark.size_mu += static_cast<double>(keyframe.features[i].scale_px) * depth / focal_px;
-      keep_view({.descriptor = keyframe.features[i].descriptor, .direction_T = direction_T},
-                &landmark);
+      LandmarkView& view = *place_for(direction_T, &landmark);
+      view.direction_T = direction_T;
+      view.keyframe = id;
+      view.feature = static_cast<std::int32_t>(i);
     }
   }
   for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
     Landmark& landmark = map->landmarks[i];
-    landmark.spread_rad = std::acos(std::max(-1.0, spread_cosine[i]));  // 0 without sightings
-    if (landmark.used && landmark.observations > 0) {
-      landmark.normal_T.normalize();
-      landmark.size_mu /= landmark.observations;
+    if (!landmark.used || landmark.observations == 0) {
+      continue;
+    }
+    landmark.spread_rad = std::acos(std::max(-1.0, spread_cosine[i]));
+    landmark.normal_T.normalize();
+    landmark.size_mu /= landmark.observations;
+    for (LandmarkView& view : landmark.views) {
+      const Keyframe& keyframe = map->keyframes[view.keyframe.index()];
+      view.descriptor = keyframe.features[static_cast<std::size_t>(view.feature)].descriptor;
     }
   }
   refresh_extent(map);

@@ -26,27 +26,30 @@ struct Keyframe {
 
 /// How a landmark looks from one side.
 struct LandmarkView {
-  Descriptor descriptor{};
   Eigen::Vector3d direction_T = Eigen::Vector3d::Zero();  ///< unit, towards the camera
+  KeyframeId keyframe;                                    ///< that it is taken from, and which feature of it
+  std::int32_t feature = -1;
+  Descriptor descriptor{};
 };
 
 struct Landmark {
   static constexpr std::size_t kViews = 3;
 
+  // What is asked of all landmarks in every frame comes first: it is together in memory.
   bool used = false;
-  std::int32_t number = -1;  ///< never used twice in a run
-  Eigen::Vector3d p_T = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal_T = Eigen::Vector3d::Zero();  ///< mean direction to the cameras that see
-                                                       ///< it: stands in for the surface normal
-  double size_mu = 0.0;                                ///< radius of its blob on the body
-  FixedVector<LandmarkView, kViews> views;
-  Eigen::Vector3d oldest_direction_T = Eigen::Vector3d::Zero();  ///< of view
-  double spread_rad = 0.0;  ///< between its oldest direction of view and the one farthest from it
+  std::int32_t number = -1;       ///< never used twice in a run
   std::int32_t observations = 0;  ///< in keyframes
   std::int32_t found = 0;         ///< frames in which it was matched as an inlier
   std::int32_t predicted = 0;     ///< frames in which it should have been seen
   std::uint32_t created_keyframe = 0;
   std::uint32_t seen_keyframe = 0;  ///< number of the last keyframe that saw it
+  Eigen::Vector3d p_T = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal_T = Eigen::Vector3d::Zero();  ///< mean direction to the cameras that see
+                                                       ///< it: stands in for the surface normal
+  double size_mu = 0.0;                                ///< radius of its blob on the body
+  double spread_rad = 0.0;  ///< between its oldest direction of view and the one farthest from it
+  Eigen::Vector3d oldest_direction_T = Eigen::Vector3d::Zero();  ///< of view
+  FixedVector<LandmarkView, kViews> views;
 };
 
 /// Three keyframes over 15 deg of rotation. Glints and silhouettes stay where they are in the
