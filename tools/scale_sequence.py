@@ -35,7 +35,7 @@ def scale(sequence: pathlib.Path, out: pathlib.Path, width: int, height: int) ->
         canvas.save(target / "data" / picture.name)
     sensor["resolution"] = [width, height]
     sensor["intrinsics"] = scaled_intrinsics(sensor["intrinsics"], factor, left, top)
-    (target / "sensor.yaml").write_text(yaml.safe_dump(sensor))
+    (target / "sensor.yaml").write_text(yaml.safe_dump(sensor, default_flow_style=None))
     shutil.copy(source / "data.csv", target / "data.csv")
     for extra in ("truth.csv", "scene.json", "model.ply"):
         if (sequence / extra).exists():
