@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/assert.hpp"
+#include "base/consensus.hpp"
 #include "base/rng.hpp"
 
 namespace polhode {
@@ -115,12 +116,6 @@ void refine(std::span<const cv::Point2f> from,
   }
 }
 
-/// Draws that find four agreeing points with 99 %, when this part of all agrees.
-int draws_needed(double part) {
-  const double four = std::pow(std::clamp(part, 0.01, 0.999), 4.0);
-  return static_cast<int>(std::ceil(std::log(0.01) / std::log(1.0 - four)));
-}
-
 Sample draw(std::size_t count, Rng* rng) {
   Sample sample{};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -168,7 +163,7 @@ bool fit_plane_motion(std::span<const cv::Point2f> from,
       best = cost;
       *motion = candidate;
       const double part = static_cast<double>(agree) / static_cast<double>(from.size());
-      draws = std::min(draws, std::max(i + 1, draws_needed(part)));
+      draws = std::min(draws, std::max(i + 1, draws_needed(part, 4, 0.01)));
     }
   }
   constexpr int kRounds = 3;

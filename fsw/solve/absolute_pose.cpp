@@ -9,6 +9,7 @@
 #include <opengv/absolute_pose/CentralAbsoluteAdapter.hpp>
 #include <opengv/absolute_pose/methods.hpp>
 
+#include "base/consensus.hpp"
 #include "base/rng.hpp"
 #include "geometry/reprojection.hpp"
 #include "geometry/so3.hpp"
@@ -27,7 +28,8 @@ double error2(const Pose& pose, const PoseObservation& o) {
          (o.sigma_normalised * o.sigma_normalised);
 }
 
-/// Truncated sum of squares (MSAC, Torr and Zisserman 2000): smaller is better. Past `enough` it is not summed on.
+/// Truncated sum of squares (MSAC, Torr and Zisserman 2000): smaller is better. Past `enough` it is
+/// not summed on.
 double score(const Pose& pose, std::span<const PoseObservation> observations, double enough) {
   double sum = 0.0;
   for (std::size_t i = 0; i < observations.size() && sum < enough; ++i) {
@@ -87,10 +89,9 @@ std::array<std::size_t, 3> draw_sample(Rng* rng, std::size_t count) {
 }
 
 /// Draws after which three inliers have come together with 99.9 % probability.
-int draws_needed(double score, std::size_t count) {
+int draws_for(double score, std::size_t count) {
   const double outliers = std::min(0.98, score / (kInlierChi2 * static_cast<double>(count)));
-  const double all_inliers = std::pow(1.0 - outliers, 3.0);
-  return static_cast<int>(std::ceil(std::log(1e-3) / std::log(1.0 - std::min(all_inliers, 0.999))));
+  return draws_needed(1.0 - outliers, 3, 1e-3);
 }
 
 struct NormalEquations {
@@ -198,7 +199,7 @@ Result<AbsolutePose> absolute_pose(std::span<const PoseObservation> observations
   int needed = options.iterations_max;
   for (int i = 0; i < std::min(needed, options.iterations_max); ++i) {
     try_sample(observations, draw_sample(&rng, observations.size()), &best);
-    needed = draws_needed(best.score, observations.size());
+    needed = draws_for(best.score, observations.size());
   }
   constexpr int kRounds = 3;
   Result<AbsolutePose> refined = ErrorCode::kNoConsensus;

@@ -15,10 +15,10 @@
 namespace polhode::platform {
 namespace {
 
-// A map is begun with the third or fourth frame, and flow, matching and adjustments follow it; not
-// with every camera: under very wide lenses and in small pictures none is, and the first map of the
-// run itself takes longer.
-constexpr int kFrames = 8;
+// A map is begun with the first contest or soon after, and flow, matching and adjustments follow
+// it; not with every camera: under very wide lenses and in small pictures none is, and the first
+// map of the run itself takes longer.
+constexpr int kFramesAfterContest = 3;
 constexpr double kTurn_rad = 0.05;
 constexpr double kPart = 0.35;  ///< of the picture's lesser side, the ball's radius
 constexpr std::int64_t kInterval_ns = 100'000'000;
@@ -29,8 +29,8 @@ class PatchedBall {
  public:
   explicit PatchedBall(const CameraParameters& camera)
       : camera_(camera),
-        distance_(std::hypot(
-            camera.fu_px / (kPart * std::min(camera.width_px, camera.height_px)), 1.0)),
+        distance_(
+            std::hypot(camera.fu_px / (kPart * std::min(camera.width_px, camera.height_px)), 1.0)),
         picture_(static_cast<std::size_t>(camera.width_px) *
                  static_cast<std::size_t>(camera.height_px)) {
     Rng rng(1, 6201);
@@ -47,10 +47,10 @@ class PatchedBall {
     std::size_t i = 0;
     for (int v = 0; v < camera_.height_px; ++v) {
       for (int u = 0; u < camera_.width_px; ++u) {
-        const Eigen::Vector3d ray_C = Eigen::Vector3d((u - camera_.cu_px) / camera_.fu_px,
-                                                      (v - camera_.cv_px) / camera_.fv_px,
-                                                      1.0)
-                                          .normalized();
+        const Eigen::Vector3d ray_C =
+            Eigen::Vector3d(
+                (u - camera_.cu_px) / camera_.fu_px, (v - camera_.cv_px) / camera_.fv_px, 1.0)
+                .normalized();
         const double along = distance_ * ray_C.z();
         const double within = along * along - distance_ * distance_ + 1.0;
         const Eigen::Vector3d normal_C =
@@ -94,8 +94,10 @@ int warm_up(const ComponentMemory& memory, const Parameters& parameters) {
   PatchedBall ball(parameters.camera);
   Worker worker({.own_thread = false});
   int poses = 0;
-  for (int i = 0; i < kFrames; ++i) {
-    const Frame frame{.timestamp_ns = (i + 1) * kInterval_ns, .image = ball.turned_by(i * kTurn_rad)};
+  const int frames = parameters.start.frames_min + kFramesAfterContest;
+  for (int i = 0; i < frames; ++i) {
+    const Frame frame{.timestamp_ns = (i + 1) * kInterval_ns,
+                      .image = ball.turned_by(i * kTurn_rad)};
     const Jobs finished = worker.due(component->next_step());
     const PoolScope scope(Pool::kStep);
     const StepOutput& out = component->step({.frame = frame, .finished = finished});
