@@ -1,10 +1,14 @@
 #!/bin/sh
 # Renders one scene: ./hil/render_scene.sh SCENE.toml OUT [--variant NAME] [--check]
-# Needs Debian's blender (3.4) and python3-numpy. Exit status: 0 done, 1 failed, 2 refused before rendering.
+# Needs Debian's blender (3.4) and python3-numpy, and installs them where they are missing.
+# Exit status: 0 done, 1 failed, 2 refused before rendering.
 here=$(cd "$(dirname "$0")" && pwd)
 if ! command -v blender >/dev/null 2>&1; then
-  echo "render_scene: blender is not installed (apt-get install --no-install-recommends blender python3-numpy)" >&2
-  exit 2
+  echo "render_scene: blender is not installed; calling tools/setup.sh renderer" >&2
+  if ! "$here/../tools/setup.sh" renderer >&2 || ! command -v blender >/dev/null 2>&1; then
+    echo "render_scene: blender can't be installed; do it by hand: apt-get install --no-install-recommends blender python3-numpy" >&2
+    exit 2
+  fi
 fi
 # Our own lines go to stderr; stdout carries only Blender's greeting.
 exec blender --background --factory-startup --python-exit-code 1 \

@@ -13,25 +13,17 @@ from judge.tables import POSITION, QUATERNION
 from judge.venv import REPOSITORY
 
 COLMAP_VENV = REPOSITORY / ".venv-colmap"
-COLMAP_VERSION = "4.2.1"
+SET_UP = REPOSITORY / "tools" / "setup.sh"
 # All pairs cost the square of the frames: 150 frames are 11,175 pairs, some minutes on two cores.
 EXHAUSTIVE_FRAMES_MAX = 150
 
 
 def ensure_venv() -> pathlib.Path:
-    """Python of COLMAP's own virtual environment, made on first use."""
-    python = COLMAP_VENV / "bin" / "python3"
-    if python.exists() and subprocess.run([python, "-c", "import pycolmap"], capture_output=True).returncode == 0:
-        return python
-    print(f"installing pycolmap {COLMAP_VERSION} into {COLMAP_VENV.name} (once)", file=sys.stderr)
-    base = pathlib.Path(sys.base_prefix) / "bin" / "python3"
-    for command in ([base, "-m", "venv", COLMAP_VENV],
-                    [python, "-m", "pip", "install", "--quiet", f"pycolmap=={COLMAP_VERSION}"]):
-        done = subprocess.run(command, capture_output=True, text=True)
-        if done.returncode != 0:
-            last = (done.stderr or done.stdout).strip().splitlines()[-1:]
-            raise BadInput(f"{COLMAP_VENV.name}: can't be set up: {' '.join(last)}")
-    return python
+    """Python of COLMAP's own virtual environment, made on first use; BadInput where it can't be made."""
+    done = subprocess.run([SET_UP, "colmap"], stdout=sys.stderr)
+    if done.returncode != 0:
+        raise BadInput(f"{COLMAP_VENV.name}: can't be set up: {SET_UP.relative_to(REPOSITORY)} colmap ended with {done.returncode}")
+    return COLMAP_VENV / "bin" / "python3"
 
 
 def colmap_params(camera: Camera) -> list[float]:

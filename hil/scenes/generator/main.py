@@ -64,6 +64,9 @@ def main():
         os.dup2(quiet, 2)
     try:
         status = run(sys.argv[sys.argv.index("--") + 1 :], lambda text: print(text, file=own))
+    except ImportError as error:
+        print(f"render_scene: {error}; Debian 12: tools/setup.sh renderer installs Blender 3.4 and python3-numpy", file=own)
+        status = 2
     except Exception as error:  # The last line of defence: say it in one line and fail.
         print(f"render_scene: {type(error).__name__}: {error}", file=own)
         if os.environ.get("POLHODE_BLENDER_LOG"):
