@@ -9,10 +9,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from judge import align, period, twin
-from judge.tables import Motion, join
+from judge.tables import COUNTS, Motion, join
 
 # 95 % bound of the norm of three independent unit normal errors: sqrt(chi2.ppf(0.95, 3)).
 NORMALISED_BOUND = 2.7955
+# Counts are told over this many equal parts of a run.
+COUNT_PARTS = 10
 
 
 @dataclass
@@ -80,6 +82,20 @@ def coverage(estimate: Motion, frames_in: int) -> dict:
     after = int(valid[first:].sum()) / max(frames_in - first, 1) if first is not None else None
     return {"frames_in": frames_in, "frames_with_pose": int(valid.sum()), "coverage": int(valid.sum()) / frames_in,
             "frames_until_first_pose": first, "coverage_after_first_pose": after}
+
+
+def counts(estimate: Motion) -> list[dict]:
+    """What the frames had to work with over time: means of each count over the parts of the run, None where not told.
+
+    Features, matches and inliers are those of a frame, landmarks and keyframes those of the map.
+    """
+    parts = np.array_split(np.arange(len(estimate.timestamp_ns)), min(COUNT_PARTS, len(estimate.timestamp_ns)))
+    result = []
+    for rows in parts:
+        told = {name: estimate.columns[name][rows] for name in COUNTS}
+        result.append({"from_s": float(estimate.seconds[rows[0]]), "to_s": float(estimate.seconds[rows[-1]])} | {
+            name: float(np.nanmean(values)) if np.isfinite(values).any() else None for name, values in told.items()})
+    return result
 
 
 def attitude(aligned: Aligned) -> dict:
@@ -211,7 +227,7 @@ def consistency(aligned: Aligned) -> dict:
 
 def judge_motion(estimate: Motion, truth: Motion, frames_in: int) -> dict:
     """Everything that one motion file is judged by."""
-    report = {"coverage": coverage(estimate, frames_in)}
+    report = {"coverage": coverage(estimate, frames_in), "counts": counts(estimate)}
     aligned = align_run(estimate, truth)
     if aligned is None:
         return report

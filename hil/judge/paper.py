@@ -1,7 +1,7 @@
 """The paper's own figures beside those of replays of its two cases, and the known length that gives their scale.
 
 Call: paper.py scale SEQ            prints --set arguments, one a line, that give the replay the known length
-      paper.py table 2D.json 3D.json  prints the table from reports of hil/evaluate.py; '-' for one that is not there
+      paper.py table 2D.json 3D.json  prints the tables from reports of hil/evaluate.py; '-' for one that is not there
 """
 
 import json
@@ -14,6 +14,7 @@ if __package__ is None or __package__ == "":
 from judge.errors import BadInput  # noqa: E402
 from judge.report import UNKNOWN, lookup, table, text_of  # noqa: E402
 from judge.sequence import read_json  # noqa: E402
+from judge.tables import COUNTS  # noqa: E402
 
 # The paper's scale in its 2D case is the longer edge of a solar panel.
 PREFERRED_LENGTH = "panel_long_edge"
@@ -71,6 +72,16 @@ def paper_table(reports: dict[str, dict]) -> str:
     return table(["", "paper", "ours causal", "ours smoothed"], rows)
 
 
+def counts_table(reports: dict[str, dict]) -> str:
+    """Points and features over time of both cases, as the causal run told them; means over the parts of a run."""
+    rows = []
+    for case, report in reports.items():
+        for part in lookup(report, "motion.causal.counts") or []:
+            rows.append([f"{case} {part['from_s']:.0f} to {part['to_s']:.0f} s",
+                         *(text_of(part[name], "{:.0f}") for name in COUNTS)])
+    return table(["", "features", "matches", "inliers", "points in the map", "keyframes"], rows)
+
+
 def main() -> int:
     if len(sys.argv) == 3 and sys.argv[1] == "scale":
         print("\n".join(scale_arguments(pathlib.Path(sys.argv[2]))))
@@ -78,7 +89,7 @@ def main() -> int:
     if len(sys.argv) == 4 and sys.argv[1] == "table":
         reports = {case: json.loads(pathlib.Path(path).read_text())["runs"][0]
                    for case, path in zip(("2D", "3D"), sys.argv[2:]) if path != "-"}
-        print(paper_table(reports))
+        print(f"{paper_table(reports)}\n\nPoints and features over time, means over tenths of the run:\n{counts_table(reports)}")
         return 0
     raise BadInput("usage: paper.py scale SEQ | table 2D.json 3D.json")
 

@@ -14,7 +14,8 @@ VELOCITY = ("v_C_x", "v_C_y", "v_C_z")
 RATE = ("w_T_x", "w_T_y", "w_T_z")
 FLAGS = ("pose_valid", "rate_valid", "velocity_valid", "scale_known")
 SIGMAS = ("sigma_att_rad", "sigma_pos", "sigma_vel", "sigma_rate_rad_s")
-COUNTS = ("features", "matches", "inliers", "landmarks", "keyframes", "step_us")
+COUNTS = ("features", "matches", "inliers", "landmarks", "keyframes")
+COST = ("step_us",)
 # A quaternion farther than this from unit norm is no rounding of a printed one, but a broken file.
 QUATERNION_NORM_ERROR_MAX = 1e-2
 
@@ -107,7 +108,7 @@ def read_motion(path: pathlib.Path) -> Motion:
         raise BadInput(f"{path}: no rows after the header")
     cells = dict(zip(header, zip(*rows)))
     known = {name: numbers(path, name, cells[name])
-             for name in (*QUATERNION, *POSITION, *VELOCITY, *RATE, *FLAGS, *SIGMAS, *COUNTS) if name in cells}
+             for name in (*QUATERNION, *POSITION, *VELOCITY, *RATE, *FLAGS, *SIGMAS, *COUNTS, *COST) if name in cells}
     unknown = np.full(len(rows), np.nan)
 
     def block(names):
@@ -123,7 +124,7 @@ def read_motion(path: pathlib.Path) -> Motion:
         path=path, timestamp_ns=timestamps(path, cells["timestamp_ns"]), q_CT=_unit_quaternions(path, q_CT),
         p_CT=p_CT, v_C=v_C, w_T=w_T, pose_valid=valid("pose_valid", q_CT, p_CT), rate_valid=valid("rate_valid", w_T),
         velocity_valid=valid("velocity_valid", v_C), scale_known=known.get("scale_known", unknown + 1) > 0,
-        mode=list(cells.get("mode", [])), columns={name: known.get(name, unknown) for name in (*SIGMAS, *COUNTS)})
+        mode=list(cells.get("mode", [])), columns={name: known.get(name, unknown) for name in (*SIGMAS, *COUNTS, *COST)})
 
 
 def join(estimate: Motion, truth: Motion) -> tuple[np.ndarray, np.ndarray]:

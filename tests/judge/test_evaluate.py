@@ -189,6 +189,14 @@ def test_late_start_counts(tmp_path, scene, body):
     assert report["coverage_after_first_pose"] == 1.0
 
 
+def test_counts_over_time_are_means_of_tenths_of_the_run(tmp_path, scene, body):
+    parts = judged(tmp_path, scene, body, Errors(first_frame=12))["motion"]["causal"]["counts"]
+    # The made-up run has 120 frames of 1 s; it tells 400 + i landmarks from frame 12 on, and none before.
+    assert [round(part["from_s"]) for part in parts] == [12 * i for i in range(10)] and round(parts[-1]["to_s"]) == 119
+    assert parts[0]["landmarks"] == 0 and parts[3]["landmarks"] == pytest.approx(400 + 36 + 5.5)
+    assert all(part["features"] > part["inliers"] for part in parts)
+
+
 def test_straight_approach_without_rotation_is_well_conditioned(tmp_path):
     still = tumbling_body(turning=False, velocity_m_s=(0.0, 0.0, -0.03))
     scene = write_sequence(tmp_path / "seq", still)

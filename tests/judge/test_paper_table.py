@@ -65,6 +65,7 @@ def test_both_cases_are_rendered_replayed_judged_drawn_and_tabled(house):
     assert calls[1].endswith("--set seed=3")
     table = done.stdout.split("figures beside ours")[1]
     assert "2D angular velocity, mean relative error" in table and "3D w_y RMSE" in table
+    assert "Points and features over time" in table and table.count("\n2D ") > table.count("\n3D w_") >= 2
     replays = house.parent / "cache/replays"
     assert (replays / "paper_3d_small.json").exists() and (replays / "paper_3d_small/plots/rates.png").exists()
 

@@ -85,6 +85,8 @@ def test_papers_figures_stand_beside_ours(tmp_path, scene):
     row = next(line for line in text.splitlines() if line.startswith("3D w_x RMSE"))
     assert "0.0056" in row and len(row.split()) == 7
     assert "2D" not in text
+    rows = paper.counts_table({"3D": judge_run(run, sequence, read_truth(sequence))}).splitlines()[2:]
+    assert len(rows) == 10 and rows[0].startswith("3D 0 to 2 s") and int(rows[-1].split()[-2]) > 400
 
 
 @pytest.mark.parametrize("arguments", [("--case", "4d"), ("--nonsense",), ("--set",)])

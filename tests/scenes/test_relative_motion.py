@@ -1,7 +1,7 @@
 """Relative orbits and camera attitudes."""
 
 import numpy as np
-from generator import relative_motion, truth
+from generator import pipeline, relative_motion, scene_file, truth
 from generator.rotations import quat_from_axis_angle, quat_to_matrix
 
 N = 0.0011
@@ -68,3 +68,20 @@ def test_hill_motion_reaches_the_truth():
     # Tidal acceleration is at most 3 n^2 r = 1.8e-5 m/s^2 at 5 m: invisible after 1 s, metres after 600 s.
     assert np.abs(motion.p_CT_m[1] - straight.p_CT_m[1]).max() < 2e-5
     assert 0.1 < np.linalg.norm(motion.p_CT_m[2] - straight.p_CT_m[2]) < 20
+
+
+def test_a_given_attitude_history_is_followed_between_its_rows_whatever_their_norm():
+    half = np.sqrt(0.5)
+    scene = scene_file.check(
+        {
+            "target": {"kind": "box"},
+            "motion": _motion_table(),
+            "camera": {"attitude_history": [[0.0, 3.0, 0.0, 0.0, 0.0], [90.0, 2 * half, 0.0, 0.0, 2 * half]]},
+            "time": {"frames": 11, "period_s": 10.0},
+        }
+    )
+    motion = pipeline.Plan(scene).motion
+    for i in range(11):
+        # One degree a second about the line of sight, held after the last row.
+        R_CI = quat_to_matrix(quat_from_axis_angle([0, 0, 1], np.radians(min(10.0 * i, 90.0)))).T
+        assert np.allclose(motion.R_CT(i), R_CI, atol=1e-9)

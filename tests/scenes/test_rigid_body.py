@@ -1,6 +1,7 @@
 """The integrator against what mechanics says must hold."""
 
 import numpy as np
+import pytest
 from generator import rigid_body
 from generator.rotations import quat_from_axis_angle, quat_multiply, quat_to_matrix
 
@@ -45,3 +46,16 @@ def test_attitude_derivative_agrees_with_the_rate():
     turn = quat_to_matrix(q[0]).T @ quat_to_matrix(q[1])
     rate = np.array([turn[2, 1], turn[0, 2], turn[1, 0]]) / 0.001
     assert np.allclose(rate, w.mean(axis=0), atol=1e-5)
+
+
+def test_halving_the_step_is_what_decides_and_too_many_turns_are_refused(monkeypatch):
+    inertia, w0, times_s = np.diag([1.0, 2.0, 2.5]), [0.05, 0.08, -0.02], [200.0]
+    q, _, step_s = rigid_body.integrate([1, 0, 0, 0], w0, inertia, times_s)
+    finer = rigid_body._integrate_at_step(np.array([1, 0, 0, 0, *w0]), times_s, step_s / 2, inertia)[:, :4]
+    assert 2 * np.linalg.norm(q - finer) < rigid_body.ATTITUDE_TOLERANCE_RAD
+    with pytest.raises(rigid_body.NotIntegrated, match="too many turns"):
+        rigid_body.integrate([1, 0, 0, 0], [0.0, 0.0, 1e6], inertia, times_s)
+    monkeypatch.setattr(rigid_body, "HALVINGS_MAX", 1)
+    monkeypatch.setattr(rigid_body, "ATTITUDE_TOLERANCE_RAD", 0.0)
+    with pytest.raises(rigid_body.NotIntegrated, match="still changes"):
+        rigid_body.integrate([1, 0, 0, 0], w0, inertia, times_s)

@@ -2,11 +2,12 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from generator import scene_file
 
 SCENES = Path(__file__).resolve().parents[2] / "hil" / "scenes"
-STANDARD = ("paper_3d", "paper_2d", "earth", "damaged", "upper_stage", "fast_tumble", "far", "spin", "still")
+STANDARD = ("paper_3d", "paper_2d", "earth", "damaged", "upper_stage", "fast_tumble", "far", "spin", "still", "limb", "lab_still")
 
 GOOD = {
     "target": {"kind": "box"},
@@ -44,6 +45,9 @@ def test_a_minimal_scene_is_filled_with_defaults():
         (_with("motion", "inertia_kg_m2", [[1, 0, 0], [0, 1, 0]]), "3 rows of 3"),
         (_with("motion", "translation", "teleport"), "constant or hcw"),
         (_with("sensor", "bits", 12), "8 or 16"),
+        (_with("camera", "attitude_history", [[0.0, 0, 0, 0, 0]]), "camera.attitude_history[0]: the quaternion must not be zero"),
+        (_with("camera", "attitude_history", [[1.0, 1, 0, 0, 0], [0.0, 1, 0, 0, 0]]), "times must ascend"),
+        (_with("camera", "lens_mm", 0.0), "must be positive"),
         (_with("background", "kind", "mars"), "background.kind"),
         (_with("sensor", "exposure_s", 11.0), "exposure_s"),
         ({"target": {"kind": "box"}}, "motion.inertia_kg_m2 is missing"),
@@ -92,6 +96,58 @@ def test_the_standard_scenes_load_and_their_targets_stay_in_view(name, variant):
     pipeline.check_view(plan, mesh.all_vertices(parts))
     if variant:
         assert scene["camera"]["resolution"] == [640, 360] and scene["time"]["frames"] == 60
+
+
+def _spans_px(scene):
+    """Width and height of the target's projection in each frame (N, 2) [px], and the scene's plan."""
+    from generator import camera, mesh, pipeline
+
+    scene["target"]["texture_px"] = 64
+    plan = pipeline.Plan(scene)
+    vertices_T = mesh.all_vertices(pipeline.build_target(scene)[0]) - plan.centre_of_mass_G_m
+    spans = []
+    for i in range(len(plan.timestamps_ns)):
+        spans.append(np.ptp(camera.project(plan.camera, vertices_T @ plan.motion.R_CT(i).T + plan.motion.p_CT_m[i]), axis=0))
+    return np.array(spans), plan
+
+
+def test_the_papers_body_grows_from_15_to_75_percent_of_the_height_in_50_minutes():
+    scene = scene_file.load(SCENES / "paper_3d.toml")
+    assert scene["motion"]["inertia_kg_m2"] == [[0.47, 0, 0], [0, 0.47, 0], [0, 0, 0.02]]
+    assert scene["motion"]["w0_T_deg_s"] == [0.0, 0.1, 1.0] and scene["motion"]["v_C0_m_s"] == [0.0, 0.0, -0.0045]
+    spans, plan = _spans_px(scene)
+    assert len(spans) == 300 and plan.motion.time_s[1] == 10.0
+    assert (plan.camera.width, plan.camera.height) == (1920, 1080) and plan.camera.fu == pytest.approx(50 / 36 * 1920)
+    # The body's own height over the range; its projection leans and turns about these values.
+    share = scene["target"]["size_m"] / np.linalg.norm(plan.motion.p_CT_m, axis=1) * plan.camera.fu / 1080
+    assert share[0] == pytest.approx(0.15, abs=0.003) and share[-1] == pytest.approx(0.75, abs=0.015)
+    assert spans[0, 1] / 1080 == pytest.approx(0.15, abs=0.003)
+    assert 0.4 < spans[-36:, 1].min() / 1080 and spans[:, 1].max() < 0.9 * 1080
+
+
+def test_the_other_standard_scenes_are_what_their_names_say():
+    spans, plan = _spans_px(scene_file.load(SCENES / "far.toml"))
+    assert np.degrees(spans.mean() / plan.camera.fu) == pytest.approx(3.0, abs=0.3)
+    scene = scene_file.load(SCENES / "paper_2d.toml")
+    assert scene["target"]["panel_length_m"] == 0.06 and scene["background"]["kind"] == "laboratory"
+    assert scene["time"]["frames"] == 210 and scene["time"]["period_s"] == pytest.approx(1 / 30)
+    plan = _spans_px(scene)[1]
+    up_C = np.array(scene["background"]["up_C"])
+    # About the vertical, in the plane of the table: 1e-6 is what the ten digits of the scene file leave.
+    assert np.abs(plan.motion.v_C_m_s @ up_C).max() < 1e-6
+    assert all(np.abs(plan.motion.R_CT(i)[:, 2] - up_C).max() < 1e-6 for i in range(0, 210, 30))
+    rates_deg_s = {name: np.degrees(_spans_px(scene_file.load(SCENES / f"{name}.toml", "small"))[1].motion.w_T_rad_s)
+                   for name in ("fast_tumble", "spin", "still")}
+    assert np.linalg.norm(rates_deg_s["fast_tumble"], axis=1).mean() == pytest.approx(5.0, abs=0.3)
+    assert np.abs(rates_deg_s["fast_tumble"]).min(axis=0).max() > 0.5
+    assert np.allclose(rates_deg_s["spin"], [0, 0, 3.0]) and np.all(rates_deg_s["still"] == 0)
+
+
+def test_rates_that_can_not_be_computed_are_refused_as_the_scene_that_they_are():
+    from generator import pipeline
+
+    with pytest.raises(scene_file.SceneError, match="motion.w0_T_deg_s: .* too many turns"):
+        pipeline.Plan(scene_file.check(_with("motion", "w0_T_deg_s", [0, 0, 1e7])))
 
 
 def test_a_target_out_of_view_is_refused():

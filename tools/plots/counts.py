@@ -1,7 +1,7 @@
 """Features, matches, inliers and landmarks over time, the mode behind them, and the time of each step."""
 
 import numpy as np
-from judge.tables import COUNTS
+from judge.tables import COST, COUNTS
 from matplotlib.patches import Patch
 from plots import style
 from plots.style import plt
@@ -32,7 +32,7 @@ def _lines(axis, time, columns: dict, series, label: str) -> None:
 def draw(run, folder, prefix: str = "") -> list:
     """counts.png, from motion.csv where it is there: it tells what the flying estimator had at each frame."""
     motion = run.motions.get("causal") or next(iter(run.motions.values()))
-    columns = {name: motion.columns[name] for name in COUNTS}
+    columns = {name: motion.columns[name] for name in (*COUNTS, *COST)}
     if not any(np.isfinite(values).any() for values in columns.values()):
         return []
     time, label = style.time_axis(motion.seconds)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from . import camera as camera_model
-from . import mesh, noise, png, relative_motion, sensor, truth
+from . import mesh, noise, png, relative_motion, rigid_body, sensor, truth
 from .materials import Material
 from .rotations import quat_from_axis_angle, quat_to_matrix
 from .scene_file import SceneError
@@ -34,7 +34,10 @@ class Plan:
         all_s = np.maximum(0.0, (mid_s[:, None] + self.offsets_s).ravel())
         order = np.argsort(all_s, kind="stable")
         self.history = self._camera_history(float(all_s.max()))
-        motion = truth.motion_at(scene["motion"], self.history, all_s[order])
+        try:
+            motion = truth.motion_at(scene["motion"], self.history, all_s[order])
+        except rigid_body.NotIntegrated as error:
+            raise SceneError(f"motion.w0_T_deg_s: {error}") from None
         place = np.empty(len(order), dtype=int)
         place[order] = np.arange(len(order))
         # place[i, k]: row of sub-frame k of frame i; the middle one is the frame's truth.

@@ -12,10 +12,12 @@ from .rotations import quat_to_matrix
 ATTITUDE_TOLERANCE_RAD = 1e-9
 ANGLE_PER_STEP_RAD = 0.02
 HALVINGS_MAX = 8
+# Some minutes; a scene that needs more is a mistake in its rates or times.
+STEPS_MAX = 2_000_000
 
 
-class StepTooCoarse(Exception):
-    """The integration did not converge within HALVINGS_MAX halvings of the step."""
+class NotIntegrated(Exception):
+    """The motion needs too many steps, or did not converge within HALVINGS_MAX halvings of the step."""
 
 
 def _derivative(state, inertia, inertia_inverse):
@@ -62,7 +64,7 @@ def _integrate_at_step(state, times_s, step_s, inertia):
 def integrate(q_IT0, w0_T_rad_s, inertia_kg_m2, times_s):
     """Attitude and rate at times_s (ascending, >= 0; the given state holds at time 0).
 
-    Halves the step until attitudes at half the step agree within ATTITUDE_TOLERANCE_RAD.
+    Halves the step until attitudes at half the step agree within ATTITUDE_TOLERANCE_RAD; NotIntegrated if they never do.
     Returns q_IT (N, 4), w_T_rad_s (N, 3), step_s (the accepted step).
     """
     inertia = np.asarray(inertia_kg_m2, dtype=float)
@@ -73,6 +75,8 @@ def integrate(q_IT0, w0_T_rad_s, inertia_kg_m2, times_s):
     rate_max = max(momentum / np.linalg.eigvalsh(inertia)[0], 1e-12)
     rate_max = min(rate_max, 20 * max(np.linalg.norm(state[4:]), 1e-12))
     step_s = ANGLE_PER_STEP_RAD / rate_max
+    if times_s[-1] / step_s > STEPS_MAX:
+        raise NotIntegrated(f"{times_s[-1]:.4g} s at up to {np.degrees(rate_max):.4g} deg/s are too many turns to compute")
     coarse = _integrate_at_step(state, times_s, step_s, inertia)
     for _ in range(HALVINGS_MAX):
         step_s *= 0.5
@@ -84,7 +88,7 @@ def integrate(q_IT0, w0_T_rad_s, inertia_kg_m2, times_s):
         if cosines.min() > 0.5 and angle_rad < ATTITUDE_TOLERANCE_RAD:
             return fine[:, :4], fine[:, 4:], step_s
         coarse = fine
-    raise StepTooCoarse(f"attitude still changes by {angle_rad:.1e} rad at a step of {step_s:.1e} s")
+    raise NotIntegrated(f"attitude still changes by {angle_rad:.1e} rad at a step of {step_s:.1e} s")
 
 
 def momentum_I(q_IT, w_T_rad_s, inertia_kg_m2):

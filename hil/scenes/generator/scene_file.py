@@ -113,12 +113,20 @@ def _check_type(where, value, kind):
     if kind == "history":
         if not isinstance(value, list):
             fail("a list of [t_s, w, x, y, z]")
-        return [_check_type(f"{where}[{i}]", v, _vector(5)) for i, v in enumerate(value)]
+        return [_attitude_row(f"{where}[{i}]", v) for i, v in enumerate(value)]
     if kind == "inertia":
         return _inertia(where, value)
     if not (isinstance(value, list) and len(value) == kind[1] and all(_is_number(x) for x in value)):
         fail(f"{kind[1]} numbers")
     return value
+
+
+def _attitude_row(where, value):
+    """[t_s, w, x, y, z] with its quaternion brought to unit norm, or SceneError."""
+    time_s, *q = _check_type(where, value, _vector(5))
+    norm = float(np.linalg.norm(q))
+    require(norm > 1e-6, f"{where}: the quaternion must not be zero")
+    return [time_s, *(x / norm for x in q)]
 
 
 def _inertia(where, value):
