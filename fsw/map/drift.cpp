@@ -1,6 +1,7 @@
 #include "map/drift.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "geometry/so3.hpp"
 
@@ -11,12 +12,17 @@ void begin_drift(const Eigen::Matrix3d& R_first_CT,
                  double depth_sigma,
                  double extent_mu,
                  MapDrift* drift) {
+  // An extent is the RMS distance from the centre, and depth one of three directions: depths that are off by
+  // depth_sigma of an extent are off by this part of themselves.
   drift->R_first_CT = R_first_CT;
-  constexpr double kExchangedMost_rad = 0.5;  // of sin(t) cos(t)
-  drift->start_sigma_rad = depth_sigma * std::min(turn_rad, kExchangedMost_rad);
+  drift->start_turn_sigma = std::min(1.0, std::sqrt(3.0) * depth_sigma);
   drift->start_sigma_mu = depth_sigma * extent_mu;
   drift->start_turn_rad = turn_rad;
   drift->turn_rad = turn_rad;
+}
+
+double turn_sigma(const MapDrift& drift) {
+  return drift.turn_rad > 0.0 ? drift.start_turn_sigma * drift.start_turn_rad / drift.turn_rad : 0.0;
 }
 
 void widen_turn(const Pose& pose, MapDrift* drift) {
@@ -37,9 +43,9 @@ void hold_at_both_ends(MapDrift* drift) {
 PoseCovariance covariance(const MapDrift& drift) {
   PoseCovariance sum = drift.walk;
   if (drift.turn_rad > 0.0) {
-    const double part = drift.start_turn_rad / drift.turn_rad;
-    const double turn_rad = part * drift.start_sigma_rad;
-    const double depth_mu = part * drift.start_sigma_mu;
+    constexpr double kExchangedMost_rad = 0.5;  // of sin(t) cos(t)
+    const double turn_rad = turn_sigma(drift) * std::min(drift.start_turn_rad, kExchangedMost_rad);
+    const double depth_mu = drift.start_sigma_mu * drift.start_turn_rad / drift.turn_rad;
     sum.topLeftCorner<3, 3>().diagonal().array() += turn_rad * turn_rad;
     sum.bottomRightCorner<3, 3>().diagonal().array() += depth_mu * depth_mu;
   }

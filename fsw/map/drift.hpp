@@ -19,7 +19,7 @@ struct MapDrift {
   PoseCovariance walk = PoseCovariance::Zero();
   Eigen::Matrix3d R_first_CT =
       Eigen::Matrix3d::Identity();  ///< attitude of the start's first frame
-  double start_sigma_rad = 0.0;     ///< of the start's turn
+  double start_turn_sigma = 0.0;    ///< of the start's turn, as a part of it
   double start_sigma_mu = 0.0;      ///< of its depths
   double start_turn_rad = 0.0;
   double turn_rad = 0.0;  ///< largest turn from R_first_CT so far
@@ -33,6 +33,9 @@ void begin_drift(const Eigen::Matrix3d& R_first_CT,
                  double depth_sigma,
                  double extent_mu,
                  MapDrift* drift);
+
+/// 1-sigma of a factor that all turns so far may have, less one.
+[[nodiscard]] double turn_sigma(const MapDrift& drift);
 
 /// A frame has its pose.
 void widen_turn(const Pose& pose, MapDrift* drift);

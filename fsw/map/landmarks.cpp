@@ -14,9 +14,13 @@
 namespace polhode {
 namespace {
 
-constexpr double kPairSigma =
-    3.0;  // epipolar distance and reprojection gates of new pairs, in sigma
-constexpr double kChi2Pair = 11.345;  // three degrees of freedom beyond the point's own, 99 %
+// Gate of new pairs about their epipolar line. The line has the drift between the two keyframes in it, and
+// a gate as narrow as the noise takes only those pairs whose errors agree with that drift: the map then holds
+// it for ever. At twice that it does so half as much; the adjustment judges who is wrong, as nearly a tenth
+// of the pairs' errors are beyond 3 sigma. For two views chi-square has one degree of freedom.
+constexpr double kLineSigma = 6.0;
+constexpr double kChi2Pair = kLineSigma * kLineSigma;
+constexpr double kSightingSigma = 3.0;  // reprojection gate of further sightings of a landmark
 constexpr std::size_t kPartners = 4;
 
 double sigma_normalised(const Feature& feature, double focal_px) {
@@ -147,7 +151,7 @@ void mark_near(const Eigen::Vector3d& line_b,
   for (std::size_t begin = 0; begin < count; begin += LineTable::kGrain) {
     for (std::size_t k = begin; k < begin + LineTable::kGrain; ++k) {
       const double error = lines->x[k] * a + lines->y[k] * b + c;
-      const double gate = kPairSigma * kPairSigma * (own_variance + lines->variance[k]) *
+      const double gate = kLineSigma * kLineSigma * (own_variance + lines->variance[k]) *
                           (own_gradient2 + lines->gradient2[k]);
       lines->near[k] = error * error > gate ? 0 : 1;
     }
@@ -297,7 +301,7 @@ std::int32_t find_in(const Landmark& landmark,
     const double off_px = std::hypot(pixel.x() - static_cast<double>(f.u_px),
                                      pixel.y() - static_cast<double>(f.v_px));
     if (keyframe.landmark_of[i].valid() ||
-        off_px > kPairSigma * std::sqrt(2.0) * static_cast<double>(f.sigma_px)) {
+        off_px > kSightingSigma * std::sqrt(2.0) * static_cast<double>(f.sigma_px)) {
       continue;
     }
     for (const LandmarkView& view : landmark.views) {

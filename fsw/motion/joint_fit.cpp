@@ -216,6 +216,7 @@ double turn_of_keyframe(const JointFitInput& input, std::span<const std::size_t>
 void take(const FreeBodyMotion& motion,
           const FreeBodyReport& report,
           const ResidualLevel& noise,
+          double widening,
           RigidModel* model) {
   model->reference = motion.reference;
   model->shape = motion.shape;
@@ -223,7 +224,7 @@ void take(const FreeBodyMotion& motion,
   model->attitude = noise;
   model->position = noise;
   const ModelCovariance covariance =
-      widening(noise) * report.information.ldlt().solve(FreeBodyInformation::Identity());
+      widening * report.information.ldlt().solve(FreeBodyInformation::Identity());
   model->covariance = 0.5 * (covariance + covariance.transpose());
   const bool usable = covariance.allFinite() && covariance.diagonal().minCoeff() > 0.0;
   model->path_known = usable;
@@ -273,12 +274,11 @@ RigidModel fit_jointly(const JointFitInput& input,
     model.attitude.chi2_per_dof = gain;
     if (convincing || sufferable) {
       *doubts = convincing ? 0 : *doubts + 1;
-      take(*motion,
-           report,
-           {.chi2_per_dof = gain,
-            .scale2 = std::max(1.0, gain),
-            .correlation = poses_of_a_side(turn_of_keyframe(input, order), order.size())},
-           &model);
+      const ResidualLevel noise{
+          .chi2_per_dof = gain,
+          .scale2 = std::max(1.0, gain),
+          .correlation = poses_of_a_side(turn_of_keyframe(input, order), order.size())};
+      take(*motion, report, noise, input.selection * widening(noise), &model);
     }
   }
   if (model.accepted() && !move_reference(input.timestamps_ns[order.back()], model)) {

@@ -22,6 +22,9 @@ struct JointFitInput {
   MotionOptions motion;
   RigidModel previous;  ///< where accepted, the fit starts from it
   BundleOptions options;
+  /// What the covariance is to be multiplied by, as the sightings were chosen by where the poses have them
+  /// and so agree with the poses' errors more than they should.
+  double selection = 1.0;
 };
 
 struct BundleCopy {

@@ -165,9 +165,12 @@ Result<RateEstimate> estimate_rates(std::span<const PoseSample> history,
   return estimate_rates_at(history, history.empty() ? 0 : history.size() - 1, options);
 }
 
-void widen_by_drift(const PoseCovariance& drift, RateEstimate& rates) {
+void widen_by_drift(const PoseCovariance& drift, double turn_sigma, RateEstimate& rates) {
   const double per_s = rates.w_T_rad_s.norm() / kSideAngle_rad;
   const Eigen::Matrix3d R_TC = rates.pose.R_CT.transpose();
+  const Eigen::Vector3d sight_T = R_TC * rates.pose.p_CT.normalized();
+  const Eigen::Vector3d across_rad_s = rates.w_T_rad_s - sight_T * sight_T.dot(rates.w_T_rad_s);
+  rates.covariance_w_T += turn_sigma * turn_sigma * across_rad_s * across_rad_s.transpose();
   rates.covariance_w_T +=
       per_s * per_s * R_TC * drift.topLeftCorner<3, 3>() * R_TC.transpose();
   rates.covariance_v_C += per_s * per_s * drift.bottomRightCorner<3, 3>();

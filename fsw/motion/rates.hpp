@@ -49,7 +49,9 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
 
 /// Adds what the map's drift does to rates that were fitted within one side of the body: it changes by
 /// about its own size while 0.8 rad are turned, and passes for motion.
-void widen_by_drift(const PoseCovariance& drift, RateEstimate& rates);
+/// @param turn_sigma  1-sigma of a factor that all turns may have, less one: it is the rate's too, but for
+///                    the turn about the line of sight, which pictures show as it is.
+void widen_by_drift(const PoseCovariance& drift, double turn_sigma, RateEstimate& rates);
 
 struct PosePrediction {
   Pose pose;

@@ -317,7 +317,8 @@ Result<RateEstimate> rates_now(const Component::State& s) {
   if (!rates && s.parameters.motion.mode != MotionMode::kPaper) {
     rates = estimate_rates(m.recent.view(), s.parameters.motion);
     if (rates) {
-      widen_by_drift(turned(m.R_IC, polhode::covariance(s.drift)), rates.value());
+      widen_by_drift(
+          turned(m.R_IC, polhode::covariance(s.drift)), turn_sigma(s.drift), rates.value());
     }
   }
   if (rates) {

@@ -106,7 +106,7 @@ AtFrame by_measurement(std::span<const PoseSample> samples,
   }
   Result<RateEstimate> local = estimate_rates_at(samples, index, options);
   if (local) {
-    widen_by_drift(drift, local.value());
+    widen_by_drift(drift, 0.0, local.value());  // the map at rest has seen the whole turn
     at.rates = local.value();
   }
   return at;

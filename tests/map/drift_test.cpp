@@ -10,7 +10,8 @@
 namespace polhode {
 namespace {
 
-constexpr double kDepthSigma = 0.06;
+constexpr double kDepthSigma = 0.06;  // of an extent, in which depth is one of three directions
+const double kTurnSigma = std::sqrt(3.0) * kDepthSigma;
 constexpr double kTurn_rad = 0.3;
 
 MapDrift started(double turn_rad) {
@@ -39,9 +40,10 @@ TEST(MapDrift, KnowsNothingOfItself_BeforeAStart) {
 
 TEST(MapDrift, KnowsTheStartsTurn_AsWellAsItsDepth) {
   const MapDrift drift = started(kTurn_rad);
-  EXPECT_NEAR(attitude_sigma_rad(drift), kDepthSigma * kTurn_rad, 1e-12);
+  EXPECT_NEAR(turn_sigma(drift), kTurnSigma, 1e-12);
+  EXPECT_NEAR(attitude_sigma_rad(drift), kTurnSigma * kTurn_rad, 1e-12);
   EXPECT_NEAR(std::sqrt(covariance(drift)(5, 5)), kDepthSigma * 2.0, 1e-12);
-  EXPECT_LT(attitude_sigma_rad(started(1.5)), kDepthSigma * 0.5 + 1e-12)
+  EXPECT_LT(attitude_sigma_rad(started(1.5)), kTurnSigma * 0.5 + 1e-12)
       << "over a large turn the two are no longer exchanged";
 }
 
@@ -53,7 +55,7 @@ TEST(MapDrift, ForgetsTheStart_AsTheBodyTurnsOn_AndNeverGrowsByIt) {
     EXPECT_LE(attitude_sigma_rad(drift), last);
     last = attitude_sigma_rad(drift);
   }
-  EXPECT_NEAR(last, kDepthSigma * kTurn_rad * kTurn_rad / 2.8, 1e-9);
+  EXPECT_NEAR(last, kTurnSigma * kTurn_rad * kTurn_rad / 2.8, 1e-9);
   widen_turn(turned(0.1), &drift);
   EXPECT_EQ(attitude_sigma_rad(drift), last) << "what was seen stays seen";
 }
