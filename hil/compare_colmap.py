@@ -8,20 +8,11 @@ of view COLMAP may return the depth-reversed twin with every frame registered: t
 """
 
 import argparse
-import os
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from judge.venv import enter_venv, run_main  # noqa: E402
-
-
-def cache_folder(name: str) -> pathlib.Path:
-    """Where results are kept between calls: outside the tree."""
-    base = os.environ.get("POLHODE_CACHE")
-    root = pathlib.Path(base) if base else (
-        pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "polhode")
-    return root / "colmap" / name
 
 
 def arguments() -> argparse.Namespace:
@@ -36,15 +27,12 @@ def arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def fingerprint(sequence) -> str:
-    """Tells one sequence's frames and camera from another's of the same name: a reused result must be of these."""
-    import hashlib
-    digest = hashlib.sha256()
-    for path in (sequence.folder / "mav0/cam0/sensor.yaml", sequence.folder / "mav0/cam0/data.csv"):
-        digest.update(path.read_bytes())
-    for index in range(len(sequence.filenames)):
-        digest.update(sequence.frame_path(index).read_bytes() if sequence.frame_path(index).exists() else b"")
-    return digest.hexdigest()
+def print_shared_frames(run, peer, truth) -> None:
+    """One line for each motion file: its attitude error over COLMAP's frames alone, so that nobody gains by leaving some out."""
+    from judge.colmap import attitude_on_shared_frames
+    for kind, found in attitude_on_shared_frames(run, peer, truth).items():
+        name = "COLMAP" if run is peer else f"{run.name} {kind}"
+        print(f"{name}: attitude RMSE {found['rmse_deg']:.3f} deg over {found['frames']} of COLMAP's frames")
 
 
 def print_other_models(out: pathlib.Path, truth) -> None:
@@ -65,19 +53,14 @@ def main() -> int:
     options = arguments()
     from evaluate import write_json
     from judge import colmap, report
+    from judge.replay import cache_folder
     from judge.run import judge_run, read_run, read_truth
     from judge.sequence import read_sequence
     sequence = read_sequence(options.sequence)
     truth = read_truth(sequence) if sequence.truth_path.exists() else None
     runs = [read_run(folder) for folder in options.run]
-    out = (options.out or cache_folder(sequence.name)).absolute()
-    out.mkdir(parents=True, exist_ok=True)
-    mark = out / "fingerprint"
-    wanted = fingerprint(sequence)
-    if options.again or not mark.exists() or mark.read_text() != wanted:
-        mark.unlink(missing_ok=True)
-        colmap.write_output(sequence, colmap.run_colmap(sequence, out), out)
-        mark.write_text(wanted)
+    out = (options.out or cache_folder("colmap", sequence.name)).absolute()
+    colmap.colmap_output(sequence, out, options.again)
     peer = read_run(out)
     print(f"{peer.summary['program']}: {peer.summary['models']} model(s), {peer.summary.get('points')} points, "
           f"mean reprojection error {report.text_of(peer.summary.get('mean_reprojection_error_px'), '{:.2f}')} px, "
@@ -88,6 +71,8 @@ def main() -> int:
     reports = [judge_run(run, sequence, truth) for run in (peer, *runs)]
     reports[0]["run"] = "COLMAP"
     print(report.text_report(reports))
+    for run in (peer, *runs):
+        print_shared_frames(run, peer, truth)
     print_other_models(out, truth)
     if options.json:
         write_json(options.json, reports)

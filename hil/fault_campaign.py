@@ -5,7 +5,6 @@ of bad ones, counters beside what was injected. Several seeds a sequence; the la
 import argparse
 import pathlib
 import shutil
-import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
@@ -26,22 +25,14 @@ def arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def replay(options, sequence, out) -> None:
-    from judge.errors import BadInput
-    settings = [part for one in options.set for part in ("--set", one)]
-    done = subprocess.run([options.program, "replay", "--config", REPOSITORY / "config/default.toml", "--sequence", sequence,
-                           "--out", out, *settings], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise BadInput(f"{sequence}: the replay ended with {done.returncode}: {done.stderr.strip().splitlines()[-1:]}")
-
-
 def one_run(options, folder, seed):
     from faults.inject import KINDS, inject
     from faults.verdict import judge_faulted
+    from judge.replay import replay
     from judge.sequence import read_sequence
     place = options.out / f"{folder.name}_{seed}"
     inject(read_sequence(folder), place / "sequence", options.fraction, KINDS, seed)
-    replay(options, place / "sequence", place / "run")
+    replay(place / "sequence", place / "run", options.set, program=options.program)
     verdict = judge_faulted(place / "run", read_sequence(place / "sequence"))
     shutil.rmtree(place / "sequence" / "mav0")
     return verdict

@@ -8,7 +8,6 @@ import argparse
 import os
 import pathlib
 import shutil
-import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
@@ -50,17 +49,13 @@ def shorten(sequence: pathlib.Path, frames: int, out: pathlib.Path) -> pathlib.P
 def main() -> int:
     options = arguments()
     from judge import report
-    from judge.errors import BadInput
     from judge.prediction import judge_prediction
+    from judge.replay import replay
     from judge.run import best_alignment, read_run, read_truth
     from judge.sequence import read_sequence
     truth = read_truth(read_sequence(options.sequence))
     short = shorten(options.sequence, options.frames, options.out / "sequence")
-    settings = [word for setting in options.set for word in ("--set", setting)]
-    done = subprocess.run([options.program, "replay", "--config", options.config, "--sequence", short,
-                           "--out", options.out / "run", *settings], stdout=subprocess.DEVNULL)
-    if done.returncode != 0:
-        raise BadInput(f"{options.program}: the replay of {short} failed")
+    replay(short, options.out / "run", options.set, options.config, options.program)
     run = read_run(options.out / "run")
     judged = judge_prediction(run.folder / "motion_model.json", best_alignment(run, truth))
     print(report.prediction_table(judged) or "no prediction: motion_model.json says why")

@@ -1,6 +1,7 @@
 """COLMAP as a peer: prepares its input, starts it in its own process, writes its answer as an output folder."""
 
 import csv
+import hashlib
 import json
 import pathlib
 import shutil
@@ -8,8 +9,10 @@ import subprocess
 import sys
 
 from judge.errors import BadInput
+from judge.metrics import align_run, attitude
+from judge.run import Run
 from judge.sequence import Camera, Sequence, read_json
-from judge.tables import POSITION, QUATERNION
+from judge.tables import POSITION, QUATERNION, Motion, where_also
 from judge.venv import REPOSITORY
 
 COLMAP_VENV = REPOSITORY / ".venv-colmap"
@@ -108,3 +111,34 @@ def write_output(sequence: Sequence, result: dict, out: pathlib.Path) -> None:
                "cost": {"cpu_s": result["cpu_s"], "wall_s": result["wall_s"]},
                "memory": {"peak_resident_octets": round(result["peak_rss_mb"] * 2**20)}}
     (out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
+
+
+def fingerprint(sequence: Sequence) -> str:
+    """Tells one sequence's frames and camera from another's of the same name: a reused result must be of these."""
+    digest = hashlib.sha256()
+    for path in (sequence.folder / "mav0/cam0/sensor.yaml", sequence.folder / "mav0/cam0/data.csv"):
+        digest.update(path.read_bytes())
+    for index in range(len(sequence.filenames)):
+        digest.update(sequence.frame_path(index).read_bytes() if sequence.frame_path(index).exists() else b"")
+    return digest.hexdigest()
+
+
+def colmap_output(sequence: Sequence, out: pathlib.Path, again: bool = False) -> pathlib.Path:
+    """COLMAP's output folder out, reused where it is there for these very frames, unless again."""
+    out.mkdir(parents=True, exist_ok=True)
+    mark, wanted = out / "fingerprint", fingerprint(sequence)
+    if again or not mark.exists() or mark.read_text() != wanted:
+        mark.unlink(missing_ok=True)
+        write_output(sequence, run_colmap(sequence, out), out)
+        mark.write_text(wanted)
+    return out
+
+
+def attitude_on_shared_frames(run: Run, peer: Run, truth: Motion) -> dict[str, dict]:
+    """Attitude errors of each motion file of a run, over the frames that the peer has a pose of, aligned over these alone."""
+    result = {}
+    for kind, motion in run.motions.items():
+        aligned = align_run(where_also(motion, peer.motions["smoothed"]), truth)
+        if aligned is not None:
+            result[kind] = attitude(aligned) | {"frames": len(aligned.rows_E)}
+    return result

@@ -2,7 +2,7 @@
 
 import csv
 import pathlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -125,6 +125,12 @@ def read_motion(path: pathlib.Path) -> Motion:
         p_CT=p_CT, v_C=v_C, w_T=w_T, pose_valid=valid("pose_valid", q_CT, p_CT), rate_valid=valid("rate_valid", w_T),
         velocity_valid=valid("velocity_valid", v_C), scale_known=known.get("scale_known", unknown + 1) > 0,
         mode=list(cells.get("mode", [])), columns={name: known.get(name, unknown) for name in (*SIGMAS, *COUNTS, *COST)})
+
+
+def where_also(estimate: Motion, other: Motion) -> Motion:
+    """The estimate with those of its poses only whose frames have one in the other file too."""
+    shared = np.isin(estimate.timestamp_ns, other.timestamp_ns[other.pose_valid])
+    return replace(estimate, pose_valid=estimate.pose_valid & shared)
 
 
 def join(estimate: Motion, truth: Motion) -> tuple[np.ndarray, np.ndarray]:

@@ -53,6 +53,63 @@ def test_answer_is_written_so_that_the_judge_reads_it(scene, tmp_path):
     assert read_run(tmp_path / "model_2").motions["smoothed"].pose_valid.sum() == 9
 
 
+def write_colmap(sequence, folder, frames):
+    """An answer of COLMAP's that is the truth in frames (a range), and has no pose in the others."""
+    names = colmap.prepare_images(sequence, folder / "images")
+    q_CT = tumbling_body(frames=30).R_CT.as_quat(scalar_first=True)
+    poses = {names[i]: {"q": list(q_CT[i]), "p": [0.2, -0.1, 8.0 - 0.01 * i]} for i in frames}
+    colmap.write_output(sequence, {"version": "0", "matcher": "exhaustive", "models": 1, "images": 30, "poses": poses,
+                                   "cpu_s": 15.0, "wall_s": 30.0, "peak_rss_mb": 200.0}, folder)
+    (folder / "fingerprint").write_text(colmap.fingerprint(sequence))
+
+
+def test_errors_are_compared_over_the_frames_of_the_peer_alone(scene, tmp_path):
+    """A run that is wrong only where the peer has no pose is not blamed for it, one with fewer poses not praised."""
+    sequence, body = read_sequence(scene), tumbling_body(frames=30)
+    truth = read_truth(sequence)
+    write_colmap(sequence, tmp_path / "peer", range(10))
+    peer = read_run(tmp_path / "peer")
+    run = read_run(write_run(tmp_path / "run", body, Errors(first_frame=4)))
+    run.motions["smoothed"].q_CT[10:] = run.motions["smoothed"].q_CT[5]
+    found = colmap.attitude_on_shared_frames(run, peer, truth)
+    assert found["smoothed"]["rmse_deg"] < 1e-3 and found["causal"]["frames"] == 6
+    assert judge_run(run, sequence, truth)["motion"]["smoothed"]["attitude"]["max_deg"] > 5.0
+
+
+def test_a_result_of_other_frames_is_not_reused(scene, tmp_path, monkeypatch):
+    sequence = read_sequence(scene)
+    write_colmap(sequence, tmp_path / "peer", range(10))
+    monkeypatch.setattr(colmap, "run_colmap", lambda *_: pytest.fail("COLMAP was run again"))
+    assert colmap.colmap_output(sequence, tmp_path / "peer") == tmp_path / "peer"
+    (tmp_path / "peer/fingerprint").write_text("of other frames")
+    with pytest.raises(pytest.fail.Exception):
+        colmap.colmap_output(sequence, tmp_path / "peer")
+
+
+def test_peer_table_has_a_row_for_each_sequence_with_medians_over_seeds(scene, tmp_path):
+    body = tumbling_body(frames=30)
+    for seed, error_deg in ((1, 0.2), (2, 0.6), (3, 5.0)):
+        write_run(tmp_path / f"made/seed={seed}", body, Errors(attitude_rms_rad=np.radians(error_deg)))
+    stand_in = tmp_path / "polhode"
+    # polhode replay --config C --sequence S --out O --set seed=N
+    stand_in.write_text(f'#!/bin/sh\nmkdir -p "$7" && cp -r {tmp_path}/made/"$9"/. "$7"\n')
+    stand_in.chmod(0o755)
+    write_colmap(read_sequence(scene), tmp_path / "cache/colmap/seq", range(6, 30))
+    done = subprocess.run([REPOSITORY / "hil/peer_table.py", scene, "--program", stand_in], capture_output=True, text=True,
+                          env=os.environ | {"POLHODE_CACHE": str(tmp_path / "cache")})
+    assert done.returncode == 0, done.stderr
+    cells = done.stdout.splitlines()[2].replace("24 of 30", "24").split()
+    # 90 random freedoms: their RMSE has a deviation of 7.5 %, of which twice is allowed; the other seeds are 0.2 and 5.
+    assert cells[0] == "seq" and float(cells[1]) == pytest.approx(0.6, rel=0.15) and cells[3:5] == ["0.00", "24"]
+    assert cells[6] == "truth" and cells[8] == "500" and cells[9:] == ["50", "210"]
+
+
+def test_a_replay_that_fails_is_told_in_one_line(scene, tmp_path):
+    done = subprocess.run([REPOSITORY / "hil/peer_table.py", scene, "--program", tmp_path / "none"], capture_output=True,
+                          text=True, env=os.environ | {"POLHODE_CACHE": str(tmp_path / "cache")})
+    assert done.returncode == 2 and done.stderr.splitlines()[-1].endswith("none: No such file or directory; build it first")
+
+
 def test_pictures_that_colmap_can_not_take_are_converted(scene, tmp_path):
     sequence = read_sequence(scene)
     sequence.filenames = ["deep.png", *sequence.filenames[1:3]]
