@@ -29,7 +29,8 @@ class Aligned:
     R_CT: Rotation
     R_ET: Rotation
     similarity: align.Similarity
-    metric: bool  # the estimate's lengths are metres
+    one_unit: np.ndarray  # [N] the frames whose lengths share one unit; those of the others are not judged
+    metric: bool  # that unit is the metre
 
     @property
     def attitude_error_rad(self) -> np.ndarray:
@@ -37,7 +38,7 @@ class Aligned:
 
     @property
     def position_error_m(self) -> np.ndarray:
-        """[N] after the similarity."""
+        """[N] after the similarity; NaN in frames of another unit."""
         return self._position_error_m(self.similarity)
 
     @property
@@ -45,30 +46,38 @@ class Aligned:
         """[N] of an estimate in metres by its own scale, one that claims none by the similarity's."""
         if not self.metric:
             return self.position_error_m
-        p_CE, p_CT = self.estimate.p_CT[self.rows_E], self.truth.p_CT[self.rows_T]
-        return self._position_error_m(align.align_positions(self.R_CE, p_CE, p_CT, fit_scale=False))
+        return self._position_error_m(_align_lengths(self.estimate, self.truth, self.rows_E, self.rows_T, self.one_unit, False))
 
     def _position_error_m(self, similarity: align.Similarity) -> np.ndarray:
         moved = align.apply_similarity(similarity, self.R_CE, self.estimate.p_CT[self.rows_E])
-        return np.linalg.norm(moved - self.truth.p_CT[self.rows_T], axis=1)
+        return np.where(self.one_unit, np.linalg.norm(moved - self.truth.p_CT[self.rows_T], axis=1), np.nan)
 
     @property
     def range_m(self) -> np.ndarray:
         return np.linalg.norm(self.truth.p_CT[self.rows_T], axis=1)
 
 
+def _align_lengths(estimate: Motion, truth: Motion, rows_E, rows_T, one_unit, fit_scale: bool = True) -> align.Similarity:
+    kept_E, kept_T = rows_E[one_unit], rows_T[one_unit]
+    return align.align_positions(align.rotations(estimate.q_CT[kept_E]), estimate.p_CT[kept_E], truth.p_CT[kept_T], fit_scale)
+
+
 def align_run(estimate: Motion, truth: Motion) -> Aligned | None:
-    """Aligns two files; None where fewer than two frames have a pose in both."""
+    """Aligns two files; None where fewer than two frames have a pose in both.
+
+    A run that learns its scale on the way has rows in map units before and in metres after: those in metres are judged.
+    """
     rows_E, rows_T = join(estimate, truth)
     both = estimate.pose_valid[rows_E] & truth.pose_valid[rows_T]
     rows_E, rows_T = rows_E[both], rows_T[both]
     if len(rows_E) < 2:
         return None
     R_CE, R_CT = align.rotations(estimate.q_CT[rows_E]), align.rotations(truth.q_CT[rows_T])
-    return Aligned(
-        estimate, truth, rows_E, rows_T, R_CE, R_CT, align.align_rotation(R_CE, R_CT),
-        align.align_positions(R_CE, estimate.p_CT[rows_E], truth.p_CT[rows_T]),
-        bool(np.all(estimate.scale_known[rows_E])))
+    known = estimate.scale_known[rows_E]
+    metric = int(known.sum()) >= 2
+    one_unit = known if metric else ~known
+    return Aligned(estimate, truth, rows_E, rows_T, R_CE, R_CT, align.align_rotation(R_CE, R_CT),
+                   _align_lengths(estimate, truth, rows_E, rows_T, one_unit), one_unit, metric)
 
 
 def rms(values: np.ndarray) -> float:
@@ -109,16 +118,18 @@ def position(aligned: Aligned) -> dict:
     The first has the attitude error with the range as its lever; the second is how well the target is placed as seen
     from the camera. In metres, with the estimate's own scale, only where it claims one.
     """
-    p_CE, p_CT = aligned.estimate.p_CT[aligned.rows_E], aligned.truth.p_CT[aligned.rows_T]
-    path_m = align.camera_path_errors(aligned.R_CE, p_CE, aligned.R_CT, p_CT, aligned.R_ET)
-    seen = aligned.position_error_m / aligned.range_m
-    result = {"rmse_percent_of_range": 100 * rms(path_m / aligned.range_m),
-              "max_percent_of_range": 100 * float(np.max(path_m / aligned.range_m)),
+    kept = aligned.one_unit
+    p_CE, p_CT = aligned.estimate.p_CT[aligned.rows_E][kept], aligned.truth.p_CT[aligned.rows_T][kept]
+    path_m = align.camera_path_errors(aligned.R_CE[kept], p_CE, aligned.R_CT[kept], p_CT, aligned.R_ET)
+    range_m = aligned.range_m[kept]
+    seen = aligned.position_error_m[kept] / range_m
+    result = {"rmse_percent_of_range": 100 * rms(path_m / range_m),
+              "max_percent_of_range": 100 * float(np.max(path_m / range_m)),
               "rmse_from_camera_percent_of_range": 100 * rms(seen),
               "max_from_camera_percent_of_range": 100 * float(np.max(seen)),
               "metric": aligned.metric, "rmse_m": None, "scale_error_percent": None}
     if aligned.metric:
-        result["rmse_m"] = rms(aligned.own_position_error_m)
+        result["rmse_m"] = rms(aligned.own_position_error_m[kept])
         result["scale_error_percent"] = 100 * (1 / float(aligned.similarity.scale) - 1)
     return result
 
@@ -162,7 +173,7 @@ def velocity_pairs(aligned: Aligned) -> tuple[np.ndarray, np.ndarray, np.ndarray
     """
     estimate, truth = aligned.estimate, aligned.truth
     rows_E, rows_T = join(estimate, truth)
-    both = estimate.velocity_valid[rows_E] & truth.velocity_valid[rows_T]
+    both = estimate.velocity_valid[rows_E] & truth.velocity_valid[rows_T] & (estimate.scale_known[rows_E] == aligned.metric)
     rows_E, rows_T = rows_E[both], rows_T[both]
     if not both.any():
         return rows_E, np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3))

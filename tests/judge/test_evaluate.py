@@ -94,6 +94,19 @@ def test_map_units_take_the_scale_from_the_alignment_and_say_so(tmp_path, scene,
     assert report["velocity"]["rmse_offset_corrected_m_s"] < 1e-6
 
 
+def test_a_scale_that_becomes_known_on_the_way_is_judged_from_there_on(tmp_path, scene, body):
+    run = read_run(write_run(tmp_path / "run", body, Errors(velocity_rms_m_s=0.001)))
+    motion = run.motions["causal"]
+    motion.scale_known[:40] = False
+    motion.p_CT[:40] *= 3.0
+    motion.v_C[:40] *= 3.0
+    report = judge_run(run, read_sequence(scene), read_truth(read_sequence(scene)))["motion"]["causal"]
+    assert report["position"]["metric"] and report["position"]["rmse_m"] < 1e-5
+    assert abs(report["position"]["scale_error_percent"]) < 1e-3 and report["position"]["rmse_percent_of_range"] < 1e-4
+    assert report["velocity"]["frames"] == 80 and report["attitude"]["max_deg"] < 1e-5
+    assert report["velocity"]["rmse_offset_corrected_m_s"] == pytest.approx(0.001, rel=0.2)
+
+
 def test_rate_and_velocity_errors_come_out(tmp_path, scene, body):
     errors = Errors(rate_rms_rad_s=np.radians(0.3), velocity_rms_m_s=0.002)
     report = judged(tmp_path, scene, body, errors)["motion"]["causal"]
