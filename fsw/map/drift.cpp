@@ -25,6 +25,11 @@ double turn_sigma(const MapDrift& drift) {
   return drift.turn_rad > 0.0 ? drift.start_turn_sigma * drift.start_turn_rad / drift.turn_rad : 0.0;
 }
 
+double unit_sigma(const MapDrift& drift) {
+  constexpr double kExchangedMost_rad = 0.5;  // of sin(t) cos(t)
+  return turn_sigma(drift) * std::min(drift.start_turn_rad, kExchangedMost_rad);
+}
+
 void widen_turn(const Pose& pose, MapDrift* drift) {
   drift->turn_rad = std::max(drift->turn_rad, rotation_angle_rad(pose.R_CT, drift->R_first_CT));
 }
@@ -43,8 +48,7 @@ void hold_at_both_ends(MapDrift* drift) {
 PoseCovariance covariance(const MapDrift& drift) {
   PoseCovariance sum = drift.walk;
   if (drift.turn_rad > 0.0) {
-    constexpr double kExchangedMost_rad = 0.5;  // of sin(t) cos(t)
-    const double turn_rad = turn_sigma(drift) * std::min(drift.start_turn_rad, kExchangedMost_rad);
+    const double turn_rad = unit_sigma(drift);  // the same part: lateral by depth is the turn's tangent
     const double depth_mu = drift.start_sigma_mu * drift.start_turn_rad / drift.turn_rad;
     sum.topLeftCorner<3, 3>().diagonal().array() += turn_rad * turn_rad;
     sum.bottomRightCorner<3, 3>().diagonal().array() += depth_mu * depth_mu;

@@ -37,6 +37,10 @@ void begin_drift(const Eigen::Matrix3d& R_first_CT,
 /// 1-sigma of a factor that all turns so far may have, less one.
 [[nodiscard]] double turn_sigma(const MapDrift& drift);
 
+/// 1-sigma of the map's unit, as a part of it, as the sides will have it that come into sight: what was depth
+/// before is lateral then, and in it the start's turn is off by an angle.
+[[nodiscard]] double unit_sigma(const MapDrift& drift);
+
 /// A frame has its pose.
 void widen_turn(const Pose& pose, MapDrift* drift);
 

@@ -44,6 +44,11 @@ std::array<double, 4> continuous_quaternion(const Eigen::Matrix3d& R_CT,
   return *last;
 }
 
+/// Of a metre, and of the map's unit while the start is all it stands on.
+double scale_sigma(const Component::State& s) {
+  return std::hypot(s.scale.relative_sigma, unit_sigma(s.drift));
+}
+
 void fill_rates(double unit, const Component::State& s, MotionState* m) {
   Result<RateEstimate> rates = rates_now(s);
   if (!rates) {
@@ -51,7 +56,7 @@ void fill_rates(double unit, const Component::State& s, MotionState* m) {
   }
   RateEstimate& found = rates.value();
   found.v_C *= unit;
-  found.covariance_v_C = unit * unit * found.covariance_v_C + by_scale(found.v_C, s.scale);
+  found.covariance_v_C = unit * unit * found.covariance_v_C + by_scale(found.v_C, scale_sigma(s));
   publish(found, *m);
   m->cov_w = upper_triangle<6>(found.covariance_w_T);
   m->cov_v = upper_triangle<6>(found.covariance_v_C);
@@ -107,13 +112,13 @@ PoseCovariance scaled(const PoseCovariance& covariance, double unit) {
   return units.asDiagonal() * covariance * units.asDiagonal();
 }
 
-Eigen::Matrix3d by_scale(const Eigen::Vector3d& length, const ScaleState& scale) {
-  return scale.relative_sigma * scale.relative_sigma * length * length.transpose();
+Eigen::Matrix3d by_scale(const Eigen::Vector3d& length, double scale_sigma) {
+  return scale_sigma * scale_sigma * length * length.transpose();
 }
 
-PoseCovariance by_scale(const Pose& pose, const ScaleState& scale) {
+PoseCovariance by_scale(const Pose& pose, double scale_sigma) {
   PoseCovariance added = PoseCovariance::Zero();
-  added.bottomRightCorner<3, 3>() = by_scale(pose.p_CT, scale);
+  added.bottomRightCorner<3, 3>() = by_scale(pose.p_CT, scale_sigma);
   return added;
 }
 
@@ -136,7 +141,7 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
     const double unit = s->scale.metres_per_mu;
     const Pose pose = scaled(absolute.pose, unit);
     fill_pose(pose,
-              scaled(absolute.covariance + covariance(s->drift), unit) + by_scale(pose, s->scale),
+              scaled(absolute.covariance + covariance(s->drift), unit) + by_scale(pose, scale_sigma(*s)),
               &s->q_CT_last,
               &m);
     fill_rates(unit, *s, &m);

@@ -17,8 +17,9 @@ Pose scaled(const Pose& pose, double unit);
 PoseCovariance scaled(const PoseCovariance& covariance, double unit);
 
 /// What the scale's own error adds to the covariance of a length, in its unit.
-Eigen::Matrix3d by_scale(const Eigen::Vector3d& length, const ScaleState& scale);
-PoseCovariance by_scale(const Pose& pose, const ScaleState& scale);
+/// @param scale_sigma  1-sigma of the scale, as a part of it.
+Eigen::Matrix3d by_scale(const Eigen::Vector3d& length, double scale_sigma);
+PoseCovariance by_scale(const Pose& pose, double scale_sigma);
 
 /// Fills `state->output`. Every accepted frame gets exactly one motion packet, valid or not.
 void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* state);

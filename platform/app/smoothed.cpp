@@ -132,12 +132,12 @@ void write_motion(const AtFrame& at,
                   std::array<double, 4>* q_last,
                   MotionState* m) {
   const PoseSample in_C = turned(R_CI, *at.pose);
-  fill_pose(in_C.pose, in_C.covariance + by_scale(in_C.pose, scale), q_last, m);
+  fill_pose(in_C.pose, in_C.covariance + by_scale(in_C.pose, scale.relative_sigma), q_last, m);
   if (at.rates) {
     RateEstimate rates = *at.rates;
     rates.v_C = R_CI * rates.v_C;
     rates.covariance_v_C =
-        R_CI * rates.covariance_v_C * R_CI.transpose() + by_scale(rates.v_C, scale);
+        R_CI * rates.covariance_v_C * R_CI.transpose() + by_scale(rates.v_C, scale.relative_sigma);
     publish(rates, *m);
   }
 }

@@ -47,6 +47,11 @@ TEST(MapDrift, KnowsTheStartsTurn_AsWellAsItsDepth) {
       << "over a large turn the two are no longer exchanged";
 }
 
+TEST(MapDrift, MakesTheUnitAsUncertainAsTheStartsTurn_InRadians) {
+  EXPECT_EQ(unit_sigma(MapDrift{}), 0.0);
+  EXPECT_NEAR(unit_sigma(started(kTurn_rad)), kTurnSigma * kTurn_rad, 1e-12);
+}
+
 TEST(MapDrift, ForgetsTheStart_AsTheBodyTurnsOn_AndNeverGrowsByIt) {
   MapDrift drift = started(kTurn_rad);
   double last = attitude_sigma_rad(drift);
