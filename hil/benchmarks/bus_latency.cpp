@@ -1,12 +1,18 @@
 // How long a packet takes from the sender to a reader in another process, what is lost, and how long
 // sending takes, with two good readers and a stopped one on each transport.
-//   bus_latency [--seconds 10] [--rate 1000]
+//   bus_latency [--seconds 10] [--rate 1000] [--load 4] [--priority 5]
+// Two tables, both beside --load programs that want a core each: the first as in flight, sender and
+// readers at real-time priority with their memory locked (run.priority, run.lock_memory; a reader that
+// closes a loop comes before the estimator, so it has one more), the second at ordinary priority, which
+// tells more of how the system shares its cores than of the bus. --priority 0: the second alone.
 // One line a transport, after one for the machine's own part: two processes woken by a word in shared
 // memory, with nothing sent. Exit status 1 when a good reader lost a packet or the heap was called.
 #include <fmt/format.h>
 #include <linux/futex.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -47,6 +53,50 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kSamplesMax = 400'000;
 constexpr int kGoodReaders = 2;
+
+/// Of this process and of those that it starts from now on. @param priority 0: an ordinary one.
+/// @return false when the machine does not grant it.
+bool set_priority(int priority) {
+  sched_param wished{};
+  wished.sched_priority = priority;
+  return ::sched_setscheduler(0, priority > 0 ? SCHED_FIFO : SCHED_OTHER, &wished) == 0;
+}
+
+/// Programs that want a core each, as the rest of a busy computer does. They end with this one.
+class Load {
+ public:
+  explicit Load(int programs) {
+    for (int i = 0; i < programs; ++i) {
+      const pid_t program = ::fork();
+      if (program == 0) {
+        ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+        want_a_core();
+      }
+      programs_.push_back(program);
+    }
+  }
+  ~Load() {
+    for (const pid_t program : programs_) {
+      ::kill(program, SIGKILL);
+      ::waitpid(program, nullptr, 0);
+    }
+  }
+  Load(const Load&) = delete;
+  Load& operator=(const Load&) = delete;
+
+ private:
+  /// Arithmetic on more memory than a cache holds.
+  [[noreturn]] static void want_a_core() {
+    std::vector<std::uint64_t> values(4'000'000, 1);
+    for (std::uint64_t turn = 1;; ++turn) {
+      for (std::size_t i = 1; i < values.size(); ++i) {
+        values[i] = values[i] * 6364136223846793005U + values[i - 1] + turn;
+      }
+    }
+  }
+
+  std::vector<pid_t> programs_;
+};
 
 std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
@@ -101,10 +151,14 @@ struct Reader {
 };
 
 template <typename Read>
-Reader start_reader(Read read) {
+Reader start_reader(int priority, Read read) {
   Reader reader{.process = 0, .result = make_shared_memory<ReaderResult>()};
   reader.process = ::fork();
   if (reader.process == 0) {
+    (void)set_priority(priority > 0 ? priority + 1 : 0);
+    if (priority > 0) {
+      (void)::mlockall(MCL_CURRENT | MCL_FUTURE);
+    }
     read(*reader.result);
     std::_Exit(0);
   }
@@ -120,13 +174,20 @@ struct Sent {
   std::vector<std::uint32_t> send_ns;  ///< how long each send took
 };
 
-Sent send_all(Transports& transports, int seconds, int rate) {
+struct Wish {
+  int seconds = 10;
+  int rate = 1000;
+  int load = 4;
+  int priority = 5;  ///< 0: an ordinary one
+};
+
+Sent send_all(Transports& transports, const Wish& wish) {
   Sent sent;
-  const auto total = static_cast<std::uint64_t>(seconds) * static_cast<std::uint64_t>(rate);
+  const auto total = static_cast<std::uint64_t>(wish.seconds) * static_cast<std::uint64_t>(wish.rate);
   sent.send_ns.reserve(total);
   MotionState state;
   std::vector<std::uint8_t> octets(kMotionPacketOctets);
-  const auto period = std::chrono::nanoseconds(1'000'000'000 / rate);
+  const auto period = std::chrono::nanoseconds(1'000'000'000 / wish.rate);
   auto due = Clock::now();
   const std::uint64_t before = heap_calls;
   for (std::uint64_t i = 0; i < total; ++i, due += period) {
@@ -176,16 +237,16 @@ void hear(Bell& bell, ReaderResult& result) {
 }
 
 /// What waking two processes costs on this machine as it is loaded now.
-void measure_waking(int seconds, int rate) {
+void measure_waking(const Wish& wish) {
   Bell* bell = make_shared_memory<Bell>();
   std::vector<Reader> readers;
   for (int i = 0; i < kGoodReaders; ++i) {
-    readers.push_back(start_reader([bell](ReaderResult& result) { hear(*bell, result); }));
+    readers.push_back(start_reader(wish.priority, [bell](ReaderResult& result) { hear(*bell, result); }));
   }
-  const auto total = static_cast<std::uint32_t>(seconds * rate);
+  const auto total = static_cast<std::uint32_t>(wish.seconds * wish.rate);
   std::vector<std::uint32_t> waking_ns;
   auto due = Clock::now();
-  for (std::uint32_t i = 1; i <= total; ++i, due += std::chrono::nanoseconds(1'000'000'000 / rate)) {
+  for (std::uint32_t i = 1; i <= total; ++i, due += std::chrono::nanoseconds(1'000'000'000 / wish.rate)) {
     std::this_thread::sleep_until(due);
     const std::int64_t before_ns = now_ns();
     bell->at_ns[i % Bell::kTimes] = before_ns;
@@ -206,18 +267,18 @@ void measure_waking(int seconds, int rate) {
 }
 
 /// @return true when nothing was lost and no heap was used.
-bool measure(const char* name, const std::vector<std::string>& addresses, int seconds, int rate) {
+bool measure(const char* name, const std::vector<std::string>& addresses, const Wish& wish) {
   // The shared-memory ring has to be there before its readers.
   const bool shared = addresses[0].starts_with("shm:");
   const std::vector<std::string> unique = shared ? std::vector{addresses[0]} : addresses;
   std::vector<Reader> readers;
   Transports early({.send = shared ? unique : std::vector<std::string>(), .receive = {}});
   for (const std::string& address : addresses) {
-    readers.push_back(start_reader([&](ReaderResult& result) { read_all(address, result); }));
+    readers.push_back(start_reader(wish.priority, [&](ReaderResult& result) { read_all(address, result); }));
   }
   ::kill(readers.back().process, SIGSTOP);
   Transports later({.send = shared ? std::vector<std::string>() : unique, .receive = {}});
-  const Sent sent = send_all(shared ? early : later, seconds, rate);
+  const Sent sent = send_all(shared ? early : later, wish);
   bool good = sent.heap_calls == 0;
   std::vector<std::uint32_t> latency;
   std::uint64_t lost = 0;
@@ -239,24 +300,55 @@ bool measure(const char* name, const std::vector<std::string>& addresses, int se
   return good;
 }
 
+/// One table. @return true when nothing was lost and no heap was used.
+bool measure_all(const std::string& folder, const Wish& wish) {
+  if (!set_priority(wish.priority)) {
+    fmt::print("real-time priority {} is not granted (ulimit -r)\n", wish.priority);
+    return true;
+  }
+  const std::string scheduling =
+      wish.priority > 0 ? fmt::format("real-time priority {}, readers {}, memory locked", wish.priority, wish.priority + 1)
+                        : "ordinary priority";
+  fmt::print("{}; {} programs beside it\n", scheduling, wish.load);
+  fmt::print("{:<14} {:>8} {:>6} {:>29}   {:>29} {:>6}\n", "", "packets", "lost", "to a reader, us: p50 p99 max", "sending, us: p50 p99 max", "heap");
+  const std::string ring = fmt::format("shm:/polhode_latency_{}", ::getpid());
+  measure_waking(wish);
+  bool good = measure("unix datagram", {"unix:" + folder + "/a", "unix:" + folder + "/b", "unix:" + folder + "/stopped"}, wish);
+  good = measure("shared memory", {ring, ring, ring}, wish) && good;
+  good = measure("udp loopback", {"udp:39301", "udp:39302", "udp:39303"}, wish) && good;
+  ::shm_unlink(ring.c_str() + 4);
+  (void)set_priority(0);
+  return good;
+}
+
+Wish read_wish(int argc, char** argv) {
+  Wish wish;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const std::string_view name = argv[i];
+    int* const value = name == "--seconds" ? &wish.seconds
+                       : name == "--rate"  ? &wish.rate
+                       : name == "--load"  ? &wish.load
+                                           : &wish.priority;
+    *value = std::atoi(argv[i + 1]);
+  }
+  return wish;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  int seconds = 10;
-  int rate = 1000;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    (std::strcmp(argv[i], "--rate") == 0 ? rate : seconds) = std::atoi(argv[i + 1]);
-  }
+  Wish wish = read_wish(argc, argv);
   char folder_name[] = "/tmp/polhode_latency_XXXXXX";
   const std::string folder = ::mkdtemp(folder_name);
-  const std::string ring = fmt::format("shm:/polhode_latency_{}", ::getpid());
-  fmt::print("{:<14} {:>8} {:>6} {:>29}   {:>29} {:>6}\n", "", "packets", "lost", "to a reader, us: p50 p99 max", "sending, us: p50 p99 max", "heap");
   bool good = true;
-  measure_waking(seconds, rate);
-  good = measure("unix datagram", {"unix:" + folder + "/a", "unix:" + folder + "/b", "unix:" + folder + "/stopped"}, seconds, rate) && good;
-  good = measure("shared memory", {ring, ring, ring}, seconds, rate) && good;
-  good = measure("udp loopback", {"udp:39301", "udp:39302", "udp:39303"}, seconds, rate) && good;
-  ::shm_unlink(ring.c_str() + 4);
+  {
+    const Load load(wish.load);
+    if (wish.priority > 0) {
+      good = measure_all(folder, wish);
+    }
+    wish.priority = 0;
+    good = measure_all(folder, wish) && good;
+  }
   (void)std::system(("rm -rf " + folder).c_str());
   return good ? 0 : 1;
 }

@@ -40,49 +40,52 @@ V4l2Options device_options(const DeviceOptions& device, const CameraParameters& 
 
 ChosenCamera::ChosenCamera(const std::filesystem::path& config,
                            const MachineOptions& machine,
-                           Parameters* parameters) {
-  const DeviceOptions& device = machine.device;
-  if (device.source.empty()) {
+                           Parameters* parameters)
+    : config_(config), device_(machine.device) {
+  if (device_.source.empty()) {
     throw UnusableInput(fmt::format(
         "{}: device.source is missing: allowed is a video device or the folder of a sequence",
-        config.string()));
+        config_.string()));
   }
-  if (std::filesystem::is_directory(device.source)) {
-    play(device, parameters);
+  if (std::filesystem::is_directory(device_.source)) {
+    sequence_ = open_sequence(device_.source);
+    parameters->camera = sequence_->camera;
   }
   if (const auto problem = check(*parameters)) {
-    throw UnusableInput(fmt::format("{}: {}", config.string(), problem->message));
-  }
-  if (!camera_) {
-    open(config, device, *parameters);
+    throw UnusableInput(fmt::format("{}: {}", config_.string(), problem->message));
   }
 }
 
-void ChosenCamera::play(const DeviceOptions& device, Parameters* parameters) {
-  sequence_ = open_sequence(device.source);
-  parameters->camera = sequence_->camera;
+LiveCamera& ChosenCamera::open(const Parameters& parameters) {
+  if (sequence_) {
+    play();
+  } else {
+    open_device(parameters.camera);
+  }
+  return *camera_;
+}
+
+void ChosenCamera::play() {
   const std::int64_t start_ns =
-      device.sequence_start_ns > 0 ? device.sequence_start_ns : linux_device_calls().now_ns();
+      device_.sequence_start_ns > 0 ? device_.sequence_start_ns : linux_device_calls().now_ns();
   camera_ =
       std::make_unique<PlayedSequence>(*sequence_,
-                                       PlayOptions{.speed = device.sequence_speed,
-                                                   .passes = device.sequence_passes,
-                                                   .backlog_frames_max = device.backlog_frames_max,
+                                       PlayOptions{.speed = device_.sequence_speed,
+                                                   .passes = device_.sequence_passes,
+                                                   .backlog_frames_max = device_.backlog_frames_max,
                                                    .start_ns = start_ns});
 }
 
-void ChosenCamera::open(const std::filesystem::path& config,
-                        const DeviceOptions& device,
-                        const Parameters& parameters) {
+void ChosenCamera::open_device(const CameraParameters& parameters) {
   auto camera =
-      std::make_unique<V4l2Camera>(linux_device_calls(), device_options(device, parameters.camera));
+      std::make_unique<V4l2Camera>(linux_device_calls(), device_options(device_, parameters));
   if (camera->open() == OpenResult::kUnsuitable) {
-    throw UnusableInput(fmt::format("{}: device.source: {}", config.string(), camera->state()));
+    throw UnusableInput(fmt::format("{}: device.source: {}", config_.string(), camera->state()));
   }
   if (camera->stream().is_open()) {
     const OfferedFormat& format = camera->stream().format();
     say("camera: %s, %s %dx%d, %.4g Hz, %zu buffers",
-        device.source.c_str(),
+        device_.source.c_str(),
         fourcc_text(format.fourcc).c_str(),
         format.width_px,
         format.height_px,

@@ -73,7 +73,11 @@ struct LiveCounts {
   DeadlineMonitor deadline{0.0};  ///< of the steps
   DurationHistogram step;
   DurationHistogram latency;  ///< frame available to packets handed over
-  DurationHistogram outside;  ///< processor time a frame outside the step, of the frame's thread
+  /// Of that, what the frame's thread was on a processor: the latency on a machine that has one for it.
+  DurationHistogram latency_cpu;
+  /// Processor time of the frame's thread a frame, all but the step's: camera, recording, packets,
+  /// checkpoint, telemetry.
+  DurationHistogram outside_cpu;
 };
 
 }  // namespace polhode::platform

@@ -40,10 +40,14 @@ LiveReport::LiveReport(ServiceManager& manager, int period_s)
 
 void LiveReport::passed(const LiveCamera& camera, const LiveCounts& counts, std::int64_t now_ns) {
   const CameraCounters& c = camera.counters();
-  if (trouble(c) != trouble(told_) && now_ns >= trouble_due_ns_) {
+  const std::string_view state = camera.state();
+  const std::string_view state_begins = state.substr(0, told_state_.size() - 1);
+  const bool news = trouble(c) != trouble(told_) || state_begins != told_state_.data();
+  if (news && now_ns >= trouble_due_ns_) {
     trouble_due_ns_ = now_ns + kSecond_ns;
     told_ = c;
-    const std::string_view state = camera.state();
+    told_state_.fill('\0');
+    std::copy(state_begins.begin(), state_begins.end(), told_state_.begin());
     say("camera: %.*s (opened %u, gone %u, failed %u, busy %u; damaged %u, missing %u)",
         static_cast<int>(state.size()),
         state.data(),

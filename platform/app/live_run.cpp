@@ -3,6 +3,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "app/checkpoint_writer.hpp"
 #include "app/exposure_control.hpp"
@@ -47,7 +48,12 @@ bool dropped_for_job(LiveParts& parts) {
 }
 
 /// One accepted frame, from the step to everything that follows from it.
-void take_frame(LiveParts& parts, const Frame& frame, const LiveLimits& limits) {
+/// @param cpu_before_ns this thread's processor time before the frame was asked for.
+/// @return processor time of the step.
+std::int64_t take_frame(LiveParts& parts,
+                        const Frame& frame,
+                        std::int64_t cpu_before_ns,
+                        const LiveLimits& limits) {
   LiveCounts& counts = parts.counts;
   const auto commands = parts.transports.received();
   if (parts.recorder != nullptr) {
@@ -59,7 +65,9 @@ void take_frame(LiveParts& parts, const Frame& frame, const LiveLimits& limits) 
   const std::int64_t before_ns = clock_ns(CLOCK_MONOTONIC);
   StepInput input = next_input(parts.component, parts.worker, frame);
   input.commands = commands;
+  const std::int64_t step_cpu_before_ns = clock_ns(CLOCK_THREAD_CPUTIME_ID);
   const StepOutput& out = step_from_pool(parts.component, input);
+  const std::int64_t step_cpu_ns = clock_ns(CLOCK_THREAD_CPUTIME_ID) - step_cpu_before_ns;
   const std::int64_t stepped_ns = clock_ns(CLOCK_MONOTONIC);
   parts.worker.submit(out.jobs);
   parts.transports.send(out.packets);
@@ -70,6 +78,7 @@ void take_frame(LiveParts& parts, const Frame& frame, const LiveLimits& limits) 
   counts.last_step_us = (stepped_ns - before_ns) / 1000;
   (void)counts.deadline.add(counts.last_step_us);
   counts.latency.add(clock_ns(CLOCK_MONOTONIC) - parts.camera.available_ns());
+  counts.latency_cpu.add(clock_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_before_ns);
   if (out.motion.pose_valid) {
     ++counts.frames_with_pose;
     counts.first_pose_frame = std::min(counts.first_pose_frame, counts.frames_accepted);
@@ -82,6 +91,7 @@ void take_frame(LiveParts& parts, const Frame& frame, const LiveLimits& limits) 
   }
   parts.exposure.after(out, parts.component.state(), parts.camera);
   parts.report.stepped(out);
+  return step_cpu_ns;
 }
 
 }  // namespace
@@ -95,6 +105,7 @@ LiveEnd run_live(LiveParts& parts, const LiveLimits& limits) {
     const std::int64_t cpu_before_ns = clock_ns(CLOCK_THREAD_CPUTIME_ID);
     const Arrival arrival = parts.camera.next(kWait_ms, &frame);
     const CameraCounters& camera = parts.camera.counters();
+    std::optional<std::int64_t> step_cpu_ns;
     const std::int64_t now_ns = clock_ns(CLOCK_MONOTONIC);
     if (arrival == Arrival::kEnded) {
       return LiveEnd::kPlayed;
@@ -102,9 +113,7 @@ LiveEnd run_live(LiveParts& parts, const LiveLimits& limits) {
     record_passed_over(parts, late);
     late = camera.frames_late;
     if (arrival == Arrival::kFrame && !dropped_for_job(parts)) {
-      const std::int64_t outside_ns = clock_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_before_ns;
-      take_frame(parts, frame, limits);
-      parts.counts.outside.add(outside_ns);
+      step_cpu_ns = take_frame(parts, frame, cpu_before_ns, limits);
     } else if (arrival != Arrival::kFrame && limits.start_s_max > 0 && camera.opened == 0 &&
                now_ns - start_ns > std::int64_t{limits.start_s_max} * 1'000'000'000) {
       return LiveEnd::kNoCamera;
@@ -118,6 +127,9 @@ LiveEnd run_live(LiveParts& parts, const LiveLimits& limits) {
     parts.report.passed(parts.camera, parts.counts, now_ns);
     parts.telemetry.passed(
         parts.counts, parts.camera, parts.transports, now_ns, parts.report.last().timestamp_ns);
+    if (step_cpu_ns) {
+      parts.counts.outside_cpu.add(clock_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_before_ns - *step_cpu_ns);
+    }
     if (limits.frames_max > 0 &&
         parts.counts.frames_accepted >= static_cast<std::uint32_t>(limits.frames_max)) {
       return LiveEnd::kPlayed;

@@ -207,6 +207,7 @@ void run_command(const RunArguments& arguments) {
   const ComponentMemory memory(
       parameters, arguments.config.string(), live_needs(machine, transport, parameters.camera));
   say("warmed up: %d poses of a made-up body", warm_up(memory, parameters));
+  LiveCamera& camera = chosen.open(parameters);
   Component& component = make_component(memory, parameters, arguments);
   const std::string config_hash = sha256_of(canonical_text(parameters));
   Beginning beginning(machine, config_hash);
@@ -236,7 +237,7 @@ void run_command(const RunArguments& arguments) {
                               settle_in(machine.run, manager, beginning.restarts()));
   LiveParts parts{.component = component,
                   .worker = worker,
-                  .camera = chosen.camera(),
+                  .camera = camera,
                   .manager = manager,
                   .report = report,
                   .counts = *counts,
@@ -251,7 +252,7 @@ void run_command(const RunArguments& arguments) {
   manager.stopping();
   leave_behind({.parts = parts, .config_hash = config_hash, .beginning = beginning.how()},
                machine.run.folder);
-  say_end(end, *counts, chosen.camera(), machine.run);
+  say_end(end, *counts, camera, machine.run);
 }
 
 }  // namespace polhode::platform

@@ -39,6 +39,20 @@ v4l2_buffer mapped_buffer(std::uint32_t index) {
   return buffer;
 }
 
+template <std::size_t kSize>
+void copy_text(const std::uint8_t (&from)[kSize], std::array<char, kSize>* to) {
+  static_assert(sizeof from == sizeof *to);
+  std::memcpy(to->data(), from, kSize);
+}
+
+DeviceIdentity identity_of(const v4l2_capability& capability) {
+  DeviceIdentity identity;
+  copy_text(capability.driver, &identity.driver);
+  copy_text(capability.card, &identity.card);
+  copy_text(capability.bus_info, &identity.bus);
+  return identity;
+}
+
 bool is_gone(int error) { return error == -ENODEV || error == -ENXIO; }
 
 }  // namespace
@@ -47,7 +61,7 @@ OpenResult DeviceStream::failed(const char* what, int error) {
   std::snprintf(trouble_.data(),
                 trouble_.size(),
                 "%s: %s: %s",
-                wish_.path.c_str(),
+                path(),
                 what,
                 ::strerrordesc_np(-error));  // of the C library: no memory of its own
   if (error == -EBUSY) {
@@ -56,9 +70,11 @@ OpenResult DeviceStream::failed(const char* what, int error) {
   return is_gone(error) || error == -ENOENT ? OpenResult::kAbsent : OpenResult::kFailed;
 }
 
-OpenResult DeviceStream::open() {
+OpenResult DeviceStream::open(const char* path) {
   close();
-  const int device = calls_.open(wish_.path.c_str());
+  std::snprintf(path_.data(), path_.size(), "%s", path);
+  identity_ = {};
+  const int device = calls_.open(path);
   if (device < 0) {
     return failed("open", device);
   }
@@ -93,6 +109,11 @@ OpenResult DeviceStream::check_capabilities() {
   if (answer < 0) {
     return failed("QUERYCAP", answer);
   }
+  identity_ = identity_of(capability);
+  if (only_ && identity_ != *only_) {
+    std::snprintf(trouble_.data(), trouble_.size(), "%s is not the one before", path());
+    return OpenResult::kOther;
+  }
   const std::uint32_t can = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0
                                 ? capability.device_caps
                                 : capability.capabilities;
@@ -110,7 +131,7 @@ OpenResult DeviceStream::set_format() {
     std::snprintf(trouble_.data(),
                   trouble_.size(),
                   "%s: no readable format of %dx%d",
-                  wish_.path.c_str(),
+                  path(),
                   wish_.format.width_px,
                   wish_.format.height_px);
     return OpenResult::kUnsuitable;

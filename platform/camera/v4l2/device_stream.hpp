@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,9 +27,20 @@ struct DeviceWish {
   int buffers = 4;
 };
 
+/// What a device says of itself and of its place in the machine: a node's number may be another
+/// one's after the device was away, these are not.
+struct DeviceIdentity {
+  std::array<char, 16> driver{};
+  std::array<char, 32> card{};
+  std::array<char, 32> bus{};
+
+  bool operator==(const DeviceIdentity&) const = default;
+};
+
 enum class OpenResult : std::uint8_t {
   kStreaming,
   kAbsent,      ///< no such node, or it has gone meanwhile
+  kOther,       ///< not the device that is insisted on; nothing was set
   kBusy,        ///< another program has it
   kUnsuitable,  ///< not a capture device, or not in the wished format: trying again will not help
   kFailed,      ///< a call failed that should not
@@ -54,7 +66,11 @@ class DeviceStream {
   DeviceStream(const DeviceStream&) = delete;
   DeviceStream& operator=(const DeviceStream&) = delete;
 
-  OpenResult open();
+  /// @param path of the node; the wish's, or where the same device may be found instead.
+  OpenResult open(const char* path);
+  OpenResult open() { return open(wish_.path.c_str()); }
+  /// From now on no other device is taken.
+  void insist_on(const DeviceIdentity& identity) { only_ = identity; }
   void close();
   [[nodiscard]] bool is_open() const { return device_ >= 0; }
 
@@ -70,6 +86,9 @@ class DeviceStream {
     return is_open() && controls_.set_gain(calls_, device_, fraction);
   }
 
+  [[nodiscard]] const char* path() const { return path_.data(); }  ///< of the last attempt
+  /// All zero until the device has told it.
+  [[nodiscard]] const DeviceIdentity& identity() const { return identity_; }
   [[nodiscard]] const OfferedFormat& format() const { return format_; }
   [[nodiscard]] double rate_hz() const { return rate_hz_; }
   [[nodiscard]] std::size_t buffers() const { return ring_.size(); }
@@ -94,13 +113,16 @@ class DeviceStream {
 
   DeviceCalls& calls_;
   DeviceWish wish_;
+  std::array<char, 80> path_{};  ///< cut, for messages
+  std::optional<DeviceIdentity> only_;
+  DeviceIdentity identity_;
   int device_ = -1;
   bool streaming_ = false;
   OfferedFormat format_;
   double rate_hz_ = 0.0;
   ExposureControls controls_;
   FixedVector<Mapped, kDeviceBuffers> ring_;
-  std::array<char, 160> trouble_{};
+  std::array<char, 200> trouble_{};
 };
 
 /// Asks the device (TRY_FMT) what it would give in each format that the driver can read.

@@ -19,6 +19,8 @@ const char* name_of(OpenResult result) {
       return "busy";
     case OpenResult::kUnsuitable:
       return "unsuitable";
+    case OpenResult::kOther:
+      return "another device";
     case OpenResult::kFailed:
       return "not to be opened";
     default:
@@ -43,22 +45,53 @@ void V4l2Camera::say(const char* what, std::string_view detail) {
                 detail.data());
 }
 
+/// Looks at the numbered nodes for the device that streamed before. A camera may have several, of
+/// which one captures.
+OpenResult V4l2Camera::open_elsewhere() {
+  constexpr int kNodes = 64;  // a servicer has fewer; one that is not there costs a microsecond
+  for (int number = 0; number < kNodes; ++number) {
+    std::array<char, 24> path{};
+    std::snprintf(path.data(), path.size(), "/dev/video%d", number);
+    if (options_.wish.path == path.data()) {
+      continue;  // tried already
+    }
+    const OpenResult result = stream_.open(path.data());
+    if (result != OpenResult::kUnsuitable && stream_.identity() == first_identity_) {
+      say(name_of(result), stream_.trouble());
+      return result;
+    }
+  }
+  return OpenResult::kAbsent;
+}
+
+OpenResult V4l2Camera::open_wherever_it_is() {
+  const OpenResult wished = stream_.open();
+  say(name_of(wished), stream_.trouble());
+  const bool may_be_elsewhere = wished == OpenResult::kAbsent || wished == OpenResult::kOther ||
+                                wished == OpenResult::kUnsuitable;
+  if (!converter_ || !may_be_elsewhere) {
+    return wished;
+  }
+  const OpenResult found = open_elsewhere();
+  return found == OpenResult::kAbsent ? wished : found;
+}
+
 OpenResult V4l2Camera::open() {
   held_.reset();
   ready_.clear();
   sequence_.restart();
   ++counters_.attempts;
-  OpenResult result = stream_.open();
+  OpenResult result = open_wherever_it_is();
   if (result == OpenResult::kStreaming && !converter_) {
     first_format_ = stream_.format();
     converter_.emplace(first_format_);
+    first_identity_ = stream_.identity();
+    stream_.insist_on(first_identity_);
   }
   if (result == OpenResult::kStreaming && !same(stream_.format(), first_format_)) {
     stream_.close();
-    say("came back with another format", options_.wish.path);
+    say("came back with another format", stream_.path());
     result = OpenResult::kUnsuitable;
-  } else if (result != OpenResult::kStreaming) {
-    say(name_of(result), stream_.trouble());
   }
   if (result != OpenResult::kStreaming) {
     counters_.busy += result == OpenResult::kBusy ? 1 : 0;
@@ -68,7 +101,7 @@ OpenResult V4l2Camera::open() {
   backoff_.succeeded();
   ++counters_.opened;
   waited_ns_ = 0;
-  say("streaming", "");
+  say("streaming", options_.wish.path == stream_.path() ? "" : stream_.path());
   set_exposure(options_.exposure_ns, options_.gain);
   return result;
 }
@@ -109,6 +142,16 @@ std::int64_t V4l2Camera::exposure_at(std::int64_t stamp_ns) const {
   return stamp_ns < exposure_changed_ns_ && exposure_before_ns_ > 0
              ? exposure_before_ns_
              : stream_.controls().exposure_ns(options_.exposure_ns);
+}
+
+/// When the buffer could have been taken; by its stamp, where that can be of this machine's clock.
+std::int64_t V4l2Camera::filled_ns(const TakenBuffer& buffer) const {
+  const std::int64_t after_stamp_ns = buffer.stamped_at == StampedAt::kStartOfExposure
+                                          ? exposure_at(buffer.stamp_ns) + options_.readout_ns
+                                          : 0;
+  const std::int64_t waited_ns = buffer.taken_ns - buffer.stamp_ns - after_stamp_ns;
+  return waited_ns >= 0 && waited_ns <= options_.silence_max_ns ? buffer.taken_ns - waited_ns
+                                                               : buffer.taken_ns;
 }
 
 /// Never longer than the time-out, and one attempt at most.
@@ -187,7 +230,7 @@ Arrival V4l2Camera::hand_out(Frame* frame) {
     return Arrival::kNothing;
   }
   last_timestamp_ns_ = timestamp_ns;
-  available_ns_ = buffer.taken_ns;
+  available_ns_ = filled_ns(buffer);
   *frame = {.timestamp_ns = timestamp_ns, .image = {}, .readable = false};
   frame->readable = !buffer.damaged && converter_->convert(buffer.octets, &frame->image);
   if (!frame->readable) {
@@ -218,7 +261,7 @@ Arrival V4l2Camera::next(int timeout_ms, Frame* frame) {
     waited_ns_ += calls_.now_ns() - before_ns;
     if (stream_.is_open() && waited_ns_ > options_.silence_max_ns) {
       end_stream(TakeResult::kBroken);
-      say("silent", options_.wish.path);
+      say("silent", stream_.path());
     }
     return Arrival::kNothing;
   }

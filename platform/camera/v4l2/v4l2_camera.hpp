@@ -39,16 +39,22 @@ class V4l2Camera final : public LiveCamera {
   [[nodiscard]] CameraExposure exposure() const override;
 
   /// One attempt, at once. Called at start, so that a device that will never do is refused there.
+  /// The device that streamed first is the camera from then on: one that was unplugged may come back
+  /// under another number (its own is taken as long as somebody holds the old node), and is looked
+  /// for there; another device is not taken.
   OpenResult open();
   [[nodiscard]] const DeviceStream& stream() const { return stream_; }
 
  private:
+  OpenResult open_wherever_it_is();
+  OpenResult open_elsewhere();
   Arrival wait_to_open(int timeout_ms);
   bool gather(int timeout_ms);
   void pass_over_late();
   Arrival hand_out(Frame* frame);
   void give_back(const TakenBuffer& buffer);
   void end_stream(TakeResult why);
+  [[nodiscard]] std::int64_t filled_ns(const TakenBuffer& buffer) const;
   [[nodiscard]] std::int64_t exposure_at(std::int64_t stamp_ns) const;
   void say(const char* what, std::string_view detail);
 
@@ -57,6 +63,7 @@ class V4l2Camera final : public LiveCamera {
   DeviceStream stream_;
   std::optional<GrayConverter> converter_;
   OfferedFormat first_format_;
+  DeviceIdentity first_identity_;
   FixedVector<TakenBuffer, kDeviceBuffers> ready_;  ///< oldest first
   std::optional<TakenBuffer> held_;                 ///< the estimator looks at it
   SequenceWatch sequence_;

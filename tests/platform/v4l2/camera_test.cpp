@@ -57,6 +57,35 @@ TEST_F(V4l2CameraTest, HandsOutFramesWhereTheyLie_WithTheTimeOfMidExposure) {
   EXPECT_EQ(device.queued(), 3U);  // the estimator looks at the fourth
 }
 
+TEST_F(V4l2CameraTest, AFrameIsAvailableFromWhenItWasFilled_NotFromWhenItWasAskedFor) {
+  V4l2Options wanted = options();
+  wanted.exposure_ns = 8'000'000;
+  V4l2Camera camera(device, wanted);
+  ASSERT_EQ(camera.open(), OpenResult::kStreaming);
+  take_frame(1);
+  const std::int64_t filled_ns = device.time_ns;
+  device.time_ns += 30'000'000;  // the estimator is at the one before
+  ASSERT_EQ(camera.next(kWait_ms, &frame), Arrival::kFrame);
+  EXPECT_EQ(camera.available_ns(), filled_ns);
+  device.stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+  take_frame(2);
+  const std::int64_t begun_ns = device.time_ns;
+  device.time_ns += 30'000'000;
+  ASSERT_EQ(camera.next(kWait_ms, &frame), Arrival::kFrame);
+  EXPECT_EQ(camera.available_ns(), begun_ns + 8'000'000);
+}
+
+TEST_F(V4l2CameraTest, AStampThatCannotBeOfThisClockDoesNotTellWhenTheFrameWasThere) {
+  V4l2Camera camera(device, options());
+  ASSERT_EQ(camera.open(), OpenResult::kStreaming);
+  const std::int64_t now_ns = device.time_ns;
+  device.time_ns += 5'000'000;
+  take_frame(1);
+  device.time_ns = now_ns;  // stamped in the future
+  ASSERT_EQ(camera.next(kWait_ms, &frame), Arrival::kFrame);
+  EXPECT_EQ(camera.available_ns(), now_ns);
+}
+
 TEST_F(V4l2CameraTest, DamagedAndShortFramesAreAnsweredAsUnreadable) {
   V4l2Camera camera(device, options());
   ASSERT_EQ(camera.open(), OpenResult::kStreaming);
@@ -211,6 +240,46 @@ TEST_F(V4l2CameraTest, DoesNotTakeAnotherFormatWhenItComesBack) {
   EXPECT_NE(camera.state().find("another format"), std::string_view::npos);
   device.row_padding = 0;
   EXPECT_TRUE(frame_within(camera, 1500, &frame));
+}
+
+TEST_F(V4l2CameraTest, FindsTheDeviceThatCameBackUnderAnotherNumber) {
+  V4l2Camera camera(device, options());
+  ASSERT_EQ(camera.open(), OpenResult::kStreaming);
+  device.gone = true;
+  ASSERT_EQ(camera.next(kWait_ms, &frame), Arrival::kNothing);
+  device.node = "/dev/video12";
+  ASSERT_TRUE(frame_within(camera, 1500, &frame));
+  EXPECT_EQ(camera.state(), "streaming: /dev/video12");
+  device.gone = true;
+  ASSERT_EQ(camera.next(kWait_ms, &frame), Arrival::kNothing);
+  device.node = "/dev/video9";
+  ASSERT_TRUE(frame_within(camera, 1500, &frame));
+  EXPECT_EQ(camera.state(), "streaming");
+  EXPECT_EQ(device.open_now, 1);
+}
+
+TEST_F(V4l2CameraTest, DoesNotTakeAnotherDeviceForItsOwn_NorSetAnythingThere) {
+  V4l2Camera camera(device, options());
+  ASSERT_EQ(camera.open(), OpenResult::kStreaming);
+  device.gone = true;
+  ASSERT_EQ(camera.next(kWait_ms, &frame), Arrival::kNothing);
+  device.stranger = "/dev/video9";  // has taken its number
+  device.node = "nowhere";
+  EXPECT_FALSE(frame_within(camera, 5000, &frame));
+  EXPECT_EQ(camera.state(), "another device: /dev/video9 is not the one before");
+  EXPECT_EQ(device.open_now, 0);
+  device.node = "/dev/video3";
+  EXPECT_TRUE(frame_within(camera, 1500, &frame));
+  for (const unsigned long request : device.strangers_requests) {
+    EXPECT_EQ(request, VIDIOC_QUERYCAP);
+  }
+}
+
+TEST_F(V4l2CameraTest, AtStartItLooksNowhereElse) {
+  device.node = "/dev/video3";
+  V4l2Camera camera(device, options());
+  EXPECT_EQ(camera.open(), OpenResult::kAbsent);
+  EXPECT_EQ(device.open_count, 0);
 }
 
 TEST_F(V4l2CameraTest, UnpluggedWhileTheEstimatorLooksAtAFrame) {

@@ -20,6 +20,7 @@ namespace polhode::platform {
 class FakeDevice final : public DeviceCalls {
  public:
   static constexpr int kDescriptor = 7;
+  static constexpr int kStranger = 8;
 
   // What it is.
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
@@ -30,6 +31,9 @@ class FakeDevice final : public DeviceCalls {
   std::uint32_t buffers_given = 0;  ///< 0: as many as are asked for
   std::uint32_t stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_EOF;
   bool has_exposure = true;
+  std::string node = "/dev/video9";  ///< where it is; the others are not there, but for the stranger's
+  std::string card = "fake";
+  std::string stranger;  ///< node of another camera like it; empty: there is none
 
   // What goes wrong: the answer to a request from now on, -errno.
   std::map<unsigned long, int> answers;
@@ -46,6 +50,7 @@ class FakeDevice final : public DeviceCalls {
   std::size_t mapped_now = 0;
   bool streaming = false;
   std::map<std::uint32_t, std::int32_t> controls;
+  std::vector<unsigned long> strangers_requests;
 
   /// The sensor takes a frame into the next queued buffer; without one, the frame is lost.
   bool take_frame(std::uint8_t level, std::uint32_t flags = 0, std::uint32_t octets_short = 0) {
@@ -68,7 +73,14 @@ class FakeDevice final : public DeviceCalls {
   void lose_frames(std::uint32_t count) { sequence_ += count; }
   [[nodiscard]] std::size_t queued() const { return queued_.size(); }
 
-  int open(const char* /*path*/) override {
+  int open(const char* path) override {
+    if (stranger == path) {
+      ++open_now;
+      return kStranger;
+    }
+    if (node != path) {
+      return -ENOENT;
+    }
     ++open_count;
     if (open_answer < 0) {
       return open_answer;
@@ -78,13 +90,20 @@ class FakeDevice final : public DeviceCalls {
     failed = false;
     return kDescriptor;
   }
-  void close(int /*device*/) override {
+  void close(int device) override {
     --open_now;
+    if (device == kStranger) {
+      return;
+    }
     streaming = false;
     queued_.clear();
     filled_.clear();
   }
-  int ioctl(int /*device*/, unsigned long request, void* argument) override {
+  int ioctl(int device, unsigned long request, void* argument) override {
+    if (device == kStranger) {
+      strangers_requests.push_back(request);
+      return introduce("stranger", argument);  // must not be asked for more than who it is
+    }
     if (gone) {
       return -ENODEV;
     }
@@ -115,11 +134,17 @@ class FakeDevice final : public DeviceCalls {
   void sleep_ms(int duration_ms) override { time_ns += std::int64_t{duration_ms} * 1'000'000; }
 
  private:
+  int introduce(const std::string& name, void* argument) const {
+    auto* capability = static_cast<v4l2_capability*>(argument);
+    capability->capabilities = capabilities;
+    std::strncpy(reinterpret_cast<char*>(capability->card), name.c_str(), sizeof capability->card - 1);
+    return 0;
+  }
+
   int answer(unsigned long request, void* argument) {
     switch (request) {
       case VIDIOC_QUERYCAP:
-        static_cast<v4l2_capability*>(argument)->capabilities = capabilities;
-        return 0;
+        return introduce(card, argument);
       case VIDIOC_TRY_FMT:
       case VIDIOC_S_FMT:
         return set_format(static_cast<v4l2_format*>(argument));
