@@ -24,7 +24,8 @@ keep faults
 config killed 320 240 600
 v4l2-ctl -d /dev/video0 --set-fmt-video=width=320,height=240,pixelformat=GREY --stream-mmap --stream-count=1000 > /dev/null 2>&1 &
 holder=$!
-until [ "$(v4l2-ctl -d /dev/video0 --stream-mmap --stream-count=1 2>&1 | grep -c busy)" -gt 0 ]; do sleep 0.1; done
+# Asked without streaming: a stream that is begun before the holder's would wait for ever.
+until v4l2-ctl -d /dev/video0 --set-fmt-video=width=320,height=240,pixelformat=GREY 2>&1 | grep -q busy; do sleep 0.1; done
 echo "12 kill $WORK/pid" > $WORK/script
 said=$WORK/killed/stderr1.txt
 (until_said "camera: busy" $said; kill $holder; until_said "camera: streaming" $said; $FEED --sequence $WORK/body --script $WORK/script) &
