@@ -227,8 +227,8 @@ void hear(Bell& bell, ReaderResult& result) {
   result.ready = true;
   while (!bell.over) {
     ::syscall(SYS_futex, &bell.rung, FUTEX_WAIT, heard, nullptr, nullptr, 0);
-    const std::int64_t now = now_ns();
     const std::uint32_t rung = bell.rung;
+    const std::int64_t now = now_ns();  // after it: a later ring would else seem heard before it rang
     if (rung != heard && result.packets < kSamplesMax) {
       result.latency_ns[result.packets++] = static_cast<std::uint32_t>(now - bell.at_ns[rung % Bell::kTimes]);
     }

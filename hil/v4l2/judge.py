@@ -127,7 +127,7 @@ def faults(results: pathlib.Path) -> None:
     require(max(row[2] for row in second) <= max(row[2] for row in first), "descriptors grow")
     require(max(row[1] for row in second) <= max(row[1] for row in first), "mapped memory grows")
     require(late[0] <= early[0] * 1.01 + 64, f"memory grows from {early[0]} to {late[0]} kB")
-    print(f"10 times unplugged and back, twice under another number: 8 of 8 frames, resident {early[0]} kB then {late[0]} kB, mapped at "
+    print(f"10 times unplugged and back, under another number: 8 of 8 frames, resident {early[0]} kB then {late[0]} kB, mapped at "
           f"most {max(row[1] for row in rows)} kB, at most {max(row[2] for row in rows)} descriptors")
 
 

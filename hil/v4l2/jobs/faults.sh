@@ -40,8 +40,8 @@ done
 wait
 keep killed
 
-# Unplugged for 0.1 to 0.5 s, and twice for so short that it is back before the run has let go of the old node: then it has
-# another number.
+# Unplugged for 0 to 0.5 s. Somebody holds the first node all the while, so that its number stays taken and the device comes back
+# under another.
 config cycles 64 48 100
 cat > $WORK/script <<SCRIPT
 0 disconnect 0.3
@@ -58,6 +58,7 @@ SCRIPT
 $POLHODE run --config $WORK/cycles.toml --set run.frames_max=8 2> $WORK/cycles/stderr.txt &
 run=$!
 until_said "camera: streaming" $WORK/cycles/stderr.txt
+exec 9< /dev/video0
 $FEED --sequence $WORK/noise8 --script $WORK/script || kill $run &
 # Nothing but the shell itself: programs from the share would make virtual time jump.
 while kill -0 $run 2> /dev/null; do
@@ -70,4 +71,5 @@ while kill -0 $run 2> /dev/null; do
 done > $WORK/cycles/growth.txt
 wait $run
 wait
+exec 9<&-
 keep cycles
