@@ -54,13 +54,23 @@ ChosenCamera::ChosenCamera(const std::filesystem::path& config,
   if (const auto problem = check(*parameters)) {
     throw UnusableInput(fmt::format("{}: {}", config_.string(), problem->message));
   }
+  if (!sequence_) {
+    refuse_unsuitable(parameters->camera);
+  }
 }
 
-LiveCamera& ChosenCamera::open(const Parameters& parameters) {
+void ChosenCamera::refuse_unsuitable(const CameraParameters& parameters) const {
+  V4l2Camera camera(linux_device_calls(), device_options(device_, parameters));
+  if (camera.open() == OpenResult::kUnsuitable) {
+    throw UnusableInput(fmt::format("{}: device.source: {}", config_.string(), camera.state()));
+  }
+}
+
+LiveCamera& ChosenCamera::start(const CameraParameters& parameters) {
   if (sequence_) {
     play();
   } else {
-    open_device(parameters.camera);
+    open_device(parameters);
   }
   return *camera_;
 }
@@ -79,10 +89,7 @@ void ChosenCamera::play() {
 void ChosenCamera::open_device(const CameraParameters& parameters) {
   auto camera =
       std::make_unique<V4l2Camera>(linux_device_calls(), device_options(device_, parameters));
-  if (camera->open() == OpenResult::kUnsuitable) {
-    throw UnusableInput(fmt::format("{}: device.source: {}", config_.string(), camera->state()));
-  }
-  if (camera->stream().is_open()) {
+  if (camera->open() == OpenResult::kStreaming) {
     const OfferedFormat& format = camera->stream().format();
     say("camera: %s, %s %dx%d, %.4g Hz, %zu buffers",
         device_.source.c_str(),

@@ -14,22 +14,22 @@ namespace polhode::platform {
 
 class ChosenCamera {
  public:
-  /// Checks what can be known without opening anything. A sequence gives `parameters` its own camera.
+  /// Opens a device and lets go of it again, so that one that will never do is refused here; one that
+  /// is away or busy is waited for later. A sequence gives `parameters` its own camera.
   /// @param machine must outlive the camera.
   /// @throws UnusableInput naming the file, the key and what is wrong.
   ChosenCamera(const std::filesystem::path& config,
                const MachineOptions& machine,
                Parameters* parameters);
 
-  /// Opens a device, so that one that will never do is refused here; one that is away or busy is waited
-  /// for later. Not before frames can be taken: buffers would fill up with old ones, and a device that
-  /// was unplugged meanwhile would not be missed.
-  /// @throws UnusableInput, as above.
-  LiveCamera& open(const Parameters& parameters);
+  /// From now on frames come. Not before they can be taken: buffers would fill up with old ones, and a
+  /// device that was unplugged meanwhile would not be missed.
+  LiveCamera& start(const CameraParameters& parameters);
 
  private:
+  void refuse_unsuitable(const CameraParameters& parameters) const;
   void play();
-  void open_device(const CameraParameters& camera);
+  void open_device(const CameraParameters& parameters);
 
   std::filesystem::path config_;
   const DeviceOptions& device_;

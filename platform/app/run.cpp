@@ -207,7 +207,6 @@ void run_command(const RunArguments& arguments) {
   const ComponentMemory memory(
       parameters, arguments.config.string(), live_needs(machine, transport, parameters.camera));
   say("warmed up: %d poses of a made-up body", warm_up(memory, parameters));
-  LiveCamera& camera = chosen.open(parameters);
   Component& component = make_component(memory, parameters, arguments);
   const std::string config_hash = sha256_of(canonical_text(parameters));
   Beginning beginning(machine, config_hash);
@@ -235,6 +234,7 @@ void run_command(const RunArguments& arguments) {
   Transports transports(transport);
   PlatformTelemetry telemetry(parameters.bus,
                               settle_in(machine.run, manager, beginning.restarts()));
+  LiveCamera& camera = chosen.start(parameters.camera);
   LiveParts parts{.component = component,
                   .worker = worker,
                   .camera = camera,
