@@ -10,6 +10,7 @@ import sys
 
 from judge.errors import BadInput
 from judge.metrics import align_run, attitude
+from judge.replay import APART
 from judge.run import Run
 from judge.sequence import Camera, Sequence, read_json
 from judge.tables import POSITION, QUATERNION, Motion, where_also
@@ -69,7 +70,7 @@ def run_colmap(sequence: Sequence, out: pathlib.Path) -> dict:
     worker = pathlib.Path(__file__).with_name("colmap_worker.py")
     print(f"running COLMAP on {len(names)} frames ({job['matcher']} matching), log in {out / 'colmap.log'}", file=sys.stderr)
     with open(out / "colmap.log", "w") as log:
-        done = subprocess.run(["nice", "-n", "10", str(python), str(worker), str(out / "job.json")],
+        done = subprocess.run([*APART, "nice", "-n", "10", str(python), str(worker), str(out / "job.json")],
                               stdout=log, stderr=subprocess.STDOUT)
     if done.returncode != 0:
         last = (out / "colmap.log").read_text(errors="replace").strip().splitlines()[-1:]

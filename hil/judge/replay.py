@@ -9,6 +9,9 @@ from judge.venv import REPOSITORY
 
 PROGRAM = REPOSITORY / "build/release/bin/polhode"
 CONFIG = REPOSITORY / "config/default.toml"
+# A process's peak memory counts what it was before its program was loaded: a copy of us, with all that we have read. A
+# small shell in between has nothing to pass on.
+APART = ("sh", "-c", '"$@"; exit $?', "sh")
 
 
 def cache_folder(*parts: str) -> pathlib.Path:
@@ -23,11 +26,10 @@ def replay(sequence: pathlib.Path, out: pathlib.Path, settings=(), config: pathl
            program: pathlib.Path = PROGRAM) -> None:
     """polhode replay with settings "key=value"; BadInput with the program's last line where it fails."""
     words = [word for setting in settings for word in ("--set", setting)]
-    try:
-        done = subprocess.run([program, "replay", "--config", config, "--sequence", sequence, "--out", out, *words],
-                              capture_output=True, text=True)
-    except OSError as problem:
-        raise BadInput(f"{program}: {problem.strerror}; build it first") from None
+    if not os.access(program, os.X_OK):
+        raise BadInput(f"{program}: not there or not a program; build it first")
+    done = subprocess.run([*APART, program, "replay", "--config", config, "--sequence", sequence, "--out", out, *words],
+                          capture_output=True, text=True)
     if done.returncode != 0:
         last = " ".join(done.stderr.strip().splitlines()[-1:])
         raise BadInput(f"{sequence}: the replay ended with {done.returncode}: {last}")

@@ -4,10 +4,11 @@ import json
 import os
 import pathlib
 import subprocess
+import sys
 
 import numpy as np
 import pytest
-from judge import colmap, paper
+from judge import colmap, paper, replay
 from judge.errors import BadInput
 from judge.run import judge_run, read_run, read_truth
 from judge.sequence import Camera, read_sequence
@@ -104,10 +105,22 @@ def test_peer_table_has_a_row_for_each_sequence_with_medians_over_seeds(scene, t
     assert cells[6] == "truth" and cells[8] == "500" and cells[9:] == ["50", "210"]
 
 
+def test_the_memory_of_the_caller_is_not_counted_as_the_programs(tmp_path):
+    """Linux counts a process's copy of its parent before the program was loaded as its own peak."""
+    program = tmp_path / "small"
+    # polhode replay --config C --sequence S --out O
+    program.write_text("#!/bin/sh\n"
+                       f"exec {sys.executable} -S -c 'import resource; print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)' > $7\n")
+    program.chmod(0o755)
+    held = np.ones(40_000_000)  # 320 MB
+    replay.replay(tmp_path, tmp_path / "peak_kib", program=program)
+    assert held.sum() > 0 and int((tmp_path / "peak_kib").read_text()) < 100_000
+
+
 def test_a_replay_that_fails_is_told_in_one_line(scene, tmp_path):
     done = subprocess.run([REPOSITORY / "hil/peer_table.py", scene, "--program", tmp_path / "none"], capture_output=True,
                           text=True, env=os.environ | {"POLHODE_CACHE": str(tmp_path / "cache")})
-    assert done.returncode == 2 and done.stderr.splitlines()[-1].endswith("none: No such file or directory; build it first")
+    assert done.returncode == 2 and done.stderr.splitlines()[-1].endswith("none: not there or not a program; build it first")
 
 
 def test_pictures_that_colmap_can_not_take_are_converted(scene, tmp_path):
