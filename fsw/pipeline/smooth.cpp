@@ -1,9 +1,11 @@
 #include "pipeline/smooth.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "map/landmarks.hpp"
 #include "pipeline/mapping.hpp"
+#include "pipeline/motion_now.hpp"
 #include "pipeline/picture.hpp"
 #include "pipeline/state.hpp"
 #include "pipeline/track.hpp"
@@ -111,8 +113,13 @@ SmoothedPose MapAtRest::from_image(const Frame& frame) {
     return {};
   }
   find_target(s->gray, s->parameters.mask, &s->mask);
+  // A busy background leaves the target too few features to be found among all: the motion knows where it was,
+  // as seen by an observer who stands still.
+  const auto expected = s->motion.observer_known
+                            ? std::nullopt
+                            : pose_by_map_model(*s, frame.timestamp_ns, s->motion.R_IC);
   SmoothedPose smoothed;
-  if (relocalise_frame(s)) {
+  if ((expected && find_about(*expected, s)) || relocalise_frame(s)) {
     smoothed.valid = true;
     smoothed.absolute = s->localised.absolute;
     smoothed.matches = static_cast<int>(s->localised.matches.size());

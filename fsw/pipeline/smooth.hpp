@@ -36,8 +36,8 @@ class MapAtRest {
                         const Pose& hint,
                         std::span<const Observation> inliers) const;
 
-  /// From the picture itself, for a frame that had no pose at its time: found by descriptors over
-  /// the whole map.
+  /// From the picture itself, for a frame that had no pose at its time: found by descriptors, where the motion
+  /// has the target at that time, else over the whole map.
   SmoothedPose from_image(const Frame& frame);
 
  private:

@@ -108,25 +108,6 @@ bool believable(const PosePrediction& predicted, const Component::State& s) {
   return plausible(predicted, s) || comes_back(s) || certain(s.localised);
 }
 
-/// By descriptors about the predicted pose, in a circle that grows when too few agree.
-bool try_guided(const PosePrediction& predicted, Component::State* s) {
-  ensure_features(s);
-  const double body_px = s->map.radius_mu * s->camera.focal_px() / predicted.pose.p_CT.z();
-  // The rotation of one frame to the next is predicted to about a tenth; three circles bracket what
-  // that leaves.
-  const double first_px = std::max(s->parameters.localise.search_floor_px, 0.04 * body_px);
-  double radius_px = first_px;
-  for (int i = 0; i < 3; ++i, radius_px *= 3.0) {
-    const Result<bool> done = localise_guided(
-        localise_input(*s), predicted.pose, radius_px, &s->localise_scratch, &s->localised);
-    if (done && agrees(s->localised, s->parameters.localise.inliers_min) &&
-        believable(predicted, *s)) {
-      return true;
-    }
-  }
-  return false;
-}
-
 /// A side may show little of a turn; the motion, where it is known together with the map, knows the
 /// rest. A measurement that contradicts it stands by itself.
 void fuse_with_motion(Component::State* s) {
@@ -233,6 +214,24 @@ LocaliseInput localise_input(const Component::State& s) {
           .stream = s.frame};
 }
 
+bool find_about(const PosePrediction& predicted, Component::State* s) {
+  ensure_features(s);
+  const double body_px = s->map.radius_mu * s->camera.focal_px() / predicted.pose.p_CT.z();
+  // The rotation of one frame to the next is predicted to about a tenth; three circles bracket what
+  // that leaves.
+  const double first_px = std::max(s->parameters.localise.search_floor_px, 0.04 * body_px);
+  double radius_px = first_px;
+  for (int i = 0; i < 3; ++i, radius_px *= 3.0) {
+    const Result<bool> done = localise_guided(
+        localise_input(*s), predicted.pose, radius_px, &s->localise_scratch, &s->localised);
+    if (done && agrees(s->localised, s->parameters.localise.inliers_min) &&
+        believable(predicted, *s)) {
+      return true;
+    }
+  }
+  return false;
+}
+
 bool relocalise_frame(Component::State* s) {
   ensure_features(s);
   const Result<bool> done = relocalise(localise_input(*s), &s->localise_scratch, &s->localised);
@@ -261,7 +260,7 @@ bool predict_pose(const Component::State& s,
 void track(Component::State* s) {
   PosePrediction predicted;
   const bool has_prediction = predict_pose(*s, s->timestamp_ns, s->motion.R_IC, &predicted);
-  const bool found = has_prediction && (try_flow(predicted, s) || try_guided(predicted, s));
+  const bool found = has_prediction && (try_flow(predicted, s) || find_about(predicted, s));
   const bool everywhere =
       !found && relocalise_frame(s) && (!has_prediction || believable(predicted, *s));
   if (!found && !everywhere) {

@@ -9,6 +9,10 @@ namespace polhode {
 /// calls for, else by relocalisation; extends the map. Sets `pose_valid`, `localised` and the mode.
 void track(Component::State* state);
 
+/// This frame's pose by descriptors about a predicted one, in a circle that grows when too few agree; in
+/// `localised`.
+bool find_about(const PosePrediction& predicted, Component::State* state);
+
 /// This frame's pose by its descriptors alone, over all keyframes; in `localised`.
 bool relocalise_frame(Component::State* state);
 
