@@ -60,9 +60,10 @@ ChosenCamera::ChosenCamera(const std::filesystem::path& config,
 }
 
 void ChosenCamera::refuse_unsuitable(const CameraParameters& parameters) const {
-  V4l2Camera camera(linux_device_calls(), device_options(device_, parameters));
-  if (camera.open() == OpenResult::kUnsuitable) {
-    throw UnusableInput(fmt::format("{}: device.source: {}", config_.string(), camera.state()));
+  DeviceStream device(linux_device_calls(), device_options(device_, parameters).wish);
+  if (device.check() == OpenResult::kUnsuitable) {
+    throw UnusableInput(
+        fmt::format("{}: device.source: unsuitable: {}", config_.string(), device.trouble()));
   }
 }
 

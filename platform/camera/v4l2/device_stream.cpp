@@ -86,6 +86,20 @@ OpenResult DeviceStream::open(const char* path) {
   return result;
 }
 
+OpenResult DeviceStream::check() {
+  close();
+  const int device = calls_.open(wish_.path.c_str());
+  std::snprintf(path_.data(), path_.size(), "%s", wish_.path.c_str());
+  if (device < 0) {
+    return failed("open", device);
+  }
+  device_ = device;
+  const OpenResult result = check_capabilities();
+  const OpenResult format = result == OpenResult::kStreaming ? set_format() : result;
+  close();
+  return format;
+}
+
 OpenResult DeviceStream::configure() {
   OpenResult result = check_capabilities();
   if (result == OpenResult::kStreaming) {

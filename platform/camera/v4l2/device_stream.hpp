@@ -69,6 +69,8 @@ class DeviceStream {
   /// @param path of the node; the wish's, or where the same device may be found instead.
   OpenResult open(const char* path);
   OpenResult open() { return open(wish_.path.c_str()); }
+  /// Whether the wished device would do; nothing is streamed, and it is closed again.
+  OpenResult check();
   /// From now on no other device is taken.
   void insist_on(const DeviceIdentity& identity) { only_ = identity; }
   void close();

@@ -76,6 +76,18 @@ TEST(DeviceStream, SaysWhyItCannotOpen_AndLeavesNothingBehind) {
   }
 }
 
+TEST(DeviceStream, ChecksADeviceWithoutStreaming) {
+  FakeDevice device;
+  DeviceStream stream(device, wish());
+  EXPECT_EQ(stream.check(), OpenResult::kStreaming);
+  EXPECT_EQ(device.open_now, 0);
+  EXPECT_EQ(device.mapped_now, 0U);
+  device.width = 80;
+  EXPECT_EQ(stream.check(), OpenResult::kUnsuitable);
+  device.open_answer = -ENOENT;
+  EXPECT_EQ(stream.check(), OpenResult::kAbsent);
+}
+
 TEST(DeviceStream, AfterAFaultHasPassedItOpens) {
   FakeDevice device;
   device.answers[VIDIOC_STREAMON] = -EINVAL;
