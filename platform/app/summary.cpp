@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <utility>
 
 #include "app/motion_csv.hpp"
 #include "output_file.hpp"
@@ -14,19 +15,33 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+void add_percentiles(const char* clock, const Durations& d, Json* out) {
+  for (const auto& [name, fraction] :
+       {std::pair("p50_us", 0.50), {"p95_us", 0.95}, {"p99_us", 0.99}, {"max_us", 1.0}}) {
+    (*out)[fmt::format("{}{}", clock, name)] = d.percentile_us(fraction);
+  }
+}
+
 Json durations(const Durations& d) {
-  return {{"count", d.samples_us.size()},
-          {"p50_us", d.percentile_us(0.50)},
-          {"p95_us", d.percentile_us(0.95)},
-          {"p99_us", d.percentile_us(0.99)},
-          {"max_us", d.percentile_us(1.0)}};
+  Json out{{"count", d.samples_us.size()}};
+  add_percentiles("", d, &out);
+  return out;
+}
+
+/// With the processor time of the thread that steps.
+Json durations(const Durations& wall, const Durations& cpu) {
+  Json out = durations(wall);
+  add_percentiles("cpu_", cpu, &out);
+  return out;
 }
 
 Json timings(const SummaryInput& input) {
-  Json out{{"read", durations(input.timings.read)}, {"step", durations(input.timings.step)},
-           {"job", durations(input.timings.job)}};
+  const Timings& t = input.timings;
+  Json out{{"read", durations(t.read)},
+           {"step", durations(t.step, t.step_cpu)},
+           {"job", durations(t.job)}};
   for (std::size_t i = 0; i < kStageCount; ++i) {
-    out[stage_name(static_cast<Stage>(i))] = durations(input.timings.stages[i]);
+    out[stage_name(static_cast<Stage>(i))] = durations(t.stages[i], t.stages_cpu[i]);
   }
   return out;
 }

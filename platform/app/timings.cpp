@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 
 namespace polhode::platform {
 
@@ -23,28 +24,41 @@ std::uint32_t Durations::percentile_us(double fraction) const {
   return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
 }
 
-Timings::Timings(std::size_t frames) : stages(kStageCount) {
-  read.samples_us.reserve(frames);
-  step.samples_us.reserve(frames);
-  job.samples_us.reserve(frames);
-  for (Durations& stage : stages) {
-    stage.samples_us.reserve(frames);
+Timings::Timings(std::size_t frames) : stages(kStageCount), stages_cpu(kStageCount) {
+  for (Durations* const span : {&read, &step, &step_cpu, &job}) {
+    span->samples_us.reserve(frames);
+  }
+  for (std::vector<Durations>* const spans : {&stages, &stages_cpu}) {
+    for (Durations& span : *spans) {
+      span.samples_us.reserve(frames);
+    }
   }
 }
 
+Timings::Moment Timings::now() {
+  timespec cpu{};
+  (void)::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &cpu);
+  return {.time = Clock::now(),
+          .cpu = std::chrono::seconds(cpu.tv_sec) + std::chrono::nanoseconds(cpu.tv_nsec)};
+}
+
 void Timings::start_step() {
-  step_start_ = Clock::now();
+  step_start_ = now();
   stage_start_ = step_start_;
 }
 
 void Timings::end_of_stage(Stage stage) {
-  const Clock::time_point now = Clock::now();
-  stages[static_cast<std::size_t>(stage)].add(now - stage_start_);
-  stage_start_ = now;
+  const Moment end = now();
+  const auto i = static_cast<std::size_t>(stage);
+  stages[i].add(end.time - stage_start_.time);
+  stages_cpu[i].add(end.cpu - stage_start_.cpu);
+  stage_start_ = end;
 }
 
 std::int64_t Timings::end_step() {
-  step.add(Clock::now() - step_start_);
+  const Moment end = now();
+  step.add(end.time - step_start_.time);
+  step_cpu.add(end.cpu - step_start_.cpu);
   return step.samples_us.back();
 }
 

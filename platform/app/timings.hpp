@@ -1,4 +1,5 @@
-// How long the stages of a step take, by this machine's clock.
+// How long the stages of a step take: by this machine's clock, and in processor time of the thread
+// that steps, which other work on the machine hardly disturbs.
 #pragma once
 
 #include <chrono>
@@ -34,12 +35,21 @@ class Timings {
 
   Durations read;  ///< reading and decoding a frame's file
   Durations step;
+  Durations step_cpu;
   Durations job;  ///< on the second core
   std::vector<Durations> stages;
+  std::vector<Durations> stages_cpu;
 
  private:
-  std::chrono::steady_clock::time_point step_start_;
-  std::chrono::steady_clock::time_point stage_start_;
+  /// Both clocks at one moment.
+  struct Moment {
+    std::chrono::steady_clock::time_point time;
+    std::chrono::nanoseconds cpu{0};  ///< of the calling thread
+  };
+  static Moment now();
+
+  Moment step_start_;
+  Moment stage_start_;
 };
 
 const char* stage_name(Stage stage);

@@ -58,9 +58,11 @@ def test_only_a_stage_that_costs_more_is_reproached():
 
 def test_the_table_leaves_out_what_never_ran():
     span = {"count": 3, "p50_us": 1500, "p95_us": 2000, "p99_us": 2500, "max_us": 3000}
-    table = benchmark_table.rows({"step": span, "job": {**span, "count": 0}})
-    assert [row[0] for row in table] == ["", "step"]
-    assert table[1][2:] == ("1.50", "2.00", "2.50", "3.00")
+    cpu = {"cpu_p50_us": 1400, "cpu_p95_us": 1500, "cpu_p99_us": 1600, "cpu_max_us": 1700}
+    table = benchmark_table.rows({"step": {**span, **cpu}, "read": span, "job": {**span, "count": 0}})
+    assert [row[0] for row in table] == ["", "step", "read"]
+    assert table[1][2:] == ("1.50", "2.00", "2.50", "3.00", "1.40", "1.50", "1.60", "1.70")
+    assert table[2][2:] == ("1.50", "2.00", "2.50", "3.00", "", "", "", "")
 
 
 @pytest.mark.parametrize("u", [-0.5, 0.0, 319.5])

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+
 namespace polhode::platform {
 namespace {
 
@@ -28,6 +30,19 @@ TEST(Timings, EveryStageOfAStepIsOneSample) {
   EXPECT_EQ(timings.step.samples_us.size(), 2U);
   EXPECT_EQ(timings.stages[static_cast<std::size_t>(Stage::kBus)].samples_us.size(), 2U);
   EXPECT_EQ(timings.stages[static_cast<std::size_t>(Stage::kMask)].samples_us.size(), 0U);
+}
+
+TEST(Timings, WaitingCostsTimeAndNoProcessorTime) {
+  Timings timings(1);
+  timings.start_step();
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  Timings::hook(&timings, Stage::kImage);
+  (void)timings.end_step();
+  const auto image = static_cast<std::size_t>(Stage::kImage);
+  EXPECT_GE(timings.stages[image].samples_us.at(0), 30000U);
+  EXPECT_LT(timings.stages_cpu[image].samples_us.at(0), 10000U);
+  EXPECT_GE(timings.step.samples_us.at(0), 30000U);
+  EXPECT_LT(timings.step_cpu.samples_us.at(0), 10000U);
 }
 
 }  // namespace
