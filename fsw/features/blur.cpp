@@ -27,15 +27,41 @@ struct Neighbours {
   std::array<const float*, GaussianKernel::kRadiusMax + 1> after{};
 };
 
+/// Some groups of lanes at a time: weights and addresses are fetched once for all of them.
+template <class Lanes, int kGroups>
+void weigh_at(const Neighbours& from, const GaussianKernel& kernel, int x, float* to) {
+  std::array<Lanes, kGroups> sum;
+#pragma GCC unroll 8
+  for (int g = 0; g < kGroups; ++g) {
+    sum[static_cast<std::size_t>(g)] =
+        splat<Lanes>(kernel.weight[0]) * load<Lanes>(from.before[0] + x + g * kLanes<Lanes>);
+  }
+  for (std::size_t k = 1; k <= static_cast<std::size_t>(kernel.radius); ++k) {
+    const Lanes weight = splat<Lanes>(kernel.weight[k]);
+    const float* before = from.before[k] + x;
+    const float* after = from.after[k] + x;
+#pragma GCC unroll 8
+    for (int g = 0; g < kGroups; ++g) {
+      sum[static_cast<std::size_t>(g)] += weight * (load<Lanes>(before + g * kLanes<Lanes>) +
+                                                    load<Lanes>(after + g * kLanes<Lanes>));
+    }
+  }
+#pragma GCC unroll 8
+  for (int g = 0; g < kGroups; ++g) {
+    store(sum[static_cast<std::size_t>(g)], to + x + g * kLanes<Lanes>);
+  }
+}
+
 template <class Lanes>
 void weigh(const Neighbours& from, const GaussianKernel& kernel, int width, float* to) {
-  for (int x = 0; x < width; x += kLanes<Lanes>) {
-    Lanes sum = splat<Lanes>(kernel.weight[0]) * load<Lanes>(from.before[0] + x);
-    for (std::size_t k = 1; k <= static_cast<std::size_t>(kernel.radius); ++k) {
-      sum += splat<Lanes>(kernel.weight[k]) *
-             (load<Lanes>(from.before[k] + x) + load<Lanes>(from.after[k] + x));
-    }
-    store(sum, to + x);
+  constexpr int kGroups = 6;
+  constexpr int kTogether = kGroups * kLanes<Lanes>;
+  int x = 0;
+  for (; x + kTogether <= width; x += kTogether) {
+    weigh_at<Lanes, kGroups>(from, kernel, x, to);
+  }
+  for (; x < width; x += kLanes<Lanes>) {
+    weigh_at<Lanes, 1>(from, kernel, x, to);
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <numbers>
 #include <type_traits>
 
@@ -10,46 +12,114 @@
 namespace polhode::sift {
 namespace {
 
-/// Gray levels on the grid with a margin of one on each side.
+/// Samples along a side of the grid with its margin of one, filled up so that whole groups of lanes
+/// fit.
 template <int kSide>
-using Levels = std::array<float, (kSide + 2) * (kSide + 2)>;
+inline constexpr int kRow = stride_of(kSide + 2);
 
-/// @pre 0 <= x < width - 1, 0 <= y < height - 1
-float bilinear(const Plane& level, float x, float y) {
-  const int column = static_cast<int>(x);
-  const int row = static_cast<int>(y);
-  const float fx = x - static_cast<float>(column);
-  const float fy = y - static_cast<float>(row);
-  const float* above = level.row(row) + column;
-  const float* below = above + level.stride;
-  const float top = above[0] + fx * (above[1] - above[0]);
-  const float bottom = below[0] + fx * (below[1] - below[0]);
-  return top + fy * (bottom - top);
-}
+/// Gray levels on the grid with its margin; what stands in the columns from kSide + 2 on means
+/// nothing.
+template <int kSide>
+using Levels = std::array<float, (kSide + 2) * kRow<kSide>>;
 
-template <int kSide, bool kInside>
-void sample(const Plane& level, const PatchFrame& frame, Levels<kSide>* out) {
-  constexpr int kWide = kSide + 2;
-  constexpr float kMiddle = 0.5F * (kWide - 1);
+/// Where each sample of a row lies: the pixel above to the left, and how far beyond it.
+template <int kSide>
+struct RowPlaces {
+  std::array<std::int32_t, kRow<kSide>> offset;  ///< floats from the picture's first
+  std::array<float, kRow<kSide>> right;
+  std::array<float, kRow<kSide>> down;
+};
+
+/// The four pixels about each sample of a row: left and right above, and below, in turn.
+template <int kSide>
+struct RowPixels {
+  std::array<float, 2 * kRow<kSide>> above;
+  std::array<float, 2 * kRow<kSide>> below;
+};
+
+template <class Lanes>
+using WholeLanes = LaneMask<Lanes>;  // integers of 32 bits
+
+template <class Lanes, int kSide, bool kInside>
+void place_row(const Plane& level, const PatchFrame& frame, int j, RowPlaces<kSide>* out) {
+  constexpr float kMiddle = 0.5F * (kSide + 1);
   // The last pixel has no right neighbour to interpolate with: stay a hair short of it.
   constexpr float kHair = 1e-3F;
-  const float x_max = static_cast<float>(level.width - 1) - kHair;
-  const float y_max = static_cast<float>(level.height - 1) - kHair;
-  for (int j = 0; j < kWide; ++j) {
-    const float down = static_cast<float>(j) - kMiddle;
-    const float x_row = frame.x - down * frame.step_y;
-    const float y_row = frame.y + down * frame.step_x;
-    float* to = out->data() + j * kWide;
-    for (int i = 0; i < kWide; ++i) {
-      const float along = static_cast<float>(i) - kMiddle;
-      float x = x_row + along * frame.step_x;
-      float y = y_row + along * frame.step_y;
-      if constexpr (!kInside) {
-        x = std::clamp(x, 0.0F, x_max);
-        y = std::clamp(y, 0.0F, y_max);
-      }
-      to[i] = bilinear(level, x, y);
+  const float down = static_cast<float>(j) - kMiddle;
+  const Lanes x_row = splat<Lanes>(frame.x - down * frame.step_y);
+  const Lanes y_row = splat<Lanes>(frame.y + down * frame.step_x);
+  constexpr std::array<float, kRowGrain> kNumbers{0.0F, 1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 6.0F, 7.0F};
+  for (int i = 0; i < kRow<kSide>; i += kLanes<Lanes>) {
+    const Lanes along = load<Lanes>(kNumbers.data() + i % kRowGrain) +
+                        (static_cast<float>(i - i % kRowGrain) - kMiddle);
+    Lanes x = x_row + along * splat<Lanes>(frame.step_x);
+    Lanes y = y_row + along * splat<Lanes>(frame.step_y);
+    if constexpr (!kInside) {
+      const Lanes zero{};
+      x = smaller(larger(x, zero), splat<Lanes>(static_cast<float>(level.width - 1) - kHair));
+      y = smaller(larger(y, zero), splat<Lanes>(static_cast<float>(level.height - 1) - kHair));
     }
+    const auto column = __builtin_convertvector(x, WholeLanes<Lanes>);
+    const auto row = __builtin_convertvector(y, WholeLanes<Lanes>);
+    const auto offset = row * level.stride + column;
+    std::memcpy(out->offset.data() + i, &offset, sizeof offset);
+    store(x - __builtin_convertvector(column, Lanes), out->right.data() + i);
+    store(y - __builtin_convertvector(row, Lanes), out->down.data() + i);
+  }
+}
+
+template <int kSide>
+void fetch_row(const Plane& level, const RowPlaces<kSide>& places, RowPixels<kSide>* out) {
+  for (std::size_t i = 0; i < kSide + 2; ++i) {
+    const float* from = level.data + places.offset[i];
+    std::memcpy(out->above.data() + 2 * i, from, 2 * sizeof(float));
+    std::memcpy(out->below.data() + 2 * i, from + level.stride, 2 * sizeof(float));
+  }
+}
+
+template <class Lanes>
+struct Pair {
+  Lanes left;
+  Lanes right;
+};
+
+/// Left and right pixels of as many samples as there are lanes.
+template <class Lanes>
+Pair<Lanes> apart(const float* from) {
+  const Lanes low = load<Lanes>(from);
+  const Lanes high = load<Lanes>(from + kLanes<Lanes>);
+  if constexpr (kLanes<Lanes> == 8) {
+    return {.left = __builtin_shufflevector(low, high, 0, 2, 4, 6, 8, 10, 12, 14),
+            .right = __builtin_shufflevector(low, high, 1, 3, 5, 7, 9, 11, 13, 15)};
+  } else {
+    return {.left = __builtin_shufflevector(low, high, 0, 2, 4, 6),
+            .right = __builtin_shufflevector(low, high, 1, 3, 5, 7)};
+  }
+}
+
+/// Bilinear interpolation.
+template <class Lanes, int kSide>
+void interpolate_row(const RowPlaces<kSide>& places, const RowPixels<kSide>& pixels, float* out) {
+  for (int i = 0; i < kRow<kSide>; i += kLanes<Lanes>) {
+    const Lanes right = load<Lanes>(places.right.data() + i);
+    const auto between = [&](const float* from) {
+      const Pair<Lanes> pair = apart<Lanes>(from);
+      return pair.left + right * (pair.right - pair.left);
+    };
+    const Lanes top = between(pixels.above.data() + 2 * i);
+    const Lanes bottom = between(pixels.below.data() + 2 * i);
+    store(top + load<Lanes>(places.down.data() + i) * (bottom - top), out + i);
+  }
+}
+
+template <class Lanes, int kSide, bool kInside>
+void sample(const Plane& level, const PatchFrame& frame, Levels<kSide>* out) {
+  RowPlaces<kSide> places;
+  RowPixels<kSide> pixels{};
+  for (int j = 0; j < kSide + 2; ++j) {
+    place_row<Lanes, kSide, kInside>(level, frame, j, &places);
+    fetch_row<kSide>(level, places, &pixels);
+    interpolate_row<Lanes, kSide>(places, pixels, out->data() + j * kRow<kSide>);
   }
 }
 
@@ -78,12 +148,11 @@ Lanes direction_rad(Lanes x, Lanes y) {
 template <class Lanes, int kSide>
 void to_polar(const Levels<kSide>& levels, Gradients<kSide>* out) {
   static_assert(kSide % kLanes<Lanes> == 0);
-  constexpr int kWide = kSide + 2;
   for (int j = 0; j < kSide; ++j) {
-    const float* row = levels.data() + (j + 1) * kWide + 1;
+    const float* row = levels.data() + (j + 1) * kRow<kSide> + 1;
     for (int i = 0; i < kSide; i += kLanes<Lanes>) {
       const Lanes dx = load<Lanes>(row + i + 1) - load<Lanes>(row + i - 1);
-      const Lanes dy = load<Lanes>(row + i + kWide) - load<Lanes>(row + i - kWide);
+      const Lanes dy = load<Lanes>(row + i + kRow<kSide>) - load<Lanes>(row + i - kRow<kSide>);
       store(square_root(dx * dx + dy * dy), out->length.data() + j * kSide + i);
       store(direction_rad(dx, dy), out->angle_rad.data() + j * kSide + i);
     }
@@ -100,13 +169,13 @@ void sample_gradients(const Plane& level, const PatchFrame& frame, Gradients<kSi
                       frame.x + reach < static_cast<float>(level.width - 1) &&
                       frame.y + reach < static_cast<float>(level.height - 1);
   Levels<kSide> levels;
-  if (inside) {
-    sample<kSide, true>(level, frame, &levels);
-  } else {
-    sample<kSide, false>(level, frame, &levels);
-  }
   with_lanes([&](auto kind) {
     using Lanes = typename decltype(kind)::Lanes;
+    if (inside) {
+      sample<Lanes, kSide, true>(level, frame, &levels);
+    } else {
+      sample<Lanes, kSide, false>(level, frame, &levels);
+    }
     to_polar<std::conditional_t<kSide % kLanes<Lanes> == 0, Lanes, Lanes4>>(levels, out);
   });
 }
