@@ -4,6 +4,9 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
+#include <utility>
+
+#include "mask/reduce.hpp"
 
 namespace polhode {
 namespace {
@@ -13,10 +16,10 @@ constexpr int kWindow_px = 11;
 constexpr int kLevels = 3;
 constexpr int kNearest_px = 5;  // closer together, two points tell the same
 
-void flow(const cv::Mat& before, const cv::Mat& now, PointsState* s) {
+void flow(const FlowPyramid& from, const FlowPyramid& to, PointsState* s) {
   cv::calcOpticalFlowPyrLK(
-      before,
-      now,
+      from,
+      to,
       s->from,
       s->to,
       s->found,
@@ -94,8 +97,10 @@ bool add_picture(const cv::Mat& gray, PointsState* s) {
   s->decimation = decimation;
   s->newest = (s->newest + 1) % PointsState::kPictures;
   s->stored = std::min(s->stored + 1, PointsState::kPictures);
-  const cv::Mat whole = gray(cv::Rect(0, 0, size.width * decimation, size.height * decimation));
-  cv::resize(whole, s->pictures[s->newest], size, 0.0, 0.0, cv::INTER_AREA);
+  reduce_by(gray, decimation, &s->pictures[s->newest]);
+  std::swap(s->pyramid, s->pyramid_before);
+  cv::buildOpticalFlowPyramid(
+      s->picture(0), s->pyramid, cv::Size(kWindow_px, kWindow_px), kLevels, true);
   return s->stored == 1;
 }
 
@@ -108,7 +113,7 @@ void follow_points(PointsState* s) {
   for (const MaskTrack& track : s->tracks) {
     s->from.push_back(track.now());
   }
-  flow(s->picture(1), s->picture(0), s);
+  flow(s->pyramid_before, s->pyramid, s);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < s->tracks.size(); ++i) {
     if (s->found[i] != 0 && inside(s->to[i], s->picture(0).size())) {
@@ -131,7 +136,7 @@ void drop_stray_points(TrackClass kind, PointsState* s) {
   if (s->from.empty()) {
     return;
   }
-  flow(s->picture(0), s->picture(1), s);
+  flow(s->pyramid, s->pyramid_before, s);
   std::size_t kept = 0;
   std::size_t asked = 0;
   for (std::size_t i = 0; i < s->tracks.size(); ++i) {

@@ -27,6 +27,9 @@ struct MaskTrack {
   [[nodiscard]] cv::Point2f motion(std::size_t age) const;
 };
 
+/// What optical flow wants of a picture: reduced pictures and their gradients.
+using FlowPyramid = std::vector<cv::Mat>;
+
 /// What is remembered from picture to picture. Memory is taken with the first picture.
 struct PointsState {
   static constexpr std::size_t kPictures = MaskTrack::kPlaces;
@@ -34,6 +37,8 @@ struct PointsState {
 
   int decimation = 1;                       ///< pixels of the image per working pixel
   std::array<cv::Mat, kPictures> pictures;  ///< ring
+  FlowPyramid pyramid;         ///< of the newest picture
+  FlowPyramid pyramid_before;  ///< of the one before it
   std::size_t newest = 0;
   std::size_t stored = 0;
   std::size_t band = 0;  ///< of the picture in which points are looked for next
