@@ -236,6 +236,7 @@ void sharpen_outline(const MaskPrior& prior, MaskState* s) {
   find_piece(s);
   if (s->found) {
     form_opinion(prior.radius_px / s->points.decimation, s);
+    refine_opinion(s->points.picture(0), s->outline, s->network, &s->refine_scratch, &s->opinion);
     cut_at_edges(s->points.picture(0), s->opinion, s->certain, &s->outline);
     s->sharp = true;
   }

@@ -9,6 +9,7 @@
 #include "mask/evidence.hpp"
 #include "mask/outline.hpp"
 #include "mask/points.hpp"
+#include "mask/refine.hpp"
 #include "mask/target_mask.hpp"
 
 namespace polhode {
@@ -35,7 +36,9 @@ struct MaskState {
   cv::Mat certain;       ///< CV_8UC1: target by the map, where motion alone does not tell
   cv::Mat reach;         ///< CV_8UC1: as far as the target can be by the map
   double near_px = 0.0;  ///< nearer to a landmark than this is target, in working pixels
+  MaskNetwork network;   ///< asked about the outlines of keyframes, where there is one
   OutlineScratch scratch;
+  RefineScratch refine_scratch;
   cv::Mat opinion, agreeing, cells, distance;  ///< scratch
 };
 

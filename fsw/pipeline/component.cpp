@@ -98,6 +98,10 @@ void Component::set_stage_hook(StageHook hook, void* context) {
   state_->hook_context = context;
 }
 
+void Component::set_mask_network(const MaskNetwork& network) {
+  state_->mask_state.network = network;
+}
+
 const Counters& Component::counters() const { return state_->counters; }
 
 std::uint32_t Component::next_step() const { return state_->next_frame; }

@@ -15,6 +15,7 @@
 #include "base/image_view.hpp"
 #include "base/result.hpp"
 #include "image/verdict.hpp"
+#include "mask/network.hpp"
 #include "motion/motion_state.hpp"
 #include "pipeline/parameters.hpp"
 
@@ -172,6 +173,8 @@ class Component {
   const StepOutput& step(const StepInput& input);
 
   void set_stage_hook(StageHook hook, void* context);
+  /// Before the first step. The packets are then a function of the network, too.
+  void set_mask_network(const MaskNetwork& network);
   [[nodiscard]] const Counters& counters() const;
   /// Number of the step to come, by which jobs name theirs. It goes on after a restart, and no
   /// command resets it.

@@ -6,6 +6,7 @@
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
 #include "memory_plan.hpp"
+#include "network/loaded_network.hpp"
 #include "parameters/load.hpp"
 #include "parameters/machine_options.hpp"
 #include "parameters/print.hpp"
@@ -38,8 +39,9 @@ void check_configuration(const CheckArguments& arguments) {
   }
   Configuration configuration = load_configuration(arguments.config, arguments.settings);
   const MachineOptions machine = load_machine_options(arguments.config, arguments.settings);
-  const TransportSettings transport =
-      load_transport_options(arguments.config, arguments.settings).transport;
+  const TransportOptions transport =
+      load_transport_options(arguments.config, arguments.settings);
+  const LoadedNetwork network(transport.network_file);
   std::string frames;
   if (!arguments.sequence.empty()) {
     const Sequence sequence = open_sequence(arguments.sequence);

@@ -2,15 +2,16 @@
 
 #include <filesystem>
 
+#include "network/loaded_network.hpp"
 #include "pipeline/checkpoint.hpp"
 #include "recording/recorder.hpp"
 #include "transport/address.hpp"
 
 namespace polhode::platform {
 
-MachineNeeds transport_needs(const TransportSettings& transport) {
-  MachineNeeds needs;
-  for (const std::string& text : transport.send) {
+MachineNeeds transport_needs(const TransportOptions& options) {
+  MachineNeeds needs{.rows = {}, .general_octets = network_octets(options.network_file)};
+  for (const std::string& text : options.transport.send) {
     const AddressKind kind = parse_address(text).kind;
     if (kind == AddressKind::kUnix || kind == AddressKind::kUdp) {
       needs.general_octets += DatagramSender::backlog_octets();
@@ -26,9 +27,9 @@ std::size_t recorded_frame_octets(const CameraParameters& camera) {
 }
 
 MachineNeeds live_needs(const MachineOptions& machine,
-                        const TransportSettings& transport,
+                        const TransportOptions& options,
                         const CameraParameters& camera) {
-  MachineNeeds needs = transport_needs(transport);
+  MachineNeeds needs = transport_needs(options);
   const std::size_t frame_octets = recorded_frame_octets(camera);
   if (!machine.device.source.empty() && !std::filesystem::is_directory(machine.device.source)) {
     needs.rows.push_back({"buffers of the device, two octets a pixel",

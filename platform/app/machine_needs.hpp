@@ -3,16 +3,16 @@
 
 #include "memory_plan.hpp"
 #include "parameters/machine_options.hpp"
-#include "transport/transports.hpp"
+#include "parameters/transport_options.hpp"
 
 namespace polhode::platform {
 
-/// Of packets that wait for a reader; all that a replay needs.
-MachineNeeds transport_needs(const TransportSettings& transport);
+/// Of packets that wait for a reader, and of the network; all that a replay needs.
+MachineNeeds transport_needs(const TransportOptions& options);
 
 /// Of a live run.
 MachineNeeds live_needs(const MachineOptions& machine,
-                        const TransportSettings& transport,
+                        const TransportOptions& options,
                         const CameraParameters& camera);
 
 /// Octets of a recorded picture at most.

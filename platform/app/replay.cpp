@@ -26,6 +26,7 @@
 #include "camera/replay/file_octets.hpp"
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
+#include "network/loaded_network.hpp"
 #include "os/linux/deadline.hpp"
 #include "os/linux/memory/region.hpp"
 #include "os/linux/worker.hpp"
@@ -242,7 +243,8 @@ void replay(const ReplayArguments& arguments) {
   CommandFile commands = commands_of(
       arguments.commands.empty() ? options.commands_file : arguments.commands, parameters);
   const ComponentMemory memory(
-      parameters, arguments.config.string(), transport_needs(options.transport));
+      parameters, arguments.config.string(), transport_needs(options));
+  LoadedNetwork network(options.network_file);
   Component& component = make_component(memory, parameters, arguments);
   prepare_output_folder(arguments.out);
 
@@ -265,6 +267,7 @@ void replay(const ReplayArguments& arguments) {
   run.published.reserve(frames);
   run.uses.reserve(frames);
   component.set_stage_hook(Timings::hook, &run.timings);
+  component.set_mask_network(network.hook());
 
   const RunCost cost = run_sealed(run, arguments);
   const std::string bus_sha256 = run.files.bus.finish();
@@ -280,6 +283,7 @@ void replay(const ReplayArguments& arguments) {
                  .config_hash = sha256_of(canonical_text(parameters)),
                  .bus_sha256 = bus_sha256,
                  .bus_octets = run.files.bus.octets(),
+                 .network = network,
                  .plan = memory.plan(),
                  .pools = cost.pools,
                  .deadline = run.deadline,

@@ -18,6 +18,7 @@
 #include "app/run_json.hpp"
 #include "app/warm_up.hpp"
 #include "errors.hpp"
+#include "network/loaded_network.hpp"
 #include "os/linux/memory/lock.hpp"
 #include "os/linux/memory/region.hpp"
 #include "os/linux/priority.hpp"
@@ -202,10 +203,11 @@ void run_command(const RunArguments& arguments) {
   ChosenCamera chosen(arguments.config, machine, &configuration.parameters);
   prepare_places(arguments.config, machine);
   const Parameters& parameters = configuration.parameters;
-  const TransportSettings transport =
-      load_transport_options(arguments.config, arguments.settings).transport;
+  const TransportOptions transport =
+      load_transport_options(arguments.config, arguments.settings);
   const ComponentMemory memory(
       parameters, arguments.config.string(), live_needs(machine, transport, parameters.camera));
+  LoadedNetwork network(transport.network_file);
   say("warmed up: %d poses of a made-up body", warm_up(memory, parameters));
   Component& component = make_component(memory, parameters, arguments);
   const std::string config_hash = sha256_of(canonical_text(parameters));
@@ -231,7 +233,8 @@ void run_command(const RunArguments& arguments) {
                             .gain_factor_max = machine.device.gain_factor_max});
   Worker worker({.own_thread = parameters.jobs.delay_frames > 0,
                  .job_octets = job_worst_case(parameters)});
-  Transports transports(transport);
+  component.set_mask_network(network.hook());
+  Transports transports(transport.transport);
   PlatformTelemetry telemetry(parameters.bus,
                               settle_in(machine.run, manager, beginning.restarts()));
   LiveCamera& camera = chosen.start(parameters.camera);

@@ -128,6 +128,13 @@ Json memory(const SummaryInput& input) {
             {"peak_resident_after_last_frame_octets", input.after_frames.peak_resident_octets}}}};
 }
 
+/// What else the packets depend on.
+Json network(const LoadedNetwork& network) {
+  return network.present()
+             ? Json{{"sha256", network.sha256()}, {"times_asked", network.times_asked()}}
+             : Json();
+}
+
 Json cost(const SummaryInput& input) {
   const auto frames = static_cast<double>(input.record.frames_in);
   const double cpu_s = input.after_frames.cpu_s - input.at_start.cpu_s;
@@ -183,6 +190,7 @@ void write_summary(const std::filesystem::path& file, const SummaryInput& input)
                      {"mode_at_end", mode_name(record.last.mode)},
                      {"sequence", input.sequence},
                      {"config_hash", input.config_hash},
+                     {"network", network(input.network)},
                      {"frames", frames},
                      {"mode_changes", record.mode_changes_total},
                      {"mode_history", mode_history(record)},

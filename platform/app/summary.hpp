@@ -8,6 +8,7 @@
 #include "app/run_record.hpp"
 #include "app/timings.hpp"
 #include "memory_plan.hpp"
+#include "network/loaded_network.hpp"
 #include "os/linux/deadline.hpp"
 #include "pipeline/component.hpp"
 
@@ -22,6 +23,7 @@ struct SummaryInput {
   std::string config_hash;
   std::string bus_sha256;
   std::uint64_t bus_octets = 0;
+  const LoadedNetwork& network;
   const MemoryPlan& plan;
   PoolReport pools;  ///< over the frames
   const DeadlineMonitor& deadline;

@@ -56,9 +56,12 @@ void take_value(const toml::node& node, const Place& place, TransportOptions& op
     }
   } else if (place.key == "commands.file") {
     options.commands_file = text_of(node, place);
+  } else if (place.key == "network.file") {
+    options.network_file = text_of(node, place);
   } else {
     throw UnusableInput(fmt::format(
-        "{}: {}: unknown key; known are transport.send, transport.receive, commands.file",
+        "{}: {}: unknown key; known are transport.send, transport.receive, commands.file, "
+        "network.file",
         place.source,
         place.key));
   }
@@ -83,7 +86,7 @@ void take_table(const toml::table& table, const std::string& source, TransportOp
 }  // namespace
 
 bool is_transport_section(std::string_view section) {
-  return section == "transport" || section == "commands";
+  return section == "transport" || section == "commands" || section == "network";
 }
 
 TransportOptions load_transport_options(const std::filesystem::path& file,

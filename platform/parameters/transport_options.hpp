@@ -1,5 +1,5 @@
-// The sections of a configuration that say where packets go and commands come from. They belong to
-// the machine, not to the estimator's parameters.
+// The sections of a configuration that say where packets go and commands come from, and which network
+// is asked. They belong to the machine, not to the estimator's parameters.
 #pragma once
 
 #include <filesystem>
@@ -14,9 +14,10 @@ namespace polhode::platform {
 struct TransportOptions {
   TransportSettings transport;          ///< [transport] send, receive
   std::filesystem::path commands_file;  ///< [commands] file: of a replay; empty: none
+  std::filesystem::path network_file;   ///< [network] file: ONNX, for outlines; empty: none
 };
 
-/// True for `transport` and `commands`.
+/// True for `transport`, `commands` and `network`.
 bool is_transport_section(std::string_view section);
 
 /// Reads these sections of the file, then of the settings (key=value as on the command line).

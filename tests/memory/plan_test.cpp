@@ -114,10 +114,11 @@ TEST(MemoryPlan, HoldsWhatALiveRunNeedsBesideTheEstimator) {
 TEST(MemoryPlan, RefusesMoreReadersThanTheGeneralPoolHasRoomFor) {
   Parameters p = at(640, 480);
   p.budget.general_mb = 4;
-  TransportSettings transport{.send = {"unix:/tmp/a", "udp:10015"}, .receive = {}};
-  EXPECT_EQ(plan_memory(p, transport_needs(transport)).problem, "");
-  transport.send.insert(transport.send.end(), 2, "udp:10016");
-  EXPECT_NE(plan_memory(p, transport_needs(transport)).problem.find("budget.general_mb"),
+  TransportOptions options;
+  options.transport.send = {"unix:/tmp/a", "udp:10015"};
+  EXPECT_EQ(plan_memory(p, transport_needs(options)).problem, "");
+  options.transport.send.insert(options.transport.send.end(), 2, "udp:10016");
+  EXPECT_NE(plan_memory(p, transport_needs(options)).problem.find("budget.general_mb"),
             std::string::npos);
 }
 

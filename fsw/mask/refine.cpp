@@ -1,0 +1,49 @@
+#include "mask/refine.hpp"
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+
+namespace polhode {
+namespace {
+
+// The outline counts 0.6 and evidence up to 6: a network that is sure moves an outline where the
+// pictures say little, and not against what they show clearly.
+constexpr double kShare = 2.0;
+
+void as_input(const cv::Mat& levels, cv::Mat* part, cv::Mat* input) {
+  const cv::Size size(MaskNetwork::kSide_px, MaskNetwork::kSide_px);
+  cv::resize(levels, *part, size, 0.0, 0.0, cv::INTER_LINEAR);
+  part->convertTo(*input, CV_32FC1, 1.0 / 255.0);
+}
+
+}  // namespace
+
+void refine_opinion(const cv::Mat& picture,
+                    const cv::Mat& outline,
+                    const MaskNetwork& network,
+                    RefineScratch* s,
+                    cv::Mat* opinion) {
+  cv::Rect box = cv::boundingRect(outline);
+  if (network.ask == nullptr || box.empty()) {
+    return;
+  }
+  const int margin = std::max(4, std::max(box.width, box.height) / 4);
+  box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
+        cv::Rect(0, 0, picture.cols, picture.rows);
+  as_input(picture(box), &s->part, &s->gray);
+  as_input(outline(box), &s->part, &s->outline);
+  s->target.create(s->gray.size(), CV_32FC1);
+  if (!network.ask(network.context,
+                   s->gray.ptr<float>(),
+                   s->outline.ptr<float>(),
+                   s->target.ptr<float>()) ||
+      !cv::checkRange(s->target, true, nullptr, 0.0, 1.0 + 1e-6)) {
+    return;
+  }
+  cv::resize(s->target, s->full, box.size(), 0.0, 0.0, cv::INTER_LINEAR);
+  cv::Mat part = (*opinion)(box);
+  s->full.convertTo(s->full, CV_32FC1, 2.0 * kShare, -kShare);
+  cv::add(part, s->full, part);
+}
+
+}  // namespace polhode
