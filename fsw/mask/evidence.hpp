@@ -14,7 +14,8 @@ struct EvidenceState {
   static constexpr float kMax = 6.0F;
 
   cv::Mat total;       ///< CV_32FC1: positive where the target is; carried along with its motion
-  cv::Mat instant;     ///< CV_32FC1, -2 .. 2: what this picture alone says; 0 outside of `region`
+  cv::Mat instant;     ///< CV_32FC1, -2 .. 2: what this picture alone says, in `region`
+  bool longer = true;  ///< the next picture is compared over the longer of the two ages
   cv::Rect region;     ///< in which the last pictures were compared
   double noise = 2.0;  ///< one sigma of a working pixel, levels
 
@@ -25,7 +26,7 @@ struct EvidenceState {
 
 /// Compares the newest picture with earlier ones within a region and adds to the evidence. What was
 /// known outside of it is forgotten. Needs points of both kinds.
-/// @cost in proportion to the region: two warps of it for each age and layer.
+/// @cost in proportion to the region: a warp of it for each layer, and three more.
 void weigh_motions(const PointsState& points,
                    const BackgroundState& background,
                    const cv::Rect& region,

@@ -118,11 +118,13 @@ std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
 
 Component& make_component(const ComponentMemory& memory,
                           const Parameters& parameters,
+                          const MaskNetwork& network,
                           const RunArguments& arguments) {
   Result<Component*> made = Component::create(memory.span(), parameters);
   if (!made) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));
   }
+  made.value()->set_mask_network(network);
   return *made.value();
 }
 
@@ -209,7 +211,7 @@ void run_command(const RunArguments& arguments) {
       parameters, arguments.config.string(), live_needs(machine, transport, parameters.camera));
   LoadedNetwork network(transport.network_file);
   say("warmed up: %d poses of a made-up body", warm_up(memory, parameters));
-  Component& component = make_component(memory, parameters, arguments);
+  Component& component = make_component(memory, parameters, network.hook(), arguments);
   const std::string config_hash = sha256_of(canonical_text(parameters));
   Beginning beginning(machine, config_hash);
   beginning.restore(component);
@@ -233,7 +235,6 @@ void run_command(const RunArguments& arguments) {
                             .gain_factor_max = machine.device.gain_factor_max});
   Worker worker({.own_thread = parameters.jobs.delay_frames > 0,
                  .job_octets = job_worst_case(parameters)});
-  component.set_mask_network(network.hook());
   Transports transports(transport.transport);
   PlatformTelemetry telemetry(parameters.bus,
                               settle_in(machine.run, manager, beginning.restarts()));
