@@ -11,7 +11,6 @@
 namespace polhode {
 namespace {
 
-constexpr int kWidthMax = 640;
 constexpr int kWindow_px = 11;
 constexpr int kLevels = 3;
 constexpr int kNearest_px = 5;  // closer together, two points tell the same
@@ -89,7 +88,7 @@ cv::Point2f MaskTrack::motion(std::size_t age) const {
 }
 
 bool add_picture(const cv::Mat& gray, PointsState* s) {
-  const int decimation = (gray.cols + kWidthMax - 1) / kWidthMax;
+  const int decimation = (gray.cols + kWorkingWidthMax_px - 1) / kWorkingWidthMax_px;
   const cv::Size size(gray.cols / decimation, gray.rows / decimation);
   if (s->stored > 0 && (decimation != s->decimation || s->picture(0).size() != size)) {
     clear(s);

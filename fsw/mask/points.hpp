@@ -1,6 +1,6 @@
 // Points followed from picture to picture, all over the picture and closer together on the target.
 //
-// Works on the picture reduced to at most 640 px across ("working pixels").
+// Works on the picture reduced to at most kWorkingWidthMax_px across ("working pixels").
 #pragma once
 
 #include <array>
@@ -11,6 +11,8 @@
 #include "base/fixed_vector.hpp"
 
 namespace polhode {
+
+inline constexpr int kWorkingWidthMax_px = 640;
 
 enum class TrackClass : std::uint8_t { kUnassigned, kBackground, kTarget };
 
