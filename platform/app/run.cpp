@@ -205,8 +205,7 @@ void run_command(const RunArguments& arguments) {
   ChosenCamera chosen(arguments.config, machine, &configuration.parameters);
   prepare_places(arguments.config, machine);
   const Parameters& parameters = configuration.parameters;
-  const TransportOptions transport =
-      load_transport_options(arguments.config, arguments.settings);
+  const TransportOptions transport = load_transport_options(arguments.config, arguments.settings);
   const ComponentMemory memory(
       parameters, arguments.config.string(), live_needs(machine, transport, parameters.camera));
   LoadedNetwork network(transport.network_file);
