@@ -32,13 +32,12 @@ std::size_t pixels(const Parameters& p) {
 }
 
 /// Of a working pixel: pictures and pyramids, evidence and labels, and the graph of a cut, 32 octets a node and
-/// its edges. 155 were measured in a laboratory at 1080p, 132 beside the Earth; a pool in use is not filled to its
-/// last gap.
+/// its edges. 155 were measured in a laboratory at 1080p, 132 beside the Earth.
 std::size_t mask_octets(const Parameters& p) {
   if (!p.mask.enabled || !p.mask.background) {
     return 0;
   }
-  constexpr std::size_t kPerPixel = 176;
+  constexpr std::size_t kPerPixel = 160;
   constexpr auto kAcross_px = static_cast<std::size_t>(kWorkingWidthMax_px);
   const auto width = static_cast<std::size_t>(p.camera.width_px);
   const std::size_t decimation = (width + kAcross_px - 1) / kAcross_px;

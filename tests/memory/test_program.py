@@ -55,6 +55,15 @@ def test_what_does_not_fit_is_refused_before_the_start(tmp_path, setting):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize(("budget", "width", "height"), [("standard", 640, 480), ("standard", 1280, 720), ("full", 640, 480), ("full", 1920, 1080)])
+def test_the_budgets_hold_the_sample_and_their_own_picture(tmp_path, budget, width, height):
+    writer = SequenceWriter(tmp_path / "sequence", width=width, height=height)
+    writer.add(numpy.zeros((height, width), numpy.uint8))
+    result = call("check", "--config", REPOSITORY / f"config/{budget}.toml", "--sequence", writer.path, "--memory")
+    assert result.returncode == 0, result.stderr
+    assert "It fits." in result.stdout
+
+
 def test_a_run_stays_in_its_pools(sequence, tmp_path):
     result = call("replay", "--config", DEFAULTS, "--sequence", sequence, "--out", tmp_path / "out")
     assert result.returncode == 0, result.stderr
