@@ -6,8 +6,6 @@
 #include <opencv2/video/tracking.hpp>
 #include <utility>
 
-#include "mask/reduce.hpp"
-
 namespace polhode {
 namespace {
 
@@ -96,7 +94,12 @@ bool add_picture(const cv::Mat& gray, PointsState* s) {
   s->decimation = decimation;
   s->newest = (s->newest + 1) % PointsState::kPictures;
   s->stored = std::min(s->stored + 1, PointsState::kPictures);
-  reduce_by(gray, decimation, &s->pictures[s->newest]);
+  cv::resize(gray(cv::Rect({}, size * decimation)),
+             s->pictures[s->newest],
+             size,
+             0.0,
+             0.0,
+             cv::INTER_AREA);
   std::swap(s->pyramid, s->pyramid_before);
   cv::buildOpticalFlowPyramid(
       s->picture(0), s->pyramid, cv::Size(kWindow_px, kWindow_px), kLevels, true);

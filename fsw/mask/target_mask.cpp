@@ -4,8 +4,6 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "mask/reduce.hpp"
-
 namespace polhode {
 namespace {
 
@@ -59,11 +57,7 @@ void find_target(const cv::Mat& gray, const MaskOptions& options, TargetMask* ma
     return;
   }
   cv::Mat small;
-  if (gray.cols % TargetMask::kCell_px == 0 && gray.rows % TargetMask::kCell_px == 0) {
-    reduce_by(gray, TargetMask::kCell_px, &small);
-  } else {
-    cv::resize(gray, small, size, 0.0, 0.0, cv::INTER_AREA);
-  }
+  cv::resize(gray, small, size, 0.0, 0.0, cv::INTER_AREA);
   cv::threshold(small, mask->cells, options.dark_level * 255.0, 255.0, cv::THRESH_BINARY);
   const cv::Rect group = drop_small_groups(&mask->cells);
   cv::dilate(mask->cells, mask->cells, cv::Mat(), cv::Point(-1, -1), kGrowCells);

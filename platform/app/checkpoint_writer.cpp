@@ -1,14 +1,10 @@
 #include "app/checkpoint_writer.hpp"
 
-#include <time.h>
+#include "os/linux/clock.hpp"
 
 namespace polhode::platform {
 
-std::int64_t utc_now_ns() {
-  timespec now{};
-  ::clock_gettime(CLOCK_REALTIME, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
+std::int64_t utc_now_ns() { return clock_ns(CLOCK_REALTIME); }
 
 CheckpointWriter::CheckpointWriter(const std::filesystem::path& file,
                                    const CheckpointIdentity& identity,

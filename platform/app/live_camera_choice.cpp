@@ -1,23 +1,19 @@
 #include "app/live_camera_choice.hpp"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include "app/live_report.hpp"
 #include "camera/replay/played_sequence.hpp"
 #include "camera/v4l2/v4l2_camera.hpp"
 #include "errors.hpp"
+#include "os/linux/clock.hpp"
 
 namespace polhode::platform {
 namespace {
 
 /// What turns the kernel's monotonic clock into UTC, as it is now. Taken once: a clock that is set
 /// later must not make time jump.
-std::int64_t utc_offset_ns() {
-  timespec utc{};
-  ::clock_gettime(CLOCK_REALTIME, &utc);
-  return std::int64_t{utc.tv_sec} * 1'000'000'000 + utc.tv_nsec - linux_device_calls().now_ns();
-}
+std::int64_t utc_offset_ns() { return clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC); }
 
 V4l2Options device_options(const DeviceOptions& device, const CameraParameters& camera) {
   constexpr std::int64_t kMicrosecond_ns = 1000;

@@ -1,13 +1,12 @@
 #include "app/live_run.hpp"
 
-#include <time.h>
-
 #include <algorithm>
 #include <optional>
 
 #include "app/checkpoint_writer.hpp"
 #include "app/exposure_control.hpp"
 #include "app/next_input.hpp"
+#include "os/linux/clock.hpp"
 #include "os/linux/memory/region.hpp"
 #include "os/linux/stop_request.hpp"
 
@@ -16,12 +15,6 @@ namespace {
 
 // How soon a request to stop is seen when no frame comes.
 constexpr int kWait_ms = 100;
-
-std::int64_t clock_ns(clockid_t clock) {
-  timespec now{};
-  ::clock_gettime(clock, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
 
 void record_passed_over(LiveParts& parts, std::uint32_t late_before) {
   const std::uint32_t late = parts.camera.counters().frames_late - late_before;
@@ -128,7 +121,8 @@ LiveEnd run_live(LiveParts& parts, const LiveLimits& limits) {
     parts.telemetry.passed(
         parts.counts, parts.camera, parts.transports, now_ns, parts.report.last().timestamp_ns);
     if (step_cpu_ns) {
-      parts.counts.outside_cpu.add(clock_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_before_ns - *step_cpu_ns);
+      parts.counts.outside_cpu.add(clock_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_before_ns -
+                                   *step_cpu_ns);
     }
     if (limits.frames_max > 0 &&
         parts.counts.frames_accepted >= static_cast<std::uint32_t>(limits.frames_max)) {

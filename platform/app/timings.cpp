@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
+
+#include "os/linux/clock.hpp"
 
 namespace polhode::platform {
 
@@ -36,10 +37,7 @@ Timings::Timings(std::size_t frames) : stages(kStageCount), stages_cpu(kStageCou
 }
 
 Timings::Moment Timings::now() {
-  timespec cpu{};
-  (void)::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &cpu);
-  return {.time = Clock::now(),
-          .cpu = std::chrono::seconds(cpu.tv_sec) + std::chrono::nanoseconds(cpu.tv_nsec)};
+  return {.time = Clock::now(), .cpu = std::chrono::nanoseconds(clock_ns(CLOCK_THREAD_CPUTIME_ID))};
 }
 
 void Timings::start_step() {

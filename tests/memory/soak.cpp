@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -17,6 +16,7 @@
 #include "camera/replay/file_camera.hpp"
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
+#include "os/linux/clock.hpp"
 #include "os/linux/libraries.hpp"
 #include "os/linux/memory/lock.hpp"
 #include "os/linux/memory/region.hpp"
@@ -93,12 +93,6 @@ class Meter {
   std::FILE* file_;
 };
 
-double thread_cpu_ms() {
-  timespec t{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
-
 /// The positive control: shows that the trap would have seen it.
 void do_what_is_forbidden(const std::string& control) {
   if (control == "mmap") {
@@ -109,7 +103,8 @@ void do_what_is_forbidden(const std::string& control) {
     (void)std::fopen("/dev/null", "r");
   } else if (control == "thread") {
     pthread_t thread{};
-    pthread_create(&thread, nullptr, [](void* p) { return p; }, nullptr);
+    pthread_create(
+        &thread, nullptr, [](void* p) { return p; }, nullptr);
   } else if (control == "madvise") {
     alignas(4096) static char page[4096];
     (void)::madvise(page, sizeof page, MADV_NORMAL);
@@ -167,10 +162,10 @@ class Soak {
                                 .stride_octets = c.width_px}};
     const PoolScope scope(Pool::kStep);
     const Jobs finished = worker_.due(component_->next_step());
-    const double before_ms = thread_cpu_ms();
+    const std::int64_t before_ns = clock_ns(CLOCK_THREAD_CPUTIME_ID);
     const StepOutput& out = component_->step({.frame = frame, .finished = finished});
     if (memory_is_sealed()) {
-      step_ms_.push_back(thread_cpu_ms() - before_ms);
+      step_ms_.push_back(1e-6 * static_cast<double>(clock_ns(CLOCK_THREAD_CPUTIME_ID) - before_ns));
       poses_ += out.motion.pose_valid ? 1 : 0;
     }
     worker_.submit(out.jobs);
@@ -184,7 +179,10 @@ class Soak {
     return part.empty() ? 0.0 : part[part.size() / 2];
   }
 
-  void print(const Reading& at_seal, const std::vector<Reading>& readings, bool trapped, bool locked) {
+  void print(const Reading& at_seal,
+             const std::vector<Reading>& readings,
+             bool trapped,
+             bool locked) {
     std::string live;
     std::string used;
     std::string resident;
@@ -235,8 +233,9 @@ int main(int argc, char** argv) {
   CLI::App app{"many frames after the seal"};
   app.add_option("--config", arguments.config)->required();
   app.add_option("--sequence", arguments.sequence)->required();
-  app.add_option("--set", arguments.settings)->expected(1)->multi_option_policy(
-      CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--set", arguments.settings)
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--warm-up", arguments.warm_up);
   app.add_option("--frames", arguments.frames);
   app.add_option("--control", arguments.control);

@@ -9,6 +9,8 @@
 
 #include <cerrno>
 
+#include "os/linux/clock.hpp"
+
 namespace polhode::platform {
 namespace {
 
@@ -51,11 +53,7 @@ class LinuxDeviceCalls final : public DeviceCalls {
     return waited.revents;
   }
 
-  std::int64_t now_ns() override {
-    timespec now{};
-    ::clock_gettime(CLOCK_MONOTONIC, &now);
-    return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-  }
+  std::int64_t now_ns() override { return clock_ns(CLOCK_MONOTONIC); }
 
   void sleep_ms(int duration_ms) override {
     const timespec duration{.tv_sec = duration_ms / 1000,

@@ -71,6 +71,28 @@ OpenResult DeviceStream::failed(const char* what, int error) {
 }
 
 OpenResult DeviceStream::open(const char* path) {
+  OpenResult result = open_node(path);
+  if (result == OpenResult::kStreaming) {
+    set_interval();
+    controls_.find(calls_, device_);
+    result = map_ring();
+  }
+  if (result == OpenResult::kStreaming) {
+    result = start();
+  }
+  if (result != OpenResult::kStreaming) {
+    close();
+  }
+  return result;
+}
+
+OpenResult DeviceStream::check() {
+  const OpenResult result = open_node(wish_.path.c_str());
+  close();
+  return result;
+}
+
+OpenResult DeviceStream::open_node(const char* path) {
   close();
   std::snprintf(path_.data(), path_.size(), "%s", path);
   identity_ = {};
@@ -79,38 +101,8 @@ OpenResult DeviceStream::open(const char* path) {
     return failed("open", device);
   }
   device_ = device;
-  const OpenResult result = configure();
-  if (result != OpenResult::kStreaming) {
-    close();
-  }
-  return result;
-}
-
-OpenResult DeviceStream::check() {
-  close();
-  const int device = calls_.open(wish_.path.c_str());
-  std::snprintf(path_.data(), path_.size(), "%s", wish_.path.c_str());
-  if (device < 0) {
-    return failed("open", device);
-  }
-  device_ = device;
   const OpenResult result = check_capabilities();
-  const OpenResult format = result == OpenResult::kStreaming ? set_format() : result;
-  close();
-  return format;
-}
-
-OpenResult DeviceStream::configure() {
-  OpenResult result = check_capabilities();
-  if (result == OpenResult::kStreaming) {
-    result = set_format();
-  }
-  if (result == OpenResult::kStreaming) {
-    set_interval();
-    controls_.find(calls_, device_);
-    result = map_ring();
-  }
-  return result == OpenResult::kStreaming ? start() : result;
+  return result == OpenResult::kStreaming ? set_format() : result;
 }
 
 OpenResult DeviceStream::check_capabilities() {

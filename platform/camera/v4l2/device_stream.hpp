@@ -105,7 +105,8 @@ class DeviceStream {
     std::size_t octets = 0;
   };
 
-  OpenResult configure();
+  /// Opens the node and agrees on the format.
+  OpenResult open_node(const char* path);
   OpenResult check_capabilities();
   OpenResult set_format();
   void set_interval();

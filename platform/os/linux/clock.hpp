@@ -1,0 +1,18 @@
+// The kernel's clocks.
+#pragma once
+
+#include <time.h>
+
+#include <cstdint>
+
+namespace polhode::platform {
+
+/// What the clock shows now: CLOCK_MONOTONIC, CLOCK_REALTIME (UTC), or the processor time of the
+/// calling thread by CLOCK_THREAD_CPUTIME_ID. All three are there on every Linux: no error.
+inline std::int64_t clock_ns(clockid_t clock) {
+  timespec now{};
+  (void)::clock_gettime(clock, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+}  // namespace polhode::platform
