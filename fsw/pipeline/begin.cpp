@@ -57,9 +57,6 @@ void take_over_start(const Similarity& to_T, Component::State* s) {
   start_drift(to_T, s);
   s->mode = Mode::kTracking;
   s->frames_lost = 0;
-  if (s->parameters.jobs.delay_frames > 0) {  // frames come before the map has settled
-    restate_poses(s);
-  }
 }
 
 void forget_map(Component::State* s) {
