@@ -62,7 +62,7 @@ bool set_priority(int priority) {
   return ::sched_setscheduler(0, priority > 0 ? SCHED_FIFO : SCHED_OTHER, &wished) == 0;
 }
 
-/// Programs that want a core each, as the rest of a busy computer does. They end with this one.
+/// Programs that want a core each at ordinary priority, as the rest of a busy computer does. They end with this one.
 class Load {
  public:
   explicit Load(int programs) {
@@ -70,6 +70,7 @@ class Load {
       const pid_t program = ::fork();
       if (program == 0) {
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+        (void)set_priority(0);  // under chrt it would keep everything else off the cores, this benchmark's parent included
         want_a_core();
       }
       programs_.push_back(program);
@@ -321,23 +322,31 @@ bool measure_all(const std::string& folder, const Wish& wish) {
   return good;
 }
 
-Wish read_wish(int argc, char** argv) {
-  Wish wish;
-  for (int i = 1; i + 1 < argc; i += 2) {
+/// @return false for what is no option of this program.
+bool read_wish(int argc, char** argv, Wish& wish) {
+  for (int i = 1; i < argc; i += 2) {
     const std::string_view name = argv[i];
-    int* const value = name == "--seconds" ? &wish.seconds
-                       : name == "--rate"  ? &wish.rate
-                       : name == "--load"  ? &wish.load
-                                           : &wish.priority;
+    int* const value = name == "--seconds"    ? &wish.seconds
+                       : name == "--rate"     ? &wish.rate
+                       : name == "--load"     ? &wish.load
+                       : name == "--priority" ? &wish.priority
+                                              : nullptr;
+    if (value == nullptr || i + 1 == argc) {
+      fmt::print(stderr, "bus_latency [--seconds 10] [--rate 1000] [--load 4] [--priority 5]\n");
+      return false;
+    }
     *value = std::atoi(argv[i + 1]);
   }
-  return wish;
+  return true;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  Wish wish = read_wish(argc, argv);
+  Wish wish;
+  if (!read_wish(argc, argv, wish)) {
+    return 2;
+  }
   char folder_name[] = "/tmp/polhode_latency_XXXXXX";
   const std::string folder = ::mkdtemp(folder_name);
   bool good = true;

@@ -1,6 +1,7 @@
 """A YAMCS server takes the stream over UDP, archives it, reports damage, and gives the parameters back by its API."""
 
 import math
+import re
 import time
 
 import pytest
@@ -23,9 +24,11 @@ def watching(server, tmp_path_factory):
 @pytest.fixture(scope="module")
 def received(server, watching, flight, damaged):
     """The damaged stream has been sent and taken."""
-    for octets in damaged.packets:
+    for index, octets in enumerate(damaged.packets):
         server.send(octets)
         time.sleep(PACE_S)
+        if index == len(damaged.packets) // 2:
+            watching.wait_for("/^motion .* ago/.test(document.querySelector('#age').textContent) && !document.body.className", 30)
     link = wait_until(lambda: (found := server.client.get_link("polhode", "telemetry").get_info()).in_count >= len(damaged.packets) and found, 60,
                       "the packets arrive")
     time.sleep(3.0)  # the archive's writer is behind the link
@@ -38,7 +41,9 @@ def display(watching, received, flight, tmp_path_factory):
     watching.wait_for(f"document.querySelector('#frame').textContent === 'frame {flight.rows[-1]['frame']}'", 30)
     picture = tmp_path_factory.mktemp("picture") / "display.png"
     watching.screenshot(picture)
-    print(f"screenshot: {picture}")
+    watching.wait_for("!document.querySelector('#stale').hidden", 30)
+    watching.screenshot(picture.with_name("stale.png"))
+    print(f"screenshots: {picture}, stale.png beside it")
     return watching
 
 
@@ -110,6 +115,17 @@ def test_the_display_shows_rates_attitude_mode_and_health(display, flight):
     assert not any("unknown" in text for text in display.texts("#motion td"))
 
 
+def test_the_display_marks_what_it_shows_as_old_when_nothing_comes(display):
+    """That it did not while the stream came is asked for in between, see received()."""
+    display.wait_for("!document.querySelector('#stale').hidden", 30)
+    assert display.value("document.body.className") == "stale"
+    [told], [age] = display.texts("#stale"), display.texts("#age")
+    seconds = float(re.fullmatch(r"STALE: no motion packet for ([\d.]+) s", told)[1])
+    assert 5.0 <= seconds < 100.0
+    assert re.fullmatch(r"motion [\d.]+ (s|min) ago, health [\d.]+ (s|min) ago", age)
+    assert float(display.value("getComputedStyle(document.querySelector('main')).opacity")) < 0.5
+
+
 def test_the_displays_curves_have_a_point_for_every_frame_that_came(display, flight):
     assert display.value("rates.length") == len(flight.rows) - 2
     assert display.value("rates.filter(Boolean).length") == sum(
@@ -127,3 +143,4 @@ def test_a_page_that_is_opened_later_shows_the_last_values(server, received, fli
     with open_page(f"http://127.0.0.1:{PAGE}/?yamcs={HTTP}", tmp_path / "browser") as page:
         page.wait_for(f"document.querySelector('#frame').textContent === 'frame {flight.rows[-1]['frame']}'", 30)
         assert page.texts("#mode") == [flight.rows[-1]["mode"]]
+        page.wait_for("document.querySelector('#stale').textContent.startsWith('STALE: no motion packet for')", 30)

@@ -1,7 +1,9 @@
 // Rates, attitude, mode and health of Polhode, from a YAMCS server's WebSocket. No libraries.
+//   ?yamcs=PORT of the server, 8090   ?stale=SECONDS without a motion packet from which on what is shown is marked as old, 5
 "use strict";
 
-const port = new URLSearchParams(location.search).get("yamcs") || "8090";
+const wish = new URLSearchParams(location.search);
+const port = wish.get("yamcs") || "8090", staleMs = 1000 * Number(wish.get("stale") || 5);
 const axes = ["x", "y", "z"], colours = { x: "#ff7b72", y: "#7ee787", z: "#79c0ff" };
 const degrees = 180 / Math.PI, samplesMax = 600;
 const names = ["motion_mode", "motion_frame", "motion_timestamp_ns", "motion_flag_pose", "motion_flag_rate", "motion_flag_velocity",
@@ -11,7 +13,8 @@ const names = ["motion_mode", "motion_frame", "motion_timestamp_ns", "motion_fla
   ...["frames_in", "frames_used", "frames_unreadable", "frames_dark", "poses", "lost", "commands_accepted", "commands_rejected",
     "events_suppressed", "packets_not_sent", "memory_octets", "table_crc"].map(n => "housekeeping_" + n),
   ...["id", "severity", "text", "frame"].map(n => "event_" + n)];
-const now = {}, rates = [], idOf = {};
+const now = {}, rates = [], idOf = {}, cameAt = {};  // cameAt: ms of the server's clock, by which packets came
+let serverAheadMs = 0, connected = false;
 const element = id => document.getElementById(id);
 
 function number(value) {
@@ -27,6 +30,7 @@ function take(values) {
     const name = idOf[value.numericId];
     if (!name || !value.engValue) continue;
     now[name] = number(value.engValue);
+    cameAt[name] = Date.parse(value.acquisitionTime);
     motion = motion || name === "motion_frame";
     event = event || name === "event_id";
   }
@@ -114,10 +118,27 @@ function triple(flag, prefix, factor, digits) {
   return now[flag] ? axes.map(a => `<span class="${a}">${(now[prefix + a] * factor).toFixed(digits)}</span>`).join(" &nbsp; ") : "unknown";
 }
 
+function span(ms) {
+  const s = Math.max(0, ms) / 1000;
+  return s < 100 ? s.toFixed(1) + " s" : s < 6000 ? Math.round(s / 60) + " min" : Math.round(s / 3600) + " h";
+}
+
+// How old what is shown is. By the server's clock: the reader's may be wrong, and a page that is opened later gets old values at once.
+function drawAge() {
+  const age = name => Date.now() + serverAheadMs - cameAt[name];
+  const came = "motion_frame" in now, old = came && !(age("motion_frame") <= staleMs);
+  element("age").textContent = came ? `motion ${span(age("motion_frame"))} ago` +
+    ("housekeeping_frames_in" in now ? `, health ${span(age("housekeeping_frames_in"))} ago` : "") : "";
+  element("stale").hidden = !old && (connected || !came);
+  element("stale").textContent = old ? `STALE: no motion packet for ${span(age("motion_frame"))}` : "STALE: the server is not reached";
+  document.body.className = element("stale").hidden ? "" : "stale";
+}
+
 function draw() {
   const mode = now.motion_mode || "no telemetry", unit = now.motion_flag_scale_known ? "m" : "map units";
   element("mode").textContent = mode; element("mode").className = mode;
   element("frame").textContent = "motion_frame" in now ? `frame ${now.motion_frame}` : "";
+  drawAge();
   drawRates();
   drawAttitude();
   const sigma = (flag, name, factor, digits, unit) => now[flag] ? (now[name] * factor).toFixed(digits) + " " + unit : "unknown";
@@ -139,18 +160,26 @@ function draw() {
 function connect() {
   const socket = new WebSocket(`ws://${location.hostname}:${port}/api/websocket`);
   socket.onopen = () => {
+    connected = true;
     element("link").textContent = "connected";
+    socket.send(JSON.stringify({ type: "time", id: 2, options: { instance: "polhode", processor: "realtime" } }));
     socket.send(JSON.stringify({ type: "parameters", id: 1, options: { instance: "polhode", processor: "realtime",
       id: names.map(name => ({ name: "/polhode/" + name })), sendFromCache: true, abortOnInvalid: false, updateOnExpiration: false } }));
   };
   socket.onmessage = message => {
     const { type, data } = JSON.parse(message.data);
+    if (type === "time" && data && data.value) serverAheadMs = Date.parse(data.value) - Date.now();
     if (type !== "parameters" || !data) return;
     for (const [id, parameter] of Object.entries(data.mapping || {})) idOf[id] = parameter.name.replace("/polhode/", "");
     if (data.values) take(data.values);
   };
-  socket.onclose = () => { element("link").textContent = "server not reached, trying again"; setTimeout(connect, 2000); };
+  socket.onclose = () => {
+    connected = false;
+    element("link").textContent = "server not reached, trying again";
+    setTimeout(connect, 2000);
+  };
 }
 
 draw();
 connect();
+setInterval(drawAge, 500);
