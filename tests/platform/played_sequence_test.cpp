@@ -83,5 +83,22 @@ TEST(PlayedSequence, WaitsForAFrameThatIsNotDue_NoLongerThanToldTo) {
   EXPECT_EQ(camera.counters().timeouts, 1U);
 }
 
+TEST(PlayedSequence, HasReadAFrameBeforeItIsDue) {
+  Five five;
+  DeviceCalls& machine = linux_device_calls();
+  PlayedSequence camera(five.sequence,
+                        {.speed = 1.0, .start_ns = machine.now_ns() + 500 * kMillisecond_ns});
+  Frame frame;
+  ASSERT_EQ(camera.next(1, &frame), Arrival::kNothing);
+  five.write("mav0/cam0/data/0.pgm", "gone");
+  Arrival arrival = Arrival::kNothing;
+  while (arrival == Arrival::kNothing) {
+    arrival = camera.next(1000, &frame);
+  }
+  ASSERT_EQ(arrival, Arrival::kFrame);
+  EXPECT_TRUE(frame.readable);
+  EXPECT_EQ(frame.image.data[0], 10);
+}
+
 }  // namespace
 }  // namespace polhode::platform

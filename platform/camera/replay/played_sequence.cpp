@@ -49,7 +49,18 @@ void PlayedSequence::pass_over_late(std::int64_t now_ns) {
   const auto waiting = static_cast<std::size_t>(1 + options_.backlog_frames_max);
   while (position_ + waiting < frames_ && due_ns(position_ + waiting) <= now_ns) {
     ++position_;
+    has_read_ = false;
     ++counters_.frames_late;
+  }
+}
+
+/// Done before the frame is due: a camera's is in memory when it is there, so decoding is no part of
+/// the time from a frame to its packet.
+void PlayedSequence::read_ahead() {
+  if (!has_read_) {
+    files_.seek(played_frame(sequence_, position_).index);
+    (void)files_.next(ahead_);
+    has_read_ = true;
   }
 }
 
@@ -60,6 +71,7 @@ Arrival PlayedSequence::next(int timeout_ms, Frame* frame) {
   if (options_.speed > 0.0) {
     DeviceCalls& machine = linux_device_calls();
     pass_over_late(machine.now_ns());
+    read_ahead();
     const std::int64_t wait_ms = (due_ns(position_) - machine.now_ns() + 999'999) / 1'000'000;
     if (wait_ms > 0) {
       machine.sleep_ms(static_cast<int>(std::min<std::int64_t>(wait_ms, timeout_ms)));
@@ -70,10 +82,10 @@ Arrival PlayedSequence::next(int timeout_ms, Frame* frame) {
     }
   }
   available_ns_ = options_.speed > 0.0 ? due_ns(position_) : linux_device_calls().now_ns();
-  const PlayedFrame played = played_frame(sequence_, position_++);
-  files_.seek(played.index);
-  (void)files_.next(*frame);
-  frame->timestamp_ns = played.timestamp_ns;
+  read_ahead();
+  *frame = ahead_;
+  frame->timestamp_ns = played_frame(sequence_, position_++).timestamp_ns;
+  has_read_ = false;
   ++counters_.frames;
   counters_.frames_damaged += frame->readable ? 0 : 1;
   return Arrival::kFrame;

@@ -42,12 +42,15 @@ class PlayedSequence final : public LiveCamera {
  private:
   [[nodiscard]] std::int64_t due_ns(std::size_t position) const;
   void pass_over_late(std::int64_t now_ns);
+  void read_ahead();
 
   const Sequence& sequence_;
   PlayOptions options_;
   FileCamera files_;
   std::size_t frames_;
   std::size_t position_ = 0;
+  Frame ahead_;            ///< of position_, where that has been read
+  bool has_read_ = false;  ///< ahead_ is position_'s
   std::int64_t available_ns_ = 0;
   CameraCounters counters_;
 };
