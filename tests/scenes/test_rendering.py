@@ -319,3 +319,61 @@ def test_an_imported_model_keeps_its_own_axes(tmp_path, kind, write):
     lit = np.argwhere(image > 12)[:, ::-1]
     assert np.all(lit.min(axis=0) > uv.min(axis=0) - 2) and np.all(lit.max(axis=0) < uv.max(axis=0) + 2)
     assert len(lit) > 0.3 * np.prod(np.ptp(uv, axis=0)) / 2
+
+
+# Two plates side by side, the left one bright, the right one dark, in each format's own way.
+PLATES = np.array([[x, y, 0] for x in (-0.5, 0.0) for y in (-0.25, 0.25)] + [[x, y, 0] for x in (0.0, 0.5) for y in (-0.25, 0.25)], "<f4")
+PLATE_QUADS = [[0, 2, 3, 1], [4, 6, 7, 5]]
+BRIGHT, DARK = 0.8, 0.04
+
+
+def _plates_obj(path):
+    path.with_suffix(".mtl").write_text("".join(f"newmtl {n}\nKd {v} {v} {v}\n" for n, v in (("bright", BRIGHT), ("dark", DARK))))
+    faces = "".join(f"usemtl {n}\nf " + " ".join(str(i + 1) for i in q) + "\n" for n, q in zip(("bright", "dark"), PLATE_QUADS))
+    path.write_text("mtllib m.mtl\n" + "".join("v {} {} {}\n".format(*v) for v in PLATES) + faces)
+
+
+def _plates_textured_obj(path):
+    path.with_name("halves.png").write_bytes(png.encode(np.full((16, 16), 50, np.uint8) + np.uint8(180) * (np.arange(16) < 8).astype(np.uint8)))
+    path.with_suffix(".mtl").write_text("newmtl both\nKd 1 1 1\nmap_Kd halves.png\n")
+    corners = "".join("v {} {} {}\nvt {} {}\n".format(*v, v[0] + 0.5, 2 * v[1] + 0.5) for v in PLATES)
+    faces = "".join("f " + " ".join(f"{i + 1}/{i + 1}" for i in q) + "\n" for q in PLATE_QUADS)
+    path.write_text("mtllib m.mtl\nusemtl both\n" + corners + faces)
+
+
+def _plates_ply(path):
+    head = "ply\nformat ascii 1.0\nelement vertex 8\n" + "".join(f"property float {a}\n" for a in "xyz")
+    head += "".join(f"property uchar {c}\n" for c in ("red", "green", "blue"))
+    head += "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+    corners = "".join("{} {} {} {c} {c} {c}\n".format(*v, c=230 if i < 4 else 50) for i, v in enumerate(PLATES))
+    path.write_text(head + corners + "".join("4 {} {} {} {}\n".format(*q) for q in PLATE_QUADS))
+
+
+def _plates_gltf(path):
+    indices = np.array([i for q in PLATE_QUADS for i in (*q[:3], q[0], *q[2:])], "<u2")
+    data = PLATES.tobytes() + indices.tobytes()
+    accessors = [{"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [-0.5, -0.25, 0], "max": [0.5, 0.25, 0]}]
+    accessors += [{"bufferView": 1, "byteOffset": 12 * k, "componentType": 5123, "count": 6, "type": "SCALAR"} for k in (0, 1)]
+    uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    materials = [{"doubleSided": True, "pbrMetallicRoughness": {"baseColorFactor": [v, v, v, 1], "metallicFactor": 0}} for v in (BRIGHT, DARK)]
+    primitives = [{"attributes": {"POSITION": 0}, "indices": 1 + k, "material": k} for k in (0, 1)]
+    path.write_text(json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "meshes": [{"primitives": primitives}],
+        "materials": materials, "accessors": accessors, "buffers": [{"byteLength": len(data), "uri": uri}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 24}]}))
+
+
+@pytest.mark.parametrize("write", [_plates_obj, _plates_textured_obj, _plates_ply, _plates_gltf])
+def test_an_imported_model_keeps_its_materials(tmp_path, write):
+    kind = write.__name__.rsplit("_", 1)[1]
+    write(tmp_path / f"m.{kind}")
+    (tmp_path / "s.toml").write_text(
+        f'[target]\nkind = "file"\npath = "m.{kind}"\n[motion]\ninertia_kg_m2 = [1, 1, 1]\nw0_T_deg_s = [0, 0, 0]\nv_C0_m_s = [0, 0, 0]\nq_CT0 = [0, 1, 0, 0]\np_CT0_m = [0, 0, 3]\n'
+        "[camera]\nresolution = [160, 120]\n[time]\nframes = 1\n[light]\nsun_direction_C = [0.1, -0.1, -1]\nearthshine = 0.0\n"
+    )
+    done = _run(tmp_path / "s.toml", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    image = png.decode(next((tmp_path / "out/mav0/cam0/data").glob("*.png")).read_bytes())
+    # The body's x goes to the right of the image. 1 m of it, 160 px * 50 / 36 of focal length, 3 m away: 74 px about the middle.
+    left, right = np.median(image[50:70, 50:75]), np.median(image[50:70, 86:110])
+    assert left > 180 and 20 < right < 110, (left, right)

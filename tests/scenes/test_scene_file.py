@@ -160,3 +160,13 @@ def test_a_target_out_of_view_is_refused():
         parts, _, _ = pipeline.build_target(scene)
         with pytest.raises(scene_file.SceneError, match=words):
             pipeline.check_view(plan, mesh.all_vertices(parts))
+
+
+def test_large_windows_get_fewer_samples_down_to_half():
+    from generator import pipeline
+
+    assert pipeline.window_samples(16, (0, 0, 640, 640)) == 16
+    assert pipeline.window_samples(16, (100, 0, 824, 1000)) == 8
+    assert pipeline.window_samples(16, (0, 0, 745, 893)) == 9
+    assert pipeline.window_samples(16, (0, 0, 1920, 1080)) == 8
+    assert pipeline.window_samples(1, (0, 0, 1920, 1080)) == 1

@@ -197,11 +197,11 @@ def aim_earthshine(node, direction_C):
         node.inputs[1].default_value = new
 
 
-def render_window(f_px, cu, cv, window, seed, scratch_path):
+def render_window(f_px, cu, cv, window, seed, scratch_path, samples=None):
     """Linear RGBA (h, w, 4), row 0 at the top, of an ideal square-pixel camera's window (x0, y0, w, h).
 
     Alpha is premultiplied. Only the window is rendered: its camera has its own size and a shifted axis, which leaves
-    no rounding of a crop's edges to chance.
+    no rounding of a crop's edges to chance. @param samples  a pixel; None: as the scene is set.
     """
     x0, y0, width, height = window
     scene = bpy.context.scene
@@ -212,6 +212,8 @@ def render_window(f_px, cu, cv, window, seed, scratch_path):
     data.shift_x = (width / 2 - 0.5 - (cu - x0)) / width
     data.shift_y = ((cv - y0) - (height / 2 - 0.5)) / width
     scene.cycles.seed = seed & 0x7FFFFFFF
+    if samples is not None:
+        scene.cycles.samples = samples
     scene.render.filepath = scratch_path
     bpy.ops.render.render(write_still=True)
     image = bpy.data.images.load(scratch_path)

@@ -18,6 +18,8 @@ from .scene_file import SceneError
 # Counted up by whoever changes what the same scene looks like.
 FORMAT = 1
 LABORATORY_FORMAT = 2
+# A window of more pixels gets fewer samples, down to half of the scene's, so that a frame stays affordable (README, "Cost").
+WINDOW_FULL_SAMPLES_PX = 412_000
 
 
 class Plan:
@@ -155,16 +157,32 @@ def _build_own(settings):
     return builders[settings["kind"]].build(*arguments)
 
 
-def fingerprint(scene):
+def window_samples(samples, window):
+    """Samples a pixel in a window (x0, y0, w, h)."""
+    area_px = window[2] * window[3]
+    return samples if area_px <= WINDOW_FULL_SAMPLES_PX else max((samples + 1) // 2, samples * WINDOW_FULL_SAMPLES_PX // area_px)
+
+
+def has_large_window(plan, vertices_T):
+    """Whether any sub-frame's window gets fewer samples than the scene's."""
+    resampler, motion = camera_model.Resampler(plan.camera), plan.sub_motion
+    windows = [resampler.target_window(vertices_T @ motion.R_CT(row).T + motion.p_CT_m[row]) for row in plan.rows.ravel()]
+    return any(window is not None and window[2] * window[3] > WINDOW_FULL_SAMPLES_PX for window in windows)
+
+
+def fingerprint(scene, large_window):
     """Hash of everything that decides the pixels."""
     form = LABORATORY_FORMAT if scene["background"]["kind"] == "laboratory" else FORMAT
+    if large_window:
+        form = [form, WINDOW_FULL_SAMPLES_PX]
     return hashlib.sha256(json.dumps([form, scene], sort_keys=True).encode()).hexdigest()
 
 
 def prepare_folder(out, plan, parts, known):
     """Writes all but the frames; keeps the frames of an interrupted run of the same scene, refuses any other folder."""
     out = Path(out)
-    mark = fingerprint(plan.scene)
+    vertices_T = mesh.all_vertices(parts) - plan.centre_of_mass_G_m
+    mark = fingerprint(plan.scene, has_large_window(plan, vertices_T))
     description = out / "scene.json"
     if description.is_file():
         if json.loads(description.read_text()).get("fingerprint") != mark:
@@ -175,7 +193,6 @@ def prepare_folder(out, plan, parts, known):
     truth.write_truth(out / "truth.csv", plan.timestamps_ns, plan.motion)
     truth.write_sensor_yaml(out / "mav0/cam0/sensor.yaml", plan.camera, 1.0 / plan.scene["time"]["period_s"])
     mesh.write_ply(out / "model.ply", parts, plan.centre_of_mass_G_m)
-    vertices_T = mesh.all_vertices(parts) - plan.centre_of_mass_G_m
     extent = vertices_T.max(axis=0) - vertices_T.min(axis=0)
     truth.write_json(
         description,
@@ -211,10 +228,10 @@ class Painter:
         self.blender, self.plan, self.scratch_path = blender_scene, plan, scratch_path
         scene = plan.scene
         # Sub-frames are averaged, so they share a frame's samples; 8 each keep the soft light even.
-        samples = max(min(8, scene["render"]["samples"]), scene["render"]["samples"] // len(plan.offsets_s))
+        self.samples = max(min(8, scene["render"]["samples"]), scene["render"]["samples"] // len(plan.offsets_s))
         # Materials of an imported file live in Blender; reading the file came first and must not be wiped.
         if scene["target"]["kind"] != "file":
-            blender_scene.reset(samples)
+            blender_scene.reset(self.samples)
         own = [part for part in parts if part.material != "imported"]
         self.target = blender_scene.add_parts(own, materials, origin_m=plan.centre_of_mass_G_m)
         if len(own) < len(parts):
@@ -246,7 +263,7 @@ class Painter:
         if window is None:
             return np.zeros((camera.height, camera.width, 4), dtype=np.float32)
         picture = self.blender.render_window(
-            self.resampler.f_ideal, camera.cu, camera.cv, window, seed, self.scratch_path
+            self.resampler.f_ideal, camera.cu, camera.cv, window, seed, self.scratch_path, window_samples(self.samples, window)
         )
         return self.resampler.to_camera(picture, window)
 

@@ -78,13 +78,22 @@ def _part(thing):
 
 def adopt(root, origin_m):
     """Hangs the imported objects under root, with origin_m (3,) becoming its origin."""
-    plain = None
     for thing in [t for t in _mesh_objects() if t.parent is None]:
         thing.data.transform(Matrix.Translation([-float(x) for x in origin_m]))
         thing.parent = root
         if not thing.data.materials:
-            if plain is None:
-                plain = bpy.data.materials.new("plain")
-                plain.use_nodes = True
-                plain.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.5, 0.5, 0.5, 1)
-            thing.data.materials.append(plain)
+            thing.data.materials.append(_own_material(thing.data))
+
+
+def _own_material(data):
+    """Matt, of a mesh whose file names none: in its vertices' colours where it has them, else grey."""
+    material = bpy.data.materials.new("own")
+    material.use_nodes = True
+    surface = material.node_tree.nodes["Principled BSDF"]
+    surface.inputs["Specular"].default_value = 0.0
+    surface.inputs["Base Color"].default_value = (0.5, 0.5, 0.5, 1)
+    if data.vertex_colors:
+        node = material.node_tree.nodes.new("ShaderNodeVertexColor")
+        node.layer_name = data.vertex_colors[0].name
+        material.node_tree.links.new(node.outputs["Color"], surface.inputs["Base Color"])
+    return material
