@@ -75,7 +75,7 @@ int FeatureGrid::cell_of(double position_px, double size_px) const {
 }
 
 void FeatureGrid::build(std::span<const Feature> features, int width_px, int height_px) {
-  POLHODE_ASSERT(features.size() <= order_.size(), features.size());
+  POLHODE_ASSERT(features.size() <= places_.size(), features.size());
   width_px_ = width_px;
   height_px_ = height_px;
   first_.fill(0);
@@ -91,12 +91,13 @@ void FeatureGrid::build(std::span<const Feature> features, int width_px, int hei
   }
   std::array<std::int32_t, kCells* kCells + 1> next = first_;
   for (std::size_t i = 0; i < features.size(); ++i) {
-    order_[static_cast<std::size_t>(next[cell(features[i])]++)] = static_cast<std::int32_t>(i);
+    const Feature& f = features[i];
+    places_[static_cast<std::size_t>(next[cell(f)]++)] = {
+        .u_px = f.u_px, .v_px = f.v_px, .feature = static_cast<std::int32_t>(i)};
   }
 }
 
-std::size_t FeatureGrid::find(std::span<const Feature> features,
-                              double u_px,
+std::size_t FeatureGrid::find(double u_px,
                               double v_px,
                               double radius_px,
                               std::span<std::int32_t> out) const {
@@ -110,11 +111,10 @@ std::size_t FeatureGrid::find(std::span<const Feature> features,
     const auto end =
         static_cast<std::size_t>(first_[static_cast<std::size_t>(row * kCells + column_last + 1)]);
     for (std::size_t k = begin; k < end && found < out.size(); ++k) {
-      const Feature& f = features[static_cast<std::size_t>(order_[k])];
-      const double du = static_cast<double>(f.u_px) - u_px;
-      const double dv = static_cast<double>(f.v_px) - v_px;
+      const double du = static_cast<double>(places_[k].u_px) - u_px;
+      const double dv = static_cast<double>(places_[k].v_px) - v_px;
       if (du * du + dv * dv <= radius_px * radius_px) {
-        out[found++] = order_[k];
+        out[found++] = places_[k].feature;
       }
     }
   }

@@ -24,20 +24,27 @@ class FeatureGrid {
 
   /// Indices of the features within `radius_px` of a pixel, at most as many as `out` holds, in
   /// index order by cell.
-  std::size_t find(std::span<const Feature> features,
-                   double u_px,
+  std::size_t find(double u_px,
                    double v_px,
                    double radius_px,
                    std::span<std::int32_t> out) const;
 
  private:
   static constexpr int kCells = 32;
+
+  /// Of a feature. Features themselves are too far apart in memory to be asked for their places.
+  struct Place {
+    float u_px = 0.0F;
+    float v_px = 0.0F;
+    std::int32_t feature = -1;
+  };
+
   [[nodiscard]] int cell_of(double position_px, double size_px) const;
 
   double width_px_ = 1.0;
   double height_px_ = 1.0;
   std::array<std::int32_t, kCells * kCells + 1> first_{};
-  std::array<std::int32_t, limits::kFeatures> order_{};
+  std::array<Place, limits::kFeatures> places_{};  ///< cell by cell
 };
 
 struct FeatureMatch {

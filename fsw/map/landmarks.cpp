@@ -292,8 +292,7 @@ std::int32_t find_in(const Landmark& landmark,
   }
   constexpr double kReach_px = 6.0;
   std::array<std::int32_t, 32> near{};
-  const std::size_t count =
-      grid.find(keyframe.features.view(), pixel.x(), pixel.y(), kReach_px, near);
+  const std::size_t count = grid.find(pixel.x(), pixel.y(), kReach_px, near);
   PairSearch best;
   for (std::size_t k = 0; k < count; ++k) {
     const auto i = static_cast<std::size_t>(near[k]);

@@ -40,7 +40,7 @@ Candidate best_candidate(const LocaliseInput& input,
                          const FeatureGrid& grid) {
   std::array<std::int32_t, 256> near{};
   const Features& features = *input.features;
-  const std::size_t count = grid.find(features.view(), pixel.x(), pixel.y(), radius_px, near);
+  const std::size_t count = grid.find(pixel.x(), pixel.y(), radius_px, near);
   Candidate best;
   for (std::size_t k = 0; k < count; ++k) {
     const Feature& feature = features[static_cast<std::size_t>(near[k])];

@@ -83,7 +83,7 @@ TEST(FeatureGrid, FindsWhatASearchThroughAllFinds) {
       }
     }
     std::vector<std::int32_t> found(features.size());
-    found.resize(grid->find(features, u, v, radius, found));
+    found.resize(grid->find(u, v, radius, found));
     std::sort(found.begin(), found.end());
     EXPECT_EQ(found, expected) << "trial " << trial;
   }
@@ -98,7 +98,7 @@ TEST(FeatureGrid, FindsFeaturesOnTheEdgesOfThePicture) {
   grid->build(features, 640, 480);
   for (std::size_t i = 0; i < features.size(); ++i) {
     std::array<std::int32_t, 4> found{};
-    ASSERT_EQ(grid->find(features, features[i].u_px, features[i].v_px, 1.0, found), 1U);
+    ASSERT_EQ(grid->find(features[i].u_px, features[i].v_px, 1.0, found), 1U);
     EXPECT_EQ(found[0], static_cast<std::int32_t>(i));
   }
 }
@@ -109,14 +109,14 @@ TEST(FeatureGrid, StopsWhenTheAnswerIsFull) {
   auto grid = std::make_unique<FeatureGrid>();
   grid->build(features, 640, 480);
   std::array<std::int32_t, 5> found{};
-  EXPECT_EQ(grid->find(features, 10.0, 10.0, 100.0, found), 5U);
+  EXPECT_EQ(grid->find(10.0, 10.0, 100.0, found), 5U);
 }
 
 TEST(FeatureGrid, FindsNothing_AmongNoFeatures) {
   auto grid = std::make_unique<FeatureGrid>();
   grid->build({}, 640, 480);
   std::array<std::int32_t, 5> found{};
-  EXPECT_EQ(grid->find({}, 10.0, 10.0, 1000.0, found), 0U);
+  EXPECT_EQ(grid->find(10.0, 10.0, 1000.0, found), 0U);
 }
 
 /// The rule as written: mutual best, and best against the second best at another place, on both
