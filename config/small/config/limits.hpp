@@ -9,8 +9,8 @@ namespace polhode::limits {
 // A frame's features: half as many as in the standard set give a pose sigma that is larger by 1.4.
 inline constexpr std::size_t kFeatures = 450;
 
-// A body 110 px across is enlarged three times, and larger ones less. Its scale space takes 32 octets a pixel.
-inline constexpr std::size_t kWorkingPixels = 200000;
+// A body 120 px across is enlarged three times, and larger ones less. Its scale space takes 32 octets a pixel.
+inline constexpr std::size_t kWorkingPixels = 240000;
 
 // The longer side of that picture: a boom across the whole picture, enlarged.
 inline constexpr std::size_t kWorkingSide = 2048;
