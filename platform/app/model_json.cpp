@@ -64,6 +64,18 @@ Json paper(const ModelInput& input) {
   return model ? describe(model.value()) : Json(nullptr);
 }
 
+/// Poses that are the dynamics' own share its error, however many they are: what they scatter by, and
+/// what the square root of their number leaves of their sigmas, says nothing of it.
+void withhold_sigmas(Json* json) {
+  for (auto& [key, value] : json->items()) {
+    if (key.starts_with("sigma_") || key.starts_with("chi2_") || key.starts_with("rms_")) {
+      value = nullptr;
+    } else if (value.is_structured()) {
+      withhold_sigmas(&value);
+    }
+  }
+}
+
 }  // namespace
 
 void write_model_json(const std::filesystem::path& file, const ModelInput& input) {
@@ -74,6 +86,9 @@ void write_model_json(const std::filesystem::path& file, const ModelInput& input
   out["model"] = paper(input);
   if (out["model"].is_null()) {
     out["reason"] = "too few poses to say how the target moves";
+  } else if (input.model.accepted() && input.model.of_map) {
+    withhold_sigmas(&out["model"]);
+    out["model"]["sigmas"] = "none: its poses are the dynamics' own; see beside it";
   }
   out["fit"] = by_pairs ? Json(nullptr) : fit_json(input.model, input.options);
   if (input.model.accepted()) {

@@ -19,7 +19,8 @@ struct ModelInput {
 };
 
 /// Writes the rigid-body model with its prediction, and beside it the paper's (sines through the
-/// rates); what the data do not determine is null, with its reason.
+/// rates), whose sigmas are null where its poses are the rigid-body model's own; what the data do not
+/// determine is null, with its reason.
 void write_model_json(const std::filesystem::path& file, const ModelInput& input);
 
 }  // namespace polhode::platform

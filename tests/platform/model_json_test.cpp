@@ -12,10 +12,12 @@
 namespace polhode::platform {
 namespace {
 
-nlohmann::json written(const RigidModel& model, const MotionOptions& options = {}) {
+nlohmann::json written(const RigidModel& model,
+                       const MotionOptions& options = {},
+                       std::span<const PoseSample> samples = {}) {
   const TemporaryFolder folder;
   write_model_json(folder.path() / "model.json",
-                   {.samples = {}, .model = model, .options = options});
+                   {.samples = samples, .model = model, .options = options});
   std::ifstream in(folder.path() / "model.json");
   return nlohmann::json::parse(in);
 }
@@ -55,6 +57,36 @@ TEST(ModelJson, ShowsNoNumberOfWhatIsUnobserved) {
   EXPECT_EQ(json["prediction"].size(), 10U);
   EXPECT_EQ(json["prediction"][1]["ahead_s"], 10.0);
   EXPECT_NEAR(json["prediction"][1]["v_C"][2].get<double>(), -0.01, 1e-9);
+}
+
+/// Turning about the optical axis while moving along it, a second from pose to pose.
+std::vector<PoseSample> spinning_poses() {
+  std::vector<PoseSample> poses;
+  for (int i = 0; i < 40; ++i) {
+    PoseSample sample;
+    sample.timestamp_ns = std::int64_t{1'000'000'000} * i;
+    sample.pose.R_CT = Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    sample.pose.p_CT = {0.0, 0.0, 10.0 - 0.01 * i};
+    sample.covariance = 1e-6 * PoseCovariance::Identity();
+    poses.push_back(sample);
+  }
+  return poses;
+}
+
+TEST(ModelJson, ThePapersModelHasSigmas_UnlessItsPosesAreTheDynamicsOwn) {
+  const std::vector<PoseSample> poses = spinning_poses();
+  RigidModel model;
+  model.status = ModelStatus::kAccepted;
+  model.of_map = false;
+  const nlohmann::json measured = written(model, {}, poses)["model"];
+  EXPECT_GT(measured["translation"]["sigma_v_C"][2].get<double>(), 0.0);
+  EXPECT_FALSE(measured.contains("sigmas"));
+  model.of_map = true;
+  const nlohmann::json own = written(model, {}, poses)["model"];
+  EXPECT_EQ(own["translation"]["v_C"], measured["translation"]["v_C"]);
+  EXPECT_TRUE(own["translation"]["sigma_v_C"].is_null());
+  EXPECT_TRUE(own["translation"]["chi2_per_dof"].is_null());
+  EXPECT_TRUE(own.contains("sigmas"));
 }
 
 TEST(ModelJson, InPaperModeHasNoFit) {
