@@ -51,8 +51,17 @@ def test_only_the_public_header_and_what_it_includes_is_installed(prefix):
     assert installed == needed
 
 
-def test_the_program_and_its_defaults_are_installed(prefix):
-    assert run(prefix / "bin/polhode", "check", "--config", prefix / "share/polhode/default.toml")
+@pytest.mark.parametrize("name", ["default", "standard", "full"])
+def test_the_program_and_its_configurations_are_installed(prefix, name):
+    assert run(prefix / "bin/polhode", "check", "--config", prefix / f"share/polhode/{name}.toml")
+
+
+def test_the_service_is_installed_with_the_program_and_the_notes_that_it_names(prefix):
+    unit = (prefix / "lib/systemd/system/polhode.service").read_text()
+    named = re.findall(r"(?:Documentation=file:|ExecStart=)/usr/(\S+)", unit)
+    assert len(named) == 2
+    assert all((prefix / path).is_file() for path in named), named
+    assert (prefix / "share/polhode/live.toml").is_file()
 
 
 def test_readme_shows_the_program_that_is_built():
