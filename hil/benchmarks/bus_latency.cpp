@@ -1,19 +1,16 @@
 // How long a packet takes from the sender to a reader in another process, what is lost, and how long
 // sending takes, with two good readers and a stopped one on each transport.
-//   bus_latency [--seconds 10] [--rate 1000] [--load 4] [--priority 5]
+//   bus_latency [--seconds 10] [--rate 1000] [--load 4] [--priority 5] [--ordinary 1] [--only unix|shm|udp]
 // Two tables, both beside --load programs that want a core each: the first as in flight, sender and
 // readers at real-time priority with their memory locked (run.priority, run.lock_memory; a reader that
 // closes a loop comes before the estimator, so it has one more), the second at ordinary priority, which
-// tells more of how the system shares its cores than of the bus. --priority 0: the second alone.
+// tells more of how the system shares its cores than of the bus. --priority 0: the second alone; --ordinary 0:
+// the first alone.
 // One line a transport, after one for the machine's own part: two processes woken by a word in shared
 // memory, with nothing sent. Exit status 1 when a good reader lost a packet or the heap was called.
 #include <fmt/format.h>
 #include <linux/futex.h>
-#include <sched.h>
 #include <signal.h>
-#include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -29,6 +26,7 @@
 #include <vector>
 
 #include "bus/telemetry.hpp"
+#include "processes.hpp"
 #include "transport/client/c/polhode_bus.h"
 #include "transport/transports.hpp"
 
@@ -49,59 +47,11 @@ namespace {
 
 using namespace polhode;
 using namespace polhode::platform;
+using namespace polhode::benchmarks;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kSamplesMax = 400'000;
 constexpr int kGoodReaders = 2;
-
-/// Of this process and of those that it starts from now on. @param priority 0: an ordinary one.
-/// @return false when the machine does not grant it.
-bool set_priority(int priority) {
-  sched_param wished{};
-  wished.sched_priority = priority;
-  return ::sched_setscheduler(0, priority > 0 ? SCHED_FIFO : SCHED_OTHER, &wished) == 0;
-}
-
-/// Programs that want a core each at ordinary priority, as the rest of a busy computer does. They end with this one.
-class Load {
- public:
-  explicit Load(int programs) {
-    for (int i = 0; i < programs; ++i) {
-      const pid_t program = ::fork();
-      if (program == 0) {
-        ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-        (void)set_priority(0);  // under chrt it would keep everything else off the cores, this benchmark's parent included
-        want_a_core();
-      }
-      programs_.push_back(program);
-    }
-  }
-  ~Load() {
-    for (const pid_t program : programs_) {
-      ::kill(program, SIGKILL);
-      ::waitpid(program, nullptr, 0);
-    }
-  }
-  Load(const Load&) = delete;
-  Load& operator=(const Load&) = delete;
-
- private:
-  /// Arithmetic on more memory than a cache holds.
-  [[noreturn]] static void want_a_core() {
-    std::vector<std::uint64_t> values(4'000'000, 1);
-    for (std::uint64_t turn = 1;; ++turn) {
-      for (std::size_t i = 1; i < values.size(); ++i) {
-        values[i] = values[i] * 6364136223846793005U + values[i - 1] + turn;
-      }
-    }
-  }
-
-  std::vector<pid_t> programs_;
-};
-
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
-}
 
 /// What a reader process tells its parent, in memory that both see.
 struct ReaderResult {
@@ -111,12 +61,6 @@ struct ReaderResult {
   std::uint64_t heap_calls;
   std::uint32_t latency_ns[kSamplesMax];
 };
-
-template <typename T>
-T* make_shared_memory() {
-  void* memory = ::mmap(nullptr, sizeof(T), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  return new (memory) T{};
-}
 
 void read_all(const std::string& address, ReaderResult& result) {
   static polhode_bus bus;
@@ -154,15 +98,7 @@ struct Reader {
 template <typename Read>
 Reader start_reader(int priority, Read read) {
   Reader reader{.process = 0, .result = make_shared_memory<ReaderResult>()};
-  reader.process = ::fork();
-  if (reader.process == 0) {
-    (void)set_priority(priority > 0 ? priority + 1 : 0);
-    if (priority > 0) {
-      (void)::mlockall(MCL_CURRENT | MCL_FUTURE);
-    }
-    read(*reader.result);
-    std::_Exit(0);
-  }
+  reader.process = start_process(priority > 0 ? priority + 1 : 0, [&] { read(*reader.result); });
   while (!reader.result->ready) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -180,6 +116,8 @@ struct Wish {
   int rate = 1000;
   int load = 4;
   int priority = 5;  ///< 0: an ordinary one
+  int ordinary = 1;  ///< 0: no second table
+  std::string only;  ///< empty: all
 };
 
 Sent send_all(Transports& transports, const Wish& wish) {
@@ -205,14 +143,6 @@ Sent send_all(Transports& transports, const Wish& wish) {
   (void)encode_motion(state, {}, static_cast<std::uint16_t>(total & 0x3FFF), octets);
   transports.send(octets);
   return sent;
-}
-
-double percentile_us(std::vector<std::uint32_t> values, double part) {
-  if (values.empty()) {
-    return 0.0;
-  }
-  std::sort(values.begin(), values.end());
-  return 1e-3 * values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
 }
 
 /// A word that two processes wait at.
@@ -291,8 +221,7 @@ bool measure(const char* name, const std::vector<std::string>& addresses, const 
     heap += result.heap_calls;
     latency.insert(latency.end(), result.latency_ns, result.latency_ns + std::min<std::uint64_t>(result.packets, kSamplesMax));
   }
-  ::kill(readers.back().process, SIGKILL);
-  ::waitpid(readers.back().process, nullptr, 0);
+  end_process(readers.back().process);
   good = good && lost == 0 && heap == 0;
   fmt::print("{:<14} {:>8} {:>6} {:>9.1f} {:>9.1f} {:>9.1f}   {:>9.1f} {:>9.1f} {:>9.1f} {:>6}\n", name, sent.packets, lost,
              percentile_us(latency, 0.5), percentile_us(latency, 0.99), percentile_us(latency, 1.0), percentile_us(sent.send_ns, 0.5),
@@ -314,9 +243,15 @@ bool measure_all(const std::string& folder, const Wish& wish) {
   fmt::print("{:<14} {:>8} {:>6} {:>29}   {:>29} {:>6}\n", "", "packets", "lost", "to a reader, us: p50 p99 max", "sending, us: p50 p99 max", "heap");
   const std::string ring = fmt::format("shm:/polhode_latency_{}", ::getpid());
   measure_waking(wish);
-  bool good = measure("unix datagram", {"unix:" + folder + "/a", "unix:" + folder + "/b", "unix:" + folder + "/stopped"}, wish);
-  good = measure("shared memory", {ring, ring, ring}, wish) && good;
-  good = measure("udp loopback", {"udp:39301", "udp:39302", "udp:39303"}, wish) && good;
+  bool good = true;
+  const auto one = [&](const char* name, const std::vector<std::string>& addresses) {
+    if (addresses[0].starts_with(wish.only)) {
+      good = measure(name, addresses, wish) && good;
+    }
+  };
+  one("unix datagram", {"unix:" + folder + "/a", "unix:" + folder + "/b", "unix:" + folder + "/stopped"});
+  one("shared memory", {ring, ring, ring});
+  one("udp loopback", {"udp:39301", "udp:39302", "udp:39303"});
   ::shm_unlink(ring.c_str() + 4);
   (void)set_priority(0);
   return good;
@@ -330,10 +265,15 @@ bool read_wish(int argc, char** argv, Wish& wish) {
                        : name == "--rate"     ? &wish.rate
                        : name == "--load"     ? &wish.load
                        : name == "--priority" ? &wish.priority
+                       : name == "--ordinary" ? &wish.ordinary
                                               : nullptr;
-    if (value == nullptr || i + 1 == argc) {
-      fmt::print(stderr, "bus_latency [--seconds 10] [--rate 1000] [--load 4] [--priority 5]\n");
+    if (i + 1 == argc || (value == nullptr && name != "--only")) {
+      fmt::print(stderr, "bus_latency [--seconds 10] [--rate 1000] [--load 4] [--priority 5] [--ordinary 1] [--only unix|shm|udp]\n");
       return false;
+    }
+    if (value == nullptr) {
+      wish.only = argv[i + 1];
+      continue;
     }
     *value = std::atoi(argv[i + 1]);
   }
@@ -355,8 +295,10 @@ int main(int argc, char** argv) {
     if (wish.priority > 0) {
       good = measure_all(folder, wish);
     }
-    wish.priority = 0;
-    good = measure_all(folder, wish) && good;
+    if (wish.ordinary != 0) {
+      wish.priority = 0;
+      good = measure_all(folder, wish) && good;
+    }
   }
   (void)std::system(("rm -rf " + folder).c_str());
   return good ? 0 : 1;

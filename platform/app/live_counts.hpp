@@ -72,6 +72,7 @@ struct LiveCounts {
   std::int64_t last_step_us = 0;
   DeadlineMonitor deadline{0.0};  ///< of the steps
   DurationHistogram step;
+  DurationHistogram publish;  ///< a step's jobs to the worker, its packets to all transports and the run's own file
   DurationHistogram latency;  ///< frame available to packets handed over
   /// Of that, what the frame's thread was on a processor: the latency on a machine that has one for it.
   DurationHistogram latency_cpu;

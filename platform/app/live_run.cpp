@@ -67,10 +67,12 @@ std::int64_t take_frame(LiveParts& parts,
   if (parts.packets != nullptr) {
     (void)parts.packets->append(out.packets);
   }
+  const std::int64_t published_ns = clock_ns(CLOCK_MONOTONIC);
   counts.step.add(stepped_ns - before_ns);
+  counts.publish.add(published_ns - stepped_ns);
   counts.last_step_us = (stepped_ns - before_ns) / 1000;
   (void)counts.deadline.add(counts.last_step_us);
-  counts.latency.add(clock_ns(CLOCK_MONOTONIC) - parts.camera.available_ns());
+  counts.latency.add(published_ns - parts.camera.available_ns());
   counts.latency_cpu.add(clock_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_before_ns);
   if (out.motion.pose_valid) {
     ++counts.frames_with_pose;

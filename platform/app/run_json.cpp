@@ -87,6 +87,7 @@ void write_run_json(const std::filesystem::path& file, const RunJsonInput& input
       {"first_pose_frame", pose ? Json(counts.first_pose_frame) : Json(nullptr)},
       {"camera", camera_counts(input.parts.camera.counters())},
       {"step_us", durations(counts.step)},
+      {"publish_us", durations(counts.publish)},
       {"deadline",
        {{"allowed_us", counts.deadline.allowed_us()},
         {"missed", counts.deadline.missed()},

@@ -136,8 +136,10 @@ DatagramSender::Outcome DatagramSender::try_send(std::span<const std::uint8_t> p
   return nobody ? Outcome::kNoReader : Outcome::kNoRoom;
 }
 
-void DatagramSender::flush() {
-  while (waiting_ > 0) {
+void DatagramSender::flush() { retry(kBacklog); }
+
+void DatagramSender::retry(std::size_t packets_max) {
+  for (std::size_t tried = 0; tried < packets_max && waiting_ > 0; ++tried) {
     const Waiting& oldest = backlog_[first_];
     const Outcome outcome = try_send(std::span(oldest.packet).first(oldest.octets));
     if (outcome == Outcome::kNoRoom) {
@@ -152,7 +154,7 @@ void DatagramSender::flush() {
 
 void DatagramSender::send(std::span<const std::uint8_t> packet) {
   POLHODE_ASSERT(packet.size() <= limits::kPacketOctets, packet.size());
-  flush();
+  retry(kRetries);
   const Outcome outcome = waiting_ > 0 ? Outcome::kNoRoom : try_send(packet);
   counts_.sent += outcome == Outcome::kSent ? 1 : 0;
   counts_.no_reader += outcome == Outcome::kNoReader ? 1 : 0;

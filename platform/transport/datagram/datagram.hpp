@@ -70,10 +70,12 @@ struct SendCounts {
 /// does. Of the one that it is connected to it holds what that one's send buffer allows (SO_SNDBUF,
 /// at most net.core.wmem_max), hundreds. So a sender has a name, PATH.sender, where it can be had,
 /// which this project's readers connect to. What finds the queue full waits here, in order, and goes
-/// with the next call; kBacklog packets at most.
+/// with the next calls, kRetries a call so that a reader that comes back does not cost the sender
+/// hundreds at once; kBacklog packets at most.
 class DatagramSender {
  public:
   static constexpr std::size_t kBacklog = 512;
+  static constexpr std::size_t kRetries = 16;
 
   /// @throws RunFailure when the system gives no socket.
   explicit DatagramSender(const Address& address, SenderName name = SenderName::kNone);
@@ -81,13 +83,15 @@ class DatagramSender {
   /// Of the heap, at start.
   static constexpr std::size_t backlog_octets() { return kBacklog * sizeof(Waiting); }
 
+  /// At most kRetries + 1 system calls, none of which waits.
   void send(std::span<const std::uint8_t> packet);
-  /// Tries again what waits.
+  /// Tries again all that waits.
   void flush();
   [[nodiscard]] const SendCounts& counts() const { return counts_; }
 
  private:
   enum class Outcome : std::uint8_t { kSent, kNoRoom, kNoReader };
+  void retry(std::size_t packets_max);
   Outcome try_send(std::span<const std::uint8_t> packet);
 
   struct Waiting {

@@ -11,10 +11,11 @@ namespace polhode::platform {
 
 /// Appends packets end to end. Each is one system call: what was sent is in the file whatever happens
 /// to the process. A packet that the disk does not take whole is counted as dropped; a reader
-/// resynchronises behind it.
+/// resynchronises behind it. A named pipe in the place takes whole packets while it has room, and is
+/// never waited for.
 class FlatFile {
  public:
-  /// Appends to what is there. Mode 0600. @throws UnusableInput.
+  /// Appends to what is there. Mode 0600. @throws UnusableInput; a pipe needs its reader by now.
   explicit FlatFile(const Address& address);
   void send(std::span<const std::uint8_t> packet);
   [[nodiscard]] const SendCounts& counts() const { return counts_; }
