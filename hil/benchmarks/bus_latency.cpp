@@ -1,11 +1,11 @@
 // How long a packet takes from the sender to a reader in another process, what is lost, and how long
 // sending takes, with two good readers and a stopped one on each transport.
-//   bus_latency [--seconds 10] [--rate 1000] [--load 4] [--priority 5] [--ordinary 1] [--only unix|shm|udp]
+//   bus_latency [--seconds 10] [--rate 1000] [--load 4] [--priority 5] [--core -1] [--ordinary 1] [--only unix|shm|udp]
 // Two tables, both beside --load programs that want a core each: the first as in flight, sender and
 // readers at real-time priority with their memory locked (run.priority, run.lock_memory; a reader that
 // closes a loop comes before the estimator, so it has one more), the second at ordinary priority, which
 // tells more of how the system shares its cores than of the bus. --priority 0: the second alone; --ordinary 0:
-// the first alone.
+// the first alone. --core: sender and readers on one core (run.core, and a reader's own choice), the load on all.
 // One line a transport, after one for the machine's own part: two processes woken by a word in shared
 // memory, with nothing sent. Exit status 1 when a good reader lost a packet or the heap was called.
 #include <fmt/format.h>
@@ -116,6 +116,7 @@ struct Wish {
   int rate = 1000;
   int load = 4;
   int priority = 5;  ///< 0: an ordinary one
+  int core = -1;     ///< of sender and readers, as run.core; -1: any
   int ordinary = 1;  ///< 0: no second table
   std::string only;  ///< empty: all
 };
@@ -232,6 +233,10 @@ bool measure(const char* name, const std::vector<std::string>& addresses, const 
 
 /// One table. @return true when nothing was lost and no heap was used.
 bool measure_all(const std::string& folder, const Wish& wish) {
+  if (!set_core(wish.core)) {
+    fmt::print("core {} is not granted\n", wish.core);
+    return true;
+  }
   if (!set_priority(wish.priority)) {
     fmt::print("real-time priority {} is not granted (ulimit -r)\n", wish.priority);
     return true;
@@ -239,7 +244,8 @@ bool measure_all(const std::string& folder, const Wish& wish) {
   const std::string scheduling =
       wish.priority > 0 ? fmt::format("real-time priority {}, readers {}, memory locked", wish.priority, wish.priority + 1)
                         : "ordinary priority";
-  fmt::print("{}; {} programs beside it\n", scheduling, wish.load);
+  const std::string cores = wish.core < 0 ? "any core" : fmt::format("core {} for all", wish.core);
+  fmt::print("{}, {}; {} programs beside it\n", scheduling, cores, wish.load);
   fmt::print("{:<14} {:>8} {:>6} {:>29}   {:>29} {:>6}\n", "", "packets", "lost", "to a reader, us: p50 p99 max", "sending, us: p50 p99 max", "heap");
   const std::string ring = fmt::format("shm:/polhode_latency_{}", ::getpid());
   measure_waking(wish);
@@ -265,10 +271,11 @@ bool read_wish(int argc, char** argv, Wish& wish) {
                        : name == "--rate"     ? &wish.rate
                        : name == "--load"     ? &wish.load
                        : name == "--priority" ? &wish.priority
+                       : name == "--core"     ? &wish.core
                        : name == "--ordinary" ? &wish.ordinary
                                               : nullptr;
     if (i + 1 == argc || (value == nullptr && name != "--only")) {
-      fmt::print(stderr, "bus_latency [--seconds 10] [--rate 1000] [--load 4] [--priority 5] [--ordinary 1] [--only unix|shm|udp]\n");
+      fmt::print(stderr, "bus_latency [--seconds 10] [--rate 1000] [--load 4] [--priority 5] [--core -1] [--ordinary 1] [--only unix|shm|udp]\n");
       return false;
     }
     if (value == nullptr) {

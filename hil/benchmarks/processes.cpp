@@ -38,6 +38,17 @@ bool set_priority(int priority) {
   return ::sched_setscheduler(0, priority > 0 ? SCHED_FIFO : SCHED_OTHER, &wished) == 0;
 }
 
+bool set_core(int core) {
+  cpu_set_t wished;
+  CPU_ZERO(&wished);
+  for (int i = 0; i < CPU_SETSIZE; ++i) {
+    if (core < 0 || i == core) {
+      CPU_SET(static_cast<unsigned>(i), &wished);
+    }
+  }
+  return ::sched_setaffinity(0, sizeof wished, &wished) == 0;
+}
+
 void end_process(pid_t process) {
   ::kill(process, SIGKILL);
   ::waitpid(process, nullptr, 0);

@@ -24,6 +24,10 @@ double percentile_us(std::vector<std::uint32_t> values_ns, double part);
 /// @return false when the machine does not grant it.
 bool set_priority(int priority);
 
+/// The same of the one core that they then run on. @param core -1: any
+/// @return false when the machine does not grant it.
+bool set_core(int core);
+
 /// Zero at first, seen by this process and by those that it starts from now on.
 template <typename T>
 T* make_shared_memory() {

@@ -135,12 +135,16 @@ void open_packet_log(const fs::path& folder, std::optional<PacketLog>* packets) 
   packets->emplace(folder / "bus.ccsds");
 }
 
-/// What the machine grants of memory and priority; what it does not is said.
+/// What the machine grants of memory, core and priority; what it does not is said.
 PlatformFacts settle_in(const RunOptions& wish, const ServiceManager& manager, std::uint32_t restarts) {
   const std::string not_locked = wish.lock_memory ? lock_memory() : "run.lock_memory is false";
+  const std::string unbound = wish.core >= 0 ? take_core(wish.core) : "";
   const std::string ordinary = wish.priority > 0 ? take_priority(wish.priority) : "none is wished";
   if (wish.lock_memory && !not_locked.empty()) {
     say("%s", not_locked.c_str());
+  }
+  if (!unbound.empty()) {
+    say("%s", unbound.c_str());
   }
   if (wish.priority > 0 && !ordinary.empty()) {
     say("%s", ordinary.c_str());

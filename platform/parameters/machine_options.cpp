@@ -56,6 +56,7 @@ const Row kRows[] = {
   {"run.frames_max", POLHODE_OPTION(run.frames_max), 0, 2e9},
   {"run.report_s", POLHODE_OPTION(run.report_s), 1, 86400},
   {"run.lock_memory", POLHODE_OPTION(run.lock_memory)},
+  {"run.core", POLHODE_OPTION(run.core), -1, 1023},
   {"run.priority", POLHODE_OPTION(run.priority), 0, 99},
   {"recording.folder", POLHODE_OPTION(recording.folder)},
   {"recording.disk_mb_max", POLHODE_OPTION(recording.disk_mb_max), 16, 100000000},

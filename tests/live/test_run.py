@@ -2,6 +2,7 @@
 
 import json
 import os
+import pathlib
 import signal
 import socket
 import time
@@ -186,3 +187,22 @@ def test_commands_for_people(tmp_path):
     empty = subprocess.run([PROGRAM, "recording", "list", tmp_path], capture_output=True, text=True)
     assert empty.returncode == 2 and "holds no recording" in empty.stderr
     assert os.path.exists(PROGRAM)
+
+
+def test_the_frames_thread_alone_is_bound_to_its_core(live, played, until):
+    run = live(played.path, device__sequence_passes=100000, run__core=0, jobs__delay_frames=1)
+    until(lambda: (run.folder / "bus.ccsds").exists() and len(bus(run)) > 1000)
+    tasks = pathlib.Path(f"/proc/{run.process.pid}/task")
+    cores = {task.name: next(line.split()[1] for line in (task / "status").read_text().splitlines() if line.startswith("Cpus_allowed_list"))
+             for task in tasks.iterdir()}
+    run.process.send_signal(signal.SIGTERM)
+    assert run.finish().status == 0
+    assert cores[str(run.process.pid)] == "0"
+    if os.cpu_count() > 1:
+        assert "0" not in [core for task, core in cores.items() if task != str(run.process.pid)]
+
+
+def test_a_core_that_is_not_there_is_said(live, played):
+    ended = live(played.path, run__core=1023).finish()
+    assert ended.status == 0
+    assert "not bound to core 1023: Invalid argument" in ended.err

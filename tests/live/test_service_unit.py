@@ -70,6 +70,7 @@ sequence_speed = 0.0
 folder = "{tmp_path}/run"
 checkpoint = "{tmp_path}/run/checkpoint"
 checkpoint_frames = 3
+core = 0
 priority = 10
 [recording]
 folder = "{tmp_path}/recording"
@@ -87,7 +88,7 @@ receive = "unix:{tmp_path}/commands"
     assert done.returncode == 0, done.stderr
     lines = trace.read_text().splitlines()
     called = {match[1] for line in lines if (match := re.match(r"\d+ +(?:<\.\.\. )?(\w+)(?:\(| resumed)", line))}
-    assert {"openat", "mlockall", "sched_setscheduler", "futex"} <= called
+    assert {"openat", "mlockall", "sched_setscheduler", "sched_setaffinity", "futex"} <= called
     assert called <= allowed_calls(), called - allowed_calls()
     processes = {line.split()[0] for line in lines}
     assert len(processes) <= int(settings("TasksMax")[0])

@@ -1,4 +1,4 @@
-// The priority of the thread that steps frames.
+// Priority and core of the thread that steps frames.
 #pragma once
 
 #include <string>
@@ -9,5 +9,10 @@ namespace polhode::platform {
 /// @param priority 1 .. 99
 /// @return why it could not be done; empty when it was.
 std::string take_priority(int priority);
+
+/// Binds the calling thread to one core. Threads made before are not.
+/// @param core 0 ..
+/// @return why it could not be done; empty when it was.
+std::string take_core(int core);
 
 }  // namespace polhode::platform
