@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -155,6 +156,12 @@ PlatformFacts settle_in(const RunOptions& wish, const ServiceManager& manager, s
           .restarts = static_cast<std::uint16_t>(restarts)};
 }
 
+WorkerOptions worker_options(const Parameters& parameters, const RunOptions& wish) {
+  return {.own_thread = parameters.jobs.delay_frames > 0,
+          .priority = std::max(0, wish.priority - 1),
+          .job_octets = job_worst_case(parameters)};
+}
+
 /// From the first frame to the last nothing is asked of the machine.
 LiveEnd run_sealed(LiveParts& parts, const RunOptions& wish, bool memory_trap) {
   seal_memory();
@@ -236,8 +243,7 @@ void run_command(const RunArguments& arguments) {
   counts->deadline = DeadlineMonitor(parameters.budget.frame_ms);
   ExposureControl exposure({.enabled = machine.device.exposure_control,
                             .gain_factor_max = machine.device.gain_factor_max});
-  Worker worker({.own_thread = parameters.jobs.delay_frames > 0,
-                 .job_octets = job_worst_case(parameters)});
+  Worker worker(worker_options(parameters, machine.run));
   Transports transports(transport.transport);
   PlatformTelemetry telemetry(parameters.bus,
                               settle_in(machine.run, manager, beginning.restarts()));

@@ -41,7 +41,7 @@ struct RunOptions {
   int report_s = 10;                    ///< seconds from one line on stderr to the next, 1 .. 86400
   bool lock_memory = true;              ///< no page leaves the memory, as far as the limit on locked memory allows it
   int core = -1;                        ///< that the thread that steps frames is bound to; -1: to none, -1 .. 1023
-  int priority = 0;                     ///< real-time priority (SCHED_FIFO) of the thread that steps frames; 0: an ordinary one, 0 .. 99
+  int priority = 0;                     ///< real-time priority (SCHED_FIFO) of the thread that steps frames, one more than that of the jobs' thread; 0: an ordinary one, 0 .. 99
 };
 
 struct RecordingOptions {

@@ -1,10 +1,12 @@
 #include "os/linux/worker.hpp"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <array>
 #include <memory>
 
+#include "os/linux/priority.hpp"
 #include "pipeline/jobs.hpp"
 
 namespace polhode::platform {
@@ -110,6 +112,14 @@ TEST(Worker, SaysWhetherItGotItsThread) {
   EXPECT_TRUE(Worker({.own_thread = true}).state().own_thread);
   EXPECT_FALSE(Worker({.own_thread = false}).state().own_thread);
   EXPECT_GE(cores_available(), 1);
+}
+
+TEST(Worker, TakesItsPriorityWhereItIsGranted) {
+  EXPECT_FALSE(Worker({.own_thread = true}).state().real_time);
+  const bool granted = take_priority(2).empty();
+  const sched_param ordinary{};
+  ASSERT_EQ(::sched_setscheduler(0, SCHED_OTHER, &ordinary), 0);
+  EXPECT_EQ(Worker({.own_thread = true, .priority = 2}).state().real_time, granted);
 }
 
 }  // namespace

@@ -90,6 +90,10 @@ void Worker::start_thread() {
     CPU_SET(static_cast<unsigned>(options_.core), &wanted);
     state_.bound_to_core = pthread_setaffinity_np(thread_, sizeof wanted, &wanted) == 0;
   }
+  if (options_.priority > 0) {
+    const sched_param wished{.sched_priority = options_.priority};
+    state_.real_time = pthread_setschedparam(thread_, SCHED_FIFO, &wished) == 0;
+  }
 }
 
 void* Worker::thread_main(void* worker) {

@@ -17,6 +17,9 @@ struct WorkerOptions {
   bool own_thread = true;  ///< false: a job is run where it is asked for, on the caller's thread
   std::size_t stack_octets = std::size_t{4} << 20;  ///< the solvers take under 1 MB of it
   int core = 1;  ///< that the thread is bound to where the machine has it
+  /// Real-time priority (SCHED_FIFO) of the thread where the machine grants it; 0: an ordinary one. Under
+  /// that of the steps' thread, which comes first where both want one core.
+  int priority = 0;
   /// For tests: each job is held back by a random time up to this.
   std::uint32_t latency_ms_max = 0;
   /// A job is only begun when its pool has this much in one piece: libraries do not survive without.
@@ -27,6 +30,7 @@ struct WorkerOptions {
 struct WorkerState {
   bool own_thread = false;
   bool bound_to_core = false;
+  bool real_time = false;
 };
 
 /// One job at a time, in the order in which they come; as many may be out as a component has. The
