@@ -60,3 +60,25 @@ def test_the_target_window_holds_the_target_and_stays_in_the_image():
 def test_distortion_that_folds_over_is_noticed(distortion, fine):
     camera = cam.Camera(640, 480, 400.0, 400.0, 319.5, 239.5, distortion)
     assert cam.scene_margin_is_invertible(camera) is fine
+
+
+def test_shared_samples_keep_the_light_and_spread_it_as_blenders_filter_does():
+    spot = np.zeros((9, 11, 4), dtype=np.float32)
+    spot[4, 5] = 3.0
+    out = cam.share_samples(spot)
+    assert out.shape == spot.shape and out.dtype == np.float32
+    assert out[..., 0].sum() == pytest.approx(3.0, rel=1e-6)
+    assert np.argwhere(out[..., 0] > 0).min(axis=0).tolist() == [3, 4]
+    # A pixel's own square and the spread together: the variance of a Blackman-Harris window 3 px wide.
+    x = np.linspace(-1.5, 1.5, 3001)
+    phase = 2 * np.pi * (x / 3 + 0.5)
+    window = 0.35875 - 0.48829 * np.cos(phase) + 0.14128 * np.cos(2 * phase) - 0.01168 * np.cos(3 * phase)
+    for axis, weights in enumerate((out[:, 5, 0] / out[:, 5, 0].sum(), out[4, :, 0] / out[4, :, 0].sum())):
+        offsets = np.arange(len(weights)) - (4, 5)[axis]
+        variance_px2 = 1 / 12 + np.sum(weights * offsets**2)
+        assert variance_px2 == pytest.approx(np.sum(window * x**2) / np.sum(window), rel=0.07)
+
+
+def test_shared_samples_leave_an_even_picture_as_it_is_to_its_edges():
+    even = np.full((5, 4, 3), 0.7, dtype=np.float32)
+    assert np.allclose(cam.share_samples(even), 0.7, rtol=1e-6)

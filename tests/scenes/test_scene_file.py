@@ -162,11 +162,24 @@ def test_a_target_out_of_view_is_refused():
             pipeline.check_view(plan, mesh.all_vertices(parts))
 
 
-def test_large_windows_get_fewer_samples_down_to_half():
+def test_a_large_window_gets_the_samples_that_a_frame_can_afford_but_four_at_least():
     from generator import pipeline
 
-    assert pipeline.window_samples(16, (0, 0, 640, 640)) == 16
-    assert pipeline.window_samples(16, (100, 0, 824, 1000)) == 8
-    assert pipeline.window_samples(16, (0, 0, 745, 893)) == 9
-    assert pipeline.window_samples(16, (0, 0, 1920, 1080)) == 8
-    assert pipeline.window_samples(1, (0, 0, 1920, 1080)) == 1
+    assert pipeline.large_window_samples(16, 1, (0, 0, 640, 640)) is None
+    assert pipeline.large_window_samples(16, 3, (0, 0, 640, 640)) is None
+    assert pipeline.large_window_samples(16, 1, (100, 0, 650, 650)) == 12
+    assert pipeline.large_window_samples(16, 1, (0, 0, 729, 892)) == 8
+    assert pipeline.large_window_samples(16, 1, (0, 0, 1920, 1080)) == 4
+    assert pipeline.large_window_samples(8, 3, (0, 0, 650, 650)) == 4
+    assert pipeline.large_window_samples(1, 1, (0, 0, 1920, 1080)) == 1
+
+
+def test_the_fingerprint_tells_whether_windows_are_large():
+    from generator import mesh, pipeline, scene_file
+
+    for range_m, large in ((9.0, False), (2.5, True)):
+        scene = scene_file.check({**_with("motion", "p_CT0_m", [0, 0, range_m]), "time": {"frames": 2}})
+        plan = pipeline.Plan(scene)
+        corners_T = mesh.all_vertices(pipeline.build_target(scene)[0]) - plan.centre_of_mass_G_m
+        assert pipeline.has_large_window(plan, corners_T) == large
+        assert pipeline.fingerprint(scene, True) != pipeline.fingerprint(scene, False)

@@ -16,6 +16,8 @@ from .materials import normal_image
 
 SUN_ANGLE_RAD = math.radians(0.53)
 THREADS = 2
+PIXEL_FILTER = "BLACKMAN_HARRIS"
+ADAPTIVE_STEP = 16
 
 
 def reset(samples):
@@ -26,7 +28,8 @@ def reset(samples):
     cycles = scene.cycles
     cycles.device = "CPU"
     cycles.samples = samples
-    cycles.use_adaptive_sampling = True
+    # Cycles looks every 16 samples whether a pixel has enough: with no more than that, the bookkeeping is all it does.
+    cycles.use_adaptive_sampling = samples > ADAPTIVE_STEP
     cycles.adaptive_threshold = 0.06
     cycles.adaptive_min_samples = min(samples, 4)
     cycles.use_denoising = False
@@ -35,7 +38,7 @@ def reset(samples):
     cycles.caustics_reflective = cycles.caustics_refractive = False
     # Lights that are mirrored twice make single bright pixels; a real lens spreads them.
     cycles.sample_clamp_indirect, cycles.sample_clamp_direct = 2.0, 12.0
-    cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 1.5
+    cycles.pixel_filter_type, cycles.filter_width = PIXEL_FILTER, 1.5
     scene.render.film_transparent = True
     scene.render.use_persistent_data = True
     scene.render.threads_mode, scene.render.threads = "FIXED", THREADS
@@ -197,11 +200,12 @@ def aim_earthshine(node, direction_C):
         node.inputs[1].default_value = new
 
 
-def render_window(f_px, cu, cv, window, seed, scratch_path, samples=None):
+def render_window(f_px, cu, cv, window, seed, scratch_path, samples=None, shared=False):
     """Linear RGBA (h, w, 4), row 0 at the top, of an ideal square-pixel camera's window (x0, y0, w, h).
 
     Alpha is premultiplied. Only the window is rendered: its camera has its own size and a shifted axis, which leaves
-    no rounding of a crop's edges to chance. @param samples  a pixel; None: as the scene is set.
+    no rounding of a crop's edges to chance. @param samples  a pixel; None: as the scene is set. @param shared  each pixel
+    is the plain mean over its square, for camera.share_samples to take it to the usual filter's width.
     """
     x0, y0, width, height = window
     scene = bpy.context.scene
@@ -214,6 +218,7 @@ def render_window(f_px, cu, cv, window, seed, scratch_path, samples=None):
     scene.cycles.seed = seed & 0x7FFFFFFF
     if samples is not None:
         scene.cycles.samples = samples
+    scene.cycles.pixel_filter_type = "BOX" if shared else PIXEL_FILTER
     scene.render.filepath = scratch_path
     bpy.ops.render.render(write_still=True)
     image = bpy.data.images.load(scratch_path)
@@ -266,17 +271,17 @@ def room_only(room, table, samples):
     """Within: the room alone is seen. After: the target alone."""
     scene = bpy.context.scene
     target = bpy.data.objects["target"]
-    usual = scene.cycles.samples
+    usual = scene.cycles.samples, scene.cycles.use_adaptive_sampling
     for thing in room.children:
         thing.hide_render = False
     table.visible_camera = True
     for thing in target.children:
         thing.hide_render = True
-    scene.cycles.samples = samples
+    scene.cycles.samples, scene.cycles.use_adaptive_sampling = samples, True
     try:
         yield
     finally:
-        scene.cycles.samples = usual
+        scene.cycles.samples, scene.cycles.use_adaptive_sampling = usual
         for thing in target.children:
             thing.hide_render = False
         show_target_only(room, table)
@@ -290,7 +295,7 @@ def table_only(table, matt, samples, shadowed):
     """
     cycles = bpy.context.scene.cycles
     target = bpy.data.objects["target"]
-    usual, own = cycles.samples, table.data.materials[0]
+    usual, own = (cycles.samples, cycles.use_adaptive_sampling), table.data.materials[0]
     cycles.samples, cycles.use_adaptive_sampling = samples, False
     table.data.materials[0], table.visible_camera = matt, True
     for thing in target.children:
@@ -298,7 +303,7 @@ def table_only(table, matt, samples, shadowed):
     try:
         yield
     finally:
-        cycles.samples, cycles.use_adaptive_sampling = usual, True
+        cycles.samples, cycles.use_adaptive_sampling = usual
         table.data.materials[0], table.visible_camera = own, False
         for thing in target.children:
             thing.visible_camera, thing.hide_render = True, False

@@ -18,8 +18,11 @@ from .scene_file import SceneError
 # Counted up by whoever changes what the same scene looks like.
 FORMAT = 1
 LABORATORY_FORMAT = 2
-# A window of more pixels gets fewer samples, down to half of the scene's, so that a frame stays affordable (README, "Cost").
-WINDOW_FULL_SAMPLES_PX = 412_000
+# A window of more pixels is large: its frame gets no more samples than LARGE_WINDOW_WORK in all, but 4 for each of its
+# pixels, and its pixels share them (README, "Cost").
+LARGE_WINDOW_PX = 412_000
+LARGE_WINDOW_WORK = 5_100_000
+LARGE_WINDOW_SAMPLES_MIN = 4
 
 
 class Plan:
@@ -157,24 +160,30 @@ def _build_own(settings):
     return builders[settings["kind"]].build(*arguments)
 
 
-def window_samples(samples, window):
-    """Samples a pixel in a window (x0, y0, w, h)."""
+def large_window_samples(samples, sub_frames, window):
+    """Samples a pixel in a window (x0, y0, w, h) whose pixels share them; None if the window isn't large.
+
+    @param samples  the scene's, for each of the sub_frames that make one frame
+    """
     area_px = window[2] * window[3]
-    return samples if area_px <= WINDOW_FULL_SAMPLES_PX else max((samples + 1) // 2, samples * WINDOW_FULL_SAMPLES_PX // area_px)
+    if area_px <= LARGE_WINDOW_PX:
+        return None
+    affordable = round(LARGE_WINDOW_WORK / (area_px * sub_frames))
+    return min(samples, max(LARGE_WINDOW_SAMPLES_MIN, affordable))
 
 
 def has_large_window(plan, vertices_T):
-    """Whether any sub-frame's window gets fewer samples than the scene's."""
+    """Whether the window of any sub-frame is large."""
     resampler, motion = camera_model.Resampler(plan.camera), plan.sub_motion
     windows = [resampler.target_window(vertices_T @ motion.R_CT(row).T + motion.p_CT_m[row]) for row in plan.rows.ravel()]
-    return any(window is not None and window[2] * window[3] > WINDOW_FULL_SAMPLES_PX for window in windows)
+    return any(window is not None and large_window_samples(1, 1, window) is not None for window in windows)
 
 
 def fingerprint(scene, large_window):
     """Hash of everything that decides the pixels."""
     form = LABORATORY_FORMAT if scene["background"]["kind"] == "laboratory" else FORMAT
     if large_window:
-        form = [form, WINDOW_FULL_SAMPLES_PX]
+        form = [form, LARGE_WINDOW_PX, LARGE_WINDOW_WORK, LARGE_WINDOW_SAMPLES_MIN]
     return hashlib.sha256(json.dumps([form, scene], sort_keys=True).encode()).hexdigest()
 
 
@@ -262,9 +271,12 @@ class Painter:
         camera = self.plan.camera
         if window is None:
             return np.zeros((camera.height, camera.width, 4), dtype=np.float32)
+        few = large_window_samples(self.samples, len(self.plan.offsets_s), window)
         picture = self.blender.render_window(
-            self.resampler.f_ideal, camera.cu, camera.cv, window, seed, self.scratch_path, window_samples(self.samples, window)
+            self.resampler.f_ideal, camera.cu, camera.cv, window, seed, self.scratch_path, few or self.samples, shared=few is not None
         )
+        if few is not None:
+            picture = camera_model.share_samples(picture)
         return self.resampler.to_camera(picture, window)
 
     def frame(self, i):
