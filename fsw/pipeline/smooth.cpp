@@ -127,14 +127,15 @@ SmoothedPose MapAtRest::from_image(const Frame& frame) {
   return smoothed;
 }
 
-std::vector<Eigen::Vector3d> confirmed_landmarks(const Component::State& s) {
-  std::vector<Eigen::Vector3d> points;
+ConfirmedLandmarks confirmed_landmarks(const Component::State& s) {
+  ConfirmedLandmarks found;
   for (const Landmark& landmark : s.map.landmarks) {
     if (landmark.used && confirmed(landmark)) {
-      points.push_back(landmark.p_T);
+      found.points_T.push_back(landmark.p_T);
+      found.numbers.push_back(landmark.number);
     }
   }
-  return points;
+  return found;
 }
 
 }  // namespace polhode

@@ -45,7 +45,12 @@ class MapAtRest {
   std::vector<std::int32_t> slot_of_number_;  ///< landmark slot by number, -1: gone
 };
 
+struct ConfirmedLandmarks {
+  std::vector<Eigen::Vector3d> points_T;  ///< in map units
+  std::vector<std::int32_t> numbers;      ///< as in the observations
+};
+
 /// Landmarks that three keyframes or more confirm, in slot order.
-std::vector<Eigen::Vector3d> confirmed_landmarks(const Component::State& state);
+ConfirmedLandmarks confirmed_landmarks(const Component::State& state);
 
 }  // namespace polhode

@@ -5,6 +5,7 @@ from collections import defaultdict
 
 import numpy as np
 
+from judge.shape import read_landmark_numbers
 from judge.silhouette import Silhouettes, overlap
 
 # A landmark on the rim of the body is seen this far outside of it by its own error and the mesh's.
@@ -24,7 +25,8 @@ def outline_overlaps(masks, sequence) -> list[float]:
 def on_background(run_folder, sequence) -> tuple[int, int]:
     """(landmarks that lie outside the silhouette in most of the frames that saw them, landmarks of the final map).
 
-    The final map's landmarks are those seen as inliers in at least three frames.
+    The final map is that of cloud_raw.ply; where it does not number its landmarks, all those count that were ever seen as
+    inliers in at least three frames.
     """
     from scipy.ndimage import binary_dilation
     sightings, by_frame = defaultdict(list), defaultdict(list)
@@ -39,5 +41,7 @@ def on_background(run_folder, sequence) -> tuple[int, int]:
             column = min(max(int(round(u)), 0), camera.width_px - 1)
             row = min(max(int(round(v)), 0), camera.height_px - 1)
             sightings[landmark].append(not target[row, column])
-    kept = {landmark: outside for landmark, outside in sightings.items() if len(outside) >= 3}
+    final = read_landmark_numbers(run_folder / "cloud_raw.ply")
+    kept = {landmark: outside for landmark, outside in sightings.items()
+            if (len(outside) >= 3 if final is None else landmark in final)}
     return sum(np.mean(outside) > 0.5 for outside in kept.values()), len(kept)

@@ -34,18 +34,25 @@ def read_cloud(path: pathlib.Path, measured_only: bool = False) -> np.ndarray:
         return points.reshape(0, 3)
     keep = np.isfinite(points).all(axis=1)
     if measured_only:
-        added = _added(mesh, len(points))
-        keep &= ~added if added is not None else True
+        added = _property(mesh, "added", len(points))
+        keep &= added == 0 if added is not None else True
     return points[keep]
 
 
-def _added(mesh, count: int) -> np.ndarray | None:
-    """The property "added" of each point as a mask [N]; None where the file has none."""
+def read_landmark_numbers(path: pathlib.Path) -> set[int] | None:
+    """Numbers of the landmarks in a cloud_raw.ply; None where it does not give them."""
+    mesh = _load(path)
+    numbers = _property(mesh, "landmark", len(getattr(mesh, "vertices", ())))
+    return None if numbers is None else set(numbers.tolist())
+
+
+def _property(mesh, name: str, count: int) -> np.ndarray | None:
+    """A property of each point [N] of a PLY file; None where the file has none of that name."""
     try:
-        added = np.asarray(mesh.metadata["_ply_raw"]["vertex"]["data"]["added"]).reshape(-1) != 0
+        values = np.asarray(mesh.metadata["_ply_raw"]["vertex"]["data"][name]).reshape(-1)
     except (AttributeError, KeyError, IndexError, TypeError, ValueError):
         return None
-    return added if len(added) == count else None
+    return values if len(values) == count else None
 
 
 def sample_mesh(path: pathlib.Path) -> tuple[np.ndarray, np.ndarray, float]:

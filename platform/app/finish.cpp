@@ -84,12 +84,12 @@ struct FoundShape {
 };
 
 /// Landmarks in metres once the scale is known.
-std::vector<Eigen::Vector3d> landmarks_T(const Component::State& state) {
-  std::vector<Eigen::Vector3d> points = confirmed_landmarks(state);
-  for (Eigen::Vector3d& point : points) {
+ConfirmedLandmarks landmarks_of(const Component::State& state) {
+  ConfirmedLandmarks landmarks = confirmed_landmarks(state);
+  for (Eigen::Vector3d& point : landmarks.points_T) {
     point *= state.scale.metres_per_mu;
   }
-  return points;
+  return landmarks;
 }
 
 /// A diameter or an edge of the shape may be what carries the scale.
@@ -100,7 +100,7 @@ void measure_scale_by_shape(Component::State* state) {
   }
   const auto work = std::make_unique<ShapeWork>();
   const Result<Shape> shape = estimate_shape(
-      confirmed_landmarks(*state), state->parameters.shape, state->parameters.seed, nullptr, *work);
+      confirmed_landmarks(*state).points_T, state->parameters.shape, state->parameters.seed, nullptr, *work);
   if (shape) {
     (void)measure_scale_of(shape.value(), state);
   }
@@ -155,13 +155,14 @@ void write_surface(const FoundShape& found, const fs::path& folder) {
 }
 
 void write_clouds(const FoundShape& found,
-                  const std::vector<Eigen::Vector3d>& points_T,
+                  const ConfirmedLandmarks& landmarks,
                   const fs::path& folder) {
   write_ply(folder / "cloud_raw.ply",
-            {.points = in_body(found.body, points_T),
+            {.points = in_body(found.body, landmarks.points_T),
              .normals = {},
              .rgb = {},
-             .comment = "landmarks, body frame"});
+             .landmark = landmarks.numbers,
+             .comment = "landmarks, body frame; landmark: number as in observations.csv"});
   write_surface(found, folder);
   if (!found.shape) {  // an empty cloud, so that readers find every file of the table
     write_ply(folder / "cloud.ply",
@@ -207,9 +208,9 @@ void finish_replay(Component& component,
   Component::State& state = component.state();
   measure_scale_late(sequence, log, &state);
   measure_scale_by_shape(&state);
-  const std::vector<Eigen::Vector3d> points_T = landmarks_T(state);
-  const FoundShape found = find_shape(state, points_T);
-  write_clouds(found, points_T, folder);
+  const ConfirmedLandmarks landmarks = landmarks_of(state);
+  const FoundShape found = find_shape(state, landmarks.points_T);
+  write_clouds(found, landmarks, folder);
   write_shape_json(folder / "shape.json",
                    {.shape = found.shape ? &*found.shape : nullptr,
                     .reason = found.reason,

@@ -43,6 +43,9 @@ std::string header(const PlyCloud& cloud) {
   if (!cloud.added.empty()) {
     text += "property uchar added\n";
   }
+  if (!cloud.landmark.empty()) {
+    text += "property int landmark\n";
+  }
   if (!cloud.faces.empty()) {
     text += fmt::format("element face {}\nproperty list uchar int vertex_indices\n",
                         cloud.faces.size());
@@ -66,6 +69,9 @@ void write_ply(const std::filesystem::path& file, const PlyCloud& cloud) {
     }
     if (!cloud.added.empty()) {
       content += static_cast<char>(cloud.added[i]);
+    }
+    if (!cloud.landmark.empty()) {
+      put_whole(content, static_cast<std::uint32_t>(cloud.landmark[i]));
     }
   }
   for (const auto& face : cloud.faces) {

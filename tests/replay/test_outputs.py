@@ -106,6 +106,20 @@ def test_observations_table_is_sorted_by_frame_and_whole(run):
     assert all(line.count(",") == 7 for line in lines)
 
 
+def test_landmarks_of_the_cloud_are_those_of_the_observations(run):
+    header, _, body = (run.folder / "cloud_raw.ply").read_bytes().partition(b"end_header\n")
+    count = int(header.split(b"element vertex ")[1].split()[0])
+    if count == 0:
+        return
+    assert header.splitlines()[-4:] == [b"property float x", b"property float y", b"property float z", b"property int landmark"]
+    points = numpy.frombuffer(body, dtype=[("p", "<f4", 3), ("landmark", "<i4")])
+    assert len(points) == count == len(set(points["landmark"]))
+    lines = (run.folder / "observations.csv").read_text().splitlines()[1:]
+    seen = {int(line.split(",")[2]) for line in lines if line.split(",")[2]}
+    # The newest are confirmed by keyframes before them and need not have been seen since.
+    assert len(set(points["landmark"].tolist()) & seen) > 0.9 * count
+
+
 FORMATS = {
     "png 8": (".png", lambda image: image),
     "pgm 8": (".pgm", lambda image: image),
