@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "base/median.hpp"
+
 namespace polhode {
 
 int missing_frames(std::int64_t timestamp_ns, ArrivalHistory* history) {
@@ -22,10 +24,8 @@ int missing_frames(std::int64_t timestamp_ns, ArrivalHistory* history) {
   if (known.size() >= kIntervalsMin) {
     std::array<std::int64_t, ArrivalHistory::kIntervals> sorted{};
     std::copy(known.begin(), known.end(), sorted.begin());
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-    std::nth_element(
-        sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(known.size()));
-    const double periods = static_cast<double>(interval_ns) / static_cast<double>(*middle);
+    const std::int64_t usual_ns = median(std::span(sorted).first(known.size()));
+    const double periods = static_cast<double>(interval_ns) / static_cast<double>(usual_ns);
     const double whole = std::round(periods);
     if (whole >= 2.0 && whole < kMissingMax && std::abs(periods - whole) < kTolerance) {
       missing = static_cast<int>(whole) - 1;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "base/median.hpp"
 #include "image/quality.hpp"
 
 namespace polhode {
@@ -22,21 +23,17 @@ struct Typical {
 };
 
 Typical typical(const History& frames, double Entry::*field) {
-  std::array<double, QualityHistory::kFrames> values{};
-  const std::size_t n = frames.size();
-  for (std::size_t i = 0; i < n; ++i) {
+  std::array<double, QualityHistory::kFrames> held{};
+  const std::span values = std::span(held).first(frames.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = frames[i].*field;
   }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(n / 2);
-  const auto end = values.begin() + static_cast<std::ptrdiff_t>(n);
-  std::nth_element(values.begin(), middle, end);
   Typical t;
-  t.median = *middle;
-  for (std::size_t i = 0; i < n; ++i) {
+  t.median = median(values);
+  for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = std::abs(frames[i].*field - t.median);
   }
-  std::nth_element(values.begin(), middle, end);
-  t.spread = 1.4826 * *middle;
+  t.spread = 1.4826 * median(values);
   return t;
 }
 

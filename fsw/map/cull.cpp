@@ -1,9 +1,9 @@
 // What does not fit goes: sightings with their residuals, landmarks with their sightings.
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/median.hpp"
 #include "map/landmarks.hpp"
 #include "solve/absolute_pose.hpp"
 
@@ -50,9 +50,8 @@ double residual_scale(const Map& map, const CameraModel& camera) {
   if (squares.size() < 20) {
     return 1.0;
   }
-  std::nth_element(squares.begin(), squares.begin() + squares.size() / 2, squares.end());
   constexpr double kMedianChi2 = 1.386;  // of two coordinates
-  return std::sqrt(squares[squares.size() / 2] / kMedianChi2);
+  return std::sqrt(median(squares.view()) / kMedianChi2);
 }
 
 int cull_landmarks(const CameraModel& camera, double noise_scale, Map* map) {

@@ -1,6 +1,7 @@
 #include "map/follow.hpp"
 
-#include <algorithm>
+
+#include "base/median.hpp"
 
 namespace polhode {
 namespace {
@@ -38,8 +39,7 @@ double predicted_motion_px(const FlowReference& reference,
   if (motions.size() < 4) {
     return kOutOfReach_px;
   }
-  std::nth_element(motions.begin(), motions.begin() + motions.size() / 2, motions.end());
-  return motions[motions.size() / 2];
+  return median(motions.view());
 }
 
 Result<bool> localise_by_flow(const LocaliseInput& input,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/assert.hpp"
+#include "base/median.hpp"
 #include "geometry/so3.hpp"
 #include "map/start_extend.hpp"
 #include "solve/affine_factorisation.hpp"
@@ -182,8 +183,7 @@ void push_two_view(const SeedProblem& problem,
   if (positive.size() < 8 || 2 * positive.size() < core.tracks.size()) {
     return;
   }
-  std::nth_element(positive.begin(), positive.begin() + positive.size() / 2, positive.end());
-  const double middle = positive[positive.size() / 2];
+  const double middle = median(positive.view());
   const Eigen::Vector3d origin = middle * images.R_SC[pair[0]].transpose().col(2);
   const Eigen::Vector3d origin_b = motion.R_ba * origin + motion.p_ba;
   if (!(origin.z() > 0.0) || !(origin_b.z() > 0.0)) {
@@ -271,9 +271,7 @@ bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double to
     return false;
   }
   // Not the mean: up to a third of the tracks are wrong, and a wrong track's point may be anywhere.
-  auto* const middle = apart.begin() + static_cast<std::ptrdiff_t>(apart.size() / 2);
-  std::nth_element(apart.begin(), middle, apart.end());
-  if (*middle > tolerance) {
+  if (median(apart.view()) > tolerance) {
     return false;
   }
   double largest = 0.0;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/assert.hpp"
+#include "base/median.hpp"
 
 namespace polhode {
 namespace {
@@ -53,8 +54,7 @@ void refresh_extent(Map* map) {
     if (values.empty()) {
       return;
     }
-    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-    map->centre_T[axis] = values[values.size() / 2];
+    map->centre_T[axis] = median(values.view());
   }
   values.clear();
   for (const Landmark& landmark : map->landmarks) {
@@ -62,9 +62,7 @@ void refresh_extent(Map* map) {
       (void)values.push_back((landmark.p_T - map->centre_T).norm());
     }
   }
-  const std::size_t rank = values.size() * 9 / 10;
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  map->radius_mu = values[rank];
+  map->radius_mu = ranked(values.view(), values.size() * 9 / 10);
 }
 
 }  // namespace

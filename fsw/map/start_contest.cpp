@@ -12,13 +12,9 @@ namespace {
 // start's benchmark.
 constexpr double kSameGeometry = 0.15;
 constexpr double kDifferentGeometry = 0.20;
-constexpr std::size_t kFamilies = 6;  // seeds that go on to full refinement, with their twins
-// seeds that go on to full refinement, with their twins
-constexpr std::size_t kFinalists =
-    6;  // hypotheses that are grown to all frames, shared by the cores
-// hypotheses that are grown to all frames, shared by the cores
-constexpr int kExtendRounds = 3;  // frames posed on either side between two adjustments
-// frames posed on either side between two adjustments
+constexpr std::size_t kFamilies = 6;   // seeds that go on to full refinement, with their twins
+constexpr std::size_t kFinalists = 6;  // hypotheses that are grown to all frames, shared by the cores
+constexpr int kExtendRounds = 3;       // frames posed on either side between two adjustments
 constexpr int kTwinRounds = 3;
 // A track's share in a gap: more comes from a wrong track that one hypothesis happens to explain.
 constexpr double kTrackGapMax = 4.0;

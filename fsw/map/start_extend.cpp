@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/median.hpp"
 #include "geometry/so3.hpp"
 #include "geometry/triangulate.hpp"
 
@@ -17,12 +18,6 @@ constexpr int kPointsMin = 6;  // a pose has six unknowns: three points would do
 constexpr double kWideSigma = 30.0;
 constexpr double kNarrowSigma = 3.0;
 
-double median_of(FixedVector<double, kContestTracks>* values) {
-  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
-}
-
 /// (u, v) for a given attitude and inverse depth: the median over the points.
 void place(const FrameSightings& seen, const StartHypothesis& h, InverseDepthPose* pose) {
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
@@ -32,7 +27,7 @@ void place(const FrameSightings& seen, const StartHypothesis& h, InverseDepthPos
       (void)values.push_back(s.normalised(axis) * (1.0 + pose->uvs.z() * q.z()) -
                              pose->uvs.z() * q(axis));
     }
-    pose->uvs(axis) = median_of(&values);
+    pose->uvs(axis) = median(values.view());
   }
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/median.hpp"
 #include "geometry/so3.hpp"
 #include "map/start_contest.hpp"
 #include "map/start_extend.hpp"
@@ -86,12 +87,7 @@ double median_depth_sigma(const Contest& c) {
       (void)sigma.push_back(std::sqrt(std::max(0.0, c.w.covariances[i](2, 2))));
     }
   }
-  if (sigma.empty()) {
-    return 1e300;
-  }
-  std::nth_element(
-      sigma.begin(), sigma.begin() + static_cast<std::ptrdiff_t>(sigma.size() / 2), sigma.end());
-  return sigma[sigma.size() / 2];
+  return sigma.empty() ? 1e300 : median(sigma.view());
 }
 
 }  // namespace

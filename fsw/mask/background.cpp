@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/median.hpp"
 #include "mask/plane_motion.hpp"
 
 namespace polhode {
@@ -186,11 +187,10 @@ void choose_age(const PointsState& points, BackgroundState* s) {
     s->age = std::min(s->age + 1, kAgeMax);
     return;
   }
-  std::nth_element(px.begin(), px.begin() + static_cast<std::ptrdiff_t>(px.size() / 2), px.end());
-  const float median = px[px.size() / 2];
-  if (median < kLittle_px) {
+  const float typical_px = median(std::span(px));
+  if (typical_px < kLittle_px) {
     s->age = std::min(s->age + 1, kAgeMax);
-  } else if (median > kMuch_px && s->age > 1) {
+  } else if (typical_px > kMuch_px && s->age > 1) {
     --s->age;
   }
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/median.hpp"
 #include "config/limits.hpp"
 
 namespace polhode {
@@ -21,9 +22,7 @@ double median2_of(std::span<const Eigen::Vector3d> residuals) {
   for (std::size_t i = 0; i < count; ++i) {
     squares[i] = residuals[i].squaredNorm();
   }
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(count / 2);
-  std::nth_element(squares.begin(), middle, squares.begin() + static_cast<std::ptrdiff_t>(count));
-  return *middle / kMedian3;
+  return median(std::span(squares).first(count)) / kMedian3;
 }
 
 /// 1 + 2 sum of the autocorrelation over its first lags, taken in pairs while those are positive

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/median.hpp"
+
 namespace polhode {
 namespace {
 
@@ -89,9 +91,7 @@ Result<double> median_spacing(std::span<const Eigen::Vector3d> points_T, CloudSc
                        static_cast<float>(std::sqrt(kth_distance2(points_T, scratch.by_x, at)))),
                    at);
   }
-  float* middle = distances.begin() + distances.size() / 2;
-  std::nth_element(distances.begin(), middle, distances.end());
-  const double spacing = static_cast<double>(*middle) / kFourthOverFirst;
+  const double spacing = static_cast<double>(median(distances.view())) / kFourthOverFirst;
   if (!(spacing > 0.0) || !std::isfinite(spacing)) {
     return ErrorCode::kDegenerate;
   }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/median.hpp"
+
 namespace polhode {
 namespace {
 
@@ -58,12 +60,7 @@ double estimate_normals(std::span<const Eigen::Vector3d> points_T,
         std::max(0.0, values(0)) / (count - 3);  // a plane takes three of the degrees of freedom
     POLHODE_ASSERT(thicknesses.push_back(static_cast<float>(std::sqrt(variance))), at);
   }
-  if (thicknesses.empty()) {
-    return 0.0;
-  }
-  float* middle = thicknesses.begin() + thicknesses.size() / 2;
-  std::nth_element(thicknesses.begin(), middle, thicknesses.end());
-  return static_cast<double>(*middle);
+  return static_cast<double>(median(thicknesses.view()));
 }
 
 double estimate_normals_by_spacing(std::span<const Eigen::Vector3d> points_T,

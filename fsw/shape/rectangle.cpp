@@ -1,12 +1,12 @@
 #include "shape/rectangle.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numbers>
 
 #include "base/fixed_vector.hpp"
+#include "base/median.hpp"
 #include "config/limits.hpp"
 
 namespace polhode {
@@ -36,12 +36,10 @@ Extent robust_extent(std::span<double> values) {
     return {};
   }
   const auto last = static_cast<double>(values.size() - 1);
-  const auto low = static_cast<std::ptrdiff_t>(std::floor(kTail * last));
-  const auto high = static_cast<std::ptrdiff_t>(std::ceil((1.0 - kTail) * last));
-  std::nth_element(values.begin(), values.begin() + low, values.end());
-  const double least = values[static_cast<std::size_t>(low)];
-  std::nth_element(values.begin() + low, values.begin() + high, values.end());
-  const double most = values[static_cast<std::size_t>(high)];
+  const auto low = static_cast<std::size_t>(std::floor(kTail * last));
+  const auto high = static_cast<std::size_t>(std::ceil((1.0 - kTail) * last));
+  const double least = ranked(values, low);
+  const double most = ranked(values, high);
   // N values spread evenly over a length leave half a gap at either end: rank r lies at (r + 1/2) /
   // N of the length.
   const double per_rank = high > low ? (most - least) / static_cast<double>(high - low) : 0.0;

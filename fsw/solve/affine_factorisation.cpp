@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "base/assert.hpp"
+#include "base/median.hpp"
 #include "base/rng.hpp"
 #include "geometry/so3.hpp"
 
@@ -37,10 +39,8 @@ Eigen::VectorXd residuals(const Eigen::MatrixXd& columns, const Axes& axes) {
   return outside.colwise().norm() / std::sqrt(free);
 }
 
-double median(Eigen::VectorXd values) {
-  const Eigen::Index middle = values.size() / 2;
-  std::nth_element(values.data(), values.data() + middle, values.data() + values.size());
-  return values(middle);
+double median_of(Eigen::VectorXd values) {
+  return median(std::span(values.data(), static_cast<std::size_t>(values.size())));
 }
 
 std::array<Eigen::Index, kSample> draw(Rng* rng, Eigen::Index count) {
@@ -68,7 +68,7 @@ Eigen::VectorXd consensus_residuals(const ImageMatrix& images, std::uint64_t see
     const Eigen::VectorXd mean = chosen.rowwise().mean();
     chosen.colwise() -= mean;
     const Eigen::VectorXd r = residuals(images.colwise() - mean, leading_axes(chosen));
-    const double m = median(r);
+    const double m = median_of(r);
     if (m < best_median) {
       best_median = m;
       best = r;
@@ -149,7 +149,7 @@ AffineSubspace find_affine_subspace(const ImageMatrix& images,
   AffineSubspace s;
   Eigen::VectorXd r = consensus_residuals(images, seed);
   for (int round = 0; round < kRounds; ++round) {
-    const double robust_sigma = std::max(sigma_normalised, 1.4826 * median(r));
+    const double robust_sigma = std::max(sigma_normalised, 1.4826 * median_of(r));
     if (mark(r, kToleranceSigma * robust_sigma, &s) < 6) {
       return s;
     }

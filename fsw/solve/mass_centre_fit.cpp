@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/median.hpp"
 #include "config/limits.hpp"
 #include "geometry/so3.hpp"
 
@@ -30,9 +31,7 @@ PathRows rows_of(const PathProblem& problem, const PositionSample& sample) {
 
 double scale_of(const Squares& squares, std::size_t count) {
   Squares sorted = squares;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(count / 2);
-  std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(count));
-  return *middle / kMedian3;
+  return median(std::span(sorted).first(count)) / kMedian3;
 }
 
 struct System {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/assert.hpp"
+#include "base/median.hpp"
 #include "geometry/so3.hpp"
 #include "solve/start_adjustment.hpp"
 
@@ -20,12 +21,6 @@ using GaugeByCameras = Eigen::Matrix<double, Eigen::Dynamic, 7, 0, Workspace::kC
 // Points farther than this many median extents from the centre are taken for mistakes.
 constexpr double kExtentsMax = 3.0;
 
-double median_of(FixedVector<double, limits::kStartTracks>* values) {
-  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
-}
-
 /// Median by coordinates along the rows of R_NT; in T.
 Eigen::Vector3d median_point(const StartGeometryView& g, const Eigen::Matrix3d& R_NT) {
   Eigen::Vector3d centre_N;
@@ -36,7 +31,7 @@ Eigen::Vector3d median_point(const StartGeometryView& g, const Eigen::Matrix3d& 
         (void)values.push_back(R_NT.row(axis).dot(g.points_T[i]));
       }
     }
-    centre_N(axis) = median_of(&values);
+    centre_N(axis) = median(values.view());
   }
   return R_NT.transpose() * centre_N;
 }
@@ -48,7 +43,7 @@ double robust_extent(const StartGeometryView& g, const Eigen::Vector3d& centre) 
       (void)distances.push_back((g.points_T[i] - centre).norm());
     }
   }
-  const double limit = kExtentsMax * median_of(&distances);
+  const double limit = kExtentsMax * median(distances.view());
   double sum = 0.0;
   int count = 0;
   for (const double distance : distances) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/assert.hpp"
+#include "base/median.hpp"
 
 namespace polhode {
 namespace {
@@ -31,15 +32,6 @@ double scaled_error2(const InverseDepthPose& pose,
 double track_cost_max(std::size_t sightings) {
   const double free = std::max(1.0, 2.0 * static_cast<double>(sightings) - 3.0);
   return free + 3.0 * std::sqrt(2.0 * free);
-}
-
-double median_of(std::span<double> values) {
-  if (values.empty()) {
-    return 0.0;
-  }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -148,7 +140,7 @@ StartFit evaluate_start(std::span<const StartSighting> sightings,
     fit.frames += posed != 0 ? 1 : 0;
   }
   fit.cost = total_cost(sightings, geometry.poses, geometry.points_T, geometry, options);
-  fit.median = median_of(workspace->errors2.view());
+  fit.median = median(workspace->errors2.view());
   // The fit takes up 3 of every point's residuals and 6 of every frame's, less the gauge.
   const double coordinates = 2.0 * static_cast<double>(workspace->errors2.size());
   const double free = coordinates - 3.0 * fit.points - 6.0 * fit.frames + 7.0;

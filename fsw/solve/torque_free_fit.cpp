@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/median.hpp"
 #include "config/limits.hpp"
 #include "geometry/so3.hpp"
 
@@ -88,9 +89,7 @@ bool linearise(const TurningProblem& problem,
 
 double median_of(const Squares& squares, std::size_t count) {
   Squares sorted = squares;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(count / 2);
-  std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(count));
-  return *middle / kMedian3;
+  return median(std::span(sorted).first(count)) / kMedian3;
 }
 
 TurningSolution moved(const TurningSolution& from,
