@@ -12,7 +12,7 @@ PLACE=$PWD/build/v4l2_vm
 KERNEL=$PLACE/kernel
 RELEASE=$(cat "$KERNEL/release")
 # In the order in which they are loaded; what they need comes first.
-MODULES=(9p 9pnet_virtio virtio_pci videobuf2-v4l2 videobuf2-vmalloc vivid)
+MODULES=(9p 9pnet_virtio virtio_pci videobuf2-v4l2 videobuf2-vmalloc vivid overlay)
 LOADED_AT_BOOT=(9p 9pnet_virtio virtio_pci)
 
 build_initramfs() {
@@ -29,6 +29,7 @@ build_initramfs() {
   dependencies "${LOADED_AT_BOOT[@]}" | sed 's#.*/#/modules/#' > "$root/modules/order"
   dependencies videobuf2-v4l2 videobuf2-vmalloc | sed 's#.*/#/run/guest_modules/#' > "$root/modules/filecam.order"
   dependencies vivid | sed 's#.*/#/run/guest_modules/#' > "$root/modules/vivid.order"
+  dependencies overlay | sed 's#.*/#/run/guest_modules/#' > "$root/modules/overlay.order"
   cp "$PLACE/module/filecam.ko" "$root/modules/"
   (cd "$root" && find . | cpio -o -H newc --quiet | gzip -1 > "$RESULTS/.initramfs.gz")
   rm -rf "$root"

@@ -131,6 +131,13 @@ def faults(results: pathlib.Path) -> None:
           f"most {max(row[1] for row in rows)} kB, at most {max(row[2] for row in rows)} descriptors")
 
 
+def service(results: pathlib.Path) -> None:
+    about = report(results)
+    require(about["start"].startswith("warm"), about["start"])
+    require(about["first_pose_frame"] is not None and about["first_pose_frame"] < 3, "a pose within 3 frames")
+    print(f"its second start: {about['start']}, {about['frames_accepted']} frames, pose on frame {about['first_pose_frame'] + 1}")
+
+
 BRIGHT = 0.8 * 255  # where the controller puts the level that a fiftieth of the target's pixels exceed
 SETTLED = 0.2  # its dead band, the gain's steps, the mask's edge
 
@@ -157,5 +164,5 @@ def exposure(results: pathlib.Path) -> None:
 
 
 if __name__ == "__main__":
-    jobs = {"compliance": compliance, "capture": capture, "run": run, "faults": faults, "exposure": exposure}
+    jobs = {"compliance": compliance, "capture": capture, "run": run, "faults": faults, "exposure": exposure, "service": service}
     jobs[sys.argv[1]](pathlib.Path(sys.argv[2]))
