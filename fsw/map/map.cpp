@@ -42,6 +42,39 @@ LandmarkView* place_for(const Eigen::Vector3d& direction_T, Landmark* landmark) 
   return &landmark->views[nearest];
 }
 
+using LandmarkFlags = std::array<bool, limits::kLandmarks>;
+
+/// Those whose views are no longer what they were; what is derived from the views is emptied.
+void take_stale(Map* map, LandmarkFlags* stale) {
+  for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
+    const Landmark& landmark = map->landmarks[i];
+    (*stale)[i] = landmark.used && (landmark.sightings_changed || landmark.p_T != landmark.refreshed_p_T);
+  }
+  for (Keyframe& keyframe : map->keyframes) {
+    if (!keyframe.used || (keyframe.pose.R_CT == keyframe.refreshed_pose.R_CT &&
+                           keyframe.pose.p_CT == keyframe.refreshed_pose.p_CT)) {
+      continue;
+    }
+    keyframe.refreshed_pose = keyframe.pose;
+    for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+      if (keyframe.landmark_of[i].valid()) {
+        (*stale)[keyframe.landmark_of[i].index()] = true;
+      }
+    }
+  }
+  for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
+    if ((*stale)[i]) {
+      Landmark& landmark = map->landmarks[i];
+      landmark.sightings_changed = false;
+      landmark.refreshed_p_T = landmark.p_T;
+      landmark.normal_T.setZero();
+      landmark.size_mu = 0.0;
+      landmark.spread_rad = 0.0;
+      landmark.views.clear();
+    }
+  }
+}
+
 void refresh_extent(Map* map) {
   FixedVector<double, limits::kLandmarks> values;
   for (int axis = 0; axis < 3; ++axis) {
@@ -102,13 +135,16 @@ void tie_sighting(KeyframeId keyframe, std::size_t feature, LandmarkId landmark,
   k.landmark_of[feature] = landmark;
   Landmark& l = at(map, landmark);
   ++l.observations;
+  l.sightings_changed = true;
   l.seen_keyframe = std::max(l.seen_keyframe, k.number);
 }
 
 void untie_sighting(KeyframeId keyframe, std::size_t feature, Map* map) {
   Keyframe& k = at(map, keyframe);
   POLHODE_ASSERT(k.landmark_of[feature].valid(), feature);
-  --at(map, k.landmark_of[feature]).observations;
+  Landmark& l = at(map, k.landmark_of[feature]);
+  --l.observations;
+  l.sightings_changed = true;
   k.landmark_of[feature] = LandmarkId{};
 }
 
@@ -172,21 +208,15 @@ void refresh_landmarks(Map* map, const CameraModel& camera) {
   const double focal_px = camera.focal_px();
   std::array<double, limits::kLandmarks> spread_cosine;
   spread_cosine.fill(1.0);
-  for (Landmark& landmark : map->landmarks) {
-    if (landmark.used) {
-      landmark.normal_T.setZero();
-      landmark.size_mu = 0.0;
-      landmark.spread_rad = 0.0;
-      landmark.views.clear();
-    }
-  }
+  LandmarkFlags stale;
+  take_stale(map, &stale);
   FixedVector<KeyframeId, limits::kKeyframes> order = keyframes_by_age(*map);
   std::reverse(order.begin(), order.end());
   for (const KeyframeId id : order) {
     const Keyframe& keyframe = map->keyframes[id.index()];
     const Eigen::Vector3d camera_T = keyframe.pose.camera_T();
     for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
-      if (!keyframe.landmark_of[i].valid()) {
+      if (!keyframe.landmark_of[i].valid() || !stale[keyframe.landmark_of[i].index()]) {
         continue;
       }
       Landmark& landmark = at(map, keyframe.landmark_of[i]);
@@ -207,7 +237,7 @@ void refresh_landmarks(Map* map, const CameraModel& camera) {
   }
   for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
     Landmark& landmark = map->landmarks[i];
-    if (!landmark.used || landmark.observations == 0) {
+    if (!stale[i] || landmark.observations == 0) {
       continue;
     }
     landmark.spread_rad = std::acos(std::max(-1.0, spread_cosine[i]));

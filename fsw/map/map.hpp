@@ -22,6 +22,7 @@ struct Keyframe {
   Pose pose;
   Features features;
   std::array<LandmarkId, limits::kFeatures> landmark_of{};  ///< per feature
+  Pose refreshed_pose;  ///< at the last refresh_landmarks()
 };
 
 /// How a landmark looks from one side.
@@ -50,6 +51,8 @@ struct Landmark {
   double spread_rad = 0.0;  ///< between its oldest direction of view and the one farthest from it
   Eigen::Vector3d oldest_direction_T = Eigen::Vector3d::Zero();  ///< of view
   FixedVector<LandmarkView, kViews> views;
+  bool sightings_changed = true;                            ///< since the last refresh_landmarks()
+  Eigen::Vector3d refreshed_p_T = Eigen::Vector3d::Zero();  ///< at that
 };
 
 /// Three keyframes over 15 deg of rotation. Glints and silhouettes stay where they are in the
@@ -92,8 +95,9 @@ void untie_sighting(KeyframeId keyframe, std::size_t feature, Map* map);
 /// see `into` already.
 void merge_landmarks(LandmarkId from, LandmarkId into, Map* map);
 
-/// Recomputes each landmark's mean viewing direction, blob size and views from the keyframes, and
-/// the map's extent.
+/// Recomputes the mean viewing direction, blob size and views from the keyframes, and the map's extent.
+/// Of landmarks that stand where they stood at the last time, with the same sightings from keyframes that
+/// do, too, they are what they were, and are not touched.
 void refresh_landmarks(Map* map, const CameraModel& camera);
 
 /// Slots of the used keyframes, newest first.

@@ -228,6 +228,81 @@ TEST(RefreshLandmarks, GivesTheMiddleAndTheExtentOfTheBody) {
   EXPECT_NEAR(s.map->radius_mu, 1.0, 0.3);
 }
 
+/// What refresh_landmarks() derives; descriptors by their first octet.
+std::vector<double> derived(const Map& map) {
+  std::vector<double> values{map.centre_T.x(), map.centre_T.y(), map.centre_T.z(), map.radius_mu};
+  for (const Landmark& landmark : map.landmarks) {
+    if (!landmark.used) {
+      continue;
+    }
+    for (const Eigen::Vector3d& v : {landmark.normal_T, landmark.oldest_direction_T}) {
+      values.insert(values.end(), {v.x(), v.y(), v.z()});
+    }
+    values.insert(values.end(), {landmark.size_mu, landmark.spread_rad});
+    for (const LandmarkView& view : landmark.views) {
+      values.insert(values.end(), {view.direction_T.x(), view.direction_T.y(), view.direction_T.z(),
+                                   static_cast<double>(view.keyframe.slot), static_cast<double>(view.feature),
+                                   static_cast<double>(view.descriptor[0])});
+    }
+  }
+  return values;
+}
+
+/// One of the things that happen to a map, drawn.
+void change(Rng* rng, synthetic::SyntheticMap* s) {
+  Map& map = *s->map;
+  const KeyframeId k = s->keyframes[rng->below(static_cast<std::uint32_t>(s->keyframes.size()))];
+  Keyframe& keyframe = map.keyframes[k.index()];
+  const std::size_t feature = rng->below(static_cast<std::uint32_t>(keyframe.features.size()));
+  const LandmarkId l = keyframe.landmark_of[feature];
+  switch (rng->below(6)) {
+    case 0:
+      keyframe.pose.p_CT.x() += 0.01;
+      break;
+    case 1:
+      if (l.valid()) map.landmarks[l.index()].p_T.y() += 0.01;
+      break;
+    case 2:
+      if (l.valid()) untie_sighting(k, feature, &map);
+      break;
+    case 3:
+      if (l.valid()) {
+        untie_sighting(k, feature, &map);
+        tie_sighting(k, feature, l, &map);
+      } else {
+        tie_sighting(k, feature, add_landmark(&map), &map);
+      }
+      break;
+    case 4:
+      if (l.valid()) remove_landmark(l, &map);
+      break;
+    default:
+      if (s->keyframes.size() > 5) {
+        remove_keyframe(k, &map);
+        std::erase(s->keyframes, k);
+      }
+  }
+}
+
+TEST(RefreshLandmarks, OfWhatHasChangedGivesWhatOneOfAllGives) {
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    auto s = synthetic::make_map(synthetic::ball(300, 2), synthetic::turn_by(0.3, 15), 0.0, seed);
+    Rng rng(seed, 4);
+    for (int round = 0; round < 30; ++round) {
+      for (std::uint64_t i = 0; i < 1 + rng.below(5); ++i) {
+        change(&rng, &s);
+      }
+      const auto all = std::make_unique<Map>(*s.map);
+      for (Landmark& landmark : all->landmarks) {
+        landmark.sightings_changed = true;
+      }
+      refresh_landmarks(s.map.get(), synthetic::camera());
+      refresh_landmarks(all.get(), synthetic::camera());
+      ASSERT_EQ(derived(*s.map), derived(*all)) << "seed " << seed << ", round " << round;
+    }
+  }
+}
+
 TEST(RefreshLandmarks, KeepsViewsOfDifferentSides_AndTheNewestOfOneSide) {
   // One spot that looks different to each keyframe; the first two are 3 deg apart, the rest far.
   const auto map = std::make_unique<Map>();
