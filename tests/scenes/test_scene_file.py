@@ -170,7 +170,8 @@ def test_a_large_window_gets_the_samples_that_a_frame_can_afford_but_four_at_lea
     assert pipeline.large_window_samples(16, 1, (100, 0, 650, 650)) == 12
     assert pipeline.large_window_samples(16, 1, (0, 0, 729, 892)) == 8
     assert pipeline.large_window_samples(16, 1, (0, 0, 1920, 1080)) == 4
-    assert pipeline.large_window_samples(8, 3, (0, 0, 650, 650)) == 4
+    assert pipeline.large_window_samples(8, 3, (0, 0, 700, 750)) == 3
+    assert pipeline.large_window_samples(8, 3, (0, 0, 1920, 1080)) == 2
     assert pipeline.large_window_samples(1, 1, (0, 0, 1920, 1080)) == 1
 
 

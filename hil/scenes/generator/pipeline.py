@@ -19,7 +19,7 @@ from .scene_file import SceneError
 FORMAT = 1
 LABORATORY_FORMAT = 2
 # A window of more pixels is large: its frame gets no more samples than LARGE_WINDOW_WORK in all, but 4 for each of its
-# pixels, and its pixels share them (README, "Cost").
+# pixels over all sub-frames, and its pixels share them (README, "Cost").
 LARGE_WINDOW_PX = 412_000
 LARGE_WINDOW_WORK = 5_100_000
 LARGE_WINDOW_SAMPLES_MIN = 4
@@ -169,7 +169,7 @@ def large_window_samples(samples, sub_frames, window):
     if area_px <= LARGE_WINDOW_PX:
         return None
     affordable = round(LARGE_WINDOW_WORK / (area_px * sub_frames))
-    return min(samples, max(LARGE_WINDOW_SAMPLES_MIN, affordable))
+    return min(samples, max(-(-LARGE_WINDOW_SAMPLES_MIN // sub_frames), affordable))
 
 
 def has_large_window(plan, vertices_T):
