@@ -25,6 +25,14 @@ constexpr double kBandPartMin = 0.1;
 // At an edge two sides share the landmarks around the ray: the nearer one is taken when it has this
 // part of the other's.
 constexpr double kFrontPart = 0.5;
+// A plane seen more obliquely than 78 deg shows next to no landmarks: what leans so far joins
+// points of two sides.
+constexpr double kFacingCosineMin = 0.2;
+// A plane that crosses the ray holds two of the four landmarks nearest to it: one of a large side
+// that only its farther landmarks speak for is extrapolated over what is really there, a panel
+// behind the body or beside it.
+constexpr std::size_t kWitnesses = 4;
+constexpr std::size_t kWitnessesMin = 2;
 constexpr std::size_t kPlaneSupportMin = 5;  // five points leave two to judge the plane by
 constexpr int kRefinements = 5;
 constexpr double kSigmasMin = 5.0;
@@ -33,6 +41,7 @@ struct Seen {
   Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // in the picture, from the ray
   double distance2 = 0.0;
   double depth = 0.0;
+  double weight = 1.0;  // how much it says of the surface at the ray
 };
 
 using SeenTable = FixedVector<Seen, limits::kLandmarks>;
@@ -73,6 +82,13 @@ void take_near(SeenTable& seen, double reach2, NearTable& near) {
   for (std::size_t i = 0; i < around && seen[i].distance2 <= reach2; ++i) {
     POLHODE_ASSERT(near.push_back(seen[i]), i);
   }
+  // A quarter at the distance of the last witness: those far from the ray are many, and more often
+  // on another side.
+  const double close2 = near.empty() ? 0.0 : near[std::min(kWitnesses, near.size()) - 1].distance2;
+  for (Seen& one : near) {
+    const double ratio = close2 > 0.0 ? one.distance2 / close2 : 0.0;
+    one.weight = 1.0 / ((1.0 + ratio) * (1.0 + ratio));
+  }
 }
 
 /// Inverse depth over the picture: a + b . offset. A plane in space is linear there.
@@ -82,6 +98,12 @@ struct InversePlane {
 
   [[nodiscard]] double at(const Seen& seen) const {
     return coefficients(0) + coefficients.tail<2>().dot(seen.offset);
+  }
+  /// Of the angle between the plane's normal and the ray.
+  [[nodiscard]] double facing(const Eigen::Vector2d& ray) const {
+    const Eigen::Vector2d slope = coefficients.tail<2>();
+    const Eigen::Vector3d normal_C(slope.x(), slope.y(), coefficients(0) - slope.dot(ray));
+    return coefficients(0) / (normal_C.norm() * ray.homogeneous().norm());
   }
   [[nodiscard]] bool holds(const Seen& seen, double band) const {
     const double inverse = at(seen);
@@ -111,10 +133,21 @@ bool through(const Seen& a, const Seen& b, const Seen& c, double spread2, Invers
   return true;
 }
 
+bool witnessed(const InversePlane& plane, const NearTable& near, double band) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < std::min(kWitnesses, near.size()); ++i) {
+    count += plane.holds(near[i], band) ? 1U : 0U;
+  }
+  return count >= kWitnessesMin;
+}
+
 /// Calls visit(plane) for the planes through all triples that pass the ray no nearer than the
-/// nearest landmark.
+/// nearest landmark, face it and hold landmarks next to it.
 template <typename Visit>
-void for_planes(const NearTable& near, double band, const Visit& visit) {
+void for_planes(const NearTable& near,
+                const Eigen::Vector2d& ray,
+                double band,
+                const Visit& visit) {
   double front = near[0].depth;
   double spread2 = 0.0;
   for (const Seen& seen : near) {
@@ -126,7 +159,8 @@ void for_planes(const NearTable& near, double band, const Visit& visit) {
       for (std::size_t k = 0; k < j; ++k) {
         InversePlane plane;
         if (through(near[i], near[j], near[k], spread2, &plane) && plane.coefficients(0) > 0.0 &&
-            1.0 / plane.coefficients(0) > front - band) {
+            1.0 / plane.coefficients(0) > front - band && plane.facing(ray) >= kFacingCosineMin &&
+            witnessed(plane, near, band)) {
           plane.support = support_of(plane, near, band);
           visit(plane);
         }
@@ -136,15 +170,16 @@ void for_planes(const NearTable& near, double band, const Visit& visit) {
 }
 
 /// The nearest plane on the ray that enough landmarks support.
-InversePlane front_plane(const NearTable& near, double band) {
+InversePlane front_plane(const NearTable& near, const Eigen::Vector2d& ray, double band) {
   std::size_t most = 0;
-  for_planes(
-      near, band, [&most](const InversePlane& plane) { most = std::max(most, plane.support); });
+  for_planes(near, ray, band, [&most](const InversePlane& plane) {
+    most = std::max(most, plane.support);
+  });
   const auto enough =
       std::max(kPlaneSupportMin,
                static_cast<std::size_t>(std::ceil(kFrontPart * static_cast<double>(most))));
   double depth_least = 0.0;
-  for_planes(near, band, [&](const InversePlane& plane) {
+  for_planes(near, ray, band, [&](const InversePlane& plane) {
     const double depth = 1.0 / plane.coefficients(0);
     depth_least = plane.support >= enough && (depth_least == 0.0 || depth < depth_least)
                       ? depth
@@ -153,7 +188,7 @@ InversePlane front_plane(const NearTable& near, double band) {
   // Of the planes that cross the ray there, the best supported one: the very nearest has noise in
   // its favour.
   InversePlane best;
-  for_planes(near, band, [&](const InversePlane& plane) {
+  for_planes(near, ray, band, [&](const InversePlane& plane) {
     if (plane.support >= enough && 1.0 / plane.coefficients(0) <= depth_least + 2.0 * band &&
         plane.support > best.support) {
       best = plane;
@@ -174,6 +209,7 @@ bool refine(const NearTable& near, double band_max, InversePlane plane, InverseD
   double band = band_max;
   for (int pass = 0; pass < kRefinements; ++pass) {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d H2 = Eigen::Matrix3d::Zero();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
     double square = 0.0;
     std::size_t count = 0;
@@ -181,8 +217,9 @@ bool refine(const NearTable& near, double band_max, InversePlane plane, InverseD
       if (plane.holds(seen, band)) {
         const Eigen::Vector3d J(1.0, seen.offset.x(), seen.offset.y());
         const double residual = 1.0 / seen.depth - plane.at(seen);
-        H += J * J.transpose();
-        g += J * residual;
+        H += seen.weight * J * J.transpose();
+        H2 += seen.weight * seen.weight * J * J.transpose();
+        g += seen.weight * J * residual;
         square += residual * residual;
         ++count;
       }
@@ -197,7 +234,8 @@ bool refine(const NearTable& near, double band_max, InversePlane plane, InverseD
                       kBandPartMin * band_max,
                       band_max);
     at_ray->value = plane.coefficients(0);
-    at_ray->sigma = std::sqrt(variance * ldlt.solve(Eigen::Vector3d::UnitX()).x());
+    const Eigen::Vector3d at_zero = ldlt.solve(Eigen::Vector3d::UnitX());
+    at_ray->sigma = std::sqrt(variance * at_zero.dot(H2 * at_zero));
   }
   return at_ray->value > 0.0 && std::isfinite(at_ray->sigma);
 }
@@ -228,7 +266,7 @@ Result<SurfaceHit> hit_surface(const ScaleView& view, const Eigen::Vector2d& ray
     return ErrorCode::kDegenerate;
   }
   const double band = kBandDistances * typical * near[0].depth;
-  const InversePlane plane = front_plane(near, band);
+  const InversePlane plane = front_plane(near, ray, band);
   InverseDepth at_ray;
   if (plane.support < kPlaneSupportMin || !refine(near, band, plane, &at_ray)) {
     at_ray = nearest_depth(near);
