@@ -25,7 +25,7 @@ rm -rf $ROOT/var/log/journal $ROOT/etc/fstab
 config unit 320 240 600
 mkdir -p $ROOT/etc/polhode
 { sed -e 's#^folder = .*#folder = "/var/lib/polhode"#' $WORK/unit.toml
-  printf 'checkpoint = "/var/lib/polhode/checkpoint"\ncheckpoint_frames = 5\npriority = 10\ncore = 0\n'
+  printf 'checkpoint = "/var/lib/polhode/checkpoint"\ncheckpoint_frames = 1\npriority = 10\ncore = 0\n'
   printf '[features]\ncount_max = 250\nworking_pixels_max = 40000\n'
 } > $ROOT/etc/polhode/live.toml
 cat > $ROOT/lib/systemd/system/flight.target <<UNIT
