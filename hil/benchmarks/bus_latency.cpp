@@ -26,6 +26,8 @@
 #include <vector>
 
 #include "bus/telemetry.hpp"
+#include "os/linux/clock.hpp"
+#include "platform/temporary_folder.hpp"
 #include "processes.hpp"
 #include "transport/client/c/polhode_bus.h"
 #include "transport/transports.hpp"
@@ -73,7 +75,7 @@ void read_all(const std::string& address, ReaderResult& result) {
   const std::uint64_t before = heap_calls;
   for (;;) {
     const int octets = polhode_bus_next(&bus, packet, sizeof packet, 3000);
-    const std::int64_t at_ns = now_ns();
+    const std::int64_t at_ns = clock_ns(CLOCK_MONOTONIC);
     if (octets <= 0 || polhode_decode(packet, static_cast<std::size_t>(octets), POLHODE_MOTION, &motion, sizeof motion) != 0) {
       break;
     }
@@ -133,10 +135,10 @@ Sent send_all(Transports& transports, const Wish& wish) {
   for (std::uint64_t i = 0; i < total; ++i, due += period) {
     std::this_thread::sleep_until(due);
     state.frame = static_cast<std::uint32_t>(i);
-    state.timestamp_ns = now_ns();
+    state.timestamp_ns = clock_ns(CLOCK_MONOTONIC);
     (void)encode_motion(state, {}, static_cast<std::uint16_t>(i & 0x3FFF), octets);
     transports.send(octets);
-    sent.send_ns.push_back(static_cast<std::uint32_t>(now_ns() - state.timestamp_ns));
+    sent.send_ns.push_back(static_cast<std::uint32_t>(clock_ns(CLOCK_MONOTONIC) - state.timestamp_ns));
     ++sent.packets;
   }
   sent.heap_calls = heap_calls - before;
@@ -160,7 +162,7 @@ void hear(Bell& bell, ReaderResult& result) {
   while (!bell.over) {
     ::syscall(SYS_futex, &bell.rung, FUTEX_WAIT, heard, nullptr, nullptr, 0);
     const std::uint32_t rung = bell.rung;
-    const std::int64_t now = now_ns();  // after it: a later ring would else seem heard before it rang
+    const std::int64_t now = clock_ns(CLOCK_MONOTONIC);  // after it: a later ring would else seem heard before it rang
     if (rung != heard && result.packets < kSamplesMax) {
       result.latency_ns[result.packets++] = static_cast<std::uint32_t>(now - bell.at_ns[rung % Bell::kTimes]);
     }
@@ -180,12 +182,12 @@ void measure_waking(const Wish& wish) {
   auto due = Clock::now();
   for (std::uint32_t i = 1; i <= total; ++i, due += std::chrono::nanoseconds(1'000'000'000 / wish.rate)) {
     std::this_thread::sleep_until(due);
-    const std::int64_t before_ns = now_ns();
+    const std::int64_t before_ns = clock_ns(CLOCK_MONOTONIC);
     bell->at_ns[i % Bell::kTimes] = before_ns;
     bell->over = i == total;
     bell->rung = i;
     ::syscall(SYS_futex, &bell->rung, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
-    waking_ns.push_back(static_cast<std::uint32_t>(now_ns() - before_ns));
+    waking_ns.push_back(static_cast<std::uint32_t>(clock_ns(CLOCK_MONOTONIC) - before_ns));
   }
   std::vector<std::uint32_t> latency;
   for (const Reader& reader : readers) {
@@ -294,19 +296,16 @@ int main(int argc, char** argv) {
   if (!read_wish(argc, argv, wish)) {
     return 2;
   }
-  char folder_name[] = "/tmp/polhode_latency_XXXXXX";
-  const std::string folder = ::mkdtemp(folder_name);
+  const TemporaryFolder temporary;
+  const std::string folder = temporary.path().string();
+  const Load load(wish.load);
   bool good = true;
-  {
-    const Load load(wish.load);
-    if (wish.priority > 0) {
-      good = measure_all(folder, wish);
-    }
-    if (wish.ordinary != 0) {
-      wish.priority = 0;
-      good = measure_all(folder, wish) && good;
-    }
+  if (wish.priority > 0) {
+    good = measure_all(folder, wish);
   }
-  (void)std::system(("rm -rf " + folder).c_str());
+  if (wish.ordinary != 0) {
+    wish.priority = 0;
+    good = measure_all(folder, wish) && good;
+  }
   return good ? 0 : 1;
 }

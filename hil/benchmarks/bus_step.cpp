@@ -12,25 +12,26 @@
 #include <sys/stat.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "app/component_memory.hpp"
 #include "app/next_input.hpp"
+#include "base/median.hpp"
 #include "bus/telemetry.hpp"
-#include "camera/replay/file_camera.hpp"
 #include "camera/replay/sequence.hpp"
 #include "os/linux/clock.hpp"
 #include "os/linux/libraries.hpp"
 #include "os/linux/worker.hpp"
 #include "parameters/load.hpp"
 #include "pipeline/component.hpp"
+#include "platform/decoded_sequence.hpp"
+#include "platform/temporary_folder.hpp"
 #include "processes.hpp"
 #include "transport/client/c/polhode_bus.h"
 #include "transport/transports.hpp"
@@ -55,26 +56,6 @@ struct Arguments {
   int load = 0;
   int priority = 5;
 };
-
-std::vector<std::vector<std::uint8_t>> pictures_of(const Sequence& sequence) {
-  FileCamera camera(sequence);
-  Frame frame;
-  std::vector<std::vector<std::uint8_t>> pictures;
-  while (camera.next(frame)) {
-    std::vector<std::uint8_t>& rows = pictures.emplace_back();
-    for (int v = 0; v < frame.image.height_px; ++v) {
-      const std::uint8_t* row = frame.image.data + v * frame.image.stride_octets;
-      rows.insert(rows.end(), row, row + frame.image.width_px);
-    }
-  }
-  return pictures;
-}
-
-/// 0 1 2 ... n-1 n-2 ... 1 0 1 ...: the body turns on, then back.
-std::size_t back_and_forth(std::size_t i, std::size_t n) {
-  const std::size_t period = 2 * (n - 1);
-  return std::min(i % period, period - i % period);
-}
 
 /// What a reader process tells, in memory that both see.
 struct Heard {
@@ -174,7 +155,7 @@ class Bench {
   Bench(const Arguments& arguments, const Sequence& sequence, const Parameters& parameters)
       : arguments_(arguments),
         parameters_(parameters),
-        pictures_(pictures_of(sequence)),
+        frames_(sequence),
         memory_(parameters, arguments.config, {}) {}
 
   Times run(Transports& transports) {
@@ -199,23 +180,17 @@ class Bench {
 
  private:
   void step(Component& component, Worker& worker, std::size_t number, Transports& transports, Times& times) const {
-    const CameraParameters& c = parameters_.camera;
-    const Frame frame{.timestamp_ns = static_cast<std::int64_t>(number + 1) * 10'000'000'000,
-                      .image = {.data = pictures_[back_and_forth(number, pictures_.size())].data(),
-                                .width_px = c.width_px,
-                                .height_px = c.height_px,
-                                .stride_octets = c.width_px}};
-    const StepInput input = next_input(component, worker, frame);
-    const std::int64_t before_ns = now_ns();
+    const StepInput input = next_input(component, worker, frames_.frame(number));
+    const std::int64_t before_ns = clock_ns(CLOCK_MONOTONIC);
     const std::int64_t cpu_before_ns = clock_ns(CLOCK_THREAD_CPUTIME_ID);
     const StepOutput& out = component.step(input);
     const std::int64_t cpu_ns = clock_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_before_ns;
-    const std::int64_t stepped_ns = now_ns();
+    const std::int64_t stepped_ns = clock_ns(CLOCK_MONOTONIC);
     worker.submit(out.jobs);
     const long waits_before = waits();
-    const std::int64_t submitted_ns = now_ns();
+    const std::int64_t submitted_ns = clock_ns(CLOCK_MONOTONIC);
     transports.send(out.packets);
-    times.publish_ns.push_back(static_cast<std::uint32_t>(now_ns() - submitted_ns));
+    times.publish_ns.push_back(static_cast<std::uint32_t>(clock_ns(CLOCK_MONOTONIC) - submitted_ns));
     times.publish_waits += waits() - waits_before;
     times.step_ns.push_back(static_cast<std::uint32_t>(stepped_ns - before_ns));
     times.step_cpu_ns.push_back(static_cast<std::uint32_t>(cpu_ns));
@@ -243,7 +218,7 @@ class Bench {
 
   const Arguments& arguments_;
   const Parameters& parameters_;
-  std::vector<std::vector<std::uint8_t>> pictures_;
+  DecodedSequence frames_;
   ComponentMemory memory_;
   std::size_t filler_ = 0;
 };
@@ -271,8 +246,7 @@ struct Comparison {
     }
   }
   void print(const char* name) {
-    std::sort(quotients.begin(), quotients.end());
-    fmt::print("{:<46} median {:+.2f} %, mean {:+.2f} %\n", name, 100.0 * (quotients[quotients.size() / 2] - 1.0), 100.0 * (sum_b / sum_a - 1.0));
+    fmt::print("{:<46} median {:+.2f} %, mean {:+.2f} %\n", name, 100.0 * (median(std::span(quotients)) - 1.0), 100.0 * (sum_b / sum_a - 1.0));
   }
 };
 
@@ -352,17 +326,15 @@ int main(int argc, char** argv) {
   app.add_option("--load", arguments.load);
   app.add_option("--priority", arguments.priority);
   CLI11_PARSE(app, argc, argv);
-  char folder_name[] = "/tmp/polhode_step_XXXXXX";
-  const std::string folder = ::mkdtemp(folder_name);
+  const TemporaryFolder folder;
   bool good = false;
   try {
     const Sequence sequence = open_sequence(arguments.sequence);
     Parameters parameters = load_configuration(arguments.config, arguments.settings).parameters;
     parameters.camera = sequence.camera;
-    good = measure(arguments, sequence, parameters, folder);
+    good = measure(arguments, sequence, parameters, folder.path().string());
   } catch (const std::exception& problem) {
     fmt::print(stderr, "bus_step: {}\n", problem.what());
   }
-  std::filesystem::remove_all(folder);
   return good ? 0 : 1;
 }

@@ -3,7 +3,6 @@
 #include <sys/wait.h>
 
 #include <algorithm>
-#include <chrono>
 
 namespace polhode::benchmarks {
 namespace {
@@ -19,10 +18,6 @@ namespace {
 }
 
 }  // namespace
-
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 double percentile_us(std::vector<std::uint32_t> values_ns, double part) {
   if (values_ns.empty()) {

@@ -14,9 +14,6 @@
 
 namespace polhode::benchmarks {
 
-/// Monotonic, the same in all processes.
-std::int64_t now_ns();
-
 /// Of values in nanoseconds; 0 without any. @param part 0 .. 1
 double percentile_us(std::vector<std::uint32_t> values_ns, double part);
 

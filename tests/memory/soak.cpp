@@ -9,11 +9,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "app/component_memory.hpp"
-#include "camera/replay/file_camera.hpp"
+#include "base/median.hpp"
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
 #include "os/linux/clock.hpp"
@@ -24,6 +25,7 @@
 #include "os/linux/worker.hpp"
 #include "parameters/load.hpp"
 #include "pipeline/component.hpp"
+#include "platform/decoded_sequence.hpp"
 
 namespace {
 
@@ -38,28 +40,6 @@ struct Arguments {
   int frames = 500;
   std::string control;  ///< a forbidden call to make on purpose
 };
-
-/// Frames decoded before the start, so that the run opens no file.
-std::vector<std::vector<std::uint8_t>> pictures_of(const Sequence& sequence) {
-  FileCamera camera(sequence);
-  Frame frame;
-  std::vector<std::vector<std::uint8_t>> pictures;
-  while (camera.next(frame)) {
-    std::vector<std::uint8_t> rows;
-    for (int v = 0; v < frame.image.height_px; ++v) {
-      const std::uint8_t* row = frame.image.data + v * frame.image.stride_octets;
-      rows.insert(rows.end(), row, row + frame.image.width_px);
-    }
-    pictures.push_back(std::move(rows));
-  }
-  return pictures;
-}
-
-/// 0 1 2 ... n-1 n-2 ... 1 0 1 ...: the body turns on, then back.
-std::size_t back_and_forth(std::size_t i, std::size_t n) {
-  const std::size_t period = 2 * (n - 1);
-  return std::min(i % period, period - i % period);
-}
 
 struct Reading {
   long faults = 0;
@@ -116,7 +96,7 @@ class Soak {
   Soak(const Arguments& arguments, const Sequence& sequence, const Parameters& parameters)
       : arguments_(arguments),
         parameters_(parameters),
-        pictures_(pictures_of(sequence)),
+        frames_(sequence),
         memory_(parameters, arguments.config, {}),
         worker_({.own_thread = parameters.jobs.delay_frames > 0}) {
     Result<Component*> made = Component::create(memory_.span(), parameters);
@@ -153,13 +133,7 @@ class Soak {
 
  private:
   void step() {
-    const std::vector<std::uint8_t>& picture = pictures_[back_and_forth(next_, pictures_.size())];
-    const CameraParameters& c = parameters_.camera;
-    const Frame frame{.timestamp_ns = static_cast<std::int64_t>(++next_) * 10'000'000'000,
-                      .image = {.data = picture.data(),
-                                .width_px = c.width_px,
-                                .height_px = c.height_px,
-                                .stride_octets = c.width_px}};
+    const Frame frame = frames_.frame(next_++);
     const PoolScope scope(Pool::kStep);
     const Jobs finished = worker_.due(component_->next_step());
     const std::int64_t before_ns = clock_ns(CLOCK_THREAD_CPUTIME_ID);
@@ -175,8 +149,7 @@ class Soak {
     std::vector<double> part(
         step_ms_.begin() + static_cast<std::ptrdiff_t>(from),
         step_ms_.begin() + static_cast<std::ptrdiff_t>(std::min(from + count, step_ms_.size())));
-    std::sort(part.begin(), part.end());
-    return part.empty() ? 0.0 : part[part.size() / 2];
+    return median(std::span(part));
   }
 
   void print(const Reading& at_seal,
@@ -215,7 +188,7 @@ class Soak {
 
   const Arguments& arguments_;
   const Parameters& parameters_;
-  std::vector<std::vector<std::uint8_t>> pictures_;
+  DecodedSequence frames_;
   ComponentMemory memory_;
   Worker worker_;
   Meter meter_;
