@@ -8,9 +8,9 @@ fetch body
 SYSTEM=/run/system
 mkdir -p $SYSTEM
 mount -t tmpfs tmpfs $SYSTEM
-mkdir $SYSTEM/{over,work,root}
-mount -t overlay overlay -o lowerdir=/,upperdir=$SYSTEM/over,workdir=$SYSTEM/work $SYSTEM/root || fail "no overlay"
-ROOT=$SYSTEM/root
+mkdir $SYSTEM/{over,work,merged}
+mount -t overlay overlay -o lowerdir=/,upperdir=$SYSTEM/over,workdir=$SYSTEM/work $SYSTEM/merged || fail "no overlay"
+ROOT=$SYSTEM/merged
 
 # What cmake --install puts there, a user, a configuration; of systemd's own units only those that others need.
 install -D -m 755 $POLHODE $ROOT/usr/bin/polhode
@@ -35,14 +35,14 @@ After=polhode.service
 UNIT
 cat > /run/first_process <<'FIRST'
 mount --make-rprivate /
-mount -t proc proc /run/system/root/proc
-mount -t sysfs sysfs /run/system/root/sys
-mount -t cgroup2 cgroup2 /run/system/root/sys/fs/cgroup
-mount --rbind /dev /run/system/root/dev
-mount -t tmpfs tmpfs /run/system/root/run
-mount -t tmpfs tmpfs /run/system/root/tmp
-mkdir -p /run/system/root/old
-cd /run/system/root && pivot_root . old && umount -l /old
+mount -t proc proc /run/system/merged/proc
+mount -t sysfs sysfs /run/system/merged/sys
+mount -t cgroup2 cgroup2 /run/system/merged/sys/fs/cgroup
+mount --rbind /dev /run/system/merged/dev
+mount -t tmpfs tmpfs /run/system/merged/run
+mount -t tmpfs tmpfs /run/system/merged/tmp
+mkdir -p /run/system/merged/old
+cd /run/system/merged && pivot_root . old && umount -l /old
 exec env -i container=virtual-machine PATH=/usr/sbin:/usr/bin /lib/systemd/systemd --system --unit=flight.target --log-target=console --show-status=0
 FIRST
 unshare --pid --fork --mount --cgroup bash /run/first_process > /mnt/systemd.txt 2>&1 &
