@@ -162,16 +162,16 @@ def test_a_target_out_of_view_is_refused():
             pipeline.check_view(plan, mesh.all_vertices(parts))
 
 
-def test_a_large_window_gets_the_samples_that_a_frame_can_afford_but_four_at_least():
+def test_a_large_window_gets_the_samples_that_a_frame_can_afford_but_three_at_least():
     from generator import pipeline
 
     assert pipeline.large_window_samples(16, 1, (0, 0, 640, 640)) is None
     assert pipeline.large_window_samples(16, 3, (0, 0, 640, 640)) is None
-    assert pipeline.large_window_samples(16, 1, (100, 0, 650, 650)) == 12
-    assert pipeline.large_window_samples(16, 1, (0, 0, 729, 892)) == 8
-    assert pipeline.large_window_samples(16, 1, (0, 0, 1920, 1080)) == 4
+    assert pipeline.large_window_samples(16, 1, (100, 0, 650, 650)) == 10
+    assert pipeline.large_window_samples(16, 1, (0, 0, 729, 892)) == 7
+    assert pipeline.large_window_samples(16, 1, (0, 0, 1920, 1080)) == 3
     assert pipeline.large_window_samples(8, 3, (0, 0, 700, 750)) == 3
-    assert pipeline.large_window_samples(8, 3, (0, 0, 1920, 1080)) == 2
+    assert pipeline.large_window_samples(8, 3, (0, 0, 1920, 1080)) == 1
     assert pipeline.large_window_samples(1, 1, (0, 0, 1920, 1080)) == 1
 
 

@@ -18,11 +18,11 @@ from .scene_file import SceneError
 # Counted up by whoever changes what the same scene looks like.
 FORMAT = 1
 LABORATORY_FORMAT = 2
-# A window of more pixels is large: its frame gets no more samples than LARGE_WINDOW_WORK in all, but 4 for each of its
+# A window of more pixels is large: its frame gets no more samples than LARGE_WINDOW_WORK in all, but 3 for each of its
 # pixels over all sub-frames, and its pixels share them (README, "Cost").
 LARGE_WINDOW_PX = 412_000
-LARGE_WINDOW_WORK = 5_100_000
-LARGE_WINDOW_SAMPLES_MIN = 4
+LARGE_WINDOW_WORK = 4_400_000
+LARGE_WINDOW_SAMPLES_MIN = 3
 
 
 class Plan:
