@@ -50,6 +50,16 @@ BODY_ROWS = (
     ("hull volume error [%]", "body.surface.volume_error_percent", "{:+.1f}"),
     ("hull to true hull RMSE [% of size]", "body.surface.distance_rmse_percent", "{:.2f}"),
 )
+DYNAMICS_ROWS = (
+    ("inertia ratio, middle over least, error [%]", "dynamics.inertia_ratios.middle_over_least.error_percent", "{:+.2f}"),
+    ("   in its sigmas", "dynamics.inertia_ratios.middle_over_least.sigmas_off", "{:.1f}"),
+    ("inertia ratio, largest over least, error [%]", "dynamics.inertia_ratios.largest_over_least.error_percent", "{:+.2f}"),
+    ("   in its sigmas", "dynamics.inertia_ratios.largest_over_least.sigmas_off", "{:.1f}"),
+    ("principal axes, worst error [deg]", "dynamics.principal_axes_worst_deg", "{:.2f}"),
+    ("centre of mass, axes that are known", "dynamics.centre_of_mass.axes_known", "{:d}"),
+    ("centre of mass error [m]", "dynamics.centre_of_mass.error_m", "{:.4g}"),
+    ("centre of mass, worst axis [m]", "dynamics.centre_of_mass.worst_axis_m", "{:.4g}"),
+)
 COST_ROWS = (
     ("CPU per frame [ms]", "cost.cpu_per_frame_ms", "{:.2f}"),
     ("CPU per frame with the end's work [ms]", "cost.cpu_total_per_frame_ms", "{:.2f}"),
@@ -106,7 +116,7 @@ def motion_table(reports: list[dict]) -> str:
     rows = []
     for title, path, layout in MOTION_ROWS:
         rows += _body(title, [text_of(lookup(motion, path), layout) for _, motion, _ in columns])
-    for title, path, layout in (*SHAPE_ROWS, *BODY_ROWS, *COST_ROWS):
+    for title, path, layout in (*SHAPE_ROWS, *BODY_ROWS, *DYNAMICS_ROWS, *COST_ROWS):
         rows += _body(title, [text_of(lookup(report, path), layout) for _, _, report in columns])
     return table(["", *(name for name, _, _ in columns)], rows)
 

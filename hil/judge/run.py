@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from judge.body import judge_body
+from judge.dynamics import judge_dynamics
 from judge.errors import BadInput
 from judge.metrics import Aligned, align_run, judge_motion
 from judge.prediction import judge_prediction
@@ -124,6 +125,7 @@ def judge_run(run: Run, sequence: Sequence, truth: Motion) -> dict:
     report["shape"] = judge_shape(run.folder / "cloud.ply", sequence.model_path, aligned) if aligned else None
     scene = read_json(sequence.model_path.parent / "scene.json")
     report["body"] = judge_body(run.folder, sequence.model_path, scene, aligned) if aligned else None
+    report["dynamics"] = judge_dynamics(run.folder / "motion_model.json", scene, aligned)
     report["prediction"] = judge_prediction(run.folder / "motion_model.json", aligned)
     report["cost"] = cost(run)
     report["determinism"] = determinism(run)
