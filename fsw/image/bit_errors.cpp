@@ -21,6 +21,10 @@ int impulses_in_row(const std::uint8_t* above,
                     int columns) {
   int count = 0;
   int column = 1;
+  // Sums of a lane fit an octet for so many times.
+  constexpr int kTimesMax = 255;
+  cv::v_uint8x16 counts = cv::v_setzero_u8();
+  int times = 0;
   const cv::v_uint8x16 step = cv::v_setall_u8(kStep);
   const cv::v_uint8x16 one = cv::v_setall_u8(1);
   for (; column + 17 <= columns; column += 16) {
@@ -34,8 +38,14 @@ int impulses_in_row(const std::uint8_t* above,
     const cv::v_uint8x16 range = high - low;  // saturating, as all sums here
     const cv::v_uint8x16 limit = range + range + step;
     const cv::v_uint8x16 out = cv::v_max(p - high, low - p);
-    count += static_cast<int>(cv::v_reduce_sum(cv::v_min(out - limit, one)));
+    counts = counts + cv::v_min(out - limit, one);
+    if (++times == kTimesMax) {
+      count += static_cast<int>(cv::v_reduce_sum(counts));
+      counts = cv::v_setzero_u8();
+      times = 0;
+    }
   }
+  count += static_cast<int>(cv::v_reduce_sum(counts));
   for (; column + 1 < columns; ++column) {
     const int p = row[column];
     const auto [low, high] =

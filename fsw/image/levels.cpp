@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 
 #include "base/assert.hpp"
@@ -56,8 +58,10 @@ ImageLevels measure_levels(const cv::Mat& gray, const ImageOptions& options) {
   // One pixel in a thousand: a target of 1 % of the picture is ten times that, hot pixels and stars
   // are fewer.
   constexpr double kBrightFraction = 1e-3;
-  constexpr std::size_t kLarge_px = 500'000;
-  const Histogram counts = histogram(gray, gray.total() > kLarge_px ? 2 : 1);
+  // As many pixels tell as much of a larger picture.
+  constexpr double kEnough_px = 5e5;
+  const int row_step = std::max(1, static_cast<int>(std::lround(static_cast<double>(gray.total()) / kEnough_px)));
+  const Histogram counts = histogram(gray, row_step);
   double total = 0.0;
   double sum = 0.0;
   for (std::size_t level = 0; level < counts.size(); ++level) {

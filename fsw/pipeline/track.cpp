@@ -142,7 +142,7 @@ void renew_reference(Component::State* s) {
   s->reference_frame = s->frame;
   std::swap(s->reference.pyramid, s->pyramid);
   if (!s->reference.pyramid.built) {
-    s->gray.copyTo(s->reference.gray);
+    std::swap(s->gray, s->reference.gray);  // the step is done with it
   }
   s->reference.pose = s->localised.absolute.pose;
   s->reference.points.clear();
