@@ -47,18 +47,6 @@ void follow_map(const Map& map, PoseHistory& poses) {
   }
 }
 
-bool due(const MotionNow& m) {
-  const std::size_t poses = m.past.size();
-  if (poses < kModelPosesMin) {
-    return false;
-  }
-  if (m.model.of_map && m.model.accepted()) {
-    return m.poses_since_fit > poses / 4;  // the map has not grown, and the next joint fit is far
-  }
-  // One pose in twenty tells little more; from nothing a fit costs tens of times as much.
-  return m.poses_since_fit >= (m.model.accepted() ? 1 + poses / 20 : 2 + poses / 8);
-}
-
 void ask_for_fit(Component::State* s) {
   MotionNow& m = s->motion;
   follow_map(s->map, m.past);
@@ -203,7 +191,7 @@ void remember_motion(std::int64_t timestamp_ns,
   }
   (void)remember_for_fit(m.past, sample, s->parameters.motion);
   ++m.poses_since_fit;
-  if (fit_slot_free(*s) && due(m)) {
+  if (fit_slot_free(*s) && fit_is_due(m.model, m.past.size(), m.poses_since_fit)) {
     ask_for_fit(s);
   }
 }

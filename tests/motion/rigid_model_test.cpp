@@ -294,6 +294,22 @@ TEST(FitPoses, KeepTheirSpanInABoundedNumber) {
   EXPECT_FALSE(remember_for_fit(*poses, {.timestamp_ns = 9999, .pose = {}}, options));
 }
 
+TEST(FitPoses, SpanABoundedNumberOfTurns) {
+  for (const double step_rad : {0.002, 0.17}) {  // 10,000 steps: 3 turns, 270 turns
+    auto poses = std::make_unique<PoseHistory>();
+    for (std::int64_t i = 0; i < 10'000; ++i) {
+      const Pose pose{.R_CT = so3_exp({0.0, step_rad * static_cast<double>(i), 0.0}), .p_CT = {0.0, 0.0, 10.0}};
+      ASSERT_TRUE(remember_for_fit(*poses, {.timestamp_ns = i * 1'000'000'000, .pose = pose}, {}));
+    }
+    const double turns = step_rad * seconds_between((*poses)[0].timestamp_ns, poses->back().timestamp_ns) /
+                         (2.0 * std::numbers::pi);
+    const double turns_of_all = step_rad * 9999.0 / (2.0 * std::numbers::pi);
+    const double turns_of_a_table = step_rad * 300.0 / (2.0 * std::numbers::pi);
+    EXPECT_LE(turns, kFitTurnsMax + turns_of_a_table);
+    EXPECT_GE(turns, std::min(turns_of_all, kFitTurnsMax - turns_of_a_table) - 1e-9);
+  }
+}
+
 TEST(FitPoses, ForgetWhatIsTooOld) {
   auto poses = std::make_unique<PoseHistory>();
   MotionOptions options;
