@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
 # Configures and builds one preset (default: release), with a compiler cache where there is one.
+#   tools/build.sh [PRESET [TARGET]...]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 PRESET=${1:-release}
+targets=("${@:2}")
 
 # The solvers' headers take about 1.5 GB a compiler: as many at a time as there is memory for, not only as many as cores.
 jobs() {
@@ -18,4 +20,4 @@ if command -v ccache >/dev/null; then
 fi
 printf '== build: %s\n' "$PRESET"
 log=$(cmake --preset "$PRESET" "${cache[@]}" 2>&1) || { printf "%s\n" "$log" >&2; exit 1; }
-cmake --build --preset "$PRESET" -j "$(jobs)"
+cmake --build --preset "$PRESET" -j "$(jobs)" ${targets:+--target "${targets[@]}"}

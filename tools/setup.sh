@@ -3,23 +3,26 @@
 #   tools/setup.sh            the distribution's packages that the build needs, and the Python side of the tools in .venv
 #   tools/setup.sh renderer   only Blender, for hil/render_scene.sh, which calls this by itself
 #   tools/setup.sh colmap     only COLMAP in .venv-colmap, for hil/compare_colmap.py, which calls this by itself
+#   tools/setup.sh arm64      only what builds and runs arm64 programs here, for tools/check_arm64.sh, which calls this by itself
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 # The one list of packages for the build and the tests.
-PACKAGES=(
-  # tools
-  cmake g++ ninja-build pkg-config python3 python3-venv
+TOOLS=(cmake g++ ninja-build pkg-config python3 python3-venv valgrind)
+LIBRARIES=(
   # estimation: linear algebra, least squares, minimal solvers, image operations, nearest neighbours
   libceres-dev libeigen3-dev liblz4-dev libopencv-dev libopengv-dev
   # platform: images, configuration, command line, text, JSON, SHA-256
   libcli11-dev libfmt-dev libgoogle-glog-dev libjpeg62-turbo-dev libpng-dev libssl-dev libtomlplusplus-dev libturbojpeg0-dev libyaml-cpp-dev nlohmann-json3-dev
   # tests
-  libgtest-dev valgrind
+  libgtest-dev
 )
 # Kept apart from the build: Blender is large, and COLMAP is only there to be compared with.
 RENDERER_PACKAGES=(blender python3-numpy)
 COLMAP_PACKAGES=(python3 python3-venv)
+ARM64_PACKAGES=(cmake g++-aarch64-linux-gnu ninja-build pkg-config python3 python3-venv qemu-user-static)
+# The same place stands in config/aarch64.cmake.
+ARM64_SYSROOT=${XDG_CACHE_HOME:-$HOME/.cache}/polhode/sysroot-arm64
 
 say() { printf '== %s\n' "$*"; }
 
@@ -63,18 +66,66 @@ install_python_side() {
   cp "$requirements" "$stamp"
 }
 
+# apt_arm64 FOLDER ARGUMENTS: apt for a machine of that architecture on which nothing is installed, as far as FOLDER knows.
+apt_arm64() {
+  local state=$1
+  shift
+  mkdir -p "$state/lists/partial" "$state/archives/partial"
+  : > "$state/status"
+  apt-get -q -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o APT::Sandbox::User="$(id -un)" -o Dir::Cache="$state" \
+    -o Dir::State="$state" -o Dir::State::Lists="$state/lists" -o Dir::State::status="$state/status" "$@"
+}
+
+# What packages' own scripts and CMake files take for granted on a machine where they are installed.
+settle_sysroot() {
+  local root=$1 link library
+  find "$root" -type l -lname '/*' | while read -r link; do
+    ln -sfnr "$root$(readlink "$link")" "$link"
+  done
+  for library in libblas.so libblas.so.3 liblapack.so liblapack.so.3; do  # elsewhere a choice among packages; here one is unpacked
+    ln -sfnr "$(find "$root/usr/lib" -mindepth 2 -name "$library" | head -1)" "$root/usr/lib/aarch64-linux-gnu/$library"
+  done
+  sed -i "s#\([\";]\)/usr/\(lib\|include\)#\1$ARM64_SYSROOT/usr/\2#g" "$root"/usr/lib/aarch64-linux-gnu/cmake/{Ceres/Ceres,opengv/opengv}Targets.cmake
+}
+
+# The libraries for arm64, unpacked and not installed: the machine's own packages stay as they are.
+make_sysroot() {
+  local new=$ARM64_SYSROOT.new package
+  if [ "$(cat "$ARM64_SYSROOT/packages" 2>/dev/null)" = "${LIBRARIES[*]}" ]; then
+    say "sysroot: $ARM64_SYSROOT is up to date"
+    return
+  fi
+  say "sysroot: fetching packages for arm64 (about 250 MB)"
+  rm -rf "$new"
+  mkdir -p "$new/root"
+  apt_arm64 "$new" update
+  apt_arm64 "$new" install -y --no-install-recommends --download-only "${LIBRARIES[@]}" libc6-dev
+  say "sysroot: unpacking into $ARM64_SYSROOT (about 1.1 GB)"
+  for package in "$new"/archives/*.deb; do
+    dpkg-deb -x "$package" "$new/root"
+  done
+  settle_sysroot "$new/root"
+  echo "${LIBRARIES[*]}" > "$new/root/packages"
+  rm -rf "$ARM64_SYSROOT"
+  mv "$new/root" "$ARM64_SYSROOT"
+  rm -rf "$new"
+}
+
 case ${1:-} in
   "")
-    install_packages "${PACKAGES[@]}"
+    install_packages "${TOOLS[@]}" "${LIBRARIES[@]}"
     install_python_side .venv tools/requirements.txt ;;
   renderer)
     install_packages "${RENDERER_PACKAGES[@]}" ;;
   colmap)
     install_packages "${COLMAP_PACKAGES[@]}"
     install_python_side .venv-colmap tools/requirements-colmap.txt ;;
+  arm64)
+    install_packages "${ARM64_PACKAGES[@]}"
+    make_sysroot ;;
   -h | --help)
-    sed -n '2,5s/^# //p' "$0" ;;
+    sed -n '2,6s/^# //p' "$0" ;;
   *)
-    echo "setup: unknown part '$1'; allowed: renderer, colmap, or nothing" >&2
+    echo "setup: unknown part '$1'; allowed: renderer, colmap, arm64, or nothing" >&2
     exit 2 ;;
 esac
