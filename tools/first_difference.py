@@ -10,15 +10,17 @@ import argparse
 import json
 import os
 import pathlib
+import shlex
 import subprocess
 import sys
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
+COMMAND = [*shlex.split(os.environ.get("POLHODE_RUNNER", "")), PROGRAM]  # an emulator before a program of another architecture
 
 
 def packets(file: pathlib.Path) -> list[dict]:
-    dump = subprocess.run([PROGRAM, "bus", "dump", file, "--json"], capture_output=True, text=True, check=True)
+    dump = subprocess.run([*COMMAND, "bus", "dump", file, "--json"], capture_output=True, text=True, check=True)
     return [json.loads(line) for line in dump.stdout.splitlines() if line.strip()]
 
 

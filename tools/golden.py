@@ -8,46 +8,63 @@ A recorded stream may change with a change of the estimator, of its defaults or 
 commit what moved and why the new stream is as good. It must not change with the compiler's version, the machine's load, the
 number of cores or the environment: that is a fault to be found, not recorded. The libraries choose their arithmetic by the
 processor's vector units (fused multiply-add rounds once): a stream is compared on processors that have the recorded ones.
+
+The architecture is the program's: POLHODE_PROGRAM names another than build/release/bin/polhode, POLHODE_RUNNER the command that
+runs one of another architecture (tools/check_arm64.sh).
 """
 
 import hashlib
 import pathlib
-import platform
 import subprocess
 import sys
 import tempfile
 
-from first_difference import PROGRAM, REPOSITORY, first_difference, packets
+from first_difference import COMMAND, PROGRAM, REPOSITORY, first_difference, packets
 
-GOLDEN = REPOSITORY / "tests/golden" / platform.machine()
 SAMPLE = REPOSITORY / "hil/data/sample"
-UNITS = GOLDEN / "vector_units.txt"
+# What OpenCV compiles its code for more than once (AVX512_SKX is the last five), and the C library its mathematics.
+CHOSEN_BY = {"sse4_1", "sse4_2", "avx", "fma", "avx2", "avx512f", "avx512cd", "avx512bw", "avx512dq", "avx512vl"}
+ELF_MACHINES = {62: "x86_64", 183: "aarch64"}
 CONFIGURATIONS = {"default": [], "jobs_beside": ["--set", "jobs.delay_frames=1"]}
 
 
+def architecture() -> str:
+    """That of the program, from its header."""
+    with PROGRAM.open("rb") as file:
+        return ELF_MACHINES[int.from_bytes(file.read(20)[18:], "little")]
+
+
+def recorded() -> pathlib.Path:
+    return REPOSITORY / "tests/golden" / architecture()
+
+
 def vector_units() -> str:
-    """Those of this processor, from the kernel's list."""
+    """Those of this processor, from the kernel's list, by which the distribution's libraries choose their arithmetic. For arm64
+    they are built for asimd, which every processor has, and choose nothing."""
+    if architecture() == "aarch64":
+        return "asimd"
     words = set()
     for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
-        if line.lower().startswith(("flags", "features")):
+        if line.startswith("flags"):
             words.update(line.split(":", 1)[1].split())
-    return " ".join(sorted(word for word in words if word.startswith(("sse", "ssse", "avx", "fma", "asimd", "sve"))))
+    return " ".join(sorted(words & CHOSEN_BY))
 
 
 def comparable() -> bool:
-    return UNITS.exists() and UNITS.read_text().split() == vector_units().split()
+    units = recorded() / "vector_units.txt"
+    return units.exists() and units.read_text().split() == vector_units().split()
 
 
 def stream(arguments: list[str], folder: pathlib.Path) -> pathlib.Path:
-    subprocess.run([PROGRAM, "replay", "--config", REPOSITORY / "config/default.toml", "--sequence", SAMPLE,
+    subprocess.run([*COMMAND, "replay", "--config", REPOSITORY / "config/default.toml", "--sequence", SAMPLE,
                     "--out", folder, *arguments], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     return folder / "bus.ccsds"
 
 
 def compare(name: str, found: pathlib.Path) -> bool:
-    expected = GOLDEN / f"{name}.ccsds"
+    expected = recorded() / f"{name}.ccsds"
     if not expected.exists():
-        print(f"{name}: nothing is recorded for {platform.machine()}")
+        print(f"{name}: nothing is recorded for {architecture()}")
         return False
     if expected.read_bytes() == found.read_bytes():
         print(f"{name}: {hashlib.sha256(found.read_bytes()).hexdigest()}, as recorded")
@@ -62,14 +79,14 @@ def main() -> int:
         return 2
     good = True
     if sys.argv[1] == "check" and not comparable():
-        print(f"recorded with other vector units: {UNITS}")
+        print(f"recorded with other vector units than {vector_units()}")
     with tempfile.TemporaryDirectory() as scratch:
         for name, arguments in CONFIGURATIONS.items():
             found = stream(arguments, pathlib.Path(scratch) / name)
             if sys.argv[1] == "record":
-                GOLDEN.mkdir(parents=True, exist_ok=True)
-                (GOLDEN / f"{name}.ccsds").write_bytes(found.read_bytes())
-                UNITS.write_text(vector_units() + "\n")
+                recorded().mkdir(parents=True, exist_ok=True)
+                (recorded() / f"{name}.ccsds").write_bytes(found.read_bytes())
+                (recorded() / "vector_units.txt").write_text(vector_units() + "\n")
                 print(f"{name}: {hashlib.sha256(found.read_bytes()).hexdigest()}, recorded")
             else:
                 good = compare(name, found) and good

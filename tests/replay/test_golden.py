@@ -15,11 +15,11 @@ from first_difference import first_difference, packets  # noqa: E402
 @pytest.mark.slow
 @pytest.mark.parametrize("name", golden.CONFIGURATIONS)
 def test_the_stream_is_the_recorded_one(name, tmp_path):
-    expected = golden.GOLDEN / f"{name}.ccsds"
+    expected = golden.recorded() / f"{name}.ccsds"
     if not expected.exists():
-        pytest.skip(f"nothing is recorded for {golden.GOLDEN.name}")
+        pytest.skip(f"nothing is recorded for {golden.architecture()}")
     if not golden.comparable():
-        pytest.skip(f"recorded with other vector units: {golden.UNITS}")
+        pytest.skip(f"recorded with other vector units than {golden.vector_units()}")
     found = golden.stream(golden.CONFIGURATIONS[name], tmp_path / name)
     if expected.read_bytes() != found.read_bytes():
         difference = first_difference(packets(expected), packets(found)) or "headers or check sums differ"
