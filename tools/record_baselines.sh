@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # All that is recorded of this version, anew, in one go: the sample's streams (tests/golden) and the instructions a frame by stage
 # (tests/budget/instructions.json). After a change of the estimator that was meant; say in the commit what moved and why.
+# For the architecture that it is called on; arm64's stream is recorded under QEMU by tools/check_arm64.sh record.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 tools/build.sh release
