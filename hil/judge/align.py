@@ -38,6 +38,11 @@ def angles_rad(left: Rotation, right: Rotation) -> np.ndarray:
     return (left.inv() * right).magnitude()
 
 
+def axis_angle_deg(a: np.ndarray, b: np.ndarray) -> float:
+    """Between two axes [3], whatever their signs."""
+    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b)), abs(a @ b))))
+
+
 def _geodesic_mean(samples: Rotation, start: Rotation, weights=None, steps: int = 50) -> Rotation:
     """Karcher mean (weights None) or geodesic L1 median (weights 'median', Weiszfeld's algorithm)."""
     mean = start

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
+from judge.align import axis_angle_deg
 from judge.errors import BadInput
 from judge.metrics import Aligned
 from judge.shape import cloud_in_truth, read_cloud, sample_mesh
@@ -25,11 +26,6 @@ GRID = 8
 NEAR_RADII = 0.15
 RADIAL_MIN = np.cos(np.radians(30.0))
 HULL_SAMPLES = 20_000
-
-
-def _angle_deg(a: np.ndarray, b: np.ndarray) -> float:
-    """Between two axes, whatever their signs."""
-    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b)), abs(a @ b))))
 
 
 class Truth:
@@ -74,7 +70,7 @@ def judge_plane(plane: dict, truth: Truth) -> dict:
         return result
     turned = truth.normals_T[near] * np.sign(truth.normals_T[near] @ normal)[:, None]
     mean = turned.mean(axis=0)
-    return result | {"angle_deg": _angle_deg(normal, mean), "distance_m": float(np.median(off[near])),
+    return result | {"angle_deg": axis_angle_deg(normal, mean), "distance_m": float(np.median(off[near])),
                      "sigma_angle_deg": float(np.degrees(plane.get("sigma_normal_rad", np.nan)))}
 
 
@@ -113,7 +109,7 @@ def judge_cylinder(cylinder: dict, truth: Truth) -> dict:
     if found is None:
         return {"made_up": True}
     true_axis, true_radius_m = found
-    return {"made_up": False, "axis_error_deg": _angle_deg(axis, true_axis),
+    return {"made_up": False, "axis_error_deg": axis_angle_deg(axis, true_axis),
             "sigma_axis_deg": float(np.degrees(cylinder.get("sigma_axis_rad", np.nan))),
             "radius_error_percent": 100 * (radius_m / true_radius_m - 1),
             "sigma_radius_percent": 100 * cylinder.get("sigma_radius", np.nan) / cylinder["radius"]}

@@ -5,6 +5,7 @@ Only what the run calls observed or weak is judged; a quantity that it calls uno
 
 import numpy as np
 
+from judge.align import axis_angle_deg
 from judge.metrics import Aligned
 from judge.sequence import read_json
 
@@ -35,11 +36,6 @@ def judge_ratio(entry: dict, true: float) -> dict:
     return result
 
 
-def _angle_deg(a: np.ndarray, b: np.ndarray) -> float:
-    """Between two axes, whatever their signs."""
-    return float(np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b)), abs(a @ b))))
-
-
 def judge_axes(axes: list[dict], in_order: bool, inertia, aligned: Aligned) -> list[dict]:
     """Angles from the true principal axes; none where two moments are alike.
 
@@ -53,7 +49,7 @@ def judge_axes(axes: list[dict], in_order: bool, inertia, aligned: Aligned) -> l
         true = [i for i in ([k] if in_order else range(3)) if alone[i]]
         if true and axis["axis_T"] is not None and axis["observability"] != "unobserved":
             found = aligned.R_ET.inv().apply(axis["axis_T"])
-            judged |= {"error_deg": min(_angle_deg(found, axes_T[:, i]) for i in true),
+            judged |= {"error_deg": min(axis_angle_deg(found, axes_T[:, i]) for i in true),
                        "sigma_deg": None if axis["sigma_rad"] is None else float(np.degrees(axis["sigma_rad"]))}
         result.append(judged)
     return result
