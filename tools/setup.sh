@@ -97,17 +97,17 @@ make_sysroot() {
   fi
   say "sysroot: fetching packages for arm64 (about 250 MB)"
   rm -rf "$new"
-  mkdir -p "$new/root"
+  mkdir -p "$new/tree"
   apt_arm64 "$new" update
   apt_arm64 "$new" install -y --no-install-recommends --download-only "${LIBRARIES[@]}" libc6-dev
   say "sysroot: unpacking into $ARM64_SYSROOT (about 1.1 GB)"
   for package in "$new"/archives/*.deb; do
-    dpkg-deb -x "$package" "$new/root"
+    dpkg-deb -x "$package" "$new/tree"
   done
-  settle_sysroot "$new/root"
-  echo "${LIBRARIES[*]}" > "$new/root/packages"
+  settle_sysroot "$new/tree"
+  echo "${LIBRARIES[*]}" > "$new/tree/packages"
   rm -rf "$ARM64_SYSROOT"
-  mv "$new/root" "$ARM64_SYSROOT"
+  mv "$new/tree" "$ARM64_SYSROOT"
   rm -rf "$new"
 }
 

@@ -1,8 +1,9 @@
-// The poses that the dynamics are fitted to: the whole past in a bounded number.
+// The poses that the dynamics are fitted to: the past, of a bounded number of turns and in a bounded number.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 
 #include "geometry/so3.hpp"

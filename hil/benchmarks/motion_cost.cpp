@@ -5,20 +5,16 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <memory>
 
 #include "free_body.hpp"
 #include "motion/fit_poses.hpp"
 #include "motion/rigid_model.hpp"
+#include "os/linux/clock.hpp"
 
 namespace {
 
-double processor_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
+double processor_s() { return 1e-9 * static_cast<double>(polhode::platform::clock_ns(CLOCK_THREAD_CPUTIME_ID)); }
 
 struct LongRun {
   std::unique_ptr<polhode::MotionSnapshot> snapshot = std::make_unique<polhode::MotionSnapshot>();
