@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/so3.hpp"
+#include "motion/body_dynamics.hpp"
 #include "motion/residual_level.hpp"
 
 namespace polhode {
@@ -15,6 +16,10 @@ namespace {
 // right to a fifth.
 constexpr double kChi2PerDofMax = 1.4;
 constexpr double kOutliersMax = 0.3;
+// Of the shape where the poses tell more than the prior: logarithms within this stay numbers.
+constexpr double kReleasedShapeSigma = 10.0 * kModelShapeSigma;
+// The logarithm of next to nothing is reached in steps of about one.
+constexpr int kReleasedIterationsMax = 60;
 
 bool inverse_of(const Eigen::Matrix3d& covariance, Eigen::Matrix3d& information) {
   const Eigen::LLT<Eigen::Matrix3d> llt(covariance);
@@ -148,6 +153,54 @@ void add_path(std::span<const PoseSample> poses,
   model.path_known = own.allFinite() && own.diagonal().minCoeff() > 0.0;
 }
 
+/// Residuals and covariance of a turning. False, the status saying why, where they do not bear it out.
+bool take_turning(const TurningSolution& turning,
+                  const TurningProblem& problem,
+                  std::span<const PoseSample> poses,
+                  const MotionSnapshot& snapshot,
+                  MotionWorkspace& work,
+                  RigidModel& model) {
+  model.status = ModelStatus::kNoFit;
+  if (!trace(turning, problem, work)) {
+    return false;
+  }
+  model.reference = turning.reference;
+  model.shape = turning.shape;
+  model.attitude = residual_level(residual_input(poses, snapshot.drift, true, work));
+  const double outliers_max = kOutliersMax * static_cast<double>(poses.size());
+  if (!(model.attitude.chi2_per_dof < kChi2PerDofMax) ||
+      static_cast<double>(model.attitude.outliers) > outliers_max) {
+    model.status = ModelStatus::kResidualsTooLarge;
+    return false;
+  }
+  TurningCovariance prior = TurningCovariance::Zero();
+  prior.diagonal().tail<5>().setConstant(1.0 / (problem.shape_sigma * problem.shape_sigma));
+  const TurningCovariance covariance =
+      widened_inverse(turning.information, prior, widening(model.attitude));
+  if (!covariance.allFinite() || !(covariance.diagonal().minCoeff() > 0.0)) {
+    return false;
+  }
+  model.covariance.topLeftCorner<kTurningUnknowns, kTurningUnknowns>() = covariance;
+  model.status = ModelStatus::kAccepted;
+  return true;
+}
+
+/// Do the poses tell the inertia's ratios to a hundredth, while what was held of the shape beforehand still
+/// moves it by more than a tenth of its sigma? So it does with sheets and thin rods: of a second moment that is next to
+/// zero the prior makes one of several sigmas.
+bool prior_outlived(const RigidModel& model, double shape_sigma) {
+  constexpr double kKnown = 0.01;
+  constexpr double kMoved = 0.1;
+  const InertiaShape pull = model.shape / (shape_sigma * shape_sigma);
+  const double moved2 = pull.dot(model.covariance.block<5, 5>(6, 6) * pull);
+  if (!(moved2 > kMoved * kMoved)) {
+    return false;
+  }
+  const Result<BodyDynamics> body = describe_dynamics(model);
+  const auto known = [](const Estimated& ratio) { return ratio.sigma < kKnown * ratio.value; };
+  return body && known(body.value().middle_over_least) && known(body.value().largest_over_least);
+}
+
 RigidModel fit_window(std::span<const PoseSample> poses,
                       const MotionSnapshot& snapshot,
                       MotionWorkspace& work) {
@@ -169,28 +222,19 @@ RigidModel fit_window(std::span<const PoseSample> poses,
   }
   problem.samples = work.attitudes.view();
   const Result<TurningSolution> found = fit_turning(problem, model.reference_ns, snapshot.previous);
-  if (!found || !trace(found.value(), problem, work)) {
+  if (!found || !take_turning(found.value(), problem, poses, snapshot, work, model)) {
     return model;
   }
-  const TurningSolution& turning = found.value();
-  model.reference = turning.reference;
-  model.shape = turning.shape;
-  model.attitude = residual_level(residual_input(poses, snapshot.drift, true, work));
-  const double outliers_max = kOutliersMax * static_cast<double>(poses.size());
-  if (!(model.attitude.chi2_per_dof < kChi2PerDofMax) ||
-      static_cast<double>(model.attitude.outliers) > outliers_max) {
-    model.status = ModelStatus::kResidualsTooLarge;
-    return model;
+  if (prior_outlived(model, problem.shape_sigma)) {
+    problem.shape_sigma = kReleasedShapeSigma;
+    problem.iterations_max = kReleasedIterationsMax;
+    const auto released = refine_turning(problem, found.value(), 0, problem.samples.size());
+    if (!released || !take_turning(released.value(), problem, poses, snapshot, work, model)) {
+      problem.shape_sigma = kModelShapeSigma;
+      (void)take_turning(found.value(), problem, poses, snapshot, work, model);
+    }
   }
-  TurningCovariance prior = TurningCovariance::Zero();
-  prior.diagonal().tail<5>().setConstant(1.0 / (kModelShapeSigma * kModelShapeSigma));
-  const TurningCovariance covariance =
-      widened_inverse(turning.information, prior, widening(model.attitude));
-  if (!covariance.allFinite() || !(covariance.diagonal().minCoeff() > 0.0)) {
-    return model;
-  }
-  model.covariance.topLeftCorner<kTurningUnknowns, kTurningUnknowns>() = covariance;
-  model.status = ModelStatus::kAccepted;
+  const TurningCovariance covariance = model.covariance.topLeftCorner<kTurningUnknowns, kTurningUnknowns>();
   add_path(poses, snapshot, covariance, work, model);
   return model;
 }

@@ -51,6 +51,14 @@ TEST(RigidModel, OfThePapersCaseReachesTheBoundWithHonestSigmas) {
   expect_consistent(paper_case(150), 12);
 }
 
+TEST(RigidModel, OfASheetIsNotMadeThickByWhatWasHeldBeforehand) {
+  // The second moment across the sheet is zero; over 300 poses the prior would make it several sigmas.
+  const BoundCase c = paper_case(300);
+  const Eigen::Vector3d& J = c.body.inertia;
+  ASSERT_NEAR(J(0) + J(2), J(1), 1e-12);
+  expect_consistent(c, 12);
+}
+
 TEST(RigidModel, OfATumblingBodyReachesTheBoundWithHonestSigmas) {
   expect_consistent(tumbling_case(120), 12);
 }
