@@ -72,6 +72,7 @@ StartOutcome run_start_contest(const StartProblem& problem,
   if (!select_contest_set(problem, &workspace.set)) {
     return out;
   }
+  out.crowded = is_crowded(problem, workspace.set);
   Contest contest{.problem = problem, .options = options, .w = workspace};
   hold_contest(&contest);
   if (workspace.refined.empty()) {

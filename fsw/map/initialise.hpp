@@ -69,6 +69,7 @@ struct StartOutcome {
       0.0;  ///< curvature of the visible side over its 1-sigma; positive: the middle is nearest
   double inlier_ratio = 0.0;  ///< of the contest's sightings
   int hypotheses = 0;         ///< different ones that were refined to the end
+  bool crowded = false;       ///< the frames were more than the contest has tracks for: fewer would decide more
   FixedVector<StartFramePose, limits::kStartFrames> frames;  ///< by frame
   FixedVector<StartPoint, limits::kStartTracks> points;      ///< by track
 };
@@ -111,6 +112,10 @@ StartOutcome run_start_contest(const StartProblem& problem,
 /// over the image.
 /// @return false when no three frames have enough tracks in common.
 bool select_contest_set(const StartProblem& problem, StartContestSet* set);
+
+/// Is the set full, and has a frame fewer tracks in it than speak for one hypothesis or its twin, and than
+/// it could have?
+bool is_crowded(const StartProblem& problem, const StartContestSet& set);
 
 /// Curvature of the visible side in `frame`: the r^2 term of a quadratic depth fit over its
 /// 1-sigma. Convex opaque bodies give a positive sign, their depth-reversed twins a negative one;

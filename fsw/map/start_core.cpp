@@ -19,6 +19,8 @@ constexpr double kCommonEnough = 60.0;
 constexpr std::size_t kFirstCoreTracks = 80;
 // Tracks that each frame should have in the contest, when it has them.
 constexpr int kFrameQuota = 60;
+// With fewer a frame hardly speaks for one hypothesis or its twin.
+constexpr int kFrameTracksEnough = 40;
 
 using FrameMask = std::uint32_t;
 static_assert(limits::kStartFrames <= 32);
@@ -183,6 +185,14 @@ void add_frame_quotas(const StartProblem& problem, StartContestSet* set) {
   }
 }
 
+using FrameCounts = std::array<int, limits::kStartFrames>;
+
+void count_frames(const StartTrack& track, FrameCounts* counts) {
+  for (const StartObservation& o : track.observations) {
+    ++(*counts)[static_cast<std::size_t>(o.frame)];
+  }
+}
+
 void list_sightings(const StartProblem& problem, StartContestSet* set) {
   set->sightings.clear();
   for (std::size_t k = 0; k < set->tracks.size(); ++k) {
@@ -260,6 +270,24 @@ bool select_contest_set(const StartProblem& problem, StartContestSet* set) {
   add_frame_quotas(problem, set);
   list_sightings(problem, set);
   return true;
+}
+
+bool is_crowded(const StartProblem& problem, const StartContestSet& set) {
+  FrameCounts offered{};
+  FrameCounts taken{};
+  for (const StartTrack& track : problem.tracks) {
+    if (track.observations.size() >= 2) {
+      count_frames(track, &offered);
+    }
+  }
+  for (const int track : set.tracks) {
+    count_frames(problem.tracks[static_cast<std::size_t>(track)], &taken);
+  }
+  bool short_of_tracks = false;
+  for (std::size_t f = 0; f < problem.times_s.size(); ++f) {
+    short_of_tracks = short_of_tracks || (taken[f] < kFrameTracksEnough && offered[f] >= kFrameTracksEnough);
+  }
+  return set.tracks.full() && short_of_tracks;
 }
 
 }  // namespace polhode

@@ -141,7 +141,13 @@ void begin_again(Component::State* s) {
 void take_start(Component::State* s) {
   const StartJob& job = s->job.start;
   const bool frames_are_there = job.losses == s->counters.lost;
-  if (job.outcome.decision != StartDecision::kCommit || !frames_are_there) {
+  if (!frames_are_there) {
+    return;
+  }
+  if (job.outcome.decision != StartDecision::kCommit) {
+    if (job.outcome.crowded && s->tracks.frames.size() == job.frame_count) {
+      drop_oldest_frame(&s->tracks);
+    }
     return;
   }
   if (s->mode == Mode::kAcquiring) {
