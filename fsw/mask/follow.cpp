@@ -100,24 +100,52 @@ void place_prior(const MaskPrior& prior, MaskState* s) {
   }
 }
 
-void find_piece(MaskState* s) {
+/// The spacing of a body's texture, halved.
+int closing_radius(const MaskState& s) { return std::max(2, s.points.whole().width / 160); }
+
+bool find_closed(int closing_px, MaskState* s, cv::Mat* outline) {
   cv::Rect region = s->evidence.region;
   if (!s->certain.empty()) {
     region |= cv::boundingRect(s->certain);
   }
-  s->found = find_outline(s->evidence.total, s->certain, region, &s->scratch, &s->outline);
+  return find_outline(s->evidence.total, s->certain, region, closing_px, &s->scratch, outline);
+}
+
+void find_piece(MaskState* s) {
+  s->found = find_closed(closing_radius(*s), s, &s->outline);
   if (!s->reach.empty()) {
     cv::bitwise_and(s->outline, s->reach, s->outline);
   }
 }
 
-/// What speaks for the target in each pixel before the edges are asked: this picture and the few
-/// before it, and with a map the nearness to landmarks.
+/// Where the pictures agree with the background's motion and not with the target's.
+void find_agreement(MaskState* s) {
+  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->agreeing, cv::CMP_LT);
+}
+
+/// Adds what the evidence encloses when gaps twice as wide are closed, save where the background is
+/// seen: a panel as gray as the ocean behind it shows in its grid alone. Where it comes into view
+/// there are no landmarks yet, so their reach does not bound it.
+void widen_outline(MaskState* s) {
+  if (!find_closed(2 * closing_radius(*s), s, &s->cells)) {
+    return;
+  }
+  find_agreement(s);
+  s->cells.setTo(0, s->agreeing);
+  cv::bitwise_or(s->outline, s->cells, s->outline);
+}
+
+/// What speaks for the target in each pixel before the edges are asked: these pictures, and with a
+/// map the nearness to landmarks. All of it is weak against an even place's price of 6: what a
+/// moving target uncovers contradicts the background as much as the target does, so motion is off
+/// by what has been uncovered, and only the edges of the picture are where the target ends.
 void form_opinion(double radius, MaskState* s) {
-  constexpr float kEvidenceShare = 1.0F;
-  constexpr float kOutlineShare = 0.6F;
-  constexpr float kMapShare = 0.8F;
-  const bool by_map = !s->certain.empty() && cv::countNonZero(s->certain) > 0;
+  constexpr float kEvidenceShare = 0.15F;
+  constexpr float kEvidenceMin = -0.5F;  // places that look like the background agree by chance
+  constexpr float kEvidenceMax = 1.5F;
+  constexpr float kOutlineShare = 0.3F;
+  constexpr float kMapShare = 0.25F;
+  const bool by_map = !s->reach.empty();
   const auto near = static_cast<float>(std::max(3.0, 0.1 * radius));
   s->opinion.create(s->evidence.total.size(), CV_32FC1);
   for (int row = 0; row < s->opinion.rows; ++row) {
@@ -126,18 +154,14 @@ void form_opinion(double radius, MaskState* s) {
     const std::uint8_t* outline = s->outline.ptr<std::uint8_t>(row);
     auto* opinion = s->opinion.ptr<float>(row);
     for (int column = 0; column < s->opinion.cols; ++column) {
-      opinion[column] = kEvidenceShare * evidence[column] +
-                        (outline[column] != 0 ? kOutlineShare : -kOutlineShare);
+      opinion[column] =
+          kEvidenceShare * std::clamp(evidence[column], kEvidenceMin, kEvidenceMax) +
+          (outline[column] != 0 ? kOutlineShare : -kOutlineShare);
       if (by_map) {
-        opinion[column] += kMapShare * std::clamp(1.0F - distance[column] / near, -1.0F, 1.0F);
+        opinion[column] += kMapShare * std::max(0.0F, 1.0F - distance[column] / near);
       }
     }
   }
-}
-
-/// Where the pictures agree with the background's motion and not with the target's.
-void find_agreement(MaskState* s) {
-  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->agreeing, cv::CMP_LT);
 }
 
 /// Where pictures are compared: about the target where it is known, and now and then everywhere.
@@ -235,6 +259,7 @@ void sharpen_outline(const MaskPrior& prior, MaskState* s) {
   place_prior(prior, s);
   find_piece(s);
   if (s->found) {
+    widen_outline(s);
     form_opinion(prior.radius_px / s->points.decimation, s);
     refine_opinion(s->points.picture(0), s->outline, s->network, &s->refine_scratch, &s->opinion);
     cut_at_edges(s->points.picture(0), s->opinion, s->certain, &s->outline);

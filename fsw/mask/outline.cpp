@@ -1,7 +1,9 @@
 #include "mask/outline.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/imgproc/detail/gcgraph.hpp>
 
@@ -18,9 +20,6 @@ constexpr double kPieceEvidenceMin = 250.0;
 cv::Mat disc(int radius) {
   return cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(2 * radius + 1, 2 * radius + 1));
 }
-
-/// Gaps of up to twice this are closed: the spacing of a body's texture.
-int closing_radius(const cv::Size& size) { return std::max(2, size.width / 160); }
 
 struct Piece {
   int label = 0;
@@ -82,60 +81,115 @@ void fill_holes(cv::Mat* outline, cv::Mat* flooded) {
 /// Inverse of the mean square step between neighbours, of both directions together: a step of that
 /// size costs 1/e of an even place.
 double step_falloff(const cv::Mat& gray) {
-  double squares = 1.0;
+  std::int64_t squares = 1;
   for (int row = 0; row + 1 < gray.rows; ++row) {
+    const auto* here = gray.ptr<std::uint8_t>(row);
+    const auto* below = gray.ptr<std::uint8_t>(row + 1);
     for (int column = 0; column + 1 < gray.cols; ++column) {
-      const int p = gray.at<std::uint8_t>(row, column);
-      squares += std::pow(p - gray.at<std::uint8_t>(row, column + 1), 2.0);
-      squares += std::pow(p - gray.at<std::uint8_t>(row + 1, column), 2.0);
+      const int right = here[column] - here[column + 1];
+      const int down = here[column] - below[column];
+      squares += right * right + down * down;
     }
   }
-  return static_cast<double>(gray.total()) / squares;
+  return static_cast<double>(gray.total()) / static_cast<double>(squares);
 }
 
 using Graph = cv::detail::GCGraph<float>;
 
-/// A node for each pixel of the box, with what speaks for or against target there.
+constexpr double kCertain = 1000.0;
+
+/// Price of calling a pixel background; negative: of calling it target. What is at the box's rim
+/// and outside of the outline is background.
+double price_at(const cv::Mat& opinion,
+                const cv::Mat& certain,
+                const cv::Mat& outline,
+                cv::Point at) {
+  if (!certain.empty() && certain.at<std::uint8_t>(at) != 0) {
+    return kCertain;
+  }
+  const bool rim =
+      at.y == 0 || at.x == 0 || at.y + 1 == opinion.rows || at.x + 1 == opinion.cols;
+  return rim && outline.at<std::uint8_t>(at) == 0 ? -kCertain
+                                                   : static_cast<double>(opinion.at<float>(at));
+}
+
+void add_price(int node, double price, Graph* graph) {
+  graph->addTermWeights(
+      node, static_cast<float>(std::max(price, 0.0)), static_cast<float>(std::max(-price, 0.0)));
+}
+
+/// Pixels near the outline, where it may be moved to: numbered in `nodes`, the others -1.
+int number_band(const cv::Mat& outline, int reach_px, cv::Mat* nodes) {
+  const cv::Mat square = cv::Mat::ones(2 * reach_px + 1, 2 * reach_px + 1, CV_8UC1);
+  cv::Mat grown;
+  cv::Mat shrunk;
+  cv::dilate(outline, grown, square);
+  cv::erode(outline, shrunk, square);
+  nodes->create(outline.size(), CV_32SC1);
+  int count = 0;
+  for (int row = 0; row < outline.rows; ++row) {
+    for (int column = 0; column < outline.cols; ++column) {
+      const bool open = grown.at<std::uint8_t>(row, column) != shrunk.at<std::uint8_t>(row, column);
+      nodes->at<int>(row, column) = open ? count++ : -1;
+    }
+  }
+  return count;
+}
+
 void add_places(const cv::Mat& opinion,
                 const cv::Mat& certain,
                 const cv::Mat& outline,
+                const cv::Mat& nodes,
                 Graph* graph) {
-  constexpr double kCertain = 1000.0;
   for (int row = 0; row < opinion.rows; ++row) {
     for (int column = 0; column < opinion.cols; ++column) {
-      const bool rim =
-          row == 0 || column == 0 || row + 1 == opinion.rows || column + 1 == opinion.cols;
-      auto price = static_cast<double>(opinion.at<float>(row, column));
-      if (!certain.empty() && certain.at<std::uint8_t>(row, column) != 0) {
-        price = kCertain;
-      } else if (rim && outline.at<std::uint8_t>(row, column) == 0) {
-        price = -kCertain;
+      if (nodes.at<int>(row, column) >= 0) {
+        add_price(graph->addVtx(), price_at(opinion, certain, outline, {column, row}), graph);
       }
-      graph->addTermWeights(graph->addVtx(),
-                            static_cast<float>(std::max(price, 0.0)),
-                            static_cast<float>(std::max(-price, 0.0)));
     }
   }
 }
 
-/// A cut between neighbours costs less, the larger the step between them.
-void tie_neighbours(const cv::Mat& gray, Graph* graph) {
+/// Price of a cut between neighbours by the step between them: the less, the larger it is.
+std::array<float, 256> tie_prices(const cv::Mat& gray) {
   constexpr double kEven = 6.0;  // price of cutting an even place
   const double falloff = step_falloff(gray);
+  std::array<float, 256> prices{};
+  for (std::size_t step = 0; step < prices.size(); ++step) {
+    const auto levels = static_cast<double>(step);
+    prices[step] = static_cast<float>(kEven * std::exp(-falloff * levels * levels));
+  }
+  return prices;
+}
+
+/// What lies beyond the band stays as it is: a cut from it is a price of the pixel beside it.
+void tie_neighbours(const cv::Mat& gray,
+                    const cv::Mat& outline,
+                    const cv::Mat& nodes,
+                    Graph* graph) {
+  const std::array<float, 256> prices = tie_prices(gray);
+  const auto tie = [&](cv::Point a, cv::Point b) {
+    const int node_a = nodes.at<int>(a);
+    const int node_b = nodes.at<int>(b);
+    if (node_a < 0 && node_b < 0) {
+      return;
+    }
+    const int step = std::abs(gray.at<std::uint8_t>(a) - gray.at<std::uint8_t>(b));
+    const float price = prices[static_cast<std::size_t>(step)];
+    if (node_a >= 0 && node_b >= 0) {
+      graph->addEdges(node_a, node_b, price, price);
+      return;
+    }
+    const bool target = outline.at<std::uint8_t>(node_a < 0 ? a : b) != 0;
+    add_price(std::max(node_a, node_b), target ? price : -price, graph);
+  };
   for (int row = 0; row < gray.rows; ++row) {
     for (int column = 0; column < gray.cols; ++column) {
-      const int node = row * gray.cols + column;
-      const int p = gray.at<std::uint8_t>(row, column);
-      const auto tie = [&](int other, int level) {
-        const auto weight =
-            static_cast<float>(kEven * std::exp(-falloff * (p - level) * (p - level)));
-        graph->addEdges(node, other, weight, weight);
-      };
       if (column > 0) {
-        tie(node - 1, gray.at<std::uint8_t>(row, column - 1));
+        tie({column, row}, {column - 1, row});
       }
       if (row > 0) {
-        tie(node - gray.cols, gray.at<std::uint8_t>(row - 1, column));
+        tie({column, row}, {column, row - 1});
       }
     }
   }
@@ -146,6 +200,7 @@ void tie_neighbours(const cv::Mat& gray, Graph* graph) {
 bool find_outline(const cv::Mat& all_evidence,
                   const cv::Mat& all_certain,
                   const cv::Rect& region,
+                  int closing_px,
                   OutlineScratch* s,
                   cv::Mat* whole_outline) {
   whole_outline->create(all_evidence.size(), CV_8UC1);
@@ -163,7 +218,7 @@ bool find_outline(const cv::Mat& all_evidence,
   if (!certain.empty()) {
     cv::bitwise_or(s->positive, certain, s->positive);
   }
-  const cv::Mat element = disc(closing_radius(all_evidence.size()));
+  const cv::Mat element = disc(closing_px);
   cv::morphologyEx(s->positive, s->positive, cv::MORPH_CLOSE, element);
   const int count =
       cv::connectedComponentsWithStats(s->positive, s->labels, s->stats, s->centroids, 8, CV_32S);
@@ -202,15 +257,22 @@ void cut_at_edges(const cv::Mat& picture,
   const int margin = std::max(4, std::max(box.width, box.height) / 8);
   box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
         cv::Rect(0, 0, picture.cols, picture.rows);
-  Graph graph(static_cast<unsigned>(box.area()), static_cast<unsigned>(4 * box.area()));
-  add_places(opinion(box), certain.empty() ? cv::Mat() : certain(box), (*outline)(box), &graph);
-  tie_neighbours(picture(box), &graph);
+  cv::Mat part = (*outline)(box);
+  const cv::Mat sure = certain.empty() ? cv::Mat() : certain(box);
+  if (!sure.empty()) {
+    cv::bitwise_or(part, sure, part);
+  }
+  cv::Mat nodes;
+  const int count = number_band(part, std::max(4, picture.cols / 32), &nodes);
+  Graph graph(static_cast<unsigned>(count), static_cast<unsigned>(4 * count));
+  add_places(opinion(box), sure, part, nodes, &graph);
+  tie_neighbours(picture(box), part, nodes, &graph);
   graph.maxFlow();
-  outline->setTo(0);
   for (int row = 0; row < box.height; ++row) {
     for (int column = 0; column < box.width; ++column) {
-      if (graph.inSourceSegment(row * box.width + column)) {
-        outline->at<std::uint8_t>(row + box.y, column + box.x) = 255;
+      const int node = nodes.at<int>(row, column);
+      if (node >= 0) {
+        part.at<std::uint8_t>(row, column) = graph.inSourceSegment(node) ? 255 : 0;
       }
     }
   }

@@ -12,21 +12,23 @@ struct OutlineScratch {
 
 /// The piece with the most evidence, and what lies close to it: closed, its holes filled.
 /// @param evidence CV_32FC1. @param certain CV_8UC1 or empty: target whatever the evidence.
-/// @param region outside of it there is no evidence.
+/// @param region outside of it there is no evidence. @param closing_px gaps of up to twice this are
+/// closed.
 /// @param outline CV_8UC1, 255 on the target; all 0 when there is no piece worth a target.
 /// @return false when there is none.
 bool find_outline(const cv::Mat& evidence,
                   const cv::Mat& certain,
                   const cv::Rect& region,
+                  int closing_px,
                   OutlineScratch* scratch,
                   cv::Mat* outline);
 
 /// Moves the outline to the edges of the picture nearby: the least cut between target and the rest,
-/// dear where the picture is even. Only in the box of the outline, grown by an eighth; for
+/// dear where the picture is even. By a thirty-second of the picture's width at most; for
 /// keyframes.
 /// @param opinion CV_32FC1: for (positive) or against target, pixel by pixel; 6 equals an even
-/// place.
-/// @cost one maximum flow over the region's pixels.
+/// place. Far weaker, it says on which side of an edge the target is, and the edges say where.
+/// @cost one maximum flow over the pixels that the outline may be moved over.
 /// @source Boykov and Kolmogorov, PAMI 2004, by way of OpenCV.
 void cut_at_edges(const cv::Mat& picture,
                   const cv::Mat& opinion,
