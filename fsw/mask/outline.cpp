@@ -264,6 +264,9 @@ void cut_at_edges(const cv::Mat& picture,
   }
   cv::Mat nodes;
   const int count = number_band(part, std::max(4, picture.cols / 32), &nodes);
+  if (count == 0) {
+    return;  // it fills the picture, and a cut through nothing is an error
+  }
   Graph graph(static_cast<unsigned>(count), static_cast<unsigned>(4 * count));
   add_places(opinion(box), sure, part, nodes, &graph);
   tie_neighbours(picture(box), part, nodes, &graph);

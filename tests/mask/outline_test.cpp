@@ -79,6 +79,12 @@ TEST(CutAtEdges, LeavesAnEmptyOutlineAlone) {
   EXPECT_EQ(cv::countNonZero(outline), 0);
 }
 
+TEST(CutAtEdges, LeavesAnOutlineThatFillsThePictureAlone) {
+  cv::Mat outline(kSize, CV_8UC1, cv::Scalar(255));
+  cut_at_edges(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)), {}, &outline);
+  EXPECT_EQ(cv::countNonZero(outline), kSize.area());
+}
+
 TEST(CutAtEdges, KeepsWhatIsCertain_WhateverTheOpinion) {
   cv::Mat outline = body();
   cv::Mat certain(kSize, CV_8UC1, cv::Scalar(0));
