@@ -39,18 +39,30 @@ FrameMask mask_of(const StartTrack& track) {
   return mask;
 }
 
+using FrameCounts = std::array<int, limits::kStartFrames>;
+
+void count_frames(const StartTrack& track, FrameCounts* counts) {
+  for (const StartObservation& o : track.observations) {
+    ++(*counts)[static_cast<std::size_t>(o.frame)];
+  }
+}
+
+/// Tracks in each frame that another frame sees too.
+FrameCounts count_offered(const StartProblem& problem) {
+  FrameCounts counts{};
+  for (const StartTrack& track : problem.tracks) {
+    if (track.observations.size() >= 2) {
+      count_frames(track, &counts);
+    }
+  }
+  return counts;
+}
+
 /// Frames with tracks enough, in order. A frame that lost most of its tracks would break every run
 /// through it.
 FixedVector<int, limits::kStartFrames> live_frames(const StartProblem& problem) {
-  std::array<int, limits::kStartFrames> counts{};
-  for (const StartTrack& track : problem.tracks) {
-    if (track.observations.size() >= 2) {
-      for (const StartObservation& o : track.observations) {
-        ++counts[static_cast<std::size_t>(o.frame)];
-      }
-    }
-  }
-  std::array<int, limits::kStartFrames> sorted = counts;
+  const FrameCounts counts = count_offered(problem);
+  FrameCounts sorted = counts;
   const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(problem.times_s.size());
   std::sort(sorted.begin(), end);
   const int median = sorted[problem.times_s.size() / 2];
@@ -148,14 +160,12 @@ bool take_farthest(const StartProblem& problem,
 
 /// Tracks outside the core, so that every frame has its quota.
 void add_frame_quotas(const StartProblem& problem, StartContestSet* set) {
-  std::array<int, limits::kStartFrames> counts{};
+  FrameCounts counts{};
   FixedVector<std::uint8_t, limits::kStartTracks> taken;
   taken.resize(problem.tracks.size());
   const auto count = [&](int track) {
     taken[static_cast<std::size_t>(track)] = 1;
-    for (const StartObservation& o : problem.tracks[static_cast<std::size_t>(track)].observations) {
-      ++counts[static_cast<std::size_t>(o.frame)];
-    }
+    count_frames(problem.tracks[static_cast<std::size_t>(track)], &counts);
   };
   std::for_each(set->tracks.begin(), set->tracks.end(), count);
   for (std::size_t n = set->tracks.size(); n < kContestTracks; ++n) {
@@ -182,14 +192,6 @@ void add_frame_quotas(const StartProblem& problem, StartContestSet* set) {
     }
     (void)set->tracks.push_back(best_track);
     count(best_track);
-  }
-}
-
-using FrameCounts = std::array<int, limits::kStartFrames>;
-
-void count_frames(const StartTrack& track, FrameCounts* counts) {
-  for (const StartObservation& o : track.observations) {
-    ++(*counts)[static_cast<std::size_t>(o.frame)];
   }
 }
 
@@ -273,21 +275,20 @@ bool select_contest_set(const StartProblem& problem, StartContestSet* set) {
 }
 
 bool is_crowded(const StartProblem& problem, const StartContestSet& set) {
-  FrameCounts offered{};
-  FrameCounts taken{};
-  for (const StartTrack& track : problem.tracks) {
-    if (track.observations.size() >= 2) {
-      count_frames(track, &offered);
-    }
+  if (!set.tracks.full()) {
+    return false;
   }
+  const FrameCounts offered = count_offered(problem);
+  FrameCounts taken{};
   for (const int track : set.tracks) {
     count_frames(problem.tracks[static_cast<std::size_t>(track)], &taken);
   }
-  bool short_of_tracks = false;
   for (std::size_t f = 0; f < problem.times_s.size(); ++f) {
-    short_of_tracks = short_of_tracks || (taken[f] < kFrameTracksEnough && offered[f] >= kFrameTracksEnough);
+    if (taken[f] < kFrameTracksEnough && offered[f] >= kFrameTracksEnough) {
+      return true;
+    }
   }
-  return set.tracks.full() && short_of_tracks;
+  return false;
 }
 
 }  // namespace polhode

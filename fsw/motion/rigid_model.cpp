@@ -121,9 +121,9 @@ Matrix widened_inverse(const Matrix& information, const Matrix& prior, double fa
 
 void add_path(std::span<const PoseSample> poses,
               const MotionSnapshot& snapshot,
-              const TurningCovariance& turning,
               MotionWorkspace& work,
               RigidModel& model) {
+  const TurningCovariance turning = model.covariance.topLeftCorner<kTurningUnknowns, kTurningUnknowns>();
   const PathProblem problem{.samples = work.positions.view(),
                             .reference_s = 0.0,
                             .orbit = model.orbit,
@@ -234,8 +234,7 @@ RigidModel fit_window(std::span<const PoseSample> poses,
       (void)take_turning(found.value(), problem, poses, snapshot, work, model);
     }
   }
-  const TurningCovariance covariance = model.covariance.topLeftCorner<kTurningUnknowns, kTurningUnknowns>();
-  add_path(poses, snapshot, covariance, work, model);
+  add_path(poses, snapshot, work, model);
   return model;
 }
 
