@@ -4,12 +4,6 @@
 #include "geometry/so3.hpp"
 
 namespace polhode {
-namespace {
-// A point whose depth is under this fraction of the origin's is in the camera's plane for every
-// purpose here.
-constexpr double kRelativeDepthMin = 1e-3;
-}  // namespace
-
 InverseDepthPose to_inverse_depth(const Pose& pose) {
   POLHODE_ASSERT(pose.p_CT.z() > 0.0, pose.p_CT.z());
   const double s = 1.0 / pose.p_CT.z();
@@ -29,39 +23,6 @@ Eigen::Matrix3d uvs_by_position(const Eigen::Vector3d& p_CT) {
       0.0, s, -p_CT.y() * s * s,    //
       0.0, 0.0, -s * s;
   return by;
-}
-
-bool reproject(const InverseDepthPose& pose,
-               const Eigen::Vector3d& p_T,
-               Eigen::Vector2d* normalised) {
-  const Eigen::Vector3d q = pose.R_CT * p_T;
-  const double s = pose.uvs.z();
-  const double denominator = 1.0 + s * q.z();
-  if (!(denominator > kRelativeDepthMin) || !(s > 0.0)) {
-    return false;
-  }
-  *normalised = Eigen::Vector2d(s * q.x() + pose.uvs.x(), s * q.y() + pose.uvs.y()) / denominator;
-  return true;
-}
-
-bool reproject(const InverseDepthPose& pose,
-               const Eigen::Vector3d& p_T,
-               Eigen::Vector2d* normalised,
-               ReprojectionJacobians* jacobians) {
-  if (!reproject(pose, p_T, normalised)) {
-    return false;
-  }
-  const Eigen::Vector3d q = pose.R_CT * p_T;
-  const double s = pose.uvs.z();
-  const double inverse = 1.0 / (1.0 + s * q.z());
-  Eigen::Matrix<double, 2, 3> by_q;
-  by_q << s * inverse, 0.0, -s * inverse * normalised->x(), 0.0, s * inverse,
-      -s * inverse * normalised->y();
-  jacobians->rotation = -by_q * hat(q);
-  jacobians->point = by_q * pose.R_CT;
-  jacobians->uvs << inverse, 0.0, inverse * (q.x() - normalised->x() * q.z()), 0.0, inverse,
-      inverse * (q.y() - normalised->y() * q.z());
-  return true;
 }
 
 Eigen::Matrix<double, 2, 6> projection_jacobian(const Pose& pose, const Eigen::Vector3d& p_T) {

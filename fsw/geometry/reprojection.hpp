@@ -21,11 +21,8 @@ Pose from_inverse_depth(const InverseDepthPose& pose);
 /// Derivative of uvs by the position p_CT.
 Eigen::Matrix3d uvs_by_position(const Eigen::Vector3d& p_CT);
 
-/// Normalised image point of p_T: (s r1.p + u, s r2.p + v) / (1 + s r3.p).
-/// @return false when the point lies in or behind the camera's plane.
-bool reproject(const InverseDepthPose& pose,
-               const Eigen::Vector3d& p_T,
-               Eigen::Vector2d* normalised);
+/// A point whose depth is under this fraction of the origin's is in the camera's plane for every purpose here.
+inline constexpr double kRelativeDepthMin = 1e-3;
 
 struct ReprojectionJacobians {
   Eigen::Matrix<double, 2, 3> rotation;  ///< by phi in R = exp(phi) R_CT
@@ -33,11 +30,37 @@ struct ReprojectionJacobians {
   Eigen::Matrix<double, 2, 3> point;  ///< by p_T
 };
 
-/// As above, with derivatives.
-bool reproject(const InverseDepthPose& pose,
-               const Eigen::Vector3d& p_T,
-               Eigen::Vector2d* normalised,
-               ReprojectionJacobians* jacobians);
+/// Normalised image point of p_T: (s r1.p + u, s r2.p + v) / (1 + s r3.p), and its derivatives. Here, and
+/// written out, because adjustments do little else.
+/// @param jacobians  may be nullptr
+/// @return false when the point lies in or behind the camera's plane.
+inline bool reproject(const InverseDepthPose& pose,
+                      const Eigen::Vector3d& p_T,
+                      Eigen::Vector2d* normalised,
+                      ReprojectionJacobians* jacobians = nullptr) {
+  const Eigen::Vector3d q = pose.R_CT * p_T;
+  const double s = pose.uvs.z();
+  const double denominator = 1.0 + s * q.z();
+  if (!(denominator > kRelativeDepthMin) || !(s > 0.0)) {
+    return false;
+  }
+  const double inverse = 1.0 / denominator;
+  const double x = (s * q.x() + pose.uvs.x()) * inverse;
+  const double y = (s * q.y() + pose.uvs.y()) * inverse;
+  *normalised = {x, y};
+  if (jacobians == nullptr) {
+    return true;
+  }
+  // By q = R p: (a, 0, -a x) and (0, a, -a y); a turn by phi moves q by phi x q.
+  const double a = s * inverse;
+  jacobians->rotation << -a * x * q.y(), a * (x * q.x() + q.z()), -a * q.y(),  //
+      -a * (y * q.y() + q.z()), a * y * q.x(), a * q.x();
+  jacobians->uvs << inverse, 0.0, inverse * (q.x() - x * q.z()),  //
+      0.0, inverse, inverse * (q.y() - y * q.z());
+  jacobians->point.row(0) = a * (pose.R_CT.row(0) - x * pose.R_CT.row(2));
+  jacobians->point.row(1) = a * (pose.R_CT.row(1) - y * pose.R_CT.row(2));
+  return true;
+}
 
 /// Derivatives of the projection of p_C = R_CT p_T + p_CT by the pose error (phi, dp) of
 /// PoseCovariance. Needs z > 0.

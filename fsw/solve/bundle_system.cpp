@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/assert.hpp"
+#include "base/wide.hpp"
 #include "geometry/so3.hpp"
 
 namespace polhode {
@@ -23,6 +24,24 @@ double loss(double error2, double width_sigma) {
   const double width2 = width_sigma * width_sigma;
   return width2 * std::log1p(error2 / width2);
 }
+
+/// Sum of the logarithms of numbers from 1 on, by one logarithm for many.
+class SumOfLogs {
+ public:
+  void add(double factor) {
+    product_ *= factor;
+    if (product_ > kLarge) {
+      sum_ += std::log(product_);
+      product_ = 1.0;
+    }
+  }
+  [[nodiscard]] double value() const { return sum_ + std::log(product_); }
+
+ private:
+  static constexpr double kLarge = 1e150;  // a factor under this does not overflow the product
+  double sum_ = 0.0;
+  double product_ = 1.0;
+};
 
 double weight(double error2, double width_sigma) {
   return 1.0 / (1.0 + error2 / (width_sigma * width_sigma));
@@ -55,11 +74,11 @@ bool fits(const BundleProblem& problem) {
 
 }  // namespace
 
+/// Of one observation, in sigma.
 struct BundleSystem::Linearised {
-  Eigen::Vector2d residual;  ///< in sigma
-  double weight = 0.0;       ///< of the Cauchy loss
-  Eigen::Matrix<double, 2, 6> by_pose;
-  Eigen::Matrix<double, 2, 3> by_point;
+  Eigen::Matrix<double, 6, 2> by_pose;
+  Eigen::Matrix<double, 4, 2> by_point;  ///< the last row is the residual
+  double weight = 0.0;                   ///< of the Cauchy loss
 };
 
 BundleSystem::BundleSystem(const BundleProblem& problem,
@@ -75,17 +94,20 @@ BundleSystem::BundleSystem(const BundleProblem& problem,
 
 double BundleSystem::cost(std::span<const InverseDepthPose> poses,
                           std::span<const Eigen::Vector3d> points) const {
-  double sum = 0.0;
-  for (const BundleObservation& o : p_.observations) {
-    Eigen::Vector2d x;
-    if (!reproject(poses[index(o.pose)], points[index(o.point)], &x)) {
-      return std::numeric_limits<double>::infinity();
+  const double width2 = cauchy_sigma_ * cauchy_sigma_;
+  const double logs = widely([&] {
+    SumOfLogs sum;
+    for (const BundleObservation& o : p_.observations) {
+      Eigen::Vector2d x;
+      if (!reproject(poses[index(o.pose)], points[index(o.point)], &x)) {
+        return std::numeric_limits<double>::infinity();
+      }
+      const double sigma2 = o.sigma_normalised * o.sigma_normalised;
+      sum.add(1.0 + (x - o.normalised).squaredNorm() / (sigma2 * width2));
     }
-    const double error2 =
-        (x - o.normalised).squaredNorm() / (o.sigma_normalised * o.sigma_normalised);
-    sum += loss(error2, cauchy_sigma_);
-  }
-  return 0.5 * sum + prior_cost(poses);
+    return sum.value();
+  });
+  return 0.5 * width2 * logs + prior_cost(poses);
 }
 
 double BundleSystem::prior_cost(std::span<const InverseDepthPose> poses) const {
@@ -98,7 +120,8 @@ double BundleSystem::prior_cost(std::span<const InverseDepthPose> poses) const {
 }
 
 /// The derivative of the departure is taken for one, which it is up to half of its size in radians.
-void BundleSystem::add_priors(Unknowns* gradient) {
+void BundleSystem::add_priors() {
+  Unknowns gradient(w_.gradient.data(), size_);
   for (const PosePrior& prior : p_.priors) {
     const std::int32_t block = w_.block_of_pose[index(prior.pose)];
     if (block < 0) {
@@ -108,7 +131,7 @@ void BundleSystem::add_priors(Unknowns* gradient) {
     const Vector6 pull = prior.information * r;
     const double w = weight(r.dot(pull), kPriorCauchySigma);
     w_.camera_blocks[index(block)] += w * prior.information;
-    gradient->segment<6>(6 * block) += w * pull;
+    gradient.segment<6>(6 * block) += w * pull;
   }
 }
 
@@ -151,74 +174,84 @@ bool BundleSystem::linearise(const BundleObservation& o, Linearised* out) const 
     return false;
   }
   const double inverse_sigma = 1.0 / o.sigma_normalised;
-  out->residual = inverse_sigma * (x - o.normalised);
-  out->weight = weight(out->residual.squaredNorm(), cauchy_sigma_);
-  out->by_pose << inverse_sigma * J.rotation, inverse_sigma * J.uvs;
-  out->by_point = inverse_sigma * J.point;
+  const Eigen::Vector2d residual = inverse_sigma * (x - o.normalised);
+  out->by_pose.topRows<3>() = inverse_sigma * J.rotation.transpose();
+  out->by_pose.bottomRows<3>() = inverse_sigma * J.uvs.transpose();
+  out->by_point.topRows<3>() = inverse_sigma * J.point.transpose();
+  out->by_point.row(3) = residual.transpose();
+  out->weight = weight(residual.squaredNorm(), cauchy_sigma_);
   return true;
 }
 
-/// The point's equations; what its observations say of the poses alone goes into `take`.
-template <typename TakePoseTerms>
-void BundleSystem::linearise_point(std::size_t point, TakePoseTerms take) {
-  system_.V.setZero();
-  system_.g.setZero();
-  system_.mixed.clear();
+/// @param take  (block of the pose or -1, Linearised) of each observation of the point
+template <typename Take>
+void BundleSystem::for_sightings(std::size_t point, Take take) const {
   for (auto i = w_.first_of_point[point]; i < w_.first_of_point[point + 1]; ++i) {
     const BundleObservation& o = p_.observations[index(w_.by_point[index(i)])];
     Linearised l;
-    if (!linearise(o, &l)) {
-      continue;
+    if (linearise(o, &l)) {
+      take(w_.block_of_pose[index(o.pose)], l);
     }
-    system_.V.noalias() += l.weight * l.by_point.transpose() * l.by_point;
-    system_.g.noalias() += l.weight * l.by_point.transpose() * l.residual;
-    const std::int32_t block = w_.block_of_pose[index(o.pose)];
-    if (block < 0) {
-      continue;
-    }
-    take(block, l);
-    if (system_.mixed.empty() || system_.mixed.back().block != block) {
-      (void)system_.mixed.push_back({.block = block, .W = Matrix63::Zero()});
-    }
-    system_.mixed.back().W.noalias() += l.weight * l.by_pose.transpose() * l.by_point;
   }
 }
 
-void BundleSystem::eliminate(const Eigen::Matrix3d& V_inverse, Reduced* S, Unknowns* right) const {
+void BundleSystem::fill_point_system(std::size_t point) {
+  Eigen::Matrix4d V = Eigen::Matrix4d::Zero();
+  system_.mixed.clear();
+  for_sightings(point, [&](std::int32_t block, const Linearised& l) {
+    const Eigen::Matrix<double, 4, 2> weighted = l.weight * l.by_point;
+    V.noalias() += l.by_point * weighted.transpose();
+    if (block < 0) {
+      return;
+    }
+    const Eigen::Matrix<double, 6, 2> weighted_by_pose = l.weight * l.by_pose;
+    w_.camera_blocks[index(block)].noalias() += l.by_pose * weighted_by_pose.transpose();
+    const Eigen::Matrix<double, 6, 4> W = l.by_pose * weighted.transpose();
+    if (!system_.mixed.empty() && system_.mixed.back().block == block) {
+      system_.mixed.back().W += W;
+    } else {
+      (void)system_.mixed.push_back({.block = block, .W = W});
+    }
+  });
+  system_.V = V;
+}
+
+void BundleSystem::eliminate(const Eigen::Matrix3d& V_inverse) {
+  Unknowns right = step();
+  Reduced S = reduced();
+  const Eigen::Vector3d g = system_.V.col(3).head<3>();
   for (std::size_t i = 0; i < system_.mixed.size(); ++i) {
     const PointSystem::Mixed& a = system_.mixed[i];
-    const Matrix63 Y = a.W * V_inverse;
-    right->segment<6>(6 * a.block).noalias() += Y * system_.g;
+    const Eigen::Matrix<double, 6, 3> Y = a.W.leftCols<3>() * V_inverse;
+    system_.W_V_inverse[i] = Y;
+    right.segment<6>(6 * a.block).noalias() += Y * g;
     for (std::size_t j = 0; j <= i; ++j) {
       const PointSystem::Mixed& b = system_.mixed[j];
       if (a.block >= b.block) {
-        S->block<6, 6>(6 * a.block, 6 * b.block).noalias() -= Y * b.W.transpose();
+        S.block<6, 6>(6 * a.block, 6 * b.block).noalias() -= Y * b.W.leftCols<3>().transpose();
       } else {
-        S->block<6, 6>(6 * b.block, 6 * a.block).noalias() -= b.W * Y.transpose();
+        S.block<6, 6>(6 * b.block, 6 * a.block).noalias() -=
+            system_.W_V_inverse[j] * a.W.leftCols<3>().transpose();
       }
     }
   }
 }
 
-void BundleSystem::build(double damping) {
-  Reduced S = reduced();
-  S.setZero();
+void BundleSystem::add_points(double damping) {
   Unknowns gradient(w_.gradient.data(), size_);
-  Unknowns right = step();
-  gradient.setZero();
-  right.setZero();
-  std::fill_n(w_.camera_blocks.begin(), size_ / 6, Eigen::Matrix<double, 6, 6>::Zero());
   for (std::size_t point = 0; point < p_.points_T.size(); ++point) {
-    linearise_point(point, [&](std::int32_t block, const Linearised& l) {
-      w_.camera_blocks[index(block)].noalias() += l.weight * l.by_pose.transpose() * l.by_pose;
-      gradient.segment<6>(6 * block).noalias() += l.weight * l.by_pose.transpose() * l.residual;
-    });
+    fill_point_system(point);
+    for (const PointSystem::Mixed& m : system_.mixed) {
+      gradient.segment<6>(6 * m.block) += m.W.col(3);
+    }
     if (p_.point_fixed[point] == 0) {
-      eliminate(damped_inverse(system_.V, damping), &S, &right);
+      eliminate(damped_inverse(system_.V.topLeftCorner<3, 3>(), damping));
     }
   }
-  add_priors(&gradient);
-  right -= gradient;
+}
+
+void BundleSystem::add_poses(double damping) {
+  Reduced S = reduced();
   for (Eigen::Index b = 0; b < size_ / 6; ++b) {
     Eigen::Matrix<double, 6, 6> U = w_.camera_blocks[static_cast<std::size_t>(b)];
     const double largest = U.diagonal().maxCoeff();
@@ -228,6 +261,18 @@ void BundleSystem::build(double damping) {
                         : Vector6::Ones();
     S.block<6, 6>(6 * b, 6 * b) += U;
   }
+}
+
+void BundleSystem::build(double damping) {
+  reduced().setZero();
+  step().setZero();
+  Unknowns gradient(w_.gradient.data(), size_);
+  gradient.setZero();
+  std::fill_n(w_.camera_blocks.begin(), size_ / 6, Eigen::Matrix<double, 6, 6>::Zero());
+  widely([&] { add_points(damping); });
+  add_priors();
+  step() -= gradient;
+  add_poses(damping);
 }
 
 bool BundleSystem::move_poses() {
@@ -257,22 +302,37 @@ double BundleSystem::pose_gain(double damping) const {
   return gain;
 }
 
+/// @return what the linear model gains by it.
+double BundleSystem::move_point(std::size_t point, double damping) {
+  Eigen::Matrix4d V = Eigen::Matrix4d::Zero();
+  Eigen::Vector3d by_poses = Eigen::Vector3d::Zero();
+  for_sightings(point, [&](std::int32_t block, const Linearised& l) {
+    const Eigen::Matrix<double, 4, 2> weighted = l.weight * l.by_point;
+    V.noalias() += l.by_point * weighted.transpose();
+    if (block >= 0) {
+      const Eigen::Map<const Vector6> step(&w_.step[6 * index(block)]);
+      const Eigen::Vector2d moved = l.by_pose.transpose() * step;
+      by_poses.noalias() += weighted.topRows<3>() * moved;
+    }
+  });
+  const Eigen::Matrix3d own = V.topLeftCorner<3, 3>();
+  const Eigen::Vector3d g = V.col(3).head<3>();
+  const Eigen::Vector3d step = -(damped_inverse(own, damping) * (g + by_poses));
+  w_.trial_points[point] = p_.points_T[point] + step;
+  return 0.5 * (damping * step.cwiseAbs2().dot(own.diagonal()) - step.dot(g));
+}
+
 double BundleSystem::move_points(double damping) {
   double gain = pose_gain(damping);
-  for (std::size_t point = 0; point < p_.points_T.size(); ++point) {
-    w_.trial_points[point] = p_.points_T[point];
-    if (p_.point_fixed[point] != 0) {
-      continue;
+  widely([&] {
+    for (std::size_t point = 0; point < p_.points_T.size(); ++point) {
+      if (p_.point_fixed[point] == 0) {
+        gain += move_point(point, damping);
+      } else {
+        w_.trial_points[point] = p_.points_T[point];
+      }
     }
-    linearise_point(point, [](std::int32_t, const Linearised&) {});
-    Eigen::Vector3d right = system_.g;
-    for (const PointSystem::Mixed& m : system_.mixed) {
-      right += m.W.transpose() * Eigen::Map<const Vector6>(&w_.step[6 * index(m.block)]);
-    }
-    const Eigen::Vector3d step = -(damped_inverse(system_.V, damping) * right);
-    w_.trial_points[point] += step;
-    gain += 0.5 * (damping * step.cwiseAbs2().dot(system_.V.diagonal()) - step.dot(system_.g));
-  }
+  });
   return gain;
 }
 

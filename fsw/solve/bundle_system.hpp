@@ -50,27 +50,31 @@ class BundleSystem {
   void keep_trial();
 
  private:
-  using Matrix63 = Eigen::Matrix<double, 6, 3>;
   struct Linearised;
-  /// Normal equations of one point: its own block and its product with each moving pose that sees it.
+  /// Normal equations of one point. The last column is the gradient: (V, g) of the point itself, (W, gradient)
+  /// of each moving pose that sees it.
   struct PointSystem {
     struct Mixed {
       std::int32_t block = -1;
-      Matrix63 W = Matrix63::Zero();
+      Eigen::Matrix<double, 6, 4> W;
     };
-    Eigen::Matrix3d V = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d g = Eigen::Vector3d::Zero();
+    Eigen::Matrix4d V;
     FixedVector<Mixed, BundleWorkspace::kPoses> mixed;
+    std::array<Eigen::Matrix<double, 6, 3>, BundleWorkspace::kPoses> W_V_inverse;  ///< by place in `mixed`
   };
 
   void number_blocks();
   void sort_by_point();
   bool linearise(const BundleObservation& observation, Linearised* out) const;
-  template <typename TakePoseTerms>
-  void linearise_point(std::size_t point, TakePoseTerms take);
-  void add_priors(Unknowns* gradient);
+  template <typename Take>
+  void for_sightings(std::size_t point, Take take) const;
+  void add_points(double damping);
+  void fill_point_system(std::size_t point);
+  void eliminate(const Eigen::Matrix3d& V_inverse);
+  void add_priors();
+  void add_poses(double damping);
+  double move_point(std::size_t point, double damping);
   [[nodiscard]] double prior_cost(std::span<const InverseDepthPose> poses) const;
-  void eliminate(const Eigen::Matrix3d& V_inverse, Reduced* S, Unknowns* right) const;
   [[nodiscard]] double pose_gain(double damping) const;
 
   const BundleProblem& p_;
