@@ -8,16 +8,6 @@
 namespace polhode {
 namespace {
 
-/// Plain, of constant length: the compiler takes many octets at once.
-int sum_of_squares(const Descriptor& a, const Descriptor& b) {
-  int sum = 0;
-  for (std::size_t i = 0; i < std::tuple_size_v<Descriptor>; ++i) {
-    const int difference = static_cast<int>(a[i]) - static_cast<int>(b[i]);
-    sum += difference * difference;
-  }
-  return sum;
-}
-
 bool same_place(const Feature& a, const Feature& b) {
   // A feature with two orientations stands twice at one place: its twin is no rival.
   constexpr float kSamePlace_px = 1.0F;
@@ -57,7 +47,7 @@ void find_nearest(std::span<const Feature> a,
                   Bests* back) {
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t j = 0; j < b.size(); ++j) {
-      const int d2 = sum_of_squares(a[i].descriptor, b[j].descriptor);
+      const int d2 = distance2(a[i].descriptor, b[j].descriptor);
       consider(j, d2, b, &(*forward)[i]);
       consider(i, d2, a, &(*back)[j]);
     }
@@ -65,10 +55,6 @@ void find_nearest(std::span<const Feature> a,
 }
 
 }  // namespace
-
-int distance2(const Descriptor& a, const Descriptor& b) {
-  return widely([&] { return sum_of_squares(a, b); });
-}
 
 int FeatureGrid::cell_of(double position_px, double size_px) const {
   return std::clamp(static_cast<int>(position_px * kCells / size_px), 0, kCells - 1);

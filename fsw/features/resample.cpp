@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/assert.hpp"
+#include "base/wide.hpp"
 
 namespace polhode::sift {
 namespace {
@@ -47,22 +48,38 @@ void fill_taps(int in, int out, AxisTaps* axis) {
   }
 }
 
+/// A row of the region by its tones. Neighbouring output rows want the same few.
+const float* toned(const cv::Mat& gray, const cv::Rect& region_px, const Tone& tone, int y, TonedRows* rows) {
+  const std::size_t place = static_cast<std::size_t>(y) % TonedRows::kRows;
+  float* row = rows->light[place].data();
+  if (rows->y[place] != y) {
+    rows->y[place] = y;
+    const std::uint8_t* from = gray.ptr<std::uint8_t>(region_px.y + y) + region_px.x;
+    for (int x = 0; x < region_px.width; ++x) {
+      row[x] = tone[from[x]];
+    }
+  }
+  return row;
+}
+
 void weigh_rows(const cv::Mat& gray,
                 const cv::Rect& region_px,
-                const AxisTaps& down,
                 const Tone& tone,
                 int y,
-                float* row) {
-  const auto width = static_cast<std::size_t>(region_px.width);
+                ResampleScratch* scratch) {
+  const AxisTaps& down = scratch->down;
+  float* __restrict row = scratch->row.data();
+  const auto width = (static_cast<std::size_t>(region_px.width) + kRowGrain - 1) / kRowGrain * kRowGrain;
   std::fill_n(row, width, 0.0F);
   const float* weight = down.weight.data() + static_cast<std::ptrdiff_t>(y) * down.taps;
   for (int k = 0; k < down.taps; ++k) {
-    const std::uint8_t* from =
-        gray.ptr<std::uint8_t>(region_px.y + down.first[static_cast<std::size_t>(y)] + k) +
-        region_px.x;
+    const float* __restrict from =
+        toned(gray, region_px, tone, down.first[static_cast<std::size_t>(y)] + k, &scratch->toned);
     const float w = weight[k];
-    for (std::size_t x = 0; x < width; ++x) {
-      row[x] += w * tone[from[x]];
+    for (std::size_t begin = 0; begin < width; begin += kRowGrain) {
+      for (std::size_t x = begin; x < begin + kRowGrain; ++x) {
+        row[x] += w * from[x];
+      }
     }
   }
 }
@@ -117,9 +134,10 @@ void resample(const cv::Mat& gray,
   POLHODE_ASSERT(region_px.width <= static_cast<int>(limits::kImageSide), region_px.width);
   fill_taps(region_px.width, size.width, &scratch->across);
   fill_taps(region_px.height, size.height, &scratch->down);
-  float* row = scratch->row.data();
+  const float* row = scratch->row.data();
+  scratch->toned.y.fill(-1);
   for (int y = 0; y < size.height; ++y) {
-    weigh_rows(gray, region_px, scratch->down, tone, y, row);
+    widely([&] { weigh_rows(gray, region_px, tone, y, scratch); });
     if (scratch->across.taps == 4) {
       weigh_columns<4>(row, scratch->across, size.width, out.row(y));
     } else {

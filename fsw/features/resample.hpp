@@ -22,9 +22,17 @@ using Tone = std::array<float, 256>;
 /// Light, of a camera that answers it with its power 1 / gamma.
 Tone light_of_gray(double gamma);
 
+/// Rows of the region by their tones: the last ones asked for.
+struct TonedRows {
+  static constexpr std::size_t kRows = 4;  // taps of an enlargement
+  std::array<int, kRows> y{};
+  std::array<std::array<float, limits::kImageSide + kRowGrain>, kRows> light{};
+};
+
 struct ResampleScratch {
   AxisTaps across;
   AxisTaps down;
+  TonedRows toned;
   std::array<float, limits::kImageSide + kRowGrain> row{};
 };
 

@@ -1,7 +1,6 @@
 #include "geometry/reprojection.hpp"
 
 #include "base/assert.hpp"
-#include "geometry/so3.hpp"
 
 namespace polhode {
 InverseDepthPose to_inverse_depth(const Pose& pose) {
@@ -23,17 +22,6 @@ Eigen::Matrix3d uvs_by_position(const Eigen::Vector3d& p_CT) {
       0.0, s, -p_CT.y() * s * s,    //
       0.0, 0.0, -s * s;
   return by;
-}
-
-Eigen::Matrix<double, 2, 6> projection_jacobian(const Pose& pose, const Eigen::Vector3d& p_T) {
-  const Eigen::Vector3d q = pose.R_CT * p_T;
-  const Eigen::Vector3d p_C = q + pose.p_CT;
-  const double inverse = 1.0 / p_C.z();
-  Eigen::Matrix<double, 2, 3> by_p;
-  by_p << inverse, 0.0, -inverse * inverse * p_C.x(), 0.0, inverse, -inverse * inverse * p_C.y();
-  Eigen::Matrix<double, 2, 6> J;
-  J << -by_p * hat(q), by_p;
-  return J;
 }
 
 }  // namespace polhode

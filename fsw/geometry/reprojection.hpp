@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "geometry/pose.hpp"
+#include "geometry/so3.hpp"
 
 namespace polhode {
 
@@ -64,6 +65,15 @@ inline bool reproject(const InverseDepthPose& pose,
 
 /// Derivatives of the projection of p_C = R_CT p_T + p_CT by the pose error (phi, dp) of
 /// PoseCovariance. Needs z > 0.
-Eigen::Matrix<double, 2, 6> projection_jacobian(const Pose& pose, const Eigen::Vector3d& p_T);
+inline Eigen::Matrix<double, 2, 6> projection_jacobian(const Pose& pose, const Eigen::Vector3d& p_T) {
+  const Eigen::Vector3d q = pose.R_CT * p_T;
+  const Eigen::Vector3d p_C = q + pose.p_CT;
+  const double inverse = 1.0 / p_C.z();
+  Eigen::Matrix<double, 2, 3> by_p;
+  by_p << inverse, 0.0, -inverse * inverse * p_C.x(), 0.0, inverse, -inverse * inverse * p_C.y();
+  Eigen::Matrix<double, 2, 6> J;
+  J << -by_p * hat(q), by_p;
+  return J;
+}
 
 }  // namespace polhode

@@ -138,22 +138,30 @@ void prepare_lines(const Keyframe& partner,
   }
 }
 
-/// Sampson error against its gate, squared on both sides: marks whom the line passes. Plain loops of
+/// Sampson error against its gate, squared on both sides: lists whom the line passes. Plain loops of
 /// constant length over plain numbers, of which the compiler takes several at once.
-void mark_near(const Eigen::Vector3d& line_b,
-               double own_variance,
-               std::size_t count,
-               LineTable* lines) {
+void list_near(const Eigen::Vector3d& line_b, double own_variance, std::size_t count, LineTable* lines) {
   const double a = line_b.x();
   const double b = line_b.y();
   const double c = line_b.z();
   const double own_gradient2 = a * a + b * b;
+  lines->near.clear();
   for (std::size_t begin = 0; begin < count; begin += LineTable::kGrain) {
-    for (std::size_t k = begin; k < begin + LineTable::kGrain; ++k) {
+    std::array<std::int64_t, LineTable::kGrain> inside{};
+    std::int64_t any = 0;
+    for (std::size_t i = 0; i < LineTable::kGrain; ++i) {
+      const std::size_t k = begin + i;
       const double error = lines->x[k] * a + lines->y[k] * b + c;
       const double gate = kLineSigma * kLineSigma * (own_variance + lines->variance[k]) *
                           (own_gradient2 + lines->gradient2[k]);
-      lines->near[k] = error * error > gate ? 0 : 1;
+      inside[i] = error * error > gate ? 0 : 1;
+      any |= inside[i];
+    }
+    // Most lines pass nobody of a grain.
+    for (std::size_t i = 0; any != 0 && i < LineTable::kGrain && begin + i < count; ++i) {
+      if (inside[i] != 0) {
+        (void)lines->near.push_back(static_cast<std::int32_t>(begin + i));
+      }
     }
   }
 }
@@ -167,29 +175,25 @@ PairSearch search_line(const Feature& wanted,
   PairSearch best;
   const double own_sigma = sigma_normalised(wanted, focal_px);
   const Eigen::Vector3d line_b = E * wanted.normalised.homogeneous();
-  widely([&] {
-    mark_near(line_b, own_sigma * own_sigma, scratch->free_b.size(), &scratch->lines);
-  });
-  for (std::size_t k = 0; k < scratch->free_b.size(); ++k) {
-    if (scratch->lines.near[k] == 0) {
-      continue;
-    }
-    const std::int32_t index = scratch->free_b[k];
+  list_near(line_b, own_sigma * own_sigma, scratch->free_b.size(), &scratch->lines);
+  for (const std::int32_t k : scratch->lines.near) {
+    const std::int32_t index = scratch->free_b[static_cast<std::size_t>(k)];
     const Feature& f = partner.features[static_cast<std::size_t>(index)];
     const float ratio = wanted.scale_px / f.scale_px;
     if (ratio < 0.5F || ratio > 2.0F) {
       continue;
     }
     const int d2 = distance2(wanted.descriptor, f.descriptor);
-    const bool twin =
-        best.feature >= 0 &&
-        std::hypot(f.u_px - partner.features[static_cast<std::size_t>(best.feature)].u_px,
-                   f.v_px - partner.features[static_cast<std::size_t>(best.feature)].v_px) < 2.0F;
+    const auto is_twin = [&] {
+      return best.feature >= 0 &&
+             std::hypot(f.u_px - partner.features[static_cast<std::size_t>(best.feature)].u_px,
+                        f.v_px - partner.features[static_cast<std::size_t>(best.feature)].v_px) < 2.0F;
+    };
     if (d2 < best.nearest2) {
-      best.rival2 = twin ? best.rival2 : best.nearest2;
+      best.rival2 = is_twin() ? best.rival2 : best.nearest2;
       best.nearest2 = d2;
       best.feature = index;
-    } else if (d2 < best.rival2 && !twin) {
+    } else if (d2 < best.rival2 && !is_twin()) {
       best.rival2 = d2;
     }
   }
@@ -255,8 +259,9 @@ void match_partner(KeyframeId a,
   scratch->distance_of_b.fill(std::numeric_limits<std::int32_t>::max());
   const double ratio2 = options.ratio_max * options.ratio_max;
   for (const std::int32_t index : scratch->free_a) {
-    const PairSearch best =
-        search_line(own.features[static_cast<std::size_t>(index)], partner, E, focal_px, scratch);
+    const PairSearch best = widely([&] {
+      return search_line(own.features[static_cast<std::size_t>(index)], partner, E, focal_px, scratch);
+    });
     if (best.feature < 0 || best.nearest2 > kDistance2Max || best.nearest2 > ratio2 * best.rival2) {
       continue;
     }
@@ -358,7 +363,7 @@ int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* 
         continue;
       }
       const std::int32_t feature =
-          find_in(map->landmarks[landmark.index()], keyframe, grid, camera);
+          widely([&] { return find_in(map->landmarks[landmark.index()], keyframe, grid, camera); });
       if (feature >= 0) {
         tie_sighting(id, static_cast<std::size_t>(feature), landmark, map);
         ++tied;

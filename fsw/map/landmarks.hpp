@@ -22,7 +22,7 @@ struct LineTable {
   Column y{};
   Column variance{};   ///< normalised
   Column gradient2{};  ///< of the epipolar line in the keyframe itself: squared slope of the error
-  std::array<std::int64_t, std::tuple_size_v<Column>> near{};  ///< 1: within the gate
+  FixedVector<std::int32_t, limits::kFeatures> near;  ///< rows within a line's gate
 };
 
 /// Working memory; contents mean nothing between calls.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/wide.hpp"
+
 namespace polhode {
 namespace {
 
@@ -216,7 +218,8 @@ void match_about(const LocaliseInput& input,
     }
     ++out->predicted;
     const double size_px = landmark.size_mu * focal_px / pose.to_camera(landmark.p_T).z();
-    const Candidate best = best_candidate(input, landmark, pixel, size_px, radius_px, scratch->grid);
+    const Candidate best = widely(
+        [&] { return best_candidate(input, landmark, pixel, size_px, radius_px, scratch->grid); });
     if (best.feature < 0 || best.nearest2 > kDistance2Max || best.nearest2 > ratio2 * best.rival2) {
       continue;
     }

@@ -11,6 +11,7 @@
 
 #include "base/consensus.hpp"
 #include "base/rng.hpp"
+#include "base/wide.hpp"
 #include "geometry/reprojection.hpp"
 #include "geometry/so3.hpp"
 
@@ -44,7 +45,7 @@ struct Consensus {
 };
 
 void keep_better(const Pose& pose, std::span<const PoseObservation> observations, Consensus* best) {
-  const double s = score(pose, observations, best->score);
+  const double s = widely([&] { return score(pose, observations, best->score); });
   if (s < best->score) {
     *best = {.pose = pose, .score = s};
   }
@@ -102,9 +103,9 @@ struct NormalEquations {
   int used = 0;
 };
 
-NormalEquations linearise(std::span<const PoseObservation> observations,
-                          const Pose& pose,
-                          std::span<const std::uint8_t> inlier) {
+NormalEquations sum_up(std::span<const PoseObservation> observations,
+                       const Pose& pose,
+                       std::span<const std::uint8_t> inlier) {
   NormalEquations n;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const Eigen::Vector3d p_C = pose.to_camera(observations[i].p_T);
@@ -125,6 +126,12 @@ NormalEquations linearise(std::span<const PoseObservation> observations,
     ++n.used;
   }
   return n;
+}
+
+NormalEquations linearise(std::span<const PoseObservation> observations,
+                          const Pose& pose,
+                          std::span<const std::uint8_t> inlier) {
+  return widely([&] { return sum_up(observations, pose, inlier); });
 }
 
 }  // namespace
