@@ -1,6 +1,7 @@
 #include "mask/points.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
@@ -30,6 +31,16 @@ bool inside(const cv::Point2f& p, const cv::Size& size) {
   constexpr float kRim_px = 2.0F;
   return p.x > kRim_px && p.y > kRim_px && p.x < static_cast<float>(size.width) - 1.0F - kRim_px &&
          p.y < static_cast<float>(size.height) - 1.0F - kRim_px;
+}
+
+/// By halves: OpenCV has a fast loop for two.
+void shrink(cv::Mat picture, const cv::Size& size, cv::Mat* out) {
+  while (picture.cols > 2 * size.width) {
+    cv::Mat half;
+    cv::resize(picture, half, picture.size() / 2, 0.0, 0.0, cv::INTER_AREA);
+    picture = half;
+  }
+  cv::resize(picture, *out, size, 0.0, 0.0, cv::INTER_AREA);
 }
 
 void advance(const cv::Point2f& to, MaskTrack* track) {
@@ -86,7 +97,8 @@ cv::Point2f MaskTrack::motion(std::size_t age) const {
 }
 
 bool add_picture(const cv::Mat& gray, PointsState* s) {
-  const int decimation = (gray.cols + kWorkingWidthMax_px - 1) / kWorkingWidthMax_px;
+  const auto least = static_cast<unsigned>((gray.cols + kWorkingWidthMax_px - 1) / kWorkingWidthMax_px);
+  const int decimation = static_cast<int>(std::bit_ceil(least));
   const cv::Size size(gray.cols / decimation, gray.rows / decimation);
   if (s->stored > 0 && (decimation != s->decimation || s->picture(0).size() != size)) {
     clear(s);
@@ -94,12 +106,7 @@ bool add_picture(const cv::Mat& gray, PointsState* s) {
   s->decimation = decimation;
   s->newest = (s->newest + 1) % PointsState::kPictures;
   s->stored = std::min(s->stored + 1, PointsState::kPictures);
-  cv::resize(gray(cv::Rect({}, size * decimation)),
-             s->pictures[s->newest],
-             size,
-             0.0,
-             0.0,
-             cv::INTER_AREA);
+  shrink(gray(cv::Rect({}, size * decimation)), size, &s->pictures[s->newest]);
   std::swap(s->pyramid, s->pyramid_before);
   cv::buildOpticalFlowPyramid(
       s->picture(0), s->pyramid, cv::Size(kWindow_px, kWindow_px), kLevels, true);

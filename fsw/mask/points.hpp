@@ -1,6 +1,6 @@
 // Points followed from picture to picture, all over the picture and closer together on the target.
 //
-// Works on the picture reduced to at most kWorkingWidthMax_px across ("working pixels").
+// Works on the picture halved until it is at most kWorkingWidthMax_px across ("working pixels").
 #pragma once
 
 #include <array>
