@@ -22,9 +22,6 @@ Pose from_inverse_depth(const InverseDepthPose& pose);
 /// Derivative of uvs by the position p_CT.
 Eigen::Matrix3d uvs_by_position(const Eigen::Vector3d& p_CT);
 
-/// A point whose depth is under this fraction of the origin's is in the camera's plane for every purpose here.
-inline constexpr double kRelativeDepthMin = 1e-3;
-
 struct ReprojectionJacobians {
   Eigen::Matrix<double, 2, 3> rotation;  ///< by phi in R = exp(phi) R_CT
   Eigen::Matrix<double, 2, 3> uvs;
@@ -39,6 +36,8 @@ inline bool reproject(const InverseDepthPose& pose,
                       const Eigen::Vector3d& p_T,
                       Eigen::Vector2d* normalised,
                       ReprojectionJacobians* jacobians = nullptr) {
+  // A point whose depth is under this fraction of the origin's is in the camera's plane for every purpose here.
+  constexpr double kRelativeDepthMin = 1e-3;
   const Eigen::Vector3d q = pose.R_CT * p_T;
   const double s = pose.uvs.z();
   const double denominator = 1.0 + s * q.z();

@@ -157,8 +157,10 @@ void list_near(const Eigen::Vector3d& line_b, double own_variance, std::size_t c
       inside[i] = error * error > gate ? 0 : 1;
       any |= inside[i];
     }
-    // Most lines pass nobody of a grain.
-    for (std::size_t i = 0; any != 0 && i < LineTable::kGrain && begin + i < count; ++i) {
+    if (any == 0) {
+      continue;  // most grains have nobody near the line
+    }
+    for (std::size_t i = 0; i < LineTable::kGrain && begin + i < count; ++i) {
       if (inside[i] != 0) {
         (void)lines->near.push_back(static_cast<std::int32_t>(begin + i));
       }

@@ -7,6 +7,8 @@
 #include <opencv2/video/tracking.hpp>
 #include <utility>
 
+#include "mask/shrink.hpp"
+
 namespace polhode {
 namespace {
 
@@ -31,16 +33,6 @@ bool inside(const cv::Point2f& p, const cv::Size& size) {
   constexpr float kRim_px = 2.0F;
   return p.x > kRim_px && p.y > kRim_px && p.x < static_cast<float>(size.width) - 1.0F - kRim_px &&
          p.y < static_cast<float>(size.height) - 1.0F - kRim_px;
-}
-
-/// By halves: OpenCV has a fast loop for two.
-void shrink(cv::Mat picture, const cv::Size& size, cv::Mat* out) {
-  while (picture.cols > 2 * size.width) {
-    cv::Mat half;
-    cv::resize(picture, half, picture.size() / 2, 0.0, 0.0, cv::INTER_AREA);
-    picture = half;
-  }
-  cv::resize(picture, *out, size, 0.0, 0.0, cv::INTER_AREA);
 }
 
 void advance(const cv::Point2f& to, MaskTrack* track) {
@@ -106,7 +98,7 @@ bool add_picture(const cv::Mat& gray, PointsState* s) {
   s->decimation = decimation;
   s->newest = (s->newest + 1) % PointsState::kPictures;
   s->stored = std::min(s->stored + 1, PointsState::kPictures);
-  shrink(gray(cv::Rect({}, size * decimation)), size, &s->pictures[s->newest]);
+  shrink(gray(cv::Rect({}, size * decimation)), size, decimation, &s->pictures[s->newest]);
   std::swap(s->pyramid, s->pyramid_before);
   cv::buildOpticalFlowPyramid(
       s->picture(0), s->pyramid, cv::Size(kWindow_px, kWindow_px), kLevels, true);

@@ -4,6 +4,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "mask/shrink.hpp"
+
 namespace polhode {
 namespace {
 
@@ -56,11 +58,8 @@ void find_target(const cv::Mat& gray, const MaskOptions& options, TargetMask* ma
     mask->coverage = 1.0;
     return;
   }
-  // Halved twice: OpenCV has a fast loop for two, which takes an eighth of the time of one step by four.
-  cv::Mat half;
   cv::Mat small;
-  cv::resize(gray, half, size * (TargetMask::kCell_px / 2), 0.0, 0.0, cv::INTER_AREA);
-  cv::resize(half, small, size, 0.0, 0.0, cv::INTER_AREA);
+  shrink(gray, size, TargetMask::kCell_px, &small);
   cv::threshold(small, mask->cells, options.dark_level * 255.0, 255.0, cv::THRESH_BINARY);
   const cv::Rect group = drop_small_groups(&mask->cells);
   cv::dilate(mask->cells, mask->cells, cv::Mat(), cv::Point(-1, -1), kGrowCells);
