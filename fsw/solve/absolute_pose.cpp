@@ -14,6 +14,7 @@
 #include "base/wide.hpp"
 #include "geometry/reprojection.hpp"
 #include "geometry/so3.hpp"
+#include "solve/cauchy_loss.hpp"
 
 namespace polhode {
 namespace {
@@ -107,6 +108,7 @@ NormalEquations sum_up(std::span<const PoseObservation> observations,
                        const Pose& pose,
                        std::span<const std::uint8_t> inlier) {
   NormalEquations n;
+  CauchySum robust_cost(kCauchySigma);
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const Eigen::Vector3d p_C = pose.to_camera(observations[i].p_T);
     if (inlier[i] == 0 || !(p_C.z() > 0.0)) {
@@ -116,15 +118,15 @@ NormalEquations sum_up(std::span<const PoseObservation> observations,
     const Eigen::Vector2d r = inverse_sigma * (p_C.hnormalized() - observations[i].normalised);
     const Eigen::Matrix<double, 2, 6> J =
         inverse_sigma * projection_jacobian(pose, observations[i].p_T);
-    constexpr double kCauchy2 = kCauchySigma * kCauchySigma;
     const double squared = r.squaredNorm();
-    const double weight = 1.0 / (1.0 + squared / kCauchy2);
+    const double weight = cauchy_weight(squared, kCauchySigma);
     n.H += weight * J.transpose() * J;
     n.g += weight * J.transpose() * r;
-    n.robust_cost += kCauchy2 * std::log1p(squared / kCauchy2);
+    robust_cost.add(squared);
     n.chi2 += weight * squared;
     ++n.used;
   }
+  n.robust_cost = robust_cost.value();
   return n;
 }
 

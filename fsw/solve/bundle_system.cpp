@@ -8,6 +8,7 @@
 #include "base/assert.hpp"
 #include "base/wide.hpp"
 #include "geometry/so3.hpp"
+#include "solve/cauchy_loss.hpp"
 
 namespace polhode {
 namespace {
@@ -19,33 +20,6 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 constexpr double kDiagonalMin = 1e-12;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-double loss(double error2, double width_sigma) {
-  const double width2 = width_sigma * width_sigma;
-  return width2 * std::log1p(error2 / width2);
-}
-
-/// Sum of the logarithms of numbers from 1 on, by one logarithm for many.
-class SumOfLogs {
- public:
-  void add(double factor) {
-    product_ *= factor;
-    if (product_ > kLarge) {
-      sum_ += std::log(product_);
-      product_ = 1.0;
-    }
-  }
-  [[nodiscard]] double value() const { return sum_ + std::log(product_); }
-
- private:
-  static constexpr double kLarge = 1e150;  // a factor under this does not overflow the product
-  double sum_ = 0.0;
-  double product_ = 1.0;
-};
-
-double weight(double error2, double width_sigma) {
-  return 1.0 / (1.0 + error2 / (width_sigma * width_sigma));
-}
 
 Eigen::Matrix3d damped_inverse(const Eigen::Matrix3d& V, double damping) {
   const double largest = V.diagonal().maxCoeff();
@@ -94,27 +68,25 @@ BundleSystem::BundleSystem(const BundleProblem& problem,
 
 double BundleSystem::cost(std::span<const InverseDepthPose> poses,
                           std::span<const Eigen::Vector3d> points) const {
-  const double width2 = cauchy_sigma_ * cauchy_sigma_;
-  const double logs = widely([&] {
-    SumOfLogs sum;
+  const double sightings_cost = widely([&] {
+    CauchySum sum(cauchy_sigma_);
     for (const BundleObservation& o : p_.observations) {
       Eigen::Vector2d x;
       if (!reproject(poses[index(o.pose)], points[index(o.point)], &x)) {
         return std::numeric_limits<double>::infinity();
       }
-      const double sigma2 = o.sigma_normalised * o.sigma_normalised;
-      sum.add(1.0 + (x - o.normalised).squaredNorm() / (sigma2 * width2));
+      sum.add((x - o.normalised).squaredNorm() / (o.sigma_normalised * o.sigma_normalised));
     }
     return sum.value();
   });
-  return 0.5 * width2 * logs + prior_cost(poses);
+  return 0.5 * sightings_cost + prior_cost(poses);
 }
 
 double BundleSystem::prior_cost(std::span<const InverseDepthPose> poses) const {
   double sum = 0.0;
   for (const PosePrior& prior : p_.priors) {
     const Vector6 r = departure(poses[index(prior.pose)], prior);
-    sum += loss(r.dot(prior.information * r), kPriorCauchySigma);
+    sum += cauchy_loss(r.dot(prior.information * r), kPriorCauchySigma);
   }
   return 0.5 * sum;
 }
@@ -129,7 +101,7 @@ void BundleSystem::add_priors() {
     }
     const Vector6 r = departure(p_.poses[index(prior.pose)], prior);
     const Vector6 pull = prior.information * r;
-    const double w = weight(r.dot(pull), kPriorCauchySigma);
+    const double w = cauchy_weight(r.dot(pull), kPriorCauchySigma);
     w_.camera_blocks[index(block)] += w * prior.information;
     gradient.segment<6>(6 * block) += w * pull;
   }
@@ -179,7 +151,7 @@ bool BundleSystem::linearise(const BundleObservation& o, Linearised* out) const 
   out->by_pose.bottomRows<3>() = inverse_sigma * J.uvs.transpose();
   out->by_point.topRows<3>() = inverse_sigma * J.point.transpose();
   out->by_point.row(3) = residual.transpose();
-  out->weight = weight(residual.squaredNorm(), cauchy_sigma_);
+  out->weight = cauchy_weight(residual.squaredNorm(), cauchy_sigma_);
   return true;
 }
 

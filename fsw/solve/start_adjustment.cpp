@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/assert.hpp"
+#include "base/wide.hpp"
 #include "geometry/so3.hpp"
 #include "solve/start_residuals.hpp"
 
@@ -31,7 +32,7 @@ void add_sighting(const StartSighting& s,
   }
   const double inverse_sigma = 1.0 / (s.sigma_normalised * options.sigma_scale);
   const Eigen::Vector2d residual = inverse_sigma * (x - s.normalised);
-  const double weight = start_loss(residual.squaredNorm(), options).weight;
+  const double weight = start_weight(residual.squaredNorm(), options);
   if (!(weight > 0.0)) {
     return;
   }
@@ -69,7 +70,7 @@ void linearise(std::span<const StartSighting> sightings,
   for (std::size_t begin = 0; begin < sightings.size();) {
     const std::size_t end = track_end(sightings, begin);
     const std::span run = sightings.subspan(begin, end - begin);
-    const bool wrong = track_cost(run, geometry.poses, geometry.points_T, geometry, options).wrong;
+    const bool wrong = options.loss == StartLoss::kTruncated && track_cost(run, geometry, options).wrong;
     for (std::size_t i = begin; i < end; ++i) {
       add_sighting(sightings[i], wrong, geometry, options, &w->blocks[i], w);
     }
@@ -89,7 +90,7 @@ Eigen::Matrix3d point_inverse(const Eigen::Matrix3d& V, double damping) {
   return damped.inverse();
 }
 
-/// Reduced camera system S (upper triangle, then mirrored) and its right side.
+/// Reduced camera system S, its lower triangle, and its right side.
 void eliminate_points(std::span<const StartSighting> sightings,
                       double damping,
                       Workspace* w,
@@ -117,7 +118,7 @@ void eliminate_points(std::span<const StartSighting> sightings,
       }
       const Eigen::Matrix<double, 6, 3> Y = a.W * V_inverse;
       right->segment<6>(6 * a.frame).noalias() -= Y * point.g;
-      for (std::size_t j = i; j < end; ++j) {
+      for (std::size_t j = begin; j <= i; ++j) {
         const Workspace::Block& b = w->blocks[j];
         if (b.frame >= 0) {
           w->reduced.block<6, 6>(6 * a.frame, 6 * b.frame).noalias() -= Y * b.W.transpose();
@@ -126,7 +127,6 @@ void eliminate_points(std::span<const StartSighting> sightings,
     }
     begin = end;
   }
-  w->reduced.triangularView<Eigen::StrictlyLower>() = w->reduced.transpose();
 }
 
 void apply_camera_step(const StartGeometryView& geometry, Workspace* w) {
@@ -168,13 +168,13 @@ bool try_step(std::span<const StartSighting> sightings,
               const StartGeometryView& geometry,
               double damping,
               Workspace* w) {
-  Workspace::CameraVector right;
-  eliminate_points(sightings, damping, w, &right);
-  const Eigen::LDLT<Eigen::Ref<Eigen::MatrixXd>> ldlt(w->reduced);
-  if (ldlt.info() != Eigen::Success) {
+  widely([&] { eliminate_points(sightings, damping, w, &w->camera_step); });
+  Eigen::Ref<Eigen::MatrixXd> S(w->reduced);
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(S);
+  if (factor.info() != Eigen::Success) {
     return false;
   }
-  w->camera_step = ldlt.solve(right);
+  factor.solveInPlace(w->camera_step);
   if (!w->camera_step.allFinite()) {
     return false;
   }
@@ -184,7 +184,7 @@ bool try_step(std::span<const StartSighting> sightings,
       return false;
     }
   }
-  apply_point_steps(sightings, geometry, damping, w);
+  widely([&] { apply_point_steps(sightings, geometry, damping, w); });
   return true;
 }
 
@@ -195,11 +195,13 @@ struct PoseEquations {
   int used = 0;
 };
 
+/// With the Cauchy loss, whatever the options say.
 PoseEquations linearise_pose(std::span<const StartSighting> sightings,
                              const StartGeometryView& geometry,
                              const StartAdjustmentOptions& options,
                              const InverseDepthPose& pose) {
   PoseEquations n;
+  CauchySum cost(options.width_sigma);
   for (const StartSighting& s : sightings) {
     const auto track = static_cast<std::size_t>(s.track);
     Eigen::Vector2d x;
@@ -209,18 +211,21 @@ PoseEquations linearise_pose(std::span<const StartSighting> sightings,
     }
     ++n.used;
     if (!reproject(pose, geometry.points_T[track], &x, &J)) {
-      n.cost += start_loss(behind_error2(options), options).cost;
+      cost.add(behind_error2(options));
       continue;
     }
     const double inverse_sigma = 1.0 / (s.sigma_normalised * options.sigma_scale);
     const Eigen::Vector2d residual = inverse_sigma * (x - s.normalised);
-    const LossValue value = start_loss(residual.squaredNorm(), options);
+    const double error2 = residual.squaredNorm();
+    const double weight = cauchy_weight(error2, options.width_sigma);
     Eigen::Matrix<double, 2, 6> A;
     A << inverse_sigma * J.rotation, inverse_sigma * J.uvs;
-    n.H.noalias() += value.weight * A.transpose() * A;
-    n.g.noalias() += value.weight * A.transpose() * residual;
-    n.cost += value.cost;
+    const Eigen::Matrix<double, 6, 2> weighted = weight * A.transpose();
+    n.H.noalias() += weighted * A;
+    n.g.noalias() += weighted * residual;
+    cost.add(error2);
   }
+  n.cost = cost.value();
   return n;
 }
 
@@ -231,8 +236,7 @@ bool reduced_camera_system(std::span<const StartSighting> sightings,
                            const StartAdjustmentOptions& options,
                            Workspace* workspace) {
   linearise(sightings, geometry, options, workspace);
-  Workspace::CameraVector right;
-  eliminate_points(sightings, 0.0, workspace, &right);
+  eliminate_points(sightings, 0.0, workspace, &workspace->camera_step);
   return workspace->reduced.allFinite();
 }
 
@@ -250,7 +254,7 @@ StartFit adjust_start(std::span<const StartSighting> sightings,
   bool stale = true;
   for (; iteration < options.iterations_max && damping < 1e8; ++iteration) {
     if (stale) {
-      linearise(sightings, geometry, options, workspace);
+      widely([&] { linearise(sightings, geometry, options, workspace); });
     }
     stale = false;
     if (!try_step(sightings, geometry, damping, workspace)) {

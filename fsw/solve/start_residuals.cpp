@@ -5,26 +5,13 @@
 
 #include "base/assert.hpp"
 #include "base/median.hpp"
+#include "base/wide.hpp"
 
 namespace polhode {
 namespace {
 
 // Half of a chi-square with two degrees of freedom lies under this.
 constexpr double kChi2Median2 = 1.3863;
-// The squared residual, in units of width^2, that stands for a point behind the camera.
-constexpr double kBehindError = 1e4;
-
-double scaled_error2(const InverseDepthPose& pose,
-                     const Eigen::Vector3d& p_T,
-                     const StartSighting& sighting,
-                     const StartAdjustmentOptions& options) {
-  Eigen::Vector2d x;
-  if (!reproject(pose, p_T, &x)) {
-    return behind_error2(options);
-  }
-  const double sigma = sighting.sigma_normalised * options.sigma_scale;
-  return (x - sighting.normalised).squaredNorm() / (sigma * sigma);
-}
 
 /// What a track of n sightings may cost with the truncated loss: 3 sigma above the mean of its
 /// chi-square. One that costs more belongs to no point of the body, and how badly it fits says
@@ -34,24 +21,56 @@ double track_cost_max(std::size_t sightings) {
   return free + 3.0 * std::sqrt(2.0 * free);
 }
 
-}  // namespace
+/// Poses and points that may stand in for those of a geometry.
+struct Candidate {
+  std::span<const InverseDepthPose> poses;
+  std::span<const Eigen::Vector3d> points_T;
+};
 
-LossValue start_loss(double error2, const StartAdjustmentOptions& options) {
-  const double width2 = options.width_sigma * options.width_sigma;
-  if (options.loss == StartLoss::kTruncated) {
-    return error2 < width2 ? LossValue{error2, 1.0} : LossValue{width2, 0.0};
+Candidate candidate_of(const StartGeometryView& geometry) {
+  return {.poses = geometry.poses, .points_T = geometry.points_T};
+}
+
+double scaled_error2(const Candidate& candidate,
+                     const StartSighting& sighting,
+                     const StartAdjustmentOptions& options) {
+  Eigen::Vector2d x;
+  if (!reproject(candidate.poses[static_cast<std::size_t>(sighting.frame)],
+                 candidate.points_T[static_cast<std::size_t>(sighting.track)],
+                 &x)) {
+    return behind_error2(options);
   }
-  return {width2 * std::log1p(error2 / width2), 1.0 / (1.0 + error2 / width2)};
+  const double sigma = sighting.sigma_normalised * options.sigma_scale;
+  return (x - sighting.normalised).squaredNorm() / (sigma * sigma);
 }
 
-double behind_error2(const StartAdjustmentOptions& options) {
-  return kBehindError * options.width_sigma * options.width_sigma;
+double cauchy_cost(std::span<const StartSighting> sightings,
+                   const Candidate& candidate,
+                   const StartGeometryView& geometry,
+                   const StartAdjustmentOptions& options) {
+  CauchySum sum(options.width_sigma);
+  for (const StartSighting& s : sightings) {
+    if (usable(geometry, s)) {
+      sum.add(scaled_error2(candidate, s, options));
+    }
+  }
+  return sum.value();
 }
 
-bool usable(const StartGeometryView& geometry, const StartSighting& sighting) {
-  return geometry.posed[static_cast<std::size_t>(sighting.frame)] != 0 &&
-         geometry.known[static_cast<std::size_t>(sighting.track)] != 0;
+TrackCost truncated_cost(std::span<const StartSighting> run,
+                         const Candidate& candidate,
+                         const StartGeometryView& geometry,
+                         const StartAdjustmentOptions& options) {
+  const double lost = truncated_max(options);
+  TrackCost sum;
+  for (const StartSighting& s : run) {
+    sum.cost += usable(geometry, s) ? std::min(scaled_error2(candidate, s, options), lost) : lost;
+  }
+  const double most = track_cost_max(run.size());
+  return sum.cost > most ? TrackCost{.cost = most, .wrong = true} : sum;
 }
+
+}  // namespace
 
 std::size_t track_end(std::span<const StartSighting> sightings, std::size_t begin) {
   std::size_t end = begin + 1;
@@ -62,43 +81,32 @@ std::size_t track_end(std::span<const StartSighting> sightings, std::size_t begi
 }
 
 TrackCost track_cost(std::span<const StartSighting> run,
-                     std::span<const InverseDepthPose> poses,
-                     std::span<const Eigen::Vector3d> points,
                      const StartGeometryView& geometry,
                      const StartAdjustmentOptions& options) {
-  TrackCost sum;
-  const bool limited = options.loss == StartLoss::kTruncated;
-  for (const StartSighting& s : run) {
-    if (usable(geometry, s)) {
-      const double e = scaled_error2(poses[static_cast<std::size_t>(s.frame)],
-                                     points[static_cast<std::size_t>(s.track)],
-                                     s,
-                                     options);
-      sum.cost += start_loss(e, options).cost;
-    } else if (limited) {
-      sum.cost += options.width_sigma * options.width_sigma;
-    }
-  }
-  sum.wrong = limited && sum.cost > track_cost_max(run.size());
-  if (sum.wrong) {
-    sum.cost = track_cost_max(run.size());
-  }
-  return sum;
+  const Candidate own = candidate_of(geometry);
+  return options.loss == StartLoss::kTruncated
+             ? truncated_cost(run, own, geometry, options)
+             : TrackCost{.cost = cauchy_cost(run, own, geometry, options)};
 }
 
 double total_cost(std::span<const StartSighting> sightings,
                   std::span<const InverseDepthPose> poses,
-                  std::span<const Eigen::Vector3d> points,
+                  std::span<const Eigen::Vector3d> points_T,
                   const StartGeometryView& geometry,
                   const StartAdjustmentOptions& options) {
-  double cost = 0.0;
-  for (std::size_t begin = 0; begin < sightings.size();) {
-    const std::size_t end = track_end(sightings, begin);
-    cost +=
-        track_cost(sightings.subspan(begin, end - begin), poses, points, geometry, options).cost;
-    begin = end;
-  }
-  return cost;
+  const Candidate candidate{.poses = poses, .points_T = points_T};
+  return widely([&] {
+    if (options.loss == StartLoss::kCauchy) {
+      return cauchy_cost(sightings, candidate, geometry, options);
+    }
+    double cost = 0.0;
+    for (std::size_t begin = 0; begin < sightings.size();) {
+      const std::size_t end = track_end(sightings, begin);
+      cost += truncated_cost(sightings.subspan(begin, end - begin), candidate, geometry, options).cost;
+      begin = end;
+    }
+    return cost;
+  });
 }
 
 StartFit evaluate_start(std::span<const StartSighting> sightings,
@@ -114,16 +122,13 @@ StartFit evaluate_start(std::span<const StartSighting> sightings,
     int track_inliers = 0;
     double track_chi2 = 0.0;
     const std::span run = sightings.subspan(begin, end - begin);
-    const bool wrong = track_cost(run, geometry.poses, geometry.points_T, geometry, options).wrong;
+    const bool wrong = track_cost(run, geometry, options).wrong;
     for (std::size_t i = begin; i < end; ++i) {
       const StartSighting& s = sightings[i];
       if (!usable(geometry, s)) {
         continue;
       }
-      const double e = scaled_error2(geometry.poses[static_cast<std::size_t>(s.frame)],
-                                     geometry.points_T[static_cast<std::size_t>(s.track)],
-                                     s,
-                                     options);
+      const double e = scaled_error2(candidate_of(geometry), s, options);
       (void)workspace->errors2.push_back(e);
       if (e < width2) {
         ++track_inliers;
@@ -157,12 +162,7 @@ void start_track_costs(std::span<const StartSighting> sightings,
   for (std::size_t begin = 0; begin < sightings.size();) {
     const std::size_t end = track_end(sightings, begin);
     costs[static_cast<std::size_t>(sightings[begin].track)] =
-        track_cost(sightings.subspan(begin, end - begin),
-                   geometry.poses,
-                   geometry.points_T,
-                   geometry,
-                   options)
-            .cost;
+        track_cost(sightings.subspan(begin, end - begin), geometry, options).cost;
     begin = end;
   }
 }

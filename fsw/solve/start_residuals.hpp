@@ -3,23 +3,36 @@
 
 #include <span>
 
+#include "solve/cauchy_loss.hpp"
 #include "solve/start_adjustment.hpp"
 
 namespace polhode {
 
-struct LossValue {
-  double cost;
-  double weight;  ///< derivative of the cost by the squared error
-};
+/// Of the truncated loss: what a lost sighting costs, too.
+inline double truncated_max(const StartAdjustmentOptions& options) {
+  return options.width_sigma * options.width_sigma;
+}
 
+/// Derivative of a sighting's cost by its squared residual.
 /// @param error2  squared residual in scaled sigma.
-LossValue start_loss(double error2, const StartAdjustmentOptions& options);
+inline double start_weight(double error2, const StartAdjustmentOptions& options) {
+  if (options.loss == StartLoss::kTruncated) {
+    return error2 < truncated_max(options) ? 1.0 : 0.0;
+  }
+  return cauchy_weight(error2, options.width_sigma);
+}
 
 /// Stands for the squared residual of a point behind the camera.
-double behind_error2(const StartAdjustmentOptions& options);
+inline double behind_error2(const StartAdjustmentOptions& options) {
+  constexpr double kBehindWidths2 = 1e4;
+  return kBehindWidths2 * options.width_sigma * options.width_sigma;
+}
 
 /// Are the sighting's pose and point known?
-bool usable(const StartGeometryView& geometry, const StartSighting& sighting);
+inline bool usable(const StartGeometryView& geometry, const StartSighting& sighting) {
+  return geometry.posed[static_cast<std::size_t>(sighting.frame)] != 0 &&
+         geometry.known[static_cast<std::size_t>(sighting.track)] != 0;
+}
 
 /// End of the run of sightings that belong to the track at `begin`.
 std::size_t track_end(std::span<const StartSighting> sightings, std::size_t begin);
@@ -29,17 +42,15 @@ struct TrackCost {
   bool wrong = false;  ///< truncated loss only: the cost is the most that a track may cost
 };
 
-/// @param run            sightings of one track.
-/// @param poses, points  stand in for those of the geometry.
+/// @param run  sightings of one track.
 TrackCost track_cost(std::span<const StartSighting> run,
-                     std::span<const InverseDepthPose> poses,
-                     std::span<const Eigen::Vector3d> points,
                      const StartGeometryView& geometry,
                      const StartAdjustmentOptions& options);
 
+/// @param poses, points_T  stand in for those of the geometry.
 double total_cost(std::span<const StartSighting> sightings,
                   std::span<const InverseDepthPose> poses,
-                  std::span<const Eigen::Vector3d> points,
+                  std::span<const Eigen::Vector3d> points_T,
                   const StartGeometryView& geometry,
                   const StartAdjustmentOptions& options);
 
