@@ -62,7 +62,7 @@ void end_window(std::uint32_t frame, EventLog* log) {
     EventCount& count = log->counts[i];
     count.in_window = 0;
     if (count.suppressed != 0 && !log->waiting.full()) {
-      (void)log->waiting.push_back(packet_of(i, {.word = "(repeated)"}, count));
+      (void)log->waiting.push_back(packet_of(i, {.values = count.values, .word = "(repeated)"}, count));
       count.suppressed = 0;
       ++count.in_window;
       ++log->sent;
@@ -100,6 +100,7 @@ void report(EventId id, const EventDetails& details, EventLog* log) {
   if (count.in_window >= kEvents[index].burst || log->waiting.full()) {
     ++count.suppressed;
     ++log->suppressed;
+    count.values = details.values;
     return;
   }
   (void)log->waiting.push_back(packet_of(index, details, count));

@@ -46,7 +46,11 @@ Exposure next_exposure(const LevelCounts& target,
                        const ExposureRange& range,
                        const ExposureOptions& options) {
   const double total = std::accumulate(target.begin(), target.end(), 0.0);
-  double factor = total > 0.0 ? wanted_factor(target, total, range.response_gamma, options) : 1.0;
+  if (!(total > 0.0)) {
+    return {.exposure_s = std::clamp(now.exposure_s, range.exposure_min_s, range.exposure_max_s),
+            .gain = std::clamp(now.gain, range.gain_min, range.gain_max)};
+  }
+  double factor = wanted_factor(target, total, range.response_gamma, options);
   if (std::abs(factor - 1.0) < options.dead_band) {
     factor = 1.0;
   }

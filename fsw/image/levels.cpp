@@ -70,6 +70,7 @@ ImageLevels measure_levels(const cv::Mat& gray, const ImageOptions& options) {
   }
   ImageLevels levels;
   levels.mean_level = sum / total / 255.0;
+  levels.dim_level = 1.0;  // of a picture that is all at full scale
   int above = 0;
   int lit = 0;
   int saturated = 0;

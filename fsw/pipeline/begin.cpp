@@ -118,6 +118,7 @@ void begin_again(Component::State* s) {
   const auto frames = predicted_beside(*s);
   const Result<Bridge> found = bridge_start(
       frames.view(), {.centre_T = s->map.centre_T, .radius_mu = s->map.radius_mu});
+  ++s->counters.restarts;
   if (!found) {
     begin(s);  // too little was known of the motion to speak of the same T
     return;
@@ -132,7 +133,6 @@ void begin_again(Component::State* s) {
   if (!bridge.agrees) {
     forget_scale(s);  // the unit comes from the motion that was contradicted
   }
-  ++s->counters.restarts;
   take_over_start(bridge.to_T, s);
 }
 

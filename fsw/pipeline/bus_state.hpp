@@ -10,6 +10,7 @@
 #include "bus/telemetry.hpp"
 #include "bus/capacities.hpp"
 #include "pipeline/component.hpp"
+#include "pipeline/time_doubt.hpp"
 
 namespace polhode {
 
@@ -35,6 +36,7 @@ struct CloudRequest {
 struct ServicerAttitude {
   bool known = false;
   std::int64_t timestamp_ns = 0;
+  TimeDoubt doubt{};
   Eigen::Quaterniond q_IC = Eigen::Quaterniond::Identity();
   Eigen::Vector3d w_C_rad_s = Eigen::Vector3d::Zero();  ///< of C relative to I, in C
 };

@@ -6,6 +6,7 @@
 #include "bus/commands.hpp"
 #include "pipeline/parameter_image.hpp"
 #include "pipeline/scale_now.hpp"
+#include "pipeline/time_doubt.hpp"
 
 namespace polhode {
 namespace {
@@ -26,6 +27,9 @@ Outcome hold(Component::State* s) {
   s->bus.held = true;
   s->mode = Mode::kIdle;
   s->reference.valid = false;
+  // What was collected for a start is old when frames are looked at again.
+  clear(&s->tracks);
+  s->job.unwanted = s->job.unwanted || s->job.kind == JobKind::kStart;
   return kDone;
 }
 
@@ -38,6 +42,14 @@ Outcome resume(Component::State* s) {
   return kDone;
 }
 
+/// Length and range share the frame that they are read in, so each replaces the other; what is known of the shape stays.
+Outcome scale_read_in(std::int64_t frame_timestamp_ns, Component::State* s) {
+  s->parameters.scale.frame_timestamp_ns = frame_timestamp_ns;
+  s->bus.table_crc = table_crc(s->parameters);
+  forget_scale(s);
+  return kDone;
+}
+
 Outcome set_known_length(const Command& command, Component::State* s) {
   const auto length = command.arguments<bus::SetKnownLengthCommand>();
   const auto inside = [&](const std::array<double, 2>& px) {
@@ -46,25 +58,25 @@ Outcome set_known_length(const Command& command, Component::State* s) {
   if (!inside(length.first_px) || !inside(length.second_px)) {
     return "point outside the image";
   }
-  s->parameters.scale = {.known_length_m = length.length_m,
-                         .points_px = {length.first_px, length.second_px},
-                         .frame_timestamp_ns = length.frame_timestamp_ns};
-  forget_scale(s);
-  return kDone;
+  ScaleOptions& scale = s->parameters.scale;
+  scale.known_length_m = length.length_m;
+  scale.points_px = {length.first_px, length.second_px};
+  scale.range_m = 0.0;
+  return scale_read_in(length.frame_timestamp_ns, s);
 }
 
 Outcome set_range(const Command& command, Component::State* s) {
   const auto range = command.arguments<bus::SetRangeCommand>();
-  s->parameters.scale = {.range_m = range.range_m,
-                         .frame_timestamp_ns = range.frame_timestamp_ns};
-  forget_scale(s);
-  return kDone;
+  s->parameters.scale.range_m = range.range_m;
+  s->parameters.scale.known_length_m = 0.0;
+  return scale_read_in(range.frame_timestamp_ns, s);
 }
 
 Outcome servicer_attitude(const Command& command, Component::State* s) {
   const auto told = command.arguments<bus::ServicerAttitudeCommand>();
   ServicerAttitude& servicer = s->bus.servicer;
-  if (servicer.known && told.timestamp_ns <= servicer.timestamp_ns) {
+  if (servicer.known && told.timestamp_ns <= servicer.timestamp_ns &&
+      !outvotes(told.timestamp_ns, &servicer.doubt)) {
     return "time does not increase";
   }
   servicer = {

@@ -91,6 +91,18 @@ void merge(std::span<const PoseSample> news, PoseHistory& history) {
   }
 }
 
+/// Is the last interval far longer than the shortest? Over it a body may have turned by any number of turns.
+bool over_a_gap(const PoseHistory& poses) {
+  constexpr std::int64_t kLonger = 3;
+  std::int64_t shortest_ns = INT64_MAX;
+  std::int64_t last_ns = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    last_ns = poses[i].timestamp_ns - poses[i - 1].timestamp_ns;
+    shortest_ns = std::min(shortest_ns, last_ns);
+  }
+  return last_ns / kLonger > shortest_ns;
+}
+
 Result<RateEstimate> rates_by_pairs(const MotionNow& m) {
   const std::size_t count = m.recent.size();
   if (count < 2) {
@@ -98,6 +110,9 @@ Result<RateEstimate> rates_by_pairs(const MotionNow& m) {
   }
   const PoseSample& first = m.recent[count - 2];
   const PoseSample& second = m.recent[count - 1];
+  if (over_a_gap(m.recent)) {
+    return ErrorCode::kDegenerate;
+  }
   const Result<PaperRate> pair = paper_rate(first, second);
   if (!pair) {
     return pair.error();
@@ -213,7 +228,7 @@ std::optional<PosePrediction> pose_by_map_model(const Component::State& s,
                                                 std::int64_t timestamp_ns,
                                                 const Eigen::Matrix3d& R_IC) {
   const MotionNow& m = s.motion;
-  if (!m.model.of_map || !holds(m)) {
+  if (!m.model.of_map || !holds(m) || s.parameters.motion.mode == MotionMode::kPaper) {
     return std::nullopt;
   }
   const Result<MotionPrediction> at = predict_motion(m.model, timestamp_ns);

@@ -1,6 +1,7 @@
 #include "pipeline/picture.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "pipeline/track.hpp"
 
@@ -59,6 +60,9 @@ FrameUse bring_picture(const Frame& frame, Component::State* s) {
   }
   if (frame.image.width_px != s->camera.width_px || frame.image.height_px != s->camera.height_px) {
     return FrameUse::kWrongSize;
+  }
+  if (std::exchange(s->reference.gray_to_come, false)) {
+    std::swap(s->gray, s->reference.gray);
   }
   import_frame(frame.image, &s->gray);
   return FrameUse::kUsed;

@@ -27,6 +27,7 @@
 #include "pipeline/jobs.hpp"
 #include "pipeline/motion_now.hpp"
 #include "pipeline/shape_now.hpp"
+#include "pipeline/time_doubt.hpp"
 #include "shape/scale_fusion.hpp"
 #include "tracks/track_table.hpp"
 
@@ -73,6 +74,7 @@ struct Component::State {
   std::uint32_t next_frame = 0;
   std::int64_t timestamp_ns = 0;  ///< of the last frame whose picture could be looked at
   bool time_known = false;
+  TimeDoubt time_doubt;
   cv::Mat gray;
   QualityHistory quality;
   ArrivalHistory arrivals;

@@ -15,14 +15,21 @@
 namespace polhode {
 namespace {
 
-FrameUse judge(const Frame& frame, const Component::State& s) {
-  if (s.bus.held) {
-    return FrameUse::kHeld;
+/// May the frame be looked at? Where the time before it was wrong nothing that has a time can stay, neither poses nor
+/// keyframes.
+FrameUse admit(const Frame& frame, Component::State* s) {
+  const bool rises = !s->time_known || frame.timestamp_ns > s->timestamp_ns;
+  if (!rises && !outvotes(frame.timestamp_ns, &s->time_doubt)) {
+    return s->bus.held ? FrameUse::kHeld : FrameUse::kTimeNotIncreasing;
   }
-  if (s.time_known && frame.timestamp_ns <= s.timestamp_ns) {
-    return FrameUse::kTimeNotIncreasing;
+  if (!rises) {
+    forget_target(s);
+    s->arrivals = {};
   }
-  return FrameUse::kUsed;
+  s->time_doubt = {};
+  s->counters.frames_missing +=
+      static_cast<std::uint32_t>(missing_frames(frame.timestamp_ns, &s->arrivals));
+  return s->bus.held ? FrameUse::kHeld : FrameUse::kUsed;
 }
 
 /// Was there a picture, good or bad, with a time of its own?
@@ -132,10 +139,8 @@ const StepOutput& Component::step(const StepInput& input) {
     s->mode = Mode::kAcquiring;
   }
   set_observer(input, s);
-  FrameUse use = judge(input.frame, *s);
+  FrameUse use = admit(input.frame, s);
   if (use == FrameUse::kUsed) {
-    s->counters.frames_missing +=
-        static_cast<std::uint32_t>(missing_frames(input.frame.timestamp_ns, &s->arrivals));
     use = take_picture(input.frame, s);
   }
   if (looked_at(use)) {

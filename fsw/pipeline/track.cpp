@@ -141,9 +141,7 @@ void renew_reference(Component::State* s) {
   s->reference.valid = true;
   s->reference_frame = s->frame;
   std::swap(s->reference.pyramid, s->pyramid);
-  if (!s->reference.pyramid.built) {
-    std::swap(s->gray, s->reference.gray);  // the step is done with it
-  }
+  s->reference.gray_to_come = !s->reference.pyramid.built;
   s->reference.pose = s->localised.absolute.pose;
   s->reference.points.clear();
   for (const LandmarkMatch& match : s->localised.matches) {
@@ -169,18 +167,23 @@ void count_sightings(Component::State* s) {
 
 /// A frame followed by flow that is to become a keyframe needs features, and landmarks tied to
 /// them.
+/// @return false, the pose by flow as it was, where the features do not bear it out.
 bool bring_features(Component::State* s) {
   if (s->features_ready) {
     return true;
   }
   ensure_features(s);
-  const Pose pose = s->localised.absolute.pose;
-  return localise_guided(localise_input(*s),
-                         pose,
-                         s->parameters.localise.search_floor_px,
-                         &s->localise_scratch,
-                         &s->localised)
-      .ok();
+  LocalisedFrame& by_features = s->closure;  // no loop is being closed yet
+  const Result<bool> done = localise_guided(localise_input(*s),
+                                            s->localised.absolute.pose,
+                                            s->parameters.localise.search_floor_px,
+                                            &s->localise_scratch,
+                                            &by_features);
+  if (!done || !agrees(by_features, s->parameters.localise.inliers_min)) {
+    return false;
+  }
+  s->localised = by_features;
+  return true;
 }
 
 void lose(Component::State* s) {
@@ -271,11 +274,7 @@ void track(Component::State* s) {
   fuse_with_motion(s);
   count_sightings(s);
   const bool may_teach = s->verdict.decision == FrameDecision::kUse;
-  if (may_teach && may_extend_map(*s)) {
-    if (!bring_features(s)) {
-      lose(s);
-      return;
-    }
+  if (may_teach && may_extend_map(*s) && bring_features(s)) {
     sharpen_outline(mask_prior(s->localised.absolute.pose, s), &s->mask_state);
     extend_map(s);
     renew_reference(s);

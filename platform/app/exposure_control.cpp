@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
 
 #include "mask/target_levels.hpp"
 #include "pipeline/state.hpp"
@@ -23,6 +24,16 @@ double image_motion_px_s(const MotionState& motion, const Component::State& s) {
          s.camera.focal_px() * across / depth;
 }
 
+/// One level all over: where it is more than a target should have it is too much light, else nothing is known.
+LevelCounts over_exposed(const cv::Mat& gray) {
+  LevelCounts levels{};
+  const double mean = cv::mean(gray)[0];
+  if (mean > 255.0 * ExposureOptions{}.bright_level) {
+    levels[static_cast<std::size_t>(mean)] = 1;
+  }
+  return levels;
+}
+
 }  // namespace
 
 SeenTarget seen_target(const StepOutput& out, const Component::State& state) {
@@ -37,6 +48,9 @@ SeenTarget seen_target(const StepOutput& out, const Component::State& state) {
     case FrameUse::kUsed:
       seen.levels = target_levels(state.gray, state.parameters.mask, state.mask);
       seen.image_motion_px_s = image_motion_px_s(out.motion, state);
+      break;
+    case FrameUse::kFlat:
+      seen.levels = over_exposed(state.gray);
       break;
     default:  // of a damaged picture nothing is to be learnt
       break;

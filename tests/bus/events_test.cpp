@@ -100,7 +100,7 @@ TEST(EventThrottle, LetsAPassOfCommandsBeAnsweredEach_AndLeavesRoomBesideAFlood)
 TEST(EventThrottle, TellsOfWhatItHeldBack_WhenTheWindowEnds) {
   EventLog log;
   for (int i = 0; i < 10; ++i) {
-    report(EventId::kFrameDark, {}, &log);
+    report(EventId::kFrameDark, {.values = {static_cast<double>(i), 0.0}}, &log);
   }
   (void)sent_at(0, &log);
   EXPECT_TRUE(sent_at(9, &log).empty());
@@ -109,6 +109,7 @@ TEST(EventThrottle, TellsOfWhatItHeldBack_WhenTheWindowEnds) {
   EXPECT_EQ(told[0].id, static_cast<std::uint16_t>(EventId::kFrameDark));
   EXPECT_EQ(told[0].suppressed, 10 - burst_of(EventId::kFrameDark));
   EXPECT_EQ(told[0].occurrences, 10U);
+  EXPECT_EQ(told[0].value[0], 9.0) << "of the last one held back";
   EXPECT_TRUE(sent_at(20, &log).empty());
 }
 

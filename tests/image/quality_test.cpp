@@ -360,6 +360,13 @@ TEST(Assess, UsesABlurredFrameWithCare) {
   EXPECT_EQ(verdict.decision, FrameDecision::kCare);
 }
 
+TEST(Assess, NeverUsesAPictureThatIsAllAtFullScale_HoweverLong) {
+  Watch watch;
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_EQ(watch.show(constant(kWidth, kHeight, 255)).decision, FrameDecision::kSkip) << i;
+  }
+}
+
 TEST(Assess, CallsAPictureWithoutContrastFlat) {
   QualityHistory history;
   expect_skipped(assess(constant(kWidth, kHeight, 128), {}, &history), FrameFault::kFlat);

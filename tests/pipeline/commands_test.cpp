@@ -132,6 +132,23 @@ TEST(Commands, HoldPassesFramesOver_UntilResume) {
   EXPECT_EQ(out.motion.mode, Mode::kAcquiring);
 }
 
+TEST(Commands, WhatWasCollectedForAStartIsOld_AfterAHold) {
+  const Ball ball(3);
+  Commanded bench;
+  for (int i = 0; i < 4; ++i) {
+    (void)bench.show(ball.seen_from(turning(i)));
+  }
+  const Component::State& state = bench.component->state();
+  ASSERT_FALSE(state.tracks.frames.empty());
+  (void)bench.step(command(CommandCode::kHold));
+  EXPECT_TRUE(state.tracks.frames.empty());
+  (void)bench.show(ball.seen_from(turning(5)));
+  (void)bench.step(command(CommandCode::kResume));
+  const Counters& counters = bench.component->counters();
+  EXPECT_EQ(counters.frames_held, 2U);
+  EXPECT_EQ(counters.frames_missing, 0U) << "held is not missing";
+}
+
 TEST(Commands, LengthAndRangeReplaceEachOther) {
   Commanded bench;
   (void)bench.step(command(CommandCode::kSetKnownLength,
@@ -156,6 +173,24 @@ TEST(Commands, LengthAndRangeReplaceEachOther) {
   EXPECT_EQ(scale.known_length_m, 0.0);
 }
 
+TEST(Commands, LengthAndRangeLeaveAloneWhatIsKnownOfTheShape) {
+  Parameters p = Commanded::every_frame();
+  p.scale.known_diameter_m = 2.0;
+  p.scale.range_sigma_m = 0.05;
+  Bench bench(p);
+  const CommandOctets range = command(
+      CommandCode::kSetRange, bus::SetRangeCommand{.frame_timestamp_ns = 7, .range_m = 12.5});
+  const std::array<std::span<const std::uint8_t>, 1> commands{range};
+  const Picture dark = uniform(0);
+  const StepOutput& out = bench.component->step(
+      {.frame = frame_of(Bench::kSecond_ns, dark), .commands = commands});
+  const Parameters& now = bench.component->state().parameters;
+  EXPECT_EQ(now.scale.range_m, 12.5);
+  EXPECT_EQ(now.scale.known_diameter_m, 2.0);
+  EXPECT_EQ(now.scale.range_sigma_m, 0.05);
+  EXPECT_EQ(Commanded::housekeeping(out).table_crc, table_crc(now));
+}
+
 TEST(Commands, ServicerAttitudeGoesForwardInTimeOnly) {
   Commanded bench;
   const auto attitude = [](std::int64_t time_ns) {
@@ -168,6 +203,22 @@ TEST(Commands, ServicerAttitudeGoesForwardInTimeOnly) {
   const StepOutput& out = bench.step(attitude(100));
   EXPECT_TRUE(event(EventId::kCommandState, out));
   EXPECT_NE(Commanded::housekeeping(out).flags & bus::housekeeping_layout::kFlagServicerAttitude, 0);
+}
+
+TEST(Commands, ServicerAttitudesOutvoteOneOfAWrongTime) {
+  Commanded bench;
+  const auto attitude = [](std::int64_t time_ns) {
+    return command(CommandCode::kServicerAttitude,
+                   bus::ServicerAttitudeCommand{.timestamp_ns = time_ns,
+                                                .q_IC = {1.0, 0.0, 0.0, 0.0},
+                                                .w_C_rad_s = {0.0, 0.0, 0.0}});
+  };
+  (void)bench.step(attitude(1'000'000));
+  for (std::int64_t i = 1; i <= 9; ++i) {
+    EXPECT_TRUE(event(EventId::kCommandState, bench.step(attitude(i)))) << i;
+  }
+  EXPECT_FALSE(event(EventId::kCommandState, bench.step(attitude(10))));
+  EXPECT_EQ(bench.component->state().bus.servicer.timestamp_ns, 10);
 }
 
 bus::TableLoadEntry entry(const char* key, std::uint64_t value) {

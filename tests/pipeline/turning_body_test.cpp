@@ -6,6 +6,7 @@
 
 #include "bench.hpp"
 #include "geometry/so3.hpp"
+#include "pipeline/state.hpp"
 
 namespace polhode {
 namespace {
@@ -188,6 +189,62 @@ TEST(TurningBody, IsNotLost_ByFramesThatAreSkipped) {
   EXPECT_TRUE(good.motion.pose_valid);
   EXPECT_EQ(b.component->counters().lost, 0U);
   EXPECT_EQ(b.component->counters().frames_bit_errors, 1U);
+}
+
+TEST(TurningBody, ItsPictureIsStillThere_AfterEachStep) {
+  Bench b;
+  for (const Picture& picture : pictures()) {
+    (void)b.show(picture);
+    const cv::Mat& gray = b.component->state().gray;
+    ASSERT_EQ(gray.total(), picture.size());
+    EXPECT_TRUE(std::equal(picture.begin(), picture.end(), gray.ptr<std::uint8_t>())) << b.time_s;
+  }
+}
+
+TEST(TurningBody, IsAcquiredAnew_WhenOneTimeWasFarAhead) {
+  const Ball ball(3);
+  Bench b;
+  int i = 0;
+  for (; i < 14; ++i) {
+    (void)b.show(ball.seen_from(turning(i)));
+  }
+  ASSERT_EQ(b.component->state().mode, Mode::kTracking);
+  (void)b.component->step(
+      {.frame = frame_of(1'000'000 * Bench::kSecond_ns, ball.seen_from(turning(i++)))});
+  ++b.time_s;
+  for (int refused = 0; refused < 9; ++refused) {
+    EXPECT_EQ(b.show(ball.seen_from(turning(i++))).use, FrameUse::kTimeNotIncreasing);
+  }
+  const StepOutput& anew = b.show(ball.seen_from(turning(i++)));
+  EXPECT_EQ(anew.use, FrameUse::kUsed);
+  EXPECT_EQ(anew.motion.mode, Mode::kAcquiring);
+  while (i < 50 && !b.show(ball.seen_from(turning(i))).motion.pose_valid) {
+    ++i;
+  }
+  EXPECT_LT(i, 42) << "as from a cold start";
+  EXPECT_EQ(b.component->counters().frames_time_not_increasing, 9U);
+}
+
+TEST(TurningBody, IsFollowed_WhenOldFramesAreDeliveredOnceMore) {
+  Bench b;
+  for (std::size_t i = 0; i < 16; ++i) {
+    (void)b.show(pictures()[i]);
+  }
+  b.time_s -= 6;
+  for (std::size_t i = 10; i < 16; ++i) {
+    EXPECT_EQ(b.show(pictures()[i]).use, FrameUse::kTimeNotIncreasing);
+  }
+  EXPECT_TRUE(b.show(pictures()[16]).motion.pose_valid);
+}
+
+TEST(TurningBody, HasNoRateOfPairs_OverAGap) {
+  Parameters p = parameters();
+  p.motion.mode = MotionMode::kPaper;
+  const Passage r = run(p, [](int i) { return i < 15 || i >= 18; });
+  EXPECT_TRUE(r.motion[14].rate_valid);
+  EXPECT_TRUE(r.motion[18].pose_valid);
+  EXPECT_FALSE(r.motion[18].rate_valid);
+  EXPECT_TRUE(r.motion[19].rate_valid);
 }
 
 /// Followed, then something else, then seen again: the pose has to come from relocalisation.

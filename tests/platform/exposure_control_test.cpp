@@ -109,6 +109,32 @@ TEST(ExposureControl, GoesUpAfterDarkFrames_DownAfterSaturatedOnes_AndNowhereAft
   }
 }
 
+TEST(ExposureControl, GoesDown_WhenThePictureIsBrightAllOver_AndLearnsNothingWhereItIsGrayAllOver) {
+  for (const auto& [level, changes] : {std::pair{253, 1U}, std::pair{235, 1U}, std::pair{90, 0U}}) {
+    const Stepped stepped(FrameUse::kFlat);
+    stepped.state->gray = cv::Mat(48, 64, CV_8UC1, cv::Scalar(level));
+    LinearCamera camera(1.0);
+    ExposureControl control({.enabled = true, .gain_factor_max = kGainFactor});
+    for (int frame = 0; frame < 4; ++frame) {
+      control.after(stepped.out, *stepped.state, camera);
+    }
+    EXPECT_EQ(control.changes(), changes) << level;
+    EXPECT_EQ(camera.setting.exposure_ns < 10'000'000, changes == 1U) << level;
+  }
+}
+
+TEST(ExposureControl, LeavesAShortExposureWithGainAlone_AfterADamagedFrame) {
+  const Stepped stepped(FrameUse::kTorn);
+  LinearCamera camera(1.0);
+  camera.setting.exposure_ns = 2'000'000;
+  camera.setting.gain = 0.5;
+  ExposureControl control({.enabled = true, .gain_factor_max = kGainFactor});
+  for (int frame = 0; frame < 4; ++frame) {
+    control.after(stepped.out, *stepped.state, camera);
+  }
+  EXPECT_EQ(camera.times_set, 0);
+}
+
 TEST(ExposureControl, WaitsForASettingToTakeEffect_AndMayBeSwitchedOff) {
   const Stepped stepped(FrameUse::kDark);
   LinearCamera camera(1.0);
