@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/median.hpp"
 
 namespace polhode {
 namespace {
@@ -126,6 +127,23 @@ bool is_there(const AdjustmentSnapshot& s, std::size_t i, const Map& map) {
   return landmark.used && landmark.number == s.landmark_numbers[i];
 }
 
+double moved_by(const AdjustmentSnapshot& s, std::size_t i, const Map& map) {
+  return (s.points_T[i] - map.landmarks[s.landmarks[i].index()].p_T).norm();
+}
+
+/// How far a landmark that belongs to the adjusted map may have moved. One that two sightings hold may run away by any
+/// distance, and would carry a least-squares fit with it.
+double moved_max(const AdjustmentSnapshot& s, const Map& map) {
+  constexpr double kMedians = 5.0;  // by a turn or a change of scale the farthest moves two or three times as far
+  FixedVector<double, limits::kLandmarks> distances;
+  for (std::size_t i = 0; i < s.landmarks.size(); ++i) {
+    if (is_there(s, i, map)) {
+      (void)distances.push_back(moved_by(s, i, map));
+    }
+  }
+  return kMedians * median(distances.view());
+}
+
 /// From the adjusted map onto the one that it came from; identity where held keyframes keep the gauge.
 Similarity back_onto(const AdjustmentSnapshot& s, const Map& map) {
   if (std::count(s.pose_fixed.begin(), s.pose_fixed.end(), std::uint8_t{1}) > 1) {
@@ -134,8 +152,9 @@ Similarity back_onto(const AdjustmentSnapshot& s, const Map& map) {
   FixedVector<Eigen::Vector3d, limits::kLandmarks> adjusted;
   FixedVector<Eigen::Vector3d, limits::kLandmarks> before;
   FixedVector<double, limits::kLandmarks> weights;
+  const double limit = moved_max(s, map);
   for (std::size_t i = 0; i < s.landmarks.size(); ++i) {
-    if (is_there(s, i, map)) {
+    if (is_there(s, i, map) && moved_by(s, i, map) <= limit) {
       const Landmark& landmark = map.landmarks[s.landmarks[i].index()];
       (void)adjusted.push_back(s.points_T[i]);
       (void)before.push_back(landmark.p_T);
@@ -145,6 +164,41 @@ Similarity back_onto(const AdjustmentSnapshot& s, const Map& map) {
   const Result<Similarity> aligned =
       align_similarity(adjusted.view(), before.view(), weights.view());
   return aligned ? aligned.value() : Similarity{};
+}
+
+bool is_there(const AdjustmentSnapshot& s, std::size_t k, const Keyframe& keyframe) {
+  return keyframe.used && keyframe.number == s.keyframe_numbers[k];
+}
+
+/// By the newest of the snapshot's keyframes that are still there.
+MapCorrection correction_of(const AdjustmentSnapshot& s, const Map& map) {
+  MapCorrection correction;
+  correction.back = back_onto(s, map);
+  std::uint32_t newest = 0;
+  for (std::size_t k = 0; k < s.keyframes.size(); ++k) {
+    const Keyframe& keyframe = map.keyframes[s.keyframes[k].index()];
+    if (is_there(s, k, keyframe) && keyframe.number >= newest) {
+      newest = keyframe.number;
+      correction = {.timestamp_ns = keyframe.timestamp_ns,
+                    .frame = keyframe.frame,
+                    .before = keyframe.pose,
+                    .after = transformed(from_inverse_depth(s.poses[k]), correction.back),
+                    .back = correction.back};
+    }
+  }
+  return correction;
+}
+
+/// Does every keyframe see the body before it, those of the snapshot and those that come along?
+bool all_in_front(const AdjustmentSnapshot& s, const MapCorrection& correction, const Map& map) {
+  const auto in_front = [](const Pose& pose) { return pose.p_CT.z() > 0.0; };
+  const bool adjusted =
+      std::all_of(s.poses.begin(), s.poses.end(), [&](const InverseDepthPose& pose) {
+        return in_front(transformed(from_inverse_depth(pose), correction.back));
+      });
+  return adjusted && std::all_of(map.keyframes.begin(), map.keyframes.end(), [&](const Keyframe& k) {
+           return !k.used || k.number < s.next_keyframe_number || in_front(correction.moved(k.pose));
+         });
 }
 
 void take_along(const AdjustmentSnapshot& s, const MapCorrection& correction, Map* map) {
@@ -225,29 +279,19 @@ BundleReport adjust(AdjustmentSnapshot* s,
 }
 
 MapCorrection apply(const AdjustmentSnapshot& s, Map* map) {
-  const Similarity back = back_onto(s, *map);
-  MapCorrection correction;
-  correction.back = back;
-  std::uint32_t newest = 0;
+  const MapCorrection correction = correction_of(s, *map);
+  if (!all_in_front(s, correction, *map)) {
+    return {};
+  }
   for (std::size_t k = 0; k < s.keyframes.size(); ++k) {
     Keyframe& keyframe = map->keyframes[s.keyframes[k].index()];
-    if (!keyframe.used || keyframe.number != s.keyframe_numbers[k]) {
-      continue;
+    if (is_there(s, k, keyframe)) {
+      keyframe.pose = transformed(from_inverse_depth(s.poses[k]), correction.back);
     }
-    const Pose after = transformed(from_inverse_depth(s.poses[k]), back);
-    if (keyframe.number >= newest) {
-      newest = keyframe.number;
-      correction = {.timestamp_ns = keyframe.timestamp_ns,
-                    .frame = keyframe.frame,
-                    .before = keyframe.pose,
-                    .after = after,
-                    .back = back};
-    }
-    keyframe.pose = after;
   }
   for (std::size_t i = 0; i < s.landmarks.size(); ++i) {
     if (is_there(s, i, *map)) {
-      map->landmarks[s.landmarks[i].index()].p_T = back.apply(s.points_T[i]);
+      map->landmarks[s.landmarks[i].index()].p_T = correction.back.apply(s.points_T[i]);
     }
   }
   take_along(s, correction, map);

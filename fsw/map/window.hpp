@@ -49,7 +49,7 @@ BundleReport adjust(AdjustmentSnapshot* snapshot,
 
 /// How the newest keyframe of a snapshot was moved. What was placed by it since goes along.
 struct MapCorrection {
-  std::int64_t timestamp_ns = INT64_MAX;  ///< of that keyframe; INT64_MAX: it is no longer there
+  std::int64_t timestamp_ns = INT64_MAX;  ///< of that keyframe; INT64_MAX: it is no longer there, or nothing was changed
   std::uint32_t frame = UINT32_MAX;
   Pose before;
   Pose after;
@@ -67,7 +67,8 @@ struct MapCorrection {
 /// Writes the result back to what of the snapshot is still in the map. Where no more than one
 /// keyframe was held the whole map is first brought back onto where it was by the similarity that
 /// fits its landmarks best: T's axes, origin and scale do not move. Keyframes and landmarks that have
-/// come since keep their place beside the snapshot's newest keyframe.
+/// come since keep their place beside the snapshot's newest keyframe. An adjustment by which the body would lie behind
+/// a camera changes nothing.
 MapCorrection apply(const AdjustmentSnapshot& snapshot, Map* map);
 
 }  // namespace polhode

@@ -148,7 +148,8 @@ MapCorrection take_over(Component::State* s) {
     return {};
   }
   const MapCorrection correction = apply(job.snapshot, &s->map);
-  if (job.as_free_body && job.model.accepted() && !job.model_unwanted) {
+  const bool applied = correction.timestamp_ns != INT64_MAX;
+  if (applied && job.as_free_body && job.model.accepted() && !job.model_unwanted) {
     take_joint_fit(transformed(job.model, correction.back), s);
   }
   return correction;

@@ -231,6 +231,21 @@ TEST(Apply, KeepsAxesOriginAndScale_WhenAllMoved) {
   }
 }
 
+TEST(Apply, IsNotCarriedAway_ByALandmarkThatRanAway) {
+  const auto s = make_map(ball(300, 28), turn_by(0.15, 8), kNoise_px, 4);
+  const auto before = std::make_unique<Map>(*s.map);
+  const auto all = all_of(*s.map);
+  ASSERT_TRUE(adjust(all.get(), kBundle, workspace()).usable);
+  all->points_T[17] *= 1e5;
+  (void)apply(*all, s.map.get());
+  for (const Keyframe& keyframe : s.map->keyframes) {
+    if (keyframe.used) {
+      const Pose& was = before->keyframes[static_cast<std::size_t>(&keyframe - s.map->keyframes.data())].pose;
+      EXPECT_LT((keyframe.pose.p_CT - was.p_CT).norm(), 0.01 * was.p_CT.norm());
+    }
+  }
+}
+
 /// A window's snapshot whose newest keyframe the solution has moved, and the map that has grown by a
 /// keyframe and a landmark since.
 struct GrownSince {
@@ -258,6 +273,21 @@ struct GrownSince {
   KeyframeId keyframe;
   LandmarkId landmark;
 };
+
+TEST(Apply, ChangesNothing_WhereTheBodyWouldLieBehindACamera) {
+  const GrownSince g(2);
+  const auto before = std::make_unique<Map>(g.map());
+  // The newest keyframe comes so much nearer that the one that came since would be beyond the body.
+  g.map().keyframes[g.keyframe.index()].pose.p_CT = 0.1 * g.before.p_CT;
+  Pose near = g.before;
+  near.p_CT *= 0.2;
+  g.snapshot->poses[0] = to_inverse_depth(near);
+  const MapCorrection correction = apply(*g.snapshot, &g.map());
+  EXPECT_EQ(correction.timestamp_ns, INT64_MAX);
+  const std::size_t newest = g.snapshot->keyframes[0].index();
+  EXPECT_EQ(g.map().keyframes[newest].pose.p_CT, before->keyframes[newest].pose.p_CT);
+  EXPECT_EQ(g.map().keyframes[g.keyframe.index()].pose.p_CT, 0.1 * g.before.p_CT);
+}
 
 TEST(Apply, WhatHasComeSinceKeepsItsPlaceBesideTheNewestKeyframe) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
