@@ -10,9 +10,9 @@
 namespace polhode {
 namespace {
 
-// Depths of a body spread by some 0.6 extents: a quarter of that is then 2 sigma off. The
-// adjustments that follow the commit bring it down; no start of 1000 was a twin at this value.
-constexpr double kDepthSigmaMax = 0.08;
+// Depths of a body spread by some 0.6 extents: a fifth of that is then 2 sigma off. The
+// adjustments that follow the commit bring it down.
+constexpr double kDepthSigmaMax = 0.06;
 // Tracks go wrong in 5 to 20 % of cases, and take their sightings with them; on a body of a hundred
 // pixels that turns by 6 deg a frame in twice as many. A wrong hypothesis that explains half of the
 // sightings is told by the gap, not by this.

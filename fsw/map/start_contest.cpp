@@ -16,6 +16,9 @@ constexpr std::size_t kFamilies = 6;   // seeds that go on to full refinement, w
 constexpr std::size_t kFinalists = 6;  // hypotheses that are grown to all frames, shared by the cores
 constexpr int kExtendRounds = 3;       // frames posed on either side between two adjustments
 constexpr int kTwinRounds = 3;
+// Depth and turn make up for each other along a valley in which steps are short: a hypothesis that has not come to its
+// floor is no rival, but would be waited for. Most settle in a tenth of this.
+constexpr int kSettleIterations = 60;
 // A track's share in a gap: more comes from a wrong track that one hypothesis happens to explain.
 constexpr double kTrackGapMax = 4.0;
 // A chi-square gap of 25 scatters by 10: less agreement between the tracks than 1.5 sigma is no
@@ -159,7 +162,7 @@ bool grow(const Contest& c, StartHypothesis* h) {
       return false;
     }
   }
-  return refine(c, all, 5, 10, 15, h);
+  return refine(c, all, 5, 10, kSettleIterations, h);
 }
 
 /// Finalists grown to all frames and compared on all contest sightings.
@@ -178,7 +181,7 @@ void refine_finalists(const Contest& c) {
 void challenge_winner(const Contest& c) {
   for (int round = 0; round < kTwinRounds && !c.w.refined.empty(); ++round) {
     StartHypothesis twin = twin_of(c.w.refined[0]);
-    if (!refine(c, c.w.set.sightings.view(), 8, 12, 20, &twin)) {
+    if (!refine(c, c.w.set.sightings.view(), 8, 12, kSettleIterations, &twin)) {
       return;
     }
     const bool wins = twin.fit.cost < c.w.refined[0].fit.cost;

@@ -80,9 +80,12 @@ void drop_wrong_tracks(const Contest& c, StartOutcome* out) {
   }
 }
 
+/// Of the contest's tracks, which decide on the geometry and are the longest that there are: on a body that turns them away
+/// after three or four frames most others say little of their own depth, however well the turn is known.
 double median_depth_sigma(const Contest& c) {
-  FixedVector<double, limits::kStartTracks> sigma;
-  for (std::size_t i = 0; i < c.problem.tracks.size(); ++i) {
+  FixedVector<double, kContestTracks> sigma;
+  for (const int track : c.w.set.tracks) {
+    const auto i = static_cast<std::size_t>(track);
     if (c.w.known[i] != 0) {
       (void)sigma.push_back(std::sqrt(std::max(0.0, c.w.covariances[i](2, 2))));
     }
