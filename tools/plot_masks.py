@@ -12,11 +12,15 @@ sys.path[:0] = [str(REPOSITORY / "hil"), str(REPOSITORY / "tools")]
 from judge.venv import enter_venv, run_main  # noqa: E402
 
 
+def numbers(text: str) -> list[int]:
+    return [int(one) for one in text.split(",")]
+
+
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("run", metavar="DIR", type=pathlib.Path, help="output folder of a replay with --masks")
     parser.add_argument("sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder")
-    parser.add_argument("--frames", metavar="N,N,...", help="frames to draw (default: nine, evenly)")
+    parser.add_argument("--frames", metavar="N,N,...", type=numbers, help="frames to draw (default: nine, evenly)")
     parser.add_argument("--out", metavar="OUT", type=pathlib.Path, help="folder for the pictures (default: DIR/plots)")
     return parser.parse_args()
 
@@ -28,15 +32,14 @@ def main() -> int:
     from judge.sequence import read_sequence
     from plots import overlay, style
     sequence = read_sequence(options.sequence)
-    count = len(sequence.filenames)
-    frames = [int(one) for one in options.frames.split(",")] if options.frames else \
-        sorted({int(one) for one in np.linspace(0, count - 1, 9)})
+    masks = overlay.read_masks(options.run / "masks.pgms")  # before anything is made: DIR may not be there
+    frames = options.frames or sorted({int(one) for one in np.linspace(0, len(sequence.filenames) - 1, 9)})
     out = options.out or options.run / "plots"
     style.prepare(out)
-    for path in overlay.draw(options.run, sequence, frames, out):
+    for path in overlay.draw(options.run, masks, sequence, frames, out):
         print(path)
     if sequence.model_path.exists() and sequence.truth_path.exists():
-        overlaps = outline_overlaps(overlay.read_masks(options.run / "masks.pgms"), sequence)
+        overlaps = outline_overlaps(masks, sequence)
         if overlaps:
             print(f"outlines of {len(overlaps)} keyframes: overlap mean {np.mean(overlaps):.3f}, median {np.median(overlaps):.3f}")
         outside, landmarks = on_background(options.run, sequence)

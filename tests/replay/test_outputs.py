@@ -3,10 +3,13 @@
 import hashlib
 import json
 import math
+import subprocess
+import sys
 
 import numpy
 import pytest
-from replay_files import motion_rows, summary
+from PIL import Image
+from replay_files import REPOSITORY, motion_rows, summary
 from sequence_writer import SequenceWriter, textured
 
 HEADER = (
@@ -148,3 +151,14 @@ def test_other_formats_are_read(replay, tmp_path, suffix, depth):
     assert result.status == 0, result.err
     assert summary(result.folder)["frames"]["processed"] == 3
     assert max(int(row["features"]) for row in motion_rows(result.folder)) > 20
+
+
+def test_masks_and_tracks_are_written_where_wished_and_can_be_drawn(replay, sequence):
+    result = replay(sequence.path, "--masks")
+    assert result.status == 0, result.err
+    assert {file.name for file in result.folder.iterdir()} == FILES | {"masks.pgms", "mask_tracks.csv"}
+    done = subprocess.run([sys.executable, REPOSITORY / "tools/plot_masks.py", result.folder, sequence.path], capture_output=True, text=True)
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    for frame in range(3):
+        picture = numpy.asarray(Image.open(result.folder / f"plots/overlay_{frame:06d}.png").convert("L"))
+        assert picture.std() > 10, frame

@@ -48,6 +48,8 @@ def read_masks(path) -> list[Mask]:
             raise BadInput(f"{path}: no picture at octet {at}")
         frame, used, behind, found, sharp, decimation, width, height = map(int, match.groups())
         at = match.end() + width * height
+        if at > len(data):
+            raise BadInput(f"{path}: ends within the picture of frame {frame}")
         pixels = np.frombuffer(data[match.end() : at], np.uint8).reshape(height, width)
         masks.append(Mask(frame, bool(used), bool(behind), bool(found), bool(sharp), decimation,
                           (pixels & TARGET) > 0, (pixels & OPEN) > 0))
@@ -57,9 +59,12 @@ def read_masks(path) -> list[Mask]:
 def read_tracks(path) -> dict[int, list[dict]]:
     """Rows of mask_tracks.csv by frame."""
     tracks = defaultdict(list)
-    with open(path, newline="") as file:
-        for row in csv.DictReader(file):
-            tracks[int(row["frame"])].append(row)
+    try:
+        with open(path, newline="") as file:
+            for row in csv.DictReader(file):
+                tracks[int(row["frame"])].append(row)
+    except OSError as problem:
+        raise BadInput(f"{path}: {problem.strerror}") from None
     return tracks
 
 
@@ -93,10 +98,10 @@ def draw_frame(axes, gray, mask: Mask, tracks: list[dict], observations: list[di
     axes.axis("off")
 
 
-def draw(run_folder, sequence, frames: list[int], out) -> list:
-    """One PNG per frame asked for."""
+def draw(run_folder, masks: list[Mask], sequence, frames: list[int], out) -> list:
+    """One PNG per frame asked for. @param masks  those of the run (read_masks)."""
     from matplotlib import pyplot
-    masks = {mask.frame: mask for mask in read_masks(run_folder / "masks.pgms")}
+    masks = {mask.frame: mask for mask in masks}
     tracks, seen = read_tracks(run_folder / "mask_tracks.csv"), read_observations(run_folder / "observations.csv")
     paths = []
     for frame in frames:
@@ -105,7 +110,7 @@ def draw(run_folder, sequence, frames: list[int], out) -> list:
         gray = sequence.read_gray(frame)
         figure, axes = pyplot.subplots(figsize=(gray.shape[1] / 100, gray.shape[0] / 100 + 0.3), dpi=100)
         draw_frame(axes, gray, masks[frame], tracks[frame], seen[frame])
-        figure.tight_layout(pad=0.2)
+        figure.set_layout_engine("tight", pad=0.2)
         paths.append(out / f"overlay_{frame:06d}.png")
         figure.savefig(paths[-1])
         pyplot.close(figure)
