@@ -8,6 +8,7 @@ import shutil
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from judge.ranges import number, whole  # noqa: E402
 from judge.venv import REPOSITORY, enter_venv, run_main  # noqa: E402
 
 COVERAGE_MIN = 0.95
@@ -18,8 +19,8 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("sequences", metavar="SEQ", type=pathlib.Path, nargs="+")
     parser.add_argument("--out", metavar="DIR", type=pathlib.Path, required=True, help="working folder, not there yet")
-    parser.add_argument("--seeds", type=int, default=3, help="runs a sequence (default 3)")
-    parser.add_argument("--fraction", type=float, default=0.1)
+    parser.add_argument("--seeds", type=whole(1), default=3, help="runs a sequence (default 3)")
+    parser.add_argument("--fraction", type=number(0.0, 0.9), default=0.1, help="part of the frames that is spoiled (default 0.1)")
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="passed on to the replay")
     parser.add_argument("--program", type=pathlib.Path, default=REPOSITORY / "build/release/bin/polhode")
     return parser.parse_args()
@@ -47,6 +48,9 @@ def describe(name: str, verdict) -> str:
 def main() -> int:
     options = arguments()
     from faults.verdict import Verdict
+    from judge.errors import BadInput
+    if options.out.exists():
+        raise BadInput(f"{options.out}: is there already")
     total = Verdict()
     for folder in options.sequences:
         for seed in range(1, options.seeds + 1):

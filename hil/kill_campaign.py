@@ -4,8 +4,8 @@
 usage: kill_campaign.py FOLDER [--kills 50] [--seed 1] [--interval-s 0.25]
 A turning body is played on and on, on the machine's clock, so that a new start finds it where it would be by then. A checkpoint is
 written after every frame, so that most kills fall into the writing of one. For every start: was the checkpoint taken, how long
-until the first packet, how many good frames until a valid pose. Status 1 when a checkpoint was torn or a pose came later
-than with the third frame. FOLDER receives the runs and campaign.json.
+until the first packet, how many good frames until a valid pose. Status 1 when a checkpoint was torn, a pose came later
+than with the third frame, or a start gave no packet. FOLDER, not there yet, receives the runs and campaign.json.
 """
 
 import argparse
@@ -18,9 +18,13 @@ import subprocess
 import sys
 import time
 
-REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from judge.errors import BadInput  # noqa: E402
+from judge.ranges import number, whole  # noqa: E402
+from judge.venv import REPOSITORY, enter_venv, run_main  # noqa: E402
+
+sys.path.append(str(REPOSITORY / "hil/v4l2"))  # last: it has a judge of its own
 PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
-sys.path.insert(0, str(REPOSITORY / "hil/v4l2"))
 
 FRAMES_TO_POSE_MAX = 3
 
@@ -49,6 +53,10 @@ def pose_valid(packet: dict) -> bool | None:
     return packet.get("pose_valid")
 
 
+class NoPacket(Exception):
+    """A start came to nothing: its text names the start and the program's last words."""
+
+
 class Start:
     """One start of the program, and what came of it."""
 
@@ -68,7 +76,8 @@ class Start:
         """Seconds from the start to the first packet."""
         while self.octets() == 0:
             if self.process.poll() is not None or time.monotonic() - self.begun_s > limit_s:
-                raise RuntimeError(f"{self.folder}: no packet")
+                last = "".join((self.folder / "stderr.txt").read_text().splitlines()[-1:])
+                raise NoPacket(f"{self.folder}: no packet: {last or 'the program said nothing'}")
             time.sleep(0.002)
         return time.monotonic() - self.begun_s
 
@@ -134,13 +143,24 @@ def judge(accounts: list[dict]) -> dict:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=pathlib.Path, metavar="FOLDER")
-    parser.add_argument("--kills", type=int, default=50)
+    parser.add_argument("folder", type=pathlib.Path, metavar="FOLDER", help="not there yet")
+    parser.add_argument("--kills", type=whole(1), default=50)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--interval-s", type=float, default=0.25, help="from frame to frame")
+    parser.add_argument("--interval-s", type=number(0.001, 3600.0), default=0.25, help="from frame to frame")
     asked = parser.parse_args()
-    asked.folder.mkdir(parents=True)
-    accounts = campaign(asked.folder, asked.kills, asked.seed, asked.interval_s)
+    if asked.folder.exists():
+        raise BadInput(f"{asked.folder}: is there already")
+    if not os.access(PROGRAM, os.X_OK):
+        raise BadInput(f"{PROGRAM}: not there or not a program; build it first")
+    try:
+        asked.folder.mkdir(parents=True)
+    except OSError as problem:
+        raise BadInput(f"{asked.folder}: {problem.strerror}") from None
+    try:
+        accounts = campaign(asked.folder, asked.kills, asked.seed, asked.interval_s)
+    except NoPacket as problem:
+        print(f"kill_campaign: {problem}", file=sys.stderr)
+        return 1
     verdict = judge(accounts)
     (asked.folder / "campaign.json").write_text(json.dumps({"verdict": verdict, "starts": accounts}, indent=1))
     print(json.dumps(verdict))
@@ -148,4 +168,5 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    enter_venv()
+    run_main(main, "kill_campaign")

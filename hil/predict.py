@@ -11,6 +11,7 @@ import shutil
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from judge.ranges import whole  # noqa: E402
 from judge.venv import REPOSITORY, enter_venv, run_main  # noqa: E402
 
 
@@ -18,7 +19,7 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder with truth.csv")
     parser.add_argument("out", metavar="DIR", type=pathlib.Path, help="folder for the short sequence and its run")
-    parser.add_argument("--frames", type=int, default=200, help="frames to predict from (%(default)s)")
+    parser.add_argument("--frames", type=whole(1), default=200, help="frames to predict from (%(default)s)")
     parser.add_argument("--config", type=pathlib.Path, default=REPOSITORY / "config/default.toml")
     parser.add_argument("--program", type=pathlib.Path, default=REPOSITORY / "build/release/bin/polhode")
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="as of polhode replay")
@@ -49,11 +50,16 @@ def shorten(sequence: pathlib.Path, frames: int, out: pathlib.Path) -> pathlib.P
 def main() -> int:
     options = arguments()
     from judge import report
+    from judge.errors import BadInput
     from judge.prediction import judge_prediction
     from judge.replay import replay
     from judge.run import best_alignment, read_run, read_truth
     from judge.sequence import read_sequence
-    truth = read_truth(read_sequence(options.sequence))
+    sequence = read_sequence(options.sequence)
+    truth = read_truth(sequence)
+    frames_max = len(sequence.filenames) - 1  # something must be left to be predicted
+    if options.frames > frames_max:
+        raise BadInput(f"--frames {options.frames}: {options.sequence} has {frames_max + 1} frames, allowed is 1 .. {frames_max}")
     short = shorten(options.sequence, options.frames, options.out / "sequence")
     replay(short, options.out / "run", options.set, options.config, options.program)
     run = read_run(options.out / "run")

@@ -4,8 +4,14 @@
     tools/benchmark_table.py SUMMARY.json
 """
 
+import argparse
 import json
+import pathlib
 import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "hil"))
+from judge.errors import BadInput  # noqa: E402
+from judge.venv import run_main  # noqa: E402
 
 
 def rows(timings: dict) -> list[tuple[str, ...]]:
@@ -19,15 +25,27 @@ def rows(timings: dict) -> list[tuple[str, ...]]:
     return table
 
 
-def main() -> None:
-    with open(sys.argv[1]) as file:
-        summary = json.load(file)
-    for row in rows(summary["timings"]):
-        print(f"{row[0]:<10}" + "".join(f"{cell:>10}" for cell in row[1:]))
+def text_of(summary: dict) -> str:
+    lines = [f"{row[0]:<10}" + "".join(f"{cell:>10}" for cell in row[1:]) for row in rows(summary["timings"])]
     cost = summary["cost"]
-    print(f"{cost['frames_per_s']:.1f} frames/s, {1000 * cost['cpu_per_frame_s']:.1f} ms of processor time a frame, "
-          f"{summary['memory']['peak_resident_octets'] / 1e6:.0f} MB resident at most")
+    lines.append(f"{cost['frames_per_s']:.1f} frames/s, {1000 * cost['cpu_per_frame_s']:.1f} ms of processor time a frame, "
+                 f"{summary['memory']['peak_resident_octets'] / 1e6:.0f} MB resident at most")
+    return "\n".join(lines)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("summary", metavar="SUMMARY.json", type=pathlib.Path, help="of a replay's output folder")
+    file = parser.parse_args().summary
+    try:
+        text = text_of(json.loads(file.read_text()))
+    except OSError as problem:
+        raise BadInput(f"{file}: {problem.strerror}") from None
+    except (ValueError, KeyError, TypeError) as problem:
+        raise BadInput(f"{file}: not a replay's summary.json ({problem})") from None
+    print(text)
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main, "benchmark_table")

@@ -3,7 +3,7 @@
 
     tools/first_difference.py EXPECTED.ccsds FOUND.ccsds
 
-Exit status 0: the same octets; 1: they differ.
+Exit status 0: the same octets; 1: they differ; 2: one of them cannot be read.
 """
 
 import argparse
@@ -15,12 +15,22 @@ import subprocess
 import sys
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY / "hil"))
+from judge.errors import BadInput  # noqa: E402
+from judge.venv import run_main  # noqa: E402
+
 PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
 COMMAND = [*shlex.split(os.environ.get("POLHODE_RUNNER", "")), PROGRAM]  # an emulator before a program of another architecture
 
 
 def packets(file: pathlib.Path) -> list[dict]:
-    dump = subprocess.run([*COMMAND, "bus", "dump", file, "--json"], capture_output=True, text=True, check=True)
+    """@raises BadInput with the program's own words where it finds no packets."""
+    try:
+        dump = subprocess.run([*COMMAND, "bus", "dump", file, "--json"], capture_output=True, text=True)
+    except OSError as problem:
+        raise BadInput(f"{COMMAND[0]}: {problem.strerror}") from None
+    if dump.returncode != 0:
+        raise BadInput(" ".join(dump.stderr.strip().splitlines()[-1:]) or f"{file}: bus dump ended with {dump.returncode}")
     return [json.loads(line) for line in dump.stdout.splitlines() if line.strip()]
 
 
@@ -31,6 +41,13 @@ def flat(value, name: str = "") -> dict:
     if isinstance(value, list):
         return {k: v for i, part in enumerate(value) for k, v in flat(part, f"{name}[{i}]").items()}
     return {name: value}
+
+
+def octets(file: pathlib.Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError as problem:
+        raise BadInput(f"{file}: {problem.strerror}") from None
 
 
 def first_difference(expected: list[dict], found: list[dict]) -> str | None:
@@ -48,10 +65,10 @@ def first_difference(expected: list[dict], found: list[dict]) -> str | None:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("expected", type=pathlib.Path)
-    parser.add_argument("found", type=pathlib.Path)
+    parser.add_argument("expected", metavar="EXPECTED.ccsds", type=pathlib.Path)
+    parser.add_argument("found", metavar="FOUND.ccsds", type=pathlib.Path)
     arguments = parser.parse_args()
-    if arguments.expected.read_bytes() == arguments.found.read_bytes():
+    if octets(arguments.expected) == octets(arguments.found):
         print("the same octets")
         return 0
     print(first_difference(packets(arguments.expected), packets(arguments.found))
@@ -60,4 +77,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_main(main, "first_difference")

@@ -18,6 +18,11 @@ import tempfile
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY / "hil"))
+from judge.errors import BadInput  # noqa: E402
+from judge.ranges import whole  # noqa: E402
+from judge.venv import run_main  # noqa: E402
+
 PROGRAM = Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
 
 
@@ -41,7 +46,7 @@ def draw(chance: random.Random, delayed: bool) -> dict:
 
 
 def replay(arguments: argparse.Namespace, found: dict, folder: Path) -> str:
-    """@return the stream's SHA-256."""
+    """@return the stream's SHA-256. @raises BadInput with the program's own words where it fails."""
     command = ["taskset", "-c", ",".join(map(str, found["cores"])), "nice", "-n", str(found["nice"])]
     if found["fixed_addresses"]:
         command += ["setarch", "-R"]
@@ -56,17 +61,20 @@ def replay(arguments: argparse.Namespace, found: dict, folder: Path) -> str:
     try:
         for program in programs:
             program.start()
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, cwd=folder.parent, env={**os.environ, **found["environment"]})
+        done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace", cwd=folder.parent,
+                              env={**os.environ, **found["environment"]})
     finally:
         for program in programs:
             program.kill()
             program.join()
+    if done.returncode != 0:
+        raise BadInput(" ".join(done.stderr.strip().splitlines()[-1:]) or f"the replay ended with {done.returncode}")
     return json.loads((folder / "summary.json").read_text())["bus_sha256"]
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--replays", type=int, default=20)
+    parser.add_argument("--replays", type=whole(1), default=20)
     parser.add_argument("--sequence", type=Path, default=REPOSITORY / "hil/data/sample")
     parser.add_argument("--config", type=Path, default=REPOSITORY / "config/default.toml")
     parser.add_argument("--set", action="append", default=[])
@@ -88,4 +96,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_main(main, "repeat_replays")

@@ -9,9 +9,14 @@ What is seen stays what it was, so truth and accuracy keep their meaning; detail
 import argparse
 import pathlib
 import shutil
+import sys
 
-import yaml
-from PIL import Image
+REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY / "hil"))
+from judge.ranges import whole  # noqa: E402
+from judge.venv import enter_venv, run_main  # noqa: E402
+
+SIDE_PX_MAX = 8192  # the largest that the program takes
 
 
 def scaled_intrinsics(intrinsics: list[float], factor: float, left: int, top: int) -> list[float]:
@@ -22,9 +27,11 @@ def scaled_intrinsics(intrinsics: list[float], factor: float, left: int, top: in
 
 def scale(sequence: pathlib.Path, out: pathlib.Path, width: int, height: int) -> int:
     """@return the number of pictures."""
+    import yaml
+    from PIL import Image
     source, target = sequence / "mav0/cam0", out / "mav0/cam0"
-    (target / "data").mkdir(parents=True, exist_ok=True)
     sensor = yaml.safe_load((source / "sensor.yaml").read_text())
+    (target / "data").mkdir(parents=True, exist_ok=True)
     factor = min(width / sensor["resolution"][0], height / sensor["resolution"][1])
     size = [round(factor * n) for n in sensor["resolution"]]
     left, top = (width - size[0]) // 2, (height - size[1]) // 2
@@ -43,16 +50,24 @@ def scale(sequence: pathlib.Path, out: pathlib.Path, width: int, height: int) ->
     return len(pictures)
 
 
-def main() -> None:
+def main() -> int:
+    from judge.errors import BadInput
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("sequence", type=pathlib.Path)
-    parser.add_argument("out", type=pathlib.Path)
-    parser.add_argument("--width", type=int, required=True)
-    parser.add_argument("--height", type=int, required=True)
+    parser.add_argument("sequence", metavar="SEQUENCE", type=pathlib.Path)
+    parser.add_argument("out", metavar="OUT", type=pathlib.Path)
+    parser.add_argument("--width", metavar="PX", type=whole(1, SIDE_PX_MAX), required=True)
+    parser.add_argument("--height", metavar="PX", type=whole(1, SIDE_PX_MAX), required=True)
     arguments = parser.parse_args()
-    count = scale(arguments.sequence, arguments.out, arguments.width, arguments.height)
+    if not (arguments.sequence / "mav0/cam0/data").is_dir():
+        raise BadInput(f"{arguments.sequence}: no sequence: it has no folder mav0/cam0/data")
+    try:
+        count = scale(arguments.sequence, arguments.out, arguments.width, arguments.height)
+    except OSError as problem:
+        raise BadInput(str(problem)) from None
     print(f"{count} pictures of {arguments.width} x {arguments.height} in {arguments.out}")
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    enter_venv()
+    run_main(main, "scale_sequence")
