@@ -13,13 +13,9 @@ import argparse
 import pathlib
 import sys
 
-import cv2
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-
-from calibration import pictures  # noqa: E402
-from calibration.boards import Board, find_view  # noqa: E402
-from calibration.solve import Calibration, NotCalibrated, calibrate, warnings  # noqa: E402
+REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(REPOSITORY / "hil"), str(REPOSITORY / "tools")]
+from judge.venv import enter_venv, run_main  # noqa: E402
 
 SENSOR = """\
 # From {views} pictures, RMS residual {rms:.3f} px. 1 sigma: fu {sfu:.2f}, fv {sfv:.2f}, cu {scu:.2f}, cv {scv:.2f} px
@@ -47,7 +43,7 @@ p2 = {p2:.8f}
 """
 
 
-def values(calibration: Calibration, rate_hz: float) -> dict:
+def values(calibration, rate_hz: float) -> dict:
     named = dict(zip(("fu", "fv", "cu", "cv"), calibration.intrinsics))
     named |= dict(zip(("sfu", "sfv", "scu", "scv"), calibration.sigma_intrinsics))
     named |= dict(zip(("k1", "k2", "p1", "p2"), calibration.distortion))
@@ -62,7 +58,7 @@ def squares(text: str) -> tuple[int, int]:
     return columns, rows
 
 
-def parse(arguments: list[str]) -> argparse.Namespace:
+def parse() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description="Calibrates a camera from pictures of a board.")
     parser.add_argument("pictures", nargs="+", type=pathlib.Path, metavar="PICTURE")
     parser.add_argument("--board", choices=("chessboard", "charuco"), required=True)
@@ -72,15 +68,16 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("--dictionary", default="DICT_5X5_100", help="of the markers (charuco)")
     parser.add_argument("--rate-hz", type=float, default=10.0, help="written into sensor.yaml")
     parser.add_argument("--out", type=pathlib.Path, required=True, metavar="sensor.yaml")
-    parsed = parser.parse_args(arguments)
+    parsed = parser.parse_args()
     if parsed.square_m <= 0 or (parsed.board == "charuco" and not 0 < parsed.marker_m < parsed.square_m):
         parser.error("--square-m must be positive, --marker-m between 0 and it")
-    if not hasattr(cv2.aruco, parsed.dictionary):
-        parser.error(f"--dictionary {parsed.dictionary}: unknown")
     return parsed
 
 
-def find_views(files: list[pathlib.Path], board: Board) -> tuple[list, tuple[int, int]]:
+def find_views(files: list[pathlib.Path], board) -> tuple[list, tuple[int, int]]:
+    import cv2
+    from calibration.boards import find_view
+    from calibration.solve import NotCalibrated
     views, size = [], None
     for file in files:
         gray = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE)
@@ -96,8 +93,15 @@ def find_views(files: list[pathlib.Path], board: Board) -> tuple[list, tuple[int
     return views, size
 
 
-def main(arguments: list[str]) -> int:
-    asked = parse(arguments)
+def main() -> int:
+    asked = parse()
+    import cv2
+    from calibration import pictures
+    from calibration.boards import Board
+    from calibration.solve import NotCalibrated, calibrate, warnings
+    from judge.errors import BadInput
+    if not hasattr(cv2.aruco, asked.dictionary):
+        raise BadInput(f"--dictionary {asked.dictionary}: unknown")
     board = Board(asked.board, *asked.squares, asked.square_m, asked.marker_m, asked.dictionary)
     try:
         views, (width_px, height_px) = find_views(asked.pictures, board)
@@ -119,4 +123,5 @@ def main(arguments: list[str]) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    enter_venv()
+    run_main(main, "calibrate_camera")

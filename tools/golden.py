@@ -13,6 +13,7 @@ The architecture is the program's: POLHODE_PROGRAM names another than build/rele
 runs one of another architecture (tools/check_arm64.sh).
 """
 
+import argparse
 import hashlib
 import pathlib
 import subprocess
@@ -20,6 +21,7 @@ import sys
 import tempfile
 
 from first_difference import COMMAND, PROGRAM, REPOSITORY, first_difference, packets
+from judge.venv import run_main
 
 SAMPLE = REPOSITORY / "hil/data/sample"
 # What OpenCV compiles its code for more than once (AVX512_SKX is the last five), and the C library its mathematics.
@@ -74,16 +76,16 @@ def compare(name: str, found: pathlib.Path) -> bool:
 
 
 def main() -> int:
-    if sys.argv[1:] not in (["check"], ["record"]):
-        print(__doc__, file=sys.stderr)
-        return 2
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=("check", "record"))
+    what = parser.parse_args().what
     good = True
-    if sys.argv[1] == "check" and not comparable():
+    if what == "check" and not comparable():
         print(f"recorded with other vector units than {vector_units()}")
     with tempfile.TemporaryDirectory() as scratch:
         for name, arguments in CONFIGURATIONS.items():
             found = stream(arguments, pathlib.Path(scratch) / name)
-            if sys.argv[1] == "record":
+            if what == "record":
                 recorded().mkdir(parents=True, exist_ok=True)
                 (recorded() / f"{name}.ccsds").write_bytes(found.read_bytes())
                 (recorded() / "vector_units.txt").write_text(vector_units() + "\n")
@@ -94,4 +96,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_main(main, "golden")

@@ -8,6 +8,7 @@ Counted by callgrind (package valgrind), which takes a minute or two. A stage th
 record can follow.
 """
 
+import argparse
 import json
 import os
 import platform
@@ -83,15 +84,15 @@ def verdicts(recorded: dict[str, float], found: dict[str, float]) -> list[str]:
 
 
 def main() -> int:
-    if sys.argv[1:] not in (["check"], ["record"]):
-        print(__doc__, file=sys.stderr)
-        return 2
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=("check", "record"))
+    what = parser.parse_args().what
     found = measure()
     records = json.loads(RECORD.read_text()) if RECORD.exists() else {}
     recorded = records.get(platform.machine(), {})
     for stage, millions in found.items():
         print(f"{stage:<10} {millions:>10.2f} million a frame   recorded {recorded.get(stage, '-')}")
-    if sys.argv[1] == "record":
+    if what == "record":
         records[platform.machine()] = found
         RECORD.write_text(json.dumps(records, indent=2) + "\n")
         return 0

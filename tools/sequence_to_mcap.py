@@ -14,7 +14,9 @@ import json
 import pathlib
 import sys
 
-from mcap.writer import Writer
+REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY / "hil"))
+from judge.venv import enter_venv, run_main  # noqa: E402
 
 IMAGE_SCHEMA = {
     "title": "foxglove.CompressedImage",
@@ -65,7 +67,7 @@ def frames_of(sequence: pathlib.Path) -> list[tuple[int, pathlib.Path]]:
         raise Unreadable(f"{camera / 'data.csv'}: {problem}") from problem
 
 
-def write_images(writer: Writer, frames: list[tuple[int, pathlib.Path]]) -> int:
+def write_images(writer, frames: list[tuple[int, pathlib.Path]]) -> int:
     schema = writer.register_schema("foxglove.CompressedImage", "jsonschema", json.dumps(IMAGE_SCHEMA).encode())
     channel = writer.register_channel("/camera/image", "json", schema)
     count = 0
@@ -79,7 +81,7 @@ def write_images(writer: Writer, frames: list[tuple[int, pathlib.Path]]) -> int:
     return count
 
 
-def write_packets(writer: Writer, stream: bytes) -> int:
+def write_packets(writer, stream: bytes) -> int:
     channel = writer.register_channel("/bus/packet", "ccsds", 0)
     count = 0
     for packet in packets_of(stream):
@@ -89,6 +91,7 @@ def write_packets(writer: Writer, stream: bytes) -> int:
 
 
 def convert(sequence: pathlib.Path, bus: pathlib.Path | None, out: pathlib.Path) -> tuple[int, int]:
+    from mcap.writer import Writer
     frames = frames_of(sequence)
     stream = b"" if bus is None else bus.read_bytes()
     with open(out, "wb") as file:
@@ -119,4 +122,5 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    enter_venv()
+    run_main(main, "sequence_to_mcap")

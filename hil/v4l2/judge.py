@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Judges what a job of the virtual machine has left, on the host. Prints a line for each thing that was shown.
 
 usage: judge.py JOB RESULTS     status 1 when something is not as it must be

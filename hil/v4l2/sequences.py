@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Makes the small sequences that the virtual machine's jobs feed to the camera (the guest is some 70 times slower than its host).
 
 usage: sequences.py FOLDER

@@ -1,0 +1,72 @@
+"""Scripts that are documented as commands are commands: they run by path, on the distribution's Python too, say how they are used, and
+refuse what they cannot use in words."""
+
+import os
+import pathlib
+import subprocess
+import sys
+
+import pytest
+from source_tree import REPOSITORY, name_of, source_files
+
+SAMPLE = REPOSITORY / "hil/data/sample"
+PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
+
+COMMANDS = [file for file in source_files("hil", "tools", suffixes=(".py",)) if file.read_text().startswith("#!")]
+
+
+def test_commands_are_found_at_all():
+    names = {name_of(file) for file in COMMANDS}
+    assert {"hil/evaluate.py", "tools/plot_replay.py", "tools/calibrate_camera.py", "tools/sequence_to_mcap.py"} <= names
+
+
+@pytest.mark.parametrize("file", COMMANDS, ids=name_of)
+def test_its_help_is_printed_by_its_path(file, tmp_path):
+    assert os.access(file, os.X_OK), f"{name_of(file)} is not executable"
+    # The search path is the system's: what a script imports before it has entered the repository's environment is not there.
+    done = subprocess.run([file, "--help"], capture_output=True, text=True, cwd=tmp_path, timeout=60,
+                          env={**os.environ, "PATH": os.defpath})
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("usage: "), done.stdout
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("name", "arguments", "says"), [
+    ("hil/kill_campaign.py", ["FOLDER"], "is there already"),
+    ("hil/kill_campaign.py", ["NOT_THERE", "--kills", "0"], "--kills: 0: out of range, allowed is at least 1"),
+    ("hil/fault_campaign.py", [SAMPLE, "--out", "FOLDER"], "is there already"),
+    ("hil/fault_campaign.py", [SAMPLE, "--out", "NOT_THERE", "--seeds", "0"], "--seeds: 0: out of range, allowed is at least 1"),
+    ("hil/fault_campaign.py", [SAMPLE, "--out", "NOT_THERE", "--fraction", "nan"], "allowed is 0.0 .. 0.9"),
+    ("hil/predict.py", [SAMPLE, "NOT_THERE", "--frames", "0"], "--frames: 0: out of range, allowed is at least 1"),
+    ("hil/predict.py", [SAMPLE, "NOT_THERE", "--frames", "500"], "has 90 frames, allowed is 1 .. 89"),
+    ("tools/first_difference.py", ["FOLDER", "FILE"], "FOLDER: Is a directory"),
+    ("tools/first_difference.py", ["FILE", "NOT_THERE"], "NOT_THERE: No such file"),
+    ("tools/scale_sequence.py", ["NOT_THERE", "OUT", "--width", "20", "--height", "20"], "NOT_THERE: no sequence"),
+    ("tools/scale_sequence.py", [SAMPLE, "OUT", "--width", "-1", "--height", "20"], "--width: -1: out of range, allowed is 1 .. 8192"),
+    ("tools/benchmark_table.py", ["NOT_THERE"], "NOT_THERE: No such file"),
+    ("tools/benchmark_table.py", ["FILE"], "not a replay's summary.json"),
+    ("tools/junit_totals.py", ["NOT_THERE"], "NOT_THERE: No such file"),
+    ("tools/junit_totals.py", ["FILE"], "FILE: not a report"),
+    ("tools/junit_totals.py", [], "REPORT.xml"),
+    ("tools/plot_masks.py", ["NOT_THERE", SAMPLE], "masks.pgms: not there; replay with --masks"),
+    ("tools/plot_masks.py", ["FOLDER", SAMPLE, "--frames", "1,x"], "--frames"),
+])
+def test_what_it_cannot_use_is_refused_in_words(tmp_path, name, arguments, says):
+    (tmp_path / "FOLDER").mkdir()
+    (tmp_path / "FILE").write_text("text")
+    done = subprocess.run([sys.executable, REPOSITORY / name, *arguments], capture_output=True, text=True, cwd=tmp_path, timeout=60)
+    assert done.returncode == 2, done.stderr
+    assert says in done.stderr.splitlines()[-1] and "Traceback" not in done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"FOLDER", "FILE"} and not list((tmp_path / "FOLDER").iterdir())
+
+
+@pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
+@pytest.mark.parametrize(("name", "arguments", "says"), [
+    ("tools/first_difference.py", ["FILE", "OTHER"], "FILE: holds no packet"),
+    ("tools/repeat_replays.py", ["--sequence", "NOT_THERE", "--replays", "1"], "NOT_THERE: no such folder"),
+])
+def test_the_programs_own_words_are_passed_on(tmp_path, name, arguments, says):
+    (tmp_path / "FILE").write_text("text")
+    (tmp_path / "OTHER").write_text("other text")
+    done = subprocess.run([sys.executable, REPOSITORY / name, *arguments], capture_output=True, text=True, cwd=tmp_path, timeout=120)
+    assert done.returncode == 2 and done.stderr.count("\n") == 1 and says in done.stderr, done.stderr
