@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <sstream>
+#include <system_error>
 
 #include "errors.hpp"
 #include "parameters/machine_options.hpp"
@@ -97,11 +100,25 @@ struct Assign {
   }
 };
 
+/// A folder would be read as an empty table, and a pipe can be read once only: the file is read for
+/// each kind of options.
+void refuse_what_is_no_file(const std::filesystem::path& file) {
+  if (::access(file.c_str(), R_OK) != 0) {
+    throw UnusableInput(fmt::format(
+        "{}: cannot be read: {}", file.string(), std::generic_category().message(errno)));
+  }
+  std::error_code problem;
+  if (!std::filesystem::is_regular_file(file, problem)) {
+    throw UnusableInput(fmt::format("{}: not a regular file", file.string()));
+  }
+}
+
 class Loader {
  public:
   Loader() { configuration_.origins.resize(parameter_table().size()); }
 
   void add_file(const std::filesystem::path& file) {
+    refuse_what_is_no_file(file);
     try {
       add(toml::parse_file(file.string()), file.string());
     } catch (const toml::parse_error& problem) {

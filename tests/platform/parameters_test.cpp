@@ -166,7 +166,15 @@ TEST(Configuration, SettingsAreCheckedLikeTheFile) {
 
 TEST(Configuration, AFileThatIsNotThereIsRefused) {
   const auto call = [] { (void)load_configuration("/nowhere/own.toml", {}); };
-  EXPECT_HOLDS(refusal_of<UnusableInput>(call), "/nowhere/own.toml: ");
+  EXPECT_HOLDS(refusal_of<UnusableInput>(call), "/nowhere/own.toml: cannot be read: No such file");
+}
+
+TEST(Configuration, WhatIsNoRegularFileIsRefused) {
+  const TemporaryFolder folder;
+  for (const std::filesystem::path& path : {folder.path(), std::filesystem::path("/dev/null")}) {
+    EXPECT_EQ(refusal_of<UnusableInput>([&] { (void)load_configuration(path, {}); }),
+              path.string() + ": not a regular file");
+  }
 }
 
 TEST(Configuration, AKnownLengthChoosesTheScale) {

@@ -54,7 +54,14 @@ def test_unusable_configuration(program, tmp_path, sequence, text, says):
 
 
 def test_absent_configuration(program):
-    refused(program("check", "--config", "/nowhere/own.toml"), "/nowhere/own.toml: ")
+    refused(program("check", "--config", "/nowhere/own.toml"), "/nowhere/own.toml: cannot be read: No such file")
+
+
+@pytest.mark.parametrize("command", ["check", "replay", "run"])
+def test_a_folder_is_no_configuration(program, tmp_path, sequence, command):
+    arguments = ["--sequence", sequence.path, "--out", tmp_path / "out"] if command == "replay" else []
+    refused(program(command, "--config", tmp_path, *arguments), f"{tmp_path}: not a regular file")
+    assert not (tmp_path / "out").exists()
 
 
 def test_settings_are_checked_like_the_file(program):
