@@ -38,9 +38,7 @@ std::size_t mask_octets(const Parameters& p) {
     return 0;
   }
   constexpr std::size_t kPerPixel = 160;
-  constexpr auto kAcross_px = static_cast<std::size_t>(kWorkingWidthMax_px);
-  const auto width = static_cast<std::size_t>(p.camera.width_px);
-  const std::size_t decimation = (width + kAcross_px - 1) / kAcross_px;
+  const auto decimation = static_cast<std::size_t>(decimation_of(p.camera.width_px));
   return kPerPixel * (pixels(p) / (decimation * decimation));
 }
 

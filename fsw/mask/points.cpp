@@ -1,7 +1,6 @@
 #include "mask/points.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
@@ -89,8 +88,7 @@ cv::Point2f MaskTrack::motion(std::size_t age) const {
 }
 
 bool add_picture(const cv::Mat& gray, PointsState* s) {
-  const auto least = static_cast<unsigned>((gray.cols + kWorkingWidthMax_px - 1) / kWorkingWidthMax_px);
-  const int decimation = static_cast<int>(std::bit_ceil(least));
+  const int decimation = decimation_of(gray.cols);
   const cv::Size size(gray.cols / decimation, gray.rows / decimation);
   if (s->stored > 0 && (decimation != s->decimation || s->picture(0).size() != size)) {
     clear(s);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -13,6 +14,12 @@
 namespace polhode {
 
 inline constexpr int kWorkingWidthMax_px = 640;
+
+/// Pixels of a picture per working pixel: a power of two, as halving is the cheap way to reduce.
+constexpr int decimation_of(int width_px) {
+  const int least = (width_px + kWorkingWidthMax_px - 1) / kWorkingWidthMax_px;
+  return static_cast<int>(std::bit_ceil(static_cast<unsigned>(least)));
+}
 
 enum class TrackClass : std::uint8_t { kUnassigned, kBackground, kTarget };
 

@@ -31,6 +31,25 @@ TEST(MemoryPlan, OfTheDefaultsFits) {
   EXPECT_EQ(plan_memory(at(1920, 1080)).problem, "");
 }
 
+/// Of the mask against a background, in the plan: its call without the frame before.
+std::size_t mask_octets_of(const Parameters& p) {
+  for (const CallCost& call : plan_memory(p).calls) {
+    if (call.name.find("mask against a background") != std::string::npos) {
+      return call.octets - static_cast<std::size_t>(p.camera.width_px * p.camera.height_px);
+    }
+  }
+  return 0;
+}
+
+TEST(MemoryPlan, TakesTheMaskAtThePixelsThatItWorksOn) {
+  constexpr std::size_t kPerPixel = 160;
+  EXPECT_EQ(mask_octets_of(at(640, 480)), kPerPixel * 640 * 480);
+  EXPECT_EQ(mask_octets_of(at(1280, 720)), kPerPixel * 640 * 360);
+  // Three would do to be at most 640 across, but pictures are halved: four.
+  EXPECT_EQ(mask_octets_of(at(1920, 1080)), kPerPixel * 480 * 270);
+  EXPECT_EQ(mask_octets_of(at(3840, 2160)), kPerPixel * 480 * 270);
+}
+
 TEST(MemoryPlan, ListsTheTablesWhole) {
   const Parameters p = at(640, 480);
   const MemoryPlan plan = plan_memory(p);
