@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/machine_needs.hpp"
+#include "app/scale_frame.hpp"
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
 #include "memory_plan.hpp"
@@ -49,6 +50,7 @@ void check_configuration(const CheckArguments& arguments) {
     if (const auto problem = check(configuration.parameters)) {
       throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), problem->message));
     }
+    check_scale_frame(configuration, sequence);
     frames =
         fmt::format("sequence: {} frames in {}\n", sequence.frames.size(), sequence.path.string());
   }

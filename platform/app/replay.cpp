@@ -19,6 +19,7 @@
 #include "app/output_folder.hpp"
 #include "app/progress.hpp"
 #include "app/run_record.hpp"
+#include "app/scale_frame.hpp"
 #include "app/servicer_attitude.hpp"
 #include "app/summary.hpp"
 #include "app/timings.hpp"
@@ -166,12 +167,13 @@ CommandFile commands_of(const fs::path& file, const Parameters& parameters) {
 
 /// The configuration with the sequence's camera, checked as a whole.
 Parameters parameters_for(const ReplayArguments& arguments, const Sequence& sequence) {
-  Parameters parameters = load_configuration(arguments.config, arguments.settings).parameters;
-  parameters.camera = sequence.camera;
-  if (const auto problem = check(parameters)) {
+  Configuration configuration = load_configuration(arguments.config, arguments.settings);
+  configuration.parameters.camera = sequence.camera;
+  if (const auto problem = check(configuration.parameters)) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), problem->message));
   }
-  return parameters;
+  check_scale_frame(configuration, sequence);
+  return configuration.parameters;
 }
 
 /// The state that a recorded run started from.

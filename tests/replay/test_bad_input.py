@@ -3,7 +3,7 @@
 import shutil
 
 import pytest
-from replay_files import motion_rows, summary
+from replay_files import DEFAULTS, motion_rows, summary
 from sequence_writer import uniform, write_image
 
 
@@ -69,6 +69,21 @@ def test_time_stamps(replay, sequence, stamps, says):
     sequence.rows = [(stamp, name) for stamp, (_, name) in zip(stamps, sequence.rows)]
     sequence.table()
     refused(replay(sequence.path), says)
+
+
+@pytest.mark.parametrize("known", [["scale.range_m=8.0"], ["scale.known_length_m=0.6", "scale.points_px=[[10.0,20.0],[40.0,50.0]]"]])
+def test_a_scale_of_a_frame_that_is_not_there(program, replay, sequence, known):
+    """The frames are of 1.0, 1.1 and 1.2 s."""
+    def told(stamp):
+        return [part for setting in [*known, f"scale.frame_timestamp_ns={stamp}"] for part in ("--set", setting)]
+
+    for stamp in (1_000_000_001, 5, 1_300_000_000):
+        says = (f"--set scale.frame_timestamp_ns={stamp}: scale.frame_timestamp_ns = {stamp}: no frame of the sequence has this time; "
+                "the first has 1000000000, the last 1200000000")
+        refused(replay(sequence.path, *told(stamp)), says)
+        checked = program("check", "--config", DEFAULTS, "--sequence", sequence.path, *told(stamp))
+        assert checked.status == 2 and says in checked.err
+    assert replay(sequence.path, *told(1_100_000_000)).status == 0
 
 
 def test_empty_sequence(replay, sequence):
