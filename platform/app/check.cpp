@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/machine_needs.hpp"
+#include "app/places.hpp"
 #include "app/scale_frame.hpp"
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
@@ -15,6 +16,7 @@
 #include "parameters/transport_options.hpp"
 #include "pipeline/component.hpp"
 #include "pipeline/parameter_table.hpp"
+#include "transport/command_file.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -31,6 +33,49 @@ void take_camera(const Sequence& sequence, Configuration& configuration) {
   }
 }
 
+/// What the sequence says of itself.
+std::string take_sequence(const CheckArguments& arguments, Configuration& configuration) {
+  if (arguments.sequence.empty()) {
+    return {};
+  }
+  const Sequence sequence = open_sequence(arguments.sequence);
+  take_camera(sequence, configuration);
+  if (const auto problem = check(configuration.parameters)) {
+    throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), problem->message));
+  }
+  check_scale_frame(configuration, sequence);
+  return fmt::format("sequence: {} frames in {}\n", sequence.frames.size(), sequence.path.string());
+}
+
+/// The files that are named, as a replay or a run opens them.
+void check_files(const CheckArguments& arguments,
+                 const MachineOptions& machine,
+                 const TransportOptions& transport,
+                 const Parameters& parameters) {
+  check_places(arguments.config, machine);
+  const LoadedNetwork network(transport.network_file);
+  if (!transport.commands_file.empty()) {
+    const CommandFile commands(transport.commands_file, parameters.bus.apid_first);
+  }
+}
+
+void check_memory(const CheckArguments& arguments,
+                  const Configuration& configuration,
+                  const MachineNeeds& needs) {
+  const MemoryPlan plan = plan_memory(configuration.parameters, needs);
+  fmt::print("memory of the component: {} octets; in all: {} of {}\n",
+             plan.tables_octets,
+             plan.total_octets,
+             plan.limit_octets);
+  if (arguments.memory) {
+    fmt::print("\n{}", text_of(plan));
+  }
+  if (!plan.problem.empty()) {
+    throw UnusableInput(
+        fmt::format("{}: the memory does not fit: {}", arguments.config.string(), plan.problem));
+  }
+}
+
 }  // namespace
 
 void check_configuration(const CheckArguments& arguments) {
@@ -40,44 +85,23 @@ void check_configuration(const CheckArguments& arguments) {
   }
   Configuration configuration = load_configuration(arguments.config, arguments.settings);
   const MachineOptions machine = load_machine_options(arguments.config, arguments.settings);
-  const TransportOptions transport =
-      load_transport_options(arguments.config, arguments.settings);
-  const LoadedNetwork network(transport.network_file);
-  std::string frames;
-  if (!arguments.sequence.empty()) {
-    const Sequence sequence = open_sequence(arguments.sequence);
-    take_camera(sequence, configuration);
-    if (const auto problem = check(configuration.parameters)) {
-      throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), problem->message));
-    }
-    check_scale_frame(configuration, sequence);
-    frames =
-        fmt::format("sequence: {} frames in {}\n", sequence.frames.size(), sequence.path.string());
-  }
-  fmt::print("{}\n{}config hash: {}\n",
+  const TransportOptions transport = load_transport_options(arguments.config, arguments.settings);
+  check_files(arguments, machine, transport, configuration.parameters);
+  const std::string frames = take_sequence(arguments, configuration);
+  fmt::print("{}{}{}\n{}config hash: {}\n",
              effective_table(configuration),
+             machine_table(machine),
+             transport_table(transport),
              frames,
              sha256_of(canonical_text(configuration.parameters)));
-  if (arguments.memory && !configuration.has_camera) {
+  if (configuration.has_camera) {
+    check_memory(arguments,
+                 configuration,
+                 live_needs(machine, transport, configuration.parameters.camera));
+  } else if (arguments.memory) {
     throw UnusableInput(fmt::format(
         "{}: the memory depends on the camera's size: give --sequence, or a section [camera]",
         arguments.config.string()));
-  }
-  if (configuration.has_camera) {
-    const MemoryPlan plan =
-        plan_memory(configuration.parameters,
-                    live_needs(machine, transport, configuration.parameters.camera));
-    fmt::print("memory of the component: {} octets; in all: {} of {}\n",
-               plan.tables_octets,
-               plan.total_octets,
-               plan.limit_octets);
-    if (arguments.memory) {
-      fmt::print("\n{}", text_of(plan));
-    }
-    if (!plan.problem.empty()) {
-      throw UnusableInput(fmt::format(
-          "{}: the memory does not fit: {}", arguments.config.string(), plan.problem));
-    }
   }
 }
 

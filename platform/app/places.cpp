@@ -44,7 +44,23 @@ void prepare_folder(const Place& place, const fs::path& folder) {
 
 }  // namespace
 
+void check_places(const fs::path& config, const MachineOptions& machine) {
+  for (const Place& place : {Place{config, "run.folder", machine.run.folder},
+                             Place{config, "recording.folder", machine.recording.folder}}) {
+    std::error_code absent;
+    if (fs::exists(place.path, absent) && !fs::is_directory(place.path, absent)) {
+      refuse(place, "is no folder");
+    }
+  }
+  std::error_code problem;
+  if (fs::is_directory(machine.run.checkpoint, problem)) {
+    refuse({config, "run.checkpoint", machine.run.checkpoint},
+           "is a folder; allowed is a file's name");
+  }
+}
+
 void prepare_places(const fs::path& config, const MachineOptions& machine) {
+  check_places(config, machine);
   if (!machine.run.folder.empty()) {
     prepare_folder({config, "run.folder", machine.run.folder}, machine.run.folder);
   }
@@ -54,9 +70,6 @@ void prepare_places(const fs::path& config, const MachineOptions& machine) {
   }
   if (!machine.run.checkpoint.empty()) {
     const Place place{config, "run.checkpoint", machine.run.checkpoint};
-    if (fs::is_directory(place.path)) {
-      refuse(place, "is a folder; allowed is a file's name");
-    }
     prepare_folder(place, fs::absolute(place.path).parent_path());
   }
 }

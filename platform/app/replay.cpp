@@ -32,6 +32,7 @@
 #include "os/linux/memory/region.hpp"
 #include "os/linux/worker.hpp"
 #include "parameters/load.hpp"
+#include "parameters/machine_options.hpp"
 #include "parameters/sha256.hpp"
 #include "parameters/transport_options.hpp"
 #include "pipeline/checkpoint.hpp"
@@ -168,6 +169,8 @@ CommandFile commands_of(const fs::path& file, const Parameters& parameters) {
 /// The configuration with the sequence's camera, checked as a whole.
 Parameters parameters_for(const ReplayArguments& arguments, const Sequence& sequence) {
   Configuration configuration = load_configuration(arguments.config, arguments.settings);
+  // Only a live run goes by these; a mistake in them is told all the same.
+  (void)load_machine_options(arguments.config, arguments.settings);
   configuration.parameters.camera = sequence.camera;
   if (const auto problem = check(configuration.parameters)) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), problem->message));

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include <utility>
+
 #include "errors.hpp"
 #include "transport/address.hpp"
 
@@ -103,6 +105,23 @@ TransportOptions load_transport_options(const std::filesystem::path& file,
     throw UnusableInput(fmt::format("{}: {}", source, problem.description()));
   }
   return options;
+}
+
+std::string transport_table(const TransportOptions& options) {
+  std::string send;
+  for (const std::string& address : options.transport.send) {
+    send += (send.empty() ? "" : ", ") + address;
+  }
+  const std::pair<const char*, std::string> rows[] = {
+      {"transport.send", send},
+      {"transport.receive", options.transport.receive},
+      {"commands.file", options.commands_file.string()},
+      {"network.file", options.network_file.string()}};
+  std::string out;
+  for (const auto& [key, value] : rows) {
+    out += fmt::format("{:<32} {}\n", key, value.empty() ? "-" : value);
+  }
+  return out;
 }
 
 }  // namespace polhode::platform

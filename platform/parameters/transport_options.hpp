@@ -25,4 +25,7 @@ bool is_transport_section(std::string_view section);
 TransportOptions load_transport_options(const std::filesystem::path& file,
                                         std::span<const std::string> settings);
 
+/// One line a key: key, value.
+std::string transport_table(const TransportOptions& options);
+
 }  // namespace polhode::platform

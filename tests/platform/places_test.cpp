@@ -53,6 +53,21 @@ TEST_F(Places, WhatIsNoPlaceIsRefusedByItsKey) {
   EXPECT_NE(refusal().find("run.checkpoint: "), std::string::npos) << refusal();
 }
 
+TEST_F(Places, ACheckOfThemMakesNothing_AndRefusesWhatIsInTheWay) {
+  machine_.run.folder = place("a/run");
+  machine_.run.checkpoint = place("b/checkpoint");
+  machine_.recording.folder = place("c");
+  check_places("live.toml", machine_);
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
+  const auto refused = [this] {
+    return refusal_of<UnusableInput>([this] { check_places("live.toml", machine_); });
+  };
+  fs::create_directories(machine_.run.checkpoint);
+  EXPECT_NE(refused().find("run.checkpoint: "), std::string::npos) << refused();
+  std::ofstream(machine_.recording.folder) << "mine";
+  EXPECT_NE(refused().find("recording.folder: "), std::string::npos) << refused();
+}
+
 TEST_F(Places, AFolderInPlaceOfTheCheckpointIsRefused) {
   machine_.run.checkpoint = folder_.path();
   EXPECT_NE(refusal().find("is a folder"), std::string::npos) << refusal();

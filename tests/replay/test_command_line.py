@@ -151,9 +151,40 @@ def test_misuse_is_told_by_the_command_that_is_meant(program, arguments, says):
     refused(program(*arguments), says)
 
 
-def test_check_reads_what_only_a_live_run_needs(program, tmp_path):
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("[device]\nsorce = '/dev/video0'\n", "live.toml:2: device.sorce: unknown key"),
+        ("[run]\ncores = 5\n", "live.toml:2: run.cores: unknown key"),
+        ("[transport]\nsend = ['10015']\n", "transport.send: address '10015': its kind is missing"),
+        ("[commands]\nfile = '/nowhere/commands.txt'\n", "/nowhere/commands.txt: cannot be read"),
+    ],
+)
+def test_check_and_replay_read_what_is_not_the_estimators(program, tmp_path, sequence, text, says):
     config = tmp_path / "live.toml"
-    config.write_text("[device]\nsorce = '/dev/video0'\n")
-    refused(program("check", "--config", config), "live.toml:2: device.sorce: unknown key")
-    config.write_text("[transport]\nsend = ['10015']\n")
-    refused(program("check", "--config", config), "transport.send: address '10015': its kind is missing")
+    config.write_text(text)
+    refused(program("check", "--config", config), says)
+    refused(program("replay", "--config", config, "--sequence", sequence.path, "--out", tmp_path / "out"), says)
+    assert not (tmp_path / "out").exists()
+
+
+def test_check_opens_what_a_run_writes_to_and_commands(program, tmp_path):
+    config = tmp_path / "live.toml"
+    config.write_text(f"[run]\ncheckpoint = '{tmp_path}'\n")
+    refused(program("check", "--config", config), f"run.checkpoint: {tmp_path}: is a folder; allowed is a file's name")
+    commands = tmp_path / "commands.txt"
+    commands.write_text("5 noop\n4 noop\n")
+    config.write_text(f"[commands]\nfile = '{commands}'\n")
+    refused(program("check", "--config", config), "commands.txt:2: time decreases")
+
+
+def test_check_prints_the_machines_keys_too(program, tmp_path):
+    config = tmp_path / "live.toml"
+    config.write_text("[device]\nbuffers = 8\n[run]\ncore = 1\n[recording]\nslots = 9\n[transport]\nsend = ['udp:10015', 'shm:/a']\n")
+    checked = program("check", "--config", config)
+    assert checked.status == 0, checked.err
+    rows = dict(line.split(None, 1) for line in checked.out.splitlines() if "." in line.split(" ", 1)[0])
+    assert rows["device.buffers"].split() == ["8", "2", "..", "32"]
+    assert rows["run.core"].split()[0] == "1" and rows["recording.slots"].split()[0] == "9"
+    assert rows["transport.send"] == "udp:10015, shm:/a"
+    assert rows["transport.receive"] == rows["commands.file"] == rows["network.file"] == "-"
