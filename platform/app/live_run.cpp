@@ -114,8 +114,9 @@ LiveEnd run_live(LiveParts& parts, const LiveLimits& limits) {
       return LiveEnd::kNoCamera;
     }
     // Progress is a frame that was stepped or, without a camera, another attempt at it: waiting is
-    // none, so a stream that hangs in the kernel is noticed.
-    if (arrival == Arrival::kFrame || camera.attempts != attempts) {
+    // none, so a stream that hangs in the kernel is noticed, nor is a frame dropped for a job, so
+    // one that hangs is.
+    if (step_cpu_ns || camera.attempts != attempts) {
       parts.manager.progress(now_ns);
     }
     attempts = camera.attempts;
