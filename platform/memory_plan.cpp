@@ -56,7 +56,8 @@ std::vector<CallCost> calls(const Parameters& p, const MachineNeeds& machine) {
            p.jobs.delay_frames == 0 ? Pool::kStep : Pool::kJobs,
            kHypothesesOctets},
           {"files and texts of the program", Pool::kGeneral, kGeneralOctets},
-          {"packets that wait for their readers", Pool::kGeneral, machine.general_octets}};
+          {"packets that wait for their readers", Pool::kGeneral, machine.general_octets},
+          {"decoding of a frame's file", Pool::kGeneral, machine.decoder_octets}};
 }
 
 std::size_t sum_of(const std::vector<CallCost>& calls, Pool pool) {

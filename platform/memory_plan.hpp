@@ -38,6 +38,7 @@ struct MemoryPlan {
 struct MachineNeeds {
   std::vector<PlanRow> rows;      ///< in memory of their own
   std::size_t general_octets = 0;  ///< from the general pool
+  std::size_t decoder_octets = 0;  ///< from the same, while a frame's file is decoded
 };
 
 /// @param parameters checked, with a camera.

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "app/machine_needs.hpp"
 #include "app/places.hpp"
 #include "app/scale_frame.hpp"
@@ -33,18 +35,25 @@ void take_camera(const Sequence& sequence, Configuration& configuration) {
   }
 }
 
-/// What the sequence says of itself.
-std::string take_sequence(const CheckArguments& arguments, Configuration& configuration) {
+std::optional<Sequence> take_sequence(const CheckArguments& arguments,
+                                      Configuration& configuration) {
   if (arguments.sequence.empty()) {
-    return {};
+    return std::nullopt;
   }
-  const Sequence sequence = open_sequence(arguments.sequence);
+  Sequence sequence = open_sequence(arguments.sequence);
   take_camera(sequence, configuration);
   if (const auto problem = check(configuration.parameters)) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), problem->message));
   }
   check_scale_frame(configuration, sequence);
-  return fmt::format("sequence: {} frames in {}\n", sequence.frames.size(), sequence.path.string());
+  return sequence;
+}
+
+std::string about(const std::optional<Sequence>& sequence) {
+  return sequence ? fmt::format("sequence: {} frames in {}\n",
+                                sequence->frames.size(),
+                                sequence->path.string())
+                  : std::string();
 }
 
 /// The files that are named, as a replay or a run opens them.
@@ -87,17 +96,19 @@ void check_configuration(const CheckArguments& arguments) {
   const MachineOptions machine = load_machine_options(arguments.config, arguments.settings);
   const TransportOptions transport = load_transport_options(arguments.config, arguments.settings);
   check_files(arguments, machine, transport, configuration.parameters);
-  const std::string frames = take_sequence(arguments, configuration);
+  const std::optional<Sequence> sequence = take_sequence(arguments, configuration);
   fmt::print("{}{}{}\n{}config hash: {}\n",
              effective_table(configuration),
              machine_table(machine),
              transport_table(transport),
-             frames,
+             about(sequence),
              sha256_of(canonical_text(configuration.parameters)));
   if (configuration.has_camera) {
-    check_memory(arguments,
-                 configuration,
-                 live_needs(machine, transport, configuration.parameters.camera));
+    MachineNeeds needs = live_needs(machine, transport, configuration.parameters.camera);
+    if (sequence) {
+      add_sequence(*sequence, &needs);
+    }
+    check_memory(arguments, configuration, needs);
   } else if (arguments.memory) {
     throw UnusableInput(fmt::format(
         "{}: the memory depends on the camera's size: give --sequence, or a section [camera]",

@@ -26,6 +26,9 @@ class ChosenCamera {
   /// device that was unplugged meanwhile would not be missed.
   LiveCamera& start(const CameraParameters& parameters);
 
+  /// That is played; nullptr for a device.
+  [[nodiscard]] const Sequence* sequence() const { return sequence_ ? &*sequence_ : nullptr; }
+
  private:
   void refuse_unsuitable(const CameraParameters& parameters) const;
   void play();

@@ -22,6 +22,18 @@ MachineNeeds transport_needs(const TransportOptions& options) {
   return needs;
 }
 
+void add_sequence(const Sequence& sequence, MachineNeeds* needs) {
+  // The libraries' own: tables and windows, and groups of rows before and after upsampling, under 200
+  // octets a column for a JPEG (tests/platform/v4l2/jpeg_decoder_test.cpp), 32 for a PNG.
+  constexpr std::size_t kTables = std::size_t{128} << 10U;
+  constexpr std::size_t kPerColumn = 256;
+  // In one piece: what the heap surely finds is up to a sixteenth less than what is free.
+  const std::size_t whole = sequence.decoder_octets + sequence.decoder_octets / 16;
+  needs->decoder_octets =
+      kTables + kPerColumn * static_cast<std::size_t>(sequence.camera.width_px) + whole;
+  needs->rows.push_back({"the largest of the frames' files", sequence.file_octets_max});
+}
+
 std::size_t recorded_frame_octets(const CameraParameters& camera) {
   return 2 * static_cast<std::size_t>(camera.width_px) * static_cast<std::size_t>(camera.height_px);
 }

@@ -1,14 +1,18 @@
 // Memory of a run beside the estimator's: for packets, pictures of the device, checkpoints, recordings.
 #pragma once
 
+#include "camera/replay/sequence.hpp"
 #include "memory_plan.hpp"
 #include "parameters/machine_options.hpp"
 #include "parameters/transport_options.hpp"
 
 namespace polhode::platform {
 
-/// Of packets that wait for a reader, and of the network; all that a replay needs.
+/// Of packets that wait for a reader, and of the network.
 MachineNeeds transport_needs(const TransportOptions& options);
+
+/// Adds what frames from files take.
+void add_sequence(const Sequence& sequence, MachineNeeds* needs);
 
 /// Of a live run.
 MachineNeeds live_needs(const MachineOptions& machine,

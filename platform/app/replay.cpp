@@ -87,6 +87,7 @@ struct Run {
   const Sequence& sequence;
   const ServicerAttitude& servicer;
   Component& component;
+  FileCamera camera;
   CommandFile commands;
   Transports transports;
   Worker worker;
@@ -134,7 +135,7 @@ const StepOutput& timed_step(Run& run, const Frame& frame) {
 }
 
 void run_frames(Run& run, bool realtime) {
-  FileCamera camera(run.sequence);
+  FileCamera& camera = run.camera;
   Progress progress(run.sequence.frames.size());
   const Pace pace(realtime, run.sequence.frames.front().timestamp_ns);
   Frame frame;
@@ -247,8 +248,9 @@ void replay(const ReplayArguments& arguments) {
   const TransportOptions options = load_transport_options(arguments.config, arguments.settings);
   CommandFile commands = commands_of(
       arguments.commands.empty() ? options.commands_file : arguments.commands, parameters);
-  const ComponentMemory memory(
-      parameters, arguments.config.string(), transport_needs(options));
+  MachineNeeds needs = transport_needs(options);
+  add_sequence(sequence, &needs);
+  const ComponentMemory memory(parameters, arguments.config.string(), needs);
   LoadedNetwork network(options.network_file);
   Component& component = make_component(memory, parameters, arguments);
   prepare_output_folder(arguments.out);
@@ -257,6 +259,7 @@ void replay(const ReplayArguments& arguments) {
   Run run{.sequence = sequence,
           .servicer = servicer,
           .component = component,
+          .camera = FileCamera(sequence),
           .commands = std::move(commands),
           .transports = Transports({.send = options.transport.send, .receive = {}}),
           .worker = Worker({.own_thread = !arguments.one_core && parameters.jobs.delay_frames > 0,

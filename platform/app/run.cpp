@@ -217,8 +217,11 @@ void run_command(const RunArguments& arguments) {
   prepare_places(arguments.config, machine);
   const Parameters& parameters = configuration.parameters;
   const TransportOptions transport = load_transport_options(arguments.config, arguments.settings);
-  const ComponentMemory memory(
-      parameters, arguments.config.string(), live_needs(machine, transport, parameters.camera));
+  MachineNeeds needs = live_needs(machine, transport, parameters.camera);
+  if (chosen.sequence() != nullptr) {
+    add_sequence(*chosen.sequence(), &needs);
+  }
+  const ComponentMemory memory(parameters, arguments.config.string(), needs);
   LoadedNetwork network(transport.network_file);
   say("warmed up: %d poses of a made-up body", warm_up(memory, parameters));
   Component& component = make_component(memory, parameters, network.hook(), arguments);

@@ -68,7 +68,7 @@ class Exhaustion : public ::testing::Test {
 };
 
 TEST_F(Exhaustion, OfTheReserveLeavesACheckpointBehind_AndItsOwnExitCode) {
-  EXPECT_EXIT(run_and_exhaust(file_, false), ::testing::ExitedWithCode(kMemoryExhausted), "exhausted");
+  EXPECT_EXIT(run_and_exhaust(file_, false), ::testing::ExitedWithCode(kMemoryExhausted), "exhausted.*pool 'step'");
   const LoadedCheckpoint loaded =
       load_checkpoint_file(file_, CheckpointIdentity{}, utc_now_ns(), 600);
   ASSERT_EQ(loaded.refusal, "");
@@ -78,7 +78,7 @@ TEST_F(Exhaustion, OfTheReserveLeavesACheckpointBehind_AndItsOwnExitCode) {
 }
 
 TEST_F(Exhaustion, OnAnotherThreadLeavesTheLastCheckpointAlone) {
-  EXPECT_EXIT(run_and_exhaust(file_, true), ::testing::ExitedWithCode(kMemoryExhausted), "exhausted");
+  EXPECT_EXIT(run_and_exhaust(file_, true), ::testing::ExitedWithCode(kMemoryExhausted), "exhausted.*pool 'step'");
   EXPECT_FALSE(std::filesystem::exists(file_));
 }
 

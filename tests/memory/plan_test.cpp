@@ -141,6 +141,19 @@ TEST(MemoryPlan, RefusesMoreReadersThanTheGeneralPoolHasRoomFor) {
             std::string::npos);
 }
 
+TEST(MemoryPlan, HoldsTheFilesOfASequence_AndWhatDecodingTakes) {
+  const Parameters p = at(640, 480);
+  Sequence sequence{.path = {}, .image_folder = {}, .camera = p.camera, .frames = {}};
+  sequence.file_octets_max = 900'000;
+  MachineNeeds needs;
+  add_sequence(sequence, &needs);
+  EXPECT_EQ(plan_memory(p, needs).total_octets, plan_memory(p).total_octets + 900'000);
+  EXPECT_EQ(plan_memory(p, needs).problem, "");
+  sequence.decoder_octets = std::size_t{30} << 20U;
+  add_sequence(sequence, &needs);
+  EXPECT_NE(plan_memory(p, needs).problem.find("budget.general_mb"), std::string::npos);
+}
+
 TEST(MemoryPlan, ALargerPictureTakesMore) {
   EXPECT_GT(plan_memory(at(1920, 1080)).total_octets, plan_memory(at(640, 480)).total_octets);
 }

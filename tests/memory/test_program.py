@@ -64,10 +64,29 @@ def test_the_budgets_hold_the_sample_and_their_own_picture(tmp_path, budget, wid
     assert "It fits." in result.stdout
 
 
+def test_colour_of_the_largest_kind_replays_where_its_plan_fits(tmp_path):
+    """3840x2160, three channels, noise: files of 25 MB, as large as such pictures get."""
+    writer = SequenceWriter(tmp_path / "sequence", width=3840, height=2160)
+    random = numpy.random.default_rng(1)
+    for _ in range(2):
+        writer.add(random.integers(0, 256, (2160, 3840, 3), numpy.uint8))
+    arguments = ["--config", DEFAULTS, "--sequence", writer.path, "--set", "budget.step_mb=128", "--set", "budget.total_mb=512"]
+    checked = call("check", *arguments, "--memory")
+    assert checked.returncode == 0, checked.stderr
+    result = call("replay", *arguments, "--out", tmp_path / "out")
+    assert result.returncode == 0, result.stderr
+    stays_in_its_pools(tmp_path / "out")
+
+
 def test_a_run_stays_in_its_pools(sequence, tmp_path):
     result = call("replay", "--config", DEFAULTS, "--sequence", sequence, "--out", tmp_path / "out")
     assert result.returncode == 0, result.stderr
-    summary = json.loads((tmp_path / "out/summary.json").read_text())
+    stays_in_its_pools(tmp_path / "out")
+
+
+def stays_in_its_pools(out):
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["counters"]["frames_unreadable"] == 0
     memory = summary["memory"]
     assert memory["budget_octets"] >= memory["planned_octets"]
     if not memory["fixed"]:

@@ -76,6 +76,38 @@ TEST(Decode, Png_TurnsColourIntoLuminance_AndDropsAlpha) {
   EXPECT_EQ(decoded(encode_png(shape, rgba)).pixels, File(kCount, 124));
 }
 
+TEST(Decode, Png_InterlacedColourIsWhatItIsWithoutInterlacing) {
+  for (const int depth : {8, 16}) {
+    File rgb;
+    for (std::size_t i = 0; i < 3 * kCount * static_cast<std::size_t>(depth / 8); ++i) {
+      rgb.push_back(static_cast<std::uint8_t>(i * i % 251));
+    }
+    PngShape shape{
+        .width = kWidth, .height = kHeight, .depth = depth, .colour_type = PNG_COLOR_TYPE_RGB};
+    const File plain = decoded(encode_png(shape, rgb)).pixels;
+    shape.interlace = PNG_INTERLACE_ADAM7;
+    EXPECT_EQ(decoded(encode_png(shape, rgb)).pixels, plain) << depth;
+  }
+}
+
+TEST(Decode, Png_OfOnePixelIsReadInterlaced) {
+  DecodedImage image;
+  const PngShape shape{.width = 1, .height = 1, .interlace = PNG_INTERLACE_ADAM7};
+  ASSERT_EQ(decode(encode_png(shape, {77}), image), std::nullopt);
+  EXPECT_EQ(image.pixels, File{77});
+}
+
+TEST(Decode, Jpeg_InSeveralScansTellsWhatItsDecoderTakes) {
+  ImageHeader header;
+  ASSERT_EQ(read_header(encode_jpeg(kWidth, kHeight, gray_samples()), header), std::nullopt);
+  EXPECT_EQ(header.decoder_octets, 0U);
+  const File progressive = encode_jpeg(kWidth, kHeight, gray_samples(), TJFLAG_PROGRESSIVE);
+  ASSERT_EQ(read_header(progressive, header), std::nullopt);
+  EXPECT_GE(header.decoder_octets, 2 * 40U * 24U);  // whole blocks of 8 x 8, 16 bits each
+  EXPECT_LE(header.decoder_octets, 2 * (kWidth + 32U) * (kHeight + 32U));
+  EXPECT_EQ(decoded(progressive).header.width_px, kWidth);
+}
+
 TEST(Decode, Png_GrayStoredAsColour_KeepsItsValues) {
   const File samples = gray_samples();
   File rgb;

@@ -60,11 +60,11 @@ inline File encode_png(const PngShape& shape, const File& rows) {
   return out;
 }
 
-inline File encode_jpeg(int width, int height, const File& gray) {
+inline File encode_jpeg(int width, int height, const File& gray, int flags = 0) {
   tjhandle encoder = tjInitCompress();
   unsigned char* data = nullptr;
   unsigned long size = 0;
-  tjCompress2(encoder, gray.data(), width, 0, height, TJPF_GRAY, &data, &size, TJSAMP_GRAY, 95, 0);
+  tjCompress2(encoder, gray.data(), width, 0, height, TJPF_GRAY, &data, &size, TJSAMP_GRAY, 95, flags);
   File out(data, data + size);
   tjFree(data);
   tjDestroy(encoder);

@@ -165,6 +165,43 @@ TEST(FileCamera, HandsOverEveryFrame_BadOnesAsNotReadable) {
   EXPECT_FALSE(camera.next(frame));
 }
 
+TEST(FileCamera, AFileThatNoFrameCanNeedIsNotRead) {
+  const SequenceFolder folder;
+  const std::size_t most = frame_octets_max({.width_px = kWidth, .height_px = kHeight});
+  folder.frame("b.pgm", image() + std::string(most, '\0'));
+  const Sequence sequence = open_sequence(folder.path());
+  EXPECT_EQ(sequence.file_octets_max, image().size());
+  FileCamera camera(sequence);
+  Frame frame;
+  ASSERT_TRUE(camera.next(frame));
+  EXPECT_TRUE(frame.readable);
+  ASSERT_TRUE(camera.next(frame));
+  EXPECT_FALSE(frame.readable);
+  EXPECT_HOLDS(camera.refusal(), "b.pgm: the file has ");
+  ASSERT_TRUE(camera.next(frame));
+  EXPECT_TRUE(frame.readable);
+}
+
+TEST(FileCamera, APictureInSeveralScansIsReadOnlyWhereTheFirstIsOne) {
+  const SequenceFolder folder;
+  const File file = encode_jpeg(kWidth, kHeight, File(std::size_t{kWidth} * kHeight, 90), TJFLAG_PROGRESSIVE);
+  const std::string scans(file.begin(), file.end());
+  folder.frame("b.pgm", scans);  // by content, not by name
+  const Sequence without = open_sequence(folder.path());
+  FileCamera camera(without);
+  Frame frame;
+  ASSERT_TRUE(camera.next(frame));
+  ASSERT_TRUE(camera.next(frame));
+  EXPECT_FALSE(frame.readable);
+  EXPECT_HOLDS(camera.refusal(), "b.pgm: JPEG: in several scans");
+  folder.frame("a.pgm", scans);
+  const Sequence with = open_sequence(folder.path());
+  FileCamera planned(with);
+  ASSERT_TRUE(planned.next(frame));
+  ASSERT_TRUE(planned.next(frame));
+  EXPECT_TRUE(frame.readable) << planned.refusal();
+}
+
 TEST(FileCamera, KeepsItsBuffer) {
   const SequenceFolder folder;
   const Sequence sequence = open_sequence(folder.path());

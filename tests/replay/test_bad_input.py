@@ -122,13 +122,15 @@ def spoil(kind, file):
         write_image(file, uniform(80)[:100])
     elif kind == "text":
         file.write_text("not an image")
+    elif kind == "huge":
+        file.write_bytes(whole + bytes(30 << 20))  # more than the pools and their reserve hold beside the rest
     elif kind == "folder":
         file.unlink()
         file.mkdir()
 
 
 @pytest.mark.parametrize("suffix", [".png", ".jpg", ".pgm"])
-@pytest.mark.parametrize("kind", ["missing", "empty", "truncated", "damaged", "other size", "text", "folder"])
+@pytest.mark.parametrize("kind", ["missing", "empty", "truncated", "damaged", "other size", "text", "huge", "folder"])
 def test_a_single_bad_frame_is_counted_and_the_run_goes_on(replay, tmp_path, suffix, kind):
     if (suffix, kind) in ((".pgm", "damaged"), (".jpg", "damaged")):
         pytest.skip("the format has no checksum that would tell")

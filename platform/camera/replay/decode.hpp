@@ -1,6 +1,7 @@
 // Gray images from PNG, JPEG and PGM files in memory.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -20,13 +21,15 @@ struct ImageHeader {
   int width_px = 0;
   int height_px = 0;
   PixelFormat format = PixelFormat::kGray8;  ///< of the decoded image
+  /// That the library takes for the picture as a whole: a JPEG in several scans; else 0.
+  std::size_t decoder_octets = 0;
 };
 
 /// A decoded frame. The buffers keep their capacity, so a sequence of one size allocates them once.
 struct DecodedImage {
   ImageHeader header;
   std::vector<std::uint8_t> pixels;  ///< rows without padding; 16-bit pixels in the machine's order
-  std::vector<std::uint8_t> scratch;  ///< colour pixels on their way to gray
+  std::vector<std::uint8_t> scratch;  ///< a row on its way to gray
 
   [[nodiscard]] ImageView view() const;
 };

@@ -36,6 +36,40 @@ void on_read(png_structp png, png_bytep out, png_size_t count) {
   source->position += count;
 }
 
+/// A row as it comes: pixels, places from one to the next in the picture, channels.
+struct Row {
+  std::size_t count;
+  std::size_t step;
+  bool colour;
+};
+
+/// Luminance by ITU-R BT.601 in integers, weights in 1/65536: the same on every machine.
+template <typename Sample>
+Sample luminance(const std::uint8_t* colour) {
+  Sample rgb[3];
+  std::memcpy(rgb, colour, sizeof rgb);
+  const std::uint64_t sum = 19595ULL * rgb[0] + 38470ULL * rgb[1] + 7471ULL * rgb[2];
+  return static_cast<Sample>((sum + 32768ULL) >> 16U);
+}
+
+template <typename Sample>
+void place_row(const std::uint8_t* from, const Row& row, std::uint8_t* to) {
+  constexpr std::size_t kOctets = sizeof(Sample);
+  if (!row.colour && row.step == 1) {
+    std::memcpy(to, from, row.count * kOctets);
+    return;
+  }
+  for (std::size_t i = 0; i < row.count; ++i) {
+    Sample value;
+    if (row.colour) {
+      value = luminance<Sample>(from + 3 * i * kOctets);
+    } else {
+      std::memcpy(&value, from + i * kOctets, kOctets);
+    }
+    std::memcpy(to + i * row.step * kOctets, &value, kOctets);
+  }
+}
+
 /// Owns libpng's structures for one pass over one file.
 class Reader {
  public:
@@ -52,6 +86,8 @@ class Reader {
       return false;
     }
     png_set_read_fn(png_, &source_, on_read);
+    // Profiles and remarks would be unpacked into memory that nobody has planned.
+    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
     png_read_info(png_, info_);
     return true;
   }
@@ -67,20 +103,24 @@ class Reader {
     if (std::endian::native == std::endian::little) {
       png_set_swap(png_);
     }
-    passes_ = png_set_interlace_handling(png_);
     png_read_update_info(png_, info_);
     return true;
   }
 
-  /// @param rows at least height() * row_octets() octets.
-  bool read_rows(std::uint8_t* rows) {
+  /// Row by row, so that colour takes no more than one beside the picture. An interlaced file has
+  /// seven passes, each a smaller picture of every eighth, fourth or second pixel.
+  /// @param row     row_octets() octets, for one on its way
+  /// @param pixels  height() rows of width() gray samples
+  bool read_rows(std::uint8_t* row, std::uint8_t* pixels) {
     if (setjmp(png_jmpbuf(png_)) != 0) {
       return false;
     }
-    const std::size_t stride = row_octets();
-    for (int pass = 0; pass < passes_; ++pass) {
-      for (png_uint_32 row = 0; row < height(); ++row) {
-        png_read_row(png_, rows + row * stride, nullptr);
+    const bool interlaced = png_get_interlace_type(png_, info_) != PNG_INTERLACE_NONE;
+    for (int pass = 0; pass < (interlaced ? PNG_INTERLACE_ADAM7_PASSES : 1); ++pass) {
+      const Pass part = interlaced ? part_of(pass) : Pass{.columns = width(), .rows = height()};
+      for (png_uint_32 r = 0; part.columns > 0 && r < part.rows; ++r) {
+        png_read_row(png_, row, nullptr);
+        place(row, part, r, pixels);
       }
     }
     png_read_end(png_, nullptr);
@@ -95,23 +135,39 @@ class Reader {
   [[nodiscard]] std::string reason() const { return std::string("PNG: ") + source_.message; }
 
  private:
+  /// Pixels of one pass: how many, and where.
+  struct Pass {
+    png_uint_32 columns = 0;
+    png_uint_32 rows = 0;
+    std::size_t first_column = 0;
+    std::size_t first_row = 0;
+    std::size_t column_step = 1;
+    std::size_t row_step = 1;
+  };
+
+  [[nodiscard]] Pass part_of(int pass) const {
+    return {.columns = PNG_PASS_COLS(width(), pass),
+            .rows = PNG_PASS_ROWS(height(), pass),
+            .first_column = PNG_PASS_START_COL(pass),
+            .first_row = PNG_PASS_START_ROW(pass),
+            .column_step = PNG_PASS_COL_OFFSET(pass),
+            .row_step = PNG_PASS_ROW_OFFSET(pass)};
+  }
+
+  void place(const std::uint8_t* row, const Pass& part, std::size_t r, std::uint8_t* pixels) const {
+    const std::size_t first =
+        (part.first_row + r * part.row_step) * width() + part.first_column;
+    if (deep()) {
+      place_row<std::uint16_t>(row, {part.columns, part.column_step, colour()}, pixels + 2 * first);
+    } else {
+      place_row<std::uint8_t>(row, {part.columns, part.column_step, colour()}, pixels + first);
+    }
+  }
+
   Source source_;
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
-  int passes_ = 1;
 };
-
-/// Luminance by ITU-R BT.601 in integers, weights in 1/65536: the same on every machine.
-template <typename Sample>
-void to_gray(const std::uint8_t* colour, std::uint8_t* gray, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) {
-    Sample rgb[3];
-    std::memcpy(rgb, colour + i * sizeof rgb, sizeof rgb);
-    const std::uint64_t sum = 19595ULL * rgb[0] + 38470ULL * rgb[1] + 7471ULL * rgb[2];
-    const auto value = static_cast<Sample>((sum + 32768ULL) >> 16U);
-    std::memcpy(gray + i * sizeof value, &value, sizeof value);
-  }
-}
 
 }  // namespace
 
@@ -131,20 +187,9 @@ Refusal png_decode(Octets file, DecodedImage& image) {
   if (!reader.read_info() || !reader.set_transformations()) {
     return reader.reason();
   }
-  const bool colour = reader.colour();
-  if (colour) {
-    image.scratch.resize(reader.row_octets() * reader.height());
-  }
-  if (!reader.read_rows(colour ? image.scratch.data() : image.pixels.data())) {
+  image.scratch.resize(reader.row_octets());
+  if (!reader.read_rows(image.scratch.data(), image.pixels.data())) {
     return reader.reason();
-  }
-  if (colour) {
-    const std::size_t count = std::size_t{reader.width()} * reader.height();
-    if (image.header.format == PixelFormat::kGray16) {
-      to_gray<std::uint16_t>(image.scratch.data(), image.pixels.data(), count);
-    } else {
-      to_gray<std::uint8_t>(image.scratch.data(), image.pixels.data(), count);
-    }
   }
   return std::nullopt;
 }

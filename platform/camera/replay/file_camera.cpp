@@ -3,17 +3,27 @@
 #include <fmt/format.h>
 
 #include "camera/replay/file_octets.hpp"
+#include "os/linux/memory/region.hpp"
 
 namespace polhode::platform {
+namespace {
+
+constexpr std::size_t kRowOctets = 6;  // a pixel of colour, 16 bits each
+
+}  // namespace
 
 FileCamera::FileCamera(const Sequence& sequence) : sequence_(sequence) {
-  const auto pixels = static_cast<std::size_t>(sequence.camera.width_px) *
-                      static_cast<std::size_t>(sequence.camera.height_px);
-  image_.pixels.reserve(2 * pixels);  // 16 bits: no frame of this camera needs more
+  const BesideScope scope;
+  const auto width = static_cast<std::size_t>(sequence.camera.width_px);
+  const auto height = static_cast<std::size_t>(sequence.camera.height_px);
+  image_.pixels.reserve(2 * width * height);  // 16 bits: no frame of this camera needs more
+  image_.scratch.reserve(kRowOctets * width);
+  octets_.reserve(sequence.file_octets_max);
 }
 
 Refusal FileCamera::load(const SequenceFrame& frame) {
-  if (Refusal refusal = read_file(sequence_.image_folder / frame.file, octets_)) {
+  if (Refusal refusal = read_file(
+          sequence_.image_folder / frame.file, octets_, sequence_.file_octets_max)) {
     return refusal;
   }
   ImageHeader header;
@@ -27,6 +37,9 @@ Refusal FileCamera::load(const SequenceFrame& frame) {
                        header.height_px,
                        camera.width_px,
                        camera.height_px);
+  }
+  if (header.decoder_octets > sequence_.decoder_octets) {
+    return "JPEG: in several scans, other than the first image; no memory is planned for that";
   }
   return decode(octets_, image_);
 }

@@ -13,11 +13,12 @@ namespace polhode::platform {
 
 class FileCamera {
  public:
+  /// Its buffers are acquired beside the pools: to be made before memory is sealed.
   /// @param sequence must outlive the camera.
   explicit FileCamera(const Sequence& sequence);
 
-  /// The next frame; its image is valid until the next call. A file that is missing, truncated or
-  /// of another size than the camera's comes as a frame that is not readable.
+  /// The next frame; its image is valid until the next call. A file that is missing, truncated, of
+  /// another size than the camera's or larger than is planned for comes as a frame that is not readable.
   /// @return false after the last frame.
   bool next(Frame& frame);
 

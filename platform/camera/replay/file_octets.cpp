@@ -11,9 +11,6 @@
 namespace polhode::platform {
 namespace {
 
-constexpr std::size_t kFileOctetsMax = std::size_t{1}
-                                       << 30U;  // an 8192x8192 image of 16-bit colour, stored raw
-
 std::string last_error() { return std::generic_category().message(errno); }
 
 class Descriptor {
@@ -36,7 +33,8 @@ class Descriptor {
 }  // namespace
 
 std::optional<std::string> read_file(const std::filesystem::path& file,
-                                     std::vector<std::uint8_t>& octets) {
+                                     std::vector<std::uint8_t>& octets,
+                                     std::size_t octets_max) {
   octets.clear();
   const Descriptor in(file);
   struct stat status {};
@@ -47,8 +45,9 @@ std::optional<std::string> read_file(const std::filesystem::path& file,
     return "not a regular file";
   }
   const auto size = static_cast<std::size_t>(status.st_size);
-  if (size > kFileOctetsMax) {
-    return "larger than 1 GiB";
+  if (size > octets_max) {
+    return "the file has " + std::to_string(size) + " octets; at most " +
+           std::to_string(octets_max) + " are read";
   }
   octets.resize(size);
   std::size_t done = 0;

@@ -1,6 +1,7 @@
 // A whole file in memory, in a buffer that is used again.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -9,9 +10,13 @@
 
 namespace polhode::platform {
 
+/// A larger file is not read where nothing is said: an 8192x8192 image of 16-bit colour, stored raw.
+inline constexpr std::size_t kFileOctetsMax = std::size_t{1} << 30U;
+
 /// @param octets keeps its capacity from file to file.
 /// @return why the file cannot be read, or nothing.
 std::optional<std::string> read_file(const std::filesystem::path& file,
-                                     std::vector<std::uint8_t>& octets);
+                                     std::vector<std::uint8_t>& octets,
+                                     std::size_t octets_max = kFileOctetsMax);
 
 }  // namespace polhode::platform

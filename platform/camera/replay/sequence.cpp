@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <string_view>
+#include <system_error>
 
 #include "camera/replay/decode.hpp"
 #include "camera/replay/file_octets.hpp"
@@ -102,13 +104,14 @@ class FrameTable {
 
 /// The first image whose header can be read must have the camera's size. Single bad files are the
 /// frame loop's matter.
-void check_first_image(const Sequence& sequence) {
+/// @return that header.
+ImageHeader check_first_image(const Sequence& sequence) {
   std::vector<std::uint8_t> octets;
   Refusal first_refusal;
   for (const SequenceFrame& frame : sequence.frames) {
     const fs::path file = sequence.image_folder / frame.file;
     ImageHeader header;
-    Refusal refusal = read_file(file, octets);
+    Refusal refusal = read_file(file, octets, frame_octets_max(sequence.camera));
     if (!refusal) {
       refusal = read_header(octets, header);
     }
@@ -126,14 +129,35 @@ void check_first_image(const Sequence& sequence) {
                       camera.width_px,
                       camera.height_px));
     }
-    return;
+    return header;
   }
   throw UnusableInput(fmt::format("none of the {} images can be read; the first: {}",
                                   sequence.frames.size(),
                                   first_refusal.value_or("")));
 }
 
+std::size_t largest_file(const Sequence& sequence) {
+  const std::size_t allowed = frame_octets_max(sequence.camera);
+  std::size_t largest = 0;
+  for (const SequenceFrame& frame : sequence.frames) {
+    std::error_code absent;
+    const std::uintmax_t octets = fs::file_size(sequence.image_folder / frame.file, absent);
+    if (!absent && octets <= allowed) {
+      largest = std::max(largest, static_cast<std::size_t>(octets));
+    }
+  }
+  return largest;
+}
+
 }  // namespace
+
+std::size_t frame_octets_max(const CameraParameters& camera) {
+  constexpr std::size_t kPerPixel = 9;
+  constexpr std::size_t kBeside = std::size_t{1} << 20U;
+  return kPerPixel * static_cast<std::size_t>(camera.width_px) *
+             static_cast<std::size_t>(camera.height_px) +
+         kBeside;
+}
 
 Sequence open_sequence(const fs::path& path) {
   const fs::path camera = path / "mav0" / "cam0";
@@ -148,7 +172,8 @@ Sequence open_sequence(const fs::path& path) {
                     .image_folder = camera / "data",
                     .camera = read_sensor_yaml(camera / "sensor.yaml"),
                     .frames = FrameTable(camera / "data.csv").read()};
-  check_first_image(sequence);
+  sequence.decoder_octets = check_first_image(sequence).decoder_octets;
+  sequence.file_octets_max = largest_file(sequence);
   return sequence;
 }
 

@@ -1,6 +1,7 @@
 // An image sequence on disk (ASL layout): what was taken when, and by which camera.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -20,9 +21,16 @@ struct Sequence {
   std::filesystem::path image_folder;
   CameraParameters camera;
   std::vector<SequenceFrame> frames;  ///< at least one; time stamps strictly increasing
+  std::size_t file_octets_max = 0;    ///< of the frames' files, those beyond frame_octets_max() aside
+  std::size_t decoder_octets = 0;     ///< as ImageHeader's, of the first image
 };
 
-/// Reads data.csv and sensor.yaml and looks at the first image that has a readable header.
+/// A larger file is no frame of this camera: colour with alpha of 16 bits, stored raw, has 8 octets a
+/// pixel; one more for what a compressor adds to noise, and 1 MiB for profiles and remarks.
+std::size_t frame_octets_max(const CameraParameters& camera);
+
+/// Reads data.csv and sensor.yaml, looks at the first image that has a readable header and asks for
+/// the size of all files: memory for them is planned.
 /// @throws UnusableInput naming the file and, where there is one, line and field: not a sequence,
 /// no frames, a time stamp that repeats or runs back, an unusable camera, images of another size.
 Sequence open_sequence(const std::filesystem::path& path);

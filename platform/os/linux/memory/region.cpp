@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
@@ -36,6 +37,7 @@ std::atomic<bool> g_sealed;
 std::atomic<ExhaustionHook> g_hook;
 bool g_fixed;
 thread_local constinit Pool g_pool = Pool::kGeneral;
+thread_local constinit bool g_beside = false;
 
 void open(Area* area, std::span<std::byte> memory) {
   pthread_mutexattr_t attributes;
@@ -110,8 +112,15 @@ void* grow_and_allocate(std::size_t octets, std::size_t alignment) {
   if (const ExhaustionHook hook = g_hook.load()) {
     hook(pool, octets);
   }
-  constexpr char kText[] = "polhode: memory is exhausted, the reserve too; the run ends here\n";
-  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kText, sizeof kText - 1);
+  char text[160];
+  const int length = std::snprintf(text,
+                                   sizeof text,
+                                   "polhode: memory is exhausted, the reserve too: %zu octets more were asked of "
+                                   "the pool '%s'; the run ends here\n",
+                                   octets,
+                                   pool_name(pool));
+  [[maybe_unused]] const auto written =
+      ::write(STDERR_FILENO, text, static_cast<std::size_t>(std::max(length, 0)));
   ::_exit(kMemoryExhausted);
 }
 
@@ -169,6 +178,9 @@ void open_pools(const PoolOctets& octets) {
 PoolScope::PoolScope(Pool pool) : before_(g_pool) { g_pool = pool; }
 PoolScope::~PoolScope() { g_pool = before_; }
 
+BesideScope::BesideScope() : before_(g_beside) { g_beside = true; }
+BesideScope::~BesideScope() { g_beside = before_; }
+
 HeapUse pool_use(Pool pool) {
   const Area& area = g_pools[static_cast<std::size_t>(pool)];
   HeapUse use = area.heap.is_open() ? area.heap.use() : HeapUse{};
@@ -215,6 +227,10 @@ void* region_allocate(std::size_t octets, std::size_t alignment) {
     open(&g_early, g_early_memory);
   }
   const Pool pool = g_pool;
+  const bool sealed = g_sealed.load(std::memory_order_relaxed);
+  if (g_beside && !sealed) {
+    return grow_and_allocate(octets, alignment);
+  }
   if (void* p = allocate(&g_pools[static_cast<std::size_t>(pool)], octets, alignment)) {
     return p;
   }
@@ -223,8 +239,7 @@ void* region_allocate(std::size_t octets, std::size_t alignment) {
       return p;
     }
   }
-  return g_sealed.load(std::memory_order_relaxed) ? overflow(pool, octets, alignment)
-                                                  : grow_and_allocate(octets, alignment);
+  return sealed ? overflow(pool, octets, alignment) : grow_and_allocate(octets, alignment);
 }
 
 void region_release(void* p) {

@@ -50,6 +50,22 @@ class PoolScope {
   Pool before_;
 };
 
+/// As long as it lives, what the calling thread asks for lies beside the pools, in memory that is
+/// acquired for it: large buffers with a row of their own in the plan. Before the seal; after it there
+/// is nothing but the pools.
+class BesideScope {
+ public:
+  BesideScope();
+  ~BesideScope();
+  BesideScope(const BesideScope&) = delete;
+  BesideScope& operator=(const BesideScope&) = delete;
+  BesideScope(BesideScope&&) = delete;
+  BesideScope& operator=(BesideScope&&) = delete;
+
+ private:
+  bool before_;
+};
+
 /// Of one pool; for kGeneral with the memory that was handed out before the pools were opened.
 HeapUse pool_use(Pool pool);
 void forget_pool_peaks();
