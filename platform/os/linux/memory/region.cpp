@@ -113,14 +113,14 @@ void* grow_and_allocate(std::size_t octets, std::size_t alignment) {
     hook(pool, octets);
   }
   char text[160];
-  const int length = std::snprintf(text,
+  const int wanted = std::snprintf(text,
                                    sizeof text,
-                                   "polhode: memory is exhausted, the reserve too: %zu octets more were asked of "
-                                   "the pool '%s'; the run ends here\n",
+                                   "polhode: memory is exhausted, the reserve too: %zu octets were "
+                                   "asked of the pool '%s'; the run ends here\n",
                                    octets,
                                    pool_name(pool));
-  [[maybe_unused]] const auto written =
-      ::write(STDERR_FILENO, text, static_cast<std::size_t>(std::max(length, 0)));
+  const auto length = static_cast<std::size_t>(std::clamp(wanted, 0, static_cast<int>(sizeof text) - 1));
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text, length);
   ::_exit(kMemoryExhausted);
 }
 
