@@ -10,8 +10,8 @@ struct AssertionReport {
   double value;
 };
 
-/// Called when an assertion fails. The platform sets one that records the report and restarts the program; it must not
-/// return. Without one the process is aborted.
+/// Called when an assertion fails, before the process is aborted. The platform sets one that tells the report; a service
+/// manager then starts the program anew.
 using AssertionHook = void (*)(const AssertionReport&);
 void set_assertion_hook(AssertionHook hook);
 

@@ -14,6 +14,7 @@
 #include "app/replay.hpp"
 #include "app/run.hpp"
 #include "errors.hpp"
+#include "os/linux/assertion.hpp"
 #include "os/linux/libraries.hpp"
 #include "pipeline/component.hpp"
 
@@ -264,6 +265,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  polhode::platform::tell_assertions();
   polhode::platform::pin_libraries();
   try {
     return run(argc, argv);

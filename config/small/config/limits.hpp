@@ -24,7 +24,7 @@ inline constexpr std::size_t kKeyframes = 40;
 // Half as many as six faces seen under several lights need, with half the features.
 inline constexpr std::size_t kLandmarks = 2500;
 
-// Frames that a start of the map can look back on (ALGORITHMS: 8 to 32).
+// Frames that a start of the map can look back on, collected at every 2 deg of turn at the soonest: over 30 deg at least.
 inline constexpr std::size_t kStartFrames = 16;
 
 // Tracks held while a map is being started.

@@ -1,0 +1,10 @@
+// What an assertion of the component that fails leaves behind.
+#pragma once
+
+namespace polhode::platform {
+
+/// From now on the place, the expression and the value go to stderr before the process is aborted.
+/// Takes no memory.
+void tell_assertions();
+
+}  // namespace polhode::platform
