@@ -4,8 +4,7 @@
 
 namespace polhode::platform {
 
-/// One thread in the vision library, no graphics-card runtime, no log files and no log lines of the
-/// solver.
+/// One thread in the vision library, no graphics-card runtime.
 void pin_libraries();
 
 }  // namespace polhode::platform
