@@ -205,6 +205,12 @@ Component& make_component(const ComponentMemory& memory,
   return *made.value();
 }
 
+MachineNeeds needs_of(const TransportOptions& options, const Sequence& sequence) {
+  MachineNeeds needs = transport_needs(options);
+  add_sequence(sequence, &needs);
+  return needs;
+}
+
 /// From the first frame to the last nothing is asked of the machine.
 RunCost run_sealed(Run& run, const ReplayArguments& arguments) {
   RunCost cost{.at_start = machine_use(), .after_frames = {}, .pools = {}};
@@ -248,9 +254,8 @@ void replay(const ReplayArguments& arguments) {
   const TransportOptions options = load_transport_options(arguments.config, arguments.settings);
   CommandFile commands = commands_of(
       arguments.commands.empty() ? options.commands_file : arguments.commands, parameters);
-  MachineNeeds needs = transport_needs(options);
-  add_sequence(sequence, &needs);
-  const ComponentMemory memory(parameters, arguments.config.string(), needs);
+  const ComponentMemory memory(
+      parameters, arguments.config.string(), needs_of(options, sequence));
   LoadedNetwork network(options.network_file);
   Component& component = make_component(memory, parameters, arguments);
   prepare_output_folder(arguments.out);

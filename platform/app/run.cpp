@@ -136,6 +136,17 @@ void open_packet_log(const fs::path& folder, std::optional<PacketLog>* packets) 
   packets->emplace(folder / "bus.ccsds");
 }
 
+MachineNeeds needs_of(const MachineOptions& machine,
+                      const TransportOptions& transport,
+                      const CameraParameters& camera,
+                      const ChosenCamera& chosen) {
+  MachineNeeds needs = live_needs(machine, transport, camera);
+  if (chosen.sequence() != nullptr) {
+    add_sequence(*chosen.sequence(), &needs);
+  }
+  return needs;
+}
+
 /// What the machine grants of memory, core and priority; what it does not is said.
 PlatformFacts settle_in(const RunOptions& wish, const ServiceManager& manager, std::uint32_t restarts) {
   const std::string not_locked = wish.lock_memory ? lock_memory() : "run.lock_memory is false";
@@ -217,11 +228,9 @@ void run_command(const RunArguments& arguments) {
   prepare_places(arguments.config, machine);
   const Parameters& parameters = configuration.parameters;
   const TransportOptions transport = load_transport_options(arguments.config, arguments.settings);
-  MachineNeeds needs = live_needs(machine, transport, parameters.camera);
-  if (chosen.sequence() != nullptr) {
-    add_sequence(*chosen.sequence(), &needs);
-  }
-  const ComponentMemory memory(parameters, arguments.config.string(), needs);
+  const ComponentMemory memory(parameters,
+                               arguments.config.string(),
+                               needs_of(machine, transport, parameters.camera, chosen));
   LoadedNetwork network(transport.network_file);
   say("warmed up: %d poses of a made-up body", warm_up(memory, parameters));
   Component& component = make_component(memory, parameters, network.hook(), arguments);

@@ -46,8 +46,8 @@ std::optional<std::string> read_file(const std::filesystem::path& file,
   }
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size > octets_max) {
-    return "the file has " + std::to_string(size) + " octets; at most " +
-           std::to_string(octets_max) + " are read";
+    return "the file has " + std::to_string(size) + " octets; there is room for " +
+           std::to_string(octets_max);
   }
   octets.resize(size);
   std::size_t done = 0;

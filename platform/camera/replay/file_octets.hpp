@@ -10,10 +10,11 @@
 
 namespace polhode::platform {
 
-/// A larger file is not read where nothing is said: an 8192x8192 image of 16-bit colour, stored raw.
+/// Where nothing else is said: an 8192x8192 image of 16-bit colour, stored raw.
 inline constexpr std::size_t kFileOctetsMax = std::size_t{1} << 30U;
 
-/// @param octets keeps its capacity from file to file.
+/// @param octets      keeps its capacity from file to file
+/// @param octets_max  a larger file is not read
 /// @return why the file cannot be read, or nothing.
 std::optional<std::string> read_file(const std::filesystem::path& file,
                                      std::vector<std::uint8_t>& octets,
