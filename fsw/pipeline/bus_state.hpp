@@ -6,11 +6,11 @@
 #include <cstdint>
 
 #include "base/fixed_vector.hpp"
+#include "base/time_doubt.hpp"
 #include "bus/events.hpp"
 #include "bus/telemetry.hpp"
 #include "bus/capacities.hpp"
 #include "pipeline/component.hpp"
-#include "pipeline/time_doubt.hpp"
 
 namespace polhode {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "base/crc.hpp"
+#include "base/time_doubt.hpp"
 #include "bus/commands.hpp"
 #include "pipeline/parameter_image.hpp"
 #include "pipeline/scale_now.hpp"
-#include "pipeline/time_doubt.hpp"
 
 namespace polhode {
 namespace {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/time_doubt.hpp"
 #include "bus/shape_telemetry.hpp"
 #include "config/limits.hpp"
 #include "features/detect.hpp"
@@ -27,7 +28,6 @@
 #include "pipeline/jobs.hpp"
 #include "pipeline/motion_now.hpp"
 #include "pipeline/shape_now.hpp"
-#include "pipeline/time_doubt.hpp"
 #include "shape/scale_fusion.hpp"
 #include "tracks/track_table.hpp"
 

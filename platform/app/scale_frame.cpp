@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <string>
 #include <string_view>
 
 #include "errors.hpp"
@@ -22,13 +24,18 @@ void check_scale_frame(const Configuration& configuration, const Sequence& seque
     return;
   }
   const auto row = find_parameter(kKey) - parameter_table().data();
-  throw UnusableInput(
+  const std::string problem =
       fmt::format("{}: {} = {}: no frame of the sequence has this time; the first has {}, the last {}",
                   configuration.origins[static_cast<std::size_t>(row)],
                   kKey,
                   scale.frame_timestamp_ns,
                   frames.front().timestamp_ns,
-                  frames.back().timestamp_ns));
+                  frames.back().timestamp_ns);
+  const bool dropped = found != frames.begin() && found != frames.end();
+  if (!dropped) {
+    throw UnusableInput(problem);
+  }
+  fmt::print(stderr, "polhode: {}: lengths stay in map units\n", problem);
 }
 
 }  // namespace polhode::platform

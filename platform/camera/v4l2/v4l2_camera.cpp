@@ -224,11 +224,12 @@ Arrival V4l2Camera::hand_out(Frame* frame) {
                       {.stamped_at = buffer.stamped_at,
                        .exposure_ns = exposure_at(buffer.stamp_ns),
                        .readout_ns = options_.readout_ns});
-  if (timestamp_ns <= last_timestamp_ns_) {
+  if (timestamp_ns <= last_timestamp_ns_ && !outvotes(timestamp_ns, &time_doubt_)) {
     ++counters_.frames_out_of_time;
     give_back(buffer);
     return Arrival::kNothing;
   }
+  time_doubt_ = {};
   last_timestamp_ns_ = timestamp_ns;
   available_ns_ = filled_ns(buffer);
   *frame = {.timestamp_ns = timestamp_ns, .image = {}, .readable = false};

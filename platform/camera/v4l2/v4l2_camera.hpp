@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/fixed_vector.hpp"
+#include "base/time_doubt.hpp"
 #include "camera/live_camera.hpp"
 #include "camera/v4l2/convert.hpp"
 #include "camera/v4l2/device_stream.hpp"
@@ -74,6 +75,7 @@ class V4l2Camera final : public LiveCamera {
   std::int64_t exposure_changed_ns_ = INT64_MIN;
   std::int64_t available_ns_ = 0;
   std::int64_t last_timestamp_ns_ = INT64_MIN;
+  TimeDoubt time_doubt_;
   CameraCounters counters_;
   std::array<char, 200> state_{};
 };

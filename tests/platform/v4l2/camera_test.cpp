@@ -41,6 +41,27 @@ class V4l2CameraTest : public testing::Test {
   Frame frame;
 };
 
+TEST_F(V4l2CameraTest, OneFrameStampedFarAhead_PutsTenAfterItOutOfTime_AndNoMore) {
+  V4l2Camera camera(device, options());
+  ASSERT_EQ(camera.open(), OpenResult::kStreaming);
+  const std::int64_t now_ns = device.time_ns;
+  device.time_ns += 3'600'000'000'000;
+  take_frame(1);
+  device.time_ns = now_ns;
+  ASSERT_EQ(camera.next(kWait_ms, &frame), Arrival::kFrame);
+  for (std::uint8_t level = 2; level <= 10; ++level) {
+    take_frame(level);
+    ASSERT_EQ(camera.next(kWait_ms, &frame), Arrival::kNothing);
+  }
+  for (std::uint8_t level = 11; level <= 13; ++level) {
+    take_frame(level);
+    ASSERT_EQ(camera.next(kWait_ms, &frame), Arrival::kFrame);
+    EXPECT_EQ(frame.image.data[0], level);
+    EXPECT_EQ(frame.timestamp_ns, device.time_ns);
+  }
+  EXPECT_EQ(camera.counters().frames_out_of_time, 9U);
+}
+
 TEST_F(V4l2CameraTest, HandsOutFramesWhereTheyLie_WithTheTimeOfMidExposure) {
   V4l2Options wanted = options();
   wanted.exposure_ns = 8'000'000;
