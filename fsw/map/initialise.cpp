@@ -22,7 +22,7 @@ StartDecision decide(const StartOutcome& out, const StartOptions& options, doubl
   if (out.inlier_ratio < kInlierRatioMin || noise_scale > kNoiseScaleMax) {
     return StartDecision::kNoHypothesis;
   }
-  if (!(out.depth_sigma < kDepthSigmaMax)) {
+  if (!(out.contest_depth_sigma < kDepthSigmaMax)) {
     return StartDecision::kTooLittleMotion;
   }
   const bool clear = out.chi2_gap >= options.chi2_gap_commit;

@@ -65,6 +65,7 @@ struct StartOutcome {
   double rotation_rad = 0.0;  ///< largest turn from the first posed frame
   double depth_sigma =
       0.0;  ///< median 1-sigma of the points along the first line of sight, in extents
+  double contest_depth_sigma = 0.0;  ///< the same of the contest's points alone
   double convexity =
       0.0;  ///< curvature of the visible side over its 1-sigma; positive: the middle is nearest
   double inlier_ratio = 0.0;  ///< of the contest's sightings

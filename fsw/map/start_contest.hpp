@@ -35,7 +35,7 @@ double chi2_gap(const Contest& contest);
 double convexity_of(const Contest& contest, StartHypothesis* hypothesis);
 
 /// Winner to all tracks: joint adjustment, wrong tracks dropped, covariances; fills poses, points
-/// and depth_sigma.
+/// and both depth sigmas.
 void adjust_all_tracks(const Contest& contest, StartOutcome* out);
 
 }  // namespace polhode

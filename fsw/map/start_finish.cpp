@@ -80,14 +80,28 @@ void drop_wrong_tracks(const Contest& c, StartOutcome* out) {
   }
 }
 
-/// Of the contest's tracks, which decide on the geometry and are the longest that there are: on a body that turns them away
-/// after three or four frames most others say little of their own depth, however well the turn is known.
+double depth_sigma_of(const Contest& c, std::size_t track) {
+  return std::sqrt(std::max(0.0, c.w.covariances[track](2, 2)));
+}
+
 double median_depth_sigma(const Contest& c) {
+  FixedVector<double, limits::kStartTracks> sigma;
+  for (std::size_t i = 0; i < c.problem.tracks.size(); ++i) {
+    if (c.w.known[i] != 0) {
+      (void)sigma.push_back(depth_sigma_of(c, i));
+    }
+  }
+  return sigma.empty() ? 1e300 : median(sigma.view());
+}
+
+/// The contest's tracks decide on the geometry and are the longest that there are: on a body that turns them away after
+/// three or four frames most others say little of their own depth, however well the turn is known.
+double median_contest_sigma(const Contest& c) {
   FixedVector<double, kContestTracks> sigma;
   for (const int track : c.w.set.tracks) {
     const auto i = static_cast<std::size_t>(track);
     if (c.w.known[i] != 0) {
-      (void)sigma.push_back(std::sqrt(std::max(0.0, c.w.covariances[i](2, 2))));
+      (void)sigma.push_back(depth_sigma_of(c, i));
     }
   }
   return sigma.empty() ? 1e300 : median(sigma.view());
@@ -101,7 +115,7 @@ void adjust_all_tracks(const Contest& c, StartOutcome* out) {
   const StartGeometryView view = all_tracks_view(c);
   out->points.resize(c.problem.tracks.size());
   out->frames.resize(c.problem.times_s.size());
-  out->depth_sigma = 1e300;
+  out->depth_sigma = out->contest_depth_sigma = 1e300;
   drop_wrong_tracks(c, out);
   (void)adjust_start(c.w.sightings.view(), view, contest_loss(c, 10), &c.w.adjustment);
   drop_wrong_tracks(c, out);
@@ -114,6 +128,7 @@ void adjust_all_tracks(const Contest& c, StartOutcome* out) {
     return;
   }
   out->depth_sigma = median_depth_sigma(c);
+  out->contest_depth_sigma = median_contest_sigma(c);
   for (std::size_t i = 0; i < out->points.size(); ++i) {
     StartPoint& point = out->points[i];
     point.p_T = c.w.points_T[i];

@@ -54,7 +54,7 @@ void judge(const StartOutcome& out,
       out.chi2_gap,
       e.depth,
       e.rotation,
-      out.depth_sigma,
+      out.contest_depth_sigma,
       out.reduced_chi2,
       out.inlier_ratio);
 }

@@ -80,7 +80,7 @@ Cell run_cell(double alpha_deg,
             out.chi2_gap,
             e.depth,
             e.rotation,
-            out.depth_sigma);
+            out.contest_depth_sigma);
       }
     }
   }
