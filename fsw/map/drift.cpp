@@ -21,6 +21,12 @@ void begin_drift(const Eigen::Matrix3d& R_first_CT,
   drift->turn_rad = turn_rad;
 }
 
+void hold_turn(double relative_sigma, double extent_mu, MapDrift* drift) {
+  drift->start_turn_sigma = std::min(1.0, relative_sigma);
+  drift->start_sigma_mu = drift->start_turn_sigma / std::sqrt(3.0) * extent_mu;
+  drift->start_turn_rad = drift->turn_rad;
+}
+
 double turn_sigma(const MapDrift& drift) {
   return drift.turn_rad > 0.0 ? drift.start_turn_sigma * drift.start_turn_rad / drift.turn_rad : 0.0;
 }

@@ -34,6 +34,10 @@ void begin_drift(const Eigen::Matrix3d& R_first_CT,
                  double extent_mu,
                  MapDrift* drift);
 
+/// The body's motion has been fitted together with the map, and tells the turn so far to this part of itself: depths are off
+/// by as much still, and with them the unit that comes of them.
+void hold_turn(double relative_sigma, double extent_mu, MapDrift* drift);
+
 /// 1-sigma of a factor that all turns so far may have, less one.
 [[nodiscard]] double turn_sigma(const MapDrift& drift);
 

@@ -91,6 +91,13 @@ void merge(std::span<const PoseSample> news, PoseHistory& history) {
   }
 }
 
+/// 1-sigma of the angular speed, as a part of it; 1 of what does not turn.
+double relative_speed_sigma(const MotionPrediction& now) {
+  const Eigen::Vector3d& w = now.w_T_rad_s;
+  const double sigma = std::sqrt(std::max(0.0, w.dot(now.covariance_w_T * w)));
+  return sigma < w.squaredNorm() ? sigma / w.squaredNorm() : 1.0;
+}
+
 /// Is the last interval far longer than the shortest? Over it a body may have turned by any number of turns.
 bool over_a_gap(const PoseHistory& poses) {
   constexpr std::int64_t kLonger = 3;
@@ -266,7 +273,8 @@ void take_joint_fit(const RigidModel& model, Component::State* s) {
   s->fit_job.unwanted = true;
   const Result<MotionPrediction> now = predict_motion(model, model.reference_ns);
   if (now && now.value().path_known) {
-    s->drift = {.walk = turned(m.R_IC.transpose(), now.value().covariance)};
+    s->drift.walk = turned(m.R_IC.transpose(), now.value().covariance);
+    hold_turn(relative_speed_sigma(now.value()), s->map.radius_mu, &s->drift);
   }
 }
 

@@ -84,5 +84,18 @@ TEST(MapDrift, IsHalved_WhenItIsHeldAtBothEnds) {
   EXPECT_NEAR(attitude_sigma_rad(drift), 0.5 * before, 1e-15);
 }
 
+TEST(HoldTurn, KeepsThePartThatTheMotionLeavesOpen_UntilTheBodyTurnsOn) {
+  MapDrift drift;
+  begin_drift(Eigen::Matrix3d::Identity(), 0.3, 0.1, 1.0, &drift);
+  hold_turn(0.04, 1.5, &drift);
+  EXPECT_NEAR(turn_sigma(drift), 0.04, 1e-12);
+  EXPECT_NEAR(unit_sigma(drift), 0.04 * 0.3, 1e-12);
+  EXPECT_NEAR(covariance(drift)(5, 5), 0.04 * 0.04 / 3.0 * 1.5 * 1.5, 1e-12);
+  widen_turn({.R_CT = so3_exp({0.0, 0.6, 0.0}), .p_CT = {0.0, 0.0, 5.0}}, &drift);
+  EXPECT_NEAR(turn_sigma(drift), 0.02, 1e-9);
+  hold_turn(7.0, 1.5, &drift);
+  EXPECT_EQ(turn_sigma(drift), 1.0) << "of what hardly turns nothing more can be open";
+}
+
 }  // namespace
 }  // namespace polhode
