@@ -84,7 +84,7 @@ TEST(MapDrift, IsHalved_WhenItIsHeldAtBothEnds) {
   EXPECT_NEAR(attitude_sigma_rad(drift), 0.5 * before, 1e-15);
 }
 
-TEST(HoldTurn, KeepsThePartThatTheMotionLeavesOpen_UntilTheBodyTurnsOn) {
+TEST(MapDrift, KeepsThePartThatTheMotionLeavesOpen_UntilTheBodyTurnsOn) {
   MapDrift drift;
   begin_drift(Eigen::Matrix3d::Identity(), 0.3, 0.1, 1.0, &drift);
   hold_turn(0.04, 1.5, &drift);
