@@ -1,6 +1,7 @@
 // From the winner of the contest to poses, points and covariances of all tracks.
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "base/median.hpp"
 #include "geometry/so3.hpp"
@@ -80,28 +81,14 @@ void drop_wrong_tracks(const Contest& c, StartOutcome* out) {
   }
 }
 
-double depth_sigma_of(const Contest& c, std::size_t track) {
-  return std::sqrt(std::max(0.0, c.w.covariances[track](2, 2)));
-}
-
-double median_depth_sigma(const Contest& c) {
+/// @param tracks  those asked, of which only known ones count.
+template <typename Tracks>
+double median_depth_sigma(const Contest& c, const Tracks& tracks) {
   FixedVector<double, limits::kStartTracks> sigma;
-  for (std::size_t i = 0; i < c.problem.tracks.size(); ++i) {
-    if (c.w.known[i] != 0) {
-      (void)sigma.push_back(depth_sigma_of(c, i));
-    }
-  }
-  return sigma.empty() ? 1e300 : median(sigma.view());
-}
-
-/// The contest's tracks decide on the geometry and are the longest that there are: on a body that turns them away after
-/// three or four frames most others say little of their own depth, however well the turn is known.
-double median_contest_sigma(const Contest& c) {
-  FixedVector<double, kContestTracks> sigma;
-  for (const int track : c.w.set.tracks) {
+  for (const int track : tracks) {
     const auto i = static_cast<std::size_t>(track);
     if (c.w.known[i] != 0) {
-      (void)sigma.push_back(depth_sigma_of(c, i));
+      (void)sigma.push_back(std::sqrt(std::max(0.0, c.w.covariances[i](2, 2))));
     }
   }
   return sigma.empty() ? 1e300 : median(sigma.view());
@@ -127,8 +114,11 @@ void adjust_all_tracks(const Contest& c, StartOutcome* out) {
           c.w.sightings.view(), view, contest_loss(c, 0), covariances, &c.w.adjustment)) {
     return;
   }
-  out->depth_sigma = median_depth_sigma(c);
-  out->contest_depth_sigma = median_contest_sigma(c);
+  const auto all = std::views::iota(0, static_cast<int>(c.problem.tracks.size()));
+  out->depth_sigma = median_depth_sigma(c, all);
+  // The contest's tracks decide on the geometry and are the longest that there are: on a body that turns them away after
+  // three or four frames most others say little of their own depth, however well the turn is known.
+  out->contest_depth_sigma = median_depth_sigma(c, c.w.set.tracks);
   for (std::size_t i = 0; i < out->points.size(); ++i) {
     StartPoint& point = out->points[i];
     point.p_T = c.w.points_T[i];

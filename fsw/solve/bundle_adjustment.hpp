@@ -41,7 +41,6 @@ struct BundleProblem {
 struct BundleOptions {
   int iterations_max = 10;
   double cauchy_sigma = 2.0;  ///< at this many sigma a residual has half its weight
-  double settled = 1e-5;      ///< stops when a step gains less than this part of the cost
 };
 
 struct BundleReport {

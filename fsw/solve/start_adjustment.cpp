@@ -90,14 +90,13 @@ Eigen::Matrix3d point_inverse(const Eigen::Matrix3d& V, double damping) {
   return damped.inverse();
 }
 
-/// Reduced camera system S, its lower triangle, and its right side.
+/// Reduced camera system S, its lower triangle, and in place of the step its right side.
 void eliminate_points(std::span<const StartSighting> sightings,
                       double damping,
-                      Workspace* w,
-                      Workspace::CameraVector* right) {
+                      Workspace* w) {
   const Eigen::Index size = w->camera_gradient.size();
   w->reduced.setZero(size, size);
-  *right = w->camera_gradient;
+  w->camera_step = w->camera_gradient;
   for (Eigen::Index f = 0; f < size / 6; ++f) {
     Eigen::Matrix<double, 6, 6> U = w->camera_blocks[static_cast<std::size_t>(f)];
     // A frame without sightings keeps its pose.
@@ -117,7 +116,7 @@ void eliminate_points(std::span<const StartSighting> sightings,
         continue;
       }
       const Eigen::Matrix<double, 6, 3> Y = a.W * V_inverse;
-      right->segment<6>(6 * a.frame).noalias() -= Y * point.g;
+      w->camera_step.segment<6>(6 * a.frame).noalias() -= Y * point.g;
       for (std::size_t j = begin; j <= i; ++j) {
         const Workspace::Block& b = w->blocks[j];
         if (b.frame >= 0) {
@@ -168,7 +167,7 @@ bool try_step(std::span<const StartSighting> sightings,
               const StartGeometryView& geometry,
               double damping,
               Workspace* w) {
-  widely([&] { eliminate_points(sightings, damping, w, &w->camera_step); });
+  widely([&] { eliminate_points(sightings, damping, w); });
   Eigen::Ref<Eigen::MatrixXd> S(w->reduced);
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(S);
   if (factor.info() != Eigen::Success) {
@@ -236,7 +235,7 @@ bool reduced_camera_system(std::span<const StartSighting> sightings,
                            const StartAdjustmentOptions& options,
                            Workspace* workspace) {
   linearise(sightings, geometry, options, workspace);
-  eliminate_points(sightings, 0.0, workspace, &workspace->camera_step);
+  eliminate_points(sightings, 0.0, workspace);
   return workspace->reduced.allFinite();
 }
 

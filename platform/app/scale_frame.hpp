@@ -1,8 +1,6 @@
 // Does the frame that a known length or a range belongs to exist?
 #pragma once
 
-#include <string>
-
 #include "camera/replay/sequence.hpp"
 #include "parameters/load.hpp"
 

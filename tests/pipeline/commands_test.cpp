@@ -191,14 +191,15 @@ TEST(Commands, LengthAndRangeLeaveAloneWhatIsKnownOfTheShape) {
   EXPECT_EQ(Commanded::housekeeping(out).table_crc, table_crc(now));
 }
 
+CommandOctets attitude(std::int64_t time_ns) {
+  return command(CommandCode::kServicerAttitude,
+                 bus::ServicerAttitudeCommand{.timestamp_ns = time_ns,
+                                              .q_IC = {1.0, 0.0, 0.0, 0.0},
+                                              .w_C_rad_s = {0.0, 0.01, 0.0}});
+}
+
 TEST(Commands, ServicerAttitudeGoesForwardInTimeOnly) {
   Commanded bench;
-  const auto attitude = [](std::int64_t time_ns) {
-    return command(CommandCode::kServicerAttitude,
-                   bus::ServicerAttitudeCommand{.timestamp_ns = time_ns,
-                                                .q_IC = {1.0, 0.0, 0.0, 0.0},
-                                                .w_C_rad_s = {0.0, 0.01, 0.0}});
-  };
   EXPECT_EQ(Commanded::housekeeping(bench.step(attitude(100))).commands_accepted, 1U);
   const StepOutput& out = bench.step(attitude(100));
   EXPECT_TRUE(event(EventId::kCommandState, out));
@@ -207,12 +208,6 @@ TEST(Commands, ServicerAttitudeGoesForwardInTimeOnly) {
 
 TEST(Commands, ServicerAttitudesOutvoteOneOfAWrongTime) {
   Commanded bench;
-  const auto attitude = [](std::int64_t time_ns) {
-    return command(CommandCode::kServicerAttitude,
-                   bus::ServicerAttitudeCommand{.timestamp_ns = time_ns,
-                                                .q_IC = {1.0, 0.0, 0.0, 0.0},
-                                                .w_C_rad_s = {0.0, 0.0, 0.0}});
-  };
   (void)bench.step(attitude(1'000'000));
   for (std::int64_t i = 1; i <= 9; ++i) {
     EXPECT_TRUE(event(EventId::kCommandState, bench.step(attitude(i)))) << i;

@@ -35,6 +35,14 @@ def test_unusable_arguments(program, arguments):
     refused(program(*arguments), "polhode: ")
 
 
+def refused_by_check_and_replay(program, config, sequence, text, says):
+    config.write_text(text)
+    out = config.parent / "out"
+    refused(program("check", "--config", config), says)
+    refused(program("replay", "--config", config, "--sequence", sequence.path, "--out", out), says)
+    assert not out.exists()
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
@@ -46,11 +54,7 @@ def test_unusable_arguments(program, arguments):
     ],
 )
 def test_unusable_configuration(program, tmp_path, sequence, text, says):
-    config = tmp_path / "own.toml"
-    config.write_text(text)
-    refused(program("check", "--config", config), says)
-    refused(program("replay", "--config", config, "--sequence", sequence.path, "--out", tmp_path / "out"), says)
-    assert not (tmp_path / "out").exists()
+    refused_by_check_and_replay(program, tmp_path / "own.toml", sequence, text, says)
 
 
 def test_absent_configuration(program):
@@ -161,11 +165,7 @@ def test_misuse_is_told_by_the_command_that_is_meant(program, arguments, says):
     ],
 )
 def test_check_and_replay_read_what_is_not_the_estimators(program, tmp_path, sequence, text, says):
-    config = tmp_path / "live.toml"
-    config.write_text(text)
-    refused(program("check", "--config", config), says)
-    refused(program("replay", "--config", config, "--sequence", sequence.path, "--out", tmp_path / "out"), says)
-    assert not (tmp_path / "out").exists()
+    refused_by_check_and_replay(program, tmp_path / "live.toml", sequence, text, says)
 
 
 def test_check_opens_what_a_run_writes_to_and_commands(program, tmp_path):

@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
 #include "errors.hpp"
+#include "os/linux/last_words.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -112,15 +112,9 @@ void* grow_and_allocate(std::size_t octets, std::size_t alignment) {
   if (const ExhaustionHook hook = g_hook.load()) {
     hook(pool, octets);
   }
-  char text[160];
-  const int wanted = std::snprintf(text,
-                                   sizeof text,
-                                   "polhode: memory is exhausted, the reserve too: %zu octets were "
-                                   "asked of the pool '%s'; the run ends here\n",
-                                   octets,
-                                   pool_name(pool));
-  const auto length = static_cast<std::size_t>(std::clamp(wanted, 0, static_cast<int>(sizeof text) - 1));
-  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text, length);
+  tell_last("polhode: memory is exhausted, the reserve too: %zu octets were asked of the pool '%s'; the run ends here\n",
+            octets,
+            pool_name(pool));
   ::_exit(kMemoryExhausted);
 }
 
