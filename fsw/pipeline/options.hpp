@@ -12,7 +12,7 @@ struct JobOptions {
 struct BudgetOptions {
   double frame_ms = 0.0;  ///< time that a step may take; 0: none is set, 0 .. 10000
   int total_mb = 320;     ///< of the whole process, in MiB, 32 .. 16384
-  int general_mb = 24;    ///< pool for files, tables of the run and whatever is not one of the others, 4 .. 4096
+  int general_mb = 24;    ///< pool for files, tables of the run and whatever is not one of the others, 2 .. 4096
   int step_mb = 64;       ///< pool for the libraries called within a step, 4 .. 4096
   int jobs_mb = 8;        ///< pool for those called by jobs, 4 .. 4096
   int reserve_mb = 16;    ///< for what overflows from the pools, 1 .. 4096

@@ -136,7 +136,7 @@ constexpr ParameterRow kRows[] = {
   {"budget.frame_ms", POLHODE_FIELD(budget.frame_ms), 0.0, 10000.0, "ms",
    "time that a step may take; 0: none is set"},
   {"budget.total_mb", POLHODE_FIELD(budget.total_mb), 32, 16384, "MiB", "memory of the whole process"},
-  {"budget.general_mb", POLHODE_FIELD(budget.general_mb), 4, 4096, "MiB",
+  {"budget.general_mb", POLHODE_FIELD(budget.general_mb), 2, 4096, "MiB",
    "pool for files and whatever is not one of the others"},
   {"budget.step_mb", POLHODE_FIELD(budget.step_mb), 4, 4096, "MiB",
    "pool for the libraries called within a step"},

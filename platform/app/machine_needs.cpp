@@ -1,13 +1,35 @@
 #include "app/machine_needs.hpp"
 
+#include <algorithm>
 #include <filesystem>
+#include <ranges>
+#include <string_view>
 
+#include "camera/v4l2/formats.hpp"
 #include "network/loaded_network.hpp"
 #include "pipeline/checkpoint.hpp"
 #include "recording/recorder.hpp"
 #include "transport/address.hpp"
 
 namespace polhode::platform {
+namespace {
+
+/// Of a pixel in a buffer of the device; where the device chooses, of the widest format that is
+/// taken.
+std::size_t buffer_octets_per_pixel(std::string_view pixel_format) {
+  constexpr std::size_t kCompressedMax = 2;
+  const auto octets = [](const PixelPacking& packing) {
+    return packing.packing == Packing::kCompressed
+               ? kCompressedMax
+               : static_cast<std::size_t>(packing.octets_per_pixel);
+  };
+  if (const PixelPacking* packing = find_packing(pixel_format)) {
+    return octets(*packing);
+  }
+  return std::ranges::max(pixel_packings() | std::views::transform(octets));
+}
+
+}  // namespace
 
 MachineNeeds transport_needs(const TransportOptions& options) {
   MachineNeeds needs{.rows = {}, .general_octets = network_octets(options.network_file)};
@@ -42,18 +64,20 @@ MachineNeeds live_needs(const MachineOptions& machine,
                         const TransportOptions& options,
                         const CameraParameters& camera) {
   MachineNeeds needs = transport_needs(options);
-  const std::size_t frame_octets = recorded_frame_octets(camera);
   if (!machine.device.source.empty() && !std::filesystem::is_directory(machine.device.source)) {
-    needs.rows.push_back({"buffers of the device, two octets a pixel",
-                          static_cast<std::size_t>(machine.device.buffers) * frame_octets});
+    const std::size_t buffer_octets = buffer_octets_per_pixel(machine.device.pixel_format) *
+                                      static_cast<std::size_t>(camera.width_px) *
+                                      static_cast<std::size_t>(camera.height_px);
+    needs.rows.push_back({"buffers of the device",
+                          static_cast<std::size_t>(machine.device.buffers) * buffer_octets});
   }
   if (!machine.run.checkpoint.empty()) {
     needs.rows.push_back({"checkpoint", checkpoint_octets_max()});
   }
   if (!machine.recording.folder.empty()) {
-    needs.rows.push_back(
-        {"recording",
-         Recorder::octets_needed(static_cast<std::size_t>(machine.recording.slots), frame_octets)});
+    needs.rows.push_back({"recording",
+                          Recorder::octets_needed(static_cast<std::size_t>(machine.recording.slots),
+                                                  recorded_frame_octets(camera))});
   }
   return needs;
 }

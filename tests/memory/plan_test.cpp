@@ -121,7 +121,11 @@ TEST(MemoryPlan, HoldsWhatALiveRunNeedsBesideTheEstimator) {
   machine.device.source = "/dev/video0";
   const Parameters p = at(640, 480);
   const std::size_t bare = plan_memory(p, live_needs(machine, {}, p.camera)).total_octets;
-  EXPECT_EQ(bare, plan_memory(p).total_octets + 4 * 2 * 640 * 480);
+  EXPECT_EQ(bare, plan_memory(p).total_octets + 4 * 3 * 640 * 480);
+  machine.device.pixel_format = "GREY";
+  EXPECT_EQ(plan_memory(p, live_needs(machine, {}, p.camera)).total_octets,
+            plan_memory(p).total_octets + 4 * 640 * 480);
+  machine.device.pixel_format = "auto";
   machine.run.checkpoint = "checkpoint";
   const std::size_t kept = plan_memory(p, live_needs(machine, {}, p.camera)).total_octets;
   EXPECT_EQ(kept, bare + checkpoint_octets_max());

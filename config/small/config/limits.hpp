@@ -33,8 +33,8 @@ inline constexpr std::size_t kStartTracks = 600;
 // Points that an absolute pose can use.
 inline constexpr std::size_t kPoseMatches = 450;
 
-// Points of the denoised and completed cloud.
-inline constexpr std::size_t kCloudPoints = 12000;
+// Points of the denoised and completed cloud: its landmarks and twice as many that completion adds.
+inline constexpr std::size_t kCloudPoints = 8000;
 
 // Planes reported of a body: a box with two panels has ten.
 inline constexpr std::size_t kPlanes = 12;

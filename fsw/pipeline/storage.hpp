@@ -1,0 +1,16 @@
+// The caller's memory as a component divides it.
+#pragma once
+
+#include <cstddef>
+
+#include "pipeline/state.hpp"
+
+namespace polhode {
+
+/// The component and its state lie side by side.
+struct alignas(64) Storage {
+  Component::State state;
+  alignas(64) std::byte component[sizeof(Component)];
+};
+
+}  // namespace polhode
