@@ -58,6 +58,8 @@ ImageLevels measure_levels(const cv::Mat& gray, const ImageOptions& options) {
   // One pixel in a thousand: a target of 1 % of the picture is ten times that, hot pixels and stars
   // are fewer.
   constexpr double kBrightFraction = 1e-3;
+  // In a large picture the smallest target that can be followed is less than that: 20 x 20 px.
+  constexpr double kBright_px = 400.0;
   // As many pixels tell as much of a larger picture.
   constexpr double kEnough_px = 5e5;
   const int row_step = std::max(1, static_cast<int>(std::lround(static_cast<double>(gray.total()) / kEnough_px)));
@@ -68,6 +70,7 @@ ImageLevels measure_levels(const cv::Mat& gray, const ImageOptions& options) {
     total += counts[level];
     sum += static_cast<double>(level) * counts[level];
   }
+  const double bright = std::min(kBrightFraction * total, kBright_px / row_step);
   ImageLevels levels;
   levels.mean_level = sum / total / 255.0;
   levels.dim_level = 1.0;  // of a picture that is all at full scale
@@ -79,7 +82,7 @@ ImageLevels measure_levels(const cv::Mat& gray, const ImageOptions& options) {
     above += counts[static_cast<std::size_t>(level)];
     saturated = level >= options.saturated_level * 255.0 ? above : saturated;
     lit = level > options.dark_level * 255.0 ? above : lit;
-    if (!bright_known && above >= kBrightFraction * total) {
+    if (!bright_known && above >= bright) {
       levels.bright_level = level / 255.0;
       bright_known = true;
     }

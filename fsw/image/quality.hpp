@@ -67,7 +67,7 @@ struct QualityHistory {
   std::array<int, kFrameFaults> insistence{};
 };
 
-/// One pass over every row (every second one of pictures over half a million pixels).
+/// One pass over every row, of pictures over half a million pixels over as many rows as hold so many.
 ImageLevels measure_levels(const cv::Mat& gray, const ImageOptions& options);
 
 /// Two passes over the picture.

@@ -48,7 +48,13 @@ void add_keyframe_error(const LocalisedFrame& keyframe, MapDrift* drift) {
 
 void hold_at_both_ends(MapDrift* drift) {
   constexpr double kMiddleOfAHeldWalk = 0.25;
-  drift->walk *= kMiddleOfAHeldWalk;
+  drift->walk = drift->held + kMiddleOfAHeldWalk * (drift->walk - drift->held);
+  drift->held = drift->walk;
+}
+
+void replace_walk(const PoseCovariance& covariance, MapDrift* drift) {
+  drift->walk = covariance;
+  drift->held = covariance;
 }
 
 PoseCovariance covariance(const MapDrift& drift) {

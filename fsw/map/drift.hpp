@@ -17,6 +17,7 @@ namespace polhode {
 /// keyframe, each placed by the last ones with its own error.
 struct MapDrift {
   PoseCovariance walk = PoseCovariance::Zero();
+  PoseCovariance held = PoseCovariance::Zero();  ///< what of it no closed loop lessens any more
   Eigen::Matrix3d R_first_CT =
       Eigen::Matrix3d::Identity();  ///< attitude of the start's first frame
   double start_turn_sigma = 0.0;    ///< of the start's turn, as a part of it
@@ -54,8 +55,11 @@ void widen_turn(const Pose& pose, MapDrift* drift);
 void add_keyframe_error(const LocalisedFrame& keyframe, MapDrift* drift);
 
 /// A walk that is held at both ends, as by a closed loop, has at most a quarter of its variance, in
-/// its middle.
+/// its middle. What was held before stays: a loop closes over many keyframes.
 void hold_at_both_ends(MapDrift* drift);
+
+/// What is said of T is said anew.
+void replace_walk(const PoseCovariance& covariance, MapDrift* drift);
 
 /// To be added to the covariance of a single pose.
 PoseCovariance covariance(const MapDrift& drift);

@@ -72,7 +72,6 @@ void pose_problem(Component::State* s) {
   job.track_count = s->tracks.tracks.size();
   job.seed = s->parameters.seed;
   job.options = s->parameters.start;
-  job.losses = s->counters.lost;
   for (std::size_t i = 0; i < job.frame_count; ++i) {
     const std::int64_t since_ns =
         s->tracks.frames[i].timestamp_ns - s->tracks.frames[0].timestamp_ns;

@@ -56,14 +56,13 @@ void take_over_start(const Similarity& to_T, Component::State* s) {
   settle_map(first_keyframe, s);
   start_drift(to_T, s);
   s->mode = Mode::kTracking;
-  s->frames_lost = 0;
 }
 
 void forget_map(Component::State* s) {
   clear(&s->map);
   forget_motion(s);
   forget_shape(s);
-  s->keyframes_at_last_adjustment = 0;
+  s->last_adjustment_of_all = {};
 }
 
 /// The start's poses beside those that the motion before the loss predicts for the same times.
@@ -140,10 +139,6 @@ void begin_again(Component::State* s) {
 
 void take_start(Component::State* s) {
   const StartJob& job = s->job.start;
-  const bool frames_are_there = job.losses == s->counters.lost;
-  if (!frames_are_there) {
-    return;
-  }
   if (job.outcome.decision != StartDecision::kCommit) {
     if (job.outcome.crowded && s->tracks.frames.size() == job.frame_count) {
       drop_oldest_frame(&s->tracks);

@@ -28,7 +28,7 @@ struct Remembered {
   ShapeNow shape;
   MapDrift drift;
   double noise_scale = 1.0;
-  std::int32_t keyframes_at_last_adjustment = 0;
+  LastAdjustment last_adjustment_of_all;
   Eigen::Matrix3d R_IC;
   bool observer_known = false;
   RigidModel model;
@@ -56,7 +56,7 @@ Remembered remember(const Component::State& s) {
           .shape = s.shape,
           .drift = s.drift,
           .noise_scale = s.noise_scale,
-          .keyframes_at_last_adjustment = s.keyframes_at_last_adjustment,
+          .last_adjustment_of_all = s.last_adjustment_of_all,
           .R_IC = s.motion.R_IC,
           .observer_known = s.motion.observer_known,
           .model = s.motion.model,
@@ -82,7 +82,7 @@ void recall(const Remembered& r, Component::State* s) {
   s->shape = r.shape;
   s->drift = r.drift;
   s->noise_scale = r.noise_scale;
-  s->keyframes_at_last_adjustment = r.keyframes_at_last_adjustment;
+  s->last_adjustment_of_all = r.last_adjustment_of_all;
   s->motion.R_IC = r.R_IC;
   s->motion.observer_known = r.observer_known;
   s->motion.model = r.model;

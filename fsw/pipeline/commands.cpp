@@ -29,7 +29,7 @@ Outcome hold(Component::State* s) {
   s->reference.valid = false;
   // What was collected for a start is old when frames are looked at again.
   clear(&s->tracks);
-  s->job.unwanted = s->job.unwanted || s->job.kind == JobKind::kStart;
+  give_up_start(s);
   return kDone;
 }
 
@@ -321,8 +321,7 @@ void forget_target(Component::State* s) {
   s->drift = {};
   forget_scale(s);
   s->noise_scale = 1.0;
-  s->keyframes_at_last_adjustment = 0;
-  s->frames_lost = 0;
+  s->last_adjustment_of_all = {};
   s->pose_valid = false;
   s->bus.cloud.points_T.clear();
   s->bus.cloud.next = 0;

@@ -102,6 +102,7 @@ void run_job(Job& job) {
 void skip_job(Job& job) {
   if (job.kind == JobKind::kStart) {
     static_cast<MapJob&>(job).start.outcome.decision = StartDecision::kTooFewTracks;
+    static_cast<MapJob&>(job).start.outcome.crowded = false;
   } else if (job.kind == JobKind::kAdjustment) {
     static_cast<MapJob&>(job).adjustment.usable = false;
     static_cast<MapJob&>(job).adjustment.model = {};
@@ -143,6 +144,10 @@ void take_due_jobs(const Jobs& finished, Component::State* s) {
   if (begins) {
     close(&s->job, s);
   }
+}
+
+void give_up_start(Component::State* s) {
+  s->job.unwanted = s->job.unwanted || s->job.kind == JobKind::kStart;
 }
 
 void forget_jobs(Component::State* s) {

@@ -42,7 +42,6 @@ struct StartJob {
   std::array<double, limits::kStartFrames> times_s{};
   std::array<StartTrack, limits::kStartTracks> tracks;
   std::uint64_t seed = 0;
-  std::uint32_t losses = 0;  ///< so far: another one, and the frames of the contest are gone
   StartOptions options;
   StartWorkspace workspace;
   StartOutcome outcome;  ///< the result
@@ -53,9 +52,16 @@ enum class AdjustmentReason : std::uint8_t { kMapBegun, kMapCompleted, kMapGrown
 
 /// A joint adjustment of part of the map, in rounds with a loss of their own; then, where asked for, of
 /// all of it as a free body's, which stands where the images bear it out.
+/// How large the map was when all of it was adjusted last.
+struct LastAdjustment {
+  std::uint32_t keyframes = 0;
+  std::uint32_t next_keyframe_number = 0;
+};
+
 struct AdjustmentJob {
   static constexpr std::size_t kRounds = 3;
   AdjustmentReason reason = AdjustmentReason::kMapGrown;
+  bool closed = false;               ///< a loop
   KeyframeId keyframe;               ///< newest one that the map has grown by
   std::uint32_t keyframe_number = 0;
   std::uint32_t first_keyframe = 0;  ///< number of the first one of the part that has begun
@@ -120,6 +126,9 @@ void issue_shape(Component::State* state);
 
 /// Takes the results in whose step has come; may issue the next jobs.
 void take_due_jobs(const Jobs& finished, Component::State* state);
+
+/// A contest that is out is for frames that are no longer there.
+void give_up_start(Component::State* state);
 
 /// What is out belongs to a target that is forgotten.
 void forget_jobs(Component::State* state);

@@ -28,8 +28,17 @@ void make_room_for_landmarks(Component::State* s) {
       static_cast<std::uint32_t>(make_landmark_room(wanted, &s->map));
 }
 
+/// Landmarks go, and their places are taken by others.
+void keep_matches_of_map(const Map& map, LandmarkMatches* matches) {
+  const auto gone = std::remove_if(matches->begin(), matches->end(), [&](const LandmarkMatch& match) {
+    return !map.landmarks[match.landmark.index()].used;
+  });
+  matches->resize(static_cast<std::size_t>(gone - matches->begin()));
+}
+
 void create(KeyframeId keyframe, Component::State* s) {
   make_room_for_landmarks(s);
+  keep_matches_of_map(s->map, &s->localised.matches);
   const std::int32_t first = s->map.next_landmark_number;
   const CreateOptions options{.parallax_min_rad = s->parameters.map.landmark_parallax_min_rad,
                               .ratio_max = s->parameters.tracks.descriptor_ratio_max};
@@ -45,10 +54,11 @@ BundleOptions bundle_options(int iterations_max) {
   return {.iterations_max = iterations_max, .cauchy_sigma = 2.0};
 }
 
-/// All keyframes are adjusted together each time the map has grown by a fifth, unless memory is
-/// short.
+/// All keyframes are adjusted together each time the map has grown by a fifth, or had as many replaced, unless memory
+/// is short.
 bool wants_adjustment_of_all(const Component::State& s) {
-  return s.steps_to_shed == 0 && 5 * s.map.keyframe_count > 6 * s.keyframes_at_last_adjustment;
+  const LastAdjustment& last = s.last_adjustment_of_all;
+  return s.steps_to_shed == 0 && 5 * (s.map.next_keyframe_number - last.next_keyframe_number) > last.keyframes;
 }
 
 /// @param closed  a loop that closes brings residuals of many sigma, which a narrow loss would take
@@ -56,6 +66,7 @@ bool wants_adjustment_of_all(const Component::State& s) {
 void ask_for(AdjustmentReason reason, bool closed, Component::State* s) {
   AdjustmentJob& job = s->job.adjustment;
   job.reason = reason;
+  job.closed = closed;
   job.rounds.clear();
   if (closed) {
     for (const double cauchy_sigma : {100.0, 15.0}) {
@@ -97,7 +108,8 @@ void add_priors(Component::State* s) {
 void prepare_all(Component::State* s) {
   AdjustmentJob& job = s->job.adjustment;
   snapshot_all(s->map, s->camera, &job.snapshot);
-  s->keyframes_at_last_adjustment = s->map.keyframe_count;
+  s->last_adjustment_of_all = {.keyframes = static_cast<std::uint32_t>(s->map.keyframe_count),
+                               .next_keyframe_number = s->map.next_keyframe_number};
   job.motion = s->parameters.motion;
   // What comes while the job is out can only follow as a whole, and the motion reshapes a young map.
   const bool old_enough = s->map.keyframe_count >= 5 * s->parameters.jobs.delay_frames;
@@ -149,21 +161,13 @@ MapCorrection take_over(Component::State* s) {
   }
   const MapCorrection correction = apply(job.snapshot, &s->map);
   const bool applied = correction.timestamp_ns != INT64_MAX;
+  if (applied && job.closed) {
+    hold_at_both_ends(&s->drift);
+  }
   if (applied && job.as_free_body && job.model.accepted() && !job.model_unwanted) {
     take_joint_fit(transformed(job.model, correction.back), s);
   }
   return correction;
-}
-
-/// The reference keeps only landmarks that are still there.
-void tidy_reference(FlowReference* reference, const Map& map) {
-  std::size_t kept = 0;
-  for (const LandmarkMatch& point : reference->points) {
-    if (map.landmarks[point.landmark.index()].used) {
-      reference->points[kept++] = point;
-    }
-  }
-  reference->points.resize(kept);
 }
 
 /// The keyframe that the map has grown by stands elsewhere now.
@@ -231,6 +235,7 @@ void run_adjustment(AdjustmentJob* job) {
 void adjust_all(int iterations_max, Component::State* s) {
   AdjustmentJob& job = s->job.adjustment;
   prepare_all(s);
+  job.closed = false;
   job.rounds.clear();
   (void)job.rounds.push_back(bundle_options(iterations_max));
   run_adjustment(&job);
@@ -254,7 +259,7 @@ void take_adjustment(Component::State* s) {
   move_since(take_over(s), s);
   cull_map(s);
   refresh_landmarks(&s->map, s->camera);
-  tidy_reference(&s->reference, s->map);
+  keep_matches_of_map(s->map, &s->reference.points);
   switch (job.reason) {
     case AdjustmentReason::kMapBegun:
       complete_map(s);
@@ -278,27 +283,26 @@ bool may_extend_map(const Component::State& s) {
 }
 
 void extend_map(Component::State* s) {
-  const LocalisedFrame& localised = s->localised;
   if (!may_extend_map(*s)) {
     return;
   }
   const std::int32_t count_before = s->map.keyframe_count;
   const KeyframeId id = insert_keyframe(
-      s->frame, s->timestamp_ns, s->features, localised, s->parameters.map, &s->map);
+      s->frame, s->timestamp_ns, s->features, s->localised, s->parameters.map, &s->map);
+  const std::int32_t count_without = s->map.keyframe_count - (id.valid() ? 1 : 0);
+  s->counters.keyframes_culled += static_cast<std::uint32_t>(count_before - count_without);
   if (!id.valid()) {
     ++s->counters.tables_full;
     return;
   }
   s->map.keyframes[id.index()].R_IC = s->motion.R_IC;
   ++s->counters.keyframes_inserted;
-  add_keyframe_error(localised, &s->drift);
-  s->counters.keyframes_culled += s->map.keyframe_count == count_before ? 1 : 0;
+  add_keyframe_error(s->localised, &s->drift);
   create(id, s);
   const int closed =
       close_loop(localise_input(*s), id, {}, &s->localise_scratch, &s->closure, &s->map);
   if (closed > 0) {
     ++s->counters.closures;
-    hold_at_both_ends(&s->drift);
   }
   if (!job_slot_free(*s)) {
     s->growth = {.any = true, .closed = s->growth.closed || closed > 0};

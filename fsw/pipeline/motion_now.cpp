@@ -41,9 +41,9 @@ void follow_map(const Map& map, PoseHistory& poses) {
       sample.pose = to;
       continue;
     }
-    const Eigen::Matrix3d R = to.R_CT * from.R_CT.transpose();
-    sample.pose.R_CT = R * sample.pose.R_CT;
-    sample.pose.p_CT = to.p_CT + R * (sample.pose.p_CT - from.p_CT);
+    // T has moved, not I: as MapCorrection::moved().
+    const Eigen::Matrix3d R = sample.pose.R_CT * from.R_CT.transpose();
+    sample.pose = {.R_CT = R * to.R_CT, .p_CT = R * (to.p_CT - from.p_CT) + sample.pose.p_CT};
   }
 }
 
@@ -273,7 +273,7 @@ void take_joint_fit(const RigidModel& model, Component::State* s) {
   s->fit_job.unwanted = true;
   const Result<MotionPrediction> now = predict_motion(model, model.reference_ns);
   if (now && now.value().path_known) {
-    s->drift.walk = turned(m.R_IC.transpose(), now.value().covariance);
+    replace_walk(turned(m.R_IC.transpose(), now.value().covariance), &s->drift);
     hold_turn(relative_speed_sigma(now.value()), s->map.radius_mu, &s->drift);
   }
 }
@@ -315,6 +315,7 @@ void forget_motion(Component::State* s) {
   forsake_model(s);
   m.poses_since_fit = 0;
   m.disagreements = 0;
+  s->ahead.walk.under_way = false;
 }
 
 Result<RateEstimate> rates_now(const Component::State& s) {

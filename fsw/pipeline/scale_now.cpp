@@ -45,6 +45,16 @@ bool is_due(const Component::State& s) {
          2 * s.map.next_keyframe_number >= 3 * s.scale.keyframes_at_reading;
 }
 
+ScaleReadings readings_beside(ScaleSource source, const ScaleReadings& all) {
+  ScaleReadings others;
+  for (const ScaleReading& reading : all) {
+    if (reading.source != source) {
+      (void)take_reading(reading, others);
+    }
+  }
+  return others;
+}
+
 /// What the readings together say.
 void settle(Component::State* s) {
   ScaleState& scale = s->scale;
@@ -114,7 +124,7 @@ bool measure_scale_of(const Shape& shape, Component::State* s) {
     taken |= take(ScaleSource::kDiameter, scale_from_diameter(shape, options.known_diameter_m), s);
   }
   if (options.known_edge_m != 0.0) {
-    const FusedScale others = fuse_scales(s->scale.readings);
+    const FusedScale others = fuse_scales(readings_beside(ScaleSource::kEdge, s->scale.readings));
     taken |=
         take(ScaleSource::kEdge,
              scale_from_edge(shape,

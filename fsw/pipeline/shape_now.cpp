@@ -4,6 +4,7 @@
 
 #include "bus/shape_telemetry.hpp"
 #include "map/landmarks.hpp"
+#include "pipeline/scale_now.hpp"
 #include "pipeline/state.hpp"
 
 namespace polhode {
@@ -67,6 +68,10 @@ void take_shape(Component::State* s) {
   s->shape.shape = job.outcome;
   s->shape.frame_of_estimate = job.issued_step;
   s->shape.is_new = true;
+  // A rectangle ends where its points do, and a young map has few: only a whole body has known lengths.
+  if (job.outcome->box || job.outcome->cylinder) {
+    (void)measure_scale_of(*job.outcome, s);
+  }
 }
 
 void forget_shape(Component::State* s) {

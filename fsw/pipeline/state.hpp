@@ -102,8 +102,7 @@ struct Component::State {
   ShapeNow shape;
   ScaleState scale;
   double noise_scale = 1.0;  ///< how much larger the residuals are than the features' sigma says
-  std::int32_t keyframes_at_last_adjustment = 0;
-  std::uint32_t frames_lost = 0;
+  LastAdjustment last_adjustment_of_all;
   double map_moved_rad = 0.0;  ///< in this step, by an adjustment that frames have come since
 
   // The long work that is out, or that has just come back.

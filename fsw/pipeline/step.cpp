@@ -25,6 +25,7 @@ FrameUse admit(const Frame& frame, Component::State* s) {
   if (!rises) {
     forget_target(s);
     s->arrivals = {};
+    s->timestamp_ns = frame.timestamp_ns;  // whatever becomes of its picture
   }
   s->time_doubt = {};
   s->counters.frames_missing +=

@@ -70,6 +70,8 @@ void tell_mode(const MotionState& motion, Component::State* s) {
   }
   if (told.mode == Mode::kTracking && motion.mode == Mode::kLost) {
     tell(EventId::kTargetLost, s->counters.poses, 0.0, s);
+  }
+  if (motion.mode == Mode::kLost) {
     s->bus.told.frame_of_loss = motion.frame;
   }
   if (told.mode == Mode::kLost && motion.mode == Mode::kTracking) {

@@ -112,7 +112,6 @@ bool believable(const PosePrediction& predicted, const Component::State& s) {
 /// rest. A measurement that contradicts it stands by itself.
 void fuse_with_motion(Component::State* s) {
   const AbsolutePose& measured = s->localised.absolute;
-  check_motion(s->timestamp_ns, measured.pose, measured.covariance, s);
   const auto prior = pose_by_map_model(*s, s->timestamp_ns, s->motion.R_IC);
   if (!prior) {
     return;
@@ -151,16 +150,20 @@ void renew_reference(Component::State* s) {
   }
 }
 
+/// Flow can find only what it followed.
 void count_sightings(Component::State* s) {
+  for (const LandmarkMatch& match : s->localised.matches) {
+    Landmark& landmark = s->map.landmarks[match.landmark.index()];
+    landmark.predicted += s->features_ready ? 0 : 1;
+    landmark.found += match.inlier ? 1 : 0;
+  }
+  if (!s->features_ready) {
+    return;
+  }
   for (Landmark& landmark : s->map.landmarks) {
     Eigen::Vector2d pixel;
     if (landmark.used && should_be_seen(landmark, s->localised.absolute.pose, s->camera, &pixel)) {
       ++landmark.predicted;
-    }
-  }
-  for (const LandmarkMatch& match : s->localised.matches) {
-    if (match.inlier) {
-      ++s->map.landmarks[match.landmark.index()].found;
     }
   }
 }
@@ -183,6 +186,7 @@ bool bring_features(Component::State* s) {
     return false;
   }
   s->localised = by_features;
+  fuse_with_motion(s);
   return true;
 }
 
@@ -191,18 +195,15 @@ void lose(Component::State* s) {
   if (s->mode == Mode::kTracking) {
     ++s->counters.lost;
     clear(&s->tracks);
+    give_up_start(s);
   }
   s->mode = Mode::kLost;
-  ++s->frames_lost;
 }
 
-void hold(bool by_relocalisation, Component::State* s) {
+void hold(Component::State* s) {
   s->pose_valid = true;
-  if (s->mode == Mode::kLost) {
-    s->counters.relocalised += by_relocalisation ? 1 : 0;
-  }
+  s->counters.relocalised += s->mode == Mode::kLost ? 1 : 0;
   s->mode = Mode::kTracking;
-  s->frames_lost = 0;
 }
 
 }  // namespace
@@ -271,6 +272,7 @@ void track(Component::State* s) {
     collect(s);
     return;
   }
+  check_motion(s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
   fuse_with_motion(s);
   count_sightings(s);
   const bool may_teach = s->verdict.decision == FrameDecision::kUse;
@@ -281,7 +283,7 @@ void track(Component::State* s) {
   } else if (!s->reference.valid) {
     renew_reference(s);
   }
-  hold(everywhere, s);
+  hold(s);
 }
 
 }  // namespace polhode

@@ -23,6 +23,17 @@ Result<ScaleEstimate> scale_of(const Length& length, double known_m) {
   return ScaleEstimate{.metres_per_mu = scale, .sigma = scale * length.sigma / length.value};
 }
 
+/// Is there an edge whose ends were not both found, and that may be the longest all the same?
+bool may_be_longer(const Shape& shape, const Length& longest) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (shape.dimension_basis[k] != DimensionBasis::kSurfaces &&
+        shape.dimensions(static_cast<Eigen::Index>(k)) > longest.value - longest.sigma) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 Result<ScaleEstimate> scale_from_diameter(const Shape& shape, double diameter_m) {
@@ -60,6 +71,9 @@ Result<ScaleEstimate> scale_from_edge(const Shape& shape,
     if (shape.box && shape.dimension_basis[k] == DimensionBasis::kSurfaces) {
       offer(shape.dimensions(axis), shape.sigma_dimensions(axis));
     }
+  }
+  if (best.value > 0.0 && !expected_metres_per_mu && may_be_longer(shape, best)) {
+    return ErrorCode::kDegenerate;
   }
   if (best.value == 0.0) {
     // A rectangle ends where its points do: up to a gap before the edge, noise beyond it.

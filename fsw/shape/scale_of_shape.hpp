@@ -20,7 +20,7 @@ Result<ScaleEstimate> scale_from_diameter(const Shape& shape, double diameter_m)
 /// @param expected_metres_per_mu  from another reading: the edge that fits it best is taken, else
 /// the longest one.
 /// @errors BadParameter (edge_m not positive), NoConsensus (no plane was found), Degenerate (as
-/// above).
+/// above, or the longest edge may be one whose ends were not found).
 Result<ScaleEstimate> scale_from_edge(const Shape& shape,
                                       double edge_m,
                                       std::optional<double> expected_metres_per_mu);

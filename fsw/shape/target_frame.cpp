@@ -151,7 +151,7 @@ TargetFrame frame_from_points(std::span<const Eigen::Vector3d> points_T) {
 }
 
 TargetFrame relabel_like(const TargetFrame& frame, const TargetFrame& previous) {
-  if (frame.source != FrameSource::kCylinder) {
+  if (frame.source != FrameSource::kCylinder || frame.axes_known[0]) {
     return relabel_box(frame, previous.R_TB);
   }
   const Eigen::Vector3d axis_T = frame.R_TB.col(2);

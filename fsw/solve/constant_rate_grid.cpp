@@ -67,7 +67,7 @@ struct Minimum {
   double residual2;
 };
 
-/// Gauss-Newton with central differences: four dimensions, residuals linear enough near a minimum.
+/// Gauss-Newton with forward differences: four dimensions, residuals linear enough near a minimum.
 Minimum descend(Motion4 motion, const Images& images, const Eigen::VectorXd& t) {
   constexpr double kStep = 1e-4;
   Images r = residual(motion, images, t);
@@ -97,8 +97,7 @@ Minimum descend(Motion4 motion, const Images& images, const Eigen::VectorXd& t) 
   return {motion, current};
 }
 
-/// Turn of the image about the line of sight and its change of scale, by the best 2-d similarity
-/// between the ends.
+/// Turn of the image about the line of sight, by the best 2-d similarity between the ends.
 Motion4 image_motion(const ImageMatrix& images) {
   const Eigen::Index frames = images.rows() / 2;
   const auto x0 = images.row(0);

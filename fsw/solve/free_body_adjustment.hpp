@@ -58,7 +58,7 @@ struct FreeBodyWorkspace {
 };
 
 /// Levenberg-Marquardt over the twenty unknowns and all points.
-/// @return not usable, the problem as it was, where the motion puts a point behind a camera or runs away.
+/// @return not usable, the problem's poses and points then mean nothing, where the motion puts a point behind a camera or runs away.
 /// @cost as adjust_bundle() without its factorisation. No heap; deterministic.
 FreeBodyReport adjust_free_body(const FreeBodyProblem& problem,
                                 const BundleOptions& options,

@@ -92,6 +92,15 @@ TEST(MeasureLevels, StaysDark_WhenOnlyAFewHotPixelsShine) {
   EXPECT_DOUBLE_EQ(measure_levels(target, {}).bright_level, 200.0 / 255.0);
 }
 
+TEST(MeasureLevels, SeesASmallTarget_HoweverLargeThePictureIs) {
+  for (const cv::Size size : {cv::Size(1920, 1080), cv::Size(8192, 5460)}) {
+    cv::Mat gray(size, CV_8UC1, cv::Scalar(0));
+    gray(cv::Rect(700, 500, 35, 50)).setTo(200);  // a body of 70 px, half of it lit
+    EXPECT_FALSE(measure_levels(gray, {}).dark) << size;
+    EXPECT_DOUBLE_EQ(measure_levels(gray, {}).bright_level, 200.0 / 255.0);
+  }
+}
+
 TEST(MeasureLevels, CountsSaturatedPixels_WhenTheyAreFew) {
   cv::Mat gray = constant(100, 100, 100);
   for (int i = 0; i < 7; ++i) {

@@ -84,6 +84,27 @@ TEST(MapDrift, IsHalved_WhenItIsHeldAtBothEnds) {
   EXPECT_NEAR(attitude_sigma_rad(drift), 0.5 * before, 1e-15);
 }
 
+TEST(MapDrift, IsNotHalvedAgain_WhenTheSameLoopClosesOverMoreKeyframes) {
+  MapDrift drift;
+  add_keyframe_error(*keyframe(100, 100), &drift);
+  hold_at_both_ends(&drift);
+  const double held = attitude_sigma_rad(drift);
+  hold_at_both_ends(&drift);
+  EXPECT_EQ(attitude_sigma_rad(drift), held);
+  add_keyframe_error(*keyframe(100, 100), &drift);
+  const double walked = attitude_sigma_rad(drift);
+  hold_at_both_ends(&drift);
+  EXPECT_NEAR(std::pow(attitude_sigma_rad(drift), 2), held * held + 0.25 * (walked * walked - held * held), 1e-15);
+}
+
+TEST(MapDrift, IsAsTheMotionTellsIt_WhateverClosesAfterwards) {
+  MapDrift drift;
+  add_keyframe_error(*keyframe(100, 100), &drift);
+  replace_walk(1e-4 * PoseCovariance::Identity(), &drift);
+  hold_at_both_ends(&drift);
+  EXPECT_NEAR(attitude_sigma_rad(drift), 1e-2, 1e-12);
+}
+
 TEST(MapDrift, KeepsThePartThatTheMotionLeavesOpen_UntilTheBodyTurnsOn) {
   MapDrift drift;
   begin_drift(Eigen::Matrix3d::Identity(), 0.3, 0.1, 1.0, &drift);

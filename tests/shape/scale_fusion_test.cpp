@@ -114,6 +114,15 @@ TEST(ScaleOfShape, FromAnEdgeTakesTheLongest_OrTheOneThatFitsAnotherReading) {
   EXPECT_NEAR(matched.value().metres_per_mu, 2.0, 3.0 * matched.value().sigma);
 }
 
+TEST(ScaleOfShape, FromAnEdgeSaysNothing_WhereTheLongestMayHaveEndsThatWereNotFound) {
+  Shape shape = shape_of(box_points({1.0, 0.8, 0.6}, kAllSides, 1800, 0.004, 2));
+  Eigen::Index longest = 0;
+  (void)shape.dimensions.maxCoeff(&longest);
+  shape.dimension_basis[static_cast<std::size_t>(longest)] = DimensionBasis::kPoints;
+  EXPECT_EQ(scale_from_edge(shape, 2.0, std::nullopt).error().code, ErrorCode::kDegenerate);
+  EXPECT_TRUE(scale_from_edge(shape, 1.6, 2.1).ok()) << "another reading tells which edge it is";
+}
+
 TEST(ScaleOfShape, IsAnErrorWhereTheShapeHasNoSuchThing) {
   const Shape box = shape_of(box_points({1.0, 0.8, 0.6}, kAllSides, 1500, 0.004, 3));
   EXPECT_EQ(scale_from_diameter(box, 1.0).error().code, ErrorCode::kNoConsensus);
