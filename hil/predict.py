@@ -26,6 +26,10 @@ def arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
+# Beside the short sequence: it was made here and may be made anew.
+MARKER = ".polhode-predict"
+
+
 def shorten(sequence: pathlib.Path, frames: int, out: pathlib.Path) -> pathlib.Path:
     """The sequence with its first frames only; pictures stay where they are."""
     from judge.errors import BadInput
@@ -33,8 +37,10 @@ def shorten(sequence: pathlib.Path, frames: int, out: pathlib.Path) -> pathlib.P
     target = out / "mav0" / "cam0"
     try:
         rows = (source / "data.csv").read_text().splitlines()
-        shutil.rmtree(out, ignore_errors=True)
+        if (out / MARKER).exists():
+            shutil.rmtree(out)
         target.mkdir(parents=True)
+        (out / MARKER).touch()
         head = [row for row in rows if row.startswith("#")]
         body = [row for row in rows if row and not row.startswith("#")]
         (target / "data.csv").write_text("\n".join(head + body[:frames]) + "\n")

@@ -7,6 +7,7 @@ What is seen stays what it was, so truth and accuracy keep their meaning; detail
 """
 
 import argparse
+import json
 import pathlib
 import shutil
 import sys
@@ -25,13 +26,22 @@ def scaled_intrinsics(intrinsics: list[float], factor: float, left: int, top: in
     return [fu * factor, fv * factor, (cu + 0.5) * factor - 0.5 + left, (cv + 0.5) * factor - 0.5 + top]
 
 
+def scale_known_lengths(scene: pathlib.Path, factor: float, left: int, top: int) -> None:
+    if not scene.exists():
+        return
+    content = json.loads(scene.read_text())
+    for length in content.get("known_lengths", []):
+        length["points_px"] = [[(u + 0.5) * factor - 0.5 + left, (v + 0.5) * factor - 0.5 + top] for u, v in length["points_px"]]
+    scene.write_text(json.dumps(content, indent=2) + "\n")
+
+
 def scale(sequence: pathlib.Path, out: pathlib.Path, width: int, height: int) -> int:
     """@return the number of pictures."""
     import yaml
     from PIL import Image
     source, target = sequence / "mav0/cam0", out / "mav0/cam0"
     sensor = yaml.safe_load((source / "sensor.yaml").read_text())
-    (target / "data").mkdir(parents=True, exist_ok=True)
+    (target / "data").mkdir(parents=True)
     factor = min(width / sensor["resolution"][0], height / sensor["resolution"][1])
     size = [round(factor * n) for n in sensor["resolution"]]
     left, top = (width - size[0]) // 2, (height - size[1]) // 2
@@ -44,9 +54,10 @@ def scale(sequence: pathlib.Path, out: pathlib.Path, width: int, height: int) ->
     sensor["intrinsics"] = scaled_intrinsics(sensor["intrinsics"], factor, left, top)
     (target / "sensor.yaml").write_text(yaml.safe_dump(sensor, default_flow_style=None))
     shutil.copy(source / "data.csv", target / "data.csv")
-    for extra in ("truth.csv", "scene.json", "model.ply"):
+    for extra in ("truth.csv", "scene.json", "model.ply", "servicer_attitude.csv"):
         if (sequence / extra).exists():
             shutil.copy(sequence / extra, out / extra)
+    scale_known_lengths(out / "scene.json", factor, left, top)
     return len(pictures)
 
 
@@ -60,6 +71,8 @@ def main() -> int:
     arguments = parser.parse_args()
     if not (arguments.sequence / "mav0/cam0/data").is_dir():
         raise BadInput(f"{arguments.sequence}: no sequence: it has no folder mav0/cam0/data")
+    if arguments.out.exists():
+        raise BadInput(f"{arguments.out}: is there already")
     try:
         count = scale(arguments.sequence, arguments.out, arguments.width, arguments.height)
     except OSError as problem:

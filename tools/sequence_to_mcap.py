@@ -4,7 +4,7 @@
 usage: sequence_to_mcap.py SEQ --out run.mcap [--bus DIR/bus.ccsds]
   /camera/image   foxglove.CompressedImage (JSON): the files as they are, at their time of mid-exposure
   /bus/packet     the packets as they were published, one a message, at their own time
-Parameters, camera and the account of the recording are attachments. Status 1: SEQ or the packets cannot be read.
+Parameters, camera and the account of the recording are attachments. Status 2: SEQ or the packets cannot be read.
 """
 
 import argparse
@@ -16,6 +16,8 @@ import sys
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY / "hil"))
+sys.path.insert(0, str(REPOSITORY / "platform/transport/client/python"))
+from polhode_bus import open_bus  # noqa: E402
 from judge.venv import enter_venv, run_main  # noqa: E402
 
 IMAGE_SCHEMA = {
@@ -30,7 +32,6 @@ IMAGE_SCHEMA = {
     },
 }
 ATTACHMENTS = ("config.toml", "recording.json", "commands.csv", "mav0/cam0/sensor.yaml")
-PRIMARY_OCTETS = 6
 CUC_AT = 6  # P-field, four octets of seconds, three of their fraction (docs/bus.md)
 
 
@@ -38,17 +39,11 @@ class Unreadable(Exception):
     pass
 
 
-def packets_of(stream: bytes):
-    """Packet by packet. @raises Unreadable where the stream ends within one."""
-    at = 0
-    while at < len(stream):
-        if at + PRIMARY_OCTETS > len(stream):
-            raise Unreadable(f"the packets end within a header, at octet {at}")
-        length = PRIMARY_OCTETS + 1 + int.from_bytes(stream[at + 4:at + 6], "big")
-        if at + length > len(stream):
-            raise Unreadable(f"the packets end within one, at octet {at}")
-        yield stream[at:at + length]
-        at += length
+def packets_of(bus: pathlib.Path):
+    """Packet by packet, passing over what is none, as a run that was cut off leaves it."""
+    with open_bus(f"file:{bus}") as source:
+        while (packet := source.next_octets(timeout_s=0.0)) is not None:
+            yield packet
 
 
 def time_of(packet: bytes) -> int:
@@ -81,28 +76,32 @@ def write_images(writer, frames: list[tuple[int, pathlib.Path]]) -> int:
     return count
 
 
-def write_packets(writer, stream: bytes) -> int:
+def write_packets(writer, bus: pathlib.Path) -> tuple[int, int]:
+    """@return packets, and octets that were none."""
     channel = writer.register_channel("/bus/packet", "ccsds", 0)
-    count = 0
-    for packet in packets_of(stream):
+    count, octets = 0, 0
+    for packet in packets_of(bus):
         writer.add_message(channel, time_of(packet), packet, time_of(packet), count)
         count += 1
-    return count
+        octets += len(packet)
+    return count, bus.stat().st_size - octets
 
 
-def convert(sequence: pathlib.Path, bus: pathlib.Path | None, out: pathlib.Path) -> tuple[int, int]:
+def convert(sequence: pathlib.Path, bus: pathlib.Path | None, out: pathlib.Path) -> tuple[int, int, int]:
+    """@return images, packets, octets among the packets that were none."""
     from mcap.writer import Writer
     frames = frames_of(sequence)
-    stream = b"" if bus is None else bus.read_bytes()
-    with open(out, "wb") as file:
+    beside = out.with_name(out.name + ".new")
+    with open(beside, "wb") as file:
         writer = Writer(file)
         writer.start(library="polhode")
-        counts = write_images(writer, frames), write_packets(writer, stream)
+        counts = write_images(writer, frames), *((0, 0) if bus is None else write_packets(writer, bus))
         for name in ATTACHMENTS:
             if (sequence / name).exists():
                 stamp = frames[0][0] if frames else 0
                 writer.add_attachment(stamp, stamp, pathlib.Path(name).name, "text/plain", (sequence / name).read_bytes())
         writer.finish()
+    beside.rename(out)
     return counts
 
 
@@ -113,11 +112,13 @@ def main() -> int:
     parser.add_argument("--out", type=pathlib.Path, required=True, metavar="run.mcap")
     asked = parser.parse_args()
     try:
-        images, packets = convert(asked.sequence, asked.bus, asked.out)
+        images, packets, damaged = convert(asked.sequence, asked.bus, asked.out)
     except (Unreadable, OSError) as problem:
         print(f"sequence_to_mcap: {problem}", file=sys.stderr)
-        return 1
+        return 2
     print(f"{images} images, {packets} packets: {asked.out}")
+    if damaged:
+        print(f"sequence_to_mcap: {asked.bus}: {damaged} octets are no packet and were passed over", file=sys.stderr)
     return 0
 
 

@@ -68,7 +68,6 @@ COST_ROWS = (
     ("step p99 [ms]", "cost.step_p99_ms", "{:.2f}"),
     ("step maximum [ms]", "cost.step_max_ms", "{:.2f}"),
     ("peak resident memory [MB]", "cost.peak_resident_mb", "{:.1f}"),
-    ("heap calls after start", "cost.heap_calls_after_start", "{:.0f}"),
 )
 UNKNOWN = "-"
 

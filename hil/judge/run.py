@@ -83,8 +83,7 @@ def cost(run: Run) -> dict | None:
     result = {"cpu_per_frame_ms": 1e3 * cpu_s / frames if cpu_s is not None and frames else None,
               "cpu_total_per_frame_ms": 1e3 * (cpu_s + finish_s) / frames if cpu_s is not None and frames else None,
               "wall_per_frame_ms": 1e3 * wall_s / frames if wall_s is not None and frames else None,
-              "peak_resident_mb": octets / 1e6 if octets else None,
-              "heap_calls_after_start": _number(summary, "memory.heap_calls_after_start")}
+              "peak_resident_mb": octets / 1e6 if octets else None}
     for name, percent in (("p50", 50), ("p95", 95), ("p99", 99), ("max", 100)):
         stated_us = _number(summary, f"timings.step.{name}_us")
         measured_us = float(np.percentile(step_us, percent)) if len(step_us) else None
@@ -93,26 +92,13 @@ def cost(run: Run) -> dict | None:
     return result if any(value is not None for value in result.values()) else None
 
 
-def _stated_sha256(value) -> str | None:
-    """A SHA-256 anywhere under a key of the summary that names one."""
-    if not isinstance(value, dict):
-        return None
-    for key, inner in value.items():
-        if "sha256" in key.lower() and isinstance(inner, str) and len(inner) == 64 and "config" not in key.lower():
-            return inner.lower()
-        found = _stated_sha256(inner)
-        if found:
-            return found
-    return None
-
-
 def determinism(run: Run) -> dict | None:
     """SHA-256 of bus.ccsds, and whether the summary states the same; None where there is no bus file."""
     path = run.folder / "bus.ccsds"
     if not path.exists():
         return None
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    stated = _stated_sha256(run.summary)
+    stated = lookup(run.summary, "bus.sha256")
     return {"bus_sha256": digest, "summary_agrees": None if stated is None else stated == digest}
 
 

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <memory>
 #include <system_error>
+#include <thread>
 
 #include "app/packet_printer.hpp"
 #include "errors.hpp"
@@ -111,8 +113,22 @@ void send_command(const BusSendArguments& arguments) {
     }
     sender.send(packet);
   }
-  if (sender.counts().sent != packets.size()) {
+  // A receiver takes its commands with its next frame; until then its queue may be full.
+  constexpr int kTries = 200;
+  constexpr std::chrono::milliseconds kPause{10};
+  const SendCounts& counts = sender.counts();
+  for (int i = 0; i < kTries && counts.sent + counts.no_reader < packets.size(); ++i) {
+    std::this_thread::sleep_for(kPause);
+    sender.flush();
+  }
+  if (counts.no_reader > 0) {
     throw RunFailure(fmt::format("{}: nobody takes commands there", arguments.address));
+  }
+  if (counts.sent != packets.size()) {
+    throw RunFailure(fmt::format("{}: {} of {} commands were sent, then the receiver's queue stayed full",
+                                 arguments.address,
+                                 counts.sent,
+                                 packets.size()));
   }
 }
 

@@ -26,7 +26,7 @@ CheckpointWriter::~CheckpointWriter() {
   thread_.join();
 }
 
-void CheckpointWriter::offer(const Component::State& state) {
+void CheckpointWriter::offer(const Component::State& state, std::int64_t stepped_utc_ns) {
   {
     const std::lock_guard lock(mutex_);
     if (waiting_ > 0) {
@@ -35,6 +35,7 @@ void CheckpointWriter::offer(const Component::State& state) {
     }
   }
   const std::size_t octets = save_checkpoint(state, buffer_);
+  stamp_.utc_ns = stepped_utc_ns;
   {
     const std::lock_guard lock(mutex_);
     waiting_ = octets;
@@ -42,11 +43,11 @@ void CheckpointWriter::offer(const Component::State& state) {
   changed_.notify_all();
 }
 
-void CheckpointWriter::write_now(const Component::State& state) {
+void CheckpointWriter::write_now(const Component::State& state, std::int64_t stepped_utc_ns) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return waiting_ == 0; });
   lock.unlock();
-  offer(state);
+  offer(state, stepped_utc_ns);
   lock.lock();
   changed_.wait(lock, [this] { return waiting_ == 0; });
 }
@@ -67,7 +68,6 @@ void CheckpointWriter::serve() {
     }
     const std::size_t octets = waiting_;
     lock.unlock();
-    stamp_.utc_ns = utc_now_ns();
     const bool written = write_checkpoint_file(file_, beside_, stamp_, buffer_.first(octets));
     lock.lock();
     ++(written ? counters_.written : counters_.failed);

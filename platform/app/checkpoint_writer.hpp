@@ -32,9 +32,10 @@ class CheckpointWriter {
   CheckpointWriter& operator=(const CheckpointWriter&) = delete;
 
   /// Copies the state and returns; nothing when the last one is still being written.
-  void offer(const Component::State& state);
+  /// @param stepped_utc_ns when its last frame was stepped: from then on it ages.
+  void offer(const Component::State& state, std::int64_t stepped_utc_ns);
   /// As offer(), but waits until it is on the disk. For the end of a run.
-  void write_now(const Component::State& state);
+  void write_now(const Component::State& state, std::int64_t stepped_utc_ns);
 
   [[nodiscard]] CheckpointCounters counters();
 
@@ -44,7 +45,7 @@ class CheckpointWriter {
 
   std::filesystem::path file_;
   std::filesystem::path beside_;
-  CheckpointStamp stamp_;  ///< the time is that of each writing; the thread's
+  CheckpointStamp stamp_;  ///< of the thread while `waiting_`
   TableMemory memory_;  ///< beside the pools, which are the libraries'
   std::span<std::uint8_t> buffer_;  ///< of the thread while `waiting_`
   std::mutex mutex_;

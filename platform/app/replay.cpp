@@ -1,9 +1,12 @@
 #include "app/replay.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <chrono>
 #include <memory>
+#include <sstream>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -37,6 +40,7 @@
 #include "parameters/transport_options.hpp"
 #include "pipeline/checkpoint.hpp"
 #include "pipeline/component.hpp"
+#include "pipeline/state.hpp"
 #include "transport/command_file.hpp"
 #include "transport/file/packet_file.hpp"
 #include "transport/transports.hpp"
@@ -180,8 +184,42 @@ Parameters parameters_for(const ReplayArguments& arguments, const Sequence& sequ
   return configuration.parameters;
 }
 
+/// Keys of the parameters that are not the same.
+std::vector<std::string> differing_keys(const Parameters& a, const Parameters& b) {
+  std::istringstream of_a(canonical_text(a));
+  std::istringstream of_b(canonical_text(b));
+  std::vector<std::string> keys;
+  std::string row_a;
+  std::string row_b;
+  while (std::getline(of_a, row_a) && std::getline(of_b, row_b)) {
+    if (row_a != row_b) {
+      keys.push_back(row_a.substr(0, row_a.find(' ')));
+    }
+  }
+  return keys;
+}
+
+/// A checkpoint brings its run's parameters, as commands have left them.
+void tell_other_parameters(const fs::path& checkpoint,
+                           const Parameters& configured,
+                           const Parameters& restored) {
+  const std::vector<std::string> keys = differing_keys(configured, restored);
+  for (const std::string& key : keys) {
+    if (key.starts_with("camera.")) {
+      throw UnusableInput(fmt::format(
+          "--checkpoint {}: was left by a run with another camera ({})", checkpoint.string(), key));
+    }
+  }
+  if (!keys.empty()) {
+    fmt::print(stderr,
+               "polhode: --checkpoint {}: its parameters take the configuration's place: {}\n",
+               checkpoint.string(),
+               fmt::join(keys, ", "));
+  }
+}
+
 /// The state that a recorded run started from.
-void restore(const fs::path& checkpoint, Component& component) {
+void restore(const fs::path& checkpoint, const Parameters& configured, Component& component) {
   std::vector<std::uint8_t> octets;
   if (checkpoint.empty()) {
     return;
@@ -192,6 +230,7 @@ void restore(const fs::path& checkpoint, Component& component) {
   if (!restore_checkpoint(octets, &component.state())) {
     throw UnusableInput(fmt::format("{}: not a checkpoint of this build", checkpoint.string()));
   }
+  tell_other_parameters(checkpoint, configured, component.state().parameters);
 }
 
 Component& make_component(const ComponentMemory& memory,
@@ -201,7 +240,7 @@ Component& make_component(const ComponentMemory& memory,
   if (!made) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));
   }
-  restore(arguments.checkpoint, *made.value());
+  restore(arguments.checkpoint, parameters, *made.value());
   return *made.value();
 }
 
@@ -254,11 +293,12 @@ void replay(const ReplayArguments& arguments) {
   const TransportOptions options = load_transport_options(arguments.config, arguments.settings);
   CommandFile commands = commands_of(
       arguments.commands.empty() ? options.commands_file : arguments.commands, parameters);
-  const ComponentMemory memory(
-      parameters, arguments.config.string(), needs_of(options, sequence));
+  const ComponentMemory memory(parameters, arguments.config.string(), needs_of(options, sequence));
   LoadedNetwork network(options.network_file);
   Component& component = make_component(memory, parameters, arguments);
-  prepare_output_folder(arguments.out);
+  const std::string config_hash = sha256_of(canonical_text(component.state().parameters));
+  Transports transports({.send = options.transport.send, .receive = {}});
+  prepare_output_folder(arguments.out);  // last: an earlier run's files go
 
   const std::size_t frames = sequence.frames.size();
   Run run{.sequence = sequence,
@@ -266,7 +306,7 @@ void replay(const ReplayArguments& arguments) {
           .component = component,
           .camera = FileCamera(sequence),
           .commands = std::move(commands),
-          .transports = Transports({.send = options.transport.send, .receive = {}}),
+          .transports = std::move(transports),
           .worker = Worker({.own_thread = !arguments.one_core && parameters.jobs.delay_frames > 0,
                             .latency_ms_max = arguments.job_latency_ms,
                             .job_octets = job_worst_case(parameters)}),
@@ -286,14 +326,13 @@ void replay(const ReplayArguments& arguments) {
   const std::string bus_sha256 = run.files.bus.finish();
   const Clock::time_point finish_start = Clock::now();
   finish_files(run, arguments.out);
-  const Counters& counters = component.counters();
   write_summary(arguments.out / "summary.json",
                 {.record = run.record,
                  .timings = run.timings,
-                 .counters = counters,
+                 .counters = component.counters(),
                  .parameters = parameters,
                  .sequence = arguments.sequence.string(),
-                 .config_hash = sha256_of(canonical_text(parameters)),
+                 .config_hash = config_hash,
                  .bus_sha256 = bus_sha256,
                  .bus_octets = run.files.bus.octets(),
                  .network = network,
@@ -305,7 +344,7 @@ void replay(const ReplayArguments& arguments) {
                  .at_end = machine_use(),
                  .wall_s = cost.wall_s,
                  .finish_s = seconds_since(finish_start)});
-  fmt::print("{}\nwritten to {}\n", result_sentence(run.record, counters), arguments.out.string());
+  fmt::print("{}\nwritten to {}\n", result_sentence(run.record, component.counters()), arguments.out.string());
 }
 
 }  // namespace polhode::platform

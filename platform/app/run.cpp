@@ -28,6 +28,7 @@
 #include "parameters/machine_options.hpp"
 #include "parameters/sha256.hpp"
 #include "parameters/transport_options.hpp"
+#include "recording/export.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -92,6 +93,7 @@ class Beginning {
 
 std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
                                         const Parameters& parameters,
+                                        const LoadedNetwork& network,
                                         std::span<const std::uint8_t> checkpoint) {
   const RecordingOptions& wish = machine.recording;
   if (wish.folder.empty()) {
@@ -109,7 +111,7 @@ std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
           .limits = {.segment_octets_max = segment_octets, .folder_octets_max = folder_octets},
           .slots = static_cast<std::size_t>(wish.slots),
           .complete = wish.complete},
-      fmt::format("# polhode {}\n{}", kVersion, canonical_text(parameters)),
+      begin_text(kVersion, network.sha256(), canonical_text(parameters)),
       recorded_frame_octets(parameters.camera));
   if (!checkpoint.empty()) {
     recorder->checkpoint(checkpoint);
@@ -188,11 +190,11 @@ LiveEnd run_sealed(LiveParts& parts, const RunOptions& wish, bool memory_trap) {
   return end;
 }
 
-/// The state and the report.
+/// The state, where this run has taken it further, and the report.
 void leave_behind(const RunJsonInput& input, const fs::path& folder) {
   const LiveParts& parts = input.parts;
-  if (parts.checkpoint != nullptr && parts.component.counters().frames_in > 0) {
-    parts.checkpoint->write_now(parts.component.state());
+  if (parts.checkpoint != nullptr && parts.counts.frames_accepted > 0) {
+    parts.checkpoint->write_now(parts.component.state(), parts.counts.last_step_utc_ns);
   }
   if (!folder.empty()) {
     write_run_json(folder / "run.json", input);
@@ -241,7 +243,7 @@ void run_command(const RunArguments& arguments) {
 
   std::optional<PacketLog> packets;
   open_packet_log(machine.run.folder, &packets);
-  const auto recorder = make_recorder(machine, parameters, beginning.content());
+  const auto recorder = make_recorder(machine, parameters, network, beginning.content());
   beginning.forget_content();
   std::optional<CheckpointWriter> checkpoint;
   std::optional<CheckpointOnExhaustion> last_words;
@@ -257,9 +259,9 @@ void run_command(const RunArguments& arguments) {
                             .gain_factor_max = machine.device.gain_factor_max});
   Worker worker(worker_options(parameters, machine.run));
   Transports transports(transport.transport);
-  PlatformTelemetry telemetry(parameters.bus,
-                              settle_in(machine.run, manager, beginning.restarts()));
   LiveCamera& camera = chosen.start(parameters.camera);
+  // After all that takes memory.
+  PlatformTelemetry telemetry(parameters.bus, settle_in(machine.run, manager, beginning.restarts()));
   LiveParts parts{.component = component,
                   .worker = worker,
                   .camera = camera,

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <system_error>
 
 #include "errors.hpp"
 
@@ -24,9 +25,13 @@ constexpr double kNormError = 1e-2;
 ServicerAttitude ServicerAttitude::of_sequence(const std::filesystem::path& sequence) {
   const std::filesystem::path file = sequence / "servicer_attitude.csv";
   ServicerAttitude attitude;
-  std::ifstream stream(file);
-  if (!stream) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) {
     return attitude;
+  }
+  std::ifstream stream(file);
+  if (!stream || std::filesystem::is_directory(file, error)) {
+    throw UnusableInput(fmt::format("{}: cannot be read", file.string()));
   }
   std::string text;
   for (int line = 1; std::getline(stream, text); ++line) {

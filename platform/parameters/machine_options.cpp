@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <variant>
 
@@ -60,7 +61,7 @@ const Row kRows[] = {
   {"run.priority", POLHODE_OPTION(run.priority), 0, 99},
   {"recording.folder", POLHODE_OPTION(recording.folder)},
   {"recording.disk_mb_max", POLHODE_OPTION(recording.disk_mb_max), 16, 100000000},
-  {"recording.segment_mb", POLHODE_OPTION(recording.segment_mb), 1, 4096},
+  {"recording.segment_mb", POLHODE_OPTION(recording.segment_mb), 1, 1000},
   {"recording.slots", POLHODE_OPTION(recording.slots), 2, 64},
   {"recording.complete", POLHODE_OPTION(recording.complete)},
 };
@@ -162,6 +163,14 @@ void check_texts(const MachineOptions& options, const std::filesystem::path& fil
                                     file.string(),
                                     device.pixel_format,
                                     allowed));
+  }
+  if (static_cast<double>(device.silence_ms_max) * device.rate_hz < 2000.0) {
+    throw UnusableInput(fmt::format(
+        "{}: device.silence_ms_max = {}: at device.rate_hz = {} a frame comes every {} ms; allowed is twice that and more",
+        file.string(),
+        device.silence_ms_max,
+        device.rate_hz,
+        std::lround(1000.0 / device.rate_hz)));
   }
 }
 

@@ -47,7 +47,7 @@ struct RunOptions {
 struct RecordingOptions {
   std::string folder;                   ///< empty: nothing is recorded
   int disk_mb_max = 1024;               ///< all recordings in the folder; the oldest go first, 16 .. 100000000
-  int segment_mb = 64;                  ///< a file of it, 1 .. 4096
+  int segment_mb = 64;                  ///< a file of it, 1 .. 1000
   int slots = 8;                        ///< frames that may wait for the disk; beyond that they are not recorded and counted, 2 .. 64
   bool complete = false;                ///< rather let the run wait for the disk than miss a frame
 };

@@ -41,6 +41,17 @@ std::map<std::string, std::string> values_of(std::string_view text) {
   return values;
 }
 
+/// Of the comment that begin_text() leaves; empty without a network.
+std::string network_of(std::string_view text) {
+  constexpr std::string_view kMark = "\n# network ";
+  const std::size_t at = text.find(kMark);
+  if (at == std::string_view::npos) {
+    return {};
+  }
+  const std::string_view rest = text.substr(at + kMark.size());
+  return std::string(rest.substr(0, rest.find('\n')));
+}
+
 std::string sensor_yaml(const std::map<std::string, std::string>& values, double rate_hz) {
   const auto value = [&](const char* key) {
     const auto found = values.find(key);
@@ -93,7 +104,7 @@ class Exporter {
     }
   }
 
-  ExportReport finish(bool begins, std::uint64_t octets_lost) {
+  ExportReport finish(bool begins, const RecordingReader& reader) {
     if (report_.frames == 0) {
       throw UnusableInput("the recording holds no frame");
     }
@@ -106,10 +117,13 @@ class Exporter {
       write_file(folder_ / "commands.csv", "#timestamp [ns],packet\n" + commands_);
     }
     report_.has_begin = begins;
-    report_.octets_lost = octets_lost;
+    report_.octets_lost = reader.octets_lost();
+    report_.files_lost = reader.files_lost();
+    report_.network_sha256 = network_of(begin_);
     write_file(folder_ / "recording.json",
                fmt::format("{{\n  \"frames\": {},\n  \"unreadable\": {},\n  \"dropped\": {},\n"
                            "  \"not_recorded\": {},\n  \"commands\": {},\n  \"octets_lost\": {},\n"
+                           "  \"files_lost\": {},\n  \"network_sha256\": \"{}\",\n"
                            "  \"starts_from_checkpoint\": {},\n  \"has_begin\": {},\n"
                            "  \"same_bytes\": {}\n}}\n",
                            report_.frames,
@@ -118,6 +132,8 @@ class Exporter {
                            report_.not_recorded,
                            report_.commands,
                            report_.octets_lost,
+                           report_.files_lost,
+                           report_.network_sha256,
                            report_.has_checkpoint,
                            report_.has_begin,
                            replays_to_the_same_bytes(report_)));
@@ -161,8 +177,17 @@ class Exporter {
 
 }  // namespace
 
+std::string begin_text(std::string_view version,
+                       const std::string& network_sha256,
+                       const std::string& parameters) {
+  const std::string network =
+      network_sha256.empty() ? "" : fmt::format("# network {}\n", network_sha256);
+  return fmt::format("# polhode {}\n{}{}", version, network, parameters);
+}
+
 bool replays_to_the_same_bytes(const ExportReport& report) {
-  return report.has_begin && report.not_recorded == 0 && report.octets_lost == 0;
+  return report.has_begin && report.not_recorded == 0 && report.octets_lost == 0 &&
+         report.files_lost == 0 && report.network_sha256.empty();
 }
 
 ExportReport export_run(const RecordedRun& run, const fs::path& folder) {
@@ -173,7 +198,7 @@ ExportReport export_run(const RecordedRun& run, const fs::path& folder) {
   while (reader.next(&record)) {
     exporter.take(record);
   }
-  return exporter.finish(run.begins, reader.octets_lost());
+  return exporter.finish(run.begins, reader);
 }
 
 }  // namespace polhode::platform

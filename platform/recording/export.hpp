@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <string_view>
 
 #include "recording/reader.hpp"
 
@@ -15,9 +17,17 @@ struct ExportReport {
   std::uint64_t not_recorded = 0;
   std::uint64_t commands = 0;
   std::uint64_t octets_lost = 0;
+  std::uint32_t files_lost = 0;
+  std::string network_sha256 = {};  ///< of the network that the run asked; it is not in the recording
   bool has_checkpoint = false;
   bool has_begin = false;  ///< else the replay starts where the recording does
 };
+
+/// What a recording says of its run: TOML that a replay takes, and in comments what is not the
+/// estimator's.
+std::string begin_text(std::string_view version,
+                       const std::string& network_sha256,
+                       const std::string& parameters);
 
 /// Writes mav0/cam0/{data.csv, sensor.yaml, data/*.png}, config.toml, recording.json and, where the
 /// run has them, checkpoint and commands.csv (timestamp_ns of the frame that follows, packet in
@@ -25,7 +35,7 @@ struct ExportReport {
 /// @throws UnusableInput, RunFailure.
 ExportReport export_run(const RecordedRun& run, const std::filesystem::path& folder);
 
-/// True when a replay of the export gives the bytes of the live run.
+/// True when a replay of the export, as it is, gives the bytes of the live run.
 bool replays_to_the_same_bytes(const ExportReport& report);
 
 }  // namespace polhode::platform

@@ -35,6 +35,7 @@ std::vector<RecordedRun> recorded_runs(const fs::path& folder) {
   if (!fs::is_directory(folder)) {
     throw UnusableInput(fmt::format("{}: no such folder", folder.string()));
   }
+  std::uint32_t last = 0;
   for (const fs::path& file : segment_files(folder)) {
     std::int64_t utc_ns = 0;
     std::uint32_t number = 0;
@@ -43,8 +44,11 @@ std::vector<RecordedRun> recorded_runs(const fs::path& folder) {
     }
     if (runs.empty() || runs.back().utc_ns != utc_ns) {
       runs.push_back({.utc_ns = utc_ns, .files = {}, .begins = number == 1});
+    } else {
+      runs.back().files_missing += number - last - 1;
     }
     runs.back().files.push_back(file);
+    last = number;
   }
   if (runs.empty()) {
     throw UnusableInput(fmt::format("{}: holds no recording", folder.string()));
@@ -76,6 +80,7 @@ bool RecordingReader::open_next_file() {
     if (!read_file(run_.files[next_file_++], octets_)) {
       return true;
     }
+    ++files_lost_;
   }
   return false;
 }

@@ -21,6 +21,7 @@ struct RecordedRun {
   std::int64_t utc_ns = 0;  ///< when it began
   std::vector<std::filesystem::path> files;
   bool begins = false;  ///< its first file is still there
+  std::uint32_t files_missing = 0;  ///< by their numbers, between the first and the last that are there
 };
 
 /// The runs of a folder, oldest first.
@@ -29,13 +30,15 @@ std::vector<RecordedRun> recorded_runs(const std::filesystem::path& folder);
 
 class RecordingReader {
  public:
-  explicit RecordingReader(const RecordedRun& run) : run_(run) {}
+  explicit RecordingReader(const RecordedRun& run) : run_(run), files_lost_(run.files_missing) {}
 
   /// @return false at the end.
   bool next(Record* record);
 
   /// Octets that were passed over, because they were damaged or cut off.
   [[nodiscard]] std::uint64_t octets_lost() const { return octets_lost_; }
+  /// Files that are missing or could not be read.
+  [[nodiscard]] std::uint32_t files_lost() const { return files_lost_; }
 
  private:
   bool open_next_file();
@@ -47,6 +50,7 @@ class RecordingReader {
   std::vector<std::uint8_t> octets_;  ///< of the present file
   std::size_t at_ = 0;
   std::uint64_t octets_lost_ = 0;
+  std::uint32_t files_lost_ = 0;
 };
 
 /// The pixels of a frame's record as it is stored. @return false when they cannot be had.

@@ -3,6 +3,7 @@
 #include <lz4.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 
 #include "base/assert.hpp"
@@ -53,6 +54,10 @@ Recorder::Recorder(const RecorderOptions& options, std::string begin, std::size_
 }
 
 Recorder::~Recorder() {
+  if (missed_since_ > 0) {
+    // Told by an empty place of its own: the run is over, and may wait.
+    (void)claim_in_turn(Patience::kEndless);
+  }
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;
@@ -61,12 +66,35 @@ Recorder::~Recorder() {
   thread_.join();
 }
 
-Recorder::Slot* Recorder::claim(bool wait) {
+Recorder::Slot* Recorder::claim(Patience patience) {
+  // Long for a thread that writes a few octets, short beside a frame.
+  constexpr std::chrono::milliseconds kShort{5};
   std::unique_lock lock(mutex_);
-  if (wait) {
-    changed_.wait(lock, [this] { return filled_ < slots_.size(); });
+  const auto is_free = [this] { return filled_ < slots_.size(); };
+  if (patience == Patience::kEndless) {
+    changed_.wait(lock, is_free);
+  } else if (patience == Patience::kShort) {
+    (void)changed_.wait_for(lock, kShort, is_free);
   }
-  return filled_ < slots_.size() ? &slots_[(first_ + filled_) % slots_.size()] : nullptr;
+  return is_free() ? &slots_[(first_ + filled_) % slots_.size()] : nullptr;
+}
+
+Recorder::Slot* Recorder::claim_in_turn(Patience patience) {
+  Slot* slot = claim(patience);
+  if (slot == nullptr || missed_since_ == 0) {
+    return slot;
+  }
+  slot->header = {
+      .kind = RecordKind::kDropped, .reason = DropReason::kNotRecorded, .count = missed_since_};
+  missed_since_ = 0;
+  commit();
+  return claim(patience);
+}
+
+void Recorder::miss() {
+  ++missed_since_;
+  const std::lock_guard lock(mutex_);
+  ++counters_.missed;
 }
 
 void Recorder::commit() {
@@ -83,18 +111,9 @@ void Recorder::checkpoint(std::span<const std::uint8_t> octets) {
 }
 
 void Recorder::frame(const Frame& frame) {
-  Slot* slot = claim(complete_);
-  if (slot != nullptr && missed_since_ > 0) {
-    slot->header = {
-        .kind = RecordKind::kDropped, .reason = DropReason::kNotRecorded, .count = missed_since_};
-    missed_since_ = 0;
-    commit();
-    slot = claim(complete_);
-  }
+  Slot* slot = claim_in_turn(complete_ ? Patience::kEndless : Patience::kNone);
   if (slot == nullptr) {
-    ++missed_since_;
-    const std::lock_guard lock(mutex_);
-    ++counters_.missed;
+    miss();
     return;
   }
   const ImageView& image = frame.image;
@@ -120,15 +139,20 @@ void Recorder::frame(const Frame& frame) {
 }
 
 void Recorder::dropped(DropReason reason, std::uint32_t count) {
-  if (Slot* slot = claim(complete_)) {
+  if (Slot* slot = claim(complete_ ? Patience::kEndless : Patience::kNone)) {
     slot->header = {.kind = RecordKind::kDropped, .reason = reason, .count = count};
     commit();
   }
 }
 
 void Recorder::command(std::span<const std::uint8_t> packet) {
-  // Rare, and nothing may be missing: waits for the disk.
-  Slot* slot = claim(true);
+  // Rare, and small: the thread gets a moment to write them. A disk that hangs is not waited for.
+  const Patience brief = missed_since_ == 0 ? Patience::kShort : Patience::kNone;
+  Slot* slot = claim_in_turn(complete_ ? Patience::kEndless : brief);
+  if (slot == nullptr) {
+    miss();
+    return;
+  }
   const std::size_t octets = std::min(packet.size(), slot->content.size());
   slot->header = {.kind = RecordKind::kCommand, .octets = static_cast<std::uint32_t>(octets)};
   std::copy_n(packet.begin(), octets, slot->content.begin());

@@ -28,7 +28,7 @@ struct RecorderOptions {
 
 struct RecorderCounters {
   std::uint64_t frames = 0;
-  std::uint64_t missed = 0;          ///< frames for which no slot was free
+  std::uint64_t missed = 0;          ///< frames and commands for which no slot was free
   std::uint64_t write_failures = 0;  ///< records that the disk did not take
   std::uint64_t octets = 0;
 };
@@ -59,9 +59,13 @@ class Recorder {
     std::span<std::uint8_t> content;  ///< of its greatest size
   };
 
-  /// The next free slot; waits for one only when told to.
-  Slot* claim(bool wait);
+  enum class Patience : std::uint8_t { kNone, kShort, kEndless };
+  /// The next free slot, if one comes in time.
+  Slot* claim(Patience patience);
+  /// As claim(), after what was missed has been told.
+  Slot* claim_in_turn(Patience patience);
   void commit();
+  void miss();
   static void work(void* recorder);
   void serve();
   void write_slot(Slot& slot);

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <string>
+#include <system_error>
 
 #include "bus/capacities.hpp"
 #include "errors.hpp"
@@ -39,7 +41,8 @@ TimedCommand read_line(std::string_view line, CommandWriter& writer) {
 
 CommandFile::CommandFile(const std::filesystem::path& file, int apid_first) {
   std::ifstream in(file);
-  if (!in) {
+  std::error_code error;
+  if (!in || std::filesystem::is_directory(file, error)) {
     throw UnusableInput(fmt::format("{}: cannot be read", file.string()));
   }
   CommandWriter writer(apid_first);

@@ -100,6 +100,43 @@ def test_python_client_connects_to_the_sender_and_lets_go_of_a_dead_one(flight, 
         assert bus.next_octets(5.0) == packets[40]
 
 
+def test_python_client_waits_beside_a_sender_that_never_reads(flight, tmp_path):
+    import socket
+
+    from polhode_bus import open_bus
+
+    path = str(tmp_path / "telemetry")
+    packets = split(flight.stream)
+    with open_bus(f"unix:{path}") as bus, socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
+        sender.bind(path + ".sender")
+        sender.sendto(packets[0], path)
+        assert bus.next_octets(5.0) == packets[0]
+        assert bus.next_octets(4.0) is None  # 20 times silence: more than the sender's queue holds
+        sender.sendto(packets[1], path)
+        assert bus.next_octets(5.0) == packets[1]
+
+
+def test_python_client_leaves_files_alone(tmp_path):
+    from polhode_bus import open_bus
+
+    file = tmp_path / "flight.ccsds"
+    file.write_bytes(b"precious")
+    with pytest.raises(FileExistsError, match="no socket"):
+        open_bus(f"unix:{file}")
+    assert file.read_bytes() == b"precious"
+
+
+def test_a_full_queue_is_told_from_nobody(tmp_path):
+    import socket
+
+    path = str(tmp_path / "commands")
+    words = "noop + noop + noop + noop + noop + noop + noop + noop + noop + noop + noop + noop + noop + noop".split()
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(path)
+        done = subprocess.run([PROGRAM, "bus", "send", f"unix:{path}", *words], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 1 and "of 14 commands were sent" in done.stderr
+
+
 def test_commands_are_sent_as_the_python_client_makes_them(tmp_path):
     import socket
 

@@ -35,7 +35,18 @@ def test_holds_every_image_and_every_packet(played, replayed, tmp_path):
     assert "sensor.yaml" in names
 
 
-def test_a_stream_that_is_cut_off_is_refused(played, replayed, tmp_path):
-    (tmp_path / "cut").write_bytes(replayed(played.path)[:-3])
-    done = subprocess.run([*TOOL, played.path, "--bus", tmp_path / "cut", "--out", tmp_path / "run.mcap"], capture_output=True, text=True)
-    assert done.returncode == 1 and "end within one" in done.stderr
+def test_what_is_no_packet_is_passed_over_and_told(played, replayed, tmp_path):
+    packets = replayed(played.path)
+    (tmp_path / "torn").write_bytes(b"torn" + packets + packets[:50])
+    done = subprocess.run([*TOOL, played.path, "--bus", tmp_path / "torn", "--out", tmp_path / "run.mcap"], capture_output=True, text=True)
+    assert done.returncode == 0 and "54 octets are no packet" in done.stderr
+    with open(tmp_path / "run.mcap", "rb") as file:
+        raw = [m.data for _, channel, m in reader.make_reader(file).iter_messages(log_time_order=False) if channel.topic == "/bus/packet"]
+    assert b"".join(raw) == packets
+
+
+def test_a_file_that_is_there_stays_where_the_packets_cannot_be_read(played, tmp_path):
+    (tmp_path / "run.mcap").write_text("earlier")
+    done = subprocess.run([*TOOL, played.path, "--bus", tmp_path / "none", "--out", tmp_path / "run.mcap"], capture_output=True, text=True)
+    assert done.returncode == 2 and "none" in done.stderr
+    assert (tmp_path / "run.mcap").read_text() == "earlier"

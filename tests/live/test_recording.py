@@ -68,3 +68,13 @@ def program_status():
         return done.returncode, done.stderr
 
     return call
+
+
+def test_a_checkpoint_brings_its_own_parameters_and_says_so(live, played, program_status, tmp_path):
+    options = {"run__checkpoint": tmp_path / "checkpoint", "recording__folder": tmp_path / "recording", "recording__complete": True}
+    for name in ("first", "again"):
+        assert live(played.path, name=name, **options).finish().status == 0
+    export(tmp_path / "recording", tmp_path / "exported")
+    status, err = program_status("replay", "--config", tmp_path / "exported/config.toml", "--sequence", played.path, "--out", tmp_path / "out",
+                                 "--checkpoint", tmp_path / "exported/checkpoint", "--set", "bus.apid_first=600")
+    assert status == 0 and "its parameters take the configuration's place: bus.apid_first" in err

@@ -68,6 +68,16 @@ def test_continues_where_a_checkpoint_says(live, played, tmp_path):
     assert report(second)["start"].startswith("warm")
 
 
+def test_a_start_without_a_camera_leaves_the_checkpoint_as_it_is(live, played, tmp_path):
+    checkpoint = tmp_path / "checkpoint"
+    assert live(played.path, name="first", run__checkpoint=checkpoint).finish().status == 0
+    before = checkpoint.read_bytes()
+    camera = dict.fromkeys(("camera__width_px", "camera__height_px"), 160) | {"camera__height_px": 120}
+    lens = {"camera__fu_px": 200.0, "camera__fv_px": 200.0, "camera__cu_px": 79.5, "camera__cv_px": 59.5}
+    live("/dev/video987", name="second", run__start_s_max=1, run__checkpoint=checkpoint, **camera, **lens).finish()
+    assert checkpoint.read_bytes() == before
+
+
 @pytest.mark.parametrize("spoil, reason", [
     (lambda octets: octets[:-1], "torn"),
     (lambda octets: octets[:60], "too short"),

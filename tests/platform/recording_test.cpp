@@ -295,11 +295,68 @@ TEST(Export, OverwritesNothing) {
                UnusableInput);
 }
 
+TEST(Recording, ACommandThatFindsNoPlaceIsCountedAndWrittenDown_AtTheEndToo) {
+  const TemporaryFolder folder;
+  RecorderOptions few = options(folder.path());
+  few.complete = false;
+  few.slots = 2;
+  std::uint64_t missed = 0;
+  {
+    Recorder recorder(few, kBegin, kFrameOctets);
+    const std::vector<std::uint8_t> packet(2000, 7);
+    recorder.frame(frame_of(1, noise(1, kFrameOctets / 2)));
+    for (int i = 0; i < 20000; ++i) {
+      recorder.dropped(DropReason::kLate, 1);
+      recorder.frame(frame_of(2 + i, noise(1, kFrameOctets / 2)));
+    }
+    recorder.command(packet);
+    missed = recorder.counters().missed;
+  }
+  std::uint64_t told = 0;
+  for (const Record& record : read_all(folder.path())) {
+    told += record.header.reason == DropReason::kNotRecorded && record.header.kind == RecordKind::kDropped
+                ? record.header.count
+                : 0;
+  }
+  EXPECT_EQ(told, missed);
+}
+
+TEST(Recording, AFileThatIsMissingIsFound) {
+  const TemporaryFolder folder;
+  RecorderOptions small = options(folder.path());
+  small.limits.segment_octets_max = 20'000;
+  {
+    Recorder recorder(small, kBegin, kFrameOctets);
+    for (int i = 0; i < 40; ++i) {
+      recorder.frame(frame_of(i, noise(static_cast<std::uint64_t>(i), kFrameOctets / 2)));
+    }
+  }
+  auto files = recorded_runs(folder.path()).back().files;
+  ASSERT_GE(files.size(), 4U);
+  EXPECT_EQ(recorded_runs(folder.path()).back().files_missing, 0U);
+  fs::remove(files[1]);
+  EXPECT_EQ(recorded_runs(folder.path()).back().files_missing, 1U);
+}
+
+TEST(Export, NamesTheNetworkThatIsNotInTheRecording) {
+  const TemporaryFolder folder;
+  const std::string digest(64, 'a');
+  {
+    Recorder recorder(options(folder.path() / "recording"), begin_text("1", digest, kBegin), kFrameOctets);
+    recorder.frame(frame_of(1, ramp(kFrameOctets / 2)));
+  }
+  const ExportReport report =
+      export_run(recorded_runs(folder.path() / "recording").back(), folder.path() / "out");
+  EXPECT_EQ(report.network_sha256, digest);
+  EXPECT_FALSE(replays_to_the_same_bytes(report));
+}
+
 TEST(Export, SaysWhenTheBytesWillDiffer) {
   EXPECT_TRUE(replays_to_the_same_bytes({.has_begin = true}));
   EXPECT_FALSE(replays_to_the_same_bytes({.has_begin = false}));
   EXPECT_FALSE(replays_to_the_same_bytes({.not_recorded = 1, .has_begin = true}));
   EXPECT_FALSE(replays_to_the_same_bytes({.octets_lost = 1, .has_begin = true}));
+  EXPECT_FALSE(replays_to_the_same_bytes({.files_lost = 1, .has_begin = true}));
 }
 
 }  // namespace

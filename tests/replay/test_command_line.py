@@ -120,6 +120,19 @@ def test_output_folder_of_an_earlier_run_is_used_again_and_other_files_stay(repl
     assert (tmp_path / "out/notes.txt").read_text() == "mine"
 
 
+def test_a_refused_run_leaves_the_results_of_an_earlier_one(replay, sequence, tmp_path):
+    assert replay(sequence.path).status == 0
+    before = (tmp_path / "out/motion.csv").read_bytes()
+    refused(replay(sequence.path, "--set", "transport.send=['file:/nowhere/x']"), "/nowhere/x")
+    assert (tmp_path / "out/motion.csv").read_bytes() == before
+
+
+def test_what_cannot_be_read_is_not_taken_for_absent(replay, sequence, tmp_path):
+    refused(replay(sequence.path, "--commands", tmp_path), f"{tmp_path}: cannot be read")
+    (sequence.path / "servicer_attitude.csv").mkdir()
+    refused(replay(sequence.path), "servicer_attitude.csv: cannot be read")
+
+
 def test_output_folder_that_cannot_be_made(replay, sequence, tmp_path):
     (tmp_path / "file").write_text("")
     refused(replay(sequence.path, out=tmp_path / "file"), "file: exists and is not a folder")

@@ -42,6 +42,7 @@ def test_its_help_is_printed_by_its_path(file, tmp_path):
     ("tools/first_difference.py", ["FOLDER", "FILE"], "FOLDER: Is a directory"),
     ("tools/first_difference.py", ["FILE", "NOT_THERE"], "NOT_THERE: No such file"),
     ("tools/scale_sequence.py", ["NOT_THERE", "OUT", "--width", "20", "--height", "20"], "NOT_THERE: no sequence"),
+    ("tools/scale_sequence.py", [SAMPLE, SAMPLE, "--width", "20", "--height", "20"], "is there already"),
     ("tools/scale_sequence.py", [SAMPLE, "OUT", "--width", "-1", "--height", "20"], "--width: -1: out of range, allowed is 1 .. 8192"),
     ("tools/benchmark_table.py", ["NOT_THERE"], "NOT_THERE: No such file"),
     ("tools/benchmark_table.py", ["FILE"], "not a replay's summary.json"),

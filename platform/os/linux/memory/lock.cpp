@@ -9,7 +9,7 @@
 namespace polhode::platform {
 
 std::string lock_memory() {
-  if (::mlockall(MCL_CURRENT) == 0) {
+  if (::mlockall(MCL_CURRENT | MCL_ONFAULT) == 0) {
     return {};
   }
   const int problem = errno;

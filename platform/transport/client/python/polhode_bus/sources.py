@@ -4,6 +4,7 @@ import contextlib
 import mmap
 import os
 import socket
+import stat
 import struct
 import time
 
@@ -35,6 +36,8 @@ class _Datagrams:
 
     @staticmethod
     def _remove_if_dead(path: str) -> None:
+        if not stat.S_ISSOCK(os.lstat(path).st_mode):
+            raise FileExistsError(f"unix:{path}: is there and is no socket")
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as probe:
             try:
                 probe.connect(path)
@@ -50,8 +53,9 @@ class _Datagrams:
 
     def _let_go_of_dead(self) -> None:
         """The system itself undoes the connection to a dead sender when it is sent to."""
+        self._socket.setblocking(False)  # with a time limit, sending to a full queue waits for it
         try:
-            self._socket.send(b"", socket.MSG_DONTWAIT)
+            self._socket.send(b"")
         except ConnectionRefusedError:
             self._connected = False
         except BlockingIOError:
