@@ -10,10 +10,16 @@
 namespace polhode {
 namespace {
 
-/// Between two estimates; while there is none, sooner: a young map has few confirmed landmarks.
+/// A known diameter or edge waits for a shape.
+bool scale_is_awaited(const Component::State& s) {
+  const ScaleOptions& options = s.parameters.scale;
+  return !s.scale.known && (options.known_diameter_m != 0.0 || options.known_edge_m != 0.0);
+}
+
+/// Between two estimates; while one is awaited, sooner: a young map has few confirmed landmarks.
 std::uint32_t frames_between(const Component::State& s) {
   const auto every = static_cast<std::uint32_t>(s.parameters.bus.shape_every_frames);
-  return s.shape.shape ? every : std::max(1U, every / 5);
+  return s.shape.shape && !scale_is_awaited(s) ? every : std::max(1U, every / 5);
 }
 
 bool wants_shape(const Component::State& s) {
@@ -68,8 +74,9 @@ void take_shape(Component::State* s) {
   s->shape.shape = job.outcome;
   s->shape.frame_of_estimate = job.issued_step;
   s->shape.is_new = true;
-  // A rectangle ends where its points do, and a young map has few: only a whole body has known lengths.
-  if (job.outcome->box || job.outcome->cylinder) {
+  // A rectangle ends where its points do, and what was seen from one side is bent: only a whole body has known lengths.
+  constexpr double kAcross_rad = 1.57;
+  if ((job.outcome->box || job.outcome->cylinder) && s->drift.turn_rad > kAcross_rad) {
     (void)measure_scale_of(*job.outcome, s);
   }
 }
