@@ -1,5 +1,5 @@
 // Metres from a length that was picked in a picture: read when the map begins, read anew as it grows,
-// gone with the map whose unit it was.
+// gone with the map whose unit it was; or from a dimension of the shape.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -8,6 +8,7 @@
 #include "bench.hpp"
 #include "packets_of.hpp"
 #include "pipeline/scale_now.hpp"
+#include "pipeline/shape_now.hpp"
 #include "pipeline/state.hpp"
 
 namespace polhode {
@@ -97,6 +98,41 @@ TEST(KnownLength, OfAFrameThatIsNotThere_LeavesMapUnits) {
     EXPECT_FALSE(b.show(picture).motion.scale_known);
   }
   EXPECT_FALSE(measure_scale_in_keyframe(&b.component->state()));
+}
+
+TEST(KnownDiameter, IsReadOfAShape_OnceTheBodyHasTurnedByARightAngle) {
+  Parameters p = parameters();
+  p.scale.known_diameter_m = 1.9;
+  Bench b(p);
+  Component::State& s = b.component->state();
+  Shape shape;
+  shape.cylinder = Cylinder{.radius = 0.5, .sigma_radius = 0.01};
+  s.shape_job.outcome = shape;
+  s.drift.turn_rad = 0.5;
+  take_shape(&s);
+  EXPECT_FALSE(s.scale.known) << "seen from one side, a young map is bent";
+  s.drift.turn_rad = 1.6;
+  take_shape(&s);
+  ASSERT_TRUE(s.scale.known);
+  EXPECT_NEAR(s.scale.metres_per_mu, 1.9, 1e-12);
+  EXPECT_NEAR(s.scale.relative_sigma, 0.02, 1e-3);
+}
+
+TEST(KnownEdge, IsNotConfirmedByItsOwnEarlierReading) {
+  Parameters p = parameters();
+  p.scale.known_edge_m = 2.0;
+  Bench b(p);
+  Component::State& s = b.component->state();
+  Shape shape;
+  shape.box = Box{};
+  shape.dimension_basis.fill(DimensionBasis::kSurfaces);
+  shape.sigma_dimensions.setConstant(0.01);
+  shape.dimensions = {1.0, 0.8, 0.6};
+  ASSERT_TRUE(measure_scale_of(shape, &s));
+  EXPECT_NEAR(s.scale.metres_per_mu, 2.0, 1e-12);
+  shape.dimensions = {1.0, 1.6, 0.6};  // another side is seen whole now, and is the longest
+  ASSERT_TRUE(measure_scale_of(shape, &s));
+  EXPECT_NEAR(s.scale.metres_per_mu, 1.25, 1e-12);
 }
 
 }  // namespace
