@@ -44,6 +44,10 @@ class BundleSystem {
   /// x that solves the damped system, (damping x' D x - x' g) / 2.
   double move_points(double damping);
 
+  /// The trial's points where its poses want them, by two steps of each point alone: however far the poses have gone,
+  /// which a linear model of all of them does not follow. @return trial_cost().
+  double settle_points();
+
   [[nodiscard]] std::span<InverseDepthPose> trial_poses() {
     return std::span(w_.trial_poses).first(p_.poses.size());
   }
@@ -65,7 +69,10 @@ class BundleSystem {
 
   void number_blocks();
   void sort_by_point();
-  bool linearise(const BundleObservation& observation, Linearised* out) const;
+  bool linearise(const BundleObservation& observation,
+                 const InverseDepthPose& pose,
+                 const Eigen::Vector3d& p_T,
+                 Linearised* out) const;
   template <typename Take>
   void for_sightings(std::size_t point, Take take) const;
   void add_points(double damping);
@@ -74,6 +81,7 @@ class BundleSystem {
   void add_priors();
   void add_poses(double damping);
   double move_point(std::size_t point, double damping);
+  double settle_point(std::size_t point);
   [[nodiscard]] double prior_cost(std::span<const InverseDepthPose> poses) const;
   [[nodiscard]] double pose_gain(double damping) const;
 

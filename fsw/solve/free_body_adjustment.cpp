@@ -14,9 +14,9 @@ namespace polhode {
 namespace {
 
 using ByUnknowns = FreeBodyWorkspace::ByUnknowns;
-// All poses and points move together with an unknown, by many times what their own curvature lets damping
-// allow each of them.
-constexpr double kDampingFirst = 1e-6;
+// Of each unknown's own curvature. Where the motion's poses bend away from the linear model the first steps fail
+// and it rises, at the price of another trial and no new system.
+constexpr double kDampingFirst = 1e-4;
 
 using GaugeRows = Eigen::Matrix<double, 7, kFreeBodyUnknowns>;
 
@@ -70,59 +70,61 @@ class FreeBody {
   }
 
   double try_step(double damping) {
-    if (!linearise()) {
+    if (!built_ && !build()) {
       return -1.0;
     }
-    system_.build(damping);
-    FreeBodyInformation H = project();
-    FreeBodyVector right = FreeBodyVector::Zero();
-    const BundleSystem::Unknowns of_poses = system_.step();
-    for (std::size_t k = 0; k < count(); ++k) {
-      right += w_.pose_by_unknowns[k].transpose() * of_poses.segment<6>(6 * static_cast<Eigen::Index>(k));
-    }
-    const FreeBodyVector prior_gradient = prior().cwiseProduct(unknowns_of(*p_.motion));
-    H.diagonal() += prior();
-    right -= prior_gradient;
-    const Eigen::LLT<FreeBodyInformation> factor(H);
+    FreeBodyInformation damped = H_;
+    damped.diagonal() += damping * curvature_;
+    const Eigen::LLT<FreeBodyInformation> factor(damped);
     if (factor.info() != Eigen::Success) {
       return -1.0;
     }
-    const FreeBodyVector x = factor.solve(right);
+    const FreeBodyVector x = factor.solve(right_);
     trial_ = moved(*p_.motion, x);
-    BundleSystem::Unknowns step = system_.step();
-    for (std::size_t k = 0; k < count(); ++k) {
-      step.segment<6>(6 * static_cast<Eigen::Index>(k)) = w_.pose_by_unknowns[k] * x;
-    }
     if (!x.allFinite() || !pose(trial_, system_.trial_poses())) {
       return -1.0;
     }
-    return system_.move_points(damping) - 0.5 * x.dot(prior_gradient);
+    return x.dot(right_) - 0.5 * x.dot(H_ * x);
   }
 
   [[nodiscard]] double cost() const { return system_.cost() + prior_cost(*p_.motion); }
-  [[nodiscard]] double trial_cost() const { return system_.trial_cost() + prior_cost(trial_); }
+  double settle_trial() { return system_.settle_points() + prior_cost(trial_); }
 
   void keep_trial() {
     system_.keep_trial();
     *p_.motion = trial_;
+    built_ = false;
   }
 
   FreeBodyInformation information() {
-    constexpr double kNextToNothing = 1e-9;  // of damping, for points that two poses see under no angle
-    if (!linearise()) {
-      return FreeBodyInformation::Zero();
-    }
-    system_.build(kNextToNothing);
-    FreeBodyInformation H = project();
-    H.diagonal() += prior();
-    // Far tighter than what the images say of anything, far from the limits of arithmetic.
-    constexpr double kHeld = 1e-6;
-    const GaugeRows held = gauge() / kHeld;
-    return H + held.transpose() * held;
+    return built_ || build() ? H_ : FreeBodyInformation::Zero();
   }
 
  private:
   [[nodiscard]] std::size_t count() const { return p_.bundle.poses.size(); }
+
+  /// The least cost over all points as a quadratic of the unknowns about the present motion.
+  bool build() {
+    constexpr double kNextToNothing = 1e-9;  // of damping, for points that two poses see under no angle
+    if (!linearise()) {
+      return false;
+    }
+    system_.build(kNextToNothing);
+    H_ = project();
+    right_ = -prior().cwiseProduct(unknowns_of(*p_.motion));
+    const BundleSystem::Unknowns of_poses = system_.step();
+    for (std::size_t k = 0; k < count(); ++k) {
+      right_ += w_.pose_by_unknowns[k].transpose() * of_poses.segment<6>(6 * static_cast<Eigen::Index>(k));
+    }
+    H_.diagonal() += prior();
+    curvature_ = H_.diagonal();
+    // Far tighter than what the images say of anything, far from the limits of arithmetic.
+    constexpr double kHeld = 1e-6;
+    const GaugeRows held = gauge() / kHeld;
+    H_ += held.transpose() * held;
+    built_ = true;
+    return true;
+  }
 
   /// Calls `take` for each pose with the state at its time, and with the derivatives where asked for.
   template <typename Take>
@@ -215,6 +217,10 @@ class FreeBody {
   BundleSystem system_;
   FreeBodyMotion trial_;
   GaugeRows gauge_ = GaugeRows::Zero();
+  bool built_ = false;  ///< what follows is of the present motion:
+  FreeBodyInformation H_ = FreeBodyInformation::Zero();
+  FreeBodyVector curvature_ = FreeBodyVector::Zero();  ///< H's diagonal before the gauge is held
+  FreeBodyVector right_ = FreeBodyVector::Zero();      ///< H x = right
 };
 
 }  // namespace
@@ -233,7 +239,7 @@ FreeBodyReport adjust_free_body(const FreeBodyProblem& problem,
       options.iterations_max,
       kDampingFirst,
       [&](double damping) { return body.try_step(damping); },
-      [&] { return body.trial_cost(); },
+      [&] { return body.settle_trial(); },
       [&] { body.keep_trial(); });
   if (report.bundle.usable) {
     report.information = body.information();

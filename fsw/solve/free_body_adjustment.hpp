@@ -57,9 +57,13 @@ struct FreeBodyWorkspace {
   std::array<ByUnknowns, BundleWorkspace::kPoses> pose_by_unknowns{};  ///< (phi, uvs) of each pose
 };
 
-/// Levenberg-Marquardt over the twenty unknowns and all points.
+/// Levenberg-Marquardt over the twenty unknowns alone, by variable projection: each trial has its points settled, so
+/// that a motion is judged by the points that suit it. Damping on points as well would hold back the motion, which
+/// moves all of them.
 /// @return not usable, the problem's poses and points then mean nothing, where the motion puts a point behind a camera or runs away.
-/// @cost as adjust_bundle() without its factorisation. No heap; deterministic.
+/// @cost a system as adjust_bundle()'s for each motion that is kept, two to three linearisations of all sightings for
+/// each that is tried. No heap; deterministic.
+/// @source Golub and Pereyra, Inverse Problems 19, 2003 (variable projection).
 FreeBodyReport adjust_free_body(const FreeBodyProblem& problem,
                                 const BundleOptions& options,
                                 BundleWorkspace* workspace,
