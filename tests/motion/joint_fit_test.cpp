@@ -127,6 +127,46 @@ double sigma_in_the_middle_rad(const RigidModel& model, const DriftedMap& map) {
   return at ? std::sqrt(at.value().covariance.diagonal().head<3>().sum()) : 0.0;
 }
 
+/// Adjusts the map by the motion that it was made with, begun off by `turn_rad` in attitude and `rate_part` in rate.
+FreeBodyReport adjusted_from(double turn_rad, double rate_part, DriftedMap* map, FreeBodyMotion* motion) {
+  static const auto bundle = std::make_unique<BundleWorkspace>();
+  static const auto own = std::make_unique<FreeBodyWorkspace>();
+  const FreeBody body = asymmetric_body(kTurn_rad);
+  const Eigen::Vector3d axis = Eigen::Vector3d(0.6, -0.5, 0.2).normalized();
+  *motion = {.reference = {.time_s = 0.0,
+                           .R_IT = so3_exp(turn_rad * axis) * body.R_CT,
+                           .w_T_rad_s = (1.0 + rate_part) * body.w_T_rad_s},
+             .shape = shape_of(body.inertia.asDiagonal()),
+             .path = PathVector::Zero(),
+             .orbit = {}};
+  motion->path << body.mass_centre_C, body.v_mass_centre_C, body.mass_centre_T;
+  std::vector<PoseTime> times;
+  for (const std::int64_t t : map->timestamps_ns) {
+    times.push_back({.time_s = 1e-9 * static_cast<double>(t - map->timestamps_ns.front())});
+  }
+  const JointFitInput input = map->input();
+  return adjust_free_body({.bundle = input.bundle, .times = times, .motion = motion, .lever_sigma = input.body_radius},
+                          {.iterations_max = 40, .cauchy_sigma = 15.0},
+                          bundle.get(),
+                          own.get());
+}
+
+TEST(FreeBodyAdjustment, ComesToRestFromFarOffInFewSteps) {
+  DriftedMap near = drifted_map(40, 0.0, Eigen::Vector3d::Zero(), 11);
+  FreeBodyMotion motion_near;
+  const FreeBodyReport from_truth = adjusted_from(0.0, 0.0, &near, &motion_near);
+  ASSERT_TRUE(from_truth.bundle.usable);
+  DriftedMap far = drifted_map(40, 0.0, Eigen::Vector3d::Zero(), 11);
+  FreeBodyMotion motion_far;
+  const FreeBodyReport report = adjusted_from(20.0 * kDegree_rad, 0.02, &far, &motion_far);
+  ASSERT_TRUE(report.bundle.usable);
+  EXPECT_GT(report.bundle.cost_before, 10.0 * from_truth.bundle.cost_after);
+  EXPECT_NEAR(report.bundle.cost_after, from_truth.bundle.cost_after, 1e-3 * from_truth.bundle.cost_after);
+  EXPECT_LE(report.bundle.iterations, 8) << "15 where landmarks follow a linear model";
+  // T's axes are free: the rates agree but for a turn of them.
+  EXPECT_NEAR(motion_far.reference.w_T_rad_s.norm(), motion_near.reference.w_T_rad_s.norm(), 1e-4 * kTurn_rad);
+}
+
 TEST(JointFit, TakesTheDriftOutOfAMap) {
   DriftedMap map = drifted_map(40, 0.01, Eigen::Vector3d::Zero(), 1);
   DriftedMap free = map;
