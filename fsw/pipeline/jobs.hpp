@@ -50,14 +50,14 @@ struct StartJob {
 /// What an adjustment is for, which decides what follows from it.
 enum class AdjustmentReason : std::uint8_t { kMapBegun, kMapCompleted, kMapGrown };
 
-/// A joint adjustment of part of the map, in rounds with a loss of their own; then, where asked for, of
-/// all of it as a free body's, which stands where the images bear it out.
 /// How large the map was when all of it was adjusted last.
 struct LastAdjustment {
   std::uint32_t keyframes = 0;
   std::uint32_t next_keyframe_number = 0;
 };
 
+/// A joint adjustment of part of the map, in rounds with a loss of their own; then, where asked for, of
+/// all of it as a free body's, which stands where the images bear it out.
 struct AdjustmentJob {
   static constexpr std::size_t kRounds = 3;
   AdjustmentReason reason = AdjustmentReason::kMapGrown;

@@ -161,22 +161,30 @@ bool BundleSystem::linearise(const BundleObservation& o,
   return true;
 }
 
-/// @param take  (block of the pose or -1, Linearised) of each observation of the point
+/// @param take  (block of the pose or -1, Linearised) of each observation of the point, were it at p_T
+/// @return false where a camera does not have it before itself; the others are taken.
 template <typename Take>
-void BundleSystem::for_sightings(std::size_t point, Take take) const {
+bool BundleSystem::for_sightings(std::size_t point,
+                                 std::span<const InverseDepthPose> poses,
+                                 const Eigen::Vector3d& p_T,
+                                 Take take) const {
+  bool all = true;
   for (auto i = w_.first_of_point[point]; i < w_.first_of_point[point + 1]; ++i) {
     const BundleObservation& o = p_.observations[index(w_.by_point[index(i)])];
     Linearised l;
-    if (linearise(o, p_.poses[index(o.pose)], p_.points_T[index(o.point)], &l)) {
+    if (linearise(o, poses[index(o.pose)], p_T, &l)) {
       take(w_.block_of_pose[index(o.pose)], l);
+    } else {
+      all = false;
     }
   }
+  return all;
 }
 
 void BundleSystem::fill_point_system(std::size_t point) {
   Eigen::Matrix4d V = Eigen::Matrix4d::Zero();
   system_.mixed.clear();
-  for_sightings(point, [&](std::int32_t block, const Linearised& l) {
+  (void)for_sightings(point, p_.poses, p_.points_T[point], [&](std::int32_t block, const Linearised& l) {
     const Eigen::Matrix<double, 4, 2> weighted = l.weight * l.by_point;
     V.noalias() += l.by_point * weighted.transpose();
     if (block < 0) {
@@ -284,7 +292,7 @@ double BundleSystem::pose_gain(double damping) const {
 double BundleSystem::move_point(std::size_t point, double damping) {
   Eigen::Matrix4d V = Eigen::Matrix4d::Zero();
   Eigen::Vector3d by_poses = Eigen::Vector3d::Zero();
-  for_sightings(point, [&](std::int32_t block, const Linearised& l) {
+  (void)for_sightings(point, p_.poses, p_.points_T[point], [&](std::int32_t block, const Linearised& l) {
     const Eigen::Matrix<double, 4, 2> weighted = l.weight * l.by_point;
     V.noalias() += l.by_point * weighted.transpose();
     if (block >= 0) {
@@ -322,18 +330,13 @@ double BundleSystem::settle_point(std::size_t point) {
   for (int k = 0; k <= steps; ++k) {
     Eigen::Matrix4d V = Eigen::Matrix4d::Zero();
     CauchySum sum(cauchy_sigma_);
-    for (auto i = w_.first_of_point[point]; i < w_.first_of_point[point + 1]; ++i) {
-      const BundleObservation& o = p_.observations[index(w_.by_point[index(i)])];
-      Linearised l;
-      if (!linearise(o, w_.trial_poses[index(o.pose)], p_T, &l)) {
-        return least;
-      }
+    const bool seen = for_sightings(point, w_.trial_poses, p_T, [&](std::int32_t, const Linearised& l) {
       sum.add(l.by_point.row(3).squaredNorm());
       const Eigen::Matrix<double, 4, 2> weighted = l.weight * l.by_point;
       V.noalias() += l.by_point * weighted.transpose();
-    }
+    });
     const double cost = sum.value();
-    if (!(cost < least)) {
+    if (!seen || !(cost < least)) {
       return least;
     }
     least = cost;

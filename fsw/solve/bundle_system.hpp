@@ -74,7 +74,10 @@ class BundleSystem {
                  const Eigen::Vector3d& p_T,
                  Linearised* out) const;
   template <typename Take>
-  void for_sightings(std::size_t point, Take take) const;
+  bool for_sightings(std::size_t point,
+                     std::span<const InverseDepthPose> poses,
+                     const Eigen::Vector3d& p_T,
+                     Take take) const;
   void add_points(double damping);
   void fill_point_system(std::size_t point);
   void eliminate(const Eigen::Matrix3d& V_inverse);
