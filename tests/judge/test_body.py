@@ -100,6 +100,26 @@ def test_a_wrong_length_shows_in_percent_and_sigmas(tmp_path, scene, body):
     assert length["sigmas_off"] == pytest.approx(3.0, abs=0.1)
 
 
+def test_a_length_that_ends_where_points_do_says_at_least(tmp_path, scene, body):
+    estimate = Estimate(tmp_path, body, scene)
+    estimate.shape["dimensions_rest_on"] = ["points", "points", "surfaces"]
+    estimate.shape["dimensions"] = [length + change for length, change in zip(BOX_M, (-0.1, 0.03, -0.03))]
+    assert [length["sigmas_off"] for length in estimate.judged()["dimensions"]] == pytest.approx([0.0, 3.0, 3.0], abs=0.1)
+
+
+def test_what_stands_out_of_a_side_is_no_part_of_the_length_between_sides(tmp_path, body):
+    import trimesh
+    scene = write_sequence(tmp_path / "seq", body)
+    mast = trimesh.creation.box(extents=(0.02, 0.02, 0.3), transform=trimesh.transformations.translation_matrix((0, 0, BOX_M[2] / 2)))
+    both = trimesh.util.concatenate([trimesh.creation.box(extents=BOX_M), mast])
+    write_ply(scene / "model.ply", both.vertices, both.faces)
+    estimate = Estimate(tmp_path, body, scene)
+    between = estimate.judged()["dimensions"][2]
+    assert between["true_m"] == pytest.approx(BOX_M[2], abs=2e-3)
+    estimate.shape["dimensions_rest_on"][2] = "points"
+    assert estimate.judged()["dimensions"][2]["true_m"] == pytest.approx(BOX_M[2] + 0.15, abs=2e-3)
+
+
 def test_the_hull_of_the_corners_is_the_bodys(tmp_path, scene, body):
     estimate = Estimate(tmp_path, body, scene)
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]) * BOX_M
