@@ -69,18 +69,61 @@ Gradient moment_gradient(const Inertia& inertia,
   return gradient;
 }
 
+/// A number that follows from rate and shape. Its relative variance by differences over sqrt(3) sigma along the axes of
+/// their covariance, to the second order, and the square of the bias that these show: where two moments are nearly
+/// alike, ratios and periods bend within a sigma, and their slope at the best fit may be nothing at all. Along an axis
+/// that leaves a second moment open to a factor of e the posterior is no longer a Gaussian's, and the slope has to do.
+/// @source Norgaard, Poulsen, Ravn, "New developments in state estimation for nonlinear systems", Automatica 2000.
+template <typename Function>
+Estimated of_turning(const RigidModel& model, const Function& function) {
+  constexpr Eigen::Index kUnknowns = kTurningUnknowns - 3;
+  using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+  constexpr double kSpread2 = 3.0;
+  constexpr double kShapeStepMax = 1.0;
+  constexpr double kSlopeStep = 0.05;
+  const auto log_at = [&](const Unknowns& change) {
+    const InertiaShape shape = model.shape + change.tail<5>();
+    const Eigen::Vector3d w = model.reference.w_T_rad_s + change.head<3>();
+    return std::log(function(inertia_of(shape).J_T, w));
+  };
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kUnknowns, kUnknowns>> eigen(
+      turning_covariance(model).bottomRightCorner<kUnknowns, kUnknowns>());
+  const double log_value = log_at(Unknowns::Zero());
+  double variance = 0.0;
+  double bias = 0.0;
+  for (Eigen::Index k = 0; k < kUnknowns; ++k) {
+    const Unknowns sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(k))) * eigen.eigenvectors().col(k);
+    const double open = std::sqrt(kSpread2) * sigma.tail<5>().norm();
+    const bool bent = open < kShapeStepMax;
+    const double spread2 = bent ? kSpread2 : std::pow(kSlopeStep / sigma.tail<5>().norm(), 2);
+    const double ahead = log_at(std::sqrt(spread2) * sigma) - log_value;
+    const double behind = log_at(-std::sqrt(spread2) * sigma) - log_value;
+    if (bent) {
+      variance += std::pow(ahead - behind, 2) / (4.0 * spread2) +
+                  std::pow(ahead + behind, 2) / (2.0 * spread2 * spread2);
+      bias += (ahead + behind) / (2.0 * spread2);
+    } else {
+      // Of moments that are alike the order changes: the slope differs from side to side.
+      variance += (ahead * ahead + behind * behind) / (2.0 * spread2);
+    }
+  }
+  const double value = std::exp(log_value);
+  const double sigma = std::sqrt(variance + bias * bias);
+  const bool finite = std::isfinite(value) && std::isfinite(sigma);
+  return {.value = value,
+          .sigma = value * sigma,
+          .observability = finite ? classify(sigma, kObservedRelative, kWeakRelative)
+                                  : Observability::kUnobserved};
+}
+
 void add_inertia(const RigidModel& model, const Inertia& inertia, BodyDynamics* out) {
   const Principal axes = principal(inertia);
   out->R_TP = axes.R_TP;
   const auto ratio = [&](Eigen::Index k) {
-    // d ln (J_k / J_0)
-    const Gradient gradient = moment_gradient(inertia, axes, k, k, axes.moments(k)) -
-                              moment_gradient(inertia, axes, 0, 0, axes.moments(0));
-    const double sigma = sigma_of(gradient, model);
-    const double value = axes.moments(k) / axes.moments(0);
-    return Estimated{.value = value,
-                     .sigma = value * sigma,
-                     .observability = classify(sigma, kObservedRelative, kWeakRelative)};
+    return of_turning(model, [k](const Eigen::Matrix3d& J_T, const Eigen::Vector3d&) {
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(J_T, Eigen::EigenvaluesOnly);
+      return eigen.eigenvalues()(k) / eigen.eigenvalues()(0);
+    });
   };
   out->middle_over_least = ratio(1);
   out->largest_over_least = ratio(2);
@@ -96,32 +139,6 @@ void add_inertia(const RigidModel& model, const Inertia& inertia, BodyDynamics* 
     out->sigma_axis_rad[index] = std::sqrt(variance);
     out->axes[index] = classify(std::sqrt(variance), kObservedAngle_rad, kWeakAngle_rad);
   }
-}
-
-/// A number that follows from rate and shape, its sigma by differences over half a sigma of each
-/// unknown (or over what keeps them small).
-template <typename Function>
-Estimated of_turning(const RigidModel& model, const Function& function) {
-  const auto at = [&](Eigen::Index k, double step) {
-    InertiaShape shape = model.shape;
-    Eigen::Vector3d w = model.reference.w_T_rad_s;
-    (k < 6 ? w(k - 3) : shape(k - 6)) += step;
-    return std::log(function(inertia_of(shape).J_T, w));
-  };
-  const TurningCovariance covariance = turning_covariance(model);
-  Gradient gradient = Gradient::Zero();
-  for (Eigen::Index k = 3; k < kTurningUnknowns; ++k) {
-    const double own = std::sqrt(std::max(0.0, covariance(k, k)));
-    const double step = std::clamp(0.5 * own, 1e-9, k < 6 ? 1e3 : 0.05);
-    gradient(k) = (at(k, step) - at(k, -step)) / (2.0 * step);
-  }
-  const double value = function(inertia_of(model.shape).J_T, model.reference.w_T_rad_s);
-  const double sigma = sigma_of(gradient, model);
-  const bool finite = std::isfinite(value) && std::isfinite(sigma);
-  return {.value = value,
-          .sigma = value * sigma,
-          .observability = finite ? classify(sigma, kObservedRelative, kWeakRelative)
-                                  : Observability::kUnobserved};
 }
 
 void add_momentum(const RigidModel& model, const Inertia& inertia, BodyDynamics* out) {

@@ -160,7 +160,6 @@ AffineSubspace find_affine_subspace(const ImageMatrix& images,
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(chosen * chosen.transpose() /
                                                                s.inliers);
     s.singular_values = eigen.eigenvalues().tail<4>().reverse().cwiseMax(0.0).cwiseSqrt();
-    s.residual_rms = std::sqrt(residuals(chosen, s.axes).squaredNorm() / s.inliers);
   }
   s.valid = s.axes.allFinite();
   return s;

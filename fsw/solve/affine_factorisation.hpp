@@ -26,7 +26,6 @@ struct AffineSubspace {
   Eigen::Matrix<double, Eigen::Dynamic, 3> axes;  ///< 2 F rows, orthonormal columns
   Eigen::Vector4d singular_values =
       Eigen::Vector4d::Zero();  ///< of the inliers' images, divided by sqrt(N)
-  double residual_rms = 0.0;    ///< per coordinate, of the inliers, outside of it
   FixedVector<std::uint8_t, limits::kStartTracks> inlier;  ///< by column
   int inliers = 0;
   bool valid = false;

@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::size_t kSamplesMin = 4;
 constexpr double kMedian3 = 2.366;  // of chi-square with three degrees of freedom
-constexpr double kGate2 = 25.0;     // 5 sigma
 constexpr int kRounds = 4;
 
 using Squares = std::array<double, limits::kMotionPoses>;
@@ -129,13 +128,6 @@ Result<PathSolution> solve_path(const PathProblem& problem) {
       const PositionSample& sample = problem.samples[i];
       const Eigen::Vector3d r = sample.p_I - rows_of(problem, sample) * solution.unknowns;
       squares[i] = r.dot(sample.information_I * r);
-    }
-  }
-  solution.median2 = scale_of(squares, count);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (squares[i] <= kGate2 * std::max(1.0, solution.median2)) {
-      solution.chi2 += squares[i];
-      ++solution.inside;
     }
   }
   solution.information = system.H;

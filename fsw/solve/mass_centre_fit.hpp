@@ -38,9 +38,6 @@ struct PathSolution {
   /// Of the unknowns by those of the turning: what its errors do to the path.
   Eigen::Matrix<double, kPathUnknowns, kTurningUnknowns> by_turning =
       Eigen::Matrix<double, kPathUnknowns, kTurningUnknowns>::Zero();
-  double chi2 = 0.0;       ///< of the samples within 5 sigma
-  double median2 = 0.0;    ///< as in TurningSolution
-  std::size_t inside = 0;
 };
 
 /// Position and velocity (p, v) after `ahead_s` as a linear function of those at `time_s`: straight,

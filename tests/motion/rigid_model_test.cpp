@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+
 #include "model_statistics.hpp"
 #include "motion/fit_poses.hpp"
 
@@ -159,6 +161,44 @@ TEST(RigidModel, OfABodyOfRevolutionClaimsNoTransverseAxes) {
   EXPECT_NEAR(d.spin_period_s.value, 376.0, 0.2);
   const double momentum = std::hypot(0.47 * 0.1, 0.02 * 1.0);
   EXPECT_NEAR(d.precession_period_s.value, 360.0 / (momentum / 0.47), 5.0 * d.precession_period_s.sigma);
+}
+
+TEST(RigidModel, RatiosWithoutASlopeKeepHonestSigmas) {
+  // The axes of the two least moments may be turned about the third: at the best fit the ratios do not change with that
+  // in the first order, and bodies within its sigmas have others.
+  constexpr int kDraws = 400;
+  RigidModel model;
+  model.status = ModelStatus::kAccepted;
+  model.reference.w_T_rad_s = {0.01, 0.05, 0.02};
+  model.shape = shape_of(Eigen::Vector3d(1.0, 1.1, 1.7).asDiagonal());
+  InertiaShape sigma = InertiaShape::Constant(0.005);
+  for (int k = 0; k < 5; ++k) sigma(k) = std::abs(shape_basis(k)(0, 1)) > 0.1 ? 0.2 : sigma(k);
+  ASSERT_EQ(sigma.maxCoeff(), 0.2);
+  model.covariance = 1e-10 * ModelCovariance::Identity();
+  model.covariance.block<5, 5>(6, 6) = sigma.cwiseAbs2().asDiagonal();
+  const BodyDynamics d = describe_dynamics(model).value();
+  const std::array<Estimated, 2> ratios{d.middle_over_least, d.largest_over_least};
+  Rng rng(3, 1);
+  std::array<int, 2> inside{};
+  std::array<double, 2> error2{};
+  for (int draw = 0; draw < kDraws; ++draw) {
+    InertiaShape body = model.shape;
+    for (int k = 0; k < 5; ++k) body(k) += sigma(k) * rng.normal();
+    const Eigen::Vector3d moments =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia_of(body).J_T, Eigen::EigenvaluesOnly).eigenvalues();
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double error = ratios[k].value - moments(static_cast<Eigen::Index>(k) + 1) / moments(0);
+      inside[k] += std::abs(error) < 1.96 * ratios[k].sigma ? 1 : 0;
+      error2[k] += error * error / kDraws;
+    }
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    // Errors go as the square of a Gaussian, whose mean and scatter together are sqrt(3): 1.96 of that hold 93.4 % of
+    // them. Three standard deviations of so many draws below.
+    constexpr double kHeld = 0.934;
+    EXPECT_GT(inside[k], (kHeld - 3.0 * std::sqrt(kHeld * (1.0 - kHeld) / kDraws)) * kDraws) << k;
+    EXPECT_LT(ratios[k].sigma * ratios[k].sigma, 4.0 * error2[k]) << k;
+  }
 }
 
 TEST(RigidModel, OfABodyAtRestKnowsThatAndNothingOfItsInside) {
