@@ -226,8 +226,7 @@ Normal5 covariance_of(const Support& support,
                 weight_of(residual, band) * residual * derivative(c, e1, e2, support.points_T[i]));
   }
   const Normal5 white = c.rms * c.rms * information.ldlt().solve(Normal5::Identity());
-  const Normal5 patches = grouped.covariance(information);
-  return patches.trace() > white.trace() ? patches : white;
+  return not_below(white, grouped.covariance(information));
 }
 
 /// Length, middle, coverage and sigmas of a refined cylinder.

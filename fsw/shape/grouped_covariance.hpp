@@ -55,4 +55,14 @@ class GroupedCovariance {
   std::array<bool, kGroups> used_{};
 };
 
+/// `covariance`, made wider along each unknown of which `floor` is less sure; unknowns may differ in unit.
+template <typename Matrix>
+[[nodiscard]] Matrix not_below(const Matrix& floor, const Matrix& covariance) {
+  if (!(covariance.diagonal().minCoeff() > 0.0)) {
+    return floor;
+  }
+  const auto wider = floor.diagonal().cwiseQuotient(covariance.diagonal()).cwiseMax(1.0).cwiseSqrt().eval();
+  return wider.asDiagonal() * covariance * wider.asDiagonal();
+}
+
 }  // namespace polhode

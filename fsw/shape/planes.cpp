@@ -179,8 +179,7 @@ Eigen::Matrix3d covariance_of(const Fit& fit,
     return Eigen::Matrix3d::Zero();
   }
   const Eigen::Matrix3d white = fit.rms * fit.rms * ldlt.solve(Eigen::Matrix3d::Identity());
-  const Eigen::Matrix3d parts = grouped.covariance(information);
-  return parts.trace() > white.trace() ? parts : white;
+  return not_below(white, grouped.covariance(information));
 }
 
 Plane describe(const Fit& fit,

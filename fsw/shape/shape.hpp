@@ -69,10 +69,4 @@ Result<Shape> estimate_shape(std::span<const Eigen::Vector3d> landmarks_T,
                              const Shape* previous,
                              ShapeWork& work);
 
-/// The frame B with its origin in the shape's centroid, seen from T: p_B = R_TB^T (p_T -
-/// centroid_T).
-[[nodiscard]] inline Eigen::Vector3d to_body(const Shape& shape, const Eigen::Vector3d& p_T) {
-  return shape.frame.R_TB.transpose() * (p_T - shape.centroid_T);
-}
-
 }  // namespace polhode

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "shape/cylinder.hpp"
+#include "shape/grouped_covariance.hpp"
 #include "shape/planes.hpp"
 #include "shape/rectangle.hpp"
 #include "surfaces.hpp"
@@ -234,6 +235,18 @@ TEST(Cylinder, IsNotSeenInABoxOrAPanel) {
           0.008)
           .ok());
   EXPECT_EQ(cylinder_of({}, 0.1, 0.1).error().code, ErrorCode::kTooFewObservations);
+}
+
+TEST(GroupedCovariance, IsNotSurerThanWhiteNoiseOfAnyUnknownWhateverItsUnit) {
+  // An angle of milliradians beside a length of metres: the length's variance must not hide the angle's.
+  const Eigen::Matrix2d white = Eigen::Vector2d(4e-6, 0.01).asDiagonal();
+  Eigen::Matrix2d parts;
+  parts << 1e-6, 5e-5, 5e-5, 0.09;
+  const Eigen::Matrix2d both = not_below(white, parts);
+  EXPECT_DOUBLE_EQ(both(0, 0), 4e-6);
+  EXPECT_DOUBLE_EQ(both(1, 1), 0.09);
+  EXPECT_DOUBLE_EQ(both(0, 1), 1e-4);  // the correlation stays
+  EXPECT_EQ(not_below(white, Eigen::Matrix2d(Eigen::Matrix2d::Zero())), white);
 }
 
 }  // namespace
