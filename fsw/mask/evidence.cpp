@@ -247,6 +247,18 @@ void weigh_motions(const PointsState& points,
   carry(points, s->region, s);
 }
 
+void remember_outline(const cv::Mat& outline, EvidenceState* s) {
+  // Halved with the next picture it is still the target's, with the one after it asks for more.
+  constexpr float kRemembered = 0.7F;
+  for (int row = 0; row < outline.rows; ++row) {
+    const auto* target = outline.ptr<std::uint8_t>(row);
+    auto* total = s->total.ptr<float>(row);
+    for (int column = 0; column < outline.cols; ++column) {
+      total[column] = target[column] != 0 ? std::max(total[column], kRemembered) : std::min(total[column], 0.0F);
+    }
+  }
+}
+
 void clear(EvidenceState* s) {
   if (!s->total.empty()) {
     s->total.setTo(0.0);

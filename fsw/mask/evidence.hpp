@@ -32,6 +32,9 @@ void weigh_motions(const PointsState& points,
                    const cv::Rect& region,
                    EvidenceState* state);
 
+/// An outline that edges and looks have decided: what it holds is taken along as evidence, what it leaves out is no longer.
+void remember_outline(const cv::Mat& outline, EvidenceState* state);
+
 void clear(EvidenceState* state);
 
 }  // namespace polhode

@@ -253,18 +253,26 @@ void follow_target(const cv::Mat& gray,
 }
 
 void sharpen_outline(const MaskPrior& prior, MaskState* s) {
+  // The first cut brings in what looks like the target beside it, the second what looks like that.
+  constexpr int kCuts = 2;
   if (!s->behind || s->points.stored == 0) {
     return;
   }
   place_prior(prior, s);
   find_piece(s);
-  if (s->found) {
-    widen_outline(s);
-    form_opinion(prior.radius_px / s->points.decimation, s);
-    refine_opinion(s->points.picture(0), s->outline, s->network, &s->refine_scratch, &s->opinion);
-    cut_at_edges(s->points.picture(0), s->opinion, s->certain, &s->outline);
-    s->sharp = true;
+  if (!s->found) {
+    return;
   }
+  widen_outline(s);
+  const cv::Mat& picture = s->points.picture(0);
+  for (int i = 0; i < kCuts; ++i) {
+    form_opinion(prior.radius_px / s->points.decimation, s);
+    add_appearance(picture, s->outline, &s->appearance_scratch, &s->opinion);
+    refine_opinion(picture, s->outline, s->network, &s->refine_scratch, &s->opinion);
+    cut_at_edges(picture, s->opinion, s->certain, &s->outline);
+  }
+  remember_outline(s->outline, &s->evidence);
+  s->sharp = true;
 }
 
 }  // namespace polhode

@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <span>
 
+#include "mask/appearance.hpp"
 #include "mask/background.hpp"
 #include "mask/evidence.hpp"
 #include "mask/outline.hpp"
@@ -38,6 +39,7 @@ struct MaskState {
   double near_px = 0.0;  ///< nearer to a landmark than this is target, in working pixels
   MaskNetwork network;   ///< asked about the outlines of keyframes, where there is one
   OutlineScratch scratch;
+  AppearanceScratch appearance_scratch;
   RefineScratch refine_scratch;
   cv::Mat opinion, agreeing, cells, distance;  ///< scratch
 };

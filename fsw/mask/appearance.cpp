@@ -1,0 +1,100 @@
+#include "mask/appearance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace polhode {
+namespace {
+
+constexpr int kLevels = 16;
+constexpr int kRoughnesses = 4;
+constexpr std::size_t kLooks = kLevels * kRoughnesses;
+using Shares = std::array<double, kLooks>;
+
+// What a look e times as frequent on the target counts; an outline counts as much.
+constexpr double kShare = 0.3;
+// Looks that so few places have tell nothing, and none tells more than e^2.
+constexpr double kRare = 0.003;
+constexpr double kLogMost = 2.0;
+
+/// Highest less lowest level of 3 x 3 pixels: even, noise or faint texture, texture, an edge.
+int roughness_of(int range) { return range < 8 ? 0 : range < 24 ? 1 : range < 64 ? 2 : 3; }
+
+/// Number of each pixel's look.
+void find_looks(const cv::Mat& picture, AppearanceScratch* s) {
+  cv::Mat& range = s->one;
+  cv::dilate(picture, range, cv::Mat());
+  cv::erode(picture, s->other, cv::Mat());
+  cv::subtract(range, s->other, range);
+  s->looks.create(picture.size(), CV_8UC1);
+  for (int row = 0; row < picture.rows; ++row) {
+    const auto* level = picture.ptr<std::uint8_t>(row);
+    const auto* rough = range.ptr<std::uint8_t>(row);
+    auto* looks = s->looks.ptr<std::uint8_t>(row);
+    for (int column = 0; column < picture.cols; ++column) {
+      looks[column] =
+          static_cast<std::uint8_t>(roughness_of(rough[column]) * kLevels + level[column] * kLevels / 256);
+    }
+  }
+}
+
+/// How often each look is where `set` is `value`.
+Shares shares_of(const cv::Mat& looks, const cv::Mat& set, std::uint8_t value) {
+  Shares shares{};
+  double all = 0.0;
+  for (int row = 0; row < looks.rows; ++row) {
+    const auto* look = looks.ptr<std::uint8_t>(row);
+    const auto* here = set.ptr<std::uint8_t>(row);
+    for (int column = 0; column < looks.cols; ++column) {
+      if (here[column] == value) {
+        shares[look[column]] += 1.0;
+        all += 1.0;
+      }
+    }
+  }
+  for (double& share : shares) {
+    share /= std::max(1.0, all);
+  }
+  return shares;
+}
+
+}  // namespace
+
+void add_appearance(const cv::Mat& picture,
+                    const cv::Mat& outline,
+                    AppearanceScratch* s,
+                    cv::Mat* opinion) {
+  const cv::Rect tight = cv::boundingRect(outline);
+  if (tight.empty()) {
+    return;
+  }
+  const int margin = std::max(8, std::max(tight.width, tight.height) / 3);
+  const cv::Rect box = cv::Rect(tight.x - margin,
+                                tight.y - margin,
+                                tight.width + 2 * margin,
+                                tight.height + 2 * margin) &
+                       cv::Rect(cv::Point(), picture.size());
+  find_looks(picture(box), s);
+  // An outline is off by a few pixels: those are left out.
+  cv::erode(outline(box), s->one, cv::Mat(), cv::Point(-1, -1), 2);
+  cv::dilate(outline(box), s->other, cv::Mat(), cv::Point(-1, -1), 4);
+  const Shares target = shares_of(s->looks, s->one, 255);
+  const Shares around = shares_of(s->looks, s->other, 0);
+  std::array<float, kLooks> says{};
+  for (std::size_t k = 0; k < kLooks; ++k) {
+    const double ratio = std::log((target[k] + kRare) / (around[k] + kRare));
+    says[k] = static_cast<float>(kShare * std::clamp(ratio, -kLogMost, kLogMost));
+  }
+  cv::Mat part = (*opinion)(box);
+  for (int row = 0; row < part.rows; ++row) {
+    const auto* look = s->looks.ptr<std::uint8_t>(row);
+    auto* to = part.ptr<float>(row);
+    for (int column = 0; column < part.cols; ++column) {
+      to[column] += says[look[column]];
+    }
+  }
+}
+
+}  // namespace polhode

@@ -1,0 +1,24 @@
+// What a place looks like: gray level and roughness, as the target has them and what is beside it.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+namespace polhode {
+
+/// Working memory; contents mean nothing between calls.
+struct AppearanceScratch {
+  cv::Mat looks, one, other;
+};
+
+/// Adds to an opinion what looks speak for: how often a place like this is within the outline, against how often around it,
+/// as a logarithm. An even place fits the background's motion and the target's, and motion says nothing of it; the dark
+/// cell of a panel before a bright Earth says what it is by being dark.
+/// @param picture CV_8UC1. @param outline CV_8UC1, same size. @param opinion CV_32FC1, as cut_at_edges takes it.
+/// @cost five passes over the outline's box and a third of its width around.
+/// @source the colour term of Rother, Kolmogorov, Blake, "GrabCut", SIGGRAPH 2004, as a histogram of gray.
+void add_appearance(const cv::Mat& picture,
+                    const cv::Mat& outline,
+                    AppearanceScratch* scratch,
+                    cv::Mat* opinion);
+
+}  // namespace polhode

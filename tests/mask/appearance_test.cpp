@@ -1,0 +1,79 @@
+#include "mask/appearance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "mask/evidence.hpp"
+
+namespace polhode {
+namespace {
+
+const cv::Size kSize(200, 160);
+const cv::Rect kBody(60, 50, 80, 60);
+const cv::Rect kCell(110, 80, 30, 30);  // of the body, and missing in the outline
+
+cv::Mat outline_without(const cv::Rect& missing) {
+  cv::Mat outline(kSize, CV_8UC1, cv::Scalar(0));
+  outline(kBody).setTo(255);
+  outline(missing).setTo(0);
+  return outline;
+}
+
+cv::Mat opinion_of(const cv::Mat& picture, const cv::Mat& outline) {
+  cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(0.0));
+  AppearanceScratch scratch;
+  add_appearance(picture, outline, &scratch, &opinion);
+  return opinion;
+}
+
+double mean_in(const cv::Mat& opinion, const cv::Rect& box) { return cv::mean(opinion(box))[0]; }
+
+TEST(AddAppearance, SpeaksForAnEvenCellThatLooksLikeTheOthers) {
+  cv::Mat picture(kSize, CV_8UC1, cv::Scalar(150));
+  picture(kBody).setTo(30);
+  const cv::Mat opinion = opinion_of(picture, outline_without(kCell));
+  const cv::Rect inner(kCell.x + 2, kCell.y + 2, kCell.width - 4, kCell.height - 4);
+  EXPECT_GT(mean_in(opinion, inner), 0.3);                      // against an outline's 0.3
+  EXPECT_LT(mean_in(opinion, cv::Rect(60, 20, 80, 25)), -0.3);  // the sky above
+}
+
+TEST(AddAppearance, TellsRoughFromEven_WhereTheLevelsAreAlike) {
+  cv::Mat picture(kSize, CV_8UC1, cv::Scalar(120));
+  for (int row = 0; row < kSize.height; ++row) {
+    for (int column = 0; column < kSize.width; ++column) {
+      picture.at<std::uint8_t>(row, column) = (row / 2 + column / 2) % 2 == 0 ? 113 : 127;
+    }
+  }
+  picture(kBody).setTo(120);
+  const cv::Mat opinion = opinion_of(picture, outline_without(kCell));
+  EXPECT_GT(mean_in(opinion, cv::Rect(kCell.x + 2, kCell.y + 2, 26, 26)), 0.3);
+  EXPECT_LT(mean_in(opinion, cv::Rect(60, 20, 80, 25)), -0.2);
+}
+
+TEST(AddAppearance, SaysNothing_WhereTheBackgroundLooksTheSame) {
+  const cv::Mat picture(kSize, CV_8UC1, cv::Scalar(90));
+  EXPECT_LT(cv::norm(opinion_of(picture, outline_without(kCell)), cv::NORM_INF), 0.01);
+}
+
+TEST(AddAppearance, SaysNothing_WithoutAnOutline) {
+  const cv::Mat picture(kSize, CV_8UC1, cv::Scalar(90));
+  EXPECT_EQ(cv::norm(opinion_of(picture, cv::Mat::zeros(kSize, CV_8UC1)), cv::NORM_INF), 0.0);
+}
+
+TEST(RememberOutline, TakesWhatItHoldsAlong_AndForgetsWhatItLeavesOut) {
+  EvidenceState state;
+  state.total = cv::Mat(kSize, CV_32FC1, cv::Scalar(0.0));
+  state.total(cv::Rect(0, 0, 20, 20)).setTo(2.0);     // outside of the outline, for the target
+  state.total(cv::Rect(150, 0, 20, 20)).setTo(-2.0);  // outside, against it
+  state.total(cv::Rect(60, 50, 10, 10)).setTo(3.0);   // inside, sure
+  state.total(cv::Rect(80, 60, 10, 10)).setTo(-1.0);  // inside, contradicted by motion alone
+  remember_outline(outline_without({}), &state);
+  EXPECT_EQ(state.total.at<float>(10, 10), 0.0F);
+  EXPECT_EQ(state.total.at<float>(10, 160), -2.0F);
+  EXPECT_EQ(state.total.at<float>(55, 65), 3.0F);
+  EXPECT_FLOAT_EQ(state.total.at<float>(65, 85), 0.7F);
+}
+
+}  // namespace
+}  // namespace polhode
