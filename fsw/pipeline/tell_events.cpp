@@ -75,7 +75,12 @@ void tell_mode(const MotionState& motion, Component::State* s) {
     s->bus.told.frame_of_loss = motion.frame;
   }
   if (told.mode == Mode::kLost && motion.mode == Mode::kTracking) {
-    tell(EventId::kTargetFoundAgain, motion.frame - told.frame_of_loss, 0.0, s);
+    const double frames = motion.frame - told.frame_of_loss;
+    if (s->counters.target_frames != told.counters.target_frames) {
+      tell(EventId::kTargetFrameNew, frames, s->counters.target_frames, s);
+    } else {
+      tell(EventId::kTargetFoundAgain, frames, 0.0, s);
+    }
   }
 }
 

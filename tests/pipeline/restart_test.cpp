@@ -4,9 +4,12 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "bench.hpp"
+#include "bus/event_table.hpp"
 #include "geometry/so3.hpp"
+#include "packets_of.hpp"
 
 namespace polhode {
 namespace {
@@ -20,20 +23,30 @@ constexpr int kFrames = 76;
 struct Passage {
   std::vector<MotionState> motion;
   std::vector<std::uint8_t> bytes;
+  std::vector<bus::EventPacket> events;
   Counters counters;
+
+  [[nodiscard]] std::ptrdiff_t told(bus::EventId id) const {
+    return std::count_if(events.begin(), events.end(), [&](const bus::EventPacket& e) {
+      return e.id == static_cast<std::uint16_t>(id);
+    });
+  }
 };
 
-Passage run() {
+/// @param away_s  time out of sight beside that of the frames.
+Passage run(int away_s = 0) {
   const Ball ball(3);
   Bench b;
   Passage r;
   for (int i = 0; i < kFrames; ++i) {
     const bool seen = i < kGone || i >= kBack;
+    b.time_s += i == kBack ? away_s : 0;
     const StepOutput& out =
         seen ? b.show(ball.seen_from(turning(i)))
              : b.component->step({.frame = unreadable(++b.time_s * Bench::kSecond_ns)});
     r.motion.push_back(out.motion);
     r.bytes.insert(r.bytes.end(), out.packets.begin(), out.packets.end());
+    for (const bus::EventPacket& event : packets_of<bus::EventPacket>(out)) r.events.push_back(event);
   }
   r.counters = b.component->counters();
   return r;
@@ -101,6 +114,21 @@ TEST(Restart, KeepsOriginAndUnit_AsFarAsTheBodyTellsThem) {
   const Eigen::Vector3d expected = found(0) * turning(after).p_CT - rotation_of(m) * found.tail<3>();
   EXPECT_LT((position_of(m) - expected).norm(), 3.0 * m.sigma_pos);
   EXPECT_LT((position_of(m) - expected).norm(), 0.3 * expected.norm());
+}
+
+TEST(Restart, InTheSameTIsToldAsFoundAgain) {
+  EXPECT_EQ(passage().told(bus::EventId::kTargetFoundAgain), 1);
+  EXPECT_EQ(passage().told(bus::EventId::kTargetFrameNew), 0);
+  EXPECT_EQ(passage().counters.target_frames, 1U);
+}
+
+TEST(Restart, InAnotherTIsToldAsThat) {
+  // After a week nothing is known of how far the body has turned.
+  const Passage r = run(7 * 86400);
+  ASSERT_EQ(r.counters.restarts, 1U);
+  EXPECT_EQ(r.counters.target_frames, 2U);
+  EXPECT_EQ(r.told(bus::EventId::kTargetFoundAgain), 0);
+  EXPECT_EQ(r.told(bus::EventId::kTargetFrameNew), 1);
 }
 
 TEST(Restart, GivesTheSameBytes) { EXPECT_EQ(run().bytes, passage().bytes); }

@@ -263,6 +263,7 @@ EVENTS = {
     2: ("target_acquired", "INFO"),
     3: ("target_lost", "WARNING"),
     4: ("target_found_again", "INFO"),
+    11: ("target_frame_new", "WARNING"),
     5: ("loop_closed", "INFO"),
     6: ("scale_known", "INFO"),
     7: ("table_full", "WARNING"),
