@@ -253,8 +253,6 @@ void follow_target(const cv::Mat& gray,
 }
 
 void sharpen_outline(const MaskPrior& prior, MaskState* s) {
-  // The first cut brings in what looks like the target beside it, the second what looks like that.
-  constexpr int kCuts = 2;
   if (!s->behind || s->points.stored == 0) {
     return;
   }
@@ -264,14 +262,21 @@ void sharpen_outline(const MaskPrior& prior, MaskState* s) {
     return;
   }
   widen_outline(s);
+  // With a map: the first cut brings in what looks like the target beside it, the second what looks like that. Before
+  // there is one outlines lack a side or hold a shadow, and looks would make more of it.
+  const bool mapped = !prior.points_px.empty();
   const cv::Mat& picture = s->points.picture(0);
-  for (int i = 0; i < kCuts; ++i) {
+  for (int cut = 0; cut < (mapped ? 2 : 1); ++cut) {
     form_opinion(prior.radius_px / s->points.decimation, s);
-    add_appearance(picture, s->outline, &s->appearance_scratch, &s->opinion);
+    if (mapped) {
+      add_appearance(picture, s->outline, &s->appearance_scratch, &s->opinion);
+    }
     refine_opinion(picture, s->outline, s->network, &s->refine_scratch, &s->opinion);
     cut_at_edges(picture, s->opinion, s->certain, &s->outline);
   }
-  remember_outline(s->outline, &s->evidence);
+  if (mapped) {
+    remember_outline(s->outline, &s->evidence);
+  }
   s->sharp = true;
 }
 
