@@ -70,7 +70,7 @@ inline constexpr std::array<EventRow, kEventKinds> kEvents{{
     {EventId::kTargetAcquired, Severity::kInfo, 4, "target_acquired", "map begun: {0} landmarks, {1} keyframes"},
     {EventId::kTargetLost, Severity::kWarning, 4, "target_lost", "target lost after {0} poses"},
     {EventId::kTargetFoundAgain, Severity::kInfo, 4, "target_found_again", "target found again after {0} frames"},
-    {EventId::kTargetFrameNew, Severity::kWarning, 4, "target_frame_new", "after {0} frames a map in a frame T and a unit of its own, number {1}"},
+    {EventId::kTargetFrameNew, Severity::kWarning, 4, "target_frame_new", "map begun anew after {0} frames, in a new frame T and unit, number {1}"},
     {EventId::kLoopClosed, Severity::kInfo, 4, "loop_closed", "{0} loops closed"},
     {EventId::kScaleKnown, Severity::kInfo, 4, "scale_known", "scale known: {0} m per map unit, relative sigma {1}"},
     {EventId::kTableFull, Severity::kWarning, 4, "table_full", "a table was full {0} times"},

@@ -40,22 +40,22 @@ void find_looks(const cv::Mat& picture, AppearanceScratch* s) {
   }
 }
 
-/// How often each look is where `set` is `value`.
-Shares shares_of(const cv::Mat& looks, const cv::Mat& set, std::uint8_t value) {
+/// How often each look is where `set` is `value`. @param all  pixels that are.
+Shares shares_of(const cv::Mat& looks, const cv::Mat& set, std::uint8_t value, double* all) {
   Shares shares{};
-  double all = 0.0;
+  *all = 0.0;
   for (int row = 0; row < looks.rows; ++row) {
     const auto* look = looks.ptr<std::uint8_t>(row);
     const auto* here = set.ptr<std::uint8_t>(row);
     for (int column = 0; column < looks.cols; ++column) {
       if (here[column] == value) {
         shares[look[column]] += 1.0;
-        all += 1.0;
+        *all += 1.0;
       }
     }
   }
   for (double& share : shares) {
-    share /= std::max(1.0, all);
+    share /= std::max(1.0, *all);
   }
   return shares;
 }
@@ -80,8 +80,13 @@ void add_appearance(const cv::Mat& picture,
   // An outline is off by a few pixels: those are left out.
   cv::erode(outline(box), s->one, cv::Mat(), cv::Point(-1, -1), 2);
   cv::dilate(outline(box), s->other, cv::Mat(), cv::Point(-1, -1), 4);
-  const Shares target = shares_of(s->looks, s->one, 255);
-  const Shares around = shares_of(s->looks, s->other, 0);
+  double pixels_of_target = 0.0;
+  double pixels_around = 0.0;
+  const Shares target = shares_of(s->looks, s->one, 255, &pixels_of_target);
+  const Shares around = shares_of(s->looks, s->other, 0, &pixels_around);
+  if (std::min(pixels_of_target, pixels_around) * kRare < 1.0) {
+    return;  // one pixel would be a look of its own
+  }
   std::array<float, kLooks> says{};
   for (std::size_t k = 0; k < kLooks; ++k) {
     const double ratio = std::log((target[k] + kRare) / (around[k] + kRare));

@@ -14,7 +14,8 @@ struct AppearanceScratch {
 /// as a logarithm. An even place fits the background's motion and the target's, and motion says nothing of it; the dark
 /// cell of a panel before a bright Earth says what it is by being dark.
 /// @param picture CV_8UC1. @param outline CV_8UC1, same size. @param opinion CV_32FC1, as cut_at_edges takes it.
-/// @cost five passes over the outline's box and a third of its width around.
+/// Nothing where either has under a few hundred pixels.
+/// @cost nine passes over the outline's box and a third of its width around.
 /// @source the colour term of Rother, Kolmogorov, Blake, "GrabCut", SIGGRAPH 2004, as a histogram of gray.
 void add_appearance(const cv::Mat& picture,
                     const cv::Mat& outline,

@@ -266,15 +266,18 @@ void sharpen_outline(const MaskPrior& prior, MaskState* s) {
   // there is one outlines lack a side or hold a shadow, and looks would make more of it.
   const bool mapped = !prior.points_px.empty();
   const cv::Mat& picture = s->points.picture(0);
-  for (int cut = 0; cut < (mapped ? 2 : 1); ++cut) {
+  const int last = mapped ? 1 : 0;
+  for (int cut = 0; cut <= last; ++cut) {
     form_opinion(prior.radius_px / s->points.decimation, s);
     if (mapped) {
       add_appearance(picture, s->outline, &s->appearance_scratch, &s->opinion);
     }
-    refine_opinion(picture, s->outline, s->network, &s->refine_scratch, &s->opinion);
+    if (cut == last) {
+      refine_opinion(picture, s->outline, s->network, &s->refine_scratch, &s->opinion);
+    }
     cut_at_edges(picture, s->opinion, s->certain, &s->outline);
   }
-  if (mapped) {
+  if (mapped && cv::countNonZero(s->outline) > 0) {
     remember_outline(s->outline, &s->evidence);
   }
   s->sharp = true;

@@ -56,7 +56,7 @@ void follow_target(const cv::Mat& gray,
                    TargetMask* mask);
 
 /// For keyframes: moves the outline to the picture's edges, with the prior that the frame's own
-/// pose gives. Nothing is done before black space.
+/// pose gives. With a map it becomes the evidence that goes along. Nothing is done before black space.
 void sharpen_outline(const MaskPrior& prior, MaskState* state);
 
 }  // namespace polhode

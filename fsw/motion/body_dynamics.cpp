@@ -86,13 +86,19 @@ Estimated of_turning(const RigidModel& model, const Function& function) {
     const Eigen::Vector3d w = model.reference.w_T_rad_s + change.head<3>();
     return std::log(function(inertia_of(shape).J_T, w));
   };
+  // In units of the unknowns' own sigmas: rates beside shapes would drown in rounding.
+  const Eigen::Matrix<double, kUnknowns, kUnknowns> covariance =
+      turning_covariance(model).bottomRightCorner<kUnknowns, kUnknowns>();
+  const Unknowns own = covariance.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
+  const Unknowns inverse = own.cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kUnknowns, kUnknowns>> eigen(
-      turning_covariance(model).bottomRightCorner<kUnknowns, kUnknowns>());
+      inverse.asDiagonal() * covariance * inverse.asDiagonal());
   const double log_value = log_at(Unknowns::Zero());
   double variance = 0.0;
   double bias = 0.0;
   for (Eigen::Index k = 0; k < kUnknowns; ++k) {
-    const Unknowns sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(k))) * eigen.eigenvectors().col(k);
+    const Unknowns sigma =
+        std::sqrt(std::max(0.0, eigen.eigenvalues()(k))) * own.cwiseProduct(eigen.eigenvectors().col(k));
     const double open = std::sqrt(kSpread2) * sigma.tail<5>().norm();
     const bool bent = open < kShapeStepMax;
     const double spread2 = bent ? kSpread2 : std::pow(kSlopeStep / sigma.tail<5>().norm(), 2);

@@ -29,8 +29,8 @@ constexpr std::uint32_t kDoubtsMax = 2;
 
 // Sightings' errors beyond the declared ones are the surfaces' (light slides over a relief as it turns) and
 // drift: poses of a side share them, and the motion follows them itself. Of a drift that falls to 1/e over a
-// side, a third of a sequence, free poses show 0.3 to 0.5 in what they gain; the motion's slowest unknowns are
-// off by 2.0 to 2.6 times what that seems to say, its others by 1.4.
+// side, a third of a sequence, free poses show 0.3 to 0.5 in what they gain; the motion's slowest unknown has 2.0 to
+// 2.6 times the variance that seems to say, all of them 1.4 times in the mean. Taken twice, errors keep their sigmas.
 constexpr double kDriftShown = 0.5;
 
 // Drift that the first fit, to the poses alone, may find them to have: 1 deg, 1 % of the range.

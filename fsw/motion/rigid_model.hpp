@@ -29,7 +29,9 @@ enum class ModelStatus : std::uint8_t {
 /// How the residuals compare with what was declared of the poses.
 struct ResidualLevel {
   double chi2_per_dof = 0.0;  ///< by the declared covariance, outliers left out
-  double scale2 = 1.0;        ///< variance in terms of the declared one, drawn towards 1 where data are few
+  /// Variance in terms of the declared one, drawn towards 1 where data are few; of a joint fit what the covariance is
+  /// widened by, drift that the motion has swallowed included.
+  double scale2 = 1.0;
   double correlation = 1.0;   ///< poses that tell as much as one independent pose would, >= 1
   std::size_t outliers = 0;
 };

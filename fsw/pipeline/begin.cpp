@@ -106,7 +106,7 @@ void begin(Component::State* s) {
   forget_map(s);
   forget_scale(s);
   s->drift = {};
-  ++s->counters.target_frames;
+  ++s->target_frame;
   take_over_start({}, s);
 }
 

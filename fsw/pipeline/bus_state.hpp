@@ -55,6 +55,7 @@ struct ToldSoFar {
   Mode mode = Mode::kIdle;
   double metres_per_mu = 0.0;  ///< 0: lengths were in map units
   std::uint32_t frame_of_loss = 0;
+  std::uint32_t target_frame = 0;  ///< that the last poses were told in
 };
 
 /// What goes on after a restart: counts without a gap, the commands' lasting effects.

@@ -10,7 +10,7 @@ namespace {
 
 /// Everything whose size shows that a table's entry has changed.
 struct Fingerprint {
-  std::uint64_t version = 2;  ///< changes when the order or the meaning of the content does
+  std::uint64_t version = 3;  ///< changes when the order or the meaning of the content does
   std::uint64_t keyframe = sizeof(Keyframe);
   std::uint64_t landmark = sizeof(Landmark);
   std::uint64_t pose = sizeof(PoseSample);
@@ -27,6 +27,7 @@ struct Remembered {
   bool time_known = false;
   ShapeNow shape;
   MapDrift drift;
+  std::uint32_t target_frame = 0;
   double noise_scale = 1.0;
   LastAdjustment last_adjustment_of_all;
   Eigen::Matrix3d R_IC;
@@ -55,6 +56,7 @@ Remembered remember(const Component::State& s) {
           .time_known = s.time_known,
           .shape = s.shape,
           .drift = s.drift,
+          .target_frame = s.target_frame,
           .noise_scale = s.noise_scale,
           .last_adjustment_of_all = s.last_adjustment_of_all,
           .R_IC = s.motion.R_IC,
@@ -81,6 +83,7 @@ void recall(const Remembered& r, Component::State* s) {
   s->time_known = r.time_known;
   s->shape = r.shape;
   s->drift = r.drift;
+  s->target_frame = r.target_frame;
   s->noise_scale = r.noise_scale;
   s->last_adjustment_of_all = r.last_adjustment_of_all;
   s->motion.R_IC = r.R_IC;

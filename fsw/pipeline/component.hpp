@@ -131,7 +131,6 @@ struct Counters {
   std::uint32_t lost = 0;            ///< times that tracking was lost
   std::uint32_t relocalised = 0;     ///< times that it was found again
   std::uint32_t restarts = 0;        ///< times that a map was begun anew after a loss
-  std::uint32_t target_frames = 0;   ///< frames T that maps were begun in: poses of two do not compare
   std::uint32_t start_contests = 0;  ///< attempts at starting a map
   std::uint32_t keyframes_inserted = 0;
   std::uint32_t keyframes_culled = 0;

@@ -97,6 +97,7 @@ struct Component::State {
   FlowReference reference;
   std::uint32_t reference_frame = 0;  ///< that it was taken from
   MapDrift drift;
+  std::uint32_t target_frame = 0;  ///< number of the frame T that the map is in: poses of two do not compare
   MotionNow motion;
   AheadNow ahead;
   ShapeNow shape;

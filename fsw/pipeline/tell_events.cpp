@@ -76,8 +76,8 @@ void tell_mode(const MotionState& motion, Component::State* s) {
   }
   if (told.mode == Mode::kLost && motion.mode == Mode::kTracking) {
     const double frames = motion.frame - told.frame_of_loss;
-    if (s->counters.target_frames != told.counters.target_frames) {
-      tell(EventId::kTargetFrameNew, frames, s->counters.target_frames, s);
+    if (s->target_frame != told.target_frame) {
+      tell(EventId::kTargetFrameNew, frames, s->target_frame, s);
     } else {
       tell(EventId::kTargetFoundAgain, frames, 0.0, s);
     }
@@ -108,6 +108,8 @@ void tell_events(FrameUse use, const MotionState& motion, Component::State* s) {
   told.started = true;
   told.counters = now;
   told.mode = motion.mode;
+  // A map may begin and be lost within a step: nobody has heard of its frame then.
+  told.target_frame = motion.mode == Mode::kTracking ? s->target_frame : told.target_frame;
   told.metres_per_mu = s->scale.known ? s->scale.metres_per_mu : 0.0;
 }
 

@@ -14,7 +14,7 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 from judge.align import axis_angle_deg
 from judge.errors import BadInput
 from judge.metrics import Aligned
-from judge.shape import cloud_in_truth, read_cloud, sample_mesh
+from judge.shape import SURFACE_SAMPLES, cloud_in_truth, read_cloud, sample_mesh
 
 # The mesh belongs to a found side where it runs this near, in parts of the body's size, and this parallel.
 NEAR_SIZES = 0.025
@@ -22,8 +22,9 @@ PARALLEL_MIN = np.cos(np.radians(20.0))
 # A side that the mesh fills by less than this is made up: there is no such side.
 FILLED_MIN = 0.25
 GRID = 8
-# So many of the mesh's samples make a side.
-SIDE_SAMPLES_MIN = 50
+# So many of the mesh's samples, a hundredth of them, make a side; this percentile of them is its outermost part.
+SIDE_SAMPLES_MIN = SURFACE_SAMPLES // 100
+OUTERMOST_PERCENT = 95
 # The round part of the mesh, around the cylinder that was found.
 NEAR_RADII = 0.15
 RADIAL_MIN = np.cos(np.radians(30.0))
@@ -125,11 +126,16 @@ def judge_centroid(shape: dict, truth: Truth) -> dict:
             "nearer_by": before / after if after > 0 else None}
 
 
-def _side_m(truth: Truth, axis: np.ndarray, at_m: float) -> float | None:
-    """Where along an axis the mesh has a side that faces it, near a place; None where it has none."""
-    along = truth.points_T @ axis
-    near = (np.abs(along - at_m) < NEAR_SIZES * truth.size_m) & (np.abs(truth.normals_T @ axis) > PARALLEL_MIN)
-    return float(np.median(along[near])) if near.sum() >= SIDE_SAMPLES_MIN else None
+def _side_m(truth: Truth, outward: np.ndarray, at_m: float) -> float | None:
+    """How far out the mesh has a side that faces along `outward`, near a place; None where it has none.
+
+    Of a flat side all samples agree; a round one reaches as far as its outermost.
+    """
+    along = truth.points_T @ outward
+    near = (np.abs(along - at_m) < NEAR_SIZES * truth.size_m) & (truth.normals_T @ outward > PARALLEL_MIN)
+    if near.sum() < SIDE_SAMPLES_MIN:
+        return None
+    return float(np.percentile(along[near], OUTERMOST_PERCENT))
 
 
 def _true_length_m(shape: dict, truth: Truth, axis: np.ndarray, found_m: float, rests_on: str | None) -> float:
@@ -139,21 +145,21 @@ def _true_length_m(shape: dict, truth: Truth, axis: np.ndarray, found_m: float, 
     """
     if rests_on == "surfaces":
         middle_m = truth.point(shape["centroid_T"]) @ axis
-        low, high = (_side_m(truth, axis, middle_m + sign * 0.5 * found_m) for sign in (-1, 1))
-        if low is not None and high is not None:
-            return high - low
+        low, high = (_side_m(truth, sign * axis, sign * middle_m + 0.5 * found_m) for sign in (-1, 1))
+        if low is not None and high is not None and low + high > 0.0:
+            return low + high
     return float(np.ptp(truth.points_T @ axis))
 
 
 def judge_dimensions(shape: dict, truth: Truth) -> list[dict]:
-    """Lengths along the found axes. One that ends where points do says "at least": it is off only where it is too long."""
+    """Lengths along the found axes. One that does not rest on surfaces says "at least": it is off only where it is too long."""
     result = []
     for k, name in enumerate("xyz"):
         rests_on = shape.get("dimensions_rest_on", [None] * 3)[k]
         axis, found_m = truth.direction(shape["axes"][name]), truth.length_m(shape["dimensions"][k])
         true_m = _true_length_m(shape, truth, axis, found_m, rests_on)
         sigma_m = truth.length_m(shape["sigma_dimensions"][k])
-        off_m = max(0.0, found_m - true_m) if rests_on == "points" else abs(found_m - true_m)
+        off_m = max(0.0, found_m - true_m) if rests_on in ("points", "nothing") else abs(found_m - true_m)
         result.append({"axis": name, "true_m": true_m, "found_m": found_m, "error_percent": 100 * (found_m / true_m - 1),
                        "sigmas_off": off_m / sigma_m if sigma_m > 0 else None, "rests_on": rests_on})
     return result

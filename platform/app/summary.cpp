@@ -66,7 +66,6 @@ Json counters(const Counters& c) {
           {"lost", c.lost},
           {"relocalised", c.relocalised},
           {"restarts", c.restarts},
-          {"target_frames", c.target_frames},
           {"start_contests", c.start_contests},
           {"keyframes_inserted", c.keyframes_inserted},
           {"keyframes_culled", c.keyframes_culled},

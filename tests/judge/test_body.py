@@ -107,6 +107,23 @@ def test_a_length_that_ends_where_points_do_says_at_least(tmp_path, scene, body)
     assert [length["sigmas_off"] for length in estimate.judged()["dimensions"]] == pytest.approx([0.0, 3.0, 3.0], abs=0.1)
 
 
+def test_a_diameter_is_judged_by_the_round_sides_outermost(tmp_path, body):
+    import trimesh
+    scene = write_sequence(tmp_path / "seq", body)
+    tube = trimesh.creation.cylinder(radius=0.3, height=1.2, sections=128)
+    write_ply(scene / "model.ply", tube.vertices, tube.faces)
+    estimate = Estimate(tmp_path, body, scene)
+    estimate.shape["dimensions"] = [0.6, 0.62, 1.2]
+    lengths = estimate.judged()["dimensions"]
+    assert [length["true_m"] for length in lengths] == pytest.approx([0.6, 0.6, 1.2], abs=3e-3)
+
+
+def test_a_length_of_almost_nothing_is_judged_all_the_same(tmp_path, scene, body):
+    estimate = Estimate(tmp_path, body, scene)
+    estimate.shape["dimensions"][0] = 0.001
+    assert estimate.judged()["dimensions"][0]["true_m"] == pytest.approx(BOX_M[0], abs=1e-3)
+
+
 def test_what_stands_out_of_a_side_is_no_part_of_the_length_between_sides(tmp_path, body):
     import trimesh
     scene = write_sequence(tmp_path / "seq", body)
