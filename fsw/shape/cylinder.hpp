@@ -24,7 +24,7 @@ struct Cylinder {
   std::size_t beside = 0;       ///< points just off the round surface, as far out again
   double rms = 0.0;             ///< of the inliers' distances
   double sigma_axis_rad = 0.0;  ///< 1-sigma, worst direction, from the residuals of its parts
-  double sigma_radius = 0.0;    ///< 1-sigma, likewise
+  double sigma_radius = 0.0;    ///< 1-sigma, likewise; in a Shape with what a map bends surfaces by
 
   /// Distance from the round surface, positive outside.
   [[nodiscard]] double distance(const Eigen::Vector3d& point_T) const {

@@ -5,9 +5,6 @@
 namespace polhode {
 namespace {
 
-// A surface lies within its points' noise: systematic errors of a map bend it by about half of it,
-// whatever the number of points.
-constexpr double kBent_thicknesses = 0.5;
 constexpr double kRelativeSigmaMax = 0.2;
 
 struct Length {
@@ -43,9 +40,7 @@ Result<ScaleEstimate> scale_from_diameter(const Shape& shape, double diameter_m)
   if (!shape.cylinder) {
     return ErrorCode::kNoConsensus;
   }
-  const double sigma =
-      2.0 * std::hypot(shape.cylinder->sigma_radius, kBent_thicknesses * shape.thickness);
-  return scale_of({.value = 2.0 * shape.cylinder->radius, .sigma = sigma}, diameter_m);
+  return scale_of({.value = 2.0 * shape.cylinder->radius, .sigma = 2.0 * shape.cylinder->sigma_radius}, diameter_m);
 }
 
 Result<ScaleEstimate> scale_from_edge(const Shape& shape,
