@@ -68,7 +68,7 @@ TEST(RefineOpinion, MovesTheOpinionAboutTheOutline_AndNothingFarFromIt) {
     Constant network{.answer = answer};
     const cv::Mat opinion = refined(&network, body());
     const float moved = opinion.at<float>(55, 70) - 0.25F;
-    EXPECT_NEAR(moved, 2.8F * (answer - 0.5F), 1e-5F);
+    EXPECT_NEAR(moved, 1.8F * (answer - 0.5F), 1e-5F);
     EXPECT_EQ(opinion.at<float>(119, 159), 0.25F);
   }
 }
