@@ -191,11 +191,8 @@ std::optional<Blob> refine(const Octave& octave, int layer, int y, int x, float 
 /// Keeps the cell sorted; the weakest falls out of a full one. Two pixels may lead to one extreme:
 /// it is kept once.
 void insert(const Blob& blob, BlobGrid::Cell* cell) {
-  if (cell->full()) {
-    if (cell->back().contrast >= blob.contrast) {
-      return;
-    }
-    cell->pop_back();
+  if (cell->full() && cell->back().contrast >= blob.contrast) {
+    return;
   }
   std::size_t place = cell->size();
   while (place > 0 && (*cell)[place - 1].contrast < blob.contrast) {
@@ -207,6 +204,9 @@ void insert(const Blob& blob, BlobGrid::Cell* cell) {
         same.octave == blob.octave) {
       return;
     }
+  }
+  if (cell->full()) {
+    cell->pop_back();
   }
   (void)cell->push_back(blob);
   for (std::size_t i = cell->size() - 1; i > place; --i) {

@@ -63,7 +63,7 @@ struct FeatureMatch {
 using FeatureMatches = FixedVector<FeatureMatch, limits::kFeatures>;
 
 /// Matches that are each other's best and whose best beats the second best (at another place, over
-/// 2 px away) by the ratio. Exhaustive.
+/// a pixel away) by the ratio. Exhaustive.
 void match_mutual(std::span<const Feature> a,
                   std::span<const Feature> b,
                   double ratio_max,

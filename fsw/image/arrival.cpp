@@ -14,6 +14,9 @@ int missing_frames(std::int64_t timestamp_ns, ArrivalHistory* history) {
   constexpr double kMissingMax = 1000.0;  // a longer silence is a pause, not a loss
   const std::int64_t interval_ns = timestamp_ns - history->last_ns;
   const bool first = !history->any;
+  if (!first && interval_ns <= 0) {
+    return 0;  // told anew, or late: of no frame that is missing
+  }
   history->any = true;
   history->last_ns = timestamp_ns;
   if (first) {

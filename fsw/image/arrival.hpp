@@ -15,7 +15,7 @@ struct ArrivalHistory {
 };
 
 /// Takes note of a frame, whatever became of its picture.
-/// @param timestamp_ns later than the last one's.
+/// @param timestamp_ns  one that is not later than the last one's tells nothing.
 /// @return frames missing before it: the interval is that many periods too long, to a quarter of a
 /// period, the period being the median of the last intervals. 0 until three intervals are known.
 int missing_frames(std::int64_t timestamp_ns, ArrivalHistory* history);

@@ -90,7 +90,7 @@ Finding find_frozen(const RepeatedRows& rows) {
 }
 
 /// Both kinds of rows in a few runs. In a noise-free or compressed sequence of a static scene this
-/// comes with each frame, and insists.
+/// comes with each frame.
 Finding find_torn(const RepeatedRows& rows) {
   constexpr int kRowsMin = 4;
   constexpr int kChangesMax = 4;
@@ -110,17 +110,18 @@ Finding find_bit_errors(const BitErrorTraces& now, const History& frames) {
   }
   constexpr double kSigmas = 6.0;
   constexpr double kHarmless = 1e-3;
-  const auto excess = [&](double value, double Entry::*field, double floor) {
+  const auto traces = [&](double value, double Entry::*field, double floor, double harmless) {
     const Typical t = typical(frames, field);
-    return value - t.median - std::max(kSigmas * t.spread, 0.25 * t.median) - floor;
+    const double limit = t.median + std::max(kSigmas * t.spread, 0.25 * t.median) + floor;
+    return Finding{
+        .found = value > limit, .grave = value > limit + harmless, .measure = value, .limit = limit};
   };
-  const double impulses = excess(now.impulse_fraction, &Entry::impulse_fraction, 2e-4);
-  const double tiles = excess(now.rough_tiles, &Entry::rough_tiles, 2.0);
-  const double lines = excess(now.lines, &Entry::lines, 0.5);
-  return {.found = impulses > 0.0 || tiles > 0.0 || lines > 0.0,
-          .grave = impulses > kHarmless || tiles > 0.0 || lines > 0.0,
-          .measure = now.impulse_fraction,
-          .limit = now.impulse_fraction - impulses};
+  const Finding tiles = traces(now.rough_tiles, &Entry::rough_tiles, 2.0, 0.0);
+  const Finding lines = traces(now.lines, &Entry::lines, 0.5, 0.0);
+  if (tiles.found || lines.found) {
+    return lines.found ? lines : tiles;
+  }
+  return traces(now.impulse_fraction, &Entry::impulse_fraction, 2e-4, kHarmless);
 }
 
 /// Three fifths of the sharpness of the frames before: the finest blobs are gone, the others
@@ -131,6 +132,16 @@ Finding find_blurred(const ImageLevels& now, const History& frames) {
   }
   const double limit = 0.6 * typical(frames, &Entry::sharpness).median;
   return {.found = now.sharpness < limit, .grave = false, .measure = now.sharpness, .limit = limit};
+}
+
+/// Rows that repeat with each frame are the scene's, and the frame is whole; other faults that insist leave a picture that
+/// shows something, to be used with care.
+FrameDecision decide(FrameFault fault, const Finding& finding, bool insists, bool nothing_to_see) {
+  const bool usual = insists && !nothing_to_see && fault != FrameFault::kFrozen;
+  if (finding.grave && !usual) {
+    return FrameDecision::kSkip;
+  }
+  return fault == FrameFault::kTorn ? FrameDecision::kUse : FrameDecision::kCare;
 }
 
 void remember(const ImageQuality& q, History* frames) {
@@ -152,11 +163,11 @@ void remember(const ImageQuality& q, History* frames) {
 FrameVerdict judge_quality(const ImageQuality& quality,
                            const ImageOptions& options,
                            QualityHistory* history) {
-  // In the order of precedence: a frozen dark frame is frozen, a torn bright one is torn.
+  // In the order of precedence among what is equally bad: a frozen dark frame is frozen, a torn bright one is torn.
   const std::array<std::pair<FrameFault, Finding>, kFrameFaults - 1> findings{
-      {{FrameFault::kDark, find_dark(quality.levels, history->frames)},
+      {{FrameFault::kFrozen, find_frozen(quality.rows)},
+       {FrameFault::kDark, find_dark(quality.levels, history->frames)},
        {FrameFault::kFlat, find_flat(quality.levels, options)},
-       {FrameFault::kFrozen, find_frozen(quality.rows)},
        {FrameFault::kTorn, find_torn(quality.rows)},
        {FrameFault::kSaturated, find_saturated(quality.levels, history->frames)},
        {FrameFault::kBitErrors, find_bit_errors(quality.bit_errors, history->frames)},
@@ -174,15 +185,13 @@ FrameVerdict judge_quality(const ImageQuality& quality,
     }
     verdict.faults =
         static_cast<std::uint16_t>(verdict.faults | 1U << static_cast<unsigned>(fault));
-    const bool never = nothing_to_see || fault == FrameFault::kFrozen;
-    const FrameDecision decision =
-        finding.grave && (never || !insists) ? FrameDecision::kSkip : FrameDecision::kCare;
-    if (verdict.fault == FrameFault::kNone) {
+    const FrameDecision decision = decide(fault, finding, insists, nothing_to_see);
+    if (decision > verdict.decision) {
+      verdict.decision = decision;
       verdict.fault = fault;
       verdict.measure = static_cast<float>(finding.measure);
       verdict.limit = static_cast<float>(finding.limit);
     }
-    verdict.decision = std::max(verdict.decision, decision);
   }
   if (verdict.decision != FrameDecision::kSkip) {
     remember(quality, &history->frames);

@@ -52,13 +52,25 @@ void hold_at_both_ends(MapDrift* drift) {
   drift->held = drift->walk;
 }
 
+void add_bridge(double attitude_sigma_rad, double position_sigma_mu, std::uint32_t next_keyframe, MapDrift* drift) {
+  drift->bridge.topLeftCorner<3, 3>().diagonal().array() += attitude_sigma_rad * attitude_sigma_rad;
+  drift->bridge.bottomRightCorner<3, 3>().diagonal().array() += position_sigma_mu * position_sigma_mu;
+  drift->bridged_keyframe = next_keyframe;
+}
+
+void close_bridge(MapDrift* drift) {
+  constexpr double kBetween = 0.25;
+  drift->bridge *= kBetween;
+  drift->bridged_keyframe = 0;
+}
+
 void replace_walk(const PoseCovariance& covariance, MapDrift* drift) {
   drift->walk = covariance;
   drift->held = covariance;
 }
 
 PoseCovariance covariance(const MapDrift& drift) {
-  PoseCovariance sum = drift.walk;
+  PoseCovariance sum = drift.walk + drift.bridge;
   if (drift.turn_rad > 0.0) {
     const double turn_rad = unit_sigma(drift);  // the same part: lateral by depth is the turn's tangent
     const double depth_mu = drift.start_sigma_mu * drift.start_turn_rad / drift.turn_rad;

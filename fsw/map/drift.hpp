@@ -3,21 +3,25 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 
 #include "geometry/pose.hpp"
 #include "map/localise.hpp"
 
 namespace polhode {
 
-/// Two parts. The start: seen over a short turn, depth and turn can be exchanged for each other
+/// Three parts. The start: seen over a short turn, depth and turn can be exchanged for each other
 /// (bas-relief ambiguity), so the start's turn is known to the same part as its depth. The part
 /// shrinks as the body turns on; landmarks that were placed by the start leave slowly, so it does
 /// so with the largest turn seen, not with its square, as the images would allow (measured: the
 /// square is too quick by a factor of two on fifteen sequences). The walk: a map grows keyframe by
-/// keyframe, each placed by the last ones with its own error.
+/// keyframe, each placed by the last ones with its own error. The bridge: a start after a loss is set into the T of before
+/// by the motion in between, and what that left open is a constant of T from then on, of which no later picture tells.
 struct MapDrift {
   PoseCovariance walk = PoseCovariance::Zero();
   PoseCovariance held = PoseCovariance::Zero();  ///< what of it no closed loop lessens any more
+  PoseCovariance bridge = PoseCovariance::Zero();
+  std::uint32_t bridged_keyframe = 0;  ///< number of the first keyframe after the bridge; 0: there is nothing to close
   Eigen::Matrix3d R_first_CT =
       Eigen::Matrix3d::Identity();  ///< attitude of the start's first frame
   double start_turn_sigma = 0.0;    ///< of the start's turn, as a part of it
@@ -58,7 +62,15 @@ void add_keyframe_error(const LocalisedFrame& keyframe, MapDrift* drift);
 /// its middle. What was held before stays: a loop closes over many keyframes.
 void hold_at_both_ends(MapDrift* drift);
 
-/// What is said of T is said anew.
+/// A start after a loss has been set into T.
+/// @param next_keyframe  number of its first keyframe.
+void add_bridge(double attitude_sigma_rad, double position_sigma_mu, std::uint32_t next_keyframe, MapDrift* drift);
+
+/// The parts of the map before and after the bridge have been fitted together: T is what is between them, so half of the
+/// bridge's sigma is left.
+void close_bridge(MapDrift* drift);
+
+/// What the map's growth says of T is said anew.
 void replace_walk(const PoseCovariance& covariance, MapDrift* drift);
 
 /// To be added to the covariance of a single pose.

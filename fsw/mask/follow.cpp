@@ -7,16 +7,48 @@
 namespace polhode {
 namespace {
 
-// Two fifths of the picture's rim: the Earth behind half of the picture lights half of it. Before
-// photographs of a body on a stand, which reaches the rim (up to 0.36), there is no motion to be
-// told apart and much of the body to be lost.
-constexpr double kRimLitMin = 0.4;
+// Of the picture's rim: the Earth behind a fifth of the picture lights a fourth of it, a corner of it less.
+constexpr double kRimLitMin = 0.15;
+// A limb that comes and goes about that is behind the target all the time.
+constexpr double kRimLitLeft = 0.05;
 constexpr int kPatience = 5;
+// How far a body reaches beyond its landmarks, in its radius: a new side comes into view, and landmarks do not sit on its
+// rim.
+constexpr double kReach = 0.35;
 
-/// Part of the outermost cells that are lit.
-double lit_rim(const cv::Mat& cells) {
-  const int lit = cv::countNonZero(cells.row(0)) + cv::countNonZero(cells.row(cells.rows - 1)) +
-                  cv::countNonZero(cells.col(0)) + cv::countNonZero(cells.col(cells.cols - 1));
+/// Cells that a known body reaches.
+cv::Rect cells_of_body(const MaskPrior& prior) {
+  if (prior.points_px.empty()) {
+    return {};
+  }
+  const auto reach = static_cast<float>(kReach * prior.radius_px);
+  const cv::Point2f corner(reach, reach);
+  const auto cell_of = [](const cv::Point2f& p_px) {
+    const cv::Point2f cell = p_px / static_cast<float>(TargetMask::kCell_px);
+    return cv::Point(cvFloor(cell.x), cvFloor(cell.y));
+  };
+  cv::Rect cells;
+  for (const cv::Point2f& p_px : prior.points_px) {
+    const cv::Rect around(cell_of(p_px - corner), cell_of(p_px + corner) + cv::Point(1, 1));
+    cells = cells.empty() ? around : cells | around;
+  }
+  return cells;
+}
+
+/// Part of the outermost cells that are lit, but for those of the body.
+double lit_rim(const cv::Mat& cells, const cv::Rect& body) {
+  int lit = 0;
+  const auto count = [&](int column, int row) {
+    lit += cells.at<std::uint8_t>(row, column) != 0 && !body.contains({column, row}) ? 1 : 0;
+  };
+  for (int column = 0; column < cells.cols; ++column) {
+    count(column, 0);
+    count(column, cells.rows - 1);
+  }
+  for (int row = 0; row < cells.rows; ++row) {
+    count(0, row);
+    count(cells.cols - 1, row);
+  }
   return static_cast<double>(lit) / (2.0 * (cells.rows + cells.cols));
 }
 
@@ -69,16 +101,16 @@ void close_gaps(const cv::Rect& box, MaskState* s) {
 }
 
 /// Landmarks are certain, and so is what lies between them, unless the pictures say that the
-/// background is there: a map has some that are wrong. And how far the body can reach beyond them:
-/// a new side comes into view, and landmarks do not sit on its rim.
+/// background is there: a map has some that are wrong. And how far the body can reach beyond them.
 void place_prior(const MaskPrior& prior, MaskState* s) {
   place_landmarks(prior, false, s);
-  if (s->certain.empty()) {
+  if (s->certain.empty() || cv::countNonZero(s->certain) == 0) {
+    s->certain.release();  // the pictures contradict all of it: the pose is wrong, and says nothing
     s->reach.release();
     return;
   }
   const double radius = prior.radius_px / s->points.decimation;
-  const double reach = std::max(6.0, 0.35 * radius);
+  const double reach = std::max(6.0, kReach * radius);
   s->near_px = std::max(2.0, 0.15 * radius);
   const int margin = static_cast<int>(reach) + 2;
   const cv::Rect landmarks = cv::boundingRect(s->certain);
@@ -115,6 +147,7 @@ void find_piece(MaskState* s) {
   s->found = find_closed(closing_radius(*s), s, &s->outline);
   if (!s->reach.empty()) {
     cv::bitwise_and(s->outline, s->reach, s->outline);
+    s->found = s->found && cv::countNonZero(s->outline) > 0;
   }
 }
 
@@ -236,7 +269,8 @@ void follow_target(const cv::Mat& gray,
   s->was_found = s->found;
   s->found = false;
   s->sharp = false;
-  s->behind = options.enabled && options.background && lit_rim(mask->cells) > kRimLitMin;
+  s->behind = options.enabled && options.background &&
+              lit_rim(mask->cells, cells_of_body(prior)) > (s->behind ? kRimLitLeft : kRimLitMin);
   if (!s->behind) {
     clear(&s->points);
     s->unexplained = kPatience;

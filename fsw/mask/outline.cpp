@@ -54,7 +54,7 @@ std::vector<Piece> weigh_pieces(const cv::Mat& evidence,
   return pieces;
 }
 
-/// A fifth of the evidence of the main piece, and nearer to it than a third of its size.
+/// A twentieth of the evidence of the main piece, and nearer to it than a third of its size.
 bool belongs(const Piece& piece, const Piece& main) {
   const int reach = std::max(main.box.width, main.box.height) / 3;
   const cv::Rect grown(main.box.x - reach,

@@ -271,7 +271,7 @@ RigidModel fit_jointly(const JointFitInput& input,
   std::fill(w->none_held.begin(), w->none_held.end(), std::uint8_t{0});
   std::fill(w->all_held.begin(), w->all_held.end(), std::uint8_t{1});
   keep(input.bundle, &w->free);
-  const auto before = static_cast<double>(agreeing(input.bundle));
+  const auto before = static_cast<double>(std::max<std::size_t>(1, agreeing(input.bundle)));
   const FreeBodyReport report = adjust(input, &*motion, workspace, w);
   if (report.bundle.usable) {
     const double kept = static_cast<double>(agreeing(input.bundle)) / before;
@@ -281,7 +281,6 @@ RigidModel fit_jointly(const JointFitInput& input,
     model.status = ModelStatus::kResidualsTooLarge;
     model.attitude.chi2_per_dof = gain;
     if (convincing || sufferable) {
-      *doubts = convincing ? 0 : *doubts + 1;
       const ResidualLevel noise{
           .chi2_per_dof = gain,
           .scale2 = 1.0 + std::max(0.0, gain - 1.0) / kDriftShown,
@@ -292,7 +291,9 @@ RigidModel fit_jointly(const JointFitInput& input,
   if (model.accepted() && !move_reference(input.timestamps_ns[order.back()], model)) {
     model.status = ModelStatus::kNoFit;
   }
-  if (!model.accepted()) {
+  if (model.accepted()) {
+    *doubts = model.attitude.chi2_per_dof < kGainPerDofMax ? 0 : *doubts + 1;
+  } else {
     restore(w->free, input.bundle);
   }
   return model;

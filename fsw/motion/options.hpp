@@ -30,6 +30,8 @@ struct MotionOptions {
   double q_IH_y = 0.0;
   double q_IH_z = 0.0;
   std::int64_t orbit_epoch_ns = 0;      ///< the time that q_IH holds at
+
+  bool operator==(const MotionOptions&) const = default;
 };
 
 }  // namespace polhode

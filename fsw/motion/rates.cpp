@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "geometry/so3.hpp"
 #include "motion/residual_level.hpp"
@@ -18,6 +19,7 @@ constexpr double kPsiMax_rad = 2.6;
 // Bodies that turn far between frames exceed the window's angle at once; four poses tell something
 // of the rate's change.
 constexpr std::size_t kPosesMin = 4;
+
 bool information_of(const Eigen::Matrix3d& covariance, Eigen::Matrix3d& information) {
   const Eigen::LLT<Eigen::Matrix3d> llt(covariance);
   if (!covariance.allFinite() || llt.info() != Eigen::Success) {
@@ -57,8 +59,8 @@ bool add(const PoseSample& sample, double tau_s, bool with_rotation, Window& win
   return window.rotation.push_back(rotation);
 }
 
-/// Poses around `index`, nearest in time first, at most window_poses_max; rotation ends where the
-/// angle gets too large.
+/// Poses around `index`, nearest in time first, at most window_poses_max and over no interval that tells no rate;
+/// rotation ends where the angle gets too large.
 bool collect(std::span<const PoseSample> history,
              std::size_t index,
              const MotionOptions& options,
@@ -69,6 +71,12 @@ bool collect(std::span<const PoseSample> history,
   bool rotation_open = true;
   const auto limit = std::min(limits::kMotionPoses,
                               static_cast<std::size_t>(std::max(2, options.window_poses_max)));
+  const std::size_t first = index - std::min(index, limit);
+  const double told_max_s =
+      told_interval_max_s(history.subspan(first, std::min(history.size() - first, 2 * limit)));
+  const auto told = [&](std::size_t a, std::size_t b) {
+    return seconds_between(history[a].timestamp_ns, history[b].timestamp_ns) <= told_max_s;
+  };
   std::size_t next = index;
   for (std::size_t count = 0; count < limit; ++count) {
     const double tau_s = seconds_between(history[index].timestamp_ns, history[next].timestamp_ns);
@@ -80,8 +88,8 @@ bool collect(std::span<const PoseSample> history,
     if (!add(history[next], tau_s, rotation_open, window)) {
       return false;
     }
-    const bool has_before = before > 0;
-    const bool has_after = after < history.size();
+    const bool has_before = before > 0 && told(before - 1, before);
+    const bool has_after = after < history.size() && told(after - 1, after);
     if (!has_before && !has_after) {
       break;
     }
@@ -108,6 +116,20 @@ double turning_rad_s(const Window& window) {
 }
 
 }  // namespace
+
+double told_interval_max_s(std::span<const PoseSample> poses) {
+  double fastest_rad_s = 0.0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const PoseSample& a = poses[i - 1];
+    const PoseSample& b = poses[i];
+    const double angle_rad = rotation_angle_rad(a.pose.R_CT, b.pose.R_CT);
+    const double variance = (a.covariance + b.covariance).topLeftCorner<3, 3>().trace();
+    if (angle_rad * angle_rad > 9.0 * variance) {  // else it may be noise over a short time
+      fastest_rad_s = std::max(fastest_rad_s, angle_rad / seconds_between(a.timestamp_ns, b.timestamp_ns));
+    }
+  }
+  return std::numbers::pi / fastest_rad_s;
+}
 
 double worst_sigma(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance, Eigen::EigenvaluesOnly);

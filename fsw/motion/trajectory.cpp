@@ -7,43 +7,56 @@
 namespace polhode {
 namespace {
 
-/// Samples of one component of the rate from all pairs. False when a pair is not usable.
+/// Samples of one component of the rate from all pairs that tell one. False when a pair is not usable.
 bool sample_component(std::span<const PoseSample> poses,
+                      double told_max_s,
                       Eigen::Index component,
-                      std::span<SineSample> samples) {
+                      std::span<SineSample>* samples) {
+  std::size_t count = 0;
   for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
     const Result<PaperRate> rate = paper_rate(poses[i], poses[i + 1]);
     if (!rate) {
       return false;
     }
-    samples[i] = {.time_s = seconds_between(poses[0].timestamp_ns, rate.value().timestamp_ns),
-                  .value = rate.value().w_T_rad_s(component),
-                  .sigma = std::sqrt(rate.value().covariance_w_T(component, component)),
-                  .interval_s = rate.value().interval_s};
+    if (rate.value().interval_s <= told_max_s) {
+      (*samples)[count++] = {.time_s = seconds_between(poses[0].timestamp_ns, rate.value().timestamp_ns),
+                             .value = rate.value().w_T_rad_s(component),
+                             .sigma = std::sqrt(rate.value().covariance_w_T(component, component)),
+                             .interval_s = rate.value().interval_s};
+    }
   }
+  *samples = samples->first(count);
   return true;
 }
 
-/// Time means of the rate, its norm, and the 1-sigma of the mean's worst component.
+/// Over all pairs that tell one: time means of the rate, its norm, and the 1-sigma of the mean's worst component.
 struct MeanRate {
   Eigen::Vector3d w_T_rad_s = Eigen::Vector3d::Zero();
   double norm_rad_s = 0.0;
   double sigma_rad_s = 0.0;
 };
 
-MeanRate mean_rate(std::span<const PoseSample> poses, double span_s) {
+MeanRate mean_rate(std::span<const PoseSample> poses, double told_max_s) {
   MeanRate mean;
+  double told_s = 0.0;
+  double runs = 1.0;  // without a gap
   for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
     const PaperRate rate = paper_rate(poses[i], poses[i + 1]).value();
+    if (rate.interval_s > told_max_s) {
+      runs += 1.0;
+      continue;
+    }
+    told_s += rate.interval_s;
     mean.w_T_rad_s += rate.interval_s * rate.w_T_rad_s;
     mean.norm_rad_s += rate.interval_s * rate.w_T_rad_s.norm();
   }
-  mean.w_T_rad_s /= span_s;
-  mean.norm_rad_s /= span_s;
-  // Successive differences cancel but for the first and the last pose.
-  mean.sigma_rad_s = worst_sigma(poses.front().covariance.topLeftCorner<3, 3>() +
+  mean.w_T_rad_s /= told_s;
+  mean.norm_rad_s /= told_s;
+  // Successive differences cancel but for the first and the last pose of a run.
+  mean.sigma_rad_s = std::sqrt(runs) *
+                     worst_sigma(poses.front().covariance.topLeftCorner<3, 3>() +
                                  poses.back().covariance.topLeftCorner<3, 3>()) /
-                     span_s;
+                     told_s;
   return mean;
 }
 
@@ -81,16 +94,18 @@ Result<MotionModel> paper_model(std::span<const PoseSample> poses,
   MotionModel model;
   model.poses = poses.size();
   model.span_s = seconds_between(poses.front().timestamp_ns, poses.back().timestamp_ns);
+  const double told_max_s = told_interval_max_s(poses);
   for (Eigen::Index k = 0; k < 3; ++k) {
-    if (!sample_component(poses, k, samples)) {
+    std::span<SineSample> told = samples;
+    if (!sample_component(poses, told_max_s, k, &told)) {
       return ErrorCode::kDegenerate;
     }
-    const Result<SineFit> sine = fit_sine(samples);
+    const Result<SineFit> sine = fit_sine(told);
     if (sine) {
       model.sines[static_cast<std::size_t>(k)] = sine.value();
     }
   }
-  const MeanRate mean = mean_rate(poses, model.span_s);
+  const MeanRate mean = mean_rate(poses, told_max_s);
   model.mean_w_T_rad_s = mean.w_T_rad_s;
   model.mean_rate_rad_s = mean.norm_rad_s;
   // The norm of a noisy difference is never zero: whether the body turns is told by the mean vector

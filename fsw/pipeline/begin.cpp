@@ -62,6 +62,7 @@ void forget_map(Component::State* s) {
   clear(&s->map);
   forget_motion(s);
   forget_shape(s);
+  s->growth = {};
   s->last_adjustment_of_all = {};
 }
 
@@ -96,9 +97,7 @@ bool has_room(const Component::State& s) {
 /// least, and the disagreement over the start.
 void widen_drift(const Bridge& bridge, double predicted_sigma_rad, Component::State* s) {
   const double attitude_rad = std::hypot(predicted_sigma_rad, bridge.misfit_rad);
-  const double position_mu = 0.5 * s->map.radius_mu;
-  s->drift.walk.topLeftCorner<3, 3>().diagonal().array() += attitude_rad * attitude_rad;
-  s->drift.walk.bottomRightCorner<3, 3>().diagonal().array() += position_mu * position_mu;
+  add_bridge(attitude_rad, 0.5 * s->map.radius_mu, s->map.next_keyframe_number, &s->drift);
 }
 
 /// The first map, or another one with a T and a unit of its own.
@@ -112,26 +111,24 @@ void begin(Component::State* s) {
 
 /// After a loss. T stays: the new start is bridged to it by the motion so far, and the published
 /// sigmas grow by what that motion leaves open. The old map stays beside the new part, and joins it
-/// when one of its sides comes back; it goes when its motion contradicts the new start's, which was
-/// decided on its own, and when the tables have no room for both.
+/// when one of its sides comes back; it goes when the tables have no room for both. Where too little is
+/// known of the motion, or it contradicts the new start's, which was decided on its own, nothing ties the
+/// new start to T.
 void begin_again(Component::State* s) {
   const auto frames = predicted_beside(*s);
   const Result<Bridge> found = bridge_start(
       frames.view(), {.centre_T = s->map.centre_T, .radius_mu = s->map.radius_mu});
   ++s->counters.restarts;
-  if (!found) {
-    begin(s);  // too little was known of the motion to speak of the same T
+  if (!found || !found.value().agrees) {
+    begin(s);
     return;
   }
   const Bridge& bridge = found.value();
   widen_drift(bridge, frames[0].predicted_sigma_rad, s);
   s->counters.keyframes_culled += static_cast<std::uint32_t>(make_room(
       static_cast<int>(s->job.start.outcome.frames.size()), s->parameters.map, &s->map));
-  if (!bridge.agrees || !has_room(*s)) {
+  if (!has_room(*s)) {
     forget_map(s);
-  }
-  if (!bridge.agrees) {
-    forget_scale(s);  // the unit comes from the motion that was contradicted
   }
   take_over_start(bridge.to_T, s);
 }

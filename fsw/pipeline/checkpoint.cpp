@@ -10,7 +10,7 @@ namespace {
 
 /// Everything whose size shows that a table's entry has changed.
 struct Fingerprint {
-  std::uint64_t version = 3;  ///< changes when the order or the meaning of the content does
+  std::uint64_t version = 4;  ///< changes when the order or the meaning of the content does
   std::uint64_t keyframe = sizeof(Keyframe);
   std::uint64_t landmark = sizeof(Landmark);
   std::uint64_t pose = sizeof(PoseSample);
@@ -30,6 +30,7 @@ struct Remembered {
   std::uint32_t target_frame = 0;
   double noise_scale = 1.0;
   LastAdjustment last_adjustment_of_all;
+  bool loop_open = false;
   Eigen::Matrix3d R_IC;
   bool observer_known = false;
   RigidModel model;
@@ -49,16 +50,28 @@ struct Remembered {
 
 Fingerprint fingerprint() { return {.remembered = sizeof(Remembered)}; }
 
+/// Jobs that are out are lost with the process: what they were for is still to be done.
+bool loop_open(const Component::State& s) {
+  const bool out = s.job.kind == JobKind::kAdjustment && !s.job.unwanted;
+  return s.growth.closed || (out && s.job.adjustment.closed);
+}
+
+ShapeNow asked_again(ShapeNow shape, const ShapeJob& job) {
+  shape.keyframe_asked = job.kind == JobKind::kNone ? shape.keyframe_asked : 0;
+  return shape;
+}
+
 Remembered remember(const Component::State& s) {
   return {.counters = s.counters,
           .scale = s.scale,
           .timestamp_ns = s.timestamp_ns,
           .time_known = s.time_known,
-          .shape = s.shape,
+          .shape = asked_again(s.shape, s.shape_job),
           .drift = s.drift,
           .target_frame = s.target_frame,
           .noise_scale = s.noise_scale,
           .last_adjustment_of_all = s.last_adjustment_of_all,
+          .loop_open = loop_open(s),
           .R_IC = s.motion.R_IC,
           .observer_known = s.motion.observer_known,
           .model = s.motion.model,
@@ -86,6 +99,7 @@ void recall(const Remembered& r, Component::State* s) {
   s->target_frame = r.target_frame;
   s->noise_scale = r.noise_scale;
   s->last_adjustment_of_all = r.last_adjustment_of_all;
+  s->growth.closed = r.loop_open;
   s->motion.R_IC = r.R_IC;
   s->motion.observer_known = r.observer_known;
   s->motion.model = r.model;

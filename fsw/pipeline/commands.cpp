@@ -6,6 +6,7 @@
 #include "base/time_doubt.hpp"
 #include "bus/commands.hpp"
 #include "pipeline/parameter_image.hpp"
+#include "pipeline/picture.hpp"
 #include "pipeline/scale_now.hpp"
 
 namespace polhode {
@@ -27,8 +28,9 @@ Outcome hold(Component::State* s) {
   s->bus.held = true;
   s->mode = Mode::kIdle;
   s->reference.valid = false;
-  // What was collected for a start is old when frames are looked at again.
+  // What was collected for a start is old when frames are looked at again, and so are the last pictures.
   clear(&s->tracks);
+  forget_pictures(s);
   give_up_start(s);
   return kDone;
 }
@@ -42,11 +44,11 @@ Outcome resume(Component::State* s) {
   return kDone;
 }
 
-/// Length and range share the frame that they are read in, so each replaces the other; what is known of the shape stays.
+/// Length and range share the frame that they are read in, so each replaces the other, once it can be read.
 Outcome scale_read_in(std::int64_t frame_timestamp_ns, Component::State* s) {
   s->parameters.scale.frame_timestamp_ns = frame_timestamp_ns;
   s->bus.table_crc = table_crc(s->parameters);
-  forget_scale(s);
+  s->scale.keyframes_at_reading = 0;
   return kDone;
 }
 
@@ -177,8 +179,12 @@ Outcome table_activate(const Command& command, Component::State* s) {
   }
   // Length and range may have come by command since the table was begun.
   const ScaleOptions scale = s->parameters.scale;
+  const MotionOptions motion = s->parameters.motion;
   s->parameters = s->bus.inactive.parameters;
   s->parameters.scale = scale;
+  if (s->parameters.motion != motion) {
+    forsake_model(s);
+  }
   s->bus.inactive = {};
   s->bus.table_crc = table_crc(s->parameters);
   bus::report(EventId::kTableActivated,
@@ -203,7 +209,7 @@ Outcome noop(Component::State* s) {
 Outcome reset_counters(Component::State* s) {
   s->counters = {};
   s->bus.told.counters = {};
-  s->bus.commands = {};
+  s->bus.commands = {.last_code = s->bus.commands.last_code};  // this one
   s->bus.stream.not_sent = 0;
   s->bus.events.counts = {};
   s->bus.events.sent = 0;
@@ -322,6 +328,7 @@ void forget_target(Component::State* s) {
   forget_scale(s);
   s->noise_scale = 1.0;
   s->last_adjustment_of_all = {};
+  forget_pictures(s);
   s->pose_valid = false;
   s->bus.cloud.points_T.clear();
   s->bus.cloud.next = 0;

@@ -153,19 +153,29 @@ void complete_map(Component::State* s) {
   ask_for_all(AdjustmentReason::kMapCompleted, false, s);
 }
 
-/// The map and, where one came out, the motion take the result over.
+/// Does the map still have what was there before the last start was bridged to it?
+bool reaches_over_bridge(const Component::State& s) {
+  return std::any_of(s.map.keyframes.begin(), s.map.keyframes.end(), [&](const Keyframe& keyframe) {
+    return keyframe.used && keyframe.number < s.drift.bridged_keyframe;
+  });
+}
+
+/// The map and, where one came out, the motion take the result over. A loop whose adjustment came to nothing is still to
+/// be closed.
 MapCorrection take_over(Component::State* s) {
   const AdjustmentJob& job = s->job.adjustment;
-  if (!job.usable) {
-    return {};
-  }
-  const MapCorrection correction = apply(job.snapshot, &s->map);
+  const MapCorrection correction = job.usable ? apply(job.snapshot, &s->map) : MapCorrection{};
   const bool applied = correction.timestamp_ns != INT64_MAX;
-  if (applied && job.closed) {
+  if (job.closed && applied) {
     hold_at_both_ends(&s->drift);
+  } else if (job.closed) {
+    s->growth.closed = true;
   }
   if (applied && job.as_free_body && job.model.accepted() && !job.model_unwanted) {
     take_joint_fit(transformed(job.model, correction.back), s);
+    if (reaches_over_bridge(*s)) {
+      close_bridge(&s->drift);  // a motion is fitted to parts of a map only where sightings tie them
+    }
   }
   return correction;
 }
@@ -257,7 +267,9 @@ void settle_map(std::uint32_t first_keyframe, Component::State* s) {
 void take_adjustment(Component::State* s) {
   const AdjustmentJob& job = s->job.adjustment;
   move_since(take_over(s), s);
-  cull_map(s);
+  if (!s->growth.closed) {
+    cull_map(s);  // which would untie a loop that is still to be closed: its ends are sigmas apart
+  }
   refresh_landmarks(&s->map, s->camera);
   keep_matches_of_map(s->map, &s->reference.points);
   switch (job.reason) {
@@ -304,11 +316,8 @@ void extend_map(Component::State* s) {
   if (closed > 0) {
     ++s->counters.closures;
   }
-  if (!job_slot_free(*s)) {
-    s->growth = {.any = true, .closed = s->growth.closed || closed > 0};
-    return;
-  }
-  ask_after_growth(id, closed > 0, s);
+  s->growth = {.any = true, .closed = s->growth.closed || closed > 0};
+  ask_for_growth_waiting(s);
 }
 
 }  // namespace polhode

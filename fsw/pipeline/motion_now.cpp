@@ -60,13 +60,6 @@ void ask_for_fit(Component::State* s) {
   issue_fit(s);
 }
 
-/// What the poses were no longer holds, and neither does what is being fitted to them.
-void forsake_model(Component::State* s) {
-  s->motion.model = {};
-  s->fit_job.unwanted = true;
-  s->job.adjustment.model_unwanted = true;
-}
-
 void check(const PoseSample& sample, const PoseCovariance& drift_I, MotionNow* m) {
   const Result<double> chi2 = chi2_against(m->model, sample, drift_I);
   m->disagreements = chi2 && chi2.value() > kChi2Max ? m->disagreements + 1 : 0;
@@ -182,6 +175,12 @@ void turn_past(const Eigen::Matrix3d& R, Component::State* s) {
 }
 
 }  // namespace
+
+void forsake_model(Component::State* s) {
+  s->motion.model = {};
+  s->fit_job.unwanted = true;
+  s->job.adjustment.model_unwanted = true;
+}
 
 void set_observer(const StepInput& input, Component::State* s) {
   const std::optional<Eigen::Quaterniond> q_IC = told_attitude(input, s->bus.servicer);
@@ -300,10 +299,8 @@ void move_pose(const Keyframe& keyframe, Component::State* s) {
 bool move_poses_with_map(std::int64_t adjusted_to_ns, Component::State* s) {
   bool moved = false;
   for (PoseHistory* const history : {&s->motion.recent, &s->motion.past}) {
-    if (!history->empty() && history->back().timestamp_ns > adjusted_to_ns) {
-      follow_map(s->map, *history);
-      moved = true;
-    }
+    follow_map(s->map, *history);
+    moved = moved || (!history->empty() && history->back().timestamp_ns > adjusted_to_ns);
   }
   return moved;
 }
@@ -346,7 +343,7 @@ Result<PosePrediction> predict_by_motion(const Component::State& s,
                                          const Eigen::Matrix3d& R_IC) {
   const MotionNow& m = s.motion;
   Result<PosePrediction> predicted = ErrorCode::kTooFewObservations;
-  if (!m.recent.empty() && holds(m)) {
+  if (!m.recent.empty() && holds(m) && s.parameters.motion.mode == MotionMode::kDynamics) {
     const Result<MotionPrediction> by_model = predict_from(m.model, m.recent.back(), timestamp_ns);
     if (by_model && by_model.value().path_known) {
       // The next pose will be one of the map: its drift changes while the body turns.

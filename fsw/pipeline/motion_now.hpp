@@ -51,10 +51,13 @@ void take_joint_fit(const RigidModel& model, Component::State* state);
 /// The pose at the keyframe's time, where there is one, has become the keyframe's by an adjustment.
 void move_pose(const Keyframe& keyframe, Component::State* state);
 
-/// Frames have come since the newest keyframe of an adjustment that is taken in now: all poses go along
-/// with their keyframes, as a rate from poses before and after a jump would be wrong.
-/// @return false when none has come.
+/// An adjustment is taken in: all poses go along with their keyframes, as a rate from poses before and after a jump
+/// would be wrong.
+/// @return have frames come since its newest keyframe?
 bool move_poses_with_map(std::int64_t adjusted_to_ns, Component::State* state);
+
+/// What the poses were, or how they are taken to move, no longer holds, and neither does what is being fitted to them.
+void forsake_model(Component::State* state);
 
 /// T is another one from here on: nothing of the poses so far holds.
 void forget_motion(Component::State* state);

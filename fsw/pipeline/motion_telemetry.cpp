@@ -4,6 +4,8 @@
 
 #include "bus/dynamics_telemetry.hpp"
 #include "bus/narrow.hpp"
+#include "geometry/so3.hpp"
+#include "motion/residual_level.hpp"
 
 namespace polhode {
 namespace {
@@ -27,14 +29,28 @@ void put_local_rate(const MotionState& motion, const PoseHistory& poses, bus::Mo
   }
 }
 
+/// What the map's drift adds to a pose that the last ones predict: its own now, and by the turn until then what it does to
+/// their rates.
+PoseCovariance drift_until(const Pose& predicted, const Component::State& s) {
+  const PoseCovariance now = covariance(s.drift);
+  const Pose& last = s.localised.absolute.pose;
+  const double turn_rad = rotation_angle_rad(last.R_CT, predicted.R_CT);
+  const double sides = turn_rad / kSideAngle_rad;
+  PoseCovariance sum = (1.0 + sides * sides) * now;
+  const double by_rate_rad = turn_rad * turn_sigma(s.drift);
+  sum.topLeftCorner<3, 3>().diagonal().array() += by_rate_rad * by_rate_rad;
+  return sum;
+}
+
 void send_local_prediction(const MotionState& motion, Component::State* s) {
   const std::int64_t ahead_ns =
       motion.timestamp_ns + std::llround(1e9 * kPredictionsAhead_s.front());
-  const Result<PosePrediction> predicted = predict_by_motion(*s, ahead_ns, s->motion.R_IC);
+  Result<PosePrediction> predicted = predict_by_motion(*s, ahead_ns, s->motion.R_IC);
   if (!predicted) {
     return;
   }
-  bus::PredictionPacket packet = bus::to_packet(predicted.value(), length_unit(s->scale));
+  predicted.value().covariance += drift_until(predicted.value().pose, *s);
+  bus::PredictionPacket packet = bus::to_packet(predicted.value(), length_unit(*s));
   packet.timestamp_ns = motion.timestamp_ns;
   packet.predicted_timestamp_ns = ahead_ns;
   packet.frame = motion.frame;
@@ -50,7 +66,7 @@ void send_model(const MotionState& motion, Component::State* s) {
     model = {};  // its time is out of reach, or the mode asks for pairs of poses
   }
   bus::ModelPacket packet =
-      bus::to_packet(model, s->motion.R_IC.transpose(), length_unit(s->scale));
+      bus::to_packet(model, s->motion.R_IC.transpose(), length_unit(*s));
   packet.timestamp_ns = motion.timestamp_ns;
   packet.frame = motion.frame;
   if (!model.accepted()) {
@@ -72,12 +88,13 @@ void send_prediction(const MotionState& motion, bool due, Component::State* s) {
     ahead.frame = motion.frame;
     ahead.R_IC = s->motion.R_IC;
   }
-  const std::optional<MotionPrediction> reached = walk_on(&ahead.walk);
+  std::optional<MotionPrediction> reached = walk_on(&ahead.walk);
   if (!reached) {
     return;
   }
+  reached->covariance += turned(ahead.R_IC, s->drift.bridge);
   bus::PredictionPacket packet = bus::to_packet(
-      *reached, ahead.walk.model, ahead.R_IC.transpose(), length_unit(s->scale));
+      *reached, ahead.walk.model, ahead.R_IC.transpose(), length_unit(*s));
   packet.timestamp_ns = ahead.timestamp_ns;
   packet.frame = ahead.frame;
   append(packet, s->parameters.bus, &s->bus.stream);

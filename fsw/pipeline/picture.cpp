@@ -26,6 +26,13 @@ void forget_picture(Component::State* s) {
   s->localised.matches.clear();
 }
 
+void forget_pictures(Component::State* s) {
+  clear(&s->mask_state.points);
+  s->mask_state.found = false;
+  s->quality.frames.clear();
+  s->quality.insistence.fill(0);
+}
+
 namespace {
 
 FrameUse use_of(const FrameVerdict& verdict) {
@@ -104,7 +111,7 @@ MaskPrior mask_prior(const Pose& pose, Component::State* s) {
 void look_for_target(Component::State* s) {
   PosePrediction predicted;
   MaskPrior prior;
-  if (s->mask_state.behind && s->mode == Mode::kTracking &&
+  if (s->mode == Mode::kTracking &&
       predict_pose(*s, s->timestamp_ns, s->motion.R_IC, &predicted)) {
     prior = mask_prior(predicted.pose, s);
   }

@@ -11,6 +11,9 @@ void stage_done(Stage stage, const Component::State& state);
 /// Clears what the last frame's picture has left behind.
 void forget_picture(Component::State* state);
 
+/// Pictures are looked at anew, after a pause or for another target: none is compared with the ones before.
+void forget_pictures(Component::State* state);
+
 /// Imports the image alone.
 FrameUse bring_picture(const Frame& frame, Component::State* state);
 
@@ -20,7 +23,7 @@ FrameUse take_picture(const Frame& frame, Component::State* state);
 /// Where the map's landmarks are in the picture with this pose.
 MaskPrior mask_prior(const Pose& pose, Component::State* state);
 
-/// Finds the target's mask, by the predicted pose where there is something behind the target.
+/// Finds the target's mask; while a map is tracked, with the landmarks where the predicted pose has them.
 void look_for_target(Component::State* state);
 
 /// Detects this frame's features, once.

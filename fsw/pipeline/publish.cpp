@@ -44,11 +44,6 @@ std::array<double, 4> continuous_quaternion(const Eigen::Matrix3d& R_CT,
   return *last;
 }
 
-/// Of a metre, and of the map's unit while the start is all it stands on.
-double scale_sigma(const Component::State& s) {
-  return std::hypot(s.scale.relative_sigma, unit_sigma(s.drift));
-}
-
 void fill_rates(double unit, const Component::State& s, MotionState* m) {
   Result<RateEstimate> rates = rates_now(s);
   if (!rates) {
@@ -56,7 +51,7 @@ void fill_rates(double unit, const Component::State& s, MotionState* m) {
   }
   RateEstimate& found = rates.value();
   found.v_C *= unit;
-  found.covariance_v_C = unit * unit * found.covariance_v_C + by_scale(found.v_C, scale_sigma(s));
+  found.covariance_v_C = unit * unit * found.covariance_v_C + by_scale(found.v_C, length_sigma(s));
   publish(found, *m);
   m->cov_w = upper_triangle<6>(found.covariance_w_T);
   m->cov_v = upper_triangle<6>(found.covariance_v_C);
@@ -141,7 +136,7 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
     const double unit = s->scale.metres_per_mu;
     const Pose pose = scaled(absolute.pose, unit);
     fill_pose(pose,
-              scaled(absolute.covariance + covariance(s->drift), unit) + by_scale(pose, scale_sigma(*s)),
+              scaled(absolute.covariance + covariance(s->drift), unit) + by_scale(pose, length_sigma(*s)),
               &s->q_CT_last,
               &m);
     fill_rates(unit, *s, &m);

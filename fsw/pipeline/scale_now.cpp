@@ -99,6 +99,14 @@ bool measure_scale_in(const ScaleView& view, Component::State* s) {
         ScaleSource::kRange, scale_from_range(view, options.range_m, options.range_sigma_m), s);
   }
   if (taken) {
+    // One that is no longer asked for has been replaced.
+    ScaleReadings& readings = s->scale.readings;
+    if (options.known_length_m == 0.0) {
+      readings = readings_beside(ScaleSource::kKnownLength, readings);
+    }
+    if (options.range_m == 0.0) {
+      readings = readings_beside(ScaleSource::kRange, readings);
+    }
     s->scale.keyframes_at_reading = s->map.next_keyframe_number;
     settle(s);
   }

@@ -66,6 +66,9 @@ void ask_for_shape(Component::State* s) {
 
 void take_shape(Component::State* s) {
   const ShapeJob& job = s->shape_job;
+  if (job.skipped) {
+    s->shape.keyframe_asked = 0;  // a body that is mapped all around may never give another keyframe
+  }
   if (!job.outcome) {
     return;
   }
@@ -94,7 +97,7 @@ void send_shape(const MotionState& motion, Component::State* s) {
     return;
   }
   now.is_new = false;
-  bus::ShapePacket packet = bus::to_packet(*now.shape, length_unit(s->scale));
+  bus::ShapePacket packet = bus::to_packet(*now.shape, length_unit(*s));
   packet.timestamp_ns = motion.timestamp_ns;
   packet.frame = motion.frame;
   packet.frame_of_estimate = now.frame_of_estimate;

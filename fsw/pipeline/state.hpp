@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -45,13 +46,6 @@ struct ScaleState {
   std::array<bool, kScaleSources> used{};  ///< readings that the scale comes from
   bool contradiction = false;
 };
-
-/// As the bus's packets take it.
-inline bus::LengthUnit length_unit(const ScaleState& scale) {
-  return {.known = scale.known,
-          .metres_per_mu = scale.metres_per_mu,
-          .relative_sigma = scale.relative_sigma};
-}
 
 /// Predictions under way to the bus, and what the frame that they start from had.
 struct AheadNow {
@@ -124,5 +118,15 @@ struct Component::State {
   FixedVector<Observation, limits::kPoseMatches> observations;
   StepOutput output;
 };
+
+/// 1-sigma of a metre, and of the map's unit while the start is all it stands on, as a part of it.
+inline double length_sigma(const Component::State& s) {
+  return std::hypot(s.scale.relative_sigma, unit_sigma(s.drift));
+}
+
+/// As the bus's packets take it.
+inline bus::LengthUnit length_unit(const Component::State& s) {
+  return {.known = s.scale.known, .metres_per_mu = s.scale.metres_per_mu, .relative_sigma = length_sigma(s)};
+}
 
 }  // namespace polhode

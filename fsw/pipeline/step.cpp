@@ -110,14 +110,15 @@ void estimate(Component::State* s) {
   }
   stage_done(Stage::kMap, *s);
   run_undelayed_jobs(s);
+  measure_scale(s);
+  ask_for_shape(s);
+  stage_done(Stage::kShape, *s);
   if (s->pose_valid) {
     remember_motion(s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
     widen_turn(s->localised.absolute.pose, &s->drift);
     ++s->counters.poses;
   }
-  measure_scale(s);
-  ask_for_shape(s);
-  stage_done(Stage::kShape, *s);
+  stage_done(Stage::kMotion, *s);
 }
 
 }  // namespace

@@ -42,11 +42,16 @@ class Aligned:
         return self._position_error_m(self.similarity)
 
     @property
-    def own_position_error_m(self) -> np.ndarray:
-        """[N] of an estimate in metres by its own scale, one that claims none by the similarity's."""
+    def own_similarity(self) -> align.Similarity:
+        """What a run says in metres keeps its own, since its sigmas hold the error of its scale; one that claims no scale has it fitted."""
         if not self.metric:
-            return self.position_error_m
-        return self._position_error_m(_align_lengths(self.estimate, self.truth, self.rows_E, self.rows_T, self.one_unit, False))
+            return self.similarity
+        return _align_lengths(self.estimate, self.truth, self.rows_E, self.rows_T, self.one_unit, False)
+
+    @property
+    def own_position_error_m(self) -> np.ndarray:
+        """[N] after own_similarity; NaN in frames of another unit."""
+        return self._position_error_m(self.own_similarity)
 
     def _position_error_m(self, similarity: align.Similarity) -> np.ndarray:
         moved = align.apply_similarity(similarity, self.R_CE, self.estimate.p_CT[self.rows_E])
@@ -149,7 +154,7 @@ def rates(aligned: Aligned) -> dict | None:
     if len(w_E) == 0:
         return None
     error_deg_s = np.degrees(w_E - w_T)
-    time_s = aligned.estimate.timestamp_ns[rows_E] * 1e-9 - aligned.estimate.timestamp_ns[0] * 1e-9
+    time_s = aligned.estimate.seconds[rows_E]
     speed_true = np.linalg.norm(w_T, axis=1).mean()
     # Along the true axis: the norm of a noisy vector would be too long.
     axis_T = w_T / np.maximum(np.linalg.norm(w_T, axis=1, keepdims=True), 1e-12)
@@ -207,13 +212,18 @@ def velocity(aligned: Aligned) -> dict | None:
 
 
 def _normalised(error: np.ndarray, sigma: np.ndarray) -> dict | None:
-    """Share of frames whose error norm is within the 95 % bound of the published sigma (1 sigma of the worst axis)."""
-    known = np.isfinite(sigma) & (sigma > 0) & np.isfinite(error)
+    """Share of frames whose error norm is within the 95 % bound of the published sigma (1 sigma of the worst axis).
+
+    A sigma of zero promises that there is no error: it counts among the frames, not among the ratios.
+    """
+    known = np.isfinite(sigma) & np.isfinite(error)
     if not known.any():
         return None
-    ratio = error[known] / sigma[known]
-    return {"frames": int(known.sum()), "within_95_percent_bound": float(np.mean(ratio <= NORMALISED_BOUND)),
-            "rms_normalised": rms(ratio) / np.sqrt(3.0), "median_normalised": float(np.median(ratio))}
+    error, sigma = error[known], sigma[known]
+    ratio = error[sigma > 0] / sigma[sigma > 0]
+    return {"frames": len(error), "within_95_percent_bound": float(np.mean(error <= NORMALISED_BOUND * sigma)),
+            "rms_normalised": rms(ratio) / np.sqrt(3.0) if len(ratio) else None,
+            "median_normalised": float(np.median(ratio)) if len(ratio) else None}
 
 
 def consistency(aligned: Aligned) -> dict:
@@ -224,8 +234,7 @@ def consistency(aligned: Aligned) -> dict:
     """
     estimate = aligned.estimate
     sigma = {name: estimate.columns[name] for name in estimate.columns if name.startswith("sigma")}
-    # What a run says in metres is judged in its own metres: its sigmas hold the error of its scale.
-    length_scale = 1.0 if aligned.metric else aligned.similarity.scale
+    length_scale = aligned.own_similarity.scale
     rows_w, w_E, w_T = rate_pairs(aligned)
     rows_v, _, v_moved, v_true = velocity_pairs(aligned)
     return {

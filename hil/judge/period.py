@@ -31,9 +31,10 @@ def fit_sine(time_s: np.ndarray, value: np.ndarray) -> dict | None:
     time_s = time_s - time_s[0]
     span_s = time_s[-1]
     nyquist_hz = 0.5 / np.median(np.diff(time_s))
-    grid_hz = np.arange(0.4 / span_s, nyquist_hz, 0.1 / span_s)
-    if grid_hz.size == 0:
+    # A gap of days between frames makes the grid of its span endless; and cycles across it cannot be counted.
+    if not 0.4 / span_s < nyquist_hz or nyquist_hz * span_s > 5 * len(time_s):
         return None
+    grid_hz = np.arange(0.4 / span_s, nyquist_hz, 0.1 / span_s)
     frequency = grid_hz[int(np.argmin(_linear_fit(time_s, value, grid_hz)))]
     phase = 2 * np.pi * frequency * time_s
     basis = np.column_stack([np.ones_like(time_s), np.cos(phase), np.sin(phase)])

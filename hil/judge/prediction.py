@@ -41,11 +41,12 @@ def judge_row(row: dict, aligned: Aligned) -> dict | None:
               "position_percent_of_range": None, "position_within_95_percent_bound": None}
     if row["p_CT"] is not None:
         p_E = np.array(row["p_CT"])[None, :]
-        moved = align.apply_similarity(aligned.similarity, Rotation.concatenate([R_CE]), p_E)[0]
+        similarity = aligned.own_similarity
+        moved = align.apply_similarity(similarity, Rotation.concatenate([R_CE]), p_E)[0]
         error_m = float(np.linalg.norm(moved - p_CT))
         result["position_percent_of_range"] = 100 * error_m / float(np.linalg.norm(p_CT))
         result["position_within_95_percent_bound"] = (
-            error_m <= NORMALISED_BOUND * aligned.similarity.scale * row["sigma_pos"])
+            error_m <= NORMALISED_BOUND * similarity.scale * row["sigma_pos"])
     return result
 
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "motion/body_dynamics.hpp"
+#include "pipeline/publish.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -53,29 +54,37 @@ Json axes_json(const BodyDynamics& body) {
   return axes;
 }
 
-Json path_json(const BodyDynamics& body, const RigidModel& model, const Eigen::Matrix3d& R_CI) {
+Json path_json(const BodyDynamics& body,
+               const RigidModel& model,
+               const Eigen::Matrix3d& R_CI,
+               double scale_sigma) {
   if (!model.path_known) {
     return nullptr;
   }
   Json axes = Json::array();
   for (int k = 0; k < 3; ++k) {
-    Json axis = estimated(body.mass_centre[static_cast<std::size_t>(k)]);
+    Estimated along = body.mass_centre[static_cast<std::size_t>(k)];
+    along.sigma = std::hypot(along.sigma, scale_sigma * along.value);
+    Json axis = estimated(along);
     axis["axis_T"] = to_json(Eigen::Vector3d(body.mass_centre_axes_T.col(k)));
     axes.push_back(axis);
   }
-  const Eigen::Matrix3d covariance = R_CI * body.covariance_v_I * R_CI.transpose();
-  return {{"v_C", to_json(R_CI * body.v_I)},
+  const Eigen::Vector3d v_C = R_CI * body.v_I;
+  const Eigen::Matrix3d covariance =
+      R_CI * body.covariance_v_I * R_CI.transpose() + by_scale(v_C, scale_sigma);
+  return {{"v_C", to_json(v_C)},
           {"sigma_v_C", sigmas(covariance)},
           {"speed", body.v_I.norm()},
           {"centre_of_mass", axes},
           {"residuals", level_json(model.position)}};
 }
 
-Json row_json(const MotionPrediction& at, double ahead_s, const Eigen::Matrix3d& R_CI) {
+Json row_json(const MotionPrediction& at,
+              double ahead_s,
+              const Eigen::Matrix3d& R_CI,
+              double scale_sigma) {
   const Eigen::Quaterniond q(Eigen::Matrix3d(R_CI * at.pose.R_CT));
   const Eigen::Matrix3d attitude = R_CI * at.covariance.topLeftCorner<3, 3>() * R_CI.transpose();
-  const Eigen::Matrix3d position =
-      R_CI * at.covariance.bottomRightCorner<3, 3>() * R_CI.transpose();
   Json row{{"ahead_s", ahead_s},
            {"timestamp_ns", at.timestamp_ns},
            {"q_CT", {q.w(), q.x(), q.y(), q.z()}},
@@ -87,10 +96,11 @@ Json row_json(const MotionPrediction& at, double ahead_s, const Eigen::Matrix3d&
            {"v_C", nullptr},
            {"sigma_vel", nullptr}};
   if (at.path_known) {
+    const Eigen::Matrix3d position = at.covariance.bottomRightCorner<3, 3>();
     row["p_CT"] = to_json(R_CI * at.pose.p_CT);
-    row["sigma_pos"] = worst_sigma(position);
+    row["sigma_pos"] = worst_sigma(position + by_scale(at.pose.p_CT, scale_sigma));
     row["v_C"] = to_json(R_CI * at.v_I);
-    row["sigma_vel"] = worst_sigma(at.covariance_v_I);
+    row["sigma_vel"] = worst_sigma(at.covariance_v_I + by_scale(at.v_I, scale_sigma));
   }
   return row;
 }
@@ -127,7 +137,7 @@ Json fit_json(const RigidModel& model, const MotionOptions& options) {
   return out;
 }
 
-void add_dynamics(const RigidModel& model, const Eigen::Matrix3d& R_CI, Json* out) {
+void add_dynamics(const RigidModel& model, const Eigen::Matrix3d& R_CI, double scale_sigma, Json* out) {
   const Result<BodyDynamics> described = describe_dynamics(model);
   const BodyDynamics& body = described.value();
   Json& json = *out;
@@ -145,10 +155,10 @@ void add_dynamics(const RigidModel& model, const Eigen::Matrix3d& R_CI, Json* ou
       {"axis_C", axis_known ? to_json(R_CI * body.momentum_axis_I) : Json(nullptr)},
       {"sigma_rad", axis_known ? Json(body.sigma_momentum_axis_rad) : Json(nullptr)},
       {"observability", name(body.momentum_axis)}};
-  json["translation"] = path_json(body, model, R_CI);
+  json["translation"] = path_json(body, model, R_CI, scale_sigma);
 }
 
-void add_prediction(const RigidModel& model, const Eigen::Matrix3d& R_CI, Json* out) {
+void add_prediction(const RigidModel& model, const Eigen::Matrix3d& R_CI, double scale_sigma, Json* out) {
   constexpr std::array<double, 10> kAhead_s{0.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1200.0, 1800.0};
   Json rows = Json::array();
   Json horizon = nullptr;
@@ -158,7 +168,7 @@ void add_prediction(const RigidModel& model, const Eigen::Matrix3d& R_CI, Json* 
     if (!at) {
       break;
     }
-    rows.push_back(row_json(at.value(), ahead_s, R_CI));
+    rows.push_back(row_json(at.value(), ahead_s, R_CI, scale_sigma));
     sure = sure && worst_sigma(at.value().covariance.topLeftCorner<3, 3>()) < kHorizonSigma_rad;
     if (sure && ahead_s > 0.0) {
       horizon = ahead_s;

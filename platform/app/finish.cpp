@@ -1,5 +1,7 @@
 #include "app/finish.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -106,6 +108,29 @@ void measure_scale_by_shape(Component::State* state) {
   }
 }
 
+/// A length, range, diameter or edge was given, and lengths are in map units all the same.
+void tell_scale_that_was_not_read(const Component::State& state) {
+  const ScaleOptions& o = state.parameters.scale;
+  const auto tell = [](const char* key, const char* why) {
+    fmt::print(stderr, "polhode: {}: not read: {}; lengths stay in map units\n", key, why);
+  };
+  if (state.scale.known || state.scale.contradiction) {
+    return;
+  }
+  if (o.known_length_m != 0.0) {
+    tell("scale.known_length_m", "its frame has no pose, or its points are not on the target");
+  }
+  if (o.range_m != 0.0) {
+    tell("scale.range_m", "its frame has no pose, or the boresight does not meet the target");
+  }
+  if (o.known_diameter_m != 0.0) {
+    tell("scale.known_diameter_m", "no round body was found");
+  }
+  if (o.known_edge_m != 0.0) {
+    tell("scale.known_edge_m", "no flat side with such an edge was found");
+  }
+}
+
 FoundShape find_shape(const Component::State& state, const std::vector<Eigen::Vector3d>& points_T) {
   FoundShape found;
   const Result<Shape> shape =
@@ -192,7 +217,7 @@ void write_smoothed(const std::vector<MotionState>& smoothed,
   table.write(motion_csv_header());
   for (std::size_t i = 0; i < smoothed.size(); ++i) {
     table.write(motion_csv_row(
-        {.frame = i, .timestamp_ns = log.published[i].timestamp_ns, .used = true}, smoothed[i]));
+        {.frame = i, .timestamp_ns = log.published[i].timestamp_ns, .used = log.uses[i] == FrameUse::kUsed}, smoothed[i]));
   }
   table.close();
   write_trajectory(folder / "trajectory.tum", smoothed);
@@ -208,6 +233,7 @@ void finish_replay(Component& component,
   Component::State& state = component.state();
   measure_scale_late(sequence, log, &state);
   measure_scale_by_shape(&state);
+  tell_scale_that_was_not_read(state);
   const ConfirmedLandmarks landmarks = landmarks_of(state);
   const FoundShape found = find_shape(state, landmarks.points_T);
   write_clouds(found, landmarks, folder);
@@ -231,6 +257,7 @@ void finish_replay(Component& component,
                     .options = state.parameters.motion,
                     .body_radius = radius,
                     .scale_known = state.scale.known,
+                    .scale_sigma = state.scale.relative_sigma,
                     .R_CI = samples.empty()
                                 ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
                                 : Eigen::Matrix3d(

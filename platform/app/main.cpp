@@ -4,7 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
 #include <exception>
+#include <system_error>
 
 #include "app/bus_dump.hpp"
 #include "app/bus_follow.hpp"
@@ -268,7 +271,12 @@ int main(int argc, char** argv) {
   polhode::platform::tell_assertions();
   polhode::platform::pin_libraries();
   try {
-    return run(argc, argv);
+    const int status = run(argc, argv);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+      fmt::print(stderr, "polhode: standard output: {}\n", std::generic_category().message(errno));
+      return kRunFailed;
+    }
+    return status;
   } catch (const polhode::platform::UnusableInput& problem) {
     fmt::print(stderr, "polhode: {}\n", problem.what());
     return kUnusable;

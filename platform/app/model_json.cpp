@@ -5,6 +5,7 @@
 
 #include "app/dynamics_json.hpp"
 #include "output_file.hpp"
+#include "pipeline/publish.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -24,7 +25,7 @@ Json sine_json(const SineFit& fit) {
           {"rms_rad_s", fit.rms}};
 }
 
-Json drift(const MotionModel& model) {
+Json drift(const MotionModel& model, double scale_sigma) {
   if (!model.drift_valid) {
     return nullptr;
   }
@@ -33,16 +34,17 @@ Json drift(const MotionModel& model) {
     axes.push_back({{"axis_T", to_json(Eigen::Vector3d(model.mass_centre_axes_T.col(i)))},
                     {"observability", name(model.mass_centre_axes[static_cast<std::size_t>(i)])}});
   }
-  return {{"v_C", to_json(model.drift.v_C)},
-          {"sigma_v_C", sigmas(model.drift.covariance_v_C)},
-          {"speed", model.drift.speed},
-          {"centre_of_mass_T", to_json(model.drift.c_T)},
-          {"sigma_centre_of_mass_T", sigmas(model.drift.covariance_c_T)},
+  const DriftFit& d = model.drift;
+  return {{"v_C", to_json(d.v_C)},
+          {"sigma_v_C", sigmas(d.covariance_v_C + by_scale(d.v_C, scale_sigma))},
+          {"speed", d.speed},
+          {"centre_of_mass_T", to_json(d.c_T)},
+          {"sigma_centre_of_mass_T", sigmas(d.covariance_c_T + by_scale(d.c_T, scale_sigma))},
           {"centre_of_mass_axes", axes},
-          {"chi2_per_dof", model.drift.chi2_per_dof}};
+          {"chi2_per_dof", d.chi2_per_dof}};
 }
 
-Json describe(const MotionModel& model) {
+Json describe(const MotionModel& model, double scale_sigma) {
   return {{"poses", model.poses},
           {"span_s", model.span_s},
           {"mean_w_T_rad_s", to_json(model.mean_w_T_rad_s)},
@@ -53,7 +55,7 @@ Json describe(const MotionModel& model) {
            {{"x", sine_json(model.sines[0])},
             {"y", sine_json(model.sines[1])},
             {"z", sine_json(model.sines[2])}}},
-          {"translation", drift(model)}};
+          {"translation", drift(model, scale_sigma)}};
 }
 
 Json paper(const ModelInput& input) {
@@ -61,7 +63,7 @@ Json paper(const ModelInput& input) {
       input.samples.first(std::min(input.samples.size(), kSineSamplesMax + 1));
   std::vector<SineSample> workspace(samples.size());
   const auto model = paper_model(samples, input.body_radius, workspace);
-  return model ? describe(model.value()) : Json(nullptr);
+  return model ? describe(model.value(), input.scale_sigma) : Json(nullptr);
 }
 
 /// Poses that are the dynamics' own share its error, however many they are: what they scatter by, and
@@ -92,8 +94,8 @@ void write_model_json(const std::filesystem::path& file, const ModelInput& input
   }
   out["fit"] = by_pairs ? Json(nullptr) : fit_json(input.model, input.options);
   if (input.model.accepted()) {
-    add_dynamics(input.model, input.R_CI, &out);
-    add_prediction(input.model, input.R_CI, &out);
+    add_dynamics(input.model, input.R_CI, input.scale_sigma, &out);
+    add_prediction(input.model, input.R_CI, input.scale_sigma, &out);
   } else {
     // Without dynamics that hold none of these is known.
     for (const char* key : {"principal_axes_T", "inertia_ratios", "prediction_horizon_s"}) {

@@ -15,6 +15,7 @@ struct ModelInput {
   const MotionOptions& options;
   double body_radius = 1.0;  ///< half the body's largest dimension, unit of the poses
   bool scale_known = false;
+  double scale_sigma = 0.0;  ///< 1-sigma of the scale over the scale, which all lengths in metres share
   Eigen::Matrix3d R_CI = Eigen::Matrix3d::Identity();  ///< of the camera at the last sample
 };
 

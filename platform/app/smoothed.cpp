@@ -234,6 +234,7 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
     }
     if (at.pose) {
       write_motion(at, servicer.R_IC(m.timestamp_ns).transpose(), state.scale, &q_last, &m);
+      m.mode = Mode::kTracking;  // with a pose from all frames there is nothing to acquire
     }
     smoothed.push_back(m);
   }

@@ -122,7 +122,7 @@ class Exporter {
     report_.network_sha256 = network_of(begin_);
     write_file(folder_ / "recording.json",
                fmt::format("{{\n  \"frames\": {},\n  \"unreadable\": {},\n  \"dropped\": {},\n"
-                           "  \"not_recorded\": {},\n  \"commands\": {},\n  \"octets_lost\": {},\n"
+                           "  \"not_recorded\": {},\n  \"out_of_time\": {},\n  \"commands\": {},\n  \"octets_lost\": {},\n"
                            "  \"files_lost\": {},\n  \"network_sha256\": \"{}\",\n"
                            "  \"starts_from_checkpoint\": {},\n  \"has_begin\": {},\n"
                            "  \"same_bytes\": {}\n}}\n",
@@ -130,6 +130,7 @@ class Exporter {
                            report_.unreadable,
                            report_.dropped,
                            report_.not_recorded,
+                           report_.out_of_time,
                            report_.commands,
                            report_.octets_lost,
                            report_.files_lost,
@@ -143,6 +144,10 @@ class Exporter {
  private:
   void take_frame(const Record& record) {
     const RecordHeader& header = record.header;
+    if (report_.frames > 0 && header.timestamp_ns <= last_ns_) {
+      ++report_.out_of_time;
+      return;
+    }
     const std::string name = fmt::format("{}.png", header.timestamp_ns);
     table_.write(fmt::format("{},{}\n", header.timestamp_ns, name));
     if (header.readable) {
@@ -186,8 +191,8 @@ std::string begin_text(std::string_view version,
 }
 
 bool replays_to_the_same_bytes(const ExportReport& report) {
-  return report.has_begin && report.not_recorded == 0 && report.octets_lost == 0 &&
-         report.files_lost == 0 && report.network_sha256.empty();
+  return report.has_begin && report.not_recorded == 0 && report.out_of_time == 0 &&
+         report.octets_lost == 0 && report.files_lost == 0 && report.network_sha256.empty();
 }
 
 ExportReport export_run(const RecordedRun& run, const fs::path& folder) {

@@ -107,7 +107,9 @@ void Recorder::commit() {
 
 void Recorder::checkpoint(std::span<const std::uint8_t> octets) {
   // Nothing waits for this thread yet, and the other has nothing to write: the file is ours.
-  (void)write_record({.kind = RecordKind::kCheckpoint}, octets);
+  const bool written = write_in_turn({.kind = RecordKind::kCheckpoint}, octets);
+  const std::lock_guard lock(mutex_);
+  counters_.write_failures += written ? 0 : 1;
 }
 
 void Recorder::frame(const Frame& frame) {
@@ -171,6 +173,9 @@ void Recorder::serve() {
   for (;;) {
     changed_.wait(lock, [this] { return stop_ || filled_ > 0; });
     if (filled_ == 0) {
+      if (refused_ > 0) {
+        (void)write_record({.kind = RecordKind::kDropped, .reason = DropReason::kNotRecorded, .count = refused_}, {});
+      }
       return;  // asked to stop, and all is written
     }
     Slot& slot = slots_[first_];
@@ -205,11 +210,21 @@ void Recorder::write_slot(Slot& slot) {
   if (picture) {
     compress(slot, &content);
   }
-  const bool written = write_record(slot.header, content);
+  const bool written = write_in_turn(slot.header, content);
   const std::lock_guard lock(mutex_);
   counters_.frames += slot.header.kind == RecordKind::kFrame && written ? 1 : 0;
   counters_.write_failures += written ? 0 : 1;
   counters_.octets += written ? kRecordHeaderOctets + content.size() : 0;
+}
+
+bool Recorder::write_in_turn(const RecordHeader& header, std::span<const std::uint8_t> content) {
+  if (refused_ > 0 &&
+      write_record({.kind = RecordKind::kDropped, .reason = DropReason::kNotRecorded, .count = refused_}, {})) {
+    refused_ = 0;
+  }
+  const bool written = refused_ == 0 && write_record(header, content);
+  refused_ += written ? 0 : std::max(1U, header.count);
+  return written;
 }
 
 bool Recorder::write_record(RecordHeader header, std::span<const std::uint8_t> content) {
@@ -219,7 +234,11 @@ bool Recorder::write_record(RecordHeader header, std::span<const std::uint8_t> c
     return segments_.write(encode(h)) && segments_.write(c);
   };
   if (segments_.wants_next(kRecordHeaderOctets + content.size())) {
-    if (!segments_.begin_next() || !whole({.kind = RecordKind::kBegin}, octets_of(begin_))) {
+    if (!segments_.begin_next()) {
+      return false;
+    }
+    if (!whole({.kind = RecordKind::kBegin}, octets_of(begin_))) {
+      segments_.give_up_present();
       return false;
     }
   }

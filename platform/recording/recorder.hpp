@@ -70,6 +70,8 @@ class Recorder {
   void serve();
   void write_slot(Slot& slot);
   void compress(Slot& slot, std::span<const std::uint8_t>* content);
+  /// After what the disk refused before has been told. @return false where it refuses this, too.
+  bool write_in_turn(const RecordHeader& header, std::span<const std::uint8_t> content);
   bool write_record(RecordHeader header, std::span<const std::uint8_t> content);
 
   bool complete_;
@@ -87,6 +89,7 @@ class Recorder {
   std::size_t filled_ = 0;
   bool stop_ = false;
   std::uint32_t missed_since_ = 0;  ///< not yet written down
+  std::uint32_t refused_ = 0;       ///< by the disk, not yet written down; the writing thread's
   RecorderCounters counters_;
   BackgroundThread thread_;
 };

@@ -94,6 +94,14 @@ bool Segments::begin_next() {
   return true;
 }
 
+void Segments::give_up_present() {
+  ::close(file_);
+  file_ = -1;
+  (void)::unlinkat(folder_descriptor_, segments_.back().name.data(), 0);
+  folder_octets_ -= segments_.back().octets;
+  segments_.pop_back();
+}
+
 bool Segments::write(std::span<const std::uint8_t> octets) {
   while (!octets.empty()) {
     const ssize_t written = ::write(file_, octets.data(), octets.size());

@@ -140,6 +140,14 @@ def test_normal_errors_lie_within_the_bound_in_95_of_100_frames():
     assert metrics._normalised(error, np.ones(20000))["within_95_percent_bound"] == pytest.approx(0.95, abs=0.006)
 
 
+def test_a_sigma_of_zero_is_a_promise_that_counts():
+    judged = metrics._normalised(np.full(10, 0.5), np.array([1.0] + 9 * [0.0]))
+    assert judged["frames"] == 10
+    assert judged["within_95_percent_bound"] == pytest.approx(0.1)
+    assert judged["median_normalised"] == pytest.approx(0.5)
+    assert metrics._normalised(np.ones(3), np.zeros(3))["rms_normalised"] is None
+
+
 def test_twin_is_named(tmp_path, scene, body):
     report = judged(tmp_path, scene, body, Errors(twin=True, attitude_rms_rad=0.01))["motion"]["causal"]
     # The body is about 2 deg off the boresight, and the made-up twin is mirrored along the boresight itself: 4 deg apart.

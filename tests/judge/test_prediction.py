@@ -16,12 +16,12 @@ SCALE = 4.0
 AHEAD_S = (0.0, 10.0, 30.0)
 
 
-def motion(body, rows, R_CT, p_CT):
+def motion(body, rows, R_CT, p_CT, in_metres=False):
     count = len(body.time_s[rows])
     everywhere = np.ones(count, dtype=bool)
     return Motion(path="made up", timestamp_ns=body.timestamp_ns[rows], q_CT=R_CT[rows].as_quat(scalar_first=True),
                   p_CT=p_CT[rows], v_C=body.v_C[rows], w_T=body.w_T[rows], pose_valid=everywhere,
-                  rate_valid=everywhere, velocity_valid=everywhere, scale_known=~everywhere)
+                  rate_valid=everywhere, velocity_valid=everywhere, scale_known=everywhere if in_metres else ~everywhere)
 
 
 @pytest.fixture
@@ -92,3 +92,17 @@ def test_a_run_without_a_prediction_is_not_judged(case, tmp_path):
     aligned, _ = case
     assert judged(tmp_path, aligned, []) is None
     assert judge_prediction(tmp_path / "missing.json", aligned) is None
+
+
+def test_what_is_said_in_metres_keeps_its_own_scale(case, tmp_path):
+    _, rows = case
+    body, scale = tumbling_body(), 1.05
+    R_CE, p_CE = body.R_CT * TURN.inv(), body.p_CT * scale
+    truth = motion(body, slice(None), body.R_CT, body.p_CT)
+    aligned = align_run(motion(body, slice(0, 60), R_CE, p_CE, in_metres=True), truth)
+    wrong = [row | {"p_CT": [scale * SCALE * x for x in row["p_CT"]]} for row in rows(0.0)]
+    unsure = [row | {"sigma_pos": 0.05 * float(np.linalg.norm(row["p_CT"]))} for row in wrong]
+    for sure_row, unsure_row in zip(judged(tmp_path, aligned, wrong), judged(tmp_path, aligned, unsure), strict=True):
+        assert 3.0 < sure_row["position_percent_of_range"] < 8.0  # the offset takes some of it, or adds some
+        assert not sure_row["position_within_95_percent_bound"]
+        assert unsure_row["position_within_95_percent_bound"]

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -57,6 +58,40 @@ TEST(ModelJson, ShowsNoNumberOfWhatIsUnobserved) {
   EXPECT_EQ(json["prediction"].size(), 10U);
   EXPECT_EQ(json["prediction"][1]["ahead_s"], 10.0);
   EXPECT_NEAR(json["prediction"][1]["v_C"][2].get<double>(), -0.01, 1e-9);
+}
+
+TEST(ModelJson, LengthsInMetresCarryTheErrorOfTheScale) {
+  RigidModel model;
+  model.status = ModelStatus::kAccepted;
+  model.path_known = true;
+  model.reference.w_T_rad_s = {0.01, 0.02, 0.05};
+  model.path << 0.0, 0.0, 10.0, 0.0, 0.0, -0.01, 0.1, 0.2, 0.3;
+  model.lever_sigma = 0.5;
+  model.covariance.diagonal().setConstant(1e-10);
+  const TemporaryFolder folder;
+  constexpr double kScaleSigma = 0.05;
+  write_model_json(folder.path() / "model.json",
+                   {.samples = {}, .model = model, .options = {}, .scale_known = true, .scale_sigma = kScaleSigma});
+  std::ifstream in(folder.path() / "model.json");
+  const nlohmann::json json = nlohmann::json::parse(in);
+  const nlohmann::json exact = written(model);
+  const auto norm = [](const nlohmann::json& v) {
+    return std::hypot(v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
+  };
+  for (std::size_t i = 0; i < json["prediction"].size(); ++i) {
+    const auto& row = json["prediction"][i];
+    const auto& before = exact["prediction"][i];
+    for (const auto& [value, sigma] : {std::pair{"p_CT", "sigma_pos"}, std::pair{"v_C", "sigma_vel"}}) {
+      const double by_scale = kScaleSigma * norm(row[value]);
+      EXPECT_GE(row[sigma].get<double>(), by_scale * (1.0 - 1e-9)) << sigma;
+      EXPECT_LE(row[sigma].get<double>(), std::hypot(by_scale, before[sigma].get<double>()) * (1.0 + 1e-9)) << sigma;
+    }
+    EXPECT_EQ(row["sigma_att_rad"], before["sigma_att_rad"]);
+  }
+  EXPECT_GE(json["translation"]["sigma_v_C"][2].get<double>(), kScaleSigma * 0.01 * (1.0 - 1e-9));
+  for (const auto& axis : json["translation"]["centre_of_mass"]) {
+    EXPECT_GE(axis["sigma"].get<double>(), kScaleSigma * std::abs(axis["value"].get<double>()));
+  }
 }
 
 /// Turning about the optical axis while moving along it, a second from pose to pose.

@@ -16,7 +16,7 @@ std::string last_error() { return std::generic_category().message(errno); }
 class Descriptor {
  public:
   explicit Descriptor(const std::filesystem::path& file)
-      : number_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {}
+      : number_(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
   ~Descriptor() {
     if (number_ >= 0) {
       ::close(number_);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <ios>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,9 +24,17 @@ class SensorFile {
       fail("no such file, or not readable");
     } catch (const YAML::Exception& problem) {
       fail(fmt::format("not YAML: {}", problem.what()));
+    } catch (const std::ios_base::failure&) {
+      fail("not readable");
     }
     if (!root_.IsMap()) {
       fail("not a table of fields");
+    }
+    std::set<std::string> fields;
+    for (const auto& field : root_) {
+      if (field.first.IsScalar() && !fields.insert(field.first.Scalar()).second) {
+        fail(fmt::format("{}: field is there twice", field.first.Scalar()));
+      }
     }
   }
 

@@ -32,8 +32,12 @@ std::string_view trimmed(std::string_view text) {
 /// data.csv line by line; every message names the file and the line.
 class FrameTable {
  public:
-  explicit FrameTable(const fs::path& file) : file_(file), in_(file) {
-    if (!in_ || fs::is_directory(file)) {
+  explicit FrameTable(const fs::path& file) : file_(file) {
+    std::error_code problem;
+    if (fs::is_regular_file(file, problem)) {  // a pipe would be waited for
+      in_.open(file);
+    }
+    if (!in_.is_open()) {
       throw UnusableInput(fmt::format("{}: not readable", file.string()));
     }
   }
@@ -66,7 +70,8 @@ class FrameTable {
       fail(fmt::format("'{}' is not 'timestamp [ns],filename'", content));
     }
     const std::string_view stamp = trimmed(content.substr(0, comma));
-    const std::string_view name = trimmed(content.substr(comma + 1));
+    const std::string_view rest = content.substr(comma + 1);
+    const std::string_view name = trimmed(rest.substr(0, rest.find(',')));  // further columns are others' matter
     SequenceFrame frame;
     const auto [end, error] =
         std::from_chars(stamp.data(), stamp.data() + stamp.size(), frame.timestamp_ns);
@@ -75,7 +80,8 @@ class FrameTable {
                        stamp));
     }
     const fs::path relative(name);
-    if (name.empty() || relative.is_absolute() || name.find("..") != std::string_view::npos) {
+    const bool leaves = std::find(relative.begin(), relative.end(), "..") != relative.end();
+    if (name.empty() || relative.is_absolute() || leaves) {
       fail(fmt::format("filename: '{}', allowed is a file inside the folder data", name));
     }
     frame.file = std::string(name);
@@ -161,12 +167,15 @@ std::size_t frame_octets_max(const CameraParameters& camera) {
 
 Sequence open_sequence(const fs::path& path) {
   const fs::path camera = path / "mav0" / "cam0";
-  if (!fs::is_directory(path)) {
-    throw UnusableInput(fmt::format("{}: no such folder", path.string()));
+  std::error_code problem;
+  if (!fs::is_directory(path, problem)) {
+    const bool absent = !problem || problem == std::errc::no_such_file_or_directory;
+    throw UnusableInput(fmt::format("{}: {}", path.string(), absent ? "no such folder" : problem.message()));
   }
-  if (!fs::exists(camera / "data.csv")) {
-    throw UnusableInput(
-        fmt::format("{}: not an image sequence: mav0/cam0/data.csv is missing", path.string()));
+  if (!fs::exists(camera / "data.csv", problem)) {
+    throw UnusableInput(problem ? fmt::format("{}: {}", (camera / "data.csv").string(), problem.message())
+                                : fmt::format("{}: not an image sequence: mav0/cam0/data.csv is missing",
+                                              path.string()));
   }
   Sequence sequence{.path = path,
                     .image_folder = camera / "data",
