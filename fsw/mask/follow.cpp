@@ -7,8 +7,12 @@
 namespace polhode {
 namespace {
 
-// Of the picture's rim: the Earth behind a fifth of the picture lights a fourth of it, a corner of it less.
-constexpr double kRimLitMin = 0.15;
+// Two fifths of the picture's rim: the Earth behind half of the picture lights half of it. Before
+// photographs of a body on a stand, which reaches the rim (up to 0.36), there is no motion to be
+// told apart and much of the body to be lost.
+constexpr double kRimLitMin = 0.4;
+// The Earth behind a fifth of the picture or less lights a corner of it, which bodies and stands hardly reach.
+constexpr double kCornerLitMin = 0.15;
 // A limb that comes and goes about that is behind the target all the time.
 constexpr double kRimLitLeft = 0.05;
 constexpr int kPatience = 5;
@@ -36,20 +40,57 @@ cv::Rect cells_of_body(const MaskPrior& prior) {
 }
 
 /// Part of the outermost cells that are lit, but for those of the body.
-double lit_rim(const cv::Mat& cells, const cv::Rect& body) {
+/// @param labels  of connected lit cells. Only those of them count that `counts` is true for.
+template <typename Counts>
+double lit_rim(const cv::Mat& labels, const cv::Rect& body, const Counts& counts) {
   int lit = 0;
   const auto count = [&](int column, int row) {
-    lit += cells.at<std::uint8_t>(row, column) != 0 && !body.contains({column, row}) ? 1 : 0;
+    const int label = labels.at<int>(row, column);
+    lit += label != 0 && counts(label) && !body.contains({column, row}) ? 1 : 0;
   };
-  for (int column = 0; column < cells.cols; ++column) {
+  for (int column = 0; column < labels.cols; ++column) {
     count(column, 0);
-    count(column, cells.rows - 1);
+    count(column, labels.rows - 1);
   }
-  for (int row = 0; row < cells.rows; ++row) {
+  for (int row = 1; row + 1 < labels.rows; ++row) {
     count(0, row);
-    count(cells.cols - 1, row);
+    count(labels.cols - 1, row);
   }
-  return static_cast<double>(lit) / (2.0 * (cells.rows + cells.cols));
+  return static_cast<double>(lit) / (2.0 * (labels.cols + labels.rows) - 4.0);
+}
+
+/// Is what is lit in a corner of the picture something else than the target? What the target stands on is one piece with
+/// it.
+bool is_apart(const cv::Mat& stats, int corner_label) {
+  constexpr double kTargetMin = 0.02;  // of what is lit
+  int all = 0;
+  int largest = 0;
+  for (int label = 1; label < stats.rows; ++label) {
+    const int area = stats.at<int>(label, cv::CC_STAT_AREA);
+    all += area;
+    largest = label == corner_label ? largest : std::max(largest, area);
+  }
+  return corner_label != 0 && largest > kTargetMin * all;
+}
+
+/// Is something behind the target?
+bool is_behind(const cv::Mat& cells, const cv::Rect& body, bool was_behind, OutlineScratch* s) {
+  cv::connectedComponentsWithStats(cells, s->labels, s->stats, s->centroids, 8, CV_32S);
+  const double all = lit_rim(s->labels, body, [](int) { return true; });
+  if (was_behind || all > kRimLitMin) {
+    return all > kRimLitLeft;
+  }
+  for (const cv::Point corner : {cv::Point(0, 0),
+                                 cv::Point(cells.cols - 1, 0),
+                                 cv::Point(0, cells.rows - 1),
+                                 cv::Point(cells.cols - 1, cells.rows - 1)}) {
+    const int label = s->labels.at<int>(corner);
+    if (is_apart(s->stats, label) &&
+        lit_rim(s->labels, body, [label](int other) { return other == label; }) > kCornerLitMin) {
+      return true;
+    }
+  }
+  return false;
 }
 
 constexpr float kAgreement = -0.3F;  // evidence under this: moves like the background
@@ -270,7 +311,7 @@ void follow_target(const cv::Mat& gray,
   s->found = false;
   s->sharp = false;
   s->behind = options.enabled && options.background &&
-              lit_rim(mask->cells, cells_of_body(prior)) > (s->behind ? kRimLitLeft : kRimLitMin);
+              is_behind(mask->cells, cells_of_body(prior), s->behind, &s->scratch);
   if (!s->behind) {
     clear(&s->points);
     s->unexplained = kPatience;

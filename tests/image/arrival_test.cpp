@@ -47,5 +47,17 @@ TEST(MissingFrames, FollowAChangeOfPeriod) {
   EXPECT_EQ(missing, 0);
 }
 
+TEST(MissingFrames, TimesToldAnewTellNothing) {
+  ArrivalHistory history;
+  std::int64_t now_ns = 0;
+  for (int i = 0; i < 10; ++i) {
+    now_ns += kPeriod_ns;
+    EXPECT_EQ(missing_frames(now_ns, &history), 0);
+    EXPECT_EQ(missing_frames(now_ns, &history), 0);
+    EXPECT_EQ(missing_frames(now_ns - kPeriod_ns / 2, &history), 0);
+  }
+  EXPECT_EQ(missing_frames(now_ns + 3 * kPeriod_ns, &history), 2);
+}
+
 }  // namespace
 }  // namespace polhode

@@ -250,13 +250,43 @@ TEST(Assess, SkipsATornFrame_FromEitherEnd) {
 TEST(Assess, GetsUsedToRowsThatStay_InASceneWithoutNoise) {
   QualityHistory history;
   int skipped = 0;
+  FrameVerdict last;
   for (int i = 0; i < 30; ++i) {
     cv::Mat gray = picture(0, 1);  // the same noise in each frame: what does not move is equal
     gray(cv::Rect(60 + i, 70, 20, 20)).setTo(200);
-    skipped += assess(gray, {}, &history).decision == FrameDecision::kSkip ? 1 : 0;
+    last = assess(gray, {}, &history);
+    skipped += last.decision == FrameDecision::kSkip ? 1 : 0;
   }
   EXPECT_GE(skipped, 1);
   EXPECT_LE(skipped, 3);
+  EXPECT_EQ(last.decision, FrameDecision::kUse) << "such a frame is whole";
+  EXPECT_EQ(last.fault, FrameFault::kNone);
+}
+
+TEST(Assess, ADarkFrameDeliveredTwiceIsDark_ThenFrozen) {
+  Watch watch;
+  cv::Mat dark;
+  watch.good().convertTo(dark, CV_8U, 0.1);
+  expect_skipped(watch.show(dark), FrameFault::kDark);
+  expect_skipped(watch.show(dark.clone()), FrameFault::kFrozen);
+}
+
+TEST(Assess, NamesTheFaultThatAFrameIsSkippedFor) {
+  QualityHistory history;
+  for (int i = 0; i < 12; ++i) {
+    cv::Mat gray = picture(0, 1);
+    gray(cv::Rect(60 + i, 70, 20, 20)).setTo(200);
+    (void)assess(gray, {}, &history);
+  }
+  cv::Mat broken = picture(0, 1);  // its rows repeat as always, and a block of it is octets by chance
+  broken(cv::Rect(72, 70, 20, 20)).setTo(200);
+  Rng rng(3, 0);
+  for (int v = 16; v < 64; ++v) {
+    for (int u = 16; u < 112; ++u) {
+      broken.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(rng.below(256));
+    }
+  }
+  expect_skipped(assess(broken, {}, &history), FrameFault::kBitErrors);
 }
 
 TEST(Assess, SkipsAFrameThatLostItsLight_AndUsesTheNext) {

@@ -118,5 +118,21 @@ TEST(MapDrift, KeepsThePartThatTheMotionLeavesOpen_UntilTheBodyTurnsOn) {
   EXPECT_EQ(turn_sigma(drift), 1.0) << "of what hardly turns nothing more can be open";
 }
 
+TEST(MapDrift, WhatABridgeLeavesOpenStays_UntilBothSidesOfItAreOneMap) {
+  MapDrift drift = started(1.5);
+  const PoseCovariance before = covariance(drift);
+  add_bridge(0.1, 0.5, 17, &drift);
+  const auto added = [&] { return PoseCovariance(covariance(drift) - before); };
+  EXPECT_NEAR(added()(0, 0), 0.01, 1e-12);
+  EXPECT_NEAR(added()(5, 5), 0.25, 1e-12);
+  hold_at_both_ends(&drift);
+  replace_walk(PoseCovariance::Zero(), &drift);
+  EXPECT_NEAR(added()(0, 0), 0.01, 1e-12) << "no fit of the new part alone tells of the old T";
+  EXPECT_EQ(drift.bridged_keyframe, 17U);
+  close_bridge(&drift);
+  EXPECT_NEAR(added()(0, 0), 0.0025, 1e-12);
+  EXPECT_EQ(drift.bridged_keyframe, 0U);
+}
+
 }  // namespace
 }  // namespace polhode

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -196,6 +197,72 @@ TEST(SharpenOutline, FindsTheEdge_FromAPriorThatIsOffByAFewPixels) {
   EXPECT_TRUE(follower.state->sharp);
   // Both sides of the edge are of the same texture: motion alone tells them apart, to 3 px of 40.
   EXPECT_GE(overlap(follower.state->outline, scene.truth(kFrames - 1)), 0.8);
+}
+
+TEST(FollowTarget, FindsATarget_BesideAStripOfBackground) {
+  Follower follower;
+  const Scene scene{.background_px = {2.0, 1.0}, .target_turn_deg = 3.0, .horizon_row = 195};
+  follower.show(scene, 0, kFrames);
+  EXPECT_TRUE(follower.state->behind) << "a fifth of the picture, three tenths of its rim";
+  EXPECT_FALSE(follower.mask.contains(10.0, 230.0));
+  EXPECT_FALSE(follower.mask.contains(310.0, 230.0));
+  EXPECT_GE(open_part(follower.mask, scene.truth(kFrames - 1)), 0.3);
+}
+
+TEST(FollowTarget, AKnownBodyThatFillsTheRimIsNoBackground) {
+  const Scene scene{.radius_px = 250.0, .background = false};
+  const cv::Mat picture = scene.picture(0);
+  Follower follower;
+  follow_target(picture, {}, {}, follower.state.get(), &follower.mask);
+  EXPECT_TRUE(follower.state->behind) << "nobody knows yet";
+  std::vector<cv::Point2f> landmarks;
+  for (float u_px = 20.0F; u_px < 310.0F; u_px += 20.0F) {
+    for (float v_px = 10.0F; v_px < 240.0F; v_px += 20.0F) {
+      landmarks.emplace_back(u_px, v_px);
+    }
+  }
+  Follower knowing;
+  follow_target(picture, {.points_px = landmarks, .radius_px = 250.0}, {}, knowing.state.get(), &knowing.mask);
+  EXPECT_FALSE(knowing.state->behind);
+  EXPECT_GT(open_part(knowing.mask, scene.truth(0)), 0.9);
+}
+
+TEST(FollowTarget, WhatATargetStandsOnIsNoBackground) {
+  const Scene scene{.background = false};
+  cv::Mat picture = scene.picture(0);
+  picture(cv::Rect(0, 200, moving::kWidth, 40)).setTo(90);
+  cv::Mat standing = picture.clone();
+  standing(cv::Rect(150, 150, 20, 60)).setTo(90);
+  Follower apart;
+  follow_target(picture, {}, {}, apart.state.get(), &apart.mask);
+  EXPECT_TRUE(apart.state->behind);
+  Follower one_piece;
+  follow_target(standing, {}, {}, one_piece.state.get(), &one_piece.mask);
+  EXPECT_FALSE(one_piece.state->behind);
+}
+
+TEST(FollowTarget, KeepsItsLandmarksOpen_WhenSomethingComesBehindThem) {
+  const Scene scene{.background_px = {2.0, 1.0}};
+  std::vector<cv::Point2f> landmarks;
+  for (float turn = 0.0F; turn < 6.2F; turn += 0.2F) {
+    for (const float radius_px : {10.0F, 20.0F, 30.0F}) {
+      landmarks.emplace_back(160.0F + radius_px * std::cos(turn), 120.0F + radius_px * std::sin(turn));
+    }
+  }
+  Follower follower;
+  follower.show(scene, 0, 1, {.points_px = landmarks, .radius_px = scene.radius_px});
+  ASSERT_TRUE(follower.state->behind);
+  EXPECT_GT(open_part(follower.mask, scene.truth(0)), 0.4) << "in its first picture";
+}
+
+TEST(FollowTarget, LandmarksThatThePicturesContradictEverywhereSayNothing) {
+  const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
+  Follower follower;
+  follower.show(scene, 0, kFrames);
+  ASSERT_TRUE(follower.state->found);
+  const std::vector<cv::Point2f> astray(40, {30.0F, 30.0F});
+  follower.show(scene, kFrames, 2, {.points_px = astray, .radius_px = scene.radius_px});
+  EXPECT_GE(open_part(follower.mask, scene.truth(kFrames + 1)), 0.3);
 }
 
 }  // namespace

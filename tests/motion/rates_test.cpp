@@ -259,5 +259,27 @@ TEST(Publish, FillsRatesAndFlags) {
   EXPECT_NEAR(state.sigma_vel, 0.5, 1e-12);
 }
 
+TEST(Rates, AreNotToldAcrossAGap_InWhichABodyMayHaveTurnedByAnyNumberOfTurns) {
+  const std::vector<TruthSample> truth = tumble(asymmetric_body(5.0 * kDegree_rad), 12, 1.0);
+  std::vector<PoseSample> poses = observed(truth, {}, 1);
+  constexpr std::int64_t kDay_ns = 86'400'000'000'000;
+  poses.back().timestamp_ns += kDay_ns;
+  EXPECT_FALSE(estimate_rates(poses, {}).ok()) << "the last pose stands alone";
+  for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
+    const Result<RateEstimate> rates = estimate_rates_at(poses, i, {});
+    ASSERT_TRUE(rates.ok());
+    EXPECT_LT(chi2(rates.value().w_T_rad_s - truth[i].w_T_rad_s, rates.value().covariance_w_T), 25.0) << i;
+  }
+}
+
+TEST(Rates, OfLostFramesAreToldWhileTheTurnIsPlain) {
+  const std::vector<TruthSample> truth = tumble(asymmetric_body(5.0 * kDegree_rad), 40, 1.0);
+  std::vector<PoseSample> poses = observed(truth, {}, 1);
+  poses.erase(poses.begin() + 20, poses.begin() + 38);  // 90 deg
+  const Result<RateEstimate> rates = estimate_rates(poses, {});
+  ASSERT_TRUE(rates.ok());
+  EXPECT_LT((rates.value().w_T_rad_s - truth.back().w_T_rad_s).norm(), 1.0 * kDegree_rad);
+}
+
 }  // namespace
 }  // namespace polhode

@@ -191,6 +191,24 @@ TEST(Commands, LengthAndRangeLeaveAloneWhatIsKnownOfTheShape) {
   EXPECT_EQ(Commanded::housekeeping(out).table_crc, table_crc(now));
 }
 
+TEST(Commands, ALengthThatIsYetToBeReadTakesNothingAway) {
+  Parameters p = Commanded::every_frame();
+  p.scale.known_diameter_m = 2.0;
+  Bench bench(p);
+  ScaleState& scale = bench.component->state().scale;
+  (void)take_reading({.source = ScaleSource::kDiameter, .metres_per_mu = 0.5, .sigma = 0.01}, scale.readings);
+  scale.known = true;
+  scale.metres_per_mu = 0.5;
+  const CommandOctets range = command(
+      CommandCode::kSetRange, bus::SetRangeCommand{.frame_timestamp_ns = 7, .range_m = 12.5});
+  const std::array<std::span<const std::uint8_t>, 1> commands{range};
+  const Picture dark = uniform(0);
+  (void)bench.component->step({.frame = frame_of(Bench::kSecond_ns, dark), .commands = commands});
+  EXPECT_TRUE(scale.known);
+  EXPECT_EQ(scale.metres_per_mu, 0.5);
+  EXPECT_EQ(scale.readings.size(), 1U);
+}
+
 CommandOctets attitude(std::int64_t time_ns) {
   return command(CommandCode::kServicerAttitude,
                  bus::ServicerAttitudeCommand{.timestamp_ns = time_ns,

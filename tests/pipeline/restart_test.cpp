@@ -34,7 +34,8 @@ struct Passage {
 };
 
 /// @param away_s  time out of sight beside that of the frames.
-Passage run(int away_s = 0) {
+/// @param back    which way the body turns once it is back.
+Passage run(int away_s = 0, int back = 1) {
   const Ball ball(3);
   Bench b;
   Passage r;
@@ -42,7 +43,7 @@ Passage run(int away_s = 0) {
     const bool seen = i < kGone || i >= kBack;
     b.time_s += i == kBack ? away_s : 0;
     const StepOutput& out =
-        seen ? b.show(ball.seen_from(turning(i)))
+        seen ? b.show(ball.seen_from(turning(i < kBack ? i : kBack + back * (i - kBack))))
              : b.component->step({.frame = unreadable(++b.time_s * Bench::kSecond_ns)});
     r.motion.push_back(out.motion);
     r.bytes.insert(r.bytes.end(), out.packets.begin(), out.packets.end());
@@ -131,6 +132,13 @@ TEST(Restart, InAnotherTIsToldAsThat) {
     return e.id == static_cast<std::uint16_t>(bus::EventId::kTargetFrameNew);
   });
   EXPECT_EQ(told->value[1], 2.0) << "the number of the frame";
+}
+
+TEST(Restart, ThatContradictsTheMotionBeforeIsInAnotherT) {
+  const Passage r = run(0, -1);
+  ASSERT_EQ(r.counters.restarts, 1U);
+  EXPECT_EQ(r.told(bus::EventId::kTargetFoundAgain), 0);
+  EXPECT_EQ(r.told(bus::EventId::kTargetFrameNew), 1);
 }
 
 TEST(Restart, GivesTheSameBytes) { EXPECT_EQ(run().bytes, passage().bytes); }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "camera/replay/file_camera.hpp"
 #include "encode.hpp"
@@ -66,6 +67,26 @@ TEST(Sequence, TakesLineEndsAndBlanksAsTheyCome) {
   EXPECT_EQ(open_sequence(folder.path()).frames.size(), 2U);
 }
 
+TEST(Sequence, TakesTheFirstTwoColumns_AndNamesWithDots) {
+  const SequenceFolder folder;
+  folder.frame("a..pgm", image());
+  folder.table("#timestamp [ns],filename,exposure [s]\n100,a..pgm,0.01\n");
+  EXPECT_EQ(open_sequence(folder.path()).frames[0].file, "a..pgm");
+}
+
+TEST(Sequence, RefusesAPipe_ForItWouldBeWaitedFor) {
+  const SequenceFolder folder;
+  const std::filesystem::path table = folder.path() / "mav0/cam0/data.csv";
+  std::filesystem::remove(table);
+  ASSERT_EQ(::mkfifo(table.c_str(), 0600), 0);
+  EXPECT_HOLDS(folder.refusal(), "data.csv: not readable");
+  std::filesystem::remove(table);
+  folder.table("100,a.pgm\n");
+  std::filesystem::remove(folder.path() / "mav0/cam0/data/a.pgm");
+  ASSERT_EQ(::mkfifo((folder.path() / "mav0/cam0/data/a.pgm").c_str(), 0600), 0);
+  EXPECT_HOLDS(folder.refusal(), "a.pgm: not a regular file");
+}
+
 TEST(Sequence, RefusesTimeStamps_NamingLineAndField) {
   const SequenceFolder folder;
   struct {
@@ -105,6 +126,7 @@ TEST(Sequence, RefusesSensorFiles_NamingFieldAndRange) {
       {"100.0,", ".nan,", "intrinsics[0]"},
       {"100.0,", "-100.0,", "intrinsics[0]: -100.0 is out of range"},
       {"camera_model:", "camera_model: : [", "not YAML"},
+      {"camera_model:", "resolution: [32, 32]\ncamera_model:", "resolution: field is there twice"},
   };
   for (const auto& entry : cases) {
     std::string text = kSensor;
@@ -115,6 +137,8 @@ TEST(Sequence, RefusesSensorFiles_NamingFieldAndRange) {
   }
   std::filesystem::remove(folder.path() / "mav0/cam0/sensor.yaml");
   EXPECT_HOLDS(folder.refusal(), "sensor.yaml: no such file");
+  std::filesystem::create_directory(folder.path() / "mav0/cam0/sensor.yaml");
+  EXPECT_HOLDS(folder.refusal(), "sensor.yaml: not readable");
 }
 
 TEST(Sequence, RefusesFoldersThatAreNone) {
