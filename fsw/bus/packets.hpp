@@ -137,7 +137,7 @@ struct ShapePacket {
   std::array<double, 3> centroid_T{};  ///< centre of the completed body, B's origin, in T; length; flag shape
   std::array<double, 3> centroid_measured_T{};  ///< mean of the measured cloud, in T; length; flag shape
   std::array<double, 3> dimensions{};  ///< full lengths along B's axes; length; flag shape
-  std::array<double, 3> sigma_dimensions{};  ///< 1-sigma; length; flag shape
+  std::array<double, 3> sigma_dimensions{};  ///< 1-sigma, without that of the unit, as all sigmas of this packet; length; flag shape
   double metres_per_mu = 0.0;  ///< the scale that turned map units into metres; m/map unit; flag scale_known
   std::array<float, 3> cylinder_axis_T{};  ///< unit, either sign; flag cylinder
   std::array<float, 3> cylinder_centre_T{};  ///< on the axis, at half length; length; flag cylinder
@@ -148,7 +148,7 @@ struct ShapePacket {
   float sigma_cylinder_radius = 0.0F;  ///< 1-sigma; length; flag cylinder
   float spacing = 0.0F;  ///< typical distance of neighbouring points; length; flag shape
   float thickness = 0.0F;  ///< 1-sigma noise of the cloud across its surface; length; flag shape
-  float sigma_scale = 0.0F;  ///< 1-sigma of metres_per_mu over its value; flag scale_known
+  float sigma_scale = 0.0F;  ///< 1-sigma of a length's unit, of metres_per_mu that is, over its value; flag scale_known
   std::array<float, 36> plane_normal_T{};  ///< of plane i: unit, away from the centroid; planes from plane_count on are zero; flag shape
   std::array<float, 12> plane_offset{};  ///< normal . p = offset for points p of the plane, in T; length; flag shape
   std::array<float, 36> plane_centre_T{};  ///< centre of the rectangle that holds its points; length; flag shape
@@ -201,7 +201,7 @@ struct HousekeepingPacket {
   std::uint32_t landmarks_culled = 0;
   std::uint32_t closures = 0;  ///< loops closed
   std::uint32_t shapes = 0;  ///< estimates of the shape
-  std::uint32_t jobs_issued = 0;  ///< starts, adjustments, shapes
+  std::uint32_t jobs_issued = 0;  ///< starts, adjustments, fits of the motion, shapes
   std::uint32_t jobs_without_result = 0;  ///< skipped for want of memory
   std::uint32_t steps_short_of_memory = 0;  ///< in which less was asked of the libraries
   std::uint32_t scale_contradictions = 0;  ///< times that the readings of the scale stopped agreeing
@@ -245,7 +245,7 @@ struct EventPacket {
 
 /// A part of the map's landmarks as they were when the request was executed.
 struct CloudPacket {
-  std::int64_t timestamp_ns = 0;  ///< of the frame at which the request was executed; ns
+  std::int64_t timestamp_ns = 0;  ///< of the last frame that was looked at before the request was executed; ns
   double metres_per_mu = 0.0;  ///< already applied to the points; m/map unit; flag scale_known
   std::uint32_t points_total = 0;  ///< of the whole cloud
   std::uint32_t first_point = 0;  ///< index of this packet's first point
@@ -283,7 +283,7 @@ struct PlatformPacket {
   static const Layout& layout();  ///< 94 octets
 };
 
-/// the distance between two picture points of a frame is this long; replaces any earlier length or range
+/// the distance between two picture points of a frame is this long; once read it replaces any earlier length or range
 struct SetKnownLengthCommand {
   std::int64_t frame_timestamp_ns = 0;  ///< of the frame in which the points are seen; one that has become a keyframe, or one to come; ns
   double length_m = 0.0;  ///< m
@@ -293,9 +293,9 @@ struct SetKnownLengthCommand {
   static const Layout& layout();  ///< 58 octets
 };
 
-/// a range finder's reading to the target's nearest surface on the boresight; replaces any earlier length or range
+/// a range finder's reading to the target's nearest surface on the boresight; once read it replaces any earlier length or range
 struct SetRangeCommand {
-  std::int64_t frame_timestamp_ns = 0;  ///< of the frame at which it was read; ns
+  std::int64_t frame_timestamp_ns = 0;  ///< of the frame at which it was read; one that has become a keyframe, or one to come; ns
   double range_m = 0.0;  ///< m
 
   static const Layout& layout();  ///< 26 octets

@@ -284,6 +284,14 @@ void finish_files(Run& run, const fs::path& folder) {
       folder);
 }
 
+void tell_result(const Run& run, const fs::path& out) {
+  fmt::print("{}\nwritten to {}\n", result_sentence(run.record, run.component.counters()), out.string());
+  const std::size_t frames = run.sequence.frames.size();
+  if (run.component.counters().frames_unreadable == frames) {
+    throw UnusableInput(fmt::format("{}: none of its {} images can be read", run.sequence.image_folder.string(), frames));
+  }
+}
+
 }  // namespace
 
 void replay(const ReplayArguments& arguments) {
@@ -344,7 +352,7 @@ void replay(const ReplayArguments& arguments) {
                  .at_end = machine_use(),
                  .wall_s = cost.wall_s,
                  .finish_s = seconds_since(finish_start)});
-  fmt::print("{}\nwritten to {}\n", result_sentence(run.record, component.counters()), arguments.out.string());
+  tell_result(run, arguments.out);
 }
 
 }  // namespace polhode::platform

@@ -29,7 +29,7 @@ def option_fields() -> dict[str, str]:
                 struct = match.group(1)
             elif line.startswith("};"):
                 struct = None
-            elif struct and struct != "Parameters" and (match := FIELD.match(line)):
+            elif struct and struct != "Parameters" and "operator" not in line and (match := FIELD.match(line)):
                 fields[f"{SECTIONS[struct]}.{match.group(1)}"] = match.group(2) or ""
     return fields
 

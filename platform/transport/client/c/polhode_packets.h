@@ -160,7 +160,7 @@ struct polhode_shape {
   double centroid_T[3]; /* centre of the completed body, B's origin, in T; length; flag shape */
   double centroid_measured_T[3]; /* mean of the measured cloud, in T; length; flag shape */
   double dimensions[3]; /* full lengths along B's axes; length; flag shape */
-  double sigma_dimensions[3]; /* 1-sigma; length; flag shape */
+  double sigma_dimensions[3]; /* 1-sigma, without that of the unit, as all sigmas of this packet; length; flag shape */
   double metres_per_mu; /* the scale that turned map units into metres; m/map unit; flag scale_known */
   float cylinder_axis_T[3]; /* unit, either sign; flag cylinder */
   float cylinder_centre_T[3]; /* on the axis, at half length; length; flag cylinder */
@@ -171,7 +171,7 @@ struct polhode_shape {
   float sigma_cylinder_radius; /* 1-sigma; length; flag cylinder */
   float spacing; /* typical distance of neighbouring points; length; flag shape */
   float thickness; /* 1-sigma noise of the cloud across its surface; length; flag shape */
-  float sigma_scale; /* 1-sigma of metres_per_mu over its value; flag scale_known */
+  float sigma_scale; /* 1-sigma of a length's unit, of metres_per_mu that is, over its value; flag scale_known */
   float plane_normal_T[36]; /* of plane i: unit, away from the centroid; planes from plane_count on are zero; flag shape */
   float plane_offset[12]; /* normal . p = offset for points p of the plane, in T; length; flag shape */
   float plane_centre_T[36]; /* centre of the rectangle that holds its points; length; flag shape */
@@ -240,7 +240,7 @@ struct polhode_housekeeping {
   uint32_t landmarks_culled;
   uint32_t closures; /* loops closed */
   uint32_t shapes; /* estimates of the shape */
-  uint32_t jobs_issued; /* starts, adjustments, shapes */
+  uint32_t jobs_issued; /* starts, adjustments, fits of the motion, shapes */
   uint32_t jobs_without_result; /* skipped for want of memory */
   uint32_t steps_short_of_memory; /* in which less was asked of the libraries */
   uint32_t scale_contradictions; /* times that the readings of the scale stopped agreeing */
@@ -290,7 +290,7 @@ struct polhode_event {
 #define POLHODE_CLOUD_SCALE_KNOWN 0x01
 /* A part of the map's landmarks as they were when the request was executed. */
 struct polhode_cloud {
-  int64_t timestamp_ns; /* of the frame at which the request was executed; ns */
+  int64_t timestamp_ns; /* of the last frame that was looked at before the request was executed; ns */
   double metres_per_mu; /* already applied to the points; m/map unit; flag scale_known */
   uint32_t points_total; /* of the whole cloud */
   uint32_t first_point; /* index of this packet's first point */

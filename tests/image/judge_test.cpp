@@ -1,0 +1,249 @@
+#include "image/quality.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <opencv2/imgproc.hpp>
+
+#include "base/rng.hpp"
+#include "pictures.hpp"
+
+namespace polhode {
+namespace {
+
+using namespace pictures;
+
+/// A history of good frames; the next is number `frames`.
+struct Watch {
+  QualityHistory history;
+  ImageOptions options;
+  int next = 0;
+  explicit Watch(int frames = 6) {
+    for (int i = 0; i < frames; ++i) {
+      const FrameVerdict verdict = show(good());
+      EXPECT_EQ(verdict.fault, FrameFault::kNone) << "frame " << i;
+      EXPECT_EQ(verdict.decision, FrameDecision::kUse);
+    }
+  }
+  cv::Mat good() const { return picture(next, static_cast<std::uint64_t>(next)); }
+  FrameVerdict show(const cv::Mat& gray) {
+    ++next;
+    return assess(gray, options, &history);
+  }
+};
+
+void expect_skipped(const FrameVerdict& verdict, FrameFault fault) {
+  EXPECT_EQ(verdict.fault, fault);
+  EXPECT_EQ(verdict.decision, FrameDecision::kSkip);
+  EXPECT_NE(verdict.faults & 1U << static_cast<unsigned>(fault), 0U);
+}
+
+void expect_good(const FrameVerdict& verdict) {
+  EXPECT_EQ(verdict.fault, FrameFault::kNone);
+  EXPECT_EQ(verdict.decision, FrameDecision::kUse);
+  EXPECT_EQ(verdict.faults, 0);
+}
+
+TEST(Assess, SkipsAFrozenFrame_AndGoesOn) {
+  Watch watch;
+  expect_skipped(watch.show(watch.history.previous.clone()), FrameFault::kFrozen);
+  expect_good(watch.show(watch.good()));
+}
+
+TEST(Assess, SkipsAFrozenCamera_HoweverLong) {
+  Watch watch;
+  const cv::Mat last = watch.history.previous.clone();
+  for (int i = 0; i < 40; ++i) {
+    expect_skipped(watch.show(last), FrameFault::kFrozen);
+  }
+}
+
+TEST(Assess, SkipsATornFrame_FromEitherEnd) {
+  for (const bool upper : {true, false}) {
+    Watch watch;
+    cv::Mat torn = watch.good();
+    const cv::Range rows = upper ? cv::Range(0, 60) : cv::Range(60, kHeight);
+    watch.history.previous.rowRange(rows).copyTo(torn.rowRange(rows));
+    expect_skipped(watch.show(torn), FrameFault::kTorn);
+    expect_good(watch.show(watch.good()));
+  }
+}
+
+TEST(Assess, GetsUsedToRowsThatStay_InASceneWithoutNoise) {
+  QualityHistory history;
+  int skipped = 0;
+  FrameVerdict last;
+  for (int i = 0; i < 30; ++i) {
+    cv::Mat gray = picture(0, 1);  // the same noise in each frame: what does not move is equal
+    gray(cv::Rect(60 + i, 70, 20, 20)).setTo(200);
+    last = assess(gray, {}, &history);
+    skipped += last.decision == FrameDecision::kSkip ? 1 : 0;
+  }
+  EXPECT_GE(skipped, 1);
+  EXPECT_LE(skipped, 3);
+  EXPECT_EQ(last.decision, FrameDecision::kUse) << "such a frame is whole";
+  EXPECT_EQ(last.fault, FrameFault::kNone);
+}
+
+TEST(Assess, ADarkFrameDeliveredTwiceIsDark_ThenFrozen) {
+  Watch watch;
+  cv::Mat dark;
+  watch.good().convertTo(dark, CV_8U, 0.1);
+  expect_skipped(watch.show(dark), FrameFault::kDark);
+  expect_skipped(watch.show(dark.clone()), FrameFault::kFrozen);
+}
+
+TEST(Assess, NamesTheFaultThatAFrameIsSkippedFor) {
+  QualityHistory history;
+  for (int i = 0; i < 12; ++i) {
+    cv::Mat gray = picture(0, 1);
+    gray(cv::Rect(60 + i, 70, 20, 20)).setTo(200);
+    (void)assess(gray, {}, &history);
+  }
+  cv::Mat broken = picture(0, 1);  // its rows repeat as always, and a block of it is octets by chance
+  broken(cv::Rect(72, 70, 20, 20)).setTo(200);
+  Rng rng(3, 0);
+  for (int v = 16; v < 64; ++v) {
+    for (int u = 16; u < 112; ++u) {
+      broken.at<std::uint8_t>(v, u) = static_cast<std::uint8_t>(rng.below(256));
+    }
+  }
+  expect_skipped(assess(broken, {}, &history), FrameFault::kBitErrors);
+}
+
+TEST(Assess, SkipsAFrameThatLostItsLight_AndUsesTheNext) {
+  for (const double factor : {0.0, 0.03, 0.1, 0.2}) {
+    Watch watch;
+    cv::Mat dim;
+    watch.good().convertTo(dim, CV_8U, factor);
+    expect_skipped(watch.show(dim), FrameFault::kDark);
+    expect_good(watch.show(watch.good()));
+  }
+}
+
+TEST(Assess, UsesAFrameThatLostAThirdOfItsLight) {
+  Watch watch;
+  cv::Mat dim;
+  watch.good().convertTo(dim, CV_8U, 0.67);
+  EXPECT_NE(watch.show(dim).decision, FrameDecision::kSkip);
+}
+
+TEST(Assess, GetsUsedToLessLight) {
+  Watch watch;
+  int skipped = 0;
+  for (int i = 0; i < 20; ++i) {
+    cv::Mat dim;
+    watch.good().convertTo(dim, CV_8U, 0.2);
+    skipped += watch.show(dim).decision == FrameDecision::kSkip ? 1 : 0;
+  }
+  EXPECT_LE(skipped, 3);
+}
+
+TEST(Assess, NeverUsesADarkPicture_HoweverLong) {
+  Watch watch;
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_EQ(watch.show(constant(kWidth, kHeight, 1)).decision, FrameDecision::kSkip);
+  }
+}
+
+TEST(Assess, SkipsAnOverexposedFrame_ButNotAnOverexposedSequence) {
+  for (const double factor : {3.0, 5.0, 20.0}) {
+    Watch watch;
+    cv::Mat bright;
+    watch.good().convertTo(bright, CV_8U, factor);
+    expect_skipped(watch.show(bright), FrameFault::kSaturated);
+    int skipped = 1;
+    for (int i = 0; i < 20; ++i) {
+      watch.good().convertTo(bright, CV_8U, factor);
+      skipped += watch.show(bright).decision == FrameDecision::kSkip ? 1 : 0;
+    }
+    EXPECT_LE(skipped, 3);
+  }
+}
+
+TEST(Assess, FindsSaltedPixels_AndSkipsWhereTheyAreMany) {
+  for (const double share : {0.003, 0.01, 0.05}) {
+    Watch watch;
+    cv::Mat salted = watch.good();
+    Rng rng(11, 0);
+    for (int i = 0; i < kWidth * kHeight; ++i) {
+      if (rng.uniform() < share) {
+        salted.data[i] = static_cast<std::uint8_t>(salted.data[i] ^ 0x80U);
+      }
+    }
+    const FrameVerdict verdict = watch.show(salted);
+    EXPECT_EQ(verdict.fault, FrameFault::kBitErrors) << share;
+    EXPECT_EQ(verdict.decision, FrameDecision::kSkip);
+    expect_good(watch.show(watch.good()));
+  }
+}
+
+TEST(Assess, SkipsBrokenLines) {
+  Watch watch;
+  cv::Mat broken = watch.good();
+  Rng rng(12, 0);
+  for (const int row : {31, 57, 88}) {
+    for (int u = 0; u < kWidth; ++u) {
+      broken.at<std::uint8_t>(row, u) = static_cast<std::uint8_t>(rng.below(256));
+    }
+  }
+  expect_skipped(watch.show(broken), FrameFault::kBitErrors);
+}
+
+/// Random octets: as rough, and as sharp, as a picture can be.
+cv::Mat random_octets(std::uint64_t seed) {
+  cv::Mat gray(kHeight, kWidth, CV_8UC1);
+  Rng rng(seed, 0);
+  for (int j = 0; j < kWidth * kHeight; ++j) {
+    gray.data[j] = static_cast<std::uint8_t>(rng.below(256));
+  }
+  return gray;
+}
+
+TEST(Assess, UsesNoiseThatHasAlwaysBeenThere) {
+  QualityHistory history;
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    expect_good(assess(random_octets(i), {}, &history));
+  }
+}
+
+TEST(Assess, UsesABlurredFrameWithCare) {
+  QualityHistory history;
+  for (std::uint64_t i = 0; i < 5; ++i) {
+    expect_good(assess(random_octets(i), {}, &history));
+  }
+  // Means over 9 x 9: neighbours share 8 of 9 columns, those 4 apart 5 of 9, so the change over 1
+  // px is sqrt(1 / 4) of that over 4.
+  cv::Mat blurred;
+  cv::blur(random_octets(9), blurred, cv::Size(9, 9));
+  const FrameVerdict verdict = assess(blurred, {}, &history);
+  EXPECT_EQ(verdict.fault, FrameFault::kBlurred);
+  EXPECT_EQ(verdict.decision, FrameDecision::kCare);
+}
+
+TEST(Assess, NeverUsesAPictureThatIsAllAtFullScale_HoweverLong) {
+  Watch watch;
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_EQ(watch.show(constant(kWidth, kHeight, 255)).decision, FrameDecision::kSkip) << i;
+  }
+}
+
+TEST(Assess, CallsAPictureWithoutContrastFlat) {
+  QualityHistory history;
+  expect_skipped(assess(constant(kWidth, kHeight, 128), {}, &history), FrameFault::kFlat);
+}
+
+TEST(Assess, SaysTheSame_WhenAskedTheSame) {
+  Watch a;
+  Watch b;
+  for (int i = 0; i < 5; ++i) {
+    const FrameVerdict va = a.show(a.good());
+    const FrameVerdict vb = b.show(b.good());
+    EXPECT_EQ(va.faults, vb.faults);
+    EXPECT_EQ(va.measure, vb.measure);
+  }
+}
+
+}  // namespace
+}  // namespace polhode
