@@ -1,80 +1,18 @@
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <fstream>
+#include <thread>
 
-#include "base/rng.hpp"
-#include "camera/replay/file_camera.hpp"
 #include "errors.hpp"
-#include "recording/export.hpp"
-#include "recording/recorder.hpp"
+#include "recordings.hpp"
 #include "temporary_folder.hpp"
 
 namespace polhode::platform {
 namespace {
 
-namespace fs = std::filesystem;
-
-constexpr int kWidth = 64;
-constexpr int kHeight = 48;
-constexpr const char* kBegin =
-    "# polhode\nseed = 1\ncamera.width_px = 64\ncamera.height_px = 48\ncamera.fu_px = 100.0\n"
-    "camera.fv_px = 101.0\ncamera.cu_px = 31.5\ncamera.cv_px = 23.5\ncamera.k1 = 0.1\n"
-    "camera.k2 = 0.0\ncamera.p1 = 0.0\ncamera.p2 = 0.0\n";
-
-using Pixels = std::vector<std::uint8_t>;
-
-/// Noise does not compress, a ramp does.
-Pixels noise(std::uint64_t seed, std::size_t octets) {
-  Rng rng(seed, 1);
-  Pixels pixels(octets);
-  for (std::uint8_t& pixel : pixels) {
-    pixel = static_cast<std::uint8_t>(rng.below(256));
-  }
-  return pixels;
-}
-
-Pixels ramp(std::size_t octets) {
-  Pixels pixels(octets);
-  for (std::size_t i = 0; i < octets; ++i) {
-    pixels[i] = static_cast<std::uint8_t>(i / 7);
-  }
-  return pixels;
-}
-
-Frame frame_of(std::int64_t timestamp_ns,
-               const Pixels& pixels,
-               PixelFormat format = PixelFormat::kGray8) {
-  return {.timestamp_ns = timestamp_ns,
-          .image = {.data = pixels.data(),
-                    .width_px = kWidth,
-                    .height_px = kHeight,
-                    .stride_octets = format == PixelFormat::kGray16 ? 2 * kWidth : kWidth,
-                    .format = format}};
-}
-
-RecorderOptions options(const fs::path& folder) {
-  return {.folder = folder,
-          .run_utc_ns = 1000,
-          .limits = {.segment_octets_max = 1'000'000, .folder_octets_max = 10'000'000},
-          .slots = 4,
-          .complete = true};
-}
-
-constexpr std::size_t kFrameOctets = 2 * kWidth * kHeight;
-
-std::vector<Record> read_all(const fs::path& folder, std::uint64_t* octets_lost = nullptr) {
-  const auto runs = recorded_runs(folder);
-  RecordingReader reader(runs.back());
-  std::vector<Record> records;
-  Record record;
-  while (reader.next(&record)) {
-    records.push_back(record);
-  }
-  if (octets_lost != nullptr) {
-    *octets_lost = reader.octets_lost();
-  }
-  return records;
-}
+using namespace recordings;
 
 TEST(Recording, GivesFramesDropsAndCommandsBackInTheirOrder) {
   const TemporaryFolder folder;
@@ -184,6 +122,79 @@ TEST(Recording, ADiskThatIsTooSlowCostsFrames_CountedAndWrittenDown) {
   EXPECT_EQ(frames + counters.missed, kFrames);
 }
 
+/// As a full disk: no file of the process grows beyond this while it lives.
+class FullDisk {
+ public:
+  explicit FullDisk(std::uintmax_t octets) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit full{.rlim_cur = octets, .rlim_max = before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &full);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST(Recording, WhatAFullDiskRefusesIsWrittenDown_OnceThereIsRoom) {
+  const TemporaryFolder folder;
+  const Pixels pixels = noise(1, kWidth * kHeight);
+  {
+    Recorder recorder(options(folder.path()), kBegin, kFrameOctets);
+    std::int64_t time_ns = 0;
+    const auto settled = [&](auto RecorderCounters::*counter, std::uint64_t count) {
+      while (recorder.counters().*counter < count) {
+        std::this_thread::yield();
+      }
+    };
+    recorder.frame(frame_of(++time_ns, pixels));
+    settled(&RecorderCounters::frames, 1);
+    {
+      const FullDisk full(fs::file_size(segment_files(folder.path()).front()));
+      for (int i = 0; i < 3; ++i) {
+        recorder.frame(frame_of(++time_ns, pixels));
+      }
+      settled(&RecorderCounters::write_failures, 3);
+    }
+    recorder.frame(frame_of(++time_ns, pixels));
+  }
+  std::uint64_t octets_lost = 0;
+  const auto records = read_all(folder.path(), &octets_lost);
+  EXPECT_EQ(octets_lost, 0U);
+  ASSERT_EQ(records.size(), 4U);
+  EXPECT_EQ(records[2].header.reason, DropReason::kNotRecorded);
+  EXPECT_EQ(records[2].header.count, 3U);
+  EXPECT_EQ(records[3].header.timestamp_ns, 5);
+}
+
+TEST(Recording, AFileThatTheDiskDoesNotLetBeginIsNotLeftBehind) {
+  const TemporaryFolder folder;
+  const Pixels pixels = noise(1, kWidth * kHeight);
+  {
+    Recorder recorder(options(folder.path()), kBegin, kFrameOctets);
+    {
+      const FullDisk full(0);
+      recorder.frame(frame_of(1, pixels));
+      while (recorder.counters().write_failures < 1) {
+        std::this_thread::yield();
+      }
+    }
+    recorder.frame(frame_of(2, pixels));
+  }
+  ASSERT_EQ(segment_files(folder.path()).size(), 1U);
+  const auto records = read_all(folder.path());
+  ASSERT_EQ(records.size(), 3U);
+  EXPECT_EQ(records[0].header.kind, RecordKind::kBegin);
+  EXPECT_EQ(records[1].header.count, 1U);
+  EXPECT_EQ(records[2].header.timestamp_ns, 2);
+}
+
 class DamagedRecording : public testing::Test {
  protected:
   DamagedRecording() {
@@ -244,57 +255,6 @@ TEST_F(DamagedRecording, RubbishIsNoRecording) {
   EXPECT_THROW((void)recorded_runs(empty.path() / "absent"), UnusableInput);
 }
 
-TEST(Export, IsASequenceWithTheSamePixelsAndTimes) {
-  const TemporaryFolder folder;
-  const Pixels shallow = noise(1, kWidth * kHeight);
-  const Pixels deep = noise(2, kFrameOctets);
-  const Pixels packet{0xAB, 0x01};
-  {
-    Recorder recorder(options(folder.path() / "rec"), kBegin, kFrameOctets);
-    recorder.frame(frame_of(1000, shallow));
-    recorder.frame({.timestamp_ns = 2000, .image = {}, .readable = false});
-    recorder.command(packet);
-    recorder.frame(frame_of(3000, deep, PixelFormat::kGray16));
-    recorder.dropped(DropReason::kLate, 2);
-  }
-  const fs::path out = folder.path() / "seq";
-  const ExportReport report = export_run(recorded_runs(folder.path() / "rec").back(), out);
-  EXPECT_EQ(report.frames, 3U);
-  EXPECT_EQ(report.unreadable, 1U);
-  EXPECT_EQ(report.dropped, 2U);
-  EXPECT_EQ(report.commands, 1U);
-  EXPECT_TRUE(replays_to_the_same_bytes(report));
-  const Sequence sequence = open_sequence(out);
-  EXPECT_EQ(sequence.camera.fv_px, 101.0);
-  EXPECT_EQ(sequence.camera.k1, 0.1);
-  FileCamera camera(sequence);
-  Frame frame;
-  ASSERT_TRUE(camera.next(frame));
-  EXPECT_EQ(frame.timestamp_ns, 1000);
-  EXPECT_TRUE(std::equal(shallow.begin(), shallow.end(), frame.image.data));
-  ASSERT_TRUE(camera.next(frame));
-  EXPECT_FALSE(frame.readable);
-  ASSERT_TRUE(camera.next(frame));
-  EXPECT_EQ(frame.image.format, PixelFormat::kGray16);
-  EXPECT_TRUE(std::equal(deep.begin(), deep.end(), frame.image.data));
-  std::ifstream commands(out / "commands.csv");
-  std::string line;
-  std::getline(commands, line);
-  std::getline(commands, line);
-  EXPECT_EQ(line, "3000,ab01");
-}
-
-TEST(Export, OverwritesNothing) {
-  const TemporaryFolder folder;
-  {
-    Recorder(options(folder.path() / "rec"), kBegin, kFrameOctets)
-        .frame(frame_of(1, ramp(kWidth * kHeight)));
-  }
-  folder.write("seq/mine.txt", "x");
-  EXPECT_THROW((void)export_run(recorded_runs(folder.path() / "rec").back(), folder.path() / "seq"),
-               UnusableInput);
-}
-
 TEST(Recording, ACommandThatFindsNoPlaceIsCountedAndWrittenDown_AtTheEndToo) {
   const TemporaryFolder folder;
   RecorderOptions few = options(folder.path());
@@ -336,27 +296,6 @@ TEST(Recording, AFileThatIsMissingIsFound) {
   EXPECT_EQ(recorded_runs(folder.path()).back().files_missing, 0U);
   fs::remove(files[1]);
   EXPECT_EQ(recorded_runs(folder.path()).back().files_missing, 1U);
-}
-
-TEST(Export, NamesTheNetworkThatIsNotInTheRecording) {
-  const TemporaryFolder folder;
-  const std::string digest(64, 'a');
-  {
-    Recorder recorder(options(folder.path() / "recording"), begin_text("1", digest, kBegin), kFrameOctets);
-    recorder.frame(frame_of(1, ramp(kFrameOctets / 2)));
-  }
-  const ExportReport report =
-      export_run(recorded_runs(folder.path() / "recording").back(), folder.path() / "out");
-  EXPECT_EQ(report.network_sha256, digest);
-  EXPECT_FALSE(replays_to_the_same_bytes(report));
-}
-
-TEST(Export, SaysWhenTheBytesWillDiffer) {
-  EXPECT_TRUE(replays_to_the_same_bytes({.has_begin = true}));
-  EXPECT_FALSE(replays_to_the_same_bytes({.has_begin = false}));
-  EXPECT_FALSE(replays_to_the_same_bytes({.not_recorded = 1, .has_begin = true}));
-  EXPECT_FALSE(replays_to_the_same_bytes({.octets_lost = 1, .has_begin = true}));
-  EXPECT_FALSE(replays_to_the_same_bytes({.files_lost = 1, .has_begin = true}));
 }
 
 }  // namespace
