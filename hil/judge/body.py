@@ -25,6 +25,8 @@ GRID = 8
 # So many of the mesh's samples, a hundredth of them, make a side; this percentile of them is its outermost part.
 SIDE_SAMPLES_MIN = SURFACE_SAMPLES // 100
 OUTERMOST_PERCENT = 95
+# Samples of one side have no wider gap between them along its normal.
+GAP_SIZES = 0.005
 # The round part of the mesh, around the cylinder that was found.
 NEAR_RADII = 0.15
 RADIAL_MIN = np.cos(np.radians(30.0))
@@ -129,13 +131,16 @@ def judge_centroid(shape: dict, truth: Truth) -> dict:
 def _side_m(truth: Truth, outward: np.ndarray, at_m: float) -> float | None:
     """How far out the mesh has a side that faces along `outward`, near a place; None where it has none.
 
-    Of a flat side all samples agree; a round one reaches as far as its outermost.
+    Of a flat side all samples agree; a round one reaches as far as its outermost, which may lie farther out than a place
+    that was found wrong: what goes on without a gap belongs to it.
     """
-    along = truth.points_T @ outward
-    near = (np.abs(along - at_m) < NEAR_SIZES * truth.size_m) & (truth.normals_T @ outward > PARALLEL_MIN)
-    if near.sum() < SIDE_SAMPLES_MIN:
+    facing = np.sort((truth.points_T @ outward)[truth.normals_T @ outward > PARALLEL_MIN])
+    begin, end = np.searchsorted(facing, [at_m - NEAR_SIZES * truth.size_m, at_m + NEAR_SIZES * truth.size_m])
+    if end - begin < SIDE_SAMPLES_MIN:
         return None
-    return float(np.percentile(along[near], OUTERMOST_PERCENT))
+    gaps = np.flatnonzero(np.diff(facing[end - 1:]) > GAP_SIZES * truth.size_m)
+    end += int(gaps[0]) if len(gaps) else len(facing) - end
+    return float(np.percentile(facing[begin:end], OUTERMOST_PERCENT))
 
 
 def _true_length_m(shape: dict, truth: Truth, axis: np.ndarray, found_m: float, rests_on: str | None) -> float:
