@@ -103,6 +103,6 @@ def test_what_is_said_in_metres_keeps_its_own_scale(case, tmp_path):
     wrong = [row | {"p_CT": [scale * SCALE * x for x in row["p_CT"]]} for row in rows(0.0)]
     unsure = [row | {"sigma_pos": 0.05 * float(np.linalg.norm(row["p_CT"]))} for row in wrong]
     for sure_row, unsure_row in zip(judged(tmp_path, aligned, wrong), judged(tmp_path, aligned, unsure), strict=True):
-        assert 3.0 < sure_row["position_percent_of_range"] < 8.0  # the offset takes some of it, or adds some
+        assert sure_row["position_percent_of_range"] > 3.0  # of 5: the offset that is fitted takes some, or adds some later
         assert not sure_row["position_within_95_percent_bound"]
         assert unsure_row["position_within_95_percent_bound"]
