@@ -39,24 +39,17 @@ cv::Rect cells_of_body(const MaskPrior& prior) {
   return cells;
 }
 
-/// Part of the outermost cells that are lit, but for those of the body.
-/// @param labels  of connected lit cells. Only those of them count that `counts` is true for.
+/// Part of the outermost pixels that `counts` is true for.
 template <typename Counts>
-double lit_rim(const cv::Mat& labels, const cv::Rect& body, const Counts& counts) {
-  int lit = 0;
-  const auto count = [&](int column, int row) {
-    const int label = labels.at<int>(row, column);
-    lit += label != 0 && counts(label) && !body.contains({column, row}) ? 1 : 0;
-  };
-  for (int column = 0; column < labels.cols; ++column) {
-    count(column, 0);
-    count(column, labels.rows - 1);
+double part_of_rim(const cv::Size& size, const Counts& counts) {
+  int found = 0;
+  for (int column = 0; column < size.width; ++column) {
+    found += (counts(column, 0) ? 1 : 0) + (counts(column, size.height - 1) ? 1 : 0);
   }
-  for (int row = 1; row + 1 < labels.rows; ++row) {
-    count(0, row);
-    count(labels.cols - 1, row);
+  for (int row = 1; row + 1 < size.height; ++row) {
+    found += (counts(0, row) ? 1 : 0) + (counts(size.width - 1, row) ? 1 : 0);
   }
-  return static_cast<double>(lit) / (2.0 * (labels.cols + labels.rows) - 4.0);
+  return static_cast<double>(found) / (2.0 * (size.width + size.height) - 4.0);
 }
 
 /// Is what is lit in a corner of the picture something else than the target? What the target stands on is one piece with
@@ -73,20 +66,28 @@ bool is_apart(const cv::Mat& stats, int corner_label) {
   return corner_label != 0 && largest > kTargetMin * all;
 }
 
-/// Is something behind the target?
+/// Is something behind the target? What a known body reaches of the rim does not count.
 bool is_behind(const cv::Mat& cells, const cv::Rect& body, bool was_behind, OutlineScratch* s) {
-  cv::connectedComponentsWithStats(cells, s->labels, s->stats, s->centroids, 8, CV_32S);
-  const double all = lit_rim(s->labels, body, [](int) { return true; });
+  const auto lit = [&](int column, int row) {
+    return cells.at<std::uint8_t>(row, column) != 0 && !body.contains({column, row});
+  };
+  const double all = part_of_rim(cells.size(), lit);
   if (was_behind || all > kRimLitMin) {
     return all > kRimLitLeft;
   }
+  if (all <= kCornerLitMin) {
+    return false;
+  }
+  cv::connectedComponentsWithStats(cells, s->labels, s->stats, s->centroids, 8, CV_32S);
   for (const cv::Point corner : {cv::Point(0, 0),
                                  cv::Point(cells.cols - 1, 0),
                                  cv::Point(0, cells.rows - 1),
                                  cv::Point(cells.cols - 1, cells.rows - 1)}) {
     const int label = s->labels.at<int>(corner);
-    if (is_apart(s->stats, label) &&
-        lit_rim(s->labels, body, [label](int other) { return other == label; }) > kCornerLitMin) {
+    const double same = part_of_rim(cells.size(), [&](int column, int row) {
+      return lit(column, row) && s->labels.at<int>(row, column) == label;
+    });
+    if (same > kCornerLitMin && is_apart(s->stats, label)) {
       return true;
     }
   }
@@ -300,6 +301,13 @@ void to_cells(MaskState* s, TargetMask* mask) {
 }
 
 }  // namespace
+
+bool rim_is_lit(const cv::Mat& gray, const MaskOptions& options) {
+  const double level = options.dark_level * 255.0;
+  return part_of_rim(gray.size(), [&](int column, int row) {
+    return static_cast<double>(gray.at<std::uint8_t>(row, column)) > level;
+  }) > kRimLitLeft;
+}
 
 void follow_target(const cv::Mat& gray,
                    const MaskPrior& prior,

@@ -111,7 +111,7 @@ MaskPrior mask_prior(const Pose& pose, Component::State* s) {
 void look_for_target(Component::State* s) {
   PosePrediction predicted;
   MaskPrior prior;
-  if (s->mode == Mode::kTracking &&
+  if (s->mode == Mode::kTracking && rim_is_lit(s->gray, s->parameters.mask) &&
       predict_pose(*s, s->timestamp_ns, s->motion.R_IC, &predicted)) {
     prior = mask_prior(predicted.pose, s);
   }

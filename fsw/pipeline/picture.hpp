@@ -23,7 +23,8 @@ FrameUse take_picture(const Frame& frame, Component::State* state);
 /// Where the map's landmarks are in the picture with this pose.
 MaskPrior mask_prior(const Pose& pose, Component::State* state);
 
-/// Finds the target's mask; while a map is tracked, with the landmarks where the predicted pose has them.
+/// Finds the target's mask; while a map is tracked and something may be behind it, with the landmarks where the predicted
+/// pose has them.
 void look_for_target(Component::State* state);
 
 /// Detects this frame's features, once.
