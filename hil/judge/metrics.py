@@ -4,6 +4,7 @@ Every function takes plain arrays and returns a plain dictionary; a value that c
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -41,7 +42,7 @@ class Aligned:
         """[N] after the similarity; NaN in frames of another unit."""
         return self._position_error_m(self.similarity)
 
-    @property
+    @cached_property
     def own_similarity(self) -> align.Similarity:
         """What a run says in metres keeps its own, since its sigmas hold the error of its scale; one that claims no scale has it fitted."""
         if not self.metric:

@@ -173,9 +173,7 @@ void Recorder::serve() {
   for (;;) {
     changed_.wait(lock, [this] { return stop_ || filled_ > 0; });
     if (filled_ == 0) {
-      if (refused_ > 0) {
-        (void)write_record({.kind = RecordKind::kDropped, .reason = DropReason::kNotRecorded, .count = refused_}, {});
-      }
+      (void)tell_refused();
       return;  // asked to stop, and all is written
     }
     Slot& slot = slots_[first_];
@@ -217,12 +215,16 @@ void Recorder::write_slot(Slot& slot) {
   counters_.octets += written ? kRecordHeaderOctets + content.size() : 0;
 }
 
-bool Recorder::write_in_turn(const RecordHeader& header, std::span<const std::uint8_t> content) {
+bool Recorder::tell_refused() {
   if (refused_ > 0 &&
       write_record({.kind = RecordKind::kDropped, .reason = DropReason::kNotRecorded, .count = refused_}, {})) {
     refused_ = 0;
   }
-  const bool written = refused_ == 0 && write_record(header, content);
+  return refused_ == 0;
+}
+
+bool Recorder::write_in_turn(const RecordHeader& header, std::span<const std::uint8_t> content) {
+  const bool written = tell_refused() && write_record(header, content);
   refused_ += written ? 0 : std::max(1U, header.count);
   return written;
 }

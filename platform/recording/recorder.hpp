@@ -70,7 +70,9 @@ class Recorder {
   void serve();
   void write_slot(Slot& slot);
   void compress(Slot& slot, std::span<const std::uint8_t>* content);
-  /// After what the disk refused before has been told. @return false where it refuses this, too.
+  /// Writes down how much the disk has refused. @return false while it refuses that, too.
+  bool tell_refused();
+  /// As write_record(), after what was refused before has been told.
   bool write_in_turn(const RecordHeader& header, std::span<const std::uint8_t> content);
   bool write_record(RecordHeader header, std::span<const std::uint8_t> content);
 
