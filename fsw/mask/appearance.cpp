@@ -60,10 +60,17 @@ Shares shares_of(const cv::Mat& looks, const cv::Mat& set, std::uint8_t value, d
   return shares;
 }
 
+/// What a place says whose look is so many times as frequent on the target as beside it.
+float said_by(double ratio) {
+  const double most = std::exp(kLogMost);
+  return static_cast<float>(kShare * std::log(std::clamp(ratio, 1.0 / most, most)));
+}
+
 }  // namespace
 
 void add_appearance(const cv::Mat& picture,
                     const cv::Mat& outline,
+                    const cv::Mat& matches,
                     AppearanceScratch* s,
                     cv::Mat* opinion) {
   const cv::Rect tight = cv::boundingRect(outline);
@@ -88,16 +95,19 @@ void add_appearance(const cv::Mat& picture,
     return;  // one pixel would be a look of its own
   }
   std::array<float, kLooks> says{};
+  std::array<float, kLooks> says_of_known{};
   for (std::size_t k = 0; k < kLooks; ++k) {
-    const double ratio = std::log((target[k] + kRare) / (around[k] + kRare));
-    says[k] = static_cast<float>(kShare * std::clamp(ratio, -kLogMost, kLogMost));
+    says[k] = said_by((target[k] + kRare) / (around[k] + kRare));
+    says_of_known[k] = said_by(target[k]);
   }
   cv::Mat part = (*opinion)(box);
+  const cv::Mat known = matches(box);
   for (int row = 0; row < part.rows; ++row) {
     const auto* look = s->looks.ptr<std::uint8_t>(row);
+    const auto* is_known = known.ptr<std::uint8_t>(row);
     auto* to = part.ptr<float>(row);
     for (int column = 0; column < part.cols; ++column) {
-      to[column] += says[look[column]];
+      to[column] += is_known[column] != 0 ? says_of_known[look[column]] : says[look[column]];
     }
   }
 }

@@ -10,6 +10,9 @@ namespace {
 constexpr int kCell_px = 8;      // of the grid on which the target's motion is known
 constexpr int kWindow_px = 5;    // over which disagreement is summed
 constexpr double kCapSigma = 8;  // a place that disagrees more, disagrees
+constexpr double kNoiseMost = 8;  // levels
+constexpr int kNoDifference = 128;
+static_assert(kCapSigma * kNoiseMost < kNoDifference);
 
 /// Half the difference of the newest picture and the same place before, by its median, is noise.
 double measure_noise(const cv::Mat& now, const cv::Mat& warped) {
@@ -30,7 +33,7 @@ double measure_noise(const cv::Mat& now, const cv::Mat& warped) {
   while (level + 1 < counts.size() && 2 * (below += counts[level]) < total) {
     ++level;
   }
-  return std::clamp(static_cast<double>(level) * 1.4826 / std::sqrt(2.0), 1.0, 8.0);
+  return std::clamp(static_cast<double>(level) * 1.4826 / std::sqrt(2.0), 1.0, kNoiseMost);
 }
 
 /// Motion of the target's points over `age` pictures, spread to the places between and around them.
@@ -98,10 +101,6 @@ void measure_excess(const cv::Mat& now, double cap, EvidenceState* s) {
   cv::min(s->excess, cap, s->excess);
 }
 
-void sum_over_window(const cv::Mat& excess, cv::Mat* sum) {
-  cv::boxFilter(excess, *sum, CV_16U, cv::Size(kWindow_px, kWindow_px), cv::Point(-1, -1), false);
-}
-
 /// Where the layer brings something from inside the earlier picture.
 void find_seen(const cv::Matx33d& layer,
                const cv::Size& size,
@@ -155,7 +154,6 @@ void compare_with_background(const PointsState& points,
       cv::min(s->excess, s->least, s->least);
     }
   }
-  sum_over_window(s->least, &s->sum_background);
 }
 
 void compare_with_target(const PointsState& points,
@@ -170,30 +168,37 @@ void compare_with_target(const PointsState& points,
             cv::INTER_LINEAR,
             cv::BORDER_REPLICATE);
   measure_excess(points.picture(0)(region), std::round(kCapSigma * s->noise), s);
-  sum_over_window(s->excess, &s->sum_target);
 }
 
-/// Sums of levels to sigmas a pixel, background over target.
-void set_instant(const cv::Rect& region, EvidenceState* s) {
-  constexpr float kSaysMost = 2.0F;
-  s->instant.create(region.size(), CV_32FC1);
-  const auto scale = static_cast<float>(1.0 / (kWindow_px * kWindow_px * s->noise));
-  for (int row = 0; row < region.height; ++row) {
-    const auto* background = s->sum_background.ptr<std::uint16_t>(row);
-    const auto* target = s->sum_target.ptr<std::uint16_t>(row);
-    auto* instant = s->instant.ptr<float>(row);
-    for (int column = 0; column < region.width; ++column) {
-      const float says = scale * static_cast<float>(background[column] - target[column]);
-      instant[column] = std::clamp(says, -kSaysMost, kSaysMost);
+/// How much more the background's motions are contradicted than the target's, summed over the window.
+void sum_over_window(EvidenceState* s) {
+  s->difference.create(s->least.size(), CV_8UC1);
+  for (int row = 0; row < s->least.rows; ++row) {
+    const auto* background = s->least.ptr<std::uint8_t>(row);
+    const auto* target = s->excess.ptr<std::uint8_t>(row);
+    auto* difference = s->difference.ptr<std::uint8_t>(row);
+    for (int column = 0; column < s->least.cols; ++column) {
+      difference[column] = static_cast<std::uint8_t>(kNoDifference + background[column] - target[column]);
     }
   }
+  cv::boxFilter(
+      s->difference, s->sum, CV_16U, cv::Size(kWindow_px, kWindow_px), cv::Point(-1, -1), false);
 }
 
 /// Target evidence goes along with the target; half of it, or two and a half pictures' worth,
-/// stays.
-void carry(const PointsState& points, const cv::Rect& region, EvidenceState* s) {
+/// stays. What this picture says is added, in sigmas a pixel.
+/// @param compared_age  the motion over it is in `flow_full`.
+void carry_and_add(const PointsState& points,
+                   std::size_t compared_age,
+                   const cv::Rect& region,
+                   EvidenceState* s) {
   constexpr float kMemory = 0.55F;
-  spread_motion(points, 1, region, s);
+  constexpr float kSaysMost = 2.0F;
+  constexpr int kPixels = kWindow_px * kWindow_px;
+  const auto scale = static_cast<float>(1.0 / (kPixels * s->noise));
+  if (compared_age != 1) {
+    spread_motion(points, 1, region, s);
+  }
   cv::remap(s->total,
             s->carried,
             s->flow_full(cv::Rect(cv::Point(), region.size())),
@@ -203,10 +208,12 @@ void carry(const PointsState& points, const cv::Rect& region, EvidenceState* s) 
   s->total.setTo(0.0);
   for (int row = 0; row < region.height; ++row) {
     const auto* carried = s->carried.ptr<float>(row);
-    const auto* instant = s->instant.ptr<float>(row);
+    const auto* sum = s->sum.ptr<std::uint16_t>(row);
     auto* total = s->total.ptr<float>(region.y + row) + region.x;
     for (int column = 0; column < region.width; ++column) {
-      total[column] = std::clamp(kMemory * std::max(carried[column], 0.0F) + instant[column],
+      const float says = scale * static_cast<float>(sum[column] - kPixels * kNoDifference);
+      total[column] = std::clamp(kMemory * std::max(carried[column], 0.0F) +
+                                     std::clamp(says, -kSaysMost, kSaysMost),
                                  -EvidenceState::kMax,
                                  EvidenceState::kMax);
     }
@@ -243,8 +250,8 @@ void weigh_motions(const PointsState& points,
   s->longer = !s->longer;
   compare_with_background(points, *motion, s->region, s);
   compare_with_target(points, motion->age, s->region, s);
-  set_instant(s->region, s);
-  carry(points, s->region, s);
+  sum_over_window(s);
+  carry_and_add(points, motion->age, s->region, s);
 }
 
 void remember_outline(const cv::Mat& outline, EvidenceState* s) {

@@ -14,13 +14,12 @@ struct EvidenceState {
   static constexpr float kMax = 6.0F;
 
   cv::Mat total;       ///< CV_32FC1: positive where the target is; carried along with its motion
-  cv::Mat instant;     ///< CV_32FC1, -2 .. 2: what this picture alone says, in `region`
   bool longer = true;  ///< the next picture is compared over the longer of the two ages
   cv::Rect region;     ///< in which the last pictures were compared
   double noise = 2.0;  ///< one sigma of a working pixel, levels
 
   // Scratch; contents mean nothing between calls.
-  cv::Mat warped, seen, low, high, excess, least, sum_background, sum_target, came_from, carried;
+  cv::Mat warped, seen, low, high, excess, least, difference, sum, carried;
   cv::Mat flow, flow_far, weight, weight_far, flow_full;
 };
 

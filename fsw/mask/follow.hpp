@@ -7,6 +7,7 @@
 
 #include "mask/appearance.hpp"
 #include "mask/background.hpp"
+#include "mask/background_model.hpp"
 #include "mask/evidence.hpp"
 #include "mask/outline.hpp"
 #include "mask/points.hpp"
@@ -26,6 +27,7 @@ struct MaskState {
   PointsState points;
   BackgroundState background;
   EvidenceState evidence;
+  BackgroundModel background_model;
   std::size_t compared = 0;  ///< pictures since something was behind the target
   bool behind = false;       ///< something is behind the target: the rim of the picture is lit
   bool found = false;        ///< `outline` holds the target
@@ -41,7 +43,7 @@ struct MaskState {
   OutlineScratch scratch;
   AppearanceScratch appearance_scratch;
   RefineScratch refine_scratch;
-  cv::Mat opinion, agreeing, cells, distance;  ///< scratch
+  cv::Mat opinion, agreeing, cells, matches;  ///< scratch
 };
 
 /// May something be behind the target? False before black space, whatever else is in the picture.
@@ -61,5 +63,9 @@ void follow_target(const cv::Mat& gray,
 /// For keyframes: moves the outline to the picture's edges, with the prior that the frame's own
 /// pose gives. With a map it becomes the evidence that goes along. Nothing is done before black space.
 void sharpen_outline(const MaskPrior& prior, MaskState* state);
+
+/// Does the sharpened outline rule out that there is something new of the target at this pixel of the image? Not nearer than
+/// outlines are off, and never where the picture's outline was not sharpened.
+bool rules_out(const MaskState& state, float u_px, float v_px);
 
 }  // namespace polhode

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/imgproc/detail/gcgraph.hpp>
 
@@ -22,47 +23,50 @@ cv::Mat disc(int radius) {
 }
 
 struct Piece {
-  int label = 0;
   double evidence = 0.0;
-  cv::Rect box;
+  int left = std::numeric_limits<int>::max();
+  int right = -1;
+  int top = std::numeric_limits<int>::max();
+  int bottom = -1;
+
+  [[nodiscard]] cv::Rect box() const {
+    return right < 0 ? cv::Rect() : cv::Rect(left, top, right - left + 1, bottom - top + 1);
+  }
 };
 
-/// Sum of positive evidence by piece.
+/// Sum of positive evidence and extent by piece; the first is none. Takes a quarter of OpenCV's statistics.
 std::vector<Piece> weigh_pieces(const cv::Mat& evidence,
                                 const cv::Mat& certain,
-                                int count,
-                                const OutlineScratch& s) {
+                                const cv::Mat& labels,
+                                int count) {
   std::vector<Piece> pieces(static_cast<std::size_t>(count));
   for (int row = 0; row < evidence.rows; ++row) {
     const auto* says = evidence.ptr<float>(row);
-    const auto* label = s.labels.ptr<int>(row);
+    const auto* label = labels.ptr<int>(row);
     const std::uint8_t* sure = certain.empty() ? nullptr : certain.ptr<std::uint8_t>(row);
     for (int column = 0; column < evidence.cols; ++column) {
+      if (label[column] == 0) {
+        continue;
+      }
+      Piece& piece = pieces[static_cast<std::size_t>(label[column])];
       const float weight = sure != nullptr && sure[column] != 0 ? kCertainEvidence : says[column];
-      pieces[static_cast<std::size_t>(label[column])].evidence +=
-          static_cast<double>(std::max(0.0F, weight));
+      piece.evidence += static_cast<double>(std::max(0.0F, weight));
+      piece.left = std::min(piece.left, column);
+      piece.right = std::max(piece.right, column);
+      piece.top = std::min(piece.top, row);
+      piece.bottom = row;
     }
-  }
-  for (int i = 0; i < count; ++i) {
-    Piece& piece = pieces[static_cast<std::size_t>(i)];
-    piece.label = i;
-    piece.box = cv::Rect(s.stats.at<int>(i, cv::CC_STAT_LEFT),
-                         s.stats.at<int>(i, cv::CC_STAT_TOP),
-                         s.stats.at<int>(i, cv::CC_STAT_WIDTH),
-                         s.stats.at<int>(i, cv::CC_STAT_HEIGHT));
   }
   return pieces;
 }
 
 /// A twentieth of the evidence of the main piece, and nearer to it than a third of its size.
 bool belongs(const Piece& piece, const Piece& main) {
-  const int reach = std::max(main.box.width, main.box.height) / 3;
-  const cv::Rect grown(main.box.x - reach,
-                       main.box.y - reach,
-                       main.box.width + 2 * reach,
-                       main.box.height + 2 * reach);
-  return piece.label == main.label ||
-         (piece.evidence > 0.05 * main.evidence && (grown & piece.box).area() > 0);
+  const cv::Rect box = main.box();
+  const int reach = std::max(box.width, box.height) / 3;
+  const cv::Rect grown(
+      box.x - reach, box.y - reach, box.width + 2 * reach, box.height + 2 * reach);
+  return piece.evidence > 0.05 * main.evidence && (grown & piece.box()).area() > 0;
 }
 
 /// Everything that the rim of the picture cannot be reached from.
@@ -211,23 +215,20 @@ bool find_outline(const cv::Mat& all_evidence,
   const cv::Mat evidence = all_evidence(region);
   const cv::Mat certain = all_certain.empty() ? cv::Mat() : all_certain(region);
   cv::Mat outline = (*whole_outline)(region);
-  cv::threshold(
-      evidence, s->closed, static_cast<double>(kTargetEvidence), 255.0, cv::THRESH_BINARY);
-  s->closed.convertTo(s->positive, CV_8UC1);
+  cv::compare(evidence, static_cast<double>(kTargetEvidence), s->positive, cv::CMP_GT);
   cv::medianBlur(s->positive, s->positive, 3);  // single pixels are noise
   if (!certain.empty()) {
     cv::bitwise_or(s->positive, certain, s->positive);
   }
   const cv::Mat element = disc(closing_px);
   cv::morphologyEx(s->positive, s->positive, cv::MORPH_CLOSE, element);
-  const int count =
-      cv::connectedComponentsWithStats(s->positive, s->labels, s->stats, s->centroids, 8, CV_32S);
-  std::vector<Piece> pieces = weigh_pieces(evidence, certain, count, *s);
+  const int count = cv::connectedComponents(s->positive, s->labels, 8, CV_32S);
+  const std::vector<Piece> pieces = weigh_pieces(evidence, certain, s->labels, count);
   const auto main =
       std::max_element(pieces.begin() + 1, pieces.end(), [](const Piece& a, const Piece& b) {
         return a.evidence < b.evidence;
       });
-  if (count < 2 || main->evidence < kPieceEvidenceMin || main->box.area() < kPieceAreaMin) {
+  if (count < 2 || main->evidence < kPieceEvidenceMin || main->box().area() < kPieceAreaMin) {
     return false;
   }
   std::vector<std::uint8_t> keep(pieces.size(), 0);
@@ -248,6 +249,7 @@ bool find_outline(const cv::Mat& all_evidence,
 void cut_at_edges(const cv::Mat& picture,
                   const cv::Mat& opinion,
                   const cv::Mat& certain,
+                  int reach_px,
                   cv::Mat* outline) {
   POLHODE_ASSERT(picture.size() == outline->size(), outline->total());
   cv::Rect box = cv::boundingRect(*outline);
@@ -263,7 +265,7 @@ void cut_at_edges(const cv::Mat& picture,
     cv::bitwise_or(part, sure, part);
   }
   cv::Mat nodes;
-  const int count = number_band(part, std::max(4, picture.cols / 32), &nodes);
+  const int count = number_band(part, reach_px, &nodes);
   if (count == 0) {
     return;  // it fills the picture, and a cut through nothing is an error
   }

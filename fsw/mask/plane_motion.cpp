@@ -71,16 +71,17 @@ bool through_four(std::span<const cv::Point2f> from,
   return h.allFinite();
 }
 
-/// Sum of squared distances, each at most the square of what still agrees.
+/// Sum of squared distances, each at most the square of what still agrees; only so far as it is under `best`.
 double score(std::span<const cv::Point2f> from,
              std::span<const cv::Point2f> to,
              const cv::Matx33d& motion,
              double fit_px,
+             double best,
              std::size_t* agree) {
   const auto limit = static_cast<float>(fit_px * fit_px);
   double sum = 0.0;
   *agree = 0;
-  for (std::size_t i = 0; i < from.size(); ++i) {
+  for (std::size_t i = 0; i < from.size() && sum < best; ++i) {
     const cv::Point2f d = moved(motion, from[i]) - to[i];
     const float e2 = d.x * d.x + d.y * d.y;
     const bool near = e2 < limit;
@@ -158,7 +159,7 @@ bool fit_plane_motion(std::span<const cv::Point2f> from,
     if (!through_four(from, to, draw(from.size(), &rng), &candidate)) {
       continue;
     }
-    const double cost = score(from, to, candidate, fit_px, &agree);
+    const double cost = score(from, to, candidate, fit_px, best, &agree);
     if (cost < best) {
       best = cost;
       *motion = candidate;

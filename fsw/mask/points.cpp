@@ -11,9 +11,11 @@
 namespace polhode {
 namespace {
 
-constexpr int kWindow_px = 11;
+constexpr int kWindow_px = 9;
 constexpr int kLevels = 3;
 constexpr int kNearest_px = 5;  // closer together, two points tell the same
+// Motions are told apart by 1 px and more.
+constexpr double kSettled_px = 0.05;
 
 void flow(const FlowPyramid& from, const FlowPyramid& to, PointsState* s) {
   cv::calcOpticalFlowPyrLK(
@@ -25,7 +27,7 @@ void flow(const FlowPyramid& from, const FlowPyramid& to, PointsState* s) {
       s->error,
       cv::Size(kWindow_px, kWindow_px),
       kLevels,
-      cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 15, 0.02));
+      cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 15, kSettled_px));
 }
 
 bool inside(const cv::Point2f& p, const cv::Size& size) {

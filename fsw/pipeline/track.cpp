@@ -190,6 +190,29 @@ bool bring_features(Component::State* s) {
   return true;
 }
 
+/// Takes out what the keyframe's outline rules out: it makes no landmarks. What is tied to one stays.
+void veto_features(Component::State* s) {
+  std::array<std::int32_t, limits::kFeatures> now_at{};
+  now_at.fill(-1);
+  for (const LandmarkMatch& match : s->localised.matches) {
+    if (match.inlier && match.feature >= 0) {
+      now_at[static_cast<std::size_t>(match.feature)] = 0;
+    }
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < s->features.size(); ++i) {
+    const Feature& feature = s->features[i];
+    if (now_at[i] == 0 || !rules_out(s->mask_state, feature.u_px, feature.v_px)) {
+      now_at[i] = static_cast<std::int32_t>(kept);
+      s->features[kept++] = feature;
+    }
+  }
+  s->features.resize(kept);
+  for (LandmarkMatch& match : s->localised.matches) {
+    match.feature = match.feature >= 0 ? now_at[static_cast<std::size_t>(match.feature)] : -1;
+  }
+}
+
 void lose(Component::State* s) {
   s->reference.valid = false;
   if (s->mode == Mode::kTracking) {
@@ -278,6 +301,7 @@ void track(Component::State* s) {
   const bool may_teach = s->verdict.decision == FrameDecision::kUse;
   if (may_teach && may_extend_map(*s) && bring_features(s)) {
     sharpen_outline(mask_prior(s->localised.absolute.pose, s), &s->mask_state);
+    veto_features(s);
     extend_map(s);
     renew_reference(s);
   } else if (!s->reference.valid) {

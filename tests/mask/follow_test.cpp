@@ -166,6 +166,43 @@ TEST(FollowTarget, SaysTheSame_WhenShownTheSame_WhateverWasThereBefore) {
   EXPECT_EQ(cv::norm(a.state->evidence.total, b.state->evidence.total, cv::NORM_L1), 0.0);
 }
 
+TEST(FollowTarget, RemembersARoom_WhileTheCameraStandsStill) {
+  Follower follower;
+  const Scene still{.target_px = {2.0, 0.0}, .target_turn_deg = 3.0};
+  follower.show(still, 0, 30);
+  const auto known = [&] { return cv::countNonZero(follower.state->background_model.votes >= 4); };
+  EXPECT_GT(known(), moving::kWidth * moving::kHeight / 2);
+  cv::Mat matches;
+  match_background(still.picture(29), still.noise, follower.state->background_model, &matches);
+  // Levels from 60 to 200 on both sides: a tenth of the target is within the noise of what is behind it.
+  EXPECT_LT(cv::countNonZero(matches & still.truth(29)), cv::countNonZero(still.truth(29)) / 5);
+  EXPECT_GT(cv::countNonZero(matches & ~still.truth(29)), known() * 9 / 10);
+  Scene moving = still;
+  moving.background_px = {3.0, 1.0};
+  follower.show(moving, 30, 6);
+  EXPECT_EQ(known(), 0);
+}
+
+TEST(RulesOut, WhatLiesBeyondASharpenedOutline_AndNothingWithoutOne) {
+  Follower follower;
+  EXPECT_FALSE(rules_out(*follower.state, 10.0F, 10.0F));
+  const Scene scene{.target_turn_deg = 3.0};
+  follower.show(scene, 0, kFrames);
+  EXPECT_FALSE(rules_out(*follower.state, 10.0F, 10.0F));
+  sharpen_outline({}, follower.state.get());
+  ASSERT_TRUE(follower.state->sharp);
+  const cv::Point2d c = scene.centre(kFrames - 1);
+  const auto ruled_out = [&](double from_centre_px) {
+    return rules_out(*follower.state, static_cast<float>(c.x + from_centre_px), static_cast<float>(c.y));
+  };
+  EXPECT_FALSE(ruled_out(0.0));
+  EXPECT_FALSE(ruled_out(scene.radius_px + 1.0));
+  EXPECT_TRUE(ruled_out(scene.radius_px + 15.0));
+  EXPECT_TRUE(rules_out(*follower.state, -3.0F, 500.0F));  // not in the picture
+  follower.show(scene, kFrames, 1);
+  EXPECT_FALSE(ruled_out(scene.radius_px + 15.0));
+}
+
 TEST(FollowTarget, TellsTracksApart) {
   Follower follower;
   const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};

@@ -16,6 +16,7 @@ using moving::overlap;
 const cv::Size kSize(160, 120);
 const cv::Rect kWhole(cv::Point(), kSize);
 const cv::Rect kBody(50, 40, 60, 40);
+constexpr int kReach_px = 5;
 
 cv::Mat body() {
   cv::Mat outline(kSize, CV_8UC1, cv::Scalar(0));
@@ -69,19 +70,19 @@ TEST(CutAtEdges, ComesBackToTheEdge_FromAnOutlineThatIsTooWideOnOneSide) {
   ASSERT_LT(overlap(outline, body()), 0.95);
   cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(-0.3F));
   opinion.setTo(0.3F, outline);
-  cut_at_edges(picture(), opinion, {}, &outline);
+  cut_at_edges(picture(), opinion, {}, kReach_px, &outline);
   EXPECT_GE(overlap(outline, body()), 0.97);
 }
 
 TEST(CutAtEdges, LeavesAnEmptyOutlineAlone) {
   cv::Mat outline(kSize, CV_8UC1, cv::Scalar(0));
-  cut_at_edges(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(0.3F)), {}, &outline);
+  cut_at_edges(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(0.3F)), {}, kReach_px, &outline);
   EXPECT_EQ(cv::countNonZero(outline), 0);
 }
 
 TEST(CutAtEdges, LeavesAnOutlineThatFillsThePictureAlone) {
   cv::Mat outline(kSize, CV_8UC1, cv::Scalar(255));
-  cut_at_edges(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)), {}, &outline);
+  cut_at_edges(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)), {}, kReach_px, &outline);
   EXPECT_EQ(cv::countNonZero(outline), kSize.area());
 }
 
@@ -89,7 +90,7 @@ TEST(CutAtEdges, KeepsWhatIsCertain_WhateverTheOpinion) {
   cv::Mat outline = body();
   cv::Mat certain(kSize, CV_8UC1, cv::Scalar(0));
   cv::circle(certain, {80, 60}, 4, cv::Scalar(255), cv::FILLED);
-  cut_at_edges(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)), certain, &outline);
+  cut_at_edges(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)), certain, kReach_px, &outline);
   EXPECT_EQ(cv::countNonZero(certain & ~outline), 0);
 }
 

@@ -1,0 +1,105 @@
+#include "mask/background_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <opencv2/imgproc.hpp>
+
+#include "mask/outline.hpp"
+#include "mask/plane_motion.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr int kVotesKnown = 4;
+// As many pictures that differ make a place that was always the same unknown again.
+constexpr int kVotesMost = 16;
+
+/// Three sigma of the picture's noise, and a level for what the median is off.
+int tolerance_of(double noise) { return static_cast<int>(std::lround(3.0 * noise)) + 1; }
+
+}  // namespace
+
+bool stands_still(const BackgroundState& background, const cv::Size& size) {
+  constexpr double kStill_px = 0.5;
+  const auto right = static_cast<float>(size.width);
+  const auto bottom = static_cast<float>(size.height);
+  const std::array<cv::Point2f, 4> corners{
+      cv::Point2f(0.0F, 0.0F), {right, 0.0F}, {right, bottom}, {0.0F, bottom}};
+  for (const BackgroundMotion& motion : background.motions) {
+    for (const cv::Matx33d& layer : motion.layers) {
+      if (std::all_of(corners.begin(), corners.end(), [&](const cv::Point2f& corner) {
+            return cv::norm(moved(layer, corner) - corner) < kStill_px;
+          })) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+void learn_background(const cv::Mat& picture,
+                      const cv::Mat& outline,
+                      double noise,
+                      BackgroundModel* model) {
+  if (model->level.size() != picture.size()) {
+    picture.copyTo(model->level);
+    model->votes.create(picture.size(), CV_8UC1);
+    model->votes.setTo(0);
+  }
+  constexpr int kSide = 2 * kOutlineOff_px + 1;
+  cv::dilate(outline, model->closed, cv::Mat::ones(kSide, kSide, CV_8UC1));
+  const int tolerance = tolerance_of(noise);
+  for (int row = 0; row < picture.rows; ++row) {
+    const auto* now = picture.ptr<std::uint8_t>(row);
+    const auto* closed = model->closed.ptr<std::uint8_t>(row);
+    auto* level = model->level.ptr<std::uint8_t>(row);
+    auto* votes = model->votes.ptr<std::uint8_t>(row);
+    for (int column = 0; column < picture.cols; ++column) {
+      if (closed[column] != 0) {
+        continue;
+      }
+      const int step = now[column] - level[column];
+      if (std::abs(step) <= tolerance) {
+        // A level at a time, up as often as down: that ends at the median.
+        level[column] = static_cast<std::uint8_t>(level[column] + (step > 0 ? 1 : 0) - (step < 0 ? 1 : 0));
+        votes[column] = static_cast<std::uint8_t>(std::min(votes[column] + 1, kVotesMost));
+      } else if (votes[column] > 0) {
+        --votes[column];
+      } else {
+        level[column] = now[column];
+      }
+    }
+  }
+}
+
+void match_background(const cv::Mat& picture,
+                      double noise,
+                      const BackgroundModel& model,
+                      cv::Mat* matches) {
+  matches->create(picture.size(), CV_8UC1);
+  matches->setTo(0);
+  if (model.level.size() != picture.size()) {
+    return;
+  }
+  const int tolerance = tolerance_of(noise);
+  for (int row = 0; row < picture.rows; ++row) {
+    const auto* now = picture.ptr<std::uint8_t>(row);
+    const auto* level = model.level.ptr<std::uint8_t>(row);
+    const auto* votes = model.votes.ptr<std::uint8_t>(row);
+    auto* match = matches->ptr<std::uint8_t>(row);
+    for (int column = 0; column < picture.cols; ++column) {
+      const bool same = std::abs(now[column] - level[column]) <= tolerance;
+      match[column] = votes[column] >= kVotesKnown && same ? 255 : 0;
+    }
+  }
+  cv::medianBlur(*matches, *matches, 3);  // single pixels are chance
+}
+
+void clear(BackgroundModel* model) {
+  if (!model->votes.empty()) {
+    model->votes.setTo(0);
+  }
+}
+
+}  // namespace polhode
