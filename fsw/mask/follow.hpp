@@ -46,9 +46,6 @@ struct MaskState {
   cv::Mat opinion, agreeing, cells, matches;  ///< scratch
 };
 
-/// May something be behind the target? False before black space, whatever else is in the picture.
-bool rim_is_lit(const cv::Mat& gray, const MaskOptions& options);
-
 /// Before black space: as find_target. With something behind the target: the piece of the picture
 /// that contradicts the background's motion, or that the map's landmarks are in. While there is no
 /// such piece the mask is empty; where the background had no motion that explains it either, not

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "mask/behind.hpp"
 #include "pipeline/track.hpp"
 
 namespace polhode {
