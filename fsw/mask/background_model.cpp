@@ -48,11 +48,12 @@ void learn_background(const cv::Mat& picture,
     model->votes.setTo(0);
   }
   constexpr int kSide = 2 * kOutlineOff_px + 1;
-  cv::dilate(outline, model->closed, cv::Mat::ones(kSide, kSide, CV_8UC1));
+  cv::Mat& closed_places = model->matches;
+  cv::dilate(outline, closed_places, cv::Mat::ones(kSide, kSide, CV_8UC1));
   const int tolerance = tolerance_of(noise);
   for (int row = 0; row < picture.rows; ++row) {
     const auto* now = picture.ptr<std::uint8_t>(row);
-    const auto* closed = model->closed.ptr<std::uint8_t>(row);
+    const auto* closed = closed_places.ptr<std::uint8_t>(row);
     auto* level = model->level.ptr<std::uint8_t>(row);
     auto* votes = model->votes.ptr<std::uint8_t>(row);
     for (int column = 0; column < picture.cols; ++column) {
@@ -73,27 +74,24 @@ void learn_background(const cv::Mat& picture,
   }
 }
 
-void match_background(const cv::Mat& picture,
-                      double noise,
-                      const BackgroundModel& model,
-                      cv::Mat* matches) {
-  matches->create(picture.size(), CV_8UC1);
-  matches->setTo(0);
-  if (model.level.size() != picture.size()) {
+void match_background(const cv::Mat& picture, double noise, BackgroundModel* model) {
+  model->matches.create(picture.size(), CV_8UC1);
+  model->matches.setTo(0);
+  if (model->level.size() != picture.size()) {
     return;
   }
   const int tolerance = tolerance_of(noise);
   for (int row = 0; row < picture.rows; ++row) {
     const auto* now = picture.ptr<std::uint8_t>(row);
-    const auto* level = model.level.ptr<std::uint8_t>(row);
-    const auto* votes = model.votes.ptr<std::uint8_t>(row);
-    auto* match = matches->ptr<std::uint8_t>(row);
+    const auto* level = model->level.ptr<std::uint8_t>(row);
+    const auto* votes = model->votes.ptr<std::uint8_t>(row);
+    auto* match = model->matches.ptr<std::uint8_t>(row);
     for (int column = 0; column < picture.cols; ++column) {
       const bool same = std::abs(now[column] - level[column]) <= tolerance;
       match[column] = votes[column] >= kVotesKnown && same ? 255 : 0;
     }
   }
-  cv::medianBlur(*matches, *matches, 3);  // single pixels are chance
+  cv::medianBlur(model->matches, model->matches, 3);  // single pixels are chance
 }
 
 void clear(BackgroundModel* model) {

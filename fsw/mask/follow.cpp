@@ -304,11 +304,12 @@ void sharpen_outline(const MaskPrior& prior, MaskState* s) {
   const bool mapped = !prior.points_px.empty();
   const cv::Mat& picture = s->points.picture(0);
   const int last = mapped ? 1 : 0;
-  match_background(picture, s->evidence.noise, s->background_model, &s->matches);
+  match_background(picture, s->evidence.noise, &s->background_model);
   for (int cut = 0; cut <= last; ++cut) {
     form_opinion(prior.radius_px / s->points.decimation, s);
     if (mapped) {
-      add_appearance(picture, s->outline, s->matches, &s->appearance_scratch, &s->opinion);
+      add_appearance(
+          picture, s->outline, s->background_model.matches, &s->appearance_scratch, &s->opinion);
     }
     if (cut == last) {
       refine_opinion(picture, s->outline, s->network, &s->refine_scratch, &s->opinion);

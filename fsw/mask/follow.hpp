@@ -43,7 +43,7 @@ struct MaskState {
   OutlineScratch scratch;
   AppearanceScratch appearance_scratch;
   RefineScratch refine_scratch;
-  cv::Mat opinion, agreeing, cells, matches;  ///< scratch
+  cv::Mat opinion, agreeing, cells;  ///< scratch
 };
 
 /// Before black space: as find_target. With something behind the target: the piece of the picture
