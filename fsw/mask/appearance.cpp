@@ -62,8 +62,7 @@ Shares shares_of(const cv::Mat& looks, const cv::Mat& set, std::uint8_t value, d
 
 /// What a place says whose look is so many times as frequent on the target as beside it.
 float said_by(double ratio) {
-  const double most = std::exp(kLogMost);
-  return static_cast<float>(kShare * std::log(std::clamp(ratio, 1.0 / most, most)));
+  return static_cast<float>(kShare * std::clamp(std::log(ratio), -kLogMost, kLogMost));
 }
 
 }  // namespace

@@ -304,7 +304,9 @@ void sharpen_outline(const MaskPrior& prior, MaskState* s) {
   const bool mapped = !prior.points_px.empty();
   const cv::Mat& picture = s->points.picture(0);
   const int last = mapped ? 1 : 0;
-  match_background(picture, s->evidence.noise, &s->background_model);
+  if (mapped) {
+    match_background(picture, s->evidence.noise, &s->background_model);
+  }
   for (int cut = 0; cut <= last; ++cut) {
     form_opinion(prior.radius_px / s->points.decimation, s);
     if (mapped) {

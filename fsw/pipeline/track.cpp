@@ -192,6 +192,9 @@ bool bring_features(Component::State* s) {
 
 /// Takes out what the keyframe's outline rules out: it makes no landmarks. What is tied to one stays.
 void veto_features(Component::State* s) {
+  if (!s->mask_state.sharp) {
+    return;  // nothing is ruled out, and features are large to move
+  }
   std::array<std::int32_t, limits::kFeatures> now_at{};
   now_at.fill(-1);
   for (const LandmarkMatch& match : s->localised.matches) {
