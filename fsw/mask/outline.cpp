@@ -98,28 +98,31 @@ double step_falloff(const cv::Mat& gray) {
   return static_cast<double>(gray.total()) / static_cast<double>(squares);
 }
 
-using Graph = cv::detail::GCGraph<float>;
+// Whole numbers, and coarse ones: paths of the flow fill up together, in less than half of the time that real numbers take.
+using Graph = cv::detail::GCGraph<int>;
 
-constexpr double kCertain = 1000.0;
+constexpr double kPricePerOpinion = 2.0;
+constexpr int kEven = 12;  // price of cutting an even place
+constexpr int kCertain = 1000;
 
 /// Price of calling a pixel background; negative: of calling it target. What is at the box's rim
 /// and outside of the outline is background.
-double price_at(const cv::Mat& opinion,
-                const cv::Mat& certain,
-                const cv::Mat& outline,
-                cv::Point at) {
+int price_at(const cv::Mat& opinion,
+             const cv::Mat& certain,
+             const cv::Mat& outline,
+             cv::Point at) {
   if (!certain.empty() && certain.at<std::uint8_t>(at) != 0) {
     return kCertain;
   }
   const bool rim =
       at.y == 0 || at.x == 0 || at.y + 1 == opinion.rows || at.x + 1 == opinion.cols;
-  return rim && outline.at<std::uint8_t>(at) == 0 ? -kCertain
-                                                   : static_cast<double>(opinion.at<float>(at));
+  return rim && outline.at<std::uint8_t>(at) == 0
+             ? -kCertain
+             : cvRound(kPricePerOpinion * static_cast<double>(opinion.at<float>(at)));
 }
 
-void add_price(int node, double price, Graph* graph) {
-  graph->addTermWeights(
-      node, static_cast<float>(std::max(price, 0.0)), static_cast<float>(std::max(-price, 0.0)));
+void add_price(int node, int price, Graph* graph) {
+  graph->addTermWeights(node, std::max(price, 0), std::max(-price, 0));
 }
 
 /// Pixels near the outline, where it may be moved to: numbered in `nodes`, the others -1.
@@ -155,13 +158,12 @@ void add_places(const cv::Mat& opinion,
 }
 
 /// Price of a cut between neighbours by the step between them: the less, the larger it is.
-std::array<float, 256> tie_prices(const cv::Mat& gray) {
-  constexpr double kEven = 6.0;  // price of cutting an even place
+std::array<int, 256> tie_prices(const cv::Mat& gray) {
   const double falloff = step_falloff(gray);
-  std::array<float, 256> prices{};
+  std::array<int, 256> prices{};
   for (std::size_t step = 0; step < prices.size(); ++step) {
     const auto levels = static_cast<double>(step);
-    prices[step] = static_cast<float>(kEven * std::exp(-falloff * levels * levels));
+    prices[step] = cvRound(kEven * std::exp(-falloff * levels * levels));
   }
   return prices;
 }
@@ -171,7 +173,7 @@ void tie_neighbours(const cv::Mat& gray,
                     const cv::Mat& outline,
                     const cv::Mat& nodes,
                     Graph* graph) {
-  const std::array<float, 256> prices = tie_prices(gray);
+  const std::array<int, 256> prices = tie_prices(gray);
   const auto tie = [&](cv::Point a, cv::Point b) {
     const int node_a = nodes.at<int>(a);
     const int node_b = nodes.at<int>(b);
@@ -179,7 +181,7 @@ void tie_neighbours(const cv::Mat& gray,
       return;
     }
     const int step = std::abs(gray.at<std::uint8_t>(a) - gray.at<std::uint8_t>(b));
-    const float price = prices[static_cast<std::size_t>(step)];
+    const int price = prices[static_cast<std::size_t>(step)];
     if (node_a >= 0 && node_b >= 0) {
       graph->addEdges(node_a, node_b, price, price);
       return;
