@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mask/behind.hpp"
+#include "mask/edge_cut.hpp"
 
 namespace polhode {
 namespace {
@@ -76,12 +77,15 @@ void distance_within(const cv::Mat& set, const cv::Rect& box, OutlineScratch* s,
   cv::resize(s->half_distance, part, box.size(), 0.0, 0.0, cv::INTER_LINEAR);
 }
 
+/// Nearer to a landmark than this is target, in working pixels.
+double near_px(const MaskState& s) { return std::max(2.0, 0.15 * s.radius_px); }
+
 /// Between landmarks that are close together, there is the body.
 void close_gaps(const cv::Rect& box, MaskState* s) {
-  cv::compare(s->scratch.distance, s->near_px, s->cells, cv::CMP_LE);
+  cv::compare(s->distance, near_px(*s), s->cells, cv::CMP_LE);
   cv::bitwise_not(s->cells, s->cells);
   distance_within(s->cells, box, &s->scratch, &s->opinion);
-  cv::compare(s->opinion(box), s->near_px, s->cells(box), cv::CMP_GT);
+  cv::compare(s->opinion(box), near_px(*s), s->cells(box), cv::CMP_GT);
   cv::bitwise_or(s->certain(box), s->cells(box), s->certain(box));
   cv::compare(s->evidence.total(box), static_cast<double>(kAgreement), s->cells(box), cv::CMP_GT);
   cv::bitwise_and(s->certain(box), s->cells(box), s->certain(box));
@@ -96,9 +100,8 @@ void place_prior(const MaskPrior& prior, MaskState* s) {
     s->reach.release();
     return;
   }
-  const double radius = prior.radius_px / s->points.decimation;
-  const double reach = std::max(6.0, kReach * radius);
-  s->near_px = std::max(2.0, 0.15 * radius);
+  s->radius_px = prior.radius_px / s->points.decimation;
+  const double reach = std::max(6.0, kReach * s->radius_px);
   const int margin = static_cast<int>(reach) + 2;
   const cv::Rect landmarks = cv::boundingRect(s->certain);
   const cv::Rect box = cv::Rect(landmarks.x - margin,
@@ -106,8 +109,8 @@ void place_prior(const MaskPrior& prior, MaskState* s) {
                                 landmarks.width + 2 * margin,
                                 landmarks.height + 2 * margin) &
                        s->points.whole();
-  distance_within(s->certain, box, &s->scratch, &s->scratch.distance);
-  cv::compare(s->scratch.distance, reach, s->reach, cv::CMP_LE);
+  distance_within(s->certain, box, &s->scratch, &s->distance);
+  cv::compare(s->distance, reach, s->reach, cv::CMP_LE);
   // Motion draws the finer outline: 0.86 and 0.90 of overlap on `earth` and `paper_2d`, small, 0.81
   // and 0.87 with the landmarks counted too.
   s->certain.copyTo(s->landmarks);
@@ -158,18 +161,18 @@ void widen_outline(MaskState* s) {
 /// map the nearness to landmarks. All of it is weak against an even place's price of 6: what a
 /// moving target uncovers contradicts the background as much as the target does, so motion is off
 /// by what has been uncovered, and only the edges of the picture are where the target ends.
-void form_opinion(double radius, MaskState* s) {
+void form_opinion(MaskState* s) {
   constexpr float kEvidenceShare = 0.15F;
   constexpr float kEvidenceMin = -0.5F;  // places that look like the background agree by chance
   constexpr float kEvidenceMax = 1.5F;
   constexpr float kOutlineShare = 0.3F;
   constexpr float kMapShare = 0.25F;
   const bool by_map = !s->reach.empty();
-  const auto near = static_cast<float>(std::max(3.0, 0.1 * radius));
+  const auto near = static_cast<float>(std::max(3.0, 0.1 * s->radius_px));
   s->opinion.create(s->evidence.total.size(), CV_32FC1);
   for (int row = 0; row < s->opinion.rows; ++row) {
     const auto* evidence = s->evidence.total.ptr<float>(row);
-    const auto* distance = by_map ? s->scratch.distance.ptr<float>(row) : nullptr;
+    const auto* distance = by_map ? s->distance.ptr<float>(row) : nullptr;
     const std::uint8_t* outline = s->outline.ptr<std::uint8_t>(row);
     auto* opinion = s->opinion.ptr<float>(row);
     for (int column = 0; column < s->opinion.cols; ++column) {
@@ -242,7 +245,7 @@ void to_cells(MaskState* s, TargetMask* mask) {
   cv::bitwise_not(s->agreeing, s->agreeing);
   if (!s->certain.empty()) {
     // Between the landmarks of a body at rest before a background at rest everything agrees.
-    cv::compare(s->scratch.distance, s->near_px, s->cells, cv::CMP_LE);
+    cv::compare(s->distance, near_px(*s), s->cells, cv::CMP_LE);
     cv::bitwise_or(s->agreeing, s->cells, s->agreeing);
   }
   cv::bitwise_and(s->agreeing, s->outline, s->agreeing);
@@ -289,35 +292,36 @@ void follow_target(const cv::Mat& gray,
   to_cells(s, mask);
 }
 
-void sharpen_outline(const MaskPrior& prior, MaskState* s) {
-  if (!s->behind || s->points.stored == 0) {
-    return;
-  }
-  place_prior(prior, s);
-  find_piece(s);
-  if (!s->found) {
+void sharpen_outline(MaskState* s) {
+  if (!s->behind || !s->found) {
     return;
   }
   widen_outline(s);
   // With a map: the first cut brings in what looks like the target beside it, the second what looks like that, from where the first
   // one ended. Before there is one outlines lack a side or hold a shadow, and looks would make more of it.
-  const bool mapped = !prior.points_px.empty();
+  const bool mapped = !s->reach.empty();
   const cv::Mat& picture = s->points.picture(0);
-  const int last = mapped ? 1 : 0;
   if (mapped) {
     match_background(picture, s->evidence.noise, &s->background_model);
   }
-  for (int cut = 0; cut <= last; ++cut) {
-    form_opinion(prior.radius_px / s->points.decimation, s);
+  const int far_px = std::max(kOutlineOff_px, picture.cols / 32);
+  constexpr CutReach kNear{.px = kOutlineOff_px};
+  const auto cut = [&](const CutReach& reach, bool last) {
+    form_opinion(s);
     if (mapped) {
       add_appearance(
           picture, s->outline, s->background_model.matches, &s->appearance_scratch, &s->opinion);
     }
-    if (cut == last) {
+    if (last) {
       refine_opinion(picture, s->outline, s->network, &s->refine_scratch, &s->opinion);
     }
-    const int reach_px = cut == 0 ? std::max(kOutlineOff_px, picture.cols / 32) : kOutlineOff_px;
-    cut_at_edges(picture, s->opinion, s->certain, reach_px, &s->outline);
+    cut_at_edges(picture, s->opinion, s->certain, reach, &s->outline);
+  };
+  if (mapped) {
+    cut({.px = far_px, .cell_px = 2}, false);
+    cut(kNear, true);
+  } else {
+    cut({.px = far_px}, true);
   }
   if (mapped && cv::countNonZero(s->outline) > 0) {
     remember_outline(s->outline, &s->evidence);

@@ -1,14 +1,8 @@
 #include "mask/outline.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/imgproc/detail/gcgraph.hpp>
-
-#include "base/assert.hpp"
 
 namespace polhode {
 namespace {
@@ -82,125 +76,6 @@ void fill_holes(cv::Mat* outline, cv::Mat* flooded) {
   }
 }
 
-/// Inverse of the mean square step between neighbours, of both directions together: a step of that
-/// size costs 1/e of an even place.
-double step_falloff(const cv::Mat& gray) {
-  std::int64_t squares = 1;
-  for (int row = 0; row + 1 < gray.rows; ++row) {
-    const auto* here = gray.ptr<std::uint8_t>(row);
-    const auto* below = gray.ptr<std::uint8_t>(row + 1);
-    for (int column = 0; column + 1 < gray.cols; ++column) {
-      const int right = here[column] - here[column + 1];
-      const int down = here[column] - below[column];
-      squares += right * right + down * down;
-    }
-  }
-  return static_cast<double>(gray.total()) / static_cast<double>(squares);
-}
-
-// Whole numbers, and coarse ones: paths of the flow fill up together, in less than half of the time that real numbers take.
-using Graph = cv::detail::GCGraph<int>;
-
-constexpr double kPricePerOpinion = 2.0;
-constexpr int kEven = 12;  // price of cutting an even place
-constexpr int kCertain = 1000;
-
-/// Price of calling a pixel background; negative: of calling it target. What is at the box's rim
-/// and outside of the outline is background.
-int price_at(const cv::Mat& opinion,
-             const cv::Mat& certain,
-             const cv::Mat& outline,
-             cv::Point at) {
-  if (!certain.empty() && certain.at<std::uint8_t>(at) != 0) {
-    return kCertain;
-  }
-  const bool rim =
-      at.y == 0 || at.x == 0 || at.y + 1 == opinion.rows || at.x + 1 == opinion.cols;
-  return rim && outline.at<std::uint8_t>(at) == 0
-             ? -kCertain
-             : cvRound(kPricePerOpinion * static_cast<double>(opinion.at<float>(at)));
-}
-
-void add_price(int node, int price, Graph* graph) {
-  graph->addTermWeights(node, std::max(price, 0), std::max(-price, 0));
-}
-
-/// Pixels near the outline, where it may be moved to: numbered in `nodes`, the others -1.
-int number_band(const cv::Mat& outline, int reach_px, cv::Mat* nodes) {
-  const cv::Mat square = cv::Mat::ones(2 * reach_px + 1, 2 * reach_px + 1, CV_8UC1);
-  cv::Mat grown;
-  cv::Mat shrunk;
-  cv::dilate(outline, grown, square);
-  cv::erode(outline, shrunk, square);
-  nodes->create(outline.size(), CV_32SC1);
-  int count = 0;
-  for (int row = 0; row < outline.rows; ++row) {
-    for (int column = 0; column < outline.cols; ++column) {
-      const bool open = grown.at<std::uint8_t>(row, column) != shrunk.at<std::uint8_t>(row, column);
-      nodes->at<int>(row, column) = open ? count++ : -1;
-    }
-  }
-  return count;
-}
-
-void add_places(const cv::Mat& opinion,
-                const cv::Mat& certain,
-                const cv::Mat& outline,
-                const cv::Mat& nodes,
-                Graph* graph) {
-  for (int row = 0; row < opinion.rows; ++row) {
-    for (int column = 0; column < opinion.cols; ++column) {
-      if (nodes.at<int>(row, column) >= 0) {
-        add_price(graph->addVtx(), price_at(opinion, certain, outline, {column, row}), graph);
-      }
-    }
-  }
-}
-
-/// Price of a cut between neighbours by the step between them: the less, the larger it is.
-std::array<int, 256> tie_prices(const cv::Mat& gray) {
-  const double falloff = step_falloff(gray);
-  std::array<int, 256> prices{};
-  for (std::size_t step = 0; step < prices.size(); ++step) {
-    const auto levels = static_cast<double>(step);
-    prices[step] = cvRound(kEven * std::exp(-falloff * levels * levels));
-  }
-  return prices;
-}
-
-/// What lies beyond the band stays as it is: a cut from it is a price of the pixel beside it.
-void tie_neighbours(const cv::Mat& gray,
-                    const cv::Mat& outline,
-                    const cv::Mat& nodes,
-                    Graph* graph) {
-  const std::array<int, 256> prices = tie_prices(gray);
-  const auto tie = [&](cv::Point a, cv::Point b) {
-    const int node_a = nodes.at<int>(a);
-    const int node_b = nodes.at<int>(b);
-    if (node_a < 0 && node_b < 0) {
-      return;
-    }
-    const int step = std::abs(gray.at<std::uint8_t>(a) - gray.at<std::uint8_t>(b));
-    const int price = prices[static_cast<std::size_t>(step)];
-    if (node_a >= 0 && node_b >= 0) {
-      graph->addEdges(node_a, node_b, price, price);
-      return;
-    }
-    const bool target = outline.at<std::uint8_t>(node_a < 0 ? a : b) != 0;
-    add_price(std::max(node_a, node_b), target ? price : -price, graph);
-  };
-  for (int row = 0; row < gray.rows; ++row) {
-    for (int column = 0; column < gray.cols; ++column) {
-      if (column > 0) {
-        tie({column, row}, {column - 1, row});
-      }
-      if (row > 0) {
-        tie({column, row}, {column, row - 1});
-      }
-    }
-  }
-}
-
 }  // namespace
 
 bool find_outline(const cv::Mat& all_evidence,
@@ -246,43 +121,6 @@ bool find_outline(const cv::Mat& all_evidence,
   }
   fill_holes(&outline, &s->flooded);
   return true;
-}
-
-void cut_at_edges(const cv::Mat& picture,
-                  const cv::Mat& opinion,
-                  const cv::Mat& certain,
-                  int reach_px,
-                  cv::Mat* outline) {
-  POLHODE_ASSERT(picture.size() == outline->size(), outline->total());
-  cv::Rect box = cv::boundingRect(*outline);
-  if (box.empty()) {
-    return;
-  }
-  const int margin = std::max(4, std::max(box.width, box.height) / 8);
-  box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
-        cv::Rect(0, 0, picture.cols, picture.rows);
-  cv::Mat part = (*outline)(box);
-  const cv::Mat sure = certain.empty() ? cv::Mat() : certain(box);
-  if (!sure.empty()) {
-    cv::bitwise_or(part, sure, part);
-  }
-  cv::Mat nodes;
-  const int count = number_band(part, reach_px, &nodes);
-  if (count == 0) {
-    return;  // it fills the picture, and a cut through nothing is an error
-  }
-  Graph graph(static_cast<unsigned>(count), static_cast<unsigned>(4 * count));
-  add_places(opinion(box), sure, part, nodes, &graph);
-  tie_neighbours(picture(box), part, nodes, &graph);
-  graph.maxFlow();
-  for (int row = 0; row < box.height; ++row) {
-    for (int column = 0; column < box.width; ++column) {
-      const int node = nodes.at<int>(row, column);
-      if (node >= 0) {
-        part.at<std::uint8_t>(row, column) = graph.inSourceSegment(node) ? 255 : 0;
-      }
-    }
-  }
 }
 
 }  // namespace polhode

@@ -10,7 +10,7 @@ inline constexpr int kOutlineOff_px = 4;
 
 /// Working memory; contents mean nothing between calls.
 struct OutlineScratch {
-  cv::Mat positive, labels, stats, centroids, flooded, distance, half_distance;
+  cv::Mat positive, labels, stats, centroids, flooded, half_distance;
 };
 
 /// The piece with the most evidence, and what lies close to it: closed, its holes filled.
@@ -24,19 +24,6 @@ bool find_outline(const cv::Mat& evidence,
                   const cv::Rect& region,
                   int closing_px,
                   OutlineScratch* scratch,
-                  cv::Mat* outline);
-
-/// Moves the outline to the edges of the picture nearby: the least cut between target and the rest,
-/// dear where the picture is even. For keyframes.
-/// @param opinion CV_32FC1: for (positive) or against target, pixel by pixel; 6 equals an even
-/// place. Far weaker, it says on which side of an edge the target is, and the edges say where.
-/// @param reach_px how far the outline may be moved, in the picture's pixels.
-/// @cost one maximum flow over the pixels that the outline may be moved over: more than in proportion to them.
-/// @source Boykov and Kolmogorov, PAMI 2004, by way of OpenCV.
-void cut_at_edges(const cv::Mat& picture,
-                  const cv::Mat& opinion,
-                  const cv::Mat& certain,
-                  int reach_px,
                   cv::Mat* outline);
 
 }  // namespace polhode

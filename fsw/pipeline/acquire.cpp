@@ -103,7 +103,9 @@ void collect(Component::State* s) {
       !worth_collecting(s)) {
     return;
   }
-  sharpen_outline({}, &s->mask_state);
+  stage_done(Stage::kMap, *s);
+  sharpen_outline(&s->mask_state);
+  stage_done(Stage::kMask, *s);
   add_frame(s->frame,
             s->timestamp_ns,
             s->motion.R_IC,

@@ -303,8 +303,10 @@ void track(Component::State* s) {
   count_sightings(s);
   const bool may_teach = s->verdict.decision == FrameDecision::kUse;
   if (may_teach && may_extend_map(*s) && bring_features(s)) {
-    sharpen_outline(mask_prior(s->localised.absolute.pose, s), &s->mask_state);
+    stage_done(Stage::kMap, *s);
+    sharpen_outline(&s->mask_state);
     veto_features(s);
+    stage_done(Stage::kMask, *s);
     extend_map(s);
     renew_reference(s);
   } else if (!s->reference.valid) {

@@ -43,13 +43,15 @@ Timings::Moment Timings::now() {
 void Timings::start_step() {
   step_start_ = now();
   stage_start_ = step_start_;
+  in_step_.fill({});
 }
 
 void Timings::end_of_stage(Stage stage) {
   const Moment end = now();
-  const auto i = static_cast<std::size_t>(stage);
-  stages[i].add(end.time - stage_start_.time);
-  stages_cpu[i].add(end.cpu - stage_start_.cpu);
+  Spent& spent = in_step_[static_cast<std::size_t>(stage)];
+  spent.ended = true;
+  spent.time += end.time - stage_start_.time;
+  spent.cpu += end.cpu - stage_start_.cpu;
   stage_start_ = end;
 }
 
@@ -57,6 +59,12 @@ std::int64_t Timings::end_step() {
   const Moment end = now();
   step.add(end.time - step_start_.time);
   step_cpu.add(end.cpu - step_start_.cpu);
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    if (in_step_[i].ended) {
+      stages[i].add(in_step_[i].time);
+      stages_cpu[i].add(in_step_[i].cpu);
+    }
+  }
   return step.samples_us.back();
 }
 

@@ -2,6 +2,7 @@
 // that steps, which other work on the machine hardly disturbs.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <string>
@@ -37,7 +38,7 @@ class Timings {
   Durations step;
   Durations step_cpu;
   Durations job;  ///< on the second core
-  std::vector<Durations> stages;
+  std::vector<Durations> stages;  ///< a sample for each step that it was in: all that the step spent on it
   std::vector<Durations> stages_cpu;
 
  private:
@@ -48,8 +49,15 @@ class Timings {
   };
   static Moment now();
 
+  struct Spent {
+    bool ended = false;
+    std::chrono::steady_clock::duration time{0};
+    std::chrono::nanoseconds cpu{0};
+  };
+
   Moment step_start_;
   Moment stage_start_;
+  std::array<Spent, kStageCount> in_step_;
 };
 
 const char* stage_name(Stage stage);

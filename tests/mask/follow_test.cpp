@@ -47,7 +47,7 @@ void expect_found(const Scene& scene, double overlap_min, double open_min = 0.3)
   EXPECT_TRUE(follower.state->behind);
   ASSERT_TRUE(follower.state->found);
   const cv::Mat truth = scene.truth(kFrames - 1);
-  sharpen_outline({}, follower.state.get());
+  sharpen_outline(follower.state.get());
   EXPECT_GE(overlap(follower.state->outline, truth), overlap_min);
   EXPECT_GE(open_part(follower.mask, truth), open_min);
   EXPECT_FALSE(follower.mask.contains(10.0, 230.0));
@@ -189,7 +189,7 @@ TEST(RulesOut, WhatLiesBeyondASharpenedOutline_AndNothingWithoutOne) {
   const Scene scene{.target_turn_deg = 3.0};
   follower.show(scene, 0, kFrames);
   EXPECT_FALSE(rules_out(*follower.state, 10.0F, 10.0F));
-  sharpen_outline({}, follower.state.get());
+  sharpen_outline(follower.state.get());
   ASSERT_TRUE(follower.state->sharp);
   const cv::Point2d c = scene.centre(kFrames - 1);
   const auto ruled_out = [&](double from_centre_px) {
@@ -230,7 +230,7 @@ TEST(SharpenOutline, FindsTheEdge_FromAPriorThatIsOffByAFewPixels) {
   const MaskPrior prior{.points_px = points, .radius_px = 40.0};
   Follower follower;
   follower.show(scene, 0, kFrames, prior);
-  sharpen_outline(prior, follower.state.get());
+  sharpen_outline(follower.state.get());
   EXPECT_TRUE(follower.state->sharp);
   // Both sides of the edge are of the same texture: motion alone tells them apart, to 3 px of 40.
   EXPECT_GE(overlap(follower.state->outline, scene.truth(kFrames - 1)), 0.8);
