@@ -67,21 +67,25 @@ float said_by(double ratio) {
 
 }  // namespace
 
+cv::Rect box_of_looks(const cv::Mat& outline) {
+  const cv::Rect box = cv::boundingRect(outline);
+  if (box.empty()) {
+    return box;
+  }
+  const int margin = std::max(8, std::max(box.width, box.height) / 3);
+  return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
+         cv::Rect(cv::Point(), outline.size());
+}
+
 void add_appearance(const cv::Mat& picture,
                     const cv::Mat& outline,
                     const cv::Mat& matches,
                     AppearanceScratch* s,
                     cv::Mat* opinion) {
-  const cv::Rect tight = cv::boundingRect(outline);
-  if (tight.empty()) {
+  const cv::Rect box = box_of_looks(outline);
+  if (box.empty()) {
     return;
   }
-  const int margin = std::max(8, std::max(tight.width, tight.height) / 3);
-  const cv::Rect box = cv::Rect(tight.x - margin,
-                                tight.y - margin,
-                                tight.width + 2 * margin,
-                                tight.height + 2 * margin) &
-                       cv::Rect(cv::Point(), picture.size());
   find_looks(picture(box), s);
   // An outline is off by a few pixels: those are left out.
   cv::erode(outline(box), s->one, cv::Mat(), cv::Point(-1, -1), 2);

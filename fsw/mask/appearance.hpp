@@ -10,6 +10,9 @@ struct AppearanceScratch {
   cv::Mat looks, one, other;
 };
 
+/// The outline's box and a third of its width around, where looks are compared. Empty without an outline.
+cv::Rect box_of_looks(const cv::Mat& outline);
+
 /// Adds to an opinion what looks speak for: how often a place like this is within the outline, against how often around it, or
 /// against certainty where the background is known to look like this in that very place, as a logarithm. An even place fits
 /// the background's motion and the target's, and motion says nothing of it; the dark cell of a panel before a bright Earth
@@ -17,7 +20,7 @@ struct AppearanceScratch {
 /// @param picture CV_8UC1. @param outline CV_8UC1, same size.
 /// @param matches CV_8UC1, same size, 255 where the picture looks as the background there is known to look.
 /// @param opinion CV_32FC1, as cut_at_edges takes it.
-/// @cost nine passes over the outline's box and a third of its width around.
+/// @cost nine passes over box_of_looks.
 /// @source the colour term of Rother, Kolmogorov, Blake, "GrabCut", SIGGRAPH 2004, as a histogram of gray.
 void add_appearance(const cv::Mat& picture,
                     const cv::Mat& outline,

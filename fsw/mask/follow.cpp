@@ -157,7 +157,7 @@ void widen_outline(MaskState* s) {
   cv::bitwise_or(s->outline, s->cells, s->outline);
 }
 
-/// What speaks for the target in each pixel before the edges are asked: these pictures, and with a
+/// What speaks for the target in each pixel about the outline before the edges are asked: these pictures, and with a
 /// map the nearness to landmarks. All of it is weak against an even place's price of 6: what a
 /// moving target uncovers contradicts the background as much as the target does, so motion is off
 /// by what has been uncovered, and only the edges of the picture are where the target ends.
@@ -169,13 +169,14 @@ void form_opinion(MaskState* s) {
   constexpr float kMapShare = 0.25F;
   const bool by_map = !s->reach.empty();
   const auto near = static_cast<float>(std::max(3.0, 0.1 * s->radius_px));
+  const cv::Rect box = box_of_looks(s->outline);
   s->opinion.create(s->evidence.total.size(), CV_32FC1);
-  for (int row = 0; row < s->opinion.rows; ++row) {
+  for (int row = box.y; row < box.br().y; ++row) {
     const auto* evidence = s->evidence.total.ptr<float>(row);
     const auto* distance = by_map ? s->distance.ptr<float>(row) : nullptr;
     const std::uint8_t* outline = s->outline.ptr<std::uint8_t>(row);
     auto* opinion = s->opinion.ptr<float>(row);
-    for (int column = 0; column < s->opinion.cols; ++column) {
+    for (int column = box.x; column < box.br().x; ++column) {
       opinion[column] =
           kEvidenceShare * std::clamp(evidence[column], kEvidenceMin, kEvidenceMax) +
           (outline[column] != 0 ? kOutlineShare : -kOutlineShare);
