@@ -195,10 +195,12 @@ cv::Rect region_of_interest(const MaskState& s) {
     return whole;
   }
   cv::Rect box = cv::boundingRect(s.outline);
-  if (!s.certain.empty()) {
+  const bool mapped = !s.certain.empty();
+  if (mapped) {
     box |= cv::boundingRect(s.certain);
   }
-  const int margin = std::max(16, std::max(box.width, box.height) / 4);
+  // Without a map half of the target may still be missing.
+  const int margin = std::max(16, std::max(box.width, box.height) / (mapped ? 8 : 4));
   return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
          whole;
 }
