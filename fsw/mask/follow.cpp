@@ -300,31 +300,22 @@ void sharpen_outline(MaskState* s) {
     return;
   }
   widen_outline(s);
-  // With a map: the first cut brings in what looks like the target beside it, the second what looks like that, from where the first
-  // one ended. Before there is one outlines lack a side or hold a shadow, and looks would make more of it.
   const bool mapped = !s->reach.empty();
   const cv::Mat& picture = s->points.picture(0);
+  form_opinion(s);
   if (mapped) {
     match_background(picture, s->evidence.noise, &s->background_model);
+    add_appearance(
+        picture, s->outline, s->background_model.matches, &s->appearance_scratch, &s->opinion);
   }
+  refine_opinion(picture, s->outline, s->network, &s->refine_scratch, &s->opinion);
   const int far_px = std::max(kOutlineOff_px, picture.cols / 32);
-  constexpr CutReach kNear{.px = kOutlineOff_px};
-  const auto cut = [&](const CutReach& reach, bool last) {
-    form_opinion(s);
-    if (mapped) {
-      add_appearance(
-          picture, s->outline, s->background_model.matches, &s->appearance_scratch, &s->opinion);
-    }
-    if (last) {
-      refine_opinion(picture, s->outline, s->network, &s->refine_scratch, &s->opinion);
-    }
-    cut_at_edges(picture, s->opinion, s->certain, reach, &s->outline);
-  };
   if (mapped) {
-    cut({.px = far_px, .cell_px = 2}, false);
-    cut(kNear, true);
+    cut_at_edges(picture, s->opinion, s->certain, {.px = far_px, .cell_px = 2}, &s->outline);
+    cut_at_edges(picture, s->opinion, s->certain, {.px = 3}, &s->outline);
   } else {
-    cut({.px = far_px}, true);
+    // Outlines lack a side or hold a shadow: looks would make more of it, and so would edges told by cells.
+    cut_at_edges(picture, s->opinion, s->certain, {.px = far_px}, &s->outline);
   }
   if (mapped && cv::countNonZero(s->outline) > 0) {
     remember_outline(s->outline, &s->evidence);
