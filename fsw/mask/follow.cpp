@@ -314,7 +314,7 @@ void sharpen_outline(MaskState* s) {
     cut_at_edges(picture, s->opinion, s->certain, {.px = far_px, .cell_px = 2}, &s->outline);
     cut_at_edges(picture, s->opinion, s->certain, {.px = 3}, &s->outline);
   } else {
-    // Outlines lack a side or hold a shadow: looks would make more of it, and so would edges told by cells.
+    // Outlines lack a side or hold a shadow, and looks would make more of it. Cut by cells, maps before a limb begin later.
     cut_at_edges(picture, s->opinion, s->certain, {.px = far_px}, &s->outline);
   }
   if (mapped && cv::countNonZero(s->outline) > 0) {
