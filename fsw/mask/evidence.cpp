@@ -203,7 +203,7 @@ void carry_and_add(const PointsState& points,
             s->carried,
             s->flow_full(cv::Rect(cv::Point(), region.size())),
             cv::noArray(),
-            cv::INTER_LINEAR,
+            cv::INTER_NEAREST,  // it is known to five pixels
             cv::BORDER_REPLICATE);
   s->total.setTo(0.0);
   for (int row = 0; row < region.height; ++row) {

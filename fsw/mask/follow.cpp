@@ -189,13 +189,13 @@ void form_opinion(MaskState* s) {
 
 /// Where pictures are compared: about the target where it is known, and now and then everywhere.
 cv::Rect region_of_interest(const MaskState& s) {
-  constexpr std::size_t kEverywhereEach = 8;
+  const bool mapped = !s.certain.empty();
+  const std::size_t everywhere_each = mapped ? 32 : 8;
   const cv::Rect whole = s.points.whole();
-  if (!s.was_found || s.compared % kEverywhereEach == 0 || s.outline.size() != whole.size()) {
+  if (!s.was_found || s.compared % everywhere_each == 0 || s.outline.size() != whole.size()) {
     return whole;
   }
   cv::Rect box = cv::boundingRect(s.outline);
-  const bool mapped = !s.certain.empty();
   if (mapped) {
     box |= cv::boundingRect(s.certain);
   }

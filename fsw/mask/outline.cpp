@@ -1,6 +1,7 @@
 #include "mask/outline.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
@@ -12,8 +13,10 @@ constexpr float kCertainEvidence = 6.0F;
 constexpr int kPieceAreaMin = 100;  // working pixels; a target that small carries no map
 constexpr double kPieceEvidenceMin = 250.0;
 
-cv::Mat disc(int radius) {
-  return cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(2 * radius + 1, 2 * radius + 1));
+/// As large as the disc of that radius, and separable.
+cv::Mat square(int radius) {
+  const int side = 2 * cvRound(0.5 * std::sqrt(CV_PI) * radius) + 1;
+  return cv::Mat::ones(side, side, CV_8UC1);
 }
 
 struct Piece {
@@ -97,8 +100,7 @@ bool find_outline(const cv::Mat& all_evidence,
   if (!certain.empty()) {
     cv::bitwise_or(s->positive, certain, s->positive);
   }
-  const cv::Mat element = disc(closing_px);
-  cv::morphologyEx(s->positive, s->positive, cv::MORPH_CLOSE, element);
+  cv::morphologyEx(s->positive, s->positive, cv::MORPH_CLOSE, square(closing_px));
   const int count = cv::connectedComponents(s->positive, s->labels, 8, CV_32S);
   const std::vector<Piece> pieces = weigh_pieces(evidence, certain, s->labels, count);
   const auto main =
