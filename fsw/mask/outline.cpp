@@ -1,7 +1,6 @@
 #include "mask/outline.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
@@ -12,12 +11,6 @@ constexpr float kTargetEvidence = 0.3F;  // of sigmas a pixel over a window of 2
 constexpr float kCertainEvidence = 6.0F;
 constexpr int kPieceAreaMin = 100;  // working pixels; a target that small carries no map
 constexpr double kPieceEvidenceMin = 250.0;
-
-/// As large as the disc of that radius, and separable.
-cv::Mat square(int radius) {
-  const int side = 2 * cvRound(0.5 * std::sqrt(CV_PI) * radius) + 1;
-  return cv::Mat::ones(side, side, CV_8UC1);
-}
 
 struct Piece {
   double evidence = 0.0;
@@ -100,7 +93,8 @@ bool find_outline(const cv::Mat& all_evidence,
   if (!certain.empty()) {
     cv::bitwise_or(s->positive, certain, s->positive);
   }
-  cv::morphologyEx(s->positive, s->positive, cv::MORPH_CLOSE, square(closing_px));
+  const int side = 2 * closing_px + 1;
+  cv::morphologyEx(s->positive, s->positive, cv::MORPH_CLOSE, cv::Mat::ones(side, side, CV_8UC1));
   const int count = cv::connectedComponents(s->positive, s->labels, 8, CV_32S);
   const std::vector<Piece> pieces = weigh_pieces(evidence, certain, s->labels, count);
   const auto main =

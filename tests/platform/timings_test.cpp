@@ -32,6 +32,24 @@ TEST(Timings, EveryStageOfAStepIsOneSample) {
   EXPECT_EQ(timings.stages[static_cast<std::size_t>(Stage::kMask)].samples_us.size(), 0U);
 }
 
+TEST(Timings, AStageThatAStepComesBackToIsOneSample_OfAllThatItSpentOnIt) {
+  Timings timings(1);
+  timings.start_step();
+  for (int visit = 0; visit < 2; ++visit) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    Timings::hook(&timings, Stage::kMask);
+    Timings::hook(&timings, Stage::kMap);
+  }
+  (void)timings.end_step();
+  const auto samples_us = [&](Stage stage) {
+    return timings.stages[static_cast<std::size_t>(stage)].samples_us;
+  };
+  ASSERT_EQ(samples_us(Stage::kMask).size(), 1U);
+  EXPECT_GE(samples_us(Stage::kMask).front(), 40000U);
+  ASSERT_EQ(samples_us(Stage::kMap).size(), 1U);
+  EXPECT_LT(samples_us(Stage::kMap).front(), samples_us(Stage::kMask).front());
+}
+
 TEST(Timings, WaitingCostsTimeAndNoProcessorTime) {
   Timings timings(1);
   timings.start_step();
