@@ -155,8 +155,8 @@ struct StepOutput {
   bool checkpoint_asked = false;              ///< by command: the caller is to write one now
 };
 
-/// Called at the end of each stage; lets the caller time the stages with its own clock. Must not
-/// throw.
+/// Called at the end of each stage, in the order of the flow, save that a new keyframe comes back from the map to the mask; lets the
+/// caller time the stages with its own clock. Must not throw.
 using StageHook = void (*)(void* context, Stage stage);
 
 class Component {

@@ -212,7 +212,9 @@ TEST(Step, TellsTheEndOfTheStagesThatRan_InTheOrderOfTheFlow) {
   ASSERT_FALSE(stages.empty());
   EXPECT_EQ(stages.front(), Stage::kImage);
   EXPECT_EQ(stages.back(), Stage::kBus);
-  EXPECT_TRUE(std::is_sorted(stages.begin(), stages.end()));
+  const auto back = std::is_sorted_until(stages.begin(), stages.end());
+  EXPECT_TRUE(back == stages.end() || *back == Stage::kMask);
+  EXPECT_TRUE(std::is_sorted(back, stages.end()));
   stages.clear();
   (void)b.component->step({.frame = unreadable(5 * Bench::kSecond_ns)});
   EXPECT_EQ(stages, std::vector<Stage>{Stage::kBus});
