@@ -5,6 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "mask/grown.hpp"
+
 namespace polhode {
 namespace {
 
@@ -40,17 +42,18 @@ void find_looks(const cv::Mat& picture, AppearanceScratch* s) {
   }
 }
 
-/// How often each look is where `set` is `value`. @param all  pixels that are.
+/// How often each look is where `set` is `value`, by every second row and column. @param all  pixels that are.
 Shares shares_of(const cv::Mat& looks, const cv::Mat& set, std::uint8_t value, double* all) {
   Shares shares{};
   *all = 0.0;
-  for (int row = 0; row < looks.rows; ++row) {
+  constexpr int kStep = 2;
+  for (int row = 0; row < looks.rows; row += kStep) {
     const auto* look = looks.ptr<std::uint8_t>(row);
     const auto* here = set.ptr<std::uint8_t>(row);
-    for (int column = 0; column < looks.cols; ++column) {
+    for (int column = 0; column < looks.cols; column += kStep) {
       if (here[column] == value) {
-        shares[look[column]] += 1.0;
-        *all += 1.0;
+        shares[look[column]] += kStep * kStep;
+        *all += kStep * kStep;
       }
     }
   }
@@ -65,21 +68,22 @@ float said_by(double ratio) {
   return static_cast<float>(kShare * std::clamp(std::log(ratio), -kLogMost, kLogMost));
 }
 
-}  // namespace
-
+/// The outline's box and a third of its width around. Empty without an outline.
 cv::Rect box_of_looks(const cv::Mat& outline) {
   const cv::Rect box = cv::boundingRect(outline);
   if (box.empty()) {
     return box;
   }
   const int margin = std::max(8, std::max(box.width, box.height) / 3);
-  return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
-         cv::Rect(cv::Point(), outline.size());
+  return grown(box, margin) & cv::Rect(cv::Point(), outline.size());
 }
+
+}  // namespace
 
 void add_appearance(const cv::Mat& picture,
                     const cv::Mat& outline,
                     const cv::Mat& matches,
+                    const cv::Rect& region,
                     AppearanceScratch* s,
                     cv::Mat* opinion) {
   const cv::Rect box = box_of_looks(outline);
@@ -103,10 +107,12 @@ void add_appearance(const cv::Mat& picture,
     says[k] = said_by((target[k] + kRare) / (around[k] + kRare));
     says_of_known[k] = said_by(target[k]);
   }
-  cv::Mat part = (*opinion)(box);
-  const cv::Mat known = matches(box);
+  const cv::Rect heard = box & region;
+  cv::Mat part = (*opinion)(heard);
+  const cv::Mat known = matches(heard);
+  const cv::Mat looks = s->looks(heard - box.tl());
   for (int row = 0; row < part.rows; ++row) {
-    const auto* look = s->looks.ptr<std::uint8_t>(row);
+    const auto* look = looks.ptr<std::uint8_t>(row);
     const auto* is_known = known.ptr<std::uint8_t>(row);
     auto* to = part.ptr<float>(row);
     for (int column = 0; column < part.cols; ++column) {

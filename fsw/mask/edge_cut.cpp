@@ -7,6 +7,7 @@
 #include <opencv2/imgproc/detail/gcgraph.hpp>
 
 #include "base/assert.hpp"
+#include "mask/grown.hpp"
 
 namespace polhode {
 namespace {
@@ -210,8 +211,7 @@ void cut_at_edges(const cv::Mat& picture,
     return;
   }
   const int margin = std::max(4, std::max(box.width, box.height) / 8);
-  box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
-        cv::Rect(0, 0, picture.cols, picture.rows);
+  box = grown(box, margin) & cv::Rect(0, 0, picture.cols, picture.rows);
   box.width -= box.width % reach.cell_px;
   box.height -= box.height % reach.cell_px;
   cv::Mat part = (*outline)(box);

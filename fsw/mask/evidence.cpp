@@ -173,11 +173,12 @@ void compare_with_target(const PointsState& points,
 /// How much more the background's motions are contradicted than the target's, summed over the window.
 void sum_over_window(EvidenceState* s) {
   s->difference.create(s->least.size(), CV_8UC1);
+  const int columns = s->least.cols;
   for (int row = 0; row < s->least.rows; ++row) {
     const auto* background = s->least.ptr<std::uint8_t>(row);
     const auto* target = s->excess.ptr<std::uint8_t>(row);
     auto* difference = s->difference.ptr<std::uint8_t>(row);
-    for (int column = 0; column < s->least.cols; ++column) {
+    for (int column = 0; column < columns; ++column) {
       difference[column] = static_cast<std::uint8_t>(kNoDifference + background[column] - target[column]);
     }
   }

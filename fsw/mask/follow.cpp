@@ -6,6 +6,7 @@
 
 #include "mask/behind.hpp"
 #include "mask/edge_cut.hpp"
+#include "mask/grown.hpp"
 
 namespace polhode {
 namespace {
@@ -71,10 +72,10 @@ void distance_within(const cv::Mat& set, const cv::Rect& box, OutlineScratch* s,
   const cv::Size half((box.width + 1) / 2, (box.height + 1) / 2);
   cv::resize(set(box), s->positive, half, 0.0, 0.0, cv::INTER_NEAREST);
   cv::bitwise_not(s->positive, s->positive);
-  cv::distanceTransform(s->positive, s->half_distance, cv::DIST_L2, 3, CV_32F);
-  s->half_distance *= 2.0;
+  cv::distanceTransform(s->positive, s->half, cv::DIST_L2, 3, CV_32F);
+  s->half *= 2.0;
   cv::Mat part = (*distance)(box);
-  cv::resize(s->half_distance, part, box.size(), 0.0, 0.0, cv::INTER_LINEAR);
+  cv::resize(s->half, part, box.size(), 0.0, 0.0, cv::INTER_LINEAR);
 }
 
 /// Nearer to a landmark than this is target, in working pixels.
@@ -103,12 +104,7 @@ void place_prior(const MaskPrior& prior, MaskState* s) {
   s->radius_px = prior.radius_px / s->points.decimation;
   const double reach = std::max(6.0, kReach * s->radius_px);
   const int margin = static_cast<int>(reach) + 2;
-  const cv::Rect landmarks = cv::boundingRect(s->certain);
-  const cv::Rect box = cv::Rect(landmarks.x - margin,
-                                landmarks.y - margin,
-                                landmarks.width + 2 * margin,
-                                landmarks.height + 2 * margin) &
-                       s->points.whole();
+  const cv::Rect box = grown(cv::boundingRect(s->certain), margin) & s->points.whole();
   distance_within(s->certain, box, &s->scratch, &s->distance);
   cv::compare(s->distance, reach, s->reach, cv::CMP_LE);
   // Motion draws the finer outline: 0.86 and 0.90 of overlap on `earth` and `paper_2d`, small, 0.81
@@ -124,16 +120,18 @@ void place_prior(const MaskPrior& prior, MaskState* s) {
 /// The spacing of a body's texture, halved.
 int closing_radius(const MaskState& s) { return std::max(2, s.points.whole().width / 160); }
 
-bool find_closed(int closing_px, MaskState* s, cv::Mat* outline) {
-  cv::Rect region = s->evidence.region;
-  if (!s->certain.empty()) {
-    region |= cv::boundingRect(s->certain);
-  }
-  return find_outline(s->evidence.total, s->certain, region, closing_px, &s->scratch, outline);
+cv::Rect region_of_pieces(const MaskState& s) {
+  const cv::Rect compared = s.evidence.region;
+  return s.certain.empty() ? compared : compared | cv::boundingRect(s.certain);
 }
 
 void find_piece(MaskState* s) {
-  s->found = find_closed(closing_radius(*s), s, &s->outline);
+  s->found = find_outline(s->evidence.total,
+                          s->certain,
+                          region_of_pieces(*s),
+                          closing_radius(*s),
+                          &s->scratch,
+                          &s->outline);
   if (!s->reach.empty()) {
     cv::bitwise_and(s->outline, s->reach, s->outline);
     s->found = s->found && cv::countNonZero(s->outline) > 0;
@@ -148,20 +146,44 @@ void find_agreement(MaskState* s) {
 /// Adds what the evidence encloses when gaps twice as wide are closed, save where the background is
 /// seen: a panel as gray as the ocean behind it shows in its grid alone. Where it comes into view
 /// there are no landmarks yet, so their reach does not bound it.
+/// By every second pixel, as the edges are asked further away than that.
 void widen_outline(MaskState* s) {
-  if (!find_closed(2 * closing_radius(*s), s, &s->cells)) {
+  const cv::Size half = s->outline.size() / 2;
+  const cv::Rect region = region_of_pieces(*s);
+  cv::resize(s->evidence.total, s->scratch.half, half, 0.0, 0.0, cv::INTER_NEAREST);
+  if (!s->certain.empty()) {
+    cv::resize(s->certain, s->cells, half, 0.0, 0.0, cv::INTER_NEAREST);
+    s->scratch.half.setTo(EvidenceState::kMax, s->cells);
+  }
+  const cv::Rect half_region(region.tl() / 2, region.size() / 2);
+  if (!find_outline(
+          s->scratch.half, {}, half_region, closing_radius(*s), &s->scratch, &s->agreeing)) {
     return;
   }
+  cv::resize(s->agreeing, s->cells, s->outline.size(), 0.0, 0.0, cv::INTER_NEAREST);
   find_agreement(s);
   s->cells.setTo(0, s->agreeing);
   cv::bitwise_or(s->outline, s->cells, s->outline);
 }
 
-/// What speaks for the target in each pixel about the outline before the edges are asked: these pictures, and with a
+/// How far the edges may move an outline, in working pixels: first by cells of two, then by pixels.
+int far_reach_px(const MaskState& s) { return std::max(kOutlineOff_px, s.outline.cols / 32); }
+constexpr int kNearReach_px = 2;
+
+/// Where the cuts ask for an opinion.
+cv::Rect box_of_cuts(const MaskState& s) {
+  cv::Rect box = cv::boundingRect(s.outline);
+  if (!s.certain.empty()) {
+    box |= cv::boundingRect(s.certain);
+  }
+  return grown(box, far_reach_px(s) + kNearReach_px + 1) & s.points.whole();
+}
+
+/// What speaks for the target in each pixel of the box before the edges are asked: these pictures, and with a
 /// map the nearness to landmarks. All of it is weak against an even place's price of 6: what a
 /// moving target uncovers contradicts the background as much as the target does, so motion is off
 /// by what has been uncovered, and only the edges of the picture are where the target ends.
-void form_opinion(MaskState* s) {
+void form_opinion(const cv::Rect& box, MaskState* s) {
   constexpr float kEvidenceShare = 0.15F;
   constexpr float kEvidenceMin = -0.5F;  // places that look like the background agree by chance
   constexpr float kEvidenceMax = 1.5F;
@@ -169,7 +191,6 @@ void form_opinion(MaskState* s) {
   constexpr float kMapShare = 0.25F;
   const bool by_map = !s->reach.empty();
   const auto near = static_cast<float>(std::max(3.0, 0.1 * s->radius_px));
-  const cv::Rect box = box_of_looks(s->outline);
   s->opinion.create(s->evidence.total.size(), CV_32FC1);
   for (int row = box.y; row < box.br().y; ++row) {
     const auto* evidence = s->evidence.total.ptr<float>(row);
@@ -201,8 +222,7 @@ cv::Rect region_of_interest(const MaskState& s) {
   }
   // Without a map half of the target may still be missing.
   const int margin = std::max(16, std::max(box.width, box.height) / (mapped ? 8 : 4));
-  return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
-         whole;
+  return grown(box, margin) & whole;
 }
 
 /// Takes a picture in and compares it with the ones before. @return whether a background's motion
@@ -302,17 +322,22 @@ void sharpen_outline(MaskState* s) {
   widen_outline(s);
   const bool mapped = !s->reach.empty();
   const cv::Mat& picture = s->points.picture(0);
-  form_opinion(s);
+  const cv::Rect box = box_of_cuts(*s);
+  form_opinion(box, s);
   if (mapped) {
     match_background(picture, s->evidence.noise, &s->background_model);
-    add_appearance(
-        picture, s->outline, s->background_model.matches, &s->appearance_scratch, &s->opinion);
+    add_appearance(picture,
+                   s->outline,
+                   s->background_model.matches,
+                   box,
+                   &s->appearance_scratch,
+                   &s->opinion);
   }
   refine_opinion(picture, s->outline, s->network, &s->refine_scratch, &s->opinion);
-  const int far_px = std::max(kOutlineOff_px, picture.cols / 32);
+  const int far_px = far_reach_px(*s);
   if (mapped) {
     cut_at_edges(picture, s->opinion, s->certain, {.px = far_px, .cell_px = 2}, &s->outline);
-    cut_at_edges(picture, s->opinion, s->certain, {.px = 3}, &s->outline);
+    cut_at_edges(picture, s->opinion, s->certain, {.px = kNearReach_px}, &s->outline);
   } else {
     // Outlines lack a side or hold a shadow, and looks would make more of it. Cut by cells, maps before a limb begin later.
     cut_at_edges(picture, s->opinion, s->certain, {.px = far_px}, &s->outline);

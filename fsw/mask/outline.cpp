@@ -4,6 +4,8 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "mask/grown.hpp"
+
 namespace polhode {
 namespace {
 
@@ -56,9 +58,7 @@ std::vector<Piece> weigh_pieces(const cv::Mat& evidence,
 bool belongs(const Piece& piece, const Piece& main) {
   const cv::Rect box = main.box();
   const int reach = std::max(box.width, box.height) / 3;
-  const cv::Rect grown(
-      box.x - reach, box.y - reach, box.width + 2 * reach, box.height + 2 * reach);
-  return piece.evidence > 0.05 * main.evidence && (grown & piece.box()).area() > 0;
+  return piece.evidence > 0.05 * main.evidence && (grown(box, reach) & piece.box()).area() > 0;
 }
 
 /// Everything that the rim of the picture cannot be reached from.

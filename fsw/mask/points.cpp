@@ -166,24 +166,25 @@ void refill_points(const cv::Rect& target, bool everywhere, PointsState* s) {
       std::count_if(s->tracks.begin(), s->tracks.end(), [&](const MaskTrack& track) {
         return target.contains(cv::Point(track.now()));
       }));
-  if (there < kOnTargetMost) {
+  const bool to_target = everywhere || s->turn % 2 == 0 || there < kOnTargetMost / 2;
+  if (to_target && there < kOnTargetMost) {
     const std::size_t most = s->tracks.size() + kOnTargetMost - there;
     add_corners(target & whole, kOnTarget, kOnTarget, most, s);
   }
   for (int band = 0; band < kBands; ++band) {
-    if (everywhere || static_cast<std::size_t>(band) == s->band) {
+    if (everywhere || s->turn == static_cast<std::size_t>(2 * band + 1)) {
       const int top = band * whole.height / kBands;
       const int bottom = (band + 1) * whole.height / kBands;
       add_corners(
           {0, top, whole.width, bottom - top}, kColumns, kRowsOfBand, PointsState::kTracks, s);
     }
   }
-  s->band = (s->band + 1) % kBands;
+  s->turn = (s->turn + 1) % (2 * kBands);
 }
 
 void clear(PointsState* s) {
   s->stored = 0;
-  s->band = 0;
+  s->turn = 0;
   s->tracks.clear();
 }
 

@@ -50,7 +50,7 @@ struct PointsState {
   FlowPyramid pyramid_before;  ///< of the one before it
   std::size_t newest = 0;
   std::size_t stored = 0;
-  std::size_t band = 0;  ///< of the picture in which points are looked for next
+  std::size_t turn = 0;  ///< where points are looked for next: the bands of the picture, the target between
   FixedVector<MaskTrack, kTracks> tracks;
 
   // Scratch; contents mean nothing between calls.
@@ -76,8 +76,8 @@ void follow_points(PointsState* state);
 /// were go. Noise and rims make points move unlike anything.
 void drop_stray_points(TrackClass kind, PointsState* state);
 
-/// New points where there are none: all over the picture if `everywhere`, else in the next quarter
-/// of it; closer together in `target`, which may be empty.
+/// New points where there are none: all over the picture if `everywhere`, else by turns in a quarter of it and, closer together, in
+/// `target`, which may be empty. While that has few points it has its turn each time.
 void refill_points(const cv::Rect& target, bool everywhere, PointsState* state);
 
 void clear(PointsState* state);

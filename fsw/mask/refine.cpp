@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
+#include "mask/grown.hpp"
+
 namespace polhode {
 namespace {
 
@@ -28,8 +30,7 @@ void refine_opinion(const cv::Mat& picture,
     return;
   }
   const int margin = std::max(4, std::max(box.width, box.height) / 4);
-  box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
-        cv::Rect(0, 0, picture.cols, picture.rows);
+  box = grown(box, margin) & cv::Rect(0, 0, picture.cols, picture.rows);
   as_input(picture(box), &s->part, &s->gray);
   as_input(outline(box), &s->part, &s->outline);
   s->target.create(s->gray.size(), CV_32FC1);

@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "mask/grown.hpp"
 #include "mask/shrink.hpp"
 
 namespace polhode {
@@ -69,14 +70,11 @@ void find_target(const cv::Mat& gray, const MaskOptions& options, TargetMask* ma
     mask->region_px = cv::Rect();
     return;
   }
-  const cv::Rect grown(group.x - kGrowCells,
-                       group.y - kGrowCells,
-                       group.width + 2 * kGrowCells,
-                       group.height + 2 * kGrowCells);
-  mask->region_px = cv::Rect(grown.x * TargetMask::kCell_px,
-                             grown.y * TargetMask::kCell_px,
-                             grown.width * TargetMask::kCell_px,
-                             grown.height * TargetMask::kCell_px) &
+  const cv::Rect cells = grown(group, kGrowCells);
+  mask->region_px = cv::Rect(cells.x * TargetMask::kCell_px,
+                             cells.y * TargetMask::kCell_px,
+                             cells.width * TargetMask::kCell_px,
+                             cells.height * TargetMask::kCell_px) &
                     whole;
 }
 

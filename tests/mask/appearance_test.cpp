@@ -25,7 +25,7 @@ cv::Mat opinion_of(const cv::Mat& picture,
                    const cv::Mat& matches = cv::Mat::zeros(kSize, CV_8UC1)) {
   cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(0.0));
   AppearanceScratch scratch;
-  add_appearance(picture, outline, matches, &scratch, &opinion);
+  add_appearance(picture, outline, matches, cv::Rect(cv::Point(), picture.size()), &scratch, &opinion);
   return opinion;
 }
 

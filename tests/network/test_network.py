@@ -85,8 +85,8 @@ def test_a_network_is_asked_on_keyframes_and_its_word_counts(replay, tmp_path):
     for name in ("keeps_the_outline", "sees_background_everywhere"):
         run = replay(*named(network_file(tmp_path, getattr(onnx_writer, name)())), out=name)
         network = told(run)
-        assert network["times_asked"] == len(areas["off"]) and len(network["sha256"]) == 64
         areas[name] = sharp_areas(run)
+        assert network["times_asked"] == len(areas[name]) and len(network["sha256"]) == 64
     assert numpy.mean(areas["keeps_the_outline"]) == pytest.approx(numpy.mean(areas["off"]), rel=0.1)
     # It does not outvote what the pictures show clearly.
     assert 0.2 * SIDE**2 < numpy.mean(areas["sees_background_everywhere"]) < 0.97 * numpy.mean(areas["off"])
