@@ -261,6 +261,15 @@ void remember_background(bool explained, MaskState* s) {
   }
 }
 
+/// Before a map each point counts: by turns maps before a limb begin from less, and their outlines overlap by 0.04 less.
+void refill(MaskState* s) {
+  const bool mapped = !s->reach.empty();
+  const Refill later = mapped ? Refill::kByTurns : Refill::kBandAndTarget;
+  refill_points(s->found ? cv::boundingRect(s->outline) : cv::Rect(),
+                s->compared <= 1 ? Refill::kEverywhere : later,
+                &s->points);
+}
+
 /// Lit cells that the outline covers by half and that do not agree with the background. The rim of
 /// the body is no place for features: what is seen beside it changes as the body turns.
 void to_cells(MaskState* s, TargetMask* mask) {
@@ -308,7 +317,7 @@ void follow_target(const cv::Mat& gray,
   s->unexplained = explained ? 0 : std::min(s->unexplained + 1, 2 * kPatience);
   find_piece(s);
   remember_background(explained, s);
-  refill_points(s->found ? cv::boundingRect(s->outline) : cv::Rect(), s->compared <= 1, &s->points);
+  refill(s);
   if (!s->found && s->unexplained >= kPatience && s->points.stored > 1) {
     return;
   }

@@ -155,7 +155,7 @@ void drop_stray_points(TrackClass kind, PointsState* s) {
   s->tracks.resize(kept);
 }
 
-void refill_points(const cv::Rect& target, bool everywhere, PointsState* s) {
+void refill_points(const cv::Rect& target, Refill where, PointsState* s) {
   constexpr int kColumns = 20;
   constexpr int kBands = 4;
   constexpr int kRowsOfBand = 3;
@@ -166,20 +166,23 @@ void refill_points(const cv::Rect& target, bool everywhere, PointsState* s) {
       std::count_if(s->tracks.begin(), s->tracks.end(), [&](const MaskTrack& track) {
         return target.contains(cv::Point(track.now()));
       }));
-  const bool to_target = everywhere || s->turn % 2 == 0 || there < kOnTargetMost / 2;
-  if (to_target && there < kOnTargetMost) {
+  const bool by_turns = where == Refill::kByTurns;
+  const bool turn_of_target = !by_turns || s->turn % 2 == 0 || there < kOnTargetMost / 2;
+  if (turn_of_target && there < kOnTargetMost) {
     const std::size_t most = s->tracks.size() + kOnTargetMost - there;
     add_corners(target & whole, kOnTarget, kOnTarget, most, s);
   }
   for (int band = 0; band < kBands; ++band) {
-    if (everywhere || s->turn == static_cast<std::size_t>(2 * band + 1)) {
+    const bool turn_of_band =
+        s->turn / 2 == static_cast<std::size_t>(band) && (!by_turns || s->turn % 2 == 1);
+    if (where == Refill::kEverywhere || turn_of_band) {
       const int top = band * whole.height / kBands;
       const int bottom = (band + 1) * whole.height / kBands;
       add_corners(
           {0, top, whole.width, bottom - top}, kColumns, kRowsOfBand, PointsState::kTracks, s);
     }
   }
-  s->turn = (s->turn + 1) % (2 * kBands);
+  s->turn = (s->turn + (by_turns ? 1 : 2)) % (2 * kBands);
 }
 
 void clear(PointsState* s) {

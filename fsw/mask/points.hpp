@@ -76,9 +76,15 @@ void follow_points(PointsState* state);
 /// were go. Noise and rims make points move unlike anything.
 void drop_stray_points(TrackClass kind, PointsState* state);
 
-/// New points where there are none: all over the picture if `everywhere`, else by turns in a quarter of it and, closer together, in
-/// `target`, which may be empty. While that has few points it has its turn each time.
-void refill_points(const cv::Rect& target, bool everywhere, PointsState* state);
+/// Where new points are looked for: in the target each time while it has few, and
+enum class Refill : std::uint8_t {
+  kEverywhere,     ///< in the whole picture and in the target
+  kBandAndTarget,  ///< in the next quarter of the picture and in the target
+  kByTurns         ///< in one of these: half of the cost
+};
+
+/// New points where there are none, closer together in `target`, which may be empty.
+void refill_points(const cv::Rect& target, Refill where, PointsState* state);
 
 void clear(PointsState* state);
 

@@ -73,6 +73,21 @@ TEST(AddAppearance, SaysNothing_WhereTheBackgroundLooksTheSame) {
   EXPECT_LT(cv::norm(opinion_of(picture, outline_without(kCell)), cv::NORM_INF), 0.01);
 }
 
+TEST(AddAppearance, SaysTheSameWithinARegion_AndNothingOutsideOfIt) {
+  cv::Mat picture(kSize, CV_8UC1, cv::Scalar(150));
+  picture(kBody).setTo(30);
+  const cv::Mat everywhere = opinion_of(picture, outline_without(kCell));
+  const cv::Rect region(kCell.x - 5, kCell.y - 5, 60, 45);  // within the body and beyond its corner
+  cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(0.0));
+  AppearanceScratch scratch;
+  const cv::Mat nothing_known = cv::Mat::zeros(kSize, CV_8UC1);
+  add_appearance(picture, outline_without(kCell), nothing_known, region, &scratch, &opinion);
+  EXPECT_EQ(cv::norm(opinion(region), everywhere(region), cv::NORM_INF), 0.0);
+  EXPECT_GT(mean_in(opinion, kCell), 0.2);
+  opinion(region).setTo(0.0);
+  EXPECT_EQ(cv::countNonZero(opinion), 0);
+}
+
 TEST(AddAppearance, SaysNothing_WithoutAnOutline) {
   const cv::Mat picture(kSize, CV_8UC1, cv::Scalar(90));
   EXPECT_EQ(cv::norm(opinion_of(picture, cv::Mat::zeros(kSize, CV_8UC1)), cv::NORM_INF), 0.0);
