@@ -79,7 +79,7 @@ void fill_holes(cv::Mat* outline, cv::Mat* flooded) {
 bool find_outline(const cv::Mat& all_evidence,
                   const cv::Mat& all_certain,
                   const cv::Rect& region,
-                  int closing_px,
+                  const cv::Mat& closing,
                   OutlineScratch* s,
                   cv::Mat* whole_outline) {
   whole_outline->create(all_evidence.size(), CV_8UC1);
@@ -95,8 +95,7 @@ bool find_outline(const cv::Mat& all_evidence,
   if (!certain.empty()) {
     cv::bitwise_or(s->positive, certain, s->positive);
   }
-  const int side = 2 * closing_px + 1;
-  cv::morphologyEx(s->positive, s->positive, cv::MORPH_CLOSE, cv::Mat::ones(side, side, CV_8UC1));
+  cv::morphologyEx(s->positive, s->positive, cv::MORPH_CLOSE, closing);
   const int count = cv::connectedComponents(s->positive, s->labels, 8, CV_32S);
   const std::vector<Piece> pieces = weigh_pieces(evidence, certain, s->labels, count);
   const auto main =

@@ -15,14 +15,13 @@ struct OutlineScratch {
 
 /// The piece with the most evidence, and what lies close to it: closed, its holes filled.
 /// @param evidence CV_32FC1. @param certain CV_8UC1 or empty: target whatever the evidence.
-/// @param region outside of it there is no evidence. @param closing_px gaps of up to twice this are
-/// closed.
+/// @param region outside of it there is no evidence. @param closing CV_8UC1, of odd sides: gaps that it does not fit into are closed.
 /// @param outline CV_8UC1, 255 on the target; all 0 when there is no piece worth a target.
 /// @return false when there is none.
 bool find_outline(const cv::Mat& evidence,
                   const cv::Mat& certain,
                   const cv::Rect& region,
-                  int closing_px,
+                  const cv::Mat& closing,
                   OutlineScratch* scratch,
                   cv::Mat* outline);
 

@@ -10,6 +10,10 @@ const cv::Size kSize(160, 120);
 const cv::Rect kWhole(cv::Point(), kSize);
 const cv::Rect kBody(50, 40, 60, 40);
 
+cv::Mat square(int radius) {
+  return cv::Mat::ones(2 * radius + 1, 2 * radius + 1, CV_8UC1);
+}
+
 /// A panel's grid: lines 3 px wide, 12 px apart.
 cv::Mat grid_evidence() {
   cv::Mat evidence(kSize, CV_32FC1, cv::Scalar(0.0F));
@@ -19,13 +23,13 @@ cv::Mat grid_evidence() {
   return evidence;
 }
 
-TEST(FindOutline, ClosesGapsUpToTwiceTheRadius_AndNoWiderOnes) {
+TEST(FindOutline, ClosesGapsThatTheElementDoesNotFitInto_AndNoWiderOnes) {
   OutlineScratch scratch;
   cv::Mat outline;
-  ASSERT_TRUE(find_outline(grid_evidence(), {}, kWhole, 5, &scratch, &outline));
+  ASSERT_TRUE(find_outline(grid_evidence(), {}, kWhole, square(5), &scratch, &outline));
   EXPECT_EQ(outline.at<std::uint8_t>(60, 80), 255);
   EXPECT_EQ(outline.at<std::uint8_t>(60, 45), 0);
-  ASSERT_TRUE(find_outline(grid_evidence(), {}, kWhole, 2, &scratch, &outline));
+  ASSERT_TRUE(find_outline(grid_evidence(), {}, kWhole, square(2), &scratch, &outline));
   EXPECT_EQ(outline.at<std::uint8_t>(60, 80), 0);
   EXPECT_EQ(outline.at<std::uint8_t>(60, 51), 255);
 }
@@ -34,7 +38,7 @@ TEST(FindOutline, FindsNothing_WithoutEvidence) {
   OutlineScratch scratch;
   cv::Mat outline;
   EXPECT_FALSE(find_outline(
-      cv::Mat(kSize, CV_32FC1, cv::Scalar(0.0F)), {}, kWhole, 5, &scratch, &outline));
+      cv::Mat(kSize, CV_32FC1, cv::Scalar(0.0F)), {}, kWhole, square(5), &scratch, &outline));
   EXPECT_EQ(cv::countNonZero(outline), 0);
 }
 
