@@ -181,7 +181,7 @@ void widen_outline(MaskState* s) {
 
 /// How far the edges may move an outline, in working pixels: first by cells of two, then by pixels.
 int far_reach_px(const MaskState& s) { return std::max(kOutlineOff_px, s.outline.cols / 32); }
-constexpr int kNearReach_px = 2;
+constexpr int kNearReach_px = 1;
 
 /// Where the cuts ask for an opinion.
 cv::Rect box_of_cuts(const MaskState& s) {
