@@ -192,7 +192,6 @@ void sum_over_window(EvidenceState* s) {
 void carry_and_add(const PointsState& points,
                    std::size_t compared_age,
                    const cv::Rect& region,
-                   int interpolation,
                    EvidenceState* s) {
   constexpr float kMemory = 0.55F;
   constexpr float kSaysMost = 2.0F;
@@ -205,7 +204,7 @@ void carry_and_add(const PointsState& points,
             s->carried,
             s->flow_full(cv::Rect(cv::Point(), region.size())),
             cv::noArray(),
-            interpolation,
+            cv::INTER_LINEAR,
             cv::BORDER_REPLICATE);
   s->total.setTo(0.0);
   for (int row = 0; row < region.height; ++row) {
@@ -227,7 +226,6 @@ void carry_and_add(const PointsState& points,
 void weigh_motions(const PointsState& points,
                    const BackgroundState& background,
                    const cv::Rect& region,
-                   int interpolation,
                    EvidenceState* s) {
   const cv::Size size = points.picture(0).size();
   if (s->total.size() != size) {
@@ -254,7 +252,7 @@ void weigh_motions(const PointsState& points,
   compare_with_background(points, *motion, s->region, s);
   compare_with_target(points, motion->age, s->region, s);
   sum_over_window(s);
-  carry_and_add(points, motion->age, s->region, interpolation, s);
+  carry_and_add(points, motion->age, s->region, s);
 }
 
 void remember_outline(const cv::Mat& outline, EvidenceState* s) {

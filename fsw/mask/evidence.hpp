@@ -25,12 +25,10 @@ struct EvidenceState {
 
 /// Compares the newest picture with earlier ones within a region and adds to the evidence. What was
 /// known outside of it is forgotten. Needs points of both kinds.
-/// @param interpolation of what is carried along: cv::INTER_LINEAR, or cv::INTER_NEAREST for half of its cost.
 /// @cost in proportion to the region: a warp of it for each layer, and three more.
 void weigh_motions(const PointsState& points,
                    const BackgroundState& background,
                    const cv::Rect& region,
-                   int interpolation,
                    EvidenceState* state);
 
 /// An outline that edges and looks have decided: what it holds is taken along as evidence, what it leaves out is no longer.

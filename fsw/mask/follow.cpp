@@ -252,8 +252,7 @@ bool compare_pictures(const cv::Mat& gray, const MaskPrior& prior, MaskState* s)
   place_landmarks(prior, true, s);
   const bool explained = explain_background(s->certain, &s->points, &s->background);
   const cv::Rect region = region_of_interest(*s);
-  const int interpolation = has_map(*s) ? cv::INTER_NEAREST : cv::INTER_LINEAR;
-  weigh_motions(s->points, s->background, region, interpolation, &s->evidence);
+  weigh_motions(s->points, s->background, region, &s->evidence);
   place_prior(prior, s);
   choose_age(s->points, &s->background);
   ++s->compared;
