@@ -117,7 +117,7 @@ void place_prior(const MaskPrior& prior, MaskState* s) {
   }
 }
 
-/// And the pictures do not contradict it.
+/// There is a map, and the pictures do not contradict it.
 bool has_map(const MaskState& s) { return !s.reach.empty(); }
 
 /// The spacing of a body's texture, halved.
@@ -131,15 +131,15 @@ cv::Mat closing(const MaskState& s, int radius) {
                     : cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(side, side));
 }
 
-cv::Rect region_of_pieces(const MaskState& s) {
-  const cv::Rect compared = s.evidence.region;
-  return s.certain.empty() ? compared : compared | cv::boundingRect(s.certain);
+/// A box and what is certain.
+cv::Rect with_certain(const cv::Rect& box, const MaskState& s) {
+  return s.certain.empty() ? box : box | cv::boundingRect(s.certain);
 }
 
 void find_piece(MaskState* s) {
   s->found = find_outline(s->evidence.total,
                           s->certain,
-                          region_of_pieces(*s),
+                          with_certain(s->evidence.region, *s),
                           closing(*s, closing_radius(*s)),
                           &s->scratch,
                           &s->outline);
@@ -161,7 +161,7 @@ void find_agreement(MaskState* s) {
 void widen_outline(MaskState* s) {
   const int step = has_map(*s) ? 2 : 1;
   const cv::Size size = s->outline.size() / step;
-  const cv::Rect region = region_of_pieces(*s);
+  const cv::Rect region = with_certain(s->evidence.region, *s);
   cv::Mat& evidence = s->scratch.sparse;
   cv::resize(s->evidence.total, evidence, size, 0.0, 0.0, cv::INTER_NEAREST);
   if (!s->certain.empty()) {
@@ -185,10 +185,7 @@ constexpr int kNearReach_px = 1;
 
 /// Where the cuts ask for an opinion.
 cv::Rect box_of_cuts(const MaskState& s) {
-  cv::Rect box = cv::boundingRect(s.outline);
-  if (!s.certain.empty()) {
-    box |= cv::boundingRect(s.certain);
-  }
+  const cv::Rect box = with_certain(cv::boundingRect(s.outline), s);
   return grown(box, far_reach_px(s) + kNearReach_px + 1) & s.points.whole();
 }
 
@@ -229,10 +226,7 @@ cv::Rect region_of_interest(const MaskState& s) {
   if (!s.was_found || s.compared % everywhere_each == 0 || s.outline.size() != whole.size()) {
     return whole;
   }
-  cv::Rect box = cv::boundingRect(s.outline);
-  if (mapped) {
-    box |= cv::boundingRect(s.certain);
-  }
+  const cv::Rect box = with_certain(cv::boundingRect(s.outline), s);
   // Without a map half of the target may still be missing.
   const int margin = std::max(16, std::max(box.width, box.height) / (mapped ? 8 : 4));
   return grown(box, margin) & whole;
