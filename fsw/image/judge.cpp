@@ -163,13 +163,14 @@ void remember(const ImageQuality& q, History* frames) {
 FrameVerdict judge_quality(const ImageQuality& quality,
                            const ImageOptions& options,
                            QualityHistory* history) {
-  // In the order of precedence among what is equally bad: a frozen dark frame is frozen, a torn bright one is torn.
+  // In the order of precedence among what is equally bad: a frozen dark frame is frozen, a torn bright one is torn, and one that is
+  // at full scale all over is flat because it is saturated.
   const std::array<std::pair<FrameFault, Finding>, kFrameFaults - 1> findings{
       {{FrameFault::kFrozen, find_frozen(quality.rows)},
        {FrameFault::kDark, find_dark(quality.levels, history->frames)},
-       {FrameFault::kFlat, find_flat(quality.levels, options)},
        {FrameFault::kTorn, find_torn(quality.rows)},
        {FrameFault::kSaturated, find_saturated(quality.levels, history->frames)},
+       {FrameFault::kFlat, find_flat(quality.levels, options)},
        {FrameFault::kBitErrors, find_bit_errors(quality.bit_errors, history->frames)},
        {FrameFault::kBlurred, find_blurred(quality.levels, history->frames)}}};
   const bool nothing_to_see =

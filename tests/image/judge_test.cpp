@@ -162,6 +162,12 @@ TEST(Assess, SkipsAnOverexposedFrame_ButNotAnOverexposedSequence) {
   }
 }
 
+TEST(Assess, CallsAPictureThatIsAllAtFullScaleSaturated_NotFlat) {
+  Watch watch;
+  expect_skipped(watch.show(constant(kWidth, kHeight, 255)), FrameFault::kSaturated);
+  expect_good(watch.show(watch.good()));
+}
+
 TEST(Assess, FindsSaltedPixels_AndSkipsWhereTheyAreMany) {
   for (const double share : {0.003, 0.01, 0.05}) {
     Watch watch;
