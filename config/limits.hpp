@@ -18,7 +18,7 @@ inline constexpr std::size_t kWorkingSide = 4096;
 // The longer side of a camera's picture.
 inline constexpr std::size_t kImageSide = 8192;
 
-// One keyframe per 6 deg over two full turns about different axes, less the overlap.
+// 50 of them 3 deg apart, then 50 that are 6 deg apart: a full turn, and what another axis adds.
 inline constexpr std::size_t kKeyframes = 100;
 
 // A face sees about 400 landmarks; six faces seen under several lights need about 4000.

@@ -18,7 +18,7 @@ struct LocaliseOptions {
 
 struct MapOptions {
   int keyframes_max = 100;                   ///< 8 .. limits::kKeyframes
-  double keyframe_rotation_min_rad = 0.10;   ///< 5.7 deg of body rotation make a new keyframe, 0.02 .. 0.5
+  double keyframe_rotation_min_rad = 0.05;   ///< 2.9 deg of body rotation make a new keyframe, twice that when half of the table is taken, 0.02 .. 0.5
   double keyframe_tracked_min = 0.6;         ///< a keyframe comes sooner when less than this part is still tracked, 0.1 .. 0.95
   int window_keyframes = 10;                 ///< keyframes that the windowed adjustment moves, 3 .. 30
   int adjustment_iterations_max = 10;        ///< 1 .. 100

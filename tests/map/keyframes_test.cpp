@@ -53,6 +53,24 @@ TEST(WantsKeyframe, IsTrue_WhenTheBodyHasTurnedFromAllKeyframes_OrFewAreTracked)
   EXPECT_TRUE(wants_keyframe(*s.map, turned(0.4), 0, options));
 }
 
+TEST(WantsKeyframe, AsksForMoreOfAYoungMap_ThatHasHardlyTurned) {
+  const auto s = make_map(ball(300, 31), turn_by(0.02, 3), kNoise_px, 31);  // 0.04 rad in all
+  constexpr int kMany = 1000;
+  // 0.006 more are 0.15 of the 0.046 since the first; the spacing of a map that has turned is 0.05.
+  EXPECT_FALSE(wants_keyframe(*s.map, turned(0.044), kMany, {}));
+  EXPECT_TRUE(wants_keyframe(*s.map, turned(0.050), kMany, {}));
+}
+
+TEST(WantsKeyframe, AsksForHalfAsMany_WhenHalfOfTheTableIsTaken) {
+  const auto s = make_map(ball(300, 31), turn_by(0.2, 8), kNoise_px, 31);
+  constexpr int kMany = 1000;
+  const MapOptions empty{.keyframes_max = 17, .keyframe_rotation_min_rad = 0.1};
+  const MapOptions half_full{.keyframes_max = 16, .keyframe_rotation_min_rad = 0.1};
+  EXPECT_TRUE(wants_keyframe(*s.map, turned(1.55), kMany, empty));
+  EXPECT_FALSE(wants_keyframe(*s.map, turned(1.55), kMany, half_full));
+  EXPECT_TRUE(wants_keyframe(*s.map, turned(1.61), kMany, half_full));
+}
+
 TEST(InsertKeyframe, StoresTheFrame_AndTiesItsInliersOnly) {
   const auto body = ball(300, 32);
   const auto s = make_map(body, turn_by(0.2, 3), kNoise_px, 32);
