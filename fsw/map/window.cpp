@@ -4,6 +4,7 @@
 #include <array>
 
 #include "base/median.hpp"
+#include "geometry/so3.hpp"
 
 namespace polhode {
 namespace {
@@ -144,6 +145,23 @@ double moved_max(const AdjustmentSnapshot& s, const Map& map) {
   return kMedians * median(distances.view());
 }
 
+bool is_there(const AdjustmentSnapshot& s, std::size_t k, const Keyframe& keyframe) {
+  return keyframe.used && keyframe.number == s.keyframe_numbers[k];
+}
+
+/// The turn of T after which the keyframes' attitudes are, in the mean, what they were. Landmarks do not tell it: a young map is
+/// sheared along its depth, and what takes the shear away turns them by half of it, with the images and so the attitudes as before.
+Eigen::Matrix3d attitudes_back(const AdjustmentSnapshot& s, const Map& map) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (std::size_t k = 0; k < s.keyframes.size(); ++k) {
+    const Keyframe& keyframe = map.keyframes[s.keyframes[k].index()];
+    if (is_there(s, k, keyframe)) {
+      sum += keyframe.pose.R_CT.transpose() * from_inverse_depth(s.poses[k]).R_CT;
+    }
+  }
+  return nearest_rotation(sum);
+}
+
 /// From the adjusted map onto the one that it came from; identity where held keyframes keep the gauge.
 Similarity back_onto(const AdjustmentSnapshot& s, const Map& map) {
   if (std::count(s.pose_fixed.begin(), s.pose_fixed.end(), std::uint8_t{1}) > 1) {
@@ -162,12 +180,8 @@ Similarity back_onto(const AdjustmentSnapshot& s, const Map& map) {
     }
   }
   const Result<Similarity> aligned =
-      align_similarity(adjusted.view(), before.view(), weights.view());
+      align_turned(adjusted.view(), before.view(), weights.view(), attitudes_back(s, map));
   return aligned ? aligned.value() : Similarity{};
-}
-
-bool is_there(const AdjustmentSnapshot& s, std::size_t k, const Keyframe& keyframe) {
-  return keyframe.used && keyframe.number == s.keyframe_numbers[k];
 }
 
 /// By the newest of the snapshot's keyframes that are still there.

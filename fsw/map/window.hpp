@@ -65,8 +65,8 @@ struct MapCorrection {
 };
 
 /// Writes the result back to what of the snapshot is still in the map. Where no more than one
-/// keyframe was held the whole map is first brought back onto where it was by the similarity that
-/// fits its landmarks best: T's axes, origin and scale do not move. Keyframes and landmarks that have
+/// keyframe was held the whole map is first brought back onto where it was: T's axes by the keyframes' attitudes, which have been
+/// published, its origin and scale by the landmarks. Keyframes and landmarks that have
 /// come since keep their place beside the snapshot's newest keyframe. An adjustment by which the body would lie behind
 /// a camera changes nothing.
 MapCorrection apply(const AdjustmentSnapshot& snapshot, Map* map);

@@ -133,7 +133,7 @@ TEST(Triangulate, RefusesParallelRays) {
   }
 }
 
-TEST(Alignment, FindsTheSimilarityThatWasApplied) {
+TEST(Alignment, FindsTheScaleAndShiftThatWereApplied) {
   Rng rng(6, 0);
   for (int trial = 0; trial < 50; ++trial) {
     const Similarity truth{.scale = 0.1 + 3.0 * rng.uniform(),
@@ -142,20 +142,20 @@ TEST(Alignment, FindsTheSimilarityThatWasApplied) {
     std::vector<Eigen::Vector3d> a;
     std::vector<Eigen::Vector3d> b;
     std::vector<double> weights;
-    for (int i = 0; i < 3 + trial % 5; ++i) {
+    for (int i = 0; i < 2 + trial % 5; ++i) {
       a.push_back(random_vector(rng, 1.0));
       b.push_back(truth.apply(a.back()));
       weights.push_back(0.1 + rng.uniform());
     }
-    const Result<Similarity> found = align_similarity(a, b, weights);
+    const Result<Similarity> found = align_turned(a, b, weights, truth.R_ba);
     ASSERT_TRUE(found.ok());
     EXPECT_NEAR(found.value().scale, truth.scale, 1e-12 * 10);
-    EXPECT_LT((found.value().R_ba - truth.R_ba).norm(), 1e-9);
+    EXPECT_EQ(found.value().R_ba, truth.R_ba);
     EXPECT_LT((found.value().t_ba - truth.t_ba).norm(), 1e-9);
   }
 }
 
-TEST(Alignment, IgnoresPointsOfNoWeightAndNeverMirrors) {
+TEST(Alignment, IgnoresPointsOfNoWeight) {
   Rng rng(7, 0);
   std::vector<Eigen::Vector3d> a;
   std::vector<Eigen::Vector3d> b;
@@ -165,24 +165,22 @@ TEST(Alignment, IgnoresPointsOfNoWeightAndNeverMirrors) {
     b.push_back(i < 8 ? a.back() : random_vector(rng, 50.0));
     weights.push_back(i < 8 ? 1.0 : 0.0);
   }
-  EXPECT_LT((align_similarity(a, b, weights).value().R_ba - Eigen::Matrix3d::Identity()).norm(),
-            1e-9);
-  for (Eigen::Vector3d& point : b) point.x() = -point.x();
-  EXPECT_NEAR(align_similarity(a, b, weights).value().R_ba.determinant(), 1.0, 1e-12);
+  const Similarity found = align_turned(a, b, weights, Eigen::Matrix3d::Identity()).value();
+  EXPECT_NEAR(found.scale, 1.0, 1e-12);
+  EXPECT_LT(found.t_ba.norm(), 1e-12);
 }
 
-TEST(Alignment, RefusesTooFewPointsAndPointsOnALine) {
-  const std::vector<Eigen::Vector3d> two{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}};
-  EXPECT_EQ(align_similarity(two, two, std::vector<double>(2, 1.0)).error().code,
-            ErrorCode::kTooFewObservations);
+TEST(Alignment, RefusesWhatHasNoExtentOrNoWeight_AndAMirroredTurn) {
+  const Eigen::Matrix3d same_axes = Eigen::Matrix3d::Identity();
   const std::vector<Eigen::Vector3d> line{{0.0, 0.0, 0.0}, {1.0, 1.0, 0.0}, {2.0, 2.0, 0.0}};
-  EXPECT_EQ(align_similarity(line, line, std::vector<double>(3, 1.0)).error().code,
-            ErrorCode::kDegenerate);
-  const std::vector<Eigen::Vector3d> same(4, Eigen::Vector3d::Ones());
-  EXPECT_EQ(align_similarity(same, same, std::vector<double>(4, 1.0)).error().code,
-            ErrorCode::kDegenerate);
-  EXPECT_EQ(align_similarity(line, line, std::vector<double>(3, 0.0)).error().code,
-            ErrorCode::kDegenerate);
+  const std::vector<Eigen::Vector3d> same(3, Eigen::Vector3d::Ones());
+  const std::vector<double> ones(3, 1.0);
+  EXPECT_EQ(align_turned({}, {}, {}, same_axes).error().code, ErrorCode::kTooFewObservations);
+  EXPECT_EQ(align_turned(line, line, std::vector<double>(3, 0.0), same_axes).error().code,
+            ErrorCode::kTooFewObservations);
+  EXPECT_EQ(align_turned(same, same, ones, same_axes).error().code, ErrorCode::kDegenerate);
+  const Eigen::Matrix3d away = so3_exp(Eigen::Vector3d(0.0, 0.0, 3.14));
+  EXPECT_EQ(align_turned(line, line, ones, away).error().code, ErrorCode::kDegenerate);
 }
 
 }  // namespace

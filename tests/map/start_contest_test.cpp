@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 #include <memory>
 
-#include "geometry/alignment.hpp"
 #include "map/initialise.hpp"
 #include "synthetic/start_scenarios.hpp"
 
@@ -106,21 +105,21 @@ TEST(StartContest, PointSigmasCoverTheErrors) {
     const StartOutcome out = run(s, seed);
     ASSERT_EQ(out.decision, StartDecision::kCommit);
     // Truth into the outcome's gauge by the points themselves; what that takes away is 7 of 3 N.
-    std::vector<Eigen::Vector3d> truth;
-    std::vector<Eigen::Vector3d> estimate;
+    Eigen::Matrix3Xd truth(3, out.points.size());
+    Eigen::Matrix3Xd estimate(3, out.points.size());
+    Eigen::Index k = 0;
     for (std::size_t i = 0; i < out.points.size(); ++i) {
       if (out.points[i].valid) {
-        truth.push_back(s.tracks[i].p_B);
-        estimate.push_back(out.points[i].p_T);
+        truth.col(k) = s.tracks[i].p_B;
+        estimate.col(k++) = out.points[i].p_T;
       }
     }
-    const std::vector<double> weights(truth.size(), 1.0);
-    const Result<Similarity> to_T = align_similarity(truth, estimate, weights);
-    ASSERT_TRUE(to_T.ok());
-    std::size_t k = 0;
+    const Eigen::Matrix4d to_T = Eigen::umeyama(truth.leftCols(k), estimate.leftCols(k));
+    k = 0;
     for (const StartPoint& point : out.points) {
       if (point.valid) {
-        const Eigen::Vector3d error = to_T.value().apply(truth[k++]) - point.p_T;
+        const Eigen::Vector3d error =
+            (to_T * truth.col(k++).homogeneous()).head<3>() - point.p_T;
         sum += error.dot(point.covariance_T.inverse() * error);
         count += 3.0;
       }

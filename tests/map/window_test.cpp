@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "geometry/alignment.hpp"
+#include "geometry/so3.hpp"
 #include "synthetic_map.hpp"
 
 namespace polhode {
@@ -63,9 +64,14 @@ void disturb(std::uint64_t seed, Map* map) {
   }
 }
 
-/// The similarity that takes the landmarks best from where they are to where they were, each
-/// weighted by its sightings.
+/// The keyframes' mean turn against where they were, and scale and shift of the landmarks, each weighted by its sightings.
 Similarity drift(const Map& before, const Map& after) {
+  Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();
+  for (std::size_t k = 0; k < before.keyframes.size(); ++k) {
+    if (before.keyframes[k].used) {
+      turns += before.keyframes[k].pose.R_CT.transpose() * after.keyframes[k].pose.R_CT;
+    }
+  }
   std::vector<Eigen::Vector3d> a;
   std::vector<Eigen::Vector3d> b;
   std::vector<double> weights;
@@ -76,7 +82,7 @@ Similarity drift(const Map& before, const Map& after) {
       weights.push_back(before.landmarks[i].observations);
     }
   }
-  return align_similarity(a, b, weights).value();
+  return align_turned(a, b, weights, nearest_rotation(turns)).value();
 }
 
 TEST(SnapshotWindow, MovesTheWindow_AndHoldsAtMostTwiceAsManyOthers) {
