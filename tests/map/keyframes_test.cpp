@@ -43,14 +43,14 @@ TEST(WantsKeyframe, IsTrue_WhenThereIsNone) {
 }
 
 TEST(WantsKeyframe, IsTrue_WhenTheBodyHasTurnedFromAllKeyframes_OrFewAreTracked) {
-  const auto s = make_map(ball(300, 31), turn_by(0.2, 3), kNoise_px, 31);
+  const auto s = make_map(ball(300, 31), turn_by(0.2, 5), kNoise_px, 31);
   const MapOptions options{.keyframe_rotation_min_rad = 0.1, .keyframe_tracked_min = 0.5};
   constexpr int kMany = 1000;
-  EXPECT_FALSE(wants_keyframe(*s.map, turned(0.4), kMany, options));
+  EXPECT_FALSE(wants_keyframe(*s.map, turned(0.8), kMany, options));
   EXPECT_FALSE(wants_keyframe(*s.map, turned(0.05), kMany, options)) << "near the first, long ago";
-  EXPECT_FALSE(wants_keyframe(*s.map, turned(0.49), kMany, options));
-  EXPECT_TRUE(wants_keyframe(*s.map, turned(0.51), kMany, options));
-  EXPECT_TRUE(wants_keyframe(*s.map, turned(0.4), 0, options));
+  EXPECT_FALSE(wants_keyframe(*s.map, turned(0.89), kMany, options));
+  EXPECT_TRUE(wants_keyframe(*s.map, turned(0.91), kMany, options));
+  EXPECT_TRUE(wants_keyframe(*s.map, turned(0.8), 0, options));
 }
 
 TEST(WantsKeyframe, AsksForMoreOfAYoungMap_ThatHasHardlyTurned) {
