@@ -30,7 +30,7 @@ struct Bridge {
   double turn_rad = 0.0;    ///< largest turn of the start from its first frame
   /// Attitudes of the start and of the prediction turn alike: they differ by under a quarter of the
   /// turn, or by under three sigma of the prediction. Where they do not, one of the two motions is
-  /// wrong.
+  /// wrong. And the prediction's attitude is known to a radian.
   bool agrees = false;
 };
 

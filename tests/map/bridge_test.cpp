@@ -70,6 +70,14 @@ TEST(Bridge, SaysThatTheMotionsContradict_WhenTheyTurnByDifferentRates) {
   EXPECT_GT(mirrored.value().misfit_rad, 0.2);
 }
 
+TEST(Bridge, DoesNotHold_WhereTheBodyMayHaveTurnedByAnything) {
+  auto all = frames(0.6);
+  for (BridgeFrame& frame : all) frame.predicted_sigma_rad = 0.9;
+  EXPECT_TRUE(bridge_start(all, kBody).value().agrees);
+  for (BridgeFrame& frame : all) frame.predicted_sigma_rad = 1.1;
+  EXPECT_FALSE(bridge_start(all, kBody).value().agrees) << "however alike the rates are";
+}
+
 TEST(Bridge, RefusesWhatItCannotUse) {
   const auto all = frames(0.6);
   EXPECT_EQ(bridge_start(std::span(all).first(2), kBody).error().code,
