@@ -74,7 +74,7 @@ constexpr ParameterRow kRows[] = {
   {"map.keyframes_max", POLHODE_FIELD(map.keyframes_max), 8, limits::kKeyframes, "",
    "keyframes held at most"},
   {"map.keyframe_rotation_min_rad", POLHODE_FIELD(map.keyframe_rotation_min_rad), 0.02, 0.5, "rad",
-   "body rotation that makes a new keyframe"},
+   "body rotation that makes a new keyframe; twice that when half of them are held"},
   {"map.keyframe_tracked_min", POLHODE_FIELD(map.keyframe_tracked_min), 0.1, 0.95, "",
    "a keyframe comes sooner when less than this part is still tracked"},
   {"map.window_keyframes", POLHODE_FIELD(map.window_keyframes), 3, 30, "",
