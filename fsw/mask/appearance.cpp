@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "base/wide.hpp"
 #include "mask/grown.hpp"
 
 namespace polhode {
@@ -21,8 +22,11 @@ constexpr double kShare = 0.3;
 constexpr double kRare = 0.003;
 constexpr double kLogMost = 2.0;
 
-/// Highest less lowest level of 3 x 3 pixels: even, noise or faint texture, texture, an edge.
-int roughness_of(int range) { return range < 8 ? 0 : range < 24 ? 1 : range < 64 ? 2 : 3; }
+/// Number of a look. Highest less lowest level of 3 x 3 pixels: even, noise or faint texture, texture, an edge.
+std::uint8_t look_of(std::uint8_t level, std::uint8_t range) {
+  const int roughness = (range >= 8 ? 1 : 0) + (range >= 24 ? 1 : 0) + (range >= 64 ? 1 : 0);
+  return static_cast<std::uint8_t>(roughness * kLevels + level / (256 / kLevels));
+}
 
 /// Number of each pixel's look.
 void find_looks(const cv::Mat& picture, AppearanceScratch* s) {
@@ -31,15 +35,17 @@ void find_looks(const cv::Mat& picture, AppearanceScratch* s) {
   cv::erode(picture, s->other, cv::Mat());
   cv::subtract(range, s->other, range);
   s->looks.create(picture.size(), CV_8UC1);
-  for (int row = 0; row < picture.rows; ++row) {
-    const auto* level = picture.ptr<std::uint8_t>(row);
-    const auto* rough = range.ptr<std::uint8_t>(row);
-    auto* looks = s->looks.ptr<std::uint8_t>(row);
-    for (int column = 0; column < picture.cols; ++column) {
-      looks[column] =
-          static_cast<std::uint8_t>(roughness_of(rough[column]) * kLevels + level[column] * kLevels / 256);
+  widely([&] {
+    const int columns = picture.cols;  // what octets are written to could be this, too
+    for (int row = 0; row < picture.rows; ++row) {
+      const auto* level = picture.ptr<std::uint8_t>(row);
+      const auto* rough = range.ptr<std::uint8_t>(row);
+      auto* looks = s->looks.ptr<std::uint8_t>(row);
+      for (int column = 0; column < columns; ++column) {
+        looks[column] = look_of(level[column], rough[column]);
+      }
     }
-  }
+  });
 }
 
 /// How often each look is where `set` is `value`, by every second row and column. @param all  pixels that are.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/imgproc/detail/gcgraph.hpp>
+#include <vector>
 
 #include "base/assert.hpp"
 #include "mask/grown.hpp"
@@ -33,16 +34,10 @@ cv::Mat largest(const cv::Mat& pixels, int cell_px) {
   if (cell_px == 1) {
     return pixels;
   }
-  cv::Mat cells(pixels.size() / cell_px, CV_8UC1);
-  for (int row = 0; row < cells.rows; ++row) {
-    const auto* first = pixels.ptr<std::uint8_t>(2 * row);
-    const auto* second = pixels.ptr<std::uint8_t>(2 * row + 1);
-    auto* to = cells.ptr<std::uint8_t>(row);
-    for (int column = 0; column < cells.cols; ++column) {
-      to[column] = std::max(std::max(first[2 * column], first[2 * column + 1]),
-                            std::max(second[2 * column], second[2 * column + 1]));
-    }
-  }
+  cv::Mat grown;
+  cv::dilate(pixels, grown, cv::Mat::ones(cell_px, cell_px, CV_8UC1), cv::Point(0, 0));
+  cv::Mat cells;
+  cv::resize(grown, cells, pixels.size() / cell_px, 0.0, 0.0, cv::INTER_NEAREST);
   return cells;
 }
 
@@ -106,32 +101,28 @@ void add_price(int node, int price, Graph* graph) {
   graph->addTermWeights(node, std::max(price, 0), std::max(-price, 0));
 }
 
-/// Cells near the outline, where it may be moved to: numbered in `nodes`, the others -1.
-int number_band(const cv::Mat& outline, int reach, cv::Mat* nodes) {
+/// Cells near the outline, where it may be moved to.
+struct Band {
+  std::vector<cv::Point> cells;  ///< row by row; their place in this list is their node in the graph
+  cv::Mat nodes;                 ///< CV_32SC1: of all cells, -1 outside of the band
+};
+
+Band band_about(const cv::Mat& outline, int reach) {
   const cv::Mat square = cv::Mat::ones(2 * reach + 1, 2 * reach + 1, CV_8UC1);
   cv::Mat grown;
   cv::Mat shrunk;
   cv::dilate(outline, grown, square);
   cv::erode(outline, shrunk, square);
-  nodes->create(outline.size(), CV_32SC1);
-  int count = 0;
-  for (int row = 0; row < outline.rows; ++row) {
-    for (int column = 0; column < outline.cols; ++column) {
-      const bool open = grown.at<std::uint8_t>(row, column) != shrunk.at<std::uint8_t>(row, column);
-      nodes->at<int>(row, column) = open ? count++ : -1;
-    }
+  cv::compare(grown, shrunk, grown, cv::CMP_NE);
+  Band band;
+  cv::findNonZero(grown, band.cells);
+  band.nodes.create(outline.size(), CV_32SC1);
+  band.nodes.setTo(-1);
+  int node = 0;
+  for (const cv::Point& at : band.cells) {
+    band.nodes.at<int>(at) = node++;
   }
-  return count;
-}
-
-void add_places(const Cells& cells, const cv::Mat& nodes, Graph* graph) {
-  for (int row = 0; row < nodes.rows; ++row) {
-    for (int column = 0; column < nodes.cols; ++column) {
-      if (nodes.at<int>(row, column) >= 0) {
-        add_price(graph->addVtx(), price_at(cells, {column, row}), graph);
-      }
-    }
-  }
+  return band;
 }
 
 /// Price of a cut between neighbours by the step between them: the less, the larger it is. One of the mean square size costs 1/e of
@@ -146,53 +137,54 @@ std::array<int, 256> tie_prices(double mean_square_step) {
 }
 
 /// What lies beyond the band stays as it is: a cut from it is a price of the cell beside it.
-void tie_neighbours(const Cells& cells, const cv::Mat& nodes, Graph* graph) {
+void tie_neighbours(const Cells& cells, const Band& band, Graph* graph) {
   const std::array<int, 256> prices = tie_prices(cells.mean_square_step);
-  const auto tie = [&](cv::Point a, cv::Point b, std::uint8_t step) {
-    const int node_a = nodes.at<int>(a);
-    const int node_b = nodes.at<int>(b);
+  int node = 0;
+  const auto tie = [&](const cv::Point& neighbour, std::uint8_t step, bool is_before) {
     const int price = prices[step];
-    if (price == 0 || (node_a < 0 && node_b < 0)) {
-      return;
+    const int other = band.nodes.at<int>(neighbour);
+    if (other < 0) {
+      const bool target = cells.outline.at<std::uint8_t>(neighbour) != 0;
+      add_price(node, target ? price : -price, graph);
+    } else if (is_before && price > 0) {  // once for two of the band
+      graph->addEdges(node, other, price, price);
     }
-    if (node_a >= 0 && node_b >= 0) {
-      graph->addEdges(node_a, node_b, price, price);
-      return;
-    }
-    const bool target = cells.outline.at<std::uint8_t>(node_a < 0 ? a : b) != 0;
-    add_price(std::max(node_a, node_b), target ? price : -price, graph);
   };
-  for (int row = 0; row < nodes.rows; ++row) {
-    for (int column = 0; column < nodes.cols; ++column) {
-      const cv::Point at(column, row);
-      if (column > 0) {
-        tie(at, {column - 1, row}, cells.left.at<std::uint8_t>(at));
-      }
-      if (row > 0) {
-        tie(at, {column, row - 1}, cells.up.at<std::uint8_t>(at));
-      }
+  for (const cv::Point& at : band.cells) {
+    const cv::Point right(at.x + 1, at.y);
+    const cv::Point below(at.x, at.y + 1);
+    if (at.x > 0) {
+      tie({at.x - 1, at.y}, cells.left.at<std::uint8_t>(at), true);
     }
+    if (at.y > 0) {
+      tie({at.x, at.y - 1}, cells.up.at<std::uint8_t>(at), true);
+    }
+    if (right.x < band.nodes.cols) {
+      tie(right, cells.left.at<std::uint8_t>(right), false);
+    }
+    if (below.y < band.nodes.rows) {
+      tie(below, cells.up.at<std::uint8_t>(below), false);
+    }
+    ++node;
   }
 }
 
 /// @return false where nothing may be moved: a cut through nothing is an error.
 bool cut(int reach, Cells* cells) {
-  cv::Mat nodes;
-  const int count = number_band(cells->outline, reach, &nodes);
+  const Band band = band_about(cells->outline, reach);
+  const std::size_t count = band.cells.size();
   if (count == 0) {
     return false;
   }
   Graph graph(static_cast<unsigned>(count), static_cast<unsigned>(4 * count));
-  add_places(*cells, nodes, &graph);
-  tie_neighbours(*cells, nodes, &graph);
+  for (const cv::Point& at : band.cells) {
+    add_price(graph.addVtx(), price_at(*cells, at), &graph);
+  }
+  tie_neighbours(*cells, band, &graph);
   graph.maxFlow();
-  for (int row = 0; row < nodes.rows; ++row) {
-    for (int column = 0; column < nodes.cols; ++column) {
-      const int node = nodes.at<int>(row, column);
-      if (node >= 0) {
-        cells->outline.at<std::uint8_t>(row, column) = graph.inSourceSegment(node) ? 255 : 0;
-      }
-    }
+  int node = 0;
+  for (const cv::Point& at : band.cells) {
+    cells->outline.at<std::uint8_t>(at) = graph.inSourceSegment(node++) ? 255 : 0;
   }
   return true;
 }

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "base/limited.hpp"
+#include "base/wide.hpp"
+
 namespace polhode {
 namespace {
 
@@ -207,18 +210,19 @@ void carry_and_add(const PointsState& points,
             cv::INTER_LINEAR,
             cv::BORDER_REPLICATE);
   s->total.setTo(0.0);
-  for (int row = 0; row < region.height; ++row) {
-    const auto* carried = s->carried.ptr<float>(row);
-    const auto* sum = s->sum.ptr<std::uint16_t>(row);
-    auto* total = s->total.ptr<float>(region.y + row) + region.x;
-    for (int column = 0; column < region.width; ++column) {
-      const float says = scale * static_cast<float>(sum[column] - kPixels * kNoDifference);
-      total[column] = std::clamp(kMemory * std::max(carried[column], 0.0F) +
-                                     std::clamp(says, -kSaysMost, kSaysMost),
-                                 -EvidenceState::kMax,
-                                 EvidenceState::kMax);
+  widely([&] {
+    for (int row = 0; row < region.height; ++row) {
+      const auto* carried = s->carried.ptr<float>(row);
+      const auto* sum = s->sum.ptr<std::uint16_t>(row);
+      auto* total = s->total.ptr<float>(region.y + row) + region.x;
+      for (int column = 0; column < region.width; ++column) {
+        const float says = scale * static_cast<float>(sum[column] - kPixels * kNoDifference);
+        const float known = kMemory * limited(carried[column], 0.0F, EvidenceState::kMax);
+        total[column] = limited(
+            known + limited(says, -kSaysMost, kSaysMost), -EvidenceState::kMax, EvidenceState::kMax);
+      }
     }
-  }
+  });
 }
 
 }  // namespace
@@ -258,13 +262,17 @@ void weigh_motions(const PointsState& points,
 void remember_outline(const cv::Mat& outline, EvidenceState* s) {
   // Halved with the next picture it is still the target's, with the one after it asks for more.
   constexpr float kRemembered = 0.7F;
-  for (int row = 0; row < outline.rows; ++row) {
-    const auto* target = outline.ptr<std::uint8_t>(row);
-    auto* total = s->total.ptr<float>(row);
-    for (int column = 0; column < outline.cols; ++column) {
-      total[column] = target[column] != 0 ? std::max(total[column], kRemembered) : std::min(total[column], 0.0F);
+  widely([&] {
+    for (int row = 0; row < outline.rows; ++row) {
+      const auto* target = outline.ptr<std::uint8_t>(row);
+      auto* total = s->total.ptr<float>(row);
+      for (int column = 0; column < outline.cols; ++column) {
+        const float least = target[column] != 0 ? kRemembered : -EvidenceState::kMax;
+        const float most = target[column] != 0 ? EvidenceState::kMax : 0.0F;
+        total[column] = limited(total[column], least, most);
+      }
     }
-  }
+  });
 }
 
 void clear(EvidenceState* s) {

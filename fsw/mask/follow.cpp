@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "base/limited.hpp"
+#include "base/wide.hpp"
 #include "mask/behind.hpp"
 #include "mask/edge_cut.hpp"
 #include "mask/grown.hpp"
@@ -38,6 +40,9 @@ cv::Rect cells_of_body(const MaskPrior& prior) {
   return cells;
 }
 
+/// There is a map, and the pictures did not contradict it when it was last placed in one.
+bool has_map(const MaskState& s) { return !s.reach.empty(); }
+
 cv::Point working_pixel(const cv::Point2f& p_px, const MaskState& s) {
   const auto scale = static_cast<float>(1.0 / s.points.decimation);
   return {static_cast<int>(std::lround((p_px.x + 0.5F) * scale - 0.5F)),
@@ -61,6 +66,7 @@ void place_landmarks(const MaskPrior& prior, bool contradicted_too, MaskState* s
       cv::circle(s->certain, at, disc, cv::Scalar(255), cv::FILLED);
     }
   }
+  s->certain_box = cv::boundingRect(s->certain);
 }
 
 /// Distance to what is set, within a box, to a pixel; outside of it: far. Of every second pixel, which takes a third of the
@@ -96,7 +102,7 @@ void close_gaps(const cv::Rect& box, MaskState* s) {
 /// background is there: a map has some that are wrong. And how far the body can reach beyond them.
 void place_prior(const MaskPrior& prior, MaskState* s) {
   place_landmarks(prior, false, s);
-  if (s->certain.empty() || cv::countNonZero(s->certain) == 0) {
+  if (s->certain.empty() || s->certain_box.empty()) {
     s->certain.release();  // the pictures contradict all of it: the pose is wrong, and says nothing
     s->reach.release();
     return;
@@ -104,7 +110,7 @@ void place_prior(const MaskPrior& prior, MaskState* s) {
   s->radius_px = prior.radius_px / s->points.decimation;
   const double reach = std::max(6.0, kReach * s->radius_px);
   const int margin = static_cast<int>(reach) + 2;
-  const cv::Rect box = grown(cv::boundingRect(s->certain), margin) & s->points.whole();
+  const cv::Rect box = grown(s->certain_box, margin) & s->points.whole();
   distance_within(s->certain, box, &s->scratch, &s->distance);
   cv::compare(s->distance, reach, s->reach, cv::CMP_LE);
   // Motion draws the finer outline: 0.86 and 0.90 of overlap on `earth` and `paper_2d`, small, 0.81
@@ -112,13 +118,12 @@ void place_prior(const MaskPrior& prior, MaskState* s) {
   s->certain.copyTo(s->landmarks);
   if (s->background.target_tracks >= kTracksEnough) {
     s->certain.setTo(0);
-  } else if (!box.empty()) {
+    s->certain_box = {};
+  } else {
     close_gaps(box, s);
+    s->certain_box = cv::boundingRect(s->certain);
   }
 }
-
-/// There is a map, and the pictures do not contradict it.
-bool has_map(const MaskState& s) { return !s.reach.empty(); }
 
 /// The spacing of a body's texture, halved.
 int closing_radius(const MaskState& s) { return std::max(2, s.points.whole().width / 160); }
@@ -133,7 +138,7 @@ cv::Mat closing(const MaskState& s, int radius) {
 
 /// A box and what is certain.
 cv::Rect with_certain(const cv::Rect& box, const MaskState& s) {
-  return s.certain.empty() ? box : box | cv::boundingRect(s.certain);
+  return s.certain.empty() ? box : box | s.certain_box;
 }
 
 void find_piece(MaskState* s) {
@@ -149,34 +154,43 @@ void find_piece(MaskState* s) {
   }
 }
 
-/// Where the pictures agree with the background's motion and not with the target's.
-void find_agreement(MaskState* s) {
-  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->agreeing, cv::CMP_LT);
-}
-
 /// Adds what the evidence encloses when gaps twice as wide are closed, save where the background is
 /// seen: a panel as gray as the ocean behind it shows in its grid alone. Where it comes into view
 /// there are no landmarks yet, so their reach does not bound it. With a map by every second pixel, which saves 0.2 ms;
 /// a map's first outlines in a room overlap by 0.5 instead of 0.8 by it.
 void widen_outline(MaskState* s) {
-  const int step = has_map(*s) ? 2 : 1;
+  const int halvings = has_map(*s) ? 1 : 0;
+  const int step = 1 << halvings;
   const cv::Size size = s->outline.size() / step;
   const cv::Rect region = with_certain(s->evidence.region, *s);
+  const cv::Rect part(region.tl() / step, region.size() / step);
   cv::Mat& evidence = s->scratch.sparse;
-  cv::resize(s->evidence.total, evidence, size, 0.0, 0.0, cv::INTER_NEAREST);
+  evidence.create(size, CV_32FC1);
+  for (int row = part.y; row < part.br().y; ++row) {
+    const auto* from = s->evidence.total.ptr<float>(row << halvings);
+    auto* to = evidence.ptr<float>(row);
+    for (int column = part.x; column < part.br().x; ++column) {
+      to[column] = from[column << halvings];
+    }
+  }
   if (!s->certain.empty()) {
-    cv::resize(s->certain, s->cells, size, 0.0, 0.0, cv::INTER_NEAREST);
-    evidence.setTo(EvidenceState::kMax, s->cells);
+    cv::resize(s->certain(region), s->cells, part.size(), 0.0, 0.0, cv::INTER_NEAREST);
+    evidence(part).setTo(EvidenceState::kMax, s->cells);
   }
   const int radius = 2 * closing_radius(*s) / step;
-  const cv::Rect part(region.tl() / step, region.size() / step);
   if (!find_outline(evidence, {}, part, closing(*s, radius), &s->scratch, &s->agreeing)) {
     return;
   }
-  cv::resize(s->agreeing, s->cells, s->outline.size(), 0.0, 0.0, cv::INTER_NEAREST);
-  find_agreement(s);
-  s->cells.setTo(0, s->agreeing);
-  cv::bitwise_or(s->outline, s->cells, s->outline);
+  for (int row = step * part.y; row < step * part.br().y; ++row) {
+    const auto* wide = s->agreeing.ptr<std::uint8_t>(row >> halvings);
+    const auto* says = s->evidence.total.ptr<float>(row);
+    auto* outline = s->outline.ptr<std::uint8_t>(row);
+    const int end = step * part.br().x;
+    for (int column = step * part.x; column < end; ++column) {
+      const auto added = static_cast<std::uint8_t>(says[column] < kAgreement ? 0 : 255);
+      outline[column] |= wide[column >> halvings] & added;
+    }
+  }
 }
 
 /// How far the edges may move an outline, in working pixels: first by cells of two, then by pixels.
@@ -202,20 +216,25 @@ void form_opinion(const cv::Rect& box, MaskState* s) {
   const bool by_map = has_map(*s);
   const auto near = static_cast<float>(std::max(3.0, 0.1 * s->radius_px));
   s->opinion.create(s->evidence.total.size(), CV_32FC1);
-  for (int row = box.y; row < box.br().y; ++row) {
-    const auto* evidence = s->evidence.total.ptr<float>(row);
-    const auto* distance = by_map ? s->distance.ptr<float>(row) : nullptr;
-    const std::uint8_t* outline = s->outline.ptr<std::uint8_t>(row);
-    auto* opinion = s->opinion.ptr<float>(row);
-    for (int column = box.x; column < box.br().x; ++column) {
-      opinion[column] =
-          kEvidenceShare * std::clamp(evidence[column], kEvidenceMin, kEvidenceMax) +
-          (outline[column] != 0 ? kOutlineShare : -kOutlineShare);
-      if (by_map) {
-        opinion[column] += kMapShare * std::max(0.0F, 1.0F - distance[column] / near);
+  widely([&] {
+    for (int row = box.y; row < box.br().y; ++row) {
+      const auto* evidence = s->evidence.total.ptr<float>(row);
+      const auto* outline = s->outline.ptr<std::uint8_t>(row);
+      auto* opinion = s->opinion.ptr<float>(row);
+      for (int column = box.x; column < box.br().x; ++column) {
+        opinion[column] =
+            kEvidenceShare * limited(evidence[column], kEvidenceMin, kEvidenceMax) +
+            (outline[column] != 0 ? kOutlineShare : -kOutlineShare);
+      }
+      if (!by_map) {
+        continue;
+      }
+      const auto* distance = s->distance.ptr<float>(row);
+      for (int column = box.x; column < box.br().x; ++column) {
+        opinion[column] += kMapShare * limited(1.0F - distance[column] / near, 0.0F, 1.0F);
       }
     }
-  }
+  });
 }
 
 /// Where pictures are compared: about the target where it is known, and now and then everywhere.
@@ -242,6 +261,8 @@ bool compare_pictures(const cv::Mat& gray, const MaskPrior& prior, MaskState* s)
     clear(&s->background_model);
     s->compared = 0;
   }
+  // Before a map each point counts: followed so, maps before the Earth begin one to three pictures later.
+  s->points.onwards = has_map(*s);
   follow_points(&s->points);
   place_landmarks(prior, true, s);
   const bool explained = explain_background(s->certain, &s->points, &s->background);
@@ -274,6 +295,11 @@ void refill(MaskState* s) {
   refill_points(s->found ? cv::boundingRect(s->outline) : cv::Rect(),
                 s->compared <= 1 ? Refill::kEverywhere : later,
                 &s->points);
+}
+
+/// Where the pictures agree with the background's motion and not with the target's.
+void find_agreement(MaskState* s) {
+  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->agreeing, cv::CMP_LT);
 }
 
 /// Lit cells that the outline covers by half and that do not agree with the background. The rim of

@@ -37,6 +37,7 @@ struct MaskState {
   cv::Mat outline;           ///< CV_8UC1 of the working size, 255 on the target; not grown
   cv::Mat landmarks;     ///< CV_8UC1: about the map's landmarks that the pictures do not contradict
   cv::Mat certain;       ///< CV_8UC1: target by the map, where motion alone does not tell
+  cv::Rect certain_box;  ///< about all of that
   cv::Mat reach;         ///< CV_8UC1: as far as the target can be by the map; empty: there is none, or pictures contradict it
   cv::Mat distance;      ///< CV_32FC1: to those landmarks, in working pixels
   double radius_px = 0.0;  ///< of the body by the map, in working pixels

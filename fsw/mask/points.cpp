@@ -4,8 +4,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
+#include <span>
 #include <utility>
 
+#include "base/median.hpp"
 #include "mask/shrink.hpp"
 
 namespace polhode {
@@ -13,21 +15,71 @@ namespace {
 
 constexpr int kWindow_px = 9;
 constexpr int kLevels = 3;
+// A point whose motion is known is looked for from where that brings it: within 9 px of there, in half of the time.
+constexpr int kLevelsGuessed = 1;
 constexpr int kNearest_px = 5;  // closer together, two points tell the same
 // Motions are told apart by 1 px and more.
 constexpr double kSettled_px = 0.05;
 
-void flow(const FlowPyramid& from, const FlowPyramid& to, PointsState* s) {
+void clear_flow(PointsState* s) {
+  s->from.clear();
+  s->to.clear();
+  s->found.clear();
+  s->error.clear();
+}
+
+void add_to_flow(const cv::Point2f& from, const cv::Point2f& guess, PointsState* s) {
+  s->from.push_back(from);
+  s->to.push_back(guess);
+  s->found.push_back(0);
+  s->error.push_back(0.0F);
+}
+
+/// Of some of the points in `from`, with guesses in `to`.
+void flow(const FlowPyramid& before, const FlowPyramid& after, const cv::Range& points, int levels, PointsState* s) {
+  if (points.empty()) {
+    return;
+  }
+  const auto part = [&](auto* all) { return cv::Mat(*all).rowRange(points); };
   cv::calcOpticalFlowPyrLK(
-      from,
-      to,
-      s->from,
-      s->to,
-      s->found,
-      s->error,
+      before,
+      after,
+      part(&s->from),
+      part(&s->to),
+      part(&s->found),
+      part(&s->error),
       cv::Size(kWindow_px, kWindow_px),
-      kLevels,
-      cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 15, kSettled_px));
+      levels,
+      cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 15, kSettled_px),
+      cv::OPTFLOW_USE_INITIAL_FLOW);
+}
+
+/// Median unlikeness of the first points that have been found, levels; none found: nothing is less alike.
+float typical_error(int count, PointsState* s) {
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    if (s->found[i] != 0) {
+      s->error[found++] = s->error[i];
+    }
+  }
+  return found > 0 ? median(std::span(s->error).first(found)) : 255.0F;
+}
+
+/// Points whose motion is known go on with it. Where they are suddenly less alike than in the picture before, motion was not
+/// what it was (a picture is missing, the camera has been turned), and they are looked for as far as new ones.
+void flow_onwards(int known, PointsState* s) {
+  constexpr float kLessAlike = 2.0F;
+  constexpr float kLevelsOff = 1.0F;  // pictures without noise are rounded to levels
+  const int all = static_cast<int>(s->from.size());
+  int done = known;
+  flow(s->pyramid_before, s->pyramid, {0, known}, kLevelsGuessed, s);
+  const float error = typical_error(known, s);
+  if (error > kLessAlike * s->error_before + kLevelsOff) {
+    done = 0;
+    s->to = s->from;
+  }
+  flow(s->pyramid_before, s->pyramid, {done, all}, kLevels, s);
+  s->error_before = done == 0 ? typical_error(known, s) : error;
 }
 
 bool inside(const cv::Point2f& p, const cv::Size& size) {
@@ -54,7 +106,7 @@ bool is_near(const cv::Point2f& p, const PointsState& s) {
 void add_corners(const cv::Rect& part, int columns, int rows, std::size_t most, PointsState* s) {
   // A step of 20 levels at a corner has 5e-4; noise of 2 levels gives a tenth of that.
   constexpr double kScoreMin = 2E-4;
-  if (part.width < columns || part.height < rows) {
+  if (part.width < columns || part.height < rows || s->tracks.size() >= most) {
     return;
   }
   cv::cornerMinEigenVal(s->picture(0)(part), s->corner_score, 3, 3);
@@ -110,11 +162,14 @@ void follow_points(PointsState* s) {
     s->tracks.clear();
     return;
   }
-  s->from.clear();
+  clear_flow(s);
+  int known = 0;  // those that are new come last
   for (const MaskTrack& track : s->tracks) {
-    s->from.push_back(track.now());
+    const bool goes_on = s->onwards && track.count > 1;
+    add_to_flow(track.now(), goes_on ? track.now() + track.motion(1) : track.now(), s);
+    known += goes_on ? 1 : 0;
   }
-  flow(s->pyramid_before, s->pyramid, s);
+  flow_onwards(known, s);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < s->tracks.size(); ++i) {
     if (s->found[i] != 0 && inside(s->to[i], s->picture(0).size())) {
@@ -128,16 +183,14 @@ void follow_points(PointsState* s) {
 
 void drop_stray_points(TrackClass kind, PointsState* s) {
   constexpr float kStray_px = 0.7F;
-  s->from.clear();
+  clear_flow(s);
   for (const MaskTrack& track : s->tracks) {
     if (track.kind == kind && track.count > 1) {
-      s->from.push_back(track.now());
+      add_to_flow(track.now(), s->onwards ? track.places[1] : track.now(), s);
     }
   }
-  if (s->from.empty()) {
-    return;
-  }
-  flow(s->pyramid, s->pyramid_before, s);
+  const cv::Range all(0, static_cast<int>(s->from.size()));
+  flow(s->pyramid, s->pyramid_before, all, s->onwards ? kLevelsGuessed : kLevels, s);
   std::size_t kept = 0;
   std::size_t asked = 0;
   for (std::size_t i = 0; i < s->tracks.size(); ++i) {
@@ -188,6 +241,7 @@ void refill_points(const cv::Rect& target, Refill where, PointsState* s) {
 void clear(PointsState* s) {
   s->stored = 0;
   s->turn = 0;
+  s->error_before = 0.0F;
   s->tracks.clear();
 }
 

@@ -52,6 +52,8 @@ struct PointsState {
   std::size_t stored = 0;
   std::size_t turn = 0;  ///< where points are looked for next: the bands of the picture, the target between
   FixedVector<MaskTrack, kTracks> tracks;
+  bool onwards = false;  ///< points whose motion is known are looked for where that brings them, else all around where they were
+  float error_before = 0.0F;  ///< how unlike points typically were in the newest picture and the one before, levels
 
   // Scratch; contents mean nothing between calls.
   cv::Mat corner_score;
