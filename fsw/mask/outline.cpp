@@ -80,6 +80,7 @@ bool find_outline(const cv::Mat& all_evidence,
                   const cv::Mat& all_certain,
                   const cv::Rect& region,
                   const cv::Mat& closing,
+                  int step,
                   OutlineScratch* s,
                   cv::Mat* whole_outline) {
   whole_outline->create(all_evidence.size(), CV_8UC1);
@@ -102,7 +103,8 @@ bool find_outline(const cv::Mat& all_evidence,
       std::max_element(pieces.begin() + 1, pieces.end(), [](const Piece& a, const Piece& b) {
         return a.evidence < b.evidence;
       });
-  if (count < 2 || main->evidence < kPieceEvidenceMin || main->box().area() < kPieceAreaMin) {
+  const int pixels = step * step;
+  if (count < 2 || pixels * main->evidence < kPieceEvidenceMin || pixels * main->box().area() < kPieceAreaMin) {
     return false;
   }
   std::vector<std::uint8_t> keep(pieces.size(), 0);

@@ -54,7 +54,8 @@ void flow(const FlowPyramid& before, const FlowPyramid& after, const cv::Range& 
       cv::OPTFLOW_USE_INITIAL_FLOW);
 }
 
-/// Median unlikeness of the first points that have been found, levels; none found: nothing is less alike.
+/// Three in four of the first points that have been found are as alike as that in both pictures, levels; none found: nothing is
+/// less alike.
 float typical_error(int count, PointsState* s) {
   std::size_t found = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
@@ -62,7 +63,7 @@ float typical_error(int count, PointsState* s) {
       s->error[found++] = s->error[i];
     }
   }
-  return found > 0 ? median(std::span(s->error).first(found)) : 255.0F;
+  return found > 0 ? ranked(std::span(s->error).first(found), 3 * found / 4) : 255.0F;
 }
 
 /// Points whose motion is known go on with it. Where they are suddenly less alike than in the picture before, motion was not

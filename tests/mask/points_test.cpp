@@ -1,9 +1,10 @@
-// Points followed for the mask: where new ones are looked for.
+// Points followed for the mask: where they go, and where new ones are looked for.
 #include "mask/points.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "base/rng.hpp"
@@ -43,6 +44,69 @@ void lose_upper_half(PointsState* points) {
     }
   }
   points->tracks.resize(kept);
+}
+
+/// The part of a blurred random picture that starts at a place.
+cv::Mat view_from(const cv::Point& place) {
+  cv::Mat all(kSize + cv::Size(100, 100), CV_8UC1);
+  Rng rng(9, 0);
+  for (int row = 0; row < all.rows; ++row) {
+    for (int column = 0; column < all.cols; ++column) {
+      all.at<std::uint8_t>(row, column) = static_cast<std::uint8_t>(rng.below(256));
+    }
+  }
+  cv::GaussianBlur(all, all, cv::Size(0, 0), 4.0);
+  cv::normalize(all, all, 20.0, 230.0, cv::NORM_MINMAX);
+  return all(cv::Rect(place, kSize)).clone();
+}
+
+/// Part of the points that moved so in the newest picture, to half a pixel.
+double part_moved(const PointsState& points, const cv::Point2f& motion_px) {
+  const auto moved = std::count_if(
+      points.tracks.begin(), points.tracks.end(), [&](const MaskTrack& track) {
+        return track.count > 1 && cv::norm(track.motion(1) - motion_px) < 0.5;
+      });
+  return static_cast<double>(moved) / static_cast<double>(points.tracks.size());
+}
+
+class FollowPoints : public testing::TestWithParam<bool> {
+ protected:
+  void show(const cv::Point& place) {
+    add_picture(view_from(place), &points_);
+    follow_points(&points_);
+  }
+
+  PointsState points_;
+};
+
+INSTANTIATE_TEST_SUITE_P(AllAroundAndOnwards, FollowPoints, testing::Values(false, true));
+
+TEST_P(FollowPoints, GoesWithThePicture_AndWithAMotionThatChangesAtOnce) {
+  points_.onwards = GetParam();
+  show({0, 0});
+  refill_points({}, Refill::kEverywhere, &points_);
+  show({2, 1});
+  show({4, 2});
+  EXPECT_GT(part_moved(points_, {-2.0F, -1.0F}), 0.95);
+  show({18, 12});  // 15 px from where that would have brought them
+  EXPECT_GT(part_moved(points_, {-14.0F, -10.0F}), 0.9);
+  show({32, 22});
+  EXPECT_GT(part_moved(points_, {-14.0F, -10.0F}), 0.9);
+  EXPECT_GT(points_.tracks.size(), 100U);
+}
+
+TEST_P(FollowPoints, DropsWhatDoesNotComeBackToWhereItWas) {
+  points_.onwards = GetParam();
+  show({0, 0});
+  refill_points({}, Refill::kEverywhere, &points_);
+  show({2, 1});
+  const std::size_t all = points_.tracks.size();
+  for (std::size_t i = 0; i < all; i += 4) {
+    points_.tracks[i].places[0] += cv::Point2f(3.0F, -2.0F);  // followed wrong
+  }
+  drop_stray_points(TrackClass::kUnassigned, &points_);
+  EXPECT_GE(points_.tracks.size(), all * 7 / 10);
+  EXPECT_GT(part_moved(points_, {-2.0F, -1.0F}), 0.98);
 }
 
 TEST(RefillPoints, CoversThePictureAtOnce_AndTheTargetCloser) {
