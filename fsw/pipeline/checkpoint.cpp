@@ -35,6 +35,7 @@ struct Remembered {
   bool observer_known = false;
   RigidModel model;
   std::uint32_t poses_since_fit = 0;
+  std::uint32_t poses_since_start = 0;
   std::uint32_t disagreements = 0;
   std::array<double, 4> q_CT_last{};
   std::uint32_t next_frame = 0;
@@ -76,6 +77,7 @@ Remembered remember(const Component::State& s) {
           .observer_known = s.motion.observer_known,
           .model = s.motion.model,
           .poses_since_fit = s.motion.poses_since_fit,
+          .poses_since_start = s.motion.poses_since_start,
           .disagreements = s.motion.disagreements,
           .q_CT_last = s.q_CT_last,
           .next_frame = s.next_frame,
@@ -104,6 +106,7 @@ void recall(const Remembered& r, Component::State* s) {
   s->motion.observer_known = r.observer_known;
   s->motion.model = r.model;
   s->motion.poses_since_fit = r.poses_since_fit;
+  s->motion.poses_since_start = r.poses_since_start;
   s->motion.disagreements = r.disagreements;
   s->q_CT_last = r.q_CT_last;
   s->next_frame = r.next_frame;

@@ -207,6 +207,7 @@ void remember_motion(std::int64_t timestamp_ns,
   if (!remember(m.recent, sample)) {
     return;
   }
+  ++m.poses_since_start;
   if (s->parameters.motion.mode == MotionMode::kPaper) {
     return;
   }
@@ -284,6 +285,7 @@ void restate_motion(std::span<const PoseSample> start, Component::State* s) {
   }
   forsake_model(s);
   m.poses_since_fit += static_cast<std::uint32_t>(start.size());
+  m.poses_since_start = 0;
 }
 
 void move_pose(const Keyframe& keyframe, Component::State* s) {
@@ -311,6 +313,7 @@ void forget_motion(Component::State* s) {
   m.past.clear();
   forsake_model(s);
   m.poses_since_fit = 0;
+  m.poses_since_start = 0;
   m.disagreements = 0;
   s->ahead.walk.under_way = false;
 }

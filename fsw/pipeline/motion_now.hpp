@@ -21,6 +21,7 @@ struct MotionNow {
   PoseHistory past;    ///< as recent, thinned: what the dynamics are fitted to
   RigidModel model;  ///< of the last fit; used while it is accepted and the poses agree
   std::uint32_t poses_since_fit = 0;
+  std::uint32_t poses_since_start = 0;  ///< found one by one; those of a start are right or wrong together
   std::uint32_t disagreements = 0;  ///< poses in succession that are not where the model has them
 };
 

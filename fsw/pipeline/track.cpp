@@ -17,7 +17,8 @@ int last_inliers(const Component::State& s) { return static_cast<int>(s.referenc
 
 /// Does the pose agree with the motion so far? The prediction knows its own error and how sharply a
 /// free body's motion may bend; a map's depth is known to some percent, which falsifies a step by
-/// as much. A young motion has hardly been checked: there the bound is what Euler's equation allows
+/// as much. A young motion has hardly been checked, and the poses of a start are no check: where its map is sheared all of them
+/// are off together, and would refuse the first right one. There the bound is what Euler's equation allows
 /// (the rate changes by at most |w|^2 a second, a step of a radians by a^2) and a degree. A map that has
 /// just been moved under poses that it gave leaves the prediction off by as much.
 bool plausible(const PosePrediction& predicted, const Component::State& s) {
@@ -33,9 +34,10 @@ bool plausible(const PosePrediction& predicted, const Component::State& s) {
   const double sigma_rad =
       std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
                 found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
-  const double bound_rad = predicted.rotation_poses < kPosesTried
-                               ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
-                               : kDepthError * step_rad + 4.0 * sigma_rad;
+  const bool young =
+      std::min<std::size_t>(predicted.rotation_poses, s.motion.poses_since_start) < kPosesTried;
+  const double bound_rad = young ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
+                                 : kDepthError * step_rad + 4.0 * sigma_rad;
   return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) < bound_rad + s.map_moved_rad;
 }
 
