@@ -15,32 +15,6 @@ namespace {
 
 int last_inliers(const Component::State& s) { return static_cast<int>(s.reference.points.size()); }
 
-/// Does the pose agree with the motion so far? The prediction knows its own error and how sharply a
-/// free body's motion may bend; a map's depth is known to some percent, which falsifies a step by
-/// as much. A young motion has hardly been checked, and the poses of a start are no check: where its map is sheared all of them
-/// are off together, and would refuse the first right one. There the bound is what Euler's equation allows
-/// (the rate changes by at most |w|^2 a second, a step of a radians by a^2) and a degree. A map that has
-/// just been moved under poses that it gave leaves the prediction off by as much.
-bool plausible(const PosePrediction& predicted, const Component::State& s) {
-  constexpr std::size_t kPosesMin = 3;  // two give a rate without a check
-  constexpr std::size_t kPosesTried = 6;
-  if (predicted.rotation_poses < kPosesMin) {
-    return true;
-  }
-  constexpr double kDepthError = 0.05;
-  constexpr double kAllowance_rad = 0.0175;
-  const AbsolutePose& found = s.localised.absolute;
-  const double step_rad = rotation_angle_rad(last_pose_seen(s, s.motion.R_IC).R_CT, predicted.pose.R_CT);
-  const double sigma_rad =
-      std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
-                found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
-  const bool young =
-      std::min<std::size_t>(predicted.rotation_poses, s.motion.poses_since_start) < kPosesTried;
-  const double bound_rad = young ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
-                                 : kDepthError * step_rad + 4.0 * sigma_rad;
-  return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) < bound_rad + s.map_moved_rad;
-}
-
 /// A side has come back, and its old landmarks carry the pose: then the drift of the young ones,
 /// not the body, has jumped.
 bool comes_back(const Component::State& s) {
@@ -235,6 +209,26 @@ void hold(Component::State* s) {
 }
 
 }  // namespace
+
+bool plausible(const PosePrediction& predicted, const Component::State& s) {
+  constexpr std::size_t kPosesMin = 3;  // two give a rate without a check
+  constexpr std::size_t kPosesTried = 6;
+  if (predicted.rotation_poses < kPosesMin) {
+    return true;
+  }
+  constexpr double kDepthError = 0.05;
+  constexpr double kAllowance_rad = 0.0175;
+  const AbsolutePose& found = s.localised.absolute;
+  const double step_rad = rotation_angle_rad(last_pose_seen(s, s.motion.R_IC).R_CT, predicted.pose.R_CT);
+  const double sigma_rad =
+      std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
+                found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
+  const bool young =
+      std::min<std::size_t>(predicted.rotation_poses, s.motion.poses_since_start) < kPosesTried;
+  const double bound_rad = young ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
+                                 : kDepthError * step_rad + 4.0 * sigma_rad;
+  return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) < bound_rad + s.map_moved_rad;
+}
 
 LocaliseInput localise_input(const Component::State& s) {
   return {.map = &s.map,
