@@ -13,6 +13,8 @@
 namespace polhode {
 namespace {
 
+constexpr std::size_t kPosesTried = 6;  // that many poses have checked a motion
+
 int last_inliers(const Component::State& s) { return static_cast<int>(s.reference.points.size()); }
 
 /// A side has come back, and its old landmarks carry the pose: then the drift of the young ones,
@@ -60,7 +62,7 @@ bool try_flow(const PosePrediction& predicted, Component::State* s) {
                                              &s->localise_scratch,
                                              &s->localised);
   return done.ok() && 2 * s->localised.absolute.inliers >= last_inliers(*s) &&
-         plausible(predicted, *s);
+         plausible(predicted, true, *s);
 }
 
 /// A mismatch within the smallest circle (4 px) falls within 4 sigma (1 px) of its landmark by
@@ -80,8 +82,8 @@ bool certain(const LocalisedFrame& localised) {
 }
 
 /// Agrees with the motion, or need not.
-bool believable(const PosePrediction& predicted, const Component::State& s) {
-  return plausible(predicted, s) || comes_back(s) || certain(s.localised);
+bool believable(const PosePrediction& predicted, bool start_checks, const Component::State& s) {
+  return plausible(predicted, start_checks, s) || comes_back(s) || certain(s.localised);
 }
 
 /// A side may show little of a turn; the motion, where it is known together with the map, knows the
@@ -210,9 +212,8 @@ void hold(Component::State* s) {
 
 }  // namespace
 
-bool plausible(const PosePrediction& predicted, const Component::State& s) {
+bool plausible(const PosePrediction& predicted, bool start_checks, const Component::State& s) {
   constexpr std::size_t kPosesMin = 3;  // two give a rate without a check
-  constexpr std::size_t kPosesTried = 6;
   if (predicted.rotation_poses < kPosesMin) {
     return true;
   }
@@ -223,8 +224,8 @@ bool plausible(const PosePrediction& predicted, const Component::State& s) {
   const double sigma_rad =
       std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
                 found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
-  const bool young =
-      std::min<std::size_t>(predicted.rotation_poses, s.motion.poses_since_start) < kPosesTried;
+  const std::size_t found_since = start_checks ? kPosesTried : s.motion.poses_since_start;
+  const bool young = std::min(predicted.rotation_poses, found_since) < kPosesTried;
   const double bound_rad = young ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
                                  : kDepthError * step_rad + 4.0 * sigma_rad;
   return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) < bound_rad + s.map_moved_rad;
@@ -246,13 +247,19 @@ bool find_about(const PosePrediction& predicted, Component::State* s) {
   // The rotation of one frame to the next is predicted to about a tenth; three circles bracket what
   // that leaves.
   const double first_px = std::max(s->parameters.localise.search_floor_px, 0.04 * body_px);
-  double radius_px = first_px;
-  for (int i = 0; i < 3; ++i, radius_px *= 3.0) {
-    const Result<bool> done = localise_guided(
-        localise_input(*s), predicted.pose, radius_px, &s->localise_scratch, &s->localised);
-    if (done && agrees(s->localised, s->parameters.localise.inliers_min) &&
-        believable(predicted, *s)) {
-      return true;
+  // What agrees with the start, in whichever circle, goes before what may contradict it.
+  for (const bool start_checks : {true, false}) {
+    if (!start_checks && s->motion.poses_since_start >= kPosesTried) {
+      break;  // the same again
+    }
+    double radius_px = first_px;
+    for (int i = 0; i < 3; ++i, radius_px *= 3.0) {
+      const Result<bool> done = localise_guided(
+          localise_input(*s), predicted.pose, radius_px, &s->localise_scratch, &s->localised);
+      if (done && agrees(s->localised, s->parameters.localise.inliers_min) &&
+          believable(predicted, start_checks, *s)) {
+        return true;
+      }
     }
   }
   return false;
@@ -288,7 +295,7 @@ void track(Component::State* s) {
   const bool has_prediction = predict_pose(*s, s->timestamp_ns, s->motion.R_IC, &predicted);
   const bool found = has_prediction && (try_flow(predicted, s) || find_about(predicted, s));
   const bool everywhere =
-      !found && relocalise_frame(s) && (!has_prediction || believable(predicted, *s));
+      !found && relocalise_frame(s) && (!has_prediction || believable(predicted, false, *s));
   if (!found && !everywhere) {
     lose(s);
     collect(s);

@@ -22,13 +22,13 @@ Pose pose_at(int second) {
 const PoseCovariance kCovariance = 1e-6 * PoseCovariance::Identity();
 
 /// Is a pose taken that is off the motion so far by an angle?
-bool takes(double off_rad, int second, Component::State* s) {
+bool takes(double off_rad, int second, Component::State* s, bool start_checks = false) {
   PosePrediction predicted;
   EXPECT_TRUE(predict_pose(*s, second * Bench::kSecond_ns, Eigen::Matrix3d::Identity(), &predicted));
   s->localised.absolute.pose = predicted.pose;
   s->localised.absolute.pose.R_CT = so3_exp(off_rad * Eigen::Vector3d::UnitX()) * predicted.pose.R_CT;
   s->localised.absolute.covariance = kCovariance;
-  return plausible(predicted, *s);
+  return plausible(predicted, start_checks, *s);
 }
 
 /// The motion of a start of six frames.
@@ -48,6 +48,7 @@ TEST(Plausible, AMotionIsYoung_UntilPosesOtherThanItsStartsHaveBorneItOut) {
   Component::State& s = b.component->state();
   start(&s);
   EXPECT_TRUE(takes(kOff_rad, 7, &s));
+  EXPECT_FALSE(takes(kOff_rad, 7, &s, true));
   EXPECT_FALSE(takes(3.0 * kOff_rad, 7, &s));
   for (int second = 7; second <= 12; ++second) {
     EXPECT_TRUE(takes(kOff_rad, second, &s)) << second;
