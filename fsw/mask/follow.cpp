@@ -46,47 +46,48 @@ void thin_out(const cv::Mat& pixels, const cv::Rect& box, int halvings, cv::Mat*
   }
 }
 
-/// What the evidence encloses when gaps are closed, by every second pixel where there is a map: the mask's cells are as large,
-/// and keyframes' outlines are moved to edges. Done before one, a map's first outlines in a room overlap by 0.5 instead of 0.8.
-/// @param draw  (row, first and last column, enclosed pixels of the row, halvings of their columns). Not called without any.
-template <class Draw>
-void enclose(int gap_radius_px, MaskState* s, const Draw& draw) {
-  const int halvings = has_map(*s) ? 1 : 0;
+/// Outlines are found by every second pixel where there is a map: the mask's cells are as large, and keyframes' outlines are moved to
+/// edges. Done before one, a map's first outlines in a room overlap by 0.5 instead of 0.8.
+int outline_halvings(const MaskState& s) { return has_map(s) ? 1 : 0; }
+
+/// Fills `enclosed`, of halved pictures, with what the evidence encloses when gaps are closed. @return the working pixels that it
+/// says anything of: none where nothing is enclosed.
+cv::Rect enclose(int gap_radius_px, MaskState* s) {
+  const int halvings = outline_halvings(*s);
   const int step = 1 << halvings;
   const cv::Rect region = with_certain(s->evidence.region, *s);
   const cv::Rect part(region.tl() / step, region.size() / step);
-  thin_out<float>(s->evidence.total, part, halvings, &s->scratch.sparse);
   const bool sure = !s->certain.empty() && !s->certain_box.empty();
-  if (sure) {
-    thin_out<std::uint8_t>(s->certain, part, halvings, &s->cells);
+  if (halvings > 0) {
+    thin_out<float>(s->evidence.total, part, halvings, &s->scratch.sparse);
+    if (sure) {
+      thin_out<std::uint8_t>(s->certain, part, halvings, &s->cells);
+    }
   }
-  if (!find_outline(s->scratch.sparse,
-                    sure ? s->cells : cv::Mat(),
-                    part,
-                    closing(*s, gap_radius_px / step),
-                    step,
-                    &s->scratch,
-                    &s->enclosed)) {
-    return;
-  }
-  for (int row = step * part.y; row < step * part.br().y; ++row) {
-    draw(row,
-         step * part.x,
-         step * part.br().x,
-         s->enclosed.ptr<std::uint8_t>(row >> halvings),
-         halvings);
-  }
+  const bool found = find_outline(halvings > 0 ? s->scratch.sparse : s->evidence.total,
+                                  !sure          ? cv::Mat()
+                                  : halvings > 0 ? s->cells
+                                                 : s->certain,
+                                  part,
+                                  closing(*s, gap_radius_px / step),
+                                  step,
+                                  &s->scratch,
+                                  &s->enclosed);
+  return found ? cv::Rect(part.tl() * step, part.size() * step) : cv::Rect();
 }
 
 void find_piece(MaskState* s) {
   s->outline.create(s->evidence.total.size(), CV_8UC1);
   s->outline.setTo(0);
-  enclose(closing_radius(*s), s, [&](int row, int first, int end, const std::uint8_t* inside, int halvings) {
+  const int halvings = outline_halvings(*s);
+  const cv::Rect box = enclose(closing_radius(*s), s);
+  for (int row = box.y; row < box.br().y; ++row) {
+    const auto* inside = s->enclosed.ptr<std::uint8_t>(row >> halvings);
     auto* outline = s->outline.ptr<std::uint8_t>(row);
-    for (int column = first; column < end; ++column) {
+    for (int column = box.x; column < box.br().x; ++column) {
       outline[column] = inside[column >> halvings];
     }
-  });
+  }
   if (has_map(*s)) {
     cv::bitwise_and(s->outline, s->reach, s->outline);
   }
@@ -97,14 +98,17 @@ void find_piece(MaskState* s) {
 /// seen: a panel as gray as the ocean behind it shows in its grid alone. Where it comes into view
 /// there are no landmarks yet, so their reach does not bound it.
 void widen_outline(MaskState* s) {
-  enclose(2 * closing_radius(*s), s, [&](int row, int first, int end, const std::uint8_t* inside, int halvings) {
+  const int halvings = outline_halvings(*s);
+  const cv::Rect box = enclose(2 * closing_radius(*s), s);
+  for (int row = box.y; row < box.br().y; ++row) {
+    const auto* inside = s->enclosed.ptr<std::uint8_t>(row >> halvings);
     const auto* says = s->evidence.total.ptr<float>(row);
     auto* outline = s->outline.ptr<std::uint8_t>(row);
-    for (int column = first; column < end; ++column) {
+    for (int column = box.x; column < box.br().x; ++column) {
       const auto added = static_cast<std::uint8_t>(says[column] < kAgreement ? 0 : 255);
       outline[column] |= inside[column >> halvings] & added;
     }
-  });
+  }
 }
 
 /// How far the edges may move an outline, in working pixels: first by cells of two, then by pixels.
@@ -211,16 +215,26 @@ void refill(MaskState* s) {
                 &s->points);
 }
 
-/// Where the pictures agree with the background's motion and not with the target's.
-void find_agreement(MaskState* s) {
-  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->agreeing, cv::CMP_LT);
+/// Cells that are open to features: those that are covered by half.
+void to_cells(const cv::Mat& open, const cv::Size& size, cv::Mat* cells) {
+  cv::resize(open, *cells, size, 0.0, 0.0, cv::INTER_AREA);
+  cv::threshold(*cells, *cells, 127.0, 255.0, cv::THRESH_BINARY);
+}
+
+/// What encloses the mask's cells within the bounds, and how much of the picture they are.
+void measure(const cv::Rect& bounds_px, TargetMask* mask) {
+  const cv::Rect cells = cv::boundingRect(mask->cells);
+  constexpr int kCell_px = TargetMask::kCell_px;
+  mask->region_px =
+      bounds_px & cv::Rect(cells.x * kCell_px, cells.y * kCell_px, cells.width * kCell_px, cells.height * kCell_px);
+  mask->coverage =
+      static_cast<double>(cv::countNonZero(mask->cells)) / static_cast<double>(mask->cells.total());
 }
 
 /// Lit cells that the outline covers by half and that do not agree with the background. The rim of
 /// the body is no place for features: what is seen beside it changes as the body turns.
-void to_cells(MaskState* s, TargetMask* mask) {
-  find_agreement(s);
-  cv::bitwise_not(s->agreeing, s->agreeing);
+void open_lit_cells(MaskState* s, TargetMask* mask) {
+  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->agreeing, cv::CMP_GE);
   if (!s->certain.empty()) {
     // Between the landmarks of a body at rest before a background at rest everything agrees.
     cv::compare(s->distance, near_px(*s), s->cells, cv::CMP_LE);
@@ -230,15 +244,9 @@ void to_cells(MaskState* s, TargetMask* mask) {
   if (!s->certain.empty()) {
     cv::bitwise_or(s->agreeing, s->landmarks, s->agreeing);
   }
-  cv::resize(s->agreeing, s->cells, mask->cells.size(), 0.0, 0.0, cv::INTER_AREA);
-  cv::threshold(s->cells, s->cells, 127.0, 255.0, cv::THRESH_BINARY);
+  to_cells(s->agreeing, mask->cells.size(), &s->cells);
   cv::bitwise_and(s->cells, mask->cells, mask->cells);
-  const cv::Rect cells = cv::boundingRect(mask->cells);
-  constexpr int kCell_px = TargetMask::kCell_px;
-  mask->region_px &= cv::Rect(
-      cells.x * kCell_px, cells.y * kCell_px, cells.width * kCell_px, cells.height * kCell_px);
-  mask->coverage =
-      static_cast<double>(cv::countNonZero(mask->cells)) / static_cast<double>(mask->cells.total());
+  measure(mask->region_px, mask);
 }
 
 }  // namespace
@@ -267,7 +275,7 @@ void follow_target(const cv::Mat& gray,
   if (!s->found && s->unexplained >= kPatience && s->points.stored > 1) {
     return;
   }
-  to_cells(s, mask);
+  open_lit_cells(s, mask);
 }
 
 void sharpen_outline(MaskState* s) {
@@ -301,6 +309,17 @@ void sharpen_outline(MaskState* s) {
     remember_outline(s->outline, &s->evidence);
   }
   s->sharp = true;
+}
+
+void open_outline(const cv::Size& image_px, MaskState* s, TargetMask* mask) {
+  if (!s->sharp || has_map(*s)) {
+    return;
+  }
+  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->agreeing, cv::CMP_GE);
+  cv::bitwise_and(s->agreeing, s->outline, s->agreeing);
+  to_cells(s->agreeing, mask->cells.size(), &mask->cells);
+  cv::dilate(mask->cells, mask->cells, cv::Mat());
+  measure(cv::Rect(cv::Point(), image_px), mask);
 }
 
 bool rules_out(const MaskState& s, float u_px, float v_px) {

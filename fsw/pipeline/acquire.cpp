@@ -97,15 +97,15 @@ void collect(Component::State* s) {
   if (!job_slot_free(*s)) {
     return;
   }
+  sharpen_outline(&s->mask_state);
+  open_outline(s->gray.size(), &s->mask_state, &s->mask);
+  stage_done(Stage::kMask, *s);
   ensure_features(s);
   constexpr std::size_t kFeaturesMin = 12;  // fewer cannot carry a pose
   if (s->verdict.decision != FrameDecision::kUse || s->features.size() < kFeaturesMin ||
       !worth_collecting(s)) {
     return;
   }
-  stage_done(Stage::kMap, *s);
-  sharpen_outline(&s->mask_state);
-  stage_done(Stage::kMask, *s);
   add_frame(s->frame,
             s->timestamp_ns,
             s->motion.R_IC,

@@ -15,6 +15,11 @@ namespace {
 
 constexpr std::size_t kPosesTried = 6;  // that many poses have checked a motion
 
+/// Fewer poses than that have checked the motion. @param start_checks  the start's poses among them.
+bool is_young(const PosePrediction& predicted, bool start_checks, const Component::State& s) {
+  return predicted.rotation_poses < kPosesTried || (!start_checks && s.motion.poses_since_start < kPosesTried);
+}
+
 int last_inliers(const Component::State& s) { return static_cast<int>(s.reference.points.size()); }
 
 /// A side has come back, and its old landmarks carry the pose: then the drift of the young ones,
@@ -224,9 +229,8 @@ bool plausible(const PosePrediction& predicted, bool start_checks, const Compone
   const double sigma_rad =
       std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
                 found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
-  const std::size_t found_since = start_checks ? kPosesTried : s.motion.poses_since_start;
-  const bool young = std::min(predicted.rotation_poses, found_since) < kPosesTried;
-  const double bound_rad = young ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
+  const double bound_rad = is_young(predicted, start_checks, s)
+                               ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
                                  : kDepthError * step_rad + 4.0 * sigma_rad;
   return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) < bound_rad + s.map_moved_rad;
 }
@@ -249,7 +253,7 @@ bool find_about(const PosePrediction& predicted, Component::State* s) {
   const double first_px = std::max(s->parameters.localise.search_floor_px, 0.04 * body_px);
   // What agrees with the start, in whichever circle, goes before what may contradict it.
   for (const bool start_checks : {true, false}) {
-    if (!start_checks && s->motion.poses_since_start >= kPosesTried) {
+    if (!start_checks && is_young(predicted, true, *s) == is_young(predicted, false, *s)) {
       break;  // the same again
     }
     double radius_px = first_px;

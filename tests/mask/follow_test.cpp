@@ -203,6 +203,25 @@ TEST(RulesOut, WhatLiesBeyondASharpenedOutline_AndNothingWithoutOne) {
   EXPECT_FALSE(ruled_out(scene.radius_px + 15.0));
 }
 
+TEST(OpenOutline, OpensTheBodyToItsRim_BeforeAMapOnly) {
+  const Scene scene{.target_turn_deg = 3.0};
+  const cv::Size size = scene.picture(0).size();
+  Follower follower;
+  follower.show(scene, 0, kFrames);
+  const cv::Mat truth = scene.truth(kFrames - 1);
+  const double by_motion = open_part(follower.mask, truth);
+  open_outline(size, follower.state.get(), &follower.mask);
+  EXPECT_EQ(open_part(follower.mask, truth), by_motion) << "nothing is sharpened yet";
+  sharpen_outline(follower.state.get());
+  open_outline(size, follower.state.get(), &follower.mask);
+  EXPECT_LT(by_motion, 0.97);
+  EXPECT_GE(open_part(follower.mask, truth), 0.99);
+  EXPECT_LT(follower.mask.coverage, 0.25);
+  EXPECT_EQ(follower.mask.region_px & cv::Rect(cv::Point(), size), follower.mask.region_px);
+  const cv::Point2d c = scene.centre(kFrames - 1);
+  EXPECT_FALSE(follower.mask.contains(c.x + scene.radius_px + 20.0, c.y));
+}
+
 TEST(FollowTarget, TellsTracksApart) {
   Follower follower;
   const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
