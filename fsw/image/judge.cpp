@@ -203,10 +203,11 @@ FrameVerdict judge_quality(const ImageQuality& quality,
 FrameVerdict assess(const cv::Mat& gray, const ImageOptions& options, QualityHistory* history) {
   const ImageQuality quality{.levels = measure_levels(gray, options),
                              .bit_errors = find_bit_errors(gray, history),
-                             .rows = compare_rows(gray, history->previous)};
+                             .rows = compare_rows(gray, options, *history)};
   gray.copyTo(history->previous);
   const FrameVerdict verdict = judge_quality(quality, options, history);
   if (verdict.decision != FrameDecision::kSkip) {
+    remember_rows(gray, history);
     cv::dilate(history->roughness,
                history->roughness_good,
                cv::Mat(),

@@ -31,7 +31,8 @@ struct BitErrorTraces {
 };
 
 /// Rows that are the previous frame's, octet for octet. A row with fewer than 32 pixels that differ
-/// from its first tells nothing and is not counted.
+/// from its first tells nothing and is not counted, unless an eighth of the picture, and not all of it, has become such
+/// rows since the last good one: so the rest of a white or a black frame is known in the one after it.
 struct RepeatedRows {
   int repeated = 0;
   int fresh = 0;
@@ -62,6 +63,7 @@ struct QualityHistory {
   cv::Mat previous;                    ///< as delivered, good or bad
   cv::Mat roughness;       ///< CV_8UC1 by tile, of this picture: mean change from pixel to pixel
   cv::Mat roughness_good;  ///< of the last good picture, the largest of 5 x 5 tiles; empty before
+  cv::Mat row_levels_good;  ///< CV_8UC1, a row each: mean level in the last good picture; empty before
   FixedVector<Entry, kFrames> frames;  ///< the last good ones, oldest first
   /// Per fault: up by one with each frame that shows it, down by one with each that does not.
   std::array<int, kFrameFaults> insistence{};
@@ -74,8 +76,11 @@ ImageLevels measure_levels(const cv::Mat& gray, const ImageOptions& options);
 /// @param history gives the last good picture's roughness, if any, and takes this one's.
 BitErrorTraces find_bit_errors(const cv::Mat& gray, QualityHistory* history);
 
-/// @param previous empty, or of the same size.
-RepeatedRows compare_rows(const cv::Mat& gray, const cv::Mat& previous);
+/// @param history its previous frame is none, or of the same size.
+RepeatedRows compare_rows(const cv::Mat& gray, const ImageOptions& options, const QualityHistory& history);
+
+/// Of a good picture: what compare_rows knows blank rows by.
+void remember_rows(const cv::Mat& gray, QualityHistory* history);
 
 /// The verdict on a frame, by what it is and by what the last good frames were. What insists (a
 /// fault seen in most of the last frames) is the scene or the camera, not an accident: such a frame

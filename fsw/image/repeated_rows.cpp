@@ -1,3 +1,4 @@
+#include <cstdlib>
 #include <cstring>
 
 #include "base/assert.hpp"
@@ -17,28 +18,69 @@ bool telling(const std::uint8_t* row, int columns) {
   return different >= kPixelsMin;
 }
 
-}  // namespace
-
-RepeatedRows compare_rows(const cv::Mat& gray, const cv::Mat& previous) {
-  RepeatedRows rows;
-  if (previous.empty()) {
-    return rows;
+/// Mean of each sixteenth pixel.
+int mean_level(const std::uint8_t* row, int columns) {
+  constexpr int kStep = 16;
+  int sum = 0;
+  int count = 0;
+  for (int column = 0; column < columns; column += kStep) {
+    sum += row[column];
+    ++count;
   }
-  POLHODE_ASSERT(previous.size() == gray.size(), previous.total());
+  return count > 0 ? sum / count : 0;
+}
+
+/// Rows in the order of the picture.
+struct Runs {
+  RepeatedRows rows;
   int last = -1;
-  for (int row = 0; row < gray.rows; ++row) {
-    const std::uint8_t* now = gray.ptr<std::uint8_t>(row);
-    const bool same =
-        std::memcmp(now, previous.ptr<std::uint8_t>(row), static_cast<std::size_t>(gray.cols)) == 0;
-    if (same && !telling(now, gray.cols)) {
-      continue;
-    }
+
+  void add(bool same) {
     rows.repeated += same ? 1 : 0;
     rows.fresh += same ? 0 : 1;
     rows.changes += last >= 0 && last != static_cast<int>(same) ? 1 : 0;
     last = static_cast<int>(same);
   }
-  return rows;
+};
+
+}  // namespace
+
+RepeatedRows compare_rows(const cv::Mat& gray, const ImageOptions& options, const QualityHistory& history) {
+  const cv::Mat& previous = history.previous;
+  if (previous.empty()) {
+    return {};
+  }
+  POLHODE_ASSERT(previous.size() == gray.size(), previous.total());
+  const int apart = static_cast<int>(options.dark_level * 255.0);
+  Runs telling_rows;
+  Runs with_blank;
+  int blank = 0;
+  for (int row = 0; row < gray.rows; ++row) {
+    const std::uint8_t* now = gray.ptr<std::uint8_t>(row);
+    const bool same =
+        std::memcmp(now, previous.ptr<std::uint8_t>(row), static_cast<std::size_t>(gray.cols)) == 0;
+    if (!same || telling(now, gray.cols)) {
+      telling_rows.add(same);
+      with_blank.add(same);
+    } else if (!history.row_levels_good.empty() &&
+               std::abs(mean_level(now, gray.cols) - history.row_levels_good.at<std::uint8_t>(row)) > apart) {
+      ++blank;
+      with_blank.add(true);
+    }
+  }
+  // A body's edge moves over fewer rows from the last good picture to this one; a frame that is blank all over need not be a repeated
+  // one.
+  constexpr int kBlankPart = 8;
+  const bool torn_off = kBlankPart * blank >= gray.rows && with_blank.rows.fresh > 0;
+  return torn_off ? with_blank.rows : telling_rows.rows;
+}
+
+void remember_rows(const cv::Mat& gray, QualityHistory* history) {
+  history->row_levels_good.create(gray.rows, 1, CV_8UC1);
+  for (int row = 0; row < gray.rows; ++row) {
+    history->row_levels_good.at<std::uint8_t>(row) =
+        static_cast<std::uint8_t>(mean_level(gray.ptr<std::uint8_t>(row), gray.cols));
+  }
 }
 
 }  // namespace polhode

@@ -25,10 +25,13 @@ class Injected:
 
 
 def plan(frames: int, fraction: float, kinds: tuple[str, ...], seed: int) -> dict[int, str]:
-    """Kind by frame: `fraction` of all frames at random, the kinds in equal shares. The first two frames stay good."""
+    """Kind by frame: `fraction` of all frames at random, the kinds in equal shares.
+
+    The first two frames stay good, and the last: when that never comes, nothing tells of it.
+    """
     rng = np.random.default_rng([seed, 1])
     count = round(fraction * frames)
-    chosen = np.sort(rng.choice(np.arange(2, frames), size=min(count, frames - 2), replace=False))
+    chosen = np.sort(rng.choice(np.arange(2, frames - 1), size=min(count, max(frames - 3, 0)), replace=False))
     shares = [kinds[i % len(kinds)] for i in range(len(chosen))]
     return dict(zip(chosen.tolist(), rng.permutation(shares).tolist()))
 

@@ -70,6 +70,19 @@ TEST(Assess, SkipsATornFrame_FromEitherEnd) {
   }
 }
 
+TEST(Assess, AWhiteFramesRestIsTorn_NotSaturated) {
+  const auto lit = [](cv::Mat gray) -> cv::Mat { return gray + cv::Scalar(60); };
+  Watch watch(0);
+  for (int i = 0; i < 6; ++i) {
+    (void)watch.show(lit(watch.good()));
+  }
+  expect_skipped(watch.show(constant(kWidth, kHeight, 255)), FrameFault::kSaturated);
+  cv::Mat torn = lit(watch.good());
+  torn.rowRange(60, kHeight).setTo(255);
+  expect_skipped(watch.show(torn), FrameFault::kTorn);
+  expect_good(watch.show(lit(watch.good())));
+}
+
 TEST(Assess, GetsUsedToRowsThatStay_InASceneWithoutNoise) {
   QualityHistory history;
   int skipped = 0;

@@ -151,21 +151,50 @@ TEST(FindBitErrors, TakesPicturesOfAnySize) {
   }
 }
 
+RepeatedRows compare_with(const cv::Mat& now, const cv::Mat& before, const cv::Mat& good = cv::Mat()) {
+  QualityHistory history;
+  history.previous = before;
+  if (!good.empty()) {
+    remember_rows(good, &history);
+  }
+  return compare_rows(now, {}, history);
+}
+
 TEST(CompareRows, SaysNothing_WithoutAFrameBefore_OrWhereRowsAreBlank) {
-  EXPECT_EQ(compare_rows(picture(0, 1), cv::Mat()).fresh, 0);
-  const RepeatedRows blank = compare_rows(constant(80, 60, 0), constant(80, 60, 0));
+  EXPECT_EQ(compare_with(picture(0, 1), cv::Mat()).fresh, 0);
+  const RepeatedRows blank = compare_with(constant(80, 60, 0), constant(80, 60, 0));
   EXPECT_EQ(blank.repeated + blank.fresh, 0);
 }
 
 TEST(CompareRows, CountsRowsOfTheFrameBefore) {
   const cv::Mat before = picture(0, 1);
   cv::Mat now = picture(1, 2);
-  EXPECT_EQ(compare_rows(now, before).repeated, 0);
+  EXPECT_EQ(compare_with(now, before).repeated, 0);
   before.rowRange(0, 50).copyTo(now.rowRange(0, 50));
-  const RepeatedRows rows = compare_rows(now, before);
+  const RepeatedRows rows = compare_with(now, before);
   EXPECT_EQ(rows.repeated, 50);
   EXPECT_EQ(rows.fresh, kHeight - 50);
   EXPECT_EQ(rows.changes, 1);
+}
+
+TEST(CompareRows, CountsTheRestOfAWhiteOrBlackFrame_WhereThereWasSomethingElse) {
+  for (const int level : {0, 255}) {
+    cv::Mat good = picture(0, 1);
+    good += cv::Scalar(60);  // something in every row
+    const cv::Mat before = constant(kWidth, kHeight, level);
+    cv::Mat now = good.clone();
+    now.rowRange(0, 50).setTo(level);
+    EXPECT_EQ(compare_with(now, before).repeated, 0) << "nobody knows what was there";
+    EXPECT_EQ(compare_with(now, before, now).repeated, 0) << "it was there in the last good picture";
+    const RepeatedRows rows = compare_with(now, before, good);
+    EXPECT_EQ(rows.repeated, 50);
+    EXPECT_EQ(rows.fresh, kHeight - 50);
+    EXPECT_EQ(rows.changes, 1);
+    now = good.clone();
+    now.rowRange(0, kHeight / 10).setTo(level);
+    EXPECT_EQ(compare_with(now, before, good).repeated, 0) << "an edge moves as far";
+    EXPECT_EQ(compare_with(before, before, good).repeated, 0) << "white or dark twice is no repeated buffer";
+  }
 }
 
 }  // namespace
