@@ -12,9 +12,9 @@ namespace {
 // harm.
 constexpr int kStep = 24;
 
-/// Outstanding pixels of a row: over (under) all four neighbours by kStep and twice their range, so
+/// Outstanding pixels of a row: over (under) all eight neighbours by kStep and twice their range, so
 /// that edges, lines and grain do not count. The peak of a star does: they are as many in each
-/// frame.
+/// frame. By four neighbours clouds had three times as many, which hid one bit in 0.4 % of the pixels.
 int impulses_in_row(const std::uint8_t* above,
                     const std::uint8_t* row,
                     const std::uint8_t* below,
@@ -29,12 +29,19 @@ int impulses_in_row(const std::uint8_t* above,
   const cv::v_uint8x16 one = cv::v_setall_u8(1);
   for (; column + 17 <= columns; column += 16) {
     const cv::v_uint8x16 p = cv::v_load(row + column);
-    const cv::v_uint8x16 a = cv::v_load(above + column);
-    const cv::v_uint8x16 b = cv::v_load(below + column);
-    const cv::v_uint8x16 l = cv::v_load(row + column - 1);
-    const cv::v_uint8x16 r = cv::v_load(row + column + 1);
-    const cv::v_uint8x16 high = cv::v_max(cv::v_max(a, b), cv::v_max(l, r));
-    const cv::v_uint8x16 low = cv::v_min(cv::v_min(a, b), cv::v_min(l, r));
+    cv::v_uint8x16 high = cv::v_load(row + column - 1);
+    cv::v_uint8x16 low = high;
+    const auto include = [&](const std::uint8_t* neighbours) {
+      const cv::v_uint8x16 n = cv::v_load(neighbours + column);
+      high = cv::v_max(high, n);
+      low = cv::v_min(low, n);
+    };
+    include(row + 1);
+    for (const std::uint8_t* other : {above, below}) {
+      include(other - 1);
+      include(other);
+      include(other + 1);
+    }
     const cv::v_uint8x16 range = high - low;  // saturating, as all sums here
     const cv::v_uint8x16 limit = range + range + step;
     const cv::v_uint8x16 out = cv::v_max(p - high, low - p);
@@ -49,7 +56,14 @@ int impulses_in_row(const std::uint8_t* above,
   for (; column + 1 < columns; ++column) {
     const int p = row[column];
     const auto [low, high] =
-        std::minmax({above[column], below[column], row[column - 1], row[column + 1]});
+        std::minmax({above[column - 1],
+                     above[column],
+                     above[column + 1],
+                     row[column - 1],
+                     row[column + 1],
+                     below[column - 1],
+                     below[column],
+                     below[column + 1]});
     const int limit = std::min(255, 2 * (high - low) + kStep);
     count += std::max(p - high, low - p) > limit ? 1 : 0;
   }

@@ -24,7 +24,7 @@ struct ImageLevels {
 
 /// Traces of bit errors, of one picture alone. Scenes have some of each of the first two.
 struct BitErrorTraces {
-  double impulse_fraction = 0.0;  ///< pixels that stand over four neighbours that agree
+  double impulse_fraction = 0.0;  ///< pixels that stand over eight neighbours that agree
   int rough_tiles = 0;  ///< tiles of 16 x 16 px that change from pixel to pixel like random octets,
                         ///< where the last good picture had nothing like it nearby
   int lines = 0;        ///< rows that differ from both neighbours, which agree

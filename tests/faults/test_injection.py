@@ -20,7 +20,7 @@ from judge.sequence import read_sequence  # noqa: E402
 def test_plan_spoils_the_fraction_asked_for_in_equal_shares():
     for seed in range(5):
         faults = plan(300, 0.1, KINDS, seed)
-        assert len(faults) == 30 and min(faults) >= 2 and max(faults) < 300
+        assert len(faults) == 30 and min(faults) >= 2 and max(faults) < 299, "of the last frame nothing tells"
         assert all(list(faults.values()).count(kind) == 5 for kind in KINDS)
     assert plan(300, 0.1, KINDS, 1) == plan(300, 0.1, KINDS, 1) != plan(300, 0.1, KINDS, 2)
     assert plan(300, 0.0, KINDS, 1) == {}
