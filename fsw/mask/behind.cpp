@@ -51,6 +51,12 @@ bool rim_is_lit(const cv::Mat& gray, const MaskOptions& options) {
   }) > kRimLitLeft;
 }
 
+bool rim_is_full(const cv::Mat& cells) {
+  return part_of_rim(cells.size(), [&](int column, int row) {
+    return cells.at<std::uint8_t>(row, column) != 0;
+  }) > kRimLitMin;
+}
+
 bool is_behind(const cv::Mat& cells,
                const cv::Rect& body,
                bool was_behind,

@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "mask/behind.hpp"
 #include "mask/grown.hpp"
 #include "mask/shrink.hpp"
 
@@ -13,9 +14,8 @@ namespace {
 constexpr int kGroupCellsMin = 5;  // a star's blur disc, 3 px across, touches 2 x 2 cells at most
 constexpr int kGrowCells = 2;
 
-/// Clears groups that are too small and returns the other cells' enclosing rectangle. Counting
-/// cells by label costs a quarter of OpenCV's statistics.
-cv::Rect drop_small_groups(cv::Mat* cells) {
+/// Clears groups that are too small. Counting cells by label costs a quarter of OpenCV's statistics.
+void drop_small_groups(cv::Mat* cells) {
   cv::Mat labels;
   std::vector<int> count_of(
       static_cast<std::size_t>(cv::connectedComponents(*cells, labels, 8, CV_32S)), 0);
@@ -36,7 +36,6 @@ cv::Rect drop_small_groups(cv::Mat* cells) {
       }
     }
   }
-  return cv::boundingRect(*cells);
 }
 
 }  // namespace
@@ -62,7 +61,10 @@ void find_target(const cv::Mat& gray, const MaskOptions& options, TargetMask* ma
   cv::Mat small;
   shrink(gray, size, TargetMask::kCell_px, &small);
   cv::threshold(small, mask->cells, options.dark_level * 255.0, 255.0, cv::THRESH_BINARY);
-  const cv::Rect group = drop_small_groups(&mask->cells);
+  if (!rim_is_full(mask->cells)) {  // stars matter before black space alone
+    drop_small_groups(&mask->cells);
+  }
+  const cv::Rect group = cv::boundingRect(mask->cells);
   cv::dilate(mask->cells, mask->cells, cv::Mat(), cv::Point(-1, -1), kGrowCells);
   mask->coverage =
       static_cast<double>(cv::countNonZero(mask->cells)) / static_cast<double>(mask->cells.total());
