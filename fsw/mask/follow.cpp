@@ -163,10 +163,12 @@ cv::Rect region_of_interest(const MaskState& s) {
   if (!s.was_found || s.compared % everywhere_each == 0 || s.outline.size() != whole.size()) {
     return whole;
   }
-  const cv::Rect box = with_certain(cv::boundingRect(s.outline), s);
-  // Without a map half of the target may still be missing.
-  const int margin = std::max(16, std::max(box.width, box.height) / (mapped ? 8 : 4));
-  return grown(box, margin) & whole;
+  if (mapped) {
+    return box_of_cuts(s);  // what is farther off no edge brings in
+  }
+  // Half of the target may still be missing.
+  const cv::Rect box = cv::boundingRect(s.outline);
+  return grown(box, std::max(16, std::max(box.width, box.height) / 4)) & whole;
 }
 
 /// Takes a picture in and compares it with the ones before. @return whether a background's motion
