@@ -184,29 +184,52 @@ double gain_per_dof(const JointFitInput& input, BundleWorkspace* workspace, Join
   return 2.0 * (free.cost_before - free.cost_after) / dof;
 }
 
-/// Does each pose see points that earlier ones see? Parts of a map that nothing ties have an axis and a
-/// unit each, and what a motion makes of the gap between them is no measurement.
-bool hangs_together(const JointFitInput& input,
-                    std::span<const std::size_t> order,
-                    JointFitWorkspace* w) {
+using PoseFlags = std::array<bool, BundleWorkspace::kPoses>;
+using PoseCounts = std::array<std::size_t, BundleWorkspace::kPoses>;
+
+/// For each pose that is not reached: how many of its points are seen by so many of the poses that are, or that are not.
+PoseCounts shared_points(const JointFitInput& input,
+                         const PoseFlags& reached,
+                         bool with_reached,
+                         int seen_min,
+                         JointFitWorkspace* w) {
+  w->sightings_of_point.fill(0);
+  for (const BundleObservation& o : input.observations) {
+    if (reached[static_cast<std::size_t>(o.pose)] == with_reached) {
+      ++w->sightings_of_point[static_cast<std::size_t>(o.point)];
+    }
+  }
+  PoseCounts shared{};
+  for (const BundleObservation& o : input.observations) {
+    const bool seen = w->sightings_of_point[static_cast<std::size_t>(o.point)] >= seen_min;
+    shared[static_cast<std::size_t>(o.pose)] += seen && !reached[static_cast<std::size_t>(o.pose)] ? 1 : 0;
+  }
+  return shared;
+}
+
+/// Are the poses one part, tied by points that they share? Parts of a map that nothing ties have an axis and a
+/// unit each, and what a motion makes of the gap between them is no measurement. A pose alone that has lost its ties makes no
+/// part: it says little, and the motion holds it.
+bool hangs_together(const JointFitInput& input, JointFitWorkspace* w) {
   constexpr std::size_t kSharedMin = 12;  // as many as a pose needs
-  std::array<std::size_t, BundleWorkspace::kPoses> rank{};
-  std::array<std::size_t, BundleWorkspace::kPoses> shared{};
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    rank[order[i]] = i;
+  const std::size_t count = count_of(input);
+  PoseFlags reached{};
+  const PoseCounts points = shared_points(input, reached, false, 1, w);
+  const auto most = std::max_element(points.begin(), points.end());
+  reached[static_cast<std::size_t>(most - points.begin())] = true;
+  std::size_t reached_count = 1;
+  for (std::size_t before = 0; before < reached_count;) {
+    before = reached_count;
+    const PoseCounts shared = shared_points(input, reached, true, 1, w);
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!reached[k] && shared[k] >= kSharedMin) {
+        reached[k] = true;
+        ++reached_count;
+      }
+    }
   }
-  w->earliest_of_point.fill(order.size());
-  for (const BundleObservation& o : input.observations) {
-    std::size_t& earliest = w->earliest_of_point[static_cast<std::size_t>(o.point)];
-    earliest = std::min(earliest, rank[static_cast<std::size_t>(o.pose)]);
-  }
-  for (const BundleObservation& o : input.observations) {
-    const std::size_t own = rank[static_cast<std::size_t>(o.pose)];
-    shared[own] += w->earliest_of_point[static_cast<std::size_t>(o.point)] < own ? 1 : 0;
-  }
-  return std::all_of(shared.begin() + 1,
-                     shared.begin() + static_cast<std::ptrdiff_t>(order.size()),
-                     [&](std::size_t count) { return count >= kSharedMin; });
+  const PoseCounts apart = shared_points(input, reached, false, 2, w);
+  return reached_count >= kModelPosesMin && *std::max_element(apart.begin(), apart.end()) < kSharedMin;
 }
 
 /// Mean turn from one keyframe to the next.
@@ -255,7 +278,7 @@ RigidModel fit_jointly(const JointFitInput& input,
   }
   model.status = ModelStatus::kNoFit;
   const std::span<const std::size_t> order = order_by_time(input, w);
-  if (!hangs_together(input, order, w)) {
+  if (!hangs_together(input, w)) {
     return model;
   }
   const std::size_t middle = order.size() / 2;

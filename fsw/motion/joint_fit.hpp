@@ -38,7 +38,7 @@ struct JointFitWorkspace {
   std::array<std::uint8_t, BundleWorkspace::kPoses> none_held{};
   std::array<std::uint8_t, BundleWorkspace::kPoses> all_held{};
   std::array<std::size_t, BundleWorkspace::kPoses> in_order_of_time{};
-  std::array<std::size_t, BundleWorkspace::kPoints> earliest_of_point{};  ///< place in time of its first pose
+  std::array<std::uint16_t, BundleWorkspace::kPoints> sightings_of_point{};
   std::array<PoseTime, BundleWorkspace::kPoses> times;
   FixedVector<AttitudeSample, BundleWorkspace::kPoses> attitudes;
   FixedVector<PositionSample, BundleWorkspace::kPoses> positions;

@@ -256,6 +256,19 @@ TEST(JointFit, IsNotMadeOfPartsThatNothingTies) {
   EXPECT_FALSE(fitted(&map).accepted());
 }
 
+TEST(JointFit, APoseThatHasLostItsTiesIsNoPart) {
+  DriftedMap map = drifted_map(40, 0.01, Eigen::Vector3d::Zero(), 7);
+  const double before_rad = map.attitude_error_rad();
+  int left = 8;
+  std::erase_if(map.observations, [&](const BundleObservation& o) { return o.pose == 20 && left-- <= 0; });
+  ASSERT_EQ(std::count_if(map.observations.begin(),
+                          map.observations.end(),
+                          [](const BundleObservation& o) { return o.pose == 20; }),
+            8);
+  EXPECT_TRUE(fitted(&map).accepted());
+  EXPECT_LT(map.attitude_error_rad(), 0.5 * before_rad);
+}
+
 TEST(JointFit, TooFewPosesTellNothing) {
   DriftedMap map = drifted_map(7, 0.0, Eigen::Vector3d::Zero(), 8);
   EXPECT_EQ(fitted(&map).status, ModelStatus::kTooFewPoses);
