@@ -319,8 +319,8 @@ void open_outline(const cv::Size& image_px, MaskState* s, TargetMask* mask) {
   }
   cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->agreeing, cv::CMP_GE);
   cv::bitwise_and(s->agreeing, s->outline, s->agreeing);
+  cv::dilate(s->agreeing, s->agreeing, cv::Mat());
   to_cells(s->agreeing, mask->cells.size(), &mask->cells);
-  cv::dilate(mask->cells, mask->cells, cv::Mat());
   measure(cv::Rect(cv::Point(), image_px), mask);
 }
 

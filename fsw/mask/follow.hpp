@@ -65,7 +65,7 @@ void follow_target(const cv::Mat& gray,
 void sharpen_outline(MaskState* state);
 
 /// Before a map, after sharpen_outline: opens to features what is inside the sharpened outline, save where the background is seen, and
-/// a cell more all around. What moves alone lacks much of a body's rim, and there it is that a start sees depth.
+/// a working pixel more all around. What moves alone lacks much of a body's rim, and there it is that a start sees depth.
 void open_outline(const cv::Size& image_px, MaskState* state, TargetMask* mask);
 
 /// Does the sharpened outline rule out that there is something new of the target at this pixel of the image? Not nearer than
