@@ -50,29 +50,26 @@ void thin_out(const cv::Mat& pixels, const cv::Rect& box, int halvings, cv::Mat*
 /// edges. Done before one, a map's first outlines in a room overlap by 0.5 instead of 0.8.
 int outline_halvings(const MaskState& s) { return has_map(s) ? 1 : 0; }
 
-/// Fills `enclosed`, of halved pictures, with what the evidence encloses when gaps are closed. @return the working pixels that it
-/// says anything of: none where nothing is enclosed.
+/// Fills `enclosed`, with a map by every second pixel, with what the evidence encloses when gaps are closed.
+/// @return the working pixels that it says anything of: none where nothing is enclosed.
 cv::Rect enclose(int gap_radius_px, MaskState* s) {
   const int halvings = outline_halvings(*s);
   const int step = 1 << halvings;
   const cv::Rect region = with_certain(s->evidence.region, *s);
   const cv::Rect part(region.tl() / step, region.size() / step);
   const bool sure = !s->certain.empty() && !s->certain_box.empty();
+  cv::Mat evidence = s->evidence.total;
+  cv::Mat certain = sure ? s->certain : cv::Mat();
   if (halvings > 0) {
-    thin_out<float>(s->evidence.total, part, halvings, &s->scratch.sparse);
+    thin_out<float>(evidence, part, halvings, &s->scratch.sparse);
+    evidence = s->scratch.sparse;
     if (sure) {
-      thin_out<std::uint8_t>(s->certain, part, halvings, &s->cells);
+      thin_out<std::uint8_t>(certain, part, halvings, &s->cells);
+      certain = s->cells;
     }
   }
-  const bool found = find_outline(halvings > 0 ? s->scratch.sparse : s->evidence.total,
-                                  !sure          ? cv::Mat()
-                                  : halvings > 0 ? s->cells
-                                                 : s->certain,
-                                  part,
-                                  closing(*s, gap_radius_px / step),
-                                  step,
-                                  &s->scratch,
-                                  &s->enclosed);
+  const cv::Mat gap = closing(*s, gap_radius_px / step);
+  const bool found = find_outline(evidence, certain, part, gap, step, &s->scratch, &s->enclosed);
   return found ? cv::Rect(part.tl() * step, part.size() * step) : cv::Rect();
 }
 
@@ -236,17 +233,17 @@ void measure(const cv::Rect& bounds_px, TargetMask* mask) {
 /// Lit cells that the outline covers by half and that do not agree with the background. The rim of
 /// the body is no place for features: what is seen beside it changes as the body turns.
 void open_lit_cells(MaskState* s, TargetMask* mask) {
-  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->agreeing, cv::CMP_GE);
+  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->open, cv::CMP_GE);
   if (!s->certain.empty()) {
     // Between the landmarks of a body at rest before a background at rest everything agrees.
     cv::compare(s->distance, near_px(*s), s->cells, cv::CMP_LE);
-    cv::bitwise_or(s->agreeing, s->cells, s->agreeing);
+    cv::bitwise_or(s->open, s->cells, s->open);
   }
-  cv::bitwise_and(s->agreeing, s->outline, s->agreeing);
+  cv::bitwise_and(s->open, s->outline, s->open);
   if (!s->certain.empty()) {
-    cv::bitwise_or(s->agreeing, s->landmarks, s->agreeing);
+    cv::bitwise_or(s->open, s->landmarks, s->open);
   }
-  to_cells(s->agreeing, mask->cells.size(), &s->cells);
+  to_cells(s->open, mask->cells.size(), &s->cells);
   cv::bitwise_and(s->cells, mask->cells, mask->cells);
   measure(mask->region_px, mask);
 }
@@ -317,10 +314,10 @@ void open_outline(const cv::Size& image_px, MaskState* s, TargetMask* mask) {
   if (!s->sharp || has_map(*s)) {
     return;
   }
-  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->agreeing, cv::CMP_GE);
-  cv::bitwise_and(s->agreeing, s->outline, s->agreeing);
-  cv::dilate(s->agreeing, s->agreeing, cv::Mat());
-  to_cells(s->agreeing, mask->cells.size(), &mask->cells);
+  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->open, cv::CMP_GE);
+  cv::bitwise_and(s->open, s->outline, s->open);
+  cv::dilate(s->open, s->open, cv::Mat());
+  to_cells(s->open, mask->cells.size(), &mask->cells);
   measure(cv::Rect(cv::Point(), image_px), mask);
 }
 

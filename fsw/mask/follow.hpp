@@ -45,7 +45,7 @@ struct MaskState {
   OutlineScratch scratch;
   AppearanceScratch appearance_scratch;
   RefineScratch refine_scratch;
-  cv::Mat opinion, agreeing, cells, enclosed;  ///< scratch
+  cv::Mat opinion, open, cells, enclosed;  ///< scratch
 };
 
 /// Before black space: as find_target. With something behind the target: the piece of the picture

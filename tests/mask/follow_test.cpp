@@ -203,7 +203,30 @@ TEST(RulesOut, WhatLiesBeyondASharpenedOutline_AndNothingWithoutOne) {
   EXPECT_FALSE(ruled_out(scene.radius_px + 15.0));
 }
 
-TEST(OpenOutline, OpensTheBodyToItsRim_BeforeAMapOnly) {
+/// A pixel beside the scene's middle.
+std::vector<cv::Point2f> landmarks_of_disc() {
+  std::vector<cv::Point2f> points;
+  for (int i = 0; i < 60; ++i) {
+    const double angle = 2.4 * i;
+    const double r = 34.0 * std::sqrt((i + 0.5) / 60.0);
+    points.emplace_back(cv::Point2d(161.0 + r * std::cos(angle), 119.0 + r * std::sin(angle)));
+  }
+  return points;
+}
+
+TEST(OpenOutline, LeavesTheMaskToTheMap_WhereThereIsOne) {
+  const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
+  const std::vector<cv::Point2f> points = landmarks_of_disc();
+  Follower follower;
+  follower.show(scene, 0, kFrames, {.points_px = points, .radius_px = 40.0});
+  sharpen_outline(follower.state.get());
+  ASSERT_TRUE(follower.state->sharp);
+  const cv::Mat before = follower.mask.cells.clone();
+  open_outline(scene.picture(0).size(), follower.state.get(), &follower.mask);
+  EXPECT_EQ(cv::norm(before, follower.mask.cells, cv::NORM_INF), 0.0);
+}
+
+TEST(OpenOutline, OpensTheBodyToItsRim_BeforeAMap) {
   const Scene scene{.target_turn_deg = 3.0};
   const cv::Size size = scene.picture(0).size();
   Follower follower;
@@ -240,15 +263,9 @@ TEST(FollowTarget, TellsTracksApart) {
 
 TEST(SharpenOutline, FindsTheEdge_FromAPriorThatIsOffByAFewPixels) {
   const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
-  std::vector<cv::Point2f> points;
-  for (int i = 0; i < 60; ++i) {
-    const double angle = 2.4 * i;
-    const double r = 34.0 * std::sqrt((i + 0.5) / 60.0);
-    points.emplace_back(cv::Point2d(161.0 + r * std::cos(angle), 119.0 + r * std::sin(angle)));
-  }
-  const MaskPrior prior{.points_px = points, .radius_px = 40.0};
+  const std::vector<cv::Point2f> points = landmarks_of_disc();
   Follower follower;
-  follower.show(scene, 0, kFrames, prior);
+  follower.show(scene, 0, kFrames, {.points_px = points, .radius_px = 40.0});
   sharpen_outline(follower.state.get());
   EXPECT_TRUE(follower.state->sharp);
   // Both sides of the edge are of the same texture: motion alone tells them apart, to 3 px of 40.
