@@ -220,16 +220,6 @@ void to_cells(const cv::Mat& open, const cv::Size& size, cv::Mat* cells) {
   cv::threshold(*cells, *cells, 127.0, 255.0, cv::THRESH_BINARY);
 }
 
-/// What encloses the mask's cells within the bounds, and how much of the picture they are.
-void measure(const cv::Rect& bounds_px, TargetMask* mask) {
-  const cv::Rect cells = cv::boundingRect(mask->cells);
-  constexpr int kCell_px = TargetMask::kCell_px;
-  mask->region_px =
-      bounds_px & cv::Rect(cells.x * kCell_px, cells.y * kCell_px, cells.width * kCell_px, cells.height * kCell_px);
-  mask->coverage =
-      static_cast<double>(cv::countNonZero(mask->cells)) / static_cast<double>(mask->cells.total());
-}
-
 /// Lit cells that the outline covers by half and that do not agree with the background. The rim of
 /// the body is no place for features: what is seen beside it changes as the body turns.
 void open_lit_cells(MaskState* s, TargetMask* mask) {
@@ -245,7 +235,7 @@ void open_lit_cells(MaskState* s, TargetMask* mask) {
   }
   to_cells(s->open, mask->cells.size(), &s->cells);
   cv::bitwise_and(s->cells, mask->cells, mask->cells);
-  measure(mask->region_px, mask);
+  measure_cells(mask->region_px, mask);
 }
 
 }  // namespace
@@ -318,7 +308,7 @@ void open_outline(const cv::Size& image_px, MaskState* s, TargetMask* mask) {
   cv::bitwise_and(s->open, s->outline, s->open);
   cv::dilate(s->open, s->open, cv::Mat());
   to_cells(s->open, mask->cells.size(), &mask->cells);
-  measure(cv::Rect(cv::Point(), image_px), mask);
+  measure_cells(cv::Rect(cv::Point(), image_px), mask);
 }
 
 bool rules_out(const MaskState& s, float u_px, float v_px) {

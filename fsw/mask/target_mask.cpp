@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "mask/behind.hpp"
-#include "mask/grown.hpp"
 #include "mask/shrink.hpp"
 
 namespace polhode {
@@ -64,20 +63,16 @@ void find_target(const cv::Mat& gray, const MaskOptions& options, TargetMask* ma
   if (!rim_is_full(mask->cells)) {  // stars matter before black space alone
     drop_small_groups(&mask->cells);
   }
-  const cv::Rect group = cv::boundingRect(mask->cells);
   cv::dilate(mask->cells, mask->cells, cv::Mat(), cv::Point(-1, -1), kGrowCells);
+  measure_cells(whole, mask);
+}
+
+void measure_cells(const cv::Rect& bounds_px, TargetMask* mask) {
+  constexpr int kCell_px = TargetMask::kCell_px;
+  const cv::Rect cells = cv::boundingRect(mask->cells);
+  mask->region_px = bounds_px & cv::Rect(cells.tl() * kCell_px, cells.size() * kCell_px);
   mask->coverage =
       static_cast<double>(cv::countNonZero(mask->cells)) / static_cast<double>(mask->cells.total());
-  if (group.empty()) {
-    mask->region_px = cv::Rect();
-    return;
-  }
-  const cv::Rect cells = grown(group, kGrowCells);
-  mask->region_px = cv::Rect(cells.x * TargetMask::kCell_px,
-                             cells.y * TargetMask::kCell_px,
-                             cells.width * TargetMask::kCell_px,
-                             cells.height * TargetMask::kCell_px) &
-                    whole;
 }
 
 }  // namespace polhode

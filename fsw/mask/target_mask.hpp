@@ -25,4 +25,7 @@ struct TargetMask {
 /// target.
 void find_target(const cv::Mat& gray, const MaskOptions& options, TargetMask* mask);
 
+/// Sets what encloses the cells, within the bounds, and how much of the picture they are.
+void measure_cells(const cv::Rect& bounds_px, TargetMask* mask);
+
 }  // namespace polhode

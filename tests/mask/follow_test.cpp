@@ -29,6 +29,17 @@ struct Follower {
 
 constexpr int kFrames = 16;
 
+/// Landmarks all over a disc.
+std::vector<cv::Point2f> landmarks_of_disc(const cv::Point2d& centre, double radius_px) {
+  std::vector<cv::Point2f> points;
+  for (int i = 0; i < 60; ++i) {
+    const double angle = 2.4 * i;
+    const double r = radius_px * std::sqrt((i + 0.5) / 60.0);
+    points.emplace_back(centre + cv::Point2d(r * std::cos(angle), r * std::sin(angle)));
+  }
+  return points;
+}
+
 /// Part of the target in which features may be made.
 double open_part(const TargetMask& mask, const cv::Mat& truth) {
   int open = 0;
@@ -126,12 +137,7 @@ TEST(FollowTarget, TakesEverythingLit_WhereNoMotionExplainsTheBackground) {
 
 TEST(FollowTarget, KeepsTheTarget_WhereTheMapSaysThatItIs_ThoughNothingMoves) {
   const Scene scene;
-  std::vector<cv::Point2f> points;
-  for (int i = 0; i < 60; ++i) {
-    const double angle = 2.4 * i;
-    const double r = 38.0 * std::sqrt((i + 0.5) / 60.0);
-    points.emplace_back(cv::Point2d(160.0 + r * std::cos(angle), 120.0 + r * std::sin(angle)));
-  }
+  const std::vector<cv::Point2f> points = landmarks_of_disc({160.0, 120.0}, 38.0);
   Follower follower;
   follower.show(scene, 0, kFrames, {.points_px = points, .radius_px = 40.0});
   ASSERT_TRUE(follower.state->found);
@@ -203,20 +209,9 @@ TEST(RulesOut, WhatLiesBeyondASharpenedOutline_AndNothingWithoutOne) {
   EXPECT_FALSE(ruled_out(scene.radius_px + 15.0));
 }
 
-/// A pixel beside the scene's middle.
-std::vector<cv::Point2f> landmarks_of_disc() {
-  std::vector<cv::Point2f> points;
-  for (int i = 0; i < 60; ++i) {
-    const double angle = 2.4 * i;
-    const double r = 34.0 * std::sqrt((i + 0.5) / 60.0);
-    points.emplace_back(cv::Point2d(161.0 + r * std::cos(angle), 119.0 + r * std::sin(angle)));
-  }
-  return points;
-}
-
 TEST(OpenOutline, LeavesTheMaskToTheMap_WhereThereIsOne) {
   const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
-  const std::vector<cv::Point2f> points = landmarks_of_disc();
+  const std::vector<cv::Point2f> points = landmarks_of_disc({161.0, 119.0}, 34.0);
   Follower follower;
   follower.show(scene, 0, kFrames, {.points_px = points, .radius_px = 40.0});
   sharpen_outline(follower.state.get());
@@ -263,7 +258,7 @@ TEST(FollowTarget, TellsTracksApart) {
 
 TEST(SharpenOutline, FindsTheEdge_FromAPriorThatIsOffByAFewPixels) {
   const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
-  const std::vector<cv::Point2f> points = landmarks_of_disc();
+  const std::vector<cv::Point2f> points = landmarks_of_disc({161.0, 119.0}, 34.0);
   Follower follower;
   follower.show(scene, 0, kFrames, {.points_px = points, .radius_px = 40.0});
   sharpen_outline(follower.state.get());
