@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "base/wide.hpp"
@@ -48,25 +49,33 @@ void find_looks(const cv::Mat& picture, AppearanceScratch* s) {
   });
 }
 
-/// How often each look is where `set` is `value`, by every second row and column. @param all  pixels that are.
-Shares shares_of(const cv::Mat& looks, const cv::Mat& set, std::uint8_t value, double* all) {
+/// Pixels of each look.
+using Counts = std::array<std::uint32_t, kLooks>;
+
+double sum_of(const Counts& counts) { return std::accumulate(counts.begin(), counts.end(), 0.0); }
+
+Shares shares_of(const Counts& counts) {
+  const double all = std::max(1.0, sum_of(counts));
   Shares shares{};
-  *all = 0.0;
+  std::transform(counts.begin(), counts.end(), shares.begin(), [&](std::uint32_t n) { return n / all; });
+  return shares;
+}
+
+/// Looks outside, in neither, and inside, by every second row and column.
+/// @param inside, not_outside  CV_8UC1, 0 and 255; what is inside is not outside.
+std::array<Counts, 3> count_looks(const cv::Mat& looks, const cv::Mat& inside, const cv::Mat& not_outside) {
+  std::array<Counts, 3> counts{};
   constexpr int kStep = 2;
   for (int row = 0; row < looks.rows; row += kStep) {
     const auto* look = looks.ptr<std::uint8_t>(row);
-    const auto* here = set.ptr<std::uint8_t>(row);
+    const auto* in = inside.ptr<std::uint8_t>(row);
+    const auto* not_out = not_outside.ptr<std::uint8_t>(row);
     for (int column = 0; column < looks.cols; column += kStep) {
-      if (here[column] == value) {
-        shares[look[column]] += kStep * kStep;
-        *all += kStep * kStep;
-      }
+      const auto side = static_cast<std::size_t>((in[column] & 1) + (not_out[column] & 1));
+      counts[side][look[column]] += kStep * kStep;
     }
   }
-  for (double& share : shares) {
-    share /= std::max(1.0, *all);
-  }
-  return shares;
+  return counts;
 }
 
 /// What a place says whose look is so many times as frequent on the target as beside it.
@@ -90,6 +99,7 @@ void add_appearance(const cv::Mat& picture,
                     const cv::Mat& outline,
                     const cv::Mat& matches,
                     const cv::Rect& region,
+                    int step,
                     AppearanceScratch* s,
                     cv::Mat* opinion) {
   const cv::Rect box = box_of_looks(outline);
@@ -100,13 +110,12 @@ void add_appearance(const cv::Mat& picture,
   // An outline is off by a few pixels: those are left out.
   cv::erode(outline(box), s->one, cv::Mat(), cv::Point(-1, -1), 2);
   cv::dilate(outline(box), s->other, cv::Mat(), cv::Point(-1, -1), 4);
-  double pixels_of_target = 0.0;
-  double pixels_around = 0.0;
-  const Shares target = shares_of(s->looks, s->one, 255, &pixels_of_target);
-  const Shares around = shares_of(s->looks, s->other, 0, &pixels_around);
-  if (std::min(pixels_of_target, pixels_around) * kRare < 1.0) {
+  const auto [outside, neither, inside] = count_looks(s->looks, s->one, s->other);
+  if (std::min(sum_of(inside), sum_of(outside)) * kRare < 1.0) {
     return;  // one pixel would be a look of its own
   }
+  const Shares target = shares_of(inside);
+  const Shares around = shares_of(outside);
   std::array<float, kLooks> says{};
   std::array<float, kLooks> says_of_known{};
   for (std::size_t k = 0; k < kLooks; ++k) {
@@ -114,15 +123,13 @@ void add_appearance(const cv::Mat& picture,
     says_of_known[k] = said_by(target[k]);
   }
   const cv::Rect heard = box & region;
-  cv::Mat part = (*opinion)(heard);
-  const cv::Mat known = matches(heard);
-  const cv::Mat looks = s->looks(heard - box.tl());
-  for (int row = 0; row < part.rows; ++row) {
-    const auto* look = looks.ptr<std::uint8_t>(row);
-    const auto* is_known = known.ptr<std::uint8_t>(row);
-    auto* to = part.ptr<float>(row);
-    for (int column = 0; column < part.cols; ++column) {
-      to[column] += is_known[column] != 0 ? says_of_known[look[column]] : says[look[column]];
+  for (int row = heard.y; row < heard.br().y; row += step) {
+    const auto* look = s->looks.ptr<std::uint8_t>(row - box.y);
+    const auto* is_known = matches.ptr<std::uint8_t>(row);
+    auto* to = opinion->ptr<float>(row / step) + heard.x / step;
+    for (int column = heard.x; column < heard.br().x; column += step) {
+      const std::uint8_t of = look[column - box.x];
+      *to++ += is_known[column] != 0 ? says_of_known[of] : says[of];
     }
   }
 }

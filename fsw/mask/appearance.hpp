@@ -17,6 +17,7 @@ struct AppearanceScratch {
 /// @param picture CV_8UC1. @param outline CV_8UC1, same size.
 /// @param matches CV_8UC1, same size, 255 where the picture looks as the background there is known to look.
 /// @param region outside of it nothing is added.
+/// @param step pixels of the picture per pixel of the opinion, along a side.
 /// @param opinion CV_32FC1, as cut_at_edges takes it.
 /// @cost eight passes over the outline's box and a third of its width around, where looks are compared, and one over the region.
 /// @source the colour term of Rother, Kolmogorov, Blake, "GrabCut", SIGGRAPH 2004, as a histogram of gray.
@@ -24,6 +25,7 @@ void add_appearance(const cv::Mat& picture,
                     const cv::Mat& outline,
                     const cv::Mat& matches,
                     const cv::Rect& region,
+                    int step,
                     AppearanceScratch* scratch,
                     cv::Mat* opinion);
 

@@ -42,12 +42,12 @@ bool surrounds(const std::vector<cv::Point2f>& points, const cv::Size& size) {
 }
 
 /// Points known over the whole age and not known to be target.
-void gather(const cv::Mat& target, std::size_t age, const PointsState& points, BackgroundState* s) {
+void gather(const cv::Mat& target, int step, std::size_t age, const PointsState& points, BackgroundState* s) {
   s->from.clear();
   s->to.clear();
   for (const MaskTrack& track : points.tracks) {
     if (track.count > age &&
-        (target.empty() || target.at<std::uint8_t>(cv::Point(track.now())) == 0)) {
+        (target.empty() || target.at<std::uint8_t>(cv::Point(track.now()) / step) == 0)) {
       s->from.push_back(track.places[age]);
       s->to.push_back(track.now());
     }
@@ -142,7 +142,7 @@ void drop_lonely(PointsState* points) {
 
 }  // namespace
 
-bool explain_background(const cv::Mat& target, PointsState* points, BackgroundState* s) {
+bool explain_background(const cv::Mat& target, int step, PointsState* points, BackgroundState* s) {
   s->target_tracks = 0;
   const std::size_t longest = points->stored - 1;
   s->age = std::clamp(s->age, std::size_t{1}, std::max(longest, std::size_t{1}));
@@ -152,7 +152,7 @@ bool explain_background(const cv::Mat& target, PointsState* points, BackgroundSt
     motion.age = (i + 1) * s->age;
     motion.layers.clear();
     if (motion.age <= longest) {
-      gather(target, motion.age, *points, s);
+      gather(target, step, motion.age, *points, s);
       fit_layers(points->whole().size(), &motion, s);
       explained = explained || !motion.layers.empty();
     }

@@ -34,9 +34,9 @@ struct BackgroundState {
 };
 
 /// Fits the background's motions and tells the points apart. @param target known parts of the
-/// target (CV_8UC1 of the working size, or empty): their points are no background.
+/// target (CV_8UC1, or empty): their points are no background. @param step working pixels a pixel of it, along a side.
 /// @return false when no motion of a background was found; all points are unassigned then.
-bool explain_background(const cv::Mat& target, PointsState* points, BackgroundState* state);
+bool explain_background(const cv::Mat& target, int step, PointsState* points, BackgroundState* state);
 
 /// Little motion of the target against the background: compare over more pictures next time; much:
 /// over fewer, in which the target's looks have changed less.

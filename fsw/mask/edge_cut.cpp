@@ -9,6 +9,7 @@
 
 #include "base/assert.hpp"
 #include "mask/grown.hpp"
+#include "mask/shrink.hpp"
 
 namespace polhode {
 namespace {
@@ -20,13 +21,14 @@ constexpr double kPricePerOpinion = 2.0;
 constexpr int kEven = 12;  // price of cutting an even place
 constexpr int kCertain = 1000;
 
-/// What is cut, by cells; all of one size.
+/// What is cut, by cells; all but opinions of one size.
 struct Cells {
-  cv::Mat opinion;  ///< CV_32FC1: a cell's sum over its side
-  cv::Mat certain;  ///< CV_8UC1, may be empty
-  cv::Mat outline;  ///< CV_8UC1
+  int side_px;       ///< of the picture's pixels
+  int per_opinion;   ///< cells per cell of `weight` and `certain`, along a side
+  cv::Mat weight;    ///< CV_32FC1
+  cv::Mat certain;   ///< CV_8UC1, may be empty
+  cv::Mat outline;   ///< CV_8UC1
   cv::Mat left, up;  ///< CV_8UC1: step to the neighbour, levels
-  double mean_square_step = 1.0;  ///< of the picture's pixels, both directions together
 };
 
 /// The largest of each cell.
@@ -41,44 +43,24 @@ cv::Mat largest(const cv::Mat& pixels, int cell_px) {
   return cells;
 }
 
-/// Steps between neighbours: a cell's are the largest in it, as the near cut finds the place in the cell. Of halved pictures edges
-/// between two cells are half as high, and outlines of rooms overlap by 0.01 less.
-void measure_steps(const cv::Mat& picture, int cell_px, Cells* cells) {
-  const cv::Rect whole(cv::Point(), picture.size());
-  cv::Mat steps(picture.size(), CV_8UC1);
-  double squares = 1.0;
-  const auto along = [&](const cv::Point& shift) {
-    steps.setTo(0);
-    const cv::Rect here(shift, whole.br());
-    cv::absdiff(picture(here), picture(here - shift), steps(here));
-    squares += cv::norm(steps, cv::NORM_L2SQR);
-    return largest(steps, cell_px);
-  };
-  cells->left = along({1, 0}).clone();
-  cells->up = along({0, 1});
-  cells->mean_square_step = squares / static_cast<double>(whole.area());
-}
-
-void halve(const cv::Mat& pixels, cv::Mat* cells) {
-  cv::resize(pixels, *cells, pixels.size() / 2, 0.0, 0.0, cv::INTER_AREA);
-}
-
-Cells to_cells(const cv::Mat& picture,
-               const cv::Mat& opinion,
-               const cv::Mat& certain,
-               const cv::Mat& outline,
-               int cell_px) {
-  Cells cells{.opinion = opinion, .certain = certain, .outline = outline, .left = {}, .up = {}};
-  measure_steps(picture, cell_px, &cells);
-  if (cell_px == 2) {
-    halve(opinion, &cells.opinion);
-    cells.opinion *= 2.0;  // four pixels speak, and a cut runs along two
-    halve(outline, &cells.outline);
-    cv::threshold(cells.outline, cells.outline, 127.0, 255.0, cv::THRESH_BINARY);
-    cells.certain = certain.empty() ? certain : largest(certain, cell_px);
-  }
+/// Steps of a cell are the largest in it, as the near cut finds the place in the cell. Of halved pictures edges between two cells are
+/// half as high, and outlines of rooms overlap by 0.01 less.
+/// @param outline of the edges' box, as far as whole cells fill it.
+Cells to_cells(const PictureEdges& edges, const CutOpinion& opinion, const cv::Mat& outline, int cell_px) {
+  const cv::Rect asked = coarser(edges.box, opinion.cell_px);
+  const cv::Rect part(cv::Point(), outline.size());
+  Cells cells{.side_px = cell_px,
+              .per_opinion = opinion.cell_px / cell_px,
+              .weight = opinion.weight(asked),
+              .certain = opinion.certain.empty() ? cv::Mat() : opinion.certain(asked),
+              .outline = {},
+              .left = largest(edges.left(part), cell_px),
+              .up = largest(edges.up(part), cell_px)};
+  cover_by_half(outline, cells.left.size(), &cells.outline);
   if (!cells.certain.empty()) {
-    cv::bitwise_or(cells.outline, cells.certain, cells.outline);
+    cv::Mat certain;
+    cv::resize(cells.certain, certain, cells.certain.size() * cells.per_opinion, 0.0, 0.0, cv::INTER_NEAREST);
+    cv::bitwise_or(cells.outline, certain(cv::Rect(cv::Point(), cells.outline.size())), cells.outline);
   }
   return cells;
 }
@@ -86,15 +68,18 @@ Cells to_cells(const cv::Mat& picture,
 /// Price of calling a cell background; negative: of calling it target. What is at the box's rim
 /// and outside of the outline is background.
 int price_at(const Cells& cells, cv::Point at) {
-  if (!cells.certain.empty() && cells.certain.at<std::uint8_t>(at) != 0) {
+  const cv::Point asked = at / cells.per_opinion;
+  if (!cells.certain.empty() && cells.certain.at<std::uint8_t>(asked) != 0) {
     return kCertain;
   }
   const cv::Mat& outline = cells.outline;
   const bool rim =
       at.y == 0 || at.x == 0 || at.y + 1 == outline.rows || at.x + 1 == outline.cols;
-  return rim && outline.at<std::uint8_t>(at) == 0
-             ? -kCertain
-             : cvRound(kPricePerOpinion * static_cast<double>(cells.opinion.at<float>(at)));
+  if (rim && outline.at<std::uint8_t>(at) == 0) {
+    return -kCertain;
+  }
+  // All of a cell's pixels speak, and a cut runs along one side of it.
+  return cvRound(kPricePerOpinion * cells.side_px * static_cast<double>(cells.weight.at<float>(asked)));
 }
 
 void add_price(int node, int price, Graph* graph) {
@@ -137,8 +122,8 @@ std::array<int, 256> tie_prices(double mean_square_step) {
 }
 
 /// What lies beyond the band stays as it is: a cut from it is a price of the cell beside it.
-void tie_neighbours(const Cells& cells, const Band& band, Graph* graph) {
-  const std::array<int, 256> prices = tie_prices(cells.mean_square_step);
+void tie_neighbours(const Cells& cells, const Band& band, double mean_square_step, Graph* graph) {
+  const std::array<int, 256> prices = tie_prices(mean_square_step);
   int node = 0;
   const auto tie = [&](const cv::Point& neighbour, std::uint8_t step, bool is_before) {
     const int price = prices[step];
@@ -170,7 +155,7 @@ void tie_neighbours(const Cells& cells, const Band& band, Graph* graph) {
 }
 
 /// @return false where nothing may be moved: a cut through nothing is an error.
-bool cut(int reach, Cells* cells) {
+bool cut(int reach, double mean_square_step, Cells* cells) {
   const Band band = band_about(cells->outline, reach);
   const std::size_t count = band.cells.size();
   if (count == 0) {
@@ -180,7 +165,7 @@ bool cut(int reach, Cells* cells) {
   for (const cv::Point& at : band.cells) {
     add_price(graph.addVtx(), price_at(*cells, at), &graph);
   }
-  tie_neighbours(*cells, band, &graph);
+  tie_neighbours(*cells, band, mean_square_step, &graph);
   graph.maxFlow();
   int node = 0;
   for (const cv::Point& at : band.cells) {
@@ -191,25 +176,37 @@ bool cut(int reach, Cells* cells) {
 
 }  // namespace
 
-void cut_at_edges(const cv::Mat& picture,
-                  const cv::Mat& opinion,
-                  const cv::Mat& certain,
+void measure_edges(const cv::Mat& picture, const cv::Rect& box, PictureEdges* edges) {
+  constexpr int kCell_px = 2;
+  const cv::Rect whole(cv::Point(), picture.size());
+  const cv::Rect cells = coarser(box, kCell_px);
+  edges->box = cv::Rect(cells.tl() * kCell_px, cells.size() * kCell_px) & whole;
+  const cv::Mat part = picture(edges->box);
+  double squares = 1.0;
+  const auto along = [&](const cv::Point& shift, cv::Mat* steps) {
+    steps->create(part.size(), CV_8UC1);
+    steps->setTo(0);
+    const cv::Rect here(shift, cv::Point(part.cols, part.rows));
+    cv::absdiff(part(here), part(here - shift), (*steps)(here));
+    squares += cv::norm(*steps, cv::NORM_L2SQR);
+  };
+  along({1, 0}, &edges->left);
+  along({0, 1}, &edges->up);
+  edges->mean_square_step = squares / std::max(1.0, static_cast<double>(part.total()));
+}
+
+void cut_at_edges(const PictureEdges& edges,
+                  const CutOpinion& opinion,
                   const CutReach& reach,
                   cv::Mat* outline) {
-  POLHODE_ASSERT(picture.size() == outline->size(), outline->total());
-  POLHODE_ASSERT(reach.cell_px == 1 || reach.cell_px == 2, reach.cell_px);
-  cv::Rect box = cv::boundingRect(*outline);
-  if (box.empty()) {
+  POLHODE_ASSERT(reach.cell_px == 1 || reach.cell_px == opinion.cell_px, reach.cell_px);
+  const cv::Rect whole_cells(edges.box.tl(), edges.box.size() / reach.cell_px * reach.cell_px);
+  if (whole_cells.empty()) {
     return;
   }
-  const int margin = std::max(4, std::max(box.width, box.height) / 8);
-  box = grown(box, margin) & cv::Rect(0, 0, picture.cols, picture.rows);
-  box.width -= box.width % reach.cell_px;
-  box.height -= box.height % reach.cell_px;
-  cv::Mat part = (*outline)(box);
-  const cv::Mat sure = certain.empty() ? cv::Mat() : certain(box);
-  Cells cells = to_cells(picture(box), opinion(box), sure, part, reach.cell_px);
-  if (cut(reach.px / reach.cell_px, &cells) && reach.cell_px == 2) {
+  cv::Mat part = (*outline)(whole_cells);
+  Cells cells = to_cells(edges, opinion, part, reach.cell_px);
+  if (cut(reach.px / reach.cell_px, edges.mean_square_step, &cells)) {
     cv::resize(cells.outline, part, part.size(), 0.0, 0.0, cv::INTER_LINEAR);
     cv::threshold(part, part, 127.0, 255.0, cv::THRESH_BINARY);
   }

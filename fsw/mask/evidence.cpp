@@ -6,6 +6,8 @@
 
 #include "base/limited.hpp"
 #include "base/wide.hpp"
+#include "mask/grown.hpp"
+#include "mask/shrink.hpp"
 
 namespace polhode {
 namespace {
@@ -39,12 +41,8 @@ double measure_noise(const cv::Mat& now, const cv::Mat& warped) {
   return std::clamp(static_cast<double>(level) * 1.4826 / std::sqrt(2.0), 1.0, kNoiseMost);
 }
 
-/// Motion of the target's points over `age` pictures, spread to the places between and around them.
-/// flow_full: CV_32FC2, for each pixel of the region where it came from.
-void spread_motion(const PointsState& points,
-                   std::size_t age,
-                   const cv::Rect& region,
-                   EvidenceState* s) {
+/// Motion of the target's points over `age` pictures, spread over the grid to the places between and around them.
+void spread_motion(const PointsState& points, std::size_t age, EvidenceState* s) {
   const cv::Size size = points.picture(0).size();
   const cv::Size grid((size.width + kCell_px - 1) / kCell_px,
                       (size.height + kCell_px - 1) / kCell_px);
@@ -75,21 +73,27 @@ void spread_motion(const PointsState& points,
       s->flow.at<cv::Point2f>(row, column) /= std::max(s->weight.at<float>(row, column), 1E-9F);
     }
   }
+}
+
+/// flow_full: CV_32FC2, for each pixel of the region, `step` working ones along a side, which it came from.
+void trace_back(const cv::Rect& region, int step, EvidenceState* s) {
   const cv::Rect cells(region.x / kCell_px,
                        region.y / kCell_px,
                        (region.width + kCell_px - 1) / kCell_px,
                        (region.height + kCell_px - 1) / kCell_px);
   cv::resize(s->flow(cells),
              s->flow_full,
-             cv::Size(cells.width * kCell_px, cells.height * kCell_px),
+             cells.size() * (kCell_px / step),
              0.0,
              0.0,
              cv::INTER_LINEAR);
-  for (int row = 0; row < region.height; ++row) {
+  const cv::Rect part = coarser(region, step);
+  const float scale = 1.0F / static_cast<float>(step);
+  for (int row = 0; row < part.height; ++row) {
     auto* from = s->flow_full.ptr<cv::Point2f>(row);
-    for (int column = 0; column < region.width; ++column) {
-      from[column].x = static_cast<float>(region.x + column) - from[column].x;
-      from[column].y = static_cast<float>(region.y + row) - from[column].y;
+    for (int column = 0; column < part.width; ++column) {
+      from[column].x = static_cast<float>(part.x + column) - scale * from[column].x;
+      from[column].y = static_cast<float>(part.y + row) - scale * from[column].y;
     }
   }
 }
@@ -163,7 +167,8 @@ void compare_with_target(const PointsState& points,
                          std::size_t age,
                          const cv::Rect& region,
                          EvidenceState* s) {
-  spread_motion(points, age, region, s);
+  spread_motion(points, age, s);
+  trace_back(region, 1, s);
   cv::remap(points.picture(age),
             s->warped,
             s->flow_full(cv::Rect(cv::Point(), region.size())),
@@ -191,7 +196,7 @@ void sum_over_window(EvidenceState* s) {
 
 /// Target evidence goes along with the target; half of it, or two and a half pictures' worth,
 /// stays. What this picture says is added, in sigmas a pixel.
-/// @param compared_age  the motion over it is in `flow_full`.
+/// @param compared_age  the motion over it is on the grid, and for each working pixel in `flow_full`.
 void carry_and_add(const PointsState& points,
                    std::size_t compared_age,
                    const cv::Rect& region,
@@ -201,22 +206,27 @@ void carry_and_add(const PointsState& points,
   constexpr int kPixels = kWindow_px * kWindow_px;
   const auto scale = static_cast<float>(1.0 / (kPixels * s->noise));
   if (compared_age != 1) {
-    spread_motion(points, 1, region, s);
+    spread_motion(points, 1, s);
   }
+  if (compared_age != 1 || s->step != 1) {
+    trace_back(region, s->step, s);
+  }
+  const cv::Rect part = coarser(region, s->step);
   cv::remap(s->total,
             s->carried,
-            s->flow_full(cv::Rect(cv::Point(), region.size())),
+            s->flow_full(cv::Rect(cv::Point(), part.size())),
             cv::noArray(),
             cv::INTER_LINEAR,
             cv::BORDER_REPLICATE);
   s->total.setTo(0.0);
   widely([&] {
-    for (int row = 0; row < region.height; ++row) {
+    const int step = s->step;
+    for (int row = 0; row < part.height; ++row) {
       const auto* carried = s->carried.ptr<float>(row);
-      const auto* sum = s->sum.ptr<std::uint16_t>(row);
-      auto* total = s->total.ptr<float>(region.y + row) + region.x;
-      for (int column = 0; column < region.width; ++column) {
-        const float says = scale * static_cast<float>(sum[column] - kPixels * kNoDifference);
+      const auto* sum = s->sum.ptr<std::uint16_t>(row * step);
+      auto* total = s->total.ptr<float>(part.y + row) + part.x;
+      for (int column = 0; column < part.width; ++column) {
+        const float says = scale * static_cast<float>(sum[column * step] - kPixels * kNoDifference);
         const float known = kMemory * limited(carried[column], 0.0F, EvidenceState::kMax);
         total[column] = limited(
             known + limited(says, -kSaysMost, kSaysMost), -EvidenceState::kMax, EvidenceState::kMax);
@@ -227,15 +237,26 @@ void carry_and_add(const PointsState& points,
 
 }  // namespace
 
+void size_evidence(const cv::Size& picture, int step, EvidenceState* s) {
+  const cv::Size size = coarser(cv::Rect(cv::Point(), picture), step).size();
+  if (s->total.size() == size && s->step == step) {
+    return;
+  }
+  const bool same_picture = !s->total.empty() && coarser({cv::Point(), picture}, s->step).size() == s->total.size();
+  cv::swap(s->total, s->before);
+  if (same_picture) {
+    cv::resize(s->before, s->total, size, 0.0, 0.0, step > s->step ? cv::INTER_AREA : cv::INTER_NEAREST);
+  } else {
+    s->total.create(size, CV_32FC1);
+    s->total.setTo(0.0);
+  }
+  s->step = step;
+}
+
 void weigh_motions(const PointsState& points,
                    const BackgroundState& background,
                    const cv::Rect& region,
                    EvidenceState* s) {
-  const cv::Size size = points.picture(0).size();
-  if (s->total.size() != size) {
-    s->total.create(size, CV_32FC1);
-    s->total.setTo(0.0);
-  }
   // Starts at a cell of the motion's grid.
   const cv::Point start(region.x / kCell_px * kCell_px, region.y / kCell_px * kCell_px);
   s->region = cv::Rect(start, region.br()) & points.whole();
@@ -262,11 +283,12 @@ void weigh_motions(const PointsState& points,
 void remember_outline(const cv::Mat& outline, EvidenceState* s) {
   // Halved with the next picture it is still the target's, with the one after it asks for more.
   constexpr float kRemembered = 0.7F;
+  cover_by_half(outline, s->total.size(), &s->covered);
   widely([&] {
-    for (int row = 0; row < outline.rows; ++row) {
-      const auto* target = outline.ptr<std::uint8_t>(row);
+    for (int row = 0; row < s->total.rows; ++row) {
+      const auto* target = s->covered.ptr<std::uint8_t>(row);
       auto* total = s->total.ptr<float>(row);
-      for (int column = 0; column < outline.cols; ++column) {
+      for (int column = 0; column < s->total.cols; ++column) {
         const float least = target[column] != 0 ? kRemembered : -EvidenceState::kMax;
         const float most = target[column] != 0 ? EvidenceState::kMax : 0.0F;
         total[column] = limited(total[column], least, most);

@@ -10,11 +10,16 @@
 #include "mask/edge_cut.hpp"
 #include "mask/grown.hpp"
 #include "mask/prior.hpp"
+#include "mask/shrink.hpp"
 
 namespace polhode {
 namespace {
 
 constexpr int kPatience = 5;
+
+/// With a map evidence, and all that is said of it, is by so many working pixels: the mask's cells are as large at 1080 rows, and
+/// keyframes' outlines are moved to edges. Done before one, a map's first outlines in a room overlap by 0.5 instead of 0.8.
+constexpr int kCoarseStep = 2;
 
 /// The spacing of a body's texture, halved.
 int closing_radius(const MaskState& s) { return std::max(2, s.points.whole().width / 160); }
@@ -27,85 +32,47 @@ cv::Mat closing(const MaskState& s, int radius) {
                     : cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(side, side));
 }
 
-/// A box and what is certain.
+/// A box in working pixels and what is certain.
 cv::Rect with_certain(const cv::Rect& box, const MaskState& s) {
-  return s.certain.empty() ? box : box | s.certain_box;
+  const int step = s.evidence.step;
+  const cv::Rect certain(s.certain_box.tl() * step, s.certain_box.size() * step);
+  return s.certain.empty() ? box : (box | certain) & s.points.whole();
 }
 
-/// Every second pixel of what is inside a box of the thinned picture.
-template <typename Pixel>
-void thin_out(const cv::Mat& pixels, const cv::Rect& box, int halvings, cv::Mat* thin) {
-  thin->create(pixels.rows >> halvings, pixels.cols >> halvings, pixels.type());
-  const int end = box.br().x;
-  for (int row = box.y; row < box.br().y; ++row) {
-    const auto* from = pixels.ptr<Pixel>(row << halvings);
-    auto* to = thin->ptr<Pixel>(row);
-    for (int column = box.x; column < end; ++column) {
-      to[column] = from[column << halvings];
-    }
-  }
-}
-
-/// Outlines are found by every second pixel where there is a map: the mask's cells are as large, and keyframes' outlines are moved to
-/// edges. Done before one, a map's first outlines in a room overlap by 0.5 instead of 0.8.
-int outline_halvings(const MaskState& s) { return has_map(s) ? 1 : 0; }
-
-/// Fills `enclosed`, with a map by every second pixel, with what the evidence encloses when gaps are closed.
+/// Fills `enclosed` with what the evidence encloses when gaps are closed.
 /// @return the working pixels that it says anything of: none where nothing is enclosed.
 cv::Rect enclose(int gap_radius_px, MaskState* s) {
-  const int halvings = outline_halvings(*s);
-  const int step = 1 << halvings;
+  const int step = s->evidence.step;
   const cv::Rect region = with_certain(s->evidence.region, *s);
-  const cv::Rect part(region.tl() / step, region.size() / step);
-  const bool sure = !s->certain.empty() && !s->certain_box.empty();
-  cv::Mat evidence = s->evidence.total;
-  cv::Mat certain = sure ? s->certain : cv::Mat();
-  if (halvings > 0) {
-    thin_out<float>(evidence, part, halvings, &s->scratch.sparse);
-    evidence = s->scratch.sparse;
-    if (sure) {
-      thin_out<std::uint8_t>(certain, part, halvings, &s->cells);
-      certain = s->cells;
-    }
-  }
   const cv::Mat gap = closing(*s, gap_radius_px / step);
-  const bool found = find_outline(evidence, certain, part, gap, step, &s->scratch, &s->enclosed);
-  return found ? cv::Rect(part.tl() * step, part.size() * step) : cv::Rect();
+  const cv::Mat certain = s->certain_box.empty() ? cv::Mat() : s->certain;
+  const bool found =
+      find_outline(s->evidence.total, certain, coarser(region, step), gap, step, &s->scratch, &s->enclosed);
+  return found ? region : cv::Rect();
 }
 
 void find_piece(MaskState* s) {
-  s->outline.create(s->evidence.total.size(), CV_8UC1);
+  s->outline.create(s->points.whole().size(), CV_8UC1);
   s->outline.setTo(0);
-  const int halvings = outline_halvings(*s);
   const cv::Rect box = enclose(closing_radius(*s), s);
-  for (int row = box.y; row < box.br().y; ++row) {
-    const auto* inside = s->enclosed.ptr<std::uint8_t>(row >> halvings);
-    auto* outline = s->outline.ptr<std::uint8_t>(row);
-    for (int column = box.x; column < box.br().x; ++column) {
-      outline[column] = inside[column >> halvings];
-    }
-  }
   if (has_map(*s)) {
-    cv::bitwise_and(s->outline, s->reach, s->outline);
+    cv::bitwise_and(s->enclosed, s->reach, s->enclosed);
   }
-  s->found = cv::countNonZero(s->outline) > 0;
+  fill_from_cells(s->enclosed, s->evidence.step, box, &s->outline);
+  s->found = cv::countNonZero(s->enclosed) > 0;
 }
 
 /// Adds what the evidence encloses when gaps twice as wide are closed, save where the background is
 /// seen: a panel as gray as the ocean behind it shows in its grid alone. Where it comes into view
 /// there are no landmarks yet, so their reach does not bound it.
 void widen_outline(MaskState* s) {
-  const int halvings = outline_halvings(*s);
   const cv::Rect box = enclose(2 * closing_radius(*s), s);
-  for (int row = box.y; row < box.br().y; ++row) {
-    const auto* inside = s->enclosed.ptr<std::uint8_t>(row >> halvings);
-    const auto* says = s->evidence.total.ptr<float>(row);
-    auto* outline = s->outline.ptr<std::uint8_t>(row);
-    for (int column = box.x; column < box.br().x; ++column) {
-      const auto added = static_cast<std::uint8_t>(says[column] < kAgreement ? 0 : 255);
-      outline[column] |= inside[column >> halvings] & added;
-    }
-  }
+  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->open, cv::CMP_GE);
+  cv::bitwise_and(s->enclosed, s->open, s->enclosed);
+  s->added.create(s->outline.size(), CV_8UC1);
+  fill_from_cells(s->enclosed, s->evidence.step, box, &s->added);
+  cv::Mat outline = s->outline(box);
+  cv::bitwise_or(outline, s->added(box), outline);
 }
 
 /// How far the edges may move an outline, in working pixels: first by cells of two, then by pixels.
@@ -118,7 +85,17 @@ cv::Rect box_of_cuts(const MaskState& s) {
   return grown(box, far_reach_px(s) + kNearReach_px + 1) & s.points.whole();
 }
 
-/// What speaks for the target in each pixel of the box before the edges are asked: these pictures, and with a
+/// Where edges are measured, and with it how high one is among them. Before a map what is certain is unknown and outlines of large
+/// bodies are off by more: begun with the narrower box, one of ten maps before a limb begins a picture later.
+cv::Rect box_of_edges(const MaskState& s) {
+  if (has_map(s)) {
+    return box_of_cuts(s);
+  }
+  const cv::Rect box = cv::boundingRect(s.outline);
+  return grown(box, std::max(kOutlineOff_px, std::max(box.width, box.height) / 8)) & s.points.whole();
+}
+
+/// What speaks for the target in each of the evidence's pixels that the box holds, before the edges are asked: these pictures, and with a
 /// map the nearness to landmarks. All of it is weak against an even place's price of 6: what a
 /// moving target uncovers contradicts the background as much as the target does, so motion is off
 /// by what has been uncovered, and only the edges of the picture are where the target ends.
@@ -131,12 +108,14 @@ void form_opinion(const cv::Rect& box, MaskState* s) {
   const bool by_map = has_map(*s);
   const auto near = static_cast<float>(std::max(3.0, 0.1 * s->radius_px));
   s->opinion.create(s->evidence.total.size(), CV_32FC1);
+  cover_by_half(s->outline, s->opinion.size(), &s->cells);
+  const cv::Rect part = coarser(box, s->evidence.step);
   widely([&] {
-    for (int row = box.y; row < box.br().y; ++row) {
+    for (int row = part.y; row < part.br().y; ++row) {
       const auto* evidence = s->evidence.total.ptr<float>(row);
-      const auto* outline = s->outline.ptr<std::uint8_t>(row);
+      const auto* outline = s->cells.ptr<std::uint8_t>(row);
       auto* opinion = s->opinion.ptr<float>(row);
-      for (int column = box.x; column < box.br().x; ++column) {
+      for (int column = part.x; column < part.br().x; ++column) {
         opinion[column] =
             kEvidenceShare * limited(evidence[column], kEvidenceMin, kEvidenceMax) +
             (outline[column] != 0 ? kOutlineShare : -kOutlineShare);
@@ -145,7 +124,7 @@ void form_opinion(const cv::Rect& box, MaskState* s) {
         continue;
       }
       const auto* distance = s->distance.ptr<float>(row);
-      for (int column = box.x; column < box.br().x; ++column) {
+      for (int column = part.x; column < part.br().x; ++column) {
         opinion[column] += kMapShare * limited(1.0F - distance[column] / near, 0.0F, 1.0F);
       }
     }
@@ -181,8 +160,9 @@ bool compare_pictures(const cv::Mat& gray, const MaskPrior& prior, MaskState* s)
   // Before a map each point counts: followed so, maps before the Earth begin one to three pictures later.
   s->points.onwards = has_map(*s);
   follow_points(&s->points);
+  size_evidence(s->points.whole().size(), prior.points_px.empty() ? 1 : kCoarseStep, &s->evidence);
   place_landmarks(prior, true, s);
-  const bool explained = explain_background(s->certain, &s->points, &s->background);
+  const bool explained = explain_background(s->certain, s->evidence.step, &s->points, &s->background);
   const cv::Rect region = region_of_interest(*s);
   weigh_motions(s->points, s->background, region, &s->evidence);
   place_prior(prior, s);
@@ -214,10 +194,11 @@ void refill(MaskState* s) {
                 &s->points);
 }
 
-/// Cells that are open to features: those that are covered by half.
-void to_cells(const cv::Mat& open, const cv::Size& size, cv::Mat* cells) {
-  cv::resize(open, *cells, size, 0.0, 0.0, cv::INTER_AREA);
-  cv::threshold(*cells, *cells, 127.0, 255.0, cv::THRESH_BINARY);
+/// Fills `cells`: the mask's that are open by half.
+void to_mask_cells(const cv::Size& size, MaskState* s) {
+  s->added.create(s->points.whole().size(), CV_8UC1);
+  fill_from_cells(s->open, s->evidence.step, s->points.whole(), &s->added);
+  cover_by_half(s->added, size, &s->cells);
 }
 
 /// Lit cells that the outline covers by half and that do not agree with the background. The rim of
@@ -229,11 +210,11 @@ void open_lit_cells(MaskState* s, TargetMask* mask) {
     cv::compare(s->distance, near_px(*s), s->cells, cv::CMP_LE);
     cv::bitwise_or(s->open, s->cells, s->open);
   }
-  cv::bitwise_and(s->open, s->outline, s->open);
+  cv::bitwise_and(s->open, s->enclosed, s->open);
   if (!s->certain.empty()) {
     cv::bitwise_or(s->open, s->landmarks, s->open);
   }
-  to_cells(s->open, mask->cells.size(), &s->cells);
+  to_mask_cells(mask->cells.size(), s);
   cv::bitwise_and(s->cells, mask->cells, mask->cells);
   measure_cells(mask->region_px, mask);
 }
@@ -282,17 +263,20 @@ void sharpen_outline(MaskState* s) {
                    s->outline,
                    s->background_model.matches,
                    box,
+                   s->evidence.step,
                    &s->appearance_scratch,
                    &s->opinion);
   }
-  refine_opinion(picture, s->outline, s->network, &s->refine_scratch, &s->opinion);
+  refine_opinion(picture, s->outline, s->network, s->evidence.step, &s->refine_scratch, &s->opinion);
+  measure_edges(picture, box_of_edges(*s), &s->edges);
   const int far_px = far_reach_px(*s);
+  const CutOpinion opinion{.weight = s->opinion, .certain = s->certain, .cell_px = s->evidence.step};
   if (mapped) {
-    cut_at_edges(picture, s->opinion, s->certain, {.px = far_px, .cell_px = 2}, &s->outline);
-    cut_at_edges(picture, s->opinion, s->certain, {.px = kNearReach_px}, &s->outline);
+    cut_at_edges(s->edges, opinion, {.px = far_px, .cell_px = opinion.cell_px}, &s->outline);
+    cut_at_edges(s->edges, opinion, {.px = kNearReach_px}, &s->outline);
   } else {
     // Outlines lack a side or hold a shadow, and looks would make more of it. Cut by cells, maps before a limb begin later.
-    cut_at_edges(picture, s->opinion, s->certain, {.px = far_px}, &s->outline);
+    cut_at_edges(s->edges, opinion, {.px = far_px}, &s->outline);
   }
   if (mapped && cv::countNonZero(s->outline) > 0) {
     remember_outline(s->outline, &s->evidence);
@@ -305,9 +289,11 @@ void open_outline(const cv::Size& image_px, MaskState* s, TargetMask* mask) {
     return;
   }
   cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->open, cv::CMP_GE);
-  cv::bitwise_and(s->open, s->outline, s->open);
+  cover_by_half(s->outline, s->open.size(), &s->cells);
+  cv::bitwise_and(s->open, s->cells, s->open);
   cv::dilate(s->open, s->open, cv::Mat());
-  to_cells(s->open, mask->cells.size(), &mask->cells);
+  to_mask_cells(mask->cells.size(), s);
+  s->cells.copyTo(mask->cells);
   measure_cells(cv::Rect(cv::Point(), image_px), mask);
 }
 

@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kWindow_px = 9;
 constexpr int kLevels = 3;
-// A point whose motion is known is looked for from where that brings it: within 9 px of there, in half of the time.
-constexpr int kLevelsGuessed = 1;
+// A point whose motion is known is looked for from where that brings it: within half of the window, in a third of the time.
+constexpr int kLevelsGuessed = 0;
 constexpr int kNearest_px = 5;  // closer together, two points tell the same
 // Motions are told apart by 1 px and more.
 constexpr double kSettled_px = 0.05;
@@ -221,10 +221,15 @@ void refill_points(const cv::Rect& target, Refill where, PointsState* s) {
         return target.contains(cv::Point(track.now()));
       }));
   const bool by_turns = where == Refill::kByTurns;
-  const bool turn_of_target = !by_turns || s->turn % 2 == 0 || there < kOnTargetMost / 2;
-  if (turn_of_target && there < kOnTargetMost) {
-    const std::size_t most = s->tracks.size() + kOnTargetMost - there;
-    add_corners(target & whole, kOnTarget, kOnTarget, most, s);
+  const std::size_t most = s->tracks.size() + kOnTargetMost - std::min(there, kOnTargetMost);
+  const cv::Rect visible = target & whole;
+  if (!by_turns || there < kOnTargetMost / 2) {
+    add_corners(visible, kOnTarget, kOnTarget, most, s);
+  } else if (s->turn % 2 == 0) {
+    const int half = visible.height / 2;
+    const bool lower = s->turn % 4 != 0;
+    const cv::Rect part(visible.x, visible.y + (lower ? half : 0), visible.width, half);
+    add_corners(part, kOnTarget, kOnTarget / 2, most, s);
   }
   for (int band = 0; band < kBands; ++band) {
     const bool turn_of_band =

@@ -13,26 +13,22 @@ namespace {
 // rim.
 constexpr double kReach = 0.35;
 
-/// Distance to what is set, within a box, to a pixel; outside of it: far. Of every second pixel, which takes a third of the
-/// time.
-void distance_within(const cv::Mat& set, const cv::Rect& box, OutlineScratch* s, cv::Mat* distance) {
+/// Distance to what is set, within a box, in working pixels, of which each of its own has `step` along a side; outside of it: far.
+void distance_within(const cv::Mat& set, const cv::Rect& box, int step, OutlineScratch* s, cv::Mat* distance) {
   constexpr double kFar = 1E4;
   distance->create(set.size(), CV_32FC1);
   distance->setTo(kFar);
-  const cv::Size half((box.width + 1) / 2, (box.height + 1) / 2);
-  cv::resize(set(box), s->positive, half, 0.0, 0.0, cv::INTER_NEAREST);
-  cv::bitwise_not(s->positive, s->positive);
-  cv::distanceTransform(s->positive, s->sparse, cv::DIST_L2, 3, CV_32F);
-  s->sparse *= 2.0;
   cv::Mat part = (*distance)(box);
-  cv::resize(s->sparse, part, box.size(), 0.0, 0.0, cv::INTER_LINEAR);
+  cv::bitwise_not(set(box), s->positive);
+  cv::distanceTransform(s->positive, part, cv::DIST_L2, 3, CV_32F);
+  part *= static_cast<double>(step);
 }
 
 /// Between landmarks that are close together, there is the body.
 void close_gaps(const cv::Rect& box, MaskState* s) {
   cv::compare(s->distance, near_px(*s), s->cells, cv::CMP_LE);
   cv::bitwise_not(s->cells, s->cells);
-  distance_within(s->cells, box, &s->scratch, &s->opinion);
+  distance_within(s->cells, box, s->evidence.step, &s->scratch, &s->opinion);
   cv::compare(s->opinion(box), near_px(*s), s->cells(box), cv::CMP_GT);
   cv::bitwise_or(s->certain(box), s->cells(box), s->certain(box));
   cv::compare(s->evidence.total(box), static_cast<double>(kAgreement), s->cells(box), cv::CMP_GT);
@@ -73,12 +69,13 @@ void place_landmarks(const MaskPrior& prior, bool contradicted_too, MaskState* s
     return;
   }
   const double radius = prior.radius_px / s->points.decimation;
-  const int disc = std::max(1, static_cast<int>(std::lround(0.05 * radius)));
-  const cv::Rect whole = s->points.whole();
+  const int step = s->evidence.step;
+  const int disc = std::max(1, static_cast<int>(std::lround(0.05 * radius / step)));
+  const cv::Rect whole(cv::Point(), s->evidence.total.size());
   s->certain.create(whole.size(), CV_8UC1);
   s->certain.setTo(0);
   for (const cv::Point2f& p_px : prior.points_px) {
-    const cv::Point at = working_pixel(p_px, *s);
+    const cv::Point at = working_pixel(p_px, *s) / step;
     if (contradicted_too || (whole.contains(at) && s->evidence.total.at<float>(at) > kAgreement)) {
       cv::circle(s->certain, at, disc, cv::Scalar(255), cv::FILLED);
     }
@@ -97,9 +94,9 @@ void place_prior(const MaskPrior& prior, MaskState* s) {
   }
   s->radius_px = prior.radius_px / s->points.decimation;
   const double reach = std::max(6.0, kReach * s->radius_px);
-  const int margin = static_cast<int>(reach) + 2;
-  const cv::Rect box = grown(s->certain_box, margin) & s->points.whole();
-  distance_within(s->certain, box, &s->scratch, &s->distance);
+  const int margin = static_cast<int>(reach) / s->evidence.step + 2;
+  const cv::Rect box = grown(s->certain_box, margin) & cv::Rect(cv::Point(), s->certain.size());
+  distance_within(s->certain, box, s->evidence.step, &s->scratch, &s->distance);
   cv::compare(s->distance, reach, s->reach, cv::CMP_LE);
   // Motion draws the finer outline: 0.86 and 0.90 of overlap on `earth` and `paper_2d`, small, 0.81
   // and 0.87 with the landmarks counted too.

@@ -23,6 +23,7 @@ void as_input(const cv::Mat& levels, cv::Mat* part, cv::Mat* input) {
 void refine_opinion(const cv::Mat& picture,
                     const cv::Mat& outline,
                     const MaskNetwork& network,
+                    int step,
                     RefineScratch* s,
                     cv::Mat* opinion) {
   cv::Rect box = cv::boundingRect(outline);
@@ -41,8 +42,8 @@ void refine_opinion(const cv::Mat& picture,
       !cv::checkRange(s->target, true, nullptr, 0.0, 1.0 + 1e-6)) {
     return;
   }
-  cv::resize(s->target, s->full, box.size(), 0.0, 0.0, cv::INTER_LINEAR);
-  cv::Mat part = (*opinion)(box);
+  cv::Mat part = (*opinion)(coarser(box, step));
+  cv::resize(s->target, s->full, part.size(), 0.0, 0.0, cv::INTER_LINEAR);
   s->full.convertTo(s->full, CV_32FC1, 2.0 * kShare, -kShare);
   cv::add(part, s->full, part);
 }

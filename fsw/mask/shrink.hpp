@@ -1,4 +1,4 @@
-// A picture made smaller by a power of two.
+// A picture made smaller, and back.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -11,5 +11,16 @@ namespace polhode {
 /// @param by       a power of two
 /// @param out      CV_8UC1 [size]
 void shrink(const cv::Mat& picture, const cv::Size& size, int by, cv::Mat* out);
+
+/// Pixels of another size that are covered by half.
+/// @param set  CV_8UC1 of 0 and 255
+/// @param out  CV_8UC1 [size], the same; may be `set`
+void cover_by_half(const cv::Mat& set, const cv::Size& size, cv::Mat* out);
+
+/// Fills a box with what the cells that it lies in are.
+/// @param cells  CV_8UC1, of `step` pixels along a side
+/// @param step   1 or 2
+/// @param out    CV_8UC1; outside of the box nothing is written
+void fill_from_cells(const cv::Mat& cells, int step, const cv::Rect& box, cv::Mat* out);
 
 }  // namespace polhode

@@ -4,8 +4,6 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "mask/evidence.hpp"
-
 namespace polhode {
 namespace {
 
@@ -25,7 +23,7 @@ cv::Mat opinion_of(const cv::Mat& picture,
                    const cv::Mat& matches = cv::Mat::zeros(kSize, CV_8UC1)) {
   cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(0.0));
   AppearanceScratch scratch;
-  add_appearance(picture, outline, matches, cv::Rect(cv::Point(), picture.size()), &scratch, &opinion);
+  add_appearance(picture, outline, matches, cv::Rect(cv::Point(), picture.size()), 1, &scratch, &opinion);
   return opinion;
 }
 
@@ -81,7 +79,7 @@ TEST(AddAppearance, SaysTheSameWithinARegion_AndNothingOutsideOfIt) {
   cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(0.0));
   AppearanceScratch scratch;
   const cv::Mat nothing_known = cv::Mat::zeros(kSize, CV_8UC1);
-  add_appearance(picture, outline_without(kCell), nothing_known, region, &scratch, &opinion);
+  add_appearance(picture, outline_without(kCell), nothing_known, region, 1, &scratch, &opinion);
   EXPECT_EQ(cv::norm(opinion(region), everywhere(region), cv::NORM_INF), 0.0);
   EXPECT_GT(mean_in(opinion, kCell), 0.2);
   opinion(region).setTo(0.0);
@@ -93,18 +91,28 @@ TEST(AddAppearance, SaysNothing_WithoutAnOutline) {
   EXPECT_EQ(cv::norm(opinion_of(picture, cv::Mat::zeros(kSize, CV_8UC1)), cv::NORM_INF), 0.0);
 }
 
-TEST(RememberOutline, TakesWhatItHoldsAlong_AndForgetsWhatItLeavesOut) {
-  EvidenceState state;
-  state.total = cv::Mat(kSize, CV_32FC1, cv::Scalar(0.0));
-  state.total(cv::Rect(0, 0, 20, 20)).setTo(2.0);     // outside of the outline, for the target
-  state.total(cv::Rect(150, 0, 20, 20)).setTo(-2.0);  // outside, against it
-  state.total(cv::Rect(60, 50, 10, 10)).setTo(3.0);   // inside, sure
-  state.total(cv::Rect(80, 60, 10, 10)).setTo(-1.0);  // inside, contradicted by motion alone
-  remember_outline(outline_without({}), &state);
-  EXPECT_EQ(state.total.at<float>(10, 10), 0.0F);
-  EXPECT_EQ(state.total.at<float>(10, 160), -2.0F);
-  EXPECT_EQ(state.total.at<float>(55, 65), 3.0F);
-  EXPECT_FLOAT_EQ(state.total.at<float>(65, 85), 0.7F);
+TEST(AddAppearance, SaysByCells_WhatItSaysByTheirFirstPixels) {
+  cv::Mat picture(kSize, CV_8UC1, cv::Scalar(150));
+  picture(kBody).setTo(30);
+  const cv::Mat by_pixels = opinion_of(picture, outline_without(kCell));
+  cv::Mat by_cells(kSize / 2, CV_32FC1, cv::Scalar(0.0));
+  AppearanceScratch scratch;
+  const cv::Mat nothing_known = cv::Mat::zeros(kSize, CV_8UC1);
+  add_appearance(picture,
+                 outline_without(kCell),
+                 nothing_known,
+                 cv::Rect(cv::Point(), kSize),
+                 2,
+                 &scratch,
+                 &by_cells);
+  int told = 0;
+  for (int row = 0; row < by_cells.rows; ++row) {
+    for (int column = 0; column < by_cells.cols; ++column) {
+      EXPECT_EQ(by_cells.at<float>(row, column), by_pixels.at<float>(2 * row, 2 * column));
+      told += by_cells.at<float>(row, column) != 0.0F ? 1 : 0;
+    }
+  }
+  EXPECT_GT(told, kCell.area() / 4);
 }
 
 }  // namespace

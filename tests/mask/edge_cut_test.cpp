@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/rng.hpp"
+#include "mask/grown.hpp"
 #include "moving_scene.hpp"
 
 namespace polhode {
@@ -34,26 +35,45 @@ cv::Mat picture() {
   return gray;
 }
 
+/// Opinions by pixels, or by cells of two.
+void cut(const cv::Mat& gray,
+         const cv::Mat& weight,
+         const cv::Mat& certain,
+         int opinion_px,
+         const CutReach& reach,
+         cv::Mat* outline) {
+  PictureEdges edges;
+  measure_edges(gray, cv::Rect(cv::Point(), gray.size()), &edges);
+  cut_at_edges(edges, {.weight = weight, .certain = certain, .cell_px = opinion_px}, reach, outline);
+}
+
+/// As much for what the outline holds as against what is beside it, by cells of so many pixels.
+cv::Mat weight_of(const cv::Mat& outline, int cell_px) {
+  cv::Mat cells;
+  cv::resize(outline, cells, coarser({cv::Point(), outline.size()}, cell_px).size(), 0.0, 0.0, cv::INTER_AREA);
+  cv::Mat weight(cells.size(), CV_32FC1, cv::Scalar(-0.3F));
+  weight.setTo(0.3F, cells > 127);
+  return weight;
+}
+
 TEST(CutAtEdges, ComesBackToTheEdge_FromAnOutlineThatIsTooWideOnOneSide) {
   // As behind a moving target: 4 px that it has uncovered.
   cv::Mat outline = body();
   outline(cv::Rect(kBody.x - 4, kBody.y, 4, kBody.height)).setTo(255);
   ASSERT_LT(overlap(outline, body()), 0.95);
-  cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(-0.3F));
-  opinion.setTo(0.3F, outline);
-  cut_at_edges(picture(), opinion, {}, {.px = kReach_px}, &outline);
+  cut(picture(), weight_of(outline, 1), {}, 1, {.px = kReach_px}, &outline);
   EXPECT_GE(overlap(outline, body()), 0.97);
 }
 
 TEST(CutAtEdges, LeavesAnEmptyOutlineAlone) {
   cv::Mat outline(kSize, CV_8UC1, cv::Scalar(0));
-  cut_at_edges(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(0.3F)), {}, {.px = kReach_px}, &outline);
+  cut(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(0.3F)), {}, 1, {.px = kReach_px}, &outline);
   EXPECT_EQ(cv::countNonZero(outline), 0);
 }
 
 TEST(CutAtEdges, LeavesAnOutlineThatFillsThePictureAlone) {
   cv::Mat outline(kSize, CV_8UC1, cv::Scalar(255));
-  cut_at_edges(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)), {}, {.px = kReach_px}, &outline);
+  cut(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)), {}, 1, {.px = kReach_px}, &outline);
   EXPECT_EQ(cv::countNonZero(outline), kSize.area());
 }
 
@@ -61,16 +81,14 @@ TEST(CutAtEdges, KeepsWhatIsCertain_WhateverTheOpinion) {
   cv::Mat outline = body();
   cv::Mat certain(kSize, CV_8UC1, cv::Scalar(0));
   cv::circle(certain, {80, 60}, 4, cv::Scalar(255), cv::FILLED);
-  cut_at_edges(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)), certain, {.px = kReach_px}, &outline);
+  cut(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)), certain, 1, {.px = kReach_px}, &outline);
   EXPECT_EQ(cv::countNonZero(certain & ~outline), 0);
 }
 
 TEST(CutAtEdges, ByCells_EndsWithinACellOfTheEdge_FromFurtherAway) {
   cv::Mat outline = body();
   outline(cv::Rect(kBody.x - 9, kBody.y, 9, kBody.height)).setTo(255);
-  cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(-0.3F));
-  opinion.setTo(0.3F, outline);
-  cut_at_edges(picture(), opinion, {}, {.px = 10, .cell_px = 2}, &outline);
+  cut(picture(), weight_of(outline, 2), {}, 2, {.px = 10, .cell_px = 2}, &outline);
   cv::Mat widest;
   cv::Mat narrowest;
   cv::dilate(body(), widest, cv::Mat::ones(5, 5, CV_8UC1));
@@ -86,7 +104,7 @@ TEST(CutAtEdges, ByCells_LeavesTheRowAndColumnThatFillNoCell) {
   cv::Mat outline(odd, CV_8UC1, cv::Scalar(0));
   const cv::Rect corner(101, 81, odd.width - 101, odd.height - 81);  // with its margin, 65 by 45 px
   outline(corner).setTo(255);
-  cut_at_edges(gray, cv::Mat(odd, CV_32FC1, cv::Scalar(0.3F)), {}, {.px = 10, .cell_px = 2}, &outline);
+  cut(gray, weight_of(cv::Mat(odd, CV_8UC1, cv::Scalar(255)), 2), {}, 2, {.px = 10, .cell_px = 2}, &outline);
   EXPECT_EQ(outline.size(), odd);
   EXPECT_EQ(cv::countNonZero(outline.row(odd.height - 1)), corner.width);
   EXPECT_EQ(cv::countNonZero(outline.col(odd.width - 1)), corner.height);
@@ -94,12 +112,33 @@ TEST(CutAtEdges, ByCells_LeavesTheRowAndColumnThatFillNoCell) {
 
 TEST(CutAtEdges, ByCells_KeepsWhatIsCertain_WhateverTheOpinion) {
   cv::Mat outline = body();
-  cv::Mat certain(kSize, CV_8UC1, cv::Scalar(0));
-  cv::circle(certain, {51, 41}, 3, cv::Scalar(255), cv::FILLED);
-  const cv::Mat against(kSize, CV_32FC1, cv::Scalar(-3.0F));
-  cut_at_edges(picture(), against, certain, {.px = 10, .cell_px = 2}, &outline);
-  EXPECT_EQ(cv::countNonZero(certain & ~outline), 0);
+  cv::Mat certain(kSize / 2, CV_8UC1, cv::Scalar(0));
+  cv::circle(certain, {25, 20}, 2, cv::Scalar(255), cv::FILLED);
+  const cv::Mat against(kSize / 2, CV_32FC1, cv::Scalar(-3.0F));
+  cut(picture(), against, certain, 2, {.px = 10, .cell_px = 2}, &outline);
+  cv::Mat left_out;
+  cv::resize(~outline, left_out, certain.size(), 0.0, 0.0, cv::INTER_AREA);
+  EXPECT_EQ(cv::countNonZero(certain & left_out), 0);
   EXPECT_LT(cv::countNonZero(outline), kBody.area());
+}
+
+TEST(CutAtEdges, EndsAtTheEdge_ByPixels_WhereOpinionsAreByCells) {
+  cv::Mat outline = body();
+  outline(cv::Rect(kBody.x - 4, kBody.y, 4, kBody.height)).setTo(255);
+  cut(picture(), weight_of(outline, 2), {}, 2, {.px = kReach_px}, &outline);
+  EXPECT_GE(overlap(outline, body()), 0.97);
+}
+
+TEST(CutAtEdges, LeavesWhatIsOutsideOfTheEdgesAlone) {
+  cv::Mat outline = body();
+  const cv::Mat weight(kSize, CV_32FC1, cv::Scalar(-3.0F));
+  PictureEdges edges;
+  measure_edges(picture(), {20, 30, 60, 61}, &edges);
+  EXPECT_EQ(edges.box, cv::Rect(20, 30, 60, 62));  // cells are whole
+  cut_at_edges(edges, {.weight = weight, .certain = {}, .cell_px = 1}, {.px = kReach_px}, &outline);
+  EXPECT_LT(cv::countNonZero(outline), kBody.area());
+  const cv::Rect beyond(edges.box.br().x, 0, kSize.width - edges.box.br().x, kSize.height);
+  EXPECT_EQ(cv::norm(outline(beyond), body()(beyond), cv::NORM_INF), 0.0);
 }
 
 }  // namespace

@@ -146,6 +146,24 @@ TEST(FollowTarget, KeepsTheTarget_WhereTheMapSaysThatItIs_ThoughNothingMoves) {
   EXPECT_GE(overlap(follower.state->outline, scene.truth(0)), 0.7);
 }
 
+TEST(FollowTarget, KeepsTheTarget_WhileAPoseIsLostAndFoundAgain) {
+  const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
+  const std::vector<cv::Point2f> points = landmarks_of_disc({160.0, 120.0}, 34.0);
+  const MaskPrior map{.points_px = points, .radius_px = 40.0};
+  Follower follower;
+  follower.show(scene, 0, kFrames);
+  int frame = kFrames;
+  for (const MaskPrior& prior : {map, MaskPrior{}, map}) {
+    for (int i = 0; i < 3; ++i, ++frame) {
+      follower.show(scene, frame, 1, prior);
+      ASSERT_TRUE(follower.state->found) << frame;
+      EXPECT_EQ(follower.state->evidence.step, prior.points_px.empty() ? 1 : 2) << frame;
+      sharpen_outline(follower.state.get());
+      EXPECT_GE(overlap(follower.state->outline, scene.truth(frame)), 0.8) << frame;
+    }
+  }
+}
+
 TEST(FollowTarget, FindsTheTargetAgain_AfterTheBackgroundWasAwayForAWhile) {
   Follower follower;
   const Scene with{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};

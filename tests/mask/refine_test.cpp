@@ -40,7 +40,7 @@ cv::Mat refined(Constant* network, const cv::Mat& outline) {
   cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(0.25));
   RefineScratch scratch;
   refine_opinion(
-      picture, outline, {.ask = Constant::ask, .context = network}, &scratch, &opinion);
+      picture, outline, {.ask = Constant::ask, .context = network}, 1, &scratch, &opinion);
   return opinion;
 }
 
@@ -73,6 +73,16 @@ TEST(RefineOpinion, MovesTheOpinionAboutTheOutline_AndNothingFarFromIt) {
   }
 }
 
+TEST(RefineOpinion, MovesAnOpinionByCells) {
+  Constant network{.answer = 1.0F};
+  const cv::Mat picture(kSize, CV_8UC1, cv::Scalar(51));
+  cv::Mat opinion(kSize / 2, CV_32FC1, cv::Scalar(0.25));
+  RefineScratch scratch;
+  refine_opinion(picture, body(), {.ask = Constant::ask, .context = &network}, 2, &scratch, &opinion);
+  EXPECT_NEAR(opinion.at<float>(27, 35), 0.25F + 0.9F, 1e-5F);
+  EXPECT_EQ(opinion.at<float>(59, 79), 0.25F);
+}
+
 TEST(RefineOpinion, LeavesTheOpinion_WhereTheNetworkHasNoneOrSaysNonsense) {
   Constant silent{.answer = 1.0F, .answers = false};
   EXPECT_TRUE(untouched(refined(&silent, body())));
@@ -91,7 +101,7 @@ TEST(RefineOpinion, AsksNothing_WithoutAnOutlineOrANetwork) {
   EXPECT_EQ(network.asked, 0);
   cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(0.25));
   RefineScratch scratch;
-  refine_opinion(cv::Mat(kSize, CV_8UC1, cv::Scalar(9)), body(), {}, &scratch, &opinion);
+  refine_opinion(cv::Mat(kSize, CV_8UC1, cv::Scalar(9)), body(), {}, 1, &scratch, &opinion);
   EXPECT_TRUE(untouched(opinion));
 }
 
