@@ -2,7 +2,7 @@
 """The bus stream of the sample as this version is known to give it, for each architecture.
 
     tools/golden.py check     replays the sample; says in which packet and field it differs from what is recorded
-    tools/golden.py record    replays it and records the stream
+    tools/golden.py record    replays it and records the stream; where it is as recorded, that these vector units give it, too
 
 A recorded stream may change with a change of the estimator, of its defaults or of the bus layout: record anew, and say in the
 commit what moved and why the new stream is as good. It must not change with the compiler's version, the machine's load, the
@@ -52,9 +52,14 @@ def vector_units() -> str:
     return " ".join(sorted(words & CHOSEN_BY))
 
 
-def comparable() -> bool:
+def known_units() -> list[str]:
+    """The sets of vector units that are known to give what is recorded, one a line."""
     units = recorded() / "vector_units.txt"
-    return units.exists() and units.read_text().split() == vector_units().split()
+    return units.read_text().splitlines() if units.exists() else []
+
+
+def comparable() -> bool:
+    return vector_units() in known_units()
 
 
 def stream(arguments: list[str], folder: pathlib.Path) -> pathlib.Path:
@@ -80,6 +85,7 @@ def main() -> int:
     parser.add_argument("what", choices=("check", "record"))
     what = parser.parse_args().what
     good = True
+    same = True
     if what == "check" and not comparable():
         print(f"recorded with other vector units than {vector_units()}")
     with tempfile.TemporaryDirectory() as scratch:
@@ -87,11 +93,15 @@ def main() -> int:
             found = stream(arguments, pathlib.Path(scratch) / name)
             if what == "record":
                 recorded().mkdir(parents=True, exist_ok=True)
-                (recorded() / f"{name}.ccsds").write_bytes(found.read_bytes())
-                (recorded() / "vector_units.txt").write_text(vector_units() + "\n")
-                print(f"{name}: {hashlib.sha256(found.read_bytes()).hexdigest()}, recorded")
+                expected = recorded() / f"{name}.ccsds"
+                same = same and expected.exists() and expected.read_bytes() == found.read_bytes()
+                expected.write_bytes(found.read_bytes())
+                print(f"{name}: {hashlib.sha256(found.read_bytes()).hexdigest()}, {'as' if same else 'newly'} recorded")
             else:
                 good = compare(name, found) and good
+    if what == "record":
+        known = known_units() if same else []
+        (recorded() / "vector_units.txt").write_text("".join(f"{one}\n" for one in sorted({*known, vector_units()})))
     return 0 if good else 1
 
 
