@@ -75,29 +75,6 @@ void spread_motion(const PointsState& points, std::size_t age, EvidenceState* s)
   }
 }
 
-/// flow_full: CV_32FC2, for each pixel of the region, `step` working ones along a side, which it came from.
-void trace_back(const cv::Rect& region, int step, EvidenceState* s) {
-  const cv::Rect cells(region.x / kCell_px,
-                       region.y / kCell_px,
-                       (region.width + kCell_px - 1) / kCell_px,
-                       (region.height + kCell_px - 1) / kCell_px);
-  cv::resize(s->flow(cells),
-             s->flow_full,
-             cells.size() * (kCell_px / step),
-             0.0,
-             0.0,
-             cv::INTER_LINEAR);
-  const cv::Rect part = coarser(region, step);
-  const float scale = 1.0F / static_cast<float>(step);
-  for (int row = 0; row < part.height; ++row) {
-    auto* from = s->flow_full.ptr<cv::Point2f>(row);
-    for (int column = 0; column < part.width; ++column) {
-      from[column].x = static_cast<float>(part.x + column) - scale * from[column].x;
-      from[column].y = static_cast<float>(part.y + row) - scale * from[column].y;
-    }
-  }
-}
-
 /// How far each pixel of `now` lies outside of what `warped` has within a pixel of it, in levels.
 void measure_excess(const cv::Mat& now, double cap, EvidenceState* s) {
   cv::dilate(s->warped, s->high, cv::Mat());
@@ -142,13 +119,8 @@ void compare_with_background(const PointsState& points,
                              EvidenceState* s) {
   const cv::Mat now = points.picture(0)(region);
   for (std::size_t i = 0; i < motion.layers.size(); ++i) {
-    const cv::Matx33d shift(1, 0, -region.x, 0, 1, -region.y, 0, 0, 1);
-    cv::warpPerspective(points.picture(motion.age),
-                        s->warped,
-                        shift * motion.layers[i],
-                        region.size(),
-                        cv::INTER_LINEAR,
-                        cv::BORDER_REPLICATE);
+    trace_plane(motion.layers[i], region, points.whole().size(), &s->origins);
+    look_up(points.picture(motion.age), s->origins, &s->warped);
     if (i == 0) {
       s->noise = 0.5 * s->noise + 0.5 * measure_noise(now, s->warped);
     }
@@ -168,13 +140,8 @@ void compare_with_target(const PointsState& points,
                          const cv::Rect& region,
                          EvidenceState* s) {
   spread_motion(points, age, s);
-  trace_back(region, 1, s);
-  cv::remap(points.picture(age),
-            s->warped,
-            s->flow_full(cv::Rect(cv::Point(), region.size())),
-            cv::noArray(),
-            cv::INTER_LINEAR,
-            cv::BORDER_REPLICATE);
+  trace_flow(s->flow, kCell_px, region, 1, points.whole().size(), &s->origins);
+  look_up(points.picture(age), s->origins, &s->warped);
   measure_excess(points.picture(0)(region), std::round(kCapSigma * s->noise), s);
 }
 
@@ -196,7 +163,7 @@ void sum_over_window(EvidenceState* s) {
 
 /// Target evidence goes along with the target; half of it, or two and a half pictures' worth,
 /// stays. What this picture says is added, in sigmas a pixel.
-/// @param compared_age  the motion over it is on the grid, and for each working pixel in `flow_full`.
+/// @param compared_age  the motion over it is on the grid, and the origins are those of each working pixel.
 void carry_and_add(const PointsState& points,
                    std::size_t compared_age,
                    const cv::Rect& region,
@@ -209,15 +176,10 @@ void carry_and_add(const PointsState& points,
     spread_motion(points, 1, s);
   }
   if (compared_age != 1 || s->step != 1) {
-    trace_back(region, s->step, s);
+    trace_flow(s->flow, kCell_px, region, s->step, s->total.size(), &s->origins);
   }
   const cv::Rect part = coarser(region, s->step);
-  cv::remap(s->total,
-            s->carried,
-            s->flow_full(cv::Rect(cv::Point(), part.size())),
-            cv::noArray(),
-            cv::INTER_LINEAR,
-            cv::BORDER_REPLICATE);
+  look_up(s->total, s->origins, &s->carried);
   s->total.setTo(0.0);
   widely([&] {
     const int step = s->step;

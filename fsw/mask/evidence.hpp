@@ -7,6 +7,7 @@
 #pragma once
 
 #include "mask/background.hpp"
+#include "mask/origins.hpp"
 
 namespace polhode {
 
@@ -21,7 +22,8 @@ struct EvidenceState {
 
   // Scratch; contents mean nothing between calls.
   cv::Mat warped, seen, low, high, excess, least, difference, sum, carried, before, covered;
-  cv::Mat flow, flow_far, weight, weight_far, flow_full;
+  cv::Mat flow, flow_far, weight, weight_far;
+  Origins origins;
 };
 
 /// Evidence for a picture of this size, by so many of its pixels. What is known stays, coarser or finer.

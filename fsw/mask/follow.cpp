@@ -149,8 +149,8 @@ cv::Rect region_of_interest(const MaskState& s) {
 
 /// Takes a picture in and compares it with the ones before. @return whether a background's motion
 /// was found.
-bool compare_pictures(const cv::Mat& gray, const MaskPrior& prior, MaskState* s) {
-  const bool first = add_picture(gray, &s->points);
+bool compare_pictures(const cv::Mat& gray, const cv::Mat& reduced, const MaskPrior& prior, MaskState* s) {
+  const bool first = add_picture(gray, reduced, &s->points);
   if (first) {
     clear(&s->background);
     clear(&s->evidence);
@@ -237,7 +237,7 @@ void follow_target(const cv::Mat& gray,
     s->unexplained = kPatience;
     return;
   }
-  const bool explained = compare_pictures(gray, prior, s);
+  const bool explained = compare_pictures(gray, mask->levels, prior, s);
   s->unexplained = explained ? 0 : std::min(s->unexplained + 1, 2 * kPatience);
   find_piece(s);
   remember_background(explained, s);

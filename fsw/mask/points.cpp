@@ -142,7 +142,7 @@ cv::Point2f MaskTrack::motion(std::size_t age) const {
   return (places[0] - places[known]) * (static_cast<float>(age) / static_cast<float>(known));
 }
 
-bool add_picture(const cv::Mat& gray, PointsState* s) {
+bool add_picture(const cv::Mat& gray, const cv::Mat& reduced, PointsState* s) {
   const int decimation = decimation_of(gray.cols);
   const cv::Size size(gray.cols / decimation, gray.rows / decimation);
   if (s->stored > 0 && (decimation != s->decimation || s->picture(0).size() != size)) {
@@ -151,7 +151,12 @@ bool add_picture(const cv::Mat& gray, PointsState* s) {
   s->decimation = decimation;
   s->newest = (s->newest + 1) % PointsState::kPictures;
   s->stored = std::min(s->stored + 1, PointsState::kPictures);
-  shrink(gray(cv::Rect({}, size * decimation)), size, decimation, &s->pictures[s->newest]);
+  cv::Mat& newest = s->pictures[s->newest];
+  if (reduced.size() == size && size * decimation == gray.size()) {
+    reduced.copyTo(newest);
+  } else {
+    shrink(gray(cv::Rect({}, size * decimation)), size, decimation, &newest);
+  }
   std::swap(s->pyramid, s->pyramid_before);
   cv::buildOpticalFlowPyramid(
       s->picture(0), s->pyramid, cv::Size(kWindow_px, kWindow_px), kLevels, true);

@@ -69,7 +69,8 @@ struct PointsState {
 };
 
 /// Reduces a picture and stores it. @return whether it is the first, or the first of its size.
-bool add_picture(const cv::Mat& gray, PointsState* state);
+/// @param reduced  the same picture, reduced before by some power of two, or empty: taken where it is what would be stored
+bool add_picture(const cv::Mat& gray, const cv::Mat& reduced, PointsState* state);
 
 /// Follows all points from the picture before to the newest one; those that are lost go.
 void follow_points(PointsState* state);

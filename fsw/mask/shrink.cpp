@@ -1,8 +1,11 @@
 #include "mask/shrink.hpp"
 
+#include <algorithm>
+#include <cstdint>
 #include <opencv2/imgproc.hpp>
 
 #include "base/assert.hpp"
+#include "mask/grown.hpp"
 
 namespace polhode {
 
@@ -23,16 +26,25 @@ void cover_by_half(const cv::Mat& set, const cv::Size& size, cv::Mat* out) {
 
 void fill_from_cells(const cv::Mat& cells, int step, const cv::Rect& box, cv::Mat* out) {
   POLHODE_ASSERT(step == 1 || step == 2, step);
-  cv::Mat part = (*out)(box);
   if (step == 1) {
+    cv::Mat part = (*out)(box);  // may hold nothing
     cells(box).copyTo(part);
     return;
   }
-  for (int row = 0; row < part.rows; ++row) {
-    const auto* from = cells.ptr<std::uint8_t>((box.y + row) / 2);
-    auto* to = part.ptr<std::uint8_t>(row);
-    for (int column = 0; column < part.cols; ++column) {
-      to[column] = from[(box.x + column) >> 1];
+  const cv::Rect part = coarser(box, 2);
+  const int columns = std::min(2 * part.width, out->cols - 2 * part.x);
+  for (int row = part.y; row < part.br().y; ++row) {
+    const auto* from = cells.ptr<std::uint8_t>(row) + part.x;
+    auto* to = out->ptr<std::uint8_t>(2 * row) + 2 * part.x;
+    for (int pair = 0; pair < columns / 2; ++pair) {
+      to[2 * pair] = from[pair];
+      to[2 * pair + 1] = from[pair];
+    }
+    if (columns % 2 != 0) {
+      to[columns - 1] = from[columns / 2];
+    }
+    if (2 * row + 1 < out->rows) {
+      std::copy_n(to, columns, out->ptr<std::uint8_t>(2 * row + 1) + 2 * part.x);
     }
   }
 }

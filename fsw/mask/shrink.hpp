@@ -17,10 +17,10 @@ void shrink(const cv::Mat& picture, const cv::Size& size, int by, cv::Mat* out);
 /// @param out  CV_8UC1 [size], the same; may be `set`
 void cover_by_half(const cv::Mat& set, const cv::Size& size, cv::Mat* out);
 
-/// Fills a box with what the cells that it lies in are.
+/// Fills the cells that a box lies in with what they are.
 /// @param cells  CV_8UC1, of `step` pixels along a side
 /// @param step   1 or 2
-/// @param out    CV_8UC1; outside of the box nothing is written
+/// @param out    CV_8UC1; outside of these cells nothing is written
 void fill_from_cells(const cv::Mat& cells, int step, const cv::Rect& box, cv::Mat* out);
 
 }  // namespace polhode

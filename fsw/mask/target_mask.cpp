@@ -57,9 +57,8 @@ void find_target(const cv::Mat& gray, const MaskOptions& options, TargetMask* ma
     mask->coverage = 1.0;
     return;
   }
-  cv::Mat small;
-  shrink(gray, size, TargetMask::kCell_px, &small);
-  cv::threshold(small, mask->cells, options.dark_level * 255.0, 255.0, cv::THRESH_BINARY);
+  shrink(gray, size, TargetMask::kCell_px, &mask->levels);
+  cv::threshold(mask->levels, mask->cells, options.dark_level * 255.0, 255.0, cv::THRESH_BINARY);
   if (!rim_is_full(mask->cells)) {  // stars matter before black space alone
     drop_small_groups(&mask->cells);
   }

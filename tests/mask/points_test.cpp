@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/rng.hpp"
+#include "moving_scene.hpp"
 
 namespace polhode {
 namespace {
@@ -72,7 +73,7 @@ double part_moved(const PointsState& points, const cv::Point2f& motion_px) {
 class FollowPoints : public testing::TestWithParam<bool> {
  protected:
   void show(const cv::Point& place) {
-    add_picture(view_from(place), &points_);
+    add_picture(view_from(place), {}, &points_);
     follow_points(&points_);
   }
 
@@ -109,9 +110,23 @@ TEST_P(FollowPoints, DropsWhatDoesNotComeBackToWhereItWas) {
   EXPECT_GT(part_moved(points_, {-2.0F, -1.0F}), 0.98);
 }
 
+TEST(AddPicture, TakesWhatIsReducedAlready_WhereItIsTheSame) {
+  const cv::Mat gray = moving::texture(1280, 3)(cv::Rect(0, 0, 1280, 960));  // two pixels a working one
+  cv::Mat halved;
+  cv::resize(gray, halved, gray.size() / 2, 0.0, 0.0, cv::INTER_AREA);
+  cv::Mat quarter;
+  cv::resize(halved, quarter, gray.size() / 4, 0.0, 0.0, cv::INTER_AREA);
+  for (const cv::Mat& reduced : {cv::Mat(), halved, quarter}) {
+    PointsState points;
+    EXPECT_TRUE(add_picture(gray, reduced, &points));
+    EXPECT_EQ(cv::norm(points.picture(0), halved, cv::NORM_INF), 0.0);
+    EXPECT_NE(points.picture(0).data, reduced.data);
+  }
+}
+
 TEST(RefillPoints, CoversThePictureAtOnce_AndTheTargetCloser) {
   PointsState points;
-  add_picture(spots(), &points);
+  add_picture(spots(), {}, &points);
   refill_points(kTarget, Refill::kEverywhere, &points);
   EXPECT_GT(count_on_target(points), 100U);
   EXPECT_GT(points.tracks.size(), count_on_target(points) + 100U);
@@ -119,7 +134,7 @@ TEST(RefillPoints, CoversThePictureAtOnce_AndTheTargetCloser) {
 
 TEST(RefillPoints, FillsTheTargetInEachPicture_WhileItHasFewPoints) {
   PointsState points;
-  add_picture(spots(), &points);
+  add_picture(spots(), {}, &points);
   for (int picture = 0; picture < 4; ++picture) {
     points.tracks.clear();
     refill_points(kTarget, Refill::kByTurns, &points);
@@ -130,7 +145,7 @@ TEST(RefillPoints, FillsTheTargetInEachPicture_WhileItHasFewPoints) {
 TEST(RefillPoints, AnyPlaceHasBeenLookedAt_AfterFourPictures_OrEightByTurns) {
   for (const auto& [where, pictures] : {std::pair(Refill::kBandAndTarget, 4), std::pair(Refill::kByTurns, 8)}) {
     PointsState points;
-    add_picture(spots(), &points);
+    add_picture(spots(), {}, &points);
     refill_points(kTarget, Refill::kEverywhere, &points);
     const std::size_t full = points.tracks.size();
     const std::size_t full_on_target = count_on_target(points);
