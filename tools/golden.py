@@ -94,14 +94,15 @@ def main() -> int:
             if what == "record":
                 recorded().mkdir(parents=True, exist_ok=True)
                 expected = recorded() / f"{name}.ccsds"
-                same = same and expected.exists() and expected.read_bytes() == found.read_bytes()
+                known = expected.exists() and expected.read_bytes() == found.read_bytes()
+                same = same and known
                 expected.write_bytes(found.read_bytes())
-                print(f"{name}: {hashlib.sha256(found.read_bytes()).hexdigest()}, {'as' if same else 'newly'} recorded")
+                print(f"{name}: {hashlib.sha256(found.read_bytes()).hexdigest()}, {'as' if known else 'newly'} recorded")
             else:
                 good = compare(name, found) and good
     if what == "record":
-        known = known_units() if same else []
-        (recorded() / "vector_units.txt").write_text("".join(f"{one}\n" for one in sorted({*known, vector_units()})))
+        others = known_units() if same else []
+        (recorded() / "vector_units.txt").write_text("".join(f"{one}\n" for one in sorted({*others, vector_units()})))
     return 0 if good else 1
 
 

@@ -199,7 +199,11 @@ void cut_at_edges(const PictureEdges& edges,
                   const CutOpinion& opinion,
                   const CutReach& reach,
                   cv::Mat* outline) {
+  POLHODE_ASSERT(opinion.cell_px == 1 || opinion.cell_px == 2, opinion.cell_px);
   POLHODE_ASSERT(reach.cell_px == 1 || reach.cell_px == opinion.cell_px, reach.cell_px);
+  const cv::Size asked = coarser({cv::Point(), outline->size()}, opinion.cell_px).size();
+  POLHODE_ASSERT(opinion.weight.size() == asked, opinion.weight.total());
+  POLHODE_ASSERT(opinion.certain.empty() || opinion.certain.size() == asked, opinion.certain.total());
   const cv::Rect whole_cells(edges.box.tl(), edges.box.size() / reach.cell_px * reach.cell_px);
   if (whole_cells.empty()) {
     return;

@@ -1,4 +1,4 @@
-// Pixel by pixel: does the picture move like the background, or like the target's points?
+// Pixel by pixel, with a map by cells of some: does the picture move like the background, or like the target's points?
 //
 // Each place of the newest picture is compared with where the background's motion and where the
 // target's would have brought it from. What one of the two explains and the other does not is told

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kPatience = 5;
 
-/// With a map evidence, and all that is said of it, is by so many working pixels: the mask's cells are as large at 1080 rows, and
+/// With a map evidence, and all that is said of it, is by so many working pixels: it is summed over more, and
 /// keyframes' outlines are moved to edges. Done before one, a map's first outlines in a room overlap by 0.5 instead of 0.8.
 constexpr int kCoarseStep = 2;
 

@@ -83,7 +83,7 @@ void drop_stray_points(TrackClass kind, PointsState* state);
 enum class Refill : std::uint8_t {
   kEverywhere,     ///< in the whole picture and in the target
   kBandAndTarget,  ///< in the next quarter of the picture and in the target
-  kByTurns         ///< in one of these: half of the cost
+  kByTurns         ///< in one of these, and of the target in one half: less than half of the cost
 };
 
 /// New points where there are none, closer together in `target`, which may be empty.

@@ -102,7 +102,7 @@ TEST(CutAtEdges, ByCells_LeavesTheRowAndColumnThatFillNoCell) {
   const cv::Size odd(kSize.width - 1, kSize.height - 1);
   const cv::Mat gray = picture()(cv::Rect(cv::Point(), odd)).clone();
   cv::Mat outline(odd, CV_8UC1, cv::Scalar(0));
-  const cv::Rect corner(101, 81, odd.width - 101, odd.height - 81);  // with its margin, 65 by 45 px
+  const cv::Rect corner(101, 81, odd.width - 101, odd.height - 81);
   outline(corner).setTo(255);
   cut(gray, weight_of(cv::Mat(odd, CV_8UC1, cv::Scalar(255)), 2), {}, 2, {.px = 10, .cell_px = 2}, &outline);
   EXPECT_EQ(outline.size(), odd);

@@ -116,12 +116,16 @@ TEST(AddPicture, TakesWhatIsReducedAlready_WhereItIsTheSame) {
   cv::resize(gray, halved, gray.size() / 2, 0.0, 0.0, cv::INTER_AREA);
   cv::Mat quarter;
   cv::resize(halved, quarter, gray.size() / 4, 0.0, 0.0, cv::INTER_AREA);
-  for (const cv::Mat& reduced : {cv::Mat(), halved, quarter}) {
+  const cv::Mat marked = ~halved;  // to be told from what would be computed
+  const auto stored = [&](const cv::Mat& reduced) {
     PointsState points;
     EXPECT_TRUE(add_picture(gray, reduced, &points));
-    EXPECT_EQ(cv::norm(points.picture(0), halved, cv::NORM_INF), 0.0);
     EXPECT_NE(points.picture(0).data, reduced.data);
-  }
+    return points.picture(0).clone();
+  };
+  EXPECT_EQ(cv::norm(stored({}), halved, cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(stored(quarter), halved, cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(stored(marked), marked, cv::NORM_INF), 0.0);
 }
 
 TEST(RefillPoints, CoversThePictureAtOnce_AndTheTargetCloser) {
