@@ -58,9 +58,9 @@ Cells to_cells(const PictureEdges& edges, const CutOpinion& opinion, const cv::M
               .up = largest(edges.up(part), cell_px)};
   cover_by_half(outline, cells.left.size(), &cells.outline);
   if (!cells.certain.empty()) {
-    cv::Mat certain;
-    cv::resize(cells.certain, certain, cells.certain.size() * cells.per_opinion, 0.0, 0.0, cv::INTER_NEAREST);
-    cv::bitwise_or(cells.outline, certain(cv::Rect(cv::Point(), cells.outline.size())), cells.outline);
+    cv::Mat certain(cells.outline.size(), CV_8UC1);
+    fill_from_cells(cells.certain, cells.per_opinion, {cv::Point(), certain.size()}, &certain);
+    cv::bitwise_or(cells.outline, certain, cells.outline);
   }
   return cells;
 }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kWindow_px = 9;
 constexpr int kLevels = 3;
-// A point whose motion is known is looked for from where that brings it: within half of the window, in a third of the time.
+// A point whose motion is known is looked for from where that brings it: within half of the window.
 constexpr int kLevelsGuessed = 0;
 constexpr int kNearest_px = 5;  // closer together, two points tell the same
 // Motions are told apart by 1 px and more.
