@@ -142,20 +142,26 @@ void drop_lonely(PointsState* points) {
 
 }  // namespace
 
-bool explain_background(const cv::Mat& target, int step, PointsState* points, BackgroundState* s) {
+bool explain_background(
+    const cv::Mat& target, int step, FittedAges ages, PointsState* points, BackgroundState* s) {
   s->target_tracks = 0;
   const std::size_t longest = points->stored - 1;
   s->age = std::clamp(s->age, std::size_t{1}, std::max(longest, std::size_t{1}));
-  bool explained = false;
   for (std::size_t i = 0; i < s->motions.size(); ++i) {
-    BackgroundMotion& motion = s->motions[i];
-    motion.age = (i + 1) * s->age;
-    motion.layers.clear();
-    if (motion.age <= longest) {
-      gather(target, step, motion.age, *points, s);
-      fit_layers(points->whole().size(), &motion, s);
-      explained = explained || !motion.layers.empty();
+    s->motions[i].age = (i + 1) * s->age;
+    s->motions[i].layers.clear();
+  }
+  const auto fitted = [&](BackgroundMotion* motion) {
+    if (motion->age <= longest) {
+      gather(target, step, motion->age, *points, s);
+      fit_layers(points->whole().size(), motion, s);
     }
+    return !motion->layers.empty();
+  };
+  auto& [shorter, longer] = s->motions;
+  bool explained = fitted(ages == FittedAges::kLonger ? &longer : &shorter);
+  if (!explained || ages == FittedAges::kBoth) {
+    explained = fitted(ages == FittedAges::kLonger ? &shorter : &longer) || explained;
   }
   classify(*s, points);
   drop_stray_points(TrackClass::kTarget, points);
@@ -171,23 +177,25 @@ void choose_age(const PointsState& points, BackgroundState* s) {
   constexpr float kLittle_px = 1.5F;
   constexpr float kMuch_px = 4.0F;
   constexpr std::size_t kTracksMin = 4;
-  const BackgroundMotion& motion = s->motions[0];
-  if (motion.layers.empty()) {
+  const auto* const motion = std::find_if(
+      s->motions.begin(), s->motions.end(), [](const BackgroundMotion& m) { return !m.layers.empty(); });
+  if (motion == s->motions.end()) {
     s->age = std::max(s->age - 1, std::size_t{1});
     return;
   }
   std::vector<float>& px = s->contradictions_px;
   px.clear();
   for (const MaskTrack& track : points.tracks) {
-    if (track.kind == TrackClass::kTarget && track.count > motion.age) {
-      px.push_back(contradiction_px(track, motion));
+    if (track.kind == TrackClass::kTarget && track.count > motion->age) {
+      px.push_back(contradiction_px(track, *motion));
     }
   }
   if (px.size() < kTracksMin) {
     s->age = std::min(s->age + 1, kAgeMax);
     return;
   }
-  const float typical_px = median(std::span(px));
+  const auto ages = static_cast<float>(motion->age / s->age);
+  const float typical_px = median(std::span(px)) / ages;
   if (typical_px < kLittle_px) {
     s->age = std::min(s->age + 1, kAgeMax);
   } else if (typical_px > kMuch_px && s->age > 1) {

@@ -21,7 +21,7 @@ struct EvidenceState {
   double noise = 2.0;  ///< one sigma of a working pixel, levels
 
   // Scratch; contents mean nothing between calls.
-  cv::Mat warped, seen, low, high, excess, least, difference, sum, carried, before, covered;
+  cv::Mat warped, seen, low, high, bounds, excess, least, difference, sum, from, carried, before, covered;
   cv::Mat flow, flow_far, weight, weight_far;
   Origins origins;
 };
@@ -31,7 +31,7 @@ void size_evidence(const cv::Size& picture, int step, EvidenceState* state);
 
 /// Compares the newest picture with earlier ones within a region and adds to the evidence. What was
 /// known outside of it is forgotten. Needs points of both kinds, and evidence of the picture's size.
-/// @cost in proportion to the region: a warp of it for each layer, and three more.
+/// @cost in proportion to the region: as many look-ups of its pixels as there are layers, and one more.
 void weigh_motions(const PointsState& points,
                    const BackgroundState& background,
                    const cv::Rect& region,

@@ -162,7 +162,9 @@ bool compare_pictures(const cv::Mat& gray, const cv::Mat& reduced, const MaskPri
   follow_points(&s->points);
   size_evidence(s->points.whole().size(), prior.points_px.empty() ? 1 : kCoarseStep, &s->evidence);
   place_landmarks(prior, true, s);
-  const bool explained = explain_background(s->certain, s->evidence.step, &s->points, &s->background);
+  const FittedAges compared = s->evidence.longer ? FittedAges::kLonger : FittedAges::kShorter;
+  const FittedAges ages = has_map(*s) ? compared : FittedAges::kBoth;
+  const bool explained = explain_background(s->certain, s->evidence.step, ages, &s->points, &s->background);
   const cv::Rect region = region_of_interest(*s);
   weigh_motions(s->points, s->background, region, &s->evidence);
   place_prior(prior, s);

@@ -3,102 +3,118 @@
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
 
+#include "base/assert.hpp"
 #include "base/wide.hpp"
 #include "mask/grown.hpp"
 
 namespace polhode {
 namespace {
 
-constexpr int kBits = cv::INTER_BITS;
-constexpr int kUnits = cv::INTER_TAB_SIZE;  // a pixel
-constexpr int kBeyond_px = 8;               // the picture goes on as its rim
-
-/// Whole units from the start of what is beyond the picture. No number counts as there.
-int units_of(float at_px, float most_px) {
-  const float raised = at_px > -kBeyond_px ? at_px : -kBeyond_px;
-  const float kept = raised < most_px ? raised : most_px;
-  return static_cast<int>((kept + kBeyond_px) * kUnits + 0.5F);
+/// The nearest pixel up to the last one. No number counts as the first.
+int nearest(float at_px, float last_px) {
+  const float raised = at_px > 0.0F ? at_px : 0.0F;
+  const float kept = raised < last_px ? raised : last_px;
+  return static_cast<int>(kept + 0.5F);
 }
 
-/// Writes origins in rows of a region.
-class Writer {
- public:
-  Writer(const cv::Size& size, const cv::Size& before, Origins* origins)
-      : most_u_px_(static_cast<float>(before.width + kBeyond_px)),
-        most_v_px_(static_cast<float>(before.height + kBeyond_px)),
-        origins_(origins) {
-    origins->pixel.create(size, CV_16SC2);
-    origins->fraction.create(size, CV_16UC1);
+/// Of a picture of earlier pixels.
+struct Before {
+  explicit Before(const cv::Size& size)
+      : last_u_px(static_cast<float>(size.width - 1)),
+        last_v_px(static_cast<float>(size.height - 1)),
+        width(size.width) {}
+
+  [[nodiscard]] std::int32_t index(float u_px, float v_px) const {
+    return nearest(v_px, last_v_px) * width + nearest(u_px, last_u_px);
   }
 
-  void start_row(int row) {
-    pixel_ = origins_->pixel.ptr<std::int16_t>(row);
-    fraction_ = origins_->fraction.ptr<std::uint16_t>(row);
-  }
-
-  void put(int column, float u_px, float v_px) const {
-    const int u = units_of(u_px, most_u_px_);
-    const int v = units_of(v_px, most_v_px_);
-    pixel_[2 * column] = static_cast<std::int16_t>((u >> kBits) - kBeyond_px);
-    pixel_[2 * column + 1] = static_cast<std::int16_t>((v >> kBits) - kBeyond_px);
-    fraction_[column] = static_cast<std::uint16_t>((v & (kUnits - 1)) << kBits | (u & (kUnits - 1)));
-  }
-
- private:
-  float most_u_px_, most_v_px_;
-  Origins* origins_;
-  std::int16_t* pixel_ = nullptr;
-  std::uint16_t* fraction_ = nullptr;
+  float last_u_px, last_v_px;
+  int width;
 };
+
+/// Between the middles of the grid's cells by interpolation.
+void spread_flow(const cv::Mat& flow, int cell_px, const cv::Rect& region, int step, cv::Mat* out) {
+  const cv::Rect cells = coarser(region, cell_px);
+  cv::resize(flow(cells), *out, cells.size() * (cell_px / step), 0.0, 0.0, cv::INTER_LINEAR);
+}
 
 }  // namespace
 
 void trace_plane(const cv::Matx33d& motion, const cv::Rect& region, const cv::Size& before_size, Origins* origins) {
   const cv::Matx33d back = motion.inv();
-  Writer writer(region.size(), before_size, origins);
+  origins->index.create(region.size(), CV_32SC1);
   const auto along_u = static_cast<float>(back(0, 0));
   const auto along_v = static_cast<float>(back(1, 0));
   const auto along_w = static_cast<float>(back(2, 0));
   widely([&] {
+    const Before before(before_size);
+    const int columns = region.width;  // what indices are written to could be this, too
     for (int row = 0; row < region.height; ++row) {
-      writer.start_row(row);
-      const cv::Vec3d start = back * cv::Vec3d(region.x, region.y + row, 1.0);
-      const cv::Vec3f first = start;
-      for (int column = 0; column < region.width; ++column) {
+      auto* index = origins->index.ptr<std::int32_t>(row);
+      const cv::Vec3f first = back * cv::Vec3d(region.x, region.y + row, 1.0);
+      const float first_u = first[0];
+      const float first_v = first[1];
+      const float first_w = first[2];
+      for (int column = 0; column < columns; ++column) {
         const auto x = static_cast<float>(column);
-        const float w = 1.0F / (first[2] + along_w * x);
-        writer.put(column, (first[0] + along_u * x) * w, (first[1] + along_v * x) * w);
+        const float w = 1.0F / (first_w + along_w * x);
+        index[column] = before.index((first_u + along_u * x) * w, (first_v + along_v * x) * w);
       }
     }
   });
 }
 
-void trace_flow(const cv::Mat& flow,
-                int cell_px,
-                const cv::Rect& region,
-                int step,
-                const cv::Size& before_size,
-                Origins* origins) {
-  const cv::Rect cells = coarser(region, cell_px);
-  cv::resize(flow(cells), origins->flow, cells.size() * (cell_px / step), 0.0, 0.0, cv::INTER_LINEAR);
-  const cv::Rect part = coarser(region, step);
-  Writer writer(part.size(), before_size, origins);
-  const float scale = 1.0F / static_cast<float>(step);
+void trace_flow(
+    const cv::Mat& flow, int cell_px, const cv::Rect& region, const cv::Size& before_size, Origins* origins) {
+  spread_flow(flow, cell_px, region, 1, &origins->flow);
+  origins->index.create(region.size(), CV_32SC1);
   widely([&] {
-    for (int row = 0; row < part.height; ++row) {
-      writer.start_row(row);
+    const Before before(before_size);
+    const int columns = region.width;  // as above
+    const int left = region.x;
+    for (int row = 0; row < region.height; ++row) {
+      auto* index = origins->index.ptr<std::int32_t>(row);
       const auto* come = origins->flow.ptr<float>(row);
-      const auto v = static_cast<float>(part.y + row);
-      for (int column = 0; column < part.width; ++column) {
-        const auto u = static_cast<float>(part.x + column);
-        writer.put(column, u - scale * come[2 * column], v - scale * come[2 * column + 1]);
+      const auto v = static_cast<float>(region.y + row);
+      for (int column = 0; column < columns; ++column) {
+        const auto u = static_cast<float>(left + column);
+        index[column] = before.index(u - come[2 * column], v - come[2 * column + 1]);
       }
     }
   });
 }
 
 void look_up(const cv::Mat& before, const Origins& origins, cv::Mat* out) {
-  cv::remap(before, *out, origins.pixel, origins.fraction, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  POLHODE_ASSERT(before.isContinuous(), before.total());
+  POLHODE_ASSERT(before.type() == CV_16UC1, before.type());
+  out->create(origins.index.size(), CV_16UC1);
+  const auto* from = before.ptr<std::uint16_t>();
+  for (int row = 0; row < out->rows; ++row) {
+    const auto* index = origins.index.ptr<std::int32_t>(row);
+    auto* to = out->ptr<std::uint16_t>(row);
+    for (int column = 0; column < out->cols; ++column) {
+      to[column] = from[index[column]];
+    }
+  }
+}
+
+void carry(const cv::Mat& flow,
+           int cell_px,
+           const cv::Rect& region,
+           int step,
+           const cv::Mat& before,
+           cv::Mat* from,
+           cv::Mat* out) {
+  spread_flow(flow, cell_px, region, step, from);
+  const cv::Rect part = coarser(region, step);
+  const float scale = 1.0F / static_cast<float>(step);
+  for (int row = 0; row < part.height; ++row) {
+    auto* at = from->ptr<cv::Point2f>(row);
+    for (int column = 0; column < part.width; ++column) {
+      at[column] = cv::Point2f(cv::Point(column, row) + part.tl()) - scale * at[column];
+    }
+  }
+  cv::remap(before, *out, (*from)(cv::Rect({}, part.size())), {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
 }
 
 }  // namespace polhode

@@ -10,7 +10,7 @@ inline constexpr int kOutlineOff_px = 4;
 
 /// Working memory; contents mean nothing between calls.
 struct OutlineScratch {
-  cv::Mat positive, labels, stats, centroids, flooded, sparse;
+  cv::Mat positive, labels, stats, centroids, flooded;
 };
 
 /// The piece with the most evidence, and what lies close to it: closed, its holes filled.
