@@ -109,19 +109,22 @@ Finding find_bit_errors(const BitErrorTraces& now, const History& frames) {
     return {};
   }
   constexpr double kSigmas = 6.0;
-  constexpr double kHarmless = 1e-3;
-  const auto traces = [&](double value, double Entry::*field, double floor, double harmless) {
+  constexpr double kHarmless = 3e-4;  // highest bits: with the others, of which most do not stand out, eight times as many
+  constexpr double kUnseen = 1e-5;
+  // `grain`: what is counted one by one scatters by the root of its number at least.
+  const auto traces = [&](double value, double Entry::*field, double grain, double floor, double harmless) {
     const Typical t = typical(frames, field);
-    const double limit = t.median + std::max(kSigmas * t.spread, 0.25 * t.median) + floor;
+    const double spread = std::max(t.spread, std::sqrt(grain * std::max(t.median, grain)));
+    const double limit = t.median + std::max(kSigmas * spread, 0.25 * t.median) + floor;
     return Finding{
         .found = value > limit, .grave = value > limit + harmless, .measure = value, .limit = limit};
   };
-  const Finding tiles = traces(now.rough_tiles, &Entry::rough_tiles, 2.0, 0.0);
-  const Finding lines = traces(now.lines, &Entry::lines, 0.5, 0.0);
+  const Finding tiles = traces(now.rough_tiles, &Entry::rough_tiles, 0.0, 2.0, 0.0);
+  const Finding lines = traces(now.lines, &Entry::lines, 0.0, 0.5, 0.0);
   if (tiles.found || lines.found) {
     return lines.found ? lines : tiles;
   }
-  return traces(now.impulse_fraction, &Entry::impulse_fraction, 2e-4, kHarmless);
+  return traces(now.impulse_fraction, &Entry::impulse_fraction, 1.0 / now.pixels, kUnseen, kHarmless);
 }
 
 /// Three fifths of the sharpness of the frames before: the finest blobs are gone, the others

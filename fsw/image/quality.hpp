@@ -22,9 +22,10 @@ struct ImageLevels {
   bool dark = false;       ///< nothing to see
 };
 
-/// Traces of bit errors, of one picture alone. Scenes have some of each of the first two.
+/// Traces of bit errors, of one picture alone. Scenes have some of the first two kinds.
 struct BitErrorTraces {
-  double impulse_fraction = 0.0;  ///< pixels that stand over eight neighbours that agree
+  double pixels = 0.0;            ///< of the picture
+  double impulse_fraction = 0.0;  ///< pixels that stand out from eight neighbours that agree, by more than any but the highest bit
   int rough_tiles = 0;  ///< tiles of 16 x 16 px that change from pixel to pixel like random octets,
                         ///< where the last good picture had nothing like it nearby
   int lines = 0;        ///< rows that differ from both neighbours, which agree

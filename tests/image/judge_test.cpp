@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <opencv2/imgproc.hpp>
@@ -195,6 +196,43 @@ TEST(Assess, FindsSaltedPixels_AndSkipsWhereTheyAreMany) {
     EXPECT_EQ(verdict.fault, FrameFault::kBitErrors) << share;
     EXPECT_EQ(verdict.decision, FrameDecision::kSkip);
     expect_good(watch.show(watch.good()));
+  }
+}
+
+/// A picture of clouds: single pixels that stand out, by ever more where they are fewer, others in each picture.
+cv::Mat speckled(std::uint64_t seed, int shift_px) {
+  constexpr double kShare = 3e-3;  // by 24 levels and more a third of it
+  constexpr double kTypical = 20.0;
+  cv::Mat gray(360, 640, CV_8UC1);
+  Rng rng(seed, 1);
+  for (int v = 0; v < gray.rows; ++v) {
+    for (int u = 0; u < gray.cols; ++u) {
+      const int cloud = 70 + 30 * (((u - shift_px) / 40 + v / 30) % 3) + static_cast<int>(rng.below(5));
+      const double speck = rng.uniform() < kShare ? -kTypical * std::log(1.0 - rng.uniform()) : 0.0;
+      gray.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(cloud + speck);
+    }
+  }
+  return gray;
+}
+
+TEST(Assess, FindsOneBitInFiveHundredPixels_AmongAsManyThatStandOutByThemselves) {
+  constexpr unsigned kBitErrors = 1U << static_cast<unsigned>(FrameFault::kBitErrors);
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    QualityHistory history;
+    const auto faults = [&](const cv::Mat& gray) { return assess(gray, {}, &history).faults & kBitErrors; };
+    const auto clouds = [&](int i) { return speckled(100 * seed + static_cast<std::uint64_t>(i), i); };
+    for (int i = 0; i < 10; ++i) {
+      EXPECT_EQ(faults(clouds(i)), 0U) << seed << " " << i;
+    }
+    cv::Mat salted = clouds(10);
+    Rng rng(seed, 2);
+    for (int i = 0; i < salted.rows * salted.cols; ++i) {
+      if (rng.uniform() < 0.002) {
+        salted.data[i] = static_cast<std::uint8_t>(salted.data[i] ^ (1U << rng.below(8)));
+      }
+    }
+    EXPECT_EQ(faults(salted), kBitErrors) << seed;
+    EXPECT_EQ(faults(clouds(11)), 0U) << seed;
   }
 }
 
