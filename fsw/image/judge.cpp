@@ -110,7 +110,7 @@ Finding find_bit_errors(const BitErrorTraces& now, const History& frames) {
   }
   constexpr double kSigmas = 6.0;
   constexpr double kHarmless = 3e-4;  // highest bits: with the others, of which most do not stand out, eight times as many
-  constexpr double kUnseen = 1e-5;
+  constexpr double kUnseen = 1e-5;    // of the pixels: a thirtieth of what is harmless; so few more are no fault
   // `grain`: what is counted one by one scatters by the root of its number at least.
   const auto traces = [&](double value, double Entry::*field, double grain, double floor, double harmless) {
     const Typical t = typical(frames, field);
