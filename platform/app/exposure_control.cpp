@@ -24,11 +24,23 @@ double image_motion_px_s(const MotionState& motion, const Component::State& s) {
          s.camera.focal_px() * across / depth;
 }
 
-/// One level all over: where it is more than a target should have it is too much light, else nothing is known.
-LevelCounts over_exposed(const cv::Mat& gray) {
+/// Before black space, where all that there is passes for empty space, it is too dark: a body that the component does not call
+/// dark may still be under the mask's level.
+LevelCounts used_levels(const Component::State& state) {
+  LevelCounts levels = target_levels(state.gray, state.parameters.mask, state.mask);
+  const bool none = std::all_of(levels.begin(), levels.end(), [](std::uint32_t n) { return n == 0; });
+  if (none && !state.mask_state.behind) {
+    levels.front() = 1;
+  }
+  return levels;
+}
+
+/// One level all over: where it is more than a target should have it is too much light, where a target would pass for empty space
+/// too little, else nothing is known.
+LevelCounts flat_levels(const cv::Mat& gray, const MaskOptions& mask) {
   LevelCounts levels{};
   const double mean = cv::mean(gray)[0];
-  if (mean > 255.0 * ExposureOptions{}.bright_level) {
+  if (mean > 255.0 * ExposureOptions{}.bright_level || mean <= 255.0 * mask.dark_level) {
     levels[static_cast<std::size_t>(mean)] = 1;
   }
   return levels;
@@ -46,11 +58,11 @@ SeenTarget seen_target(const StepOutput& out, const Component::State& state) {
       seen.levels.back() = 1;
       break;
     case FrameUse::kUsed:
-      seen.levels = target_levels(state.gray, state.parameters.mask, state.mask);
+      seen.levels = used_levels(state);
       seen.image_motion_px_s = image_motion_px_s(out.motion, state);
       break;
     case FrameUse::kFlat:
-      seen.levels = over_exposed(state.gray);
+      seen.levels = flat_levels(state.gray, state.parameters.mask);
       break;
     default:  // of a damaged picture nothing is to be learnt
       break;

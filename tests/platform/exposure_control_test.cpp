@@ -110,7 +110,7 @@ TEST(ExposureControl, GoesUpAfterDarkFrames_DownAfterSaturatedOnes_AndNowhereAft
 }
 
 TEST(ExposureControl, GoesDown_WhenThePictureIsBrightAllOver_AndLearnsNothingWhereItIsGrayAllOver) {
-  for (const auto& [level, changes] : {std::pair{253, 1U}, std::pair{235, 1U}, std::pair{90, 0U}}) {
+  for (const auto& [level, changes] : {std::pair{253, 1U}, std::pair{235, 1U}, std::pair{90, 0U}, std::pair{8, 0U}}) {
     const Stepped stepped(FrameUse::kFlat);
     stepped.state->gray = cv::Mat(48, 64, CV_8UC1, cv::Scalar(level));
     LinearCamera camera(1.0);
@@ -121,6 +121,33 @@ TEST(ExposureControl, GoesDown_WhenThePictureIsBrightAllOver_AndLearnsNothingWhe
     EXPECT_EQ(control.changes(), changes) << level;
     EXPECT_EQ(camera.setting.exposure_ns < 10'000'000, changes == 1U) << level;
   }
+}
+
+/// After four frames in which the component saw this picture.
+unsigned changes_after(FrameUse use, const cv::Mat& picture, bool behind, LinearCamera* camera) {
+  Stepped stepped(use);
+  Component::State& s = *stepped.state;
+  s.gray = picture;
+  find_target(s.gray, s.parameters.mask, &s.mask);
+  s.mask_state.behind = behind;
+  ExposureControl control({.enabled = true, .gain_factor_max = kGainFactor});
+  for (int frame = 0; frame < 4; ++frame) {
+    control.after(stepped.out, s, *camera);
+  }
+  return control.changes();
+}
+
+TEST(ExposureControl, GoesUp_WhenTheBodyPassesForEmptySpace) {
+  cv::Mat picture(48, 64, CV_8UC1, cv::Scalar(0));
+  picture(cv::Rect(16, 12, 32, 24)).setTo(6);  // not dark, and under the mask's level
+  LinearCamera camera(1.0);
+  EXPECT_EQ(changes_after(FrameUse::kUsed, picture, false, &camera), 1U);
+  EXPECT_NEAR(static_cast<double>(camera.setting.exposure_ns), 2e7, 1e5);
+  EXPECT_EQ(changes_after(FrameUse::kUsed, picture, true, &camera), 0U) << "not found before something bright";
+  const cv::Mat pedestal(48, 64, CV_8UC1, cv::Scalar(6));
+  LinearCamera other(1.0);
+  EXPECT_EQ(changes_after(FrameUse::kFlat, pedestal, false, &other), 1U);
+  EXPECT_GT(other.setting.exposure_ns, 10'000'000);
 }
 
 TEST(ExposureControl, LeavesAShortExposureWithGainAlone_AfterADamagedFrame) {
