@@ -81,6 +81,7 @@ struct BusState {
   InactiveTable inactive;
   std::uint32_t table_crc = 0;  ///< of the active table
   bool held = false;
+  bool background_planned = false;  ///< the libraries' memory was planned for a mask that tells a background from the target
   CloudRequest cloud;
   ServicerAttitude servicer;
   ToldSoFar told;

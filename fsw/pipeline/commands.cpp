@@ -168,7 +168,9 @@ std::string_view objection(const bus::TableActivateCommand& told, const Componen
   if (check(table.parameters)) {
     return "values that do not go together";
   }
-  return memory_needed(table.parameters).total > s.bus.memory_octets ? "needs more memory" : "";
+  const bool tells_background = table.parameters.mask.tells_background();
+  const bool unplanned = tells_background && !s.bus.background_planned;
+  return unplanned || memory_needed(table.parameters).total > s.bus.memory_octets ? "needs more memory" : "";
 }
 
 Outcome table_activate(const Command& command, Component::State* s) {

@@ -35,6 +35,7 @@ Result<Component*> Component::create(std::span<std::byte> memory, const Paramete
   storage->state.parameters = parameters;
   storage->state.camera = to_model(parameters.camera);
   storage->state.bus.memory_octets = sizeof(Storage);
+  storage->state.bus.background_planned = parameters.mask.tells_background();
   storage->state.bus.table_crc = table_crc(parameters);
   return ::new (static_cast<void*>(storage->component)) Component(&storage->state);
 }

@@ -32,7 +32,7 @@ std::optional<bus::EventPacket> event(EventId id, const StepOutput& out) {
 }
 
 struct Commanded : Bench {
-  Commanded() : Bench(every_frame()) {}
+  explicit Commanded(const Parameters& p = every_frame()) : Bench(p) {}
   static Parameters every_frame() {
     Parameters p = parameters();
     p.bus.housekeeping_every_frames = 1;
@@ -320,6 +320,24 @@ TEST(ParameterTable, WhoseValuesContradictEachOtherIsNotActivated) {
   const auto told = event(EventId::kTableNotActivated, out);
   ASSERT_TRUE(told);
   EXPECT_NE(std::string(told->text.data()).find("chi2_gap"), std::string::npos);
+}
+
+TEST(ParameterTable, SwitchesAMaskAgainstABackgroundOn_OnlyWhereMemoryWasPlannedForOne) {
+  const std::vector off = {entry("mask.background", std::uint64_t{0})};
+  const std::vector on = {entry("mask.background", std::uint64_t{1})};
+  const auto activates = [](const auto& entries, Commanded* bench) {
+    (void)bench->step(bus::table_load(entries));
+    return event(EventId::kTableActivated, bench->step(activation(entries))).has_value();
+  };
+  Commanded planned;
+  EXPECT_TRUE(activates(off, &planned));
+  EXPECT_TRUE(activates(on, &planned));
+  Parameters without = Commanded::every_frame();
+  without.mask.background = false;
+  Commanded unplanned(without);
+  EXPECT_TRUE(activates(off, &unplanned));
+  EXPECT_FALSE(activates(on, &unplanned));
+  EXPECT_FALSE(unplanned.component->state().parameters.mask.background);
 }
 
 TEST(ParameterTable, IsForgottenOnDiscard) {
