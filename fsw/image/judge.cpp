@@ -47,9 +47,9 @@ struct Finding {
 /// A body that turns loses light over several frames (in the steepest of ten sequences a third from
 /// one to the next, 3 to 10 deg apart); a failed exposure loses it at once. The median level goes
 /// down by 4 and the bright one by 2.5.
-Finding find_dark(const ImageLevels& now, const History& frames) {
+Finding find_dark(const ImageLevels& now, const History& frames, const ImageOptions& options) {
   if (now.dark) {
-    return {.found = true, .grave = true, .measure = now.bright_level, .limit = 0.0};
+    return {.found = true, .grave = true, .measure = now.bright_level, .limit = options.dark_level};
   }
   if (frames.size() < kFramesMin) {
     return {};
@@ -101,9 +101,9 @@ Finding find_torn(const RepeatedRows& rows) {
           .limit = kRowsMin};
 }
 
-/// More traces than the scene has of its own, by 6 sigma of its last frames; one pixel in
-/// 5000, two tiles, half a line on top, as much as glints come and go by. Fewer single pixels do no
-/// harm: they fall on few landmarks and on no two frames alike.
+/// More traces than the scene has of its own, by 6 sigma of its last frames; one pixel in 100,000, two tiles, half a line on
+/// top, as much as glints come and go by. Single pixels fewer than one in 3000 do no harm: they fall on few landmarks and on no
+/// two frames alike.
 Finding find_bit_errors(const BitErrorTraces& now, const History& frames) {
   if (frames.size() < kFramesMin) {
     return {};
@@ -170,7 +170,7 @@ FrameVerdict judge_quality(const ImageQuality& quality,
   // at full scale all over is flat because it is saturated.
   const std::array<std::pair<FrameFault, Finding>, kFrameFaults - 1> findings{
       {{FrameFault::kFrozen, find_frozen(quality.rows)},
-       {FrameFault::kDark, find_dark(quality.levels, history->frames)},
+       {FrameFault::kDark, find_dark(quality.levels, history->frames, options)},
        {FrameFault::kTorn, find_torn(quality.rows)},
        {FrameFault::kSaturated, find_saturated(quality.levels, history->frames)},
        {FrameFault::kFlat, find_flat(quality.levels, options)},
@@ -201,6 +201,14 @@ FrameVerdict judge_quality(const ImageQuality& quality,
     remember(quality, &history->frames);
   }
   return verdict;
+}
+
+void clear(QualityHistory* history) {
+  history->previous.release();
+  history->roughness_good.release();
+  history->row_levels_good.release();
+  history->frames.clear();
+  history->insistence.fill(0);
 }
 
 FrameVerdict assess(const cv::Mat& gray, const ImageOptions& options, QualityHistory* history) {

@@ -13,12 +13,12 @@ namespace polhode {
 
 /// Of one picture alone.
 struct ImageLevels {
-  double bright_level = 0.0;  ///< level that 0.1 % of the pixels exceed, fraction of full scale
+  double bright_level = 0.0;  ///< level that 0.1 % of the pixels, or 400 of them, reach, fraction of full scale
   double dim_level = 0.0;     ///< level that 99.9 % of the pixels exceed, fraction of full scale
   double mean_level = 0.0;    ///< fraction of full scale
   double saturated_fraction = 0.0;  ///< pixels at or over the saturated level
   double lit_fraction = 0.0;        ///< pixels over the dark level
-  double sharpness = 0.0;  ///< mean change over 1 px by mean change over 4 px, lit pixels; 0 .. 1
+  double sharpness = 0.0;  ///< mean change over 1 px by mean change over 4 px, lit pixels; 0: none, 1: white noise
   bool dark = false;       ///< nothing to see
 };
 
@@ -82,6 +82,9 @@ RepeatedRows compare_rows(const cv::Mat& gray, const ImageOptions& options, cons
 
 /// Of a good picture: what compare_rows knows blank rows by.
 void remember_rows(const cv::Mat& gray, QualityHistory* history);
+
+/// As if no frame had been seen.
+void clear(QualityHistory* history);
 
 /// The verdict on a frame, by what it is and by what the last good frames were. What insists (a
 /// fault seen in most of the last frames) is the scene or the camera, not an accident: such a frame

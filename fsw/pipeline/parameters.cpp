@@ -29,7 +29,7 @@ constexpr ParameterRow kRows[] = {
   {"seed", POLHODE_FIELD(seed), 0, kInt64Max, "", "of every random draw"},
 
   {"image.dark_level", POLHODE_FIELD(image.dark_level), 0.0, 0.5, "full scale",
-   "a frame whose brightest 0.1 % lie under this is dark and not used"},
+   "a frame is dark and not used unless 0.1 % of its pixels, or 400 of them, lie over this"},
   {"image.saturated_level", POLHODE_FIELD(image.saturated_level), 0.5, 1.0, "full scale",
    "pixels at or over this are saturated"},
 

@@ -294,12 +294,29 @@ TEST(Assess, CallsAPictureWithoutContrastFlat) {
 TEST(Assess, SaysTheSame_WhenAskedTheSame) {
   Watch a;
   Watch b;
-  for (int i = 0; i < 5; ++i) {
-    const FrameVerdict va = a.show(a.good());
-    const FrameVerdict vb = b.show(b.good());
+  const cv::Mat dark = a.good() / 8;
+  cv::Mat torn = a.good();
+  dark.rowRange(60, kHeight).copyTo(torn.rowRange(60, kHeight));
+  int faults = 0;
+  for (const cv::Mat& picture : {a.good(), dark, dark, torn}) {
+    const FrameVerdict va = a.show(picture);
+    const FrameVerdict vb = b.show(picture);
     EXPECT_EQ(va.faults, vb.faults);
+    EXPECT_EQ(va.decision, vb.decision);
     EXPECT_EQ(va.measure, vb.measure);
+    EXPECT_EQ(va.limit, vb.limit);
+    faults += va.faults != 0 ? 1 : 0;
   }
+  EXPECT_EQ(faults, 3);
+}
+
+TEST(Assess, ComparesWithNothing_AfterItWasCleared) {
+  Watch watch;
+  const cv::Mat last = watch.history.previous.clone();
+  clear(&watch.history);
+  expect_good(watch.show(last));
+  expect_good(watch.show(last / 8 * 2));  // dark beside frames that are forgotten
+  expect_skipped(watch.show(last / 8 * 2), FrameFault::kFrozen);
 }
 
 }  // namespace
