@@ -28,6 +28,11 @@ double part_of_rim(const cv::Size& size, const Counts& counts) {
   return static_cast<double>(found) / (2.0 * (size.width + size.height) - 4.0);
 }
 
+double lit_part_of_rim(const cv::Mat& cells) {
+  return part_of_rim(cells.size(),
+                     [&](int column, int row) { return cells.at<std::uint8_t>(row, column) != 0; });
+}
+
 /// Is what is lit in a corner of the picture something else than the target? What the target stands on is one piece with
 /// it.
 bool is_apart(const cv::Mat& stats, int corner_label) {
@@ -44,18 +49,9 @@ bool is_apart(const cv::Mat& stats, int corner_label) {
 
 }  // namespace
 
-bool rim_is_lit(const cv::Mat& gray, const MaskOptions& options) {
-  const double level = options.dark_level * 255.0;
-  return part_of_rim(gray.size(), [&](int column, int row) {
-    return static_cast<double>(gray.at<std::uint8_t>(row, column)) > level;
-  }) > kRimLitLeft;
-}
+bool rim_is_lit(const cv::Mat& cells) { return lit_part_of_rim(cells) > kRimLitLeft; }
 
-bool rim_is_full(const cv::Mat& cells) {
-  return part_of_rim(cells.size(), [&](int column, int row) {
-    return cells.at<std::uint8_t>(row, column) != 0;
-  }) > kRimLitMin;
-}
+bool rim_is_full(const cv::Mat& cells) { return lit_part_of_rim(cells) > kRimLitMin; }
 
 bool is_behind(const cv::Mat& cells,
                const cv::Rect& body,

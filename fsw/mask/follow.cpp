@@ -228,15 +228,13 @@ void follow_target(const cv::Mat& gray,
                    const MaskOptions& options,
                    MaskState* s,
                    TargetMask* mask) {
-  find_target(gray, options, mask);
   s->was_found = s->found;
   s->found = false;
   s->sharp = false;
-  s->behind = options.enabled && options.background &&
+  s->behind = options.tells_background() &&
               is_behind(mask->cells, cells_of_body(prior), s->behind, &s->scratch);
   if (!s->behind) {
-    clear(&s->points);
-    s->unexplained = kPatience;
+    clear(s);
     return;
   }
   const bool explained = compare_pictures(gray, mask->levels, prior, s);
@@ -251,7 +249,7 @@ void follow_target(const cv::Mat& gray,
 }
 
 void sharpen_outline(MaskState* s) {
-  if (!s->behind || !s->found) {
+  if (!s->behind || !s->found || s->sharp) {
     return;
   }
   widen_outline(s);
@@ -271,6 +269,7 @@ void sharpen_outline(MaskState* s) {
   }
   refine_opinion(picture, s->outline, s->network, s->evidence.step, &s->refine_scratch, &s->opinion);
   measure_edges(picture, box_of_edges(*s), &s->edges);
+  s->outline.copyTo(s->added);
   const int far_px = far_reach_px(*s);
   const CutOpinion opinion{.weight = s->opinion, .certain = s->certain, .cell_px = s->evidence.step};
   if (mapped) {
@@ -280,7 +279,12 @@ void sharpen_outline(MaskState* s) {
     // Outlines lack a side or hold a shadow, and looks would make more of it. Cut by cells, maps before a limb begin later.
     cut_at_edges(s->edges, opinion, {.px = far_px}, &s->outline);
   }
-  if (mapped && cv::countNonZero(s->outline) > 0) {
+  if (cv::boundingRect(s->outline).area() < kTargetAreaMin) {
+    // Where all of a small body may be cut away and its edges are as steep as what is behind it, nothing is what costs least.
+    cv::swap(s->outline, s->added);
+    return;
+  }
+  if (mapped) {
     remember_outline(s->outline, &s->evidence);
   }
   s->sharp = true;
@@ -297,6 +301,14 @@ void open_outline(const cv::Size& image_px, MaskState* s, TargetMask* mask) {
   to_mask_cells(mask->cells.size(), s);
   s->cells.copyTo(mask->cells);
   measure_cells(cv::Rect(cv::Point(), image_px), mask);
+}
+
+void clear(MaskState* s) {
+  clear(&s->points);  // and all that is compared goes with the first of them
+  s->behind = false;
+  s->found = false;
+  s->sharp = false;
+  s->unexplained = kPatience;
 }
 
 bool rules_out(const MaskState& s, float u_px, float v_px) {

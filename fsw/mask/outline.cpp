@@ -11,7 +11,6 @@ namespace {
 
 constexpr float kTargetEvidence = 0.3F;  // of sigmas a pixel over a window of 25
 constexpr float kCertainEvidence = 6.0F;
-constexpr int kPieceAreaMin = 100;  // working pixels; a target that small carries no map
 constexpr double kPieceEvidenceMin = 250.0;
 
 struct Piece {
@@ -104,7 +103,7 @@ bool find_outline(const cv::Mat& all_evidence,
         return a.evidence < b.evidence;
       });
   const int pixels = step * step;
-  if (count < 2 || pixels * main->evidence < kPieceEvidenceMin || pixels * main->box().area() < kPieceAreaMin) {
+  if (count < 2 || pixels * main->evidence < kPieceEvidenceMin || pixels * main->box().area() < kTargetAreaMin) {
     return false;
   }
   std::vector<std::uint8_t> keep(pieces.size(), 0);

@@ -8,6 +8,9 @@ namespace polhode {
 /// Outlines are off by so much, in working pixels.
 inline constexpr int kOutlineOff_px = 4;
 
+/// The box of a target that carries a map holds as many working pixels.
+inline constexpr int kTargetAreaMin = 100;
+
 /// Working memory; contents mean nothing between calls.
 struct OutlineScratch {
   cv::Mat positive, labels, stats, centroids, flooded;

@@ -94,16 +94,16 @@ void pose_problem(Component::State* s) {
 }  // namespace
 
 void collect(Component::State* s) {
-  if (!job_slot_free(*s)) {
+  if (!job_slot_free(*s) || s->verdict.decision != FrameDecision::kUse) {
     return;
   }
+  // Where a known side has been looked for in vain features are there already, from a mask that was not cut; the outline goes along.
   sharpen_outline(&s->mask_state);
   open_outline(s->gray.size(), &s->mask_state, &s->mask);
   stage_done(Stage::kMask, *s);
   ensure_features(s);
   constexpr std::size_t kFeaturesMin = 12;  // fewer cannot carry a pose
-  if (s->verdict.decision != FrameDecision::kUse || s->features.size() < kFeaturesMin ||
-      !worth_collecting(s)) {
+  if (s->features.size() < kFeaturesMin || !worth_collecting(s)) {
     return;
   }
   add_frame(s->frame,

@@ -7,7 +7,7 @@
 namespace polhode {
 
 /// Adds the frame to the collection when the picture has changed by enough, and asks for a contest.
-/// While a job is out the collection stays as it is.
+/// While a job is out, and by a frame that is used with care, the collection stays as it is.
 void collect(Component::State* state);
 
 }  // namespace polhode

@@ -28,10 +28,8 @@ void forget_picture(Component::State* s) {
 }
 
 void forget_pictures(Component::State* s) {
-  clear(&s->mask_state.points);
-  s->mask_state.found = false;
-  s->quality.frames.clear();
-  s->quality.insistence.fill(0);
+  clear(&s->mask_state);
+  clear(&s->quality);
 }
 
 namespace {
@@ -110,13 +108,15 @@ MaskPrior mask_prior(const Pose& pose, Component::State* s) {
 }
 
 void look_for_target(Component::State* s) {
+  const MaskOptions& options = s->parameters.mask;
+  find_target(s->gray, options, &s->mask);
   PosePrediction predicted;
   MaskPrior prior;
-  if (s->mode == Mode::kTracking && rim_is_lit(s->gray, s->parameters.mask) &&
+  if (s->mode == Mode::kTracking && options.tells_background() && rim_is_lit(s->mask.cells) &&
       predict_pose(*s, s->timestamp_ns, s->motion.R_IC, &predicted)) {
     prior = mask_prior(predicted.pose, s);
   }
-  follow_target(s->gray, prior, s->parameters.mask, &s->mask_state, &s->mask);
+  follow_target(s->gray, prior, options, &s->mask_state, &s->mask);
   stage_done(Stage::kMask, *s);
 }
 

@@ -307,8 +307,10 @@ void track(Component::State* s) {
   }
   check_motion(s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
   fuse_with_motion(s);
-  count_sightings(s);
   const bool may_teach = s->verdict.decision == FrameDecision::kUse;
+  if (may_teach) {
+    count_sightings(s);
+  }
   if (may_teach && may_extend_map(*s) && bring_features(s)) {
     stage_done(Stage::kMap, *s);
     sharpen_outline(&s->mask_state);
