@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <utility>
 
 #include "bench.hpp"
 #include "geometry/so3.hpp"
@@ -189,6 +190,33 @@ TEST(TurningBody, IsNotLost_ByFramesThatAreSkipped) {
   EXPECT_TRUE(good.motion.pose_valid);
   EXPECT_EQ(b.component->counters().lost, 0U);
   EXPECT_EQ(b.component->counters().frames_bit_errors, 1U);
+}
+
+TEST(TurningBody, AFrameUsedWithCareTeachesTheMapNothing) {
+  Bench b;
+  for (int i = 0; i < 16; ++i) {
+    (void)b.show(pictures()[static_cast<std::size_t>(i)]);
+  }
+  const auto sightings = [&] {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> all;
+    for (const Landmark& landmark : b.component->state().map.landmarks) {
+      all.emplace_back(landmark.used ? landmark.predicted : 0, landmark.used ? landmark.found : 0);
+    }
+    return all;
+  };
+  const auto before = sightings();
+  const Counters counted = b.component->counters();
+  Picture salted = pictures()[16];
+  for (std::size_t i = 0; i < 16; ++i) {  // more than come by chance, fewer than do harm
+    salted[(7 + 14 * i) * kWidth + 11 + 19 * i] ^= 0x80;
+  }
+  const StepOutput& out = b.show(salted);
+  EXPECT_EQ(b.component->counters().frames_with_care, counted.frames_with_care + 1);
+  EXPECT_TRUE(out.motion.pose_valid);
+  EXPECT_EQ(b.component->counters().keyframes_inserted, counted.keyframes_inserted);
+  EXPECT_EQ(sightings(), before);
+  (void)b.show(pictures()[17]);
+  EXPECT_NE(sightings(), before);
 }
 
 TEST(TurningBody, ItsPictureIsStillThere_AfterEachStep) {
