@@ -192,6 +192,25 @@ TEST(TurningBody, IsNotLost_ByFramesThatAreSkipped) {
   EXPECT_EQ(b.component->counters().frames_bit_errors, 1U);
 }
 
+TEST(TurningBody, IsFollowedByFlow_OverADegreeAndNoFarther) {
+  Bench b;
+  for (int i = 0; i < 16; ++i) {
+    (void)b.show(pictures()[static_cast<std::size_t>(i)]);
+  }
+  const Component::State& s = b.component->state();
+  ASSERT_EQ(s.reference_frame, 15U) << "the last keyframe";
+  const Ball ball(3);
+  for (int tenth = 1; tenth <= 5; ++tenth) {
+    Pose pose = turning(15);
+    pose.R_CT = so3_exp(0.1 * tenth * kTurn_rad * Eigen::Vector3d(0.2, 1.0, 0.1).normalized()) * pose.R_CT;
+    const StepOutput& out = b.component->step(
+        {.frame = frame_of(b.time_s * Bench::kSecond_ns + tenth * Bench::kSecond_ns / 10, ball.seen_from(pose))});
+    EXPECT_TRUE(out.motion.pose_valid) << tenth;
+    EXPECT_EQ(s.features_ready, tenth > 2) << 0.4 * tenth << " deg";  // flow needs none
+    EXPECT_EQ(s.reference_frame, 15U) << tenth;
+  }
+}
+
 TEST(TurningBody, AFrameUsedWithCareTeachesTheMapNothing) {
   Bench b;
   for (int i = 0; i < 16; ++i) {
