@@ -1,14 +1,11 @@
 // Commands through a whole component, and what it tells of them.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstring>
-#include <optional>
+#include <array>
+#include <span>
+#include <vector>
 
-#include "../bus/command_packets.hpp"
-#include "base/crc.hpp"
-#include "bench.hpp"
-#include "packets_of.hpp"
+#include "commanded.hpp"
 #include "pipeline/commands.hpp"
 #include "pipeline/parameter_image.hpp"
 #include "pipeline/state.hpp"
@@ -21,36 +18,6 @@ using bus::command;
 using bus::CommandCode;
 using bus::CommandOctets;
 using bus::EventId;
-
-std::optional<bus::EventPacket> event(EventId id, const StepOutput& out) {
-  for (const bus::EventPacket& packet : packets_of<bus::EventPacket>(out)) {
-    if (packet.id == static_cast<std::uint16_t>(id)) {
-      return packet;
-    }
-  }
-  return std::nullopt;
-}
-
-struct Commanded : Bench {
-  explicit Commanded(const Parameters& p = every_frame()) : Bench(p) {}
-  static Parameters every_frame() {
-    Parameters p = parameters();
-    p.bus.housekeeping_every_frames = 1;
-    return p;
-  }
-  /// A dark frame (nothing to see, quick) with these commands.
-  const StepOutput& step(const std::vector<CommandOctets>& commands) {
-    const std::vector<std::span<const std::uint8_t>> spans(commands.begin(), commands.end());
-    return component->step({.frame = frame_of(++time_s * kSecond_ns, dark), .commands = spans});
-  }
-  const StepOutput& step(const CommandOctets& one) { return step(std::vector<CommandOctets>{one}); }
-  static bus::HousekeepingPacket housekeeping(const StepOutput& out) {
-    const auto packets = packets_of<bus::HousekeepingPacket>(out);
-    EXPECT_EQ(packets.size(), 1U);
-    return packets.at(0);
-  }
-  const Picture dark = uniform(0);
-};
 
 TEST(Commands, NoopAnswersWithTheVersion) {
   Commanded bench;
@@ -232,140 +199,6 @@ TEST(Commands, ServicerAttitudesOutvoteOneOfAWrongTime) {
   }
   EXPECT_FALSE(event(EventId::kCommandState, bench.step(attitude(10))));
   EXPECT_EQ(bench.component->state().bus.servicer.timestamp_ns, 10);
-}
-
-bus::TableLoadEntry entry(const char* key, std::uint64_t value) {
-  return {.key_crc = key_crc(key), .value = value};
-}
-bus::TableLoadEntry entry(const char* key, double value) {
-  std::uint64_t bits = 0;
-  std::memcpy(&bits, &value, sizeof bits);
-  return entry(key, bits);
-}
-
-CommandOctets activation(const std::vector<bus::TableLoadEntry>& entries) {
-  const CommandOctets load = bus::table_load(entries);
-  bus::Command read;
-  EXPECT_EQ(bus::read_command(load, BusOptions{}.apid_first, &read).reason, bus::Rejection::kNone);
-  return command(CommandCode::kTableActivate,
-                 bus::TableActivateCommand{.crc32 = crc32_iso_hdlc(read.entry_octets()),
-                                           .entries = static_cast<std::uint32_t>(entries.size())});
-}
-
-TEST(ParameterTable, IsLoadedApart_AndSwappedByActivationOnly) {
-  Commanded bench;
-  const Parameters& active = bench.component->state().parameters;
-  const std::uint32_t crc_before = table_crc(active);
-  const std::vector entries = {entry("features.count_max", std::uint64_t{321}),
-                               entry("features.sigma_px", 0.5)};
-  const auto loaded = Commanded::housekeeping(bench.step(bus::table_load(entries)));
-  EXPECT_EQ(loaded.table_entries, 2);
-  EXPECT_EQ(loaded.table_crc, crc_before);
-  EXPECT_NE(active.features.count_max, 321);
-  const StepOutput& out = bench.step(activation(entries));
-  EXPECT_TRUE(event(EventId::kTableActivated, out));
-  EXPECT_EQ(active.features.count_max, 321);
-  EXPECT_EQ(active.features.sigma_px, 0.5);
-  const auto told = Commanded::housekeeping(out);
-  EXPECT_NE(told.table_crc, crc_before);
-  EXPECT_EQ(told.table_crc, table_crc(active));
-  EXPECT_EQ(told.table_entries, 0);
-}
-
-TEST(ParameterTable, WithOneBadEntryTakesNoneOfThePacket) {
-  const std::vector<bus::TableLoadEntry> bad = {
-      entry("features.count_max", std::uint64_t{5000}),
-      entry("features.count_max", std::uint64_t{0xFFFFFFFF00000100}),
-      entry("features.sigma_px", std::nan("")),
-      entry("features.sigma_px", 1e9),
-      entry("features.no_such_key", std::uint64_t{1}),
-      entry("mask.enabled", std::uint64_t{2}),
-      entry("camera.width_px", std::uint64_t{640}),
-      entry("seed", std::uint64_t{7}),
-      entry("bus.apid_first", std::uint64_t{7}),
-      {.key_crc = key_crc("features.sigma_px"), .index = 1, .value = 0}};
-  for (std::size_t i = 0; i < bad.size(); ++i) {
-    Commanded bench;
-    const StepOutput& out =
-        bench.step(bus::table_load(std::vector{entry("features.count_max", std::uint64_t{300}), bad[i]}));
-    EXPECT_TRUE(event(EventId::kTableRefused, out)) << i;
-    const auto told = Commanded::housekeeping(out);
-    EXPECT_EQ(told.commands_rejected, 1U) << i;
-    EXPECT_EQ(told.table_entries, 0) << i;
-    EXPECT_EQ(told.flags & bus::housekeeping_layout::kFlagTableLoaded, 0) << i;
-  }
-}
-
-TEST(ParameterTable, IsNotActivatedWithAnotherChecksumOrCount_NorWithoutALoad) {
-  Commanded bench;
-  const std::vector entries = {entry("features.count_max", std::uint64_t{321})};
-  EXPECT_TRUE(event(EventId::kTableNotActivated, bench.step(activation(entries))));
-  (void)bench.step(bus::table_load(entries));
-  for (const bus::TableActivateCommand& wrong :
-       {bus::TableActivateCommand{.crc32 = 1, .entries = 1},
-        bus::TableActivateCommand{.crc32 = bench.component->state().bus.inactive.crc, .entries = 2}}) {
-    EXPECT_TRUE(event(EventId::kTableNotActivated,
-                      bench.step(command(CommandCode::kTableActivate, wrong))));
-  }
-  EXPECT_NE(bench.component->state().parameters.features.count_max, 321);
-  EXPECT_TRUE(event(EventId::kTableActivated, bench.step(activation(entries))));
-}
-
-TEST(ParameterTable, WhoseValuesContradictEachOtherIsNotActivated) {
-  Commanded bench;
-  const std::vector entries = {entry("start.chi2_gap_commit", 10.0),
-                               entry("start.chi2_gap_convexity", 20.0)};
-  (void)bench.step(bus::table_load(entries));
-  const StepOutput& out = bench.step(activation(entries));
-  const auto told = event(EventId::kTableNotActivated, out);
-  ASSERT_TRUE(told);
-  EXPECT_NE(std::string(told->text.data()).find("chi2_gap"), std::string::npos);
-}
-
-TEST(ParameterTable, SwitchesAMaskAgainstABackgroundOn_OnlyWhereMemoryWasPlannedForOne) {
-  const std::vector off = {entry("mask.background", std::uint64_t{0})};
-  const std::vector on = {entry("mask.background", std::uint64_t{1})};
-  const auto activates = [](const auto& entries, Commanded* bench) {
-    (void)bench->step(bus::table_load(entries));
-    return event(EventId::kTableActivated, bench->step(activation(entries))).has_value();
-  };
-  Commanded planned;
-  EXPECT_TRUE(activates(off, &planned));
-  EXPECT_TRUE(activates(on, &planned));
-  Parameters without = Commanded::every_frame();
-  without.mask.background = false;
-  Commanded unplanned(without);
-  EXPECT_TRUE(activates(off, &unplanned));
-  EXPECT_FALSE(activates(on, &unplanned));
-  EXPECT_FALSE(unplanned.component->state().parameters.mask.background);
-}
-
-TEST(ParameterTable, IsForgottenOnDiscard) {
-  Commanded bench;
-  (void)bench.step(bus::table_load(std::vector{entry("features.count_max", std::uint64_t{321})}));
-  EXPECT_EQ(Commanded::housekeeping(bench.step(command(CommandCode::kTableDiscard))).table_entries, 0);
-  EXPECT_TRUE(event(EventId::kCommandState, bench.step(command(CommandCode::kTableDiscard))));
-}
-
-TEST(ParameterTable, HasOneNameAKey) {
-  for (const ParameterRow& row : parameter_table()) {
-    EXPECT_EQ(find_parameter_by_crc(key_crc(row.key)), &row) << row.key;
-  }
-}
-
-TEST(ParameterTable, TakesBackTheBitsOfItsOwnDefaults) {
-  Parameters p = parameters();
-  for (const ParameterRow& row : parameter_table()) {
-    if (has_no_default(row.key)) {
-      continue;
-    }
-    const std::uint64_t bits = bits_of(row, 0, p);
-    EXPECT_TRUE(set_from_bits(row, 0, bits, &p)) << row.key;
-    EXPECT_EQ(bits_of(row, 0, p), bits) << row.key;
-  }
-  EXPECT_EQ(first_bad_key(p), "");
-  p.features.sigma_px = -1.0;
-  EXPECT_EQ(first_bad_key(p), "features.sigma_px");
 }
 
 /// A million random and mutated packets are the fuzz target's; these go through the whole component.
