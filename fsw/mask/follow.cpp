@@ -249,7 +249,7 @@ void follow_target(const cv::Mat& gray,
 }
 
 void sharpen_outline(MaskState* s) {
-  if (!s->behind || !s->found || s->sharp) {
+  if (!s->behind || !s->found) {
     return;
   }
   widen_outline(s);

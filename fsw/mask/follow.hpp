@@ -65,7 +65,7 @@ void follow_target(const cv::Mat& gray,
                    TargetMask* mask);
 
 /// For keyframes, after follow_target: moves the outline to the picture's edges. With a map it becomes the evidence that goes along.
-/// Nothing is done before black space, or a second time; where no outline is left, it stays as it was and is not sharp.
+/// Nothing is done before black space; where no outline is left, it stays as it was and is not sharp.
 /// @cost with a map about 1.4 ms for a target of a quarter of the picture, before one ten times as much.
 void sharpen_outline(MaskState* state);
 

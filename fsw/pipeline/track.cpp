@@ -51,10 +51,9 @@ void ensure_pyramids(Component::State* s) {
 /// and what is behind the rim stay where they are while the body turns: from a patch that was taken more than a degree ago flow
 /// finds poses that lag, by up to 3 deg, all of a narrow side's landmarks alike. What it finds must agree with the motion so far.
 bool try_flow(const PosePrediction& predicted, Component::State* s) {
-  constexpr double kTurnMost_rad = 0.0175;
+  constexpr double kTurnMost_rad = 0.0175;  // less than makes a keyframe, which needs features anyway
   if (!s->reference.valid ||
-      rotation_angle_rad(s->reference.pose.R_CT, predicted.pose.R_CT) >
-          std::min(kTurnMost_rad, s->parameters.map.keyframe_rotation_min_rad) ||
+      rotation_angle_rad(s->reference.pose.R_CT, predicted.pose.R_CT) > kTurnMost_rad ||
       predicted_motion_px(s->reference, predicted.pose, s->map, s->camera) >
           s->parameters.tracks.small_motion_max_px) {
     return false;

@@ -179,8 +179,8 @@ class Ball {
 
 inline constexpr double kTurn_rad = 0.07;  ///< of the turning ball from frame to frame, 4 deg
 
-/// Where the turning ball is at a frame.
-inline Pose turning(int frame) {
+/// Where the turning ball is at a frame, or between two.
+inline Pose turning(double frame) {
   const Eigen::Vector3d axis = Eigen::Vector3d(0.2, 1.0, 0.1).normalized();
   return {.R_CT = so3_exp(kTurn_rad * frame * axis), .p_CT = {0.05, -0.02, 8.0}};
 }

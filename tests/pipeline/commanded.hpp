@@ -11,7 +11,12 @@
 
 namespace polhode::bench {
 
-inline std::optional<bus::EventPacket> event(bus::EventId id, const StepOutput& out) {
+using bus::command;
+using bus::CommandCode;
+using bus::CommandOctets;
+using bus::EventId;
+
+inline std::optional<bus::EventPacket> event(EventId id, const StepOutput& out) {
   for (const bus::EventPacket& packet : packets_of<bus::EventPacket>(out)) {
     if (packet.id == static_cast<std::uint16_t>(id)) {
       return packet;
@@ -28,11 +33,11 @@ struct Commanded : Bench {
     return p;
   }
   /// A dark frame (nothing to see, quick) with these commands.
-  const StepOutput& step(const std::vector<bus::CommandOctets>& commands) {
+  const StepOutput& step(const std::vector<CommandOctets>& commands) {
     const std::vector<std::span<const std::uint8_t>> spans(commands.begin(), commands.end());
     return component->step({.frame = frame_of(++time_s * kSecond_ns, dark), .commands = spans});
   }
-  const StepOutput& step(const bus::CommandOctets& one) { return step(std::vector<bus::CommandOctets>{one}); }
+  const StepOutput& step(const CommandOctets& one) { return step(std::vector<CommandOctets>{one}); }
   static bus::HousekeepingPacket housekeeping(const StepOutput& out) {
     const auto packets = packets_of<bus::HousekeepingPacket>(out);
     EXPECT_EQ(packets.size(), 1U);

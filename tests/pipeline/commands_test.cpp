@@ -14,10 +14,6 @@ namespace polhode {
 namespace {
 
 using namespace bench;
-using bus::command;
-using bus::CommandCode;
-using bus::CommandOctets;
-using bus::EventId;
 
 TEST(Commands, NoopAnswersWithTheVersion) {
   Commanded bench;

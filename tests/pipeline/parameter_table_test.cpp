@@ -14,10 +14,6 @@ namespace polhode {
 namespace {
 
 using namespace bench;
-using bus::command;
-using bus::CommandCode;
-using bus::CommandOctets;
-using bus::EventId;
 
 bus::TableLoadEntry entry(const char* key, std::uint64_t value) {
   return {.key_crc = key_crc(key), .value = value};

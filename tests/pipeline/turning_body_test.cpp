@@ -21,6 +21,12 @@ const std::vector<Picture>& pictures() {
   return rendered;
 }
 
+void show_first(int frames, Bench* b) {
+  for (int i = 0; i < frames; ++i) {
+    (void)b->show(pictures()[static_cast<std::size_t>(i)]);
+  }
+}
+
 Eigen::Matrix3d rotation_of(const MotionState& m) {
   return Eigen::Quaterniond(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]).toRotationMatrix();
 }
@@ -160,9 +166,7 @@ TEST(TurningBody, IsFoundAgain_AfterFramesThatCouldNotBeRead) {
 
 TEST(TurningBody, IsLost_WhenItIsGone_AndFoundAgain_WhenItReturns) {
   Bench b;
-  for (int i = 0; i < 16; ++i) {
-    (void)b.show(pictures()[static_cast<std::size_t>(i)]);
-  }
+  show_first(16, &b);
   ASSERT_EQ(b.component->step({.frame = frame_of(++b.time_s * Bench::kSecond_ns, pictures()[16])})
                 .motion.mode,
             Mode::kTracking);
@@ -179,9 +183,7 @@ TEST(TurningBody, IsLost_WhenItIsGone_AndFoundAgain_WhenItReturns) {
 
 TEST(TurningBody, IsNotLost_ByFramesThatAreSkipped) {
   Bench b;
-  for (int i = 0; i < 16; ++i) {
-    (void)b.show(pictures()[static_cast<std::size_t>(i)]);
-  }
+  show_first(16, &b);
   const StepOutput& bad = b.show(noise(1));  // random octets are no picture of anything
   EXPECT_EQ(bad.use, FrameUse::kBitErrors);
   EXPECT_FALSE(bad.motion.pose_valid);
@@ -194,17 +196,13 @@ TEST(TurningBody, IsNotLost_ByFramesThatAreSkipped) {
 
 TEST(TurningBody, IsFollowedByFlow_OverADegreeAndNoFarther) {
   Bench b;
-  for (int i = 0; i < 16; ++i) {
-    (void)b.show(pictures()[static_cast<std::size_t>(i)]);
-  }
+  show_first(16, &b);
   const Component::State& s = b.component->state();
   ASSERT_EQ(s.reference_frame, 15U) << "the last keyframe";
   const Ball ball(3);
   for (int tenth = 1; tenth <= 5; ++tenth) {
-    Pose pose = turning(15);
-    pose.R_CT = so3_exp(0.1 * tenth * kTurn_rad * Eigen::Vector3d(0.2, 1.0, 0.1).normalized()) * pose.R_CT;
     const StepOutput& out = b.component->step(
-        {.frame = frame_of(b.time_s * Bench::kSecond_ns + tenth * Bench::kSecond_ns / 10, ball.seen_from(pose))});
+        {.frame = frame_of(b.time_s * Bench::kSecond_ns + tenth * Bench::kSecond_ns / 10, ball.seen_from(turning(15.0 + 0.1 * tenth)))});
     EXPECT_TRUE(out.motion.pose_valid) << tenth;
     EXPECT_EQ(s.features_ready, tenth > 2) << 0.4 * tenth << " deg";  // flow needs none
     EXPECT_EQ(s.reference_frame, 15U) << tenth;
@@ -213,11 +211,9 @@ TEST(TurningBody, IsFollowedByFlow_OverADegreeAndNoFarther) {
 
 TEST(TurningBody, AFrameUsedWithCareTeachesTheMapNothing) {
   Bench b;
-  for (int i = 0; i < 16; ++i) {
-    (void)b.show(pictures()[static_cast<std::size_t>(i)]);
-  }
+  show_first(16, &b);
   const auto sightings = [&] {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> all;
+    std::vector<std::pair<std::int32_t, std::int32_t>> all;
     for (const Landmark& landmark : b.component->state().map.landmarks) {
       all.emplace_back(landmark.used ? landmark.predicted : 0, landmark.used ? landmark.found : 0);
     }
