@@ -37,11 +37,11 @@ def print_shared_frames(run, peer, truth) -> None:
 
 def print_other_models(out: pathlib.Path, truth) -> None:
     """One line for each smaller model: how it lies to the truth and its twin."""
-    from judge.metrics import align_run
+    from judge.aligned import align_last
     from judge.run import read_run
     from judge.twin import judge_twin
     for folder in sorted(out.glob("model_*"), key=lambda path: int(path.name.removeprefix("model_"))):
-        aligned = align_run(read_run(folder).motions["smoothed"], truth)
+        aligned = align_last(read_run(folder).motions["smoothed"], truth)
         if aligned is None:
             continue
         found = judge_twin(aligned.R_CE, aligned.R_CT, truth.p_CT[aligned.rows_T])

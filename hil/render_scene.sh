@@ -1,5 +1,5 @@
 #!/bin/sh
-# Renders one scene: ./hil/render_scene.sh SCENE.toml OUT [--variant NAME] [--check]
+# Renders one scene: ./hil/render_scene.sh SCENE.toml OUT [--variant NAME] [--threads N] [--check]
 # Needs Debian's blender (3.4) and python3-numpy, and installs them where they are missing.
 # Exit status: 0 done, 1 failed, 2 refused before rendering.
 here=$(cd "$(dirname "$0")" && pwd)

@@ -126,6 +126,7 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   m.timestamp_ns = timestamp_ns;
   m.mode = s->mode;
   m.scale_known = s->scale.known;
+  m.target_frame = s->target_frame;
   m.features = bus::clipped(std::max(s->features.size(), s->localised.matches.size()));
   m.matches = bus::clipped(s->localised.matches.size());
   m.inliers = inliers(s->localised.matches);

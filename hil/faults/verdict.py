@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from judge.metrics import align_run
+from judge.aligned import align_each
 from judge.run import read_run, read_truth
 from faults.inject import KINDS, read_log
 
@@ -52,9 +52,8 @@ def judge_faulted(run_folder, sequence, after_first_pose=True) -> Verdict:
     good = np.array([int(stamp) not in kind_at for stamp in motion.timestamp_ns])
     good[:first] = False
     verdict.good_frames, verdict.good_with_pose = int(good.sum()), int((good & valid).sum())
-    aligned = align_run(motion, truth)
-    if aligned is not None:
-        verdict.wrong_poses = _wrong_poses(aligned, kind_at)
+    for part in align_each(motion, truth):
+        verdict.wrong_poses += _wrong_poses(part, kind_at)
     return verdict
 
 

@@ -13,7 +13,7 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from judge.align import axis_angle_deg
 from judge.errors import BadInput
-from judge.metrics import Aligned
+from judge.aligned import Aligned
 from judge.shape import SURFACE_SAMPLES, cloud_in_truth, read_cloud, sample_mesh
 
 # The mesh belongs to a found side where it runs this near, in parts of the body's size, and this parallel.

@@ -9,7 +9,8 @@ import subprocess
 import sys
 
 from judge.errors import BadInput
-from judge.metrics import align_run, attitude
+from judge.aligned import align_each
+from judge.metrics import attitude
 from judge.replay import APART
 from judge.run import Run
 from judge.sequence import Camera, Sequence, read_json
@@ -139,7 +140,7 @@ def attitude_on_shared_frames(run: Run, peer: Run, truth: Motion) -> dict[str, d
     """Attitude errors of each motion file of a run, over the frames that the peer has a pose of, aligned over these alone."""
     result = {}
     for kind, motion in run.motions.items():
-        aligned = align_run(where_also(motion, peer.motions["smoothed"]), truth)
-        if aligned is not None:
-            result[kind] = attitude(aligned) | {"frames": len(aligned.rows_E)}
+        parts = align_each(where_also(motion, peer.motions["smoothed"]), truth)
+        if parts:
+            result[kind] = attitude(parts) | {"frames": sum(len(part.rows_E) for part in parts)}
     return result

@@ -6,7 +6,7 @@ Only what the run calls observed or weak is judged; a quantity that it calls uno
 import numpy as np
 
 from judge.align import axis_angle_deg
-from judge.metrics import Aligned
+from judge.aligned import Aligned
 from judge.sequence import read_json
 
 RATIOS = ("middle_over_least", "largest_over_least")

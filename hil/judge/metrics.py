@@ -1,89 +1,19 @@
 """Errors of one motion file against the truth: the quantities of "How results are judged".
 
-Every function takes plain arrays and returns a plain dictionary; a value that can't be computed is None, never 0.
+Every function takes the alignments of a run's target frames T (one, unless its map was begun anew) and returns a plain
+dictionary over the frames of all of them; a value that can't be computed is None, never 0.
 """
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from judge import align, period, twin
-from judge.tables import COUNTS, Motion, join
+from judge.aligned import Aligned, align_each
+from judge.tables import COUNTS, Motion, join, target_frames
 
 # 95 % bound of the norm of three independent unit normal errors: sqrt(chi2.ppf(0.95, 3)).
 NORMALISED_BOUND = 2.7955
 # Counts are told over this many equal parts of a run.
 COUNT_PARTS = 10
-
-
-@dataclass
-class Aligned:
-    """The frames [N] that both files have with a valid pose, and the constant freedoms between them."""
-
-    estimate: Motion
-    truth: Motion
-    rows_E: np.ndarray
-    rows_T: np.ndarray
-    R_CE: Rotation
-    R_CT: Rotation
-    R_ET: Rotation
-    similarity: align.Similarity
-    one_unit: np.ndarray  # [N] the frames whose lengths share one unit; those of the others are not judged
-    metric: bool  # that unit is the metre
-
-    @property
-    def attitude_error_rad(self) -> np.ndarray:
-        return align.angles_rad(self.R_CE * self.R_ET, self.R_CT)
-
-    @property
-    def position_error_m(self) -> np.ndarray:
-        """[N] after the similarity; NaN in frames of another unit."""
-        return self._position_error_m(self.similarity)
-
-    @cached_property
-    def own_similarity(self) -> align.Similarity:
-        """What a run says in metres keeps its own, since its sigmas hold the error of its scale; one that claims no scale has it fitted."""
-        if not self.metric:
-            return self.similarity
-        return _align_lengths(self.estimate, self.truth, self.rows_E, self.rows_T, self.one_unit, False)
-
-    @property
-    def own_position_error_m(self) -> np.ndarray:
-        """[N] after own_similarity; NaN in frames of another unit."""
-        return self._position_error_m(self.own_similarity)
-
-    def _position_error_m(self, similarity: align.Similarity) -> np.ndarray:
-        moved = align.apply_similarity(similarity, self.R_CE, self.estimate.p_CT[self.rows_E])
-        return np.where(self.one_unit, np.linalg.norm(moved - self.truth.p_CT[self.rows_T], axis=1), np.nan)
-
-    @property
-    def range_m(self) -> np.ndarray:
-        return np.linalg.norm(self.truth.p_CT[self.rows_T], axis=1)
-
-
-def _align_lengths(estimate: Motion, truth: Motion, rows_E, rows_T, one_unit, fit_scale: bool = True) -> align.Similarity:
-    kept_E, kept_T = rows_E[one_unit], rows_T[one_unit]
-    return align.align_positions(align.rotations(estimate.q_CT[kept_E]), estimate.p_CT[kept_E], truth.p_CT[kept_T], fit_scale)
-
-
-def align_run(estimate: Motion, truth: Motion) -> Aligned | None:
-    """Aligns two files; None where fewer than two frames have a pose in both.
-
-    A run that learns its scale on the way has rows in map units before and in metres after: those in metres are judged.
-    """
-    rows_E, rows_T = join(estimate, truth)
-    both = estimate.pose_valid[rows_E] & truth.pose_valid[rows_T]
-    rows_E, rows_T = rows_E[both], rows_T[both]
-    if len(rows_E) < 2:
-        return None
-    R_CE, R_CT = align.rotations(estimate.q_CT[rows_E]), align.rotations(truth.q_CT[rows_T])
-    known = estimate.scale_known[rows_E]
-    metric = int(known.sum()) >= 2
-    one_unit = known if metric else ~known
-    return Aligned(estimate, truth, rows_E, rows_T, R_CE, R_CT, align.align_rotation(R_CE, R_CT),
-                   _align_lengths(estimate, truth, rows_E, rows_T, one_unit), one_unit, metric)
 
 
 def rms(values: np.ndarray) -> float:
@@ -113,49 +43,71 @@ def counts(estimate: Motion) -> list[dict]:
     return result
 
 
-def attitude(aligned: Aligned) -> dict:
-    error_deg = np.degrees(aligned.attitude_error_rad)
+def _joined(values: list) -> np.ndarray:
+    """Arrays of the parts as one, over their first axis."""
+    return np.concatenate([np.asarray(value) for value in values])
+
+
+def attitude_error_rad(parts: list[Aligned]) -> np.ndarray:
+    """[N] over the frames of all parts."""
+    return _joined([part.attitude_error_rad for part in parts])
+
+
+def attitude(parts: list[Aligned]) -> dict:
+    error_deg = np.degrees(attitude_error_rad(parts))
     return {"rmse_deg": rms(error_deg), "max_deg": float(error_deg.max()), "median_deg": float(np.median(error_deg))}
 
 
-def position(aligned: Aligned) -> dict:
+def _camera_path_error(part: Aligned) -> np.ndarray:
+    """[N] error of the camera's path in the body frame over range, in the frames of one unit."""
+    kept = part.one_unit
+    path_m = align.camera_path_errors(part.R_CE[kept], part.estimate.p_CT[part.rows_E][kept], part.R_CT[kept],
+                                      part.truth.p_CT[part.rows_T][kept], part.R_ET)
+    return path_m / part.range_m[kept]
+
+
+def position(parts: list[Aligned]) -> dict:
     """RMSE in % of range: of the camera's path in the body frame after a similarity, and of p_CT after scale and offset.
 
     The first has the attitude error with the range as its lever; the second is how well the target is placed as seen
-    from the camera. In metres, with the estimate's own scale, only where it claims one.
+    from the camera. In metres, with the estimate's own scale, only where it claims one; the scale error is the last T's.
     """
-    kept = aligned.one_unit
-    p_CE, p_CT = aligned.estimate.p_CT[aligned.rows_E][kept], aligned.truth.p_CT[aligned.rows_T][kept]
-    path_m = align.camera_path_errors(aligned.R_CE[kept], p_CE, aligned.R_CT[kept], p_CT, aligned.R_ET)
-    range_m = aligned.range_m[kept]
-    seen = aligned.position_error_m[kept] / range_m
-    result = {"rmse_percent_of_range": 100 * rms(path_m / range_m),
-              "max_percent_of_range": 100 * float(np.max(path_m / range_m)),
+    path = _joined([_camera_path_error(part) for part in parts])
+    seen = _joined([(part.position_error_m / part.range_m)[part.one_unit] for part in parts])
+    metric = [part for part in parts if part.metric]
+    result = {"rmse_percent_of_range": 100 * rms(path), "max_percent_of_range": 100 * float(np.max(path)),
               "rmse_from_camera_percent_of_range": 100 * rms(seen),
               "max_from_camera_percent_of_range": 100 * float(np.max(seen)),
-              "metric": aligned.metric, "rmse_m": None, "scale_error_percent": None}
-    if aligned.metric:
-        result["rmse_m"] = rms(aligned.own_position_error_m[kept])
-        result["scale_error_percent"] = 100 * (1 / float(aligned.similarity.scale) - 1)
+              "metric": bool(metric), "rmse_m": None, "scale_error_percent": None}
+    if metric:
+        result["rmse_m"] = rms(_joined([part.own_position_error_m[part.one_unit] for part in metric]))
+        result["scale_error_percent"] = 100 * (1 / float(metric[-1].similarity.scale) - 1)
     return result
 
 
-def rate_pairs(aligned: Aligned) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def rate_pairs(part: Aligned) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(rows into the estimate [M], w_T of the estimate in the truth's axes [M,3], of the truth [M,3]), rad/s."""
-    rows_E, rows_T = join(aligned.estimate, aligned.truth)
-    both = aligned.estimate.rate_valid[rows_E] & aligned.truth.rate_valid[rows_T]
+    rows_E, rows_T = join(part.estimate, part.truth)
+    both = part.estimate.rate_valid[rows_E] & part.truth.rate_valid[rows_T]
     rows_E, rows_T = rows_E[both], rows_T[both]
-    return rows_E, aligned.R_ET.inv().apply(aligned.estimate.w_T[rows_E]) if both.any() else np.empty((0, 3)), \
-        aligned.truth.w_T[rows_T]
+    return rows_E, part.R_ET.inv().apply(part.estimate.w_T[rows_E]) if both.any() else np.empty((0, 3)), \
+        part.truth.w_T[rows_T]
 
 
-def rates(aligned: Aligned) -> dict | None:
+def all_rate_pairs(parts: list[Aligned]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """rate_pairs of all parts, in order of the rows."""
+    rows, estimate, truth = (_joined(values) for values in zip(*(rate_pairs(part) for part in parts)))
+    order = np.argsort(rows, kind="stable")
+    return rows[order], estimate[order], truth[order]
+
+
+def rates(parts: list[Aligned]) -> dict | None:
     """Angular velocity errors in the truth's axes [deg/s] and period errors; None without rates in both files."""
-    rows_E, w_E, w_T = rate_pairs(aligned)
+    rows_E, w_E, w_T = all_rate_pairs(parts)
     if len(w_E) == 0:
         return None
     error_deg_s = np.degrees(w_E - w_T)
-    time_s = aligned.estimate.seconds[rows_E]
+    time_s = parts[0].estimate.seconds[rows_E]
     speed_true = np.linalg.norm(w_T, axis=1).mean()
     # Along the true axis: the norm of a noisy vector would be too long.
     axis_T = w_T / np.maximum(np.linalg.norm(w_T, axis=1, keepdims=True), 1e-12)
@@ -171,32 +123,37 @@ def rates(aligned: Aligned) -> dict | None:
         "period": {axis: period.period_error(time_s, w_E[:, i], w_T[:, i], speed_true) for i, axis in enumerate("xyz")}}
 
 
-def velocity_pairs(aligned: Aligned) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def velocity_pairs(part: Aligned) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(rows into the estimate [M], v_C as published [M,3], moved to the mass centre [M,3], truth [M,3]), m/s.
 
     An estimate without a scale takes it from the alignment. The published velocity is that of the estimate's origin;
     the truth's is that of the mass centre, at offset o_E: v_mass = v + R_CE * (w x o_E), with w and R of the truth.
     """
-    estimate, truth = aligned.estimate, aligned.truth
+    estimate, truth = part.estimate, part.truth
     rows_E, rows_T = join(estimate, truth)
-    both = estimate.velocity_valid[rows_E] & truth.velocity_valid[rows_T] & (estimate.scale_known[rows_E] == aligned.metric)
+    both = estimate.velocity_valid[rows_E] & truth.velocity_valid[rows_T] & (estimate.scale_known[rows_E] == part.metric)
     rows_E, rows_T = rows_E[both], rows_T[both]
     if not both.any():
         return rows_E, np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3))
-    scale = 1.0 if aligned.metric else aligned.similarity.scale
+    scale = 1.0 if part.metric else part.similarity.scale
     published = scale * estimate.v_C[rows_E]
-    R_CE = align.rotations(truth.q_CT[rows_T]) * aligned.R_ET.inv()
-    w_E = aligned.R_ET.apply(truth.w_T[rows_T])
-    moved = published + scale * R_CE.apply(np.cross(w_E, aligned.similarity.offset_E))
+    R_CE = align.rotations(truth.q_CT[rows_T]) * part.R_ET.inv()
+    w_E = part.R_ET.apply(truth.w_T[rows_T])
+    moved = published + scale * R_CE.apply(np.cross(w_E, part.similarity.offset_E))
     return rows_E, published, moved, truth.v_C[rows_T]
 
 
-def velocity(aligned: Aligned) -> dict | None:
+def all_velocity_pairs(parts: list[Aligned]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """velocity_pairs of all parts."""
+    return tuple(_joined(values) for values in zip(*(velocity_pairs(part) for part in parts)))
+
+
+def velocity(parts: list[Aligned]) -> dict | None:
     """Linear velocity errors [m/s] as published, and with the constant offset of the origin accounted for."""
-    _, published, moved, true = velocity_pairs(aligned)
+    _, published, moved, true = all_velocity_pairs(parts)
     if len(true) == 0:
         return None
-    result = {"frames": len(true), "scale_from_alignment": not aligned.metric}
+    result = {"frames": len(true), "scale_from_alignment": not all(part.metric for part in parts)}
     mean_true = true.mean(axis=0)
     for name, value in (("", published), ("_offset_corrected", moved)):
         if not np.isfinite(value).all():
@@ -227,35 +184,43 @@ def _normalised(error: np.ndarray, sigma: np.ndarray) -> dict | None:
             "median_normalised": float(np.median(ratio)) if len(ratio) else None}
 
 
-def consistency(aligned: Aligned) -> dict:
+def consistency(parts: list[Aligned]) -> dict:
     """Error norms over published sigmas. At least 95 % of the frames should be within the bound.
 
     A sigma is that of the worst axis, so rms_normalised of honest sigmas lies between 0.58 (one axis has all the error)
     and 1 (all axes alike); above, the sigmas promise too much, far below, too little.
     """
-    estimate = aligned.estimate
-    sigma = {name: estimate.columns[name] for name in estimate.columns if name.startswith("sigma")}
-    length_scale = aligned.own_similarity.scale
-    rows_w, w_E, w_T = rate_pairs(aligned)
-    rows_v, _, v_moved, v_true = velocity_pairs(aligned)
-    return {
-        "attitude": _normalised(aligned.attitude_error_rad, sigma["sigma_att_rad"][aligned.rows_E]),
-        "position": _normalised(aligned.own_position_error_m, length_scale * sigma["sigma_pos"][aligned.rows_E]),
-        "velocity": _normalised(np.linalg.norm(v_moved - v_true, axis=1),
-                                length_scale * sigma["sigma_vel"][rows_v]),
-        "rate": _normalised(np.linalg.norm(w_E - w_T, axis=1), sigma["sigma_rate_rad_s"][rows_w])}
+    found = {name: [] for name in ("attitude", "position", "velocity", "rate")}
+    for part in parts:
+        sigma = {name: values for name, values in part.estimate.columns.items() if name.startswith("sigma")}
+        length_scale = part.own_similarity.scale
+        rows_w, w_E, w_T = rate_pairs(part)
+        rows_v, _, v_moved, v_true = velocity_pairs(part)
+        found["attitude"].append((part.attitude_error_rad, sigma["sigma_att_rad"][part.rows_E]))
+        found["position"].append((part.own_position_error_m, length_scale * sigma["sigma_pos"][part.rows_E]))
+        found["velocity"].append((np.linalg.norm(v_moved - v_true, axis=1), length_scale * sigma["sigma_vel"][rows_v]))
+        found["rate"].append((np.linalg.norm(w_E - w_T, axis=1), sigma["sigma_rate_rad_s"][rows_w]))
+    return {name: _normalised(*(_joined(values) for values in zip(*pairs))) for name, pairs in found.items()}
+
+
+def judge_frames(parts: list[Aligned], estimate: Motion) -> dict:
+    """How many target frames T the poses are in, and each by itself; poses in a T of a single frame can't be judged."""
+    judged = [{"target_frame": part.target_frame, "frames": len(part.rows_E), "attitude_rmse_deg": rms(np.degrees(part.attitude_error_rad)),
+               "twin": twin.judge_twin(part.R_CE, part.R_CT, part.truth.p_CT[part.rows_T])} for part in parts]
+    return {"count": len(target_frames(estimate)), "poses_not_judged": int(estimate.pose_valid.sum()) - sum(one["frames"] for one in judged),
+            "each": judged}
 
 
 def judge_motion(estimate: Motion, truth: Motion, frames_in: int) -> dict:
     """Everything that one motion file is judged by."""
     report = {"coverage": coverage(estimate, frames_in), "counts": counts(estimate)}
-    aligned = align_run(estimate, truth)
-    if aligned is None:
+    parts = align_each(estimate, truth)
+    if not parts:
         return report
-    report |= {"attitude": attitude(aligned), "position": position(aligned), "rates": rates(aligned),
-               "velocity": velocity(aligned), "consistency": consistency(aligned),
-               "twin": twin.judge_twin(aligned.R_CE, aligned.R_CT, truth.p_CT[aligned.rows_T]),
-               "alignment": {"R_ET_rotvec_rad": [float(x) for x in aligned.R_ET.as_rotvec()],
-                             "scale": float(aligned.similarity.scale),
-                             "offset_E": [float(x) for x in aligned.similarity.offset_E]}}
-    return report
+    frames, last = judge_frames(parts, estimate), parts[-1]
+    return report | {"attitude": attitude(parts), "position": position(parts), "rates": rates(parts),
+                     "velocity": velocity(parts), "consistency": consistency(parts), "target_frames": frames,
+                     "twin": twin.worst([one["twin"] for one in frames["each"]]),
+                     "alignment": {"R_ET_rotvec_rad": [float(x) for x in last.R_ET.as_rotvec()],
+                                   "scale": float(last.similarity.scale),
+                                   "offset_E": [float(x) for x in last.similarity.offset_E]}}

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
 from judge import align
-from judge.metrics import NORMALISED_BOUND, Aligned
+from judge.aligned import Aligned
+from judge.metrics import NORMALISED_BOUND
 from judge.sequence import read_json
 from judge.tables import Motion
 

@@ -29,6 +29,7 @@ MOTION_ROWS = (
     ("velocity within its 95 % bound [%]", "consistency.velocity.within_95_percent_bound", "percent"),
     ("rate within its 95 % bound [%]", "consistency.rate.within_95_percent_bound", "percent"),
     ("nearer to the truth or its twin", "twin.verdict", "{}"),
+    ("target frames T", "target_frames.count", "{:d}"),
     ("in-plane rate factor (+1 true, -1 twin)", "twin.in_plane_rate_factor", "{:+.2f}"),
 )
 SHAPE_ROWS = (
@@ -137,6 +138,10 @@ def notes(reports: list[dict]) -> list[str]:
             elif twin["verdict"] == "neither":
                 lines.append(f"{who}: follows neither the truth ({twin['rmse_to_truth_deg']:.1f} deg) "
                              f"nor its depth-reversed twin ({twin['rmse_to_twin_deg']:.1f} deg)")
+            frames = motion["target_frames"]
+            if frames["count"] > 1:
+                each = ", ".join(f"T{one['target_frame']}: {one['frames']} frames, {one['attitude_rmse_deg']:.3f} deg" for one in frames["each"])
+                lines.append(f"{who}: poses are in {frames['count']} target frames T, each aligned by itself ({each})")
             if lookup(motion, "velocity.scale_from_alignment"):
                 lines.append(f"{who}: scale unknown, velocity judged with the scale of the alignment")
         stated = report["determinism"]

@@ -9,7 +9,8 @@ import numpy as np
 from judge.body import judge_body
 from judge.dynamics import judge_dynamics
 from judge.errors import BadInput
-from judge.metrics import Aligned, align_run, judge_motion
+from judge.aligned import Aligned, align_last
+from judge.metrics import judge_motion
 from judge.prediction import judge_prediction
 from judge.report import lookup
 from judge.sequence import Sequence, read_json
@@ -55,7 +56,7 @@ def best_alignment(run: Run, truth: Motion) -> Aligned | None:
     """The alignment that the run's cloud belongs to: the smoothed trajectory's, else the causal one's."""
     for kind in ("smoothed", "causal"):
         if kind in run.motions:
-            aligned = align_run(run.motions[kind], truth)
+            aligned = align_last(run.motions[kind], truth)
             if aligned is not None:
                 return aligned
     return None

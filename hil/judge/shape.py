@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from judge.errors import BadInput
-from judge.metrics import Aligned
+from judge.aligned import Aligned
 
 # Spacing of samples is about size * sqrt(area factor / count): 0.2 % of the size for a box, well under what is judged.
 SURFACE_SAMPLES = 200_000

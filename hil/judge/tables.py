@@ -16,6 +16,7 @@ FLAGS = ("pose_valid", "rate_valid", "velocity_valid", "scale_known")
 SIGMAS = ("sigma_att_rad", "sigma_pos", "sigma_vel", "sigma_rate_rad_s")
 COUNTS = ("features", "matches", "inliers", "landmarks", "keyframes")
 COST = ("step_us",)
+TARGET_FRAME = "target_frame"
 # A quaternion farther than this from unit norm is no rounding of a printed one, but a broken file.
 QUATERNION_NORM_ERROR_MAX = 1e-2
 
@@ -39,6 +40,7 @@ class Motion:
     scale_known: np.ndarray
     mode: list[str] = field(default_factory=list)
     columns: dict[str, np.ndarray] = field(default_factory=dict)
+    target_frame: np.ndarray | None = None  # [N] number of the frame T that a row's pose is in; None: all are in one
 
     @property
     def seconds(self) -> np.ndarray:
@@ -108,7 +110,8 @@ def read_motion(path: pathlib.Path) -> Motion:
         raise BadInput(f"{path}: no rows after the header")
     cells = dict(zip(header, zip(*rows)))
     known = {name: numbers(path, name, cells[name])
-             for name in (*QUATERNION, *POSITION, *VELOCITY, *RATE, *FLAGS, *SIGMAS, *COUNTS, *COST) if name in cells}
+             for name in (*QUATERNION, *POSITION, *VELOCITY, *RATE, *FLAGS, *SIGMAS, *COUNTS, *COST, TARGET_FRAME)
+             if name in cells}
     unknown = np.full(len(rows), np.nan)
 
     def block(names):
@@ -124,7 +127,27 @@ def read_motion(path: pathlib.Path) -> Motion:
         path=path, timestamp_ns=timestamps(path, cells["timestamp_ns"]), q_CT=_unit_quaternions(path, q_CT),
         p_CT=p_CT, v_C=v_C, w_T=w_T, pose_valid=valid("pose_valid", q_CT, p_CT), rate_valid=valid("rate_valid", w_T),
         velocity_valid=valid("velocity_valid", v_C), scale_known=known.get("scale_known", unknown + 1) > 0,
-        mode=list(cells.get("mode", [])), columns={name: known.get(name, unknown) for name in (*SIGMAS, *COUNTS, *COST)})
+        mode=list(cells.get("mode", [])), columns={name: known.get(name, unknown) for name in (*SIGMAS, *COUNTS, *COST)},
+        target_frame=known.get(TARGET_FRAME))
+
+
+def target_frames(motion: Motion) -> list[int]:
+    """Numbers of the frames T that poses are in, rising. A file without numbers has one, 0."""
+    if motion.target_frame is None:
+        return [0]
+    numbers = motion.target_frame[motion.pose_valid]
+    if not np.isfinite(numbers).all():
+        raise BadInput(f"{motion.path}: target_frame is empty in a row with a pose")
+    return [int(number) for number in np.unique(numbers)]
+
+
+def in_frame(motion: Motion, number: int) -> Motion:
+    """The motion with those of its values only that are in the frame T of that number."""
+    if motion.target_frame is None:
+        return motion
+    here = motion.target_frame == number
+    return replace(motion, pose_valid=motion.pose_valid & here, rate_valid=motion.rate_valid & here,
+                   velocity_valid=motion.velocity_valid & here)
 
 
 def where_also(estimate: Motion, other: Motion) -> Motion:

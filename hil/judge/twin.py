@@ -19,6 +19,8 @@ NEITHER_RATIO = 0.7
 NEITHER_DEG = 20.0
 # Longer turns between frames have no clear axis.
 STEP_MAX_RAD = np.radians(120.0)
+# From harmless to worst.
+VERDICTS = ("indistinguishable", "truth", "neither", "twin")
 
 
 def twin_of(R_CT: Rotation, p_CT: np.ndarray) -> Rotation:
@@ -67,3 +69,8 @@ def judge_twin(R_CE: Rotation, R_CT: Rotation, p_CT: np.ndarray) -> dict:
         verdict = "twin" if to_twin_deg < to_truth_deg else "truth"
     return {"verdict": verdict, "rmse_to_truth_deg": to_truth_deg, "rmse_to_twin_deg": to_twin_deg,
             "truth_to_twin_deg": separation_deg, "in_plane_rate_factor": in_plane_factor(R_CE, R_CT)}
+
+
+def worst(judged: list[dict]) -> dict:
+    """Of several parts of a run the one that must not be missed."""
+    return max(judged, key=lambda one: VERDICTS.index(one["verdict"]))

@@ -119,6 +119,7 @@ MotionState row_of(const MotionState& published,
   m.frame = published.frame;
   m.timestamp_ns = published.timestamp_ns;
   m.scale_known = state.scale.known;
+  m.target_frame = state.target_frame;
   m.mode = pose.valid ? Mode::kTracking : published.mode;
   m.features = published.features;
   m.landmarks = static_cast<std::uint16_t>(state.map.landmark_count);

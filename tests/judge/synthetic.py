@@ -14,7 +14,7 @@ TRUTH_HEADER = ("timestamp_ns,p_CT_x,p_CT_y,p_CT_z,q_CT_w,q_CT_x,q_CT_y,q_CT_z,"
 MOTION_HEADER = (
     "frame,timestamp_ns,mode,pose_valid,rate_valid,velocity_valid,scale_known,"
     "q_CT_w,q_CT_x,q_CT_y,q_CT_z,p_CT_x,p_CT_y,p_CT_z,v_C_x,v_C_y,v_C_z,w_T_x,w_T_y,w_T_z,"
-    "sigma_att_rad,sigma_pos,sigma_vel,sigma_rate_rad_s,features,matches,inliers,landmarks,keyframes,step_us").split(",")
+    "sigma_att_rad,sigma_pos,sigma_vel,sigma_rate_rad_s,features,matches,inliers,landmarks,keyframes,step_us,target_frame").split(",")
 START_NS = 1_700_000_000_000_000_000
 WIDTH_PX, HEIGHT_PX, FOCAL_PX = 320, 240, 500.0
 BOX_M = np.array([0.6, 0.4, 1.0])
@@ -113,7 +113,7 @@ def write_motion(path: pathlib.Path, body: Body, errors: Errors) -> None:
             writer.writerow([
                 i, body.timestamp_ns[i], "TRACKING" if known else "ACQUIRING", *([int(known)] * 3),
                 int(known and errors.scale_known), *(row if known else [""] * len(row)), features,
-                features * 3 // 4, features * 2 // 3 if known else 0, 400 + i if known else 0, 1 + i // 6, 9000 + 40 * i])
+                features * 3 // 4, features * 2 // 3 if known else 0, 400 + i if known else 0, 1 + i // 6, 9000 + 40 * i, 1 if known else ""])
 
 
 def box_points(count: int, seed: int = 3) -> np.ndarray:

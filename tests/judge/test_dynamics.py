@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 from judge.dynamics import judge_dynamics
-from judge.metrics import align_run
+from judge.aligned import align_last
 from judge.tables import Motion
 from scipy.spatial.transform import Rotation
 from synthetic import tumbling_body
@@ -28,7 +28,7 @@ def aligned():
                       velocity_valid=everywhere, scale_known=~everywhere)
 
     R_CE = body.R_CT * TURN.inv()
-    return align_run(motion(R_CE, body.p_CT / SCALE - R_CE.apply(OFFSET_E)), motion(body.R_CT, body.p_CT))
+    return align_last(motion(R_CE, body.p_CT / SCALE - R_CE.apply(OFFSET_E)), motion(body.R_CT, body.p_CT))
 
 
 def scene(moments=MOMENTS):

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from judge import metrics, period, twin
+from judge.report import text_report
 from judge.run import judge_run, read_run, read_truth
 from judge.sequence import read_sequence
 from scipy.spatial.transform import Rotation
@@ -328,3 +329,56 @@ def test_another_sequences_truth_is_refused(tmp_path, scene):
     (other / "motion.csv").write_text(text)
     done = evaluate(other, scene)
     assert done.returncode == 2 and "another sequence" in done.stderr
+
+
+def two_frames(first: pathlib.Path, second: pathlib.Path, at: int) -> None:
+    """Rows of `first` from `at` on become those of `second`, in target frame 2."""
+    with open(first, newline="") as a, open(second, newline="") as b:
+        header, *rows = csv.reader(a)
+        later = list(csv.reader(b))[1:]
+    with open(first, "w", newline="") as stream:
+        csv.writer(stream).writerows([header, *rows[:at], *([*row[:-1], "2"] for row in later[at:])])
+
+
+def test_each_target_frame_is_aligned_by_itself(tmp_path, scene, body):
+    """A map begun anew has other axes, another unit and another origin: none of that is an error of the estimate."""
+    sequence = read_sequence(scene)
+    truth = read_truth(sequence)
+    first = write_run(tmp_path / "run", body, Errors(attitude_rms_rad=np.radians(0.2)))
+    second = write_run(tmp_path / "other", body, Errors(attitude_rms_rad=np.radians(0.2), scale=2.5, scale_known=False,
+                                                        R_ET=Rotation.from_rotvec([2.0, 0.3, -0.4]), offset_E_m=(0.4, 0.1, -0.2)))
+    (first / "cloud.ply").unlink()
+    two_frames(first / "motion.csv", second / "motion.csv", at=70)
+    report = judge_run(read_run(first), sequence, truth)
+    causal = report["motion"]["causal"]
+    assert causal["target_frames"]["count"] == 2 and causal["target_frames"]["poses_not_judged"] == 0
+    assert [one["frames"] for one in causal["target_frames"]["each"]] == [70, 50]
+    assert causal["attitude"]["rmse_deg"] == pytest.approx(0.2, rel=0.05)
+    # Attitude noise leaves the alignment 0.2 deg / sqrt(50) = 0.03 deg off, which turns 2.3 deg/s by 0.0012 deg/s.
+    assert causal["rates"]["rmse_norm_deg_s"] < 2.5 * 0.0012
+    # The origin is 0.5 m off: 0.2 deg of it are 0.02 % of the range of 8 m.
+    assert causal["position"]["rmse_from_camera_percent_of_range"] < 2.5 * 0.02
+    assert causal["twin"]["verdict"] == "truth"
+    assert "poses are in 2 target frames T" in text_report([report])
+
+
+def test_a_wrong_target_frame_is_not_hidden_by_a_right_one(tmp_path, scene, body):
+    first = write_run(tmp_path / "run", body, Errors())
+    twin_run = write_run(tmp_path / "other", body, Errors(twin=True))
+    two_frames(first / "motion.csv", twin_run / "motion.csv", at=70)
+    (first / "cloud.ply").unlink()
+    sequence = read_sequence(scene)
+    causal = judge_run(read_run(first), sequence, read_truth(sequence))["motion"]["causal"]
+    assert [one["twin"]["verdict"] for one in causal["target_frames"]["each"]] == ["truth", "twin"]
+    assert causal["twin"]["verdict"] == "twin"
+
+
+def test_the_only_pose_of_a_target_frame_is_counted_as_not_judged(tmp_path, scene, body):
+    first = write_run(tmp_path / "run", body, Errors())
+    second = write_run(tmp_path / "other", body, Errors(R_ET=Rotation.from_rotvec([2.0, 0.3, -0.4])))
+    two_frames(first / "motion.csv", second / "motion.csv", at=119)
+    (first / "cloud.ply").unlink()
+    sequence = read_sequence(scene)
+    causal = judge_run(read_run(first), sequence, read_truth(sequence))["motion"]["causal"]
+    assert causal["target_frames"]["count"] == 2 and causal["target_frames"]["poses_not_judged"] == 1
+    assert causal["attitude"]["max_deg"] < 1e-5

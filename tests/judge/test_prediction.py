@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from judge import align
-from judge.metrics import align_run
+from judge.aligned import align_last
 from judge.prediction import judge_prediction, truth_at
 from judge.tables import Motion
 from scipy.spatial.transform import Rotation
@@ -29,7 +29,7 @@ def case():
     """(aligned motion of the first 60 frames, predicted rows for a given attitude error [rad])."""
     body = tumbling_body()
     R_CE, p_CE = body.R_CT * TURN.inv(), body.p_CT / SCALE
-    aligned = align_run(motion(body, slice(0, 60), R_CE, p_CE), motion(body, slice(None), body.R_CT, body.p_CT))
+    aligned = align_last(motion(body, slice(0, 60), R_CE, p_CE), motion(body, slice(None), body.R_CT, body.p_CT))
 
     def rows(error_rad, sigma_rad=0.01):
         last = 59
@@ -99,7 +99,7 @@ def test_what_is_said_in_metres_keeps_its_own_scale(case, tmp_path):
     body, scale = tumbling_body(), 1.05
     R_CE, p_CE = body.R_CT * TURN.inv(), body.p_CT * scale
     truth = motion(body, slice(None), body.R_CT, body.p_CT)
-    aligned = align_run(motion(body, slice(0, 60), R_CE, p_CE, in_metres=True), truth)
+    aligned = align_last(motion(body, slice(0, 60), R_CE, p_CE, in_metres=True), truth)
     wrong = [row | {"p_CT": [scale * SCALE * x for x in row["p_CT"]]} for row in rows(0.0)]
     unsure = [row | {"sigma_pos": 0.05 * float(np.linalg.norm(row["p_CT"]))} for row in wrong]
     for sure_row, unsure_row in zip(judged(tmp_path, aligned, wrong), judged(tmp_path, aligned, unsure), strict=True):

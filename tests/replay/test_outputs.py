@@ -15,14 +15,15 @@ from sequence_writer import SequenceWriter, textured
 HEADER = (
     "frame,timestamp_ns,mode,pose_valid,rate_valid,velocity_valid,scale_known,"
     "q_CT_w,q_CT_x,q_CT_y,q_CT_z,p_CT_x,p_CT_y,p_CT_z,v_C_x,v_C_y,v_C_z,w_T_x,w_T_y,w_T_z,"
-    "sigma_att_rad,sigma_pos,sigma_vel,sigma_rate_rad_s,features,matches,inliers,landmarks,keyframes,step_us"
+    "sigma_att_rad,sigma_pos,sigma_vel,sigma_rate_rad_s,features,matches,inliers,landmarks,keyframes,step_us,target_frame"
 )
 FILES = {
     "motion.csv", "motion_smoothed.csv", "trajectory.tum", "cloud_raw.ply", "cloud.ply", "surface.ply", "shape.json",
     "motion_model.json", "bus.ccsds", "summary.json", "observations.csv", ".polhode-replay",
 }
 GROUPS = {
-    "pose_valid": ["q_CT_w", "q_CT_x", "q_CT_y", "q_CT_z", "p_CT_x", "p_CT_y", "p_CT_z", "sigma_att_rad", "sigma_pos"],
+    "pose_valid": ["q_CT_w", "q_CT_x", "q_CT_y", "q_CT_z", "p_CT_x", "p_CT_y", "p_CT_z", "sigma_att_rad", "sigma_pos",
+                   "target_frame"],
     "rate_valid": ["w_T_x", "w_T_y", "w_T_z", "sigma_rate_rad_s"],
     "velocity_valid": ["v_C_x", "v_C_y", "v_C_z", "sigma_vel"],
 }
@@ -162,3 +163,17 @@ def test_masks_and_tracks_are_written_where_wished_and_can_be_drawn(replay, sequ
     for frame in range(3):
         picture = numpy.asarray(Image.open(result.folder / f"plots/overlay_{frame:06d}.png").convert("L"))
         assert picture.std() > 10, frame
+
+
+def test_target_frame_numbers_the_frames_of_the_poses(sample, replay, tmp_path):
+    stamps = [line.split(",")[0] for line in (sample / "mav0/cam0/data.csv").read_text().splitlines()[1:]]
+    commands = tmp_path / "commands.txt"
+    commands.write_text(f"{stamps[40]} reset_map\n")
+    result = replay(sample, "--commands", commands)
+    assert result.status == 0, result.err
+    rows = motion_rows(result.folder)
+    numbers = [(int(row["frame"]), int(row["target_frame"])) for row in rows if row["target_frame"]]
+    assert {number for frame, number in numbers if frame < 40} == {1}
+    assert {number for frame, number in numbers if frame >= 40} == {2}
+    smoothed = {row["target_frame"] for row in motion_rows(result.folder, "motion_smoothed.csv")}
+    assert smoothed <= {"2", ""} and "2" in smoothed, "all of a re-estimation is in the last map's frame"

@@ -377,3 +377,15 @@ def test_an_imported_model_keeps_its_materials(tmp_path, write):
     # The body's x goes to the right of the image. 1 m of it, 160 px * 50 / 36 of focal length, 3 m away: 74 px about the middle.
     left, right = np.median(image[50:70, 50:75]), np.median(image[50:70, 86:110])
     assert left > 180 and 20 < right < 110, (left, right)
+
+
+def test_threads_change_no_pixel_and_a_turning_camera_tells_its_attitude(tmp_path):
+    scene = _write(tmp_path, WINDING, kind="cubesat", frames=1)
+    for threads in ("1", "2"):
+        assert _run(scene, tmp_path / threads, "--threads", threads).returncode == 0
+    pictures = [next((tmp_path / threads / "mav0/cam0/data").glob("*.png")).read_bytes() for threads in ("1", "2")]
+    assert pictures[0] == pictures[1]
+    header, row = (tmp_path / "1/servicer_attitude.csv").read_text().splitlines()
+    assert header == "#timestamp_ns,q_IC_w,q_IC_x,q_IC_y,q_IC_z"
+    assert [float(x) for x in row.split(",")[1:]] == [1.0, 0.0, 0.0, 0.0]
+    assert not (tmp_path / "missing").exists() and _run(scene, tmp_path / "missing", "--threads", "0").returncode == 2

@@ -2,7 +2,7 @@
 
 import numpy as np
 from judge import align
-from judge.metrics import align_run
+from judge.aligned import align_last
 from judge.shape import cloud_in_truth, read_cloud
 from plots import style
 from plots.style import plt
@@ -23,7 +23,7 @@ def _path_and_cloud(run, truth):
     valid = motion.pose_valid
     R_CE, p_CE = align.rotations(motion.q_CT[valid]), motion.p_CT[valid]
     points, camera = read_cloud(path), -R_CE.inv().apply(p_CE)
-    aligned = align_run(motion, truth) if truth is not None else None
+    aligned = align_last(motion, truth) if truth is not None else None
     if aligned is not None:
         points, camera = cloud_in_truth(points, aligned), cloud_in_truth(camera, aligned)
         where = "the truth's body axes [m]"

@@ -2,6 +2,7 @@
 
 import numpy as np
 from judge import metrics, period
+from judge.aligned import align_each
 from judge.run import best_alignment
 from judge.tables import join
 from plots import style
@@ -25,12 +26,12 @@ def _panel(axis, time, series: list[dict], truth: np.ndarray | None, unit: str, 
     axis.set_ylabel(f"{label} [{unit}]" + (f"\n({hidden} beyond)" if hidden else ""))
 
 
-def _rows(run, kind: str, truth):
-    """Alignment of one motion file with the truth, or None."""
+def _parts(run, kind: str, truth) -> list:
+    """Alignments of one motion file's target frames with the truth, or that of the run's other file, or none."""
     if truth is None:
-        return None
-    aligned = metrics.align_run(run.motions[kind], truth)
-    return aligned if aligned is not None else best_alignment(run, truth)
+        return []
+    last = best_alignment(run, truth)
+    return align_each(run.motions[kind], truth) or ([last] if last else [])
 
 
 def _start_ns(run) -> int:
@@ -43,10 +44,11 @@ def _rate_series(run, kind: str, truth, start_ns: int) -> dict | None:
     valid = motion.rate_valid
     if not valid.any():
         return None
-    aligned = _rows(run, kind, truth)
-    w_E = motion.w_T[valid]
-    return {"kind": kind, "seconds": (motion.timestamp_ns[valid] - start_ns) * 1e-9,
-            "value": np.degrees(aligned.R_ET.inv().apply(w_E) if aligned else w_E),
+    w = motion.w_T.copy()
+    for part in _parts(run, kind, truth):
+        here = part.estimate.rate_valid
+        w[here] = part.R_ET.inv().apply(w[here]) if here.any() else w[here]
+    return {"kind": kind, "seconds": (motion.timestamp_ns[valid] - start_ns) * 1e-9, "value": np.degrees(w[valid]),
             "sigma": np.degrees(motion.columns["sigma_rate_rad_s"][valid])}
 
 
@@ -56,10 +58,11 @@ def _velocity_series(run, kind: str, truth, start_ns: int) -> dict | None:
     valid = motion.velocity_valid
     if not valid.any():
         return None
-    aligned = _rows(run, kind, truth)
-    scale = aligned.similarity.scale if aligned and not aligned.metric else 1.0
-    return {"kind": kind, "seconds": (motion.timestamp_ns[valid] - start_ns) * 1e-9, "value": 1e3 * scale * motion.v_C[valid],
-            "sigma": 1e3 * scale * motion.columns["sigma_vel"][valid]}
+    scale = np.ones(len(valid))
+    for part in _parts(run, kind, truth):
+        scale[part.estimate.velocity_valid] = 1.0 if part.metric else part.similarity.scale
+    return {"kind": kind, "seconds": (motion.timestamp_ns[valid] - start_ns) * 1e-9,
+            "value": 1e3 * scale[valid, None] * motion.v_C[valid], "sigma": 1e3 * scale[valid] * motion.columns["sigma_vel"][valid]}
 
 
 def _velocity_of_origin(run, truth, start_ns: int):

@@ -15,7 +15,8 @@ from mathutils import Matrix, Vector
 from .materials import normal_image
 
 SUN_ANGLE_RAD = math.radians(0.53)
-THREADS = 2
+# How many threads draw changes no pixel. The entry point sets another number before the first scene.
+threads = 2
 PIXEL_FILTER = "BLACKMAN_HARRIS"
 ADAPTIVE_STEP = 16
 
@@ -41,7 +42,7 @@ def reset(samples):
     cycles.pixel_filter_type, cycles.filter_width = PIXEL_FILTER, 1.5
     scene.render.film_transparent = True
     scene.render.use_persistent_data = True
-    scene.render.threads_mode, scene.render.threads = "FIXED", THREADS
+    scene.render.threads_mode, scene.render.threads = "FIXED", threads
     settings = scene.render.image_settings
     settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGBA", "32"
     settings.exr_codec = "NONE"

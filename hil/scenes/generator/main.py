@@ -1,4 +1,4 @@
-"""Entry point inside Blender: main.py -- SCENE.toml OUT [--variant NAME] [--check]. Exit 0, 1 failed, 2 refused."""
+"""Entry point inside Blender: main.py -- SCENE.toml OUT [--variant NAME] [--threads N] [--check]. Exit 0, 1 failed, 2 refused."""
 
 import os
 import sys
@@ -6,41 +6,42 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-USAGE = "usage: render_scene.sh SCENE.toml OUT [--variant NAME] [--check]"
+USAGE = "usage: render_scene.sh SCENE.toml OUT [--variant NAME] [--threads N] [--check]"
+THREADS = 2
 
 
 def parse(arguments):
-    """(scene path, out folder, variant or None, check only) or None if unusable."""
-    variant, check_only, rest = None, False, []
+    """(scene path, out folder, variant or None, threads, check only) or None if unusable."""
+    variant, threads, check_only, rest = None, THREADS, False, []
     arguments = list(arguments)
     while arguments:
         word = arguments.pop(0)
         if word == "--variant" and arguments:
             variant = arguments.pop(0)
+        elif word == "--threads" and arguments and arguments[0].isdigit() and int(arguments[0]) > 0:
+            threads = int(arguments.pop(0))
         elif word == "--check":
             check_only = True
         elif word.startswith("-"):
             return None
         else:
             rest.append(word)
-    return (rest[0], rest[1], variant, check_only) if len(rest) == 2 else None
+    return (rest[0], rest[1], variant, threads, check_only) if len(rest) == 2 else None
 
 
 def run(arguments, report):
     """Renders as the arguments say; returns the exit status."""
-    from generator import mesh, pipeline, scene_file
+    from generator import blender_scene, mesh, pipeline, scene_file
 
     parsed = parse(arguments)
     if parsed is None:
         report(USAGE)
         return 2
-    path, out, variant, check_only = parsed
+    path, out, variant, blender_scene.threads, check_only = parsed
     try:
         scene = scene_file.load(path, variant)
         plan = pipeline.Plan(scene)
         if scene["target"]["kind"] == "file":
-            from generator import blender_scene
-
             blender_scene.reset(scene["render"]["samples"])
         parts, materials, known = pipeline.build_target(scene)
         pipeline.check_view(plan, mesh.all_vertices(parts))

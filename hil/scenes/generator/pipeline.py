@@ -201,6 +201,8 @@ def prepare_folder(out, plan, parts, known):
     (out / "mav0/cam0/data").mkdir(parents=True, exist_ok=True)
     truth.write_truth(out / "truth.csv", plan.timestamps_ns, plan.motion)
     truth.write_sensor_yaml(out / "mav0/cam0/sensor.yaml", plan.camera, 1.0 / plan.scene["time"]["period_s"])
+    if plan.history:  # a camera that turns knows how
+        truth.write_servicer_attitude(out / "servicer_attitude.csv", plan.timestamps_ns, plan.motion)
     mesh.write_ply(out / "model.ply", parts, plan.centre_of_mass_G_m)
     extent = vertices_T.max(axis=0) - vertices_T.min(axis=0)
     truth.write_json(

@@ -63,6 +63,15 @@ def write_truth(path, timestamps_ns, motion):
             writer.writerow([int(stamp)] + [repr(float(v)) for v in values])
 
 
+def write_servicer_attitude(path, timestamps_ns, motion):
+    """servicer_attitude.csv: the camera's attitude q_IC at each frame, as the servicer would know it."""
+    with open(path, "w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["#timestamp_ns", "q_IC_w", "q_IC_x", "q_IC_y", "q_IC_z"])
+        for stamp, q_IC in zip(timestamps_ns, motion.q_IC):
+            writer.writerow([int(stamp)] + [repr(float(v)) for v in q_IC])
+
+
 def write_data_csv(path, timestamps_ns):
     rows = [f"{int(s)},{int(s)}.png" for s in timestamps_ns]
     Path(path).write_text("#timestamp [ns],filename\n" + "\n".join(rows) + "\n")
