@@ -30,6 +30,8 @@ if $quick; then
 fi
 
 tools/setup.sh
+tools/setup.sh campaign
+tools/setup.sh renderer
 tools/build.sh release
 
 mkdir -p "$REPORTS"

@@ -2,41 +2,41 @@
 
 import pathlib
 import subprocess
-import sys
 
 import numpy
 import pytest
+from judge.fault_log import LOG_FILE, read_log
+from judge.faulted import COUNTER_OF, judge_faulted
+from judge.sequence import read_sequence
+from transforms.camera_faults import plan
+from transforms.table import transform
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = REPOSITORY / "build/release/bin/polhode"
 SAMPLE = REPOSITORY / "hil/data/sample"
-sys.path.insert(0, str(REPOSITORY / "hil"))
-
-from faults.inject import KINDS, inject, plan, read_log  # noqa: E402
-from faults.verdict import COUNTER_OF, judge_faulted  # noqa: E402
-from judge.sequence import read_sequence  # noqa: E402
 
 
 def test_plan_spoils_the_fraction_asked_for_in_equal_shares():
     for seed in range(5):
-        faults = plan(300, 0.1, KINDS, seed)
+        faults = plan(300, 0.1, seed)
         assert len(faults) == 30 and min(faults) >= 2 and max(faults) < 299, "of the last frame nothing tells"
-        assert all(list(faults.values()).count(kind) == 5 for kind in KINDS)
-    assert plan(300, 0.1, KINDS, 1) == plan(300, 0.1, KINDS, 1) != plan(300, 0.1, KINDS, 2)
-    assert plan(300, 0.0, KINDS, 1) == {}
+        assert all(list(faults.values()).count(kind) == 5 for kind in COUNTER_OF)
+    assert plan(300, 0.1, 1) == plan(300, 0.1, 1) != plan(300, 0.1, 2)
+    assert plan(300, 0.0, 1) == {}
 
 
 @pytest.fixture(scope="module")
 def spoiled(tmp_path_factory):
     """The sample with a third of its frames spoiled, and its log."""
     folder = tmp_path_factory.mktemp("faults") / "sequence"
-    return read_sequence(SAMPLE), folder, inject(read_sequence(SAMPLE), folder, fraction=0.35, seed=4)
+    transform(SAMPLE, folder, [{"kind": "faults", "fraction": 0.35}], seed=4)
+    return read_sequence(SAMPLE), folder, read_log(folder / LOG_FILE)
 
 
 def test_the_log_says_what_was_done(spoiled):
     good, folder, log = spoiled
     bad = read_sequence(folder)
-    assert read_log(folder / "faults.csv") == log
+    assert len(log) == round(0.35 * len(good.timestamp_ns))
     kind_at = {one.timestamp_ns: one.kind for one in log}
     assert len(bad.timestamp_ns) == len(good.timestamp_ns) - sum(one.kind == "dropped" for one in log)
     before = None
@@ -63,7 +63,7 @@ def test_the_log_says_what_was_done(spoiled):
 @pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_tenth_of_bad_frames_does_no_harm(tmp_path, seed):
-    inject(read_sequence(SAMPLE), tmp_path / "sequence", seed=seed)
+    transform(SAMPLE, tmp_path / "sequence", [{"kind": "faults"}], seed=seed)
     done = subprocess.run([PROGRAM, "replay", "--config", REPOSITORY / "config/default.toml", "--sequence",
                            tmp_path / "sequence", "--out", tmp_path / "run"], capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr

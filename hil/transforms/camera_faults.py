@@ -1,30 +1,21 @@
-"""Makes a faulted copy of a sequence, with a log of what was done to which frame.
+"""Bad frames of a camera chain, mixed: the transform "faults".
 
-Every fault is what a camera chain produces: pixels far too dark or too bright, a buffer delivered twice, a picture whose
-upper or lower part is still the one before, flipped bits (single ones all over, whole lines, or a block), a frame that never
-comes. A repeated buffer holds what was delivered last, faults included.
+Every fault is what such a chain produces: pixels far too dark or too bright, a buffer delivered twice, a picture whose
+upper or lower part is still the one before, flipped bits (single ones all over, whole lines, or a block), a frame that
+never comes. A repeated buffer holds what was delivered last, faults included.
 """
 
-import csv
-import shutil
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
+
+from judge.fault_log import LogEntry
+from transforms.footage import Footage
 
 KINDS = ("dark", "saturated", "frozen", "torn", "bits", "dropped")
 
 
-@dataclass
-class Injected:
-    """One line of the log."""
-
-    frame: int
-    timestamp_ns: int
-    kind: str
-    detail: str
-
-
-def plan(frames: int, fraction: float, kinds: tuple[str, ...], seed: int) -> dict[int, str]:
+def plan(frames: int, fraction: float, seed: int, kinds=KINDS) -> dict[int, str]:
     """Kind by frame: `fraction` of all frames at random, the kinds in equal shares.
 
     The first two frames stay good, and the last: when that never comes, nothing tells of it.
@@ -92,48 +83,18 @@ def spoil(kind, gray, before, rng):
     return before, "the frame delivered before"
 
 
-def inject(sequence, out, fraction=0.1, kinds=KINDS, seed=1) -> list[Injected]:
-    """Writes the faulted copy to `out` (a new folder) with faults.csv beside truth.csv. @return the log."""
-    from PIL import Image
-
-    data = out / "mav0/cam0/data"
-    data.mkdir(parents=True)
-    shutil.copy(sequence.folder / "mav0/cam0/sensor.yaml", out / "mav0/cam0/sensor.yaml")
-    for name in ("truth.csv", "model.ply", "scene.json"):
-        if (sequence.folder / name).exists():
-            shutil.copy(sequence.folder / name, out / name)
-    log, rows, before = [], [], None
-    faults = plan(len(sequence.filenames), fraction, kinds, seed)
-    for frame, name in enumerate(sequence.filenames):
-        stamp, kind = int(sequence.timestamp_ns[frame]), faults.get(frame)
+def faults(footage: Footage, options: dict, seed: int) -> Footage:
+    """`fraction` of the frames spoiled, the kinds in equal shares; the log says which and how."""
+    planned = plan(len(footage.shots), options["fraction"], seed)
+    shots, log = [], []
+    for frame, shot in enumerate(footage.shots):
+        kind = planned.get(frame)
         if kind is None:
-            shutil.copy(sequence.frame_path(frame), data / name)
-            before = None
+            shots.append(shot)
         elif kind == "dropped":
-            log.append(Injected(frame, stamp, kind, "never came"))
-            continue
+            log.append(LogEntry(frame, shot.timestamp_ns, kind, "never came"))
         else:
-            rng = np.random.default_rng([seed, 2, frame])
-            if before is None:
-                before = sequence.read_gray(last)
-            before, detail = spoil(kind, sequence.read_gray(frame), before, rng)
-            name = f"{stamp}.png"
-            Image.fromarray(before).save(data / name)
-            log.append(Injected(frame, stamp, kind, detail))
-        last = frame
-        rows.append(f"{stamp},{name}")
-    (out / "mav0/cam0/data.csv").write_text("\n".join(["#timestamp [ns],filename", *rows]) + "\n")
-    write_log(out / "faults.csv", log)
-    return log
-
-
-def write_log(path, log: list[Injected]) -> None:
-    with open(path, "w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["frame", "timestamp_ns", "kind", "detail"])
-        table.writerows([one.frame, one.timestamp_ns, one.kind, one.detail] for one in log)
-
-
-def read_log(path) -> list[Injected]:
-    with open(path, newline="") as file:
-        return [Injected(int(r["frame"]), int(r["timestamp_ns"]), r["kind"], r["detail"]) for r in csv.DictReader(file)]
+            spoiled, detail = spoil(kind, shot.pixels(), shots[-1].pixels(), np.random.default_rng([seed, 2, frame]))
+            shots.append(replace(shot, pixels=lambda kept=spoiled: kept, file=None))
+            log.append(LogEntry(frame, shot.timestamp_ns, kind, detail))
+    return footage.changed(shots, log)

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from judge.aligned import align_each
+from judge.fault_log import LOG_FILE, read_log
 from judge.run import read_run, read_truth
-from faults.inject import KINDS, read_log
 
-# The counter that has to tell of each kind.
+# The counter that has to tell of each kind of the transform "faults".
 COUNTER_OF = {"dark": "frames_dark", "saturated": "frames_saturated", "frozen": "frames_frozen", "torn": "frames_torn",
               "bits": "frames_bit_errors", "dropped": "frames_missing"}
 # Published sigmas are of the worst axis.
@@ -32,7 +32,7 @@ class Verdict:
 
     def counter_errors(self) -> dict[str, float]:
         """Relative error of each kind's counter."""
-        return {kind: abs(self.counted[kind] - self.injected[kind]) / max(self.injected[kind], 1) for kind in KINDS}
+        return {kind: abs(self.counted[kind] - self.injected[kind]) / max(self.injected[kind], 1) for kind in COUNTER_OF}
 
     def __add__(self, other: "Verdict") -> "Verdict":
         return Verdict(self.injected + other.injected, self.counted + other.counted, self.good_frames + other.good_frames,
@@ -42,7 +42,7 @@ class Verdict:
 def judge_faulted(run_folder, sequence, after_first_pose=True) -> Verdict:
     """Coverage of the good frames (from the first pose on, unless told otherwise), poses of bad frames that are wrong by
     more than three published sigmas, and the counters beside the log. @param sequence the faulted one."""
-    run, truth, log = read_run(run_folder), read_truth(sequence), read_log(sequence.folder / "faults.csv")
+    run, truth, log = read_run(run_folder), read_truth(sequence), read_log(sequence.folder / LOG_FILE)
     kind_at = {one.timestamp_ns: one.kind for one in log}
     motion = run.motions["causal"]
     verdict = Verdict(Counter(one.kind for one in log))

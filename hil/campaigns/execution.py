@@ -1,0 +1,149 @@
+"""Does what a campaign's book still asks for, on Dask's workers, and tells how far it is."""
+
+import collections
+import json
+import pathlib
+import sys
+import time
+from dataclasses import dataclass, field
+
+from distributed import Client, as_completed
+from distributed.client import FutureCancelledError
+from distributed.scheduler import KilledWorker
+
+from campaigns.book import Chain
+from campaigns.store import is_whole, write_whole
+from campaigns.tasks import KINDS, Outcome, Task, perform
+
+LINE_EVERY_S = 20.0  # without a terminal
+FAILURES_FILE = "failures.json"
+SESSIONS_FILE = "sessions.jsonl"
+
+
+class SchedulerLost(Exception):
+    """The scheduler is gone; what was finished is there."""
+
+
+@dataclass
+class Progress:
+    """How many tasks of each kind are done, and how long the rest will take by those that were."""
+
+    todo: dict[str, int]
+    workers: int
+    done: collections.Counter = field(default_factory=collections.Counter)
+    failed: int = 0
+    seconds: collections.Counter = field(default_factory=collections.Counter)
+    start_s: float = field(default_factory=time.monotonic)
+    told_s: float = 0.0
+
+    def add(self, outcome: Outcome) -> None:
+        self.done[outcome.task.kind] += 1
+        self.failed += not outcome.ok
+        self.seconds[outcome.task.kind] += outcome.wall_s
+
+    def left_s(self) -> float | None:
+        """None while some kind has not been seen."""
+        total = 0.0
+        for kind, count in self.todo.items():
+            left = count - self.done[kind]
+            if left > 0 and self.done[kind] == 0:
+                return None
+            total += left * self.seconds[kind] / max(self.done[kind], 1)
+        return total / max(self.workers, 1)
+
+    def text(self) -> str:
+        parts = [f"{kind} {self.done[kind]}/{count}" for kind, count in self.todo.items() if count]
+        left = self.left_s()
+        parts.append(f"{self.failed} failed" if self.failed else "none failed")
+        parts.append("" if left is None else f"{int(left) // 60} min {int(left) % 60:02d} s left")
+        return ", ".join(part for part in parts if part)
+
+    def tell(self, last: bool = False) -> None:
+        terminal = sys.stderr.isatty()
+        if not last and time.monotonic() - self.told_s < (0.5 if terminal else LINE_EVERY_S):
+            return
+        self.told_s = time.monotonic()
+        print(("\r\033[K" if terminal else "") + self.text(), end="" if terminal and not last else "\n", file=sys.stderr, flush=True)
+
+
+def tasks_to_do(chains: list[Chain]) -> dict[str, Task]:
+    """The tasks that are missing, each once, in the order of the book."""
+    found = {}
+    for chain in chains:
+        for task in chain.missing:
+            found.setdefault(f"{task.kind}-{task.key}", task)
+    return found
+
+
+def _submit(client: Client, chains: list[Chain]) -> list:
+    """A future for each missing task, each waiting for the one before it in its chain."""
+    futures = {}
+    for number, chain in enumerate(chains):
+        before = []
+        for task in chain.missing:
+            name = f"{task.kind}-{task.key}"
+            if name not in futures:
+                # Chains are finished one after the other, so that there are results early.
+                futures[name] = client.submit(perform, task, *before, key=name, pure=False, priority=-number)
+            before = [futures[name]]
+    return list(futures.values())
+
+
+def _gathered(client: Client, futures: list, by_name: dict[str, Task], progress: Progress, on_outcome) -> list[Outcome]:
+    outcomes = []
+    for future in as_completed(futures):
+        try:
+            outcome = future.result()
+        except KilledWorker:
+            outcome = Outcome(by_name[future.key], False, "its worker died each time that it was tried")
+        except (FutureCancelledError, OSError) as problem:
+            raise SchedulerLost(str(problem)) from None
+        except Exception as problem:  # of the engine: the task's own are in its outcome
+            outcome = Outcome(by_name[future.key], False, f"{type(problem).__name__}: {problem}")
+        outcomes.append(outcome)
+        progress.add(outcome)
+        progress.tell()
+        on_outcome(outcome)
+    return outcomes
+
+
+def _time_alone(client: Client, chains: list[Chain], progress: Progress) -> list[Outcome]:
+    """One run after the other on one worker, with nothing beside it, of those runs whose replay succeeds."""
+    worker, outcomes = next(iter(client.scheduler_info()["workers"]), None), []
+    for chain in chains:
+        if is_whole(chain.time.place) or not is_whole(chain.task("replay").place):
+            continue
+        future = client.submit(perform, chain.time, key=f"time-{chain.time.key}", pure=False, workers=[worker])
+        outcomes += _gathered(client, [future], {future.key: chain.time}, progress, lambda outcome: None)
+    return outcomes
+
+
+def execute(client: Client, chains: list[Chain], out: pathlib.Path, time_alone: bool, on_outcome=lambda outcome: None) -> list[Outcome]:
+    """Does all that is missing. @return what was done, failures among it; also written to failures.json."""
+    todo = tasks_to_do(chains)
+    client.wait_for_workers(1, timeout=600)
+    count = len(client.scheduler_info()["workers"])
+    wanted = collections.Counter(task.kind for task in todo.values())
+    if time_alone:
+        wanted["time"] = sum(not is_whole(chain.time.place) for chain in chains)
+    progress = Progress({kind: wanted[kind] for kind in KINDS if wanted[kind]}, count)
+    outcomes = _gathered(client, _submit(client, chains), todo, progress, on_outcome) if todo else []
+    together_s = time.monotonic() - progress.start_s
+    if todo:
+        _note_session(out, count, together_s, outcomes)
+    if time_alone:
+        outcomes += _time_alone(client, chains, progress)
+    progress.tell(last=True)
+    failures = [{"kind": one.task.kind, "name": one.task.name, "why": one.why, "log": str(one.task.log) if one.task.log.exists() else None}
+                for one in outcomes if not one.ok]
+    write_whole(out / FAILURES_FILE, json.dumps(failures, indent=1) + "\n")
+    return outcomes
+
+
+def _note_session(out: pathlib.Path, workers: int, wall_s: float, outcomes: list[Outcome]) -> None:
+    """How well the workers were used: a line a session, for the report."""
+    kinds = collections.Counter(one.task.kind for one in outcomes)
+    line = {"workers": workers, "wall_s": wall_s, "task_wall_s": sum(one.wall_s for one in outcomes),
+            "task_cpu_s": sum(one.cpu_s for one in outcomes), "tasks": dict(kinds), "ended": time.strftime("%Y-%m-%d %H:%M:%S")}
+    with open(out / SESSIONS_FILE, "a") as stream:
+        stream.write(json.dumps(line) + "\n")

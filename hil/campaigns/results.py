@@ -1,0 +1,56 @@
+"""The campaign's two tables: runs.parquet, one row a run, and frames.parquet, one row a frame; from what is done so far.
+
+Columns that begin with cost_ are times and memory; all others are the same whenever and however the campaign was run.
+"""
+
+import json
+import pathlib
+
+import pyarrow
+import pyarrow.parquet
+
+from campaigns.book import read_book
+from campaigns.store import Store, is_whole
+
+COST = "cost_"
+POINT = "point_"  # where in the scene space a draw lies
+RUNS_FILE, FRAMES_FILE = "runs.parquet", "frames.parquet"
+
+
+def _names(entry: dict) -> dict:
+    return {key: entry[key] for key in ("scene", "transform", "setting")}
+
+
+def _row(entry: dict, point: dict, store: Store) -> dict:
+    row = _names(entry) | json.loads((store.result(entry["result"]) / "run.json").read_text())
+    row |= {f"{POINT}{name}": value for name, value in point.items()}
+    time = store.time(entry["time"]) if entry["time"] else None
+    if time is not None and is_whole(time):
+        row |= {f"{COST}{name}": value for name, value in json.loads((time / "time.json").read_text()).items()}
+    return row | {"run_folder": entry["run"], "sequence_folder": entry["sequence"], "result": entry["result"]}
+
+
+def rows_so_far(out: pathlib.Path) -> tuple[dict, list[dict]]:
+    """(book, rows of the runs that are judged, in the book's order)."""
+    book = read_book(out)
+    store = Store(out, pathlib.Path(book["cache"]))
+    points = {f"draw_{number:03d}": point for number, point in enumerate(book["draws"])}
+    done = [entry for entry in book["runs"] if is_whole(store.result(entry["result"]))]
+    return book, [_row(entry, points.get(entry["scene"], {}), store) for entry in done]
+
+
+def write_tables(out: pathlib.Path, folder: pathlib.Path, rows: list[dict]) -> None:
+    """runs.parquet and frames.parquet into the folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if not rows:
+        return
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    table = pyarrow.Table.from_pylist([{name: row.get(name) for name in names} for row in rows])
+    pyarrow.parquet.write_table(table, folder / RUNS_FILE)
+    parts = []
+    for row in rows:
+        part = pyarrow.parquet.read_table(out / "results" / row["result"] / FRAMES_FILE)
+        for place, name in enumerate(("scene", "transform", "setting")):
+            part = part.add_column(place, name, pyarrow.array([row[name]] * len(part)))
+        parts.append(part)
+    pyarrow.parquet.write_table(pyarrow.concat_tables(parts, promote_options="permissive"), folder / FRAMES_FILE)

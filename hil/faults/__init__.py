@@ -1,1 +1,0 @@
-"""Bad frames made on purpose, and what a replay made of them."""

@@ -1,0 +1,1 @@
+"""Rendered sequences changed on purpose, each with its truth kept right. README.md says what there is."""
