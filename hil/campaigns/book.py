@@ -28,8 +28,9 @@ class Sources:
     @staticmethod
     def now() -> "Sources":
         return Sources(source_digest("hil/scenes/generator/**/*.py", "hil/render_scene.sh"),
-                       source_digest("hil/transforms/*.py", "hil/judge/sequence.py", "hil/judge/tables.py", "hil/judge/align.py"),
-                       source_digest("hil/judge/*.py", "hil/campaigns/measures.py"))
+                       source_digest("hil/transforms/*.py", "hil/judge/sequence.py", "hil/judge/tables.py", "hil/judge/align.py",
+                                     "hil/judge/fault_log.py"),
+                       source_digest("hil/judge/*.py", "hil/campaigns/measures.py", "platform/transport/client/python/polhode_bus/*.py"))
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ SETTINGS = {
 
 
 def _local(workers: int) -> Client:
-    return Client(LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, memory_limit=None,
+    return Client(LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=None,
                                silence_logs=logging.CRITICAL))
 
 
@@ -51,7 +51,7 @@ def _slurm(file: pathlib.Path) -> Client:
         raise BadInput(f"--slurm {file}: allowed are jobs, a whole number, and a table [cluster]")
     prologue = [f"export PYTHONPATH={REPOSITORY / 'hil'}", *table["cluster"].pop("job_script_prologue", [])]
     try:
-        cluster = SLURMCluster(job_script_prologue=prologue, scheduler_options={"dashboard_address": None}, **table["cluster"])
+        cluster = SLURMCluster(job_script_prologue=prologue, scheduler_options={"dashboard_address": ":0"}, **table["cluster"])
     except (TypeError, ValueError) as problem:
         raise BadInput(f"--slurm {file}: {problem}") from None
     cluster.scale(jobs=table["jobs"])

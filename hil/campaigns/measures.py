@@ -127,6 +127,7 @@ def _accuracy(prefix: str, found: dict[str, np.ndarray], motion: dict) -> dict:
            "frames_wrong_confident": int(np.sum(known & (error > WRONG_DEG) & (sigma <= CONFIDENT_DEG))),
            "depth_reversed": lookup(motion, "twin.verdict") == "twin", "verdict": lookup(motion, "twin.verdict"),
            "target_frames": lookup(motion, "target_frames.count") or 0}
+    row["begun_anew"] = row["target_frames"] > 1
     rate_known = np.isfinite(found["rate_error_deg_s"]) & np.isfinite(found["rate_sigma_deg_s"])
     for probability in PROBABILITIES:
         # Published sigmas are of the worst axis: at least this share of the norms lies inside.

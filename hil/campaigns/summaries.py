@@ -59,7 +59,7 @@ MEASURES = (
     Measure("depth-reversed, smoothed [runs]", "smoothed_depth_reversed", "sum", -1, 1, "{:.0f}"),
     Measure("over 5 deg off with 2 deg reported, causal [frames]", "causal_frames_wrong_confident", "sum", -1, 1, "{:.0f}"),
     Measure("over 5 deg off with 2 deg reported, smoothed [frames]", "smoothed_frames_wrong_confident", "sum", -1, 1, "{:.0f}"),
-    Measure("target frames T [mean]", "causal_target_frames", "mean", -1, 1, "{:.2f}"),
+    Measure("poses in several target frames T [runs]", "causal_begun_anew", "sum", -1, 1, "{:.0f}"),
     Measure("cloud to mesh RMSE [% of size]", "cloud_rmse_percent", "median"),
     Measure("faults: good frames with a pose [%]", "faults_coverage_of_good", "mean", 1, 100, "{:.1f}"),
     Measure("faults: wrong poses of bad frames", "faults_wrong_poses", "sum", -1, 1, "{:.0f}"),
