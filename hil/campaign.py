@@ -15,7 +15,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from judge.ranges import number, whole  # noqa: E402
 from judge.venv import REPOSITORY, enter_venv, run_main  # noqa: E402
 
-FAILED, SCHEDULER_LOST = 1, 1
+FAILED, SCHEDULER_LOST, INTERRUPTED = 1, 1, 130
 
 
 def arguments() -> argparse.Namespace:
@@ -82,6 +82,9 @@ def run_campaign(options: argparse.Namespace) -> int:
     except execution.SchedulerLost as problem:
         print(f"campaign: the scheduler is gone ({problem}); what was finished is kept: run the same command again", file=sys.stderr)
         return SCHEDULER_LOST
+    except KeyboardInterrupt:
+        print("campaign: interrupted; what was finished is kept: run the same command again", file=sys.stderr)
+        return INTERRUPTED
     page = write_report(out, options.vs)
     print(printed(out))
     failed = [one for one in outcomes if not one.ok]
@@ -107,7 +110,11 @@ def main() -> int:
         page = write_report(options.report.resolve(), options.vs)
         print(f"{printed(options.report)}\nreport: {page}")
         return 0
-    return run_campaign(options)
+    try:
+        return run_campaign(options)
+    except OSError as problem:  # a full disk, a folder that can't be written
+        print(f"campaign: {problem.filename or options.out}: {problem.strerror}", file=sys.stderr)
+        return FAILED
 
 
 if __name__ == "__main__":

@@ -54,7 +54,7 @@ class Progress:
     def text(self) -> str:
         parts = [f"{kind} {self.done[kind]}/{count}" for kind, count in self.todo.items() if count]
         left = self.left_s()
-        parts.append(f"{self.failed} failed" if self.failed else "none failed")
+        parts.append(f"{self.failed} failed" if self.failed else "none failed" if parts else "everything is done")
         parts.append("" if left is None else f"{int(left) // 60} min {int(left) % 60:02d} s left")
         return ", ".join(part for part in parts if part)
 

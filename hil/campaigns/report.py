@@ -135,6 +135,8 @@ def write_report(out: pathlib.Path, vs: pathlib.Path | None = None, pictures: bo
     _write_csv(folder / "summary.csv", SUMMARY_COLUMNS, summary_table(rows))
     if base:
         _write_csv(folder / "paired.csv", PAIRED_COLUMNS, differences)
+    if rows:
+        write_whole(folder / "summary.md", markdown(rows))
     failures = out / FAILURES_FILE
     page = jinja2.Environment(loader=jinja2.FileSystemLoader(pathlib.Path(__file__).parent), trim_blocks=True, lstrip_blocks=True,
                               autoescape=True, undefined=jinja2.StrictUndefined).get_template(TEMPLATE).render(
@@ -149,19 +151,27 @@ def write_report(out: pathlib.Path, vs: pathlib.Path | None = None, pictures: bo
     return folder / "index.html"
 
 
-def printed(out: pathlib.Path) -> str:
-    """The figures that matter most, for the terminal."""
-    from judge.report import table
-    _, rows = results.rows_so_far(out)
+def _plain_cell(rows: list[dict], measure: summaries.Measure) -> str:
+    found = summaries.summary(rows, measure)
+    return "-" if found is None else "{} [{}, {}]".format(*(_text(found[name], measure.layout) for name in ("centre", "low", "high")))
+
+
+def plain_table(rows: list[dict]) -> tuple[list[str], list[list[str]]]:
+    """(header, rows) of the figures that some group has, as text."""
     groups = _groups(rows)
-    chosen = [measure for measure in summaries.MEASURES if not measure.column.startswith("faults") or any(
-        row.get("faults_injected") is not None for row in rows)]
-    lines = []
-    for measure in chosen:
-        cells = []
-        for members in groups.values():
-            found = summaries.summary(members, measure)
-            cells.append("-" if found is None else "{} [{}, {}]".format(*(_text(found[name], measure.layout) for name in ("centre", "low", "high"))))
-        if any(cell != "-" for cell in cells):
-            lines.append([measure.title, *cells])
-    return table(["", *(_name(key) for key in groups)], lines) if lines else "no run is judged yet"
+    lines = [[measure.title, *(_plain_cell(members, measure) for members in groups.values())] for measure in summaries.MEASURES]
+    return ["", *(_name(key) for key in groups)], [line for line in lines if any(cell != "-" for cell in line[1:])]
+
+
+def printed(out: pathlib.Path) -> str:
+    """The figures for the terminal."""
+    from judge.report import table
+    header, lines = plain_table(results.rows_so_far(out)[1])
+    return table(header, lines) if lines else "no run is judged yet"
+
+
+def markdown(rows: list[dict]) -> str:
+    """The figures and the curve of the first pose as Markdown tables, for a document."""
+    header, lines = plain_table(rows)
+    turns = [[f"first pose within {row[0]} of turn", *row[1:]] for row in _turn_table({_name(key): members for key, members in _groups(rows).items()})]
+    return "\n".join(f"| {' | '.join(line)} |" for line in [header, ["---"] * len(header), *lines, *turns]) + "\n"
