@@ -8,7 +8,7 @@ from source_tree import REPOSITORY, name_of, source_files
 
 # Name of the package that brings a module, where the two differ.
 PACKAGE_OF = {"PIL": "pillow", "cv2": "opencv-python-headless", "yaml": "pyyaml", "yamcs": "yamcs-client",
-              "websocket": "websocket-client"}
+              "websocket": "websocket-client", "dask_jobqueue": "dask-jobqueue"}
 # Run inside a program or an environment that brings them: Blender's own Python, COLMAP's virtual environment.
 BROUGHT = {"bpy": "hil/scenes/", "mathutils": "hil/scenes/", "pycolmap": "hil/judge/colmap_worker.py"}
 
@@ -21,9 +21,13 @@ def modules_of(file):
             yield node.module.split(".")[0]
 
 
+def packages_of(requirements: str) -> set[str]:
+    lines = (REPOSITORY / "tools" / requirements).read_text().splitlines()
+    return {re.split("[=<>]", line)[0].strip().lower() for line in lines if line and not line.startswith("#")}
+
+
 def test_every_imported_package_is_installed_by_the_set_up():
-    lines = (REPOSITORY / "tools/requirements.txt").read_text().splitlines()
-    named = {re.split("[=<>]", line)[0].strip().lower() for line in lines if line and not line.startswith("#")}
+    everywhere, for_campaigns = packages_of("requirements.txt"), packages_of("requirements-campaign.txt")
     files = source_files(suffixes=(".py",))
     own = {file.stem for file in files} | {file.parent.name for file in files}
     for file in files:
@@ -31,4 +35,5 @@ def test_every_imported_package_is_installed_by_the_set_up():
             brought = module in BROUGHT and name_of(file).startswith(BROUGHT[module])
             if module in sys.stdlib_module_names or module in own or brought:
                 continue
+            named = everywhere | (for_campaigns if name_of(file).startswith(("hil/campaign", "tests/campaigns/")) else set())
             assert PACKAGE_OF.get(module, module).lower() in named, f"{name_of(file)} imports {module}"
