@@ -2,7 +2,7 @@
 #pragma once
 
 #include "geometry/alignment.hpp"
-#include "map/initialise.hpp"
+#include "initialisation/initialise.hpp"
 #include "map/map.hpp"
 #include "map/options.hpp"
 #include "tracks/track_table.hpp"

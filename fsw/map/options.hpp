@@ -4,12 +4,6 @@
 // clang-format off
 namespace polhode {
 
-struct StartOptions {
-  int frames_min = 5;                 ///< frames collected before the first contest, 3 .. limits::kStartFrames
-  double chi2_gap_commit = 25.0;      ///< depth-reversed twin must be worse by this (5 sigma), 9 .. 1000
-  double chi2_gap_convexity = 12.0;   ///< enough where the convexity cue agrees, 4 .. chi2_gap_commit
-};
-
 struct LocaliseOptions {
   int inliers_min = 12;            ///< fewer leave the frame without a pose, 6 .. 200
   int ransac_iterations_max = 200; ///< 10 .. 5000

@@ -1,97 +1,8 @@
 #include "pipeline/acquire.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "pipeline/picture.hpp"
 
 namespace polhode {
-namespace {
-
-struct PictureChange {
-  int matches = 0;
-  double shift_px = 0.0;     ///< mean motion
-  double relative_px = 0.0;  ///< RMS motion about the mean
-  double extent_px = 0.0;    ///< RMS distance of the features from their mean
-};
-
-PictureChange change_since(const CollectedFrame& before,
-                           const Features& now,
-                           double ratio_max,
-                           FeatureMatches* matches) {
-  match_mutual(before.features.view(), now.view(), ratio_max, matches);
-  PictureChange change;
-  change.matches = static_cast<int>(matches->size());
-  if (matches->empty()) {
-    return change;
-  }
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  Eigen::Vector2d place = Eigen::Vector2d::Zero();
-  double squares = 0.0;
-  double place_squares = 0.0;
-  for (const FeatureMatch& match : *matches) {
-    const Feature& a = before.features[static_cast<std::size_t>(match.a)];
-    const Feature& b = now[static_cast<std::size_t>(match.b)];
-    const Eigen::Vector2d at(a.u_px, a.v_px);
-    const Eigen::Vector2d d = Eigen::Vector2d(b.u_px, b.v_px) - at;
-    sum += d;
-    squares += d.squaredNorm();
-    place += at;
-    place_squares += at.squaredNorm();
-  }
-  const double n = change.matches;
-  change.shift_px = (sum / n).norm();
-  change.relative_px = std::sqrt(std::max(0.0, squares / n - (sum / n).squaredNorm()));
-  change.extent_px = std::sqrt(std::max(0.0, place_squares / n - (place / n).squaredNorm()));
-  return change;
-}
-
-/// Is the frame different enough from the last collected one to tell something about depth?
-bool worth_collecting(Component::State* s) {
-  if (s->tracks.frames.empty()) {
-    return true;
-  }
-  const PictureChange change = change_since(s->tracks.frames.back(),
-                                            s->features,
-                                            s->parameters.tracks.descriptor_ratio_max,
-                                            &s->tracks.scratch);
-  // A turn of 2 deg moves a body's near spots by 3 % of its radius against its far ones; a shift of
-  // a fifth of the radius changes the direction of view by as much as matters for translation
-  // alone.
-  constexpr double kRelativeMin = 0.03;
-  constexpr double kShiftMin = 0.2;
-  constexpr int kMatchesFew = 30;
-  return change.matches < kMatchesFew || change.relative_px > kRelativeMin * change.extent_px ||
-         change.shift_px > kShiftMin * change.extent_px;
-}
-
-void pose_problem(Component::State* s) {
-  static_assert(limits::kStartFrames <= 64);
-  StartJob& job = s->job.start;
-  job.frame_count = s->tracks.frames.size();
-  job.track_count = s->tracks.tracks.size();
-  job.seed = s->parameters.seed;
-  job.options = s->parameters.start;
-  for (std::size_t i = 0; i < job.frame_count; ++i) {
-    const std::int64_t since_ns =
-        s->tracks.frames[i].timestamp_ns - s->tracks.frames[0].timestamp_ns;
-    job.times_s[i] = static_cast<double>(since_ns) * 1e-9;
-  }
-  for (std::size_t t = 0; t < job.track_count; ++t) {
-    StartTrack& track = job.tracks[t];
-    track.observations.clear();
-    for (const TrackPoint& point : s->tracks.tracks[t].points) {
-      const Feature& f = s->tracks.frames[static_cast<std::size_t>(point.frame)]
-                             .features[static_cast<std::size_t>(point.feature)];
-      (void)track.observations.push_back(
-          {.frame = point.frame,
-           .normalised = f.normalised,
-           .sigma_normalised = static_cast<double>(f.sigma_px) / s->camera.focal_px()});
-    }
-  }
-}
-
-}  // namespace
 
 void collect(Component::State* s) {
   if (!job_slot_free(*s) || s->verdict.decision != FrameDecision::kUse) {
@@ -102,25 +13,19 @@ void collect(Component::State* s) {
   open_outline(s->gray.size(), &s->mask_state, &s->mask);
   stage_done(Stage::kMask, *s);
   ensure_features(s);
-  constexpr std::size_t kFeaturesMin = 12;  // fewer cannot carry a pose
-  if (s->features.size() < kFeaturesMin || !worth_collecting(s)) {
-    return;
-  }
-  add_frame(s->frame,
-            s->timestamp_ns,
-            s->motion.R_IC,
-            s->features,
-            s->parameters.tracks.descriptor_ratio_max,
-            &s->tracks);
-  constexpr std::size_t kConnectingMin = 8;  // fewer cannot carry a start
-  drop_unconnected_frames(kConnectingMin, &s->tracks);
-  s->counters.tables_full += s->tracks.full_count;
-  s->tracks.full_count = 0;
-  if (static_cast<int>(s->tracks.frames.size()) < s->parameters.start.frames_min) {
+  const Collected collected = collect_frame({.frame = s->frame,
+                                             .timestamp_ns = s->timestamp_ns,
+                                             .R_IC = s->motion.R_IC,
+                                             .features = &s->features},
+                                            s->parameters.tracks.descriptor_ratio_max,
+                                            &s->initialisation);
+  s->counters.tables_full += collected.tables_full;
+  if (!collected.kept ||
+      static_cast<int>(s->initialisation.tracks.frames.size()) < s->parameters.start.frames_min) {
     return;
   }
   ++s->counters.start_contests;
-  pose_problem(s);
+  pose_problem(s->initialisation, s->camera, s->parameters.start, s->parameters.seed, &s->job.start);
   issue_job(JobKind::kStart, s);
 }
 

@@ -7,7 +7,6 @@
 #include "map/bridge.hpp"
 #include "map/keyframes.hpp"
 #include "pipeline/mapping.hpp"
-#include "pipeline/scale_now.hpp"
 #include "pipeline/track.hpp"
 
 namespace polhode {
@@ -52,7 +51,7 @@ bool belongs_to_start(const Keyframe& keyframe, const Component::State& s) {
 /// The start's keyframes and landmarks into the map, and a first joint adjustment asked for.
 void take_over_start(const Similarity& to_T, Component::State* s) {
   const std::uint32_t first_keyframe = s->map.next_keyframe_number;
-  begin_map(s->job.start.outcome, s->tracks, to_T, s->parameters.map, &s->map);
+  begin_map(s->job.start.outcome, s->initialisation.tracks, to_T, s->parameters.map, &s->map);
   settle_map(first_keyframe, s);
   start_drift(to_T, s);
   s->mode = Mode::kTracking;
@@ -70,14 +69,17 @@ void forget_map(Component::State* s) {
 FixedVector<BridgeFrame, limits::kStartFrames> predicted_beside(const Component::State& s) {
   FixedVector<BridgeFrame, limits::kStartFrames> frames;
   for (std::size_t f = 0; f < s.job.start.outcome.frames.size(); ++f) {
-    PosePrediction predicted;
-    if (s.job.start.outcome.frames[f].valid &&
-        predict_pose(s, s.tracks.frames[f].timestamp_ns, s.tracks.frames[f].R_IC, &predicted)) {
+    if (!s.job.start.outcome.frames[f].valid) {
+      continue;
+    }
+    const auto predicted = predict_or_hold(
+        s.motion, s.drift, s.parameters.motion, s.initialisation.tracks.frames[f].timestamp_ns, s.initialisation.tracks.frames[f].R_IC);
+    if (predicted) {
       (void)frames.push_back(
           {.start = s.job.start.outcome.frames[f].pose,
-           .predicted = predicted.pose,
-           .predicted_sigma_rad = worst_sigma(predicted.covariance.topLeftCorner<3, 3>()),
-           .predicted_sigma_mu = worst_sigma(predicted.covariance.bottomRightCorner<3, 3>())});
+           .predicted = predicted->pose,
+           .predicted_sigma_rad = worst_sigma(predicted->covariance.topLeftCorner<3, 3>()),
+           .predicted_sigma_mu = worst_sigma(predicted->covariance.bottomRightCorner<3, 3>())});
     }
   }
   return frames;
@@ -103,7 +105,7 @@ void widen_drift(const Bridge& bridge, double predicted_sigma_rad, Component::St
 /// The first map, or another one with a T and a unit of its own.
 void begin(Component::State* s) {
   forget_map(s);
-  forget_scale(s);
+  forget_scale(&s->scale);
   s->drift = {};
   ++s->target_frame;
   take_over_start({}, s);
@@ -138,8 +140,8 @@ void begin_again(Component::State* s) {
 void take_start(Component::State* s) {
   const StartJob& job = s->job.start;
   if (job.outcome.decision != StartDecision::kCommit) {
-    if (job.outcome.crowded && s->tracks.frames.size() == job.frame_count) {
-      drop_oldest_frame(&s->tracks);
+    if (job.outcome.crowded && s->initialisation.tracks.frames.size() == job.frame_count) {
+      drop_oldest_frame(&s->initialisation.tracks);
     }
     return;
   }

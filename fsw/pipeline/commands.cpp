@@ -7,7 +7,6 @@
 #include "bus/commands.hpp"
 #include "pipeline/parameter_image.hpp"
 #include "pipeline/picture.hpp"
-#include "pipeline/scale_now.hpp"
 
 namespace polhode {
 namespace {
@@ -29,7 +28,7 @@ Outcome hold(Component::State* s) {
   s->mode = Mode::kIdle;
   s->reference.valid = false;
   // What was collected for a start is old when frames are looked at again, and so are the last pictures.
-  clear(&s->tracks);
+  clear(&s->initialisation.tracks);
   forget_pictures(s);
   give_up_start(s);
   return kDone;
@@ -185,7 +184,7 @@ Outcome table_activate(const Command& command, Component::State* s) {
   s->parameters = s->bus.inactive.parameters;
   s->parameters.scale = scale;
   if (s->parameters.motion != motion) {
-    forsake_model(s);
+    drop_model(s);
   }
   s->bus.inactive = {};
   s->bus.table_crc = table_crc(s->parameters);
@@ -320,14 +319,14 @@ void execute_commands(std::span<const std::span<const std::uint8_t>> commands,
 void forget_target(Component::State* s) {
   forget_jobs(s);
   clear(&s->map);
-  clear(&s->tracks);
+  clear(&s->initialisation.tracks);
   s->reference.valid = false;
   s->reference.points.clear();
   forget_motion(s);
   forget_shape(s);
   s->localised.matches.clear();
   s->drift = {};
-  forget_scale(s);
+  forget_scale(&s->scale);
   s->noise_scale = 1.0;
   s->last_adjustment_of_all = {};
   forget_pictures(s);

@@ -5,7 +5,7 @@
 #include "base/assert.hpp"
 #include "pipeline/begin.hpp"
 #include "pipeline/mapping.hpp"
-#include "pipeline/motion_now.hpp"
+#include "pipeline/motion_jobs.hpp"
 #include "pipeline/picture.hpp"
 #include "pipeline/state.hpp"
 
@@ -14,14 +14,6 @@ namespace {
 
 // A start is followed by two adjustments, each of which ends before the next begins.
 constexpr int kJobsInARowMax = 4;
-
-void run_start(StartJob* job) {
-  job->outcome = run_start_contest({.times_s = std::span(job->times_s).first(job->frame_count),
-                                    .tracks = std::span(job->tracks).first(job->track_count),
-                                    .seed = job->seed},
-                                   job->options,
-                                   job->workspace);
-}
 
 void run_fit(FitJob* job) { job->model = fit_rigid_model(job->snapshot, job->workspace); }
 
@@ -57,7 +49,7 @@ void take_result(Job* job, Component::State* s) {
   } else if (kind == JobKind::kAdjustment) {
     take_adjustment(s);
   } else if (kind == JobKind::kFit) {
-    take_fit(s);
+    take_fit_job(s);
   } else if (kind == JobKind::kShape) {
     take_shape(s);
   }
@@ -101,8 +93,7 @@ void run_job(Job& job) {
 
 void skip_job(Job& job) {
   if (job.kind == JobKind::kStart) {
-    static_cast<MapJob&>(job).start.outcome.decision = StartDecision::kTooFewTracks;
-    static_cast<MapJob&>(job).start.outcome.crowded = false;
+    skip_start(&static_cast<MapJob&>(job).start);
   } else if (job.kind == JobKind::kAdjustment) {
     static_cast<MapJob&>(job).adjustment.usable = false;
     static_cast<MapJob&>(job).adjustment.model = {};

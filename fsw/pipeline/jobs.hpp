@@ -13,7 +13,7 @@
 #include "base/fixed_vector.hpp"
 #include "base/ids.hpp"
 #include "config/limits.hpp"
-#include "map/initialise.hpp"
+#include "initialisation/start_job.hpp"
 #include "map/window.hpp"
 #include "motion/joint_fit.hpp"
 #include "motion/rigid_model.hpp"
@@ -32,19 +32,6 @@ struct Job {
   bool unwanted = false;  ///< the result is for nothing: what it was taken from has been given up
   std::uint32_t issued_step = 0;
   std::uint32_t due_step = 0;
-};
-
-
-/// A contest for the start of a map.
-struct StartJob {
-  std::size_t frame_count = 0;
-  std::size_t track_count = 0;
-  std::array<double, limits::kStartFrames> times_s{};
-  std::array<StartTrack, limits::kStartTracks> tracks;
-  std::uint64_t seed = 0;
-  StartOptions options;
-  StartWorkspace workspace;
-  StartOutcome outcome;  ///< the result
 };
 
 /// What an adjustment is for, which decides what follows from it.

@@ -10,7 +10,7 @@
 #include "map/room.hpp"
 #include "map/window.hpp"
 #include "pipeline/begin.hpp"
-#include "pipeline/motion_now.hpp"
+#include "pipeline/motion_jobs.hpp"
 #include "pipeline/track.hpp"
 
 namespace polhode {
@@ -86,7 +86,7 @@ void add_priors(Component::State* s) {
     if (snapshot.pose_fixed[k] != 0) {
       continue;
     }
-    const auto prior = pose_by_map_model(*s, snapshot.timestamps_ns[k], snapshot.R_IC[k]);
+    const auto prior = pose_by_map_model(s->motion, s->parameters.motion, snapshot.timestamps_ns[k], snapshot.R_IC[k]);
     if (!prior || !(prior->pose.p_CT.z() > 0.0)) {
       return;
     }
@@ -172,7 +172,7 @@ MapCorrection take_over(Component::State* s) {
     s->growth.closed = true;
   }
   if (applied && job.as_free_body && job.model.accepted() && !job.model_unwanted) {
-    take_joint_fit(transformed(job.model, correction.back), s);
+    take_map_motion(transformed(job.model, correction.back), s);
     if (reaches_over_bridge(*s)) {
       close_bridge(&s->drift);  // a motion is fitted to parts of a map only where sightings tie them
     }
@@ -193,7 +193,7 @@ void move_with(const AdjustmentJob& job, Component::State* s) {
     s->localised.absolute.pose = keyframe.pose;
     return;
   }
-  move_pose(keyframe, s);
+  move_pose(keyframe, &s->motion);
 }
 
 /// So does what was seen after the adjusted keyframes.
@@ -201,7 +201,7 @@ void move_since(const MapCorrection& correction, Component::State* s) {
   if (s->reference.valid && s->reference_frame > correction.frame) {
     s->reference.pose = correction.moved(s->reference.pose);
   }
-  if (move_poses_with_map(correction.timestamp_ns, s)) {
+  if (move_poses_with_map(s->map, correction.timestamp_ns, &s->motion)) {
     s->map_moved_rad = rotation_angle_rad(correction.before.R_CT, correction.after.R_CT);
   }
 }

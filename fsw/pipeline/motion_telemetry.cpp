@@ -45,7 +45,7 @@ PoseCovariance drift_until(const Pose& predicted, const Component::State& s) {
 void send_local_prediction(const MotionState& motion, Component::State* s) {
   const std::int64_t ahead_ns =
       motion.timestamp_ns + std::llround(1e9 * kPredictionsAhead_s.front());
-  Result<PosePrediction> predicted = predict_by_motion(*s, ahead_ns, s->motion.R_IC);
+  Result<PosePrediction> predicted = predict_by_motion(s->motion, s->drift, s->parameters.motion, ahead_ns, s->motion.R_IC);
   if (!predicted) {
     return;
   }

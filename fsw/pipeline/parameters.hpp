@@ -9,6 +9,7 @@
 #include "bus/options.hpp"
 #include "features/options.hpp"
 #include "image/options.hpp"
+#include "initialisation/options.hpp"
 #include "map/options.hpp"
 #include "mask/options.hpp"
 #include "motion/options.hpp"

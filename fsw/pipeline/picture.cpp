@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "mask/behind.hpp"
-#include "pipeline/track.hpp"
 
 namespace polhode {
 namespace {
@@ -107,14 +106,12 @@ MaskPrior mask_prior(const Pose& pose, Component::State* s) {
           .radius_px = s->map.radius_mu * s->camera.focal_px() / pose.p_CT.z()};
 }
 
-void look_for_target(Component::State* s) {
+void look_for_target(const std::optional<PosePrediction>& predicted, Component::State* s) {
   const MaskOptions& options = s->parameters.mask;
   find_target(s->gray, options, &s->mask);
-  PosePrediction predicted;
   MaskPrior prior;
-  if (s->mode == Mode::kTracking && options.tells_background() && rim_is_lit(s->mask.cells) &&
-      predict_pose(*s, s->timestamp_ns, s->motion.R_IC, &predicted)) {
-    prior = mask_prior(predicted.pose, s);
+  if (s->mode == Mode::kTracking && options.tells_background() && rim_is_lit(s->mask.cells) && predicted) {
+    prior = mask_prior(predicted->pose, s);
   }
   follow_target(s->gray, prior, options, &s->mask_state, &s->mask);
   stage_done(Stage::kMask, *s);

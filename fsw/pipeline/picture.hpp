@@ -1,6 +1,8 @@
 // The frame comes in: copied, judged, searched for the target and for features.
 #pragma once
 
+#include <optional>
+
 #include "pipeline/state.hpp"
 
 namespace polhode {
@@ -25,7 +27,7 @@ MaskPrior mask_prior(const Pose& pose, Component::State* state);
 
 /// Finds the target's mask; while a map is tracked and something may be behind it, with the landmarks where the predicted
 /// pose has them.
-void look_for_target(Component::State* state);
+void look_for_target(const std::optional<PosePrediction>& predicted, Component::State* state);
 
 /// Detects this frame's features, once.
 void ensure_features(Component::State* state);

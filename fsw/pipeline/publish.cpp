@@ -45,7 +45,7 @@ std::array<double, 4> continuous_quaternion(const Eigen::Matrix3d& R_CT,
 }
 
 void fill_rates(double unit, const Component::State& s, MotionState* m) {
-  Result<RateEstimate> rates = rates_now(s);
+  Result<RateEstimate> rates = rates_now(s.motion, s.drift, s.parameters.motion);
   if (!rates) {
     return;
   }

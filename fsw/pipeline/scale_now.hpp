@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pipeline/state.hpp"
-#include "shape/shape.hpp"
+#include "shape/scale_state.hpp"
 
 namespace polhode {
 
@@ -12,9 +12,6 @@ namespace polhode {
 /// readings contradict each other.
 void measure_scale(Component::State* state);
 
-/// What was measured holds no longer: lengths are in map units. What is to be measured stays.
-void forget_scale(Component::State* state);
-
 /// The same at once, in place of what an earlier reading said: from the keyframe of the named time,
 /// or from this frame as it was localised last. False where nothing can be told.
 bool measure_scale_in_keyframe(Component::State* state);
@@ -22,8 +19,5 @@ bool measure_scale_in_frame(Component::State* state);
 
 /// From a found shape in map units, where the configuration names a diameter or an edge.
 bool measure_scale_of(const Shape& shape, Component::State* state);
-
-/// Whether a length or a range is named in a frame.
-[[nodiscard]] bool names_frame(const ScaleOptions& options);
 
 }  // namespace polhode

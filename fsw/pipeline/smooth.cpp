@@ -5,7 +5,7 @@
 
 #include "map/landmarks.hpp"
 #include "pipeline/mapping.hpp"
-#include "pipeline/motion_now.hpp"
+#include "pipeline/motion_jobs.hpp"
 #include "pipeline/picture.hpp"
 #include "pipeline/state.hpp"
 #include "pipeline/track.hpp"
@@ -117,7 +117,7 @@ SmoothedPose MapAtRest::from_image(const Frame& frame) {
   // as seen by an observer who stands still.
   const auto expected = s->motion.observer_known
                             ? std::nullopt
-                            : pose_by_map_model(*s, frame.timestamp_ns, s->motion.R_IC);
+                            : pose_by_map_model(s->motion, s->parameters.motion, frame.timestamp_ns, s->motion.R_IC);
   SmoothedPose smoothed;
   if ((expected && find_about(*expected, s)) || relocalise_frame(s)) {
     smoothed.valid = true;

@@ -17,7 +17,7 @@
 #include "image/quality.hpp"
 #include "map/drift.hpp"
 #include "map/follow.hpp"
-#include "map/initialise.hpp"
+#include "initialisation/collect.hpp"
 #include "map/landmarks.hpp"
 #include "map/localise.hpp"
 #include "map/map.hpp"
@@ -27,25 +27,11 @@
 #include "pipeline/bus_state.hpp"
 #include "pipeline/component.hpp"
 #include "pipeline/jobs.hpp"
-#include "pipeline/motion_now.hpp"
+#include "pipeline/motion_jobs.hpp"
 #include "pipeline/shape_now.hpp"
-#include "shape/scale_fusion.hpp"
-#include "tracks/track_table.hpp"
+#include "shape/scale_state.hpp"
 
 namespace polhode {
-
-/// Metres per map unit from all readings so far; unknown, in map units, while there is none or they
-/// contradict each other.
-struct ScaleState {
-  bool known = false;
-  double metres_per_mu = 1.0;
-  double relative_sigma = 0.0;
-  double metres_per_mu_published = 1.0;  ///< of the last frame that was published in metres
-  std::uint32_t keyframes_at_reading = 0;  ///< number of the map's next one at the last reading
-  ScaleReadings readings;
-  std::array<bool, kScaleSources> used{};  ///< readings that the scale comes from
-  bool contradiction = false;
-};
 
 /// Predictions under way to the bus, and what the frame that they start from had.
 struct AheadNow {
@@ -83,8 +69,7 @@ struct Component::State {
   bool pose_valid = false;
   std::uint32_t steps_to_shed = 0;  ///< for so long less is asked of the libraries
 
-  // Before the map.
-  TrackTable tracks;
+  InitialisationState initialisation;  ///< before the map
 
   // The map and what follows from it.
   Map map;
@@ -92,7 +77,7 @@ struct Component::State {
   std::uint32_t reference_frame = 0;  ///< that it was taken from
   MapDrift drift;
   std::uint32_t target_frame = 0;  ///< number of the frame T that the map is in: poses of two do not compare
-  MotionNow motion;
+  MotionEstimate motion;
   AheadNow ahead;
   ShapeNow shape;
   ScaleState scale;

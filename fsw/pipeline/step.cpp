@@ -102,11 +102,11 @@ void shed_load(bool memory_short, Component::State* s) {
   s->counters.steps_short_of_memory += s->steps_to_shed > 0 ? 1 : 0;
 }
 
-void estimate(Component::State* s) {
+void estimate(const std::optional<PosePrediction>& predicted, Component::State* s) {
   if (s->mode == Mode::kAcquiring) {
     collect(s);
   } else {
-    track(s);
+    track(predicted, s);
   }
   stage_done(Stage::kMap, *s);
   run_undelayed_jobs(s);
@@ -150,8 +150,10 @@ const StepOutput& Component::step(const StepInput& input) {
     s->time_known = true;
   }
   if (use == FrameUse::kUsed) {
-    look_for_target(s);
-    estimate(s);
+    const std::optional<PosePrediction> predicted =
+        predict_or_hold(s->motion, s->drift, s->parameters.motion, s->timestamp_ns, s->motion.R_IC);
+    look_for_target(predicted, s);
+    estimate(predicted, s);
   } else if (s->mode == Mode::kTracking) {
     s->reference.valid = false;
   }

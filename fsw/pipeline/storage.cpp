@@ -11,7 +11,7 @@ MemoryNeed memory_needed(const Parameters& /*parameters*/) {
   static constexpr TableNeed kTables[] = {
       {"keyframes", sizeof(Map::keyframes)},
       {"landmarks", sizeof(Map::landmarks)},
-      {"frames and tracks before the map", sizeof(State::tracks)},
+      {"frames and tracks before the map", sizeof(State::initialisation)},
       {"job: start of a map", sizeof(MapJob::start)},
       {"job: adjustment", sizeof(MapJob::adjustment)},
       {"job: fit of the dynamics", sizeof(FitJob)},

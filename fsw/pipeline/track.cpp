@@ -95,7 +95,7 @@ bool believable(const PosePrediction& predicted, bool start_checks, const Compon
 /// rest. A measurement that contradicts it stands by itself.
 void fuse_with_motion(Component::State* s) {
   const AbsolutePose& measured = s->localised.absolute;
-  const auto prior = pose_by_map_model(*s, s->timestamp_ns, s->motion.R_IC);
+  const auto prior = pose_by_map_model(s->motion, s->parameters.motion, s->timestamp_ns, s->motion.R_IC);
   if (!prior) {
     return;
   }
@@ -203,7 +203,7 @@ void lose(Component::State* s) {
   s->reference.valid = false;
   if (s->mode == Mode::kTracking) {
     ++s->counters.lost;
-    clear(&s->tracks);
+    clear(&s->initialisation.tracks);
     give_up_start(s);
   }
   s->mode = Mode::kLost;
@@ -225,7 +225,7 @@ bool plausible(const PosePrediction& predicted, bool start_checks, const Compone
   constexpr double kDepthError = 0.05;
   constexpr double kAllowance_rad = 0.0175;
   const AbsolutePose& found = s.localised.absolute;
-  const double step_rad = rotation_angle_rad(last_pose_seen(s, s.motion.R_IC).R_CT, predicted.pose.R_CT);
+  const double step_rad = rotation_angle_rad(last_pose_seen(s.motion, s.motion.R_IC).R_CT, predicted.pose.R_CT);
   const double sigma_rad =
       std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
                 found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
@@ -277,35 +277,17 @@ bool relocalise_frame(Component::State* s) {
          2 * s->localised.absolute.inliers >= static_cast<int>(s->localised.matches.size());
 }
 
-bool predict_pose(const Component::State& s,
-                  std::int64_t timestamp_ns,
-                  const Eigen::Matrix3d& R_IC,
-                  PosePrediction* predicted) {
-  if (s.motion.recent.empty()) {
-    return false;
-  }
-  const Pose last = last_pose_seen(s, R_IC);
-  const Result<PosePrediction> by_motion = predict_by_motion(s, timestamp_ns, R_IC);
-  *predicted = by_motion ? by_motion.value() : PosePrediction{.pose = last};
-  // Extrapolated through the camera: the last place is the better guess.
-  if (!(predicted->pose.p_CT.z() > 0.1 * last.p_CT.z())) {
-    predicted->pose.p_CT = last.p_CT;
-  }
-  return true;
-}
-
-void track(Component::State* s) {
-  PosePrediction predicted;
-  const bool has_prediction = predict_pose(*s, s->timestamp_ns, s->motion.R_IC, &predicted);
-  const bool found = has_prediction && (try_flow(predicted, s) || find_about(predicted, s));
+void track(const std::optional<PosePrediction>& predicted, Component::State* s) {
+  const bool found = predicted && (try_flow(*predicted, s) || find_about(*predicted, s));
   const bool everywhere =
-      !found && relocalise_frame(s) && (!has_prediction || believable(predicted, false, *s));
+      !found && relocalise_frame(s) && (!predicted || believable(*predicted, false, *s));
   if (!found && !everywhere) {
     lose(s);
     collect(s);
     return;
   }
-  check_motion(s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
+  check_pose(
+      s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s->drift, &s->motion);
   fuse_with_motion(s);
   const bool may_teach = s->verdict.decision == FrameDecision::kUse;
   if (may_teach) {

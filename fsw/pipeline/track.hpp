@@ -1,13 +1,16 @@
 // TRACKING and LOST: the pose of each frame from the map.
 #pragma once
 
+#include <optional>
+
 #include "pipeline/state.hpp"
 
 namespace polhode {
 
 /// Finds the frame's pose by optical flow or guided matching, whichever the predicted image motion
 /// calls for, else by relocalisation; extends the map. Sets `pose_valid`, `localised` and the mode.
-void track(Component::State* state);
+/// @param predicted  the pose by the motion so far; nothing where no pose is known.
+void track(const std::optional<PosePrediction>& predicted, Component::State* state);
 
 /// Does this frame's pose, in `localised`, agree with the motion so far? The prediction knows its own error and how sharply a
 /// free body's motion may bend; a map's depth is known to some percent, which falsifies a step by
@@ -27,11 +30,5 @@ bool relocalise_frame(Component::State* state);
 
 /// What the map's functions need of this frame.
 LocaliseInput localise_input(const Component::State& state);
-
-/// Where the body should be at a time by its motion so far. False when no pose is known.
-bool predict_pose(const Component::State& state,
-                  std::int64_t timestamp_ns,
-                  const Eigen::Matrix3d& R_IC,
-                  PosePrediction* predicted);
 
 }  // namespace polhode

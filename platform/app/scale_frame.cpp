@@ -9,7 +9,7 @@
 
 #include "errors.hpp"
 #include "pipeline/parameter_table.hpp"
-#include "pipeline/scale_now.hpp"
+#include "shape/scale_state.hpp"
 
 namespace polhode::platform {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "pipeline/state.hpp"
+#include "shape/scale_state.hpp"
 #include "shape/hull.hpp"
 #include "shape/shape.hpp"
 

@@ -102,9 +102,9 @@ TEST(Commands, WhatWasCollectedForAStartIsOld_AfterAHold) {
     (void)bench.show(ball.seen_from(turning(i)));
   }
   const Component::State& state = bench.component->state();
-  ASSERT_FALSE(state.tracks.frames.empty());
+  ASSERT_FALSE(state.initialisation.tracks.frames.empty());
   (void)bench.step(command(CommandCode::kHold));
-  EXPECT_TRUE(state.tracks.frames.empty());
+  EXPECT_TRUE(state.initialisation.tracks.frames.empty());
   (void)bench.show(ball.seen_from(turning(5)));
   (void)bench.step(command(CommandCode::kResume));
   const Counters& counters = bench.component->counters();

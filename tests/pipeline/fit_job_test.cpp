@@ -33,7 +33,7 @@ TEST_P(FitJobs, PacketsDoNotShowWhenAFitWasRun) {
 
 TEST_P(FitJobs, TheMotionIsFoundWhateverTheDelay) {
   Caller& caller = shown(GetParam(), Run::kWhenDue);
-  const MotionNow& m = caller.state().motion;
+  const MotionEstimate& m = caller.state().motion;
   EXPECT_TRUE(m.model.accepted());
   EXPECT_LT(m.poses_since_fit, m.past.size());
 }
@@ -78,7 +78,7 @@ TEST_P(FitJobsOut, AFitInOldAxesIsNotTaken) {
 
 TEST(FitJob, PosesSinceItWasAskedForJudgeIt) {
   Caller caller(parameters(), 4, Run::kAtOnce);
-  MotionNow& m = caller.component().state().motion;
+  MotionEstimate& m = caller.component().state().motion;
   const FitJob& job = caller.component().state().fit_job;
   // A fit beside an accepted model that has been out for three poses, and that no joint fit has
   // overtaken.

@@ -82,7 +82,7 @@ TEST(KnownLength, IsForgotten_WithWhatItWasMeasuredOn) {
   Component::State& s = b.component->state();
   ASSERT_TRUE(s.scale.known);
   const double metres_per_mu = s.scale.metres_per_mu;
-  forget_scale(&s);
+  forget_scale(&s.scale);
   EXPECT_FALSE(s.scale.known);
   EXPECT_EQ(s.scale.metres_per_mu, 1.0);
   EXPECT_TRUE(s.scale.readings.empty());

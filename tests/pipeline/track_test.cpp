@@ -5,7 +5,7 @@
 
 #include "bench.hpp"
 #include "geometry/so3.hpp"
-#include "pipeline/motion_now.hpp"
+#include "pipeline/motion_jobs.hpp"
 #include "pipeline/state.hpp"
 
 namespace polhode {
@@ -23,8 +23,10 @@ const PoseCovariance kCovariance = 1e-6 * PoseCovariance::Identity();
 
 /// Is a pose taken that is off the motion so far by an angle?
 bool takes(double off_rad, int second, Component::State* s, bool start_checks = false) {
-  PosePrediction predicted;
-  EXPECT_TRUE(predict_pose(*s, second * Bench::kSecond_ns, Eigen::Matrix3d::Identity(), &predicted));
+  const PosePrediction predicted =
+      predict_or_hold(
+          s->motion, s->drift, s->parameters.motion, second * Bench::kSecond_ns, Eigen::Matrix3d::Identity())
+          .value();
   s->localised.absolute.pose = predicted.pose;
   s->localised.absolute.pose.R_CT = so3_exp(off_rad * Eigen::Vector3d::UnitX()) * predicted.pose.R_CT;
   s->localised.absolute.covariance = kCovariance;

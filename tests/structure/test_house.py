@@ -7,7 +7,7 @@ from source_tree import (ROOTS, code_of, cpp_functions, name_of, own_includes, p
                          system_includes, REPOSITORY)
 
 FOUNDATION = ["base", "geometry", "solve"]
-FLOW = ["image", "mask", "features", "tracks", "map", "shape", "motion", "bus", "pipeline"]
+FLOW = ["image", "mask", "features", "tracks", "initialisation", "map", "shape", "motion", "bus", "pipeline"]
 STAGES = FOUNDATION + FLOW
 
 FILE_LINES_MAX = 400

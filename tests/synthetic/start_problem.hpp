@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/so3.hpp"
-#include "map/initialise.hpp"
+#include "initialisation/initialise.hpp"
 #include "synthetic/tracks.hpp"
 
 namespace polhode::synthetic {

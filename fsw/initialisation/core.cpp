@@ -1,0 +1,294 @@
+// Which frames and tracks a contest is held on.
+#include <algorithm>
+#include <cmath>
+
+#include "base/assert.hpp"
+#include "initialisation/initialise.hpp"
+
+namespace polhode {
+namespace {
+
+// An affine shape has 8 unknowns a frame and 3 a track: 12 tracks leave a third of the equations as
+// a check.
+constexpr int kCommonMin = 12;
+// Frames with fewer tracks say nothing about a body of which we know nothing.
+constexpr int kFrameTracksMin = 8;
+// Past this many common tracks a longer run of frames is worth more than more tracks.
+constexpr double kCommonEnough = 60.0;
+// Tracks of the first core; the second one and the frames' quotas share the rest of kContestTracks.
+constexpr std::size_t kFirstCoreTracks = 80;
+// Tracks that each frame should have in the contest, when it has them.
+constexpr int kFrameQuota = 60;
+// With fewer a frame hardly speaks for one hypothesis or its twin.
+constexpr int kFrameTracksEnough = 40;
+
+using FrameMask = std::uint32_t;
+static_assert(limits::kStartFrames <= 32);
+
+struct Run {
+  FixedVector<int, limits::kStartFrames> frames;
+  FrameMask mask = 0;
+  double score = 0.0;
+};
+
+FrameMask mask_of(const StartTrack& track) {
+  FrameMask mask = 0;
+  for (const StartObservation& o : track.observations) {
+    mask |= 1U << static_cast<unsigned>(o.frame);
+  }
+  return mask;
+}
+
+using FrameCounts = std::array<int, limits::kStartFrames>;
+
+void count_frames(const StartTrack& track, FrameCounts* counts) {
+  for (const StartObservation& o : track.observations) {
+    ++(*counts)[static_cast<std::size_t>(o.frame)];
+  }
+}
+
+/// Tracks in each frame that another frame sees too.
+FrameCounts count_offered(const StartProblem& problem) {
+  FrameCounts counts{};
+  for (const StartTrack& track : problem.tracks) {
+    if (track.observations.size() >= 2) {
+      count_frames(track, &counts);
+    }
+  }
+  return counts;
+}
+
+/// Frames with tracks enough, in order. A frame that lost most of its tracks would break every run
+/// through it.
+FixedVector<int, limits::kStartFrames> live_frames(const StartProblem& problem) {
+  const FrameCounts counts = count_offered(problem);
+  FrameCounts sorted = counts;
+  const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(problem.times_s.size());
+  std::sort(sorted.begin(), end);
+  const int median = sorted[problem.times_s.size() / 2];
+  FixedVector<int, limits::kStartFrames> live;
+  for (std::size_t f = 0; f < problem.times_s.size(); ++f) {
+    if (counts[f] >= std::max(kFrameTracksMin, median / 3)) {
+      (void)live.push_back(static_cast<int>(f));
+    }
+  }
+  return live;
+}
+
+int count_common(const StartProblem& problem, FrameMask mask) {
+  int count = 0;
+  for (const StartTrack& track : problem.tracks) {
+    count += (mask_of(track) & mask) == mask ? 1 : 0;
+  }
+  return count;
+}
+
+double long_score(std::size_t frames, int common) {
+  return static_cast<double>(frames - 1) * std::sqrt(std::min<double>(common, kCommonEnough));
+}
+
+/// On a many-sided body that turns fast, what all of a long run sees is one flat side.
+double crowded_score(std::size_t frames, int common) {
+  return std::sqrt(static_cast<double>(frames - 1)) * std::min<double>(common, kCoreTracks);
+}
+
+/// The run of live frames with the highest score.
+template <typename Score>
+Run best_run(const StartProblem& problem, const Score& score) {
+  const FixedVector<int, limits::kStartFrames> live = live_frames(problem);
+  Run best;
+  for (std::size_t begin = 0; begin < live.size(); ++begin) {
+    Run run;
+    for (std::size_t end = begin; end < live.size(); ++end) {
+      run.mask |= 1U << static_cast<unsigned>(live[end]);
+      (void)run.frames.push_back(live[end]);
+      if (run.frames.size() < 3) {
+        continue;
+      }
+      const int common = count_common(problem, run.mask);
+      if (common < kCommonMin) {
+        break;
+      }
+      run.score = score(run.frames.size(), common);
+      if (run.score > best.score) {
+        best = run;
+      }
+    }
+  }
+  return best;
+}
+
+const StartObservation* find_frame(const StartTrack& track, int frame) {
+  const auto* const at = std::find_if(
+      track.observations.begin(), track.observations.end(), [frame](const StartObservation& o) {
+        return o.frame == frame;
+      });
+  return at == track.observations.end() ? nullptr : at;
+}
+
+using Distances = FixedVector<double, limits::kStartTracks>;
+
+/// Takes the track that lies farthest from those taken, among those that `eligible` allows.
+template <typename Eligible>
+bool take_farthest(const StartProblem& problem,
+                   int frame,
+                   const Eligible& eligible,
+                   Distances* distance2,
+                   StartContestSet* set) {
+  double farthest = -1.0;
+  std::size_t chosen = 0;
+  for (std::size_t i = 0; i < problem.tracks.size(); ++i) {
+    if ((*distance2)[i] > farthest && eligible(i)) {
+      farthest = (*distance2)[i];
+      chosen = i;
+    }
+  }
+  if (farthest < 0.0 || !set->tracks.push_back(static_cast<int>(chosen))) {
+    return false;
+  }
+  const StartObservation* const taken = find_frame(problem.tracks[chosen], frame);
+  (*distance2)[chosen] = -1.0;
+  for (std::size_t i = 0; i < problem.tracks.size(); ++i) {
+    const StartObservation* const other = find_frame(problem.tracks[i], frame);
+    if (taken != nullptr && other != nullptr && (*distance2)[i] >= 0.0) {
+      (*distance2)[i] =
+          std::min((*distance2)[i], (taken->normalised - other->normalised).squaredNorm());
+    }
+  }
+  return true;
+}
+
+/// Tracks outside the core, so that every frame has its quota.
+void add_frame_quotas(const StartProblem& problem, StartContestSet* set) {
+  FrameCounts counts{};
+  FixedVector<std::uint8_t, limits::kStartTracks> taken;
+  taken.resize(problem.tracks.size());
+  const auto count = [&](int track) {
+    taken[static_cast<std::size_t>(track)] = 1;
+    count_frames(problem.tracks[static_cast<std::size_t>(track)], &counts);
+  };
+  std::for_each(set->tracks.begin(), set->tracks.end(), count);
+  for (std::size_t n = set->tracks.size(); n < kContestTracks; ++n) {
+    // The track that helps most frames short of their quota; the longer one, then the first, where
+    // several do.
+    int best_gain = 0;
+    int best_track = -1;
+    for (std::size_t i = 0; i < problem.tracks.size(); ++i) {
+      const StartTrack& track = problem.tracks[i];
+      if (taken[i] != 0 || track.observations.size() < 2) {
+        continue;
+      }
+      int gain = 0;
+      for (const StartObservation& o : track.observations) {
+        gain += counts[static_cast<std::size_t>(o.frame)] < kFrameQuota ? 100 : 1;
+      }
+      if (gain >= 100 && gain > best_gain) {
+        best_gain = gain;
+        best_track = static_cast<int>(i);
+      }
+    }
+    if (best_track < 0) {
+      return;
+    }
+    (void)set->tracks.push_back(best_track);
+    count(best_track);
+  }
+}
+
+void list_sightings(const StartProblem& problem, StartContestSet* set) {
+  set->sightings.clear();
+  for (std::size_t k = 0; k < set->tracks.size(); ++k) {
+    for (const StartObservation& o :
+         problem.tracks[static_cast<std::size_t>(set->tracks[k])].observations) {
+      (void)set->sightings.push_back({.frame = o.frame,
+                                      .track = static_cast<int>(k),
+                                      .normalised = o.normalised,
+                                      .sigma_normalised = o.sigma_normalised});
+    }
+  }
+}
+
+/// Up to kCoreFrames of the run, evenly, its ends included.
+FrameMask choose_frames(const Run& run, StartCore* core) {
+  const std::size_t frames = std::min(kCoreFrames, run.frames.size());
+  FrameMask mask = 0;
+  core->frames.clear();
+  for (std::size_t k = 0; k < frames; ++k) {
+    const int frame = run.frames[k * (run.frames.size() - 1) / (frames - 1)];
+    (void)core->frames.push_back(frame);
+    mask |= 1U << static_cast<unsigned>(frame);
+  }
+  return mask;
+}
+
+/// Tracks that see all of the core's frames: those in the contest already, then more, spread over
+/// the middle frame.
+void choose_tracks(const StartProblem& problem,
+                   FrameMask mask,
+                   std::size_t tracks_max,
+                   StartContestSet* set,
+                   StartCore* core) {
+  const auto sees_all = [&](std::size_t i) { return (mask_of(problem.tracks[i]) & mask) == mask; };
+  Distances distance2;
+  distance2.resize(problem.tracks.size());
+  std::fill(distance2.begin(), distance2.end(), 1e300);
+  for (const int taken : set->tracks) {
+    distance2[static_cast<std::size_t>(taken)] = -1.0;
+  }
+  core->tracks.clear();
+  for (std::size_t k = 0; k < set->tracks.size() && core->tracks.size() < tracks_max; ++k) {
+    if (sees_all(static_cast<std::size_t>(set->tracks[k]))) {
+      (void)core->tracks.push_back(static_cast<int>(k));
+    }
+  }
+  const int middle = core->frames[core->frames.size() / 2];
+  while (core->tracks.size() < tracks_max &&
+         take_farthest(problem, middle, sees_all, &distance2, set)) {
+    (void)core->tracks.push_back(static_cast<int>(set->tracks.size()) - 1);
+  }
+}
+
+}  // namespace
+
+bool select_contest_set(const StartProblem& problem, StartContestSet* set) {
+  POLHODE_ASSERT(problem.times_s.size() <= limits::kStartFrames, problem.times_s.size());
+  POLHODE_ASSERT(problem.tracks.size() <= limits::kStartTracks, problem.tracks.size());
+  set->tracks.clear();
+  set->cores.clear();
+  const Run longest = best_run(problem, long_score);
+  if (longest.frames.size() < 3) {
+    return false;
+  }
+  const Run crowded = best_run(problem, crowded_score);
+  for (const Run* run : {&longest, &crowded}) {
+    if (run == &crowded && run->mask == longest.mask) {
+      continue;
+    }
+    StartCore core;
+    const FrameMask mask = choose_frames(*run, &core);
+    choose_tracks(problem, mask, std::min(kCoreTracks, kFirstCoreTracks), set, &core);
+    (void)set->cores.push_back(core);
+  }
+  add_frame_quotas(problem, set);
+  list_sightings(problem, set);
+  return true;
+}
+
+bool is_crowded(const StartProblem& problem, const StartContestSet& set) {
+  if (!set.tracks.full()) {
+    return false;
+  }
+  const FrameCounts offered = count_offered(problem);
+  FrameCounts taken{};
+  for (const int track : set.tracks) {
+    count_frames(problem.tracks[static_cast<std::size_t>(track)], &taken);
+  }
+  for (std::size_t f = 0; f < problem.times_s.size(); ++f) {
+    if (taken[f] < kFrameTracksEnough && offered[f] >= kFrameTracksEnough) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace polhode

@@ -1,0 +1,170 @@
+#include "initialisation/extend.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/median.hpp"
+#include "geometry/so3.hpp"
+#include "geometry/triangulate.hpp"
+
+namespace polhode {
+namespace {
+
+using FrameSightings = FixedVector<StartSighting, kContestTracks>;
+
+constexpr int kPointsMin = 6;  // a pose has six unknowns: three points would do without noise
+// A start pose may be off by a whole frame's turn: tens of pixels; the second pass rejects what
+// does not fit.
+constexpr double kWideSigma = 30.0;
+constexpr double kNarrowSigma = 3.0;
+
+/// (u, v) for a given attitude and inverse depth: the median over the points.
+void place(const FrameSightings& seen, const StartHypothesis& h, InverseDepthPose* pose) {
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    FixedVector<double, kContestTracks> values;
+    for (const StartSighting& s : seen) {
+      const Eigen::Vector3d q = pose->R_CT * h.points_T[static_cast<std::size_t>(s.track)];
+      (void)values.push_back(s.normalised(axis) * (1.0 + pose->uvs.z() * q.z()) -
+                             pose->uvs.z() * q(axis));
+    }
+    pose->uvs(axis) = median(values.view());
+  }
+}
+
+/// Nearest posed frames: before, after, or both on one side; -1 where there is none.
+std::array<int, 2> neighbours(const StartHypothesis& h, int frame) {
+  FixedVector<int, limits::kStartFrames> posed;
+  for (int f = 0; f < static_cast<int>(h.frames); ++f) {
+    if (h.posed[static_cast<std::size_t>(f)] != 0) {
+      (void)posed.push_back(f);
+    }
+  }
+  std::sort(posed.begin(), posed.end(), [frame](int a, int b) {
+    const int da = std::abs(a - frame);
+    const int db = std::abs(b - frame);
+    return da != db ? da < db : a < b;
+  });
+  return {posed.empty() ? -1 : posed[0], posed.size() < 2 ? -1 : posed[1]};
+}
+
+InverseDepthPose continued(const InverseDepthPose& near,
+                           const InverseDepthPose& far,
+                           double fraction) {
+  InverseDepthPose pose = near;
+  pose.R_CT = so3_exp(fraction * so3_log(near.R_CT * far.R_CT.transpose())) * near.R_CT;
+  pose.uvs.z() =
+      near.uvs.z() * std::pow(near.uvs.z() / far.uvs.z(), std::clamp(fraction, -2.0, 2.0));
+  return pose;
+}
+
+double refine(const FrameSightings& seen, StartHypothesis* h, InverseDepthPose* pose) {
+  StartAdjustmentOptions options{
+      .iterations_max = 10, .loss = StartLoss::kCauchy, .width_sigma = kWideSigma};
+  if (adjust_single_pose(seen.view(), h->view(), options, pose) < 0.0) {
+    return -1.0;
+  }
+  options.width_sigma = kNarrowSigma;
+  return adjust_single_pose(seen.view(), h->view(), options, pose);
+}
+
+}  // namespace
+
+bool pose_frame(std::span<const StartSighting> sightings,
+                std::span<const double> times_s,
+                int frame,
+                StartHypothesis* hypothesis) {
+  StartHypothesis& h = *hypothesis;
+  FrameSightings seen;
+  for (const StartSighting& s : sightings) {
+    if (s.frame == frame && h.known[static_cast<std::size_t>(s.track)] != 0) {
+      (void)seen.push_back(s);
+    }
+  }
+  const auto [near, far] = neighbours(h, frame);
+  if (seen.size() < static_cast<std::size_t>(kPointsMin) || near < 0) {
+    return false;
+  }
+  const InverseDepthPose& near_pose = h.poses[static_cast<std::size_t>(near)];
+  FixedVector<InverseDepthPose, 2> starts;
+  (void)starts.push_back(near_pose);
+  if (far >= 0) {
+    const auto time = [&](int f) { return times_s[static_cast<std::size_t>(f)]; };
+    const double fraction = (time(frame) - time(near)) / (time(near) - time(far));
+    (void)starts.push_back(continued(near_pose, h.poses[static_cast<std::size_t>(far)], fraction));
+  }
+  double best = 1e300;
+  InverseDepthPose best_pose;
+  for (InverseDepthPose& start : starts) {
+    place(seen, h, &start);
+    const double cost = refine(seen, &h, &start);
+    if (cost >= 0.0 && cost < best) {
+      best = cost;
+      best_pose = start;
+    }
+  }
+  if (best == 1e300) {
+    return false;
+  }
+  h.poses[static_cast<std::size_t>(frame)] = best_pose;
+  h.posed[static_cast<std::size_t>(frame)] = 1;
+  return true;
+}
+
+void add_points(std::span<const StartSighting> sightings, StartHypothesis* hypothesis) {
+  StartHypothesis& h = *hypothesis;
+  for (std::size_t begin = 0; begin < sightings.size();) {
+    const auto track = static_cast<std::size_t>(sightings[begin].track);
+    std::size_t end = begin;
+    FixedVector<Sighting, limits::kStartFrames> seen;
+    for (; end < sightings.size() && sightings[end].track == sightings[begin].track; ++end) {
+      const auto frame = static_cast<std::size_t>(sightings[end].frame);
+      if (h.posed[frame] != 0 && h.known[track] == 0) {
+        (void)seen.push_back({.pose = from_inverse_depth(h.poses[frame]),
+                              .normalised = sightings[end].normalised,
+                              .sigma_normalised = sightings[end].sigma_normalised});
+      }
+    }
+    begin = end;
+    if (seen.size() < 2) {
+      continue;
+    }
+    const Result<TriangulatedPoint> point = triangulate(seen.view());
+    // Beyond a few extents it is no point of the body.
+    if (point.ok() && point.value().p_T.norm() < 5.0) {
+      h.points_T[track] = point.value().p_T;
+      h.known[track] = 1;
+    }
+  }
+}
+
+bool extend(std::span<const StartSighting> sightings,
+            std::span<const double> times_s,
+            int rounds,
+            StartHypothesis* hypothesis) {
+  StartHypothesis& h = *hypothesis;
+  bool grown = false;
+  add_points(sightings, &h);
+  for (int round = 0; round < rounds; ++round) {
+    const std::array<std::uint8_t, limits::kStartFrames> posed = h.posed;
+    // The nearest unposed frame with data on either side of each posed one: gaps without data are
+    // stepped over.
+    for (int direction : {1, -1}) {
+      const int frames = static_cast<int>(h.frames);
+      bool open = false;
+      for (int k = 0; k < frames; ++k) {
+        const int f = direction > 0 ? k : frames - 1 - k;
+        if (posed[static_cast<std::size_t>(f)] != 0) {
+          open = true;
+        } else if (open && h.posed[static_cast<std::size_t>(f)] == 0 &&
+                   pose_frame(sightings, times_s, f, &h)) {
+          grown = true;
+          open = false;
+        }
+      }
+    }
+    add_points(sightings, &h);
+  }
+  return grown;
+}
+
+}  // namespace polhode

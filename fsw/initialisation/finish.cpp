@@ -1,0 +1,139 @@
+// From the winner of the contest to poses, points and covariances of all tracks.
+#include <algorithm>
+#include <cmath>
+#include <ranges>
+
+#include "base/median.hpp"
+#include "geometry/so3.hpp"
+#include "initialisation/selection.hpp"
+#include "initialisation/extend.hpp"
+
+namespace polhode {
+namespace {
+
+/// Winner's poses into the arrays of all tracks, points triangulated; tracks beyond the
+/// adjustment's capacity are left.
+void spread_to_all_tracks(const Contest& c, StartHypothesis* winner) {
+  StartWorkspace& w = c.w;
+  w.sightings.clear();
+  std::copy(winner->poses.begin(), winner->poses.end(), w.poses.begin());
+  std::copy(winner->posed.begin(), winner->posed.end(), w.posed.begin());
+  for (std::size_t i = 0; i < c.problem.tracks.size(); ++i) {
+    w.known[i] = 0;
+    const auto& observations = c.problem.tracks[i].observations;
+    if (observations.size() < 2 ||
+        w.sightings.size() + observations.size() > StartAdjustmentWorkspace::kSightings) {
+      continue;
+    }
+    // One track at a time through the hypothesis's own table: its first slot serves as the bench.
+    FixedVector<StartSighting, limits::kStartFrames> own;
+    for (const StartObservation& o : observations) {
+      StartSighting s{.frame = o.frame,
+                      .track = 0,
+                      .normalised = o.normalised,
+                      .sigma_normalised = o.sigma_normalised};
+      (void)own.push_back(s);
+      s.track = static_cast<int>(i);
+      (void)w.sightings.push_back(s);
+    }
+    winner->known[0] = 0;
+    add_points(own.view(), winner);
+    w.known[i] = winner->known[0];
+    w.points_T[i] = winner->points_T[0];
+  }
+  for (std::size_t k = 0; k < w.set.tracks.size(); ++k) {
+    const auto i = static_cast<std::size_t>(w.set.tracks[k]);
+    if (k > 0 && winner->known[k] != 0) {
+      w.known[i] = 1;
+      w.points_T[i] = winner->points_T[k];
+    }
+  }
+}
+
+StartGeometryView all_tracks_view(const Contest& c) {
+  const std::size_t frames = c.problem.times_s.size();
+  const std::size_t tracks = c.problem.tracks.size();
+  return {std::span(c.w.poses).first(frames),
+          std::span(c.w.posed).first(frames),
+          std::span(c.w.points_T).first(tracks),
+          std::span(c.w.known).first(tracks)};
+}
+
+/// Points that at least two sightings, and half of them, agree on stay known.
+void drop_wrong_tracks(const Contest& c, StartOutcome* out) {
+  const double limit2 = 16.0 * c.sigma_scale * c.sigma_scale;
+  std::array<int, limits::kStartTracks> agree{};
+  for (const StartSighting& s : c.w.sightings) {
+    Eigen::Vector2d x;
+    const auto track = static_cast<std::size_t>(s.track);
+    const auto frame = static_cast<std::size_t>(s.frame);
+    if (c.w.known[track] != 0 && c.w.posed[frame] != 0 &&
+        reproject(c.w.poses[frame], c.w.points_T[track], &x) &&
+        (x - s.normalised).squaredNorm() < limit2 * s.sigma_normalised * s.sigma_normalised) {
+      ++agree[track];
+    }
+  }
+  for (std::size_t i = 0; i < c.problem.tracks.size(); ++i) {
+    const auto sightings = static_cast<int>(c.problem.tracks[i].observations.size());
+    const bool good = c.w.known[i] != 0 && agree[i] >= 2 && 2 * agree[i] >= sightings;
+    c.w.known[i] = good ? 1 : 0;
+    out->points[i].inliers = good ? agree[i] : 0;
+  }
+}
+
+/// @param tracks  those asked, of which only known ones count.
+template <typename Tracks>
+double median_depth_sigma(const Contest& c, const Tracks& tracks) {
+  FixedVector<double, limits::kStartTracks> sigma;
+  for (const int track : tracks) {
+    const auto i = static_cast<std::size_t>(track);
+    if (c.w.known[i] != 0) {
+      (void)sigma.push_back(std::sqrt(std::max(0.0, c.w.covariances[i](2, 2))));
+    }
+  }
+  return sigma.empty() ? 1e300 : median(sigma.view());
+}
+
+}  // namespace
+
+void adjust_all_tracks(const Contest& c, StartOutcome* out) {
+  StartHypothesis winner = c.w.refined[0];
+  spread_to_all_tracks(c, &winner);
+  const StartGeometryView view = all_tracks_view(c);
+  out->points.resize(c.problem.tracks.size());
+  out->frames.resize(c.problem.times_s.size());
+  out->depth_sigma = out->contest_depth_sigma = 1e300;
+  drop_wrong_tracks(c, out);
+  (void)adjust_start(c.w.sightings.view(), view, contest_loss(c, 10), &c.w.adjustment);
+  drop_wrong_tracks(c, out);
+  if (!normalise_gauge(view)) {
+    return;
+  }
+  const std::span covariances = std::span(c.w.covariances).first(c.problem.tracks.size());
+  if (!start_point_covariances(
+          c.w.sightings.view(), view, contest_loss(c, 0), covariances, &c.w.adjustment)) {
+    return;
+  }
+  const auto all = std::views::iota(0, static_cast<int>(c.problem.tracks.size()));
+  out->depth_sigma = median_depth_sigma(c, all);
+  // The contest's tracks decide on the geometry and are the longest that there are: on a body that turns them away after
+  // three or four frames most others say little of their own depth, however well the turn is known.
+  out->contest_depth_sigma = median_depth_sigma(c, c.w.set.tracks);
+  for (std::size_t i = 0; i < out->points.size(); ++i) {
+    StartPoint& point = out->points[i];
+    point.p_T = c.w.points_T[i];
+    point.covariance_T = c.w.covariances[i];
+    point.valid = c.w.known[i] != 0 && point.covariance_T.allFinite() &&
+                  point.covariance_T.diagonal().minCoeff() > 0.0;
+  }
+  Eigen::Matrix3d R_first = Eigen::Matrix3d::Identity();
+  for (std::size_t f = 0; f < out->frames.size(); ++f) {
+    if (c.w.posed[f] != 0) {
+      out->frames[f] = {.valid = true, .pose = from_inverse_depth(c.w.poses[f])};
+      out->rotation_rad =
+          std::max(out->rotation_rad, rotation_angle_rad(R_first, out->frames[f].pose.R_CT));
+    }
+  }
+}
+
+}  // namespace polhode

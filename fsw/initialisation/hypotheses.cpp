@@ -1,0 +1,293 @@
+#include "initialisation/hypotheses.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "base/assert.hpp"
+#include "base/median.hpp"
+#include "geometry/so3.hpp"
+#include "initialisation/extend.hpp"
+#include "solve/affine_factorisation.hpp"
+#include "solve/constant_rate_grid.hpp"
+#include "solve/homography.hpp"
+#include "solve/relative_pose.hpp"
+
+namespace polhode {
+namespace {
+
+/// The core's images, frame by frame, turned so that the tracks' mean lies on the axis: there weak
+/// perspective is best.
+struct CoreImages {
+  std::array<std::array<Eigen::Vector2d, kCoreTracks>, kCoreFrames> x;
+  std::array<Eigen::Matrix3d, kCoreFrames> R_SC;  ///< turned from camera
+  ImageMatrix turned;
+  double sigma_normalised = 0.0;  ///< mean
+};
+
+std::size_t track_of(const StartCore& core, std::size_t column) {
+  return static_cast<std::size_t>(core.tracks[column]);
+}
+
+CoreImages collect(const SeedProblem& problem) {
+  const StartCore& core = *problem.core;
+  CoreImages images;
+  double sigma = 0.0;
+  int count = 0;
+  for (const StartSighting& s : problem.sightings) {
+    const auto* const frame = std::find(core.frames.begin(), core.frames.end(), s.frame);
+    const auto* const track = std::find(core.tracks.begin(), core.tracks.end(), s.track);
+    if (frame != core.frames.end() && track != core.tracks.end()) {
+      images.x[static_cast<std::size_t>(frame - core.frames.begin())]
+              [static_cast<std::size_t>(track - core.tracks.begin())] = s.normalised;
+      sigma += s.sigma_normalised;
+      ++count;
+    }
+  }
+  POLHODE_ASSERT(count == static_cast<int>(core.tracks.size() * core.frames.size()), count);
+  images.sigma_normalised = sigma / count;
+  const auto F = static_cast<Eigen::Index>(core.frames.size());
+  const auto N = static_cast<Eigen::Index>(core.tracks.size());
+  images.turned.resize(2 * F, N);
+  for (Eigen::Index f = 0; f < F; ++f) {
+    const auto& row = images.x[static_cast<std::size_t>(f)];
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < core.tracks.size(); ++i) {
+      mean += row[i].homogeneous().normalized();
+    }
+    const Eigen::Matrix3d R =
+        Eigen::Quaterniond::FromTwoVectors(mean, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    images.R_SC[static_cast<std::size_t>(f)] = R;
+    for (Eigen::Index i = 0; i < N; ++i) {
+      const Eigen::Vector2d x = (R * row[static_cast<std::size_t>(i)].homogeneous()).hnormalized();
+      images.turned(f, i) = x.x();
+      images.turned(F + f, i) = x.y();
+    }
+  }
+  return images;
+}
+
+StartHypothesis empty_hypothesis(const SeedProblem& problem, HypothesisKind kind) {
+  StartHypothesis h;
+  h.kind = kind;
+  h.frames = problem.times_s.size();
+  h.tracks = problem.contest_tracks;
+  return h;
+}
+
+/// From weak perspective, which leaves neither depth nor its sign: inverse depth is the image scale
+/// per extent.
+void push_weak_perspective(const SeedProblem& problem,
+                           const CoreImages& images,
+                           std::span<const std::uint8_t> inlier,
+                           const WeakPerspectiveMotion& motion,
+                           HypothesisKind kind,
+                           StartHypotheses* seeds) {
+  const StartCore& core = *problem.core;
+  const Eigen::Matrix3Xd points = weak_perspective_points(images.turned, inlier, motion);
+  double extent2 = 0.0;
+  double count = 0.0;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    if (inlier[static_cast<std::size_t>(i)] != 0) {
+      extent2 += points.col(i).squaredNorm();
+      count += 1.0;
+    }
+  }
+  const double extent = std::sqrt(extent2 / std::max(1.0, count));
+  if (!(extent > 0.0) || !std::isfinite(extent)) {
+    return;
+  }
+  const Eigen::VectorXd means = images.turned.col(0) - centred(images.turned, inlier).col(0);
+  const auto F = static_cast<Eigen::Index>(core.frames.size());
+  StartHypothesis h = empty_hypothesis(problem, kind);
+  for (Eigen::Index f = 0; f < F; ++f) {
+    const auto k = static_cast<std::size_t>(f);
+    const auto frame = static_cast<std::size_t>(core.frames[k]);
+    const double depth = 1.0 / (motion.scale[k] * extent);
+    const Eigen::Vector3d p_S(means(f) * depth, means(F + f) * depth, depth);
+    h.poses[frame] = to_inverse_depth({.R_CT = images.R_SC[k].transpose() * motion.R_CT[k],
+                                       .p_CT = images.R_SC[k].transpose() * p_S});
+    h.posed[frame] = 1;
+  }
+  for (std::size_t i = 0; i < core.tracks.size(); ++i) {
+    h.points_T[track_of(core, i)] = points.col(static_cast<Eigen::Index>(i)) / extent;
+    h.known[track_of(core, i)] = 1;
+  }
+  (void)seeds->push_back(h);
+}
+
+void seed_weak_perspective(const SeedProblem& problem,
+                           const CoreImages& images,
+                           StartHypotheses* seeds) {
+  const StartCore& core = *problem.core;
+  const AffineSubspace subspace =
+      find_affine_subspace(images.turned, images.sigma_normalised, problem.seed);
+  if (!subspace.valid) {
+    return;
+  }
+  if ((problem.kinds & kind_bit(HypothesisKind::kFactorisation)) != 0) {
+    // With much turn the data decide alone; with little, noise in the third axis wants a hold.
+    for (const double isotropy : {0.0, 0.03, 0.3}) {
+      WeakPerspectiveMotion motion;
+      if (upgrade_to_metric(subspace, isotropy, &motion)) {
+        push_weak_perspective(
+            problem, images, subspace.inlier.view(), motion, HypothesisKind::kFactorisation, seeds);
+      }
+    }
+  }
+  if ((problem.kinds & kind_bit(HypothesisKind::kConstantRate)) != 0) {
+    FixedVector<double, kCoreFrames> times;
+    for (const int f : core.frames) {
+      (void)times.push_back(problem.times_s[static_cast<std::size_t>(f)]);
+    }
+    ImageMatrix chosen(images.turned.rows(), subspace.inliers);
+    const ImageMatrix relative = centred(images.turned, subspace.inlier.view());
+    for (Eigen::Index i = 0, n = 0; i < relative.cols(); ++i) {
+      if (subspace.inlier[static_cast<std::size_t>(i)] != 0) {
+        chosen.col(n++) = relative.col(i);
+      }
+    }
+    for (const ConstantRateMotion& rate : search_constant_rate(chosen, times.view())) {
+      push_weak_perspective(problem,
+                            images,
+                            subspace.inlier.view(),
+                            to_motion(rate, times.view()),
+                            HypothesisKind::kConstantRate,
+                            seeds);
+    }
+  }
+}
+
+struct PairDepths {
+  std::array<double, kCoreTracks>
+      depth_a;  ///< of each core track in the pair's first frame; not positive: unknown
+};
+
+/// From two views: T is put into the middle of the points; the core's other frames follow by
+/// resection.
+void push_two_view(const SeedProblem& problem,
+                   const CoreImages& images,
+                   std::array<std::size_t, 2> pair,
+                   const RelativePose& motion,
+                   const PairDepths& depths,
+                   HypothesisKind kind,
+                   StartHypotheses* seeds) {
+  const StartCore& core = *problem.core;
+  StartHypothesis h = empty_hypothesis(problem, kind);
+  FixedVector<double, kCoreTracks> positive;
+  for (std::size_t i = 0; i < core.tracks.size(); ++i) {
+    if (depths.depth_a[i] > 0.0 && std::isfinite(depths.depth_a[i])) {
+      (void)positive.push_back(depths.depth_a[i]);
+    }
+  }
+  if (positive.size() < 8 || 2 * positive.size() < core.tracks.size()) {
+    return;
+  }
+  const double middle = median(positive.view());
+  const Eigen::Vector3d origin = middle * images.R_SC[pair[0]].transpose().col(2);
+  const Eigen::Vector3d origin_b = motion.R_ba * origin + motion.p_ba;
+  if (!(origin.z() > 0.0) || !(origin_b.z() > 0.0)) {
+    return;
+  }
+  h.poses[static_cast<std::size_t>(core.frames[pair[0]])] = to_inverse_depth({.p_CT = origin});
+  h.poses[static_cast<std::size_t>(core.frames[pair[1]])] =
+      to_inverse_depth({.R_CT = motion.R_ba, .p_CT = origin_b});
+  h.posed[static_cast<std::size_t>(core.frames[pair[0]])] = 1;
+  h.posed[static_cast<std::size_t>(core.frames[pair[1]])] = 1;
+  for (std::size_t i = 0; i < core.tracks.size(); ++i) {
+    // Half and twice: nothing that is seen as one body reaches farther.
+    if (depths.depth_a[i] > 0.5 * middle && depths.depth_a[i] < 2.0 * middle) {
+      h.points_T[track_of(core, i)] =
+          depths.depth_a[i] * images.x[pair[0]][i].homogeneous() - origin;
+      h.known[track_of(core, i)] = 1;
+    }
+  }
+  if (!normalise_gauge(h.view())) {
+    return;
+  }
+  for (std::size_t k = 0; k < core.frames.size(); ++k) {
+    if (k != pair[0] && k != pair[1] &&
+        !pose_frame(problem.sightings, problem.times_s, core.frames[k], &h)) {
+      return;
+    }
+  }
+  (void)seeds->push_back(h);
+}
+
+void seed_two_view(const SeedProblem& problem,
+                   const CoreImages& images,
+                   std::array<std::size_t, 2> pair,
+                   StartHypotheses* seeds) {
+  const StartCore& core = *problem.core;
+  const std::span x_a = std::span(images.x[pair[0]]).first(core.tracks.size());
+  const std::span x_b = std::span(images.x[pair[1]]).first(core.tracks.size());
+  const TwoViewOptions options{.sigma_normalised = images.sigma_normalised,
+                               .seed = problem.seed + pair[1]};
+  if ((problem.kinds & kind_bit(HypothesisKind::kFivePoint)) != 0) {
+    for (const RelativePoseCandidate& candidate : find_relative_poses(x_a, x_b, options)) {
+      PairDepths depths{};
+      for (std::size_t i = 0; i < core.tracks.size(); ++i) {
+        depths.depth_a[i] = depth_in_a(candidate.motion, x_a[i], x_b[i]);
+      }
+      push_two_view(
+          problem, images, pair, candidate.motion, depths, HypothesisKind::kFivePoint, seeds);
+    }
+  }
+  if ((problem.kinds & kind_bit(HypothesisKind::kHomography)) != 0) {
+    for (const PanelMotion& panel : find_homography(x_a, x_b, options).motions) {
+      PairDepths depths{};
+      for (std::size_t i = 0; i < core.tracks.size(); ++i) {
+        depths.depth_a[i] = 1.0 / panel.normal_a.dot(x_a[i].homogeneous());
+      }
+      push_two_view(
+          problem, images, pair, panel.motion, depths, HypothesisKind::kHomography, seeds);
+    }
+  }
+}
+
+}  // namespace
+
+void seed_hypotheses(const SeedProblem& problem, StartHypotheses* seeds) {
+  POLHODE_ASSERT(problem.core->frames.size() >= 3, problem.core->frames.size());
+  seeds->clear();
+  const CoreImages images = collect(problem);
+  seed_weak_perspective(problem, images, seeds);
+  const std::size_t last = problem.core->frames.size() - 1;
+  // The widest pair has the most parallax; half of it survives where the widest has left the other
+  // pose ambiguous.
+  seed_two_view(problem, images, {0, last}, seeds);
+  seed_two_view(problem, images, {0, (last + 1) / 2}, seeds);
+}
+
+bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double tolerance) {
+  FixedVector<double, kContestTracks> apart;
+  for (std::size_t i = 0; i < a.tracks; ++i) {
+    if (a.known[i] != 0 && b.known[i] != 0) {
+      (void)apart.push_back((a.points_T[i] - b.points_T[i]).norm());
+    }
+  }
+  // From different cores there may be nothing to compare.
+  if (apart.size() < 8) {
+    return false;
+  }
+  // Not the mean: up to a third of the tracks are wrong, and a wrong track's point may be anywhere.
+  if (median(apart.view()) > tolerance) {
+    return false;
+  }
+  double largest = 0.0;
+  double difference = 0.0;
+  std::size_t first = a.frames;
+  for (std::size_t f = 0; f < a.frames; ++f) {
+    if (a.posed[f] == 0 || b.posed[f] == 0) {
+      continue;
+    }
+    first = std::min(first, f);
+    const Eigen::Matrix3d turn_a = a.poses[f].R_CT * a.poses[first].R_CT.transpose();
+    const Eigen::Matrix3d turn_b = b.poses[f].R_CT * b.poses[first].R_CT.transpose();
+    difference = std::max(difference, rotation_angle_rad(turn_a, turn_b));
+    largest = std::max(largest, so3_log(turn_a).norm());
+  }
+  return difference <= tolerance * std::max(largest, 0.02);
+}
+
+}  // namespace polhode

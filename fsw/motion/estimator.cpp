@@ -1,0 +1,347 @@
+#include "motion/estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/so3.hpp"
+#include "motion/fit_poses.hpp"
+#include "motion/paper.hpp"
+#include "motion/residual_level.hpp"
+
+namespace polhode {
+namespace {
+
+// 99.9 % of chi-square with six degrees of freedom; sigmas of single poses are right to a factor of
+// two.
+constexpr double kChi2Max = 4.0 * 22.5;
+constexpr std::uint32_t kDisagreementsMax = 3;
+
+bool holds(const MotionEstimate& m) {
+  return m.model.accepted() && m.disagreements < kDisagreementsMax;
+}
+
+const Keyframe* keyframe_at(std::int64_t timestamp_ns, const Map& map) {
+  const auto found = std::find_if(map.keyframes.begin(), map.keyframes.end(), [&](const Keyframe& k) {
+    return k.used && k.timestamp_ns == timestamp_ns;
+  });
+  return found == map.keyframes.end() ? nullptr : &*found;
+}
+
+/// Adjustments move keyframes after their poses were remembered, and the poses since then with them.
+void follow_map(const Map& map, PoseHistory& poses) {
+  Pose from;  // what the last keyframe's pose was, and is
+  Pose to;
+  for (PoseSample& sample : poses) {
+    if (const Keyframe* keyframe = keyframe_at(sample.timestamp_ns, map)) {
+      from = sample.pose;
+      to = turned(keyframe->R_IC, keyframe->pose);
+      sample.pose = to;
+      continue;
+    }
+    // T has moved, not I: as MapCorrection::moved().
+    const Eigen::Matrix3d R = sample.pose.R_CT * from.R_CT.transpose();
+    sample.pose = {.R_CT = R * to.R_CT, .p_CT = R * (to.p_CT - from.p_CT) + sample.pose.p_CT};
+  }
+}
+
+void check(const PoseSample& sample, const PoseCovariance& drift_I, MotionEstimate* m) {
+  const Result<double> chi2 = chi2_against(m->model, sample, drift_I);
+  m->disagreements = chi2 && chi2.value() > kChi2Max ? m->disagreements + 1 : 0;
+  if (m->disagreements >= kDisagreementsMax) {
+    m->model.status = ModelStatus::kResidualsTooLarge;
+  }
+}
+
+/// Both in order of time; where they meet the new one stays, and a full table loses its oldest.
+void merge(std::span<const PoseSample> news, PoseHistory& history) {
+  const PoseHistory old = history;
+  history.clear();
+  std::size_t next = 0;
+  for (const PoseSample& sample : news) {
+    for (; next < old.size() && old[next].timestamp_ns < sample.timestamp_ns; ++next) {
+      (void)remember(history, old[next]);
+    }
+    (void)remember(history, sample);
+  }
+  for (; next < old.size(); ++next) {
+    (void)remember(history, old[next]);  // refuses what a new one has replaced
+  }
+}
+
+/// 1-sigma of the angular speed, as a part of it; 1 of what does not turn.
+double relative_speed_sigma(const MotionPrediction& now) {
+  const Eigen::Vector3d& w = now.w_T_rad_s;
+  const double sigma = std::sqrt(std::max(0.0, w.dot(now.covariance_w_T * w)));
+  return sigma < w.squaredNorm() ? sigma / w.squaredNorm() : 1.0;
+}
+
+/// Is the last interval far longer than the shortest? Over it a body may have turned by any number of turns.
+bool over_a_gap(const PoseHistory& poses) {
+  constexpr std::int64_t kLonger = 3;
+  std::int64_t shortest_ns = INT64_MAX;
+  std::int64_t last_ns = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    last_ns = poses[i].timestamp_ns - poses[i - 1].timestamp_ns;
+    shortest_ns = std::min(shortest_ns, last_ns);
+  }
+  return last_ns / kLonger > shortest_ns;
+}
+
+Result<RateEstimate> rates_by_pairs(const MotionEstimate& m) {
+  const std::size_t count = m.recent.size();
+  if (count < 2) {
+    return ErrorCode::kTooFewObservations;
+  }
+  const PoseSample& first = m.recent[count - 2];
+  const PoseSample& second = m.recent[count - 1];
+  if (over_a_gap(m.recent)) {
+    return ErrorCode::kDegenerate;
+  }
+  const Result<PaperRate> pair = paper_rate(first, second);
+  if (!pair) {
+    return pair.error();
+  }
+  RateEstimate rates;
+  rates.w_T_rad_s = pair.value().w_T_rad_s;
+  rates.covariance_w_T = pair.value().covariance_w_T;
+  rates.v_C = pair.value().v_C;
+  rates.covariance_v_C = (first.covariance + second.covariance).bottomRightCorner<3, 3>() /
+                         (pair.value().interval_s * pair.value().interval_s);
+  rates.rotation_poses = rates.position_poses = 2;
+  return rates;
+}
+
+Result<RateEstimate> rates_by_model(const MotionEstimate& m) {
+  const Result<MotionPrediction> now = predict_motion(m.model, m.recent.back().timestamp_ns);
+  if (!now || !now.value().path_known) {
+    return ErrorCode::kDegenerate;
+  }
+  RateEstimate rates;
+  rates.w_T_rad_s = now.value().w_T_rad_s;
+  rates.covariance_w_T = now.value().covariance_w_T;
+  rates.v_C = now.value().v_I;
+  rates.covariance_v_C = now.value().covariance_v_I;
+  rates.rotation_poses = rates.position_poses = m.model.poses;
+  return rates;
+}
+
+/// As the observer's attitude now has them.
+PoseSample in_I(const MotionEstimate& m, std::int64_t timestamp_ns, const Pose& pose, const PoseCovariance& covariance) {
+  return {.timestamp_ns = timestamp_ns, .pose = turned(m.R_IC, pose), .covariance = turned(m.R_IC, covariance)};
+}
+
+PoseCovariance drift_I(const MotionEstimate& m, const MapDrift& drift) { return turned(m.R_IC, covariance(drift)); }
+
+}  // namespace
+
+std::optional<Eigen::Matrix3d> take_observer(const std::optional<Eigen::Quaterniond>& q_IC, MotionEstimate* m) {
+  constexpr double kNormError = 1e-2;  // of a printed or single-precision unit quaternion, generously
+  if (!q_IC || !(std::abs(q_IC->norm() - 1.0) < kNormError)) {
+    return std::nullopt;
+  }
+  m->R_IC = q_IC->normalized().toRotationMatrix();
+  const bool first = !m->observer_known;
+  m->observer_known = true;
+  if (!first || m->R_IC.isIdentity(0.0)) {
+    return std::nullopt;
+  }
+  for (PoseHistory* const history : {&m->recent, &m->past}) {
+    for (PoseSample& sample : *history) {
+      sample = turned(m->R_IC, sample);
+    }
+  }
+  m->model = {};
+  return m->R_IC;
+}
+
+bool remember_pose(std::int64_t timestamp_ns,
+                   const Pose& pose,
+                   const PoseCovariance& covariance,
+                   const MotionOptions& options,
+                   MotionEstimate* m) {
+  const PoseSample sample = in_I(*m, timestamp_ns, pose, covariance);
+  if (!remember(m->recent, sample)) {
+    return false;
+  }
+  ++m->poses_since_start;
+  if (options.mode == MotionMode::kPaper) {
+    return false;
+  }
+  (void)remember_for_fit(m->past, sample, options);
+  ++m->poses_since_fit;
+  return fit_is_due(m->model, m->past.size(), m->poses_since_fit);
+}
+
+void check_pose(std::int64_t timestamp_ns,
+                const Pose& pose,
+                const PoseCovariance& covariance,
+                const MapDrift& drift,
+                MotionEstimate* m) {
+  if (m->model.accepted()) {
+    check(in_I(*m, timestamp_ns, pose, covariance), drift_I(*m, drift), m);
+  }
+}
+
+void prepare_fit(const Map& map, const MapDrift& drift, const MotionOptions& options, MotionEstimate* m, MotionSnapshot* snapshot) {
+  follow_map(map, m->past);
+  snapshot->poses = m->past;
+  snapshot->drift = drift_I(*m, drift);
+  snapshot->body_radius = map.radius_mu;
+  snapshot->options = options;
+  snapshot->previous = m->model;
+}
+
+void take_fit(const RigidModel& model,
+              std::int64_t fitted_to_ns,
+              std::uint32_t poses_fitted,
+              const MapDrift& drift,
+              MotionEstimate* m) {
+  m->model = model;
+  m->poses_since_fit -= std::min(m->poses_since_fit, poses_fitted);
+  m->disagreements = 0;
+  for (const PoseSample& sample : m->recent) {
+    if (m->model.accepted() && sample.timestamp_ns > fitted_to_ns) {
+      check(sample, drift_I(*m, drift), m);
+    }
+  }
+}
+
+std::optional<DriftByModel> take_joint_fit(const RigidModel& model, MotionEstimate* m) {
+  m->model = model;
+  m->poses_since_fit = 0;
+  m->disagreements = 0;
+  const Result<MotionPrediction> now = predict_motion(model, model.reference_ns);
+  if (!now || !now.value().path_known) {
+    return std::nullopt;
+  }
+  return DriftByModel{.covariance_C = turned(m->R_IC.transpose(), now.value().covariance),
+                      .relative_speed_sigma = relative_speed_sigma(now.value())};
+}
+
+void restate_poses(std::span<const PoseSample> start, MotionEstimate* m) {
+  for (PoseHistory* const history : {&m->recent, &m->past}) {
+    merge(start, *history);
+  }
+  m->model = {};
+  m->poses_since_fit += static_cast<std::uint32_t>(start.size());
+  m->poses_since_start = 0;
+}
+
+void move_pose(const Keyframe& keyframe, MotionEstimate* m) {
+  for (PoseHistory* const history : {&m->recent, &m->past}) {
+    for (PoseSample& sample : *history) {
+      if (sample.timestamp_ns == keyframe.timestamp_ns) {
+        sample.pose = turned(keyframe.R_IC, keyframe.pose);
+      }
+    }
+  }
+}
+
+bool move_poses_with_map(const Map& map, std::int64_t adjusted_to_ns, MotionEstimate* m) {
+  bool moved = false;
+  for (PoseHistory* const history : {&m->recent, &m->past}) {
+    follow_map(map, *history);
+    moved = moved || (!history->empty() && history->back().timestamp_ns > adjusted_to_ns);
+  }
+  return moved;
+}
+
+void forget_poses(MotionEstimate* m) {
+  m->recent.clear();
+  m->past.clear();
+  m->model = {};
+  m->poses_since_fit = 0;
+  m->poses_since_start = 0;
+  m->disagreements = 0;
+}
+
+Result<RateEstimate> rates_now(const MotionEstimate& m, const MapDrift& drift, const MotionOptions& options) {
+  Result<RateEstimate> rates = ErrorCode::kTooFewObservations;
+  if (options.mode == MotionMode::kPaper) {
+    rates = rates_by_pairs(m);
+  } else if (holds(m)) {
+    rates = rates_by_model(m);
+  }
+  if (!rates && options.mode != MotionMode::kPaper) {
+    rates = estimate_rates(m.recent.view(), options);
+    if (rates) {
+      widen_by_drift(drift_I(m, drift), turn_sigma(drift), rates.value());
+    }
+  }
+  if (rates) {
+    rates.value().v_C = m.R_IC.transpose() * rates.value().v_C;
+    rates.value().covariance_v_C =
+        m.R_IC.transpose() * rates.value().covariance_v_C * m.R_IC;
+  }
+  return rates;
+}
+
+Result<PosePrediction> predict_by_motion(const MotionEstimate& m,
+                                         const MapDrift& drift,
+                                         const MotionOptions& options,
+                                         std::int64_t timestamp_ns,
+                                         const Eigen::Matrix3d& R_IC) {
+  Result<PosePrediction> predicted = ErrorCode::kTooFewObservations;
+  if (!m.recent.empty() && holds(m) && options.mode == MotionMode::kDynamics) {
+    const Result<MotionPrediction> by_model = predict_from(m.model, m.recent.back(), timestamp_ns);
+    if (by_model && by_model.value().path_known) {
+      // The next pose will be one of the map: its drift changes while the body turns.
+      const double part = rotation_angle_rad(m.recent.back().pose.R_CT, by_model.value().pose.R_CT) /
+                          kSideAngle_rad;
+      predicted = PosePrediction{.pose = by_model.value().pose,
+                                 .covariance = by_model.value().covariance +
+                                               part * part * drift_I(m, drift),
+                                 .rotation_poses = m.model.poses,
+                                 .position_poses = m.model.poses};
+    }
+  }
+  if (!predicted) {
+    predicted = predict_pose(m.recent.view(), timestamp_ns, options);
+  }
+  if (predicted) {
+    predicted.value().pose = turned(R_IC.transpose(), predicted.value().pose);
+    predicted.value().covariance = turned(R_IC.transpose(), predicted.value().covariance);
+  }
+  return predicted;
+}
+
+Pose last_pose_seen(const MotionEstimate& m, const Eigen::Matrix3d& R_IC) {
+  return turned(R_IC.transpose(), m.recent.back().pose);
+}
+
+std::optional<PosePrediction> predict_or_hold(const MotionEstimate& m,
+                                              const MapDrift& drift,
+                                              const MotionOptions& options,
+                                              std::int64_t timestamp_ns,
+                                              const Eigen::Matrix3d& R_IC) {
+  if (m.recent.empty()) {
+    return std::nullopt;
+  }
+  const Pose last = last_pose_seen(m, R_IC);
+  const Result<PosePrediction> by_motion = predict_by_motion(m, drift, options, timestamp_ns, R_IC);
+  PosePrediction predicted = by_motion ? by_motion.value() : PosePrediction{.pose = last};
+  // Extrapolated through the camera: the last place is the better guess.
+  if (!(predicted.pose.p_CT.z() > 0.1 * last.p_CT.z())) {
+    predicted.pose.p_CT = last.p_CT;
+  }
+  return predicted;
+}
+
+std::optional<PosePrediction> pose_by_map_model(const MotionEstimate& m,
+                                                const MotionOptions& options,
+                                                std::int64_t timestamp_ns,
+                                                const Eigen::Matrix3d& R_IC) {
+  if (!m.model.of_map || !holds(m) || options.mode == MotionMode::kPaper) {
+    return std::nullopt;
+  }
+  const Result<MotionPrediction> at = predict_motion(m.model, timestamp_ns);
+  if (!at || !at.value().path_known) {
+    return std::nullopt;
+  }
+  return PosePrediction{.pose = turned(R_IC.transpose(), at.value().pose),
+                        .covariance = turned(R_IC.transpose(), at.value().covariance),
+                        .rotation_poses = m.model.poses,
+                        .position_poses = m.model.poses};
+}
+
+}  // namespace polhode

@@ -1,0 +1,52 @@
+// Metres per map unit from all readings so far, and the readings that a configuration names.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "geometry/camera_model.hpp"
+#include "shape/scale.hpp"
+#include "shape/scale_fusion.hpp"
+#include "shape/shape.hpp"
+
+namespace polhode {
+
+/// The state of this room. Unknown, lengths in map units, while there is no reading or they contradict each other.
+struct ScaleState {
+  bool known = false;
+  double metres_per_mu = 1.0;
+  double relative_sigma = 0.0;
+  double metres_per_mu_published = 1.0;  ///< of the last frame that was published in metres
+  std::uint32_t keyframes_at_reading = 0;  ///< number of the map's next one at the last reading
+  ScaleReadings readings;
+  std::array<bool, kScaleSources> used{};  ///< readings that the scale comes from
+  bool contradiction = false;
+};
+
+/// What came of a reading.
+struct ScaleChange {
+  bool read = false;                 ///< else nothing has changed
+  bool contradiction_began = false;  ///< with this reading they stopped agreeing
+};
+
+/// Whether a length or a range is named in a frame.
+[[nodiscard]] bool names_frame(const ScaleOptions& options);
+
+/// Is the named length or range still to be read, or has the map grown by half since it was? A map of a few frames is bent,
+/// and its lengths are off by percents.
+[[nodiscard]] bool frame_reading_is_due(const ScaleOptions& options, std::uint32_t next_keyframe, const ScaleState& scale);
+
+/// Reads the named length and range in a view, in place of what an earlier one said of them.
+ScaleChange read_scale_in(const ScaleView& view,
+                   const ScaleOptions& options,
+                   const CameraModel& camera,
+                   std::uint32_t next_keyframe,
+                   ScaleState* scale);
+
+/// Reads the named diameter and edge in a found shape, in map units.
+ScaleChange read_scale_of(const Shape& shape, const ScaleOptions& options, ScaleState* scale);
+
+/// What was measured holds no longer. What is to be measured stays, and what was published.
+void forget_scale(ScaleState* scale);
+
+}  // namespace polhode

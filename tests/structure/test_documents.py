@@ -1,0 +1,155 @@
+"""Documents that a stranger can read: short sentences, links and paths that lead somewhere, an index of decisions that is complete.
+
+The limits hold for prose. Fenced code, tables and headings are left out; a bullet or an empty line ends a sentence, and so does
+. ! ? or ; before white space. A word is whatever stands between spaces and has a letter or a digit in it."""
+
+import pathlib
+import re
+import statistics
+
+import pytest
+from source_tree import REPOSITORY, name_of
+
+MEDIAN_WORDS_MAX = 20
+SENTENCE_WORDS_MAX = 40
+GENERATED = {"docs/interface_control.md"}  # its sentences are those of config/bus/*.toml
+DECISIONS = REPOSITORY / "docs/decisions"
+
+DOCUMENTS = [REPOSITORY / "README.md", REPOSITORY / "CONTRIBUTING.md"]
+DOCUMENTS += [file for root in ("fsw", "platform", "hil") for file in sorted((REPOSITORY / root).rglob("README.md"))]
+DOCUMENTS += [file for file in sorted((REPOSITORY / "docs").glob("*.md")) if name_of(file) not in GENERATED]
+DOCUMENTS += sorted(DECISIONS.glob("*.md"))
+
+FENCED = re.compile(r"^[ \t]*```.*?^[ \t]*```[ \t]*$", re.DOTALL | re.MULTILINE)
+HEADING_OR_TABLE = re.compile(r"^[ \t]*(?:#{1,6}[ \t]|\|).*$", re.MULTILINE)
+BULLET = re.compile(r"^[ \t]*(?:[-*+]|\d+\.)[ \t]+(?:\[[ xX]\][ \t]+)?", re.MULTILINE)
+LINK = re.compile(r"!?\[([^\]]*)\]\(([^()\s]*)\)")
+SENTENCE_END = re.compile(r"(?<=[.!?;])[)*_\"'\]]*\s+")
+
+CODE = re.compile(r"`([^`\n]+)`")
+REPOSITORY_PATH = re.compile(r"(?:fsw|platform|hil|tools|tests|config|docs)/[\w./-]*")
+PLACEHOLDER = re.compile(r"\b(?!README\b|CONTRIBUTING\b)[A-Z]+\b")  # SEQ, NAME, NNNN: to be filled in by the reader
+ADDRESS = re.compile(r"[a-z]+:|#")  # a link to another site or within the page
+
+
+def sentences_of(text: str) -> list[str]:
+    """The sentences of a page's prose, without the marks that only set it."""
+    text = HEADING_OR_TABLE.sub("\n\n", FENCED.sub("\n\n", text))
+    text = LINK.sub(r"\1", BULLET.sub("\n\n", text))
+    pieces = [piece for paragraph in re.split(r"\n\s*\n", text) for piece in SENTENCE_END.split(paragraph.strip())]
+    return [" ".join(piece.split()) for piece in pieces if words_of(piece)]
+
+
+def words_of(sentence: str) -> int:
+    return sum(any(character.isalnum() for character in word) for word in sentence.split())
+
+
+def too_long(text: str) -> list[str]:
+    """What is wrong with the lengths of a page's sentences; empty where nothing is."""
+    sentences = sentences_of(text)
+    wrong = [f"{words} words: {sentence}" for sentence in sentences if (words := words_of(sentence)) > SENTENCE_WORDS_MAX]
+    median = statistics.median(map(words_of, sentences)) if sentences else 0
+    return wrong + ([f"the median is {median} words"] if median > MEDIAN_WORDS_MAX else [])
+
+
+def paths_of(text: str) -> list[str]:
+    """Names in code font that stand for a file or folder of the repository."""
+    names = CODE.findall(FENCED.sub("", text))
+    return [name for name in names if REPOSITORY_PATH.fullmatch(name) and not PLACEHOLDER.search(name)]
+
+
+def links_of(text: str) -> list[str]:
+    """Relative links, without the place within the page."""
+    targets = [target for _, target in LINK.findall(CODE.sub("", FENCED.sub("", text)))]
+    return [target.split("#")[0] for target in targets if target and not ADDRESS.match(target)]
+
+
+def missing_from(folder: pathlib.Path, text: str, repository: pathlib.Path = REPOSITORY) -> list[str]:
+    """What a page in a folder names and is not there."""
+    wrong = [f"link to {link}" for link in links_of(text) if not (folder / link).exists()]
+    return wrong + [f"path {path}" for path in paths_of(text) if not (repository / path).exists()]
+
+
+def index_errors(index: str, files: set[str]) -> list[str]:
+    """Where an index and the files beside it differ."""
+    listed = {link for link in links_of(index) if "/" not in link} | set(re.findall(r"`(\d+-[\w-]+\.md)`", index))
+    listed.discard("README.md")
+    return [f"{name} is not in the index" for name in sorted(files - listed)] + \
+           [f"{name} is in the index only" for name in sorted(listed - files)]
+
+
+MADE_UP = """# A heading of the page is no sentence. Never.
+One fact, one sentence! A second one goes
+over two lines; a third follows. Version 2.5 of `a.b` is one piece?
+| a table. | is no prose. |
+| --- | --- |
+- **In:** a bullet ends the sentence before it
+- (Closed within its bracket.) [A link](far/away.md) counts by its text.
+1. A numbered entry
+   goes on below.
+
+```
+Code is left out. All of it.
+```
+- [ ] **Last.** Nothing -> ends here
+"""
+
+
+def test_sentences_are_split_as_the_rules_say():
+    assert sentences_of(MADE_UP) == [
+        "One fact, one sentence!", "A second one goes over two lines;", "a third follows.", "Version 2.5 of `a.b` is one piece?",
+        "**In:** a bullet ends the sentence before it", "(Closed within its bracket.", "A link counts by its text.",
+        "A numbered entry goes on below.", "**Last.", "Nothing -> ends here"]
+    assert [words_of(sentence) for sentence in sentences_of(MADE_UP)] == [4, 7, 3, 7, 8, 4, 6, 6, 1, 3]
+
+
+def test_the_limits_can_be_exceeded():
+    at_limit = " ".join(["word"] * SENTENCE_WORDS_MAX) + ". "
+    short = "Two words. "
+    assert too_long(at_limit + short * 2) == []
+    assert too_long("more " + at_limit + short * 2) == ["41 words: more " + at_limit.strip()]
+    assert too_long(at_limit + short + at_limit) == ["the median is 40 words"]
+    assert too_long("") == []
+
+
+def test_paths_and_links_that_lead_nowhere_are_found(tmp_path):
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs/there.md").write_text("")
+    text = ("`docs/there.md` `docs/` `docs/gone.md` `docs/*.md` `docs/{a,b}.md` `docs/NAME.md` `docs/a b` `other/gone.md` "
+            "`docs/README.md` [a](there.md#place) [b](gone.md) [c](https://example.org/gone.md) [d](#place) `[e](code.md)`\n"
+            "```\n`docs/fenced.md` [f](fenced.md)\n```\n")
+    assert missing_from(tmp_path / "docs", text, tmp_path) == ["link to gone.md", "path docs/gone.md", "path docs/README.md"]
+
+
+def test_an_index_that_differs_from_its_folder_is_found():
+    index = "[One](0001-one.md), `0002-two.md`, [gone](0003-gone.md#x), [another page](../results.md), [itself](README.md)"
+    assert index_errors(index, {"0001-one.md", "0002-two.md"}) == ["0003-gone.md is in the index only"]
+    assert index_errors(index, {"0001-one.md", "0002-two.md", "0003-gone.md"}) == []
+    assert index_errors("", {"0001-one.md"}) == ["0001-one.md is not in the index"]
+
+
+def test_documents_are_found_at_all():
+    names = {name_of(file) for file in DOCUMENTS}
+    assert {"README.md", "CONTRIBUTING.md", "fsw/base/README.md", "platform/README.md", "hil/judge/README.md", "docs/bus.md"} <= names
+    assert not names & GENERATED
+
+
+@pytest.mark.parametrize("file", DOCUMENTS, ids=name_of)
+def test_sentences_are_short(file):
+    wrong = too_long(file.read_text())
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize("file", DOCUMENTS, ids=name_of)
+def test_links_and_paths_lead_somewhere(file):
+    wrong = missing_from(file.parent, file.read_text())
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.skipif(not DECISIONS.is_dir(), reason="docs/decisions is not there")
+def test_the_index_of_decisions_is_complete():
+    files = {file.name for file in DECISIONS.glob("*.md")}
+    assert "README.md" in files, "docs/decisions has no index"
+    files.remove("README.md")
+    wrong = index_errors((DECISIONS / "README.md").read_text(), files)
+    assert files and not wrong, "\n".join(wrong)
