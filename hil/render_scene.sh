@@ -10,8 +10,8 @@ if ! command -v blender >/dev/null 2>&1; then
     exit 2
   fi
 fi
-# Blender takes the libraries of the first Python in PATH, and numpy is beside the distribution's own.
-export PATH="/usr/bin:/bin:$PATH"
 # Our own lines go to stderr; stdout carries only Blender's greeting.
-exec blender --background --factory-startup --python-exit-code 1 \
+# Blender takes the libraries of the first Python in PATH, and numpy is beside the distribution's own.
+blender=$(command -v blender)
+PATH="/usr/bin:/bin:$PATH" exec "$blender" --background --factory-startup --python-exit-code 1 \
   --python "$here/scenes/generator/main.py" -- "$@" >/dev/null
