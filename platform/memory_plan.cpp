@@ -31,8 +31,8 @@ std::size_t pixels(const Parameters& p) {
   return static_cast<std::size_t>(p.camera.width_px) * static_cast<std::size_t>(p.camera.height_px);
 }
 
-/// Of a working pixel: pictures and pyramids, evidence and labels, and the graph of a cut, 32 octets a node and
-/// its edges. 155 were measured in a laboratory at 1080p, 132 beside the Earth.
+/// Of a working pixel: pictures and pyramids, evidence and labels, and the graph of a cut, 32
+/// octets a node and its edges. 155 were measured in a laboratory at 1080p, 132 beside the Earth.
 std::size_t mask_octets(const Parameters& p) {
   if (!p.mask.tells_background()) {
     return 0;
@@ -46,18 +46,17 @@ std::vector<CallCost> calls(const Parameters& p, const MachineNeeds& machine) {
   // A pyramid of three levels is 4/3 of the picture, with a border; its gradients are two 16-bit
   // pictures of a level.
   const std::size_t pyramids = 2 * (pixels(p) * 14 / 10) + 5 * pixels(p);
-  return {{"optical flow: two pyramids and gradients", Pool::kStep, pyramids},
-          {"picture, mask and region of interest", Pool::kStep, 3 * pixels(p)},
-          {"frame before, and the mask against a background",
-           Pool::kStep,
-           pixels(p) + mask_octets(p)},
-          {"absolute pose: hypotheses of three points", Pool::kStep, kPoseOctets},
-          {"start of a map: hypotheses of all kinds",
-           p.jobs.delay_frames == 0 ? Pool::kStep : Pool::kJobs,
-           kHypothesesOctets},
-          {"files and texts of the program", Pool::kGeneral, kGeneralOctets},
-          {"packets that wait for their readers", Pool::kGeneral, machine.general_octets},
-          {"decoding of a frame's file", Pool::kGeneral, machine.decoder_octets}};
+  return {
+      {"optical flow: two pyramids and gradients", Pool::kStep, pyramids},
+      {"picture, mask and region of interest", Pool::kStep, 3 * pixels(p)},
+      {"frame before, and the mask against a background", Pool::kStep, pixels(p) + mask_octets(p)},
+      {"absolute pose: hypotheses of three points", Pool::kStep, kPoseOctets},
+      {"start of a map: hypotheses of all kinds",
+       p.jobs.delay_frames == 0 ? Pool::kStep : Pool::kJobs,
+       kHypothesesOctets},
+      {"files and texts of the program", Pool::kGeneral, kGeneralOctets},
+      {"packets that wait for their readers", Pool::kGeneral, machine.general_octets},
+      {"decoding of a frame's file", Pool::kGeneral, machine.decoder_octets}};
 }
 
 std::size_t sum_of(const std::vector<CallCost>& calls, Pool pool) {

@@ -36,7 +36,7 @@ struct MemoryPlan {
 
 /// What a run needs beside the estimator, by what it does with frames and packets.
 struct MachineNeeds {
-  std::vector<PlanRow> rows;      ///< in memory of their own
+  std::vector<PlanRow> rows;       ///< in memory of their own
   std::size_t general_octets = 0;  ///< from the general pool
   std::size_t decoder_octets = 0;  ///< from the same, while a frame's file is decoded
 };

@@ -1,4 +1,5 @@
-// Assertions for our own mistakes: they stay in flight builds and carry the value that broke the promise.
+// Assertions for our own mistakes: they stay in flight builds and carry the value that broke the
+// promise.
 #pragma once
 
 namespace polhode {
@@ -10,18 +11,21 @@ struct AssertionReport {
   double value;
 };
 
-/// Called when an assertion fails, before the process is aborted. The platform sets one that tells the report; a service
-/// manager then starts the program anew.
+/// Called when an assertion fails, before the process is aborted. The platform sets one that tells
+/// the report; a service manager then starts the program anew.
 using AssertionHook = void (*)(const AssertionReport&);
 void set_assertion_hook(AssertionHook hook);
 
-[[noreturn]] void assertion_failed(const char* expression, const char* file, int line, double value);
+[[noreturn]] void assertion_failed(const char* expression,
+                                   const char* file,
+                                   int line,
+                                   double value);
 
 }  // namespace polhode
 
-#define POLHODE_ASSERT(condition, value)                                                             \
-  do {                                                                                               \
-    if (!(condition)) [[unlikely]] {                                                                 \
-      ::polhode::assertion_failed(#condition, __FILE__, __LINE__, static_cast<double>(value));       \
-    }                                                                                                \
+#define POLHODE_ASSERT(condition, value)                                                       \
+  do {                                                                                         \
+    if (!(condition)) [[unlikely]] {                                                           \
+      ::polhode::assertion_failed(#condition, __FILE__, __LINE__, static_cast<double>(value)); \
+    }                                                                                          \
   } while (false)

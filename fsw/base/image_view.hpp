@@ -9,7 +9,8 @@ namespace polhode {
 enum class PixelFormat { kGray8, kGray16 };
 
 struct ImageView {
-  const std::uint8_t* data = nullptr;  ///< first octet of the top row; 16-bit pixels in the machine's order
+  const std::uint8_t* data =
+      nullptr;  ///< first octet of the top row; 16-bit pixels in the machine's order
   int width_px = 0;
   int height_px = 0;
   std::ptrdiff_t stride_octets = 0;

@@ -1,4 +1,5 @@
-// As std::clamp, by value: a loop that calls it is compiled for many places at once, which references prevent.
+// As std::clamp, by value: a loop that calls it is compiled for many places at once, which
+// references prevent.
 #pragma once
 
 namespace polhode {

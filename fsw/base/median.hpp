@@ -19,7 +19,8 @@ T ranked(std::span<T> values, std::size_t rank) {
   return *at;
 }
 
-/// The upper one of the two in the middle of an even number, 0 of none; the list's order is changed.
+/// The upper one of the two in the middle of an even number, 0 of none; the list's order is
+/// changed.
 template <typename T>
 T median(std::span<T> values) {
   return values.empty() ? T{} : ranked(values, values.size() / 2);

@@ -10,7 +10,7 @@
 namespace polhode {
 
 enum class ErrorCode {
-  kBadParameter,        ///< a parameter is out of its range; the message names field, value and range
+  kBadParameter,  ///< a parameter is out of its range; the message names field, value and range
   kTooFewObservations,  ///< fewer data than unknowns
   kNoConsensus,         ///< no hypothesis gathered enough inliers
   kDegenerate,          ///< the geometry does not determine the answer

@@ -1,5 +1,5 @@
-// Counter-based random numbers: the n-th number of a stream is a pure function of (seed, stream, n), so a sampler's
-// draws depend on nothing that ran before it.
+// Counter-based random numbers: the n-th number of a stream is a pure function of (seed, stream,
+// n), so a sampler's draws depend on nothing that ran before it.
 #pragma once
 
 #include <cmath>
@@ -21,7 +21,8 @@ class Rng {
     return mix(state_);
   }
 
-  /// Uniform integer in [0, bound), bound >= 1, by multiplication (bias below 2^-32 for bound < 2^32).
+  /// Uniform integer in [0, bound), bound >= 1, by multiplication (bias below 2^-32 for bound <
+  /// 2^32).
   std::uint32_t below(std::uint32_t bound) {
     POLHODE_ASSERT(bound >= 1, bound);
     return static_cast<std::uint32_t>(((next() >> 32U) * bound) >> 32U);

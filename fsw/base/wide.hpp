@@ -1,6 +1,6 @@
-// Loops over pixels, descriptors and lines are compiled twice where that pays: for every processor of the architecture,
-// and for x86 with registers of 32 octets. Multiply and add are not fused, and no sum that rounds is reordered: both give
-// the same bits.
+// Loops over pixels, descriptors and lines are compiled twice where that pays: for every processor
+// of the architecture, and for x86 with registers of 32 octets. Multiply and add are not fused, and
+// no sum that rounds is reordered: both give the same bits.
 #pragma once
 
 namespace polhode {

@@ -17,8 +17,7 @@ bool header_is_right(std::span<const std::uint8_t> octets, int apid_first) {
 }
 
 Refusal wrong_length(std::size_t is, std::size_t expected) {
-  return {Rejection::kLength,
-          {.values = {static_cast<double>(is), static_cast<double>(expected)}}};
+  return {Rejection::kLength, {.values = {static_cast<double>(is), static_cast<double>(expected)}}};
 }
 
 /// The length that the command has, by its own count of entries where it repeats any.
@@ -27,7 +26,8 @@ std::size_t exact_octets(CommandCode code, std::span<const std::uint8_t> octets)
   if (code != CommandCode::kTableLoad || octets.size() < layout.octets) {
     return layout.octets;
   }
-  return layout.octets + get_u16(octets, table_load_layout::kEntries) * TableLoadEntry::layout().octets;
+  return layout.octets +
+         get_u16(octets, table_load_layout::kEntries) * TableLoadEntry::layout().octets;
 }
 
 Refusal out_of_range_of(CommandCode code, std::string_view field) {

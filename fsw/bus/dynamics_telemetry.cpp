@@ -10,8 +10,8 @@
 namespace polhode::bus {
 namespace {
 
-// An attitude that may be off by 30 deg, or a position by half the distance, is of no use to anybody;
-// and there first-order covariances stop telling the truth.
+// An attitude that may be off by 30 deg, or a position by half the distance, is of no use to
+// anybody; and there first-order covariances stop telling the truth.
 constexpr double kAttitudeSigmaMax_rad = 0.5;
 constexpr double kPositionSigmaMax = 0.5;
 
@@ -112,7 +112,8 @@ void put_path(const BodyDynamics& body,
   const Eigen::Vector3d v_C = unit * (R_CI * body.v_I);
   packet->flags |= model_layout::kFlagVelocity;
   packet->v_C = to_array(v_C);
-  const Eigen::Matrix3d covariance_v_C = unit * unit * (R_CI * body.covariance_v_I * R_CI.transpose());
+  const Eigen::Matrix3d covariance_v_C =
+      unit * unit * (R_CI * body.covariance_v_I * R_CI.transpose());
   put_upper_triangle(Eigen::Matrix3d(covariance_v_C + by_scale(v_C, lengths)), &packet->cov_v);
   Eigen::Vector3d c_T = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < 3; ++k) {
@@ -125,7 +126,8 @@ void put_path(const BodyDynamics& body,
   }
   packet->c_T = to_array(unit * c_T);
   const Eigen::Matrix3d covariance_c_T = unit * unit * model.covariance.bottomRightCorner<3, 3>();
-  put_upper_triangle(Eigen::Matrix3d(covariance_c_T + by_scale(unit * c_T, lengths)), &packet->cov_c);
+  put_upper_triangle(Eigen::Matrix3d(covariance_c_T + by_scale(unit * c_T, lengths)),
+                     &packet->cov_c);
 }
 
 std::uint8_t refusal_of(const RigidModel& model) { return static_cast<std::uint8_t>(model.status); }
@@ -139,8 +141,7 @@ void put_pose(const Pose& pose_C,
   PoseCovariance shown = covariance;
   shown.bottomRightCorner<3, 3>() += by_scale(pose_C.p_CT, unit);
   const double sigma_position = worst_sigma(shown.bottomRightCorner<3, 3>());
-  const bool position =
-      path_known && sigma_position < kPositionSigmaMax * pose_C.p_CT.norm();
+  const bool position = path_known && sigma_position < kPositionSigmaMax * pose_C.p_CT.norm();
   if (position) {
     packet->flags |= prediction_layout::kFlagPosition;
     packet->p_CT = to_array(pose_C.p_CT);
@@ -158,10 +159,14 @@ void put_pose(const Pose& pose_C,
   put_upper_triangle(shown, &packet->cov_pose);
 }
 
-Pose in_unit(const Pose& pose, double unit) { return {.R_CT = pose.R_CT, .p_CT = unit * pose.p_CT}; }
+Pose in_unit(const Pose& pose, double unit) {
+  return {.R_CT = pose.R_CT, .p_CT = unit * pose.p_CT};
+}
 
 /// Into C's axes and the unit.
-PoseCovariance in_unit(const PoseCovariance& covariance_I, const Eigen::Matrix3d& R_CI, double unit) {
+PoseCovariance in_unit(const PoseCovariance& covariance_I,
+                       const Eigen::Matrix3d& R_CI,
+                       double unit) {
   PoseCovariance by = PoseCovariance::Zero();
   by.topLeftCorner<3, 3>() = R_CI;
   by.bottomRightCorner<3, 3>() = unit * R_CI;
@@ -170,7 +175,9 @@ PoseCovariance in_unit(const PoseCovariance& covariance_I, const Eigen::Matrix3d
 
 }  // namespace
 
-ModelPacket to_packet(const RigidModel& model, const Eigen::Matrix3d& R_CI, const LengthUnit& unit) {
+ModelPacket to_packet(const RigidModel& model,
+                      const Eigen::Matrix3d& R_CI,
+                      const LengthUnit& unit) {
   ModelPacket packet;
   packet.timestamp_ns = model.reference_ns;
   packet.refusal = refusal_of(model);
@@ -222,7 +229,8 @@ PredictionPacket to_packet(const MotionPrediction& prediction,
 PredictionPacket to_packet(const PosePrediction& prediction, const LengthUnit& unit) {
   PredictionPacket packet;
   packet.dynamics = kDynamicsLocal;
-  packet.poses = static_cast<std::uint16_t>(std::min<std::size_t>(prediction.rotation_poses, 0xFFFF));
+  packet.poses =
+      static_cast<std::uint16_t>(std::min<std::size_t>(prediction.rotation_poses, 0xFFFF));
   packet.flags = unit.known ? prediction_layout::kFlagScaleKnown : std::uint8_t{0};
   put_pose(in_unit(prediction.pose, unit.metres_per_mu),
            in_unit(prediction.covariance, Eigen::Matrix3d::Identity(), unit.metres_per_mu),

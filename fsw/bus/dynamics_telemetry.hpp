@@ -18,8 +18,8 @@ inline constexpr std::uint8_t kDynamicsLocal = 1;
 /// @param R_CI  takes I, in which the model is, to C. Frame is left to the caller.
 ModelPacket to_packet(const RigidModel& model, const Eigen::Matrix3d& R_CI, const LengthUnit& unit);
 
-/// A prediction by the model, as seen from axes C that keep the attitude R_CI. Time stamp and frame of
-/// its making are left to the caller.
+/// A prediction by the model, as seen from axes C that keep the attitude R_CI. Time stamp and frame
+/// of its making are left to the caller.
 PredictionPacket to_packet(const MotionPrediction& prediction,
                            const RigidModel& model,
                            const Eigen::Matrix3d& R_CI,

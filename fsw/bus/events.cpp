@@ -34,8 +34,8 @@ class Line {
 };
 
 std::size_t index_of(EventId id) {
-  const auto row = std::find_if(
-      kEvents.begin(), kEvents.end(), [id](const EventRow& r) { return r.id == id; });
+  const auto row =
+      std::find_if(kEvents.begin(), kEvents.end(), [id](const EventRow& r) { return r.id == id; });
   POLHODE_ASSERT(row != kEvents.end(), static_cast<int>(id));
   return static_cast<std::size_t>(row - kEvents.begin());
 }
@@ -62,7 +62,8 @@ void end_window(std::uint32_t frame, EventLog* log) {
     EventCount& count = log->counts[i];
     count.in_window = 0;
     if (count.suppressed != 0 && !log->waiting.full()) {
-      (void)log->waiting.push_back(packet_of(i, {.values = count.values, .word = "(repeated)"}, count));
+      (void)log->waiting.push_back(
+          packet_of(i, {.values = count.values, .word = "(repeated)"}, count));
       count.suppressed = 0;
       ++count.in_window;
       ++log->sent;

@@ -8,17 +8,17 @@
 #include <string_view>
 
 #include "base/fixed_vector.hpp"
+#include "bus/capacities.hpp"
 #include "bus/event_table.hpp"
 #include "bus/packets.hpp"
 #include "bus/telemetry.hpp"
-#include "bus/capacities.hpp"
 
 namespace polhode::bus {
 
 struct EventCount {
   std::uint32_t occurrences = 0;
-  std::uint32_t in_window = 0;   ///< sent within the window of frames under way
-  std::uint32_t suppressed = 0;  ///< since the last one that was sent
+  std::uint32_t in_window = 0;     ///< sent within the window of frames under way
+  std::uint32_t suppressed = 0;    ///< since the last one that was sent
   std::array<double, 2> values{};  ///< of the last one suppressed
 };
 
@@ -41,7 +41,8 @@ void report(EventId id, const EventDetails& details, EventLog* log);
 
 /// Sends what was reported in this step.
 /// @param frame  a window ends with the frame bus.event_window_frames after its first one. What was
-/// suppressed in it and was followed by nothing is then told by one event of that id, with the last one's numbers.
+/// suppressed in it and was followed by nothing is then told by one event of that id, with the last
+/// one's numbers.
 void send_events(std::uint32_t frame,
                  std::int64_t timestamp_ns,
                  const BusOptions& options,

@@ -81,7 +81,11 @@ void settle_text(const Field& field, void* packet) {
     const auto c = load<char>(member_of(field, packet, i));
     ended = ended || c == '\0';
     const bool printable = c >= kFirstPrintable && c <= kLastPrintable;
-    set_bits(field, ended ? 0U : printable ? static_cast<unsigned char>(c) : '?', member_of(field, packet, i));
+    set_bits(field,
+             ended       ? 0U
+             : printable ? static_cast<unsigned char>(c)
+                         : '?',
+             member_of(field, packet, i));
   }
 }
 

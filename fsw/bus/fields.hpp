@@ -1,5 +1,5 @@
-// How a packet's fields lie on the wire and in its struct, as data: packing, unpacking, validity and
-// printing are one piece of code for all packets.
+// How a packet's fields lie on the wire and in its struct, as data: packing, unpacking, validity
+// and printing are one piece of code for all packets.
 #pragma once
 
 #include <cstddef>
@@ -34,10 +34,10 @@ struct Field {
 
 struct Layout {
   std::string_view name;
-  std::uint8_t number;  ///< APID above the first one, or function code
+  std::uint8_t number;   ///< APID above the first one, or function code
   std::uint16_t octets;  ///< with the CRC; a command's entries not counted
   std::span<const Field> fields;
-  std::size_t flags_member;    ///< offset of the flags in the struct, or kNoFlags
+  std::size_t flags_member;     ///< offset of the flags in the struct, or kNoFlags
   std::string_view flag_names;  ///< "pose rate", bit 0 first
 };
 
@@ -51,9 +51,9 @@ const Layout* find_packet(int apid, int apid_first);
 /// Octets of one value: 1, 2, 4 or 8.
 [[nodiscard]] std::size_t size_of(FieldType type);
 
-/// Makes a packet's struct fit for the bus: a flag whose values are not all finite goes down; values
-/// whose flag is down become zero; so does whatever else is not finite. Texts are cut to printable
-/// ASCII.
+/// Makes a packet's struct fit for the bus: a flag whose values are not all finite goes down;
+/// values whose flag is down become zero; so does whatever else is not finite. Texts are cut to
+/// printable ASCII.
 void settle(const Layout& layout, void* packet);
 
 /// Writes the fields (not header and CRC) big-endian. What is written must be settled.
@@ -62,8 +62,8 @@ void pack_fields(const Layout& layout, const void* packet, std::span<std::uint8_
 /// Reads the fields back. `in` holds at least up to the last one.
 void unpack_fields(const Layout& layout, std::span<const std::uint8_t> in, void* packet);
 
-/// The first field that breaks its range or is not finite, or nullptr. Values whose flag is down are
-/// not looked at.
+/// The first field that breaks its range or is not finite, or nullptr. Values whose flag is down
+/// are not looked at.
 /// @param slack  by which a floating value may lie outside, relative to a limit over 1: a unit
 /// vector's component may be 1 and a rounding error.
 const Field* out_of_range(const Layout& layout, const void* packet, double slack);

@@ -76,12 +76,11 @@ bool append(const Layout& layout,
             const BusOptions& options,
             PacketStream* stream) {
   std::uint16_t& sequence = stream->sequence[layout.number];
-  const std::size_t written = encode(layout,
-                                     packet,
-                                     {.apid_first = options.apid_first,
-                                      .sequence = sequence,
-                                      .timestamp_ns = timestamp_ns},
-                                     std::span(stream->octets).subspan(stream->size));
+  const std::size_t written =
+      encode(layout,
+             packet,
+             {.apid_first = options.apid_first, .sequence = sequence, .timestamp_ns = timestamp_ns},
+             std::span(stream->octets).subspan(stream->size));
   sequence = next_sequence(sequence);
   stream->size += written;
   stream->not_sent += written == 0 ? 1U : 0U;
@@ -159,12 +158,11 @@ std::size_t encode_motion(const MotionState& state,
                           std::uint16_t sequence,
                           std::span<std::uint8_t> out) {
   bus::MotionPacket packet = bus::to_packet(state);
-  return bus::encode(bus::MotionPacket::layout(),
-                     &packet,
-                     {.apid_first = options.apid_first,
-                      .sequence = sequence,
-                      .timestamp_ns = state.timestamp_ns},
-                     out);
+  return bus::encode(
+      bus::MotionPacket::layout(),
+      &packet,
+      {.apid_first = options.apid_first, .sequence = sequence, .timestamp_ns = state.timestamp_ns},
+      out);
 }
 
 Result<MotionState> decode_motion(std::span<const std::uint8_t> octets) {

@@ -1,5 +1,5 @@
-// Telemetry packets: a struct of the field table (packets.hpp) to octets and back; and the packets of
-// one step, end to end.
+// Telemetry packets: a struct of the field table (packets.hpp) to octets and back; and the packets
+// of one step, end to end.
 #pragma once
 
 #include <array>
@@ -8,10 +8,10 @@
 #include <span>
 
 #include "base/result.hpp"
+#include "bus/capacities.hpp"
 #include "bus/layout.hpp"
 #include "bus/options.hpp"
 #include "bus/packets.hpp"
-#include "bus/capacities.hpp"
 #include "motion/motion_state.hpp"
 
 namespace polhode {
@@ -41,8 +41,8 @@ Result<PacketHeader> decode(const Layout& layout,
                             std::span<const std::uint8_t> octets,
                             void* packet);
 
-/// The packets of one step and the counts of all APIDs: these count always, with or without room and
-/// readers, so that a reader can tell what it did not get.
+/// The packets of one step and the counts of all APIDs: these count always, with or without room
+/// and readers, so that a reader can tell what it did not get.
 struct PacketStream {
   std::array<std::uint8_t, limits::kStepOctets> octets{};
   std::size_t size = 0;

@@ -268,7 +268,10 @@ void search_row(
 }
 
 template <class Lanes>
-void search_octave(const Octave& octave, std::int32_t number, LayerRows* rows, const Search& search) {
+void search_octave(const Octave& octave,
+                   std::int32_t number,
+                   LayerRows* rows,
+                   const Search& search) {
   fill_row<Lanes>(octave, kMargin_px - 1, rows);
   fill_row<Lanes>(octave, kMargin_px, rows);
   for (int y = kMargin_px; y < octave[0].height - kMargin_px; ++y) {

@@ -112,9 +112,7 @@ GaussianKernel gaussian_kernel(double sigma_px) {
 void blur(const Plane& in, const GaussianKernel& kernel, BlurRow* scratch, const Plane& out) {
   POLHODE_ASSERT(in.width == out.width && in.height == out.height, out.width);
   POLHODE_ASSERT(in.width <= static_cast<int>(limits::kWorkingSide), in.width);
-  with_lanes([&](auto kind) {
-    blur_by<typename decltype(kind)::Lanes>(in, kernel, scratch, out);
-  });
+  with_lanes([&](auto kind) { blur_by<typename decltype(kind)::Lanes>(in, kernel, scratch, out); });
 }
 
 }  // namespace polhode::sift

@@ -12,8 +12,8 @@ namespace polhode {
 
 struct FeatureWorkspace;  // features/workspace.hpp
 
-/// Detects in the mask's region, resampled to the working size (at most three times its own), and keeps
-/// at most count_max by strength with an even share for each cell of a grid over the region.
+/// Detects in the mask's region, resampled to the working size (at most three times its own), and
+/// keeps at most count_max by strength with an even share for each cell of a grid over the region.
 /// Gray levels of 8 bits. No heap.
 /// @cost  linear in working pixels and in features.
 /// @source Lowe, IJCV 2004.

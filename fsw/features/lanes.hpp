@@ -1,5 +1,5 @@
-// Floats side by side: four, or eight where the processor has registers for them. Each lane is plain IEEE arithmetic, so
-// the result has the same bits on any machine and with either number.
+// Floats side by side: four, or eight where the processor has registers for them. Each lane is
+// plain IEEE arithmetic, so the result has the same bits on any machine and with either number.
 #pragma once
 
 #include <cmath>
@@ -66,7 +66,8 @@ inline Lanes4 square_root(Lanes4 a) {
 }
 #endif
 
-/// Tells a callable which lanes to take: `[](auto kind) { using Lanes = typename decltype(kind)::Lanes; }`.
+/// Tells a callable which lanes to take: `[](auto kind) { using Lanes = typename
+/// decltype(kind)::Lanes; }`.
 template <class L>
 struct LaneKind {
   using Lanes = L;

@@ -9,7 +9,8 @@
 
 namespace polhode {
 
-/// Squared Euclidean distance. Plain, of constant length, and here: within widely() the compiler takes many octets at once.
+/// Squared Euclidean distance. Plain, of constant length, and here: within widely() the compiler
+/// takes many octets at once.
 inline int distance2(const Descriptor& a, const Descriptor& b) {
   int sum = 0;
   for (std::size_t i = 0; i < std::tuple_size_v<Descriptor>; ++i) {
@@ -31,10 +32,7 @@ class FeatureGrid {
 
   /// Indices of the features within `radius_px` of a pixel, at most as many as `out` holds, in
   /// index order by cell.
-  std::size_t find(double u_px,
-                   double v_px,
-                   double radius_px,
-                   std::span<std::int32_t> out) const;
+  std::size_t find(double u_px, double v_px, double radius_px, std::span<std::int32_t> out) const;
 
  private:
   static constexpr int kCells = 32;

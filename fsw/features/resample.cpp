@@ -49,7 +49,8 @@ void fill_taps(int in, int out, AxisTaps* axis) {
 }
 
 /// A row of the region by its tones. Neighbouring output rows want the same few.
-const float* toned(const cv::Mat& gray, const cv::Rect& region_px, const Tone& tone, int y, TonedRows* rows) {
+const float* toned(
+    const cv::Mat& gray, const cv::Rect& region_px, const Tone& tone, int y, TonedRows* rows) {
   const std::size_t place = static_cast<std::size_t>(y) % TonedRows::kRows;
   float* row = rows->light[place].data();
   if (rows->y[place] != y) {
@@ -69,7 +70,8 @@ void weigh_rows(const cv::Mat& gray,
                 ResampleScratch* scratch) {
   const AxisTaps& down = scratch->down;
   float* __restrict row = scratch->row.data();
-  const auto width = (static_cast<std::size_t>(region_px.width) + kRowGrain - 1) / kRowGrain * kRowGrain;
+  const auto width =
+      (static_cast<std::size_t>(region_px.width) + kRowGrain - 1) / kRowGrain * kRowGrain;
   std::fill_n(row, width, 0.0F);
   const float* weight = down.weight.data() + static_cast<std::ptrdiff_t>(y) * down.taps;
   for (int k = 0; k < down.taps; ++k) {

@@ -49,8 +49,8 @@ struct WorkingSize {
 WorkingSize working_size(const cv::Rect& region_px, int pixels_max, double enlarge_max);
 
 /// Enlarges by cubic convolution (Catmull-Rom), reduces by the mean over each output pixel's area.
-/// Pixels are weighed by their tone; cubic convolution may overshoot its 0 .. 255. Pixel centres are at integers on
-/// both sides.
+/// Pixels are weighed by their tone; cubic convolution may overshoot its 0 .. 255. Pixel centres
+/// are at integers on both sides.
 /// @param out  of the working size.
 void resample(const cv::Mat& gray,
               const cv::Rect& region_px,

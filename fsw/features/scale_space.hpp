@@ -17,8 +17,8 @@ struct ScaleSpace {
   static constexpr int kLevels = kLayers + 3;
   static constexpr int kOctaves = 8;
   static constexpr int kSideMin = 16;  ///< of an octave's picture
-  /// Of the first level, in pixels of its octave. Places of extremes are interpolated: 0.8 px places
-  /// them 3 to 27 % worse, Lowe's 1.6 px hardly better for nearly twice the pixels.
+  /// Of the first level, in pixels of its octave. Places of extremes are interpolated: 0.8 px
+  /// places them 3 to 27 % worse, Lowe's 1.6 px hardly better for nearly twice the pixels.
   static constexpr double kSigma_px = 1.2;
 
   /// Octaves of a quarter of the pixels each come to a third more than the first; rows are filled

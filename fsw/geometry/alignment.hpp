@@ -23,8 +23,10 @@ struct Similarity {
 /// The pose of frame b in the camera, in b's unit, where `pose_a` is that of frame a in a's unit.
 Pose transformed(const Pose& pose_a, const Similarity& b_of_a);
 
-/// Scale and shift of the least-squares similarity whose rotation is given (Umeyama, PAMI 1991), with weights >= 0.
-/// @errors TooFewObservations (no weight), Degenerate (points coincide, or the rotation turns them away).
+/// Scale and shift of the least-squares similarity whose rotation is given (Umeyama, PAMI 1991),
+/// with weights >= 0.
+/// @errors TooFewObservations (no weight), Degenerate (points coincide, or the rotation turns them
+/// away).
 Result<Similarity> align_turned(std::span<const Eigen::Vector3d> points_a,
                                 std::span<const Eigen::Vector3d> points_b,
                                 std::span<const double> weights,

@@ -28,15 +28,16 @@ struct ReprojectionJacobians {
   Eigen::Matrix<double, 2, 3> point;  ///< by p_T
 };
 
-/// Normalised image point of p_T: (s r1.p + u, s r2.p + v) / (1 + s r3.p), and its derivatives. Here, and
-/// written out, because adjustments do little else.
+/// Normalised image point of p_T: (s r1.p + u, s r2.p + v) / (1 + s r3.p), and its derivatives.
+/// Here, and written out, because adjustments do little else.
 /// @param jacobians  may be nullptr
 /// @return false when the point lies in or behind the camera's plane.
 inline bool reproject(const InverseDepthPose& pose,
                       const Eigen::Vector3d& p_T,
                       Eigen::Vector2d* normalised,
                       ReprojectionJacobians* jacobians = nullptr) {
-  // A point whose depth is under this fraction of the origin's is in the camera's plane for every purpose here.
+  // A point whose depth is under this fraction of the origin's is in the camera's plane for every
+  // purpose here.
   constexpr double kRelativeDepthMin = 1e-3;
   const Eigen::Vector3d q = pose.R_CT * p_T;
   const double s = pose.uvs.z();
@@ -64,7 +65,8 @@ inline bool reproject(const InverseDepthPose& pose,
 
 /// Derivatives of the projection of p_C = R_CT p_T + p_CT by the pose error (phi, dp) of
 /// PoseCovariance. Needs z > 0.
-inline Eigen::Matrix<double, 2, 6> projection_jacobian(const Pose& pose, const Eigen::Vector3d& p_T) {
+inline Eigen::Matrix<double, 2, 6> projection_jacobian(const Pose& pose,
+                                                       const Eigen::Vector3d& p_T) {
   const Eigen::Vector3d q = pose.R_CT * p_T;
   const Eigen::Vector3d p_C = q + pose.p_CT;
   const double inverse = 1.0 / p_C.z();

@@ -8,13 +8,15 @@
 namespace polhode {
 namespace {
 
-// Only the flip of a pixel's highest bit stands out so far: one in eight, but clouds have a few such pixels where 184 of 230 400 stand
-// out by 24, which hid the flips of one bit in 0.2 % of the pixels.
+// Only the flip of a pixel's highest bit stands out so far: one in eight, but clouds have a few
+// such pixels where 184 of 230 400 stand out by 24, which hid the flips of one bit in 0.2 % of the
+// pixels.
 constexpr int kStep = 80;
 
-/// Outstanding pixels of a row: over (under) all eight neighbours by kStep and twice their range, so
-/// that edges, lines and grain do not count. The peak of a star does: they are as many in each
-/// frame. By four neighbours clouds had three times as many, which hid one bit in 0.4 % of the pixels.
+/// Outstanding pixels of a row: over (under) all eight neighbours by kStep and twice their range,
+/// so that edges, lines and grain do not count. The peak of a star does: they are as many in each
+/// frame. By four neighbours clouds had three times as many, which hid one bit in 0.4 % of the
+/// pixels.
 int impulses_in_row(const std::uint8_t* above,
                     const std::uint8_t* row,
                     const std::uint8_t* below,
@@ -55,15 +57,14 @@ int impulses_in_row(const std::uint8_t* above,
   count += static_cast<int>(cv::v_reduce_sum(counts));
   for (; column + 1 < columns; ++column) {
     const int p = row[column];
-    const auto [low, high] =
-        std::minmax({above[column - 1],
-                     above[column],
-                     above[column + 1],
-                     row[column - 1],
-                     row[column + 1],
-                     below[column - 1],
-                     below[column],
-                     below[column + 1]});
+    const auto [low, high] = std::minmax({above[column - 1],
+                                          above[column],
+                                          above[column + 1],
+                                          row[column - 1],
+                                          row[column + 1],
+                                          below[column - 1],
+                                          below[column],
+                                          below[column + 1]});
     const int limit = std::min(255, 2 * (high - low) + kStep);
     count += std::max(p - high, low - p) > limit ? 1 : 0;
   }
@@ -119,8 +120,8 @@ int roughness(const cv::Mat& gray, int row0, int column0) {
 }
 
 /// Tiles as rough as octets of which one bit in ten is flipped (45; random ones have 85), and much
-/// rougher than the last good picture was nearby: the finest texture comes near it too, but not from
-/// one picture to the next.
+/// rougher than the last good picture was nearby: the finest texture comes near it too, but not
+/// from one picture to the next.
 int count_rough_tiles(const cv::Mat& gray, QualityHistory* history) {
   constexpr int kRough = 40;
   constexpr int kTimes = 2;
@@ -132,8 +133,7 @@ int count_rough_tiles(const cv::Mat& gray, QualityHistory* history) {
         any_before ? history->roughness_good.ptr<std::uint8_t>(row) : nullptr;
     std::uint8_t* now = history->roughness.ptr<std::uint8_t>(row);
     for (int column = 0; column < history->roughness.cols; ++column) {
-      now[column] =
-          static_cast<std::uint8_t>(roughness(gray, row * kSide_px, column * kSide_px));
+      now[column] = static_cast<std::uint8_t>(roughness(gray, row * kSide_px, column * kSide_px));
       const int limit = any_before ? std::max(kRough, kTimes * before[column]) : kRough;
       count += now[column] > limit ? 1 : 0;
     }

@@ -101,30 +101,36 @@ Finding find_torn(const RepeatedRows& rows) {
           .limit = kRowsMin};
 }
 
-/// More traces than the scene has of its own, by 6 sigma of its last frames; one pixel in 100,000, two tiles, half a line on
-/// top, as much as glints come and go by. Single pixels fewer than one in 3000 do no harm: they fall on few landmarks and on no
-/// two frames alike.
+/// More traces than the scene has of its own, by 6 sigma of its last frames; one pixel in 100,000,
+/// two tiles, half a line on top, as much as glints come and go by. Single pixels fewer than one in
+/// 3000 do no harm: they fall on few landmarks and on no two frames alike.
 Finding find_bit_errors(const BitErrorTraces& now, const History& frames) {
   if (frames.size() < kFramesMin) {
     return {};
   }
   constexpr double kSigmas = 6.0;
-  constexpr double kHarmless = 3e-4;  // highest bits: with the others, of which most do not stand out, eight times as many
-  constexpr double kUnseen = 1e-5;    // of the pixels: a thirtieth of what is harmless; so few more are no fault
+  constexpr double kHarmless =
+      3e-4;  // highest bits: with the others, of which most do not stand out, eight times as many
+  constexpr double kUnseen =
+      1e-5;  // of the pixels: a thirtieth of what is harmless; so few more are no fault
   // `grain`: what is counted one by one scatters by the root of its number at least.
-  const auto traces = [&](double value, double Entry::*field, double grain, double floor, double harmless) {
-    const Typical t = typical(frames, field);
-    const double spread = std::max(t.spread, std::sqrt(grain * std::max(t.median, grain)));
-    const double limit = t.median + std::max(kSigmas * spread, 0.25 * t.median) + floor;
-    return Finding{
-        .found = value > limit, .grave = value > limit + harmless, .measure = value, .limit = limit};
-  };
+  const auto traces =
+      [&](double value, double Entry::*field, double grain, double floor, double harmless) {
+        const Typical t = typical(frames, field);
+        const double spread = std::max(t.spread, std::sqrt(grain * std::max(t.median, grain)));
+        const double limit = t.median + std::max(kSigmas * spread, 0.25 * t.median) + floor;
+        return Finding{.found = value > limit,
+                       .grave = value > limit + harmless,
+                       .measure = value,
+                       .limit = limit};
+      };
   const Finding tiles = traces(now.rough_tiles, &Entry::rough_tiles, 0.0, 2.0, 0.0);
   const Finding lines = traces(now.lines, &Entry::lines, 0.0, 0.5, 0.0);
   if (tiles.found || lines.found) {
     return lines.found ? lines : tiles;
   }
-  return traces(now.impulse_fraction, &Entry::impulse_fraction, 1.0 / now.pixels, kUnseen, kHarmless);
+  return traces(
+      now.impulse_fraction, &Entry::impulse_fraction, 1.0 / now.pixels, kUnseen, kHarmless);
 }
 
 /// Three fifths of the sharpness of the frames before: the finest blobs are gone, the others
@@ -137,8 +143,8 @@ Finding find_blurred(const ImageLevels& now, const History& frames) {
   return {.found = now.sharpness < limit, .grave = false, .measure = now.sharpness, .limit = limit};
 }
 
-/// Rows that repeat with each frame are the scene's, and the frame is whole; other faults that insist leave a picture that
-/// shows something, to be used with care.
+/// Rows that repeat with each frame are the scene's, and the frame is whole; other faults that
+/// insist leave a picture that shows something, to be used with care.
 FrameDecision decide(FrameFault fault, const Finding& finding, bool insists, bool nothing_to_see) {
   const bool usual = insists && !nothing_to_see && fault != FrameFault::kFrozen;
   if (finding.grave && !usual) {
@@ -166,8 +172,8 @@ void remember(const ImageQuality& q, History* frames) {
 FrameVerdict judge_quality(const ImageQuality& quality,
                            const ImageOptions& options,
                            QualityHistory* history) {
-  // In the order of precedence among what is equally bad: a frozen dark frame is frozen, a torn bright one is torn, and one that is
-  // at full scale all over is flat because it is saturated.
+  // In the order of precedence among what is equally bad: a frozen dark frame is frozen, a torn
+  // bright one is torn, and one that is at full scale all over is flat because it is saturated.
   const std::array<std::pair<FrameFault, Finding>, kFrameFaults - 1> findings{
       {{FrameFault::kFrozen, find_frozen(quality.rows)},
        {FrameFault::kDark, find_dark(quality.levels, history->frames, options)},

@@ -62,7 +62,8 @@ ImageLevels measure_levels(const cv::Mat& gray, const ImageOptions& options) {
   constexpr double kBright_px = 400.0;
   // As many pixels tell as much of a larger picture.
   constexpr double kEnough_px = 5e5;
-  const int row_step = std::max(1, static_cast<int>(std::lround(static_cast<double>(gray.total()) / kEnough_px)));
+  const int row_step =
+      std::max(1, static_cast<int>(std::lround(static_cast<double>(gray.total()) / kEnough_px)));
   const Histogram counts = histogram(gray, row_step);
   double total = 0.0;
   double sum = 0.0;

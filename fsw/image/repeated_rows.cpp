@@ -45,7 +45,9 @@ struct Runs {
 
 }  // namespace
 
-RepeatedRows compare_rows(const cv::Mat& gray, const ImageOptions& options, const QualityHistory& history) {
+RepeatedRows compare_rows(const cv::Mat& gray,
+                          const ImageOptions& options,
+                          const QualityHistory& history) {
   const cv::Mat& previous = history.previous;
   if (previous.empty()) {
     return {};
@@ -63,13 +65,14 @@ RepeatedRows compare_rows(const cv::Mat& gray, const ImageOptions& options, cons
       telling_rows.add(same);
       with_blank.add(same);
     } else if (!history.row_levels_good.empty() &&
-               std::abs(mean_level(now, gray.cols) - history.row_levels_good.at<std::uint8_t>(row)) > apart) {
+               std::abs(mean_level(now, gray.cols) -
+                        history.row_levels_good.at<std::uint8_t>(row)) > apart) {
       ++blank;
       with_blank.add(true);
     }
   }
-  // A body's edge moves over fewer rows from the last good picture to this one; a frame that is blank all over need not be a repeated
-  // one.
+  // A body's edge moves over fewer rows from the last good picture to this one; a frame that is
+  // blank all over need not be a repeated one.
   constexpr int kBlankPart = 8;
   const bool torn_off = kBlankPart * blank >= gray.rows && with_blank.rows.fresh > 0;
   return torn_off ? with_blank.rows : telling_rows.rows;

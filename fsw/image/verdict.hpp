@@ -24,7 +24,8 @@ enum class FrameDecision : std::uint8_t { kUse, kCare, kSkip };
 
 struct FrameVerdict {
   FrameDecision decision = FrameDecision::kUse;
-  FrameFault fault = FrameFault::kNone;  ///< the one decided on: of the gravest found the first, in the order of precedence
+  FrameFault fault = FrameFault::kNone;  ///< the one decided on: of the gravest found the first, in
+                                         ///< the order of precedence
   std::uint16_t faults = 0;              ///< bit n: FrameFault n was found
   float measure = 0.0F;                  ///< what the fault was judged by
   float limit = 0.0F;                    ///< what it was compared with

@@ -63,12 +63,16 @@ bool worth_collecting(const Features& features, double ratio_max, TrackTable* tr
 
 }  // namespace
 
-Collected collect_frame(const CollectibleFrame& frame, double ratio_max, InitialisationState* state) {
+Collected collect_frame(const CollectibleFrame& frame,
+                        double ratio_max,
+                        InitialisationState* state) {
   constexpr std::size_t kFeaturesMin = 12;  // fewer cannot carry a pose
-  if (frame.features->size() < kFeaturesMin || !worth_collecting(*frame.features, ratio_max, &state->tracks)) {
+  if (frame.features->size() < kFeaturesMin ||
+      !worth_collecting(*frame.features, ratio_max, &state->tracks)) {
     return {};
   }
-  add_frame(frame.frame, frame.timestamp_ns, frame.R_IC, *frame.features, ratio_max, &state->tracks);
+  add_frame(
+      frame.frame, frame.timestamp_ns, frame.R_IC, *frame.features, ratio_max, &state->tracks);
   constexpr std::size_t kConnectingMin = 8;  // fewer cannot carry a start
   drop_unconnected_frames(kConnectingMin, &state->tracks);
   const Collected collected{.kept = true, .tables_full = state->tracks.full_count};
@@ -88,8 +92,7 @@ void pose_problem(const InitialisationState& state,
   job->seed = seed;
   job->options = options;
   for (std::size_t i = 0; i < job->frame_count; ++i) {
-    const std::int64_t since_ns =
-        table.frames[i].timestamp_ns - table.frames[0].timestamp_ns;
+    const std::int64_t since_ns = table.frames[i].timestamp_ns - table.frames[0].timestamp_ns;
     job->times_s[i] = static_cast<double>(since_ns) * 1e-9;
   }
   for (std::size_t t = 0; t < job->track_count; ++t) {

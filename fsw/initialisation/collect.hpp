@@ -31,9 +31,12 @@ struct Collected {
   std::uint32_t tables_full = 0;  ///< tracks that found no place
 };
 
-/// Keeps a frame that tells something about depth beyond the last one kept; drops older ones that it is not connected to.
+/// Keeps a frame that tells something about depth beyond the last one kept; drops older ones that
+/// it is not connected to.
 /// @param ratio_max  of descriptors' distances, best to second best.
-Collected collect_frame(const CollectibleFrame& frame, double ratio_max, InitialisationState* state);
+Collected collect_frame(const CollectibleFrame& frame,
+                        double ratio_max,
+                        InitialisationState* state);
 
 /// The tracks so far as a problem for hypothesis selection.
 void pose_problem(const InitialisationState& state,

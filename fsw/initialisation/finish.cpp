@@ -5,8 +5,8 @@
 
 #include "base/median.hpp"
 #include "geometry/so3.hpp"
-#include "initialisation/selection.hpp"
 #include "initialisation/extend.hpp"
+#include "initialisation/selection.hpp"
 
 namespace polhode {
 namespace {
@@ -116,8 +116,9 @@ void adjust_all_tracks(const Contest& c, StartOutcome* out) {
   }
   const auto all = std::views::iota(0, static_cast<int>(c.problem.tracks.size()));
   out->depth_sigma = median_depth_sigma(c, all);
-  // The contest's tracks decide on the geometry and are the longest that there are: on a body that turns them away after
-  // three or four frames most others say little of their own depth, however well the turn is known.
+  // The contest's tracks decide on the geometry and are the longest that there are: on a body that
+  // turns them away after three or four frames most others say little of their own depth, however
+  // well the turn is known.
   out->contest_depth_sigma = median_depth_sigma(c, c.w.set.tracks);
   for (std::size_t i = 0; i < out->points.size(); ++i) {
     StartPoint& point = out->points[i];

@@ -70,7 +70,8 @@ struct StartOutcome {
       0.0;  ///< curvature of the visible side over its 1-sigma; positive: the middle is nearest
   double inlier_ratio = 0.0;  ///< of the contest's sightings
   int hypotheses = 0;         ///< different ones that were refined to the end
-  bool crowded = false;       ///< the frames were more than the contest has tracks for: fewer would decide more
+  bool crowded =
+      false;  ///< the frames were more than the contest has tracks for: fewer would decide more
   FixedVector<StartFramePose, limits::kStartFrames> frames;  ///< by frame
   FixedVector<StartPoint, limits::kStartTracks> points;      ///< by track
 };
@@ -114,8 +115,8 @@ StartOutcome run_start_contest(const StartProblem& problem,
 /// @return false when no three frames have enough tracks in common.
 bool select_contest_set(const StartProblem& problem, StartContestSet* set);
 
-/// Is the set full, and has a frame fewer tracks in it than speak for one hypothesis or its twin, and than
-/// it could have?
+/// Is the set full, and has a frame fewer tracks in it than speak for one hypothesis or its twin,
+/// and than it could have?
 bool is_crowded(const StartProblem& problem, const StartContestSet& set);
 
 /// Curvature of the visible side in `frame`: the r^2 term of a quadratic depth fit over its

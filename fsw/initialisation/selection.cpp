@@ -12,12 +12,13 @@ namespace {
 // start's benchmark.
 constexpr double kSameGeometry = 0.15;
 constexpr double kDifferentGeometry = 0.20;
-constexpr std::size_t kFamilies = 6;   // seeds that go on to full refinement, with their twins
-constexpr std::size_t kFinalists = 6;  // hypotheses that are grown to all frames, shared by the cores
-constexpr int kExtendRounds = 3;       // frames posed on either side between two adjustments
+constexpr std::size_t kFamilies = 6;  // seeds that go on to full refinement, with their twins
+constexpr std::size_t kFinalists =
+    6;                            // hypotheses that are grown to all frames, shared by the cores
+constexpr int kExtendRounds = 3;  // frames posed on either side between two adjustments
 constexpr int kTwinRounds = 3;
-// Depth and turn make up for each other along a valley in which steps are short: a hypothesis that has not come to its
-// floor is no rival, but would be waited for. Most settle in a tenth of this.
+// Depth and turn make up for each other along a valley in which steps are short: a hypothesis that
+// has not come to its floor is no rival, but would be waited for. Most settle in a tenth of this.
 constexpr int kSettleIterations = 60;
 // A track's share in a gap: more comes from a wrong track that one hypothesis happens to explain.
 constexpr double kTrackGapMax = 4.0;

@@ -35,8 +35,8 @@ void judge_attitudes(std::span<const BridgeFrame> frames, Bridge* bridge) {
   }
   bridge->misfit_rad = std::sqrt(squares / static_cast<double>(frames.size()));
   constexpr double kTurnPart = 0.25;
-  // A phase that is off by this is within a half turn to three sigma; by more it says nothing of where T is, however well a rate is
-  // known that brought it there.
+  // A phase that is off by this is within a half turn to three sigma; by more it says nothing of
+  // where T is, however well a rate is known that brought it there.
   constexpr double kPhaseKnown_rad = 1.0;
   bridge->agrees = frames.front().predicted_sigma_rad < kPhaseKnown_rad &&
                    bridge->misfit_rad < std::max(kTurnPart * bridge->turn_rad, 3.0 * sigma_rad);

@@ -12,8 +12,8 @@ void begin_drift(const Eigen::Matrix3d& R_first_CT,
                  double depth_sigma,
                  double extent_mu,
                  MapDrift* drift) {
-  // An extent is the RMS distance from the centre, and depth one of three directions: depths that are off by
-  // depth_sigma of an extent are off by this part of themselves.
+  // An extent is the RMS distance from the centre, and depth one of three directions: depths that
+  // are off by depth_sigma of an extent are off by this part of themselves.
   drift->R_first_CT = R_first_CT;
   drift->start_turn_sigma = std::min(1.0, std::sqrt(3.0) * depth_sigma);
   drift->start_sigma_mu = depth_sigma * extent_mu;
@@ -28,7 +28,8 @@ void hold_turn(double relative_sigma, double extent_mu, MapDrift* drift) {
 }
 
 double turn_sigma(const MapDrift& drift) {
-  return drift.turn_rad > 0.0 ? drift.start_turn_sigma * drift.start_turn_rad / drift.turn_rad : 0.0;
+  return drift.turn_rad > 0.0 ? drift.start_turn_sigma * drift.start_turn_rad / drift.turn_rad
+                              : 0.0;
 }
 
 double unit_sigma(const MapDrift& drift) {
@@ -52,9 +53,13 @@ void hold_at_both_ends(MapDrift* drift) {
   drift->held = drift->walk;
 }
 
-void add_bridge(double attitude_sigma_rad, double position_sigma_mu, std::uint32_t next_keyframe, MapDrift* drift) {
+void add_bridge(double attitude_sigma_rad,
+                double position_sigma_mu,
+                std::uint32_t next_keyframe,
+                MapDrift* drift) {
   drift->bridge.topLeftCorner<3, 3>().diagonal().array() += attitude_sigma_rad * attitude_sigma_rad;
-  drift->bridge.bottomRightCorner<3, 3>().diagonal().array() += position_sigma_mu * position_sigma_mu;
+  drift->bridge.bottomRightCorner<3, 3>().diagonal().array() +=
+      position_sigma_mu * position_sigma_mu;
   drift->bridged_keyframe = next_keyframe;
 }
 
@@ -72,7 +77,8 @@ void replace_walk(const PoseCovariance& covariance, MapDrift* drift) {
 PoseCovariance covariance(const MapDrift& drift) {
   PoseCovariance sum = drift.walk + drift.bridge;
   if (drift.turn_rad > 0.0) {
-    const double turn_rad = unit_sigma(drift);  // the same part: lateral by depth is the turn's tangent
+    const double turn_rad =
+        unit_sigma(drift);  // the same part: lateral by depth is the turn's tangent
     const double depth_mu = drift.start_sigma_mu * drift.start_turn_rad / drift.turn_rad;
     sum.topLeftCorner<3, 3>().diagonal().array() += turn_rad * turn_rad;
     sum.bottomRightCorner<3, 3>().diagonal().array() += depth_mu * depth_mu;

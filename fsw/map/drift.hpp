@@ -15,13 +15,15 @@ namespace polhode {
 /// shrinks as the body turns on; landmarks that were placed by the start leave slowly, so it does
 /// so with the largest turn seen, not with its square, as the images would allow (measured: the
 /// square is too quick by a factor of two on fifteen sequences). The walk: a map grows keyframe by
-/// keyframe, each placed by the last ones with its own error. The bridge: a start after a loss is set into the T of before
-/// by the motion in between, and what that left open is a constant of T from then on, of which no later picture tells.
+/// keyframe, each placed by the last ones with its own error. The bridge: a start after a loss is
+/// set into the T of before by the motion in between, and what that left open is a constant of T
+/// from then on, of which no later picture tells.
 struct MapDrift {
   PoseCovariance walk = PoseCovariance::Zero();
   PoseCovariance held = PoseCovariance::Zero();  ///< what of it no closed loop lessens any more
   PoseCovariance bridge = PoseCovariance::Zero();
-  std::uint32_t bridged_keyframe = 0;  ///< number of the first keyframe after the bridge; 0: there is nothing to close
+  std::uint32_t bridged_keyframe =
+      0;  ///< number of the first keyframe after the bridge; 0: there is nothing to close
   Eigen::Matrix3d R_first_CT =
       Eigen::Matrix3d::Identity();  ///< attitude of the start's first frame
   double start_turn_sigma = 0.0;    ///< of the start's turn, as a part of it
@@ -39,15 +41,15 @@ void begin_drift(const Eigen::Matrix3d& R_first_CT,
                  double extent_mu,
                  MapDrift* drift);
 
-/// The body's motion has been fitted together with the map, and tells the turn so far to this part of itself: depths are off
-/// by as much still, and with them the unit that comes of them.
+/// The body's motion has been fitted together with the map, and tells the turn so far to this part
+/// of itself: depths are off by as much still, and with them the unit that comes of them.
 void hold_turn(double relative_sigma, double extent_mu, MapDrift* drift);
 
 /// 1-sigma of a factor that all turns so far may have, less one.
 [[nodiscard]] double turn_sigma(const MapDrift& drift);
 
-/// 1-sigma of the map's unit, as a part of it, as the sides will have it that come into sight: what was depth
-/// before is lateral then, and in it the start's turn is off by an angle.
+/// 1-sigma of the map's unit, as a part of it, as the sides will have it that come into sight: what
+/// was depth before is lateral then, and in it the start's turn is off by an angle.
 [[nodiscard]] double unit_sigma(const MapDrift& drift);
 
 /// A frame has its pose.
@@ -64,10 +66,13 @@ void hold_at_both_ends(MapDrift* drift);
 
 /// A start after a loss has been set into T.
 /// @param next_keyframe  number of its first keyframe.
-void add_bridge(double attitude_sigma_rad, double position_sigma_mu, std::uint32_t next_keyframe, MapDrift* drift);
+void add_bridge(double attitude_sigma_rad,
+                double position_sigma_mu,
+                std::uint32_t next_keyframe,
+                MapDrift* drift);
 
-/// The parts of the map before and after the bridge have been fitted together: T is what is between them, so half of the
-/// bridge's sigma is left.
+/// The parts of the map before and after the bridge have been fitted together: T is what is between
+/// them, so half of the bridge's sigma is left.
 void close_bridge(MapDrift* drift);
 
 /// What the map's growth says of T is said anew.

@@ -1,6 +1,5 @@
 #include "map/follow.hpp"
 
-
 #include "base/median.hpp"
 
 namespace polhode {

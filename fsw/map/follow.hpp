@@ -10,8 +10,9 @@ namespace polhode {
 /// The image that points are followed from, and the landmarks seen in it.
 struct FlowReference {
   bool valid = false;
-  cv::Mat gray;     ///< of which the pyramid is built when a frame is to be followed by flow
-  bool gray_to_come = false;  ///< it is this step's picture still, and is taken over when the next one comes
+  cv::Mat gray;  ///< of which the pyramid is built when a frame is to be followed by flow
+  bool gray_to_come =
+      false;  ///< it is this step's picture still, and is taken over when the next one comes
   Pyramid pyramid;
   Pose pose;
   LandmarkMatches points;  ///< inliers of the frame

@@ -44,8 +44,9 @@ double nearest_view_cosine(std::size_t slot, const Map& map) {
   return best;
 }
 
-/// Close together while there is room: features of one place that are seen anew are as good as other ones, and a young map's
-/// depths wait for them. In the second half of the table each takes the place of a view that will be wanted.
+/// Close together while there is room: features of one place that are seen anew are as good as
+/// other ones, and a young map's depths wait for them. In the second half of the table each takes
+/// the place of a view that will be wanted.
 double spacing_rad(const Map& map, const MapOptions& options) {
   const bool much_room = 2 * map.keyframe_count < options.keyframes_max;
   return (much_room ? 1.0 : 2.0) * options.keyframe_rotation_min_rad;
@@ -58,7 +59,8 @@ bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOpti
   if (order.empty()) {
     return true;
   }
-  // Over a turn a of a young map depths are known as 1 / a^2: a view that widens it by 0.15 makes them better by a third.
+  // Over a turn a of a young map depths are known as 1 / a^2: a view that widens it by 0.15 makes
+  // them better by a third.
   constexpr double kWider = 0.15;
   double nearest_rad = 10.0;
   double farthest_rad = 0.0;

@@ -9,9 +9,10 @@
 
 namespace polhode {
 
-/// A frame becomes a keyframe when the body has turned against the camera by keyframe_rotation_min_rad since the nearest
-/// keyframe (twice that when half of the table is taken, 0.15 of the map's own turn where that is less), or when it sees
-/// under keyframe_tracked_min of what the newest keyframe sees.
+/// A frame becomes a keyframe when the body has turned against the camera by
+/// keyframe_rotation_min_rad since the nearest keyframe (twice that when half of the table is
+/// taken, 0.15 of the map's own turn where that is less), or when it sees under
+/// keyframe_tracked_min of what the newest keyframe sees.
 bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOptions& options);
 
 /// Stores the frame; its inlier matches become sightings. A full table first loses its most

@@ -14,10 +14,11 @@
 namespace polhode {
 namespace {
 
-// Gate of new pairs about their epipolar line. The line has the drift between the two keyframes in it, and
-// a gate as narrow as the noise takes only those pairs whose errors agree with that drift: the map then holds
-// it for ever. At twice that it does so half as much; the adjustment judges who is wrong, as nearly a tenth
-// of the pairs' errors are beyond 3 sigma. For two views chi-square has one degree of freedom.
+// Gate of new pairs about their epipolar line. The line has the drift between the two keyframes in
+// it, and a gate as narrow as the noise takes only those pairs whose errors agree with that drift:
+// the map then holds it for ever. At twice that it does so half as much; the adjustment judges who
+// is wrong, as nearly a tenth of the pairs' errors are beyond 3 sigma. For two views chi-square has
+// one degree of freedom.
 constexpr double kLineSigma = 6.0;
 constexpr double kChi2Pair = kLineSigma * kLineSigma;
 constexpr double kSightingSigma = 3.0;  // reprojection gate of further sightings of a landmark
@@ -107,7 +108,8 @@ void list_free(const Keyframe& keyframe,
           return at(other).u_px < u_px;
         });
     for (; free && near != taken->end() && at(*near).u_px - f.u_px < 1.0F; ++near) {
-      free = !(std::abs(f.u_px - at(*near).u_px) < 1.0F && std::abs(f.v_px - at(*near).v_px) < 1.0F);
+      free =
+          !(std::abs(f.u_px - at(*near).u_px) < 1.0F && std::abs(f.v_px - at(*near).v_px) < 1.0F);
     }
     if (free) {
       (void)out->push_back(static_cast<std::int32_t>(i));
@@ -138,9 +140,12 @@ void prepare_lines(const Keyframe& partner,
   }
 }
 
-/// Sampson error against its gate, squared on both sides: lists whom the line passes. Plain loops of
-/// constant length over plain numbers, of which the compiler takes several at once.
-void list_near(const Eigen::Vector3d& line_b, double own_variance, std::size_t count, LineTable* lines) {
+/// Sampson error against its gate, squared on both sides: lists whom the line passes. Plain loops
+/// of constant length over plain numbers, of which the compiler takes several at once.
+void list_near(const Eigen::Vector3d& line_b,
+               double own_variance,
+               std::size_t count,
+               LineTable* lines) {
   const double a = line_b.x();
   const double b = line_b.y();
   const double c = line_b.z();
@@ -189,7 +194,8 @@ PairSearch search_line(const Feature& wanted,
     const auto is_twin = [&] {
       return best.feature >= 0 &&
              std::hypot(f.u_px - partner.features[static_cast<std::size_t>(best.feature)].u_px,
-                        f.v_px - partner.features[static_cast<std::size_t>(best.feature)].v_px) < 2.0F;
+                        f.v_px - partner.features[static_cast<std::size_t>(best.feature)].v_px) <
+                 2.0F;
     };
     if (d2 < best.nearest2) {
       best.rival2 = is_twin() ? best.rival2 : best.nearest2;
@@ -262,7 +268,8 @@ void match_partner(KeyframeId a,
   const double ratio2 = options.ratio_max * options.ratio_max;
   for (const std::int32_t index : scratch->free_a) {
     const PairSearch best = widely([&] {
-      return search_line(own.features[static_cast<std::size_t>(index)], partner, E, focal_px, scratch);
+      return search_line(
+          own.features[static_cast<std::size_t>(index)], partner, E, focal_px, scratch);
     });
     if (best.feature < 0 || best.nearest2 > kDistance2Max || best.nearest2 > ratio2 * best.rival2) {
       continue;

@@ -14,7 +14,8 @@ struct CreateOptions {
   double ratio_max = 0.8;
 };
 
-/// Free features of a partner as a search along epipolar lines wants them: one number beside the other.
+/// Free features of a partner as a search along epipolar lines wants them: one number beside the
+/// other.
 struct LineTable {
   static constexpr std::size_t kGrain = 8;
   using Column = std::array<double, (limits::kFeatures + kGrain - 1) / kGrain * kGrain>;

@@ -53,7 +53,8 @@ Candidate best_candidate(const LocaliseInput& input,
     const auto is_twin = [&] {
       return best.feature >= 0 &&
              std::hypot(feature.u_px - features[static_cast<std::size_t>(best.feature)].u_px,
-                        feature.v_px - features[static_cast<std::size_t>(best.feature)].v_px) < 2.0F;
+                        feature.v_px - features[static_cast<std::size_t>(best.feature)].v_px) <
+                 2.0F;
     };
     if (d2 < best.nearest2) {
       best.rival2 = is_twin() ? best.rival2 : best.nearest2;
@@ -179,8 +180,7 @@ bool drop_old_side_that_disagrees(const Map& map, LandmarkMatches* matches) {
   }
   const double part_min =
       std::max(2.0 * kChance, young.matches < kYoungMin ? 4.0 * kChance : 0.5 * young.part());
-  if (old_side.matches == 0 ||
-      (old_side.inliers >= kInliersMin && old_side.part() >= part_min)) {
+  if (old_side.matches == 0 || (old_side.inliers >= kInliersMin && old_side.part() >= part_min)) {
     return false;
   }
   matches->resize(static_cast<std::size_t>(

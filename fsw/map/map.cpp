@@ -19,8 +19,8 @@ Landmark& at(Map* map, LandmarkId id) {
   return map->landmarks[id.index()];
 }
 
-/// Where a view from this direction goes: the views that differ most are kept, a new one replaces the one nearest
-/// to it once all places are taken.
+/// Where a view from this direction goes: the views that differ most are kept, a new one replaces
+/// the one nearest to it once all places are taken.
 LandmarkView* place_for(const Eigen::Vector3d& direction_T, Landmark* landmark) {
   constexpr double kSameSide = 0.966;  // cos 15 deg: nearer views look alike
   for (LandmarkView& held : landmark->views) {
@@ -48,7 +48,8 @@ using LandmarkFlags = std::array<bool, limits::kLandmarks>;
 void take_stale(Map* map, LandmarkFlags* stale) {
   for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
     const Landmark& landmark = map->landmarks[i];
-    (*stale)[i] = landmark.used && (landmark.sightings_changed || landmark.p_T != landmark.refreshed_p_T);
+    (*stale)[i] =
+        landmark.used && (landmark.sightings_changed || landmark.p_T != landmark.refreshed_p_T);
   }
   for (Keyframe& keyframe : map->keyframes) {
     if (!keyframe.used || (keyframe.pose.R_CT == keyframe.refreshed_pose.R_CT &&

@@ -22,13 +22,13 @@ struct Keyframe {
   Pose pose;
   Features features;
   std::array<LandmarkId, limits::kFeatures> landmark_of{};  ///< per feature
-  Pose refreshed_pose;  ///< at the last refresh_landmarks()
+  Pose refreshed_pose;                                      ///< at the last refresh_landmarks()
 };
 
 /// How a landmark looks from one side.
 struct LandmarkView {
   Eigen::Vector3d direction_T = Eigen::Vector3d::Zero();  ///< unit, towards the camera
-  KeyframeId keyframe;                                    ///< that it is taken from, and which feature of it
+  KeyframeId keyframe;  ///< that it is taken from, and which feature of it
   std::int32_t feature = -1;
   Descriptor descriptor{};
 };
@@ -71,7 +71,7 @@ struct Map {
   std::int32_t next_landmark_number = 0;
   std::int32_t keyframe_count = 0;
   std::int32_t landmark_count = 0;
-  std::size_t landmark_free_from = 0;  ///< no slot before this one is free
+  std::size_t landmark_free_from = 0;                  ///< no slot before this one is free
   Eigen::Vector3d centre_T = Eigen::Vector3d::Zero();  ///< median of the landmarks
   double radius_mu = 0.0;                              ///< 90 % of them are nearer to the centre
 };
@@ -95,9 +95,9 @@ void untie_sighting(KeyframeId keyframe, std::size_t feature, Map* map);
 /// see `into` already.
 void merge_landmarks(LandmarkId from, LandmarkId into, Map* map);
 
-/// Recomputes the mean viewing direction, blob size and views from the keyframes, and the map's extent.
-/// Of landmarks that stand where they stood at the last time, with the same sightings from keyframes that
-/// do, too, they are what they were, and are not touched.
+/// Recomputes the mean viewing direction, blob size and views from the keyframes, and the map's
+/// extent. Of landmarks that stand where they stood at the last time, with the same sightings from
+/// keyframes that do, too, they are what they were, and are not touched.
 void refresh_landmarks(Map* map, const CameraModel& camera);
 
 /// Slots of the used keyframes, newest first.

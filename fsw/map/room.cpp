@@ -12,8 +12,7 @@ int make_landmark_room(std::size_t wanted, Map* map) {
   constexpr std::size_t kNewest = 2;
   const auto order = keyframes_by_age(*map);
   const std::size_t young = std::min(kNewest, order.size());
-  const std::uint32_t newest =
-      young == 0 ? 0 : map->keyframes[order[young - 1].index()].number;
+  const std::uint32_t newest = young == 0 ? 0 : map->keyframes[order[young - 1].index()].number;
   FixedVector<LandmarkId, limits::kLandmarks> leaving;
   for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
     if (map->landmarks[i].used && map->landmarks[i].seen_keyframe < newest) {

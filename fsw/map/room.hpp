@@ -7,9 +7,9 @@
 
 namespace polhode {
 
-/// Frees slots until `wanted` are free: of the landmarks that none of the newest two keyframes sees,
-/// those go first that fewest keyframes confirm, and among equals those that were not seen for
-/// longest. What the newest keyframes see stays, so tracking goes on.
+/// Frees slots until `wanted` are free: of the landmarks that none of the newest two keyframes
+/// sees, those go first that fewest keyframes confirm, and among equals those that were not seen
+/// for longest. What the newest keyframes see stays, so tracking goes on.
 /// @return landmarks that went.
 int make_landmark_room(std::size_t wanted, Map* map);
 

@@ -132,10 +132,11 @@ double moved_by(const AdjustmentSnapshot& s, std::size_t i, const Map& map) {
   return (s.points_T[i] - map.landmarks[s.landmarks[i].index()].p_T).norm();
 }
 
-/// How far a landmark that belongs to the adjusted map may have moved. One that two sightings hold may run away by any
-/// distance, and would carry a least-squares fit with it.
+/// How far a landmark that belongs to the adjusted map may have moved. One that two sightings hold
+/// may run away by any distance, and would carry a least-squares fit with it.
 double moved_max(const AdjustmentSnapshot& s, const Map& map) {
-  constexpr double kMedians = 5.0;  // by a turn or a change of scale the farthest moves two or three times as far
+  constexpr double kMedians =
+      5.0;  // by a turn or a change of scale the farthest moves two or three times as far
   FixedVector<double, limits::kLandmarks> distances;
   for (std::size_t i = 0; i < s.landmarks.size(); ++i) {
     if (is_there(s, i, map)) {
@@ -149,8 +150,9 @@ bool is_there(const AdjustmentSnapshot& s, std::size_t k, const Keyframe& keyfra
   return keyframe.used && keyframe.number == s.keyframe_numbers[k];
 }
 
-/// The turn of T after which the keyframes' attitudes are, in the mean, what they were. Landmarks do not tell it: a young map is
-/// sheared along its depth, and what takes the shear away turns them by half of it, with the images and so the attitudes as before.
+/// The turn of T after which the keyframes' attitudes are, in the mean, what they were. Landmarks
+/// do not tell it: a young map is sheared along its depth, and what takes the shear away turns them
+/// by half of it, with the images and so the attitudes as before.
 Eigen::Matrix3d attitudes_back(const AdjustmentSnapshot& s, const Map& map) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < s.keyframes.size(); ++k) {
@@ -162,7 +164,8 @@ Eigen::Matrix3d attitudes_back(const AdjustmentSnapshot& s, const Map& map) {
   return nearest_rotation(sum);
 }
 
-/// From the adjusted map onto the one that it came from; identity where held keyframes keep the gauge.
+/// From the adjusted map onto the one that it came from; identity where held keyframes keep the
+/// gauge.
 Similarity back_onto(const AdjustmentSnapshot& s, const Map& map) {
   if (std::count(s.pose_fixed.begin(), s.pose_fixed.end(), std::uint8_t{1}) > 1) {
     return {};
@@ -210,8 +213,10 @@ bool all_in_front(const AdjustmentSnapshot& s, const MapCorrection& correction, 
       std::all_of(s.poses.begin(), s.poses.end(), [&](const InverseDepthPose& pose) {
         return in_front(transformed(from_inverse_depth(pose), correction.back));
       });
-  return adjusted && std::all_of(map.keyframes.begin(), map.keyframes.end(), [&](const Keyframe& k) {
-           return !k.used || k.number < s.next_keyframe_number || in_front(correction.moved(k.pose));
+  return adjusted &&
+         std::all_of(map.keyframes.begin(), map.keyframes.end(), [&](const Keyframe& k) {
+           return !k.used || k.number < s.next_keyframe_number ||
+                  in_front(correction.moved(k.pose));
          });
 }
 
@@ -233,10 +238,7 @@ void take_along(const AdjustmentSnapshot& s, const MapCorrection& correction, Ma
 
 }  // namespace
 
-void snapshot_window(const Map& map,
-                     const CameraModel& camera,
-                     int window,
-                     AdjustmentSnapshot* s) {
+void snapshot_window(const Map& map, const CameraModel& camera, int window, AdjustmentSnapshot* s) {
   begin(map, s);
   const auto order = keyframes_by_age(map);
   if (order.empty()) {

@@ -18,7 +18,7 @@ struct AdjustmentSnapshot {
   FixedVector<InverseDepthPose, limits::kKeyframes> poses;
   FixedVector<std::uint8_t, limits::kKeyframes> pose_fixed;
   FixedVector<std::int64_t, limits::kKeyframes> timestamps_ns;  ///< of the keyframes,
-  FixedVector<Eigen::Matrix3d, limits::kKeyframes> R_IC;        ///< and the observer's attitude then
+  FixedVector<Eigen::Matrix3d, limits::kKeyframes> R_IC;  ///< and the observer's attitude then
   FixedVector<PosePrior, limits::kKeyframes> priors;
   FixedVector<LandmarkId, limits::kLandmarks> landmarks;
   FixedVector<std::int32_t, limits::kLandmarks> landmark_numbers;
@@ -49,7 +49,8 @@ BundleReport adjust(AdjustmentSnapshot* snapshot,
 
 /// How the newest keyframe of a snapshot was moved. What was placed by it since goes along.
 struct MapCorrection {
-  std::int64_t timestamp_ns = INT64_MAX;  ///< of that keyframe; INT64_MAX: it is no longer there, or nothing was changed
+  std::int64_t timestamp_ns =
+      INT64_MAX;  ///< of that keyframe; INT64_MAX: it is no longer there, or nothing was changed
   std::uint32_t frame = UINT32_MAX;
   Pose before;
   Pose after;
@@ -65,10 +66,10 @@ struct MapCorrection {
 };
 
 /// Writes the result back to what of the snapshot is still in the map. Where no more than one
-/// keyframe was held the whole map is first brought back onto where it was: T's axes by the keyframes' attitudes, which have been
-/// published, its origin and scale by the landmarks. Keyframes and landmarks that have
-/// come since keep their place beside the snapshot's newest keyframe. An adjustment by which the body would lie behind
-/// a camera changes nothing.
+/// keyframe was held the whole map is first brought back onto where it was: T's axes by the
+/// keyframes' attitudes, which have been published, its origin and scale by the landmarks.
+/// Keyframes and landmarks that have come since keep their place beside the snapshot's newest
+/// keyframe. An adjustment by which the body would lie behind a camera changes nothing.
 MapCorrection apply(const AdjustmentSnapshot& snapshot, Map* map);
 
 }  // namespace polhode

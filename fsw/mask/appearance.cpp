@@ -23,7 +23,8 @@ constexpr double kShare = 0.3;
 constexpr double kRare = 0.003;
 constexpr double kLogMost = 2.0;
 
-/// Number of a look. Highest less lowest level of 3 x 3 pixels: even, noise or faint texture, texture, an edge.
+/// Number of a look. Highest less lowest level of 3 x 3 pixels: even, noise or faint texture,
+/// texture, an edge.
 std::uint8_t look_of(std::uint8_t level, std::uint8_t range) {
   const int roughness = (range >= 8 ? 1 : 0) + (range >= 24 ? 1 : 0) + (range >= 64 ? 1 : 0);
   return static_cast<std::uint8_t>(roughness * kLevels + level / (256 / kLevels));
@@ -57,13 +58,16 @@ double sum_of(const Counts& counts) { return std::accumulate(counts.begin(), cou
 Shares shares_of(const Counts& counts) {
   const double all = std::max(1.0, sum_of(counts));
   Shares shares{};
-  std::transform(counts.begin(), counts.end(), shares.begin(), [&](std::uint32_t n) { return n / all; });
+  std::transform(
+      counts.begin(), counts.end(), shares.begin(), [&](std::uint32_t n) { return n / all; });
   return shares;
 }
 
 /// Looks outside, in neither, and inside, by every second row and column.
 /// @param inside, not_outside  CV_8UC1, 0 and 255; what is inside is not outside.
-std::array<Counts, 3> count_looks(const cv::Mat& looks, const cv::Mat& inside, const cv::Mat& not_outside) {
+std::array<Counts, 3> count_looks(const cv::Mat& looks,
+                                  const cv::Mat& inside,
+                                  const cv::Mat& not_outside) {
   std::array<Counts, 3> counts{};
   constexpr int kStep = 2;
   for (int row = 0; row < looks.rows; row += kStep) {

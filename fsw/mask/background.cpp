@@ -42,7 +42,11 @@ bool surrounds(const std::vector<cv::Point2f>& points, const cv::Size& size) {
 }
 
 /// Points known over the whole age and not known to be target.
-void gather(const cv::Mat& target, int step, std::size_t age, const PointsState& points, BackgroundState* s) {
+void gather(const cv::Mat& target,
+            int step,
+            std::size_t age,
+            const PointsState& points,
+            BackgroundState* s) {
   s->from.clear();
   s->to.clear();
   for (const MaskTrack& track : points.tracks) {
@@ -177,8 +181,10 @@ void choose_age(const PointsState& points, BackgroundState* s) {
   constexpr float kLittle_px = 1.5F;
   constexpr float kMuch_px = 4.0F;
   constexpr std::size_t kTracksMin = 4;
-  const auto* const motion = std::find_if(
-      s->motions.begin(), s->motions.end(), [](const BackgroundMotion& m) { return !m.layers.empty(); });
+  const auto* const motion =
+      std::find_if(s->motions.begin(), s->motions.end(), [](const BackgroundMotion& m) {
+        return !m.layers.empty();
+      });
   if (motion == s->motions.end()) {
     s->age = std::max(s->age - 1, std::size_t{1});
     return;

@@ -33,18 +33,21 @@ struct BackgroundState {
   std::vector<float> contradictions_px;
 };
 
-/// Over which of the two ages motions are fitted. One alone tells points apart as well while it is known where the target is.
+/// Over which of the two ages motions are fitted. One alone tells points apart as well while it is
+/// known where the target is.
 enum class FittedAges : std::uint8_t { kBoth, kShorter, kLonger };
 
 /// Fits the background's motions and tells the points apart. @param target known parts of the
-/// target (CV_8UC1, or empty): their points are no background. @param step working pixels a pixel of it, along a side.
+/// target (CV_8UC1, or empty): their points are no background. @param step working pixels a pixel
+/// of it, along a side.
 /// @param ages where one alone is asked for and has no motion, the other one is fitted.
 /// @return false when no motion of a background was found; all points are unassigned then.
 bool explain_background(
     const cv::Mat& target, int step, FittedAges ages, PointsState* points, BackgroundState* state);
 
 /// Little motion of the target against the background: compare over more pictures next time; much:
-/// over fewer, in which the target's looks have changed less. Asks the shorter age that has motions.
+/// over fewer, in which the target's looks have changed less. Asks the shorter age that has
+/// motions.
 void choose_age(const PointsState& points, BackgroundState* state);
 
 void clear(BackgroundState* state);

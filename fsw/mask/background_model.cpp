@@ -63,7 +63,8 @@ void learn_background(const cv::Mat& picture,
       const int step = now[column] - level[column];
       if (std::abs(step) <= tolerance) {
         // A level at a time, up as often as down: that ends at the median.
-        level[column] = static_cast<std::uint8_t>(level[column] + (step > 0 ? 1 : 0) - (step < 0 ? 1 : 0));
+        level[column] =
+            static_cast<std::uint8_t>(level[column] + (step > 0 ? 1 : 0) - (step < 0 ? 1 : 0));
         votes[column] = static_cast<std::uint8_t>(std::min(votes[column] + 1, kVotesMost));
       } else if (votes[column] > 0) {
         --votes[column];

@@ -10,7 +10,8 @@ namespace {
 // photographs of a body on a stand, which reaches the rim (up to 0.36), there is no motion to be
 // told apart and much of the body to be lost.
 constexpr double kRimLitMin = 0.4;
-// The Earth behind a fifth of the picture or less lights a corner of it, which bodies and stands hardly reach.
+// The Earth behind a fifth of the picture or less lights a corner of it, which bodies and stands
+// hardly reach.
 constexpr double kCornerLitMin = 0.15;
 // A limb that comes and goes about that is behind the target all the time.
 constexpr double kRimLitLeft = 0.05;
@@ -33,8 +34,8 @@ double lit_part_of_rim(const cv::Mat& cells) {
                      [&](int column, int row) { return cells.at<std::uint8_t>(row, column) != 0; });
 }
 
-/// Is what is lit in a corner of the picture something else than the target? What the target stands on is one piece with
-/// it.
+/// Is what is lit in a corner of the picture something else than the target? What the target stands
+/// on is one piece with it.
 bool is_apart(const cv::Mat& stats, int corner_label) {
   constexpr double kTargetMin = 0.02;  // of what is lit
   int all = 0;
@@ -53,10 +54,7 @@ bool rim_is_lit(const cv::Mat& cells) { return lit_part_of_rim(cells) > kRimLitL
 
 bool rim_is_full(const cv::Mat& cells) { return lit_part_of_rim(cells) > kRimLitMin; }
 
-bool is_behind(const cv::Mat& cells,
-               const cv::Rect& body,
-               bool was_behind,
-               OutlineScratch* s) {
+bool is_behind(const cv::Mat& cells, const cv::Rect& body, bool was_behind, OutlineScratch* s) {
   const auto lit = [&](int column, int row) {
     return cells.at<std::uint8_t>(row, column) != 0 && !body.contains({column, row});
   };

@@ -14,7 +14,8 @@
 namespace polhode {
 namespace {
 
-// Whole numbers, and coarse ones: paths of the flow fill up together, in less than half of the time that real numbers take.
+// Whole numbers, and coarse ones: paths of the flow fill up together, in less than half of the time
+// that real numbers take.
 using Graph = cv::detail::GCGraph<int>;
 
 constexpr double kPricePerOpinion = 2.0;
@@ -43,10 +44,13 @@ cv::Mat largest(const cv::Mat& pixels, int cell_px) {
   return cells;
 }
 
-/// Steps of a cell are the largest in it, as the near cut finds the place in the cell. Of halved pictures edges between two cells are
-/// half as high, and outlines of rooms overlap by 0.01 less.
+/// Steps of a cell are the largest in it, as the near cut finds the place in the cell. Of halved
+/// pictures edges between two cells are half as high, and outlines of rooms overlap by 0.01 less.
 /// @param outline of the edges' box, as far as whole cells fill it.
-Cells to_cells(const PictureEdges& edges, const CutOpinion& opinion, const cv::Mat& outline, int cell_px) {
+Cells to_cells(const PictureEdges& edges,
+               const CutOpinion& opinion,
+               const cv::Mat& outline,
+               int cell_px) {
   const cv::Rect asked = coarser(edges.box, opinion.cell_px);
   const cv::Rect part(cv::Point(), outline.size());
   Cells cells{.side_px = cell_px,
@@ -73,13 +77,13 @@ int price_at(const Cells& cells, cv::Point at) {
     return kCertain;
   }
   const cv::Mat& outline = cells.outline;
-  const bool rim =
-      at.y == 0 || at.x == 0 || at.y + 1 == outline.rows || at.x + 1 == outline.cols;
+  const bool rim = at.y == 0 || at.x == 0 || at.y + 1 == outline.rows || at.x + 1 == outline.cols;
   if (rim && outline.at<std::uint8_t>(at) == 0) {
     return -kCertain;
   }
   // All of a cell's pixels speak, and a cut runs along one side of it.
-  return cvRound(kPricePerOpinion * cells.side_px * static_cast<double>(cells.weight.at<float>(asked)));
+  return cvRound(kPricePerOpinion * cells.side_px *
+                 static_cast<double>(cells.weight.at<float>(asked)));
 }
 
 void add_price(int node, int price, Graph* graph) {
@@ -88,8 +92,9 @@ void add_price(int node, int price, Graph* graph) {
 
 /// Cells near the outline, where it may be moved to.
 struct Band {
-  std::vector<cv::Point> cells;  ///< row by row; their place in this list is their node in the graph
-  cv::Mat nodes;                 ///< CV_32SC1: of all cells, -1 outside of the band
+  std::vector<cv::Point>
+      cells;      ///< row by row; their place in this list is their node in the graph
+  cv::Mat nodes;  ///< CV_32SC1: of all cells, -1 outside of the band
 };
 
 Band band_about(const cv::Mat& outline, int reach) {
@@ -110,8 +115,8 @@ Band band_about(const cv::Mat& outline, int reach) {
   return band;
 }
 
-/// Price of a cut between neighbours by the step between them: the less, the larger it is. One of the mean square size costs 1/e of
-/// an even place.
+/// Price of a cut between neighbours by the step between them: the less, the larger it is. One of
+/// the mean square size costs 1/e of an even place.
 std::array<int, 256> tie_prices(double mean_square_step) {
   std::array<int, 256> prices{};
   for (std::size_t step = 0; step < prices.size(); ++step) {
@@ -203,7 +208,8 @@ void cut_at_edges(const PictureEdges& edges,
   POLHODE_ASSERT(reach.cell_px == 1 || reach.cell_px == opinion.cell_px, reach.cell_px);
   const cv::Size asked = coarser({cv::Point(), outline->size()}, opinion.cell_px).size();
   POLHODE_ASSERT(opinion.weight.size() == asked, opinion.weight.total());
-  POLHODE_ASSERT(opinion.certain.empty() || opinion.certain.size() == asked, opinion.certain.total());
+  POLHODE_ASSERT(opinion.certain.empty() || opinion.certain.size() == asked,
+                 opinion.certain.total());
   const cv::Rect whole_cells(edges.box.tl(), edges.box.size() / reach.cell_px * reach.cell_px);
   if (whole_cells.empty()) {
     return;

@@ -12,9 +12,9 @@
 namespace polhode {
 namespace {
 
-constexpr int kCell_px = 8;      // of the grid on which the target's motion is known
-constexpr int kWindow_px = 5;    // over which disagreement is summed
-constexpr double kCapSigma = 8;  // a place that disagrees more, disagrees
+constexpr int kCell_px = 8;       // of the grid on which the target's motion is known
+constexpr int kWindow_px = 5;     // over which disagreement is summed
+constexpr double kCapSigma = 8;   // a place that disagrees more, disagrees
 constexpr double kNoiseMost = 8;  // levels
 constexpr int kNoDifference = 128;
 static_assert(kCapSigma * kNoiseMost < kNoDifference);
@@ -32,7 +32,10 @@ double level_at(const cv::Mat& picture, double u_px, double v_px) {
 }
 
 /// Half the difference of the newest picture and the same places before, by its median, is noise.
-double measure_noise(const cv::Mat& now, const cv::Mat& before, const cv::Matx33d& motion, const cv::Rect& region) {
+double measure_noise(const cv::Mat& now,
+                     const cv::Mat& before,
+                     const cv::Matx33d& motion,
+                     const cv::Rect& region) {
   constexpr int kStep = 6;
   const cv::Matx33d back = motion.inv();
   std::array<int, 256> counts{};
@@ -47,7 +50,8 @@ double measure_noise(const cv::Mat& now, const cv::Mat& before, const cv::Matx33
       const double u_px = from[0] / from[2];
       const double v_px = from[1] / from[2];
       if (u_px >= 0.0 && v_px >= 0.0 && u_px < before.cols - 1 && v_px < before.rows - 1) {
-        ++counts[static_cast<std::size_t>(std::lround(std::abs(levels[column] - level_at(before, u_px, v_px))))];
+        ++counts[static_cast<std::size_t>(
+            std::lround(std::abs(levels[column] - level_at(before, u_px, v_px))))];
         ++total;
       }
     }
@@ -60,7 +64,8 @@ double measure_noise(const cv::Mat& now, const cv::Mat& before, const cv::Matx33
   return std::clamp(static_cast<double>(level) * 1.4826 / std::sqrt(2.0), 1.0, kNoiseMost);
 }
 
-/// Motion of the target's points over `age` pictures, spread over the grid to the places between and around them.
+/// Motion of the target's points over `age` pictures, spread over the grid to the places between
+/// and around them.
 void spread_motion(const PointsState& points, std::size_t age, EvidenceState* s) {
   const cv::Size size = points.picture(0).size();
   const cv::Size grid((size.width + kCell_px - 1) / kCell_px,
@@ -94,9 +99,10 @@ void spread_motion(const PointsState& points, std::size_t age, EvidenceState* s)
   }
 }
 
-/// The lowest and (in the high octet) the highest level of the pixels within one of each of an earlier picture, along its rows and
-/// columns: origins are whole pixels, half a pixel off at most. With the diagonal ones, too, outlines before a room's edges overlap
-/// by 0.01 less, and twice as many landmarks are on the background.
+/// The lowest and (in the high octet) the highest level of the pixels within one of each of an
+/// earlier picture, along its rows and columns: origins are whole pixels, half a pixel off at most.
+/// With the diagonal ones, too, outlines before a room's edges overlap by 0.01 less, and twice as
+/// many landmarks are on the background.
 void find_bounds(const cv::Mat& before, EvidenceState* s) {
   const cv::Mat around = cv::getStructuringElement(cv::MORPH_CROSS, cv::Size(3, 3));
   cv::erode(before, s->low, around);
@@ -177,7 +183,8 @@ void compare_with_background(const PointsState& points,
     trace_plane(motion.layers[i], region, points.whole().size(), &s->origins);
     if (i == 0) {
       s->noise = 0.5 * s->noise +
-                 0.5 * measure_noise(points.picture(0), points.picture(motion.age), motion.layers[i], region);
+                 0.5 * measure_noise(
+                           points.picture(0), points.picture(motion.age), motion.layers[i], region);
     }
     measure_excess(now, std::round(kCapSigma * s->noise), s);
     find_seen(motion.layers[i], points.picture(0).size(), region, &s->seen);
@@ -199,7 +206,8 @@ void compare_with_target(const PointsState& points,
   measure_excess(points.picture(0)(region), std::round(kCapSigma * s->noise), s);
 }
 
-/// How much more the background's motions are contradicted than the target's, summed over the window.
+/// How much more the background's motions are contradicted than the target's, summed over the
+/// window.
 void sum_over_window(EvidenceState* s) {
   s->difference.create(s->least.size(), CV_8UC1);
   const int columns = s->least.cols;
@@ -208,7 +216,8 @@ void sum_over_window(EvidenceState* s) {
     const auto* target = s->excess.ptr<std::uint8_t>(row);
     auto* difference = s->difference.ptr<std::uint8_t>(row);
     for (int column = 0; column < columns; ++column) {
-      difference[column] = static_cast<std::uint8_t>(kNoDifference + background[column] - target[column]);
+      difference[column] =
+          static_cast<std::uint8_t>(kNoDifference + background[column] - target[column]);
     }
   }
   cv::boxFilter(
@@ -236,8 +245,9 @@ void carry_and_add(std::size_t compared_age, const cv::Rect& region, EvidenceSta
       for (int column = 0; column < part.width; ++column) {
         const float says = scale * static_cast<float>(sum[column * step] - kPixels * kNoDifference);
         const float known = kMemory * limited(carried[column], 0.0F, EvidenceState::kMax);
-        total[column] = limited(
-            known + limited(says, -kSaysMost, kSaysMost), -EvidenceState::kMax, EvidenceState::kMax);
+        total[column] = limited(known + limited(says, -kSaysMost, kSaysMost),
+                                -EvidenceState::kMax,
+                                EvidenceState::kMax);
       }
     }
   });
@@ -250,10 +260,12 @@ void size_evidence(const cv::Size& picture, int step, EvidenceState* s) {
   if (s->total.size() == size && s->step == step) {
     return;
   }
-  const bool same_picture = !s->total.empty() && coarser({cv::Point(), picture}, s->step).size() == s->total.size();
+  const bool same_picture =
+      !s->total.empty() && coarser({cv::Point(), picture}, s->step).size() == s->total.size();
   cv::swap(s->total, s->before);
   if (same_picture) {
-    cv::resize(s->before, s->total, size, 0.0, 0.0, step > s->step ? cv::INTER_AREA : cv::INTER_NEAREST);
+    cv::resize(
+        s->before, s->total, size, 0.0, 0.0, step > s->step ? cv::INTER_AREA : cv::INTER_NEAREST);
   } else {
     s->total.create(size, CV_32FC1);
     s->total.setTo(0.0);

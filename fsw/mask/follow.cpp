@@ -17,15 +17,16 @@ namespace {
 
 constexpr int kPatience = 5;
 
-/// With a map evidence, and all that is said of it, is by so many working pixels: it is summed over more, and
-/// keyframes' outlines are moved to edges. Done before one, a map's first outlines in a room overlap by 0.5 instead of 0.8.
+/// With a map evidence, and all that is said of it, is by so many working pixels: it is summed over
+/// more, and keyframes' outlines are moved to edges. Done before one, a map's first outlines in a
+/// room overlap by 0.5 instead of 0.8.
 constexpr int kCoarseStep = 2;
 
 /// The spacing of a body's texture, halved.
 int closing_radius(const MaskState& s) { return std::max(2, s.points.whole().width / 160); }
 
-/// What gaps are closed with. With a map a square, as that is separable; before one a disc: a map's first poses are as good as the
-/// outlines that it begins with.
+/// What gaps are closed with. With a map a square, as that is separable; before one a disc: a map's
+/// first poses are as good as the outlines that it begins with.
 cv::Mat closing(const MaskState& s, int radius) {
   const int side = 2 * radius + 1;
   return has_map(s) ? cv::Mat::ones(side, side, CV_8UC1)
@@ -46,8 +47,8 @@ cv::Rect enclose(int gap_radius_px, MaskState* s) {
   const cv::Rect region = with_certain(s->evidence.region, *s);
   const cv::Mat gap = closing(*s, gap_radius_px / step);
   const cv::Mat certain = s->certain_box.empty() ? cv::Mat() : s->certain;
-  const bool found =
-      find_outline(s->evidence.total, certain, coarser(region, step), gap, step, &s->scratch, &s->enclosed);
+  const bool found = find_outline(
+      s->evidence.total, certain, coarser(region, step), gap, step, &s->scratch, &s->enclosed);
   return found ? region : cv::Rect();
 }
 
@@ -85,20 +86,23 @@ cv::Rect box_of_cuts(const MaskState& s) {
   return grown(box, far_reach_px(s) + kNearReach_px + 1) & s.points.whole();
 }
 
-/// Where edges are measured, and with it how high one is among them. Before a map by the outline's own size: by the cuts' box, one of
-/// seven maps before a limb began a picture later and, with one seed of five, was three times as far off.
+/// Where edges are measured, and with it how high one is among them. Before a map by the outline's
+/// own size: by the cuts' box, one of seven maps before a limb began a picture later and, with one
+/// seed of five, was three times as far off.
 cv::Rect box_of_edges(const MaskState& s) {
   if (has_map(s)) {
     return box_of_cuts(s);
   }
   const cv::Rect box = cv::boundingRect(s.outline);
-  return grown(box, std::max(kOutlineOff_px, std::max(box.width, box.height) / 8)) & s.points.whole();
+  return grown(box, std::max(kOutlineOff_px, std::max(box.width, box.height) / 8)) &
+         s.points.whole();
 }
 
-/// What speaks for the target in each of the evidence's pixels that the box holds, before the edges are asked: these pictures, and with a
-/// map the nearness to landmarks. All of it is weak against an even place's price of 6: what a
-/// moving target uncovers contradicts the background as much as the target does, so motion is off
-/// by what has been uncovered, and only the edges of the picture are where the target ends.
+/// What speaks for the target in each of the evidence's pixels that the box holds, before the edges
+/// are asked: these pictures, and with a map the nearness to landmarks. All of it is weak against
+/// an even place's price of 6: what a moving target uncovers contradicts the background as much as
+/// the target does, so motion is off by what has been uncovered, and only the edges of the picture
+/// are where the target ends.
 void form_opinion(const cv::Rect& box, MaskState* s) {
   constexpr float kEvidenceShare = 0.15F;
   constexpr float kEvidenceMin = -0.5F;  // places that look like the background agree by chance
@@ -116,9 +120,8 @@ void form_opinion(const cv::Rect& box, MaskState* s) {
       const auto* outline = s->cells.ptr<std::uint8_t>(row);
       auto* opinion = s->opinion.ptr<float>(row);
       for (int column = part.x; column < part.br().x; ++column) {
-        opinion[column] =
-            kEvidenceShare * limited(evidence[column], kEvidenceMin, kEvidenceMax) +
-            (outline[column] != 0 ? kOutlineShare : -kOutlineShare);
+        opinion[column] = kEvidenceShare * limited(evidence[column], kEvidenceMin, kEvidenceMax) +
+                          (outline[column] != 0 ? kOutlineShare : -kOutlineShare);
       }
       if (!by_map) {
         continue;
@@ -149,7 +152,10 @@ cv::Rect region_of_interest(const MaskState& s) {
 
 /// Takes a picture in and compares it with the ones before. @return whether a background's motion
 /// was found.
-bool compare_pictures(const cv::Mat& gray, const cv::Mat& reduced, const MaskPrior& prior, MaskState* s) {
+bool compare_pictures(const cv::Mat& gray,
+                      const cv::Mat& reduced,
+                      const MaskPrior& prior,
+                      MaskState* s) {
   const bool first = add_picture(gray, reduced, &s->points);
   if (first) {
     clear(&s->background);
@@ -157,14 +163,16 @@ bool compare_pictures(const cv::Mat& gray, const cv::Mat& reduced, const MaskPri
     clear(&s->background_model);
     s->compared = 0;
   }
-  // Before a map each point counts: followed so, maps before the Earth begin one to three pictures later.
+  // Before a map each point counts: followed so, maps before the Earth begin one to three pictures
+  // later.
   s->points.onwards = has_map(*s);
   follow_points(&s->points);
   size_evidence(s->points.whole().size(), prior.points_px.empty() ? 1 : kCoarseStep, &s->evidence);
   place_landmarks(prior, true, s);
   const FittedAges compared = s->evidence.longer ? FittedAges::kLonger : FittedAges::kShorter;
   const FittedAges ages = has_map(*s) ? compared : FittedAges::kBoth;
-  const bool explained = explain_background(s->certain, s->evidence.step, ages, &s->points, &s->background);
+  const bool explained =
+      explain_background(s->certain, s->evidence.step, ages, &s->points, &s->background);
   const cv::Rect region = region_of_interest(*s);
   weigh_motions(s->points, s->background, region, &s->evidence);
   place_prior(prior, s);
@@ -173,8 +181,8 @@ bool compare_pictures(const cv::Mat& gray, const cv::Mat& reduced, const MaskPri
   return explained;
 }
 
-/// Where the camera stands still what is beside the target is remembered: each time that the target has moved on, so that a part of
-/// it that the outline lacks is not.
+/// Where the camera stands still what is beside the target is remembered: each time that the target
+/// has moved on, so that a part of it that the outline lacks is not.
 void remember_background(bool explained, MaskState* s) {
   if (!explained) {
     return;
@@ -183,12 +191,12 @@ void remember_background(bool explained, MaskState* s) {
     clear(&s->background_model);
   } else if (s->found && s->background.target_tracks >= kTracksEnough &&
              s->compared % s->background.age == 0) {
-    learn_background(
-        s->points.picture(0), s->outline, s->evidence.noise, &s->background_model);
+    learn_background(s->points.picture(0), s->outline, s->evidence.noise, &s->background_model);
   }
 }
 
-/// Before a map each point counts: by turns maps before a limb begin from less, and their outlines overlap by 0.04 less.
+/// Before a map each point counts: by turns maps before a limb begin from less, and their outlines
+/// overlap by 0.04 less.
 void refill(MaskState* s) {
   const Refill later = has_map(*s) ? Refill::kByTurns : Refill::kBandAndTarget;
   refill_points(s->found ? cv::boundingRect(s->outline) : cv::Rect(),
@@ -267,20 +275,24 @@ void sharpen_outline(MaskState* s) {
                    &s->appearance_scratch,
                    &s->opinion);
   }
-  refine_opinion(picture, s->outline, s->network, s->evidence.step, &s->refine_scratch, &s->opinion);
+  refine_opinion(
+      picture, s->outline, s->network, s->evidence.step, &s->refine_scratch, &s->opinion);
   measure_edges(picture, box_of_edges(*s), &s->edges);
   s->outline.copyTo(s->added);
   const int far_px = far_reach_px(*s);
-  const CutOpinion opinion{.weight = s->opinion, .certain = s->certain, .cell_px = s->evidence.step};
+  const CutOpinion opinion{
+      .weight = s->opinion, .certain = s->certain, .cell_px = s->evidence.step};
   if (mapped) {
     cut_at_edges(s->edges, opinion, {.px = far_px, .cell_px = opinion.cell_px}, &s->outline);
     cut_at_edges(s->edges, opinion, {.px = kNearReach_px}, &s->outline);
   } else {
-    // Outlines lack a side or hold a shadow, and looks would make more of it. Cut by cells, maps before a limb begin later.
+    // Outlines lack a side or hold a shadow, and looks would make more of it. Cut by cells, maps
+    // before a limb begin later.
     cut_at_edges(s->edges, opinion, {.px = far_px}, &s->outline);
   }
   if (cv::boundingRect(s->outline).area() < kTargetAreaMin) {
-    // Where all of a small body may be cut away and its edges are as steep as what is behind it, nothing is what costs least.
+    // Where all of a small body may be cut away and its edges are as steep as what is behind it,
+    // nothing is what costs least.
     cv::swap(s->outline, s->added);
     return;
   }

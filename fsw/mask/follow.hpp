@@ -42,9 +42,10 @@ struct MaskState {
   cv::Mat landmarks;     ///< CV_8UC1: about the map's landmarks that the pictures do not contradict
   cv::Mat certain;       ///< CV_8UC1: target by the map, where motion alone does not tell
   cv::Rect certain_box;  ///< about all of that
-  cv::Mat reach;         ///< CV_8UC1: as far as the target can be by the map; empty: there is none, or pictures contradict it
-  cv::Mat distance;      ///< CV_32FC1: to those landmarks, in working pixels
-  MaskNetwork network;   ///< asked about the outlines of keyframes, where there is one
+  cv::Mat reach;     ///< CV_8UC1: as far as the target can be by the map; empty: there is none, or
+                     ///< pictures contradict it
+  cv::Mat distance;  ///< CV_32FC1: to those landmarks, in working pixels
+  MaskNetwork network;  ///< asked about the outlines of keyframes, where there is one
   OutlineScratch scratch;
   AppearanceScratch appearance_scratch;
   RefineScratch refine_scratch;
@@ -52,10 +53,10 @@ struct MaskState {
   cv::Mat opinion, open, cells, added;  ///< scratch
 };
 
-/// Before black space: leaves the mask as it is. With something behind the target: the piece of the picture
-/// that contradicts the background's motion, or that the map's landmarks are in. While there is no
-/// such piece the mask is empty; where the background had no motion that explains it either, not
-/// for five pictures, everything lit is the target.
+/// Before black space: leaves the mask as it is. With something behind the target: the piece of the
+/// picture that contradicts the background's motion, or that the map's landmarks are in. While
+/// there is no such piece the mask is empty; where the background had no motion that explains it
+/// either, not for five pictures, everything lit is the target.
 /// @param mask as find_target makes it of the same picture
 /// @cost about 3 ms a picture of 1920 x 1080.
 void follow_target(const cv::Mat& gray,
@@ -64,20 +65,24 @@ void follow_target(const cv::Mat& gray,
                    MaskState* state,
                    TargetMask* mask);
 
-/// For keyframes, after follow_target: moves the outline to the picture's edges. With a map it becomes the evidence that goes along.
-/// Nothing is done before black space; where no outline is left, it stays as it was and is not sharp.
-/// @cost with a map about 1.4 ms for a target of a quarter of the picture, before one ten times as much.
+/// For keyframes, after follow_target: moves the outline to the picture's edges. With a map it
+/// becomes the evidence that goes along. Nothing is done before black space; where no outline is
+/// left, it stays as it was and is not sharp.
+/// @cost with a map about 1.4 ms for a target of a quarter of the picture, before one ten times as
+/// much.
 void sharpen_outline(MaskState* state);
 
-/// Before a map, after sharpen_outline: opens to features what is inside the sharpened outline, save where the background is seen, and
-/// a working pixel more all around. What moves alone lacks much of a body's rim, and there it is that a start sees depth.
+/// Before a map, after sharpen_outline: opens to features what is inside the sharpened outline,
+/// save where the background is seen, and a working pixel more all around. What moves alone lacks
+/// much of a body's rim, and there it is that a start sees depth.
 void open_outline(const cv::Size& image_px, MaskState* state, TargetMask* mask);
 
 /// As if no picture had been seen; what is asked about outlines stays.
 void clear(MaskState* state);
 
-/// Does the sharpened outline rule out that there is something new of the target at this pixel of the image? Not nearer than
-/// outlines are off, and never where the picture's outline was not sharpened.
+/// Does the sharpened outline rule out that there is something new of the target at this pixel of
+/// the image? Not nearer than outlines are off, and never where the picture's outline was not
+/// sharpened.
 bool rules_out(const MaskState& state, float u_px, float v_px);
 
 }  // namespace polhode

@@ -40,7 +40,10 @@ void spread_flow(const cv::Mat& flow, int cell_px, const cv::Rect& region, int s
 
 }  // namespace
 
-void trace_plane(const cv::Matx33d& motion, const cv::Rect& region, const cv::Size& before_size, Origins* origins) {
+void trace_plane(const cv::Matx33d& motion,
+                 const cv::Rect& region,
+                 const cv::Size& before_size,
+                 Origins* origins) {
   const cv::Matx33d back = motion.inv();
   origins->index.create(region.size(), CV_32SC1);
   const auto along_u = static_cast<float>(back(0, 0));
@@ -64,8 +67,11 @@ void trace_plane(const cv::Matx33d& motion, const cv::Rect& region, const cv::Si
   });
 }
 
-void trace_flow(
-    const cv::Mat& flow, int cell_px, const cv::Rect& region, const cv::Size& before_size, Origins* origins) {
+void trace_flow(const cv::Mat& flow,
+                int cell_px,
+                const cv::Rect& region,
+                const cv::Size& before_size,
+                Origins* origins) {
   spread_flow(flow, cell_px, region, 1, &origins->flow);
   origins->index.create(region.size(), CV_32SC1);
   widely([&] {
@@ -114,7 +120,8 @@ void carry(const cv::Mat& flow,
       at[column] = cv::Point2f(cv::Point(column, row) + part.tl()) - scale * at[column];
     }
   }
-  cv::remap(before, *out, (*from)(cv::Rect({}, part.size())), {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::remap(
+      before, *out, (*from)(cv::Rect({}, part.size())), {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
 }
 
 }  // namespace polhode

@@ -103,7 +103,8 @@ bool find_outline(const cv::Mat& all_evidence,
         return a.evidence < b.evidence;
       });
   const int pixels = step * step;
-  if (count < 2 || pixels * main->evidence < kPieceEvidenceMin || pixels * main->box().area() < kTargetAreaMin) {
+  if (count < 2 || pixels * main->evidence < kPieceEvidenceMin ||
+      pixels * main->box().area() < kTargetAreaMin) {
     return false;
   }
   std::vector<std::uint8_t> keep(pieces.size(), 0);

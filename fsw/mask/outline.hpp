@@ -18,7 +18,8 @@ struct OutlineScratch {
 
 /// The piece with the most evidence, and what lies close to it: closed, its holes filled.
 /// @param evidence CV_32FC1. @param certain CV_8UC1 or empty: target whatever the evidence.
-/// @param region outside of it there is no evidence. @param closing CV_8UC1, of odd sides: gaps that it does not fit into are closed.
+/// @param region outside of it there is no evidence. @param closing CV_8UC1, of odd sides: gaps
+/// that it does not fit into are closed.
 /// @param step working pixels a pixel of all of these, along a side.
 /// @param outline CV_8UC1, 255 on the target; all 0 when there is no piece worth a target.
 /// @return false when there is none.

@@ -71,7 +71,8 @@ bool through_four(std::span<const cv::Point2f> from,
   return h.allFinite();
 }
 
-/// Sum of squared distances, each at most the square of what still agrees; only so far as it is under `best`.
+/// Sum of squared distances, each at most the square of what still agrees; only so far as it is
+/// under `best`.
 double score(std::span<const cv::Point2f> from,
              std::span<const cv::Point2f> to,
              const cv::Matx33d& motion,

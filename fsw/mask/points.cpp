@@ -36,7 +36,11 @@ void add_to_flow(const cv::Point2f& from, const cv::Point2f& guess, PointsState*
 }
 
 /// Of some of the points in `from`, with guesses in `to`.
-void flow(const FlowPyramid& before, const FlowPyramid& after, const cv::Range& points, int levels, PointsState* s) {
+void flow(const FlowPyramid& before,
+          const FlowPyramid& after,
+          const cv::Range& points,
+          int levels,
+          PointsState* s) {
   if (points.empty()) {
     return;
   }
@@ -54,8 +58,8 @@ void flow(const FlowPyramid& before, const FlowPyramid& after, const cv::Range& 
       cv::OPTFLOW_USE_INITIAL_FLOW);
 }
 
-/// Three in four of the first points that have been found are as alike as that in both pictures, levels; none found: nothing is
-/// less alike.
+/// Three in four of the first points that have been found are as alike as that in both pictures,
+/// levels; none found: nothing is less alike.
 float typical_error(int count, PointsState* s) {
   std::size_t found = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
@@ -66,8 +70,9 @@ float typical_error(int count, PointsState* s) {
   return found > 0 ? ranked(std::span(s->error).first(found), 3 * found / 4) : 255.0F;
 }
 
-/// Points whose motion is known go on with it. Where they are suddenly less alike than in the picture before, motion was not
-/// what it was (a picture is missing, the camera has been turned), and they are looked for as far as new ones.
+/// Points whose motion is known go on with it. Where they are suddenly less alike than in the
+/// picture before, motion was not what it was (a picture is missing, the camera has been turned),
+/// and they are looked for as far as new ones.
 void flow_onwards(int known, PointsState* s) {
   constexpr float kLessAlike = 2.0F;
   constexpr float kLevelsOff = 1.0F;  // pictures without noise are rounded to levels

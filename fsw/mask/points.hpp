@@ -46,14 +46,17 @@ struct PointsState {
 
   int decimation = 1;                       ///< pixels of the image per working pixel
   std::array<cv::Mat, kPictures> pictures;  ///< ring
-  FlowPyramid pyramid;         ///< of the newest picture
-  FlowPyramid pyramid_before;  ///< of the one before it
+  FlowPyramid pyramid;                      ///< of the newest picture
+  FlowPyramid pyramid_before;               ///< of the one before it
   std::size_t newest = 0;
   std::size_t stored = 0;
-  std::size_t turn = 0;  ///< where points are looked for next: the bands of the picture, the target between
+  std::size_t turn =
+      0;  ///< where points are looked for next: the bands of the picture, the target between
   FixedVector<MaskTrack, kTracks> tracks;
-  bool onwards = false;  ///< points whose motion is known are looked for where that brings them, else all around where they were
-  float error_before = 0.0F;  ///< how unlike points typically were in the newest picture and the one before, levels
+  bool onwards = false;  ///< points whose motion is known are looked for where that brings them,
+                         ///< else all around where they were
+  float error_before =
+      0.0F;  ///< how unlike points typically were in the newest picture and the one before, levels
 
   // Scratch; contents mean nothing between calls.
   cv::Mat corner_score;
@@ -69,7 +72,8 @@ struct PointsState {
 };
 
 /// Reduces a picture and stores it. @return whether it is the first, or the first of its size.
-/// @param reduced  the same picture, reduced before by some power of two, or empty: taken where it is what would be stored
+/// @param reduced  the same picture, reduced before by some power of two, or empty: taken where it
+/// is what would be stored
 bool add_picture(const cv::Mat& gray, const cv::Mat& reduced, PointsState* state);
 
 /// Follows all points from the picture before to the newest one; those that are lost go.

@@ -9,12 +9,14 @@
 namespace polhode {
 namespace {
 
-// How far a body reaches beyond its landmarks, in its radius: a new side comes into view, and landmarks do not sit on its
-// rim.
+// How far a body reaches beyond its landmarks, in its radius: a new side comes into view, and
+// landmarks do not sit on its rim.
 constexpr double kReach = 0.35;
 
-/// Distance to what is set, within a box, in working pixels, of which each of its own has `step` along a side; outside of it: far.
-void distance_within(const cv::Mat& set, const cv::Rect& box, int step, OutlineScratch* s, cv::Mat* distance) {
+/// Distance to what is set, within a box, in working pixels, of which each of its own has `step`
+/// along a side; outside of it: far.
+void distance_within(
+    const cv::Mat& set, const cv::Rect& box, int step, OutlineScratch* s, cv::Mat* distance) {
   constexpr double kFar = 1E4;
   distance->create(set.size(), CV_32FC1);
   distance->setTo(kFar);

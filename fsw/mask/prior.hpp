@@ -20,7 +20,8 @@ bool has_map(const MaskState& state);
 /// The working pixel that a pixel of the image is in.
 cv::Point working_pixel(const cv::Point2f& p_px, const MaskState& state);
 
-/// Discs about the landmarks, in `certain`. @param contradicted_too  those, too, that are where the pictures say background.
+/// Discs about the landmarks, in `certain`. @param contradicted_too  those, too, that are where the
+/// pictures say background.
 void place_landmarks(const MaskPrior& prior, bool contradicted_too, MaskState* state);
 
 /// Nearer to a landmark than this is target, in working pixels.

@@ -8,8 +8,8 @@
 namespace polhode {
 namespace {
 
-// The outline counts 0.3, evidence up to 0.23, the map up to 0.25 and, with a map, looks up to 0.6: a network that is
-// sure outweighs each of them and, by a little, the first three together.
+// The outline counts 0.3, evidence up to 0.23, the map up to 0.25 and, with a map, looks up to 0.6:
+// a network that is sure outweighs each of them and, by a little, the first three together.
 constexpr double kShare = 0.9;
 
 void as_input(const cv::Mat& levels, cv::Mat* part, cv::Mat* input) {
@@ -35,10 +35,8 @@ void refine_opinion(const cv::Mat& picture,
   as_input(picture(box), &s->part, &s->gray);
   as_input(outline(box), &s->part, &s->outline);
   s->target.create(s->gray.size(), CV_32FC1);
-  if (!network.ask(network.context,
-                   s->gray.ptr<float>(),
-                   s->outline.ptr<float>(),
-                   s->target.ptr<float>()) ||
+  if (!network.ask(
+          network.context, s->gray.ptr<float>(), s->outline.ptr<float>(), s->target.ptr<float>()) ||
       !cv::checkRange(s->target, true, nullptr, 0.0, 1.0 + 1e-6)) {
     return;
   }

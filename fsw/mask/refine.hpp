@@ -14,7 +14,8 @@ struct RefineScratch {
 
 /// Shows the network the outline's box, grown by a quarter, and adds what it says to the opinion.
 /// An opinion that is not finite is none.
-/// @param picture, outline CV_8UC1. @param step pixels of both per pixel of the opinion, along a side.
+/// @param picture, outline CV_8UC1. @param step pixels of both per pixel of the opinion, along a
+/// side.
 /// @param opinion CV_32FC1: for (positive) or against target.
 void refine_opinion(const cv::Mat& picture,
                     const cv::Mat& outline,

@@ -13,7 +13,8 @@ namespace {
 constexpr int kGroupCellsMin = 5;  // a star's blur disc, 3 px across, touches 2 x 2 cells at most
 constexpr int kGrowCells = 2;
 
-/// Clears groups that are too small. Counting cells by label costs a quarter of OpenCV's statistics.
+/// Clears groups that are too small. Counting cells by label costs a quarter of OpenCV's
+/// statistics.
 void drop_small_groups(cv::Mat* cells) {
   cv::Mat labels;
   std::vector<int> count_of(

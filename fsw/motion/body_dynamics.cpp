@@ -1,7 +1,7 @@
 #include "motion/body_dynamics.hpp"
 
-#include <Eigen/Geometry>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -55,25 +55,24 @@ Principal principal(const Inertia& inertia) {
 }
 
 /// Gradient of v_i^T J v_j over `divisor` by the unknowns.
-Gradient moment_gradient(const Inertia& inertia,
-                         const Principal& axes,
-                         Eigen::Index i,
-                         Eigen::Index j,
-                         double divisor) {
+Gradient moment_gradient(
+    const Inertia& inertia, const Principal& axes, Eigen::Index i, Eigen::Index j, double divisor) {
   Gradient gradient = Gradient::Zero();
   for (Eigen::Index k = 0; k < 5; ++k) {
-    gradient(6 + k) = axes.R_TP.col(i).dot(inertia.J_by_shape[static_cast<std::size_t>(k)] *
-                                           axes.R_TP.col(j)) /
-                      divisor;
+    gradient(6 + k) =
+        axes.R_TP.col(i).dot(inertia.J_by_shape[static_cast<std::size_t>(k)] * axes.R_TP.col(j)) /
+        divisor;
   }
   return gradient;
 }
 
-/// A number that follows from rate and shape. Its relative variance by differences over sqrt(3) sigma along the axes of
-/// their covariance, to the second order, and the square of the bias that these show: where two moments are nearly
-/// alike, ratios and periods bend within a sigma, and their slope at the best fit may be nothing at all. Along an axis
-/// that leaves a second moment open to a factor of e the posterior is no longer a Gaussian's, and the slope has to do.
-/// @source Norgaard, Poulsen, Ravn, "New developments in state estimation for nonlinear systems", Automatica 2000.
+/// A number that follows from rate and shape. Its relative variance by differences over sqrt(3)
+/// sigma along the axes of their covariance, to the second order, and the square of the bias that
+/// these show: where two moments are nearly alike, ratios and periods bend within a sigma, and
+/// their slope at the best fit may be nothing at all. Along an axis that leaves a second moment
+/// open to a factor of e the posterior is no longer a Gaussian's, and the slope has to do.
+/// @source Norgaard, Poulsen, Ravn, "New developments in state estimation for nonlinear systems",
+/// Automatica 2000.
 template <typename Function>
 Estimated of_turning(const RigidModel& model, const Function& function) {
   constexpr Eigen::Index kUnknowns = kTurningUnknowns - 3;
@@ -89,7 +88,8 @@ Estimated of_turning(const RigidModel& model, const Function& function) {
   // In units of the unknowns' own sigmas: rates beside shapes would drown in rounding.
   const Eigen::Matrix<double, kUnknowns, kUnknowns> covariance =
       turning_covariance(model).bottomRightCorner<kUnknowns, kUnknowns>();
-  const Unknowns own = covariance.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
+  const Unknowns own =
+      covariance.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
   const Unknowns inverse = own.cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kUnknowns, kUnknowns>> eigen(
       inverse.asDiagonal() * covariance * inverse.asDiagonal());
@@ -97,8 +97,8 @@ Estimated of_turning(const RigidModel& model, const Function& function) {
   double variance = 0.0;
   double bias = 0.0;
   for (Eigen::Index k = 0; k < kUnknowns; ++k) {
-    const Unknowns sigma =
-        std::sqrt(std::max(0.0, eigen.eigenvalues()(k))) * own.cwiseProduct(eigen.eigenvectors().col(k));
+    const Unknowns sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(k))) *
+                           own.cwiseProduct(eigen.eigenvectors().col(k));
     const double open = std::sqrt(kSpread2) * sigma.tail<5>().norm();
     const bool bent = open < kShapeStepMax;
     const double spread2 = bent ? kSpread2 : std::pow(kSlopeStep / sigma.tail<5>().norm(), 2);
@@ -159,8 +159,7 @@ void add_momentum(const RigidModel& model, const Inertia& inertia, BodyDynamics*
   by.leftCols<3>() = -hat(R * h_T);
   by.middleCols<3>(3) = R * inertia.J_T;
   for (Eigen::Index k = 0; k < 5; ++k) {
-    by.col(6 + k) = R * inertia.J_by_shape[static_cast<std::size_t>(k)] *
-                    model.reference.w_T_rad_s;
+    by.col(6 + k) = R * inertia.J_by_shape[static_cast<std::size_t>(k)] * model.reference.w_T_rad_s;
   }
   const Eigen::Matrix3d across =
       (Eigen::Matrix3d::Identity() - out->momentum_axis_I * out->momentum_axis_I.transpose()) /
@@ -173,8 +172,7 @@ void add_momentum(const RigidModel& model, const Inertia& inertia, BodyDynamics*
 
 void add_path(const RigidModel& model, BodyDynamics* out) {
   out->v_I = model.path.segment<3>(3);
-  out->covariance_v_I =
-      model.covariance.block<3, 3>(kTurningUnknowns + 3, kTurningUnknowns + 3);
+  out->covariance_v_I = model.covariance.block<3, 3>(kTurningUnknowns + 3, kTurningUnknowns + 3);
   const Eigen::Matrix3d covariance = model.covariance.bottomRightCorner<3, 3>();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
   out->mass_centre_axes_T = eigen.eigenvectors();
@@ -238,8 +236,8 @@ double spin_period_s(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_T_rad_
   const double product = J.prod();
   const double low = momentum2 - energy2 * J(0);
   const double high = energy2 * J(2) - momentum2;
-  const double rate2 = body.about_largest ? (J(2) - J(1)) * low / product
-                                          : (J(1) - J(0)) * high / product;
+  const double rate2 =
+      body.about_largest ? (J(2) - J(1)) * low / product : (J(1) - J(0)) * high / product;
   return 4.0 * elliptic_K(std::min(1.0, modulus_of(body))) / std::sqrt(std::max(0.0, rate2));
 }
 
@@ -250,7 +248,8 @@ double precession_period_s(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_
   const double energy2 = J.dot(body.w.cwiseAbs2());
   const Eigen::Index axis = body.about_largest ? 2 : 0;
   const Eigen::Index other = 2 - axis;
-  // Squares of the rate about the axes other than `axis` at their largest: w_other = a cn, w_1 = b sn.
+  // Squares of the rate about the axes other than `axis` at their largest: w_other = a cn, w_1 = b
+  // sn.
   const double room = std::abs(momentum2 - energy2 * J(axis));
   const double a2 = room / (J(other) * std::abs(J(2) - J(0)));
   const double b2 = room / (J(1) * std::abs(J(1) - J(axis)));
@@ -258,8 +257,9 @@ double precession_period_s(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_
   if (!(m < 1.0) || !std::isfinite(a2 + b2)) {
     return std::numeric_limits<double>::infinity();
   }
-  // The mean over a period, in equal steps of the amplitude, of the rate at which `axis` turns about
-  // the momentum, |h| (h_1 w_1 + h_o w_o) / (h_1^2 + h_o^2): exact to rounding but near m = 1.
+  // The mean over a period, in equal steps of the amplitude, of the rate at which `axis` turns
+  // about the momentum, |h| (h_1 w_1 + h_o w_o) / (h_1^2 + h_o^2): exact to rounding but near m
+  // = 1.
   constexpr int kSteps = 256;
   double sum = 0.0;
   double time = 0.0;
@@ -285,10 +285,9 @@ Result<BodyDynamics> describe_dynamics(const RigidModel& model) {
   BodyDynamics out;
   add_inertia(model, inertia, &out);
   add_momentum(model, inertia, &out);
-  out.rotation_period_s =
-      of_turning(model, [](const Eigen::Matrix3d&, const Eigen::Vector3d& w) {
-        return 2.0 * std::numbers::pi / w.norm();
-      });
+  out.rotation_period_s = of_turning(model, [](const Eigen::Matrix3d&, const Eigen::Vector3d& w) {
+    return 2.0 * std::numbers::pi / w.norm();
+  });
   out.spin_period_s = of_turning(model, spin_period_s);
   out.precession_period_s = of_turning(model, precession_period_s);
   // A body that turns steadily about a principal axis shows neither.

@@ -24,14 +24,16 @@ struct BodyDynamics {
   Eigen::Matrix3d R_TP = Eigen::Matrix3d::Identity();
   std::array<double, 3> sigma_axis_rad{};  ///< of each axis' direction, worst way
   std::array<Observability, 3> axes{};
-  Estimated middle_over_least;   ///< ratio of principal moments
+  Estimated middle_over_least;  ///< ratio of principal moments
   Estimated largest_over_least;
-  /// w_T repeats after this. Of a body of revolution: turns about its axis seen from the axis' precession.
+  /// w_T repeats after this. Of a body of revolution: turns about its axis seen from the axis'
+  /// precession.
   Estimated spin_period_s;
   /// Mean period of the turning about the angular momentum.
   Estimated precession_period_s;
-  Estimated rotation_period_s;   ///< of one turn at the present rate
-  Eigen::Vector3d momentum_axis_I = Eigen::Vector3d::UnitZ();  ///< direction of the angular momentum
+  Estimated rotation_period_s;  ///< of one turn at the present rate
+  Eigen::Vector3d momentum_axis_I =
+      Eigen::Vector3d::UnitZ();  ///< direction of the angular momentum
   double sigma_momentum_axis_rad = 0.0;
   Observability momentum_axis = Observability::kUnobserved;
   /// Mass centre seen from T's origin, along the columns of `mass_centre_axes_T`, best known first.
@@ -49,8 +51,8 @@ Result<BodyDynamics> describe_dynamics(const RigidModel& model);
 /// @source Landau and Lifshitz, Mechanics, section 37.
 double spin_period_s(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_T_rad_s);
 
-/// 2 pi over the mean rate about the angular momentum of the principal axis that the body turns about
-/// (that of the largest or of the least moment).
+/// 2 pi over the mean rate about the angular momentum of the principal axis that the body turns
+/// about (that of the largest or of the least moment).
 double precession_period_s(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_T_rad_s);
 
 }  // namespace polhode

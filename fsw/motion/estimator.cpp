@@ -21,13 +21,15 @@ bool holds(const MotionEstimate& m) {
 }
 
 const Keyframe* keyframe_at(std::int64_t timestamp_ns, const Map& map) {
-  const auto found = std::find_if(map.keyframes.begin(), map.keyframes.end(), [&](const Keyframe& k) {
-    return k.used && k.timestamp_ns == timestamp_ns;
-  });
+  const auto found =
+      std::find_if(map.keyframes.begin(), map.keyframes.end(), [&](const Keyframe& k) {
+        return k.used && k.timestamp_ns == timestamp_ns;
+      });
   return found == map.keyframes.end() ? nullptr : &*found;
 }
 
-/// Adjustments move keyframes after their poses were remembered, and the poses since then with them.
+/// Adjustments move keyframes after their poses were remembered, and the poses since then with
+/// them.
 void follow_map(const Map& map, PoseHistory& poses) {
   Pose from;  // what the last keyframe's pose was, and is
   Pose to;
@@ -75,7 +77,8 @@ double relative_speed_sigma(const MotionPrediction& now) {
   return sigma < w.squaredNorm() ? sigma / w.squaredNorm() : 1.0;
 }
 
-/// Is the last interval far longer than the shortest? Over it a body may have turned by any number of turns.
+/// Is the last interval far longer than the shortest? Over it a body may have turned by any number
+/// of turns.
 bool over_a_gap(const PoseHistory& poses) {
   constexpr std::int64_t kLonger = 3;
   std::int64_t shortest_ns = INT64_MAX;
@@ -126,16 +129,25 @@ Result<RateEstimate> rates_by_model(const MotionEstimate& m) {
 }
 
 /// As the observer's attitude now has them.
-PoseSample in_I(const MotionEstimate& m, std::int64_t timestamp_ns, const Pose& pose, const PoseCovariance& covariance) {
-  return {.timestamp_ns = timestamp_ns, .pose = turned(m.R_IC, pose), .covariance = turned(m.R_IC, covariance)};
+PoseSample in_I(const MotionEstimate& m,
+                std::int64_t timestamp_ns,
+                const Pose& pose,
+                const PoseCovariance& covariance) {
+  return {.timestamp_ns = timestamp_ns,
+          .pose = turned(m.R_IC, pose),
+          .covariance = turned(m.R_IC, covariance)};
 }
 
-PoseCovariance drift_I(const MotionEstimate& m, const MapDrift& drift) { return turned(m.R_IC, covariance(drift)); }
+PoseCovariance drift_I(const MotionEstimate& m, const MapDrift& drift) {
+  return turned(m.R_IC, covariance(drift));
+}
 
 }  // namespace
 
-std::optional<Eigen::Matrix3d> take_observer(const std::optional<Eigen::Quaterniond>& q_IC, MotionEstimate* m) {
-  constexpr double kNormError = 1e-2;  // of a printed or single-precision unit quaternion, generously
+std::optional<Eigen::Matrix3d> take_observer(const std::optional<Eigen::Quaterniond>& q_IC,
+                                             MotionEstimate* m) {
+  constexpr double kNormError =
+      1e-2;  // of a printed or single-precision unit quaternion, generously
   if (!q_IC || !(std::abs(q_IC->norm() - 1.0) < kNormError)) {
     return std::nullopt;
   }
@@ -182,7 +194,11 @@ void check_pose(std::int64_t timestamp_ns,
   }
 }
 
-void prepare_fit(const Map& map, const MapDrift& drift, const MotionOptions& options, MotionEstimate* m, MotionSnapshot* snapshot) {
+void prepare_fit(const Map& map,
+                 const MapDrift& drift,
+                 const MotionOptions& options,
+                 MotionEstimate* m,
+                 MotionSnapshot* snapshot) {
   follow_map(map, m->past);
   snapshot->poses = m->past;
   snapshot->drift = drift_I(*m, drift);
@@ -255,7 +271,9 @@ void forget_poses(MotionEstimate* m) {
   m->disagreements = 0;
 }
 
-Result<RateEstimate> rates_now(const MotionEstimate& m, const MapDrift& drift, const MotionOptions& options) {
+Result<RateEstimate> rates_now(const MotionEstimate& m,
+                               const MapDrift& drift,
+                               const MotionOptions& options) {
   Result<RateEstimate> rates = ErrorCode::kTooFewObservations;
   if (options.mode == MotionMode::kPaper) {
     rates = rates_by_pairs(m);
@@ -270,8 +288,7 @@ Result<RateEstimate> rates_now(const MotionEstimate& m, const MapDrift& drift, c
   }
   if (rates) {
     rates.value().v_C = m.R_IC.transpose() * rates.value().v_C;
-    rates.value().covariance_v_C =
-        m.R_IC.transpose() * rates.value().covariance_v_C * m.R_IC;
+    rates.value().covariance_v_C = m.R_IC.transpose() * rates.value().covariance_v_C * m.R_IC;
   }
   return rates;
 }
@@ -286,13 +303,14 @@ Result<PosePrediction> predict_by_motion(const MotionEstimate& m,
     const Result<MotionPrediction> by_model = predict_from(m.model, m.recent.back(), timestamp_ns);
     if (by_model && by_model.value().path_known) {
       // The next pose will be one of the map: its drift changes while the body turns.
-      const double part = rotation_angle_rad(m.recent.back().pose.R_CT, by_model.value().pose.R_CT) /
-                          kSideAngle_rad;
-      predicted = PosePrediction{.pose = by_model.value().pose,
-                                 .covariance = by_model.value().covariance +
-                                               part * part * drift_I(m, drift),
-                                 .rotation_poses = m.model.poses,
-                                 .position_poses = m.model.poses};
+      const double part =
+          rotation_angle_rad(m.recent.back().pose.R_CT, by_model.value().pose.R_CT) /
+          kSideAngle_rad;
+      predicted = PosePrediction{
+          .pose = by_model.value().pose,
+          .covariance = by_model.value().covariance + part * part * drift_I(m, drift),
+          .rotation_poses = m.model.poses,
+          .position_poses = m.model.poses};
     }
   }
   if (!predicted) {

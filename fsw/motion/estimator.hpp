@@ -1,4 +1,5 @@
-// What is remembered of the target's motion from frame to frame, and what is said and predicted from it.
+// What is remembered of the target's motion from frame to frame, and what is said and predicted
+// from it.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -16,12 +17,13 @@ namespace polhode {
 /// The state of this room. Poses are kept in I, so that they stay right when the observer turns.
 struct MotionEstimate {
   Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();  ///< the observer's attitude at this frame
-  bool observer_known = false;  ///< it was reported; else C stands in for I
+  bool observer_known = false;                         ///< it was reported; else C stands in for I
   PoseHistory recent;  ///< in I, one by one; errors of single frames, without the map's drift
   PoseHistory past;    ///< as recent, thinned: what the dynamics are fitted to
-  RigidModel model;  ///< of the last fit; used while it is accepted and the poses agree
+  RigidModel model;    ///< of the last fit; used while it is accepted and the poses agree
   std::uint32_t poses_since_fit = 0;
-  std::uint32_t poses_since_start = 0;  ///< found one by one; those of an initialisation are right or wrong together
+  std::uint32_t poses_since_start =
+      0;  ///< found one by one; those of an initialisation are right or wrong together
   std::uint32_t disagreements = 0;  ///< poses in succession that are not where the model has them
 };
 
@@ -32,9 +34,11 @@ struct DriftByModel {
 };
 
 /// The observer's attitude, as reported for this frame; what is not a rotation leaves the last one.
-/// @return with the first attitude of a run the rotation from I as it was taken to be into I as it is. The poses so
+/// @return with the first attitude of a run the rotation from I as it was taken to be into I as it
+/// is. The poses so
 ///         far are turned by it here, and the model is dropped.
-std::optional<Eigen::Matrix3d> take_observer(const std::optional<Eigen::Quaterniond>& q_IC, MotionEstimate* motion);
+std::optional<Eigen::Matrix3d> take_observer(const std::optional<Eigen::Quaterniond>& q_IC,
+                                             MotionEstimate* motion);
 
 /// A pose in C has been found.
 /// @return is a new fit of the dynamics due? Never in paper mode.
@@ -44,7 +48,8 @@ std::optional<Eigen::Matrix3d> take_observer(const std::optional<Eigen::Quaterni
                                  const MotionOptions& options,
                                  MotionEstimate* motion);
 
-/// A pose in C has been measured, by landmarks alone: does the model bear it out? After three that it does not it is refused.
+/// A pose in C has been measured, by landmarks alone: does the model bear it out? After three that
+/// it does not it is refused.
 void check_pose(std::int64_t timestamp_ns,
                 const Pose& pose,
                 const PoseCovariance& covariance,
@@ -52,7 +57,11 @@ void check_pose(std::int64_t timestamp_ns,
                 MotionEstimate* motion);
 
 /// The poses to fit dynamics to, as the map has them now.
-void prepare_fit(const Map& map, const MapDrift& drift, const MotionOptions& options, MotionEstimate* motion, MotionSnapshot* snapshot);
+void prepare_fit(const Map& map,
+                 const MapDrift& drift,
+                 const MotionOptions& options,
+                 MotionEstimate* motion,
+                 MotionSnapshot* snapshot);
 
 /// A fit comes back: the poses since it was prepared judge it as they would have.
 /// @param poses_fitted  value of poses_since_fit when it was prepared.
@@ -66,34 +75,37 @@ void take_fit(const RigidModel& model,
 /// @return the drift that is left in the map; nothing where the model tells no translation.
 std::optional<DriftByModel> take_joint_fit(const RigidModel& model, MotionEstimate* motion);
 
-/// The poses of an initialisation's keyframes, in order of time and in I, come into the past or replace what is there at
-/// their times. The model is dropped.
+/// The poses of an initialisation's keyframes, in order of time and in I, come into the past or
+/// replace what is there at their times. The model is dropped.
 void restate_poses(std::span<const PoseSample> start, MotionEstimate* motion);
 
 /// The pose at the keyframe's time, where there is one, becomes the keyframe's.
 void move_pose(const Keyframe& keyframe, MotionEstimate* motion);
 
-/// All poses go along with their keyframes, as a rate from poses before and after a jump would be wrong.
+/// All poses go along with their keyframes, as a rate from poses before and after a jump would be
+/// wrong.
 /// @return are there poses later than `adjusted_to_ns`?
 bool move_poses_with_map(const Map& map, std::int64_t adjusted_to_ns, MotionEstimate* motion);
 
 /// T is another one from here on: nothing of the poses so far holds. The observer's attitude stays.
 void forget_poses(MotionEstimate* motion);
 
-/// Rates at the last pose: by the dynamics where they hold, else by a local fit, or by the last two poses in paper mode.
-/// Velocity in C, unit of the poses. @errors as estimate_rates().
-Result<RateEstimate> rates_now(const MotionEstimate& motion, const MapDrift& drift, const MotionOptions& options);
+/// Rates at the last pose: by the dynamics where they hold, else by a local fit, or by the last two
+/// poses in paper mode. Velocity in C, unit of the poses. @errors as estimate_rates().
+Result<RateEstimate> rates_now(const MotionEstimate& motion,
+                               const MapDrift& drift,
+                               const MotionOptions& options);
 
-/// The pose in C at a time not before the last pose's, for an observer with the attitude R_IC. @errors as predict_pose() of
-/// motion/rates.hpp.
+/// The pose in C at a time not before the last pose's, for an observer with the attitude R_IC.
+/// @errors as predict_pose() of motion/rates.hpp.
 Result<PosePrediction> predict_by_motion(const MotionEstimate& motion,
                                          const MapDrift& drift,
                                          const MotionOptions& options,
                                          std::int64_t timestamp_ns,
                                          const Eigen::Matrix3d& R_IC);
 
-/// As predict_by_motion(), and the last pose where nothing is known of the motion; nothing without a pose. Never behind the
-/// camera: where the motion leads through it the last position stands.
+/// As predict_by_motion(), and the last pose where nothing is known of the motion; nothing without
+/// a pose. Never behind the camera: where the motion leads through it the last position stands.
 std::optional<PosePrediction> predict_or_hold(const MotionEstimate& motion,
                                               const MapDrift& drift,
                                               const MotionOptions& options,
@@ -106,7 +118,8 @@ std::optional<PosePrediction> pose_by_map_model(const MotionEstimate& motion,
                                                 std::int64_t timestamp_ns,
                                                 const Eigen::Matrix3d& R_IC);
 
-/// The last pose as an observer with the attitude R_IC would see it, had the target not moved since; there must be one.
+/// The last pose as an observer with the attitude R_IC would see it, had the target not moved
+/// since; there must be one.
 Pose last_pose_seen(const MotionEstimate& motion, const Eigen::Matrix3d& R_IC);
 
 }  // namespace polhode

@@ -1,4 +1,5 @@
-// The poses that the dynamics are fitted to: the past, of a bounded number of turns and in a bounded number.
+// The poses that the dynamics are fitted to: the past, of a bounded number of turns and in a
+// bounded number.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +14,9 @@
 
 namespace polhode {
 
-// A fit integrates from pose to pose: 32 turns take 4000 steps for each of its iterations, and beyond that it would cost
-// more the longer the run. 32 turns tell a rate to 5e-6 of itself by poses that are good to a milliradian.
+// A fit integrates from pose to pose: 32 turns take 4000 steps for each of its iterations, and
+// beyond that it would cost more the longer the run. 32 turns tell a rate to 5e-6 of itself by
+// poses that are good to a milliradian.
 inline constexpr double kFitTurnsMax = 32.0;
 
 /// What is more than `age_s` before `now_ns` goes.
@@ -22,7 +24,8 @@ inline void forget(double age_s, std::int64_t now_ns, PoseHistory& poses) {
   const auto young = std::find_if(poses.begin(), poses.end(), [&](const PoseSample& sample) {
     return seconds_between(sample.timestamp_ns, now_ns) <= age_s;
   });
-  poses.resize(static_cast<std::size_t>(std::copy(young, poses.end(), poses.begin()) - poses.begin()));
+  poses.resize(
+      static_cast<std::size_t>(std::copy(young, poses.end(), poses.begin()) - poses.begin()));
 }
 
 /// Of the last poses, over a chord that is long against their noise; 0 where they hardly turn.

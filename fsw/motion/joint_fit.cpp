@@ -14,23 +14,24 @@
 namespace polhode {
 namespace {
 
-// What free poses gain over a free body's by following the noise is a chi-square with as many degrees of
-// freedom as they have more: 1 each, were the sightings' errors independent and of the declared size.
-// They are neither; on rendered scenes free bodies stay under 8, and times that are off by a fifth of a frame
-// give 11 and more.
+// What free poses gain over a free body's by following the noise is a chi-square with as many
+// degrees of freedom as they have more: 1 each, were the sightings' errors independent and of the
+// declared size. They are neither; on rendered scenes free bodies stay under 8, and times that are
+// off by a fifth of a frame give 11 and more.
 constexpr double kGainPerDofMax = 8.0;
 
-// A map that has grown without the motion has wrong ties in it, because they agree with its drift, and
-// they speak against the motion until it has had the map once: then they are gone. So a motion that keeps
-// nearly all sightings is believed twice beyond that.
+// A map that has grown without the motion has wrong ties in it, because they agree with its drift,
+// and they speak against the motion until it has had the map once: then they are gone. So a motion
+// that keeps nearly all sightings is believed twice beyond that.
 constexpr double kDoubtfulGainMax = 40.0;
 constexpr double kKeptMin = 0.95;
 constexpr std::uint32_t kDoubtsMax = 2;
 
-// Sightings' errors beyond the declared ones are the surfaces' (light slides over a relief as it turns) and
-// drift: poses of a side share them, and the motion follows them itself. Of a drift that falls to 1/e over a
-// side, a third of a sequence, free poses show 0.3 to 0.5 in what they gain; the motion's slowest unknown has 2.0 to
-// 2.6 times the variance that seems to say, all of them 1.4 times in the mean. Taken twice, errors keep their sigmas.
+// Sightings' errors beyond the declared ones are the surfaces' (light slides over a relief as it
+// turns) and drift: poses of a side share them, and the motion follows them itself. Of a drift that
+// falls to 1/e over a side, a third of a sequence, free poses show 0.3 to 0.5 in what they gain;
+// the motion's slowest unknown has 2.0 to 2.6 times the variance that seems to say, all of them 1.4
+// times in the mean. Taken twice, errors keep their sigmas.
 constexpr double kDriftShown = 0.5;
 
 // Drift that the first fit, to the poses alone, may find them to have: 1 deg, 1 % of the range.
@@ -63,10 +64,11 @@ void load(const JointFitInput& input,
         {.time_s = time_s,
          .R_IT = pose.R_CT,
          .information_I = Eigen::Matrix3d::Identity() / (kPoseSigma_rad * kPoseSigma_rad)});
-    (void)w->positions.push_back({.time_s = time_s,
-                                  .p_I = pose.p_CT,
-                                  .information_I = Eigen::Matrix3d::Identity() / (sigma_mu * sigma_mu),
-                                  .R_IT = pose.R_CT});
+    (void)w->positions.push_back(
+        {.time_s = time_s,
+         .p_I = pose.p_CT,
+         .information_I = Eigen::Matrix3d::Identity() / (sigma_mu * sigma_mu),
+         .R_IT = pose.R_CT});
   }
 }
 
@@ -91,7 +93,8 @@ std::optional<FreeBodyMotion> motion_of_poses(const JointFitInput& input,
                                               const RigidModel& model,
                                               std::size_t reference,
                                               JointFitWorkspace* w) {
-  TurningProblem problem{.samples = w->attitudes.view(), .reference = reference, .orbit = model.orbit};
+  TurningProblem problem{
+      .samples = w->attitudes.view(), .reference = reference, .orbit = model.orbit};
   problem.shape_sigma = kModelShapeSigma;
   const auto turning = fit_turning(problem, model.reference_ns, input.previous);
   if (!turning || !trace(problem, turning.value(), w)) {
@@ -110,8 +113,8 @@ std::optional<FreeBodyMotion> motion_of_poses(const JointFitInput& input,
                         .orbit = model.orbit};
 }
 
-/// First the points alone follow the poses, then all together with an ever narrower loss: poses that
-/// have drifted give residuals of many sigma.
+/// First the points alone follow the poses, then all together with an ever narrower loss: poses
+/// that have drifted give residuals of many sigma.
 FreeBodyReport adjust(const JointFitInput& input,
                       FreeBodyMotion* motion,
                       BundleWorkspace* workspace,
@@ -122,7 +125,8 @@ FreeBodyReport adjust(const JointFitInput& input,
                           .shape_sigma = kModelShapeSigma,
                           .lever_sigma = input.body_radius};
   problem.bundle.pose_fixed = std::span(w->none_held).first(count_of(input));
-  FreeBodyReport report = adjust_free_body(problem, {.iterations_max = 0}, workspace, &w->free_body);
+  FreeBodyReport report =
+      adjust_free_body(problem, {.iterations_max = 0}, workspace, &w->free_body);
   if (!report.bundle.usable) {
     return report;
   }
@@ -131,10 +135,11 @@ FreeBodyReport adjust(const JointFitInput& input,
   constexpr double kWide = 15.0;
   (void)adjust_bundle(points, {.iterations_max = 5, .cauchy_sigma = kWide}, workspace);
   for (const double cauchy_sigma : {kWide, input.options.cauchy_sigma}) {
-    report = adjust_free_body(problem,
-                              {.iterations_max = 4 * input.options.iterations_max, .cauchy_sigma = cauchy_sigma},
-                              workspace,
-                              &w->free_body);
+    report = adjust_free_body(
+        problem,
+        {.iterations_max = 4 * input.options.iterations_max, .cauchy_sigma = cauchy_sigma},
+        workspace,
+        &w->free_body);
   }
   return report;
 }
@@ -154,19 +159,18 @@ bool agrees(const BundleProblem& bundle, const BundleObservation& o) {
   return reproject(bundle.poses[static_cast<std::size_t>(o.pose)],
                    bundle.points_T[static_cast<std::size_t>(o.point)],
                    &x) &&
-         (x - o.normalised).squaredNorm() <
-             kInlierChi2 * o.sigma_normalised * o.sigma_normalised;
+         (x - o.normalised).squaredNorm() < kInlierChi2 * o.sigma_normalised * o.sigma_normalised;
 }
 
 std::size_t agreeing(const BundleProblem& bundle) {
-  return static_cast<std::size_t>(
-      std::count_if(bundle.observations.begin(),
-                    bundle.observations.end(),
-                    [&](const BundleObservation& o) { return agrees(bundle, o); }));
+  return static_cast<std::size_t>(std::count_if(
+      bundle.observations.begin(), bundle.observations.end(), [&](const BundleObservation& o) {
+        return agrees(bundle, o);
+      }));
 }
 
-/// What free poses gain over the joint fit, per degree of freedom that they have more, on the sightings
-/// that agree with it.
+/// What free poses gain over the joint fit, per degree of freedom that they have more, on the
+/// sightings that agree with it.
 double gain_per_dof(const JointFitInput& input, BundleWorkspace* workspace, JointFitWorkspace* w) {
   BundleProblem problem = input.bundle;
   const auto end = std::stable_partition(
@@ -187,7 +191,8 @@ double gain_per_dof(const JointFitInput& input, BundleWorkspace* workspace, Join
 using PoseFlags = std::array<bool, BundleWorkspace::kPoses>;
 using PoseCounts = std::array<std::size_t, BundleWorkspace::kPoses>;
 
-/// For each pose that is not reached: how many of its points are seen by so many of the poses that are, or that are not.
+/// For each pose that is not reached: how many of its points are seen by so many of the poses that
+/// are, or that are not.
 PoseCounts shared_points(const JointFitInput& input,
                          const PoseFlags& reached,
                          bool with_reached,
@@ -202,14 +207,15 @@ PoseCounts shared_points(const JointFitInput& input,
   PoseCounts shared{};
   for (const BundleObservation& o : input.observations) {
     const bool seen = w->sightings_of_point[static_cast<std::size_t>(o.point)] >= seen_min;
-    shared[static_cast<std::size_t>(o.pose)] += seen && !reached[static_cast<std::size_t>(o.pose)] ? 1 : 0;
+    shared[static_cast<std::size_t>(o.pose)] +=
+        seen && !reached[static_cast<std::size_t>(o.pose)] ? 1 : 0;
   }
   return shared;
 }
 
-/// Are the poses one part, tied by points that they share? Parts of a map that nothing ties have an axis and a
-/// unit each, and what a motion makes of the gap between them is no measurement. A pose alone that has lost its ties makes no
-/// part: it says little, and the motion holds it.
+/// Are the poses one part, tied by points that they share? Parts of a map that nothing ties have an
+/// axis and a unit each, and what a motion makes of the gap between them is no measurement. A pose
+/// alone that has lost its ties makes no part: it says little, and the motion holds it.
 bool hangs_together(const JointFitInput& input, JointFitWorkspace* w) {
   constexpr std::size_t kSharedMin = 12;  // as many as a pose needs
   const std::size_t count = count_of(input);
@@ -229,7 +235,8 @@ bool hangs_together(const JointFitInput& input, JointFitWorkspace* w) {
     }
   }
   const PoseCounts apart = shared_points(input, reached, false, 2, w);
-  return reached_count >= kModelPosesMin && *std::max_element(apart.begin(), apart.end()) < kSharedMin;
+  return reached_count >= kModelPosesMin &&
+         *std::max_element(apart.begin(), apart.end()) < kSharedMin;
 }
 
 /// Mean turn from one keyframe to the next.
@@ -283,7 +290,8 @@ RigidModel fit_jointly(const JointFitInput& input,
   }
   const std::size_t middle = order.size() / 2;
   model.reference_ns = input.timestamps_ns[order[middle]];
-  model.span_s = seconds_between(input.timestamps_ns[order.front()], input.timestamps_ns[order.back()]);
+  model.span_s =
+      seconds_between(input.timestamps_ns[order.front()], input.timestamps_ns[order.back()]);
   model.orbit = orbit_at(input.motion, model.reference_ns);
   model.lever_sigma = input.body_radius;
   load(input, order, model.reference_ns, w);

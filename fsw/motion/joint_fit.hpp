@@ -15,15 +15,15 @@ namespace polhode {
 /// A map at rest, its poses free. Poses and points are changed in place where the fit is accepted.
 struct JointFitInput {
   BundleProblem bundle;
-  std::span<BundleObservation> observations;  ///< the bundle's; their order is changed
+  std::span<BundleObservation> observations;    ///< the bundle's; their order is changed
   std::span<const std::int64_t> timestamps_ns;  ///< by pose, in any order, none twice
   std::span<const Eigen::Matrix3d> R_IC;        ///< by pose
-  double body_radius = 1.0;  ///< unit of the poses, > 0
+  double body_radius = 1.0;                     ///< unit of the poses, > 0
   MotionOptions motion;
   RigidModel previous;  ///< where accepted, the fit starts from it
   BundleOptions options;
-  /// What the covariance is to be multiplied by, as the sightings were chosen by where the poses have them
-  /// and so agree with the poses' errors more than they should.
+  /// What the covariance is to be multiplied by, as the sightings were chosen by where the poses
+  /// have them and so agree with the poses' errors more than they should.
   double selection = 1.0;
 };
 
@@ -45,8 +45,9 @@ struct JointFitWorkspace {
   FreeBodyWorkspace free_body;
 };
 
-/// A free body's motion is fitted to the poses, then with the points to the sightings. It is accepted
-/// where it explains them as well as free poses do, up to what free poses gain by following the noise.
+/// A free body's motion is fitted to the poses, then with the points to the sightings. It is
+/// accepted where it explains them as well as free poses do, up to what free poses gain by
+/// following the noise.
 /// @param doubts  in, out: how often it was believed on sufferance since it last was without.
 /// The answer's reference is the last pose; its noise is that found by the comparison.
 /// @return a model that says by its status whether it was accepted; else the bundle is as it was.

@@ -1,6 +1,6 @@
 // A fitted model at other times than its own.
-#include <Eigen/Geometry>
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "geometry/so3.hpp"
@@ -142,8 +142,8 @@ Result<MotionPrediction> predict_from(const RigidModel& model,
   rows.bottomRows<3>() -= rows_last.bottomRows<3>();
   PoseCovariance carried = PoseCovariance::Identity();
   carried.topLeftCorner<3, 3>() = R_between;
-  const PoseCovariance covariance = rows * from.covariance * rows.transpose() +
-                                    carried * last.covariance * carried.transpose();
+  const PoseCovariance covariance =
+      rows * from.covariance * rows.transpose() + carried * last.covariance * carried.transpose();
   out.covariance = 0.5 * (covariance + covariance.transpose());
   out.pose.R_CT = R_between * last.pose.R_CT;
   out.pose.p_CT = last.pose.p_CT + (out.pose.p_CT - before.pose.p_CT);

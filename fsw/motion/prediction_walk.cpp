@@ -28,7 +28,8 @@ std::optional<MotionPrediction> walk_on(PredictionWalk* walk) {
       walk->state.w_T_rad_s.norm() + walk->model.orbit.mean_motion_rad_s + 1e-12;
   const double end_s = kPredictionsAhead_s[walk->next];
   const double to_s = std::min(end_s, walk->state.time_s + kAngle_rad / rate_rad_s);
-  if (!advance(inertia_of(walk->model.shape), walk->model.orbit, to_s, walk->state, &walk->derivative)) {
+  if (!advance(
+          inertia_of(walk->model.shape), walk->model.orbit, to_s, walk->state, &walk->derivative)) {
     walk->under_way = false;
     return std::nullopt;
   }

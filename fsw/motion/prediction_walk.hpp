@@ -1,5 +1,5 @@
-// Predictions minutes ahead, by bounded work a frame: one integration from now to the farthest time,
-// gone in parts, that tells of the times on its way.
+// Predictions minutes ahead, by bounded work a frame: one integration from now to the farthest
+// time, gone in parts, that tells of the times on its way.
 #pragma once
 
 #include <array>

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "geometry/so3.hpp"
-#include "motion/residual_level.hpp"
 #include "motion/local_fit.hpp"
+#include "motion/residual_level.hpp"
 
 namespace polhode {
 namespace {
@@ -59,8 +59,8 @@ bool add(const PoseSample& sample, double tau_s, bool with_rotation, Window& win
   return window.rotation.push_back(rotation);
 }
 
-/// Poses around `index`, nearest in time first, at most window_poses_max and over no interval that tells no rate;
-/// rotation ends where the angle gets too large.
+/// Poses around `index`, nearest in time first, at most window_poses_max and over no interval that
+/// tells no rate; rotation ends where the angle gets too large.
 bool collect(std::span<const PoseSample> history,
              std::size_t index,
              const MotionOptions& options,
@@ -125,7 +125,8 @@ double told_interval_max_s(std::span<const PoseSample> poses) {
     const double angle_rad = rotation_angle_rad(a.pose.R_CT, b.pose.R_CT);
     const double variance = (a.covariance + b.covariance).topLeftCorner<3, 3>().trace();
     if (angle_rad * angle_rad > 9.0 * variance) {  // else it may be noise over a short time
-      fastest_rad_s = std::max(fastest_rad_s, angle_rad / seconds_between(a.timestamp_ns, b.timestamp_ns));
+      fastest_rad_s =
+          std::max(fastest_rad_s, angle_rad / seconds_between(a.timestamp_ns, b.timestamp_ns));
     }
   }
   return std::numbers::pi / fastest_rad_s;
@@ -193,8 +194,7 @@ void widen_by_drift(const PoseCovariance& drift, double turn_sigma, RateEstimate
   const Eigen::Vector3d sight_T = R_TC * rates.pose.p_CT.normalized();
   const Eigen::Vector3d across_rad_s = rates.w_T_rad_s - sight_T * sight_T.dot(rates.w_T_rad_s);
   rates.covariance_w_T += turn_sigma * turn_sigma * across_rad_s * across_rad_s.transpose();
-  rates.covariance_w_T +=
-      per_s * per_s * R_TC * drift.topLeftCorner<3, 3>() * R_TC.transpose();
+  rates.covariance_w_T += per_s * per_s * R_TC * drift.topLeftCorner<3, 3>() * R_TC.transpose();
   rates.covariance_v_C += per_s * per_s * drift.bottomRightCorner<3, 3>();
 }
 

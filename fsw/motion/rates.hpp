@@ -47,13 +47,15 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
                                        std::size_t index,
                                        const MotionOptions& options);
 
-/// Over a longer interval than this a body that turns as fast as it does between some of these poses (beyond 3 sigma) may
-/// have turned by any number of turns: such a pair tells no rate. Infinite where nothing turns.
+/// Over a longer interval than this a body that turns as fast as it does between some of these
+/// poses (beyond 3 sigma) may have turned by any number of turns: such a pair tells no rate.
+/// Infinite where nothing turns.
 [[nodiscard]] double told_interval_max_s(std::span<const PoseSample> poses);
 
-/// Adds what the map's drift does to rates that were fitted within one side of the body: it changes by
-/// about its own size while 0.8 rad are turned, and passes for motion.
-/// @param turn_sigma  1-sigma of a factor that all turns may have, less one: it is the rate's too, but for
+/// Adds what the map's drift does to rates that were fitted within one side of the body: it changes
+/// by about its own size while 0.8 rad are turned, and passes for motion.
+/// @param turn_sigma  1-sigma of a factor that all turns may have, less one: it is the rate's too,
+/// but for
 ///                    the turn about the line of sight, which pictures show as it is.
 void widen_by_drift(const PoseCovariance& drift, double turn_sigma, RateEstimate& rates);
 

@@ -9,12 +9,12 @@
 
 namespace polhode {
 
-/// Poses that see the same side share their errors: on rendered sequences the correlation falls to 1/e
-/// over 45 to 55 deg of rotation.
+/// Poses that see the same side share their errors: on rendered sequences the correlation falls to
+/// 1/e over 45 to 55 deg of rotation.
 inline constexpr double kSideAngle_rad = 0.8;
 
-/// Poses that tell as much as one independent pose would, of `poses` that turn by `turn_of_frame_rad` from one
-/// to the next: the sum of that correlation over all of them.
+/// Poses that tell as much as one independent pose would, of `poses` that turn by
+/// `turn_of_frame_rad` from one to the next: the sum of that correlation over all of them.
 [[nodiscard]] double poses_of_a_side(double turn_of_frame_rad, std::size_t poses);
 
 struct ResidualInput {
@@ -25,10 +25,12 @@ struct ResidualInput {
   double turn_of_frame_rad = 0.0;  ///< mean angle between successive poses
 };
 
-/// @see ResidualLevel. Residuals over 5 sigma of the larger of declared and found noise are outliers.
+/// @see ResidualLevel. Residuals over 5 sigma of the larger of declared and found noise are
+/// outliers.
 ResidualLevel residual_level(const ResidualInput& input);
 
-/// What the covariance of a fit to independent residuals of the declared size is to be multiplied by.
+/// What the covariance of a fit to independent residuals of the declared size is to be multiplied
+/// by.
 [[nodiscard]] double widening(const ResidualLevel& level);
 
 }  // namespace polhode

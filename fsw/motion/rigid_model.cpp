@@ -59,9 +59,7 @@ Eigen::Vector3d whitened(const Eigen::Vector3d& residual, const Eigen::Matrix3d&
 }
 
 /// Attitudes and their derivatives by the fit at every sample, and its residuals.
-bool trace(const TurningSolution& turning,
-           const TurningProblem& problem,
-           MotionWorkspace& work) {
+bool trace(const TurningSolution& turning, const TurningProblem& problem, MotionWorkspace& work) {
   const Inertia inertia = inertia_of(turning.shape);
   work.residuals.clear();
   for (std::size_t i = 0; i < work.attitudes.size(); ++i) {
@@ -123,7 +121,8 @@ void add_path(std::span<const PoseSample> poses,
               const MotionSnapshot& snapshot,
               MotionWorkspace& work,
               RigidModel& model) {
-  const TurningCovariance turning = model.covariance.topLeftCorner<kTurningUnknowns, kTurningUnknowns>();
+  const TurningCovariance turning =
+      model.covariance.topLeftCorner<kTurningUnknowns, kTurningUnknowns>();
   const PathProblem problem{.samples = work.positions.view(),
                             .reference_s = 0.0,
                             .orbit = model.orbit,
@@ -136,8 +135,8 @@ void add_path(std::span<const PoseSample> poses,
   for (std::size_t i = 0; i < work.positions.size(); ++i) {
     const PositionSample& sample = work.positions[i];
     const auto transition = path_transition(model.orbit, 0.0, sample.time_s);
-    const Eigen::Vector3d fitted = transition.topRows<3>() * path.unknowns.head<6>() -
-                                   sample.R_IT * path.unknowns.tail<3>();
+    const Eigen::Vector3d fitted =
+        transition.topRows<3>() * path.unknowns.head<6>() - sample.R_IT * path.unknowns.tail<3>();
     work.residuals[i] = whitened(sample.p_I - fitted, sample.information_I);
   }
   model.position = residual_level(residual_input(poses, snapshot.drift, false, work));
@@ -153,7 +152,8 @@ void add_path(std::span<const PoseSample> poses,
   model.path_known = own.allFinite() && own.diagonal().minCoeff() > 0.0;
 }
 
-/// Residuals and covariance of a turning. False, the status saying why, where they do not bear it out.
+/// Residuals and covariance of a turning. False, the status saying why, where they do not bear it
+/// out.
 bool take_turning(const TurningSolution& turning,
                   const TurningProblem& problem,
                   std::span<const PoseSample> poses,
@@ -185,9 +185,9 @@ bool take_turning(const TurningSolution& turning,
   return true;
 }
 
-/// Do the poses tell the inertia's ratios to a hundredth, while what was held of the shape beforehand still
-/// moves it by more than a tenth of its sigma? So it does with sheets and thin rods: of a second moment that is next to
-/// zero the prior makes one of several sigmas.
+/// Do the poses tell the inertia's ratios to a hundredth, while what was held of the shape
+/// beforehand still moves it by more than a tenth of its sigma? So it does with sheets and thin
+/// rods: of a second moment that is next to zero the prior makes one of several sigmas.
 bool prior_outlived(const RigidModel& model, double shape_sigma) {
   constexpr double kKnown = 0.01;
   constexpr double kMoved = 0.1;

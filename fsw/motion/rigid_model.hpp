@@ -1,8 +1,8 @@
 // The target as a rigid body in free motion: fitted to its poses, and where it will be.
 //
-// Axes I do not turn; their origin is the observer. For an observer that keeps its attitude they are
-// C's, and every name in C of this stage is then in C; the pipeline turns poses and answers where
-// the observer turns.
+// Axes I do not turn; their origin is the observer. For an observer that keeps its attitude they
+// are C's, and every name in C of this stage is then in C; the pipeline turns poses and answers
+// where the observer turns.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,18 +21,18 @@ namespace polhode {
 
 enum class ModelStatus : std::uint8_t {
   kAccepted = 0,
-  kTooFewPoses = 1,      ///< under kModelPosesMin
-  kNoFit = 2,            ///< no start led to a solution over all poses
+  kTooFewPoses = 1,        ///< under kModelPosesMin
+  kNoFit = 2,              ///< no start led to a solution over all poses
   kResidualsTooLarge = 3,  ///< chi-square: poses or their times are not those of a free rigid body
 };
 
 /// How the residuals compare with what was declared of the poses.
 struct ResidualLevel {
   double chi2_per_dof = 0.0;  ///< by the declared covariance, outliers left out
-  /// Variance in terms of the declared one, drawn towards 1 where data are few; of a joint fit what the covariance is
-  /// widened by, drift that the motion has swallowed included.
+  /// Variance in terms of the declared one, drawn towards 1 where data are few; of a joint fit what
+  /// the covariance is widened by, drift that the motion has swallowed included.
   double scale2 = 1.0;
-  double correlation = 1.0;   ///< poses that tell as much as one independent pose would, >= 1
+  double correlation = 1.0;  ///< poses that tell as much as one independent pose would, >= 1
   std::size_t outliers = 0;
 };
 
@@ -81,8 +81,8 @@ struct MotionWorkspace {
 /// The orbit that the options name, its time 0 at `reference_ns`; not active where they name none.
 Orbit orbit_at(const MotionOptions& options, std::int64_t reference_ns);
 
-/// The turning, its reference at `reference_ns`: from the previous model where that is accepted and chi-square
-/// bears it out, else from nothing. @errors as solve_turning().
+/// The turning, its reference at `reference_ns`: from the previous model where that is accepted and
+/// chi-square bears it out, else from nothing. @errors as solve_turning().
 Result<TurningSolution> fit_turning(const TurningProblem& problem,
                                     std::int64_t reference_ns,
                                     RigidModel previous);
@@ -94,26 +94,28 @@ Result<TurningSolution> fit_turning(const TurningProblem& problem,
 /// @cost   about 2 ms for 300 poses that the previous model fits; 40 times that from nothing.
 RigidModel fit_rigid_model(const MotionSnapshot& snapshot, MotionWorkspace& workspace);
 
-/// The same model with its unknowns at another time. False, model unchanged, when it does not reach.
+/// The same model with its unknowns at another time. False, model unchanged, when it does not
+/// reach.
 bool move_reference(std::int64_t timestamp_ns, RigidModel& model);
 
 struct MotionPrediction {
   std::int64_t timestamp_ns = 0;
-  Pose pose;                    ///< of T in I
+  Pose pose;  ///< of T in I
   PoseCovariance covariance = PoseCovariance::Zero();
   Eigen::Vector3d w_T_rad_s = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_w_T = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d v_I = Eigen::Vector3d::Zero();  ///< of T's origin: the mass centre's and that of turning about it
+  Eigen::Vector3d v_I =
+      Eigen::Vector3d::Zero();  ///< of T's origin: the mass centre's and that of turning about it
   Eigen::Matrix3d covariance_v_I = Eigen::Matrix3d::Zero();
-  bool path_known = false;      ///< else position and velocity do not hold
+  bool path_known = false;  ///< else position and velocity do not hold
 };
 
 /// The motion at any time, earlier or later. @errors Degenerate (model not accepted, or the time is
 /// beyond its reach).
 Result<MotionPrediction> predict_motion(const RigidModel& model, std::int64_t timestamp_ns);
 
-/// The same from where advance() has brought the model's reference and its derivative: a long way is
-/// gone in parts. The time is the state's, after the reference.
+/// The same from where advance() has brought the model's reference and its derivative: a long way
+/// is gone in parts. The time is the state's, after the reference.
 MotionPrediction predict_at(const RigidModel& model,
                             const TurningState& state,
                             const TurningDerivative& derivative);
@@ -124,8 +126,8 @@ Result<MotionPrediction> predict_from(const RigidModel& model,
                                       const PoseSample& last,
                                       std::int64_t timestamp_ns);
 
-/// chi2 of a pose (6 numbers, or 3 where the path is not known) against the model, by the covariance
-/// of both and the drift. @errors Degenerate as above.
+/// chi2 of a pose (6 numbers, or 3 where the path is not known) against the model, by the
+/// covariance of both and the drift. @errors Degenerate as above.
 Result<double> chi2_against(const RigidModel& model,
                             const PoseSample& sample,
                             const PoseCovariance& drift);

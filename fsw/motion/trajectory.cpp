@@ -7,7 +7,8 @@
 namespace polhode {
 namespace {
 
-/// Samples of one component of the rate from all pairs that tell one. False when a pair is not usable.
+/// Samples of one component of the rate from all pairs that tell one. False when a pair is not
+/// usable.
 bool sample_component(std::span<const PoseSample> poses,
                       double told_max_s,
                       Eigen::Index component,
@@ -19,17 +20,19 @@ bool sample_component(std::span<const PoseSample> poses,
       return false;
     }
     if (rate.value().interval_s <= told_max_s) {
-      (*samples)[count++] = {.time_s = seconds_between(poses[0].timestamp_ns, rate.value().timestamp_ns),
-                             .value = rate.value().w_T_rad_s(component),
-                             .sigma = std::sqrt(rate.value().covariance_w_T(component, component)),
-                             .interval_s = rate.value().interval_s};
+      (*samples)[count++] = {
+          .time_s = seconds_between(poses[0].timestamp_ns, rate.value().timestamp_ns),
+          .value = rate.value().w_T_rad_s(component),
+          .sigma = std::sqrt(rate.value().covariance_w_T(component, component)),
+          .interval_s = rate.value().interval_s};
     }
   }
   *samples = samples->first(count);
   return true;
 }
 
-/// Over all pairs that tell one: time means of the rate, its norm, and the 1-sigma of the mean's worst component.
+/// Over all pairs that tell one: time means of the rate, its norm, and the 1-sigma of the mean's
+/// worst component.
 struct MeanRate {
   Eigen::Vector3d w_T_rad_s = Eigen::Vector3d::Zero();
   double norm_rad_s = 0.0;

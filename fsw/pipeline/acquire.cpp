@@ -8,7 +8,8 @@ void collect(Component::State* s) {
   if (!job_slot_free(*s) || s->verdict.decision != FrameDecision::kUse) {
     return;
   }
-  // Where a known side has been looked for in vain features are there already, from a mask that was not cut; the outline goes along.
+  // Where a known side has been looked for in vain features are there already, from a mask that was
+  // not cut; the outline goes along.
   sharpen_outline(&s->mask_state);
   open_outline(s->gray.size(), &s->mask_state, &s->mask);
   stage_done(Stage::kMask, *s);
@@ -25,7 +26,8 @@ void collect(Component::State* s) {
     return;
   }
   ++s->counters.start_contests;
-  pose_problem(s->initialisation, s->camera, s->parameters.start, s->parameters.seed, &s->job.start);
+  pose_problem(
+      s->initialisation, s->camera, s->parameters.start, s->parameters.seed, &s->job.start);
   issue_job(JobKind::kStart, s);
 }
 

@@ -1,5 +1,5 @@
-// Without a map, or after its loss: frames are collected until the contest of hypotheses decides how
-// the body turns.
+// Without a map, or after its loss: frames are collected until the contest of hypotheses decides
+// how the body turns.
 #pragma once
 
 #include "pipeline/state.hpp"

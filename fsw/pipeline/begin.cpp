@@ -34,9 +34,8 @@ bool pose_from_keyframe(const Keyframe& keyframe, Component::State* s) {
 
 void start_drift(const Similarity& to_T, Component::State* s) {
   const StartOutcome& start = s->job.start.outcome;
-  const auto first = std::find_if(start.frames.begin(),
-                                  start.frames.end(),
-                                  [](const StartFramePose& f) { return f.valid; });
+  const auto first = std::find_if(
+      start.frames.begin(), start.frames.end(), [](const StartFramePose& f) { return f.valid; });
   begin_drift(transformed(first->pose, to_T).R_CT,
               start.rotation_rad,
               start.depth_sigma,
@@ -72,8 +71,11 @@ FixedVector<BridgeFrame, limits::kStartFrames> predicted_beside(const Component:
     if (!s.job.start.outcome.frames[f].valid) {
       continue;
     }
-    const auto predicted = predict_or_hold(
-        s.motion, s.drift, s.parameters.motion, s.initialisation.tracks.frames[f].timestamp_ns, s.initialisation.tracks.frames[f].R_IC);
+    const auto predicted = predict_or_hold(s.motion,
+                                           s.drift,
+                                           s.parameters.motion,
+                                           s.initialisation.tracks.frames[f].timestamp_ns,
+                                           s.initialisation.tracks.frames[f].R_IC);
     if (predicted) {
       (void)frames.push_back(
           {.start = s.job.start.outcome.frames[f].pose,
@@ -86,10 +88,9 @@ FixedVector<BridgeFrame, limits::kStartFrames> predicted_beside(const Component:
 }
 
 bool has_room(const Component::State& s) {
-  const auto posed =
-      std::count_if(s.job.start.outcome.frames.begin(),
-                    s.job.start.outcome.frames.end(),
-                    [](const StartFramePose& f) { return f.valid; });
+  const auto posed = std::count_if(s.job.start.outcome.frames.begin(),
+                                   s.job.start.outcome.frames.end(),
+                                   [](const StartFramePose& f) { return f.valid; });
   return s.map.keyframe_count + posed <= s.parameters.map.keyframes_max &&
          static_cast<std::size_t>(s.map.landmark_count) + s.job.start.outcome.points.size() <=
              limits::kLandmarks;
@@ -113,13 +114,13 @@ void begin(Component::State* s) {
 
 /// After a loss. T stays: the new start is bridged to it by the motion so far, and the published
 /// sigmas grow by what that motion leaves open. The old map stays beside the new part, and joins it
-/// when one of its sides comes back; it goes when the tables have no room for both. Where too little is
-/// known of the motion, or it contradicts the new start's, which was decided on its own, nothing ties the
-/// new start to T.
+/// when one of its sides comes back; it goes when the tables have no room for both. Where too
+/// little is known of the motion, or it contradicts the new start's, which was decided on its own,
+/// nothing ties the new start to T.
 void begin_again(Component::State* s) {
   const auto frames = predicted_beside(*s);
-  const Result<Bridge> found = bridge_start(
-      frames.view(), {.centre_T = s->map.centre_T, .radius_mu = s->map.radius_mu});
+  const Result<Bridge> found =
+      bridge_start(frames.view(), {.centre_T = s->map.centre_T, .radius_mu = s->map.radius_mu});
   ++s->counters.restarts;
   if (!found || !found.value().agrees) {
     begin(s);
@@ -127,8 +128,8 @@ void begin_again(Component::State* s) {
   }
   const Bridge& bridge = found.value();
   widen_drift(bridge, frames[0].predicted_sigma_rad, s);
-  s->counters.keyframes_culled += static_cast<std::uint32_t>(make_room(
-      static_cast<int>(s->job.start.outcome.frames.size()), s->parameters.map, &s->map));
+  s->counters.keyframes_culled += static_cast<std::uint32_t>(
+      make_room(static_cast<int>(s->job.start.outcome.frames.size()), s->parameters.map, &s->map));
   if (!has_room(*s)) {
     forget_map(s);
   }

@@ -1,4 +1,5 @@
-// What the component remembers of the bus: packets, events, commands, the parameter table under way.
+// What the component remembers of the bus: packets, events, commands, the parameter table under
+// way.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -7,9 +8,9 @@
 
 #include "base/fixed_vector.hpp"
 #include "base/time_doubt.hpp"
+#include "bus/capacities.hpp"
 #include "bus/events.hpp"
 #include "bus/telemetry.hpp"
-#include "bus/capacities.hpp"
 #include "pipeline/component.hpp"
 
 namespace polhode {
@@ -25,8 +26,8 @@ struct InactiveTable {
 /// Landmarks on their way to the bus, as they were when they were asked for.
 struct CloudRequest {
   FixedVector<std::array<float, 3>, limits::kLandmarks> points_T;  ///< in the unit said below
-  std::size_t next = 0;      ///< first point not yet sent
-  std::uint16_t number = 0;  ///< of the request, from 1
+  std::size_t next = 0;                                            ///< first point not yet sent
+  std::uint16_t number = 0;                                        ///< of the request, from 1
   std::int64_t timestamp_ns = 0;
   bool scale_known = false;
   double metres_per_mu = 1.0;
@@ -81,7 +82,8 @@ struct BusState {
   InactiveTable inactive;
   std::uint32_t table_crc = 0;  ///< of the active table
   bool held = false;
-  bool background_planned = false;  ///< the libraries' memory was planned for a mask that tells a background from the target
+  bool background_planned = false;  ///< the libraries' memory was planned for a mask that tells a
+                                    ///< background from the target
   CloudRequest cloud;
   ServicerAttitude servicer;
   ToldSoFar told;

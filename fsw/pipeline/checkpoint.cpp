@@ -238,8 +238,7 @@ bool restore_checkpoint(std::span<const std::uint8_t> octets, Component::State* 
   }
   Remembered remembered;
   const bool taken = reader.skip(sizeof(Fingerprint)) && reader.take(&remembered) &&
-                     reader.take(&state->motion.recent) &&
-                     reader.take(&state->motion.past);
+                     reader.take(&state->motion.recent) && reader.take(&state->motion.past);
   POLHODE_ASSERT(taken, octets.size());
   clear(&state->map);
   take_used(&reader, &state->map.keyframes);

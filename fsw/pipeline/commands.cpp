@@ -27,7 +27,8 @@ Outcome hold(Component::State* s) {
   s->bus.held = true;
   s->mode = Mode::kIdle;
   s->reference.valid = false;
-  // What was collected for a start is old when frames are looked at again, and so are the last pictures.
+  // What was collected for a start is old when frames are looked at again, and so are the last
+  // pictures.
   clear(&s->initialisation.tracks);
   forget_pictures(s);
   give_up_start(s);
@@ -43,7 +44,8 @@ Outcome resume(Component::State* s) {
   return kDone;
 }
 
-/// Length and range share the frame that they are read in, so each replaces the other, once it can be read.
+/// Length and range share the frame that they are read in, so each replaces the other, once it can
+/// be read.
 Outcome scale_read_in(std::int64_t frame_timestamp_ns, Component::State* s) {
   s->parameters.scale.frame_timestamp_ns = frame_timestamp_ns;
   s->bus.table_crc = table_crc(s->parameters);
@@ -146,9 +148,10 @@ Outcome table_load(const Command& command, Component::State* s) {
   table.parameters = changed;
   table.crc = crc32_iso_hdlc(command.entry_octets(), table.crc);
   table.entries += static_cast<std::uint32_t>(command.entries);
-  bus::report(EventId::kTableLoaded,
-              {.values = {static_cast<double>(command.entries), static_cast<double>(table.entries)}},
-              &s->bus.events);
+  bus::report(
+      EventId::kTableLoaded,
+      {.values = {static_cast<double>(command.entries), static_cast<double>(table.entries)}},
+      &s->bus.events);
   return kDone;
 }
 
@@ -169,7 +172,9 @@ std::string_view objection(const bus::TableActivateCommand& told, const Componen
   }
   const bool tells_background = table.parameters.mask.tells_background();
   const bool unplanned = tells_background && !s.bus.background_planned;
-  return unplanned || memory_needed(table.parameters).total > s.bus.memory_octets ? "needs more memory" : "";
+  return unplanned || memory_needed(table.parameters).total > s.bus.memory_octets
+             ? "needs more memory"
+             : "";
 }
 
 Outcome table_activate(const Command& command, Component::State* s) {
@@ -221,9 +226,8 @@ Outcome reset_counters(Component::State* s) {
 
 Outcome checkpoint(Component::State* s) {
   s->output.checkpoint_asked = true;
-  bus::report(EventId::kCheckpointAsked,
-              {.values = {static_cast<double>(s->frame), 0.0}},
-              &s->bus.events);
+  bus::report(
+      EventId::kCheckpointAsked, {.values = {static_cast<double>(s->frame), 0.0}}, &s->bus.events);
   return kDone;
 }
 

@@ -9,13 +9,13 @@
 namespace polhode {
 
 /// Checks and carries out, in order, at most limits::kStepCommands commands; those beyond are
-/// rejected. Each is counted and answered by an event. The first limits::kStepCommands are read, the
-/// others not even looked at.
+/// rejected. Each is counted and answered by an event. The first limits::kStepCommands are read,
+/// the others not even looked at.
 void execute_commands(std::span<const std::span<const std::uint8_t>> commands,
                       Component::State* state);
 
-/// Everything known of the target goes: map, tracks, poses, measured scale. Counters, parameters and
-/// the bus's own state stay.
+/// Everything known of the target goes: map, tracks, poses, measured scale. Counters, parameters
+/// and the bus's own state stay.
 void forget_target(Component::State* state);
 
 }  // namespace polhode

@@ -45,8 +45,9 @@ struct Frame {
 };
 
 /// Work that takes longer than a frame has time: the start of a map, adjustments of it, the fit of
-/// the dynamics, the shape. The step hands it out, the caller runs it where it likes while steps go on, and
-/// hands it back to the step that it names, so that the packets do not depend on how long it took.
+/// the dynamics, the shape. The step hands it out, the caller runs it where it likes while steps go
+/// on, and hands it back to the step that it names, so that the packets do not depend on how long
+/// it took.
 struct Job;
 
 /// In the order in which they are best run. Out at a time: one of the map, one fit, one shape.
@@ -64,9 +65,9 @@ std::uint32_t due_step(const Job& job);
 
 struct StepInput {
   Frame frame;
-  /// The observer's attitude at the frame: q_IC, w, x, y, z, C's components to inertial ones. Without
-  /// it the last attitude and rate that came by command are carried on; without those the camera
-  /// keeps its attitude.
+  /// The observer's attitude at the frame: q_IC, w, x, y, z, C's components to inertial ones.
+  /// Without it the last attitude and rate that came by command are carried on; without those the
+  /// camera keeps its attitude.
   std::optional<std::array<double, 4>> q_IC = {};
   Jobs finished = {};  ///< the jobs that name this step, run to their end
   /// Libraries have drawn on the reserve since the last step: for a while less is asked of them
@@ -106,7 +107,17 @@ enum class FrameUse : std::uint8_t {
 };
 
 /// Stages of a step, for time measurements by the caller's clock.
-enum class Stage : std::uint8_t { kImage, kMask, kFeatures, kTracks, kMap, kShape, kMotion, kBus, kJobs };
+enum class Stage : std::uint8_t {
+  kImage,
+  kMask,
+  kFeatures,
+  kTracks,
+  kMap,
+  kShape,
+  kMotion,
+  kBus,
+  kJobs
+};
 inline constexpr std::size_t kStageCount = 9;
 
 struct Counters {
@@ -116,7 +127,7 @@ struct Counters {
   std::uint32_t frames_dark = 0;
   std::uint32_t frames_wrong_size = 0;
   std::uint32_t frames_time_not_increasing = 0;
-  std::uint32_t frames_held = 0;  ///< passed over by command
+  std::uint32_t frames_held = 0;     ///< passed over by command
   std::uint32_t frames_missing = 0;  ///< that never came, by the gaps in time
   // By what was wrong with the picture, whether it was skipped for that or used with care (as
   // frames_dark).
@@ -139,10 +150,10 @@ struct Counters {
   std::uint32_t closures = 0;
   std::uint32_t shapes = 0;
   std::uint32_t jobs_issued = 0;
-  std::uint32_t jobs_without_result = 0;   ///< skipped for want of memory
+  std::uint32_t jobs_without_result = 0;    ///< skipped for want of memory
   std::uint32_t steps_short_of_memory = 0;  ///< in which less was asked of the libraries
-  std::uint32_t scale_contradictions = 0;  ///< readings of the scale that do not agree
-  std::uint32_t tables_full = 0;  ///< times that a table had no free slot
+  std::uint32_t scale_contradictions = 0;   ///< readings of the scale that do not agree
+  std::uint32_t tables_full = 0;            ///< times that a table had no free slot
 };
 
 struct StepOutput {
@@ -151,12 +162,12 @@ struct StepOutput {
   MotionState motion;
   std::span<const std::uint8_t> packets;  ///< whole packets, in order; valid until the next step
   std::span<const Observation> observations;  ///< valid until the next step
-  Jobs jobs;  ///< to be run by the caller
+  Jobs jobs;                                  ///< to be run by the caller
   bool checkpoint_asked = false;              ///< by command: the caller is to write one now
 };
 
-/// Called at the end of each stage, in the order of the flow, save that a new keyframe comes back from the map to the mask; lets the
-/// caller time the stages with its own clock. Must not throw.
+/// Called at the end of each stage, in the order of the flow, save that a new keyframe comes back
+/// from the map to the mask; lets the caller time the stages with its own clock. Must not throw.
 using StageHook = void (*)(void* context, Stage stage);
 
 class Component {

@@ -128,8 +128,9 @@ void take_due_jobs(const Jobs& finished, Component::State* s) {
   take_if_due(&s->job, finished, s);
   take_if_due(&s->fit_job, finished, s);
   take_if_due(&s->shape_job, finished, s);
-  // What a map begins with is adjusted within the step, once: put off, it is tracked on while it is still bent,
-  // and a body that turns by 10 deg a frame is lost before its other sides have landmarks.
+  // What a map begins with is adjusted within the step, once: put off, it is tracked on while it is
+  // still bent, and a body that turns by 10 deg a frame is lost before its other sides have
+  // landmarks.
   const bool begins = s->job.kind == JobKind::kAdjustment &&
                       s->job.adjustment.reason != AdjustmentReason::kMapGrown;
   if (begins) {

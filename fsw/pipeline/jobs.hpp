@@ -2,8 +2,9 @@
 // whichever thread the caller likes.
 //
 // One job of the map, one fit of the dynamics and one estimate of the shape are out at a time; none
-// waits for another, as the last two change nothing of the map. A result is taken in at a step that is named when the job is issued
-// (logical execution time), so the packets do not depend on how long the work took.
+// waits for another, as the last two change nothing of the map. A result is taken in at a step that
+// is named when the job is issued (logical execution time), so the packets do not depend on how
+// long the work took.
 #pragma once
 
 #include <array>
@@ -43,13 +44,13 @@ struct LastAdjustment {
   std::uint32_t next_keyframe_number = 0;
 };
 
-/// A joint adjustment of part of the map, in rounds with a loss of their own; then, where asked for, of
-/// all of it as a free body's, which stands where the images bear it out.
+/// A joint adjustment of part of the map, in rounds with a loss of their own; then, where asked
+/// for, of all of it as a free body's, which stands where the images bear it out.
 struct AdjustmentJob {
   static constexpr std::size_t kRounds = 3;
   AdjustmentReason reason = AdjustmentReason::kMapGrown;
-  bool closed = false;               ///< a loop
-  KeyframeId keyframe;               ///< newest one that the map has grown by
+  bool closed = false;  ///< a loop
+  KeyframeId keyframe;  ///< newest one that the map has grown by
   std::uint32_t keyframe_number = 0;
   std::uint32_t first_keyframe = 0;  ///< number of the first one of the part that has begun
   FixedVector<BundleOptions, kRounds> rounds;
@@ -61,7 +62,7 @@ struct AdjustmentJob {
   bool model_unwanted = false;  ///< the motion so far has been given up since
   double body_radius_mu = 1.0;
   MotionOptions motion;
-  RigidModel model;  ///< in: the last one; out: of this map, where accepted
+  RigidModel model;          ///< in: the last one; out: of this map, where accepted
   std::uint32_t doubts = 0;  ///< carried from one fit to the next
   JointFitWorkspace joint;
 };

@@ -24,15 +24,15 @@ void make_room_for_landmarks(Component::State* s) {
   }
   ++s->counters.tables_full;
   const std::size_t wanted = std::max(limits::kLandmarks / 10, limits::kFeatures);
-  s->counters.landmarks_culled +=
-      static_cast<std::uint32_t>(make_landmark_room(wanted, &s->map));
+  s->counters.landmarks_culled += static_cast<std::uint32_t>(make_landmark_room(wanted, &s->map));
 }
 
 /// Landmarks go, and their places are taken by others.
 void keep_matches_of_map(const Map& map, LandmarkMatches* matches) {
-  const auto gone = std::remove_if(matches->begin(), matches->end(), [&](const LandmarkMatch& match) {
-    return !map.landmarks[match.landmark.index()].used;
-  });
+  const auto gone =
+      std::remove_if(matches->begin(), matches->end(), [&](const LandmarkMatch& match) {
+        return !map.landmarks[match.landmark.index()].used;
+      });
   matches->resize(static_cast<std::size_t>(gone - matches->begin()));
 }
 
@@ -54,11 +54,12 @@ BundleOptions bundle_options(int iterations_max) {
   return {.iterations_max = iterations_max, .cauchy_sigma = 2.0};
 }
 
-/// All keyframes are adjusted together each time the map has grown by a fifth, or had as many replaced, unless memory
-/// is short.
+/// All keyframes are adjusted together each time the map has grown by a fifth, or had as many
+/// replaced, unless memory is short.
 bool wants_adjustment_of_all(const Component::State& s) {
   const LastAdjustment& last = s.last_adjustment_of_all;
-  return s.steps_to_shed == 0 && 5 * (s.map.next_keyframe_number - last.next_keyframe_number) > last.keyframes;
+  return s.steps_to_shed == 0 &&
+         5 * (s.map.next_keyframe_number - last.next_keyframe_number) > last.keyframes;
 }
 
 /// @param closed  a loop that closes brings residuals of many sigma, which a narrow loss would take
@@ -78,15 +79,16 @@ void ask_for(AdjustmentReason reason, bool closed, Component::State* s) {
   issue_job(JobKind::kAdjustment, s);
 }
 
-/// Where the motion is known together with the map, it says where the keyframes are: a side that shows
-/// little does not bend the map.
+/// Where the motion is known together with the map, it says where the keyframes are: a side that
+/// shows little does not bend the map.
 void add_priors(Component::State* s) {
   AdjustmentSnapshot& snapshot = s->job.adjustment.snapshot;
   for (std::size_t k = 0; k < snapshot.poses.size(); ++k) {
     if (snapshot.pose_fixed[k] != 0) {
       continue;
     }
-    const auto prior = pose_by_map_model(s->motion, s->parameters.motion, snapshot.timestamps_ns[k], snapshot.R_IC[k]);
+    const auto prior = pose_by_map_model(
+        s->motion, s->parameters.motion, snapshot.timestamps_ns[k], snapshot.R_IC[k]);
     if (!prior || !(prior->pose.p_CT.z() > 0.0)) {
       return;
     }
@@ -103,15 +105,16 @@ void add_priors(Component::State* s) {
   }
 }
 
-/// All of the map, with its motion where that is one of free bodies: paper mode knows no dynamics, and what is
-/// to be forgotten must not shape the map.
+/// All of the map, with its motion where that is one of free bodies: paper mode knows no dynamics,
+/// and what is to be forgotten must not shape the map.
 void prepare_all(Component::State* s) {
   AdjustmentJob& job = s->job.adjustment;
   snapshot_all(s->map, s->camera, &job.snapshot);
   s->last_adjustment_of_all = {.keyframes = static_cast<std::uint32_t>(s->map.keyframe_count),
                                .next_keyframe_number = s->map.next_keyframe_number};
   job.motion = s->parameters.motion;
-  // What comes while the job is out can only follow as a whole, and the motion reshapes a young map.
+  // What comes while the job is out can only follow as a whole, and the motion reshapes a young
+  // map.
   const bool old_enough = s->map.keyframe_count >= 5 * s->parameters.jobs.delay_frames;
   job.as_free_body =
       old_enough && job.motion.mode == MotionMode::kDynamics && job.motion.forgetting_s == 0.0;
@@ -160,8 +163,8 @@ bool reaches_over_bridge(const Component::State& s) {
   });
 }
 
-/// The map and, where one came out, the motion take the result over. A loop whose adjustment came to nothing is still to
-/// be closed.
+/// The map and, where one came out, the motion take the result over. A loop whose adjustment came
+/// to nothing is still to be closed.
 MapCorrection take_over(Component::State* s) {
   const AdjustmentJob& job = s->job.adjustment;
   const MapCorrection correction = job.usable ? apply(job.snapshot, &s->map) : MapCorrection{};
@@ -174,7 +177,8 @@ MapCorrection take_over(Component::State* s) {
   if (applied && job.as_free_body && job.model.accepted() && !job.model_unwanted) {
     take_map_motion(transformed(job.model, correction.back), s);
     if (reaches_over_bridge(*s)) {
-      close_bridge(&s->drift);  // a motion is fitted to parts of a map only where sightings tie them
+      close_bridge(
+          &s->drift);  // a motion is fitted to parts of a map only where sightings tie them
     }
   }
   return correction;
@@ -223,8 +227,8 @@ void run_adjustment(AdjustmentJob* job) {
   }
   const RigidModel previous = job->model;
   job->model = {};
-  // On thirty runs of fifteen rendered scenes attitudes are off by 1.4 times what sightings that nobody chose
-  // would allow.
+  // On thirty runs of fifteen rendered scenes attitudes are off by 1.4 times what sightings that
+  // nobody chose would allow.
   constexpr double kChosenByPoses = 2.0;
   if (job->as_free_body && job->usable) {
     job->model = fit_jointly({.bundle = problem_of(&job->snapshot),
@@ -288,10 +292,9 @@ void take_adjustment(Component::State* s) {
 
 bool may_extend_map(const Component::State& s) {
   const bool may_grow = job_slot_free(s) || s.job.kind == JobKind::kAdjustment;
-  return may_grow && wants_keyframe(s.map,
-                                            s.localised.absolute.pose,
-                                            s.localised.absolute.inliers,
-                                            s.parameters.map);
+  return may_grow &&
+         wants_keyframe(
+             s.map, s.localised.absolute.pose, s.localised.absolute.inliers, s.parameters.map);
 }
 
 void extend_map(Component::State* s) {

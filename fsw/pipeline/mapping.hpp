@@ -14,8 +14,8 @@ void settle_map(std::uint32_t first_keyframe, Component::State* state);
 /// while it is being adjusted it does, and the result is merged.
 bool may_extend_map(const Component::State& state);
 
-/// Makes this frame a keyframe, extends the map by it and asks for an adjustment, which waits for the
-/// one that is out.
+/// Makes this frame a keyframe, extends the map by it and asks for an adjustment, which waits for
+/// the one that is out.
 void extend_map(Component::State* state);
 
 /// The work of an adjustment, apart from the step.

@@ -7,7 +7,8 @@
 namespace polhode {
 namespace {
 
-std::optional<Eigen::Quaterniond> reported_attitude(const StepInput& input, const ServicerAttitude& servicer) {
+std::optional<Eigen::Quaterniond> reported_attitude(const StepInput& input,
+                                                    const ServicerAttitude& servicer) {
   if (input.q_IC) {
     const std::array<double, 4>& q = *input.q_IC;
     return Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
@@ -35,7 +36,8 @@ void ask_for_fit(Component::State* s) {
 }  // namespace
 
 void set_observer(const StepInput& input, Component::State* s) {
-  const std::optional<Eigen::Matrix3d> turn = take_observer(reported_attitude(input, s->bus.servicer), &s->motion);
+  const std::optional<Eigen::Matrix3d> turn =
+      take_observer(reported_attitude(input, s->bus.servicer), &s->motion);
   if (!turn) {
     return;
   }
@@ -52,7 +54,8 @@ void remember_motion(std::int64_t timestamp_ns,
                      const Pose& pose,
                      const PoseCovariance& covariance,
                      Component::State* s) {
-  const bool fit_is_due = remember_pose(timestamp_ns, pose, covariance, s->parameters.motion, &s->motion);
+  const bool fit_is_due =
+      remember_pose(timestamp_ns, pose, covariance, s->parameters.motion, &s->motion);
   if (fit_is_due && fit_slot_free(*s)) {
     ask_for_fit(s);
   }
@@ -66,7 +69,8 @@ void restate_motion(std::span<const PoseSample> start, Component::State* s) {
 void take_fit_job(Component::State* s) {
   const FitJob& job = s->fit_job;
   if (!job.skipped) {
-    take_fit(job.model, job.snapshot.poses.back().timestamp_ns, job.poses_new, s->drift, &s->motion);
+    take_fit(
+        job.model, job.snapshot.poses.back().timestamp_ns, job.poses_new, s->drift, &s->motion);
   }
 }
 

@@ -29,8 +29,8 @@ void put_local_rate(const MotionState& motion, const PoseHistory& poses, bus::Mo
   }
 }
 
-/// What the map's drift adds to a pose that the last ones predict: its own now, and by the turn until then what it does to
-/// their rates.
+/// What the map's drift adds to a pose that the last ones predict: its own now, and by the turn
+/// until then what it does to their rates.
 PoseCovariance drift_until(const Pose& predicted, const Component::State& s) {
   const PoseCovariance now = covariance(s.drift);
   const Pose& last = s.localised.absolute.pose;
@@ -45,7 +45,8 @@ PoseCovariance drift_until(const Pose& predicted, const Component::State& s) {
 void send_local_prediction(const MotionState& motion, Component::State* s) {
   const std::int64_t ahead_ns =
       motion.timestamp_ns + std::llround(1e9 * kPredictionsAhead_s.front());
-  Result<PosePrediction> predicted = predict_by_motion(s->motion, s->drift, s->parameters.motion, ahead_ns, s->motion.R_IC);
+  Result<PosePrediction> predicted =
+      predict_by_motion(s->motion, s->drift, s->parameters.motion, ahead_ns, s->motion.R_IC);
   if (!predicted) {
     return;
   }
@@ -65,8 +66,7 @@ void send_model(const MotionState& motion, Component::State* s) {
   if (!reached && model.accepted()) {
     model = {};  // its time is out of reach, or the mode asks for pairs of poses
   }
-  bus::ModelPacket packet =
-      bus::to_packet(model, s->motion.R_IC.transpose(), length_unit(*s));
+  bus::ModelPacket packet = bus::to_packet(model, s->motion.R_IC.transpose(), length_unit(*s));
   packet.timestamp_ns = motion.timestamp_ns;
   packet.frame = motion.frame;
   if (!model.accepted()) {
@@ -93,8 +93,8 @@ void send_prediction(const MotionState& motion, bool due, Component::State* s) {
     return;
   }
   reached->covariance += turned(ahead.R_IC, s->drift.bridge);
-  bus::PredictionPacket packet = bus::to_packet(
-      *reached, ahead.walk.model, ahead.R_IC.transpose(), length_unit(*s));
+  bus::PredictionPacket packet =
+      bus::to_packet(*reached, ahead.walk.model, ahead.R_IC.transpose(), length_unit(*s));
   packet.timestamp_ns = ahead.timestamp_ns;
   packet.frame = ahead.frame;
   append(packet, s->parameters.bus, &s->bus.stream);

@@ -5,12 +5,13 @@
 
 namespace polhode {
 
-/// What is known of the motion at this frame: by the dynamics where they hold, else the local rate and
-/// why they are refused.
+/// What is known of the motion at this frame: by the dynamics where they hold, else the local rate
+/// and why they are refused.
 void send_model(const MotionState& motion, Component::State* state);
 
-/// Goes on with the predictions under way and sends the one that has been reached. With `due` new ones
-/// begin, if the last are through; where the dynamics are refused one by the last poses is sent.
+/// Goes on with the predictions under way and sends the one that has been reached. With `due` new
+/// ones begin, if the last are through; where the dynamics are refused one by the last poses is
+/// sent.
 void send_prediction(const MotionState& motion, bool due, Component::State* state);
 
 }  // namespace polhode

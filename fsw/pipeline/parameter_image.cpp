@@ -109,8 +109,9 @@ const ParameterRow* find_parameter_by_crc(std::uint32_t crc) {
 }
 
 bool may_change_in_flight(std::string_view key) {
-  return !starts_with(key, "camera.") && !starts_with(key, "scale.") && !starts_with(key, "jobs.") &&
-         !starts_with(key, "budget.") && key != "seed" && key != "bus.apid_first";
+  return !starts_with(key, "camera.") && !starts_with(key, "scale.") &&
+         !starts_with(key, "jobs.") && !starts_with(key, "budget.") && key != "seed" &&
+         key != "bus.apid_first";
 }
 
 std::size_t value_count(const ParameterRow& row) {

@@ -198,8 +198,7 @@ std::string text_of(std::int64_t value) { return number_text(value); }
 std::string text_of(std::uint64_t value) { return number_text(value); }
 std::string text_of(double value) { return number_text(value); }
 template <typename Choice>
-  requires std::is_enum_v<Choice>
-std::string text_of(Choice choice) {
+requires std::is_enum_v<Choice> std::string text_of(Choice choice) {
   return "\"" + std::string(choices_of(choice)[static_cast<std::size_t>(choice)]) + "\"";
 }
 std::string text_of(const PointPair& pair) {
@@ -208,13 +207,13 @@ std::string text_of(const PointPair& pair) {
 }
 
 template <typename T>
-  requires std::is_arithmetic_v<T>
+requires std::is_arithmetic_v<T>
 bool in_range(const ParameterRow& row, T value) {
   const auto number = static_cast<double>(value);
   return number >= row.low && number <= row.high;  // false for NaN
 }
 template <typename Choice>
-  requires std::is_enum_v<Choice>
+requires std::is_enum_v<Choice>
 bool in_range(const ParameterRow& /*row*/, Choice choice) {
   return static_cast<std::size_t>(choice) < choices_of(choice).size();
 }

@@ -110,7 +110,8 @@ void look_for_target(const std::optional<PosePrediction>& predicted, Component::
   const MaskOptions& options = s->parameters.mask;
   find_target(s->gray, options, &s->mask);
   MaskPrior prior;
-  if (s->mode == Mode::kTracking && options.tells_background() && rim_is_lit(s->mask.cells) && predicted) {
+  if (s->mode == Mode::kTracking && options.tells_background() && rim_is_lit(s->mask.cells) &&
+      predicted) {
     prior = mask_prior(predicted->pose, s);
   }
   follow_target(s->gray, prior, options, &s->mask_state, &s->mask);

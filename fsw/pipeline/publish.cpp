@@ -136,10 +136,11 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
     const AbsolutePose& absolute = s->localised.absolute;
     const double unit = s->scale.metres_per_mu;
     const Pose pose = scaled(absolute.pose, unit);
-    fill_pose(pose,
-              scaled(absolute.covariance + covariance(s->drift), unit) + by_scale(pose, length_sigma(*s)),
-              &s->q_CT_last,
-              &m);
+    fill_pose(
+        pose,
+        scaled(absolute.covariance + covariance(s->drift), unit) + by_scale(pose, length_sigma(*s)),
+        &s->q_CT_last,
+        &m);
     fill_rates(unit, *s, &m);
   }
   list_observations(s);

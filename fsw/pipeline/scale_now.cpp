@@ -35,7 +35,8 @@ bool counted(const ScaleChange& change, Component::State* s) {
 
 bool read_in(const ScaleView& view, Component::State* s) {
   return counted(
-      read_scale_in(view, s->parameters.scale, s->camera, s->map.next_keyframe_number, &s->scale), s);
+      read_scale_in(view, s->parameters.scale, s->camera, s->map.next_keyframe_number, &s->scale),
+      s);
 }
 
 }  // namespace
@@ -55,8 +56,8 @@ bool measure_scale_in_keyframe(Component::State* s) {
 }
 
 bool measure_scale_in_frame(Component::State* s) {
-  return read_in(
-      {.pose = s->localised.absolute.pose, .landmarks_T = seen_in_this_frame(*s).view()}, s);
+  return read_in({.pose = s->localised.absolute.pose, .landmarks_T = seen_in_this_frame(*s).view()},
+                 s);
 }
 
 void measure_scale(Component::State* s) {

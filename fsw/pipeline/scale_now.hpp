@@ -7,9 +7,9 @@
 namespace polhode {
 
 /// Where the configuration names a length or a range in a frame, and that frame is this one or a
-/// keyframe, they are read, and read anew each time the map has grown by half: a map of a few frames
-/// is bent, and its lengths are off by percents. Lengths are published in metres from then on, unless
-/// readings contradict each other.
+/// keyframe, they are read, and read anew each time the map has grown by half: a map of a few
+/// frames is bent, and its lengths are off by percents. Lengths are published in metres from then
+/// on, unless readings contradict each other.
 void measure_scale(Component::State* state);
 
 /// The same at once, in place of what an earlier reading said: from the keyframe of the named time,

@@ -30,13 +30,13 @@ bool wants_shape(const Component::State& s) {
 }
 
 void tell_change(const std::optional<Shape>& before, const Shape& now, Component::State* s) {
-  const bool same = before && before->planes.size() == now.planes.size() &&
-                    before->completion == now.completion;
+  const bool same =
+      before && before->planes.size() == now.planes.size() && before->completion == now.completion;
   if (!same) {
-    bus::report(bus::EventId::kShapeKnown,
-                {.values = {static_cast<double>(now.cloud_points),
-                            static_cast<double>(now.planes.size())}},
-                &s->bus.events);
+    bus::report(
+        bus::EventId::kShapeKnown,
+        {.values = {static_cast<double>(now.cloud_points), static_cast<double>(now.planes.size())}},
+        &s->bus.events);
   }
 }
 
@@ -67,7 +67,8 @@ void ask_for_shape(Component::State* s) {
 void take_shape(Component::State* s) {
   const ShapeJob& job = s->shape_job;
   if (job.skipped) {
-    s->shape.keyframe_asked = 0;  // a body that is mapped all around may never give another keyframe
+    s->shape.keyframe_asked =
+        0;  // a body that is mapped all around may never give another keyframe
   }
   if (!job.outcome) {
     return;
@@ -77,7 +78,8 @@ void take_shape(Component::State* s) {
   s->shape.shape = job.outcome;
   s->shape.frame_of_estimate = job.issued_step;
   s->shape.is_new = true;
-  // A rectangle ends where its points do, and what was seen from one side is bent: only a whole body has known lengths.
+  // A rectangle ends where its points do, and what was seen from one side is bent: only a whole
+  // body has known lengths.
   constexpr double kAcross_rad = 1.57;
   if ((job.outcome->box || job.outcome->cylinder) && s->drift.turn_rad > kAcross_rad) {
     (void)measure_scale_of(*job.outcome, s);

@@ -113,11 +113,12 @@ SmoothedPose MapAtRest::from_image(const Frame& frame) {
     return {};
   }
   find_target(s->gray, s->parameters.mask, &s->mask);
-  // A busy background leaves the target too few features to be found among all: the motion knows where it was,
-  // as seen by an observer who stands still.
-  const auto expected = s->motion.observer_known
-                            ? std::nullopt
-                            : pose_by_map_model(s->motion, s->parameters.motion, frame.timestamp_ns, s->motion.R_IC);
+  // A busy background leaves the target too few features to be found among all: the motion knows
+  // where it was, as seen by an observer who stands still.
+  const auto expected =
+      s->motion.observer_known
+          ? std::nullopt
+          : pose_by_map_model(s->motion, s->parameters.motion, frame.timestamp_ns, s->motion.R_IC);
   SmoothedPose smoothed;
   if ((expected && find_about(*expected, s)) || relocalise_frame(s)) {
     smoothed.valid = true;

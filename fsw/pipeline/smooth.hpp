@@ -15,8 +15,8 @@
 namespace polhode {
 
 /// Joint adjustment of all keyframes and landmarks until nothing moves, with sightings looked for
-/// anew in every keyframe between the rounds. A job that is still out is ended first: the caller has
-/// it no longer. T keeps its axes, origin and scale.
+/// anew in every keyframe between the rounds. A job that is still out is ended first: the caller
+/// has it no longer. T keeps its axes, origin and scale.
 void bring_to_rest(Component::State* state);
 
 struct SmoothedPose {
@@ -36,8 +36,8 @@ class MapAtRest {
                         const Pose& hint,
                         std::span<const Observation> inliers) const;
 
-  /// From the picture itself, for a frame that had no pose at its time: found by descriptors, where the motion
-  /// has the target at that time, else over the whole map.
+  /// From the picture itself, for a frame that had no pose at its time: found by descriptors, where
+  /// the motion has the target at that time, else over the whole map.
   SmoothedPose from_image(const Frame& frame);
 
  private:

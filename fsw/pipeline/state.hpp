@@ -15,9 +15,9 @@
 #include "image/arrival.hpp"
 #include "image/image.hpp"
 #include "image/quality.hpp"
+#include "initialisation/collect.hpp"
 #include "map/drift.hpp"
 #include "map/follow.hpp"
-#include "initialisation/collect.hpp"
 #include "map/landmarks.hpp"
 #include "map/localise.hpp"
 #include "map/map.hpp"
@@ -76,7 +76,8 @@ struct Component::State {
   FlowReference reference;
   std::uint32_t reference_frame = 0;  ///< that it was taken from
   MapDrift drift;
-  std::uint32_t target_frame = 0;  ///< number of the frame T that the map is in: poses of two do not compare
+  std::uint32_t target_frame =
+      0;  ///< number of the frame T that the map is in: poses of two do not compare
   MotionEstimate motion;
   AheadNow ahead;
   ShapeNow shape;
@@ -111,7 +112,9 @@ inline double length_sigma(const Component::State& s) {
 
 /// As the bus's packets take it.
 inline bus::LengthUnit length_unit(const Component::State& s) {
-  return {.known = s.scale.known, .metres_per_mu = s.scale.metres_per_mu, .relative_sigma = length_sigma(s)};
+  return {.known = s.scale.known,
+          .metres_per_mu = s.scale.metres_per_mu,
+          .relative_sigma = length_sigma(s)};
 }
 
 }  // namespace polhode

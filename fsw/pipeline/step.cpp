@@ -15,8 +15,8 @@
 namespace polhode {
 namespace {
 
-/// May the frame be looked at? Where the time before it was wrong nothing that has a time can stay, neither poses nor
-/// keyframes.
+/// May the frame be looked at? Where the time before it was wrong nothing that has a time can stay,
+/// neither poses nor keyframes.
 FrameUse admit(const Frame& frame, Component::State* s) {
   const bool rises = !s->time_known || frame.timestamp_ns > s->timestamp_ns;
   if (!rises && !outvotes(frame.timestamp_ns, &s->time_doubt)) {
@@ -114,7 +114,8 @@ void estimate(const std::optional<PosePrediction>& predicted, Component::State* 
   ask_for_shape(s);
   stage_done(Stage::kShape, *s);
   if (s->pose_valid) {
-    remember_motion(s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
+    remember_motion(
+        s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
     widen_turn(s->localised.absolute.pose, &s->drift);
     ++s->counters.poses;
   }

@@ -109,14 +109,17 @@ void send_cloud_chunk(Component::State* s) {
   packet.first_point = static_cast<std::uint32_t>(cloud.next);
   packet.cloud = cloud.number;
   packet.chunk = bus::clipped(cloud.next / points_per_chunk());
-  packet.chunks = bus::clipped((cloud.points_T.size() + points_per_chunk() - 1) / points_per_chunk());
+  packet.chunks =
+      bus::clipped((cloud.points_T.size() + points_per_chunk() - 1) / points_per_chunk());
   packet.points = static_cast<std::uint8_t>(points);
   if (cloud.scale_known) {
     packet.flags = bus::cloud_layout::kFlagScaleKnown;
     packet.metres_per_mu = cloud.metres_per_mu;
   }
   for (std::size_t i = 0; i < points; ++i) {
-    std::copy_n(cloud.points_T[cloud.next + i].begin(), 3, packet.p_T.begin() + 3 * static_cast<std::ptrdiff_t>(i));
+    std::copy_n(cloud.points_T[cloud.next + i].begin(),
+                3,
+                packet.p_T.begin() + 3 * static_cast<std::ptrdiff_t>(i));
   }
   cloud.next += points;
   append(packet, s->parameters.bus, &s->bus.stream);

@@ -8,8 +8,8 @@ namespace polhode {
 /// Empties the stream, so that what commands report goes with this step's packets.
 void begin_telemetry(Component::State* state);
 
-/// The motion packet of this step, then model, prediction, shape and housekeeping when they are due,
-/// events, and parts of a requested cloud.
+/// The motion packet of this step, then model, prediction, shape and housekeeping when they are
+/// due, events, and parts of a requested cloud.
 void send_telemetry(FrameUse use, const MotionState& motion, Component::State* state);
 
 }  // namespace polhode

@@ -61,10 +61,7 @@ void tell_mode(const MotionState& motion, Component::State* s) {
   if (motion.mode == told.mode) {
     return;
   }
-  tell(EventId::kModeChanged,
-       static_cast<double>(told.mode),
-       static_cast<double>(motion.mode),
-       s);
+  tell(EventId::kModeChanged, static_cast<double>(told.mode), static_cast<double>(motion.mode), s);
   if (told.mode == Mode::kAcquiring && motion.mode == Mode::kTracking) {
     tell(EventId::kTargetAcquired, motion.landmarks, motion.keyframes, s);
   }

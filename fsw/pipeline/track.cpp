@@ -15,9 +15,11 @@ namespace {
 
 constexpr std::size_t kPosesTried = 6;  // that many poses have checked a motion
 
-/// Fewer poses than that have checked the motion. @param start_checks  the start's poses among them.
+/// Fewer poses than that have checked the motion. @param start_checks  the start's poses among
+/// them.
 bool is_young(const PosePrediction& predicted, bool start_checks, const Component::State& s) {
-  return predicted.rotation_poses < kPosesTried || (!start_checks && s.motion.poses_since_start < kPosesTried);
+  return predicted.rotation_poses < kPosesTried ||
+         (!start_checks && s.motion.poses_since_start < kPosesTried);
 }
 
 int last_inliers(const Component::State& s) { return static_cast<int>(s.reference.points.size()); }
@@ -38,7 +40,8 @@ bool comes_back(const Component::State& s) {
   return old_inliers >= kOldMin && 2 * old_inliers >= old;
 }
 
-/// Most keyframes are never followed, and most frames not by flow: pyramids are built for those that are.
+/// Most keyframes are never followed, and most frames not by flow: pyramids are built for those
+/// that are.
 void ensure_pyramids(Component::State* s) {
   if (!s->reference.pyramid.built) {
     build_pyramid(s->reference.gray, &s->reference.pyramid);
@@ -47,11 +50,14 @@ void ensure_pyramids(Component::State* s) {
   stage_done(Stage::kTracks, *s);
 }
 
-/// By optical flow, when the prediction says that the picture moves and the body turns little. Edges slide along themselves, glints
-/// and what is behind the rim stay where they are while the body turns: from a patch that was taken more than a degree ago flow
-/// finds poses that lag, by up to 3 deg, all of a narrow side's landmarks alike. What it finds must agree with the motion so far.
+/// By optical flow, when the prediction says that the picture moves and the body turns little.
+/// Edges slide along themselves, glints and what is behind the rim stay where they are while the
+/// body turns: from a patch that was taken more than a degree ago flow finds poses that lag, by up
+/// to 3 deg, all of a narrow side's landmarks alike. What it finds must agree with the motion so
+/// far.
 bool try_flow(const PosePrediction& predicted, Component::State* s) {
-  constexpr double kTurnMost_rad = 0.0175;  // less than makes a keyframe, which needs features anyway
+  constexpr double kTurnMost_rad =
+      0.0175;  // less than makes a keyframe, which needs features anyway
   if (!s->reference.valid ||
       rotation_angle_rad(s->reference.pose.R_CT, predicted.pose.R_CT) > kTurnMost_rad ||
       predicted_motion_px(s->reference, predicted.pose, s->map, s->camera) >
@@ -95,7 +101,8 @@ bool believable(const PosePrediction& predicted, bool start_checks, const Compon
 /// rest. A measurement that contradicts it stands by itself.
 void fuse_with_motion(Component::State* s) {
   const AbsolutePose& measured = s->localised.absolute;
-  const auto prior = pose_by_map_model(s->motion, s->parameters.motion, s->timestamp_ns, s->motion.R_IC);
+  const auto prior =
+      pose_by_map_model(s->motion, s->parameters.motion, s->timestamp_ns, s->motion.R_IC);
   if (!prior) {
     return;
   }
@@ -173,7 +180,8 @@ bool bring_features(Component::State* s) {
   return true;
 }
 
-/// Takes out what the keyframe's outline rules out: it makes no landmarks. What is tied to one stays.
+/// Takes out what the keyframe's outline rules out: it makes no landmarks. What is tied to one
+/// stays.
 void veto_features(Component::State* s) {
   if (!s->mask_state.sharp) {
     return;  // nothing is ruled out, and features are large to move
@@ -225,13 +233,14 @@ bool plausible(const PosePrediction& predicted, bool start_checks, const Compone
   constexpr double kDepthError = 0.05;
   constexpr double kAllowance_rad = 0.0175;
   const AbsolutePose& found = s.localised.absolute;
-  const double step_rad = rotation_angle_rad(last_pose_seen(s.motion, s.motion.R_IC).R_CT, predicted.pose.R_CT);
+  const double step_rad =
+      rotation_angle_rad(last_pose_seen(s.motion, s.motion.R_IC).R_CT, predicted.pose.R_CT);
   const double sigma_rad =
       std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
                 found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
   const double bound_rad = is_young(predicted, start_checks, s)
                                ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
-                                 : kDepthError * step_rad + 4.0 * sigma_rad;
+                               : kDepthError * step_rad + 4.0 * sigma_rad;
   return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) < bound_rad + s.map_moved_rad;
 }
 
@@ -286,8 +295,11 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
     collect(s);
     return;
   }
-  check_pose(
-      s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s->drift, &s->motion);
+  check_pose(s->timestamp_ns,
+             s->localised.absolute.pose,
+             s->localised.absolute.covariance,
+             s->drift,
+             &s->motion);
   fuse_with_motion(s);
   const bool may_teach = s->verdict.decision == FrameDecision::kUse;
   if (may_teach) {

@@ -78,8 +78,8 @@ struct Side {
   bool found = false;
 };
 
-/// The box's side at one end of an axis: of the planes near the points' end the one with most of them, else the end
-/// itself.
+/// The box's side at one end of an axis: of the planes near the points' end the one with most of
+/// them, else the end itself.
 Side find_side(const Planes& planes,
                const Eigen::Vector3d& axis_T,
                const Extent& extent,

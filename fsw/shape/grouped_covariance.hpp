@@ -55,13 +55,15 @@ class GroupedCovariance {
   std::array<bool, kGroups> used_{};
 };
 
-/// `covariance`, made wider along each unknown of which `floor` is less sure; unknowns may differ in unit.
+/// `covariance`, made wider along each unknown of which `floor` is less sure; unknowns may differ
+/// in unit.
 template <typename Matrix>
 [[nodiscard]] Matrix not_below(const Matrix& floor, const Matrix& covariance) {
   if (!(covariance.diagonal().array() > 0.0).all()) {  // nor what is not a number
     return floor;
   }
-  const auto wider = floor.diagonal().cwiseQuotient(covariance.diagonal()).cwiseMax(1.0).cwiseSqrt().eval();
+  const auto wider =
+      floor.diagonal().cwiseQuotient(covariance.diagonal()).cwiseMax(1.0).cwiseSqrt().eval();
   return wider.asDiagonal() * covariance * wider.asDiagonal();
 }
 

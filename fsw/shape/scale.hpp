@@ -32,9 +32,10 @@ struct ScaleView {
 
 /// Depth of the surface on a ray from the landmarks nearest to it in the picture. A plane in space
 /// has an inverse depth that is linear in the picture: of the planes through triples of the 24
-/// nearest landmarks, of those that face the camera and hold two of the four nearest to the ray, the
-/// nearest one that enough of them support is taken and refined by least squares with weights that
-/// fall with the distance from the ray; where there is none, the nearest landmark's depth, with a wide sigma.
+/// nearest landmarks, of those that face the camera and hold two of the four nearest to the ray,
+/// the nearest one that enough of them support is taken and refined by least squares with weights
+/// that fall with the distance from the ray; where there is none, the nearest landmark's depth,
+/// with a wide sigma.
 /// @param ray  normalised image point (undistorted).
 /// @errors TooFewObservations (under 3 landmarks in front of the camera), Degenerate (the ray
 /// passes the target: no

@@ -40,7 +40,9 @@ Result<ScaleEstimate> scale_from_diameter(const Shape& shape, double diameter_m)
   if (!shape.cylinder) {
     return ErrorCode::kNoConsensus;
   }
-  return scale_of({.value = 2.0 * shape.cylinder->radius, .sigma = 2.0 * shape.cylinder->sigma_radius}, diameter_m);
+  return scale_of(
+      {.value = 2.0 * shape.cylinder->radius, .sigma = 2.0 * shape.cylinder->sigma_radius},
+      diameter_m);
 }
 
 Result<ScaleEstimate> scale_from_edge(const Shape& shape,

@@ -21,13 +21,15 @@ ScaleReadings readings_beside(ScaleSource source, const ScaleReadings& all) {
 /// What the readings together say.
 ScaleChange settle(ScaleState* scale) {
   const FusedScale fused = fuse_scales(scale->readings);
-  const ScaleChange change{.read = true, .contradiction_began = fused.contradiction && !scale->contradiction};
+  const ScaleChange change{.read = true,
+                           .contradiction_began = fused.contradiction && !scale->contradiction};
   scale->contradiction = fused.contradiction;
   scale->used = fused.used;
   scale->known = fused.known;
   scale->metres_per_mu = fused.known ? fused.metres_per_mu : 1.0;
   scale->relative_sigma = fused.known ? fused.sigma / fused.metres_per_mu : 0.0;
-  scale->metres_per_mu_published = fused.known ? fused.metres_per_mu : scale->metres_per_mu_published;
+  scale->metres_per_mu_published =
+      fused.known ? fused.metres_per_mu : scale->metres_per_mu_published;
   return change;
 }
 
@@ -47,7 +49,9 @@ bool names_frame(const ScaleOptions& options) {
   return options.known_length_m != 0.0 || options.range_m != 0.0;
 }
 
-bool frame_reading_is_due(const ScaleOptions& options, std::uint32_t next_keyframe, const ScaleState& scale) {
+bool frame_reading_is_due(const ScaleOptions& options,
+                          std::uint32_t next_keyframe,
+                          const ScaleState& scale) {
   const auto lacks = [&scale](ScaleSource source) {
     return std::none_of(scale.readings.begin(),
                         scale.readings.end(),
@@ -59,10 +63,10 @@ bool frame_reading_is_due(const ScaleOptions& options, std::uint32_t next_keyfra
 }
 
 ScaleChange read_scale_in(const ScaleView& view,
-                   const ScaleOptions& options,
-                   const CameraModel& camera,
-                   std::uint32_t next_keyframe,
-                   ScaleState* scale) {
+                          const ScaleOptions& options,
+                          const CameraModel& camera,
+                          std::uint32_t next_keyframe,
+                          ScaleState* scale) {
   ScaleReadings& readings = scale->readings;
   bool taken = false;
   if (options.known_length_m != 0.0) {
@@ -76,8 +80,9 @@ ScaleChange read_scale_in(const ScaleView& view,
                   readings);
   }
   if (options.range_m != 0.0) {
-    taken |= take(
-        ScaleSource::kRange, scale_from_range(view, options.range_m, options.range_sigma_m), readings);
+    taken |= take(ScaleSource::kRange,
+                  scale_from_range(view, options.range_m, options.range_sigma_m),
+                  readings);
   }
   if (taken) {
     // One that is no longer asked for has been replaced.
@@ -96,8 +101,9 @@ ScaleChange read_scale_in(const ScaleView& view,
 ScaleChange read_scale_of(const Shape& shape, const ScaleOptions& options, ScaleState* scale) {
   bool taken = false;
   if (options.known_diameter_m != 0.0) {
-    taken |= take(
-        ScaleSource::kDiameter, scale_from_diameter(shape, options.known_diameter_m), scale->readings);
+    taken |= take(ScaleSource::kDiameter,
+                  scale_from_diameter(shape, options.known_diameter_m),
+                  scale->readings);
   }
   if (options.known_edge_m != 0.0) {
     const FusedScale others = fuse_scales(readings_beside(ScaleSource::kEdge, scale->readings));

@@ -11,12 +11,13 @@
 
 namespace polhode {
 
-/// The state of this room. Unknown, lengths in map units, while there is no reading or they contradict each other.
+/// The state of this room. Unknown, lengths in map units, while there is no reading or they
+/// contradict each other.
 struct ScaleState {
   bool known = false;
   double metres_per_mu = 1.0;
   double relative_sigma = 0.0;
-  double metres_per_mu_published = 1.0;  ///< of the last frame that was published in metres
+  double metres_per_mu_published = 1.0;    ///< of the last frame that was published in metres
   std::uint32_t keyframes_at_reading = 0;  ///< number of the map's next one at the last reading
   ScaleReadings readings;
   std::array<bool, kScaleSources> used{};  ///< readings that the scale comes from
@@ -32,16 +33,18 @@ struct ScaleChange {
 /// Whether a length or a range is named in a frame.
 [[nodiscard]] bool names_frame(const ScaleOptions& options);
 
-/// Is the named length or range still to be read, or has the map grown by half since it was? A map of a few frames is bent,
-/// and its lengths are off by percents.
-[[nodiscard]] bool frame_reading_is_due(const ScaleOptions& options, std::uint32_t next_keyframe, const ScaleState& scale);
+/// Is the named length or range still to be read, or has the map grown by half since it was? A map
+/// of a few frames is bent, and its lengths are off by percents.
+[[nodiscard]] bool frame_reading_is_due(const ScaleOptions& options,
+                                        std::uint32_t next_keyframe,
+                                        const ScaleState& scale);
 
 /// Reads the named length and range in a view, in place of what an earlier one said of them.
 ScaleChange read_scale_in(const ScaleView& view,
-                   const ScaleOptions& options,
-                   const CameraModel& camera,
-                   std::uint32_t next_keyframe,
-                   ScaleState* scale);
+                          const ScaleOptions& options,
+                          const CameraModel& camera,
+                          std::uint32_t next_keyframe,
+                          ScaleState* scale);
 
 /// Reads the named diameter and edge in a found shape, in map units.
 ScaleChange read_scale_of(const Shape& shape, const ScaleOptions& options, ScaleState* scale);

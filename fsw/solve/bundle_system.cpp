@@ -161,7 +161,8 @@ bool BundleSystem::linearise(const BundleObservation& o,
   return true;
 }
 
-/// @param take  (block of the pose or -1, Linearised) of each observation of the point, were it at p_T
+/// @param take  (block of the pose or -1, Linearised) of each observation of the point, were it at
+/// p_T
 /// @return false where a camera does not have it before itself; the others are taken.
 template <typename Take>
 bool BundleSystem::for_sightings(std::size_t point,
@@ -184,21 +185,22 @@ bool BundleSystem::for_sightings(std::size_t point,
 void BundleSystem::fill_point_system(std::size_t point) {
   Eigen::Matrix4d V = Eigen::Matrix4d::Zero();
   system_.mixed.clear();
-  (void)for_sightings(point, p_.poses, p_.points_T[point], [&](std::int32_t block, const Linearised& l) {
-    const Eigen::Matrix<double, 4, 2> weighted = l.weight * l.by_point;
-    V.noalias() += l.by_point * weighted.transpose();
-    if (block < 0) {
-      return;
-    }
-    const Eigen::Matrix<double, 6, 2> weighted_by_pose = l.weight * l.by_pose;
-    w_.camera_blocks[index(block)].noalias() += l.by_pose * weighted_by_pose.transpose();
-    const Eigen::Matrix<double, 6, 4> W = l.by_pose * weighted.transpose();
-    if (!system_.mixed.empty() && system_.mixed.back().block == block) {
-      system_.mixed.back().W += W;
-    } else {
-      (void)system_.mixed.push_back({.block = block, .W = W});
-    }
-  });
+  (void)for_sightings(
+      point, p_.poses, p_.points_T[point], [&](std::int32_t block, const Linearised& l) {
+        const Eigen::Matrix<double, 4, 2> weighted = l.weight * l.by_point;
+        V.noalias() += l.by_point * weighted.transpose();
+        if (block < 0) {
+          return;
+        }
+        const Eigen::Matrix<double, 6, 2> weighted_by_pose = l.weight * l.by_pose;
+        w_.camera_blocks[index(block)].noalias() += l.by_pose * weighted_by_pose.transpose();
+        const Eigen::Matrix<double, 6, 4> W = l.by_pose * weighted.transpose();
+        if (!system_.mixed.empty() && system_.mixed.back().block == block) {
+          system_.mixed.back().W += W;
+        } else {
+          (void)system_.mixed.push_back({.block = block, .W = W});
+        }
+      });
   system_.V = V;
 }
 
@@ -242,9 +244,8 @@ void BundleSystem::add_poses(double damping) {
     Eigen::Matrix<double, 6, 6> U = w_.camera_blocks[static_cast<std::size_t>(b)];
     const double largest = U.diagonal().maxCoeff();
     // A pose that sees nothing stays where it is.
-    U.diagonal() += largest > 0.0
-                        ? Vector6(damping * U.diagonal().cwiseMax(kDiagonalMin * largest))
-                        : Vector6::Ones();
+    U.diagonal() += largest > 0.0 ? Vector6(damping * U.diagonal().cwiseMax(kDiagonalMin * largest))
+                                  : Vector6::Ones();
     S.block<6, 6>(6 * b, 6 * b) += U;
   }
 }
@@ -292,15 +293,16 @@ double BundleSystem::pose_gain(double damping) const {
 double BundleSystem::move_point(std::size_t point, double damping) {
   Eigen::Matrix4d V = Eigen::Matrix4d::Zero();
   Eigen::Vector3d by_poses = Eigen::Vector3d::Zero();
-  (void)for_sightings(point, p_.poses, p_.points_T[point], [&](std::int32_t block, const Linearised& l) {
-    const Eigen::Matrix<double, 4, 2> weighted = l.weight * l.by_point;
-    V.noalias() += l.by_point * weighted.transpose();
-    if (block >= 0) {
-      const Eigen::Map<const Vector6> step(&w_.step[6 * index(block)]);
-      const Eigen::Vector2d moved = l.by_pose.transpose() * step;
-      by_poses.noalias() += weighted.topRows<3>() * moved;
-    }
-  });
+  (void)for_sightings(
+      point, p_.poses, p_.points_T[point], [&](std::int32_t block, const Linearised& l) {
+        const Eigen::Matrix<double, 4, 2> weighted = l.weight * l.by_point;
+        V.noalias() += l.by_point * weighted.transpose();
+        if (block >= 0) {
+          const Eigen::Map<const Vector6> step(&w_.step[6 * index(block)]);
+          const Eigen::Vector2d moved = l.by_pose.transpose() * step;
+          by_poses.noalias() += weighted.topRows<3>() * moved;
+        }
+      });
   const Eigen::Matrix3d own = V.topLeftCorner<3, 3>();
   const Eigen::Vector3d g = V.col(3).head<3>();
   const Eigen::Vector3d step = -(damped_inverse(own, damping) * (g + by_poses));
@@ -330,11 +332,12 @@ double BundleSystem::settle_point(std::size_t point) {
   for (int k = 0; k <= steps; ++k) {
     Eigen::Matrix4d V = Eigen::Matrix4d::Zero();
     CauchySum sum(cauchy_sigma_);
-    const bool seen = for_sightings(point, w_.trial_poses, p_T, [&](std::int32_t, const Linearised& l) {
-      sum.add(l.by_point.row(3).squaredNorm());
-      const Eigen::Matrix<double, 4, 2> weighted = l.weight * l.by_point;
-      V.noalias() += l.by_point * weighted.transpose();
-    });
+    const bool seen =
+        for_sightings(point, w_.trial_poses, p_T, [&](std::int32_t, const Linearised& l) {
+          sum.add(l.by_point.row(3).squaredNorm());
+          const Eigen::Matrix<double, 4, 2> weighted = l.weight * l.by_point;
+          V.noalias() += l.by_point * weighted.transpose();
+        });
     const double cost = sum.value();
     if (!seen || !(cost < least)) {
       return least;

@@ -1,5 +1,5 @@
-// The linearised system of a bundle with its points eliminated, and the damped steps by it: what every
-// adjustment of poses and points is made of.
+// The linearised system of a bundle with its points eliminated, and the damped steps by it: what
+// every adjustment of poses and points is made of.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,8 @@
 
 namespace polhode {
 
-/// A problem about its present poses and points. The workspace holds the trial that a step leads to.
+/// A problem about its present poses and points. The workspace holds the trial that a step leads
+/// to.
 class BundleSystem {
  public:
   using Reduced = Eigen::Map<Eigen::MatrixXd, Eigen::Aligned64>;
@@ -40,12 +41,13 @@ class BundleSystem {
   /// The trial's poses by step(). @return false where an inverse depth would not be positive.
   bool move_poses();
 
-  /// The trial's points, as they follow step(). @return what the linear model gains by both: for a step
-  /// x that solves the damped system, (damping x' D x - x' g) / 2.
+  /// The trial's points, as they follow step(). @return what the linear model gains by both: for a
+  /// step x that solves the damped system, (damping x' D x - x' g) / 2.
   double move_points(double damping);
 
-  /// The trial's points where its poses want them, by two steps of each point alone: however far the poses have gone,
-  /// which a linear model of all of them does not follow. @return trial_cost().
+  /// The trial's points where its poses want them, by two steps of each point alone: however far
+  /// the poses have gone, which a linear model of all of them does not follow. @return
+  /// trial_cost().
   double settle_points();
 
   [[nodiscard]] std::span<InverseDepthPose> trial_poses() {
@@ -55,8 +57,8 @@ class BundleSystem {
 
  private:
   struct Linearised;
-  /// Normal equations of one point. The last column is the gradient: (V, g) of the point itself, (W, gradient)
-  /// of each moving pose that sees it.
+  /// Normal equations of one point. The last column is the gradient: (V, g) of the point itself,
+  /// (W, gradient) of each moving pose that sees it.
   struct PointSystem {
     struct Mixed {
       std::int32_t block = -1;
@@ -64,7 +66,8 @@ class BundleSystem {
     };
     Eigen::Matrix4d V;
     FixedVector<Mixed, BundleWorkspace::kPoses> mixed;
-    std::array<Eigen::Matrix<double, 6, 3>, BundleWorkspace::kPoses> W_V_inverse;  ///< by place in `mixed`
+    std::array<Eigen::Matrix<double, 6, 3>, BundleWorkspace::kPoses>
+        W_V_inverse;  ///< by place in `mixed`
   };
 
   void number_blocks();
@@ -97,7 +100,8 @@ class BundleSystem {
 
 /// Nielsen's damping: after a good step down to a third, after a bad one up by ever larger factors.
 /// Started as for a problem that is nearly solved, which a tracked map's is.
-/// @param try_step    damping -> what the linear model gains by the trial; not positive: there is none.
+/// @param try_step    damping -> what the linear model gains by the trial; not positive: there is
+/// none.
 /// @param trial_cost  of that trial.
 /// @param keep_trial  makes it the state.
 /// @source Nielsen, IMM-REP-1999-05.
@@ -116,8 +120,7 @@ BundleReport take_damped_steps(double cost,
   while (report.usable && report.iterations < iterations_max && damping < kDampingMax) {
     ++report.iterations;
     const double promised = try_step(damping);
-    const double reached =
-        promised > 0.0 ? trial_cost() : std::numeric_limits<double>::infinity();
+    const double reached = promised > 0.0 ? trial_cost() : std::numeric_limits<double>::infinity();
     const double gained = report.cost_after - reached;
     if (gained > kGainMin * promised) {
       keep_trial();

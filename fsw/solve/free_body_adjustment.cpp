@@ -14,8 +14,8 @@ namespace polhode {
 namespace {
 
 using ByUnknowns = FreeBodyWorkspace::ByUnknowns;
-// Of each unknown's own curvature. Where the motion's poses bend away from the linear model the first steps fail
-// and it rises, at the price of another trial and no new system.
+// Of each unknown's own curvature. Where the motion's poses bend away from the linear model the
+// first steps fail and it rises, at the price of another trial and no new system.
 constexpr double kDampingFirst = 1e-4;
 
 using GaugeRows = Eigen::Matrix<double, 7, kFreeBodyUnknowns>;
@@ -55,18 +55,20 @@ class FreeBody {
     });
   }
 
-  /// The poses as the motion has them. @return false where it does not reach or lies behind the camera.
+  /// The poses as the motion has them. @return false where it does not reach or lies behind the
+  /// camera.
   bool pose(const FreeBodyMotion& motion, std::span<InverseDepthPose> poses) {
-    return trace(motion, nullptr, [&](std::size_t k, const TurningState& state, const TurningDerivative&) {
-      const auto R_CI = p_.times[k].R_IC.transpose();
-      const Pose pose{.R_CT = R_CI * state.R_IT,
-                      .p_CT = R_CI * place_of(motion, state, TurningMatrix::Zero()).p_I};
-      const bool ahead = pose.p_CT.allFinite() && pose.p_CT.z() > 0.0;
-      if (ahead) {
-        poses[k] = to_inverse_depth(pose);
-      }
-      return ahead;
-    });
+    return trace(
+        motion, nullptr, [&](std::size_t k, const TurningState& state, const TurningDerivative&) {
+          const auto R_CI = p_.times[k].R_IC.transpose();
+          const Pose pose{.R_CT = R_CI * state.R_IT,
+                          .p_CT = R_CI * place_of(motion, state, TurningMatrix::Zero()).p_I};
+          const bool ahead = pose.p_CT.allFinite() && pose.p_CT.z() > 0.0;
+          if (ahead) {
+            poses[k] = to_inverse_depth(pose);
+          }
+          return ahead;
+        });
   }
 
   double try_step(double damping) {
@@ -96,16 +98,15 @@ class FreeBody {
     built_ = false;
   }
 
-  FreeBodyInformation information() {
-    return built_ || build() ? H_ : FreeBodyInformation::Zero();
-  }
+  FreeBodyInformation information() { return built_ || build() ? H_ : FreeBodyInformation::Zero(); }
 
  private:
   [[nodiscard]] std::size_t count() const { return p_.bundle.poses.size(); }
 
   /// The least cost over all points as a quadratic of the unknowns about the present motion.
   bool build() {
-    constexpr double kNextToNothing = 1e-9;  // of damping, for points that two poses see under no angle
+    constexpr double kNextToNothing =
+        1e-9;  // of damping, for points that two poses see under no angle
     if (!linearise()) {
       return false;
     }
@@ -114,7 +115,8 @@ class FreeBody {
     right_ = -prior().cwiseProduct(unknowns_of(*p_.motion));
     const BundleSystem::Unknowns of_poses = system_.step();
     for (std::size_t k = 0; k < count(); ++k) {
-      right_ += w_.pose_by_unknowns[k].transpose() * of_poses.segment<6>(6 * static_cast<Eigen::Index>(k));
+      right_ += w_.pose_by_unknowns[k].transpose() *
+                of_poses.segment<6>(6 * static_cast<Eigen::Index>(k));
     }
     H_.diagonal() += prior();
     curvature_ = H_.diagonal();
@@ -126,7 +128,8 @@ class FreeBody {
     return true;
   }
 
-  /// Calls `take` for each pose with the state at its time, and with the derivatives where asked for.
+  /// Calls `take` for each pose with the state at its time, and with the derivatives where asked
+  /// for.
   template <typename Take>
   bool trace(const FreeBodyMotion& motion, const TurningDerivative* begin, Take take) {
     const Inertia inertia = inertia_of(motion.shape);
@@ -153,18 +156,21 @@ class FreeBody {
   bool linearise() {
     const TurningDerivative begin = TurningDerivative::at_reference();
     gauge_.setZero();
-    return trace(*p_.motion, &begin, [&](std::size_t k, const TurningState& state, const TurningDerivative& by) {
-      const Place place = place_of(*p_.motion, state, by.attitude_I);
-      const auto R_CI = p_.times[k].R_IC.transpose();
-      Eigen::Matrix<double, 3, kFreeBodyUnknowns> turning;
-      turning << by.attitude_I, Eigen::Matrix<double, 3, kPathUnknowns>::Zero();
-      w_.pose_by_unknowns[k] << R_CI * turning,
-          uvs_by_position(R_CI * place.p_I) * (R_CI * place.by_unknowns);
-      gauge_.topRows<3>() += state.R_IT.transpose() * turning;
-      gauge_.middleRows<3>(3) += state.R_IT.transpose() * place.by_unknowns / p_.lever_sigma;
-      gauge_.row(6) += place.p_I.transpose() * place.by_unknowns / place.p_I.squaredNorm();
-      return true;
-    });
+    return trace(
+        *p_.motion,
+        &begin,
+        [&](std::size_t k, const TurningState& state, const TurningDerivative& by) {
+          const Place place = place_of(*p_.motion, state, by.attitude_I);
+          const auto R_CI = p_.times[k].R_IC.transpose();
+          Eigen::Matrix<double, 3, kFreeBodyUnknowns> turning;
+          turning << by.attitude_I, Eigen::Matrix<double, 3, kPathUnknowns>::Zero();
+          w_.pose_by_unknowns[k] << R_CI * turning,
+              uvs_by_position(R_CI * place.p_I) * (R_CI * place.by_unknowns);
+          gauge_.topRows<3>() += state.R_IT.transpose() * turning;
+          gauge_.middleRows<3>(3) += state.R_IT.transpose() * place.by_unknowns / p_.lever_sigma;
+          gauge_.row(6) += place.p_I.transpose() * place.by_unknowns / place.p_I.squaredNorm();
+          return true;
+        });
   }
 
   /// T's turn, shift (in the body's extent) and growth with the unknowns, on the mean of the poses.
@@ -176,7 +182,8 @@ class FreeBody {
     FreeBodyInformation H = FreeBodyInformation::Zero();
     for (std::size_t a = 0; a < count(); ++a) {
       const auto at = [](std::size_t k) { return 6 * static_cast<Eigen::Index>(k); };
-      ByUnknowns row = S.block<6, 6>(at(a), at(a)).selfadjointView<Eigen::Lower>() * w_.pose_by_unknowns[a];
+      ByUnknowns row =
+          S.block<6, 6>(at(a), at(a)).selfadjointView<Eigen::Lower>() * w_.pose_by_unknowns[a];
       row *= 0.5;  // the other half is its transpose
       for (std::size_t b = 0; b < a; ++b) {
         row.noalias() += S.block<6, 6>(at(a), at(b)) * w_.pose_by_unknowns[b];

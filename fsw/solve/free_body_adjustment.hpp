@@ -1,8 +1,8 @@
-// Joint adjustment of points and of a free body's motion to their images: the poses are those of one
-// torque-free (or orbiting) rigid body, whatever their number.
+// Joint adjustment of points and of a free body's motion to their images: the poses are those of
+// one torque-free (or orbiting) rigid body, whatever their number.
 //
-// Poses that are free to move drift, because each is placed by the landmarks of the last few; a body's
-// motion has twenty unknowns, and nothing in them drifts.
+// Poses that are free to move drift, because each is placed by the landmarks of the last few; a
+// body's motion has twenty unknowns, and nothing in them drifts.
 #pragma once
 
 #include <Eigen/Core>
@@ -46,8 +46,8 @@ struct FreeBodyProblem {
 
 struct FreeBodyReport {
   BundleReport bundle;  ///< costs contain what the two priors cost
-  /// Of the unknowns, points eliminated, by the sightings' sigmas and the priors. T's axes, origin and
-  /// unit, which no image tells, are held where the poses have them on the mean.
+  /// Of the unknowns, points eliminated, by the sightings' sigmas and the priors. T's axes, origin
+  /// and unit, which no image tells, are held where the poses have them on the mean.
   FreeBodyInformation information = FreeBodyInformation::Zero();
 };
 
@@ -57,12 +57,13 @@ struct FreeBodyWorkspace {
   std::array<ByUnknowns, BundleWorkspace::kPoses> pose_by_unknowns{};  ///< (phi, uvs) of each pose
 };
 
-/// Levenberg-Marquardt over the twenty unknowns alone, by variable projection: each trial has its points settled, so
-/// that a motion is judged by the points that suit it. Damping on points as well would hold back the motion, which
-/// moves all of them.
-/// @return not usable, the problem's poses and points then mean nothing, where the motion puts a point behind a camera or runs away.
-/// @cost a system as adjust_bundle()'s for each motion that is kept, two to three linearisations of all sightings for
-/// each that is tried. No heap; deterministic.
+/// Levenberg-Marquardt over the twenty unknowns alone, by variable projection: each trial has its
+/// points settled, so that a motion is judged by the points that suit it. Damping on points as well
+/// would hold back the motion, which moves all of them.
+/// @return not usable, the problem's poses and points then mean nothing, where the motion puts a
+/// point behind a camera or runs away.
+/// @cost a system as adjust_bundle()'s for each motion that is kept, two to three linearisations of
+/// all sightings for each that is tried. No heap; deterministic.
 /// @source Golub and Pereyra, Inverse Problems 19, 2003 (variable projection).
 FreeBodyReport adjust_free_body(const FreeBodyProblem& problem,
                                 const BundleOptions& options,

@@ -1,7 +1,7 @@
 #include "solve/mass_centre_fit.hpp"
 
-#include <Eigen/Geometry>
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -56,8 +56,7 @@ System accumulate(const PathProblem& problem,
     system.g.noalias() += weighted.transpose() * sample.p_I;
     // The lever's arm R c follows an error phi of the attitude as phi x R c.
     const Eigen::Matrix3d by_phi = hat(sample.R_IT * lever_T);
-    system.by_turning.noalias() -=
-        weighted.transpose() * (by_phi * sample.attitude_by_turning_I);
+    system.by_turning.noalias() -= weighted.transpose() * (by_phi * sample.attitude_by_turning_I);
   }
   return system;
 }
@@ -75,11 +74,11 @@ Eigen::Matrix<double, 6, 6> path_transition(const Orbit& orbit, double time_s, d
   const double s = std::sin(n * t);
   const double c = std::cos(n * t);
   Eigen::Matrix<double, 6, 6> hill;  // Clohessy and Wiltshire, in the turning axes of H
-  hill << 4.0 - 3.0 * c, 0.0, 0.0, s / n, 2.0 / n * (1.0 - c), 0.0,                      //
+  hill << 4.0 - 3.0 * c, 0.0, 0.0, s / n, 2.0 / n * (1.0 - c), 0.0,                         //
       6.0 * (s - n * t), 1.0, 0.0, -2.0 / n * (1.0 - c), (4.0 * s - 3.0 * n * t) / n, 0.0,  //
-      0.0, 0.0, c, 0.0, 0.0, s / n,                                                      //
-      3.0 * n * s, 0.0, 0.0, c, 2.0 * s, 0.0,                                            //
-      -6.0 * n * (1.0 - c), 0.0, 0.0, -2.0 * s, 4.0 * c - 3.0, 0.0,                      //
+      0.0, 0.0, c, 0.0, 0.0, s / n,                                                         //
+      3.0 * n * s, 0.0, 0.0, c, 2.0 * s, 0.0,                                               //
+      -6.0 * n * (1.0 - c), 0.0, 0.0, -2.0 * s, 4.0 * c - 3.0, 0.0,                         //
       0.0, 0.0, -n * s, 0.0, 0.0, c;
   const Eigen::Matrix3d turning = hat({0.0, 0.0, n});
   const auto to_hill = [&](const Eigen::Matrix3d& R_HI) {
@@ -115,8 +114,8 @@ Result<PathSolution> solve_path(const PathProblem& problem) {
   System system;
   for (int round = 0; round < kRounds; ++round) {
     const double scale2 = round == 0 ? 1.0 : std::max(1e-4, scale_of(squares, count));
-    system = accumulate(
-        problem, round == 0 ? nullptr : &squares, scale2, solution.unknowns.tail<3>());
+    system =
+        accumulate(problem, round == 0 ? nullptr : &squares, scale2, solution.unknowns.tail<3>());
     // The prior counts in the found noise, as the data do.
     PathCovariance H = system.H / scale2;
     H.diagonal().tail<3>().array() += prior;

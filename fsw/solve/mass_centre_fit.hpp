@@ -40,8 +40,8 @@ struct PathSolution {
       Eigen::Matrix<double, kPathUnknowns, kTurningUnknowns>::Zero();
 };
 
-/// Position and velocity (p, v) after `ahead_s` as a linear function of those at `time_s`: straight,
-/// or by Hill's equations about an observer on the orbit. Axes I.
+/// Position and velocity (p, v) after `ahead_s` as a linear function of those at `time_s`:
+/// straight, or by Hill's equations about an observer on the orbit. Axes I.
 Eigen::Matrix<double, 6, 6> path_transition(const Orbit& orbit, double time_s, double ahead_s);
 
 /// @errors TooFewObservations (under 4 samples), Degenerate (no time passes, or a covariance is not

@@ -1,7 +1,7 @@
 #include "solve/rigid_body.hpp"
 
-#include <Eigen/Geometry>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,8 @@ Eigen::Matrix3d exponential_derivative(const Eigen::Matrix3d& V,
     for (Eigen::Index j = 0; j < 3; ++j) {
       const double apart = l(i) - l(j);
       const double middle = std::exp(0.5 * (l(i) + l(j)));
-      inner(i, j) *= std::abs(apart) > 1e-5 ? 2.0 * middle * std::sinh(0.5 * apart) / apart : middle;
+      inner(i, j) *=
+          std::abs(apart) > 1e-5 ? 2.0 * middle * std::sinh(0.5 * apart) / apart : middle;
     }
   }
   return V * inner * V.transpose();
@@ -55,8 +56,8 @@ ErrorRate error_rate(const Inertia& inertia,
   }
   for (Eigen::Index k = 0; k < 5; ++k) {
     const Eigen::Matrix3d& dJ = inertia.J_by_shape[static_cast<std::size_t>(k)];
-    rate.B.col(6 + k) += inertia.J_inverse * (torque_factor * u.cross(dJ * u) - dJ * w_dot -
-                                              w.cross(dJ * w));
+    rate.B.col(6 + k) +=
+        inertia.J_inverse * (torque_factor * u.cross(dJ * u) - dJ * w_dot - w.cross(dJ * w));
   }
   return rate;
 }
@@ -118,8 +119,9 @@ void step_derivative(const Inertia& inertia,
   const TurningMatrix k_end = at_end.A * d.rate_T + at_end.B;
   const TurningMatrix W_middle = 0.5 * (W + d.rate_T) + h_s / 8.0 * (k1 - k_end);
   // d phi / dt = R dw: Simpson's rule.
-  d.attitude_I += h_s / 6.0 * (nodes.start.R_IT * W + 4.0 * (nodes.middle.R_IT * W_middle) +
-                               nodes.end.R_IT * d.rate_T);
+  d.attitude_I +=
+      h_s / 6.0 *
+      (nodes.start.R_IT * W + 4.0 * (nodes.middle.R_IT * W_middle) + nodes.end.R_IT * d.rate_T);
 }
 
 }  // namespace
@@ -163,8 +165,7 @@ Inertia inertia_of(const InertiaShape& shape) {
   inertia.J_inverse = V * (size * moments.cwiseInverse()).asDiagonal() * V.transpose();
   for (int k = 0; k < 5; ++k) {
     const Eigen::Matrix3d dS = exponential_derivative(V, l, shape_basis(k)) / size;
-    inertia.J_by_shape[static_cast<std::size_t>(k)] =
-        dS.trace() * Eigen::Matrix3d::Identity() - dS;
+    inertia.J_by_shape[static_cast<std::size_t>(k)] = dS.trace() * Eigen::Matrix3d::Identity() - dS;
   }
   return inertia;
 }

@@ -66,13 +66,14 @@ Eigen::Vector3d angular_acceleration(const Inertia& inertia,
 
 inline constexpr int kTurningStepsMax = 20000;
 
-/// Runge-Kutta's phase lags by the step to the fourth over 120: at 0.1 rad by 3e-5 rad in eight turns,
-/// near what a long run can tell (5e-5 rad of 300 frames); at 0.05 rad by a sixteenth of that.
+/// Runge-Kutta's phase lags by the step to the fourth over 120: at 0.1 rad by 3e-5 rad in eight
+/// turns, near what a long run can tell (5e-5 rad of 300 frames); at 0.05 rad by a sixteenth of
+/// that.
 inline constexpr double kTurningStepAngle_rad = 0.05;
 
-/// Moves `state` to `time_s`, earlier or later, in steps that turn by at most kTurningStepAngle_rad: fourth-order
-/// Runge-Kutta for the rate and a Magnus step for the attitude; 1e-6 rad in ten turns. `derivative`, where
-/// given, is moved along.
+/// Moves `state` to `time_s`, earlier or later, in steps that turn by at most
+/// kTurningStepAngle_rad: fourth-order Runge-Kutta for the rate and a Magnus step for the attitude;
+/// 1e-6 rad in ten turns. `derivative`, where given, is moved along.
 /// @return false, with the state somewhere on the way, when that takes over kTurningStepsMax steps
 /// or leaves the numbers.
 bool advance(const Inertia& inertia,

@@ -70,7 +70,8 @@ void linearise(std::span<const StartSighting> sightings,
   for (std::size_t begin = 0; begin < sightings.size();) {
     const std::size_t end = track_end(sightings, begin);
     const std::span run = sightings.subspan(begin, end - begin);
-    const bool wrong = options.loss == StartLoss::kTruncated && track_cost(run, geometry, options).wrong;
+    const bool wrong =
+        options.loss == StartLoss::kTruncated && track_cost(run, geometry, options).wrong;
     for (std::size_t i = begin; i < end; ++i) {
       add_sighting(sightings[i], wrong, geometry, options, &w->blocks[i], w);
     }
@@ -91,9 +92,7 @@ Eigen::Matrix3d point_inverse(const Eigen::Matrix3d& V, double damping) {
 }
 
 /// Reduced camera system S, its lower triangle, and in place of the step its right side.
-void eliminate_points(std::span<const StartSighting> sightings,
-                      double damping,
-                      Workspace* w) {
+void eliminate_points(std::span<const StartSighting> sightings, double damping, Workspace* w) {
   const Eigen::Index size = w->camera_gradient.size();
   w->reduced.setZero(size, size);
   w->camera_step = w->camera_gradient;

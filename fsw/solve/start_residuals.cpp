@@ -102,7 +102,8 @@ double total_cost(std::span<const StartSighting> sightings,
     double cost = 0.0;
     for (std::size_t begin = 0; begin < sightings.size();) {
       const std::size_t end = track_end(sightings, begin);
-      cost += truncated_cost(sightings.subspan(begin, end - begin), candidate, geometry, options).cost;
+      cost +=
+          truncated_cost(sightings.subspan(begin, end - begin), candidate, geometry, options).cost;
       begin = end;
     }
     return cost;

@@ -1,5 +1,5 @@
-// Attitude, rate and inertia of a rigid body from attitudes over time: nonlinear least squares under
-// Euler's equation.
+// Attitude, rate and inertia of a rigid body from attitudes over time: nonlinear least squares
+// under Euler's equation.
 #pragma once
 
 #include <cstddef>
@@ -34,10 +34,11 @@ struct TurningSolution {
   /// Inverse covariance of the unknowns by the declared noise, outliers weighted down, with the
   /// prior of the shape.
   TurningCovariance information = TurningCovariance::Zero();
-  double cost = 0.0;     ///< sum of log(1 + chi2 of a sample): compares solutions of the same samples
+  double cost = 0.0;  ///< sum of log(1 + chi2 of a sample): compares solutions of the same samples
   double median2 = 0.0;  ///< median over the samples of chi2 / 3, per what normal noise gives
   double chi2 = 0.0;     ///< of the samples within the gate
-  std::size_t inside = 0;  ///< samples within the gate: 5 sigma of the larger of declared and found noise
+  std::size_t inside =
+      0;  ///< samples within the gate: 5 sigma of the larger of declared and found noise
   int iterations = 0;
 };
 
@@ -52,8 +53,8 @@ Result<TurningSolution> refine_turning(const TurningProblem& problem,
 
 /// From nothing: angular momentum that does not change is linear in the inertia, which gives a
 /// start; the window about the reference grows by steps of two. Where that does not reach
-/// `chi2_per_dof_max`, the ball, the rod and the disc about the mean axis are tried too and the best
-/// one is taken.
+/// `chi2_per_dof_max`, the ball, the rod and the disc about the mean axis are tried too and the
+/// best one is taken.
 /// @errors TooFewObservations (under 4 samples), Degenerate (no start leads anywhere).
 Result<TurningSolution> solve_turning(const TurningProblem& problem, double chi2_per_dof_max);
 

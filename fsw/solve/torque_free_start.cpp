@@ -61,7 +61,7 @@ Eigen::Vector3d rate_at(std::span<const AttitudeSample> samples, std::size_t ref
 }
 
 struct Momentum {
-  InertiaShape shape = InertiaShape::Zero();  ///< that keeps R J w nearest to constant
+  InertiaShape shape = InertiaShape::Zero();          ///< that keeps R J w nearest to constant
   Eigen::Vector3d axis_T = Eigen::Vector3d::UnitZ();  ///< mean axis of turning
 };
 

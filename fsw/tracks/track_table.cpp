@@ -86,7 +86,8 @@ void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table) {
   const auto first_late = static_cast<std::int32_t>(table->frames.size() - kLookBack);
   std::size_t leading = 0;
   for (const Track& track : table->tracks) {
-    leading += track.points[0].frame < first_late && track.points.back().frame >= first_late ? 1 : 0;
+    leading +=
+        track.points[0].frame < first_late && track.points.back().frame >= first_late ? 1 : 0;
   }
   if (leading >= tracks_min) {
     return;

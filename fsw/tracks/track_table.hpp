@@ -51,7 +51,8 @@ void add_frame(std::uint32_t frame,
 void drop_oldest_frame(TrackTable* table);
 
 /// Forgets the frames before the last three (those that a new frame is tied to) where fewer than
-/// `tracks_min` tracks lead from them to these: they show something else, and no start can have both.
+/// `tracks_min` tracks lead from them to these: they show something else, and no start can have
+/// both.
 void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table);
 
 void clear(TrackTable* table);

@@ -1,13 +1,15 @@
-// How long a packet takes from the sender to a reader in another process, what is lost, and how long
-// sending takes, with two good readers and a stopped one on each transport.
-//   bus_latency [--seconds 10] [--rate 1000] [--load 4] [--priority 5] [--core -1] [--ordinary 1] [--only unix|shm|udp]
+// How long a packet takes from the sender to a reader in another process, what is lost, and how
+// long sending takes, with two good readers and a stopped one on each transport.
+//   bus_latency [--seconds 10] [--rate 1000] [--load 4] [--priority 5] [--core -1] [--ordinary 1]
+//   [--only unix|shm|udp]
 // Two tables, both beside --load programs that want a core each: the first as in flight, sender and
-// readers at real-time priority with their memory locked (run.priority, run.lock_memory; a reader that
-// closes a loop comes before the estimator, so it has one more), the second at ordinary priority, which
-// tells more of how the system shares its cores than of the bus. --priority 0: the second alone; --ordinary 0:
-// the first alone. --core: sender and readers on one core (run.core, and a reader's own choice), the load on all.
-// One line a transport, after one for the machine's own part: two processes woken by a word in shared
-// memory, with nothing sent. Exit status 1 when a good reader lost a packet or the heap was called.
+// readers at real-time priority with their memory locked (run.priority, run.lock_memory; a reader
+// that closes a loop comes before the estimator, so it has one more), the second at ordinary
+// priority, which tells more of how the system shares its cores than of the bus. --priority 0: the
+// second alone; --ordinary 0: the first alone. --core: sender and readers on one core (run.core,
+// and a reader's own choice), the load on all. One line a transport, after one for the machine's
+// own part: two processes woken by a word in shared memory, with nothing sent. Exit status 1 when a
+// good reader lost a packet or the heap was called.
 #include <fmt/format.h>
 #include <linux/futex.h>
 #include <signal.h>
@@ -17,8 +19,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <climits>
 #include <chrono>
+#include <climits>
 #include <cstdlib>
 #include <cstring>
 #include <string>
@@ -76,14 +78,18 @@ void read_all(const std::string& address, ReaderResult& result) {
   for (;;) {
     const int octets = polhode_bus_next(&bus, packet, sizeof packet, 3000);
     const std::int64_t at_ns = clock_ns(CLOCK_MONOTONIC);
-    if (octets <= 0 || polhode_decode(packet, static_cast<std::size_t>(octets), POLHODE_MOTION, &motion, sizeof motion) != 0) {
+    if (octets <= 0 ||
+        polhode_decode(
+            packet, static_cast<std::size_t>(octets), POLHODE_MOTION, &motion, sizeof motion) !=
+            0) {
       break;
     }
     if (motion.mode == POLHODE_MOTION_MODE_LOST) {  // the sender's last word
       break;
     }
     if (result.packets < kSamplesMax) {
-      result.latency_ns[result.packets] = static_cast<std::uint32_t>(std::min<std::int64_t>(at_ns - motion.timestamp_ns, UINT32_MAX));
+      result.latency_ns[result.packets] = static_cast<std::uint32_t>(
+          std::min<std::int64_t>(at_ns - motion.timestamp_ns, UINT32_MAX));
     }
     ++result.packets;
   }
@@ -125,7 +131,8 @@ struct Wish {
 
 Sent send_all(Transports& transports, const Wish& wish) {
   Sent sent;
-  const auto total = static_cast<std::uint64_t>(wish.seconds) * static_cast<std::uint64_t>(wish.rate);
+  const auto total =
+      static_cast<std::uint64_t>(wish.seconds) * static_cast<std::uint64_t>(wish.rate);
   sent.send_ns.reserve(total);
   MotionState state;
   std::vector<std::uint8_t> octets(kMotionPacketOctets);
@@ -138,7 +145,8 @@ Sent send_all(Transports& transports, const Wish& wish) {
     state.timestamp_ns = clock_ns(CLOCK_MONOTONIC);
     (void)encode_motion(state, {}, static_cast<std::uint16_t>(i & 0x3FFF), octets);
     transports.send(octets);
-    sent.send_ns.push_back(static_cast<std::uint32_t>(clock_ns(CLOCK_MONOTONIC) - state.timestamp_ns));
+    sent.send_ns.push_back(
+        static_cast<std::uint32_t>(clock_ns(CLOCK_MONOTONIC) - state.timestamp_ns));
     ++sent.packets;
   }
   sent.heap_calls = heap_calls - before;
@@ -162,9 +170,11 @@ void hear(Bell& bell, ReaderResult& result) {
   while (!bell.over) {
     ::syscall(SYS_futex, &bell.rung, FUTEX_WAIT, heard, nullptr, nullptr, 0);
     const std::uint32_t rung = bell.rung;
-    const std::int64_t now = clock_ns(CLOCK_MONOTONIC);  // after it: a later ring would else seem heard before it rang
+    const std::int64_t now =
+        clock_ns(CLOCK_MONOTONIC);  // after it: a later ring would else seem heard before it rang
     if (rung != heard && result.packets < kSamplesMax) {
-      result.latency_ns[result.packets++] = static_cast<std::uint32_t>(now - bell.at_ns[rung % Bell::kTimes]);
+      result.latency_ns[result.packets++] =
+          static_cast<std::uint32_t>(now - bell.at_ns[rung % Bell::kTimes]);
     }
     heard = rung;
   }
@@ -175,12 +185,14 @@ void measure_waking(const Wish& wish) {
   Bell* bell = make_shared_memory<Bell>();
   std::vector<Reader> readers;
   for (int i = 0; i < kGoodReaders; ++i) {
-    readers.push_back(start_reader(wish.priority, [bell](ReaderResult& result) { hear(*bell, result); }));
+    readers.push_back(
+        start_reader(wish.priority, [bell](ReaderResult& result) { hear(*bell, result); }));
   }
   const auto total = static_cast<std::uint32_t>(wish.seconds * wish.rate);
   std::vector<std::uint32_t> waking_ns;
   auto due = Clock::now();
-  for (std::uint32_t i = 1; i <= total; ++i, due += std::chrono::nanoseconds(1'000'000'000 / wish.rate)) {
+  for (std::uint32_t i = 1; i <= total;
+       ++i, due += std::chrono::nanoseconds(1'000'000'000 / wish.rate)) {
     std::this_thread::sleep_until(due);
     const std::int64_t before_ns = clock_ns(CLOCK_MONOTONIC);
     bell->at_ns[i % Bell::kTimes] = before_ns;
@@ -192,10 +204,19 @@ void measure_waking(const Wish& wish) {
   std::vector<std::uint32_t> latency;
   for (const Reader& reader : readers) {
     ::waitpid(reader.process, nullptr, 0);
-    latency.insert(latency.end(), reader.result->latency_ns, reader.result->latency_ns + reader.result->packets);
+    latency.insert(latency.end(),
+                   reader.result->latency_ns,
+                   reader.result->latency_ns + reader.result->packets);
   }
-  fmt::print("{:<14} {:>8} {:>6} {:>9.1f} {:>9.1f} {:>9.1f}   {:>9.1f} {:>9.1f} {:>9.1f}\n", "(waking alone)", total, "", percentile_us(latency, 0.5),
-             percentile_us(latency, 0.99), percentile_us(latency, 1.0), percentile_us(waking_ns, 0.5), percentile_us(waking_ns, 0.99),
+  fmt::print("{:<14} {:>8} {:>6} {:>9.1f} {:>9.1f} {:>9.1f}   {:>9.1f} {:>9.1f} {:>9.1f}\n",
+             "(waking alone)",
+             total,
+             "",
+             percentile_us(latency, 0.5),
+             percentile_us(latency, 0.99),
+             percentile_us(latency, 1.0),
+             percentile_us(waking_ns, 0.5),
+             percentile_us(waking_ns, 0.99),
              percentile_us(waking_ns, 1.0));
   std::fflush(stdout);
 }
@@ -208,7 +229,8 @@ bool measure(const char* name, const std::vector<std::string>& addresses, const 
   std::vector<Reader> readers;
   Transports early({.send = shared ? unique : std::vector<std::string>(), .receive = {}});
   for (const std::string& address : addresses) {
-    readers.push_back(start_reader(wish.priority, [&](ReaderResult& result) { read_all(address, result); }));
+    readers.push_back(
+        start_reader(wish.priority, [&](ReaderResult& result) { read_all(address, result); }));
   }
   ::kill(readers.back().process, SIGSTOP);
   Transports later({.send = shared ? std::vector<std::string>() : unique, .receive = {}});
@@ -222,13 +244,23 @@ bool measure(const char* name, const std::vector<std::string>& addresses, const 
     const ReaderResult& result = *readers[static_cast<std::size_t>(i)].result;
     lost += sent.packets - result.packets;
     heap += result.heap_calls;
-    latency.insert(latency.end(), result.latency_ns, result.latency_ns + std::min<std::uint64_t>(result.packets, kSamplesMax));
+    latency.insert(latency.end(),
+                   result.latency_ns,
+                   result.latency_ns + std::min<std::uint64_t>(result.packets, kSamplesMax));
   }
   end_process(readers.back().process);
   good = good && lost == 0 && heap == 0;
-  fmt::print("{:<14} {:>8} {:>6} {:>9.1f} {:>9.1f} {:>9.1f}   {:>9.1f} {:>9.1f} {:>9.1f} {:>6}\n", name, sent.packets, lost,
-             percentile_us(latency, 0.5), percentile_us(latency, 0.99), percentile_us(latency, 1.0), percentile_us(sent.send_ns, 0.5),
-             percentile_us(sent.send_ns, 0.99), percentile_us(sent.send_ns, 1.0), heap);
+  fmt::print("{:<14} {:>8} {:>6} {:>9.1f} {:>9.1f} {:>9.1f}   {:>9.1f} {:>9.1f} {:>9.1f} {:>6}\n",
+             name,
+             sent.packets,
+             lost,
+             percentile_us(latency, 0.5),
+             percentile_us(latency, 0.99),
+             percentile_us(latency, 1.0),
+             percentile_us(sent.send_ns, 0.5),
+             percentile_us(sent.send_ns, 0.99),
+             percentile_us(sent.send_ns, 1.0),
+             heap);
   std::fflush(stdout);
   return good;
 }
@@ -244,11 +276,19 @@ bool measure_all(const std::string& folder, const Wish& wish) {
     return true;
   }
   const std::string scheduling =
-      wish.priority > 0 ? fmt::format("real-time priority {}, readers {}, memory locked", wish.priority, wish.priority + 1)
+      wish.priority > 0 ? fmt::format("real-time priority {}, readers {}, memory locked",
+                                      wish.priority,
+                                      wish.priority + 1)
                         : "ordinary priority";
   const std::string cores = wish.core < 0 ? "any core" : fmt::format("core {} for all", wish.core);
   fmt::print("{}, {}; {} programs beside it\n", scheduling, cores, wish.load);
-  fmt::print("{:<14} {:>8} {:>6} {:>29}   {:>29} {:>6}\n", "", "packets", "lost", "to a reader, us: p50 p99 max", "sending, us: p50 p99 max", "heap");
+  fmt::print("{:<14} {:>8} {:>6} {:>29}   {:>29} {:>6}\n",
+             "",
+             "packets",
+             "lost",
+             "to a reader, us: p50 p99 max",
+             "sending, us: p50 p99 max",
+             "heap");
   const std::string ring = fmt::format("shm:/polhode_latency_{}", ::getpid());
   measure_waking(wish);
   bool good = true;
@@ -257,7 +297,8 @@ bool measure_all(const std::string& folder, const Wish& wish) {
       good = measure(name, addresses, wish) && good;
     }
   };
-  one("unix datagram", {"unix:" + folder + "/a", "unix:" + folder + "/b", "unix:" + folder + "/stopped"});
+  one("unix datagram",
+      {"unix:" + folder + "/a", "unix:" + folder + "/b", "unix:" + folder + "/stopped"});
   one("shared memory", {ring, ring, ring});
   one("udp loopback", {"udp:39301", "udp:39302", "udp:39303"});
   ::shm_unlink(ring.c_str() + 4);
@@ -277,7 +318,9 @@ bool read_wish(int argc, char** argv, Wish& wish) {
                        : name == "--ordinary" ? &wish.ordinary
                                               : nullptr;
     if (i + 1 == argc || (value == nullptr && name != "--only")) {
-      fmt::print(stderr, "bus_latency [--seconds 10] [--rate 1000] [--load 4] [--priority 5] [--core -1] [--ordinary 1] [--only unix|shm|udp]\n");
+      fmt::print(stderr,
+                 "bus_latency [--seconds 10] [--rate 1000] [--load 4] [--priority 5] [--core -1] "
+                 "[--ordinary 1] [--only unix|shm|udp]\n");
       return false;
     }
     if (value == nullptr) {

@@ -1,12 +1,13 @@
-// Does a reader delay a step? The component steps through a sequence, back and forth, at a camera's pace, and publishes on every
-// transport, filled up to so many packets a second: for a while with nobody there, for as long with two good readers and a stopped one on
-// each transport, in turns, so that what else the machine does falls on both. It begins anew each time, and so takes the same steps: each
-// is compared with itself, and those of two turns with nobody there with each other, which shows what the machine does by itself.
-//   bus_step --config config/live.toml --sequence hil/data/sample [--seconds 60] [--turns 5] [--rate 1000] [--fps 25] [--load 0]
-//            [--priority 5] [--set key=value ...]
-// With --priority over 0 the steps are at that real-time priority and the readers at one more, as in flight. Waits: how often publishing
-// gave up the processor of its own accord; sockets and ring never do (tests/transport/never_waits_test.cpp), a file does when the disk is
-// busy. Exit status 1 when a good reader lost a packet.
+// Does a reader delay a step? The component steps through a sequence, back and forth, at a camera's
+// pace, and publishes on every transport, filled up to so many packets a second: for a while with
+// nobody there, for as long with two good readers and a stopped one on each transport, in turns.
+// Each turn takes the same steps, so that two with nobody there show what the machine does by
+// itself.
+//   bus_step --config config/live.toml --sequence hil/data/sample [--seconds 60] [--turns 5]
+//            [--rate 1000] [--fps 25] [--load 0] [--priority 5] [--set key=value ...]
+// With --priority over 0 the steps are at that real-time priority, the readers at one more, as in
+// flight. Waits: how often publishing gave up the processor; sockets and ring never do, a file does
+// when the disk is busy. Exit status 1 when a good reader lost a packet.
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -87,7 +88,8 @@ class Audience {
     for (const std::vector<std::string>& transport : addresses) {
       for (const std::string& address : transport) {
         Heard* heard = make_shared_memory<Heard>();
-        const pid_t process = start_process(priority > 0 ? priority + 1 : 0, [&] { listen(address, *heard); });
+        const pid_t process =
+            start_process(priority > 0 ? priority + 1 : 0, [&] { listen(address, *heard); });
         while (!heard->ready) {
           std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
@@ -144,7 +146,8 @@ long waits() {
 std::uint64_t packets_in(std::span<const std::uint8_t> octets) {
   std::uint64_t count = 0;
   bus::PacketHeader header;
-  for (std::size_t at = 0; at < octets.size() && bus::read_header(octets.subspan(at), header); at += header.total_octets) {
+  for (std::size_t at = 0; at < octets.size() && bus::read_header(octets.subspan(at), header);
+       at += header.total_octets) {
     ++count;
   }
   return count;
@@ -163,7 +166,8 @@ class Bench {
     Component& component = *made.value();
     Worker worker({.own_thread = parameters_.jobs.delay_frames > 0});
     Times times;
-    const auto frames = static_cast<std::size_t>(arguments_.seconds * arguments_.fps / arguments_.turns);
+    const auto frames =
+        static_cast<std::size_t>(arguments_.seconds * arguments_.fps / arguments_.turns);
     const auto slot = std::chrono::nanoseconds(1'000'000'000 / arguments_.fps);
     filler_ = 0;
     auto due = std::chrono::steady_clock::now();
@@ -171,7 +175,10 @@ class Bench {
       std::this_thread::sleep_until(due);
       step(component, worker, i, transports, times);
       due += slot;
-      fill(transports, due, times, arguments_.rate * (i + 1) / static_cast<std::size_t>(arguments_.fps));
+      fill(transports,
+           due,
+           times,
+           arguments_.rate * (i + 1) / static_cast<std::size_t>(arguments_.fps));
     }
     worker.finish();
     transports.flush();
@@ -179,7 +186,11 @@ class Bench {
   }
 
  private:
-  void step(Component& component, Worker& worker, std::size_t number, Transports& transports, Times& times) const {
+  void step(Component& component,
+            Worker& worker,
+            std::size_t number,
+            Transports& transports,
+            Times& times) const {
     const StepInput input = next_input(component, worker, frames_.frame(number));
     const std::int64_t before_ns = clock_ns(CLOCK_MONOTONIC);
     const std::int64_t cpu_before_ns = clock_ns(CLOCK_THREAD_CPUTIME_ID);
@@ -190,15 +201,20 @@ class Bench {
     const long waits_before = waits();
     const std::int64_t submitted_ns = clock_ns(CLOCK_MONOTONIC);
     transports.send(out.packets);
-    times.publish_ns.push_back(static_cast<std::uint32_t>(clock_ns(CLOCK_MONOTONIC) - submitted_ns));
+    times.publish_ns.push_back(
+        static_cast<std::uint32_t>(clock_ns(CLOCK_MONOTONIC) - submitted_ns));
     times.publish_waits += waits() - waits_before;
     times.step_ns.push_back(static_cast<std::uint32_t>(stepped_ns - before_ns));
     times.step_cpu_ns.push_back(static_cast<std::uint32_t>(cpu_ns));
     times.published += packets_in(out.packets);
   }
 
-  /// One packet a millisecond or so until the next frame is due, then what is left of those that have to be out by then.
-  void fill(Transports& transports, std::chrono::steady_clock::time_point until, Times& times, std::size_t published_then) {
+  /// One packet a millisecond or so until the next frame is due, then what is left of those that
+  /// have to be out by then.
+  void fill(Transports& transports,
+            std::chrono::steady_clock::time_point until,
+            Times& times,
+            std::size_t published_then) {
     std::vector<std::uint8_t> octets(kMotionPacketOctets);
     BusOptions options;
     options.apid_first = kFillerApids;
@@ -225,14 +241,26 @@ class Bench {
 
 void print(const char* name, const Times& times, std::uint64_t lost) {
   const auto three = [](const std::vector<std::uint32_t>& ns) {
-    return fmt::format("{:>8.2f} {:>6.2f} {:>6.2f}", 1e-3 * percentile_us(ns, 0.5), 1e-3 * percentile_us(ns, 0.99), 1e-3 * percentile_us(ns, 1.0));
+    return fmt::format("{:>8.2f} {:>6.2f} {:>6.2f}",
+                       1e-3 * percentile_us(ns, 0.5),
+                       1e-3 * percentile_us(ns, 0.99),
+                       1e-3 * percentile_us(ns, 1.0));
   };
-  fmt::print("{:<14} {:>8} {:>6}   {}   {}   {:>7.1f} {:>7.1f} {:>7.1f}   {:>5}\n", name, times.published, lost, three(times.step_ns), three(times.step_cpu_ns),
-             percentile_us(times.publish_ns, 0.5), percentile_us(times.publish_ns, 0.99), percentile_us(times.publish_ns, 1.0), times.publish_waits);
+  fmt::print("{:<14} {:>8} {:>6}   {}   {}   {:>7.1f} {:>7.1f} {:>7.1f}   {:>5}\n",
+             name,
+             times.published,
+             lost,
+             three(times.step_ns),
+             three(times.step_cpu_ns),
+             percentile_us(times.publish_ns, 0.5),
+             percentile_us(times.publish_ns, 0.99),
+             percentile_us(times.publish_ns, 1.0),
+             times.publish_waits);
   std::fflush(stdout);
 }
 
-/// The same steps, each with itself: of the quotients of their times the median, and that of the sums, less 1.
+/// The same steps, each with itself: of the quotients of their times the median, and that of the
+/// sums, less 1.
 struct Comparison {
   std::vector<double> quotients;
   double sum_a = 0.0;
@@ -246,7 +274,10 @@ struct Comparison {
     }
   }
   void print(const char* name) {
-    fmt::print("{:<46} median {:+.2f} %, mean {:+.2f} %\n", name, 100.0 * (median(std::span(quotients)) - 1.0), 100.0 * (sum_b / sum_a - 1.0));
+    fmt::print("{:<46} median {:+.2f} %, mean {:+.2f} %\n",
+               name,
+               100.0 * (median(std::span(quotients)) - 1.0),
+               100.0 * (sum_b / sum_a - 1.0));
   }
 };
 
@@ -259,28 +290,52 @@ void append(Times& all, const Times& part) {
 }
 
 struct Addresses {
-  std::vector<std::vector<std::string>> readers;  ///< of each transport; the last one is the stopped one
+  std::vector<std::vector<std::string>>
+      readers;  ///< of each transport; the last one is the stopped one
   std::vector<std::string> send;
 };
 
 Addresses addresses_in(const std::string& folder) {
   const std::string ring = fmt::format("shm:/polhode_step_{}", ::getpid());
-  return {.readers = {{"unix:" + folder + "/a", "unix:" + folder + "/b", "unix:" + folder + "/stopped"}, {ring, ring, ring}, {"udp:39311", "udp:39312", "udp:39313"}},
-          .send = {"unix:" + folder + "/stopped", "unix:" + folder + "/a", "unix:" + folder + "/b", ring, "udp:39313", "udp:39311", "udp:39312",
-                   "file:" + folder + "/flight.ccsds"}};
+  return {
+      .readers = {{"unix:" + folder + "/a", "unix:" + folder + "/b", "unix:" + folder + "/stopped"},
+                  {ring, ring, ring},
+                  {"udp:39311", "udp:39312", "udp:39313"}},
+      .send = {"unix:" + folder + "/stopped",
+               "unix:" + folder + "/a",
+               "unix:" + folder + "/b",
+               ring,
+               "udp:39313",
+               "udp:39311",
+               "udp:39312",
+               "file:" + folder + "/flight.ccsds"}};
 }
 
 /// @return true when nothing was lost.
-bool measure(const Arguments& arguments, const Sequence& sequence, const Parameters& parameters, const std::string& folder) {
+bool measure(const Arguments& arguments,
+             const Sequence& sequence,
+             const Parameters& parameters,
+             const std::string& folder) {
   Bench bench(arguments, sequence, parameters);
   const Addresses addresses = addresses_in(folder);
   Transports transports({.send = addresses.send, .receive = {}});
   const Load load(arguments.load);
   if (!set_priority(arguments.priority)) {
-    fmt::print("real-time priority {} is not granted (ulimit -r): ordinary priority\n", arguments.priority);
+    fmt::print("real-time priority {} is not granted (ulimit -r): ordinary priority\n",
+               arguments.priority);
   }
-  fmt::print("steps at priority {}, {} frames a second, {} programs beside it\n", arguments.priority, arguments.fps, arguments.load);
-  fmt::print("{:<14} {:>8} {:>6}   {:>22}   {:>22}   {:>23}   {:>5}\n", "", "packets", "lost", "step, ms: p50 p99 max", "of it CPU", "publishing, us", "waits");
+  fmt::print("steps at priority {}, {} frames a second, {} programs beside it\n",
+             arguments.priority,
+             arguments.fps,
+             arguments.load);
+  fmt::print("{:<14} {:>8} {:>6}   {:>22}   {:>22}   {:>23}   {:>5}\n",
+             "",
+             "packets",
+             "lost",
+             "step, ms: p50 p99 max",
+             "of it CPU",
+             "publishing, us",
+             "waits");
   Times nobody;
   Times heard;
   Comparison with_readers;
@@ -293,7 +348,9 @@ bool measure(const Arguments& arguments, const Sequence& sequence, const Paramet
     lost += readers->lost(second.published);
     readers.reset();
     if (turn > 0) {
-      without.add({nobody.step_ns.end() - static_cast<std::ptrdiff_t>(first.step_ns.size()), nobody.step_ns.end()}, first.step_ns);
+      without.add({nobody.step_ns.end() - static_cast<std::ptrdiff_t>(first.step_ns.size()),
+                   nobody.step_ns.end()},
+                  first.step_ns);
     }
     with_readers.add(first.step_ns, second.step_ns);
     append(nobody, first);
@@ -318,7 +375,9 @@ int main(int argc, char** argv) {
   CLI::App app{"steps beside readers"};
   app.add_option("--config", arguments.config)->required();
   app.add_option("--sequence", arguments.sequence)->required();
-  app.add_option("--set", arguments.settings)->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--set", arguments.settings)
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--seconds", arguments.seconds);
   app.add_option("--turns", arguments.turns)->check(CLI::PositiveNumber);
   app.add_option("--rate", arguments.rate);

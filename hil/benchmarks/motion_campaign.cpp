@@ -41,15 +41,32 @@ std::array<NamedCase, 4> cases() {
            {"fast tumble, 300 frames", fast}}};
 }
 
-constexpr std::array<const char*, kCompared> kNames{
-    "attitude x", "attitude y", "attitude z", "rate x",       "rate y",       "rate z",       "velocity x",
-    "velocity y", "velocity z", "mass centre x", "mass centre y", "mass centre z", "ln J2/J1", "ln J3/J1"};
+constexpr std::array<const char*, kCompared> kNames{"attitude x",
+                                                    "attitude y",
+                                                    "attitude z",
+                                                    "rate x",
+                                                    "rate y",
+                                                    "rate z",
+                                                    "velocity x",
+                                                    "velocity y",
+                                                    "velocity z",
+                                                    "mass centre x",
+                                                    "mass centre y",
+                                                    "mass centre z",
+                                                    "ln J2/J1",
+                                                    "ln J3/J1"};
 
 bool report(const NamedCase& c, int seeds) {
   const polhode::ModelStatistics s = polhode::run_seeds(c.bound, seeds);
   const Compared bound = polhode::cramer_rao(c.bound);
   std::printf("%s: %d of %d accepted\n", c.name, s.accepted, s.seeds);
-  std::printf("  %-14s %12s %12s %10s %10s %8s\n", "", "bound", "error RMS", "RMS/bound", "sigma/RMS", "inside");
+  std::printf("  %-14s %12s %12s %10s %10s %8s\n",
+              "",
+              "bound",
+              "error RMS",
+              "RMS/bound",
+              "sigma/RMS",
+              "inside");
   double inside = 0.0;
   bool good = s.accepted >= 0.95 * s.seeds;
   for (int k = 0; k < kCompared; ++k) {

@@ -1,7 +1,8 @@
 // What the causal fit of the dynamics costs a frame, over a long run: bench_motion_cost [FRAMES].
 //
-// Poses of free bodies come one by one, are remembered in the bounded table and fitted when a fit is due, as a run's
-// second thread does it. A row for each tenth of the frames: processor time a frame, spread over all of them.
+// Poses of free bodies come one by one, are remembered in the bounded table and fitted when a fit
+// is due, as a run's second thread does it. A row for each tenth of the frames: processor time a
+// frame, spread over all of them.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -14,11 +15,14 @@
 
 namespace {
 
-double processor_s() { return 1e-9 * static_cast<double>(polhode::platform::clock_ns(CLOCK_THREAD_CPUTIME_ID)); }
+double processor_s() {
+  return 1e-9 * static_cast<double>(polhode::platform::clock_ns(CLOCK_THREAD_CPUTIME_ID));
+}
 
 struct LongRun {
   std::unique_ptr<polhode::MotionSnapshot> snapshot = std::make_unique<polhode::MotionSnapshot>();
-  std::unique_ptr<polhode::MotionWorkspace> workspace = std::make_unique<polhode::MotionWorkspace>();
+  std::unique_ptr<polhode::MotionWorkspace> workspace =
+      std::make_unique<polhode::MotionWorkspace>();
   polhode::RigidModel model;
   std::size_t since_fit = 0;
   int fits = 0;
@@ -42,7 +46,10 @@ double take(const polhode::PoseSample& sample, LongRun* run) {
   return took_s;
 }
 
-void report(const char* name, const polhode::FreeBody& body, std::size_t frames, double interval_s) {
+void report(const char* name,
+            const polhode::FreeBody& body,
+            std::size_t frames,
+            double interval_s) {
   const auto samples = polhode::observed(polhode::tumble(body, frames, interval_s), {}, 1);
   LongRun run;
   run.snapshot->body_radius = 1.0;
@@ -67,7 +74,8 @@ void report(const char* name, const polhode::FreeBody& body, std::size_t frames,
 }  // namespace
 
 int main(int argc, char** argv) {
-  const auto frames = static_cast<std::size_t>(std::max(10, argc > 1 ? std::atoi(argv[1]) : 10'000));
+  const auto frames =
+      static_cast<std::size_t>(std::max(10, argc > 1 ? std::atoi(argv[1]) : 10'000));
   report("paper's body", polhode::paper_body(), frames, 10.0);
   report("tumble", polhode::asymmetric_body(3.0 * polhode::kDegree_rad), frames, 2.0);
   report("fast tumble at 10 Hz", polhode::asymmetric_body(5.0 * polhode::kDegree_rad), frames, 0.1);

@@ -24,7 +24,8 @@ double percentile_us(std::vector<std::uint32_t> values_ns, double part) {
     return 0.0;
   }
   std::sort(values_ns.begin(), values_ns.end());
-  return 1e-3 * values_ns[static_cast<std::size_t>(part * static_cast<double>(values_ns.size() - 1))];
+  return 1e-3 *
+         values_ns[static_cast<std::size_t>(part * static_cast<double>(values_ns.size() - 1))];
 }
 
 bool set_priority(int priority) {
@@ -51,7 +52,8 @@ void end_process(pid_t process) {
 
 Load::Load(int programs) {
   for (int i = 0; i < programs; ++i) {
-    // Under chrt it would keep everything else off the cores, the benchmark included: hence the ordinary priority.
+    // Under chrt it would keep everything else off the cores, the benchmark included: hence the
+    // ordinary priority.
     programs_.push_back(start_process(0, [] { want_a_core(); }));
   }
 }

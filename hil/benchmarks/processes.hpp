@@ -28,11 +28,13 @@ bool set_core(int core);
 /// Zero at first, seen by this process and by those that it starts from now on.
 template <typename T>
 T* make_shared_memory() {
-  void* memory = ::mmap(nullptr, sizeof(T), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  void* memory =
+      ::mmap(nullptr, sizeof(T), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   return new (memory) T{};
 }
 
-/// A process that does `work()` and ends, with this one at the latest. @param priority 0: an ordinary one; else its memory is locked.
+/// A process that does `work()` and ends, with this one at the latest. @param priority 0: an
+/// ordinary one; else its memory is locked.
 template <typename Work>
 pid_t start_process(int priority, Work work) {
   const pid_t process = ::fork();
@@ -51,7 +53,8 @@ pid_t start_process(int priority, Work work) {
 /// Ends it, stopped or not.
 void end_process(pid_t process);
 
-/// Programs that want a core each at ordinary priority, as the rest of a busy computer does. They end with this one.
+/// Programs that want a core each at ordinary priority, as the rest of a busy computer does. They
+/// end with this one.
 class Load {
  public:
   explicit Load(int programs);

@@ -34,9 +34,8 @@ std::unique_ptr<polhode_bus, CloseBus> open_bus(const Address& address) {
   std::unique_ptr<polhode_bus, CloseBus> bus(new polhode_bus{});
   const int failed = polhode_bus_open(bus.get(), address.text.c_str());
   if (failed != 0) {
-    throw UnusableInput(fmt::format("{}: cannot be opened: {}",
-                                    address.text,
-                                    std::generic_category().message(-failed)));
+    throw UnusableInput(fmt::format(
+        "{}: cannot be opened: {}", address.text, std::generic_category().message(-failed)));
   }
   return bus;
 }
@@ -48,7 +47,8 @@ void tell_loss(const polhode_bus& bus, std::uint64_t& damaged, std::uint64_t& ov
     damaged = bus.damaged_octets;
   }
   if (bus.overrun != overrun) {
-    fmt::print(stderr, "{} packets were overwritten before they were read\n", bus.overrun - overrun);
+    fmt::print(
+        stderr, "{} packets were overwritten before they were read\n", bus.overrun - overrun);
     overrun = bus.overrun;
   }
 }
@@ -109,7 +109,8 @@ void send_command(const BusSendArguments& arguments) {
   DatagramSender sender(address);
   for (const auto& packet : packets) {
     if (packet.size() > limits::kPacketOctets) {
-      throw UnusableInput(fmt::format("a command of {} octets: allowed are {}", packet.size(), limits::kPacketOctets));
+      throw UnusableInput(fmt::format(
+          "a command of {} octets: allowed are {}", packet.size(), limits::kPacketOctets));
     }
     sender.send(packet);
   }
@@ -125,10 +126,11 @@ void send_command(const BusSendArguments& arguments) {
     throw RunFailure(fmt::format("{}: nobody takes commands there", arguments.address));
   }
   if (counts.sent != packets.size()) {
-    throw RunFailure(fmt::format("{}: {} of {} commands were sent, then the receiver's queue stayed full",
-                                 arguments.address,
-                                 counts.sent,
-                                 packets.size()));
+    throw RunFailure(
+        fmt::format("{}: {} of {} commands were sent, then the receiver's queue stayed full",
+                    arguments.address,
+                    counts.sent,
+                    packets.size()));
   }
 }
 

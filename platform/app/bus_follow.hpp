@@ -10,11 +10,12 @@ struct BusFollowArguments {
   std::string address;
   bool json = false;  ///< one object a line instead of a table
   int apid_first = 0x1A0;
-  int count = 0;          ///< end after so many packets; 0: never
+  int count = 0;           ///< end after so many packets; 0: never
   double timeout_s = 0.0;  ///< end when none comes for so long; 0: never
 };
 
-/// Prints packets as they come, until interrupted. What was lost or damaged is told on standard error.
+/// Prints packets as they come, until interrupted. What was lost or damaged is told on standard
+/// error.
 /// @throws UnusableInput: the address cannot be opened.
 void follow_bus(const BusFollowArguments& arguments);
 

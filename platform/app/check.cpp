@@ -50,10 +50,10 @@ std::optional<Sequence> take_sequence(const CheckArguments& arguments,
 }
 
 std::string about(const std::optional<Sequence>& sequence) {
-  return sequence ? fmt::format("sequence: {} frames in {}\n",
-                                sequence->frames.size(),
-                                sequence->path.string())
-                  : std::string();
+  return sequence
+             ? fmt::format(
+                   "sequence: {} frames in {}\n", sequence->frames.size(), sequence->path.string())
+             : std::string();
 }
 
 /// The files that are named, as a replay or a run opens them.

@@ -22,7 +22,8 @@ struct CheckpointIdentity {
 struct CheckpointStamp {
   CheckpointIdentity identity;
   std::int64_t utc_ns = 0;
-  std::uint32_t restarts = 0;  ///< of the program, from checkpoint to checkpoint, since a cold start
+  std::uint32_t restarts =
+      0;  ///< of the program, from checkpoint to checkpoint, since a cold start
 };
 
 /// Of this machine since it was started; zeros when it does not tell.
@@ -39,7 +40,7 @@ bool write_checkpoint_file(const std::filesystem::path& file,
 struct LoadedCheckpoint {
   std::unique_ptr<TableMemory> memory;    ///< of the content: goes with it, beside the pools
   std::span<const std::uint8_t> content;  ///< empty when refused
-  std::string refusal;                ///< why; empty when it is good
+  std::string refusal;                    ///< why; empty when it is good
   double age_s = 0.0;
   std::uint32_t restarts = 0;
 };

@@ -45,8 +45,8 @@ class CheckpointWriter {
 
   std::filesystem::path file_;
   std::filesystem::path beside_;
-  CheckpointStamp stamp_;  ///< of the thread while `waiting_`
-  TableMemory memory_;  ///< beside the pools, which are the libraries'
+  CheckpointStamp stamp_;           ///< of the thread while `waiting_`
+  TableMemory memory_;              ///< beside the pools, which are the libraries'
   std::span<std::uint8_t> buffer_;  ///< of the thread while `waiting_`
   std::mutex mutex_;
   std::condition_variable changed_;

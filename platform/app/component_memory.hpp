@@ -13,7 +13,9 @@ class ComponentMemory {
  public:
   /// @param where  the configuration's name, for the message.
   /// @throws UnusableInput when the plan does not fit; RunFailure when the machine has not so much.
-  ComponentMemory(const Parameters& parameters, const std::string& where, const MachineNeeds& machine);
+  ComponentMemory(const Parameters& parameters,
+                  const std::string& where,
+                  const MachineNeeds& machine);
 
   [[nodiscard]] std::span<std::byte> span() const { return tables_.span(); }
   [[nodiscard]] const MemoryPlan& plan() const { return plan_; }

@@ -21,7 +21,8 @@ const char* status_name(ModelStatus status) {
     case ModelStatus::kNoFit:
       return "refused: no motion of a rigid body goes through the poses";
     case ModelStatus::kResidualsTooLarge:
-      return "refused: the residuals are larger than the poses' sigmas, so these poses or their times are not "
+      return "refused: the residuals are larger than the poses' sigmas, so these poses or their "
+             "times are not "
              "those of a rigid body that nothing disturbs";
   }
   return "";
@@ -137,7 +138,10 @@ Json fit_json(const RigidModel& model, const MotionOptions& options) {
   return out;
 }
 
-void add_dynamics(const RigidModel& model, const Eigen::Matrix3d& R_CI, double scale_sigma, Json* out) {
+void add_dynamics(const RigidModel& model,
+                  const Eigen::Matrix3d& R_CI,
+                  double scale_sigma,
+                  Json* out) {
   const Result<BodyDynamics> described = describe_dynamics(model);
   const BodyDynamics& body = described.value();
   Json& json = *out;
@@ -158,8 +162,12 @@ void add_dynamics(const RigidModel& model, const Eigen::Matrix3d& R_CI, double s
   json["translation"] = path_json(body, model, R_CI, scale_sigma);
 }
 
-void add_prediction(const RigidModel& model, const Eigen::Matrix3d& R_CI, double scale_sigma, Json* out) {
-  constexpr std::array<double, 10> kAhead_s{0.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1200.0, 1800.0};
+void add_prediction(const RigidModel& model,
+                    const Eigen::Matrix3d& R_CI,
+                    double scale_sigma,
+                    Json* out) {
+  constexpr std::array<double, 10> kAhead_s{
+      0.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1200.0, 1800.0};
   Json rows = Json::array();
   Json horizon = nullptr;
   bool sure = true;

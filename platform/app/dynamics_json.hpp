@@ -20,15 +20,21 @@ const char* name(Observability observability);
 /// Whether the poses bear out a free rigid body, and why not.
 Json fit_json(const RigidModel& model, const MotionOptions& options);
 
-/// Adds rates, principal axes, inertia ratios, periods, angular momentum, velocity and mass centre to
-/// `out`; what is unobserved is null. The model must be accepted.
+/// Adds rates, principal axes, inertia ratios, periods, angular momentum, velocity and mass centre
+/// to `out`; what is unobserved is null. The model must be accepted.
 /// @param R_CI         takes inertial components to those of the camera at the model's reference.
 /// @param scale_sigma  1-sigma of the scale over the scale: lengths' sigmas contain it.
-void add_dynamics(const RigidModel& model, const Eigen::Matrix3d& R_CI, double scale_sigma, Json* out);
+void add_dynamics(const RigidModel& model,
+                  const Eigen::Matrix3d& R_CI,
+                  double scale_sigma,
+                  Json* out);
 
 /// Adds `prediction`, rows from now to 30 min ahead with the camera held as it is at the reference,
 /// and `prediction_horizon_s`: the longest of them whose attitude is sure to 5 deg (1 sigma, worst
 /// axis), null where none is.
-void add_prediction(const RigidModel& model, const Eigen::Matrix3d& R_CI, double scale_sigma, Json* out);
+void add_prediction(const RigidModel& model,
+                    const Eigen::Matrix3d& R_CI,
+                    double scale_sigma,
+                    Json* out);
 
 }  // namespace polhode::platform

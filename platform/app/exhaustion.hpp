@@ -1,5 +1,5 @@
-// What is still done when memory is exhausted, the reserve too: the state goes to the disk, then the
-// program ends.
+// What is still done when memory is exhausted, the reserve too: the state goes to the disk, then
+// the program ends.
 #pragma once
 
 #include "app/checkpoint_writer.hpp"

@@ -24,19 +24,20 @@ double image_motion_px_s(const MotionState& motion, const Component::State& s) {
          s.camera.focal_px() * across / depth;
 }
 
-/// Before black space, where all that there is passes for empty space, it is too dark: a body that the component does not call
-/// dark may still be under the mask's level.
+/// Before black space, where all that there is passes for empty space, it is too dark: a body that
+/// the component does not call dark may still be under the mask's level.
 LevelCounts used_levels(const Component::State& state) {
   LevelCounts levels = target_levels(state.gray, state.parameters.mask, state.mask);
-  const bool none = std::all_of(levels.begin(), levels.end(), [](std::uint32_t n) { return n == 0; });
+  const bool none =
+      std::all_of(levels.begin(), levels.end(), [](std::uint32_t n) { return n == 0; });
   if (none && !state.mask_state.behind) {
     levels.front() = 1;
   }
   return levels;
 }
 
-/// One level all over: where it is more than a target should have it is too much light, where a target would pass for empty space
-/// too little, else nothing is known.
+/// One level all over: where it is more than a target should have it is too much light, where a
+/// target would pass for empty space too little, else nothing is known.
 LevelCounts flat_levels(const cv::Mat& gray, const MaskOptions& mask) {
   LevelCounts levels{};
   const double mean = cv::mean(gray)[0];
@@ -102,11 +103,10 @@ void ExposureControl::after(const StepOutput& out,
   const CameraExposure next = next_setting(seen_target(out, state), now, options_.gain_factor_max);
   // Steps of the device's are coarse: what is nearly the same is left as it is.
   constexpr double kSame = 0.02;
-  const bool same =
-      std::abs(static_cast<double>(next.exposure_ns - now.exposure_ns)) <
-          kSame * static_cast<double>(now.exposure_ns) &&
-      std::abs(next.gain - now.gain) * options_.gain_factor_max <
-          kSame * (1.0 + (options_.gain_factor_max - 1.0) * now.gain);
+  const bool same = std::abs(static_cast<double>(next.exposure_ns - now.exposure_ns)) <
+                        kSame * static_cast<double>(now.exposure_ns) &&
+                    std::abs(next.gain - now.gain) * options_.gain_factor_max <
+                        kSame * (1.0 + (options_.gain_factor_max - 1.0) * now.gain);
   if (!same) {
     camera.set_exposure(next.exposure_ns, now.has_gain ? next.gain : -1.0);
     ++changes_;

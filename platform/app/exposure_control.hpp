@@ -1,5 +1,5 @@
-// Exposure and gain of the camera, from what the target's pixels are: the imaging stage's controller
-// between the component and the device.
+// Exposure and gain of the camera, from what the target's pixels are: the imaging stage's
+// controller between the component and the device.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,8 @@ namespace polhode::platform {
 
 struct ExposureControlOptions {
   bool enabled = true;
-  double gain_factor_max = 16.0;  ///< light at the gain control's highest setting, of that at its lowest
+  double gain_factor_max =
+      16.0;  ///< light at the gain control's highest setting, of that at its lowest
 };
 
 /// What the controller goes by, of one step.
@@ -30,7 +31,8 @@ CameraExposure next_setting(const SeenTarget& seen,
                             const CameraExposure& settings,
                             double gain_factor_max);
 
-/// After a step. A setting takes effect some frames after it is made, so it is made every few frames.
+/// After a step. A setting takes effect some frames after it is made, so it is made every few
+/// frames.
 class ExposureControl {
  public:
   explicit ExposureControl(const ExposureControlOptions& options) : options_(options) {}

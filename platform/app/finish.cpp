@@ -56,8 +56,8 @@ std::vector<SmoothedPose> smooth_frames(Component& component,
   return poses;
 }
 
-/// The frame that carries the scale may have found its pose only now, and has its best one now: that
-/// of its keyframe, or what its picture gives.
+/// The frame that carries the scale may have found its pose only now, and has its best one now:
+/// that of its keyframe, or what its picture gives.
 void measure_scale_late(const Sequence& sequence, const ReplayLog& log, Component::State* state) {
   if (!names_frame(state->parameters.scale) || state->map.keyframe_count == 0 ||
       measure_scale_in_keyframe(state)) {
@@ -101,8 +101,11 @@ void measure_scale_by_shape(Component::State* state) {
     return;
   }
   const auto work = std::make_unique<ShapeWork>();
-  const Result<Shape> shape = estimate_shape(
-      confirmed_landmarks(*state).points_T, state->parameters.shape, state->parameters.seed, nullptr, *work);
+  const Result<Shape> shape = estimate_shape(confirmed_landmarks(*state).points_T,
+                                             state->parameters.shape,
+                                             state->parameters.seed,
+                                             nullptr,
+                                             *work);
   if (shape) {
     (void)measure_scale_of(shape.value(), state);
   }
@@ -216,8 +219,10 @@ void write_smoothed(const std::vector<MotionState>& smoothed,
   OutputFile table(folder / "motion_smoothed.csv");
   table.write(motion_csv_header());
   for (std::size_t i = 0; i < smoothed.size(); ++i) {
-    table.write(motion_csv_row(
-        {.frame = i, .timestamp_ns = log.published[i].timestamp_ns, .used = log.uses[i] == FrameUse::kUsed}, smoothed[i]));
+    table.write(motion_csv_row({.frame = i,
+                                .timestamp_ns = log.published[i].timestamp_ns,
+                                .used = log.uses[i] == FrameUse::kUsed},
+                               smoothed[i]));
   }
   table.close();
   write_trajectory(folder / "trajectory.tum", smoothed);
@@ -240,28 +245,28 @@ void finish_replay(Component& component,
   write_shape_json(folder / "shape.json",
                    {.shape = found.shape ? &*found.shape : nullptr,
                     .reason = found.reason,
-                     .surface = found.surface ? &*found.surface : nullptr,
-                     .scale_options = state.parameters.scale,
-                     .scale = state.scale});
-  const std::vector<PoseSample> samples = samples_in_body(
-      poses, log.published, found.body, state.scale.metres_per_mu, log.servicer);
+                    .surface = found.surface ? &*found.surface : nullptr,
+                    .scale_options = state.parameters.scale,
+                    .scale = state.scale});
+  const std::vector<PoseSample> samples =
+      samples_in_body(poses, log.published, found.body, state.scale.metres_per_mu, log.servicer);
   const double radius = found.shape ? 0.5 * found.shape->dimensions.maxCoeff()
                                     : state.map.radius_mu * state.scale.metres_per_mu;
   const std::optional<RigidModel> of_map = model_of_map(samples, found.body, state);
   const RigidModel model = of_map ? *of_map : model_of(samples, radius, state);
   write_smoothed(
       smoothed_motion(poses, samples, log.published, model, log.servicer, state), log, folder);
-  write_model_json(folder / "motion_model.json",
-                   {.samples = samples,
-                    .model = model,
-                    .options = state.parameters.motion,
-                    .body_radius = radius,
-                    .scale_known = state.scale.known,
-                    .scale_sigma = state.scale.relative_sigma,
-                    .R_CI = samples.empty()
-                                ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
-                                : Eigen::Matrix3d(
-                                      log.servicer.R_IC(samples.back().timestamp_ns).transpose())});
+  write_model_json(
+      folder / "motion_model.json",
+      {.samples = samples,
+       .model = model,
+       .options = state.parameters.motion,
+       .body_radius = radius,
+       .scale_known = state.scale.known,
+       .scale_sigma = state.scale.relative_sigma,
+       .R_CI = samples.empty()
+                   ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
+                   : Eigen::Matrix3d(log.servicer.R_IC(samples.back().timestamp_ns).transpose())});
 }
 
 }  // namespace polhode::platform

@@ -14,16 +14,16 @@ namespace polhode::platform {
 
 class ChosenCamera {
  public:
-  /// Opens a device and lets go of it again, so that one that will never do is refused here; one that
-  /// is away or busy is waited for later. A sequence gives `parameters` its own camera.
+  /// Opens a device and lets go of it again, so that one that will never do is refused here; one
+  /// that is away or busy is waited for later. A sequence gives `parameters` its own camera.
   /// @param machine must outlive the camera.
   /// @throws UnusableInput naming the file, the key and what is wrong.
   ChosenCamera(const std::filesystem::path& config,
                const MachineOptions& machine,
                Parameters* parameters);
 
-  /// From now on frames come. Not before they can be taken: buffers would fill up with old ones, and a
-  /// device that was unplugged meanwhile would not be missed.
+  /// From now on frames come. Not before they can be taken: buffers would fill up with old ones,
+  /// and a device that was unplugged meanwhile would not be missed.
   LiveCamera& start(const CameraParameters& parameters);
 
   /// That is played; nullptr for a device.

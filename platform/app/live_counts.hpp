@@ -71,11 +71,13 @@ struct LiveCounts {
   std::uint32_t first_pose_frame = UINT32_MAX;  ///< accepted frames before it
   std::int64_t last_step_us = 0;
   std::int64_t last_step_utc_ns = 0;  ///< when it ended
-  DeadlineMonitor deadline{0.0};  ///< of the steps
+  DeadlineMonitor deadline{0.0};      ///< of the steps
   DurationHistogram step;
-  DurationHistogram publish;  ///< a step's jobs to the worker, its packets to all transports and the run's own file
+  DurationHistogram publish;  ///< a step's jobs to the worker, its packets to all transports and
+                              ///< the run's own file
   DurationHistogram latency;  ///< frame available to packets handed over
-  /// Of that, what the frame's thread was on a processor: the latency on a machine that has one for it.
+  /// Of that, what the frame's thread was on a processor: the latency on a machine that has one for
+  /// it.
   DurationHistogram latency_cpu;
   /// Processor time of the frame's thread a frame, all but the step's: camera, recording, packets,
   /// checkpoint, telemetry.

@@ -31,7 +31,7 @@ class LiveReport {
   std::int64_t due_ns_ = 0;
   CameraCounters told_;
   std::array<char, 80> told_state_{};  ///< its beginning, by which a new one is known
-  std::int64_t trouble_due_ns_ = 0;  ///< lines about trouble come no faster than this
+  std::int64_t trouble_due_ns_ = 0;    ///< lines about trouble come no faster than this
   MotionState last_;
 };
 

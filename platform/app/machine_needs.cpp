@@ -45,8 +45,8 @@ MachineNeeds transport_needs(const TransportOptions& options) {
 }
 
 void add_sequence(const Sequence& sequence, MachineNeeds* needs) {
-  // The libraries' own: tables and windows, and groups of rows before and after upsampling, under 200
-  // octets a column for a JPEG (tests/platform/v4l2/jpeg_decoder_test.cpp), 32 for a PNG.
+  // The libraries' own: tables and windows, and groups of rows before and after upsampling, under
+  // 200 octets a column for a JPEG (tests/platform/v4l2/jpeg_decoder_test.cpp), 32 for a PNG.
   constexpr std::size_t kTables = std::size_t{128} << 10U;
   constexpr std::size_t kPerColumn = 256;
   // In one piece: what the heap surely finds is up to a sixteenth less than what is free.

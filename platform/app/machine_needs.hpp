@@ -1,4 +1,5 @@
-// Memory of a run beside the estimator's: for packets, pictures of the device, checkpoints, recordings.
+// Memory of a run beside the estimator's: for packets, pictures of the device, checkpoints,
+// recordings.
 #pragma once
 
 #include "camera/replay/sequence.hpp"

@@ -123,7 +123,8 @@ void add_check(CLI::App& app, CheckArguments& arguments) {
 }
 
 CLI::Option* add_apid(CLI::App& command, int& apid_first) {
-  return command.add_option("--apid-first", apid_first, "bus.apid_first of the run, 416 by default")
+  return command
+      .add_option("--apid-first", apid_first, "bus.apid_first of the run, 416 by default")
       ->check(CLI::Range(1, 2031));
 }
 
@@ -144,9 +145,10 @@ void add_follow(CLI::App& bus, BusFollowArguments& arguments) {
 void add_send(CLI::App& bus, BusSendArguments& arguments) {
   CLI::App* send = bus.add_subcommand("send", "send a command");
   send->add_option("ADDRESS", arguments.address, "unix:PATH, udp:PORT, udp:HOST:PORT")->required();
-  send->add_option("COMMAND",
-                   arguments.words,
-                   "as in: set_range frame_timestamp_ns=5 range_m=12.5; several with + between them")
+  send->add_option(
+          "COMMAND",
+          arguments.words,
+          "as in: set_range frame_timestamp_ns=5 range_m=12.5; several with + between them")
       ->required();
   add_apid(*send, arguments.apid_first);
   send->callback([&arguments] { polhode::platform::send_command(arguments); });

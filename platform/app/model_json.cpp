@@ -59,15 +59,14 @@ Json describe(const MotionModel& model, double scale_sigma) {
 }
 
 Json paper(const ModelInput& input) {
-  const auto samples =
-      input.samples.first(std::min(input.samples.size(), kSineSamplesMax + 1));
+  const auto samples = input.samples.first(std::min(input.samples.size(), kSineSamplesMax + 1));
   std::vector<SineSample> workspace(samples.size());
   const auto model = paper_model(samples, input.body_radius, workspace);
   return model ? describe(model.value(), input.scale_sigma) : Json(nullptr);
 }
 
-/// Poses that are the dynamics' own share its error, however many they are: what they scatter by, and
-/// what the square root of their number leaves of their sigmas, says nothing of it.
+/// Poses that are the dynamics' own share its error, however many they are: what they scatter by,
+/// and what the square root of their number leaves of their sigmas, says nothing of it.
 void withhold_sigmas(Json* json) {
   for (auto& [key, value] : json->items()) {
     if (key.starts_with("sigma_") || key.starts_with("chi2_") || key.starts_with("rms_")) {

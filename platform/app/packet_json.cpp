@@ -23,9 +23,8 @@ Json whole_number(const bus::Field& field, const void* packet, std::size_t index
     return static_cast<std::uint64_t>(bus::value_of(field, packet, index));
   }
   std::int64_t value = 0;
-  std::memcpy(&value,
-              static_cast<const std::byte*>(packet) + field.member + 8 * index,
-              sizeof value);
+  std::memcpy(
+      &value, static_cast<const std::byte*>(packet) + field.member + 8 * index, sizeof value);
   return field.type == bus::FieldType::kU64 ? Json(static_cast<std::uint64_t>(value)) : Json(value);
 }
 

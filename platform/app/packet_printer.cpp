@@ -28,9 +28,8 @@ void print_packet(const bus::Layout& layout,
                fields_text(layout, packet));
     return;
   }
-  nlohmann::ordered_json out{{"packet", std::string(layout.name)},
-                             {"apid", header.apid},
-                             {"sequence", header.sequence}};
+  nlohmann::ordered_json out{
+      {"packet", std::string(layout.name)}, {"apid", header.apid}, {"sequence", header.sequence}};
   out.update(fields_json(layout, packet));
   fmt::print("{}\n", out.dump());
 }
@@ -59,11 +58,8 @@ void PacketPrinter::packet(const bus::PacketHeader& header, std::span<const std:
   alignas(std::max_align_t) std::array<std::byte, bus::kStructOctetsMax> packet{};
   const Result<bus::PacketHeader> decoded = bus::decode(*layout, octets, packet.data());
   if (!decoded) {
-    fmt::print(stderr,
-               "packet {} of APID {}: {}\n",
-               packets_ - 1,
-               header.apid,
-               decoded.error().message);
+    fmt::print(
+        stderr, "packet {} of APID {}: {}\n", packets_ - 1, header.apid, decoded.error().message);
     return;
   }
   print_packet(*layout, header, packet.data(), options_.json);

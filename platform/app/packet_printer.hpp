@@ -40,7 +40,8 @@ class PacketPrinter {
 
   PrinterOptions options_;
   std::map<std::uint16_t, std::uint16_t> last_sequence_;  ///< per APID
-  std::map<std::uint16_t, std::uint64_t> unknown_;  ///< packets per APID that is not in the field table
+  std::map<std::uint16_t, std::uint64_t>
+      unknown_;  ///< packets per APID that is not in the field table
   std::uint64_t packets_ = 0;
   std::uint64_t missing_ = 0;
   std::uint64_t damaged_total_ = 0;

@@ -12,8 +12,8 @@ namespace polhode::platform {
 /// @throws UnusableInput naming the configuration, the key and the place.
 void check_places(const std::filesystem::path& config, const MachineOptions& machine);
 
-/// Makes the folders of run.folder, run.checkpoint and recording.folder where they are missing, after
-/// check_places().
+/// Makes the folders of run.folder, run.checkpoint and recording.folder where they are missing,
+/// after check_places().
 /// @throws UnusableInput naming the configuration, the key, the place and why it cannot be written.
 void prepare_places(const std::filesystem::path& config, const MachineOptions& machine);
 

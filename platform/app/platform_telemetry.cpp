@@ -18,8 +18,8 @@ bus::PlatformPacket packet_of(const LiveCounts& counts,
                               const CameraCounters& camera,
                               const Transports& transports) {
   const SendCounts sent = transports.counts();
-  return {.frames_dropped = camera.frames_missing + camera.frames_late +
-                            camera.frames_out_of_time + counts.frames_dropped_for_job,
+  return {.frames_dropped = camera.frames_missing + camera.frames_late + camera.frames_out_of_time +
+                            counts.frames_dropped_for_job,
           .camera_errors = camera.frames_damaged + camera.stream_errors + camera.disconnects,
           .camera_reopened = camera.opened > 0 ? camera.opened - 1 : 0,
           .deadline_misses = static_cast<std::uint32_t>(counts.deadline.missed()),
@@ -42,9 +42,7 @@ std::uint8_t flags_of(const PlatformFacts& facts) {
 }  // namespace
 
 PlatformTelemetry::PlatformTelemetry(const BusOptions& options, const PlatformFacts& facts)
-    : options_(options),
-      facts_(facts),
-      statm_(::open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}
+    : options_(options), facts_(facts), statm_(::open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}
 
 PlatformTelemetry::~PlatformTelemetry() {
   if (statm_ >= 0) {

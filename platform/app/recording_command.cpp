@@ -46,8 +46,10 @@ void export_recording(const ExportArguments& arguments) {
                  ? "a replay gives the bytes of the live run"
                  : "not complete: a replay will differ from the live run");
   if (!report.network_sha256.empty()) {
-    fmt::print("the run asked a network (SHA-256 {}): name its file under [network] of the configuration\n",
-               report.network_sha256);
+    fmt::print(
+        "the run asked a network (SHA-256 {}): name its file under [network] of the "
+        "configuration\n",
+        report.network_sha256);
   }
   fmt::print("polhode replay --config {0}/config.toml --sequence {0}{1} --out DIR\n",
              arguments.out.string(),

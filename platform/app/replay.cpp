@@ -14,9 +14,9 @@
 #include "app/finish.hpp"
 #include "app/frames_trapped.hpp"
 #include "app/machine.hpp"
+#include "app/machine_needs.hpp"
 #include "app/mask_log.hpp"
 #include "app/motion_csv.hpp"
-#include "app/machine_needs.hpp"
 #include "app/next_input.hpp"
 #include "app/observations.hpp"
 #include "app/output_folder.hpp"
@@ -274,21 +274,22 @@ void finish_files(Run& run, const fs::path& folder) {
   if (run.masks) {
     run.masks->close();
   }
-  finish_replay(
-      run.component,
-      run.sequence,
-      {.published = run.published,
-       .uses = run.uses,
-       .observations = run.files.spool,
-       .servicer = run.servicer},
-      folder);
+  finish_replay(run.component,
+                run.sequence,
+                {.published = run.published,
+                 .uses = run.uses,
+                 .observations = run.files.spool,
+                 .servicer = run.servicer},
+                folder);
 }
 
 void tell_result(const Run& run, const fs::path& out) {
-  fmt::print("{}\nwritten to {}\n", result_sentence(run.record, run.component.counters()), out.string());
+  fmt::print(
+      "{}\nwritten to {}\n", result_sentence(run.record, run.component.counters()), out.string());
   const std::size_t frames = run.sequence.frames.size();
   if (run.component.counters().frames_unreadable == frames) {
-    throw UnusableInput(fmt::format("{}: none of its {} images can be read", run.sequence.image_folder.string(), frames));
+    throw UnusableInput(fmt::format(
+        "{}: none of its {} images can be read", run.sequence.image_folder.string(), frames));
   }
 }
 

@@ -14,12 +14,12 @@ struct ReplayArguments {
   std::filesystem::path out;
   std::filesystem::path checkpoint;  ///< content of one; empty: cold
   bool realtime = false;
-  bool one_core = false;            ///< jobs run between the steps, on the same thread
+  bool one_core = false;             ///< jobs run between the steps, on the same thread
   std::uint32_t job_latency_ms = 0;  ///< for tests: jobs are held back by a random time up to this
-  std::filesystem::path commands;  ///< over [commands] file of the configuration; empty: that
+  std::filesystem::path commands;    ///< over [commands] file of the configuration; empty: that
   bool memory_trap = false;  ///< for tests: exit code 5 when memory is asked for between the first
                              ///< frame and the last; the files of the end are then not written
-  bool masks = false;  ///< write what was taken for the target
+  bool masks = false;        ///< write what was taken for the target
   std::vector<std::string> settings;
 };
 

@@ -150,7 +150,9 @@ MachineNeeds needs_of(const MachineOptions& machine,
 }
 
 /// What the machine grants of memory, core and priority; what it does not is said.
-PlatformFacts settle_in(const RunOptions& wish, const ServiceManager& manager, std::uint32_t restarts) {
+PlatformFacts settle_in(const RunOptions& wish,
+                        const ServiceManager& manager,
+                        std::uint32_t restarts) {
   const std::string not_locked = wish.lock_memory ? lock_memory() : "run.lock_memory is false";
   const std::string unbound = wish.core >= 0 ? take_core(wish.core) : "";
   const std::string ordinary = wish.priority > 0 ? take_priority(wish.priority) : "none is wished";
@@ -179,11 +181,10 @@ WorkerOptions worker_options(const Parameters& parameters, const RunOptions& wis
 LiveEnd run_sealed(LiveParts& parts, const RunOptions& wish, bool memory_trap) {
   seal_memory();
   const FramesTrapped trapped(memory_trap);
-  const LiveEnd end = run_live(
-      parts,
-      {.checkpoint_frames = wish.checkpoint_frames,
-       .start_s_max = wish.start_s_max,
-       .frames_max = wish.frames_max});
+  const LiveEnd end = run_live(parts,
+                               {.checkpoint_frames = wish.checkpoint_frames,
+                                .start_s_max = wish.start_s_max,
+                                .frames_max = wish.frames_max});
   parts.worker.finish();
   trapped.end();
   unseal_memory();
@@ -219,6 +220,18 @@ void say_end(LiveEnd end,
       camera.frames_late);
 }
 
+/// Where checkpoints are asked for: one now and then, and a last one when memory is exhausted.
+void open_checkpoint(const RunOptions& options,
+                     const Beginning& beginning,
+                     Component& component,
+                     std::optional<CheckpointWriter>* checkpoint,
+                     std::optional<CheckpointOnExhaustion>* last_words) {
+  if (!options.checkpoint.empty()) {
+    checkpoint->emplace(options.checkpoint, beginning.identity(), beginning.restarts());
+    last_words->emplace(component, **checkpoint);
+  }
+}
+
 }  // namespace
 
 void run_command(const RunArguments& arguments) {
@@ -247,10 +260,7 @@ void run_command(const RunArguments& arguments) {
   beginning.forget_content();
   std::optional<CheckpointWriter> checkpoint;
   std::optional<CheckpointOnExhaustion> last_words;
-  if (!machine.run.checkpoint.empty()) {
-    checkpoint.emplace(machine.run.checkpoint, beginning.identity(), beginning.restarts());
-    last_words.emplace(component, *checkpoint);
-  }
+  open_checkpoint(machine.run, beginning, component, &checkpoint, &last_words);
   ServiceManager manager;
   LiveReport report(manager, machine.run.report_s);
   const auto counts = std::make_unique<LiveCounts>();
@@ -261,7 +271,8 @@ void run_command(const RunArguments& arguments) {
   Transports transports(transport.transport);
   LiveCamera& camera = chosen.start(parameters.camera);
   // After all that takes memory.
-  PlatformTelemetry telemetry(parameters.bus, settle_in(machine.run, manager, beginning.restarts()));
+  PlatformTelemetry telemetry(parameters.bus,
+                              settle_in(machine.run, manager, beginning.restarts()));
   LiveParts parts{.component = component,
                   .worker = worker,
                   .camera = camera,

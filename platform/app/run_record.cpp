@@ -52,12 +52,11 @@ void add_frame(RunRecord& record,
   }
   if ((out.use != FrameUse::kUsed || out.verdict.fault != FrameFault::kNone) &&
       record.bad_frames.size() < kBadFramesListed) {
-    record.bad_frames.push_back(
-        {.frame = frame,
-         .timestamp_ns = timestamp_ns,
-         .use = out.use,
-         .verdict = out.verdict,
-         .reason = refusal});
+    record.bad_frames.push_back({.frame = frame,
+                                 .timestamp_ns = timestamp_ns,
+                                 .use = out.use,
+                                 .verdict = out.verdict,
+                                 .reason = refusal});
   }
   if (out.motion.pose_valid) {
     ++record.frames_with_pose;

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "shape/scale_state.hpp"
 #include "shape/hull.hpp"
+#include "shape/scale_state.hpp"
 #include "shape/shape.hpp"
 
 namespace polhode::platform {

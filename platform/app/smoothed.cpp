@@ -191,7 +191,8 @@ std::optional<RigidModel> model_of_map(std::span<const PoseSample> samples,
                                        const BodyFrame& body,
                                        const Component::State& state) {
   const AdjustmentJob& last = state.job.adjustment;
-  if (samples.empty() || !last.as_free_body || !last.model.accepted() || !state.motion.model.of_map) {
+  if (samples.empty() || !last.as_free_body || !last.model.accepted() ||
+      !state.motion.model.of_map) {
     return std::nullopt;
   }
   const RigidModel model = transformed(state.motion.model,
@@ -199,7 +200,8 @@ std::optional<RigidModel> model_of_map(std::span<const PoseSample> samples,
                                         .R_ba = body.R_TB.transpose(),
                                         .t_ba = -(body.R_TB.transpose() * body.centroid_T)});
   constexpr double kApart_rad = 0.02;  // axes that are not the model's are off by more
-  for (const PoseSample* sample : {&samples.front(), &samples[samples.size() / 2], &samples.back()}) {
+  for (const PoseSample* sample :
+       {&samples.front(), &samples[samples.size() / 2], &samples.back()}) {
     const Result<MotionPrediction> at = predict_motion(model, sample->timestamp_ns);
     if (!at || !at.value().path_known ||
         rotation_angle_rad(at.value().pose.R_CT, sample->pose.R_CT) > kApart_rad) {

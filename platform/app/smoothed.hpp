@@ -33,19 +33,21 @@ std::vector<PoseSample> samples_in_body(const std::vector<SmoothedPose>& poses,
 /// The map's drift as the poses at rest still carry it, in the published unit.
 PoseCovariance drift_at_rest(const Component::State& state);
 
-/// Rigid-body dynamics through all samples (every so-many-th where there are more than a fit takes).
+/// Rigid-body dynamics through all samples (every so-many-th where there are more than a fit
+/// takes).
 RigidModel model_of(std::span<const PoseSample> samples,
                     double body_radius,
                     const Component::State& state);
 
-/// The model that the map at rest was fitted with, in B and the published unit, where there is one and the samples
-/// lie on it: they were placed by it, so that a fit to them would find no noise and take itself for exact.
+/// The model that the map at rest was fitted with, in B and the published unit, where there is one
+/// and the samples lie on it: they were placed by it, so that a fit to them would find no noise and
+/// take itself for exact.
 std::optional<RigidModel> model_of_map(std::span<const PoseSample> samples,
                                        const BodyFrame& body,
                                        const Component::State& state);
 
-/// One row a frame. Where the model is accepted, pose and rates are the model's, in frames without a
-/// measured pose too; elsewhere the measured pose and a local fit. Empty where there is neither.
+/// One row a frame. Where the model is accepted, pose and rates are the model's, in frames without
+/// a measured pose too; elsewhere the measured pose and a local fit. Empty where there is neither.
 std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
                                          const std::vector<PoseSample>& samples,
                                          std::span<const MotionState> published,

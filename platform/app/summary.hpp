@@ -27,8 +27,8 @@ struct SummaryInput {
   const MemoryPlan& plan;
   PoolReport pools;  ///< over the frames
   const DeadlineMonitor& deadline;
-  MachineUse at_start;               ///< before the first frame
-  MachineUse after_frames;           ///< before the end's re-estimation
+  MachineUse at_start;      ///< before the first frame
+  MachineUse after_frames;  ///< before the end's re-estimation
   MachineUse at_end;
   double wall_s = 0.0;    ///< of the frame loop
   double finish_s = 0.0;  ///< of the re-estimation at the end

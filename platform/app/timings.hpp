@@ -38,7 +38,8 @@ class Timings {
   Durations step;
   Durations step_cpu;
   Durations job;  ///< on the second core
-  std::vector<Durations> stages;  ///< a sample for each step that it was in: all that the step spent on it
+  std::vector<Durations>
+      stages;  ///< a sample for each step that it was in: all that the step spent on it
   std::vector<Durations> stages_cpu;
 
  private:

@@ -1,4 +1,5 @@
-// Before the first frame: code, tables and libraries are brought to where the first frame wants them.
+// Before the first frame: code, tables and libraries are brought to where the first frame wants
+// them.
 #pragma once
 
 #include "app/component_memory.hpp"

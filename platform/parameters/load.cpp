@@ -58,7 +58,7 @@ struct Assign {
     return number(node, where(parameters)) ? nullptr : "a number";
   }
   template <typename Choice>
-    requires std::is_enum_v<Choice>
+  requires std::is_enum_v<Choice>
   const char* operator()(Member<Choice> where) const {
     const auto word = node.value_exact<std::string>();
     const auto& choices = choices_of(Choice{});

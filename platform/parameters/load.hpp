@@ -20,8 +20,8 @@ struct Configuration {
 /// @param settings each `key=value`: dotted key, TOML value; a later one wins over an earlier one
 /// and over the file.
 /// @throws UnusableInput naming file and line (or --set), key, value and allowed range: no regular
-/// file, not TOML, unknown key (with the nearest known one), wrong type, out of range, values that do
-/// not go together.
+/// file, not TOML, unknown key (with the nearest known one), wrong type, out of range, values that
+/// do not go together.
 Configuration load_configuration(const std::filesystem::path& file,
                                  std::span<const std::string> settings);
 

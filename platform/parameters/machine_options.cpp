@@ -165,12 +165,13 @@ void check_texts(const MachineOptions& options, const std::filesystem::path& fil
                                     allowed));
   }
   if (static_cast<double>(device.silence_ms_max) * device.rate_hz < 2000.0) {
-    throw UnusableInput(fmt::format(
-        "{}: device.silence_ms_max = {}: at device.rate_hz = {} a frame comes every {} ms; allowed is twice that and more",
-        file.string(),
-        device.silence_ms_max,
-        device.rate_hz,
-        std::lround(1000.0 / device.rate_hz)));
+    throw UnusableInput(
+        fmt::format("{}: device.silence_ms_max = {}: at device.rate_hz = {} a frame comes every {} "
+                    "ms; allowed is twice that and more",
+                    file.string(),
+                    device.silence_ms_max,
+                    device.rate_hz,
+                    std::lround(1000.0 / device.rate_hz)));
   }
 }
 

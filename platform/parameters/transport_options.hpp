@@ -1,5 +1,5 @@
-// The sections of a configuration that say where packets go and commands come from, and which network
-// is asked. They belong to the machine, not to the estimator's parameters.
+// The sections of a configuration that say where packets go and commands come from, and which
+// network is asked. They belong to the machine, not to the estimator's parameters.
 #pragma once
 
 #include <filesystem>

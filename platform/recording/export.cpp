@@ -122,7 +122,8 @@ class Exporter {
     report_.network_sha256 = network_of(begin_);
     write_file(folder_ / "recording.json",
                fmt::format("{{\n  \"frames\": {},\n  \"unreadable\": {},\n  \"dropped\": {},\n"
-                           "  \"not_recorded\": {},\n  \"out_of_time\": {},\n  \"commands\": {},\n  \"octets_lost\": {},\n"
+                           "  \"not_recorded\": {},\n  \"out_of_time\": {},\n  \"commands\": {},\n "
+                           " \"octets_lost\": {},\n"
                            "  \"files_lost\": {},\n  \"network_sha256\": \"{}\",\n"
                            "  \"starts_from_checkpoint\": {},\n  \"has_begin\": {},\n"
                            "  \"same_bytes\": {}\n}}\n",

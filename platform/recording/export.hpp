@@ -16,10 +16,12 @@ struct ExportReport {
   std::uint64_t dropped = 0;     ///< by the live run, as it decided
   std::uint64_t not_recorded = 0;
   std::uint64_t commands = 0;
-  std::uint64_t out_of_time = 0;  ///< frames whose times do not increase: left out, as no sequence has such
+  std::uint64_t out_of_time =
+      0;  ///< frames whose times do not increase: left out, as no sequence has such
   std::uint64_t octets_lost = 0;
   std::uint32_t files_lost = 0;
-  std::string network_sha256 = {};  ///< of the network that the run asked; it is not in the recording
+  std::string network_sha256 =
+      {};  ///< of the network that the run asked; it is not in the recording
   bool has_checkpoint = false;
   bool has_begin = false;  ///< else the replay starts where the recording does
 };

@@ -21,7 +21,8 @@ struct RecordedRun {
   std::int64_t utc_ns = 0;  ///< when it began
   std::vector<std::filesystem::path> files;
   bool begins = false;  ///< its first file is still there
-  std::uint32_t files_missing = 0;  ///< by their numbers, between the first and the last that are there
+  std::uint32_t files_missing =
+      0;  ///< by their numbers, between the first and the last that are there
 };
 
 /// The runs of a folder, oldest first.

@@ -28,7 +28,8 @@ std::span<const std::uint8_t> octets_of(const std::string& text) {
 
 std::size_t Recorder::octets_needed(std::size_t slots, std::size_t frame_octets_max) {
   const std::size_t slot = std::max(frame_octets_max, kCommandOctetsMax);
-  return slots * aligned(slot) + aligned(frame_octets_max) + aligned(compressed_octets(frame_octets_max)) +
+  return slots * aligned(slot) + aligned(frame_octets_max) +
+         aligned(compressed_octets(frame_octets_max)) +
          aligned(static_cast<std::size_t>(LZ4_sizeofState()));
 }
 
@@ -217,7 +218,9 @@ void Recorder::write_slot(Slot& slot) {
 
 bool Recorder::tell_refused() {
   if (refused_ > 0 &&
-      write_record({.kind = RecordKind::kDropped, .reason = DropReason::kNotRecorded, .count = refused_}, {})) {
+      write_record(
+          {.kind = RecordKind::kDropped, .reason = DropReason::kNotRecorded, .count = refused_},
+          {})) {
     refused_ = 0;
   }
   return refused_ == 0;

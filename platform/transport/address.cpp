@@ -37,7 +37,8 @@ sockaddr_in udp_of(std::string_view rest, std::string_view text) {
       inet_pton(AF_INET, std::string(rest.substr(0, colon)).c_str(), &out.sin_addr) != 1) {
     refuse(text, "the host is not a numeric IPv4 address");
   }
-  out.sin_port = htons(port_of(colon == std::string_view::npos ? rest : rest.substr(colon + 1), text));
+  out.sin_port =
+      htons(port_of(colon == std::string_view::npos ? rest : rest.substr(colon + 1), text));
   return out;
 }
 
@@ -58,7 +59,8 @@ Address parse_address(std::string_view text) {
   if (kind == "unix") {
     out.kind = AddressKind::kUnix;
     if (rest.size() >= sizeof(sockaddr_un::sun_path)) {
-      refuse(text, fmt::format("the path has more than {} octets", sizeof(sockaddr_un::sun_path) - 1));
+      refuse(text,
+             fmt::format("the path has more than {} octets", sizeof(sockaddr_un::sun_path) - 1));
     }
   } else if (kind == "udp") {
     out.kind = AddressKind::kUdp;

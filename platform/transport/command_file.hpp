@@ -14,9 +14,9 @@ struct TimedCommand {
   std::vector<std::uint8_t> octets;
 };
 
-/// A line each: `TIMESTAMP_NS COMMAND`, the command as CommandWriter takes it, or `TIMESTAMP_NS,HEX`
-/// as a recording's export writes it; times not decreasing; empty lines and what follows a # are
-/// passed over.
+/// A line each: `TIMESTAMP_NS COMMAND`, the command as CommandWriter takes it, or
+/// `TIMESTAMP_NS,HEX` as a recording's export writes it; times not decreasing; empty lines and what
+/// follows a # are passed over.
 class CommandFile {
  public:
   /// No commands.

@@ -160,7 +160,8 @@ void add_entries(std::string_view setting, Octets& entries) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto bits = bits_of_text(real ? FieldType::kF64 : FieldType::kI64, values[i]);
     if (!bits) {
-      throw UnusableInput(fmt::format("command table_load: '{}': allowed are {}", setting, range_text(*row)));
+      throw UnusableInput(
+          fmt::format("command table_load: '{}': allowed are {}", setting, range_text(*row)));
     }
     const std::size_t at = entries.size();
     entries.resize(at + bus::TableLoadEntry::layout().octets);

@@ -16,8 +16,8 @@ namespace polhode::platform {
 
 /// As in a configuration:
 ///   [transport]
-///   send = ["unix:/run/polhode/telemetry", "udp:127.0.0.1:10015", "shm:/polhode", "file:flight.ccsds"]
-///   receive = "unix:/run/polhode/commands"
+///   send = ["unix:/run/polhode/telemetry", "udp:127.0.0.1:10015", "shm:/polhode",
+///   "file:flight.ccsds"] receive = "unix:/run/polhode/commands"
 struct TransportSettings {
   std::vector<std::string> send;
   std::string receive;  ///< empty: no commands

@@ -14,9 +14,7 @@ TEST(Median, IsTheMiddleOfAnOddNumber_AndTheUpperOfTwo) {
   EXPECT_EQ(median(std::span(even)), 3);
 }
 
-TEST(Median, OfNothing_IsZero) {
-  EXPECT_EQ(median(std::span<double>()), 0.0);
-}
+TEST(Median, OfNothing_IsZero) { EXPECT_EQ(median(std::span<double>()), 0.0); }
 
 TEST(Ranked, AgreesWithSorting_AndKeepsTheValues) {
   const std::vector<int> sorted{-3, 0, 0, 2, 7, 11, 11, 40};

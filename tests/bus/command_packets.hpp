@@ -44,7 +44,8 @@ inline CommandOctets table_load(std::span<const TableLoadEntry> entries) {
   head.entries = static_cast<std::uint16_t>(entries.size());
   pack_fields(TableLoadCommand::layout(), &head, octets);
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    pack_fields(TableLoadEntry::layout(), &entries[i], std::span(octets).subspan(before + i * size, size));
+    pack_fields(
+        TableLoadEntry::layout(), &entries[i], std::span(octets).subspan(before + i * size, size));
   }
   seal(CommandCode::kTableLoad, &octets);
   return octets;
@@ -53,24 +54,25 @@ inline CommandOctets table_load(std::span<const TableLoadEntry> entries) {
 /// One good command of each code.
 inline std::vector<CommandOctets> one_of_each() {
   const TableLoadEntry entry{.key_crc = 1, .value = 2};
-  return {command(CommandCode::kNoop),
-          command(CommandCode::kResetCounters),
-          command(CommandCode::kResetMap),
-          command(CommandCode::kHold),
-          command(CommandCode::kResume),
-          command(CommandCode::kSetKnownLength,
-                  SetKnownLengthCommand{.frame_timestamp_ns = 5,
-                                        .length_m = 0.6,
-                                        .first_px = {1.0, 2.0},
-                                        .second_px = {30.0, 40.0}}),
-          command(CommandCode::kSetRange, SetRangeCommand{.frame_timestamp_ns = 5, .range_m = 12.0}),
-          command(CommandCode::kServicerAttitude,
-                  ServicerAttitudeCommand{.timestamp_ns = 5, .q_IC = {1.0, 0.0, 0.0, 0.0}}),
-          command(CommandCode::kRequestCloud, RequestCloudCommand{.points_max = 10}),
-          table_load(std::span(&entry, 1)),
-          command(CommandCode::kTableActivate, TableActivateCommand{.crc32 = 1, .entries = 1}),
-          command(CommandCode::kTableDiscard),
-          command(CommandCode::kCheckpoint)};
+  return {
+      command(CommandCode::kNoop),
+      command(CommandCode::kResetCounters),
+      command(CommandCode::kResetMap),
+      command(CommandCode::kHold),
+      command(CommandCode::kResume),
+      command(CommandCode::kSetKnownLength,
+              SetKnownLengthCommand{.frame_timestamp_ns = 5,
+                                    .length_m = 0.6,
+                                    .first_px = {1.0, 2.0},
+                                    .second_px = {30.0, 40.0}}),
+      command(CommandCode::kSetRange, SetRangeCommand{.frame_timestamp_ns = 5, .range_m = 12.0}),
+      command(CommandCode::kServicerAttitude,
+              ServicerAttitudeCommand{.timestamp_ns = 5, .q_IC = {1.0, 0.0, 0.0, 0.0}}),
+      command(CommandCode::kRequestCloud, RequestCloudCommand{.points_max = 10}),
+      table_load(std::span(&entry, 1)),
+      command(CommandCode::kTableActivate, TableActivateCommand{.crc32 = 1, .entries = 1}),
+      command(CommandCode::kTableDiscard),
+      command(CommandCode::kCheckpoint)};
 }
 
 }  // namespace polhode::bus

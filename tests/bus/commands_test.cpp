@@ -39,8 +39,9 @@ TEST(Command, OfEachCodeIsRead_WithItsArguments) {
 TEST(Command, OfAnyOtherLengthIsRefused) {
   for (const CommandOctets& good : one_of_each()) {
     for (std::size_t size = 0; size < good.size(); ++size) {
-      EXPECT_EQ(verdict(CommandOctets(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size))),
-                Rejection::kLength);
+      EXPECT_EQ(
+          verdict(CommandOctets(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size))),
+          Rejection::kLength);
     }
     // The header may agree with the datagram: the command's own length decides.
     CommandOctets longer = good;
@@ -98,20 +99,25 @@ TEST(Command, WithAnArgumentOutOfRangeIsRefused_AndTheArgumentNamed) {
   };
   const double nan = std::nan("");
   for (const double bad : {0.0, -1.0, 1e9, nan, std::numeric_limits<double>::infinity()}) {
-    EXPECT_EQ(refused(CommandCode::kSetRange, SetRangeCommand{.frame_timestamp_ns = 1, .range_m = bad}),
-              "range_m");
+    EXPECT_EQ(
+        refused(CommandCode::kSetRange, SetRangeCommand{.frame_timestamp_ns = 1, .range_m = bad}),
+        "range_m");
   }
-  EXPECT_EQ(refused(CommandCode::kSetRange, SetRangeCommand{.frame_timestamp_ns = -1, .range_m = 5.0}),
-            "frame_timestamp_ns");
-  EXPECT_EQ(refused(CommandCode::kRequestCloud, RequestCloudCommand{.points_max = 0}), "points_max");
+  EXPECT_EQ(
+      refused(CommandCode::kSetRange, SetRangeCommand{.frame_timestamp_ns = -1, .range_m = 5.0}),
+      "frame_timestamp_ns");
+  EXPECT_EQ(refused(CommandCode::kRequestCloud, RequestCloudCommand{.points_max = 0}),
+            "points_max");
   EXPECT_EQ(refused(CommandCode::kServicerAttitude,
                     ServicerAttitudeCommand{.q_IC = {0.5, 0.5, 0.5, 0.4}}),
             "q_IC");
-  EXPECT_EQ(refused(CommandCode::kServicerAttitude,
-                    ServicerAttitudeCommand{.q_IC = {1.0, 0.0, 0.0, 0.0}, .w_C_rad_s = {0.0, nan, 0.0}}),
-            "w_C_rad_s");
+  EXPECT_EQ(
+      refused(CommandCode::kServicerAttitude,
+              ServicerAttitudeCommand{.q_IC = {1.0, 0.0, 0.0, 0.0}, .w_C_rad_s = {0.0, nan, 0.0}}),
+      "w_C_rad_s");
   EXPECT_EQ(refused(CommandCode::kSetKnownLength,
-                    SetKnownLengthCommand{.length_m = 1.0, .first_px = {5.0, 5.0}, .second_px = {5.0, 5.0}}),
+                    SetKnownLengthCommand{
+                        .length_m = 1.0, .first_px = {5.0, 5.0}, .second_px = {5.0, 5.0}}),
             "second_px");
 }
 
@@ -140,8 +146,8 @@ TEST(TableLoad, WithAnEntryOutOfRangeIsRefused) {
   EXPECT_EQ(verdict(table_load(entries)), Rejection::kRange);
 }
 
-/// Random and mutated octets: none is taken but those whose CRC and content happen to be right, which
-/// the reference says by itself.
+/// Random and mutated octets: none is taken but those whose CRC and content happen to be right,
+/// which the reference says by itself.
 TEST(Command, RandomAndMutatedOctetsAreNeverTakenForOne) {
   const auto seeds = one_of_each();
   Rng rng(7, 3);
@@ -150,9 +156,11 @@ TEST(Command, RandomAndMutatedOctetsAreNeverTakenForOne) {
     const CommandOctets original = octets;
     const std::uint32_t changes = 1 + rng.below(4);
     for (std::uint32_t change = 0; change < changes; ++change) {
-      octets[rng.below(static_cast<std::uint32_t>(octets.size()))] = static_cast<std::uint8_t>(rng.below(256));
+      octets[rng.below(static_cast<std::uint32_t>(octets.size()))] =
+          static_cast<std::uint8_t>(rng.below(256));
     }
-    // Four octets of change can cancel in a CRC of 16 bits, one time in 65536: then the CRC vouches.
+    // Four octets of change can cancel in a CRC of 16 bits, one time in 65536: then the CRC
+    // vouches.
     if (octets != original && !crc_is_right(octets)) {
       ASSERT_NE(verdict(octets), Rejection::kNone) << i;
     }

@@ -85,8 +85,8 @@ TEST(PacketsOfLengths, HoldTheErrorOfTheScaleItself) {
   const ModelPacket model = through_the_bus(to_packet(tumbling(1e-4), kR_CI, loose));
   EXPECT_NEAR(model.cov_v[0], 4e-8 + 0.01 * model.v_C[0] * model.v_C[0], 1e-11);
   EXPECT_NEAR(model.cov_c[1], 0.01 * model.c_T[0] * model.c_T[1], 1e-9);
-  const MotionPrediction there{.pose = {.R_CT = Eigen::Matrix3d::Identity(), .p_CT = {1.0, 2.0, 20.0}},
-                               .path_known = true};
+  const MotionPrediction there{
+      .pose = {.R_CT = Eigen::Matrix3d::Identity(), .p_CT = {1.0, 2.0, 20.0}}, .path_known = true};
   const PredictionPacket ahead = through_the_bus(to_packet(there, tumbling(1e-4), kR_CI, loose));
   EXPECT_NEAR(ahead.cov_pose[20], 0.01 * ahead.p_CT[2] * ahead.p_CT[2], 1e-5);
 }

@@ -35,9 +35,7 @@ std::vector<EventPacket> sent_at(std::uint32_t frame, EventLog* log) {
   return packets;
 }
 
-std::string text_of(const EventPacket& packet) {
-  return {packet.text.data(), packet.text_octets};
-}
+std::string text_of(const EventPacket& packet) { return {packet.text.data(), packet.text_octets}; }
 
 TEST(EventTable, HasIdsThatDiffer_AndTextsThatFit) {
   std::set<EventId> ids;
@@ -45,7 +43,9 @@ TEST(EventTable, HasIdsThatDiffer_AndTextsThatFit) {
     EXPECT_TRUE(ids.insert(row.id).second) << row.name;
     std::array<char, 256> out{};
     const double widest = -std::numeric_limits<double>::min() / 3.0;
-    EXPECT_LE(event_text(row, {.values = {widest, widest}, .word = "a.parameter.with.a.long.name"}, out), 122U)
+    EXPECT_LE(
+        event_text(row, {.values = {widest, widest}, .word = "a.parameter.with.a.long.name"}, out),
+        122U)
         << row.name;
   }
 }
@@ -75,7 +75,9 @@ TEST(EventText, IsCutWhereItIsFull_AndHasNoControlCharacters) {
 
 TEST(EventText, NeverCarriesANumberThatIsNotFinite) {
   EventLog log;
-  report(EventId::kScaleKnown, {.values = {std::nan(""), std::numeric_limits<double>::infinity()}}, &log);
+  report(EventId::kScaleKnown,
+         {.values = {std::nan(""), std::numeric_limits<double>::infinity()}},
+         &log);
   const auto packets = sent_at(0, &log);
   EXPECT_EQ(packets[0].value, (std::array<double, 2>{}));
 }

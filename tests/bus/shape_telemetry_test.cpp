@@ -14,7 +14,8 @@ namespace {
 
 Shape boxed() {
   Shape shape;
-  shape.frame.R_TB = Eigen::AngleAxisd(2.5, Eigen::Vector3d(1.0, 2.0, -1.0).normalized()).toRotationMatrix();
+  shape.frame.R_TB =
+      Eigen::AngleAxisd(2.5, Eigen::Vector3d(1.0, 2.0, -1.0).normalized()).toRotationMatrix();
   shape.frame.source = FrameSource::kPlanes;
   shape.centroid_T = {0.1, 0.2, 0.3};
   shape.dimensions = {1.0, 2.0, 3.0};
@@ -40,8 +41,8 @@ ShapePacket through_the_bus(ShapePacket packet) {
 }
 
 TEST(ShapePacketOf, HasLengthsInTheUnitGiven_AndAnglesUntouched) {
-  const ShapePacket packet =
-      through_the_bus(to_packet(boxed(), {.known = true, .metres_per_mu = 2.0, .relative_sigma = 0.01}));
+  const ShapePacket packet = through_the_bus(
+      to_packet(boxed(), {.known = true, .metres_per_mu = 2.0, .relative_sigma = 0.01}));
   EXPECT_EQ(packet.dimensions, (std::array<double, 3>{2.0, 4.0, 6.0}));
   EXPECT_EQ(packet.centroid_T[2], 0.6);
   EXPECT_EQ(packet.plane_count, 2);

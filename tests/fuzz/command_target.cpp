@@ -50,7 +50,8 @@ void check_taken(std::span<const std::uint8_t> octets, const bus::Command& comma
       octets[4] * 256U + octets[5] + 7U != octets.size()) {
     broken("a command of another length was taken");
   }
-  if (octets[0] != 0x19 || octets[1] != 0xAF || octets[2] < 0xC0 || octets[6] != bus::kLayoutVersion) {
+  if (octets[0] != 0x19 || octets[1] != 0xAF || octets[2] < 0xC0 ||
+      octets[6] != bus::kLayoutVersion) {
     broken("a header that is not a command's was taken");
   }
   if (checksum(octets) != 0) {

@@ -41,7 +41,8 @@ void mutate(Rng& rng, Octets* octets) {
       if (size > 0) (*octets)[rng.below(size)] ^= static_cast<std::uint8_t>(1U << rng.below(8));
       break;
     case 2:  // some octets
-      for (std::uint32_t i = 0; i < 4 && size > 0; ++i) (*octets)[rng.below(size)] = static_cast<std::uint8_t>(rng.below(256));
+      for (std::uint32_t i = 0; i < 4 && size > 0; ++i)
+        (*octets)[rng.below(size)] = static_cast<std::uint8_t>(rng.below(256));
       break;
     default:  // noise altogether
       for (std::uint8_t& octet : *octets) octet = static_cast<std::uint8_t>(rng.below(256));

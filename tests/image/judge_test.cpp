@@ -115,7 +115,8 @@ TEST(Assess, NamesTheFaultThatAFrameIsSkippedFor) {
     gray(cv::Rect(60 + i, 70, 20, 20)).setTo(200);
     (void)assess(gray, {}, &history);
   }
-  cv::Mat broken = picture(0, 1);  // its rows repeat as always, and a block of it is octets by chance
+  cv::Mat broken =
+      picture(0, 1);  // its rows repeat as always, and a block of it is octets by chance
   broken(cv::Rect(72, 70, 20, 20)).setTo(200);
   Rng rng(3, 0);
   for (int v = 16; v < 64; ++v) {
@@ -199,7 +200,8 @@ TEST(Assess, FindsSaltedPixels_AndSkipsWhereTheyAreMany) {
   }
 }
 
-/// A picture of clouds: single pixels that stand out, by ever more where they are fewer, others in each picture.
+/// A picture of clouds: single pixels that stand out, by ever more where they are fewer, others in
+/// each picture.
 cv::Mat speckled(std::uint64_t seed, int shift_px) {
   constexpr double kShare = 3e-3;  // by 24 levels and more a third of it
   constexpr double kTypical = 20.0;
@@ -207,7 +209,8 @@ cv::Mat speckled(std::uint64_t seed, int shift_px) {
   Rng rng(seed, 1);
   for (int v = 0; v < gray.rows; ++v) {
     for (int u = 0; u < gray.cols; ++u) {
-      const int cloud = 70 + 30 * (((u - shift_px) / 40 + v / 30) % 3) + static_cast<int>(rng.below(5));
+      const int cloud =
+          70 + 30 * (((u - shift_px) / 40 + v / 30) % 3) + static_cast<int>(rng.below(5));
       const double speck = rng.uniform() < kShare ? -kTypical * std::log(1.0 - rng.uniform()) : 0.0;
       gray.at<std::uint8_t>(v, u) = cv::saturate_cast<std::uint8_t>(cloud + speck);
     }
@@ -219,8 +222,12 @@ TEST(Assess, FindsOneBitInFiveHundredPixels_AmongAsManyThatStandOutByThemselves)
   constexpr unsigned kBitErrors = 1U << static_cast<unsigned>(FrameFault::kBitErrors);
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     QualityHistory history;
-    const auto faults = [&](const cv::Mat& gray) { return assess(gray, {}, &history).faults & kBitErrors; };
-    const auto clouds = [&](int i) { return speckled(100 * seed + static_cast<std::uint64_t>(i), i); };
+    const auto faults = [&](const cv::Mat& gray) {
+      return assess(gray, {}, &history).faults & kBitErrors;
+    };
+    const auto clouds = [&](int i) {
+      return speckled(100 * seed + static_cast<std::uint64_t>(i), i);
+    };
     for (int i = 0; i < 10; ++i) {
       EXPECT_EQ(faults(clouds(i)), 0U) << seed << " " << i;
     }

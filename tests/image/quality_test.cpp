@@ -151,7 +151,9 @@ TEST(FindBitErrors, TakesPicturesOfAnySize) {
   }
 }
 
-RepeatedRows compare_with(const cv::Mat& now, const cv::Mat& before, const cv::Mat& good = cv::Mat()) {
+RepeatedRows compare_with(const cv::Mat& now,
+                          const cv::Mat& before,
+                          const cv::Mat& good = cv::Mat()) {
   QualityHistory history;
   history.previous = before;
   if (!good.empty()) {
@@ -185,7 +187,8 @@ TEST(CompareRows, CountsTheRestOfAWhiteOrBlackFrame_WhereThereWasSomethingElse) 
     cv::Mat now = good.clone();
     now.rowRange(0, 50).setTo(level);
     EXPECT_EQ(compare_with(now, before).repeated, 0) << "nobody knows what was there";
-    EXPECT_EQ(compare_with(now, before, now).repeated, 0) << "it was there in the last good picture";
+    EXPECT_EQ(compare_with(now, before, now).repeated, 0)
+        << "it was there in the last good picture";
     const RepeatedRows rows = compare_with(now, before, good);
     EXPECT_EQ(rows.repeated, 50);
     EXPECT_EQ(rows.fresh, kHeight - 50);
@@ -193,7 +196,8 @@ TEST(CompareRows, CountsTheRestOfAWhiteOrBlackFrame_WhereThereWasSomethingElse) 
     now = good.clone();
     now.rowRange(0, kHeight / 10).setTo(level);
     EXPECT_EQ(compare_with(now, before, good).repeated, 0) << "an edge moves as far";
-    EXPECT_EQ(compare_with(before, before, good).repeated, 0) << "white or dark twice is no repeated buffer";
+    EXPECT_EQ(compare_with(before, before, good).repeated, 0)
+        << "white or dark twice is no repeated buffer";
   }
 }
 

@@ -14,7 +14,8 @@ constexpr int kPoints = 60;
 const CameraModel kCamera{
     .width_px = 320, .height_px = 240, .fu_px = 500, .fv_px = 500, .cu_px = 159.5, .cv_px = 119.5};
 
-/// Points of a ball of radius 40 px whose near side is turned by an angle and shifted, each with a descriptor of its own.
+/// Points of a ball of radius 40 px whose near side is turned by an angle and shifted, each with a
+/// descriptor of its own.
 std::unique_ptr<Features> ball(double turn_rad, double shift_px = 0.0, int points = kPoints) {
   auto features = std::make_unique<Features>();
   for (int i = 0; i < points; ++i) {
@@ -22,12 +23,14 @@ std::unique_ptr<Features> ball(double turn_rad, double shift_px = 0.0, int point
     const double angle_rad = 2.4 * i + turn_rad;
     const double across = std::sqrt(1.0 - height * height);
     Feature f{};
-    f.u_px = static_cast<float>(160.0 + shift_px + 40.0 * across * std::sin(0.3 * angle_rad + turn_rad));
+    f.u_px =
+        static_cast<float>(160.0 + shift_px + 40.0 * across * std::sin(0.3 * angle_rad + turn_rad));
     f.v_px = static_cast<float>(120.0 + 40.0 * height);
     f.normalised = undistort(kCamera, {static_cast<double>(f.u_px), static_cast<double>(f.v_px)});
     f.sigma_px = 0.5F;
     for (std::size_t k = 0; k < f.descriptor.size(); ++k) {
-      f.descriptor[k] = static_cast<std::uint8_t>((static_cast<std::size_t>(i) * 37 + k * (static_cast<std::size_t>(i) + 11)) % 251);
+      f.descriptor[k] = static_cast<std::uint8_t>(
+          (static_cast<std::size_t>(i) * 37 + k * (static_cast<std::size_t>(i) + 11)) % 251);
     }
     (void)features->push_back(f);
   }
@@ -38,9 +41,10 @@ class CollectFrame : public ::testing::Test {
  protected:
   Collected show(const Features& features) {
     ++second_;
-    return collect_frame({.frame = second_, .timestamp_ns = second_ * 1'000'000'000LL, .features = &features},
-                         kRatioMax,
-                         state_.get());
+    return collect_frame(
+        {.frame = second_, .timestamp_ns = second_ * 1'000'000'000LL, .features = &features},
+        kRatioMax,
+        state_.get());
   }
   std::unique_ptr<InitialisationState> state_ = std::make_unique<InitialisationState>();
   std::uint32_t second_ = 0;
@@ -59,7 +63,8 @@ TEST_F(CollectFrame, KeepsNoFrameWithTooFewFeatures) {
 TEST_F(CollectFrame, KeepsNoFrameThatShowsTheSameAgain) {
   (void)show(*ball(0.0));
   EXPECT_FALSE(show(*ball(0.0)).kept);
-  EXPECT_FALSE(show(*ball(0.0, 3.0)).kept) << "a shift of a tenth of the radius tells nothing of depth";
+  EXPECT_FALSE(show(*ball(0.0, 3.0)).kept)
+      << "a shift of a tenth of the radius tells nothing of depth";
   EXPECT_EQ(state_->tracks.frames.size(), 1U);
 }
 

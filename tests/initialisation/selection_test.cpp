@@ -118,8 +118,7 @@ TEST(StartContest, PointSigmasCoverTheErrors) {
     k = 0;
     for (const StartPoint& point : out.points) {
       if (point.valid) {
-        const Eigen::Vector3d error =
-            (to_T * truth.col(k++).homogeneous()).head<3>() - point.p_T;
+        const Eigen::Vector3d error = (to_T * truth.col(k++).homogeneous()).head<3>() - point.p_T;
         sum += error.dot(point.covariance_T.inverse() * error);
         count += 3.0;
       }
@@ -272,7 +271,9 @@ std::vector<StartTrack> short_lived(int frames, int per_frame, int length) {
       StartTrack track;
       for (int f = std::max(0, begin); f < std::min(frames, begin + length); ++f) {
         (void)track.observations.push_back(
-            {.frame = f, .normalised = {0.01 * rng.normal(), 0.01 * rng.normal()}, .sigma_normalised = 1e-4});
+            {.frame = f,
+             .normalised = {0.01 * rng.normal(), 0.01 * rng.normal()},
+             .sigma_normalised = 1e-4});
       }
       tracks.push_back(track);
     }

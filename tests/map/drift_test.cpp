@@ -94,7 +94,9 @@ TEST(MapDrift, IsNotHalvedAgain_WhenTheSameLoopClosesOverMoreKeyframes) {
   add_keyframe_error(*keyframe(100, 100), &drift);
   const double walked = attitude_sigma_rad(drift);
   hold_at_both_ends(&drift);
-  EXPECT_NEAR(std::pow(attitude_sigma_rad(drift), 2), held * held + 0.25 * (walked * walked - held * held), 1e-15);
+  EXPECT_NEAR(std::pow(attitude_sigma_rad(drift), 2),
+              held * held + 0.25 * (walked * walked - held * held),
+              1e-15);
 }
 
 TEST(MapDrift, IsAsTheMotionTellsIt_WhateverClosesAfterwards) {

@@ -267,8 +267,8 @@ TEST(OldSide, TakesPart_WhereItAgrees) {
   EXPECT_GT(b.old_matches(), 30);
 }
 
-// 0.03 rad of drift is 5.6 px in the picture's middle and less towards its axis: some landmarks stay
-// within the gate, most do not.
+// 0.03 rad of drift is 5.6 px in the picture's middle and less towards its axis: some landmarks
+// stay within the gate, most do not.
 TEST(OldSide, StaysOut_WhereItHasDrifted) {
   const OldSide b(0.03);
   EXPECT_EQ(b.old_matches(), 0);

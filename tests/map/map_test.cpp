@@ -240,9 +240,13 @@ std::vector<double> derived(const Map& map) {
     }
     values.insert(values.end(), {landmark.size_mu, landmark.spread_rad});
     for (const LandmarkView& view : landmark.views) {
-      values.insert(values.end(), {view.direction_T.x(), view.direction_T.y(), view.direction_T.z(),
-                                   static_cast<double>(view.keyframe.slot), static_cast<double>(view.feature),
-                                   static_cast<double>(view.descriptor[0])});
+      values.insert(values.end(),
+                    {view.direction_T.x(),
+                     view.direction_T.y(),
+                     view.direction_T.z(),
+                     static_cast<double>(view.keyframe.slot),
+                     static_cast<double>(view.feature),
+                     static_cast<double>(view.descriptor[0])});
     }
   }
   return values;

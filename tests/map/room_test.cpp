@@ -44,8 +44,8 @@ TEST(MakeLandmarkRoom, GivesUpTheLeastConfirmedFirst) {
   const std::int32_t confirmed = s.map->landmark_count;
   fill(s.map.get());
   (void)make_landmark_room(500, s.map.get());
-  const auto seen = std::count_if(
-      s.map->landmarks.begin(), s.map->landmarks.end(), [](const Landmark& landmark) {
+  const auto seen =
+      std::count_if(s.map->landmarks.begin(), s.map->landmarks.end(), [](const Landmark& landmark) {
         return landmark.used && landmark.observations > 0;
       });
   EXPECT_EQ(seen, confirmed) << "those that nobody sees were enough";
@@ -55,10 +55,10 @@ TEST(MakeLandmarkRoom, KeepsWhatTheNewestKeyframesSee) {
   const auto s = make_map(ball(300, 54), turn_by(0.1, 6), kNoise_px, 54);
   const Keyframe& newest = s.map->keyframes[s.keyframes.back().index()];
   const auto tied = [&] {
-    return std::count_if(newest.landmark_of.begin(),
-                         newest.landmark_of.begin() +
-                             static_cast<std::ptrdiff_t>(newest.features.size()),
-                         [](LandmarkId id) { return id.valid(); });
+    return std::count_if(
+        newest.landmark_of.begin(),
+        newest.landmark_of.begin() + static_cast<std::ptrdiff_t>(newest.features.size()),
+        [](LandmarkId id) { return id.valid(); });
   };
   const auto before = tied();
   ASSERT_GT(before, 20);

@@ -64,7 +64,8 @@ void disturb(std::uint64_t seed, Map* map) {
   }
 }
 
-/// The keyframes' mean turn against where they were, and scale and shift of the landmarks, each weighted by its sightings.
+/// The keyframes' mean turn against where they were, and scale and shift of the landmarks, each
+/// weighted by its sightings.
 Similarity drift(const Map& before, const Map& after) {
   Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < before.keyframes.size(); ++k) {
@@ -246,14 +247,15 @@ TEST(Apply, IsNotCarriedAway_ByALandmarkThatRanAway) {
   (void)apply(*all, s.map.get());
   for (const Keyframe& keyframe : s.map->keyframes) {
     if (keyframe.used) {
-      const Pose& was = before->keyframes[static_cast<std::size_t>(&keyframe - s.map->keyframes.data())].pose;
+      const Pose& was =
+          before->keyframes[static_cast<std::size_t>(&keyframe - s.map->keyframes.data())].pose;
       EXPECT_LT((keyframe.pose.p_CT - was.p_CT).norm(), 0.01 * was.p_CT.norm());
     }
   }
 }
 
-/// A window's snapshot whose newest keyframe the solution has moved, and the map that has grown by a
-/// keyframe and a landmark since.
+/// A window's snapshot whose newest keyframe the solution has moved, and the map that has grown by
+/// a keyframe and a landmark since.
 struct GrownSince {
   explicit GrownSince(std::uint64_t seed)
       : synthetic(make_map(ball(300, 30), turn_by(0.1, 12), kNoise_px, seed)),

@@ -23,7 +23,8 @@ cv::Mat opinion_of(const cv::Mat& picture,
                    const cv::Mat& matches = cv::Mat::zeros(kSize, CV_8UC1)) {
   cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(0.0));
   AppearanceScratch scratch;
-  add_appearance(picture, outline, matches, cv::Rect(cv::Point(), picture.size()), 1, &scratch, &opinion);
+  add_appearance(
+      picture, outline, matches, cv::Rect(cv::Point(), picture.size()), 1, &scratch, &opinion);
   return opinion;
 }
 
@@ -54,8 +55,12 @@ TEST(AddAppearance, TellsRoughFromEven_WhereTheLevelsAreAlike) {
 TEST(AddAppearance, SpeaksAgainstTheTargetsLooks_WhereTheBackgroundIsKnownToHaveThem) {
   cv::Mat picture(kSize, CV_8UC1, cv::Scalar(150));
   picture(kBody).setTo(30);
-  cv::circle(picture, cv::Point(90, 70), 12, cv::Scalar(200), cv::FILLED);  // dark is not all that the target is
-  const cv::Rect panel(20, 50, 30, 30);                                     // on the wall beside it
+  cv::circle(picture,
+             cv::Point(90, 70),
+             12,
+             cv::Scalar(200),
+             cv::FILLED);                // dark is not all that the target is
+  const cv::Rect panel(20, 50, 30, 30);  // on the wall beside it
   picture(panel).setTo(30);
   cv::Mat matches = cv::Mat::zeros(kSize, CV_8UC1);
   const cv::Rect inner(panel.x + 2, panel.y + 2, panel.width - 4, panel.height - 4);
@@ -63,7 +68,8 @@ TEST(AddAppearance, SpeaksAgainstTheTargetsLooks_WhereTheBackgroundIsKnownToHave
   matches(panel).setTo(255);
   const cv::Mat opinion = opinion_of(picture, outline_without(kCell), matches);
   EXPECT_LT(mean_in(opinion, inner), 0.0);
-  EXPECT_GT(mean_in(opinion, cv::Rect(kCell.x + 2, kCell.y + 2, kCell.width - 4, kCell.height - 4)), 0.3);
+  EXPECT_GT(mean_in(opinion, cv::Rect(kCell.x + 2, kCell.y + 2, kCell.width - 4, kCell.height - 4)),
+            0.3);
 }
 
 TEST(AddAppearance, SaysNothing_WhereTheBackgroundLooksTheSame) {

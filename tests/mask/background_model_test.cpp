@@ -29,7 +29,8 @@ cv::Mat picture(int frame, const cv::Rect& target = kTarget) {
   for (int row = 0; row < gray.rows; ++row) {
     for (int column = 0; column < gray.cols; ++column) {
       const double level = target.contains({column, row}) ? 200.0 : 40.0 + column;
-      gray.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>(level + kNoise * rng.normal());
+      gray.at<std::uint8_t>(row, column) =
+          cv::saturate_cast<std::uint8_t>(level + kNoise * rng.normal());
     }
   }
   return gray;

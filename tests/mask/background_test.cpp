@@ -50,7 +50,8 @@ TEST(ExplainBackground, AsksTheOtherAge_WhereTheOneAskedHasNoMotion) {
 }
 
 TEST(ChooseAge, IsTheSame_ByWhicheverAgeIsFitted) {
-  // Over two pictures the target differs by 3.2 px from what is behind it, which is enough and not too much.
+  // Over two pictures the target differs by 3.2 px from what is behind it, which is enough and not
+  // too much.
   for (const FittedAges ages : {FittedAges::kShorter, FittedAges::kLonger, FittedAges::kBoth}) {
     PointsState points = followed(kScene, 10);
     BackgroundState background;

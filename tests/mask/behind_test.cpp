@@ -17,7 +17,8 @@ cv::Mat drawn(Rng* rng) {
   cv::Mat cells = dark();
   const int count = static_cast<int>(rng->below(4));
   for (int i = 0; i < count; ++i) {
-    const cv::Point corner(static_cast<int>(rng->below(kColumns)), static_cast<int>(rng->below(kRows)));
+    const cv::Point corner(static_cast<int>(rng->below(kColumns)),
+                           static_cast<int>(rng->below(kRows)));
     const cv::Size size(1 + static_cast<int>(rng->below(40)), 1 + static_cast<int>(rng->below(30)));
     cells(cv::Rect(corner - cv::Point(size / 2), size) & cv::Rect({}, cells.size())).setTo(255);
   }

@@ -44,13 +44,19 @@ void cut(const cv::Mat& gray,
          cv::Mat* outline) {
   PictureEdges edges;
   measure_edges(gray, cv::Rect(cv::Point(), gray.size()), &edges);
-  cut_at_edges(edges, {.weight = weight, .certain = certain, .cell_px = opinion_px}, reach, outline);
+  cut_at_edges(
+      edges, {.weight = weight, .certain = certain, .cell_px = opinion_px}, reach, outline);
 }
 
 /// As much for what the outline holds as against what is beside it, by cells of so many pixels.
 cv::Mat weight_of(const cv::Mat& outline, int cell_px) {
   cv::Mat cells;
-  cv::resize(outline, cells, coarser({cv::Point(), outline.size()}, cell_px).size(), 0.0, 0.0, cv::INTER_AREA);
+  cv::resize(outline,
+             cells,
+             coarser({cv::Point(), outline.size()}, cell_px).size(),
+             0.0,
+             0.0,
+             cv::INTER_AREA);
   cv::Mat weight(cells.size(), CV_32FC1, cv::Scalar(-0.3F));
   weight.setTo(0.3F, cells > 127);
   return weight;
@@ -81,7 +87,12 @@ TEST(CutAtEdges, KeepsWhatIsCertain_WhateverTheOpinion) {
   cv::Mat outline = body();
   cv::Mat certain(kSize, CV_8UC1, cv::Scalar(0));
   cv::circle(certain, {80, 60}, 4, cv::Scalar(255), cv::FILLED);
-  cut(picture(), cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)), certain, 1, {.px = kReach_px}, &outline);
+  cut(picture(),
+      cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)),
+      certain,
+      1,
+      {.px = kReach_px},
+      &outline);
   EXPECT_EQ(cv::countNonZero(certain & ~outline), 0);
 }
 
@@ -104,7 +115,12 @@ TEST(CutAtEdges, ByCells_LeavesTheRowAndColumnThatFillNoCell) {
   cv::Mat outline(odd, CV_8UC1, cv::Scalar(0));
   const cv::Rect corner(101, 81, odd.width - 101, odd.height - 81);
   outline(corner).setTo(255);
-  cut(gray, weight_of(cv::Mat(odd, CV_8UC1, cv::Scalar(255)), 2), {}, 2, {.px = 10, .cell_px = 2}, &outline);
+  cut(gray,
+      weight_of(cv::Mat(odd, CV_8UC1, cv::Scalar(255)), 2),
+      {},
+      2,
+      {.px = 10, .cell_px = 2},
+      &outline);
   EXPECT_EQ(outline.size(), odd);
   EXPECT_EQ(cv::countNonZero(outline.row(odd.height - 1)), corner.width);
   EXPECT_EQ(cv::countNonZero(outline.col(odd.width - 1)), corner.height);

@@ -189,7 +189,8 @@ TEST(FollowTarget, SaysTheSame_WhenShownTheSame_WhateverWasThereBefore) {
   Scene black = scene;
   black.background = false;
   after_black.show(black, 0, 3);
-  const Scene other{.background_px = {-2.0, 0.0}, .target_turn_deg = -5.0, .start_px = {100.0, 90.0}};
+  const Scene other{
+      .background_px = {-2.0, 0.0}, .target_turn_deg = -5.0, .start_px = {100.0, 90.0}};
   const std::vector<cv::Point2f> points = landmarks_of_disc({100.0, 90.0}, 34.0);
   b.show(other, 0, 9, {.points_px = points, .radius_px = 40.0});
   sharpen_outline(b.state.get());
@@ -199,7 +200,8 @@ TEST(FollowTarget, SaysTheSame_WhenShownTheSame_WhateverWasThereBefore) {
   for (Follower* other_one : {&b, &after_black}) {
     other_one->show(scene, 0, kFrames);
     EXPECT_EQ(cv::norm(a.mask.cells, other_one->mask.cells, cv::NORM_L1), 0.0);
-    EXPECT_EQ(cv::norm(a.state->evidence.total, other_one->state->evidence.total, cv::NORM_L1), 0.0);
+    EXPECT_EQ(cv::norm(a.state->evidence.total, other_one->state->evidence.total, cv::NORM_L1),
+              0.0);
   }
 }
 
@@ -211,7 +213,8 @@ TEST(FollowTarget, RemembersARoom_WhileTheCameraStandsStill) {
   EXPECT_GT(known(), moving::kWidth * moving::kHeight / 2);
   match_background(still.picture(29), still.noise, &follower.state->background_model);
   const cv::Mat& matches = follower.state->background_model.matches;
-  // Levels from 60 to 200 on both sides: a tenth of the target is within the noise of what is behind it.
+  // Levels from 60 to 200 on both sides: a tenth of the target is within the noise of what is
+  // behind it.
   EXPECT_LT(cv::countNonZero(matches & still.truth(29)), cv::countNonZero(still.truth(29)) / 5);
   EXPECT_GT(cv::countNonZero(matches & ~still.truth(29)), known() * 9 / 10);
   Scene moving = still;
@@ -230,7 +233,8 @@ TEST(RulesOut, WhatLiesBeyondASharpenedOutline_AndNothingWithoutOne) {
   ASSERT_TRUE(follower.state->sharp);
   const cv::Point2d c = scene.centre(kFrames - 1);
   const auto ruled_out = [&](double from_centre_px) {
-    return rules_out(*follower.state, static_cast<float>(c.x + from_centre_px), static_cast<float>(c.y));
+    return rules_out(
+        *follower.state, static_cast<float>(c.x + from_centre_px), static_cast<float>(c.y));
   };
   EXPECT_FALSE(ruled_out(0.0));
   EXPECT_FALSE(ruled_out(scene.radius_px + 1.0));
@@ -303,7 +307,8 @@ TEST(SharpenOutline, FindsTheEdge_FromAPriorThatIsOffByAFewPixels) {
 }
 
 TEST(SharpenOutline, LeavesAnOutlineAsItWas_WhereNothingOfItWouldBeLeft) {
-  // Textures on both sides whose steps are all alike: a cut along the rim of a small body costs more than to give it up.
+  // Textures on both sides whose steps are all alike: a cut along the rim of a small body costs
+  // more than to give it up.
   const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 8.0, .radius_px = 8.0};
   Follower follower;
   follower.show(scene, 0, kFrames);
@@ -364,7 +369,8 @@ TEST(FollowTarget, KeepsItsLandmarksOpen_WhenSomethingComesBehindThem) {
   std::vector<cv::Point2f> landmarks;
   for (float turn = 0.0F; turn < 6.2F; turn += 0.2F) {
     for (const float radius_px : {10.0F, 20.0F, 30.0F}) {
-      landmarks.emplace_back(160.0F + radius_px * std::cos(turn), 120.0F + radius_px * std::sin(turn));
+      landmarks.emplace_back(160.0F + radius_px * std::cos(turn),
+                             120.0F + radius_px * std::sin(turn));
     }
   }
   Follower follower;

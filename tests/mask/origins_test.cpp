@@ -34,7 +34,8 @@ TEST(TracePlane, IsTheLibrarysWarp_ToTheNearestPixel) {
   cv::warpPerspective(picture(), warped, motion, kSize, cv::INTER_NEAREST, cv::BORDER_REPLICATE);
   const cv::Mat found = seen_through(motion, kRegion);
   ASSERT_EQ(found.size(), kRegion.size());
-  EXPECT_LT(cv::mean(found != warped(kRegion))[0] / 255.0, 0.05) << "halves are rounded in another way";
+  EXPECT_LT(cv::mean(found != warped(kRegion))[0] / 255.0, 0.05)
+      << "halves are rounded in another way";
 }
 
 TEST(TracePlane, RepeatsTheRim_OutsideOfThePicture_HoweverFar) {
@@ -46,7 +47,8 @@ TEST(TracePlane, RepeatsTheRim_OutsideOfThePicture_HoweverFar) {
 
 TEST(TracePlane, StaysInThePicture_WhereAPlaneIsSeenFromItsEdge) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const cv::Matx33d& motion : {cv::Matx33d(1, 0, 0, 0, 1, 0, -0.02, 0, 1), cv::Matx33d::zeros(), cv::Matx33d::all(nan)}) {
+  for (const cv::Matx33d& motion :
+       {cv::Matx33d(1, 0, 0, 0, 1, 0, -0.02, 0, 1), cv::Matx33d::zeros(), cv::Matx33d::all(nan)}) {
     Origins origins;
     trace_plane(motion, kRegion, kSize, &origins);
     double least = 0.0;
@@ -86,7 +88,8 @@ TEST(Carry, BringsAlongWhatIsKnown_BetweenCells_ByPixelsAndByCells) {
     cv::Mat from;
     cv::Mat found;
     carry(steady({3.0F, -2.0F}), kCell_px, kRegion, step, ramp, &from, &found);
-    ASSERT_EQ(found.size(), cv::Size((kRegion.width + step - 1) / step, (kRegion.height + step - 1) / step));
+    ASSERT_EQ(found.size(),
+              cv::Size((kRegion.width + step - 1) / step, (kRegion.height + step - 1) / step));
     const cv::Mat here = ramp(cv::Rect(kRegion.tl() / step, found.size()));
     const cv::Mat come = here - found;  // 3 px to the right and 2 px up
     EXPECT_NEAR(cv::norm(come - 2.0 / step, cv::NORM_INF), 0.0, 0.04) << step;

@@ -10,9 +10,7 @@ const cv::Size kSize(160, 120);
 const cv::Rect kWhole(cv::Point(), kSize);
 const cv::Rect kBody(50, 40, 60, 40);
 
-cv::Mat square(int radius) {
-  return cv::Mat::ones(2 * radius + 1, 2 * radius + 1, CV_8UC1);
-}
+cv::Mat square(int radius) { return cv::Mat::ones(2 * radius + 1, 2 * radius + 1, CV_8UC1); }
 
 /// A panel's grid: lines 3 px wide, 12 px apart.
 cv::Mat grid_evidence() {

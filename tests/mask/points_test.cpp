@@ -63,8 +63,8 @@ cv::Mat view_from(const cv::Point& place) {
 
 /// Part of the points that moved so in the newest picture, to half a pixel.
 double part_moved(const PointsState& points, const cv::Point2f& motion_px) {
-  const auto moved = std::count_if(
-      points.tracks.begin(), points.tracks.end(), [&](const MaskTrack& track) {
+  const auto moved =
+      std::count_if(points.tracks.begin(), points.tracks.end(), [&](const MaskTrack& track) {
         return track.count > 1 && cv::norm(track.motion(1) - motion_px) < 0.5;
       });
   return static_cast<double>(moved) / static_cast<double>(points.tracks.size());
@@ -111,7 +111,8 @@ TEST_P(FollowPoints, DropsWhatDoesNotComeBackToWhereItWas) {
 }
 
 TEST(AddPicture, TakesWhatIsReducedAlready_WhereItIsTheSame) {
-  const cv::Mat gray = moving::texture(1280, 3)(cv::Rect(0, 0, 1280, 960));  // two pixels a working one
+  const cv::Mat gray =
+      moving::texture(1280, 3)(cv::Rect(0, 0, 1280, 960));  // two pixels a working one
   cv::Mat halved;
   cv::resize(gray, halved, gray.size() / 2, 0.0, 0.0, cv::INTER_AREA);
   cv::Mat quarter;
@@ -147,7 +148,8 @@ TEST(RefillPoints, FillsTheTargetInEachPicture_WhileItHasFewPoints) {
 }
 
 TEST(RefillPoints, AnyPlaceHasBeenLookedAt_AfterFourPictures_OrEightByTurns) {
-  for (const auto& [where, pictures] : {std::pair(Refill::kBandAndTarget, 4), std::pair(Refill::kByTurns, 8)}) {
+  for (const auto& [where, pictures] :
+       {std::pair(Refill::kBandAndTarget, 4), std::pair(Refill::kByTurns, 8)}) {
     PointsState points;
     add_picture(spots(), {}, &points);
     refill_points(kTarget, Refill::kEverywhere, &points);

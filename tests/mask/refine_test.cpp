@@ -78,7 +78,8 @@ TEST(RefineOpinion, MovesAnOpinionByCells) {
   const cv::Mat picture(kSize, CV_8UC1, cv::Scalar(51));
   cv::Mat opinion(kSize / 2, CV_32FC1, cv::Scalar(0.25));
   RefineScratch scratch;
-  refine_opinion(picture, body(), {.ask = Constant::ask, .context = &network}, 2, &scratch, &opinion);
+  refine_opinion(
+      picture, body(), {.ask = Constant::ask, .context = &network}, 2, &scratch, &opinion);
   EXPECT_NEAR(opinion.at<float>(27, 35), 0.25F + 0.9F, 1e-5F);
   EXPECT_EQ(opinion.at<float>(59, 79), 0.25F);
 }

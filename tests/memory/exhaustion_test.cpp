@@ -1,4 +1,5 @@
-// The reserve exhausted in flight: a checkpoint is on the disk, and the exit code says why it ended.
+// The reserve exhausted in flight: a checkpoint is on the disk, and the exit code says why it
+// ended.
 #include "app/exhaustion.hpp"
 
 #include <gtest/gtest.h>
@@ -61,14 +62,15 @@ class Exhaustion : public ::testing::Test {
   ~Exhaustion() override { std::filesystem::remove(file_); }
   // The tests run beside each other, and each in two processes, the second of which runs the test
   // anew up to the death that is expected: same session and name, same file.
-  std::filesystem::path file_ =
-      std::filesystem::temp_directory_path() /
-      ("polhode_exhaustion_" + std::to_string(::getsid(0)) + "_" +
-       ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  std::filesystem::path file_ = std::filesystem::temp_directory_path() /
+                                ("polhode_exhaustion_" + std::to_string(::getsid(0)) + "_" +
+                                 ::testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
 TEST_F(Exhaustion, OfTheReserveLeavesACheckpointBehind_AndItsOwnExitCode) {
-  EXPECT_EXIT(run_and_exhaust(file_, false), ::testing::ExitedWithCode(kMemoryExhausted), "exhausted.*pool 'step'");
+  EXPECT_EXIT(run_and_exhaust(file_, false),
+              ::testing::ExitedWithCode(kMemoryExhausted),
+              "exhausted.*pool 'step'");
   const LoadedCheckpoint loaded =
       load_checkpoint_file(file_, CheckpointIdentity{}, utc_now_ns(), 600);
   ASSERT_EQ(loaded.refusal, "");
@@ -78,7 +80,9 @@ TEST_F(Exhaustion, OfTheReserveLeavesACheckpointBehind_AndItsOwnExitCode) {
 }
 
 TEST_F(Exhaustion, OnAnotherThreadLeavesTheLastCheckpointAlone) {
-  EXPECT_EXIT(run_and_exhaust(file_, true), ::testing::ExitedWithCode(kMemoryExhausted), "exhausted.*pool 'step'");
+  EXPECT_EXIT(run_and_exhaust(file_, true),
+              ::testing::ExitedWithCode(kMemoryExhausted),
+              "exhausted.*pool 'step'");
   EXPECT_FALSE(std::filesystem::exists(file_));
 }
 

@@ -121,9 +121,8 @@ struct Held {
 
 /// What was written is still there: nobody else was given the same memory.
 bool intact(const Held& held) {
-  return std::all_of(held.p, held.p + held.octets, [&](std::byte b) {
-    return b == std::byte{held.mark};
-  });
+  return std::all_of(
+      held.p, held.p + held.octets, [&](std::byte b) { return b == std::byte{held.mark}; });
 }
 
 TEST_F(HeapTest, KeepsItsPromises_OverRandomUse) {

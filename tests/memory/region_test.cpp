@@ -1,5 +1,5 @@
-// A program whose malloc is the fixed memory's: what every allocation of the process, the libraries'
-// too, then obeys.
+// A program whose malloc is the fixed memory's: what every allocation of the process, the
+// libraries' too, then obeys.
 #include "os/linux/memory/region.hpp"
 
 #include <gtest/gtest.h>
@@ -147,8 +147,7 @@ void exhaust_the_reserve() {
 }
 
 TEST_F(RegionTest, AnExhaustedReserveEndsTheProgram_WithItsOwnCode) {
-  EXPECT_EXIT(
-      exhaust_the_reserve(), ::testing::ExitedWithCode(kMemoryExhausted), "reserve too");
+  EXPECT_EXIT(exhaust_the_reserve(), ::testing::ExitedWithCode(kMemoryExhausted), "reserve too");
 }
 
 TEST_F(RegionTest, AnExhaustedReserveIsToldToTheHook) {

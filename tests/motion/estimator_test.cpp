@@ -33,14 +33,16 @@ TEST(MotionEstimate, PredictsNothing_WithoutAPose) {
 
 TEST(MotionEstimate, HoldsTheOnlyPose) {
   const auto motion = turning(1);
-  const auto predicted = predict_or_hold(*motion, {}, {}, 3 * kSecond_ns, Eigen::Matrix3d::Identity());
+  const auto predicted =
+      predict_or_hold(*motion, {}, {}, 3 * kSecond_ns, Eigen::Matrix3d::Identity());
   ASSERT_TRUE(predicted);
   EXPECT_EQ(predicted->pose.R_CT, pose_at(0).R_CT);
 }
 
 TEST(MotionEstimate, TurnsOn) {
   const auto motion = turning(6);
-  const auto predicted = predict_or_hold(*motion, {}, {}, 6 * kSecond_ns, Eigen::Matrix3d::Identity());
+  const auto predicted =
+      predict_or_hold(*motion, {}, {}, 6 * kSecond_ns, Eigen::Matrix3d::Identity());
   ASSERT_TRUE(predicted);
   EXPECT_LT(rotation_angle_rad(predicted->pose.R_CT, pose_at(6).R_CT), 1e-6);
 }
@@ -48,9 +50,11 @@ TEST(MotionEstimate, TurnsOn) {
 TEST(MotionEstimate, IsNeverPredictedThroughTheCamera) {
   auto motion = std::make_unique<MotionEstimate>();
   for (int second = 0; second < 6; ++second) {
-    (void)remember_pose(second * kSecond_ns, pose_at(second, 6.5 - second), kCovariance, {}, motion.get());
+    (void)remember_pose(
+        second * kSecond_ns, pose_at(second, 6.5 - second), kCovariance, {}, motion.get());
   }
-  const auto predicted = predict_or_hold(*motion, {}, {}, 8 * kSecond_ns, Eigen::Matrix3d::Identity());
+  const auto predicted =
+      predict_or_hold(*motion, {}, {}, 8 * kSecond_ns, Eigen::Matrix3d::Identity());
   ASSERT_TRUE(predicted);
   EXPECT_EQ(predicted->pose.p_CT, pose_at(0, 1.5).p_CT);
 }
@@ -89,7 +93,8 @@ TEST(MotionEstimate, NoFitIsDueInPaperMode) {
   const MotionOptions paper{.mode = MotionMode::kPaper};
   auto motion = std::make_unique<MotionEstimate>();
   for (int second = 0; second < 60; ++second) {
-    EXPECT_FALSE(remember_pose(second * kSecond_ns, pose_at(second), kCovariance, paper, motion.get()));
+    EXPECT_FALSE(
+        remember_pose(second * kSecond_ns, pose_at(second), kCovariance, paper, motion.get()));
   }
   EXPECT_TRUE(motion->past.empty());
 }
@@ -105,7 +110,8 @@ TEST(MotionEstimate, AFitIsDueOnceTheMotionHasBeenSeenForAWhile) {
 
 TEST(MotionEstimate, ForgetsItsPosesAndKeepsTheObserver) {
   auto motion = turning(6);
-  (void)take_observer(Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX())), motion.get());
+  (void)take_observer(Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX())),
+                      motion.get());
   const Eigen::Matrix3d R_IC = motion->R_IC;
   forget_poses(motion.get());
   EXPECT_TRUE(motion->recent.empty() && motion->past.empty());

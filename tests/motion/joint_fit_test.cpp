@@ -1,4 +1,5 @@
-// A map that has drifted is put right by the motion of a free body, and left alone where there is none.
+// A map that has drifted is put right by the motion of a free body, and left alone where there is
+// none.
 #include "motion/joint_fit.hpp"
 
 #include <gtest/gtest.h>
@@ -62,9 +63,13 @@ struct DriftedMap {
 
 Eigen::Vector3d normal3(Rng* rng) { return {rng->normal(), rng->normal(), rng->normal()}; }
 
-/// @param drift_rad     1-sigma of the free poses' walk from frame to frame; the points have walked along.
+/// @param drift_rad     1-sigma of the free poses' walk from frame to frame; the points have walked
+/// along.
 /// @param observer_w_C  rate that the observer turns at.
-DriftedMap drifted_map(int frames, double drift_rad, const Eigen::Vector3d& observer_w_C, std::uint64_t seed) {
+DriftedMap drifted_map(int frames,
+                       double drift_rad,
+                       const Eigen::Vector3d& observer_w_C,
+                       std::uint64_t seed) {
   Rng rng(seed, 91);
   DriftedMap map;
   map.truth = tumble(asymmetric_body(kTurn_rad), static_cast<std::size_t>(frames), 1.0);
@@ -111,7 +116,8 @@ RigidModel fitted(DriftedMap* map, std::uint32_t* doubts) {
   static const auto own = std::make_unique<JointFitWorkspace>();
   // As in a map, free poses come to rest first; the newest is held.
   map->pose_fixed.back() = 1;
-  (void)adjust_bundle(map->input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0}, bundle.get());
+  (void)adjust_bundle(
+      map->input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0}, bundle.get());
   map->pose_fixed.back() = 0;
   return fit_jointly(map->input(), doubts, bundle.get(), own.get());
 }
@@ -121,14 +127,19 @@ RigidModel fitted(DriftedMap* map) {
   return fitted(map, &doubts);
 }
 
-/// Over all axes. It counts the poses of a side as one, which these are not: three times what white noise gives.
+/// Over all axes. It counts the poses of a side as one, which these are not: three times what white
+/// noise gives.
 double sigma_in_the_middle_rad(const RigidModel& model, const DriftedMap& map) {
   const auto at = predict_motion(model, map.timestamps_ns[map.timestamps_ns.size() / 2]);
   return at ? std::sqrt(at.value().covariance.diagonal().head<3>().sum()) : 0.0;
 }
 
-/// Adjusts the map by the motion that it was made with, begun off by `turn_rad` in attitude and `rate_part` in rate.
-FreeBodyReport adjusted_from(double turn_rad, double rate_part, DriftedMap* map, FreeBodyMotion* motion) {
+/// Adjusts the map by the motion that it was made with, begun off by `turn_rad` in attitude and
+/// `rate_part` in rate.
+FreeBodyReport adjusted_from(double turn_rad,
+                             double rate_part,
+                             DriftedMap* map,
+                             FreeBodyMotion* motion) {
   static const auto bundle = std::make_unique<BundleWorkspace>();
   static const auto own = std::make_unique<FreeBodyWorkspace>();
   const FreeBody body = asymmetric_body(kTurn_rad);
@@ -145,10 +156,11 @@ FreeBodyReport adjusted_from(double turn_rad, double rate_part, DriftedMap* map,
     times.push_back({.time_s = 1e-9 * static_cast<double>(t - map->timestamps_ns.front())});
   }
   const JointFitInput input = map->input();
-  return adjust_free_body({.bundle = input.bundle, .times = times, .motion = motion, .lever_sigma = input.body_radius},
-                          {.iterations_max = 40, .cauchy_sigma = 15.0},
-                          bundle.get(),
-                          own.get());
+  return adjust_free_body(
+      {.bundle = input.bundle, .times = times, .motion = motion, .lever_sigma = input.body_radius},
+      {.iterations_max = 40, .cauchy_sigma = 15.0},
+      bundle.get(),
+      own.get());
 }
 
 TEST(FreeBodyAdjustment, ComesToRestFromFarOffInFewSteps) {
@@ -161,10 +173,13 @@ TEST(FreeBodyAdjustment, ComesToRestFromFarOffInFewSteps) {
   const FreeBodyReport report = adjusted_from(20.0 * kDegree_rad, 0.02, &far, &motion_far);
   ASSERT_TRUE(report.bundle.usable);
   EXPECT_GT(report.bundle.cost_before, 10.0 * from_truth.bundle.cost_after);
-  EXPECT_NEAR(report.bundle.cost_after, from_truth.bundle.cost_after, 1e-3 * from_truth.bundle.cost_after);
+  EXPECT_NEAR(
+      report.bundle.cost_after, from_truth.bundle.cost_after, 1e-3 * from_truth.bundle.cost_after);
   EXPECT_LE(report.bundle.iterations, 8) << "15 where landmarks follow a linear model";
   // T's axes are free: the rates agree but for a turn of them.
-  EXPECT_NEAR(motion_far.reference.w_T_rad_s.norm(), motion_near.reference.w_T_rad_s.norm(), 1e-4 * kTurn_rad);
+  EXPECT_NEAR(motion_far.reference.w_T_rad_s.norm(),
+              motion_near.reference.w_T_rad_s.norm(),
+              1e-4 * kTurn_rad);
 }
 
 TEST(JointFit, TakesTheDriftOutOfAMap) {
@@ -172,7 +187,8 @@ TEST(JointFit, TakesTheDriftOutOfAMap) {
   DriftedMap free = map;
   static const auto workspace = std::make_unique<BundleWorkspace>();
   free.pose_fixed.back() = 1;
-  (void)adjust_bundle(free.input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0}, workspace.get());
+  (void)adjust_bundle(
+      free.input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0}, workspace.get());
   const RigidModel model = fitted(&map);
   ASSERT_TRUE(model.accepted());
   EXPECT_TRUE(model.of_map);
@@ -189,11 +205,13 @@ TEST(JointFit, HoldsForAnObserverThatTurns) {
 }
 
 TEST(JointFit, KnowsItsError) {
-  // Rate, in the body's own axes, against truth: 95 % inside would be 11.4 of 12; one seed may be out.
+  // Rate, in the body's own axes, against truth: 95 % inside would be 11.4 of 12; one seed may be
+  // out.
   int inside = 0;
   constexpr int kSeeds = 12;
   for (int seed = 0; seed < kSeeds; ++seed) {
-    DriftedMap map = drifted_map(30, 0.004, Eigen::Vector3d::Zero(), 100 + static_cast<std::uint64_t>(seed));
+    DriftedMap map =
+        drifted_map(30, 0.004, Eigen::Vector3d::Zero(), 100 + static_cast<std::uint64_t>(seed));
     const RigidModel model = fitted(&map);
     ASSERT_TRUE(model.accepted()) << seed;
     const double true_rad_s = map.truth.back().w_T_rad_s.norm();
@@ -224,7 +242,8 @@ TEST(JointFit, RefusesTimesThatAreNotThePictures_AndLeavesTheMap) {
   DriftedMap free = drifted_map(40, 0.0, Eigen::Vector3d::Zero(), 3);
   static const auto workspace = std::make_unique<BundleWorkspace>();
   free.pose_fixed.back() = 1;
-  (void)adjust_bundle(free.input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0}, workspace.get());
+  (void)adjust_bundle(
+      free.input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0}, workspace.get());
   for (std::size_t k = 0; k < map.poses.size(); ++k) {
     EXPECT_EQ(map.poses[k].R_CT, free.poses[k].R_CT) << k;
     EXPECT_EQ(map.poses[k].uvs, free.poses[k].uvs) << k;
@@ -249,7 +268,8 @@ TEST(JointFit, IsNotMadeOfPartsThatNothingTies) {
   DriftedMap map = drifted_map(40, 0.0, Eigen::Vector3d::Zero(), 7);
   std::vector<Eigen::Vector3d> again = map.points_T;
   for (BundleObservation& o : map.observations) {
-    o.point += o.pose >= 20 ? kPoints : 0;  // the second half knows none of the first one's landmarks
+    o.point +=
+        o.pose >= 20 ? kPoints : 0;  // the second half knows none of the first one's landmarks
   }
   map.points_T.insert(map.points_T.end(), again.begin(), again.end());
   map.point_fixed.assign(map.points_T.size(), 0);
@@ -260,7 +280,8 @@ TEST(JointFit, APoseThatHasLostItsTiesIsNoPart) {
   DriftedMap map = drifted_map(40, 0.01, Eigen::Vector3d::Zero(), 7);
   const double before_rad = map.attitude_error_rad();
   int left = 8;
-  std::erase_if(map.observations, [&](const BundleObservation& o) { return o.pose == 20 && left-- <= 0; });
+  std::erase_if(map.observations,
+                [&](const BundleObservation& o) { return o.pose == 20 && left-- <= 0; });
   ASSERT_EQ(std::count_if(map.observations.begin(),
                           map.observations.end(),
                           [](const BundleObservation& o) { return o.pose == 20; }),

@@ -62,7 +62,10 @@ inline Pose in_T(const TruthSample& sample, int k, double step) {
   return {.R_CT = sample.pose.R_CT * so3_exp(e).transpose(), .p_CT = sample.pose.p_CT};
 }
 
-inline Compared outputs(const FreeBody& body, const std::vector<TruthSample>& truth, int k, double step,
+inline Compared outputs(const FreeBody& body,
+                        const std::vector<TruthSample>& truth,
+                        int k,
+                        double step,
                         const Eigen::Matrix3d& R_last) {
   Compared y;
   Eigen::Vector3d e = Eigen::Vector3d::Zero();
@@ -110,9 +113,9 @@ inline Compared cramer_rao(const BoundCase& c) {
 struct ModelStatistics {
   int seeds = 0;
   int accepted = 0;
-  Compared rms = Compared::Zero();      ///< of the errors
-  Compared sigma = Compared::Zero();    ///< mean of what was declared
-  Compared inside = Compared::Zero();   ///< part of the errors within 1.96 sigma
+  Compared rms = Compared::Zero();     ///< of the errors
+  Compared sigma = Compared::Zero();   ///< mean of what was declared
+  Compared inside = Compared::Zero();  ///< part of the errors within 1.96 sigma
 };
 
 inline Compared errors_of(const RigidModel& model, const FreeBody& body, const TruthSample& last) {

@@ -78,8 +78,8 @@ TEST_P(PredictionWalks, TellWhatOneIntegrationToThatTimeTells) {
 TEST_P(PredictionWalks, TakeBoundedWorkAFrame) {
   const RigidModel model = model_of(GetParam() * Eigen::Vector3d(0.3, 0.8, 0.5), 60, 1.0);
   const Walked walked = walk_to_the_end(model, model.reference_ns);
-  const double steps = model.reference.w_T_rad_s.norm() * kPredictionsAhead_s.back() /
-                       kTurningStepAngle_rad;
+  const double steps =
+      model.reference.w_T_rad_s.norm() * kPredictionsAhead_s.back() / kTurningStepAngle_rad;
   // A part for every kWalkStepsMax steps, and one that ends early for every time that is told.
   EXPECT_LE(walked.frames,
             static_cast<int>(1.2 * steps / kWalkStepsMax) +
@@ -97,8 +97,8 @@ TEST(PredictionWalk, OfARefusedModelDoesNotBegin) {
   EXPECT_FALSE(walk_on(walk.get()).has_value());
 }
 
-/// Of the axis that the body turns about, by integration: where it points after a period of the rate,
-/// and how often it has gone round the momentum.
+/// Of the axis that the body turns about, by integration: where it points after a period of the
+/// rate, and how often it has gone round the momentum.
 double precession_by_integration_s(const Eigen::Vector3d& J, const Eigen::Vector3d& w, int axis) {
   const Inertia inertia{.J_T = J.asDiagonal(), .J_inverse = J.cwiseInverse().asDiagonal()};
   const double period_s = spin_period_s(J.asDiagonal(), w);
@@ -133,7 +133,8 @@ TEST(PrecessionPeriod, IsThatOfTheIntegratedMotion_AboutEitherAxis) {
                                 {{0.25, 0.38, 0.47}, {0.012, 0.09, 0.017}, 2}};
   for (const Case& c : cases) {
     const double by_integration_s = precession_by_integration_s(c.J, c.w, c.axis);
-    EXPECT_NEAR(precession_period_s(c.J.asDiagonal(), c.w), by_integration_s, 1e-5 * by_integration_s)
+    EXPECT_NEAR(
+        precession_period_s(c.J.asDiagonal(), c.w), by_integration_s, 1e-5 * by_integration_s)
         << c.J.transpose() << " / " << c.w.transpose();
   }
 }

@@ -268,7 +268,9 @@ TEST(Rates, AreNotToldAcrossAGap_InWhichABodyMayHaveTurnedByAnyNumberOfTurns) {
   for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
     const Result<RateEstimate> rates = estimate_rates_at(poses, i, {});
     ASSERT_TRUE(rates.ok());
-    EXPECT_LT(chi2(rates.value().w_T_rad_s - truth[i].w_T_rad_s, rates.value().covariance_w_T), 25.0) << i;
+    EXPECT_LT(chi2(rates.value().w_T_rad_s - truth[i].w_T_rad_s, rates.value().covariance_w_T),
+              25.0)
+        << i;
   }
 }
 

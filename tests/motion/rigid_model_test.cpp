@@ -20,7 +20,8 @@ BoundCase paper_case(std::size_t frames) {
 }
 
 BoundCase tumbling_case(std::size_t frames) {
-  return {.body = asymmetric_body(3.0 * kDegree_rad), .frames = frames, .interval_s = 2.0, .noise = {}};
+  return {
+      .body = asymmetric_body(3.0 * kDegree_rad), .frames = frames, .interval_s = 2.0, .noise = {}};
 }
 
 RigidModel fit(const std::vector<PoseSample>& poses,
@@ -54,7 +55,8 @@ TEST(RigidModel, OfThePapersCaseReachesTheBoundWithHonestSigmas) {
 }
 
 TEST(RigidModel, OfASheetIsNotMadeThickByWhatWasHeldBeforehand) {
-  // The second moment across the sheet is zero; over 300 poses the prior would make it several sigmas.
+  // The second moment across the sheet is zero; over 300 poses the prior would make it several
+  // sigmas.
   const BoundCase c = paper_case(300);
   const Eigen::Vector3d& J = c.body.inertia;
   ASSERT_NEAR(J(0) + J(2), J(1), 1e-12);
@@ -160,12 +162,13 @@ TEST(RigidModel, OfABodyOfRevolutionClaimsNoTransverseAxes) {
   // Nutation in the body at (1 - 0.02 / 0.47) deg/s; the momentum's axis is circled at h / 0.47.
   EXPECT_NEAR(d.spin_period_s.value, 376.0, 0.2);
   const double momentum = std::hypot(0.47 * 0.1, 0.02 * 1.0);
-  EXPECT_NEAR(d.precession_period_s.value, 360.0 / (momentum / 0.47), 5.0 * d.precession_period_s.sigma);
+  EXPECT_NEAR(
+      d.precession_period_s.value, 360.0 / (momentum / 0.47), 5.0 * d.precession_period_s.sigma);
 }
 
 TEST(RigidModel, RatiosWithoutASlopeKeepHonestSigmas) {
-  // The axes of the two least moments may be turned about the third: at the best fit the ratios do not change with that
-  // in the first order, and bodies within its sigmas have others.
+  // The axes of the two least moments may be turned about the third: at the best fit the ratios do
+  // not change with that in the first order, and bodies within its sigmas have others.
   constexpr int kDraws = 400;
   RigidModel model;
   model.status = ModelStatus::kAccepted;
@@ -185,7 +188,8 @@ TEST(RigidModel, RatiosWithoutASlopeKeepHonestSigmas) {
     InertiaShape body = model.shape;
     for (int k = 0; k < 5; ++k) body(k) += sigma(k) * rng.normal();
     const Eigen::Vector3d moments =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia_of(body).J_T, Eigen::EigenvaluesOnly).eigenvalues();
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia_of(body).J_T, Eigen::EigenvaluesOnly)
+            .eigenvalues();
     for (std::size_t k = 0; k < 2; ++k) {
       const double error = ratios[k].value - moments(static_cast<Eigen::Index>(k) + 1) / moments(0);
       inside[k] += std::abs(error) < 1.96 * ratios[k].sigma ? 1 : 0;
@@ -193,8 +197,8 @@ TEST(RigidModel, RatiosWithoutASlopeKeepHonestSigmas) {
     }
   }
   for (std::size_t k = 0; k < 2; ++k) {
-    // Errors go as the square of a Gaussian, whose mean and scatter together are sqrt(3): 1.96 of that hold 93.4 % of
-    // them. Three standard deviations of so many draws below.
+    // Errors go as the square of a Gaussian, whose mean and scatter together are sqrt(3): 1.96 of
+    // that hold 93.4 % of them. Three standard deviations of so many draws below.
     constexpr double kHeld = 0.934;
     EXPECT_GT(inside[k], (kHeld - 3.0 * std::sqrt(kHeld * (1.0 - kHeld) / kDraws)) * kDraws) << k;
     EXPECT_LT(ratios[k].sigma * ratios[k].sigma, 4.0 * error2[k]) << k;
@@ -205,11 +209,13 @@ TEST(RigidModel, OfABodyAtRestKnowsThatAndNothingOfItsInside) {
   const RigidModel model = fit(observed(tumble(FreeBody{}, 60, 1.0), {}, 2));
   ASSERT_TRUE(model.accepted());
   const BodyDynamics d = describe_dynamics(model).value();
-  EXPECT_LT(model.reference.w_T_rad_s.norm(), 5.0 * worst_sigma(model.covariance.block<3, 3>(3, 3)));
+  EXPECT_LT(model.reference.w_T_rad_s.norm(),
+            5.0 * worst_sigma(model.covariance.block<3, 3>(3, 3)));
   EXPECT_EQ(d.largest_over_least.observability, Observability::kUnobserved);
   EXPECT_EQ(d.rotation_period_s.observability, Observability::kUnobserved);
   EXPECT_EQ(d.spin_period_s.observability, Observability::kUnobserved);
-  for (const Estimated& one : d.mass_centre) EXPECT_EQ(one.observability, Observability::kUnobserved);
+  for (const Estimated& one : d.mass_centre)
+    EXPECT_EQ(one.observability, Observability::kUnobserved);
 }
 
 TEST(RigidModel, OfTooFewOrUnusablePosesSaysSo) {
@@ -263,8 +269,7 @@ TEST(RigidModel, PredictsTenMinutesAheadWithHonestSigmas) {
     ASSERT_TRUE(model.accepted());
     const auto at = predict_motion(model, truth[259].timestamp_ns);
     ASSERT_TRUE(at.ok());
-    const Eigen::Vector3d error =
-        so3_log(truth[259].pose.R_CT * at.value().pose.R_CT.transpose());
+    const Eigen::Vector3d error = so3_log(truth[259].pose.R_CT * at.value().pose.R_CT.transpose());
     EXPECT_LT(error.norm(), 0.5 * kDegree_rad);
     const Eigen::Vector3d p = truth[259].pose.p_CT - at.value().pose.p_CT;
     const PoseCovariance& C = at.value().covariance;
@@ -346,10 +351,12 @@ TEST(FitPoses, SpanABoundedNumberOfTurns) {
   for (const double step_rad : {0.002, 0.17}) {  // 10,000 steps: 3 turns, 270 turns
     auto poses = std::make_unique<PoseHistory>();
     for (std::int64_t i = 0; i < 10'000; ++i) {
-      const Pose pose{.R_CT = so3_exp({0.0, step_rad * static_cast<double>(i), 0.0}), .p_CT = {0.0, 0.0, 10.0}};
+      const Pose pose{.R_CT = so3_exp({0.0, step_rad * static_cast<double>(i), 0.0}),
+                      .p_CT = {0.0, 0.0, 10.0}};
       ASSERT_TRUE(remember_for_fit(*poses, {.timestamp_ns = i * 1'000'000'000, .pose = pose}, {}));
     }
-    const double turns = step_rad * seconds_between((*poses)[0].timestamp_ns, poses->back().timestamp_ns) /
+    const double turns = step_rad *
+                         seconds_between((*poses)[0].timestamp_ns, poses->back().timestamp_ns) /
                          (2.0 * std::numbers::pi);
     const double turns_of_all = step_rad * 9999.0 / (2.0 * std::numbers::pi);
     const double turns_of_a_table = step_rad * 300.0 / (2.0 * std::numbers::pi);

@@ -145,8 +145,8 @@ TEST(Commands, LengthAndRangeLeaveAloneWhatIsKnownOfTheShape) {
       CommandCode::kSetRange, bus::SetRangeCommand{.frame_timestamp_ns = 7, .range_m = 12.5});
   const std::array<std::span<const std::uint8_t>, 1> commands{range};
   const Picture dark = uniform(0);
-  const StepOutput& out = bench.component->step(
-      {.frame = frame_of(Bench::kSecond_ns, dark), .commands = commands});
+  const StepOutput& out =
+      bench.component->step({.frame = frame_of(Bench::kSecond_ns, dark), .commands = commands});
   const Parameters& now = bench.component->state().parameters;
   EXPECT_EQ(now.scale.range_m, 12.5);
   EXPECT_EQ(now.scale.known_diameter_m, 2.0);
@@ -159,7 +159,8 @@ TEST(Commands, ALengthThatIsYetToBeReadTakesNothingAway) {
   p.scale.known_diameter_m = 2.0;
   Bench bench(p);
   ScaleState& scale = bench.component->state().scale;
-  (void)take_reading({.source = ScaleSource::kDiameter, .metres_per_mu = 0.5, .sigma = 0.01}, scale.readings);
+  (void)take_reading({.source = ScaleSource::kDiameter, .metres_per_mu = 0.5, .sigma = 0.01},
+                     scale.readings);
   scale.known = true;
   scale.metres_per_mu = 0.5;
   const CommandOctets range = command(
@@ -173,10 +174,10 @@ TEST(Commands, ALengthThatIsYetToBeReadTakesNothingAway) {
 }
 
 CommandOctets attitude(std::int64_t time_ns) {
-  return command(CommandCode::kServicerAttitude,
-                 bus::ServicerAttitudeCommand{.timestamp_ns = time_ns,
-                                              .q_IC = {1.0, 0.0, 0.0, 0.0},
-                                              .w_C_rad_s = {0.0, 0.01, 0.0}});
+  return command(
+      CommandCode::kServicerAttitude,
+      bus::ServicerAttitudeCommand{
+          .timestamp_ns = time_ns, .q_IC = {1.0, 0.0, 0.0, 0.0}, .w_C_rad_s = {0.0, 0.01, 0.0}});
 }
 
 TEST(Commands, ServicerAttitudeGoesForwardInTimeOnly) {
@@ -184,7 +185,8 @@ TEST(Commands, ServicerAttitudeGoesForwardInTimeOnly) {
   EXPECT_EQ(Commanded::housekeeping(bench.step(attitude(100))).commands_accepted, 1U);
   const StepOutput& out = bench.step(attitude(100));
   EXPECT_TRUE(event(EventId::kCommandState, out));
-  EXPECT_NE(Commanded::housekeeping(out).flags & bus::housekeeping_layout::kFlagServicerAttitude, 0);
+  EXPECT_NE(Commanded::housekeeping(out).flags & bus::housekeeping_layout::kFlagServicerAttitude,
+            0);
 }
 
 TEST(Commands, ServicerAttitudesOutvoteOneOfAWrongTime) {
@@ -197,7 +199,8 @@ TEST(Commands, ServicerAttitudesOutvoteOneOfAWrongTime) {
   EXPECT_EQ(bench.component->state().bus.servicer.timestamp_ns, 10);
 }
 
-/// A million random and mutated packets are the fuzz target's; these go through the whole component.
+/// A million random and mutated packets are the fuzz target's; these go through the whole
+/// component.
 TEST(Commands, RandomOnesNeverHarmAndAreAllCounted) {
   Commanded bench;
   Rng rng(5, 9);
@@ -211,7 +214,8 @@ TEST(Commands, RandomOnesNeverHarmAndAreAllCounted) {
         octets = command(CommandCode::kNoop);
       }
       // Arguments are damaged, and half of the time the checksum is made right again.
-      octets[rng.below(static_cast<std::uint32_t>(octets.size()))] = static_cast<std::uint8_t>(rng.below(256));
+      octets[rng.below(static_cast<std::uint32_t>(octets.size()))] =
+          static_cast<std::uint8_t>(rng.below(256));
       const bool reset = octets[7] == static_cast<std::uint8_t>(CommandCode::kResetCounters);
       if (rng.below(2) == 0 && !reset) {
         bus::write_crc(octets);

@@ -88,9 +88,7 @@ void expect_acquiring(const std::vector<Picture>& pictures) {
   EXPECT_EQ(b.component->counters().frames_in, pictures.size());
 }
 
-TEST(Step, StaysAcquiring_OnBlack) {
-  expect_acquiring(std::vector<Picture>(5, uniform(0)));
-}
+TEST(Step, StaysAcquiring_OnBlack) { expect_acquiring(std::vector<Picture>(5, uniform(0))); }
 
 TEST(Step, StaysAcquiring_OnUniformPictures) {
   expect_acquiring(std::vector<Picture>(5, uniform(128)));

@@ -1,5 +1,5 @@
-// Tables made to overflow, by tight limits and by pictures made for it: each leaves an estimator that
-// goes on, with less, and a count of it.
+// Tables made to overflow, by tight limits and by pictures made for it: each leaves an estimator
+// that goes on, with less, and a count of it.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -70,7 +70,8 @@ TEST(FullTables, OfLandmarks_ATenthGoes_AndTheBodyIsFollowed) {
   EXPECT_GT(s.counters.landmarks_culled, 100U);
   EXPECT_LT(static_cast<std::size_t>(s.map.landmark_count), limits::kLandmarks);
   EXPECT_EQ(synthetic::broken_promise(s.map), "");
-  EXPECT_LT(turn_error_rad(before, kBefore - 1, s.localised.absolute.pose, kBefore + kAfter - 1), 0.03);
+  EXPECT_LT(turn_error_rad(before, kBefore - 1, s.localised.absolute.pose, kBefore + kAfter - 1),
+            0.03);
 }
 
 TEST(FullTables, OfFeatures_LeaveTheStrongestOfEachPlace_AndABodyThatIsFollowed) {
@@ -120,8 +121,8 @@ Picture full_frame(int frame) {
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
       const int cell_u = (u + 5 * frame) / 4 % kWidth;
-      picture[static_cast<std::size_t>(v * kWidth + u)] =
-          static_cast<std::uint8_t>(60 + base[static_cast<std::size_t>(v / 4 * kWidth + cell_u)] / 2);
+      picture[static_cast<std::size_t>(v * kWidth + u)] = static_cast<std::uint8_t>(
+          60 + base[static_cast<std::size_t>(v / 4 * kWidth + cell_u)] / 2);
     }
   }
   return picture;
@@ -167,15 +168,14 @@ TEST_P(HostilePictures, InPlaceOfTheBody_GiveNoWrongPose_AndTheBodyIsFoundAgain)
   EXPECT_LT(turn_error_rad(before, kBefore - 1, s.localised.absolute.pose, kBefore + 1), 0.03);
 }
 
-INSTANTIATE_TEST_SUITE_P(All,
-                         HostilePictures,
-                         ::testing::Values(Hostile{"Noise",
-                                                   [](int i) {
-                                                     return noise(500 + static_cast<std::uint64_t>(i));
-                                                   }},
-                                           Hostile{"DotGrid", dots},
-                                           Hostile{"FullFrameTexture", full_frame}),
-                         [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    All,
+    HostilePictures,
+    ::testing::Values(Hostile{"Noise",
+                              [](int i) { return noise(500 + static_cast<std::uint64_t>(i)); }},
+                      Hostile{"DotGrid", dots},
+                      Hostile{"FullFrameTexture", full_frame}),
+    [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace polhode

@@ -20,7 +20,8 @@ enum class Run : std::uint8_t { kAtOnce, kWhenDue, kAtRandom };
 
 class Caller {
  public:
-  Caller(Parameters p, int delay_frames, Run run) : run_(run), bench_(with_delay(p, delay_frames)) {}
+  Caller(Parameters p, int delay_frames, Run run)
+      : run_(run), bench_(with_delay(p, delay_frames)) {}
 
   const StepOutput& show(const Picture& picture,
                          std::span<const std::span<const std::uint8_t>> commands = {}) {
@@ -37,10 +38,10 @@ class Caller {
         ++i;
       }
     }
-    const StepOutput& out = component().step(
-        {.frame = frame_of(state().timestamp_ns + Bench::kSecond_ns, picture),
-         .finished = finished,
-         .commands = commands});
+    const StepOutput& out =
+        component().step({.frame = frame_of(state().timestamp_ns + Bench::kSecond_ns, picture),
+                          .finished = finished,
+                          .commands = commands});
     for (Job* job : out.jobs) {
       EXPECT_TRUE(out_.push_back(job)) << "more jobs at a time than promised";
       ++jobs_;

@@ -68,8 +68,7 @@ TEST(Jobs, ADueJobThatIsNotHandedInIsAMistakeOfTheCaller) {
     (void)caller.show(turning_ball()[i++]);
   }
   ASSERT_NE(caller.out(JobKind::kStart), nullptr);
-  const StepInput without{
-      .frame = frame_of(100 * Bench::kSecond_ns, turning_ball().back())};
+  const StepInput without{.frame = frame_of(100 * Bench::kSecond_ns, turning_ball().back())};
   EXPECT_DEATH((void)caller.component().step(without), "");
 }
 
@@ -109,7 +108,8 @@ TEST(Jobs, WhatGrewMeanwhileIsAdjustedNext) {
 }
 
 TEST(Jobs, AMapThatGrowsWhileItIsAdjustedKeepsItsShape) {
-  // The ball turns by 3 deg a frame: with a delay of six frames that is 18 deg from result to result.
+  // The ball turns by 3 deg a frame: with a delay of six frames that is 18 deg from result to
+  // result.
   Caller& at_once = shown(0, Run::kWhenDue);
   Caller& late = shown(6, Run::kWhenDue);
   for (Caller* caller : {&at_once, &late}) {

@@ -29,8 +29,8 @@ MotionState last_state(bool by_input, bool by_command, int told_at = 0) {
   Bench b;
   MotionState last;
   for (int i = 0; i < kFrames; ++i) {
-    StepInput input{.frame = frame_of(++b.time_s * Bench::kSecond_ns,
-                                      pictures()[static_cast<std::size_t>(i)])};
+    StepInput input{
+        .frame = frame_of(++b.time_s * Bench::kSecond_ns, pictures()[static_cast<std::size_t>(i)])};
     const Eigen::Quaterniond q = attitude_IC(b.time_s);
     if (by_input) {
       input.q_IC = {q.w(), q.x(), q.y(), q.z()};
@@ -38,11 +38,12 @@ MotionState last_state(bool by_input, bool by_command, int told_at = 0) {
     bus::CommandOctets octets;
     std::span<const std::uint8_t> one;
     if (by_command && i == told_at) {
-      octets = bus::command(bus::CommandCode::kServicerAttitude,
-                            bus::ServicerAttitudeCommand{
-                                .timestamp_ns = b.time_s * Bench::kSecond_ns,
-                                .q_IC = {q.w(), q.x(), q.y(), q.z()},
-                                .w_C_rad_s = {kCameraRate_C.x(), kCameraRate_C.y(), kCameraRate_C.z()}});
+      octets =
+          bus::command(bus::CommandCode::kServicerAttitude,
+                       bus::ServicerAttitudeCommand{
+                           .timestamp_ns = b.time_s * Bench::kSecond_ns,
+                           .q_IC = {q.w(), q.x(), q.y(), q.z()},
+                           .w_C_rad_s = {kCameraRate_C.x(), kCameraRate_C.y(), kCameraRate_C.z()}});
       one = octets;
       input.commands = {&one, 1};
     }

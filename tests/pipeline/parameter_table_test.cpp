@@ -67,8 +67,8 @@ TEST(ParameterTable, WithOneBadEntryTakesNoneOfThePacket) {
       {.key_crc = key_crc("features.sigma_px"), .index = 1, .value = 0}};
   for (std::size_t i = 0; i < bad.size(); ++i) {
     Commanded bench;
-    const StepOutput& out =
-        bench.step(bus::table_load(std::vector{entry("features.count_max", std::uint64_t{300}), bad[i]}));
+    const StepOutput& out = bench.step(
+        bus::table_load(std::vector{entry("features.count_max", std::uint64_t{300}), bad[i]}));
     EXPECT_TRUE(event(EventId::kTableRefused, out)) << i;
     const auto told = Commanded::housekeeping(out);
     EXPECT_EQ(told.commands_rejected, 1U) << i;
@@ -84,7 +84,8 @@ TEST(ParameterTable, IsNotActivatedWithAnotherChecksumOrCount_NorWithoutALoad) {
   (void)bench.step(bus::table_load(entries));
   for (const bus::TableActivateCommand& wrong :
        {bus::TableActivateCommand{.crc32 = 1, .entries = 1},
-        bus::TableActivateCommand{.crc32 = bench.component->state().bus.inactive.crc, .entries = 2}}) {
+        bus::TableActivateCommand{.crc32 = bench.component->state().bus.inactive.crc,
+        .entries = 2}}) {
     EXPECT_TRUE(event(EventId::kTableNotActivated,
                       bench.step(command(CommandCode::kTableActivate, wrong))));
   }
@@ -124,7 +125,8 @@ TEST(ParameterTable, SwitchesAMaskAgainstABackgroundOn_OnlyWhereMemoryWasPlanned
 TEST(ParameterTable, IsForgottenOnDiscard) {
   Commanded bench;
   (void)bench.step(bus::table_load(std::vector{entry("features.count_max", std::uint64_t{321})}));
-  EXPECT_EQ(Commanded::housekeeping(bench.step(command(CommandCode::kTableDiscard))).table_entries, 0);
+  EXPECT_EQ(Commanded::housekeeping(bench.step(command(CommandCode::kTableDiscard))).table_entries,
+            0);
   EXPECT_TRUE(event(EventId::kCommandState, bench.step(command(CommandCode::kTableDiscard))));
 }
 

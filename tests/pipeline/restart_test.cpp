@@ -16,8 +16,8 @@ namespace {
 
 using namespace bench;
 
-constexpr int kGone = 20;           // first frame out of sight
-constexpr int kBack = 52;           // 128 deg later
+constexpr int kGone = 20;  // first frame out of sight
+constexpr int kBack = 52;  // 128 deg later
 constexpr int kFrames = 76;
 
 struct Passage {
@@ -47,7 +47,8 @@ Passage run(int away_s = 0, int back = 1) {
              : b.component->step({.frame = unreadable(++b.time_s * Bench::kSecond_ns)});
     r.motion.push_back(out.motion);
     r.bytes.insert(r.bytes.end(), out.packets.begin(), out.packets.end());
-    for (const bus::EventPacket& event : packets_of<bus::EventPacket>(out)) r.events.push_back(event);
+    for (const bus::EventPacket& event : packets_of<bus::EventPacket>(out))
+      r.events.push_back(event);
   }
   r.counters = b.component->counters();
   return r;
@@ -87,8 +88,9 @@ TEST(Restart, StaysInTheSameT_AsFarAsTheMotionBeforeTellsIt) {
   ASSERT_LT(after, kFrames);
   const MotionState& a = passage().motion[static_cast<std::size_t>(before)];
   const MotionState& b = passage().motion[static_cast<std::size_t>(after)];
-  const double error_rad = rotation_angle_rad(rotation_of(b) * rotation_of(a).transpose(),
-                                              turning(after).R_CT * turning(before).R_CT.transpose());
+  const double error_rad =
+      rotation_angle_rad(rotation_of(b) * rotation_of(a).transpose(),
+                         turning(after).R_CT * turning(before).R_CT.transpose());
   EXPECT_LT(error_rad, 3.0 * b.sigma_att_rad);
   EXPECT_GT(b.sigma_att_rad, 2.0 * a.sigma_att_rad) << "the gap is part of the sigma";
   EXPECT_LT(b.sigma_att_rad, 0.35) << "20 deg: more would say nothing";
@@ -112,7 +114,8 @@ TEST(Restart, KeepsOriginAndUnit_AsFarAsTheBodyTellsThem) {
   const int after = first_pose(kGone);
   ASSERT_LT(after, kFrames);
   const MotionState& m = passage().motion[static_cast<std::size_t>(after)];
-  const Eigen::Vector3d expected = found(0) * turning(after).p_CT - rotation_of(m) * found.tail<3>();
+  const Eigen::Vector3d expected =
+      found(0) * turning(after).p_CT - rotation_of(m) * found.tail<3>();
   EXPECT_LT((position_of(m) - expected).norm(), 3.0 * m.sigma_pos);
   EXPECT_LT((position_of(m) - expected).norm(), 0.3 * expected.norm());
 }

@@ -1,5 +1,5 @@
-// Metres from a length that was picked in a picture: read when the map begins, read anew as it grows,
-// gone with the map whose unit it was; or from a dimension of the shape.
+// Metres from a length that was picked in a picture: read when the map begins, read anew as it
+// grows, gone with the map whose unit it was; or from a dimension of the shape.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -48,7 +48,8 @@ double depth_ratio(const Component::State& s, int frame) {
                        on_ball({match.u_px, match.v_px}, turning(frame)).z());
     }
   }
-  std::nth_element(ratios.begin(), ratios.begin() + static_cast<long>(ratios.size() / 2), ratios.end());
+  std::nth_element(
+      ratios.begin(), ratios.begin() + static_cast<long>(ratios.size() / 2), ratios.end());
   return ratios[ratios.size() / 2];
 }
 
@@ -59,7 +60,8 @@ TEST(KnownLength, GivesMetres_AndIsReadAnewAsTheMapGrows) {
   for (const Picture& picture : pictures) {
     const StepOutput& out = b.show(picture);
     for (const auto& event : packets_of<bus::EventPacket>(out)) {
-      if (event.id == static_cast<std::uint16_t>(bus::EventId::kScaleKnown) && event.value[0] > 0.0) {
+      if (event.id == static_cast<std::uint16_t>(bus::EventId::kScaleKnown) &&
+          event.value[0] > 0.0) {
         told.push_back(event.value[0]);
       }
     }
@@ -86,7 +88,8 @@ TEST(KnownLength, IsForgotten_WithWhatItWasMeasuredOn) {
   EXPECT_FALSE(s.scale.known);
   EXPECT_EQ(s.scale.metres_per_mu, 1.0);
   EXPECT_TRUE(s.scale.readings.empty());
-  EXPECT_EQ(s.scale.metres_per_mu_published, metres_per_mu) << "rows that were published stay in its unit";
+  EXPECT_EQ(s.scale.metres_per_mu_published, metres_per_mu)
+      << "rows that were published stay in its unit";
 }
 
 TEST(KnownLength, OfAFrameThatIsNotThere_LeavesMapUnits) {

@@ -60,7 +60,9 @@ Told run() {
   told.bench = std::make_unique<Bench>(telling());
   for (const Picture& picture : pictures()) {
     const StepOutput& out = told.bench->show(picture);
-    const auto append = [](const auto& from, auto* to) { to->insert(to->end(), from.begin(), from.end()); };
+    const auto append = [](const auto& from, auto* to) {
+      to->insert(to->end(), from.begin(), from.end());
+    };
     const auto predictions = packets_of<bus::PredictionPacket>(out);
     append(packets_of<bus::ShapePacket>(out), &told.shapes);
     append(packets_of<bus::ModelPacket>(out), &told.models);
@@ -150,7 +152,8 @@ TEST(ModelTold, IsTheDynamicsOnceTheyAreFitted_AndTheLocalRateBefore) {
     if (model.dynamics == 2) {
       EXPECT_TRUE((model.flags & bus::model_layout::kFlagRate) != 0);
       // 3 deg a frame about one axis, which nothing but T's own choice of axes turns.
-      const double rate = Eigen::Vector3d(model.w_T_rad_s[0], model.w_T_rad_s[1], model.w_T_rad_s[2]).norm();
+      const double rate =
+          Eigen::Vector3d(model.w_T_rad_s[0], model.w_T_rad_s[1], model.w_T_rad_s[2]).norm();
       EXPECT_NEAR(rate, 0.0536, 0.01) << model.frame;
     }
   }
@@ -172,7 +175,8 @@ TEST(PredictionsTold, AreOneAFrame_AndWhereTheBodyThenIs) {
     const Eigen::Quaterniond predicted(p.q_CT[0], p.q_CT[1], p.q_CT[2], p.q_CT[3]);
     const Eigen::Quaterniond found(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]);
     // Of the worst axis: the trace bounds it. Five sigma of both.
-    const double sigma = std::sqrt(static_cast<double>(p.cov_pose[0] + p.cov_pose[6] + p.cov_pose[11]));
+    const double sigma =
+        std::sqrt(static_cast<double>(p.cov_pose[0] + p.cov_pose[6] + p.cov_pose[11]));
     EXPECT_LT(predicted.angularDistance(found), 5.0 * (sigma + m.sigma_att_rad)) << p.frame;
     ++compared;
   }

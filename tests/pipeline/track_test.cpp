@@ -23,12 +23,15 @@ const PoseCovariance kCovariance = 1e-6 * PoseCovariance::Identity();
 
 /// Is a pose taken that is off the motion so far by an angle?
 bool takes(double off_rad, int second, Component::State* s, bool start_checks = false) {
-  const PosePrediction predicted =
-      predict_or_hold(
-          s->motion, s->drift, s->parameters.motion, second * Bench::kSecond_ns, Eigen::Matrix3d::Identity())
-          .value();
+  const PosePrediction predicted = predict_or_hold(s->motion,
+                                                   s->drift,
+                                                   s->parameters.motion,
+                                                   second * Bench::kSecond_ns,
+                                                   Eigen::Matrix3d::Identity())
+                                       .value();
   s->localised.absolute.pose = predicted.pose;
-  s->localised.absolute.pose.R_CT = so3_exp(off_rad * Eigen::Vector3d::UnitX()) * predicted.pose.R_CT;
+  s->localised.absolute.pose.R_CT =
+      so3_exp(off_rad * Eigen::Vector3d::UnitX()) * predicted.pose.R_CT;
   s->localised.absolute.covariance = kCovariance;
   return plausible(predicted, start_checks, *s);
 }
@@ -45,7 +48,8 @@ void start(Component::State* s) {
 }
 
 TEST(Plausible, AMotionIsYoung_UntilPosesOtherThanItsStartsHaveBorneItOut) {
-  constexpr double kOff_rad = 0.04;  // 5 sigma and a twentieth of a step are less, a step's square and a degree are more
+  constexpr double kOff_rad =
+      0.04;  // 5 sigma and a twentieth of a step are less, a step's square and a degree are more
   Bench b(parameters());
   Component::State& s = b.component->state();
   start(&s);

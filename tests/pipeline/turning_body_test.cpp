@@ -70,8 +70,8 @@ double worst_turn_error_rad(const Passage& r) {
     } else if (m.pose_valid) {
       const Eigen::Matrix3d turn =
           rotation_of(m) * rotation_of(r.motion[static_cast<std::size_t>(first)]).transpose();
-      worst =
-          std::max(worst, rotation_angle_rad(turn, turning(i).R_CT * turning(first).R_CT.transpose()));
+      worst = std::max(worst,
+                       rotation_angle_rad(turn, turning(i).R_CT * turning(first).R_CT.transpose()));
     }
   }
   return worst;
@@ -202,7 +202,8 @@ TEST(TurningBody, IsFollowedByFlow_OverADegreeAndNoFarther) {
   const Ball ball(3);
   for (int tenth = 1; tenth <= 5; ++tenth) {
     const StepOutput& out = b.component->step(
-        {.frame = frame_of(b.time_s * Bench::kSecond_ns + tenth * Bench::kSecond_ns / 10, ball.seen_from(turning(15.0 + 0.1 * tenth)))});
+        {.frame = frame_of(b.time_s * Bench::kSecond_ns + tenth * Bench::kSecond_ns / 10,
+                           ball.seen_from(turning(15.0 + 0.1 * tenth)))});
     EXPECT_TRUE(out.motion.pose_valid) << tenth;
     EXPECT_EQ(s.features_ready, tenth > 2) << 0.4 * tenth << " deg";  // flow needs none
     EXPECT_EQ(s.reference_frame, 15U) << tenth;

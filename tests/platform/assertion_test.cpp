@@ -14,7 +14,8 @@ void fail() {
 }
 
 TEST(AssertionDeathTest, TellsPlaceExpressionAndValue) {
-  EXPECT_DEATH(fail(), "polhode: .*assertion_test.cpp:13: assertion failed: frames < 3 .7.; the run ends");
+  EXPECT_DEATH(fail(),
+               "polhode: .*assertion_test.cpp:13: assertion failed: frames < 3 .7.; the run ends");
 }
 
 }  // namespace

@@ -94,8 +94,10 @@ TEST_F(CheckpointFile, ThatIsNotThereIsRefused) { EXPECT_NE(load().refusal, "");
 
 TEST_F(CheckpointFile, AFailedWriteLeavesTheOldOne) {
   ASSERT_TRUE(write(content_));
-  EXPECT_FALSE(write_checkpoint_file(
-      file_, folder_.path() / "absent/new", {.identity = identity('a', 'b')}, std::vector<std::uint8_t>{9}));
+  EXPECT_FALSE(write_checkpoint_file(file_,
+                                     folder_.path() / "absent/new",
+                                     {.identity = identity('a', 'b')},
+                                     std::vector<std::uint8_t>{9}));
   EXPECT_EQ(content_of(load()), content_);
   // A half-written one beside it, as an end in the middle of writing leaves it, changes nothing.
   std::ofstream(beside_) << "half";

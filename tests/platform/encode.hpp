@@ -64,7 +64,8 @@ inline File encode_jpeg(int width, int height, const File& gray, int flags = 0) 
   tjhandle encoder = tjInitCompress();
   unsigned char* data = nullptr;
   unsigned long size = 0;
-  tjCompress2(encoder, gray.data(), width, 0, height, TJPF_GRAY, &data, &size, TJSAMP_GRAY, 95, flags);
+  tjCompress2(
+      encoder, gray.data(), width, 0, height, TJPF_GRAY, &data, &size, TJSAMP_GRAY, 95, flags);
   File out(data, data + size);
   tjFree(data);
   tjDestroy(encoder);

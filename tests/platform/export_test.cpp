@@ -85,7 +85,8 @@ TEST(Export, NamesTheNetworkThatIsNotInTheRecording) {
   const TemporaryFolder folder;
   const std::string digest(64, 'a');
   {
-    Recorder recorder(options(folder.path() / "recording"), begin_text("1", digest, kBegin), kFrameOctets);
+    Recorder recorder(
+        options(folder.path() / "recording"), begin_text("1", digest, kBegin), kFrameOctets);
     recorder.frame(frame_of(1, ramp(kFrameOctets / 2)));
   }
   const ExportReport report =

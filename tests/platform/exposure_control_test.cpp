@@ -124,7 +124,8 @@ unsigned changes_after(FrameUse use, const cv::Mat& picture, bool behind, Linear
 }
 
 TEST(ExposureControl, GoesDown_WhenThePictureIsBrightAllOver_AndLearnsNothingWhereItIsGrayAllOver) {
-  for (const auto& [level, changes] : {std::pair{253, 1U}, std::pair{235, 1U}, std::pair{90, 0U}, std::pair{8, 0U}}) {
+  for (const auto& [level, changes] :
+       {std::pair{253, 1U}, std::pair{235, 1U}, std::pair{90, 0U}, std::pair{8, 0U}}) {
     LinearCamera camera(1.0);
     const cv::Mat even(48, 64, CV_8UC1, cv::Scalar(level));
     EXPECT_EQ(changes_after(FrameUse::kFlat, even, false, &camera), changes) << level;
@@ -138,7 +139,8 @@ TEST(ExposureControl, GoesUp_WhenTheBodyPassesForEmptySpace) {
   LinearCamera camera(1.0);
   EXPECT_EQ(changes_after(FrameUse::kUsed, picture, false, &camera), 1U);
   EXPECT_NEAR(static_cast<double>(camera.setting.exposure_ns), 2e7, 1e5);
-  EXPECT_EQ(changes_after(FrameUse::kUsed, picture, true, &camera), 0U) << "not found before something bright";
+  EXPECT_EQ(changes_after(FrameUse::kUsed, picture, true, &camera), 0U)
+      << "not found before something bright";
   const cv::Mat pedestal(48, 64, CV_8UC1, cv::Scalar(6));
   LinearCamera other(1.0);
   EXPECT_EQ(changes_after(FrameUse::kFlat, pedestal, false, &other), 1U);

@@ -49,7 +49,8 @@ TEST(MachineOptions, RefuseWhatIsUnknownOrOutOfRange_NamingPlaceKeyAndRange) {
   EXPECT_HOLDS(refusal("", {"recording.complete=1"}), "true or false");
   EXPECT_HOLDS(refusal("[device]\npixel_format = \"NV12\"\n"), "\"GREY\"");
   EXPECT_HOLDS(refusal("[device]\nclock = \"tai\"\n"), "\"utc\"");
-  EXPECT_HOLDS(refusal("[device]\nrate_hz = 0.1\n"), "a frame comes every 10000 ms; allowed is twice that");
+  EXPECT_HOLDS(refusal("[device]\nrate_hz = 0.1\n"),
+               "a frame comes every 10000 ms; allowed is twice that");
 }
 
 TEST(MachineOptions, AreAllInTheExample) {

@@ -82,10 +82,13 @@ TEST(ModelJson, LengthsInMetresCarryTheErrorOfTheScale) {
   for (std::size_t i = 0; i < json["prediction"].size(); ++i) {
     const auto& row = json["prediction"][i];
     const auto& before = exact["prediction"][i];
-    for (const auto& [value, sigma] : {std::pair{"p_CT", "sigma_pos"}, std::pair{"v_C", "sigma_vel"}}) {
+    for (const auto& [value, sigma] :
+         {std::pair{"p_CT", "sigma_pos"}, std::pair{"v_C", "sigma_vel"}}) {
       const double by_scale = kScaleSigma * norm(row[value]);
       EXPECT_GE(row[sigma].get<double>(), by_scale * (1.0 - 1e-9)) << sigma;
-      EXPECT_LE(row[sigma].get<double>(), std::hypot(by_scale, before[sigma].get<double>()) * (1.0 + 1e-9)) << sigma;
+      EXPECT_LE(row[sigma].get<double>(),
+                std::hypot(by_scale, before[sigma].get<double>()) * (1.0 + 1e-9))
+          << sigma;
     }
     EXPECT_EQ(row["sigma_att_rad"], before["sigma_att_rad"]);
   }
@@ -150,7 +153,8 @@ TEST(ServicerAttitude, IsInterpolatedAndHeldAtItsEnds) {
 }
 
 TEST(ServicerAttitude, ThatCannotBeReadIsRefusedWithItsLine) {
-  for (const char* rows : {"100,1,0,0\n", "100,2,0,0,0\n", "100,1,0,0,0\n100,1,0,0,0\n", "x,1,0,0,0\n", "#\n"}) {
+  for (const char* rows :
+       {"100,1,0,0\n", "100,2,0,0,0\n", "100,1,0,0,0\n100,1,0,0,0\n", "x,1,0,0,0\n", "#\n"}) {
     const TemporaryFolder folder;
     std::ofstream(folder.path() / "servicer_attitude.csv") << rows;
     EXPECT_THROW((void)ServicerAttitude::of_sequence(folder.path()), UnusableInput) << rows;

@@ -39,9 +39,9 @@ TEST(MotionCsv, KnownValuesFollowTheHeader) {
                           .landmarks = 4,
                           .keyframes = 5};
   const std::string row = motion_csv_row({.frame = 0, .timestamp_ns = 1, .step_us = 6}, known);
-  EXPECT_EQ(
-      row,
-      "0,1,TRACKING,1,1,1,1,0.5,-0.5,0.5,-0.5,1,2,3,4,5,6,7,8,9.25,0.1,0.2,0.3,0.4,1,2,3,4,5,6,2\n");
+  EXPECT_EQ(row,
+            "0,1,TRACKING,1,1,1,1,0.5,-0.5,0.5,-0.5,1,2,3,4,5,6,7,8,9.25,0.1,0.2,0.3,0.4,1,2,3,4,5,"
+            "6,2\n");
   EXPECT_EQ(commas(row), commas(motion_csv_header()));
 }
 

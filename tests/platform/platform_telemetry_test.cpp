@@ -38,8 +38,7 @@ class PlatformTelemetryTest : public testing::Test {
     EXPECT_EQ(octets.size() % kOctets, 0U);
     for (std::size_t i = 0; i < packets.size(); ++i) {
       const auto* begin = reinterpret_cast<const std::uint8_t*>(octets.data()) + i * kOctets;
-      const auto header =
-          bus::decode(bus::PlatformPacket::layout(), {begin, kOctets}, &packets[i]);
+      const auto header = bus::decode(bus::PlatformPacket::layout(), {begin, kOctets}, &packets[i]);
       EXPECT_TRUE(header) << header.error().message;
       EXPECT_EQ(header.value().sequence, i);
       EXPECT_EQ(header.value().apid, 0x1A0 + 7);

@@ -260,7 +260,8 @@ TEST(Recording, ACommandThatFindsNoPlaceIsCountedAndWrittenDown_AtTheEndToo) {
   RecorderOptions few = options(folder.path());
   few.complete = false;
   few.slots = 2;
-  few.limits.folder_octets_max = 1'000'000'000;  // no file makes room for another, however many frames find a place
+  few.limits.folder_octets_max =
+      1'000'000'000;  // no file makes room for another, however many frames find a place
   std::uint64_t missed = 0;
   {
     Recorder recorder(few, kBegin, kFrameOctets);
@@ -275,7 +276,8 @@ TEST(Recording, ACommandThatFindsNoPlaceIsCountedAndWrittenDown_AtTheEndToo) {
   }
   std::uint64_t told = 0;
   for (const Record& record : read_all(folder.path())) {
-    told += record.header.reason == DropReason::kNotRecorded && record.header.kind == RecordKind::kDropped
+    told += record.header.reason == DropReason::kNotRecorded &&
+                    record.header.kind == RecordKind::kDropped
                 ? record.header.count
                 : 0;
   }

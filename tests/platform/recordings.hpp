@@ -41,8 +41,8 @@ inline Pixels ramp(std::size_t octets) {
 }
 
 inline Frame frame_of(std::int64_t timestamp_ns,
-               const Pixels& pixels,
-               PixelFormat format = PixelFormat::kGray8) {
+                      const Pixels& pixels,
+                      PixelFormat format = PixelFormat::kGray8) {
   return {.timestamp_ns = timestamp_ns,
           .image = {.data = pixels.data(),
                     .width_px = kWidth,

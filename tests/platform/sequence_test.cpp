@@ -208,7 +208,8 @@ TEST(FileCamera, AFileThatNoFrameCanNeedIsNotRead) {
 
 TEST(FileCamera, APictureInSeveralScansIsReadOnlyWhereTheFirstIsOne) {
   const SequenceFolder folder;
-  const File file = encode_jpeg(kWidth, kHeight, File(std::size_t{kWidth} * kHeight, 90), TJFLAG_PROGRESSIVE);
+  const File file =
+      encode_jpeg(kWidth, kHeight, File(std::size_t{kWidth} * kHeight, 90), TJFLAG_PROGRESSIVE);
   const std::string scans(file.begin(), file.end());
   folder.frame("b.pgm", scans);  // by content, not by name
   const Sequence without = open_sequence(folder.path());

@@ -238,7 +238,8 @@ TEST(Cylinder, IsNotSeenInABoxOrAPanel) {
 }
 
 TEST(GroupedCovariance, IsNotSurerThanWhiteNoiseOfAnyUnknownWhateverItsUnit) {
-  // An angle of milliradians beside a length of metres: the length's variance must not hide the angle's.
+  // An angle of milliradians beside a length of metres: the length's variance must not hide the
+  // angle's.
   const Eigen::Matrix2d white = Eigen::Vector2d(4e-6, 0.01).asDiagonal();
   Eigen::Matrix2d parts;
   parts << 1e-6, 5e-5, 5e-5, 0.09;

@@ -269,10 +269,12 @@ TEST(AdjustBundle, HandlesManyPoses_AsWellAsFew) {
 }
 
 TEST(BundleAdjustment, APriorHoldsWhatTheImagesLeaveOpen) {
-  // All sightings of the last pose are gone but two: they leave directions open in which the prior decides.
+  // All sightings of the last pose are gone but two: they leave directions open in which the prior
+  // decides.
   const Scene truth = make_scene(5, 40, 0.0, 21);
   Scene s = disturbed(truth, 22);
-  std::erase_if(s.observations, [](const BundleObservation& o) { return o.pose == 4 && o.point > 1; });
+  std::erase_if(s.observations,
+                [](const BundleObservation& o) { return o.pose == 4 && o.point > 1; });
   BundleProblem problem = s.problem();
   std::vector<PosePrior> priors{{.pose = 4, .mean = truth.poses[4]}};
   priors[0].information.diagonal().setConstant(1e8);  // 1e-4
@@ -291,7 +293,8 @@ TEST(BundleAdjustment, APriorThatIsFarOffLosesItsPull) {
   priors[0].information.diagonal().setConstant(1e6);  // 0.1 rad is 100 sigma
   problem.priors = priors;
   ASSERT_TRUE(adjusted(problem, {.iterations_max = 40}).usable);
-  EXPECT_LT(rotation_angle_rad(s.poses[4].R_CT, truth.poses[4].R_CT), 0.01) << "of the 0.1 that it is off";
+  EXPECT_LT(rotation_angle_rad(s.poses[4].R_CT, truth.poses[4].R_CT), 0.01)
+      << "of the 0.1 that it is off";
 }
 
 }  // namespace

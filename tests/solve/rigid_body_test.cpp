@@ -83,7 +83,8 @@ TEST(Turning, KeepsMomentumAndEnergy) {
     const double energy = state.w_T_rad_s.dot(inertia.J_T * state.w_T_rad_s);
     ASSERT_TRUE(advance(inertia, {}, 200.0, state, nullptr));
     // Up to 60 rad in 600 steps, 1e-8 rad each.
-    EXPECT_LT((state.R_IT * inertia.J_T * state.w_T_rad_s - momentum).norm(), 1e-5 * momentum.norm());
+    EXPECT_LT((state.R_IT * inertia.J_T * state.w_T_rad_s - momentum).norm(),
+              1e-5 * momentum.norm());
     EXPECT_NEAR(state.w_T_rad_s.dot(inertia.J_T * state.w_T_rad_s), energy, 1e-5 * energy);
     EXPECT_EQ(state.time_s, 200.0);
   }
@@ -140,7 +141,8 @@ TEST(Turning, HasTheDerivativesOfItsDifferences) {
           so3_log(ends[0].R_IT * ends[1].R_IT.transpose()) / (2.0 * step);
       const Eigen::Vector3d rate = (ends[0].w_T_rad_s - ends[1].w_T_rad_s) / (2.0 * step);
       // Derivatives steer a search and make covariances: a thousandth is plenty.
-      EXPECT_LT((attitude - derivative.attitude_I.col(k)).norm(), 1e-3 * (1.0 + attitude.norm())) << k;
+      EXPECT_LT((attitude - derivative.attitude_I.col(k)).norm(), 1e-3 * (1.0 + attitude.norm()))
+          << k;
       EXPECT_LT((rate - derivative.rate_T.col(k)).norm(), 1e-3 * (0.03 + rate.norm())) << k;
     }
   }

@@ -36,7 +36,8 @@ TEST(CommandText, MakesPacketsThatAreTaken) {
   const Read range("set_range  range_m=12.5 frame_timestamp_ns=1700000000000000001");
   ASSERT_EQ(range.reason, bus::Rejection::kNone);
   EXPECT_EQ(range.command.arguments<bus::SetRangeCommand>().range_m, 12.5);
-  EXPECT_EQ(range.command.arguments<bus::SetRangeCommand>().frame_timestamp_ns, 1700000000000000001);
+  EXPECT_EQ(range.command.arguments<bus::SetRangeCommand>().frame_timestamp_ns,
+            1700000000000000001);
   const Read attitude("servicer_attitude timestamp_ns=5 q_IC=1,0,0,0 w_C_rad_s=0,0.01,-0.02");
   ASSERT_EQ(attitude.reason, bus::Rejection::kNone);
   EXPECT_EQ(attitude.command.arguments<bus::ServicerAttitudeCommand>().w_C_rad_s[2], -0.02);
@@ -49,7 +50,8 @@ TEST(CommandText, LeavesRangesToTheReceiver) {
 
 TEST(CommandText, LoadsParametersByKey_AndKnowsTheirChecksum) {
   CommandWriter writer(kApidFirst);
-  const Read load("table_load features.count_max=500 mask.enabled=false features.sigma_px=0.3", writer);
+  const Read load("table_load features.count_max=500 mask.enabled=false features.sigma_px=0.3",
+                  writer);
   ASSERT_EQ(load.reason, bus::Rejection::kNone);
   ASSERT_EQ(load.command.entries, 3U);
   EXPECT_EQ(load.command.entry(0).key_crc, key_crc("features.count_max"));
@@ -125,12 +127,14 @@ TEST(CommandFile, HandsOverNoMoreAtOnceThanAStepTakes) {
 
 TEST(CommandFile, ThatIsWrongIsRefusedByItsLine) {
   const Folder folder;
-  for (const char* text : {"1 noop\n2 dance\n", "1 noop\nnoop\n", "2 noop\n1 noop\n", "1 noop\n2\n"}) {
+  for (const char* text :
+       {"1 noop\n2 dance\n", "1 noop\nnoop\n", "2 noop\n1 noop\n", "1 noop\n2\n"}) {
     try {
       (void)file_of(folder, text);
       ADD_FAILURE() << text;
     } catch (const UnusableInput& problem) {
-      EXPECT_NE(std::string(problem.what()).find("commands.txt:2"), std::string::npos) << problem.what();
+      EXPECT_NE(std::string(problem.what()).find("commands.txt:2"), std::string::npos)
+          << problem.what();
     }
   }
   EXPECT_THROW(CommandFile(folder / "missing", kApidFirst), UnusableInput);

@@ -103,7 +103,8 @@ TEST(UnixDatagram, AStoppedReaderLosesItsOwnPackets_AndNobodyElses) {
   EXPECT_EQ(reader.bus().missing, 0U);
   EXPECT_GT(transports.counts().dropped, 1000U);
   EXPECT_LE(transports.counts().sent + transports.counts().dropped, 4000U);
-  EXPECT_GE(transports.counts().sent + transports.counts().dropped, 4000U - DatagramSender::kBacklog);
+  EXPECT_GE(transports.counts().sent + transports.counts().dropped,
+            4000U - DatagramSender::kBacklog);
 }
 
 TEST(UnixDatagram, ReaderThatIsLateGetsEverythingInOrder) {
@@ -216,7 +217,8 @@ TEST(Commands, ArriveInOrder_NoMoreAtOnceThanAStepTakes) {
   Transports transports({.send = {}, .receive = address});
   DatagramSender ground(parse_address(address));
   for (std::uint32_t i = 0; i < limits::kStepCommands + 2; ++i) {
-    ground.send(bus::command(bus::CommandCode::kRequestCloud, bus::RequestCloudCommand{.points_max = i + 1}));
+    ground.send(bus::command(bus::CommandCode::kRequestCloud,
+                             bus::RequestCloudCommand{.points_max = i + 1}));
   }
   const auto first = transports.received();
   ASSERT_EQ(first.size(), limits::kStepCommands);
@@ -235,8 +237,10 @@ TEST(Commands, LongerThanAnyPacketArriveTooLong_NotCutToFit) {
   (folder / "commands").copy(to.sun_path, sizeof to.sun_path - 1);
   for (const std::size_t octets : {5000, 0}) {
     const Octets datagram(octets);
-    ASSERT_EQ(::sendto(ground.get(), datagram.data(), octets, 0, reinterpret_cast<sockaddr*>(&to), sizeof to),
-              static_cast<ssize_t>(octets));
+    ASSERT_EQ(
+        ::sendto(
+            ground.get(), datagram.data(), octets, 0, reinterpret_cast<sockaddr*>(&to), sizeof to),
+        static_cast<ssize_t>(octets));
   }
   const auto packets = receiver.receive();
   ASSERT_EQ(packets.size(), 2U);

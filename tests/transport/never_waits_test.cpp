@@ -1,7 +1,7 @@
 // Publishing beside readers that do not read: the publishing thread never gives up its processor.
 //
-// The kernel counts how often a thread has waited for anything (voluntary switches). That count does
-// not depend on how busy the machine is, as times do.
+// The kernel counts how often a thread has waited for anything (voluntary switches). That count
+// does not depend on how busy the machine is, as times do.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -38,7 +38,12 @@ long waits_of_full_queue(const std::string& path, bool may_wait) {
   const Octets packet = motion_packet(0);
   const long before = waits();
   for (int i = 0; i < 5000; ++i) {
-    if (::sendto(fd, packet.data(), packet.size(), may_wait ? 0 : MSG_DONTWAIT, reinterpret_cast<sockaddr*>(&to), sizeof to) < 0) {
+    if (::sendto(fd,
+                 packet.data(),
+                 packet.size(),
+                 may_wait ? 0 : MSG_DONTWAIT,
+                 reinterpret_cast<sockaddr*>(&to),
+                 sizeof to) < 0) {
       break;
     }
   }
@@ -111,7 +116,8 @@ TEST(Publishing, NeverWaits_WhateverItsReadersDo) {
   }
   EXPECT_EQ(waited, 0);
   EXPECT_EQ(heard, total);
-  // Nothing of this was easy: the stopped readers' queues and the pipe were full, and two were not there.
+  // Nothing of this was easy: the stopped readers' queues and the pipe were full, and two were not
+  // there.
   EXPECT_GT(transports.counts(0).dropped, total / 2);
   EXPECT_EQ(transports.counts(1).no_reader, total);
   EXPECT_EQ(transports.counts(2).no_reader, total);

@@ -17,7 +17,8 @@ namespace polhode::platform {
 
 using Octets = std::vector<std::uint8_t>;
 
-/// Motion packet number `number`; its sequence count is the number's low 14 bits, its frame the number.
+/// Motion packet number `number`; its sequence count is the number's low 14 bits, its frame the
+/// number.
 inline Octets motion_packet(std::uint32_t number) {
   MotionState state;
   state.frame = number;
@@ -55,7 +56,9 @@ class Reader {
 /// A folder of its own that goes with the test.
 class Folder {
  public:
-  [[nodiscard]] std::string operator/(const std::string& name) const { return folder_.path() / name; }
+  [[nodiscard]] std::string operator/(const std::string& name) const {
+    return folder_.path() / name;
+  }
 
  private:
   TemporaryFolder folder_;

@@ -23,7 +23,8 @@ Octets stream_of(std::uint32_t packets) {
 std::string written(const Folder& folder, const Octets& stream) {
   const std::string file = folder / "bus.ccsds";
   std::ofstream out(file, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(stream.data()), static_cast<std::streamsize>(stream.size()));
+  out.write(reinterpret_cast<const char*>(stream.data()),
+            static_cast<std::streamsize>(stream.size()));
   return "file:" + file;
 }
 
@@ -80,7 +81,8 @@ TEST(DamagedStream, WithOctetsLostOrAddedIsReadOnBehindThem) {
   const Folder folder;
   Octets stream = stream_of(20);
   stream.erase(stream.begin() + 3 * static_cast<std::ptrdiff_t>(kMotionPacketOctets) + 50);
-  stream.insert(stream.begin() + 9 * static_cast<std::ptrdiff_t>(kMotionPacketOctets) + 77, 5, 0x09);
+  stream.insert(
+      stream.begin() + 9 * static_cast<std::ptrdiff_t>(kMotionPacketOctets) + 77, 5, 0x09);
   Reader reader(written(folder, stream));
   EXPECT_EQ(read_all(reader), 18U);
   EXPECT_EQ(reader.bus().missing, 2U);
@@ -105,13 +107,15 @@ TEST(Client, DecodesWhatWasPacked) {
   Octets octets(kMotionPacketOctets);
   ASSERT_EQ(encode_motion(state, {}, 5, octets), octets.size());
   polhode_motion motion{};
-  ASSERT_EQ(polhode_decode(octets.data(), octets.size(), POLHODE_MOTION, &motion, sizeof motion), 0);
+  ASSERT_EQ(polhode_decode(octets.data(), octets.size(), POLHODE_MOTION, &motion, sizeof motion),
+            0);
   EXPECT_EQ(motion.frame, 77U);
   EXPECT_EQ(motion.p_CT[2], 3.5);
   EXPECT_EQ(motion.cov_pose[20], 0.25F);
   EXPECT_EQ(motion.flags, POLHODE_MOTION_POSE);
   octets[40] ^= 1;
-  EXPECT_EQ(polhode_decode(octets.data(), octets.size(), POLHODE_MOTION, &motion, sizeof motion), -1);
+  EXPECT_EQ(polhode_decode(octets.data(), octets.size(), POLHODE_MOTION, &motion, sizeof motion),
+            -1);
   polhode_event event{};
   octets[40] ^= 1;
   EXPECT_EQ(polhode_decode(octets.data(), octets.size(), POLHODE_EVENT, &event, sizeof event), -1);

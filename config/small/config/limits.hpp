@@ -1,5 +1,5 @@
-// The capacities of the small component (CMake preset `small`), which comes before config/limits.hpp in the search for headers: 64 MB in
-// all. The same names as there.
+// The capacities of the small component (CMake preset `small`), which comes before
+// config/limits.hpp in the search for headers: 64 MB in all. The same names as there.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,8 @@ namespace polhode::limits {
 // A frame's features: half as many as in the standard set give a pose sigma that is larger by 1.4.
 inline constexpr std::size_t kFeatures = 450;
 
-// A body 120 px across is enlarged three times, and larger ones less. Its scale space takes 32 octets a pixel.
+// A body 120 px across is enlarged three times, and larger ones less. Its scale space takes 32
+// octets a pixel.
 inline constexpr std::size_t kWorkingPixels = 240000;
 
 // The longer side of that picture: a boom across the whole picture, enlarged.
@@ -24,7 +25,8 @@ inline constexpr std::size_t kKeyframes = 40;
 // Half as many as six faces seen under several lights need, with half the features.
 inline constexpr std::size_t kLandmarks = 2500;
 
-// Frames that a start of the map can look back on, collected at every 2 deg of turn at the soonest: over 30 deg at least.
+// Frames that a start of the map can look back on, collected at every 2 deg of turn at the soonest:
+// over 30 deg at least.
 inline constexpr std::size_t kStartFrames = 16;
 
 // Tracks held while a map is being started.

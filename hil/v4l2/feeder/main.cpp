@@ -2,9 +2,9 @@
 //   filecam_feed --sequence SEQ [--frames N] [--interval SECONDS] [--script FILE] [--light L]
 // Each frame is written when a buffer waits for it. Its time stamp marks the end of the frame: the
 // sequence's (mid-exposure) plus half of the exposure that the camera is set to.
-// With --light the pixels follow exposure and gain, too (sensor.hpp), frames are taken one by one as
-// the reader waits for them, and stamped when they are; a line a frame tells what the sensor did.
-// A script has one line a fault, "FRAME WHAT [ARGUMENT]", done before that frame:
+// With --light the pixels follow exposure and gain, too (sensor.hpp), frames are taken one by one
+// as the reader waits for them, and stamped when they are; a line a frame tells what the sensor
+// did. A script has one line a fault, "FRAME WHAT [ARGUMENT]", done before that frame:
 //   damage | skip N | fatal | disconnect SECONDS | pause SECONDS | kill FILE (with a process
 //   number) | light L
 // Before a fault the feeder waits until the reader has all earlier frames and waits for more, so
@@ -209,8 +209,8 @@ void feed(const Sequence& sequence, const Wish& wish, const Script& script) {
     const filecam_state state = camera.state();
     auto pixels = pixels_of(frame.image, state.pixel_format);
     header.octets = static_cast<__u32>(pixels.size());
-    header.timestamp_ns = static_cast<__u64>(frame.timestamp_ns) +
-                          std::uint64_t{state.exposure_100us} * 100'000 / 2;
+    header.timestamp_ns =
+        static_cast<__u64>(frame.timestamp_ns) + std::uint64_t{state.exposure_100us} * 100'000 / 2;
     if (exposes) {
       sensor.expose(state, pixels);
       header.timestamp_ns = 0;  // now
@@ -232,7 +232,9 @@ int main(int argc, char** argv) {
   app.add_option("--script", script);
   app.add_option("--frames", wish.frames);
   app.add_option("--interval", wish.interval_s, "seconds to rest after each frame");
-  app.add_option("--light", wish.light, "of the scene: level of a pixel over the sequence's, at 10 ms and least gain");
+  app.add_option("--light",
+                 wish.light,
+                 "of the scene: level of a pixel over the sequence's, at 10 ms and least gain");
   CLI11_PARSE(app, argc, argv);
   try {
     feed(polhode::platform::open_sequence(sequence), wish, read_script(script));

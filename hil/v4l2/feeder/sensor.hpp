@@ -42,7 +42,8 @@ class Sensor {
   /// of the pixels that are not black exceeds, and pixels at full scale.
   [[nodiscard]] std::string account() const {
     const Setting& now = settings_.front();
-    return fmt::format("{} {} {} {} {}", 100 * now.exposure_100us, now.gain, light, bright_, saturated_);
+    return fmt::format(
+        "{} {} {} {} {}", 100 * now.exposure_100us, now.gain, light, bright_, saturated_);
   }
 
  private:
@@ -50,7 +51,8 @@ class Sensor {
     std::uint32_t exposure_100us = 0;
     std::uint32_t gain = 0;
   };
-  static constexpr double kGainFactorMax = 16.0;  // as the live run takes it (device.gain_factor_max)
+  static constexpr double kGainFactorMax =
+      16.0;  // as the live run takes it (device.gain_factor_max)
 
   static std::size_t bright_level(const std::array<std::size_t, 256>& levels, std::size_t pixels) {
     const std::size_t beyond = (pixels - levels[0]) / 50;

@@ -50,8 +50,8 @@ Scans scans_of(Octets file) {
   return scans;  // whatever it is: the decoder refuses it
 }
 
-/// The library keeps all coefficients, 16 bits each, until the last scan; a component is rounded up to
-/// whole groups of blocks, 32 pixels at most.
+/// The library keeps all coefficients, 16 bits each, until the last scan; a component is rounded up
+/// to whole groups of blocks, 32 pixels at most.
 std::size_t coefficient_octets(Octets file, const ImageHeader& header) {
   constexpr std::size_t kGroup_px = 32;
   const Scans scans = scans_of(file);

@@ -155,8 +155,7 @@ class Reader {
   }
 
   void place(const std::uint8_t* row, const Pass& part, std::size_t r, std::uint8_t* pixels) const {
-    const std::size_t first =
-        (part.first_row + r * part.row_step) * width() + part.first_column;
+    const std::size_t first = (part.first_row + r * part.row_step) * width() + part.first_column;
     if (deep()) {
       place_row<std::uint16_t>(row, {part.columns, part.column_step, colour()}, pixels + 2 * first);
     } else {

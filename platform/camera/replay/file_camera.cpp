@@ -22,8 +22,8 @@ FileCamera::FileCamera(const Sequence& sequence) : sequence_(sequence) {
 }
 
 Refusal FileCamera::load(const SequenceFrame& frame) {
-  if (Refusal refusal = read_file(
-          sequence_.image_folder / frame.file, octets_, sequence_.file_octets_max)) {
+  if (Refusal refusal =
+          read_file(sequence_.image_folder / frame.file, octets_, sequence_.file_octets_max)) {
     return refusal;
   }
   ImageHeader header;

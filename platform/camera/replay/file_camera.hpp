@@ -18,7 +18,8 @@ class FileCamera {
   explicit FileCamera(const Sequence& sequence);
 
   /// The next frame; its image is valid until the next call. A file that is missing, truncated, of
-  /// another size than the camera's or larger than is planned for comes as a frame that is not readable.
+  /// another size than the camera's or larger than is planned for comes as a frame that is not
+  /// readable.
   /// @return false after the last frame.
   bool next(Frame& frame);
 

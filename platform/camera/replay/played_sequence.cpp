@@ -54,8 +54,8 @@ void PlayedSequence::pass_over_late(std::int64_t now_ns) {
   }
 }
 
-/// Done before the frame is due: a camera's is in memory when it is there, so decoding is no part of
-/// the time from a frame to its packet.
+/// Done before the frame is due: a camera's is in memory when it is there, so decoding is no part
+/// of the time from a frame to its packet.
 void PlayedSequence::read_ahead() {
   if (!has_read_) {
     files_.seek(played_frame(sequence_, position_).index);

@@ -71,7 +71,8 @@ class FrameTable {
     }
     const std::string_view stamp = trimmed(content.substr(0, comma));
     const std::string_view rest = content.substr(comma + 1);
-    const std::string_view name = trimmed(rest.substr(0, rest.find(',')));  // further columns are others' matter
+    const std::string_view name =
+        trimmed(rest.substr(0, rest.find(',')));  // further columns are others' matter
     SequenceFrame frame;
     const auto [end, error] =
         std::from_chars(stamp.data(), stamp.data() + stamp.size(), frame.timestamp_ns);
@@ -170,12 +171,14 @@ Sequence open_sequence(const fs::path& path) {
   std::error_code problem;
   if (!fs::is_directory(path, problem)) {
     const bool absent = !problem || problem == std::errc::no_such_file_or_directory;
-    throw UnusableInput(fmt::format("{}: {}", path.string(), absent ? "no such folder" : problem.message()));
+    throw UnusableInput(
+        fmt::format("{}: {}", path.string(), absent ? "no such folder" : problem.message()));
   }
   if (!fs::exists(camera / "data.csv", problem)) {
-    throw UnusableInput(problem ? fmt::format("{}: {}", (camera / "data.csv").string(), problem.message())
-                                : fmt::format("{}: not an image sequence: mav0/cam0/data.csv is missing",
-                                              path.string()));
+    throw UnusableInput(
+        problem ? fmt::format("{}: {}", (camera / "data.csv").string(), problem.message())
+                : fmt::format("{}: not an image sequence: mav0/cam0/data.csv is missing",
+                              path.string()));
   }
   Sequence sequence{.path = path,
                     .image_folder = camera / "data",

@@ -21,12 +21,12 @@ struct Sequence {
   std::filesystem::path image_folder;
   CameraParameters camera;
   std::vector<SequenceFrame> frames;  ///< at least one; time stamps strictly increasing
-  std::size_t file_octets_max = 0;    ///< of the frames' files, those beyond frame_octets_max() aside
-  std::size_t decoder_octets = 0;     ///< as ImageHeader's, of the first image
+  std::size_t file_octets_max = 0;  ///< of the frames' files, those beyond frame_octets_max() aside
+  std::size_t decoder_octets = 0;   ///< as ImageHeader's, of the first image
 };
 
-/// A larger file is no frame of this camera: colour with alpha of 16 bits, stored raw, has 8 octets a
-/// pixel; one more for what a compressor adds to noise, and 1 MiB for profiles and remarks.
+/// A larger file is no frame of this camera: colour with alpha of 16 bits, stored raw, has 8 octets
+/// a pixel; one more for what a compressor adds to noise, and 1 MiB for profiles and remarks.
 std::size_t frame_octets_max(const CameraParameters& camera);
 
 /// Reads data.csv and sensor.yaml, looks at the first image that has a readable header and asks for

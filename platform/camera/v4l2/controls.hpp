@@ -40,7 +40,8 @@ class ExposureControls {
   /// As the device has it now, as a fraction of the control's range; 0 without one.
   [[nodiscard]] double gain_fraction() const {
     const auto span = static_cast<double>(gain_.high - gain_.low);
-    return gain_.present && span > 0.0 ? static_cast<double>(gain_setting_ - gain_.low) / span : 0.0;
+    return gain_.present && span > 0.0 ? static_cast<double>(gain_setting_ - gain_.low) / span
+                                       : 0.0;
   }
   [[nodiscard]] const ControlRange& exposure() const { return exposure_; }
   [[nodiscard]] const ControlRange& gain() const { return gain_; }

@@ -28,7 +28,7 @@ class GrayConverter {
 
   OfferedFormat format_;
   PixelPacking packing_;
-  std::vector<std::uint8_t> image_;  ///< rows without padding
+  std::vector<std::uint8_t> image_;       ///< rows without padding
   std::unique_ptr<JpegDecoder> decoder_;  ///< of compressed formats
 };
 

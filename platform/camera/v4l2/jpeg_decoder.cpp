@@ -117,8 +117,7 @@ jvirt_sarray_ptr no_samples(
     j_common_ptr decoder, int, boolean, JDIMENSION, JDIMENSION, JDIMENSION) {
   give_up(decoder);
 }
-jvirt_barray_ptr no_blocks(
-    j_common_ptr decoder, int, boolean, JDIMENSION, JDIMENSION, JDIMENSION) {
+jvirt_barray_ptr no_blocks(j_common_ptr decoder, int, boolean, JDIMENSION, JDIMENSION, JDIMENSION) {
   give_up(decoder);
 }
 JSAMPARRAY no_sample_rows(j_common_ptr decoder, jvirt_sarray_ptr, JDIMENSION, JDIMENSION, boolean) {

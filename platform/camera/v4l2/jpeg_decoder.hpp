@@ -20,9 +20,9 @@ class JpegDecoder {
   JpegDecoder& operator=(JpegDecoder&&) = delete;
 
   /// @param gray   room for width times height.
-  /// @return false when the octets are no whole baseline JPEG image of this size (an image that ends
-  /// early is refused, not painted gray), or it asks for more memory than such images do. The next one
-  /// is decoded none the worse for it. No heap.
+  /// @return false when the octets are no whole baseline JPEG image of this size (an image that
+  /// ends early is refused, not painted gray), or it asks for more memory than such images do. The
+  /// next one is decoded none the worse for it. No heap.
   [[nodiscard]] bool decode(std::span<const std::uint8_t> octets, std::uint8_t* gray);
 
   /// The most that an image has taken so far, of memory_octets().

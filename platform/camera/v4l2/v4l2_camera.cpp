@@ -151,7 +151,7 @@ std::int64_t V4l2Camera::filled_ns(const TakenBuffer& buffer) const {
                                           : 0;
   const std::int64_t waited_ns = buffer.taken_ns - buffer.stamp_ns - after_stamp_ns;
   return waited_ns >= 0 && waited_ns <= options_.silence_max_ns ? buffer.taken_ns - waited_ns
-                                                               : buffer.taken_ns;
+                                                                : buffer.taken_ns;
 }
 
 /// Never longer than the time-out, and one attempt at most.
@@ -219,11 +219,10 @@ Arrival V4l2Camera::hand_out(Frame* frame) {
   const TakenBuffer buffer = ready_[0];
   ready_.erase(0);
   const std::int64_t timestamp_ns =
-      options_.clock_offset_ns +
-      mid_exposure_ns(buffer.stamp_ns,
-                      {.stamped_at = buffer.stamped_at,
-                       .exposure_ns = exposure_at(buffer.stamp_ns),
-                       .readout_ns = options_.readout_ns});
+      options_.clock_offset_ns + mid_exposure_ns(buffer.stamp_ns,
+                                                 {.stamped_at = buffer.stamped_at,
+                                                  .exposure_ns = exposure_at(buffer.stamp_ns),
+                                                  .readout_ns = options_.readout_ns});
   if (timestamp_ns <= last_timestamp_ns_ && !outvotes(timestamp_ns, &time_doubt_)) {
     ++counters_.frames_out_of_time;
     give_back(buffer);

@@ -40,9 +40,9 @@ class V4l2Camera final : public LiveCamera {
   [[nodiscard]] CameraExposure exposure() const override;
 
   /// One attempt, at once. Called at start, so that a device that will never do is refused there.
-  /// The device that streamed first is the camera from then on: one that was unplugged may come back
-  /// under another number (its own is taken as long as somebody holds the old node), and is looked
-  /// for there; another device is not taken.
+  /// The device that streamed first is the camera from then on: one that was unplugged may come
+  /// back under another number (its own is taken as long as somebody holds the old node), and is
+  /// looked for there; another device is not taken.
   OpenResult open();
   [[nodiscard]] const DeviceStream& stream() const { return stream_; }
 

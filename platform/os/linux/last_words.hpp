@@ -17,7 +17,8 @@ namespace polhode::platform {
   va_start(values, format);
   const int wanted = std::vsnprintf(text, sizeof text, format, values);
   va_end(values);
-  const auto length = static_cast<std::size_t>(std::clamp(wanted, 0, static_cast<int>(sizeof text) - 1));
+  const auto length =
+      static_cast<std::size_t>(std::clamp(wanted, 0, static_cast<int>(sizeof text) - 1));
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text, length);
 }
 

@@ -24,11 +24,13 @@ std::string take_priority(int priority) {
 std::string take_core(int core) {
   cpu_set_t wished;
   CPU_ZERO(&wished);
-  CPU_SET(static_cast<unsigned>(core), &wished);  // one that a set has no room for is left out, and refused below
+  CPU_SET(static_cast<unsigned>(core),
+          &wished);  // one that a set has no room for is left out, and refused below
   if (::sched_setaffinity(0, sizeof wished, &wished) == 0) {
     return {};
   }
-  return "not bound to core " + std::to_string(core) + ": " + std::generic_category().message(errno);
+  return "not bound to core " + std::to_string(core) + ": " +
+         std::generic_category().message(errno);
 }
 
 }  // namespace polhode::platform

@@ -170,9 +170,8 @@ bool Worker::late_for(std::uint32_t step) {
 /// With the lock held.
 void Worker::wait_until_done(const Job* job) {
   const auto is_done = [&] {
-    return std::any_of(held_.begin(), held_.end(), [&](const Held& held) {
-      return held.job == job && held.done;
-    });
+    return std::any_of(
+        held_.begin(), held_.end(), [&](const Held& held) { return held.job == job && held.done; });
   };
   while (!is_done()) {
     pthread_cond_wait(&changed_, &mutex_);

@@ -17,12 +17,13 @@ struct WorkerOptions {
   bool own_thread = true;  ///< false: a job is run where it is asked for, on the caller's thread
   std::size_t stack_octets = std::size_t{4} << 20;  ///< the solvers take under 1 MB of it
   int core = 1;  ///< that the thread is bound to where the machine has it
-  /// Real-time priority (SCHED_FIFO) of the thread where the machine grants it; 0: an ordinary one. Under
-  /// that of the steps' thread, which comes first where both want one core.
+  /// Real-time priority (SCHED_FIFO) of the thread where the machine grants it; 0: an ordinary one.
+  /// Under that of the steps' thread, which comes first where both want one core.
   int priority = 0;
   /// For tests: each job is held back by a random time up to this.
   std::uint32_t latency_ms_max = 0;
-  /// A job is only begun when its pool has this much in one piece: libraries do not survive without.
+  /// A job is only begun when its pool has this much in one piece: libraries do not survive
+  /// without.
   std::size_t job_octets = 0;
 };
 
@@ -86,7 +87,8 @@ class Worker {
   pthread_t thread_{};
   pthread_mutex_t mutex_{};
   pthread_cond_t changed_{};
-  FixedVector<Held, Jobs::capacity()> held_;  ///< in order of their coming; slots move under the lock only
+  FixedVector<Held, Jobs::capacity()>
+      held_;  ///< in order of their coming; slots move under the lock only
   bool stop_ = false;
   std::uint32_t runs_ = 0;
   Durations durations_;

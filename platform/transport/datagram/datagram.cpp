@@ -31,7 +31,8 @@ int open_socket(AddressKind kind) {
 sockaddr_un unix_address(const std::string& path) {
   sockaddr_un out{};
   out.sun_family = AF_UNIX;
-  std::memcpy(out.sun_path, path.c_str(), path.size() + 1);  // parse_address() has seen to its length
+  std::memcpy(
+      out.sun_path, path.c_str(), path.size() + 1);  // parse_address() has seen to its length
   return out;
 }
 
@@ -41,7 +42,7 @@ const sockaddr* as_socket_address(const void* address) {
 
 /// A socket file that nobody listens at any more was left behind by a process that died.
 void remove_if_dead(const Address& address, const sockaddr_un& to) {
-  struct stat status{};
+  struct stat status {};
   if (::lstat(address.path.c_str(), &status) != 0) {
     return;
   }

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "bus/layout.hpp"
 #include "bus/capacities.hpp"
+#include "bus/layout.hpp"
 #include "transport/address.hpp"
 
 namespace polhode::platform {
@@ -62,16 +62,16 @@ struct SendCounts {
   std::uint64_t no_reader = 0;  ///< nobody has bound the address
 };
 
-/// Sends to one address. A reader may come, go and come back at any time; sending never waits for it
-/// and never fails: what it does not take is counted.
+/// Sends to one address. A reader may come, go and come back at any time; sending never waits for
+/// it and never fails: what it does not take is counted.
 ///
 /// A Unix socket holds 10 datagrams of strangers (net.unix.max_dgram_qlen), which at 1000 packets a
 /// second is 10 ms of a reader that does not get the processor, and all that it gets each time it
 /// does. Of the one that it is connected to it holds what that one's send buffer allows (SO_SNDBUF,
 /// at most net.core.wmem_max), hundreds. So a sender has a name, PATH.sender, where it can be had,
-/// which this project's readers connect to. What finds the queue full waits here, in order, and goes
-/// with the next calls, kRetries a call so that a reader that comes back does not cost the sender
-/// hundreds at once; kBacklog packets at most.
+/// which this project's readers connect to. What finds the queue full waits here, in order, and
+/// goes with the next calls, kRetries a call so that a reader that comes back does not cost the
+/// sender hundreds at once; kBacklog packets at most.
 class DatagramSender {
  public:
   static constexpr std::size_t kBacklog = 512;
@@ -115,8 +115,8 @@ class DatagramReceiver {
   /// @throws UnusableInput when the address is in use or cannot be bound.
   explicit DatagramReceiver(const Address& address);
 
-  /// What has arrived, oldest first, at most limits::kStepCommands; the rest stays for the next call.
-  /// A datagram longer than a packet may be arrives cut, and so is refused by its length.
+  /// What has arrived, oldest first, at most limits::kStepCommands; the rest stays for the next
+  /// call. A datagram longer than a packet may be arrives cut, and so is refused by its length.
   /// @return valid until the next call. Never waits.
   std::span<const std::span<const std::uint8_t>> receive();
 

@@ -13,9 +13,10 @@
 namespace polhode::platform {
 
 FlatFile::FlatFile(const Address& address)
-    : file_(::open(address.path.c_str(),
-                   O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK,  // the last is for a pipe
-                   S_IRUSR | S_IWUSR)) {
+    : file_(
+          ::open(address.path.c_str(),
+                 O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK,  // the last is for a pipe
+                 S_IRUSR | S_IWUSR)) {
   if (file_.get() < 0) {
     throw UnusableInput(fmt::format(
         "{}: cannot be opened: {}", address.text, std::generic_category().message(errno)));

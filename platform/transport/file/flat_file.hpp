@@ -9,10 +9,10 @@
 
 namespace polhode::platform {
 
-/// Appends packets end to end. Each is one system call: what was sent is in the file whatever happens
-/// to the process. A packet that the disk does not take whole is counted as dropped; a reader
-/// resynchronises behind it. A named pipe in the place takes whole packets while it has room, and is
-/// never waited for.
+/// Appends packets end to end. Each is one system call: what was sent is in the file whatever
+/// happens to the process. A packet that the disk does not take whole is counted as dropped; a
+/// reader resynchronises behind it. A named pipe in the place takes whole packets while it has
+/// room, and is never waited for.
 class FlatFile {
  public:
   /// Appends to what is there. Mode 0600. @throws UnusableInput; a pipe needs its reader by now.

@@ -1,9 +1,10 @@
 // The shared-memory ring: one writer, any number of readers that it does not know.
 //
-// Packet n (from 0) lies in slot n modulo the number of slots. A slot's version is 2n + 1 while packet
-// n is being written and 2n + 2 once it is whole. A reader copies the words one by one and looks at
-// the version before and after: were they not both 2n + 2, the packet was overtaken, and is lost to
-// this reader and to no other. Readers map the memory read-only and wait at the futex word.
+// Packet n (from 0) lies in slot n modulo the number of slots. A slot's version is 2n + 1 while
+// packet n is being written and 2n + 2 once it is whole. A reader copies the words one by one and
+// looks at the version before and after: were they not both 2n + 2, the packet was overtaken, and
+// is lost to this reader and to no other. Readers map the memory read-only and wait at the futex
+// word.
 #pragma once
 
 #include <atomic>

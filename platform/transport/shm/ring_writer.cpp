@@ -43,8 +43,8 @@ Ring* map_ring(int fd, const Address& address) {
   if (::fchmod(fd, S_IRUSR | S_IWUSR) != 0 || ::ftruncate(fd, sizeof(Ring)) != 0) {
     refuse(address, "cannot be sized");
   }
-  void* memory = ::mmap(
-      nullptr, sizeof(Ring), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, fd, 0);
+  void* memory =
+      ::mmap(nullptr, sizeof(Ring), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, fd, 0);
   if (memory == MAP_FAILED) {
     refuse(address, "cannot be mapped");
   }

@@ -31,7 +31,8 @@ class FakeDevice final : public DeviceCalls {
   std::uint32_t buffers_given = 0;  ///< 0: as many as are asked for
   std::uint32_t stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_EOF;
   bool has_exposure = true;
-  std::string node = "/dev/video9";  ///< where it is; the others are not there, but for the stranger's
+  std::string node =
+      "/dev/video9";  ///< where it is; the others are not there, but for the stranger's
   std::string card = "fake";
   std::string stranger;  ///< node of another camera like it; empty: there is none
 
@@ -137,7 +138,8 @@ class FakeDevice final : public DeviceCalls {
   int introduce(const std::string& name, void* argument) const {
     auto* capability = static_cast<v4l2_capability*>(argument);
     capability->capabilities = capabilities;
-    std::strncpy(reinterpret_cast<char*>(capability->card), name.c_str(), sizeof capability->card - 1);
+    std::strncpy(
+        reinterpret_cast<char*>(capability->card), name.c_str(), sizeof capability->card - 1);
     return 0;
   }
 

@@ -42,7 +42,18 @@ Octets compressed(int width_px, int height_px, int subsampling, int flags = 0) {
   tjhandle coder = tjInitCompress();
   unsigned char* out = nullptr;
   unsigned long octets = 0;
-  EXPECT_EQ(tjCompress2(coder, rgb.data(), width_px, 0, height_px, TJPF_RGB, &out, &octets, subsampling, 90, flags), 0);
+  EXPECT_EQ(tjCompress2(coder,
+                        rgb.data(),
+                        width_px,
+                        0,
+                        height_px,
+                        TJPF_RGB,
+                        &out,
+                        &octets,
+                        subsampling,
+                        90,
+                        flags),
+            0);
   Octets file(out, out + octets);
   tjFree(out);
   tjDestroy(coder);
@@ -52,7 +63,16 @@ Octets compressed(int width_px, int height_px, int subsampling, int flags = 0) {
 Octets by_turbojpeg(const Octets& file, int width_px, int height_px) {
   Octets gray(static_cast<std::size_t>(width_px * height_px));
   tjhandle decoder = tjInitDecompress();
-  EXPECT_EQ(tjDecompress2(decoder, file.data(), file.size(), gray.data(), width_px, 0, height_px, TJPF_GRAY, TJFLAG_ACCURATEDCT), 0);
+  EXPECT_EQ(tjDecompress2(decoder,
+                          file.data(),
+                          file.size(),
+                          gray.data(),
+                          width_px,
+                          0,
+                          height_px,
+                          TJPF_GRAY,
+                          TJFLAG_ACCURATEDCT),
+            0);
   tjDestroy(decoder);
   return gray;
 }
@@ -60,7 +80,8 @@ Octets by_turbojpeg(const Octets& file, int width_px, int height_px) {
 class Subsamplings : public ::testing::TestWithParam<int> {};
 
 TEST_P(Subsamplings, GiveTheLibrarysOwnPixels_AtAnySize) {
-  for (const auto& [width_px, height_px] : {std::pair{64, 48}, {65, 49}, {1, 1}, {640, 480}, {1920, 1080}}) {
+  for (const auto& [width_px, height_px] :
+       {std::pair{64, 48}, {65, 49}, {1, 1}, {640, 480}, {1920, 1080}}) {
     const Octets file = compressed(width_px, height_px, GetParam());
     JpegDecoder decoder(width_px, height_px);
     Octets gray(static_cast<std::size_t>(width_px * height_px));
@@ -70,9 +91,10 @@ TEST_P(Subsamplings, GiveTheLibrarysOwnPixels_AtAnySize) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(OfChroma,
-                         Subsamplings,
-                         ::testing::Values(TJSAMP_GRAY, TJSAMP_444, TJSAMP_422, TJSAMP_420, TJSAMP_440, TJSAMP_411));
+INSTANTIATE_TEST_SUITE_P(
+    OfChroma,
+    Subsamplings,
+    ::testing::Values(TJSAMP_GRAY, TJSAMP_444, TJSAMP_422, TJSAMP_420, TJSAMP_440, TJSAMP_411));
 
 #if !defined(__SANITIZE_ADDRESS__)
 TEST(JpegDecoder, TakesNoHeapOnceItIsMade_GoodImagesOrBad) {

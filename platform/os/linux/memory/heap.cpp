@@ -117,8 +117,7 @@ Heap::Block* Heap::find(std::size_t octets) {
   Place at = place_of(octets);
   std::uint32_t seconds = second_map_[at.first] & (~0U << at.second);
   if (seconds == 0) {
-    const std::uint32_t firsts =
-        at.first + 1 < kFirsts ? first_map_ & (~0U << (at.first + 1)) : 0U;
+    const std::uint32_t firsts = at.first + 1 < kFirsts ? first_map_ & (~0U << (at.first + 1)) : 0U;
     if (firsts == 0) {
       return nullptr;
     }

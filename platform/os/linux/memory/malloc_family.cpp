@@ -82,7 +82,9 @@ void* reallocarray(void* p, std::size_t count, std::size_t octets) noexcept {
   return realloc(p, count * octets);
 }
 
-void* memalign(std::size_t alignment, std::size_t octets) noexcept { return allocate(octets, alignment); }
+void* memalign(std::size_t alignment, std::size_t octets) noexcept {
+  return allocate(octets, alignment);
+}
 void* aligned_alloc(std::size_t alignment, std::size_t octets) noexcept {
   return allocate(octets, alignment);
 }
@@ -103,6 +105,8 @@ int posix_memalign(void** out, std::size_t alignment, std::size_t octets) noexce
   return 0;
 }
 
-std::size_t malloc_usable_size(void* p) noexcept { return p == nullptr ? 0 : region_usable_octets(p); }
+std::size_t malloc_usable_size(void* p) noexcept {
+  return p == nullptr ? 0 : region_usable_octets(p);
+}
 
 }  // extern "C"

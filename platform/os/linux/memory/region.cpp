@@ -112,16 +112,17 @@ void* grow_and_allocate(std::size_t octets, std::size_t alignment) {
   if (const ExhaustionHook hook = g_hook.load()) {
     hook(pool, octets);
   }
-  tell_last("polhode: memory is exhausted, the reserve too: %zu octets were asked of the pool '%s'; the run ends here\n",
-            octets,
-            pool_name(pool));
+  tell_last(
+      "polhode: memory is exhausted, the reserve too: %zu octets were asked of the pool '%s'; the "
+      "run ends here\n",
+      octets,
+      pool_name(pool));
   ::_exit(kMemoryExhausted);
 }
 
 void* overflow(Pool pool, std::size_t octets, std::size_t alignment) {
   g_overdrafts[static_cast<std::size_t>(pool)].fetch_add(1, std::memory_order_relaxed);
-  void* p =
-      allocate(&g_pools[static_cast<std::size_t>(Pool::kReserve)], octets, alignment);
+  void* p = allocate(&g_pools[static_cast<std::size_t>(Pool::kReserve)], octets, alignment);
   if (p == nullptr) {
     exhausted(pool, octets);
   }

@@ -51,8 +51,8 @@ class PoolScope {
 };
 
 /// As long as it lives, what the calling thread asks for lies beside the pools, in memory that is
-/// acquired for it: large buffers with a row of their own in the plan. Before the seal; after it there
-/// is nothing but the pools.
+/// acquired for it: large buffers with a row of their own in the plan. Before the seal; after it
+/// there is nothing but the pools.
 class BesideScope {
  public:
   BesideScope();

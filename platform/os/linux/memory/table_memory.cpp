@@ -9,12 +9,8 @@
 namespace polhode::platform {
 
 TableMemory::TableMemory(std::size_t octets) : octets_(octets) {
-  void* p = ::mmap(nullptr,
-                   octets,
-                   PROT_READ | PROT_WRITE,
-                   MAP_PRIVATE | MAP_ANONYMOUS | MAP_POPULATE,
-                   -1,
-                   0);
+  void* p = ::mmap(
+      nullptr, octets, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_POPULATE, -1, 0);
   if (p == MAP_FAILED) {
     throw RunFailure(std::to_string(octets) +
                      " octets of memory for the component are not to be had");

@@ -23,11 +23,17 @@ struct Call {
 };
 
 constexpr Call kCalls[] = {
-    {__NR_mmap, "mmap"},         {__NR_mremap, "mremap"}, {__NR_munmap, "munmap"},
-    {__NR_mprotect, "mprotect"}, {__NR_brk, "brk"},       {__NR_madvise, "madvise"},
-    {__NR_clone, "clone"},       {__NR_clone3, "clone3"},
+    {__NR_mmap, "mmap"},
+    {__NR_mremap, "mremap"},
+    {__NR_munmap, "munmap"},
+    {__NR_mprotect, "mprotect"},
+    {__NR_brk, "brk"},
+    {__NR_madvise, "madvise"},
+    {__NR_clone, "clone"},
+    {__NR_clone3, "clone3"},
 #ifdef __NR_fork  // calls that newer architectures do without
-    {__NR_fork, "fork"},         {__NR_vfork, "vfork"},
+    {__NR_fork, "fork"},
+    {__NR_vfork, "vfork"},
 #endif
     {__NR_openat, "openat"},  // files: the last ones
 #ifdef __NR_open
@@ -78,8 +84,8 @@ bool set_memory_trap(bool files) {
   std::size_t i = 0;
   program[i++] = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, arch));
   const std::size_t count = files ? kCallCount : kCallCount - kFileCalls;
-  program[i++] = BPF_JUMP(
-      BPF_JMP | BPF_JEQ | BPF_K, kArchitecture, 0, static_cast<std::uint8_t>(count + 1));
+  program[i++] =
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, kArchitecture, 0, static_cast<std::uint8_t>(count + 1));
   program[i++] = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr));
   for (std::size_t c = 0; c < count; ++c) {
     const auto to_trap = static_cast<std::uint8_t>(count - c);
@@ -91,8 +97,7 @@ bool set_memory_trap(bool files) {
   if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) {
     return false;
   }
-  return ::syscall(
-             __NR_seccomp, SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_TSYNC, &filter) == 0;
+  return ::syscall(__NR_seccomp, SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_TSYNC, &filter) == 0;
 }
 
 }  // namespace polhode::platform
