@@ -1,9 +1,9 @@
-// Which frames and tracks a contest is held on.
+#include "initialisation/core.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include "base/assert.hpp"
-#include "initialisation/initialise.hpp"
 
 namespace polhode {
 namespace {

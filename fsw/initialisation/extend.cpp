@@ -6,6 +6,7 @@
 #include "base/median.hpp"
 #include "geometry/so3.hpp"
 #include "geometry/triangulate.hpp"
+#include "solve/start_adjustment.hpp"
 
 namespace polhode {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "initialisation/hypotheses.hpp"
+#include "initialisation/hypothesis.hpp"
 
 namespace polhode {
 

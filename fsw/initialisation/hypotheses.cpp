@@ -12,6 +12,7 @@
 #include "solve/constant_rate_grid.hpp"
 #include "solve/homography.hpp"
 #include "solve/relative_pose.hpp"
+#include "solve/start_adjustment.hpp"
 
 namespace polhode {
 namespace {

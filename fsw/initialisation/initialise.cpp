@@ -1,10 +1,9 @@
 #include "initialisation/initialise.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "initialisation/core.hpp"
 #include "initialisation/selection.hpp"
 
 namespace polhode {
@@ -31,39 +30,6 @@ StartDecision decide(const StartOutcome& out, const StartOptions& options, doubl
 }
 
 }  // namespace
-
-double convexity_cue(std::span<const StartSighting> sightings,
-                     int frame,
-                     const StartGeometryView& geometry) {
-  if (geometry.posed[static_cast<std::size_t>(frame)] == 0) {
-    return 0.0;
-  }
-  const InverseDepthPose& pose = geometry.poses[static_cast<std::size_t>(frame)];
-  Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d g = Eigen::Vector4d::Zero();
-  double zz = 0.0;
-  int count = 0;
-  for (const StartSighting& s : sightings) {
-    const auto track = static_cast<std::size_t>(s.track);
-    if (s.frame != frame || geometry.known[track] == 0 || geometry.points_T[track].norm() > 4.0) {
-      continue;
-    }
-    const Eigen::Vector3d q = pose.R_CT * geometry.points_T[track];
-    const Eigen::Vector4d row(1.0, q.x(), q.y(), q.head<2>().squaredNorm());
-    H += row * row.transpose();
-    g += row * q.z();
-    zz += q.z() * q.z();
-    ++count;
-  }
-  if (count < 8) {
-    return 0.0;
-  }
-  const Eigen::Vector4d fit = H.ldlt().solve(g);
-  // An exact plane has no curvature to speak of: depths are never known better than a thousandth of
-  // the extent.
-  const double variance = std::max(1e-6, (zz - fit.dot(g)) / (count - 4));
-  return fit(3) / std::sqrt(variance * H.inverse()(3, 3));
-}
 
 StartOutcome run_start_contest(const StartProblem& problem,
                                const StartOptions& options,

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "initialisation/convexity.hpp"
 #include "initialisation/extend.hpp"
+#include "initialisation/hypotheses.hpp"
 
 namespace polhode {
 namespace {

@@ -1,7 +1,8 @@
 // The rounds of a contest between hypotheses.
 #pragma once
 
-#include "initialisation/initialise.hpp"
+#include "initialisation/options.hpp"
+#include "initialisation/outcome.hpp"
 
 namespace polhode {
 

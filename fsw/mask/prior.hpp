@@ -1,7 +1,7 @@
 // What the map says of the picture: where the target is, and how far it can reach.
 #pragma once
 
-#include "mask/follow.hpp"
+#include "mask/mask_state.hpp"
 
 namespace polhode {
 

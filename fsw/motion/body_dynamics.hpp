@@ -6,7 +6,7 @@
 #include <array>
 
 #include "base/result.hpp"
-#include "motion/rigid_model.hpp"
+#include "motion/model.hpp"
 #include "motion/trajectory.hpp"
 
 namespace polhode {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <span>
 
-#include "motion/rigid_model.hpp"
+#include "motion/model.hpp"
 
 namespace polhode {
 

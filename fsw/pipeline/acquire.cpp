@@ -1,5 +1,6 @@
 #include "pipeline/acquire.hpp"
 
+#include "pipeline/jobs.hpp"
 #include "pipeline/picture.hpp"
 
 namespace polhode {

@@ -9,8 +9,4 @@ namespace polhode {
 /// mode becomes TRACKING, and a joint adjustment is asked for.
 void take_start(Component::State* state);
 
-/// The poses of the start's frames, anew from a map that has changed, in the poses so far; this
-/// frame's own when it is one of them.
-void restate_poses(Component::State* state);
-
 }  // namespace polhode

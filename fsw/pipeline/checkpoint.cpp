@@ -25,7 +25,7 @@ struct Remembered {
   ScaleState scale;
   std::int64_t timestamp_ns = 0;
   bool time_known = false;
-  ShapeNow shape;
+  ShapeState shape;
   MapDrift drift;
   std::uint32_t target_frame = 0;
   double noise_scale = 1.0;
@@ -57,7 +57,7 @@ bool loop_open(const Component::State& s) {
   return s.growth.closed || (out && s.job.adjustment.closed);
 }
 
-ShapeNow asked_again(ShapeNow shape, const ShapeJob& job) {
+ShapeState asked_again(ShapeState shape, const ShapeJob& job) {
   shape.keyframe_asked = job.kind == JobKind::kNone ? shape.keyframe_asked : 0;
   return shape;
 }

@@ -5,8 +5,11 @@
 #include "base/crc.hpp"
 #include "base/time_doubt.hpp"
 #include "bus/commands.hpp"
+#include "pipeline/jobs.hpp"
+#include "pipeline/motion_jobs.hpp"
 #include "pipeline/parameter_image.hpp"
 #include "pipeline/picture.hpp"
+#include "pipeline/shape_now.hpp"
 
 namespace polhode {
 namespace {

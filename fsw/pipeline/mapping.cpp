@@ -9,9 +9,11 @@
 #include "map/keyframes.hpp"
 #include "map/room.hpp"
 #include "map/window.hpp"
-#include "pipeline/begin.hpp"
+#include "pipeline/jobs.hpp"
+#include "pipeline/localise_input.hpp"
 #include "pipeline/motion_jobs.hpp"
-#include "pipeline/track.hpp"
+#include "pipeline/restate.hpp"
+#include "pipeline/work.hpp"
 
 namespace polhode {
 namespace {
@@ -219,32 +221,6 @@ void ask_for_growth_waiting(Component::State* s) {
 }
 
 }  // namespace
-
-void run_adjustment(AdjustmentJob* job) {
-  job->usable = false;
-  for (const BundleOptions& round : job->rounds) {
-    job->usable = adjust(&job->snapshot, round, &job->workspace).usable || job->usable;
-  }
-  const RigidModel previous = job->model;
-  job->model = {};
-  // On thirty runs of fifteen rendered scenes attitudes are off by 1.4 times what sightings that
-  // nobody chose would allow.
-  constexpr double kChosenByPoses = 2.0;
-  if (job->as_free_body && job->usable) {
-    job->model = fit_jointly({.bundle = problem_of(&job->snapshot),
-                              .observations = job->snapshot.observations.view(),
-                              .timestamps_ns = job->snapshot.timestamps_ns.view(),
-                              .R_IC = job->snapshot.R_IC.view(),
-                              .body_radius = job->body_radius_mu,
-                              .motion = job->motion,
-                              .previous = previous,
-                              .options = job->rounds.back(),
-                              .selection = kChosenByPoses},
-                             &job->doubts,
-                             &job->workspace,
-                             &job->joint);
-  }
-}
 
 void adjust_all(int iterations_max, Component::State* s) {
   AdjustmentJob& job = s->job.adjustment;

@@ -18,9 +18,6 @@ bool may_extend_map(const Component::State& state);
 /// the one that is out.
 void extend_map(Component::State* state);
 
-/// The work of an adjustment, apart from the step.
-void run_adjustment(AdjustmentJob* job);
-
 /// An adjustment has come back: the map takes it over and is culled. What was derived from the
 /// adjusted keyframes follows: this frame's pose, those remembered, the reference of optical flow,
 /// and what has come since. Asks for the next one if the map has grown meanwhile.

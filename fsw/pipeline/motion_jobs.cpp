@@ -2,6 +2,7 @@
 
 #include "geometry/so3.hpp"
 #include "motion/residual_level.hpp"
+#include "pipeline/jobs.hpp"
 #include "pipeline/state.hpp"
 
 namespace polhode {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bus/narrow.hpp"
+#include "pipeline/jobs.hpp"
 #include "pipeline/telemetry.hpp"
 
 namespace polhode {

@@ -4,6 +4,7 @@
 
 #include "bus/shape_telemetry.hpp"
 #include "map/landmarks.hpp"
+#include "pipeline/jobs.hpp"
 #include "pipeline/scale_now.hpp"
 #include "pipeline/state.hpp"
 
@@ -23,7 +24,7 @@ std::uint32_t frames_between(const Component::State& s) {
 }
 
 bool wants_shape(const Component::State& s) {
-  const ShapeNow& now = s.shape;
+  const ShapeState& now = s.shape;
   return s.mode == Mode::kTracking && shape_slot_free(s) &&
          s.map.next_keyframe_number != now.keyframe_asked &&
          (!now.asked || s.frame - now.frame_asked >= frames_between(s));
@@ -46,7 +47,7 @@ void ask_for_shape(Component::State* s) {
   if (!wants_shape(*s)) {
     return;
   }
-  ShapeNow& now = s->shape;
+  ShapeState& now = s->shape;
   ShapeJob& job = s->shape_job;
   job.landmarks_T.clear();
   for (const Landmark& landmark : s->map.landmarks) {
@@ -92,7 +93,7 @@ void forget_shape(Component::State* s) {
 }
 
 void send_shape(const MotionState& motion, Component::State* s) {
-  ShapeNow& now = s->shape;
+  ShapeState& now = s->shape;
   const bool due =
       motion.frame % static_cast<std::uint32_t>(s->parameters.bus.shape_every_frames) == 0;
   if (!now.shape || !(now.is_new || due)) {

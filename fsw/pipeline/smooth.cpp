@@ -5,8 +5,8 @@
 
 #include "map/landmarks.hpp"
 #include "pipeline/mapping.hpp"
-#include "pipeline/motion_jobs.hpp"
 #include "pipeline/picture.hpp"
+#include "pipeline/results.hpp"
 #include "pipeline/state.hpp"
 #include "pipeline/track.hpp"
 

@@ -23,13 +23,13 @@
 #include "map/map.hpp"
 #include "mask/follow.hpp"
 #include "mask/target_mask.hpp"
+#include "motion/estimator.hpp"
 #include "motion/prediction_walk.hpp"
 #include "pipeline/bus_state.hpp"
 #include "pipeline/component.hpp"
-#include "pipeline/jobs.hpp"
-#include "pipeline/motion_jobs.hpp"
-#include "pipeline/shape_now.hpp"
+#include "pipeline/job_types.hpp"
 #include "shape/scale_state.hpp"
+#include "shape/shape_state.hpp"
 
 namespace polhode {
 
@@ -80,7 +80,7 @@ struct Component::State {
       0;  ///< number of the frame T that the map is in: poses of two do not compare
   MotionEstimate motion;
   AheadNow ahead;
-  ShapeNow shape;
+  ShapeState shape;
   ScaleState scale;
   double noise_scale = 1.0;  ///< how much larger the residuals are than the features' sigma says
   LastAdjustment last_adjustment_of_all;

@@ -4,10 +4,12 @@
 
 #include "pipeline/acquire.hpp"
 #include "pipeline/commands.hpp"
-#include "pipeline/mapping.hpp"
+#include "pipeline/motion_jobs.hpp"
 #include "pipeline/picture.hpp"
 #include "pipeline/publish.hpp"
+#include "pipeline/results.hpp"
 #include "pipeline/scale_now.hpp"
+#include "pipeline/shape_now.hpp"
 #include "pipeline/state.hpp"
 #include "pipeline/telemetry.hpp"
 #include "pipeline/track.hpp"
@@ -109,13 +111,15 @@ void estimate(const std::optional<PosePrediction>& predicted, Component::State* 
     track(predicted, s);
   }
   stage_done(Stage::kMap, *s);
-  run_undelayed_jobs(s);
+  run_undelayed(&s->job, s);
   measure_scale(s);
   ask_for_shape(s);
+  run_undelayed(&s->shape_job, s);
   stage_done(Stage::kShape, *s);
   if (s->pose_valid) {
     remember_motion(
         s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
+    run_undelayed(&s->fit_job, s);
     widen_turn(s->localised.absolute.pose, &s->drift);
     ++s->counters.poses;
   }

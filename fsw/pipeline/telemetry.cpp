@@ -4,6 +4,7 @@
 
 #include "bus/narrow.hpp"
 #include "pipeline/motion_telemetry.hpp"
+#include "pipeline/shape_now.hpp"
 #include "pipeline/tell_events.hpp"
 
 namespace polhode {

@@ -7,6 +7,8 @@
 #include "geometry/so3.hpp"
 #include "map/keyframes.hpp"
 #include "pipeline/acquire.hpp"
+#include "pipeline/jobs.hpp"
+#include "pipeline/localise_input.hpp"
 #include "pipeline/mapping.hpp"
 #include "pipeline/picture.hpp"
 
@@ -242,16 +244,6 @@ bool plausible(const PosePrediction& predicted, bool start_checks, const Compone
                                ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
                                : kDepthError * step_rad + 4.0 * sigma_rad;
   return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) < bound_rad + s.map_moved_rad;
-}
-
-LocaliseInput localise_input(const Component::State& s) {
-  return {.map = &s.map,
-          .features = &s.features,
-          .camera = &s.camera,
-          .options = &s.parameters.localise,
-          .ratio_max = s.parameters.tracks.descriptor_ratio_max,
-          .seed = s.parameters.seed,
-          .stream = s.frame};
 }
 
 bool find_about(const PosePrediction& predicted, Component::State* s) {

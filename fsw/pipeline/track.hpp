@@ -30,7 +30,4 @@ bool find_about(const PosePrediction& predicted, Component::State* state);
 /// This frame's pose by its descriptors alone, over all keyframes; in `localised`.
 bool relocalise_frame(Component::State* state);
 
-/// What the map's functions need of this frame.
-LocaliseInput localise_input(const Component::State& state);
-
 }  // namespace polhode

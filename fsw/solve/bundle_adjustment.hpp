@@ -1,73 +1,9 @@
 // Joint adjustment of poses and points to their images.
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <span>
-
-#include "config/limits.hpp"
-#include "geometry/reprojection.hpp"
+#include "solve/bundle_problem.hpp"
 
 namespace polhode {
-
-struct BundleObservation {
-  std::int32_t pose = 0;   ///< index into poses
-  std::int32_t point = 0;  ///< index into points
-  Eigen::Vector2d normalised = Eigen::Vector2d::Zero();
-  double sigma_normalised = 1.0;
-};
-
-/// What is known of a pose beforehand: of (phi, uvs) about `mean`.
-struct PosePrior {
-  std::int32_t pose = 0;
-  InverseDepthPose mean;
-  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
-};
-
-/// Poses and points are changed in place; at most as many as BundleWorkspace holds. Where fewer
-/// than two poses are fixed, what is left of the gauge is held by the damping alone and the caller
-/// re-aligns.
-struct BundleProblem {
-  std::span<InverseDepthPose> poses;
-  std::span<const std::uint8_t> pose_fixed;  ///< 1: held
-  std::span<Eigen::Vector3d> points_T;
-  std::span<const std::uint8_t> point_fixed;
-  std::span<const BundleObservation> observations;
-  std::span<const PosePrior> priors = {};
-};
-
-struct BundleOptions {
-  int iterations_max = 10;
-  double cauchy_sigma = 2.0;  ///< at this many sigma a residual has half its weight
-};
-
-struct BundleReport {
-  bool usable = false;  ///< false: poses and points are as they were
-  int iterations = 0;
-  double cost_before = 0.0;  ///< half the robust sum of squares, in sigma
-  double cost_after = 0.0;
-};
-
-/// Working memory of an adjustment, some 4 MB; contents mean nothing between calls.
-struct BundleWorkspace {
-  static constexpr std::size_t kPoses = limits::kKeyframes;
-  static constexpr std::size_t kPoints = limits::kLandmarks;
-  static constexpr std::size_t kObservations = limits::kAdjustmentSightings;
-  static constexpr std::size_t kUnknowns = 6 * kPoses;
-
-  std::array<std::int32_t, kPoses> block_of_pose{};  ///< -1: held
-  std::array<std::int32_t, kPoints + 1> first_of_point{};
-  std::array<std::int32_t, kObservations>
-      by_point{};  ///< observations, those of one point together
-  std::array<InverseDepthPose, kPoses> trial_poses{};
-  std::array<Eigen::Vector3d, kPoints> trial_points{};
-  std::array<Eigen::Matrix<double, 6, 6>, kPoses> camera_blocks{};
-  alignas(64) std::array<double, kUnknowns * kUnknowns> reduced{};  ///< lower triangle
-  alignas(64) std::array<double, kUnknowns> gradient{};
-  alignas(64) std::array<double, kUnknowns> step{};
-};
 
 /// Levenberg-Marquardt with the points eliminated (Schur complement), residuals re-weighted by the
 /// Cauchy loss. Within a point's observations those of one pose follow each other.

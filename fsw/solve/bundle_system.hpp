@@ -11,7 +11,7 @@
 #include <span>
 
 #include "base/fixed_vector.hpp"
-#include "solve/bundle_adjustment.hpp"
+#include "solve/bundle_problem.hpp"
 
 namespace polhode {
 

@@ -2,89 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
-#include <cstddef>
-#include <cstdint>
 #include <span>
 
-#include "base/fixed_vector.hpp"
-#include "config/limits.hpp"
-#include "geometry/reprojection.hpp"
+#include "solve/start_problem.hpp"
+#include "solve/start_residuals.hpp"
 
 namespace polhode {
-
-/// One image of one track. Lists of these are ordered by track, then by frame.
-struct StartSighting {
-  int frame = 0;
-  int track = 0;
-  Eigen::Vector2d normalised = Eigen::Vector2d::Zero();
-  double sigma_normalised = 1.0;
-};
-
-/// A motion and a shape that explain the images, in the caller's arrays; a pose or a point that is
-/// not known is left out. Only ratios are determined: the seven freedoms of the gauge are fixed by
-/// `normalise_gauge`.
-struct StartGeometryView {
-  std::span<InverseDepthPose> poses;  ///< by frame
-  std::span<std::uint8_t> posed;
-  std::span<Eigen::Vector3d> points_T;  ///< by track, in units of the body's extent
-  std::span<std::uint8_t> known;
-};
-
-enum class StartLoss {
-  kCauchy,     ///< wide basin: width^2 log(1 + e / width^2)
-  kTruncated,  ///< min(e, width^2), and no track more than 3 sigma above its mean: comparable
-               ///< between hypotheses
-};
-
-struct StartAdjustmentOptions {
-  int iterations_max = 20;
-  StartLoss loss = StartLoss::kTruncated;
-  double width_sigma = 4.0;  ///< two coordinates: 3e-4 of good residuals lie beyond
-  double sigma_scale = 1.0;  ///< every sigma is multiplied by this
-  double settled = 1e-3;     ///< stops when a step gains less chi-square than this
-};
-
-/// Residuals in units of the scaled sigma. Sightings that lie in unknown frames or tracks count as
-/// lost.
-struct StartFit {
-  double cost = 0.0;  ///< robust; a lost sighting costs width^2 with the truncated loss, nothing
-                      ///< with the other
-  double chi2 = 0.0;  ///< of the inliers
-  int inliers = 0;    ///< sightings within width_sigma, in tracks that fit as a whole
-  int sightings = 0;
-  int frames = 0;
-  int points = 0;            ///< with two inliers or more
-  double median = 0.0;       ///< squared residual of the sightings that are used
-  double noise_scale = 0.0;  ///< the residuals' robust standard deviation over the scaled sigma
-  int iterations = 0;
-};
-
-/// Linearised system, kept by the caller because of its size.
-struct StartAdjustmentWorkspace {
-  static constexpr std::size_t kSightings = 12000;  // 1500 tracks in 8 frames, or 375 in 32
-  static constexpr int kCameraParameters = 6 * static_cast<int>(limits::kStartFrames);
-
-  struct Block {
-    Eigen::Matrix<double, 6, 3> W = Eigen::Matrix<double, 6, 3>::Zero();  ///< camera against point
-    std::int32_t frame = -1;                                              ///< -1: without weight
-  };
-  struct PointBlock {
-    Eigen::Matrix3d V = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d g = Eigen::Vector3d::Zero();
-  };
-  using CameraVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kCameraParameters, 1>;
-
-  FixedVector<Block, kSightings> blocks;
-  FixedVector<PointBlock, limits::kStartTracks> point_blocks;
-  std::array<Eigen::Matrix<double, 6, 6>, limits::kStartFrames> camera_blocks;
-  Eigen::MatrixXd reduced;  ///< 6 F square; factorised in place
-  CameraVector camera_gradient;
-  CameraVector camera_step;
-  std::array<InverseDepthPose, limits::kStartFrames> trial_poses;
-  std::array<Eigen::Vector3d, limits::kStartTracks> trial_points;
-  FixedVector<double, kSightings> errors2;
-};
 
 /// Levenberg-Marquardt with the points eliminated (Schur complement); the gauge is left free and
 /// held by the damping.
@@ -96,18 +19,6 @@ StartFit adjust_start(std::span<const StartSighting> sightings,
                       const StartGeometryView& geometry,
                       const StartAdjustmentOptions& options,
                       StartAdjustmentWorkspace* workspace);
-
-/// The same figures without moving anything.
-StartFit evaluate_start(std::span<const StartSighting> sightings,
-                        const StartGeometryView& geometry,
-                        const StartAdjustmentOptions& options,
-                        StartAdjustmentWorkspace* workspace);
-
-/// Cost of each track, 0 for one without sightings.
-void start_track_costs(std::span<const StartSighting> sightings,
-                       const StartGeometryView& geometry,
-                       const StartAdjustmentOptions& options,
-                       std::span<double> costs);
 
 /// Pose of one frame from the known points, by at most `iterations_max` damped steps with Cauchy
 /// loss.

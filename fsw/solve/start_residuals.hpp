@@ -4,7 +4,7 @@
 #include <span>
 
 #include "solve/cauchy_loss.hpp"
-#include "solve/start_adjustment.hpp"
+#include "solve/start_problem.hpp"
 
 namespace polhode {
 
@@ -53,5 +53,17 @@ double total_cost(std::span<const StartSighting> sightings,
                   std::span<const Eigen::Vector3d> points_T,
                   const StartGeometryView& geometry,
                   const StartAdjustmentOptions& options);
+
+/// The figures of a fit without moving anything.
+StartFit evaluate_start(std::span<const StartSighting> sightings,
+                        const StartGeometryView& geometry,
+                        const StartAdjustmentOptions& options,
+                        StartAdjustmentWorkspace* workspace);
+
+/// Cost of each track, 0 for one without sightings.
+void start_track_costs(std::span<const StartSighting> sightings,
+                       const StartGeometryView& geometry,
+                       const StartAdjustmentOptions& options,
+                       std::span<double> costs);
 
 }  // namespace polhode

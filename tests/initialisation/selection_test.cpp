@@ -4,6 +4,9 @@
 #include <Eigen/LU>
 #include <memory>
 
+#include "initialisation/convexity.hpp"
+#include "initialisation/core.hpp"
+#include "initialisation/hypotheses.hpp"
 #include "initialisation/initialise.hpp"
 #include "synthetic/start_scenarios.hpp"
 

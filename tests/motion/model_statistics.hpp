@@ -9,6 +9,7 @@
 
 #include "free_body.hpp"
 #include "motion/body_dynamics.hpp"
+#include "motion/rigid_model.hpp"
 
 namespace polhode {
 

@@ -4,6 +4,8 @@
 #include "../bus/command_packets.hpp"
 #include "job_caller.hpp"
 #include "pipeline/checkpoint.hpp"
+#include "pipeline/motion_jobs.hpp"
+#include "pipeline/results.hpp"
 
 namespace polhode {
 namespace {

@@ -1,4 +1,5 @@
 #include "pipeline/jobs.hpp"
+#include "pipeline/results.hpp"
 
 #include <gtest/gtest.h>
 

@@ -136,7 +136,7 @@ TEST(ShapeTold, GoesOnAfterARestart) {
   octets.resize(save_checkpoint(before, octets));
   Bench after(telling());
   ASSERT_TRUE(restore_checkpoint(octets, &after.component->state()));
-  const ShapeNow& shape = after.component->state().shape;
+  const ShapeState& shape = after.component->state().shape;
   ASSERT_TRUE(shape.shape.has_value());
   EXPECT_EQ(shape.shape->dimensions, before.shape.shape->dimensions);
   EXPECT_EQ(shape.frame_of_estimate, before.shape.frame_of_estimate);

@@ -1,11 +1,10 @@
-#include "pipeline/parameters.hpp"
+#include "pipeline/parameter_table.hpp"
 
 #include <charconv>
 #include <cmath>
 #include <type_traits>
 
 #include "config/limits.hpp"
-#include "pipeline/parameter_table.hpp"
 
 namespace polhode {
 namespace {

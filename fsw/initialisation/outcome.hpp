@@ -1,0 +1,105 @@
+// The problem of an initialisation, what comes of it, and the memory that it needs.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "base/fixed_vector.hpp"
+#include "config/limits.hpp"
+#include "geometry/pose.hpp"
+#include "initialisation/hypothesis.hpp"
+#include "solve/start_adjustment.hpp"
+
+namespace polhode {
+
+struct StartObservation {
+  int frame = 0;                                         ///< index into times_s
+  Eigen::Vector2d normalised = Eigen::Vector2d::Zero();  ///< undistorted, on the plane z = 1
+  double sigma_normalised = 1.0;                         ///< 1-sigma of each coordinate
+};
+
+struct StartTrack {
+  FixedVector<StartObservation, limits::kStartFrames>
+      observations;  ///< ordered by frame, one per frame
+};
+
+struct StartProblem {
+  std::span<const double> times_s;     ///< of F <= kStartFrames frames, ascending
+  std::span<const StartTrack> tracks;  ///< at most kStartTracks
+  std::uint64_t seed = 0;
+  std::uint32_t kinds = kAllKinds;  ///< kinds of hypotheses that take part
+};
+
+enum class StartDecision : std::uint8_t {
+  kCommit,
+  kTooFewTracks,     ///< no three frames have enough tracks in common
+  kNoHypothesis,     ///< nothing rigid explains most of the images
+  kTooLittleMotion,  ///< the winner's depth is not determined
+  kTwinsTooClose,    ///< a geometrically different hypothesis fits nearly as well
+};
+
+struct StartFramePose {
+  bool valid = false;
+  Pose pose;
+};
+
+struct StartPoint {
+  bool valid = false;
+  Eigen::Vector3d p_T = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance_T =
+      Eigen::Matrix3d::Zero();  ///< gauge: centroid, extent and first attitude exact
+  int inliers = 0;              ///< sightings that agree
+};
+
+/// T: axes of the first posed frame's camera, origin near the points' centroid, unit their RMS
+/// distance from it.
+struct StartOutcome {
+  StartDecision decision = StartDecision::kTooFewTracks;
+  HypothesisKind winner = HypothesisKind::kFivePoint;
+  bool winner_reversed = false;  ///< the winner came out as the depth-reversed twin of its seed
+  double chi2_gap =
+      0.0;  ///< to the best rival of different geometry, noise re-scaled where chi2 exceeds 1
+  double reduced_chi2 = 0.0;  ///< robust
+  double rotation_rad = 0.0;  ///< largest turn from the first posed frame
+  double depth_sigma =
+      0.0;  ///< median 1-sigma of the points along the first line of sight, in extents
+  double contest_depth_sigma = 0.0;  ///< the same of the contest's points alone
+  double convexity =
+      0.0;  ///< curvature of the visible side over its 1-sigma; positive: the middle is nearest
+  double inlier_ratio = 0.0;  ///< of the contest's sightings
+  int hypotheses = 0;         ///< different ones that were refined to the end
+  bool crowded =
+      false;  ///< the frames were more than the contest has tracks for: fewer would decide more
+  FixedVector<StartFramePose, limits::kStartFrames> frames;  ///< by frame
+  FixedVector<StartPoint, limits::kStartTracks> points;      ///< by track
+};
+
+/// The frames and tracks on which hypotheses are compared.
+struct StartContestSet {
+  static constexpr std::size_t kSightings = kContestTracks * limits::kStartFrames;
+  FixedVector<StartCore, 2>
+      cores;  ///< a long run of frames, and one with many tracks where that is another
+  FixedVector<int, kContestTracks> tracks;  ///< indices into StartProblem::tracks
+  FixedVector<StartSighting, kSightings> sightings;
+};
+
+/// Everything that a contest needs and the caller keeps: some 5 MB, no content that outlives a
+/// call.
+struct StartWorkspace {
+  StartAdjustmentWorkspace adjustment;
+  StartContestSet set;
+  StartHypotheses seeds;
+  StartHypotheses refined;
+  StartHypotheses finalists;
+  FixedVector<StartSighting, StartContestSet::kSightings> core_sightings;
+  FixedVector<StartSighting, StartAdjustmentWorkspace::kSightings> sightings;
+  std::array<InverseDepthPose, limits::kStartFrames> poses;
+  std::array<std::uint8_t, limits::kStartFrames> posed;
+  std::array<Eigen::Vector3d, limits::kStartTracks> points_T;
+  std::array<std::uint8_t, limits::kStartTracks> known;
+  std::array<Eigen::Matrix3d, limits::kStartTracks> covariances;
+};
+
+}  // namespace polhode

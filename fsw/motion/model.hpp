@@ -1,0 +1,56 @@
+// The target as a rigid body in free motion: what a fit leaves. Axes: as in rigid_model.hpp.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+
+#include "solve/mass_centre_fit.hpp"
+#include "solve/torque_free_fit.hpp"
+
+namespace polhode {
+
+enum class ModelStatus : std::uint8_t {
+  kAccepted = 0,
+  kTooFewPoses = 1,        ///< under kModelPosesMin
+  kNoFit = 2,              ///< no start led to a solution over all poses
+  kResidualsTooLarge = 3,  ///< chi-square: poses or their times are not those of a free rigid body
+};
+
+/// How the residuals compare with what was declared of the poses.
+struct ResidualLevel {
+  double chi2_per_dof = 0.0;  ///< by the declared covariance, outliers left out
+  /// Variance in terms of the declared one, drawn towards 1 where data are few; of a joint fit what
+  /// the covariance is widened by, drift that the motion has swallowed included.
+  double scale2 = 1.0;
+  double correlation = 1.0;  ///< poses that tell as much as one independent pose would, >= 1
+  std::size_t outliers = 0;
+};
+
+/// Joint unknowns: those of the turning, then those of the path.
+inline constexpr int kModelUnknownsAll = kTurningUnknowns + kPathUnknowns;
+using ModelCovariance = Eigen::Matrix<double, kModelUnknownsAll, kModelUnknownsAll>;
+
+struct RigidModel {
+  ModelStatus status = ModelStatus::kTooFewPoses;
+  bool path_known = false;  ///< the path's unknowns are fitted, too
+  bool of_map = false;      ///< fitted with the landmarks: its poses are the map's own
+  std::int64_t reference_ns = 0;
+  TurningState reference;  ///< its time is 0
+  InertiaShape shape = InertiaShape::Zero();
+  PathVector path = PathVector::Zero();
+  ModelCovariance covariance = ModelCovariance::Zero();  ///< noise as found, with its correlation
+  double lever_sigma = 1.0;                              ///< prior of the mass centre's place
+  Orbit orbit;                                           ///< its time 0 is the reference
+  ResidualLevel attitude;
+  ResidualLevel position;
+  std::size_t poses = 0;
+  double span_s = 0.0;
+
+  [[nodiscard]] bool accepted() const { return status == ModelStatus::kAccepted; }
+};
+
+inline constexpr std::size_t kModelPosesMin = 8;
+inline constexpr double kModelShapeSigma = 1.5;  ///< prior of each number of the shape
+
+}  // namespace polhode
