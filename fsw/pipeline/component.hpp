@@ -14,6 +14,7 @@
 #include "base/fixed_vector.hpp"
 #include "base/image_view.hpp"
 #include "base/result.hpp"
+#include "bus/counters.hpp"
 #include "image/verdict.hpp"
 #include "mask/network.hpp"
 #include "motion/motion_state.hpp"
@@ -119,42 +120,6 @@ enum class Stage : std::uint8_t {
   kJobs
 };
 inline constexpr std::size_t kStageCount = 9;
-
-struct Counters {
-  std::uint32_t frames_in = 0;
-  std::uint32_t frames_used = 0;
-  std::uint32_t frames_unreadable = 0;
-  std::uint32_t frames_dark = 0;
-  std::uint32_t frames_wrong_size = 0;
-  std::uint32_t frames_time_not_increasing = 0;
-  std::uint32_t frames_held = 0;     ///< passed over by command
-  std::uint32_t frames_missing = 0;  ///< that never came, by the gaps in time
-  // By what was wrong with the picture, whether it was skipped for that or used with care (as
-  // frames_dark).
-  std::uint32_t frames_flat = 0;
-  std::uint32_t frames_saturated = 0;
-  std::uint32_t frames_frozen = 0;
-  std::uint32_t frames_torn = 0;
-  std::uint32_t frames_bit_errors = 0;
-  std::uint32_t frames_blurred = 0;
-  std::uint32_t frames_with_care = 0;  ///< used, but they taught the map nothing
-  std::uint32_t poses = 0;
-  std::uint32_t lost = 0;            ///< times that tracking was lost
-  std::uint32_t relocalised = 0;     ///< times that it was found again
-  std::uint32_t restarts = 0;        ///< times that a map was begun anew after a loss
-  std::uint32_t start_contests = 0;  ///< attempts at starting a map
-  std::uint32_t keyframes_inserted = 0;
-  std::uint32_t keyframes_culled = 0;
-  std::uint32_t landmarks_created = 0;
-  std::uint32_t landmarks_culled = 0;
-  std::uint32_t closures = 0;
-  std::uint32_t shapes = 0;
-  std::uint32_t jobs_issued = 0;
-  std::uint32_t jobs_without_result = 0;    ///< skipped for want of memory
-  std::uint32_t steps_short_of_memory = 0;  ///< in which less was asked of the libraries
-  std::uint32_t scale_contradictions = 0;   ///< readings of the scale that do not agree
-  std::uint32_t tables_full = 0;            ///< times that a table had no free slot
-};
 
 struct StepOutput {
   FrameUse use = FrameUse::kUsed;

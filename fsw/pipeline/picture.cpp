@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "mask/behind.hpp"
+#include "pipeline/frame_uses.hpp"
 
 namespace polhode {
 namespace {
@@ -34,27 +35,9 @@ void forget_pictures(Component::State* s) {
 namespace {
 
 FrameUse use_of(const FrameVerdict& verdict) {
-  if (verdict.decision != FrameDecision::kSkip) {
-    return FrameUse::kUsed;
-  }
-  switch (verdict.fault) {
-    case FrameFault::kDark:
-      return FrameUse::kDark;
-    case FrameFault::kFlat:
-      return FrameUse::kFlat;
-    case FrameFault::kSaturated:
-      return FrameUse::kSaturated;
-    case FrameFault::kFrozen:
-      return FrameUse::kFrozen;
-    case FrameFault::kTorn:
-      return FrameUse::kTorn;
-    case FrameFault::kBitErrors:
-      return FrameUse::kBitErrors;
-    case FrameFault::kNone:
-    case FrameFault::kBlurred:
-      break;
-  }
-  return FrameUse::kUsed;
+  const FrameFaultRow* const fault = row_of(verdict.fault);
+  return verdict.decision == FrameDecision::kSkip && fault != nullptr ? fault->skipped
+                                                                      : FrameUse::kUsed;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "pipeline/acquire.hpp"
 #include "pipeline/commands.hpp"
+#include "pipeline/frame_uses.hpp"
 #include "pipeline/motion_jobs.hpp"
 #include "pipeline/picture.hpp"
 #include "pipeline/publish.hpp"
@@ -35,60 +36,14 @@ FrameUse admit(const Frame& frame, Component::State* s) {
   return s->bus.held ? FrameUse::kHeld : FrameUse::kUsed;
 }
 
-/// Was there a picture, good or bad, with a time of its own?
-bool looked_at(FrameUse use) {
-  return use != FrameUse::kUnreadable && use != FrameUse::kWrongSize &&
-         use != FrameUse::kTimeNotIncreasing && use != FrameUse::kHeld;
-}
-
-void count(FrameUse use, Counters* counters) {
-  switch (use) {
-    case FrameUse::kUsed:
-      ++counters->frames_used;
-      break;
-    case FrameUse::kUnreadable:
-      ++counters->frames_unreadable;
-      break;
-    case FrameUse::kWrongSize:
-      ++counters->frames_wrong_size;
-      break;
-    case FrameUse::kTimeNotIncreasing:
-      ++counters->frames_time_not_increasing;
-      break;
-    case FrameUse::kHeld:
-      ++counters->frames_held;
-      break;
-    default:
-      break;  // counted by what was wrong with the picture
+/// What became of a frame, and what was wrong with its picture.
+void count(FrameUse use, const FrameVerdict& verdict, Counters* counters) {
+  if (const auto counter = row_of(use).counter) {
+    ++(counters->*counter);
   }
-}
-
-void count(const FrameVerdict& verdict, Counters* counters) {
   counters->frames_with_care += verdict.decision == FrameDecision::kCare ? 1 : 0;
-  switch (verdict.fault) {
-    case FrameFault::kNone:
-      break;
-    case FrameFault::kDark:
-      ++counters->frames_dark;
-      break;
-    case FrameFault::kFlat:
-      ++counters->frames_flat;
-      break;
-    case FrameFault::kSaturated:
-      ++counters->frames_saturated;
-      break;
-    case FrameFault::kFrozen:
-      ++counters->frames_frozen;
-      break;
-    case FrameFault::kTorn:
-      ++counters->frames_torn;
-      break;
-    case FrameFault::kBitErrors:
-      ++counters->frames_bit_errors;
-      break;
-    case FrameFault::kBlurred:
-      ++counters->frames_blurred;
-      break;
+  if (const FrameFaultRow* const fault = row_of(verdict.fault)) {
+    ++(counters->*fault->counter);
   }
 }
 
@@ -150,7 +105,7 @@ const StepOutput& Component::step(const StepInput& input) {
   if (use == FrameUse::kUsed) {
     use = take_picture(input.frame, s);
   }
-  if (looked_at(use)) {
+  if (row_of(use).looked_at) {
     s->timestamp_ns = input.frame.timestamp_ns;
     s->time_known = true;
   }
@@ -162,8 +117,7 @@ const StepOutput& Component::step(const StepInput& input) {
   } else if (s->mode == Mode::kTracking) {
     s->reference.valid = false;
   }
-  count(use, &s->counters);
-  count(s->verdict, &s->counters);
+  count(use, s->verdict, &s->counters);
   publish(use, input.frame.timestamp_ns, s);
   stage_done(Stage::kBus, *s);
   return s->output;

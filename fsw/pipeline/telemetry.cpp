@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "bus/counter_table.hpp"
 #include "bus/narrow.hpp"
 #include "pipeline/motion_telemetry.hpp"
 #include "pipeline/shape_now.hpp"
@@ -16,38 +17,10 @@ bool due(std::uint32_t frame, int every_frames) {
 
 std::uint8_t flag_if(bool up, std::uint8_t flag) { return up ? flag : std::uint8_t{0}; }
 
-void put_counters(const Counters& c, bus::HousekeepingPacket* packet) {
-  packet->frames_in = c.frames_in;
-  packet->frames_used = c.frames_used;
-  packet->frames_unreadable = c.frames_unreadable;
-  packet->frames_dark = c.frames_dark;
-  packet->frames_wrong_size = c.frames_wrong_size;
-  packet->frames_time_not_increasing = c.frames_time_not_increasing;
-  packet->frames_held = c.frames_held;
-  packet->frames_missing = c.frames_missing;
-  packet->frames_flat = c.frames_flat;
-  packet->frames_saturated = c.frames_saturated;
-  packet->frames_frozen = c.frames_frozen;
-  packet->frames_torn = c.frames_torn;
-  packet->frames_bit_errors = c.frames_bit_errors;
-  packet->frames_blurred = c.frames_blurred;
-  packet->frames_with_care = c.frames_with_care;
-  packet->poses = c.poses;
-  packet->lost = c.lost;
-  packet->relocalised = c.relocalised;
-  packet->restarts = c.restarts;
-  packet->start_contests = c.start_contests;
-  packet->keyframes_inserted = c.keyframes_inserted;
-  packet->keyframes_culled = c.keyframes_culled;
-  packet->landmarks_created = c.landmarks_created;
-  packet->landmarks_culled = c.landmarks_culled;
-  packet->closures = c.closures;
-  packet->shapes = c.shapes;
-  packet->jobs_issued = c.jobs_issued;
-  packet->jobs_without_result = c.jobs_without_result;
-  packet->steps_short_of_memory = c.steps_short_of_memory;
-  packet->scale_contradictions = c.scale_contradictions;
-  packet->tables_full = c.tables_full;
+void put_counters(const Counters& counters, bus::HousekeepingPacket* packet) {
+  for (const bus::CounterRow& row : bus::kCounters) {
+    packet->*row.published = counters.*row.counted;
+  }
 }
 
 std::size_t points_per_chunk() { return std::tuple_size_v<decltype(bus::CloudPacket::p_T)> / 3; }

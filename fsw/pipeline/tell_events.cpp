@@ -1,5 +1,7 @@
 #include "pipeline/tell_events.hpp"
 
+#include "pipeline/frame_uses.hpp"
+
 namespace polhode {
 namespace {
 
@@ -9,50 +11,13 @@ void tell(EventId id, double first, double second, Component::State* s) {
   bus::report(id, {.values = {first, second}}, &s->bus.events);
 }
 
-/// The event of a frame that was not used; a frame that was used has none.
-bool event_of(FrameUse use, EventId* id) {
-  switch (use) {
-    case FrameUse::kUnreadable:
-      *id = EventId::kFrameUnreadable;
-      return true;
-    case FrameUse::kDark:
-      *id = EventId::kFrameDark;
-      return true;
-    case FrameUse::kWrongSize:
-      *id = EventId::kFrameWrongSize;
-      return true;
-    case FrameUse::kTimeNotIncreasing:
-      *id = EventId::kFrameTimeNotIncreasing;
-      return true;
-    case FrameUse::kFlat:
-      *id = EventId::kFrameFlat;
-      return true;
-    case FrameUse::kSaturated:
-      *id = EventId::kFrameSaturated;
-      return true;
-    case FrameUse::kFrozen:
-      *id = EventId::kFrameFrozen;
-      return true;
-    case FrameUse::kTorn:
-      *id = EventId::kFrameTorn;
-      return true;
-    case FrameUse::kBitErrors:
-      *id = EventId::kFrameBitErrors;
-      return true;
-    case FrameUse::kUsed:
-    case FrameUse::kHeld:
-      break;
-  }
-  return false;
-}
-
 void tell_frame(FrameUse use, std::uint32_t frame, Component::State* s) {
   const double number = frame;
-  EventId id = EventId::kFrameWithCare;
-  if (event_of(use, &id)) {
-    tell(id, number, static_cast<double>(s->verdict.measure), s);
+  const FrameUseRow& row = row_of(use);
+  if (row.has_event) {
+    tell(row.event, number, static_cast<double>(s->verdict.measure), s);
   } else if (s->verdict.decision == FrameDecision::kCare) {
-    tell(id, number, static_cast<double>(s->verdict.fault), s);
+    tell(EventId::kFrameWithCare, number, static_cast<double>(s->verdict.fault), s);
   }
 }
 

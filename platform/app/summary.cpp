@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/motion_csv.hpp"
+#include "bus/counter_table.hpp"
 #include "output_file.hpp"
 
 namespace polhode::platform {
@@ -47,36 +48,11 @@ Json timings(const SummaryInput& input) {
 }
 
 Json counters(const Counters& c) {
-  return {{"frames_in", c.frames_in},
-          {"frames_used", c.frames_used},
-          {"frames_unreadable", c.frames_unreadable},
-          {"frames_dark", c.frames_dark},
-          {"frames_wrong_size", c.frames_wrong_size},
-          {"frames_time_not_increasing", c.frames_time_not_increasing},
-          {"frames_held", c.frames_held},
-          {"frames_missing", c.frames_missing},
-          {"frames_flat", c.frames_flat},
-          {"frames_saturated", c.frames_saturated},
-          {"frames_frozen", c.frames_frozen},
-          {"frames_torn", c.frames_torn},
-          {"frames_bit_errors", c.frames_bit_errors},
-          {"frames_blurred", c.frames_blurred},
-          {"frames_with_care", c.frames_with_care},
-          {"poses", c.poses},
-          {"lost", c.lost},
-          {"relocalised", c.relocalised},
-          {"restarts", c.restarts},
-          {"start_contests", c.start_contests},
-          {"keyframes_inserted", c.keyframes_inserted},
-          {"keyframes_culled", c.keyframes_culled},
-          {"landmarks_created", c.landmarks_created},
-          {"landmarks_culled", c.landmarks_culled},
-          {"closures", c.closures},
-          {"jobs_issued", c.jobs_issued},
-          {"jobs_without_result", c.jobs_without_result},
-          {"steps_short_of_memory", c.steps_short_of_memory},
-          {"scale_contradictions", c.scale_contradictions},
-          {"tables_full", c.tables_full}};
+  Json out;
+  for (const bus::CounterRow& row : bus::kCounters) {
+    out[row.name] = c.*row.counted;
+  }
+  return out;
 }
 
 Json mode_history(const RunRecord& record) {

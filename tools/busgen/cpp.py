@@ -144,6 +144,26 @@ def packet_table(table: Table) -> str:
     return text + "\n}  // namespace polhode::bus\n"
 
 
+def counters_of(table: Table) -> list[Field]:
+    return [field for field in table.packet("housekeeping").fields if field.is_counter]
+
+
+def counters_header(table: Table) -> str:
+    text = NOTE + "// What the component counts.\n#pragma once\n\n#include <cstdint>\n\nnamespace polhode {\n\n// clang-format off\n"
+    text += "/// All start at 0, wrap at 2^32 and go to 0 by the command reset_counters.\nstruct Counters {\n"
+    return text + "".join(map(member, counters_of(table))) + "};\n// clang-format on\n\n}  // namespace polhode\n"
+
+
+def counter_table(table: Table) -> str:
+    fields = counters_of(table)
+    text = NOTE + "// Every counter by its name, and where it stands in the housekeeping packet.\n#pragma once\n\n#include <array>\n"
+    text += '#include <cstdint>\n\n#include "bus/counters.hpp"\n#include "bus/packets.hpp"\n\nnamespace polhode::bus {\n\n// clang-format off\n'
+    text += "struct CounterRow {\n  const char* name;\n  std::uint32_t Counters::*counted;\n  std::uint32_t HousekeepingPacket::*published;\n};\n\n"
+    text += f"inline constexpr std::array<CounterRow, {len(fields)}> kCounters{{{{\n"
+    text += "".join(f'    {{"{field.name}", &Counters::{field.name}, &HousekeepingPacket::{field.name}}},\n' for field in fields)
+    return text + "}};\n// clang-format on\n\n}  // namespace polhode::bus\n"
+
+
 def event_row(event: Event) -> str:
     return f'    {{EventId::k{camel(event.name)}, Severity::k{camel(event.severity.lower())}, {event.burst}, "{event.name}", "{event.text}"}},\n'
 
@@ -162,4 +182,5 @@ def event_header(table: Table) -> str:
 
 def files(table: Table) -> dict[str, str]:
     return {"fsw/bus/packets.hpp": packets_header(table), "fsw/bus/packet_layout.hpp": layout_header(table),
-            "fsw/bus/packet_table.cpp": packet_table(table), "fsw/bus/event_table.hpp": event_header(table)}
+            "fsw/bus/packet_table.cpp": packet_table(table), "fsw/bus/event_table.hpp": event_header(table),
+            "fsw/bus/counters.hpp": counters_header(table), "fsw/bus/counter_table.hpp": counter_table(table)}

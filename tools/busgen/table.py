@@ -33,6 +33,7 @@ class Field:
     rows: int = 1
     count: int = 1  # values in all; octets of a text
     is_array: bool = False
+    is_counter: bool = False  # of the component: a member of Counters
 
     @property
     def size(self) -> int:
@@ -108,7 +109,7 @@ class Table:
         return next(field.enum for field in self.packet("event").fields if field.name == "severity")
 
 
-FIELD_KEYS = {"name", "type", "help", "unit", "range", "valid", "enum", "elements", "rows", "count", "octets"}
+FIELD_KEYS = {"name", "type", "help", "unit", "range", "valid", "enum", "elements", "rows", "count", "octets", "counter"}
 
 
 def read_field(raw: dict, offset: int, where: str) -> Field:
@@ -120,7 +121,7 @@ def read_field(raw: dict, offset: int, where: str) -> Field:
     count = raw.get("octets") or raw.get("count") or rows * max(1, len(elements))
     low, high = raw.get("range", (-math.inf, math.inf))
     field = Field(name=raw["name"], type=raw["type"], offset=offset, help=raw.get("help", ""), unit=raw.get("unit", ""),
-                  range=(low, high) if "range" in raw else None, valid=raw.get("valid"), enum=tuple(raw.get("enum", ())),
+                  is_counter=raw.get("counter", False), range=(low, high) if "range" in raw else None, valid=raw.get("valid"), enum=tuple(raw.get("enum", ())),
                   elements=elements, rows=rows, count=count, is_array=count > 1 or bool(elements))
     if offset % field.size:
         raise TableError(f"{where}: {field.name} at octet {offset} is not on a multiple of its {field.size} octets")

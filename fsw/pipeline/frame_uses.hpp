@@ -1,0 +1,83 @@
+// What may be wrong with a frame: one row for each, with its counter and its event.
+#pragma once
+
+#include <cstdint>
+
+#include "bus/event_table.hpp"
+#include "pipeline/component.hpp"
+
+namespace polhode {
+
+/// Why a frame was not used, or that it was.
+struct FrameUseRow {
+  FrameUse use;
+  std::uint32_t Counters::*counter;  ///< nullptr: it is counted by what is wrong with the picture
+  bus::EventId event;
+  bool has_event;
+  bool looked_at;  ///< there was a picture, good or bad, with a time of its own
+};
+
+inline constexpr FrameUseRow kFrameUseRows[] = {
+    {FrameUse::kUsed, &Counters::frames_used, {}, false, true},
+    {FrameUse::kUnreadable,
+     &Counters::frames_unreadable,
+     bus::EventId::kFrameUnreadable,
+     true,
+     false},
+    {FrameUse::kWrongSize,
+     &Counters::frames_wrong_size,
+     bus::EventId::kFrameWrongSize,
+     true,
+     false},
+    {FrameUse::kTimeNotIncreasing,
+     &Counters::frames_time_not_increasing,
+     bus::EventId::kFrameTimeNotIncreasing,
+     true,
+     false},
+    {FrameUse::kHeld, &Counters::frames_held, {}, false, false},
+    {FrameUse::kDark, nullptr, bus::EventId::kFrameDark, true, true},
+    {FrameUse::kFlat, nullptr, bus::EventId::kFrameFlat, true, true},
+    {FrameUse::kSaturated, nullptr, bus::EventId::kFrameSaturated, true, true},
+    {FrameUse::kFrozen, nullptr, bus::EventId::kFrameFrozen, true, true},
+    {FrameUse::kTorn, nullptr, bus::EventId::kFrameTorn, true, true},
+    {FrameUse::kBitErrors, nullptr, bus::EventId::kFrameBitErrors, true, true},
+};
+
+/// What is wrong with a picture: counted whether it is skipped for that or used for a pose only.
+struct FrameFaultRow {
+  FrameFault fault;
+  FrameUse skipped;  ///< use of a frame that is skipped for it
+  std::uint32_t Counters::*counter;
+};
+
+inline constexpr FrameFaultRow kFrameFaultRows[] = {
+    {FrameFault::kDark, FrameUse::kDark, &Counters::frames_dark},
+    {FrameFault::kFlat, FrameUse::kFlat, &Counters::frames_flat},
+    {FrameFault::kSaturated, FrameUse::kSaturated, &Counters::frames_saturated},
+    {FrameFault::kFrozen, FrameUse::kFrozen, &Counters::frames_frozen},
+    {FrameFault::kTorn, FrameUse::kTorn, &Counters::frames_torn},
+    {FrameFault::kBitErrors, FrameUse::kBitErrors, &Counters::frames_bit_errors},
+    {FrameFault::kBlurred, FrameUse::kUsed, &Counters::frames_blurred},  // never skipped for it
+};
+
+/// The row of a use; every one has one.
+constexpr const FrameUseRow& row_of(FrameUse use) {
+  for (const FrameUseRow& row : kFrameUseRows) {
+    if (row.use == use) {
+      return row;
+    }
+  }
+  return kFrameUseRows[0];
+}
+
+/// The row of a fault; nullptr of none.
+constexpr const FrameFaultRow* row_of(FrameFault fault) {
+  for (const FrameFaultRow& row : kFrameFaultRows) {
+    if (row.fault == fault) {
+      return &row;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace polhode
