@@ -21,7 +21,8 @@ FAILED, SCHEDULER_LOST, INTERRUPTED = 1, 1, 130
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="Exit status: 0 all is done, 1 some tasks failed or the scheduler was lost (run the same command again), 2 unusable input.\n"
+        epilog="Exit status: 0 all is done, 1 some tasks failed or the scheduler was lost (run the same command again), 2 unusable input,\n"
+               "130 interrupted.\n"
                "hil/campaigns/README.md describes plans; hil/campaigns/standing.toml is the standing set.")
     parser.add_argument("plan", metavar="PLAN.toml", type=pathlib.Path, nargs="?")
     parser.add_argument("--out", metavar="DIR", type=pathlib.Path, help="folder of the campaign: runs, results, report")
@@ -58,13 +59,16 @@ class Reporter:
     def __call__(self, outcome) -> None:
         from campaigns.report import write_report
         if outcome.task.kind == "judge" and self.clock() - self.last_s > self.every_s:
-            write_report(self.out, pictures=False)
+            try:
+                write_report(self.out, pictures=False)
+            except OSError as problem:  # the campaign goes on; the last report counts
+                print(f"campaign: no report for now: {problem}", file=sys.stderr)
             self.last_s = self.clock()
 
 
 def run_campaign(options: argparse.Namespace) -> int:
     from campaigns import cluster, execution
-    from campaigns.book import open_book
+    from campaigns.book import open_book, read_book
     from campaigns.plan import read_plan
     from campaigns.report import printed, write_report
     from campaigns.store import Store
@@ -74,6 +78,8 @@ def run_campaign(options: argparse.Namespace) -> int:
         print(f"{options.plan}: {len(plan.scenes)} scenes x {len(plan.transforms)} transforms x {len(plan.settings)} settings = {len(plan.runs)} runs")
         print("\n".join(run.name for run in plan.runs))
         return 0
+    if options.vs is not None:
+        read_book(options.vs)  # refused now, not after the work
     out = options.out.resolve()
     chains = open_book(plan, Store(out, (options.cache or cache_folder("campaigns")).resolve()), options.program)
     try:
@@ -105,15 +111,15 @@ def main() -> int:
     if options.report is None and (options.plan is None or (options.out is None and not options.check)):
         raise BadInput("PLAN.toml and --out DIR are needed, or --report DIR")
     install_missing()
-    if options.report is not None:
+    try:
+        if options.report is None:
+            return run_campaign(options)
         from campaigns.report import printed, write_report
         page = write_report(options.report.resolve(), options.vs)
         print(f"{printed(options.report)}\nreport: {page}")
         return 0
-    try:
-        return run_campaign(options)
     except OSError as problem:  # a full disk, a folder that can't be written
-        print(f"campaign: {problem.filename or options.out}: {problem.strerror}", file=sys.stderr)
+        print(f"campaign: {problem.filename or options.out or options.report}: {problem.strerror or problem}", file=sys.stderr)
         return FAILED
 
 

@@ -7,6 +7,7 @@ import sys
 import tomllib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from judge.ranges import whole  # noqa: E402
 from judge.venv import enter_venv, run_main  # noqa: E402
 
 
@@ -16,7 +17,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("out", metavar="OUT", type=pathlib.Path, nargs="?", help="folder to write, not there yet")
     parser.add_argument("--kind", action="append", default=[], help="what to do; several are done one after the other")
     parser.add_argument("--set", metavar="KIND.OPTION=VALUE", action="append", default=[], help="as in --set jpeg.quality=30")
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=whole(0), default=1)
     parser.add_argument("--list", action="store_true", help="print all kinds with their options and end")
     return parser.parse_args()
 
@@ -37,8 +38,8 @@ def steps_of(kinds: list[str], settings: list[str]) -> list[dict]:
         name, _, text = setting.partition("=")
         kind, _, option = name.partition(".")
         chosen = [step for step in steps if step["kind"] == kind]
-        if not chosen:
-            raise BadInput(f"--set {setting}: no --kind {kind}")
+        if not chosen or option == "kind":
+            raise BadInput(f"--set {setting}: no option of a --kind that is given")
         try:
             value = tomllib.loads(f"value = {text}")["value"]
         except tomllib.TOMLDecodeError:

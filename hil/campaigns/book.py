@@ -10,27 +10,19 @@ import tomllib
 from dataclasses import dataclass
 
 from campaigns.plan import Plan, Run, Scene
-from campaigns.store import Store, digest, file_digest, folder_digest, is_whole, source_digest, write_whole
+from campaigns.store import Store, digest, file_digest, folder_digest, is_whole, keep_copy, source_digest, write_whole
 from campaigns.tasks import Task
 from judge.errors import BadInput
 
 BOOK_FILE = "campaign.json"
 
 
-@dataclass(frozen=True)
-class Sources:
-    """Hashes of the code behind each kind of task."""
-
-    generator: str
-    transforms: str
-    judge: str
-
-    @staticmethod
-    def now() -> "Sources":
-        return Sources(source_digest("hil/scenes/generator/**/*.py", "hil/render_scene.sh"),
-                       source_digest("hil/transforms/*.py", "hil/judge/sequence.py", "hil/judge/tables.py", "hil/judge/align.py",
-                                     "hil/judge/fault_log.py"),
-                       source_digest("hil/judge/*.py", "hil/campaigns/measures.py", "platform/transport/client/python/polhode_bus/*.py"))
+# The code behind each kind of task.
+SOURCES = {
+    "render": ("hil/scenes/generator/**/*.py", "hil/render_scene.sh"),
+    "transform": ("hil/transforms/*.py", "hil/judge/sequence.py", "hil/judge/tables.py", "hil/judge/align.py", "hil/judge/fault_log.py"),
+    "judge": ("hil/judge/*.py", "hil/campaigns/measures.py", "platform/transport/client/python/polhode_bus/*.py"),
+}
 
 
 @dataclass(frozen=True)
@@ -38,6 +30,7 @@ class Chain:
     """One run and its tasks in the order in which they need each other; those of a folder that is there have no render."""
 
     run: Run
+    sequence_key: str
     tasks: tuple[Task, ...]
     time: Task
 
@@ -45,36 +38,76 @@ class Chain:
         return next((task for task in self.tasks if task.kind == kind), None)
 
     @property
+    def missing_sequence(self) -> list[Task]:
+        """The tasks that are still needed for the sequence itself, in order."""
+        sequence = self.tasks[:-2]
+        made = max((i for i, task in enumerate(sequence) if is_whole(task.place)), default=-1)
+        return list(sequence[made + 1 :])
+
+    @property
     def missing(self) -> list[Task]:
         """The tasks still to be done, in order; none where the last is done. What only leads to a result that is there is not."""
-        *sequence, replay, judge = self.tasks
+        replay, judge = self.tasks[-2:]
         if is_whole(judge.place):
             return []
-        made = max((i for i, task in enumerate(sequence) if is_whole(task.place)), default=-1)
-        return [*sequence[made + 1 :], *([] if is_whole(replay.place) else [replay]), judge]
+        return [*self.missing_sequence, *([] if is_whole(replay.place) else [replay]), judge]
 
 
-def _scene_key(scene: Scene, sources: Sources) -> str:
+def _scene_key(scene: Scene, generator: str) -> str:
     if scene.folder is not None:
         return digest("folder", folder_digest(scene.folder))
-    return digest("scene", scene.text, scene.variant, _model_digest(scene), sources.generator)
+    return digest("scene", scene.text, scene.variant, [file_digest(path) for path in model_files(scene)], generator)
 
 
-def _model_digest(scene: Scene) -> str:
-    """Of the file that a scene takes its body from, which stands beside the scene's."""
-    path = tomllib.loads(scene.text).get("target", {}).get("path", "")
-    return file_digest(scene.file.parent / path) if path and scene.file is not None else ""
+def model_files(scene: Scene) -> list[pathlib.Path]:
+    """Files that a scene takes its body from, in the scene itself or in one of its variants; they stand beside its file."""
+    raw = tomllib.loads(scene.text)
+    tables = [raw, *raw.get("variants", {}).values()]
+    names = {table.get("target", {}).get("path", "") for table in tables if isinstance(table.get("target", {}), dict)}
+    folder = scene.file.parent if scene.file is not None else pathlib.Path()
+    return sorted(folder / name for name in names if name and (folder / name).is_file())
+
+
+def _network_file(config: pathlib.Path, settings: tuple[str, ...]) -> pathlib.Path | None:
+    """The network that a configuration names, whose weights decide what the program does."""
+    raw = tomllib.loads(config.read_text())
+    named = [setting.split("=", 1)[1].strip(" \"'") for setting in settings if setting.startswith("network.file=")]
+    name = named[-1] if named else raw.get("network", {}).get("file", "")
+    return next((place for place in (config.parent / name, pathlib.Path(name)) if name and place.is_file()), None)
 
 
 class _Maker:
     """Makes the chains of a plan; what several runs share is one task."""
 
     def __init__(self, plan: Plan, store: Store, program: pathlib.Path):
-        self.plan, self.store, self.program = plan, store, program
-        self.sources, self.program_key = Sources.now(), file_digest(program)
-        self.scene_keys = {scene.name: _scene_key(scene, self.sources) for scene in plan.scenes}
+        self.plan, self.store = plan, store
+        self.program_key = file_digest(program)
+        self.program = store.input(self.program_key, program.name)
+        keep_copy(program, self.program)
+        self.sources = {kind: source_digest(*patterns) for kind, patterns in SOURCES.items()}
+        self.scene_keys = {scene.name: _scene_key(scene, self.sources["render"]) for scene in plan.scenes}
+        self.configs = {setting.config: self._config(setting) for setting in plan.settings}
+
+    def _config(self, setting) -> pathlib.Path:
+        """A copy of the configuration; the file itself where it names others beside it."""
+        if _network_file(setting.config, setting.settings) is not None:
+            return setting.config
+        copy = self.store.input(file_digest(setting.config), setting.config.name)
+        keep_copy(setting.config, copy)
+        return copy
+
+    def _scene_file(self, scene: Scene, key: str) -> pathlib.Path:
+        """A copy of the scene; the file itself where it names a body beside it."""
+        if scene.file is not None and model_files(scene):
+            return scene.file
+        copy = self.store.input(key, f"{scene.name}.toml")
+        if not copy.is_file():
+            write_whole(copy, scene.text)
+        return copy
 
     def task(self, kind: str, key: str, name: str, place: pathlib.Path, **options) -> Task:
+        if kind in SOURCES:
+            options["sources"] = (SOURCES[kind], self.sources[kind])
         return Task(kind, key, name, place, self.store.log(kind, key), options)
 
     def sequence(self, run: Run) -> tuple[list[Task], str, pathlib.Path]:
@@ -82,12 +115,12 @@ class _Maker:
         scene, key, tasks = run.scene, self.scene_keys[run.scene.name], []
         folder = scene.folder
         if folder is None:
-            file = scene.file or self.store.out / "scenes" / f"{scene.name}.toml"
+            file = self._scene_file(scene, key)
             tasks.append(self.task("render", key, scene.name, self.store.rendered(key), file=str(file), variant=scene.variant))
             folder = tasks[-1].place
         if run.transform.steps:
             steps = list(run.transform.steps)
-            key = digest("transform", key, steps, run.transform.seed, self.sources.transforms)
+            key = digest("transform", key, steps, run.transform.seed, self.sources["transform"])
             tasks.append(self.task("transform", key, f"{scene.name}/{run.transform.name}", self.store.transformed(key), source=str(folder),
                                    steps=steps, seed=run.transform.seed))
             folder = tasks[-1].place
@@ -96,14 +129,16 @@ class _Maker:
     def chain(self, run: Run) -> Chain:
         tasks, sequence_key, folder = self.sequence(run)
         setting = run.setting
-        replay_key = digest("replay", sequence_key, self.program_key, setting.config.read_bytes(), list(setting.settings))
-        options = {"program": str(self.program), "config": str(setting.config), "settings": list(setting.settings),
+        network = _network_file(setting.config, setting.settings)
+        replay_key = digest("replay", sequence_key, self.program_key, setting.config.read_bytes(), list(setting.settings),
+                            *([file_digest(network)] if network else []))
+        options = {"program": str(self.program), "config": str(self.configs[setting.config]), "settings": list(setting.settings),
                    "sequence": str(folder), "timeout_s": self.plan.replay_timeout_s}
         replay = self.task("replay", replay_key, run.name, self.store.run(replay_key), **options)
-        judge_key = digest("judge", replay_key, self.plan.shape, self.sources.judge)
+        judge_key = digest("judge", replay_key, self.plan.shape, self.sources["judge"])
         judge = self.task("judge", judge_key, run.name, self.store.result(judge_key), run=str(replay.place), sequence=str(folder),
                           shape=self.plan.shape)
-        return Chain(run, (*tasks, replay, judge), self.task("time", replay_key, run.name, self.store.time(replay_key), **options))
+        return Chain(run, sequence_key, (*tasks, replay, judge), self.task("time", replay_key, run.name, self.store.time(replay_key), **options))
 
 
 def open_book(plan: Plan, store: Store, program: pathlib.Path) -> list[Chain]:
@@ -117,7 +152,8 @@ def open_book(plan: Plan, store: Store, program: pathlib.Path) -> list[Chain]:
     maker = _Maker(plan, store, program.resolve())
     chains = [maker.chain(run) for run in plan.runs]
     write_whole(store.out / BOOK_FILE, json.dumps({
-        "plan": plan.name, "program": str(program), "program_key": maker.program_key, "cache": str(store.cache),
+        "plan": plan.name, "program": str(program), "program_key": maker.program_key, "judge_key": maker.sources["judge"],
+        "cache": str(store.cache),
         "draws": list(plan.draws), "runs": [_entry(chain, plan) for chain in chains]}, indent=1) + "\n")
     return chains
 
@@ -126,7 +162,7 @@ def _entry(chain: Chain, plan: Plan) -> dict:
     judge = chain.task("judge")
     return {"scene": chain.run.scene.name, "transform": chain.run.transform.name, "setting": chain.run.setting.name,
             "result": judge.key, "time": chain.time.key if plan.time_alone else None,
-            "run": judge.options["run"], "sequence": judge.options["sequence"]}
+            "run": judge.options["run"], "sequence": judge.options["sequence"], "sequence_key": chain.sequence_key}
 
 
 def read_book(folder: pathlib.Path) -> dict:

@@ -5,6 +5,7 @@ import json
 import pathlib
 import sys
 import time
+import uuid
 from dataclasses import dataclass, field
 
 from distributed import Client, as_completed
@@ -37,19 +38,26 @@ class Progress:
     told_s: float = 0.0
 
     def add(self, outcome: Outcome) -> None:
-        self.done[outcome.task.kind] += 1
         self.failed += not outcome.ok
+        if outcome.not_tried:  # it took no time, and says nothing of those to come
+            self.todo[outcome.task.kind] -= 1
+            return
+        self.done[outcome.task.kind] += 1
         self.seconds[outcome.task.kind] += outcome.wall_s
 
     def left_s(self) -> float | None:
-        """None while some kind has not been seen."""
-        total = 0.0
+        """None while some kind has not been seen. Runs that are timed alone take as long as a replay, one after the other."""
+        together = alone = 0.0
         for kind, count in self.todo.items():
+            seen = kind if self.done[kind] or kind != "time" else "replay"
             left = count - self.done[kind]
-            if left > 0 and self.done[kind] == 0:
+            if left <= 0:
+                continue
+            if self.done[seen] == 0:
                 return None
-            total += left * self.seconds[kind] / max(self.done[kind], 1)
-        return total / max(self.workers, 1)
+            each_s = self.seconds[seen] / self.done[seen]
+            together, alone = (together, alone + left * each_s) if kind == "time" else (together + left * each_s, alone)
+        return together / max(self.workers, 1) + alone
 
     def text(self) -> str:
         parts = [f"{kind} {self.done[kind]}/{count}" for kind, count in self.todo.items() if count]
@@ -75,31 +83,35 @@ def tasks_to_do(chains: list[Chain]) -> dict[str, Task]:
     return found
 
 
-def _submit(client: Client, chains: list[Chain]) -> list:
-    """A future for each missing task, each waiting for the one before it in its chain."""
-    futures = {}
+def _submit(client: Client, chains: list[Chain]) -> dict:
+    """{future's key: its task} with a future for each missing task, each waiting for the one before it in its chain.
+
+    Keys are of this call alone: another campaign on the same scheduler may want the same thing elsewhere.
+    """
+    futures, call = {}, uuid.uuid4().hex[:8]
     for number, chain in enumerate(chains):
         before = []
         for task in chain.missing:
             name = f"{task.kind}-{task.key}"
             if name not in futures:
                 # Chains are finished one after the other, so that there are results early.
-                futures[name] = client.submit(perform, task, *before, key=name, pure=False, priority=-number)
-            before = [futures[name]]
-    return list(futures.values())
+                future = client.submit(perform, task, *before, key=f"{name}-{call}", pure=False, priority=-number)
+                futures[name] = (future, task)
+            before = [futures[name][0]]
+    return dict(futures.values())
 
 
-def _gathered(client: Client, futures: list, by_name: dict[str, Task], progress: Progress, on_outcome) -> list[Outcome]:
+def _gathered(futures: dict, progress: Progress, on_outcome) -> list[Outcome]:
     outcomes = []
     for future in as_completed(futures):
         try:
             outcome = future.result()
         except KilledWorker:
-            outcome = Outcome(by_name[future.key], False, "its worker died each time that it was tried")
+            outcome = Outcome(futures[future], False, "its worker, or that of what it needs, died each time that it was tried")
         except (FutureCancelledError, OSError) as problem:
             raise SchedulerLost(str(problem)) from None
         except Exception as problem:  # of the engine: the task's own are in its outcome
-            outcome = Outcome(by_name[future.key], False, f"{type(problem).__name__}: {problem}")
+            outcome = Outcome(futures[future], False, f"{type(problem).__name__}: {problem}")
         outcomes.append(outcome)
         progress.add(outcome)
         progress.tell()
@@ -107,27 +119,47 @@ def _gathered(client: Client, futures: list, by_name: dict[str, Task], progress:
     return outcomes
 
 
+def _to_time(chains: list[Chain]) -> dict[str, Chain]:
+    """The runs whose times are wanted, each once."""
+    return {chain.time.key: chain for chain in chains if not is_whole(chain.time.place)}
+
+
 def _time_alone(client: Client, chains: list[Chain], progress: Progress) -> list[Outcome]:
-    """One run after the other on one worker, with nothing beside it, of those runs whose replay succeeds."""
-    worker, outcomes = next(iter(client.scheduler_info()["workers"]), None), []
-    for chain in chains:
-        if is_whole(chain.time.place) or not is_whole(chain.task("replay").place):
+    """One run after the other, with nothing beside it, of those whose replay succeeds; on whichever worker is there."""
+    outcomes = []
+    for chain in _to_time(chains).values():
+        if not is_whole(chain.task("replay").place):
+            progress.todo["time"] -= 1
             continue
-        future = client.submit(perform, chain.time, key=f"time-{chain.time.key}", pure=False, workers=[worker])
-        outcomes += _gathered(client, [future], {future.key: chain.time}, progress, lambda outcome: None)
+        before, futures = [], {}
+        for task in (*chain.missing_sequence, chain.time):  # a sequence that was deleted is made again first
+            future = client.submit(perform, task, *before, key=f"{task.kind}-{task.key}-{uuid.uuid4().hex[:8]}", pure=False)
+            before, futures = [future], futures | {future: task}
+        outcomes += _gathered(futures, progress, lambda outcome: None)
     return outcomes
+
+
+def _wait_for_a_worker(client: Client) -> None:
+    """A cluster's queue may be long: waits for as long as it takes, and says so."""
+    while not client.scheduler_info()["workers"]:
+        try:
+            client.wait_for_workers(1, timeout=60)
+        except (TimeoutError, OSError):
+            if client.status != "running":
+                raise SchedulerLost("it went away while a worker was waited for") from None
+            print("campaign: no worker yet, still waiting", file=sys.stderr, flush=True)
 
 
 def execute(client: Client, chains: list[Chain], out: pathlib.Path, time_alone: bool, on_outcome=lambda outcome: None) -> list[Outcome]:
     """Does all that is missing. @return what was done, failures among it; also written to failures.json."""
     todo = tasks_to_do(chains)
-    client.wait_for_workers(1, timeout=600)
+    _wait_for_a_worker(client)
     count = len(client.scheduler_info()["workers"])
     wanted = collections.Counter(task.kind for task in todo.values())
     if time_alone:
-        wanted["time"] = sum(not is_whole(chain.time.place) for chain in chains)
+        wanted["time"] = len(_to_time(chains))
     progress = Progress({kind: wanted[kind] for kind in KINDS if wanted[kind]}, count)
-    outcomes = _gathered(client, _submit(client, chains), todo, progress, on_outcome) if todo else []
+    outcomes = _gathered(_submit(client, chains), progress, on_outcome) if todo else []
     together_s = time.monotonic() - progress.start_s
     if todo:
         _note_session(out, count, together_s, outcomes)

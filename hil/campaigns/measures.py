@@ -157,8 +157,9 @@ def measure(run_folder: pathlib.Path, sequence_folder: pathlib.Path, shape: bool
     found_smoothed = _errors(smoothed, truth, {})
     frames = len(sequence.timestamp_ns)
     rows_E, rows_T = join(causal, truth)
-    turn_deg = np.zeros(frames)
-    turn_deg[rows_E] = turned_deg(truth)[rows_T]
+    # Frames without truth are placed between those that have it, and count no turn beyond them.
+    turn_deg = np.interp(causal.timestamp_ns - causal.timestamp_ns[0], causal.timestamp_ns[rows_E] - causal.timestamp_ns[0],
+                         turned_deg(truth)[rows_T])
     row = _availability(causal, frames, causal.seconds, turn_deg)
     row |= _accuracy("causal", found, judged["motion"]["causal"]) | _accuracy("smoothed", found_smoothed, judged["motion"]["smoothed"])
     row |= _nees(found["attitude_nees"])

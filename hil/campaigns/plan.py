@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from campaigns.scene_space import Picture, narrowed, points, scene_of
 from judge.errors import BadInput
 from judge.venv import REPOSITORY
-from transforms.table import options_of
+from transforms.table import check_order, options_of
 
 UNTRANSFORMED = "plain"
 TABLES = {
@@ -139,6 +139,17 @@ class _Reader:
             self.refuse(f"{where}.{key}", "a list of texts is needed")
         return values
 
+    def toml(self, where: str, text: str) -> pathlib.Path:
+        """As place(), of a file that is TOML."""
+        path = self.place(f"{where}.file", text)
+        try:
+            tomllib.loads(path.read_text())
+        except OSError as problem:
+            self.refuse(f"{where}.file", f"{path}: {problem.strerror}")
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
+            self.refuse(f"{where}.file", f"{path}: not TOML: {problem}")
+        return path
+
     def place(self, where: str, text: str) -> pathlib.Path:
         """A path as written in the plan: beside it, or from the project's root."""
         for base in (self.path.parent, REPOSITORY):
@@ -176,7 +187,7 @@ def _given(reader: _Reader) -> list[Scene]:
     """Scene files with their variants, and folders of sequences."""
     scenes = []
     for where, table in reader.tables("scene_files"):
-        file = reader.place(f"{where}.file", reader.value(where, table, "file", str))
+        file = reader.toml(where, reader.value(where, table, "file", str))
         variant = reader.value(where, table, "variant", str, "-").strip("-")
         scenes.append(Scene(f"{file.stem}_{variant}" if variant else file.stem, file.read_text(), file, variant))
     for text in reader.texts("", reader.raw, "sequences"):
@@ -195,6 +206,7 @@ def _transforms(reader: _Reader) -> list[Transform]:
             if not isinstance(step, dict) or not isinstance(step.get("kind"), str):
                 reader.refuse(f"{where}.steps", "each step is a table with a kind")
             options_of(f"{reader.path}: {where}", step["kind"], {key: value for key, value in step.items() if key != "kind"})
+        check_order(f"{reader.path}: {where}", [step["kind"] for step in steps])
         found.append(Transform(reader.value(where, table, "name", str), tuple(steps), reader.value(where, table, "seed", int, 1, 0, 2**31)))
     return found
 
@@ -205,6 +217,9 @@ def _sweep(reader: _Reader) -> list[tuple[str, tuple[str, ...]]]:
     for key, values in table.items():
         if not isinstance(values, list) or not values:
             reader.refuse(f"sweep.{key}", 'a list of values is needed; dotted keys stand in quotes, as in "map.keyframes_max" = [40, 60]')
+    for key, values in table.items():
+        if not all(isinstance(value, (bool, int, float, str, list)) for value in values):
+            reader.refuse(f"sweep.{key}", "values are numbers, texts, true or false, or lists of them")
     combinations = itertools.product(*([f"{key}={json.dumps(value)}" for value in values] for key, values in table.items()))
     return [(",".join(one), tuple(one)) for one in combinations]
 
@@ -214,7 +229,7 @@ def _settings(reader: _Reader) -> list[Setting]:
     found = []
     for where, table in configurations:
         name = reader.value(where, table, "name", str)
-        file = reader.place(f"{where}.file", reader.value(where, table, "file", str))
+        file = reader.toml(where, reader.value(where, table, "file", str))
         own = tuple(reader.texts(where, table, "set"))
         found += [Setting("+".join(part for part in (name, swept) if part), file, own + settings) for swept, settings in _sweep(reader)]
     return found

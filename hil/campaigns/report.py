@@ -66,7 +66,7 @@ def _cell(rows: list[dict], measure: summaries.Measure) -> str:
     if found is None:
         return "-"
     text = {name: _text(found[name], measure.layout) for name in ("centre", "low", "high", "p90", "worst")}
-    cell = f"<b>{text['centre']}</b> [{text['low']}, {text['high']}]"
+    cell = f"<b>{text['centre']}</b>" + ("" if found["low"] is None else f" [{text['low']}, {text['high']}]")
     if measure.how == "median":
         cell += f"<br><small>{text['p90']} | {text['worst']}</small>"
     return cell + (f"<br><small>of {found['count']}</small>" if found["count"] < found["of"] else "")
@@ -90,9 +90,10 @@ def _paired_html(table: list[dict]) -> list[list[str]]:
     rows = []
     for one in table:
         layout = by_title[one["measure"]].layout.replace("{:", "{:+")
-        interval = "-" if one["mean"] is None else f"<b>{_text(one['mean'], layout)}</b> [{_text(one['low'], layout)}, {_text(one['high'], layout)}]"
-        rows.append([_name((one["transform"], one["setting"])), one["measure"], str(one["pairs"]), interval, str(one["better"]),
-                     str(one["worse"]), _text(one["probability"], "{:.2g}")])
+        interval = "-" if one["mean"] is None else (f"<b>{_text(one['mean'], layout)}</b>" + (
+            "" if one["low"] is None else f" [{_text(one['low'], layout)}, {_text(one['high'], layout)}]"))
+        rows.append([_name((one["transform"], one["setting"])), one["measure"], str(one["pairs"]), interval, _text(one["better"], "{}"),
+                     _text(one["worse"], "{}"), _text(one["probability"], "{:.2g}")])
     return rows
 
 
@@ -125,14 +126,15 @@ def _write_csv(path: pathlib.Path, columns, table: list[dict]) -> None:
 def write_report(out: pathlib.Path, vs: pathlib.Path | None = None, pictures: bool = True) -> pathlib.Path:
     """Writes OUT/report from what is done so far. @param vs  another campaign's folder, the base of paired differences."""
     book, rows = results.rows_so_far(out)
+    base = results.rows_so_far(vs) if vs is not None else None
+    if base is not None and not summaries.pairs(base[1], rows):
+        raise BadInput(f"--vs {vs}: has no run of a sequence and setting of {out}")
     folder = out / FOLDER
     results.write_tables(out, folder, rows)
     groups = {_name(key): members for key, members in _groups(rows).items()}
-    base = results.rows_so_far(vs) if vs is not None else None
-    if base is not None and not summaries.pairs(base[1], rows):
-        raise BadInput(f"--vs {vs}: has no run of a scene, transform and setting of {out}")
     differences = paired_table(base[1], rows) if base else []
     _write_csv(folder / "summary.csv", SUMMARY_COLUMNS, summary_table(rows))
+    (folder / "paired.csv").unlink(missing_ok=True)
     if base:
         _write_csv(folder / "paired.csv", PAIRED_COLUMNS, differences)
     if rows:
@@ -141,7 +143,8 @@ def write_report(out: pathlib.Path, vs: pathlib.Path | None = None, pictures: bo
     page = jinja2.Environment(loader=jinja2.FileSystemLoader(pathlib.Path(__file__).parent), trim_blocks=True, lstrip_blocks=True,
                               autoescape=True, undefined=jinja2.StrictUndefined).get_template(TEMPLATE).render(
         book=book, done=len(rows), names=list(groups), main=_main_table(groups), turns=_turn_table(groups) if rows else [],
-        base=base[0] if base else None, base_names=list(groups) if base else [],
+        base=base[0] if base else None, other_judge=bool(base) and base[0].get("judge_key") != book.get("judge_key"),
+        unpaired=len(rows) - len(summaries.pairs(base[1], rows)) if base else 0, base_names=list(groups) if base else [],
         base_main=_main_table({_name(key): members for key, members in _groups(base[1]).items()}) if base else [],
         base_groups=[_name(key) for key in _groups(base[1])] if base else [], paired=_paired_html(differences),
         figures=[figures.first_pose(groups), figures.distributions(groups)] if rows else [],
@@ -153,7 +156,10 @@ def write_report(out: pathlib.Path, vs: pathlib.Path | None = None, pictures: bo
 
 def _plain_cell(rows: list[dict], measure: summaries.Measure) -> str:
     found = summaries.summary(rows, measure)
-    return "-" if found is None else "{} [{}, {}]".format(*(_text(found[name], measure.layout) for name in ("centre", "low", "high")))
+    if found is None:
+        return "-"
+    text = {name: _text(found[name], measure.layout) for name in ("centre", "low", "high")}
+    return text["centre"] if found["low"] is None else f"{text['centre']} [{text['low']}, {text['high']}]"
 
 
 def plain_table(rows: list[dict]) -> tuple[list[str], list[list[str]]]:

@@ -27,7 +27,7 @@ def _row(entry: dict, point: dict, store: Store) -> dict:
     time = store.time(entry["time"]) if entry["time"] else None
     if time is not None and is_whole(time):
         row |= {f"{COST}{name}": value for name, value in json.loads((time / "time.json").read_text()).items()}
-    return row | {"run_folder": entry["run"], "sequence_folder": entry["sequence"], "result": entry["result"]}
+    return row | {"run_folder": entry["run"], "sequence_folder": entry["sequence"], "result": entry["result"], "sequence_key": entry["sequence_key"]}
 
 
 def rows_so_far(out: pathlib.Path) -> tuple[dict, list[dict]]:

@@ -38,7 +38,9 @@ class Choice:
         return names[min(int(np.searchsorted(np.cumsum(weights) / weights.sum(), u, side="right")), len(names) - 1)]
 
 
-# New dimensions go to the end: a coordinate belongs to its place.
+# Dimensions of one block share a Sobol sequence. New ones go to the end: they make a block of their own, and the draws of
+# today keep their coordinates.
+FIRST_BLOCK = 38
 SPACE = {
     "body": Choice({"cubesat": 0.45, "damaged_cube": 0.25, "upper_stage": 0.3}),
     "detail": Range(1, 1e6),  # seed of the body's detail
@@ -132,8 +134,11 @@ def _dimension(where: str, default, value):
 
 def points(space: dict, draws: int, seed: int) -> list[dict]:
     """The first `draws` points as {dimension: value}."""
-    sequence = qmc.Sobol(len(space), scramble=True, rng=np.random.default_rng(seed))
-    coordinates = sequence.random_base2(max(0, int(np.ceil(np.log2(max(draws, 1))))))[:draws]
+    power = max(0, int(np.ceil(np.log2(max(draws, 1)))))
+    blocks = [qmc.Sobol(FIRST_BLOCK, scramble=True, rng=np.random.default_rng(seed)).random_base2(power)]
+    for extra in range(len(space) - FIRST_BLOCK):
+        blocks.append(qmc.Sobol(1, scramble=True, rng=np.random.default_rng([seed, extra + 1])).random_base2(power))
+    coordinates = np.hstack(blocks)[:draws]
     return [_feasible({name: dimension.at(u) for (name, dimension), u in zip(space.items(), row)}) for row in coordinates]
 
 

@@ -39,7 +39,7 @@ def source_digest(*patterns: str) -> str:
 
 def folder_digest(folder: pathlib.Path) -> str:
     """Of a sequence that is there: names and content of all its files."""
-    files = sorted(file for file in folder.rglob("*") if file.is_file())
+    files = sorted(pathlib.Path(place) / name for place, _, names in os.walk(folder, followlinks=True) for name in names)
     return digest(*[part for file in files for part in (str(file.relative_to(folder)), file_digest(file))])
 
 
@@ -65,13 +65,17 @@ class Store:
     def time(self, key: str) -> pathlib.Path:
         return self.out / "times" / key
 
+    def input(self, key: str, name: str) -> pathlib.Path:
+        """A copy of a file as it was when the campaign read it."""
+        return self.out / "inputs" / key / name
+
     def log(self, kind: str, key: str) -> pathlib.Path:
         return self.out / "logs" / f"{kind}_{key}.log"
 
 
 def is_whole(place: pathlib.Path) -> bool:
-    """A folder that was rendered in place is whole when its list of frames is there; others appear whole."""
-    return (place / "mav0/cam0/data.csv").is_file() if (place / "scene.json").is_file() else place.is_dir()
+    """A folder that is filled in place is whole when its list of frames is there, which is written last; others appear whole."""
+    return (place / "mav0/cam0/data.csv").is_file() if place.parent.name == "scenes" else place.is_dir()
 
 
 @contextlib.contextmanager
@@ -107,3 +111,12 @@ def write_whole(path: pathlib.Path, text: str) -> None:
         os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)
+
+
+def keep_copy(source: pathlib.Path, place: pathlib.Path) -> None:
+    """What is run is what was hashed, whatever becomes of the source meanwhile."""
+    if not place.is_file():
+        place.parent.mkdir(parents=True, exist_ok=True)
+        part = place.with_name(f"{place.name}.part-{uuid.uuid4().hex[:8]}")
+        shutil.copy2(source, part)
+        os.replace(part, place)

@@ -7,18 +7,20 @@ better, so that a run that never acquires counts in every quantile.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import CensoredData, ecdf, wilcoxon
+from scipy.stats import CensoredData, binomtest, ecdf, wilcoxon
 
 RESAMPLES = 2000
 SEED = 1
 INTERVAL = (2.5, 97.5)
+# Fewer scenes have no interval worth a name.
+SCENES_MIN = 5
 # Turns [deg] at which the curve of the first pose is read.
 TURNS_DEG = (5, 10, 20, 45, 90, 180, 360)
 
 
 @dataclass(frozen=True)
 class Measure:
-    """A column of the runs' table and how it is summed up: "mean", "median" (with the 90th percentile) or "sum"."""
+    """A column of the runs' table and how it is summed up: "share" of runs, "mean", "median" (with the 90th percentile) or "sum"."""
 
     title: str
     column: str
@@ -31,7 +33,7 @@ class Measure:
 
 NEVER = float("inf")
 MEASURES = (
-    Measure("target acquired [% of runs]", "acquired", "mean", 1, 100, "{:.0f}"),
+    Measure("target acquired [% of runs]", "acquired", "share", 1, 100, "{:.0f}"),
     Measure("first pose after a turn of [deg]", "first_pose_turn_deg", "median", -1, 1, "{:.1f}", NEVER),
     Measure("first pose at frame", "first_pose_frame", "median", -1, 1, "{:.0f}", NEVER),
     Measure("first pose after [s]", "first_pose_s", "median", -1, 1, "{:.1f}", NEVER),
@@ -90,7 +92,13 @@ def _interval(samples: np.ndarray) -> list[float]:
     return [float(_quantile(samples, percent)) for percent in INTERVAL]
 
 
-CENTRES = {"mean": lambda values, axis=None: values.mean(axis=axis), "median": lambda values, axis=None: _quantile(values, 50, axis),
+def _share_interval(values: np.ndarray, measure: Measure) -> list[float]:
+    """Of a share of runs, by the binomial distribution (Clopper and Pearson): all of them say something of those to come."""
+    found = binomtest(int(np.sum(values > 0)), len(values)).proportion_ci(0.95, method="exact")
+    return [measure.factor * float(found.low), measure.factor * float(found.high)]
+
+
+CENTRES = {"share": lambda values, axis=None: values.mean(axis=axis), "mean": lambda values, axis=None: values.mean(axis=axis), "median": lambda values, axis=None: _quantile(values, 50, axis),
            "sum": lambda values, axis=None: values.sum(axis=axis)}
 
 
@@ -100,7 +108,9 @@ def summary(rows: list[dict], measure: Measure) -> dict | None:
     known = values[~np.isnan(values)]
     if len(known) == 0:
         return None
-    low, high = _interval(CENTRES[measure.how](_resampled(known), axis=1))
+    low, high = _share_interval(known, measure) if measure.how == "share" else _interval(CENTRES[measure.how](_resampled(known), axis=1))
+    if len(known) < SCENES_MIN:
+        low = high = None
     bad_side = (10, 0) if measure.better > 0 else (90, 100)
     return {"count": len(known), "of": len(values), "centre": float(CENTRES[measure.how](known)), "low": low, "high": high,
             "p90": float(_quantile(known, bad_side[0])), "worst": float(_quantile(known, bad_side[1]))}
@@ -128,9 +138,9 @@ def share_by_turn(rows: list[dict], turn_deg: float) -> float | None:
 
 
 def pairs(base: list[dict], new: list[dict]) -> list[tuple[dict, dict]]:
-    """Runs of the same scene, transform and setting in both."""
+    """Runs of the very same sequence in a setting of the same name in both."""
     def place(row):
-        return row["scene"], row["transform"], row["setting"]
+        return row["sequence_key"], row["setting"]
     at = {place(row): row for row in base}
     return [(at[place(row)], row) for row in new if place(row) in at]
 
@@ -146,11 +156,13 @@ def paired(base: list[dict], new: list[dict], measure: Measure) -> dict | None:
     a, b = (np.where(np.isnan(values), lacking, values)[either] for values in (a, b))
     both = np.isfinite(a) & np.isfinite(b)
     difference = b[both] - a[both]
-    gain = np.where(a == b, 0, np.where(b > a, 1, -1)) * (measure.better or 1)
-    result = {"pairs": int(both.sum()), "better": int((gain > 0).sum()), "worse": int((gain < 0).sum()), "mean": None, "low": None,
+    gain = np.where(a == b, 0, np.where(b > a, 1, -1)) * measure.better
+    judged = measure.better != 0  # where neither more nor less is better nobody can say
+    result = {"pairs": int(both.sum()), "better": int((gain > 0).sum()) if judged else None,
+              "worse": int((gain < 0).sum()) if judged else None, "mean": None, "low": None,
               "high": None, "probability": None}
     if len(difference):
-        low, high = _interval(_resampled(difference).mean(axis=1))
+        low, high = _interval(_resampled(difference).mean(axis=1)) if len(difference) >= SCENES_MIN else (None, None)
         result |= {"mean": float(difference.mean()), "low": low, "high": high,
                    "probability": float(wilcoxon(difference).pvalue) if np.any(difference != 0) else 1.0}
     return result

@@ -72,7 +72,11 @@ def run_program(words: list, log: pathlib.Path, timeout_s: float, lock: int) -> 
 
 
 def _render(task: Task, lock: int) -> None:
-    """Renders in place: an interrupted rendering goes on where it stopped."""
+    """Renders in place: an interrupted rendering goes on where it stopped, if it has got as far as saying what it is."""
+    try:
+        json.loads((task.place / "scene.json").read_text())
+    except (OSError, ValueError):
+        shutil.rmtree(task.place, ignore_errors=True)
     words = [REPOSITORY / "hil/render_scene.sh", task.options["file"], task.place, "--threads", 1]
     if task.options["variant"]:
         words += ["--variant", task.options["variant"]]
@@ -119,6 +123,13 @@ def _time(task: Task, lock: int) -> None:
             "peak_resident_mb": summary["memory"]["peak_resident_octets"] / 1e6}))
 
 
+def _same_sources(task: Task) -> None:
+    """A result is named by the code that makes it: code that has changed meanwhile must not make it."""
+    patterns, expected = task.options.get("sources", ((), None))
+    if expected is not None and store.source_digest(*patterns) != expected:
+        raise Failed("the project's own sources have changed since the campaign began: run it again")
+
+
 MAKERS = {"render": _render, "transform": _transform, "replay": _replay, "judge": _judge, "time": _time}
 
 
@@ -148,6 +159,7 @@ def perform(task: Task, *needed: Outcome) -> Outcome:
         task.place.parent.mkdir(parents=True, exist_ok=True)
         with store.locked(task.place) as lock:
             if not store.is_whole(task.place):
+                _same_sources(task)
                 MAKERS[task.kind](task, lock)
     except Exception as problem:  # whatever it is, the others go on
         return Outcome(task, False, _why(problem, task), wall_s=time.monotonic() - start_s, cpu_s=_cpu_s() - start_cpu_s)

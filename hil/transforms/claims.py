@@ -30,8 +30,8 @@ def stamps(footage: Footage, options: dict, seed: int) -> Footage:
     """Time stamps run at another pace and jitter. Poses go with their pictures; rates and velocities stay those of true time."""
     first, rng = footage.shots[0].timestamp_ns, np.random.default_rng([seed, 1])
     jitter_ns = 1e9 * footage.period_s * options["jitter_part"]
-    wrong = [first + options["pace"] * (shot.timestamp_ns - first) + rng.uniform(-0.5, 0.5) * jitter_ns for shot in footage.shots]
-    wrong = [int(round(stamp)) for stamp in wrong]
+    since_ns = [options["pace"] * (shot.timestamp_ns - first) + rng.uniform(-0.5, 0.5) * jitter_ns for shot in footage.shots]
+    wrong = [first, *(first + int(round(since)) for since in since_ns[1:])]
     for i in range(1, len(wrong)):
         wrong[i] = max(wrong[i], wrong[i - 1] + 1)
     shots = [replace(shot, timestamp_ns=stamp) for shot, stamp in zip(footage.shots, wrong)]

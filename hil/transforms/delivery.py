@@ -9,6 +9,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
+from judge.errors import BadInput
 from judge.fault_log import LogEntry
 from transforms.footage import Footage, Shot
 from transforms.camera_faults import tear
@@ -20,7 +21,7 @@ SPARED = 2
 def _chosen(footage: Footage, options: dict, seed: int, spared: int = SPARED) -> list[int]:
     """`fraction` of the frames at random, in runs of `run_frames`."""
     length, count = options.get("run_frames", 1), len(footage.shots)
-    runs = max(1, round(options["fraction"] * count / length))
+    runs = round(options["fraction"] * count / length)
     places = np.arange(spared, max(spared + 1, count - length), length)
     starts = np.random.default_rng([seed, 1]).choice(places, size=min(runs, len(places)), replace=False)
     return sorted({int(start) + i for start in starts for i in range(length) if start + i < count - 1})
@@ -59,6 +60,8 @@ def near_repeated(footage: Footage, options: dict, seed: int) -> Footage:
 def stale(footage: Footage, options: dict, seed: int) -> Footage:
     """An old buffer comes under a new time stamp."""
     age = options["age_frames"]
+    if age + 1 >= len(footage.shots):
+        raise BadInput(f"stale: age_frames = {age}: the sequence has {len(footage.shots)} frames only")
     return _spoiled(footage, _chosen(footage, options, seed, spared=age), "stale",
                     lambda frame, shot, before: (shot.showing(footage.shots[frame - age]), f"the picture of {age} frames before"))
 
@@ -125,7 +128,8 @@ def rate_jump(footage: Footage, options: dict, seed: int) -> Footage:
 
     Backwards with a negative factor. The time between frames stays; the sequence ends where the source has no more.
     """
-    at, factor = max(1, round(options["at_part"] * len(footage.shots))), options["factor"]
+    count, factor = len(footage.shots), options["factor"]
+    at = min(max(1, round(options["at_part"] * count)), count - 1)
     later = footage.shots[at::factor] if factor > 0 else footage.shots[at - 1 :: factor][1:]
     stamps = [shot.timestamp_ns for shot in footage.shots]
     shots = footage.shots[:at] + [

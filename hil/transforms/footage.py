@@ -1,12 +1,11 @@
 """A sequence in hand: its frames in the order of delivery, each with the truth of its time stamp; read, changed, written.
 
-Transforms change the list of shots and what they hold. Pixels are made only while the result is written, so a long
-sequence takes no more memory than a frame or two.
+Transforms change the list of shots and what they hold. Most pixels are made only while the result is written; those of
+frames spoiled by chance are held until then.
 """
 
 import csv
 import json
-import os
 import pathlib
 import shutil
 from collections.abc import Callable
@@ -101,14 +100,11 @@ def read_footage(folder: pathlib.Path) -> Footage:
 
 
 def _write_picture(shot: Shot, data: pathlib.Path) -> str:
-    """A picture that nothing changed is the same file; a changed one is a PNG."""
+    """A picture that nothing changed has the same octets; a changed one is a PNG."""
     import cv2
     if shot.file is not None:
         name = f"{shot.timestamp_ns}{shot.file.suffix}"
-        try:
-            os.link(shot.file.resolve(), data / name)
-        except OSError:  # another file system, or one without links
-            shutil.copy(shot.file, data / name)
+        shutil.copy(shot.file, data / name)  # no link: the source may be changed in its place
         return name
     name = f"{shot.timestamp_ns}.png"
     done, octets = cv2.imencode(".png", shot.pixels(), [cv2.IMWRITE_PNG_COMPRESSION, 3])

@@ -68,6 +68,17 @@ KINDS: dict[str, Kind] = {
 }
 
 
+# They give frames other times, or other frames the times: what was logged before would name none of them.
+RESTAMPING = {"shuffled", "rate_jump", "stamps"}
+
+
+def check_order(where: str, kinds: list[str]) -> None:
+    """Transforms that restamp come first."""
+    for number, kind in enumerate(kinds):
+        if kind in RESTAMPING and number > 0:
+            raise BadInput(f"{where}: {kind} gives frames other times: it must be the first step, and the only one of {', '.join(sorted(RESTAMPING))}")
+
+
 def options_of(where: str, kind: str, given: dict) -> dict:
     """All options of a kind with those that are given; BadInput names what is wrong and what is allowed."""
     if kind not in KINDS:
@@ -87,6 +98,7 @@ def options_of(where: str, kind: str, given: dict) -> dict:
 
 def transform(source: pathlib.Path, out: pathlib.Path, steps: list[dict], seed: int) -> int:
     """Applies steps {kind, options...} in order; OUT is a new folder. @return lines in its log."""
+    check_order("steps", [step["kind"] for step in steps])
     footage = read_footage(source)
     for number, step in enumerate(steps):
         given = {name: value for name, value in step.items() if name != "kind"}

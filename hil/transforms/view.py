@@ -11,6 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from judge.align import rotations
+from judge.errors import BadInput
 from judge.sequence import Camera
 from judge.fault_log import LogEntry
 from transforms.footage import Footage, Shot
@@ -104,8 +105,10 @@ def _read_by_rows(footage, points_T, shot, later, readout_part, gray):
 def rolling_shutter(footage: Footage, options: dict, seed: int) -> Footage:
     """Rows are exposed one after the other; reading all takes `readout_part` of the time between frames."""
     import trimesh
+    if footage.model is None or len(footage.shots) < 2 or not all(np.isfinite(shot.q_CT).all() for shot in footage.shots):
+        raise BadInput("rolling_shutter: needs model.ply and the truth of every frame, of two frames or more")
     mesh = trimesh.load(footage.model, process=False)
-    points_T = np.asarray(trimesh.sample.sample_surface(mesh, MESH_SAMPLES, seed=seed)[0])
+    points_T = np.asarray(trimesh.sample.sample_surface(mesh, MESH_SAMPLES, seed=seed)[0]) * (MIRROR if footage.mirror else 1.0)
     readout, shots = options["readout_part"], []
     following = [*footage.shots[1:], None]
     for shot, later in zip(footage.shots, following):
@@ -134,10 +137,14 @@ def _mirrored_scene(scene: dict) -> dict:
     if "bounding_box_T_m" in scene:
         low, high = np.array(scene["bounding_box_T_m"])
         scene["bounding_box_T_m"] = [[-high[0], *low[1:].tolist()], [-low[0], *high[1:].tolist()]]
-    motion = scene.get("scene", {}).get("motion")
-    if motion and np.ndim(motion.get("inertia_kg_m2")) == 2:
+    motion = dict(scene.get("scene", {}).get("motion") or {})
+    if np.ndim(motion.get("inertia_kg_m2")) == 2:
         flip = np.diag(MIRROR)
-        scene["scene"] = scene["scene"] | {"motion": motion | {"inertia_kg_m2": (flip @ np.array(motion["inertia_kg_m2"]) @ flip).tolist()}}
+        motion["inertia_kg_m2"] = (flip @ np.array(motion["inertia_kg_m2"]) @ flip).tolist()
+    if "centre_of_mass_G_m" in motion:
+        motion["centre_of_mass_G_m"] = (MIRROR * motion["centre_of_mass_G_m"]).tolist()
+    if motion:
+        scene["scene"] = scene["scene"] | {"motion": motion}
     return scene
 
 

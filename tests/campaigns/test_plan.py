@@ -72,6 +72,10 @@ def test_sequences_and_scene_files_are_taken_as_they_are(tmp_path):
     ("untransformed = false\n" + SCENES, "untransformed is false: there is nothing to run"),
     (SCENES + "[judge]\nshape = 1\n", "judge.shape: found 1, allowed is true or false"),
     ('sequences = ["hil/scenes"]\n', "holds no mav0/cam0/data.csv"),
+    (SCENES + '[sweep]\n"seed" = [2020-01-01]\n', "sweep.seed: values are numbers, texts"),
+    (SCENES + '[[configurations]]\nname = "x"\nfile = "config"\n', "Is a directory"),
+    ('[[scene_files]]\nfile = "README.md"\n', "not TOML"),
+    (SCENES + '[[transforms]]\nname = "x"\nsteps = [{kind = "torn"}, {kind = "stamps"}]\n', "it must be the first step"),
     ("sequences = 3\n", "allowed is a list"),
     ("this is no plan", "not TOML"),
 ])

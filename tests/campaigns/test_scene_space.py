@@ -36,6 +36,12 @@ def test_twenty_draws_cover_every_range(seed):
             assert all(values.count(choice) >= int(16 * share) - 1 for choice, share in shares.items()), name
 
 
+def test_a_new_dimension_leaves_the_draws_as_they_are():
+    more = dict(SPACE) | {"new": Range(0, 1)}
+    for point, before in zip(points(more, 24, 36), points(dict(SPACE), 24, 36)):
+        assert {name: point[name] for name in SPACE} == before and 0 <= point["new"] <= 1
+
+
 @pytest.mark.parametrize("seed", SEEDS)
 def test_more_draws_begin_with_the_same_ones(seed):
     many = points(dict(SPACE), 50, seed)

@@ -5,6 +5,7 @@ import pytest
 from campaigns import summaries
 from campaigns.summaries import NEVER, Measure
 
+SHARE = Measure("acquired", "acquired", "share", 1, 100)
 COVERAGE = Measure("coverage", "coverage", "mean", 1, 100, never=0.0)
 TURN = Measure("first pose", "first_pose_turn_deg", "median", -1, never=NEVER)
 ERROR = Measure("error", "error", "median")
@@ -12,7 +13,7 @@ ERROR = Measure("error", "error", "median")
 
 def runs(**columns):
     count = len(next(iter(columns.values())))
-    return [{"scene": f"s{i}", "transform": "plain", "setting": "default", **{name: values[i] for name, values in columns.items()}}
+    return [{"scene": f"s{i}", "transform": "plain", "setting": "default", "sequence_key": f"s{i}", **{name: values[i] for name, values in columns.items()}}
             for i in range(count)]
 
 
@@ -40,6 +41,22 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
     assert 0.87 <= inside / 300 <= 0.99
 
 
+def test_all_of_a_few_runs_is_not_all_of_those_to_come():
+    found = summaries.summary(runs(acquired=[True] * 24), SHARE)
+    # Clopper and Pearson: 0.025^(1/24).
+    assert found["centre"] == 100.0 and found["high"] == 100.0 and found["low"] == pytest.approx(100 * 0.025 ** (1 / 24))
+
+
+def test_a_few_scenes_have_no_interval():
+    found = summaries.summary(runs(error=[1.0, 2.0]), ERROR)
+    assert found["centre"] == 1.0 and found["low"] is None and found["high"] is None
+
+
+def test_where_neither_side_is_better_none_is_called_better():
+    found = summaries.paired(runs(nees=[1.0] * 6), runs(nees=[50.0] * 6), Measure("nees", "nees", "median", 0))
+    assert found["better"] is None and found["worse"] is None and found["mean"] == pytest.approx(49.0)
+
+
 def test_the_curve_of_the_first_pose_is_that_of_kaplan_and_meier():
     rows = runs(acquired=[True, True, False, True, False], first_pose_turn_deg=[10.0, 20.0, None, 40.0, None],
                 turn_total_deg=[100.0, 100.0, 30.0, 100.0, 100.0])
@@ -52,9 +69,9 @@ def test_the_curve_of_the_first_pose_is_that_of_kaplan_and_meier():
     assert summaries.share_by_turn(nobody, 45) == 0.0
 
 
-def test_pairs_are_runs_of_the_same_scene_transform_and_setting():
+def test_pairs_are_runs_of_the_very_same_sequence_and_setting():
     base, new = runs(error=[1.0, 2.0, 3.0]), runs(error=[1.5, 2.5, 3.5])
-    new[1]["scene"] = "elsewhere"
+    new[1]["sequence_key"] = "of another seed"
     assert [(a["error"], b["error"]) for a, b in summaries.pairs(base, new)] == [(1.0, 1.5), (3.0, 3.5)]
 
 
@@ -84,4 +101,4 @@ def test_the_worst_run_is_the_confidently_wrong_one():
 
 def test_every_measure_has_a_title_of_its_own():
     titles = [measure.title for measure in summaries.MEASURES]
-    assert len(set(titles)) == len(titles) and {measure.how for measure in summaries.MEASURES} == {"mean", "median", "sum"}
+    assert len(set(titles)) == len(titles) and {measure.how for measure in summaries.MEASURES} == {"share", "mean", "median", "sum"}

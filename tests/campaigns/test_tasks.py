@@ -141,3 +141,31 @@ def test_a_file_is_whole_or_as_it_was(tmp_path, monkeypatch):
     with pytest.raises(OSError):
         store.write_whole(path, "new")
     assert path.read_text() == "old" and list(tmp_path.iterdir()) == [path]
+
+
+def test_a_rendering_that_was_hardly_begun_begins_anew(tmp_path, monkeypatch):
+    place = tmp_path / "scenes" / "key"
+    one = Task("render", "key", "scene", place, tmp_path / "log", {"file": "scene.toml", "variant": ""})
+    found = []
+
+    def render(words, log, timeout_s, lock):
+        found.append(sorted(path.name for path in place.iterdir()) if place.is_dir() else None)
+        (place / "mav0/cam0").mkdir(parents=True, exist_ok=True)
+        (place / "mav0/cam0/data.csv").write_text("")
+
+    monkeypatch.setattr(tasks, "run_program", render)
+    place.mkdir(parents=True)
+    (place / "truth.csv").write_text("left by one that was killed")
+    assert not store.is_whole(place) and tasks.perform(one).ok and found == [None]
+    (place / "mav0/cam0/data.csv").unlink()
+    (place / "scene.json").write_text('{"fing')  # a full disk
+    assert tasks.perform(one).ok and found == [None, None]
+    (place / "mav0/cam0/data.csv").unlink()
+    (place / "scene.json").write_text("{}")
+    assert tasks.perform(one).ok and found[-1] == ["mav0", "scene.json"], "one that says what it is goes on"
+
+
+def test_code_that_has_changed_meanwhile_makes_nothing(tmp_path):
+    one = Task("judge", "key", "run", tmp_path / "results/key", tmp_path / "log", {"sources": (("README.md",), "another digest")})
+    outcome = tasks.perform(one)
+    assert not outcome.ok and "sources have changed" in outcome.why and not one.place.exists()

@@ -211,10 +211,39 @@ def test_steps_are_done_one_after_the_other(source, tmp_path):
     assert len(sequence.timestamp_ns) == dotted.FRAMES - 4 and {one.kind for one in log} == {"mirrored", "missing"}
 
 
-def test_a_picture_that_nothing_changes_is_the_same_file(source, tmp_path):
+def test_a_picture_that_nothing_changes_is_a_copy(source, tmp_path):
     folder = made(source, tmp_path, "missing")
     for ours in (folder / "mav0/cam0/data").iterdir():
-        assert ours.samefile(source / "mav0/cam0/data" / ours.name)
+        theirs = source / "mav0/cam0/data" / ours.name
+        assert ours.read_bytes() == theirs.read_bytes() and not ours.samefile(theirs)
+
+
+def test_a_shutter_after_a_mirror_moves_by_the_mirrored_mesh(source, tmp_path):
+    """Mirrored first or last, columns apart it is the same picture."""
+    shutter = {"kind": "rolling_shutter", "readout_part": 0.5}
+    transform(source, tmp_path / "first", [{"kind": "mirrored"}, shutter], seed=2)
+    transform(source, tmp_path / "last", [shutter, {"kind": "mirrored"}], seed=1)
+    for index in (8, 20):
+        first, last = (read_sequence(tmp_path / name).read_gray(index).astype(int) for name in ("first", "last"))
+        assert np.abs(first - last).max() <= 12, "samples of the mesh are not the same"
+
+
+def test_what_restamps_comes_first(source, tmp_path):
+    with pytest.raises(BadInput, match="stamps gives frames other times: it must be the first step"):
+        transform(source, tmp_path / "out", [{"kind": "faults"}, {"kind": "stamps"}], seed=1)
+    transform(source, tmp_path / "out", [{"kind": "stamps"}, {"kind": "torn"}], seed=1)
+    delivered = {int(stamp) for stamp in read_sequence(tmp_path / "out").timestamp_ns}
+    assert {one.timestamp_ns for one in read_log(tmp_path / "out" / LOG_FILE)} <= delivered
+
+
+def test_the_ends_of_ranges_are_taken_or_refused_in_words(source, tmp_path):
+    assert not read_log(made(source, tmp_path, "missing", fraction=0.0) / LOG_FILE)
+    _, truth, _ = motion_of(made(source, tmp_path, "rate_jump", at_part=1.0))
+    assert len(truth.timestamp_ns) == dotted.FRAMES
+    with pytest.raises(BadInput, match="the sequence has 40 frames only"):
+        made(source, tmp_path, "stale", age_frames=200)
+    sequence, _, _ = motion_of(made(source, tmp_path, "stamps", pace=1.0, jitter_part=0.5))
+    assert int(sequence.timestamp_ns[0]) == dotted.START_NS
 
 
 @pytest.mark.parametrize(("kind", "given", "says"), [
