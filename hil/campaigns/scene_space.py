@@ -40,7 +40,7 @@ class Choice:
 
 # Dimensions of one block share a Sobol sequence. New ones go to the end: they make a block of their own, and the draws of
 # today keep their coordinates.
-FIRST_BLOCK = 38
+FIRST_BLOCK = 41
 SPACE = {
     "body": Choice({"cubesat": 0.45, "damaged_cube": 0.25, "upper_stage": 0.3}),
     "detail": Range(1, 1e6),  # seed of the body's detail
