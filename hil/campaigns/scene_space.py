@@ -151,7 +151,7 @@ def _direction(angle_deg: float, clock_deg: float) -> np.ndarray:
 def _uniform_attitude(u1: float, u2: float, u3: float) -> list[float]:
     """Shoemake's map of a cube onto unit quaternions w, x, y, z (Graphics Gems III, 1992)."""
     a, b = 2 * np.pi * u2, 2 * np.pi * u3
-    return [float(x) for x in (np.sqrt(u1) * np.cos(b), np.sqrt(1 - u1) * np.sin(a), np.sqrt(1 - u1) * np.cos(a), np.sqrt(u1) * np.sin(b))]
+    return _listed((np.sqrt(u1) * np.cos(b), np.sqrt(1 - u1) * np.sin(a), np.sqrt(1 - u1) * np.cos(a), np.sqrt(u1) * np.sin(b)))
 
 
 def _inertia(p: dict) -> tuple[np.ndarray, np.ndarray]:
@@ -198,6 +198,7 @@ def _light(p: dict) -> dict:
 
 
 def _listed(values, digits: int = 9) -> list[float]:
+    """Rounded: the last digits of sines and logarithms differ between processors, and scenes must not."""
     return [round(float(x), digits) for x in values]
 
 
