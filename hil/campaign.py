@@ -70,7 +70,7 @@ def run_campaign(options: argparse.Namespace) -> int:
     from campaigns import cluster, execution
     from campaigns.book import open_book, read_book
     from campaigns.plan import read_plan
-    from campaigns.report import printed, write_report
+    from campaigns.report import write_report
     from campaigns.store import Store
     from judge.replay import cache_folder
     plan = read_plan(options.plan)
@@ -91,8 +91,8 @@ def run_campaign(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         print("campaign: interrupted; what was finished is kept: run the same command again", file=sys.stderr)
         return INTERRUPTED
-    page = write_report(out, options.vs)
-    print(printed(out))
+    page, figures = write_report(out, options.vs)
+    print(figures)
     failed = [one for one in outcomes if not one.ok]
     waiting = sum(one.not_tried for one in failed)
     for one in failed:
@@ -114,9 +114,9 @@ def main() -> int:
     try:
         if options.report is None:
             return run_campaign(options)
-        from campaigns.report import printed, write_report
-        page = write_report(options.report.resolve(), options.vs)
-        print(f"{printed(options.report)}\nreport: {page}")
+        from campaigns.report import write_report
+        page, figures = write_report(options.report.resolve(), options.vs)
+        print(f"{figures}\nreport: {page}")
         return 0
     except OSError as problem:  # a full disk, a folder that can't be written
         print(f"campaign: {problem.filename or options.out or options.report}: {problem.strerror or problem}", file=sys.stderr)

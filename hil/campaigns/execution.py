@@ -14,7 +14,7 @@ from distributed.scheduler import KilledWorker
 
 from campaigns.book import Chain
 from campaigns.store import is_whole, write_whole
-from campaigns.tasks import KINDS, Outcome, Task, perform
+from campaigns.tasks import KINDS, Outcome, perform
 
 LINE_EVERY_S = 20.0  # without a terminal
 FAILURES_FILE = "failures.json"
@@ -74,17 +74,8 @@ class Progress:
         print(("\r\033[K" if terminal else "") + self.text(), end="" if terminal and not last else "\n", file=sys.stderr, flush=True)
 
 
-def tasks_to_do(chains: list[Chain]) -> dict[str, Task]:
-    """The tasks that are missing, each once, in the order of the book."""
-    found = {}
-    for chain in chains:
-        for task in chain.missing:
-            found.setdefault(f"{task.kind}-{task.key}", task)
-    return found
-
-
 def _submit(client: Client, chains: list[Chain]) -> dict:
-    """{future's key: its task} with a future for each missing task, each waiting for the one before it in its chain.
+    """{future: its task} with a future for each missing task, each waiting for the one before it in its chain.
 
     Keys are of this call alone: another campaign on the same scheduler may want the same thing elsewhere.
     """
@@ -152,17 +143,16 @@ def _wait_for_a_worker(client: Client) -> None:
 
 def execute(client: Client, chains: list[Chain], out: pathlib.Path, time_alone: bool, on_outcome=lambda outcome: None) -> list[Outcome]:
     """Does all that is missing. @return what was done, failures among it; also written to failures.json."""
-    todo = tasks_to_do(chains)
     _wait_for_a_worker(client)
     count = len(client.scheduler_info()["workers"])
-    wanted = collections.Counter(task.kind for task in todo.values())
+    futures = _submit(client, chains)
+    wanted = collections.Counter(task.kind for task in futures.values())
     if time_alone:
         wanted["time"] = len(_to_time(chains))
     progress = Progress({kind: wanted[kind] for kind in KINDS if wanted[kind]}, count)
-    outcomes = _gathered(_submit(client, chains), progress, on_outcome) if todo else []
-    together_s = time.monotonic() - progress.start_s
-    if todo:
-        _note_session(out, count, together_s, outcomes)
+    outcomes = _gathered(futures, progress, on_outcome)
+    if futures:
+        _note_session(out, count, time.monotonic() - progress.start_s, outcomes)
     if time_alone:
         outcomes += _time_alone(client, chains, progress)
     progress.tell(last=True)

@@ -7,19 +7,14 @@ import sys
 
 import numpy as np
 
-from campaigns.summaries import Measure, first_pose_curve, values_of
+from campaigns.summaries import MEASURES, first_pose_curve, values_of
 from judge.venv import REPOSITORY
 
 sys.path.insert(0, str(REPOSITORY / "tools"))
 from plots import counts, errors, motion, sheet, style  # noqa: E402
 from plots.style import plt  # noqa: E402
 
-DISTRIBUTIONS = (
-    Measure("attitude RMS, causal [deg]", "causal_attitude_rms_deg", "median"),
-    Measure("attitude RMS, smoothed [deg]", "smoothed_attitude_rms_deg", "median"),
-    Measure("frames with a pose [%]", "coverage", "mean", 1, 100),
-    Measure("longest silence [deg of turn]", "silence_turn_deg", "median"),
-)
+DISTRIBUTIONS = ("causal_attitude_rms_deg", "smoothed_attitude_rms_deg", "coverage", "silence_turn_deg")  # columns
 
 
 def embedded(figure) -> str:
@@ -52,7 +47,7 @@ def first_pose(groups: dict[str, list[dict]]) -> str:
 def distributions(groups: dict[str, list[dict]]) -> str:
     """Share of runs up to a value, for the figures that matter most."""
     figure, axes = plt.subplots(2, 2, figsize=(11, 6.6))
-    for axis, measure in zip(axes.ravel(), DISTRIBUTIONS):
+    for axis, measure in zip(axes.ravel(), (one for column in DISTRIBUTIONS for one in MEASURES if one.column == column)):
         for number, (name, rows) in enumerate(groups.items()):
             values = np.sort(values_of(rows, measure))
             values = values[np.isfinite(values)]
@@ -82,4 +77,5 @@ def of_run(row: dict, folder: pathlib.Path) -> list[pathlib.Path]:
     run, sequence = read_run(run_folder), read_sequence(sequence_folder)
     truth = read_truth(sequence)
     style.prepare(folder)
-    return [*sheet.draw(run, sequence, folder), *errors.draw(run, truth, folder), *motion.draw(run, truth, folder), *counts.draw(run, folder)]
+    return sorted([*sheet.draw(run, sequence, folder), *errors.draw(run, truth, folder), *motion.draw(run, truth, folder),
+                   *counts.draw(run, folder)])

@@ -31,15 +31,20 @@ def _name(group: tuple[str, str]) -> str:
     return setting if transform == "plain" else f"{transform}, {setting}"
 
 
-def summary_table(rows: list[dict]) -> list[dict]:
+# {(transform, setting): {a measure's title: its summary, None where no run has a value}}
+Summaries = dict[tuple[str, str], dict[str, dict | None]]
+
+
+def summarised(rows: list[dict]) -> Summaries:
+    """Every measure of every group, from which all tables are made: the bootstrap is what takes the time."""
+    return {group: {measure.title: summaries.summary(members, measure) for measure in summaries.MEASURES}
+            for group, members in _groups(rows).items()}
+
+
+def summary_table(found: Summaries) -> list[dict]:
     """One row for each group and measure that has a value."""
-    table = []
-    for (transform, setting), members in _groups(rows).items():
-        for measure in summaries.MEASURES:
-            found = summaries.summary(members, measure)
-            if found is not None:
-                table.append({"transform": transform, "setting": setting, "measure": measure.title, **found})
-    return table
+    return [{"transform": transform, "setting": setting, "measure": title, **summary}
+            for (transform, setting), by_title in found.items() for title, summary in by_title.items() if summary is not None]
 
 
 def paired_table(base: list[dict], new: list[dict]) -> list[dict]:
@@ -61,8 +66,7 @@ def _text(value, layout: str = "{:.3g}") -> str:
     return "never" if value == summaries.NEVER else layout.format(value)
 
 
-def _cell(rows: list[dict], measure: summaries.Measure) -> str:
-    found = summaries.summary(rows, measure)
+def _cell(found: dict | None, measure: summaries.Measure) -> str:
     if found is None:
         return "-"
     text = {name: _text(found[name], measure.layout) for name in ("centre", "low", "high", "p90", "worst")}
@@ -72,8 +76,9 @@ def _cell(rows: list[dict], measure: summaries.Measure) -> str:
     return cell + (f"<br><small>of {found['count']}</small>" if found["count"] < found["of"] else "")
 
 
-def _main_table(groups: dict) -> list[list[str]]:
-    rows = [[measure.title, *(_cell(members, measure) for members in groups.values())] for measure in summaries.MEASURES]
+def _table(found: Summaries, cell_of) -> list[list[str]]:
+    """A row for each measure that some group has, by cell_of(summary, measure)."""
+    rows = [[measure.title, *(cell_of(by_title[measure.title], measure) for by_title in found.values())] for measure in summaries.MEASURES]
     return [row for row in rows if any(cell != "-" for cell in row[1:])]
 
 
@@ -123,8 +128,11 @@ def _write_csv(path: pathlib.Path, columns, table: list[dict]) -> None:
         writer.writerows(table)
 
 
-def write_report(out: pathlib.Path, vs: pathlib.Path | None = None, pictures: bool = True) -> pathlib.Path:
-    """Writes OUT/report from what is done so far. @param vs  another campaign's folder, the base of paired differences."""
+def write_report(out: pathlib.Path, vs: pathlib.Path | None = None, pictures: bool = True) -> tuple[pathlib.Path, str]:
+    """Writes OUT/report from what is done so far. @param vs  another campaign's folder, the base of paired differences.
+
+    @return the page, and its figures as text for the terminal.
+    """
     book, rows = results.rows_so_far(out)
     base = results.rows_so_far(vs) if vs is not None else None
     if base is not None and not summaries.pairs(base[1], rows):
@@ -132,52 +140,48 @@ def write_report(out: pathlib.Path, vs: pathlib.Path | None = None, pictures: bo
     folder = out / FOLDER
     results.write_tables(out, folder, rows)
     groups = {_name(key): members for key, members in _groups(rows).items()}
+    found, base_found = summarised(rows), summarised(base[1]) if base else {}
     differences = paired_table(base[1], rows) if base else []
-    _write_csv(folder / "summary.csv", SUMMARY_COLUMNS, summary_table(rows))
+    _write_csv(folder / "summary.csv", SUMMARY_COLUMNS, summary_table(found))
     (folder / "paired.csv").unlink(missing_ok=True)
     if base:
         _write_csv(folder / "paired.csv", PAIRED_COLUMNS, differences)
     if rows:
-        write_whole(folder / "summary.md", markdown(rows))
+        write_whole(folder / "summary.md", markdown(found, rows))
     failures = out / FAILURES_FILE
     page = jinja2.Environment(loader=jinja2.FileSystemLoader(pathlib.Path(__file__).parent), trim_blocks=True, lstrip_blocks=True,
                               autoescape=True, undefined=jinja2.StrictUndefined).get_template(TEMPLATE).render(
-        book=book, done=len(rows), names=list(groups), main=_main_table(groups), turns=_turn_table(groups) if rows else [],
+        book=book, done=len(rows), names=list(groups), main=_table(found, _cell), turns=_turn_table(groups) if rows else [],
         base=base[0] if base else None, other_judge=bool(base) and base[0].get("judge_key") != book.get("judge_key"),
-        unpaired=len(rows) - len(summaries.pairs(base[1], rows)) if base else 0, base_names=list(groups) if base else [],
-        base_main=_main_table({_name(key): members for key, members in _groups(base[1]).items()}) if base else [],
-        base_groups=[_name(key) for key in _groups(base[1])] if base else [], paired=_paired_html(differences),
+        unpaired=len(rows) - len(summaries.pairs(base[1], rows)) if base else 0,
+        base_main=_table(base_found, _cell), base_groups=[_name(key) for key in base_found], paired=_paired_html(differences),
         figures=[figures.first_pose(groups), figures.distributions(groups)] if rows else [],
         worst=_worst(out, rows) if pictures else [], sessions=_sessions(out), base_sessions=_sessions(vs) if vs else [],
         failures=json.loads(failures.read_text()) if failures.exists() else [], rows=rows, text=_text)
     write_whole(folder / "index.html", page)
-    return folder / "index.html"
+    return folder / "index.html", printed(found)
 
 
-def _plain_cell(rows: list[dict], measure: summaries.Measure) -> str:
-    found = summaries.summary(rows, measure)
+def _plain_cell(found: dict | None, measure: summaries.Measure) -> str:
     if found is None:
         return "-"
     text = {name: _text(found[name], measure.layout) for name in ("centre", "low", "high")}
     return text["centre"] if found["low"] is None else f"{text['centre']} [{text['low']}, {text['high']}]"
 
 
-def plain_table(rows: list[dict]) -> tuple[list[str], list[list[str]]]:
-    """(header, rows) of the figures that some group has, as text."""
-    groups = _groups(rows)
-    lines = [[measure.title, *(_plain_cell(members, measure) for members in groups.values())] for measure in summaries.MEASURES]
-    return ["", *(_name(key) for key in groups)], [line for line in lines if any(cell != "-" for cell in line[1:])]
+def _header(found: Summaries) -> list[str]:
+    return ["", *(_name(group) for group in found)]
 
 
-def printed(out: pathlib.Path) -> str:
+def printed(found: Summaries) -> str:
     """The figures for the terminal."""
     from judge.report import table
-    header, lines = plain_table(results.rows_so_far(out)[1])
-    return table(header, lines) if lines else "no run is judged yet"
+    lines = _table(found, _plain_cell)
+    return table(_header(found), lines) if lines else "no run is judged yet"
 
 
-def markdown(rows: list[dict]) -> str:
+def markdown(found: Summaries, rows: list[dict]) -> str:
     """The figures and the curve of the first pose as Markdown tables, for a document."""
-    header, lines = plain_table(rows)
+    header, lines = _header(found), _table(found, _plain_cell)
     turns = [[f"first pose within {row[0]} of turn", *row[1:]] for row in _turn_table({_name(key): members for key, members in _groups(rows).items()})]
     return "\n".join(f"| {' | '.join(line)} |" for line in [header, ["---"] * len(header), *lines, *turns]) + "\n"

@@ -24,7 +24,6 @@ from judge.venv import REPOSITORY
 RENDER_TIMEOUT_S = 24 * 3600.0
 # A worker that is killed takes what it started with it. A parent's death is told to its own children only, so each is told.
 TOGETHER = ("setpriv", "--pdeathsig", "KILL", "--")
-KINDS = ("render", "transform", "replay", "judge", "time")
 
 
 @dataclass(frozen=True)
@@ -131,6 +130,7 @@ def _same_sources(task: Task) -> None:
 
 
 MAKERS = {"render": _render, "transform": _transform, "replay": _replay, "judge": _judge, "time": _time}
+KINDS = tuple(MAKERS)  # in the order in which they follow each other
 
 
 def _cpu_s() -> float:

@@ -69,7 +69,7 @@ class Sequence:
             raise BadInput(f"{self.frame_path(index)}: {problem}") from None
 
 
-def _yaml_values(path: pathlib.Path) -> dict[str, str]:
+def yaml_values(path: pathlib.Path) -> dict[str, str]:
     """Top-level `key: value` lines; sensor.yaml needs no more of YAML than this."""
     try:
         lines = path.read_text().splitlines()
@@ -98,7 +98,7 @@ def _floats(path: pathlib.Path, values: dict[str, str], key: str, count: int) ->
 
 def read_camera(path: pathlib.Path) -> Camera:
     """Camera of a sensor.yaml: pinhole, radial-tangential."""
-    values = _yaml_values(path)
+    values = yaml_values(path)
     for key, allowed in (("camera_model", "pinhole"), ("distortion_model", "radial-tangential")):
         if values.get(key, allowed).strip("\"'") != allowed:
             raise BadInput(f"{path}: {key} is '{values[key]}', only '{allowed}' is known")

@@ -11,7 +11,7 @@ import numpy as np
 
 from judge.errors import BadInput
 from judge.fault_log import LogEntry
-from transforms.footage import Footage, Shot
+from transforms.footage import Footage, Shot, noisy
 from transforms.camera_faults import tear
 
 # The first frames stay as they are, so that there is something to repeat.
@@ -44,16 +44,12 @@ def repeated(footage: Footage, options: dict, seed: int) -> Footage:
                     lambda frame, shot, before: (shot.showing(before[-1]), "the picture before"))
 
 
-def _noisy(gray: np.ndarray, sigma_gray: float, rng) -> np.ndarray:
-    return np.clip(np.rint(gray + rng.normal(0.0, sigma_gray, gray.shape)), 0, 255).astype(np.uint8)
-
-
 def near_repeated(footage: Footage, options: dict, seed: int) -> Footage:
     """The picture delivered before comes again, encoded anew: no octet need be the same."""
     def change(frame, shot, before):
         rng = [seed, 2, frame]
         return shot.showing(before[-1]).redrawn(
-            lambda gray: _noisy(gray, options["sigma_gray"], np.random.default_rng(rng))), "the picture before, with noise"
+            lambda gray: noisy(gray, options["sigma_gray"], np.random.default_rng(rng))), "the picture before, with noise"
     return _spoiled(footage, _chosen(footage, options, seed), "near_repeated", change)
 
 
@@ -85,7 +81,7 @@ def _foreign_picture(shape, rng) -> np.ndarray:
             cv2.circle(picture, centre, size, gray, -1, cv2.LINE_AA)
         else:
             cv2.rectangle(picture, centre, (centre[0] + size, centre[1] + size // 2 + 1), gray, -1)
-    return _noisy(picture, 2.0, rng)
+    return noisy(picture, 2.0, rng)
 
 
 def foreign(footage: Footage, options: dict, seed: int) -> Footage:

@@ -15,7 +15,7 @@ import numpy as np
 
 from judge.errors import BadInput
 from judge.fault_log import LOG_FILE, LogEntry, write_log
-from judge.sequence import Camera, read_json, read_sequence
+from judge.sequence import Camera, read_json, read_sequence, yaml_values
 from judge.tables import POSITION, QUATERNION, RATE, VELOCITY, read_cells, read_motion, timestamps
 
 TRUTH_COLUMNS = ("timestamp_ns", *POSITION, *QUATERNION, *VELOCITY, *RATE)
@@ -63,8 +63,18 @@ class Footage:
         stamps = [shot.timestamp_ns for shot in self.shots]
         return float(np.median(np.diff(stamps))) * 1e-9 if len(stamps) > 1 else 1.0 / self.rate_hz
 
+    def ramps(self, options: dict) -> np.ndarray:
+        """[N] 1 in the frames from `from_part` to `to_part` of the footage, 0 outside, with ramps of `ramp_part` beside them."""
+        part, ramp = np.arange(len(self.shots)) / max(len(self.shots) - 1, 1), options["ramp_part"]
+        return np.clip(np.minimum((part - options["from_part"] + ramp) / ramp, (options["to_part"] + ramp - part) / ramp), 0, 1)
+
     def changed(self, shots: list[Shot], log=(), **fields) -> "Footage":
         return replace(self, shots=shots, log=[*self.log, *log], **fields)
+
+
+def noisy(gray: np.ndarray, sigma_gray: float, rng) -> np.ndarray:
+    """Normal noise of every pixel, independent."""
+    return np.clip(np.rint(gray + rng.normal(0.0, sigma_gray, gray.shape)), 0, 255).astype(np.uint8)
 
 
 def _attitudes(path: pathlib.Path) -> dict[int, np.ndarray]:
@@ -74,13 +84,6 @@ def _attitudes(path: pathlib.Path) -> dict[int, np.ndarray]:
     _, rows = read_cells(path)
     return {int(stamp): np.array(row[1:5], dtype=float)
             for stamp, row in zip(timestamps(path, [row[0] for row in rows]), rows)}
-
-
-def _rate_hz(sensor_yaml: pathlib.Path) -> float:
-    for line in sensor_yaml.read_text().splitlines():
-        if line.startswith("rate_hz:"):
-            return float(line.split(":", 1)[1].split("#")[0])
-    return 1.0
 
 
 def read_footage(folder: pathlib.Path) -> Footage:
@@ -95,7 +98,7 @@ def read_footage(folder: pathlib.Path) -> Footage:
         row = row_at.get(stamp)
         known = unknown if row is None else [values[row] for values in (truth.q_CT, truth.p_CT, truth.v_C, truth.w_T)]
         shots.append(Shot(stamp, lambda i=index: sequence.read_gray(i), sequence.frame_path(index), *known, attitude.get(stamp)))
-    return Footage(sequence.camera, _rate_hz(folder / "mav0/cam0/sensor.yaml"), shots,
+    return Footage(sequence.camera, float(yaml_values(folder / "mav0/cam0/sensor.yaml").get("rate_hz", 1.0)), shots,
                    sequence.model_path if sequence.model_path.exists() else None, read_json(folder / "scene.json"))
 
 

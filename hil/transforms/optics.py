@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from judge.fault_log import LogEntry
-from transforms.footage import Footage
+from transforms.footage import Footage, noisy
 
 GAMMA = 2.2
 
@@ -36,8 +36,7 @@ def jpeg(footage: Footage, options: dict, seed: int) -> Footage:
 def noise(footage: Footage, options: dict, seed: int) -> Footage:
     """Normal noise of every pixel, independent."""
     def change(gray, frame):
-        rng = np.random.default_rng([seed, 1, frame])
-        return np.clip(np.rint(gray + rng.normal(0, options["sigma_gray"], gray.shape)), 0, 255).astype(np.uint8)
+        return noisy(gray, options["sigma_gray"], np.random.default_rng([seed, 1, frame]))
     return _each(footage, "noise", f"sigma {options['sigma_gray']} gray levels", change)
 
 
@@ -49,10 +48,7 @@ def gamma(footage: Footage, options: dict, seed: int) -> Footage:
 
 def eclipse(footage: Footage, options: dict, seed: int) -> Footage:
     """The sun goes and comes back: light falls to `darkness` of itself between two times, with ramps beside them."""
-    count, ramp = len(footage.shots), options["ramp_part"]
-    part = np.arange(count) / max(count - 1, 1)
-    inside = np.minimum((part - options["from_part"] + ramp) / ramp, (options["to_part"] + ramp - part) / ramp)
-    light = options["darkness"] ** np.clip(inside, 0, 1)
+    light = options["darkness"] ** footage.ramps(options)
     shots, log = list(footage.shots), []
     for frame in np.flatnonzero(light < 1):
         def change(gray, factor=light[frame], frame=frame):

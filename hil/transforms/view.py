@@ -61,9 +61,7 @@ def shake(footage: Footage, options: dict, seed: int) -> Footage:
 
 def leaving(footage: Footage, options: dict, seed: int) -> Footage:
     """The camera turns aside until the target is out of the picture, and back; the servicer knows how it turned."""
-    camera, count = footage.camera, len(footage.shots)
-    part, ramp = np.arange(count) / max(count - 1, 1), options["ramp_part"]
-    inside = np.clip(np.minimum((part - options["from_part"] + ramp) / ramp, (options["to_part"] + ramp - part) / ramp), 0, 1)
+    camera, inside = footage.camera, footage.ramps(options)
     # The whole width aside: nothing that was in the picture is left in it.
     aside_rad = 2 * np.arctan(0.5 * camera.width_px / camera.intrinsics_px[0]) * (0.5 - 0.5 * np.cos(np.pi * inside))
     rays, shots, log = _rays(camera), [], []
