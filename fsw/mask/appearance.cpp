@@ -8,50 +8,61 @@
 
 #include "base/wide.hpp"
 #include "mask/grown.hpp"
+#include "mask/outline.hpp"
 
 namespace polhode {
 namespace {
 
+// Gray levels and roughnesses of an appearance (record 0008). Chosen; more of them are rarer each,
+// and tell less of a small target.
 constexpr int kLevels = 16;
 constexpr int kRoughnesses = 4;
-constexpr std::size_t kLooks = kLevels * kRoughnesses;
-using Shares = std::array<double, kLooks>;
+constexpr std::size_t kAppearances = kLevels * kRoughnesses;
+using Shares = std::array<double, kAppearances>;
 
-// What a look e times as frequent on the target counts; an outline counts as much.
+// What an appearance counts that is e times as frequent on the target: as much as the outline. With
+// 0.15 and 0.2 overlap is up to 0.01 lower before the Earth (record 0008).
 constexpr double kShare = 0.3;
-// Looks that so few places have tell nothing, and none tells more than e^2.
+// Share of pixels at which an appearance starts to count: a fifth of an even spread over the 64.
+// Chosen; smaller lets single pixels decide.
 constexpr double kRare = 0.003;
+// No appearance counts more than e^2, 0.6 in all. Chosen: larger outweighs outline and motion.
 constexpr double kLogMost = 2.0;
 
-/// Number of a look. Highest less lowest level of 3 x 3 pixels: even, noise or faint texture,
-/// texture, an edge.
-std::uint8_t look_of(std::uint8_t level, std::uint8_t range) {
-  const int roughness = (range >= 8 ? 1 : 0) + (range >= 24 ? 1 : 0) + (range >= 64 ? 1 : 0);
+/// Number of an appearance. Roughness is the highest less the lowest of 3 x 3 pixels.
+std::uint8_t appearance_of(std::uint8_t level, std::uint8_t range) {
+  // From even to noise or faint texture, to texture, to an edge, in levels. Chosen, in steps of
+  // about 3: noise of 2 levels has a range of 6 over nine pixels.
+  constexpr int kFaint = 8;
+  constexpr int kTexture = 24;
+  constexpr int kEdge = 64;
+  const int roughness =
+      (range >= kFaint ? 1 : 0) + (range >= kTexture ? 1 : 0) + (range >= kEdge ? 1 : 0);
   return static_cast<std::uint8_t>(roughness * kLevels + level / (256 / kLevels));
 }
 
-/// Number of each pixel's look.
-void find_looks(const cv::Mat& picture, AppearanceScratch* s) {
+/// Number of each pixel's appearance.
+void find_appearances(const cv::Mat& picture, AppearanceScratch* s) {
   cv::Mat& range = s->one;
   cv::dilate(picture, range, cv::Mat());
   cv::erode(picture, s->other, cv::Mat());
   cv::subtract(range, s->other, range);
-  s->looks.create(picture.size(), CV_8UC1);
+  s->appearances.create(picture.size(), CV_8UC1);
   widely([&] {
-    const int columns = picture.cols;  // what octets are written to could be this, too
+    const int columns = picture.cols;  // a copy: written octets might alias the original
     for (int row = 0; row < picture.rows; ++row) {
       const auto* level = picture.ptr<std::uint8_t>(row);
       const auto* rough = range.ptr<std::uint8_t>(row);
-      auto* looks = s->looks.ptr<std::uint8_t>(row);
+      auto* appearances = s->appearances.ptr<std::uint8_t>(row);
       for (int column = 0; column < columns; ++column) {
-        looks[column] = look_of(level[column], rough[column]);
+        appearances[column] = appearance_of(level[column], rough[column]);
       }
     }
   });
 }
 
-/// Pixels of each look.
-using Counts = std::array<std::uint32_t, kLooks>;
+/// Pixels of each appearance.
+using Counts = std::array<std::uint32_t, kAppearances>;
 
 double sum_of(const Counts& counts) { return std::accumulate(counts.begin(), counts.end(), 0.0); }
 
@@ -63,37 +74,41 @@ Shares shares_of(const Counts& counts) {
   return shares;
 }
 
-/// Looks outside, in neither, and inside, by every second row and column.
+/// Counts appearances outside, in neither, and inside.
 /// @param inside, not_outside  CV_8UC1, 0 and 255; what is inside is not outside.
-std::array<Counts, 3> count_looks(const cv::Mat& looks,
-                                  const cv::Mat& inside,
-                                  const cv::Mat& not_outside) {
+std::array<Counts, 3> count_appearances(const cv::Mat& appearances,
+                                        const cv::Mat& inside,
+                                        const cv::Mat& not_outside) {
   std::array<Counts, 3> counts{};
-  constexpr int kStep = 2;
-  for (int row = 0; row < looks.rows; row += kStep) {
-    const auto* look = looks.ptr<std::uint8_t>(row);
+  constexpr int kStep = 2;  // every second row and column: a quarter of the time
+  for (int row = 0; row < appearances.rows; row += kStep) {
+    const auto* appearance = appearances.ptr<std::uint8_t>(row);
     const auto* in = inside.ptr<std::uint8_t>(row);
     const auto* not_out = not_outside.ptr<std::uint8_t>(row);
-    for (int column = 0; column < looks.cols; column += kStep) {
-      const auto side = static_cast<std::size_t>((in[column] & 1) + (not_out[column] & 1));
-      counts[side][look[column]] += kStep * kStep;
+    for (int column = 0; column < appearances.cols; column += kStep) {
+      const auto part = static_cast<std::size_t>((in[column] & 1) + (not_out[column] & 1));
+      counts[part][appearance[column]] += kStep * kStep;
     }
   }
   return counts;
 }
 
-/// What a place says whose look is so many times as frequent on the target as beside it.
-float said_by(double ratio) {
+/// Unary cost of an appearance that is so many times as frequent on the target as beside it.
+float cost_of_ratio(double ratio) {
   return static_cast<float>(kShare * std::clamp(std::log(ratio), -kLogMost, kLogMost));
 }
 
-/// The outline's box and a third of its width around. Empty without an outline.
-cv::Rect box_of_looks(const cv::Mat& outline) {
+/// The outline's box and a third of its width around, at least kMarginMin_px. Empty without an
+/// outline.
+cv::Rect box_of_appearances(const cv::Mat& outline) {
+  // A third leaves 1.8 times the box's pixels around it. Chosen; larger compares with places far
+  // from the target.
+  constexpr int kMarginMin_px = 8;
   const cv::Rect box = cv::boundingRect(outline);
   if (box.empty()) {
     return box;
   }
-  const int margin = std::max(8, std::max(box.width, box.height) / 3);
+  const int margin = std::max(kMarginMin_px, std::max(box.width, box.height) / 3);
   return grown(box, margin) & cv::Rect(cv::Point(), outline.size());
 }
 
@@ -105,35 +120,38 @@ void add_appearance(const cv::Mat& picture,
                     const cv::Rect& region,
                     int step,
                     AppearanceScratch* s,
-                    cv::Mat* opinion) {
-  const cv::Rect box = box_of_looks(outline);
+                    cv::Mat* unary_cost) {
+  const cv::Rect box = box_of_appearances(outline);
   if (box.empty()) {
     return;
   }
-  find_looks(picture(box), s);
-  // An outline is off by a few pixels: those are left out.
-  cv::erode(outline(box), s->one, cv::Mat(), cv::Point(-1, -1), 2);
-  cv::dilate(outline(box), s->other, cv::Mat(), cv::Point(-1, -1), 4);
-  const auto [outside, neither, inside] = count_looks(s->looks, s->one, s->other);
+  find_appearances(picture(box), s);
+  // Left out around the outline: what it is off by outside, half of that inside, where a small
+  // target would have nothing left.
+  constexpr int kMarginOut_px = kOutlineOff_px;
+  constexpr int kMarginIn_px = kOutlineOff_px / 2;
+  cv::erode(outline(box), s->one, cv::Mat(), cv::Point(-1, -1), kMarginIn_px);
+  cv::dilate(outline(box), s->other, cv::Mat(), cv::Point(-1, -1), kMarginOut_px);
+  const auto [outside, neither, inside] = count_appearances(s->appearances, s->one, s->other);
   if (std::min(sum_of(inside), sum_of(outside)) * kRare < 1.0) {
-    return;  // one pixel would be a look of its own
+    return;  // a single pixel would count
   }
   const Shares target = shares_of(inside);
   const Shares around = shares_of(outside);
-  std::array<float, kLooks> says{};
-  std::array<float, kLooks> says_of_known{};
-  for (std::size_t k = 0; k < kLooks; ++k) {
-    says[k] = said_by((target[k] + kRare) / (around[k] + kRare));
-    says_of_known[k] = said_by(target[k]);
+  std::array<float, kAppearances> cost{};
+  std::array<float, kAppearances> cost_of_known{};
+  for (std::size_t k = 0; k < kAppearances; ++k) {
+    cost[k] = cost_of_ratio((target[k] + kRare) / (around[k] + kRare));
+    cost_of_known[k] = cost_of_ratio(target[k]);
   }
-  const cv::Rect heard = box & region;
-  for (int row = heard.y; row < heard.br().y; row += step) {
-    const auto* look = s->looks.ptr<std::uint8_t>(row - box.y);
+  const cv::Rect part = box & region;
+  for (int row = part.y; row < part.br().y; row += step) {
+    const auto* appearance = s->appearances.ptr<std::uint8_t>(row - box.y);
     const auto* is_known = matches.ptr<std::uint8_t>(row);
-    auto* to = opinion->ptr<float>(row / step) + heard.x / step;
-    for (int column = heard.x; column < heard.br().x; column += step) {
-      const std::uint8_t of = look[column - box.x];
-      *to++ += is_known[column] != 0 ? says_of_known[of] : says[of];
+    auto* to = unary_cost->ptr<float>(row / step) + part.x / step;
+    for (int column = part.x; column < part.br().x; column += step) {
+      const std::uint8_t of = appearance[column - box.x];
+      *to++ += is_known[column] != 0 ? cost_of_known[of] : cost[of];
     }
   }
 }

@@ -9,18 +9,24 @@
 namespace polhode {
 namespace {
 
-// A homography through points that are followed to 0.2 px; three times that and a share for what is
-// not quite plane.
+// Points are tracked to 0.2 px: three sigma of that (99 % in two directions), and 0.4 px for what
+// is not quite plane.
 constexpr double kFit_px = 1.0;
+// A point contradicts the background from here on: half as much again as what fits. Chosen; larger
+// needs faster targets, smaller takes mistracked points for the target.
 constexpr float kContradiction_px = 1.5F;
+// Points of a layer: over twice the four that any homography fits. Chosen; larger misses small
+// backgrounds, smaller fits chance.
 constexpr std::size_t kLayerTracksMin = 10;
-constexpr std::size_t kAgeMax = (MaskTrack::kPlaces - 1) / 2;
+constexpr std::size_t kAgeMax = (MaskTrack::kPlaces - 1) / 2;  // twice the age is looked back, too
 
-/// Does a group of points surround the middle, as a background does? The picture in 4 x 4 blocks:
-/// it is in at least three of the 12 outer ones, and covers as much of them as of the inner ones.
-/// What it covers is told in quarters of a block: points are closer together about the target.
+/// Does a group of points surround the middle, as a background does? By 4 x 4 blocks of the image:
+/// it is in at least three of the 12 outer ones and covers as much of them as of the inner ones.
+/// Covering is counted in quarters of a block: points are closer together on the target.
 bool surrounds(const std::vector<cv::Point2f>& points, const cv::Size& size) {
-  constexpr int kQuarters = 8;
+  // Chosen; larger misses a background beside a large target, smaller takes a face for one.
+  constexpr int kOuterBlocksMin = 3;
+  constexpr int kQuarters = 8;  // two along a block's side
   std::array<bool, kQuarters * kQuarters> covered{};
   std::array<bool, 16> block{};
   int outer = 0;
@@ -33,15 +39,15 @@ bool surrounds(const std::vector<cv::Point2f>& points, const cv::Size& size) {
       continue;
     }
     quarter = true;
-    const bool rim = std::min(column, row) < 2 || std::max(column, row) >= kQuarters - 2;
-    (rim ? outer : inner) += 1;
+    const bool at_border = std::min(column, row) < 2 || std::max(column, row) >= kQuarters - 2;
+    (at_border ? outer : inner) += 1;
     block[static_cast<std::size_t>(4 * (row / 2) + column / 2)] =
-        rim || block[static_cast<std::size_t>(4 * (row / 2) + column / 2)];
+        at_border || block[static_cast<std::size_t>(4 * (row / 2) + column / 2)];
   }
-  return std::count(block.begin(), block.end(), true) >= 3 && outer >= inner;
+  return std::count(block.begin(), block.end(), true) >= kOuterBlocksMin && outer >= inner;
 }
 
-/// Points known over the whole age and not known to be target.
+/// Gathers the points that are known over the whole age and are not on known parts of the target.
 void gather(const cv::Mat& target,
             int step,
             std::size_t age,
@@ -58,7 +64,7 @@ void gather(const cv::Mat& target,
   }
 }
 
-/// Takes the points that agree out of those that are still to be explained.
+/// Moves the points that agree from those still to be explained to `group`.
 void take_out_agreeing(BackgroundState* s) {
   std::size_t kept = 0;
   s->group.clear();
@@ -74,10 +80,10 @@ void take_out_agreeing(BackgroundState* s) {
   s->to.resize(kept);
 }
 
-/// One plane motion after the other, each through the points that the ones before left over. A
-/// group that does not surround the middle is a side of the target: it is set aside.
+/// Fits one plane motion after the other, each to the points that are left. A group that does not
+/// surround the middle is a face of the target and becomes no layer.
 void fit_layers(const cv::Size& size, BackgroundMotion* motion, BackgroundState* s) {
-  constexpr int kGroupsMax = static_cast<int>(BackgroundMotion::kLayers) + 1;
+  constexpr int kGroupsMax = static_cast<int>(BackgroundMotion::kLayers) + 1;  // one face of it
   motion->layers.clear();
   for (int group = 0; group < kGroupsMax && !motion->layers.full(); ++group) {
     if (s->from.size() < kLayerTracksMin) {
@@ -97,9 +103,9 @@ void fit_layers(const cv::Size& size, BackgroundMotion* motion, BackgroundState*
   }
 }
 
-/// How far a point is from where the nearest of the background's motions brings it.
+/// Distance of a point from where the nearest of the background's motions brings it.
 float contradiction_px(const MaskTrack& track, const BackgroundMotion& motion) {
-  float least = 1E6F;
+  float least = 1E6F;  // over any distance in an image
   for (const cv::Matx33d& layer : motion.layers) {
     const cv::Point2f d = track.now() - moved(layer, track.places[motion.age]);
     least = std::min(least, std::hypot(d.x, d.y));
@@ -121,10 +127,14 @@ void classify(const BackgroundState& s, PointsState* points) {
   }
 }
 
-/// A point of the target has company: a second one near by, and at least a third as many as the
-/// background has there. Others are points that were followed wrong.
+/// Unassigns points of the target that have no other one near, or three times as many of the
+/// background's: those are mistracked.
 void drop_lonely(PointsState* points) {
+  // 32 px of 640: what counts as near, about the spacing of the image's points. Chosen; larger
+  // keeps mistracked points, smaller drops those of small targets.
   const float reach = static_cast<float>(points->whole().width) / 20.0F;
+  constexpr int kTargetMin = 2;        // with itself
+  constexpr int kBackgroundTimes = 3;  // as around a right-angled corner of the body
   for (MaskTrack& track : points->tracks) {
     if (track.kind != TrackClass::kTarget) {
       continue;
@@ -138,7 +148,7 @@ void drop_lonely(PointsState* points) {
         background += other.kind == TrackClass::kBackground ? 1 : 0;
       }
     }
-    if (target < 2 || 3 * target < background) {
+    if (target < kTargetMin || kBackgroundTimes * target < background) {
       track.kind = TrackClass::kUnassigned;
     }
   }
@@ -178,8 +188,11 @@ bool explain_background(
 }
 
 void choose_age(const PointsState& points, BackgroundState* s) {
-  constexpr float kLittle_px = 1.5F;
+  constexpr float kLittle_px = kContradiction_px;
+  // Over twice that, so that an age that was raised is not lowered at once. Chosen; larger widens
+  // the uncovered strip behind the target.
   constexpr float kMuch_px = 4.0F;
+  // Chosen: the median of fewer points is one of them.
   constexpr std::size_t kTracksMin = 4;
   const auto* const motion =
       std::find_if(s->motions.begin(), s->motions.end(), [](const BackgroundMotion& m) {

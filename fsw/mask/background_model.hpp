@@ -1,7 +1,7 @@
-// What the background looks like, place by place, where the camera stands still.
+// Gray level of the background in each place, where the camera stands still.
 //
-// A median over time that only takes in what is not the target: one over all pictures would need
-// the target to leave each place for half of the time.
+// A running median over time that leaves the target out. A median over all images is the target
+// where that covers a place for half of the time (record 0014).
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -11,20 +11,19 @@
 namespace polhode {
 
 struct BackgroundModel {
-  cv::Mat level;    ///< CV_8UC1: a place's median gray level
-  cv::Mat votes;    ///< CV_8UC1: pictures in which it looked so, less those in which it did not; 0:
-                    ///< nothing is known
-  cv::Mat matches;  ///< CV_8UC1, by match_background: 255 where that picture looks as the
-                    ///< background is known to look in that very place
+  cv::Mat level;    ///< CV_8UC1: median gray level
+  cv::Mat votes;    ///< CV_8UC1: images that agreed with it, less those that did not; 0: unknown
+  cv::Mat matches;  ///< CV_8UC1, by match_background: 255 where that image agrees with the known
+                    ///< background in that very place
 };
 
-/// Does one of the background's motions leave the picture where it was?
+/// Does one of the background's motions leave the image where it was?
 bool stands_still(const BackgroundState& background, const cv::Size& size);
 
-/// Takes in what lies outside of the target's outline by more than outlines are off. `matches`
-/// means nothing after it.
+/// Learns what lies outside of the target's outline by more than outlines are off. Overwrites
+/// `matches`.
 /// @param noise one sigma of a pixel, levels.
-/// @cost one dilation and one pass over the picture.
+/// @cost one dilation and one pass over the image.
 void learn_background(const cv::Mat& picture,
                       const cv::Mat& outline,
                       double noise,

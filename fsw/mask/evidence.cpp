@@ -12,14 +12,22 @@
 namespace polhode {
 namespace {
 
-constexpr int kCell_px = 8;       // of the grid on which the target's motion is known
-constexpr int kWindow_px = 5;     // over which disagreement is summed
-constexpr double kCapSigma = 8;   // a place that disagrees more, disagrees
-constexpr double kNoiseMost = 8;  // levels
+// Cells of the grid on which the target's motion is known. A multiple of every step of log-odds.
+// Chosen: about the points' spacing on a target of 100 px; larger blurs the motion of faces.
+constexpr int kCell_px = 8;
+// Side of the window over which differences are summed. With 3, overlap rises by 0.01 and attitudes
+// before the Earth get 6 % worse (record 0006).
+constexpr int kWindow_px = 5;
+// A place that disagrees by more counts as this. Chosen: one pixel at the limit counts 8 / 25 in
+// its window, as much as kTargetLogOdds; larger lets single pixels decide.
+constexpr double kCapSigma = 8;
+// Levels; the most that keeps differences in an octet, see below.
+constexpr double kNoiseMost = 8;
+// Differences are stored in octets with 0 in their middle.
 constexpr int kNoDifference = 128;
 static_assert(kCapSigma * kNoiseMost < kNoDifference);
 
-/// Of a picture, between its pixels. The place is inside.
+/// Level of an image between its pixels, bilinear. The place is inside.
 double level_at(const cv::Mat& picture, double u_px, double v_px) {
   const int column = static_cast<int>(u_px);
   const int row = static_cast<int>(v_px);
@@ -31,19 +39,22 @@ double level_at(const cv::Mat& picture, double u_px, double v_px) {
          down * ((1.0 - right) * below[0] + right * below[1]);
 }
 
-/// Half the difference of the newest picture and the same places before, by its median, is noise.
+/// One sigma of a pixel's noise, in levels: from the median absolute difference of the newest image
+/// and the same places in an earlier one.
 double measure_noise(const cv::Mat& now,
                      const cv::Mat& before,
                      const cv::Matx33d& motion,
                      const cv::Rect& region) {
-  constexpr int kStep = 6;
+  constexpr int kStep = 6;             // one pixel of 36: the median is of thousands still
+  constexpr int kBlack = 8;            // black pixels have no noise: it is cut off at zero
+  constexpr double kNoiseLeast = 1.0;  // medians are whole levels, and sums are divided by it
   const cv::Matx33d back = motion.inv();
   std::array<int, 256> counts{};
   int total = 0;
   for (int row = region.y + 1; row < region.br().y; row += kStep) {
     const auto* levels = now.ptr<std::uint8_t>(row);
     for (int column = region.x + 1; column < region.br().x; column += kStep) {
-      if (levels[column] <= 8) {  // black pixels have no noise: it is cut off at zero
+      if (levels[column] <= kBlack) {
         continue;
       }
       const cv::Vec3d from = back * cv::Vec3d(column, row, 1.0);
@@ -61,12 +72,14 @@ double measure_noise(const cv::Mat& now,
   while (level + 1 < counts.size() && 2 * (below += counts[level]) < total) {
     ++level;
   }
-  return std::clamp(static_cast<double>(level) * 1.4826 / std::sqrt(2.0), 1.0, kNoiseMost);
+  // 1.4826: sigma of a normal distribution by its median absolute deviation. The difference has the
+  // noise of two images.
+  return std::clamp(static_cast<double>(level) * 1.4826 / std::sqrt(2.0), kNoiseLeast, kNoiseMost);
 }
 
-/// Motion of the target's points over `age` pictures, spread over the grid to the places between
-/// and around them.
-void spread_motion(const PointsState& points, std::size_t age, EvidenceState* s) {
+/// Spreads the motion of the target's points over `age` images to the grid's cells between and
+/// around them.
+void spread_motion(const PointsState& points, std::size_t age, ForegroundState* s) {
   const cv::Size size = points.picture(0).size();
   const cv::Size grid((size.width + kCell_px - 1) / kCell_px,
                       (size.height + kCell_px - 1) / kCell_px);
@@ -82,10 +95,13 @@ void spread_motion(const PointsState& points, std::size_t age, EvidenceState* s)
       s->weight.at<float>(cell) += 1.0F;
     }
   }
-  // Points near by count, and where there are none, those within three times as far.
+  // Sigmas of two Gaussians, in cells: 14 px, and three times that where no point is near. Chosen;
+  // larger mixes the motions of faces.
   constexpr double kNear = 1.75;
   constexpr double kFar = 3.0 * kNear;
+  // The wider one is nine times lower: with this share a far point counts 0.01 of a near one.
   constexpr double kFarShare = 0.09;
+  constexpr float kWeightMin = 1E-9F;  // only so that nothing is divided by zero
   cv::GaussianBlur(s->flow, s->flow_far, cv::Size(0, 0), kFar);
   cv::GaussianBlur(s->weight, s->weight_far, cv::Size(0, 0), kFar);
   cv::GaussianBlur(s->flow, s->flow, cv::Size(0, 0), kNear);
@@ -94,16 +110,17 @@ void spread_motion(const PointsState& points, std::size_t age, EvidenceState* s)
   cv::scaleAdd(s->weight_far, kFarShare, s->weight, s->weight);
   for (int row = 0; row < grid.height; ++row) {
     for (int column = 0; column < grid.width; ++column) {
-      s->flow.at<cv::Point2f>(row, column) /= std::max(s->weight.at<float>(row, column), 1E-9F);
+      s->flow.at<cv::Point2f>(row, column) /=
+          std::max(s->weight.at<float>(row, column), kWeightMin);
     }
   }
 }
 
-/// The lowest and (in the high octet) the highest level of the pixels within one of each of an
-/// earlier picture, along its rows and columns: origins are whole pixels, half a pixel off at most.
-/// With the diagonal ones, too, outlines before a room's edges overlap by 0.01 less, and twice as
-/// many landmarks are on the background.
-void find_bounds(const cv::Mat& before, EvidenceState* s) {
+/// The lowest and (in the high octet) the highest level of each pixel of an earlier image and its
+/// four neighbours: origins are whole pixels, half a pixel off at most. With the diagonal
+/// neighbours outlines in a room overlap by 0.01 less, and twice as many landmarks are on the
+/// background (record 0012).
+void find_bounds(const cv::Mat& before, ForegroundState* s) {
   const cv::Mat around = cv::getStructuringElement(cv::MORPH_CROSS, cv::Size(3, 3));
   cv::erode(before, s->low, around);
   cv::dilate(before, s->high, around);
@@ -122,11 +139,11 @@ void find_bounds(const cv::Mat& before, EvidenceState* s) {
 }
 
 /// How far each pixel of `now` lies outside of what was within a pixel of its origin, in levels.
-void measure_excess(const cv::Mat& now, double cap, EvidenceState* s) {
+void measure_excess(const cv::Mat& now, double cap, ForegroundState* s) {
   look_up(s->bounds, s->origins, &s->warped);
   s->excess.create(now.size(), CV_8UC1);
   widely([&] {
-    const int columns = now.cols;  // what octets are written to could be these, too
+    const int columns = now.cols;  // a copy: written octets might alias the original
     const auto most = static_cast<std::int16_t>(cap);
     for (int row = 0; row < now.rows; ++row) {
       const auto* levels = now.ptr<std::uint8_t>(row);
@@ -146,49 +163,52 @@ void measure_excess(const cv::Mat& now, double cap, EvidenceState* s) {
   });
 }
 
-/// Where the layer brings something from inside the earlier picture.
-void find_seen(const cv::Matx33d& layer,
-               const cv::Size& size,
-               const cv::Rect& region,
-               cv::Mat* seen) {
-  constexpr float kRim_px = 3.0F;
-  const auto right = static_cast<float>(size.width) - 1.0F - kRim_px;
-  const auto bottom = static_cast<float>(size.height) - 1.0F - kRim_px;
-  const std::array<cv::Point2f, 4> before{cv::Point2f(kRim_px, kRim_px),
-                                          cv::Point2f(right, kRim_px),
+/// Sets the pixels that the layer's motion brings from inside the earlier image.
+void find_visible(const cv::Matx33d& layer,
+                  const cv::Size& size,
+                  const cv::Rect& region,
+                  cv::Mat* visible) {
+  // Left out at the image border: half a window and the pixel of the bounds.
+  constexpr float kBorder_px = 3.0F;
+  const auto right = static_cast<float>(size.width) - 1.0F - kBorder_px;
+  const auto bottom = static_cast<float>(size.height) - 1.0F - kBorder_px;
+  const std::array<cv::Point2f, 4> before{cv::Point2f(kBorder_px, kBorder_px),
+                                          cv::Point2f(right, kBorder_px),
                                           cv::Point2f(right, bottom),
-                                          cv::Point2f(kRim_px, bottom)};
+                                          cv::Point2f(kBorder_px, bottom)};
   std::array<cv::Point2f, 4> now;
   cv::perspectiveTransform(before, now, layer);
   std::array<cv::Point, 4> corners_px;
+  // Far outside, and small enough for the polygon's fixed-point corners.
   const float limit = 4.0F * static_cast<float>(size.width);
   for (std::size_t i = 0; i < now.size(); ++i) {
     corners_px[i] = cv::Point(static_cast<int>(std::clamp(now[i].x, -limit, limit)) - region.x,
                               static_cast<int>(std::clamp(now[i].y, -limit, limit)) - region.y);
   }
-  seen->create(region.size(), CV_8UC1);
-  seen->setTo(0);
+  visible->create(region.size(), CV_8UC1);
+  visible->setTo(0);
   cv::fillConvexPoly(
-      *seen, corners_px.data(), static_cast<int>(corners_px.size()), cv::Scalar(255));
+      *visible, corners_px.data(), static_cast<int>(corners_px.size()), cv::Scalar(255));
 }
 
-/// What contradicts all of the background's motions. What they bring from outside the earlier
-/// picture is not known and contradicts nothing.
+/// What contradicts all of the background's motions. What they bring from outside the earlier image
+/// is not known and contradicts nothing.
 void compare_with_background(const PointsState& points,
                              const BackgroundMotion& motion,
                              const cv::Rect& region,
-                             EvidenceState* s) {
+                             ForegroundState* s) {
   const cv::Mat now = points.picture(0)(region);
   for (std::size_t i = 0; i < motion.layers.size(); ++i) {
     trace_plane(motion.layers[i], region, points.whole().size(), &s->origins);
     if (i == 0) {
+      // Mean of two images: one with an untypical median counts half.
       s->noise = 0.5 * s->noise +
                  0.5 * measure_noise(
                            points.picture(0), points.picture(motion.age), motion.layers[i], region);
     }
     measure_excess(now, std::round(kCapSigma * s->noise), s);
-    find_seen(motion.layers[i], points.picture(0).size(), region, &s->seen);
-    cv::bitwise_and(s->excess, s->seen, s->excess);
+    find_visible(motion.layers[i], points.picture(0).size(), region, &s->visible);
+    cv::bitwise_and(s->excess, s->visible, s->excess);
     if (i == 0) {
       cv::swap(s->excess, s->least);
     } else {
@@ -200,7 +220,7 @@ void compare_with_background(const PointsState& points,
 void compare_with_target(const PointsState& points,
                          std::size_t age,
                          const cv::Rect& region,
-                         EvidenceState* s) {
+                         ForegroundState* s) {
   spread_motion(points, age, s);
   trace_flow(s->flow, kCell_px, region, points.whole().size(), &s->origins);
   measure_excess(points.picture(0)(region), std::round(kCapSigma * s->noise), s);
@@ -208,7 +228,7 @@ void compare_with_target(const PointsState& points,
 
 /// How much more the background's motions are contradicted than the target's, summed over the
 /// window.
-void sum_over_window(EvidenceState* s) {
+void sum_over_window(ForegroundState* s) {
   s->difference.create(s->least.size(), CV_8UC1);
   const int columns = s->least.cols;
   for (int row = 0; row < s->least.rows; ++row) {
@@ -224,30 +244,35 @@ void sum_over_window(EvidenceState* s) {
       s->difference, s->sum, CV_16U, cv::Size(kWindow_px, kWindow_px), cv::Point(-1, -1), false);
 }
 
-/// Target evidence goes along with the target; half of it, or two and a half pictures' worth,
-/// stays. What this picture says is added, in sigmas a pixel.
-/// @param compared_age  the motion over it is on the grid
-void carry_and_add(std::size_t compared_age, const cv::Rect& region, EvidenceState* s) {
+/// Moves positive log-odds along with the target and lets part of them stay. Adds this image's
+/// difference, in sigmas a pixel.
+/// @param compared_age  age of the motion on the grid
+void carry_and_add(std::size_t compared_age, const cv::Rect& region, ForegroundState* s) {
+  // Part that stays: 1 / (1 - 0.55) = 2.2 images' worth. With 0.8 panels are filled before the
+  // Earth (overlap 0.85), and shadows stay in a room (0.86; record 0006).
   constexpr float kMemory = 0.55F;
-  constexpr float kSaysMost = 2.0F;
+  // The most that one image adds. Chosen: with this, three images without support bring a full sum
+  // of 4.4 to 0.7; larger makes single images decide.
+  constexpr float kAddedMost = 2.0F;
   constexpr int kPixels = kWindow_px * kWindow_px;
   const auto scale = static_cast<float>(1.0 / (kPixels * s->noise));
   s->flow *= 1.0 / static_cast<double>(compared_age);
-  carry(s->flow, kCell_px, region, s->step, s->total, &s->from, &s->carried);
+  carry(s->flow, kCell_px, region, s->step, s->log_odds, &s->from, &s->carried);
   const cv::Rect part = coarser(region, s->step);
-  s->total.setTo(0.0);
+  s->log_odds.setTo(0.0);
   widely([&] {
     const int step = s->step;
     for (int row = 0; row < part.height; ++row) {
       const auto* carried = s->carried.ptr<float>(row);
       const auto* sum = s->sum.ptr<std::uint16_t>(row * step);
-      auto* total = s->total.ptr<float>(part.y + row) + part.x;
+      auto* total = s->log_odds.ptr<float>(part.y + row) + part.x;
       for (int column = 0; column < part.width; ++column) {
-        const float says = scale * static_cast<float>(sum[column * step] - kPixels * kNoDifference);
-        const float known = kMemory * limited(carried[column], 0.0F, EvidenceState::kMax);
-        total[column] = limited(known + limited(says, -kSaysMost, kSaysMost),
-                                -EvidenceState::kMax,
-                                EvidenceState::kMax);
+        const float added =
+            scale * static_cast<float>(sum[column * step] - kPixels * kNoDifference);
+        const float known = kMemory * limited(carried[column], 0.0F, ForegroundState::kLogOddsMax);
+        total[column] = limited(known + limited(added, -kAddedMost, kAddedMost),
+                                -ForegroundState::kLogOddsMax,
+                                ForegroundState::kLogOddsMax);
       }
     }
   });
@@ -255,28 +280,35 @@ void carry_and_add(std::size_t compared_age, const cv::Rect& region, EvidenceSta
 
 }  // namespace
 
-void size_evidence(const cv::Size& picture, int step, EvidenceState* s) {
+void resize_log_odds(const cv::Size& picture, int step, ForegroundState* s) {
   const cv::Size size = coarser(cv::Rect(cv::Point(), picture), step).size();
-  if (s->total.size() == size && s->step == step) {
+  if (s->log_odds.size() == size && s->step == step) {
     return;
   }
   const bool same_picture =
-      !s->total.empty() && coarser({cv::Point(), picture}, s->step).size() == s->total.size();
-  cv::swap(s->total, s->before);
+      !s->log_odds.empty() && coarser({cv::Point(), picture}, s->step).size() == s->log_odds.size();
+  cv::swap(s->log_odds, s->before);
   if (same_picture) {
-    cv::resize(
-        s->before, s->total, size, 0.0, 0.0, step > s->step ? cv::INTER_AREA : cv::INTER_NEAREST);
+    cv::resize(s->before,
+               s->log_odds,
+               size,
+               0.0,
+               0.0,
+               step > s->step ? cv::INTER_AREA : cv::INTER_NEAREST);
   } else {
-    s->total.create(size, CV_32FC1);
-    s->total.setTo(0.0);
+    s->log_odds.create(size, CV_32FC1);
+    s->log_odds.setTo(0.0);
   }
   s->step = step;
 }
 
-void weigh_motions(const PointsState& points,
-                   const BackgroundState& background,
-                   const cv::Rect& region,
-                   EvidenceState* s) {
+void update_log_odds(const PointsState& points,
+                     const BackgroundState& background,
+                     const cv::Rect& region,
+                     ForegroundState* s) {
+  // Part that stays of an image without a comparison: half is left after three. Chosen; smaller
+  // loses the target when the background is not explained for a while.
+  constexpr double kUnsupported = 0.8;
   // Starts at a cell of the motion's grid.
   const cv::Point start(region.x / kCell_px * kCell_px, region.y / kCell_px * kCell_px);
   s->region = cv::Rect(start, region.br()) & points.whole();
@@ -284,11 +316,11 @@ void weigh_motions(const PointsState& points,
                                      background.motions.end(),
                                      [](const BackgroundMotion& m) { return !m.layers.empty(); });
   if (!explained || background.target_tracks == 0) {
-    s->total *= 0.8;
+    s->log_odds *= kUnsupported;
     return;
   }
-  // One age a picture, by turns: outlines overlap as well (0.860 on four scenes) as with both each
-  // time (0.859), with one comparison instead of two.
+  // One age an image, by turns: outlines overlap as well (0.860 on four scenes) as with both ages
+  // (0.859), with one comparison instead of two.
   const BackgroundMotion* motion = &background.motions[s->longer ? 1 : 0];
   if (motion->layers.empty()) {
     motion = &background.motions[s->longer ? 0 : 1];
@@ -301,28 +333,28 @@ void weigh_motions(const PointsState& points,
   carry_and_add(motion->age, s->region, s);
 }
 
-void remember_outline(const cv::Mat& outline, EvidenceState* s) {
-  // Halved with the next picture it is still the target's, with the one after it asks for more.
+void remember_outline(const cv::Mat& outline, ForegroundState* s) {
+  // After one image 0.55 of it is left, which is over kTargetLogOdds, and after two it is under.
   constexpr float kRemembered = 0.7F;
-  cover_by_half(outline, s->total.size(), &s->covered);
+  cover_by_half(outline, s->log_odds.size(), &s->covered);
   widely([&] {
-    for (int row = 0; row < s->total.rows; ++row) {
+    for (int row = 0; row < s->log_odds.rows; ++row) {
       const auto* target = s->covered.ptr<std::uint8_t>(row);
-      auto* total = s->total.ptr<float>(row);
-      for (int column = 0; column < s->total.cols; ++column) {
-        const float least = target[column] != 0 ? kRemembered : -EvidenceState::kMax;
-        const float most = target[column] != 0 ? EvidenceState::kMax : 0.0F;
+      auto* total = s->log_odds.ptr<float>(row);
+      for (int column = 0; column < s->log_odds.cols; ++column) {
+        const float least = target[column] != 0 ? kRemembered : -ForegroundState::kLogOddsMax;
+        const float most = target[column] != 0 ? ForegroundState::kLogOddsMax : 0.0F;
         total[column] = limited(total[column], least, most);
       }
     }
   });
 }
 
-void clear(EvidenceState* s) {
-  if (!s->total.empty()) {
-    s->total.setTo(0.0);
+void clear(ForegroundState* s) {
+  if (!s->log_odds.empty()) {
+    s->log_odds.setTo(0.0);
   }
-  s->noise = 2.0;
+  s->noise = ForegroundState::kNoiseFirst;
   s->longer = true;
 }
 

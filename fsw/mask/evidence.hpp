@@ -1,10 +1,8 @@
-// Pixel by pixel, with a map by cells of some: does the picture move like the background, or like
-// the target's points?
+// Foreground log-odds: does a place move like the background, or like the target's points?
 //
-// Each place of the newest picture is compared with where the background's motion and where the
-// target's would have brought it from. What one of the two explains and the other does not is told
-// apart to a pixel or two, from the second picture on; what both explain, an even place, or
-// neither, one that has just come into view, says nothing.
+// Each place of the newest image is compared with where the background's motion and where the
+// target's motion bring it from. What only one of the two explains counts, to a pixel or two, from
+// the second image on. What both explain (an even place) or neither (just come into view) does not.
 #pragma once
 
 #include "mask/background.hpp"
@@ -12,40 +10,43 @@
 
 namespace polhode {
 
-struct EvidenceState {
-  static constexpr float kMax = 6.0F;
+struct ForegroundState {
+  // Over what comparisons can add up to: 2 an image, of which 0.55 stays, is 4.4 in the end.
+  static constexpr float kLogOddsMax = 6.0F;
+  // A camera's noise before it is measured, levels. Chosen; the first images bring it to theirs.
+  static constexpr double kNoiseFirst = 2.0;
 
-  cv::Mat total;       ///< CV_32FC1: positive where the target is; carried along with its motion
-  int step = 1;        ///< working pixels a pixel of it, along a side
-  bool longer = true;  ///< the next picture is compared over the longer of the two ages
-  cv::Rect region;     ///< in which the last pictures were compared, working pixels
-  double noise = 2.0;  ///< one sigma of a working pixel, levels
+  cv::Mat log_odds;    ///< CV_32FC1: positive where the target is, in sigmas a pixel; carried along
+                       ///< with the target's motion
+  int step = 1;        ///< working pixels per pixel of it, along a side
+  bool longer = true;  ///< the next image is compared over the longer of the two ages
+  cv::Rect region;     ///< in which the last images were compared, working pixels
+  double noise = kNoiseFirst;  ///< one sigma of a working pixel, levels
 
   // Scratch; contents mean nothing between calls.
-  cv::Mat warped, seen, low, high, bounds, excess, least, difference, sum, from, carried, before,
+  cv::Mat warped, visible, low, high, bounds, excess, least, difference, sum, from, carried, before,
       covered;
   cv::Mat flow, flow_far, weight, weight_far;
   Origins origins;
 };
 
-/// Evidence for a picture of this size, by so many of its pixels. What is known stays, coarser or
-/// finer.
-void size_evidence(const cv::Size& picture, int step, EvidenceState* state);
+/// Log-odds for an image of this size, by cells of so many of its pixels. What is known stays,
+/// coarser or finer.
+void resize_log_odds(const cv::Size& picture, int step, ForegroundState* state);
 
-/// Compares the newest picture with earlier ones within a region and adds to the evidence. What was
-/// known outside of it is forgotten. Needs points of both kinds, and evidence of the picture's
-/// size.
+/// Compares the newest image with an earlier one within a region and adds to the log-odds. Outside
+/// of the region they become 0. Needs points of both classes, and log-odds of the image's size.
 /// @cost in proportion to the region: as many look-ups of its pixels as there are layers, and one
 /// more.
-void weigh_motions(const PointsState& points,
-                   const BackgroundState& background,
-                   const cv::Rect& region,
-                   EvidenceState* state);
+void update_log_odds(const PointsState& points,
+                     const BackgroundState& background,
+                     const cv::Rect& region,
+                     ForegroundState* state);
 
-/// An outline (CV_8UC1 of the picture's size) that edges and looks have decided: what it holds is
-/// taken along as evidence, what it leaves out is no longer.
-void remember_outline(const cv::Mat& outline, EvidenceState* state);
+/// Stores an outline (CV_8UC1 of the image's size) that a graph cut has decided: its inside becomes
+/// foreground in the log-odds, its outside does not stay foreground.
+void remember_outline(const cv::Mat& outline, ForegroundState* state);
 
-void clear(EvidenceState* state);
+void clear(ForegroundState* state);
 
 }  // namespace polhode

@@ -15,40 +15,48 @@
 namespace polhode {
 namespace {
 
-constexpr int kPatience = 5;
+// Images in a row without a motion of the background before everything lit is the target. Chosen:
+// larger keeps the mask closed for longer, smaller opens it after a few badly tracked images.
+constexpr int kUnexplainedMax = 5;
 
-/// With a map evidence, and all that is said of it, is by so many working pixels: it is summed over
-/// more, and keyframes' outlines are moved to edges. Done before one, a map's first outlines in a
-/// room overlap by 0.5 instead of 0.8.
+// With a map, log-odds are kept by cells of so many working pixels: their window is wider than
+// that, and outlines are moved to edges afterwards. Not before a map: its first outlines in a room
+// overlapped by 0.5 instead of 0.8 (record 0010).
 constexpr int kCoarseStep = 2;
 
-/// The spacing of a body's texture, halved.
+/// Half the spacing of a body's texture: 4 px of 640. Chosen; larger closes over the background
+/// between parts, smaller leaves panels as grids.
 int closing_radius(const MaskState& s) { return std::max(2, s.points.whole().width / 160); }
 
-/// What gaps are closed with. With a map a square, as that is separable; before one a disc: a map's
-/// first poses are as good as the outlines that it begins with.
+/// What gaps are closed with. With a map a square, which is separable. Before one a disc: a map's
+/// first poses are as good as its first outlines.
 cv::Mat closing(const MaskState& s, int radius) {
   const int side = 2 * radius + 1;
   return has_map(s) ? cv::Mat::ones(side, side, CV_8UC1)
                     : cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(side, side));
 }
 
-/// A box in working pixels and what is certain.
-cv::Rect with_certain(const cv::Rect& box, const MaskState& s) {
-  const int step = s.evidence.step;
-  const cv::Rect certain(s.certain_box.tl() * step, s.certain_box.size() * step);
-  return s.certain.empty() ? box : (box | certain) & s.points.whole();
+/// A box in working pixels, enlarged to hold the seeds.
+cv::Rect with_seeds(const cv::Rect& box, const MaskState& s) {
+  const int step = s.foreground.step;
+  const cv::Rect seeds(s.map.seeds_box.tl() * step, s.map.seeds_box.size() * step);
+  return s.map.seeds.empty() ? box : (box | seeds) & s.points.whole();
 }
 
-/// Fills `enclosed` with what the evidence encloses when gaps are closed.
-/// @return the working pixels that it says anything of: none where nothing is enclosed.
+/// Fills `enclosed` with what the log-odds enclose when gaps are closed.
+/// @return the working pixels that it covers: none where nothing is enclosed.
 cv::Rect enclose(int gap_radius_px, MaskState* s) {
-  const int step = s->evidence.step;
-  const cv::Rect region = with_certain(s->evidence.region, *s);
+  const int step = s->foreground.step;
+  const cv::Rect region = with_seeds(s->foreground.region, *s);
   const cv::Mat gap = closing(*s, gap_radius_px / step);
-  const cv::Mat certain = s->certain_box.empty() ? cv::Mat() : s->certain;
-  const bool found = find_outline(
-      s->evidence.total, certain, coarser(region, step), gap, step, &s->scratch, &s->enclosed);
+  const cv::Mat seeds = s->map.seeds_box.empty() ? cv::Mat() : s->map.seeds;
+  const bool found = find_outline(s->foreground.log_odds,
+                                  seeds,
+                                  coarser(region, step),
+                                  gap,
+                                  step,
+                                  &s->scratch.outline,
+                                  &s->scratch.enclosed);
   return found ? region : cv::Rect();
 }
 
@@ -57,38 +65,42 @@ void find_piece(MaskState* s) {
   s->outline.setTo(0);
   const cv::Rect box = enclose(closing_radius(*s), s);
   if (has_map(*s)) {
-    cv::bitwise_and(s->enclosed, s->reach, s->enclosed);
+    cv::bitwise_and(s->scratch.enclosed, s->map.reach, s->scratch.enclosed);
   }
-  fill_from_cells(s->enclosed, s->evidence.step, box, &s->outline);
-  s->found = cv::countNonZero(s->enclosed) > 0;
+  fill_from_cells(s->scratch.enclosed, s->foreground.step, box, &s->outline);
+  s->found = cv::countNonZero(s->scratch.enclosed) > 0;
 }
 
-/// Adds what the evidence encloses when gaps twice as wide are closed, save where the background is
-/// seen: a panel as gray as the ocean behind it shows in its grid alone. Where it comes into view
-/// there are no landmarks yet, so their reach does not bound it.
+/// Adds what the log-odds enclose when gaps twice as wide are closed (record 0007), except where
+/// the background is seen. A panel as gray as the ocean behind it shows by its grid alone. Not
+/// bounded by the landmarks' reach: a face that comes into view has none yet.
 void widen_outline(MaskState* s) {
   const cv::Rect box = enclose(2 * closing_radius(*s), s);
-  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->open, cv::CMP_GE);
-  cv::bitwise_and(s->enclosed, s->open, s->enclosed);
-  s->added.create(s->outline.size(), CV_8UC1);
-  fill_from_cells(s->enclosed, s->evidence.step, box, &s->added);
+  MaskScratch& scratch = s->scratch;
+  cv::compare(s->foreground.log_odds, static_cast<double>(kAgreement), scratch.open, cv::CMP_GE);
+  cv::bitwise_and(scratch.enclosed, scratch.open, scratch.enclosed);
+  scratch.added.create(s->outline.size(), CV_8UC1);
+  fill_from_cells(scratch.enclosed, s->foreground.step, box, &scratch.added);
   cv::Mat outline = s->outline(box);
-  cv::bitwise_or(outline, s->added(box), outline);
+  cv::bitwise_or(outline, scratch.added(box), outline);
 }
 
-/// How far the edges may move an outline, in working pixels: first by cells of two, then by pixels.
+/// How far the first cut may move an outline, in working pixels: 1/32 of the width, and no less
+/// than outlines are off. With 1/48 overlaps are 0.007 lower in a room, and no time is saved
+/// (record 0011).
 int far_reach_px(const MaskState& s) { return std::max(kOutlineOff_px, s.outline.cols / 32); }
-constexpr int kNearReach_px = 1;
+// The second cut goes by pixels: half a cell is what the first one leaves.
+constexpr int kNearReach_px = kCoarseStep / 2;
 
-/// Where the cuts ask for an opinion.
+/// Where the cuts need a unary cost: as far as both reach, and the neighbours of those pixels.
 cv::Rect box_of_cuts(const MaskState& s) {
-  const cv::Rect box = with_certain(cv::boundingRect(s.outline), s);
+  const cv::Rect box = with_seeds(cv::boundingRect(s.outline), s);
   return grown(box, far_reach_px(s) + kNearReach_px + 1) & s.points.whole();
 }
 
-/// Where edges are measured, and with it how high one is among them. Before a map by the outline's
-/// own size: by the cuts' box, one of seven maps before a limb began a picture later and, with one
-/// seed of five, was three times as far off.
+/// Where edges are measured, and their mean square. Before a map an eighth of the outline's size
+/// around it. Measured over box_of_cuts, one of seven maps before a limb began an image later; with
+/// one seed of five it was three times as far off.
 cv::Rect box_of_edges(const MaskState& s) {
   if (has_map(s)) {
     return box_of_cuts(s);
@@ -98,60 +110,76 @@ cv::Rect box_of_edges(const MaskState& s) {
          s.points.whole();
 }
 
-/// What speaks for the target in each of the evidence's pixels that the box holds, before the edges
-/// are asked: these pictures, and with a map the nearness to landmarks. All of it is weak against
-/// an even place's price of 6: what a moving target uncovers contradicts the background as much as
-/// the target does, so motion is off by what has been uncovered, and only the edges of the picture
-/// are where the target ends.
-void form_opinion(const cv::Rect& box, MaskState* s) {
-  constexpr float kEvidenceShare = 0.15F;
-  constexpr float kEvidenceMin = -0.5F;  // places that look like the background agree by chance
-  constexpr float kEvidenceMax = 1.5F;
+/// The unary cost of each cell that the box holds: positive for the target. By the log-odds, the
+/// outline and, with a map, the nearness to landmarks. All are weak against an even place's 6
+/// (edge_cut.hpp): what a moving target uncovers contradicts the background as much as the target
+/// does. Motion is off by that strip, and only image edges are where the target ends.
+void form_unary_cost(const cv::Rect& box, MaskState* s) {
+  // Record 0007. With 0.35 the outline keeps the uncovered strip: overlap 0.88 instead of 0.93.
+  constexpr float kLogOddsShare = 0.15F;
+  // Places that look like the background agree by chance. With -2, landmarks on the background rose
+  // from 3 of 1411 to 12 of 1363 before the Earth (record 0007).
+  constexpr float kLogOddsMin = -0.5F;
+  // Five times kTargetLogOdds. Chosen: larger lets motion alone hold the outline.
+  constexpr float kLogOddsMax = 1.5F;
+  // With 0.2 overlaps are within 0.02; 0.4 keeps the uncovered strip (record 0007).
   constexpr float kOutlineShare = 0.3F;
+  // At a landmark. Chosen (record 0007): under the outline's, as some landmarks are wrong.
   constexpr float kMapShare = 0.25F;
+  // Distance at which a landmark counts nothing, in the body's radius, and its least in px. Chosen:
+  // larger draws the outline beyond the silhouette, smaller leaves gaps between landmarks.
+  constexpr double kNearPart = 0.1;
+  constexpr double kNearMin_px = 3.0;
   const bool by_map = has_map(*s);
-  const auto near = static_cast<float>(std::max(3.0, 0.1 * s->radius_px));
-  s->opinion.create(s->evidence.total.size(), CV_32FC1);
-  cover_by_half(s->outline, s->opinion.size(), &s->cells);
-  const cv::Rect part = coarser(box, s->evidence.step);
+  const auto near = static_cast<float>(std::max(kNearMin_px, kNearPart * s->map.radius_px));
+  cv::Mat& unary_cost = s->scratch.cell_values;
+  cv::Mat& outline_cells = s->scratch.cells;
+  unary_cost.create(s->foreground.log_odds.size(), CV_32FC1);
+  cover_by_half(s->outline, unary_cost.size(), &outline_cells);
+  const cv::Rect part = coarser(box, s->foreground.step);
   widely([&] {
     for (int row = part.y; row < part.br().y; ++row) {
-      const auto* evidence = s->evidence.total.ptr<float>(row);
-      const auto* outline = s->cells.ptr<std::uint8_t>(row);
-      auto* opinion = s->opinion.ptr<float>(row);
+      const auto* log_odds = s->foreground.log_odds.ptr<float>(row);
+      const auto* outline = outline_cells.ptr<std::uint8_t>(row);
+      auto* cost = unary_cost.ptr<float>(row);
       for (int column = part.x; column < part.br().x; ++column) {
-        opinion[column] = kEvidenceShare * limited(evidence[column], kEvidenceMin, kEvidenceMax) +
-                          (outline[column] != 0 ? kOutlineShare : -kOutlineShare);
+        cost[column] = kLogOddsShare * limited(log_odds[column], kLogOddsMin, kLogOddsMax) +
+                       (outline[column] != 0 ? kOutlineShare : -kOutlineShare);
       }
       if (!by_map) {
         continue;
       }
-      const auto* distance = s->distance.ptr<float>(row);
+      const auto* distance = s->map.distance.ptr<float>(row);
       for (int column = part.x; column < part.br().x; ++column) {
-        opinion[column] += kMapShare * limited(1.0F - distance[column] / near, 0.0F, 1.0F);
+        cost[column] += kMapShare * limited(1.0F - distance[column] / near, 0.0F, 1.0F);
       }
     }
   });
 }
 
-/// Where pictures are compared: about the target where it is known, and now and then everywhere.
+/// Where images are compared: around the target where it is known, and now and then everywhere.
 cv::Rect region_of_interest(const MaskState& s) {
-  const bool mapped = !s.certain.empty();
-  const std::size_t everywhere_each = mapped ? 32 : 8;
+  // Each so many images everywhere (record 0013): rarer saves time and finds missing parts later.
+  constexpr std::size_t kEverywhereWithMap = 32;
+  constexpr std::size_t kEverywhereBefore = 8;
+  // Least margin before a map. Chosen: larger costs time, smaller misses parts of a small target.
+  constexpr int kMarginMin_px = 16;
+  const bool mapped = !s.map.seeds.empty();
+  const std::size_t everywhere_each = mapped ? kEverywhereWithMap : kEverywhereBefore;
   const cv::Rect whole = s.points.whole();
   if (!s.was_found || s.compared % everywhere_each == 0 || s.outline.size() != whole.size()) {
     return whole;
   }
   if (mapped) {
-    return box_of_cuts(s);  // what is farther off no edge brings in
+    return box_of_cuts(s);  // the cuts move the outline no farther
   }
-  // Half of the target may still be missing.
+  // A quarter on each side: half as large again, as half of the target may still be missing.
   const cv::Rect box = cv::boundingRect(s.outline);
-  return grown(box, std::max(16, std::max(box.width, box.height) / 4)) & whole;
+  return grown(box, std::max(kMarginMin_px, std::max(box.width, box.height) / 4)) & whole;
 }
 
-/// Takes a picture in and compares it with the ones before. @return whether a background's motion
-/// was found.
+/// Stores an image and compares it with the ones before. @return whether a background's motion was
+/// found.
 bool compare_pictures(const cv::Mat& gray,
                       const cv::Mat& reduced,
                       const MaskPrior& prior,
@@ -159,30 +187,31 @@ bool compare_pictures(const cv::Mat& gray,
   const bool first = add_picture(gray, reduced, &s->points);
   if (first) {
     clear(&s->background);
-    clear(&s->evidence);
+    clear(&s->foreground);
     clear(&s->background_model);
     s->compared = 0;
   }
-  // Before a map each point counts: followed so, maps before the Earth begin one to three pictures
-  // later.
-  s->points.onwards = has_map(*s);
+  // Not before a map: with predicted searches, maps before the Earth begin one to three images
+  // later (record 0013).
+  s->points.predicted = has_map(*s);
   follow_points(&s->points);
-  size_evidence(s->points.whole().size(), prior.points_px.empty() ? 1 : kCoarseStep, &s->evidence);
+  resize_log_odds(
+      s->points.whole().size(), prior.points_px.empty() ? 1 : kCoarseStep, &s->foreground);
   place_landmarks(prior, true, s);
-  const FittedAges compared = s->evidence.longer ? FittedAges::kLonger : FittedAges::kShorter;
+  const FittedAges compared = s->foreground.longer ? FittedAges::kLonger : FittedAges::kShorter;
   const FittedAges ages = has_map(*s) ? compared : FittedAges::kBoth;
   const bool explained =
-      explain_background(s->certain, s->evidence.step, ages, &s->points, &s->background);
+      explain_background(s->map.seeds, s->foreground.step, ages, &s->points, &s->background);
   const cv::Rect region = region_of_interest(*s);
-  weigh_motions(s->points, s->background, region, &s->evidence);
+  update_log_odds(s->points, s->background, region, &s->foreground);
   place_prior(prior, s);
   choose_age(s->points, &s->background);
   ++s->compared;
   return explained;
 }
 
-/// Where the camera stands still what is beside the target is remembered: each time that the target
-/// has moved on, so that a part of it that the outline lacks is not.
+/// Learns what is beside the target where the camera stands still. Only each time that the target
+/// has moved on: a part of it that the outline lacks is not learned then.
 void remember_background(bool explained, MaskState* s) {
   if (!explained) {
     return;
@@ -191,12 +220,11 @@ void remember_background(bool explained, MaskState* s) {
     clear(&s->background_model);
   } else if (s->found && s->background.target_tracks >= kTracksEnough &&
              s->compared % s->background.age == 0) {
-    learn_background(s->points.picture(0), s->outline, s->evidence.noise, &s->background_model);
+    learn_background(s->points.picture(0), s->outline, s->foreground.noise, &s->background_model);
   }
 }
 
-/// Before a map each point counts: by turns maps before a limb begin from less, and their outlines
-/// overlap by 0.04 less.
+/// By turns with a map only: before one, outlines before a limb overlap by 0.04 less (record 0013).
 void refill(MaskState* s) {
   const Refill later = has_map(*s) ? Refill::kByTurns : Refill::kBandAndTarget;
   refill_points(s->found ? cv::boundingRect(s->outline) : cv::Rect(),
@@ -204,28 +232,30 @@ void refill(MaskState* s) {
                 &s->points);
 }
 
-/// Fills `cells`: the mask's that are open by half.
+/// Fills `cells`: the mask's cells that are open by half.
 void to_mask_cells(const cv::Size& size, MaskState* s) {
-  s->added.create(s->points.whole().size(), CV_8UC1);
-  fill_from_cells(s->open, s->evidence.step, s->points.whole(), &s->added);
-  cover_by_half(s->added, size, &s->cells);
+  MaskScratch& scratch = s->scratch;
+  scratch.added.create(s->points.whole().size(), CV_8UC1);
+  fill_from_cells(scratch.open, s->foreground.step, s->points.whole(), &scratch.added);
+  cover_by_half(scratch.added, size, &scratch.cells);
 }
 
-/// Lit cells that the outline covers by half and that do not agree with the background. The rim of
-/// the body is no place for features: what is seen beside it changes as the body turns.
+/// Keeps lit cells that the outline covers by half and that do not agree with the background.
+/// Features at the silhouette are left out: what is seen beside it changes as the body rotates.
 void open_lit_cells(MaskState* s, TargetMask* mask) {
-  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->open, cv::CMP_GE);
-  if (!s->certain.empty()) {
+  MaskScratch& scratch = s->scratch;
+  cv::compare(s->foreground.log_odds, static_cast<double>(kAgreement), scratch.open, cv::CMP_GE);
+  if (!s->map.seeds.empty()) {
     // Between the landmarks of a body at rest before a background at rest everything agrees.
-    cv::compare(s->distance, near_px(*s), s->cells, cv::CMP_LE);
-    cv::bitwise_or(s->open, s->cells, s->open);
+    cv::compare(s->map.distance, near_px(*s), scratch.cells, cv::CMP_LE);
+    cv::bitwise_or(scratch.open, scratch.cells, scratch.open);
   }
-  cv::bitwise_and(s->open, s->enclosed, s->open);
-  if (!s->certain.empty()) {
-    cv::bitwise_or(s->open, s->landmarks, s->open);
+  cv::bitwise_and(scratch.open, scratch.enclosed, scratch.open);
+  if (!s->map.seeds.empty()) {
+    cv::bitwise_or(scratch.open, s->map.landmark_discs, scratch.open);
   }
   to_mask_cells(mask->cells.size(), s);
-  cv::bitwise_and(s->cells, mask->cells, mask->cells);
+  cv::bitwise_and(scratch.cells, mask->cells, mask->cells);
   measure_cells(mask->region_px, mask);
 }
 
@@ -240,17 +270,18 @@ void follow_target(const cv::Mat& gray,
   s->found = false;
   s->sharp = false;
   s->behind = options.tells_background() &&
-              is_behind(mask->cells, cells_of_body(prior), s->behind, &s->scratch);
+              is_behind(mask->cells, cells_of_body(prior), s->behind, &s->scratch.outline);
   if (!s->behind) {
     clear(s);
     return;
   }
   const bool explained = compare_pictures(gray, mask->levels, prior, s);
-  s->unexplained = explained ? 0 : std::min(s->unexplained + 1, 2 * kPatience);
+  // Bounded; over kUnexplainedMax all counts do the same.
+  s->unexplained = explained ? 0 : std::min(s->unexplained + 1, 2 * kUnexplainedMax);
   find_piece(s);
   remember_background(explained, s);
   refill(s);
-  if (!s->found && s->unexplained >= kPatience && s->points.stored > 1) {
+  if (!s->found && s->unexplained >= kUnexplainedMax && s->points.stored > 1) {
     return;
   }
   open_lit_cells(s, mask);
@@ -264,40 +295,35 @@ void sharpen_outline(MaskState* s) {
   const bool mapped = has_map(*s);
   const cv::Mat& picture = s->points.picture(0);
   const cv::Rect box = box_of_cuts(*s);
-  form_opinion(box, s);
+  form_unary_cost(box, s);
+  MaskScratch& scratch = s->scratch;
+  cv::Mat& unary_cost = scratch.cell_values;
+  const int step = s->foreground.step;
   if (mapped) {
-    match_background(picture, s->evidence.noise, &s->background_model);
-    add_appearance(picture,
-                   s->outline,
-                   s->background_model.matches,
-                   box,
-                   s->evidence.step,
-                   &s->appearance_scratch,
-                   &s->opinion);
+    match_background(picture, s->foreground.noise, &s->background_model);
+    const cv::Mat& matches = s->background_model.matches;
+    add_appearance(picture, s->outline, matches, box, step, &scratch.appearance, &unary_cost);
   }
-  refine_opinion(
-      picture, s->outline, s->network, s->evidence.step, &s->refine_scratch, &s->opinion);
-  measure_edges(picture, box_of_edges(*s), &s->edges);
-  s->outline.copyTo(s->added);
+  refine_unary_cost(picture, s->outline, s->network, step, &scratch.refine, &unary_cost);
+  measure_edges(picture, box_of_edges(*s), &scratch.edges);
+  s->outline.copyTo(scratch.added);
   const int far_px = far_reach_px(*s);
-  const CutOpinion opinion{
-      .weight = s->opinion, .certain = s->certain, .cell_px = s->evidence.step};
+  const UnaryCost cost{.value = unary_cost, .seeds = s->map.seeds, .cell_px = step};
   if (mapped) {
-    cut_at_edges(s->edges, opinion, {.px = far_px, .cell_px = opinion.cell_px}, &s->outline);
-    cut_at_edges(s->edges, opinion, {.px = kNearReach_px}, &s->outline);
+    cut_at_edges(scratch.edges, cost, {.px = far_px, .cell_px = step}, &s->outline);
+    cut_at_edges(scratch.edges, cost, {.px = kNearReach_px}, &s->outline);
   } else {
-    // Outlines lack a side or hold a shadow, and looks would make more of it. Cut by cells, maps
-    // before a limb begin later.
-    cut_at_edges(s->edges, opinion, {.px = far_px}, &s->outline);
+    // No appearance here: outlines lack a face or hold a shadow, and it would add to that (record
+    // 0008). Cut by cells, maps before a limb begin later.
+    cut_at_edges(scratch.edges, cost, {.px = far_px}, &s->outline);
   }
   if (cv::boundingRect(s->outline).area() < kTargetAreaMin) {
-    // Where all of a small body may be cut away and its edges are as steep as what is behind it,
-    // nothing is what costs least.
-    cv::swap(s->outline, s->added);
+    // A small body whose edges are no steeper than those behind it: the empty outline is cheapest.
+    cv::swap(s->outline, scratch.added);
     return;
   }
   if (mapped) {
-    remember_outline(s->outline, &s->evidence);
+    remember_outline(s->outline, &s->foreground);
   }
   s->sharp = true;
 }
@@ -306,21 +332,22 @@ void open_outline(const cv::Size& image_px, MaskState* s, TargetMask* mask) {
   if (!s->sharp || has_map(*s)) {
     return;
   }
-  cv::compare(s->evidence.total, static_cast<double>(kAgreement), s->open, cv::CMP_GE);
-  cover_by_half(s->outline, s->open.size(), &s->cells);
-  cv::bitwise_and(s->open, s->cells, s->open);
-  cv::dilate(s->open, s->open, cv::Mat());
+  MaskScratch& scratch = s->scratch;
+  cv::compare(s->foreground.log_odds, static_cast<double>(kAgreement), scratch.open, cv::CMP_GE);
+  cover_by_half(s->outline, scratch.open.size(), &scratch.cells);
+  cv::bitwise_and(scratch.open, scratch.cells, scratch.open);
+  cv::dilate(scratch.open, scratch.open, cv::Mat());
   to_mask_cells(mask->cells.size(), s);
-  s->cells.copyTo(mask->cells);
+  scratch.cells.copyTo(mask->cells);
   measure_cells(cv::Rect(cv::Point(), image_px), mask);
 }
 
 void clear(MaskState* s) {
-  clear(&s->points);  // and all that is compared goes with the first of them
+  clear(&s->points);  // the next image is the first again, which clears what was compared
   s->behind = false;
   s->found = false;
   s->sharp = false;
-  s->unexplained = kPatience;
+  s->unexplained = kUnexplainedMax;
 }
 
 bool rules_out(const MaskState& s, float u_px, float v_px) {
@@ -328,7 +355,7 @@ bool rules_out(const MaskState& s, float u_px, float v_px) {
     return false;
   }
   const cv::Point at = working_pixel({u_px, v_px}, s);
-  constexpr int kSide = 2 * kOutlineOff_px + 1;
+  constexpr int kSide = 2 * kOutlineOff_px + 1;  // that far on both sides of the pixel
   const cv::Rect around =
       cv::Rect(at.x - kOutlineOff_px, at.y - kOutlineOff_px, kSide, kSide) & s.points.whole();
   return cv::countNonZero(s.outline(around)) == 0;

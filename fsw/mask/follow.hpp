@@ -1,5 +1,5 @@
-// The target's mask from picture to picture: what is bright, what moves unlike the background, and
-// what the map says.
+// The target's mask from image to image: by light, by motion unlike the background's, and by the
+// map.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,36 +10,35 @@
 
 namespace polhode {
 
-/// Before black space: leaves the mask as it is. With something behind the target: the piece of the
-/// picture that contradicts the background's motion, or that the map's landmarks are in. While
-/// there is no such piece the mask is empty; where the background had no motion that explains it
-/// either, not for five pictures, everything lit is the target.
-/// @param mask as find_target makes it of the same picture
-/// @cost about 3 ms a picture of 1920 x 1080.
+/// Before black space: leaves the mask as it is. With something behind the target: keeps the piece
+/// of the image that contradicts the background's motion, or that the map's landmarks are in. While
+/// there is no such piece the mask is empty. When no motion has explained the background for five
+/// images, everything lit is the target.
+/// @param mask as find_target makes it of the same image
+/// @cost about 3 ms an image of 1920 x 1080.
 void follow_target(const cv::Mat& gray,
                    const MaskPrior& prior,
                    const MaskOptions& options,
                    MaskState* state,
                    TargetMask* mask);
 
-/// For keyframes, after follow_target: moves the outline to the picture's edges. With a map it
-/// becomes the evidence that goes along. Nothing is done before black space; where no outline is
-/// left, it stays as it was and is not sharp.
+/// For keyframes, after follow_target: moves the outline to image edges. With a map the result is
+/// stored as log-odds. Does nothing before black space. Where no outline would be left it stays as
+/// it was and is not sharp.
 /// @cost with a map about 1.4 ms for a target of a quarter of the picture, before one ten times as
 /// much.
 void sharpen_outline(MaskState* state);
 
-/// Before a map, after sharpen_outline: opens to features what is inside the sharpened outline,
-/// save where the background is seen, and a working pixel more all around. What moves alone lacks
-/// much of a body's rim, and there it is that a start sees depth.
+/// Before a map, after sharpen_outline: opens the inside of the sharpened outline to features, and
+/// one working pixel around it. Not where the background is seen. The outline by motion alone lacks
+/// much of the silhouette, where initialisation sees depth.
 void open_outline(const cv::Size& image_px, MaskState* state, TargetMask* mask);
 
-/// As if no picture had been seen; what is asked about outlines stays.
+/// As if no image had been seen. The network stays.
 void clear(MaskState* state);
 
-/// Does the sharpened outline rule out that there is something new of the target at this pixel of
-/// the image? Not nearer than outlines are off, and never where the picture's outline was not
-/// sharpened.
+/// Does the sharpened outline rule out a new landmark at this pixel of the image? Only farther from
+/// it than outlines are off; never where the outline was not sharpened.
 bool rules_out(const MaskState& state, float u_px, float v_px);
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// A rectangle with a margin about it, or in larger pixels.
+// A rectangle with a margin around it, or in larger pixels.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -9,7 +9,8 @@ inline cv::Rect grown(const cv::Rect& box, int by) {
   return {box.x - by, box.y - by, box.width + 2 * by, box.height + 2 * by};
 }
 
-/// What holds a rectangle, in pixels that are `step` of its own along a side.
+/// The smallest rectangle that holds another one, in pixels that are `step` of its own along a
+/// side.
 inline cv::Rect coarser(const cv::Rect& box, int step) {
   return {cv::Point(box.x / step, box.y / step),
           cv::Point((box.br().x + step - 1) / step, (box.br().y + step - 1) / step)};

@@ -1,4 +1,4 @@
-// What is remembered of the target's mask from picture to picture.
+// What the mask keeps from image to image.
 #pragma once
 
 #include <cstddef>
@@ -18,40 +18,52 @@
 
 namespace polhode {
 
-/// Where the map's landmarks should be in this picture. No points: there is no map, or no pose.
+/// Where the map's landmarks should be in this image. No points: there is no map, or no pose.
 struct MaskPrior {
-  std::span<const cv::Point2f> points_px;  ///< landmarks on the side that is seen
+  std::span<const cv::Point2f> points_px;  ///< landmarks on the visible face
   double radius_px = 0.0;                  ///< of the body
 };
 
-/// What is remembered from picture to picture.
+/// The prior in the newest image. All of it has the size of the log-odds.
+struct MapRegions {
+  double radius_px = 0.0;  ///< of the body, in working pixels
+  cv::Mat landmark_discs;  ///< CV_8UC1: around the landmarks that the images do not contradict
+  cv::Mat seeds;       ///< CV_8UC1: fixed as target by the map, where motion alone does not decide
+  cv::Rect seeds_box;  ///< around all of them
+  cv::Mat reach;       ///< CV_8UC1: as far as the target can be. Empty: no map, or the images
+                       ///< contradict all of it
+  cv::Mat distance;    ///< CV_32FC1: to the landmarks, in working pixels
+};
+
+/// Working memory; contents mean nothing between calls.
+struct MaskScratch {
+  OutlineScratch outline;
+  AppearanceScratch appearance;
+  RefineScratch refine;
+  PictureEdges edges;
+  cv::Mat enclosed;     ///< CV_8UC1, size of the log-odds: what they enclose
+  cv::Mat cell_values;  ///< CV_32FC1, size of the log-odds: distance to gaps while the prior is
+                        ///< placed, the unary cost while the outline is sharpened
+  cv::Mat open, cells, added;
+};
+
+/// What the mask keeps from image to image.
 struct MaskState {
   PointsState points;
   BackgroundState background;
-  EvidenceState evidence;
+  ForegroundState foreground;
   BackgroundModel background_model;
-  std::size_t compared = 0;  ///< pictures since something was behind the target
-  bool behind = false;       ///< something is behind the target: the rim of the picture is lit
+  std::size_t compared = 0;  ///< images since something was behind the target
+  bool behind = false;       ///< something is behind the target: the image border is lit
   bool found = false;        ///< `outline` holds the target
-  bool was_found = false;    ///< in the picture before
-  bool sharp = false;        ///< `outline` has been moved to the picture's edges
-  int unexplained = 1000;    ///< pictures since the last whose background had a motion
-  cv::Mat outline;           ///< CV_8UC1 of the working size, 255 on the target; not grown
-  double radius_px = 0.0;    ///< of the body by the map, in working pixels
-  // Of the evidence's size, as `certain_box` is in its pixels.
-  cv::Mat enclosed;      ///< CV_8UC1: what the evidence encloses
-  cv::Mat landmarks;     ///< CV_8UC1: about the map's landmarks that the pictures do not contradict
-  cv::Mat certain;       ///< CV_8UC1: target by the map, where motion alone does not tell
-  cv::Rect certain_box;  ///< about all of that
-  cv::Mat reach;     ///< CV_8UC1: as far as the target can be by the map; empty: there is none, or
-                     ///< pictures contradict it
-  cv::Mat distance;  ///< CV_32FC1: to those landmarks, in working pixels
-  MaskNetwork network;  ///< asked about the outlines of keyframes, where there is one
-  OutlineScratch scratch;
-  AppearanceScratch appearance_scratch;
-  RefineScratch refine_scratch;
-  PictureEdges edges;
-  cv::Mat opinion, open, cells, added;  ///< scratch
+  bool was_found = false;    ///< in the image before
+  bool sharp = false;        ///< `outline` has been moved to image edges
+  // Images since the last whose background had a motion. Starts as after many without one.
+  int unexplained = 1000;
+  cv::Mat outline;  ///< CV_8UC1 of the working size, 255 on the target; not grown
+  MapRegions map;
+  MaskNetwork network;  ///< adds to the unary cost of keyframes, where there is one
+  MaskScratch scratch;
 };
 
 }  // namespace polhode

@@ -1,13 +1,14 @@
 #pragma once
 
-// One line an option:
+// One line per option: tests/structure/test_parameters.py reads these lines.
 // clang-format off
 namespace polhode {
 
 struct MaskOptions {
-  bool enabled = true;
-  bool background = true;    ///< tell the target from what is behind it, where something is
-  double dark_level = 0.03;  ///< pixels at or under this fraction of full scale count as empty space, 0 .. 0.5
+  bool enabled = true;       ///< separate the target from empty space; false: the whole image is the target
+  bool background = true;    ///< separate the target from a lit background, too; needs `enabled`
+  // 7 of 255 gray levels. Chosen, above image.dark_level; larger loses dim parts of the target.
+  double dark_level = 0.03;  ///< pixels at or below this fraction of full scale are empty space, 0 .. 0.5
 
   [[nodiscard]] bool tells_background() const { return enabled && background; }
 };

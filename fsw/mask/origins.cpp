@@ -10,14 +10,14 @@
 namespace polhode {
 namespace {
 
-/// The nearest pixel up to the last one. No number counts as the first.
+/// The nearest pixel up to the last one. NaN counts as the first.
 int nearest(float at_px, float last_px) {
   const float raised = at_px > 0.0F ? at_px : 0.0F;
   const float kept = raised < last_px ? raised : last_px;
   return static_cast<int>(kept + 0.5F);
 }
 
-/// Of a picture of earlier pixels.
+/// Size of the earlier image.
 struct Before {
   explicit Before(const cv::Size& size)
       : last_u_px(static_cast<float>(size.width - 1)),
@@ -32,7 +32,7 @@ struct Before {
   int width;
 };
 
-/// Between the middles of the grid's cells by interpolation.
+/// Interpolates between the middles of the grid's cells.
 void spread_flow(const cv::Mat& flow, int cell_px, const cv::Rect& region, int step, cv::Mat* out) {
   const cv::Rect cells = coarser(region, cell_px);
   cv::resize(flow(cells), *out, cells.size() * (cell_px / step), 0.0, 0.0, cv::INTER_LINEAR);
@@ -51,7 +51,7 @@ void trace_plane(const cv::Matx33d& motion,
   const auto along_w = static_cast<float>(back(2, 0));
   widely([&] {
     const Before before(before_size);
-    const int columns = region.width;  // what indices are written to could be this, too
+    const int columns = region.width;  // a copy: written indices might alias the original
     for (int row = 0; row < region.height; ++row) {
       auto* index = origins->index.ptr<std::int32_t>(row);
       const cv::Vec3f first = back * cv::Vec3d(region.x, region.y + row, 1.0);

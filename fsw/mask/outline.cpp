@@ -4,17 +4,23 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "mask/evidence.hpp"
 #include "mask/grown.hpp"
 
 namespace polhode {
 namespace {
 
-constexpr float kTargetEvidence = 0.3F;  // of sigmas a pixel over a window of 25
-constexpr float kCertainEvidence = 6.0F;
-constexpr double kPieceEvidenceMin = 250.0;
+// What a seed counts in its piece: the most that log-odds reach.
+constexpr float kSeedLogOdds = ForegroundState::kLogOddsMax;
+// Least sum of a target over working pixels. Chosen: kTargetAreaMin pixels with 2.5 each. Larger
+// loses small or slow targets, smaller takes noise for one.
+constexpr double kPieceLogOddsMin = 250.0;
+// A part of the target that stands apart has so much of the main piece's sum. Chosen; larger loses
+// booms, smaller adds noise.
+constexpr double kPartMin = 0.05;
 
 struct Piece {
-  double evidence = 0.0;
+  double log_odds = 0.0;
   int left = std::numeric_limits<int>::max();
   int right = -1;
   int top = std::numeric_limits<int>::max();
@@ -25,25 +31,27 @@ struct Piece {
   }
 };
 
-constexpr int kStep = 2;  // of the pixels that are asked what a piece weighs
+// Pieces are summed over every second row and column: a quarter of the time, and a piece has many
+// pixels.
+constexpr int kStep = 2;
 
-/// Sum of positive evidence and extent by piece; the first is none.
-std::vector<Piece> weigh_pieces(const cv::Mat& evidence,
-                                const cv::Mat& certain,
+/// Sum of positive log-odds and extent by piece; the first is what lies in none.
+std::vector<Piece> weigh_pieces(const cv::Mat& log_odds,
+                                const cv::Mat& seeds,
                                 const cv::Mat& labels,
                                 int count) {
   std::vector<Piece> pieces(static_cast<std::size_t>(count));
-  for (int row = 0; row < evidence.rows; row += kStep) {
-    const auto* says = evidence.ptr<float>(row);
+  for (int row = 0; row < log_odds.rows; row += kStep) {
+    const auto* of_row = log_odds.ptr<float>(row);
     const auto* label = labels.ptr<int>(row);
-    const std::uint8_t* sure = certain.empty() ? nullptr : certain.ptr<std::uint8_t>(row);
-    for (int column = 0; column < evidence.cols; column += kStep) {
+    const std::uint8_t* seed = seeds.empty() ? nullptr : seeds.ptr<std::uint8_t>(row);
+    for (int column = 0; column < log_odds.cols; column += kStep) {
       if (label[column] == 0) {
         continue;
       }
       Piece& piece = pieces[static_cast<std::size_t>(label[column])];
-      const float weight = sure != nullptr && sure[column] != 0 ? kCertainEvidence : says[column];
-      piece.evidence += kStep * kStep * static_cast<double>(std::max(0.0F, weight));
+      const float weight = seed != nullptr && seed[column] != 0 ? kSeedLogOdds : of_row[column];
+      piece.log_odds += kStep * kStep * static_cast<double>(std::max(0.0F, weight));
       piece.left = std::min(piece.left, column);
       piece.right = std::max(piece.right, column);
       piece.top = std::min(piece.top, row);
@@ -53,57 +61,59 @@ std::vector<Piece> weigh_pieces(const cv::Mat& evidence,
   return pieces;
 }
 
-/// A twentieth of the evidence of the main piece, and nearer to it than a third of its size.
+/// Is a piece large enough and close enough to the main one? Closer than a third of that one's
+/// size: chosen, as bodies' parts stand apart by less than they are long.
 bool belongs(const Piece& piece, const Piece& main) {
   const cv::Rect box = main.box();
   const int reach = std::max(box.width, box.height) / 3;
-  return piece.evidence > 0.05 * main.evidence && (grown(box, reach) & piece.box()).area() > 0;
+  return piece.log_odds > kPartMin * main.log_odds && (grown(box, reach) & piece.box()).area() > 0;
 }
 
-/// Everything that the rim of the picture cannot be reached from.
+/// Sets everything that cannot be reached from the image border.
 void fill_holes(cv::Mat* outline, cv::Mat* flooded) {
   cv::copyMakeBorder(*outline, *flooded, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
-  cv::floodFill(*flooded, cv::Point(0, 0), cv::Scalar(128));
+  constexpr int kReached = 128;  // any level but 0 and 255, which the outline has
+  cv::floodFill(*flooded, cv::Point(0, 0), cv::Scalar(kReached));
   for (int row = 0; row < outline->rows; ++row) {
     const std::uint8_t* from = flooded->ptr<std::uint8_t>(row + 1) + 1;
     std::uint8_t* to = outline->ptr<std::uint8_t>(row);
     for (int column = 0; column < outline->cols; ++column) {
-      to[column] = from[column] == 128 ? 0 : 255;
+      to[column] = from[column] == kReached ? 0 : 255;
     }
   }
 }
 
 }  // namespace
 
-bool find_outline(const cv::Mat& all_evidence,
-                  const cv::Mat& all_certain,
+bool find_outline(const cv::Mat& all_log_odds,
+                  const cv::Mat& all_seeds,
                   const cv::Rect& region,
                   const cv::Mat& closing,
                   int step,
                   OutlineScratch* s,
                   cv::Mat* whole_outline) {
-  whole_outline->create(all_evidence.size(), CV_8UC1);
+  whole_outline->create(all_log_odds.size(), CV_8UC1);
   whole_outline->setTo(0);
   if (region.empty()) {
     return false;
   }
-  const cv::Mat evidence = all_evidence(region);
-  const cv::Mat certain = all_certain.empty() ? cv::Mat() : all_certain(region);
+  const cv::Mat log_odds = all_log_odds(region);
+  const cv::Mat seeds = all_seeds.empty() ? cv::Mat() : all_seeds(region);
   cv::Mat outline = (*whole_outline)(region);
-  cv::compare(evidence, static_cast<double>(kTargetEvidence), s->positive, cv::CMP_GT);
+  cv::compare(log_odds, static_cast<double>(kTargetLogOdds), s->positive, cv::CMP_GT);
   cv::medianBlur(s->positive, s->positive, 3);  // single pixels are noise
-  if (!certain.empty()) {
-    cv::bitwise_or(s->positive, certain, s->positive);
+  if (!seeds.empty()) {
+    cv::bitwise_or(s->positive, seeds, s->positive);
   }
   cv::morphologyEx(s->positive, s->positive, cv::MORPH_CLOSE, closing);
   const int count = cv::connectedComponents(s->positive, s->labels, 8, CV_32S);
-  const std::vector<Piece> pieces = weigh_pieces(evidence, certain, s->labels, count);
+  const std::vector<Piece> pieces = weigh_pieces(log_odds, seeds, s->labels, count);
   const auto main =
       std::max_element(pieces.begin() + 1, pieces.end(), [](const Piece& a, const Piece& b) {
-        return a.evidence < b.evidence;
+        return a.log_odds < b.log_odds;
       });
   const int pixels = step * step;
-  if (count < 2 || pixels * main->evidence < kPieceEvidenceMin ||
+  if (count < 2 || pixels * main->log_odds < kPieceLogOddsMin ||
       pixels * main->box().area() < kTargetAreaMin) {
     return false;
   }
@@ -111,10 +121,10 @@ bool find_outline(const cv::Mat& all_evidence,
   for (std::size_t i = 1; i < pieces.size(); ++i) {
     keep[i] = belongs(pieces[i], *main) ? 255 : 0;
   }
-  for (int row = 0; row < evidence.rows; ++row) {
+  for (int row = 0; row < log_odds.rows; ++row) {
     const int* label = s->labels.ptr<int>(row);
     std::uint8_t* to = outline.ptr<std::uint8_t>(row);
-    for (int column = 0; column < evidence.cols; ++column) {
+    for (int column = 0; column < log_odds.cols; ++column) {
       to[column] = keep[static_cast<std::size_t>(label[column])];
     }
   }

@@ -15,7 +15,11 @@ namespace {
 using Vector8d = Eigen::Matrix<double, 8, 1>;
 using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
+// Part of the fits that may miss a sample of four agreeing points.
+constexpr double kMiss = 0.01;
+// Enough for kMiss where 46 % of the points agree: ln(0.01) / ln(1 - 0.46^4) = 100.
 constexpr int kDrawsMax = 100;
+// Twice the four points that any homography fits.
 constexpr std::size_t kAgreeMin = 8;
 // Coordinates in hundreds of pixels keep the equations' terms of one size.
 constexpr double kUnit_px = 100.0;
@@ -71,8 +75,7 @@ bool through_four(std::span<const cv::Point2f> from,
   return h.allFinite();
 }
 
-/// Sum of squared distances, each at most the square of what still agrees; only so far as it is
-/// under `best`.
+/// Sum of squared distances, each truncated at fit_px^2. Stops when it is over `best`.
 double score(std::span<const cv::Point2f> from,
              std::span<const cv::Point2f> to,
              const cv::Matx33d& motion,
@@ -152,7 +155,8 @@ bool fit_plane_motion(std::span<const cv::Point2f> from,
     return false;
   }
   Rng rng(0, from.size());
-  double best = 1E300;
+  constexpr double kNone = 1E300;  // over any score
+  double best = kNone;
   int draws = kDrawsMax;
   for (int i = 0; i < draws; ++i) {
     cv::Matx33d candidate;
@@ -165,16 +169,17 @@ bool fit_plane_motion(std::span<const cv::Point2f> from,
       best = cost;
       *motion = candidate;
       const double part = static_cast<double>(agree) / static_cast<double>(from.size());
-      draws = std::min(draws, std::max(i + 1, draws_needed(part, 4, 0.01)));
+      draws = std::min(draws, std::max(i + 1, draws_needed(part, 4, kMiss)));
     }
   }
+  // Each round may let other points agree. Chosen; more cost time and change little.
   constexpr int kRounds = 3;
-  for (int i = 0; i < kRounds && best < 1E300; ++i) {
+  for (int i = 0; i < kRounds && best < kNone; ++i) {
     refine(from, to, fit_px, motion);
   }
   agrees->assign(from.size(), 0);
   std::size_t count = 0;
-  for (std::size_t i = 0; i < from.size() && best < 1E300; ++i) {
+  for (std::size_t i = 0; i < from.size() && best < kNone; ++i) {
     const cv::Point2f d = moved(*motion, from[i]) - to[i];
     (*agrees)[i] = std::hypot(d.x, d.y) < static_cast<float>(fit_px) ? 1 : 0;
     count += (*agrees)[i];

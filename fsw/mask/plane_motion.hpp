@@ -1,5 +1,5 @@
-// The motion of a plane's picture between two pictures: a homography through points, most of which
-// may belong to something else.
+// The motion of a plane between two images: a homography through points, most of which may belong
+// to something else.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace polhode {
 
-/// Consensus of four-point samples, at most 100 of them from a fixed stream of random numbers, then
-/// least squares on those that agree. No heap beyond `agrees`.
+/// Consensus of four-point samples: at most 100 from a fixed stream of random numbers. Then least
+/// squares on the points that agree. No heap beyond `agrees`.
 /// @param fit_px a point agrees within this distance.
 /// @param agrees per point, 1 where it agrees.
 /// @return false when fewer than 8 points agree.

@@ -9,32 +9,47 @@
 namespace polhode {
 namespace {
 
-// How far a body reaches beyond its landmarks, in its radius: a new side comes into view, and
-// landmarks do not sit on its rim.
+// How far a body reaches beyond its landmarks, in its radius: a new face comes into view, and
+// landmarks do not sit on the silhouette. Chosen; larger lets the background in, smaller cuts parts
+// off.
 constexpr double kReach = 0.35;
+constexpr double kReachMin_px = 6.0;  // chosen: for a body so small that outlines' errors count
 
-/// Distance to what is set, within a box, in working pixels, of which each of its own has `step`
-/// along a side; outside of it: far.
+// A disc around a landmark, in the body's radius. Chosen: larger opens the mask beyond the body.
+constexpr double kDiscRadius = 0.05;
+
+// Nearer to a landmark than this is target, in the body's radius, and its least. Chosen; larger
+// fills gaps that are background, smaller leaves even panels open.
+constexpr double kNear = 0.15;
+constexpr double kNearMin_px = 2.0;
+
+/// Distance to what is set, within a box, in working pixels. Outside of the box: far.
+/// @param step working pixels per pixel of `set`, along a side.
 void distance_within(
     const cv::Mat& set, const cv::Rect& box, int step, OutlineScratch* s, cv::Mat* distance) {
-  constexpr double kFar = 1E4;
+  constexpr double kFar = 1E4;  // over the diagonal of any working image
   distance->create(set.size(), CV_32FC1);
   distance->setTo(kFar);
   cv::Mat part = (*distance)(box);
   cv::bitwise_not(set(box), s->positive);
-  cv::distanceTransform(s->positive, part, cv::DIST_L2, 3, CV_32F);
+  constexpr int kChamfer = 3;  // the fastest; off by a few percent, less than the reach is known
+  cv::distanceTransform(s->positive, part, cv::DIST_L2, kChamfer, CV_32F);
   part *= static_cast<double>(step);
 }
 
-/// Between landmarks that are close together, there is the body.
+/// Adds the places between landmarks that are close together to the seeds, where the log-odds do
+/// not say background.
 void close_gaps(const cv::Rect& box, MaskState* s) {
-  cv::compare(s->distance, near_px(*s), s->cells, cv::CMP_LE);
-  cv::bitwise_not(s->cells, s->cells);
-  distance_within(s->cells, box, s->evidence.step, &s->scratch, &s->opinion);
-  cv::compare(s->opinion(box), near_px(*s), s->cells(box), cv::CMP_GT);
-  cv::bitwise_or(s->certain(box), s->cells(box), s->certain(box));
-  cv::compare(s->evidence.total(box), static_cast<double>(kAgreement), s->cells(box), cv::CMP_GT);
-  cv::bitwise_and(s->certain(box), s->cells(box), s->certain(box));
+  cv::Mat& cells = s->scratch.cells;
+  cv::Mat& gap_distance = s->scratch.cell_values;
+  cv::Mat& seeds = s->map.seeds;
+  cv::compare(s->map.distance, near_px(*s), cells, cv::CMP_LE);
+  cv::bitwise_not(cells, cells);
+  distance_within(cells, box, s->foreground.step, &s->scratch.outline, &gap_distance);
+  cv::compare(gap_distance(box), near_px(*s), cells(box), cv::CMP_GT);
+  cv::bitwise_or(seeds(box), cells(box), seeds(box));
+  cv::compare(s->foreground.log_odds(box), static_cast<double>(kAgreement), cells(box), cv::CMP_GT);
+  cv::bitwise_and(seeds(box), cells(box), seeds(box));
 }
 
 }  // namespace
@@ -57,7 +72,7 @@ cv::Rect cells_of_body(const MaskPrior& prior) {
   return cells;
 }
 
-bool has_map(const MaskState& s) { return !s.reach.empty(); }
+bool has_map(const MaskState& s) { return !s.map.reach.empty(); }
 
 cv::Point working_pixel(const cv::Point2f& p_px, const MaskState& s) {
   const auto scale = static_cast<float>(1.0 / s.points.decimation);
@@ -67,48 +82,50 @@ cv::Point working_pixel(const cv::Point2f& p_px, const MaskState& s) {
 
 void place_landmarks(const MaskPrior& prior, bool contradicted_too, MaskState* s) {
   if (prior.points_px.empty()) {
-    s->certain.release();
+    s->map.seeds.release();
     return;
   }
   const double radius = prior.radius_px / s->points.decimation;
-  const int step = s->evidence.step;
-  const int disc = std::max(1, static_cast<int>(std::lround(0.05 * radius / step)));
-  const cv::Rect whole(cv::Point(), s->evidence.total.size());
-  s->certain.create(whole.size(), CV_8UC1);
-  s->certain.setTo(0);
+  const int step = s->foreground.step;
+  const int disc = std::max(1, static_cast<int>(std::lround(kDiscRadius * radius / step)));
+  const cv::Rect whole(cv::Point(), s->foreground.log_odds.size());
+  s->map.seeds.create(whole.size(), CV_8UC1);
+  s->map.seeds.setTo(0);
   for (const cv::Point2f& p_px : prior.points_px) {
     const cv::Point at = working_pixel(p_px, *s) / step;
-    if (contradicted_too || (whole.contains(at) && s->evidence.total.at<float>(at) > kAgreement)) {
-      cv::circle(s->certain, at, disc, cv::Scalar(255), cv::FILLED);
+    if (contradicted_too ||
+        (whole.contains(at) && s->foreground.log_odds.at<float>(at) > kAgreement)) {
+      cv::circle(s->map.seeds, at, disc, cv::Scalar(255), cv::FILLED);
     }
   }
-  s->certain_box = cv::boundingRect(s->certain);
+  s->map.seeds_box = cv::boundingRect(s->map.seeds);
 }
 
-double near_px(const MaskState& s) { return std::max(2.0, 0.15 * s.radius_px); }
+double near_px(const MaskState& s) { return std::max(kNearMin_px, kNear * s.map.radius_px); }
 
 void place_prior(const MaskPrior& prior, MaskState* s) {
   place_landmarks(prior, false, s);
-  if (s->certain.empty() || s->certain_box.empty()) {
-    s->certain.release();  // the pictures contradict all of it: the pose is wrong, and says nothing
-    s->reach.release();
+  if (s->map.seeds.empty() || s->map.seeds_box.empty()) {
+    s->map.seeds.release();  // the images contradict all landmarks: the pose is wrong
+    s->map.reach.release();
     return;
   }
-  s->radius_px = prior.radius_px / s->points.decimation;
-  const double reach = std::max(6.0, kReach * s->radius_px);
-  const int margin = static_cast<int>(reach) / s->evidence.step + 2;
-  const cv::Rect box = grown(s->certain_box, margin) & cv::Rect(cv::Point(), s->certain.size());
-  distance_within(s->certain, box, s->evidence.step, &s->scratch, &s->distance);
-  cv::compare(s->distance, reach, s->reach, cv::CMP_LE);
-  // Motion draws the finer outline: 0.86 and 0.90 of overlap on `earth` and `paper_2d`, small, 0.81
-  // and 0.87 with the landmarks counted too.
-  s->certain.copyTo(s->landmarks);
+  s->map.radius_px = prior.radius_px / s->points.decimation;
+  const double reach = std::max(kReachMin_px, kReach * s->map.radius_px);
+  // Two cells more: for the division's rest, and one beyond the reach.
+  const int margin = static_cast<int>(reach) / s->foreground.step + 2;
+  const cv::Rect box = grown(s->map.seeds_box, margin) & cv::Rect(cv::Point(), s->map.seeds.size());
+  distance_within(s->map.seeds, box, s->foreground.step, &s->scratch.outline, &s->map.distance);
+  cv::compare(s->map.distance, reach, s->map.reach, cv::CMP_LE);
+  // Motion draws the finer outline: overlap 0.86 and 0.90 on small `earth` and `paper_2d`, with the
+  // landmarks' discs added 0.81 and 0.87 (record 0006).
+  s->map.seeds.copyTo(s->map.landmark_discs);
   if (s->background.target_tracks >= kTracksEnough) {
-    s->certain.setTo(0);
-    s->certain_box = {};
+    s->map.seeds.setTo(0);
+    s->map.seeds_box = {};
   } else {
     close_gaps(box, s);
-    s->certain_box = cv::boundingRect(s->certain);
+    s->map.seeds_box = cv::boundingRect(s->map.seeds);
   }
 }
 

@@ -1,4 +1,4 @@
-// The network's word, where there is a network, on where the target is.
+// Adds an optional network's answer to the unary cost.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -12,16 +12,16 @@ struct RefineScratch {
   cv::Mat part, gray, outline, target, full;
 };
 
-/// Shows the network the outline's box, grown by a quarter, and adds what it says to the opinion.
-/// An opinion that is not finite is none.
-/// @param picture, outline CV_8UC1. @param step pixels of both per pixel of the opinion, along a
+/// Shows the network the outline's box, grown by a quarter, and adds its answer to the unary cost.
+/// An answer that is not a probability everywhere is ignored.
+/// @param picture, outline CV_8UC1. @param step pixels of both per pixel of the unary cost, along a
 /// side.
-/// @param opinion CV_32FC1: for (positive) or against target.
-void refine_opinion(const cv::Mat& picture,
-                    const cv::Mat& outline,
-                    const MaskNetwork& network,
-                    int step,
-                    RefineScratch* scratch,
-                    cv::Mat* opinion);
+/// @param unary_cost CV_32FC1: for (positive) or against target.
+void refine_unary_cost(const cv::Mat& picture,
+                       const cv::Mat& outline,
+                       const MaskNetwork& network,
+                       int step,
+                       RefineScratch* scratch,
+                       cv::Mat* unary_cost);
 
 }  // namespace polhode

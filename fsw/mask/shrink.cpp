@@ -20,8 +20,9 @@ void shrink(const cv::Mat& picture, const cv::Size& size, int by, cv::Mat* out) 
 }
 
 void cover_by_half(const cv::Mat& set, const cv::Size& size, cv::Mat* out) {
+  constexpr double kHalf = 127.0;  // what exceeds it is 128 of 255 or more
   cv::resize(set, *out, size, 0.0, 0.0, cv::INTER_AREA);
-  cv::threshold(*out, *out, 127.0, 255.0, cv::THRESH_BINARY);
+  cv::threshold(*out, *out, kHalf, 255.0, cv::THRESH_BINARY);
 }
 
 void fill_from_cells(const cv::Mat& cells, int step, const cv::Rect& box, cv::Mat* out) {

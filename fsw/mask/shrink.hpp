@@ -1,4 +1,4 @@
-// A picture made smaller, and back.
+// Reduces and enlarges images.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -12,12 +12,12 @@ namespace polhode {
 /// @param out      CV_8UC1 [size]
 void shrink(const cv::Mat& picture, const cv::Size& size, int by, cv::Mat* out);
 
-/// Pixels of another size that are covered by half.
+/// Sets the pixels of another size that are covered by half.
 /// @param set  CV_8UC1 of 0 and 255
 /// @param out  CV_8UC1 [size], the same; may be `set`
 void cover_by_half(const cv::Mat& set, const cv::Size& size, cv::Mat* out);
 
-/// Fills the cells that a box lies in with what they are.
+/// Enlarges the cells that a box lies in.
 /// @param cells  CV_8UC1, of `step` pixels along a side
 /// @param step   1 or 2
 /// @param out    CV_8UC1; outside of these cells nothing is written

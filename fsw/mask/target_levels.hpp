@@ -8,7 +8,7 @@
 
 namespace polhode {
 
-/// Empty space in the mask's margin is left out: what is at or under the mask's dark level.
+/// Leaves out what is at or under the mask's dark level: empty space in the mask's margin.
 LevelCounts target_levels(const cv::Mat& gray, const MaskOptions& options, const TargetMask& mask);
 
 }  // namespace polhode

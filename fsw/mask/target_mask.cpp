@@ -11,10 +11,12 @@ namespace polhode {
 namespace {
 
 constexpr int kGroupCellsMin = 5;  // a star's blur disc, 3 px across, touches 2 x 2 cells at most
+// Cells around the target that stay open, for dark parts beside lit ones. Chosen; larger lets stars
+// in, smaller loses features at the silhouette.
 constexpr int kGrowCells = 2;
 
-/// Clears groups that are too small. Counting cells by label costs a quarter of OpenCV's
-/// statistics.
+/// Clears groups that are too small. Counting cells by label takes a quarter of the time of
+/// OpenCV's statistics.
 void drop_small_groups(cv::Mat* cells) {
   cv::Mat labels;
   std::vector<int> count_of(
@@ -60,7 +62,7 @@ void find_target(const cv::Mat& gray, const MaskOptions& options, TargetMask* ma
   }
   shrink(gray, size, TargetMask::kCell_px, &mask->levels);
   cv::threshold(mask->levels, mask->cells, options.dark_level * 255.0, 255.0, cv::THRESH_BINARY);
-  if (!rim_is_full(mask->cells)) {  // stars matter before black space alone
+  if (!border_is_full(mask->cells)) {  // stars are seen before black space alone
     drop_small_groups(&mask->cells);
   }
   cv::dilate(mask->cells, mask->cells, cv::Mat(), cv::Point(-1, -1), kGrowCells);

@@ -18,28 +18,30 @@ cv::Mat outline_without(const cv::Rect& missing) {
   return outline;
 }
 
-cv::Mat opinion_of(const cv::Mat& picture,
-                   const cv::Mat& outline,
-                   const cv::Mat& matches = cv::Mat::zeros(kSize, CV_8UC1)) {
-  cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(0.0));
+cv::Mat unary_cost_of(const cv::Mat& picture,
+                      const cv::Mat& outline,
+                      const cv::Mat& matches = cv::Mat::zeros(kSize, CV_8UC1)) {
+  cv::Mat unary_cost(kSize, CV_32FC1, cv::Scalar(0.0));
   AppearanceScratch scratch;
   add_appearance(
-      picture, outline, matches, cv::Rect(cv::Point(), picture.size()), 1, &scratch, &opinion);
-  return opinion;
+      picture, outline, matches, cv::Rect(cv::Point(), picture.size()), 1, &scratch, &unary_cost);
+  return unary_cost;
 }
 
-double mean_in(const cv::Mat& opinion, const cv::Rect& box) { return cv::mean(opinion(box))[0]; }
+double mean_in(const cv::Mat& unary_cost, const cv::Rect& box) {
+  return cv::mean(unary_cost(box))[0];
+}
 
-TEST(AddAppearance, SpeaksForAnEvenCellThatLooksLikeTheOthers) {
+TEST(AddAppearance, CountsForAnEvenCellThatLooksLikeTheOthers) {
   cv::Mat picture(kSize, CV_8UC1, cv::Scalar(150));
   picture(kBody).setTo(30);
-  const cv::Mat opinion = opinion_of(picture, outline_without(kCell));
+  const cv::Mat unary_cost = unary_cost_of(picture, outline_without(kCell));
   const cv::Rect inner(kCell.x + 2, kCell.y + 2, kCell.width - 4, kCell.height - 4);
-  EXPECT_GT(mean_in(opinion, inner), 0.3);                      // against an outline's 0.3
-  EXPECT_LT(mean_in(opinion, cv::Rect(60, 20, 80, 25)), -0.3);  // the sky above
+  EXPECT_GT(mean_in(unary_cost, inner), 0.3);                      // against an outline's 0.3
+  EXPECT_LT(mean_in(unary_cost, cv::Rect(60, 20, 80, 25)), -0.3);  // the sky above
 }
 
-TEST(AddAppearance, TellsRoughFromEven_WhereTheLevelsAreAlike) {
+TEST(AddAppearance, SeparatesRoughFromEven_WhereTheLevelsAreAlike) {
   cv::Mat picture(kSize, CV_8UC1, cv::Scalar(120));
   for (int row = 0; row < kSize.height; ++row) {
     for (int column = 0; column < kSize.width; ++column) {
@@ -47,12 +49,12 @@ TEST(AddAppearance, TellsRoughFromEven_WhereTheLevelsAreAlike) {
     }
   }
   picture(kBody).setTo(120);
-  const cv::Mat opinion = opinion_of(picture, outline_without(kCell));
-  EXPECT_GT(mean_in(opinion, cv::Rect(kCell.x + 2, kCell.y + 2, 26, 26)), 0.3);
-  EXPECT_LT(mean_in(opinion, cv::Rect(60, 20, 80, 25)), -0.2);
+  const cv::Mat unary_cost = unary_cost_of(picture, outline_without(kCell));
+  EXPECT_GT(mean_in(unary_cost, cv::Rect(kCell.x + 2, kCell.y + 2, 26, 26)), 0.3);
+  EXPECT_LT(mean_in(unary_cost, cv::Rect(60, 20, 80, 25)), -0.2);
 }
 
-TEST(AddAppearance, SpeaksAgainstTheTargetsLooks_WhereTheBackgroundIsKnownToHaveThem) {
+TEST(AddAppearance, CountsAgainstTheTargetsAppearance_WhereTheBackgroundIsKnownToHaveIt) {
   cv::Mat picture(kSize, CV_8UC1, cv::Scalar(150));
   picture(kBody).setTo(30);
   cv::circle(picture,
@@ -64,43 +66,44 @@ TEST(AddAppearance, SpeaksAgainstTheTargetsLooks_WhereTheBackgroundIsKnownToHave
   picture(panel).setTo(30);
   cv::Mat matches = cv::Mat::zeros(kSize, CV_8UC1);
   const cv::Rect inner(panel.x + 2, panel.y + 2, panel.width - 4, panel.height - 4);
-  EXPECT_GT(mean_in(opinion_of(picture, outline_without(kCell), matches), inner), 0.3);
+  EXPECT_GT(mean_in(unary_cost_of(picture, outline_without(kCell), matches), inner), 0.3);
   matches(panel).setTo(255);
-  const cv::Mat opinion = opinion_of(picture, outline_without(kCell), matches);
-  EXPECT_LT(mean_in(opinion, inner), 0.0);
-  EXPECT_GT(mean_in(opinion, cv::Rect(kCell.x + 2, kCell.y + 2, kCell.width - 4, kCell.height - 4)),
-            0.3);
+  const cv::Mat unary_cost = unary_cost_of(picture, outline_without(kCell), matches);
+  EXPECT_LT(mean_in(unary_cost, inner), 0.0);
+  EXPECT_GT(
+      mean_in(unary_cost, cv::Rect(kCell.x + 2, kCell.y + 2, kCell.width - 4, kCell.height - 4)),
+      0.3);
 }
 
-TEST(AddAppearance, SaysNothing_WhereTheBackgroundLooksTheSame) {
+TEST(AddAppearance, AddsNothing_WhereTheBackgroundLooksTheSame) {
   const cv::Mat picture(kSize, CV_8UC1, cv::Scalar(90));
-  EXPECT_LT(cv::norm(opinion_of(picture, outline_without(kCell)), cv::NORM_INF), 0.01);
+  EXPECT_LT(cv::norm(unary_cost_of(picture, outline_without(kCell)), cv::NORM_INF), 0.01);
 }
 
-TEST(AddAppearance, SaysTheSameWithinARegion_AndNothingOutsideOfIt) {
+TEST(AddAppearance, AddsTheSameWithinARegion_AndNothingOutsideOfIt) {
   cv::Mat picture(kSize, CV_8UC1, cv::Scalar(150));
   picture(kBody).setTo(30);
-  const cv::Mat everywhere = opinion_of(picture, outline_without(kCell));
+  const cv::Mat everywhere = unary_cost_of(picture, outline_without(kCell));
   const cv::Rect region(kCell.x - 5, kCell.y - 5, 60, 45);  // within the body and beyond its corner
-  cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(0.0));
+  cv::Mat unary_cost(kSize, CV_32FC1, cv::Scalar(0.0));
   AppearanceScratch scratch;
   const cv::Mat nothing_known = cv::Mat::zeros(kSize, CV_8UC1);
-  add_appearance(picture, outline_without(kCell), nothing_known, region, 1, &scratch, &opinion);
-  EXPECT_EQ(cv::norm(opinion(region), everywhere(region), cv::NORM_INF), 0.0);
-  EXPECT_GT(mean_in(opinion, kCell), 0.2);
-  opinion(region).setTo(0.0);
-  EXPECT_EQ(cv::countNonZero(opinion), 0);
+  add_appearance(picture, outline_without(kCell), nothing_known, region, 1, &scratch, &unary_cost);
+  EXPECT_EQ(cv::norm(unary_cost(region), everywhere(region), cv::NORM_INF), 0.0);
+  EXPECT_GT(mean_in(unary_cost, kCell), 0.2);
+  unary_cost(region).setTo(0.0);
+  EXPECT_EQ(cv::countNonZero(unary_cost), 0);
 }
 
-TEST(AddAppearance, SaysNothing_WithoutAnOutline) {
+TEST(AddAppearance, AddsNothing_WithoutAnOutline) {
   const cv::Mat picture(kSize, CV_8UC1, cv::Scalar(90));
-  EXPECT_EQ(cv::norm(opinion_of(picture, cv::Mat::zeros(kSize, CV_8UC1)), cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(unary_cost_of(picture, cv::Mat::zeros(kSize, CV_8UC1)), cv::NORM_INF), 0.0);
 }
 
-TEST(AddAppearance, SaysByCells_WhatItSaysByTheirFirstPixels) {
+TEST(AddAppearance, AddsByCells_WhatItAddsByTheirFirstPixels) {
   cv::Mat picture(kSize, CV_8UC1, cv::Scalar(150));
   picture(kBody).setTo(30);
-  const cv::Mat by_pixels = opinion_of(picture, outline_without(kCell));
+  const cv::Mat by_pixels = unary_cost_of(picture, outline_without(kCell));
   cv::Mat by_cells(kSize / 2, CV_32FC1, cv::Scalar(0.0));
   AppearanceScratch scratch;
   const cv::Mat nothing_known = cv::Mat::zeros(kSize, CV_8UC1);
@@ -111,14 +114,14 @@ TEST(AddAppearance, SaysByCells_WhatItSaysByTheirFirstPixels) {
                  2,
                  &scratch,
                  &by_cells);
-  int told = 0;
+  int counted = 0;
   for (int row = 0; row < by_cells.rows; ++row) {
     for (int column = 0; column < by_cells.cols; ++column) {
       EXPECT_EQ(by_cells.at<float>(row, column), by_pixels.at<float>(2 * row, 2 * column));
-      told += by_cells.at<float>(row, column) != 0.0F ? 1 : 0;
+      counted += by_cells.at<float>(row, column) != 0.0F ? 1 : 0;
     }
   }
-  EXPECT_GT(told, kCell.area() / 4);
+  EXPECT_GT(counted, kCell.area() / 4);
 }
 
 }  // namespace

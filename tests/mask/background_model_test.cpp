@@ -1,4 +1,4 @@
-// What the background looks like, learned beside a target and asked where it stands.
+// Gray levels of the background, learned beside a target and compared where it stands.
 #include "mask/background_model.hpp"
 
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ TEST(BackgroundModel, DoesNotLearnTheTarget_NorWhatTheOutlineMayLackOfIt) {
   EXPECT_EQ(part_known(picture(40), model, about), 0.0);
 }
 
-TEST(BackgroundModel, ForgetsAPlaceThatLooksDifferentForAsLong_AndLearnsItAnew) {
+TEST(BackgroundModel, ResetsAPlaceThatLooksDifferentForAsLong_AndLearnsItAnew) {
   BackgroundModel model = learned(40);
   const cv::Rect box(5, 5, 30, 30);  // something has been put down there
   const auto changed = [&](int frame) { return picture(frame, box); };

@@ -1,4 +1,4 @@
-// What is behind the target, and over how many pictures it is asked.
+// What is behind the target, and over how many images it is compared.
 #include "mask/background.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ PointsState followed(const Scene& scene, int pictures) {
 /// A disc of a third of the picture's height goes to the right, the room behind it to the left.
 const Scene kScene{.background_px = {-0.6, 0.0}, .target_px = {1.0, 0.0}};
 
-TEST(ExplainBackground, TellsAsManyPointsApart_ByOneAgeAsByBoth) {
+TEST(ExplainBackground, SeparatesAsManyPoints_ByOneAgeAsByBoth) {
   const PointsState before = followed(kScene, 10);
   const auto target_tracks = [&](FittedAges ages) {
     PointsState points = before;
@@ -41,7 +41,7 @@ TEST(ExplainBackground, TellsAsManyPointsApart_ByOneAgeAsByBoth) {
   EXPECT_NEAR(target_tracks(FittedAges::kLonger), both, 0.2 * both);
 }
 
-TEST(ExplainBackground, AsksTheOtherAge_WhereTheOneAskedHasNoMotion) {
+TEST(ExplainBackground, TakesTheOtherAge_WhereTheOneRequestedHasNoMotion) {
   PointsState points = followed(kScene, 2);  // no picture is two pictures old
   BackgroundState background;
   EXPECT_TRUE(explain_background({}, 1, FittedAges::kLonger, &points, &background));

@@ -12,7 +12,7 @@ constexpr int kRows = 60;
 
 cv::Mat dark() { return {kRows, kColumns, CV_8UC1, cv::Scalar(0)}; }
 
-/// Some rectangles, many of which reach the rim.
+/// Some rectangles, many of which reach the image border.
 cv::Mat drawn(Rng* rng) {
   cv::Mat cells = dark();
   const int count = static_cast<int>(rng->below(4));
@@ -25,7 +25,7 @@ cv::Mat drawn(Rng* rng) {
   return cells;
 }
 
-TEST(IsBehind, SaysYesOnlyWhereTheRimIsLit) {
+TEST(IsBehind, IsTrueOnlyWhereTheImageBorderIsLit) {
   Rng rng(1, 0);
   OutlineScratch scratch;
   int lit = 0;
@@ -45,7 +45,7 @@ TEST(IsBehind, SaysYesOnlyWhereTheRimIsLit) {
 
 TEST(IsBehind, DoesNotCountABodyThatTheMapKnows) {
   cv::Mat cells = dark();
-  cells(cv::Rect(20, 0, 30, kRows)).setTo(255);  // a fifth of the rim, from top to bottom
+  cells(cv::Rect(20, 0, 30, kRows)).setTo(255);  // a fifth of the border, from top to bottom
   OutlineScratch scratch;
   EXPECT_TRUE(is_behind(cells, {}, true, &scratch));
   EXPECT_FALSE(is_behind(cells, cv::Rect(18, 0, 34, kRows), true, &scratch));

@@ -1,4 +1,4 @@
-// From an outline to the picture's edges nearby.
+// From an outline to image edges nearby.
 #include "mask/edge_cut.hpp"
 
 #include <gtest/gtest.h>
@@ -35,21 +35,20 @@ cv::Mat picture() {
   return gray;
 }
 
-/// Opinions by pixels, or by cells of two.
+/// Unary costs by pixels, or by cells of two.
 void cut(const cv::Mat& gray,
-         const cv::Mat& weight,
-         const cv::Mat& certain,
-         int opinion_px,
+         const cv::Mat& unary,
+         const cv::Mat& seeds,
+         int unary_px,
          const CutReach& reach,
          cv::Mat* outline) {
   PictureEdges edges;
   measure_edges(gray, cv::Rect(cv::Point(), gray.size()), &edges);
-  cut_at_edges(
-      edges, {.weight = weight, .certain = certain, .cell_px = opinion_px}, reach, outline);
+  cut_at_edges(edges, {.value = unary, .seeds = seeds, .cell_px = unary_px}, reach, outline);
 }
 
 /// As much for what the outline holds as against what is beside it, by cells of so many pixels.
-cv::Mat weight_of(const cv::Mat& outline, int cell_px) {
+cv::Mat unary_of(const cv::Mat& outline, int cell_px) {
   cv::Mat cells;
   cv::resize(outline,
              cells,
@@ -57,9 +56,9 @@ cv::Mat weight_of(const cv::Mat& outline, int cell_px) {
              0.0,
              0.0,
              cv::INTER_AREA);
-  cv::Mat weight(cells.size(), CV_32FC1, cv::Scalar(-0.3F));
-  weight.setTo(0.3F, cells > 127);
-  return weight;
+  cv::Mat unary(cells.size(), CV_32FC1, cv::Scalar(-0.3F));
+  unary.setTo(0.3F, cells > 127);
+  return unary;
 }
 
 TEST(CutAtEdges, ComesBackToTheEdge_FromAnOutlineThatIsTooWideOnOneSide) {
@@ -67,7 +66,7 @@ TEST(CutAtEdges, ComesBackToTheEdge_FromAnOutlineThatIsTooWideOnOneSide) {
   cv::Mat outline = body();
   outline(cv::Rect(kBody.x - 4, kBody.y, 4, kBody.height)).setTo(255);
   ASSERT_LT(overlap(outline, body()), 0.95);
-  cut(picture(), weight_of(outline, 1), {}, 1, {.px = kReach_px}, &outline);
+  cut(picture(), unary_of(outline, 1), {}, 1, {.px = kReach_px}, &outline);
   EXPECT_GE(overlap(outline, body()), 0.97);
 }
 
@@ -83,23 +82,23 @@ TEST(CutAtEdges, LeavesAnOutlineThatFillsThePictureAlone) {
   EXPECT_EQ(cv::countNonZero(outline), kSize.area());
 }
 
-TEST(CutAtEdges, KeepsWhatIsCertain_WhateverTheOpinion) {
+TEST(CutAtEdges, KeepsSeeds_WhateverTheUnaryCost) {
   cv::Mat outline = body();
-  cv::Mat certain(kSize, CV_8UC1, cv::Scalar(0));
-  cv::circle(certain, {80, 60}, 4, cv::Scalar(255), cv::FILLED);
+  cv::Mat seeds(kSize, CV_8UC1, cv::Scalar(0));
+  cv::circle(seeds, {80, 60}, 4, cv::Scalar(255), cv::FILLED);
   cut(picture(),
       cv::Mat(kSize, CV_32FC1, cv::Scalar(-0.3F)),
-      certain,
+      seeds,
       1,
       {.px = kReach_px},
       &outline);
-  EXPECT_EQ(cv::countNonZero(certain & ~outline), 0);
+  EXPECT_EQ(cv::countNonZero(seeds & ~outline), 0);
 }
 
 TEST(CutAtEdges, ByCells_EndsWithinACellOfTheEdge_FromFurtherAway) {
   cv::Mat outline = body();
   outline(cv::Rect(kBody.x - 9, kBody.y, 9, kBody.height)).setTo(255);
-  cut(picture(), weight_of(outline, 2), {}, 2, {.px = 10, .cell_px = 2}, &outline);
+  cut(picture(), unary_of(outline, 2), {}, 2, {.px = 10, .cell_px = 2}, &outline);
   cv::Mat widest;
   cv::Mat narrowest;
   cv::dilate(body(), widest, cv::Mat::ones(5, 5, CV_8UC1));
@@ -116,7 +115,7 @@ TEST(CutAtEdges, ByCells_LeavesTheRowAndColumnThatFillNoCell) {
   const cv::Rect corner(101, 81, odd.width - 101, odd.height - 81);
   outline(corner).setTo(255);
   cut(gray,
-      weight_of(cv::Mat(odd, CV_8UC1, cv::Scalar(255)), 2),
+      unary_of(cv::Mat(odd, CV_8UC1, cv::Scalar(255)), 2),
       {},
       2,
       {.px = 10, .cell_px = 2},
@@ -126,32 +125,32 @@ TEST(CutAtEdges, ByCells_LeavesTheRowAndColumnThatFillNoCell) {
   EXPECT_EQ(cv::countNonZero(outline.col(odd.width - 1)), corner.height);
 }
 
-TEST(CutAtEdges, ByCells_KeepsWhatIsCertain_WhateverTheOpinion) {
+TEST(CutAtEdges, ByCells_KeepsSeeds_WhateverTheUnaryCost) {
   cv::Mat outline = body();
-  cv::Mat certain(kSize / 2, CV_8UC1, cv::Scalar(0));
-  cv::circle(certain, {25, 20}, 2, cv::Scalar(255), cv::FILLED);
+  cv::Mat seeds(kSize / 2, CV_8UC1, cv::Scalar(0));
+  cv::circle(seeds, {25, 20}, 2, cv::Scalar(255), cv::FILLED);
   const cv::Mat against(kSize / 2, CV_32FC1, cv::Scalar(-3.0F));
-  cut(picture(), against, certain, 2, {.px = 10, .cell_px = 2}, &outline);
+  cut(picture(), against, seeds, 2, {.px = 10, .cell_px = 2}, &outline);
   cv::Mat left_out;
-  cv::resize(~outline, left_out, certain.size(), 0.0, 0.0, cv::INTER_AREA);
-  EXPECT_EQ(cv::countNonZero(certain & left_out), 0);
+  cv::resize(~outline, left_out, seeds.size(), 0.0, 0.0, cv::INTER_AREA);
+  EXPECT_EQ(cv::countNonZero(seeds & left_out), 0);
   EXPECT_LT(cv::countNonZero(outline), kBody.area());
 }
 
-TEST(CutAtEdges, EndsAtTheEdge_ByPixels_WhereOpinionsAreByCells) {
+TEST(CutAtEdges, EndsAtTheEdge_ByPixels_WhereUnaryCostsAreByCells) {
   cv::Mat outline = body();
   outline(cv::Rect(kBody.x - 4, kBody.y, 4, kBody.height)).setTo(255);
-  cut(picture(), weight_of(outline, 2), {}, 2, {.px = kReach_px}, &outline);
+  cut(picture(), unary_of(outline, 2), {}, 2, {.px = kReach_px}, &outline);
   EXPECT_GE(overlap(outline, body()), 0.97);
 }
 
 TEST(CutAtEdges, LeavesWhatIsOutsideOfTheEdgesAlone) {
   cv::Mat outline = body();
-  const cv::Mat weight(kSize, CV_32FC1, cv::Scalar(-3.0F));
+  const cv::Mat unary(kSize, CV_32FC1, cv::Scalar(-3.0F));
   PictureEdges edges;
   measure_edges(picture(), {20, 30, 60, 61}, &edges);
   EXPECT_EQ(edges.box, cv::Rect(20, 30, 60, 62));  // cells are whole
-  cut_at_edges(edges, {.weight = weight, .certain = {}, .cell_px = 1}, {.px = kReach_px}, &outline);
+  cut_at_edges(edges, {.value = unary, .seeds = {}, .cell_px = 1}, {.px = kReach_px}, &outline);
   EXPECT_LT(cv::countNonZero(outline), kBody.area());
   const cv::Rect beyond(edges.box.br().x, 0, kSize.width - edges.box.br().x, kSize.height);
   EXPECT_EQ(cv::norm(outline(beyond), body()(beyond), cv::NORM_INF), 0.0);

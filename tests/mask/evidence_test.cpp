@@ -1,4 +1,4 @@
-// What is known of each pixel, and in which pixels.
+// Foreground log-odds, by pixels or by cells.
 #include "mask/evidence.hpp"
 
 #include <gtest/gtest.h>
@@ -16,51 +16,51 @@ cv::Mat body() {
 }
 
 /// For the target within the body, against it beside.
-EvidenceState evidence_of_body(int step) {
-  EvidenceState state;
-  size_evidence(kSize, 1, &state);
-  state.total.setTo(-2.0);
-  state.total(kBody).setTo(3.0);
-  size_evidence(kSize, step, &state);
+ForegroundState log_odds_of_body(int step) {
+  ForegroundState state;
+  resize_log_odds(kSize, 1, &state);
+  state.log_odds.setTo(-2.0);
+  state.log_odds(kBody).setTo(3.0);
+  resize_log_odds(kSize, step, &state);
   return state;
 }
 
-float at(const EvidenceState& state, int row, int column) {
-  return state.total.at<float>(row / state.step, column / state.step);
+float at(const ForegroundState& state, int row, int column) {
+  return state.log_odds.at<float>(row / state.step, column / state.step);
 }
 
-TEST(SizeEvidence, KnowsNothing_OfTheFirstPicture_OrOneOfAnotherSize) {
-  EvidenceState state;
-  size_evidence(kSize, 2, &state);
-  EXPECT_EQ(state.total.size(), kSize / 2);
-  EXPECT_EQ(cv::countNonZero(state.total), 0);
-  state.total.setTo(1.0);
-  size_evidence({90, 71}, 2, &state);
-  EXPECT_EQ(state.total.size(), cv::Size(45, 36));  // the last row is in a cell of its own
-  EXPECT_EQ(cv::countNonZero(state.total), 0);
-  state.total.setTo(1.0);
-  size_evidence({45, 36}, 1, &state);  // as many, of another picture
+TEST(ResizeLogOdds, KnowsNothing_OfTheFirstPicture_OrOneOfAnotherSize) {
+  ForegroundState state;
+  resize_log_odds(kSize, 2, &state);
+  EXPECT_EQ(state.log_odds.size(), kSize / 2);
+  EXPECT_EQ(cv::countNonZero(state.log_odds), 0);
+  state.log_odds.setTo(1.0);
+  resize_log_odds({90, 71}, 2, &state);
+  EXPECT_EQ(state.log_odds.size(), cv::Size(45, 36));  // the last row is in a cell of its own
+  EXPECT_EQ(cv::countNonZero(state.log_odds), 0);
+  state.log_odds.setTo(1.0);
+  resize_log_odds({45, 36}, 1, &state);  // as many, of another picture
   EXPECT_EQ(state.step, 1);
-  EXPECT_EQ(cv::countNonZero(state.total), 0);
+  EXPECT_EQ(cv::countNonZero(state.log_odds), 0);
 }
 
-TEST(SizeEvidence, KeepsWhatIsKnown_CoarserAndFinerAgain) {
-  EvidenceState state = evidence_of_body(2);
+TEST(ResizeLogOdds, KeepsWhatIsKnown_CoarserAndFinerAgain) {
+  ForegroundState state = log_odds_of_body(2);
   EXPECT_EQ(state.step, 2);
   for (const int step : {2, 1}) {
-    size_evidence(kSize, step, &state);
-    EXPECT_EQ(state.total.size(), kSize / step);
+    resize_log_odds(kSize, step, &state);
+    EXPECT_EQ(state.log_odds.size(), kSize / step);
     EXPECT_EQ(at(state, 60, 80), 3.0F);
     EXPECT_EQ(at(state, 40, 50), 3.0F);
     EXPECT_EQ(at(state, 39, 49), -2.0F);
   }
 }
 
-TEST(RememberOutline, TakesWhatItHoldsAlong_AndForgetsWhatItLeavesOut) {
+TEST(RememberOutline, TakesWhatItHoldsAlong_AndResetsWhatItLeavesOut) {
   for (const int step : {1, 2}) {
-    EvidenceState state = evidence_of_body(step);
+    ForegroundState state = log_odds_of_body(step);
     const auto set = [&](const cv::Rect& box, double value) {
-      state.total(cv::Rect(box.tl() / step, box.size() / step)).setTo(value);
+      state.log_odds(cv::Rect(box.tl() / step, box.size() / step)).setTo(value);
     };
     set({0, 0, 20, 20}, 2.0);     // outside of the outline, for the target
     set({80, 60, 10, 10}, -1.0);  // inside, contradicted by motion alone

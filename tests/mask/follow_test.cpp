@@ -55,7 +55,7 @@ double open_part(const TargetMask& mask, const cv::Mat& truth) {
   return static_cast<double>(open) / cv::countNonZero(truth);
 }
 
-/// The target is found and nothing else: half of it before edges are asked, most of it after.
+/// The target is found and nothing else: half of it before the graph cut, most of it after.
 void expect_found(const Scene& scene, double overlap_min, double open_min = 0.3) {
   Follower follower;
   follower.show(scene, 0, kFrames);
@@ -70,15 +70,15 @@ void expect_found(const Scene& scene, double overlap_min, double open_min = 0.3)
   EXPECT_LT(follower.mask.coverage, 0.25);
 }
 
-TEST(FollowTarget, FindsATurningTarget_BeforeAMovingBackground) {
+TEST(FollowTarget, FindsARotatingTarget_BeforeAMovingBackground) {
   expect_found({.background_px = {3.0, 1.0}, .target_turn_deg = 3.0}, 0.75);
 }
 
-TEST(FollowTarget, FindsATurningTarget_BeforeAStaticRoom) {
+TEST(FollowTarget, FindsARotatingTarget_BeforeAStaticRoom) {
   expect_found({.target_turn_deg = 3.0}, 0.75);
 }
 
-TEST(FollowTarget, FindsATargetThatDoesNotTurn_BeforeAMovingBackground) {
+TEST(FollowTarget, FindsATargetThatDoesNotRotate_BeforeAMovingBackground) {
   expect_found({.background_px = {3.0, -1.0}}, 0.75);
 }
 
@@ -93,7 +93,7 @@ TEST(FollowTarget, FindsATargetThatCrossesTheLimb) {
                     .target_turn_deg = 3.0,
                     .start_px = {160.0, 180.0},
                     .horizon_row = 120};
-  expect_found(scene, 0.5);  // it moves by half its size in the evidence's memory
+  expect_found(scene, 0.5);  // it moves by half its size while its log-odds last
 }
 
 TEST(FollowTarget, FindsNothing_WhereOnlyTheBackgroundIs) {
@@ -119,7 +119,7 @@ TEST(FollowTarget, IsFindTarget_BeforeBlackSpace) {
   }
 }
 
-TEST(FollowTarget, IsFindTarget_WhenTheBackgroundIsNotToBeToldApart) {
+TEST(FollowTarget, IsFindTarget_WhenTheBackgroundIsNotToBeSeparated) {
   Follower follower;
   follower.options.background = false;
   const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
@@ -161,7 +161,7 @@ TEST(FollowTarget, KeepsTheTarget_WhileAPoseIsLostAndFoundAgain) {
     for (int i = 0; i < 3; ++i, ++frame) {
       follower.show(scene, frame, 1, prior);
       ASSERT_TRUE(follower.state->found) << frame;
-      EXPECT_EQ(follower.state->evidence.step, prior.points_px.empty() ? 1 : 2) << frame;
+      EXPECT_EQ(follower.state->foreground.step, prior.points_px.empty() ? 1 : 2) << frame;
       sharpen_outline(follower.state.get());
       EXPECT_GE(overlap(follower.state->outline, scene.truth(frame)), 0.8) << frame;
     }
@@ -200,8 +200,9 @@ TEST(FollowTarget, SaysTheSame_WhenShownTheSame_WhateverWasThereBefore) {
   for (Follower* other_one : {&b, &after_black}) {
     other_one->show(scene, 0, kFrames);
     EXPECT_EQ(cv::norm(a.mask.cells, other_one->mask.cells, cv::NORM_L1), 0.0);
-    EXPECT_EQ(cv::norm(a.state->evidence.total, other_one->state->evidence.total, cv::NORM_L1),
-              0.0);
+    EXPECT_EQ(
+        cv::norm(a.state->foreground.log_odds, other_one->state->foreground.log_odds, cv::NORM_L1),
+        0.0);
   }
 }
 
@@ -256,7 +257,7 @@ TEST(OpenOutline, LeavesTheMaskToTheMap_WhereThereIsOne) {
   EXPECT_EQ(cv::norm(before, follower.mask.cells, cv::NORM_INF), 0.0);
 }
 
-TEST(OpenOutline, OpensTheBodyToItsRim_BeforeAMap) {
+TEST(OpenOutline, OpensTheBodyToItsSilhouette_BeforeAMap) {
   const Scene scene{.target_turn_deg = 3.0};
   const cv::Size size = scene.picture(0).size();
   Follower follower;
@@ -275,7 +276,7 @@ TEST(OpenOutline, OpensTheBodyToItsRim_BeforeAMap) {
   EXPECT_FALSE(follower.mask.contains(c.x + scene.radius_px + 20.0, c.y));
 }
 
-TEST(FollowTarget, TellsTracksApart) {
+TEST(FollowTarget, ClassifiesTracks) {
   Follower follower;
   const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
   follower.show(scene, 0, kFrames);
@@ -307,8 +308,8 @@ TEST(SharpenOutline, FindsTheEdge_FromAPriorThatIsOffByAFewPixels) {
 }
 
 TEST(SharpenOutline, LeavesAnOutlineAsItWas_WhereNothingOfItWouldBeLeft) {
-  // Textures on both sides whose steps are all alike: a cut along the rim of a small body costs
-  // more than to give it up.
+  // Textures on both sides whose steps are all alike: a cut along the silhouette of a small body
+  // costs more than to give it up.
   const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 8.0, .radius_px = 8.0};
   Follower follower;
   follower.show(scene, 0, kFrames);
@@ -326,13 +327,13 @@ TEST(FollowTarget, FindsATarget_BesideAStripOfBackground) {
   Follower follower;
   const Scene scene{.background_px = {2.0, 1.0}, .target_turn_deg = 3.0, .horizon_row = 195};
   follower.show(scene, 0, kFrames);
-  EXPECT_TRUE(follower.state->behind) << "a fifth of the picture, three tenths of its rim";
+  EXPECT_TRUE(follower.state->behind) << "a fifth of the picture, three tenths of its border";
   EXPECT_FALSE(follower.mask.contains(10.0, 230.0));
   EXPECT_FALSE(follower.mask.contains(310.0, 230.0));
   EXPECT_GE(open_part(follower.mask, scene.truth(kFrames - 1)), 0.3);
 }
 
-TEST(FollowTarget, AKnownBodyThatFillsTheRimIsNoBackground) {
+TEST(FollowTarget, AKnownBodyThatFillsTheImageBorderIsNoBackground) {
   const Scene scene{.radius_px = 250.0, .background = false};
   const cv::Mat picture = scene.picture(0);
   Follower follower;
@@ -379,7 +380,7 @@ TEST(FollowTarget, KeepsItsLandmarksOpen_WhenSomethingComesBehindThem) {
   EXPECT_GT(open_part(follower.mask, scene.truth(0)), 0.4) << "in its first picture";
 }
 
-TEST(FollowTarget, LandmarksThatThePicturesContradictEverywhereSayNothing) {
+TEST(FollowTarget, IgnoresLandmarksThatTheImagesContradictEverywhere) {
   const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
   Follower follower;
   follower.show(scene, 0, kFrames);

@@ -38,7 +38,7 @@ TEST(TracePlane, IsTheLibrarysWarp_ToTheNearestPixel) {
       << "halves are rounded in another way";
 }
 
-TEST(TracePlane, RepeatsTheRim_OutsideOfThePicture_HoweverFar) {
+TEST(TracePlane, RepeatsTheBorder_OutsideOfThePicture_HoweverFar) {
   for (const double shift_px : {30.0, 3E4, 1E12}) {
     const cv::Mat found = seen_through({1, 0, shift_px, 0, 1, 0, 0, 0, 1}, {0, 0, 20, 120});
     EXPECT_EQ(cv::norm(found.col(3), picture().col(0), cv::NORM_INF), 0.0) << shift_px;
@@ -96,7 +96,7 @@ TEST(Carry, BringsAlongWhatIsKnown_BetweenCells_ByPixelsAndByCells) {
   }
 }
 
-TEST(Carry, RepeatsTheRim_OutsideOfWhatIsKnown) {
+TEST(Carry, RepeatsTheBorder_OutsideOfWhatIsKnown) {
   cv::Mat known(kSize, CV_32FC1, cv::Scalar(1.0));
   known.col(0).setTo(5.0);
   cv::Mat from;

@@ -47,7 +47,7 @@ TEST(FitPlaneMotion, FindsTheMotion_AmongAsManyStrays) {
   EXPECT_LE(wrong, 2);
 }
 
-TEST(FitPlaneMotion, SaysTheSame_WhenAskedTwice) {
+TEST(FitPlaneMotion, IsTheSame_WhenFittedTwice) {
   Pairs pairs;
   pairs.add(60, true, 3);
   pairs.add(60, false, 4);

@@ -80,10 +80,10 @@ class FollowPoints : public testing::TestWithParam<bool> {
   PointsState points_;
 };
 
-INSTANTIATE_TEST_SUITE_P(AllAroundAndOnwards, FollowPoints, testing::Values(false, true));
+INSTANTIATE_TEST_SUITE_P(FromWhereTheyWereAndPredicted, FollowPoints, testing::Values(false, true));
 
-TEST_P(FollowPoints, GoesWithThePicture_AndWithAMotionThatChangesAtOnce) {
-  points_.onwards = GetParam();
+TEST_P(FollowPoints, FollowsTheImage_AndAMotionThatChangesAtOnce) {
+  points_.predicted = GetParam();
   show({0, 0});
   refill_points({}, Refill::kEverywhere, &points_);
   show({2, 1});
@@ -97,13 +97,13 @@ TEST_P(FollowPoints, GoesWithThePicture_AndWithAMotionThatChangesAtOnce) {
 }
 
 TEST_P(FollowPoints, DropsWhatDoesNotComeBackToWhereItWas) {
-  points_.onwards = GetParam();
+  points_.predicted = GetParam();
   show({0, 0});
   refill_points({}, Refill::kEverywhere, &points_);
   show({2, 1});
   const std::size_t all = points_.tracks.size();
   for (std::size_t i = 0; i < all; i += 4) {
-    points_.tracks[i].places[0] += cv::Point2f(3.0F, -2.0F);  // followed wrong
+    points_.tracks[i].places[0] += cv::Point2f(3.0F, -2.0F);  // mistracked
   }
   drop_stray_points(TrackClass::kUnassigned, &points_);
   EXPECT_GE(points_.tracks.size(), all * 7 / 10);

@@ -37,11 +37,11 @@ struct Constant {
 
 cv::Mat refined(Constant* network, const cv::Mat& outline) {
   const cv::Mat picture(kSize, CV_8UC1, cv::Scalar(51));
-  cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(0.25));
+  cv::Mat unary_cost(kSize, CV_32FC1, cv::Scalar(0.25));
   RefineScratch scratch;
-  refine_opinion(
-      picture, outline, {.ask = Constant::ask, .context = network}, 1, &scratch, &opinion);
-  return opinion;
+  refine_unary_cost(
+      picture, outline, {.ask = Constant::ask, .context = network}, 1, &scratch, &unary_cost);
+  return unary_cost;
 }
 
 cv::Mat body() {
@@ -50,11 +50,11 @@ cv::Mat body() {
   return outline;
 }
 
-bool untouched(const cv::Mat& opinion) {
-  return cv::norm(opinion, cv::Mat(kSize, CV_32FC1, cv::Scalar(0.25)), cv::NORM_INF) == 0.0;
+bool untouched(const cv::Mat& unary_cost) {
+  return cv::norm(unary_cost, cv::Mat(kSize, CV_32FC1, cv::Scalar(0.25)), cv::NORM_INF) == 0.0;
 }
 
-TEST(RefineOpinion, ShowsThePictureAndTheOutline) {
+TEST(RefineUnaryCost, ShowsThePictureAndTheOutline) {
   Constant network;
   refined(&network, body());
   EXPECT_EQ(network.asked, 1);
@@ -63,28 +63,28 @@ TEST(RefineOpinion, ShowsThePictureAndTheOutline) {
   EXPECT_FLOAT_EQ(network.outline_corner, 0.0F);
 }
 
-TEST(RefineOpinion, MovesTheOpinionAboutTheOutline_AndNothingFarFromIt) {
+TEST(RefineUnaryCost, ShiftsTheCostAroundTheOutline_AndNothingFarFromIt) {
   for (const float answer : {0.0F, 0.5F, 1.0F}) {
     Constant network{.answer = answer};
-    const cv::Mat opinion = refined(&network, body());
-    const float moved = opinion.at<float>(55, 70) - 0.25F;
+    const cv::Mat unary_cost = refined(&network, body());
+    const float moved = unary_cost.at<float>(55, 70) - 0.25F;
     EXPECT_NEAR(moved, 1.8F * (answer - 0.5F), 1e-5F);
-    EXPECT_EQ(opinion.at<float>(119, 159), 0.25F);
+    EXPECT_EQ(unary_cost.at<float>(119, 159), 0.25F);
   }
 }
 
-TEST(RefineOpinion, MovesAnOpinionByCells) {
+TEST(RefineUnaryCost, ShiftsACostByCells) {
   Constant network{.answer = 1.0F};
   const cv::Mat picture(kSize, CV_8UC1, cv::Scalar(51));
-  cv::Mat opinion(kSize / 2, CV_32FC1, cv::Scalar(0.25));
+  cv::Mat unary_cost(kSize / 2, CV_32FC1, cv::Scalar(0.25));
   RefineScratch scratch;
-  refine_opinion(
-      picture, body(), {.ask = Constant::ask, .context = &network}, 2, &scratch, &opinion);
-  EXPECT_NEAR(opinion.at<float>(27, 35), 0.25F + 0.9F, 1e-5F);
-  EXPECT_EQ(opinion.at<float>(59, 79), 0.25F);
+  refine_unary_cost(
+      picture, body(), {.ask = Constant::ask, .context = &network}, 2, &scratch, &unary_cost);
+  EXPECT_NEAR(unary_cost.at<float>(27, 35), 0.25F + 0.9F, 1e-5F);
+  EXPECT_EQ(unary_cost.at<float>(59, 79), 0.25F);
 }
 
-TEST(RefineOpinion, LeavesTheOpinion_WhereTheNetworkHasNoneOrSaysNonsense) {
+TEST(RefineUnaryCost, LeavesTheCost_WhereTheNetworkHasNoAnswerOrAWrongOne) {
   Constant silent{.answer = 1.0F, .answers = false};
   EXPECT_TRUE(untouched(refined(&silent, body())));
   for (const float nonsense : {std::numeric_limits<float>::quiet_NaN(),
@@ -96,14 +96,14 @@ TEST(RefineOpinion, LeavesTheOpinion_WhereTheNetworkHasNoneOrSaysNonsense) {
   }
 }
 
-TEST(RefineOpinion, AsksNothing_WithoutAnOutlineOrANetwork) {
+TEST(RefineUnaryCost, AsksNothing_WithoutAnOutlineOrANetwork) {
   Constant network{.answer = 1.0F};
   EXPECT_TRUE(untouched(refined(&network, cv::Mat(kSize, CV_8UC1, cv::Scalar(0)))));
   EXPECT_EQ(network.asked, 0);
-  cv::Mat opinion(kSize, CV_32FC1, cv::Scalar(0.25));
+  cv::Mat unary_cost(kSize, CV_32FC1, cv::Scalar(0.25));
   RefineScratch scratch;
-  refine_opinion(cv::Mat(kSize, CV_8UC1, cv::Scalar(9)), body(), {}, 1, &scratch, &opinion);
-  EXPECT_TRUE(untouched(opinion));
+  refine_unary_cost(cv::Mat(kSize, CV_8UC1, cv::Scalar(9)), body(), {}, 1, &scratch, &unary_cost);
+  EXPECT_TRUE(untouched(unary_cost));
 }
 
 }  // namespace

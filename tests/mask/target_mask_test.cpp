@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kWidth = 200;
 constexpr int kHeight = 120;
-// Cells are at most kCell_px wide, groups grow by two cells, and a group's rim may lie anywhere in
+// Cells are at most kCell_px wide, groups grow by two cells, and a group's edge may lie anywhere in
 // its cell.
 constexpr int kGrown_px = 3 * TargetMask::kCell_px;
 
@@ -153,7 +153,7 @@ TEST(FindTarget, CoversThePicture_WhenItsSidesAreNoMultipleOfACell) {
   }
 }
 
-TEST(FindTarget, ForgetsTheLastPicture) {
+TEST(FindTarget, DependsOnNoEarlierImage) {
   TargetMask mask;
   cv::Mat gray = black();
   gray(cv::Rect(80, 40, 40, 40)).setTo(150);
