@@ -7,15 +7,15 @@
 
 namespace polhode::limits {
 
-// All packets of one step: one of each kind (3.4 kB), all events (4.4 kB) and three more parts of a
-// cloud (4.1 kB).
-inline constexpr std::size_t kStepOctets = 12288;
-
-// Events of one step: two for each command (a refused table tells its entry, too) and eight of the
-// component's own.
-inline constexpr std::size_t kStepEvents = 24;
-
-// Commands executed in one step; a ground pass sends a few a second.
+// Commands executed in one step. Chosen: a ground pass sends a few a second.
 inline constexpr std::size_t kStepCommands = 8;
+
+// Events of one step: two for each command (a refused table entry has one of its own) and eight of
+// the component's own.
+inline constexpr std::size_t kStepEvents = 2 * kStepCommands + 8;
+
+// Packets of one step: one of each kind (3.4 kB), all events (4.4 kB) and three more packets of a
+// cloud (4.1 kB), 11.9 kB in all (tests/bus/fields_test.cpp); rounded up to 12 KiB.
+inline constexpr std::size_t kStepOctets = 12288;
 
 }  // namespace polhode::limits

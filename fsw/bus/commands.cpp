@@ -6,11 +6,14 @@ namespace polhode::bus {
 namespace {
 
 constexpr std::size_t kShortest = kCommandHeaderOctets + kCrcOctets;
-constexpr std::size_t kVersionOctet = 6;
-constexpr std::size_t kCodeOctet = 7;
+constexpr std::size_t kVersionOctet = kPrimaryHeaderOctets;
+constexpr std::size_t kCodeOctet = kVersionOctet + 1;  // as the secondary header has them
+
+// A quaternion that was written with three digits has this norm; it is normalised before use.
+constexpr double kNormTolerance = 1e-3;
 
 bool header_is_right(std::span<const std::uint8_t> octets, int apid_first) {
-  // Version 000, type 1 (telecommand), secondary header 1; whole.
+  // Version 000, type 1 (telecommand), secondary header 1, APID. Segmentation 11: whole.
   const int identification = 0x1800 | (apid_first + kCommandApid);
   return get_u16(octets, 0) == identification && (get_u16(octets, 2) & 0xC000U) == 0xC000U &&
          get_u8(octets, kVersionOctet) == kLayoutVersion;
@@ -20,7 +23,7 @@ Refusal wrong_length(std::size_t is, std::size_t expected) {
   return {Rejection::kLength, {.values = {static_cast<double>(is), static_cast<double>(expected)}}};
 }
 
-/// The length that the command has, by its own count of entries where it repeats any.
+/// The length that the command must have, by its own count of entries if it has any.
 std::size_t exact_octets(CommandCode code, std::span<const std::uint8_t> octets) {
   const Layout& layout = *command_layouts()[static_cast<std::size_t>(code)];
   if (code != CommandCode::kTableLoad || octets.size() < layout.octets) {
@@ -34,13 +37,13 @@ Refusal out_of_range_of(CommandCode code, std::string_view field) {
   return {Rejection::kRange, {.values = {static_cast<double>(code), 0.0}, .word = field}};
 }
 
-/// Values that are each in range but make no sense together. @return the field, or empty.
+/// Values that are each in range but contradict each other. @return the field, or empty.
 std::string_view contradiction(const Command& command) {
   if (command.code == CommandCode::kServicerAttitude) {
     const auto attitude = command.arguments<ServicerAttitudeCommand>();
     const auto& q = attitude.q_IC;
     const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    return std::abs(norm - 1.0) > 1e-3 ? "q_IC" : "";
+    return std::abs(norm - 1.0) > kNormTolerance ? "q_IC" : "";
   }
   if (command.code == CommandCode::kSetKnownLength) {
     const auto length = command.arguments<SetKnownLengthCommand>();
@@ -82,8 +85,9 @@ Refusal read_command(std::span<const std::uint8_t> octets, int apid_first, Comma
   if (octets.size() < kShortest) {
     return wrong_length(octets.size(), kShortest);
   }
-  if (get_u16(octets, 4) + 7U != octets.size()) {
-    return wrong_length(octets.size(), get_u16(octets, 4) + 7U);
+  const std::size_t stated = get_u16(octets, 4) + kLengthOffset;
+  if (stated != octets.size()) {
+    return wrong_length(octets.size(), stated);
   }
   if (!header_is_right(octets, apid_first)) {
     return {Rejection::kHeader, {}};

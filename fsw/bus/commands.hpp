@@ -1,4 +1,4 @@
-// Commands: CCSDS telecommand packets, checked to the last octet before anything is done.
+// Commands: CCSDS telecommand packets. Every octet is checked before anything is done.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,10 @@
 
 namespace polhode::bus {
 
-inline constexpr std::size_t kCommandHeaderOctets = 8;
+// The primary header, layout version and function code.
+inline constexpr std::size_t kCommandHeaderOctets = kPrimaryHeaderOctets + 2;
 
-/// A command whose length, header, CRC, code and ranges are right.
+/// A command whose length, header, CRC, code and ranges have been checked.
 struct Command {
   CommandCode code = CommandCode::kNoop;
   const Layout* layout = nullptr;
@@ -32,7 +33,7 @@ struct Command {
   [[nodiscard]] std::span<const std::uint8_t> entry_octets() const;
 };
 
-/// Why a packet is no command, for the event that says so.
+/// Why a packet is no command, for the event that reports it.
 struct Refusal {
   Rejection reason = Rejection::kNone;
   EventDetails details;
@@ -44,7 +45,7 @@ struct Refusal {
 /// @return Rejection::kNone, and the command; it refers to `octets`.
 Refusal read_command(std::span<const std::uint8_t> octets, int apid_first, Command* command);
 
-/// The event that tells of a refusal.
+/// The event that reports a refusal.
 EventId event_of(Rejection reason);
 
 }  // namespace polhode::bus

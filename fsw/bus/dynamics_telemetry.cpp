@@ -1,18 +1,19 @@
 #include "bus/dynamics_telemetry.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 
+#include "bus/narrow.hpp"
 #include "bus/packet_layout.hpp"
 #include "motion/body_dynamics.hpp"
 
 namespace polhode::bus {
 namespace {
 
-// An attitude that may be off by 30 deg, or a position by half the distance, is of no use to
-// anybody; and there first-order covariances stop telling the truth.
+// Chosen: 30 deg. A worse attitude is of no use, and there a first-order covariance is no longer
+// valid: the sine of 0.5 rad is 4 % less than the angle.
 constexpr double kAttitudeSigmaMax_rad = 0.5;
+// Chosen, of the distance, for the same two reasons.
 constexpr double kPositionSigmaMax = 0.5;
 
 std::array<double, 3> to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -28,18 +29,19 @@ void put_upper_triangle(const Matrix& m, std::array<float, kCount>* out) {
   }
 }
 
-/// What the scale's own error adds to the covariance of a length in its unit.
-Eigen::Matrix3d by_scale(const Eigen::Vector3d& length, const LengthUnit& unit) {
+/// What the scale's error adds to the covariance of a length.
+Eigen::Matrix3d scale_covariance(const Eigen::Vector3d& length, const LengthUnit& unit) {
   return unit.relative_sigma * unit.relative_sigma * length * length.transpose();
 }
 
-std::uint8_t number(Observability observability) {
+std::uint8_t class_number(Observability observability) {
   return static_cast<std::uint8_t>(observability);
 }
 
 bool known(Observability observability) { return observability != Observability::kUnobserved; }
 
 std::uint8_t dynamics_of(const RigidModel& model) {
+  // Values of the field, after kDynamicsNone and kDynamicsLocal.
   constexpr std::uint8_t kTorqueFree = 2;
   constexpr std::uint8_t kOrbit = 3;
   return model.orbit.active() ? kOrbit : kTorqueFree;
@@ -47,7 +49,7 @@ std::uint8_t dynamics_of(const RigidModel& model) {
 
 void put_axes(const BodyDynamics& body, ModelPacket* packet) {
   for (std::size_t k = 0; k < 3; ++k) {
-    packet->class_axes[k] = number(body.axes[k]);
+    packet->class_axes[k] = class_number(body.axes[k]);
     if (known(body.axes[k])) {
       packet->flags |= model_layout::kFlagAxes;
       packet->sigma_axes_rad[k] = static_cast<float>(body.sigma_axis_rad[k]);
@@ -59,7 +61,7 @@ void put_axes(const BodyDynamics& body, ModelPacket* packet) {
 void put_inertia(const BodyDynamics& body, ModelPacket* packet) {
   const std::array<const Estimated*, 2> ratios{&body.middle_over_least, &body.largest_over_least};
   for (std::size_t k = 0; k < 2; ++k) {
-    packet->class_inertia[k] = number(ratios[k]->observability);
+    packet->class_inertia[k] = class_number(ratios[k]->observability);
     if (known(ratios[k]->observability)) {
       packet->flags |= model_layout::kFlagInertia;
       packet->inertia_ratio[k] = ratios[k]->value;
@@ -81,8 +83,8 @@ void put_period(const Estimated& period_s,
 }
 
 void put_periods(const BodyDynamics& body, ModelPacket* packet) {
-  packet->class_spin = number(body.spin_period_s.observability);
-  packet->class_precession = number(body.precession_period_s.observability);
+  packet->class_spin = class_number(body.spin_period_s.observability);
+  packet->class_precession = class_number(body.precession_period_s.observability);
   put_period(body.spin_period_s,
              model_layout::kFlagSpin,
              &packet->period_spin_s,
@@ -96,29 +98,30 @@ void put_periods(const BodyDynamics& body, ModelPacket* packet) {
 }
 
 void put_momentum(const BodyDynamics& body, const Eigen::Matrix3d& R_CI, ModelPacket* packet) {
-  packet->class_momentum = number(body.momentum_axis);
+  packet->class_momentum = class_number(body.momentum_axis);
   if (known(body.momentum_axis)) {
     packet->momentum_axis_C = to_array(R_CI * body.momentum_axis_I);
     packet->sigma_momentum_axis_rad = static_cast<float>(body.sigma_momentum_axis_rad);
   }
 }
 
-void put_path(const BodyDynamics& body,
-              const RigidModel& model,
-              const Eigen::Matrix3d& R_CI,
-              const LengthUnit& lengths,
-              ModelPacket* packet) {
+void put_translation(const BodyDynamics& body,
+                     const RigidModel& model,
+                     const Eigen::Matrix3d& R_CI,
+                     const LengthUnit& lengths,
+                     ModelPacket* packet) {
   const double unit = lengths.metres_per_mu;
   const Eigen::Vector3d v_C = unit * (R_CI * body.v_I);
   packet->flags |= model_layout::kFlagVelocity;
   packet->v_C = to_array(v_C);
   const Eigen::Matrix3d covariance_v_C =
       unit * unit * (R_CI * body.covariance_v_I * R_CI.transpose());
-  put_upper_triangle(Eigen::Matrix3d(covariance_v_C + by_scale(v_C, lengths)), &packet->cov_v);
+  put_upper_triangle(Eigen::Matrix3d(covariance_v_C + scale_covariance(v_C, lengths)),
+                     &packet->cov_v);
   Eigen::Vector3d c_T = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < 3; ++k) {
     const Estimated& along = body.mass_centre[k];
-    packet->class_mass_centre[k] = number(along.observability);
+    packet->class_mass_centre[k] = class_number(along.observability);
     if (known(along.observability)) {
       packet->flags |= model_layout::kFlagMassCentre;
       c_T += along.value * body.mass_centre_axes_T.col(static_cast<Eigen::Index>(k));
@@ -126,20 +129,20 @@ void put_path(const BodyDynamics& body,
   }
   packet->c_T = to_array(unit * c_T);
   const Eigen::Matrix3d covariance_c_T = unit * unit * model.covariance.bottomRightCorner<3, 3>();
-  put_upper_triangle(Eigen::Matrix3d(covariance_c_T + by_scale(unit * c_T, lengths)),
+  put_upper_triangle(Eigen::Matrix3d(covariance_c_T + scale_covariance(unit * c_T, lengths)),
                      &packet->cov_c);
 }
 
 std::uint8_t refusal_of(const RigidModel& model) { return static_cast<std::uint8_t>(model.status); }
 
-/// Pose and covariance in C and in the packet's unit, the latter without the scale's own error.
+/// @param pose_C, covariance  in C and the packet's unit; the covariance without the scale's error.
 void put_pose(const Pose& pose_C,
               const PoseCovariance& covariance,
               const LengthUnit& unit,
               bool path_known,
               PredictionPacket* packet) {
   PoseCovariance shown = covariance;
-  shown.bottomRightCorner<3, 3>() += by_scale(pose_C.p_CT, unit);
+  shown.bottomRightCorner<3, 3>() += scale_covariance(pose_C.p_CT, unit);
   const double sigma_position = worst_sigma(shown.bottomRightCorner<3, 3>());
   const bool position = path_known && sigma_position < kPositionSigmaMax * pose_C.p_CT.norm();
   if (position) {
@@ -163,7 +166,7 @@ Pose in_unit(const Pose& pose, double unit) {
   return {.R_CT = pose.R_CT, .p_CT = unit * pose.p_CT};
 }
 
-/// Into C's axes and the unit.
+/// The covariance in C's axes and the unit.
 PoseCovariance in_unit(const PoseCovariance& covariance_I,
                        const Eigen::Matrix3d& R_CI,
                        double unit) {
@@ -200,7 +203,7 @@ ModelPacket to_packet(const RigidModel& model,
   put_momentum(body, R_CI, &packet);
   if (model.path_known) {
     packet.chi2_per_dof[1] = static_cast<float>(model.position.chi2_per_dof);
-    put_path(body, model, R_CI, unit, &packet);
+    put_translation(body, model, R_CI, unit, &packet);
   }
   return packet;
 }
@@ -212,7 +215,7 @@ PredictionPacket to_packet(const MotionPrediction& prediction,
   PredictionPacket packet;
   packet.predicted_timestamp_ns = prediction.timestamp_ns;
   packet.dynamics = dynamics_of(model);
-  packet.poses = static_cast<std::uint16_t>(std::min<std::size_t>(model.poses, 0xFFFF));
+  packet.poses = clipped(model.poses);
   packet.flags = prediction_layout::kFlagRate;
   packet.flags |= unit.known ? prediction_layout::kFlagScaleKnown : std::uint8_t{0};
   packet.w_T_rad_s = to_array(prediction.w_T_rad_s);
@@ -229,8 +232,7 @@ PredictionPacket to_packet(const MotionPrediction& prediction,
 PredictionPacket to_packet(const PosePrediction& prediction, const LengthUnit& unit) {
   PredictionPacket packet;
   packet.dynamics = kDynamicsLocal;
-  packet.poses =
-      static_cast<std::uint16_t>(std::min<std::size_t>(prediction.rotation_poses, 0xFFFF));
+  packet.poses = clipped(prediction.rotation_poses);
   packet.flags = unit.known ? prediction_layout::kFlagScaleKnown : std::uint8_t{0};
   put_pose(in_unit(prediction.pose, unit.metres_per_mu),
            in_unit(prediction.covariance, Eigen::Matrix3d::Identity(), unit.metres_per_mu),

@@ -1,4 +1,4 @@
-// The content of the packets of motion model and prediction.
+// Fills the packets of the motion model and its predictions.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,22 +10,22 @@
 
 namespace polhode::bus {
 
-/// Values of the field `dynamics`.
+/// Values of the field `dynamics` (config/bus/telemetry.toml).
 inline constexpr std::uint8_t kDynamicsNone = 0;
 inline constexpr std::uint8_t kDynamicsLocal = 1;
 
-/// What a fit says, at its own reference time; a refused one says only why.
-/// @param R_CI  takes I, in which the model is, to C. Frame is left to the caller.
+/// A fit at its own reference time; of a refused one, only the reason. The caller sets the frame.
+/// @param R_CI  takes I, in which the model is, to C.
 ModelPacket to_packet(const RigidModel& model, const Eigen::Matrix3d& R_CI, const LengthUnit& unit);
 
-/// A prediction by the model, as seen from axes C that keep the attitude R_CI. Time stamp and frame
-/// of its making are left to the caller.
+/// A prediction by the model, in axes C that keep the attitude R_CI. The caller sets time stamp and
+/// frame.
 PredictionPacket to_packet(const MotionPrediction& prediction,
                            const RigidModel& model,
                            const Eigen::Matrix3d& R_CI,
                            const LengthUnit& unit);
 
-/// A prediction by the last poses alone, in C.
+/// A prediction from the last poses alone, in C.
 PredictionPacket to_packet(const PosePrediction& prediction, const LengthUnit& unit);
 
 }  // namespace polhode::bus

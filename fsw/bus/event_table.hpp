@@ -1,5 +1,5 @@
 // Written by tools/generate_bus.py from config/bus/*.toml: change those.
-// All events: what an id means, how bad it is, what a person reads.
+// All events: id, severity and the text for people.
 #pragma once
 
 #include <array>
@@ -59,7 +59,7 @@ enum class EventId : std::uint16_t {
 struct EventRow {
   EventId id;
   Severity severity;
-  std::uint32_t burst;  ///< sent in a window of frames
+  std::uint32_t burst;  ///< sent at most in a window of frames
   const char* name;
   const char* text;  ///< {0}, {1}: the event's numbers; {}: its word
 };

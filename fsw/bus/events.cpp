@@ -7,9 +7,10 @@
 namespace polhode::bus {
 namespace {
 
-constexpr double kWholeNumbersUpTo = 9.0e15;  // 2^53: every whole number below is exact
+constexpr double kWholeNumbersUpTo = 9.0e15;  // just under 2^53: whole numbers below are exact
+constexpr int kDigits = 6;                    // chosen for people; the packet has the exact value
 
-/// Text that grows up to an end.
+/// Text that grows up to the end of its buffer.
 class Line {
  public:
   explicit Line(std::span<char> out) : out_(out) {}
@@ -23,7 +24,7 @@ class Line {
     const bool whole = value == std::floor(value) && std::abs(value) < kWholeNumbersUpTo;
     const std::to_chars_result end =
         whole ? std::to_chars(text, text + sizeof text, static_cast<std::int64_t>(value))
-              : std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6);
+              : std::to_chars(text, text + sizeof text, value, std::chars_format::general, kDigits);
     add(std::string_view(text, static_cast<std::size_t>(end.ptr - text)));
   }
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -55,7 +56,7 @@ EventPacket packet_of(std::size_t index, const EventDetails& details, const Even
   return packet;
 }
 
-/// A window ends: what was held back in it and had no successor is told now.
+/// Ends a window and reports what is still suppressed.
 void end_window(std::uint32_t frame, EventLog* log) {
   log->window_begin = frame;
   for (std::size_t i = 0; i < kEventKinds; ++i) {

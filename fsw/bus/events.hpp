@@ -1,4 +1,4 @@
-// Events of a step: counted always, sent as packets while their kind is not too many.
+// Events of a step: all are counted; of each id, a burst in a window of frames is sent.
 #pragma once
 
 #include <array>
@@ -17,9 +17,9 @@ namespace polhode::bus {
 
 struct EventCount {
   std::uint32_t occurrences = 0;
-  std::uint32_t in_window = 0;     ///< sent within the window of frames under way
+  std::uint32_t in_window = 0;     ///< sent within the current window of frames
   std::uint32_t suppressed = 0;    ///< since the last one that was sent
-  std::array<double, 2> values{};  ///< of the last one suppressed
+  std::array<double, 2> values{};  ///< of the last suppressed one
 };
 
 struct EventLog {
@@ -35,22 +35,21 @@ struct EventDetails {
   std::string_view word = {};      ///< cut where the text is full
 };
 
-/// Something happened. Past its id's burst in a window, or with no room left in this step, it
-/// is counted only.
+/// Reports an event. Past its id's burst in a window, or with no room left in this step, it is
+/// only counted.
 void report(EventId id, const EventDetails& details, EventLog* log);
 
 /// Sends what was reported in this step.
-/// @param frame  a window ends with the frame bus.event_window_frames after its first one. What was
-/// suppressed in it and was followed by nothing is then told by one event of that id, with the last
-/// one's numbers.
+/// @param frame  a window ends with the frame bus.event_window_frames after its first one. Events
+/// still suppressed are then reported by one event of their id, with the numbers of the last one.
 void send_events(std::uint32_t frame,
                  std::int64_t timestamp_ns,
                  const BusOptions& options,
                  EventLog* log,
                  PacketStream* stream);
 
-/// Fills `out` with the text of an event: numbers in the shortest form that reads back, whole ones
-/// without a point. @return octets written; what does not fit is cut.
+/// Fills `out` with the text of an event: numbers with six digits, whole ones in full and without a
+/// point. @return octets written; what does not fit is cut.
 std::size_t event_text(const EventRow& row, const EventDetails& details, std::span<char> out);
 
 }  // namespace polhode::bus

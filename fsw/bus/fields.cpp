@@ -71,11 +71,11 @@ bool all_finite(const Field& field, const void* packet) {
   return true;
 }
 
-void clear(const Field& field, void* packet) {
+void clear_field(const Field& field, void* packet) {
   std::fill_n(member_of(field, packet, 0), field.count * size_of(field.type), std::byte{0});
 }
 
-void settle_text(const Field& field, void* packet) {
+void sanitise_text(const Field& field, void* packet) {
   bool ended = false;
   for (std::size_t i = 0; i < field.count; ++i) {
     const auto c = load<char>(member_of(field, packet, i));
@@ -89,7 +89,7 @@ void settle_text(const Field& field, void* packet) {
   }
 }
 
-std::uint8_t settled_flags(const Layout& layout, const void* packet) {
+std::uint8_t valid_flags(const Layout& layout, const void* packet) {
   unsigned flags = flags_of(layout, packet);
   for (const Field& field : layout.fields) {
     if (field.valid_by >= 0 && !all_finite(field, packet)) {
@@ -148,16 +148,16 @@ std::uint8_t flags_of(const Layout& layout, const void* packet) {
              : load<std::uint8_t>(static_cast<const std::byte*>(packet) + layout.flags_member);
 }
 
-void settle(const Layout& layout, void* packet) {
-  const std::uint8_t flags = settled_flags(layout, packet);
+void sanitise(const Layout& layout, void* packet) {
+  const std::uint8_t flags = valid_flags(layout, packet);
   if (layout.flags_member != kNoFlags) {
     std::memcpy(static_cast<std::byte*>(packet) + layout.flags_member, &flags, sizeof flags);
   }
   for (const Field& field : layout.fields) {
     if (field.type == FieldType::kText) {
-      settle_text(field, packet);
+      sanitise_text(field, packet);
     } else if (!is_valid(field, flags) || !all_finite(field, packet)) {
-      clear(field, packet);
+      clear_field(field, packet);
     }
   }
 }

@@ -1,5 +1,5 @@
-// How a packet's fields lie on the wire and in its struct, as data: packing, unpacking, validity
-// and printing are one piece of code for all packets.
+// The fields of a packet on the wire and in its struct, as data. So one piece of code packs,
+// unpacks, validates and prints all packets.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,9 @@ enum class FieldType : std::uint8_t { kU8, kU16, kU32, kU64, kI64, kF32, kF64, k
 
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 inline constexpr std::size_t kNoFlags = std::numeric_limits<std::size_t>::max();
-inline constexpr std::size_t kStructOctetsMax = 2048;  ///< of any packet's or command's struct
+// Of any packet's or command's struct: limits::kPacketOctets and padding, rounded up to a power of
+// two. packet_table.cpp asserts it for each.
+inline constexpr std::size_t kStructOctetsMax = 2048;
 
 /// A field, by its row in the field table.
 struct Field {
@@ -24,7 +26,7 @@ struct Field {
   bool is_array;
   std::uint16_t octet;   ///< from the packet's first
   std::size_t member;    ///< offset in the struct
-  std::int8_t valid_by;  ///< bit of the flags that has to be up; -1: always valid
+  std::int8_t valid_by;  ///< bit of the flags that must be up; -1: always valid
   double low;            ///< allowed, both included
   double high;
   std::string_view elements;     ///< names of an array's elements, "w x y z"; may be empty
@@ -51,21 +53,21 @@ const Layout* find_packet(int apid, int apid_first);
 /// Octets of one value: 1, 2, 4 or 8.
 [[nodiscard]] std::size_t size_of(FieldType type);
 
-/// Makes a packet's struct fit for the bus: a flag whose values are not all finite goes down;
-/// values whose flag is down become zero; so does whatever else is not finite. Texts are cut to
+/// Makes a packet's struct valid for the bus. A flag whose values are not all finite goes down.
+/// Values whose flag is down, and others that are not finite, become zero. Texts are reduced to
 /// printable ASCII.
-void settle(const Layout& layout, void* packet);
+void sanitise(const Layout& layout, void* packet);
 
-/// Writes the fields (not header and CRC) big-endian. What is written must be settled.
+/// Writes the fields (not header and CRC) big-endian. What is written must be sanitised.
 void pack_fields(const Layout& layout, const void* packet, std::span<std::uint8_t> out);
 
 /// Reads the fields back. `in` holds at least up to the last one.
 void unpack_fields(const Layout& layout, std::span<const std::uint8_t> in, void* packet);
 
-/// The first field that breaks its range or is not finite, or nullptr. Values whose flag is down
-/// are not looked at.
-/// @param slack  by which a floating value may lie outside, relative to a limit over 1: a unit
-/// vector's component may be 1 and a rounding error.
+/// The first field that is out of range or not finite, or nullptr. Values whose flag is down are
+/// not checked.
+/// @param slack  by which a floating value may exceed a limit, relative to limits over 1. A unit
+/// vector's component may exceed 1 by a rounding error.
 const Field* out_of_range(const Layout& layout, const void* packet, double slack);
 
 /// One value as a number (of a text: its octet). Whole numbers over 2^53 lose their last digits.

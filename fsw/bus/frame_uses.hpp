@@ -3,8 +3,10 @@
 
 #include <cstdint>
 
+#include "bus/counters.hpp"
 #include "bus/event_table.hpp"
-#include "pipeline/component.hpp"
+#include "image/frame_use.hpp"
+#include "image/verdict.hpp"
 
 namespace polhode {
 

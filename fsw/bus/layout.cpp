@@ -13,7 +13,7 @@ namespace {
 
 static_assert(std::numeric_limits<double>::is_iec559 && sizeof(double) == 8);
 
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;  // by definition
 
 }  // namespace
 
@@ -42,13 +42,13 @@ void set_time(std::int64_t timestamp_ns, PacketHeader& header) {
 
 void write_header(const PacketHeader& header, std::span<std::uint8_t> out) {
   POLHODE_ASSERT(header.apid <= 0x7FFU, header.apid);
-  POLHODE_ASSERT(header.total_octets > kHeaderOctets && header.total_octets <= 65542U,
+  POLHODE_ASSERT(header.total_octets > kHeaderOctets && header.total_octets <= kCcsdsOctetsMax,
                  header.total_octets);
-  // Version 000, type 0 (telemetry), secondary header 1, APID; then segmentation 11 (whole), count;
-  // then length - 7.
+  // Version 000, type 0 (telemetry), secondary header 1, APID. Then segmentation 11 (whole), count.
+  // Then the length.
   put_u16(out, 0, static_cast<std::uint16_t>(0x0800U | header.apid));
   put_u16(out, 2, static_cast<std::uint16_t>(0xC000U | (header.sequence % kSequenceModulus)));
-  put_u16(out, 4, static_cast<std::uint16_t>(header.total_octets - 7U));
+  put_u16(out, 4, static_cast<std::uint16_t>(header.total_octets - kLengthOffset));
   put_u8(out, 6, kTimePField);
   put_u32(out, 7, header.seconds);
   put_unsigned(out, 11, header.fraction_2_24, 3);
@@ -69,7 +69,7 @@ bool read_header(std::span<const std::uint8_t> in, PacketHeader& header) {
   }
   header.apid = static_cast<std::uint16_t>(identification & 0x7FFU);
   header.sequence = static_cast<std::uint16_t>(control & 0x3FFFU);
-  header.total_octets = get_u16(in, 4) + 7U;
+  header.total_octets = get_u16(in, 4) + kLengthOffset;
   header.seconds = get_u32(in, 7);
   header.fraction_2_24 = static_cast<std::uint32_t>(get_unsigned(in, 11, 3));
   header.layout_version = get_u8(in, 14);

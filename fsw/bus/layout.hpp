@@ -1,4 +1,4 @@
-// Octets of the packets: CCSDS space packet header, CUC time, CRC, big-endian access.
+// Layout of telemetry packets: CCSDS space packet header, CUC time, CRC, big-endian access.
 #pragma once
 
 #include <cstddef>
@@ -15,8 +15,12 @@ namespace polhode::bus {
 inline constexpr std::size_t kPrimaryHeaderOctets = 6;
 inline constexpr std::size_t kHeaderOctets = 16;
 inline constexpr std::size_t kCrcOctets = 2;
-inline constexpr std::uint16_t kSequenceModulus = 0x4000;  ///< the 14-bit count wraps here
-inline constexpr std::uint16_t kApidMax = 0x7FE;           ///< 0x7FF is the idle packet
+inline constexpr std::uint16_t kSequenceModulus = 0x4000;  ///< 2^14: the count has 14 bits
+inline constexpr std::uint16_t kApidMax = 0x7FE;           ///< of 11 bits; 0x7FF is the idle packet
+
+// CCSDS 133.0-B: the length field is the number of octets after the primary header, less 1.
+inline constexpr std::size_t kLengthOffset = kPrimaryHeaderOctets + 1;
+inline constexpr std::size_t kCcsdsOctetsMax = 0xFFFF + kLengthOffset;  ///< by its 16 bits
 
 // CUC P-field: no extension, agency-defined epoch (code 010), 4 octets of seconds, 3 octets of
 // 2^-24 s.
@@ -38,10 +42,10 @@ struct PacketHeader {
   TimeQuality time_quality = TimeQuality::kCamera;
 };
 
-/// The count after `sequence`: counts always, wraps at 14 bits.
+/// The count after `sequence`; wraps at 14 bits.
 [[nodiscard]] std::uint16_t next_sequence(std::uint16_t sequence);
 
-/// Packets missing between two counts of one APID that were read one after the other, modulo 2^14.
+/// Packets missing between two successively read counts of one APID, modulo 2^14.
 [[nodiscard]] std::uint16_t packets_missing(std::uint16_t previous, std::uint16_t current);
 
 /// CUC fields of a time stamp, rounded down to 2^-24 s (60 ns).

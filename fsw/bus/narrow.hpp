@@ -1,4 +1,4 @@
-// Numbers as a packet holds them.
+// Conversions to the number types of a packet.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace polhode::bus {
 
-/// The largest number that fits stands for all that are larger.
+/// Larger numbers become the largest one that fits.
 inline std::uint16_t clipped(std::size_t count) {
   return static_cast<std::uint16_t>(std::min<std::size_t>(count, 0xFFFF));
 }

@@ -51,11 +51,11 @@ enum class Rejection : std::uint8_t {
   kTooMany = 7,
 };
 
-/// How the target is turned, where it is, how both change, at the middle of this frame's exposure.
+/// Attitude, position and their rates of change, at the middle of this frame's exposure.
 struct MotionPacket {
   std::int64_t timestamp_ns = 0;  ///< middle of the exposure since 1970-01-01T00:00:00, exact; ns
   std::array<double, 4> q_CT{};  ///< takes T components to C components; unit norm, sign continuous in time; flag pose
-  std::array<double, 3> p_CT{};  ///< T's origin seen from C, in C; length; flag pose
+  std::array<double, 3> p_CT{};  ///< position of T's origin seen from C, in C; length; flag pose
   std::array<double, 3> v_C{};  ///< velocity of T's origin relative to C's origin, in C; length/s; flag velocity
   std::array<double, 3> w_T_rad_s{};  ///< angular velocity of T relative to inertial space, in T; rad/s; flag rate
   double sigma_att_rad = 0.0;  ///< 1-sigma of the attitude, worst axis; rad; flag pose
@@ -66,160 +66,160 @@ struct MotionPacket {
   std::array<float, 6> cov_v{};  ///< covariance of v_C; (length/s)^2; flag velocity
   std::array<float, 6> cov_w{};  ///< covariance of w_T; (rad/s)^2; flag rate
   std::uint32_t frame = 0;  ///< index of the accepted frame
-  std::uint16_t features = 0;  ///< detected or followed in this frame
-  std::uint16_t matches = 0;  ///< tied to landmarks, or to tracks before a map
-  std::uint16_t inliers = 0;  ///< that agree with the pose
-  std::uint16_t landmarks = 0;  ///< in the map
-  std::uint16_t keyframes = 0;  ///< in the map
+  std::uint16_t features = 0;  ///< detected or tracked in this frame
+  std::uint16_t matches = 0;  ///< features associated with landmarks; before a map, with tracks
+  std::uint16_t inliers = 0;  ///< matches that agree with the pose
+  std::uint16_t landmarks = 0;  ///< landmarks in the map
+  std::uint16_t keyframes = 0;  ///< keyframes in the map
   std::uint8_t mode = 0;  ///< what the component is doing
   std::uint8_t flags = 0;
 
   static const Layout& layout();  ///< 310 octets
 };
 
-/// The motion of a free rigid body that fits the poses so far: rates, principal axes, inertia ratios, periods, velocity, centre of mass. Each class says what the data tell: 1-sigma under about a half of its value, 30 deg, or of the body's radius is WEAK, under a tenth, 6 deg, OBSERVED; what is UNOBSERVED is zero.
+/// Motion of a free rigid body fitted to the poses so far: rates, principal axes, inertia ratios, periods, velocity, centre of mass. Each class states how well the data determine a quantity. WEAK: its 1-sigma is under about half of its value, 30 deg, or half of the body's radius. OBSERVED: under a tenth, 6 deg, or a tenth of the radius. UNOBSERVED: more; its values are zero.
 struct ModelPacket {
   std::int64_t timestamp_ns = 0;  ///< the time that the values belong to; ns
   std::array<double, 3> w_T_rad_s{};  ///< the model's angular velocity at that time, relative to inertial space, in T; rad/s; flag rate
-  std::array<double, 4> q_TB{};  ///< principal axes of inertia B by growing moment: takes B components to T components; an axis holds as class_axes says; flag axes
-  std::array<double, 2> inertia_ratio{};  ///< principal moments over the least one: Jy/Jx, Jz/Jx; flag inertia
+  std::array<double, 4> q_TB{};  ///< principal axes of inertia B, by increasing moment: takes B components to T components; each axis is valid as class_axes says; flag axes
+  std::array<double, 2> inertia_ratio{};  ///< principal moments over the smallest one: Jy/Jx, Jz/Jx; flag inertia
   double period_spin_s = 0.0;  ///< time in which the body rates repeat (the polhode's period); s; flag spin
-  double period_precession_s = 0.0;  ///< mean time of a turn about the angular momentum; s; flag precession
+  double period_precession_s = 0.0;  ///< mean time of one revolution about the angular momentum; s; flag precession
   std::array<double, 3> momentum_axis_C{};  ///< direction of the angular momentum, in C at that time; zero where class_momentum is UNOBSERVED
   std::array<double, 3> v_C{};  ///< velocity of the centre of mass relative to C's origin, in C at that time; length/s; flag velocity
-  std::array<double, 3> c_T{};  ///< centre of mass seen from T's origin, in T; its part along UNOBSERVED directions is left out; length; flag mass_centre
+  std::array<double, 3> c_T{};  ///< centre of mass seen from T's origin, in T; components along UNOBSERVED directions are zero; length; flag mass_centre
   std::array<float, 6> cov_w{};  ///< covariance of w_T; (rad/s)^2; flag rate
-  std::array<float, 3> sigma_axes_rad{};  ///< 1-sigma of each axis' direction, worst way; rad; flag axes
+  std::array<float, 3> sigma_axes_rad{};  ///< 1-sigma of the direction of each axis, worst direction; rad; flag axes
   std::array<float, 2> sigma_inertia_ratio{};  ///< 1-sigma of the ratios; flag inertia
-  float sigma_period_spin_s = 0.0F;  ///< 1-sigma; s; flag spin
-  float sigma_period_precession_s = 0.0F;  ///< 1-sigma; s; flag precession
-  float sigma_momentum_axis_rad = 0.0F;  ///< 1-sigma, worst way; zero where class_momentum is UNOBSERVED; rad
+  float sigma_period_spin_s = 0.0F;  ///< 1-sigma of period_spin_s; s; flag spin
+  float sigma_period_precession_s = 0.0F;  ///< 1-sigma of period_precession_s; s; flag precession
+  float sigma_momentum_axis_rad = 0.0F;  ///< 1-sigma of momentum_axis_C, worst direction; zero where class_momentum is UNOBSERVED; rad
   std::array<float, 6> cov_v{};  ///< covariance of v_C; (length/s)^2; flag velocity
-  std::array<float, 6> cov_c{};  ///< covariance of c_T; along UNOBSERVED directions what is possible of the body; length^2; flag mass_centre
+  std::array<float, 6> cov_c{};  ///< covariance of c_T; along UNOBSERVED directions, the extent that the body allows; length^2; flag mass_centre
   float span_s = 0.0F;  ///< time between the first and the last pose of the fit; s
-  std::array<float, 2> chi2_per_dof{};  ///< of the fit; 1 where the declared sigmas are right; cov and sigma are by the noise as found
-  std::uint32_t poses = 0;  ///< that the fit used
+  std::array<float, 2> chi2_per_dof{};  ///< chi-square per degree of freedom of the fit; 1 where the poses' sigmas are right; cov and sigma of this packet use the noise found by the fit
+  std::uint32_t poses = 0;  ///< poses that the fit used
   std::uint32_t frame = 0;  ///< index of the frame at publication
   std::uint8_t dynamics = 0;  ///< what was fitted; LOCAL: a polynomial through the last poses
-  std::uint8_t refusal = 0;  ///< why the poses are not taken for a free rigid body's
-  std::array<std::uint8_t, 3> class_axes{};  ///< what the data tell of each axis of B
-  std::array<std::uint8_t, 2> class_inertia{};  ///< of each ratio
-  std::uint8_t class_spin = 0;  ///< of its period
-  std::uint8_t class_precession = 0;  ///< of its period
-  std::uint8_t class_momentum = 0;  ///< of its direction
-  std::array<std::uint8_t, 3> class_mass_centre{};  ///< along the principal axes of cov_c
+  std::uint8_t refusal = 0;  ///< why the poses are not accepted as those of a free rigid body
+  std::array<std::uint8_t, 3> class_axes{};  ///< how well each axis of B is determined
+  std::array<std::uint8_t, 2> class_inertia{};  ///< how well each ratio is determined
+  std::uint8_t class_spin = 0;  ///< how well period_spin_s is determined
+  std::uint8_t class_precession = 0;  ///< how well period_precession_s is determined
+  std::uint8_t class_momentum = 0;  ///< how well momentum_axis_C is determined
+  std::array<std::uint8_t, 3> class_mass_centre{};  ///< how well c_T is determined along the principal axes of cov_c
   std::uint8_t flags = 0;
 
   static const Layout& layout();  ///< 324 octets
 };
 
-/// Where the target will be if nothing acts on it. Attitude and position are valid while their 1-sigma is under 0.5 rad and under half the distance.
+/// Where the target will be if nothing acts on it. Attitude is valid while its 1-sigma is under 0.5 rad, position while its 1-sigma is under half the distance.
 struct PredictionPacket {
-  std::int64_t timestamp_ns = 0;  ///< of the last frame that the prediction knows; ns
+  std::int64_t timestamp_ns = 0;  ///< time of the last frame that the prediction uses; ns
   std::int64_t predicted_timestamp_ns = 0;  ///< the time that the values belong to; ns
-  std::array<double, 4> q_CT{};  ///< predicted attitude, in C as it was turned at timestamp_ns; w >= 0; flag attitude
-  std::array<double, 3> p_CT{};  ///< predicted position of T's origin seen from C's, in C as it was turned at timestamp_ns; length; flag position
+  std::array<double, 4> q_CT{};  ///< predicted attitude, in C with its orientation at timestamp_ns; w >= 0; flag attitude
+  std::array<double, 3> p_CT{};  ///< predicted position of T's origin seen from C's, in C with its orientation at timestamp_ns; length; flag position
   std::array<double, 3> w_T_rad_s{};  ///< predicted angular velocity, in T; rad/s; flag rate
   std::array<float, 21> cov_pose{};  ///< as in the motion packet; rows and columns of what is not valid are zero; rad and length
   std::array<float, 6> cov_w{};  ///< covariance of w_T; (rad/s)^2; flag rate
-  std::uint32_t frame = 0;  ///< index of the last frame that the prediction knows
-  std::uint16_t poses = 0;  ///< that the prediction rests on
+  std::uint32_t frame = 0;  ///< index of the last frame that the prediction uses
+  std::uint16_t poses = 0;  ///< poses that the prediction uses
   std::uint8_t dynamics = 0;  ///< what was used; LOCAL: a polynomial through the last poses
   std::uint8_t flags = 0;
 
   static const Layout& layout();  ///< 230 octets
 };
 
-/// Dimensions, body frame, flat faces and cylinder of the target, from the map's confirmed landmarks. The flags axis_x, axis_y, axis_z say which axes of B the body's geometry fixes; the others are a choice.
+/// Dimensions, body frame, flat faces and cylinder of the target, from the map's confirmed landmarks. The flags axis_x, axis_y, axis_z tell which axes of B follow from the body's geometry; the others are arbitrary.
 struct ShapePacket {
-  std::int64_t timestamp_ns = 0;  ///< of the frame at publication; ns
+  std::int64_t timestamp_ns = 0;  ///< time of the frame at publication; ns
   std::array<double, 4> q_TB{};  ///< body frame B: takes B components to T components; flag shape
-  std::array<double, 3> centroid_T{};  ///< centre of the completed body, B's origin, in T; length; flag shape
+  std::array<double, 3> centroid_T{};  ///< centre of the completed body, which is B's origin, in T; length; flag shape
   std::array<double, 3> centroid_measured_T{};  ///< mean of the measured cloud, in T; length; flag shape
   std::array<double, 3> dimensions{};  ///< full lengths along B's axes; length; flag shape
-  std::array<double, 3> sigma_dimensions{};  ///< 1-sigma, without that of the unit, as all sigmas of this packet; length; flag shape
-  double metres_per_mu = 0.0;  ///< the scale that turned map units into metres; m/map unit; flag scale_known
-  std::array<float, 3> cylinder_axis_T{};  ///< unit, either sign; flag cylinder
+  std::array<double, 3> sigma_dimensions{};  ///< 1-sigma; like all sigmas of this packet, without the scale's error; length; flag shape
+  double metres_per_mu = 0.0;  ///< scale by which map units were converted to metres; m/map unit; flag scale_known
+  std::array<float, 3> cylinder_axis_T{};  ///< unit vector, either sign; flag cylinder
   std::array<float, 3> cylinder_centre_T{};  ///< on the axis, at half length; length; flag cylinder
   float cylinder_radius = 0.0F;  ///< length; flag cylinder
-  float cylinder_length = 0.0F;  ///< of the part that has points; length; flag cylinder
-  float cylinder_coverage_rad = 0.0F;  ///< how much of the round has points; rad; flag cylinder
+  float cylinder_length = 0.0F;  ///< length of the part that has points; length; flag cylinder
+  float cylinder_coverage_rad = 0.0F;  ///< part of the circumference that has points; rad; flag cylinder
   float sigma_cylinder_axis_rad = 0.0F;  ///< 1-sigma, worst direction; rad; flag cylinder
   float sigma_cylinder_radius = 0.0F;  ///< 1-sigma; length; flag cylinder
-  float spacing = 0.0F;  ///< typical distance of neighbouring points; length; flag shape
-  float thickness = 0.0F;  ///< 1-sigma noise of the cloud across its surface; length; flag shape
-  float sigma_scale = 0.0F;  ///< 1-sigma of a length's unit, of metres_per_mu that is, over its value; flag scale_known
-  std::array<float, 36> plane_normal_T{};  ///< of plane i: unit, away from the centroid; planes from plane_count on are zero; flag shape
+  float spacing = 0.0F;  ///< typical distance between neighbouring points; length; flag shape
+  float thickness = 0.0F;  ///< 1-sigma noise of the cloud, perpendicular to its surface; length; flag shape
+  float sigma_scale = 0.0F;  ///< relative 1-sigma of the scale: sigma of metres_per_mu over its value; flag scale_known
+  std::array<float, 36> plane_normal_T{};  ///< normal of plane i: unit vector away from the centroid; rows from plane_count on are zero; flag shape
   std::array<float, 12> plane_offset{};  ///< normal . p = offset for points p of the plane, in T; length; flag shape
-  std::array<float, 36> plane_centre_T{};  ///< centre of the rectangle that holds its points; length; flag shape
-  std::array<float, 24> plane_extent{};  ///< that rectangle's full lengths; length; flag shape
+  std::array<float, 36> plane_centre_T{};  ///< centre of the rectangle about its points; length; flag shape
+  std::array<float, 24> plane_extent{};  ///< full lengths of that rectangle; length; flag shape
   std::array<float, 36> plane_sigma{};  ///< 1-sigma of the tilt about u and v, and of the offset; rad, rad, length; flag shape
   std::uint32_t frame = 0;  ///< index of the frame at publication
-  std::uint32_t frame_of_estimate = 0;  ///< index of the frame whose map it was estimated from
-  std::array<std::uint16_t, 12> plane_inliers{};  ///< points of the plane; flag shape
-  std::uint16_t landmarks = 0;  ///< that the estimate used
-  std::uint16_t cloud_points = 0;  ///< measured, after denoising
-  std::uint16_t completion_points = 0;  ///< added
-  std::uint8_t plane_count = 0;  ///< planes that follow
-  std::uint8_t completion = 0;  ///< what the cloud was completed to
-  std::uint8_t frame_source = 0;  ///< where B's axes come from
-  std::array<std::uint8_t, 3> dimension_basis{};  ///< what each length rests on: the points are flat there; where points end, so at least so long; surfaces at both ends; flag shape
+  std::uint32_t frame_of_estimate = 0;  ///< index of the frame whose map the estimate used
+  std::array<std::uint16_t, 12> plane_inliers{};  ///< points of each plane; flag shape
+  std::uint16_t landmarks = 0;  ///< landmarks that the estimate used
+  std::uint16_t cloud_points = 0;  ///< points measured, after outlier removal
+  std::uint16_t completion_points = 0;  ///< points added by completion
+  std::uint8_t plane_count = 0;  ///< planes in this packet
+  std::uint8_t completion = 0;  ///< body that the cloud was completed to
+  std::uint8_t frame_source = 0;  ///< what B's axes follow from
+  std::array<std::uint8_t, 3> dimension_basis{};  ///< what each dimension rests on; NOTHING: the points are flat there; POINTS: where points end, a lower limit; SURFACES: a surface at both ends; flag shape
   std::uint8_t flags = 0;
   std::uint8_t spare = 0;  ///< 0
 
   static const Layout& layout();  ///< 840 octets
 };
 
-/// Counters and state of the component. Counters start at 0, wrap at 2^32 and go to 0 by RESET_COUNTERS; frame does not.
+/// Counters and state of the component. Counters start at 0 and wrap at 2^32. RESET_COUNTERS sets them to 0, but not frame.
 struct HousekeepingPacket {
-  std::int64_t timestamp_ns = 0;  ///< of the frame at publication; ns
-  std::uint64_t memory_octets = 0;  ///< of the component's own tables, fixed since start; octet
+  std::int64_t timestamp_ns = 0;  ///< time of the frame at publication; ns
+  std::uint64_t memory_octets = 0;  ///< size of the component's own tables, fixed since start; octet
   std::uint32_t frame = 0;  ///< index of the frame at publication
-  std::uint32_t frames_in = 0;  ///< handed over
-  std::uint32_t frames_used = 0;  ///< that were looked at
-  std::uint32_t frames_unreadable = 0;  ///< that the camera could not deliver whole
-  std::uint32_t frames_dark = 0;  ///< too dark to be used
-  std::uint32_t frames_wrong_size = 0;
-  std::uint32_t frames_time_not_increasing = 0;
-  std::uint32_t frames_held = 0;  ///< passed over while held
-  std::uint32_t frames_missing = 0;  ///< that never came, by the gaps in time
-  std::uint32_t frames_flat = 0;  ///< without contrast; this and the next five: skipped, or used with care
-  std::uint32_t frames_saturated = 0;  ///< far more saturated than those before
-  std::uint32_t frames_frozen = 0;  ///< the previous picture once more
-  std::uint32_t frames_torn = 0;  ///< a part of which is the previous picture's
-  std::uint32_t frames_bit_errors = 0;  ///< with pixels, lines or blocks that are not of the picture
-  std::uint32_t frames_blurred = 0;  ///< far less sharp than those before
-  std::uint32_t frames_with_care = 0;  ///< used for a pose, not for the map
+  std::uint32_t frames_in = 0;  ///< frames given to the component
+  std::uint32_t frames_used = 0;  ///< frames that were processed
+  std::uint32_t frames_unreadable = 0;  ///< frames that the camera could not deliver whole
+  std::uint32_t frames_dark = 0;  ///< frames too dark to be used
+  std::uint32_t frames_wrong_size = 0;  ///< frames whose size is not the camera's
+  std::uint32_t frames_time_not_increasing = 0;  ///< frames not later than the one before
+  std::uint32_t frames_held = 0;  ///< frames skipped after HOLD
+  std::uint32_t frames_missing = 0;  ///< frames that never came, judged by gaps in time
+  std::uint32_t frames_flat = 0;  ///< frames without contrast; this kind and the next five are skipped, or used as degraded frames
+  std::uint32_t frames_saturated = 0;  ///< frames far more saturated than those before
+  std::uint32_t frames_frozen = 0;  ///< frames that repeat the previous image
+  std::uint32_t frames_torn = 0;  ///< frames of which a part repeats the previous image
+  std::uint32_t frames_bit_errors = 0;  ///< frames with damaged pixels, lines or blocks
+  std::uint32_t frames_blurred = 0;  ///< frames far less sharp than those before
+  std::uint32_t frames_with_care = 0;  ///< degraded frames: used for a pose only, not for the map
   std::uint32_t poses = 0;  ///< frames with a pose
-  std::uint32_t lost = 0;  ///< times that tracking was lost
-  std::uint32_t relocalised = 0;  ///< times that it was found again
-  std::uint32_t restarts = 0;  ///< times that a map was begun anew after a loss
-  std::uint32_t start_contests = 0;  ///< attempts at starting a map
-  std::uint32_t keyframes_inserted = 0;
-  std::uint32_t keyframes_culled = 0;
-  std::uint32_t landmarks_created = 0;
-  std::uint32_t landmarks_culled = 0;
+  std::uint32_t lost = 0;  ///< times that the target was lost
+  std::uint32_t relocalised = 0;  ///< times that the target was found again by its map
+  std::uint32_t restarts = 0;  ///< times that a new map was begun after a loss
+  std::uint32_t start_contests = 0;  ///< hypothesis selections, each an attempt to begin a map
+  std::uint32_t keyframes_inserted = 0;  ///< keyframes added to the map
+  std::uint32_t keyframes_culled = 0;  ///< keyframes removed from the map
+  std::uint32_t landmarks_created = 0;  ///< landmarks added to the map
+  std::uint32_t landmarks_culled = 0;  ///< landmarks removed from the map
   std::uint32_t closures = 0;  ///< loops closed
   std::uint32_t shapes = 0;  ///< estimates of the shape
-  std::uint32_t jobs_issued = 0;  ///< starts, adjustments, fits of the motion, shapes
-  std::uint32_t jobs_without_result = 0;  ///< skipped for want of memory
-  std::uint32_t steps_short_of_memory = 0;  ///< in which less was asked of the libraries
-  std::uint32_t scale_contradictions = 0;  ///< times that the readings of the scale stopped agreeing
-  std::uint32_t tables_full = 0;  ///< times that a table had no free slot
-  std::uint32_t commands_accepted = 0;
-  std::uint32_t commands_rejected = 0;
-  std::uint32_t events_sent = 0;
-  std::uint32_t events_suppressed = 0;  ///< held back by the throttle
-  std::uint32_t packets_not_sent = 0;  ///< that found no room in a frame's output
+  std::uint32_t jobs_issued = 0;  ///< initialisations, adjustments of the map, fits of the dynamics, shape estimates
+  std::uint32_t jobs_without_result = 0;  ///< jobs skipped because memory was short
+  std::uint32_t steps_short_of_memory = 0;  ///< steps with reduced work because memory was short
+  std::uint32_t scale_contradictions = 0;  ///< times that the readings of the scale began to contradict each other
+  std::uint32_t tables_full = 0;  ///< times that a new entry found its table full
+  std::uint32_t commands_accepted = 0;  ///< commands carried out
+  std::uint32_t commands_rejected = 0;  ///< commands refused
+  std::uint32_t events_sent = 0;  ///< events sent as packets
+  std::uint32_t events_suppressed = 0;  ///< events counted but not sent, beyond their burst
+  std::uint32_t packets_not_sent = 0;  ///< packets that did not fit into the output of a frame
   std::uint32_t table_crc = 0;  ///< CRC-32 of the active parameter table
-  std::uint32_t table_loaded_crc = 0;  ///< CRC-32 over the entries loaded since the inactive table was begun
+  std::uint32_t table_loaded_crc = 0;  ///< CRC-32 of the entries loaded since the inactive table was begun
   std::uint16_t table_entries = 0;  ///< entries loaded into the inactive table
-  std::uint16_t landmarks = 0;  ///< in the map
-  std::uint16_t keyframes = 0;  ///< in the map
-  std::uint16_t cloud_chunks_left = 0;  ///< of a requested cloud, still to be sent
+  std::uint16_t landmarks = 0;  ///< landmarks in the map
+  std::uint16_t keyframes = 0;  ///< keyframes in the map
+  std::uint16_t cloud_chunks_left = 0;  ///< packets of a requested cloud still to be sent
   std::uint8_t last_command = 0;  ///< function code of the last command, accepted or not; 255: none yet
   std::uint8_t last_rejection = 0;  ///< why the last rejected command was refused
-  std::uint8_t mode = 0;
+  std::uint8_t mode = 0;  ///< what the component is doing
   std::array<std::uint8_t, 3> version{};  ///< of the component
   std::uint8_t flags = 0;
   std::uint8_t spare = 0;  ///< 0
@@ -227,15 +227,15 @@ struct HousekeepingPacket {
   static const Layout& layout();  ///< 206 octets
 };
 
-/// Something happened. The id alone says what; the text is for people.
+/// Something happened. The id alone states what; the text is for people.
 struct EventPacket {
-  std::int64_t timestamp_ns = 0;  ///< of the frame; ns
+  std::int64_t timestamp_ns = 0;  ///< time of the frame; ns
   std::array<double, 2> value{};  ///< the event's numbers, in the order of its text
   std::uint32_t frame = 0;  ///< index of the frame
-  std::uint32_t occurrences = 0;  ///< of this id since start or RESET_COUNTERS, this one and suppressed ones included
-  std::uint32_t suppressed = 0;  ///< of this id since the last one that was sent
+  std::uint32_t occurrences = 0;  ///< events of this id since start or RESET_COUNTERS, this one and suppressed ones included
+  std::uint32_t suppressed = 0;  ///< events of this id suppressed since the last one that was sent
   std::uint16_t id = 0;  ///< see the table of events
-  std::uint8_t severity = 0;
+  std::uint8_t severity = 0;  ///< how serious the event is
   std::uint8_t text_octets = 0;  ///< length of the text
   std::array<char, 122> text{};  ///< ASCII without control characters, zero-padded
   std::array<std::uint8_t, 2> spare{};  ///< 0
@@ -243,83 +243,83 @@ struct EventPacket {
   static const Layout& layout();  ///< 182 octets
 };
 
-/// A part of the map's landmarks as they were when the request was executed.
+/// A part of the map's landmarks at the time when the request was executed.
 struct CloudPacket {
-  std::int64_t timestamp_ns = 0;  ///< of the last frame that was looked at before the request was executed; ns
+  std::int64_t timestamp_ns = 0;  ///< time of the last frame processed before the request was executed; ns
   double metres_per_mu = 0.0;  ///< already applied to the points; m/map unit; flag scale_known
-  std::uint32_t points_total = 0;  ///< of the whole cloud
+  std::uint32_t points_total = 0;  ///< points of the whole cloud
   std::uint32_t first_point = 0;  ///< index of this packet's first point
   std::uint16_t cloud = 0;  ///< number of the request, from 1, wraps
-  std::uint16_t chunk = 0;  ///< of this cloud, from 0
-  std::uint16_t chunks = 0;  ///< of this cloud
-  std::uint8_t points = 0;  ///< in this packet; the rest is zero
+  std::uint16_t chunk = 0;  ///< number of this packet in its cloud, from 0
+  std::uint16_t chunks = 0;  ///< packets of this cloud
+  std::uint8_t points = 0;  ///< points in this packet; the rest is zero
   std::uint8_t flags = 0;
   std::array<float, 330> p_T{};  ///< landmarks, in T; length
 
   static const Layout& layout();  ///< 1370 octets
 };
 
-/// What the machine around the component did: not part of the stream that the same frames reproduce.
+/// State of the machine around the component. Not part of the stream that the same frames reproduce.
 struct PlatformPacket {
-  std::int64_t timestamp_ns = 0;  ///< of the last frame; ns
-  std::uint64_t resident_octets = 0;  ///< of the process now; octet
-  std::uint64_t resident_peak_octets = 0;  ///< of the process since start; octet
-  std::uint32_t uptime_s = 0;  ///< s
-  std::uint32_t frames_dropped = 0;  ///< missing in the camera's count, passed over for newer ones, or for want of time
+  std::int64_t timestamp_ns = 0;  ///< time of the last frame; ns
+  std::uint64_t resident_octets = 0;  ///< resident memory of the process; octet
+  std::uint64_t resident_peak_octets = 0;  ///< its greatest value since start; octet
+  std::uint32_t uptime_s = 0;  ///< time since the start of the process; s
+  std::uint32_t frames_dropped = 0;  ///< frames missing by the camera's count, skipped for newer ones, or for lack of time
   std::uint32_t camera_errors = 0;  ///< damaged frames, failed streams, disconnections
   std::uint32_t camera_reopened = 0;  ///< streams opened after the first one
   std::uint32_t deadline_misses = 0;  ///< steps that took longer than a frame
-  std::uint32_t jobs_late = 0;  ///< results that were not there when due; each costs a frame
-  std::uint32_t last_step_us = 0;  ///< us
-  std::uint32_t longest_step_us = 0;  ///< since start; us
+  std::uint32_t jobs_late = 0;  ///< job results that were not there when due; each costs a frame
+  std::uint32_t last_step_us = 0;  ///< duration of the last step; us
+  std::uint32_t longest_step_us = 0;  ///< longest step since start; us
   std::uint32_t packets_sent = 0;  ///< over all transports
-  std::uint32_t packets_dropped = 0;  ///< of readers that are there and have had no room for long
-  std::uint32_t commands_received = 0;  ///< datagrams at the command socket
-  std::uint32_t commands_dropped = 0;  ///< by the system before they were taken, as far as it tells (UDP)
-  std::uint16_t restarts = 0;  ///< from checkpoint to checkpoint, since a cold start
+  std::uint32_t packets_dropped = 0;  ///< packets lost to readers that are there but had no room for long
+  std::uint32_t commands_received = 0;  ///< datagrams received at the command socket
+  std::uint32_t commands_dropped = 0;  ///< commands dropped by the system before they were read, as far as it reports (UDP)
+  std::uint16_t restarts = 0;  ///< starts from a checkpoint since the last cold start
   std::uint8_t flags = 0;
   std::uint8_t spare = 0;  ///< 0
 
   static const Layout& layout();  ///< 94 octets
 };
 
-/// the distance between two picture points of a frame is this long; once read it replaces any earlier length or range
+/// gives the distance between two image points of a frame; once measured in the map, it replaces any earlier length or range
 struct SetKnownLengthCommand {
-  std::int64_t frame_timestamp_ns = 0;  ///< of the frame in which the points are seen; one that has become a keyframe, or one to come; ns
-  double length_m = 0.0;  ///< m
+  std::int64_t frame_timestamp_ns = 0;  ///< time of the frame in which the points are seen: one that has become a keyframe, or one yet to come; ns
+  double length_m = 0.0;  ///< distance between the two points; m
   std::array<double, 2> first_px{};  ///< one end; px
   std::array<double, 2> second_px{};  ///< the other end; px
 
   static const Layout& layout();  ///< 58 octets
 };
 
-/// a range finder's reading to the target's nearest surface on the boresight; once read it replaces any earlier length or range
+/// gives a range finder's reading to the target's nearest surface on the boresight; once applied to the map, it replaces any earlier length or range
 struct SetRangeCommand {
-  std::int64_t frame_timestamp_ns = 0;  ///< of the frame at which it was read; one that has become a keyframe, or one to come; ns
-  double range_m = 0.0;  ///< m
+  std::int64_t frame_timestamp_ns = 0;  ///< time of the frame at which it was read: one that has become a keyframe, or one yet to come; ns
+  double range_m = 0.0;  ///< the reading; m
 
   static const Layout& layout();  ///< 26 octets
 };
 
-/// how the camera is turned and turns relative to inertial space; until the first one it does not turn
+/// attitude and angular velocity of the camera relative to inertial space; until the first one the camera is assumed not to rotate
 struct ServicerAttitudeCommand {
-  std::int64_t timestamp_ns = 0;  ///< the time that the values belong to; later than the last one's; ns
+  std::int64_t timestamp_ns = 0;  ///< the time that the values belong to; later than that of the last one; ns
   std::array<double, 4> q_IC{};  ///< takes C components to I components; norm within 1e-3 of 1
   std::array<double, 3> w_C_rad_s{};  ///< angular velocity of C relative to I, in C; rad/s
 
   static const Layout& layout();  ///< 74 octets
 };
 
-/// the map's landmarks are sent in cloud packets; a request under way is dropped
+/// sends the map's landmarks in cloud packets; a request still being sent is dropped
 struct RequestCloudCommand {
-  std::uint32_t points_max = 0;  ///< at most so many, evenly taken from the map
+  std::uint32_t points_max = 0;  ///< points at most, taken evenly from the map
 
   static const Layout& layout();  ///< 14 octets
 };
 
-/// entries for the inactive parameter table; the first one after start, activation or discard begins it as a copy of the active one. One bad entry and the packet changes nothing
+/// loads entries into the inactive parameter table; the first one after start, activation or discard begins it as a copy of the active table. One bad entry, and nothing of the packet is loaded
 struct TableLoadCommand {
-  std::uint16_t entries = 0;  ///< that follow
+  std::uint16_t entries = 0;  ///< entries that follow
   std::array<std::uint16_t, 3> spare{};  ///< 0
 
   static const Layout& layout();  ///< with the CRC and no entries
@@ -328,17 +328,17 @@ struct TableLoadCommand {
 inline constexpr std::size_t kTableLoadEntriesMax = 64;
 struct TableLoadEntry {
   std::uint32_t key_crc = 0;  ///< CRC-32 (ISO-HDLC) of the parameter's dotted key, as in features.count_max
-  std::uint16_t index = 0;  ///< of a component of a compound value, else 0
+  std::uint16_t index = 0;  ///< component of a compound value, else 0
   std::uint16_t spare = 0;  ///< 0
-  std::uint64_t value = 0;  ///< bits of a binary64, or a two's complement whole number (a switch: 0 or 1), by the parameter's type
+  std::uint64_t value = 0;  ///< bits of a binary64, or a whole number in two's complement (a switch: 0 or 1), by the parameter's type
 
   static const Layout& layout();  ///< 16 octets, offsets from its first
 };
 
-/// the inactive table is checked as a whole and becomes active before the next frame is looked at
+/// checks the inactive table as a whole and makes it active before the next frame is processed
 struct TableActivateCommand {
   std::uint32_t crc32 = 0;  ///< CRC-32 (ISO-HDLC) over the octets of all entries loaded since the table was begun
-  std::uint32_t entries = 0;  ///< how many these are
+  std::uint32_t entries = 0;  ///< number of these entries
 
   static const Layout& layout();  ///< 18 octets
 };

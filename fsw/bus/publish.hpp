@@ -1,15 +1,12 @@
-// All packets of a step but their content's origin: what is sent when.
+// What a step has found, as packets.
 #pragma once
 
-#include "pipeline/state.hpp"
+#include "bus/view.hpp"
 
-namespace polhode {
+namespace polhode::bus {
 
-/// Empties the stream, so that what commands report goes with this step's packets.
-void begin_telemetry(Component::State* state);
+/// Every accepted frame gets exactly one motion packet, valid or not; then what is due: model,
+/// prediction, shape, housekeeping, events, a part of a requested cloud.
+void publish(const View& view, BusState* bus);
 
-/// The motion packet of this step, then model, prediction, shape and housekeeping when they are
-/// due, events, and parts of a requested cloud.
-void send_telemetry(FrameUse use, const MotionState& motion, Component::State* state);
-
-}  // namespace polhode
+}  // namespace polhode::bus

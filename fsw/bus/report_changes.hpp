@@ -1,11 +1,11 @@
-// Events that follow from what changed since the last step.
+// Events that come from what has changed since the last step.
 #pragma once
 
-#include "pipeline/state.hpp"
+#include "bus/view.hpp"
 
-namespace polhode {
+namespace polhode::bus {
 
-/// Compares the component with what was told so far, and reports the differences.
-void tell_events(FrameUse use, const MotionState& motion, Component::State* state);
+/// Reports where this step ends differently from the last one.
+void report_changes(const View& view, BusState* bus);
 
-}  // namespace polhode
+}  // namespace polhode::bus

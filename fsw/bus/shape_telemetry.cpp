@@ -38,7 +38,7 @@ void put_planes(const Planes& planes, double unit, ShapePacket* packet) {
   }
 }
 
-/// What the body's geometry fixes of its axes, and what each length rests on.
+/// Which axes follow from the body's geometry, and what each dimension rests on.
 void put_axes(const Shape& shape, ShapePacket* packet) {
   constexpr std::array<std::uint8_t, 3> kFlags{
       shape_layout::kFlagAxisX, shape_layout::kFlagAxisY, shape_layout::kFlagAxisZ};

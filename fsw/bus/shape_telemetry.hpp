@@ -1,4 +1,4 @@
-// The shape packet's content from a shape.
+// Fills the shape packet.
 #pragma once
 
 #include "bus/packets.hpp"
@@ -6,14 +6,14 @@
 
 namespace polhode::bus {
 
-/// Scale of a run: metres per unit of the shape's lengths, once it is known.
+/// Scale of a run: metres per map unit, once it is known.
 struct LengthUnit {
   bool known = false;
   double metres_per_mu = 1.0;
   double relative_sigma = 0.0;
 };
 
-/// All lengths multiplied by the unit. Time stamp and frame are left to the caller.
+/// All lengths in the unit. The caller sets time stamp and frame.
 ShapePacket to_packet(const Shape& shape, const LengthUnit& unit);
 
 /// Hamilton quaternion w, x, y, z of a rotation, w >= 0.

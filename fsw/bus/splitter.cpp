@@ -10,7 +10,7 @@ enum class Verdict { kWhole, kNotAPacket, kNeedsMore };
 
 Verdict judge(std::span<const std::uint8_t> rest, PacketHeader& header) {
   if (rest.size() < kHeaderOctets) {
-    // Only the fixed bits that are there can speak against it.
+    // Too short to be read: check the fixed bits that are there (see read_header).
     const bool plausible = (rest[0] & 0xF8U) == 0x08U &&
                            (rest.size() < 3 || (rest[2] & 0xC0U) == 0xC0U) &&
                            (rest.size() < 7 || rest[6] == kTimePField);
@@ -36,7 +36,7 @@ StreamPiece next_piece(std::span<const std::uint8_t> stream, std::size_t offset,
     if (verdict == Verdict::kNotAPacket || (verdict == Verdict::kNeedsMore && at_end)) {
       continue;
     }
-    if (i > offset) {  // damage first; what stopped it is the next piece
+    if (i > offset) {  // the damage first; what follows is the next piece
       piece.octets = i - offset;
       return piece;
     }

@@ -1,5 +1,4 @@
-// Packets out of a stream of octets that may be damaged: finds the next whole packet and says what
-// lies between.
+// Finds the whole packets in a stream of octets that may be damaged, and what lies between them.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +12,7 @@ namespace polhode::bus {
 enum class PieceKind : std::uint8_t {
   kPacket,      ///< fixed bits, length and CRC are right
   kDamaged,     ///< octets that belong to no whole packet
-  kIncomplete,  ///< the front of what may be a packet; more octets are needed to tell (never with
-                ///< the end known)
+  kIncomplete,  ///< the front of what may be a packet; more octets are needed (never with at_end)
 };
 
 struct StreamPiece {
@@ -24,14 +22,13 @@ struct StreamPiece {
   PacketHeader header;  ///< of a kPacket
 };
 
-/// The piece that starts at `offset` (< stream.size()). Pieces follow each other without gaps or
-/// overlaps: go on at piece.offset + piece.octets; a kIncomplete one reaches to the end and is
-/// asked for again with more octets. Any damage loses at most the packets that it touches: the
-/// search goes on octet by octet from the first bad one.
+/// The piece that starts at `offset` (< stream.size()). Pieces have no gaps or overlaps: continue
+/// at piece.offset + piece.octets. A kIncomplete one reaches to the end; ask again with more
+/// octets. Damage loses only the packets that it touches: the search continues octet by octet after
+/// the first bad one.
 /// @param at_end  no more octets will come: an incomplete packet is damage, too.
-/// @cost  one CRC per place that looks like a header; noise looks like one with probability 2^-27
-/// (22 fixed bits,
-///        length), and passes the CRC as well with 2^-43.
+/// @cost  one CRC per place that looks like a header. Noise does with probability 2^-27 (22 fixed
+/// bits and the length), and passes the CRC as well with 2^-43.
 StreamPiece next_piece(std::span<const std::uint8_t> stream, std::size_t offset, bool at_end);
 
 }  // namespace polhode::bus

@@ -8,7 +8,8 @@ namespace polhode {
 namespace bus {
 namespace {
 
-constexpr double kRangeSlack = 1e-6;  // rounding of binary32
+// Rounding to binary32 is 2^-24 = 6e-8 of a value. Chosen above that; larger lets damage pass.
+constexpr double kRangeSlack = 1e-6;
 
 Error refused(const Layout& layout, const char* what) {
   return {.code = ErrorCode::kBadParameter,
@@ -35,7 +36,7 @@ std::size_t encode(const Layout& layout,
   if (out.size() < layout.octets) {
     return 0;
   }
-  settle(layout, packet);
+  sanitise(layout, packet);
   const std::span<std::uint8_t> octets = out.first(layout.octets);
   PacketHeader header{.apid = static_cast<std::uint16_t>(apid),
                       .sequence = envelope.sequence,

@@ -1,4 +1,4 @@
-// Telemetry packets: a struct of the field table (packets.hpp) to octets and back; and the packets
+// Telemetry packets: structs of the field table (packets.hpp) to octets and back, and the packets
 // of one step, end to end.
 #pragma once
 
@@ -20,14 +20,15 @@ inline constexpr std::size_t kMotionPacketOctets = bus::motion_layout::kPacketOc
 
 namespace bus {
 
-/// What a packet is sent under.
+/// What a packet's header is made from.
 struct Envelope {
-  int apid_first = 0x1A0;
+  int apid_first = BusOptions{}.apid_first;
   std::uint16_t sequence = 0;  ///< only its 14 low bits are used
   std::int64_t timestamp_ns = 0;
 };
 
-/// Settles the packet (see fields.hpp), then writes header, fields and CRC into the front of `out`.
+/// Sanitises the packet (see fields.hpp), then writes header, fields and CRC into the front of
+/// `out`.
 /// @return octets written, or 0 (nothing written) when `out` is shorter than the layout says.
 std::size_t encode(const Layout& layout,
                    void* packet,
@@ -41,13 +42,13 @@ Result<PacketHeader> decode(const Layout& layout,
                             std::span<const std::uint8_t> octets,
                             void* packet);
 
-/// The packets of one step and the counts of all APIDs: these count always, with or without room
-/// and readers, so that a reader can tell what it did not get.
+/// The packets of one step and the counts of all APIDs. Packets are counted with or without room
+/// and readers, so that a reader sees what it missed.
 struct PacketStream {
   std::array<std::uint8_t, limits::kStepOctets> octets{};
   std::size_t size = 0;
   std::array<std::uint16_t, kPacketKinds> sequence{};
-  std::uint32_t not_sent = 0;  ///< for want of room
+  std::uint32_t not_sent = 0;  ///< packets for which there was no room
 
   [[nodiscard]] std::span<const std::uint8_t> view() const {
     return std::span<const std::uint8_t>(octets).first(size);
@@ -62,7 +63,7 @@ bool append(const Layout& layout,
             const BusOptions& options,
             PacketStream* stream);
 
-/// The same for a packet of the table, which is settled in place.
+/// The same for a packet of the table, which is sanitised in place.
 template <typename Packet>
 bool append(Packet& packet, const BusOptions& options, PacketStream* stream) {
   return append(Packet::layout(), &packet, packet.timestamp_ns, options, stream);
@@ -75,8 +76,8 @@ MotionState from_packet(const MotionPacket& packet);
 
 }  // namespace bus
 
-/// One motion packet by itself. What a flag declares invalid goes out as zeros (the scale flag says
-/// only which unit lengths have). A value that is not finite takes its flag down.
+/// One motion packet by itself. Values whose flag is down are sent as zeros (scale_known only names
+/// the unit of lengths). The flag of a value that is not finite goes down.
 /// @return octets written, or 0 (nothing written) when `out` is shorter than kMotionPacketOctets.
 std::size_t encode_motion(const MotionState& state,
                           const BusOptions& options,

@@ -12,10 +12,11 @@ namespace {
 
 using Octave = std::array<Plane, ScaleSpace::kLevels>;
 
-// An extreme's interpolated height is over that of its pixel, seldom by more than this.
+// Contrast of a pixel over the least contrast of a blob. An extremum's interpolated height seldom
+// exceeds its pixel's by more. Chosen: larger loses weak blobs, smaller refines in vain.
 constexpr float kPixelShare = 0.6F;
 
-/// Pixels at the border whose neighbourhood is not all there.
+/// Image border left out. Differences need 1 px; the rest keeps away from mirrored blur. Chosen.
 constexpr int kMargin_px = 4;
 
 /// Difference of two neighbouring levels.
@@ -65,7 +66,7 @@ Range<Lanes> range_of(const float* a, const float* b, const float* c, const floa
           .most = larger(larger(first, second), larger(third, fourth))};
 }
 
-/// Lanes that are extremes so far.
+/// Lanes that are still candidates for an extremum.
 template <class Lanes>
 struct Extremes {
   LaneMask<Lanes> high;
@@ -73,8 +74,8 @@ struct Extremes {
   [[nodiscard]] LaneMask<Lanes> either() const { return high | low; }
 };
 
-/// Lanes from x on that are beyond the threshold and not beaten by their eight neighbours in the
-/// layer. Of equals, the last one counts.
+/// Lanes from x on that are beyond the threshold and extreme among their eight neighbours in the
+/// layer. Of equal pixels the last one counts.
 template <class Lanes>
 Extremes<Lanes> extreme_in_layer(const ThreeRows& rows, int x, Lanes threshold) {
   const Lanes middle = load<Lanes>(rows[1] + x);
@@ -91,7 +92,7 @@ Extremes<Lanes> extreme_in_layer(const ThreeRows& rows, int x, Lanes threshold) 
   return found;
 }
 
-/// Leaves those lanes that no pixel of the 3 x 3 about them in a neighbouring layer is beyond.
+/// Keeps the lanes that are extreme among the 3 x 3 pixels around them in a neighbouring layer.
 template <class Lanes>
 void keep_unbeaten(Lanes middle, const ThreeRows& rows, int x, Extremes<Lanes>* found) {
   for (const float* row : rows) {
@@ -125,7 +126,7 @@ Slopes slopes_at(const Octave& octave, int layer, int y, int x) {
           .h_ys = 0.25F * (d(1, 1, 0) - d(1, -1, 0) - d(-1, 1, 0) + d(-1, -1, 0))};
 }
 
-/// Where the quadratic through the slopes has its extreme, by Cramer's rule.
+/// Extremum of the quadratic with these derivatives, by Cramer's rule.
 std::optional<std::array<float, 3>> extreme_of(const Slopes& s) {
   const float c_xx = s.h_yy * s.h_ss - s.h_ys * s.h_ys;
   const float c_xy = s.h_xs * s.h_ys - s.h_xy * s.h_ss;
@@ -143,29 +144,29 @@ std::optional<std::array<float, 3>> extreme_of(const Slopes& s) {
                               scale * (c_xs * s.g[0] + c_ys * s.g[1] + c_ss * s.g[2])};
 }
 
-/// An edge holds a blob across, not along: the ratio of the principal curvatures tells (Lowe,
-/// section 4.1).
+/// A blob on an edge is placed across it only: its principal curvatures differ (Lowe, section 4.1).
 bool is_edge(const Slopes& s) {
-  constexpr float kRatio = 10.0F;
+  constexpr float kRatio = 10.0F;  // Lowe's
   const float trace = s.h_xx + s.h_yy;
   const float determinant = s.h_xx * s.h_yy - s.h_xy * s.h_xy;
   return determinant <= 0.0F ||
          trace * trace * kRatio >= (kRatio + 1.0F) * (kRatio + 1.0F) * determinant;
 }
 
-/// Interpolates about a pixel, moving on to the neighbour in which the extreme lies.
+/// Interpolates around a pixel. Moves to the neighbour in which the extremum lies.
 std::optional<Blob> refine(const Octave& octave, int layer, int y, int x, float contrast_min) {
-  constexpr int kSteps = 5;
+  constexpr int kSteps = 5;  // as OpenCV's SIFT
   for (int step = 0; step < kSteps; ++step) {
     const Slopes s = slopes_at(octave, layer, y, x);
     const auto offset = extreme_of(s);
+    // Beyond it the quadratic does not describe the neighbourhood. Chosen.
     constexpr float kFar = 3.0F;
     if (!offset || std::abs((*offset)[0]) > kFar || std::abs((*offset)[1]) > kFar ||
         std::abs((*offset)[2]) > kFar) {
       return std::nullopt;
     }
     const auto [dx, dy, ds] = *offset;
-    constexpr float kHalf = 0.5F;
+    constexpr float kHalf = 0.5F;  // within it no neighbour is nearer
     if (std::abs(dx) < kHalf && std::abs(dy) < kHalf && std::abs(ds) < kHalf) {
       const float height =
           layer_at(octave, layer, y, x) + 0.5F * (s.g[0] * dx + s.g[1] * dy + s.g[2] * ds);
@@ -188,8 +189,8 @@ std::optional<Blob> refine(const Octave& octave, int layer, int y, int x, float 
   return std::nullopt;
 }
 
-/// Keeps the cell sorted; the weakest falls out of a full one. Two pixels may lead to one extreme:
-/// it is kept once.
+/// Keeps the cell sorted; a full one drops its weakest blob. Two pixels may lead to one extremum,
+/// which is kept once.
 void insert(const Blob& blob, BlobGrid::Cell* cell) {
   if (cell->full() && cell->back().contrast >= blob.contrast) {
     return;

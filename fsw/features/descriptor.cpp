@@ -10,15 +10,21 @@
 namespace polhode::sift {
 namespace {
 
+// Lowe, section 6.1: 4 x 4 fields of 8 directions, weighted by a Gaussian of half their width.
 constexpr int kFields = 4;
 constexpr int kDirections = 8;
-constexpr float kFieldSide = 3.0F;  // in the place's sigma
-constexpr int kSide = 16;           // samples along a side of the patch
-constexpr float kSpan = 5.0F;       // fields that the patch spans: half a field more on either side
-constexpr float kWindow = 2.0F;     // sigma of the weights, fields: half the descriptor's side
+constexpr float kWindow = 0.5F * kFields;  // sigma, fields
+// Side of a field in the blob's sigma, as OpenCV's SIFT.
+constexpr float kFieldSide = 3.0F;
+// Fields that the patch spans: half a field more on either side, for interpolation.
+constexpr float kSpan = kFields + 1.0F;
+// Samples along a side of the patch: one for each 0.94 sigma (docs/decisions/0021).
+constexpr int kSide = 16;
 
-/// How much a sample of a row (or column) of the patch counts for two neighbouring rows (columns)
-/// of fields. The first of them is field - 1: there is one field too many on either side.
+static_assert(sizeof(Descriptor) == kFields * kFields * kDirections);
+
+/// Weights of a row (or column) of samples in two neighbouring rows (columns) of fields. The first
+/// of them is field - 1: there is one extra field on either side.
 struct Share {
   std::size_t field = 0;
   float first = 0.0F;
@@ -41,14 +47,14 @@ Shares make_shares() {
   return shares;
 }
 
-constexpr std::size_t kWide = kFields + 2;  // with the fields too many
+constexpr std::size_t kWide = kFields + 2;  // with the extra fields
 
 /// The directions of each field.
 struct Histogram {
   std::array<std::array<std::array<float, kDirections>, kWide>, kWide> field{};
 };
 
-/// Shares of the directions k, round the circle, in a gradient of direction `at` (0 .. 8).
+/// Linear weights of the directions k, cyclic, in a gradient of direction `at` (0 .. 8).
 template <class Lanes>
 Lanes direction_shares(Lanes k, float at) {
   const Lanes none{};
@@ -62,13 +68,15 @@ void add(float share, Lanes what, float* to) {
   store(load<Lanes>(to) + splat<Lanes>(share) * what, to);
 }
 
-/// Some of the directions, as many as there are lanes, from the one numbered `first`.
+/// As many directions as there are lanes, from `first` on.
 template <class Lanes>
 void accumulate(const Gradients<kSide>& gradients,
                 const Shares& shares,
                 std::size_t first,
                 Histogram* histogram) {
-  constexpr float kPerRad = 0.5F * kDirections / std::numbers::pi_v<float>;
+  constexpr float kPerRad =
+      0.5F * kDirections / std::numbers::pi_v<float>;  // directions per radian
+  // Numbers of the directions.
   constexpr std::array<float, kDirections> kNumbers{0.0F, 1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 6.0F, 7.0F};
   const Lanes directions = load<Lanes>(kNumbers.data() + first);
   for (std::size_t j = 0; j < kSide; ++j) {
@@ -98,7 +106,7 @@ Descriptor to_octets(const Histogram& histogram) {
   for (const float v : value) {
     sum2 += v * v;
   }
-  // One strong edge, or a glint, shall not outweigh the rest.
+  // So that one strong edge or glint does not outweigh the rest. Lowe's value.
   constexpr float kLargest = 0.2F;
   const float limit = kLargest * std::sqrt(sum2);
   float sum = 0.0F;
@@ -109,15 +117,15 @@ Descriptor to_octets(const Histogram& histogram) {
   const float inverse = sum > 0.0F ? 1.0F / sum : 0.0F;
   Descriptor d;
   for (std::size_t i = 0; i < kCount; ++i) {
-    d[i] =
-        static_cast<std::uint8_t>(std::min(255.0F, 512.0F * std::sqrt(value[i] * inverse) + 0.5F));
+    d[i] = static_cast<std::uint8_t>(
+        std::min(255.0F, kDescriptorNorm * std::sqrt(value[i] * inverse) + 0.5F));
   }
   return d;
 }
 
 }  // namespace
 
-Descriptor describe(const Plane& level, const OrientedPlace& place) {
+Descriptor compute_descriptor(const Plane& level, const OrientedPlace& place) {
   static const Shares kShares = make_shares();
   const Shares& shares = kShares;
   const float step = kSpan * kFieldSide / kSide * place.sigma_px;

@@ -1,4 +1,4 @@
-// What a blob's neighbourhood looks like.
+// SIFT descriptor of a blob's neighbourhood.
 #pragma once
 
 #include "features/feature.hpp"
@@ -13,10 +13,10 @@ struct OrientedPlace {
   float angle_rad = 0.0F;
 };
 
-/// Histograms of the gradients' directions, 8 bins, in 4 x 4 fields of 3 sigma, turned with the
+/// Histograms of the gradients' directions, 8 bins, in 4 x 4 fields of 3 sigma, rotated with the
 /// place.
 /// @source Lowe, IJCV 2004, section 6.1; sampled on a grid of the place's own size instead of pixel
 /// by pixel.
-Descriptor describe(const Plane& level, const OrientedPlace& place);
+Descriptor compute_descriptor(const Plane& level, const OrientedPlace& place);
 
 }  // namespace polhode::sift

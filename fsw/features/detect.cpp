@@ -13,13 +13,13 @@ namespace polhode {
 namespace {
 
 /// A small region is enlarged: its finest texture lies under the detector's smallest blob. At twice
-/// the size three times as many spots repeat from frame to frame; at three times no more do, but
-/// they are placed better. More brings interpolation, not texture.
+/// the size three times as many features repeat. At three times no more do, but they are placed
+/// better. More adds interpolation, not texture (docs/decisions/0020).
 constexpr double kEnlargeMax = 3.0;
 
-/// Blur that the working picture is taken to have, in its pixels. An enlarged one has more; that
-/// sets the finest levels nearer to each other, which finds more spots than the true value does,
-/// and places them better.
+/// Assumed blur of the working picture, in its pixels. An enlarged one has more. Then the finest
+/// levels lie closer together, which finds more features than the true value and places them
+/// better.
 constexpr double kPictureBlur_px = 0.6;
 
 struct Context {
@@ -39,14 +39,15 @@ Feature to_feature(const sift::Blob& blob, const Context& context) {
   f.scale_px = static_cast<float>(octave * static_cast<double>(sift::sigma_of_level(blob.level)) /
                                   region.size.factor_u);
   f.normalised = undistort(context.camera, {f.u_px, f.v_px});
-  // A blob's position is uncertain in proportion to its size; the finest ones (radius 1.6 px) are
-  // held by pixel noise.
-  const double coarseness = std::max(1.0, static_cast<double>(f.scale_px) / 2.0);
+  // Radius up to which pixel noise limits a blob's position. Chosen, near the finest (1.6 px).
+  // Above it the variance grows as the radius.
+  constexpr double kFineRadius_px = 2.0;
+  const double coarseness = std::max(1.0, static_cast<double>(f.scale_px) / kFineRadius_px);
   f.sigma_px = static_cast<float>(context.options.sigma_px * std::sqrt(coarseness));
   return f;
 }
 
-/// One feature for each direction of the blob, until the places are taken.
+/// One feature for each orientation of the blob, until there are `count_max`.
 void add_features(const sift::Blob& blob,
                   const Context& context,
                   std::size_t count_max,
@@ -62,7 +63,7 @@ void add_features(const sift::Blob& blob,
       return;
     }
     f.angle_rad = angle_rad;
-    f.descriptor = sift::describe(
+    f.descriptor = sift::compute_descriptor(
         level, {.x = blob.x, .y = blob.y, .sigma_px = sigma_px, .angle_rad = angle_rad});
     (void)features->push_back(f);
   }
@@ -81,7 +82,7 @@ void add_in_turn(const sift::BlobGrid& grid,
         (void)of_rank.push_back(&cell[rank]);
       }
     }
-    // Cells stand in a fixed order: equals are told apart by it.
+    // Deterministic: equal contrasts are ordered by position.
     std::sort(of_rank.begin(), of_rank.end(), [](const sift::Blob* a, const sift::Blob* b) {
       return a->contrast != b->contrast ? a->contrast > b->contrast
                                         : (a->y != b->y ? a->y < b->y : a->x < b->x);
@@ -101,6 +102,7 @@ void detect_features(const cv::Mat& gray,
                      FeatureWorkspace* workspace,
                      Features* features) {
   features->clear();
+  // Three times enlarged 48 px; the smallest descriptor spans 18. Chosen.
   constexpr int kSide_px_min = 16;
   if (mask.region_px.width < kSide_px_min || mask.region_px.height < kSide_px_min) {
     return;
@@ -121,10 +123,9 @@ void detect_features(const cv::Mat& gray,
                  &workspace->resample,
                  picture);
   sift::fill_scale_space(kPictureBlur_px, &space);
-  constexpr double kFullScale = 255.0;
   sift::find_blobs(space,
                    region,
-                   static_cast<float>(options.contrast_min * kFullScale),
+                   static_cast<float>(options.contrast_min * sift::kFullScale),
                    &workspace->rows,
                    &workspace->blobs);
   const Context context{.space = space, .region = region, .camera = camera, .options = options};

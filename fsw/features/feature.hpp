@@ -1,4 +1,4 @@
-// What is found in a picture.
+// A feature of an image.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,9 +10,12 @@
 
 namespace polhode {
 
-/// RootSIFT (Arandjelovic and Zisserman, CVPR 2012) in octets: Euclidean distance compares
-/// histograms by Hellinger's.
+/// RootSIFT (Arandjelovic and Zisserman, CVPR 2012) in octets: their Euclidean distance is the
+/// Hellinger distance of the histograms.
 using Descriptor = std::array<std::uint8_t, 128>;
+
+/// Norm of a descriptor. An octet saturates at half of it.
+inline constexpr float kDescriptorNorm = 512.0F;
 
 struct Feature {
   Eigen::Vector2d normalised = Eigen::Vector2d::Zero();  ///< undistorted image point, plane z = 1

@@ -1,5 +1,5 @@
-// Floats side by side: four, or eight where the processor has registers for them. Each lane is
-// plain IEEE arithmetic, so the result has the same bits on any machine and with either number.
+// Vectors of floats: four lanes, or eight where the processor has AVX2. Each lane is plain IEEE
+// arithmetic, so results have the same bits on any machine and with either number.
 #pragma once
 
 #include <cmath>
@@ -44,8 +44,8 @@ inline Lanes4 splat<Lanes4>(float value) {
   return Lanes4{value, value, value, value};
 }
 
-// What plain operators would say in many instructions. Neither form has rounding, nor do they
-// differ for numbers that are not NaN.
+// Plain operators would compile to many instructions. Both forms give the same bits for numbers
+// that are not NaN.
 #if defined(__SSE2__)
 inline bool any(LaneMask<Lanes4> mask) {
   return _mm_movemask_epi8(reinterpret_cast<__m128i>(mask)) != 0;
@@ -66,7 +66,7 @@ inline Lanes4 square_root(Lanes4 a) {
 }
 #endif
 
-/// Tells a callable which lanes to take: `[](auto kind) { using Lanes = typename
+/// Passes the type of lanes to a callable: `[](auto kind) { using Lanes = typename
 /// decltype(kind)::Lanes; }`.
 template <class L>
 struct LaneKind {
@@ -90,8 +90,8 @@ template <>
 /// Runs `work` with the widest lanes that this processor has.
 template <class Work>
 void with_lanes(const Work& work) {
-  if (has_wide_registers()) {
-    run_wide([&] { work(LaneKind<Lanes8>{}); });
+  if (has_avx2()) {
+    run_avx2([&] { work(LaneKind<Lanes8>{}); });
   } else {
     work(LaneKind<Lanes4>{});
   }

@@ -9,7 +9,8 @@ namespace polhode {
 namespace {
 
 bool same_place(const Feature& a, const Feature& b) {
-  // A feature with two orientations stands twice at one place: its twin is no rival.
+  // A blob with two orientations gives two features at one place; they do not compete. Chosen:
+  // their places are equal, those of other blobs seldom as close.
   constexpr float kSamePlace_px = 1.0F;
   const float du = a.u_px - b.u_px;
   const float dv = a.v_px - b.v_px;
@@ -22,18 +23,18 @@ struct Best {
   int rival2 = std::numeric_limits<int>::max();
 };
 
-/// Takes one more of `among` into account; they come in the order of their index.
+/// Compares one more of `among`; called in the order of the indices.
 void consider(std::size_t index, int d2, std::span<const Feature> among, Best* best) {
-  const auto is_twin = [&] {
+  const auto is_same_blob = [&] {
     return same_place(among[index], among[static_cast<std::size_t>(best->index)]);
   };
   if (d2 < best->nearest2) {
-    if (best->index >= 0 && !is_twin()) {
+    if (best->index >= 0 && !is_same_blob()) {
       best->rival2 = best->nearest2;
     }
     best->nearest2 = d2;
     best->index = static_cast<std::int32_t>(index);
-  } else if (d2 < best->rival2 && !is_twin()) {
+  } else if (d2 < best->rival2 && !is_same_blob()) {
     best->rival2 = d2;
   }
 }

@@ -9,8 +9,7 @@
 
 namespace polhode {
 
-/// Squared Euclidean distance. Plain, of constant length, and here: within widely() the compiler
-/// takes many octets at once.
+/// Squared Euclidean distance. Inline and of constant length: within widely() it is vectorised.
 inline int distance2(const Descriptor& a, const Descriptor& b) {
   int sum = 0;
   for (std::size_t i = 0; i < std::tuple_size_v<Descriptor>; ++i) {
@@ -20,9 +19,8 @@ inline int distance2(const Descriptor& a, const Descriptor& b) {
   return sum;
 }
 
-// RootSIFT octets have norm 512. Two views of one spot under 30 deg differ by about 200 (squared 40
-// 000); unrelated textures by 500 to 600. What lies beyond 380 is not worth a second look even
-// within a gate.
+// Of descriptors with norm 512 (kDescriptorNorm). Two views of one point 30 deg apart differ by
+// about 200, unrelated textures by 500 to 600. 380 is in the middle between.
 inline constexpr int kDistance2Max = 380 * 380;
 
 /// Features binned into square cells for look-up by place.
@@ -35,9 +33,10 @@ class FeatureGrid {
   std::size_t find(double u_px, double v_px, double radius_px, std::span<std::int32_t> out) const;
 
  private:
+  /// Along each axis: about one cell a feature at limits::kFeatures.
   static constexpr int kCells = 32;
 
-  /// Of a feature. Features themselves are too far apart in memory to be asked for their places.
+  /// Position of a feature, apart from the feature: the search then stays in the cache.
   struct Place {
     float u_px = 0.0F;
     float v_px = 0.0F;

@@ -10,15 +10,17 @@
 namespace polhode::sift {
 namespace {
 
-constexpr int kSide = 12;
+// Lowe, section 5: bins of 10 deg, weighted by a Gaussian of 1.5 times the blob's sigma.
 constexpr int kBins = 36;
-constexpr float kWindow = 1.5F;  // sigma of the weights, in the blob's
-constexpr float kReach =
-    4.5F;  // half side of the patch, in the blob's sigma: three of the window's
+constexpr float kWindow = 1.5F;
+// Half side of the patch, in the blob's sigma: three sigma of the weights.
+constexpr float kReach = 3.0F * kWindow;
+// Samples along a side of the patch: one for each 0.75 sigma. Chosen; a multiple of four lanes.
+constexpr int kSide = 12;
 
 using Histogram = std::array<float, kBins>;
 
-/// Weights along one axis of the patch; a sample's is the product of its row's and its column's.
+/// Weights along one axis of the patch. A sample's weight is that of its row times its column's.
 std::array<float, kSide> window() {
   std::array<float, kSide> weight{};
   for (int i = 0; i < kSide; ++i) {
@@ -31,7 +33,7 @@ std::array<float, kSide> window() {
 
 void accumulate(const Gradients<kSide>& gradients, Histogram* histogram) {
   static const std::array<float, kSide> kWeight = window();
-  constexpr float kBinsPerRad = 0.5F * kBins / std::numbers::pi_v<float>;
+  constexpr float kBinsPerRad = 0.5F * kBins / std::numbers::pi_v<float>;  // 36 bins a circle
   std::array<float, kBins + 2> sum{};
   for (std::size_t j = 0; j < kSide; ++j) {
     for (std::size_t i = 0; i < kSide; ++i) {
@@ -49,6 +51,7 @@ void accumulate(const Gradients<kSide>& gradients, Histogram* histogram) {
   std::copy_n(sum.begin(), kBins, histogram->begin());
 }
 
+/// Binomial weights, as OpenCV's SIFT.
 Histogram smoothed(const Histogram& h) {
   const auto at = [&](std::size_t i) { return h[i % kBins]; };
   Histogram out{};
@@ -67,7 +70,7 @@ void find_orientations(const Plane& level, float x, float y, float sigma_px, Ori
   Histogram raw{};
   accumulate(gradients, &raw);
   const Histogram h = smoothed(raw);
-  constexpr float kPeakRatio = 0.8F;
+  constexpr float kPeakRatio = 0.8F;  // Lowe, section 5
   const float threshold = kPeakRatio * *std::max_element(h.begin(), h.end());
   out->clear();
   for (std::size_t i = 0; i < kBins; ++i) {
@@ -76,7 +79,7 @@ void find_orientations(const Plane& level, float x, float y, float sigma_px, Ori
     if (h[i] > before && h[i] > after && h[i] >= threshold) {
       const float bin =
           static_cast<float>(i) + 0.5F * (before - after) / (before - 2.0F * h[i] + after);
-      constexpr float kTurn = 2.0F * std::numbers::pi_v<float>;
+      constexpr float kTurn = 2.0F * std::numbers::pi_v<float>;  // full circle
       const float angle_rad = bin * kTurn / kBins;
       (void)out->push_back(angle_rad < 0.0F ? angle_rad + kTurn : angle_rad);
     }

@@ -1,4 +1,4 @@
-// Which way a blob's neighbourhood points.
+// Orientations of a blob's neighbourhood.
 #pragma once
 
 #include "base/fixed_vector.hpp"
@@ -6,10 +6,11 @@
 
 namespace polhode::sift {
 
+/// Lowe finds more than one at 15 % of the places; a fifth one is dropped.
 using Orientations = FixedVector<float, 4>;
 
-/// Directions of the strongest gradients about a place, radians in 0 .. 2 pi, from u towards v;
-/// those within 80 % of the strongest, in the order of their angle.
+/// Peaks of the histogram of gradient directions around a place: those of at least 80 % of the
+/// highest, in the order of their angle. Radians in 0 .. 2 pi, from u towards v.
 /// @param x, y, sigma_px  pixels of the level.
 /// @source Lowe, IJCV 2004, section 5.
 void find_orientations(const Plane& level, float x, float y, float sigma_px, Orientations* out);

@@ -12,17 +12,15 @@
 namespace polhode::sift {
 namespace {
 
-/// Samples along a side of the grid with its margin of one, filled up so that whole groups of lanes
-/// fit.
+/// Samples along a side of the grid with its margin of one, rounded up to whole groups of lanes.
 template <int kSide>
 inline constexpr int kRow = stride_of(kSide + 2);
 
-/// Gray levels on the grid with its margin; what stands in the columns from kSide + 2 on means
-/// nothing.
+/// Gray levels on the grid with its margin. Columns from kSide + 2 on are padding.
 template <int kSide>
 using Levels = std::array<float, (kSide + 2) * kRow<kSide>>;
 
-/// Where each sample of a row lies: the pixel above to the left, and how far beyond it.
+/// Where each sample of a row lies: the pixel up and left of it, and the fractions beyond.
 template <int kSide>
 struct RowPlaces {
   std::array<std::int32_t, kRow<kSide>> offset;  ///< floats from the picture's first
@@ -30,7 +28,7 @@ struct RowPlaces {
   std::array<float, kRow<kSide>> down;
 };
 
-/// The four pixels about each sample of a row: left and right above, and below, in turn.
+/// The four pixels around each sample of a row: left and right alternate, above and below.
 template <int kSide>
 struct RowPixels {
   std::array<float, 2 * kRow<kSide>> above;
@@ -42,12 +40,14 @@ using WholeLanes = LaneMask<Lanes>;  // integers of 32 bits
 
 template <class Lanes, int kSide, bool kInside>
 void place_row(const Plane& level, const PatchFrame& frame, int j, RowPlaces<kSide>* out) {
-  constexpr float kMiddle = 0.5F * (kSide + 1);
-  // The last pixel has no right neighbour to interpolate with: stay a hair short of it.
+  constexpr float kMiddle = 0.5F * (kSide + 1);  // of the grid with its margin
+  // The last pixel has no right neighbour to interpolate with: stay short of it, by more than the
+  // spacing of floats at limits::kWorkingSide (2.4e-4).
   constexpr float kHair = 1e-3F;
   const float down = static_cast<float>(j) - kMiddle;
   const Lanes x_row = splat<Lanes>(frame.x - down * frame.step_y);
   const Lanes y_row = splat<Lanes>(frame.y + down * frame.step_x);
+  // Numbers of the lanes.
   constexpr std::array<float, kRowGrain> kNumbers{0.0F, 1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 6.0F, 7.0F};
   for (int i = 0; i < kRow<kSide>; i += kLanes<Lanes>) {
     const Lanes along = load<Lanes>(kNumbers.data() + i % kRowGrain) +
@@ -83,7 +83,7 @@ struct Pair {
   Lanes right;
 };
 
-/// Left and right pixels of as many samples as there are lanes.
+/// Separates left and right pixels of as many samples as there are lanes.
 template <class Lanes>
 Pair<Lanes> apart(const float* from) {
   const Lanes low = load<Lanes>(from);
@@ -128,7 +128,7 @@ Lanes choose(LaneMask<Lanes> mask, Lanes yes, Lanes no) {
   return mask ? yes : no;
 }
 
-/// Direction of (x, y) in 0 .. 2 pi, to 1e-5 rad: a minimax polynomial for the eighth turn
+/// Direction of (x, y) in 0 .. 2 pi, to 1e-5 rad: a minimax polynomial for the first octant
 /// (Abramowitz and Stegun, 4.4.49 shortened).
 template <class Lanes>
 Lanes direction_rad(Lanes x, Lanes y) {
@@ -136,7 +136,8 @@ Lanes direction_rad(Lanes x, Lanes y) {
   const Lanes zero{};
   const Lanes ax = larger(x, -x);
   const Lanes ay = larger(y, -y);
-  const Lanes t = smaller(ax, ay) / larger(larger(ax, ay), splat<Lanes>(1e-20F));
+  constexpr float kNotZero = 1e-20F;  // gives 0 for the direction of (0, 0)
+  const Lanes t = smaller(ax, ay) / larger(larger(ax, ay), splat<Lanes>(kNotZero));
   const Lanes t2 = t * t;
   Lanes angle = t * (0.9998660F +
                      t2 * (-0.3302995F + t2 * (0.1801410F + t2 * (-0.0851330F + t2 * 0.0208351F))));
@@ -163,7 +164,7 @@ void to_polar(const Levels<kSide>& levels, Gradients<kSide>* out) {
 
 template <int kSide>
 void sample_gradients(const Plane& level, const PatchFrame& frame, Gradients<kSide>* out) {
-  constexpr float kReach = 0.5F * (kSide + 1);
+  constexpr float kReach = 0.5F * (kSide + 1);  // of the grid with its margin, in steps
   const float reach = kReach * (std::abs(frame.step_x) + std::abs(frame.step_y)) + 1.0F;
   const bool inside = frame.x >= reach && frame.y >= reach &&
                       frame.x + reach < static_cast<float>(level.width - 1) &&

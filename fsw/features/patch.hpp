@@ -1,4 +1,4 @@
-// Gradients on a small grid that is laid over a level of the scale space, turned and scaled.
+// Gradients on a small rotated and scaled grid over a level of the scale space.
 #pragma once
 
 #include <array>
@@ -7,8 +7,8 @@
 
 namespace polhode::sift {
 
-/// Where the grid's middle is, and how far and whither its next column is; the next row is a
-/// quarter turn further.
+/// The grid's middle, and the step to its next column. The step to the next row is that rotated by
+/// 90 deg.
 struct PatchFrame {
   float x = 0.0F;
   float y = 0.0F;
@@ -25,10 +25,11 @@ struct Gradients {
   std::array<float, kCount> angle_rad{};
 };
 
-/// Past the picture's border the outermost pixels go on.
+/// Past the picture's border the outermost pixels are repeated.
 template <int kSide>
 void sample_gradients(const Plane& level, const PatchFrame& frame, Gradients<kSide>* out);
 
+// The grids of orientations and descriptors.
 extern template void sample_gradients<12>(const Plane&, const PatchFrame&, Gradients<12>*);
 extern template void sample_gradients<16>(const Plane&, const PatchFrame&, Gradients<16>*);
 

@@ -1,12 +1,12 @@
-// A picture of floats in memory that belongs to someone else.
+// A picture of floats; its memory is not owned.
 #pragma once
 
 #include <cstddef>
 
 namespace polhode::sift {
 
-/// Rows are `stride` floats apart, a multiple of 8 that is not under the width: loops over a row
-/// may run on to the next multiple of 8; what they leave there means nothing.
+/// Rows are `stride` floats apart: a multiple of kRowGrain, at least the width. Loops over a row
+/// may run on to the next multiple; the values there are padding.
 struct Plane {
   float* data = nullptr;
   int width = 0;
@@ -16,6 +16,7 @@ struct Plane {
   [[nodiscard]] float* row(int y) const { return data + static_cast<std::ptrdiff_t>(y) * stride; }
 };
 
+/// Floats in the widest register used (AVX2).
 inline constexpr int kRowGrain = 8;
 constexpr int stride_of(int width) { return (width + kRowGrain - 1) / kRowGrain * kRowGrain; }
 

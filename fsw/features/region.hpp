@@ -1,4 +1,4 @@
-// Where the working picture lies in the camera's picture.
+// Position of the working picture in the camera's image.
 #pragma once
 
 #include <opencv2/core/types.hpp>

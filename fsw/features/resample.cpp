@@ -23,19 +23,19 @@ double overlap(double from, double to, int i) {
   return std::max(0.0, std::min(to, i + 0.5) - std::max(from, i - 0.5));
 }
 
-/// Weights of taps that fall outside the region go to the outermost pixel inside.
+/// Weights of taps outside the region go to the outermost pixel inside.
 void fill_taps(int in, int out, AxisTaps* axis) {
   const double step = static_cast<double>(in) / out;  // input pixels per output pixel
   const bool enlarges = step <= 1.0;
-  axis->taps = std::min(in, enlarges ? 4 : static_cast<int>(std::ceil(step)) + 1);
+  axis->taps = std::min(in, enlarges ? kCubicTaps : static_cast<int>(std::ceil(step)) + 1);
   const auto taps = static_cast<std::size_t>(axis->taps);
   POLHODE_ASSERT(taps * static_cast<std::size_t>(out) <= axis->weight.size(), out);
   std::fill_n(axis->weight.begin(), taps * static_cast<std::size_t>(out), 0.0F);
   for (int i = 0; i < out; ++i) {
     const double centre = (i + 0.5) * step - 0.5;
-    const double reach = enlarges ? 2.0 : 0.5 * step + 0.5;
+    const double reach = enlarges ? 0.5 * kCubicTaps : 0.5 * step + 0.5;
     const int begin = static_cast<int>(std::floor(centre - reach)) + 1;
-    const int end = enlarges ? begin + 4 : static_cast<int>(std::ceil(centre + reach));
+    const int end = enlarges ? begin + kCubicTaps : static_cast<int>(std::ceil(centre + reach));
     const int first = std::clamp(begin, 0, in - axis->taps);
     axis->first[static_cast<std::size_t>(i)] = first;
     float* weight = axis->weight.data() + static_cast<std::size_t>(i) * taps;
@@ -48,7 +48,7 @@ void fill_taps(int in, int out, AxisTaps* axis) {
   }
 }
 
-/// A row of the region by its tones. Neighbouring output rows want the same few.
+/// A row of the region in light. Neighbouring output rows use the same few.
 const float* toned(
     const cv::Mat& gray, const cv::Rect& region_px, const Tone& tone, int y, TonedRows* rows) {
   const std::size_t place = static_cast<std::size_t>(y) % TonedRows::kRows;
@@ -117,7 +117,6 @@ WorkingSize working_size(const cv::Rect& region_px, int pixels_max, double enlar
 }
 
 Tone light_of_gray(double gamma) {
-  constexpr double kFullScale = 255.0;
   Tone tone;
   for (std::size_t level = 0; level < tone.size(); ++level) {
     tone[level] =
@@ -140,8 +139,8 @@ void resample(const cv::Mat& gray,
   scratch->toned.y.fill(-1);
   for (int y = 0; y < size.height; ++y) {
     widely([&] { weigh_rows(gray, region_px, tone, y, scratch); });
-    if (scratch->across.taps == 4) {
-      weigh_columns<4>(row, scratch->across, size.width, out.row(y));
+    if (scratch->across.taps == kCubicTaps) {
+      weigh_columns<kCubicTaps>(row, scratch->across, size.width, out.row(y));
     } else {
       weigh_columns<0>(row, scratch->across, size.width, out.row(y));
     }

@@ -9,22 +9,29 @@
 
 namespace polhode::sift {
 
-/// Which pixels make an output pixel along one axis, and with what weights.
+/// Largest gray level of 8 bits.
+inline constexpr double kFullScale = 255.0;
+
+/// Input pixels of cubic convolution, along one axis.
+inline constexpr int kCubicTaps = 4;
+
+/// Input pixels of each output pixel along one axis, and their weights.
 struct AxisTaps {
   int taps = 0;
   std::array<int, limits::kWorkingSide> first{};  ///< first input pixel of each output pixel
-  std::array<float, 4 * limits::kWorkingSide + limits::kImageSide> weight{};  ///< taps of each
+  /// Taps of each output pixel. A reduction has up to two more than its share of the input.
+  std::array<float, kCubicTaps * limits::kWorkingSide + limits::kImageSide> weight{};
 };
 
-/// What each gray level stands for, on the same scale: 0 .. 255.
+/// Light of each gray level, on the same scale: 0 .. 255.
 using Tone = std::array<float, 256>;
 
-/// Light, of a camera that answers it with its power 1 / gamma.
+/// For a camera whose gray level is light to the power 1 / gamma.
 Tone light_of_gray(double gamma);
 
-/// Rows of the region by their tones: the last ones asked for.
+/// The last rows of the region asked for, in light.
 struct TonedRows {
-  static constexpr std::size_t kRows = 4;  // taps of an enlargement
+  static constexpr std::size_t kRows = kCubicTaps;  // those of an enlarged row
   std::array<int, kRows> y{};
   std::array<std::array<float, limits::kImageSide + kRowGrain>, kRows> light{};
 };
@@ -49,8 +56,8 @@ struct WorkingSize {
 WorkingSize working_size(const cv::Rect& region_px, int pixels_max, double enlarge_max);
 
 /// Enlarges by cubic convolution (Catmull-Rom), reduces by the mean over each output pixel's area.
-/// Pixels are weighed by their tone; cubic convolution may overshoot its 0 .. 255. Pixel centres
-/// are at integers on both sides.
+/// Works in light; cubic convolution may overshoot its 0 .. 255. Pixel centres are at integers in
+/// both pictures.
 /// @param out  of the working size.
 void resample(const cv::Mat& gray,
               const cv::Rect& region_px,

@@ -10,15 +10,17 @@
 
 namespace polhode::sift {
 
-/// Blobs are looked for in the layers between neighbouring levels, and in the middle one of three
+/// Layers are differences of neighbouring levels. Blobs are searched in the middle one of three
 /// neighbouring layers.
 struct ScaleSpace {
-  static constexpr int kLayers = 3;  ///< searched per octave: Lowe, IJCV 2004, fig. 3
-  static constexpr int kLevels = kLayers + 3;
+  static constexpr int kLayers = 3;            ///< searched per octave: Lowe, IJCV 2004, fig. 3
+  static constexpr int kLevels = kLayers + 3;  ///< a layer more at both ends, a level more
+  /// More than is reached: the shorter side of limits::kWorkingPixels, 774 px, makes six.
   static constexpr int kOctaves = 8;
-  static constexpr int kSideMin = 16;  ///< of an octave's picture
-  /// Of the first level, in pixels of its octave. Places of extremes are interpolated: 0.8 px
-  /// places them 3 to 27 % worse, Lowe's 1.6 px hardly better for nearly twice the pixels.
+  /// Of an octave's picture. Half of it is border (kMargin_px of the search for blobs). Chosen.
+  static constexpr int kSideMin = 16;
+  /// Of the first level, in pixels of its octave. 0.8 px places features 3 to 27 % worse
+  /// (docs/decisions/0021); Lowe's 1.6 px hardly better, for nearly twice the pixels.
   static constexpr double kSigma_px = 1.2;
 
   /// Octaves of a quarter of the pixels each come to a third more than the first; rows are filled
@@ -35,7 +37,7 @@ struct ScaleSpace {
 /// Blur of a level in pixels of its octave; levels need not be whole numbers.
 float sigma_of_level(float level);
 
-/// Lays the octaves out for a picture of this size.
+/// Divides the memory into octaves for a picture of this size.
 /// @return where the picture is to be put before fill_scale_space.
 /// @pre width * height <= limits::kWorkingPixels, neither over limits::kWorkingSide
 Plane lay_out_scale_space(int width, int height, ScaleSpace* space);

@@ -7,8 +7,7 @@
 
 namespace polhode {
 
-/// Everything that detection needs beside its input and output. Nothing in it lasts from call to
-/// call.
+/// Nothing in it is kept from call to call.
 struct FeatureWorkspace {
   sift::ResampleScratch resample;
   sift::ScaleSpace space;

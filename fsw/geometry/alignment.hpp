@@ -25,8 +25,8 @@ Pose transformed(const Pose& pose_a, const Similarity& b_of_a);
 
 /// Scale and shift of the least-squares similarity whose rotation is given (Umeyama, PAMI 1991),
 /// with weights >= 0.
-/// @errors TooFewObservations (no weight), Degenerate (points coincide, or the rotation turns them
-/// away).
+/// @errors TooFewObservations (no weight), Degenerate (points coincide, or the scale would not be
+/// positive).
 Result<Similarity> align_turned(std::span<const Eigen::Vector3d> points_a,
                                 std::span<const Eigen::Vector3d> points_b,
                                 std::span<const double> weights,

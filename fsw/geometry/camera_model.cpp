@@ -45,11 +45,14 @@ Eigen::Vector2d project_px(const CameraModel& camera, const Eigen::Vector3d& p_C
 Eigen::Vector2d undistort(const CameraModel& camera, const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d target((pixel.x() - camera.cu_px) / camera.fu_px,
                                (pixel.y() - camera.cv_px) / camera.fv_px);
+  // Each Newton step doubles the digits. 20 bounds the time beyond the fold, where none converges.
   constexpr int kIterations_max = 20;
+  // An error of 1e-14 in normalised units is rounding.
+  constexpr double kError2Min = 1e-28;
   Eigen::Vector2d n = target;
   for (int i = 0; i < kIterations_max; ++i) {
     const Eigen::Vector2d error = distort(camera, n) - target;
-    if (error.squaredNorm() < 1e-28) {
+    if (error.squaredNorm() < kError2Min) {
       break;
     }
     n -= distort_jacobian(camera, n).inverse() * error;

@@ -17,7 +17,7 @@ struct CameraModel {
   double p1 = 0.0;
   double p2 = 0.0;
 
-  /// Geometric mean of the focal lengths: turns pixels into radians near the axis.
+  /// Geometric mean of the focal lengths: pixels a radian near the axis.
   [[nodiscard]] double focal_px() const;
 };
 
@@ -28,8 +28,8 @@ Eigen::Vector2d project_px(const CameraModel& camera, const Eigen::Vector2d& nor
 Eigen::Vector2d project_px(const CameraModel& camera, const Eigen::Vector3d& p_C);
 
 /// Distorted pixel to normalised undistorted image point, by at most 20 Newton steps on the
-/// distortion polynomial. Exact to 1e-12 wherever the model is one-to-one; beyond its fold the last
-/// iterate comes back.
+/// distortion polynomial. Exact to 1e-12 where the model is one-to-one. Beyond its fold the last
+/// iterate is returned.
 Eigen::Vector2d undistort(const CameraModel& camera, const Eigen::Vector2d& pixel);
 
 }  // namespace polhode

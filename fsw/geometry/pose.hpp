@@ -21,7 +21,7 @@ struct Pose {
 /// units, in C.
 using PoseCovariance = Eigen::Matrix<double, 6, 6>;
 
-/// The same pose with components of another frame X in C's place; R takes C's components to X's.
+/// The same pose in the axes of another frame X instead of C's.
 inline Pose turned(const Eigen::Matrix3d& R_XC, const Pose& pose) {
   return {.R_CT = R_XC * pose.R_CT, .p_CT = R_XC * pose.p_CT};
 }

@@ -8,7 +8,7 @@
 
 namespace polhode {
 
-/// The pose as bundle adjustment sees it: T's origin has the image (u, v) and the inverse depth s
+/// The pose as bundle adjustment uses it: T's origin has the image (u, v) and the inverse depth s
 /// (Christy and Horaud, PAMI 1996). As s * extent goes to 0 the projection becomes weak
 /// perspective, so small distant bodies stay well conditioned.
 struct InverseDepthPose {
@@ -29,15 +29,15 @@ struct ReprojectionJacobians {
 };
 
 /// Normalised image point of p_T: (s r1.p + u, s r2.p + v) / (1 + s r3.p), and its derivatives.
-/// Here, and written out, because adjustments do little else.
+/// Inline and written out: adjustments spend most of their time here.
 /// @param jacobians  may be nullptr
 /// @return false when the point lies in or behind the camera's plane.
 inline bool reproject(const InverseDepthPose& pose,
                       const Eigen::Vector3d& p_T,
                       Eigen::Vector2d* normalised,
                       ReprojectionJacobians* jacobians = nullptr) {
-  // A point whose depth is under this fraction of the origin's is in the camera's plane for every
-  // purpose here.
+  // Depth over the origin's, under which a point counts as in the camera's plane. Chosen: larger
+  // rejects points of a body close by, smaller lets the division lose digits.
   constexpr double kRelativeDepthMin = 1e-3;
   const Eigen::Vector3d q = pose.R_CT * p_T;
   const double s = pose.uvs.z();
@@ -52,7 +52,7 @@ inline bool reproject(const InverseDepthPose& pose,
   if (jacobians == nullptr) {
     return true;
   }
-  // By q = R p: (a, 0, -a x) and (0, a, -a y); a turn by phi moves q by phi x q.
+  // By q = R p: (a, 0, -a x) and (0, a, -a y); a rotation by phi moves q by phi x q.
   const double a = s * inverse;
   jacobians->rotation << -a * x * q.y(), a * (x * q.x() + q.z()), -a * q.y(),  //
       -a * (y * q.y() + q.z()), a * y * q.x(), a * q.x();

@@ -1,4 +1,4 @@
-// Rotations: exponential and logarithm on SO(3), their Jacobians, means.
+// Rotations: exponential and logarithm on SO(3), left Jacobian, nearest rotation.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@ Eigen::Matrix3d hat(const Eigen::Vector3d& a);
 /// Rotation matrix of the rotation vector `phi_rad` (Rodrigues), exact to rounding for all angles.
 Eigen::Matrix3d so3_exp(const Eigen::Vector3d& phi_rad);
 
-/// Rotation vector of R, norm in [0, pi]. At exactly pi either sign of the axis may come out.
+/// Rotation vector of R, norm in [0, pi]. At exactly pi the axis has either sign.
 Eigen::Vector3d so3_log(const Eigen::Matrix3d& R);
 
 /// J_l with exp(phi + d) ~ exp(J_l(phi) d) exp(phi) for small d.

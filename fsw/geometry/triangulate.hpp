@@ -22,8 +22,8 @@ struct TriangulatedPoint {
   double parallax_rad = 0.0;                               ///< largest angle between two rays
 };
 
-/// Linear start, then at most five Gauss-Newton steps on the reprojection error.
+/// Linear solution, then at most five Gauss-Newton steps on the reprojection error.
 /// @errors TooFewObservations (under 2), Degenerate (rays parallel, or the point behind a camera).
-Result<TriangulatedPoint> triangulate(std::span<const Sighting> sightings);
+Result<TriangulatedPoint> triangulate(std::span<const Sighting> observations);
 
 }  // namespace polhode

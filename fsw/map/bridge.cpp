@@ -34,6 +34,7 @@ void judge_attitudes(std::span<const BridgeFrame> frames, Bridge* bridge) {
         std::max(bridge->turn_rad, rotation_angle_rad(frame.start.R_CT, frames.front().start.R_CT));
   }
   bridge->misfit_rad = std::sqrt(squares / static_cast<double>(frames.size()));
+  // Of the start's turn: two motions that differ by more have no axis and rate in common.
   constexpr double kTurnPart = 0.25;
   // A phase that is off by this is within a half turn to three sigma; by more it says nothing of
   // where T is, however well a rate is known that brought it there.
@@ -50,6 +51,8 @@ Eigen::Vector4d scale_and_origin(std::span<const BridgeFrame> frames,
                                  const Eigen::Matrix3d& R_ba) {
   using Vector7 = Eigen::Matrix<double, 7, 1>;
   constexpr double kShapeOfPath_radii = 0.05;  // 1-sigma of the predicted path but for its offset
+  // 1-sigmas of what is taken for granted of a compact body: where its near side lies, and how
+  // alike the extents of two aspects are.
   constexpr double kNearSide_radii = 0.5;
   constexpr double kLikeExtents = 0.3;
   const auto weight = [](double sigma) { return 1.0 / (sigma * sigma); };
@@ -78,7 +81,7 @@ Eigen::Vector4d scale_and_origin(std::span<const BridgeFrame> frames,
 }  // namespace
 
 Result<Bridge> bridge_start(std::span<const BridgeFrame> frames, const BridgeBody& body) {
-  constexpr std::size_t kFramesMin = 3;
+  constexpr std::size_t kFramesMin = 3;  // two leave a path without a check
   if (frames.size() < kFramesMin) {
     return ErrorCode::kTooFewObservations;
   }

@@ -33,6 +33,7 @@ int close_loop(LocaliseInput input,
                Map* map) {
   input.age = LandmarkAge::kOld;
   const Keyframe& keyframe = map->keyframes[id.index()];
+  // The drift that turn_max_rad allows, seen at the body's edge.
   constexpr double kReach_radii = 0.33;
   const double radius_px =
       kReach_radii * map->radius_mu * input.camera->focal_px() / keyframe.pose.p_CT.z();

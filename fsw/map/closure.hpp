@@ -7,7 +7,7 @@
 namespace polhode {
 
 struct ClosureOptions {
-  int inliers_min = 30;
+  int inliers_min = kInliersAlone;
   double inlier_fraction_min =
       0.3;  ///< of the matches; in a circle of tens of pixels none agree by chance
   double turn_max_rad = 0.35;  ///< 20 deg of drift: a four-sided body looks alike at 90 deg

@@ -48,6 +48,7 @@ void add_keyframe_error(const LocalisedFrame& keyframe, MapDrift* drift) {
 }
 
 void hold_at_both_ends(MapDrift* drift) {
+  // A random walk fixed at both ends (Brownian bridge) has t (1 - t) of its variance.
   constexpr double kMiddleOfAHeldWalk = 0.25;
   drift->walk = drift->held + kMiddleOfAHeldWalk * (drift->walk - drift->held);
   drift->held = drift->walk;
@@ -64,7 +65,7 @@ void add_bridge(double attitude_sigma_rad,
 }
 
 void close_bridge(MapDrift* drift) {
-  constexpr double kBetween = 0.25;
+  constexpr double kBetween = 0.25;  // of the variance: half of the sigma
   drift->bridge *= kBetween;
   drift->bridged_keyframe = 0;
 }

@@ -14,6 +14,7 @@ struct FlowReference {
   bool gray_to_come =
       false;  ///< it is this step's picture still, and is taken over when the next one comes
   Pyramid pyramid;
+  std::uint32_t frame = 0;  ///< that it was taken from
   Pose pose;
   LandmarkMatches points;  ///< inliers of the frame
 };

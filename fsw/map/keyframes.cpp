@@ -18,6 +18,7 @@ int sightings(const Keyframe& keyframe) {
 
 /// Part of the keyframe's landmarks that three other keyframes see as well.
 double redundancy(const Keyframe& keyframe, const Map& map) {
+  // As many as confirm a landmark: without this keyframe they still do.
   constexpr int kOthers = 3;
   int seen = 0;
   int seen_elsewhere = 0;
@@ -75,7 +76,7 @@ bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOpti
 
 KeyframeId most_redundant(const Map& map) {
   constexpr double kAlone = 0.94;  // cos 20 deg
-  constexpr std::uint32_t kNewest = 2;
+  constexpr std::uint32_t kNewest = 2;  // they carry the frames to come
   KeyframeId chosen;
   double highest = -1.0;
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {

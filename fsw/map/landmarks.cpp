@@ -39,6 +39,7 @@ double view_angle_rad(const Pose& a, const Pose& b, const Eigen::Vector3d& centr
 /// a closed loop has tied. Between others stands the drift, and a match along an epipolar line that
 /// is off by it is a match by chance.
 bool connected(const Keyframe& a, const Keyframe& b) {
+  // A pose from fewer common landmarks is off by more than a line's gate. Chosen.
   constexpr int kSharedMin = 15;
   if (std::max(a.number, b.number) - std::min(a.number, b.number) <= kRecentKeyframes) {
     return true;
@@ -61,8 +62,8 @@ bool connected(const Keyframe& a, const Keyframe& b) {
 FixedVector<KeyframeId, limits::kKeyframes> partners_of(KeyframeId keyframe,
                                                         const CreateOptions& options,
                                                         const Map& map) {
-  constexpr double kIdeal_rad = 0.21;
-  constexpr double kMost_rad = 0.6;
+  constexpr double kIdeal_rad = 0.21;  // 12 deg
+  constexpr double kMost_rad = 0.6;    // 34 deg: beyond it descriptors hardly match
   const Keyframe& own = map.keyframes[keyframe.index()];
   std::array<double, limits::kKeyframes> merit{};
   FixedVector<KeyframeId, limits::kKeyframes> partners;
@@ -304,6 +305,7 @@ std::int32_t find_in(const Landmark& landmark,
   if (!should_be_seen(landmark, keyframe.pose, camera, &pixel)) {
     return -1;
   }
+  // 3 sigma of the features are 1 to 2 px; the rest is the young landmark's own error.
   constexpr double kReach_px = 6.0;
   std::array<std::int32_t, 32> near{};
   const std::size_t count = grid.find(pixel.x(), pixel.y(), kReach_px, near);

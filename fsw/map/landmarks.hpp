@@ -17,7 +17,7 @@ struct CreateOptions {
 /// Free features of a partner as a search along epipolar lines wants them: one number beside the
 /// other.
 struct LineTable {
-  static constexpr std::size_t kGrain = 8;
+  static constexpr std::size_t kGrain = 8;  ///< doubles of a 512-bit register: rows end whole
   using Column = std::array<double, (limits::kFeatures + kGrain - 1) / kGrain * kGrain>;
   Column x{};  ///< normalised
   Column y{};

@@ -128,7 +128,6 @@ Result<bool> solve_all(const LocaliseInput& input,
                        LocalisedFrame* out) {
   // With enough landmarks that have proved themselves the others only follow: they are marked by
   // the pose of those.
-  constexpr std::ptrdiff_t kConfirmedMin = 30;
   const auto first_unconfirmed = std::stable_partition(
       out->matches.begin(), out->matches.end(), [&](const LandmarkMatch& match) {
         return confirmed(input.map->landmarks[match.landmark.index()]);
@@ -137,7 +136,7 @@ Result<bool> solve_all(const LocaliseInput& input,
   to_observations(input, out->matches, scratch);
   const auto all = scratch->observations.view();
   const auto deciding =
-      confirmed_count >= kConfirmedMin ? all.first(static_cast<std::size_t>(confirmed_count)) : all;
+      confirmed_count >= kConfirmedAlone ? all.first(static_cast<std::size_t>(confirmed_count)) : all;
   const AbsolutePoseOptions options{.iterations_max = input.options->ransac_iterations_max,
                                     .inliers_min = input.options->inliers_min,
                                     .seed = input.seed,
@@ -165,9 +164,9 @@ struct Agreement {
 /// the gate of a wrong feature (one in 16, in the smallest circle). Such ties hold the drift in
 /// place: an old side takes part where it agrees half as well as the young one, and beyond chance.
 bool drop_old_side_that_disagrees(const Map& map, LandmarkMatches* matches) {
-  constexpr std::ptrdiff_t kInliersMin = 8;
+  constexpr std::ptrdiff_t kInliersMin = 8;  // of an aspect: with fewer the rule below is noise
   constexpr std::ptrdiff_t kYoungMin = 20;  // fewer are no measure
-  constexpr double kChance = 1.0 / 16.0;
+  constexpr double kChance = 1.0 / 16.0;  // of a wrong feature to fall within the gate
   Agreement old_side;
   Agreement young;
   const auto is_of_old_side = [&](const LandmarkMatch& match) {

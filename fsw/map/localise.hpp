@@ -42,11 +42,16 @@ struct LocaliseScratch {
   std::array<std::uint8_t, limits::kPoseMatches> inlier{};
 };
 
+/// So many inliers accept a pose, or a loop, that nothing else supports: alike faces of a body give
+/// chance matches by the dozen (the least that a pose needs is 12).
+inline constexpr int kInliersAlone = 30;
+
 /// Landmarks that take part.
 enum class LandmarkAge : std::uint8_t {
   kAny,
   kOld,  ///< seen by none of the newest kRecentKeyframes keyframes: a side that comes back
 };
+/// Over so many keyframes of 3 deg and more a body turns past what any one of them sees.
 inline constexpr std::uint32_t kRecentKeyframes = 15;
 
 /// Drift has come between such a landmark and the newest keyframes: only as part of a side that

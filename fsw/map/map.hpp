@@ -34,7 +34,7 @@ struct LandmarkView {
 };
 
 struct Landmark {
-  static constexpr std::size_t kViews = 3;
+  static constexpr std::size_t kViews = 3;  ///< its range of view in steps that SIFT still matches
 
   // What is asked of all landmarks in every frame comes first: it is together in memory.
   bool used = false;
@@ -59,10 +59,14 @@ struct Landmark {
 /// picture while the body turns; for a few degrees they pass for spots at the depth of the axis,
 /// and would slow the estimated rotation down.
 inline bool confirmed(const Landmark& landmark) {
-  constexpr int kSightingsMin = 3;
-  constexpr double kSpreadMin_rad = 0.26;
-  return landmark.observations >= kSightingsMin && landmark.spread_rad >= kSpreadMin_rad;
+  constexpr int kObservationsMin = 3;       // two always fit some depth
+  constexpr double kSpreadMin_rad = 0.26;  // 15 deg
+  return landmark.observations >= kObservationsMin && landmark.spread_rad >= kSpreadMin_rad;
 }
+
+/// With so many confirmed landmarks in sight the others are left out: these outline the body and
+/// carry a pose by themselves (a pose needs 12).
+inline constexpr int kConfirmedAlone = 30;
 
 struct Map {
   std::array<Keyframe, limits::kKeyframes> keyframes{};

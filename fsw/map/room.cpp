@@ -9,7 +9,7 @@ int make_landmark_room(std::size_t wanted, Map* map) {
   if (free >= wanted) {
     return 0;
   }
-  constexpr std::size_t kNewest = 2;
+  constexpr std::size_t kNewest = 2;  // keyframes: they carry the frames to come
   const auto order = keyframes_by_age(*map);
   const std::size_t young = std::min(kNewest, order.size());
   const std::uint32_t newest = young == 0 ? 0 : map->keyframes[order[young - 1].index()].number;

@@ -13,12 +13,18 @@
 namespace polhode {
 namespace {
 
-// Ratios and periods: a tenth is a measurement, a half is a hint.
+// Ratios and periods, relative sigmas. Chosen: 1.96 sigma are a fifth of the value, or all of it.
 constexpr double kObservedRelative = 0.1;
 constexpr double kWeakRelative = 0.5;
-// Directions: 6 deg and 30 deg.
+// Directions: 6 deg and 30 deg, the same numbers in radians.
 constexpr double kObservedAngle_rad = 0.1;
 constexpr double kWeakAngle_rad = 0.5;
+
+// Principal moments (largest 1) nearer to each other than this leave their axes open.
+constexpr double kMomentGapMin = 1e-12;
+// A rate within 4 sigma of zero is no rotation: with three components a body at rest exceeds that
+// with a probability of 0.1 % (chi-square of 16, worst direction).
+constexpr double kRateSigmasMin = 4.0;
 
 using Gradient = Eigen::Matrix<double, kTurningUnknowns, 1>;
 
@@ -66,26 +72,30 @@ Gradient moment_gradient(
   return gradient;
 }
 
-/// A number that follows from rate and shape. Its relative variance by differences over sqrt(3)
-/// sigma along the axes of their covariance, to the second order, and the square of the bias that
-/// these show: where two moments are nearly alike, ratios and periods bend within a sigma, and
-/// their slope at the best fit may be nothing at all. Along an axis that leaves a second moment
-/// open to a factor of e the posterior is no longer a Gaussian's, and the slope has to do.
+/// A number that follows from rate and shape (docs/decisions/0047). Its relative variance comes
+/// from differences along the axes of their covariance, to the second order, plus the square of the
+/// bias. Where two moments are nearly equal, ratios and periods bend within a sigma, and their
+/// slope at the best fit may vanish. Along an axis that leaves a second moment open to a factor of
+/// e the posterior is not Gaussian, and the slope is taken.
 /// @source Norgaard, Poulsen, Ravn, "New developments in state estimation for nonlinear systems",
 /// Automatica 2000.
 template <typename Function>
 Estimated of_turning(const RigidModel& model, const Function& function) {
-  constexpr Eigen::Index kUnknowns = kTurningUnknowns - 3;
+  constexpr Eigen::Index kUnknowns = kTurningUnknowns - 3;  // without the attitude
   using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+  // The kurtosis of a Gaussian: with it the differences are right to the fourth moment.
   constexpr double kSpread2 = 3.0;
+  // In the logarithm of a second moment: a factor of e.
   constexpr double kShapeStepMax = 1.0;
+  // Step of the slope in the same unit. Chosen: small against the bend, large against rounding.
   constexpr double kSlopeStep = 0.05;
   const auto log_at = [&](const Unknowns& change) {
     const InertiaShape shape = model.shape + change.tail<5>();
     const Eigen::Vector3d w = model.reference.w_T_rad_s + change.head<3>();
     return std::log(function(inertia_of(shape).J_T, w));
   };
-  // In units of the unknowns' own sigmas: rates beside shapes would drown in rounding.
+  // In units of the unknowns' own sigmas: rates are so small beside shapes that rounding would hide
+  // them.
   const Eigen::Matrix<double, kUnknowns, kUnknowns> covariance =
       turning_covariance(model).bottomRightCorner<kUnknowns, kUnknowns>();
   const Unknowns own =
@@ -109,7 +119,7 @@ Estimated of_turning(const RigidModel& model, const Function& function) {
                   std::pow(ahead + behind, 2) / (2.0 * spread2 * spread2);
       bias += (ahead + behind) / (2.0 * spread2);
     } else {
-      // Of moments that are alike the order changes: the slope differs from side to side.
+      // The order of nearly equal moments may change: the slopes of both directions differ.
       variance += (ahead * ahead + behind * behind) / (2.0 * spread2);
     }
   }
@@ -137,7 +147,8 @@ void add_inertia(const RigidModel& model, const Inertia& inertia, BodyDynamics* 
     double variance = 0.0;
     for (Eigen::Index other = 0; other < 3; ++other) {
       if (other != k) {
-        const double apart = std::max(1e-12, std::abs(axes.moments(k) - axes.moments(other)));
+        const double apart =
+            std::max(kMomentGapMin, std::abs(axes.moments(k) - axes.moments(other)));
         variance += std::pow(sigma_of(moment_gradient(inertia, axes, k, other, apart), model), 2);
       }
     }
@@ -189,7 +200,10 @@ void add_path(const RigidModel& model, BodyDynamics* out) {
 double elliptic_K(double m) {
   double a = 1.0;
   double b = std::sqrt(std::max(0.0, 1.0 - m));
-  for (int i = 0; i < 40 && std::abs(a - b) > 1e-15 * a; ++i) {
+  // The digits double with each step; the bound is for m next to 1.
+  constexpr int kIterationsMax = 40;
+  constexpr double kRounding = 1e-15;
+  for (int i = 0; i < kIterationsMax && std::abs(a - b) > kRounding * a; ++i) {
     const double mean = 0.5 * (a + b);
     b = std::sqrt(a * b);
     a = mean;
@@ -197,14 +211,15 @@ double elliptic_K(double m) {
   return 0.5 * std::numbers::pi / a;
 }
 
-/// Moments and rate in principal axes, by growing moment.
+/// Moments and rate in principal axes, in order of growing moment.
 struct InPrincipal {
   Eigen::Vector3d J;
   Eigen::Vector3d w;
   bool about_largest;  ///< the polhode surrounds the axis of the largest moment, else of the least
 };
 
-/// Of the elliptic functions that the rate follows; 1 where the body turns about its middle axis.
+/// Parameter m of the elliptic functions that the rate follows; 1 for rotation about the middle
+/// axis.
 double modulus_of(const InPrincipal& body) {
   const Eigen::Vector3d& J = body.J;
   const double momentum2 = J.cwiseProduct(body.w).squaredNorm();
@@ -257,10 +272,13 @@ double precession_period_s(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_
   if (!(m < 1.0) || !std::isfinite(a2 + b2)) {
     return std::numeric_limits<double>::infinity();
   }
-  // The mean over a period, in equal steps of the amplitude, of the rate at which `axis` turns
-  // about the momentum, |h| (h_1 w_1 + h_o w_o) / (h_1^2 + h_o^2): exact to rounding but near m
-  // = 1.
+  // Mean over a period, in equal steps of the amplitude, of the rate at which `axis` moves about
+  // the momentum, |h| (h_1 w_1 + h_o w_o) / (h_1^2 + h_o^2). The midpoint rule converges
+  // exponentially on a periodic function: exact to rounding except near m = 1.
   constexpr int kSteps = 256;
+  // Momentum across the axis under a billionth of all of it, squared: rotation about the axis
+  // itself.
+  constexpr double kAcross2Min = 1e-18;
   double sum = 0.0;
   double time = 0.0;
   for (int i = 0; i < kSteps; ++i) {
@@ -269,9 +287,9 @@ double precession_period_s(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_
     const double wo_2 = a2 * (1.0 - sine * sine);
     const double across2 = J(1) * J(1) * w1_2 + J(other) * J(other) * wo_2;
     const double weight = 1.0 / std::sqrt(1.0 - m * sine * sine);
-    // Of a spin about the axis itself: |h| over the mean of the other moments.
-    sum += weight * (across2 > 1e-18 * momentum2 ? (J(1) * w1_2 + J(other) * wo_2) / across2
-                                                 : 2.0 / (J(1) + J(other)));
+    // About the axis itself: |h| over the mean of the other moments.
+    sum += weight * (across2 > kAcross2Min * momentum2 ? (J(1) * w1_2 + J(other) * wo_2) / across2
+                                                       : 2.0 / (J(1) + J(other)));
     time += weight;
   }
   return 2.0 * std::numbers::pi * time / (std::sqrt(momentum2) * sum);
@@ -290,16 +308,16 @@ Result<BodyDynamics> describe_dynamics(const RigidModel& model) {
   });
   out.spin_period_s = of_turning(model, spin_period_s);
   out.precession_period_s = of_turning(model, precession_period_s);
-  // A body that turns steadily about a principal axis shows neither.
+  // Steady rotation about a principal axis shows neither period.
   const bool steady = out.largest_over_least.observability == Observability::kUnobserved &&
                       out.middle_over_least.observability == Observability::kUnobserved;
   if (steady) {
     out.spin_period_s.observability = Observability::kUnobserved;
     out.precession_period_s.observability = Observability::kUnobserved;
   }
-  // Nor does one that cannot be told from a body at rest turn about anything.
+  // A body that may be at rest has no axis of rotation.
   const double sigma_rate = worst_sigma(model.covariance.block<3, 3>(3, 3));
-  if (!(model.reference.w_T_rad_s.norm() > 4.0 * sigma_rate)) {
+  if (!(model.reference.w_T_rad_s.norm() > kRateSigmasMin * sigma_rate)) {
     out.rotation_period_s.observability = Observability::kUnobserved;
     out.spin_period_s.observability = Observability::kUnobserved;
     out.precession_period_s.observability = Observability::kUnobserved;

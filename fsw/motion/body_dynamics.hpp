@@ -1,5 +1,5 @@
-// A rigid model in the terms that people and planners use, each with its sigma and with what the
-// data say of it at all.
+// A rigid model as inertia ratios, principal axes, periods and momentum, each with its sigma and
+// its observability.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 
 namespace polhode {
 
-/// A number with its class. Where unobserved, `value` is not to be shown to anybody.
+/// A number with its observability. Where unobserved, `value` means nothing and must not be shown.
 struct Estimated {
   double value = 0.0;
   double sigma = 0.0;
@@ -26,12 +26,12 @@ struct BodyDynamics {
   std::array<Observability, 3> axes{};
   Estimated middle_over_least;  ///< ratio of principal moments
   Estimated largest_over_least;
-  /// w_T repeats after this. Of a body of revolution: turns about its axis seen from the axis'
-  /// precession.
+  /// w_T repeats after this. For a body of revolution: rotation about its axis, relative to the
+  /// axis' precession.
   Estimated spin_period_s;
-  /// Mean period of the turning about the angular momentum.
+  /// Mean period of the rotation about the angular momentum.
   Estimated precession_period_s;
-  Estimated rotation_period_s;  ///< of one turn at the present rate
+  Estimated rotation_period_s;  ///< of one rotation at the present rate
   Eigen::Vector3d momentum_axis_I =
       Eigen::Vector3d::UnitZ();  ///< direction of the angular momentum
   double sigma_momentum_axis_rad = 0.0;
@@ -46,13 +46,13 @@ struct BodyDynamics {
 /// @errors Degenerate (model not accepted).
 Result<BodyDynamics> describe_dynamics(const RigidModel& model);
 
-/// Period after which the rate of a free body repeats in its own axes; infinite for one that turns
-/// about its middle axis exactly.
+/// Period after which the rate of a free body repeats in its own axes. Infinite for rotation about
+/// the middle axis.
 /// @source Landau and Lifshitz, Mechanics, section 37.
 double spin_period_s(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_T_rad_s);
 
-/// 2 pi over the mean rate about the angular momentum of the principal axis that the body turns
-/// about (that of the largest or of the least moment).
+/// 2 pi over the mean rate at which a principal axis moves about the angular momentum: the axis of
+/// the largest or of the least moment, whichever the rate circles.
 double precession_period_s(const Eigen::Matrix3d& J_T, const Eigen::Vector3d& w_T_rad_s);
 
 }  // namespace polhode

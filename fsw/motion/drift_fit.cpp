@@ -14,12 +14,14 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 
-// The attitudes' own noise looks like motion that the lever c could explain. Along a direction
-// whose information is not at least this many times what noise alone gives, nothing is known; a
-// body that turned by a radian has a million times.
+// Noise of the attitudes looks like motion that the centre-of-mass offset c could explain. A
+// direction is known where its information is this many times what noise alone gives. Chosen: a
+// body that has rotated by a radian has a million times.
 constexpr double kOverNoiseMin = 10.0;
+// Least noise, in parts of the information: keeps the noise matrix regular for exact attitudes.
+constexpr double kNoiseFloor = 1e-6;
 
-/// Normal equations by the drift x = (p0, v span) and the lever c.
+/// Normal equations in the drift x = (p0, v span) and the centre-of-mass offset c.
 struct System {
   Matrix6 H_xx = Matrix6::Zero();
   Matrix63 H_xc = Matrix63::Zero();
@@ -73,13 +75,13 @@ struct Lever {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
-/// c with the drift eliminated, without what attitude noise pretends to know, and with its prior.
+/// c with the drift eliminated, with its prior, and without the information of attitude noise.
 Lever solve_lever(const Eigen::Matrix3d& information,
                   const Eigen::Vector3d& g,
                   const Eigen::Matrix3d& noise,
                   double prior_sigma) {
-  // A floor of a millionth keeps the noise regular for exact attitudes.
-  const Eigen::Matrix3d floored = noise + 1e-6 * information.trace() * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d floored =
+      noise + kNoiseFloor * information.trace() * Eigen::Matrix3d::Identity();
   // V with V^T floored V = 1 and V^T information V diagonal: whiten by the noise, then rotate.
   const Eigen::Matrix3d L = floored.llt().matrixL();
   const Eigen::Matrix3d inverse_L = L.inverse();

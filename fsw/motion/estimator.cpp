@@ -80,7 +80,7 @@ double relative_speed_sigma(const MotionPrediction& now) {
 /// Is the last interval far longer than the shortest? Over it a body may have turned by any number
 /// of turns.
 bool over_a_gap(const PoseHistory& poses) {
-  constexpr std::int64_t kLonger = 3;
+  constexpr std::int64_t kLonger = 3;  // two frames were lost: chosen; one lost now and then is usual
   std::int64_t shortest_ns = INT64_MAX;
   std::int64_t last_ns = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
@@ -343,6 +343,16 @@ std::optional<PosePrediction> predict_or_hold(const MotionEstimate& m,
     predicted.pose.p_CT = last.p_CT;
   }
   return predicted;
+}
+
+ExpectedPose expected_at(const PosePrediction& predicted, const MotionEstimate& m) {
+  const double step_rad =
+      m.recent.empty()
+          ? 0.0
+          : rotation_angle_rad(last_pose_seen(m, m.R_IC).R_CT, predicted.pose.R_CT);
+  return {.prediction = predicted,
+          .step_rad = step_rad,
+          .poses_since_start = m.poses_since_start};
 }
 
 std::optional<PosePrediction> pose_by_map_model(const MotionEstimate& m,

@@ -9,6 +9,7 @@
 
 #include "map/drift.hpp"
 #include "map/map.hpp"
+#include "map/track.hpp"
 #include "motion/rates.hpp"
 #include "motion/rigid_model.hpp"
 
@@ -111,6 +112,9 @@ std::optional<PosePrediction> predict_or_hold(const MotionEstimate& motion,
                                               const MotionOptions& options,
                                               std::int64_t timestamp_ns,
                                               const Eigen::Matrix3d& R_IC);
+
+/// What tracking is told of a predicted pose: it, and how far the motion behind it has been checked.
+ExpectedPose expected_at(const PosePrediction& predicted, const MotionEstimate& motion);
 
 /// The pose in C by a model that was fitted with the map; nothing where there is none that holds.
 std::optional<PosePrediction> pose_by_map_model(const MotionEstimate& motion,

@@ -1,4 +1,4 @@
-// The poses that the dynamics are fitted to: the past, of a bounded number of turns and in a
+// The poses that the dynamics are fitted to: past ones, over a bounded number of rotations and in a
 // bounded number.
 #pragma once
 
@@ -14,13 +14,13 @@
 
 namespace polhode {
 
-// A fit integrates from pose to pose: 32 turns take 4000 steps for each of its iterations, and
-// beyond that it would cost more the longer the run. 32 turns tell a rate to 5e-6 of itself by
-// poses that are good to a milliradian.
+// A fit integrates from pose to pose: 32 rotations by kTurningStepAngle_rad are 4000 steps an
+// iteration. More cost more the longer the run is (docs/decisions/0050). Poses good to a
+// milliradian give a rate to 1e-3 / (32 x 2 pi) = 5e-6 of itself.
 inline constexpr double kFitTurnsMax = 32.0;
 
-/// What is more than `age_s` before `now_ns` goes.
-inline void forget(double age_s, std::int64_t now_ns, PoseHistory& poses) {
+/// Removes poses of more than `age_s` before `now_ns`.
+inline void remove_older(double age_s, std::int64_t now_ns, PoseHistory& poses) {
   const auto young = std::find_if(poses.begin(), poses.end(), [&](const PoseSample& sample) {
     return seconds_between(sample.timestamp_ns, now_ns) <= age_s;
   });
@@ -28,21 +28,22 @@ inline void forget(double age_s, std::int64_t now_ns, PoseHistory& poses) {
       static_cast<std::size_t>(std::copy(young, poses.end(), poses.begin()) - poses.begin()));
 }
 
-/// Of the last poses, over a chord that is long against their noise; 0 where they hardly turn.
-[[nodiscard]] inline double turning_rad_s(const PoseHistory& poses) {
+/// Rotation rate of the last poses; 0 where they hardly rotate.
+[[nodiscard]] inline double rotation_rad_s(const PoseHistory& poses) {
+  // Chosen: a pose noise of 0.02 rad is a twentieth of it, and most runs have rotated by it soon.
   constexpr double kChord_rad = 0.4;
   const PoseSample& last = poses.back();
   for (std::size_t i = poses.size() - 1; i-- > poses.size() / 2;) {
-    const double turned_rad = rotation_angle_rad(poses[i].pose.R_CT, last.pose.R_CT);
-    if (turned_rad > kChord_rad) {
-      return turned_rad / seconds_between(poses[i].timestamp_ns, last.timestamp_ns);
+    const double rotated_rad = rotation_angle_rad(poses[i].pose.R_CT, last.pose.R_CT);
+    if (rotated_rad > kChord_rad) {
+      return rotated_rad / seconds_between(poses[i].timestamp_ns, last.timestamp_ns);
     }
   }
   return 0.0;
 }
 
-/// Every other pose of the older half goes: the span stays, and successive poses of one side tell
-/// little more than one of them. So do poses of kFitTurnsMax turns ago.
+/// Removes every other pose of the older half. The span stays, and successive poses of one visible
+/// face share their errors. Removes poses of more than kFitTurnsMax rotations ago, too.
 inline void thin(PoseHistory& poses) {
   const std::size_t half = poses.size() / 2;
   std::size_t kept = 0;
@@ -52,13 +53,15 @@ inline void thin(PoseHistory& poses) {
     }
   }
   poses.resize(kept);
-  if (const double rate_rad_s = turning_rad_s(poses); rate_rad_s > 0.0) {
-    forget(2.0 * std::numbers::pi * kFitTurnsMax / rate_rad_s, poses.back().timestamp_ns, poses);
+  if (const double rate_rad_s = rotation_rad_s(poses); rate_rad_s > 0.0) {
+    remove_older(
+        2.0 * std::numbers::pi * kFitTurnsMax / rate_rad_s, poses.back().timestamp_ns, poses);
   }
 }
 
 /// Whether a fit is worth its time.
-/// @param poses  remembered; `poses_since_fit` of them are not in the model
+/// @param poses            stored
+/// @param poses_since_fit  of these, not in the model
 [[nodiscard]] inline bool fit_is_due(const RigidModel& model,
                                      std::size_t poses,
                                      std::size_t poses_since_fit) {
@@ -66,13 +69,15 @@ inline void thin(PoseHistory& poses) {
     return false;
   }
   if (model.of_map && model.accepted()) {
-    return poses_since_fit > poses / 4;  // the map has not grown, and the next joint fit is far
+    // A quarter more: the map has not grown for long, and the next joint fit is far. Chosen.
+    return poses_since_fit > poses / 4;
   }
-  // One pose in twenty tells little more; from nothing a fit costs tens of times as much.
+  // A twentieth more poses (docs/decisions/0050), or an eighth without a model to start from: then
+  // a fit costs 40 times as much.
   return poses_since_fit >= (model.accepted() ? 1 + poses / 20 : 2 + poses / 8);
 }
 
-/// Appends; what is older than the forgetting time goes, and a full table is thinned.
+/// Appends. Removes poses older than the forgetting time, and thins a full table.
 /// @return false, nothing changed, when `sample` is not later than the last one.
 [[nodiscard]] inline bool remember_for_fit(PoseHistory& poses,
                                            const PoseSample& sample,
@@ -81,7 +86,7 @@ inline void thin(PoseHistory& poses) {
     return false;
   }
   if (options.forgetting_s > 0.0) {
-    forget(options.forgetting_s, sample.timestamp_ns, poses);
+    remove_older(options.forgetting_s, sample.timestamp_ns, poses);
   }
   const auto limit = static_cast<std::size_t>(std::max(2, options.fit_poses_max));
   if (poses.full() || poses.size() >= limit) {

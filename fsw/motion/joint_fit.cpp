@@ -14,29 +14,41 @@
 namespace polhode {
 namespace {
 
-// What free poses gain over a free body's by following the noise is a chi-square with as many
-// degrees of freedom as they have more: 1 each, were the sightings' errors independent and of the
-// declared size. They are neither; on rendered scenes free bodies stay under 8, and times that are
-// off by a fifth of a frame give 11 and more.
+// Free poses gain over bound ones by following the noise: a chi-square of 1 for each additional
+// degree of freedom, were errors independent and of the declared size. On rendered scenes free
+// bodies stay under 8, times off by a fifth of a frame give 11 and more (docs/decisions/0044).
 constexpr double kGainPerDofMax = 8.0;
 
-// A map that has grown without the motion has wrong ties in it, because they agree with its drift,
-// and they speak against the motion until it has had the map once: then they are gone. So a motion
-// that keeps nearly all sightings is believed twice beyond that.
+// A map that has grown without the motion has wrong associations that agree with its drift. They
+// contradict the motion until one joint fit has removed them: gains of up to 28, then 2 to 6. So a
+// gain up to 40 is marginally accepted twice, where nearly all observations are kept. Times that
+// are made up give 60 and more (docs/decisions/0044).
 constexpr double kDoubtfulGainMax = 40.0;
 constexpr double kKeptMin = 0.95;
 constexpr std::uint32_t kDoubtsMax = 2;
 
-// Sightings' errors beyond the declared ones are the surfaces' (light slides over a relief as it
-// turns) and drift: poses of a side share them, and the motion follows them itself. Of a drift that
-// falls to 1/e over a side, a third of a sequence, free poses show 0.3 to 0.5 in what they gain;
-// the motion's slowest unknown has 2.0 to 2.6 times the variance that seems to say, all of them 1.4
-// times in the mean. Taken twice, errors keep their sigmas.
+// Errors beyond the declared ones come from surfaces, as light slides over a relief, and from
+// drift. Poses of one visible face share them, and the motion follows part of them. Free poses show
+// 0.3 to 0.5 of a drift in their gain, so the gain over one counts twice (docs/decisions/0046).
 constexpr double kDriftShown = 0.5;
 
-// Drift that the first fit, to the poses alone, may find them to have: 1 deg, 1 % of the range.
+// Drift of the poses that the first fit, to the poses alone, allows for: 1 deg, 1 % of the range.
+// Chosen: equal weights, and the fit to the images follows.
 constexpr double kPoseSigma_rad = 0.02;
 constexpr double kPoseSigmaOfRange = 0.01;
+
+// Width of the first loss, in sigmas: residuals of drifted poses. Chosen; narrower loses
+// observations that agree once the poses have moved.
+constexpr double kWide_sigmas = 15.0;
+// Steps of the points alone. Chosen: they follow the poses by small steps.
+constexpr int kPointIterations = 5;
+// Steps of the whole fit, in those of an ordinary adjustment. A fit solves 6 to 10 systems, more
+// before half a rotation has been seen (docs/decisions/0043).
+constexpr int kIterationsFactor = 4;
+// Three steps reach the gain to a few per cent, which decides nothing.
+constexpr int kGainIterations = 3;
+// Points that connect two poses: as many as a pose needs (docs/decisions/0045).
+constexpr std::size_t kSharedMin = 12;
 
 std::size_t count_of(const JointFitInput& input) { return input.bundle.poses.size(); }
 
@@ -72,10 +84,10 @@ void load(const JointFitInput& input,
   }
 }
 
-/// The positions' attitudes become the motion's.
+/// Replaces the attitudes of the position samples by those of the motion.
 bool trace(const TurningProblem& problem, const TurningSolution& turning, JointFitWorkspace* w) {
   const Inertia inertia = inertia_of(turning.shape);
-  const auto walk = [&](std::size_t first, std::size_t last, bool forward) {
+  const auto propagate = [&](std::size_t first, std::size_t last, bool forward) {
     TurningState state = turning.reference;
     for (std::size_t n = 0; n < last - first; ++n) {
       PositionSample& sample = w->positions[forward ? first + n : last - 1 - n];
@@ -86,7 +98,8 @@ bool trace(const TurningProblem& problem, const TurningSolution& turning, JointF
     }
     return true;
   };
-  return walk(problem.reference, w->positions.size(), true) && walk(0, problem.reference, false);
+  return propagate(problem.reference, w->positions.size(), true) &&
+         propagate(0, problem.reference, false);
 }
 
 std::optional<FreeBodyMotion> motion_of_poses(const JointFitInput& input,
@@ -113,8 +126,8 @@ std::optional<FreeBodyMotion> motion_of_poses(const JointFitInput& input,
                         .orbit = model.orbit};
 }
 
-/// First the points alone follow the poses, then all together with an ever narrower loss: poses
-/// that have drifted give residuals of many sigma.
+/// Adjusts the points to the poses, then all together, with a wide loss and then a narrow one.
+/// Poses that have drifted give residuals of many sigma.
 FreeBodyReport adjust(const JointFitInput& input,
                       FreeBodyMotion* motion,
                       BundleWorkspace* workspace,
@@ -124,22 +137,22 @@ FreeBodyReport adjust(const JointFitInput& input,
                           .motion = motion,
                           .shape_sigma = kModelShapeSigma,
                           .lever_sigma = input.body_radius};
-  problem.bundle.pose_fixed = std::span(w->none_held).first(count_of(input));
+  problem.bundle.pose_fixed = std::span(w->none_fixed).first(count_of(input));
   FreeBodyReport report =
       adjust_free_body(problem, {.iterations_max = 0}, workspace, &w->free_body);
   if (!report.bundle.usable) {
     return report;
   }
   BundleProblem points = problem.bundle;
-  points.pose_fixed = std::span(w->all_held).first(count_of(input));
-  constexpr double kWide = 15.0;
-  (void)adjust_bundle(points, {.iterations_max = 5, .cauchy_sigma = kWide}, workspace);
-  for (const double cauchy_sigma : {kWide, input.options.cauchy_sigma}) {
-    report = adjust_free_body(
-        problem,
-        {.iterations_max = 4 * input.options.iterations_max, .cauchy_sigma = cauchy_sigma},
-        workspace,
-        &w->free_body);
+  points.pose_fixed = std::span(w->all_fixed).first(count_of(input));
+  (void)adjust_bundle(
+      points, {.iterations_max = kPointIterations, .cauchy_sigma = kWide_sigmas}, workspace);
+  for (const double cauchy_sigma : {kWide_sigmas, input.options.cauchy_sigma}) {
+    report = adjust_free_body(problem,
+                              {.iterations_max = kIterationsFactor * input.options.iterations_max,
+                               .cauchy_sigma = cauchy_sigma},
+                              workspace,
+                              &w->free_body);
   }
   return report;
 }
@@ -169,8 +182,8 @@ std::size_t agreeing(const BundleProblem& bundle) {
       }));
 }
 
-/// What free poses gain over the joint fit, per degree of freedom that they have more, on the
-/// sightings that agree with it.
+/// What free poses gain over the joint fit, per additional degree of freedom, on the observations
+/// that agree with the fit.
 double gain_per_dof(const JointFitInput& input, BundleWorkspace* workspace, JointFitWorkspace* w) {
   BundleProblem problem = input.bundle;
   const auto end = std::stable_partition(
@@ -180,8 +193,8 @@ double gain_per_dof(const JointFitInput& input, BundleWorkspace* workspace, Join
   problem.observations =
       input.observations.first(static_cast<std::size_t>(end - input.observations.begin()));
   keep(problem, &w->joint);
-  // Three steps reach the gain to a few parts in a hundred, which decides nothing.
-  const BundleOptions options{.iterations_max = 3, .cauchy_sigma = input.options.cauchy_sigma};
+  const BundleOptions options{.iterations_max = kGainIterations,
+                              .cauchy_sigma = input.options.cauchy_sigma};
   const BundleReport free = adjust_bundle(problem, options, workspace);
   restore(w->joint, problem);
   const double dof = 6.0 * static_cast<double>(count_of(input)) - kFreeBodyUnknowns;
@@ -191,33 +204,32 @@ double gain_per_dof(const JointFitInput& input, BundleWorkspace* workspace, Join
 using PoseFlags = std::array<bool, BundleWorkspace::kPoses>;
 using PoseCounts = std::array<std::size_t, BundleWorkspace::kPoses>;
 
-/// For each pose that is not reached: how many of its points are seen by so many of the poses that
-/// are, or that are not.
+/// For each pose that is not reached: how many of its points at least `seen_min` poses observe,
+/// counted among those that are reached or among those that are not.
 PoseCounts shared_points(const JointFitInput& input,
                          const PoseFlags& reached,
                          bool with_reached,
                          int seen_min,
                          JointFitWorkspace* w) {
-  w->sightings_of_point.fill(0);
+  w->observations_of_point.fill(0);
   for (const BundleObservation& o : input.observations) {
     if (reached[static_cast<std::size_t>(o.pose)] == with_reached) {
-      ++w->sightings_of_point[static_cast<std::size_t>(o.point)];
+      ++w->observations_of_point[static_cast<std::size_t>(o.point)];
     }
   }
   PoseCounts shared{};
   for (const BundleObservation& o : input.observations) {
-    const bool seen = w->sightings_of_point[static_cast<std::size_t>(o.point)] >= seen_min;
+    const bool seen = w->observations_of_point[static_cast<std::size_t>(o.point)] >= seen_min;
     shared[static_cast<std::size_t>(o.pose)] +=
         seen && !reached[static_cast<std::size_t>(o.pose)] ? 1 : 0;
   }
   return shared;
 }
 
-/// Are the poses one part, tied by points that they share? Parts of a map that nothing ties have an
-/// axis and a unit each, and what a motion makes of the gap between them is no measurement. A pose
-/// alone that has lost its ties makes no part: it says little, and the motion holds it.
+/// Are the poses one part, connected by shared points? Separate parts have axes and a unit each,
+/// and what a motion makes of the distance between them is no measurement. A single pose that has
+/// lost its associations is not a part: the motion constrains it (docs/decisions/0045).
 bool hangs_together(const JointFitInput& input, JointFitWorkspace* w) {
-  constexpr std::size_t kSharedMin = 12;  // as many as a pose needs
   const std::size_t count = count_of(input);
   PoseFlags reached{};
   const PoseCounts points = shared_points(input, reached, false, 1, w);
@@ -239,16 +251,16 @@ bool hangs_together(const JointFitInput& input, JointFitWorkspace* w) {
          *std::max_element(apart.begin(), apart.end()) < kSharedMin;
 }
 
-/// Mean turn from one keyframe to the next.
-double turn_of_keyframe(const JointFitInput& input, std::span<const std::size_t> order) {
-  double turn_rad = 0.0;
+/// Mean rotation from one keyframe to the next.
+double rotation_of_keyframe(const JointFitInput& input, std::span<const std::size_t> order) {
+  double rotation_rad = 0.0;
   for (std::size_t i = 1; i < order.size(); ++i) {
     const auto R_IT = [&](std::size_t k) {
       return Eigen::Matrix3d(input.R_IC[k] * input.bundle.poses[k].R_CT);
     };
-    turn_rad += rotation_angle_rad(R_IT(order[i - 1]), R_IT(order[i]));
+    rotation_rad += rotation_angle_rad(R_IT(order[i - 1]), R_IT(order[i]));
   }
-  return turn_rad / static_cast<double>(order.size() - 1);
+  return rotation_rad / static_cast<double>(order.size() - 1);
 }
 
 void take(const FreeBodyMotion& motion,
@@ -299,8 +311,8 @@ RigidModel fit_jointly(const JointFitInput& input,
   if (!motion) {
     return model;
   }
-  std::fill(w->none_held.begin(), w->none_held.end(), std::uint8_t{0});
-  std::fill(w->all_held.begin(), w->all_held.end(), std::uint8_t{1});
+  std::fill(w->none_fixed.begin(), w->none_fixed.end(), std::uint8_t{0});
+  std::fill(w->all_fixed.begin(), w->all_fixed.end(), std::uint8_t{1});
   keep(input.bundle, &w->free);
   const auto before = static_cast<double>(std::max<std::size_t>(1, agreeing(input.bundle)));
   const FreeBodyReport report = adjust(input, &*motion, workspace, w);
@@ -308,14 +320,14 @@ RigidModel fit_jointly(const JointFitInput& input,
     const double kept = static_cast<double>(agreeing(input.bundle)) / before;
     const double gain = gain_per_dof(input, workspace, w);
     const bool convincing = gain < kGainPerDofMax;
-    const bool sufferable = gain < kDoubtfulGainMax && kept > kKeptMin && *doubts < kDoubtsMax;
+    const bool marginal = gain < kDoubtfulGainMax && kept > kKeptMin && *doubts < kDoubtsMax;
     model.status = ModelStatus::kResidualsTooLarge;
     model.attitude.chi2_per_dof = gain;
-    if (convincing || sufferable) {
+    if (convincing || marginal) {
       const ResidualLevel noise{
           .chi2_per_dof = gain,
           .scale2 = 1.0 + std::max(0.0, gain - 1.0) / kDriftShown,
-          .correlation = poses_of_a_side(turn_of_keyframe(input, order), order.size())};
+          .correlation = poses_of_a_side(rotation_of_keyframe(input, order), order.size())};
       take(*motion, report, noise, input.selection * widening(noise), &model);
     }
   }

@@ -1,5 +1,5 @@
-// The target as a rigid body in free motion, fitted with its landmarks to their images: where that
-// holds, the map has no drift left.
+// The target as a rigid body in free motion, fitted together with its landmarks to their images.
+// Where the fit is accepted, the map has no drift left (docs/decisions/0042).
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace polhode {
 
-/// A map at rest, its poses free. Poses and points are changed in place where the fit is accepted.
+/// A converged map, its poses free. Changes poses and points in place where the fit is accepted.
 struct JointFitInput {
   BundleProblem bundle;
   std::span<BundleObservation> observations;    ///< the bundle's; their order is changed
@@ -22,8 +22,8 @@ struct JointFitInput {
   MotionOptions motion;
   RigidModel previous;  ///< where accepted, the fit starts from it
   BundleOptions options;
-  /// What the covariance is to be multiplied by, as the sightings were chosen by where the poses
-  /// have them and so agree with the poses' errors more than they should.
+  /// Factor on the covariance, because observations were selected by the poses. So they agree with
+  /// the errors of the poses more than they should (docs/decisions/0046).
   double selection = 1.0;
 };
 
@@ -35,21 +35,20 @@ struct BundleCopy {
 struct JointFitWorkspace {
   BundleCopy free;
   BundleCopy joint;
-  std::array<std::uint8_t, BundleWorkspace::kPoses> none_held{};
-  std::array<std::uint8_t, BundleWorkspace::kPoses> all_held{};
+  std::array<std::uint8_t, BundleWorkspace::kPoses> none_fixed{};
+  std::array<std::uint8_t, BundleWorkspace::kPoses> all_fixed{};
   std::array<std::size_t, BundleWorkspace::kPoses> in_order_of_time{};
-  std::array<std::uint16_t, BundleWorkspace::kPoints> sightings_of_point{};
+  std::array<std::uint16_t, BundleWorkspace::kPoints> observations_of_point{};
   std::array<PoseTime, BundleWorkspace::kPoses> times;
   FixedVector<AttitudeSample, BundleWorkspace::kPoses> attitudes;
   FixedVector<PositionSample, BundleWorkspace::kPoses> positions;
   FreeBodyWorkspace free_body;
 };
 
-/// A free body's motion is fitted to the poses, then with the points to the sightings. It is
-/// accepted where it explains them as well as free poses do, up to what free poses gain by
-/// following the noise.
-/// @param doubts  in, out: how often it was believed on sufferance since it last was without.
-/// The answer's reference is the last pose; its noise is that found by the comparison.
+/// Fits the motion of a free body to the poses, then with the points to the observations. Accepted
+/// where free poses explain these no better than by following the noise (docs/decisions/0044).
+/// @param doubts  in, out: how often in a row it was marginally accepted.
+/// The answer's reference is the last pose. Its noise is that found by the comparison.
 /// @return a model that says by its status whether it was accepted; else the bundle is as it was.
 RigidModel fit_jointly(const JointFitInput& input,
                        std::uint32_t* doubts,

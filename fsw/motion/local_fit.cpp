@@ -14,19 +14,20 @@ namespace {
 // At 1.5 rad from the reference the first missing term is A 1.5^7 / 7!, 0.3 % of A.
 constexpr int kDegree = 6;
 constexpr int kRotationUnknowns = 3 * (kDegree + 1);
-constexpr int kPathUnknowns = 12;  // g, v, a, c
+constexpr int kTranslationUnknowns = 12;  // g, v, a, c
 
-// From uniform to as bent as a free body gets: |dw/dt| <= |w|^2 / sqrt(3), because (I_j - I_k) /
-// I_i <= 1.
+// Departures from a constant rate, in parts of the rate: from none to the largest of a free body.
+// There |dw/dt| <= |w|^2 / sqrt(3), because (I_j - I_k) / I_i <= 1. The steps of a list are coarse:
+// evidence interpolates.
 constexpr std::array<double, 6> kBends{1e-4, 0.01, 0.03, 0.1, 0.3, 1.0};
-// Keeps the prior proper for a body at rest: bends below a thousandth of a radian over the series
-// do not matter.
-constexpr double kTurnMin_rad = 1e-3;
-// Lever from T's origin to the centre of mass in parts of the range: a distant body or one whose
-// centres all but coincide, a typical one, and one that fills the view and is lopsided.
-constexpr std::array<double, 3> kLevers{3e-4, 3e-3, 3e-2};
-// Departure of the centre of mass from a straight line over the window, in parts of the range: a
-// free body has none over minutes; a braked or a hand-carried one has.
+// Keeps the prior proper for a body at rest: a bend of less than a milliradian over the series is
+// below the noise of poses.
+constexpr double kRotationMin_rad = 1e-3;
+// Centre-of-mass offsets from T's origin in parts of the range: of a distant body or a well centred
+// one, a typical one, and one that fills the view and is lopsided. Chosen a decade apart.
+constexpr std::array<double, 3> kCentreOffsets{3e-4, 3e-3, 3e-2};
+// Departures of the centre of mass from a straight line over the window, in parts of the range. A
+// free body has none over minutes, a braked or a hand-carried one has. Chosen.
 constexpr std::array<double, 3> kDepartures{1e-7, 1e-4, 1e-2};
 
 template <typename Point>
@@ -39,11 +40,11 @@ double span_of(std::span<const Point> points) {
 }
 
 /// Prior information of the coefficients of (tau / scale)^k.
-ModelVector rotation_prior(double bend, double turn_rad) {
+ModelVector rotation_prior(double bend, double rotation_rad) {
   ModelVector information = ModelVector::Zero(kRotationUnknowns);
-  double sigma = bend * turn_rad;
+  double sigma = bend * rotation_rad;
   for (int k = 2; k <= kDegree; ++k) {
-    sigma *= turn_rad / k;
+    sigma *= rotation_rad / k;
     information.segment<3>(3 * k).setConstant(1.0 / (sigma * sigma));
   }
   return information;
@@ -62,7 +63,7 @@ ModelRows powers(const LocalTarget& at, double scale_s) {
 }
 
 ModelRows path_rows(double time, const Eigen::Matrix3d& R_from_reference) {
-  ModelRows rows = ModelRows::Zero(3, kPathUnknowns);
+  ModelRows rows = ModelRows::Zero(3, kTranslationUnknowns);
   rows.block<3, 3>(0, 0) = Eigen::Matrix3d::Identity();
   rows.block<3, 3>(0, 3) = time * Eigen::Matrix3d::Identity();
   rows.block<3, 3>(0, 6) = time * time * Eigen::Matrix3d::Identity();
@@ -74,7 +75,7 @@ ModelRows path_rate_rows(double time,
                          double scale_s,
                          const Eigen::Matrix3d& R_CT,
                          const Eigen::Vector3d& w_T_rad_s) {
-  ModelRows rows = ModelRows::Zero(3, kPathUnknowns);
+  ModelRows rows = ModelRows::Zero(3, kTranslationUnknowns);
   rows.block<3, 3>(0, 3) = Eigen::Matrix3d::Identity() / scale_s;
   rows.block<3, 3>(0, 6) = 2.0 * time / scale_s * Eigen::Matrix3d::Identity();
   rows.block<3, 3>(0, 9) = -(R_CT * hat(w_T_rad_s));
@@ -108,9 +109,9 @@ Result<LocalFit> fit_rotation(std::span<const RotationPoint> points,
         powers({.tau_s = point.tau_s, .derivative = 0}, scale_s), point.psi_rad, point.information);
   }
   std::array<ModelVector, kBends.size()> priors;
-  const double turn_rad = std::max(kTurnMin_rad, turning_rad_s * scale_s);
+  const double rotation_rad = std::max(kRotationMin_rad, turning_rad_s * scale_s);
   for (std::size_t i = 0; i < kBends.size(); ++i) {
-    priors[i] = rotation_prior(kBends[i], turn_rad);
+    priors[i] = rotation_prior(kBends[i], rotation_rad);
   }
   const Result<ModelAnswer> answer =
       average_models(data, priors, powers(target, scale_s).transpose());
@@ -130,20 +131,20 @@ Result<LocalFit> fit_path(std::span<const PathPoint> points, const PathTarget& t
   if (!(scale_s > 0.0) || !std::isfinite(scale_s) || !(range > 0.0)) {
     return ErrorCode::kDegenerate;
   }
-  // Relative to the first position and attitude: small numbers, and the lever drops out where
-  // nothing turns.
-  ModelData data(kPathUnknowns);
+  // Relative to the first position and attitude: small numbers, and the offset drops out where
+  // nothing rotates.
+  ModelData data(kTranslationUnknowns);
   for (const PathPoint& point : points) {
     data.add(path_rows(point.tau_s / scale_s, point.R_CT - points[0].R_CT),
              point.p_CT - points[0].p_CT,
              point.information);
   }
-  FixedVector<ModelVector, kLevers.size() * kDepartures.size()> priors;
-  for (const double lever : kLevers) {
+  FixedVector<ModelVector, kCentreOffsets.size() * kDepartures.size()> priors;
+  for (const double offset : kCentreOffsets) {
     for (const double departure : kDepartures) {
-      ModelVector prior = ModelVector::Zero(kPathUnknowns);
+      ModelVector prior = ModelVector::Zero(kTranslationUnknowns);
       prior.segment<3>(6).setConstant(1.0 / (departure * range * departure * range));
-      prior.segment<3>(9).setConstant(1.0 / (lever * range * lever * range));
+      prior.segment<3>(9).setConstant(1.0 / (offset * range * offset * range));
       POLHODE_ASSERT(priors.push_back(prior), priors.size());
     }
   }

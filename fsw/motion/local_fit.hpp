@@ -1,4 +1,4 @@
-// Local models of rotation and of path around a reference time, for rates and for prediction.
+// Local models of rotation and translation around a reference time, for rates and prediction.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@ struct LocalFit {
   double span_s = 0.0;  ///< largest distance from the reference in time
   double misfit = 1.0;  ///< factor on the declared covariances, >= 1, included in the covariance
   Eigen::Vector3d lever_T =
-      Eigen::Vector3d::Zero();  ///< of a path: centre of mass seen from T's origin
+      Eigen::Vector3d::Zero();  ///< of fit_path(): centre of mass relative to T's origin
 };
 
 struct RotationPoint {
@@ -27,16 +27,16 @@ struct RotationPoint {
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  ///< inverse covariance of psi
 };
 
-/// What is asked of a fit: at `tau_s` the value (derivative 0) or its rate per second (1).
+/// What a fit is to give: at `tau_s` the value (derivative 0) or its rate per second (1).
 struct LocalTarget {
   double tau_s = 0.0;
   int derivative = 0;
 };
 
-/// Polynomial of degree 6 for psi. What turns at the rate w has derivatives of about A w^k, A being
-/// how far the motion is from a constant rate: these are the prior sigmas of the coefficients from
-/// the second on; A is averaged over.
-/// @param turning_rad_s  rate of the turning, >= 0.
+/// Polynomial of degree 6 for psi. Rotation at the rate w has derivatives of about A w^k, A being
+/// the departure from a constant rate. These are the prior sigmas of the coefficients from the
+/// second on. A is averaged over.
+/// @param turning_rad_s  rotation rate, >= 0.
 /// @errors TooFewObservations (under 2 points), Degenerate (times coincide, or an information
 /// matrix is not usable).
 Result<LocalFit> fit_rotation(std::span<const RotationPoint> points,
@@ -50,17 +50,17 @@ struct PathPoint {
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  ///< inverse covariance of p_CT
 };
 
-/// Attitude and rate that belong to the target: they carry T's origin around the centre of mass.
+/// Attitude and rate at the target time: they move T's origin around the centre of mass.
 struct PathTarget {
   LocalTarget at;
   Eigen::Matrix3d R_CT = Eigen::Matrix3d::Identity();
   Eigen::Vector3d w_T_rad_s = Eigen::Vector3d::Zero();  ///< used with derivative 1
 };
 
-/// T's origin moves as p_CT = g + v tau + a tau^2 / 2 - R_CT c: the centre of mass straight on with
-/// at most a slight bend, and the origin around it on the lever c. Sizes of a and c are averaged
-/// over, in parts of the range. Attitudes and rate are taken as exact; their share of the
-/// covariance is the caller's to add.
+/// T's origin moves as p_CT = g + v tau + a tau^2 / 2 - R_CT c. The centre of mass moves on a
+/// straight line with at most a slight bend, and the origin around it at the offset c. Sizes of a
+/// and c are averaged over, in parts of the range. Attitudes and rate are taken as exact: the
+/// caller adds their share of the covariance.
 /// @param points  the first one is at the reference (tau 0).
 /// @errors as fit_rotation().
 Result<LocalFit> fit_path(std::span<const PathPoint> points, const PathTarget& target);

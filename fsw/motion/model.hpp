@@ -1,4 +1,4 @@
-// The target as a rigid body in free motion: what a fit leaves. Axes: as in rigid_model.hpp.
+// The target as a rigid body in free motion: the result of a fit. Axes: as in rigid_model.hpp.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,24 +17,24 @@ enum class ModelStatus : std::uint8_t {
   kResidualsTooLarge = 3,  ///< chi-square: poses or their times are not those of a free rigid body
 };
 
-/// How the residuals compare with what was declared of the poses.
+/// How the residuals compare with the declared covariance of the poses.
 struct ResidualLevel {
   double chi2_per_dof = 0.0;  ///< by the declared covariance, outliers left out
-  /// Variance in terms of the declared one, drawn towards 1 where data are few; of a joint fit what
-  /// the covariance is widened by, drift that the motion has swallowed included.
+  /// Variance over the declared one, drawn towards 1 where data are few. Of a joint fit: the
+  /// widening of the covariance, for drift that the motion has followed as well.
   double scale2 = 1.0;
   double correlation = 1.0;  ///< poses that tell as much as one independent pose would, >= 1
   std::size_t outliers = 0;
 };
 
-/// Joint unknowns: those of the turning, then those of the path.
+/// All unknowns: those of the rotation, then those of the translation.
 inline constexpr int kModelUnknownsAll = kTurningUnknowns + kPathUnknowns;
 using ModelCovariance = Eigen::Matrix<double, kModelUnknownsAll, kModelUnknownsAll>;
 
 struct RigidModel {
   ModelStatus status = ModelStatus::kTooFewPoses;
-  bool path_known = false;  ///< the path's unknowns are fitted, too
-  bool of_map = false;      ///< fitted with the landmarks: its poses are the map's own
+  bool path_known = false;  ///< the translation is fitted, too
+  bool of_map = false;      ///< of a joint fit: its poses are those of the map
   std::int64_t reference_ns = 0;
   TurningState reference;  ///< its time is 0
   InertiaShape shape = InertiaShape::Zero();
@@ -50,7 +50,11 @@ struct RigidModel {
   [[nodiscard]] bool accepted() const { return status == ModelStatus::kAccepted; }
 };
 
+/// 24 numbers for the 11 unknowns of the rotation. Chosen: about twice as many.
 inline constexpr std::size_t kModelPosesMin = 8;
-inline constexpr double kModelShapeSigma = 1.5;  ///< prior of each number of the shape
+/// Prior of each number of the shape, in logarithms of second moments. Two moments then differ by a
+/// factor of exp(1.5 sqrt(2)) = 8 at one sigma. It keeps short spans in bounds
+/// (docs/decisions/0049).
+inline constexpr double kModelShapeSigma = 1.5;
 
 }  // namespace polhode

@@ -10,15 +10,20 @@
 namespace polhode {
 namespace {
 
-// Declared variance may be too small by up to 64 (sigma by 8): map errors that all poses share,
-// outliers let through.
+// Declared variance may be too small by up to 64 (sigma by 8): map errors shared by all poses, and
+// accepted outliers. Chosen; powers of two, coarser at the end.
 constexpr std::array<double, 6> kNoiseFactors{1.0, 2.0, 4.0, 8.0, 16.0, 64.0};
-// Each doubling of the noise is held half as likely beforehand, so that few points do not buy
-// smoothness with it.
+// Prior of a noise factor: each doubling is half as likely. Else few points would be explained by
+// noise and a smooth motion.
 constexpr double kNoiseFactorPower = -1.0;
-// A residual chi-square this many standard deviations above its expectation widens the covariance.
+// A chi-square this many standard deviations above its expectation widens the covariance. One-sided
+// normal: 1 in 4300 by chance.
 constexpr double kChi2Deviations = 3.5;
+// Capacity; 9 are used (local_fit.cpp).
 constexpr std::size_t kPriorsMax = 16;
+// Least pivot of the balanced system. Below, times nearly coincide and value and rate are not
+// separated; the other unknowns have a prior.
+constexpr double kPivotMin = 1e-11;
 
 struct Solution {
   double noise_factor = 1.0;
@@ -53,8 +58,7 @@ bool solve(const ModelData& data,
   }
   const ModelMatrix balanced = balance.asDiagonal() * H * balance.asDiagonal();
   const Eigen::LDLT<ModelMatrix> ldlt(balanced);
-  // 1e-11: value and rate of points whose times all but coincide; the other unknowns have a prior.
-  if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-11)) {
+  if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > kPivotMin)) {
     return false;
   }
   const ModelVector rhs = balance.cwiseProduct(data.rhs) / solution.noise_factor;

@@ -1,8 +1,8 @@
 // Linear least squares whose prior and noise level are known only to an order of magnitude.
 //
-// Every pair of a prior from a list and a noise factor from a grid is solved; the answers are
-// averaged by their evidence (how well the pair predicts the data). The covariance of the average
-// holds noise, prior and the doubt about both.
+// Every pair of a prior from a list and a noise factor from a grid is solved. The answers are
+// averaged by their evidence, how well a pair predicts the data. The covariance of the average
+// contains noise, prior and the uncertainty of both.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,6 +13,7 @@
 
 namespace polhode {
 
+/// A polynomial of degree 6 in three components (local_fit.cpp).
 inline constexpr int kModelUnknownsMax = 21;
 using ModelVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kModelUnknownsMax, 1>;
 using ModelMatrix =

@@ -1,5 +1,4 @@
-// What is known of the motion at one frame; the content of the motion packet and of a row of
-// motion.csv.
+// The motion at one frame: the content of the motion packet and of a row of motion.csv.
 #pragma once
 
 #include <array>
@@ -32,7 +31,7 @@ struct MotionState {
   std::array<double, 6> cov_v{};      ///< of v_C: xx, xy, xz, yy, yz, zz
   std::array<double, 6> cov_w{};      ///< of w_T, likewise
   std::uint16_t features = 0;         ///< detected or followed in this frame
-  std::uint16_t matches = 0;          ///< tied to landmarks (or to tracks, before a map)
+  std::uint16_t matches = 0;          ///< associated with landmarks (or with tracks, before a map)
   std::uint16_t inliers = 0;          ///< that agree with the pose
   std::uint16_t landmarks = 0;        ///< in the map
   std::uint16_t keyframes = 0;        ///< in the map

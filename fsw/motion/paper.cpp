@@ -17,7 +17,7 @@ Result<PaperRate> paper_rate(const PoseSample& first, const PoseSample& second) 
   rate.interval_s = interval_s;
   const Eigen::Vector3d psi_rad = so3_log(first.pose.R_CT.transpose() * second.pose.R_CT);
   rate.w_T_rad_s = psi_rad / interval_s;
-  // exp(phi2) R2 and exp(phi1) R1: phi2 - phi1, turned into T, appears through the inverse left
+  // exp(phi2) R2 and exp(phi1) R1: phi2 - phi1, rotated into T, appears through the inverse left
   // Jacobian of psi.
   const Eigen::Matrix3d to_psi =
       so3_left_jacobian(psi_rad).inverse() * first.pose.R_CT.transpose() / interval_s;

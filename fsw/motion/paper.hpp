@@ -13,8 +13,8 @@
 
 namespace polhode {
 
-/// What two successive poses say. It belongs to the middle of the interval: at either end alone it
-/// is off by half an interval of the rate's change.
+/// Rate and speed from two successive poses. They hold for the middle of the interval. At either
+/// end they are off by what the rate changes in half of it.
 struct PaperRate {
   std::int64_t timestamp_ns = 0;  ///< of the middle
   double interval_s = 0.0;
@@ -41,8 +41,8 @@ struct SineFit {
   double sigma_period_s = 0.0;
   double sigma_phase_rad = 0.0;
   double rms = 0.0;       ///< of the residuals
-  bool observed = false;  ///< the samples span a period and the amplitude stands out from noise;
-                          ///< else the numbers say nothing
+  bool observed = false;  ///< the samples span a period, and the amplitude is significant; else the
+                          ///< numbers mean nothing
 };
 
 struct SineSample {
@@ -53,12 +53,13 @@ struct SineSample {
                             ///< smaller, which is undone
 };
 
+/// Poses of a run that paper mode can keep. Chosen: 33 minutes at 10 Hz.
 inline constexpr std::size_t kSineSamplesMax = 20000;
 
-/// Least squares with the period searched over a grid (down to two samples, up to twice the span)
-/// and refined. Sigmas take successive samples as differences of the same poses: their noise is
-/// correlated by -1/2 where intervals touch, which makes a slow sine's parameters better than white
-/// noise would; scaled up by the residuals where they are larger.
+/// Least squares. The period is searched on a grid, from two samples to twice the span, and
+/// refined. Successive samples are differences of the same poses: where their intervals touch,
+/// their noise is correlated by -1/2. So a slow sine is known better than by white noise. Sigmas
+/// are scaled up where the residuals are larger.
 /// @errors TooFewObservations (under 8 samples), Degenerate (no time passes, or a sigma is not
 /// positive).
 /// @cost   at most 4000 grid points times the samples.
@@ -76,9 +77,9 @@ struct DriftFit {
 };
 
 /// Linear least squares with the prior that the centre of mass lies within the body: c has the
-/// sigma `body_radius` in each direction beforehand. A direction in which the covariance keeps
-/// about that has not been observed (the spin axis of a pure spin); covariances are scaled up where
-/// the residuals are larger than declared.
+/// prior sigma `body_radius` in each direction. A direction in which the covariance stays near that
+/// is not observed, as the spin axis of a pure spin. Covariances are scaled up where the residuals
+/// are larger than declared.
 /// @errors TooFewObservations (under 4 poses), Degenerate (no time passes, covariance not usable),
 /// BadParameter
 ///         (body_radius not positive).

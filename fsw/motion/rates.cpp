@@ -13,12 +13,14 @@
 namespace polhode {
 namespace {
 
-// Rotation vectors relative to the reference are unique below pi; 0.5 rad of margin for noise and
+// Rotation vectors relative to the reference are unique below pi; 0.54 rad of margin for noise and
 // bend.
 constexpr double kPsiMax_rad = 2.6;
-// Bodies that turn far between frames exceed the window's angle at once; four poses tell something
-// of the rate's change.
+// Bodies that rotate far between frames exceed the window's angle at once. Four poses show a change
+// of the rate, with one to spare.
 constexpr std::size_t kPosesMin = 4;
+// A rotation beyond three sigma counts as one.
+constexpr double kRotation_sigmas2 = 9.0;
 
 bool information_of(const Eigen::Matrix3d& covariance, Eigen::Matrix3d& information) {
   const Eigen::LLT<Eigen::Matrix3d> llt(covariance);
@@ -59,8 +61,8 @@ bool add(const PoseSample& sample, double tau_s, bool with_rotation, Window& win
   return window.rotation.push_back(rotation);
 }
 
-/// Poses around `index`, nearest in time first, at most window_poses_max and over no interval that
-/// tells no rate; rotation ends where the angle gets too large.
+/// Poses around `index`, nearest in time first, at most window_poses_max. Stops at an interval that
+/// gives no rate. Rotation stops where the angle gets too large.
 bool collect(std::span<const PoseSample> history,
              std::size_t index,
              const MotionOptions& options,
@@ -102,8 +104,8 @@ bool collect(std::span<const PoseSample> history,
   return true;
 }
 
-/// Rate of turning over the window: the farthest attitude's angle over its time.
-double turning_rad_s(const Window& window) {
+/// Rotation rate over the window: the angle of the farthest attitude over its time.
+double rotation_rad_s(const Window& window) {
   double rate_rad_s = 0.0;
   double tau_max_s = 0.0;
   for (const RotationPoint& point : window.rotation) {
@@ -124,7 +126,8 @@ double told_interval_max_s(std::span<const PoseSample> poses) {
     const PoseSample& b = poses[i];
     const double angle_rad = rotation_angle_rad(a.pose.R_CT, b.pose.R_CT);
     const double variance = (a.covariance + b.covariance).topLeftCorner<3, 3>().trace();
-    if (angle_rad * angle_rad > 9.0 * variance) {  // else it may be noise over a short time
+    // Else it may be noise over a short time.
+    if (angle_rad * angle_rad > kRotation_sigmas2 * variance) {
       fastest_rad_s =
           std::max(fastest_rad_s, angle_rad / seconds_between(a.timestamp_ns, b.timestamp_ns));
     }
@@ -150,7 +153,7 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
   }
   const LocalTarget rate{.tau_s = 0.0, .derivative = 1};
   const Result<LocalFit> rotation =
-      fit_rotation(window.rotation.view(), turning_rad_s(window), rate);
+      fit_rotation(window.rotation.view(), rotation_rad_s(window), rate);
   if (!rotation) {
     return rotation.error();
   }
@@ -169,7 +172,7 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
   rates.w_T_rad_s = w_T_rad_s;
   rates.covariance_w_T = turn.covariance;
   rates.v_C = path.estimate;
-  // The rate's error moves the origin on its lever: v holds -R (w x c).
+  // An error of the rate moves the origin at its offset: v contains -R (w x c).
   const Eigen::Matrix3d by_rate = path_rate.R_CT * hat(path.lever_T);
   rates.covariance_v_C = path.covariance + by_rate * turn.covariance * by_rate.transpose();
   rates.pose.R_CT = path_rate.R_CT;
@@ -211,7 +214,7 @@ Result<PosePrediction> predict_pose(std::span<const PoseSample> history,
   }
   const LocalTarget later{.tau_s = ahead_s, .derivative = 0};
   const Result<LocalFit> rotation =
-      fit_rotation(window.rotation.view(), turning_rad_s(window), later);
+      fit_rotation(window.rotation.view(), rotation_rad_s(window), later);
   if (!rotation) {
     return rotation.error();
   }

@@ -13,6 +13,7 @@
 #include <span>
 
 #include "base/result.hpp"
+#include "geometry/pose_prediction.hpp"
 #include "motion/motion_state.hpp"
 #include "motion/options.hpp"
 #include "motion/pose_history.hpp"
@@ -58,14 +59,6 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
 /// but for
 ///                    the turn about the line of sight, which pictures show as it is.
 void widen_by_drift(const PoseCovariance& drift, double turn_sigma, RateEstimate& rates);
-
-struct PosePrediction {
-  Pose pose;
-  PoseCovariance covariance =
-      PoseCovariance::Zero();  ///< of (phi, dp) as in pose.hpp; rotation and position apart
-  std::size_t rotation_poses = 0;
-  std::size_t position_poses = 0;
-};
 
 /// The pose at `timestamp_ns`, at or after the last one of `history`, by the motion so far.
 /// @errors TooFewObservations (under 2 poses: nothing is known of the motion), Degenerate (as

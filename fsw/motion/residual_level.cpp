@@ -11,10 +11,13 @@ namespace polhode {
 namespace {
 
 constexpr double kMedian3 = 2.366;  // of chi-square with three degrees of freedom
+// 5 sigma, squared. With three degrees of freedom 1.5e-5 of good residuals lie beyond.
 constexpr double kGate2 = 25.0;
-// The declared sigma counts as much as this many numbers would: a dozen poses that 11 unknowns have
-// swallowed most of say little of the noise.
+// The declared sigma counts as much as this many numbers. Chosen: a dozen poses, of which 11
+// unknowns have taken a third, tell little of the noise.
 constexpr double kDeclaredWeight = 20.0;
+// Against a division by zero.
+constexpr double kRotationMin_rad = 1e-9;
 
 double median2_of(std::span<const Eigen::Vector3d> residuals) {
   std::array<double, limits::kMotionPoses> squares{};
@@ -25,8 +28,9 @@ double median2_of(std::span<const Eigen::Vector3d> residuals) {
   return median(std::span(squares).first(count)) / kMedian3;
 }
 
-/// 1 + 2 sum of the autocorrelation over its first lags, taken in pairs while those are positive
-/// (Geyer's initial positive sequence, Statistical Science 1992).
+/// 1 + 2 sum of the autocorrelation over its first lags, in pairs while those are positive.
+/// @source Geyer, "Practical Markov chain Monte Carlo", Statistical Science 1992 (initial positive
+/// sequence).
 double correlation_length(std::span<const Eigen::Vector3d> residuals, double gate2) {
   const auto kept = [&](std::size_t i) { return residuals[i].squaredNorm() <= gate2; };
   double square = 0.0;
@@ -44,9 +48,10 @@ double correlation_length(std::span<const Eigen::Vector3d> residuals, double gat
     return sum / square;
   };
   double length = 1.0;
+  // Longer lags have too few products: a third of the series at most. Chosen.
   for (std::size_t lag = 1; lag + 1 < residuals.size() / 3; lag += 2) {
     const double pair = at_lag(lag) + at_lag(lag + 1);
-    // Of white residuals a pair comes out at sqrt(2 / 3N) by chance.
+    // The sigma of a pair for white residuals: sqrt(2 / 3N).
     if (pair < std::sqrt(2.0 / (3.0 * static_cast<double>(residuals.size())))) {
       break;
     }
@@ -66,7 +71,7 @@ ResidualLevel residual_level(const ResidualInput& input) {
   double chi2 = 0.0;
   for (const Eigen::Vector3d& residual : input.residuals) {
     const double square = residual.squaredNorm();
-    const bool inside = square <= gate2;  // false for what is not a number
+    const bool inside = square <= gate2;  // false for NaN
     chi2 += inside ? square : 0.0;
     level.outliers += inside ? 0 : 1;
   }
@@ -82,7 +87,7 @@ ResidualLevel residual_level(const ResidualInput& input) {
 }
 
 double poses_of_a_side(double turn_of_frame_rad, std::size_t poses) {
-  return std::clamp(2.0 * kSideAngle_rad / std::max(1e-9, turn_of_frame_rad),
+  return std::clamp(2.0 * kSideAngle_rad / std::max(kRotationMin_rad, turn_of_frame_rad),
                     1.0,
                     std::max(1.0, 0.5 * static_cast<double>(poses)));
 }

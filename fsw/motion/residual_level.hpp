@@ -1,4 +1,4 @@
-// What residuals tell of the noise: how large it is, and how much of it poses have in common.
+// The noise by the residuals: how large it is, and how much of it poses share.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,28 +9,27 @@
 
 namespace polhode {
 
-/// Poses that see the same side share their errors: on rendered sequences the correlation falls to
-/// 1/e over 45 to 55 deg of rotation.
+/// Poses of one visible face share their errors: on rendered sequences the correlation falls to 1/e
+/// over 45 to 55 deg of rotation (docs/decisions/0051).
 inline constexpr double kSideAngle_rad = 0.8;
 
-/// Poses that tell as much as one independent pose would, of `poses` that turn by
+/// Number of poses that are worth one independent pose, of `poses` that rotate by
 /// `turn_of_frame_rad` from one to the next: the sum of that correlation over all of them.
 [[nodiscard]] double poses_of_a_side(double turn_of_frame_rad, std::size_t poses);
 
 struct ResidualInput {
   std::span<const Eigen::Vector3d> residuals;  ///< in order of time, in sigmas as declared
   int unknowns = 0;                            ///< that were fitted
-  /// Part of the declared variance that is an error of the map: poses of the same side share it.
+  /// Part of the declared variance that is an error of the map: poses of one visible face share it.
   double drift_share = 0.0;
   double turn_of_frame_rad = 0.0;  ///< mean angle between successive poses
 };
 
-/// @see ResidualLevel. Residuals over 5 sigma of the larger of declared and found noise are
+/// @see ResidualLevel. Residuals over 5 sigma, of the larger of declared and found noise, are
 /// outliers.
 ResidualLevel residual_level(const ResidualInput& input);
 
-/// What the covariance of a fit to independent residuals of the declared size is to be multiplied
-/// by.
+/// Factor on the covariance of a fit that took residuals as independent and of the declared size.
 [[nodiscard]] double widening(const ResidualLevel& level);
 
 }  // namespace polhode

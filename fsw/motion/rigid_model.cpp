@@ -12,13 +12,14 @@
 namespace polhode {
 namespace {
 
-// Chi-square over its degrees of freedom that a free body's poses stay under, their sigmas being
-// right to a fifth.
+// Poses of a free body stay under this chi-square per degree of freedom where their sigmas are
+// right to a fifth: 1.2^2 (docs/decisions/0051).
 constexpr double kChi2PerDofMax = 1.4;
+// Part of the poses. Chosen; with more outliers the rest may be of another motion.
 constexpr double kOutliersMax = 0.3;
-// Of the shape where the poses tell more than the prior: logarithms within this stay numbers.
+// Sigma of the released prior: exp(15) as a ratio of moments is open, and yet a finite number.
 constexpr double kReleasedShapeSigma = 10.0 * kModelShapeSigma;
-// The logarithm of next to nothing is reached in steps of about one.
+// The logarithm of a vanishing moment is reached in steps of about one; its released sigma is 15.
 constexpr int kReleasedIterationsMax = 60;
 
 bool inverse_of(const Eigen::Matrix3d& covariance, Eigen::Matrix3d& information) {
@@ -27,7 +28,7 @@ bool inverse_of(const Eigen::Matrix3d& covariance, Eigen::Matrix3d& information)
   return covariance.allFinite() && llt.info() == Eigen::Success && information.allFinite();
 }
 
-/// The poses as samples of both fits, by the covariance of noise and drift. False when one is not
+/// The poses as samples of both fits, with the covariance of noise and drift. False when one is not
 /// usable.
 bool load(std::span<const PoseSample> poses,
           const PoseCovariance& drift,
@@ -58,7 +59,7 @@ Eigen::Vector3d whitened(const Eigen::Vector3d& residual, const Eigen::Matrix3d&
   return information.llt().matrixU() * residual;
 }
 
-/// Attitudes and their derivatives by the fit at every sample, and its residuals.
+/// Fitted attitudes with their derivatives at every sample, and the residuals.
 bool trace(const TurningSolution& turning, const TurningProblem& problem, MotionWorkspace& work) {
   const Inertia inertia = inertia_of(turning.shape);
   work.residuals.clear();
@@ -89,7 +90,7 @@ double share_of(const Eigen::Matrix3d& drift, const Eigen::Matrix3d& total) {
   return total.trace() > 0.0 ? std::clamp(drift.trace() / total.trace(), 0.0, 1.0) : 0.0;
 }
 
-/// Share of the drift in the declared variances, and the turning between poses.
+/// Share of the drift in the declared variances, and the rotation between poses.
 ResidualInput residual_input(std::span<const PoseSample> poses,
                              const PoseCovariance& drift,
                              bool attitude,
@@ -152,8 +153,7 @@ void add_path(std::span<const PoseSample> poses,
   model.path_known = own.allFinite() && own.diagonal().minCoeff() > 0.0;
 }
 
-/// Residuals and covariance of a turning. False, the status saying why, where they do not bear it
-/// out.
+/// Residuals and covariance of a rotation. False, with a status, where the residuals refuse it.
 bool take_turning(const TurningSolution& turning,
                   const TurningProblem& problem,
                   std::span<const PoseSample> poses,
@@ -185,10 +185,10 @@ bool take_turning(const TurningSolution& turning,
   return true;
 }
 
-/// Do the poses tell the inertia's ratios to a hundredth, while what was held of the shape
-/// beforehand still moves it by more than a tenth of its sigma? So it does with sheets and thin
-/// rods: of a second moment that is next to zero the prior makes one of several sigmas.
+/// Do the poses know the inertia ratios well, while the prior still moves the shape? So it is with
+/// sheets and thin rods: the prior moves a second moment that is nearly zero by several sigmas.
 bool prior_outlived(const RigidModel& model, double shape_sigma) {
+  // Relative sigma of the ratios, and sigmas of the shape (docs/decisions/0049).
   constexpr double kKnown = 0.01;
   constexpr double kMoved = 0.1;
   const InertiaShape pull = model.shape / (shape_sigma * shape_sigma);
@@ -270,7 +270,7 @@ Orbit orbit_at(const MotionOptions& options, std::int64_t reference_ns) {
 RigidModel fit_rigid_model(const MotionSnapshot& snapshot, MotionWorkspace& workspace) {
   const std::span<const PoseSample> poses = snapshot.poses.view();
   RigidModel model = fit_window(poses, snapshot, workspace);
-  // What disturbed the target lies before the later part of the poses, if it lies anywhere.
+  // A disturbance of the target may lie before the later half, or the later quarter.
   for (const std::size_t part : {2U, 4U}) {
     const std::size_t count = poses.size() / part;
     if (model.accepted() || count < 2 * kModelPosesMin) {

@@ -1,8 +1,8 @@
 // The target as a rigid body in free motion: fitted to its poses, and where it will be.
 //
-// Axes I do not turn; their origin is the observer. For an observer that keeps its attitude they
-// are C's, and every name in C of this stage is then in C; the pipeline turns poses and answers
-// where the observer turns.
+// Axes I do not rotate; their origin is the observer. For an observer that keeps its attitude they
+// are C's, and names in C of this stage mean C. Where the observer rotates, the pipeline rotates
+// poses and answers.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,16 +18,16 @@
 
 namespace polhode {
 
-/// Everything that a fit depends on; plain data, to be handed to another core.
+/// All input of a fit; plain data, for another core.
 struct MotionSnapshot {
   PoseHistory poses;  ///< in I, errors of single frames, without the map's drift
-  PoseCovariance drift = PoseCovariance::Zero();  ///< error that poses of the same side share
+  PoseCovariance drift = PoseCovariance::Zero();  ///< error that poses of one visible face share
   double body_radius = 1.0;                       ///< unit of the poses, > 0
   MotionOptions options;
   RigidModel previous;  ///< where accepted, the fit starts from it
 };
 
-/// Working memory of a fit.
+/// Workspace of a fit.
 struct MotionWorkspace {
   FixedVector<AttitudeSample, limits::kMotionPoses> attitudes;
   FixedVector<PositionSample, limits::kMotionPoses> positions;
@@ -37,21 +37,21 @@ struct MotionWorkspace {
 /// The orbit that the options name, its time 0 at `reference_ns`; not active where they name none.
 Orbit orbit_at(const MotionOptions& options, std::int64_t reference_ns);
 
-/// The turning, its reference at `reference_ns`: from the previous model where that is accepted and
-/// chi-square bears it out, else from nothing. @errors as solve_turning().
+/// The rotation, its reference at `reference_ns`. Starts from the previous model where that is
+/// accepted and chi-square agrees, else from nothing. @errors as solve_turning().
 Result<TurningSolution> fit_turning(const TurningProblem& problem,
                                     std::int64_t reference_ns,
                                     RigidModel previous);
 
-/// Fits turning, then path, to all poses; where chi-square refuses that, to the later half, then to
-/// the later quarter. The noise level is found from the residuals, and their correlation widens the
+/// Fits rotation, then translation, to all poses. Where chi-square refuses that: to the later half,
+/// then to the later quarter. Residuals give the noise level, and their correlation widens the
 /// covariance. The answer's reference is the last pose.
-/// @return a model that says by its status whether it may be used; nothing else of it holds else.
+/// @return a model with its status. Unless accepted, nothing else of it is valid.
 /// @cost   about 2 ms for 300 poses that the previous model fits; 40 times that from nothing.
 RigidModel fit_rigid_model(const MotionSnapshot& snapshot, MotionWorkspace& workspace);
 
-/// The same model with its unknowns at another time. False, model unchanged, when it does not
-/// reach.
+/// The same model with its unknowns at another time. False, model unchanged, when that time is out
+/// of reach.
 bool move_reference(std::int64_t timestamp_ns, RigidModel& model);
 
 struct MotionPrediction {
@@ -60,30 +60,30 @@ struct MotionPrediction {
   PoseCovariance covariance = PoseCovariance::Zero();
   Eigen::Vector3d w_T_rad_s = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_w_T = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d v_I =
-      Eigen::Vector3d::Zero();  ///< of T's origin: the mass centre's and that of turning about it
+  Eigen::Vector3d v_I = Eigen::Vector3d::Zero();  ///< of T's origin: the mass centre's, and that of
+                                                  ///< the rotation about it
   Eigen::Matrix3d covariance_v_I = Eigen::Matrix3d::Zero();
-  bool path_known = false;  ///< else position and velocity do not hold
+  bool path_known = false;  ///< else position and velocity are not valid
 };
 
 /// The motion at any time, earlier or later. @errors Degenerate (model not accepted, or the time is
 /// beyond its reach).
 Result<MotionPrediction> predict_motion(const RigidModel& model, std::int64_t timestamp_ns);
 
-/// The same from where advance() has brought the model's reference and its derivative: a long way
-/// is gone in parts. The time is the state's, after the reference.
+/// The same from a state and derivative that advance() has integrated from the model's reference.
+/// So a long prediction can be computed in parts. The time is the state's, after the reference.
 MotionPrediction predict_at(const RigidModel& model,
                             const TurningState& state,
                             const TurningDerivative& derivative);
 
-/// Where the next pose will be found: from the last one by the model's motion in between, so that
-/// what both have in common, the map's drift, drops out.
+/// The next pose, from the last one by the model's motion in between. The map's drift, which both
+/// share, cancels.
 Result<MotionPrediction> predict_from(const RigidModel& model,
                                       const PoseSample& last,
                                       std::int64_t timestamp_ns);
 
-/// chi2 of a pose (6 numbers, or 3 where the path is not known) against the model, by the
-/// covariance of both and the drift. @errors Degenerate as above.
+/// chi2 of a pose against the model, by the covariance of both and the drift: 6 numbers, or 3 where
+/// the translation is not known. @errors Degenerate as above.
 Result<double> chi2_against(const RigidModel& model,
                             const PoseSample& sample,
                             const PoseCovariance& drift);

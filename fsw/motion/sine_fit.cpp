@@ -9,13 +9,28 @@
 namespace polhode {
 namespace {
 
+// Twice the four unknowns.
 constexpr std::size_t kSamplesMin = 8;
+// Bounds the time: from 1000 samples on the grid is coarser than kGridPerLine.
 constexpr int kGridMax = 4000;
-// Eight grid points in the width of a spectral line: the best one lies within the sine's own basin.
+constexpr int kGridMin = 16;
+// Grid points in the width of a spectral line: the best one lies within the basin of the sine.
 constexpr double kGridPerLine = 8.0;
+// Gauss-Newton steps. Chosen: a step that gains nothing ends them.
 constexpr int kRefinements = 20;
-// An amplitude under five sigma is found in noise by looking at a thousand frequencies.
+// In noise an amplitude of five sigma has a probability of exp(-12.5) at one frequency, 0.4 % at a
+// thousand.
 constexpr double kAmplitudeSigmasMin = 5.0;
+// Least pivot over the largest: below, offset and sine are not separated.
+constexpr double kPivotMin = 1e-9;
+// Half angles under which a series replaces the formula, which loses digits. Its next term is 2e-13
+// of the attenuation, 1e-7 of the slope.
+constexpr double kSeries_rad = 1e-6;
+constexpr double kSlopeSeries_rad = 1e-3;
+// Intervals that touch within a part of themselves: rounding of the time stamps.
+constexpr double kTouch = 1e-3;
+// Against a division by zero.
+constexpr double kAmplitudeMin = 1e-300;
 
 /// Parameters: offset, cosine part, sine part, angular rate.
 using Parameters = Eigen::Vector4d;
@@ -23,12 +38,12 @@ using Parameters = Eigen::Vector4d;
 /// A mean over `interval_s` of a sine is the sine in the middle times this.
 double attenuation(double rate_rad_s, double interval_s) {
   const double half = 0.5 * rate_rad_s * interval_s;
-  return half > 1e-6 ? std::sin(half) / half : 1.0;
+  return half > kSeries_rad ? std::sin(half) / half : 1.0;
 }
 
 double attenuation_slope(double rate_rad_s, double interval_s) {
   const double half = 0.5 * rate_rad_s * interval_s;
-  if (half < 1e-3) {
+  if (half < kSlopeSeries_rad) {
     return -half * interval_s / 6.0;
   }
   return 0.5 * interval_s * (std::cos(half) / half - std::sin(half) / (half * half));
@@ -52,7 +67,7 @@ bool fit_at(std::span<const SineSample> samples,
     square += weight * sample.value * sample.value;
   }
   const Eigen::LDLT<Eigen::Matrix3d> ldlt(H);
-  if (!(ldlt.vectorD().minCoeff() > 1e-9 * ldlt.vectorD().maxCoeff())) {
+  if (!(ldlt.vectorD().minCoeff() > kPivotMin * ldlt.vectorD().maxCoeff())) {
     return false;
   }
   *linear = ldlt.solve(g);
@@ -60,14 +75,14 @@ bool fit_at(std::span<const SineSample> samples,
   return linear->allFinite();
 }
 
-/// The rate with the least chi-square on the grid. False when none is usable.
+/// The rate of least chi-square on the grid. False when none is usable.
 bool search(std::span<const SineSample> samples, double span_s, Parameters* best) {
   const double mean_interval_s = span_s / static_cast<double>(samples.size() - 1);
   const double rate_min = std::numbers::pi / span_s;  // half a period in the span
   const double rate_max = std::numbers::pi / mean_interval_s;
   const int steps = std::clamp(
       static_cast<int>((rate_max - rate_min) * span_s / (2.0 * std::numbers::pi) * kGridPerLine),
-      16,
+      kGridMin,
       kGridMax);
   bool found = false;
   double chi2_best = 0.0;
@@ -122,7 +137,7 @@ System linearise(std::span<const SineSample> samples, const Parameters& p) {
   return system;
 }
 
-/// Covariance of the least-squares parameters with the true noise: successive samples that share a
+/// Covariance of the least-squares parameters by the true noise: successive samples that share a
 /// pose correlate by -1/2.
 Eigen::Matrix4d sandwich(std::span<const SineSample> samples,
                          const Parameters& p,
@@ -135,7 +150,7 @@ Eigen::Matrix4d sandwich(std::span<const SineSample> samples,
     if (i > 0) {
       const double apart_s = samples[i].time_s - samples[i - 1].time_s;
       const double touch_s = 0.5 * (samples[i].interval_s + samples[i - 1].interval_s);
-      if (touch_s > 0.0 && std::abs(apart_s - touch_s) < 1e-3 * touch_s) {
+      if (touch_s > 0.0 && std::abs(apart_s - touch_s) < kTouch * touch_s) {
         middle -= 0.5 * (J * previous.transpose() + previous * J.transpose());
       }
     }
@@ -150,13 +165,13 @@ SineFit describe(const Parameters& p, const Eigen::Matrix4d& covariance, double 
   fit.amplitude = std::hypot(p(1), p(2));
   fit.period_s = 2.0 * std::numbers::pi / p(3);
   fit.phase_rad = std::atan2(p(1), p(2));
-  const Eigen::Vector2d along = p.segment<2>(1) / std::max(fit.amplitude, 1e-300);
+  const Eigen::Vector2d along = p.segment<2>(1) / std::max(fit.amplitude, kAmplitudeMin);
   const Eigen::Vector2d across(along.y(), -along.x());
   const Eigen::Matrix2d wave = covariance.block<2, 2>(1, 1);
   fit.sigma_offset = std::sqrt(std::max(0.0, covariance(0, 0)));
   fit.sigma_amplitude = std::sqrt(std::max(0.0, along.dot(wave * along)));
   fit.sigma_phase_rad =
-      std::sqrt(std::max(0.0, across.dot(wave * across))) / std::max(fit.amplitude, 1e-300);
+      std::sqrt(std::max(0.0, across.dot(wave * across))) / std::max(fit.amplitude, kAmplitudeMin);
   fit.sigma_period_s = fit.period_s / p(3) * std::sqrt(std::max(0.0, covariance(3, 3)));
   fit.observed =
       fit.period_s <= span_s && fit.amplitude > kAmplitudeSigmasMin * fit.sigma_amplitude;

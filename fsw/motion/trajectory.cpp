@@ -7,7 +7,7 @@
 namespace polhode {
 namespace {
 
-/// Samples of one component of the rate from all pairs that tell one. False when a pair is not
+/// Samples of one component of the rate, from all pairs that give one. False when a pair is not
 /// usable.
 bool sample_component(std::span<const PoseSample> poses,
                       double told_max_s,
@@ -31,8 +31,8 @@ bool sample_component(std::span<const PoseSample> poses,
   return true;
 }
 
-/// Over all pairs that tell one: time means of the rate, its norm, and the 1-sigma of the mean's
-/// worst component.
+/// Over all pairs that give a rate: time means of it and of its norm, and the mean's 1-sigma in the
+/// worst direction.
 struct MeanRate {
   Eigen::Vector3d w_T_rad_s = Eigen::Vector3d::Zero();
   double norm_rad_s = 0.0;
@@ -55,7 +55,7 @@ MeanRate mean_rate(std::span<const PoseSample> poses, double told_max_s) {
   }
   mean.w_T_rad_s /= told_s;
   mean.norm_rad_s /= told_s;
-  // Successive differences cancel but for the first and the last pose of a run.
+  // Successive differences cancel except for the first and the last pose of a run.
   mean.sigma_rad_s = std::sqrt(runs) *
                      worst_sigma(poses.front().covariance.topLeftCorner<3, 3>() +
                                  poses.back().covariance.topLeftCorner<3, 3>()) /
@@ -76,8 +76,10 @@ void judge_mass_centre(double body_radius, MotionModel& model) {
 }  // namespace
 
 Observability observability_of(double sigma, double prior_sigma) {
+  // A tenth of the prior's sigma: 99 % of the information is from the data.
   constexpr double kObservedMax = 0.1;
-  constexpr double kWeakMax = 0.7;  // half of the information from the data, half from before
+  // sqrt(1/2): half of the information is from the data, half from the prior.
+  constexpr double kWeakMax = 0.7;
   if (!(sigma < kWeakMax * prior_sigma)) {
     return Observability::kUnobserved;
   }
@@ -111,13 +113,14 @@ Result<MotionModel> paper_model(std::span<const PoseSample> poses,
   const MeanRate mean = mean_rate(poses, told_max_s);
   model.mean_w_T_rad_s = mean.w_T_rad_s;
   model.mean_rate_rad_s = mean.norm_rad_s;
-  // The norm of a noisy difference is never zero: whether the body turns is told by the mean vector
-  // and by the sines.
-  bool turns = mean.w_T_rad_s.norm() > 3.0 * mean.sigma_rad_s;
+  // The norm of a noisy difference is never zero. So the mean vector, beyond 3 sigma, and the sines
+  // decide whether the body rotates.
+  constexpr double kRateSigmasMin = 3.0;
+  bool rotates = mean.w_T_rad_s.norm() > kRateSigmasMin * mean.sigma_rad_s;
   for (const SineFit& sine : model.sines) {
-    turns = turns || sine.observed;
+    rotates = rotates || sine.observed;
   }
-  model.rotation_period_s = turns ? 2.0 * std::numbers::pi / mean.norm_rad_s : 0.0;
+  model.rotation_period_s = rotates ? 2.0 * std::numbers::pi / mean.norm_rad_s : 0.0;
   const Result<DriftFit> drift = fit_drift(poses, body_radius);
   if (drift) {
     model.drift_valid = true;

@@ -1,5 +1,4 @@
-// Motion over a whole run, from all its poses: rates at every frame, and the model that the run
-// ends with.
+// Motion over a whole run, from all its poses: the model of paper mode at the end of a run.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,8 +14,7 @@
 
 namespace polhode {
 
-/// Whether the data determine a quantity: sigma under a tenth of what is possible beforehand, under
-/// 0.7 of it, or not.
+/// Whether the data determine a quantity: by its sigma in parts of the prior's.
 enum class Observability : std::uint8_t { kUnobserved = 0, kWeak = 1, kObserved = 2 };
 [[nodiscard]] Observability observability_of(double sigma, double prior_sigma);
 
@@ -26,7 +24,7 @@ struct MotionModel {
   Eigen::Vector3d mean_w_T_rad_s = Eigen::Vector3d::Zero();  ///< time mean of the body rates
   double mean_rate_rad_s = 0.0;                              ///< time mean of their norm
   double rotation_period_s =
-      0.0;  ///< of one turn at the mean rate; 0 when the body rests within 3 sigma
+      0.0;  ///< of one rotation at the mean rate; 0 when the body rests within 3 sigma
   std::array<SineFit, 3> sines{};  ///< of w_T's components; meaningful where observed
   bool drift_valid = false;
   DriftFit drift;                                   ///< velocity and centre of mass

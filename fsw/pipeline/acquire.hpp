@@ -1,13 +1,11 @@
-// Without a map, or after its loss: frames are collected until the contest of hypotheses decides
-// how the body turns.
+// ACQUIRING, and LOST beside relocalisation: frames are collected for a map.
 #pragma once
 
 #include "pipeline/state.hpp"
 
 namespace polhode {
 
-/// Adds the frame to the collection when the picture has changed by enough, and asks for a contest.
-/// While a job is out, and by a frame that is used with care, the collection stays as it is.
+/// Keeps the frame, where it tells of depth; asks for a hypothesis selection when there are enough.
 void collect(Component::State* state);
 
 }  // namespace polhode

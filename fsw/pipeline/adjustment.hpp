@@ -1,32 +1,36 @@
-// What a new keyframe sets off: new landmarks, adjustment, culling.
+// Which adjustments of the map are asked for, and with what.
 #pragma once
 
-#include "pipeline/state.hpp"
+#include "map/map_state.hpp"
+#include "motion/estimator.hpp"
+#include "pipeline/job.hpp"
+#include "pipeline/parameters.hpp"
 
 namespace polhode {
 
-/// A map has just begun, or begun anew with the keyframe of this number: asks for its joint
-/// adjustment, after which come the landmarks that those keyframes give beyond the start's tracks,
-/// and a second one.
-void settle_map(std::uint32_t first_keyframe, Component::State* state);
+/// What an adjustment is prepared from. Pointers are never null.
+struct AdjustmentView {
+  const MapState* mapping = nullptr;
+  const MotionEstimate* motion = nullptr;
+  const Parameters* parameters = nullptr;
+  const CameraModel* camera = nullptr;
+  bool short_of_memory = false;
+  JobTimes times;
+};
 
-/// Should this frame become a keyframe, and may it? While a start is sought the map does not grow;
-/// while it is being adjusted it does, and the result is merged.
-bool may_extend_map(const Component::State& state);
+/// Copies all of the map, with its motion where that is one of free bodies: paper mode knows no
+/// dynamics, and what is to be forgotten must not shape the map.
+void prepare_adjustment_of_all(const AdjustmentView& view, JobQueue* queue);
 
-/// Makes this frame a keyframe, extends the map by it and asks for an adjustment, which waits for
-/// the one that is out.
-void extend_map(Component::State* state);
+/// Asks for an adjustment of all of the map.
+void ask_for_adjustment_of_all(AdjustmentReason reason, const AdjustmentView& view, JobQueue* queue);
 
-/// An adjustment has come back: the map takes it over and is culled. What was derived from the
-/// adjusted keyframes follows: this frame's pose, those remembered, the reference of optical flow,
-/// and what has come since. Asks for the next one if the map has grown meanwhile.
-void take_adjustment(Component::State* state);
+/// Asks for the adjustment after the last keyframes, when there are new ones and no other work of
+/// the map is out: of a window, or of all keyframes where a loop has closed or the map has grown by
+/// a fifth since that was done last.
+void ask_for_adjustment_after_growth(const AdjustmentView& view, JobQueue* queue);
 
-/// Joint adjustment of all keyframes and landmarks, here and now.
-void adjust_all(int iterations_max, Component::State* state);
-
-/// Sightings and landmarks that do not fit go; the noise scale is measured anew.
-void cull_map(Component::State* state);
+/// The rounds of an adjustment that brings the map to convergence in one.
+void set_rounds(int iterations_max, AdjustmentJob* job);
 
 }  // namespace polhode

@@ -6,56 +6,61 @@
 #include "map/begin.hpp"
 #include "map/bridge.hpp"
 #include "map/keyframes.hpp"
-#include "pipeline/mapping.hpp"
-#include "pipeline/motion_jobs.hpp"
-#include "pipeline/shape_now.hpp"
+#include "pipeline/adjustment.hpp"
+#include "pipeline/map_update.hpp"
+#include "pipeline/reset.hpp"
 
 namespace polhode {
 namespace {
 
-void start_drift(const Similarity& to_T, Component::State* s) {
-  const StartOutcome& start = s->job.start.outcome;
+std::int64_t frames_with_pose(const StartOutcome& start) {
+  return std::count_if(
+      start.frames.begin(), start.frames.end(), [](const StartFramePose& f) { return f.valid; });
+}
+
+void start_drift(const StartOutcome& start, const Similarity& to_T, MapDrift* drift) {
   const auto first = std::find_if(
       start.frames.begin(), start.frames.end(), [](const StartFramePose& f) { return f.valid; });
   begin_drift(transformed(first->pose, to_T).R_CT,
               start.rotation_rad,
               start.depth_sigma,
               to_T.scale,
-              &s->drift);
+              drift);
 }
 
-/// The start's keyframes and landmarks into the map, and a first joint adjustment asked for.
+/// The start's keyframes and landmarks into the map, and a first joint adjustment asked for. After
+/// it come the landmarks that the keyframes give beyond the start's tracks, and a second one.
 void take_over_start(const Similarity& to_T, Component::State* s) {
-  const std::uint32_t first_keyframe = s->map.next_keyframe_number;
-  begin_map(s->job.start.outcome, s->initialisation.tracks, to_T, s->parameters.map, &s->map);
-  settle_map(first_keyframe, s);
-  start_drift(to_T, s);
-  s->mode = Mode::kTracking;
+  const StartOutcome& start = s->jobs.start.outcome;
+  const CameraModel& camera = s->configuration.camera;
+  Map& map = s->mapping.map;
+  s->jobs.adjustment.first_keyframe = map.next_keyframe_number;
+  begin_map(start, s->initialisation.tracks, to_T, s->configuration.parameters.map, &map);
+  refresh_landmarks(&map, camera);
+  ask_for_adjustment_of_all(AdjustmentReason::kMapBegun, adjustment_view(*s), &s->jobs);
+  start_drift(start, to_T, &s->mapping.drift);
+  change_mode(ModeEvent::kMapBegun, &s->mode);
 }
 
-void forget_map(Component::State* s) {
-  clear(&s->map);
-  forget_motion(s);
-  forget_shape(s);
-  s->growth = {};
-  s->last_adjustment_of_all = {};
-}
+using BridgeFrames = FixedVector<BridgeFrame, limits::kStartFrames>;
 
 /// The start's poses beside those that the motion before the loss predicts for the same times.
-FixedVector<BridgeFrame, limits::kStartFrames> predicted_beside(const Component::State& s) {
-  FixedVector<BridgeFrame, limits::kStartFrames> frames;
-  for (std::size_t f = 0; f < s.job.start.outcome.frames.size(); ++f) {
-    if (!s.job.start.outcome.frames[f].valid) {
+BridgeFrames predicted_beside(const StartOutcome& start,
+                              const TrackTable& tracks,
+                              const MotionEstimate& motion,
+                              const MapDrift& drift,
+                              const MotionOptions& options) {
+  BridgeFrames frames;
+  for (std::size_t f = 0; f < start.frames.size(); ++f) {
+    if (!start.frames[f].valid) {
       continue;
     }
-    const auto predicted = predict_or_hold(s.motion,
-                                           s.drift,
-                                           s.parameters.motion,
-                                           s.initialisation.tracks.frames[f].timestamp_ns,
-                                           s.initialisation.tracks.frames[f].R_IC);
+    const CollectedFrame& collected = tracks.frames[f];
+    const auto predicted =
+        predict_or_hold(motion, drift, options, collected.timestamp_ns, collected.R_IC);
     if (predicted) {
       (void)frames.push_back(
-          {.start = s.job.start.outcome.frames[f].pose,
+          {.start = start.frames[f].pose,
            .predicted = predicted->pose,
            .predicted_sigma_rad = worst_sigma(predicted->covariance.topLeftCorner<3, 3>()),
            .predicted_sigma_mu = worst_sigma(predicted->covariance.bottomRightCorner<3, 3>())});
@@ -64,51 +69,50 @@ FixedVector<BridgeFrame, limits::kStartFrames> predicted_beside(const Component:
   return frames;
 }
 
-bool has_room(const Component::State& s) {
-  const auto posed = std::count_if(s.job.start.outcome.frames.begin(),
-                                   s.job.start.outcome.frames.end(),
-                                   [](const StartFramePose& f) { return f.valid; });
-  return s.map.keyframe_count + posed <= s.parameters.map.keyframes_max &&
-         static_cast<std::size_t>(s.map.landmark_count) + s.job.start.outcome.points.size() <=
-             limits::kLandmarks;
-}
-
-/// What the bridge leaves open of T: the prediction's own error at the first frame, where it is
-/// least, and the disagreement over the start.
-void widen_drift(const Bridge& bridge, double predicted_sigma_rad, Component::State* s) {
-  const double attitude_rad = std::hypot(predicted_sigma_rad, bridge.misfit_rad);
-  add_bridge(attitude_rad, 0.5 * s->map.radius_mu, s->map.next_keyframe_number, &s->drift);
+bool has_room(const StartOutcome& start, const MapOptions& options, const Map& map) {
+  return map.keyframe_count + frames_with_pose(start) <= options.keyframes_max &&
+         static_cast<std::size_t>(map.landmark_count) + start.points.size() <= limits::kLandmarks;
 }
 
 /// The first map, or another one with a T and a unit of its own.
 void begin(Component::State* s) {
   forget_map(s);
   forget_scale(&s->scale);
-  s->drift = {};
-  ++s->target_frame;
+  ++s->mapping.target_frame;
   take_over_start({}, s);
 }
 
-/// After a loss. T stays: the new start is bridged to it by the motion so far, and the published
-/// sigmas grow by what that motion leaves open. The old map stays beside the new part, and joins it
-/// when one of its sides comes back; it goes when the tables have no room for both. Where too
-/// little is known of the motion, or it contradicts the new start's, which was decided on its own,
-/// nothing ties the new start to T.
+/// After a loss. T stays: the new start is re-anchored in it by the motion so far, and the
+/// published sigmas grow by what that motion leaves open. The old map stays beside the new part,
+/// and joins it when one of its aspects comes back; it goes when the tables have no room for both.
+/// Where too little is known of the motion, or it contradicts the new start's, which was decided on
+/// its own, nothing ties the new start to T.
 void begin_again(Component::State* s) {
-  const auto frames = predicted_beside(*s);
-  const Result<Bridge> found =
-      bridge_start(frames.view(), {.centre_T = s->map.centre_T, .radius_mu = s->map.radius_mu});
+  const StartOutcome& start = s->jobs.start.outcome;
+  const Parameters& parameters = s->configuration.parameters;
+  MapState& mapping = s->mapping;
+  const BridgeFrames frames = predicted_beside(
+      start, s->initialisation.tracks, s->motion, mapping.drift, parameters.motion);
+  const Result<Bridge> found = bridge_start(
+      frames.view(), {.centre_T = mapping.map.centre_T, .radius_mu = mapping.map.radius_mu});
   ++s->counters.restarts;
   if (!found || !found.value().agrees) {
     begin(s);
     return;
   }
   const Bridge& bridge = found.value();
-  widen_drift(bridge, frames[0].predicted_sigma_rad, s);
+  // What this leaves open of T: the prediction's own error at the first frame, where it is least,
+  // and the disagreement over the start.
+  add_bridge(std::hypot(frames[0].predicted_sigma_rad, bridge.misfit_rad),
+             0.5 * mapping.map.radius_mu,
+             mapping.map.next_keyframe_number,
+             &mapping.drift);
   s->counters.keyframes_culled += static_cast<std::uint32_t>(
-      make_room(static_cast<int>(s->job.start.outcome.frames.size()), s->parameters.map, &s->map));
-  if (!has_room(*s)) {
+      make_room(static_cast<int>(start.frames.size()), parameters.map, &mapping.map));
+  if (!has_room(start, parameters.map, mapping.map)) {
+    const MapDrift drift = mapping.drift;  // T's, which stays
     forget_map(s);
+    mapping.drift = drift;
   }
   take_over_start(bridge.to_T, s);
 }
@@ -116,16 +120,16 @@ void begin_again(Component::State* s) {
 }  // namespace
 
 void take_start(Component::State* s) {
-  const StartJob& job = s->job.start;
+  const StartJob& job = s->jobs.start;
   if (job.outcome.decision != StartDecision::kCommit) {
     if (job.outcome.crowded && s->initialisation.tracks.frames.size() == job.frame_count) {
       drop_oldest_frame(&s->initialisation.tracks);
     }
     return;
   }
-  if (s->mode == Mode::kAcquiring) {
+  if (s->mode.now == Mode::kAcquiring) {
     begin(s);
-  } else if (s->mode == Mode::kLost) {  // else a known side has come back in the meantime
+  } else if (s->mode.now == Mode::kLost) {  // else a known aspect has come back in the meantime
     begin_again(s);
   }
 }

@@ -1,12 +1,12 @@
-// A contest has come back: the map begins, or begins anew after a loss.
+// A hypothesis selection has come back: the map begins, or begins anew after a loss.
 #pragma once
 
 #include "pipeline/state.hpp"
 
 namespace polhode {
 
-/// When the contest commits, its outcome becomes the map, or a further part of it after a loss; the
-/// mode becomes TRACKING, and a joint adjustment is asked for.
+/// When the selection commits, its outcome becomes the map, or a further part of it after a loss;
+/// the mode becomes TRACKING, and a joint adjustment is asked for.
 void take_start(Component::State* state);
 
 }  // namespace polhode

@@ -1,6 +1,7 @@
 #include "pipeline/checkpoint.hpp"
 
 #include <cstring>
+#include <type_traits>
 
 #include "base/assert.hpp"
 #include "pipeline/state.hpp"
@@ -8,124 +9,13 @@
 namespace polhode {
 namespace {
 
-/// Everything whose size shows that a table's entry has changed.
-struct Fingerprint {
-  std::uint64_t version = 4;  ///< changes when the order or the meaning of the content does
-  std::uint64_t keyframe = sizeof(Keyframe);
-  std::uint64_t landmark = sizeof(Landmark);
-  std::uint64_t pose = sizeof(PoseSample);
-  std::uint64_t counters = sizeof(Counters);
-  std::uint64_t remembered = 0;
-  bool operator==(const Fingerprint&) const = default;
-};
-
-/// Single values of the state, in one place for both directions.
-struct Remembered {
-  Counters counters;
-  ScaleState scale;
-  std::int64_t timestamp_ns = 0;
-  bool time_known = false;
-  ShapeState shape;
-  MapDrift drift;
-  std::uint32_t target_frame = 0;
-  double noise_scale = 1.0;
-  LastAdjustment last_adjustment_of_all;
-  bool loop_open = false;
-  Eigen::Matrix3d R_IC;
-  bool observer_known = false;
-  RigidModel model;
-  std::uint32_t poses_since_fit = 0;
-  std::uint32_t poses_since_start = 0;
-  std::uint32_t disagreements = 0;
-  std::array<double, 4> q_CT_last{};
-  std::uint32_t next_frame = 0;
-  Parameters parameters;  ///< as activated by command
-  BusRemembered bus;
-  std::uint32_t next_keyframe_number = 0;
-  std::int32_t next_landmark_number = 0;
-  std::int32_t keyframe_count = 0;
-  std::int32_t landmark_count = 0;
-  Eigen::Vector3d centre_T;
-  double radius_mu = 0.0;
-};
-
-Fingerprint fingerprint() { return {.remembered = sizeof(Remembered)}; }
-
-/// Jobs that are out are lost with the process: what they were for is still to be done.
-bool loop_open(const Component::State& s) {
-  const bool out = s.job.kind == JobKind::kAdjustment && !s.job.unwanted;
-  return s.growth.closed || (out && s.job.adjustment.closed);
-}
-
-ShapeState asked_again(ShapeState shape, const ShapeJob& job) {
-  shape.keyframe_asked = job.kind == JobKind::kNone ? shape.keyframe_asked : 0;
-  return shape;
-}
-
-Remembered remember(const Component::State& s) {
-  return {.counters = s.counters,
-          .scale = s.scale,
-          .timestamp_ns = s.timestamp_ns,
-          .time_known = s.time_known,
-          .shape = asked_again(s.shape, s.shape_job),
-          .drift = s.drift,
-          .target_frame = s.target_frame,
-          .noise_scale = s.noise_scale,
-          .last_adjustment_of_all = s.last_adjustment_of_all,
-          .loop_open = loop_open(s),
-          .R_IC = s.motion.R_IC,
-          .observer_known = s.motion.observer_known,
-          .model = s.motion.model,
-          .poses_since_fit = s.motion.poses_since_fit,
-          .poses_since_start = s.motion.poses_since_start,
-          .disagreements = s.motion.disagreements,
-          .q_CT_last = s.q_CT_last,
-          .next_frame = s.next_frame,
-          .parameters = s.parameters,
-          .bus = remember(s.bus),
-          .next_keyframe_number = s.map.next_keyframe_number,
-          .next_landmark_number = s.map.next_landmark_number,
-          .keyframe_count = s.map.keyframe_count,
-          .landmark_count = s.map.landmark_count,
-          .centre_T = s.map.centre_T,
-          .radius_mu = s.map.radius_mu};
-}
-
-void recall(const Remembered& r, Component::State* s) {
-  s->counters = r.counters;
-  s->scale = r.scale;
-  s->timestamp_ns = r.timestamp_ns;
-  s->time_known = r.time_known;
-  s->shape = r.shape;
-  s->drift = r.drift;
-  s->target_frame = r.target_frame;
-  s->noise_scale = r.noise_scale;
-  s->last_adjustment_of_all = r.last_adjustment_of_all;
-  s->growth.closed = r.loop_open;
-  s->motion.R_IC = r.R_IC;
-  s->motion.observer_known = r.observer_known;
-  s->motion.model = r.model;
-  s->motion.poses_since_fit = r.poses_since_fit;
-  s->motion.poses_since_start = r.poses_since_start;
-  s->motion.disagreements = r.disagreements;
-  s->q_CT_last = r.q_CT_last;
-  s->next_frame = r.next_frame;
-  s->parameters = r.parameters;
-  recall(r.bus, &s->bus);
-  s->map.next_keyframe_number = r.next_keyframe_number;
-  s->map.next_landmark_number = r.next_landmark_number;
-  s->map.keyframe_count = r.keyframe_count;
-  s->map.landmark_count = r.landmark_count;
-  s->map.centre_T = r.centre_T;
-  s->map.radius_mu = r.radius_mu;
-}
-
 class Writer {
  public:
   explicit Writer(std::span<std::uint8_t> out) : out_(out) {}
   /// Objects without pointers, as they lie in memory.
   template <typename T>
   void put(const T& value) {
+    static_assert(std::is_trivially_destructible_v<T> && !std::is_pointer_v<T>);
     POLHODE_ASSERT(used_ + sizeof(T) <= out_.size(), used_);
     std::memcpy(out_.data() + used_, static_cast<const void*>(&value), sizeof(T));
     used_ += sizeof(T);
@@ -204,48 +94,132 @@ void take_used(Reader* in, Table* table) {
   }
 }
 
+/// What goes on after a restart, room by room: the one list for both directions. Tables with unused
+/// slots follow after it.
+/// @param visit  called with each value.
+template <typename Visitor, typename State>
+void visit_persistent(Visitor&& visit, State& s) {
+  visit(s.configuration.parameters);  // as activated by command
+  visit(s.configuration.table_crc);
+  visit(s.counters);
+  visit(s.mode.held);
+  visit(s.clock.next_frame);
+  visit(s.clock.timestamp_ns);
+  visit(s.clock.time_known);
+  visit(s.mapping.drift);
+  visit(s.mapping.target_frame);
+  visit(s.mapping.map.next_keyframe_number);
+  visit(s.mapping.map.next_landmark_number);
+  visit(s.mapping.map.keyframe_count);
+  visit(s.mapping.map.landmark_count);
+  visit(s.mapping.map.centre_T);
+  visit(s.mapping.map.radius_mu);
+  visit(s.motion);
+  visit(s.shape);
+  visit(s.scale);
+  visit(s.jobs.last_adjustment_of_all);
+  visit(s.bus.stream.sequence);
+  visit(s.bus.stream.not_sent);
+  visit(s.bus.events.counts);
+  visit(s.bus.events.window_begin);
+  visit(s.bus.events.sent);
+  visit(s.bus.events.suppressed);
+  visit(s.bus.commands);
+  visit(s.bus.cloud.number);
+  visit(s.bus.servicer);
+  visit(s.bus.reported);
+  visit(s.bus.q_CT_last);
+}
+
+/// Jobs that are out are lost with the process: what they were for is still to be done.
+struct WorkLost {
+  bool loop_open = false;
+  bool shape_asked = false;
+};
+
+WorkLost work_lost(const JobQueue& jobs) {
+  const bool adjusts = is_out_with<AdjustmentJob>(jobs.map) && !jobs.map.unwanted;
+  return {.loop_open = jobs.growth.closed || (adjusts && jobs.adjustment.closed),
+          .shape_asked = is_out(jobs.shape)};
+}
+
+/// Sizes of everything, which show when a table's entry has changed.
+struct Fingerprint {
+  std::uint64_t version = 5;  ///< changes when the order or the meaning of the content does
+  std::uint64_t keyframe = sizeof(Keyframe);
+  std::uint64_t landmark = sizeof(Landmark);
+  std::uint64_t values = 0;  ///< octets of all values together
+  std::uint64_t mixed = 0;   ///< their sizes in order
+  bool operator==(const Fingerprint&) const = default;
+};
+
+Fingerprint fingerprint(const Component::State& s) {
+  constexpr std::uint64_t kPrime = 1099511628211U;  // FNV-1a's, 64 bits
+  Fingerprint sizes;
+  visit_persistent(
+      [&](const auto& value) {
+        sizes.values += sizeof(value);
+        sizes.mixed = (sizes.mixed ^ sizeof(value)) * kPrime;
+      },
+      s);
+  return sizes;
+}
+
 bool is_whole(Reader in, const Component::State& s) {
   Fingerprint theirs;
-  return in.take(&theirs) && theirs == fingerprint() && in.skip(sizeof(Remembered)) &&
-         in.skip(2 * sizeof(PoseHistory)) && slots_are_whole(&in, s.map.keyframes) &&
-         slots_are_whole(&in, s.map.landmarks) && in.at_end();
+  const Fingerprint ours = fingerprint(s);
+  return in.take(&theirs) && theirs == ours && in.skip(ours.values + sizeof(WorkLost)) &&
+         slots_are_whole(&in, s.mapping.map.keyframes) &&
+         slots_are_whole(&in, s.mapping.map.landmarks) && in.at_end();
 }
 
 }  // namespace
 
 std::size_t checkpoint_octets_max() {
   constexpr std::size_t kPlace = sizeof(std::uint32_t);
-  return sizeof(Fingerprint) + sizeof(Remembered) + 2 * sizeof(PoseHistory) + 2 * kPlace +
+  // The structs of visit_persistent(), and room for its single numbers and short arrays.
+  constexpr std::size_t kValuesMax =
+      sizeof(Parameters) + sizeof(Counters) + sizeof(MapDrift) + sizeof(MotionEstimate) +
+      sizeof(ShapeState) + sizeof(ScaleState) + sizeof(bus::EventLog::counts) +
+      sizeof(CommandCounts) + sizeof(ServicerAttitude) + sizeof(Reported) + 1024;
+  return sizeof(Fingerprint) + kValuesMax + sizeof(WorkLost) + 2 * kPlace +
          limits::kKeyframes * (kPlace + sizeof(Keyframe)) +
          limits::kLandmarks * (kPlace + sizeof(Landmark));
 }
 
-std::size_t save_checkpoint(const Component::State& state, std::span<std::uint8_t> out) {
+std::size_t save_checkpoint(const Component& component, std::span<std::uint8_t> out) {
+  const Component::State& s = *ComponentAccess::state(component);
   Writer writer(out);
-  writer.put(fingerprint());
-  writer.put(remember(state));
-  writer.put(state.motion.recent);
-  writer.put(state.motion.past);
-  put_used(state.map.keyframes, &writer);
-  put_used(state.map.landmarks, &writer);
+  writer.put(fingerprint(s));
+  visit_persistent([&](const auto& value) { writer.put(value); }, s);
+  writer.put(work_lost(s.jobs));
+  put_used(s.mapping.map.keyframes, &writer);
+  put_used(s.mapping.map.landmarks, &writer);
   return writer.used();
 }
 
-bool restore_checkpoint(std::span<const std::uint8_t> octets, Component::State* state) {
+bool restore_checkpoint(std::span<const std::uint8_t> octets, Component* component) {
+  Component::State* s = ComponentAccess::state(*component);
   Reader reader(octets);
-  if (!is_whole(reader, *state)) {
+  if (!is_whole(reader, *s)) {
     return false;
   }
-  Remembered remembered;
-  const bool taken = reader.skip(sizeof(Fingerprint)) && reader.take(&remembered) &&
-                     reader.take(&state->motion.recent) && reader.take(&state->motion.past);
+  bool taken = reader.skip(sizeof(Fingerprint));
+  clear(&s->mapping.map);
+  visit_persistent([&](auto& value) { taken = taken && reader.take(&value); }, *s);
+  WorkLost lost;
+  taken = taken && reader.take(&lost);
   POLHODE_ASSERT(taken, octets.size());
-  clear(&state->map);
-  take_used(&reader, &state->map.keyframes);
-  take_used(&reader, &state->map.landmarks);
-  recall(remembered, state);
-  state->mode = state->map.keyframe_count > 0 ? Mode::kLost : Mode::kIdle;
-  state->reference.valid = false;
+  s->jobs.growth.closed = lost.loop_open;
+  if (lost.shape_asked) {
+    ask_shape_again(&s->shape);
+  }
+  s->bus.reported.started = false;  // the component reports its start again
+  take_used(&reader, &s->mapping.map.keyframes);
+  take_used(&reader, &s->mapping.map.landmarks);
+  drop_reference(&s->mapping);
+  const bool has_map = s->mapping.map.keyframe_count > 0;
+  change_mode(has_map ? ModeEvent::kWarmStartWithMap : ModeEvent::kWarmStartWithoutMap, &s->mode);
   return true;
 }
 

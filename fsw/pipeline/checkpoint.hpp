@@ -18,11 +18,11 @@ std::size_t checkpoint_octets_max();
 
 /// Unused slots of tables are left out. @param out at least checkpoint_octets_max() long.
 /// @return octets written.
-std::size_t save_checkpoint(const Component::State& state, std::span<std::uint8_t> out);
+std::size_t save_checkpoint(const Component& component, std::span<std::uint8_t> out);
 
 /// Into a component that has just been created. With a map in it, the component begins as one that
 /// has lost its target: it looks where the motion says, then everywhere.
 /// @return false, with nothing changed, when the octets are of another build, or cut off.
-bool restore_checkpoint(std::span<const std::uint8_t> octets, Component::State* state);
+bool restore_checkpoint(std::span<const std::uint8_t> octets, Component* component);
 
 }  // namespace polhode

@@ -5,11 +5,8 @@
 #include "base/crc.hpp"
 #include "base/time_doubt.hpp"
 #include "bus/commands.hpp"
-#include "pipeline/jobs.hpp"
-#include "pipeline/motion_jobs.hpp"
 #include "pipeline/parameter_image.hpp"
-#include "pipeline/picture.hpp"
-#include "pipeline/shape_now.hpp"
+#include "pipeline/reset.hpp"
 
 namespace polhode {
 namespace {
@@ -23,35 +20,38 @@ using bus::Rejection;
 using Outcome = std::string_view;
 constexpr Outcome kDone{};
 
+void discard_loaded(Configuration* c) {
+  c->loading = false;
+  c->loaded = {};
+  c->loaded_crc = 0;
+  c->loaded_entries = 0;
+}
+
 Outcome hold(Component::State* s) {
-  if (s->bus.held) {
+  if (s->mode.held) {
     return "held already";
   }
-  s->bus.held = true;
-  s->mode = Mode::kIdle;
-  s->reference.valid = false;
-  // What was collected for a start is old when frames are looked at again, and so are the last
-  // pictures.
-  clear(&s->initialisation.tracks);
-  forget_pictures(s);
-  give_up_start(s);
+  s->mode.held = true;
+  change_mode(ModeEvent::kHoldCommanded, &s->mode);
+  pause(s);
   return kDone;
 }
 
 Outcome resume(Component::State* s) {
-  if (!s->bus.held) {
+  if (!s->mode.held) {
     return "not held";
   }
-  s->bus.held = false;
-  s->mode = s->map.landmark_count > 0 ? Mode::kLost : Mode::kAcquiring;
+  s->mode.held = false;
+  const bool has_map = s->mapping.map.landmark_count > 0;
+  change_mode(has_map ? ModeEvent::kResumedWithMap : ModeEvent::kResumedWithoutMap, &s->mode);
   return kDone;
 }
 
 /// Length and range share the frame that they are read in, so each replaces the other, once it can
 /// be read.
 Outcome scale_read_in(std::int64_t frame_timestamp_ns, Component::State* s) {
-  s->parameters.scale.frame_timestamp_ns = frame_timestamp_ns;
-  s->bus.table_crc = table_crc(s->parameters);
+  s->configuration.parameters.scale.frame_timestamp_ns = frame_timestamp_ns;
+  s->configuration.table_crc = table_crc(s->configuration.parameters);
   s->scale.keyframes_at_reading = 0;
   return kDone;
 }
@@ -59,12 +59,12 @@ Outcome scale_read_in(std::int64_t frame_timestamp_ns, Component::State* s) {
 Outcome set_known_length(const Command& command, Component::State* s) {
   const auto length = command.arguments<bus::SetKnownLengthCommand>();
   const auto inside = [&](const std::array<double, 2>& px) {
-    return px[0] <= s->camera.width_px - 0.5 && px[1] <= s->camera.height_px - 0.5;
+    return px[0] <= s->configuration.camera.width_px - 0.5 && px[1] <= s->configuration.camera.height_px - 0.5;
   };
   if (!inside(length.first_px) || !inside(length.second_px)) {
     return "point outside the image";
   }
-  ScaleOptions& scale = s->parameters.scale;
+  ScaleOptions& scale = s->configuration.parameters.scale;
   scale.known_length_m = length.length_m;
   scale.points_px = {length.first_px, length.second_px};
   scale.range_m = 0.0;
@@ -73,8 +73,8 @@ Outcome set_known_length(const Command& command, Component::State* s) {
 
 Outcome set_range(const Command& command, Component::State* s) {
   const auto range = command.arguments<bus::SetRangeCommand>();
-  s->parameters.scale.range_m = range.range_m;
-  s->parameters.scale.known_length_m = 0.0;
+  s->configuration.parameters.scale.range_m = range.range_m;
+  s->configuration.parameters.scale.known_length_m = 0.0;
   return scale_read_in(range.frame_timestamp_ns, s);
 }
 
@@ -96,7 +96,7 @@ Outcome servicer_attitude(const Command& command, Component::State* s) {
 
 Outcome request_cloud(const Command& command, Component::State* s) {
   const auto request = command.arguments<bus::RequestCloudCommand>();
-  const auto in_map = static_cast<std::size_t>(s->map.landmark_count);
+  const auto in_map = static_cast<std::size_t>(s->mapping.map.landmark_count);
   if (in_map == 0) {
     return "no map";
   }
@@ -104,12 +104,12 @@ Outcome request_cloud(const Command& command, Component::State* s) {
   cloud.points_T.clear();
   cloud.next = 0;
   ++cloud.number;
-  cloud.timestamp_ns = s->timestamp_ns;
+  cloud.timestamp_ns = s->clock.timestamp_ns;
   cloud.scale_known = s->scale.known;
   cloud.metres_per_mu = s->scale.metres_per_mu;
   const std::size_t wanted = std::min<std::size_t>(request.points_max, in_map);
   std::size_t seen = 0;
-  for (const Landmark& landmark : s->map.landmarks) {
+  for (const Landmark& landmark : s->mapping.map.landmarks) {
     if (!landmark.used) {
       continue;
     }
@@ -121,6 +121,7 @@ Outcome request_cloud(const Command& command, Component::State* s) {
       (void)cloud.points_T.push_back({p.x(), p.y(), p.z()});
     }
   }
+  // Three coordinates a point.
   constexpr auto kPerPacket = std::tuple_size_v<decltype(bus::CloudPacket::p_T)> / 3;
   const double packets = static_cast<double>((cloud.points_T.size() + kPerPacket - 1) / kPerPacket);
   bus::report(EventId::kCloudBegun,
@@ -130,8 +131,8 @@ Outcome request_cloud(const Command& command, Component::State* s) {
 }
 
 Outcome table_load(const Command& command, Component::State* s) {
-  InactiveTable& table = s->bus.inactive;
-  Parameters changed = table.begun ? table.parameters : s->parameters;
+  Configuration& c = s->configuration;
+  Parameters changed = c.loading ? c.loaded : c.parameters;
   for (std::size_t i = 0; i < command.entries; ++i) {
     const bus::TableLoadEntry entry = command.entry(i);
     const ParameterRow* row = find_parameter_by_crc(entry.key_crc);
@@ -145,68 +146,67 @@ Outcome table_load(const Command& command, Component::State* s) {
       return "entry";
     }
   }
-  if (!table.begun) {
-    table = {.begun = true, .parameters = {}, .crc = 0, .entries = 0};
+  if (!c.loading) {
+    discard_loaded(&c);
+    c.loading = true;
   }
-  table.parameters = changed;
-  table.crc = crc32_iso_hdlc(command.entry_octets(), table.crc);
-  table.entries += static_cast<std::uint32_t>(command.entries);
-  bus::report(
-      EventId::kTableLoaded,
-      {.values = {static_cast<double>(command.entries), static_cast<double>(table.entries)}},
-      &s->bus.events);
+  c.loaded = changed;
+  c.loaded_crc = crc32_iso_hdlc(command.entry_octets(), c.loaded_crc);
+  c.loaded_entries += static_cast<std::uint32_t>(command.entries);
+  bus::report(EventId::kTableLoaded,
+              {.values = {static_cast<double>(command.entries),
+                          static_cast<double>(c.loaded_entries)}},
+              &s->bus.events);
   return kDone;
 }
 
 /// Why the inactive table may not become active, or empty.
-std::string_view objection(const bus::TableActivateCommand& told, const Component::State& s) {
-  const InactiveTable& table = s.bus.inactive;
-  if (!table.begun) {
+std::string_view objection(const bus::TableActivateCommand& commanded, const Configuration& c) {
+  if (!c.loading) {
     return "no table loaded";
   }
-  if (told.entries != table.entries || told.crc32 != table.crc) {
+  if (commanded.entries != c.loaded_entries || commanded.crc32 != c.loaded_crc) {
     return "count of entries or CRC differs";
   }
-  if (const std::string_view key = first_bad_key(table.parameters); !key.empty()) {
+  if (const std::string_view key = first_bad_key(c.loaded); !key.empty()) {
     return key;
   }
-  if (check(table.parameters)) {
+  if (check(c.loaded)) {
     return "values that do not go together";
   }
-  const bool tells_background = table.parameters.mask.tells_background();
-  const bool unplanned = tells_background && !s.bus.background_planned;
-  return unplanned || memory_needed(table.parameters).total > s.bus.memory_octets
-             ? "needs more memory"
-             : "";
+  const bool unplanned = c.loaded.mask.tells_background() && !c.background_planned;
+  return unplanned || memory_needed(c.loaded).total > c.memory_octets ? "needs more memory" : "";
 }
 
 Outcome table_activate(const Command& command, Component::State* s) {
-  const std::string_view why = objection(command.arguments<bus::TableActivateCommand>(), *s);
+  Configuration& c = s->configuration;
+  const std::string_view why = objection(command.arguments<bus::TableActivateCommand>(), c);
   if (!why.empty()) {
     bus::report(EventId::kTableNotActivated, {.word = why}, &s->bus.events);
     return why;
   }
   // Length and range may have come by command since the table was begun.
-  const ScaleOptions scale = s->parameters.scale;
-  const MotionOptions motion = s->parameters.motion;
-  s->parameters = s->bus.inactive.parameters;
-  s->parameters.scale = scale;
-  if (s->parameters.motion != motion) {
-    drop_model(s);
+  const ScaleOptions scale = c.parameters.scale;
+  const MotionOptions motion = c.parameters.motion;
+  c.parameters = c.loaded;
+  c.parameters.scale = scale;
+  if (c.parameters.motion != motion) {  // the poses are no longer taken to move as they were
+    s->motion.model = {};
+    invalidate_fits(&s->jobs);
   }
-  s->bus.inactive = {};
-  s->bus.table_crc = table_crc(s->parameters);
+  discard_loaded(&c);
+  c.table_crc = table_crc(c.parameters);
   bus::report(EventId::kTableActivated,
-              {.values = {static_cast<double>(s->bus.table_crc), 0.0}},
+              {.values = {static_cast<double>(c.table_crc), 0.0}},
               &s->bus.events);
   return kDone;
 }
 
 Outcome table_discard(Component::State* s) {
-  if (!s->bus.inactive.begun) {
+  if (!s->configuration.loading) {
     return "no table loaded";
   }
-  s->bus.inactive = {};
+  discard_loaded(&s->configuration);
   return kDone;
 }
 
@@ -217,7 +217,7 @@ Outcome noop(Component::State* s) {
 
 Outcome reset_counters(Component::State* s) {
   s->counters = {};
-  s->bus.told.counters = {};
+  s->bus.reported.counters = {};
   s->bus.commands = {.last_code = s->bus.commands.last_code};  // this one
   s->bus.stream.not_sent = 0;
   s->bus.events.counts = {};
@@ -228,9 +228,9 @@ Outcome reset_counters(Component::State* s) {
 }
 
 Outcome checkpoint(Component::State* s) {
-  s->output.checkpoint_asked = true;
+  s->answer.output.checkpoint_asked = true;
   bus::report(
-      EventId::kCheckpointAsked, {.values = {static_cast<double>(s->frame), 0.0}}, &s->bus.events);
+      EventId::kCheckpointAsked, {.values = {static_cast<double>(s->clock.frame), 0.0}}, &s->bus.events);
   return kDone;
 }
 
@@ -284,7 +284,7 @@ void reject(Rejection reason, const bus::EventDetails& details, Component::State
 
 void execute(std::span<const std::uint8_t> octets, Component::State* s) {
   Command command;
-  const Refusal refusal = bus::read_command(octets, s->parameters.bus.apid_first, &command);
+  const Refusal refusal = bus::read_command(octets, s->configuration.parameters.bus.apid_first, &command);
   if (octets.size() >= bus::kCommandHeaderOctets) {
     s->bus.commands.last_code = bus::get_u8(octets, bus::kCommandHeaderOctets - 1);
   }
@@ -320,28 +320,6 @@ void execute_commands(std::span<const std::span<const std::uint8_t>> commands,
            {.values = {static_cast<double>(beyond), static_cast<double>(limits::kStepCommands)}},
            s);
     s->bus.commands.rejected += static_cast<std::uint32_t>(beyond - 1);
-  }
-}
-
-void forget_target(Component::State* s) {
-  forget_jobs(s);
-  clear(&s->map);
-  clear(&s->initialisation.tracks);
-  s->reference.valid = false;
-  s->reference.points.clear();
-  forget_motion(s);
-  forget_shape(s);
-  s->localised.matches.clear();
-  s->drift = {};
-  forget_scale(&s->scale);
-  s->noise_scale = 1.0;
-  s->last_adjustment_of_all = {};
-  forget_pictures(s);
-  s->pose_valid = false;
-  s->bus.cloud.points_T.clear();
-  s->bus.cloud.next = 0;
-  if (!s->bus.held) {
-    s->mode = Mode::kAcquiring;
   }
 }
 

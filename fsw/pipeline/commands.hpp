@@ -14,8 +14,4 @@ namespace polhode {
 void execute_commands(std::span<const std::span<const std::uint8_t>> commands,
                       Component::State* state);
 
-/// Everything known of the target goes: map, tracks, poses, measured scale. Counters, parameters
-/// and the bus's own state stay.
-void forget_target(Component::State* state);
-
 }  // namespace polhode

@@ -15,6 +15,7 @@
 #include "base/image_view.hpp"
 #include "base/result.hpp"
 #include "bus/counters.hpp"
+#include "image/frame_use.hpp"
 #include "image/verdict.hpp"
 #include "mask/network.hpp"
 #include "motion/motion_state.hpp"
@@ -92,21 +93,6 @@ struct Observation {
   bool inlier = false;
 };
 
-/// Why a frame was not used, or that it was.
-enum class FrameUse : std::uint8_t {
-  kUsed,
-  kUnreadable,
-  kDark,
-  kWrongSize,
-  kTimeNotIncreasing,
-  kHeld,
-  kFlat,
-  kSaturated,
-  kFrozen,
-  kTorn,
-  kBitErrors
-};
-
 /// Stages of a step, for time measurements by the caller's clock.
 enum class Stage : std::uint8_t {
   kImage,
@@ -119,7 +105,7 @@ enum class Stage : std::uint8_t {
   kBus,
   kJobs
 };
-inline constexpr std::size_t kStageCount = 9;
+inline constexpr std::size_t kStageCount = static_cast<std::size_t>(Stage::kJobs) + 1;
 
 struct StepOutput {
   FrameUse use = FrameUse::kUsed;
@@ -157,10 +143,9 @@ class Component {
   [[nodiscard]] std::uint32_t next_step() const;
 
   struct State;
-  [[nodiscard]] State& state() { return *state_; }
-  [[nodiscard]] const State& state() const { return *state_; }
 
  private:
+  friend struct ComponentAccess;
   explicit Component(State* state) : state_(state) {}
   State* state_;
 };

@@ -32,11 +32,12 @@ Result<Component*> Component::create(std::span<std::byte> memory, const Paramete
                  "memory must hold memory_needed().total octets, aligned to 64"};
   }
   auto* storage = ::new (static_cast<void*>(memory.data())) Storage;
-  storage->state.parameters = parameters;
-  storage->state.camera = to_model(parameters.camera);
-  storage->state.bus.memory_octets = sizeof(Storage);
-  storage->state.bus.background_planned = parameters.mask.tells_background();
-  storage->state.bus.table_crc = table_crc(parameters);
+  Configuration& configuration = storage->state.configuration;
+  configuration.parameters = parameters;
+  configuration.camera = to_model(parameters.camera);
+  configuration.memory_octets = sizeof(Storage);
+  configuration.background_planned = parameters.mask.tells_background();
+  configuration.table_crc = table_crc(parameters);
   return ::new (static_cast<void*>(storage->component)) Component(&storage->state);
 }
 
@@ -46,16 +47,15 @@ void Component::destroy(Component* component) {
 }
 
 void Component::set_stage_hook(StageHook hook, void* context) {
-  state_->hook = hook;
-  state_->hook_context = context;
+  state_->timer = {.hook = hook, .context = context};
 }
 
 void Component::set_mask_network(const MaskNetwork& network) {
-  state_->mask_state.network = network;
+  state_->picture.mask_state.network = network;
 }
 
 const Counters& Component::counters() const { return state_->counters; }
 
-std::uint32_t Component::next_step() const { return state_->next_frame; }
+std::uint32_t Component::next_step() const { return state_->clock.next_frame; }
 
 }  // namespace polhode

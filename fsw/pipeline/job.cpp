@@ -1,73 +1,74 @@
-#include "pipeline/work.hpp"
+#include "pipeline/job.hpp"
+
+#include <initializer_list>
+
+#include "base/assert.hpp"
 
 namespace polhode {
 namespace {
 
-void run_fit(FitJob* job) { job->model = fit_rigid_model(job->snapshot, job->workspace); }
+/// How each kind of work is done, and how it comes back without having been done.
+struct Run {
+  void operator()(std::monostate) const {}
+  void operator()(StartJob* work) const { run_start(work); }
+  void operator()(AdjustmentJob* work) const { run_adjustment(work); }
+  void operator()(FitJob* work) const { run_fit(work); }
+  void operator()(ShapeJob* work) const { run_shape(work); }
+};
 
-void run_shape(ShapeJob* job) {
-  const Result<Shape> shape = estimate_shape(job->landmarks_T.view(),
-                                             job->options,
-                                             job->seed,
-                                             job->previous ? &*job->previous : nullptr,
-                                             job->work);
-  if (shape) {
-    job->outcome = shape.value();
-  }
-}
+struct Skip {
+  void operator()(StartJob* work) const { skip_start(work); }
+  void operator()(AdjustmentJob* work) const { skip_adjustment(work); }
+  template <typename Other>
+  void operator()(Other /*work*/) const {}  // it has no result until it is run
+};
 
 }  // namespace
 
-void run_adjustment(AdjustmentJob* job) {
-  job->usable = false;
-  for (const BundleOptions& round : job->rounds) {
-    job->usable = adjust(&job->snapshot, round, &job->workspace).usable || job->usable;
-  }
-  const RigidModel previous = job->model;
-  job->model = {};
-  // On thirty runs of fifteen rendered scenes attitudes are off by 1.4 times what sightings that
-  // nobody chose would allow.
-  constexpr double kChosenByPoses = 2.0;
-  if (job->as_free_body && job->usable) {
-    job->model = fit_jointly({.bundle = problem_of(&job->snapshot),
-                              .observations = job->snapshot.observations.view(),
-                              .timestamps_ns = job->snapshot.timestamps_ns.view(),
-                              .R_IC = job->snapshot.R_IC.view(),
-                              .body_radius = job->body_radius_mu,
-                              .motion = job->motion,
-                              .previous = previous,
-                              .options = job->rounds.back(),
-                              .selection = kChosenByPoses},
-                             &job->doubts,
-                             &job->workspace,
-                             &job->joint);
-  }
-}
-
 void run_job(Job& job) {
-  if (job.kind == JobKind::kStart) {
-    run_start(&static_cast<MapJob&>(job).start);
-  } else if (job.kind == JobKind::kAdjustment) {
-    run_adjustment(&static_cast<MapJob&>(job).adjustment);
-  } else if (job.kind == JobKind::kFit) {
-    run_fit(&static_cast<FitJob&>(job));
-  } else if (job.kind == JobKind::kShape) {
-    run_shape(&static_cast<ShapeJob&>(job));
-  }
+  std::visit(Run{}, job.work);
   job.done = true;
 }
 
 void skip_job(Job& job) {
-  if (job.kind == JobKind::kStart) {
-    skip_start(&static_cast<MapJob&>(job).start);
-  } else if (job.kind == JobKind::kAdjustment) {
-    static_cast<MapJob&>(job).adjustment.usable = false;
-    static_cast<MapJob&>(job).adjustment.model = {};
-  }
+  std::visit(Skip{}, job.work);
   job.skipped = true;
   job.done = true;
 }
 
 std::uint32_t due_step(const Job& job) { return job.due_step; }
+
+void issue_job(JobWork work, const JobTimes& times, Job* job, JobQueue* queue) {
+  POLHODE_ASSERT(!is_out(*job), job->due_step);
+  *job = {.work = work, .issued_step = times.step, .due_step = times.step + times.delay};
+  ++queue->counts.issued;
+}
+
+void invalidate_fits(JobQueue* queue) {
+  queue->fit.unwanted = true;
+  queue->adjustment.model_unwanted = true;
+}
+
+void invalidate_start(JobQueue* queue) {
+  queue->map.unwanted = queue->map.unwanted || is_out_with<StartJob>(queue->map);
+}
+
+void invalidate_all(JobQueue* queue) {
+  for (Job* const job : {&queue->map, &queue->fit, &queue->shape}) {
+    job->unwanted = true;
+  }
+  queue->adjustment.model_unwanted = true;
+  queue->growth = {};
+}
+
+Jobs jobs_of_step(std::uint32_t step, JobQueue* queue) {
+  Jobs jobs;
+  for (Job* const job : {&queue->map, &queue->fit, &queue->shape}) {
+    if (is_out(*job) && job->issued_step == step) {
+      (void)jobs.push_back(job);
+    }
+  }
+  return jobs;
+}
 
 }  // namespace polhode

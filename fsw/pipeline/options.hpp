@@ -1,21 +1,25 @@
 #pragma once
 
-// One line an option:
+// One line per option: tests/structure/test_parameters.py reads these lines.
 // clang-format off
 namespace polhode {
 
 struct JobOptions {
+  // docs/resources.md: a delay of 1 costs little accuracy, 2 doubles the causal error, 4 may lose the target.
   int delay_frames = 0;  ///< frames from a job's issue to the step that takes its result; 0: within the step, 0 .. 60
 };
 
-/// What the machine gives; decided before start and never exceeded. The component itself needs none of it.
+/// What the machine provides. It is decided before start and never exceeded. The component itself needs none of it.
+/// The pools are chosen with room to spare; docs/resources.md has what they use.
 struct BudgetOptions {
-  double frame_ms = 0.0;  ///< time that a step may take; 0: none is set, 0 .. 10000
+  double frame_ms = 0.0;  ///< time allowed for a step, longer ones are counted; 0: no limit, 0 .. 10000
+  // The standard tables (63 MiB), the pools below (112 MiB), images, stacks and the program.
   int total_mb = 320;     ///< of the whole process, in MiB, 32 .. 16384
-  int general_mb = 24;    ///< pool for files, tables of the run and whatever is not one of the others, 2 .. 4096
-  int step_mb = 64;       ///< pool for the libraries called within a step, 4 .. 4096
-  int jobs_mb = 8;        ///< pool for those called by jobs, 4 .. 4096
-  int reserve_mb = 16;    ///< for what overflows from the pools, 1 .. 4096
+  int general_mb = 24;    ///< pool for files, tables of the run and what belongs to no other pool, 2 .. 4096
+  // Most is taken by the mask against a lit background: 50 MB in a laboratory at 1080p.
+  int step_mb = 64;       ///< pool for library calls within a step, 4 .. 4096
+  int jobs_mb = 8;        ///< pool for library calls of jobs, 4 .. 4096
+  int reserve_mb = 16;    ///< what a full pool draws on, 1 .. 4096
 };
 
 }  // namespace polhode

@@ -21,111 +21,121 @@ consteval AnyMember member(T& (*where)(Parameters&)) {
         return p.path;                                                                \
       }))
 
+// Every double up to here fits into 63 bits: 2^63 is 9.22e18.
 constexpr double kInt64Max = 9.2e18;
+
+// A quaternion that was written with three digits has this norm; it is normalised before use.
+constexpr double kNormTolerance = 1e-3;
+
+// Ranges recommend nothing. Upper limits that are limits::k... are sizes of tables. The others are
+// chosen wide: they refuse wrong units and slips of the decimal point, and they bound the time.
+// A principal point or an end of a length may lie up to one image side (8192) outside the image.
 
 // clang-format off
 constexpr ParameterRow kRows[] = {
-  {"seed", POLHODE_FIELD(seed), 0, kInt64Max, "", "of every random draw"},
+  {"seed", POLHODE_FIELD(seed), 0, kInt64Max, "",
+   "seed of every random draw; the same seed, frames and commands give the same octets"},
 
-  {"image.dark_level", POLHODE_FIELD(image.dark_level), 0.0, 0.5, "full scale",
-   "a frame is dark and not used unless 0.1 % of its pixels, or 400 of them, lie over this"},
-  {"image.saturated_level", POLHODE_FIELD(image.saturated_level), 0.5, 1.0, "full scale",
-   "pixels at or over this are saturated"},
+  {"image.dark_level", POLHODE_FIELD(image.dark_level), 0.0, 0.5, "of full scale",
+   "a frame is dark, and skipped, unless 0.1 % of its pixels, or 400 of them, reach this; it is flat when its contrast is less"},
+  {"image.saturated_level", POLHODE_FIELD(image.saturated_level), 0.5, 1.0, "of full scale",
+   "pixels at or above this are saturated"},
 
-  {"mask.enabled", POLHODE_FIELD(mask.enabled), 0, 1, "", "tell the target from empty space"},
+  {"mask.enabled", POLHODE_FIELD(mask.enabled), 0, 1, "",
+   "separate the target from empty space; false: the whole image is the target"},
   {"mask.background", POLHODE_FIELD(mask.background), 0, 1, "",
-   "tell the target from what is behind it, where something is"},
-  {"mask.dark_level", POLHODE_FIELD(mask.dark_level), 0.0, 0.5, "full scale",
-   "pixels at or under this are empty space"},
+   "separate the target from a lit background, too (Earth, room); needs mask.enabled"},
+  {"mask.dark_level", POLHODE_FIELD(mask.dark_level), 0.0, 0.5, "of full scale",
+   "pixels at or below this are empty space; lower keeps dim parts of the target"},
 
   {"features.count_max", POLHODE_FIELD(features.count_max), 50, limits::kFeatures, "",
-   "features kept per frame"},
+   "features kept per frame at most; more: better poses, longer steps"},
   {"features.gamma", POLHODE_FIELD(features.gamma), 1.0, 3.0, "",
-   "gray levels to this power are taken for light; 1 where the camera is linear"},
-  {"features.contrast_min", POLHODE_FIELD(features.contrast_min), 0.001, 0.2, "full scale",
-   "least contrast of a feature, in light"},
+   "gray level to this power is taken as light; 1: linear camera"},
+  {"features.contrast_min", POLHODE_FIELD(features.contrast_min), 0.001, 0.2, "of full scale",
+   "least contrast of a feature, in light; lower: more and weaker features"},
   {"features.working_pixels_max", POLHODE_FIELD(features.working_pixels_max), 10000, limits::kWorkingPixels, "px",
-   "the region of interest is resampled to this many pixels before detection"},
+   "the target's region is resampled to at most this many pixels before detection; more: finer texture, longer steps"},
   {"features.sigma_px", POLHODE_FIELD(features.sigma_px), 0.05, 5.0, "px",
-   "1-sigma of a feature's position at the finest scale"},
+   "1-sigma of a feature's image position at the finest scale; coarser features get more"},
 
   {"tracks.descriptor_ratio_max", POLHODE_FIELD(tracks.descriptor_ratio_max), 0.3, 1.0, "",
-   "best over second-best descriptor distance of a match"},
+   "best over second-best descriptor distance of a match at most (ratio test); lower: fewer and safer matches"},
   {"tracks.forward_backward_max_px", POLHODE_FIELD(tracks.forward_backward_max_px), 0.05, 5.0, "px",
-   "optical flow must come back this near to its start"},
+   "optical flow forth and back must end this near to its start"},
   {"tracks.small_motion_max_px", POLHODE_FIELD(tracks.small_motion_max_px), 1.0, 100.0, "px",
-   "up to this predicted image motion optical flow follows, beyond it descriptors"},
+   "features are tracked by optical flow up to this predicted image motion, beyond it detected and matched anew"},
 
   {"start.frames_min", POLHODE_FIELD(start.frames_min), 3, limits::kStartFrames, "",
-   "frames collected before the first contest for a map"},
+   "frames collected before the first hypothesis selection for a map; more: later and safer"},
   {"start.chi2_gap_commit", POLHODE_FIELD(start.chi2_gap_commit), 9.0, 1000.0, "",
-   "the depth-reversed twin must be worse by this"},
+   "cost margin (chi-square) by which rivals of the chosen hypothesis, such as its depth-reversed solution, must be worse; 25: 5 sigma"},
   {"start.chi2_gap_convexity", POLHODE_FIELD(start.chi2_gap_convexity), 4.0, 1000.0, "",
-   "enough where convexity agrees; at most start.chi2_gap_commit"},
+   "smaller cost margin, accepted when the convexity cue agrees; at most start.chi2_gap_commit"},
 
   {"localise.inliers_min", POLHODE_FIELD(localise.inliers_min), 6, 200, "",
-   "fewer leave the frame without a pose"},
+   "a frame with fewer inliers has no pose"},
   {"localise.ransac_iterations_max", POLHODE_FIELD(localise.ransac_iterations_max), 10, 5000, "",
-   "hypotheses of an absolute pose at most"},
+   "pose hypotheses of one RANSAC at most"},
   {"localise.search_floor_px", POLHODE_FIELD(localise.search_floor_px), 1.0, 50.0, "px",
-   "the guided search never looks nearer than this"},
+   "least radius of the guided search about a landmark's predicted place"},
 
   {"map.keyframes_max", POLHODE_FIELD(map.keyframes_max), 8, limits::kKeyframes, "",
-   "keyframes held at most"},
+   "keyframes held at most; when full, the most redundant one goes"},
   {"map.keyframe_rotation_min_rad", POLHODE_FIELD(map.keyframe_rotation_min_rad), 0.02, 0.5, "rad",
-   "body rotation that makes a new keyframe; twice that when half of them are held"},
+   "body rotation from the nearest keyframe that makes a new one; doubled when half of keyframes_max are held"},
   {"map.keyframe_tracked_min", POLHODE_FIELD(map.keyframe_tracked_min), 0.1, 0.95, "",
-   "a keyframe comes sooner when less than this part is still tracked"},
+   "a keyframe comes sooner when a smaller fraction of the last one's landmarks is tracked"},
   {"map.window_keyframes", POLHODE_FIELD(map.window_keyframes), 3, 30, "",
-   "keyframes that the windowed adjustment moves"},
+   "keyframes that the windowed adjustment moves; more: longer jobs"},
   {"map.adjustment_iterations_max", POLHODE_FIELD(map.adjustment_iterations_max), 1, 100, "",
    "iterations of one adjustment at most"},
   {"map.landmark_parallax_min_rad", POLHODE_FIELD(map.landmark_parallax_min_rad), 0.005, 0.5, "rad",
-   "least angle between the rays of a new landmark"},
+   "least angle between the rays of a new landmark; larger: fewer landmarks, better depths"},
 
-  {"shape.outlier_radius_spacings", POLHODE_FIELD(shape.outlier_radius_spacings), 1.0, 50.0,
-   "point spacings", "radius of the outlier test"},
+  {"shape.outlier_radius_spacings", POLHODE_FIELD(shape.outlier_radius_spacings), 1.0, 50.0, "point spacings",
+   "radius of the outlier test, in median distances of neighbouring points"},
   {"shape.outlier_neighbours_min", POLHODE_FIELD(shape.outlier_neighbours_min), 1, 100, "",
-   "points with fewer neighbours in that radius are noise"},
+   "points with fewer neighbours in that radius are removed"},
   {"shape.voxel_spacings", POLHODE_FIELD(shape.voxel_spacings), 0.2, 20.0, "point spacings",
-   "edge of a voxel of the homogenised cloud"},
+   "edge of a voxel, whose points are replaced by their mean; larger: fewer points"},
   {"shape.plane_inlier_min", POLHODE_FIELD(shape.plane_inlier_min), 0.01, 1.0, "",
-   "a plane holds at least this fraction of the points"},
+   "a plane holds at least this fraction of the points; lower: smaller faces, more false ones"},
   {"shape.plane_iterations_max", POLHODE_FIELD(shape.plane_iterations_max), 10, 10000, "",
-   "hypotheses of a plane at most"},
+   "RANSAC hypotheses of one plane or cylinder"},
 
   {"motion.mode", POLHODE_FIELD(motion.mode), 0, 1, "",
-   "rigid-body dynamics where the poses bear them out, or rates from pairs of poses"},
+   "dynamics: rigid-body fit where the poses support it, else local fits; paper: rates from pairs of poses"},
   {"motion.dynamics", POLHODE_FIELD(motion.dynamics), 0, 1, "",
-   "what moves the target: nothing, or a circular orbit's gravity"},
+   "what moves the target; torque_free: nothing; orbit: gravity, the observer being on a circular orbit"},
   {"motion.window_poses_max", POLHODE_FIELD(motion.window_poses_max), 4, limits::kMotionPoses, "",
-   "poses that a rate is fitted to at most"},
+   "poses of a local fit of the rate at most"},
   {"motion.window_angle_max_rad", POLHODE_FIELD(motion.window_angle_max_rad), 0.1, 3.0, "rad",
-   "body rotation over that window at most"},
+   "body rotation over that window at most; larger: less noise, more error of the polynomial"},
   {"motion.fit_poses_max", POLHODE_FIELD(motion.fit_poses_max), 16, limits::kMotionPoses, "",
-   "poses that the dynamics are fitted to at most; the older half is thinned"},
+   "poses of the rigid-body fit at most; when full, every other one of the older half goes"},
   {"motion.forgetting_s", POLHODE_FIELD(motion.forgetting_s), 0.0, 1000000.0, "s",
-   "older poses are not fitted; 0: none is forgotten"},
+   "older poses leave the rigid-body fit; 0: none does; for a torque that changes the rate slowly"},
   {"motion.mean_motion_rad_s", POLHODE_FIELD(motion.mean_motion_rad_s), 0.00001, 0.01, "rad/s",
-   "of the observer's orbit"},
+   "mean motion of the observer's circular orbit; used with dynamics = orbit, as q_IH and the epoch"},
   {"motion.q_IH_w", POLHODE_FIELD(motion.q_IH_w), -1.0, 1.0, "",
-   "Hill's frame (radial, along track, normal) in inertial axes at the epoch"},
+   "quaternion that takes Hill's frame (radial, along track, normal) to inertial axes at the epoch; norm 1"},
   {"motion.q_IH_x", POLHODE_FIELD(motion.q_IH_x), -1.0, 1.0, "", "as q_IH_w"},
   {"motion.q_IH_y", POLHODE_FIELD(motion.q_IH_y), -1.0, 1.0, "", "as q_IH_w"},
   {"motion.q_IH_z", POLHODE_FIELD(motion.q_IH_z), -1.0, 1.0, "", "as q_IH_w"},
   {"motion.orbit_epoch_ns", POLHODE_FIELD(motion.orbit_epoch_ns), 0, kInt64Max, "ns",
-   "the time that q_IH holds at"},
+   "time stamp at which q_IH holds"},
 
   {"bus.apid_first", POLHODE_FIELD(bus.apid_first), 1, 2031, "",
-   "application process id of the motion packet; the others' follow, commands come at + 15"},
-  {"bus.housekeeping_every_frames", POLHODE_FIELD(bus.housekeeping_every_frames), 1, 100000, "",
-   "housekeeping packet every so many frames"},
-  {"bus.model_every_frames", POLHODE_FIELD(bus.model_every_frames), 1, 100000, "",
-   "motion model, and predictions begun, every so many frames"},
-  {"bus.shape_every_frames", POLHODE_FIELD(bus.shape_every_frames), 1, 100000, "",
-   "shape estimated and sent every so many frames"},
-  {"bus.event_window_frames", POLHODE_FIELD(bus.event_window_frames), 1, 100000, "",
-   "events of one id are throttled over so many frames"},
+   "APID (application process id) of the motion packet; the other packets follow, commands have + 15"},
+  {"bus.housekeeping_every_frames", POLHODE_FIELD(bus.housekeeping_every_frames), 1, 100000, "frames",
+   "from one housekeeping packet to the next"},
+  {"bus.model_every_frames", POLHODE_FIELD(bus.model_every_frames), 1, 100000, "frames",
+   "from one model packet to the next, and at least between sets of predictions"},
+  {"bus.shape_every_frames", POLHODE_FIELD(bus.shape_every_frames), 1, 100000, "frames",
+   "from one shape packet to the next, and at least between estimates; a fifth of that before the first"},
+  {"bus.event_window_frames", POLHODE_FIELD(bus.event_window_frames), 1, 100000, "frames",
+   "window in which only a burst of events of one id is sent; the rest is counted"},
   {"bus.cloud_chunks_per_frame", POLHODE_FIELD(bus.cloud_chunks_per_frame), 1, 4, "",
    "packets of a requested cloud in one frame"},
 
@@ -133,42 +143,46 @@ constexpr ParameterRow kRows[] = {
    "from the issue of a job for the second core to the step that takes its result; 0: within the step"},
 
   {"budget.frame_ms", POLHODE_FIELD(budget.frame_ms), 0.0, 10000.0, "ms",
-   "time that a step may take; 0: none is set"},
-  {"budget.total_mb", POLHODE_FIELD(budget.total_mb), 32, 16384, "MiB", "memory of the whole process"},
+   "time allowed for a step; longer ones are counted; 0: no limit"},
+  {"budget.total_mb", POLHODE_FIELD(budget.total_mb), 32, 16384, "MiB",
+   "memory of the whole process; a plan that needs more is refused at start"},
   {"budget.general_mb", POLHODE_FIELD(budget.general_mb), 2, 4096, "MiB",
-   "pool for files and whatever is not one of the others"},
+   "pool for files and for what belongs to no other pool"},
   {"budget.step_mb", POLHODE_FIELD(budget.step_mb), 4, 4096, "MiB",
-   "pool for the libraries called within a step"},
-  {"budget.jobs_mb", POLHODE_FIELD(budget.jobs_mb), 4, 4096, "MiB", "pool for those called by jobs"},
+   "pool for library calls within a step"},
+  {"budget.jobs_mb", POLHODE_FIELD(budget.jobs_mb), 4, 4096, "MiB",
+   "pool for library calls of jobs"},
   {"budget.reserve_mb", POLHODE_FIELD(budget.reserve_mb), 1, 4096, "MiB",
-   "for what overflows from the pools"},
+   "what a full pool draws on; when it is used up, the run ends with exit status 3"},
 
   {"scale.known_length_m", POLHODE_FIELD(scale.known_length_m), 0.001, 1000.0, "m",
-   "distance between two points of the target; goes with points_px and frame_timestamp_ns"},
+   "distance between two points of the target; needs points_px and frame_timestamp_ns"},
   {"scale.points_px", POLHODE_FIELD(scale.points_px), -0.5, 16384.0, "px",
-   "its two ends [[u, v], [u, v]] as seen in that frame"},
+   "its two ends [[u, v], [u, v]] as seen in that frame, lens distortion included"},
   {"scale.range_m", POLHODE_FIELD(scale.range_m), 0.01, 100000.0, "m",
-   "a range finder's reading to the nearest surface on the boresight; goes with frame_timestamp_ns"},
+   "range finder's reading to the nearest surface on the boresight; needs frame_timestamp_ns"},
   {"scale.range_sigma_m", POLHODE_FIELD(scale.range_sigma_m), 0.0, 1000.0, "m",
-   "1-sigma of that reading"},
+   "1-sigma of range_m"},
   {"scale.frame_timestamp_ns", POLHODE_FIELD(scale.frame_timestamp_ns), 0, kInt64Max, "ns",
-   "the frame that the length or the range belongs to"},
+   "time stamp of the frame that the length or the range belongs to"},
   {"scale.known_diameter_m", POLHODE_FIELD(scale.known_diameter_m), 0.001, 1000.0, "m",
-   "diameter of the round body, which the program finds by itself"},
+   "diameter of the round body; the program finds the cylinder by itself"},
   {"scale.known_edge_m", POLHODE_FIELD(scale.known_edge_m), 0.001, 1000.0, "m",
-   "longest edge of its flat sides, which the program finds by itself; with another reading at hand the edge that fits it"},
+   "longest edge of the flat faces, which the program finds by itself; with another reading at hand, the edge that fits it"},
 
   {"camera.width_px", POLHODE_FIELD(camera.width_px), 32, 8192, "px", "image width"},
   {"camera.height_px", POLHODE_FIELD(camera.height_px), 32, 8192, "px", "image height"},
-  {"camera.fu_px", POLHODE_FIELD(camera.fu_px), 10.0, 1000000.0, "px", "focal length along u"},
-  {"camera.fv_px", POLHODE_FIELD(camera.fv_px), 10.0, 1000000.0, "px", "focal length along v"},
+  {"camera.fu_px", POLHODE_FIELD(camera.fu_px), 10.0, 1000000.0, "px",
+   "focal length along u (to the right)"},
+  {"camera.fv_px", POLHODE_FIELD(camera.fv_px), 10.0, 1000000.0, "px",
+   "focal length along v (down)"},
   {"camera.cu_px", POLHODE_FIELD(camera.cu_px), -8192.0, 16384.0, "px",
-   "principal point; the top-left pixel's centre is (0, 0)"},
-  {"camera.cv_px", POLHODE_FIELD(camera.cv_px), -8192.0, 16384.0, "px", "principal point"},
+   "principal point, u; the top-left pixel's centre is (0, 0)"},
+  {"camera.cv_px", POLHODE_FIELD(camera.cv_px), -8192.0, 16384.0, "px", "principal point, v"},
   {"camera.k1", POLHODE_FIELD(camera.k1), -10.0, 10.0, "", "radial distortion, r^2"},
   {"camera.k2", POLHODE_FIELD(camera.k2), -100.0, 100.0, "", "radial distortion, r^4"},
-  {"camera.p1", POLHODE_FIELD(camera.p1), -1.0, 1.0, "", "tangential distortion"},
-  {"camera.p2", POLHODE_FIELD(camera.p2), -1.0, 1.0, "", "tangential distortion"},
+  {"camera.p1", POLHODE_FIELD(camera.p1), -1.0, 1.0, "", "tangential distortion, as OpenCV's p1"},
+  {"camera.p2", POLHODE_FIELD(camera.p2), -1.0, 1.0, "", "tangential distortion, as OpenCV's p2"},
 };
 // clang-format on
 #undef POLHODE_FIELD
@@ -178,7 +192,7 @@ std::string number_text(T value) {
   char text[32];
   std::to_chars_result end = std::to_chars(text, text + sizeof text, value);
   if constexpr (std::is_floating_point_v<T>) {
-    // Shortest form that reads back, but 100000 rather than 1e+05 where people read it.
+    // Shortest form that reads back, but 100000 rather than 1e+05: easier to read, up to 9 digits.
     if (value >= 1.0 && value < 1e9) {
       end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed);
     }
@@ -248,7 +262,7 @@ std::optional<Error> check_points(const Parameters& parameters) {
   return std::nullopt;
 }
 
-/// Only what is given is looked at, and what goes with it.
+/// Checks only what is given, and what goes with it.
 std::optional<Error> check_scale(const Parameters& parameters) {
   const ScaleOptions& scale = parameters.scale;
   struct Given {
@@ -277,7 +291,7 @@ std::optional<Error> check_scale(const Parameters& parameters) {
 std::optional<Error> check_orbit(const MotionOptions& motion) {
   const double norm = std::hypot(std::hypot(motion.q_IH_w, motion.q_IH_x),
                                  std::hypot(motion.q_IH_y, motion.q_IH_z));
-  if (motion.dynamics != DynamicsKind::kOrbit || std::abs(norm - 1.0) < 1e-3) {
+  if (motion.dynamics != DynamicsKind::kOrbit || std::abs(norm - 1.0) < kNormTolerance) {
     return std::nullopt;
   }
   return bad("motion.q_IH_w and its x, y, z: norm " + text_of(norm) + ", allowed 0.999 .. 1.001");

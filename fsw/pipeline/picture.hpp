@@ -1,36 +1,50 @@
-// The frame comes in: copied, judged, searched for the target and for features.
+// The frame comes in: copied, judged, searched for the target.
 #pragma once
 
+#include <opencv2/core.hpp>
 #include <optional>
 
-#include "pipeline/state.hpp"
+#include "image/quality.hpp"
+#include "map/map_state.hpp"
+#include "mask/mask_state.hpp"
+#include "mask/options.hpp"
+#include "mask/target_mask.hpp"
+#include "pipeline/component.hpp"
 
 namespace polhode {
 
-/// Tells the caller's hook that a stage has ended.
-void stage_done(Stage stage, const Component::State& state);
-
-/// Clears what the last frame's picture has left behind.
-void forget_picture(Component::State* state);
+/// The state of the rooms image and mask: this frame's picture, and what is remembered of earlier
+/// ones.
+struct PictureState {
+  cv::Mat gray;
+  QualityHistory quality;
+  FrameVerdict verdict;
+  TargetMask mask;
+  MaskState mask_state;
+  FixedVector<cv::Point2f, limits::kLandmarks> landmarks_px;  ///< where the map has them
+};
 
 /// Pictures are looked at anew, after a pause or for another target: none is compared with the ones
 /// before.
-void forget_pictures(Component::State* state);
+void forget_pictures(PictureState* picture);
 
-/// Imports the image alone.
-FrameUse bring_picture(const Frame& frame, Component::State* state);
+/// Imports the image alone. @param reference  takes over the picture that was in `gray`, where it
+/// still waits for it.
+FrameUse bring_picture(const Frame& frame,
+                       const CameraModel& camera,
+                       FlowReference* reference,
+                       PictureState* picture);
 
-/// Imports the image and judges its quality.
-FrameUse take_picture(const Frame& frame, Component::State* state);
-
-/// Where the map's landmarks are in the picture with this pose.
-MaskPrior mask_prior(const Pose& pose, Component::State* state);
+/// Judges the quality of an imported image.
+FrameUse judge_picture(const ImageOptions& options, PictureState* picture);
 
 /// Finds the target's mask; while a map is tracked and something may be behind it, with the
 /// landmarks where the predicted pose has them.
-void look_for_target(const std::optional<PosePrediction>& predicted, Component::State* state);
-
-/// Detects this frame's features, once.
-void ensure_features(Component::State* state);
+/// @param predicted  nullptr: there is none, or no map is tracked.
+void look_for_target(const Pose* predicted,
+                     const Map& map,
+                     const CameraModel& camera,
+                     const MaskOptions& options,
+                     PictureState* picture);
 
 }  // namespace polhode

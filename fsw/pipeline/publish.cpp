@@ -1,67 +1,48 @@
 #include "pipeline/publish.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 
 #include "bus/narrow.hpp"
-#include "pipeline/jobs.hpp"
-#include "pipeline/telemetry.hpp"
+#include "bus/publish.hpp"
+#include "motion/published.hpp"
 
 namespace polhode {
 namespace {
-
-std::array<double, 3> to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-/// Rows of the upper triangle, one after the other.
-template <std::size_t kCount, typename Matrix>
-std::array<double, kCount> upper_triangle(const Matrix& m) {
-  std::array<double, kCount> out{};
-  std::size_t i = 0;
-  for (Eigen::Index row = 0; row < m.rows(); ++row) {
-    for (Eigen::Index column = row; column < m.cols(); ++column) {
-      out[i++] = m(row, column);
-    }
-  }
-  return out;
-}
 
 std::uint16_t inliers(const LandmarkMatches& matches) {
   return bus::clipped(static_cast<std::size_t>(std::count_if(
       matches.begin(), matches.end(), [](const LandmarkMatch& m) { return m.inlier; })));
 }
 
-/// Of the two quaternions of one rotation the one nearer to the last published.
-std::array<double, 4> continuous_quaternion(const Eigen::Matrix3d& R_CT,
-                                            std::array<double, 4>* last) {
-  Eigen::Quaterniond q(R_CT);
-  q.normalize();
-  const double dot =
-      q.w() * (*last)[0] + q.x() * (*last)[1] + q.y() * (*last)[2] + q.z() * (*last)[3];
-  if (dot < 0.0) {
-    q.coeffs() *= -1.0;
+/// Pose and rates, with what the map's drift and the scale add to their errors.
+/// @param q_last  quaternion published last; becomes this one.
+void fill_motion(const AbsolutePose& found,
+                 const MapDrift& drift,
+                 const MotionEstimate& motion,
+                 const MotionOptions& options,
+                 const bus::LengthUnit& unit,
+                 std::array<double, 4>* q_last,
+                 MotionState* m) {
+  const Pose pose = scaled(found.pose, unit.metres_per_mu);
+  fill_pose(pose,
+            scaled(found.covariance + covariance(drift), unit.metres_per_mu) +
+                by_scale(pose, unit.relative_sigma),
+            q_last,
+            m);
+  const Result<RateEstimate> rates = rates_now(motion, drift, options);
+  if (rates) {
+    fill_rates(rates.value(), unit.metres_per_mu, unit.relative_sigma, m);
   }
-  *last = {q.w(), q.x(), q.y(), q.z()};
-  return *last;
 }
 
-void fill_rates(double unit, const Component::State& s, MotionState* m) {
-  Result<RateEstimate> rates = rates_now(s.motion, s.drift, s.parameters.motion);
-  if (!rates) {
-    return;
-  }
-  RateEstimate& found = rates.value();
-  found.v_C *= unit;
-  found.covariance_v_C = unit * unit * found.covariance_v_C + by_scale(found.v_C, length_sigma(s));
-  publish(found, *m);
-  m->cov_w = upper_triangle<6>(found.covariance_w_T);
-  m->cov_v = upper_triangle<6>(found.covariance_v_C);
-}
-
-void list_observations(Component::State* s) {
-  s->observations.clear();
-  for (const LandmarkMatch& match : s->localised.matches) {
-    const Landmark& landmark = s->map.landmarks[match.landmark.index()];
+/// Matches with where their landmarks reproject; of a frame without a pose its features.
+void list_observations(const MapState& mapping,
+                       const Features& features,
+                       const CameraModel& camera,
+                       Answer* answer) {
+  answer->observations.clear();
+  for (const LandmarkMatch& match : mapping.localised.matches) {
+    const Landmark& landmark = mapping.map.landmarks[match.landmark.index()];
     if (!landmark.used) {
       continue;
     }
@@ -70,87 +51,97 @@ void list_observations(Component::State* s) {
                   .v_px = match.v_px,
                   .sigma_px = static_cast<float>(match.sigma_px),
                   .inlier = match.inlier};
-    const Eigen::Vector3d p_C = s->localised.absolute.pose.to_camera(landmark.p_T);
+    const Eigen::Vector3d p_C = mapping.localised.absolute.pose.to_camera(landmark.p_T);
     if (p_C.z() > 0.0) {
-      const Eigen::Vector2d pixel = project_px(s->camera, p_C);
+      const Eigen::Vector2d pixel = project_px(camera, p_C);
       o.predicted_u_px = static_cast<float>(pixel.x());
       o.predicted_v_px = static_cast<float>(pixel.y());
     }
-    (void)s->observations.push_back(o);
+    (void)answer->observations.push_back(o);
   }
-  for (const Feature& f : s->features) {
-    if (s->pose_valid || s->observations.full()) {
+  for (const Feature& f : features) {
+    if (mapping.pose_valid || answer->observations.full()) {
       break;
     }
-    (void)s->observations.push_back({.u_px = f.u_px, .v_px = f.v_px, .sigma_px = f.sigma_px});
+    (void)answer->observations.push_back({.u_px = f.u_px, .v_px = f.v_px, .sigma_px = f.sigma_px});
   }
+}
+
+MotionState motion_state(std::int64_t timestamp_ns,
+                         const bus::LengthUnit& unit,
+                         Component::State* s) {
+  const MapState& mapping = s->mapping;
+  const LandmarkMatches& matches = mapping.localised.matches;
+  MotionState m;
+  m.frame = s->clock.frame;
+  m.timestamp_ns = timestamp_ns;
+  m.mode = s->mode.now;
+  m.scale_known = s->scale.known;
+  m.target_frame = mapping.target_frame;
+  m.features = bus::clipped(std::max(s->features.features.size(), matches.size()));
+  m.matches = bus::clipped(matches.size());
+  m.inliers = inliers(matches);
+  m.landmarks = bus::clipped(static_cast<std::size_t>(mapping.map.landmark_count));
+  m.keyframes = bus::clipped(static_cast<std::size_t>(mapping.map.keyframe_count));
+  if (mapping.pose_valid) {
+    fill_motion(mapping.localised.absolute,
+                mapping.drift,
+                s->motion,
+                s->configuration.parameters.motion,
+                unit,
+                &s->bus.q_CT_last,
+                &m);
+  }
+  return m;
+}
+
+bus::TableStatus table_status(const Configuration& c) {
+  return {.crc = c.table_crc,
+          .loaded_crc = c.loaded_crc,
+          .loaded_entries = c.loaded_entries,
+          .loaded = c.loading,
+          .memory_octets = c.memory_octets};
+}
+
+bus::View view_of(FrameUse use, const bus::LengthUnit& unit, const Component::State& s) {
+  const Configuration& c = s.configuration;
+  return {.use = use,
+          .verdict = s.picture.verdict,
+          .motion = &s.answer.output.motion,
+          .counters = &s.counters,
+          .estimate = &s.motion,
+          .drift = &s.mapping.drift,
+          .pose = &s.mapping.localised.absolute.pose,
+          .shape = &s.shape,
+          .scale = &s.scale,
+          .unit = unit,
+          .has_map = s.mapping.map.landmark_count > 0,
+          .held = s.mode.held,
+          .table = table_status(c),
+          .motion_options = &c.parameters.motion,
+          .options = &c.parameters.bus,
+          .version = kVersion};
 }
 
 }  // namespace
 
-void fill_pose(const Pose& pose,
-               const PoseCovariance& covariance,
-               std::array<double, 4>* q_last,
-               MotionState* m) {
-  m->pose_valid = true;
-  m->q_CT = continuous_quaternion(pose.R_CT, q_last);
-  m->p_CT = to_array(pose.p_CT);
-  m->sigma_att_rad = worst_sigma(covariance.topLeftCorner<3, 3>());
-  m->sigma_pos = worst_sigma(covariance.bottomRightCorner<3, 3>());
-  m->cov_pose = upper_triangle<21>(covariance);
-}
-
-Pose scaled(const Pose& pose, double unit) { return {.R_CT = pose.R_CT, .p_CT = unit * pose.p_CT}; }
-
-PoseCovariance scaled(const PoseCovariance& covariance, double unit) {
-  Eigen::Matrix<double, 6, 1> units;
-  units << 1.0, 1.0, 1.0, unit, unit, unit;
-  return units.asDiagonal() * covariance * units.asDiagonal();
-}
-
-Eigen::Matrix3d by_scale(const Eigen::Vector3d& length, double scale_sigma) {
-  return scale_sigma * scale_sigma * length * length.transpose();
-}
-
-PoseCovariance by_scale(const Pose& pose, double scale_sigma) {
-  PoseCovariance added = PoseCovariance::Zero();
-  added.bottomRightCorner<3, 3>() = by_scale(pose.p_CT, scale_sigma);
-  return added;
-}
-
 void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
-  if (!s->pose_valid) {
-    s->localised.matches.clear();
+  if (!s->mapping.pose_valid) {
+    s->mapping.localised.matches.clear();
   }
-  MotionState m;
-  m.frame = s->frame;
-  m.timestamp_ns = timestamp_ns;
-  m.mode = s->mode;
-  m.scale_known = s->scale.known;
-  m.target_frame = s->target_frame;
-  m.features = bus::clipped(std::max(s->features.size(), s->localised.matches.size()));
-  m.matches = bus::clipped(s->localised.matches.size());
-  m.inliers = inliers(s->localised.matches);
-  m.landmarks = bus::clipped(static_cast<std::size_t>(s->map.landmark_count));
-  m.keyframes = bus::clipped(static_cast<std::size_t>(s->map.keyframe_count));
-  if (s->pose_valid) {
-    const AbsolutePose& absolute = s->localised.absolute;
-    const double unit = s->scale.metres_per_mu;
-    const Pose pose = scaled(absolute.pose, unit);
-    fill_pose(
-        pose,
-        scaled(absolute.covariance + covariance(s->drift), unit) + by_scale(pose, length_sigma(*s)),
-        &s->q_CT_last,
-        &m);
-    fill_rates(unit, *s, &m);
-  }
-  list_observations(s);
-  s->output.use = use;
-  s->output.verdict = s->verdict;
-  s->output.motion = m;
-  s->output.observations = s->observations.view();
-  send_telemetry(use, m, s);
-  s->output.jobs = jobs_for_caller(s);
+  const bus::LengthUnit unit{.known = s->scale.known,
+                             .metres_per_mu = s->scale.metres_per_mu,
+                             .relative_sigma = length_sigma(s->scale, s->mapping.drift)};
+  StepOutput& output = s->answer.output;
+  output.use = use;
+  output.verdict = s->picture.verdict;
+  output.motion = motion_state(timestamp_ns, unit, s);
+  list_observations(
+      s->mapping, s->features.features, s->configuration.camera, &s->answer);
+  output.observations = s->answer.observations.view();
+  bus::publish(view_of(use, unit, *s), &s->bus);
+  output.packets = s->bus.stream.view();
+  output.jobs = jobs_of_step(s->clock.frame, &s->jobs);
 }
 
 }  // namespace polhode

@@ -1,27 +1,11 @@
-// The frame's answer: motion state, packet, observations.
+// The frame's answer: motion state, observations, packets, jobs.
 #pragma once
 
 #include "pipeline/state.hpp"
 
 namespace polhode {
 
-/// Writes a pose with its sigmas into a motion state; of the two quaternions of one rotation the
-/// one nearer to `q_last`, which becomes the one written.
-void fill_pose(const Pose& pose,
-               const PoseCovariance& covariance,
-               std::array<double, 4>* q_last,
-               MotionState* motion);
-
-/// The same pose with lengths multiplied by `unit`.
-Pose scaled(const Pose& pose, double unit);
-PoseCovariance scaled(const PoseCovariance& covariance, double unit);
-
-/// What the scale's own error adds to the covariance of a length, in its unit.
-/// @param scale_sigma  1-sigma of the scale, as a part of it.
-Eigen::Matrix3d by_scale(const Eigen::Vector3d& length, double scale_sigma);
-PoseCovariance by_scale(const Pose& pose, double scale_sigma);
-
-/// Fills `state->output`. Every accepted frame gets exactly one motion packet, valid or not.
+/// Fills `state->answer`. Every accepted frame gets exactly one motion packet, valid or not.
 void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* state);
 
 }  // namespace polhode

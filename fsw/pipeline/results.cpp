@@ -1,13 +1,12 @@
 #include "pipeline/results.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/assert.hpp"
 #include "pipeline/begin.hpp"
-#include "pipeline/mapping.hpp"
-#include "pipeline/motion_jobs.hpp"
-#include "pipeline/picture.hpp"
-#include "pipeline/shape_now.hpp"
+#include "pipeline/counting.hpp"
+#include "pipeline/map_update.hpp"
 
 namespace polhode {
 namespace {
@@ -15,72 +14,107 @@ namespace {
 // A start is followed by two adjustments, each of which ends before the next begins.
 constexpr int kJobsInARowMax = 4;
 
+void take_fit_result(bool skipped, Component::State* s) {
+  const FitJob& job = s->jobs.fit_work;
+  if (!skipped) {
+    take_fit(job.model,
+             job.snapshot.poses.back().timestamp_ns,
+             job.poses_new,
+             s->mapping.drift,
+             &s->motion);
+  }
+}
+
+void take_shape_result(const Job& job, Component::State* s) {
+  const ShapeJob& work = s->jobs.shape_work;
+  if (job.skipped) {
+    ask_shape_again(&s->shape);
+  }
+  if (!work.outcome) {
+    return;
+  }
+  ++s->counters.shapes;
+  if (take_shape(work, job.issued_step, &s->shape)) {
+    bus::report(bus::EventId::kShapeKnown,
+                {.values = {static_cast<double>(work.outcome->cloud_points),
+                            static_cast<double>(work.outcome->planes.size())}},
+                &s->bus.events);
+  }
+  // A rectangle ends where its points do, and what was seen from one aspect is bent: only a body
+  // that was seen over a quarter turn has known lengths.
+  constexpr double kAcross_rad = 1.57;
+  if ((work.outcome->box || work.outcome->cylinder) && s->mapping.drift.turn_rad > kAcross_rad) {
+    const ScaleOptions& options = s->configuration.parameters.scale;
+    count(read_scale_of(*work.outcome, options, &s->scale), &s->counters);
+  }
+}
+
 void take_result(Job* job, Component::State* s) {
-  const JobKind kind = job->kind;
   POLHODE_ASSERT(job->done, job->due_step);
-  job->kind = JobKind::kNone;
+  const JobWork work = std::exchange(job->work, std::monostate{});
   s->counters.jobs_without_result += job->skipped ? 1 : 0;
   if (job->unwanted) {
     return;
   }
-  if (kind == JobKind::kStart) {
+  if (std::holds_alternative<StartJob*>(work)) {
     take_start(s);
-  } else if (kind == JobKind::kAdjustment) {
+  } else if (std::holds_alternative<AdjustmentJob*>(work)) {
     take_adjustment(s);
-  } else if (kind == JobKind::kFit) {
-    take_fit_job(s);
-  } else if (kind == JobKind::kShape) {
-    take_shape(s);
+  } else if (std::holds_alternative<FitJob*>(work)) {
+    take_fit_result(job->skipped, s);
+  } else {
+    take_shape_result(*job, s);
   }
-  stage_done(Stage::kJobs, *s);
+  stage_done(Stage::kJobs, s->timer);
 }
 
 void take_if_due(Job* job, const Jobs& finished, Component::State* s) {
   const bool handed_in = std::find(finished.begin(), finished.end(), job) != finished.end();
-  const bool due = job->kind != JobKind::kNone && s->frame >= job->due_step;
+  const bool due = is_out(*job) && s->clock.frame >= job->due_step;
   // The caller waits for a late job before it steps: without that, results would depend on time.
-  POLHODE_ASSERT(handed_in == due, s->frame);
+  POLHODE_ASSERT(handed_in == due, s->clock.frame);
   if (due) {
     take_result(job, s);
   }
 }
 
-void close(Job* job, Component::State* s) {
-  for (int i = 0; i < kJobsInARowMax && job->kind != JobKind::kNone; ++i) {
+void close_job(Job* job, Component::State* s) {
+  for (int i = 0; i < kJobsInARowMax && is_out(*job); ++i) {
     if (!job->done) {
       run_job(*job);
     }
     take_result(job, s);
   }
-  POLHODE_ASSERT(job->kind == JobKind::kNone, job->due_step);
+  POLHODE_ASSERT(!is_out(*job), job->due_step);
 }
 
 }  // namespace
 
 void take_due_jobs(const Jobs& finished, Component::State* s) {
-  take_if_due(&s->job, finished, s);
-  take_if_due(&s->fit_job, finished, s);
-  take_if_due(&s->shape_job, finished, s);
+  JobQueue& jobs = s->jobs;
+  take_if_due(&jobs.map, finished, s);
+  take_if_due(&jobs.fit, finished, s);
+  take_if_due(&jobs.shape, finished, s);
   // What a map begins with is adjusted within the step, once: put off, it is tracked on while it is
-  // still bent, and a body that turns by 10 deg a frame is lost before its other sides have
+  // still bent, and a body that turns by 10 deg a frame is lost before its other aspects have
   // landmarks.
-  const bool begins = s->job.kind == JobKind::kAdjustment &&
-                      s->job.adjustment.reason != AdjustmentReason::kMapGrown;
+  const bool begins = is_out_with<AdjustmentJob>(jobs.map) &&
+                      jobs.adjustment.reason != AdjustmentReason::kMapGrown;
   if (begins) {
-    close(&s->job, s);
+    close_job(&jobs.map, s);
   }
 }
 
 void run_undelayed(Job* job, Component::State* s) {
-  if (s->parameters.jobs.delay_frames == 0) {
-    close(job, s);
+  if (s->configuration.parameters.jobs.delay_frames == 0) {
+    close_job(job, s);
   }
 }
 
 void close_jobs(Component::State* s) {
-  close(&s->job, s);
-  close(&s->fit_job, s);
-  close(&s->shape_job, s);
+  close_job(&s->jobs.map, s);
+  close_job(&s->jobs.fit, s);
+  close_job(&s->jobs.shape, s);
 }
 
 }  // namespace polhode

@@ -4,28 +4,31 @@
 #include <optional>
 
 #include "map/landmarks.hpp"
-#include "pipeline/mapping.hpp"
-#include "pipeline/picture.hpp"
+#include "map/grow.hpp"
+#include "map/track.hpp"
+#include "map/update.hpp"
+#include "pipeline/counting.hpp"
+#include "pipeline/map_update.hpp"
 #include "pipeline/results.hpp"
 #include "pipeline/state.hpp"
-#include "pipeline/track.hpp"
+#include "shape/scale_reading.hpp"
 
 namespace polhode {
 namespace {
 
-constexpr int kInliersMin = 12;
+constexpr int kInliersMin = 12;  // as localise.inliers_min has it by default
 
-/// The observations of a keyframe are its sightings.
-std::vector<PoseObservation> sightings_of(const Keyframe& keyframe, const Component::State& s) {
+std::vector<PoseObservation> observations_of(const Keyframe& keyframe, const Map& map,
+                                          const CameraModel& camera) {
   std::vector<PoseObservation> observations;
   for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
     const LandmarkId id = keyframe.landmark_of[i];
     if (id.valid()) {
       const Feature& f = keyframe.features[i];
       observations.push_back(
-          {.p_T = s.map.landmarks[id.index()].p_T,
+          {.p_T = map.landmarks[id.index()].p_T,
            .normalised = f.normalised,
-           .sigma_normalised = static_cast<double>(f.sigma_px) / s.camera.focal_px()});
+           .sigma_normalised = static_cast<double>(f.sigma_px) / camera.focal_px()});
     }
   }
   return observations;
@@ -46,37 +49,42 @@ SmoothedPose refine(const std::vector<PoseObservation>& observations, const Pose
   return smoothed;
 }
 
-const Keyframe* keyframe_of(const Component::State& s, std::uint32_t frame) {
-  const auto found = std::find_if(s.map.keyframes.begin(),
-                                  s.map.keyframes.end(),
+const Keyframe* keyframe_of(const Map& map, std::uint32_t frame) {
+  const auto found = std::find_if(map.keyframes.begin(),
+                                  map.keyframes.end(),
                                   [&](const Keyframe& k) { return k.used && k.frame == frame; });
-  return found == s.map.keyframes.end() ? nullptr : &*found;
+  return found == map.keyframes.end() ? nullptr : &*found;
 }
 
 }  // namespace
 
-void bring_to_rest(Component::State* s) {
+void bring_to_rest(Component* component) {
+  // Without a deadline: each round looks for observations once more, and 50 iterations converge.
   constexpr int kRounds = 3;
   constexpr int kIterations = 50;
+  Component::State* s = ComponentAccess::state(*component);
+  MapState& mapping = s->mapping;
+  const CameraModel& camera = s->configuration.camera;
   close_jobs(s);
-  for (int round = 0; round < kRounds && s->map.keyframe_count > 1; ++round) {
+  for (int round = 0; round < kRounds && mapping.map.keyframe_count > 1; ++round) {
     adjust_all(kIterations, s);
-    cull_map(s);
-    refresh_landmarks(&s->map, s->camera);
+    cull_misfits(camera, &mapping);
+    refresh_landmarks(&mapping.map, camera);
     if (round + 1 < kRounds) {
-      extend_landmarks(0, s->camera, &s->map);
-      refresh_landmarks(&s->map, s->camera);
+      extend_landmarks(0, camera, &mapping.map);
+      refresh_landmarks(&mapping.map, camera);
     }
   }
+  take_counts(&mapping.counts, &s->jobs.counts, &s->counters);
 }
 
-MapAtRest::MapAtRest(Component::State* state)
-    : state_(state),
-      slot_of_number_(static_cast<std::size_t>(state->map.next_landmark_number), -1) {
-  for (std::size_t i = 0; i < state->map.landmarks.size(); ++i) {
-    if (state->map.landmarks[i].used) {
-      slot_of_number_[static_cast<std::size_t>(state->map.landmarks[i].number)] =
-          static_cast<std::int32_t>(i);
+MapAtRest::MapAtRest(Component* component)
+    : state_(ComponentAccess::state(*component)),
+      slot_of_number_(static_cast<std::size_t>(state_->mapping.map.next_landmark_number), -1) {
+  const auto& landmarks = state_->mapping.map.landmarks;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (landmarks[i].used) {
+      slot_of_number_[static_cast<std::size_t>(landmarks[i].number)] = static_cast<std::int32_t>(i);
     }
   }
 }
@@ -84,8 +92,10 @@ MapAtRest::MapAtRest(Component::State* state)
 SmoothedPose MapAtRest::from_log(std::uint32_t frame,
                                  const Pose& hint,
                                  std::span<const Observation> inliers) const {
-  if (const Keyframe* keyframe = keyframe_of(*state_, frame)) {
-    SmoothedPose smoothed = refine(sightings_of(*keyframe, *state_), keyframe->pose);
+  const Map& map = state_->mapping.map;
+  const CameraModel& camera = state_->configuration.camera;
+  if (const Keyframe* keyframe = keyframe_of(map, frame)) {
+    SmoothedPose smoothed = refine(observations_of(*keyframe, map, camera), keyframe->pose);
     smoothed.absolute.pose = keyframe->pose;
     smoothed.valid = smoothed.valid && smoothed.matches >= kInliersMin;
     return smoothed;
@@ -97,10 +107,10 @@ SmoothedPose MapAtRest::from_log(std::uint32_t frame,
     const std::int32_t slot = known ? slot_of_number_[static_cast<std::size_t>(o.landmark)] : -1;
     if (slot >= 0) {
       observations.push_back(
-          {.p_T = state_->map.landmarks[static_cast<std::size_t>(slot)].p_T,
-           .normalised = undistort(state_->camera,
-                                   {static_cast<double>(o.u_px), static_cast<double>(o.v_px)}),
-           .sigma_normalised = static_cast<double>(o.sigma_px) / state_->camera.focal_px()});
+          {.p_T = map.landmarks[static_cast<std::size_t>(slot)].p_T,
+           .normalised =
+               undistort(camera, {static_cast<double>(o.u_px), static_cast<double>(o.v_px)}),
+           .sigma_normalised = static_cast<double>(o.sigma_px) / camera.focal_px()});
     }
   }
   return refine(observations, hint);
@@ -108,29 +118,54 @@ SmoothedPose MapAtRest::from_log(std::uint32_t frame,
 
 SmoothedPose MapAtRest::from_image(const Frame& frame) {
   Component::State* s = state_;
-  forget_picture(s);
-  if (bring_picture(frame, s) != FrameUse::kUsed) {
+  const Configuration& c = s->configuration;
+  begin_frame(&s->mapping);
+  s->features.ready = false;
+  s->features.features.clear();
+  s->picture.verdict = {};
+  if (bring_picture(frame, c.camera, &s->mapping.reference, &s->picture) != FrameUse::kUsed) {
     return {};
   }
-  find_target(s->gray, s->parameters.mask, &s->mask);
+  find_target(s->picture.gray, c.parameters.mask, &s->picture.mask);
+  detect_once(s);
   // A busy background leaves the target too few features to be found among all: the motion knows
   // where it was, as seen by an observer who stands still.
-  const auto expected =
-      s->motion.observer_known
-          ? std::nullopt
-          : pose_by_map_model(s->motion, s->parameters.motion, frame.timestamp_ns, s->motion.R_IC);
+  const auto expected = s->motion.observer_known
+                            ? std::nullopt
+                            : pose_by_map_model(s->motion,
+                                                c.parameters.motion,
+                                                frame.timestamp_ns,
+                                                s->motion.R_IC);
+  const MapInput input = map_input(*s);
   SmoothedPose smoothed;
-  if ((expected && find_about(*expected, s)) || relocalise_frame(s)) {
+  if ((expected && find_about(input, expected_at(*expected, s->motion), &s->mapping)) ||
+      relocalise_frame(input, &s->mapping)) {
     smoothed.valid = true;
-    smoothed.absolute = s->localised.absolute;
-    smoothed.matches = static_cast<int>(s->localised.matches.size());
+    smoothed.absolute = s->mapping.localised.absolute;
+    smoothed.matches = static_cast<int>(s->mapping.localised.matches.size());
   }
   return smoothed;
 }
 
-ConfirmedLandmarks confirmed_landmarks(const Component::State& s) {
+bool read_scale_in_keyframe(Component* component) {
+  Component::State* s = ComponentAccess::state(*component);
+  return count(read_scale_in_keyframe(s->mapping.map, scale_input(*s), &s->scale), &s->counters);
+}
+
+bool read_scale_in_image(Component* component) {
+  Component::State* s = ComponentAccess::state(*component);
+  return count(read_scale_in_frame(s->mapping, scale_input(*s), &s->scale), &s->counters);
+}
+
+bool read_scale_in_shape(const Shape& shape, Component* component) {
+  Component::State* s = ComponentAccess::state(*component);
+  const ScaleOptions& options = s->configuration.parameters.scale;
+  return count(read_scale_of(shape, options, &s->scale), &s->counters);
+}
+
+ConfirmedLandmarks confirmed_landmarks(const Map& map) {
   ConfirmedLandmarks found;
-  for (const Landmark& landmark : s.map.landmarks) {
+  for (const Landmark& landmark : map.landmarks) {
     if (landmark.used && confirmed(landmark)) {
       found.points_T.push_back(landmark.p_T);
       found.numbers.push_back(landmark.number);

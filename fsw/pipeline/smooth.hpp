@@ -9,15 +9,17 @@
 #include <span>
 #include <vector>
 
+#include "map/map.hpp"
 #include "pipeline/component.hpp"
+#include "shape/shape.hpp"
 #include "solve/absolute_pose.hpp"
 
 namespace polhode {
 
-/// Joint adjustment of all keyframes and landmarks until nothing moves, with sightings looked for
+/// Joint adjustment of all keyframes and landmarks until nothing moves, with observations looked for
 /// anew in every keyframe between the rounds. A job that is still out is ended first: the caller
 /// has it no longer. T keeps its axes, origin and scale.
-void bring_to_rest(Component::State* state);
+void bring_to_rest(Component* component);
 
 struct SmoothedPose {
   bool valid = false;
@@ -28,7 +30,7 @@ struct SmoothedPose {
 /// Poses of single frames from the map at rest.
 class MapAtRest {
  public:
-  explicit MapAtRest(Component::State* state);
+  explicit MapAtRest(Component* component);
 
   /// From what the step measured: a keyframe has its adjusted pose, another frame the pose that its
   /// logged observations give. `hint` is the causal pose.
@@ -45,12 +47,22 @@ class MapAtRest {
   std::vector<std::int32_t> slot_of_number_;  ///< landmark slot by number, -1: gone
 };
 
+/// Reads the configured length or range in the keyframe of the configured time.
+/// @return false where there is none, or nothing can be read in it.
+bool read_scale_in_keyframe(Component* component);
+
+/// Reads it in the picture that MapAtRest::from_image() found a pose for last.
+bool read_scale_in_image(Component* component);
+
+/// Reads the configured diameter or edge in a shape, in map units.
+bool read_scale_in_shape(const Shape& shape, Component* component);
+
 struct ConfirmedLandmarks {
   std::vector<Eigen::Vector3d> points_T;  ///< in map units
   std::vector<std::int32_t> numbers;      ///< as in the observations
 };
 
 /// Landmarks that three keyframes or more confirm, in slot order.
-ConfirmedLandmarks confirmed_landmarks(const Component::State& state);
+ConfirmedLandmarks confirmed_landmarks(const Map& map);
 
 }  // namespace polhode

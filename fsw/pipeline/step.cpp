@@ -1,56 +1,39 @@
-// One step, the stages in the order that data travels.
+// One step, the rooms in the order that data travels.
 #include <algorithm>
-#include <cmath>
+#include <optional>
 
+#include "bus/frame_uses.hpp"
 #include "pipeline/acquire.hpp"
 #include "pipeline/commands.hpp"
-#include "pipeline/frame_uses.hpp"
-#include "pipeline/motion_jobs.hpp"
+#include "pipeline/counting.hpp"
+#include "pipeline/observer.hpp"
 #include "pipeline/picture.hpp"
 #include "pipeline/publish.hpp"
+#include "pipeline/reset.hpp"
 #include "pipeline/results.hpp"
-#include "pipeline/scale_now.hpp"
-#include "pipeline/shape_now.hpp"
 #include "pipeline/state.hpp"
-#include "pipeline/telemetry.hpp"
 #include "pipeline/track.hpp"
+#include "shape/scale_reading.hpp"
 
 namespace polhode {
 namespace {
 
-/// May the frame be looked at? Where the time before it was wrong nothing that has a time can stay,
-/// neither poses nor keyframes.
-FrameUse admit(const Frame& frame, Component::State* s) {
-  const bool rises = !s->time_known || frame.timestamp_ns > s->timestamp_ns;
-  if (!rises && !outvotes(frame.timestamp_ns, &s->time_doubt)) {
-    return s->bus.held ? FrameUse::kHeld : FrameUse::kTimeNotIncreasing;
-  }
-  if (!rises) {
-    forget_target(s);
-    s->arrivals = {};
-    s->timestamp_ns = frame.timestamp_ns;  // whatever becomes of its picture
-  }
-  s->time_doubt = {};
-  s->counters.frames_missing +=
-      static_cast<std::uint32_t>(missing_frames(frame.timestamp_ns, &s->arrivals));
-  return s->bus.held ? FrameUse::kHeld : FrameUse::kUsed;
-}
-
-/// What became of a frame, and what was wrong with its picture.
-void count(FrameUse use, const FrameVerdict& verdict, Counters* counters) {
-  if (const auto counter = row_of(use).counter) {
-    ++(counters->*counter);
-  }
-  counters->frames_with_care += verdict.decision == FrameDecision::kCare ? 1 : 0;
-  if (const FrameFaultRow* const fault = row_of(verdict.fault)) {
-    ++(counters->*fault->counter);
-  }
+/// Nothing of the last frame is left.
+void begin_step(Component::State* s) {
+  s->clock.frame = s->clock.next_frame++;
+  begin_frame(&s->mapping);
+  s->picture.verdict = {};
+  s->features.ready = false;
+  s->features.features.clear();
+  s->shape.is_new = false;
+  s->bus.stream.size = 0;
+  s->answer.output.checkpoint_asked = false;
 }
 
 /// Memory that was short comes back when less is asked for; after a second or so of frames it is
 /// tried again in full.
 void shed_load(bool memory_short, Component::State* s) {
-  constexpr std::uint32_t kSteps = 30;
+  constexpr std::uint32_t kSteps = 30;  // 1 to 3 s at 10 to 30 frames/s
   if (memory_short) {
     s->steps_to_shed = kSteps;
   } else if (s->steps_to_shed > 0) {
@@ -59,68 +42,132 @@ void shed_load(bool memory_short, Component::State* s) {
   s->counters.steps_short_of_memory += s->steps_to_shed > 0 ? 1 : 0;
 }
 
-void estimate(const std::optional<PosePrediction>& predicted, Component::State* s) {
-  if (s->mode == Mode::kAcquiring) {
+/// The frame's time, then its picture, where they can be used.
+FrameUse take_frame(const Frame& frame, Component::State* s) {
+  std::uint32_t missing = 0;
+  const Admission admission = admit(frame.timestamp_ns, &s->clock, &missing);
+  s->counters.frames_missing += missing;
+  if (admission == Admission::kTimeWasWrong) {
+    forget_target(s);
+  }
+  if (s->mode.held) {
+    return FrameUse::kHeld;
+  }
+  if (admission == Admission::kNotLater) {
+    return FrameUse::kTimeNotIncreasing;
+  }
+  const Configuration& c = s->configuration;
+  FrameUse use = bring_picture(frame, c.camera, &s->mapping.reference, &s->picture);
+  if (use == FrameUse::kUsed) {
+    use = judge_picture(c.parameters.image, &s->picture);
+    stage_done(Stage::kImage, s->timer);
+  }
+  if (row_of(use).looked_at) {
+    s->clock.timestamp_ns = frame.timestamp_ns;
+    s->clock.time_known = true;
+  }
+  return use;
+}
+
+void find_target_now(const std::optional<PosePrediction>& predicted, Component::State* s) {
+  const Configuration& c = s->configuration;
+  const bool tracks = s->mode.now == Mode::kTracking && predicted;
+  look_for_target(tracks ? &predicted->pose : nullptr,
+                  s->mapping.map,
+                  c.camera,
+                  c.parameters.mask,
+                  &s->picture);
+  stage_done(Stage::kMask, s->timer);
+}
+
+void find_pose(const std::optional<PosePrediction>& predicted, Component::State* s) {
+  if (s->mode.now == Mode::kAcquiring) {
     collect(s);
   } else {
     track(predicted, s);
   }
-  stage_done(Stage::kMap, *s);
-  run_undelayed(&s->job, s);
-  measure_scale(s);
-  ask_for_shape(s);
-  run_undelayed(&s->shape_job, s);
-  stage_done(Stage::kShape, *s);
-  if (s->pose_valid) {
-    remember_motion(
-        s->timestamp_ns, s->localised.absolute.pose, s->localised.absolute.covariance, s);
-    run_undelayed(&s->fit_job, s);
-    widen_turn(s->localised.absolute.pose, &s->drift);
+  stage_done(Stage::kMap, s->timer);
+  run_undelayed(&s->jobs.map, s);
+}
+
+/// Metres, and the shape where an estimate is due.
+void measure_target(Component::State* s) {
+  const Configuration& c = s->configuration;
+  const ScaleOptions& options = c.parameters.scale;
+  if (s->mapping.pose_valid) {
+    count(read_scale(s->clock.timestamp_ns, s->mapping, scale_input(*s), &s->scale), &s->counters);
+  }
+  // While a known diameter or edge waits for a shape, sooner: a young map has few confirmed
+  // landmarks.
+  const bool scale_is_awaited =
+      !s->scale.known && (options.known_diameter_m != 0.0 || options.known_edge_m != 0.0);
+  const auto every = static_cast<std::uint32_t>(c.parameters.bus.shape_every_frames);
+  const std::uint32_t frames_between =
+      s->shape.shape && !scale_is_awaited ? every : std::max(1U, every / 5);
+  if (s->mode.now == Mode::kTracking && !is_out(s->jobs.shape) &&
+      shape_is_due(s->shape, s->mapping.map, s->clock.frame, frames_between)) {
+    prepare_shape(s->mapping.map,
+                  c.parameters.shape,
+                  c.parameters.seed,
+                  s->clock.frame,
+                  &s->shape,
+                  &s->jobs.shape_work);
+    issue_job(&s->jobs.shape_work, job_times(*s), &s->jobs.shape, &s->jobs);
+  }
+  run_undelayed(&s->jobs.shape, s);
+  stage_done(Stage::kShape, s->timer);
+}
+
+/// The pose joins those so far; the dynamics are fitted anew when that is due.
+void estimate_motion(Component::State* s) {
+  if (s->mapping.pose_valid) {
+    const MotionOptions& options = s->configuration.parameters.motion;
+    const AbsolutePose& found = s->mapping.localised.absolute;
+    const bool fit_is_due = remember_pose(
+        s->clock.timestamp_ns, found.pose, found.covariance, options, &s->motion);
+    if (fit_is_due && !is_out(s->jobs.fit)) {
+      prepare_fit(
+          s->mapping.map, s->mapping.drift, options, &s->motion, &s->jobs.fit_work);
+      issue_job(&s->jobs.fit_work, job_times(*s), &s->jobs.fit, &s->jobs);
+    }
+    run_undelayed(&s->jobs.fit, s);
+    widen_turn(found.pose, &s->mapping.drift);
     ++s->counters.poses;
   }
-  stage_done(Stage::kMotion, *s);
+  stage_done(Stage::kMotion, s->timer);
 }
 
 }  // namespace
 
 const StepOutput& Component::step(const StepInput& input) {
   State* s = state_;
-  s->frame = s->next_frame++;
-  begin_telemetry(s);
+  begin_step(s);
   execute_commands(input.commands, s);
   ++s->counters.frames_in;
-  s->pose_valid = false;
   shed_load(input.memory_short, s);
-  s->map_moved_rad = 0.0;
   take_due_jobs(input.finished, s);
-  if (s->bus.held) {
-    s->mode = Mode::kIdle;
-  }
-  forget_picture(s);
-  if (s->mode == Mode::kIdle && !s->bus.held) {
-    s->mode = Mode::kAcquiring;
-  }
+  change_mode(ModeEvent::kFrameComes, &s->mode);
   set_observer(input, s);
-  FrameUse use = admit(input.frame, s);
-  if (use == FrameUse::kUsed) {
-    use = take_picture(input.frame, s);
-  }
-  if (row_of(use).looked_at) {
-    s->timestamp_ns = input.frame.timestamp_ns;
-    s->time_known = true;
-  }
+  const FrameUse use = take_frame(input.frame, s);
   if (use == FrameUse::kUsed) {
     const std::optional<PosePrediction> predicted =
-        predict_or_hold(s->motion, s->drift, s->parameters.motion, s->timestamp_ns, s->motion.R_IC);
-    look_for_target(predicted, s);
-    estimate(predicted, s);
-  } else if (s->mode == Mode::kTracking) {
-    s->reference.valid = false;
+        predict_or_hold(s->motion,
+                        s->mapping.drift,
+                        s->configuration.parameters.motion,
+                        s->clock.timestamp_ns,
+                        s->motion.R_IC);
+    find_target_now(predicted, s);
+    find_pose(predicted, s);
+    measure_target(s);
+    estimate_motion(s);
+  } else if (s->mode.now == Mode::kTracking) {
+    drop_reference(&s->mapping);
   }
-  count(use, s->verdict, &s->counters);
+  count(use, s->picture.verdict, &s->counters);
+  take_counts(&s->mapping.counts, &s->jobs.counts, &s->counters);
   publish(use, input.frame.timestamp_ns, s);
-  stage_done(Stage::kBus, *s);
-  return s->output;
+  stage_done(Stage::kBus, s->timer);
+  return s->answer.output;
 }
 
 }  // namespace polhode

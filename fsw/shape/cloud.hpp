@@ -1,5 +1,5 @@
-// The target's points: outlier removal, homogenisation, centroid. Every length is measured in the
-// cloud's own spacing.
+// The target's points: outlier removal, homogenisation, centroid. Lengths are in spacings of the
+// cloud, so the unit of the map does not matter.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,9 +23,9 @@ struct Cloud {
 using CloudIndices = FixedVector<std::uint16_t, limits::kCloudPoints>;
 static_assert(limits::kCloudPoints <= 65535);
 
-/// Working space, owned by the caller; holds nothing between calls.
+/// Workspace, owned by the caller. Holds nothing between calls.
 struct CloudScratch {
-  CloudIndices by_x;  ///< points in the order of their x: neighbours are found within a slab
+  CloudIndices by_x;  ///< points sorted by x: neighbours lie within a slab
   FixedVector<Eigen::Vector3d, limits::kCloudPoints> points_T;
 };
 
@@ -50,9 +50,9 @@ void visit_neighbours(std::span<const Eigen::Vector3d> points_T,
   }
 }
 
-/// Typical distance of a point to its nearest neighbour on the surface: the median distance to the
-/// fourth nearest, over 2.19 (their ratio for points spread at random on a surface). The fourth,
-/// because features come in clumps.
+/// Typical distance of a point to its nearest neighbour on the surface. It is the median distance
+/// to the fourth nearest, over the ratio of both for random points on a surface. Such points have a
+/// density of 1 / (2 spacings)^2.
 /// @errors TooFewObservations (under 5 points), Degenerate (more than half of the points coincide
 /// with 4 others).
 /// @cost   O(N) slabs of the width of four spacings.
@@ -69,9 +69,9 @@ std::size_t homogenise(double edge, CloudScratch& scratch, Cloud& cloud);
 /// Mean of all points. The cloud must not be empty.
 Eigen::Vector3d centroid_T(std::span<const Eigen::Vector3d> points_T);
 
-/// Landmarks to cloud: outliers removed, homogenised. Landmarks beyond the table's capacity are
-/// left out, last first.
-/// @return the spacing of the landmarks. Points that are not finite are left out.
+/// Landmarks to cloud: outliers removed, homogenised. The last landmarks are left out where the
+/// table is full, and those that are not finite always.
+/// @return the spacing of the landmarks.
 /// @errors TooFewObservations, Degenerate (see median_spacing(), or nothing is left).
 Result<double> denoise(std::span<const Eigen::Vector3d> landmarks_T,
                        const ShapeOptions& options,

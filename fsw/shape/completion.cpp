@@ -9,17 +9,21 @@
 namespace polhode {
 namespace {
 
-constexpr double kExplainedMin = 0.7;  // dents and small attachments take the rest
-constexpr double kHole_pitches =
-    1.2;  // points at random leave such a hole by chance in 1 % of the places
-// Points of the neighbouring sides next to the edges pull a plane inwards by about this part of its
-// noise.
+// A larger gap than this is filled. Random points of one per squared pitch leave such a gap by
+// chance in exp(-pi 1.2^2), 1 % of the places.
+constexpr double kHole_pitches = 1.2;
+// Points of adjoining sides pull a plane inwards near the edges, by about this part of its rms.
+// Chosen; larger widens the sigmas of all lengths.
 constexpr double kEdgePull = 0.2;
-// A plane is a side of the box when it lies this near to where the points end, in parts of the
-// box's length.
+// A plane this near to where the points end, in lengths of the body, is a side. Chosen; larger
+// takes steps and recesses for sides, smaller misses sides with points of attachments beyond them.
 constexpr double kSideDepthMax = 0.1;
+// Points end up to a whole gap before the edge, half a gap in the mean.
+constexpr double kEndSigma_spacings = 0.5;
+// A box thinner than two gaps is not resolved by its points.
+constexpr double kBoxMin_spacings = 2.0;
 
-/// Points by x, for "is there one near": fills by_x from the measured points once.
+/// Is there a point within `radius` of a place? `by_x` lists the measured points, sorted by x.
 bool has_near(std::span<const Eigen::Vector3d> points_T,
               const CloudIndices& by_x,
               const Eigen::Vector3d& place_T,
@@ -78,8 +82,8 @@ struct Side {
   bool found = false;
 };
 
-/// The box's side at one end of an axis: of the planes near the points' end the one with most of
-/// them, else the end itself.
+/// The box's side at one end of an axis: the plane with most points of those near that end. Without
+/// one, where the points end.
 Side find_side(const Planes& planes,
                const Eigen::Vector3d& axis_T,
                const Extent& extent,
@@ -87,7 +91,7 @@ Side find_side(const Planes& planes,
                double spacing) {
   const double end = sign > 0.0 ? extent.most : extent.least;
   const double depth_max = std::max(kSideDepthMax * (extent.most - extent.least), spacing);
-  Side side{.position = end, .sigma = 0.5 * spacing};  // points end up to a gap before the edge
+  Side side{.position = end, .sigma = kEndSigma_spacings * spacing};
   std::size_t inliers = 0;
   for (const Plane& plane : planes) {
     const double cosine = plane.normal_T.dot(axis_T);
@@ -153,7 +157,7 @@ Result<Box> find_box(const Cloud& cloud, const Planes& planes, double spacing, d
   }
   box.explained =
       static_cast<double>(near) / static_cast<double>(std::max<std::size_t>(1, measured_T.size()));
-  if (box.explained < kExplainedMin || !(box.dimensions.minCoeff() > 2.0 * spacing)) {
+  if (box.explained < kExplainedMin || !(box.dimensions.minCoeff() > kBoxMin_spacings * spacing)) {
     return ErrorCode::kNoConsensus;
   }
   return box;
@@ -164,8 +168,8 @@ int snap_ends(const Planes& planes, Cylinder& cylinder) {
   const double depth_max = kSideDepthMax * cylinder.length;
   bool low_found = false;
   bool high_found = false;
-  for (std::size_t i = planes.size();
-       i-- > 0;) {  // the plane with most points last: it has the last word
+  // In reverse order: the plane with most points comes last and overrides.
+  for (std::size_t i = planes.size(); i-- > 0;) {
     const double height = cylinder.axis_T.dot(planes[i].centre_T - cylinder.centre_T);
     if (std::abs(planes[i].normal_T.dot(cylinder.axis_T)) < kParallelCosineMin) {
       continue;

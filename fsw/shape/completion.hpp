@@ -1,5 +1,5 @@
-// Broken and unseen sides, filled with points of the cloud's own density: the whole body's centre
-// is nearer to the geometric centre than that of the sides that happen to be there.
+// Completion: fills unseen and broken sides with points of the cloud's own density. The centroid of
+// the complete body is nearer to its geometric centre than that of the sides that were seen.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,6 +15,11 @@
 
 namespace polhode {
 
+// A box or a cylinder must explain this part of the points; dents and small attachments take the
+// rest. Chosen: lower makes a box out of panels, higher refuses bodies with
+// attachments.
+inline constexpr double kExplainedMin = 0.7;
+
 enum class CompletionKind : std::uint8_t { kNone = 0, kBox = 1, kCylinder = 2 };
 
 /// The body as a box along B's axes; lengths in the cloud's unit.
@@ -27,20 +32,18 @@ struct Box {
   double explained = 0.0;            ///< part of the points within the band of its surface
 };
 
-/// Box from planes: needs two orthogonal ones. A side without a plane ends where the points do.
+/// Box from planes; two must be orthogonal. A side without a plane ends where the points end.
 /// @param tolerance  points this near to the box's surface are explained by it.
-/// @errors Degenerate (no two orthogonal planes), NoConsensus (over 30 % of the points lie off the
-/// box: it is something
-///         else, or carries panels, and completing it would make a body up).
+/// @errors Degenerate (no two orthogonal planes), NoConsensus (too few points lie on
+/// the box: it is another body, or carries panels).
 Result<Box> find_box(const Cloud& cloud, const Planes& planes, double spacing, double tolerance);
 
-/// Moves the cylinder's ends to the flat ends found across its axis near them: points of the ends'
-/// rims lie on the round surface, too, and make it look longer.
+/// Moves the cylinder's ends to flat ends found across its axis near them. Points at the edges of
+/// the ends lie on the round surface too, and make it look longer.
 /// @return number of ends found, 0 .. 2.
 int snap_ends(const Planes& planes, Cylinder& cylinder);
 
-/// Adds points on the box's sides wherever the cloud has none within 1.2 grid steps. Full tables
-/// end it.
+/// Adds points on the box's sides where the cloud has none near. Ends where the table is full.
 /// @param pitch  distance of added points from each other: 1 / sqrt(points per area) of the
 /// measured sides.
 /// @return number added.

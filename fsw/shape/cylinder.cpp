@@ -15,25 +15,37 @@
 namespace polhode {
 namespace {
 
-constexpr double kRadialCosineMin =
-    0.866;  // 30 deg: direction noise of a dozen neighbours, and curvature among them
-constexpr double kSampleSineMin = 0.3;  // two directions less than 17 deg apart do not fix an axis
-// Directions fitted to noisy points are off by several degrees, and an axis from two of them leaves
-// the surface after half a radius; axes that all points vote for do not. Every other hypothesis
-// takes one of these, in turn.
+// cos 30 deg: room for the noise of a normal from a few neighbours, and for curvature among them.
+constexpr double kRadialCosineMin = 0.866;
+// Two directions less than 17 deg apart do not fix an axis: their noise is 5 to 7 deg
+// (docs/decisions/0053).
+constexpr double kSampleSineMin = 0.3;
+// One axis from all normals, three from the spread of the points (docs/decisions/0053). An axis
+// from two noisy normals leaves the surface within the length. Every other hypothesis takes one of
+// these, in turn.
 constexpr std::size_t kVotedAxes = 4;
+// Reweighted eigenvector solutions. Chosen; fewer may stop early, more cost little.
 constexpr int kVoteRounds = 10;
-// sin 6 deg: direction noise of a good cloud.
+// Sine of 6 deg, the noise of a normal (5 to 7 deg, docs/decisions/0053).
 constexpr double kVoteSoftness = 0.1;
-// A hypothesis with this part of the best one's support is refined before the two are compared.
+// A hypothesis with this part of the best support is refined before the comparison. Chosen; smaller
+// refines more and costs more, larger discards good starts with a noisy axis.
 constexpr double kPromising = 0.7;
+// Chosen: Gauss-Newton steps of a hypothesis, and of the best one until its band has settled.
 constexpr int kRefinementsEach = 3;
 constexpr int kRefinements = 10;
+// Sectors of 10 deg. Points over less than a quarter turn are explained by a plane as well.
 constexpr std::size_t kSectors = 36;
-constexpr std::size_t kSectorsMin = 9;  // 90 deg
-// Refinement narrows the band to three sigma of what is in it, but not below this part of the
-// search's.
+constexpr std::size_t kSectorsMin = kSectors / 4;
+// Refinement narrows the band to three sigma of its inliers, but not below this part of the search
+// band. Chosen: the search band may be 2.5 sigma, and this keeps most inliers of a fit too good by
+// chance.
 constexpr double kBandPartMin = 0.3;
+constexpr double kBand_sigmas = 3.0;
+// Five unknowns, and one point to judge them by.
+constexpr std::size_t kFitPointsMin = 6;
+// Planes draw from the streams below limits::kPlanes; this one differs from all of them.
+constexpr std::uint64_t kRngStream = 100;
 
 using Normal5 = Eigen::Matrix<double, 5, 5>;
 using Vector5 = Eigen::Matrix<double, 5, 1>;
@@ -59,8 +71,8 @@ struct Support {
   }
 };
 
-/// The direction that the surface directions are most across, robustly: on the sphere of directions
-/// a round body's lie on a great circle, and its ends at that circle's poles.
+/// The direction most orthogonal to all normals, by robust reweighting. Normals of a round body lie
+/// on a great circle, those of its ends at the poles of that circle.
 Eigen::Vector3d axis_of_directions(const SurfaceNormals& normals, const CloudIndices& directed) {
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();
   for (int round = 0; round < kVoteRounds; ++round) {
@@ -158,8 +170,8 @@ Vector5 derivative(const Cylinder& c,
   return J;
 }
 
-/// Points far off the surface count less, without a step that would make them come and go: 0.5 at
-/// half the band. Noise of landmarks has long tails, and longer ones outwards.
+/// Smooth weight (Cauchy), one half at half the band. Landmark noise has long tails, longer ones
+/// outwards. A smooth weight keeps points from coming and going between steps.
 double weight_of(double residual, double band) {
   const double part = 2.0 * residual / band;
   return 1.0 / (1.0 + part * part);
@@ -186,7 +198,7 @@ bool refine(const Support& support, double band, Cylinder& c, Normal5* informati
     square += residual * residual;
     ++c.inliers;
   }
-  if (c.inliers < 6) {
+  if (c.inliers < kFitPointsMin) {
     return false;
   }
   const Eigen::LDLT<Normal5> ldlt(H);
@@ -202,12 +214,13 @@ bool refine(const Support& support, double band, Cylinder& c, Normal5* informati
   return c.radius > 0.0;
 }
 
-/// Of the five unknowns; the scatter of patches of 30 deg by a quarter of the length, and not less
-/// than white noise would give.
+/// Of the five unknowns, from the scatter of patches. Not less than white noise would give.
 Normal5 covariance_of(const Support& support,
                       double band,
                       const Normal5& information,
                       const Cylinder& c) {
+  // Patches of 30 deg by a quarter of the length. Chosen; more patches miss errors that are longer
+  // than one, fewer do not reach the seven filled ones that GroupedCovariance needs.
   constexpr std::size_t kAround = 12;
   constexpr std::size_t kAlong = 4;
   const Eigen::Vector3d e1 = c.axis_T.unitOrthogonal();
@@ -265,13 +278,12 @@ void describe(const Support& support,
   c.sigma_radius = std::sqrt(std::max(0.0, covariance(4, 4)));
 }
 
-/// The hypothesis with most support; promising ones are refined first, so that the axis of few
-/// points counts as what it leads to.
+/// The hypothesis with most support. Promising ones are refined before they are compared.
 Cylinder best_hypothesis(const Support& support,
                          const CloudIndices& directed,
                          const CylinderSearch& search,
                          Normal5* information) {
-  Rng rng(search.seed, 100);
+  Rng rng(search.seed, kRngStream);
   const Axes axes = voted_axes(support, directed);
   Cylinder best;
   for (int i = 0; i < search.iterations_max; ++i) {
@@ -316,14 +328,16 @@ Result<Cylinder> find_cylinder(std::span<const Eigen::Vector3d> points_T,
   if (best.inliers < search.inliers_min) {
     return ErrorCode::kNoConsensus;
   }
-  double band = 2.0 * search.distance_max;  // the first hypothesis hangs on two points' directions
+  double band = 2.0 * search.distance_max;  // wide at first: the axis is still rough
   for (int i = 0; i < kRefinements; ++i) {
     if (!refine(support, band, best, &information)) {
       return ErrorCode::kNoConsensus;
     }
-    band = std::clamp(3.0 * best.rms, kBandPartMin * search.distance_max, search.distance_max);
+    band = std::clamp(
+        kBand_sigmas * best.rms, kBandPartMin * search.distance_max, search.distance_max);
   }
   describe(support, band, search.distance_max, information, best);
+  // Less a margin for rounding.
   const double coverage_min_rad = 2.0 * std::numbers::pi * kSectorsMin / kSectors - 1e-9;
   if (best.inliers < search.inliers_min || best.coverage_rad < coverage_min_rad) {
     return ErrorCode::kNoConsensus;

@@ -1,6 +1,5 @@
-// Covariance of a least-squares fit whose residuals hang together in places: a map that is bent or
-// a side that is dented is off by the same amount over a patch, and white noise would promise too
-// much.
+// Covariance of a least-squares fit whose residuals are correlated over patches. A bent map or a
+// dent is off by the same amount over a patch, so white noise would give too narrow sigmas.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -28,7 +27,8 @@ class GroupedCovariance {
   }
 
   /// @param information  sum of weight * derivative * derivative^T, invertible.
-  /// @return covariance of the unknowns; zero where too few patches are filled to tell.
+  /// @return covariance of the unknowns; zero where fewer patches are filled than unknowns and two
+  /// more.
   [[nodiscard]] Matrix covariance(const Matrix& information) const {
     Matrix scatter = Matrix::Zero();
     int count = 0;
@@ -55,11 +55,11 @@ class GroupedCovariance {
   std::array<bool, kGroups> used_{};
 };
 
-/// `covariance`, made wider along each unknown of which `floor` is less sure; unknowns may differ
-/// in unit.
+/// `covariance`, scaled up for each unknown whose variance in `floor` is larger. Unknowns may
+/// differ in unit.
 template <typename Matrix>
 [[nodiscard]] Matrix not_below(const Matrix& floor, const Matrix& covariance) {
-  if (!(covariance.diagonal().array() > 0.0).all()) {  // nor what is not a number
+  if (!(covariance.diagonal().array() > 0.0).all()) {  // true for NaN as well
     return floor;
   }
   const auto wider =

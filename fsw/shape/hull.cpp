@@ -9,10 +9,11 @@ namespace {
 
 using Points = std::span<const Eigen::Vector3d>;
 
-// A face that a point lies beyond by less than this part of the cloud's size is not taken away for
-// it: rounding must not tear the surface.
+// A face is visible from a point only beyond this part of the cloud's size. Chosen: 5e4 times the
+// rounding of a double, so that rounding does not tear the surface, and far below any tolerance.
 constexpr double kRounding = 1e-11;
-// Points can be missed once faces move; a second look finds them.
+// A point can be missed when faces move; the next pass finds it. Chosen: the first pass without
+// such a point ends the loop.
 constexpr int kPasses = 4;
 
 double distance(const HullWork::Facet& facet, const Eigen::Vector3d& point_T) {
@@ -22,7 +23,7 @@ double distance(const HullWork::Facet& facet, const Eigen::Vector3d& point_T) {
 HullWork::Facet facet_through(Points points_T, std::uint16_t a, std::uint16_t b, std::uint16_t c) {
   HullWork::Facet facet{.corners = {a, b, c}, .used = true};
   const Eigen::Vector3d normal = (points_T[b] - points_T[a]).cross(points_T[c] - points_T[a]);
-  // Corners on a line leave a face without a direction: no point is ever beyond it.
+  // Collinear corners give a face without a normal: no point lies beyond it.
   if (normal.norm() > 0.0) {
     facet.normal = normal.normalized();
     facet.offset = facet.normal.dot(points_T[a]);
@@ -76,7 +77,7 @@ bool first_corners(Points points_T, double tolerance, std::array<std::uint16_t, 
   return off_plane(points_T[d]) > tolerance;
 }
 
-/// Notes for a point which of the given facets it lies farthest beyond.
+/// Stores for a point the facet that it lies farthest beyond.
 template <typename Facets>
 void assign(Points points_T, std::size_t i, const Facets& facets, HullWork& work) {
   work.outside_of[i] = HullWork::kNoFacet;
@@ -117,9 +118,9 @@ void assign_all(Points points_T, HullWork& work) {
   }
 }
 
-/// Marks the faces that the point sees and collects the rim around them: edges that only one of
-/// them has.
-std::size_t find_rim(const Eigen::Vector3d& point_T, double rounding, HullWork& work) {
+/// Marks the faces visible from the point and collects their horizon: edges that only one of them
+/// has.
+std::size_t find_horizon(const Eigen::Vector3d& point_T, double rounding, HullWork& work) {
   work.edges.clear();
   std::size_t visible = 0;
   for (HullWork::Facet& facet : work.facets) {
@@ -153,8 +154,8 @@ std::size_t find_rim(const Eigen::Vector3d& point_T, double rounding, HullWork& 
   return visible;
 }
 
-/// Puts faces from the rim to the new corner where the visible ones were, and hands the points on.
-void raise(Points points_T, std::uint16_t corner, std::size_t visible, HullWork& work) {
+/// Replaces the visible faces by a cone from the horizon to the new corner. Reassigns their points.
+void add_cone(Points points_T, std::uint16_t corner, std::size_t visible, HullWork& work) {
   for (HullWork::Facet& facet : work.facets) {
     facet.used = facet.used && !facet.visible;
   }
@@ -168,8 +169,7 @@ void raise(Points points_T, std::uint16_t corner, std::size_t visible, HullWork&
     work.facets[slot] = facet_through(points_T, edge.from, edge.to, corner);
     POLHODE_ASSERT(work.fresh.push_back(static_cast<std::uint16_t>(slot)), slot);
   }
-  // A slot taken again still carries the mark of the facet that was there: its points, too, are
-  // handed on.
+  // A reused slot still has the points of its former facet: they are reassigned too.
   for (std::size_t i = 0; i < points_T.size(); ++i) {
     const std::size_t f = work.outside_of[i];
     const bool gone = f != HullWork::kNoFacet &&
@@ -181,7 +181,7 @@ void raise(Points points_T, std::uint16_t corner, std::size_t visible, HullWork&
   }
 }
 
-/// Adds the outermost points as corners. False where the tables left no room for one.
+/// Adds the outermost points as corners. False when the tables are full.
 bool grow(
     Points points_T, double tolerance, double rounding, std::size_t* corners, HullWork& work) {
   while (true) {
@@ -190,13 +190,13 @@ bool grow(
       return true;
     }
     const auto corner = static_cast<std::uint16_t>(outermost - work.beyond.begin());
-    const std::size_t visible = find_rim(points_T[corner], rounding, work);
+    const std::size_t visible = find_horizon(points_T[corner], rounding, work);
     if (*corners >= Hull::kVertices ||
         work.facets_used - visible + work.edges.size() > Hull::kFaces) {
       return false;
     }
     ++*corners;
-    raise(points_T, corner, visible, work);
+    add_cone(points_T, corner, visible, work);
   }
 }
 
@@ -228,7 +228,7 @@ Result<Hull> describe(Points points_T, const HullWork& work) {
     hull.volume += twice_area.dot(points_T[a] - inside_T) / 6.0;
   }
   hull.outside = *std::max_element(work.beyond.begin(), work.beyond.end());
-  // Of a closed surface without holes; anything else is torn.
+  // Euler's formula for a closed surface without holes.
   if (2 * hull.vertices_T.size() != hull.faces.size() + 4 || !(hull.volume > 0.0)) {
     return ErrorCode::kDegenerate;
   }

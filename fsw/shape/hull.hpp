@@ -15,8 +15,8 @@ namespace polhode {
 
 /// A closed convex surface.
 struct Hull {
-  /// A round body of 500 corners is true to 0.4 % of its size. A closed surface of triangles has
-  /// twice as many faces, less four.
+  /// A sphere of 500 corners is true to 0.4 % of its size. By Euler's formula a closed surface of
+  /// triangles has twice as many faces, less four.
   static constexpr std::size_t kVertices = 500;
   static constexpr std::size_t kFaces = 2 * kVertices - 4;
   using Face = std::array<std::uint16_t, 3>;  ///< corners, anticlockwise as seen from outside
@@ -25,10 +25,10 @@ struct Hull {
   FixedVector<Face, kFaces> faces;
   double volume = 0.0;
   double area = 0.0;
-  double outside = 0.0;  ///< how far the outermost point lies beyond a face
+  double outside = 0.0;  ///< largest distance of a point beyond a face
 };
 
-/// Tables that a hull is found in. Owned by the caller: 0.2 MB.
+/// Workspace of a hull. Owned by the caller: 0.2 MB.
 struct HullWork {
   struct Facet {
     Hull::Face corners{};  // into the points
@@ -51,12 +51,12 @@ struct HullWork {
   FixedVector<std::uint16_t, Hull::kFaces> fresh;  ///< facets of the newest corner
 };
 
-/// Convex hull by quickhull: the point farthest beyond its face becomes a corner, until no point is
-/// farther out than `tolerance` or the tables are full, so that what is left out is always what
-/// changes the surface least.
-/// @param tolerance  > 0: a coarse surface leaves out what the cloud does not resolve.
+/// Convex hull by quickhull: the point farthest beyond its face becomes a corner. Ends when no
+/// point is farther out than `tolerance` or the tables are full. So the points that are left out
+/// change the surface least.
+/// @param tolerance  > 0: what the cloud does not resolve.
 /// @errors TooFewObservations (under 4 points), Degenerate (all points within `tolerance` of a
-/// plane, a line or a place: they enclose nothing).
+/// plane, a line or a point).
 /// @cost   at most Hull::kVertices times the points and the faces. Deterministic.
 /// @source Barber, Dobkin, Huhdanpaa, "The quickhull algorithm for convex hulls", 1996.
 Result<Hull> convex_hull(std::span<const Eigen::Vector3d> points_T,

@@ -9,18 +9,25 @@
 namespace polhode {
 namespace {
 
+// Random points on a surface have 7 others within 3 spacings (density 0.25 per squared spacing):
+// four more than a plane takes. Smaller leaves too few, larger smooths over edges.
 constexpr double kRadiusMin_spacings = 3.0;
-constexpr double kRadiusMax_spacings =
-    12.0;  // some 450 points on a surface: more noise than that leaves no shape
-// Across six thicknesses (12 of them wide) a surface is seen as flat: least over middle eigenvalue
-// 0.11.
+// 110 such points. Chosen; with more noise than such a disc averages out there is no shape to find.
+constexpr double kRadiusMax_spacings = 12.0;
+// A disc of this radius has a variance of radius^2 / 4 = 9 thickness^2 in its plane. Least over
+// middle eigenvalue is then 0.11, below kFlatnessMax.
 constexpr double kRadius_thicknesses = 6.0;
+// Chosen: a wider radius sees a larger thickness, and the loop ends once both agree.
 constexpr int kRadiusPasses = 3;
+// A growth of the radius by less than a tenth is not worth another pass.
+constexpr double kRadiusGrowthMin = 1.1;
+// The point itself is counted: the least that passes is six, three more than a plane takes.
 constexpr int kNeighboursMin = 5;
-// Least over middle eigenvalue: 0.15 is a thickness of 0.4 of the width, the most that an edge of
-// 90 deg leaves untouched.
+// Least over middle eigenvalue: 0.15 is a thickness of 0.4 of the width. An edge of
+// 90 deg through the middle gives 0.28.
 constexpr double kFlatnessMax = 0.15;
-// Middle over largest: below, the neighbours lie on a line and any plane through it fits.
+// Middle over largest eigenvalue. Below, the neighbours lie on a line, which fixes no plane.
+// Chosen: a strip 0.22 as wide as it is long.
 constexpr double kBreadthMin = 0.05;
 
 }  // namespace
@@ -69,7 +76,8 @@ double estimate_normals_by_spacing(std::span<const Eigen::Vector3d> points_T,
                                    SurfaceNormals& normals) {
   double radius = kRadiusMin_spacings * spacing;
   double thickness = estimate_normals(points_T, radius, scratch, normals);
-  for (int pass = 0; pass < kRadiusPasses && kRadius_thicknesses * thickness > 1.1 * radius;
+  for (int pass = 0;
+       pass < kRadiusPasses && kRadius_thicknesses * thickness > kRadiusGrowthMin * radius;
        ++pass) {
     radius = std::min(kRadius_thicknesses * thickness, kRadiusMax_spacings * spacing);
     thickness = estimate_normals(points_T, radius, scratch, normals);

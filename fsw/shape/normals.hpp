@@ -27,9 +27,8 @@ double estimate_normals(std::span<const Eigen::Vector3d> points_T,
                         CloudScratch& scratch,
                         SurfaceNormals& normals);
 
-/// As above with the least radius that holds a piece of surface: three spacings (about 28 points),
-/// or more where the points' noise is larger than that. @return the thickness, which is then about
-/// the 1-sigma noise across the surface.
+/// As above, with the smallest radius that shows a flat piece of surface: three spacings, or more
+/// where the noise is large. @return the thickness, about the 1-sigma noise across the surface.
 double estimate_normals_by_spacing(std::span<const Eigen::Vector3d> points_T,
                                    double spacing,
                                    CloudScratch& scratch,

@@ -12,17 +12,22 @@
 namespace polhode {
 namespace {
 
-constexpr double kNormalCosineMin = 0.7;  // 45 deg: the blended direction at an edge of 90 deg
+// Cosine of 45 deg: the mean of both normals at an edge of 90 deg.
+constexpr double kNormalCosineMin = 0.7;
+// Chosen: least-squares passes until the band has settled.
 constexpr int kRefinements = 6;
-// A sample whose points all but lie on a line gives any plane: sine of its angle at least this.
+// Sine of the angle at a sample's corner, 6 deg. A flatter triangle turns noise into tilt.
 constexpr double kSampleSineMin = 0.1;
-// Refinement narrows the band to three sigma of what is in it, but not below this part of the
-// search's.
+// Refinement narrows the band to three sigma of its inliers, but not below this part of the search
+// band. Chosen: the search band may be 2.5 sigma, and this keeps most inliers of a fit too good by
+// chance.
 constexpr double kBandPartMin = 0.3;
-
-// Beside a surface lie at most this many points for each one on it: neighbouring sides' rims,
-// noise.
+constexpr double kBand_sigmas = 3.0;
+// A slab of a thick cloud has about as many points beside it as on it. A surface has few: noise,
+// and the edges of adjoining sides (docs/decisions/0052).
 constexpr double kBesideMax = 0.8;
+// What a point beside a hypothesis costs, in points on it. Chosen: a slab keeps half of its count.
+constexpr double kBesideCost = 0.5;
 
 struct Fit {
   Eigen::Vector3d normal_T = Eigen::Vector3d::UnitZ();
@@ -52,9 +57,9 @@ struct Support {
     }
     return sum;
   }
-  /// Points beside the band, as far out again, whoever owns them: a slab through the inside of a
-  /// cloud, or one that shares a thick surface with another plane, has as many as within it; a
-  /// surface of its own has few.
+  /// Points off the plane by one to two bands, whichever plane owns them. A slab through the inside
+  /// of a cloud has as many as within the band, and so has half of a thick surface. A surface has
+  /// few.
   [[nodiscard]] std::size_t beside(const Fit& plane, double band) const {
     std::size_t sum = 0;
     for (std::size_t i = 0; i < points_T.size(); ++i) {
@@ -120,12 +125,13 @@ Fit best_plane(const Support& support,
       continue;
     }
     fit.count = support.count(fit, search.distance_max);
-    // Points beside it are counted only where that can still matter.
+    // Counting the points beside it cannot raise its worth.
     if (static_cast<double>(fit.count) <= worth_best) {
       continue;
     }
     fit.beside = support.beside(fit, search.distance_max);
-    const double worth = static_cast<double>(fit.count) - 0.5 * static_cast<double>(fit.beside);
+    const double worth =
+        static_cast<double>(fit.count) - kBesideCost * static_cast<double>(fit.beside);
     if (worth > worth_best) {
       worth_best = worth;
       best = fit;
@@ -134,7 +140,8 @@ Fit best_plane(const Support& support,
   *band = search.distance_max;
   for (int i = 0; i < kRefinements && best.count >= 3; ++i) {
     best = refit(support, best, *band);
-    *band = std::clamp(3.0 * best.rms, kBandPartMin * search.distance_max, search.distance_max);
+    *band = std::clamp(
+        kBand_sigmas * best.rms, kBandPartMin * search.distance_max, search.distance_max);
   }
   best.beside = support.beside(best, search.distance_max);
   if (static_cast<double>(best.beside) > kBesideMax * static_cast<double>(best.count)) {
@@ -143,13 +150,14 @@ Fit best_plane(const Support& support,
   return best;
 }
 
-/// Of tilts about the long and the short edge and of the offset at the inliers' mean: the scatter
-/// of the rectangle's 16 parts, and not less than white noise would give.
+/// Of tilts about the long and the short edge and of the offset at the inliers' mean, from the
+/// scatter of the rectangle's parts. Not less than white noise would give.
 Eigen::Matrix3d covariance_of(const Fit& fit,
                               const Plane& plane,
                               const PlaneOwners& owners,
                               std::int8_t number,
                               const Support& support) {
+  // 4 by 4 parts (docs/decisions/0054). Five filled ones are needed for three unknowns.
   constexpr std::size_t kParts = 4;
   const auto part = [](double along, double extent) {
     const double place = std::clamp(along / extent + 0.5, 0.0, 1.0);
@@ -167,7 +175,7 @@ Eigen::Matrix3d covariance_of(const Fit& fit,
     const Eigen::Vector2d from_mean = plane.axes_T.transpose() * (support.points_T[i] - fit.mean_T);
     const Eigen::Vector2d from_centre =
         plane.axes_T.transpose() * (support.points_T[i] - plane.centre_T);
-    // A turn by a about u takes a v off the normal, one by b about v adds b u.
+    // A tilt by a about u takes a v off the distance, one by b about v adds b u.
     const Eigen::Vector3d J(-from_mean.y(), from_mean.x(), -1.0);
     information += J * J.transpose();
     grouped.add(part(from_centre.x(), plane.extents.x()) * kParts +

@@ -22,7 +22,7 @@ struct Plane {
       Eigen::Matrix<double, 3, 2>::Zero();            ///< unit: long edge u, short edge v
   Eigen::Vector2d extents = Eigen::Vector2d::Zero();  ///< full lengths along u and v
   std::size_t inliers = 0;
-  std::size_t beside = 0;  ///< points just off it, as far out again: few for a surface of its own
+  std::size_t beside = 0;  ///< points off it by one to two bands: few for a real surface
   double rms = 0.0;        ///< of the inliers' distances
   /// Of (tilt about u [rad], tilt about v [rad], offset at the inliers' mean), from the residuals
   /// of the rectangle's parts.
@@ -38,16 +38,16 @@ using Planes = FixedVector<Plane, limits::kPlanes>;
 using PlaneOwners = FixedVector<std::int8_t, limits::kCloudPoints>;
 
 struct PlaneSearch {
-  double distance_max = 0.0;  ///< of an inlier from its plane, cloud's unit
-  std::size_t inliers_min = 10;
-  int iterations_max = 500;  ///< hypotheses for each plane
+  double distance_max = 0.0;     ///< of an inlier from its plane, cloud's unit
+  std::size_t inliers_min = 10;  ///< of direct callers; a Shape asks for a part of its points
+  int iterations_max = 500;      ///< hypotheses for each plane; ShapeOptions::plane_iterations_max
   std::uint64_t seed = 1;
 };
 
 /// Takes planes off the cloud, the one with most points first, until none has inliers_min or the
-/// table is full. A point supports a plane when it is near and its own surface direction, where
-/// reliable, agrees within 45 deg: a cut across the body collects near points, but not these. A
-/// plane with four fifths as many points beside it is such a cut, and not taken.
+/// table is full. A point supports a plane when it is near and its normal, where reliable, agrees
+/// within 45 deg: normals near a cut across the body do not. A plane with many points beside it is
+/// such a cut, and ends the search.
 /// @param owners  points with a value other than -1 on entry are left alone; on return each point's
 /// plane.
 /// @cost  iterations_max times the points, for each plane.

@@ -1,4 +1,4 @@
-// Rectangle around points in a plane, robust against stragglers.
+// Rectangle around points in a plane, robust against outliers.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,10 +18,10 @@ struct Extent {
 };
 
 /// Both ends of values spread evenly over an interval: the 2 % quantiles, moved out by what they
-/// cut off. `values` gets reordered; empty gives zeros.
+/// cut off. Reorders `values`; zeros when empty.
 Extent robust_extent(std::span<double> values);
 
-/// Of all directions in steps of half a degree the one with the least area. At most
+/// The rectangle with the least area, by directions in steps of half a degree. At most
 /// limits::kCloudPoints points.
 Rectangle smallest_rectangle(std::span<const Eigen::Vector2d> points);
 

@@ -13,32 +13,42 @@
 namespace polhode {
 namespace {
 
-// Landmarks around the ray that a plane is sought among; all their triples are tried: 2024.
+// Landmarks around the ray among which a plane is sought. Chosen for its cost: all 2024 triples are
+// tried, three times.
 constexpr std::size_t kNearest = 24;
 // A ray whose nearest landmark is farther than this many typical distances misses the target.
+// Chosen; smaller refuses bare parts of a surface, larger takes rays beside the body.
 constexpr double kMissDistances = 6.0;
 // A landmark belongs to a plane within this many typical distances along the ray: three sigma of a
 // cloud whose noise is a third of its spacing.
 constexpr double kBandDistances = 1.0;
-// Refinement does not narrow the band below this part: a few landmarks may agree by chance.
+// Refinement does not narrow the band below this part: a few landmarks may agree by chance. Chosen.
 constexpr double kBandPartMin = 0.1;
-// At an edge two sides share the landmarks around the ray: the nearer one is taken when it has this
-// part of the other's.
+constexpr double kBand_sigmas = 3.0;
+// At an edge two sides share the landmarks around the ray. The nearer side is taken when it has
+// this part of the other's support. Chosen; smaller takes a few stray points in front for a side,
+// larger misses the nearer side.
 constexpr double kFrontPart = 0.5;
-// A plane seen more obliquely than 78 deg shows next to no landmarks: what leans so far joins
-// points of two sides.
+// Cosine of 78 deg: a side seen more obliquely shows next to no landmarks. A plane that leans so
+// far joins points of two sides.
 constexpr double kFacingCosineMin = 0.2;
-// A plane that crosses the ray holds two of the four landmarks nearest to it: one of a large side
-// that only its farther landmarks speak for is extrapolated over what is really there, a panel
-// behind the body or beside it.
+// A plane that crosses the ray holds two of the four landmarks nearest to it. A large side with
+// only farther landmarks would be extrapolated over a panel behind or beside the body.
 constexpr std::size_t kWitnesses = 4;
 constexpr std::size_t kWitnessesMin = 2;
-constexpr std::size_t kPlaneSupportMin = 5;  // five points leave two to judge the plane by
+// Three points fix a plane, two are left to judge it by.
+constexpr std::size_t kPlaneSupportMin = 5;
+// Chosen: least-squares passes until the set of inliers has settled.
 constexpr int kRefinements = 5;
-constexpr double kSigmasMin = 5.0;
+// Least triangle of a triple, in parts of the neighbourhood's radius squared. Smaller ones
+// extrapolate noise. Chosen.
+constexpr double kTriangleMin = 0.01;
+// Landmarks whose scatter in depth gives the sigma where no plane is found: a triangle's three
+// corners.
+constexpr std::size_t kNearestDepths = 3;
 
 struct Seen {
-  Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // in the picture, from the ray
+  Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // in the image, from the ray
   double distance2 = 0.0;
   double depth = 0.0;
   double weight = 1.0;  // how much it says of the surface at the ray
@@ -61,8 +71,7 @@ void collect(const ScaleView& view, const Eigen::Vector2d& ray, SeenTable& seen)
   }
 }
 
-/// Distance in the picture that landmarks spread evenly over their bounding box would have from
-/// their nearest neighbours.
+/// Distance in the image between neighbours of landmarks spread evenly over their bounding box.
 double typical_distance(const SeenTable& seen) {
   Eigen::Vector2d least = seen[0].offset;
   Eigen::Vector2d most = seen[0].offset;
@@ -75,15 +84,15 @@ double typical_distance(const SeenTable& seen) {
 
 using NearTable = FixedVector<Seen, kNearest>;
 
-/// The landmarks nearest to the ray in the picture.
+/// The landmarks nearest to the ray in the image.
 void take_near(SeenTable& seen, double reach2, NearTable& near) {
   const std::size_t around = std::min<std::size_t>(seen.size(), kNearest);
   std::partial_sort(seen.begin(), seen.begin() + around, seen.end(), nearer);
   for (std::size_t i = 0; i < around && seen[i].distance2 <= reach2; ++i) {
     POLHODE_ASSERT(near.push_back(seen[i]), i);
   }
-  // A quarter at the distance of the last witness: those far from the ray are many, and more often
-  // on another side.
+  // The weight is a quarter at the last witness. Landmarks far from the ray are many, and more
+  // often on another side.
   const double close2 = near.empty() ? 0.0 : near[std::min(kWitnesses, near.size()) - 1].distance2;
   for (Seen& one : near) {
     const double ratio = close2 > 0.0 ? one.distance2 / close2 : 0.0;
@@ -91,7 +100,7 @@ void take_near(SeenTable& seen, double reach2, NearTable& near) {
   }
 }
 
-/// Inverse depth over the picture: a + b . offset. A plane in space is linear there.
+/// Inverse depth over the image: a + b . offset. A plane in space is linear there.
 struct InversePlane {
   Eigen::Vector3d coefficients = Eigen::Vector3d::Zero();
   std::size_t support = 0;
@@ -123,8 +132,7 @@ bool through(const Seen& a, const Seen& b, const Seen& c, double spread2, Invers
   Eigen::Matrix2d A;
   A.row(0) = (b.offset - a.offset).transpose();
   A.row(1) = (c.offset - a.offset).transpose();
-  // A triple whose triangle is under a hundredth of the neighbourhood extrapolates noise.
-  if (!(std::abs(A.determinant()) > 0.01 * spread2)) {
+  if (!(std::abs(A.determinant()) > kTriangleMin * spread2)) {
     return false;
   }
   const Eigen::Vector2d slope =
@@ -185,8 +193,8 @@ InversePlane front_plane(const NearTable& near, const Eigen::Vector2d& ray, doub
                       ? depth
                       : depth_least;
   });
-  // Of the planes that cross the ray there, the best supported one: the very nearest has noise in
-  // its favour.
+  // Within two bands, one for the noise of each plane, the best supported plane is taken. The very
+  // nearest one is selected by its noise.
   InversePlane best;
   for_planes(near, ray, band, [&](const InversePlane& plane) {
     if (plane.support >= enough && 1.0 / plane.coefficients(0) <= depth_least + 2.0 * band &&
@@ -202,9 +210,9 @@ struct InverseDepth {
   double sigma = 0.0;
 };
 
-/// Least squares over the plane's landmarks, chosen anew after each step within three sigma of
-/// their scatter: landmarks of another side next to an edge drop out. Inverse depth and its sigma
-/// at the ray.
+/// Least squares over the plane's landmarks, selected again after each step within three sigma. So
+/// landmarks of another side next to an edge drop out. Gives inverse depth and its sigma at the
+/// ray.
 bool refine(const NearTable& near, double band_max, InversePlane plane, InverseDepth* at_ray) {
   double band = band_max;
   for (int pass = 0; pass < kRefinements; ++pass) {
@@ -230,7 +238,7 @@ bool refine(const NearTable& near, double band_max, InversePlane plane, InverseD
     }
     plane.coefficients += ldlt.solve(g);
     const double variance = square / static_cast<double>(count - 3);
-    band = std::clamp(3.0 * near[0].depth * near[0].depth * std::sqrt(variance),
+    band = std::clamp(kBand_sigmas * near[0].depth * near[0].depth * std::sqrt(variance),
                       kBandPartMin * band_max,
                       band_max);
     at_ray->value = plane.coefficients(0);
@@ -240,11 +248,11 @@ bool refine(const NearTable& near, double band_max, InversePlane plane, InverseD
   return at_ray->value > 0.0 && std::isfinite(at_ray->sigma);
 }
 
-/// Where no plane can be made out: the nearest landmark's depth, unsure by the scatter of those
-/// around it.
+/// Where no plane is found: the nearest landmark's depth. Its sigma is the scatter of those around
+/// it.
 InverseDepth nearest_depth(const NearTable& near) {
   double deviation = near[0].depth * std::sqrt(near[0].distance2);
-  for (std::size_t i = 1; i < std::min<std::size_t>(3, near.size()); ++i) {
+  for (std::size_t i = 1; i < std::min(kNearestDepths, near.size()); ++i) {
     deviation = std::max(deviation, std::abs(near[i].depth - near[0].depth));
   }
   return {.value = 1.0 / near[0].depth, .sigma = deviation / (near[0].depth * near[0].depth)};
@@ -297,14 +305,14 @@ Result<ScaleEstimate> scale_from_length(const ScaleView& view,
   if (!(length_mu > 0.0)) {
     return ErrorCode::kDegenerate;
   }
-  // Errors along the two rays count by their part along the length; a picked point moves its end
-  // across the ray.
+  // Errors along the two rays count by their component along the length. An error of a picked point
+  // moves its end across the ray.
   const Eigen::Vector3d direction = apart / length_mu;
   const double by_a = direction.dot(end_a.homogeneous().normalized()) * a.value().sigma_mu;
   const double by_b = direction.dot(end_b.homogeneous().normalized()) * b.value().sigma_mu;
   const double by_pick = sigma_ray * std::hypot(a.value().depth_mu, b.value().depth_mu);
   const double sigma_mu = std::sqrt(by_a * by_a + by_b * by_b + by_pick * by_pick);
-  if (length_mu < kSigmasMin * sigma_mu) {
+  if (length_mu < kLengthSigmasMin * sigma_mu) {
     return ErrorCode::kDegenerate;
   }
   const double scale = known_length_m / length_mu;

@@ -1,5 +1,5 @@
-// Metres per map unit: from a known length between two picture points, or from a range finder's
-// reading.
+// Metres per map unit: from a known length between two image points, or from the reading of a range
+// finder.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,6 +10,10 @@
 #include "geometry/pose.hpp"
 
 namespace polhode {
+
+// A length counts from 5 of its sigmas on. A fifth as relative sigma leaves its logarithm, in which
+// readings are combined, 2 % off at the second order.
+inline constexpr double kLengthSigmasMin = 5.0;
 
 struct ScaleEstimate {
   double metres_per_mu = 0.0;
@@ -23,23 +27,22 @@ struct SurfaceHit {
   Eigen::Vector3d p_C = Eigen::Vector3d::Zero();
 };
 
-/// What the frame shows: its pose and the landmarks seen in it, and only those: landmarks of sides
-/// that are turned away lie on the same rays. Map units.
+/// A frame's pose and the landmarks seen in it. Only those: hidden sides have landmarks on the same
+/// rays. Map units.
 struct ScaleView {
   Pose pose;
   std::span<const Eigen::Vector3d> landmarks_T;
 };
 
-/// Depth of the surface on a ray from the landmarks nearest to it in the picture. A plane in space
-/// has an inverse depth that is linear in the picture: of the planes through triples of the 24
-/// nearest landmarks, of those that face the camera and hold two of the four nearest to the ray,
-/// the nearest one that enough of them support is taken and refined by least squares with weights
-/// that fall with the distance from the ray; where there is none, the nearest landmark's depth,
-/// with a wide sigma.
+/// Depth of the surface on a ray, from the landmarks nearest to it in the image. The inverse depth
+/// of a plane in space is linear in the image. Planes through triples of the nearest landmarks
+/// compete. They must face the camera and hold landmarks next to the ray. The nearest one with
+/// enough support is refined by least squares, with weights that fall with the distance from the
+/// ray. Without such a plane: the nearest landmark's depth, with a wide sigma.
 /// @param ray  normalised image point (undistorted).
 /// @errors TooFewObservations (under 3 landmarks in front of the camera), Degenerate (the ray
 /// passes the target: no
-///         landmark within 6 times the landmarks' typical distance in the picture).
+///         landmark near it in the image).
 /// @cost   O(landmarks).
 Result<SurfaceHit> hit_surface(const ScaleView& view, const Eigen::Vector2d& ray);
 
@@ -47,9 +50,8 @@ Result<SurfaceHit> hit_surface(const ScaleView& view, const Eigen::Vector2d& ray
 /// @param end_a, end_b  normalised image points of the two ends.
 /// @param sigma_ray     1-sigma of a picked point, normalised units (1 px over the focal length,
 /// when picked by hand).
-/// @errors those of hit_surface(); BadParameter (known_length_m not positive), Degenerate (the ends
-/// all but coincide:
-///         the length is under 5 of its sigmas).
+/// @errors those of hit_surface(); BadParameter (known_length_m not positive), Degenerate (the
+/// length is under kLengthSigmasMin of its sigmas).
 Result<ScaleEstimate> scale_from_length(const ScaleView& view,
                                         const Eigen::Vector2d& end_a,
                                         const Eigen::Vector2d& end_b,

@@ -7,9 +7,10 @@
 namespace polhode {
 namespace {
 
+// Two-sided normal: 1 in 2150 pairs is farther apart by chance (docs/decisions/0055).
 constexpr double kAgreement_sigmas = 3.5;
 
-/// As a logarithm: a scale is wrong by a factor.
+/// Sigma of the logarithm: a scale is wrong by a factor.
 double log_sigma(const ScaleReading& reading) { return reading.sigma / reading.metres_per_mu; }
 
 bool agree(const ScaleReading& a, const ScaleReading& b) {

@@ -1,4 +1,4 @@
-// One scale from several readings. Readings that contradict each other are told, not averaged.
+// One scale from several readings. Readings that contradict each other are reported, not averaged.
 #pragma once
 
 #include <array>
@@ -26,13 +26,12 @@ struct FusedScale {
   std::array<bool, kScaleSources> used{};  ///< readings that the scale comes from, by their place
 };
 
-/// Puts a reading in, in place of an earlier one of its source. Readings that are no numbers, or
-/// not positive, are left out. @return whether it was taken.
+/// Adds a reading, or replaces an earlier one of its source. Refuses one that is not finite and
+/// positive. @return whether it was taken.
 bool take_reading(const ScaleReading& reading, ScaleReadings& readings);
 
-/// Mean weighted by 1 / sigma^2 of the logarithms, over the largest set of readings that agree with
-/// each other within 3.5 sigma (1 in 2000 pairs is farther apart by chance). Where that set is not
-/// more than half of the readings nobody can tell who is right: the scale is unknown.
+/// Mean of the logarithms weighted by 1 / sigma^2, over the largest set of readings that agree with
+/// each other. Where that set is not more than half of the readings, the scale is unknown.
 FusedScale fuse_scales(const ScaleReadings& readings);
 
 }  // namespace polhode

@@ -5,7 +5,10 @@
 namespace polhode {
 namespace {
 
-constexpr double kRelativeSigmaMax = 0.2;
+// The same limit as for a length between two image points.
+constexpr double kRelativeSigmaMax = 1.0 / kLengthSigmasMin;
+// On the shipped sample the longest rectangle is 6 % too long, 2.6 of the sigmas with this factor.
+constexpr double kRectangleSigmas = 2.0;
 
 struct Length {
   double value = 0.0;
@@ -20,7 +23,7 @@ Result<ScaleEstimate> scale_of(const Length& length, double known_m) {
   return ScaleEstimate{.metres_per_mu = scale, .sigma = scale * length.sigma / length.value};
 }
 
-/// Is there an edge whose ends were not both found, and that may be the longest all the same?
+/// May an edge be the longest although not both of its ends were found?
 bool may_be_longer(const Shape& shape, const Length& longest) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (shape.dimension_basis[k] != DimensionBasis::kSurfaces &&
@@ -73,9 +76,8 @@ Result<ScaleEstimate> scale_from_edge(const Shape& shape,
     return ErrorCode::kDegenerate;
   }
   if (best.value == 0.0) {
-    // A rectangle ends where its points do: up to a gap before the edge, noise beyond it.
-    // On the shipped sample the longest rectangle is 6 % too long, 2.6 of these sigmas.
-    const double sigma = 2.0 * std::hypot(shape.spacing, shape.thickness);
+    // A rectangle ends where its points end: up to a gap before the edge, or by noise beyond it.
+    const double sigma = kRectangleSigmas * std::hypot(shape.spacing, shape.thickness);
     for (const Plane& plane : shape.planes) {
       offer(plane.extents.x(), sigma);
       offer(plane.extents.y(), sigma);

@@ -12,7 +12,8 @@ namespace polhode {
 /// From the diameter of the round body.
 /// @param shape  in map units.
 /// @errors BadParameter (diameter_m not positive), NoConsensus (no cylinder was found), Degenerate
-/// (its sigma is over a fifth of it).
+/// (it is
+/// under kLengthSigmasMin of its sigmas).
 Result<ScaleEstimate> scale_from_diameter(const Shape& shape, double diameter_m);
 
 /// From an edge of the flat sides: of the box where there is one and both ends were found, else of

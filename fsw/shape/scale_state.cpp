@@ -18,7 +18,7 @@ ScaleReadings readings_beside(ScaleSource source, const ScaleReadings& all) {
   return others;
 }
 
-/// What the readings together say.
+/// Updates the scale from all readings.
 ScaleChange settle(ScaleState* scale) {
   const FusedScale fused = fuse_scales(scale->readings);
   const ScaleChange change{.read = true,
@@ -59,6 +59,7 @@ bool frame_reading_is_due(const ScaleOptions& options,
   };
   return (options.known_length_m != 0.0 && lacks(ScaleSource::kKnownLength)) ||
          (options.range_m != 0.0 && lacks(ScaleSource::kRange)) ||
+         // Grown by half (docs/decisions/0057).
          2 * next_keyframe >= 3 * scale.keyframes_at_reading;
 }
 
@@ -73,7 +74,7 @@ ScaleChange read_scale_in(const ScaleView& view,
     const auto ray = [&](std::size_t end) {
       return undistort(camera, {options.points_px[end][0], options.points_px[end][1]});
     };
-    // A point picked in a picture by a person or an edge finder is good to a pixel.
+    // A point picked in an image is good to a pixel (docs/decisions/0057).
     const double sigma_ray = 1.0 / camera.focal_px();
     taken |= take(ScaleSource::kKnownLength,
                   scale_from_length(view, ray(0), ray(1), options.known_length_m, sigma_ray),
@@ -85,7 +86,7 @@ ScaleChange read_scale_in(const ScaleView& view,
                   readings);
   }
   if (taken) {
-    // One that is no longer asked for has been replaced.
+    // A reading that the options no longer name has been replaced.
     if (options.known_length_m == 0.0) {
       readings = readings_beside(ScaleSource::kKnownLength, readings);
     }

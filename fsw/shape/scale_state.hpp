@@ -11,8 +11,8 @@
 
 namespace polhode {
 
-/// The state of this room. Unknown, lengths in map units, while there is no reading or they
-/// contradict each other.
+/// State of the scale. Unknown, with lengths in map units, while there is no reading or the
+/// readings contradict each other.
 struct ScaleState {
   bool known = false;
   double metres_per_mu = 1.0;
@@ -39,7 +39,7 @@ struct ScaleChange {
                                         std::uint32_t next_keyframe,
                                         const ScaleState& scale);
 
-/// Reads the named length and range in a view, in place of what an earlier one said of them.
+/// Reads the named length and range in a view. Replaces their earlier readings.
 ScaleChange read_scale_in(const ScaleView& view,
                           const ScaleOptions& options,
                           const CameraModel& camera,
@@ -49,7 +49,7 @@ ScaleChange read_scale_in(const ScaleView& view,
 /// Reads the named diameter and edge in a found shape, in map units.
 ScaleChange read_scale_of(const Shape& shape, const ScaleOptions& options, ScaleState* scale);
 
-/// What was measured holds no longer. What is to be measured stays, and what was published.
+/// Resets the scale and its readings. Keeps the scale that was last published.
 void forget_scale(ScaleState* scale);
 
 }  // namespace polhode

@@ -8,23 +8,30 @@
 namespace polhode {
 namespace {
 
-// A point belongs to a surface within half a spacing (neighbours' own height differences are below
-// that wherever the cloud resolves the surface at all), or within 2.5 sigma of its noise.
+// A point belongs to a surface within half a spacing: where the cloud resolves the surface, heights
+// of neighbours differ by less. Or within 2.5 sigma of the noise, which holds 98.8 % of a normal
+// one.
 constexpr double kBand_spacings = 0.5;
 constexpr double kBand_thicknesses = 2.5;
-// A body's surface explains a point a little farther off: edges are round, sides slightly out of
-// true.
-constexpr double kTolerance_spacings = 1.5;
-constexpr double kTolerance_thicknesses = 3.5;
+// A box or a cylinder explains points a little farther off: edges are round, sides not quite
+// parallel. Chosen: one spacing and one sigma more than the band.
+constexpr double kTolerance_spacings = kBand_spacings + 1.0;
+constexpr double kTolerance_thicknesses = kBand_thicknesses + 1.0;
+// Chosen: three fix a plane, seven more make a chance plane rare.
 constexpr std::size_t kPlanePointsMin = 10;
-// A cylinder costs two parameters more than a plane and replaces several; it must hold a third of
-// all points, and not fewer than the side planes that would stand for it.
+// A cylinder has two parameters more than a plane and replaces several planes. So it must hold a
+// third of all points. Chosen.
 constexpr double kCylinderPart = 0.33;
+// It must hold nearly as many points as the side planes that it replaces. Chosen; larger leaves
+// round bodies as prisms, smaller makes boxes round.
 constexpr double kCylinderOverPlanes = 0.9;
-constexpr double kCylinderExplainedMin = 0.7;
-// A map bends its surfaces by about this part of their points' noise, whatever their number: on
-// rendered bodies lengths between surfaces are off by 1 to 2 % where the noise is 3 %.
+// The bend of a map moves its surfaces by about this part of the noise, however many points they
+// have. On rendered bodies lengths between surfaces are off by 1 to 2 % at a noise of 3 %
+// (docs/decisions/0054).
 constexpr double kBent_thicknesses = 0.5;
+// Random points have a pitch (one point per pitch^2) of two spacings. Holes in a surface that was
+// found at all widen it by a factor of two at most.
+constexpr double kPitchMax_spacings = 4.0;
 
 void reset_owners(std::size_t count, PlaneOwners& owners) {
   owners.clear();
@@ -49,8 +56,8 @@ PlaneSearch plane_search(const ShapeOptions& options,
       .seed = seed};
 }
 
-/// Points of the planes that a cylinder would replace, those along its axis, less the points beside
-/// each: a slab cut out of a thick cloud is worth little.
+/// Points on the planes along the axis, which a cylinder would replace, less the points beside
+/// each. So a slab cut out of a thick cloud is worth little.
 double worth_of_sides(const Planes& planes, const Cylinder& cylinder) {
   double sum = 0.0;
   for (const Plane& plane : planes) {
@@ -65,8 +72,8 @@ double worth_of(const Cylinder& cylinder) {
   return static_cast<double>(cylinder.inliers) - static_cast<double>(cylinder.beside);
 }
 
-/// A cylinder where it explains the cloud better than planes do; then planes are sought among the
-/// rest.
+/// A cylinder where it explains the cloud better than planes do. Planes are then sought among the
+/// other points.
 void find_surfaces(const ShapeOptions& options, std::uint64_t seed, Shape& shape, ShapeWork& work) {
   const std::span<const Eigen::Vector3d> points_T = work.cloud.points_T.view();
   shape.thickness =
@@ -112,10 +119,8 @@ double pitch_of(const Shape& shape) {
     area = shape.planes[0].extents.prod();
     points = shape.planes[0].inliers;
   }
-  // Holes in the surface make the pitch too wide, never by more than a factor of 2 where it was
-  // found at all.
   const double pitch = points > 0 ? std::sqrt(area / static_cast<double>(points)) : 0.0;
-  return std::clamp(pitch, shape.spacing, 4.0 * shape.spacing);
+  return std::clamp(pitch, shape.spacing, kPitchMax_spacings * shape.spacing);
 }
 
 Extent extent_along(const ShapeWork& work, const Eigen::Vector3d& direction_T) {
@@ -133,13 +138,13 @@ bool reaches_beyond(const Extent& extent, const Shape& shape) {
 
 void complete(Shape& shape, ShapeWork& work) {
   if (shape.cylinder) {
-    if (explained_by(*shape.cylinder, work.cloud, tolerance_of(shape)) >= kCylinderExplainedMin) {
+    if (explained_by(*shape.cylinder, work.cloud, tolerance_of(shape)) >= kExplainedMin) {
       shape.completion = CompletionKind::kCylinder;
       shape.completion_points =
           complete_cylinder(*shape.cylinder, pitch_of(shape), work.scratch, work.cloud);
       shape.centroid_T = shape.cylinder->centre_T;
-      // A nozzle or an adapter reaches beyond the round: the whole body's middle along the axis is
-      // that of the points.
+      // Where a nozzle or an adapter reaches beyond the cylinder, the points give the middle of the
+      // whole body along the axis.
       const Extent extent = extent_along(work, shape.cylinder->axis_T);
       if (reaches_beyond(extent, shape)) {
         const double at = shape.cylinder->axis_T.dot(shape.centroid_T);
@@ -153,8 +158,7 @@ void complete(Shape& shape, ShapeWork& work) {
     shape.box = box.value();
     shape.completion = CompletionKind::kBox;
     shape.completion_points = complete_box(*shape.box, pitch_of(shape), work.scratch, work.cloud);
-    // The mean of a whole box's evenly spread points is its centre, here without the noise of their
-    // density.
+    // The mean of evenly spread points, without the noise of their density.
     shape.centroid_T = shape.box->centre_T;
   }
 }
@@ -171,17 +175,18 @@ TargetFrame frame_of(const Shape& shape, const ShapeWork& work, const Shape* pre
   return previous != nullptr ? relabel_like(frame, previous->frame) : frame;
 }
 
-// Points this flat, in spacings and thicknesses, do not tell a length from noise.
+// Points this flat do not determine a length. Chosen: a gap at either end, and 2.5 sigma of the
+// noise at either end.
 constexpr double kFlat_spacings = 2.0;
-constexpr double kFlat_thicknesses = 5.0;
+constexpr double kFlat_thicknesses = 2.0 * kBand_thicknesses;
 
 void measure_points(const ShapeWork& work, Shape& shape) {
   const double flat = kFlat_spacings * shape.spacing + kFlat_thicknesses * shape.thickness;
   for (Eigen::Index k = 0; k < 3; ++k) {
     const Extent extent = extent_along(work, shape.frame.R_TB.col(k));
     shape.dimensions(k) = extent.most - extent.least;
-    shape.sigma_dimensions(k) =
-        shape.spacing + shape.thickness;  // a gap at the ends and the quantiles; noise
+    // A gap at the ends, and the noise.
+    shape.sigma_dimensions(k) = shape.spacing + shape.thickness;
     shape.dimension_basis[static_cast<std::size_t>(k)] =
         shape.dimensions(k) > flat ? DimensionBasis::kPoints : DimensionBasis::kNothing;
   }
@@ -208,7 +213,7 @@ void measure_cylinder(Shape& shape) {
     const auto at = static_cast<std::size_t>(k);
     if (k == along) {
       if (shape.dimensions(k) > shape.cylinder->length + 2.0 * tolerance_of(shape)) {
-        continue;  // the points reach beyond the round
+        continue;  // points reach beyond the cylinder
       }
       shape.dimensions(k) = shape.cylinder->length;
       shape.dimension_basis[at] =

@@ -18,11 +18,11 @@
 
 namespace polhode {
 
-/// What a length along a body axis rests on.
+/// What a length along a body axis is based on.
 enum class DimensionBasis : std::uint8_t {
   kNothing = 0,  ///< the points are flat there: the body may reach any depth behind them
   kPoints = 1,   ///< where the points end: the body is at least so long
-  kSurfaces = 2  ///< surfaces found at both ends, or the round's diameter
+  kSurfaces = 2  ///< surfaces found at both ends, or the cylinder's diameter
 };
 
 /// Lengths in the unit of the landmarks (map units until the scale is known).
@@ -45,14 +45,14 @@ struct Shape {
   std::optional<Box> box;
 };
 
-/// Tables that a shape estimate works in, and the cloud that it leaves behind. Owned by the caller:
-/// 2 MB.
+/// Workspace of a shape estimate, and the cloud that results. Owned by the caller: 2 MB.
 struct ShapeWork {
   Cloud cloud;  ///< denoised; points from cloud.measured on were added
   CloudScratch scratch;
   SurfaceNormals normals;
   PlaneOwners owners;  ///< plane of each measured point, -1: none, kOnCylinder
 };
+/// Above every number of a plane.
 inline constexpr std::int8_t kOnCylinder = 127;
 
 /// @param landmarks_T  at most limits::kCloudPoints are used; non-finite ones are left out.

@@ -23,13 +23,13 @@ Eigen::Vector3d shared_direction(const Planes& planes, const Eigen::Vector3d& re
   return sum.norm() > 0.0 ? Eigen::Vector3d(sum.normalized()) : reference;
 }
 
-/// Best direction across x: an orthogonal plane's, else that of the plane most across, else the
-/// long edge of the first.
-/// `known`: false where it is a choice, as on a single square face.
+/// Direction across x: the normal of an orthogonal plane, else of an oblique one, else the long
+/// edge of the first plane. `known`: false where it is arbitrary, as on a single square face.
 Eigen::Vector3d second_direction(const Planes& planes, const Eigen::Vector3d& x_T, bool* known) {
-  constexpr double kLongerEdgeMin = 1.1;  // a rectangle's edges are told apart from here on
-  constexpr double kUsableCosineMax =
-      0.866;  // nearer than 30 deg to x a normal says little about y
+  // Ratio from which the longer edge is known. Chosen: ends of rectangles are off by some per cent.
+  constexpr double kLongerEdgeMin = 1.1;
+  // cos 30 deg: nearer to x the noise of a normal doubles in its direction across x.
+  constexpr double kUsableCosineMax = 0.866;
   const Plane* oblique = nullptr;
   for (const Plane& plane : planes) {
     const double cosine = std::abs(plane.normal_T.dot(x_T));
@@ -95,8 +95,7 @@ TargetFrame frame_from_planes(const Planes& planes) {
   rough.col(1) = second_direction(planes, x_T, &across_known);
   rough.col(1) = part_across(rough.col(1), x_T).normalized();
   rough.col(2) = rough.col(0).cross(rough.col(1));
-  // A third family of planes, where there is one, takes its share: the rotation nearest to all
-  // three directions.
+  // With a third family of planes: the rotation nearest to all three directions.
   for (const Plane& plane : planes) {
     if (std::abs(plane.normal_T.dot(rough.col(2))) >= kParallelCosineMin) {
       const Eigen::Vector3d third = shared_direction(planes, plane.normal_T);
@@ -139,11 +138,13 @@ TargetFrame frame_from_points(std::span<const Eigen::Vector3d> points_T) {
   frame.R_TB.col(0) = eigen.eigenvectors().col(2);
   frame.R_TB.col(1) = eigen.eigenvectors().col(1);
   frame.R_TB.col(2) = frame.R_TB.col(0).cross(frame.R_TB.col(1));
-  // Spreads nearer to each other than this are told apart by the choice of points alone.
+  // Ratio of eigenvalues from which axes are distinct. Chosen; nearer spreads change order with the
+  // choice of points.
   constexpr double kSpreadRatioMin = 1.3;
   const Eigen::Vector3d spread = eigen.eigenvalues().reverse().cwiseMax(0.0);
   const bool first = spread(0) > kSpreadRatioMin * spread(1);
-  // Points on a line spread across it by rounding only.
+  // Points on a line spread across it by rounding only: a thousandth of the length, squared, is
+  // more.
   constexpr double kLineSpread = 1e-6;
   const bool last = spread(1) > kSpreadRatioMin * spread(2) && spread(1) > kLineSpread * spread(0);
   frame.axes_known = {first, first && last, last};

@@ -21,17 +21,17 @@ enum class FrameSource : std::uint8_t {
 struct TargetFrame {
   Eigen::Matrix3d R_TB = Eigen::Matrix3d::Identity();  ///< takes B components to T components
   FrameSource source = FrameSource::kPrincipal;
-  /// Axes that the body's geometry fixes; the others are a choice (a ball has none, a smooth
-  /// cylinder one).
+  /// Axes that the body's geometry fixes. The others are arbitrary: a ball has none, a smooth
+  /// cylinder one.
   std::array<bool, 3> axes_known{};
 };
 
-/// Directions within this of each other count as parallel, and of a right angle as orthogonal: 10
-/// deg.
+/// Cosines of 10 deg and of 80 deg: directions count as parallel or orthogonal within 10 deg.
+/// Chosen: normals of planes are good to a few degrees, and panels lean by more.
 inline constexpr double kParallelCosineMin = 0.985;
 inline constexpr double kOrthogonalCosineMax = 0.174;
 
-/// Axes from planes, the one with most points first; parallel planes share a direction, weighted by
+/// Axes from planes, the one with most points first. Parallel planes share a direction, weighted by
 /// their points. A single plane takes y from its rectangle's long edge. `planes` must not be empty.
 TargetFrame frame_from_planes(const Planes& planes);
 
@@ -42,9 +42,9 @@ TargetFrame frame_from_cylinder(const Cylinder& cylinder, const Planes& planes);
 /// x along the largest spread, z along the least.
 TargetFrame frame_from_points(std::span<const Eigen::Vector3d> points_T);
 
-/// The same axes named as in `previous`: of the 24 right-handed relabellings of a box's axes the
-/// nearest one. A round body leaves the turn about its axis open: the axis keeps the name that the
-/// previous axis nearest to it has, and the other two stay where they were as far as they can.
+/// The same axes named as in `previous`: the nearest of the 24 right-handed relabellings of a box's
+/// axes. A round body leaves the rotation about its axis open. Its axis keeps the name of the
+/// nearest previous axis, and the other two stay as near to the previous ones as they can.
 TargetFrame relabel_like(const TargetFrame& frame, const TargetFrame& previous);
 
 }  // namespace polhode

@@ -26,7 +26,7 @@ CheckpointWriter::~CheckpointWriter() {
   thread_.join();
 }
 
-void CheckpointWriter::offer(const Component::State& state, std::int64_t stepped_utc_ns) {
+void CheckpointWriter::offer(const Component& component, std::int64_t stepped_utc_ns) {
   {
     const std::lock_guard lock(mutex_);
     if (waiting_ > 0) {
@@ -34,7 +34,7 @@ void CheckpointWriter::offer(const Component::State& state, std::int64_t stepped
       return;
     }
   }
-  const std::size_t octets = save_checkpoint(state, buffer_);
+  const std::size_t octets = save_checkpoint(component, buffer_);
   stamp_.utc_ns = stepped_utc_ns;
   {
     const std::lock_guard lock(mutex_);
@@ -43,11 +43,11 @@ void CheckpointWriter::offer(const Component::State& state, std::int64_t stepped
   changed_.notify_all();
 }
 
-void CheckpointWriter::write_now(const Component::State& state, std::int64_t stepped_utc_ns) {
+void CheckpointWriter::write_now(const Component& component, std::int64_t stepped_utc_ns) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return waiting_ == 0; });
   lock.unlock();
-  offer(state, stepped_utc_ns);
+  offer(component, stepped_utc_ns);
   lock.lock();
   changed_.wait(lock, [this] { return waiting_ == 0; });
 }

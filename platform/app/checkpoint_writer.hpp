@@ -33,9 +33,9 @@ class CheckpointWriter {
 
   /// Copies the state and returns; nothing when the last one is still being written.
   /// @param stepped_utc_ns when its last frame was stepped: from then on it ages.
-  void offer(const Component::State& state, std::int64_t stepped_utc_ns);
+  void offer(const Component& component, std::int64_t stepped_utc_ns);
   /// As offer(), but waits until it is on the disk. For the end of a run.
-  void write_now(const Component::State& state, std::int64_t stepped_utc_ns);
+  void write_now(const Component& component, std::int64_t stepped_utc_ns);
 
   [[nodiscard]] CheckpointCounters counters();
 

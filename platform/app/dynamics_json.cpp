@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "motion/body_dynamics.hpp"
-#include "pipeline/publish.hpp"
+#include "motion/published.hpp"
 
 namespace polhode::platform {
 namespace {

@@ -22,7 +22,7 @@ void write_checkpoint(Pool /*pool*/, std::size_t /*octets*/) {
     return;
   }
   unseal_memory();  // the program ends anyway: what writing needs may come from the machine
-  subject.writer->write_now(subject.component->state(), utc_now_ns());
+  subject.writer->write_now(*subject.component, utc_now_ns());
 }
 
 }  // namespace

@@ -6,31 +6,30 @@
 #include <opencv2/core.hpp>
 
 #include "mask/target_levels.hpp"
-#include "pipeline/state.hpp"
 
 namespace polhode::platform {
 namespace {
 
 /// Of the points of the body's edge: it turns, and moves across.
-double image_motion_px_s(const MotionState& motion, const Component::State& s) {
+double image_motion_px_s(const MotionState& motion, const GroundView& view) {
   const double depth = motion.p_CT[2];
   if (!motion.pose_valid || !motion.rate_valid || depth <= 0.0) {
     return 0.0;
   }
   const double radius_px =
-      s.camera.focal_px() * s.map.radius_mu / s.localised.absolute.pose.p_CT.z();
+      view.camera.focal_px() * view.map.radius_mu / view.last_pose.p_CT.z();
   const double across = motion.velocity_valid ? std::hypot(motion.v_C[0], motion.v_C[1]) : 0.0;
   return Eigen::Map<const Eigen::Vector3d>(motion.w_T_rad_s.data()).norm() * std::abs(radius_px) +
-         s.camera.focal_px() * across / depth;
+         view.camera.focal_px() * across / depth;
 }
 
 /// Before black space, where all that there is passes for empty space, it is too dark: a body that
 /// the component does not call dark may still be under the mask's level.
-LevelCounts used_levels(const Component::State& state) {
-  LevelCounts levels = target_levels(state.gray, state.parameters.mask, state.mask);
+LevelCounts used_levels(const GroundView& view) {
+  LevelCounts levels = target_levels(view.gray, view.parameters.mask, view.mask);
   const bool none =
       std::all_of(levels.begin(), levels.end(), [](std::uint32_t n) { return n == 0; });
-  if (none && !state.mask_state.behind) {
+  if (none && !view.mask_state.behind) {
     levels.front() = 1;
   }
   return levels;
@@ -49,7 +48,7 @@ LevelCounts flat_levels(const cv::Mat& gray, const MaskOptions& mask) {
 
 }  // namespace
 
-SeenTarget seen_target(const StepOutput& out, const Component::State& state) {
+SeenTarget seen_target(const StepOutput& out, const GroundView& view) {
   SeenTarget seen;
   switch (out.use) {
     case FrameUse::kDark:
@@ -59,11 +58,11 @@ SeenTarget seen_target(const StepOutput& out, const Component::State& state) {
       seen.levels.back() = 1;
       break;
     case FrameUse::kUsed:
-      seen.levels = used_levels(state);
-      seen.image_motion_px_s = image_motion_px_s(out.motion, state);
+      seen.levels = used_levels(view);
+      seen.image_motion_px_s = image_motion_px_s(out.motion, view);
       break;
     case FrameUse::kFlat:
-      seen.levels = flat_levels(state.gray, state.parameters.mask);
+      seen.levels = flat_levels(view.gray, view.parameters.mask);
       break;
     default:  // of a damaged picture nothing is to be learnt
       break;
@@ -90,7 +89,7 @@ CameraExposure next_setting(const SeenTarget& seen,
 }
 
 void ExposureControl::after(const StepOutput& out,
-                            const Component::State& state,
+                            const GroundView& view,
                             LiveCamera& camera) {
   if (!options_.enabled || ++frames_since_ < kFrames) {
     return;
@@ -100,7 +99,7 @@ void ExposureControl::after(const StepOutput& out,
     return;
   }
   frames_since_ = 0;
-  const CameraExposure next = next_setting(seen_target(out, state), now, options_.gain_factor_max);
+  const CameraExposure next = next_setting(seen_target(out, view), now, options_.gain_factor_max);
   // Steps of the device's are coarse: what is nearly the same is left as it is.
   constexpr double kSame = 0.02;
   const bool same = std::abs(static_cast<double>(next.exposure_ns - now.exposure_ns)) <

@@ -6,7 +6,7 @@
 
 #include "camera/live_camera.hpp"
 #include "image/exposure.hpp"
-#include "pipeline/component.hpp"
+#include "pipeline/ground_view.hpp"
 
 namespace polhode::platform {
 
@@ -23,7 +23,7 @@ struct SeenTarget {
 };
 
 /// A frame that was refused as dark or saturated counts as all dark, or all saturated.
-SeenTarget seen_target(const StepOutput& out, const Component::State& state);
+SeenTarget seen_target(const StepOutput& out, const GroundView& view);
 
 /// The next setting; `now` where nothing is to be changed.
 /// @param settings what the camera can do, and how it is set.
@@ -36,7 +36,7 @@ CameraExposure next_setting(const SeenTarget& seen,
 class ExposureControl {
  public:
   explicit ExposureControl(const ExposureControlOptions& options) : options_(options) {}
-  void after(const StepOutput& out, const Component::State& state, LiveCamera& camera);
+  void after(const StepOutput& out, const GroundView& view, LiveCamera& camera);
   [[nodiscard]] std::uint32_t changes() const { return changes_; }
 
  private:

@@ -14,9 +14,8 @@
 #include "app/smoothed.hpp"
 #include "app/trajectory.hpp"
 #include "camera/replay/file_camera.hpp"
-#include "pipeline/scale_now.hpp"
+#include "pipeline/ground_view.hpp"
 #include "pipeline/smooth.hpp"
-#include "pipeline/state.hpp"
 #include "shape/hull.hpp"
 
 namespace polhode::platform {
@@ -35,17 +34,17 @@ Pose causal_pose(const MotionState& m, double metres_per_mu) {
 std::vector<SmoothedPose> smooth_frames(Component& component,
                                         const Sequence& sequence,
                                         const ReplayLog& log) {
-  Component::State& state = component.state();
-  bring_to_rest(&state);
-  MapAtRest at_rest(&state);
+  bring_to_rest(&component);
+  MapAtRest at_rest(&component);
+  const GroundView view = view_of(component);
   FileCamera camera(sequence);
   std::vector<SmoothedPose> poses;
   for (std::size_t i = 0; i < log.published.size(); ++i) {
     const MotionState& m = log.published[i];
-    const Pose hint = causal_pose(m, state.scale.metres_per_mu_published);
+    const Pose hint = causal_pose(m, view.scale.metres_per_mu_published);
     SmoothedPose pose = at_rest.from_log(m.frame, hint, log.observations.of_frame(i));
     Frame frame;
-    if (!pose.valid && log.uses[i] == FrameUse::kUsed && state.map.keyframe_count > 0) {
+    if (!pose.valid && log.uses[i] == FrameUse::kUsed && view.map.keyframe_count > 0) {
       camera.seek(i);
       if (camera.next(frame) && frame.readable) {
         pose = at_rest.from_image(frame);
@@ -58,20 +57,21 @@ std::vector<SmoothedPose> smooth_frames(Component& component,
 
 /// The frame that carries the scale may have found its pose only now, and has its best one now:
 /// that of its keyframe, or what its picture gives.
-void measure_scale_late(const Sequence& sequence, const ReplayLog& log, Component::State* state) {
-  if (!names_frame(state->parameters.scale) || state->map.keyframe_count == 0 ||
-      measure_scale_in_keyframe(state)) {
+void measure_scale_late(const Sequence& sequence, const ReplayLog& log, Component* component) {
+  const GroundView view = view_of(*component);
+  const ScaleOptions& options = view.parameters.scale;
+  if (!names_frame(options) || view.map.keyframe_count == 0 || read_scale_in_keyframe(component)) {
     return;
   }
-  MapAtRest at_rest(state);
+  MapAtRest at_rest(component);
   FileCamera camera(sequence);
   for (std::size_t i = 0; i < log.published.size(); ++i) {
     Frame frame;
     if (log.uses[i] == FrameUse::kUsed &&
-        log.published[i].timestamp_ns == state->parameters.scale.frame_timestamp_ns) {
+        log.published[i].timestamp_ns == options.frame_timestamp_ns) {
       camera.seek(i);
       if (camera.next(frame) && frame.readable && at_rest.from_image(frame).valid) {
-        (void)measure_scale_in_frame(state);
+        (void)read_scale_in_image(component);
       }
     }
   }
@@ -86,38 +86,39 @@ struct FoundShape {
 };
 
 /// Landmarks in metres once the scale is known.
-ConfirmedLandmarks landmarks_of(const Component::State& state) {
-  ConfirmedLandmarks landmarks = confirmed_landmarks(state);
+ConfirmedLandmarks landmarks_of(const GroundView& view) {
+  ConfirmedLandmarks landmarks = confirmed_landmarks(view.map);
   for (Eigen::Vector3d& point : landmarks.points_T) {
-    point *= state.scale.metres_per_mu;
+    point *= view.scale.metres_per_mu;
   }
   return landmarks;
 }
 
 /// A diameter or an edge of the shape may be what carries the scale.
-void measure_scale_by_shape(Component::State* state) {
-  const ScaleOptions& options = state->parameters.scale;
+void measure_scale_by_shape(Component* component) {
+  const GroundView view = view_of(*component);
+  const ScaleOptions& options = view.parameters.scale;
   if (options.known_diameter_m == 0.0 && options.known_edge_m == 0.0) {
     return;
   }
   const auto work = std::make_unique<ShapeWork>();
-  const Result<Shape> shape = estimate_shape(confirmed_landmarks(*state).points_T,
-                                             state->parameters.shape,
-                                             state->parameters.seed,
+  const Result<Shape> shape = estimate_shape(confirmed_landmarks(view.map).points_T,
+                                             view.parameters.shape,
+                                             view.parameters.seed,
                                              nullptr,
                                              *work);
   if (shape) {
-    (void)measure_scale_of(shape.value(), state);
+    (void)read_scale_in_shape(shape.value(), component);
   }
 }
 
 /// A length, range, diameter or edge was given, and lengths are in map units all the same.
-void tell_scale_that_was_not_read(const Component::State& state) {
-  const ScaleOptions& o = state.parameters.scale;
+void tell_scale_that_was_not_read(const GroundView& view) {
+  const ScaleOptions& o = view.parameters.scale;
   const auto tell = [](const char* key, const char* why) {
     fmt::print(stderr, "polhode: {}: not read: {}; lengths stay in map units\n", key, why);
   };
-  if (state.scale.known || state.scale.contradiction) {
+  if (view.scale.known || view.scale.contradiction) {
     return;
   }
   if (o.known_length_m != 0.0) {
@@ -134,10 +135,10 @@ void tell_scale_that_was_not_read(const Component::State& state) {
   }
 }
 
-FoundShape find_shape(const Component::State& state, const std::vector<Eigen::Vector3d>& points_T) {
+FoundShape find_shape(const GroundView& view, const std::vector<Eigen::Vector3d>& points_T) {
   FoundShape found;
   const Result<Shape> shape =
-      estimate_shape(points_T, state.parameters.shape, state.parameters.seed, nullptr, *found.work);
+      estimate_shape(points_T, view.parameters.shape, view.parameters.seed, nullptr, *found.work);
   if (!shape) {
     found.reason =
         points_T.empty() ? "there is no map" : "too few landmarks, or none on a common surface";
@@ -235,35 +236,35 @@ void finish_replay(Component& component,
                    const ReplayLog& log,
                    const fs::path& folder) {
   const std::vector<SmoothedPose> poses = smooth_frames(component, sequence, log);
-  Component::State& state = component.state();
-  measure_scale_late(sequence, log, &state);
-  measure_scale_by_shape(&state);
-  tell_scale_that_was_not_read(state);
-  const ConfirmedLandmarks landmarks = landmarks_of(state);
-  const FoundShape found = find_shape(state, landmarks.points_T);
+  measure_scale_late(sequence, log, &component);
+  measure_scale_by_shape(&component);
+  const GroundView view = view_of(component);
+  tell_scale_that_was_not_read(view);
+  const ConfirmedLandmarks landmarks = landmarks_of(view);
+  const FoundShape found = find_shape(view, landmarks.points_T);
   write_clouds(found, landmarks, folder);
   write_shape_json(folder / "shape.json",
                    {.shape = found.shape ? &*found.shape : nullptr,
                     .reason = found.reason,
                     .surface = found.surface ? &*found.surface : nullptr,
-                    .scale_options = state.parameters.scale,
-                    .scale = state.scale});
+                    .scale_options = view.parameters.scale,
+                    .scale = view.scale});
   const std::vector<PoseSample> samples =
-      samples_in_body(poses, log.published, found.body, state.scale.metres_per_mu, log.servicer);
+      samples_in_body(poses, log.published, found.body, view.scale.metres_per_mu, log.servicer);
   const double radius = found.shape ? 0.5 * found.shape->dimensions.maxCoeff()
-                                    : state.map.radius_mu * state.scale.metres_per_mu;
-  const std::optional<RigidModel> of_map = model_of_map(samples, found.body, state);
-  const RigidModel model = of_map ? *of_map : model_of(samples, radius, state);
+                                    : view.map.radius_mu * view.scale.metres_per_mu;
+  const std::optional<RigidModel> of_map = model_of_map(samples, found.body, view);
+  const RigidModel model = of_map ? *of_map : model_of(samples, radius, view);
   write_smoothed(
-      smoothed_motion(poses, samples, log.published, model, log.servicer, state), log, folder);
+      smoothed_motion(poses, samples, log.published, model, log.servicer, view), log, folder);
   write_model_json(
       folder / "motion_model.json",
       {.samples = samples,
        .model = model,
-       .options = state.parameters.motion,
+       .options = view.parameters.motion,
        .body_radius = radius,
-       .scale_known = state.scale.known,
-       .scale_sigma = state.scale.relative_sigma,
+       .scale_known = view.scale.known,
+       .scale_sigma = view.scale.relative_sigma,
        .R_CI = samples.empty()
                    ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
                    : Eigen::Matrix3d(log.servicer.R_IC(samples.back().timestamp_ns).transpose())});

@@ -83,9 +83,9 @@ std::int64_t take_frame(LiveParts& parts,
   const auto every = static_cast<std::uint32_t>(limits.checkpoint_frames);
   const bool due = counts.frames_accepted % every == 0 || out.checkpoint_asked;
   if (parts.checkpoint != nullptr && due) {
-    parts.checkpoint->offer(parts.component.state(), counts.last_step_utc_ns);
+    parts.checkpoint->offer(parts.component, counts.last_step_utc_ns);
   }
-  parts.exposure.after(out, parts.component.state(), parts.camera);
+  parts.exposure.after(out, view_of(parts.component), parts.camera);
   parts.report.stepped(out);
   return step_cpu_ns;
 }

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "pipeline/state.hpp"
+#include "pipeline/ground_view.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -25,16 +25,16 @@ const char* class_name(TrackClass kind) {
 }
 
 /// Before black space the cells are the mask.
-void draw(const Component::State& state, const cv::Size& size, std::vector<unsigned char>* pixels) {
-  const cv::Mat& cells = state.mask.cells;
-  const bool behind = state.mask_state.behind;
+void draw(const GroundView& view, const cv::Size& size, std::vector<unsigned char>* pixels) {
+  const cv::Mat& cells = view.mask.cells;
+  const bool behind = view.mask_state.behind;
   pixels->resize(static_cast<std::size_t>(size.area()));
   for (int row = 0; row < size.height; ++row) {
     for (int column = 0; column < size.width; ++column) {
       const bool open = cells.at<std::uint8_t>(row * cells.rows / size.height,
                                                column * cells.cols / size.width) != 0;
       const bool target =
-          behind ? state.mask_state.outline.at<std::uint8_t>(row, column) != 0 : open;
+          behind ? view.mask_state.outline.at<std::uint8_t>(row, column) != 0 : open;
       (*pixels)[static_cast<std::size_t>(row * size.width + column)] =
           static_cast<unsigned char>((open ? kOpen : 0) + (target ? kTarget : 0));
     }
@@ -48,14 +48,14 @@ MaskLog::MaskLog(const std::filesystem::path& folder)
   tracks_.write("frame,u_px,v_px,from_u_px,from_v_px,class\n");
 }
 
-void MaskLog::append(std::size_t frame, const StepOutput& out, const Component::State& state) {
-  const MaskState& mask = state.mask_state;
-  const bool used = out.use == FrameUse::kUsed && !state.mask.cells.empty();
+void MaskLog::append(std::size_t frame, const StepOutput& out, const GroundView& view) {
+  const MaskState& mask = view.mask_state;
+  const bool used = out.use == FrameUse::kUsed && !view.mask.cells.empty();
   const cv::Size size = !used         ? cv::Size(1, 1)
                         : mask.behind ? mask.outline.size()
-                                      : state.mask.cells.size();
+                                      : view.mask.cells.size();
   if (used) {
-    draw(state, size, &pixels_);
+    draw(view, size, &pixels_);
   } else {
     pixels_.assign(1, 0);
   }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "output_file.hpp"
-#include "pipeline/component.hpp"
+#include "pipeline/ground_view.hpp"
 
 namespace polhode::platform {
 
@@ -16,7 +16,7 @@ namespace polhode::platform {
 class MaskLog {
  public:
   explicit MaskLog(const std::filesystem::path& folder);
-  void append(std::size_t frame, const StepOutput& out, const Component::State& state);
+  void append(std::size_t frame, const StepOutput& out, const GroundView& view);
   void close();
 
  private:

@@ -5,7 +5,7 @@
 
 #include "app/dynamics_json.hpp"
 #include "output_file.hpp"
-#include "pipeline/publish.hpp"
+#include "motion/published.hpp"
 
 namespace polhode::platform {
 namespace {

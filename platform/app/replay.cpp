@@ -40,7 +40,7 @@
 #include "parameters/transport_options.hpp"
 #include "pipeline/checkpoint.hpp"
 #include "pipeline/component.hpp"
-#include "pipeline/state.hpp"
+#include "pipeline/ground_view.hpp"
 #include "transport/command_file.hpp"
 #include "transport/file/packet_file.hpp"
 #include "transport/transports.hpp"
@@ -160,7 +160,7 @@ void run_frames(Run& run, bool realtime) {
     }
     write_frame(run, camera.index(), frame, out, step_us);
     if (run.masks != nullptr) {
-      run.masks->append(camera.index(), out, run.component.state());
+      run.masks->append(camera.index(), out, view_of(run.component));
     }
     add_frame(run.record, camera.index(), out, camera.refusal(), frame.timestamp_ns);
     progress.update(camera.index() + 1, out.motion);
@@ -227,10 +227,10 @@ void restore(const fs::path& checkpoint, const Parameters& configured, Component
   if (const auto unreadable = read_file(checkpoint, octets)) {
     throw UnusableInput(fmt::format("{}: {}", checkpoint.string(), *unreadable));
   }
-  if (!restore_checkpoint(octets, &component.state())) {
+  if (!restore_checkpoint(octets, &component)) {
     throw UnusableInput(fmt::format("{}: not a checkpoint of this build", checkpoint.string()));
   }
-  tell_other_parameters(checkpoint, configured, component.state().parameters);
+  tell_other_parameters(checkpoint, configured, view_of(component).parameters);
 }
 
 Component& make_component(const ComponentMemory& memory,
@@ -305,7 +305,7 @@ void replay(const ReplayArguments& arguments) {
   const ComponentMemory memory(parameters, arguments.config.string(), needs_of(options, sequence));
   LoadedNetwork network(options.network_file);
   Component& component = make_component(memory, parameters, arguments);
-  const std::string config_hash = sha256_of(canonical_text(component.state().parameters));
+  const std::string config_hash = sha256_of(canonical_text(view_of(component).parameters));
   Transports transports({.send = options.transport.send, .receive = {}});
   prepare_output_folder(arguments.out);  // last: an earlier run's files go
 

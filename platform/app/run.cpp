@@ -58,7 +58,7 @@ class Beginning {
     }
     loaded_ = load_checkpoint_file(
         machine_.run.checkpoint, identity_, utc_now_ns(), machine_.run.checkpoint_age_s_max);
-    if (loaded_.refusal.empty() && !restore_checkpoint(loaded_.content, &component.state())) {
+    if (loaded_.refusal.empty() && !restore_checkpoint(loaded_.content, &component)) {
       loaded_.refusal = "of another build";
     }
     warm_ = loaded_.refusal.empty();
@@ -195,7 +195,7 @@ LiveEnd run_sealed(LiveParts& parts, const RunOptions& wish, bool memory_trap) {
 void leave_behind(const RunJsonInput& input, const fs::path& folder) {
   const LiveParts& parts = input.parts;
   if (parts.checkpoint != nullptr && parts.counts.frames_accepted > 0) {
-    parts.checkpoint->write_now(parts.component.state(), parts.counts.last_step_utc_ns);
+    parts.checkpoint->write_now(parts.component, parts.counts.last_step_utc_ns);
   }
   if (!folder.empty()) {
     write_run_json(folder / "run.json", input);

@@ -4,9 +4,8 @@
 #include <optional>
 
 #include "geometry/so3.hpp"
-#include "pipeline/mapping.hpp"
-#include "pipeline/publish.hpp"
-#include "pipeline/state.hpp"
+#include "motion/joint_fit.hpp"
+#include "motion/published.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -114,16 +113,16 @@ AtFrame by_measurement(std::span<const PoseSample> samples,
 
 MotionState row_of(const MotionState& published,
                    const SmoothedPose& pose,
-                   const Component::State& state) {
+                   const GroundView& view) {
   MotionState m;
   m.frame = published.frame;
   m.timestamp_ns = published.timestamp_ns;
-  m.scale_known = state.scale.known;
-  m.target_frame = state.target_frame;
+  m.scale_known = view.scale.known;
+  m.target_frame = view.target_frame;
   m.mode = pose.valid ? Mode::kTracking : published.mode;
   m.features = published.features;
-  m.landmarks = static_cast<std::uint16_t>(state.map.landmark_count);
-  m.keyframes = static_cast<std::uint16_t>(state.map.keyframe_count);
+  m.landmarks = static_cast<std::uint16_t>(view.map.landmark_count);
+  m.keyframes = static_cast<std::uint16_t>(view.map.keyframe_count);
   return m;
 }
 
@@ -162,16 +161,16 @@ std::vector<PoseSample> samples_in_body(const std::vector<SmoothedPose>& poses,
   return samples;
 }
 
-PoseCovariance drift_at_rest(const Component::State& state) {
-  MapDrift held = state.drift;
+PoseCovariance drift_at_rest(const GroundView& view) {
+  MapDrift held = view.drift;
   hold_at_both_ends(&held);
-  return scaled(covariance(held), state.scale.metres_per_mu);
+  return scaled(covariance(held), view.scale.metres_per_mu);
 }
 
 RigidModel model_of(std::span<const PoseSample> samples,
                     double body_radius,
-                    const Component::State& state) {
-  if (state.parameters.motion.mode == MotionMode::kPaper || samples.empty()) {
+                    const GroundView& view) {
+  if (view.parameters.motion.mode == MotionMode::kPaper || samples.empty()) {
     return {};
   }
   auto snapshot = std::make_unique<MotionSnapshot>();
@@ -181,22 +180,20 @@ RigidModel model_of(std::span<const PoseSample> samples,
   for (std::size_t i = (samples.size() - 1) % every; i < samples.size(); i += every) {
     (void)snapshot->poses.push_back(samples[i]);
   }
-  snapshot->drift = drift_at_rest(state);
+  snapshot->drift = drift_at_rest(view);
   snapshot->body_radius = body_radius > 0.0 ? body_radius : 1.0;
-  snapshot->options = state.parameters.motion;
+  snapshot->options = view.parameters.motion;
   return fit_rigid_model(*snapshot, *workspace);
 }
 
 std::optional<RigidModel> model_of_map(std::span<const PoseSample> samples,
                                        const BodyFrame& body,
-                                       const Component::State& state) {
-  const AdjustmentJob& last = state.job.adjustment;
-  if (samples.empty() || !last.as_free_body || !last.model.accepted() ||
-      !state.motion.model.of_map) {
+                                       const GroundView& view) {
+  if (samples.empty() || !view.model_is_of_map) {
     return std::nullopt;
   }
-  const RigidModel model = transformed(state.motion.model,
-                                       {.scale = state.scale.metres_per_mu,
+  const RigidModel model = transformed(view.model,
+                                       {.scale = view.scale.metres_per_mu,
                                         .R_ba = body.R_TB.transpose(),
                                         .t_ba = -(body.R_TB.transpose() * body.centroid_T)});
   constexpr double kApart_rad = 0.02;  // axes that are not the model's are off by more
@@ -216,14 +213,14 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
                                          std::span<const MotionState> published,
                                          const RigidModel& model,
                                          const ServicerAttitude& servicer,
-                                         const Component::State& state) {
+                                         const GroundView& view) {
   std::vector<MotionState> smoothed;
   std::array<double, 4> q_last{1.0, 0.0, 0.0, 0.0};
   std::size_t next = 0;
   ModelOfRun run = of_run(model);
-  const PoseCovariance drift = drift_at_rest(state);
+  const PoseCovariance drift = drift_at_rest(view);
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    MotionState m = row_of(published[i], poses[i], state);
+    MotionState m = row_of(published[i], poses[i], view);
     AtFrame at = by_model(m.timestamp_ns, &run);
     const bool measured =
         next < samples.size() && poses[i].valid && samples[next].timestamp_ns == m.timestamp_ns;
@@ -231,12 +228,12 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
       m.matches = static_cast<std::uint16_t>(poses[i].matches);
       m.inliers = static_cast<std::uint16_t>(poses[i].absolute.inliers);
       if (!at.pose) {
-        at = by_measurement(samples, next, drift, state.parameters.motion, at.rates);
+        at = by_measurement(samples, next, drift, view.parameters.motion, at.rates);
       }
       ++next;
     }
     if (at.pose) {
-      write_motion(at, servicer.R_IC(m.timestamp_ns).transpose(), state.scale, &q_last, &m);
+      write_motion(at, servicer.R_IC(m.timestamp_ns).transpose(), view.scale, &q_last, &m);
       m.mode = Mode::kTracking;  // with a pose from all frames there is nothing to acquire
     }
     smoothed.push_back(m);

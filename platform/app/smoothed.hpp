@@ -11,7 +11,7 @@
 #include "app/servicer_attitude.hpp"
 #include "motion/pose_history.hpp"
 #include "motion/rigid_model.hpp"
-#include "pipeline/component.hpp"
+#include "pipeline/ground_view.hpp"
 #include "pipeline/smooth.hpp"
 
 namespace polhode::platform {
@@ -31,20 +31,20 @@ std::vector<PoseSample> samples_in_body(const std::vector<SmoothedPose>& poses,
                                         const ServicerAttitude& servicer);
 
 /// The map's drift as the poses at rest still carry it, in the published unit.
-PoseCovariance drift_at_rest(const Component::State& state);
+PoseCovariance drift_at_rest(const GroundView& view);
 
 /// Rigid-body dynamics through all samples (every so-many-th where there are more than a fit
 /// takes).
 RigidModel model_of(std::span<const PoseSample> samples,
                     double body_radius,
-                    const Component::State& state);
+                    const GroundView& view);
 
 /// The model that the map at rest was fitted with, in B and the published unit, where there is one
 /// and the samples lie on it: they were placed by it, so that a fit to them would find no noise and
 /// take itself for exact.
 std::optional<RigidModel> model_of_map(std::span<const PoseSample> samples,
                                        const BodyFrame& body,
-                                       const Component::State& state);
+                                       const GroundView& view);
 
 /// One row a frame. Where the model is accepted, pose and rates are the model's, in frames without
 /// a measured pose too; elsewhere the measured pose and a local fit. Empty where there is neither.
@@ -53,6 +53,6 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
                                          std::span<const MotionState> published,
                                          const RigidModel& model,
                                          const ServicerAttitude& servicer,
-                                         const Component::State& state);
+                                         const GroundView& view);
 
 }  // namespace polhode::platform

@@ -8,19 +8,17 @@ namespace polhode::platform {
 namespace {
 
 constexpr const char* kHead =
-    "# Every parameter of the estimator with its default. Works as it is on any sequence; lengths "
-    "are then in map units.\n"
-    "# Copy what you change into a file of your own, or change single values with --set "
-    "key=value.\n"
+    "# Every parameter of the estimator with its default: allowed values, unit, what it does. "
+    "Works as it is on any sequence;\n"
+    "# lengths are then in map units. Copy what you change into a file of your own, or change "
+    "single values with --set key=value.\n"
     "# Written by `polhode check --defaults`; a test keeps it so.\n";
 
 constexpr const char* kScaleHead =
-    "# Metres instead of map units: take away the marks of what is known; a length and a range "
-    "need "
-    "the frame that they belong to.\n"
-    "# Several are combined by their sigmas; where they contradict each other, shape.json says so "
-    "and "
-    "lengths stay in map units.\n";
+    "# For metres instead of map units, remove the # before what is known. A length and a range "
+    "need the frame that they belong to.\n"
+    "# Several are combined by their sigmas. Where they contradict each other, shape.json reports "
+    "it and lengths stay in map units.\n";
 
 constexpr const char* kCameraHead =
     "# A replay takes its camera from the sequence's sensor.yaml. This section is for a "

@@ -67,7 +67,7 @@ TEST(Settle, LeavesNoNumberThatIsNotFinite_WhateverWasThere) {
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
       Storage storage{};
       fill_at_random(seed, &storage);
-      settle(*layout, storage.data());
+      sanitise(*layout, storage.data());
       ASSERT_TRUE(all_finite(*layout, storage.data())) << layout->name << " seed " << seed;
     }
   }
@@ -80,7 +80,7 @@ TEST(Settle, TakesAFlagDownWhenOneOfItsValuesIsNotFinite_AndZerosAllOfThem) {
     packet.q_TB = {0.5, 0.5, 0.5, 0.5};
     packet.sigma_axes_rad = {0.1F, static_cast<float>(bad), 0.1F};
     packet.v_C = {1.0, 2.0, 3.0};
-    settle(ModelPacket::layout(), &packet);
+    sanitise(ModelPacket::layout(), &packet);
     EXPECT_EQ(packet.flags, model_layout::kFlagVelocity);
     EXPECT_EQ(packet.q_TB, (std::array<double, 4>{}));
     EXPECT_EQ(packet.v_C[2], 3.0);
@@ -92,7 +92,7 @@ TEST(Settle, ZerosValuesWhoseFlagIsDown) {
   packet.dimensions = {1.0, 2.0, 3.0};
   packet.cylinder_radius = 4.0F;
   packet.plane_count = 3;
-  settle(ShapePacket::layout(), &packet);
+  sanitise(ShapePacket::layout(), &packet);
   EXPECT_EQ(packet.dimensions[1], 0.0);
   EXPECT_EQ(packet.cylinder_radius, 0.0F);
   EXPECT_EQ(packet.plane_count, 3);
@@ -102,7 +102,7 @@ TEST(Settle, MakesTextsPrintable_AndZeroBehindTheirEnd) {
   EventPacket packet;
   const char text[] = "a\tb\x80\0rest";
   std::copy(std::begin(text), std::end(text), packet.text.begin());
-  settle(EventPacket::layout(), &packet);
+  sanitise(EventPacket::layout(), &packet);
   EXPECT_EQ(std::string(packet.text.data(), 6), std::string("a?b?\0\0", 6));
 }
 
@@ -112,7 +112,7 @@ TEST(Packing, ComesBackBitForBit_ForEveryPacketOfTheTable) {
       Storage out{};
       Storage back{};
       fill_at_random(seed, &out);
-      settle(*layout, out.data());
+      sanitise(*layout, out.data());
       std::vector<std::uint8_t> octets(layout->octets);
       pack_fields(*layout, out.data(), octets);
       unpack_fields(*layout, octets, back.data());

@@ -75,7 +75,7 @@ TEST_F(Exhaustion, OfTheReserveLeavesACheckpointBehind_AndItsOwnExitCode) {
       load_checkpoint_file(file_, CheckpointIdentity{}, utc_now_ns(), 600);
   ASSERT_EQ(loaded.refusal, "");
   bench::Bench again;
-  ASSERT_TRUE(restore_checkpoint(loaded.content, &again.component->state()));
+  ASSERT_TRUE(restore_checkpoint(loaded.content, again.component));
   EXPECT_EQ(again.component->counters().frames_in, static_cast<std::uint32_t>(kSteps));
 }
 

@@ -7,17 +7,15 @@
 #include <memory>
 
 #include "os/linux/priority.hpp"
-#include "pipeline/jobs.hpp"
+#include "pipeline/job.hpp"
 
 namespace polhode::platform {
 namespace {
 
-/// A contest without frames: it ends at once, undecided.
-std::unique_ptr<MapJob> job_due_at(std::uint32_t step) {
-  auto job = std::make_unique<MapJob>();
-  job->kind = JobKind::kStart;
-  job->due_step = step;
-  return job;
+/// A hypothesis selection without frames: it ends at once, undecided.
+std::unique_ptr<Job> job_due_at(std::uint32_t step) {
+  static const auto work = std::make_unique<StartJob>();
+  return std::make_unique<Job>(Job{.work = work.get(), .due_step = step});
 }
 
 Jobs one(Job* job) {
@@ -94,7 +92,7 @@ TEST_P(WorkerTest, TwoAreOutAtATime_EachComesBackToItsOwnStep) {
 TEST_P(WorkerTest, TwoThatNameTheSameStepComeBackInTheOrderOfTheirIssue) {
   Worker worker({.own_thread = GetParam(), .latency_ms_max = 10});
   for (std::uint32_t i = 0; i < 5; ++i) {
-    const std::array<std::unique_ptr<MapJob>, 2> jobs{job_due_at(i), job_due_at(i)};
+    const std::array<std::unique_ptr<Job>, 2> jobs{job_due_at(i), job_due_at(i)};
     Jobs both = one(jobs[0].get());
     (void)both.push_back(jobs[1].get());
     worker.submit(both);

@@ -7,7 +7,7 @@
 
 #include "bench.hpp"
 #include "geometry/so3.hpp"
-#include "pipeline/state.hpp"
+#include "state_of.hpp"
 
 namespace polhode {
 namespace {
@@ -27,7 +27,7 @@ const StepOutput& show(Bench& b, int frame) {
 
 std::vector<std::uint8_t> saved(const Bench& b) {
   std::vector<std::uint8_t> octets(checkpoint_octets_max());
-  octets.resize(save_checkpoint(b.component->state(), octets));
+  octets.resize(save_checkpoint(*b.component, octets));
   return octets;
 }
 
@@ -54,10 +54,10 @@ Eigen::Matrix3d rotation_of(const MotionState& m) {
 
 TEST(Checkpoint, AfterIt_TheTargetIsFoundAtOnce_InTheSameFrame) {
   const Before& run = before_the_end();
-  ASSERT_GT(run.bench.component->state().map.keyframe_count, 0);
+  ASSERT_GT(state_of(*run.bench.component).mapping.map.keyframe_count, 0);
   for (const int missed : {0, 3}) {  // frames that went by meanwhile
     Bench b(parameters());
-    ASSERT_TRUE(restore_checkpoint(run.octets, &b.component->state()));
+    ASSERT_TRUE(restore_checkpoint(run.octets, b.component));
     const StepOutput& out = show(b, 14 + missed);
     ASSERT_TRUE(out.motion.pose_valid) << missed;
     EXPECT_EQ(out.motion.mode, Mode::kTracking);
@@ -65,7 +65,7 @@ TEST(Checkpoint, AfterIt_TheTargetIsFoundAtOnce_InTheSameFrame) {
     // T is the T from before: its rotation against the truth's is still the same constant one.
     const Eigen::Matrix3d R_TT = turning(14 + missed).R_CT.transpose() * rotation_of(out.motion);
     const Eigen::Matrix3d R_TT_before =
-        turning(13).R_CT.transpose() * rotation_of(run.bench.component->state().output.motion);
+        turning(13).R_CT.transpose() * rotation_of(state_of(*run.bench.component).answer.output.motion);
     EXPECT_LT(rotation_angle_rad(R_TT, R_TT_before), 0.035) << missed;
     EXPECT_TRUE(out.motion.rate_valid);
   }
@@ -74,19 +74,19 @@ TEST(Checkpoint, AfterIt_TheTargetIsFoundAtOnce_InTheSameFrame) {
 TEST(Checkpoint, BeginsWithTheSameTables) {
   const Before& run = before_the_end();
   Bench b(parameters());
-  ASSERT_TRUE(restore_checkpoint(run.octets, &b.component->state()));
-  const Component::State& old = run.bench.component->state();
-  const Component::State& now = b.component->state();
-  EXPECT_EQ(now.map.keyframe_count, old.map.keyframe_count);
-  EXPECT_EQ(now.map.landmark_count, old.map.landmark_count);
+  ASSERT_TRUE(restore_checkpoint(run.octets, b.component));
+  const Component::State& old = state_of(*run.bench.component);
+  const Component::State& now = state_of(*b.component);
+  EXPECT_EQ(now.mapping.map.keyframe_count, old.mapping.map.keyframe_count);
+  EXPECT_EQ(now.mapping.map.landmark_count, old.mapping.map.landmark_count);
   EXPECT_EQ(now.motion.recent.size(), old.motion.recent.size());
   EXPECT_EQ(now.counters.frames_in, old.counters.frames_in);
   EXPECT_EQ(now.counters.poses, old.counters.poses);
-  for (std::size_t i = 0; i < old.map.landmarks.size(); ++i) {
-    ASSERT_EQ(now.map.landmarks[i].used, old.map.landmarks[i].used);
-    if (old.map.landmarks[i].used) {
-      EXPECT_EQ(now.map.landmarks[i].number, old.map.landmarks[i].number);
-      EXPECT_EQ(now.map.landmarks[i].p_T, old.map.landmarks[i].p_T);
+  for (std::size_t i = 0; i < old.mapping.map.landmarks.size(); ++i) {
+    ASSERT_EQ(now.mapping.map.landmarks[i].used, old.mapping.map.landmarks[i].used);
+    if (old.mapping.map.landmarks[i].used) {
+      EXPECT_EQ(now.mapping.map.landmarks[i].number, old.mapping.map.landmarks[i].number);
+      EXPECT_EQ(now.mapping.map.landmarks[i].p_T, old.mapping.map.landmarks[i].p_T);
     }
   }
   EXPECT_EQ(saved(b).size(), run.octets.size());
@@ -97,7 +97,7 @@ TEST(Checkpoint, OfTheSameStateTwoRunsGiveTheSameBytes) {
   std::vector<std::vector<std::uint8_t>> packets(2);
   for (auto& bytes : packets) {
     Bench b(parameters());
-    ASSERT_TRUE(restore_checkpoint(run.octets, &b.component->state()));
+    ASSERT_TRUE(restore_checkpoint(run.octets, b.component));
     for (int i = 14; i < kFrames; ++i) {
       const StepOutput& out = show(b, i);
       bytes.insert(bytes.end(), out.packets.begin(), out.packets.end());
@@ -109,7 +109,7 @@ TEST(Checkpoint, OfTheSameStateTwoRunsGiveTheSameBytes) {
 TEST(Checkpoint, BeforeThereIsAMap_OnlyCountersAndTimeGoOn) {
   const Before run(2);
   Bench b(parameters());
-  ASSERT_TRUE(restore_checkpoint(run.octets, &b.component->state()));
+  ASSERT_TRUE(restore_checkpoint(run.octets, b.component));
   EXPECT_EQ(show(b, 1).use, FrameUse::kTimeNotIncreasing);
   const StepOutput& out = show(b, 2);
   EXPECT_EQ(out.use, FrameUse::kUsed);
@@ -121,8 +121,8 @@ TEST(Checkpoint, CutOffOrTooLongOrOfAnotherBuild_ChangesNothing) {
   const Before& run = before_the_end();
   Bench b(parameters());
   const auto refused = [&](std::span<const std::uint8_t> octets) {
-    const bool restored = restore_checkpoint(octets, &b.component->state());
-    EXPECT_EQ(b.component->state().map.keyframe_count, 0);
+    const bool restored = restore_checkpoint(octets, b.component);
+    EXPECT_EQ(state_of(*b.component).mapping.map.keyframe_count, 0);
     EXPECT_EQ(b.component->counters().frames_in, 0U);
     return !restored;
   };

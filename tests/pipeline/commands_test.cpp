@@ -8,7 +8,7 @@
 #include "commanded.hpp"
 #include "pipeline/commands.hpp"
 #include "pipeline/parameter_image.hpp"
-#include "pipeline/state.hpp"
+#include "state_of.hpp"
 
 namespace polhode {
 namespace {
@@ -101,7 +101,7 @@ TEST(Commands, WhatWasCollectedForAStartIsOld_AfterAHold) {
   for (int i = 0; i < 4; ++i) {
     (void)bench.show(ball.seen_from(turning(i)));
   }
-  const Component::State& state = bench.component->state();
+  const Component::State& state = state_of(*bench.component);
   ASSERT_FALSE(state.initialisation.tracks.frames.empty());
   (void)bench.step(command(CommandCode::kHold));
   EXPECT_TRUE(state.initialisation.tracks.frames.empty());
@@ -119,7 +119,7 @@ TEST(Commands, LengthAndRangeReplaceEachOther) {
                                                       .length_m = 0.6,
                                                       .first_px = {1.0, 2.0},
                                                       .second_px = {30.0, 40.0}}));
-  const ScaleOptions& scale = bench.component->state().parameters.scale;
+  const ScaleOptions& scale = state_of(*bench.component).configuration.parameters.scale;
   EXPECT_EQ(scale.known_length_m, 0.6);
   EXPECT_EQ(scale.points_px[1][1], 40.0);
   (void)bench.step(command(CommandCode::kSetRange,
@@ -147,7 +147,7 @@ TEST(Commands, LengthAndRangeLeaveAloneWhatIsKnownOfTheShape) {
   const Picture dark = uniform(0);
   const StepOutput& out =
       bench.component->step({.frame = frame_of(Bench::kSecond_ns, dark), .commands = commands});
-  const Parameters& now = bench.component->state().parameters;
+  const Parameters& now = state_of(*bench.component).configuration.parameters;
   EXPECT_EQ(now.scale.range_m, 12.5);
   EXPECT_EQ(now.scale.known_diameter_m, 2.0);
   EXPECT_EQ(now.scale.range_sigma_m, 0.05);
@@ -158,7 +158,7 @@ TEST(Commands, ALengthThatIsYetToBeReadTakesNothingAway) {
   Parameters p = Commanded::every_frame();
   p.scale.known_diameter_m = 2.0;
   Bench bench(p);
-  ScaleState& scale = bench.component->state().scale;
+  ScaleState& scale = state_of(*bench.component).scale;
   (void)take_reading({.source = ScaleSource::kDiameter, .metres_per_mu = 0.5, .sigma = 0.01},
                      scale.readings);
   scale.known = true;
@@ -196,7 +196,7 @@ TEST(Commands, ServicerAttitudesOutvoteOneOfAWrongTime) {
     EXPECT_TRUE(event(EventId::kCommandState, bench.step(attitude(i)))) << i;
   }
   EXPECT_FALSE(event(EventId::kCommandState, bench.step(attitude(10))));
-  EXPECT_EQ(bench.component->state().bus.servicer.timestamp_ns, 10);
+  EXPECT_EQ(state_of(*bench.component).bus.servicer.timestamp_ns, 10);
 }
 
 /// A million random and mutated packets are the fuzz target's; these go through the whole
@@ -223,12 +223,12 @@ TEST(Commands, RandomOnesNeverHarmAndAreAllCounted) {
     }
     given += static_cast<std::uint32_t>(commands.size());
     const std::vector<std::span<const std::uint8_t>> spans(commands.begin(), commands.end());
-    execute_commands(spans, &bench.component->state());
-    const CommandCounts& counts = bench.component->state().bus.commands;
+    execute_commands(spans, &state_of(*bench.component));
+    const CommandCounts& counts = state_of(*bench.component).bus.commands;
     ASSERT_EQ(counts.accepted + counts.rejected, given) << round;
-    bench.component->state().bus.events.waiting.clear();
+    state_of(*bench.component).bus.events.waiting.clear();
   }
-  EXPECT_EQ(first_bad_key(bench.component->state().parameters), "");
+  EXPECT_EQ(first_bad_key(state_of(*bench.component).configuration.parameters), "");
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include "../bus/command_packets.hpp"
 #include "job_caller.hpp"
 #include "pipeline/checkpoint.hpp"
-#include "pipeline/motion_jobs.hpp"
+#include "pipeline/observer.hpp"
 #include "pipeline/results.hpp"
 
 namespace polhode {
@@ -15,8 +15,8 @@ using namespace bench;
 /// Shows pictures until a fit is out or, without delay, there has been one.
 std::size_t show_until_fit(Caller& caller) {
   std::size_t i = 0;
-  while (i < turning_ball().size() && caller.out(JobKind::kFit) == nullptr &&
-         caller.state().fit_job.model.poses == 0) {
+  while (i < turning_ball().size() && caller.out<FitJob>() == nullptr &&
+         caller.state().jobs.fit_work.model.poses == 0) {
     (void)caller.show(turning_ball()[i++]);
   }
   return i;
@@ -57,11 +57,11 @@ TEST_P(FitJobs, PosesFoundMeanwhileAreKept) {
 TEST_P(FitJobsOut, AFitOfAForgottenTargetIsNotTaken) {
   Caller caller(parameters(), GetParam(), Run::kWhenDue);
   std::size_t i = show_until_fit(caller);
-  ASSERT_NE(caller.out(JobKind::kFit), nullptr);
+  ASSERT_NE(caller.out<FitJob>(), nullptr);
   const std::vector<std::uint8_t> reset = bus::command(bus::CommandCode::kResetMap);
   const std::span<const std::uint8_t> command(reset);
   (void)caller.show(turning_ball()[i++], {&command, 1});
-  while (caller.out(JobKind::kFit) != nullptr && i < turning_ball().size()) {
+  while (caller.out<FitJob>() != nullptr && i < turning_ball().size()) {
     (void)caller.show(turning_ball()[i++]);
     EXPECT_FALSE(caller.state().motion.model.accepted());
   }
@@ -71,23 +71,23 @@ TEST_P(FitJobsOut, AFitOfAForgottenTargetIsNotTaken) {
 TEST_P(FitJobsOut, AFitInOldAxesIsNotTaken) {
   Caller caller(parameters(), GetParam(), Run::kWhenDue);
   (void)show_until_fit(caller);
-  ASSERT_NE(caller.out(JobKind::kFit), nullptr);
+  ASSERT_NE(caller.out<FitJob>(), nullptr);
   set_observer({.frame = {}, .q_IC = std::array<double, 4>{0.0, 1.0, 0.0, 0.0}},
-               &caller.component().state());
-  close_jobs(&caller.component().state());
+               &state_of(caller.component()));
+  close_jobs(&state_of(caller.component()));
   EXPECT_FALSE(caller.state().motion.model.accepted()) << "C stood in for I when it was asked for";
 }
 
 TEST(FitJob, PosesSinceItWasAskedForJudgeIt) {
   Caller caller(parameters(), 4, Run::kAtOnce);
-  MotionEstimate& m = caller.component().state().motion;
-  const FitJob& job = caller.component().state().fit_job;
+  MotionEstimate& m = state_of(caller.component()).motion;
+  const JobQueue& jobs = state_of(caller.component()).jobs;
   // A fit beside an accepted model that has been out for three poses, and that no joint fit has
   // overtaken.
   const auto waits = [&] {
-    return m.model.accepted() && caller.out(JobKind::kFit) != nullptr && !job.unwanted &&
+    return m.model.accepted() && caller.out<FitJob>() != nullptr && !jobs.fit.unwanted &&
            m.recent.size() > 3 &&
-           job.snapshot.poses.back().timestamp_ns < m.recent[m.recent.size() - 3].timestamp_ns;
+           jobs.fit_work.snapshot.poses.back().timestamp_ns < m.recent[m.recent.size() - 3].timestamp_ns;
   };
   for (std::size_t i = 0; i < turning_ball().size() && !waits(); ++i) {
     (void)caller.show(turning_ball()[i]);
@@ -98,8 +98,8 @@ TEST(FitJob, PosesSinceItWasAskedForJudgeIt) {
     m.recent[n].pose.R_CT = so3_exp({0.0, 0.0, 0.7}) * m.recent[n].pose.R_CT;
   }
   // An adjustment that came back now would put them where its keyframes are.
-  caller.component().state().job.unwanted = true;
-  close_jobs(&caller.component().state());
+  state_of(caller.component()).jobs.map.unwanted = true;
+  close_jobs(&state_of(caller.component()));
   EXPECT_EQ(m.model.status, ModelStatus::kResidualsTooLarge);
   EXPECT_GE(m.disagreements, 3U);
 }
@@ -107,12 +107,12 @@ TEST(FitJob, PosesSinceItWasAskedForJudgeIt) {
 TEST_P(FitJobsOut, AfterACheckpointAFitThatWasOutIsAskedForAgain) {
   Caller caller(parameters(), GetParam(), Run::kWhenDue);
   const std::size_t i = show_until_fit(caller);
-  ASSERT_NE(caller.out(JobKind::kFit), nullptr);
+  ASSERT_NE(caller.out<FitJob>(), nullptr);
   std::vector<std::uint8_t> octets(checkpoint_octets_max());
-  octets.resize(save_checkpoint(caller.state(), octets));
+  octets.resize(save_checkpoint(caller.component(), octets));
   Caller restored(parameters(), GetParam(), Run::kWhenDue);
-  ASSERT_TRUE(restore_checkpoint(octets, &restored.component().state()));
-  ASSERT_EQ(restored.out(JobKind::kFit), nullptr);
+  ASSERT_TRUE(restore_checkpoint(octets, &restored.component()));
+  ASSERT_EQ(restored.out<FitJob>(), nullptr);
   for (std::size_t n = i - 1; n + 1 < turning_ball().size() && restored.fits() == 0; ++n) {
     (void)restored.show(turning_ball()[n]);
   }
@@ -122,13 +122,13 @@ TEST_P(FitJobsOut, AfterACheckpointAFitThatWasOutIsAskedForAgain) {
 TEST_P(FitJobs, AFitWithoutMemoryLeavesTheModelAsItWas) {
   Caller caller(parameters(), GetParam(), Run::kWhenDue);
   (void)show_until_fit(caller);
-  Component::State& s = caller.component().state();
+  Component::State& s = state_of(caller.component());
   close_jobs(&s);
   const std::uint32_t before = s.counters.jobs_without_result;
   const RigidModel model = s.motion.model;
   const std::uint32_t poses_since_fit = s.motion.poses_since_fit;
-  s.fit_job.kind = JobKind::kFit;
-  skip_job(s.fit_job);
+  s.jobs.fit.work = &s.jobs.fit_work;
+  skip_job(s.jobs.fit);
   close_jobs(&s);
   EXPECT_EQ(s.counters.jobs_without_result, before + 1);
   EXPECT_EQ(s.motion.model.poses, model.poses);
@@ -154,7 +154,7 @@ TEST(JobsAndCommands, ResetCountersDoNotMakeTheCallerMissAJob) {
   while (i < turning_ball().size()) {
     (void)caller.show(turning_ball()[i++]);
   }
-  EXPECT_EQ(caller.state().mode, Mode::kTracking);
+  EXPECT_EQ(caller.state().mode.now, Mode::kTracking);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include "../map/synthetic_map.hpp"
 #include "bench.hpp"
 #include "geometry/so3.hpp"
-#include "pipeline/state.hpp"
+#include "state_of.hpp"
 
 namespace polhode {
 namespace {
@@ -48,29 +48,29 @@ TEST(FullTables, OfKeyframes_TheMostRedundantGo_AndTheBodyIsFollowed) {
   Bench b(p);
   constexpr int kFrames = 40;  // 137 deg: eight keyframes every 6 deg are not enough
   EXPECT_GE(poses_over(0, kFrames, b), kFrames - 8);
-  const Component::State& s = b.component->state();
-  EXPECT_LE(s.map.keyframe_count, 8);
+  const Component::State& s = state_of(*b.component);
+  EXPECT_LE(s.mapping.map.keyframe_count, 8);
   EXPECT_GT(s.counters.keyframes_culled + s.counters.tables_full, 0U);
   EXPECT_EQ(s.counters.lost, 0U);
-  EXPECT_EQ(synthetic::broken_promise(s.map), "");
+  EXPECT_EQ(synthetic::broken_promise(s.mapping.map), "");
 }
 
 TEST(FullTables, OfLandmarks_ATenthGoes_AndTheBodyIsFollowed) {
   Bench b;
   constexpr int kBefore = 12;
   ASSERT_GT(poses_over(0, kBefore, b), 4);
-  Component::State& s = b.component->state();
-  const Pose before = s.localised.absolute.pose;
-  while (add_landmark(&s.map).valid()) {  // as if they had been seen long ago
+  Component::State& s = state_of(*b.component);
+  const Pose before = s.mapping.localised.absolute.pose;
+  while (add_landmark(&s.mapping.map).valid()) {  // as if they had been seen long ago
   }
-  ASSERT_EQ(static_cast<std::size_t>(s.map.landmark_count), limits::kLandmarks);
+  ASSERT_EQ(static_cast<std::size_t>(s.mapping.map.landmark_count), limits::kLandmarks);
   constexpr int kAfter = 6;
   EXPECT_EQ(poses_over(kBefore, kAfter, b), kAfter);
   EXPECT_GT(s.counters.tables_full, 0U);
   EXPECT_GT(s.counters.landmarks_culled, 100U);
-  EXPECT_LT(static_cast<std::size_t>(s.map.landmark_count), limits::kLandmarks);
-  EXPECT_EQ(synthetic::broken_promise(s.map), "");
-  EXPECT_LT(turn_error_rad(before, kBefore - 1, s.localised.absolute.pose, kBefore + kAfter - 1),
+  EXPECT_LT(static_cast<std::size_t>(s.mapping.map.landmark_count), limits::kLandmarks);
+  EXPECT_EQ(synthetic::broken_promise(s.mapping.map), "");
+  EXPECT_LT(turn_error_rad(before, kBefore - 1, s.mapping.localised.absolute.pose, kBefore + kAfter - 1),
             0.03);
 }
 
@@ -79,14 +79,14 @@ TEST(FullTables, OfFeatures_LeaveTheStrongestOfEachPlace_AndABodyThatIsFollowed)
   p.features.count_max = 60;
   Bench b(p);
   EXPECT_GT(poses_over(0, 20, b), 10);
-  EXPECT_LE(b.component->state().features.size(), 60U);
-  EXPECT_EQ(synthetic::broken_promise(b.component->state().map), "");
+  EXPECT_LE(state_of(*b.component).features.features.size(), 60U);
+  EXPECT_EQ(synthetic::broken_promise(state_of(*b.component).mapping.map), "");
 }
 
 TEST(FullTables, OfPoses_TheOldestGo_AndTheMotionIsStillKnown) {
   Bench b;
   ASSERT_GT(poses_over(0, 14, b), 8);
-  Component::State& s = b.component->state();
+  Component::State& s = state_of(*b.component);
   // The same poses long before, as many as there is room for.
   const PoseHistory now = s.motion.recent;
   PoseHistory long_ago;
@@ -99,7 +99,7 @@ TEST(FullTables, OfPoses_TheOldestGo_AndTheMotionIsStillKnown) {
   s.motion.recent = long_ago;
   EXPECT_EQ(poses_over(14, 3, b), 3);
   EXPECT_EQ(s.motion.recent.size(), limits::kMotionPoses);
-  EXPECT_EQ(s.motion.recent.back().timestamp_ns, s.timestamp_ns);
+  EXPECT_EQ(s.motion.recent.back().timestamp_ns, s.clock.timestamp_ns);
   EXPECT_EQ(s.motion.recent[0].timestamp_ns, first_ns + 3);
 }
 
@@ -142,30 +142,30 @@ TEST_P(HostilePictures, BeforeTheMap_OverflowNothing_AndTheBodyIsAcquiredAfterwa
   constexpr int kFrames = 6;
   for (int i = 0; i < kFrames; ++i) {
     (void)b.show(GetParam().picture(i));
-    EXPECT_LE(b.component->state().features.size(), limits::kFeatures);
+    EXPECT_LE(state_of(*b.component).features.features.size(), limits::kFeatures);
   }
   EXPECT_GT(poses_over(0, 24, b), 8);
-  const Component::State& s = b.component->state();
-  EXPECT_EQ(s.mode, Mode::kTracking);
-  EXPECT_EQ(synthetic::broken_promise(s.map), "");
+  const Component::State& s = state_of(*b.component);
+  EXPECT_EQ(s.mode.now, Mode::kTracking);
+  EXPECT_EQ(synthetic::broken_promise(s.mapping.map), "");
 }
 
 TEST_P(HostilePictures, InPlaceOfTheBody_GiveNoWrongPose_AndTheBodyIsFoundAgain) {
   Bench b;
   constexpr int kBefore = 12;
   ASSERT_GT(poses_over(0, kBefore, b), 4);
-  const Pose before = b.component->state().localised.absolute.pose;
-  const std::int32_t keyframes = b.component->state().map.keyframe_count;
+  const Pose before = state_of(*b.component).mapping.localised.absolute.pose;
+  const std::int32_t keyframes = state_of(*b.component).mapping.map.keyframe_count;
   for (int i = 0; i < 4; ++i) {
     EXPECT_FALSE(b.show(GetParam().picture(i)).motion.pose_valid) << i;
   }
-  EXPECT_EQ(b.component->state().map.keyframe_count, keyframes);
+  EXPECT_EQ(state_of(*b.component).mapping.map.keyframe_count, keyframes);
   EXPECT_GT(b.component->counters().lost, 0U);
   EXPECT_GT(poses_over(kBefore - 2, 4, b), 0) << "what it knew is seen again";
-  const Component::State& s = b.component->state();
-  EXPECT_EQ(s.mode, Mode::kTracking);
-  EXPECT_EQ(synthetic::broken_promise(s.map), "");
-  EXPECT_LT(turn_error_rad(before, kBefore - 1, s.localised.absolute.pose, kBefore + 1), 0.03);
+  const Component::State& s = state_of(*b.component);
+  EXPECT_EQ(s.mode.now, Mode::kTracking);
+  EXPECT_EQ(synthetic::broken_promise(s.mapping.map), "");
+  EXPECT_LT(turn_error_rad(before, kBefore - 1, s.mapping.localised.absolute.pose, kBefore + 1), 0.03);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -11,7 +11,7 @@
 #include "base/rng.hpp"
 #include "bench.hpp"
 #include "geometry/so3.hpp"
-#include "pipeline/state.hpp"
+#include "state_of.hpp"
 
 namespace polhode::bench {
 
@@ -39,13 +39,13 @@ class Caller {
       }
     }
     const StepOutput& out =
-        component().step({.frame = frame_of(state().timestamp_ns + Bench::kSecond_ns, picture),
+        component().step({.frame = frame_of(state().clock.timestamp_ns + Bench::kSecond_ns, picture),
                           .finished = finished,
                           .commands = commands});
     for (Job* job : out.jobs) {
       EXPECT_TRUE(out_.push_back(job)) << "more jobs at a time than promised";
       ++jobs_;
-      fits_ += job->kind == JobKind::kFit ? 1 : 0;
+      fits_ += is_out_with<FitJob>(*job) ? 1 : 0;
       if (run_ == Run::kAtOnce) {
         run_job(*job);
       }
@@ -57,20 +57,21 @@ class Caller {
   [[nodiscard]] int jobs() const { return jobs_; }
   [[nodiscard]] int fits() const { return fits_; }
   /// The job of that kind that is out; nullptr when none is.
-  [[nodiscard]] const Job* out(JobKind kind) const {
+  template <typename Work>
+  [[nodiscard]] const Job* out() const {
     for (const Job* job : out_) {
-      if (job->kind == kind) {
+      if (is_out_with<Work>(*job)) {
         return job;
       }
     }
     return nullptr;
   }
   [[nodiscard]] const Job* map_job_out() const {
-    const Job* start = out(JobKind::kStart);
-    return start != nullptr ? start : out(JobKind::kAdjustment);
+    const Job* start = out<StartJob>();
+    return start != nullptr ? start : out<AdjustmentJob>();
   }
   [[nodiscard]] Component& component() { return *bench_.component; }
-  [[nodiscard]] const Component::State& state() { return bench_.component->state(); }
+  [[nodiscard]] const Component::State& state() { return state_of(*bench_.component); }
   [[nodiscard]] const std::vector<std::uint8_t>& packets() const { return packets_; }
 
  private:

@@ -8,7 +8,7 @@
 #include "commanded.hpp"
 #include "pipeline/commands.hpp"
 #include "pipeline/parameter_image.hpp"
-#include "pipeline/state.hpp"
+#include "state_of.hpp"
 
 namespace polhode {
 namespace {
@@ -35,7 +35,7 @@ CommandOctets activation(const std::vector<bus::TableLoadEntry>& entries) {
 
 TEST(ParameterTable, IsLoadedApart_AndSwappedByActivationOnly) {
   Commanded bench;
-  const Parameters& active = bench.component->state().parameters;
+  const Parameters& active = state_of(*bench.component).configuration.parameters;
   const std::uint32_t crc_before = table_crc(active);
   const std::vector entries = {entry("features.count_max", std::uint64_t{321}),
                                entry("features.sigma_px", 0.5)};
@@ -84,12 +84,12 @@ TEST(ParameterTable, IsNotActivatedWithAnotherChecksumOrCount_NorWithoutALoad) {
   (void)bench.step(bus::table_load(entries));
   for (const bus::TableActivateCommand& wrong :
        {bus::TableActivateCommand{.crc32 = 1, .entries = 1},
-        bus::TableActivateCommand{.crc32 = bench.component->state().bus.inactive.crc,
+        bus::TableActivateCommand{.crc32 = state_of(*bench.component).configuration.loaded_crc,
         .entries = 2}}) {
     EXPECT_TRUE(event(EventId::kTableNotActivated,
                       bench.step(command(CommandCode::kTableActivate, wrong))));
   }
-  EXPECT_NE(bench.component->state().parameters.features.count_max, 321);
+  EXPECT_NE(state_of(*bench.component).configuration.parameters.features.count_max, 321);
   EXPECT_TRUE(event(EventId::kTableActivated, bench.step(activation(entries))));
 }
 
@@ -119,7 +119,7 @@ TEST(ParameterTable, SwitchesAMaskAgainstABackgroundOn_OnlyWhereMemoryWasPlanned
   Commanded unplanned(without);
   EXPECT_TRUE(activates(off, &unplanned));
   EXPECT_FALSE(activates(on, &unplanned));
-  EXPECT_FALSE(unplanned.component->state().parameters.mask.background);
+  EXPECT_FALSE(state_of(*unplanned.component).configuration.parameters.mask.background);
 }
 
 TEST(ParameterTable, IsForgottenOnDiscard) {

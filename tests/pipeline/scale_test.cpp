@@ -7,9 +7,9 @@
 
 #include "bench.hpp"
 #include "packets_of.hpp"
-#include "pipeline/scale_now.hpp"
-#include "pipeline/shape_now.hpp"
-#include "pipeline/state.hpp"
+#include "pipeline/results.hpp"
+#include "pipeline/smooth.hpp"
+#include "state_of.hpp"
 
 namespace polhode {
 namespace {
@@ -40,10 +40,10 @@ Parameters with_length() {
 /// Depths of the landmarks seen last, in metres by the run's scale, over the true ones: the median.
 double depth_ratio(const Component::State& s, int frame) {
   std::vector<double> ratios;
-  for (const LandmarkMatch& match : s.localised.matches) {
-    const Landmark& landmark = s.map.landmarks[match.landmark.index()];
+  for (const LandmarkMatch& match : s.mapping.localised.matches) {
+    const Landmark& landmark = s.mapping.map.landmarks[match.landmark.index()];
     if (match.inlier && landmark.used) {
-      const double depth_mu = s.localised.absolute.pose.to_camera(landmark.p_T).z();
+      const double depth_mu = s.mapping.localised.absolute.pose.to_camera(landmark.p_T).z();
       ratios.push_back(s.scale.metres_per_mu * depth_mu /
                        on_ball({match.u_px, match.v_px}, turning(frame)).z());
     }
@@ -68,7 +68,7 @@ TEST(KnownLength, GivesMetres_AndIsReadAnewAsTheMapGrows) {
     EXPECT_EQ(out.motion.scale_known, out.motion.pose_valid) << "from the first pose on";
   }
   EXPECT_GE(told.size(), 2U);
-  const Component::State& s = b.component->state();
+  const Component::State& s = state_of(*b.component);
   EXPECT_EQ(s.scale.metres_per_mu, told.back());
   // The ends are exact; by a pixel each the reading itself says that it may be off by 2 %.
   EXPECT_NEAR(depth_ratio(s, kFrames - 1), 1.0, 3.0 * s.scale.relative_sigma);
@@ -81,7 +81,7 @@ TEST(KnownLength, IsForgotten_WithWhatItWasMeasuredOn) {
   for (const Picture& picture : pictures) {
     (void)b.show(picture);
   }
-  Component::State& s = b.component->state();
+  Component::State& s = state_of(*b.component);
   ASSERT_TRUE(s.scale.known);
   const double metres_per_mu = s.scale.metres_per_mu;
   forget_scale(&s.scale);
@@ -100,22 +100,26 @@ TEST(KnownLength, OfAFrameThatIsNotThere_LeavesMapUnits) {
   for (const Picture& picture : pictures) {
     EXPECT_FALSE(b.show(picture).motion.scale_known);
   }
-  EXPECT_FALSE(measure_scale_in_keyframe(&b.component->state()));
+  EXPECT_FALSE(read_scale_in_keyframe(b.component));
 }
 
 TEST(KnownDiameter, IsReadOfAShape_OnceTheBodyHasTurnedByARightAngle) {
   Parameters p = parameters();
   p.scale.known_diameter_m = 1.9;
   Bench b(p);
-  Component::State& s = b.component->state();
+  Component::State& s = state_of(*b.component);
   Shape shape;
   shape.cylinder = Cylinder{.radius = 0.5, .sigma_radius = 0.01};
-  s.shape_job.outcome = shape;
-  s.drift.turn_rad = 0.5;
-  take_shape(&s);
+  s.jobs.shape_work.outcome = shape;
+  const auto come_back = [&] {
+    s.jobs.shape = {.work = &s.jobs.shape_work, .done = true};
+    close_jobs(&s);
+  };
+  s.mapping.drift.turn_rad = 0.5;
+  come_back();
   EXPECT_FALSE(s.scale.known) << "seen from one side, a young map is bent";
-  s.drift.turn_rad = 1.6;
-  take_shape(&s);
+  s.mapping.drift.turn_rad = 1.6;
+  come_back();
   ASSERT_TRUE(s.scale.known);
   EXPECT_NEAR(s.scale.metres_per_mu, 1.9, 1e-12);
   EXPECT_NEAR(s.scale.relative_sigma, 0.02, 1e-3);
@@ -125,16 +129,16 @@ TEST(KnownEdge, IsNotConfirmedByItsOwnEarlierReading) {
   Parameters p = parameters();
   p.scale.known_edge_m = 2.0;
   Bench b(p);
-  Component::State& s = b.component->state();
+  const Component::State& s = state_of(*b.component);
   Shape shape;
   shape.box = Box{};
   shape.dimension_basis.fill(DimensionBasis::kSurfaces);
   shape.sigma_dimensions.setConstant(0.01);
   shape.dimensions = {1.0, 0.8, 0.6};
-  ASSERT_TRUE(measure_scale_of(shape, &s));
+  ASSERT_TRUE(read_scale_in_shape(shape, b.component));
   EXPECT_NEAR(s.scale.metres_per_mu, 2.0, 1e-12);
   shape.dimensions = {1.0, 1.6, 0.6};  // another side is seen whole now, and is the longest
-  ASSERT_TRUE(measure_scale_of(shape, &s));
+  ASSERT_TRUE(read_scale_in_shape(shape, b.component));
   EXPECT_NEAR(s.scale.metres_per_mu, 1.25, 1e-12);
 }
 

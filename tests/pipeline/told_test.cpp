@@ -11,7 +11,7 @@
 #include "geometry/so3.hpp"
 #include "packets_of.hpp"
 #include "pipeline/checkpoint.hpp"
-#include "pipeline/state.hpp"
+#include "state_of.hpp"
 
 namespace polhode {
 namespace {
@@ -120,26 +120,26 @@ TEST(ShapeTold, IsForgottenWithTheTarget) {
   for (int i = 0; i < 20; ++i) {
     (void)bench.show(pictures()[static_cast<std::size_t>(i)]);
   }
-  ASSERT_TRUE(bench.component->state().shape.shape.has_value());
+  ASSERT_TRUE(state_of(*bench.component).shape.shape.has_value());
   const auto reset = bus::command(bus::CommandCode::kResetMap);
   const std::vector<std::span<const std::uint8_t>> commands{reset};
   const Picture dark = uniform(0);
   const StepOutput& out = bench.component->step(
       {.frame = frame_of(++bench.time_s * Bench::kSecond_ns, dark), .commands = commands});
   EXPECT_TRUE(packets_of<bus::ShapePacket>(out).empty());
-  EXPECT_FALSE(bench.component->state().shape.shape.has_value());
+  EXPECT_FALSE(state_of(*bench.component).shape.shape.has_value());
 }
 
 TEST(ShapeTold, GoesOnAfterARestart) {
-  const Component::State& before = told().bench->component->state();
+  const Component& before = *told().bench->component;
   std::vector<std::uint8_t> octets(checkpoint_octets_max());
   octets.resize(save_checkpoint(before, octets));
   Bench after(telling());
-  ASSERT_TRUE(restore_checkpoint(octets, &after.component->state()));
-  const ShapeState& shape = after.component->state().shape;
+  ASSERT_TRUE(restore_checkpoint(octets, after.component));
+  const ShapeState& shape = state_of(*after.component).shape;
   ASSERT_TRUE(shape.shape.has_value());
-  EXPECT_EQ(shape.shape->dimensions, before.shape.shape->dimensions);
-  EXPECT_EQ(shape.frame_of_estimate, before.shape.frame_of_estimate);
+  EXPECT_EQ(shape.shape->dimensions, state_of(before).shape.shape->dimensions);
+  EXPECT_EQ(shape.frame_of_estimate, state_of(before).shape.frame_of_estimate);
 }
 
 TEST(ModelTold, IsTheDynamicsOnceTheyAreFitted_AndTheLocalRateBefore) {

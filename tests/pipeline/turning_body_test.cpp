@@ -7,7 +7,7 @@
 
 #include "bench.hpp"
 #include "geometry/so3.hpp"
-#include "pipeline/state.hpp"
+#include "state_of.hpp"
 
 namespace polhode {
 namespace {
@@ -197,16 +197,16 @@ TEST(TurningBody, IsNotLost_ByFramesThatAreSkipped) {
 TEST(TurningBody, IsFollowedByFlow_OverADegreeAndNoFarther) {
   Bench b;
   show_first(16, &b);
-  const Component::State& s = b.component->state();
-  ASSERT_EQ(s.reference_frame, 15U) << "the last keyframe";
+  const Component::State& s = state_of(*b.component);
+  ASSERT_EQ(s.mapping.reference.frame, 15U) << "the last keyframe";
   const Ball ball(3);
   for (int tenth = 1; tenth <= 5; ++tenth) {
     const StepOutput& out = b.component->step(
         {.frame = frame_of(b.time_s * Bench::kSecond_ns + tenth * Bench::kSecond_ns / 10,
                            ball.seen_from(turning(15.0 + 0.1 * tenth)))});
     EXPECT_TRUE(out.motion.pose_valid) << tenth;
-    EXPECT_EQ(s.features_ready, tenth > 2) << 0.4 * tenth << " deg";  // flow needs none
-    EXPECT_EQ(s.reference_frame, 15U) << tenth;
+    EXPECT_EQ(s.features.ready, tenth > 2) << 0.4 * tenth << " deg";  // flow needs none
+    EXPECT_EQ(s.mapping.reference.frame, 15U) << tenth;
   }
 }
 
@@ -215,7 +215,7 @@ TEST(TurningBody, AFrameUsedWithCareTeachesTheMapNothing) {
   show_first(16, &b);
   const auto sightings = [&] {
     std::vector<std::pair<std::int32_t, std::int32_t>> all;
-    for (const Landmark& landmark : b.component->state().map.landmarks) {
+    for (const Landmark& landmark : state_of(*b.component).mapping.map.landmarks) {
       all.emplace_back(landmark.used ? landmark.predicted : 0, landmark.used ? landmark.found : 0);
     }
     return all;
@@ -239,7 +239,7 @@ TEST(TurningBody, ItsPictureIsStillThere_AfterEachStep) {
   Bench b;
   for (const Picture& picture : pictures()) {
     (void)b.show(picture);
-    const cv::Mat& gray = b.component->state().gray;
+    const cv::Mat& gray = state_of(*b.component).picture.gray;
     ASSERT_EQ(gray.total(), picture.size());
     EXPECT_TRUE(std::equal(picture.begin(), picture.end(), gray.ptr<std::uint8_t>())) << b.time_s;
   }
@@ -252,7 +252,7 @@ TEST(TurningBody, IsAcquiredAnew_WhenOneTimeWasFarAhead) {
   for (; i < 14; ++i) {
     (void)b.show(ball.seen_from(turning(i)));
   }
-  ASSERT_EQ(b.component->state().mode, Mode::kTracking);
+  ASSERT_EQ(state_of(*b.component).mode.now, Mode::kTracking);
   (void)b.component->step(
       {.frame = frame_of(1'000'000 * Bench::kSecond_ns, ball.seen_from(turning(i++)))});
   ++b.time_s;

@@ -102,7 +102,7 @@ TEST(ExposureControl, GoesUpAfterDarkFrames_DownAfterSaturatedOnes_AndNowhereAft
     LinearCamera camera(1.0);
     ExposureControl control({.enabled = true, .gain_factor_max = kGainFactor});
     for (int frame = 0; frame < 4; ++frame) {
-      control.after(stepped.out, *stepped.state, camera);
+      control.after(stepped.out, view_of(*stepped.state), camera);
     }
     EXPECT_NEAR(static_cast<double>(camera.setting.exposure_ns), factor * 1e7, 1e5);
     EXPECT_EQ(control.changes(), factor == 1.0 ? 0U : 1U);
@@ -113,12 +113,12 @@ TEST(ExposureControl, GoesUpAfterDarkFrames_DownAfterSaturatedOnes_AndNowhereAft
 unsigned changes_after(FrameUse use, const cv::Mat& picture, bool behind, LinearCamera* camera) {
   Stepped stepped(use);
   Component::State& s = *stepped.state;
-  s.gray = picture;
-  find_target(s.gray, s.parameters.mask, &s.mask);
-  s.mask_state.behind = behind;
+  s.picture.gray = picture;
+  find_target(picture, s.configuration.parameters.mask, &s.picture.mask);
+  s.picture.mask_state.behind = behind;
   ExposureControl control({.enabled = true, .gain_factor_max = kGainFactor});
   for (int frame = 0; frame < 4; ++frame) {
-    control.after(stepped.out, s, *camera);
+    control.after(stepped.out, view_of(s), *camera);
   }
   return control.changes();
 }
@@ -154,7 +154,7 @@ TEST(ExposureControl, LeavesAShortExposureWithGainAlone_AfterADamagedFrame) {
   camera.setting.gain = 0.5;
   ExposureControl control({.enabled = true, .gain_factor_max = kGainFactor});
   for (int frame = 0; frame < 4; ++frame) {
-    control.after(stepped.out, *stepped.state, camera);
+    control.after(stepped.out, view_of(*stepped.state), camera);
   }
   EXPECT_EQ(camera.times_set, 0);
 }
@@ -165,13 +165,13 @@ TEST(ExposureControl, WaitsForASettingToTakeEffect_AndMayBeSwitchedOff) {
   ExposureControl control({.enabled = true, .gain_factor_max = kGainFactor});
   ExposureControl off({.enabled = false, .gain_factor_max = kGainFactor});
   for (int frame = 0; frame < 8; ++frame) {
-    control.after(stepped.out, *stepped.state, camera);
-    off.after(stepped.out, *stepped.state, camera);
+    control.after(stepped.out, view_of(*stepped.state), camera);
+    off.after(stepped.out, view_of(*stepped.state), camera);
   }
   EXPECT_EQ(camera.times_set, 2);
   camera.setting.settable = false;
   for (int frame = 0; frame < 8; ++frame) {
-    control.after(stepped.out, *stepped.state, camera);
+    control.after(stepped.out, view_of(*stepped.state), camera);
   }
   EXPECT_EQ(camera.times_set, 2);
 }

@@ -8,7 +8,7 @@
 #include "../pipeline/bench.hpp"
 #include "app/exposure_control.hpp"
 #include "listener.hpp"
-#include "pipeline/jobs.hpp"
+#include "pipeline/job.hpp"
 #include "temporary_folder.hpp"
 
 namespace polhode::platform {
@@ -90,10 +90,10 @@ TEST_F(LiveRun, StrokesTheWatchdogWithSteps) {
 TEST_F(LiveRun, FramesDroppedForAJobThatDoesNotEndAreNoProgress) {
   // The first job is held back by 2.3 s, as the draw for it gives; the frames come in no time.
   Worker worker({.own_thread = true, .latency_ms_max = 3000});
-  const auto job = std::make_unique<MapJob>();
-  job->kind = JobKind::kStart;  // a contest without frames: it ends at once
+  const auto work = std::make_unique<StartJob>();  // without frames: it ends at once
+  Job job{.work = work.get()};
   Jobs jobs;
-  (void)jobs.push_back(job.get());
+  (void)jobs.push_back(&job);
   worker.submit(jobs);
   EXPECT_EQ(strokes_of_a_run(3, worker), 0);
   EXPECT_EQ(counts_.frames_dropped_for_job, 3U);

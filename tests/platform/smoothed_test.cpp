@@ -36,10 +36,10 @@ class Smoothed : public testing::Test {
   }
 
   [[nodiscard]] std::vector<MotionState> rows(const RigidModel& model) const {
-    return smoothed_motion(poses_, samples_, published_, model, ServicerAttitude(), *state_);
+    return smoothed_motion(poses_, samples_, published_, model, ServicerAttitude(), view_of(*state_));
   }
 
-  [[nodiscard]] RigidModel model() const { return model_of(samples_, 1.0, *state_); }
+  [[nodiscard]] RigidModel model() const { return model_of(samples_, 1.0, view_of(*state_)); }
 
   [[nodiscard]] double attitude_error_rad(const MotionState& m) const {
     const Eigen::Quaterniond q(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]);
@@ -96,7 +96,7 @@ TEST_F(Smoothed, MeasuredPosesStand_WhereNoModelIsAccepted) {
 }
 
 TEST_F(Smoothed, AModelOfTheLaterPosesDoesNotSpeakOfMuchEarlierFrames) {
-  const RigidModel later = model_of(std::span(samples_).last(20), 1.0, *state_);
+  const RigidModel later = model_of(std::span(samples_).last(20), 1.0, view_of(*state_));
   ASSERT_TRUE(later.accepted());
   const std::vector<MotionState> all = rows(later);
   EXPECT_FALSE(all[0].pose_valid);
@@ -146,16 +146,16 @@ TEST_F(Smoothed, TheMapsOwnModelStands_WhereTheSamplesLieOnIt) {
   ASSERT_TRUE(own.accepted());
   own.of_map = true;
   state_->motion.model = own;
-  EXPECT_FALSE(model_of_map(samples_, {}, *state_)) << "the last adjustment did not bear it out";
-  state_->job.adjustment.as_free_body = true;
-  state_->job.adjustment.model = own;
+  EXPECT_FALSE(model_of_map(samples_, {}, view_of(*state_))) << "the last adjustment did not bear it out";
+  state_->jobs.adjustment.as_free_body = true;
+  state_->jobs.adjustment.model = own;
   const BodyFrame body{.R_TB = so3_exp({0.2, -0.4, 0.1}), .centroid_T = {0.1, 0.0, -0.2}};
   std::vector<PoseSample> in_body = samples_;
   for (PoseSample& sample : in_body) {
     sample.pose.p_CT += sample.pose.R_CT * body.centroid_T;
     sample.pose.R_CT = sample.pose.R_CT * body.R_TB;
   }
-  const std::optional<RigidModel> found = model_of_map(in_body, body, *state_);
+  const std::optional<RigidModel> found = model_of_map(in_body, body, view_of(*state_));
   ASSERT_TRUE(found);
   const auto at = predict_motion(*found, in_body[20].timestamp_ns);
   const auto before = predict_motion(own, in_body[20].timestamp_ns);
@@ -166,7 +166,7 @@ TEST_F(Smoothed, TheMapsOwnModelStands_WhereTheSamplesLieOnIt) {
   for (PoseSample& sample : in_body) {
     sample.pose.R_CT = so3_exp({0.1, 0.0, 0.0}) * sample.pose.R_CT;
   }
-  EXPECT_FALSE(model_of_map(in_body, body, *state_)) << "other axes than the model's";
+  EXPECT_FALSE(model_of_map(in_body, body, view_of(*state_))) << "other axes than the model's";
 }
 
 }  // namespace

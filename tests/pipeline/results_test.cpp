@@ -1,4 +1,3 @@
-#include "pipeline/jobs.hpp"
 #include "pipeline/results.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +13,7 @@ TEST(Jobs, WithoutDelay_AreDoneWithinTheStep) {
   Caller& caller = shown(0, Run::kWhenDue);
   EXPECT_EQ(caller.jobs(), 0);
   EXPECT_GT(caller.component().counters().jobs_issued, 3U);
-  EXPECT_EQ(caller.component().state().mode, Mode::kTracking);
+  EXPECT_EQ(state_of(caller.component()).mode.now, Mode::kTracking);
 }
 
 class JobsWithDelay : public ::testing::TestWithParam<int> {};
@@ -30,9 +29,9 @@ TEST_P(JobsWithDelay, PacketsDoNotShowWhenAJobWasRun) {
 
 TEST_P(JobsWithDelay, TheBodyIsAcquiredAndFollowed) {
   Caller& caller = shown(GetParam(), Run::kWhenDue);
-  EXPECT_EQ(caller.component().state().mode, Mode::kTracking);
+  EXPECT_EQ(state_of(caller.component()).mode.now, Mode::kTracking);
   EXPECT_EQ(caller.component().counters().lost, 0U);
-  EXPECT_GT(caller.component().state().map.keyframe_count, 3);
+  EXPECT_GT(state_of(caller.component()).mapping.map.keyframe_count, 3);
 }
 
 TEST_P(JobsWithDelay, AJobNamesTheStepThatTakesItsResult) {
@@ -50,14 +49,14 @@ TEST_P(JobsWithDelay, AJobNamesTheStepThatTakesItsResult) {
 TEST_P(JobsWithDelay, TheEndOfARunTakesInWhatIsStillOut) {
   Caller caller(parameters(), GetParam(), Run::kAtOnce);
   for (const Picture& picture : turning_ball()) {
-    if (caller.jobs() > 2 && caller.out(JobKind::kAdjustment) != nullptr) {
+    if (caller.jobs() > 2 && caller.out<AdjustmentJob>() != nullptr) {
       break;
     }
     (void)caller.show(picture);
   }
-  ASSERT_NE(caller.out(JobKind::kAdjustment), nullptr);
-  close_jobs(&caller.component().state());
-  EXPECT_TRUE(job_slot_free(caller.component().state()));
+  ASSERT_NE(caller.out<AdjustmentJob>(), nullptr);
+  close_jobs(&state_of(caller.component()));
+  EXPECT_FALSE(is_out(state_of(caller.component()).jobs.map));
 }
 
 INSTANTIATE_TEST_SUITE_P(Delays, JobsWithDelay, ::testing::Values(1, 3));
@@ -65,10 +64,10 @@ INSTANTIATE_TEST_SUITE_P(Delays, JobsWithDelay, ::testing::Values(1, 3));
 TEST(Jobs, ADueJobThatIsNotHandedInIsAMistakeOfTheCaller) {
   Caller caller(parameters(), 1, Run::kAtOnce);
   std::size_t i = 0;
-  while (i < turning_ball().size() && caller.out(JobKind::kStart) == nullptr) {
+  while (i < turning_ball().size() && caller.out<StartJob>() == nullptr) {
     (void)caller.show(turning_ball()[i++]);
   }
-  ASSERT_NE(caller.out(JobKind::kStart), nullptr);
+  ASSERT_NE(caller.out<StartJob>(), nullptr);
   const StepInput without{.frame = frame_of(100 * Bench::kSecond_ns, turning_ball().back())};
   EXPECT_DEATH((void)caller.component().step(without), "");
 }
@@ -78,15 +77,15 @@ TEST(Jobs, AMapGoesOnGrowingWhileItIsAdjusted_NotWhileAStartIsSought) {
   std::int32_t keyframes = 0;
   int grown = 0;
   for (const Picture& picture : turning_ball()) {
-    const bool adjusted = caller.out(JobKind::kAdjustment) != nullptr;
-    const bool sought = caller.out(JobKind::kStart) != nullptr;
+    const bool adjusted = caller.out<AdjustmentJob>() != nullptr;
+    const bool sought = caller.out<StartJob>() != nullptr;
     (void)caller.show(picture);
-    const Component::State& s = caller.component().state();
-    grown += adjusted && s.map.keyframe_count > keyframes ? 1 : 0;
-    if (sought && caller.out(JobKind::kStart) != nullptr) {
-      EXPECT_EQ(s.map.keyframe_count, keyframes);
+    const Component::State& s = state_of(caller.component());
+    grown += adjusted && s.mapping.map.keyframe_count > keyframes ? 1 : 0;
+    if (sought && caller.out<StartJob>() != nullptr) {
+      EXPECT_EQ(s.mapping.map.keyframe_count, keyframes);
     }
-    keyframes = s.map.keyframe_count;
+    keyframes = s.mapping.map.keyframe_count;
   }
   EXPECT_GT(grown, 5);
   EXPECT_GT(caller.jobs(), 2);
@@ -96,12 +95,12 @@ TEST(Jobs, WhatGrewMeanwhileIsAdjustedNext) {
   Caller caller(parameters(), 6, Run::kWhenDue);
   int waited = 0;
   for (const Picture& picture : turning_ball()) {
-    const bool waiting = caller.state().growth.any;
+    const bool waiting = caller.state().jobs.growth.any;
     const Job* const before = caller.map_job_out();
     const bool due = before != nullptr && due_step(*before) == caller.component().next_step();
     (void)caller.show(picture);
-    if (waiting && due && caller.state().job.adjustment.reason == AdjustmentReason::kMapGrown) {
-      EXPECT_NE(caller.out(JobKind::kAdjustment), nullptr);
+    if (waiting && due && caller.state().jobs.adjustment.reason == AdjustmentReason::kMapGrown) {
+      EXPECT_NE(caller.out<AdjustmentJob>(), nullptr);
       ++waited;
     }
   }
@@ -114,13 +113,13 @@ TEST(Jobs, AMapThatGrowsWhileItIsAdjustedKeepsItsShape) {
   Caller& at_once = shown(0, Run::kWhenDue);
   Caller& late = shown(6, Run::kWhenDue);
   for (Caller* caller : {&at_once, &late}) {
-    const Component::State& s = caller->state();
+    const Component::State& s = state_of(caller->component());
     EXPECT_EQ(s.counters.lost, 0U);
-    EXPECT_EQ(s.mode, Mode::kTracking);
+    EXPECT_EQ(s.mode.now, Mode::kTracking);
     // All residuals of the map, in units of the features' sigma.
-    EXPECT_LT(residual_scale(s.map, s.camera), 1.5);
+    EXPECT_LT(residual_scale(s.mapping.map, s.configuration.camera), 1.5);
   }
-  EXPECT_GT(3 * late.state().map.keyframe_count, 2 * at_once.state().map.keyframe_count);
+  EXPECT_GT(3 * late.state().mapping.map.keyframe_count, 2 * at_once.state().mapping.map.keyframe_count);
 }
 
 /// As Caller, for trouble: steps until the first job, then what the test says.
@@ -160,28 +159,28 @@ TEST_F(Trouble, AJobThatWasSkippedIsCounted_AndTheNextOneIsTried) {
   skip_job(*jobs_[0]);
   jobs_ = step(jobs_).jobs;
   EXPECT_EQ(bench_.component->counters().jobs_without_result, 1U);
-  EXPECT_EQ(bench_.component->state().mode, Mode::kAcquiring);
+  EXPECT_EQ(state_of(*bench_.component).mode.now, Mode::kAcquiring);
   for (int i = 0; i < 10; ++i) {
     run_and_step();
   }
-  EXPECT_EQ(bench_.component->state().mode, Mode::kTracking);
+  EXPECT_EQ(state_of(*bench_.component).mode.now, Mode::kTracking);
   EXPECT_EQ(bench_.component->counters().jobs_without_result, 1U);
 }
 
 TEST_F(Trouble, WhenMemoryIsShortLessIsAsked_ForAWhile) {
   ASSERT_EQ(jobs_.size(), 1U);
   run_job(*jobs_[0]);
-  const std::size_t before = bench_.component->state().features.size();
+  const std::size_t before = state_of(*bench_.component).features.features.size();
   jobs_ = step(jobs_, true).jobs;
   EXPECT_EQ(bench_.component->counters().steps_short_of_memory, 1U);
-  if (bench_.component->state().features_ready) {
-    EXPECT_LT(bench_.component->state().features.size(), before);
+  if (state_of(*bench_.component).features.ready) {
+    EXPECT_LT(state_of(*bench_.component).features.features.size(), before);
   }
   for (int i = 0; i < 40; ++i) {
     run_and_step();
   }
   EXPECT_EQ(bench_.component->counters().steps_short_of_memory, 30U);
-  EXPECT_EQ(bench_.component->state().steps_to_shed, 0U);
+  EXPECT_EQ(state_of(*bench_.component).steps_to_shed, 0U);
 }
 
 }  // namespace

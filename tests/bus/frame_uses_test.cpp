@@ -1,4 +1,4 @@
-#include "pipeline/frame_uses.hpp"
+#include "bus/frame_uses.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,47 @@
+// What a step has found, as this room sees it.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "bus/bus_state.hpp"
+#include "bus/options.hpp"
+#include "bus/shape_telemetry.hpp"
+#include "image/frame_use.hpp"
+#include "image/verdict.hpp"
+#include "motion/estimator.hpp"
+#include "shape/scale_state.hpp"
+#include "shape/shape_state.hpp"
+
+namespace polhode::bus {
+
+/// The parameter table as housekeeping reports it.
+struct TableStatus {
+  std::uint32_t crc = 0;  ///< of the active table
+  std::uint32_t loaded_crc = 0;
+  std::uint32_t loaded_entries = 0;
+  bool loaded = false;            ///< an inactive table is under way
+  std::size_t memory_octets = 0;  ///< that the component was given
+};
+
+/// What a step has found, room by room. Pointers are never null.
+struct View {
+  FrameUse use = FrameUse::kUsed;
+  FrameVerdict verdict;
+  const MotionState* motion = nullptr;
+  const Counters* counters = nullptr;
+  const MotionEstimate* estimate = nullptr;
+  const MapDrift* drift = nullptr;
+  const Pose* pose = nullptr;  ///< of this frame; meaningful with motion->pose_valid
+  const ShapeState* shape = nullptr;
+  const ScaleState* scale = nullptr;
+  LengthUnit unit;
+  bool has_map = false;
+  bool held = false;
+  TableStatus table;
+  const MotionOptions* motion_options = nullptr;
+  const BusOptions* options = nullptr;
+  std::string_view version;  ///< major.minor.patch
+};
+
+}  // namespace polhode::bus

@@ -1,0 +1,18 @@
+// A pose that is expected at a time, with its error.
+#pragma once
+
+#include <cstddef>
+
+#include "geometry/pose.hpp"
+
+namespace polhode {
+
+struct PosePrediction {
+  Pose pose;
+  PoseCovariance covariance =
+      PoseCovariance::Zero();  ///< of (phi, dp) as in pose.hpp; rotation and position apart
+  std::size_t rotation_poses = 0;
+  std::size_t position_poses = 0;
+};
+
+}  // namespace polhode

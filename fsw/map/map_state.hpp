@@ -1,0 +1,76 @@
+// Everything that this room remembers from frame to frame.
+#pragma once
+
+#include <cstdint>
+
+#include "geometry/camera_model.hpp"
+#include "geometry/pose_prediction.hpp"
+#include "map/drift.hpp"
+#include "map/follow.hpp"
+#include "map/landmarks.hpp"
+#include "map/localise.hpp"
+#include "map/map.hpp"
+#include "map/options.hpp"
+#include "tracks/options.hpp"
+
+namespace polhode {
+
+/// What this room has counted since the counts were last taken.
+struct MapCounts {
+  std::uint32_t tables_full = 0;
+  std::uint32_t keyframes_inserted = 0;
+  std::uint32_t keyframes_culled = 0;
+  std::uint32_t landmarks_created = 0;
+  std::uint32_t landmarks_culled = 0;
+  std::uint32_t closures = 0;
+};
+
+/// Working memory; contents mean nothing between calls.
+struct MapScratch {
+  LocaliseScratch localise;
+  CreateScratch create;
+  LocalisedFrame other;  ///< a second set of matches beside the frame's: of a loop, of a trial
+};
+
+/// The state of this room.
+struct MapState {
+  Map map;
+  MapDrift drift;
+  std::uint32_t target_frame = 0;  ///< number of the frame T that the map is in
+  FlowReference reference;         ///< what optical flow follows
+  Pyramid pyramid;                 ///< of this frame, once it is followed
+  LocalisedFrame localised;        ///< this frame's pose and matches
+  bool pose_valid = false;         ///< this frame has a pose
+  double moved_rad = 0.0;  ///< by an adjustment taken in this step, under poses given before it
+  MapCounts counts;
+  MapScratch scratch;
+};
+
+/// A frame as this room sees it, and the options that hold for it. Pointers are never null.
+struct MapInput {
+  std::uint32_t frame = 0;
+  std::int64_t timestamp_ns = 0;
+  Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();  ///< the observer's attitude
+  const cv::Mat* gray = nullptr;
+  const Features* features = nullptr;  ///< empty until they are detected
+  const CameraModel* camera = nullptr;
+  const LocaliseOptions* localise = nullptr;
+  const TrackOptions* tracks = nullptr;
+  const MapOptions* options = nullptr;
+  std::size_t features_max = 0;  ///< of one frame
+  std::uint64_t seed = 0;
+};
+
+/// As localisation takes it.
+LocaliseInput localise_input(const MapInput& input, const Map& map);
+
+/// Clears what the last frame has left.
+void begin_frame(MapState* state);
+
+/// A frame was not looked at, or has no pose: the next one is not followed by flow.
+void drop_reference(MapState* state);
+
+/// No map; T's number, and pictures that are still to come, stay.
+void reset_map(MapState* state);
+
+}  // namespace polhode

@@ -1,0 +1,231 @@
+#include "map/track.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/so3.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr std::size_t kPosesTried = 6;  // that many poses have checked a motion
+
+/// Fewer poses than that have checked the motion. @param start_checks  the initialisation's poses
+/// among them.
+bool is_young(const ExpectedPose& expected, bool start_checks) {
+  return expected.prediction.rotation_poses < kPosesTried ||
+         (!start_checks && expected.poses_since_start < kPosesTried);
+}
+
+/// An aspect has come back, and its old landmarks carry the pose: then the drift of the young ones,
+/// not the body, has jumped.
+bool comes_back(const MapState& s) {
+  int old = 0;
+  int old_inliers = 0;
+  for (const LandmarkMatch& match : s.localised.matches) {
+    const Landmark& landmark = s.map.landmarks[match.landmark.index()];
+    if (is_old(landmark, s.map)) {
+      ++old;
+      old_inliers += match.inlier ? 1 : 0;
+    }
+  }
+  return old_inliers >= kInliersAlone && 2 * old_inliers >= old;
+}
+
+/// Most keyframes are never followed, and most frames not by flow: pyramids are built for those
+/// that are.
+void ensure_pyramids(const cv::Mat& gray, MapState* s) {
+  if (!s->reference.pyramid.built) {
+    build_pyramid(s->reference.gray, &s->reference.pyramid);
+  }
+  build_pyramid(gray, &s->pyramid);
+}
+
+/// Enough inliers beyond chance. A mismatch within the smallest circle (4 px) falls within 4 sigma
+/// (1 px) of its landmark by chance one time in 16; twice that many are beyond chance. How many
+/// landmarks should be seen says less: a map holds more of them than a frame has features.
+bool agrees(const LocalisedFrame& localised, int inliers_min) {
+  constexpr int kByChance = 16 / 2;  // twice one in 16
+  return localised.absolute.inliers >=
+         inliers_min + static_cast<int>(localised.matches.size()) / kByChance;
+}
+
+/// So many inliers, and so little else, that the pose is accepted without the motion. Foil that
+/// stays where it is while the body turns carried wrong poses with half of the matches; right ones
+/// on textured bodies have two thirds and more.
+bool certain(const LocalisedFrame& localised) {
+  return localised.absolute.inliers >= kInliersAlone &&
+         5 * localised.absolute.inliers >= 3 * static_cast<int>(localised.matches.size());
+}
+
+}  // namespace
+
+bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapState* s) {
+  // Edges slide along themselves; glints and what is behind the silhouette stay in place while the
+  // body turns. From a patch that was taken more than a degree ago flow finds poses that lag, by up
+  // to 3 deg, all of a narrow face's landmarks alike. A keyframe comes later than that, and needs
+  // features anyway.
+  constexpr double kTurnMost_rad = 0.0175;
+  const Pose& predicted = expected.prediction.pose;
+  if (!s->reference.valid ||
+      rotation_angle_rad(s->reference.pose.R_CT, predicted.R_CT) > kTurnMost_rad ||
+      predicted_motion_px(s->reference, predicted, s->map, *input.camera) >
+          input.tracks->small_motion_max_px) {
+    return false;
+  }
+  ensure_pyramids(*input.gray, s);
+  const Result<bool> done = localise_by_flow(localise_input(input, s->map),
+                                             s->reference,
+                                             s->pyramid,
+                                             *input.tracks,
+                                             predicted,
+                                             &s->scratch.localise,
+                                             &s->localised);
+  const auto followed = static_cast<int>(s->reference.points.size());
+  return done.ok() && 2 * s->localised.absolute.inliers >= followed &&
+         plausible(expected, true, *s);
+}
+
+bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s) {
+  const Pose& predicted = expected.prediction.pose;
+  const double body_px = s->map.radius_mu * input.camera->focal_px() / predicted.p_CT.z();
+  // The rotation of one frame to the next is predicted to about a tenth; three circles, each three
+  // times the one before, bracket what that leaves.
+  const double first_px = std::max(input.localise->search_floor_px, 0.04 * body_px);
+  // What agrees with the initialisation, in whichever circle, goes before what may contradict it.
+  for (const bool start_checks : {true, false}) {
+    if (!start_checks && is_young(expected, true) == is_young(expected, false)) {
+      break;  // the same again
+    }
+    double radius_px = first_px;
+    for (int i = 0; i < 3; ++i, radius_px *= 3.0) {
+      const Result<bool> done = localise_guided(localise_input(input, s->map),
+                                                predicted,
+                                                radius_px,
+                                                &s->scratch.localise,
+                                                &s->localised);
+      if (done && agrees(s->localised, input.localise->inliers_min) &&
+          believable(expected, start_checks, *s)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+bool relocalise_frame(const MapInput& input, MapState* s) {
+  const Result<bool> done =
+      relocalise(localise_input(input, s->map), &s->scratch.localise, &s->localised);
+  return done && s->localised.absolute.inliers >= kInliersAlone &&
+         2 * s->localised.absolute.inliers >= static_cast<int>(s->localised.matches.size());
+}
+
+bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& s) {
+  constexpr std::size_t kPosesMin = 3;  // two give a rate without a check
+  const PosePrediction& predicted = expected.prediction;
+  if (predicted.rotation_poses < kPosesMin) {
+    return true;
+  }
+  constexpr double kDepthError = 0.05;       // of a map's depths: some percent
+  constexpr double kAllowance_rad = 0.0175;  // 1 deg
+  const AbsolutePose& found = s.localised.absolute;
+  const double step_rad = expected.step_rad;
+  const double sigma_rad =
+      std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
+                found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
+  const double bound_rad = is_young(expected, start_checks)
+                               ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
+                               : kDepthError * step_rad + 4.0 * sigma_rad;
+  return rotation_angle_rad(found.pose.R_CT, predicted.pose.R_CT) < bound_rad + s.moved_rad;
+}
+
+bool believable(const ExpectedPose& expected, bool start_checks, const MapState& s) {
+  return plausible(expected, start_checks, s) || comes_back(s) || certain(s.localised);
+}
+
+void fuse_with_prior(const PosePrediction& prior, MapState* s) {
+  const AbsolutePose& measured = s->localised.absolute;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  Vector6 apart;
+  apart << so3_log(measured.pose.R_CT * prior.pose.R_CT.transpose()),
+      measured.pose.p_CT - prior.pose.p_CT;
+  const PoseCovariance sum = prior.covariance + measured.covariance;
+  const Eigen::LDLT<PoseCovariance> factor(sum);
+  constexpr double kChi2Max = 22.5;  // 99.9 % of six numbers
+  if (factor.info() != Eigen::Success || !(apart.dot(factor.solve(apart)) < kChi2Max)) {
+    return;
+  }
+  const PoseCovariance by_sum = factor.solve(prior.covariance);  // transposed gain
+  const Vector6 step = by_sum.transpose() * apart;
+  const PoseCovariance covariance = prior.covariance - by_sum.transpose() * prior.covariance;
+  take_pose({.R_CT = so3_exp(step.head<3>()) * prior.pose.R_CT,
+             .p_CT = prior.pose.p_CT + step.tail<3>()},
+            0.5 * (covariance + covariance.transpose()),
+            &s->scratch.localise,
+            &s->localised);
+}
+
+bool match_features(const MapInput& input,
+                    const std::optional<PosePrediction>& prior,
+                    MapState* s) {
+  LocalisedFrame& by_features = s->scratch.other;
+  const Result<bool> done = localise_guided(localise_input(input, s->map),
+                                            s->localised.absolute.pose,
+                                            input.localise->search_floor_px,
+                                            &s->scratch.localise,
+                                            &by_features);
+  if (!done || !agrees(by_features, input.localise->inliers_min)) {
+    return false;
+  }
+  s->localised = by_features;
+  if (prior) {
+    fuse_with_prior(*prior, s);
+  }
+  return true;
+}
+
+void count_observations(const CameraModel& camera, bool by_flow, MapState* s) {
+  for (const LandmarkMatch& match : s->localised.matches) {
+    Landmark& landmark = s->map.landmarks[match.landmark.index()];
+    landmark.predicted += by_flow ? 1 : 0;
+    landmark.found += match.inlier ? 1 : 0;
+  }
+  if (by_flow) {
+    return;
+  }
+  for (Landmark& landmark : s->map.landmarks) {
+    Eigen::Vector2d pixel;
+    if (landmark.used && should_be_seen(landmark, s->localised.absolute.pose, camera, &pixel)) {
+      ++landmark.predicted;
+    }
+  }
+}
+
+void renew_reference(std::uint32_t frame, MapState* s) {
+  s->reference.valid = true;
+  s->reference.frame = frame;
+  std::swap(s->reference.pyramid, s->pyramid);
+  s->reference.gray_to_come = !s->reference.pyramid.built;
+  s->reference.pose = s->localised.absolute.pose;
+  s->reference.points.clear();
+  for (const LandmarkMatch& match : s->localised.matches) {
+    if (match.inlier && s->map.landmarks[match.landmark.index()].used) {
+      (void)s->reference.points.push_back(match);
+    }
+  }
+}
+
+FixedVector<Eigen::Vector3d, limits::kFeatures> seen_landmarks_T(const MapState& s) {
+  FixedVector<Eigen::Vector3d, limits::kFeatures> seen;
+  for (const LandmarkMatch& match : s.localised.matches) {
+    const Landmark& landmark = s.map.landmarks[match.landmark.index()];
+    if (match.inlier && landmark.used) {
+      (void)seen.push_back(landmark.p_T);
+    }
+  }
+  return seen;
+}
+
+}  // namespace polhode

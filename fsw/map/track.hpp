@@ -1,0 +1,62 @@
+// The pose of each frame from the map, with what the motion so far says of it.
+#pragma once
+
+#include <optional>
+
+#include "map/map_state.hpp"
+
+namespace polhode {
+
+/// The pose that the motion so far gives this frame, and how far that motion has been checked.
+struct ExpectedPose {
+  PosePrediction prediction;
+  double step_rad = 0.0;  ///< turn from the last pose to it
+  std::size_t poses_since_start =
+      0;  ///< found one by one; those of an initialisation are right or wrong together
+};
+
+/// By optical flow, where the picture is expected to move and the body to turn by little.
+/// @return false where that is not so, or where what it finds contradicts the motion so far.
+bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapState* state);
+
+/// Guided matching about the expected pose, in a circle that grows when too few features agree.
+bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* state);
+
+/// By descriptors alone, over all keyframes.
+bool relocalise_frame(const MapInput& input, MapState* state);
+
+/// Does this frame's pose agree with the motion so far? The prediction knows its own error. A map's
+/// depth is known to some percent, which falsifies a step by as much. A young motion has hardly
+/// been checked: there the bound is what Euler's equation allows (the rate changes by at most |w|^2
+/// a second, a step of a radians by a^2) and a degree. A map that has just been moved under its
+/// poses leaves the prediction off by as much.
+/// @param start_checks  an initialisation's poses count as a check. Where its map is sheared all of
+/// them are off together, and refuse the first right one.
+bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& state);
+
+/// Agrees with the motion, or is strong enough to be accepted without it.
+bool believable(const ExpectedPose& expected, bool start_checks, const MapState& state);
+
+/// Combines this frame's pose with the pose by a motion that is known together with the map. Where
+/// one face of the body shows little of a rotation, the motion knows the rest. A measurement that
+/// contradicts the prior is left as it is.
+void fuse_with_prior(const PosePrediction& prior, MapState* state);
+
+/// Gives a pose that was found by flow matches to this frame's features, so that it can become a
+/// keyframe.
+/// @return false, with the pose by flow as it was, where the features do not confirm it.
+bool match_features(const MapInput& input,
+                    const std::optional<PosePrediction>& prior,
+                    MapState* state);
+
+/// Counts for each landmark that it should have been seen, and whether it was.
+/// @param by_flow  flow can find only what it followed.
+void count_observations(const CameraModel& camera, bool by_flow, MapState* state);
+
+/// Flow follows this frame from here on.
+void renew_reference(std::uint32_t frame, MapState* state);
+
+/// The landmarks that are seen in this frame, as inliers of its pose.
+FixedVector<Eigen::Vector3d, limits::kFeatures> seen_landmarks_T(const MapState& state);
+
+}  // namespace polhode

@@ -1,0 +1,38 @@
+// An adjustment's result comes into the map, and what stands on the map follows.
+#pragma once
+
+#include "map/map_state.hpp"
+#include "map/window.hpp"
+
+namespace polhode {
+
+/// What a result has changed.
+struct MapUpdate {
+  MapCorrection correction;
+  bool applied = false;
+};
+
+/// Writes an adjustment's result into the map. With a closed loop the drift is held at both ends.
+MapUpdate take_adjusted(const AdjustmentSnapshot& snapshot,
+                        bool usable,
+                        bool closed,
+                        MapState* state);
+
+/// Does the map still hold what was there before the last re-anchoring?
+[[nodiscard]] bool reaches_over_bridge(const MapState& state);
+
+/// The flow reference follows the keyframe that it was placed by.
+void move_reference(const MapCorrection& correction, MapState* state);
+
+/// A keyframe has been moved: the flow reference and this frame's pose are its own where they were.
+/// @param frame  this one. @return it is this frame's keyframe.
+bool follow_keyframe(const Keyframe& keyframe, std::uint32_t frame, MapState* state);
+
+/// Landmarks and matches after the map has changed.
+void refresh_map(const CameraModel& camera, MapState* state);
+
+/// The pose and the matches of this frame, or of an earlier one that became this keyframe, solved
+/// anew from the keyframe's observations; in `localised`.
+bool pose_from_keyframe(const Keyframe& keyframe, const MapInput& input, MapState* state);
+
+}  // namespace polhode

@@ -1,0 +1,20 @@
+#include "pipeline/frame_clock.hpp"
+
+namespace polhode {
+
+Admission admit(std::int64_t timestamp_ns, FrameClock* clock, std::uint32_t* missing) {
+  *missing = 0;
+  const bool rises = !clock->time_known || timestamp_ns > clock->timestamp_ns;
+  if (!rises && !outvotes(timestamp_ns, &clock->doubt)) {
+    return Admission::kNotLater;
+  }
+  if (!rises) {
+    clock->arrivals = {};
+    clock->timestamp_ns = timestamp_ns;  // whatever becomes of its picture
+  }
+  clock->doubt = {};
+  *missing = static_cast<std::uint32_t>(missing_frames(timestamp_ns, &clock->arrivals));
+  return rises ? Admission::kLater : Admission::kTimeWasWrong;
+}
+
+}  // namespace polhode

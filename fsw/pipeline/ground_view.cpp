@@ -1,0 +1,28 @@
+#include "pipeline/ground_view.hpp"
+
+#include "pipeline/state.hpp"
+
+namespace polhode {
+
+GroundView view_of(const Component& component) {
+  return view_of(*ComponentAccess::state(component));
+}
+
+GroundView view_of(const Component::State& s) {
+  const AdjustmentJob& last = s.jobs.adjustment;
+  return {.parameters = s.configuration.parameters,
+          .camera = s.configuration.camera,
+          .gray = s.picture.gray,
+          .mask = s.picture.mask,
+          .mask_state = s.picture.mask_state,
+          .map = s.mapping.map,
+          .drift = s.mapping.drift,
+          .last_pose = s.mapping.localised.absolute.pose,
+          .model = s.motion.model,
+          .scale = s.scale,
+          .target_frame = s.mapping.target_frame,
+          .model_is_of_map =
+              last.as_free_body && last.model.accepted() && s.motion.model.of_map};
+}
+
+}  // namespace polhode

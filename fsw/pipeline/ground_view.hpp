@@ -1,0 +1,38 @@
+// What tools beside the flight loop may read of a component: exposure control, records of masks,
+// the end of a replay. What flies by packets alone needs nothing of this.
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+
+#include "geometry/camera_model.hpp"
+#include "map/drift.hpp"
+#include "map/map.hpp"
+#include "mask/mask_state.hpp"
+#include "mask/target_mask.hpp"
+#include "motion/rigid_model.hpp"
+#include "pipeline/component.hpp"
+#include "shape/scale_state.hpp"
+
+namespace polhode {
+
+/// As the last step left it; valid as long as the component.
+struct GroundView {
+  const Parameters& parameters;  ///< as they are now: commands change them
+  const CameraModel& camera;
+  const cv::Mat& gray;  ///< the last picture that was looked at
+  const TargetMask& mask;
+  const MaskState& mask_state;
+  const Map& map;
+  const MapDrift& drift;
+  const Pose& last_pose;    ///< found last, in map units
+  const RigidModel& model;  ///< of the motion so far
+  const ScaleState& scale;
+  std::uint32_t target_frame = 0;  ///< number of the frame T that the map is in
+  bool model_is_of_map = false;    ///< the last adjustment of all fitted it together with the map
+};
+
+GroundView view_of(const Component& component);
+GroundView view_of(const Component::State& state);
+
+}  // namespace polhode

@@ -1,0 +1,96 @@
+// The long work of a component: plain snapshots that pure functions turn into results, on whichever
+// thread the caller likes.
+//
+// One job of the map, one fit of the dynamics and one estimate of the shape are out at a time; none
+// waits for another, as the last two change nothing of the map. A result is taken in at a step that
+// is named when the job is issued (logical execution time), so the packets do not depend on how
+// long the work took.
+#pragma once
+
+#include <cstdint>
+#include <variant>
+
+#include "initialisation/start_job.hpp"
+#include "motion/fit_job.hpp"
+#include "pipeline/adjustment_job.hpp"
+#include "pipeline/component.hpp"
+#include "shape/shape_job.hpp"
+
+namespace polhode {
+
+/// What is to be done; nothing while the job is not out.
+using JobWork = std::variant<std::monostate, StartJob*, AdjustmentJob*, FitJob*, ShapeJob*>;
+
+struct Job {
+  JobWork work;
+  bool done = false;
+  bool skipped = false;   ///< there is no result
+  bool unwanted = false;  ///< the result is for nothing: what it was taken from is no longer there
+  std::uint32_t issued_step = 0;
+  std::uint32_t due_step = 0;
+};
+
+[[nodiscard]] inline bool is_out(const Job& job) { return job.work.index() != 0; }
+
+/// Is work of this kind out?
+template <typename Work>
+[[nodiscard]] bool is_out_with(const Job& job) {
+  return std::holds_alternative<Work*>(job.work);
+}
+
+/// By what the map has grown while an adjustment of it was out; the next one is for that.
+struct GrowthWaiting {
+  bool any = false;
+  bool closed = false;  ///< a loop, too
+};
+
+/// How large the map was when all of it was adjusted last.
+struct LastAdjustment {
+  std::uint32_t keyframes = 0;
+  std::uint32_t next_keyframe_number = 0;
+};
+
+/// Since they were last taken.
+struct JobCounts {
+  std::uint32_t issued = 0;
+  std::uint32_t tables_full = 0;
+};
+
+/// The state of this room: what is out, and the tables that it works on.
+struct JobQueue {
+  Job map;  ///< an initialisation or an adjustment
+  Job fit;
+  Job shape;
+  StartJob start;
+  AdjustmentJob adjustment;
+  FitJob fit_work;
+  ShapeJob shape_work;
+  GrowthWaiting growth;
+  LastAdjustment last_adjustment_of_all;
+  JobCounts counts;
+};
+
+/// When a job is issued, and when its result is taken.
+struct JobTimes {
+  std::uint32_t step = 0;
+  std::uint32_t delay = 0;  ///< steps
+};
+
+/// Sends off what has been prepared: to the caller with this step's output, or, with a delay of 0,
+/// to be run within the step.
+/// @param job  one of the queue's, not out.
+void issue_job(JobWork work, const JobTimes& times, Job* job, JobQueue* queue);
+
+/// What is being fitted to the poses so far is for nothing.
+void invalidate_fits(JobQueue* queue);
+
+/// A hypothesis selection that is out is for frames that are no longer there.
+void invalidate_start(JobQueue* queue);
+
+/// What is out belongs to a target that is forgotten.
+void invalidate_all(JobQueue* queue);
+
+/// The jobs issued in this step, for the caller to run.
+[[nodiscard]] Jobs jobs_of_step(std::uint32_t step, JobQueue* queue);
+
+}  // namespace polhode

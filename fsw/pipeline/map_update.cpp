@@ -1,0 +1,134 @@
+#include "pipeline/map_update.hpp"
+
+#include <algorithm>
+
+#include "geometry/so3.hpp"
+#include "map/grow.hpp"
+#include "map/update.hpp"
+#include "pipeline/adjustment.hpp"
+
+namespace polhode {
+namespace {
+
+/// A motion was fitted together with the map: the map has no other drift than the model's own
+/// error.
+void take_motion_of_map(const RigidModel& model, Component::State* s) {
+  const std::optional<DriftByModel> left = take_joint_fit(model, &s->motion);
+  s->jobs.fit.unwanted = true;
+  MapDrift& drift = s->mapping.drift;
+  if (left) {
+    replace_walk(left->covariance_C, &drift);
+    hold_turn(left->relative_speed_sigma, s->mapping.map.radius_mu, &drift);
+  }
+  if (reaches_over_bridge(s->mapping)) {
+    close_bridge(&drift);  // a motion is fitted to parts of a map only where observations tie them
+  }
+}
+
+/// The map and, where one came out, the motion take the result over. A loop whose adjustment came
+/// to nothing is still to be closed.
+MapCorrection take_over(Component::State* s) {
+  const AdjustmentJob& job = s->jobs.adjustment;
+  const MapUpdate update = take_adjusted(job.snapshot, job.usable, job.closed, &s->mapping);
+  if (job.closed && !update.applied) {
+    s->jobs.growth.closed = true;
+  }
+  if (update.applied && job.as_free_body && job.model.accepted() && !job.model_unwanted) {
+    take_motion_of_map(transformed(job.model, update.correction.back), s);
+  }
+  return update.correction;
+}
+
+/// What was seen after the adjusted keyframes moves along.
+void move_since(const MapCorrection& correction, Component::State* s) {
+  move_reference(correction, &s->mapping);
+  if (move_poses_with_map(s->mapping.map, correction.timestamp_ns, &s->motion)) {
+    s->mapping.moved_rad = rotation_angle_rad(correction.before.R_CT, correction.after.R_CT);
+  }
+}
+
+/// So does the keyframe that the map has grown by.
+void move_with_newest(const AdjustmentJob& job, Component::State* s) {
+  const Keyframe& keyframe = s->mapping.map.keyframes[job.keyframe.index()];
+  if (!keyframe.used || keyframe.number != job.keyframe_number) {
+    return;
+  }
+  if (!follow_keyframe(keyframe, s->clock.frame, &s->mapping)) {
+    move_pose(keyframe, &s->motion);
+  }
+}
+
+/// The poses so far, measured anew in a map that was adjusted for the first time.
+void restate(Component::State* s) {
+  FixedVector<PoseSample, limits::kKeyframes> poses;
+  const MapInput input = map_input(*s);
+  auto order = keyframes_by_age(s->mapping.map);
+  std::reverse(order.begin(), order.end());
+  for (const KeyframeId id : order) {
+    const Keyframe& keyframe = s->mapping.map.keyframes[id.index()];
+    if (!keyframe.used || keyframe.number < s->jobs.adjustment.first_keyframe) {
+      continue;
+    }
+    const bool solved = pose_from_keyframe(keyframe, input, &s->mapping);
+    const AbsolutePose& absolute = s->mapping.localised.absolute;
+    if (keyframe.frame != s->clock.frame && solved) {
+      (void)poses.push_back(turned(keyframe.R_IC,
+                                   PoseSample{.timestamp_ns = keyframe.timestamp_ns,
+                                              .pose = absolute.pose,
+                                              .covariance = absolute.covariance}));
+    }
+    s->mapping.pose_valid = keyframe.frame == s->clock.frame && solved;
+  }
+  if (!s->mapping.pose_valid) {
+    s->mapping.localised.matches.clear();  // they are of an earlier frame
+  }
+  restate_poses(poses.view(), &s->motion);
+  invalidate_fits(&s->jobs);
+}
+
+}  // namespace
+
+AdjustmentView adjustment_view(const Component::State& s) {
+  const Parameters& parameters = s.configuration.parameters;
+  return {.mapping = &s.mapping,
+          .motion = &s.motion,
+          .parameters = &parameters,
+          .camera = &s.configuration.camera,
+          .short_of_memory = s.steps_to_shed > 0,
+          .times = job_times(s)};
+}
+
+void take_adjustment(Component::State* s) {
+  const AdjustmentJob& job = s->jobs.adjustment;
+  const CameraModel& camera = s->configuration.camera;
+  move_since(take_over(s), s);
+  if (!s->jobs.growth.closed) {
+    // This would untie a loop that is still to be closed: its ends are sigmas apart.
+    cull_misfits(camera, &s->mapping);
+  }
+  refresh_map(camera, &s->mapping);
+  switch (job.reason) {
+    case AdjustmentReason::kMapBegun:
+      complete_map(job.first_keyframe, map_input(*s), &s->mapping);
+      ask_for_adjustment_of_all(
+          AdjustmentReason::kMapCompleted, adjustment_view(*s), &s->jobs);
+      break;
+    case AdjustmentReason::kMapCompleted:
+      restate(s);
+      break;
+    case AdjustmentReason::kMapGrown:
+      move_with_newest(job, s);
+      break;
+  }
+  ask_for_adjustment_after_growth(adjustment_view(*s), &s->jobs);
+}
+
+void adjust_all(int iterations_max, Component::State* s) {
+  AdjustmentJob& job = s->jobs.adjustment;
+  prepare_adjustment_of_all(adjustment_view(*s), &s->jobs);
+  set_rounds(iterations_max, &job);
+  run_adjustment(&job);
+  (void)take_over(s);
+}
+
+}  // namespace polhode

@@ -1,0 +1,53 @@
+#include "pipeline/state.hpp"
+
+#include <algorithm>
+
+#include "features/detect.hpp"
+
+namespace polhode {
+
+MapInput map_input(const Component::State& s) {
+  const Parameters& parameters = s.configuration.parameters;
+  return {.frame = s.clock.frame,
+          .timestamp_ns = s.clock.timestamp_ns,
+          .R_IC = s.motion.R_IC,
+          .gray = &s.picture.gray,
+          .features = &s.features.features,
+          .camera = &s.configuration.camera,
+          .localise = &parameters.localise,
+          .tracks = &parameters.tracks,
+          .options = &parameters.map,
+          .features_max = static_cast<std::size_t>(parameters.features.count_max),
+          .seed = parameters.seed};
+}
+
+ScaleInput scale_input(const Component::State& s) {
+  return {.options = &s.configuration.parameters.scale, .camera = &s.configuration.camera};
+}
+
+JobTimes job_times(const Component::State& s) {
+  return {.step = s.clock.frame,
+          .delay = static_cast<std::uint32_t>(s.configuration.parameters.jobs.delay_frames)};
+}
+
+void detect_once(Component::State* s) {
+  if (s->features.ready) {
+    return;
+  }
+  FeatureOptions options = s->configuration.parameters.features;
+  if (s->steps_to_shed > 0) {  // half the pixels, and as many features as those give
+    constexpr int kCountLeast = 50;  // as a configuration may say
+    options.working_pixels_max /= 2;
+    options.count_max = std::max(kCountLeast, options.count_max / 2);
+  }
+  detect_features(s->picture.gray,
+                  s->picture.mask,
+                  s->configuration.camera,
+                  options,
+                  &s->features.workspace,
+                  &s->features.features);
+  s->features.ready = true;
+  stage_done(Stage::kFeatures, s->timer);
+}
+
+}  // namespace polhode

@@ -1,0 +1,30 @@
+// Where in the map a configured length or range is read.
+#pragma once
+
+#include <cstdint>
+
+#include "geometry/camera_model.hpp"
+#include "map/map_state.hpp"
+#include "shape/scale_state.hpp"
+
+namespace polhode {
+
+/// What a reading needs beside the map.
+struct ScaleInput {
+  const ScaleOptions* options = nullptr;
+  const CameraModel* camera = nullptr;
+};
+
+/// Reads in this frame, with its pose and what it sees.
+ScaleChange read_scale_in_frame(const MapState& map, const ScaleInput& input, ScaleState* scale);
+
+/// Reads in the keyframe of the configured time; nothing where there is none.
+ScaleChange read_scale_in_keyframe(const Map& map, const ScaleInput& input, ScaleState* scale);
+
+/// Reads where the configured frame is, this one or a keyframe, when a reading is due.
+ScaleChange read_scale(std::int64_t timestamp_ns,
+                       const MapState& map,
+                       const ScaleInput& input,
+                       ScaleState* scale);
+
+}  // namespace polhode
