@@ -1,55 +1,60 @@
 // Every capacity of the component, with its reason. Compile-time: a table's size is part of the
-// build that is tested.
+// build that is tested. docs/resources.md has what happens when a table is full.
 #pragma once
 
 #include <cstddef>
 
 namespace polhode::limits {
 
-// A frame's features: 800 spread over a body give 3 to 5 per grid cell; past that pose sigma falls
-// as 1/sqrt(N) while matching time grows as N.
+// Features of a frame. 800, the default, give 3 to 5 per grid cell of a body. More improve a pose
+// as 1/sqrt(N), while matching time grows as N.
 inline constexpr std::size_t kFeatures = 1000;
 
-// Pixels of the picture that features are sought in: the default, rounded up. Its scale space takes
-// 32 octets a pixel.
+// Pixels of the working image, in which features are detected: the default, 580,000, rounded up.
+// Its scale space takes 32 octets a pixel.
 inline constexpr std::size_t kWorkingPixels = 600000;
 
-// The longer side of that picture: a boom across a camera's whole picture, enlarged.
+// The longer side of that image. Chosen: twice a side of 1920 px, for a boom across the image.
+// What would be longer is enlarged less.
 inline constexpr std::size_t kWorkingSide = 4096;
 
-// The longer side of a camera's picture.
+// The longer side of a camera's image; the upper limit of camera.width_px and camera.height_px.
 inline constexpr std::size_t kImageSide = 8192;
 
-// 50 of them 3 deg apart, then 50 that are 6 deg apart: a full turn, and what another axis adds.
+// 50 keyframes 2.9 deg apart, then 50 that are 5.7 deg apart (map.keyframe_rotation_min_rad): 430
+// deg, which is a full turn and 70 deg about another axis.
 inline constexpr std::size_t kKeyframes = 100;
 
-// A face sees about 400 landmarks; six faces seen under several lights need about 4000.
+// About 4000 are needed: 400 for each of six faces, which look different under several lights. The
+// rest is room for landmarks that are not confirmed yet.
 inline constexpr std::size_t kLandmarks = 6000;
 
-// Frames that a start of the map can look back on, collected at every 2 deg of turn at the soonest:
-// these reach over 62 deg at least. A contest keeps sets of them in 32 bits.
+// Frames that an initialisation can look back on. They are collected every 2 deg of rotation at the
+// soonest, so they span 62 deg or more. Hypothesis selection keeps sets of them in 32 bits.
 inline constexpr std::size_t kStartFrames = 32;
 
-// Tracks held while a map is being started.
+// Tracks before there is a map. Chosen: nearly twice the default's 800 features of a frame, as
+// tracks end and others begin. Larger: memory and longer selections.
 inline constexpr std::size_t kStartTracks = 1500;
 
-// Points that an absolute pose can use.
-inline constexpr std::size_t kPoseMatches = 1000;
+// Points that an absolute pose can use: one landmark for each feature.
+inline constexpr std::size_t kPoseMatches = kFeatures;
 
-// Points of the denoised and completed cloud.
-inline constexpr std::size_t kCloudPoints = 12000;
+// Points of the denoised and completed cloud: the landmarks and as many that completion adds.
+inline constexpr std::size_t kCloudPoints = 2 * kLandmarks;
 
-// Planes reported of a body: a box with two panels has ten.
+// Planes reported of a body. A box with two panels has ten; the shape packet has room for twelve.
 inline constexpr std::size_t kPlanes = 12;
 
-// Sightings of one adjustment: 100 keyframes that tie 600 of their features each. The sample's full
-// map has 26,000.
-inline constexpr std::size_t kAdjustmentSightings = 60000;
+// Observations of one adjustment: 600 features of each keyframe. The sample's full map has 26,000.
+inline constexpr std::size_t kAdjustmentSightings = 600 * kKeyframes;
 
-// Poses that the motion stage looks back on.
+// Poses that the motion stage looks back on. Chosen: above the default's 300 of a rigid-body fit
+// (motion.fit_poses_max). Larger: memory, and longer fits where they are used.
 inline constexpr std::size_t kMotionPoses = 512;
 
-// Packets of one step.
+// Octets of one packet. The largest, cloud, has 1370. With the headers of UDP and IP (28) a packet
+// still fits into one Ethernet frame (1500).
 inline constexpr std::size_t kPacketOctets = 1400;
 
 }  // namespace polhode::limits

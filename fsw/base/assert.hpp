@@ -1,5 +1,4 @@
-// Assertions for our own mistakes: they stay in flight builds and carry the value that broke the
-// promise.
+// Assertions for our own mistakes. They stay in flight builds and report the offending value.
 #pragma once
 
 namespace polhode {
@@ -11,8 +10,8 @@ struct AssertionReport {
   double value;
 };
 
-/// Called when an assertion fails, before the process is aborted. The platform sets one that tells
-/// the report; a service manager then starts the program anew.
+/// Called when an assertion fails, before the process is aborted. The platform sets one that
+/// passes the report on; a service manager then restarts the program.
 using AssertionHook = void (*)(const AssertionReport&);
 void set_assertion_hook(AssertionHook hook);
 

@@ -7,8 +7,7 @@
 
 namespace polhode {
 
-/// @return the checksum of `octets`; over a message followed by its own checksum (big-endian) it is
-/// 0.
+/// @return the checksum of `octets`; 0 over a message followed by its own checksum (big-endian).
 std::uint16_t crc16_ccitt_false(std::span<const std::uint8_t> octets);
 
 /// @param before  checksum of what comes before `octets`, 0 where nothing does.

@@ -6,6 +6,7 @@
 namespace polhode {
 namespace {
 
+/// 0xEDB88320 is the polynomial 0x04C11DB7 with its bits reversed.
 constexpr std::array<std::uint32_t, 256> make_table() {
   std::array<std::uint32_t, 256> table{};
   for (std::uint32_t octet = 0; octet < 256; ++octet) {

@@ -1,4 +1,4 @@
-// A vector whose capacity is part of its type: no heap, and a full one says so.
+// A vector whose capacity is part of its type. No heap; a full one refuses elements.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ class FixedVector {
     POLHODE_ASSERT(size_ > 0, size_);
     --size_;
   }
-  /// Removes by moving the last element into the gap: constant time, order not kept.
+  /// Puts the last element in its place: constant time, order not kept.
   void swap_remove(std::size_t index) {
     POLHODE_ASSERT(index < size_, index);
     items_[index] = items_[--size_];

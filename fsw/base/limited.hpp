@@ -1,10 +1,9 @@
-// As std::clamp, by value: a loop that calls it is compiled for many places at once, which
-// references prevent.
+// std::clamp by value: the references of std::clamp keep a loop from being vectorised.
 #pragma once
 
 namespace polhode {
 
-/// @pre low <= high. Not a number stays that.
+/// @pre low <= high. NaN stays NaN.
 constexpr float limited(float value, float low, float high) {
   const float raised = value < low ? low : value;
   return raised > high ? high : raised;

@@ -1,4 +1,4 @@
-// The middle of a list.
+// Median of a list, and medians of normal noise.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,14 @@
 
 namespace polhode {
 
-/// The value that `rank` others are not above, as if the list were sorted; its order is changed.
+// Medians of chi-square with two and three degrees of freedom.
+inline constexpr double kChi2Median2 = 1.3863;
+inline constexpr double kChi2Median3 = 2.366;
+
+// Standard deviation of normal noise over its median absolute deviation.
+inline constexpr double kSigmaPerMad = 1.4826;
+
+/// Element `rank` of the sorted list. The list's order is changed.
 /// @pre rank < values.size()
 template <typename T>
 T ranked(std::span<T> values, std::size_t rank) {
@@ -19,8 +26,7 @@ T ranked(std::span<T> values, std::size_t rank) {
   return *at;
 }
 
-/// The upper one of the two in the middle of an even number, 0 of none; the list's order is
-/// changed.
+/// Of an even number the upper of the middle two; 0 of an empty list. The list's order is changed.
 template <typename T>
 T median(std::span<T> values) {
   return values.empty() ? T{} : ranked(values, values.size() / 2);

@@ -10,7 +10,8 @@
 
 namespace polhode {
 
-/// SplitMix64 finaliser over a counter (Steele, Lea, Flood, OOPSLA 2014).
+/// SplitMix64 finaliser over a counter (Steele, Lea, Flood, OOPSLA 2014). Its constants are the
+/// paper's; the stream's offset is another odd number, so that seed and stream do not cancel.
 class Rng {
  public:
   Rng(std::uint64_t seed, std::uint64_t stream)
@@ -28,7 +29,7 @@ class Rng {
     return static_cast<std::uint32_t>(((next() >> 32U) * bound) >> 32U);
   }
 
-  /// Uniform in [0, 1).
+  /// Uniform in [0, 1): 53 bits, the mantissa of a double.
   double uniform() { return static_cast<double>(next() >> 11U) * 0x1.0p-53; }
 
   /// Standard normal (Box-Muller, one of the pair).

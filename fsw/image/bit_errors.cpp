@@ -8,23 +8,21 @@
 namespace polhode {
 namespace {
 
-// Only the flip of a pixel's highest bit stands out so far: one in eight, but clouds have a few
-// such pixels where 184 of 230 400 stand out by 24, which hid the flips of one bit in 0.2 % of the
-// pixels.
+// Levels by which a pixel is an outlier: only the flip of the highest bit reaches it. With 24
+// levels clouds have 184 such pixels of 230 400, which hides one flipped bit in 0.2 % of the pixels
+// (record 0003).
 constexpr int kStep = 80;
 
-/// Outstanding pixels of a row: over (under) all eight neighbours by kStep and twice their range,
-/// so that edges, lines and grain do not count. The peak of a star does: they are as many in each
-/// frame. By four neighbours clouds had three times as many, which hid one bit in 0.4 % of the
-/// pixels.
+/// Counts outlier pixels of a row: over (or under) all eight neighbours by kStep and twice their
+/// range. So edges, lines and grain do not count. The peaks of stars do; each frame has as many. By
+/// four neighbours clouds had three times as many (record 0002).
 int impulses_in_row(const std::uint8_t* above,
                     const std::uint8_t* row,
                     const std::uint8_t* below,
                     int columns) {
   int count = 0;
   int column = 1;
-  // Sums of a lane fit an octet for so many times.
-  constexpr int kTimesMax = 255;
+  constexpr int kTimesMax = 255;  // a lane's sum fits an octet
   cv::v_uint8x16 counts = cv::v_setzero_u8();
   int times = 0;
   const cv::v_uint8x16 step = cv::v_setall_u8(kStep);
@@ -87,7 +85,10 @@ int difference(const std::uint8_t* a, const std::uint8_t* b, int columns) {
 
 /// A broken line differs from the rows on its two sides, which agree.
 bool broken_line(const cv::Mat& gray, int row) {
-  constexpr double kLevelsMin = 8.0;  // mean over the row; a thin strut or the sensor's noise is 2
+  // Mean over the row. A thin strut or the sensor's noise has 2, random octets 64 or more. Chosen
+  // between.
+  constexpr double kLevelsMin = 8.0;
+  // The two sides differ by less than a third of that. Chosen; larger misses lines across texture.
   constexpr int kTimes = 3;
   const std::uint8_t* above = gray.ptr<std::uint8_t>(row - 1);
   const std::uint8_t* here = gray.ptr<std::uint8_t>(row);
@@ -101,7 +102,7 @@ bool broken_line(const cv::Mat& gray, int row) {
                                                      kTimes * difference(above, below, gray.cols));
 }
 
-constexpr int kSide_px = 16;
+constexpr int kSide_px = 16;  // a vector of octets
 
 /// Mean change from pixel to pixel, the lesser of those along and across rows.
 int roughness(const cv::Mat& gray, int row0, int column0) {
@@ -119,11 +120,13 @@ int roughness(const cv::Mat& gray, int row0, int column0) {
   return static_cast<int>(std::min(across, along) / (kSide_px * (kSide_px - 1)));
 }
 
-/// Tiles as rough as octets of which one bit in ten is flipped (45; random ones have 85), and much
-/// rougher than the last good picture was nearby: the finest texture comes near it too, but not
-/// from one picture to the next.
+/// Counts tiles that are rough and much rougher than the last good frame was nearby: the finest
+/// texture is nearly as rough, but not from one frame to the next.
 int count_rough_tiles(const cv::Mat& gray, QualityHistory* history) {
+  // Under the roughness of octets with one flipped bit in ten, 45. Random octets have 85: a third
+  // of their range, 256.
   constexpr int kRough = 40;
+  // Chosen; larger misses errors in rough texture, smaller counts texture that comes into view.
   constexpr int kTimes = 2;
   history->roughness.create(gray.rows / kSide_px, gray.cols / kSide_px, CV_8UC1);
   const bool any_before = !history->roughness_good.empty();

@@ -19,18 +19,19 @@ double level_exceeded(const LevelCounts& counts, double total, double part) {
   return 0.0;
 }
 
-/// Factor of light that brings the bright pixels to where they should be. Saturated ones say only
-/// that it is too much: the more of them, the larger the step.
+/// Factor of light that brings the bright pixels to their level. Saturated ones only show that it
+/// is too much: the more of them, the larger the step.
 double wanted_factor(const LevelCounts& counts,
                      double total,
                      double gamma,
                      const ExposureOptions& options) {
-  constexpr std::size_t kSaturated = 250;
-  constexpr double kLevelMin = 1.0 / 255.0;
+  constexpr std::size_t kSaturated = 250;    // 0.98 of full scale, as ImageOptions has it
+  constexpr double kLevelMin = 1.0 / 255.0;  // the least over zero
   const double saturated = std::accumulate(counts.begin() + kSaturated, counts.end(), 0.0) / total;
   const double bright = std::max(kLevelMin, level_exceeded(counts, total, options.bright_part));
   double factor = std::pow(options.bright_level / bright, gamma);
   if (saturated > options.bright_part) {
+    // Part of saturated pixels that takes the largest step. Chosen: ten times what may be bright.
     constexpr double kMany = 0.2;
     const double weight = std::min(1.0, saturated / kMany);
     factor = std::min(factor, std::pow(options.step_max, -weight));

@@ -14,7 +14,7 @@ struct Exposure {
   double gain = 1.0;
 };
 
-/// What the camera can do.
+/// What the camera can do. Its driver fills this in; the defaults are for tests.
 struct ExposureRange {
   double exposure_min_s = 1e-5;
   double exposure_max_s = 0.1;
@@ -24,17 +24,22 @@ struct ExposureRange {
 };
 
 struct ExposureOptions {
+  // Chosen: leaves room for glints. Larger saturates more of the body, smaller darkens it for a
+  // glint.
   double bright_part = 0.02;  ///< this part of the target's pixels may exceed `bright_level`
+  // Chosen: room for a quarter more light in the next frame.
   double bright_level = 0.8;  ///< of full scale
-  double step_max = 2.0;      ///< factor of light from a frame to the next at most
-  double dead_band = 0.1;     ///< relative change that is not worth a step
-  double blur_max_px = 0.5;   ///< image motion during an exposure
+  // Chosen: under the factor of 2.5 by which the verdict calls a frame dark.
+  double step_max = 2.0;  ///< factor of light from a frame to the next at most
+  // Chosen; larger stays farther from `bright_level`, smaller follows the noise of the levels.
+  double dead_band = 0.1;  ///< relative change that is not worth a step
+  // Chosen: less than a pixel. Larger blurs the finest blobs, smaller takes more gain and noise.
+  double blur_max_px = 0.5;  ///< image motion during an exposure
 };
 
-/// Brings the brightest pixels of the target (not the background's) under saturation: their level
-/// goes to `bright_level` in steps of at most `step_max`. Of exposure and gain that give that light
-/// the one with the longest exposure that blurs no more than `blur_max_px` at the image motion
-/// predicted; gain makes up for the rest.
+/// Brings the brightest pixels of the target, not the background's, under saturation. Their level
+/// goes to `bright_level` in steps of at most `step_max`. The exposure is the longest that blurs no
+/// more than `blur_max_px` at the predicted image motion; gain makes up for the rest.
 /// @param target levels of the target's pixels; none: the settings stay.
 /// @param image_motion_px_s of the target's fastest points; 0: unknown or none.
 /// @return within `range`. Pure.

@@ -7,7 +7,7 @@
 
 namespace polhode {
 
-/// Copies the camera's frame into `gray` (CV_8UC1, allocated once); 16-bit pixels keep their upper
+/// Copies the camera's frame into `gray` (CV_8UC1, allocated once). 16-bit pixels keep their upper
 /// octet.
 void import_frame(const ImageView& frame, cv::Mat* gray);
 

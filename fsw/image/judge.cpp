@@ -11,11 +11,14 @@ namespace {
 using Entry = QualityHistory::Entry;
 using History = FixedVector<Entry, QualityHistory::kFrames>;
 
-// Below this many good frames there is nothing to compare with.
+// With fewer good frames there is nothing to compare with.
 constexpr std::size_t kFramesMin = 2;
-// Seen this much oftener than not, a fault is the scene's or the camera's way.
-constexpr int kInsistent = 3;
-constexpr int kInsistenceMax = 8;
+// Seen in so many more frames than not, a fault is a property of the scene or the camera. Chosen;
+// larger skips more frames of such a scene, smaller uses a third bad frame in a row.
+constexpr int kPersistent = 3;
+// So that six frames without the fault make it one again. Chosen: fewer make an intermittent
+// property a fault each time.
+constexpr int kPersistenceMax = 8;
 
 struct Typical {
   double median = 0.0;
@@ -33,7 +36,7 @@ Typical typical(const History& frames, double Entry::*field) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = std::abs(frames[i].*field - t.median);
   }
-  t.spread = 1.4826 * median(values);
+  t.spread = 1.4826 * median(values);  // sigma of a normal distribution by its deviations' median
   return t;
 }
 
@@ -44,9 +47,8 @@ struct Finding {
   double limit = 0.0;
 };
 
-/// A body that turns loses light over several frames (in the steepest of ten sequences a third from
-/// one to the next, 3 to 10 deg apart); a failed exposure loses it at once. The median level goes
-/// down by 4 and the bright one by 2.5.
+/// A failed exposure loses light at once. A rotating body loses it over several frames: at most a
+/// third from one to the next, in ten sequences with frames 3 to 10 deg apart.
 Finding find_dark(const ImageLevels& now, const History& frames, const ImageOptions& options) {
   if (now.dark) {
     return {.found = true, .grave = true, .measure = now.bright_level, .limit = options.dark_level};
@@ -56,31 +58,38 @@ Finding find_dark(const ImageLevels& now, const History& frames, const ImageOpti
   }
   const double mean = typical(frames, &Entry::mean_level).median;
   const double bright = typical(frames, &Entry::bright_level).median;
-  const bool sudden = now.mean_level < 0.25 * mean && now.bright_level < 0.4 * bright;
-  return {.found = sudden, .grave = sudden, .measure = now.bright_level, .limit = 0.4 * bright};
+  // Mean level down by a factor of 4 and bright level by 2.5. Chosen, beyond a rotating body's
+  // third; larger parts take shadows for faults, smaller ones miss partial exposures.
+  constexpr double kMeanPart = 0.25;
+  constexpr double kBrightPart = 0.4;
+  const double limit = kBrightPart * bright;
+  const bool sudden = now.mean_level < kMeanPart * mean && now.bright_level < limit;
+  return {.found = sudden, .grave = sudden, .measure = now.bright_level, .limit = limit};
 }
 
-/// Nothing stands out: less contrast than a picture needs not to be dark.
+/// Less contrast than the bright level that an image needs not to be dark.
 Finding find_flat(const ImageLevels& now, const ImageOptions& options) {
   const double contrast = now.bright_level - now.dim_level;
   const bool flat = contrast < options.dark_level;
   return {.found = flat, .grave = flat, .measure = contrast, .limit = options.dark_level};
 }
 
-/// Glints take up to a quarter of what is lit. Three times the right exposure takes a third to nine
-/// tenths of what was lit before; it lights the sensor's noise, too, so that before is what counts.
+/// Compares with what was lit before: over-exposure lights the sensor's noise, too. Three times the
+/// right exposure saturates a third to nine tenths of what was lit.
 Finding find_saturated(const ImageLevels& now, const History& frames) {
-  constexpr double kGlint = 0.25;
+  constexpr double kGlint = 0.25;  // glints saturate up to so much of what is lit
+  constexpr double kMargin = 1.2;  // with it under the least of over-exposure, a third
+  // With nothing to compare. Chosen: only what shows nothing else, as panels saturate.
   constexpr double kAlone = 0.9;
   const bool alone = frames.size() < kFramesMin;
   const double lit = alone ? now.lit_fraction : typical(frames, &Entry::lit_fraction).median;
   const double before = alone ? 0.0 : typical(frames, &Entry::saturated_fraction).median;
-  const double limit = alone ? kAlone * lit : before + 1.2 * kGlint * lit;
+  const double limit = alone ? kAlone * lit : before + kMargin * kGlint * lit;
   const bool found = now.saturated_fraction > limit;
   return {.found = found, .grave = found, .measure = now.saturated_fraction, .limit = limit};
 }
 
-/// All rows that tell anything are the previous frame's.
+/// All rows that are counted are the previous frame's.
 Finding find_frozen(const RepeatedRows& rows) {
   const bool frozen = rows.repeated > 0 && rows.fresh == 0;
   return {.found = frozen,
@@ -89,10 +98,12 @@ Finding find_frozen(const RepeatedRows& rows) {
           .limit = 0.0};
 }
 
-/// Both kinds of rows in a few runs. In a noise-free or compressed sequence of a static scene this
-/// comes with each frame.
+/// Both kinds of rows in a few runs. In a noise-free sequence of a static scene each frame is like
+/// that.
 Finding find_torn(const RepeatedRows& rows) {
+  // Rows of each kind. Chosen; fewer do no harm to features.
   constexpr int kRowsMin = 4;
+  // A block of old rows has two, two blocks have four. Chosen; larger takes noise-free scenes.
   constexpr int kChangesMax = 4;
   const bool torn = std::min(rows.repeated, rows.fresh) >= kRowsMin && rows.changes <= kChangesMax;
   return {.found = torn,
@@ -101,31 +112,38 @@ Finding find_torn(const RepeatedRows& rows) {
           .limit = kRowsMin};
 }
 
-/// More traces than the scene has of its own, by 6 sigma of its last frames; one pixel in 100,000,
-/// two tiles, half a line on top, as much as glints come and go by. Single pixels fewer than one in
-/// 3000 do no harm: they fall on few landmarks and on no two frames alike.
+/// More traces than the scene has by itself, by 6 sigma of its last frames and a fixed number that
+/// glints come and go by. Few single pixels do no harm: they fall on few landmarks and on no two
+/// frames alike.
 Finding find_bit_errors(const BitErrorTraces& now, const History& frames) {
   if (frames.size() < kFramesMin) {
     return {};
   }
+  // All 120 good frames of two scenes stay within 6 sigma, most bit errors do not (record 0003).
   constexpr double kSigmas = 6.0;
-  constexpr double kHarmless =
-      3e-4;  // highest bits: with the others, of which most do not stand out, eight times as many
-  constexpr double kUnseen =
-      1e-5;  // of the pixels: a thirtieth of what is harmless; so few more are no fault
-  // `grain`: what is counted one by one scatters by the root of its number at least.
+  // At least so much of the median: a spread of few frames may be too small by chance. Chosen.
+  constexpr double kMedianPart = 0.25;
+  // Share of flipped highest bits that does no harm, one pixel in 3000. With other bits, of which
+  // most are no outliers, it is eight times as many.
+  constexpr double kHarmless = 3e-4;
+  // Of the pixels: a thirtieth of what is harmless. So few more are no fault.
+  constexpr double kUnseen = 1e-5;
+  // Tiles and lines that glints come and go by. Chosen; larger misses short broken parts.
+  constexpr double kTilesUnseen = 2.0;
+  constexpr double kLinesUnseen = 0.5;
+  // `grain`: what is counted one by one scatters by the root of its number at least (Poisson).
   const auto traces =
       [&](double value, double Entry::*field, double grain, double floor, double harmless) {
         const Typical t = typical(frames, field);
         const double spread = std::max(t.spread, std::sqrt(grain * std::max(t.median, grain)));
-        const double limit = t.median + std::max(kSigmas * spread, 0.25 * t.median) + floor;
+        const double limit = t.median + std::max(kSigmas * spread, kMedianPart * t.median) + floor;
         return Finding{.found = value > limit,
                        .grave = value > limit + harmless,
                        .measure = value,
                        .limit = limit};
       };
-  const Finding tiles = traces(now.rough_tiles, &Entry::rough_tiles, 0.0, 2.0, 0.0);
-  const Finding lines = traces(now.lines, &Entry::lines, 0.0, 0.5, 0.0);
+  const Finding tiles = traces(now.rough_tiles, &Entry::rough_tiles, 0.0, kTilesUnseen, 0.0);
+  const Finding lines = traces(now.lines, &Entry::lines, 0.0, kLinesUnseen, 0.0);
   if (tiles.found || lines.found) {
     return lines.found ? lines : tiles;
   }
@@ -133,20 +151,23 @@ Finding find_bit_errors(const BitErrorTraces& now, const History& frames) {
       now.impulse_fraction, &Entry::impulse_fraction, 1.0 / now.pixels, kUnseen, kHarmless);
 }
 
-/// Three fifths of the sharpness of the frames before: the finest blobs are gone, the others
-/// displaced along the motion. Sharp pictures have 0.5 to 1; 0.25 is left where no fine texture is.
+/// Far less sharp than the frames before: the finest blobs are gone, the others displaced along the
+/// motion.
 Finding find_blurred(const ImageLevels& now, const History& frames) {
   if (frames.size() < kFramesMin) {
     return {};
   }
-  const double limit = 0.6 * typical(frames, &Entry::sharpness).median;
+  // Sharp images have 0.5 to 1; without fine texture 0.25 is left. Chosen between; larger degrades
+  // frames of changing texture, smaller misses blur.
+  constexpr double kPart = 0.6;
+  const double limit = kPart * typical(frames, &Entry::sharpness).median;
   return {.found = now.sharpness < limit, .grave = false, .measure = now.sharpness, .limit = limit};
 }
 
-/// Rows that repeat with each frame are the scene's, and the frame is whole; other faults that
-/// insist leave a picture that shows something, to be used with care.
-FrameDecision decide(FrameFault fault, const Finding& finding, bool insists, bool nothing_to_see) {
-  const bool usual = insists && !nothing_to_see && fault != FrameFault::kFrozen;
+/// When rows repeat in each frame, that is the scene, and the frame is whole. Other faults that
+/// persist leave an image that shows something: a degraded frame, pose only.
+FrameDecision decide(FrameFault fault, const Finding& finding, bool persists, bool nothing_to_see) {
+  const bool usual = persists && !nothing_to_see && fault != FrameFault::kFrozen;
   if (finding.grave && !usual) {
     return FrameDecision::kSkip;
   }
@@ -172,8 +193,8 @@ void remember(const ImageQuality& q, History* frames) {
 FrameVerdict judge_quality(const ImageQuality& quality,
                            const ImageOptions& options,
                            QualityHistory* history) {
-  // In the order of precedence among what is equally bad: a frozen dark frame is frozen, a torn
-  // bright one is torn, and one that is at full scale all over is flat because it is saturated.
+  // In order of precedence (record 0002): a frozen dark frame is frozen, a torn bright one is torn,
+  // and one that is at full scale all over is saturated, not flat.
   const std::array<std::pair<FrameFault, Finding>, kFrameFaults - 1> findings{
       {{FrameFault::kFrozen, find_frozen(quality.rows)},
        {FrameFault::kDark, find_dark(quality.levels, history->frames, options)},
@@ -187,15 +208,15 @@ FrameVerdict judge_quality(const ImageQuality& quality,
       quality.levels.bright_level - quality.levels.dim_level < options.dark_level;
   FrameVerdict verdict;
   for (const auto& [fault, finding] : findings) {
-    int& insistence = history->insistence[static_cast<std::size_t>(fault)];
-    const bool insists = insistence >= kInsistent;
-    insistence = std::clamp(insistence + (finding.found ? 1 : -1), 0, kInsistenceMax);
+    int& persistence = history->persistence[static_cast<std::size_t>(fault)];
+    const bool persists = persistence >= kPersistent;
+    persistence = std::clamp(persistence + (finding.found ? 1 : -1), 0, kPersistenceMax);
     if (!finding.found) {
       continue;
     }
     verdict.faults =
         static_cast<std::uint16_t>(verdict.faults | 1U << static_cast<unsigned>(fault));
-    const FrameDecision decision = decide(fault, finding, insists, nothing_to_see);
+    const FrameDecision decision = decide(fault, finding, persists, nothing_to_see);
     if (decision > verdict.decision) {
       verdict.decision = decision;
       verdict.fault = fault;
@@ -214,7 +235,7 @@ void clear(QualityHistory* history) {
   history->roughness_good.release();
   history->row_levels_good.release();
   history->frames.clear();
-  history->insistence.fill(0);
+  history->persistence.fill(0);
 }
 
 FrameVerdict assess(const cv::Mat& gray, const ImageOptions& options, QualityHistory* history) {
@@ -229,7 +250,7 @@ FrameVerdict assess(const cv::Mat& gray, const ImageOptions& options, QualityHis
                history->roughness_good,
                cv::Mat(),
                cv::Point(-1, -1),
-               2);  // as far as a tile's content moves from one frame to the next
+               2);  // 5 x 5 tiles: what is in a tile moves up to 32 px to the next frame
   }
   return verdict;
 }

@@ -11,7 +11,8 @@ namespace {
 
 using Histogram = std::array<int, 256>;
 
-/// Neighbouring pixels are often alike: four tables keep their increments apart.
+/// Neighbouring pixels are often alike: with four tables their increments do not wait for each
+/// other.
 Histogram histogram(const cv::Mat& gray, int row_step) {
   std::array<Histogram, 4> part{};
   for (int row = 0; row < gray.rows; row += row_step) {
@@ -33,10 +34,10 @@ Histogram histogram(const cv::Mat& gray, int row_step) {
   return part[0];
 }
 
-/// Blur takes from the change over one pixel more than from that over four.
+/// Mean change over one pixel by that over four: blur lowers the first more than the second.
 double sharpness(const cv::Mat& gray, int lit_level) {
-  constexpr int kRowStep = 8;
-  constexpr int kFar_px = 4;
+  constexpr int kRowStep = 8;  // with every second column a sixteenth of the pixels
+  constexpr int kFar_px = 4;   // over a blur of two or three pixels. Chosen
   std::int64_t near = 0;
   std::int64_t far = 0;
   for (int row = kRowStep / 2; row < gray.rows; row += kRowStep) {
@@ -55,12 +56,12 @@ double sharpness(const cv::Mat& gray, int lit_level) {
 
 ImageLevels measure_levels(const cv::Mat& gray, const ImageOptions& options) {
   POLHODE_ASSERT(gray.type() == CV_8UC1 && gray.total() > 0, gray.type());
-  // One pixel in a thousand: a target of 1 % of the picture is ten times that, hot pixels and stars
+  // One pixel in a thousand: a target of 1 % of the image is ten times that; hot pixels and stars
   // are fewer.
   constexpr double kBrightFraction = 1e-3;
-  // In a large picture the smallest target that can be followed is less than that: 20 x 20 px.
+  // In a large image the smallest target that can be tracked is less than that: 20 x 20 px.
   constexpr double kBright_px = 400.0;
-  // As many pixels tell as much of a larger picture.
+  // So many pixels are enough: a thousandth of them scatters by 4.5 %.
   constexpr double kEnough_px = 5e5;
   const int row_step =
       std::max(1, static_cast<int>(std::lround(static_cast<double>(gray.total()) / kEnough_px)));
@@ -74,7 +75,7 @@ ImageLevels measure_levels(const cv::Mat& gray, const ImageOptions& options) {
   const double bright = std::min(kBrightFraction * total, kBright_px / row_step);
   ImageLevels levels;
   levels.mean_level = sum / total / 255.0;
-  levels.dim_level = 1.0;  // of a picture that is all at full scale
+  levels.dim_level = 1.0;  // of an image that is all at full scale
   int above = 0;
   int lit = 0;
   int saturated = 0;

@@ -1,12 +1,14 @@
 #pragma once
 
-// One line an option:
+// One line per option: tests/structure/test_parameters.py reads these lines.
 // clang-format off
 namespace polhode {
 
 struct ImageOptions {
-  double dark_level = 0.02;        ///< a frame is dark unless 0.1 % of its pixels, or 400 of them, lie over this fraction of full scale, 0 .. 0.5
-  double saturated_level = 0.98;   ///< pixels at or over this fraction of full scale are saturated, 0.5 .. 1
+  // 5 of 255 gray levels. Chosen; larger takes dim frames for dark ones.
+  double dark_level = 0.02;        ///< a frame is dark unless 0.1 % of its pixels, or 400, reach this fraction of full scale, 0 .. 0.5
+  // 250 of 255 gray levels. Chosen: leaves five levels for noise about full scale.
+  double saturated_level = 0.98;   ///< pixels at or above this fraction of full scale are saturated, 0.5 .. 1
 };
 
 }  // namespace polhode

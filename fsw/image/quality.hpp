@@ -1,4 +1,4 @@
-// What can be wrong with a frame, measured, and what follows from it: use, use with care, or skip.
+// Measures what can be wrong with a frame. The verdict: use; degraded frame, pose only; or skip.
 #pragma once
 
 #include <array>
@@ -11,33 +11,32 @@
 
 namespace polhode {
 
-/// Of one picture alone.
+/// Of one image alone.
 struct ImageLevels {
-  double bright_level =
-      0.0;  ///< level that 0.1 % of the pixels, or 400 of them, reach, fraction of full scale
-  double dim_level = 0.0;   ///< level that 99.9 % of the pixels exceed, fraction of full scale
-  double mean_level = 0.0;  ///< fraction of full scale
+  double bright_level = 0.0;  ///< reached by 0.1 % of the pixels or 400, fraction of full scale
+  double dim_level = 0.0;     ///< level that 99.9 % of the pixels exceed, fraction of full scale
+  double mean_level = 0.0;    ///< fraction of full scale
   double saturated_fraction = 0.0;  ///< pixels at or over the saturated level
   double lit_fraction = 0.0;        ///< pixels over the dark level
-  double sharpness =
-      0.0;  ///< mean change over 1 px by mean change over 4 px, lit pixels; 0: none, 1: white noise
-  bool dark = false;  ///< nothing to see
+  double sharpness = 0.0;  ///< mean change over 1 px by that over 4 px, of lit pixels; 0: no
+                           ///< contrast, 1: white noise
+  bool dark = false;       ///< nothing to see
 };
 
-/// Traces of bit errors, of one picture alone. Scenes have some of the first two kinds.
+/// Traces of bit errors, of one image alone. Scenes have some of the first two kinds.
 struct BitErrorTraces {
-  double pixels = 0.0;            ///< of the picture
-  double impulse_fraction = 0.0;  ///< pixels that stand out from eight neighbours that agree, by
-                                  ///< more than any but the highest bit
+  double pixels = 0.0;            ///< of the image
+  double impulse_fraction = 0.0;  ///< outlier pixels: they differ from eight neighbours that agree
+                                  ///< by more than any but the highest bit
   int rough_tiles = 0;  ///< tiles of 16 x 16 px that change from pixel to pixel like random octets,
-                        ///< where the last good picture had nothing like it nearby
+                        ///< where the last good frame had nothing like it nearby
   int lines = 0;        ///< rows that differ from both neighbours, which agree
 };
 
-/// Rows that are the previous frame's, octet for octet. A row with fewer than 32 pixels that differ
-/// from its first tells nothing and is not counted, unless an eighth of the picture, and not all of
-/// it, has become such rows since the last good one: so the rest of a white or a black frame is
-/// known in the one after it.
+/// Rows that are the previous frame's, octet for octet. A row in which fewer than 32 pixels differ
+/// from the first is blank and not counted. Blank rows count as repeated where they had another
+/// level in the last good frame, if an eighth of the image is like that and not all of it. So the
+/// rest of a white or a black frame is recognised in the next one.
 struct RepeatedRows {
   int repeated = 0;
   int fresh = 0;
@@ -53,6 +52,8 @@ struct ImageQuality {
 
 /// What a frame is compared with. Owned by the caller; memory is taken with the first frame.
 struct QualityHistory {
+  // Record 0001. Chosen: medians are right with up to seven untypical frames. Larger follows
+  // changes of light later, smaller has less certain spreads.
   static constexpr std::size_t kFrames = 15;
   /// Numbers of a good frame.
   struct Entry {
@@ -66,21 +67,20 @@ struct QualityHistory {
     double lines = 0.0;
   };
   cv::Mat previous;        ///< as delivered, good or bad
-  cv::Mat roughness;       ///< CV_8UC1 by tile, of this picture: mean change from pixel to pixel
-  cv::Mat roughness_good;  ///< of the last good picture, the largest of 5 x 5 tiles; empty before
+  cv::Mat roughness;       ///< CV_8UC1 by tile, of this image: mean change from pixel to pixel
+  cv::Mat roughness_good;  ///< of the last good frame, the largest of 5 x 5 tiles; empty before
   cv::Mat
-      row_levels_good;  ///< CV_8UC1, a row each: mean level in the last good picture; empty before
+      row_levels_good;  ///< CV_8UC1, a row each: mean level in the last good frame; empty before
   FixedVector<Entry, kFrames> frames;  ///< the last good ones, oldest first
   /// Per fault: up by one with each frame that shows it, down by one with each that does not.
-  std::array<int, kFrameFaults> insistence{};
+  std::array<int, kFrameFaults> persistence{};
 };
 
-/// One pass over every row, of pictures over half a million pixels over as many rows as hold so
-/// many.
+/// One pass over the image. Over half a million pixels, only over as many rows as hold so many.
 ImageLevels measure_levels(const cv::Mat& gray, const ImageOptions& options);
 
-/// Two passes over the picture.
-/// @param history gives the last good picture's roughness, if any, and takes this one's.
+/// Two passes over the image.
+/// @param history gives the last good frame's roughness, if any, and takes this one's.
 BitErrorTraces find_bit_errors(const cv::Mat& gray, QualityHistory* history);
 
 /// @param history its previous frame is none, or of the same size.
@@ -88,16 +88,15 @@ RepeatedRows compare_rows(const cv::Mat& gray,
                           const ImageOptions& options,
                           const QualityHistory& history);
 
-/// Of a good picture: what compare_rows knows blank rows by.
+/// Stores a good frame's row levels, by which compare_rows recognises blank rows.
 void remember_rows(const cv::Mat& gray, QualityHistory* history);
 
 /// As if no frame had been seen.
 void clear(QualityHistory* history);
 
-/// The verdict on a frame, by what it is and by what the last good frames were. What insists (a
-/// fault seen in most of the last frames) is the scene or the camera, not an accident: such a frame
-/// is used with care and becomes part of the history. Only darkness, flatness and frozen pictures
-/// are never used.
+/// The verdict on a frame, by itself and by the last good frames. A fault that persists (seen in
+/// most of the last frames) is a property of the scene or the camera. Such a frame is a degraded
+/// frame, pose only, and becomes part of the history. Dark, flat and frozen frames are never used.
 FrameVerdict judge_quality(const ImageQuality& quality,
                            const ImageOptions& options,
                            QualityHistory* history);

@@ -7,9 +7,10 @@
 namespace polhode {
 namespace {
 
-/// Has the row something by which it could be recognised? 32 pixels that differ from its first
-/// come again by chance, with noise of a level or more, less than once in 10^10.
-bool telling(const std::uint8_t* row, int columns) {
+/// Can the row be recognised?
+bool recognisable(const std::uint8_t* row, int columns) {
+  // So many that differ from the first are repeated by chance less than once in 10^10, with noise
+  // of a level or more.
   constexpr int kPixelsMin = 32;
   int different = 0;
   for (int column = 1; column < columns && different < kPixelsMin; ++column) {
@@ -18,9 +19,9 @@ bool telling(const std::uint8_t* row, int columns) {
   return different >= kPixelsMin;
 }
 
-/// Mean of each sixteenth pixel.
+/// Mean level of a row.
 int mean_level(const std::uint8_t* row, int columns) {
-  constexpr int kStep = 16;
+  constexpr int kStep = 16;  // 40 pixels in a row of 640: enough for a blank row
   int sum = 0;
   int count = 0;
   for (int column = 0; column < columns; column += kStep) {
@@ -30,7 +31,7 @@ int mean_level(const std::uint8_t* row, int columns) {
   return count > 0 ? sum / count : 0;
 }
 
-/// Rows in the order of the picture.
+/// Counts rows in their order in the image.
 struct Runs {
   RepeatedRows rows;
   int last = -1;
@@ -54,15 +55,15 @@ RepeatedRows compare_rows(const cv::Mat& gray,
   }
   POLHODE_ASSERT(previous.size() == gray.size(), previous.total());
   const int apart = static_cast<int>(options.dark_level * 255.0);
-  Runs telling_rows;
+  Runs recognisable_rows;
   Runs with_blank;
   int blank = 0;
   for (int row = 0; row < gray.rows; ++row) {
     const std::uint8_t* now = gray.ptr<std::uint8_t>(row);
     const bool same =
         std::memcmp(now, previous.ptr<std::uint8_t>(row), static_cast<std::size_t>(gray.cols)) == 0;
-    if (!same || telling(now, gray.cols)) {
-      telling_rows.add(same);
+    if (!same || recognisable(now, gray.cols)) {
+      recognisable_rows.add(same);
       with_blank.add(same);
     } else if (!history.row_levels_good.empty() &&
                std::abs(mean_level(now, gray.cols) -
@@ -71,11 +72,11 @@ RepeatedRows compare_rows(const cv::Mat& gray,
       with_blank.add(true);
     }
   }
-  // A body's edge moves over fewer rows from the last good picture to this one; a frame that is
-  // blank all over need not be a repeated one.
+  // An eighth of the image (record 0002): the edge of a body moves over fewer rows since the last
+  // good frame. A frame that is blank all over need not be a repeated one.
   constexpr int kBlankPart = 8;
   const bool torn_off = kBlankPart * blank >= gray.rows && with_blank.rows.fresh > 0;
-  return torn_off ? with_blank.rows : telling_rows.rows;
+  return torn_off ? with_blank.rows : recognisable_rows.rows;
 }
 
 void remember_rows(const cv::Mat& gray, QualityHistory* history) {

@@ -1,4 +1,4 @@
-// The verdict on a frame's picture, as plain data for whoever publishes it.
+// The verdict on a frame, as plain data for whoever publishes it.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace polhode {
 
-/// What is wrong with a picture.
+/// What is wrong with a frame.
 enum class FrameFault : std::uint8_t {
   kNone,
   kDark,       ///< nothing bright, or far darker than the frames before
@@ -14,12 +14,12 @@ enum class FrameFault : std::uint8_t {
   kSaturated,  ///< far more of what is lit is saturated than in the frames before
   kFrozen,     ///< the previous frame once more
   kTorn,       ///< part of it is the previous frame's
-  kBitErrors,  ///< single pixels, lines or blocks that are not of this picture
+  kBitErrors,  ///< single pixels, lines or blocks that are not of this image
   kBlurred,    ///< far less sharp than the frames before
 };
-inline constexpr std::size_t kFrameFaults = 8;
+inline constexpr std::size_t kFrameFaults = 8;  // as many as the enumeration has
 
-/// What is done with it: a frame used with care gives a pose and teaches the map nothing.
+/// What is done with it. kCare: a degraded frame, pose only; nothing of it enters the map.
 enum class FrameDecision : std::uint8_t { kUse, kCare, kSkip };
 
 struct FrameVerdict {

@@ -7,6 +7,18 @@
 
 namespace polhode {
 
+namespace {
+
+// Points farther from the origin, in RMS extents of the body, are wrong tracks. Chosen.
+constexpr double kReachMax = 4.0;
+// Twice the four coefficients of the fit.
+constexpr int kPointsMin = 8;
+// A thousandth of the extent, squared: depths are never known better. It bounds the cue on an exact
+// plane, whose residuals vanish.
+constexpr double kVarianceMin = 1e-6;
+
+}  // namespace
+
 double convexity_cue(std::span<const StartSighting> sightings,
                      int frame,
                      const StartGeometryView& geometry) {
@@ -20,7 +32,8 @@ double convexity_cue(std::span<const StartSighting> sightings,
   int count = 0;
   for (const StartSighting& s : sightings) {
     const auto track = static_cast<std::size_t>(s.track);
-    if (s.frame != frame || geometry.known[track] == 0 || geometry.points_T[track].norm() > 4.0) {
+    if (s.frame != frame || geometry.known[track] == 0 ||
+        geometry.points_T[track].norm() > kReachMax) {
       continue;
     }
     const Eigen::Vector3d q = pose.R_CT * geometry.points_T[track];
@@ -30,13 +43,11 @@ double convexity_cue(std::span<const StartSighting> sightings,
     zz += q.z() * q.z();
     ++count;
   }
-  if (count < 8) {
+  if (count < kPointsMin) {
     return 0.0;
   }
   const Eigen::Vector4d fit = H.ldlt().solve(g);
-  // An exact plane has no curvature to speak of: depths are never known better than a thousandth of
-  // the extent.
-  const double variance = std::max(1e-6, (zz - fit.dot(g)) / (count - 4));
+  const double variance = std::max(kVarianceMin, (zz - fit.dot(g)) / (count - 4));
   return fit(3) / std::sqrt(variance * H.inverse()(3, 3));
 }
 

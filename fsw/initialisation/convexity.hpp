@@ -1,4 +1,4 @@
-// Which side of a body is near: only the near side of an opaque one is seen.
+// Convexity cue: of an opaque body only the near side is seen, and most bodies bulge there.
 #pragma once
 
 #include <span>
@@ -7,9 +7,9 @@
 
 namespace polhode {
 
-/// Curvature of the visible side in `frame`: the r^2 term of a quadratic depth fit over its
-/// 1-sigma. Convex opaque bodies give a positive sign, their depth-reversed twins a negative one;
-/// dishes and broken boxes fool it.
+/// Curvature of the visible side in `frame`: the r^2 term of a quadratic fit of depth, over its
+/// 1-sigma. Positive for convex opaque bodies, negative for their depth-reversed solutions. Dishes
+/// and broken boxes give the wrong sign.
 double convexity_cue(std::span<const StartSighting> sightings,
                      int frame,
                      const StartGeometryView& geometry);

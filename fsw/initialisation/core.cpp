@@ -8,19 +8,25 @@
 namespace polhode {
 namespace {
 
-// An affine shape has 8 unknowns a frame and 3 a track: 12 tracks leave a third of the equations as
-// a check.
+// An affine shape has 8 unknowns a frame and 3 a track, less 12 of the gauge. In three frames 12
+// tracks leave a third of the equations as a check.
 constexpr int kCommonMin = 12;
-// Frames with fewer tracks say nothing about a body of which we know nothing.
+// Frames with fewer tracks are skipped. Chosen; larger drops frames that connect others, smaller
+// keeps frames that end every run through them.
 constexpr int kFrameTracksMin = 8;
-// Past this many common tracks a longer run of frames is worth more than more tracks.
+// The share of the median that a frame needs: one over this. Chosen; a frame that lost most of its
+// tracks would end every run through it.
+constexpr int kMedianPart = 3;
+// Beyond this number of common tracks only a longer run of frames raises the score. Chosen.
 constexpr double kCommonEnough = 60.0;
-// Tracks of the first core; the second one and the frames' quotas share the rest of kContestTracks.
-constexpr std::size_t kFirstCoreTracks = 80;
-// Tracks that each frame should have in the contest, when it has them.
+// Tracks that each frame should have in the selection, where it has as many. Chosen: half again as
+// many as kFrameTracksEnough.
 constexpr int kFrameQuota = 60;
-// With fewer a frame hardly speaks for one hypothesis or its twin.
+// With 40 all runs of docs/decisions/0030 begin well; with 30 some begin wrongly, with 60 one late.
 constexpr int kFrameTracksEnough = 40;
+// A frame short of its quota outweighs all other frames together.
+constexpr int kShortFrameGain = 100;
+static_assert(kShortFrameGain > static_cast<int>(limits::kStartFrames));
 
 using FrameMask = std::uint32_t;
 static_assert(limits::kStartFrames <= 32);
@@ -47,7 +53,7 @@ void count_frames(const StartTrack& track, FrameCounts* counts) {
   }
 }
 
-/// Tracks in each frame that another frame sees too.
+/// Number of tracks in each frame that another frame observes too.
 FrameCounts count_offered(const StartProblem& problem) {
   FrameCounts counts{};
   for (const StartTrack& track : problem.tracks) {
@@ -58,8 +64,7 @@ FrameCounts count_offered(const StartProblem& problem) {
   return counts;
 }
 
-/// Frames with tracks enough, in order. A frame that lost most of its tracks would break every run
-/// through it.
+/// Frames with enough tracks, in order.
 FixedVector<int, limits::kStartFrames> live_frames(const StartProblem& problem) {
   const FrameCounts counts = count_offered(problem);
   FrameCounts sorted = counts;
@@ -68,7 +73,7 @@ FixedVector<int, limits::kStartFrames> live_frames(const StartProblem& problem) 
   const int median = sorted[problem.times_s.size() / 2];
   FixedVector<int, limits::kStartFrames> live;
   for (std::size_t f = 0; f < problem.times_s.size(); ++f) {
-    if (counts[f] >= std::max(kFrameTracksMin, median / 3)) {
+    if (counts[f] >= std::max(kFrameTracksMin, median / kMedianPart)) {
       (void)live.push_back(static_cast<int>(f));
     }
   }
@@ -87,7 +92,8 @@ double long_score(std::size_t frames, int common) {
   return static_cast<double>(frames - 1) * std::sqrt(std::min<double>(common, kCommonEnough));
 }
 
-/// On a many-sided body that turns fast, what all of a long run sees is one flat side.
+/// On a body with many sides that rotates fast, all frames of a long run observe one flat side
+/// only. So tracks count more here.
 double crowded_score(std::size_t frames, int common) {
   return std::sqrt(static_cast<double>(frames - 1)) * std::min<double>(common, kCoreTracks);
 }
@@ -128,13 +134,13 @@ const StartObservation* find_frame(const StartTrack& track, int frame) {
 
 using Distances = FixedVector<double, limits::kStartTracks>;
 
-/// Takes the track that lies farthest from those taken, among those that `eligible` allows.
+/// Takes the eligible track that lies farthest from those taken.
 template <typename Eligible>
 bool take_farthest(const StartProblem& problem,
                    int frame,
                    const Eligible& eligible,
                    Distances* distance2,
-                   StartContestSet* set) {
+                   SelectionSet* set) {
   double farthest = -1.0;
   std::size_t chosen = 0;
   for (std::size_t i = 0; i < problem.tracks.size(); ++i) {
@@ -159,7 +165,7 @@ bool take_farthest(const StartProblem& problem,
 }
 
 /// Tracks outside the core, so that every frame has its quota.
-void add_frame_quotas(const StartProblem& problem, StartContestSet* set) {
+void add_frame_quotas(const StartProblem& problem, SelectionSet* set) {
   FrameCounts counts{};
   FixedVector<std::uint8_t, limits::kStartTracks> taken;
   taken.resize(problem.tracks.size());
@@ -169,8 +175,8 @@ void add_frame_quotas(const StartProblem& problem, StartContestSet* set) {
   };
   std::for_each(set->tracks.begin(), set->tracks.end(), count);
   for (std::size_t n = set->tracks.size(); n < kContestTracks; ++n) {
-    // The track that helps most frames short of their quota; the longer one, then the first, where
-    // several do.
+    // The track that is in most frames short of their quota. Among equals the longest, then the
+    // first.
     int best_gain = 0;
     int best_track = -1;
     for (std::size_t i = 0; i < problem.tracks.size(); ++i) {
@@ -180,9 +186,9 @@ void add_frame_quotas(const StartProblem& problem, StartContestSet* set) {
       }
       int gain = 0;
       for (const StartObservation& o : track.observations) {
-        gain += counts[static_cast<std::size_t>(o.frame)] < kFrameQuota ? 100 : 1;
+        gain += counts[static_cast<std::size_t>(o.frame)] < kFrameQuota ? kShortFrameGain : 1;
       }
-      if (gain >= 100 && gain > best_gain) {
+      if (gain >= kShortFrameGain && gain > best_gain) {
         best_gain = gain;
         best_track = static_cast<int>(i);
       }
@@ -195,7 +201,7 @@ void add_frame_quotas(const StartProblem& problem, StartContestSet* set) {
   }
 }
 
-void list_sightings(const StartProblem& problem, StartContestSet* set) {
+void list_sightings(const StartProblem& problem, SelectionSet* set) {
   set->sightings.clear();
   for (std::size_t k = 0; k < set->tracks.size(); ++k) {
     for (const StartObservation& o :
@@ -221,17 +227,18 @@ FrameMask choose_frames(const Run& run, StartCore* core) {
   return mask;
 }
 
-/// Tracks that see all of the core's frames: those in the contest already, then more, spread over
+/// Tracks observed in all of the core's frames: those in the set already, then more, spread over
 /// the middle frame.
 void choose_tracks(const StartProblem& problem,
                    FrameMask mask,
                    std::size_t tracks_max,
-                   StartContestSet* set,
+                   SelectionSet* set,
                    StartCore* core) {
   const auto sees_all = [&](std::size_t i) { return (mask_of(problem.tracks[i]) & mask) == mask; };
   Distances distance2;
   distance2.resize(problem.tracks.size());
-  std::fill(distance2.begin(), distance2.end(), 1e300);
+  constexpr double kFar2 = 1e300;  // beyond every distance: no track is taken yet
+  std::fill(distance2.begin(), distance2.end(), kFar2);
   for (const int taken : set->tracks) {
     distance2[static_cast<std::size_t>(taken)] = -1.0;
   }
@@ -250,7 +257,7 @@ void choose_tracks(const StartProblem& problem,
 
 }  // namespace
 
-bool select_contest_set(const StartProblem& problem, StartContestSet* set) {
+bool choose_selection_set(const StartProblem& problem, SelectionSet* set) {
   POLHODE_ASSERT(problem.times_s.size() <= limits::kStartFrames, problem.times_s.size());
   POLHODE_ASSERT(problem.tracks.size() <= limits::kStartTracks, problem.tracks.size());
   set->tracks.clear();
@@ -266,7 +273,7 @@ bool select_contest_set(const StartProblem& problem, StartContestSet* set) {
     }
     StartCore core;
     const FrameMask mask = choose_frames(*run, &core);
-    choose_tracks(problem, mask, std::min(kCoreTracks, kFirstCoreTracks), set, &core);
+    choose_tracks(problem, mask, kCoreTracks, set, &core);
     (void)set->cores.push_back(core);
   }
   add_frame_quotas(problem, set);
@@ -274,7 +281,7 @@ bool select_contest_set(const StartProblem& problem, StartContestSet* set) {
   return true;
 }
 
-bool is_crowded(const StartProblem& problem, const StartContestSet& set) {
+bool is_crowded(const StartProblem& problem, const SelectionSet& set) {
   if (!set.tracks.full()) {
     return false;
   }

@@ -5,13 +5,13 @@
 
 namespace polhode {
 
-/// Chooses the cores (runs of frames with many tracks in common) and the contest's tracks, spread
-/// over the image.
+/// Chooses the cores, runs of frames with many tracks in common, and the tracks of the selection,
+/// spread over the image.
 /// @return false when no three frames have enough tracks in common.
-bool select_contest_set(const StartProblem& problem, StartContestSet* set);
+bool choose_selection_set(const StartProblem& problem, SelectionSet* set);
 
-/// Is the set full, and has a frame fewer tracks in it than speak for one hypothesis or its twin,
-/// and than it could have?
-bool is_crowded(const StartProblem& problem, const StartContestSet& set);
+/// Is the set full while a frame has too few tracks in it, although it has enough of them? Then
+/// fewer frames would decide more.
+bool is_crowded(const StartProblem& problem, const SelectionSet& set);
 
 }  // namespace polhode

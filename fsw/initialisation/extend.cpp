@@ -13,11 +13,20 @@ namespace {
 
 using FrameSightings = FixedVector<StartSighting, kContestTracks>;
 
-constexpr int kPointsMin = 6;  // a pose has six unknowns: three points would do without noise
-// A start pose may be off by a whole frame's turn: tens of pixels; the second pass rejects what
-// does not fit.
+// Twice the three points that a pose needs without noise.
+constexpr int kPointsMin = 6;
+// Widths of the Cauchy loss. An initial pose may be off by a frame's rotation, tens of pixels; the
+// second pass rejects outliers at the noise.
 constexpr double kWideSigma = 30.0;
 constexpr double kNarrowSigma = 3.0;
+// Damped steps of each pass. Chosen: enough for a good start, and a bound for a bad one.
+constexpr int kPoseIterations = 10;
+// Steps of the last interval over which the depth is continued at most. Chosen: a ratio of noisy
+// depths grows as a power.
+constexpr double kDepthStepsMax = 2.0;
+// In RMS extents: a point farther away is not of the body. Chosen; wider than the cue's kReachMax,
+// as the adjustment may still bring it back.
+constexpr double kReachMax = 5.0;
 
 /// (u, v) for a given attitude and inverse depth: the median over the points.
 void place(const FrameSightings& seen, const StartHypothesis& h, InverseDepthPose* pose) {
@@ -32,7 +41,7 @@ void place(const FrameSightings& seen, const StartHypothesis& h, InverseDepthPos
   }
 }
 
-/// Nearest posed frames: before, after, or both on one side; -1 where there is none.
+/// The two nearest posed frames, on either side or both on one; -1 where there is none.
 std::array<int, 2> neighbours(const StartHypothesis& h, int frame) {
   FixedVector<int, limits::kStartFrames> posed;
   for (int f = 0; f < static_cast<int>(h.frames); ++f) {
@@ -53,14 +62,14 @@ InverseDepthPose continued(const InverseDepthPose& near,
                            double fraction) {
   InverseDepthPose pose = near;
   pose.R_CT = so3_exp(fraction * so3_log(near.R_CT * far.R_CT.transpose())) * near.R_CT;
-  pose.uvs.z() =
-      near.uvs.z() * std::pow(near.uvs.z() / far.uvs.z(), std::clamp(fraction, -2.0, 2.0));
+  pose.uvs.z() = near.uvs.z() * std::pow(near.uvs.z() / far.uvs.z(),
+                                         std::clamp(fraction, -kDepthStepsMax, kDepthStepsMax));
   return pose;
 }
 
 double refine(const FrameSightings& seen, StartHypothesis* h, InverseDepthPose* pose) {
   StartAdjustmentOptions options{
-      .iterations_max = 10, .loss = StartLoss::kCauchy, .width_sigma = kWideSigma};
+      .iterations_max = kPoseIterations, .loss = StartLoss::kCauchy, .width_sigma = kWideSigma};
   if (adjust_single_pose(seen.view(), h->view(), options, pose) < 0.0) {
     return -1.0;
   }
@@ -93,7 +102,8 @@ bool pose_frame(std::span<const StartSighting> sightings,
     const double fraction = (time(frame) - time(near)) / (time(near) - time(far));
     (void)starts.push_back(continued(near_pose, h.poses[static_cast<std::size_t>(far)], fraction));
   }
-  double best = 1e300;
+  constexpr double kNoCost = 1e300;  // above every cost
+  double best = kNoCost;
   InverseDepthPose best_pose;
   for (InverseDepthPose& start : starts) {
     place(seen, h, &start);
@@ -103,7 +113,7 @@ bool pose_frame(std::span<const StartSighting> sightings,
       best_pose = start;
     }
   }
-  if (best == 1e300) {
+  if (best == kNoCost) {
     return false;
   }
   h.poses[static_cast<std::size_t>(frame)] = best_pose;
@@ -130,8 +140,7 @@ void add_points(std::span<const StartSighting> sightings, StartHypothesis* hypot
       continue;
     }
     const Result<TriangulatedPoint> point = triangulate(seen.view());
-    // Beyond a few extents it is no point of the body.
-    if (point.ok() && point.value().p_T.norm() < 5.0) {
+    if (point.ok() && point.value().p_T.norm() < kReachMax) {
       h.points_T[track] = point.value().p_T;
       h.known[track] = 1;
     }
@@ -147,8 +156,8 @@ bool extend(std::span<const StartSighting> sightings,
   add_points(sightings, &h);
   for (int round = 0; round < rounds; ++round) {
     const std::array<std::uint8_t, limits::kStartFrames> posed = h.posed;
-    // The nearest unposed frame with data on either side of each posed one: gaps without data are
-    // stepped over.
+    // On either side of each posed frame the nearest unposed one that can be posed. Frames without
+    // data are skipped.
     for (int direction : {1, -1}) {
       const int frames = static_cast<int>(h.frames);
       bool open = false;

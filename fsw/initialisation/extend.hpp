@@ -1,4 +1,4 @@
-// Growing a hypothesis: poses of further frames and points of further tracks.
+// Extends a hypothesis to further frames and tracks.
 #pragma once
 
 #include <span>
@@ -7,10 +7,10 @@
 
 namespace polhode {
 
-/// Pose of one more frame from the points known so far; starts from its neighbours' poses and from
-/// their constant-rate continuation, keeps the best.
-/// @return false, with the frame left unposed, when fewer than `points_min` points are seen or less
-/// than half fit.
+/// Pose of one more frame from the points known so far. Starts from the nearest posed frame and
+/// from the constant-rate continuation of the two nearest. Keeps the better result.
+/// @return false, with the frame left unposed, when too few points are observed or no start
+/// converges.
 bool pose_frame(std::span<const StartSighting> sightings,
                 std::span<const double> times_s,
                 int frame,
@@ -19,8 +19,8 @@ bool pose_frame(std::span<const StartSighting> sightings,
 /// Points of the tracks that are not known yet and are seen in two posed frames or more.
 void add_points(std::span<const StartSighting> sightings, StartHypothesis* hypothesis);
 
-/// Poses frames outwards from those that are posed, `rounds` to each side, adding points as it
-/// goes.
+/// Poses up to `rounds` frames on either side of those that are posed, adding points after each
+/// round.
 /// @return false when no frame was added.
 bool extend(std::span<const StartSighting> sightings,
             std::span<const double> times_s,

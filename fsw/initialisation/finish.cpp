@@ -1,4 +1,4 @@
-// From the winner of the contest to poses, points and covariances of all tracks.
+// From the winner of the selection to poses, points and covariances of all tracks.
 #include <algorithm>
 #include <cmath>
 #include <ranges>
@@ -11,9 +11,14 @@
 namespace polhode {
 namespace {
 
-/// Winner's poses into the arrays of all tracks, points triangulated; tracks beyond the
-/// adjustment's capacity are left.
-void spread_to_all_tracks(const Contest& c, StartHypothesis* winner) {
+// Chosen: the winner has settled on its own tracks, the others start from triangulation.
+constexpr int kIterations = 10;
+// Above every limit of a depth's sigma.
+constexpr double kUnknownSigma = 1e300;
+
+/// Copies the winner's poses and triangulates all tracks. Tracks beyond the adjustment's capacity
+/// are skipped.
+void spread_to_all_tracks(const Selection& c, StartHypothesis* winner) {
   StartWorkspace& w = c.w;
   w.sightings.clear();
   std::copy(winner->poses.begin(), winner->poses.end(), w.poses.begin());
@@ -25,7 +30,7 @@ void spread_to_all_tracks(const Contest& c, StartHypothesis* winner) {
         w.sightings.size() + observations.size() > StartAdjustmentWorkspace::kSightings) {
       continue;
     }
-    // One track at a time through the hypothesis's own table: its first slot serves as the bench.
+    // One track at a time: the first slot of the hypothesis is the workspace of add_points().
     FixedVector<StartSighting, limits::kStartFrames> own;
     for (const StartObservation& o : observations) {
       StartSighting s{.frame = o.frame,
@@ -50,7 +55,7 @@ void spread_to_all_tracks(const Contest& c, StartHypothesis* winner) {
   }
 }
 
-StartGeometryView all_tracks_view(const Contest& c) {
+StartGeometryView all_tracks_view(const Selection& c) {
   const std::size_t frames = c.problem.times_s.size();
   const std::size_t tracks = c.problem.tracks.size();
   return {std::span(c.w.poses).first(frames),
@@ -59,9 +64,9 @@ StartGeometryView all_tracks_view(const Contest& c) {
           std::span(c.w.known).first(tracks)};
 }
 
-/// Points that at least two sightings, and half of them, agree on stay known.
-void drop_wrong_tracks(const Contest& c, StartOutcome* out) {
-  const double limit2 = 16.0 * c.sigma_scale * c.sigma_scale;
+/// Keeps the points that agree with at least two of their observations, and with half of them.
+void drop_wrong_tracks(const Selection& c, StartOutcome* out) {
+  const double limit2 = kTruncation_sigmas * kTruncation_sigmas * c.sigma_scale * c.sigma_scale;
   std::array<int, limits::kStartTracks> agree{};
   for (const StartSighting& s : c.w.sightings) {
     Eigen::Vector2d x;
@@ -81,9 +86,9 @@ void drop_wrong_tracks(const Contest& c, StartOutcome* out) {
   }
 }
 
-/// @param tracks  those asked, of which only known ones count.
+/// @param tracks  only known ones count.
 template <typename Tracks>
-double median_depth_sigma(const Contest& c, const Tracks& tracks) {
+double median_depth_sigma(const Selection& c, const Tracks& tracks) {
   FixedVector<double, limits::kStartTracks> sigma;
   for (const int track : tracks) {
     const auto i = static_cast<std::size_t>(track);
@@ -91,34 +96,34 @@ double median_depth_sigma(const Contest& c, const Tracks& tracks) {
       (void)sigma.push_back(std::sqrt(std::max(0.0, c.w.covariances[i](2, 2))));
     }
   }
-  return sigma.empty() ? 1e300 : median(sigma.view());
+  return sigma.empty() ? kUnknownSigma : median(sigma.view());
 }
 
 }  // namespace
 
-void adjust_all_tracks(const Contest& c, StartOutcome* out) {
+void adjust_all_tracks(const Selection& c, StartOutcome* out) {
   StartHypothesis winner = c.w.refined[0];
   spread_to_all_tracks(c, &winner);
   const StartGeometryView view = all_tracks_view(c);
   out->points.resize(c.problem.tracks.size());
   out->frames.resize(c.problem.times_s.size());
-  out->depth_sigma = out->contest_depth_sigma = 1e300;
+  out->depth_sigma = out->contest_depth_sigma = kUnknownSigma;
   drop_wrong_tracks(c, out);
-  (void)adjust_start(c.w.sightings.view(), view, contest_loss(c, 10), &c.w.adjustment);
+  (void)adjust_start(c.w.sightings.view(), view, selection_loss(c, kIterations), &c.w.adjustment);
   drop_wrong_tracks(c, out);
   if (!normalise_gauge(view)) {
     return;
   }
   const std::span covariances = std::span(c.w.covariances).first(c.problem.tracks.size());
   if (!start_point_covariances(
-          c.w.sightings.view(), view, contest_loss(c, 0), covariances, &c.w.adjustment)) {
+          c.w.sightings.view(), view, selection_loss(c, 0), covariances, &c.w.adjustment)) {
     return;
   }
   const auto all = std::views::iota(0, static_cast<int>(c.problem.tracks.size()));
   out->depth_sigma = median_depth_sigma(c, all);
-  // The contest's tracks decide on the geometry and are the longest that there are: on a body that
-  // turns them away after three or four frames most others say little of their own depth, however
-  // well the turn is known.
+  // The selection's tracks are the longest, and decide on the geometry. On a body that rotates fast
+  // most other tracks last three or four frames and know little of their own depth
+  // (docs/decisions/0031).
   out->contest_depth_sigma = median_depth_sigma(c, c.w.set.tracks);
   for (std::size_t i = 0; i < out->points.size(); ++i) {
     StartPoint& point = out->points[i];

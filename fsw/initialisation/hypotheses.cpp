@@ -17,11 +17,22 @@
 namespace polhode {
 namespace {
 
-/// The core's images, frame by frame, turned so that the tracks' mean lies on the axis: there weak
-/// perspective is best.
+// Weights of equal principal extents in the upgrade from affine to metric. With much rotation the
+// data decide alone; with little, noise fills the third axis. Chosen: none, weak and strong.
+constexpr std::array<double, 3> kIsotropies{0.0, 0.03, 0.3};
+// As many points as a hypothesis from two views must place, and as two geometries must share.
+// Chosen; fewer make a comparison by the median a matter of chance.
+constexpr std::size_t kPointsMin = 8;
+// Depths within a factor of two of their median: a body that is seen whole reaches no farther.
+constexpr double kDepthFactorMax = 2.0;
+// Rotations under a degree are compared by this: their ratio is noise.
+constexpr double kRotationMin_rad = 0.02;
+
+/// The core's images, frame by frame, rotated so that the mean of the tracks lies on the optical
+/// axis. Weak perspective is best there.
 struct CoreImages {
   std::array<std::array<Eigen::Vector2d, kCoreTracks>, kCoreFrames> x;
-  std::array<Eigen::Matrix3d, kCoreFrames> R_SC;  ///< turned from camera
+  std::array<Eigen::Matrix3d, kCoreFrames> R_SC;  ///< rotated from camera
   ImageMatrix turned;
   double sigma_normalised = 0.0;  ///< mean
 };
@@ -72,11 +83,11 @@ StartHypothesis empty_hypothesis(const SeedProblem& problem, HypothesisKind kind
   StartHypothesis h;
   h.kind = kind;
   h.frames = problem.times_s.size();
-  h.tracks = problem.contest_tracks;
+  h.tracks = problem.selection_tracks;
   return h;
 }
 
-/// From weak perspective, which leaves neither depth nor its sign: inverse depth is the image scale
+/// From weak perspective, which leaves depth and its sign open. Inverse depth is the image scale
 /// per extent.
 void push_weak_perspective(const SeedProblem& problem,
                            const CoreImages& images,
@@ -127,8 +138,7 @@ void seed_weak_perspective(const SeedProblem& problem,
     return;
   }
   if ((problem.kinds & kind_bit(HypothesisKind::kFactorisation)) != 0) {
-    // With much turn the data decide alone; with little, noise in the third axis wants a hold.
-    for (const double isotropy : {0.0, 0.03, 0.3}) {
+    for (const double isotropy : kIsotropies) {
       WeakPerspectiveMotion motion;
       if (upgrade_to_metric(subspace, isotropy, &motion)) {
         push_weak_perspective(
@@ -164,7 +174,7 @@ struct PairDepths {
       depth_a;  ///< of each core track in the pair's first frame; not positive: unknown
 };
 
-/// From two views: T is put into the middle of the points; the core's other frames follow by
+/// From two views: T's origin is in the middle of the points. The core's other frames follow by
 /// resection.
 void push_two_view(const SeedProblem& problem,
                    const CoreImages& images,
@@ -181,7 +191,7 @@ void push_two_view(const SeedProblem& problem,
       (void)positive.push_back(depths.depth_a[i]);
     }
   }
-  if (positive.size() < 8 || 2 * positive.size() < core.tracks.size()) {
+  if (positive.size() < kPointsMin || 2 * positive.size() < core.tracks.size()) {
     return;
   }
   const double middle = median(positive.view());
@@ -196,8 +206,8 @@ void push_two_view(const SeedProblem& problem,
   h.posed[static_cast<std::size_t>(core.frames[pair[0]])] = 1;
   h.posed[static_cast<std::size_t>(core.frames[pair[1]])] = 1;
   for (std::size_t i = 0; i < core.tracks.size(); ++i) {
-    // Half and twice: nothing that is seen as one body reaches farther.
-    if (depths.depth_a[i] > 0.5 * middle && depths.depth_a[i] < 2.0 * middle) {
+    if (depths.depth_a[i] > middle / kDepthFactorMax &&
+        depths.depth_a[i] < kDepthFactorMax * middle) {
       h.points_T[track_of(core, i)] =
           depths.depth_a[i] * images.x[pair[0]][i].homogeneous() - origin;
       h.known[track_of(core, i)] = 1;
@@ -254,8 +264,8 @@ void seed_hypotheses(const SeedProblem& problem, StartHypotheses* seeds) {
   const CoreImages images = collect(problem);
   seed_weak_perspective(problem, images, seeds);
   const std::size_t last = problem.core->frames.size() - 1;
-  // The widest pair has the most parallax; half of it survives where the widest has left the other
-  // pose ambiguous.
+  // The widest pair has the most parallax. Half of it may do where the widest leaves the pose
+  // ambiguous.
   seed_two_view(problem, images, {0, last}, seeds);
   seed_two_view(problem, images, {0, (last + 1) / 2}, seeds);
 }
@@ -267,11 +277,11 @@ bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double to
       (void)apart.push_back((a.points_T[i] - b.points_T[i]).norm());
     }
   }
-  // From different cores there may be nothing to compare.
-  if (apart.size() < 8) {
+  // Hypotheses of different cores may share no points.
+  if (apart.size() < kPointsMin) {
     return false;
   }
-  // Not the mean: up to a third of the tracks are wrong, and a wrong track's point may be anywhere.
+  // Not the mean: the point of a wrong track may be anywhere (docs/decisions/0029).
   if (median(apart.view()) > tolerance) {
     return false;
   }
@@ -288,7 +298,7 @@ bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double to
     difference = std::max(difference, rotation_angle_rad(turn_a, turn_b));
     largest = std::max(largest, so3_log(turn_a).norm());
   }
-  return difference <= tolerance * std::max(largest, 0.02);
+  return difference <= tolerance * std::max(largest, kRotationMin_rad);
 }
 
 }  // namespace polhode

@@ -1,5 +1,4 @@
-// Hypotheses for the start of a map: where each comes from, and its refinement on a core of frames
-// and tracks.
+// Hypotheses of an initialisation: where each comes from, and when two are the same.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +9,10 @@
 namespace polhode {
 
 struct SeedProblem {
-  std::span<const double> times_s;           ///< all frames
-  std::span<const StartSighting> sightings;  ///< contest tracks, ordered by track, then frame
-  std::size_t contest_tracks = 0;
+  std::span<const double> times_s;  ///< all frames
+  std::span<const StartSighting>
+      sightings;  ///< of the selection's tracks, ordered by track, then frame
+  std::size_t selection_tracks = 0;
   const StartCore* core = nullptr;
   std::uint64_t seed = 0;
   std::uint32_t kinds = kAllKinds;
@@ -21,8 +21,8 @@ struct SeedProblem {
 /// Hypotheses of each kind asked for, posed in the core's frames, with the core's tracks known.
 void seed_hypotheses(const SeedProblem& problem, StartHypotheses* seeds);
 
-/// Same geometry: points of the first camera's axes within `tolerance` extents (median), and turns
-/// between frames within `tolerance` of the largest. Both in the gauge of normalise_gauge.
+/// Same geometry: the median point differs by `tolerance` extents at most, and rotations between
+/// frames by `tolerance` of the largest. Both in the gauge of normalise_gauge.
 bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double tolerance);
 
 }  // namespace polhode

@@ -12,22 +12,24 @@
 namespace polhode {
 
 enum class HypothesisKind : std::uint8_t { kFivePoint, kHomography, kFactorisation, kConstantRate };
-inline constexpr std::size_t kHypothesisKinds = 4;
+inline constexpr std::size_t kHypothesisKinds = 4;  // of the enumeration above
 
 /// One kind as a bit of a mask.
 constexpr std::uint32_t kind_bit(HypothesisKind kind) { return 1U << static_cast<unsigned>(kind); }
-inline constexpr std::uint32_t kAllKinds = (1U << kHypothesisKinds) - 1U;
+inline constexpr std::uint32_t kAllKinds = (1U << kHypothesisKinds) - 1U;  // one bit a kind
 
-/// Tracks that hypotheses are compared on: past this the gap between them grows as N while its
-/// error grows as sqrt(N).
+/// Tracks that hypotheses are compared on. Chosen for its cost: the cost margin grows as N and its
+/// noise as sqrt(N), so fewer decide less, and the time of the adjustments grows as N.
 inline constexpr std::size_t kContestTracks = 128;
-/// Tracks and frames of the core, which sees every track in every frame.
+/// Tracks and frames of a core, in which every frame observes every track. Chosen: 80 of the 128
+/// leave room for a second core and for the quotas of frames; 10 frames bound the time of the
+/// seeds.
 inline constexpr std::size_t kCoreTracks = 80;
 inline constexpr std::size_t kCoreFrames = 10;
 
 struct StartHypothesis {
   HypothesisKind kind = HypothesisKind::kFivePoint;
-  bool reversed = false;  ///< the depth-reversed twin of what that kind found
+  bool reversed = false;  ///< depth-reversed solution of what that kind found
   std::size_t frames = 0;
   std::size_t tracks = 0;
   std::array<InverseDepthPose, limits::kStartFrames> poses{};
@@ -44,11 +46,13 @@ struct StartHypothesis {
   }
 };
 
-/// Seeds of one core: 3 + 4 + 3 x 2 + 4 x 2 of the four kinds.
+/// Seeds of one core, rounded up from 21: 3 of factorisation, 4 of constant rate, and from each of
+/// two pairs 3 of five points and 4 of homographies.
 inline constexpr std::size_t kSeeds = 24;
 using StartHypotheses = FixedVector<StartHypothesis, kSeeds>;
 
-/// What a seed is made from: frames of the sequence, and contest tracks that all of them see.
+/// What a seed is made from: frames of the sequence, and tracks of the selection that all of them
+/// observe.
 struct StartCore {
   FixedVector<int, kCoreFrames> frames;
   FixedVector<int, kCoreTracks> tracks;

@@ -1,4 +1,4 @@
-// The start of a map as a contest of hypotheses: commits only when the images decide between them.
+// Initialisation by hypothesis selection: commits only when the images decide.
 #pragma once
 
 #include "initialisation/options.hpp"
@@ -6,8 +6,8 @@
 
 namespace polhode {
 
-/// Makes hypotheses, refines each and its depth-reversed twin, compares them on the same sightings,
-/// decides. Poses and points of the winner are filled in whenever there is one, committed or not.
+/// Makes hypotheses, refines each and its depth-reversed solution, compares them on the same
+/// observations, decides. Fills poses and points of the winner, committed or not.
 /// @cost bounded by counts: kSeeds short and eight long adjustments of kContestTracks, one of all
 /// tracks. Deterministic in (problem, options).
 StartOutcome run_start_contest(const StartProblem& problem,

@@ -1,13 +1,16 @@
 #pragma once
 
-// One line an option:
+// One line per option: tests/structure/test_parameters.py reads these lines.
 // clang-format off
 namespace polhode {
 
 struct StartOptions {
-  int frames_min = 5;                 ///< frames collected before the first contest, 3 .. limits::kStartFrames
-  double chi2_gap_commit = 25.0;      ///< depth-reversed twin must be worse by this (5 sigma), 9 .. 1000
-  double chi2_gap_convexity = 12.0;   ///< enough where the convexity cue agrees, 4 .. chi2_gap_commit
+  // docs/decisions/0028: with 4 frames 8 of 64 maps are wrong, with 5 frames 2.
+  int frames_min = 5;                 ///< frames collected before the first hypothesis selection, 3 .. limits::kStartFrames
+  // 5 sigma, squared.
+  double chi2_gap_commit = 25.0;      ///< cost margin (chi-square) to the best rival, such as the depth-reversed solution, 9 .. 1000
+  // 3.5 sigma, squared and rounded. Chosen; the convexity cue adds evidence of its own.
+  double chi2_gap_convexity = 12.0;   ///< smaller cost margin, accepted when the convexity cue agrees, 4 .. chi2_gap_commit
 };
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// The problem of an initialisation, what comes of it, and the memory that it needs.
+// The problem of an initialisation, its outcome and its workspace.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,7 +29,7 @@ struct StartProblem {
   std::span<const double> times_s;     ///< of F <= kStartFrames frames, ascending
   std::span<const StartTrack> tracks;  ///< at most kStartTracks
   std::uint64_t seed = 0;
-  std::uint32_t kinds = kAllKinds;  ///< kinds of hypotheses that take part
+  std::uint32_t kinds = kAllKinds;  ///< kinds of hypotheses that are made
 };
 
 enum class StartDecision : std::uint8_t {
@@ -37,7 +37,7 @@ enum class StartDecision : std::uint8_t {
   kTooFewTracks,     ///< no three frames have enough tracks in common
   kNoHypothesis,     ///< nothing rigid explains most of the images
   kTooLittleMotion,  ///< the winner's depth is not determined
-  kTwinsTooClose,    ///< a geometrically different hypothesis fits nearly as well
+  kMarginTooSmall,   ///< a geometrically different hypothesis fits nearly as well
 };
 
 struct StartFramePose {
@@ -50,7 +50,7 @@ struct StartPoint {
   Eigen::Vector3d p_T = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance_T =
       Eigen::Matrix3d::Zero();  ///< gauge: centroid, extent and first attitude exact
-  int inliers = 0;              ///< sightings that agree
+  int inliers = 0;              ///< observations that agree
 };
 
 /// T: axes of the first posed frame's camera, origin near the points' centroid, unit their RMS
@@ -58,42 +58,40 @@ struct StartPoint {
 struct StartOutcome {
   StartDecision decision = StartDecision::kTooFewTracks;
   HypothesisKind winner = HypothesisKind::kFivePoint;
-  bool winner_reversed = false;  ///< the winner came out as the depth-reversed twin of its seed
-  double chi2_gap =
-      0.0;  ///< to the best rival of different geometry, noise re-scaled where chi2 exceeds 1
+  bool winner_reversed = false;  ///< the winner is the depth-reversed solution of its seed
+  double chi2_gap = 0.0;  ///< cost margin to the best rival of different geometry, noise re-scaled
+                          ///< where chi2 exceeds 1
   double reduced_chi2 = 0.0;  ///< robust
-  double rotation_rad = 0.0;  ///< largest turn from the first posed frame
+  double rotation_rad = 0.0;  ///< largest rotation from the first posed frame
   double depth_sigma =
       0.0;  ///< median 1-sigma of the points along the first line of sight, in extents
-  double contest_depth_sigma = 0.0;  ///< the same of the contest's points alone
+  double contest_depth_sigma = 0.0;  ///< the same, of the selection's tracks alone
   double convexity =
-      0.0;  ///< curvature of the visible side over its 1-sigma; positive: the middle is nearest
-  double inlier_ratio = 0.0;  ///< of the contest's sightings
+      0.0;  ///< curvature of the visible face over its 1-sigma; positive: the middle is nearest
+  double inlier_ratio = 0.0;  ///< of the selection's observations
   int hypotheses = 0;         ///< different ones that were refined to the end
-  bool crowded =
-      false;  ///< the frames were more than the contest has tracks for: fewer would decide more
+  bool crowded = false;  ///< more frames than the selection has tracks for: fewer would decide more
   FixedVector<StartFramePose, limits::kStartFrames> frames;  ///< by frame
   FixedVector<StartPoint, limits::kStartTracks> points;      ///< by track
 };
 
 /// The frames and tracks on which hypotheses are compared.
-struct StartContestSet {
+struct SelectionSet {
   static constexpr std::size_t kSightings = kContestTracks * limits::kStartFrames;
   FixedVector<StartCore, 2>
-      cores;  ///< a long run of frames, and one with many tracks where that is another
+      cores;  ///< a long run of frames, and one with many tracks where it differs
   FixedVector<int, kContestTracks> tracks;  ///< indices into StartProblem::tracks
   FixedVector<StartSighting, kSightings> sightings;
 };
 
-/// Everything that a contest needs and the caller keeps: some 5 MB, no content that outlives a
-/// call.
+/// Workspace of a selection, kept by the caller: some 5 MB. Holds nothing between calls.
 struct StartWorkspace {
   StartAdjustmentWorkspace adjustment;
-  StartContestSet set;
+  SelectionSet set;
   StartHypotheses seeds;
   StartHypotheses refined;
   StartHypotheses finalists;
-  FixedVector<StartSighting, StartContestSet::kSightings> core_sightings;
+  FixedVector<StartSighting, SelectionSet::kSightings> core_sightings;
   FixedVector<StartSighting, StartAdjustmentWorkspace::kSightings> sightings;
   std::array<InverseDepthPose, limits::kStartFrames> poses;
   std::array<std::uint8_t, limits::kStartFrames> posed;

@@ -10,23 +10,47 @@
 namespace polhode {
 namespace {
 
-// Geometries that differ by less than this are one answer: a quarter is what "right" means in the
-// start's benchmark.
+// Relative differences of one geometry, and of two. Both lie under the quarter that counts as right
+// in tests/synthetic/start_problem.hpp. Chosen; larger merges a rival with the winner, smaller
+// makes a rival of the winner's own solution.
 constexpr double kSameGeometry = 0.15;
 constexpr double kDifferentGeometry = 0.20;
-constexpr std::size_t kFamilies = 6;  // seeds that go on to full refinement, with their twins
-constexpr std::size_t kFinalists =
-    6;                            // hypotheses that are grown to all frames, shared by the cores
-constexpr int kExtendRounds = 3;  // frames posed on either side between two adjustments
-constexpr int kTwinRounds = 3;
-// Depth and turn make up for each other along a valley in which steps are short: a hypothesis that
-// has not come to its floor is no rival, but would be waited for. Most settle in a tenth of this.
+// Seeds that are fully refined, each with its depth-reversed solution. Chosen; more cost time.
+constexpr std::size_t kFamilies = 6;
+// Hypotheses that are extended to all frames, shared by the cores. Chosen; more cost time.
+constexpr std::size_t kFinalists = 6;
+// Frames posed on either side between two adjustments. Chosen; more let errors add up.
+constexpr int kExtendRounds = 3;
+// Times that the winner may be replaced by its depth-reversed solution. Chosen; normally one
+// decides.
+constexpr int kReversalRounds = 3;
+// Depth and rotation compensate for each other along a valley in which steps are short. A
+// hypothesis of the winner's own valley must settle, else it counts as a rival
+// (docs/decisions/0029). Most settle in a tenth of this.
 constexpr int kSettleIterations = 60;
-// A track's share in a gap: more comes from a wrong track that one hypothesis happens to explain.
-constexpr double kTrackGapMax = 4.0;
-// A chi-square gap of 25 scatters by 10: less agreement between the tracks than 1.5 sigma is no
-// evidence.
+// A track's share of a cost margin. More comes from a wrong track that one hypothesis happens to
+// explain. Chosen.
+constexpr double kTrackMarginMax = 4.0;
+// A cost margin of 25 scatters by 10. Less agreement of the tracks than 1.5 sigma is no evidence.
 constexpr double kAgreementMin = 1.5;
+// Width of the Cauchy loss at the noise, and its limit while residuals are large, in sigmas.
+// Chosen; a larger limit lets the worst observations of a seed that is far off rule the fit.
+constexpr double kNarrow_sigmas = 3.0;
+constexpr double kWideMax_sigmas = 300.0;
+
+/// Iterations of a refinement: by a wide loss, by a narrow one, and by the loss of the comparison.
+struct Iterations {
+  int wide;
+  int narrow;
+  int last;
+};
+// Chosen for the time: seeds need only find their family, seeds of a family their minimum.
+// Extension follows short steps; the comparison waits for the end.
+constexpr Iterations kSeedIterations{.wide = 6, .narrow = 4, .last = 0};
+constexpr Iterations kFamilyIterations{.wide = 8, .narrow = 10, .last = 15};
+constexpr Iterations kExtendIterations{.wide = 3, .narrow = 3, .last = 0};
+constexpr Iterations kExtendedIterations{.wide = 5, .narrow = 10, .last = kSettleIterations};
+constexpr Iterations kReversedIterations{.wide = 8, .narrow = 12, .last = kSettleIterations};
 
 void sort_by_cost(StartHypotheses* list) {
   std::stable_sort(
@@ -35,29 +59,28 @@ void sort_by_cost(StartHypotheses* list) {
       });
 }
 
-/// Cauchy loss as wide as the residuals are now, then as wide as noise, then the cost that is
-/// compared.
-bool refine(const Contest& c,
+/// Cauchy loss as wide as the residuals are now, then as wide as the noise, then the loss of the
+/// comparison.
+bool refine(const Selection& c,
             std::span<const StartSighting> sightings,
-            int wide,
-            int narrow,
-            int last,
+            const Iterations& iterations,
             StartHypothesis* h) {
   const StartGeometryView view = h->view();
   StartAdjustmentOptions options{
-      .loss = StartLoss::kCauchy, .width_sigma = 3.0, .sigma_scale = c.sigma_scale};
+      .loss = StartLoss::kCauchy, .width_sigma = kNarrow_sigmas, .sigma_scale = c.sigma_scale};
   const StartFit before = evaluate_start(sightings, view, options, &c.w.adjustment);
-  options.iterations_max = wide;
-  options.width_sigma = std::clamp(3.0 * std::sqrt(before.median), 3.0, 300.0);
+  options.iterations_max = iterations.wide;
+  options.width_sigma =
+      std::clamp(kNarrow_sigmas * std::sqrt(before.median), kNarrow_sigmas, kWideMax_sigmas);
   (void)adjust_start(sightings, view, options, &c.w.adjustment);
-  options.iterations_max = narrow;
-  options.width_sigma = 3.0;
+  options.iterations_max = iterations.narrow;
+  options.width_sigma = kNarrow_sigmas;
   (void)adjust_start(sightings, view, options, &c.w.adjustment);
-  h->fit = adjust_start(sightings, view, contest_loss(c, last), &c.w.adjustment);
+  h->fit = adjust_start(sightings, view, selection_loss(c, iterations.last), &c.w.adjustment);
   return normalise_gauge(view) && std::isfinite(h->fit.cost);
 }
 
-/// Inserts unless a hypothesis of the same geometry is there; of two equals the cheaper stays.
+/// Inserts a hypothesis. Of two with the same geometry only the one of lower cost stays.
 void insert_distinct(const StartHypothesis& h, StartHypotheses* list) {
   for (StartHypothesis& known : *list) {
     if (same_geometry(known, h, kSameGeometry)) {
@@ -70,64 +93,64 @@ void insert_distinct(const StartHypothesis& h, StartHypotheses* list) {
   (void)list->push_back(h);
 }
 
-StartHypothesis twin_of(const StartHypothesis& h) {
-  StartHypothesis twin = h;
-  twin.reversed = !h.reversed;
-  reverse_depth(twin.view());
-  (void)normalise_gauge(twin.view());
-  return twin;
+StartHypothesis depth_reversed(const StartHypothesis& h) {
+  StartHypothesis reversed = h;
+  reversed.reversed = !h.reversed;
+  reverse_depth(reversed.view());
+  (void)normalise_gauge(reversed.view());
+  return reversed;
 }
 
-/// Seeds, first without their twins: those that lead to the same minimum, or to its twin, are one
-/// family.
-void refine_families(const Contest& c) {
+/// Seeds, first without their depth-reversed solutions. Those that lead to the same minimum, or to
+/// its depth-reversed one, are one family.
+void refine_families(const Selection& c) {
   const std::span<const StartSighting> core = c.w.core_sightings.view();
   StartHypotheses& families = c.w.refined;
   families.clear();
   for (StartHypothesis& seed : c.w.seeds) {
-    if (!normalise_gauge(seed.view()) || !refine(c, core, 6, 4, 0, &seed)) {
+    if (!normalise_gauge(seed.view()) || !refine(c, core, kSeedIterations, &seed)) {
       continue;
     }
-    const StartHypothesis twin = twin_of(seed);
-    const bool is_twin =
+    const StartHypothesis reversed = depth_reversed(seed);
+    const bool is_reversed =
         std::any_of(families.begin(), families.end(), [&](const StartHypothesis& f) {
-          return same_geometry(f, twin, kSameGeometry) && f.fit.cost <= seed.fit.cost;
+          return same_geometry(f, reversed, kSameGeometry) && f.fit.cost <= seed.fit.cost;
         });
-    if (!is_twin) {
+    if (!is_reversed) {
       insert_distinct(seed, &families);
     }
   }
   sort_by_cost(&families);
 }
 
-/// Both twins of the best families, refined on the core to convergence, the best first.
-void refine_twins(const Contest& c) {
+/// Both solutions of the best families, refined on the core to convergence, the best first.
+void refine_both_depths(const Selection& c) {
   const std::span<const StartSighting> core = c.w.core_sightings.view();
   c.w.seeds.clear();
   for (std::size_t i = 0; i < std::min(kFamilies, c.w.refined.size()); ++i) {
     (void)c.w.seeds.push_back(c.w.refined[i]);
-    (void)c.w.seeds.push_back(twin_of(c.w.refined[i]));
+    (void)c.w.seeds.push_back(depth_reversed(c.w.refined[i]));
   }
   c.w.refined.clear();
   for (StartHypothesis& h : c.w.seeds) {
-    if (refine(c, core, 8, 10, 15, &h)) {
+    if (refine(c, core, kFamilyIterations, &h)) {
       insert_distinct(h, &c.w.refined);
     }
   }
   sort_by_cost(&c.w.refined);
 }
 
-/// The noise is at least what the caller says; more when the best hypothesis says so.
-double noise_scale(const Contest& c) {
+/// Noise by the best hypothesis over the caller's sigma, at least 1.
+double noise_scale(const Selection& c) {
   const double scale =
       c.w.refined.empty() ? kNoiseScaleMax : c.sigma_scale * c.w.refined[0].fit.noise_scale;
   return std::clamp(scale, 1.0, kNoiseScaleMax);
 }
 
-/// Best hypotheses of one core go on to the finals.
-void contest_core(const StartCore& core, Contest* c) {
+/// Adds the best hypotheses of one core to the finalists.
+void select_on_core(const StartCore& core, Selection* c) {
   StartWorkspace& w = c->w;
-  const StartContestSet& set = w.set;
+  const SelectionSet& set = w.set;
   w.core_sightings.clear();
   for (const StartSighting& s : set.sightings) {
     const bool seen =
@@ -138,7 +161,7 @@ void contest_core(const StartCore& core, Contest* c) {
   }
   seed_hypotheses({.times_s = c->problem.times_s,
                    .sightings = set.sightings.view(),
-                   .contest_tracks = set.tracks.size(),
+                   .selection_tracks = set.tracks.size(),
                    .core = &core,
                    .seed = c->problem.seed,
                    .kinds = c->problem.kinds},
@@ -146,7 +169,7 @@ void contest_core(const StartCore& core, Contest* c) {
   c->sigma_scale = 1.0;
   refine_families(*c);
   c->sigma_scale = noise_scale(*c);
-  refine_twins(*c);
+  refine_both_depths(*c);
   c->sigma_scale = noise_scale(*c);
   const std::size_t share = kFinalists / set.cores.size();
   for (std::size_t i = 0; i < std::min(share, w.refined.size()); ++i) {
@@ -154,41 +177,41 @@ void contest_core(const StartCore& core, Contest* c) {
   }
 }
 
-/// Grows a hypothesis to all frames, adjusting on the way so that errors do not add up.
-bool grow(const Contest& c, StartHypothesis* h) {
+/// Extends a hypothesis to all frames. Adjusts on the way, so that errors do not add up.
+bool extend_to_all(const Selection& c, StartHypothesis* h) {
   const std::span<const StartSighting> all = c.w.set.sightings.view();
   for (std::size_t step = 0; step < h->frames; ++step) {
     if (!extend(all, c.problem.times_s, kExtendRounds, h)) {
       break;
     }
-    if (!refine(c, all, 3, 3, 0, h)) {
+    if (!refine(c, all, kExtendIterations, h)) {
       return false;
     }
   }
-  return refine(c, all, 5, 10, kSettleIterations, h);
+  return refine(c, all, kExtendedIterations, h);
 }
 
-/// Finalists grown to all frames and compared on all contest sightings.
-void refine_finalists(const Contest& c) {
+/// Finalists, extended to all frames and compared on all observations of the selection.
+void refine_finalists(const Selection& c) {
   c.w.refined.clear();
   for (StartHypothesis& h : c.w.finalists) {
-    if (grow(c, &h)) {
+    if (extend_to_all(c, &h)) {
       insert_distinct(h, &c.w.refined);
     }
   }
   sort_by_cost(&c.w.refined);
 }
 
-/// The winner's own twin, started from the winner's final geometry: no rival loses for having stuck
-/// elsewhere.
-void challenge_winner(const Contest& c) {
-  for (int round = 0; round < kTwinRounds && !c.w.refined.empty(); ++round) {
-    StartHypothesis twin = twin_of(c.w.refined[0]);
-    if (!refine(c, c.w.set.sightings.view(), 8, 12, kSettleIterations, &twin)) {
+/// Compares the winner with its depth-reversed solution, started from the winner's final geometry.
+/// So no rival loses because it stuck in another minimum.
+void compare_with_reversed(const Selection& c) {
+  for (int round = 0; round < kReversalRounds && !c.w.refined.empty(); ++round) {
+    StartHypothesis reversed = depth_reversed(c.w.refined[0]);
+    if (!refine(c, c.w.set.sightings.view(), kReversedIterations, &reversed)) {
       return;
     }
-    const bool wins = twin.fit.cost < c.w.refined[0].fit.cost;
-    insert_distinct(twin, &c.w.refined);
+    const bool wins = reversed.fit.cost < c.w.refined[0].fit.cost;
+    insert_distinct(reversed, &c.w.refined);
     sort_by_cost(&c.w.refined);
     if (!wins) {
       return;
@@ -196,12 +219,12 @@ void challenge_winner(const Contest& c) {
   }
 }
 
-/// By how much `rival` fits worse than the winner: the smaller of the plain difference and of one
-/// in which no track decides alone; none at all when the tracks do not agree on it.
-double gap_to(const Contest& c, StartHypothesis* winner, StartHypothesis* rival) {
+/// Cost margin of the winner to `rival`: the smaller of the plain difference and of one in which no
+/// track decides alone. The latter is zero where the tracks do not agree.
+double cost_margin_to(const Selection& c, StartHypothesis* winner, StartHypothesis* rival) {
   std::array<double, kContestTracks> of_winner;
   std::array<double, kContestTracks> of_rival;
-  const StartAdjustmentOptions options = contest_loss(c, 0);
+  const StartAdjustmentOptions options = selection_loss(c, 0);
   const std::size_t tracks = winner->tracks;
   start_track_costs(
       c.w.set.sightings.view(), winner->view(), options, std::span(of_winner).first(tracks));
@@ -212,7 +235,7 @@ double gap_to(const Contest& c, StartHypothesis* winner, StartHypothesis* rival)
   double clipped2 = 0.0;
   for (std::size_t i = 0; i < tracks; ++i) {
     const double difference = of_rival[i] - of_winner[i];
-    const double bounded = std::clamp(difference, -kTrackGapMax, kTrackGapMax);
+    const double bounded = std::clamp(difference, -kTrackMarginMax, kTrackMarginMax);
     plain += difference;
     clipped += bounded;
     clipped2 += bounded * bounded;
@@ -224,14 +247,14 @@ double gap_to(const Contest& c, StartHypothesis* winner, StartHypothesis* rival)
   return std::min(plain, agreed) / (noise * noise);
 }
 
-int middle_frame(const StartContestSet& set) {
+int middle_frame(const SelectionSet& set) {
   const StartCore& core = set.cores[set.cores.size() - 1];
   return core.frames[core.frames.size() / 2];
 }
 
-/// Where the costs leave it open, a bulging hypothesis goes before a hollow one. The gap, negative
-/// then, still says so.
-void prefer_convex(const Contest& c) {
+/// Where the costs do not decide, a convex hypothesis goes before a hollow one. The cost margin is
+/// negative then.
+void prefer_convex(const Selection& c) {
   StartHypotheses& list = c.w.refined;
   if (list.empty() || convexity_of(c, &list[0]) > -kConvexityMin) {
     return;
@@ -247,40 +270,41 @@ void prefer_convex(const Contest& c) {
 
 }  // namespace
 
-StartAdjustmentOptions contest_loss(const Contest& c, int iterations_max) {
+StartAdjustmentOptions selection_loss(const Selection& c, int iterations_max) {
   return {.iterations_max = iterations_max,
           .loss = StartLoss::kTruncated,
-          .width_sigma = 4.0,
+          .width_sigma = kTruncation_sigmas,
           .sigma_scale = c.sigma_scale};
 }
 
-double convexity_of(const Contest& c, StartHypothesis* h) {
+double convexity_of(const Selection& c, StartHypothesis* h) {
   return convexity_cue(c.w.set.sightings.view(), middle_frame(c.w.set), h->view());
 }
 
-double chi2_gap(const Contest& c) {
+double cost_margin_of(const Selection& c) {
   StartHypotheses& list = c.w.refined;
-  // Without a rival the gap is that to having no explanation at all.
-  double gap = 16.0 * list[0].fit.sightings - list[0].fit.cost;
+  // Without a rival: the margin to the cost of no explanation at all.
+  double margin =
+      kTruncation_sigmas * kTruncation_sigmas * list[0].fit.sightings - list[0].fit.cost;
   for (std::size_t i = 1; i < list.size(); ++i) {
     if (!same_geometry(list[0], list[i], kDifferentGeometry)) {
-      gap = std::min(gap, gap_to(c, &list[0], &list[i]));
+      margin = std::min(margin, cost_margin_to(c, &list[0], &list[i]));
     }
   }
-  return gap;
+  return margin;
 }
 
-void hold_contest(Contest* contest) {
-  contest->w.finalists.clear();
+void select_hypotheses(Selection* selection) {
+  selection->w.finalists.clear();
   double scale = kNoiseScaleMax;
-  for (const StartCore& core : contest->w.set.cores) {
-    contest_core(core, contest);
-    scale = std::min(scale, contest->sigma_scale);
+  for (const StartCore& core : selection->w.set.cores) {
+    select_on_core(core, selection);
+    scale = std::min(scale, selection->sigma_scale);
   }
-  contest->sigma_scale = scale;
-  refine_finalists(*contest);
-  challenge_winner(*contest);
-  prefer_convex(*contest);
+  selection->sigma_scale = scale;
+  refine_finalists(*selection);
+  compare_with_reversed(*selection);
+  prefer_convex(*selection);
 }
 
 }  // namespace polhode

@@ -1,4 +1,4 @@
-// The rounds of a contest between hypotheses.
+// The rounds of hypothesis selection.
 #pragma once
 
 #include "initialisation/options.hpp"
@@ -6,37 +6,40 @@
 
 namespace polhode {
 
-/// What the rounds share.
-struct Contest {
+/// Shared by all rounds.
+struct Selection {
   const StartProblem& problem;
   const StartOptions& options;
   StartWorkspace& w;
-  double sigma_scale =
-      1.0;  ///< the noise over the caller's sigma, as the best hypothesis so far has it; 1 or more
+  double sigma_scale = 1.0;  ///< noise over the caller's sigma by the best hypothesis so far, >= 1
 };
 
-// The caller's sigma may be wrong by this factor before the fit itself is in doubt.
+// The caller's sigma may be too small by this factor at most. Chosen; with more noise than that no
+// hypothesis is accepted.
 inline constexpr double kNoiseScaleMax = 4.0;
 // Two standard deviations: the sign of the curvature is right in 98 % of cases.
 inline constexpr double kConvexityMin = 2.0;
+// Loss by which hypotheses are compared, in sigmas: exp(-4^2 / 2) = 3e-4 of good residuals, with
+// two coordinates, lie beyond.
+inline constexpr double kTruncation_sigmas = 4.0;
 
-/// Loss with which hypotheses are compared.
-StartAdjustmentOptions contest_loss(const Contest& contest, int iterations_max);
+/// Loss by which hypotheses are compared.
+StartAdjustmentOptions selection_loss(const Selection& selection, int iterations_max);
 
-/// Seeds, families, twins, growth to all frames, and the winner's own twin: leaves
-/// workspace.refined with hypotheses of different geometry, the winner first; empty when none
-/// survived.
-void hold_contest(Contest* contest);
+/// Seeds, families, depth-reversed solutions, extension to all frames, and the winner's own
+/// depth-reversed solution. Leaves hypotheses of different geometry in workspace.refined, the
+/// winner first; none when all failed.
+void select_hypotheses(Selection* selection);
 
-/// By how much the best rival of different geometry fits worse than the winner, in chi-square of
-/// the true noise.
-double chi2_gap(const Contest& contest);
+/// Cost margin of the winner to the best rival of different geometry, in chi-square of the true
+/// noise.
+double cost_margin_of(const Selection& selection);
 
 /// Convexity cue in the middle of the core.
-double convexity_of(const Contest& contest, StartHypothesis* hypothesis);
+double convexity_of(const Selection& selection, StartHypothesis* hypothesis);
 
-/// Winner to all tracks: joint adjustment, wrong tracks dropped, covariances; fills poses, points
-/// and both depth sigmas.
-void adjust_all_tracks(const Contest& contest, StartOutcome* out);
+/// Extends the winner to all tracks: joint adjustment, wrong tracks dropped, covariances. Fills
+/// poses, points and both depth sigmas.
+void adjust_all_tracks(const Selection& selection, StartOutcome* out);
 
 }  // namespace polhode

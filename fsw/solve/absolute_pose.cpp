@@ -19,19 +19,27 @@
 namespace polhode {
 namespace {
 
+// A residual of 2 sigma has half its weight: takes 9 % of the information of normal data, and
+// stands the heavy tails of feature positions (docs/decisions/0024).
 constexpr double kCauchySigma = 2.0;
+// Squared error of a point behind the camera: far beyond any gate.
+constexpr double kBehindError2 = 1e12;
+// Worse than any score.
+constexpr double kNoScore = 1e300;
+// P3P takes three points; a fourth chooses among its four solutions.
+constexpr int kPointsMin = 4;
 
 double error2(const Pose& pose, const PoseObservation& o) {
   const Eigen::Vector3d p_C = pose.to_camera(o.p_T);
   if (!(p_C.z() > 0.0)) {
-    return 1e12;
+    return kBehindError2;
   }
   return (p_C.hnormalized() - o.normalised).squaredNorm() /
          (o.sigma_normalised * o.sigma_normalised);
 }
 
-/// Truncated sum of squares (MSAC, Torr and Zisserman 2000): smaller is better. Past `enough` it is
-/// not summed on.
+/// Truncated sum of squares (MSAC, Torr and Zisserman 2000): smaller is better. The sum stops once
+/// it reaches `enough`.
 double score(const Pose& pose, std::span<const PoseObservation> observations, double enough) {
   double sum = 0.0;
   for (std::size_t i = 0; i < observations.size() && sum < enough; ++i) {
@@ -42,7 +50,7 @@ double score(const Pose& pose, std::span<const PoseObservation> observations, do
 
 struct Consensus {
   Pose pose;
-  double score = 1e300;
+  double score = kNoScore;
 };
 
 void keep_better(const Pose& pose, std::span<const PoseObservation> observations, Consensus* best) {
@@ -90,10 +98,14 @@ std::array<std::size_t, 3> draw_sample(Rng* rng, std::size_t count) {
   return sample;
 }
 
-/// Draws after which three inliers have come together with 99.9 % probability.
+/// Draws after which one of them has held three inliers with 99.9 % probability.
 int draws_for(double score, std::size_t count) {
-  const double outliers = std::min(0.98, score / (kInlierChi2 * static_cast<double>(count)));
-  return draws_needed(1.0 - outliers, 3, 1e-3);
+  constexpr double kMissed = 1e-3;  // chosen; smaller draws longer
+  // Asks for more draws than the 5000 that can be set: at 98 % outliers it does not end early.
+  constexpr double kOutliersMax = 0.98;
+  const double outliers =
+      std::min(kOutliersMax, score / (kInlierChi2 * static_cast<double>(count)));
+  return draws_needed(1.0 - outliers, 3, kMissed);
 }
 
 struct NormalEquations {
@@ -153,10 +165,15 @@ Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
                                  const Pose& start,
                                  std::span<const std::uint8_t> inlier) {
   POLHODE_ASSERT(observations.size() == inlier.size(), inlier.size());
-  constexpr int kIterations = 12;
+  constexpr int kIterations = 12;  // a bound: it ends when the cost has settled
+  // Levenberg-Marquardt. The first damping is for a nearly solved problem; a failed step raises it
+  // to kDampingFailed at least, so that the next one differs.
+  constexpr double kDampingFirst = 1e-6;
+  constexpr double kDampingFailed = 1e-4;
+  constexpr double kSettled = 1e-6;  // relative gain that moves nothing by a part of its sigma
   Pose pose = start;
   NormalEquations n = linearise(observations, pose, inlier);
-  double damping = 1e-6;
+  double damping = kDampingFirst;
   for (int i = 0; i < kIterations; ++i) {
     Eigen::Matrix<double, 6, 6> H = n.H;
     H.diagonal() *= 1.0 + damping;
@@ -168,10 +185,10 @@ Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
                     .p_CT = pose.p_CT + step.tail<3>()};
     const NormalEquations m = linearise(observations, next, inlier);
     if (m.used < n.used || m.robust_cost > n.robust_cost) {
-      damping = std::max(1e-4, damping * 10.0);
+      damping = std::max(kDampingFailed, damping * 10.0);
       continue;
     }
-    const bool settled = n.robust_cost - m.robust_cost < 1e-6 * n.robust_cost;
+    const bool settled = n.robust_cost - m.robust_cost < kSettled * n.robust_cost;
     pose = next;
     n = m;
     damping *= 0.1;
@@ -179,7 +196,7 @@ Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
       break;
     }
   }
-  if (n.used < 4) {
+  if (n.used < kPointsMin) {
     return ErrorCode::kTooFewObservations;
   }
   AbsolutePose out{.pose = pose, .inliers = n.used, .chi2 = n.chi2};
@@ -197,7 +214,7 @@ Result<AbsolutePose> absolute_pose(std::span<const PoseObservation> observations
                                    const AbsolutePoseOptions& options,
                                    std::span<std::uint8_t> inlier) {
   POLHODE_ASSERT(observations.size() == inlier.size(), inlier.size());
-  if (observations.size() < static_cast<std::size_t>(std::max(4, options.inliers_min))) {
+  if (observations.size() < static_cast<std::size_t>(std::max(kPointsMin, options.inliers_min))) {
     return ErrorCode::kTooFewObservations;
   }
   Consensus best;
@@ -210,6 +227,7 @@ Result<AbsolutePose> absolute_pose(std::span<const PoseObservation> observations
     try_sample(observations, draw_sample(&rng, observations.size()), &best);
     needed = draws_for(best.score, observations.size());
   }
+  // Rounds of choosing inliers and refining on them. Chosen.
   constexpr int kRounds = 3;
   Result<AbsolutePose> refined = ErrorCode::kNoConsensus;
   for (int round = 0; round < kRounds; ++round) {

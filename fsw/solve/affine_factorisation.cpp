@@ -19,14 +19,28 @@ namespace {
 
 using Axes = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
+// Tracks of a sample: four determine the subspace about their centroid, the fifth averages noise.
 constexpr int kSample = 5;
-// Five good tracks out of 65 % good ones come up once in nine draws: 40 draws miss them once in a
-// hundred.
+// With 65 % inliers one draw in nine holds inliers only: 40 draws miss with under 1 % probability.
 constexpr int kDraws = 40;
+// Rounds of choosing inliers and fitting them. Chosen.
 constexpr int kRounds = 3;
+// Of a coordinate's standard deviation. 0.3 % of normal coordinates lie beyond, fewer of the means
+// over a track.
 constexpr double kToleranceSigma = 3.0;
+// Inliers. Four determine the subspace; the others show its noise. Chosen.
+constexpr int kInliersMin = 6;
+// Worse than any median residual.
+constexpr double kNoMedian = 1e300;
+// "AFFS": the random stream of this sampler.
+constexpr std::uint64_t kStream = 0x41464653ULL;
+// Least part of the largest singular value: keeps a flat shape's axes finite.
+constexpr double kSingularMin = 1e-9;
+// Least part of the largest eigenvalue of Q: a direction that noise made imaginary becomes a
+// seventh of the longest. Chosen; the adjustment finds the rest.
+constexpr double kEigenvalueMin = 0.02;
 
-/// Leading left singular vectors by way of the (small) outer product.
+/// Leading left singular vectors, from the (small) outer product.
 Axes leading_axes(const Eigen::MatrixXd& columns) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(columns * columns.transpose());
   return eigen.eigenvectors().rightCols<3>().rowwise().reverse();
@@ -56,9 +70,9 @@ std::array<Eigen::Index, kSample> draw(Rng* rng, Eigen::Index count) {
 }
 
 Eigen::VectorXd consensus_residuals(const ImageMatrix& images, std::uint64_t seed) {
-  Rng rng(seed, 0x41464653ULL);
+  Rng rng(seed, kStream);
   Eigen::VectorXd best;
-  double best_median = 1e300;
+  double best_median = kNoMedian;
   for (int i = 0; i < kDraws; ++i) {
     const auto sample = draw(&rng, images.cols());
     Eigen::MatrixXd chosen(images.rows(), kSample);
@@ -123,8 +137,8 @@ Eigen::Matrix3d solve_metric(const Axes& M, double isotropy) {
   const auto count = static_cast<double>(frames);
   A.row(2 * frames) = size;
   b(2 * frames) = count;
-  // The isotropic body: Q a multiple of the unit matrix, of the size that the first equation asks
-  // for.
+  // The isotropic body: Q a multiple of the unit matrix, of the size that the last equation
+  // demands.
   const double diagonal = count / size.head<3>().sum();
   const double weight = isotropy * std::sqrt(count) / diagonal;
   A.bottomRows<6>() = weight * Eigen::Matrix<double, 6, 6>::Identity();
@@ -149,8 +163,8 @@ AffineSubspace find_affine_subspace(const ImageMatrix& images,
   AffineSubspace s;
   Eigen::VectorXd r = consensus_residuals(images, seed);
   for (int round = 0; round < kRounds; ++round) {
-    const double robust_sigma = std::max(sigma_normalised, 1.4826 * median_of(r));
-    if (mark(r, kToleranceSigma * robust_sigma, &s) < 6) {
+    const double robust_sigma = std::max(sigma_normalised, kSigmaPerMad * median_of(r));
+    if (mark(r, kToleranceSigma * robust_sigma, &s) < kInliersMin) {
       return s;
     }
     const ImageMatrix relative = centred(images, s.inlier.view());
@@ -170,9 +184,9 @@ bool upgrade_to_metric(const AffineSubspace& subspace,
                        WeakPerspectiveMotion* motion) {
   POLHODE_ASSERT(subspace.valid, subspace.inliers);
   // In these units the coordinates of an isotropic body have the same spread along each axis.
-  Axes M =
-      subspace.axes *
-      subspace.singular_values.head<3>().cwiseMax(1e-9 * subspace.singular_values(0)).asDiagonal();
+  Axes M = subspace.axes * subspace.singular_values.head<3>()
+                               .cwiseMax(kSingularMin * subspace.singular_values(0))
+                               .asDiagonal();
   const Eigen::Index frames = M.rows() / 2;
   const double size = std::sqrt(M.squaredNorm() / static_cast<double>(M.rows()));
   if (!(size > 0.0)) {
@@ -184,8 +198,7 @@ bool upgrade_to_metric(const AffineSubspace& subspace,
   if (!lambda.allFinite() || !(lambda(1) > 0.0)) {
     return false;
   }
-  // A direction that noise made imaginary gets a small real part; the adjustment finds the rest.
-  const Eigen::Vector3d positive = lambda.cwiseMax(0.02 * lambda(2));
+  const Eigen::Vector3d positive = lambda.cwiseMax(kEigenvalueMin * lambda(2));
   const Axes metric = size * M * eigen.eigenvectors() * positive.cwiseSqrt().asDiagonal();
   motion->R_CT.clear();
   motion->scale.clear();

@@ -11,8 +11,8 @@
 namespace polhode {
 
 /// Images of N tracks in each of F frames: row f is x and row F + f is y of frame f, a column per
-/// track; normalised units. Each frame is turned so that the tracks' centre lies near the optical
-/// axis.
+/// track; normalised units. Each frame is rotated so that the tracks' centre lies near the
+/// optical axis.
 using ImageMatrix = Eigen::MatrixXd;
 
 /// x = scale_f * (first two rows of R_f) * p_T + centroid of the frame.
@@ -21,7 +21,7 @@ struct WeakPerspectiveMotion {
   FixedVector<double, limits::kStartFrames> scale;
 };
 
-/// Three-dimensional subspace that the tracks' images span, found in spite of wrong tracks.
+/// Three-dimensional subspace that the tracks' images span, robust to wrong tracks.
 struct AffineSubspace {
   Eigen::Matrix<double, Eigen::Dynamic, 3> axes;  ///< 2 F rows, orthonormal columns
   Eigen::Vector4d singular_values =
@@ -31,8 +31,8 @@ struct AffineSubspace {
   bool valid = false;
 };
 
-/// Consensus over samples of five tracks by the median residual, then three rounds of least squares
-/// on those within three robust standard deviations: stands up to 35 % of wrong tracks.
+/// Consensus over samples of five tracks by the median residual. Then three rounds of least squares
+/// on the tracks within three robust standard deviations. Tolerates 35 % of wrong tracks.
 /// @param images            F >= 3, N >= 8.
 /// @param sigma_normalised  1-sigma of a coordinate: the least tolerance.
 /// @source Tomasi and Kanade, IJCV 1992; median: Rousseeuw 1984.

@@ -7,7 +7,8 @@
 namespace polhode {
 namespace {
 
-// For a problem that is nearly solved, which a tracked map's is.
+// Ceres's, with which the tests compare iteration by iteration: for a nearly solved problem, as a
+// tracked map's is.
 constexpr double kDampingFirst = 1e-4;
 
 double try_step(double damping, BundleSystem* bundle) {

@@ -19,7 +19,7 @@ struct BundleObservation {
   double sigma_normalised = 1.0;
 };
 
-/// What is known of a pose beforehand: of (phi, uvs) about `mean`.
+/// Prior of a pose: of (phi, uvs) about `mean`.
 struct PosePrior {
   std::int32_t pose = 0;
   InverseDepthPose mean;
@@ -27,11 +27,11 @@ struct PosePrior {
 };
 
 /// Poses and points are changed in place; at most as many as BundleWorkspace holds. Where fewer
-/// than two poses are fixed, what is left of the gauge is held by the damping alone and the caller
+/// than two poses are fixed, only the damping constrains the rest of the gauge: the caller
 /// re-aligns.
 struct BundleProblem {
   std::span<InverseDepthPose> poses;
-  std::span<const std::uint8_t> pose_fixed;  ///< 1: held
+  std::span<const std::uint8_t> pose_fixed;  ///< 1: constant
   std::span<Eigen::Vector3d> points_T;
   std::span<const std::uint8_t> point_fixed;
   std::span<const BundleObservation> observations;
@@ -39,7 +39,7 @@ struct BundleProblem {
 };
 
 struct BundleOptions {
-  int iterations_max = 10;
+  int iterations_max = 10;    ///< a bound: it ends when the cost has settled
   double cauchy_sigma = 2.0;  ///< at this many sigma a residual has half its weight
 };
 
@@ -55,9 +55,9 @@ struct BundleWorkspace {
   static constexpr std::size_t kPoses = limits::kKeyframes;
   static constexpr std::size_t kPoints = limits::kLandmarks;
   static constexpr std::size_t kObservations = limits::kAdjustmentSightings;
-  static constexpr std::size_t kUnknowns = 6 * kPoses;
+  static constexpr std::size_t kUnknowns = 6 * kPoses;  // (phi, uvs) each
 
-  std::array<std::int32_t, kPoses> block_of_pose{};  ///< -1: held
+  std::array<std::int32_t, kPoses> block_of_pose{};  ///< -1: constant
   std::array<std::int32_t, kPoints + 1> first_of_point{};
   std::array<std::int32_t, kObservations>
       by_point{};  ///< observations, those of one point together

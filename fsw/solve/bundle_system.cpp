@@ -15,8 +15,8 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-// A diagonal element smaller than this times the largest carries no information of its own; it
-// bounds what the damping leaves free.
+// Least part of the largest diagonal element that damping acts on: a weaker unknown has no
+// information of its own, and the damping must still constrain it. Far above rounding.
 constexpr double kDiagonalMin = 1e-12;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -31,10 +31,11 @@ Eigen::Matrix3d damped_inverse(const Eigen::Matrix3d& V, double damping) {
   return damped.inverse();
 }
 
-// Of a point's steps alone: for one whose sightings have next to no angle between them.
+// Damping of a point's own steps: for a point that is seen with next to no parallax.
 constexpr double kSettlingDamping = 1e-6;
 
-// A prior that is off by more loses its pull: 2 % of normal errors in six numbers are.
+// A prior that is off by more sigmas is weighed down: 1.4 % of normal errors in six numbers are
+// (chi-square).
 constexpr double kPriorCauchySigma = 4.0;
 
 Vector6 departure(const InverseDepthPose& pose, const PosePrior& prior) {
@@ -71,7 +72,7 @@ BundleSystem::BundleSystem(const BundleProblem& problem,
 
 double BundleSystem::cost(std::span<const InverseDepthPose> poses,
                           std::span<const Eigen::Vector3d> points) const {
-  const double sightings_cost = widely([&] {
+  const double observations_cost = widely([&] {
     CauchySum sum(cauchy_sigma_);
     for (const BundleObservation& o : p_.observations) {
       Eigen::Vector2d x;
@@ -82,7 +83,7 @@ double BundleSystem::cost(std::span<const InverseDepthPose> poses,
     }
     return sum.value();
   });
-  return 0.5 * sightings_cost + prior_cost(poses);
+  return 0.5 * observations_cost + prior_cost(poses);
 }
 
 double BundleSystem::prior_cost(std::span<const InverseDepthPose> poses) const {
@@ -94,7 +95,7 @@ double BundleSystem::prior_cost(std::span<const InverseDepthPose> poses) const {
   return 0.5 * sum;
 }
 
-/// The derivative of the departure is taken for one, which it is up to half of its size in radians.
+/// The derivative of the departure is taken to be 1. Its error is half the departure in radians.
 void BundleSystem::add_priors() {
   Unknowns gradient(w_.gradient.data(), size_);
   for (const PosePrior& prior : p_.priors) {
@@ -163,12 +164,12 @@ bool BundleSystem::linearise(const BundleObservation& o,
 
 /// @param take  (block of the pose or -1, Linearised) of each observation of the point, were it at
 /// p_T
-/// @return false where a camera does not have it before itself; the others are taken.
+/// @return false where it lies behind a camera; that observation is left out.
 template <typename Take>
-bool BundleSystem::for_sightings(std::size_t point,
-                                 std::span<const InverseDepthPose> poses,
-                                 const Eigen::Vector3d& p_T,
-                                 Take take) const {
+bool BundleSystem::for_observations(std::size_t point,
+                                    std::span<const InverseDepthPose> poses,
+                                    const Eigen::Vector3d& p_T,
+                                    Take take) const {
   bool all = true;
   for (auto i = w_.first_of_point[point]; i < w_.first_of_point[point + 1]; ++i) {
     const BundleObservation& o = p_.observations[index(w_.by_point[index(i)])];
@@ -185,7 +186,7 @@ bool BundleSystem::for_sightings(std::size_t point,
 void BundleSystem::fill_point_system(std::size_t point) {
   Eigen::Matrix4d V = Eigen::Matrix4d::Zero();
   system_.mixed.clear();
-  (void)for_sightings(
+  (void)for_observations(
       point, p_.poses, p_.points_T[point], [&](std::int32_t block, const Linearised& l) {
         const Eigen::Matrix<double, 4, 2> weighted = l.weight * l.by_point;
         V.noalias() += l.by_point * weighted.transpose();
@@ -243,7 +244,7 @@ void BundleSystem::add_poses(double damping) {
   for (Eigen::Index b = 0; b < size_ / 6; ++b) {
     Eigen::Matrix<double, 6, 6> U = w_.camera_blocks[static_cast<std::size_t>(b)];
     const double largest = U.diagonal().maxCoeff();
-    // A pose that sees nothing stays where it is.
+    // A pose without observations stays.
     U.diagonal() += largest > 0.0 ? Vector6(damping * U.diagonal().cwiseMax(kDiagonalMin * largest))
                                   : Vector6::Ones();
     S.block<6, 6>(6 * b, 6 * b) += U;
@@ -289,11 +290,11 @@ double BundleSystem::pose_gain(double damping) const {
   return gain;
 }
 
-/// @return what the linear model gains by it.
+/// @return cost that the linear model gains by it.
 double BundleSystem::move_point(std::size_t point, double damping) {
   Eigen::Matrix4d V = Eigen::Matrix4d::Zero();
   Eigen::Vector3d by_poses = Eigen::Vector3d::Zero();
-  (void)for_sightings(
+  (void)for_observations(
       point, p_.poses, p_.points_T[point], [&](std::int32_t block, const Linearised& l) {
         const Eigen::Matrix<double, 4, 2> weighted = l.weight * l.by_point;
         V.noalias() += l.by_point * weighted.transpose();
@@ -326,14 +327,16 @@ double BundleSystem::move_points(double damping) {
 
 /// @return twice its part of the trial's cost.
 double BundleSystem::settle_point(std::size_t point) {
-  const int steps = p_.point_fixed[point] == 0 ? 2 : 0;
+  // Two Gauss-Newton steps follow a pose step of several degrees (docs/decisions/0043).
+  constexpr int kSettlingSteps = 2;
+  const int steps = p_.point_fixed[point] == 0 ? kSettlingSteps : 0;
   double least = std::numeric_limits<double>::infinity();
   Eigen::Vector3d p_T = p_.points_T[point];
   for (int k = 0; k <= steps; ++k) {
     Eigen::Matrix4d V = Eigen::Matrix4d::Zero();
     CauchySum sum(cauchy_sigma_);
     const bool seen =
-        for_sightings(point, w_.trial_poses, p_T, [&](std::int32_t, const Linearised& l) {
+        for_observations(point, w_.trial_poses, p_T, [&](std::int32_t, const Linearised& l) {
           sum.add(l.by_point.row(3).squaredNorm());
           const Eigen::Matrix<double, 4, 2> weighted = l.weight * l.by_point;
           V.noalias() += l.by_point * weighted.transpose();
@@ -350,14 +353,14 @@ double BundleSystem::settle_point(std::size_t point) {
 }
 
 double BundleSystem::settle_points() {
-  const double sightings_cost = widely([&] {
+  const double observations_cost = widely([&] {
     double sum = 0.0;
     for (std::size_t point = 0; point < p_.points_T.size(); ++point) {
       sum += settle_point(point);
     }
     return sum;
   });
-  return 0.5 * sightings_cost + prior_cost(w_.trial_poses);
+  return 0.5 * observations_cost + prior_cost(w_.trial_poses);
 }
 
 }  // namespace polhode

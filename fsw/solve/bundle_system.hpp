@@ -1,5 +1,5 @@
-// The linearised system of a bundle with its points eliminated, and the damped steps by it: what
-// every adjustment of poses and points is made of.
+// The linearised system of a bundle with its points eliminated, and the damped steps: shared by all
+// adjustments of poses and points.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,8 +15,8 @@
 
 namespace polhode {
 
-/// A problem about its present poses and points. The workspace holds the trial that a step leads
-/// to.
+/// A problem linearised at its present poses and points. The workspace holds the trial poses and
+/// points.
 class BundleSystem {
  public:
   using Reduced = Eigen::Map<Eigen::MatrixXd, Eigen::Aligned64>;
@@ -41,13 +41,12 @@ class BundleSystem {
   /// The trial's poses by step(). @return false where an inverse depth would not be positive.
   bool move_poses();
 
-  /// The trial's points, as they follow step(). @return what the linear model gains by both: for a
-  /// step x that solves the damped system, (damping x' D x - x' g) / 2.
+  /// The trial's points, by back-substitution of step(). @return cost that the linear model gains
+  /// by both: for a step x that solves the damped system, (damping x' D x - x' g) / 2.
   double move_points(double damping);
 
-  /// The trial's points where its poses want them, by two steps of each point alone: however far
-  /// the poses have gone, which a linear model of all of them does not follow. @return
-  /// trial_cost().
+  /// Re-solves each point for the trial poses (two Gauss-Newton steps); valid for large pose steps,
+  /// where the linear model of all unknowns fails. @return trial_cost().
   double settle_points();
 
   [[nodiscard]] std::span<InverseDepthPose> trial_poses() {
@@ -77,10 +76,10 @@ class BundleSystem {
                  const Eigen::Vector3d& p_T,
                  Linearised* out) const;
   template <typename Take>
-  bool for_sightings(std::size_t point,
-                     std::span<const InverseDepthPose> poses,
-                     const Eigen::Vector3d& p_T,
-                     Take take) const;
+  bool for_observations(std::size_t point,
+                        std::span<const InverseDepthPose> poses,
+                        const Eigen::Vector3d& p_T,
+                        Take take) const;
   void add_points(double damping);
   void fill_point_system(std::size_t point);
   void eliminate(const Eigen::Matrix3d& V_inverse);
@@ -98,10 +97,10 @@ class BundleSystem {
   Eigen::Index size_ = 0;
 };
 
-/// Nielsen's damping: after a good step down to a third, after a bad one up by ever larger factors.
-/// Started as for a problem that is nearly solved, which a tracked map's is.
-/// @param try_step    damping -> what the linear model gains by the trial; not positive: there is
-/// none.
+/// Nielsen's damping: down to a third after a good step; up by 2, 4, 8, ... after bad ones. Third,
+/// 2 and kGainMin are Ceres's, too.
+/// @param try_step    damping -> cost that the linear model gains by the trial; not positive: there
+/// is no trial.
 /// @param trial_cost  of that trial.
 /// @param keep_trial  makes it the state.
 /// @source Nielsen, IMM-REP-1999-05.
@@ -112,9 +111,10 @@ BundleReport take_damped_steps(double cost,
                                TryStep try_step,
                                TrialCost trial_cost,
                                KeepTrial keep_trial) {
-  constexpr double kSettled = 1e-5;     // a relative gain that moves nothing by a part of its sigma
-  constexpr double kGainMin = 1e-3;     // of what the linear model promised
-  constexpr double kDampingMax = 1e12;  // steps are too small to matter
+  // Relative gain. Small, because weak directions settle last (docs/decisions/0041).
+  constexpr double kSettled = 1e-5;
+  constexpr double kGainMin = 1e-3;     // part of what the linear model promised
+  constexpr double kDampingMax = 1e12;  // beyond it steps are too small to matter
   BundleReport report{.usable = std::isfinite(cost), .cost_before = cost, .cost_after = cost};
   double factor = 2.0;
   while (report.usable && report.iterations < iterations_max && damping < kDampingMax) {

@@ -15,7 +15,7 @@ inline double cauchy_weight(double error2, double width) {
   return 1.0 / (1.0 + error2 / (width * width));
 }
 
-/// Sum of the losses of many residuals: the logarithm of their product is one for many.
+/// Sum of the losses of many residuals, by one logarithm of their product for many.
 class CauchySum {
  public:
   explicit CauchySum(double width) : width2_(width * width), inverse_width2_(1.0 / width2_) {}
@@ -30,7 +30,7 @@ class CauchySum {
   [[nodiscard]] double value() const { return width2_ * (logs_ + std::log(product_)); }
 
  private:
-  static constexpr double kLarge = 1e150;  // a factor under this does not overflow the product
+  static constexpr double kLarge = 1e150;  // half a double's exponents: no overflow by one factor
   double width2_;
   double inverse_width2_;
   double logs_ = 0.0;

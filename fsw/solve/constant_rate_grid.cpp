@@ -15,16 +15,33 @@ namespace {
 
 // (wx, wy, wz) T in rad and scale change over the interval T.
 using Motion4 = Eigen::Vector4d;
+// Combinations of tracks that are kept. A rigid body's images have rank three; the others hold what
+// a motion leaves unexplained. Chosen.
 constexpr Eigen::Index kColumns = 6;
 using Images = Eigen::Matrix<double, Eigen::Dynamic, kColumns>;
 using Model =
     Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 2 * static_cast<int>(limits::kStartFrames), 3>;
 
+// Axes in the image plane 15 deg apart: each minimum has a start within 8 deg.
 constexpr int kAzimuths = 12;
-// In-plane turns over the interval, deg: steps of about 1.6, from where depth begins to show to a
-// third of a turn.
-constexpr std::array<double, 7> kTurns_deg = {6.0, 10.0, 16.0, 26.0, 42.0, 68.0, 110.0};
+// Rotations about an in-plane axis over the interval, deg: a factor of about 1.6 apart, from where
+// depth begins to show to a third of a turn.
+constexpr std::array<double, 7> kRotations_deg = {6.0, 10.0, 16.0, 26.0, 42.0, 68.0, 110.0};
+// Gauss-Newton steps from each start. Chosen; the adjustment of the hypotheses goes on from there.
 constexpr int kSteps = 8;
+// First damping, and its factors after a good and a bad step. Chosen.
+constexpr double kDampingFirst = 1e-2;
+constexpr double kDampingDown = 0.2;
+constexpr double kDampingUp = 10.0;
+// Part of the trace that each unknown is damped by at least: one that shows nothing stays finite.
+constexpr double kFloor = 1e-12;
+// Norm under which a model column depends on the others: columns without depth are rounding.
+constexpr double kNormMin = 1e-6;
+// Motions within a tenth of their in-plane rotation are one minimum, and within a tenth of 3 deg.
+constexpr double kSame = 0.1;
+constexpr double kSameFrom_rad = 0.05;
+// Least image scale: a wrong rate cannot make it negative. Chosen.
+constexpr double kScaleMin = 0.1;
 
 /// Interval-relative times in [-0.5, 0.5].
 Eigen::VectorXd relative_times(std::span<const double> times_s) {
@@ -51,13 +68,13 @@ Model model_axes(const Motion4& motion, const Eigen::VectorXd& t) {
 /// What the best shape for this motion leaves unexplained.
 Images residual(const Motion4& motion, const Images& images, const Eigen::VectorXd& t) {
   Model Q = model_axes(motion, t);
-  // Gram-Schmidt; a column that depends on the others (no turn: no depth) drops out.
+  // Gram-Schmidt; a column that depends on the others (no rotation: no depth) drops out.
   for (Eigen::Index c = 0; c < 3; ++c) {
     for (Eigen::Index k = 0; k < c; ++k) {
       Q.col(c) -= Q.col(k).dot(Q.col(c)) * Q.col(k);
     }
     const double norm = Q.col(c).norm();
-    Q.col(c) *= norm > 1e-6 ? 1.0 / norm : 0.0;
+    Q.col(c) *= norm > kNormMin ? 1.0 / norm : 0.0;
   }
   return images - Q * (Q.transpose() * images);
 }
@@ -67,12 +84,12 @@ struct Minimum {
   double residual2;
 };
 
-/// Gauss-Newton with forward differences: four dimensions, residuals linear enough near a minimum.
+/// Gauss-Newton with forward differences in four dimensions.
 Minimum descend(Motion4 motion, const Images& images, const Eigen::VectorXd& t) {
-  constexpr double kStep = 1e-4;
+  constexpr double kStep = 1e-4;  // linear to 1e-4, and far above rounding
   Images r = residual(motion, images, t);
   double current = r.squaredNorm();
-  double damping = 1e-2;
+  double damping = kDampingFirst;
   for (int step = 0; step < kSteps; ++step) {
     Eigen::MatrixXd J(images.size(), 4);
     for (Eigen::Index k = 0; k < 4; ++k) {
@@ -82,22 +99,22 @@ Minimum descend(Motion4 motion, const Images& images, const Eigen::VectorXd& t) 
     }
     Eigen::Matrix4d H = J.transpose() * J;
     H.diagonal() *= 1.0 + damping;
-    H.diagonal().array() += 1e-12 * H.trace();
+    H.diagonal().array() += kFloor * H.trace();
     const Motion4 next = motion - H.ldlt().solve(J.transpose() * r.reshaped());
     const Images r_next = residual(next, images, t);
     if (next.allFinite() && r_next.squaredNorm() < current) {
       motion = next;
       r = r_next;
       current = r.squaredNorm();
-      damping *= 0.2;
+      damping *= kDampingDown;
     } else {
-      damping *= 10.0;
+      damping *= kDampingUp;
     }
   }
   return {motion, current};
 }
 
-/// Turn of the image about the line of sight, by the best 2-d similarity between the ends.
+/// Rotation of the image about the line of sight, by the best 2-d similarity between the ends.
 Motion4 image_motion(const ImageMatrix& images) {
   const Eigen::Index frames = images.rows() / 2;
   const auto x0 = images.row(0);
@@ -111,7 +128,7 @@ Motion4 image_motion(const ImageMatrix& images) {
   return motion;
 }
 
-/// The tracks' images by their few leading combinations: same residuals, less work.
+/// The leading combinations of the tracks' images: nearly the same residuals, less work.
 Images compress(const ImageMatrix& images) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(images * images.transpose());
   const Eigen::Index columns = std::min<Eigen::Index>(kColumns, images.rows());
@@ -125,9 +142,9 @@ Images compress(const ImageMatrix& images) {
 }
 
 bool same(const Motion4& a, const Motion4& b) {
-  const Motion4 twin(-b(0), -b(1), b(2), b(3));
-  const double tolerance = 0.1 * std::max(a.head<2>().norm(), 0.05);
-  return (a - b).head<3>().norm() < tolerance || (a - twin).head<3>().norm() < tolerance;
+  const Motion4 depth_reversed(-b(0), -b(1), b(2), b(3));
+  const double tolerance = kSame * std::max(a.head<2>().norm(), kSameFrom_rad);
+  return (a - b).head<3>().norm() < tolerance || (a - depth_reversed).head<3>().norm() < tolerance;
 }
 
 }  // namespace
@@ -140,14 +157,14 @@ ConstantRateMotions search_constant_rate(const ImageMatrix& images,
   POLHODE_ASSERT(times_s.back() > times_s.front(), times_s.front());
   const Eigen::VectorXd t = relative_times(times_s);
   const Images compressed = compress(images);
-  FixedVector<Minimum, kAzimuths * kTurns_deg.size()> minima;
+  FixedVector<Minimum, kAzimuths * kRotations_deg.size()> minima;
   for (int a = 0; a < kAzimuths; ++a) {
-    // Half a circle: the other half are the twins.
+    // Half a circle: the other half are the depth-reversed solutions.
     const double azimuth = std::numbers::pi * (a + 0.5) / kAzimuths;
-    for (const double turn_deg : kTurns_deg) {
-      const double turn = turn_deg * std::numbers::pi / 180.0;
+    for (const double rotation_deg : kRotations_deg) {
+      const double rotation_rad = rotation_deg * std::numbers::pi / 180.0;
       Motion4 start = image_motion(images);
-      start.head<2>() = turn * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
+      start.head<2>() = rotation_rad * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
       (void)minima.push_back(descend(start, compressed, t));
     }
   }
@@ -175,7 +192,7 @@ WeakPerspectiveMotion to_motion(const ConstantRateMotion& rate, std::span<const 
   const double middle = 0.5 * (times_s.front() + times_s.back());
   WeakPerspectiveMotion motion;
   for (const double time : times_s) {
-    const double scale = std::max(0.1, 1.0 + rate.scale_rate_1_s * (time - middle));
+    const double scale = std::max(kScaleMin, 1.0 + rate.scale_rate_1_s * (time - middle));
     if (!motion.R_CT.push_back(so3_exp(rate.w_C_rad_s * (time - middle))) ||
         !motion.scale.push_back(scale)) {
       break;

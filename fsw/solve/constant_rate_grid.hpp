@@ -1,4 +1,4 @@
-// A body that turns at a constant rate, seen from far away: search over rates, shape solved for.
+// A body that rotates at a constant rate, seen from far away: search over rates, shape solved for.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,14 +16,15 @@ struct ConstantRateMotion {
   double residual2 = 0.0;       ///< sum of squares outside the model, normalised units
 };
 
+// Minima that are kept. Chosen: each costs an adjustment, with its depth-reversed solution two.
 inline constexpr std::size_t kConstantRateMotions = 4;
 using ConstantRateMotions = FixedVector<ConstantRateMotion, kConstantRateMotions>;
 
-/// Different local minima of the residual, best first. The depth-reversed twin of each, (-wx, -wy,
-/// wz), has the same residual and is left out.
+/// Different local minima of the residual, best first. The depth-reversed solution of each, (-wx,
+/// -wy, wz), has the same residual and is left out.
 /// @param images   2 F x N, less the centroids (see `centred`), inliers only.
 /// @param times_s  F, ascending; F >= 3.
-/// @cost 12 azimuths x 7 rates, 8 Gauss-Newton steps in four dimensions each.
+/// @cost 12 azimuths x 7 rotations, 8 Gauss-Newton steps in four dimensions each.
 ConstantRateMotions search_constant_rate(const ImageMatrix& images,
                                          std::span<const double> times_s);
 

@@ -14,13 +14,14 @@ namespace polhode {
 namespace {
 
 using ByUnknowns = FreeBodyWorkspace::ByUnknowns;
-// Of each unknown's own curvature. Where the motion's poses bend away from the linear model the
-// first steps fail and it rises, at the price of another trial and no new system.
+// Part of each unknown's own curvature. Where the linear model fails the first steps fail and it
+// rises; a failed step costs a trial, but no new system. A larger one was worse:
+// docs/decisions/0041.
 constexpr double kDampingFirst = 1e-4;
 
 using GaugeRows = Eigen::Matrix<double, 7, kFreeBodyUnknowns>;
 
-/// Position of T's origin in I, and what it owes to the unknowns.
+/// Position of T's origin in I, and its derivatives by the unknowns.
 struct Place {
   Eigen::Vector3d p_I;
   Eigen::Matrix<double, 3, kFreeBodyUnknowns> by_unknowns;
@@ -32,11 +33,11 @@ Place place_of(const FreeBodyMotion& motion,
   const double reference_s = motion.reference.time_s;
   const Eigen::Matrix<double, 6, 6> transition =
       path_transition(motion.orbit, reference_s, state.time_s - reference_s);
-  const Eigen::Vector3d lever_I = state.R_IT * motion.path.tail<3>();
+  const Eigen::Vector3d offset_I = state.R_IT * motion.path.tail<3>();
   Place place;
-  place.p_I = transition.topRows<3>() * motion.path.head<6>() - lever_I;
-  // The lever R c follows an error phi of the attitude as phi x R c.
-  place.by_unknowns << hat(lever_I) * attitude_I, transition.topRows<3>(), -state.R_IT;
+  place.p_I = transition.topRows<3>() * motion.path.head<6>() - offset_I;
+  // An attitude error phi moves the offset R c by phi x R c.
+  place.by_unknowns << hat(offset_I) * attitude_I, transition.topRows<3>(), -state.R_IT;
   return place;
 }
 
@@ -55,7 +56,7 @@ class FreeBody {
     });
   }
 
-  /// The poses as the motion has them. @return false where it does not reach or lies behind the
+  /// The poses by the motion. @return false where the integration fails or a pose lies behind the
   /// camera.
   bool pose(const FreeBodyMotion& motion, std::span<InverseDepthPose> poses) {
     return trace(
@@ -63,11 +64,11 @@ class FreeBody {
           const auto R_CI = p_.times[k].R_IC.transpose();
           const Pose pose{.R_CT = R_CI * state.R_IT,
                           .p_CT = R_CI * place_of(motion, state, TurningMatrix::Zero()).p_I};
-          const bool ahead = pose.p_CT.allFinite() && pose.p_CT.z() > 0.0;
-          if (ahead) {
+          const bool in_front = pose.p_CT.allFinite() && pose.p_CT.z() > 0.0;
+          if (in_front) {
             poses[k] = to_inverse_depth(pose);
           }
-          return ahead;
+          return in_front;
         });
   }
 
@@ -105,12 +106,12 @@ class FreeBody {
 
   /// The least cost over all points as a quadratic of the unknowns about the present motion.
   bool build() {
-    constexpr double kNextToNothing =
-        1e-9;  // of damping, for points that two poses see under no angle
+    // Damping of points that are seen without parallax; otherwise next to nothing.
+    constexpr double kPointDamping = 1e-9;
     if (!linearise()) {
       return false;
     }
-    system_.build(kNextToNothing);
+    system_.build(kPointDamping);
     H_ = project();
     right_ = -prior().cwiseProduct(unknowns_of(*p_.motion));
     const BundleSystem::Unknowns of_poses = system_.step();
@@ -120,16 +121,17 @@ class FreeBody {
     }
     H_.diagonal() += prior();
     curvature_ = H_.diagonal();
-    // Far tighter than what the images say of anything, far from the limits of arithmetic.
-    constexpr double kHeld = 1e-6;
-    const GaugeRows held = gauge() / kHeld;
-    H_ += held.transpose() * held;
+    // Sigma of the gauge, rad and parts of the extent: far below any sigma of the images, far above
+    // rounding.
+    constexpr double kGaugeSigma = 1e-6;
+    const GaugeRows constraint = gauge() / kGaugeSigma;
+    H_ += constraint.transpose() * constraint;
     built_ = true;
     return true;
   }
 
-  /// Calls `take` for each pose with the state at its time, and with the derivatives where asked
-  /// for.
+  /// Calls `take` for each pose with the state at its time, and with the derivatives if `begin` is
+  /// given.
   template <typename Take>
   bool trace(const FreeBodyMotion& motion, const TurningDerivative* begin, Take take) {
     const Inertia inertia = inertia_of(motion.shape);
@@ -137,7 +139,7 @@ class FreeBody {
     const auto later = std::find_if(order.begin(), order.end(), [&](std::size_t k) {
       return p_.times[k].time_s >= motion.reference.time_s;
     });
-    const auto walk = [&](auto first, auto last) {
+    const auto integrate = [&](auto first, auto last) {
       TurningState state = motion.reference;
       TurningDerivative derivative = begin != nullptr ? *begin : TurningDerivative{};
       return std::all_of(first, last, [&](std::size_t k) {
@@ -149,8 +151,8 @@ class FreeBody {
                take(k, state, derivative);
       });
     };
-    return walk(later, order.end()) &&
-           walk(std::make_reverse_iterator(later), std::make_reverse_iterator(order.begin()));
+    return integrate(later, order.end()) &&
+           integrate(std::make_reverse_iterator(later), std::make_reverse_iterator(order.begin()));
   }
 
   bool linearise() {
@@ -162,18 +164,18 @@ class FreeBody {
         [&](std::size_t k, const TurningState& state, const TurningDerivative& by) {
           const Place place = place_of(*p_.motion, state, by.attitude_I);
           const auto R_CI = p_.times[k].R_IC.transpose();
-          Eigen::Matrix<double, 3, kFreeBodyUnknowns> turning;
-          turning << by.attitude_I, Eigen::Matrix<double, 3, kPathUnknowns>::Zero();
-          w_.pose_by_unknowns[k] << R_CI * turning,
+          Eigen::Matrix<double, 3, kFreeBodyUnknowns> rotation;
+          rotation << by.attitude_I, Eigen::Matrix<double, 3, kPathUnknowns>::Zero();
+          w_.pose_by_unknowns[k] << R_CI * rotation,
               uvs_by_position(R_CI * place.p_I) * (R_CI * place.by_unknowns);
-          gauge_.topRows<3>() += state.R_IT.transpose() * turning;
+          gauge_.topRows<3>() += state.R_IT.transpose() * rotation;
           gauge_.middleRows<3>(3) += state.R_IT.transpose() * place.by_unknowns / p_.lever_sigma;
           gauge_.row(6) += place.p_I.transpose() * place.by_unknowns / place.p_I.squaredNorm();
           return true;
         });
   }
 
-  /// T's turn, shift (in the body's extent) and growth with the unknowns, on the mean of the poses.
+  /// T's rotation, shift (in the body's extent) and scale by the unknowns, mean over the poses.
   [[nodiscard]] GaugeRows gauge() const { return gauge_ / static_cast<double>(count()); }
 
   /// The reduced system of the poses in terms of the unknowns.
@@ -224,10 +226,11 @@ class FreeBody {
   BundleSystem system_;
   FreeBodyMotion trial_;
   GaugeRows gauge_ = GaugeRows::Zero();
-  bool built_ = false;  ///< what follows is of the present motion:
+  bool built_ = false;  ///< the members below belong to the present motion
   FreeBodyInformation H_ = FreeBodyInformation::Zero();
-  FreeBodyVector curvature_ = FreeBodyVector::Zero();  ///< H's diagonal before the gauge is held
-  FreeBodyVector right_ = FreeBodyVector::Zero();      ///< H x = right
+  FreeBodyVector curvature_ =
+      FreeBodyVector::Zero();                      ///< H's diagonal before the gauge is constrained
+  FreeBodyVector right_ = FreeBodyVector::Zero();  ///< H x = right
 };
 
 }  // namespace

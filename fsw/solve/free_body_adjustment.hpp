@@ -1,8 +1,8 @@
 // Joint adjustment of points and of a free body's motion to their images: the poses are those of
 // one torque-free (or orbiting) rigid body, whatever their number.
 //
-// Poses that are free to move drift, because each is placed by the landmarks of the last few; a
-// body's motion has twenty unknowns, and nothing in them drifts.
+// Free poses drift, because each is placed by the landmarks of the last few. A body's motion has
+// twenty unknowns, and nothing in them drifts.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,14 +16,14 @@
 
 namespace polhode {
 
-/// Those of the turning, then those of the path.
+/// Those of the rotation, then those of the translation.
 inline constexpr int kFreeBodyUnknowns = kTurningUnknowns + kPathUnknowns;
 using FreeBodyVector = Eigen::Matrix<double, kFreeBodyUnknowns, 1>;
 using FreeBodyInformation = Eigen::Matrix<double, kFreeBodyUnknowns, kFreeBodyUnknowns>;
 
-/// When a pose was seen, and by an observer of which attitude.
+/// Time of a pose, and the observer's attitude then.
 struct PoseTime {
-  double time_s = 0.0;  ///< counted as the motion's reference and the orbit's
+  double time_s = 0.0;  ///< same epoch as the motion's reference and the orbit
   Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();
 };
 
@@ -34,20 +34,20 @@ struct FreeBodyMotion {
   Orbit orbit;
 };
 
-/// The bundle's poses follow from the motion; none may be held. Point, motion and poses are changed
-/// in place.
+/// The bundle's poses follow from the motion; none may be fixed. Points, motion and poses are
+/// changed in place.
 struct FreeBodyProblem {
   BundleProblem bundle;
   std::span<const PoseTime> times;  ///< by pose, in any order
   FreeBodyMotion* motion = nullptr;
-  double shape_sigma = 1.5;  ///< 1-sigma beforehand of each number of the shape,
-  double lever_sigma = 1.0;  ///< and of the mass centre's place in T
+  double shape_sigma = kShapeSigma;  ///< prior 1-sigma of each number of the shape
+  double lever_sigma = 1.0;  ///< prior 1-sigma of each coordinate of the centre-of-mass offset in T
 };
 
 struct FreeBodyReport {
-  BundleReport bundle;  ///< costs contain what the two priors cost
-  /// Of the unknowns, points eliminated, by the sightings' sigmas and the priors. T's axes, origin
-  /// and unit, which no image tells, are held where the poses have them on the mean.
+  BundleReport bundle;  ///< costs include the two priors
+  /// Of the unknowns, points eliminated, by the observations' sigmas and the priors. T's axes,
+  /// origin and unit, which no image determines, are constrained in the mean over the poses.
   FreeBodyInformation information = FreeBodyInformation::Zero();
 };
 
@@ -57,13 +57,13 @@ struct FreeBodyWorkspace {
   std::array<ByUnknowns, BundleWorkspace::kPoses> pose_by_unknowns{};  ///< (phi, uvs) of each pose
 };
 
-/// Levenberg-Marquardt over the twenty unknowns alone, by variable projection: each trial has its
-/// points settled, so that a motion is judged by the points that suit it. Damping on points as well
-/// would hold back the motion, which moves all of them.
-/// @return not usable, the problem's poses and points then mean nothing, where the motion puts a
-/// point behind a camera or runs away.
-/// @cost a system as adjust_bundle()'s for each motion that is kept, two to three linearisations of
-/// all sightings for each that is tried. No heap; deterministic.
+/// Levenberg-Marquardt over the twenty unknowns alone, by variable projection: each trial motion
+/// has its points re-solved. Damping on points as well would restrain the motion, which moves all
+/// of them.
+/// @return not usable where the motion diverges or puts a point behind a camera. The problem's
+/// poses and points then mean nothing.
+/// @cost a system like adjust_bundle()'s for each motion that is kept; two to three linearisations
+/// of all observations for each trial. No heap; deterministic.
 /// @source Golub and Pereyra, Inverse Problems 19, 2003 (variable projection).
 FreeBodyReport adjust_free_body(const FreeBodyProblem& problem,
                                 const BundleOptions& options,

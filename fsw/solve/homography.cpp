@@ -14,12 +14,22 @@
 namespace polhode {
 namespace {
 
-// Two coordinates, 99 %.
+// Chi-square of two coordinates, 99 %.
 constexpr double kTransferMax2 = 9.21;
+// Rounds of choosing inliers and fitting them. Chosen.
 constexpr int kRounds = 3;
+// Worse than any score or error.
+constexpr double kNoScore = 1e300;
+// Pairs: twice what determines a homography.
+constexpr std::size_t kPairsMin = 8;
+// Streams from here on are this sampler's: "HO", past those of find_relative_poses.
+constexpr std::uint64_t kStream = 0x484FULL;
+// Avoid divisions by zero.
+constexpr double kSpreadMin = 1e-30;
+constexpr double kSingularMin = 1e-300;
+constexpr double kDepthMin = 1e-12;
 
-/// Similarity that moves the points' mean to 0 and their spread to 1: keeps the linear problem well
-/// conditioned.
+/// Similarity that moves the points' mean to 0 and their spread to 1, for conditioning.
 Eigen::Matrix3d conditioner(std::span<const Eigen::Vector2d> x) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& p : x) {
@@ -30,14 +40,14 @@ Eigen::Matrix3d conditioner(std::span<const Eigen::Vector2d> x) {
   for (const Eigen::Vector2d& p : x) {
     spread += (p - mean).squaredNorm();
   }
-  const double scale = std::sqrt(static_cast<double>(x.size()) / std::max(spread, 1e-30));
+  const double scale = std::sqrt(static_cast<double>(x.size()) / std::max(spread, kSpreadMin));
   Eigen::Matrix3d T = Eigen::Matrix3d::Identity();
   T.topLeftCorner<2, 2>() *= scale;
   T.topRightCorner<2, 1>() = -scale * mean;
   return T;
 }
 
-/// Null vector of the linear equations of the pairs that `use` names.
+/// Null vector of the linear equations of the pairs that `use` selects.
 template <typename Use>
 Eigen::Matrix3d linear_homography(std::span<const Eigen::Vector2d> x_a,
                                   std::span<const Eigen::Vector2d> x_b,
@@ -67,7 +77,7 @@ Eigen::Matrix3d linear_homography(std::span<const Eigen::Vector2d> x_a,
 
 double transfer2(const Eigen::Matrix3d& H, const Eigen::Vector2d& x_a, const Eigen::Vector2d& x_b) {
   const Eigen::Vector3d y = H * x_a.homogeneous();
-  return std::abs(y.z()) > 1e-12 ? (y.hnormalized() - x_b).squaredNorm() : 1e300;
+  return std::abs(y.z()) > kDepthMin ? (y.hnormalized() - x_b).squaredNorm() : kNoScore;
 }
 
 double score_of(const Eigen::Matrix3d& H,
@@ -89,7 +99,7 @@ double score_of(const Eigen::Matrix3d& H,
 Eigen::Matrix3d euclidean(const Eigen::Matrix3d& H, const Eigen::Vector2d& x_a) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(H);
   const double sign = (H * x_a.homogeneous()).z() < 0.0 ? -1.0 : 1.0;
-  return sign * H / std::max(svd.singularValues()(1), 1e-300);
+  return sign * H / std::max(svd.singularValues()(1), kSingularMin);
 }
 
 bool in_front(const PanelMotion& m, std::span<const Eigen::Vector2d> x_a) {
@@ -97,7 +107,7 @@ bool in_front(const PanelMotion& m, std::span<const Eigen::Vector2d> x_a) {
   for (const Eigen::Vector2d& x : x_a) {
     count += m.normal_a.dot(x.homogeneous()) > 0.0 ? 1U : 0U;
   }
-  return 10 * count >= 8 * x_a.size();
+  return 10 * count >= 8 * x_a.size();  // four in five: some pairs are outliers
 }
 
 void decompose(std::span<const Eigen::Vector2d> x_a, HomographyFit* fit) {
@@ -135,17 +145,18 @@ HomographyFit find_homography(std::span<const Eigen::Vector2d> x_a,
                               const TwoViewOptions& options) {
   POLHODE_ASSERT(x_a.size() == x_b.size(), x_a.size());
   HomographyFit best;
-  best.score = 1e300;
-  if (x_a.size() < 8) {
+  best.score = kNoScore;
+  if (x_a.size() < kPairsMin) {
     return best;
   }
   const Eigen::Matrix3d T_a = conditioner(x_a);
   const Eigen::Matrix3d T_b = conditioner(x_b);
-  // The error is that of two images.
+  // The error has the noise of two images.
   const double inverse_variance = 0.5 / (options.sigma_normalised * options.sigma_normalised);
   const auto keep = [&](const Eigen::Matrix3d& H) {
     int inliers = 0;
-    const double score = H.allFinite() ? score_of(H, x_a, x_b, inverse_variance, &inliers) : 1e300;
+    const double score =
+        H.allFinite() ? score_of(H, x_a, x_b, inverse_variance, &inliers) : kNoScore;
     if (score < best.score) {
       best.H_ba = H;
       best.score = score;
@@ -155,7 +166,7 @@ HomographyFit find_homography(std::span<const Eigen::Vector2d> x_a,
   std::array<int, 4> sample{};
   for (int draw = 0; draw < options.samples; ++draw) {
     draw_sample(options.seed,
-                0x484FULL + static_cast<std::uint64_t>(draw),
+                kStream + static_cast<std::uint64_t>(draw),
                 static_cast<std::uint32_t>(x_a.size()),
                 sample);
     keep(linear_homography(x_a, x_b, T_a, T_b, [&](std::size_t i) {

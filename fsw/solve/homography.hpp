@@ -26,7 +26,7 @@ struct HomographyFit {
 };
 
 /// Consensus of four-point samples, least squares on the inliers, decomposition.
-/// @source Malis and Vargas, INRIA RR-6303, 2007 (decomposition, by way of OpenCV).
+/// @source Malis and Vargas, INRIA RR-6303, 2007 (decomposition, via OpenCV).
 HomographyFit find_homography(std::span<const Eigen::Vector2d> x_a,
                               std::span<const Eigen::Vector2d> x_b,
                               const TwoViewOptions& options);

@@ -13,9 +13,12 @@
 namespace polhode {
 namespace {
 
+// Twelve coordinates for nine unknowns.
 constexpr std::size_t kSamplesMin = 4;
-constexpr double kMedian3 = 2.366;  // of chi-square with three degrees of freedom
+// The first has equal weights, each later one weights by the residuals before. Chosen.
 constexpr int kRounds = 4;
+// Least variance found over declared: exact data must not divide by zero. A hundredth of the sigma.
+constexpr double kScale2Min = 1e-4;
 
 using Squares = std::array<double, limits::kMotionPoses>;
 using PathRows = Eigen::Matrix<double, 3, kPathUnknowns>;
@@ -30,7 +33,7 @@ PathRows rows_of(const PathProblem& problem, const PositionSample& sample) {
 
 double scale_of(const Squares& squares, std::size_t count) {
   Squares sorted = squares;
-  return median(std::span(sorted).first(count)) / kMedian3;
+  return median(std::span(sorted).first(count)) / kChi2Median3;
 }
 
 struct System {
@@ -40,11 +43,11 @@ struct System {
       Eigen::Matrix<double, kPathUnknowns, kTurningUnknowns>::Zero();
 };
 
-/// Normal equations with weights by the residuals of `squares` (none: all alike).
+/// Normal equations with Cauchy weights by `squares` (nullptr: equal weights).
 System accumulate(const PathProblem& problem,
                   const Squares* squares,
                   double scale2,
-                  const Eigen::Vector3d& lever_T) {
+                  const Eigen::Vector3d& offset_T) {
   System system;
   const double c2 = problem.cauchy_sigma * problem.cauchy_sigma * scale2;
   for (std::size_t i = 0; i < problem.samples.size(); ++i) {
@@ -54,8 +57,8 @@ System accumulate(const PathProblem& problem,
     const PathRows weighted = weight * sample.information_I * rows;
     system.H.noalias() += rows.transpose() * weighted;
     system.g.noalias() += weighted.transpose() * sample.p_I;
-    // The lever's arm R c follows an error phi of the attitude as phi x R c.
-    const Eigen::Matrix3d by_phi = hat(sample.R_IT * lever_T);
+    // An attitude error phi moves the offset R c by phi x R c.
+    const Eigen::Matrix3d by_phi = hat(sample.R_IT * offset_T);
     system.by_turning.noalias() -= weighted.transpose() * (by_phi * sample.attitude_by_turning_I);
   }
   return system;
@@ -63,36 +66,36 @@ System accumulate(const PathProblem& problem,
 
 }  // namespace
 
-Eigen::Matrix<double, 6, 6> path_transition(const Orbit& orbit, double time_s, double ahead_s) {
+Eigen::Matrix<double, 6, 6> path_transition(const Orbit& orbit, double time_s, double interval_s) {
   Eigen::Matrix<double, 6, 6> transition = Eigen::Matrix<double, 6, 6>::Identity();
   if (!orbit.active()) {
-    transition.topRightCorner<3, 3>() = ahead_s * Eigen::Matrix3d::Identity();
+    transition.topRightCorner<3, 3>() = interval_s * Eigen::Matrix3d::Identity();
     return transition;
   }
   const double n = orbit.mean_motion_rad_s;
-  const double t = ahead_s;
+  const double t = interval_s;
   const double s = std::sin(n * t);
   const double c = std::cos(n * t);
-  Eigen::Matrix<double, 6, 6> hill;  // Clohessy and Wiltshire, in the turning axes of H
+  Eigen::Matrix<double, 6, 6> hill;  // Clohessy and Wiltshire, in the rotating axes of H
   hill << 4.0 - 3.0 * c, 0.0, 0.0, s / n, 2.0 / n * (1.0 - c), 0.0,                         //
       6.0 * (s - n * t), 1.0, 0.0, -2.0 / n * (1.0 - c), (4.0 * s - 3.0 * n * t) / n, 0.0,  //
       0.0, 0.0, c, 0.0, 0.0, s / n,                                                         //
       3.0 * n * s, 0.0, 0.0, c, 2.0 * s, 0.0,                                               //
       -6.0 * n * (1.0 - c), 0.0, 0.0, -2.0 * s, 4.0 * c - 3.0, 0.0,                         //
       0.0, 0.0, -n * s, 0.0, 0.0, c;
-  const Eigen::Matrix3d turning = hat({0.0, 0.0, n});
+  const Eigen::Matrix3d rotation = hat({0.0, 0.0, n});
   const auto to_hill = [&](const Eigen::Matrix3d& R_HI) {
     Eigen::Matrix<double, 6, 6> to = Eigen::Matrix<double, 6, 6>::Zero();
     to.topLeftCorner<3, 3>() = R_HI;
     to.bottomRightCorner<3, 3>() = R_HI;
-    to.bottomLeftCorner<3, 3>() = -turning * R_HI;
+    to.bottomLeftCorner<3, 3>() = -rotation * R_HI;
     return to;
   };
-  const Eigen::Matrix3d R_IH = orbit.R_IH_at(time_s + ahead_s);
+  const Eigen::Matrix3d R_IH = orbit.R_IH_at(time_s + interval_s);
   Eigen::Matrix<double, 6, 6> from_hill = Eigen::Matrix<double, 6, 6>::Zero();
   from_hill.topLeftCorner<3, 3>() = R_IH;
   from_hill.bottomRightCorner<3, 3>() = R_IH;
-  from_hill.bottomLeftCorner<3, 3>() = R_IH * turning;
+  from_hill.bottomLeftCorner<3, 3>() = R_IH * rotation;
   return from_hill * hill * to_hill(orbit.R_IH_at(time_s).transpose());
 }
 
@@ -113,10 +116,10 @@ Result<PathSolution> solve_path(const PathProblem& problem) {
   Squares squares{};
   System system;
   for (int round = 0; round < kRounds; ++round) {
-    const double scale2 = round == 0 ? 1.0 : std::max(1e-4, scale_of(squares, count));
+    const double scale2 = round == 0 ? 1.0 : std::max(kScale2Min, scale_of(squares, count));
     system =
         accumulate(problem, round == 0 ? nullptr : &squares, scale2, solution.unknowns.tail<3>());
-    // The prior counts in the found noise, as the data do.
+    // The data are scaled to the noise as found; the prior keeps its own sigma.
     PathCovariance H = system.H / scale2;
     H.diagonal().tail<3>().array() += prior;
     solution.unknowns = H.ldlt().solve(system.g / scale2);

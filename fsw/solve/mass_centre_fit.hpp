@@ -1,5 +1,5 @@
-// Path of the mass centre and its place in the body, from positions of the body's origin: linear
-// least squares, attitudes being known from the fit of the turning.
+// Translation of the mass centre and its offset in the body, from positions of the body's origin:
+// linear least squares. Attitudes are known from the fit of the rotation.
 #pragma once
 
 #include <cstddef>
@@ -10,17 +10,17 @@
 
 namespace polhode {
 
-/// Unknowns of the path: mass centre p and velocity v at the reference in I, relative to the
-/// observer; mass centre c in T, seen from T's origin.
+/// Unknowns of the translation: mass centre p and velocity v at the reference in I, relative to the
+/// observer; centre-of-mass offset c from T's origin, in T.
 inline constexpr int kPathUnknowns = 9;
 using PathVector = Eigen::Matrix<double, kPathUnknowns, 1>;
 using PathCovariance = Eigen::Matrix<double, kPathUnknowns, kPathUnknowns>;
 
 struct PositionSample {
   double time_s = 0.0;
-  Eigen::Vector3d p_I = Eigen::Vector3d::Zero();  ///< T's origin seen from the observer
+  Eigen::Vector3d p_I = Eigen::Vector3d::Zero();  ///< T's origin relative to the observer
   Eigen::Matrix3d information_I = Eigen::Matrix3d::Identity();
-  Eigen::Matrix3d R_IT = Eigen::Matrix3d::Identity();  ///< by the fit of the turning
+  Eigen::Matrix3d R_IT = Eigen::Matrix3d::Identity();  ///< by the fit of the rotation
   TurningMatrix attitude_by_turning_I = TurningMatrix::Zero();
 };
 
@@ -28,21 +28,21 @@ struct PathProblem {
   std::span<const PositionSample> samples;
   double reference_s = 0.0;
   Orbit orbit;
-  double lever_sigma = 1.0;  ///< 1-sigma of each number of c beforehand: half the body's size
-  double cauchy_sigma = 4.0;
+  double lever_sigma = 1.0;  ///< prior 1-sigma of each coordinate of c: half the body's size
+  double cauchy_sigma = kPoseCauchySigma;
 };
 
 struct PathSolution {
   PathVector unknowns = PathVector::Zero();
   PathCovariance information = PathCovariance::Zero();  ///< by the declared noise, with the prior
-  /// Of the unknowns by those of the turning: what its errors do to the path.
+  /// Derivatives of the unknowns by those of the rotation: propagates its errors.
   Eigen::Matrix<double, kPathUnknowns, kTurningUnknowns> by_turning =
       Eigen::Matrix<double, kPathUnknowns, kTurningUnknowns>::Zero();
 };
 
-/// Position and velocity (p, v) after `ahead_s` as a linear function of those at `time_s`:
+/// Position and velocity (p, v) `interval_s` later as a linear function of those at `time_s`:
 /// straight, or by Hill's equations about an observer on the orbit. Axes I.
-Eigen::Matrix<double, 6, 6> path_transition(const Orbit& orbit, double time_s, double ahead_s);
+Eigen::Matrix<double, 6, 6> path_transition(const Orbit& orbit, double time_s, double interval_s);
 
 /// @errors TooFewObservations (under 4 samples), Degenerate (no time passes, or a covariance is not
 /// usable), BadParameter (lever_sigma not positive).

@@ -11,7 +11,7 @@ namespace {
 
 constexpr auto kColumns = static_cast<std::size_t>(kDescriptorOctets);
 
-/// Plain, of constant length: the compiler takes sixteen columns at once.
+/// Of constant length: vectorised.
 int distance2(const std::uint8_t* a, const std::uint8_t* b) {
   int sum = 0;
   for (std::size_t i = 0; i < kColumns; ++i) {
@@ -21,7 +21,7 @@ int distance2(const std::uint8_t* a, const std::uint8_t* b) {
   return sum;
 }
 
-/// Of equals the one that comes first.
+/// Of equal distances the first row.
 Neighbours nearest_two(std::span<const std::uint8_t> reference, const std::uint8_t* query) {
   int nearest2 = std::numeric_limits<int>::max();
   int second2 = std::numeric_limits<int>::max();

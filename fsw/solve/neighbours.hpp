@@ -6,6 +6,7 @@
 
 namespace polhode {
 
+/// Size of a SIFT descriptor: 4 x 4 fields of 8 directions, an octet each.
 inline constexpr int kDescriptorOctets = 128;
 
 struct Neighbours {

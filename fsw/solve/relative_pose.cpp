@@ -17,8 +17,10 @@
 namespace polhode {
 namespace {
 
-// One coordinate, 3 sigma: beyond it a pair's error counts the same however large.
+// Chi-square of one coordinate, 3 sigma: 99.7 %. Larger errors all count the same.
 constexpr double kSampsonMax2 = 9.0;
+// Pairs: five determine the essential matrix, the others choose among its solutions. Chosen.
+constexpr std::size_t kPairsMin = 8;
 
 struct Pairs {
   std::span<const Eigen::Vector2d> x_a;
@@ -38,8 +40,7 @@ double score_of(const Eigen::Matrix3d& E, const Pairs& pairs, int* inliers) {
   return sum;
 }
 
-/// Of the four motions of an essential matrix, the one that has most points in front of both
-/// cameras.
+/// Of the four motions of an essential matrix, the one with most points in front of both cameras.
 RelativePose choose_in_front(const Eigen::Matrix3d& E, const Pairs& pairs) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(E, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d U = svd.matrixU();
@@ -82,7 +83,7 @@ opengv::essentials_t solve_sample(const Pairs& pairs, std::span<const int> sampl
 
 /// Keeps the list sorted, with one candidate per rotation.
 void insert(const RelativePoseCandidate& candidate, RelativePoseCandidates* list) {
-  // Rotations closer than this refine to the same minimum.
+  // 1.7 deg: closer rotations refine to the same minimum. Chosen; larger loses different ones.
   constexpr double kSameRotation_rad = 0.03;
   for (std::size_t i = 0; i < list->size(); ++i) {
     if (rotation_angle_rad((*list)[i].motion.R_ba, candidate.motion.R_ba) < kSameRotation_rad) {
@@ -123,7 +124,7 @@ void draw_sample(std::uint64_t seed,
   POLHODE_ASSERT(sample.size() <= count, count);
   Rng rng(seed, stream);
   for (std::size_t i = 0; i < sample.size(); ++i) {
-    // Draws among those that are left: skips the earlier ones in ascending order.
+    // Without replacement: skips the earlier draws in ascending order.
     int value = static_cast<int>(rng.below(count - static_cast<std::uint32_t>(i)));
     std::sort(sample.begin(), sample.begin() + static_cast<std::ptrdiff_t>(i));
     for (std::size_t k = 0; k < i; ++k) {
@@ -138,7 +139,7 @@ RelativePoseCandidates find_relative_poses(std::span<const Eigen::Vector2d> x_a,
                                            const TwoViewOptions& options) {
   POLHODE_ASSERT(x_a.size() == x_b.size(), x_a.size());
   RelativePoseCandidates found;
-  if (x_a.size() < 8) {
+  if (x_a.size() < kPairsMin) {
     return found;
   }
   const Pairs pairs{x_a, x_b, 1.0 / (options.sigma_normalised * options.sigma_normalised)};

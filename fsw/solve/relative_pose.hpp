@@ -12,7 +12,7 @@ namespace polhode {
 
 struct TwoViewOptions {
   double sigma_normalised = 1.0;  ///< 1-sigma of an image coordinate
-  int samples = 60;               ///< five good of 75 % good pairs come up in one of four draws
+  int samples = 60;  ///< at 60 % inliers 60 draws of five pairs miss with 1 % probability
   std::uint64_t seed = 0;
 };
 
@@ -22,14 +22,15 @@ struct RelativePoseCandidate {
   int inliers = 0;
 };
 
+/// Candidates kept. Chosen: each costs an adjustment, with its depth-reversed solution two.
 inline constexpr std::size_t kRelativePoses = 3;
 using RelativePoseCandidates = FixedVector<RelativePoseCandidate, kRelativePoses>;
 
 /// The best candidates that differ in their rotation, best first; none when under eight pairs or
-/// all samples fail. Small distant bodies give many that fit: the caller refines and compares them.
+/// all samples fail. Many fit a small distant body: the caller refines and compares them.
 /// @param x_a, x_b  normalised image points, pair by pair.
 /// @cost `samples` minimal problems, up to ten solutions each, scored on all pairs.
-/// @source Nister, PAMI 2004, by way of OpenGV.
+/// @source Nister, PAMI 2004, via OpenGV.
 RelativePoseCandidates find_relative_poses(std::span<const Eigen::Vector2d> x_a,
                                            std::span<const Eigen::Vector2d> x_b,
                                            const TwoViewOptions& options);

@@ -11,7 +11,13 @@
 namespace polhode {
 namespace {
 
+// Least second moment over the largest: lifts a tensor that noise made unphysical, or a sheet's, to
+// a body whose logarithm is finite. A hundredth is a thickness of a tenth.
 constexpr double kMomentFloor = 0.01;
+// Difference of logarithms below which sinh(x) / x is taken to be 1, right to 4e-12; avoids 0 / 0.
+constexpr double kApartMin = 1e-5;
+// Avoids a floor of zero.
+constexpr double kMomentMin = 1e-300;
 
 /// dS by d log S in the direction `direction` (Daleckii and Krein), V and l being those of log S.
 Eigen::Matrix3d exponential_derivative(const Eigen::Matrix3d& V,
@@ -23,7 +29,7 @@ Eigen::Matrix3d exponential_derivative(const Eigen::Matrix3d& V,
       const double apart = l(i) - l(j);
       const double middle = std::exp(0.5 * (l(i) + l(j)));
       inner(i, j) *=
-          std::abs(apart) > 1e-5 ? 2.0 * middle * std::sinh(0.5 * apart) / apart : middle;
+          std::abs(apart) > kApartMin ? 2.0 * middle * std::sinh(0.5 * apart) / apart : middle;
     }
   }
   return V * inner * V.transpose();
@@ -174,7 +180,7 @@ InertiaShape shape_of(const Eigen::Matrix3d& J_T) {
   const Eigen::Matrix3d S = 0.5 * J_T.trace() * Eigen::Matrix3d::Identity() - J_T;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(0.5 * (S + S.transpose()));
   const Eigen::Vector3d s = eigen.eigenvalues();
-  const double floor = kMomentFloor * std::max(s.maxCoeff(), 1e-300);
+  const double floor = kMomentFloor * std::max(s.maxCoeff(), kMomentMin);
   const Eigen::Vector3d l = s.cwiseMax(floor).array().log();
   const Eigen::Matrix3d log_S =
       eigen.eigenvectors() * l.asDiagonal() * eigen.eigenvectors().transpose();
@@ -212,7 +218,7 @@ bool advance(const Inertia& inertia,
              double time_s,
              TurningState& state,
              TurningDerivative* derivative) {
-  // The count is taken anew after every step: between two attitudes far apart the rate may change.
+  // The steps left are counted after every step: the rate may change on the way.
   for (int i = 0; i < kTurningStepsMax; ++i) {
     const double left_s = time_s - state.time_s;
     const double rate_rad_s = state.w_T_rad_s.norm() + orbit.mean_motion_rad_s;

@@ -1,8 +1,8 @@
-// The motion of a rigid body by Euler's equation, and what attitude and rate at a later time owe to
-// each unknown.
+// The motion of a rigid body by Euler's equation, and the derivatives of attitude and rate by each
+// unknown.
 //
-// Frames: I axes that do not turn, T fixed to the body. Inertia enters by its shape alone: its size
-// has no influence on a body that is free or moved by the gravity gradient.
+// Frames: I has axes that do not rotate, T is fixed to the body. Only the shape of the inertia
+// enters: its size has no influence on a free body, or under the gravity gradient.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,19 +14,26 @@ namespace polhode {
 /// the mass up to its size. Every value is a physical body; zero is one of three equal moments.
 using InertiaShape = Eigen::Matrix<double, 5, 1>;
 
+/// Prior 1-sigma of each number of the shape. Moments of 1:30 are 2.3 sigma.
+inline constexpr double kShapeSigma = 1.5;
+
+/// Width of the Cauchy loss of attitudes and positions: a residual of 4 sigma has half its weight.
+/// Takes 2 % of the information of normal data.
+inline constexpr double kPoseCauchySigma = 4.0;
+
 struct Inertia {
   Eigen::Matrix3d J_T = Eigen::Matrix3d::Identity();  ///< J = I tr S - S, largest moment 1
   Eigen::Matrix3d J_inverse = Eigen::Matrix3d::Identity();
-  std::array<Eigen::Matrix3d, 5> J_by_shape{};  ///< derivatives, of the same scale held fixed
+  std::array<Eigen::Matrix3d, 5> J_by_shape{};  ///< derivatives at constant scale
 };
 
 Inertia inertia_of(const InertiaShape& shape);
 
-/// The shape of a tensor that need not be physical: second moments under a hundredth of the largest
-/// are lifted to that.
+/// The shape of a tensor that need not be physical: second moments are lifted to a hundredth of the
+/// largest.
 InertiaShape shape_of(const Eigen::Matrix3d& J_T);
 
-/// A matrix of the basis that InertiaShape counts in.
+/// Matrix k of the basis of InertiaShape.
 Eigen::Matrix3d shape_basis(int k);
 
 /// A circular orbit. H is Hill's frame: x radial outward, y along track, z along the orbit normal.
@@ -44,7 +51,7 @@ struct TurningState {
   Eigen::Vector3d w_T_rad_s = Eigen::Vector3d::Zero();
 };
 
-/// Unknowns of the turning: error phi of the attitude at the reference (R_true = exp(phi) R), rate
+/// Unknowns of the rotation: error phi of the attitude at the reference (R_true = exp(phi) R), rate
 /// at the reference, shape.
 inline constexpr int kTurningUnknowns = 11;
 using TurningMatrix = Eigen::Matrix<double, 3, kTurningUnknowns>;
@@ -64,18 +71,20 @@ Eigen::Vector3d angular_acceleration(const Inertia& inertia,
                                      const Orbit& orbit,
                                      const TurningState& state);
 
+/// Bounds the time of one integration: 1000 rad or 160 turns at kTurningStepAngle_rad; a fit spans
+/// 32 (docs/decisions/0050).
 inline constexpr int kTurningStepsMax = 20000;
 
-/// Runge-Kutta's phase lags by the step to the fourth over 120: at 0.1 rad by 3e-5 rad in eight
-/// turns, near what a long run can tell (5e-5 rad of 300 frames); at 0.05 rad by a sixteenth of
-/// that.
+/// Runge-Kutta's phase lags by the step to the fourth over 120: at 0.1 rad 3e-5 rad in
+/// eight turns, near what a long run resolves (5e-5 rad of 300 frames). At 0.05 rad it is a
+/// sixteenth (docs/decisions/0050).
 inline constexpr double kTurningStepAngle_rad = 0.05;
 
-/// Moves `state` to `time_s`, earlier or later, in steps that turn by at most
-/// kTurningStepAngle_rad: fourth-order Runge-Kutta for the rate and a Magnus step for the attitude;
-/// 1e-6 rad in ten turns. `derivative`, where given, is moved along.
-/// @return false, with the state somewhere on the way, when that takes over kTurningStepsMax steps
-/// or leaves the numbers.
+/// Moves `state` to `time_s`, earlier or later, in steps of at most kTurningStepAngle_rad:
+/// fourth-order Runge-Kutta for the rate and a Magnus step for the attitude; 1e-6 rad in ten turns.
+/// `derivative`, where given, is moved along.
+/// @return false when that takes over kTurningStepsMax steps or is no longer finite. The state is
+/// then somewhere on the way.
 bool advance(const Inertia& inertia,
              const Orbit& orbit,
              double time_s,

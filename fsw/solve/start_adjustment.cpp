@@ -15,13 +15,26 @@ namespace {
 
 using Workspace = StartAdjustmentWorkspace;
 
-/// Adds one sighting to the normal equations; a wrong track moves its own point only.
-void add_sighting(const StartSighting& s,
-                  bool wrong,
-                  const StartGeometryView& geometry,
-                  const StartAdjustmentOptions& options,
-                  Workspace::Block* block,
-                  Workspace* w) {
+// Levenberg-Marquardt's damping, by factors of 10 (Marquardt 1963): where it begins matters little.
+// Above kDampingMax steps are too small to matter; under kDampingMin it has no effect.
+constexpr double kDampingFirst = 1e-3;
+constexpr double kDampingMin = 1e-9;
+constexpr double kDampingMax = 1e8;
+constexpr double kDampingUp = 10.0;
+constexpr double kDampingDown = 0.1;
+// Part of the trace added to each diagonal element: an undetermined unknown stays finite. Far above
+// rounding, far below information.
+constexpr double kFloor = 1e-12;
+// Known points that a pose needs: three, and one that chooses among the solutions.
+constexpr int kPointsMin = 4;
+
+/// Adds one observation to the normal equations. That of a wrong track moves its own point only.
+void add_observation(const StartSighting& s,
+                     bool wrong,
+                     const StartGeometryView& geometry,
+                     const StartAdjustmentOptions& options,
+                     Workspace::Block* block,
+                     Workspace* w) {
   block->frame = -1;
   const auto frame = static_cast<std::size_t>(s.frame);
   const auto track = static_cast<std::size_t>(s.track);
@@ -52,7 +65,7 @@ void add_sighting(const StartSighting& s,
 }
 
 /// Fills the camera, point and mixed blocks of the normal equations.
-void linearise(std::span<const StartSighting> sightings,
+void linearise(std::span<const StartSighting> observations,
                const StartGeometryView& geometry,
                const StartAdjustmentOptions& options,
                Workspace* w) {
@@ -66,14 +79,14 @@ void linearise(std::span<const StartSighting> sightings,
     block.V.setZero();
     block.g.setZero();
   }
-  w->blocks.resize(sightings.size());
-  for (std::size_t begin = 0; begin < sightings.size();) {
-    const std::size_t end = track_end(sightings, begin);
-    const std::span run = sightings.subspan(begin, end - begin);
+  w->blocks.resize(observations.size());
+  for (std::size_t begin = 0; begin < observations.size();) {
+    const std::size_t end = track_end(observations, begin);
+    const std::span run = observations.subspan(begin, end - begin);
     const bool wrong =
         options.loss == StartLoss::kTruncated && track_cost(run, geometry, options).wrong;
     for (std::size_t i = begin; i < end; ++i) {
-      add_sighting(sightings[i], wrong, geometry, options, &w->blocks[i], w);
+      add_observation(observations[i], wrong, geometry, options, &w->blocks[i], w);
     }
     begin = end;
   }
@@ -83,7 +96,7 @@ void linearise(std::span<const StartSighting> sightings,
 Eigen::Matrix3d point_inverse(const Eigen::Matrix3d& V, double damping) {
   Eigen::Matrix3d damped = V;
   damped.diagonal() *= 1.0 + damping;
-  const double floor = 1e-12 * V.trace();
+  const double floor = kFloor * V.trace();
   if (!(floor > 0.0)) {
     return Eigen::Matrix3d::Zero();
   }
@@ -91,23 +104,23 @@ Eigen::Matrix3d point_inverse(const Eigen::Matrix3d& V, double damping) {
   return damped.inverse();
 }
 
-/// Reduced camera system S, its lower triangle, and in place of the step its right side.
-void eliminate_points(std::span<const StartSighting> sightings, double damping, Workspace* w) {
+/// Reduced camera system S (lower triangle), and its right side in camera_step.
+void eliminate_points(std::span<const StartSighting> observations, double damping, Workspace* w) {
   const Eigen::Index size = w->camera_gradient.size();
   w->reduced.setZero(size, size);
   w->camera_step = w->camera_gradient;
   for (Eigen::Index f = 0; f < size / 6; ++f) {
     Eigen::Matrix<double, 6, 6> U = w->camera_blocks[static_cast<std::size_t>(f)];
-    // A frame without sightings keeps its pose.
+    // A frame without observations keeps its pose.
     const bool empty = !(U.trace() > 0.0);
     U.diagonal().array() *= 1.0 + damping;
-    U.diagonal().array() += empty ? 1.0 : 1e-12 * U.trace();
+    U.diagonal().array() += empty ? 1.0 : kFloor * U.trace();
     w->reduced.block<6, 6>(6 * f, 6 * f) = U;
   }
-  for (std::size_t begin = 0; begin < sightings.size();) {
-    const std::size_t end = track_end(sightings, begin);
+  for (std::size_t begin = 0; begin < observations.size();) {
+    const std::size_t end = track_end(observations, begin);
     const Workspace::PointBlock& point =
-        w->point_blocks[static_cast<std::size_t>(sightings[begin].track)];
+        w->point_blocks[static_cast<std::size_t>(observations[begin].track)];
     const Eigen::Matrix3d V_inverse = point_inverse(point.V, damping);
     for (std::size_t i = begin; i < end; ++i) {
       const Workspace::Block& a = w->blocks[i];
@@ -138,14 +151,14 @@ void apply_camera_step(const StartGeometryView& geometry, Workspace* w) {
   }
 }
 
-void apply_point_steps(std::span<const StartSighting> sightings,
+void apply_point_steps(std::span<const StartSighting> observations,
                        const StartGeometryView& geometry,
                        double damping,
                        Workspace* w) {
   std::copy(geometry.points_T.begin(), geometry.points_T.end(), w->trial_points.begin());
-  for (std::size_t begin = 0; begin < sightings.size();) {
-    const std::size_t end = track_end(sightings, begin);
-    const auto track = static_cast<std::size_t>(sightings[begin].track);
+  for (std::size_t begin = 0; begin < observations.size();) {
+    const std::size_t end = track_end(observations, begin);
+    const auto track = static_cast<std::size_t>(observations[begin].track);
     Eigen::Vector3d g = w->point_blocks[track].g;
     for (std::size_t i = begin; i < end; ++i) {
       if (w->blocks[i].frame >= 0) {
@@ -162,11 +175,11 @@ void apply_point_steps(std::span<const StartSighting> sightings,
 
 /// One damped step into the trial arrays. @return false when the system cannot be solved or a depth
 /// would turn negative.
-bool try_step(std::span<const StartSighting> sightings,
+bool try_step(std::span<const StartSighting> observations,
               const StartGeometryView& geometry,
               double damping,
               Workspace* w) {
-  widely([&] { eliminate_points(sightings, damping, w); });
+  widely([&] { eliminate_points(observations, damping, w); });
   Eigen::Ref<Eigen::MatrixXd> S(w->reduced);
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(S);
   if (factor.info() != Eigen::Success) {
@@ -182,7 +195,7 @@ bool try_step(std::span<const StartSighting> sightings,
       return false;
     }
   }
-  widely([&] { apply_point_steps(sightings, geometry, damping, w); });
+  widely([&] { apply_point_steps(observations, geometry, damping, w); });
   return true;
 }
 
@@ -193,14 +206,14 @@ struct PoseEquations {
   int used = 0;
 };
 
-/// With the Cauchy loss, whatever the options say.
-PoseEquations linearise_pose(std::span<const StartSighting> sightings,
+/// With the Cauchy loss, not the options'.
+PoseEquations linearise_pose(std::span<const StartSighting> observations,
                              const StartGeometryView& geometry,
                              const StartAdjustmentOptions& options,
                              const InverseDepthPose& pose) {
   PoseEquations n;
   CauchySum cost(options.width_sigma);
-  for (const StartSighting& s : sightings) {
+  for (const StartSighting& s : observations) {
     const auto track = static_cast<std::size_t>(s.track);
     Eigen::Vector2d x;
     ReprojectionJacobians J;
@@ -229,38 +242,37 @@ PoseEquations linearise_pose(std::span<const StartSighting> sightings,
 
 }  // namespace
 
-bool reduced_camera_system(std::span<const StartSighting> sightings,
+bool reduced_camera_system(std::span<const StartSighting> observations,
                            const StartGeometryView& geometry,
                            const StartAdjustmentOptions& options,
                            Workspace* workspace) {
-  linearise(sightings, geometry, options, workspace);
-  eliminate_points(sightings, 0.0, workspace);
+  linearise(observations, geometry, options, workspace);
+  eliminate_points(observations, 0.0, workspace);
   return workspace->reduced.allFinite();
 }
 
-StartFit adjust_start(std::span<const StartSighting> sightings,
+StartFit adjust_start(std::span<const StartSighting> observations,
                       const StartGeometryView& geometry,
                       const StartAdjustmentOptions& options,
                       Workspace* workspace) {
-  POLHODE_ASSERT(sightings.size() <= Workspace::kSightings, sightings.size());
+  POLHODE_ASSERT(observations.size() <= Workspace::kSightings, observations.size());
   POLHODE_ASSERT(geometry.poses.size() <= limits::kStartFrames, geometry.poses.size());
   POLHODE_ASSERT(geometry.points_T.size() <= limits::kStartTracks, geometry.points_T.size());
-  // Where the first damping lies matters little: it moves by factors of 10 (Marquardt 1963).
-  double damping = 1e-3;
-  double cost = total_cost(sightings, geometry.poses, geometry.points_T, geometry, options);
+  double damping = kDampingFirst;
+  double cost = total_cost(observations, geometry.poses, geometry.points_T, geometry, options);
   int iteration = 0;
   bool stale = true;
-  for (; iteration < options.iterations_max && damping < 1e8; ++iteration) {
+  for (; iteration < options.iterations_max && damping < kDampingMax; ++iteration) {
     if (stale) {
-      widely([&] { linearise(sightings, geometry, options, workspace); });
+      widely([&] { linearise(observations, geometry, options, workspace); });
     }
     stale = false;
-    if (!try_step(sightings, geometry, damping, workspace)) {
-      damping *= 10.0;
+    if (!try_step(observations, geometry, damping, workspace)) {
+      damping *= kDampingUp;
       continue;
     }
     const double next =
-        total_cost(sightings,
+        total_cost(observations,
                    workspace->trial_poses,
                    std::span(workspace->trial_points).first(geometry.points_T.size()),
                    geometry,
@@ -269,7 +281,7 @@ StartFit adjust_start(std::span<const StartSighting> sightings,
       if (next - cost < options.settled) {
         break;  // equal to rounding
       }
-      damping *= 10.0;
+      damping *= kDampingUp;
       continue;
     }
     std::copy_n(workspace->trial_poses.begin(), geometry.poses.size(), geometry.poses.begin());
@@ -278,42 +290,43 @@ StartFit adjust_start(std::span<const StartSighting> sightings,
     const bool settled = cost - next < options.settled;
     cost = next;
     stale = true;
-    damping = std::max(1e-9, damping * 0.1);
+    damping = std::max(kDampingMin, damping * kDampingDown);
     if (settled) {
       break;
     }
   }
-  StartFit fit = evaluate_start(sightings, geometry, options, workspace);
+  StartFit fit = evaluate_start(observations, geometry, options, workspace);
   fit.iterations = iteration;
   return fit;
 }
 
-double adjust_single_pose(std::span<const StartSighting> sightings,
+double adjust_single_pose(std::span<const StartSighting> observations,
                           const StartGeometryView& geometry,
                           const StartAdjustmentOptions& options,
                           InverseDepthPose* pose) {
-  double damping = 1e-3;
-  PoseEquations equations = linearise_pose(sightings, geometry, options, *pose);
-  if (equations.used < 4) {
+  double damping = kDampingFirst;
+  PoseEquations equations = linearise_pose(observations, geometry, options, *pose);
+  if (equations.used < kPointsMin) {
     return -1.0;
   }
-  for (int iteration = 0; iteration < options.iterations_max && damping < 1e8; ++iteration) {
+  for (int iteration = 0; iteration < options.iterations_max && damping < kDampingMax;
+       ++iteration) {
     Eigen::Matrix<double, 6, 6> H = equations.H;
     H.diagonal() *= 1.0 + damping;
-    H.diagonal().array() += 1e-12 * H.trace();
+    H.diagonal().array() += kFloor * H.trace();
     const Eigen::Matrix<double, 6, 1> step = H.ldlt().solve(equations.g);
     InverseDepthPose trial = *pose;
     trial.R_CT = so3_exp(-step.head<3>()) * pose->R_CT;
     trial.uvs -= step.tail<3>();
-    const PoseEquations next = linearise_pose(sightings, geometry, options, trial);
+    const PoseEquations next = linearise_pose(observations, geometry, options, trial);
     if (!step.allFinite() || !(trial.uvs.z() > 0.0) || !(next.cost < equations.cost)) {
-      damping *= 10.0;
+      damping *= kDampingUp;
       continue;
     }
     const bool settled = equations.cost - next.cost < options.settled;
     *pose = trial;
     equations = next;
-    damping *= 0.1;
+    damping *= kDampingDown;
     if (settled) {
       break;
     }

@@ -1,4 +1,4 @@
-// Joint adjustment of a map's start: all poses and points free, translations by inverse depth.
+// Joint adjustment of an initialisation: all poses and points free, translations by inverse depth.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,52 +9,51 @@
 
 namespace polhode {
 
-/// Levenberg-Marquardt with the points eliminated (Schur complement); the gauge is left free and
-/// held by the damping.
-/// @param sightings  ordered by track; at most kSightings.
+/// Levenberg-Marquardt with the points eliminated (Schur complement). Only the damping constrains
+/// the gauge.
+/// @param observations  ordered by track; at most kSightings.
 /// @param geometry   changed in place; never made worse.
 /// @cost  iterations_max linear systems of 6 per frame. Deterministic.
 /// @source Christy and Horaud, PAMI 1996 (parametrisation); Triggs et al., 2000 (elimination).
-StartFit adjust_start(std::span<const StartSighting> sightings,
+StartFit adjust_start(std::span<const StartSighting> observations,
                       const StartGeometryView& geometry,
                       const StartAdjustmentOptions& options,
                       StartAdjustmentWorkspace* workspace);
 
 /// Pose of one frame from the known points, by at most `iterations_max` damped steps with Cauchy
 /// loss.
-/// @param sightings  of this frame only.
+/// @param observations  of this frame only.
 /// @return robust cost, or a negative number when fewer than four points are known.
-double adjust_single_pose(std::span<const StartSighting> sightings,
+double adjust_single_pose(std::span<const StartSighting> observations,
                           const StartGeometryView& geometry,
                           const StartAdjustmentOptions& options,
                           InverseDepthPose* pose);
 
 /// Normal equations at `geometry` with the points eliminated, undamped: fills workspace->blocks,
 /// point_blocks and reduced.
-bool reduced_camera_system(std::span<const StartSighting> sightings,
+bool reduced_camera_system(std::span<const StartSighting> observations,
                            const StartGeometryView& geometry,
                            const StartAdjustmentOptions& options,
                            StartAdjustmentWorkspace* workspace);
 
 /// Covariance of each known point (units of extent^2) in the gauge of `normalise_gauge`: centroid,
-/// RMS extent and the attitude of the first frame exact. Only sightings within the truncation
+/// RMS extent and the attitude of the first frame exact. Only observations within the truncation
 /// count.
 /// @param covariances  by track; zero where unknown.
 /// @return false when the images do not determine the geometry; nothing is written then.
-bool start_point_covariances(std::span<const StartSighting> sightings,
+bool start_point_covariances(std::span<const StartSighting> observations,
                              const StartGeometryView& geometry,
                              const StartAdjustmentOptions& options,
                              std::span<Eigen::Matrix3d> covariances,
                              StartAdjustmentWorkspace* workspace);
 
 /// Same images, other gauge: T's axes parallel to the first known camera's, its origin in the
-/// median of the points, RMS extent 1 (points beyond three median extents do not count for the
-/// extent).
+/// median of the points, RMS extent 1 without the points beyond three median extents.
 /// @return false, with nothing changed, when the origin would lie behind a camera or under four
 /// points are known.
 bool normalise_gauge(const StartGeometryView& geometry);
 
-/// The depth-reversed twin (Necker): same images to the first order in extent / range.
+/// The depth-reversed solution (Necker ambiguity): same images to first order in extent / range.
 void reverse_depth(const StartGeometryView& geometry);
 
 }  // namespace polhode

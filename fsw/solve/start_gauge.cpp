@@ -1,4 +1,5 @@
-// The seven freedoms of a start: choosing them, and what the images say once they are chosen.
+// The seven gauge freedoms of an initialisation: fixing them, and the covariance once they are
+// fixed.
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -18,8 +19,11 @@ using Matrix37 = Eigen::Matrix<double, 3, 7>;
 using Matrix67 = Eigen::Matrix<double, 6, 7>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 using GaugeByCameras = Eigen::Matrix<double, Eigen::Dynamic, 7, 0, Workspace::kCameraParameters, 7>;
-// Points farther than this many median extents from the centre are taken for mistakes.
+// Points farther from the centre than this many median extents count as wrong. Chosen: larger lets
+// wrong points set the extent, smaller cuts booms off.
 constexpr double kExtentsMax = 3.0;
+// Fewest known points. Chosen.
+constexpr int kPointsMin = 4;
 
 /// Median by coordinates along the rows of R_NT; in T.
 Eigen::Vector3d median_point(const StartGeometryView& g, const Eigen::Matrix3d& R_NT) {
@@ -60,7 +64,7 @@ int count_known(std::span<const std::uint8_t> known) {
       std::count_if(known.begin(), known.end(), [](std::uint8_t k) { return k != 0; }));
 }
 
-/// How a point moves with the gauge: turn of T (3), shift of T (3), scale (1).
+/// How a point moves with the gauge: rotation of T (3), shift of T (3), scale (1).
 Matrix37 point_gauge(const Eigen::Vector3d& p_T) {
   Matrix37 G;
   G << -hat(p_T), Eigen::Matrix3d::Identity(), p_T;
@@ -79,8 +83,8 @@ Matrix67 camera_gauge(const InverseDepthPose& pose) {
   return G;
 }
 
-/// The constraints that fix the gauge, by a point: rows are centroid (3), extent (1); the attitude
-/// is the camera's.
+/// The constraints that fix the gauge, by a point: rows are centroid (3) and extent (1). The
+/// attitude is the camera's.
 Eigen::Matrix<double, 7, 3> point_constraint(const Eigen::Vector3d& p_T) {
   Eigen::Matrix<double, 7, 3> h = Eigen::Matrix<double, 7, 3>::Zero();
   h.topRows<3>().setIdentity();
@@ -125,7 +129,7 @@ bool invert_cameras(const StartGeometryView& g, Workspace* w, GaugeFix* fix) {
          (fix->camera_covariance.diagonal().array() >= 0.0).all();
 }
 
-void collect_constraints(std::span<const StartSighting> sightings,
+void collect_constraints(std::span<const StartSighting> observations,
                          const StartGeometryView& g,
                          const Workspace& w,
                          GaugeFix* fix) {
@@ -138,13 +142,13 @@ void collect_constraints(std::span<const StartSighting> sightings,
   int last_track = -1;
   Eigen::Matrix3d V_inverse = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 7, 3> h;
-  for (std::size_t i = 0; i < sightings.size(); ++i) {
-    const auto track = static_cast<std::size_t>(sightings[i].track);
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const auto track = static_cast<std::size_t>(observations[i].track);
     if (g.known[track] == 0) {
       continue;
     }
-    if (sightings[i].track != last_track) {
-      last_track = sightings[i].track;
+    if (observations[i].track != last_track) {
+      last_track = observations[i].track;
       V_inverse = w.point_blocks[track].V.inverse();
       h = point_constraint(g.points_T[track]);
       fix->constraint_covariance += h * V_inverse * h.transpose();
@@ -161,13 +165,13 @@ void collect_constraints(std::span<const StartSighting> sightings,
 }
 
 /// Covariance of one point after projection onto the constraints.
-Eigen::Matrix3d point_covariance(std::span<const StartSighting> sightings,
+Eigen::Matrix3d point_covariance(std::span<const StartSighting> observations,
                                  std::size_t begin,
                                  std::size_t end,
                                  const Eigen::Vector3d& p_T,
                                  const Workspace& w,
                                  const GaugeFix& fix) {
-  const auto track = static_cast<std::size_t>(sightings[begin].track);
+  const auto track = static_cast<std::size_t>(observations[begin].track);
   const Eigen::Matrix3d V_inverse = w.point_blocks[track].V.inverse();
   Eigen::Matrix<double, Eigen::Dynamic, 3, 0, Workspace::kCameraParameters, 3> by_cameras =
       Eigen::Matrix<double, Eigen::Dynamic, 3, 0, Workspace::kCameraParameters, 3>::Zero(
@@ -189,34 +193,34 @@ Eigen::Matrix3d point_covariance(std::span<const StartSighting> sightings,
 
 }  // namespace
 
-bool start_point_covariances(std::span<const StartSighting> sightings,
+bool start_point_covariances(std::span<const StartSighting> observations,
                              const StartGeometryView& geometry,
                              const StartAdjustmentOptions& options,
                              std::span<Eigen::Matrix3d> covariances,
                              Workspace* workspace) {
   POLHODE_ASSERT(covariances.size() == geometry.points_T.size(), covariances.size());
-  if (count_known(geometry.known) < 4 ||
-      !reduced_camera_system(sightings, geometry, options, workspace)) {
+  if (count_known(geometry.known) < kPointsMin ||
+      !reduced_camera_system(observations, geometry, options, workspace)) {
     return false;
   }
   GaugeFix fix;
   if (!invert_cameras(geometry, workspace, &fix)) {
     return false;
   }
-  collect_constraints(sightings, geometry, *workspace, &fix);
+  collect_constraints(observations, geometry, *workspace, &fix);
   if (!fix.gauge_from_constraints.allFinite() || !fix.constraint_covariance.allFinite()) {
     return false;
   }
   std::fill(covariances.begin(), covariances.end(), Eigen::Matrix3d::Zero());
-  for (std::size_t begin = 0; begin < sightings.size();) {
-    const auto track = static_cast<std::size_t>(sightings[begin].track);
+  for (std::size_t begin = 0; begin < observations.size();) {
+    const auto track = static_cast<std::size_t>(observations[begin].track);
     std::size_t end = begin + 1;
-    while (end < sightings.size() && sightings[end].track == sightings[begin].track) {
+    while (end < observations.size() && observations[end].track == observations[begin].track) {
       ++end;
     }
     if (geometry.known[track] != 0) {
       covariances[track] =
-          point_covariance(sightings, begin, end, geometry.points_T[track], *workspace, fix);
+          point_covariance(observations, begin, end, geometry.points_T[track], *workspace, fix);
     }
     begin = end;
   }
@@ -225,7 +229,7 @@ bool start_point_covariances(std::span<const StartSighting> sightings,
 
 bool normalise_gauge(const StartGeometryView& g) {
   const std::size_t first = first_posed(g);
-  if (first == g.posed.size() || count_known(g.known) < 4) {
+  if (first == g.posed.size() || count_known(g.known) < kPointsMin) {
     return false;
   }
   const Eigen::Matrix3d R_NT = nearest_rotation(g.poses[first].R_CT);  // N: the new axes

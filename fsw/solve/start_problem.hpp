@@ -1,4 +1,4 @@
-// Images of tracks, the geometry that explains them, how they are compared, and the memory for it.
+// Initialisation: images of tracks, the geometry that explains them, options and memory.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,9 +21,8 @@ struct StartSighting {
   double sigma_normalised = 1.0;
 };
 
-/// A motion and a shape that explain the images, in the caller's arrays; a pose or a point that is
-/// not known is left out. Only ratios are determined: the seven freedoms of the gauge are fixed by
-/// `normalise_gauge`.
+/// A motion and a shape that explain the images, in the caller's arrays. Unknown poses and points
+/// are left out. The seven gauge freedoms are fixed by `normalise_gauge`.
 struct StartGeometryView {
   std::span<InverseDepthPose> poses;  ///< by frame
   std::span<std::uint8_t> posed;
@@ -38,24 +37,24 @@ enum class StartLoss {
 };
 
 struct StartAdjustmentOptions {
-  int iterations_max = 20;
+  int iterations_max = 20;  ///< a bound: it ends when a step gains less than `settled`
   StartLoss loss = StartLoss::kTruncated;
-  double width_sigma = 4.0;  ///< two coordinates: 3e-4 of good residuals lie beyond
+  double width_sigma = 4.0;  ///< 3e-4 of normal residuals of two coordinates lie beyond
   double sigma_scale = 1.0;  ///< every sigma is multiplied by this
-  double settled = 1e-3;     ///< stops when a step gains less chi-square than this
+  double settled = 1e-3;     ///< stops when a step gains less chi-square: a 30th of a sigma
 };
 
-/// Residuals in units of the scaled sigma. Sightings that lie in unknown frames or tracks count as
+/// Residuals in units of the scaled sigma. Observations in unknown frames or tracks count as
 /// lost.
 struct StartFit {
-  double cost = 0.0;  ///< robust; a lost sighting costs width^2 with the truncated loss, nothing
+  double cost = 0.0;  ///< robust; a lost observation costs width^2 with the truncated loss, nothing
                       ///< with the other
   double chi2 = 0.0;  ///< of the inliers
-  int inliers = 0;    ///< sightings within width_sigma, in tracks that fit as a whole
+  int inliers = 0;    ///< observations within width_sigma, in tracks that fit as a whole
   int sightings = 0;
   int frames = 0;
   int points = 0;            ///< with two inliers or more
-  double median = 0.0;       ///< squared residual of the sightings that are used
+  double median = 0.0;       ///< squared residual of the observations that are used
   double noise_scale = 0.0;  ///< the residuals' robust standard deviation over the scaled sigma
   int iterations = 0;
 };
@@ -63,7 +62,8 @@ struct StartFit {
 /// Linearised system, kept by the caller because of its size.
 struct StartAdjustmentWorkspace {
   static constexpr std::size_t kSightings = 12000;  // 1500 tracks in 8 frames, or 375 in 32
-  static constexpr int kCameraParameters = 6 * static_cast<int>(limits::kStartFrames);
+  static constexpr int kCameraParameters =
+      6 * static_cast<int>(limits::kStartFrames);  // (phi, uvs)
 
   struct Block {
     Eigen::Matrix<double, 6, 3> W = Eigen::Matrix<double, 6, 3>::Zero();  ///< camera against point

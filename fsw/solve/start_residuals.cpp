@@ -10,18 +10,16 @@
 namespace polhode {
 namespace {
 
-// Half of a chi-square with two degrees of freedom lies under this.
-constexpr double kChi2Median2 = 1.3863;
-
-/// What a track of n sightings may cost with the truncated loss: 3 sigma above the mean of its
-/// chi-square. One that costs more belongs to no point of the body, and how badly it fits says
-/// nothing about the motion.
-double track_cost_max(std::size_t sightings) {
-  const double free = std::max(1.0, 2.0 * static_cast<double>(sightings) - 3.0);
-  return free + 3.0 * std::sqrt(2.0 * free);
+/// Most that a track of n observations may cost with the truncated loss. One that costs more
+/// belongs to no point of the body: how badly it fits says nothing about the motion.
+double track_cost_max(std::size_t observations) {
+  // Standard deviations of chi-square, sqrt(2 f), above its mean f.
+  constexpr double kSigmas = 3.0;
+  const double free = std::max(1.0, 2.0 * static_cast<double>(observations) - 3.0);
+  return free + kSigmas * std::sqrt(2.0 * free);
 }
 
-/// Poses and points that may stand in for those of a geometry.
+/// Poses and points, of a geometry or in place of its own.
 struct Candidate {
   std::span<const InverseDepthPose> poses;
   std::span<const Eigen::Vector3d> points_T;
@@ -32,24 +30,24 @@ Candidate candidate_of(const StartGeometryView& geometry) {
 }
 
 double scaled_error2(const Candidate& candidate,
-                     const StartSighting& sighting,
+                     const StartSighting& observation,
                      const StartAdjustmentOptions& options) {
   Eigen::Vector2d x;
-  if (!reproject(candidate.poses[static_cast<std::size_t>(sighting.frame)],
-                 candidate.points_T[static_cast<std::size_t>(sighting.track)],
+  if (!reproject(candidate.poses[static_cast<std::size_t>(observation.frame)],
+                 candidate.points_T[static_cast<std::size_t>(observation.track)],
                  &x)) {
     return behind_error2(options);
   }
-  const double sigma = sighting.sigma_normalised * options.sigma_scale;
-  return (x - sighting.normalised).squaredNorm() / (sigma * sigma);
+  const double sigma = observation.sigma_normalised * options.sigma_scale;
+  return (x - observation.normalised).squaredNorm() / (sigma * sigma);
 }
 
-double cauchy_cost(std::span<const StartSighting> sightings,
+double cauchy_cost(std::span<const StartSighting> observations,
                    const Candidate& candidate,
                    const StartGeometryView& geometry,
                    const StartAdjustmentOptions& options) {
   CauchySum sum(options.width_sigma);
-  for (const StartSighting& s : sightings) {
+  for (const StartSighting& s : observations) {
     if (usable(geometry, s)) {
       sum.add(scaled_error2(candidate, s, options));
     }
@@ -72,9 +70,9 @@ TrackCost truncated_cost(std::span<const StartSighting> run,
 
 }  // namespace
 
-std::size_t track_end(std::span<const StartSighting> sightings, std::size_t begin) {
+std::size_t track_end(std::span<const StartSighting> observations, std::size_t begin) {
   std::size_t end = begin + 1;
-  while (end < sightings.size() && sightings[end].track == sightings[begin].track) {
+  while (end < observations.size() && observations[end].track == observations[begin].track) {
     ++end;
   }
   return end;
@@ -89,7 +87,7 @@ TrackCost track_cost(std::span<const StartSighting> run,
              : TrackCost{.cost = cauchy_cost(run, own, geometry, options)};
 }
 
-double total_cost(std::span<const StartSighting> sightings,
+double total_cost(std::span<const StartSighting> observations,
                   std::span<const InverseDepthPose> poses,
                   std::span<const Eigen::Vector3d> points_T,
                   const StartGeometryView& geometry,
@@ -97,35 +95,35 @@ double total_cost(std::span<const StartSighting> sightings,
   const Candidate candidate{.poses = poses, .points_T = points_T};
   return widely([&] {
     if (options.loss == StartLoss::kCauchy) {
-      return cauchy_cost(sightings, candidate, geometry, options);
+      return cauchy_cost(observations, candidate, geometry, options);
     }
     double cost = 0.0;
-    for (std::size_t begin = 0; begin < sightings.size();) {
-      const std::size_t end = track_end(sightings, begin);
-      cost +=
-          truncated_cost(sightings.subspan(begin, end - begin), candidate, geometry, options).cost;
+    for (std::size_t begin = 0; begin < observations.size();) {
+      const std::size_t end = track_end(observations, begin);
+      cost += truncated_cost(observations.subspan(begin, end - begin), candidate, geometry, options)
+                  .cost;
       begin = end;
     }
     return cost;
   });
 }
 
-StartFit evaluate_start(std::span<const StartSighting> sightings,
+StartFit evaluate_start(std::span<const StartSighting> observations,
                         const StartGeometryView& geometry,
                         const StartAdjustmentOptions& options,
                         StartAdjustmentWorkspace* workspace) {
-  POLHODE_ASSERT(sightings.size() <= StartAdjustmentWorkspace::kSightings, sightings.size());
+  POLHODE_ASSERT(observations.size() <= StartAdjustmentWorkspace::kSightings, observations.size());
   StartFit fit;
   const double width2 = options.width_sigma * options.width_sigma;
   workspace->errors2.clear();
-  for (std::size_t begin = 0; begin < sightings.size();) {
-    const std::size_t end = track_end(sightings, begin);
+  for (std::size_t begin = 0; begin < observations.size();) {
+    const std::size_t end = track_end(observations, begin);
     int track_inliers = 0;
     double track_chi2 = 0.0;
-    const std::span run = sightings.subspan(begin, end - begin);
+    const std::span run = observations.subspan(begin, end - begin);
     const bool wrong = track_cost(run, geometry, options).wrong;
     for (std::size_t i = begin; i < end; ++i) {
-      const StartSighting& s = sightings[i];
+      const StartSighting& s = observations[i];
       if (!usable(geometry, s)) {
         continue;
       }
@@ -141,29 +139,29 @@ StartFit evaluate_start(std::span<const StartSighting> sightings,
     fit.points += track_inliers >= 2 ? 1 : 0;
     begin = end;
   }
-  fit.sightings = static_cast<int>(sightings.size());
+  fit.sightings = static_cast<int>(observations.size());
   for (const std::uint8_t posed : geometry.posed) {
     fit.frames += posed != 0 ? 1 : 0;
   }
-  fit.cost = total_cost(sightings, geometry.poses, geometry.points_T, geometry, options);
+  fit.cost = total_cost(observations, geometry.poses, geometry.points_T, geometry, options);
   fit.median = median(workspace->errors2.view());
-  // The fit takes up 3 of every point's residuals and 6 of every frame's, less the gauge.
+  // The fit uses 3 degrees of freedom of every point and 6 of every frame, less the gauge's 7.
   const double coordinates = 2.0 * static_cast<double>(workspace->errors2.size());
   const double free = coordinates - 3.0 * fit.points - 6.0 * fit.frames + 7.0;
   fit.noise_scale = free > 0.0 ? std::sqrt(fit.median / kChi2Median2 * coordinates / free) : 0.0;
   return fit;
 }
 
-void start_track_costs(std::span<const StartSighting> sightings,
+void start_track_costs(std::span<const StartSighting> observations,
                        const StartGeometryView& geometry,
                        const StartAdjustmentOptions& options,
                        std::span<double> costs) {
   POLHODE_ASSERT(costs.size() == geometry.points_T.size(), costs.size());
   std::fill(costs.begin(), costs.end(), 0.0);
-  for (std::size_t begin = 0; begin < sightings.size();) {
-    const std::size_t end = track_end(sightings, begin);
-    costs[static_cast<std::size_t>(sightings[begin].track)] =
-        track_cost(sightings.subspan(begin, end - begin), geometry, options).cost;
+  for (std::size_t begin = 0; begin < observations.size();) {
+    const std::size_t end = track_end(observations, begin);
+    costs[static_cast<std::size_t>(observations[begin].track)] =
+        track_cost(observations.subspan(begin, end - begin), geometry, options).cost;
     begin = end;
   }
 }

@@ -12,12 +12,17 @@
 namespace polhode {
 namespace {
 
-// Median of chi-square with three degrees of freedom.
-constexpr double kMedian3 = 2.366;
-// Beyond 5 sigma a sample is taken for a wrong pose: one in a hundred thousand by chance.
+// 5 sigma, beyond which a sample counts as a wrong pose: 1.5e-5 of normal errors are (chi-square,
+// three degrees of freedom).
 constexpr double kGate2 = 25.0;
-// A step that changes chi-square by less than this changes nothing that is worth having.
+// Chi-square that a step must gain: a 300th of an unknown's sigma.
 constexpr double kChangeMin = 1e-5;
+// Levenberg-Marquardt's damping, by factors of 10. The first matters little; a failed step raises
+// it to kDampingFailed at least; above kDampingMax steps are too small to matter.
+constexpr double kDampingFirst = 1e-3;
+constexpr double kDampingMin = 1e-9;
+constexpr double kDampingFailed = 1e-4;
+constexpr double kDampingMax = 1e8;
 
 using Squares = std::array<double, limits::kMotionPoses>;
 
@@ -33,7 +38,7 @@ struct Window {
   std::size_t last = 0;
 };
 
-/// One sample's part. `scale2`: variance of the noise in terms of the declared one.
+/// Adds one sample. `scale2`: variance of the noise over the declared one.
 void add_sample(const AttitudeSample& sample,
                 const TurningState& state,
                 const TurningDerivative& derivative,
@@ -89,7 +94,7 @@ bool linearise(const TurningProblem& problem,
 
 double median_of(const Squares& squares, std::size_t count) {
   Squares sorted = squares;
-  return median(std::span(sorted).first(count)) / kMedian3;
+  return median(std::span(sorted).first(count)) / kChi2Median3;
 }
 
 TurningSolution moved(const TurningSolution& from,
@@ -101,7 +106,10 @@ TurningSolution moved(const TurningSolution& from,
   return to;
 }
 
-void describe(const System& system, std::size_t count, double scale2, TurningSolution* solution) {
+void fill_statistics(const System& system,
+                     std::size_t count,
+                     double scale2,
+                     TurningSolution* solution) {
   solution->information = system.H;
   solution->median2 = median_of(system.squares, count);
   solution->cost = 0.0;
@@ -127,7 +135,7 @@ bool minimise(const TurningProblem& problem,
   if (!linearise(problem, *solution, window, scale2, system)) {
     return false;
   }
-  double damping = 1e-3;
+  double damping = kDampingFirst;
   for (int i = 0; i < iterations_max; ++i) {
     TurningCovariance H = system->H;
     H.diagonal() *= 1.0 + damping;
@@ -145,13 +153,13 @@ bool minimise(const TurningProblem& problem,
       *solution = next;
       solution->iterations = next.iterations;
       *system = at_next;
-      damping = std::max(1e-9, 0.1 * damping);
+      damping = std::max(kDampingMin, 0.1 * damping);
       if (done) {
         return true;
       }
     } else {
-      damping = std::max(1e-4, 10.0 * damping);
-      if (damping > 1e8) {
+      damping = std::max(kDampingFailed, 10.0 * damping);
+      if (damping > kDampingMax) {
         return true;
       }
     }
@@ -181,12 +189,16 @@ Result<TurningSolution> refine_turning(const TurningProblem& problem,
   if (!linearise(problem, solution, window, 1.0, &system)) {
     return ErrorCode::kDegenerate;
   }
-  // The noise as found is what the loss is measured by; a start that is far off makes it wide.
+  // The width of the loss follows the noise as found: wide when the first solution is far off.
   constexpr int kRounds = 3;
+  // Least variance found over declared: a tenth of the sigma.
+  constexpr double kScale2Min = 1e-2;
+  // Relative change of the variance that changes no weight worth another round. Chosen.
+  constexpr double kScaleSettled = 0.1;
   double scale2 = 1.0;
   for (int round = 0; round < kRounds; ++round) {
-    const double found = std::max(1e-2, median_of(system.squares, count));
-    if (round > 0 && std::abs(found - scale2) < 0.1 * scale2) {
+    const double found = std::max(kScale2Min, median_of(system.squares, count));
+    if (round > 0 && std::abs(found - scale2) < kScaleSettled * scale2) {
       break;
     }
     scale2 = found;
@@ -194,8 +206,8 @@ Result<TurningSolution> refine_turning(const TurningProblem& problem,
       return ErrorCode::kDegenerate;
     }
   }
-  describe(system, count, scale2, &solution);
-  // The information is that of the declared noise: prior and data part as they were declared.
+  fill_statistics(system, count, scale2, &solution);
+  // Back to the declared noise: the data's part is scaled, the prior's is not.
   const double prior = 1.0 / (problem.shape_sigma * problem.shape_sigma);
   solution.information.diagonal().tail<5>().array() -= prior;
   solution.information *= scale2;

@@ -19,13 +19,11 @@ struct AttitudeSample {
 
 struct TurningProblem {
   std::span<const AttitudeSample> samples;  ///< in order of time
-  std::size_t reference = 0;                ///< sample whose time the unknowns belong to
-  Orbit orbit;                              ///< times count as the samples'
-  /// 1-sigma of each number of the shape beforehand: 1.5 spans bodies of 1:30 in their moments.
-  double shape_sigma = 1.5;
-  /// Residuals beyond this many sigmas lose their pull (Cauchy): 4 costs 2 % of normal data.
-  double cauchy_sigma = 4.0;
-  int iterations_max = 12;
+  std::size_t reference = 0;                ///< sample at whose time the unknowns are
+  Orbit orbit;                              ///< same epoch as the samples
+  double shape_sigma = kShapeSigma;         ///< prior 1-sigma of each number of the shape
+  double cauchy_sigma = kPoseCauchySigma;
+  int iterations_max = 12;  ///< a bound: it ends when chi-square has settled
 };
 
 struct TurningSolution {
@@ -35,7 +33,7 @@ struct TurningSolution {
   /// prior of the shape.
   TurningCovariance information = TurningCovariance::Zero();
   double cost = 0.0;  ///< sum of log(1 + chi2 of a sample): compares solutions of the same samples
-  double median2 = 0.0;  ///< median over the samples of chi2 / 3, per what normal noise gives
+  double median2 = 0.0;  ///< median chi2 of a sample over that of normal noise
   double chi2 = 0.0;     ///< of the samples within the gate
   std::size_t inside =
       0;  ///< samples within the gate: 5 sigma of the larger of declared and found noise
@@ -44,18 +42,18 @@ struct TurningSolution {
 
 /// Levenberg-Marquardt from `start` (its reference state at the reference sample's time) over
 /// samples [first, last).
-/// @errors Degenerate: the start leads nowhere (numbers run away, or a covariance is not usable).
+/// @errors Degenerate: it diverges, or a covariance is not usable.
 /// @cost   problem.iterations_max integrations over the samples.
 Result<TurningSolution> refine_turning(const TurningProblem& problem,
                                        const TurningSolution& start,
                                        std::size_t first,
                                        std::size_t last);
 
-/// From nothing: angular momentum that does not change is linear in the inertia, which gives a
-/// start; the window about the reference grows by steps of two. Where that does not reach
-/// `chi2_per_dof_max`, the ball, the rod and the disc about the mean axis are tried too and the
+/// Without a prior solution. Constant angular momentum is linear in the inertia, which gives a
+/// first shape; the window around the reference doubles as far as the solution predicts. Where that
+/// does not reach `chi2_per_dof_max`, ball, rod and disc about the mean axis are tried too and the
 /// best one is taken.
-/// @errors TooFewObservations (under 4 samples), Degenerate (no start leads anywhere).
+/// @errors TooFewObservations (under 4 samples), Degenerate (all diverge).
 Result<TurningSolution> solve_turning(const TurningProblem& problem, double chi2_per_dof_max);
 
 /// chi2 over its degrees of freedom, of the samples within the gate.

@@ -1,4 +1,4 @@
-// Where the fit of a free body's turning begins, and how its window grows.
+// Initialisation of the fit of a free body's rotation, and how its window grows.
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,11 +12,15 @@
 namespace polhode {
 namespace {
 
+// Twelve coordinates for eleven unknowns.
 constexpr std::size_t kSamplesMin = 4;
+// Samples of the first window. Chosen: over fewer the noise hides the rate, over more a wrong shape
+// loses the phase.
 constexpr std::size_t kWindowFirst = 15;
-// Chords of the attitude's path: long against noise, short against its bend.
+// Rotation over which a mean rate is formed: long against noise, short against the rate's change.
+// Chosen.
 constexpr double kChord_rad = 0.4;
-// A phase that is off by this in the next window can still be pulled in.
+// Prediction error over the next window that still converges: well under half a turn. Chosen.
 constexpr double kPhaseMax_rad = 1.0;
 
 /// Mean rate between two samples and the attitude in their middle.
@@ -30,10 +34,9 @@ Chord chord(const AttitudeSample& a, const AttitudeSample& b) {
   return {.R_IT = a.R_IT * so3_exp(0.5 * psi), .w_T_rad_s = psi / (b.time_s - a.time_s)};
 }
 
-/// The sample after `first` that the chord from it ends at: the last one within the angle, at least
-/// the next.
+/// End of the chord from `first`: the last sample within the angle, at least the next one.
 std::size_t chord_end(std::span<const AttitudeSample> samples, std::size_t first) {
-  constexpr std::size_t kLongest = 40;
+  constexpr std::size_t kLongest = 40;  // bounds the time for a body that hardly rotates
   std::size_t end = first + 1;
   while (end + 1 < samples.size() && end + 1 - first <= kLongest &&
          rotation_angle_rad(samples[first].R_IT, samples[end + 1].R_IT) < kChord_rad) {
@@ -42,11 +45,11 @@ std::size_t chord_end(std::span<const AttitudeSample> samples, std::size_t first
   return end;
 }
 
-/// The rate at the reference: the chord about it.
+/// The rate at the reference, by the chord around it.
 Eigen::Vector3d rate_at(std::span<const AttitudeSample> samples, std::size_t reference) {
   std::size_t first = reference;
   std::size_t last = reference;
-  constexpr std::size_t kReach = 7;
+  constexpr std::size_t kReach = kWindowFirst / 2;  // samples on either side
   for (std::size_t k = 0; k < kReach; ++k) {
     const std::size_t lower = first > 0 ? first - 1 : first;
     const std::size_t upper = last + 1 < samples.size() ? last + 1 : last;
@@ -62,15 +65,15 @@ Eigen::Vector3d rate_at(std::span<const AttitudeSample> samples, std::size_t ref
 
 struct Momentum {
   InertiaShape shape = InertiaShape::Zero();          ///< that keeps R J w nearest to constant
-  Eigen::Vector3d axis_T = Eigen::Vector3d::UnitZ();  ///< mean axis of turning
+  Eigen::Vector3d axis_T = Eigen::Vector3d::UnitZ();  ///< mean axis of rotation
 };
 
 /// R J w - h = 0 in J (six numbers) and h: the least eigenvector of the normal equations.
-Momentum momentum_start(std::span<const AttitudeSample> samples) {
+Momentum constant_momentum(std::span<const AttitudeSample> samples) {
   using Matrix9 = Eigen::Matrix<double, 9, 9>;
   Matrix9 normal = Matrix9::Zero();
   Eigen::Vector3d sum_w = Eigen::Vector3d::Zero();
-  double square = 1e-300;
+  double square = 1e-300;  // avoids a unit of zero
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
     const Chord c = chord(samples[i], samples[chord_end(samples, i)]);
     const Eigen::Vector3d& w = c.w_T_rad_s;
@@ -85,7 +88,7 @@ Momentum momentum_start(std::span<const AttitudeSample> samples) {
     square += w.squaredNorm();
     sum_w += w;
   }
-  // h in units of the rate, so that its three columns weigh like J's.
+  // h in units of the rate, so that its three columns have the weight of J's.
   const double unit = std::sqrt(square / static_cast<double>(samples.size()));
   normal.rightCols<3>() *= unit;
   normal.bottomRows<3>() *= unit;
@@ -112,7 +115,7 @@ InertiaShape revolution(const Eigen::Vector3d& axis_T, double stretch) {
   return shape;
 }
 
-/// Farthest attitude of the next window that a solution of this one predicts within reach.
+/// Does the solution predict both ends of the next window to kPhaseMax_rad?
 bool reaches(const TurningProblem& problem,
              const TurningSolution& solution,
              std::size_t first,
@@ -130,7 +133,8 @@ bool reaches(const TurningProblem& problem,
   return true;
 }
 
-/// The window about the reference, grown by halves and wholes as far as the solution carries.
+/// Fits a window around the reference that doubles, or grows by less, as far as the solution
+/// predicts.
 Result<TurningSolution> grow(const TurningProblem& problem, const InertiaShape& shape) {
   const std::size_t count = problem.samples.size();
   const auto window = [&](std::size_t size) {
@@ -145,6 +149,7 @@ Result<TurningSolution> grow(const TurningProblem& problem, const InertiaShape& 
   solution.reference.w_T_rad_s = rate_at(problem.samples, problem.reference);
   solution.shape = shape;
   std::size_t size = std::min(kWindowFirst, count);
+  // Six doublings reach limits::kMotionPoses; the rest is for smaller growth. Chosen.
   constexpr int kStagesMax = 24;
   for (int stage = 0; stage < kStagesMax; ++stage) {
     const std::array<std::size_t, 2> at = window(size);
@@ -153,7 +158,7 @@ Result<TurningSolution> grow(const TurningProblem& problem, const InertiaShape& 
       return refined;
     }
     solution = refined.value();
-    // Twice as much, or as much of that as the phase can be told in.
+    // Twice the window, or as much of that as the phase is predicted for.
     std::size_t next = std::min(count, 2 * size);
     while (next > size + 1) {
       const std::array<std::size_t, 2> wide = window(next);
@@ -177,8 +182,8 @@ Result<TurningSolution> solve_turning(const TurningProblem& problem, double chi2
       problem.reference >= problem.samples.size()) {
     return ErrorCode::kDegenerate;
   }
-  const Momentum momentum = momentum_start(problem.samples);
-  // Moments of 1:5 and 2:1: the middle of the range that rods and discs span.
+  const Momentum momentum = constant_momentum(problem.samples);
+  // Moments of 1:5 and of 2:1.1: in the middle of what rods and discs span.
   constexpr double kRod = 2.2;
   constexpr double kDisc = -2.2;
   const std::array<InertiaShape, 4> shapes{momentum.shape,

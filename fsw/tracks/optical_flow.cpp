@@ -7,10 +7,13 @@
 namespace polhode {
 namespace {
 
+// OpenCV's defaults. Half a patch on the top level, halved three times, is a motion of 80 px: more
+// than the default of small_motion_max_px.
 constexpr int kLevels = 3;
 constexpr int kPatch_px = 21;
 
 cv::TermCriteria stop_rule() {
+  // OpenCV's defaults.
   constexpr int kIterations = 30;
   constexpr double kStep_px = 0.01;
   return {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kIterations, kStep_px};
@@ -22,8 +25,8 @@ void flow(const Pyramid& before,
           std::vector<cv::Point2f>* to,
           std::vector<std::uint8_t>* found) {
   std::vector<float> error;
-  // Least eigenvalue of the patch's gradient matrix, per pixel: below it the patch has no corner to
-  // hold on to.
+  // Least eigenvalue of the patch's gradient matrix, per pixel: below it the patch has no corner.
+  // OpenCV's default.
   constexpr double kEigenvalueMin = 1e-4;
   cv::calcOpticalFlowPyrLK(before.levels,
                            now.levels,

@@ -1,4 +1,4 @@
-// Following points over small image motion: pyramidal Lucas-Kanade with a forward-backward check.
+// Tracks points over small image motion: pyramidal Lucas-Kanade with a forward-backward check.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 namespace polhode {
 
-/// An image and its halves, as the flow needs them.
+/// An image and its halved copies, with gradients, as optical flow needs them.
 struct Pyramid {
   std::vector<cv::Mat> levels;
-  bool built = false;  ///< of the picture that it belongs to; else the levels are only memory
+  bool built = false;  ///< for the image that it belongs to; otherwise the levels are memory only
 };
 
 void build_pyramid(const cv::Mat& gray, Pyramid* pyramid);
@@ -27,7 +27,7 @@ struct FlowPoint {
 /// @param from   points in the image of `before`.
 /// @param guess  in: where they are expected in `now`; out: where they are, `followed` false where
 /// lost.
-/// @source Bouguet 2000, by way of OpenCV; forward-backward: Kalal, Mikolajczyk, Matas, ICPR 2010.
+/// @source Bouguet 2000, via OpenCV; forward-backward: Kalal, Mikolajczyk, Matas, ICPR 2010.
 void follow_points(const Pyramid& before,
                    const Pyramid& now,
                    std::span<const FlowPoint> from,

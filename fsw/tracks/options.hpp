@@ -1,13 +1,16 @@
 #pragma once
 
-// One line an option:
+// One line per option: tests/structure/test_parameters.py reads these lines.
 // clang-format off
 namespace polhode {
 
 struct TrackOptions {
-  double descriptor_ratio_max = 0.8;     ///< best over second-best descriptor distance, 0.3 .. 1
-  double forward_backward_max_px = 0.7;  ///< optical flow must come back this near to its start, 0.05 .. 5
-  double small_motion_max_px = 24.0;     ///< up to this predicted image motion optical flow follows, beyond it descriptors, 1 .. 100
+  // Lowe, "Distinctive Image Features from Scale-Invariant Keypoints", 2004, section 7.1.
+  double descriptor_ratio_max = 0.8;     ///< best over second-best descriptor distance of a match at most, 0.3 .. 1
+  // Nearly 3 times features.sigma_px. Chosen; larger keeps drifting patches.
+  double forward_backward_max_px = 0.7;  ///< optical flow forth and back must end this near to its start, 0.05 .. 5
+  // Chosen; larger follows patches farther, smaller detects features more often.
+  double small_motion_max_px = 24.0;     ///< optical flow up to this predicted image motion, descriptors beyond it, 1 .. 100
 };
 
 }  // namespace polhode

@@ -5,9 +5,10 @@
 namespace polhode {
 namespace {
 
-constexpr std::size_t kLookBack = 3;  // bridges a spot that was missed in one or two frames
+// A point missed in one or two frames is found again. Each further frame costs another matching.
+constexpr std::size_t kLookBack = 3;
 
-/// The track of a feature, made anew when it has none. -1 when the table is full.
+/// The track of a feature; a new one when it has none. -1 when the table is full.
 std::int32_t track_for(std::size_t frame, std::int32_t feature, TrackTable* table) {
   std::int32_t& track = table->track_of[frame][static_cast<std::size_t>(feature)];
   if (track >= 0) {
@@ -23,7 +24,7 @@ std::int32_t track_for(std::size_t frame, std::int32_t feature, TrackTable* tabl
   return track;
 }
 
-void tie(std::size_t earlier, std::size_t latest, double ratio_max, TrackTable* table) {
+void associate(std::size_t earlier, std::size_t latest, double ratio_max, TrackTable* table) {
   match_mutual(table->frames[earlier].features.view(),
                table->frames[latest].features.view(),
                ratio_max,
@@ -39,7 +40,7 @@ void tie(std::size_t earlier, std::size_t latest, double ratio_max, TrackTable* 
     }
     Track& t = table->tracks[static_cast<std::size_t>(track)];
     if (t.points.back().frame == static_cast<std::int32_t>(latest)) {
-      continue;  // already tied to another feature of this frame
+      continue;  // already associated with another feature of this frame
     }
     (void)t.points.push_back({.frame = static_cast<std::int32_t>(latest), .feature = match.b});
     now = track;
@@ -115,7 +116,7 @@ void add_frame(std::uint32_t frame,
   collected.features = features;
   table->track_of[latest].fill(-1);
   for (std::size_t back = 1; back <= std::min(kLookBack, latest); ++back) {
-    tie(latest - back, latest, ratio_max, table);
+    associate(latest - back, latest, ratio_max, table);
   }
 }
 

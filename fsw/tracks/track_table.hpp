@@ -1,4 +1,4 @@
-// Tracks before there is a map: the same spot of the body over several selected frames.
+// Tracks before there is a map: the same point of the body over several selected frames.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@
 
 namespace polhode {
 
-/// A frame kept for the start of the map, with its features.
+/// A frame kept for the initialisation of the map, with its features.
 struct CollectedFrame {
   std::uint32_t frame = 0;
   std::int64_t timestamp_ns = 0;
@@ -38,8 +38,9 @@ struct TrackTable {
   std::uint32_t full_count = 0;  ///< tracks that found no place
 };
 
-/// Appends a frame (its features are copied) and ties its features to the tracks of the last three
-/// frames by mutual best descriptors, nearest frame first. A full table forgets its oldest frame.
+/// Appends a frame (its features are copied). Associates its features with the tracks of the last
+/// three frames by mutual best descriptors, nearest frame first. A full table drops its oldest
+/// frame.
 void add_frame(std::uint32_t frame,
                std::int64_t timestamp_ns,
                const Eigen::Matrix3d& R_IC,
@@ -47,11 +48,11 @@ void add_frame(std::uint32_t frame,
                double ratio_max,
                TrackTable* table);
 
-/// Forgets frame 0 and the tracks that live in it alone.
+/// Drops frame 0 and the tracks that have no other frame.
 void drop_oldest_frame(TrackTable* table);
 
-/// Forgets the frames before the last three (those that a new frame is tied to) where fewer than
-/// `tracks_min` tracks lead from them to these: they show something else, and no start can have
+/// Drops the frames before the last three, which a new frame is associated with, where fewer than
+/// `tracks_min` tracks connect them to these. They show something else: no initialisation can use
 /// both.
 void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table);
 

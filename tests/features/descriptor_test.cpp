@@ -118,42 +118,45 @@ TEST(FindOrientations, FindsBothOfTwo_AndNoneWhereNothingIs) {
 TEST(Describe, IsTheSame_WhateverTheTurnTheSizeAndTheLight) {
   auto memory = draw(0.0, waves);
   const Descriptor upright =
-      describe(plane_of(&memory), {.x = kMiddle, .y = kMiddle, .sigma_px = 2.0F});
+      compute_descriptor(plane_of(&memory), {.x = kMiddle, .y = kMiddle, .sigma_px = 2.0F});
   // Two views of one spot differ by about 200 in real pictures; bilinear samples of these waves by
   // far less.
   constexpr int kSame2 = 40 * 40;
   for (const double turn_rad : {0.3, 1.0, 2.5, 5.0}) {
     auto turned = draw(turn_rad, waves);
-    const Descriptor d = describe(
+    const Descriptor d = compute_descriptor(
         plane_of(&turned),
         {.x = kMiddle, .y = kMiddle, .sigma_px = 2.0F, .angle_rad = static_cast<float>(turn_rad)});
     EXPECT_LT(distance2(upright, d), kSame2) << turn_rad;
   }
   auto larger = draw(0.0, [](double x, double y) { return waves(x / 1.3, y / 1.3); });
   EXPECT_LT(distance2(upright,
-                      describe(plane_of(&larger), {.x = kMiddle, .y = kMiddle, .sigma_px = 2.6F})),
+                      compute_descriptor(plane_of(&larger),
+                                         {.x = kMiddle, .y = kMiddle, .sigma_px = 2.6F})),
             kSame2);
   auto darker = draw(0.0, [](double x, double y) { return 0.3 * waves(x, y) + 7.0; });
   EXPECT_LT(distance2(upright,
-                      describe(plane_of(&darker), {.x = kMiddle, .y = kMiddle, .sigma_px = 2.0F})),
+                      compute_descriptor(plane_of(&darker),
+                                         {.x = kMiddle, .y = kMiddle, .sigma_px = 2.0F})),
             4 * 4);
 }
 
 TEST(Describe, TellsPlacesApart_AndIsZeroWhereNothingIs) {
   auto memory = draw(0.0, waves);
   const Descriptor here =
-      describe(plane_of(&memory), {.x = kMiddle, .y = kMiddle, .sigma_px = 2.0F});
-  const Descriptor there =
-      describe(plane_of(&memory), {.x = kMiddle + 9.0F, .y = kMiddle - 7.0F, .sigma_px = 2.0F});
+      compute_descriptor(plane_of(&memory), {.x = kMiddle, .y = kMiddle, .sigma_px = 2.0F});
+  const Descriptor there = compute_descriptor(
+      plane_of(&memory), {.x = kMiddle + 9.0F, .y = kMiddle - 7.0F, .sigma_px = 2.0F});
   EXPECT_GT(distance2(here, there), 100 * 100);
   auto flat = draw(0.0, [](double, double) { return 100.0; });
-  EXPECT_EQ(describe(plane_of(&flat), {.x = kMiddle, .y = kMiddle, .sigma_px = 2.0F}),
+  EXPECT_EQ(compute_descriptor(plane_of(&flat), {.x = kMiddle, .y = kMiddle, .sigma_px = 2.0F}),
             Descriptor{});
 }
 
 TEST(Describe, HasNorm512) {
   auto memory = draw(0.0, waves);
-  const Descriptor d = describe(plane_of(&memory), {.x = kMiddle, .y = kMiddle, .sigma_px = 2.0F});
+  const Descriptor d =
+      compute_descriptor(plane_of(&memory), {.x = kMiddle, .y = kMiddle, .sigma_px = 2.0F});
   // Rounding to whole numbers moves each of 128 values by up to a half.
   EXPECT_NEAR(
       std::sqrt(static_cast<double>(distance2(d, Descriptor{}))), 512.0, 0.5 * std::sqrt(128.0));

@@ -61,7 +61,7 @@ TEST(Epipolar, OfNoBaselineIsZeroNotUndefined) {
   EXPECT_EQ(sampson_error(Eigen::Matrix3d::Zero(), {0.1, 0.2}, {0.3, 0.4}), 0.0);
 }
 
-std::vector<Sighting> sightings(
+std::vector<Sighting> observations(
     const Eigen::Vector3d& p_T, int views, double step_rad, double sigma, Rng& rng) {
   std::vector<Sighting> all;
   for (int i = 0; i < views; ++i) {
@@ -76,11 +76,12 @@ std::vector<Sighting> sightings(
   return all;
 }
 
-TEST(Triangulate, IsExactOnExactSightings) {
+TEST(Triangulate, IsExactOnExactObservations) {
   Rng rng(3, 0);
   for (int i = 0; i < 50; ++i) {
     const Eigen::Vector3d p_T = random_vector(rng, 0.4);
-    const Result<TriangulatedPoint> point = triangulate(sightings(p_T, 2 + i % 6, 0.1, 0.0, rng));
+    const Result<TriangulatedPoint> point =
+        triangulate(observations(p_T, 2 + i % 6, 0.1, 0.0, rng));
     ASSERT_TRUE(point.ok());
     EXPECT_LT((point.value().p_T - p_T).norm(), 1e-10);
     EXPECT_GT(point.value().parallax_rad, 0.05);
@@ -94,7 +95,7 @@ TEST(Triangulate, HasAConsistentCovarianceAndChiSquare) {
   double chi2 = 0.0;
   for (int i = 0; i < kTrials; ++i) {
     const Eigen::Vector3d p_T = random_vector(rng, 0.3);
-    const Result<TriangulatedPoint> point = triangulate(sightings(p_T, 5, 0.1, 2e-4, rng));
+    const Result<TriangulatedPoint> point = triangulate(observations(p_T, 5, 0.1, 2e-4, rng));
     ASSERT_TRUE(point.ok());
     const Eigen::Vector3d error = point.value().p_T - p_T;
     inside += error.dot(point.value().covariance_T.ldlt().solve(error)) < 7.815 ? 1 : 0;
@@ -109,9 +110,9 @@ TEST(Triangulate, HasAConsistentCovarianceAndChiSquare) {
 TEST(Triangulate, RefusesOneViewAndPointsBehind) {
   Rng rng(5, 0);
   const Eigen::Vector3d p_T(0.1, 0.2, 0.0);
-  EXPECT_EQ(triangulate(sightings(p_T, 1, 0.1, 0.0, rng)).error().code,
+  EXPECT_EQ(triangulate(observations(p_T, 1, 0.1, 0.0, rng)).error().code,
             ErrorCode::kTooFewObservations);
-  std::vector<Sighting> diverging = sightings({0.0, 0.0, 0.0}, 2, 0.0, 0.0, rng);
+  std::vector<Sighting> diverging = observations({0.0, 0.0, 0.0}, 2, 0.0, 0.0, rng);
   for (Sighting& one : diverging) one.pose.R_CT = Eigen::Matrix3d::Identity();
   diverging[0].pose.p_CT = {0.5, 0.0, 6.0};
   diverging[1].pose.p_CT = {-0.5, 0.0, 6.0};
@@ -127,7 +128,7 @@ TEST(Triangulate, RefusesParallelRays) {
   Rng rng(8, 0);
   for (int i = 0; i < 20; ++i) {
     const Result<TriangulatedPoint> point =
-        triangulate(sightings(random_vector(rng, 0.3), 3, 0.0, 0.0, rng));
+        triangulate(observations(random_vector(rng, 0.3), 3, 0.0, 0.0, rng));
     ASSERT_FALSE(point.ok());
     EXPECT_EQ(point.error().code, ErrorCode::kDegenerate);
   }

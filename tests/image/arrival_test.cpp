@@ -47,7 +47,7 @@ TEST(MissingFrames, FollowAChangeOfPeriod) {
   EXPECT_EQ(missing, 0);
 }
 
-TEST(MissingFrames, TimesToldAnewTellNothing) {
+TEST(MissingFrames, TimesDeliveredAgainCountNothing) {
   ArrivalHistory history;
   std::int64_t now_ns = 0;
   for (int i = 0; i < 10; ++i) {

@@ -200,7 +200,7 @@ TEST(Assess, FindsSaltedPixels_AndSkipsWhereTheyAreMany) {
   }
 }
 
-/// A picture of clouds: single pixels that stand out, by ever more where they are fewer, others in
+/// A picture of clouds: outlier pixels, fewer of them the farther out, others in
 /// each picture.
 cv::Mat speckled(std::uint64_t seed, int shift_px) {
   constexpr double kShare = 3e-3;  // by 24 levels and more a third of it
@@ -218,7 +218,7 @@ cv::Mat speckled(std::uint64_t seed, int shift_px) {
   return gray;
 }
 
-TEST(Assess, FindsOneBitInFiveHundredPixels_AmongAsManyThatStandOutByThemselves) {
+TEST(Assess, FindsOneBitInFiveHundredPixels_AmongAsManyOutliers) {
   constexpr unsigned kBitErrors = 1U << static_cast<unsigned>(FrameFault::kBitErrors);
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     QualityHistory history;
@@ -272,7 +272,7 @@ TEST(Assess, UsesNoiseThatHasAlwaysBeenThere) {
   }
 }
 
-TEST(Assess, UsesABlurredFrameWithCare) {
+TEST(Assess, DegradesABlurredFrame) {
   QualityHistory history;
   for (std::uint64_t i = 0; i < 5; ++i) {
     expect_good(assess(random_octets(i), {}, &history));
@@ -298,7 +298,7 @@ TEST(Assess, CallsAPictureWithoutContrastFlat) {
   expect_skipped(assess(constant(kWidth, kHeight, 128), {}, &history), FrameFault::kFlat);
 }
 
-TEST(Assess, SaysTheSame_WhenAskedTheSame) {
+TEST(Assess, IsTheSame_ForTheSameFrames) {
   Watch a;
   Watch b;
   const cv::Mat dark = a.good() / 8;
@@ -322,7 +322,7 @@ TEST(Assess, ComparesWithNothing_AfterItWasCleared) {
   const cv::Mat last = watch.history.previous.clone();
   clear(&watch.history);
   expect_good(watch.show(last));
-  expect_good(watch.show(last / 8 * 2));  // dark beside frames that are forgotten
+  expect_good(watch.show(last / 8 * 2));  // dark beside frames that were cleared
   expect_skipped(watch.show(last / 8 * 2), FrameFault::kFrozen);
 }
 

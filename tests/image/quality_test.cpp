@@ -72,7 +72,7 @@ TEST(MeasureLevels, LooksOnlyAtThePicture_WhenItIsAPartOfALargerOne) {
   EXPECT_DOUBLE_EQ(quality.saturated_fraction, 0.0);
 }
 
-TEST(MeasureLevels, TellsWhatIsLit) {
+TEST(MeasureLevels, MeasuresWhatIsLit) {
   cv::Mat gray = constant(100, 100, 0);
   gray(cv::Rect(10, 10, 50, 20)).setTo(80);
   EXPECT_DOUBLE_EQ(measure_levels(gray, {}).lit_fraction, 0.1);
@@ -162,7 +162,7 @@ RepeatedRows compare_with(const cv::Mat& now,
   return compare_rows(now, {}, history);
 }
 
-TEST(CompareRows, SaysNothing_WithoutAFrameBefore_OrWhereRowsAreBlank) {
+TEST(CompareRows, CountsNothing_WithoutAFrameBefore_OrWhereRowsAreBlank) {
   EXPECT_EQ(compare_with(picture(0, 1), cv::Mat()).fresh, 0);
   const RepeatedRows blank = compare_with(constant(80, 60, 0), constant(80, 60, 0));
   EXPECT_EQ(blank.repeated + blank.fresh, 0);

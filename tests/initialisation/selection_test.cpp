@@ -288,7 +288,7 @@ bool crowded(int frames, int per_frame, int length) {
   const std::vector<StartTrack> tracks = short_lived(frames, per_frame, length);
   const std::vector<double> times_s(static_cast<std::size_t>(frames), 0.0);
   const StartProblem problem{.times_s = times_s, .tracks = tracks};
-  return select_contest_set(problem, &workspace().set) && is_crowded(problem, workspace().set);
+  return choose_selection_set(problem, &workspace().set) && is_crowded(problem, workspace().set);
 }
 
 TEST(ContestSet, IsCrowded_ByFramesWhoseTracksItHasNoPlaceFor) {
@@ -345,9 +345,9 @@ TEST(SameGeometry, LooksPastWrongTracks_ButNotPastATwinOrAnotherTurn) {
     astray.points_T[i] *= -5.0;
   }
   EXPECT_TRUE(same_geometry(h, astray, 0.15));
-  StartHypothesis twin = h;
-  reverse_depth(twin.view());
-  EXPECT_FALSE(same_geometry(h, twin, 0.2));
+  StartHypothesis reversed = h;
+  reverse_depth(reversed.view());
+  EXPECT_FALSE(same_geometry(h, reversed, 0.2));
   StartHypothesis faster = h;
   faster.poses[3].R_CT = so3_exp(Eigen::Vector3d(0.02, 0.1, 0.0) * 4.0);
   EXPECT_FALSE(same_geometry(h, faster, 0.2));

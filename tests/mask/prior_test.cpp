@@ -24,7 +24,8 @@ std::vector<cv::Point2f> grid() {
   std::vector<cv::Point2f> points;
   for (int y = -2; y <= 2; ++y) {
     for (int x = -2; x <= 2; ++x) {
-      points.emplace_back(80.0F + 8.0F * static_cast<float>(x), 60.0F + 8.0F * static_cast<float>(y));
+      points.emplace_back(80.0F + 8.0F * static_cast<float>(x),
+                          60.0F + 8.0F * static_cast<float>(y));
     }
   }
   return points;

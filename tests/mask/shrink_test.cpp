@@ -58,7 +58,7 @@ TEST(Shrink, TakesAPictureWhoseSizeIsNotAMultiple) {
 
 TEST(CoverByHalf, SetsWhatIsCoveredByHalfOrMore) {
   cv::Mat set = cv::Mat::zeros(2, 6, CV_8UC1);
-  set.at<std::uint8_t>(0, 0) = 255;                 // a quarter
+  set.at<std::uint8_t>(0, 0) = 255;                  // a quarter
   set(cv::Rect(2, 0, 2, 1)).setTo(cv::Scalar(255));  // half
   set(cv::Rect(4, 0, 2, 2)).setTo(cv::Scalar(255));  // all
   cv::Mat out;
@@ -103,13 +103,16 @@ TEST(FillFromCells, EnlargesTheCellsThatTheBoxTouches) {
 
 TEST(FillFromCells, EndsWithAnOddPicture) {
   const cv::Mat cells = ramp(4, 3);
-  cv::Mat out(5, 7, CV_8UC1, cv::Scalar(250));  // half a cell is missing at either end
+  cv::Mat larger(6, 8, CV_8UC1, cv::Scalar(250));
+  cv::Mat out = larger(cv::Rect(0, 0, 7, 5));  // half a cell is missing at either end
   fill_from_cells(cells, 2, {0, 0, 7, 5}, &out);
   for (int y = 0; y < out.rows; ++y) {
     for (int x = 0; x < out.cols; ++x) {
       EXPECT_EQ(out.at<std::uint8_t>(y, x), cells.at<std::uint8_t>(y / 2, x / 2)) << x << ' ' << y;
     }
   }
+  EXPECT_EQ(cv::countNonZero(larger.row(5) != 250), 0);  // nothing is written beyond it
+  EXPECT_EQ(cv::countNonZero(larger.col(7) != 250), 0);
 }
 
 TEST(FillFromCells, OfAnEmptyBoxWritesNothing) {

@@ -136,7 +136,7 @@ TEST(Checkpoint, CutOffOrTooLongOrOfAnotherBuild_ChangesNothing) {
   std::vector<std::uint8_t> longer = run.octets;
   longer.push_back(0);
   EXPECT_TRUE(refused(longer));
-  for (std::size_t octet = 0; octet < 48; octet += 8) {  // the words that tell the layout
+  for (std::size_t octet = 0; octet < 40; octet += 8) {  // the words that tell the layout
     std::vector<std::uint8_t> other = run.octets;
     other[octet] ^= 1;
     EXPECT_TRUE(refused(other)) << octet;

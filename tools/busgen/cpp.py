@@ -169,11 +169,11 @@ def event_row(event: Event) -> str:
 
 
 def event_header(table: Table) -> str:
-    text = NOTE + "// All events: what an id means, how bad it is, what a person reads.\n#pragma once\n\n#include <array>\n#include <cstddef>\n"
+    text = NOTE + "// All events: id, severity and the text for people.\n#pragma once\n\n#include <array>\n#include <cstddef>\n"
     text += "#include <cstdint>\n\nnamespace polhode::bus {\n\n// clang-format off\n"
     text += enum("Severity", [(name, number) for number, name in enumerate(table.severities)], "std::uint8_t")
     text += enum("EventId", [(event.name, event.id) for event in table.events], "std::uint16_t")
-    text += "struct EventRow {\n  EventId id;\n  Severity severity;\n  std::uint32_t burst;  ///< sent in a window of frames\n  const char* name;\n"
+    text += "struct EventRow {\n  EventId id;\n  Severity severity;\n  std::uint32_t burst;  ///< sent at most in a window of frames\n  const char* name;\n"
     text += "  const char* text;  ///< {0}, {1}: the event's numbers; {}: its word\n};\n\n"
     text += f"inline constexpr std::size_t kEventKinds = {len(table.events)};\n"
     text += "inline constexpr std::array<EventRow, kEventKinds> kEvents{{\n" + "".join(map(event_row, table.events)) + "}};\n"

@@ -86,8 +86,8 @@ def command_text(command: Layout) -> str:
 
 
 def events_text(table: Table) -> str:
-    text = ("## Events\nOf one id so many as its burst says are sent within `bus.event_window_frames` frames; the others are counted, and the "
-            "next one sent tells how many. {0} and {1} are the packet's values, {} a word.\n\n"
+    text = ("## Events\nOf one id, at most `burst` events are sent within `bus.event_window_frames` frames. The others are counted, and the "
+            "next one sent reports how many. {0} and {1} are the packet's values, {} a word.\n\n"
             "| id | name | severity | burst | text |\n| --- | --- | --- | --- | --- |\n")
     return text + "".join(f"| {event.id} | {event.name} | {event.severity} | {event.burst} | {event.text} |\n" for event in table.events)
 
