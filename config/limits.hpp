@@ -47,7 +47,7 @@ inline constexpr std::size_t kCloudPoints = 2 * kLandmarks;
 inline constexpr std::size_t kPlanes = 12;
 
 // Observations of one adjustment: 600 features of each keyframe. The sample's full map has 26,000.
-inline constexpr std::size_t kAdjustmentSightings = 600 * kKeyframes;
+inline constexpr std::size_t kAdjustmentObservations = 600 * kKeyframes;
 
 // Poses that the motion stage looks back on. Chosen: above the default's 300 of a rigid-body fit
 // (motion.fit_poses_max). Larger: memory, and longer fits where they are used.

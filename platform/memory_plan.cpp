@@ -34,7 +34,7 @@ std::size_t pixels(const Parameters& p) {
 /// Of a working pixel: pictures and pyramids, evidence and labels, and the graph of a cut, 32
 /// octets a node and its edges. 155 were measured in a laboratory at 1080p, 132 beside the Earth.
 std::size_t mask_octets(const Parameters& p) {
-  if (!p.mask.tells_background()) {
+  if (!p.mask.separates_background()) {
     return 0;
   }
   constexpr std::size_t kPerPixel = 160;

@@ -9,7 +9,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 # The one list of packages for the build and the tests.
-TOOLS=(clang-format cmake g++ ninja-build pkg-config python3 python3-venv valgrind)
+TOOLS=(clang-format clang-tidy cmake g++ ninja-build pkg-config python3 python3-venv valgrind)
 LIBRARIES=(
   # estimation: linear algebra, least squares, minimal solvers, image operations, nearest neighbours
   libceres-dev libeigen3-dev liblz4-dev libopencv-dev libopengv-dev

@@ -12,8 +12,8 @@
 #include "bus/counters.hpp"
 #include "bus/events.hpp"
 #include "bus/telemetry.hpp"
+#include "motion/look_ahead.hpp"
 #include "motion/motion_state.hpp"
-#include "motion/prediction_walk.hpp"
 
 namespace polhode {
 
@@ -55,7 +55,7 @@ struct Reported {
 
 /// Predictions on their way to the bus, and what the frame that they start from had.
 struct PredictionsUnderWay {
-  PredictionWalk walk;
+  LookAhead walk;
   std::int64_t timestamp_ns = 0;
   std::uint32_t frame = 0;
   Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();

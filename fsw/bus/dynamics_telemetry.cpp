@@ -139,12 +139,13 @@ std::uint8_t refusal_of(const RigidModel& model) { return static_cast<std::uint8
 void put_pose(const Pose& pose_C,
               const PoseCovariance& covariance,
               const LengthUnit& unit,
-              bool path_known,
+              bool translation_known,
               PredictionPacket* packet) {
   PoseCovariance shown = covariance;
   shown.bottomRightCorner<3, 3>() += scale_covariance(pose_C.p_CT, unit);
   const double sigma_position = worst_sigma(shown.bottomRightCorner<3, 3>());
-  const bool position = path_known && sigma_position < kPositionSigmaMax * pose_C.p_CT.norm();
+  const bool position =
+      translation_known && sigma_position < kPositionSigmaMax * pose_C.p_CT.norm();
   if (position) {
     packet->flags |= prediction_layout::kFlagPosition;
     packet->p_CT = to_array(pose_C.p_CT);
@@ -201,7 +202,7 @@ ModelPacket to_packet(const RigidModel& model,
   put_inertia(body, &packet);
   put_periods(body, &packet);
   put_momentum(body, R_CI, &packet);
-  if (model.path_known) {
+  if (model.translation_known) {
     packet.chi2_per_dof[1] = static_cast<float>(model.position.chi2_per_dof);
     put_translation(body, model, R_CI, unit, &packet);
   }
@@ -224,7 +225,7 @@ PredictionPacket to_packet(const MotionPrediction& prediction,
   put_pose(in_unit(pose_C, unit.metres_per_mu),
            in_unit(prediction.covariance, R_CI, unit.metres_per_mu),
            unit,
-           prediction.path_known,
+           prediction.translation_known,
            &packet);
   return packet;
 }

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 
+#include "bus/bus_state.hpp"
 #include "bus/counter_table.hpp"
 #include "bus/narrow.hpp"
 #include "bus/publish_motion.hpp"
 #include "bus/report_changes.hpp"
+#include "shape/scale_state.hpp"
+#include "shape/shape_state.hpp"
 
 namespace polhode::bus {
 namespace {
@@ -94,8 +97,7 @@ void send_cloud_chunk(const BusOptions& options, BusState* bus) {
   packet.first_point = static_cast<std::uint32_t>(cloud.next);
   packet.cloud = cloud.number;
   packet.chunk = clipped(cloud.next / points_per_chunk());
-  packet.chunks =
-      clipped((cloud.points_T.size() + points_per_chunk() - 1) / points_per_chunk());
+  packet.chunks = clipped((cloud.points_T.size() + points_per_chunk() - 1) / points_per_chunk());
   packet.points = static_cast<std::uint8_t>(points);
   if (cloud.scale_known) {
     packet.flags = cloud_layout::kFlagScaleKnown;

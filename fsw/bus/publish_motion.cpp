@@ -2,9 +2,11 @@
 
 #include <cmath>
 
+#include "bus/bus_state.hpp"
 #include "bus/dynamics_telemetry.hpp"
 #include "bus/narrow.hpp"
 #include "geometry/so3.hpp"
+#include "motion/estimator.hpp"
 #include "motion/residual_level.hpp"
 
 namespace polhode::bus {
@@ -35,7 +37,7 @@ PoseCovariance drift_until(const Pose& predicted, const View& view) {
   const PoseCovariance now = covariance(*view.drift);
   const Pose& last = *view.pose;
   const double turn_rad = rotation_angle_rad(last.R_CT, predicted.R_CT);
-  const double sides = turn_rad / kSideAngle_rad;
+  const double sides = turn_rad / kFaceAngle_rad;
   PoseCovariance sum = (1.0 + sides * sides) * now;
   const double by_rate_rad = turn_rad * turn_sigma(*view.drift);
   sum.topLeftCorner<3, 3>().diagonal().array() += by_rate_rad * by_rate_rad;
@@ -46,9 +48,8 @@ void send_local_prediction(const View& view, BusState* bus) {
   const MotionState& motion = *view.motion;
   const std::int64_t ahead_ns =
       motion.timestamp_ns + std::llround(1e9 * kPredictionsAhead_s.front());
-  Result<PosePrediction> predicted =
-      predict_by_motion(
-          *view.estimate, *view.drift, *view.motion_options, ahead_ns, view.estimate->R_IC);
+  Result<PosePrediction> predicted = predict_by_motion(
+      *view.estimate, *view.drift, *view.motion_options, ahead_ns, view.estimate->R_IC);
   if (!predicted) {
     return;
   }
@@ -83,8 +84,8 @@ void send_prediction(const View& view, bool due, BusState* bus) {
   PredictionsUnderWay& ahead = bus->predictions;
   ahead.walk.under_way = ahead.walk.under_way && dynamics_hold(view);
   if (due && !ahead.walk.under_way) {
-    const bool begun =
-        dynamics_hold(view) && begin_walk(view.estimate->model, motion.timestamp_ns, &ahead.walk);
+    const bool begun = dynamics_hold(view) &&
+                       begin_look_ahead(view.estimate->model, motion.timestamp_ns, &ahead.walk);
     if (!begun && motion.pose_valid) {
       send_local_prediction(view, bus);
     }
@@ -92,7 +93,7 @@ void send_prediction(const View& view, bool due, BusState* bus) {
     ahead.frame = motion.frame;
     ahead.R_IC = view.estimate->R_IC;
   }
-  std::optional<MotionPrediction> reached = walk_on(&ahead.walk);
+  std::optional<MotionPrediction> reached = continue_look_ahead(&ahead.walk);
   if (!reached) {
     return;
   }

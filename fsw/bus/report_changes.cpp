@@ -1,6 +1,8 @@
 #include "bus/report_changes.hpp"
 
+#include "bus/bus_state.hpp"
 #include "bus/frame_uses.hpp"
+#include "shape/scale_state.hpp"
 
 namespace polhode::bus {
 namespace {

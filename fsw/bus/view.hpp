@@ -1,19 +1,28 @@
 // What a step has found, as this room sees it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
-#include "bus/bus_state.hpp"
+#include "bus/counters.hpp"
 #include "bus/options.hpp"
 #include "bus/shape_telemetry.hpp"
 #include "image/frame_use.hpp"
 #include "image/verdict.hpp"
-#include "motion/estimator.hpp"
-#include "shape/scale_state.hpp"
-#include "shape/shape_state.hpp"
+#include "motion/motion_state.hpp"
 
-namespace polhode::bus {
+namespace polhode {
+
+struct BusState;
+struct MapDrift;
+struct MotionEstimate;
+struct MotionOptions;
+struct Pose;
+struct ScaleState;
+struct ShapeState;
+
+namespace bus {
 
 /// The parameter table as housekeeping reports it.
 struct TableStatus {
@@ -44,4 +53,5 @@ struct View {
   std::string_view version;  ///< major.minor.patch
 };
 
-}  // namespace polhode::bus
+}  // namespace bus
+}  // namespace polhode

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "base/wide.hpp"
+#include "base/avx2_dispatch.hpp"
 
 #if defined(__SSE2__)
 #include <immintrin.h>

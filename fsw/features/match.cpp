@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "base/wide.hpp"
+#include "base/avx2_dispatch.hpp"
 
 namespace polhode {
 namespace {

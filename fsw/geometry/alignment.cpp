@@ -8,10 +8,10 @@ Pose transformed(const Pose& pose_a, const Similarity& b_of_a) {
   return {.R_CT = R_Cb, .p_CT = b_of_a.scale * pose_a.p_CT - R_Cb * b_of_a.t_ba};
 }
 
-Result<Similarity> align_turned(std::span<const Eigen::Vector3d> points_a,
-                                std::span<const Eigen::Vector3d> points_b,
-                                std::span<const double> weights,
-                                const Eigen::Matrix3d& R_ba) {
+Result<Similarity> align_rotated(std::span<const Eigen::Vector3d> points_a,
+                                 std::span<const Eigen::Vector3d> points_b,
+                                 std::span<const double> weights,
+                                 const Eigen::Matrix3d& R_ba) {
   POLHODE_ASSERT(points_a.size() == points_b.size() && points_a.size() == weights.size(),
                  points_a.size());
   double total = 0.0;

@@ -27,9 +27,9 @@ Pose transformed(const Pose& pose_a, const Similarity& b_of_a);
 /// with weights >= 0.
 /// @errors TooFewObservations (no weight), Degenerate (points coincide, or the scale would not be
 /// positive).
-Result<Similarity> align_turned(std::span<const Eigen::Vector3d> points_a,
-                                std::span<const Eigen::Vector3d> points_b,
-                                std::span<const double> weights,
-                                const Eigen::Matrix3d& R_ba);
+Result<Similarity> align_rotated(std::span<const Eigen::Vector3d> points_a,
+                                 std::span<const Eigen::Vector3d> points_b,
+                                 std::span<const double> weights,
+                                 const Eigen::Matrix3d& R_ba);
 
 }  // namespace polhode

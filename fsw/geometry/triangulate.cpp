@@ -19,11 +19,11 @@ constexpr double kRelativeDepthMin = 1e-6;
 // A bound only: Gauss-Newton converges fast from the linear solution and stops without a gain.
 constexpr int kIterations = 5;
 
-Eigen::Vector3d ray_T(const Sighting& observation) {
+Eigen::Vector3d ray_T(const RayObservation& observation) {
   return (observation.pose.R_CT.transpose() * observation.normalised.homogeneous()).normalized();
 }
 
-double largest_parallax_rad(std::span<const Sighting> observations) {
+double largest_parallax_rad(std::span<const RayObservation> observations) {
   double cosine_min = 1.0;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -34,10 +34,10 @@ double largest_parallax_rad(std::span<const Sighting> observations) {
 }
 
 /// Point nearest to all rays.
-bool nearest_to_rays(std::span<const Sighting> observations, Eigen::Vector3d* p_T) {
+bool nearest_to_rays(std::span<const RayObservation> observations, Eigen::Vector3d* p_T) {
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  for (const Sighting& observation : observations) {
+  for (const RayObservation& observation : observations) {
     const Eigen::Vector3d d = ray_T(observation);
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - d * d.transpose();
     A += across;
@@ -60,9 +60,10 @@ struct NormalEquations {
   bool in_front = true;
 };
 
-NormalEquations linearise(std::span<const Sighting> observations, const Eigen::Vector3d& p_T) {
+NormalEquations linearise(std::span<const RayObservation> observations,
+                          const Eigen::Vector3d& p_T) {
   NormalEquations n;
-  for (const Sighting& observation : observations) {
+  for (const RayObservation& observation : observations) {
     const Eigen::Vector3d p_C = observation.pose.to_camera(p_T);
     if (!(p_C.z() > kRelativeDepthMin * observation.pose.p_CT.norm())) {
       n.in_front = false;
@@ -82,7 +83,7 @@ NormalEquations linearise(std::span<const Sighting> observations, const Eigen::V
 
 }  // namespace
 
-Result<TriangulatedPoint> triangulate(std::span<const Sighting> observations) {
+Result<TriangulatedPoint> triangulate(std::span<const RayObservation> observations) {
   if (observations.size() < 2) {
     return ErrorCode::kTooFewObservations;
   }

@@ -9,7 +9,7 @@
 
 namespace polhode {
 
-struct Sighting {
+struct RayObservation {
   Pose pose;
   Eigen::Vector2d normalised = Eigen::Vector2d::Zero();
   double sigma_normalised = 1.0;  ///< 1-sigma of each coordinate
@@ -24,6 +24,6 @@ struct TriangulatedPoint {
 
 /// Linear solution, then at most five Gauss-Newton steps on the reprojection error.
 /// @errors TooFewObservations (under 2), Degenerate (rays parallel, or the point behind a camera).
-Result<TriangulatedPoint> triangulate(std::span<const Sighting> observations);
+Result<TriangulatedPoint> triangulate(std::span<const RayObservation> observations);
 
 }  // namespace polhode

@@ -19,7 +19,7 @@ constexpr double kVarianceMin = 1e-6;
 
 }  // namespace
 
-double convexity_cue(std::span<const StartSighting> sightings,
+double convexity_cue(std::span<const TrackObservation> observations,
                      int frame,
                      const StartGeometryView& geometry) {
   if (geometry.posed[static_cast<std::size_t>(frame)] == 0) {
@@ -30,7 +30,7 @@ double convexity_cue(std::span<const StartSighting> sightings,
   Eigen::Vector4d g = Eigen::Vector4d::Zero();
   double zz = 0.0;
   int count = 0;
-  for (const StartSighting& s : sightings) {
+  for (const TrackObservation& s : observations) {
     const auto track = static_cast<std::size_t>(s.track);
     if (s.frame != frame || geometry.known[track] == 0 ||
         geometry.points_T[track].norm() > kReachMax) {

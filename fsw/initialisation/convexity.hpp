@@ -10,7 +10,7 @@ namespace polhode {
 /// Curvature of the visible side in `frame`: the r^2 term of a quadratic fit of depth, over its
 /// 1-sigma. Positive for convex opaque bodies, negative for their depth-reversed solutions. Dishes
 /// and broken boxes give the wrong sign.
-double convexity_cue(std::span<const StartSighting> sightings,
+double convexity_cue(std::span<const TrackObservation> observations,
                      int frame,
                      const StartGeometryView& geometry);
 

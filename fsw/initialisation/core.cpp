@@ -174,7 +174,7 @@ void add_frame_quotas(const StartProblem& problem, SelectionSet* set) {
     count_frames(problem.tracks[static_cast<std::size_t>(track)], &counts);
   };
   std::for_each(set->tracks.begin(), set->tracks.end(), count);
-  for (std::size_t n = set->tracks.size(); n < kContestTracks; ++n) {
+  for (std::size_t n = set->tracks.size(); n < kSelectionTracks; ++n) {
     // The track that is in most frames short of their quota. Among equals the longest, then the
     // first.
     int best_gain = 0;
@@ -201,15 +201,15 @@ void add_frame_quotas(const StartProblem& problem, SelectionSet* set) {
   }
 }
 
-void list_sightings(const StartProblem& problem, SelectionSet* set) {
-  set->sightings.clear();
+void list_observations(const StartProblem& problem, SelectionSet* set) {
+  set->observations.clear();
   for (std::size_t k = 0; k < set->tracks.size(); ++k) {
     for (const StartObservation& o :
          problem.tracks[static_cast<std::size_t>(set->tracks[k])].observations) {
-      (void)set->sightings.push_back({.frame = o.frame,
-                                      .track = static_cast<int>(k),
-                                      .normalised = o.normalised,
-                                      .sigma_normalised = o.sigma_normalised});
+      (void)set->observations.push_back({.frame = o.frame,
+                                         .track = static_cast<int>(k),
+                                         .normalised = o.normalised,
+                                         .sigma_normalised = o.sigma_normalised});
     }
   }
 }
@@ -277,7 +277,7 @@ bool choose_selection_set(const StartProblem& problem, SelectionSet* set) {
     (void)set->cores.push_back(core);
   }
   add_frame_quotas(problem, set);
-  list_sightings(problem, set);
+  list_observations(problem, set);
   return true;
 }
 

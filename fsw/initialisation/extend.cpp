@@ -11,7 +11,7 @@
 namespace polhode {
 namespace {
 
-using FrameSightings = FixedVector<StartSighting, kContestTracks>;
+using FrameObservations = FixedVector<TrackObservation, kSelectionTracks>;
 
 // Twice the three points that a pose needs without noise.
 constexpr int kPointsMin = 6;
@@ -29,10 +29,10 @@ constexpr double kDepthStepsMax = 2.0;
 constexpr double kReachMax = 5.0;
 
 /// (u, v) for a given attitude and inverse depth: the median over the points.
-void place(const FrameSightings& seen, const StartHypothesis& h, InverseDepthPose* pose) {
+void place(const FrameObservations& seen, const StartHypothesis& h, InverseDepthPose* pose) {
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
-    FixedVector<double, kContestTracks> values;
-    for (const StartSighting& s : seen) {
+    FixedVector<double, kSelectionTracks> values;
+    for (const TrackObservation& s : seen) {
       const Eigen::Vector3d q = pose->R_CT * h.points_T[static_cast<std::size_t>(s.track)];
       (void)values.push_back(s.normalised(axis) * (1.0 + pose->uvs.z() * q.z()) -
                              pose->uvs.z() * q(axis));
@@ -67,7 +67,7 @@ InverseDepthPose continued(const InverseDepthPose& near,
   return pose;
 }
 
-double refine(const FrameSightings& seen, StartHypothesis* h, InverseDepthPose* pose) {
+double refine(const FrameObservations& seen, StartHypothesis* h, InverseDepthPose* pose) {
   StartAdjustmentOptions options{
       .iterations_max = kPoseIterations, .loss = StartLoss::kCauchy, .width_sigma = kWideSigma};
   if (adjust_single_pose(seen.view(), h->view(), options, pose) < 0.0) {
@@ -79,13 +79,13 @@ double refine(const FrameSightings& seen, StartHypothesis* h, InverseDepthPose* 
 
 }  // namespace
 
-bool pose_frame(std::span<const StartSighting> sightings,
+bool pose_frame(std::span<const TrackObservation> observations,
                 std::span<const double> times_s,
                 int frame,
                 StartHypothesis* hypothesis) {
   StartHypothesis& h = *hypothesis;
-  FrameSightings seen;
-  for (const StartSighting& s : sightings) {
+  FrameObservations seen;
+  for (const TrackObservation& s : observations) {
     if (s.frame == frame && h.known[static_cast<std::size_t>(s.track)] != 0) {
       (void)seen.push_back(s);
     }
@@ -121,18 +121,19 @@ bool pose_frame(std::span<const StartSighting> sightings,
   return true;
 }
 
-void add_points(std::span<const StartSighting> sightings, StartHypothesis* hypothesis) {
+void add_points(std::span<const TrackObservation> observations, StartHypothesis* hypothesis) {
   StartHypothesis& h = *hypothesis;
-  for (std::size_t begin = 0; begin < sightings.size();) {
-    const auto track = static_cast<std::size_t>(sightings[begin].track);
+  for (std::size_t begin = 0; begin < observations.size();) {
+    const auto track = static_cast<std::size_t>(observations[begin].track);
     std::size_t end = begin;
-    FixedVector<Sighting, limits::kStartFrames> seen;
-    for (; end < sightings.size() && sightings[end].track == sightings[begin].track; ++end) {
-      const auto frame = static_cast<std::size_t>(sightings[end].frame);
+    FixedVector<RayObservation, limits::kStartFrames> seen;
+    for (; end < observations.size() && observations[end].track == observations[begin].track;
+         ++end) {
+      const auto frame = static_cast<std::size_t>(observations[end].frame);
       if (h.posed[frame] != 0 && h.known[track] == 0) {
         (void)seen.push_back({.pose = from_inverse_depth(h.poses[frame]),
-                              .normalised = sightings[end].normalised,
-                              .sigma_normalised = sightings[end].sigma_normalised});
+                              .normalised = observations[end].normalised,
+                              .sigma_normalised = observations[end].sigma_normalised});
       }
     }
     begin = end;
@@ -147,13 +148,13 @@ void add_points(std::span<const StartSighting> sightings, StartHypothesis* hypot
   }
 }
 
-bool extend(std::span<const StartSighting> sightings,
+bool extend(std::span<const TrackObservation> observations,
             std::span<const double> times_s,
             int rounds,
             StartHypothesis* hypothesis) {
   StartHypothesis& h = *hypothesis;
   bool grown = false;
-  add_points(sightings, &h);
+  add_points(observations, &h);
   for (int round = 0; round < rounds; ++round) {
     const std::array<std::uint8_t, limits::kStartFrames> posed = h.posed;
     // On either side of each posed frame the nearest unposed one that can be posed. Frames without
@@ -166,13 +167,13 @@ bool extend(std::span<const StartSighting> sightings,
         if (posed[static_cast<std::size_t>(f)] != 0) {
           open = true;
         } else if (open && h.posed[static_cast<std::size_t>(f)] == 0 &&
-                   pose_frame(sightings, times_s, f, &h)) {
+                   pose_frame(observations, times_s, f, &h)) {
           grown = true;
           open = false;
         }
       }
     }
-    add_points(sightings, &h);
+    add_points(observations, &h);
   }
   return grown;
 }

@@ -11,18 +11,18 @@ namespace polhode {
 /// from the constant-rate continuation of the two nearest. Keeps the better result.
 /// @return false, with the frame left unposed, when too few points are observed or no start
 /// converges.
-bool pose_frame(std::span<const StartSighting> sightings,
+bool pose_frame(std::span<const TrackObservation> observations,
                 std::span<const double> times_s,
                 int frame,
                 StartHypothesis* hypothesis);
 
 /// Points of the tracks that are not known yet and are seen in two posed frames or more.
-void add_points(std::span<const StartSighting> sightings, StartHypothesis* hypothesis);
+void add_points(std::span<const TrackObservation> observations, StartHypothesis* hypothesis);
 
 /// Poses up to `rounds` frames on either side of those that are posed, adding points after each
 /// round.
 /// @return false when no frame was added.
-bool extend(std::span<const StartSighting> sightings,
+bool extend(std::span<const TrackObservation> observations,
             std::span<const double> times_s,
             int rounds,
             StartHypothesis* hypothesis);

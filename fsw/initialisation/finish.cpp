@@ -20,26 +20,26 @@ constexpr double kUnknownSigma = 1e300;
 /// are skipped.
 void spread_to_all_tracks(const Selection& c, StartHypothesis* winner) {
   StartWorkspace& w = c.w;
-  w.sightings.clear();
+  w.observations.clear();
   std::copy(winner->poses.begin(), winner->poses.end(), w.poses.begin());
   std::copy(winner->posed.begin(), winner->posed.end(), w.posed.begin());
   for (std::size_t i = 0; i < c.problem.tracks.size(); ++i) {
     w.known[i] = 0;
     const auto& observations = c.problem.tracks[i].observations;
-    if (observations.size() < 2 ||
-        w.sightings.size() + observations.size() > StartAdjustmentWorkspace::kSightings) {
+    if (observations.size() < 2 || w.observations.size() + observations.size() >
+                                       StartAdjustmentWorkspace::kStartObservations) {
       continue;
     }
     // One track at a time: the first slot of the hypothesis is the workspace of add_points().
-    FixedVector<StartSighting, limits::kStartFrames> own;
+    FixedVector<TrackObservation, limits::kStartFrames> own;
     for (const StartObservation& o : observations) {
-      StartSighting s{.frame = o.frame,
-                      .track = 0,
-                      .normalised = o.normalised,
-                      .sigma_normalised = o.sigma_normalised};
+      TrackObservation s{.frame = o.frame,
+                         .track = 0,
+                         .normalised = o.normalised,
+                         .sigma_normalised = o.sigma_normalised};
       (void)own.push_back(s);
       s.track = static_cast<int>(i);
-      (void)w.sightings.push_back(s);
+      (void)w.observations.push_back(s);
     }
     winner->known[0] = 0;
     add_points(own.view(), winner);
@@ -68,7 +68,7 @@ StartGeometryView all_tracks_view(const Selection& c) {
 void drop_wrong_tracks(const Selection& c, StartOutcome* out) {
   const double limit2 = kTruncation_sigmas * kTruncation_sigmas * c.sigma_scale * c.sigma_scale;
   std::array<int, limits::kStartTracks> agree{};
-  for (const StartSighting& s : c.w.sightings) {
+  for (const TrackObservation& s : c.w.observations) {
     Eigen::Vector2d x;
     const auto track = static_cast<std::size_t>(s.track);
     const auto frame = static_cast<std::size_t>(s.frame);
@@ -79,8 +79,8 @@ void drop_wrong_tracks(const Selection& c, StartOutcome* out) {
     }
   }
   for (std::size_t i = 0; i < c.problem.tracks.size(); ++i) {
-    const auto sightings = static_cast<int>(c.problem.tracks[i].observations.size());
-    const bool good = c.w.known[i] != 0 && agree[i] >= 2 && 2 * agree[i] >= sightings;
+    const auto observations = static_cast<int>(c.problem.tracks[i].observations.size());
+    const bool good = c.w.known[i] != 0 && agree[i] >= 2 && 2 * agree[i] >= observations;
     c.w.known[i] = good ? 1 : 0;
     out->points[i].inliers = good ? agree[i] : 0;
   }
@@ -107,16 +107,17 @@ void adjust_all_tracks(const Selection& c, StartOutcome* out) {
   const StartGeometryView view = all_tracks_view(c);
   out->points.resize(c.problem.tracks.size());
   out->frames.resize(c.problem.times_s.size());
-  out->depth_sigma = out->contest_depth_sigma = kUnknownSigma;
+  out->depth_sigma = out->selection_depth_sigma = kUnknownSigma;
   drop_wrong_tracks(c, out);
-  (void)adjust_start(c.w.sightings.view(), view, selection_loss(c, kIterations), &c.w.adjustment);
+  (void)adjust_start(
+      c.w.observations.view(), view, selection_loss(c, kIterations), &c.w.adjustment);
   drop_wrong_tracks(c, out);
   if (!normalise_gauge(view)) {
     return;
   }
   const std::span covariances = std::span(c.w.covariances).first(c.problem.tracks.size());
   if (!start_point_covariances(
-          c.w.sightings.view(), view, selection_loss(c, 0), covariances, &c.w.adjustment)) {
+          c.w.observations.view(), view, selection_loss(c, 0), covariances, &c.w.adjustment)) {
     return;
   }
   const auto all = std::views::iota(0, static_cast<int>(c.problem.tracks.size()));
@@ -124,7 +125,7 @@ void adjust_all_tracks(const Selection& c, StartOutcome* out) {
   // The selection's tracks are the longest, and decide on the geometry. On a body that rotates fast
   // most other tracks last three or four frames and know little of their own depth
   // (docs/decisions/0031).
-  out->contest_depth_sigma = median_depth_sigma(c, c.w.set.tracks);
+  out->selection_depth_sigma = median_depth_sigma(c, c.w.set.tracks);
   for (std::size_t i = 0; i < out->points.size(); ++i) {
     StartPoint& point = out->points[i];
     point.p_T = c.w.points_T[i];

@@ -46,7 +46,7 @@ CoreImages collect(const SeedProblem& problem) {
   CoreImages images;
   double sigma = 0.0;
   int count = 0;
-  for (const StartSighting& s : problem.sightings) {
+  for (const TrackObservation& s : problem.observations) {
     const auto* const frame = std::find(core.frames.begin(), core.frames.end(), s.frame);
     const auto* const track = std::find(core.tracks.begin(), core.tracks.end(), s.track);
     if (frame != core.frames.end() && track != core.tracks.end()) {
@@ -218,7 +218,7 @@ void push_two_view(const SeedProblem& problem,
   }
   for (std::size_t k = 0; k < core.frames.size(); ++k) {
     if (k != pair[0] && k != pair[1] &&
-        !pose_frame(problem.sightings, problem.times_s, core.frames[k], &h)) {
+        !pose_frame(problem.observations, problem.times_s, core.frames[k], &h)) {
       return;
     }
   }
@@ -271,7 +271,7 @@ void seed_hypotheses(const SeedProblem& problem, StartHypotheses* seeds) {
 }
 
 bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double tolerance) {
-  FixedVector<double, kContestTracks> apart;
+  FixedVector<double, kSelectionTracks> apart;
   for (std::size_t i = 0; i < a.tracks; ++i) {
     if (a.known[i] != 0 && b.known[i] != 0) {
       (void)apart.push_back((a.points_T[i] - b.points_T[i]).norm());

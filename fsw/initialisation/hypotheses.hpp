@@ -10,8 +10,8 @@ namespace polhode {
 
 struct SeedProblem {
   std::span<const double> times_s;  ///< all frames
-  std::span<const StartSighting>
-      sightings;  ///< of the selection's tracks, ordered by track, then frame
+  std::span<const TrackObservation>
+      observations;  ///< of the selection's tracks, ordered by track, then frame
   std::size_t selection_tracks = 0;
   const StartCore* core = nullptr;
   std::uint64_t seed = 0;

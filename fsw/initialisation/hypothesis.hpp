@@ -20,7 +20,7 @@ inline constexpr std::uint32_t kAllKinds = (1U << kHypothesisKinds) - 1U;  // on
 
 /// Tracks that hypotheses are compared on. Chosen for its cost: the cost margin grows as N and its
 /// noise as sqrt(N), so fewer decide less, and the time of the adjustments grows as N.
-inline constexpr std::size_t kContestTracks = 128;
+inline constexpr std::size_t kSelectionTracks = 128;
 /// Tracks and frames of a core, in which every frame observes every track. Chosen: 80 of the 128
 /// leave room for a second core and for the quotas of frames; 10 frames bound the time of the
 /// seeds.
@@ -34,8 +34,8 @@ struct StartHypothesis {
   std::size_t tracks = 0;
   std::array<InverseDepthPose, limits::kStartFrames> poses{};
   std::array<std::uint8_t, limits::kStartFrames> posed{};
-  std::array<Eigen::Vector3d, kContestTracks> points_T{};
-  std::array<std::uint8_t, kContestTracks> known{};
+  std::array<Eigen::Vector3d, kSelectionTracks> points_T{};
+  std::array<std::uint8_t, kSelectionTracks> known{};
   StartFit fit;
 
   [[nodiscard]] StartGeometryView view() {

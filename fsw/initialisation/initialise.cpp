@@ -21,7 +21,7 @@ StartDecision decide(const StartOutcome& out, const StartOptions& options, doubl
   if (out.inlier_ratio < kInlierRatioMin || noise_scale > kNoiseScaleMax) {
     return StartDecision::kNoHypothesis;
   }
-  if (!(out.contest_depth_sigma < kDepthSigmaMax)) {
+  if (!(out.selection_depth_sigma < kDepthSigmaMax)) {
     return StartDecision::kTooLittleMotion;
   }
   const bool clear = out.chi2_gap >= options.chi2_gap_commit;
@@ -31,7 +31,7 @@ StartDecision decide(const StartOutcome& out, const StartOptions& options, doubl
 
 }  // namespace
 
-StartOutcome run_start_contest(const StartProblem& problem,
+StartOutcome select_hypothesis(const StartProblem& problem,
                                const StartOptions& options,
                                StartWorkspace& workspace) {
   StartOutcome out;
@@ -51,7 +51,7 @@ StartOutcome run_start_contest(const StartProblem& problem,
   out.winner_reversed = winner.reversed;
   out.hypotheses = static_cast<int>(workspace.refined.size());
   out.reduced_chi2 = noise * noise;
-  out.inlier_ratio = static_cast<double>(winner.fit.inliers) / winner.fit.sightings;
+  out.inlier_ratio = static_cast<double>(winner.fit.inliers) / winner.fit.observations;
   out.chi2_gap = cost_margin_of(selection);
   out.convexity = convexity_of(selection, &winner);
   adjust_all_tracks(selection, &out);

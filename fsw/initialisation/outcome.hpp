@@ -65,7 +65,7 @@ struct StartOutcome {
   double rotation_rad = 0.0;  ///< largest rotation from the first posed frame
   double depth_sigma =
       0.0;  ///< median 1-sigma of the points along the first line of sight, in extents
-  double contest_depth_sigma = 0.0;  ///< the same, of the selection's tracks alone
+  double selection_depth_sigma = 0.0;  ///< the same, of the selection's tracks alone
   double convexity =
       0.0;  ///< curvature of the visible face over its 1-sigma; positive: the middle is nearest
   double inlier_ratio = 0.0;  ///< of the selection's observations
@@ -77,11 +77,11 @@ struct StartOutcome {
 
 /// The frames and tracks on which hypotheses are compared.
 struct SelectionSet {
-  static constexpr std::size_t kSightings = kContestTracks * limits::kStartFrames;
+  static constexpr std::size_t kStartObservations = kSelectionTracks * limits::kStartFrames;
   FixedVector<StartCore, 2>
       cores;  ///< a long run of frames, and one with many tracks where it differs
-  FixedVector<int, kContestTracks> tracks;  ///< indices into StartProblem::tracks
-  FixedVector<StartSighting, kSightings> sightings;
+  FixedVector<int, kSelectionTracks> tracks;  ///< indices into StartProblem::tracks
+  FixedVector<TrackObservation, kStartObservations> observations;
 };
 
 /// Workspace of a selection, kept by the caller: some 5 MB. Holds nothing between calls.
@@ -91,8 +91,8 @@ struct StartWorkspace {
   StartHypotheses seeds;
   StartHypotheses refined;
   StartHypotheses finalists;
-  FixedVector<StartSighting, SelectionSet::kSightings> core_sightings;
-  FixedVector<StartSighting, StartAdjustmentWorkspace::kSightings> sightings;
+  FixedVector<TrackObservation, SelectionSet::kStartObservations> core_observations;
+  FixedVector<TrackObservation, StartAdjustmentWorkspace::kStartObservations> observations;
   std::array<InverseDepthPose, limits::kStartFrames> poses;
   std::array<std::uint8_t, limits::kStartFrames> posed;
   std::array<Eigen::Vector3d, limits::kStartTracks> points_T;

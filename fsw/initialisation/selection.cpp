@@ -62,21 +62,21 @@ void sort_by_cost(StartHypotheses* list) {
 /// Cauchy loss as wide as the residuals are now, then as wide as the noise, then the loss of the
 /// comparison.
 bool refine(const Selection& c,
-            std::span<const StartSighting> sightings,
+            std::span<const TrackObservation> observations,
             const Iterations& iterations,
             StartHypothesis* h) {
   const StartGeometryView view = h->view();
   StartAdjustmentOptions options{
       .loss = StartLoss::kCauchy, .width_sigma = kNarrow_sigmas, .sigma_scale = c.sigma_scale};
-  const StartFit before = evaluate_start(sightings, view, options, &c.w.adjustment);
+  const StartFit before = evaluate_start(observations, view, options, &c.w.adjustment);
   options.iterations_max = iterations.wide;
   options.width_sigma =
       std::clamp(kNarrow_sigmas * std::sqrt(before.median), kNarrow_sigmas, kWideMax_sigmas);
-  (void)adjust_start(sightings, view, options, &c.w.adjustment);
+  (void)adjust_start(observations, view, options, &c.w.adjustment);
   options.iterations_max = iterations.narrow;
   options.width_sigma = kNarrow_sigmas;
-  (void)adjust_start(sightings, view, options, &c.w.adjustment);
-  h->fit = adjust_start(sightings, view, selection_loss(c, iterations.last), &c.w.adjustment);
+  (void)adjust_start(observations, view, options, &c.w.adjustment);
+  h->fit = adjust_start(observations, view, selection_loss(c, iterations.last), &c.w.adjustment);
   return normalise_gauge(view) && std::isfinite(h->fit.cost);
 }
 
@@ -96,7 +96,7 @@ void insert_distinct(const StartHypothesis& h, StartHypotheses* list) {
 StartHypothesis depth_reversed(const StartHypothesis& h) {
   StartHypothesis reversed = h;
   reversed.reversed = !h.reversed;
-  reverse_depth(reversed.view());
+  apply_depth_reversal(reversed.view());
   (void)normalise_gauge(reversed.view());
   return reversed;
 }
@@ -104,7 +104,7 @@ StartHypothesis depth_reversed(const StartHypothesis& h) {
 /// Seeds, first without their depth-reversed solutions. Those that lead to the same minimum, or to
 /// its depth-reversed one, are one family.
 void refine_families(const Selection& c) {
-  const std::span<const StartSighting> core = c.w.core_sightings.view();
+  const std::span<const TrackObservation> core = c.w.core_observations.view();
   StartHypotheses& families = c.w.refined;
   families.clear();
   for (StartHypothesis& seed : c.w.seeds) {
@@ -125,7 +125,7 @@ void refine_families(const Selection& c) {
 
 /// Both solutions of the best families, refined on the core to convergence, the best first.
 void refine_both_depths(const Selection& c) {
-  const std::span<const StartSighting> core = c.w.core_sightings.view();
+  const std::span<const TrackObservation> core = c.w.core_observations.view();
   c.w.seeds.clear();
   for (std::size_t i = 0; i < std::min(kFamilies, c.w.refined.size()); ++i) {
     (void)c.w.seeds.push_back(c.w.refined[i]);
@@ -151,16 +151,16 @@ double noise_scale(const Selection& c) {
 void select_on_core(const StartCore& core, Selection* c) {
   StartWorkspace& w = c->w;
   const SelectionSet& set = w.set;
-  w.core_sightings.clear();
-  for (const StartSighting& s : set.sightings) {
+  w.core_observations.clear();
+  for (const TrackObservation& s : set.observations) {
     const bool seen =
         std::find(core.frames.begin(), core.frames.end(), s.frame) != core.frames.end();
     if (seen && std::find(core.tracks.begin(), core.tracks.end(), s.track) != core.tracks.end()) {
-      (void)w.core_sightings.push_back(s);
+      (void)w.core_observations.push_back(s);
     }
   }
   seed_hypotheses({.times_s = c->problem.times_s,
-                   .sightings = set.sightings.view(),
+                   .observations = set.observations.view(),
                    .selection_tracks = set.tracks.size(),
                    .core = &core,
                    .seed = c->problem.seed,
@@ -179,7 +179,7 @@ void select_on_core(const StartCore& core, Selection* c) {
 
 /// Extends a hypothesis to all frames. Adjusts on the way, so that errors do not add up.
 bool extend_to_all(const Selection& c, StartHypothesis* h) {
-  const std::span<const StartSighting> all = c.w.set.sightings.view();
+  const std::span<const TrackObservation> all = c.w.set.observations.view();
   for (std::size_t step = 0; step < h->frames; ++step) {
     if (!extend(all, c.problem.times_s, kExtendRounds, h)) {
       break;
@@ -207,7 +207,7 @@ void refine_finalists(const Selection& c) {
 void compare_with_reversed(const Selection& c) {
   for (int round = 0; round < kReversalRounds && !c.w.refined.empty(); ++round) {
     StartHypothesis reversed = depth_reversed(c.w.refined[0]);
-    if (!refine(c, c.w.set.sightings.view(), kReversedIterations, &reversed)) {
+    if (!refine(c, c.w.set.observations.view(), kReversedIterations, &reversed)) {
       return;
     }
     const bool wins = reversed.fit.cost < c.w.refined[0].fit.cost;
@@ -222,14 +222,14 @@ void compare_with_reversed(const Selection& c) {
 /// Cost margin of the winner to `rival`: the smaller of the plain difference and of one in which no
 /// track decides alone. The latter is zero where the tracks do not agree.
 double cost_margin_to(const Selection& c, StartHypothesis* winner, StartHypothesis* rival) {
-  std::array<double, kContestTracks> of_winner;
-  std::array<double, kContestTracks> of_rival;
+  std::array<double, kSelectionTracks> of_winner;
+  std::array<double, kSelectionTracks> of_rival;
   const StartAdjustmentOptions options = selection_loss(c, 0);
   const std::size_t tracks = winner->tracks;
   start_track_costs(
-      c.w.set.sightings.view(), winner->view(), options, std::span(of_winner).first(tracks));
+      c.w.set.observations.view(), winner->view(), options, std::span(of_winner).first(tracks));
   start_track_costs(
-      c.w.set.sightings.view(), rival->view(), options, std::span(of_rival).first(tracks));
+      c.w.set.observations.view(), rival->view(), options, std::span(of_rival).first(tracks));
   double plain = 0.0;
   double clipped = 0.0;
   double clipped2 = 0.0;
@@ -278,14 +278,14 @@ StartAdjustmentOptions selection_loss(const Selection& c, int iterations_max) {
 }
 
 double convexity_of(const Selection& c, StartHypothesis* h) {
-  return convexity_cue(c.w.set.sightings.view(), middle_frame(c.w.set), h->view());
+  return convexity_cue(c.w.set.observations.view(), middle_frame(c.w.set), h->view());
 }
 
 double cost_margin_of(const Selection& c) {
   StartHypotheses& list = c.w.refined;
   // Without a rival: the margin to the cost of no explanation at all.
   double margin =
-      kTruncation_sigmas * kTruncation_sigmas * list[0].fit.sightings - list[0].fit.cost;
+      kTruncation_sigmas * kTruncation_sigmas * list[0].fit.observations - list[0].fit.cost;
   for (std::size_t i = 1; i < list.size(); ++i) {
     if (!same_geometry(list[0], list[i], kDifferentGeometry)) {
       margin = std::min(margin, cost_margin_to(c, &list[0], &list[i]));

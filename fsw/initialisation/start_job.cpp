@@ -5,7 +5,7 @@
 namespace polhode {
 
 void run_start(StartJob* job) {
-  job->outcome = run_start_contest({.times_s = std::span(job->times_s).first(job->frame_count),
+  job->outcome = select_hypothesis({.times_s = std::span(job->times_s).first(job->frame_count),
                                     .tracks = std::span(job->tracks).first(job->track_count),
                                     .seed = job->seed},
                                    job->options,

@@ -39,7 +39,7 @@ void begin_map(const StartOutcome& outcome,
     for (const TrackPoint& point : tracks.tracks[t].points) {
       const KeyframeId keyframe = keyframe_of[static_cast<std::size_t>(point.frame)];
       if (keyframe.valid()) {
-        tie_sighting(keyframe, static_cast<std::size_t>(point.feature), id, map);
+        add_observation(keyframe, static_cast<std::size_t>(point.feature), id, map);
       }
     }
   }

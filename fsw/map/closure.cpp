@@ -53,7 +53,7 @@ int close_loop(LocaliseInput input,
       ++tied;
     }
     if (!keyframe.landmark_of[feature].valid() && !sees(keyframe, match.landmark)) {
-      tie_sighting(id, feature, match.landmark, map);
+      add_observation(id, feature, match.landmark, map);
       ++tied;
     }
   }

@@ -19,7 +19,7 @@ struct ClosureOptions {
 /// stood there is merged into it. The drift is still in the map then: an adjustment of all
 /// keyframes has to follow.
 /// @param input  of the keyframe's frame; its age is set here.
-/// @return sightings tied or landmarks merged; 0 when nothing has come back.
+/// @return observations tied or landmarks merged; 0 when nothing has come back.
 int close_loop(LocaliseInput input,
                KeyframeId keyframe,
                const ClosureOptions& options,

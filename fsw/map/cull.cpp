@@ -1,4 +1,4 @@
-// What does not fit goes: sightings with their residuals, landmarks with their sightings.
+// What does not fit goes: observations with their residuals, landmarks with their observations.
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
@@ -65,7 +65,7 @@ int cull_landmarks(const CameraModel& camera, double noise_scale, Map* map) {
       const LandmarkId id = keyframe.landmark_of[i];
       if (id.valid() &&
           squared_residual(keyframe, i, map->landmarks[id.index()], focal_px) > limit) {
-        untie_sighting(KeyframeId::from_index(k), i, map);
+        remove_observation(KeyframeId::from_index(k), i, map);
       }
     }
   }

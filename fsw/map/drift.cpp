@@ -54,23 +54,23 @@ void hold_at_both_ends(MapDrift* drift) {
   drift->held = drift->walk;
 }
 
-void add_bridge(double attitude_sigma_rad,
-                double position_sigma_mu,
-                std::uint32_t next_keyframe,
-                MapDrift* drift) {
+void add_reanchoring(double attitude_sigma_rad,
+                     double position_sigma_mu,
+                     std::uint32_t next_keyframe,
+                     MapDrift* drift) {
   drift->bridge.topLeftCorner<3, 3>().diagonal().array() += attitude_sigma_rad * attitude_sigma_rad;
   drift->bridge.bottomRightCorner<3, 3>().diagonal().array() +=
       position_sigma_mu * position_sigma_mu;
-  drift->bridged_keyframe = next_keyframe;
+  drift->reanchored_keyframe = next_keyframe;
 }
 
-void close_bridge(MapDrift* drift) {
+void close_reanchoring(MapDrift* drift) {
   constexpr double kBetween = 0.25;  // of the variance: half of the sigma
   drift->bridge *= kBetween;
-  drift->bridged_keyframe = 0;
+  drift->reanchored_keyframe = 0;
 }
 
-void replace_walk(const PoseCovariance& covariance, MapDrift* drift) {
+void replace_random_walk(const PoseCovariance& covariance, MapDrift* drift) {
   drift->walk = covariance;
   drift->held = covariance;
 }

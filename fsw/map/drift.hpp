@@ -22,7 +22,7 @@ struct MapDrift {
   PoseCovariance walk = PoseCovariance::Zero();
   PoseCovariance held = PoseCovariance::Zero();  ///< what of it no closed loop lessens any more
   PoseCovariance bridge = PoseCovariance::Zero();
-  std::uint32_t bridged_keyframe =
+  std::uint32_t reanchored_keyframe =
       0;  ///< number of the first keyframe after the bridge; 0: there is nothing to close
   Eigen::Matrix3d R_first_CT =
       Eigen::Matrix3d::Identity();  ///< attitude of the start's first frame
@@ -66,17 +66,17 @@ void hold_at_both_ends(MapDrift* drift);
 
 /// A start after a loss has been set into T.
 /// @param next_keyframe  number of its first keyframe.
-void add_bridge(double attitude_sigma_rad,
-                double position_sigma_mu,
-                std::uint32_t next_keyframe,
-                MapDrift* drift);
+void add_reanchoring(double attitude_sigma_rad,
+                     double position_sigma_mu,
+                     std::uint32_t next_keyframe,
+                     MapDrift* drift);
 
 /// The parts of the map before and after the bridge have been fitted together: T is what is between
 /// them, so half of the bridge's sigma is left.
-void close_bridge(MapDrift* drift);
+void close_reanchoring(MapDrift* drift);
 
 /// What the map's growth says of T is said anew.
-void replace_walk(const PoseCovariance& covariance, MapDrift* drift);
+void replace_random_walk(const PoseCovariance& covariance, MapDrift* drift);
 
 /// To be added to the covariance of a single pose.
 PoseCovariance covariance(const MapDrift& drift);

@@ -8,7 +8,7 @@
 namespace polhode {
 namespace {
 
-int sightings(const Keyframe& keyframe) {
+int observations(const Keyframe& keyframe) {
   int count = 0;
   for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
     count += keyframe.landmark_of[i].valid() ? 1 : 0;
@@ -71,11 +71,11 @@ bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOpti
     farthest_rad = std::max(farthest_rad, rad);
   }
   return nearest_rad > std::min(spacing_rad(map, options), kWider * farthest_rad) ||
-         inliers < options.keyframe_tracked_min * sightings(map.keyframes[order[0].index()]);
+         inliers < options.keyframe_tracked_min * observations(map.keyframes[order[0].index()]);
 }
 
 KeyframeId most_redundant(const Map& map) {
-  constexpr double kAlone = 0.94;  // cos 20 deg
+  constexpr double kAlone = 0.94;       // cos 20 deg
   constexpr std::uint32_t kNewest = 2;  // they carry the frames to come
   KeyframeId chosen;
   double highest = -1.0;
@@ -133,7 +133,7 @@ KeyframeId insert_keyframe(std::uint32_t frame,
   keyframe.features = features;
   for (const LandmarkMatch& match : localised.matches) {
     if (match.inlier && match.feature >= 0 && map->landmarks[match.landmark.index()].used) {
-      tie_sighting(id, static_cast<std::size_t>(match.feature), match.landmark, map);
+      add_observation(id, static_cast<std::size_t>(match.feature), match.landmark, map);
     }
   }
   return id;

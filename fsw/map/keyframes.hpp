@@ -15,7 +15,7 @@ namespace polhode {
 /// keyframe_tracked_min of what the newest keyframe sees.
 bool wants_keyframe(const Map& map, const Pose& pose, int inliers, const MapOptions& options);
 
-/// Stores the frame; its inlier matches become sightings. A full table first loses its most
+/// Stores the frame; its inlier matches become observations. A full table first loses its most
 /// redundant keyframe.
 /// @return an invalid id when no keyframe may go.
 KeyframeId insert_keyframe(std::uint32_t frame,

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/wide.hpp"
+#include "base/avx2_dispatch.hpp"
 #include "features/match.hpp"
 #include "geometry/epipolar.hpp"
 #include "geometry/triangulate.hpp"
@@ -21,7 +21,8 @@ namespace {
 // one degree of freedom.
 constexpr double kLineSigma = 6.0;
 constexpr double kChi2Pair = kLineSigma * kLineSigma;
-constexpr double kSightingSigma = 3.0;  // reprojection gate of further sightings of a landmark
+constexpr double kObservationSigma =
+    3.0;  // reprojection gate of further observations of a landmark
 constexpr std::size_t kPartners = 4;
 
 double sigma_normalised(const Feature& feature, double focal_px) {
@@ -209,7 +210,7 @@ PairSearch search_line(const Feature& wanted,
   return best;
 }
 
-Sighting sighting(const Keyframe& keyframe, std::int32_t feature, double focal_px) {
+RayObservation observation(const Keyframe& keyframe, std::int32_t feature, double focal_px) {
   const Feature& f = keyframe.features[static_cast<std::size_t>(feature)];
   return {.pose = keyframe.pose,
           .normalised = f.normalised,
@@ -233,8 +234,9 @@ void create_pair(KeyframeId a,
                  const CreateOptions& options,
                  double focal_px,
                  Map* map) {
-  const std::array<Sighting, 2> pair{sighting(map->keyframes[a.index()], feature_a, focal_px),
-                                     sighting(map->keyframes[b.index()], feature_b, focal_px)};
+  const std::array<RayObservation, 2> pair{
+      observation(map->keyframes[a.index()], feature_a, focal_px),
+      observation(map->keyframes[b.index()], feature_b, focal_px)};
   const Result<TriangulatedPoint> point = triangulate(pair);
   if (!point || !acceptable(point.value(), options, *map)) {
     return;
@@ -246,8 +248,8 @@ void create_pair(KeyframeId a,
   Landmark& landmark = map->landmarks[id.index()];
   landmark.p_T = point.value().p_T;
   landmark.created_keyframe = map->keyframes[a.index()].number;
-  tie_sighting(a, static_cast<std::size_t>(feature_a), id, map);
-  tie_sighting(b, static_cast<std::size_t>(feature_b), id, map);
+  add_observation(a, static_cast<std::size_t>(feature_a), id, map);
+  add_observation(b, static_cast<std::size_t>(feature_b), id, map);
 }
 
 void match_partner(KeyframeId a,
@@ -316,7 +318,7 @@ std::int32_t find_in(const Landmark& landmark,
     const double off_px = std::hypot(pixel.x() - static_cast<double>(f.u_px),
                                      pixel.y() - static_cast<double>(f.v_px));
     if (keyframe.landmark_of[i].valid() ||
-        off_px > kSightingSigma * std::sqrt(2.0) * static_cast<double>(f.sigma_px)) {
+        off_px > kObservationSigma * std::sqrt(2.0) * static_cast<double>(f.sigma_px)) {
       continue;
     }
     for (const LandmarkView& view : landmark.views) {
@@ -376,7 +378,7 @@ int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* 
       const std::int32_t feature =
           widely([&] { return find_in(map->landmarks[landmark.index()], keyframe, grid, camera); });
       if (feature >= 0) {
-        tie_sighting(id, static_cast<std::size_t>(feature), landmark, map);
+        add_observation(id, static_cast<std::size_t>(feature), landmark, map);
         ++tied;
       }
     }

@@ -49,17 +49,17 @@ int create_landmarks(KeyframeId keyframe,
 /// Ties landmarks to free features of keyframes in which they should be seen: within 3 sigma and
 /// alike in appearance. Done for the landmarks numbered `first_number` and up, in all keyframes
 /// that look at their side.
-/// @return sightings tied.
+/// @return observations tied.
 int extend_landmarks(std::int32_t first_number, const CameraModel& camera, Map* map);
 
-/// Unties sightings whose reprojection error exceeds kInlierChi2 by the noise scale, then
+/// Unties observations whose reprojection error exceeds kInlierChi2 by the noise scale, then
 /// removes landmarks seen by fewer than two keyframes, those still seen by only two when three
 /// keyframes have come since, and those found in under a quarter of the frames that should have
 /// seen them.
 /// @return landmarks removed.
 int cull_landmarks(const CameraModel& camera, double noise_scale, Map* map);
 
-/// Robust scale of the sightings' residuals in units of their sigma (median of squares over its
+/// Robust scale of the observations' residuals in units of their sigma (median of squares over its
 /// value for a unit normal).
 double residual_scale(const Map& map, const CameraModel& camera);
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/wide.hpp"
+#include "base/avx2_dispatch.hpp"
 
 namespace polhode {
 namespace {
@@ -91,7 +91,7 @@ void to_observations(const LocaliseInput& input,
   scratch->observations.clear();
   for (const LandmarkMatch& match : matches) {
     const Landmark& landmark = input.map->landmarks[match.landmark.index()];
-    // A landmark fixed by n sightings carries 1/n of their variance into this frame's residual.
+    // A landmark fixed by n observations carries 1/n of their variance into this frame's residual.
     const double own = 1.0 / std::max(1, landmark.observations);
     (void)scratch->observations.push_back(
         {.p_T = landmark.p_T,
@@ -135,8 +135,9 @@ Result<bool> solve_all(const LocaliseInput& input,
   const auto confirmed_count = first_unconfirmed - out->matches.begin();
   to_observations(input, out->matches, scratch);
   const auto all = scratch->observations.view();
-  const auto deciding =
-      confirmed_count >= kConfirmedAlone ? all.first(static_cast<std::size_t>(confirmed_count)) : all;
+  const auto deciding = confirmed_count >= kConfirmedAlone
+                            ? all.first(static_cast<std::size_t>(confirmed_count))
+                            : all;
   const AbsolutePoseOptions options{.iterations_max = input.options->ransac_iterations_max,
                                     .inliers_min = input.options->inliers_min,
                                     .seed = input.seed,
@@ -165,8 +166,8 @@ struct Agreement {
 /// place: an old side takes part where it agrees half as well as the young one, and beyond chance.
 bool drop_old_side_that_disagrees(const Map& map, LandmarkMatches* matches) {
   constexpr std::ptrdiff_t kInliersMin = 8;  // of an aspect: with fewer the rule below is noise
-  constexpr std::ptrdiff_t kYoungMin = 20;  // fewer are no measure
-  constexpr double kChance = 1.0 / 16.0;  // of a wrong feature to fall within the gate
+  constexpr std::ptrdiff_t kYoungMin = 20;   // fewer are no measure
+  constexpr double kChance = 1.0 / 16.0;     // of a wrong feature to fall within the gate
   Agreement old_side;
   Agreement young;
   const auto is_of_old_side = [&](const LandmarkMatch& match) {

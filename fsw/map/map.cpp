@@ -49,7 +49,7 @@ void take_stale(Map* map, LandmarkFlags* stale) {
   for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
     const Landmark& landmark = map->landmarks[i];
     (*stale)[i] =
-        landmark.used && (landmark.sightings_changed || landmark.p_T != landmark.refreshed_p_T);
+        landmark.used && (landmark.observations_changed || landmark.p_T != landmark.refreshed_p_T);
   }
   for (Keyframe& keyframe : map->keyframes) {
     if (!keyframe.used || (keyframe.pose.R_CT == keyframe.refreshed_pose.R_CT &&
@@ -66,7 +66,7 @@ void take_stale(Map* map, LandmarkFlags* stale) {
   for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
     if ((*stale)[i]) {
       Landmark& landmark = map->landmarks[i];
-      landmark.sightings_changed = false;
+      landmark.observations_changed = false;
       landmark.refreshed_p_T = landmark.p_T;
       landmark.normal_T.setZero();
       landmark.size_mu = 0.0;
@@ -130,42 +130,43 @@ LandmarkId add_landmark(Map* map) {
   return {};
 }
 
-void tie_sighting(KeyframeId keyframe, std::size_t feature, LandmarkId landmark, Map* map) {
+void add_observation(KeyframeId keyframe, std::size_t feature, LandmarkId landmark, Map* map) {
   Keyframe& k = at(map, keyframe);
   POLHODE_ASSERT(feature < k.features.size() && !k.landmark_of[feature].valid(), feature);
   k.landmark_of[feature] = landmark;
   Landmark& l = at(map, landmark);
   ++l.observations;
-  l.sightings_changed = true;
+  l.observations_changed = true;
   l.seen_keyframe = std::max(l.seen_keyframe, k.number);
 }
 
-void untie_sighting(KeyframeId keyframe, std::size_t feature, Map* map) {
+void remove_observation(KeyframeId keyframe, std::size_t feature, Map* map) {
   Keyframe& k = at(map, keyframe);
   POLHODE_ASSERT(k.landmark_of[feature].valid(), feature);
   Landmark& l = at(map, k.landmark_of[feature]);
   --l.observations;
-  l.sightings_changed = true;
+  l.observations_changed = true;
   k.landmark_of[feature] = LandmarkId{};
 }
 
 void remove_landmark(LandmarkId id, Map* map) { remove_landmarks({&id, 1}, map); }
 
 void remove_landmarks(std::span<const LandmarkId> ids, Map* map) {
-  int sightings = 0;
+  int observations = 0;
   for (const LandmarkId id : ids) {
     Landmark& landmark = at(map, id);
     landmark.used = false;
     map->landmark_free_from = std::min(map->landmark_free_from, id.index());
-    sightings += landmark.observations;
+    observations += landmark.observations;
   }
   map->landmark_count -= static_cast<std::int32_t>(ids.size());
   for (Keyframe& keyframe : map->keyframes) {
-    for (std::size_t i = 0; keyframe.used && sightings > 0 && i < keyframe.features.size(); ++i) {
+    for (std::size_t i = 0; keyframe.used && observations > 0 && i < keyframe.features.size();
+         ++i) {
       LandmarkId& seen = keyframe.landmark_of[i];
       if (seen.valid() && !map->landmarks[seen.index()].used) {
         seen = LandmarkId{};
-        --sightings;
+        --observations;
       }
     }
   }
@@ -183,8 +184,8 @@ void merge_landmarks(LandmarkId from, LandmarkId into, Map* map) {
     }
     if (moving >= 0 && !seen_already) {
       const KeyframeId id = KeyframeId::from_index(k);
-      untie_sighting(id, static_cast<std::size_t>(moving), map);
-      tie_sighting(id, static_cast<std::size_t>(moving), into, map);
+      remove_observation(id, static_cast<std::size_t>(moving), map);
+      add_observation(id, static_cast<std::size_t>(moving), into, map);
     }
   }
   remove_landmark(from, map);
@@ -195,7 +196,7 @@ void remove_keyframe(KeyframeId id, Map* map) {
   for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
     if (keyframe.landmark_of[i].valid()) {
       const LandmarkId landmark = keyframe.landmark_of[i];
-      untie_sighting(id, i, map);
+      remove_observation(id, i, map);
       if (map->landmarks[landmark.index()].observations < 2) {
         remove_landmark(landmark, map);
       }

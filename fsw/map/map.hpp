@@ -51,7 +51,7 @@ struct Landmark {
   double spread_rad = 0.0;  ///< between its oldest direction of view and the one farthest from it
   Eigen::Vector3d oldest_direction_T = Eigen::Vector3d::Zero();  ///< of view
   FixedVector<LandmarkView, kViews> views;
-  bool sightings_changed = true;                            ///< since the last refresh_landmarks()
+  bool observations_changed = true;                         ///< since the last refresh_landmarks()
   Eigen::Vector3d refreshed_p_T = Eigen::Vector3d::Zero();  ///< at that
 };
 
@@ -59,7 +59,7 @@ struct Landmark {
 /// picture while the body turns; for a few degrees they pass for spots at the depth of the axis,
 /// and would slow the estimated rotation down.
 inline bool confirmed(const Landmark& landmark) {
-  constexpr int kObservationsMin = 3;       // two always fit some depth
+  constexpr int kObservationsMin = 3;      // two always fit some depth
   constexpr double kSpreadMin_rad = 0.26;  // 15 deg
   return landmark.observations >= kObservationsMin && landmark.spread_rad >= kSpreadMin_rad;
 }
@@ -84,7 +84,7 @@ struct Map {
 KeyframeId add_keyframe(Map* map);
 LandmarkId add_landmark(Map* map);
 
-/// Frees the slot; the landmark's sightings are untied.
+/// Frees the slot; the landmark's observations are untied.
 void remove_landmark(LandmarkId id, Map* map);
 /// As remove_landmark() of each, none twice, in one pass over the keyframes.
 void remove_landmarks(std::span<const LandmarkId> ids, Map* map);
@@ -92,16 +92,16 @@ void remove_landmarks(std::span<const LandmarkId> ids, Map* map);
 void remove_keyframe(KeyframeId id, Map* map);
 
 /// Ties feature `feature` of a keyframe to a landmark; the feature must be free.
-void tie_sighting(KeyframeId keyframe, std::size_t feature, LandmarkId landmark, Map* map);
-void untie_sighting(KeyframeId keyframe, std::size_t feature, Map* map);
+void add_observation(KeyframeId keyframe, std::size_t feature, LandmarkId landmark, Map* map);
+void remove_observation(KeyframeId keyframe, std::size_t feature, Map* map);
 
-/// Two landmarks turn out to be one: the sightings of `from` go to `into`, except in keyframes that
-/// see `into` already.
+/// Two landmarks turn out to be one: the observations of `from` go to `into`, except in keyframes
+/// that see `into` already.
 void merge_landmarks(LandmarkId from, LandmarkId into, Map* map);
 
 /// Recomputes the mean viewing direction, blob size and views from the keyframes, and the map's
-/// extent. Of landmarks that stand where they stood at the last time, with the same sightings from
-/// keyframes that do, too, they are what they were, and are not touched.
+/// extent. Of landmarks that stand where they stood at the last time, with the same observations
+/// from keyframes that do, too, they are what they were, and are not touched.
 void refresh_landmarks(Map* map, const CameraModel& camera);
 
 /// Slots of the used keyframes, newest first.

@@ -101,11 +101,8 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
     }
     double radius_px = first_px;
     for (int i = 0; i < 3; ++i, radius_px *= 3.0) {
-      const Result<bool> done = localise_guided(localise_input(input, s->map),
-                                                predicted,
-                                                radius_px,
-                                                &s->scratch.localise,
-                                                &s->localised);
+      const Result<bool> done = localise_guided(
+          localise_input(input, s->map), predicted, radius_px, &s->scratch.localise, &s->localised);
       if (done && agrees(s->localised, input.localise->inliers_min) &&
           believable(expected, start_checks, *s)) {
         return true;
@@ -160,11 +157,11 @@ void fuse_with_prior(const PosePrediction& prior, MapState* s) {
   const PoseCovariance by_sum = factor.solve(prior.covariance);  // transposed gain
   const Vector6 step = by_sum.transpose() * apart;
   const PoseCovariance covariance = prior.covariance - by_sum.transpose() * prior.covariance;
-  take_pose({.R_CT = so3_exp(step.head<3>()) * prior.pose.R_CT,
-             .p_CT = prior.pose.p_CT + step.tail<3>()},
-            0.5 * (covariance + covariance.transpose()),
-            &s->scratch.localise,
-            &s->localised);
+  take_pose(
+      {.R_CT = so3_exp(step.head<3>()) * prior.pose.R_CT, .p_CT = prior.pose.p_CT + step.tail<3>()},
+      0.5 * (covariance + covariance.transpose()),
+      &s->scratch.localise,
+      &s->localised);
 }
 
 bool match_features(const MapInput& input,

@@ -6,10 +6,7 @@
 
 namespace polhode {
 
-MapUpdate take_adjusted(const AdjustmentSnapshot& snapshot,
-                        bool usable,
-                        bool closed,
-                        MapState* s) {
+MapUpdate take_adjusted(const AdjustmentSnapshot& snapshot, bool usable, bool closed, MapState* s) {
   const MapCorrection correction = usable ? apply(snapshot, &s->map) : MapCorrection{};
   const bool applied = correction.timestamp_ns != INT64_MAX;
   if (closed && applied) {
@@ -18,9 +15,9 @@ MapUpdate take_adjusted(const AdjustmentSnapshot& snapshot,
   return {.correction = correction, .applied = applied};
 }
 
-bool reaches_over_bridge(const MapState& s) {
+bool reaches_over_reanchoring(const MapState& s) {
   return std::any_of(s.map.keyframes.begin(), s.map.keyframes.end(), [&](const Keyframe& keyframe) {
-    return keyframe.used && keyframe.number < s.drift.bridged_keyframe;
+    return keyframe.used && keyframe.number < s.drift.reanchored_keyframe;
   });
 }
 
@@ -61,10 +58,8 @@ bool pose_from_keyframe(const Keyframe& keyframe, const MapInput& input, MapStat
     }
   }
   s->localised.predicted = static_cast<int>(s->localised.matches.size());
-  return solve_matched(localise_input(input, s->map),
-                       &keyframe.pose,
-                       &s->scratch.localise,
-                       &s->localised)
+  return solve_matched(
+             localise_input(input, s->map), &keyframe.pose, &s->scratch.localise, &s->localised)
       .ok();
 }
 

@@ -19,7 +19,7 @@ MapUpdate take_adjusted(const AdjustmentSnapshot& snapshot,
                         MapState* state);
 
 /// Does the map still hold what was there before the last re-anchoring?
-[[nodiscard]] bool reaches_over_bridge(const MapState& state);
+[[nodiscard]] bool reaches_over_reanchoring(const MapState& state);
 
 /// The flow reference follows the keyframe that it was placed by.
 void move_reference(const MapCorrection& correction, MapState* state);

@@ -87,7 +87,7 @@ void add_pose(const Map& map, KeyframeId id, bool fixed, AdjustmentSnapshot* s) 
   (void)s->R_IC.push_back(map.keyframes[id.index()].R_IC);
 }
 
-/// Points in slot order and sightings in keyframe order: the solver sees the same problem in the
+/// Points in slot order and observations in keyframe order: the solver sees the same problem in the
 /// same order each time.
 void add_points(const Map& map,
                 const CameraModel& camera,
@@ -132,8 +132,8 @@ double moved_by(const AdjustmentSnapshot& s, std::size_t i, const Map& map) {
   return (s.points_T[i] - map.landmarks[s.landmarks[i].index()].p_T).norm();
 }
 
-/// How far a landmark that belongs to the adjusted map may have moved. One that two sightings hold
-/// may run away by any distance, and would carry a least-squares fit with it.
+/// How far a landmark that belongs to the adjusted map may have moved. One that two observations
+/// hold may run away by any distance, and would carry a least-squares fit with it.
 double moved_max(const AdjustmentSnapshot& s, const Map& map) {
   constexpr double kMedians =
       5.0;  // by a turn or a change of scale the farthest moves two or three times as far
@@ -183,7 +183,7 @@ Similarity back_onto(const AdjustmentSnapshot& s, const Map& map) {
     }
   }
   const Result<Similarity> aligned =
-      align_turned(adjusted.view(), before.view(), weights.view(), attitudes_back(s, map));
+      align_rotated(adjusted.view(), before.view(), weights.view(), attitudes_back(s, map));
   return aligned ? aligned.value() : Similarity{};
 }
 

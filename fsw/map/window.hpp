@@ -24,10 +24,11 @@ struct AdjustmentSnapshot {
   FixedVector<std::int32_t, limits::kLandmarks> landmark_numbers;
   FixedVector<Eigen::Vector3d, limits::kLandmarks> points_T;
   FixedVector<std::uint8_t, limits::kLandmarks> point_fixed;
-  FixedVector<BundleObservation, limits::kAdjustmentSightings> observations;
+  FixedVector<BundleObservation, limits::kAdjustmentObservations> observations;
   std::uint32_t next_keyframe_number = 0;  ///< of the map: from here on is what came later
   std::int32_t next_landmark_number = 0;
-  std::uint32_t left_out = 0;  ///< sightings that found the table full: those of the last keyframes
+  std::uint32_t left_out =
+      0;  ///< observations that found the table full: those of the last keyframes
 };
 
 /// The newest keyframe and those that share most landmarks with it, `window` in all, free to move;

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-#include "base/wide.hpp"
+#include "base/avx2_dispatch.hpp"
 #include "mask/grown.hpp"
 #include "mask/outline.hpp"
 

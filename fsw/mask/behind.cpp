@@ -51,7 +51,7 @@ bool is_apart(const cv::Mat& stats, int corner_label) {
 
 }  // namespace
 
-bool rim_is_lit(const cv::Mat& cells) { return lit_part_of_border(cells) > kBorderLitLeft; }
+bool border_is_lit(const cv::Mat& cells) { return lit_part_of_border(cells) > kBorderLitLeft; }
 
 bool border_is_full(const cv::Mat& cells) { return lit_part_of_border(cells) > kBorderLitMin; }
 

@@ -9,7 +9,7 @@ namespace polhode {
 
 /// Is some of the image border lit? Where not, is_behind is false for any body.
 /// @param cells CV_8UC1, not 0 where the image is lit.
-bool rim_is_lit(const cv::Mat& cells);
+bool border_is_lit(const cv::Mat& cells);
 
 /// Is so much of the image border lit that something is behind the target, unless a known body
 /// reaches it?

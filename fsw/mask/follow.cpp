@@ -4,8 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "base/avx2_dispatch.hpp"
 #include "base/limited.hpp"
-#include "base/wide.hpp"
 #include "mask/behind.hpp"
 #include "mask/edge_cut.hpp"
 #include "mask/grown.hpp"
@@ -269,7 +269,7 @@ void follow_target(const cv::Mat& gray,
   s->was_found = s->found;
   s->found = false;
   s->sharp = false;
-  s->behind = options.tells_background() &&
+  s->behind = options.separates_background() &&
               is_behind(mask->cells, cells_of_body(prior), s->behind, &s->scratch.outline);
   if (!s->behind) {
     clear(s);

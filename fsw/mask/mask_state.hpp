@@ -9,7 +9,7 @@
 #include "mask/background.hpp"
 #include "mask/background_model.hpp"
 #include "mask/edge_cut.hpp"
-#include "mask/evidence.hpp"
+#include "mask/foreground.hpp"
 #include "mask/network.hpp"
 #include "mask/outline.hpp"
 #include "mask/points.hpp"

@@ -10,7 +10,7 @@ struct MaskOptions {
   // 7 of 255 gray levels. Chosen, above image.dark_level; larger loses dim parts of the target.
   double dark_level = 0.03;  ///< pixels at or below this fraction of full scale are empty space, 0 .. 0.5
 
-  [[nodiscard]] bool tells_background() const { return enabled && background; }
+  [[nodiscard]] bool separates_background() const { return enabled && background; }
 };
 
 }  // namespace polhode

@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/assert.hpp"
-#include "base/wide.hpp"
+#include "base/avx2_dispatch.hpp"
 #include "mask/grown.hpp"
 
 namespace polhode {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "mask/evidence.hpp"
+#include "mask/foreground.hpp"
 #include "mask/grown.hpp"
 
 namespace polhode {

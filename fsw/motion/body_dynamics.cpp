@@ -26,7 +26,7 @@ constexpr double kMomentGapMin = 1e-12;
 // with a probability of 0.1 % (chi-square of 16, worst direction).
 constexpr double kRateSigmasMin = 4.0;
 
-using Gradient = Eigen::Matrix<double, kTurningUnknowns, 1>;
+using Gradient = Eigen::Matrix<double, kRotationUnknowns, 1>;
 
 Observability classify(double sigma, double observed_max, double weak_max) {
   if (!(sigma < weak_max)) {
@@ -35,8 +35,8 @@ Observability classify(double sigma, double observed_max, double weak_max) {
   return sigma < observed_max ? Observability::kObserved : Observability::kWeak;
 }
 
-TurningCovariance turning_covariance(const RigidModel& model) {
-  return model.covariance.topLeftCorner<kTurningUnknowns, kTurningUnknowns>();
+RotationCovariance turning_covariance(const RigidModel& model) {
+  return model.covariance.topLeftCorner<kRotationUnknowns, kRotationUnknowns>();
 }
 
 double sigma_of(const Gradient& gradient, const RigidModel& model) {
@@ -81,7 +81,7 @@ Gradient moment_gradient(
 /// Automatica 2000.
 template <typename Function>
 Estimated of_turning(const RigidModel& model, const Function& function) {
-  constexpr Eigen::Index kUnknowns = kTurningUnknowns - 3;  // without the attitude
+  constexpr Eigen::Index kUnknowns = kRotationUnknowns - 3;  // without the attitude
   using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
   // The kurtosis of a Gaussian: with it the differences are right to the fourth moment.
   constexpr double kSpread2 = 3.0;
@@ -166,7 +166,7 @@ void add_momentum(const RigidModel& model, const Inertia& inertia, BodyDynamics*
   }
   const Eigen::Matrix3d& R = model.reference.R_IT;
   out->momentum_axis_I = R * h_T / size;
-  TurningMatrix by = TurningMatrix::Zero();
+  RotationJacobian by = RotationJacobian::Zero();
   by.leftCols<3>() = -hat(R * h_T);
   by.middleCols<3>(3) = R * inertia.J_T;
   for (Eigen::Index k = 0; k < 5; ++k) {
@@ -183,7 +183,7 @@ void add_momentum(const RigidModel& model, const Inertia& inertia, BodyDynamics*
 
 void add_path(const RigidModel& model, BodyDynamics* out) {
   out->v_I = model.path.segment<3>(3);
-  out->covariance_v_I = model.covariance.block<3, 3>(kTurningUnknowns + 3, kTurningUnknowns + 3);
+  out->covariance_v_I = model.covariance.block<3, 3>(kRotationUnknowns + 3, kRotationUnknowns + 3);
   const Eigen::Matrix3d covariance = model.covariance.bottomRightCorner<3, 3>();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
   out->mass_centre_axes_T = eigen.eigenvectors();
@@ -192,7 +192,7 @@ void add_path(const RigidModel& model, BodyDynamics* out) {
     out->mass_centre[static_cast<std::size_t>(k)] = {
         .value = eigen.eigenvectors().col(k).dot(model.path.tail<3>()),
         .sigma = sigma,
-        .observability = observability_of(sigma, model.lever_sigma)};
+        .observability = observability_of(sigma, model.mass_centre_sigma)};
   }
 }
 
@@ -323,7 +323,7 @@ Result<BodyDynamics> describe_dynamics(const RigidModel& model) {
     out.precession_period_s.observability = Observability::kUnobserved;
     out.momentum_axis = Observability::kUnobserved;
   }
-  if (model.path_known) {
+  if (model.translation_known) {
     add_path(model, &out);
   }
   return out;

@@ -80,7 +80,8 @@ double relative_speed_sigma(const MotionPrediction& now) {
 /// Is the last interval far longer than the shortest? Over it a body may have turned by any number
 /// of turns.
 bool over_a_gap(const PoseHistory& poses) {
-  constexpr std::int64_t kLonger = 3;  // two frames were lost: chosen; one lost now and then is usual
+  constexpr std::int64_t kLonger =
+      3;  // two frames were lost: chosen; one lost now and then is usual
   std::int64_t shortest_ns = INT64_MAX;
   std::int64_t last_ns = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
@@ -116,7 +117,7 @@ Result<RateEstimate> rates_by_pairs(const MotionEstimate& m) {
 
 Result<RateEstimate> rates_by_model(const MotionEstimate& m) {
   const Result<MotionPrediction> now = predict_motion(m.model, m.recent.back().timestamp_ns);
-  if (!now || !now.value().path_known) {
+  if (!now || !now.value().translation_known) {
     return ErrorCode::kDegenerate;
   }
   RateEstimate rates;
@@ -227,7 +228,7 @@ std::optional<DriftByModel> take_joint_fit(const RigidModel& model, MotionEstima
   m->poses_since_fit = 0;
   m->disagreements = 0;
   const Result<MotionPrediction> now = predict_motion(model, model.reference_ns);
-  if (!now || !now.value().path_known) {
+  if (!now || !now.value().translation_known) {
     return std::nullopt;
   }
   return DriftByModel{.covariance_C = turned(m->R_IC.transpose(), now.value().covariance),
@@ -262,7 +263,7 @@ bool move_poses_with_map(const Map& map, std::int64_t adjusted_to_ns, MotionEsti
   return moved;
 }
 
-void forget_poses(MotionEstimate* m) {
+void reset_poses(MotionEstimate* m) {
   m->recent.clear();
   m->past.clear();
   m->model = {};
@@ -301,11 +302,11 @@ Result<PosePrediction> predict_by_motion(const MotionEstimate& m,
   Result<PosePrediction> predicted = ErrorCode::kTooFewObservations;
   if (!m.recent.empty() && holds(m) && options.mode == MotionMode::kDynamics) {
     const Result<MotionPrediction> by_model = predict_from(m.model, m.recent.back(), timestamp_ns);
-    if (by_model && by_model.value().path_known) {
+    if (by_model && by_model.value().translation_known) {
       // The next pose will be one of the map: its drift changes while the body turns.
       const double part =
           rotation_angle_rad(m.recent.back().pose.R_CT, by_model.value().pose.R_CT) /
-          kSideAngle_rad;
+          kFaceAngle_rad;
       predicted = PosePrediction{
           .pose = by_model.value().pose,
           .covariance = by_model.value().covariance + part * part * drift_I(m, drift),
@@ -347,23 +348,20 @@ std::optional<PosePrediction> predict_or_hold(const MotionEstimate& m,
 
 ExpectedPose expected_at(const PosePrediction& predicted, const MotionEstimate& m) {
   const double step_rad =
-      m.recent.empty()
-          ? 0.0
-          : rotation_angle_rad(last_pose_seen(m, m.R_IC).R_CT, predicted.pose.R_CT);
-  return {.prediction = predicted,
-          .step_rad = step_rad,
-          .poses_since_start = m.poses_since_start};
+      m.recent.empty() ? 0.0
+                       : rotation_angle_rad(last_pose_seen(m, m.R_IC).R_CT, predicted.pose.R_CT);
+  return {.prediction = predicted, .step_rad = step_rad, .poses_since_start = m.poses_since_start};
 }
 
-std::optional<PosePrediction> pose_by_map_model(const MotionEstimate& m,
-                                                const MotionOptions& options,
-                                                std::int64_t timestamp_ns,
-                                                const Eigen::Matrix3d& R_IC) {
+std::optional<PosePrediction> pose_by_joint_model(const MotionEstimate& m,
+                                                  const MotionOptions& options,
+                                                  std::int64_t timestamp_ns,
+                                                  const Eigen::Matrix3d& R_IC) {
   if (!m.model.of_map || !holds(m) || options.mode == MotionMode::kPaper) {
     return std::nullopt;
   }
   const Result<MotionPrediction> at = predict_motion(m.model, timestamp_ns);
-  if (!at || !at.value().path_known) {
+  if (!at || !at.value().translation_known) {
     return std::nullopt;
   }
   return PosePrediction{.pose = turned(R_IC.transpose(), at.value().pose),

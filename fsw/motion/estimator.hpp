@@ -89,7 +89,7 @@ void move_pose(const Keyframe& keyframe, MotionEstimate* motion);
 bool move_poses_with_map(const Map& map, std::int64_t adjusted_to_ns, MotionEstimate* motion);
 
 /// T is another one from here on: nothing of the poses so far holds. The observer's attitude stays.
-void forget_poses(MotionEstimate* motion);
+void reset_poses(MotionEstimate* motion);
 
 /// Rates at the last pose: by the dynamics where they hold, else by a local fit, or by the last two
 /// poses in paper mode. Velocity in C, unit of the poses. @errors as estimate_rates().
@@ -113,14 +113,15 @@ std::optional<PosePrediction> predict_or_hold(const MotionEstimate& motion,
                                               std::int64_t timestamp_ns,
                                               const Eigen::Matrix3d& R_IC);
 
-/// What tracking is told of a predicted pose: it, and how far the motion behind it has been checked.
+/// What tracking is told of a predicted pose: it, and how far the motion behind it has been
+/// checked.
 ExpectedPose expected_at(const PosePrediction& predicted, const MotionEstimate& motion);
 
 /// The pose in C by a model that was fitted with the map; nothing where there is none that holds.
-std::optional<PosePrediction> pose_by_map_model(const MotionEstimate& motion,
-                                                const MotionOptions& options,
-                                                std::int64_t timestamp_ns,
-                                                const Eigen::Matrix3d& R_IC);
+std::optional<PosePrediction> pose_by_joint_model(const MotionEstimate& motion,
+                                                  const MotionOptions& options,
+                                                  std::int64_t timestamp_ns,
+                                                  const Eigen::Matrix3d& R_IC);
 
 /// The last pose as an observer with the attitude R_IC would see it, had the target not moved
 /// since; there must be one.

@@ -3,10 +3,10 @@
 namespace polhode {
 
 void prepare_fit(const Map& map,
-             const MapDrift& drift,
-             const MotionOptions& options,
-             MotionEstimate* motion,
-             FitJob* job) {
+                 const MapDrift& drift,
+                 const MotionOptions& options,
+                 MotionEstimate* motion,
+                 FitJob* job) {
   prepare_fit(map, drift, options, motion, &job->snapshot);
   job->poses_new = motion->poses_since_fit;
 }

@@ -16,10 +16,10 @@ struct FitJob {
 
 /// Copies what the fit needs; it counts as fitted from here on.
 void prepare_fit(const Map& map,
-             const MapDrift& drift,
-             const MotionOptions& options,
-             MotionEstimate* motion,
-             FitJob* job);
+                 const MapDrift& drift,
+                 const MotionOptions& options,
+                 MotionEstimate* motion,
+                 FitJob* job);
 
 /// A pure function of the snapshot.
 void run_fit(FitJob* job);

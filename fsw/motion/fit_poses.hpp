@@ -14,7 +14,7 @@
 
 namespace polhode {
 
-// A fit integrates from pose to pose: 32 rotations by kTurningStepAngle_rad are 4000 steps an
+// A fit integrates from pose to pose: 32 rotations by kRotationStepAngle_rad are 4000 steps an
 // iteration. More cost more the longer the run is (docs/decisions/0050). Poses good to a
 // milliradian give a rate to 1e-3 / (32 x 2 pi) = 5e-6 of itself.
 inline constexpr double kFitTurnsMax = 32.0;

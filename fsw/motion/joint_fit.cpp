@@ -23,9 +23,9 @@ constexpr double kGainPerDofMax = 8.0;
 // contradict the motion until one joint fit has removed them: gains of up to 28, then 2 to 6. So a
 // gain up to 40 is marginally accepted twice, where nearly all observations are kept. Times that
 // are made up give 60 and more (docs/decisions/0044).
-constexpr double kDoubtfulGainMax = 40.0;
+constexpr double kMarginalGainMax = 40.0;
 constexpr double kKeptMin = 0.95;
-constexpr std::uint32_t kDoubtsMax = 2;
+constexpr std::uint32_t kMarginalFitsMax = 2;
 
 // Errors beyond the declared ones come from surfaces, as light slides over a relief, and from
 // drift. Poses of one visible face share them, and the motion follows part of them. Free poses show
@@ -85,10 +85,10 @@ void load(const JointFitInput& input,
 }
 
 /// Replaces the attitudes of the position samples by those of the motion.
-bool trace(const TurningProblem& problem, const TurningSolution& turning, JointFitWorkspace* w) {
+bool trace(const RotationProblem& problem, const RotationSolution& turning, JointFitWorkspace* w) {
   const Inertia inertia = inertia_of(turning.shape);
   const auto propagate = [&](std::size_t first, std::size_t last, bool forward) {
-    TurningState state = turning.reference;
+    RotationState state = turning.reference;
     for (std::size_t n = 0; n < last - first; ++n) {
       PositionSample& sample = w->positions[forward ? first + n : last - 1 - n];
       if (!advance(inertia, problem.orbit, sample.time_s, state, nullptr)) {
@@ -106,17 +106,17 @@ std::optional<FreeBodyMotion> motion_of_poses(const JointFitInput& input,
                                               const RigidModel& model,
                                               std::size_t reference,
                                               JointFitWorkspace* w) {
-  TurningProblem problem{
+  RotationProblem problem{
       .samples = w->attitudes.view(), .reference = reference, .orbit = model.orbit};
   problem.shape_sigma = kModelShapeSigma;
-  const auto turning = fit_turning(problem, model.reference_ns, input.previous);
+  const auto turning = fit_attitudes(problem, model.reference_ns, input.previous);
   if (!turning || !trace(problem, turning.value(), w)) {
     return std::nullopt;
   }
-  const auto path = solve_path({.samples = w->positions.view(),
-                                .reference_s = 0.0,
-                                .orbit = model.orbit,
-                                .lever_sigma = input.body_radius});
+  const auto path = solve_translation({.samples = w->positions.view(),
+                                       .reference_s = 0.0,
+                                       .orbit = model.orbit,
+                                       .mass_centre_sigma = input.body_radius});
   if (!path) {
     return std::nullopt;
   }
@@ -136,7 +136,7 @@ FreeBodyReport adjust(const JointFitInput& input,
                           .times = std::span(w->times).first(count_of(input)),
                           .motion = motion,
                           .shape_sigma = kModelShapeSigma,
-                          .lever_sigma = input.body_radius};
+                          .mass_centre_sigma = input.body_radius};
   problem.bundle.pose_fixed = std::span(w->none_fixed).first(count_of(input));
   FreeBodyReport report =
       adjust_free_body(problem, {.iterations_max = 0}, workspace, &w->free_body);
@@ -229,7 +229,7 @@ PoseCounts shared_points(const JointFitInput& input,
 /// Are the poses one part, connected by shared points? Separate parts have axes and a unit each,
 /// and what a motion makes of the distance between them is no measurement. A single pose that has
 /// lost its associations is not a part: the motion constrains it (docs/decisions/0045).
-bool hangs_together(const JointFitInput& input, JointFitWorkspace* w) {
+bool is_connected(const JointFitInput& input, JointFitWorkspace* w) {
   const std::size_t count = count_of(input);
   PoseFlags reached{};
   const PoseCounts points = shared_points(input, reached, false, 1, w);
@@ -277,7 +277,7 @@ void take(const FreeBodyMotion& motion,
       widening * report.information.ldlt().solve(FreeBodyInformation::Identity());
   model->covariance = 0.5 * (covariance + covariance.transpose());
   const bool usable = covariance.allFinite() && covariance.diagonal().minCoeff() > 0.0;
-  model->path_known = usable;
+  model->translation_known = usable;
   model->of_map = usable;
   model->status = usable ? ModelStatus::kAccepted : ModelStatus::kNoFit;
 }
@@ -285,7 +285,7 @@ void take(const FreeBodyMotion& motion,
 }  // namespace
 
 RigidModel fit_jointly(const JointFitInput& input,
-                       std::uint32_t* doubts,
+                       std::uint32_t* marginal_fits,
                        BundleWorkspace* workspace,
                        JointFitWorkspace* w) {
   POLHODE_ASSERT(input.timestamps_ns.size() == count_of(input), input.timestamps_ns.size());
@@ -297,7 +297,7 @@ RigidModel fit_jointly(const JointFitInput& input,
   }
   model.status = ModelStatus::kNoFit;
   const std::span<const std::size_t> order = order_by_time(input, w);
-  if (!hangs_together(input, w)) {
+  if (!is_connected(input, w)) {
     return model;
   }
   const std::size_t middle = order.size() / 2;
@@ -305,7 +305,7 @@ RigidModel fit_jointly(const JointFitInput& input,
   model.span_s =
       seconds_between(input.timestamps_ns[order.front()], input.timestamps_ns[order.back()]);
   model.orbit = orbit_at(input.motion, model.reference_ns);
-  model.lever_sigma = input.body_radius;
+  model.mass_centre_sigma = input.body_radius;
   load(input, order, model.reference_ns, w);
   std::optional<FreeBodyMotion> motion = motion_of_poses(input, model, middle, w);
   if (!motion) {
@@ -320,14 +320,15 @@ RigidModel fit_jointly(const JointFitInput& input,
     const double kept = static_cast<double>(agreeing(input.bundle)) / before;
     const double gain = gain_per_dof(input, workspace, w);
     const bool convincing = gain < kGainPerDofMax;
-    const bool marginal = gain < kDoubtfulGainMax && kept > kKeptMin && *doubts < kDoubtsMax;
+    const bool marginal =
+        gain < kMarginalGainMax && kept > kKeptMin && *marginal_fits < kMarginalFitsMax;
     model.status = ModelStatus::kResidualsTooLarge;
     model.attitude.chi2_per_dof = gain;
     if (convincing || marginal) {
       const ResidualLevel noise{
           .chi2_per_dof = gain,
           .scale2 = 1.0 + std::max(0.0, gain - 1.0) / kDriftShown,
-          .correlation = poses_of_a_side(rotation_of_keyframe(input, order), order.size())};
+          .correlation = poses_of_a_face(rotation_of_keyframe(input, order), order.size())};
       take(*motion, report, noise, input.selection * widening(noise), &model);
     }
   }
@@ -335,7 +336,7 @@ RigidModel fit_jointly(const JointFitInput& input,
     model.status = ModelStatus::kNoFit;
   }
   if (model.accepted()) {
-    *doubts = model.attitude.chi2_per_dof < kGainPerDofMax ? 0 : *doubts + 1;
+    *marginal_fits = model.attitude.chi2_per_dof < kGainPerDofMax ? 0 : *marginal_fits + 1;
   } else {
     restore(w->free, input.bundle);
   }
@@ -354,14 +355,14 @@ RigidModel transformed(const RigidModel& model, const Similarity& b_of_a) {
   ModelCovariance by = ModelCovariance::Identity();
   by.block<3, 3>(3, 3) = R;
   by.block<5, 5>(6, 6) = shape;
-  by.block<6, 6>(kTurningUnknowns, kTurningUnknowns) *= b_of_a.scale;
+  by.block<6, 6>(kRotationUnknowns, kRotationUnknowns) *= b_of_a.scale;
   by.bottomRightCorner<3, 3>() = b_of_a.scale * R;
   to.reference.R_IT = model.reference.R_IT * R.transpose();
   to.reference.w_T_rad_s = R * model.reference.w_T_rad_s;
   to.shape = shape * model.shape;
   to.path.head<6>() *= b_of_a.scale;
   to.path.tail<3>() = b_of_a.apply(model.path.tail<3>());
-  to.lever_sigma *= b_of_a.scale;
+  to.mass_centre_sigma *= b_of_a.scale;
   to.covariance = by * model.covariance * by.transpose();
   return to;
 }

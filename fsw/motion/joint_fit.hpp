@@ -47,11 +47,11 @@ struct JointFitWorkspace {
 
 /// Fits the motion of a free body to the poses, then with the points to the observations. Accepted
 /// where free poses explain these no better than by following the noise (docs/decisions/0044).
-/// @param doubts  in, out: how often in a row it was marginally accepted.
+/// @param marginal_fits  in, out: how often in a row it was marginally accepted.
 /// The answer's reference is the last pose. Its noise is that found by the comparison.
 /// @return a model that says by its status whether it was accepted; else the bundle is as it was.
 RigidModel fit_jointly(const JointFitInput& input,
-                       std::uint32_t* doubts,
+                       std::uint32_t* marginal_fits,
                        BundleWorkspace* workspace,
                        JointFitWorkspace* own);
 

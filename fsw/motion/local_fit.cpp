@@ -94,7 +94,7 @@ LocalFit local_fit(const ModelAnswer& answer, std::size_t points, double span_s)
 }  // namespace
 
 Result<LocalFit> fit_rotation(std::span<const RotationPoint> points,
-                              double turning_rad_s,
+                              double rotation_rad_s,
                               const LocalTarget& target) {
   if (points.size() < 2) {
     return ErrorCode::kTooFewObservations;
@@ -109,7 +109,7 @@ Result<LocalFit> fit_rotation(std::span<const RotationPoint> points,
         powers({.tau_s = point.tau_s, .derivative = 0}, scale_s), point.psi_rad, point.information);
   }
   std::array<ModelVector, kBends.size()> priors;
-  const double rotation_rad = std::max(kRotationMin_rad, turning_rad_s * scale_s);
+  const double rotation_rad = std::max(kRotationMin_rad, rotation_rad_s * scale_s);
   for (std::size_t i = 0; i < kBends.size(); ++i) {
     priors[i] = rotation_prior(kBends[i], rotation_rad);
   }
@@ -121,7 +121,8 @@ Result<LocalFit> fit_rotation(std::span<const RotationPoint> points,
   return local_fit(answer.value(), points.size(), scale_s);
 }
 
-Result<LocalFit> fit_path(std::span<const PathPoint> points, const PathTarget& target) {
+Result<LocalFit> fit_translation(std::span<const TranslationPoint> points,
+                                 const TranslationTarget& target) {
   if (points.size() < 2) {
     return ErrorCode::kTooFewObservations;
   }
@@ -134,7 +135,7 @@ Result<LocalFit> fit_path(std::span<const PathPoint> points, const PathTarget& t
   // Relative to the first position and attitude: small numbers, and the offset drops out where
   // nothing rotates.
   ModelData data(kTranslationUnknowns);
-  for (const PathPoint& point : points) {
+  for (const TranslationPoint& point : points) {
     data.add(path_rows(point.tau_s / scale_s, point.R_CT - points[0].R_CT),
              point.p_CT - points[0].p_CT,
              point.information);
@@ -158,7 +159,7 @@ Result<LocalFit> fit_path(std::span<const PathPoint> points, const PathTarget& t
   }
   LocalFit fit = local_fit(answer.value(), points.size(), scale_s);
   fit.at_reference += points[0].p_CT;
-  fit.lever_T = answer.value().unknowns.tail<3>();
+  fit.mass_centre_offset_T = answer.value().unknowns.tail<3>();
   if (target.at.derivative == 0) {
     fit.estimate += points[0].p_CT;
   }

@@ -17,8 +17,8 @@ struct LocalFit {
   std::size_t points = 0;
   double span_s = 0.0;  ///< largest distance from the reference in time
   double misfit = 1.0;  ///< factor on the declared covariances, >= 1, included in the covariance
-  Eigen::Vector3d lever_T =
-      Eigen::Vector3d::Zero();  ///< of fit_path(): centre of mass relative to T's origin
+  Eigen::Vector3d mass_centre_offset_T =
+      Eigen::Vector3d::Zero();  ///< of fit_translation(): centre of mass relative to T's origin
 };
 
 struct RotationPoint {
@@ -36,14 +36,14 @@ struct LocalTarget {
 /// Polynomial of degree 6 for psi. Rotation at the rate w has derivatives of about A w^k, A being
 /// the departure from a constant rate. These are the prior sigmas of the coefficients from the
 /// second on. A is averaged over.
-/// @param turning_rad_s  rotation rate, >= 0.
+/// @param rotation_rad_s  rotation rate, >= 0.
 /// @errors TooFewObservations (under 2 points), Degenerate (times coincide, or an information
 /// matrix is not usable).
 Result<LocalFit> fit_rotation(std::span<const RotationPoint> points,
-                              double turning_rad_s,
+                              double rotation_rad_s,
                               const LocalTarget& target);
 
-struct PathPoint {
+struct TranslationPoint {
   double tau_s = 0.0;
   Eigen::Vector3d p_CT = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_CT = Eigen::Matrix3d::Identity();
@@ -51,7 +51,7 @@ struct PathPoint {
 };
 
 /// Attitude and rate at the target time: they move T's origin around the centre of mass.
-struct PathTarget {
+struct TranslationTarget {
   LocalTarget at;
   Eigen::Matrix3d R_CT = Eigen::Matrix3d::Identity();
   Eigen::Vector3d w_T_rad_s = Eigen::Vector3d::Zero();  ///< used with derivative 1
@@ -63,6 +63,7 @@ struct PathTarget {
 /// caller adds their share of the covariance.
 /// @param points  the first one is at the reference (tau 0).
 /// @errors as fit_rotation().
-Result<LocalFit> fit_path(std::span<const PathPoint> points, const PathTarget& target);
+Result<LocalFit> fit_translation(std::span<const TranslationPoint> points,
+                                 const TranslationTarget& target);
 
 }  // namespace polhode

@@ -28,19 +28,19 @@ struct ResidualLevel {
 };
 
 /// All unknowns: those of the rotation, then those of the translation.
-inline constexpr int kModelUnknownsAll = kTurningUnknowns + kPathUnknowns;
+inline constexpr int kModelUnknownsAll = kRotationUnknowns + kTranslationUnknowns;
 using ModelCovariance = Eigen::Matrix<double, kModelUnknownsAll, kModelUnknownsAll>;
 
 struct RigidModel {
   ModelStatus status = ModelStatus::kTooFewPoses;
-  bool path_known = false;  ///< the translation is fitted, too
-  bool of_map = false;      ///< of a joint fit: its poses are those of the map
+  bool translation_known = false;  ///< the translation is fitted, too
+  bool of_map = false;             ///< of a joint fit: its poses are those of the map
   std::int64_t reference_ns = 0;
-  TurningState reference;  ///< its time is 0
+  RotationState reference;  ///< its time is 0
   InertiaShape shape = InertiaShape::Zero();
-  PathVector path = PathVector::Zero();
+  TranslationVector path = TranslationVector::Zero();
   ModelCovariance covariance = ModelCovariance::Zero();  ///< noise as found, with its correlation
-  double lever_sigma = 1.0;                              ///< prior of the mass centre's place
+  double mass_centre_sigma = 1.0;                        ///< prior of the mass centre's place
   Orbit orbit;                                           ///< its time 0 is the reference
   ResidualLevel attitude;
   ResidualLevel position;

@@ -13,8 +13,8 @@ using Rows = Eigen::Matrix<double, 3, kModelUnknownsAll>;
 
 /// State and derivatives at another time.
 struct Reached {
-  TurningState state;
-  TurningDerivative derivative;
+  RotationState state;
+  RotationDerivative derivative;
   Eigen::Matrix<double, 6, 6> transition;
 };
 
@@ -24,14 +24,14 @@ bool reach(const RigidModel& model, std::int64_t timestamp_ns, Reached* to) {
   }
   const double ahead_s = seconds_between(model.reference_ns, timestamp_ns);
   to->state = model.reference;
-  to->derivative = TurningDerivative::at_reference();
-  to->transition = path_transition(model.orbit, 0.0, ahead_s);
+  to->derivative = RotationDerivative::at_reference();
+  to->transition = translation_transition(model.orbit, 0.0, ahead_s);
   return advance(inertia_of(model.shape), model.orbit, ahead_s, to->state, &to->derivative);
 }
 
-Rows turning_rows(const TurningMatrix& part) {
+Rows turning_rows(const RotationJacobian& part) {
   Rows rows = Rows::Zero();
-  rows.leftCols<kTurningUnknowns>() = part;
+  rows.leftCols<kRotationUnknowns>() = part;
   return rows;
 }
 
@@ -49,15 +49,15 @@ void add_path(const RigidModel& model, const Reached& at, Rows* by_all, MotionPr
   out->pose.p_CT = centre.head<3>() - R * c_T;
   out->v_I = centre.tail<3>() - R * w.cross(c_T);
   Rows position = turning_rows(hat(R * c_T) * at.derivative.attitude_I);
-  position.middleCols<6>(kTurningUnknowns) = at.transition.topRows<3>();
+  position.middleCols<6>(kRotationUnknowns) = at.transition.topRows<3>();
   position.rightCols<3>() = -R;
   Rows velocity = turning_rows(hat(R * w.cross(c_T)) * at.derivative.attitude_I +
                                R * hat(c_T) * at.derivative.rate_T);
-  velocity.middleCols<6>(kTurningUnknowns) = at.transition.bottomRows<3>();
+  velocity.middleCols<6>(kRotationUnknowns) = at.transition.bottomRows<3>();
   velocity.rightCols<3>() = -R * hat(w);
   out->covariance_v_I = covariance_of(velocity, model);
   *by_all = position;
-  out->path_known = true;
+  out->translation_known = true;
 }
 
 MotionPrediction describe(const RigidModel& model,
@@ -71,7 +71,7 @@ MotionPrediction describe(const RigidModel& model,
   out.covariance_w_T = covariance_of(turning_rows(at.derivative.rate_T), model);
   pose_rows->setZero();
   pose_rows->topRows<3>() = turning_rows(at.derivative.attitude_I);
-  if (model.path_known) {
+  if (model.translation_known) {
     Rows position;
     add_path(model, at, &position, &out);
     pose_rows->bottomRows<3>() = position;
@@ -89,9 +89,9 @@ bool move_reference(std::int64_t timestamp_ns, RigidModel& model) {
     return false;
   }
   ModelCovariance transition = ModelCovariance::Identity();
-  transition.topLeftCorner<3, kTurningUnknowns>() = to.derivative.attitude_I;
-  transition.block<3, kTurningUnknowns>(3, 0) = to.derivative.rate_T;
-  transition.block<6, 6>(kTurningUnknowns, kTurningUnknowns) = to.transition;
+  transition.topLeftCorner<3, kRotationUnknowns>() = to.derivative.attitude_I;
+  transition.block<3, kRotationUnknowns>(3, 0) = to.derivative.rate_T;
+  transition.block<6, 6>(kRotationUnknowns, kRotationUnknowns) = to.transition;
   const ModelCovariance moved = transition * model.covariance * transition.transpose();
   const double ahead_s = seconds_between(model.reference_ns, timestamp_ns);
   model.covariance = 0.5 * (moved + moved.transpose());
@@ -113,11 +113,11 @@ Result<MotionPrediction> predict_motion(const RigidModel& model, std::int64_t ti
 }
 
 MotionPrediction predict_at(const RigidModel& model,
-                            const TurningState& state,
-                            const TurningDerivative& derivative) {
+                            const RotationState& state,
+                            const RotationDerivative& derivative) {
   const Reached at{.state = state,
                    .derivative = derivative,
-                   .transition = path_transition(model.orbit, 0.0, state.time_s)};
+                   .transition = translation_transition(model.orbit, 0.0, state.time_s)};
   Eigen::Matrix<double, 6, kModelUnknownsAll> rows;
   return describe(model, at, model.reference_ns + std::llround(1e9 * state.time_s), &rows);
 }
@@ -161,7 +161,7 @@ Result<double> chi2_against(const RigidModel& model,
   Eigen::Matrix<double, 6, 1> error = Eigen::Matrix<double, 6, 1>::Zero();
   error.head<3>() = so3_log(sample.pose.R_CT * at.pose.R_CT.transpose());
   PoseCovariance total = sample.covariance + drift + at.covariance;
-  if (at.path_known) {
+  if (at.translation_known) {
     error.tail<3>() = sample.pose.p_CT - at.pose.p_CT;
   }
   return error.dot(total.ldlt().solve(error));

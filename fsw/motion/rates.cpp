@@ -33,13 +33,13 @@ bool information_of(const Eigen::Matrix3d& covariance, Eigen::Matrix3d& informat
 
 struct Window {
   FixedVector<RotationPoint, limits::kMotionPoses> rotation;
-  FixedVector<PathPoint, limits::kMotionPoses> path;
+  FixedVector<TranslationPoint, limits::kMotionPoses> path;
   Eigen::Matrix3d R_CT = Eigen::Matrix3d::Identity();  ///< reference attitude
 };
 
 /// Adds one pose. False when its covariance is not usable.
 bool add(const PoseSample& sample, double tau_s, bool with_rotation, Window& window) {
-  PathPoint position{
+  TranslationPoint position{
       .tau_s = tau_s, .p_CT = sample.pose.p_CT, .R_CT = sample.pose.R_CT, .information = {}};
   if (!information_of(sample.covariance.bottomRightCorner<3, 3>(), position.information) ||
       !window.path.push_back(position)) {
@@ -74,8 +74,8 @@ bool collect(std::span<const PoseSample> history,
   const auto limit = std::min(limits::kMotionPoses,
                               static_cast<std::size_t>(std::max(2, options.window_poses_max)));
   const std::size_t first = index - std::min(index, limit);
-  const double told_max_s =
-      told_interval_max_s(history.subspan(first, std::min(history.size() - first, 2 * limit)));
+  const double told_max_s = unambiguous_interval_max_s(
+      history.subspan(first, std::min(history.size() - first, 2 * limit)));
   const auto told = [&](std::size_t a, std::size_t b) {
     return seconds_between(history[a].timestamp_ns, history[b].timestamp_ns) <= told_max_s;
   };
@@ -119,7 +119,7 @@ double rotation_rad_s(const Window& window) {
 
 }  // namespace
 
-double told_interval_max_s(std::span<const PoseSample> poses) {
+double unambiguous_interval_max_s(std::span<const PoseSample> poses) {
   double fastest_rad_s = 0.0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
     const PoseSample& a = poses[i - 1];
@@ -161,9 +161,9 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
   // The fitted attitude is R_ref exp(offset), and w_T = J_r(offset) d psi / dt there.
   const Eigen::Vector3d offset = turn.at_reference;
   const Eigen::Vector3d w_T_rad_s = so3_left_jacobian(-offset) * turn.estimate;
-  const PathTarget path_rate{
+  const TranslationTarget path_rate{
       .at = rate, .R_CT = window.R_CT * so3_exp(offset), .w_T_rad_s = w_T_rad_s};
-  const Result<LocalFit> position = fit_path(window.path.view(), path_rate);
+  const Result<LocalFit> position = fit_translation(window.path.view(), path_rate);
   if (!position) {
     return position.error();
   }
@@ -173,7 +173,7 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
   rates.covariance_w_T = turn.covariance;
   rates.v_C = path.estimate;
   // An error of the rate moves the origin at its offset: v contains -R (w x c).
-  const Eigen::Matrix3d by_rate = path_rate.R_CT * hat(path.lever_T);
+  const Eigen::Matrix3d by_rate = path_rate.R_CT * hat(path.mass_centre_offset_T);
   rates.covariance_v_C = path.covariance + by_rate * turn.covariance * by_rate.transpose();
   rates.pose.R_CT = path_rate.R_CT;
   rates.pose.p_CT = path.at_reference;
@@ -192,7 +192,7 @@ Result<RateEstimate> estimate_rates(std::span<const PoseSample> history,
 }
 
 void widen_by_drift(const PoseCovariance& drift, double turn_sigma, RateEstimate& rates) {
-  const double per_s = rates.w_T_rad_s.norm() / kSideAngle_rad;
+  const double per_s = rates.w_T_rad_s.norm() / kFaceAngle_rad;
   const Eigen::Matrix3d R_TC = rates.pose.R_CT.transpose();
   const Eigen::Vector3d sight_T = R_TC * rates.pose.p_CT.normalized();
   const Eigen::Vector3d across_rad_s = rates.w_T_rad_s - sight_T * sight_T.dot(rates.w_T_rad_s);
@@ -220,7 +220,8 @@ Result<PosePrediction> predict_pose(std::span<const PoseSample> history,
   }
   const LocalFit& turn = rotation.value();
   const Eigen::Matrix3d R_CT = window.R_CT * so3_exp(turn.estimate);
-  const Result<LocalFit> position = fit_path(window.path.view(), {.at = later, .R_CT = R_CT});
+  const Result<LocalFit> position =
+      fit_translation(window.path.view(), {.at = later, .R_CT = R_CT});
   if (!position) {
     return position.error();
   }
@@ -231,7 +232,7 @@ Result<PosePrediction> predict_pose(std::span<const PoseSample> history,
   prediction.pose.p_CT = path.estimate;
   prediction.covariance.topLeftCorner<3, 3>() = to_phi * turn.covariance * to_phi.transpose();
   // exp(phi) moves the origin by phi x (-R c).
-  const Eigen::Matrix3d by_phi = hat(R_CT * path.lever_T);
+  const Eigen::Matrix3d by_phi = hat(R_CT * path.mass_centre_offset_T);
   prediction.covariance.bottomRightCorner<3, 3>() =
       path.covariance + by_phi * prediction.covariance.topLeftCorner<3, 3>() * by_phi.transpose();
   prediction.rotation_poses = turn.points;

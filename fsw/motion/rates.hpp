@@ -51,7 +51,7 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
 /// Over a longer interval than this a body that turns as fast as it does between some of these
 /// poses (beyond 3 sigma) may have turned by any number of turns: such a pair tells no rate.
 /// Infinite where nothing turns.
-[[nodiscard]] double told_interval_max_s(std::span<const PoseSample> poses);
+[[nodiscard]] double unambiguous_interval_max_s(std::span<const PoseSample> poses);
 
 /// Adds what the map's drift does to rates that were fitted within one side of the body: it changes
 /// by about its own size while 0.8 rad are turned, and passes for motion.

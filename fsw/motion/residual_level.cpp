@@ -80,14 +80,14 @@ ResidualLevel residual_level(const ResidualInput& input) {
   const double freedom = std::max(1.0, 3.0 * inside - input.unknowns);
   level.chi2_per_dof = chi2 / freedom;
   level.scale2 = (chi2 + kDeclaredWeight) / (freedom + kDeclaredWeight);
-  const double of_side = poses_of_a_side(input.turn_of_frame_rad, input.residuals.size());
+  const double of_side = poses_of_a_face(input.rotation_of_frame_rad, input.residuals.size());
   const double by_drift = 1.0 + input.drift_share * (of_side - 1.0);
   level.correlation = std::max(by_drift, correlation_length(input.residuals, gate2));
   return level;
 }
 
-double poses_of_a_side(double turn_of_frame_rad, std::size_t poses) {
-  return std::clamp(2.0 * kSideAngle_rad / std::max(kRotationMin_rad, turn_of_frame_rad),
+double poses_of_a_face(double rotation_of_frame_rad, std::size_t poses) {
+  return std::clamp(2.0 * kFaceAngle_rad / std::max(kRotationMin_rad, rotation_of_frame_rad),
                     1.0,
                     std::max(1.0, 0.5 * static_cast<double>(poses)));
 }

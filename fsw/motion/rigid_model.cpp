@@ -60,15 +60,15 @@ Eigen::Vector3d whitened(const Eigen::Vector3d& residual, const Eigen::Matrix3d&
 }
 
 /// Fitted attitudes with their derivatives at every sample, and the residuals.
-bool trace(const TurningSolution& turning, const TurningProblem& problem, MotionWorkspace& work) {
+bool trace(const RotationSolution& turning, const RotationProblem& problem, MotionWorkspace& work) {
   const Inertia inertia = inertia_of(turning.shape);
   work.residuals.clear();
   for (std::size_t i = 0; i < work.attitudes.size(); ++i) {
     (void)work.residuals.push_back(Eigen::Vector3d::Zero());
   }
   for (const bool forward : {true, false}) {
-    TurningState state = turning.reference;
-    TurningDerivative derivative = TurningDerivative::at_reference();
+    RotationState state = turning.reference;
+    RotationDerivative derivative = RotationDerivative::at_reference();
     const std::size_t count =
         forward ? work.attitudes.size() - problem.reference : problem.reference;
     for (std::size_t k = 0; k < count; ++k) {
@@ -78,7 +78,7 @@ bool trace(const TurningSolution& turning, const TurningProblem& problem, Motion
         return false;
       }
       work.positions[i].R_IT = state.R_IT;
-      work.positions[i].attitude_by_turning_I = derivative.attitude_I;
+      work.positions[i].attitude_by_rotation_I = derivative.attitude_I;
       work.residuals[i] =
           whitened(so3_log(sample.R_IT * state.R_IT.transpose()), sample.information_I);
     }
@@ -96,19 +96,19 @@ ResidualInput residual_input(std::span<const PoseSample> poses,
                              bool attitude,
                              const MotionWorkspace& work) {
   ResidualInput input{.residuals = work.residuals.view(),
-                      .unknowns = attitude ? kTurningUnknowns : kPathUnknowns};
+                      .unknowns = attitude ? kRotationUnknowns : kTranslationUnknowns};
   const Eigen::Index corner = attitude ? 0 : 3;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const Eigen::Matrix3d of_drift = drift.block<3, 3>(corner, corner);
     const Eigen::Matrix3d of_pose = poses[i].covariance.block<3, 3>(corner, corner);
     input.drift_share += share_of(of_drift, of_drift + of_pose);
     if (i > 0) {
-      input.turn_of_frame_rad +=
+      input.rotation_of_frame_rad +=
           rotation_angle_rad(work.positions[i - 1].R_IT, work.positions[i].R_IT);
     }
   }
   input.drift_share /= static_cast<double>(poses.size());
-  input.turn_of_frame_rad /= static_cast<double>(std::max<std::size_t>(1, poses.size() - 1));
+  input.rotation_of_frame_rad /= static_cast<double>(std::max<std::size_t>(1, poses.size() - 1));
   return input;
 }
 
@@ -122,40 +122,42 @@ void add_path(std::span<const PoseSample> poses,
               const MotionSnapshot& snapshot,
               MotionWorkspace& work,
               RigidModel& model) {
-  const TurningCovariance turning =
-      model.covariance.topLeftCorner<kTurningUnknowns, kTurningUnknowns>();
-  const PathProblem problem{.samples = work.positions.view(),
-                            .reference_s = 0.0,
-                            .orbit = model.orbit,
-                            .lever_sigma = snapshot.body_radius};
-  const Result<PathSolution> solved = solve_path(problem);
+  const RotationCovariance turning =
+      model.covariance.topLeftCorner<kRotationUnknowns, kRotationUnknowns>();
+  const TranslationProblem problem{.samples = work.positions.view(),
+                                   .reference_s = 0.0,
+                                   .orbit = model.orbit,
+                                   .mass_centre_sigma = snapshot.body_radius};
+  const Result<TranslationSolution> solved = solve_translation(problem);
   if (!solved) {
     return;
   }
-  const PathSolution& path = solved.value();
+  const TranslationSolution& path = solved.value();
   for (std::size_t i = 0; i < work.positions.size(); ++i) {
     const PositionSample& sample = work.positions[i];
-    const auto transition = path_transition(model.orbit, 0.0, sample.time_s);
+    const auto transition = translation_transition(model.orbit, 0.0, sample.time_s);
     const Eigen::Vector3d fitted =
         transition.topRows<3>() * path.unknowns.head<6>() - sample.R_IT * path.unknowns.tail<3>();
     work.residuals[i] = whitened(sample.p_I - fitted, sample.information_I);
   }
   model.position = residual_level(residual_input(poses, snapshot.drift, false, work));
-  PathCovariance prior = PathCovariance::Zero();
+  TranslationCovariance prior = TranslationCovariance::Zero();
   prior.diagonal().tail<3>().setConstant(1.0 / (snapshot.body_radius * snapshot.body_radius));
-  const PathCovariance own = widened_inverse(path.information, prior, widening(model.position));
+  const TranslationCovariance own =
+      widened_inverse(path.information, prior, widening(model.position));
   model.path = path.unknowns;
-  model.covariance.bottomLeftCorner<kPathUnknowns, kTurningUnknowns>() = path.by_turning * turning;
-  model.covariance.topRightCorner<kTurningUnknowns, kPathUnknowns>() =
-      (path.by_turning * turning).transpose();
-  model.covariance.bottomRightCorner<kPathUnknowns, kPathUnknowns>() =
-      own + path.by_turning * turning * path.by_turning.transpose();
-  model.path_known = own.allFinite() && own.diagonal().minCoeff() > 0.0;
+  model.covariance.bottomLeftCorner<kTranslationUnknowns, kRotationUnknowns>() =
+      path.by_rotation * turning;
+  model.covariance.topRightCorner<kRotationUnknowns, kTranslationUnknowns>() =
+      (path.by_rotation * turning).transpose();
+  model.covariance.bottomRightCorner<kTranslationUnknowns, kTranslationUnknowns>() =
+      own + path.by_rotation * turning * path.by_rotation.transpose();
+  model.translation_known = own.allFinite() && own.diagonal().minCoeff() > 0.0;
 }
 
 /// Residuals and covariance of a rotation. False, with a status, where the residuals refuse it.
-bool take_turning(const TurningSolution& turning,
-                  const TurningProblem& problem,
+bool take_turning(const RotationSolution& turning,
+                  const RotationProblem& problem,
                   std::span<const PoseSample> poses,
                   const MotionSnapshot& snapshot,
                   MotionWorkspace& work,
@@ -173,14 +175,14 @@ bool take_turning(const TurningSolution& turning,
     model.status = ModelStatus::kResidualsTooLarge;
     return false;
   }
-  TurningCovariance prior = TurningCovariance::Zero();
+  RotationCovariance prior = RotationCovariance::Zero();
   prior.diagonal().tail<5>().setConstant(1.0 / (problem.shape_sigma * problem.shape_sigma));
-  const TurningCovariance covariance =
+  const RotationCovariance covariance =
       widened_inverse(turning.information, prior, widening(model.attitude));
   if (!covariance.allFinite() || !(covariance.diagonal().minCoeff() > 0.0)) {
     return false;
   }
-  model.covariance.topLeftCorner<kTurningUnknowns, kTurningUnknowns>() = covariance;
+  model.covariance.topLeftCorner<kRotationUnknowns, kRotationUnknowns>() = covariance;
   model.status = ModelStatus::kAccepted;
   return true;
 }
@@ -214,21 +216,22 @@ RigidModel fit_window(std::span<const PoseSample> poses,
   model.reference_ns = poses[middle].timestamp_ns;
   model.span_s = seconds_between(poses.front().timestamp_ns, poses.back().timestamp_ns);
   model.orbit = orbit_at(snapshot.options, model.reference_ns);
-  model.lever_sigma = snapshot.body_radius;
-  TurningProblem problem{.samples = {}, .reference = middle, .orbit = model.orbit};
+  model.mass_centre_sigma = snapshot.body_radius;
+  RotationProblem problem{.samples = {}, .reference = middle, .orbit = model.orbit};
   problem.shape_sigma = kModelShapeSigma;
   if (!load(poses, snapshot.drift, model.reference_ns, work)) {
     return model;
   }
   problem.samples = work.attitudes.view();
-  const Result<TurningSolution> found = fit_turning(problem, model.reference_ns, snapshot.previous);
+  const Result<RotationSolution> found =
+      fit_attitudes(problem, model.reference_ns, snapshot.previous);
   if (!found || !take_turning(found.value(), problem, poses, snapshot, work, model)) {
     return model;
   }
   if (prior_outlived(model, problem.shape_sigma)) {
     problem.shape_sigma = kReleasedShapeSigma;
     problem.iterations_max = kReleasedIterationsMax;
-    const auto released = refine_turning(problem, found.value(), 0, problem.samples.size());
+    const auto released = refine_rotation(problem, found.value(), 0, problem.samples.size());
     if (!released || !take_turning(released.value(), problem, poses, snapshot, work, model)) {
       problem.shape_sigma = kModelShapeSigma;
       (void)take_turning(found.value(), problem, poses, snapshot, work, model);
@@ -240,19 +243,19 @@ RigidModel fit_window(std::span<const PoseSample> poses,
 
 }  // namespace
 
-Result<TurningSolution> fit_turning(const TurningProblem& problem,
-                                    std::int64_t reference_ns,
-                                    RigidModel previous) {
+Result<RotationSolution> fit_attitudes(const RotationProblem& problem,
+                                       std::int64_t reference_ns,
+                                       RigidModel previous) {
   if (move_reference(reference_ns, previous)) {
-    TurningSolution solution;
+    RotationSolution solution;
     solution.reference = previous.reference;
     solution.shape = previous.shape;
-    const auto warm = refine_turning(problem, solution, 0, problem.samples.size());
+    const auto warm = refine_rotation(problem, solution, 0, problem.samples.size());
     if (warm && chi2_per_dof(warm.value()) < kChi2PerDofMax) {
       return warm;
     }
   }
-  return solve_turning(problem, kChi2PerDofMax);
+  return solve_rotation(problem, kChi2PerDofMax);
 }
 
 Orbit orbit_at(const MotionOptions& options, std::int64_t reference_ns) {

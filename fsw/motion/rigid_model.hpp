@@ -38,10 +38,10 @@ struct MotionWorkspace {
 Orbit orbit_at(const MotionOptions& options, std::int64_t reference_ns);
 
 /// The rotation, its reference at `reference_ns`. Starts from the previous model where that is
-/// accepted and chi-square agrees, else from nothing. @errors as solve_turning().
-Result<TurningSolution> fit_turning(const TurningProblem& problem,
-                                    std::int64_t reference_ns,
-                                    RigidModel previous);
+/// accepted and chi-square agrees, else from nothing. @errors as solve_rotation().
+Result<RotationSolution> fit_attitudes(const RotationProblem& problem,
+                                       std::int64_t reference_ns,
+                                       RigidModel previous);
 
 /// Fits rotation, then translation, to all poses. Where chi-square refuses that: to the later half,
 /// then to the later quarter. Residuals give the noise level, and their correlation widens the
@@ -63,7 +63,7 @@ struct MotionPrediction {
   Eigen::Vector3d v_I = Eigen::Vector3d::Zero();  ///< of T's origin: the mass centre's, and that of
                                                   ///< the rotation about it
   Eigen::Matrix3d covariance_v_I = Eigen::Matrix3d::Zero();
-  bool path_known = false;  ///< else position and velocity are not valid
+  bool translation_known = false;  ///< else position and velocity are not valid
 };
 
 /// The motion at any time, earlier or later. @errors Degenerate (model not accepted, or the time is
@@ -73,8 +73,8 @@ Result<MotionPrediction> predict_motion(const RigidModel& model, std::int64_t ti
 /// The same from a state and derivative that advance() has integrated from the model's reference.
 /// So a long prediction can be computed in parts. The time is the state's, after the reference.
 MotionPrediction predict_at(const RigidModel& model,
-                            const TurningState& state,
-                            const TurningDerivative& derivative);
+                            const RotationState& state,
+                            const RotationDerivative& derivative);
 
 /// The next pose, from the last one by the model's motion in between. The map's drift, which both
 /// share, cancels.

@@ -99,7 +99,7 @@ Result<MotionModel> paper_model(std::span<const PoseSample> poses,
   MotionModel model;
   model.poses = poses.size();
   model.span_s = seconds_between(poses.front().timestamp_ns, poses.back().timestamp_ns);
-  const double told_max_s = told_interval_max_s(poses);
+  const double told_max_s = unambiguous_interval_max_s(poses);
   for (Eigen::Index k = 0; k < 3; ++k) {
     std::span<SineSample> told = samples;
     if (!sample_component(poses, told_max_s, k, &told)) {

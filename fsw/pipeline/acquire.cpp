@@ -1,6 +1,7 @@
 #include "pipeline/acquire.hpp"
 
 #include "mask/follow.hpp"
+#include "pipeline/state.hpp"
 
 namespace polhode {
 

@@ -1,7 +1,7 @@
 // ACQUIRING, and LOST beside relocalisation: frames are collected for a map.
 #pragma once
 
-#include "pipeline/state.hpp"
+#include "pipeline/component.hpp"
 
 namespace polhode {
 

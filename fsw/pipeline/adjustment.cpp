@@ -4,6 +4,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "map/map_state.hpp"
+#include "motion/estimator.hpp"
+#include "pipeline/job.hpp"
+#include "pipeline/parameters.hpp"
+
 namespace polhode {
 namespace {
 
@@ -49,10 +54,8 @@ void add_priors(const AdjustmentView& view, AdjustmentSnapshot* snapshot) {
     if (snapshot->pose_fixed[k] != 0) {
       continue;
     }
-    const auto prior = pose_by_map_model(*view.motion,
-                                         view.parameters->motion,
-                                         snapshot->timestamps_ns[k],
-                                         snapshot->R_IC[k]);
+    const auto prior = pose_by_joint_model(
+        *view.motion, view.parameters->motion, snapshot->timestamps_ns[k], snapshot->R_IC[k]);
     if (!prior || !(prior->pose.p_CT.z() > 0.0)) {
       return;
     }

@@ -1,12 +1,17 @@
 // Which adjustments of the map are asked for, and with what.
 #pragma once
 
-#include "map/map_state.hpp"
-#include "motion/estimator.hpp"
-#include "pipeline/job.hpp"
-#include "pipeline/parameters.hpp"
+#include "pipeline/job_times.hpp"
 
 namespace polhode {
+
+enum class AdjustmentReason : std::uint8_t;
+struct AdjustmentJob;
+struct CameraModel;
+struct JobQueue;
+struct MapState;
+struct MotionEstimate;
+struct Parameters;
 
 /// What an adjustment is prepared from. Pointers are never null.
 struct AdjustmentView {
@@ -23,7 +28,9 @@ struct AdjustmentView {
 void prepare_adjustment_of_all(const AdjustmentView& view, JobQueue* queue);
 
 /// Asks for an adjustment of all of the map.
-void ask_for_adjustment_of_all(AdjustmentReason reason, const AdjustmentView& view, JobQueue* queue);
+void ask_for_adjustment_of_all(AdjustmentReason reason,
+                               const AdjustmentView& view,
+                               JobQueue* queue);
 
 /// Asks for the adjustment after the last keyframes, when there are new ones and no other work of
 /// the map is out: of a window, or of all keyframes where a loop has closed or the map has grown by

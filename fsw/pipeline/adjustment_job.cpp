@@ -22,7 +22,7 @@ void run_adjustment(AdjustmentJob* job) {
                               .previous = previous,
                               .options = job->rounds.back(),
                               .selection = kChosenByPoses},
-                             &job->doubts,
+                             &job->marginal_fits,
                              &job->workspace,
                              &job->joint);
   }

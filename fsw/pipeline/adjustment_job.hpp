@@ -32,8 +32,8 @@ struct AdjustmentJob {
   bool model_unwanted = false;  ///< the motion so far has been invalidated since
   double body_radius_mu = 1.0;
   MotionOptions motion;
-  RigidModel model;          ///< in: the last one; out: of this map, where accepted
-  std::uint32_t doubts = 0;  ///< carried from one fit to the next
+  RigidModel model;                 ///< in: the last one; out: of this map, where accepted
+  std::uint32_t marginal_fits = 0;  ///< carried from one fit to the next
   JointFitWorkspace joint;
 };
 

@@ -4,11 +4,12 @@
 #include <cmath>
 
 #include "map/begin.hpp"
-#include "map/bridge.hpp"
 #include "map/keyframes.hpp"
+#include "map/reanchor.hpp"
 #include "pipeline/adjustment.hpp"
 #include "pipeline/map_update.hpp"
 #include "pipeline/reset.hpp"
+#include "pipeline/state.hpp"
 
 namespace polhode {
 namespace {
@@ -42,15 +43,15 @@ void take_over_start(const Similarity& to_T, Component::State* s) {
   change_mode(ModeEvent::kMapBegun, &s->mode);
 }
 
-using BridgeFrames = FixedVector<BridgeFrame, limits::kStartFrames>;
+using ReanchorFrames = FixedVector<ReanchorFrame, limits::kStartFrames>;
 
 /// The start's poses beside those that the motion before the loss predicts for the same times.
-BridgeFrames predicted_beside(const StartOutcome& start,
-                              const TrackTable& tracks,
-                              const MotionEstimate& motion,
-                              const MapDrift& drift,
-                              const MotionOptions& options) {
-  BridgeFrames frames;
+ReanchorFrames predicted_beside(const StartOutcome& start,
+                                const TrackTable& tracks,
+                                const MotionEstimate& motion,
+                                const MapDrift& drift,
+                                const MotionOptions& options) {
+  ReanchorFrames frames;
   for (std::size_t f = 0; f < start.frames.size(); ++f) {
     if (!start.frames[f].valid) {
       continue;
@@ -76,8 +77,8 @@ bool has_room(const StartOutcome& start, const MapOptions& options, const Map& m
 
 /// The first map, or another one with a T and a unit of its own.
 void begin(Component::State* s) {
-  forget_map(s);
-  forget_scale(&s->scale);
+  reset_map_and_motion(s);
+  reset_scale(&s->scale);
   ++s->mapping.target_frame;
   take_over_start({}, s);
 }
@@ -91,27 +92,27 @@ void begin_again(Component::State* s) {
   const StartOutcome& start = s->jobs.start.outcome;
   const Parameters& parameters = s->configuration.parameters;
   MapState& mapping = s->mapping;
-  const BridgeFrames frames = predicted_beside(
+  const ReanchorFrames frames = predicted_beside(
       start, s->initialisation.tracks, s->motion, mapping.drift, parameters.motion);
-  const Result<Bridge> found = bridge_start(
+  const Result<Reanchoring> found = reanchor_start(
       frames.view(), {.centre_T = mapping.map.centre_T, .radius_mu = mapping.map.radius_mu});
   ++s->counters.restarts;
   if (!found || !found.value().agrees) {
     begin(s);
     return;
   }
-  const Bridge& bridge = found.value();
+  const Reanchoring& bridge = found.value();
   // What this leaves open of T: the prediction's own error at the first frame, where it is least,
   // and the disagreement over the start.
-  add_bridge(std::hypot(frames[0].predicted_sigma_rad, bridge.misfit_rad),
-             0.5 * mapping.map.radius_mu,
-             mapping.map.next_keyframe_number,
-             &mapping.drift);
+  add_reanchoring(std::hypot(frames[0].predicted_sigma_rad, bridge.misfit_rad),
+                  0.5 * mapping.map.radius_mu,
+                  mapping.map.next_keyframe_number,
+                  &mapping.drift);
   s->counters.keyframes_culled += static_cast<std::uint32_t>(
       make_room(static_cast<int>(start.frames.size()), parameters.map, &mapping.map));
   if (!has_room(start, parameters.map, mapping.map)) {
     const MapDrift drift = mapping.drift;  // T's, which stays
-    forget_map(s);
+    reset_map_and_motion(s);
     mapping.drift = drift;
   }
   take_over_start(bridge.to_T, s);

@@ -1,7 +1,7 @@
 // A hypothesis selection has come back: the map begins, or begins anew after a loss.
 #pragma once
 
-#include "pipeline/state.hpp"
+#include "pipeline/component.hpp"
 
 namespace polhode {
 

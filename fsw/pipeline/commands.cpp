@@ -7,6 +7,7 @@
 #include "bus/commands.hpp"
 #include "pipeline/parameter_image.hpp"
 #include "pipeline/reset.hpp"
+#include "pipeline/state.hpp"
 
 namespace polhode {
 namespace {
@@ -59,7 +60,8 @@ Outcome scale_read_in(std::int64_t frame_timestamp_ns, Component::State* s) {
 Outcome set_known_length(const Command& command, Component::State* s) {
   const auto length = command.arguments<bus::SetKnownLengthCommand>();
   const auto inside = [&](const std::array<double, 2>& px) {
-    return px[0] <= s->configuration.camera.width_px - 0.5 && px[1] <= s->configuration.camera.height_px - 0.5;
+    return px[0] <= s->configuration.camera.width_px - 0.5 &&
+           px[1] <= s->configuration.camera.height_px - 0.5;
   };
   if (!inside(length.first_px) || !inside(length.second_px)) {
     return "point outside the image";
@@ -153,10 +155,10 @@ Outcome table_load(const Command& command, Component::State* s) {
   c.loaded = changed;
   c.loaded_crc = crc32_iso_hdlc(command.entry_octets(), c.loaded_crc);
   c.loaded_entries += static_cast<std::uint32_t>(command.entries);
-  bus::report(EventId::kTableLoaded,
-              {.values = {static_cast<double>(command.entries),
-                          static_cast<double>(c.loaded_entries)}},
-              &s->bus.events);
+  bus::report(
+      EventId::kTableLoaded,
+      {.values = {static_cast<double>(command.entries), static_cast<double>(c.loaded_entries)}},
+      &s->bus.events);
   return kDone;
 }
 
@@ -174,7 +176,7 @@ std::string_view objection(const bus::TableActivateCommand& commanded, const Con
   if (check(c.loaded)) {
     return "values that do not go together";
   }
-  const bool unplanned = c.loaded.mask.tells_background() && !c.background_planned;
+  const bool unplanned = c.loaded.mask.separates_background() && !c.background_planned;
   return unplanned || memory_needed(c.loaded).total > c.memory_octets ? "needs more memory" : "";
 }
 
@@ -229,13 +231,14 @@ Outcome reset_counters(Component::State* s) {
 
 Outcome checkpoint(Component::State* s) {
   s->answer.output.checkpoint_asked = true;
-  bus::report(
-      EventId::kCheckpointAsked, {.values = {static_cast<double>(s->clock.frame), 0.0}}, &s->bus.events);
+  bus::report(EventId::kCheckpointAsked,
+              {.values = {static_cast<double>(s->clock.frame), 0.0}},
+              &s->bus.events);
   return kDone;
 }
 
 Outcome reset_map(Component::State* s) {
-  forget_target(s);
+  reset_target(s);
   return kDone;
 }
 
@@ -284,7 +287,8 @@ void reject(Rejection reason, const bus::EventDetails& details, Component::State
 
 void execute(std::span<const std::uint8_t> octets, Component::State* s) {
   Command command;
-  const Refusal refusal = bus::read_command(octets, s->configuration.parameters.bus.apid_first, &command);
+  const Refusal refusal =
+      bus::read_command(octets, s->configuration.parameters.bus.apid_first, &command);
   if (octets.size() >= bus::kCommandHeaderOctets) {
     s->bus.commands.last_code = bus::get_u8(octets, bus::kCommandHeaderOctets - 1);
   }

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "pipeline/state.hpp"
+#include "pipeline/component.hpp"
 
 namespace polhode {
 

@@ -105,7 +105,8 @@ enum class Stage : std::uint8_t {
   kBus,
   kJobs
 };
-inline constexpr std::size_t kStageCount = static_cast<std::size_t>(Stage::kJobs) + 1;
+inline constexpr std::size_t kStageCount =
+    static_cast<std::size_t>(Stage::kJobs) + 1;  ///< the last one
 
 struct StepOutput {
   FrameUse use = FrameUse::kUsed;

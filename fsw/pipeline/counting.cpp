@@ -3,6 +3,9 @@
 #include <utility>
 
 #include "bus/frame_uses.hpp"
+#include "map/map_state.hpp"
+#include "pipeline/job.hpp"
+#include "shape/scale_state.hpp"
 
 namespace polhode {
 

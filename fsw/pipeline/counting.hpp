@@ -4,11 +4,12 @@
 #include "bus/counters.hpp"
 #include "image/frame_use.hpp"
 #include "image/verdict.hpp"
-#include "map/map_state.hpp"
-#include "pipeline/job.hpp"
-#include "shape/scale_state.hpp"
 
 namespace polhode {
+
+struct JobCounts;
+struct MapCounts;
+struct ScaleChange;
 
 /// What became of a frame, and what was wrong with its picture.
 void count(FrameUse use, const FrameVerdict& verdict, Counters* counters);

@@ -36,7 +36,7 @@ Result<Component*> Component::create(std::span<std::byte> memory, const Paramete
   configuration.parameters = parameters;
   configuration.camera = to_model(parameters.camera);
   configuration.memory_octets = sizeof(Storage);
-  configuration.background_planned = parameters.mask.tells_background();
+  configuration.background_planned = parameters.mask.separates_background();
   configuration.table_crc = table_crc(parameters);
   return ::new (static_cast<void*>(storage->component)) Component(&storage->state);
 }

@@ -21,8 +21,7 @@ GroundView view_of(const Component::State& s) {
           .model = s.motion.model,
           .scale = s.scale,
           .target_frame = s.mapping.target_frame,
-          .model_is_of_map =
-              last.as_free_body && last.model.accepted() && s.motion.model.of_map};
+          .model_is_of_map = last.as_free_body && last.model.accepted() && s.motion.model.of_map};
 }
 
 }  // namespace polhode

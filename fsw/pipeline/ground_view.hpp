@@ -3,18 +3,20 @@
 #pragma once
 
 #include <cstdint>
-#include <opencv2/core.hpp>
+#include <opencv2/core/mat.hpp>
 
-#include "geometry/camera_model.hpp"
-#include "map/drift.hpp"
-#include "map/map.hpp"
-#include "mask/mask_state.hpp"
-#include "mask/target_mask.hpp"
-#include "motion/rigid_model.hpp"
 #include "pipeline/component.hpp"
-#include "shape/scale_state.hpp"
 
 namespace polhode {
+
+struct CameraModel;
+struct Map;
+struct MapDrift;
+struct MaskState;
+struct Pose;
+struct RigidModel;
+struct ScaleState;
+struct TargetMask;
 
 /// As the last step left it; valid as long as the component.
 struct GroundView {

@@ -14,6 +14,7 @@
 #include "motion/fit_job.hpp"
 #include "pipeline/adjustment_job.hpp"
 #include "pipeline/component.hpp"
+#include "pipeline/job_times.hpp"
 #include "shape/shape_job.hpp"
 
 namespace polhode {
@@ -68,12 +69,6 @@ struct JobQueue {
   GrowthWaiting growth;
   LastAdjustment last_adjustment_of_all;
   JobCounts counts;
-};
-
-/// When a job is issued, and when its result is taken.
-struct JobTimes {
-  std::uint32_t step = 0;
-  std::uint32_t delay = 0;  ///< steps
 };
 
 /// Sends off what has been prepared: to the caller with this step's output, or, with a delay of 0,

@@ -6,6 +6,7 @@
 #include "map/grow.hpp"
 #include "map/update.hpp"
 #include "pipeline/adjustment.hpp"
+#include "pipeline/state.hpp"
 
 namespace polhode {
 namespace {
@@ -17,11 +18,12 @@ void take_motion_of_map(const RigidModel& model, Component::State* s) {
   s->jobs.fit.unwanted = true;
   MapDrift& drift = s->mapping.drift;
   if (left) {
-    replace_walk(left->covariance_C, &drift);
+    replace_random_walk(left->covariance_C, &drift);
     hold_turn(left->relative_speed_sigma, s->mapping.map.radius_mu, &drift);
   }
-  if (reaches_over_bridge(s->mapping)) {
-    close_bridge(&drift);  // a motion is fitted to parts of a map only where observations tie them
+  if (reaches_over_reanchoring(s->mapping)) {
+    close_reanchoring(
+        &drift);  // a motion is fitted to parts of a map only where observations tie them
   }
 }
 
@@ -110,8 +112,7 @@ void take_adjustment(Component::State* s) {
   switch (job.reason) {
     case AdjustmentReason::kMapBegun:
       complete_map(job.first_keyframe, map_input(*s), &s->mapping);
-      ask_for_adjustment_of_all(
-          AdjustmentReason::kMapCompleted, adjustment_view(*s), &s->jobs);
+      ask_for_adjustment_of_all(AdjustmentReason::kMapCompleted, adjustment_view(*s), &s->jobs);
       break;
     case AdjustmentReason::kMapCompleted:
       restate(s);

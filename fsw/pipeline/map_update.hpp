@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pipeline/adjustment.hpp"
-#include "pipeline/state.hpp"
+#include "pipeline/component.hpp"
 
 namespace polhode {
 

@@ -1,6 +1,7 @@
 #include "pipeline/observer.hpp"
 
 #include "geometry/so3.hpp"
+#include "pipeline/state.hpp"
 
 namespace polhode {
 namespace {

@@ -1,7 +1,7 @@
 // The observer's attitude at each frame.
 #pragma once
 
-#include "pipeline/state.hpp"
+#include "pipeline/component.hpp"
 
 namespace polhode {
 

@@ -4,6 +4,8 @@
 
 #include "bus/frame_uses.hpp"
 #include "image/image.hpp"
+#include "map/follow.hpp"
+#include "map/localise.hpp"
 #include "mask/behind.hpp"
 #include "mask/follow.hpp"
 
@@ -42,7 +44,7 @@ MaskPrior mask_prior(const Pose& pose,
 
 }  // namespace
 
-void forget_pictures(PictureState* picture) {
+void reset_pictures(PictureState* picture) {
   clear(&picture->mask_state);
   clear(&picture->quality);
 }
@@ -76,7 +78,8 @@ void look_for_target(const Pose* predicted,
                      PictureState* picture) {
   find_target(picture->gray, options, &picture->mask);
   MaskPrior prior;
-  if (predicted != nullptr && options.tells_background() && rim_is_lit(picture->mask.cells)) {
+  if (predicted != nullptr && options.separates_background() &&
+      border_is_lit(picture->mask.cells)) {
     prior = mask_prior(*predicted, map, camera, picture);
   }
   follow_target(picture->gray, prior, options, &picture->mask_state, &picture->mask);

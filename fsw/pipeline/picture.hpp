@@ -4,14 +4,20 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
+#include "base/fixed_vector.hpp"
+#include "config/limits.hpp"
 #include "image/quality.hpp"
-#include "map/map_state.hpp"
 #include "mask/mask_state.hpp"
 #include "mask/options.hpp"
 #include "mask/target_mask.hpp"
 #include "pipeline/component.hpp"
 
 namespace polhode {
+
+struct CameraModel;
+struct FlowReference;
+struct Map;
+struct Pose;
 
 /// The state of the rooms image and mask: this frame's picture, and what is remembered of earlier
 /// ones.
@@ -26,7 +32,7 @@ struct PictureState {
 
 /// Pictures are looked at anew, after a pause or for another target: none is compared with the ones
 /// before.
-void forget_pictures(PictureState* picture);
+void reset_pictures(PictureState* picture);
 
 /// Imports the image alone. @param reference  takes over the picture that was in `gray`, where it
 /// still waits for it.

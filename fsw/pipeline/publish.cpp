@@ -5,6 +5,7 @@
 #include "bus/narrow.hpp"
 #include "bus/publish.hpp"
 #include "motion/published.hpp"
+#include "pipeline/state.hpp"
 
 namespace polhode {
 namespace {
@@ -136,8 +137,7 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   output.use = use;
   output.verdict = s->picture.verdict;
   output.motion = motion_state(timestamp_ns, unit, s);
-  list_observations(
-      s->mapping, s->features.features, s->configuration.camera, &s->answer);
+  list_observations(s->mapping, s->features.features, s->configuration.camera, &s->answer);
   output.observations = s->answer.observations.view();
   bus::publish(view_of(use, unit, *s), &s->bus);
   output.packets = s->bus.stream.view();

@@ -1,7 +1,7 @@
 // The frame's answer: motion state, observations, packets, jobs.
 #pragma once
 
-#include "pipeline/state.hpp"
+#include "pipeline/component.hpp"
 
 namespace polhode {
 

@@ -7,6 +7,7 @@
 #include "pipeline/begin.hpp"
 #include "pipeline/counting.hpp"
 #include "pipeline/map_update.hpp"
+#include "pipeline/state.hpp"
 
 namespace polhode {
 namespace {
@@ -98,8 +99,8 @@ void take_due_jobs(const Jobs& finished, Component::State* s) {
   // What a map begins with is adjusted within the step, once: put off, it is tracked on while it is
   // still bent, and a body that turns by 10 deg a frame is lost before its other aspects have
   // landmarks.
-  const bool begins = is_out_with<AdjustmentJob>(jobs.map) &&
-                      jobs.adjustment.reason != AdjustmentReason::kMapGrown;
+  const bool begins =
+      is_out_with<AdjustmentJob>(jobs.map) && jobs.adjustment.reason != AdjustmentReason::kMapGrown;
   if (begins) {
     close_job(&jobs.map, s);
   }

@@ -1,7 +1,7 @@
 // Results of jobs come in, at the step that was named when they were issued.
 #pragma once
 
-#include "pipeline/state.hpp"
+#include "pipeline/component.hpp"
 
 namespace polhode {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "map/landmarks.hpp"
 #include "map/grow.hpp"
+#include "map/landmarks.hpp"
 #include "map/track.hpp"
 #include "map/update.hpp"
 #include "pipeline/counting.hpp"
@@ -18,8 +18,9 @@ namespace {
 
 constexpr int kInliersMin = 12;  // as localise.inliers_min has it by default
 
-std::vector<PoseObservation> observations_of(const Keyframe& keyframe, const Map& map,
-                                          const CameraModel& camera) {
+std::vector<PoseObservation> observations_of(const Keyframe& keyframe,
+                                             const Map& map,
+                                             const CameraModel& camera) {
   std::vector<PoseObservation> observations;
   for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
     const LandmarkId id = keyframe.landmark_of[i];
@@ -130,12 +131,10 @@ SmoothedPose MapAtRest::from_image(const Frame& frame) {
   detect_once(s);
   // A busy background leaves the target too few features to be found among all: the motion knows
   // where it was, as seen by an observer who stands still.
-  const auto expected = s->motion.observer_known
-                            ? std::nullopt
-                            : pose_by_map_model(s->motion,
-                                                c.parameters.motion,
-                                                frame.timestamp_ns,
-                                                s->motion.R_IC);
+  const auto expected =
+      s->motion.observer_known
+          ? std::nullopt
+          : pose_by_joint_model(s->motion, c.parameters.motion, frame.timestamp_ns, s->motion.R_IC);
   const MapInput input = map_input(*s);
   SmoothedPose smoothed;
   if ((expected && find_about(input, expected_at(*expected, s->motion), &s->mapping)) ||

@@ -16,9 +16,9 @@
 
 namespace polhode {
 
-/// Joint adjustment of all keyframes and landmarks until nothing moves, with observations looked for
-/// anew in every keyframe between the rounds. A job that is still out is ended first: the caller
-/// has it no longer. T keeps its axes, origin and scale.
+/// Joint adjustment of all keyframes and landmarks until nothing moves, with observations looked
+/// for anew in every keyframe between the rounds. A job that is still out is ended first: the
+/// caller has it no longer. T keeps its axes, origin and scale.
 void bring_to_rest(Component* component);
 
 struct SmoothedPose {

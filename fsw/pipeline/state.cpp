@@ -35,7 +35,7 @@ void detect_once(Component::State* s) {
     return;
   }
   FeatureOptions options = s->configuration.parameters.features;
-  if (s->steps_to_shed > 0) {  // half the pixels, and as many features as those give
+  if (s->steps_to_shed > 0) {        // half the pixels, and as many features as those give
     constexpr int kCountLeast = 50;  // as a configuration may say
     options.working_pixels_max /= 2;
     options.count_max = std::max(kCountLeast, options.count_max / 2);

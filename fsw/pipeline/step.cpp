@@ -48,7 +48,7 @@ FrameUse take_frame(const Frame& frame, Component::State* s) {
   const Admission admission = admit(frame.timestamp_ns, &s->clock, &missing);
   s->counters.frames_missing += missing;
   if (admission == Admission::kTimeWasWrong) {
-    forget_target(s);
+    reset_target(s);
   }
   if (s->mode.held) {
     return FrameUse::kHeld;
@@ -123,11 +123,10 @@ void estimate_motion(Component::State* s) {
   if (s->mapping.pose_valid) {
     const MotionOptions& options = s->configuration.parameters.motion;
     const AbsolutePose& found = s->mapping.localised.absolute;
-    const bool fit_is_due = remember_pose(
-        s->clock.timestamp_ns, found.pose, found.covariance, options, &s->motion);
+    const bool fit_is_due =
+        remember_pose(s->clock.timestamp_ns, found.pose, found.covariance, options, &s->motion);
     if (fit_is_due && !is_out(s->jobs.fit)) {
-      prepare_fit(
-          s->mapping.map, s->mapping.drift, options, &s->motion, &s->jobs.fit_work);
+      prepare_fit(s->mapping.map, s->mapping.drift, options, &s->motion, &s->jobs.fit_work);
       issue_job(&s->jobs.fit_work, job_times(*s), &s->jobs.fit, &s->jobs);
     }
     run_undelayed(&s->jobs.fit, s);

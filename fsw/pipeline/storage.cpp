@@ -19,10 +19,10 @@ MemoryNeed memory_needed(const Parameters& /*parameters*/) {
       {"poses so far", sizeof(State::motion)},
       {"features of the frame", sizeof(FeatureState::features)},
       {"reference of optical flow", sizeof(MapState::reference)},
-      {"matches of the frame and of a closure", sizeof(MapState::localised) + sizeof(MapScratch::other)},
+      {"matches of the frame and of a closure",
+       sizeof(MapState::localised) + sizeof(MapScratch::other)},
       {"working memory of detection", sizeof(FeatureState::workspace)},
-      {"working memory of matching",
-       sizeof(MapScratch::localise) + sizeof(MapScratch::create)},
+      {"working memory of matching", sizeof(MapScratch::localise) + sizeof(MapScratch::create)},
       {"observations put out", sizeof(Answer::observations)},
   };
   static constexpr std::size_t kListed = [] {

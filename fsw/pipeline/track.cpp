@@ -6,6 +6,7 @@
 #include "pipeline/acquire.hpp"
 #include "pipeline/adjustment.hpp"
 #include "pipeline/map_update.hpp"
+#include "pipeline/state.hpp"
 
 namespace polhode {
 namespace {
@@ -22,9 +23,9 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
   }
   detect_once(s);
   const MapInput input = map_input(*s);
-  const bool found = (expected && find_about(input, *expected, mapping)) ||
-                     (relocalise_frame(input, mapping) &&
-                      (!expected || believable(*expected, false, *mapping)));
+  const bool found =
+      (expected && find_about(input, *expected, mapping)) ||
+      (relocalise_frame(input, mapping) && (!expected || believable(*expected, false, *mapping)));
   return found ? FoundBy::kFeatures : FoundBy::kNothing;
 }
 
@@ -85,7 +86,7 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
   MapState* mapping = &s->mapping;
   const AbsolutePose& found = mapping->localised.absolute;
   check_pose(s->clock.timestamp_ns, found.pose, found.covariance, mapping->drift, &s->motion);
-  const std::optional<PosePrediction> prior = pose_by_map_model(
+  const std::optional<PosePrediction> prior = pose_by_joint_model(
       s->motion, s->configuration.parameters.motion, s->clock.timestamp_ns, s->motion.R_IC);
   if (prior) {
     fuse_with_prior(*prior, mapping);

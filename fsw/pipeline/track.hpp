@@ -3,7 +3,8 @@
 
 #include <optional>
 
-#include "pipeline/state.hpp"
+#include "geometry/pose_prediction.hpp"
+#include "pipeline/component.hpp"
 
 namespace polhode {
 

@@ -50,7 +50,7 @@ FusedScale mean_of(const ScaleReadings& readings, std::uint32_t set) {
 
 }  // namespace
 
-bool take_reading(const ScaleReading& reading, ScaleReadings& readings) {
+bool add_reading(const ScaleReading& reading, ScaleReadings& readings) {
   const bool number = std::isfinite(reading.metres_per_mu) && reading.metres_per_mu > 0.0 &&
                       std::isfinite(reading.sigma) && reading.sigma > 0.0;
   if (!number || reading.source == ScaleSource::kNone) {

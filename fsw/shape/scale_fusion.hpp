@@ -28,7 +28,7 @@ struct FusedScale {
 
 /// Adds a reading, or replaces an earlier one of its source. Refuses one that is not finite and
 /// positive. @return whether it was taken.
-bool take_reading(const ScaleReading& reading, ScaleReadings& readings);
+bool add_reading(const ScaleReading& reading, ScaleReadings& readings);
 
 /// Mean of the logarithms weighted by 1 / sigma^2, over the largest set of readings that agree with
 /// each other. Where that set is not more than half of the readings, the scale is unknown.

@@ -25,20 +25,17 @@ ScaleChange read_in(const ScaleView& view,
 }  // namespace
 
 ScaleChange read_scale_in_frame(const MapState& map, const ScaleInput& input, ScaleState* scale) {
-  return read_in(
-      {.pose = map.localised.absolute.pose, .landmarks_T = seen_landmarks_T(map).view()},
-      map.map,
-      input,
-      scale);
+  return read_in({.pose = map.localised.absolute.pose, .landmarks_T = seen_landmarks_T(map).view()},
+                 map.map,
+                 input,
+                 scale);
 }
 
 ScaleChange read_scale_in_keyframe(const Map& map, const ScaleInput& input, ScaleState* scale) {
   for (const Keyframe& keyframe : map.keyframes) {
     if (keyframe.used && keyframe.timestamp_ns == input.options->frame_timestamp_ns) {
-      return read_in({.pose = keyframe.pose, .landmarks_T = seen_in(keyframe, map).view()},
-                     map,
-                     input,
-                     scale);
+      return read_in(
+          {.pose = keyframe.pose, .landmarks_T = seen_in(keyframe, map).view()}, map, input, scale);
     }
   }
   return {};

@@ -12,7 +12,7 @@ ScaleReadings readings_beside(ScaleSource source, const ScaleReadings& all) {
   ScaleReadings others;
   for (const ScaleReading& reading : all) {
     if (reading.source != source) {
-      (void)take_reading(reading, others);
+      (void)add_reading(reading, others);
     }
   }
   return others;
@@ -40,7 +40,7 @@ bool take(ScaleSource source, const Result<ScaleEstimate>& estimate, ScaleReadin
   const ScaleReading reading{.source = source,
                              .metres_per_mu = estimate.value().metres_per_mu,
                              .sigma = estimate.value().sigma};
-  return take_reading(reading, readings);
+  return add_reading(reading, readings);
 }
 
 }  // namespace
@@ -118,7 +118,7 @@ ScaleChange read_scale_of(const Shape& shape, const ScaleOptions& options, Scale
   return taken ? settle(scale) : ScaleChange{};
 }
 
-void forget_scale(ScaleState* scale) {
+void reset_scale(ScaleState* scale) {
   const double published = scale->metres_per_mu_published;
   *scale = {};
   scale->metres_per_mu_published = published;

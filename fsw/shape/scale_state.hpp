@@ -50,6 +50,6 @@ ScaleChange read_scale_in(const ScaleView& view,
 ScaleChange read_scale_of(const Shape& shape, const ScaleOptions& options, ScaleState* scale);
 
 /// Resets the scale and its readings. Keeps the scale that was last published.
-void forget_scale(ScaleState* scale);
+void reset_scale(ScaleState* scale);
 
 }  // namespace polhode

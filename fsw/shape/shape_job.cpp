@@ -3,19 +3,19 @@
 namespace polhode {
 
 bool shape_is_due(const ShapeState& state,
-            const Map& map,
-            std::uint32_t frame,
-            std::uint32_t every_frames) {
+                  const Map& map,
+                  std::uint32_t frame,
+                  std::uint32_t every_frames) {
   return map.next_keyframe_number != state.keyframe_asked &&
          (!state.asked || frame - state.frame_asked >= every_frames);
 }
 
 void prepare_shape(const Map& map,
-             const ShapeOptions& options,
-             std::uint64_t seed,
-             std::uint32_t frame,
-             ShapeState* state,
-             ShapeJob* job) {
+                   const ShapeOptions& options,
+                   std::uint64_t seed,
+                   std::uint32_t frame,
+                   ShapeState* state,
+                   ShapeJob* job) {
   job->landmarks_T.clear();
   for (const Landmark& landmark : map.landmarks) {
     if (landmark.used && confirmed(landmark)) {

@@ -22,17 +22,17 @@ struct ShapeJob {
 
 /// Is an estimate due? Not before the map has another keyframe, nor `every_frames` after the last.
 [[nodiscard]] bool shape_is_due(const ShapeState& state,
-                          const Map& map,
-                          std::uint32_t frame,
-                          std::uint32_t every_frames);
+                                const Map& map,
+                                std::uint32_t frame,
+                                std::uint32_t every_frames);
 
 /// Copies the confirmed landmarks.
 void prepare_shape(const Map& map,
-             const ShapeOptions& options,
-             std::uint64_t seed,
-             std::uint32_t frame,
-             ShapeState* state,
-             ShapeJob* job);
+                   const ShapeOptions& options,
+                   std::uint64_t seed,
+                   std::uint32_t frame,
+                   ShapeState* state,
+                   ShapeJob* job);
 
 /// A pure function of what was prepared.
 void run_shape(ShapeJob* job);

@@ -9,9 +9,9 @@
 #include <opengv/absolute_pose/CentralAbsoluteAdapter.hpp>
 #include <opengv/absolute_pose/methods.hpp>
 
+#include "base/avx2_dispatch.hpp"
 #include "base/consensus.hpp"
 #include "base/rng.hpp"
-#include "base/wide.hpp"
 #include "geometry/reprojection.hpp"
 #include "geometry/so3.hpp"
 #include "solve/cauchy_loss.hpp"

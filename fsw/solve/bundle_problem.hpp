@@ -54,7 +54,7 @@ struct BundleReport {
 struct BundleWorkspace {
   static constexpr std::size_t kPoses = limits::kKeyframes;
   static constexpr std::size_t kPoints = limits::kLandmarks;
-  static constexpr std::size_t kObservations = limits::kAdjustmentSightings;
+  static constexpr std::size_t kObservations = limits::kAdjustmentObservations;
   static constexpr std::size_t kUnknowns = 6 * kPoses;  // (phi, uvs) each
 
   std::array<std::int32_t, kPoses> block_of_pose{};  ///< -1: constant

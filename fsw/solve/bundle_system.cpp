@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/assert.hpp"
-#include "base/wide.hpp"
+#include "base/avx2_dispatch.hpp"
 #include "geometry/so3.hpp"
 #include "solve/cauchy_loss.hpp"
 

@@ -28,11 +28,11 @@ struct Place {
 };
 
 Place place_of(const FreeBodyMotion& motion,
-               const TurningState& state,
-               const TurningMatrix& attitude_I) {
+               const RotationState& state,
+               const RotationJacobian& attitude_I) {
   const double reference_s = motion.reference.time_s;
   const Eigen::Matrix<double, 6, 6> transition =
-      path_transition(motion.orbit, reference_s, state.time_s - reference_s);
+      translation_transition(motion.orbit, reference_s, state.time_s - reference_s);
   const Eigen::Vector3d offset_I = state.R_IT * motion.path.tail<3>();
   Place place;
   place.p_I = transition.topRows<3>() * motion.path.head<6>() - offset_I;
@@ -60,10 +60,10 @@ class FreeBody {
   /// camera.
   bool pose(const FreeBodyMotion& motion, std::span<InverseDepthPose> poses) {
     return trace(
-        motion, nullptr, [&](std::size_t k, const TurningState& state, const TurningDerivative&) {
+        motion, nullptr, [&](std::size_t k, const RotationState& state, const RotationDerivative&) {
           const auto R_CI = p_.times[k].R_IC.transpose();
           const Pose pose{.R_CT = R_CI * state.R_IT,
-                          .p_CT = R_CI * place_of(motion, state, TurningMatrix::Zero()).p_I};
+                          .p_CT = R_CI * place_of(motion, state, RotationJacobian::Zero()).p_I};
           const bool in_front = pose.p_CT.allFinite() && pose.p_CT.z() > 0.0;
           if (in_front) {
             poses[k] = to_inverse_depth(pose);
@@ -133,15 +133,15 @@ class FreeBody {
   /// Calls `take` for each pose with the state at its time, and with the derivatives if `begin` is
   /// given.
   template <typename Take>
-  bool trace(const FreeBodyMotion& motion, const TurningDerivative* begin, Take take) {
+  bool trace(const FreeBodyMotion& motion, const RotationDerivative* begin, Take take) {
     const Inertia inertia = inertia_of(motion.shape);
     const auto order = std::span(w_.in_order_of_time).first(count());
     const auto later = std::find_if(order.begin(), order.end(), [&](std::size_t k) {
       return p_.times[k].time_s >= motion.reference.time_s;
     });
     const auto integrate = [&](auto first, auto last) {
-      TurningState state = motion.reference;
-      TurningDerivative derivative = begin != nullptr ? *begin : TurningDerivative{};
+      RotationState state = motion.reference;
+      RotationDerivative derivative = begin != nullptr ? *begin : RotationDerivative{};
       return std::all_of(first, last, [&](std::size_t k) {
         return advance(inertia,
                        motion.orbit,
@@ -156,20 +156,21 @@ class FreeBody {
   }
 
   bool linearise() {
-    const TurningDerivative begin = TurningDerivative::at_reference();
+    const RotationDerivative begin = RotationDerivative::at_reference();
     gauge_.setZero();
     return trace(
         *p_.motion,
         &begin,
-        [&](std::size_t k, const TurningState& state, const TurningDerivative& by) {
+        [&](std::size_t k, const RotationState& state, const RotationDerivative& by) {
           const Place place = place_of(*p_.motion, state, by.attitude_I);
           const auto R_CI = p_.times[k].R_IC.transpose();
           Eigen::Matrix<double, 3, kFreeBodyUnknowns> rotation;
-          rotation << by.attitude_I, Eigen::Matrix<double, 3, kPathUnknowns>::Zero();
+          rotation << by.attitude_I, Eigen::Matrix<double, 3, kTranslationUnknowns>::Zero();
           w_.pose_by_unknowns[k] << R_CI * rotation,
               uvs_by_position(R_CI * place.p_I) * (R_CI * place.by_unknowns);
           gauge_.topRows<3>() += state.R_IT.transpose() * rotation;
-          gauge_.middleRows<3>(3) += state.R_IT.transpose() * place.by_unknowns / p_.lever_sigma;
+          gauge_.middleRows<3>(3) +=
+              state.R_IT.transpose() * place.by_unknowns / p_.mass_centre_sigma;
           gauge_.row(6) += place.p_I.transpose() * place.by_unknowns / place.p_I.squaredNorm();
           return true;
         });
@@ -198,7 +199,7 @@ class FreeBody {
   [[nodiscard]] FreeBodyVector prior() const {
     FreeBodyVector information = FreeBodyVector::Zero();
     information.segment<5>(6).setConstant(1.0 / (p_.shape_sigma * p_.shape_sigma));
-    information.tail<3>().setConstant(1.0 / (p_.lever_sigma * p_.lever_sigma));
+    information.tail<3>().setConstant(1.0 / (p_.mass_centre_sigma * p_.mass_centre_sigma));
     return information;
   }
 
@@ -217,7 +218,7 @@ class FreeBody {
     to.reference.R_IT = so3_exp(x.head<3>()) * motion.reference.R_IT;
     to.reference.w_T_rad_s += x.segment<3>(3);
     to.shape += x.segment<5>(6);
-    to.path += x.tail<kPathUnknowns>();
+    to.path += x.tail<kTranslationUnknowns>();
     return to;
   }
 

@@ -17,7 +17,7 @@
 namespace polhode {
 
 /// Those of the rotation, then those of the translation.
-inline constexpr int kFreeBodyUnknowns = kTurningUnknowns + kPathUnknowns;
+inline constexpr int kFreeBodyUnknowns = kRotationUnknowns + kTranslationUnknowns;
 using FreeBodyVector = Eigen::Matrix<double, kFreeBodyUnknowns, 1>;
 using FreeBodyInformation = Eigen::Matrix<double, kFreeBodyUnknowns, kFreeBodyUnknowns>;
 
@@ -28,9 +28,9 @@ struct PoseTime {
 };
 
 struct FreeBodyMotion {
-  TurningState reference;
+  RotationState reference;
   InertiaShape shape = InertiaShape::Zero();
-  PathVector path = PathVector::Zero();  ///< at the reference
+  TranslationVector path = TranslationVector::Zero();  ///< at the reference
   Orbit orbit;
 };
 
@@ -41,7 +41,8 @@ struct FreeBodyProblem {
   std::span<const PoseTime> times;  ///< by pose, in any order
   FreeBodyMotion* motion = nullptr;
   double shape_sigma = kShapeSigma;  ///< prior 1-sigma of each number of the shape
-  double lever_sigma = 1.0;  ///< prior 1-sigma of each coordinate of the centre-of-mass offset in T
+  double mass_centre_sigma =
+      1.0;  ///< prior 1-sigma of each coordinate of the centre-of-mass offset in T
 };
 
 struct FreeBodyReport {

@@ -21,11 +21,11 @@ constexpr int kRounds = 4;
 constexpr double kScale2Min = 1e-4;
 
 using Squares = std::array<double, limits::kMotionPoses>;
-using PathRows = Eigen::Matrix<double, 3, kPathUnknowns>;
+using PathRows = Eigen::Matrix<double, 3, kTranslationUnknowns>;
 
-PathRows rows_of(const PathProblem& problem, const PositionSample& sample) {
-  const Eigen::Matrix<double, 6, 6> transition =
-      path_transition(problem.orbit, problem.reference_s, sample.time_s - problem.reference_s);
+PathRows rows_of(const TranslationProblem& problem, const PositionSample& sample) {
+  const Eigen::Matrix<double, 6, 6> transition = translation_transition(
+      problem.orbit, problem.reference_s, sample.time_s - problem.reference_s);
   PathRows rows;
   rows << transition.topRows<3>(), -sample.R_IT;
   return rows;
@@ -37,14 +37,14 @@ double scale_of(const Squares& squares, std::size_t count) {
 }
 
 struct System {
-  PathCovariance H = PathCovariance::Zero();
-  PathVector g = PathVector::Zero();
-  Eigen::Matrix<double, kPathUnknowns, kTurningUnknowns> by_turning =
-      Eigen::Matrix<double, kPathUnknowns, kTurningUnknowns>::Zero();
+  TranslationCovariance H = TranslationCovariance::Zero();
+  TranslationVector g = TranslationVector::Zero();
+  Eigen::Matrix<double, kTranslationUnknowns, kRotationUnknowns> by_rotation =
+      Eigen::Matrix<double, kTranslationUnknowns, kRotationUnknowns>::Zero();
 };
 
 /// Normal equations with Cauchy weights by `squares` (nullptr: equal weights).
-System accumulate(const PathProblem& problem,
+System accumulate(const TranslationProblem& problem,
                   const Squares* squares,
                   double scale2,
                   const Eigen::Vector3d& offset_T) {
@@ -59,14 +59,16 @@ System accumulate(const PathProblem& problem,
     system.g.noalias() += weighted.transpose() * sample.p_I;
     // An attitude error phi moves the offset R c by phi x R c.
     const Eigen::Matrix3d by_phi = hat(sample.R_IT * offset_T);
-    system.by_turning.noalias() -= weighted.transpose() * (by_phi * sample.attitude_by_turning_I);
+    system.by_rotation.noalias() -= weighted.transpose() * (by_phi * sample.attitude_by_rotation_I);
   }
   return system;
 }
 
 }  // namespace
 
-Eigen::Matrix<double, 6, 6> path_transition(const Orbit& orbit, double time_s, double interval_s) {
+Eigen::Matrix<double, 6, 6> translation_transition(const Orbit& orbit,
+                                                   double time_s,
+                                                   double interval_s) {
   Eigen::Matrix<double, 6, 6> transition = Eigen::Matrix<double, 6, 6>::Identity();
   if (!orbit.active()) {
     transition.topRightCorner<3, 3>() = interval_s * Eigen::Matrix3d::Identity();
@@ -99,20 +101,20 @@ Eigen::Matrix<double, 6, 6> path_transition(const Orbit& orbit, double time_s, d
   return from_hill * hill * to_hill(orbit.R_IH_at(time_s).transpose());
 }
 
-Result<PathSolution> solve_path(const PathProblem& problem) {
+Result<TranslationSolution> solve_translation(const TranslationProblem& problem) {
   const std::size_t count = problem.samples.size();
   if (count < kSamplesMin) {
     return ErrorCode::kTooFewObservations;
   }
-  if (!(problem.lever_sigma > 0.0) || !std::isfinite(problem.lever_sigma)) {
+  if (!(problem.mass_centre_sigma > 0.0) || !std::isfinite(problem.mass_centre_sigma)) {
     return ErrorCode::kBadParameter;
   }
   if (count > limits::kMotionPoses ||
       !(problem.samples.back().time_s > problem.samples.front().time_s)) {
     return ErrorCode::kDegenerate;
   }
-  const double prior = 1.0 / (problem.lever_sigma * problem.lever_sigma);
-  PathSolution solution;
+  const double prior = 1.0 / (problem.mass_centre_sigma * problem.mass_centre_sigma);
+  TranslationSolution solution;
   Squares squares{};
   System system;
   for (int round = 0; round < kRounds; ++round) {
@@ -120,7 +122,7 @@ Result<PathSolution> solve_path(const PathProblem& problem) {
     system =
         accumulate(problem, round == 0 ? nullptr : &squares, scale2, solution.unknowns.tail<3>());
     // The data are scaled to the noise as found; the prior keeps its own sigma.
-    PathCovariance H = system.H / scale2;
+    TranslationCovariance H = system.H / scale2;
     H.diagonal().tail<3>().array() += prior;
     solution.unknowns = H.ldlt().solve(system.g / scale2);
     if (!solution.unknowns.allFinite()) {
@@ -134,7 +136,7 @@ Result<PathSolution> solve_path(const PathProblem& problem) {
   }
   solution.information = system.H;
   solution.information.diagonal().tail<3>().array() += prior;
-  solution.by_turning = solution.information.ldlt().solve(system.by_turning);
+  solution.by_rotation = solution.information.ldlt().solve(system.by_rotation);
   return solution;
 }
 

@@ -12,41 +12,44 @@ namespace polhode {
 
 /// Unknowns of the translation: mass centre p and velocity v at the reference in I, relative to the
 /// observer; centre-of-mass offset c from T's origin, in T.
-inline constexpr int kPathUnknowns = 9;
-using PathVector = Eigen::Matrix<double, kPathUnknowns, 1>;
-using PathCovariance = Eigen::Matrix<double, kPathUnknowns, kPathUnknowns>;
+inline constexpr int kTranslationUnknowns = 9;
+using TranslationVector = Eigen::Matrix<double, kTranslationUnknowns, 1>;
+using TranslationCovariance = Eigen::Matrix<double, kTranslationUnknowns, kTranslationUnknowns>;
 
 struct PositionSample {
   double time_s = 0.0;
   Eigen::Vector3d p_I = Eigen::Vector3d::Zero();  ///< T's origin relative to the observer
   Eigen::Matrix3d information_I = Eigen::Matrix3d::Identity();
   Eigen::Matrix3d R_IT = Eigen::Matrix3d::Identity();  ///< by the fit of the rotation
-  TurningMatrix attitude_by_turning_I = TurningMatrix::Zero();
+  RotationJacobian attitude_by_rotation_I = RotationJacobian::Zero();
 };
 
-struct PathProblem {
+struct TranslationProblem {
   std::span<const PositionSample> samples;
   double reference_s = 0.0;
   Orbit orbit;
-  double lever_sigma = 1.0;  ///< prior 1-sigma of each coordinate of c: half the body's size
+  double mass_centre_sigma = 1.0;  ///< prior 1-sigma of each coordinate of c: half the body's size
   double cauchy_sigma = kPoseCauchySigma;
 };
 
-struct PathSolution {
-  PathVector unknowns = PathVector::Zero();
-  PathCovariance information = PathCovariance::Zero();  ///< by the declared noise, with the prior
+struct TranslationSolution {
+  TranslationVector unknowns = TranslationVector::Zero();
+  TranslationCovariance information =
+      TranslationCovariance::Zero();  ///< by the declared noise, with the prior
   /// Derivatives of the unknowns by those of the rotation: propagates its errors.
-  Eigen::Matrix<double, kPathUnknowns, kTurningUnknowns> by_turning =
-      Eigen::Matrix<double, kPathUnknowns, kTurningUnknowns>::Zero();
+  Eigen::Matrix<double, kTranslationUnknowns, kRotationUnknowns> by_rotation =
+      Eigen::Matrix<double, kTranslationUnknowns, kRotationUnknowns>::Zero();
 };
 
 /// Position and velocity (p, v) `interval_s` later as a linear function of those at `time_s`:
 /// straight, or by Hill's equations about an observer on the orbit. Axes I.
-Eigen::Matrix<double, 6, 6> path_transition(const Orbit& orbit, double time_s, double interval_s);
+Eigen::Matrix<double, 6, 6> translation_transition(const Orbit& orbit,
+                                                   double time_s,
+                                                   double interval_s);
 
 /// @errors TooFewObservations (under 4 samples), Degenerate (no time passes, or a covariance is not
-/// usable), BadParameter (lever_sigma not positive).
+/// usable), BadParameter (mass_centre_sigma not positive).
 /// @cost   four rounds over the samples.
-Result<PathSolution> solve_path(const PathProblem& problem);
+Result<TranslationSolution> solve_translation(const TranslationProblem& problem);
 
 }  // namespace polhode

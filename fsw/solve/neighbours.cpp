@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "base/assert.hpp"
-#include "base/wide.hpp"
+#include "base/avx2_dispatch.hpp"
 
 namespace polhode {
 namespace {

@@ -38,13 +38,13 @@ Eigen::Matrix3d exponential_derivative(const Eigen::Matrix3d& V,
 /// The linear system that errors follow: d/dt dw = A dw + B.
 struct ErrorRate {
   Eigen::Matrix3d A;
-  TurningMatrix B;
+  RotationJacobian B;
 };
 
 ErrorRate error_rate(const Inertia& inertia,
                      const Orbit& orbit,
-                     const TurningState& at,
-                     const TurningMatrix& attitude_error_I) {
+                     const RotationState& at,
+                     const RotationJacobian& attitude_error_I) {
   const Eigen::Vector3d& w = at.w_T_rad_s;
   const Eigen::Vector3d w_dot = angular_acceleration(inertia, orbit, at);
   ErrorRate rate;
@@ -69,15 +69,15 @@ ErrorRate error_rate(const Inertia& inertia,
 }
 
 struct Nodes {
-  TurningState start;
-  TurningState middle;
-  TurningState end;
+  RotationState start;
+  RotationState middle;
+  RotationState end;
 };
 
 /// Rates by Runge-Kutta; the middle by the cubic through both ends; attitudes by Magnus' series.
-Nodes step(const Inertia& inertia, const Orbit& orbit, double h_s, const TurningState& start) {
+Nodes step(const Inertia& inertia, const Orbit& orbit, double h_s, const RotationState& start) {
   const Eigen::Vector3d& w = start.w_T_rad_s;
-  TurningState at = start;
+  RotationState at = start;
   const Eigen::Vector3d k1 = angular_acceleration(inertia, orbit, at);
   at.time_s = start.time_s + 0.5 * h_s;
   at.w_T_rad_s = w + 0.5 * h_s * k1;
@@ -110,20 +110,20 @@ void step_derivative(const Inertia& inertia,
                      const Orbit& orbit,
                      double h_s,
                      const Nodes& nodes,
-                     TurningDerivative& d) {
-  const TurningMatrix W = d.rate_T;
-  const TurningMatrix E_middle = d.attitude_I + 0.5 * h_s * (nodes.start.R_IT * W);
-  const TurningMatrix E_end = d.attitude_I + h_s * (nodes.start.R_IT * W);
+                     RotationDerivative& d) {
+  const RotationJacobian W = d.rate_T;
+  const RotationJacobian E_middle = d.attitude_I + 0.5 * h_s * (nodes.start.R_IT * W);
+  const RotationJacobian E_end = d.attitude_I + h_s * (nodes.start.R_IT * W);
   const ErrorRate at_start = error_rate(inertia, orbit, nodes.start, d.attitude_I);
   const ErrorRate at_middle = error_rate(inertia, orbit, nodes.middle, E_middle);
   const ErrorRate at_end = error_rate(inertia, orbit, nodes.end, E_end);
-  const TurningMatrix k1 = at_start.A * W + at_start.B;
-  const TurningMatrix k2 = at_middle.A * (W + 0.5 * h_s * k1) + at_middle.B;
-  const TurningMatrix k3 = at_middle.A * (W + 0.5 * h_s * k2) + at_middle.B;
-  const TurningMatrix k4 = at_end.A * (W + h_s * k3) + at_end.B;
+  const RotationJacobian k1 = at_start.A * W + at_start.B;
+  const RotationJacobian k2 = at_middle.A * (W + 0.5 * h_s * k1) + at_middle.B;
+  const RotationJacobian k3 = at_middle.A * (W + 0.5 * h_s * k2) + at_middle.B;
+  const RotationJacobian k4 = at_end.A * (W + h_s * k3) + at_end.B;
   d.rate_T = W + h_s / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-  const TurningMatrix k_end = at_end.A * d.rate_T + at_end.B;
-  const TurningMatrix W_middle = 0.5 * (W + d.rate_T) + h_s / 8.0 * (k1 - k_end);
+  const RotationJacobian k_end = at_end.A * d.rate_T + at_end.B;
+  const RotationJacobian W_middle = 0.5 * (W + d.rate_T) + h_s / 8.0 * (k1 - k_end);
   // d phi / dt = R dw: Simpson's rule.
   d.attitude_I +=
       h_s / 6.0 *
@@ -195,8 +195,8 @@ Eigen::Matrix3d Orbit::R_IH_at(double time_s) const {
   return R_IH * so3_exp({0.0, 0.0, mean_motion_rad_s * time_s});
 }
 
-TurningDerivative TurningDerivative::at_reference() {
-  TurningDerivative d;
+RotationDerivative RotationDerivative::at_reference() {
+  RotationDerivative d;
   d.attitude_I.leftCols<3>().setIdentity();
   d.rate_T.middleCols<3>(3).setIdentity();
   return d;
@@ -204,7 +204,7 @@ TurningDerivative TurningDerivative::at_reference() {
 
 Eigen::Vector3d angular_acceleration(const Inertia& inertia,
                                      const Orbit& orbit,
-                                     const TurningState& state) {
+                                     const RotationState& state) {
   Eigen::Vector3d torque = -state.w_T_rad_s.cross(inertia.J_T * state.w_T_rad_s);
   if (orbit.active()) {
     const Eigen::Vector3d u = state.R_IT.transpose() * orbit.R_IH_at(state.time_s).col(0);
@@ -216,14 +216,14 @@ Eigen::Vector3d angular_acceleration(const Inertia& inertia,
 bool advance(const Inertia& inertia,
              const Orbit& orbit,
              double time_s,
-             TurningState& state,
-             TurningDerivative* derivative) {
+             RotationState& state,
+             RotationDerivative* derivative) {
   // The steps left are counted after every step: the rate may change on the way.
-  for (int i = 0; i < kTurningStepsMax; ++i) {
+  for (int i = 0; i < kRotationStepsMax; ++i) {
     const double left_s = time_s - state.time_s;
     const double rate_rad_s = state.w_T_rad_s.norm() + orbit.mean_motion_rad_s;
-    const double steps_left = std::abs(left_s) * rate_rad_s / kTurningStepAngle_rad;
-    if (!(steps_left < kTurningStepsMax) || !state.R_IT.allFinite()) {
+    const double steps_left = std::abs(left_s) * rate_rad_s / kRotationStepAngle_rad;
+    if (!(steps_left < kRotationStepsMax) || !state.R_IT.allFinite()) {
       return false;
     }
     if (left_s == 0.0) {

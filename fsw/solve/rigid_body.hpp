@@ -45,7 +45,7 @@ struct Orbit {
   [[nodiscard]] Eigen::Matrix3d R_IH_at(double time_s) const;
 };
 
-struct TurningState {
+struct RotationState {
   double time_s = 0.0;
   Eigen::Matrix3d R_IT = Eigen::Matrix3d::Identity();
   Eigen::Vector3d w_T_rad_s = Eigen::Vector3d::Zero();
@@ -53,42 +53,42 @@ struct TurningState {
 
 /// Unknowns of the rotation: error phi of the attitude at the reference (R_true = exp(phi) R), rate
 /// at the reference, shape.
-inline constexpr int kTurningUnknowns = 11;
-using TurningMatrix = Eigen::Matrix<double, 3, kTurningUnknowns>;
-using TurningCovariance = Eigen::Matrix<double, kTurningUnknowns, kTurningUnknowns>;
+inline constexpr int kRotationUnknowns = 11;
+using RotationJacobian = Eigen::Matrix<double, 3, kRotationUnknowns>;
+using RotationCovariance = Eigen::Matrix<double, kRotationUnknowns, kRotationUnknowns>;
 
 /// Derivatives by the unknowns: attitude as phi in I, rate in T.
-struct TurningDerivative {
-  TurningMatrix attitude_I = TurningMatrix::Zero();
-  TurningMatrix rate_T = TurningMatrix::Zero();
+struct RotationDerivative {
+  RotationJacobian attitude_I = RotationJacobian::Zero();
+  RotationJacobian rate_T = RotationJacobian::Zero();
 
   /// At the reference itself.
-  static TurningDerivative at_reference();
+  static RotationDerivative at_reference();
 };
 
 /// Rate of change of w_T. Gravity gradient where the orbit is active.
 Eigen::Vector3d angular_acceleration(const Inertia& inertia,
                                      const Orbit& orbit,
-                                     const TurningState& state);
+                                     const RotationState& state);
 
-/// Bounds the time of one integration: 1000 rad or 160 turns at kTurningStepAngle_rad; a fit spans
+/// Bounds the time of one integration: 1000 rad or 160 turns at kRotationStepAngle_rad; a fit spans
 /// 32 (docs/decisions/0050).
-inline constexpr int kTurningStepsMax = 20000;
+inline constexpr int kRotationStepsMax = 20000;
 
 /// Runge-Kutta's phase lags by the step to the fourth over 120: at 0.1 rad 3e-5 rad in
 /// eight turns, near what a long run resolves (5e-5 rad of 300 frames). At 0.05 rad it is a
 /// sixteenth (docs/decisions/0050).
-inline constexpr double kTurningStepAngle_rad = 0.05;
+inline constexpr double kRotationStepAngle_rad = 0.05;
 
-/// Moves `state` to `time_s`, earlier or later, in steps of at most kTurningStepAngle_rad:
+/// Moves `state` to `time_s`, earlier or later, in steps of at most kRotationStepAngle_rad:
 /// fourth-order Runge-Kutta for the rate and a Magnus step for the attitude; 1e-6 rad in ten turns.
 /// `derivative`, where given, is moved along.
-/// @return false when that takes over kTurningStepsMax steps or is no longer finite. The state is
+/// @return false when that takes over kRotationStepsMax steps or is no longer finite. The state is
 /// then somewhere on the way.
 bool advance(const Inertia& inertia,
              const Orbit& orbit,
              double time_s,
-             TurningState& state,
-             TurningDerivative* derivative);
+             RotationState& state,
+             RotationDerivative* derivative);
 
 }  // namespace polhode

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/assert.hpp"
-#include "base/wide.hpp"
+#include "base/avx2_dispatch.hpp"
 #include "geometry/so3.hpp"
 #include "solve/start_residuals.hpp"
 
@@ -29,7 +29,7 @@ constexpr double kFloor = 1e-12;
 constexpr int kPointsMin = 4;
 
 /// Adds one observation to the normal equations. That of a wrong track moves its own point only.
-void add_observation(const StartSighting& s,
+void add_observation(const TrackObservation& s,
                      bool wrong,
                      const StartGeometryView& geometry,
                      const StartAdjustmentOptions& options,
@@ -65,7 +65,7 @@ void add_observation(const StartSighting& s,
 }
 
 /// Fills the camera, point and mixed blocks of the normal equations.
-void linearise(std::span<const StartSighting> observations,
+void linearise(std::span<const TrackObservation> observations,
                const StartGeometryView& geometry,
                const StartAdjustmentOptions& options,
                Workspace* w) {
@@ -105,7 +105,9 @@ Eigen::Matrix3d point_inverse(const Eigen::Matrix3d& V, double damping) {
 }
 
 /// Reduced camera system S (lower triangle), and its right side in camera_step.
-void eliminate_points(std::span<const StartSighting> observations, double damping, Workspace* w) {
+void eliminate_points(std::span<const TrackObservation> observations,
+                      double damping,
+                      Workspace* w) {
   const Eigen::Index size = w->camera_gradient.size();
   w->reduced.setZero(size, size);
   w->camera_step = w->camera_gradient;
@@ -151,7 +153,7 @@ void apply_camera_step(const StartGeometryView& geometry, Workspace* w) {
   }
 }
 
-void apply_point_steps(std::span<const StartSighting> observations,
+void apply_point_steps(std::span<const TrackObservation> observations,
                        const StartGeometryView& geometry,
                        double damping,
                        Workspace* w) {
@@ -175,7 +177,7 @@ void apply_point_steps(std::span<const StartSighting> observations,
 
 /// One damped step into the trial arrays. @return false when the system cannot be solved or a depth
 /// would turn negative.
-bool try_step(std::span<const StartSighting> observations,
+bool try_step(std::span<const TrackObservation> observations,
               const StartGeometryView& geometry,
               double damping,
               Workspace* w) {
@@ -207,13 +209,13 @@ struct PoseEquations {
 };
 
 /// With the Cauchy loss, not the options'.
-PoseEquations linearise_pose(std::span<const StartSighting> observations,
+PoseEquations linearise_pose(std::span<const TrackObservation> observations,
                              const StartGeometryView& geometry,
                              const StartAdjustmentOptions& options,
                              const InverseDepthPose& pose) {
   PoseEquations n;
   CauchySum cost(options.width_sigma);
-  for (const StartSighting& s : observations) {
+  for (const TrackObservation& s : observations) {
     const auto track = static_cast<std::size_t>(s.track);
     Eigen::Vector2d x;
     ReprojectionJacobians J;
@@ -242,7 +244,7 @@ PoseEquations linearise_pose(std::span<const StartSighting> observations,
 
 }  // namespace
 
-bool reduced_camera_system(std::span<const StartSighting> observations,
+bool reduced_camera_system(std::span<const TrackObservation> observations,
                            const StartGeometryView& geometry,
                            const StartAdjustmentOptions& options,
                            Workspace* workspace) {
@@ -251,11 +253,11 @@ bool reduced_camera_system(std::span<const StartSighting> observations,
   return workspace->reduced.allFinite();
 }
 
-StartFit adjust_start(std::span<const StartSighting> observations,
+StartFit adjust_start(std::span<const TrackObservation> observations,
                       const StartGeometryView& geometry,
                       const StartAdjustmentOptions& options,
                       Workspace* workspace) {
-  POLHODE_ASSERT(observations.size() <= Workspace::kSightings, observations.size());
+  POLHODE_ASSERT(observations.size() <= Workspace::kStartObservations, observations.size());
   POLHODE_ASSERT(geometry.poses.size() <= limits::kStartFrames, geometry.poses.size());
   POLHODE_ASSERT(geometry.points_T.size() <= limits::kStartTracks, geometry.points_T.size());
   double damping = kDampingFirst;
@@ -300,7 +302,7 @@ StartFit adjust_start(std::span<const StartSighting> observations,
   return fit;
 }
 
-double adjust_single_pose(std::span<const StartSighting> observations,
+double adjust_single_pose(std::span<const TrackObservation> observations,
                           const StartGeometryView& geometry,
                           const StartAdjustmentOptions& options,
                           InverseDepthPose* pose) {

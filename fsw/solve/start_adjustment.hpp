@@ -11,11 +11,11 @@ namespace polhode {
 
 /// Levenberg-Marquardt with the points eliminated (Schur complement). Only the damping constrains
 /// the gauge.
-/// @param observations  ordered by track; at most kSightings.
+/// @param observations  ordered by track; at most kStartObservations.
 /// @param geometry   changed in place; never made worse.
 /// @cost  iterations_max linear systems of 6 per frame. Deterministic.
 /// @source Christy and Horaud, PAMI 1996 (parametrisation); Triggs et al., 2000 (elimination).
-StartFit adjust_start(std::span<const StartSighting> observations,
+StartFit adjust_start(std::span<const TrackObservation> observations,
                       const StartGeometryView& geometry,
                       const StartAdjustmentOptions& options,
                       StartAdjustmentWorkspace* workspace);
@@ -24,14 +24,14 @@ StartFit adjust_start(std::span<const StartSighting> observations,
 /// loss.
 /// @param observations  of this frame only.
 /// @return robust cost, or a negative number when fewer than four points are known.
-double adjust_single_pose(std::span<const StartSighting> observations,
+double adjust_single_pose(std::span<const TrackObservation> observations,
                           const StartGeometryView& geometry,
                           const StartAdjustmentOptions& options,
                           InverseDepthPose* pose);
 
 /// Normal equations at `geometry` with the points eliminated, undamped: fills workspace->blocks,
 /// point_blocks and reduced.
-bool reduced_camera_system(std::span<const StartSighting> observations,
+bool reduced_camera_system(std::span<const TrackObservation> observations,
                            const StartGeometryView& geometry,
                            const StartAdjustmentOptions& options,
                            StartAdjustmentWorkspace* workspace);
@@ -41,7 +41,7 @@ bool reduced_camera_system(std::span<const StartSighting> observations,
 /// count.
 /// @param covariances  by track; zero where unknown.
 /// @return false when the images do not determine the geometry; nothing is written then.
-bool start_point_covariances(std::span<const StartSighting> observations,
+bool start_point_covariances(std::span<const TrackObservation> observations,
                              const StartGeometryView& geometry,
                              const StartAdjustmentOptions& options,
                              std::span<Eigen::Matrix3d> covariances,
@@ -54,6 +54,6 @@ bool start_point_covariances(std::span<const StartSighting> observations,
 bool normalise_gauge(const StartGeometryView& geometry);
 
 /// The depth-reversed solution (Necker ambiguity): same images to first order in extent / range.
-void reverse_depth(const StartGeometryView& geometry);
+void apply_depth_reversal(const StartGeometryView& geometry);
 
 }  // namespace polhode

@@ -129,7 +129,7 @@ bool invert_cameras(const StartGeometryView& g, Workspace* w, GaugeFix* fix) {
          (fix->camera_covariance.diagonal().array() >= 0.0).all();
 }
 
-void collect_constraints(std::span<const StartSighting> observations,
+void collect_constraints(std::span<const TrackObservation> observations,
                          const StartGeometryView& g,
                          const Workspace& w,
                          GaugeFix* fix) {
@@ -165,7 +165,7 @@ void collect_constraints(std::span<const StartSighting> observations,
 }
 
 /// Covariance of one point after projection onto the constraints.
-Eigen::Matrix3d point_covariance(std::span<const StartSighting> observations,
+Eigen::Matrix3d point_covariance(std::span<const TrackObservation> observations,
                                  std::size_t begin,
                                  std::size_t end,
                                  const Eigen::Vector3d& p_T,
@@ -193,7 +193,7 @@ Eigen::Matrix3d point_covariance(std::span<const StartSighting> observations,
 
 }  // namespace
 
-bool start_point_covariances(std::span<const StartSighting> observations,
+bool start_point_covariances(std::span<const TrackObservation> observations,
                              const StartGeometryView& geometry,
                              const StartAdjustmentOptions& options,
                              std::span<Eigen::Matrix3d> covariances,
@@ -256,7 +256,7 @@ bool normalise_gauge(const StartGeometryView& g) {
   return true;
 }
 
-void reverse_depth(const StartGeometryView& g) {
+void apply_depth_reversal(const StartGeometryView& g) {
   const Eigen::Vector3d flip(1.0, 1.0, -1.0);
   for (std::size_t f = 0; f < g.poses.size(); ++f) {
     if (g.posed[f] == 0) {

@@ -14,7 +14,7 @@
 namespace polhode {
 
 /// One image of one track. Lists of these are ordered by track, then by frame.
-struct StartSighting {
+struct TrackObservation {
   int frame = 0;
   int track = 0;
   Eigen::Vector2d normalised = Eigen::Vector2d::Zero();
@@ -51,7 +51,7 @@ struct StartFit {
                       ///< with the other
   double chi2 = 0.0;  ///< of the inliers
   int inliers = 0;    ///< observations within width_sigma, in tracks that fit as a whole
-  int sightings = 0;
+  int observations = 0;
   int frames = 0;
   int points = 0;            ///< with two inliers or more
   double median = 0.0;       ///< squared residual of the observations that are used
@@ -61,7 +61,7 @@ struct StartFit {
 
 /// Linearised system, kept by the caller because of its size.
 struct StartAdjustmentWorkspace {
-  static constexpr std::size_t kSightings = 12000;  // 1500 tracks in 8 frames, or 375 in 32
+  static constexpr std::size_t kStartObservations = 12000;  // 1500 tracks in 8 frames, or 375 in 32
   static constexpr int kCameraParameters =
       6 * static_cast<int>(limits::kStartFrames);  // (phi, uvs)
 
@@ -75,7 +75,7 @@ struct StartAdjustmentWorkspace {
   };
   using CameraVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kCameraParameters, 1>;
 
-  FixedVector<Block, kSightings> blocks;
+  FixedVector<Block, kStartObservations> blocks;
   FixedVector<PointBlock, limits::kStartTracks> point_blocks;
   std::array<Eigen::Matrix<double, 6, 6>, limits::kStartFrames> camera_blocks;
   Eigen::MatrixXd reduced;  ///< 6 F square; factorised in place
@@ -83,7 +83,7 @@ struct StartAdjustmentWorkspace {
   CameraVector camera_step;
   std::array<InverseDepthPose, limits::kStartFrames> trial_poses;
   std::array<Eigen::Vector3d, limits::kStartTracks> trial_points;
-  FixedVector<double, kSightings> errors2;
+  FixedVector<double, kStartObservations> errors2;
 };
 
 }  // namespace polhode

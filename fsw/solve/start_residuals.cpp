@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "base/assert.hpp"
+#include "base/avx2_dispatch.hpp"
 #include "base/median.hpp"
-#include "base/wide.hpp"
 
 namespace polhode {
 namespace {
@@ -30,7 +30,7 @@ Candidate candidate_of(const StartGeometryView& geometry) {
 }
 
 double scaled_error2(const Candidate& candidate,
-                     const StartSighting& observation,
+                     const TrackObservation& observation,
                      const StartAdjustmentOptions& options) {
   Eigen::Vector2d x;
   if (!reproject(candidate.poses[static_cast<std::size_t>(observation.frame)],
@@ -42,12 +42,12 @@ double scaled_error2(const Candidate& candidate,
   return (x - observation.normalised).squaredNorm() / (sigma * sigma);
 }
 
-double cauchy_cost(std::span<const StartSighting> observations,
+double cauchy_cost(std::span<const TrackObservation> observations,
                    const Candidate& candidate,
                    const StartGeometryView& geometry,
                    const StartAdjustmentOptions& options) {
   CauchySum sum(options.width_sigma);
-  for (const StartSighting& s : observations) {
+  for (const TrackObservation& s : observations) {
     if (usable(geometry, s)) {
       sum.add(scaled_error2(candidate, s, options));
     }
@@ -55,13 +55,13 @@ double cauchy_cost(std::span<const StartSighting> observations,
   return sum.value();
 }
 
-TrackCost truncated_cost(std::span<const StartSighting> run,
+TrackCost truncated_cost(std::span<const TrackObservation> run,
                          const Candidate& candidate,
                          const StartGeometryView& geometry,
                          const StartAdjustmentOptions& options) {
   const double lost = truncated_max(options);
   TrackCost sum;
-  for (const StartSighting& s : run) {
+  for (const TrackObservation& s : run) {
     sum.cost += usable(geometry, s) ? std::min(scaled_error2(candidate, s, options), lost) : lost;
   }
   const double most = track_cost_max(run.size());
@@ -70,7 +70,7 @@ TrackCost truncated_cost(std::span<const StartSighting> run,
 
 }  // namespace
 
-std::size_t track_end(std::span<const StartSighting> observations, std::size_t begin) {
+std::size_t track_end(std::span<const TrackObservation> observations, std::size_t begin) {
   std::size_t end = begin + 1;
   while (end < observations.size() && observations[end].track == observations[begin].track) {
     ++end;
@@ -78,7 +78,7 @@ std::size_t track_end(std::span<const StartSighting> observations, std::size_t b
   return end;
 }
 
-TrackCost track_cost(std::span<const StartSighting> run,
+TrackCost track_cost(std::span<const TrackObservation> run,
                      const StartGeometryView& geometry,
                      const StartAdjustmentOptions& options) {
   const Candidate own = candidate_of(geometry);
@@ -87,7 +87,7 @@ TrackCost track_cost(std::span<const StartSighting> run,
              : TrackCost{.cost = cauchy_cost(run, own, geometry, options)};
 }
 
-double total_cost(std::span<const StartSighting> observations,
+double total_cost(std::span<const TrackObservation> observations,
                   std::span<const InverseDepthPose> poses,
                   std::span<const Eigen::Vector3d> points_T,
                   const StartGeometryView& geometry,
@@ -108,11 +108,12 @@ double total_cost(std::span<const StartSighting> observations,
   });
 }
 
-StartFit evaluate_start(std::span<const StartSighting> observations,
+StartFit evaluate_start(std::span<const TrackObservation> observations,
                         const StartGeometryView& geometry,
                         const StartAdjustmentOptions& options,
                         StartAdjustmentWorkspace* workspace) {
-  POLHODE_ASSERT(observations.size() <= StartAdjustmentWorkspace::kSightings, observations.size());
+  POLHODE_ASSERT(observations.size() <= StartAdjustmentWorkspace::kStartObservations,
+                 observations.size());
   StartFit fit;
   const double width2 = options.width_sigma * options.width_sigma;
   workspace->errors2.clear();
@@ -123,7 +124,7 @@ StartFit evaluate_start(std::span<const StartSighting> observations,
     const std::span run = observations.subspan(begin, end - begin);
     const bool wrong = track_cost(run, geometry, options).wrong;
     for (std::size_t i = begin; i < end; ++i) {
-      const StartSighting& s = observations[i];
+      const TrackObservation& s = observations[i];
       if (!usable(geometry, s)) {
         continue;
       }
@@ -139,7 +140,7 @@ StartFit evaluate_start(std::span<const StartSighting> observations,
     fit.points += track_inliers >= 2 ? 1 : 0;
     begin = end;
   }
-  fit.sightings = static_cast<int>(observations.size());
+  fit.observations = static_cast<int>(observations.size());
   for (const std::uint8_t posed : geometry.posed) {
     fit.frames += posed != 0 ? 1 : 0;
   }
@@ -152,7 +153,7 @@ StartFit evaluate_start(std::span<const StartSighting> observations,
   return fit;
 }
 
-void start_track_costs(std::span<const StartSighting> observations,
+void start_track_costs(std::span<const TrackObservation> observations,
                        const StartGeometryView& geometry,
                        const StartAdjustmentOptions& options,
                        std::span<double> costs) {

@@ -31,13 +31,13 @@ inline double behind_error2(const StartAdjustmentOptions& options) {
 }
 
 /// Are the observation's pose and point known?
-inline bool usable(const StartGeometryView& geometry, const StartSighting& observation) {
+inline bool usable(const StartGeometryView& geometry, const TrackObservation& observation) {
   return geometry.posed[static_cast<std::size_t>(observation.frame)] != 0 &&
          geometry.known[static_cast<std::size_t>(observation.track)] != 0;
 }
 
 /// End of the run of observations that belong to the track at `begin`.
-std::size_t track_end(std::span<const StartSighting> observations, std::size_t begin);
+std::size_t track_end(std::span<const TrackObservation> observations, std::size_t begin);
 
 struct TrackCost {
   double cost = 0.0;
@@ -45,25 +45,25 @@ struct TrackCost {
 };
 
 /// @param run  observations of one track.
-TrackCost track_cost(std::span<const StartSighting> run,
+TrackCost track_cost(std::span<const TrackObservation> run,
                      const StartGeometryView& geometry,
                      const StartAdjustmentOptions& options);
 
 /// @param poses, points_T  used in place of the geometry's.
-double total_cost(std::span<const StartSighting> observations,
+double total_cost(std::span<const TrackObservation> observations,
                   std::span<const InverseDepthPose> poses,
                   std::span<const Eigen::Vector3d> points_T,
                   const StartGeometryView& geometry,
                   const StartAdjustmentOptions& options);
 
 /// Statistics of a fit; changes nothing.
-StartFit evaluate_start(std::span<const StartSighting> observations,
+StartFit evaluate_start(std::span<const TrackObservation> observations,
                         const StartGeometryView& geometry,
                         const StartAdjustmentOptions& options,
                         StartAdjustmentWorkspace* workspace);
 
 /// Cost of each track, 0 for one without observations.
-void start_track_costs(std::span<const StartSighting> observations,
+void start_track_costs(std::span<const TrackObservation> observations,
                        const StartGeometryView& geometry,
                        const StartAdjustmentOptions& options,
                        std::span<double> costs);

@@ -27,8 +27,9 @@ constexpr double kDampingMax = 1e8;
 using Squares = std::array<double, limits::kMotionPoses>;
 
 struct System {
-  TurningCovariance H = TurningCovariance::Zero();
-  Eigen::Matrix<double, kTurningUnknowns, 1> g = Eigen::Matrix<double, kTurningUnknowns, 1>::Zero();
+  RotationCovariance H = RotationCovariance::Zero();
+  Eigen::Matrix<double, kRotationUnknowns, 1> g =
+      Eigen::Matrix<double, kRotationUnknowns, 1>::Zero();
   double cost = 0.0;  ///< robust, by the scale of this solve, with the prior
   Squares squares{};  ///< chi2 of each sample by the declared noise
 };
@@ -40,8 +41,8 @@ struct Window {
 
 /// Adds one sample. `scale2`: variance of the noise over the declared one.
 void add_sample(const AttitudeSample& sample,
-                const TurningState& state,
-                const TurningDerivative& derivative,
+                const RotationState& state,
+                const RotationDerivative& derivative,
                 double scale2,
                 double cauchy_sigma,
                 double* square,
@@ -50,7 +51,7 @@ void add_sample(const AttitudeSample& sample,
   const double u2 = r.dot(sample.information_I * r);
   const double c2 = cauchy_sigma * cauchy_sigma * scale2;
   const double weight = 1.0 / (scale2 * (1.0 + u2 / c2));
-  const TurningMatrix WJ = sample.information_I * derivative.attitude_I;
+  const RotationJacobian WJ = sample.information_I * derivative.attitude_I;
   system->H.noalias() += weight * derivative.attitude_I.transpose() * WJ;
   system->g.noalias() += weight * WJ.transpose() * r;
   system->cost += cauchy_sigma * cauchy_sigma * std::log1p(u2 / c2);
@@ -58,16 +59,16 @@ void add_sample(const AttitudeSample& sample,
 }
 
 /// Normal equations about `at`. False when the integration fails.
-bool linearise(const TurningProblem& problem,
-               const TurningSolution& at,
+bool linearise(const RotationProblem& problem,
+               const RotationSolution& at,
                const Window& window,
                double scale2,
                System* system) {
   *system = {};
   const Inertia inertia = inertia_of(at.shape);
   for (const bool forward : {true, false}) {
-    TurningState state = at.reference;
-    TurningDerivative derivative = TurningDerivative::at_reference();
+    RotationState state = at.reference;
+    RotationDerivative derivative = RotationDerivative::at_reference();
     const std::size_t count =
         forward ? window.last - problem.reference : problem.reference - window.first;
     for (std::size_t k = 0; k < count; ++k) {
@@ -97,9 +98,9 @@ double median_of(const Squares& squares, std::size_t count) {
   return median(std::span(sorted).first(count)) / kChi2Median3;
 }
 
-TurningSolution moved(const TurningSolution& from,
-                      const Eigen::Matrix<double, kTurningUnknowns, 1>& by) {
-  TurningSolution to = from;
+RotationSolution moved(const RotationSolution& from,
+                       const Eigen::Matrix<double, kRotationUnknowns, 1>& by) {
+  RotationSolution to = from;
   to.reference.R_IT = so3_exp(by.head<3>()) * from.reference.R_IT;
   to.reference.w_T_rad_s += by.segment<3>(3);
   to.shape += by.tail<5>();
@@ -109,7 +110,7 @@ TurningSolution moved(const TurningSolution& from,
 void fill_statistics(const System& system,
                      std::size_t count,
                      double scale2,
-                     TurningSolution* solution) {
+                     RotationSolution* solution) {
   solution->information = system.H;
   solution->median2 = median_of(system.squares, count);
   solution->cost = 0.0;
@@ -126,27 +127,27 @@ void fill_statistics(const System& system,
 }
 
 /// Levenberg-Marquardt at a fixed noise scale.
-bool minimise(const TurningProblem& problem,
+bool minimise(const RotationProblem& problem,
               const Window& window,
               double scale2,
               int iterations_max,
               System* system,
-              TurningSolution* solution) {
+              RotationSolution* solution) {
   if (!linearise(problem, *solution, window, scale2, system)) {
     return false;
   }
   double damping = kDampingFirst;
   for (int i = 0; i < iterations_max; ++i) {
-    TurningCovariance H = system->H;
+    RotationCovariance H = system->H;
     H.diagonal() *= 1.0 + damping;
-    const Eigen::LDLT<TurningCovariance> ldlt(H);
-    const Eigen::Matrix<double, kTurningUnknowns, 1> step = ldlt.solve(system->g);
+    const Eigen::LDLT<RotationCovariance> ldlt(H);
+    const Eigen::Matrix<double, kRotationUnknowns, 1> step = ldlt.solve(system->g);
     ++solution->iterations;
     const double promised = step.dot(system->g);
     if (!step.allFinite() || !(promised > kChangeMin)) {
       return true;
     }
-    const TurningSolution next = moved(*solution, step);
+    const RotationSolution next = moved(*solution, step);
     System at_next;
     if (linearise(problem, next, window, scale2, &at_next) && at_next.cost < system->cost) {
       const bool done = system->cost - at_next.cost < kChangeMin;
@@ -169,22 +170,22 @@ bool minimise(const TurningProblem& problem,
 
 }  // namespace
 
-double chi2_per_dof(const TurningSolution& solution) {
-  const double freedom = 3.0 * static_cast<double>(solution.inside) - kTurningUnknowns;
+double chi2_per_dof(const RotationSolution& solution) {
+  const double freedom = 3.0 * static_cast<double>(solution.inside) - kRotationUnknowns;
   return freedom > 0.0 ? solution.chi2 / freedom : 0.0;
 }
 
-Result<TurningSolution> refine_turning(const TurningProblem& problem,
-                                       const TurningSolution& start,
-                                       std::size_t first,
-                                       std::size_t last) {
+Result<RotationSolution> refine_rotation(const RotationProblem& problem,
+                                         const RotationSolution& start,
+                                         std::size_t first,
+                                         std::size_t last) {
   const Window window{.first = first, .last = last};
   const std::size_t count = last - first;
   if (first > problem.reference || last <= problem.reference || last > problem.samples.size() ||
       count > limits::kMotionPoses) {
     return ErrorCode::kDegenerate;
   }
-  TurningSolution solution = start;
+  RotationSolution solution = start;
   System system;
   if (!linearise(problem, solution, window, 1.0, &system)) {
     return ErrorCode::kDegenerate;

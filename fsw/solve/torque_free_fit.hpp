@@ -17,7 +17,7 @@ struct AttitudeSample {
   Eigen::Matrix3d information_I = Eigen::Matrix3d::Identity();
 };
 
-struct TurningProblem {
+struct RotationProblem {
   std::span<const AttitudeSample> samples;  ///< in order of time
   std::size_t reference = 0;                ///< sample at whose time the unknowns are
   Orbit orbit;                              ///< same epoch as the samples
@@ -26,12 +26,12 @@ struct TurningProblem {
   int iterations_max = 12;  ///< a bound: it ends when chi-square has settled
 };
 
-struct TurningSolution {
-  TurningState reference;
+struct RotationSolution {
+  RotationState reference;
   InertiaShape shape = InertiaShape::Zero();
   /// Inverse covariance of the unknowns by the declared noise, outliers weighted down, with the
   /// prior of the shape.
-  TurningCovariance information = TurningCovariance::Zero();
+  RotationCovariance information = RotationCovariance::Zero();
   double cost = 0.0;  ///< sum of log(1 + chi2 of a sample): compares solutions of the same samples
   double median2 = 0.0;  ///< median chi2 of a sample over that of normal noise
   double chi2 = 0.0;     ///< of the samples within the gate
@@ -44,19 +44,19 @@ struct TurningSolution {
 /// samples [first, last).
 /// @errors Degenerate: it diverges, or a covariance is not usable.
 /// @cost   problem.iterations_max integrations over the samples.
-Result<TurningSolution> refine_turning(const TurningProblem& problem,
-                                       const TurningSolution& start,
-                                       std::size_t first,
-                                       std::size_t last);
+Result<RotationSolution> refine_rotation(const RotationProblem& problem,
+                                         const RotationSolution& start,
+                                         std::size_t first,
+                                         std::size_t last);
 
 /// Without a prior solution. Constant angular momentum is linear in the inertia, which gives a
 /// first shape; the window around the reference doubles as far as the solution predicts. Where that
 /// does not reach `chi2_per_dof_max`, ball, rod and disc about the mean axis are tried too and the
 /// best one is taken.
 /// @errors TooFewObservations (under 4 samples), Degenerate (all diverge).
-Result<TurningSolution> solve_turning(const TurningProblem& problem, double chi2_per_dof_max);
+Result<RotationSolution> solve_rotation(const RotationProblem& problem, double chi2_per_dof_max);
 
 /// chi2 over its degrees of freedom, of the samples within the gate.
-[[nodiscard]] double chi2_per_dof(const TurningSolution& solution);
+[[nodiscard]] double chi2_per_dof(const RotationSolution& solution);
 
 }  // namespace polhode

@@ -116,13 +116,13 @@ InertiaShape revolution(const Eigen::Vector3d& axis_T, double stretch) {
 }
 
 /// Does the solution predict both ends of the next window to kPhaseMax_rad?
-bool reaches(const TurningProblem& problem,
-             const TurningSolution& solution,
+bool reaches(const RotationProblem& problem,
+             const RotationSolution& solution,
              std::size_t first,
              std::size_t last) {
   const Inertia inertia = inertia_of(solution.shape);
   for (const std::size_t end : {first, last - 1}) {
-    TurningState state = solution.reference;
+    RotationState state = solution.reference;
     if (!advance(inertia, problem.orbit, problem.samples[end].time_s, state, nullptr)) {
       return false;
     }
@@ -135,7 +135,7 @@ bool reaches(const TurningProblem& problem,
 
 /// Fits a window around the reference that doubles, or grows by less, as far as the solution
 /// predicts.
-Result<TurningSolution> grow(const TurningProblem& problem, const InertiaShape& shape) {
+Result<RotationSolution> grow(const RotationProblem& problem, const InertiaShape& shape) {
   const std::size_t count = problem.samples.size();
   const auto window = [&](std::size_t size) {
     const std::size_t half = size / 2;
@@ -143,7 +143,7 @@ Result<TurningSolution> grow(const TurningProblem& problem, const InertiaShape& 
     const std::size_t last = std::min(count, std::max(problem.reference + half + 1, first + size));
     return std::array<std::size_t, 2>{last > size ? std::min(first, last - size) : 0, last};
   };
-  TurningSolution solution;
+  RotationSolution solution;
   solution.reference.time_s = problem.samples[problem.reference].time_s;
   solution.reference.R_IT = problem.samples[problem.reference].R_IT;
   solution.reference.w_T_rad_s = rate_at(problem.samples, problem.reference);
@@ -153,7 +153,7 @@ Result<TurningSolution> grow(const TurningProblem& problem, const InertiaShape& 
   constexpr int kStagesMax = 24;
   for (int stage = 0; stage < kStagesMax; ++stage) {
     const std::array<std::size_t, 2> at = window(size);
-    const auto refined = refine_turning(problem, solution, at[0], at[1]);
+    const auto refined = refine_rotation(problem, solution, at[0], at[1]);
     if (!refined || size == count) {
       return refined;
     }
@@ -174,7 +174,7 @@ Result<TurningSolution> grow(const TurningProblem& problem, const InertiaShape& 
 
 }  // namespace
 
-Result<TurningSolution> solve_turning(const TurningProblem& problem, double chi2_per_dof_max) {
+Result<RotationSolution> solve_rotation(const RotationProblem& problem, double chi2_per_dof_max) {
   if (problem.samples.size() < kSamplesMin) {
     return ErrorCode::kTooFewObservations;
   }
@@ -190,9 +190,9 @@ Result<TurningSolution> solve_turning(const TurningProblem& problem, double chi2
                                            InertiaShape::Zero(),
                                            revolution(momentum.axis_T, kRod),
                                            revolution(momentum.axis_T, kDisc)};
-  Result<TurningSolution> best = ErrorCode::kDegenerate;
+  Result<RotationSolution> best = ErrorCode::kDegenerate;
   for (const InertiaShape& shape : shapes) {
-    const Result<TurningSolution> found = grow(problem, shape);
+    const Result<RotationSolution> found = grow(problem, shape);
     if (found && (!best || found.value().cost < best.value().cost)) {
       best = found;
     }

@@ -54,7 +54,7 @@ void judge(const StartOutcome& out,
       out.chi2_gap,
       e.depth,
       e.rotation,
-      out.contest_depth_sigma,
+      out.selection_depth_sigma,
       out.reduced_chi2,
       out.inlier_ratio);
 }
@@ -80,7 +80,7 @@ int main(int argc, char** argv) {
           synthetic::to_start_tracks(s.tracks, s.sigma_normalised);
       const std::clock_t begin = std::clock();
       const StartOutcome out =
-          run_start_contest({.times_s = s.motion.times_s, .tracks = tracks, .seed = seed},
+          select_hypothesis({.times_s = s.motion.times_s, .tracks = tracks, .seed = seed},
                             StartOptions{},
                             *workspace);
       const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;

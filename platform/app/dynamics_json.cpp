@@ -59,7 +59,7 @@ Json path_json(const BodyDynamics& body,
                const RigidModel& model,
                const Eigen::Matrix3d& R_CI,
                double scale_sigma) {
-  if (!model.path_known) {
+  if (!model.translation_known) {
     return nullptr;
   }
   Json axes = Json::array();
@@ -96,7 +96,7 @@ Json row_json(const MotionPrediction& at,
            {"sigma_pos", nullptr},
            {"v_C", nullptr},
            {"sigma_vel", nullptr}};
-  if (at.path_known) {
+  if (at.translation_known) {
     const Eigen::Matrix3d position = at.covariance.bottomRightCorner<3, 3>();
     row["p_CT"] = to_json(R_CI * at.pose.p_CT);
     row["sigma_pos"] = worst_sigma(position + by_scale(at.pose.p_CT, scale_sigma));

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "geometry/camera_model.hpp"
+#include "map/map.hpp"
+#include "mask/mask_state.hpp"
 #include "mask/target_levels.hpp"
 
 namespace polhode::platform {
@@ -16,8 +19,7 @@ double image_motion_px_s(const MotionState& motion, const GroundView& view) {
   if (!motion.pose_valid || !motion.rate_valid || depth <= 0.0) {
     return 0.0;
   }
-  const double radius_px =
-      view.camera.focal_px() * view.map.radius_mu / view.last_pose.p_CT.z();
+  const double radius_px = view.camera.focal_px() * view.map.radius_mu / view.last_pose.p_CT.z();
   const double across = motion.velocity_valid ? std::hypot(motion.v_C[0], motion.v_C[1]) : 0.0;
   return Eigen::Map<const Eigen::Vector3d>(motion.w_T_rad_s.data()).norm() * std::abs(radius_px) +
          view.camera.focal_px() * across / depth;
@@ -88,9 +90,7 @@ CameraExposure next_setting(const SeenTarget& seen,
   return setting;
 }
 
-void ExposureControl::after(const StepOutput& out,
-                            const GroundView& view,
-                            LiveCamera& camera) {
+void ExposureControl::after(const StepOutput& out, const GroundView& view, LiveCamera& camera) {
   if (!options_.enabled || ++frames_since_ < kFrames) {
     return;
   }

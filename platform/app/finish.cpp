@@ -17,6 +17,7 @@
 #include "pipeline/ground_view.hpp"
 #include "pipeline/smooth.hpp"
 #include "shape/hull.hpp"
+#include "shape/scale_state.hpp"
 
 namespace polhode::platform {
 namespace {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "mask/mask_state.hpp"
 #include "pipeline/ground_view.hpp"
 
 namespace polhode::platform {

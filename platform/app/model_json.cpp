@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "app/dynamics_json.hpp"
-#include "output_file.hpp"
 #include "motion/published.hpp"
+#include "output_file.hpp"
 
 namespace polhode::platform {
 namespace {

@@ -4,8 +4,11 @@
 #include <optional>
 
 #include "geometry/so3.hpp"
+#include "map/drift.hpp"
+#include "map/map.hpp"
 #include "motion/joint_fit.hpp"
 #include "motion/published.hpp"
+#include "shape/scale_state.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -25,7 +28,7 @@ bool goes_through_poses(const RigidModel& model) {
   if (model.of_map) {
     return model.accepted();  // they are its own
   }
-  return model.accepted() && model.path_known && model.attitude.outliers <= few &&
+  return model.accepted() && model.translation_known && model.attitude.outliers <= few &&
          model.position.outliers <= few && model.position.chi2_per_dof < kChi2PerDofMax;
 }
 
@@ -69,7 +72,7 @@ struct AtFrame {
 /// measured one beside it would count twice. The run's model is moved on, so that a run costs one
 /// integration.
 AtFrame by_model(std::int64_t timestamp_ns, ModelOfRun* run) {
-  if (!run->model.accepted() || !run->model.path_known || timestamp_ns < run->from_ns ||
+  if (!run->model.accepted() || !run->model.translation_known || timestamp_ns < run->from_ns ||
       timestamp_ns > run->to_ns || !move_reference(timestamp_ns, run->model)) {
     return {};
   }
@@ -111,9 +114,7 @@ AtFrame by_measurement(std::span<const PoseSample> samples,
   return at;
 }
 
-MotionState row_of(const MotionState& published,
-                   const SmoothedPose& pose,
-                   const GroundView& view) {
+MotionState row_of(const MotionState& published, const SmoothedPose& pose, const GroundView& view) {
   MotionState m;
   m.frame = published.frame;
   m.timestamp_ns = published.timestamp_ns;
@@ -200,7 +201,7 @@ std::optional<RigidModel> model_of_map(std::span<const PoseSample> samples,
   for (const PoseSample* sample :
        {&samples.front(), &samples[samples.size() / 2], &samples.back()}) {
     const Result<MotionPrediction> at = predict_motion(model, sample->timestamp_ns);
-    if (!at || !at.value().path_known ||
+    if (!at || !at.value().translation_known ||
         rotation_angle_rad(at.value().pose.R_CT, sample->pose.R_CT) > kApart_rad) {
       return std::nullopt;
     }

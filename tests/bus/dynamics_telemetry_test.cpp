@@ -22,7 +22,7 @@ const Eigen::Matrix3d kR_CI = so3_exp({0.3, -0.2, 0.5});
 RigidModel tumbling(double sigma) {
   RigidModel model;
   model.status = ModelStatus::kAccepted;
-  model.path_known = true;
+  model.translation_known = true;
   model.reference_ns = 5'000'000'000;
   model.reference.R_IT = so3_exp({0.1, 0.2, 0.3});
   model.reference.w_T_rad_s = {0.03, 0.05, 0.09};
@@ -86,7 +86,8 @@ TEST(PacketsOfLengths, HoldTheErrorOfTheScaleItself) {
   EXPECT_NEAR(model.cov_v[0], 4e-8 + 0.01 * model.v_C[0] * model.v_C[0], 1e-11);
   EXPECT_NEAR(model.cov_c[1], 0.01 * model.c_T[0] * model.c_T[1], 1e-9);
   const MotionPrediction there{
-      .pose = {.R_CT = Eigen::Matrix3d::Identity(), .p_CT = {1.0, 2.0, 20.0}}, .path_known = true};
+      .pose = {.R_CT = Eigen::Matrix3d::Identity(), .p_CT = {1.0, 2.0, 20.0}},
+      .translation_known = true};
   const PredictionPacket ahead = through_the_bus(to_packet(there, tumbling(1e-4), kR_CI, loose));
   EXPECT_NEAR(ahead.cov_pose[20], 0.01 * ahead.p_CT[2] * ahead.p_CT[2], 1e-5);
 }
@@ -104,8 +105,8 @@ TEST(ModelPacketOf, WhatTheDataDoNotTellIsZeroAndSaysSo) {
 
 TEST(ModelPacketOf, ADirectionOfTheMassCentreThatIsNotKnownIsLeftOut) {
   RigidModel model = tumbling(1e-4);
-  constexpr int kAlongZ = kTurningUnknowns + 8;
-  model.covariance(kAlongZ, kAlongZ) = 0.95 * model.lever_sigma * model.lever_sigma;
+  constexpr int kAlongZ = kRotationUnknowns + 8;
+  model.covariance(kAlongZ, kAlongZ) = 0.95 * model.mass_centre_sigma * model.mass_centre_sigma;
   const ModelPacket packet = through_the_bus(to_packet(model, kR_CI, {}));
   EXPECT_TRUE((packet.flags & model_layout::kFlagMassCentre) != 0);
   EXPECT_EQ(packet.class_mass_centre, (std::array<std::uint8_t, 3>{2, 2, 0}));
@@ -132,7 +133,7 @@ MotionPrediction ahead(double sigma_att_rad, double sigma_position) {
   prediction.covariance.diagonal().tail<3>().setConstant(sigma_position * sigma_position);
   prediction.w_T_rad_s = {0.1, 0.2, 0.3};
   prediction.covariance_w_T = 1e-6 * Eigen::Matrix3d::Identity();
-  prediction.path_known = true;
+  prediction.translation_known = true;
   return prediction;
 }
 

@@ -61,11 +61,11 @@ TEST(Epipolar, OfNoBaselineIsZeroNotUndefined) {
   EXPECT_EQ(sampson_error(Eigen::Matrix3d::Zero(), {0.1, 0.2}, {0.3, 0.4}), 0.0);
 }
 
-std::vector<Sighting> observations(
+std::vector<RayObservation> observations(
     const Eigen::Vector3d& p_T, int views, double step_rad, double sigma, Rng& rng) {
-  std::vector<Sighting> all;
+  std::vector<RayObservation> all;
   for (int i = 0; i < views; ++i) {
-    Sighting one;
+    RayObservation one;
     one.pose.R_CT = so3_exp({0.1, step_rad * i, 0.0});
     one.pose.p_CT = {0.0, 0.0, 6.0};
     one.normalised =
@@ -112,8 +112,8 @@ TEST(Triangulate, RefusesOneViewAndPointsBehind) {
   const Eigen::Vector3d p_T(0.1, 0.2, 0.0);
   EXPECT_EQ(triangulate(observations(p_T, 1, 0.1, 0.0, rng)).error().code,
             ErrorCode::kTooFewObservations);
-  std::vector<Sighting> diverging = observations({0.0, 0.0, 0.0}, 2, 0.0, 0.0, rng);
-  for (Sighting& one : diverging) one.pose.R_CT = Eigen::Matrix3d::Identity();
+  std::vector<RayObservation> diverging = observations({0.0, 0.0, 0.0}, 2, 0.0, 0.0, rng);
+  for (RayObservation& one : diverging) one.pose.R_CT = Eigen::Matrix3d::Identity();
   diverging[0].pose.p_CT = {0.5, 0.0, 6.0};
   diverging[1].pose.p_CT = {-0.5, 0.0, 6.0};
   diverging[0].normalised = {-0.2, 0.0};  // the rays meet behind both cameras
@@ -148,7 +148,7 @@ TEST(Alignment, FindsTheScaleAndShiftThatWereApplied) {
       b.push_back(truth.apply(a.back()));
       weights.push_back(0.1 + rng.uniform());
     }
-    const Result<Similarity> found = align_turned(a, b, weights, truth.R_ba);
+    const Result<Similarity> found = align_rotated(a, b, weights, truth.R_ba);
     ASSERT_TRUE(found.ok());
     EXPECT_NEAR(found.value().scale, truth.scale, 1e-12 * 10);
     EXPECT_EQ(found.value().R_ba, truth.R_ba);
@@ -166,7 +166,7 @@ TEST(Alignment, IgnoresPointsOfNoWeight) {
     b.push_back(i < 8 ? a.back() : random_vector(rng, 50.0));
     weights.push_back(i < 8 ? 1.0 : 0.0);
   }
-  const Similarity found = align_turned(a, b, weights, Eigen::Matrix3d::Identity()).value();
+  const Similarity found = align_rotated(a, b, weights, Eigen::Matrix3d::Identity()).value();
   EXPECT_NEAR(found.scale, 1.0, 1e-12);
   EXPECT_LT(found.t_ba.norm(), 1e-12);
 }
@@ -176,12 +176,12 @@ TEST(Alignment, RefusesWhatHasNoExtentOrNoWeight_AndAMirroredTurn) {
   const std::vector<Eigen::Vector3d> line{{0.0, 0.0, 0.0}, {1.0, 1.0, 0.0}, {2.0, 2.0, 0.0}};
   const std::vector<Eigen::Vector3d> same(3, Eigen::Vector3d::Ones());
   const std::vector<double> ones(3, 1.0);
-  EXPECT_EQ(align_turned({}, {}, {}, same_axes).error().code, ErrorCode::kTooFewObservations);
-  EXPECT_EQ(align_turned(line, line, std::vector<double>(3, 0.0), same_axes).error().code,
+  EXPECT_EQ(align_rotated({}, {}, {}, same_axes).error().code, ErrorCode::kTooFewObservations);
+  EXPECT_EQ(align_rotated(line, line, std::vector<double>(3, 0.0), same_axes).error().code,
             ErrorCode::kTooFewObservations);
-  EXPECT_EQ(align_turned(same, same, ones, same_axes).error().code, ErrorCode::kDegenerate);
+  EXPECT_EQ(align_rotated(same, same, ones, same_axes).error().code, ErrorCode::kDegenerate);
   const Eigen::Matrix3d away = so3_exp(Eigen::Vector3d(0.0, 0.0, 3.14));
-  EXPECT_EQ(align_turned(line, line, ones, away).error().code, ErrorCode::kDegenerate);
+  EXPECT_EQ(align_rotated(line, line, ones, away).error().code, ErrorCode::kDegenerate);
 }
 
 }  // namespace

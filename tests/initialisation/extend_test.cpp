@@ -16,7 +16,7 @@ using testing::StartGeometry;
 constexpr int kFrames = 8;
 constexpr int kPoints = 40;
 
-/// The truth of a turning box, of which frames and points are then taken away.
+/// The truth of a rotating box, of which frames and points are then taken away.
 struct Known {
   StartGeometry g;
   StartHypothesis h;
@@ -50,8 +50,8 @@ struct Known {
     const auto f = static_cast<std::size_t>(frame);
     return rotation_angle_rad(h.poses[f].R_CT, g.poses[f].R_CT);
   }
-  bool pose(int frame) { return pose_frame(g.sightings, g.times_s, frame, &h); }
-  bool grow(int rounds) { return extend(g.sightings, g.times_s, rounds, &h); }
+  bool pose(int frame) { return pose_frame(g.observations, g.times_s, frame, &h); }
+  bool grow(int rounds) { return extend(g.observations, g.times_s, rounds, &h); }
   [[nodiscard]] int posed() const {
     return static_cast<int>(std::count(h.posed.begin(), h.posed.begin() + kFrames, 1));
   }
@@ -103,7 +103,7 @@ TEST(AddPoints, TriangulatesWhatTwoPosedFramesSee) {
   Known k;
   k.leave_points(10);
   k.leave_frames(2, 5);
-  add_points(k.g.sightings, &k.h);
+  add_points(k.g.observations, &k.h);
   for (std::size_t i = 0; i < kPoints; ++i) {
     EXPECT_EQ(k.h.known[i], 1) << i;
     EXPECT_LT((k.h.points_T[i] - k.g.points_T[i]).norm(), 1e-4) << i;
@@ -116,11 +116,11 @@ TEST(AddPoints, LeavesWhatIsKnownAndWhatOneFrameSees) {
   k.h.points_T[3] *= 2.0;
   const Eigen::Vector3d before = k.h.points_T[3];
   k.leave_frames(2, 2);
-  add_points(k.g.sightings, &k.h);
+  add_points(k.g.observations, &k.h);
   EXPECT_EQ(std::count(k.h.known.begin(), k.h.known.begin() + kPoints, 1), 10);
   k.h.poses[3] = k.g.poses[3];
   k.h.posed[3] = 1;
-  add_points(k.g.sightings, &k.h);
+  add_points(k.g.observations, &k.h);
   EXPECT_EQ(k.h.points_T[3], before);
 }
 
@@ -128,14 +128,14 @@ TEST(AddPoints, TakesNoPointBeyondAFewExtents) {
   // Lines of sight that run side by side meet far behind the body.
   Known k;
   k.leave_points(39);
-  for (StartSighting& s : k.g.sightings) {
+  for (TrackObservation& s : k.g.observations) {
     const InverseDepthPose& pose = k.g.poses[static_cast<std::size_t>(s.frame)];
     if (s.track == 39) {
       ASSERT_TRUE(reproject(
           pose, k.g.poses[0].R_CT.transpose() * Eigen::Vector3d(0.0, 0.0, 8.0), &s.normalised));
     }
   }
-  add_points(k.g.sightings, &k.h);
+  add_points(k.g.observations, &k.h);
   EXPECT_EQ(k.h.known[39], 0);
 }
 
@@ -157,7 +157,7 @@ TEST(Extend, GrowsOneFrameToEachSideInARound) {
 TEST(Extend, StepsOverAFrameWithoutImages) {
   Known k;
   k.leave_frames(2, 3);
-  std::erase_if(k.g.sightings, [](const StartSighting& s) { return s.frame == 5; });
+  std::erase_if(k.g.observations, [](const TrackObservation& s) { return s.frame == 5; });
   ASSERT_TRUE(k.grow(6));
   EXPECT_EQ(k.h.posed[5], 0);
   EXPECT_EQ(k.h.posed[7], 1);

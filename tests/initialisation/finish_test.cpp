@@ -103,7 +103,7 @@ TEST(AdjustAllTracks, GivesEveryTrackItsPointAndEveryFrameItsPose) {
   EXPECT_TRUE(out.frames[0].pose.R_CT.isIdentity(1e-9));
   EXPECT_GT(out.depth_sigma, 0.0);
   EXPECT_LT(out.depth_sigma, 0.06);
-  EXPECT_LT(out.contest_depth_sigma, 0.06);
+  EXPECT_LT(out.selection_depth_sigma, 0.06);
 }
 
 TEST(AdjustAllTracks, IsExactWithoutNoise) {
@@ -164,7 +164,7 @@ TEST(AdjustAllTracks, LeavesFramesWithoutAPose) {
 TEST(AdjustAllTracks, KeepsToTheAdjustmentsCapacity) {
   // 32 frames: 375 tracks fill it.
   Start start(6, 2400, 32);
-  constexpr std::size_t kFit = StartAdjustmentWorkspace::kSightings / 32;
+  constexpr std::size_t kFit = StartAdjustmentWorkspace::kStartObservations / 32;
   ASSERT_GT(start.tracks.size(), kFit + 50);
   start.win();
   const StartOutcome out = start.finish();
@@ -182,7 +182,7 @@ TEST(AdjustAllTracks, OfAWinnerWithoutPosesSaysNothing) {
   workspace().refined[0].known.fill(0);
   const StartOutcome out = start.finish();
   EXPECT_EQ(out.depth_sigma, kUnknown);
-  EXPECT_EQ(out.contest_depth_sigma, kUnknown);
+  EXPECT_EQ(out.selection_depth_sigma, kUnknown);
   ASSERT_EQ(out.points.size(), start.tracks.size());
   for (const StartPoint& point : out.points) EXPECT_FALSE(point.valid);
   for (const StartFramePose& frame : out.frames) EXPECT_FALSE(frame.valid);

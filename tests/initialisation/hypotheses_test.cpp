@@ -34,7 +34,7 @@ struct Seeding {
 
   const StartHypotheses& seed(std::uint32_t kinds, std::uint64_t draw = 1) {
     const SeedProblem problem{.times_s = g.times_s,
-                              .sightings = g.sightings,
+                              .observations = g.observations,
                               .selection_tracks = g.points_T.size(),
                               .core = &core,
                               .seed = draw,
@@ -59,7 +59,7 @@ struct Seeding {
   /// Distance of a seed's images from the tracks that one in ten exceeds.
   [[nodiscard]] double image_error(const StartHypothesis& seed) const {
     std::vector<double> errors;
-    for (const StartSighting& s : g.sightings) {
+    for (const TrackObservation& s : g.observations) {
       Eigen::Vector2d x;
       const auto track = static_cast<std::size_t>(s.track);
       if (seed.known[track] != 0 &&
@@ -75,7 +75,7 @@ struct Seeding {
   bool holds_truth(double tolerance, double image_tolerance, bool reversed_too) {
     const StartHypothesis true_one = truth();
     StartHypothesis reversed = true_one;
-    reverse_depth(reversed.view());
+    apply_depth_reversal(reversed.view());
     EXPECT_TRUE(normalise_gauge(reversed.view()));
     for (StartHypothesis seed : *seeds) {
       if (!normalise_gauge(seed.view()) || image_error(seed) > image_tolerance) continue;
@@ -88,12 +88,12 @@ struct Seeding {
   }
 };
 
-/// A body near enough for perspective to show, and far enough for none to.
+/// A body so near that perspective shows, and one so far that it does not.
 constexpr StartGeometryOptions kNear{.extent_over_range = 0.2};
 constexpr StartGeometryOptions kFar{.turn_rad = 0.8, .extent_over_range = 0.01};
 
-// Of images: what exact solvers leave of exact tracks, and the depth of a body (0.01 of its range,
-// squared) that weak perspective leaves out, with a hold for that of the axis (0.02).
+// Image errors that are allowed. Two-view solvers are exact on exact tracks. Weak perspective
+// leaves out a body's own depth: chosen, a twentieth of the 0.01 that the distant body subtends.
 constexpr double kExact = 1e-6;
 constexpr double kWeakPerspective = 5e-4;
 
@@ -166,7 +166,7 @@ TEST(SeedHypotheses, AreOfTheKindsAskedForAlone_AndReplaceWhatWasThere) {
 
 TEST(SeedHypotheses, AreNoneOfTracksWithoutExtent) {
   Seeding s(kNear, 1);
-  for (StartSighting& sighting : s.g.sightings) sighting.normalised.setZero();
+  for (TrackObservation& observation : s.g.observations) observation.normalised.setZero();
   EXPECT_TRUE(s.seed(kAllKinds).empty());
 }
 
@@ -192,7 +192,7 @@ TEST(SameGeometry, ComparesRotationsFromTheFirstFrameThatBothPose) {
   StartHypothesis reference = a;
   for (StartHypothesis* h : {&turned, &reference}) h->posed[0] = 0;
   turned.poses[0] = {};
-  // Axes that are turned as a whole leave the turns between frames as they were.
+  // Other axes of the body leave the rotations between frames as they were.
   EXPECT_TRUE(same_geometry(reference, turned, 1e-9));
   turned.poses[3].R_CT = so3_exp({0.1, 0.0, 0.0}) * turned.poses[3].R_CT;
   EXPECT_FALSE(same_geometry(reference, turned, 0.1));

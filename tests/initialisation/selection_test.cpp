@@ -27,7 +27,7 @@ StartWorkspace& workspace() {
 
 StartOutcome run(const StartScenario& s, std::uint64_t seed) {
   const std::vector<StartTrack> tracks = to_start_tracks(s.tracks, s.sigma_normalised);
-  return run_start_contest(
+  return select_hypothesis(
       {.times_s = s.motion.times_s, .tracks = tracks, .seed = seed}, StartOptions{}, workspace());
 }
 
@@ -306,17 +306,17 @@ TEST(ConvexityCue, TellsABallFromItsTwin) {
   h.frames = 1;
   h.posed[0] = 1;
   h.poses[0].uvs.z() = 0.02;
-  std::vector<StartSighting> sightings;
+  std::vector<TrackObservation> observations;
   for (const synthetic::SurfacePoint& point : synthetic::sphere(120, 1.0, &rng)) {
-    if (point.normal_B.z() < -0.2 && h.tracks < kContestTracks) {
+    if (point.normal_B.z() < -0.2 && h.tracks < kSelectionTracks) {
       h.points_T[h.tracks] = point.p_B;
       h.known[h.tracks] = 1;
-      sightings.push_back({.frame = 0, .track = static_cast<int>(h.tracks++)});
+      observations.push_back({.frame = 0, .track = static_cast<int>(h.tracks++)});
     }
   }
-  EXPECT_GT(convexity_cue(sightings, 0, h.view()), 5.0);
-  reverse_depth(h.view());
-  EXPECT_LT(convexity_cue(sightings, 0, h.view()), -5.0);
+  EXPECT_GT(convexity_cue(observations, 0, h.view()), 5.0);
+  apply_depth_reversal(h.view());
+  EXPECT_LT(convexity_cue(observations, 0, h.view()), -5.0);
 }
 
 StartHypothesis made_up_hypothesis() {
@@ -346,7 +346,7 @@ TEST(SameGeometry, LooksPastWrongTracks_ButNotPastATwinOrAnotherTurn) {
   }
   EXPECT_TRUE(same_geometry(h, astray, 0.15));
   StartHypothesis reversed = h;
-  reverse_depth(reversed.view());
+  apply_depth_reversal(reversed.view());
   EXPECT_FALSE(same_geometry(h, reversed, 0.2));
   StartHypothesis faster = h;
   faster.poses[3].R_CT = so3_exp(Eigen::Vector3d(0.02, 0.1, 0.0) * 4.0);

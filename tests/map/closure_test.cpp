@@ -60,8 +60,9 @@ struct Return {
       const LandmarkId id = add_landmark(mapped.map.get());
       mapped.map->landmarks[id.index()].p_T =
           drift.transpose() * seen[static_cast<std::size_t>(spot)].p_T;
-      tie_sighting(back[0], i, id, mapped.map.get());
-      tie_sighting(back[1], static_cast<std::size_t>(found - later.begin()), id, mapped.map.get());
+      add_observation(back[0], i, id, mapped.map.get());
+      add_observation(
+          back[1], static_cast<std::size_t>(found - later.begin()), id, mapped.map.get());
     }
   }
 
@@ -124,7 +125,7 @@ TEST(CloseLoop, LeavesAnAdjustmentThatTakesTheDriftAway) {
     ASSERT_TRUE(adjust(&snapshot, options, workspace()).usable);
     (void)apply(snapshot, r.mapped.map.get());
   }
-  // 0.5 px at 190 px of radius over a hundred sightings: some tenths of a mrad.
+  // 0.5 px at 190 px of radius over a hundred observations: some tenths of a mrad.
   EXPECT_LT(r.pose_error_rad(), 0.003);
 }
 

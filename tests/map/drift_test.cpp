@@ -102,7 +102,7 @@ TEST(MapDrift, IsNotHalvedAgain_WhenTheSameLoopClosesOverMoreKeyframes) {
 TEST(MapDrift, IsAsTheMotionTellsIt_WhateverClosesAfterwards) {
   MapDrift drift;
   add_keyframe_error(*keyframe(100, 100), &drift);
-  replace_walk(1e-4 * PoseCovariance::Identity(), &drift);
+  replace_random_walk(1e-4 * PoseCovariance::Identity(), &drift);
   hold_at_both_ends(&drift);
   EXPECT_NEAR(attitude_sigma_rad(drift), 1e-2, 1e-12);
 }
@@ -123,17 +123,17 @@ TEST(MapDrift, KeepsThePartThatTheMotionLeavesOpen_UntilTheBodyTurnsOn) {
 TEST(MapDrift, WhatABridgeLeavesOpenStays_UntilBothSidesOfItAreOneMap) {
   MapDrift drift = started(1.5);
   const PoseCovariance before = covariance(drift);
-  add_bridge(0.1, 0.5, 17, &drift);
+  add_reanchoring(0.1, 0.5, 17, &drift);
   const auto added = [&] { return PoseCovariance(covariance(drift) - before); };
   EXPECT_NEAR(added()(0, 0), 0.01, 1e-12);
   EXPECT_NEAR(added()(5, 5), 0.25, 1e-12);
   hold_at_both_ends(&drift);
-  replace_walk(PoseCovariance::Zero(), &drift);
+  replace_random_walk(PoseCovariance::Zero(), &drift);
   EXPECT_NEAR(added()(0, 0), 0.01, 1e-12) << "no fit of the new part alone tells of the old T";
-  EXPECT_EQ(drift.bridged_keyframe, 17U);
-  close_bridge(&drift);
+  EXPECT_EQ(drift.reanchored_keyframe, 17U);
+  close_reanchoring(&drift);
   EXPECT_NEAR(added()(0, 0), 0.0025, 1e-12);
-  EXPECT_EQ(drift.bridged_keyframe, 0U);
+  EXPECT_EQ(drift.reanchored_keyframe, 0U);
 }
 
 }  // namespace

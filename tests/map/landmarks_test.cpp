@@ -125,7 +125,7 @@ TEST(CullLandmarks, LeavesAGoodMapAlone) {
   EXPECT_EQ(broken_promise(*s.map), "");
 }
 
-TEST(CullLandmarks, UntiesWrongSightings_AndRemovesLandmarksThatOneKeyframeSees) {
+TEST(CullLandmarks, UntiesWrongObservations_AndRemovesLandmarksThatOneKeyframeSees) {
   const auto s = make_map(ball(300, 45), turn_by(0.1, 6), 0.2, 45);
   // A landmark out of its place fits in no keyframe.
   std::vector<LandmarkId> wrong;
@@ -135,7 +135,7 @@ TEST(CullLandmarks, UntiesWrongSightings_AndRemovesLandmarksThatOneKeyframeSees)
       s.map->landmarks[wrong.back().index()].p_T *= 0.8;
     }
   }
-  // One wrong sighting of a good landmark.
+  // One wrong observation of a good landmark.
   const KeyframeId k = s.keyframes[2];
   std::size_t feature = 0;
   for (std::size_t i = 0; i < s.map->keyframes[k.index()].features.size(); ++i) {
@@ -147,14 +147,14 @@ TEST(CullLandmarks, UntiesWrongSightings_AndRemovesLandmarksThatOneKeyframeSees)
   }
   const LandmarkId victim = s.map->keyframes[k.index()].landmark_of[feature];
   ASSERT_TRUE(victim.valid());
-  const int sightings = s.map->landmarks[victim.index()].observations;
+  const int observations = s.map->landmarks[victim.index()].observations;
   s.map->keyframes[k.index()].features[feature].normalised += Eigen::Vector2d(0.01, 0.01);
   EXPECT_GE(cull_landmarks(camera(), 1.0, s.map.get()), 10);
   for (const LandmarkId id : wrong) {
     EXPECT_FALSE(s.map->landmarks[id.index()].used);
   }
   EXPECT_TRUE(s.map->landmarks[victim.index()].used);
-  EXPECT_EQ(s.map->landmarks[victim.index()].observations, sightings - 1);
+  EXPECT_EQ(s.map->landmarks[victim.index()].observations, observations - 1);
   EXPECT_FALSE(s.map->keyframes[k.index()].landmark_of[feature].valid());
   EXPECT_EQ(broken_promise(*s.map), "");
 }
@@ -176,7 +176,7 @@ TEST(ResidualScale, TellsByHowMuchTheNoiseExceedsItsSigma) {
   }
 }
 
-TEST(ResidualScale, IsNotMovedMuch_ByWrongSightings) {
+TEST(ResidualScale, IsNotMovedMuch_ByWrongObservations) {
   const auto s = make_map(ball(400, 48), turn_by(0.1, 8), kNoise_px, 48);
   for (const KeyframeId id : s.keyframes) {
     Features& features = s.map->keyframes[id.index()].features;

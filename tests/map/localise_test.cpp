@@ -86,7 +86,7 @@ TEST(ShouldBeSeen, IsTrueForTheSideThatFacesTheCamera_AndFalseForTheOther) {
   }
 }
 
-TEST(ShouldBeSeen, IsFalse_BehindTheCamera_OutsideThePicture_AndWithoutASighting) {
+TEST(ShouldBeSeen, IsFalse_BehindTheCamera_OutsideThePicture_AndWithoutAObservation) {
   Landmark landmark;
   landmark.used = true;
   landmark.observations = 2;

@@ -70,8 +70,8 @@ TEST(Map, GivesAReusedSlotWithoutItsPast) {
   const KeyframeId a = keyframe_with_features(5, map.get());
   const KeyframeId b = keyframe_with_features(5, map.get());
   const LandmarkId l = add_landmark(map.get());
-  tie_sighting(a, 2, l, map.get());
-  tie_sighting(b, 3, l, map.get());
+  add_observation(a, 2, l, map.get());
+  add_observation(b, 3, l, map.get());
   map->landmarks[l.index()].found = 7;
   remove_landmark(l, map.get());
   EXPECT_FALSE(map->keyframes[a.index()].landmark_of[2].valid());
@@ -95,12 +95,12 @@ TEST(Map, LosesLandmarksThatOneKeyframeSees_WhenAnotherGoes) {
   const LandmarkId by_three = add_landmark(map.get());
   const LandmarkId elsewhere = add_landmark(map.get());
   for (const KeyframeId k : {a, b}) {
-    tie_sighting(k, 0, by_two, map.get());
-    tie_sighting(k, 1, by_three, map.get());
+    add_observation(k, 0, by_two, map.get());
+    add_observation(k, 1, by_three, map.get());
   }
-  tie_sighting(c, 1, by_three, map.get());
-  tie_sighting(b, 2, elsewhere, map.get());
-  tie_sighting(c, 2, elsewhere, map.get());
+  add_observation(c, 1, by_three, map.get());
+  add_observation(b, 2, elsewhere, map.get());
+  add_observation(c, 2, elsewhere, map.get());
   remove_keyframe(a, map.get());
   EXPECT_FALSE(map->landmarks[by_two.index()].used);
   EXPECT_TRUE(map->landmarks[by_three.index()].used);
@@ -115,8 +115,8 @@ TEST(Map, RemembersTheLastKeyframeThatSawALandmark) {
   const KeyframeId a = keyframe_with_features(1, map.get());
   const KeyframeId b = keyframe_with_features(1, map.get());
   const LandmarkId l = add_landmark(map.get());
-  tie_sighting(b, 0, l, map.get());
-  tie_sighting(a, 0, l, map.get());
+  add_observation(b, 0, l, map.get());
+  add_observation(a, 0, l, map.get());
   EXPECT_EQ(map->landmarks[l.index()].seen_keyframe, map->keyframes[b.index()].number);
 }
 
@@ -151,13 +151,13 @@ void operate(Rng* rng, Map* map) {
       break;
     case 5:
       if (keyframe.used && keyframe.landmark_of[feature].valid()) {
-        untie_sighting(k, feature, map);
+        remove_observation(k, feature, map);
       }
       break;
     default:
       if (keyframe.used && map->landmarks[l.index()].used &&
           !keyframe.landmark_of[feature].valid()) {
-        tie_sighting(k, feature, l, map);
+        add_observation(k, feature, l, map);
       }
   }
 }
@@ -267,14 +267,14 @@ void change(Rng* rng, synthetic::SyntheticMap* s) {
       if (l.valid()) map.landmarks[l.index()].p_T.y() += 0.01;
       break;
     case 2:
-      if (l.valid()) untie_sighting(k, feature, &map);
+      if (l.valid()) remove_observation(k, feature, &map);
       break;
     case 3:
       if (l.valid()) {
-        untie_sighting(k, feature, &map);
-        tie_sighting(k, feature, l, &map);
+        remove_observation(k, feature, &map);
+        add_observation(k, feature, l, &map);
       } else {
-        tie_sighting(k, feature, add_landmark(&map), &map);
+        add_observation(k, feature, add_landmark(&map), &map);
       }
       break;
     case 4:
@@ -298,7 +298,7 @@ TEST(RefreshLandmarks, OfWhatHasChangedGivesWhatOneOfAllGives) {
       }
       const auto all = std::make_unique<Map>(*s.map);
       for (Landmark& landmark : all->landmarks) {
-        landmark.sightings_changed = true;
+        landmark.observations_changed = true;
       }
       refresh_landmarks(s.map.get(), synthetic::camera());
       refresh_landmarks(all.get(), synthetic::camera());
@@ -316,7 +316,7 @@ TEST(RefreshLandmarks, KeepsViewsOfDifferentSides_AndTheNewestOfOneSide) {
     const KeyframeId id = keyframe_with_features(1, map.get());
     map->keyframes[id.index()].pose = synthetic::turned(angles_rad[k]);
     map->keyframes[id.index()].features[0].descriptor.fill(static_cast<std::uint8_t>(10 * (k + 1)));
-    tie_sighting(id, 0, l, map.get());
+    add_observation(id, 0, l, map.get());
     refresh_landmarks(map.get(), synthetic::camera());
     const Landmark& landmark = map->landmarks[l.index()];
     std::set<int> held;

@@ -162,7 +162,7 @@ inline SyntheticMap make_map(const std::vector<Spot>& body,
     s.landmark_of[spot] = id;
     s.map->landmarks[id.index()].p_T = body[spot].p_T;
     for (const auto& [k, feature] : seen[spot]) {
-      tie_sighting(s.keyframes[k], feature, id, s.map.get());
+      add_observation(s.keyframes[k], feature, id, s.map.get());
     }
   }
   refresh_landmarks(s.map.get(), camera());

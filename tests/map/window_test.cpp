@@ -65,7 +65,7 @@ void disturb(std::uint64_t seed, Map* map) {
 }
 
 /// The keyframes' mean turn against where they were, and scale and shift of the landmarks, each
-/// weighted by its sightings.
+/// weighted by its observations.
 Similarity drift(const Map& before, const Map& after) {
   Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < before.keyframes.size(); ++k) {
@@ -83,7 +83,7 @@ Similarity drift(const Map& before, const Map& after) {
       weights.push_back(before.landmarks[i].observations);
     }
   }
-  return align_turned(a, b, weights, nearest_rotation(turns)).value();
+  return align_rotated(a, b, weights, nearest_rotation(turns)).value();
 }
 
 TEST(SnapshotWindow, MovesTheWindow_AndHoldsAtMostTwiceAsManyOthers) {
@@ -129,21 +129,21 @@ TEST(SnapshotWindow, RefersOnlyToWhatItHolds) {
   }
 }
 
-TEST(SnapshotAll, HasEveryKeyframeAndEveryLandmark_WithItsSightings) {
+TEST(SnapshotAll, HasEveryKeyframeAndEveryLandmark_WithItsObservations) {
   const auto s = make_map(ball(300, 24), turn_by(0.1, 8), kNoise_px, 24);
   const auto snapshot_of_map = all_of(*s.map);
   const AdjustmentSnapshot& snapshot = *snapshot_of_map;
   EXPECT_EQ(snapshot.keyframes.size(), 8U);
   EXPECT_EQ(static_cast<int>(snapshot.landmarks.size()), s.map->landmark_count);
-  int sightings = 0;
+  int observations = 0;
   for (const Landmark& landmark : s.map->landmarks) {
-    sightings += landmark.used ? landmark.observations : 0;
+    observations += landmark.used ? landmark.observations : 0;
   }
-  EXPECT_EQ(static_cast<int>(snapshot.observations.size()), sightings);
+  EXPECT_EQ(static_cast<int>(snapshot.observations.size()), observations);
   EXPECT_GE(held(snapshot), 1);
 }
 
-TEST(SnapshotAll, LeavesOutTheOldestSightings_WhenTheTableIsFull_AndTheRestIsAdjusted) {
+TEST(SnapshotAll, LeavesOutTheOldestObservations_WhenTheTableIsFull_AndTheRestIsAdjusted) {
   const auto s = make_map(ball(2600, 29), turn_by(0.06, limits::kKeyframes), kNoise_px, 29);
   const auto all_of_map = all_of(*s.map);
   AdjustmentSnapshot& all = *all_of_map;

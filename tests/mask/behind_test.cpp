@@ -35,8 +35,8 @@ TEST(IsBehind, IsTrueOnlyWhereTheImageBorderIsLit) {
     const bool was_behind = rng.below(2) == 1;
     const cv::Rect body = rng.below(2) == 1 ? cv::Rect(20, 10, 40, 50) : cv::Rect();
     const bool said = is_behind(cells, body, was_behind, &scratch);
-    EXPECT_TRUE(!said || rim_is_lit(cells)) << i;
-    lit += rim_is_lit(cells) ? 1 : 0;
+    EXPECT_TRUE(!said || border_is_lit(cells)) << i;
+    lit += border_is_lit(cells) ? 1 : 0;
     behind += said ? 1 : 0;
   }
   EXPECT_GT(behind, 100);
@@ -49,7 +49,7 @@ TEST(IsBehind, DoesNotCountABodyThatTheMapKnows) {
   OutlineScratch scratch;
   EXPECT_TRUE(is_behind(cells, {}, true, &scratch));
   EXPECT_FALSE(is_behind(cells, cv::Rect(18, 0, 34, kRows), true, &scratch));
-  EXPECT_TRUE(rim_is_lit(cells)) << "or nobody would ask the map";
+  EXPECT_TRUE(border_is_lit(cells)) << "or nobody would ask the map";
 }
 
 }  // namespace

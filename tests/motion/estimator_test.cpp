@@ -113,7 +113,7 @@ TEST(MotionEstimate, ForgetsItsPosesAndKeepsTheObserver) {
   (void)take_observer(Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX())),
                       motion.get());
   const Eigen::Matrix3d R_IC = motion->R_IC;
-  forget_poses(motion.get());
+  reset_poses(motion.get());
   EXPECT_TRUE(motion->recent.empty() && motion->past.empty());
   EXPECT_EQ(motion->R_IC, R_IC);
   EXPECT_TRUE(motion->observer_known);

@@ -27,12 +27,10 @@ struct Followed {
 
   /// Is a pose taken that is off the motion so far by an angle?
   bool takes(double off_rad, int second, bool start_checks = false) {
-    const PosePrediction predicted = predict_or_hold(motion,
-                                                     mapping->drift,
-                                                     options,
-                                                     second * kSecond_ns,
-                                                     Eigen::Matrix3d::Identity())
-                                         .value();
+    const PosePrediction predicted =
+        predict_or_hold(
+            motion, mapping->drift, options, second * kSecond_ns, Eigen::Matrix3d::Identity())
+            .value();
     AbsolutePose& found = mapping->localised.absolute;
     found.pose = predicted.pose;
     found.pose.R_CT = so3_exp(off_rad * Eigen::Vector3d::UnitX()) * predicted.pose.R_CT;

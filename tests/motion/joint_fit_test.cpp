@@ -111,7 +111,7 @@ DriftedMap drifted_map(int frames,
   return map;
 }
 
-RigidModel fitted(DriftedMap* map, std::uint32_t* doubts) {
+RigidModel fitted(DriftedMap* map, std::uint32_t* marginal_fits) {
   static const auto bundle = std::make_unique<BundleWorkspace>();
   static const auto own = std::make_unique<JointFitWorkspace>();
   // As in a map, free poses come to rest first; the newest is held.
@@ -119,12 +119,12 @@ RigidModel fitted(DriftedMap* map, std::uint32_t* doubts) {
   (void)adjust_bundle(
       map->input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0}, bundle.get());
   map->pose_fixed.back() = 0;
-  return fit_jointly(map->input(), doubts, bundle.get(), own.get());
+  return fit_jointly(map->input(), marginal_fits, bundle.get(), own.get());
 }
 
 RigidModel fitted(DriftedMap* map) {
-  std::uint32_t doubts = 0;
-  return fitted(map, &doubts);
+  std::uint32_t marginal_fits = 0;
+  return fitted(map, &marginal_fits);
 }
 
 /// Over all axes. It counts the poses of a side as one, which these are not: three times what white
@@ -148,7 +148,7 @@ FreeBodyReport adjusted_from(double turn_rad,
                            .R_IT = so3_exp(turn_rad * axis) * body.R_CT,
                            .w_T_rad_s = (1.0 + rate_part) * body.w_T_rad_s},
              .shape = shape_of(body.inertia.asDiagonal()),
-             .path = PathVector::Zero(),
+             .path = TranslationVector::Zero(),
              .orbit = {}};
   motion->path << body.mass_centre_C, body.v_mass_centre_C, body.mass_centre_T;
   std::vector<PoseTime> times;
@@ -156,11 +156,13 @@ FreeBodyReport adjusted_from(double turn_rad,
     times.push_back({.time_s = 1e-9 * static_cast<double>(t - map->timestamps_ns.front())});
   }
   const JointFitInput input = map->input();
-  return adjust_free_body(
-      {.bundle = input.bundle, .times = times, .motion = motion, .lever_sigma = input.body_radius},
-      {.iterations_max = 40, .cauchy_sigma = 15.0},
-      bundle.get(),
-      own.get());
+  return adjust_free_body({.bundle = input.bundle,
+                           .times = times,
+                           .motion = motion,
+                           .mass_centre_sigma = input.body_radius},
+                          {.iterations_max = 40, .cauchy_sigma = 15.0},
+                          bundle.get(),
+                          own.get());
 }
 
 TEST(FreeBodyAdjustment, ComesToRestFromFarOffInFewSteps) {
@@ -194,7 +196,8 @@ TEST(JointFit, TakesTheDriftOutOfAMap) {
   EXPECT_TRUE(model.of_map);
   EXPECT_LT(map.attitude_error_rad(), 0.5 * free.attitude_error_rad());
   EXPECT_LT(map.attitude_error_rad(), sigma_in_the_middle_rad(model, map));
-  EXPECT_LT(model.attitude.chi2_per_dof, 2.0) << "the sightings have the noise that they declare";
+  EXPECT_LT(model.attitude.chi2_per_dof, 2.0)
+      << "the observations have the noise that they declare";
 }
 
 TEST(JointFit, HoldsForAnObserverThatTurns) {
@@ -235,8 +238,8 @@ void misdate(DriftedMap* map) {
 TEST(JointFit, RefusesTimesThatAreNotThePictures_AndLeavesTheMap) {
   DriftedMap map = drifted_map(40, 0.0, Eigen::Vector3d::Zero(), 3);
   misdate(&map);
-  std::uint32_t doubts = 100;  // sufferance is used up
-  const RigidModel model = fitted(&map, &doubts);
+  std::uint32_t marginal_fits = 100;  // sufferance is used up
+  const RigidModel model = fitted(&map, &marginal_fits);
   EXPECT_FALSE(model.accepted());
   EXPECT_EQ(model.status, ModelStatus::kResidualsTooLarge);
   DriftedMap free = drifted_map(40, 0.0, Eigen::Vector3d::Zero(), 3);

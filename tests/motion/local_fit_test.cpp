@@ -38,8 +38,8 @@ struct Body {
   }
 };
 
-std::vector<PathPoint> path(const Body& body, int count) {
-  std::vector<PathPoint> points;
+std::vector<TranslationPoint> path(const Body& body, int count) {
+  std::vector<TranslationPoint> points;
   for (int i = 0; i < count; ++i) {
     const double tau = -static_cast<double>(i);
     points.push_back({.tau_s = tau,
@@ -103,46 +103,49 @@ TEST(RotationFit, NeedsTwoPointsAtDifferentTimesWithUsableCovariances) {
   EXPECT_EQ(fit_rotation(points, 0.1, kRate).error().code, ErrorCode::kDegenerate);
 }
 
-TEST(PathFit, TellsTheCentreOfMassFromTheOriginThatCirclesIt) {
+TEST(TranslationFit, TellsTheCentreOfMassFromTheOriginThatCirclesIt) {
   const Body body;
-  const PathTarget target{.at = kRate, .R_CT = body.attitude(0.0), .w_T_rad_s = body.w_T_rad_s};
-  const auto fit = fit_path(path(body, 20), target);
+  const TranslationTarget target{
+      .at = kRate, .R_CT = body.attitude(0.0), .w_T_rad_s = body.w_T_rad_s};
+  const auto fit = fit_translation(path(body, 20), target);
   ASSERT_TRUE(fit.ok());
   // The origin's velocity: the centre's, and that of circling it.
   const Eigen::Vector3d expected = body.velocity - body.w_T_rad_s.cross(body.offset_T);
   EXPECT_LT((fit.value().estimate - expected).norm(), 10.0 * kSigma);
   // The points have no noise; the priors' pull leaves 4 %.
-  EXPECT_LT((fit.value().lever_T - body.offset_T).norm(), 0.1 * body.offset_T.norm());
+  EXPECT_LT((fit.value().mass_centre_offset_T - body.offset_T).norm(), 0.1 * body.offset_T.norm());
   EXPECT_LT((fit.value().at_reference - body.origin(0.0)).norm(), 10.0 * kSigma);
 }
 
-TEST(PathFit, PredictsThePositionForTheAttitudeThatIsGiven) {
+TEST(TranslationFit, PredictsThePositionForTheAttitudeThatIsGiven) {
   const Body body;
-  const PathTarget target{.at = {.tau_s = 2.0, .derivative = 0}, .R_CT = body.attitude(2.0)};
-  const auto fit = fit_path(path(body, 20), target);
+  const TranslationTarget target{.at = {.tau_s = 2.0, .derivative = 0}, .R_CT = body.attitude(2.0)};
+  const auto fit = fit_translation(path(body, 20), target);
   ASSERT_TRUE(fit.ok());
   EXPECT_LT((fit.value().estimate - body.origin(2.0)).norm(), 10.0 * kSigma);
 }
 
-TEST(PathFit, OfABodyThatDoesNotRotateIsAStraightLineWithoutAnOffset) {
+TEST(TranslationFit, OfABodyThatDoesNotRotateIsAStraightLineWithoutAnOffset) {
   Body body;
   body.w_T_rad_s.setZero();
-  const auto fit = fit_path(path(body, 10), {.at = kRate});
+  const auto fit = fit_translation(path(body, 10), {.at = kRate});
   ASSERT_TRUE(fit.ok());
   EXPECT_LT((fit.value().estimate - body.velocity).norm(), kSigma);
-  EXPECT_LT(fit.value().lever_T.norm(), 1e-9);  // nothing tells of it: its prior's mean
+  EXPECT_LT(fit.value().mass_centre_offset_T.norm(),
+            1e-9);  // nothing tells of it: its prior's mean
 }
 
-TEST(PathFit, NeedsTwoPointsAtDifferentTimesAndARange) {
+TEST(TranslationFit, NeedsTwoPointsAtDifferentTimesAndARange) {
   const Body body;
-  std::vector<PathPoint> points = path(body, 3);
-  EXPECT_EQ(fit_path({}, {}).error().code, ErrorCode::kTooFewObservations);
-  EXPECT_EQ(fit_path(std::span(points).first(1), {}).error().code, ErrorCode::kTooFewObservations);
-  std::vector<PathPoint> at_camera = points;
+  std::vector<TranslationPoint> points = path(body, 3);
+  EXPECT_EQ(fit_translation({}, {}).error().code, ErrorCode::kTooFewObservations);
+  EXPECT_EQ(fit_translation(std::span(points).first(1), {}).error().code,
+            ErrorCode::kTooFewObservations);
+  std::vector<TranslationPoint> at_camera = points;
   at_camera[0].p_CT.setZero();
-  EXPECT_EQ(fit_path(at_camera, {}).error().code, ErrorCode::kDegenerate);
-  for (PathPoint& point : points) point.tau_s = 0.0;
-  EXPECT_EQ(fit_path(points, {}).error().code, ErrorCode::kDegenerate);
+  EXPECT_EQ(fit_translation(at_camera, {}).error().code, ErrorCode::kDegenerate);
+  for (TranslationPoint& point : points) point.tau_s = 0.0;
+  EXPECT_EQ(fit_translation(points, {}).error().code, ErrorCode::kDegenerate);
 }
 
 }  // namespace

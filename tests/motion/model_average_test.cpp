@@ -114,14 +114,14 @@ TEST(ModelAverage, OfASingularSystemIsAnError) {
                Eigen::Vector3d::Ones(),
                Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN()));
   EXPECT_EQ(average_models(unusable, none, kIdentity).error().code, ErrorCode::kDegenerate);
-  // One time for all: value and slope cannot be told apart, unless a prior holds the slope.
+  // One time for all: value and slope cannot be separated, unless a prior holds the slope.
   ModelData one_time(6);
   ModelRows rows(3, 6);
   rows << kIdentity, kIdentity;
   for (int i = 0; i < 10; ++i) one_time.add(rows, Eigen::Vector3d::Ones(), kIdentity);
   const std::array<ModelVector, 1> none_of_six{ModelVector::Zero(6)};
   EXPECT_FALSE(average_models(one_time, none_of_six, slope()).ok());
-  // Nor where the times all but coincide: what is told apart then is rounding.
+  // Nor where the times all but coincide: what separates them is rounding.
   ModelData nearly_one_time(6);
   for (int i = 0; i < 10; ++i) {
     rows.rightCols<3>() = (1.0 + 1e-7 * i) * kIdentity;

@@ -22,7 +22,7 @@ std::int64_t after(double seconds) { return kReference_ns + std::llround(1e9 * s
 RigidModel spinning(double sigma) {
   RigidModel model;
   model.status = ModelStatus::kAccepted;
-  model.path_known = true;
+  model.translation_known = true;
   model.reference_ns = kReference_ns;
   model.reference.w_T_rad_s = {0.0, 0.0, kRate_rad_s};
   model.shape = shape_of(Eigen::Vector3d(1.0, 1.5, 2.0).asDiagonal());
@@ -54,7 +54,7 @@ TEST(ModelPrediction, FollowsTheSpinAndTheStraightLine_LaterAndEarlier) {
     const Eigen::Vector3d w(0.0, 0.0, kRate_rad_s);
     EXPECT_LT((at.value().w_T_rad_s - w).norm(), 1e-9) << t;
     EXPECT_LT((at.value().v_I - (kVelocity - attitude(t) * w.cross(kOffset_T))).norm(), 1e-6) << t;
-    EXPECT_TRUE(at.value().path_known);
+    EXPECT_TRUE(at.value().translation_known);
   }
 }
 
@@ -69,18 +69,18 @@ TEST(ModelPrediction, SigmaGrowsWithTheUncertaintyOfTheRate) {
 
 TEST(ModelPrediction, WithoutAPathTellsOnlyTheRotation) {
   RigidModel model = spinning(1e-3);
-  model.path_known = false;
+  model.translation_known = false;
   const auto at = predict_motion(model, after(10.0));
   ASSERT_TRUE(at.ok());
-  EXPECT_FALSE(at.value().path_known);
+  EXPECT_FALSE(at.value().translation_known);
   EXPECT_TRUE(at.value().pose.p_CT.isZero());
   EXPECT_LT(rotation_angle_rad(at.value().pose.R_CT, attitude(10.0)), 1e-9);
 }
 
 TEST(ModelPrediction, IsRefusedByAModelThatIsNotAcceptedOrDoesNotReach) {
   RigidModel model = spinning(1e-3);
-  // kTurningStepsMax steps of kTurningStepAngle_rad: 20,000 s at this rate.
-  const double reach_s = kTurningStepsMax * kTurningStepAngle_rad / kRate_rad_s;
+  // kRotationStepsMax steps of kRotationStepAngle_rad: 20,000 s at this rate.
+  const double reach_s = kRotationStepsMax * kRotationStepAngle_rad / kRate_rad_s;
   EXPECT_EQ(predict_motion(model, after(2.0 * reach_s)).error().code, ErrorCode::kDegenerate);
   RigidModel moved = model;
   EXPECT_FALSE(move_reference(after(2.0 * reach_s), moved));
@@ -109,8 +109,8 @@ TEST(ModelPrediction, IsTheSameFromAMovedReference) {
 
 TEST(ModelPrediction, AtAStateIsThatAtItsTime) {
   const RigidModel model = spinning(1e-3);
-  TurningState state = model.reference;
-  TurningDerivative derivative = TurningDerivative::at_reference();
+  RotationState state = model.reference;
+  RotationDerivative derivative = RotationDerivative::at_reference();
   const double ahead_s = seconds_between(kReference_ns, after(30.0));
   ASSERT_TRUE(advance(inertia_of(model.shape), model.orbit, ahead_s, state, &derivative));
   const MotionPrediction in_parts = predict_at(model, state, derivative);
@@ -156,7 +156,7 @@ TEST(Chi2Against, CountsAttitudeAndPositionBySigmas) {
   // Drift as large as the noise halves it.
   EXPECT_NEAR(chi2_against(model, sample, sample.covariance).value(), 6.5, 1e-3);
   RigidModel rotation_only = model;
-  rotation_only.path_known = false;
+  rotation_only.translation_known = false;
   EXPECT_NEAR(chi2_against(rotation_only, sample, no_drift).value(), 4.0, 1e-3);
 }
 

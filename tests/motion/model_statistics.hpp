@@ -134,7 +134,7 @@ inline Compared sigmas_of(const RigidModel& model) {
   const BodyDynamics described = describe_dynamics(model).value();
   Compared sigma;
   sigma << model.covariance.diagonal().head<6>().cwiseSqrt(),
-      model.covariance.diagonal().segment<3>(kTurningUnknowns + 3).cwiseSqrt(),
+      model.covariance.diagonal().segment<3>(kRotationUnknowns + 3).cwiseSqrt(),
       model.covariance.diagonal().tail<3>().cwiseSqrt(),
       described.middle_over_least.sigma / described.middle_over_least.value,
       described.largest_over_least.sigma / described.largest_over_least.value;
@@ -156,7 +156,7 @@ inline ModelStatistics run_seeds(const BoundCase& c, int seeds, double declared 
     }
     const RigidModel model = fit_rigid_model(*snapshot, *workspace);
     ++s.seeds;
-    if (!model.accepted() || !model.path_known) continue;
+    if (!model.accepted() || !model.translation_known) continue;
     ++s.accepted;
     const Compared error = errors_of(model, c.body, truth.back());
     const Compared sigma = sigmas_of(model);

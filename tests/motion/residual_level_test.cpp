@@ -91,23 +91,24 @@ TEST(ResidualLevel, CountsPosesThatShareTheirError) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     mean += residual_level({.residuals = repeated(60, 8, 1.0, seed)}).correlation / kSeeds;
   }
-  // A sum of positive pairs is drawn upwards; one of them scatters by a third.
+  // Only positive pairs are summed, which biases the mean upwards.
   EXPECT_GT(mean, 7.0);
   EXPECT_LT(mean, 10.5);
 }
 
 TEST(ResidualLevel, TakesTheMapsDriftForSharedByThePosesOfAnAspect) {
   const Residuals residuals = alternating(100, 1.0);
-  const ResidualInput input{
-      .residuals = residuals, .drift_share = 0.5, .turn_of_frame_rad = 2.0 * kSideAngle_rad / 16.0};
+  const ResidualInput input{.residuals = residuals,
+                            .drift_share = 0.5,
+                            .rotation_of_frame_rad = 2.0 * kFaceAngle_rad / 16.0};
   EXPECT_NEAR(residual_level(input).correlation, 1.0 + 0.5 * 15.0, 1e-9);
 }
 
 TEST(PosesOfASide, AreAtLeastOneAndAtMostHalfOfAll) {
-  EXPECT_NEAR(poses_of_a_side(2.0 * kSideAngle_rad / 16.0, 100), 16.0, 1e-9);
-  EXPECT_EQ(poses_of_a_side(0.0, 100), 50.0);  // nothing rotates: one aspect
-  EXPECT_EQ(poses_of_a_side(3.0, 100), 1.0);
-  EXPECT_EQ(poses_of_a_side(0.0, 1), 1.0);
+  EXPECT_NEAR(poses_of_a_face(2.0 * kFaceAngle_rad / 16.0, 100), 16.0, 1e-9);
+  EXPECT_EQ(poses_of_a_face(0.0, 100), 50.0);  // nothing rotates: one aspect
+  EXPECT_EQ(poses_of_a_face(3.0, 100), 1.0);
+  EXPECT_EQ(poses_of_a_face(0.0, 1), 1.0);
 }
 
 TEST(Widening, IsTheProductOfNoiseAndCorrelation) {

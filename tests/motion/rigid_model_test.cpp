@@ -299,12 +299,12 @@ TEST(RigidModel, FitsAnOrbitWhereThatIsTheDynamics) {
   const Eigen::Vector3d c_T(0.03, -0.02, 0.04);
   Eigen::Matrix<double, 6, 1> path;
   path << 0.5, -0.3, 12.0, 0.002, 0.001, -0.004;
-  TurningState state;
+  RotationState state;
   state.w_T_rad_s = Eigen::Vector3d(0.2, 0.6, 0.5) * kDegree_rad;
   std::vector<TruthSample> truth;
   for (int i = 0; i < 150; ++i) {
     ASSERT_TRUE(advance(inertia, orbit, 6.0 * i, state, nullptr));
-    const Eigen::Vector3d centre = (path_transition(orbit, 0.0, 6.0 * i) * path).head<3>();
+    const Eigen::Vector3d centre = (translation_transition(orbit, 0.0, 6.0 * i) * path).head<3>();
     truth.push_back({.timestamp_ns = i * 6'000'000'000LL,
                      .pose = {.R_CT = state.R_IT, .p_CT = centre - state.R_IT * c_T},
                      .w_T_rad_s = state.w_T_rad_s,

@@ -65,7 +65,8 @@ TEST(Checkpoint, AfterIt_TheTargetIsFoundAtOnce_InTheSameFrame) {
     // T is the T from before: its rotation against the truth's is still the same constant one.
     const Eigen::Matrix3d R_TT = turning(14 + missed).R_CT.transpose() * rotation_of(out.motion);
     const Eigen::Matrix3d R_TT_before =
-        turning(13).R_CT.transpose() * rotation_of(state_of(*run.bench.component).answer.output.motion);
+        turning(13).R_CT.transpose() *
+        rotation_of(state_of(*run.bench.component).answer.output.motion);
     EXPECT_LT(rotation_angle_rad(R_TT, R_TT_before), 0.035) << missed;
     EXPECT_TRUE(out.motion.rate_valid);
   }

@@ -159,8 +159,8 @@ TEST(Commands, ALengthThatIsYetToBeReadTakesNothingAway) {
   p.scale.known_diameter_m = 2.0;
   Bench bench(p);
   ScaleState& scale = state_of(*bench.component).scale;
-  (void)take_reading({.source = ScaleSource::kDiameter, .metres_per_mu = 0.5, .sigma = 0.01},
-                     scale.readings);
+  (void)add_reading({.source = ScaleSource::kDiameter, .metres_per_mu = 0.5, .sigma = 0.01},
+                    scale.readings);
   scale.known = true;
   scale.metres_per_mu = 0.5;
   const CommandOctets range = command(

@@ -87,7 +87,8 @@ TEST(FitJob, PosesSinceItWasAskedForJudgeIt) {
   const auto waits = [&] {
     return m.model.accepted() && caller.out<FitJob>() != nullptr && !jobs.fit.unwanted &&
            m.recent.size() > 3 &&
-           jobs.fit_work.snapshot.poses.back().timestamp_ns < m.recent[m.recent.size() - 3].timestamp_ns;
+           jobs.fit_work.snapshot.poses.back().timestamp_ns <
+               m.recent[m.recent.size() - 3].timestamp_ns;
   };
   for (std::size_t i = 0; i < turning_ball().size() && !waits(); ++i) {
     (void)caller.show(turning_ball()[i]);

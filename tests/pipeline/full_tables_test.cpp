@@ -70,8 +70,9 @@ TEST(FullTables, OfLandmarks_ATenthGoes_AndTheBodyIsFollowed) {
   EXPECT_GT(s.counters.landmarks_culled, 100U);
   EXPECT_LT(static_cast<std::size_t>(s.mapping.map.landmark_count), limits::kLandmarks);
   EXPECT_EQ(synthetic::broken_promise(s.mapping.map), "");
-  EXPECT_LT(turn_error_rad(before, kBefore - 1, s.mapping.localised.absolute.pose, kBefore + kAfter - 1),
-            0.03);
+  EXPECT_LT(
+      turn_error_rad(before, kBefore - 1, s.mapping.localised.absolute.pose, kBefore + kAfter - 1),
+      0.03);
 }
 
 TEST(FullTables, OfFeatures_LeaveTheStrongestOfEachPlace_AndABodyThatIsFollowed) {
@@ -165,7 +166,8 @@ TEST_P(HostilePictures, InPlaceOfTheBody_GiveNoWrongPose_AndTheBodyIsFoundAgain)
   const Component::State& s = state_of(*b.component);
   EXPECT_EQ(s.mode.now, Mode::kTracking);
   EXPECT_EQ(synthetic::broken_promise(s.mapping.map), "");
-  EXPECT_LT(turn_error_rad(before, kBefore - 1, s.mapping.localised.absolute.pose, kBefore + 1), 0.03);
+  EXPECT_LT(turn_error_rad(before, kBefore - 1, s.mapping.localised.absolute.pose, kBefore + 1),
+            0.03);
 }
 
 INSTANTIATE_TEST_SUITE_P(

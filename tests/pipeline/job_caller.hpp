@@ -38,10 +38,10 @@ class Caller {
         ++i;
       }
     }
-    const StepOutput& out =
-        component().step({.frame = frame_of(state().clock.timestamp_ns + Bench::kSecond_ns, picture),
-                          .finished = finished,
-                          .commands = commands});
+    const StepOutput& out = component().step(
+        {.frame = frame_of(state().clock.timestamp_ns + Bench::kSecond_ns, picture),
+         .finished = finished,
+         .commands = commands});
     for (Job* job : out.jobs) {
       EXPECT_TRUE(out_.push_back(job)) << "more jobs at a time than promised";
       ++jobs_;

@@ -119,7 +119,8 @@ TEST(Jobs, AMapThatGrowsWhileItIsAdjustedKeepsItsShape) {
     // All residuals of the map, in units of the features' sigma.
     EXPECT_LT(residual_scale(s.mapping.map, s.configuration.camera), 1.5);
   }
-  EXPECT_GT(3 * late.state().mapping.map.keyframe_count, 2 * at_once.state().mapping.map.keyframe_count);
+  EXPECT_GT(3 * late.state().mapping.map.keyframe_count,
+            2 * at_once.state().mapping.map.keyframe_count);
 }
 
 /// As Caller, for trouble: steps until the first job, then what the test says.

@@ -84,7 +84,7 @@ TEST(KnownLength, IsForgotten_WithWhatItWasMeasuredOn) {
   Component::State& s = state_of(*b.component);
   ASSERT_TRUE(s.scale.known);
   const double metres_per_mu = s.scale.metres_per_mu;
-  forget_scale(&s.scale);
+  reset_scale(&s.scale);
   EXPECT_FALSE(s.scale.known);
   EXPECT_EQ(s.scale.metres_per_mu, 1.0);
   EXPECT_TRUE(s.scale.readings.empty());

@@ -213,14 +213,14 @@ TEST(TurningBody, IsFollowedByFlow_OverADegreeAndNoFarther) {
 TEST(TurningBody, AFrameUsedWithCareTeachesTheMapNothing) {
   Bench b;
   show_first(16, &b);
-  const auto sightings = [&] {
+  const auto observations = [&] {
     std::vector<std::pair<std::int32_t, std::int32_t>> all;
     for (const Landmark& landmark : state_of(*b.component).mapping.map.landmarks) {
       all.emplace_back(landmark.used ? landmark.predicted : 0, landmark.used ? landmark.found : 0);
     }
     return all;
   };
-  const auto before = sightings();
+  const auto before = observations();
   const Counters counted = b.component->counters();
   Picture salted = pictures()[16];
   for (std::size_t i = 0; i < 16; ++i) {  // more than come by chance, fewer than do harm
@@ -230,9 +230,9 @@ TEST(TurningBody, AFrameUsedWithCareTeachesTheMapNothing) {
   EXPECT_EQ(b.component->counters().frames_with_care, counted.frames_with_care + 1);
   EXPECT_TRUE(out.motion.pose_valid);
   EXPECT_EQ(b.component->counters().keyframes_inserted, counted.keyframes_inserted);
-  EXPECT_EQ(sightings(), before);
+  EXPECT_EQ(observations(), before);
   (void)b.show(pictures()[17]);
-  EXPECT_NE(sightings(), before);
+  EXPECT_NE(observations(), before);
 }
 
 TEST(TurningBody, ItsPictureIsStillThere_AfterEachStep) {

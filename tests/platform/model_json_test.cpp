@@ -32,10 +32,10 @@ nlohmann::json written(const RigidModel& model,
 RigidModel accepted(const Eigen::Vector3d& w_T_rad_s) {
   RigidModel model;
   model.status = ModelStatus::kAccepted;
-  model.path_known = true;
+  model.translation_known = true;
   model.reference.w_T_rad_s = w_T_rad_s;
   model.path << 0.0, 0.0, 10.0, 0.0, 0.0, -0.01, 0.1, 0.2, 0.3;
-  model.lever_sigma = 0.5;
+  model.mass_centre_sigma = 0.5;
   model.covariance.diagonal().setConstant(1e-10);
   return model;
 }

@@ -22,7 +22,7 @@ ScaleState known_scale() {
   scale.known = true;
   scale.metres_per_mu = 2.0;
   scale.relative_sigma = 0.01;
-  const bool taken = take_reading(
+  const bool taken = add_reading(
       {.source = ScaleSource::kKnownLength, .metres_per_mu = 2.0, .sigma = 0.02}, scale.readings);
   scale.used[0] = taken;
   return scale;
@@ -51,8 +51,8 @@ TEST(ShapeJson, TellsWhatWasFound_InTheUnitThatIsKnown) {
 
 TEST(ShapeJson, ReportsReadingsThatContradictEachOther) {
   ScaleState scale = known_scale();
-  ASSERT_TRUE(take_reading({.source = ScaleSource::kRange, .metres_per_mu = 3.0, .sigma = 0.01},
-                           scale.readings));
+  ASSERT_TRUE(add_reading({.source = ScaleSource::kRange, .metres_per_mu = 3.0, .sigma = 0.01},
+                          scale.readings));
   scale.known = false;
   scale.contradiction = true;
   scale.used = {};

@@ -36,7 +36,8 @@ class Smoothed : public testing::Test {
   }
 
   [[nodiscard]] std::vector<MotionState> rows(const RigidModel& model) const {
-    return smoothed_motion(poses_, samples_, published_, model, ServicerAttitude(), view_of(*state_));
+    return smoothed_motion(
+        poses_, samples_, published_, model, ServicerAttitude(), view_of(*state_));
   }
 
   [[nodiscard]] RigidModel model() const { return model_of(samples_, 1.0, view_of(*state_)); }
@@ -146,7 +147,8 @@ TEST_F(Smoothed, TheMapsOwnModelStands_WhereTheSamplesLieOnIt) {
   ASSERT_TRUE(own.accepted());
   own.of_map = true;
   state_->motion.model = own;
-  EXPECT_FALSE(model_of_map(samples_, {}, view_of(*state_))) << "the last adjustment did not bear it out";
+  EXPECT_FALSE(model_of_map(samples_, {}, view_of(*state_)))
+      << "the last adjustment did not bear it out";
   state_->jobs.adjustment.as_free_body = true;
   state_->jobs.adjustment.model = own;
   const BodyFrame body{.R_TB = so3_exp({0.2, -0.4, 0.1}), .centroid_T = {0.1, 0.0, -0.2}};

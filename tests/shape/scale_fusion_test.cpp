@@ -12,7 +12,7 @@ namespace {
 
 ScaleReadings readings_of(std::initializer_list<ScaleReading> list) {
   ScaleReadings readings;
-  for (const ScaleReading& reading : list) EXPECT_TRUE(take_reading(reading, readings));
+  for (const ScaleReading& reading : list) EXPECT_TRUE(add_reading(reading, readings));
   return readings;
 }
 
@@ -73,15 +73,15 @@ TEST(FuseScales, DoesNotDependOnTheUnit) {
 TEST(TakeReading, LeavesOutWhatIsNoReadingAndReplacesAnEarlierOne) {
   ScaleReadings readings;
   const double nan = std::nan("");
-  EXPECT_FALSE(take_reading({ScaleSource::kNone, 1.0, 0.1}, readings));
-  EXPECT_FALSE(take_reading({ScaleSource::kRange, 0.0, 0.1}, readings));
-  EXPECT_FALSE(take_reading({ScaleSource::kRange, -1.0, 0.1}, readings));
-  EXPECT_FALSE(take_reading({ScaleSource::kRange, nan, 0.1}, readings));
-  EXPECT_FALSE(take_reading({ScaleSource::kRange, 1.0, 0.0}, readings));
-  EXPECT_FALSE(take_reading({ScaleSource::kRange, 1.0, nan}, readings));
+  EXPECT_FALSE(add_reading({ScaleSource::kNone, 1.0, 0.1}, readings));
+  EXPECT_FALSE(add_reading({ScaleSource::kRange, 0.0, 0.1}, readings));
+  EXPECT_FALSE(add_reading({ScaleSource::kRange, -1.0, 0.1}, readings));
+  EXPECT_FALSE(add_reading({ScaleSource::kRange, nan, 0.1}, readings));
+  EXPECT_FALSE(add_reading({ScaleSource::kRange, 1.0, 0.0}, readings));
+  EXPECT_FALSE(add_reading({ScaleSource::kRange, 1.0, nan}, readings));
   EXPECT_TRUE(readings.empty());
-  EXPECT_TRUE(take_reading({ScaleSource::kRange, 1.0, 0.1}, readings));
-  EXPECT_TRUE(take_reading({ScaleSource::kRange, 2.0, 0.1}, readings));
+  EXPECT_TRUE(add_reading({ScaleSource::kRange, 1.0, 0.1}, readings));
+  EXPECT_TRUE(add_reading({ScaleSource::kRange, 2.0, 0.1}, readings));
   ASSERT_EQ(readings.size(), 1U);
   EXPECT_EQ(readings[0].metres_per_mu, 2.0);
 }

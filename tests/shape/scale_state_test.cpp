@@ -81,7 +81,7 @@ TEST_F(ScaleReadingsOfAWall, ForgettingKeepsWhatWasPublished) {
   options_.known_length_m = 1.0;
   (void)read();
   const double published = scale_.metres_per_mu_published;
-  forget_scale(&scale_);
+  reset_scale(&scale_);
   EXPECT_FALSE(scale_.known);
   EXPECT_TRUE(scale_.readings.empty());
   EXPECT_EQ(scale_.metres_per_mu_published, published);

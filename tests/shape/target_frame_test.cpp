@@ -57,7 +57,7 @@ TEST(FrameFromPlanes, WeighsParallelPlanesByTheirPoints_WhicheverWayTheyFace) {
 }
 
 TEST(FrameFromPlanes, GivesAThirdFamilyItsShare) {
-  // x and y are exact; z's plane is 3 deg off about x: the answer lies between y's and z's wish.
+  // x and y are exact; z's plane is 3 deg off about x: the answer shares the error between both.
   const Eigen::Vector3d third = so3_exp({0.05, 0.0, 0.0}) * kZ;
   const TargetFrame frame =
       frame_from_planes(planes_of({plane(kX, 100), plane(kY, 90), plane(-third, 80)}));

@@ -269,8 +269,8 @@ TEST(AdjustBundle, HandlesManyPoses_AsWellAsFew) {
 }
 
 TEST(BundleAdjustment, APriorHoldsWhatTheImagesLeaveOpen) {
-  // All sightings of the last pose are gone but two: they leave directions open in which the prior
-  // decides.
+  // All observations of the last pose are gone but two: they leave directions open in which the
+  // prior decides.
   const Scene truth = make_scene(5, 40, 0.0, 21);
   Scene s = disturbed(truth, 22);
   std::erase_if(s.observations,

@@ -102,7 +102,7 @@ TEST(BundleSystem, PriorCostsWhatThePoseDepartsFromIt) {
   EXPECT_NEAR(system.cost(), 0.5 * cauchy_loss(9.0, 4.0), 1e-9);
 }
 
-TEST(BundleSystem, RightSideIsTheDownhillGradient_OfSightingsAndPriors) {
+TEST(BundleSystem, RightSideIsTheDownhillGradient_OfObservationsAndPriors) {
   Scene s;
   s.hold_points();
   // At the pose itself, where the derivative of the departure is exact.

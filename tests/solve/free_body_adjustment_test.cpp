@@ -40,7 +40,7 @@ struct Scene {
                                   .times = times,
                                   .motion = &motion,
                                   .shape_sigma = 1.5,
-                                  .lever_sigma = 1.0};
+                                  .mass_centre_sigma = 1.0};
     return adjust_free_body(problem, {.iterations_max = iterations_max}, bundle.get(), own.get());
   }
 };
@@ -58,7 +58,7 @@ Scene make_scene(double noise_sigmas, std::uint64_t seed) {
   for (int k = 0; k < 12; ++k) {
     // The observer rotates too, mostly about its line of sight.
     s.times.push_back({.time_s = 1.5 * k, .R_IC = so3_exp({0.0, 0.002 * k, 0.2 * k})});
-    TurningState state = s.motion.reference;
+    RotationState state = s.motion.reference;
     EXPECT_TRUE(advance(inertia_of(s.motion.shape), {}, 1.5 * k, state, nullptr));
     const Eigen::Vector3d centre_I =
         s.motion.path.head<3>() +
@@ -104,7 +104,7 @@ TEST(FreeBodyAdjustment, MakesPosesThoseOfTheMotion) {
   for (InverseDepthPose& pose : s.poses) pose.R_CT = so3_exp({0.1, 0.1, 0.1}) * pose.R_CT;
   ASSERT_TRUE(s.adjust().bundle.usable);
   for (std::size_t k = 0; k < s.poses.size(); ++k) {
-    TurningState state = s.motion.reference;
+    RotationState state = s.motion.reference;
     ASSERT_TRUE(advance(inertia_of(s.motion.shape), {}, s.times[k].time_s, state, nullptr));
     EXPECT_LT(rotation_angle_rad(s.times[k].R_IC * s.poses[k].R_CT, state.R_IT), 1e-5) << k;
   }

@@ -19,8 +19,8 @@ InertiaShape random_shape(Rng& rng, double size) {
   return shape;
 }
 
-TurningState random_state(Rng& rng, double rate_rad_s) {
-  TurningState state;
+RotationState random_state(Rng& rng, double rate_rad_s) {
+  RotationState state;
   state.R_IT = so3_exp({rng.normal(), rng.normal(), rng.normal()});
   state.w_T_rad_s = rate_rad_s * Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal());
   return state;
@@ -78,7 +78,7 @@ TEST(Turning, KeepsMomentumAndEnergy) {
   Rng rng(4, 0);
   for (int i = 0; i < 20; ++i) {
     const Inertia inertia = inertia_of(random_shape(rng, 0.8));
-    TurningState state = random_state(rng, 0.1);
+    RotationState state = random_state(rng, 0.1);
     const Eigen::Vector3d momentum = state.R_IT * inertia.J_T * state.w_T_rad_s;
     const double energy = state.w_T_rad_s.dot(inertia.J_T * state.w_T_rad_s);
     ASSERT_TRUE(advance(inertia, {}, 200.0, state, nullptr));
@@ -94,8 +94,8 @@ TEST(Turning, RunsBackToWhereItCameFrom) {
   Rng rng(5, 0);
   for (const Orbit& orbit : {Orbit{}, some_orbit()}) {
     const Inertia inertia = inertia_of(random_shape(rng, 0.8));
-    const TurningState start = random_state(rng, 0.05);
-    TurningState state = start;
+    const RotationState start = random_state(rng, 0.05);
+    RotationState state = start;
     ASSERT_TRUE(advance(inertia, orbit, 300.0, state, nullptr));
     ASSERT_TRUE(advance(inertia, orbit, 0.0, state, nullptr));
     EXPECT_LT(rotation_angle_rad(state.R_IT, start.R_IT), 2e-6);
@@ -106,7 +106,7 @@ TEST(Turning, RunsBackToWhereItCameFrom) {
 TEST(Turning, OfABodyOfRevolutionIsThatOfTheTextbook) {
   // Moments 0.47, 0.47, 0.02: w_T turns about z at (J_z / J_x - 1) w_z.
   const Inertia inertia = inertia_of(shape_of(Eigen::Vector3d(0.47, 0.47, 0.02).asDiagonal()));
-  TurningState state;
+  RotationState state;
   state.w_T_rad_s = {0.0, 0.002, 0.017};
   ASSERT_TRUE(advance(inertia, {}, 1000.0, state, nullptr));
   const double turn = (0.02 / 0.47 - 1.0) * 0.017 * 1000.0;
@@ -119,15 +119,15 @@ TEST(Turning, HasTheDerivativesOfItsDifferences) {
   Rng rng(6, 0);
   for (const Orbit& orbit : {Orbit{}, some_orbit()}) {
     const InertiaShape shape = random_shape(rng, 0.6);
-    const TurningState start = random_state(rng, 0.03);
-    TurningState end = start;
-    TurningDerivative derivative = TurningDerivative::at_reference();
+    const RotationState start = random_state(rng, 0.03);
+    RotationState end = start;
+    RotationDerivative derivative = RotationDerivative::at_reference();
     ASSERT_TRUE(advance(inertia_of(shape), orbit, 400.0, end, &derivative));
-    for (int k = 0; k < kTurningUnknowns; ++k) {
-      std::array<TurningState, 2> ends;
+    for (int k = 0; k < kRotationUnknowns; ++k) {
+      std::array<RotationState, 2> ends;
       const double step = k >= 3 && k < 6 ? 1e-7 : 1e-5;
       for (int side = 0; side < 2; ++side) {
-        TurningState from = start;
+        RotationState from = start;
         InertiaShape at = shape;
         Eigen::Vector3d e = Eigen::Vector3d::Zero();
         e(k % 3) = side == 0 ? step : -step;
@@ -149,10 +149,10 @@ TEST(Turning, HasTheDerivativesOfItsDifferences) {
 }
 
 TEST(Turning, ThatIsNotANumberOrTooFarIsRefused) {
-  TurningState fast;
+  RotationState fast;
   fast.w_T_rad_s = {0.0, 0.0, 1e9};
   EXPECT_FALSE(advance(inertia_of(InertiaShape::Zero()), {}, 1.0, fast, nullptr));
-  TurningState bad;
+  RotationState bad;
   bad.w_T_rad_s.setConstant(std::nan(""));
   EXPECT_FALSE(advance(inertia_of(InertiaShape::Zero()), {}, 1.0, bad, nullptr));
 }
@@ -166,7 +166,7 @@ TEST(Path, OfHillsEquationsFulfilsThem) {
   constexpr double kStep_s = 0.5;
   for (const double t : {0.0, 100.0, 1500.0}) {
     const auto at = [&](double time) {
-      return Eigen::Matrix<double, 6, 1>(path_transition(orbit, 0.0, time) * start);
+      return Eigen::Matrix<double, 6, 1>(translation_transition(orbit, 0.0, time) * start);
     };
     const Eigen::Vector3d acceleration =
         (at(t + kStep_s).tail<3>() - at(t - kStep_s).tail<3>()) / (2.0 * kStep_s);
@@ -181,8 +181,8 @@ TEST(Path, OfHillsEquationsFulfilsThem) {
   const Eigen::Matrix3d R_IH = orbit.R_IH;
   Eigen::Matrix<double, 6, 1> rest;
   rest << R_IH * Eigen::Vector3d(10.0, 0.0, 0.0), R_IH * Eigen::Vector3d(0.0, 10.0 * n, 0.0);
-  const Eigen::Vector3d later =
-      orbit.R_IH_at(600.0).transpose() * (path_transition(orbit, 0.0, 600.0) * rest).head<3>();
+  const Eigen::Vector3d later = orbit.R_IH_at(600.0).transpose() *
+                                (translation_transition(orbit, 0.0, 600.0) * rest).head<3>();
   EXPECT_NEAR((later - Eigen::Vector3d(10.0, 0.0, 0.0)).norm(), 6.8, 0.2);
 }
 

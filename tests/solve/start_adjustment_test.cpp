@@ -19,10 +19,10 @@ std::unique_ptr<StartAdjustmentWorkspace> workspace() {
   return std::make_unique<StartAdjustmentWorkspace>();
 }
 
-/// Largest difference between the geometry's images and the sightings, in sigma.
+/// Largest difference between the geometry's images and the observations, in sigma.
 double worst_image(StartGeometry* g) {
   double worst = 0.0;
-  for (const StartSighting& s : g->sightings) {
+  for (const TrackObservation& s : g->observations) {
     Eigen::Vector2d x;
     EXPECT_TRUE(reproject(g->poses[static_cast<std::size_t>(s.frame)],
                           g->points_T[static_cast<std::size_t>(s.track)],
@@ -39,12 +39,12 @@ TEST(StartAdjustment, RecoversExactGeometry_WithoutNoise) {
     disturb(0.03, 0.05, seed, &g);
     ASSERT_TRUE(normalise_gauge(truth.view()));
     const auto w = workspace();
-    (void)adjust_start(g.sightings,
+    (void)adjust_start(g.observations,
                        g.view(),
                        {.iterations_max = 50, .loss = StartLoss::kCauchy, .width_sigma = 30.0},
                        w.get());
     const StartFit fit =
-        adjust_start(g.sightings, g.view(), {.iterations_max = 50, .settled = 1e-12}, w.get());
+        adjust_start(g.observations, g.view(), {.iterations_max = 50, .settled = 1e-12}, w.get());
     EXPECT_LT(fit.cost, 1e-6) << seed;
     ASSERT_TRUE(normalise_gauge(g.view()));
     for (std::size_t i = 0; i < g.points_T.size(); ++i) {
@@ -59,12 +59,12 @@ TEST(StartAdjustment, GradientVanishesAtTheMinimum_NumericallyChecked) {
   const auto w = workspace();
   const StartAdjustmentOptions options{
       .iterations_max = 100, .loss = StartLoss::kCauchy, .settled = 1e-12};
-  const double minimum = adjust_start(g.sightings, g.view(), options, w.get()).cost;
+  const double minimum = adjust_start(g.observations, g.view(), options, w.get()).cost;
   // With the analytic Jacobians wrong anywhere, the minimum found would not be one of the cost
   // itself.
   const auto moved_cost = [&](const StartGeometry& moved) {
     StartGeometry copy = moved;
-    return evaluate_start(copy.sightings, copy.view(), options, w.get()).cost;
+    return evaluate_start(copy.observations, copy.view(), options, w.get()).cost;
   };
   for (std::size_t f = 0; f < g.poses.size(); ++f) {
     for (Eigen::Index k = 0; k < 3; ++k) {
@@ -85,17 +85,17 @@ TEST(StartAdjustment, LeavesWrongTracksAside) {
   StartGeometry truth = g;
   ASSERT_TRUE(normalise_gauge(truth.view()));
   Rng rng(1, 1);
-  for (StartSighting& s : g.sightings) {
+  for (TrackObservation& s : g.observations) {
     if (s.track % 5 == 0) {
       s.normalised += 15e-4 * Eigen::Vector2d(rng.normal(), rng.normal());  // 15 sigma
     }
   }
   const auto w = workspace();
-  (void)adjust_start(g.sightings,
+  (void)adjust_start(g.observations,
                      g.view(),
                      {.iterations_max = 20, .loss = StartLoss::kCauchy, .width_sigma = 3.0},
                      w.get());
-  const StartFit fit = adjust_start(g.sightings, g.view(), {.iterations_max = 30}, w.get());
+  const StartFit fit = adjust_start(g.observations, g.view(), {.iterations_max = 30}, w.get());
   EXPECT_GE(fit.inliers, 48 * 6 * 95 / 100);
   EXPECT_LE(fit.inliers, 48 * 6);
   EXPECT_LT(rotation_angle_rad(g.poses[5].R_CT * g.poses[0].R_CT.transpose(),
@@ -108,7 +108,7 @@ TEST(StartAdjustment, NoiseScaleTellsHowWrongTheClaimIs) {
     StartGeometry g = make_start_geometry({.points = 80, .frames = 8, .noise = factor}, 7);
     const auto w = workspace();
     const StartFit fit = adjust_start(
-        g.sightings, g.view(), {.iterations_max = 30, .loss = StartLoss::kCauchy}, w.get());
+        g.observations, g.view(), {.iterations_max = 30, .loss = StartLoss::kCauchy}, w.get());
     // The median of 640 squared residuals scatters by 5 %, its root by 3 %; three of those.
     EXPECT_NEAR(fit.noise_scale / factor, 1.0, 0.1);
   }
@@ -127,7 +127,7 @@ TEST(StartAdjustment, ReverseDepth_ChangesImagesInSecondOrderOnly) {
   double last = 0.0;
   for (const double size : {0.02, 0.01, 0.005}) {
     StartGeometry g = make_start_geometry({.extent_over_range = size, .sigma = 1.0}, 13);
-    reverse_depth(g.view());
+    apply_depth_reversal(g.view());
     const double change = worst_image(&g);
     if (last > 0.0) {
       EXPECT_NEAR(change / last, 0.25, 0.05);
@@ -138,15 +138,15 @@ TEST(StartAdjustment, ReverseDepth_ChangesImagesInSecondOrderOnly) {
 
 TEST(StartAdjustment, ReverseDepthTwice_IsTheSame) {
   StartGeometry g = make_start_geometry({}, 17);
-  reverse_depth(g.view());
-  reverse_depth(g.view());
+  apply_depth_reversal(g.view());
+  apply_depth_reversal(g.view());
   EXPECT_LT(worst_image(&g), 1e-7);
 }
 
 TEST(StartAdjustment, SinglePose_FindsItsWayFromTenDegrees) {
   StartGeometry g = make_start_geometry({.points = 30, .noise = 1.0}, 19);
-  std::vector<StartSighting> own;
-  for (const StartSighting& s : g.sightings) {
+  std::vector<TrackObservation> own;
+  for (const TrackObservation& s : g.observations) {
     if (s.frame == 3) {
       own.push_back(s);
     }
@@ -168,9 +168,9 @@ Eigen::MatrixXd dense_point_covariance(StartGeometry* g) {
   const auto points = static_cast<Eigen::Index>(g->points_T.size());
   const Eigen::Index size = 6 * frames + 3 * points;
   const auto images = [&](const Eigen::VectorXd& x) {
-    Eigen::VectorXd out(2 * static_cast<Eigen::Index>(g->sightings.size()));
-    for (std::size_t i = 0; i < g->sightings.size(); ++i) {
-      const StartSighting& s = g->sightings[i];
+    Eigen::VectorXd out(2 * static_cast<Eigen::Index>(g->observations.size()));
+    for (std::size_t i = 0; i < g->observations.size(); ++i) {
+      const TrackObservation& s = g->observations[i];
       InverseDepthPose pose = g->poses[static_cast<std::size_t>(s.frame)];
       pose.R_CT = so3_exp(x.segment<3>(6 * s.frame)) * pose.R_CT;
       pose.uvs += x.segment<3>(6 * s.frame + 3);
@@ -182,7 +182,7 @@ Eigen::MatrixXd dense_point_covariance(StartGeometry* g) {
     }
     return out;
   };
-  Eigen::MatrixXd J(2 * static_cast<Eigen::Index>(g->sightings.size()), size);
+  Eigen::MatrixXd J(2 * static_cast<Eigen::Index>(g->observations.size()), size);
   constexpr double kStep = 1e-5;
   for (Eigen::Index k = 0; k < size; ++k) {
     const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(size, k);
@@ -207,7 +207,7 @@ TEST(StartAdjustment, PointCovariances_EqualTheDenseOnesUnderTheSameGauge) {
   ASSERT_TRUE(normalise_gauge(g.view()));
   std::vector<Eigen::Matrix3d> covariances(g.points_T.size());
   const auto w = workspace();
-  ASSERT_TRUE(start_point_covariances(g.sightings, g.view(), {}, covariances, w.get()));
+  ASSERT_TRUE(start_point_covariances(g.observations, g.view(), {}, covariances, w.get()));
   const Eigen::MatrixXd dense = dense_point_covariance(&g);
   for (std::size_t i = 0; i < covariances.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(3 * i);

@@ -18,7 +18,7 @@ struct StartGeometry {
   std::vector<std::uint8_t> posed;
   std::vector<Eigen::Vector3d> points_T;
   std::vector<std::uint8_t> known;
-  std::vector<StartSighting> sightings;
+  std::vector<TrackObservation> observations;
   std::vector<double> times_s;
 
   StartGeometryView view() { return {poses, posed, points_T, known}; }
@@ -58,10 +58,10 @@ inline StartGeometry make_start_geometry(const StartGeometryOptions& options, st
     g.points_T.push_back(body[static_cast<std::size_t>(i)].p_B);
     g.known.push_back(1);
     for (int f = 0; f < options.frames; ++f) {
-      StartSighting s{.frame = f, .track = i, .sigma_normalised = options.sigma};
+      TrackObservation s{.frame = f, .track = i, .sigma_normalised = options.sigma};
       (void)reproject(g.poses[static_cast<std::size_t>(f)], g.points_T.back(), &s.normalised);
       s.normalised += options.sigma * options.noise * Eigen::Vector2d(rng.normal(), rng.normal());
-      g.sightings.push_back(s);
+      g.observations.push_back(s);
     }
   }
   return g;

@@ -20,7 +20,7 @@ struct Geometry {
   std::vector<std::uint8_t> posed;
   std::vector<Eigen::Vector3d> points_T;
   std::vector<std::uint8_t> known;
-  std::vector<StartSighting> sightings;
+  std::vector<TrackObservation> observations;
 
   StartGeometryView view() { return {poses, posed, points_T, known}; }
   /// One track more, seen in as many frames as there are sigmas, off by these in x.
@@ -33,21 +33,21 @@ struct Geometry {
         poses.push_back({.uvs = {0.0, 0.0, 0.1}});
         posed.push_back(1);
       }
-      StartSighting s{.frame = static_cast<int>(f), .track = track, .sigma_normalised = kSigma};
+      TrackObservation s{.frame = static_cast<int>(f), .track = track, .sigma_normalised = kSigma};
       EXPECT_TRUE(reproject(poses[f], points_T.back(), &s.normalised));
       s.normalised.x() += off_sigmas[f] * kSigma;
-      sightings.push_back(s);
+      observations.push_back(s);
     }
   }
 };
 
 StartFit evaluate(Geometry* g, const StartAdjustmentOptions& options) {
   static const auto workspace = std::make_unique<StartAdjustmentWorkspace>();
-  return evaluate_start(g->sightings, g->view(), options, workspace.get());
+  return evaluate_start(g->observations, g->view(), options, workspace.get());
 }
 
 double total(Geometry* g, const StartAdjustmentOptions& options) {
-  return total_cost(g->sightings, g->poses, g->points_T, g->view(), options);
+  return total_cost(g->observations, g->poses, g->points_T, g->view(), options);
 }
 
 TEST(StartWeight, EndsAtTheTruncationAndFallsWithCauchy) {
@@ -62,10 +62,10 @@ TEST(TrackEnd, IsWhereTheNextTrackBegins) {
   g.add_track({0.0, 0.0, 0.0});
   g.add_track({0.0});
   g.add_track({0.0, 0.0});
-  EXPECT_EQ(track_end(g.sightings, 0), 3U);
-  EXPECT_EQ(track_end(g.sightings, 1), 3U);
-  EXPECT_EQ(track_end(g.sightings, 3), 4U);
-  EXPECT_EQ(track_end(g.sightings, 4), 6U);
+  EXPECT_EQ(track_end(g.observations, 0), 3U);
+  EXPECT_EQ(track_end(g.observations, 1), 3U);
+  EXPECT_EQ(track_end(g.observations, 3), 4U);
+  EXPECT_EQ(track_end(g.observations, 4), 6U);
 }
 
 TEST(StartCost, AddsSquaresWithinTheTruncation) {
@@ -78,7 +78,7 @@ TEST(StartCost, AddsSquaresWithinTheTruncation) {
               1e-6);
 }
 
-TEST(StartCost, OfASightingWithoutPoseOrPointIsThatOfALostOne) {
+TEST(StartCost, OfAnObservationWithoutPoseOrPointIsThatOfALostOne) {
   Geometry g;
   g.add_track({0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0});
   g.posed[2] = 0;
@@ -94,13 +94,13 @@ TEST(StartCost, OfAWrongTrackIsBoundedByItsLength) {
   Geometry g;
   g.add_track({3.9, 3.9, 3.9, 3.9, 3.9, 3.9});
   const double most = 9.0 + 3.0 * std::sqrt(18.0);  // 2 * 6 - 3 degrees of freedom
-  const TrackCost cost = track_cost(g.sightings, g.view(), kTruncated);
+  const TrackCost cost = track_cost(g.observations, g.view(), kTruncated);
   EXPECT_TRUE(cost.wrong);
   EXPECT_NEAR(cost.cost, most, 1e-6);
-  EXPECT_FALSE(track_cost(g.sightings, g.view(), kCauchy).wrong);
+  EXPECT_FALSE(track_cost(g.observations, g.view(), kCauchy).wrong);
   Geometry right;
   right.add_track({1.0, 1.0, 1.0, 1.0, 1.0, 1.0});
-  EXPECT_FALSE(track_cost(right.sightings, right.view(), kTruncated).wrong);
+  EXPECT_FALSE(track_cost(right.observations, right.view(), kTruncated).wrong);
 }
 
 TEST(StartCost, CountsAPointBehindTheCameraAsFarOff) {
@@ -123,7 +123,7 @@ TEST(StartCost, TakesOtherPosesAndPointsInPlaceOfTheGeometrysOwn) {
   g.add_track({0.0, 0.0});
   std::vector<Eigen::Vector3d> elsewhere = g.points_T;
   elsewhere[0].x() += 0.01;  // a tenth of a range of ten: 1 sigma
-  EXPECT_NEAR(total_cost(g.sightings, g.poses, elsewhere, g.view(), kTruncated), 2.0, 1e-6);
+  EXPECT_NEAR(total_cost(g.observations, g.poses, elsewhere, g.view(), kTruncated), 2.0, 1e-6);
   EXPECT_NEAR(total(&g, kTruncated), 0.0, 1e-6);
 }
 
@@ -137,7 +137,7 @@ TEST(EvaluateStart, CountsInliersPointsFramesAndLeavesWrongTracksOut) {
   g.poses.push_back({});  // a frame without a pose
   g.posed.push_back(0);
   const StartFit fit = evaluate(&g, kTruncated);
-  EXPECT_EQ(fit.sightings, 24);
+  EXPECT_EQ(fit.observations, 24);
   EXPECT_EQ(fit.frames, 6);
   EXPECT_EQ(fit.inliers, 6 + 5);
   EXPECT_EQ(fit.points, 2);
@@ -166,13 +166,13 @@ TEST(EvaluateStart, OfNothingIsNothing) {
   EXPECT_EQ(fit.median, 0.0);
 }
 
-TEST(TrackCosts, AreGivenByTrackAndZeroWithoutSightings) {
+TEST(TrackCosts, AreGivenByTrackAndZeroWithoutObservations) {
   Geometry g;
   g.add_track({1.0, 1.0});
   g.add_track({});
   g.add_track({2.0, 0.0});
   std::vector<double> costs(3, -1.0);
-  start_track_costs(g.sightings, g.view(), kTruncated, costs);
+  start_track_costs(g.observations, g.view(), kTruncated, costs);
   EXPECT_NEAR(costs[0], 2.0, 1e-6);
   EXPECT_EQ(costs[1], 0.0);
   EXPECT_NEAR(costs[2], 4.0, 1e-6);

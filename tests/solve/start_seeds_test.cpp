@@ -23,7 +23,7 @@ struct Pairs {
 Pairs first_and_last(const StartGeometry& g) {
   Pairs pairs;
   const int last = static_cast<int>(g.poses.size()) - 1;
-  for (const StartSighting& s : g.sightings) {
+  for (const TrackObservation& s : g.observations) {
     if (s.frame == 0) {
       pairs.a.push_back(s.normalised);
     } else if (s.frame == last) {
@@ -39,7 +39,7 @@ Pairs first_and_last(const StartGeometry& g) {
 ImageMatrix images_of(const StartGeometry& g) {
   const auto frames = static_cast<Eigen::Index>(g.poses.size());
   ImageMatrix images(2 * frames, static_cast<Eigen::Index>(g.points_T.size()));
-  for (const StartSighting& s : g.sightings) {
+  for (const TrackObservation& s : g.observations) {
     images(s.frame, s.track) = s.normalised.x();
     images(frames + s.frame, s.track) = s.normalised.y();
   }

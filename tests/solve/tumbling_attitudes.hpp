@@ -12,12 +12,12 @@
 namespace polhode::testing {
 
 struct TumblingAttitudes {
-  TurningState reference;  ///< at the first sample
+  RotationState reference;  ///< at the first sample
   InertiaShape shape = InertiaShape::Zero();
   std::vector<AttitudeSample> samples;
 
-  [[nodiscard]] TurningProblem problem() const { return {.samples = samples, .orbit = {}}; }
-  [[nodiscard]] TurningSolution truth() const { return {.reference = reference, .shape = shape}; }
+  [[nodiscard]] RotationProblem problem() const { return {.samples = samples, .orbit = {}}; }
+  [[nodiscard]] RotationSolution truth() const { return {.reference = reference, .shape = shape}; }
 };
 
 /// Moments 1 : 1.6 : 2.1, a sample each 2 s; by default with 6 deg of rotation between them.
@@ -32,7 +32,7 @@ inline TumblingAttitudes tumbling_attitudes(int count,
   out.reference.R_IT = so3_exp({0.4, -0.9, 0.3});
   out.reference.w_T_rad_s = rate_rad_s * Eigen::Vector3d(0.3, 0.9, 0.4).normalized();
   const Inertia inertia = inertia_of(out.shape);
-  TurningState state = out.reference;
+  RotationState state = out.reference;
   for (int i = 0; i < count; ++i) {
     const bool reached = advance(inertia, {}, 2.0 * i, state, nullptr);
     POLHODE_ASSERT(reached, i);

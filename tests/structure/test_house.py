@@ -10,6 +10,21 @@ FOUNDATION = ["base", "geometry", "solve"]
 FLOW = ["image", "mask", "features", "tracks", "initialisation", "map", "shape", "motion", "bus", "pipeline"]
 STAGES = FOUNDATION + FLOW
 
+HEADERS_MAX = 40  # of the project's own that a header of fsw draws in
+# These are made of the states of several rooms, each of which draws in its room.
+COMPOSED = {
+    "pipeline/state.hpp": "the states of all rooms",
+    "pipeline/storage.hpp": "the component's memory: that of its state",
+    "pipeline/job.hpp": "the tables of all long work",
+}
+
+MEMBERS_MAX = 15  # of a struct that a function outside its room may change
+# Passed to be changed by functions of other rooms than their own, though larger.
+WIDE_BY_NATURE = {
+    "MotionState": "the published row: the caller's plain data",
+    "Counters": "changed by pipeline alone, which counts for all rooms",
+}
+
 FILE_LINES_MAX = 400
 FUNCTION_LINES_MAX = 60
 
@@ -110,3 +125,87 @@ def test_no_file_names_a_place_of_one_machine():
     wrong = [f"{name_of(file)}:{number}" for file in source_files() + source_files("docs", suffixes=(".md",))
              for number, line in enumerate(file.read_text().splitlines(), 1) if places.search(line)]
     assert not wrong, "\n".join(wrong)
+
+
+def project_headers(header: str, seen: set[str]) -> set[str]:
+    """All headers of the project that one draws in, itself not among them."""
+    file = REPOSITORY / ("" if header.startswith("config/") else "fsw") / header
+    for include in own_includes(file) if file.exists() else []:
+        if include not in seen:
+            seen.add(include)
+            project_headers(include, seen)
+    return seen
+
+
+def test_no_header_draws_in_too_many():
+    wrong = []
+    for file in source_files("fsw", suffixes=(".hpp",)):
+        name = str(file.relative_to(REPOSITORY / "fsw"))
+        drawn_in = len(project_headers(name, {name})) - 1
+        if drawn_in > HEADERS_MAX and name not in COMPOSED:
+            wrong.append(f"{name} draws in {drawn_in} headers of the project, more than {HEADERS_MAX}")
+    assert not wrong, "\n".join(wrong)
+
+
+def test_the_public_headers_expose_no_internals():
+    """What flies includes component.hpp; nothing of solvers, maps, jobs or OpenCV comes with it."""
+    for public in ("pipeline/component.hpp", "pipeline/ground_view.hpp", "pipeline/checkpoint.hpp"):
+        drawn_in = project_headers(public, {public}) - {public}
+        internal = {name for name in drawn_in if name.split("/")[0] in ("solve", "map", "tracks", "features", "initialisation")
+                    and not name.endswith("/options.hpp")}
+        internal |= {name for name in drawn_in if name in ("pipeline/state.hpp", "pipeline/job.hpp", "bus/bus_state.hpp")}
+        assert not internal, f"{public} exposes {', '.join(sorted(internal))}"
+
+
+def test_the_state_is_for_the_pipeline_and_tests():
+    wrong = [name_of(file) for file in source_files("fsw", "platform", "hil", suffixes=(".cpp", ".hpp"))
+             if "pipeline/state.hpp" in own_includes(file) and "pipeline" not in file.parts]
+    assert not wrong, f"{', '.join(wrong)} include pipeline/state.hpp: pipeline/ground_view.hpp is for them"
+
+
+STRUCT = re.compile(r"\bstruct (\w+) \{(.*?)\n\};", re.DOTALL)
+
+
+def members_of(body: str) -> int:
+    """Data members of a struct: declarations at its own depth that are no functions."""
+    depth, flat = 0, []
+    for character in body:
+        depth += {"{": 1, "(": 1}.get(character, 0)
+        if depth == 0:
+            flat.append(character)
+        elif character in "({":
+            flat.append("~" if character == "(" else "")
+        depth -= {"}": 1, ")": 1}.get(character, 0)
+    statements = [s.strip() for s in "".join(flat).split(";")]
+    return sum(s.split(",").__len__() if "<" not in s else 1 for s in statements
+               if s and "~" not in s.split("=")[0] and not re.match(r"(?:static|using|enum|struct|friend|template|\[\[)", s))
+
+
+def test_members_are_counted():
+    assert members_of("""
+      int a = 0;  double b{1.0};
+      std::array<double, 3> c{};
+      bool f(int x) const { return a; }
+      static constexpr int kD = 1;""") == 3
+
+
+def test_no_room_changes_a_wide_struct_of_another():
+    wide = {}
+    for file in source_files("fsw", suffixes=(".hpp",)):
+        for name, body in STRUCT.findall(code_of(file)):
+            if members_of(body) > MEMBERS_MAX:
+                wide[name] = (stage_of(file), members_of(body))
+    wrong = []
+    for file in source_files("fsw", suffixes=(".cpp", ".hpp")):
+        for name in set(re.findall(r"(?<!const )\b(\w+)\* \w+[,)]", code_of(file))) & set(wide):
+            if stage_of(file) != wide[name][0] and name not in WIDE_BY_NATURE:
+                wrong.append(f"{name_of(file)} may change {name} of {wide[name][0]}, with {wide[name][1]} members")
+    assert not wrong, "\n".join(wrong)
+
+
+def test_step_names_what_flows_on_one_screen():
+    file = REPOSITORY / "fsw/pipeline/step.cpp"
+    begin = file.read_text().split("Component::step(")[0].count("\n")
+    length = {first: lines for first, lines in cpp_functions(file)}
+    step = min(lines for first, lines in length.items() if abs(first - 1 - begin) <= 1)
+    assert step <= FUNCTION_LINES_MAX

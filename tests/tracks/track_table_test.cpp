@@ -82,7 +82,7 @@ struct Fixture {
   }
 
   /// Frames (as numbered by the caller) in which the track of each spot has a point.
-  std::map<int, std::set<std::uint32_t>> sightings() const {
+  std::map<int, std::set<std::uint32_t>> observations() const {
     std::map<int, std::set<std::uint32_t>> out;
     for (const Track& track : table->tracks) {
       for (const TrackPoint& point : track.points) {
@@ -130,7 +130,7 @@ TEST(TrackTable, BridgesTwoMissedFrames_ButNotThree) {
   f.add(range(1, 10));
   f.add(range(2, 10));
   f.add(range(0, 10));  // 0 was away for two frames
-  const auto bridged = f.sightings();
+  const auto bridged = f.observations();
   EXPECT_EQ(bridged.at(0), (std::set<std::uint32_t>{100, 103}));
   EXPECT_EQ(bridged.at(1), (std::set<std::uint32_t>{100, 101, 103}));
   f.expect_consistent();
@@ -140,7 +140,7 @@ TEST(TrackTable, BridgesTwoMissedFrames_ButNotThree) {
     g.add(range(1, 10));
   }
   g.add(range(0, 10));
-  EXPECT_EQ(g.sightings().count(0), 0U);
+  EXPECT_EQ(g.observations().count(0), 0U);
   g.expect_consistent();
 }
 
@@ -163,13 +163,13 @@ TEST(TrackTable, ForgetsTheOldestFrame_AndTheTracksOfItAlone) {
   f.expect_consistent();
   ASSERT_EQ(f.table->frames.size(), 2U);
   EXPECT_EQ(f.table->frames[0].frame, 101U);
-  const auto left = f.sightings();
+  const auto left = f.observations();
   EXPECT_EQ(left.at(0), (std::set<std::uint32_t>{101, 102}));
   EXPECT_EQ(left.at(7), (std::set<std::uint32_t>{101}));
   EXPECT_EQ(left.count(9), 0U);
   drop_oldest_frame(f.table.get());
   f.expect_consistent();
-  EXPECT_EQ(f.sightings().size(), 5U);
+  EXPECT_EQ(f.observations().size(), 5U);
 }
 
 TEST(TrackTable, ForgetsWhatLeadsNowhere_WhenThePictureHasChanged) {
@@ -186,7 +186,7 @@ TEST(TrackTable, ForgetsWhatLeadsNowhere_WhenThePictureHasChanged) {
   drop_unconnected_frames(8, f.table.get());
   ASSERT_EQ(f.table->frames.size(), 3U);
   EXPECT_EQ(f.table->frames[0].frame, 106U);
-  EXPECT_EQ(f.sightings().size(), 20U);
+  EXPECT_EQ(f.observations().size(), 20U);
   f.expect_consistent();
 }
 
@@ -212,14 +212,14 @@ TEST(TrackTable, KeepsTheLastFrames_WhenMoreComeThanItHolds) {
   EXPECT_EQ(f.table->frames[0].frame, 107U);
   EXPECT_EQ(f.table->frames.back().frame, static_cast<std::uint32_t>(100 + kFrames - 1));
   f.expect_consistent();
-  for (const auto& [spot, frames] : f.sightings()) {
+  for (const auto& [spot, frames] : f.observations()) {
     const int first = std::max(spot - 19, 7);
     const int last = std::min(spot, kFrames - 1);
     EXPECT_EQ(static_cast<int>(frames.size()), last - first + 1) << spot;
   }
 }
 
-TEST(TrackTable, StaysConsistent_UnderRandomSightings) {
+TEST(TrackTable, StaysConsistent_UnderRandomObservations) {
   Fixture f;
   Rng rng(42, 0);
   for (int i = 0; i < 60; ++i) {

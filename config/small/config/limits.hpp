@@ -44,7 +44,7 @@ inline constexpr std::size_t kCloudPoints = 8000;
 inline constexpr std::size_t kPlanes = 12;
 
 // Observations of one adjustment: 300 features of each keyframe.
-inline constexpr std::size_t kAdjustmentSightings = 300 * kKeyframes;
+inline constexpr std::size_t kAdjustmentObservations = 300 * kKeyframes;
 
 // Poses that the motion stage looks back on. Chosen: above the 200 of a rigid-body fit
 // (config/small.toml).

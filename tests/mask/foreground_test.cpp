@@ -1,5 +1,5 @@
 // Foreground log-odds, by pixels or by cells.
-#include "mask/evidence.hpp"
+#include "mask/foreground.hpp"
 
 #include <gtest/gtest.h>
 

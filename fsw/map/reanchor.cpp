@@ -1,4 +1,4 @@
-#include "map/bridge.hpp"
+#include "map/reanchor.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -9,23 +9,23 @@
 namespace polhode {
 namespace {
 
-double weight_of(const BridgeFrame& frame) {
+double weight_of(const ReanchorFrame& frame) {
   return 1.0 / (frame.predicted_sigma_rad * frame.predicted_sigma_rad);
 }
 
 /// Mean rotation from T' to T.
-Eigen::Matrix3d mean_rotation(std::span<const BridgeFrame> frames) {
+Eigen::Matrix3d mean_rotation(std::span<const ReanchorFrame> frames) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  for (const BridgeFrame& frame : frames) {
+  for (const ReanchorFrame& frame : frames) {
     sum += weight_of(frame) * frame.predicted.R_CT.transpose() * frame.start.R_CT;
   }
   return nearest_rotation(sum);
 }
 
-void judge_attitudes(std::span<const BridgeFrame> frames, Bridge* bridge) {
+void judge_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* bridge) {
   double squares = 0.0;
   double sigma_rad = 0.0;
-  for (const BridgeFrame& frame : frames) {
+  for (const ReanchorFrame& frame : frames) {
     const Eigen::Matrix3d R_CT = frame.start.R_CT * bridge->to_T.R_ba.transpose();
     const double difference_rad = rotation_angle_rad(R_CT, frame.predicted.R_CT);
     squares += difference_rad * difference_rad;
@@ -46,8 +46,8 @@ void judge_attitudes(std::span<const BridgeFrame> frames, Bridge* bridge) {
 /// Scale k, origin q and the prediction's common offset d with k p' - R' Q^T q + d = p over all
 /// frames. What the path leaves open is held by the body: its sides have like extents, so the units
 /// of T and T', both the extent of a start's landmarks, differ little; and q is on its near side.
-Eigen::Vector4d scale_and_origin(std::span<const BridgeFrame> frames,
-                                 const BridgeBody& body,
+Eigen::Vector4d scale_and_origin(std::span<const ReanchorFrame> frames,
+                                 const ReanchorBody& body,
                                  const Eigen::Matrix3d& R_ba) {
   using Vector7 = Eigen::Matrix<double, 7, 1>;
   constexpr double kShapeOfPath_radii = 0.05;  // 1-sigma of the predicted path but for its offset
@@ -69,7 +69,7 @@ Eigen::Vector4d scale_and_origin(std::span<const BridgeFrame> frames,
   expected << 1.0, near_side_T, Eigen::Vector3d::Zero();
   Eigen::Matrix<double, 7, 7> normal = weights.asDiagonal();
   Vector7 right = weights.cwiseProduct(expected);
-  for (const BridgeFrame& frame : frames) {
+  for (const ReanchorFrame& frame : frames) {
     Eigen::Matrix<double, 3, 7> row;
     row << frame.start.p_CT, -frame.start.R_CT * R_ba.transpose(), Eigen::Matrix3d::Identity();
     normal += shape_weight * row.transpose() * row;
@@ -80,19 +80,20 @@ Eigen::Vector4d scale_and_origin(std::span<const BridgeFrame> frames,
 
 }  // namespace
 
-Result<Bridge> bridge_start(std::span<const BridgeFrame> frames, const BridgeBody& body) {
+Result<Reanchoring> reanchor_start(std::span<const ReanchorFrame> frames,
+                                   const ReanchorBody& body) {
   constexpr std::size_t kFramesMin = 3;  // two leave a path without a check
   if (frames.size() < kFramesMin) {
     return ErrorCode::kTooFewObservations;
   }
-  const bool sigmas = std::all_of(frames.begin(), frames.end(), [](const BridgeFrame& f) {
+  const bool sigmas = std::all_of(frames.begin(), frames.end(), [](const ReanchorFrame& f) {
     return std::isfinite(f.predicted_sigma_rad) && f.predicted_sigma_rad > 0.0 &&
            std::isfinite(f.predicted_sigma_mu) && f.predicted_sigma_mu > 0.0;
   });
   if (!sigmas || !(body.radius_mu > 0.0)) {
     return ErrorCode::kDegenerate;
   }
-  Bridge bridge;
+  Reanchoring bridge;
   bridge.to_T.R_ba = mean_rotation(frames);
   const Eigen::Vector4d found = scale_and_origin(frames, body, bridge.to_T.R_ba);
   if (!(found(0) > 0.0) || !found.allFinite()) {

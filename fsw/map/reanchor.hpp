@@ -11,7 +11,7 @@
 namespace polhode {
 
 /// One frame of the new start, as the start has it and as the motion before the loss predicts it.
-struct BridgeFrame {
+struct ReanchorFrame {
   Pose start;                        ///< T': frame and unit of the new start
   Pose predicted;                    ///< T: frame and unit of the poses so far
   double predicted_sigma_rad = 0.0;  ///< 1-sigma of the worst direction, > 0
@@ -19,12 +19,12 @@ struct BridgeFrame {
 };
 
 /// What is known of the body in T: bounds the depth, which a short turn tells badly.
-struct BridgeBody {
+struct ReanchorBody {
   Eigen::Vector3d centre_T = Eigen::Vector3d::Zero();
   double radius_mu = 1.0;
 };
 
-struct Bridge {
+struct Reanchoring {
   Similarity to_T;          ///< takes T' to T
   double misfit_rad = 0.0;  ///< RMS disagreement of the attitudes after it
   double turn_rad = 0.0;    ///< largest turn of the start from its first frame
@@ -41,6 +41,6 @@ struct Bridge {
 /// centre, give or take as much.
 /// @errors TooFewObservations (under 3 frames), Degenerate (the radius is not positive, a sigma is
 /// not, the scale would be negative).
-Result<Bridge> bridge_start(std::span<const BridgeFrame> frames, const BridgeBody& body);
+Result<Reanchoring> reanchor_start(std::span<const ReanchorFrame> frames, const ReanchorBody& body);
 
 }  // namespace polhode

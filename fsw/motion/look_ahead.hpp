@@ -15,22 +15,23 @@ inline constexpr std::array<double, 9> kPredictionsAhead_s{
     10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1200.0, 1800.0};
 
 /// Steps of the integration in one frame. One with its derivatives takes about a microsecond.
-inline constexpr int kWalkStepsMax = 500;
+inline constexpr int kLookAheadStepsMax = 500;
 
-struct PredictionWalk {
+struct LookAhead {
   bool under_way = false;
   RigidModel model;  ///< as it was at the beginning
-  TurningState state;
-  TurningDerivative derivative;
+  RotationState state;
+  RotationDerivative derivative;
   std::size_t next = 0;  ///< of kPredictionsAhead_s
 };
 
 /// From the model's own time. @return false, with nothing under way, when the model is not accepted
 /// or does not reach that time.
-bool begin_walk(const RigidModel& model, std::int64_t timestamp_ns, PredictionWalk* walk);
+bool begin_look_ahead(const RigidModel& model, std::int64_t timestamp_ns, LookAhead* walk);
 
-/// Goes on by at most kWalkStepsMax steps, to the next time at most. It ends with the last one.
+/// Goes on by at most kLookAheadStepsMax steps, to the next time at most. It ends with the last
+/// one.
 /// @return the prediction for a time that has been reached.
-std::optional<MotionPrediction> walk_on(PredictionWalk* walk);
+std::optional<MotionPrediction> continue_look_ahead(LookAhead* walk);
 
 }  // namespace polhode

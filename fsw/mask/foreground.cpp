@@ -1,11 +1,11 @@
-#include "mask/evidence.hpp"
+#include "mask/foreground.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "base/avx2_dispatch.hpp"
 #include "base/limited.hpp"
-#include "base/wide.hpp"
 #include "mask/grown.hpp"
 #include "mask/shrink.hpp"
 

@@ -1,4 +1,4 @@
-#include "map/bridge.hpp"
+#include "map/reanchor.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,12 +16,12 @@ Similarity truth() {
       .scale = 0.8, .R_ba = so3_exp({0.7, -1.1, 0.4}), .t_ba = Eigen::Vector3d(0.1, 0.05, -0.45)};
 }
 
-const BridgeBody kBody{.centre_T = Eigen::Vector3d::Zero(), .radius_mu = 1.0};
+const ReanchorBody kBody{.centre_T = Eigen::Vector3d::Zero(), .radius_mu = 1.0};
 
 /// A body 8 units away that turns by `turn_rad` over nine frames, so that the new landmarks' middle
 /// faces the camera in the last.
-std::vector<BridgeFrame> frames(double turn_rad, double predicted_rate = 1.0) {
-  std::vector<BridgeFrame> all;
+std::vector<ReanchorFrame> frames(double turn_rad, double predicted_rate = 1.0) {
+  std::vector<ReanchorFrame> all;
   const Eigen::Matrix3d facing =
       Eigen::Quaterniond::FromTwoVectors(truth().t_ba.normalized(), -Eigen::Vector3d::UnitZ())
           .toRotationMatrix();
@@ -40,11 +40,11 @@ std::vector<BridgeFrame> frames(double turn_rad, double predicted_rate = 1.0) {
   return all;
 }
 
-TEST(Bridge, IsExact_WhenThePredictionIs) {
+TEST(Reanchoring, IsExact_WhenThePredictionIs) {
   const auto all = frames(0.6);
-  const Result<Bridge> found = bridge_start(all, kBody);
+  const Result<Reanchoring> found = reanchor_start(all, kBody);
   ASSERT_TRUE(found.ok());
-  const Bridge& bridge = found.value();
+  const Reanchoring& bridge = found.value();
   EXPECT_LT(rotation_angle_rad(bridge.to_T.R_ba, truth().R_ba), 1e-9);
   // The body's near side is thought half a radius from its centre and is 0.46: a few hundredths of
   // the radius stay, whatever the turn tells.
@@ -55,40 +55,40 @@ TEST(Bridge, IsExact_WhenThePredictionIs) {
   EXPECT_TRUE(bridge.agrees);
 }
 
-TEST(Bridge, KeepsTheOriginOnTheBody_WhenTheTurnTellsNothingOfItsDepth) {
+TEST(Reanchoring, KeepsTheOriginOnTheBody_WhenTheTurnTellsNothingOfItsDepth) {
   const auto all = frames(1e-4);
-  const Result<Bridge> found = bridge_start(all, kBody);
+  const Result<Reanchoring> found = reanchor_start(all, kBody);
   ASSERT_TRUE(found.ok());
   EXPECT_LT((found.value().to_T.t_ba - kBody.centre_T).norm(), kBody.radius_mu);
 }
 
-TEST(Bridge, SaysThatTheMotionsContradict_WhenTheyTurnByDifferentRates) {
-  EXPECT_TRUE(bridge_start(frames(0.6, 0.9), kBody).value().agrees);
-  const Result<Bridge> mirrored = bridge_start(frames(0.6, -1.0), kBody);
+TEST(Reanchoring, SaysThatTheMotionsContradict_WhenTheyTurnByDifferentRates) {
+  EXPECT_TRUE(reanchor_start(frames(0.6, 0.9), kBody).value().agrees);
+  const Result<Reanchoring> mirrored = reanchor_start(frames(0.6, -1.0), kBody);
   ASSERT_TRUE(mirrored.ok());
   EXPECT_FALSE(mirrored.value().agrees);
   EXPECT_GT(mirrored.value().misfit_rad, 0.2);
 }
 
-TEST(Bridge, DoesNotHold_WhereTheBodyMayHaveTurnedByAnything) {
+TEST(Reanchoring, DoesNotHold_WhereTheBodyMayHaveTurnedByAnything) {
   auto all = frames(0.6);
-  for (BridgeFrame& frame : all) frame.predicted_sigma_rad = 0.9;
-  EXPECT_TRUE(bridge_start(all, kBody).value().agrees);
-  for (BridgeFrame& frame : all) frame.predicted_sigma_rad = 1.1;
-  EXPECT_FALSE(bridge_start(all, kBody).value().agrees) << "however alike the rates are";
+  for (ReanchorFrame& frame : all) frame.predicted_sigma_rad = 0.9;
+  EXPECT_TRUE(reanchor_start(all, kBody).value().agrees);
+  for (ReanchorFrame& frame : all) frame.predicted_sigma_rad = 1.1;
+  EXPECT_FALSE(reanchor_start(all, kBody).value().agrees) << "however alike the rates are";
 }
 
-TEST(Bridge, RefusesWhatItCannotUse) {
+TEST(Reanchoring, RefusesWhatItCannotUse) {
   const auto all = frames(0.6);
-  EXPECT_EQ(bridge_start(std::span(all).first(2), kBody).error().code,
+  EXPECT_EQ(reanchor_start(std::span(all).first(2), kBody).error().code,
             ErrorCode::kTooFewObservations);
-  EXPECT_EQ(bridge_start(all, {.radius_mu = 0.0}).error().code, ErrorCode::kDegenerate);
+  EXPECT_EQ(reanchor_start(all, {.radius_mu = 0.0}).error().code, ErrorCode::kDegenerate);
   auto without_sigma = all;
   without_sigma[3].predicted_sigma_rad = 0.0;
-  EXPECT_EQ(bridge_start(without_sigma, kBody).error().code, ErrorCode::kDegenerate);
+  EXPECT_EQ(reanchor_start(without_sigma, kBody).error().code, ErrorCode::kDegenerate);
   without_sigma = all;
   without_sigma[3].predicted_sigma_mu = 0.0;
-  EXPECT_EQ(bridge_start(without_sigma, kBody).error().code, ErrorCode::kDegenerate);
+  EXPECT_EQ(reanchor_start(without_sigma, kBody).error().code, ErrorCode::kDegenerate);
 }
 
 }  // namespace

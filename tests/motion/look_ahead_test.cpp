@@ -1,4 +1,4 @@
-#include "motion/prediction_walk.hpp"
+#include "motion/look_ahead.hpp"
 
 #include <gtest/gtest.h>
 
@@ -39,12 +39,12 @@ struct Walked {
 };
 
 Walked walk_to_the_end(const RigidModel& model, std::int64_t timestamp_ns) {
-  auto walk = std::make_unique<PredictionWalk>();
-  EXPECT_TRUE(begin_walk(model, timestamp_ns, walk.get()));
+  auto walk = std::make_unique<LookAhead>();
+  EXPECT_TRUE(begin_look_ahead(model, timestamp_ns, walk.get()));
   Walked walked;
   while (walk->under_way && walked.frames < 1000) {
     ++walked.frames;
-    if (const auto reached = walk_on(walk.get())) {
+    if (const auto reached = continue_look_ahead(walk.get())) {
       walked.told.push_back(*reached);
     }
   }
@@ -79,22 +79,22 @@ TEST_P(PredictionWalks, TakeBoundedWorkAFrame) {
   const RigidModel model = model_of(GetParam() * Eigen::Vector3d(0.3, 0.8, 0.5), 60, 1.0);
   const Walked walked = walk_to_the_end(model, model.reference_ns);
   const double steps =
-      model.reference.w_T_rad_s.norm() * kPredictionsAhead_s.back() / kTurningStepAngle_rad;
-  // A part for every kWalkStepsMax steps, and one that ends early for every time that is told.
+      model.reference.w_T_rad_s.norm() * kPredictionsAhead_s.back() / kRotationStepAngle_rad;
+  // A part for every kLookAheadStepsMax steps, and one that ends early for every time that is told.
   EXPECT_LE(walked.frames,
-            static_cast<int>(1.2 * steps / kWalkStepsMax) +
+            static_cast<int>(1.2 * steps / kLookAheadStepsMax) +
                 static_cast<int>(kPredictionsAhead_s.size()) + 1);
-  EXPECT_GE(walked.frames, static_cast<int>(0.8 * steps / kWalkStepsMax));
+  EXPECT_GE(walked.frames, static_cast<int>(0.8 * steps / kLookAheadStepsMax));
 }
 
 INSTANTIATE_TEST_SUITE_P(DegreesASecond, PredictionWalks, ::testing::Values(0.5, 4.0, 25.0));
 
-TEST(PredictionWalk, OfARefusedModelDoesNotBegin) {
-  auto walk = std::make_unique<PredictionWalk>();
+TEST(LookAhead, OfARefusedModelDoesNotBegin) {
+  auto walk = std::make_unique<LookAhead>();
   walk->under_way = true;
-  EXPECT_FALSE(begin_walk({}, 1'000, walk.get()));
+  EXPECT_FALSE(begin_look_ahead({}, 1'000, walk.get()));
   EXPECT_FALSE(walk->under_way);
-  EXPECT_FALSE(walk_on(walk.get()).has_value());
+  EXPECT_FALSE(continue_look_ahead(walk.get()).has_value());
 }
 
 /// Of the axis that the body turns about, by integration: where it points after a period of the
@@ -102,7 +102,7 @@ TEST(PredictionWalk, OfARefusedModelDoesNotBegin) {
 double precession_by_integration_s(const Eigen::Vector3d& J, const Eigen::Vector3d& w, int axis) {
   const Inertia inertia{.J_T = J.asDiagonal(), .J_inverse = J.cwiseInverse().asDiagonal()};
   const double period_s = spin_period_s(J.asDiagonal(), w);
-  TurningState state{.time_s = 0.0, .R_IT = Eigen::Matrix3d::Identity(), .w_T_rad_s = w};
+  RotationState state{.time_s = 0.0, .R_IT = Eigen::Matrix3d::Identity(), .w_T_rad_s = w};
   const Eigen::Vector3d h_I = J.cwiseProduct(w).normalized();
   const Eigen::Vector3d across = h_I.unitOrthogonal();
   const auto azimuth_rad = [&] {

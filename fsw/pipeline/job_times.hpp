@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstdint>
+
+namespace polhode {
+
+/// When a job is issued, and when its result is taken.
+struct JobTimes {
+  std::uint32_t step = 0;
+  std::uint32_t delay = 0;  ///< steps
+};
+
+}  // namespace polhode
