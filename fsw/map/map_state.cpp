@@ -24,6 +24,8 @@ void drop_reference(MapState* state) { state->reference.valid = false; }
 void reset_map(MapState* state) {
   clear(&state->map);
   state->drift = {};
+  state->growth = {};
+  state->last_adjustment_of_all = {};
   state->reference.valid = false;
   state->reference.points.clear();
   state->localised.matches.clear();

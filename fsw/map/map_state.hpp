@@ -25,6 +25,18 @@ struct MapCounts {
   std::uint32_t closures = 0;
 };
 
+/// By what the map has grown while an adjustment of it was out; the next one is for that.
+struct GrowthWaiting {
+  bool any = false;
+  bool closed = false;  ///< a loop, too
+};
+
+/// How large the map was when all of it was adjusted last.
+struct LastAdjustment {
+  std::uint32_t keyframes = 0;
+  std::uint32_t next_keyframe_number = 0;
+};
+
 /// Working memory; contents mean nothing between calls.
 struct MapScratch {
   LocaliseScratch localise;
@@ -41,6 +53,8 @@ struct MapState {
   Pyramid pyramid;                 ///< of this frame, once it is followed
   LocalisedFrame localised;        ///< this frame's pose and matches
   bool pose_valid = false;         ///< this frame has a pose
+  GrowthWaiting growth;
+  LastAdjustment last_adjustment_of_all;
   double moved_rad = 0.0;  ///< by an adjustment taken in this step, under poses given before it
   MapCounts counts;
   MapScratch scratch;

@@ -25,9 +25,10 @@ BundleOptions bundle_options(int iterations_max) {
 
 /// All keyframes are adjusted together each time the map has grown by a fifth, or had as many
 /// replaced, unless memory is short.
-bool wants_adjustment_of_all(const AdjustmentView& view, const LastAdjustment& last) {
-  return !view.short_of_memory &&
-         5 * (view.mapping->map.next_keyframe_number - last.next_keyframe_number) > last.keyframes;
+bool wants_adjustment_of_all(bool short_of_memory, const MapState& mapping) {
+  const LastAdjustment& last = mapping.last_adjustment_of_all;
+  return !short_of_memory &&
+         5 * (mapping.map.next_keyframe_number - last.next_keyframe_number) > last.keyframes;
 }
 
 /// @param closed  a loop that closes brings residuals of many sigma, which a narrow loss would take
@@ -74,42 +75,44 @@ void add_priors(const AdjustmentView& view, AdjustmentSnapshot* snapshot) {
 
 }  // namespace
 
-void prepare_adjustment_of_all(const AdjustmentView& view, JobQueue* queue) {
-  AdjustmentJob& job = queue->adjustment;
-  const Map& map = view.mapping->map;
-  snapshot_all(map, *view.camera, &job.snapshot);
-  queue->last_adjustment_of_all = {.keyframes = static_cast<std::uint32_t>(map.keyframe_count),
-                                   .next_keyframe_number = map.next_keyframe_number};
-  job.motion = view.parameters->motion;
+void prepare_adjustment_of_all(const AdjustmentView& view, MapState* mapping, AdjustmentJob* job) {
+  const Map& map = mapping->map;
+  snapshot_all(map, *view.camera, &job->snapshot);
+  mapping->last_adjustment_of_all = {.keyframes = static_cast<std::uint32_t>(map.keyframe_count),
+                                     .next_keyframe_number = map.next_keyframe_number};
+  job->motion = view.parameters->motion;
   // What comes while the job is out can only follow as a whole, and the motion reshapes a young
   // map.
   const bool old_enough = map.keyframe_count >= 5 * view.parameters->jobs.delay_frames;
-  job.as_free_body =
-      old_enough && job.motion.mode == MotionMode::kDynamics && job.motion.forgetting_s == 0.0;
-  job.body_radius_mu = map.radius_mu;
-  job.model = view.motion->model;
-  job.model_unwanted = false;
+  job->as_free_body =
+      old_enough && job->motion.mode == MotionMode::kDynamics && job->motion.forgetting_s == 0.0;
+  job->body_radius_mu = map.radius_mu;
+  job->model = view.motion->model;
+  job->model_unwanted = false;
 }
 
 void ask_for_adjustment_of_all(AdjustmentReason reason,
                                const AdjustmentView& view,
+                               MapState* mapping,
                                JobQueue* queue) {
-  prepare_adjustment_of_all(view, queue);
+  prepare_adjustment_of_all(view, mapping, &queue->adjustment);
   ask_for(reason, false, view, queue);
 }
 
-void ask_for_adjustment_after_growth(const AdjustmentView& view, JobQueue* queue) {
-  const Map& map = view.mapping->map;
+void ask_for_adjustment_after_growth(const AdjustmentView& view,
+                                     MapState* mapping,
+                                     JobQueue* queue) {
+  const Map& map = mapping->map;
   const auto order = keyframes_by_age(map);
-  if (!queue->growth.any || is_out(queue->map) || order.empty()) {
+  if (!mapping->growth.any || is_out(queue->map) || order.empty()) {
     return;
   }
-  const bool closed = std::exchange(queue->growth, {}).closed;
+  const bool closed = std::exchange(mapping->growth, {}).closed;
   AdjustmentJob& job = queue->adjustment;
   job.keyframe = order[0];
   job.keyframe_number = map.keyframes[order[0].index()].number;
-  if (closed || wants_adjustment_of_all(view, queue->last_adjustment_of_all)) {
-    prepare_adjustment_of_all(view, queue);
+  if (closed || wants_adjustment_of_all(view.short_of_memory, *mapping)) {
+    prepare_adjustment_of_all(view, mapping, &job);
   } else {
     const int window = view.parameters->map.window_keyframes / (view.short_of_memory ? 2 : 1);
     snapshot_window(map, *view.camera, std::max(kWindowLeast, window), &job.snapshot);

@@ -13,9 +13,8 @@ struct MapState;
 struct MotionEstimate;
 struct Parameters;
 
-/// What an adjustment is prepared from. Pointers are never null.
+/// What an adjustment is prepared from beside the map. Pointers are never null.
 struct AdjustmentView {
-  const MapState* mapping = nullptr;
   const MotionEstimate* motion = nullptr;
   const Parameters* parameters = nullptr;
   const CameraModel* camera = nullptr;
@@ -25,17 +24,20 @@ struct AdjustmentView {
 
 /// Copies all of the map, with its motion where that is one of free bodies: paper mode knows no
 /// dynamics, and what is to be forgotten must not shape the map.
-void prepare_adjustment_of_all(const AdjustmentView& view, JobQueue* queue);
+void prepare_adjustment_of_all(const AdjustmentView& view, MapState* mapping, AdjustmentJob* job);
 
 /// Asks for an adjustment of all of the map.
 void ask_for_adjustment_of_all(AdjustmentReason reason,
                                const AdjustmentView& view,
+                               MapState* mapping,
                                JobQueue* queue);
 
 /// Asks for the adjustment after the last keyframes, when there are new ones and no other work of
 /// the map is out: of a window, or of all keyframes where a loop has closed or the map has grown by
 /// a fifth since that was done last.
-void ask_for_adjustment_after_growth(const AdjustmentView& view, JobQueue* queue);
+void ask_for_adjustment_after_growth(const AdjustmentView& view,
+                                     MapState* mapping,
+                                     JobQueue* queue);
 
 /// The rounds of an adjustment that brings the map to convergence in one.
 void set_rounds(int iterations_max, AdjustmentJob* job);

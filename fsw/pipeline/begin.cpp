@@ -38,7 +38,8 @@ void take_over_start(const Similarity& to_T, Component::State* s) {
   s->jobs.adjustment.first_keyframe = map.next_keyframe_number;
   begin_map(start, s->initialisation.tracks, to_T, s->configuration.parameters.map, &map);
   refresh_landmarks(&map, camera);
-  ask_for_adjustment_of_all(AdjustmentReason::kMapBegun, adjustment_view(*s), &s->jobs);
+  ask_for_adjustment_of_all(
+      AdjustmentReason::kMapBegun, adjustment_view(*s), &s->mapping, &s->jobs);
   start_drift(start, to_T, &s->mapping.drift);
   change_mode(ModeEvent::kMapBegun, &s->mode);
 }

@@ -117,7 +117,7 @@ void visit_persistent(Visitor&& visit, State& s) {
   visit(s.motion);
   visit(s.shape);
   visit(s.scale);
-  visit(s.jobs.last_adjustment_of_all);
+  visit(s.mapping.last_adjustment_of_all);
   visit(s.bus.stream.sequence);
   visit(s.bus.stream.not_sent);
   visit(s.bus.events.counts);
@@ -137,9 +137,9 @@ struct WorkLost {
   bool shape_asked = false;
 };
 
-WorkLost work_lost(const JobQueue& jobs) {
+WorkLost work_lost(const JobQueue& jobs, const GrowthWaiting& growth) {
   const bool adjusts = is_out_with<AdjustmentJob>(jobs.map) && !jobs.map.unwanted;
-  return {.loop_open = jobs.growth.closed || (adjusts && jobs.adjustment.closed),
+  return {.loop_open = growth.closed || (adjusts && jobs.adjustment.closed),
           .shape_asked = is_out(jobs.shape)};
 }
 
@@ -192,7 +192,7 @@ std::size_t save_checkpoint(const Component& component, std::span<std::uint8_t> 
   Writer writer(out);
   writer.put(fingerprint(s));
   visit_persistent([&](const auto& value) { writer.put(value); }, s);
-  writer.put(work_lost(s.jobs));
+  writer.put(work_lost(s.jobs, s.mapping.growth));
   put_used(s.mapping.map.keyframes, &writer);
   put_used(s.mapping.map.landmarks, &writer);
   return writer.used();
@@ -210,7 +210,7 @@ bool restore_checkpoint(std::span<const std::uint8_t> octets, Component* compone
   WorkLost lost;
   taken = taken && reader.take(&lost);
   POLHODE_ASSERT(taken, octets.size());
-  s->jobs.growth.closed = lost.loop_open;
+  s->mapping.growth.closed = lost.loop_open;
   if (lost.shape_asked) {
     ask_shape_again(&s->shape);
   }

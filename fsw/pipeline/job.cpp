@@ -40,7 +40,7 @@ std::uint32_t due_step(const Job& job) { return job.due_step; }
 
 void issue_job(JobWork work, const JobTimes& times, Job* job, JobQueue* queue) {
   POLHODE_ASSERT(!is_out(*job), job->due_step);
-  *job = {.work = work, .issued_step = times.step, .due_step = times.step + times.delay};
+  *job = {.work = work, .due_step = times.step + times.delay};
   ++queue->counts.issued;
 }
 
@@ -58,13 +58,13 @@ void invalidate_all(JobQueue* queue) {
     job->unwanted = true;
   }
   queue->adjustment.model_unwanted = true;
-  queue->growth = {};
 }
 
-Jobs jobs_of_step(std::uint32_t step, JobQueue* queue) {
+Jobs hand_out(JobQueue* queue) {
   Jobs jobs;
   for (Job* const job : {&queue->map, &queue->fit, &queue->shape}) {
-    if (is_out(*job) && job->issued_step == step) {
+    if (is_out(*job) && !job->handed_out) {
+      job->handed_out = true;
       (void)jobs.push_back(job);
     }
   }

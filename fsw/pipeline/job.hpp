@@ -27,7 +27,7 @@ struct Job {
   bool done = false;
   bool skipped = false;   ///< there is no result
   bool unwanted = false;  ///< the result is for nothing: what it was taken from is no longer there
-  std::uint32_t issued_step = 0;
+  bool handed_out = false;  ///< to the caller, with the output of the step that issued it
   std::uint32_t due_step = 0;
 };
 
@@ -38,18 +38,6 @@ template <typename Work>
 [[nodiscard]] bool is_out_with(const Job& job) {
   return std::holds_alternative<Work*>(job.work);
 }
-
-/// By what the map has grown while an adjustment of it was out; the next one is for that.
-struct GrowthWaiting {
-  bool any = false;
-  bool closed = false;  ///< a loop, too
-};
-
-/// How large the map was when all of it was adjusted last.
-struct LastAdjustment {
-  std::uint32_t keyframes = 0;
-  std::uint32_t next_keyframe_number = 0;
-};
 
 /// Since they were last taken.
 struct JobCounts {
@@ -62,13 +50,11 @@ struct JobQueue {
   Job map;  ///< an initialisation or an adjustment
   Job fit;
   Job shape;
+  JobCounts counts;
   StartJob start;
   AdjustmentJob adjustment;
   FitJob fit_work;
   ShapeJob shape_work;
-  GrowthWaiting growth;
-  LastAdjustment last_adjustment_of_all;
-  JobCounts counts;
 };
 
 /// Sends off what has been prepared: to the caller with this step's output, or, with a delay of 0,
@@ -85,7 +71,7 @@ void invalidate_start(JobQueue* queue);
 /// What is out belongs to a target that is forgotten.
 void invalidate_all(JobQueue* queue);
 
-/// The jobs issued in this step, for the caller to run.
-[[nodiscard]] Jobs jobs_of_step(std::uint32_t step, JobQueue* queue);
+/// The jobs issued in this step, for the caller to run; each is handed out once.
+[[nodiscard]] Jobs hand_out(JobQueue* queue);
 
 }  // namespace polhode

@@ -33,7 +33,7 @@ MapCorrection take_over(Component::State* s) {
   const AdjustmentJob& job = s->jobs.adjustment;
   const MapUpdate update = take_adjusted(job.snapshot, job.usable, job.closed, &s->mapping);
   if (job.closed && !update.applied) {
-    s->jobs.growth.closed = true;
+    s->mapping.growth.closed = true;
   }
   if (update.applied && job.as_free_body && job.model.accepted() && !job.model_unwanted) {
     take_motion_of_map(transformed(job.model, update.correction.back), s);
@@ -92,8 +92,7 @@ void restate(Component::State* s) {
 
 AdjustmentView adjustment_view(const Component::State& s) {
   const Parameters& parameters = s.configuration.parameters;
-  return {.mapping = &s.mapping,
-          .motion = &s.motion,
+  return {.motion = &s.motion,
           .parameters = &parameters,
           .camera = &s.configuration.camera,
           .short_of_memory = s.steps_to_shed > 0,
@@ -104,7 +103,7 @@ void take_adjustment(Component::State* s) {
   const AdjustmentJob& job = s->jobs.adjustment;
   const CameraModel& camera = s->configuration.camera;
   move_since(take_over(s), s);
-  if (!s->jobs.growth.closed) {
+  if (!s->mapping.growth.closed) {
     // This would untie a loop that is still to be closed: its ends are sigmas apart.
     cull_misfits(camera, &s->mapping);
   }
@@ -112,7 +111,8 @@ void take_adjustment(Component::State* s) {
   switch (job.reason) {
     case AdjustmentReason::kMapBegun:
       complete_map(job.first_keyframe, map_input(*s), &s->mapping);
-      ask_for_adjustment_of_all(AdjustmentReason::kMapCompleted, adjustment_view(*s), &s->jobs);
+      ask_for_adjustment_of_all(
+          AdjustmentReason::kMapCompleted, adjustment_view(*s), &s->mapping, &s->jobs);
       break;
     case AdjustmentReason::kMapCompleted:
       restate(s);
@@ -121,12 +121,12 @@ void take_adjustment(Component::State* s) {
       move_with_newest(job, s);
       break;
   }
-  ask_for_adjustment_after_growth(adjustment_view(*s), &s->jobs);
+  ask_for_adjustment_after_growth(adjustment_view(*s), &s->mapping, &s->jobs);
 }
 
 void adjust_all(int iterations_max, Component::State* s) {
   AdjustmentJob& job = s->jobs.adjustment;
-  prepare_adjustment_of_all(adjustment_view(*s), &s->jobs);
+  prepare_adjustment_of_all(adjustment_view(*s), &s->mapping, &s->jobs.adjustment);
   set_rounds(iterations_max, &job);
   run_adjustment(&job);
   (void)take_over(s);

@@ -141,7 +141,7 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   output.observations = s->answer.observations.view();
   bus::publish(view_of(use, unit, *s), &s->bus);
   output.packets = s->bus.stream.view();
-  output.jobs = jobs_of_step(s->clock.frame, &s->jobs);
+  output.jobs = hand_out(&s->jobs);
 }
 
 }  // namespace polhode

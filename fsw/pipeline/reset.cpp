@@ -9,7 +9,6 @@ void reset_map_and_motion(Component::State* s) {
   reset_poses(&s->motion);
   s->shape = {};
   s->bus.predictions.walk.under_way = false;
-  s->jobs.last_adjustment_of_all = {};
   invalidate_all(&s->jobs);
 }
 

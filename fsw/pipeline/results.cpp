@@ -35,7 +35,7 @@ void take_shape_result(const Job& job, Component::State* s) {
     return;
   }
   ++s->counters.shapes;
-  if (take_shape(work, job.issued_step, &s->shape)) {
+  if (take_shape(work, s->shape.frame_asked, &s->shape)) {
     bus::report(bus::EventId::kShapeKnown,
                 {.values = {static_cast<double>(work.outcome->cloud_points),
                             static_cast<double>(work.outcome->planes.size())}},

@@ -57,16 +57,17 @@ bool may_grow(const Component::State& s) {
 /// This frame becomes a keyframe; an adjustment is asked for, which waits for the one that is out.
 void grow(Component::State* s) {
   PictureState& picture = s->picture;
+  MapState& mapping = s->mapping;
   sharpen_outline(&picture.mask_state);
-  veto_features(picture.mask_state, &s->features.features, &s->mapping.localised.matches);
+  veto_features(picture.mask_state, &s->features.features, &mapping.localised.matches);
   stage_done(Stage::kMask, s->timer);
   if (!may_grow(*s)) {
     return;
   }
-  const Growth growth = grow_map(map_input(*s), &s->mapping);
+  const Growth growth = grow_map(map_input(*s), &mapping);
   if (growth.keyframe.valid()) {
-    s->jobs.growth = {.any = true, .closed = s->jobs.growth.closed || growth.loop_found};
-    ask_for_adjustment_after_growth(adjustment_view(*s), &s->jobs);
+    mapping.growth = {.any = true, .closed = mapping.growth.closed || growth.loop_found};
+    ask_for_adjustment_after_growth(adjustment_view(*s), &mapping, &s->jobs);
   }
 }
 

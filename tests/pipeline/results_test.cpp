@@ -95,7 +95,7 @@ TEST(Jobs, WhatGrewMeanwhileIsAdjustedNext) {
   Caller caller(parameters(), 6, Run::kWhenDue);
   int waited = 0;
   for (const Picture& picture : turning_ball()) {
-    const bool waiting = caller.state().jobs.growth.any;
+    const bool waiting = caller.state().mapping.growth.any;
     const Job* const before = caller.map_job_out();
     const bool due = before != nullptr && due_step(*before) == caller.component().next_step();
     (void)caller.show(picture);
