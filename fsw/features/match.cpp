@@ -67,8 +67,8 @@ void FeatureGrid::build(std::span<const Feature> features, int width_px, int hei
   height_px_ = height_px;
   first_.fill(0);
   const auto cell = [&](const Feature& f) {
-    return static_cast<std::size_t>(cell_of(f.v_px, height_px_) * kCells +
-                                    cell_of(f.u_px, width_px_));
+    return static_cast<std::size_t>(cell_of(static_cast<double>(f.v_px), height_px_) * kCells +
+                                    cell_of(static_cast<double>(f.u_px), width_px_));
   };
   for (const Feature& f : features) {
     ++first_[cell(f) + 1];

@@ -1,7 +1,7 @@
 // From the winner of the selection to poses, points and covariances of all tracks.
 #include <algorithm>
 #include <cmath>
-#include <ranges>
+#include <numeric>
 
 #include "base/median.hpp"
 #include "geometry/so3.hpp"
@@ -120,7 +120,9 @@ void adjust_all_tracks(const Selection& c, StartOutcome* out) {
           c.w.observations.view(), view, selection_loss(c, 0), covariances, &c.w.adjustment)) {
     return;
   }
-  const auto all = std::views::iota(0, static_cast<int>(c.problem.tracks.size()));
+  FixedVector<int, limits::kStartTracks> all;
+  all.resize(c.problem.tracks.size());
+  std::iota(all.begin(), all.end(), 0);
   out->depth_sigma = median_depth_sigma(c, all);
   // The selection's tracks are the longest, and decide on the geometry. On a body that rotates fast
   // most other tracks last three or four frames and know little of their own depth

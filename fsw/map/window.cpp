@@ -295,7 +295,7 @@ BundleReport adjust(AdjustmentSnapshot* s,
 }
 
 MapCorrection apply(const AdjustmentSnapshot& s, Map* map) {
-  const MapCorrection correction = correction_of(s, *map);
+  MapCorrection correction = correction_of(s, *map);
   if (!all_in_front(s, correction, *map)) {
     return {};
   }

@@ -250,7 +250,7 @@ Result<RotationSolution> fit_attitudes(const RotationProblem& problem,
     RotationSolution solution;
     solution.reference = previous.reference;
     solution.shape = previous.shape;
-    const auto warm = refine_rotation(problem, solution, 0, problem.samples.size());
+    auto warm = refine_rotation(problem, solution, 0, problem.samples.size());
     if (warm && chi2_per_dof(warm.value()) < kChi2PerDofMax) {
       return warm;
     }
