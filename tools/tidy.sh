@@ -2,7 +2,7 @@
 # clang-tidy over the C++ of fsw and platform, by .clang-tidy. Needs a configured build (tools/build.sh release).
 #   tools/tidy.sh            what the last commit changed, and what is not committed
 #   tools/tidy.sh --list     names those files and checks nothing
-#   tools/tidy.sh --all      everything: about half an hour on two cores
+#   tools/tidy.sh --all      everything: ten to thirty minutes on two cores
 #   tools/tidy.sh FILE...
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -127,9 +127,6 @@ bus::View view_of(FrameUse use, const bus::LengthUnit& unit, const Component::St
 }  // namespace
 
 void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
-  if (!s->mapping.pose_valid) {
-    s->mapping.localised.matches.clear();
-  }
   const bus::LengthUnit unit{.known = s->scale.known,
                              .metres_per_mu = s->scale.metres_per_mu,
                              .relative_sigma = length_sigma(s->scale, s->mapping.drift)};

@@ -32,6 +32,7 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
 /// A frame without a pose.
 void lose(Component::State* s) {
   drop_reference(&s->mapping);
+  s->mapping.localised.matches.clear();
   if (s->mode.now == Mode::kTracking) {
     ++s->counters.lost;
     clear(&s->initialisation.tracks);

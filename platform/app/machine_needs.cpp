@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <ranges>
 #include <string_view>
 
 #include "camera/v4l2/formats.hpp"
@@ -26,7 +25,11 @@ std::size_t buffer_octets_per_pixel(std::string_view pixel_format) {
   if (const PixelPacking* packing = find_packing(pixel_format)) {
     return octets(*packing);
   }
-  return std::ranges::max(pixel_packings() | std::views::transform(octets));
+  std::size_t most = 0;
+  for (const PixelPacking& packing : pixel_packings()) {
+    most = std::max(most, octets(packing));
+  }
+  return most;
 }
 
 }  // namespace

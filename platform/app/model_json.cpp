@@ -67,7 +67,8 @@ Json paper(const ModelInput& input) {
 
 /// Poses that are the dynamics' own share its error, however many they are: what they scatter by,
 /// and what the square root of their number leaves of their sigmas, says nothing of it.
-void withhold_sigmas(Json* json) {
+// It is a few levels deep, as it is written here.
+void withhold_sigmas(Json* json) {  // NOLINT(misc-no-recursion)
   for (auto& [key, value] : json->items()) {
     if (key.starts_with("sigma_") || key.starts_with("chi2_") || key.starts_with("rms_")) {
       value = nullptr;

@@ -32,7 +32,7 @@ std::string text_of(const toml::node& node, const Place& place) {
 }
 
 std::string address_of(const toml::node& node, const Place& place) {
-  const std::string text = text_of(node, place);
+  std::string text = text_of(node, place);
   try {
     (void)parse_address(text);
   } catch (const UnusableInput& problem) {

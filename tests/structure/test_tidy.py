@@ -1,4 +1,4 @@
-"""clang-tidy on what has changed; on everything by tools/tidy.sh --all, which takes half an hour."""
+"""clang-tidy on what has changed; on everything by tools/tidy.sh --all, which takes ten to thirty minutes."""
 
 import shutil
 import subprocess

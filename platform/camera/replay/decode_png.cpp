@@ -148,10 +148,10 @@ class Reader {
   [[nodiscard]] Pass part_of(int pass) const {
     return {.columns = PNG_PASS_COLS(width(), pass),
             .rows = PNG_PASS_ROWS(height(), pass),
-            .first_column = PNG_PASS_START_COL(pass),
-            .first_row = PNG_PASS_START_ROW(pass),
-            .column_step = PNG_PASS_COL_OFFSET(pass),
-            .row_step = PNG_PASS_ROW_OFFSET(pass)};
+            .first_column = static_cast<std::size_t>(PNG_PASS_START_COL(pass)),
+            .first_row = static_cast<std::size_t>(PNG_PASS_START_ROW(pass)),
+            .column_step = static_cast<std::size_t>(PNG_PASS_COL_OFFSET(pass)),
+            .row_step = static_cast<std::size_t>(PNG_PASS_ROW_OFFSET(pass))};
   }
 
   void place(const std::uint8_t* row, const Pass& part, std::size_t r, std::uint8_t* pixels) const {

@@ -30,7 +30,7 @@ bool overflows(std::size_t count, std::size_t octets) {
   return octets != 0 && count > SIZE_MAX / octets;
 }
 
-const bool g_declared = [] {
+const bool kDeclared = [] {
   polhode::platform::declare_memory_fixed();
   return true;
 }();
