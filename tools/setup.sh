@@ -12,7 +12,7 @@ cd "$(dirname "$0")/.."
 TOOLS=(clang-format clang-tidy cmake g++ ninja-build pkg-config python3 python3-venv valgrind)
 LIBRARIES=(
   # estimation: linear algebra, least squares, minimal solvers, image operations, nearest neighbours
-  libceres-dev libeigen3-dev liblz4-dev libopencv-dev libopengv-dev
+  libceres-dev libeigen3-dev libflann-dev liblz4-dev libopencv-dev libopengv-dev
   # platform: images, configuration, command line, text, JSON, SHA-256
   libcli11-dev libfmt-dev libgoogle-glog-dev libjpeg62-turbo-dev libpng-dev libssl-dev libtomlplusplus-dev libturbojpeg0-dev libyaml-cpp-dev nlohmann-json3-dev
   # tests

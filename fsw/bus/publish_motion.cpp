@@ -97,7 +97,7 @@ void send_prediction(const View& view, bool due, BusState* bus) {
   if (!reached) {
     return;
   }
-  reached->covariance += turned(ahead.R_IC, view.drift->bridge);
+  reached->covariance += turned(ahead.R_IC, view.drift->reanchoring);
   PredictionPacket packet =
       to_packet(*reached, ahead.walk.model, ahead.R_IC.transpose(), view.unit);
   packet.timestamp_ns = ahead.timestamp_ns;

@@ -1,4 +1,4 @@
-// A map, or a further part of one, from a contest that was won.
+// A map, or a further part of one, from the selected hypothesis.
 #pragma once
 
 #include "geometry/alignment.hpp"

@@ -58,15 +58,16 @@ void add_reanchoring(double attitude_sigma_rad,
                      double position_sigma_mu,
                      std::uint32_t next_keyframe,
                      MapDrift* drift) {
-  drift->bridge.topLeftCorner<3, 3>().diagonal().array() += attitude_sigma_rad * attitude_sigma_rad;
-  drift->bridge.bottomRightCorner<3, 3>().diagonal().array() +=
+  drift->reanchoring.topLeftCorner<3, 3>().diagonal().array() +=
+      attitude_sigma_rad * attitude_sigma_rad;
+  drift->reanchoring.bottomRightCorner<3, 3>().diagonal().array() +=
       position_sigma_mu * position_sigma_mu;
   drift->reanchored_keyframe = next_keyframe;
 }
 
 void close_reanchoring(MapDrift* drift) {
   constexpr double kBetween = 0.25;  // of the variance: half of the sigma
-  drift->bridge *= kBetween;
+  drift->reanchoring *= kBetween;
   drift->reanchored_keyframe = 0;
 }
 
@@ -76,7 +77,7 @@ void replace_random_walk(const PoseCovariance& covariance, MapDrift* drift) {
 }
 
 PoseCovariance covariance(const MapDrift& drift) {
-  PoseCovariance sum = drift.walk + drift.bridge;
+  PoseCovariance sum = drift.walk + drift.reanchoring;
   if (drift.turn_rad > 0.0) {
     const double turn_rad =
         unit_sigma(drift);  // the same part: lateral by depth is the turn's tangent

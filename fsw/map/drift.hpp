@@ -15,15 +15,15 @@ namespace polhode {
 /// shrinks as the body turns on; landmarks that were placed by the start leave slowly, so it does
 /// so with the largest turn seen, not with its square, as the images would allow (measured: the
 /// square is too quick by a factor of two on fifteen sequences). The walk: a map grows keyframe by
-/// keyframe, each placed by the last ones with its own error. The bridge: a start after a loss is
-/// set into the T of before by the motion in between, and what that left open is a constant of T
-/// from then on, of which no later picture tells.
+/// keyframe, each placed by the last ones with its own error. The re-anchoring: a start after a
+/// loss is set into the T of before by the motion in between, and what that left open is a constant
+/// of T from then on, of which no later picture tells.
 struct MapDrift {
   PoseCovariance walk = PoseCovariance::Zero();
   PoseCovariance held = PoseCovariance::Zero();  ///< what of it no closed loop lessens any more
-  PoseCovariance bridge = PoseCovariance::Zero();
+  PoseCovariance reanchoring = PoseCovariance::Zero();
   std::uint32_t reanchored_keyframe =
-      0;  ///< number of the first keyframe after the bridge; 0: there is nothing to close
+      0;  ///< number of the first keyframe after the re-anchoring; 0: there is nothing to close
   Eigen::Matrix3d R_first_CT =
       Eigen::Matrix3d::Identity();  ///< attitude of the start's first frame
   double start_turn_sigma = 0.0;    ///< of the start's turn, as a part of it
@@ -71,8 +71,8 @@ void add_reanchoring(double attitude_sigma_rad,
                      std::uint32_t next_keyframe,
                      MapDrift* drift);
 
-/// The parts of the map before and after the bridge have been fitted together: T is what is between
-/// them, so half of the bridge's sigma is left.
+/// The parts of the map before and after the re-anchoring have been fitted together: T is what is
+/// between them, so half of the re-anchoring's sigma is left.
 void close_reanchoring(MapDrift* drift);
 
 /// What the map's growth says of T is said anew.

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "geometry/camera_model.hpp"
-#include "geometry/pose_prediction.hpp"
 #include "map/drift.hpp"
 #include "map/follow.hpp"
 #include "map/landmarks.hpp"

@@ -22,25 +22,26 @@ Eigen::Matrix3d mean_rotation(std::span<const ReanchorFrame> frames) {
   return nearest_rotation(sum);
 }
 
-void judge_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* bridge) {
+void judge_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reanchoring) {
   double squares = 0.0;
   double sigma_rad = 0.0;
   for (const ReanchorFrame& frame : frames) {
-    const Eigen::Matrix3d R_CT = frame.start.R_CT * bridge->to_T.R_ba.transpose();
+    const Eigen::Matrix3d R_CT = frame.start.R_CT * reanchoring->to_T.R_ba.transpose();
     const double difference_rad = rotation_angle_rad(R_CT, frame.predicted.R_CT);
     squares += difference_rad * difference_rad;
     sigma_rad = std::max(sigma_rad, frame.predicted_sigma_rad);
-    bridge->turn_rad =
-        std::max(bridge->turn_rad, rotation_angle_rad(frame.start.R_CT, frames.front().start.R_CT));
+    reanchoring->turn_rad = std::max(
+        reanchoring->turn_rad, rotation_angle_rad(frame.start.R_CT, frames.front().start.R_CT));
   }
-  bridge->misfit_rad = std::sqrt(squares / static_cast<double>(frames.size()));
+  reanchoring->misfit_rad = std::sqrt(squares / static_cast<double>(frames.size()));
   // Of the start's turn: two motions that differ by more have no axis and rate in common.
   constexpr double kTurnPart = 0.25;
   // A phase that is off by this is within a half turn to three sigma; by more it says nothing of
   // where T is, however well a rate is known that brought it there.
   constexpr double kPhaseKnown_rad = 1.0;
-  bridge->agrees = frames.front().predicted_sigma_rad < kPhaseKnown_rad &&
-                   bridge->misfit_rad < std::max(kTurnPart * bridge->turn_rad, 3.0 * sigma_rad);
+  reanchoring->agrees =
+      frames.front().predicted_sigma_rad < kPhaseKnown_rad &&
+      reanchoring->misfit_rad < std::max(kTurnPart * reanchoring->turn_rad, 3.0 * sigma_rad);
 }
 
 /// Scale k, origin q and the prediction's common offset d with k p' - R' Q^T q + d = p over all
@@ -93,16 +94,16 @@ Result<Reanchoring> reanchor_start(std::span<const ReanchorFrame> frames,
   if (!sigmas || !(body.radius_mu > 0.0)) {
     return ErrorCode::kDegenerate;
   }
-  Reanchoring bridge;
-  bridge.to_T.R_ba = mean_rotation(frames);
-  const Eigen::Vector4d found = scale_and_origin(frames, body, bridge.to_T.R_ba);
+  Reanchoring reanchoring;
+  reanchoring.to_T.R_ba = mean_rotation(frames);
+  const Eigen::Vector4d found = scale_and_origin(frames, body, reanchoring.to_T.R_ba);
   if (!(found(0) > 0.0) || !found.allFinite()) {
     return ErrorCode::kDegenerate;
   }
-  bridge.to_T.scale = found(0);
-  bridge.to_T.t_ba = found.tail<3>();
-  judge_attitudes(frames, &bridge);
-  return bridge;
+  reanchoring.to_T.scale = found(0);
+  reanchoring.to_T.t_ba = found.tail<3>();
+  judge_attitudes(frames, &reanchoring);
+  return reanchoring;
 }
 
 }  // namespace polhode

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "geometry/pose_prediction.hpp"
 #include "map/map_state.hpp"
 
 namespace polhode {

@@ -21,7 +21,7 @@ bool reaches_over_reanchoring(const MapState& s) {
   });
 }
 
-void move_reference(const MapCorrection& correction, MapState* s) {
+void correct_reference(const MapCorrection& correction, MapState* s) {
   if (s->reference.valid && s->reference.frame > correction.frame) {
     s->reference.pose = correction.moved(s->reference.pose);
   }

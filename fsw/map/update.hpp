@@ -21,8 +21,8 @@ MapUpdate take_adjusted(const AdjustmentSnapshot& snapshot,
 /// Does the map still hold what was there before the last re-anchoring?
 [[nodiscard]] bool reaches_over_reanchoring(const MapState& state);
 
-/// The flow reference follows the keyframe that it was placed by.
-void move_reference(const MapCorrection& correction, MapState* state);
+/// A flow reference that is later than the adjusted keyframes moves along with them.
+void correct_reference(const MapCorrection& correction, MapState* state);
 
 /// A keyframe has been moved: the flow reference and this frame's pose are its own where they were.
 /// @param frame  this one. @return it is this frame's keyframe.

@@ -39,7 +39,7 @@ void ask_for_adjustment_after_growth(const AdjustmentView& view,
                                      MapState* mapping,
                                      JobQueue* queue);
 
-/// The rounds of an adjustment that brings the map to convergence in one.
+/// One round, and no loop that closes: for an adjustment here and now.
 void set_rounds(int iterations_max, AdjustmentJob* job);
 
 }  // namespace polhode

@@ -102,10 +102,10 @@ void begin_again(Component::State* s) {
     begin(s);
     return;
   }
-  const Reanchoring& bridge = found.value();
+  const Reanchoring& found_T = found.value();
   // What this leaves open of T: the prediction's own error at the first frame, where it is least,
   // and the disagreement over the start.
-  add_reanchoring(std::hypot(frames[0].predicted_sigma_rad, bridge.misfit_rad),
+  add_reanchoring(std::hypot(frames[0].predicted_sigma_rad, found_T.misfit_rad),
                   0.5 * mapping.map.radius_mu,
                   mapping.map.next_keyframe_number,
                   &mapping.drift);
@@ -116,7 +116,7 @@ void begin_again(Component::State* s) {
     reset_map_and_motion(s);
     mapping.drift = drift;
   }
-  take_over_start(bridge.to_T, s);
+  take_over_start(found_T.to_T, s);
 }
 
 }  // namespace

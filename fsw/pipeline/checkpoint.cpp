@@ -102,6 +102,8 @@ void visit_persistent(Visitor&& visit, State& s) {
   visit(s.configuration.parameters);  // as activated by command
   visit(s.configuration.table_crc);
   visit(s.counters);
+  visit(s.mapping.counts);  // a checkpoint may be written within a step
+  visit(s.jobs.counts);
   visit(s.mode.held);
   visit(s.clock.next_frame);
   visit(s.clock.timestamp_ns);

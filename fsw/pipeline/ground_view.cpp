@@ -4,12 +4,20 @@
 
 namespace polhode {
 
+bool motion_is_of_map(const Component& component) {
+  return motion_is_of_map(*ComponentAccess::state(component));
+}
+
+bool motion_is_of_map(const Component::State& s) {
+  const AdjustmentJob& last = s.jobs.adjustment;
+  return last.as_free_body && last.model.accepted() && s.motion.model.of_map;
+}
+
 GroundView view_of(const Component& component) {
   return view_of(*ComponentAccess::state(component));
 }
 
 GroundView view_of(const Component::State& s) {
-  const AdjustmentJob& last = s.jobs.adjustment;
   return {.parameters = s.configuration.parameters,
           .camera = s.configuration.camera,
           .gray = s.picture.gray,
@@ -20,8 +28,7 @@ GroundView view_of(const Component::State& s) {
           .last_pose = s.mapping.localised.absolute.pose,
           .model = s.motion.model,
           .scale = s.scale,
-          .target_frame = s.mapping.target_frame,
-          .model_is_of_map = last.as_free_body && last.model.accepted() && s.motion.model.of_map};
+          .target_frame = s.mapping.target_frame};
 }
 
 }  // namespace polhode

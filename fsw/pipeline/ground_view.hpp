@@ -31,8 +31,12 @@ struct GroundView {
   const RigidModel& model;  ///< of the motion so far
   const ScaleState& scale;
   std::uint32_t target_frame = 0;  ///< number of the frame T that the map is in
-  bool model_is_of_map = false;    ///< the last adjustment of all fitted it together with the map
 };
+
+/// Has the last adjustment of all fitted the motion together with the map? Only while no job is
+/// out: what a worker is writing is not looked at.
+bool motion_is_of_map(const Component& component);
+bool motion_is_of_map(const Component::State& state);
 
 GroundView view_of(const Component& component);
 GroundView view_of(const Component::State& state);

@@ -43,7 +43,7 @@ MapCorrection take_over(Component::State* s) {
 
 /// What was seen after the adjusted keyframes moves along.
 void move_since(const MapCorrection& correction, Component::State* s) {
-  move_reference(correction, &s->mapping);
+  correct_reference(correction, &s->mapping);
   if (move_poses_with_map(s->mapping.map, correction.timestamp_ns, &s->motion)) {
     s->mapping.moved_rad = rotation_angle_rad(correction.before.R_CT, correction.after.R_CT);
   }

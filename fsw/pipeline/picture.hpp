@@ -2,7 +2,6 @@
 #pragma once
 
 #include <opencv2/core.hpp>
-#include <optional>
 
 #include "base/fixed_vector.hpp"
 #include "config/limits.hpp"

@@ -104,7 +104,7 @@ bus::TableStatus table_status(const Configuration& c) {
           .memory_octets = c.memory_octets};
 }
 
-bus::View view_of(FrameUse use, const bus::LengthUnit& unit, const Component::State& s) {
+bus::View bus_view(FrameUse use, const bus::LengthUnit& unit, const Component::State& s) {
   const Configuration& c = s.configuration;
   return {.use = use,
           .verdict = s.picture.verdict,
@@ -136,7 +136,9 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   output.motion = motion_state(timestamp_ns, unit, s);
   list_observations(s->mapping, s->features.features, s->configuration.camera, &s->answer);
   output.observations = s->answer.observations.view();
-  bus::publish(view_of(use, unit, *s), &s->bus);
+  const bus::View view = bus_view(use, unit, *s);
+  bus::publish(view, &s->bus);
+  s->shape.is_new = s->shape.is_new && !view.has_map;  // else it has been sent
   output.packets = s->bus.stream.view();
   output.jobs = hand_out(&s->jobs);
 }

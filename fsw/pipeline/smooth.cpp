@@ -6,7 +6,6 @@
 #include "map/grow.hpp"
 #include "map/landmarks.hpp"
 #include "map/track.hpp"
-#include "map/update.hpp"
 #include "pipeline/counting.hpp"
 #include "pipeline/map_update.hpp"
 #include "pipeline/results.hpp"

@@ -18,14 +18,13 @@
 namespace polhode {
 namespace {
 
-/// Nothing of the last frame is left.
+/// A new frame, without features, matches or a pose yet.
 void begin_step(Component::State* s) {
   s->clock.frame = s->clock.next_frame++;
   begin_frame(&s->mapping);
   s->picture.verdict = {};
   s->features.ready = false;
   s->features.features.clear();
-  s->shape.is_new = false;
   s->bus.stream.size = 0;
   s->answer.output.checkpoint_asked = false;
 }
@@ -80,7 +79,7 @@ void find_target_now(const std::optional<PosePrediction>& predicted, Component::
   stage_done(Stage::kMask, s->timer);
 }
 
-void find_pose(const std::optional<PosePrediction>& predicted, Component::State* s) {
+void locate_target(const std::optional<PosePrediction>& predicted, Component::State* s) {
   if (s->mode.now == Mode::kAcquiring) {
     collect(s);
   } else {
@@ -156,7 +155,7 @@ const StepOutput& Component::step(const StepInput& input) {
                         s->clock.timestamp_ns,
                         s->motion.R_IC);
     find_target_now(predicted, s);
-    find_pose(predicted, s);
+    locate_target(predicted, s);
     measure_target(s);
     estimate_motion(s);
   } else if (s->mode.now == Mode::kTracking) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <numeric>
 
 #include "base/median.hpp"
 
@@ -15,47 +15,6 @@ constexpr std::size_t kNeighbour = 4;
 // For random points on a plane the mean distance to the k-th nearest goes as
 // Gamma(k + 1/2) / Gamma(k). The ratio of k = 4 to k = 1 is 1.939 / 0.886.
 constexpr double kFourthOverFirst = 2.19;
-
-/// Calls visit(squared distance in x, squared distance) for the other points. Goes from place `at`
-/// in both directions of x, in each until visit returns false.
-template <typename Visit>
-void scan_along_x(std::span<const Eigen::Vector3d> points_T,
-                  const CloudIndices& by_x,
-                  std::size_t at,
-                  const Visit& visit) {
-  const Eigen::Vector3d& centre = points_T[by_x[at]];
-  for (const int direction : {-1, 1}) {
-    for (auto i = static_cast<std::ptrdiff_t>(at) + direction;
-         i >= 0 && i < static_cast<std::ptrdiff_t>(by_x.size());
-         i += direction) {
-      const std::uint16_t other = by_x[static_cast<std::size_t>(i)];
-      const double dx = points_T[other].x() - centre.x();
-      if (!visit(dx * dx, (points_T[other] - centre).squaredNorm())) {
-        break;
-      }
-    }
-  }
-}
-
-/// Squared distance to the k-th nearest other point.
-double kth_distance2(std::span<const Eigen::Vector3d> points_T,
-                     const CloudIndices& by_x,
-                     std::size_t at) {
-  std::array<double, kNeighbour> nearest{};
-  nearest.fill(std::numeric_limits<double>::infinity());
-  scan_along_x(points_T, by_x, at, [&nearest](double dx2, double distance2) {
-    if (dx2 > nearest.back()) {
-      return false;
-    }
-    for (double& kept : nearest) {
-      if (distance2 < kept) {
-        std::swap(distance2, kept);
-      }
-    }
-    return true;
-  });
-  return nearest.back();
-}
 
 /// Number of the cube that holds a coordinate. Far points share the outermost cubes.
 std::int64_t cube(double coordinate, double edge) {
@@ -71,27 +30,15 @@ bool same_cube(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double edge) 
 
 }  // namespace
 
-void sort_by_x(std::span<const Eigen::Vector3d> points_T, CloudScratch& scratch) {
-  CloudIndices& by_x = scratch.by_x;
-  by_x.clear();
-  for (std::size_t i = 0; i < points_T.size(); ++i) {
-    POLHODE_ASSERT(by_x.push_back(static_cast<std::uint16_t>(i)), i);
-  }
-  std::sort(by_x.begin(), by_x.end(), [points_T](std::uint16_t a, std::uint16_t b) {
-    return points_T[a].x() != points_T[b].x() ? points_T[a].x() < points_T[b].x() : a < b;
-  });
-}
-
-Result<double> median_spacing(std::span<const Eigen::Vector3d> points_T, CloudScratch& scratch) {
+Result<double> median_spacing(std::span<const Eigen::Vector3d> points_T) {
   if (points_T.size() <= kNeighbour) {
     return ErrorCode::kTooFewObservations;
   }
-  sort_by_x(points_T, scratch);
+  const PointTree tree(points_T);
   FixedVector<float, limits::kCloudPoints> distances;
-  for (std::size_t at = 0; at < points_T.size(); ++at) {
-    POLHODE_ASSERT(distances.push_back(
-                       static_cast<float>(std::sqrt(kth_distance2(points_T, scratch.by_x, at)))),
-                   at);
+  for (std::size_t i = 0; i < points_T.size(); ++i) {
+    POLHODE_ASSERT(
+        distances.push_back(static_cast<float>(std::sqrt(tree.kth_distance2(i, kNeighbour)))), i);
   }
   const double spacing = static_cast<double>(median(distances.view())) / kFourthOverFirst;
   if (!(spacing > 0.0) || !std::isfinite(spacing)) {
@@ -105,17 +52,13 @@ std::size_t remove_outliers(double radius,
                             CloudScratch& scratch,
                             Cloud& cloud) {
   const std::size_t before = cloud.points_T.size();
-  const std::span<const Eigen::Vector3d> points_T = cloud.points_T.view();
-  sort_by_x(points_T, scratch);
+  const PointTree tree(cloud.points_T.view());
   FixedVector<std::uint8_t, limits::kCloudPoints> keep;
   keep.resize(before);
-  for (std::size_t at = 0; at < before; ++at) {
-    int neighbours = 0;
-    visit_neighbours(
-        points_T, scratch.by_x, at, radius, [&neighbours, radius](std::uint16_t, double distance2) {
-          neighbours += distance2 <= radius * radius ? 1 : 0;
-        });
-    keep[scratch.by_x[at]] = neighbours >= neighbours_min ? 1 : 0;
+  for (std::size_t i = 0; i < before; ++i) {
+    tree.within(cloud.points_T[i], radius, &scratch.indices);
+    const auto others = static_cast<int>(scratch.indices.size()) - 1;  // not itself
+    keep[i] = others >= neighbours_min ? 1 : 0;
   }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < before; ++i) {
@@ -134,26 +77,26 @@ std::size_t homogenise(double edge, CloudScratch& scratch, Cloud& cloud) {
   POLHODE_ASSERT(edge > 0.0, edge);
   const std::size_t before = cloud.points_T.size();
   const std::span<const Eigen::Vector3d> points_T = cloud.points_T.view();
-  sort_by_x(points_T, scratch);
-  std::sort(
-      scratch.by_x.begin(), scratch.by_x.end(), [points_T, edge](std::uint16_t a, std::uint16_t b) {
-        for (const Eigen::Index k : {0, 1, 2}) {
-          const std::int64_t cube_a = cube(points_T[a](k), edge);
-          const std::int64_t cube_b = cube(points_T[b](k), edge);
-          if (cube_a != cube_b) {
-            return cube_a < cube_b;
-          }
-        }
-        return a < b;
-      });
+  CloudIndices& by_cube = scratch.indices;
+  by_cube.resize(before);
+  std::iota(by_cube.begin(), by_cube.end(), std::uint16_t{0});
+  std::sort(by_cube.begin(), by_cube.end(), [points_T, edge](std::uint16_t a, std::uint16_t b) {
+    for (const Eigen::Index k : {0, 1, 2}) {
+      const std::int64_t cube_a = cube(points_T[a](k), edge);
+      const std::int64_t cube_b = cube(points_T[b](k), edge);
+      if (cube_a != cube_b) {
+        return cube_a < cube_b;
+      }
+    }
+    return a < b;
+  });
   auto& means_T = scratch.points_T;
   means_T.clear();
   for (std::size_t first = 0; first < before;) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     std::size_t next = first;
-    while (next < before &&
-           same_cube(points_T[scratch.by_x[first]], points_T[scratch.by_x[next]], edge)) {
-      sum += points_T[scratch.by_x[next++]];
+    while (next < before && same_cube(points_T[by_cube[first]], points_T[by_cube[next]], edge)) {
+      sum += points_T[by_cube[next++]];
     }
     POLHODE_ASSERT(means_T.push_back(sum / static_cast<double>(next - first)), first);
     first = next;
@@ -183,7 +126,7 @@ Result<double> denoise(std::span<const Eigen::Vector3d> landmarks_T,
     }
   }
   cloud.measured = cloud.points_T.size();
-  const Result<double> spacing = median_spacing(cloud.points_T.view(), scratch);
+  const Result<double> spacing = median_spacing(cloud.points_T.view());
   if (!spacing) {
     return spacing.error();
   }

@@ -11,6 +11,7 @@
 #include "base/result.hpp"
 #include "config/limits.hpp"
 #include "shape/options.hpp"
+#include "solve/point_tree.hpp"
 
 namespace polhode {
 
@@ -20,43 +21,21 @@ struct Cloud {
   std::size_t measured = 0;
 };
 
-using CloudIndices = FixedVector<std::uint16_t, limits::kCloudPoints>;
-static_assert(limits::kCloudPoints <= 65535);
+using CloudIndices = PointIndices;
 
 /// Workspace, owned by the caller. Holds nothing between calls.
 struct CloudScratch {
-  CloudIndices by_x;  ///< points sorted by x: neighbours lie within a slab
+  CloudIndices indices;  ///< what a search has found; an order of all points
   FixedVector<Eigen::Vector3d, limits::kCloudPoints> points_T;
 };
-
-/// Fills `scratch.by_x`.
-void sort_by_x(std::span<const Eigen::Vector3d> points_T, CloudScratch& scratch);
-
-/// Calls visit(index of another point, squared distance) for all points within `radius` of the
-/// point at place `at` of `by_x`, and some beyond it.
-template <typename Visit>
-void visit_neighbours(std::span<const Eigen::Vector3d> points_T,
-                      const CloudIndices& by_x,
-                      std::size_t at,
-                      double radius,
-                      const Visit& visit) {
-  const Eigen::Vector3d& centre_T = points_T[by_x[at]];
-  for (std::size_t i = at; i-- > 0 && centre_T.x() - points_T[by_x[i]].x() <= radius;) {
-    visit(by_x[i], (points_T[by_x[i]] - centre_T).squaredNorm());
-  }
-  for (std::size_t i = at + 1; i < by_x.size() && points_T[by_x[i]].x() - centre_T.x() <= radius;
-       ++i) {
-    visit(by_x[i], (points_T[by_x[i]] - centre_T).squaredNorm());
-  }
-}
 
 /// Typical distance of a point to its nearest neighbour on the surface. It is the median distance
 /// to the fourth nearest, over the ratio of both for random points on a surface. Such points have a
 /// density of 1 / (2 spacings)^2.
 /// @errors TooFewObservations (under 5 points), Degenerate (more than half of the points coincide
 /// with 4 others).
-/// @cost   O(N) slabs of the width of four spacings.
-Result<double> median_spacing(std::span<const Eigen::Vector3d> points_T, CloudScratch& scratch);
+/// @cost   O(N log N).
+Result<double> median_spacing(std::span<const Eigen::Vector3d> points_T);
 
 /// Keeps the points that have at least `neighbours_min` others within `radius`; order kept.
 /// @return number removed.

@@ -23,34 +23,15 @@ constexpr double kEndSigma_spacings = 0.5;
 // A box thinner than two gaps is not resolved by its points.
 constexpr double kBoxMin_spacings = 2.0;
 
-/// Is there a point within `radius` of a place? `by_x` lists the measured points, sorted by x.
-bool has_near(std::span<const Eigen::Vector3d> points_T,
-              const CloudIndices& by_x,
-              const Eigen::Vector3d& place_T,
-              double radius) {
-  const auto* at = std::lower_bound(
-      by_x.begin(), by_x.end(), place_T.x() - radius, [points_T](std::uint16_t i, double x) {
-        return points_T[i].x() < x;
-      });
-  for (; at != by_x.end() && points_T[*at].x() <= place_T.x() + radius; ++at) {
-    if ((points_T[*at] - place_T).squaredNorm() <= radius * radius) {
-      return true;
-    }
-  }
-  return false;
-}
-
 struct Filler {
-  const CloudScratch& scratch;
-  std::size_t measured;
+  PointTree measured;
   double pitch;
   Cloud& cloud;
   std::size_t added = 0;
 
   /// Adds a point where the measured cloud has none near. False when the table is full.
   bool offer(const Eigen::Vector3d& place_T) {
-    if (has_near(
-            cloud.points_T.view().first(measured), scratch.by_x, place_T, kHole_pitches * pitch)) {
+    if (measured.any_within(place_T, kHole_pitches * pitch)) {
       return true;
     }
     if (!cloud.points_T.push_back(place_T)) {
@@ -61,13 +42,12 @@ struct Filler {
   }
 };
 
-Filler start_filling(double pitch, CloudScratch& scratch, Cloud& cloud) {
+Filler start_filling(double pitch, Cloud& cloud) {
   POLHODE_ASSERT(pitch > 0.0, pitch);
   while (cloud.points_T.size() > cloud.measured) {
     cloud.points_T.pop_back();
   }
-  sort_by_x(cloud.points_T.view(), scratch);
-  return {.scratch = scratch, .measured = cloud.measured, .pitch = pitch, .cloud = cloud};
+  return {.measured = PointTree(cloud.points_T.view()), .pitch = pitch, .cloud = cloud};
 }
 
 /// Cells of about `pitch` over a length, bounded by the table that they fill.
@@ -187,8 +167,8 @@ int snap_ends(const Planes& planes, Cylinder& cylinder) {
   return (low_found ? 1 : 0) + (high_found ? 1 : 0);
 }
 
-std::size_t complete_box(const Box& box, double pitch, CloudScratch& scratch, Cloud& cloud) {
-  Filler filler = start_filling(pitch, scratch, cloud);
+std::size_t complete_box(const Box& box, double pitch, Cloud& cloud) {
+  Filler filler = start_filling(pitch, cloud);
   for (Eigen::Index k = 0; k < 3; ++k) {
     const Eigen::Index u = (k + 1) % 3;
     const Eigen::Index v = (k + 2) % 3;
@@ -211,11 +191,8 @@ std::size_t complete_box(const Box& box, double pitch, CloudScratch& scratch, Cl
   return filler.added;
 }
 
-std::size_t complete_cylinder(const Cylinder& cylinder,
-                              double pitch,
-                              CloudScratch& scratch,
-                              Cloud& cloud) {
-  Filler filler = start_filling(pitch, scratch, cloud);
+std::size_t complete_cylinder(const Cylinder& cylinder, double pitch, Cloud& cloud) {
+  Filler filler = start_filling(pitch, cloud);
   const Eigen::Vector3d e1 = cylinder.axis_T.unitOrthogonal();
   const Eigen::Vector3d e2 = cylinder.axis_T.cross(e1);
   /// Ring of evenly spaced points; false when the table is full.

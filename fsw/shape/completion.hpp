@@ -47,13 +47,10 @@ int snap_ends(const Planes& planes, Cylinder& cylinder);
 /// @param pitch  distance of added points from each other: 1 / sqrt(points per area) of the
 /// measured sides.
 /// @return number added.
-std::size_t complete_box(const Box& box, double pitch, CloudScratch& scratch, Cloud& cloud);
+std::size_t complete_box(const Box& box, double pitch, Cloud& cloud);
 
 /// As above, round surface and both ends.
-std::size_t complete_cylinder(const Cylinder& cylinder,
-                              double pitch,
-                              CloudScratch& scratch,
-                              Cloud& cloud);
+std::size_t complete_cylinder(const Cylinder& cylinder, double pitch, Cloud& cloud);
 
 /// Part of the measured points within `tolerance` of the cylinder's round surface or ends.
 double explained_by(const Cylinder& cylinder, const Cloud& cloud, double tolerance);

@@ -36,31 +36,32 @@ double estimate_normals(std::span<const Eigen::Vector3d> points_T,
                         double radius,
                         CloudScratch& scratch,
                         SurfaceNormals& normals) {
-  sort_by_x(points_T, scratch);
   normals.clear();
   normals.resize(points_T.size());
   FixedVector<float, limits::kCloudPoints> thicknesses;
+  const PointTree tree(points_T);
   for (std::size_t at = 0; at < points_T.size(); ++at) {
-    const Eigen::Vector3d& centre_T = points_T[scratch.by_x[at]];
-    int count = 1;
+    tree.within(points_T[at], radius, &scratch.indices);
+    const auto count = static_cast<int>(scratch.indices.size());  // itself among them
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
-    visit_neighbours(
-        points_T, scratch.by_x, at, radius, [&](std::uint16_t other, double distance2) {
-          if (distance2 <= radius * radius) {
-            const Eigen::Vector3d apart = points_T[other] - centre_T;
-            sum += apart;
-            square += apart * apart.transpose();
-            ++count;
-          }
-        });
+    // Outwards from the point, in x: an order that the tree has no part in.
+    const auto add = [&](std::uint16_t other) {
+      const Eigen::Vector3d apart = points_T[other] - points_T[at];
+      sum += apart;
+      square += apart * apart.transpose();
+    };
+    const std::span<const std::uint16_t> near = scratch.indices.view();
+    const auto self = std::find(near.begin(), near.end(), at);
+    std::for_each(std::reverse_iterator(self), near.rend(), add);
+    std::for_each(self + 1, near.end(), add);
     if (count <= kNeighboursMin) {
       continue;
     }
     const Eigen::Matrix3d scatter = square - sum * sum.transpose() / count;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
     const Eigen::Vector3d& values = eigen.eigenvalues();
-    normals[scratch.by_x[at]] = {
+    normals[at] = {
         .normal_T = eigen.eigenvectors().col(0),
         .reliable = values(0) <= kFlatnessMax * values(1) && values(1) >= kBreadthMin * values(2)};
     const double variance =

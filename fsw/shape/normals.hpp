@@ -21,7 +21,7 @@ using SurfaceNormals = FixedVector<SurfaceNormal, limits::kCloudPoints>;
 /// Principal axes of the points within `radius`.
 /// @return the surface's thickness: median over the points of the neighbours' root mean square
 /// distance from their plane.
-/// @cost O(N) slabs of the radius.
+/// @cost O(N log N), and what lies within the radius of each point.
 double estimate_normals(std::span<const Eigen::Vector3d> points_T,
                         double radius,
                         CloudScratch& scratch,

@@ -140,8 +140,7 @@ void complete(Shape& shape, ShapeWork& work) {
   if (shape.cylinder) {
     if (explained_by(*shape.cylinder, work.cloud, tolerance_of(shape)) >= kExplainedMin) {
       shape.completion = CompletionKind::kCylinder;
-      shape.completion_points =
-          complete_cylinder(*shape.cylinder, pitch_of(shape), work.scratch, work.cloud);
+      shape.completion_points = complete_cylinder(*shape.cylinder, pitch_of(shape), work.cloud);
       shape.centroid_T = shape.cylinder->centre_T;
       // Where a nozzle or an adapter reaches beyond the cylinder, the points give the middle of the
       // whole body along the axis.
@@ -157,7 +156,7 @@ void complete(Shape& shape, ShapeWork& work) {
   if (box) {
     shape.box = box.value();
     shape.completion = CompletionKind::kBox;
-    shape.completion_points = complete_box(*shape.box, pitch_of(shape), work.scratch, work.cloud);
+    shape.completion_points = complete_box(*shape.box, pitch_of(shape), work.cloud);
     // The mean of evenly spread points, without the noise of their density.
     shape.centroid_T = shape.box->centre_T;
   }

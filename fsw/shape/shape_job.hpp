@@ -17,7 +17,7 @@ struct ShapeJob {
   std::uint64_t seed = 0;
   std::optional<Shape> previous;
   ShapeWork work;
-  std::optional<Shape> outcome;  ///< the result; none: there was too little to see
+  std::optional<Shape> outcome;  ///< the result; none: not run, or there was too little to see
 };
 
 /// Is an estimate due? Not before the map has another keyframe, nor `every_frames` after the last.
@@ -37,8 +37,8 @@ void prepare_shape(const Map& map,
 /// A pure function of what was prepared.
 void run_shape(ShapeJob* job);
 
-/// The job was skipped: the next one is due at once. A body that is mapped all around may never
-/// give another keyframe.
+/// The last job gave nothing, or was lost: the next one does not wait for another keyframe. A body
+/// that is mapped all around may never give one.
 void ask_shape_again(ShapeState* state);
 
 /// What came of it; there must be an outcome.

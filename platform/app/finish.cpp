@@ -254,7 +254,8 @@ void finish_replay(Component& component,
       samples_in_body(poses, log.published, found.body, view.scale.metres_per_mu, log.servicer);
   const double radius = found.shape ? 0.5 * found.shape->dimensions.maxCoeff()
                                     : view.map.radius_mu * view.scale.metres_per_mu;
-  const std::optional<RigidModel> of_map = model_of_map(samples, found.body, view);
+  const std::optional<RigidModel> of_map =
+      motion_is_of_map(component) ? model_of_map(samples, found.body, view) : std::nullopt;
   const RigidModel model = of_map ? *of_map : model_of(samples, radius, view);
   write_smoothed(
       smoothed_motion(poses, samples, log.published, model, log.servicer, view), log, folder);

@@ -190,7 +190,7 @@ RigidModel model_of(std::span<const PoseSample> samples,
 std::optional<RigidModel> model_of_map(std::span<const PoseSample> samples,
                                        const BodyFrame& body,
                                        const GroundView& view) {
-  if (samples.empty() || !view.model_is_of_map) {
+  if (samples.empty()) {
     return std::nullopt;
   }
   const RigidModel model = transformed(view.model,

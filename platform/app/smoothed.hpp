@@ -39,9 +39,9 @@ RigidModel model_of(std::span<const PoseSample> samples,
                     double body_radius,
                     const GroundView& view);
 
-/// The model that the map at rest was fitted with, in B and the published unit, where there is one
-/// and the samples lie on it: they were placed by it, so that a fit to them would find no noise and
-/// take itself for exact.
+/// The model that the map was fitted with (motion_is_of_map()), in B and the published unit, where
+/// there is one and the samples lie on it: they were placed by it, so that a fit to them would find
+/// no noise and take itself for exact.
 std::optional<RigidModel> model_of_map(std::span<const PoseSample> samples,
                                        const BodyFrame& body,
                                        const GroundView& view);

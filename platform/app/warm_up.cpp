@@ -15,9 +15,9 @@
 namespace polhode::platform {
 namespace {
 
-// A map is begun with the first contest or soon after, and flow, matching and adjustments follow
-// it; not with every camera: under very wide lenses and in small pictures none is, and the first
-// map of the run itself takes longer.
+// A map is begun with the first hypothesis selection or soon after, and flow, matching and
+// adjustments follow it; not with every camera: under very wide lenses and in small pictures none
+// is, and the first map of the run itself takes longer.
 constexpr int kFramesAfterContest = 3;
 constexpr double kTurn_rad = 0.05;
 constexpr double kPart = 0.35;  ///< of the picture's lesser side, the ball's radius

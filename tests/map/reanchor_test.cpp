@@ -44,15 +44,15 @@ TEST(Reanchoring, IsExact_WhenThePredictionIs) {
   const auto all = frames(0.6);
   const Result<Reanchoring> found = reanchor_start(all, kBody);
   ASSERT_TRUE(found.ok());
-  const Reanchoring& bridge = found.value();
-  EXPECT_LT(rotation_angle_rad(bridge.to_T.R_ba, truth().R_ba), 1e-9);
+  const Reanchoring& reanchoring = found.value();
+  EXPECT_LT(rotation_angle_rad(reanchoring.to_T.R_ba, truth().R_ba), 1e-9);
   // The body's near side is thought half a radius from its centre and is 0.46: a few hundredths of
   // the radius stay, whatever the turn tells.
-  EXPECT_LT((bridge.to_T.t_ba - truth().t_ba).norm(), 0.05 * kBody.radius_mu);
-  EXPECT_NEAR(bridge.to_T.scale, truth().scale, 0.01 * truth().scale);
-  EXPECT_LT(bridge.misfit_rad, 1e-9);
-  EXPECT_NEAR(bridge.turn_rad, 0.6, 0.01);
-  EXPECT_TRUE(bridge.agrees);
+  EXPECT_LT((reanchoring.to_T.t_ba - truth().t_ba).norm(), 0.05 * kBody.radius_mu);
+  EXPECT_NEAR(reanchoring.to_T.scale, truth().scale, 0.01 * truth().scale);
+  EXPECT_LT(reanchoring.misfit_rad, 1e-9);
+  EXPECT_NEAR(reanchoring.turn_rad, 0.6, 0.01);
+  EXPECT_TRUE(reanchoring.agrees);
 }
 
 TEST(Reanchoring, KeepsTheOriginOnTheBody_WhenTheTurnTellsNothingOfItsDepth) {

@@ -147,10 +147,10 @@ TEST_F(Smoothed, TheMapsOwnModelStands_WhereTheSamplesLieOnIt) {
   ASSERT_TRUE(own.accepted());
   own.of_map = true;
   state_->motion.model = own;
-  EXPECT_FALSE(model_of_map(samples_, {}, view_of(*state_)))
-      << "the last adjustment did not bear it out";
+  EXPECT_FALSE(motion_is_of_map(*state_)) << "the last adjustment did not confirm it";
   state_->jobs.adjustment.as_free_body = true;
   state_->jobs.adjustment.model = own;
+  EXPECT_TRUE(motion_is_of_map(*state_));
   const BodyFrame body{.R_TB = so3_exp({0.2, -0.4, 0.1}), .centroid_T = {0.1, 0.0, -0.2}};
   std::vector<PoseSample> in_body = samples_;
   for (PoseSample& sample : in_body) {

@@ -33,8 +33,7 @@ TEST(Spacing, IsHalfTheInverseRootOfTheDensityOnASurface) {
   // 0.01118. Points near the rim have fewer neighbours.
   const Points points =
       box_points({1.0, 1.0, 0.0}, {false, false, false, false, true, false}, 2000, 0.0, 1);
-  CloudScratch scratch;
-  const Result<double> spacing = median_spacing(points, scratch);
+  const Result<double> spacing = median_spacing(points);
   ASSERT_TRUE(spacing.ok());
   EXPECT_NEAR(spacing.value(), 0.01118, 0.08 * 0.01118);
 }
@@ -46,18 +45,16 @@ TEST(Spacing, IsNotFooledByPairsOfPointsThatAllButCoincide) {
   for (const Eigen::Vector3d& point : points) {
     doubled.push_back(point + Eigen::Vector3d(1e-9, 0.0, 0.0));
   }
-  CloudScratch scratch;
-  const double single = median_spacing(points, scratch).value();
-  const double twice = median_spacing(doubled, scratch).value();
+  const double single = median_spacing(points).value();
+  const double twice = median_spacing(doubled).value();
   EXPECT_GT(twice, 0.5 * single);
   EXPECT_LT(twice, single);
 }
 
 TEST(Spacing, IsAnErrorForTooFewOrCoincidingPoints) {
-  CloudScratch scratch;
-  EXPECT_EQ(median_spacing(Points(4, Eigen::Vector3d::Zero()), scratch).error().code,
+  EXPECT_EQ(median_spacing(Points(4, Eigen::Vector3d::Zero())).error().code,
             ErrorCode::kTooFewObservations);
-  EXPECT_EQ(median_spacing(Points(50, Eigen::Vector3d::Ones()), scratch).error().code,
+  EXPECT_EQ(median_spacing(Points(50, Eigen::Vector3d::Ones())).error().code,
             ErrorCode::kDegenerate);
 }
 

@@ -102,10 +102,9 @@ TEST(CompleteBox, FillsTheMissingSides_EvenlyAndOnTheSurface) {
       box_points(kSize, {true, false, false, true, false, true}, 3000, 0.0, 4, kAtOrigin);
   auto cloud = cloud_of(seen);
   const Box box{.centre_T = Eigen::Vector3d::Zero(), .dimensions = kSize};
-  CloudScratch scratch;
   const double area = kSize(0) * kSize(1) + kSize(1) * kSize(2) + kSize(0) * kSize(2);
   const double pitch = std::sqrt(area / 3000.0);
-  const std::size_t added = complete_box(box, pitch, scratch, *cloud);
+  const std::size_t added = complete_box(box, pitch, *cloud);
   EXPECT_EQ(cloud->points_T.size(), seen.size() + added);
   EXPECT_EQ(cloud->measured, seen.size());
   // As many as were measured on the equal half, less the strips along their edges.
@@ -121,14 +120,13 @@ TEST(CompleteBox, FillsTheMissingSides_EvenlyAndOnTheSurface) {
   // Holes by chance are 1 % of the places.
   EXPECT_LT(on_measured_sides, 90);
   // Again: what was added before is taken out first.
-  EXPECT_EQ(complete_box(box, pitch, scratch, *cloud), added);
+  EXPECT_EQ(complete_box(box, pitch, *cloud), added);
 }
 
 TEST(CompleteBox, EndsWithTheTable) {
   auto cloud = cloud_of({Eigen::Vector3d::Zero()});
   const Box box{.centre_T = Eigen::Vector3d::Zero(), .dimensions = kSize};
-  CloudScratch scratch;
-  const std::size_t added = complete_box(box, 1e-3, scratch, *cloud);
+  const std::size_t added = complete_box(box, 1e-3, *cloud);
   EXPECT_EQ(added, limits::kCloudPoints - 1);
   EXPECT_TRUE(cloud->points_T.full());
 }
@@ -144,11 +142,10 @@ TEST(CompleteCylinder, FillsRoundAndEnds_AndAddsNothingToAWholeOne) {
   const Points whole = cylinder_points(0.4, 1.2, 2.0 * std::numbers::pi, 6000, 0.0, 5, kAtOrigin);
   const double area = 2.0 * std::numbers::pi * 0.4 * (1.2 + 0.4);
   const double pitch = std::sqrt(area / 6000.0);
-  CloudScratch scratch;
   auto complete = cloud_of(whole);
-  EXPECT_LT(complete_cylinder(round_body(), pitch, scratch, *complete), 180U);  // 3 %
+  EXPECT_LT(complete_cylinder(round_body(), pitch, *complete), 180U);  // 3 %
   auto nothing = cloud_of({Eigen::Vector3d::Zero()});
-  const std::size_t added = complete_cylinder(round_body(), pitch, scratch, *nothing);
+  const std::size_t added = complete_cylinder(round_body(), pitch, *nothing);
   EXPECT_NEAR(static_cast<double>(added), 6000.0, 300.0);
   for (std::size_t i = 1; i < nothing->points_T.size(); ++i) {
     const Eigen::Vector3d& p = nothing->points_T[i];
@@ -161,8 +158,7 @@ TEST(CompleteCylinder, FillsRoundAndEnds_AndAddsNothingToAWholeOne) {
 
 TEST(CompleteCylinder, EndsWithTheTable) {
   auto cloud = cloud_of({Eigen::Vector3d::Zero()});
-  CloudScratch scratch;
-  EXPECT_EQ(complete_cylinder(round_body(), 1e-3, scratch, *cloud), limits::kCloudPoints - 1);
+  EXPECT_EQ(complete_cylinder(round_body(), 1e-3, *cloud), limits::kCloudPoints - 1);
 }
 
 Plane end_plane(double height, double tilt_rad = 0.0) {
