@@ -21,7 +21,7 @@ COMPOSED = {
 MEMBERS_MAX = 15  # of a struct that a function outside its room may change
 # Passed to be changed by functions of other rooms than their own, though larger.
 WIDE_BY_NATURE = {
-    "MotionState": "the published row: the caller's plain data",
+    "MotionState": "the published row: pipeline fills it for the caller",
     "Counters": "changed by pipeline alone, which counts for all rooms",
 }
 
