@@ -194,7 +194,7 @@ bool upgrade_to_metric(const AffineSubspace& subspace,
   }
   M /= size;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(solve_metric(M, isotropy));
-  const Eigen::Vector3d lambda = eigen.eigenvalues();
+  const Eigen::Vector3d& lambda = eigen.eigenvalues();
   if (!lambda.allFinite() || !(lambda(1) > 0.0)) {
     return false;
   }

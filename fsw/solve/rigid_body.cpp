@@ -179,7 +179,7 @@ Inertia inertia_of(const InertiaShape& shape) {
 InertiaShape shape_of(const Eigen::Matrix3d& J_T) {
   const Eigen::Matrix3d S = 0.5 * J_T.trace() * Eigen::Matrix3d::Identity() - J_T;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(0.5 * (S + S.transpose()));
-  const Eigen::Vector3d s = eigen.eigenvalues();
+  const Eigen::Vector3d& s = eigen.eigenvalues();
   const double floor = kMomentFloor * std::max(s.maxCoeff(), kMomentMin);
   const Eigen::Vector3d l = s.cwiseMax(floor).array().log();
   const Eigen::Matrix3d log_S =
