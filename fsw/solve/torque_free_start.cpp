@@ -153,7 +153,7 @@ Result<RotationSolution> grow(const RotationProblem& problem, const InertiaShape
   constexpr int kStagesMax = 24;
   for (int stage = 0; stage < kStagesMax; ++stage) {
     const std::array<std::size_t, 2> at = window(size);
-    const auto refined = refine_rotation(problem, solution, at[0], at[1]);
+    auto refined = refine_rotation(problem, solution, at[0], at[1]);
     if (!refined || size == count) {
       return refined;
     }
