@@ -27,6 +27,15 @@ struct CloudRequest {
   double metres_per_mu = 1.0;
 };
 
+/// Points of one cloud packet: three coordinates each.
+inline constexpr std::size_t kPointsPerChunk =
+    std::tuple_size_v<decltype(bus::CloudPacket::p_T)> / 3;
+
+/// Packets that so many points take.
+constexpr std::size_t chunks_of(std::size_t points) {
+  return (points + kPointsPerChunk - 1) / kPointsPerChunk;
+}
+
 /// How the camera is turned relative to inertial space, as last commanded.
 struct ServicerAttitude {
   bool known = false;

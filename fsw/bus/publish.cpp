@@ -25,11 +25,8 @@ void put_counters(const Counters& counters, HousekeepingPacket* packet) {
   }
 }
 
-std::size_t points_per_chunk() { return std::tuple_size_v<decltype(CloudPacket::p_T)> / 3; }
-
 std::size_t chunks_left(const CloudRequest& cloud) {
-  const std::size_t points = cloud.points_T.size() - cloud.next;
-  return (points + points_per_chunk() - 1) / points_per_chunk();
+  return chunks_of(cloud.points_T.size() - cloud.next);
 }
 
 std::array<std::uint8_t, 3> version_numbers(std::string_view version) {
@@ -90,14 +87,14 @@ void send_shape(const View& view, BusState* bus) {
 
 void send_cloud_chunk(const BusOptions& options, BusState* bus) {
   CloudRequest& cloud = bus->cloud;
-  const std::size_t points = std::min(points_per_chunk(), cloud.points_T.size() - cloud.next);
+  const std::size_t points = std::min(kPointsPerChunk, cloud.points_T.size() - cloud.next);
   CloudPacket packet;
   packet.timestamp_ns = cloud.timestamp_ns;
   packet.points_total = static_cast<std::uint32_t>(cloud.points_T.size());
   packet.first_point = static_cast<std::uint32_t>(cloud.next);
   packet.cloud = cloud.number;
-  packet.chunk = clipped(cloud.next / points_per_chunk());
-  packet.chunks = clipped((cloud.points_T.size() + points_per_chunk() - 1) / points_per_chunk());
+  packet.chunk = clipped(cloud.next / kPointsPerChunk);
+  packet.chunks = clipped(chunks_of(cloud.points_T.size()));
   packet.points = static_cast<std::uint8_t>(points);
   if (cloud.scale_known) {
     packet.flags = cloud_layout::kFlagScaleKnown;

@@ -85,10 +85,10 @@ void load(const JointFitInput& input,
 }
 
 /// Replaces the attitudes of the position samples by those of the motion.
-bool trace(const RotationProblem& problem, const RotationSolution& turning, JointFitWorkspace* w) {
-  const Inertia inertia = inertia_of(turning.shape);
+bool trace(const RotationProblem& problem, const RotationSolution& rotation, JointFitWorkspace* w) {
+  const Inertia inertia = inertia_of(rotation.shape);
   const auto propagate = [&](std::size_t first, std::size_t last, bool forward) {
-    RotationState state = turning.reference;
+    RotationState state = rotation.reference;
     for (std::size_t n = 0; n < last - first; ++n) {
       PositionSample& sample = w->positions[forward ? first + n : last - 1 - n];
       if (!advance(inertia, problem.orbit, sample.time_s, state, nullptr)) {
@@ -109,8 +109,8 @@ std::optional<FreeBodyMotion> motion_of_poses(const JointFitInput& input,
   RotationProblem problem{
       .samples = w->attitudes.view(), .reference = reference, .orbit = model.orbit};
   problem.shape_sigma = kModelShapeSigma;
-  const auto turning = fit_attitudes(problem, model.reference_ns, input.previous);
-  if (!turning || !trace(problem, turning.value(), w)) {
+  const auto rotation = fit_attitudes(problem, model.reference_ns, input.previous);
+  if (!rotation || !trace(problem, rotation.value(), w)) {
     return std::nullopt;
   }
   const auto path = solve_translation({.samples = w->positions.view(),
@@ -120,8 +120,8 @@ std::optional<FreeBodyMotion> motion_of_poses(const JointFitInput& input,
   if (!path) {
     return std::nullopt;
   }
-  return FreeBodyMotion{.reference = turning.value().reference,
-                        .shape = turning.value().shape,
+  return FreeBodyMotion{.reference = rotation.value().reference,
+                        .shape = rotation.value().shape,
                         .path = path.value().unknowns,
                         .orbit = model.orbit};
 }

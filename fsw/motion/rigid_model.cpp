@@ -60,14 +60,16 @@ Eigen::Vector3d whitened(const Eigen::Vector3d& residual, const Eigen::Matrix3d&
 }
 
 /// Fitted attitudes with their derivatives at every sample, and the residuals.
-bool trace(const RotationSolution& turning, const RotationProblem& problem, MotionWorkspace& work) {
-  const Inertia inertia = inertia_of(turning.shape);
+bool trace(const RotationSolution& rotation,
+           const RotationProblem& problem,
+           MotionWorkspace& work) {
+  const Inertia inertia = inertia_of(rotation.shape);
   work.residuals.clear();
   for (std::size_t i = 0; i < work.attitudes.size(); ++i) {
     (void)work.residuals.push_back(Eigen::Vector3d::Zero());
   }
   for (const bool forward : {true, false}) {
-    RotationState state = turning.reference;
+    RotationState state = rotation.reference;
     RotationDerivative derivative = RotationDerivative::at_reference();
     const std::size_t count =
         forward ? work.attitudes.size() - problem.reference : problem.reference;
@@ -122,7 +124,7 @@ void add_path(std::span<const PoseSample> poses,
               const MotionSnapshot& snapshot,
               MotionWorkspace& work,
               RigidModel& model) {
-  const RotationCovariance turning =
+  const RotationCovariance rotation =
       model.covariance.topLeftCorner<kRotationUnknowns, kRotationUnknowns>();
   const TranslationProblem problem{.samples = work.positions.view(),
                                    .reference_s = 0.0,
@@ -147,27 +149,27 @@ void add_path(std::span<const PoseSample> poses,
       widened_inverse(path.information, prior, widening(model.position));
   model.path = path.unknowns;
   model.covariance.bottomLeftCorner<kTranslationUnknowns, kRotationUnknowns>() =
-      path.by_rotation * turning;
+      path.by_rotation * rotation;
   model.covariance.topRightCorner<kRotationUnknowns, kTranslationUnknowns>() =
-      (path.by_rotation * turning).transpose();
+      (path.by_rotation * rotation).transpose();
   model.covariance.bottomRightCorner<kTranslationUnknowns, kTranslationUnknowns>() =
-      own + path.by_rotation * turning * path.by_rotation.transpose();
+      own + path.by_rotation * rotation * path.by_rotation.transpose();
   model.translation_known = own.allFinite() && own.diagonal().minCoeff() > 0.0;
 }
 
 /// Residuals and covariance of a rotation. False, with a status, where the residuals refuse it.
-bool take_turning(const RotationSolution& turning,
-                  const RotationProblem& problem,
-                  std::span<const PoseSample> poses,
-                  const MotionSnapshot& snapshot,
-                  MotionWorkspace& work,
-                  RigidModel& model) {
+bool take_rotation(const RotationSolution& rotation,
+                   const RotationProblem& problem,
+                   std::span<const PoseSample> poses,
+                   const MotionSnapshot& snapshot,
+                   MotionWorkspace& work,
+                   RigidModel& model) {
   model.status = ModelStatus::kNoFit;
-  if (!trace(turning, problem, work)) {
+  if (!trace(rotation, problem, work)) {
     return false;
   }
-  model.reference = turning.reference;
-  model.shape = turning.shape;
+  model.reference = rotation.reference;
+  model.shape = rotation.shape;
   model.attitude = residual_level(residual_input(poses, snapshot.drift, true, work));
   const double outliers_max = kOutliersMax * static_cast<double>(poses.size());
   if (!(model.attitude.chi2_per_dof < kChi2PerDofMax) ||
@@ -178,7 +180,7 @@ bool take_turning(const RotationSolution& turning,
   RotationCovariance prior = RotationCovariance::Zero();
   prior.diagonal().tail<5>().setConstant(1.0 / (problem.shape_sigma * problem.shape_sigma));
   const RotationCovariance covariance =
-      widened_inverse(turning.information, prior, widening(model.attitude));
+      widened_inverse(rotation.information, prior, widening(model.attitude));
   if (!covariance.allFinite() || !(covariance.diagonal().minCoeff() > 0.0)) {
     return false;
   }
@@ -225,16 +227,16 @@ RigidModel fit_window(std::span<const PoseSample> poses,
   problem.samples = work.attitudes.view();
   const Result<RotationSolution> found =
       fit_attitudes(problem, model.reference_ns, snapshot.previous);
-  if (!found || !take_turning(found.value(), problem, poses, snapshot, work, model)) {
+  if (!found || !take_rotation(found.value(), problem, poses, snapshot, work, model)) {
     return model;
   }
   if (prior_outlived(model, problem.shape_sigma)) {
     problem.shape_sigma = kReleasedShapeSigma;
     problem.iterations_max = kReleasedIterationsMax;
     const auto released = refine_rotation(problem, found.value(), 0, problem.samples.size());
-    if (!released || !take_turning(released.value(), problem, poses, snapshot, work, model)) {
+    if (!released || !take_rotation(released.value(), problem, poses, snapshot, work, model)) {
       problem.shape_sigma = kModelShapeSigma;
-      (void)take_turning(found.value(), problem, poses, snapshot, work, model);
+      (void)take_rotation(found.value(), problem, poses, snapshot, work, model);
     }
   }
   add_path(poses, snapshot, work, model);

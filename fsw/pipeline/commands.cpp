@@ -21,13 +21,6 @@ using bus::Rejection;
 using Outcome = std::string_view;
 constexpr Outcome kDone{};
 
-void discard_loaded(Configuration* c) {
-  c->loading = false;
-  c->loaded = {};
-  c->loaded_crc = 0;
-  c->loaded_entries = 0;
-}
-
 Outcome hold(Component::State* s) {
   if (s->mode.held) {
     return "held already";
@@ -123,9 +116,7 @@ Outcome request_cloud(const Command& command, Component::State* s) {
       (void)cloud.points_T.push_back({p.x(), p.y(), p.z()});
     }
   }
-  // Three coordinates a point.
-  constexpr auto kPerPacket = std::tuple_size_v<decltype(bus::CloudPacket::p_T)> / 3;
-  const double packets = static_cast<double>((cloud.points_T.size() + kPerPacket - 1) / kPerPacket);
+  const auto packets = static_cast<double>(chunks_of(cloud.points_T.size()));
   bus::report(EventId::kCloudBegun,
               {.values = {static_cast<double>(cloud.points_T.size()), packets}},
               &s->bus.events);
@@ -134,7 +125,8 @@ Outcome request_cloud(const Command& command, Component::State* s) {
 
 Outcome table_load(const Command& command, Component::State* s) {
   Configuration& c = s->configuration;
-  Parameters changed = c.loading ? c.loaded : c.parameters;
+  InactiveTable& table = c.inactive;
+  Parameters changed = table.begun ? table.parameters : c.parameters;
   for (std::size_t i = 0; i < command.entries; ++i) {
     const bus::TableLoadEntry entry = command.entry(i);
     const ParameterRow* row = find_parameter_by_crc(entry.key_crc);
@@ -148,36 +140,35 @@ Outcome table_load(const Command& command, Component::State* s) {
       return "entry";
     }
   }
-  if (!c.loading) {
-    discard_loaded(&c);
-    c.loading = true;
-  }
-  c.loaded = changed;
-  c.loaded_crc = crc32_iso_hdlc(command.entry_octets(), c.loaded_crc);
-  c.loaded_entries += static_cast<std::uint32_t>(command.entries);
+  table.begun = true;
+  table.parameters = changed;
+  table.crc = crc32_iso_hdlc(command.entry_octets(), table.crc);
+  table.entries += static_cast<std::uint32_t>(command.entries);
   bus::report(
       EventId::kTableLoaded,
-      {.values = {static_cast<double>(command.entries), static_cast<double>(c.loaded_entries)}},
+      {.values = {static_cast<double>(command.entries), static_cast<double>(table.entries)}},
       &s->bus.events);
   return kDone;
 }
 
 /// Why the inactive table may not become active, or empty.
 std::string_view objection(const bus::TableActivateCommand& commanded, const Configuration& c) {
-  if (!c.loading) {
+  const InactiveTable& table = c.inactive;
+  if (!table.begun) {
     return "no table loaded";
   }
-  if (commanded.entries != c.loaded_entries || commanded.crc32 != c.loaded_crc) {
+  if (commanded.entries != table.entries || commanded.crc32 != table.crc) {
     return "count of entries or CRC differs";
   }
-  if (const std::string_view key = first_bad_key(c.loaded); !key.empty()) {
+  if (const std::string_view key = first_bad_key(table.parameters); !key.empty()) {
     return key;
   }
-  if (check(c.loaded)) {
+  if (check(table.parameters)) {
     return "values that do not go together";
   }
-  const bool unplanned = c.loaded.mask.separates_background() && !c.background_planned;
-  return unplanned || memory_needed(c.loaded).total > c.memory_octets ? "needs more memory" : "";
+  const bool unplanned = table.parameters.mask.separates_background() && !c.background_planned;
+  return unplanned || memory_needed(table.parameters).total > c.memory_octets ? "needs more memory"
+                                                                              : "";
 }
 
 Outcome table_activate(const Command& command, Component::State* s) {
@@ -190,13 +181,13 @@ Outcome table_activate(const Command& command, Component::State* s) {
   // Length and range may have come by command since the table was begun.
   const ScaleOptions scale = c.parameters.scale;
   const MotionOptions motion = c.parameters.motion;
-  c.parameters = c.loaded;
+  c.parameters = c.inactive.parameters;
   c.parameters.scale = scale;
   if (c.parameters.motion != motion) {  // the poses are no longer taken to move as they were
     s->motion.model = {};
     invalidate_fits(&s->jobs);
   }
-  discard_loaded(&c);
+  c.inactive = {};
   c.table_crc = table_crc(c.parameters);
   bus::report(EventId::kTableActivated,
               {.values = {static_cast<double>(c.table_crc), 0.0}},
@@ -205,10 +196,10 @@ Outcome table_activate(const Command& command, Component::State* s) {
 }
 
 Outcome table_discard(Component::State* s) {
-  if (!s->configuration.loading) {
+  if (!s->configuration.inactive.begun) {
     return "no table loaded";
   }
-  discard_loaded(&s->configuration);
+  s->configuration.inactive = {};
   return kDone;
 }
 

@@ -98,9 +98,9 @@ MotionState motion_state(std::int64_t timestamp_ns,
 
 bus::TableStatus table_status(const Configuration& c) {
   return {.crc = c.table_crc,
-          .loaded_crc = c.loaded_crc,
-          .loaded_entries = c.loaded_entries,
-          .loaded = c.loading,
+          .loaded_crc = c.inactive.crc,
+          .loaded_entries = c.inactive.entries,
+          .loaded = c.inactive.begun,
           .memory_octets = c.memory_octets};
 }
 

@@ -119,10 +119,7 @@ SmoothedPose MapAtRest::from_log(std::uint32_t frame,
 SmoothedPose MapAtRest::from_image(const Frame& frame) {
   Component::State* s = state_;
   const Configuration& c = s->configuration;
-  begin_frame(&s->mapping);
-  s->features.ready = false;
-  s->features.features.clear();
-  s->picture.verdict = {};
+  forget_frame(s);
   if (bring_picture(frame, c.camera, &s->mapping.reference, &s->picture) != FrameUse::kUsed) {
     return {};
   }

@@ -30,6 +30,13 @@ JobTimes job_times(const Component::State& s) {
           .delay = static_cast<std::uint32_t>(s.configuration.parameters.jobs.delay_frames)};
 }
 
+void forget_frame(Component::State* s) {
+  begin_frame(&s->mapping);
+  s->picture.verdict = {};
+  s->features.ready = false;
+  s->features.features.clear();
+}
+
 void detect_once(Component::State* s) {
   if (s->features.ready) {
     return;

@@ -23,7 +23,15 @@
 
 namespace polhode {
 
-/// What holds until a command changes it. An inactive table is one that is being loaded.
+/// A parameter table that is being loaded by command; it becomes active as a whole.
+struct InactiveTable {
+  bool begun = false;
+  Parameters parameters;
+  std::uint32_t crc = 0;  ///< CRC-32 over the octets of all entries loaded
+  std::uint32_t entries = 0;
+};
+
+/// What holds until a command changes it.
 struct Configuration {
   Parameters parameters;
   CameraModel camera;
@@ -31,10 +39,7 @@ struct Configuration {
   bool background_planned = false;  ///< libraries' memory was planned for a mask that tells a
                                     ///< background from the target
   std::size_t memory_octets = 0;    ///< that the component was given
-  bool loading = false;             ///< an inactive table has begun
-  Parameters loaded;
-  std::uint32_t loaded_crc = 0;  ///< CRC-32 over the octets of all entries loaded
-  std::uint32_t loaded_entries = 0;
+  InactiveTable inactive;
 };
 
 /// Told where each stage ends, so that the caller can time it.
@@ -96,6 +101,9 @@ ScaleInput scale_input(const Component::State& state);
 
 /// Of a job that is issued in this step.
 JobTimes job_times(const Component::State& state);
+
+/// Nothing is left of the last frame's features, matches, pose and verdict.
+void forget_frame(Component::State* state);
 
 /// Detects this frame's features, the first time that it is called in a step. Fewer while memory is
 /// short.

@@ -21,10 +21,7 @@ namespace {
 /// A new frame, without features, matches or a pose yet.
 void begin_step(Component::State* s) {
   s->clock.frame = s->clock.next_frame++;
-  begin_frame(&s->mapping);
-  s->picture.verdict = {};
-  s->features.ready = false;
-  s->features.features.clear();
+  forget_frame(s);
   s->bus.stream.size = 0;
   s->answer.output.checkpoint_asked = false;
 }

@@ -91,16 +91,19 @@ class Nearest : public Finds {
   std::array<double, kNearestMax + 1> nearest_{};
 };
 
-const Tree& tree_of(const std::byte* octets) {
-  return *std::launder(reinterpret_cast<const Tree*>(octets));
-}
-
-void search(const std::byte* tree, const Eigen::Vector3d& place, flann::ResultSet<double>* finds) {
+/// @param tree  of these points; there is none of no points.
+void search(std::span<const Eigen::Vector3d> points,
+            const std::byte* tree,
+            const Eigen::Vector3d& place,
+            flann::ResultSet<double>* finds) {
+  if (points.empty()) {
+    return;
+  }
   flann::SearchParams exact;
   exact.checks = flann::FLANN_CHECKS_UNLIMITED;
   exact.eps = 0.0F;
   exact.sorted = false;
-  tree_of(tree).findNeighbors(*finds, place.data(), exact);
+  std::launder(reinterpret_cast<const Tree*>(tree))->findNeighbors(*finds, place.data(), exact);
 }
 
 }  // namespace
@@ -128,29 +131,23 @@ PointTree::~PointTree() {
 
 void PointTree::within(const Eigen::Vector3d& place, double radius, PointIndices* found) const {
   found->clear();
-  if (points_.empty()) {
-    return;
-  }
   Within finds(points_, place, radius, found);
-  search(tree_, place, &finds);
+  search(points_, tree_, place, &finds);
   std::sort(found->begin(), found->end(), [this](std::uint16_t a, std::uint16_t b) {
     return points_[a].x() != points_[b].x() ? points_[a].x() < points_[b].x() : a < b;
   });
 }
 
 bool PointTree::any_within(const Eigen::Vector3d& place, double radius) const {
-  if (points_.empty()) {
-    return false;
-  }
   Within finds(points_, place, radius, nullptr);
-  search(tree_, place, &finds);
+  search(points_, tree_, place, &finds);
   return finds.any();
 }
 
 double PointTree::kth_distance2(std::size_t point, std::size_t k) const {
   POLHODE_ASSERT(k >= 1 && k <= kNearestMax && k < points_.size(), k);
   Nearest finds(points_, point, k);
-  search(tree_, points_[point], &finds);
+  search(points_, tree_, points_[point], &finds);
   return finds.kth();
 }
 

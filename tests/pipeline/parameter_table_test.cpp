@@ -84,7 +84,7 @@ TEST(ParameterTable, IsNotActivatedWithAnotherChecksumOrCount_NorWithoutALoad) {
   (void)bench.step(bus::table_load(entries));
   for (const bus::TableActivateCommand& wrong :
        {bus::TableActivateCommand{.crc32 = 1, .entries = 1},
-        bus::TableActivateCommand{.crc32 = state_of(*bench.component).configuration.loaded_crc,
+        bus::TableActivateCommand{.crc32 = state_of(*bench.component).configuration.inactive.crc,
         .entries = 2}}) {
     EXPECT_TRUE(event(EventId::kTableNotActivated,
                       bench.step(command(CommandCode::kTableActivate, wrong))));

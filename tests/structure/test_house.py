@@ -177,7 +177,7 @@ def members_of(body: str) -> int:
             flat.append("~" if character == "(" else "")
         depth -= {"}": 1, ")": 1}.get(character, 0)
     statements = [s.strip() for s in "".join(flat).split(";")]
-    return sum(s.split(",").__len__() if "<" not in s else 1 for s in statements
+    return sum(len(s.split(",")) if "<" not in s else 1 for s in statements
                if s and "~" not in s.split("=")[0] and not re.match(r"(?:static|using|enum|struct|friend|template|\[\[)", s))
 
 
