@@ -288,10 +288,8 @@ BundleProblem problem_of(AdjustmentSnapshot* s) {
           .priors = s->priors.view()};
 }
 
-BundleReport adjust(AdjustmentSnapshot* s,
-                    const BundleOptions& options,
-                    BundleWorkspace* workspace) {
-  return adjust_bundle(problem_of(s), options, workspace);
+BundleReport adjust(AdjustmentSnapshot* s, const BundleOptions& options) {
+  return adjust_bundle(problem_of(s), options);
 }
 
 MapCorrection apply(const AdjustmentSnapshot& s, Map* map) {

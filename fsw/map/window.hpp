@@ -44,9 +44,7 @@ void snapshot_all(const Map& map, const CameraModel& camera, AdjustmentSnapshot*
 /// As the solver sees it.
 BundleProblem problem_of(AdjustmentSnapshot* snapshot);
 
-BundleReport adjust(AdjustmentSnapshot* snapshot,
-                    const BundleOptions& options,
-                    BundleWorkspace* workspace);
+BundleReport adjust(AdjustmentSnapshot* snapshot, const BundleOptions& options);
 
 /// How the newest keyframe of a snapshot was moved. What was placed by it since goes along.
 struct MapCorrection {

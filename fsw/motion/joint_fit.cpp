@@ -10,6 +10,7 @@
 #include "geometry/so3.hpp"
 #include "motion/residual_level.hpp"
 #include "solve/absolute_pose.hpp"
+#include "solve/bundle_adjustment.hpp"
 
 namespace polhode {
 namespace {
@@ -40,8 +41,6 @@ constexpr double kPoseSigmaOfRange = 0.01;
 // Width of the first loss, in sigmas: residuals of drifted poses. Chosen; narrower loses
 // observations that agree once the poses have moved.
 constexpr double kWide_sigmas = 15.0;
-// Steps of the points alone. Chosen: they follow the poses by small steps.
-constexpr int kPointIterations = 5;
 // Steps of the whole fit, in those of an ordinary adjustment. A fit solves 6 to 10 systems, more
 // before half a rotation has been seen (docs/decisions/0043).
 constexpr int kIterationsFactor = 4;
@@ -128,31 +127,19 @@ std::optional<FreeBodyMotion> motion_of_poses(const JointFitInput& input,
 
 /// Adjusts the points to the poses, then all together, with a wide loss and then a narrow one.
 /// Poses that have drifted give residuals of many sigma.
-FreeBodyReport adjust(const JointFitInput& input,
-                      FreeBodyMotion* motion,
-                      BundleWorkspace* workspace,
-                      JointFitWorkspace* w) {
+FreeBodyReport adjust(const JointFitInput& input, FreeBodyMotion* motion, JointFitWorkspace* w) {
   FreeBodyProblem problem{.bundle = input.bundle,
                           .times = std::span(w->times).first(count_of(input)),
                           .motion = motion,
                           .shape_sigma = kModelShapeSigma,
                           .mass_centre_sigma = input.body_radius};
   problem.bundle.pose_fixed = std::span(w->none_fixed).first(count_of(input));
-  FreeBodyReport report =
-      adjust_free_body(problem, {.iterations_max = 0}, workspace, &w->free_body);
-  if (!report.bundle.usable) {
-    return report;
-  }
-  BundleProblem points = problem.bundle;
-  points.pose_fixed = std::span(w->all_fixed).first(count_of(input));
-  (void)adjust_bundle(
-      points, {.iterations_max = kPointIterations, .cauchy_sigma = kWide_sigmas}, workspace);
-  for (const double cauchy_sigma : {kWide_sigmas, input.options.cauchy_sigma}) {
-    report = adjust_free_body(problem,
-                              {.iterations_max = kIterationsFactor * input.options.iterations_max,
-                               .cauchy_sigma = cauchy_sigma},
-                              workspace,
-                              &w->free_body);
+  BundleOptions options{.iterations_max = kIterationsFactor * input.options.iterations_max,
+                        .cauchy_sigma = kWide_sigmas};
+  FreeBodyReport report = adjust_free_body(problem, options);
+  if (report.bundle.usable) {
+    options.cauchy_sigma = input.options.cauchy_sigma;
+    report = adjust_free_body(problem, options);
   }
   return report;
 }
@@ -184,7 +171,7 @@ std::size_t agreeing(const BundleProblem& bundle) {
 
 /// What free poses gain over the joint fit, per additional degree of freedom, on the observations
 /// that agree with the fit.
-double gain_per_dof(const JointFitInput& input, BundleWorkspace* workspace, JointFitWorkspace* w) {
+double gain_per_dof(const JointFitInput& input, JointFitWorkspace* w) {
   BundleProblem problem = input.bundle;
   const auto end = std::stable_partition(
       input.observations.begin(), input.observations.end(), [&](const BundleObservation& o) {
@@ -195,14 +182,14 @@ double gain_per_dof(const JointFitInput& input, BundleWorkspace* workspace, Join
   keep(problem, &w->joint);
   const BundleOptions options{.iterations_max = kGainIterations,
                               .cauchy_sigma = input.options.cauchy_sigma};
-  const BundleReport free = adjust_bundle(problem, options, workspace);
+  const BundleReport free = adjust_bundle(problem, options);
   restore(w->joint, problem);
   const double dof = 6.0 * static_cast<double>(count_of(input)) - kFreeBodyUnknowns;
   return 2.0 * (free.cost_before - free.cost_after) / dof;
 }
 
-using PoseFlags = std::array<bool, BundleWorkspace::kPoses>;
-using PoseCounts = std::array<std::size_t, BundleWorkspace::kPoses>;
+using PoseFlags = std::array<bool, BundleLimits::kPoses>;
+using PoseCounts = std::array<std::size_t, BundleLimits::kPoses>;
 
 /// For each pose that is not reached: how many of its points at least `seen_min` poses observe,
 /// counted among those that are reached or among those that are not.
@@ -286,7 +273,6 @@ void take(const FreeBodyMotion& motion,
 
 RigidModel fit_jointly(const JointFitInput& input,
                        std::uint32_t* marginal_fits,
-                       BundleWorkspace* workspace,
                        JointFitWorkspace* w) {
   POLHODE_ASSERT(input.timestamps_ns.size() == count_of(input), input.timestamps_ns.size());
   POLHODE_ASSERT(input.R_IC.size() == count_of(input), input.R_IC.size());
@@ -312,13 +298,12 @@ RigidModel fit_jointly(const JointFitInput& input,
     return model;
   }
   std::fill(w->none_fixed.begin(), w->none_fixed.end(), std::uint8_t{0});
-  std::fill(w->all_fixed.begin(), w->all_fixed.end(), std::uint8_t{1});
   keep(input.bundle, &w->free);
   const auto before = static_cast<double>(std::max<std::size_t>(1, agreeing(input.bundle)));
-  const FreeBodyReport report = adjust(input, &*motion, workspace, w);
+  const FreeBodyReport report = adjust(input, &*motion, w);
   if (report.bundle.usable) {
     const double kept = static_cast<double>(agreeing(input.bundle)) / before;
-    const double gain = gain_per_dof(input, workspace, w);
+    const double gain = gain_per_dof(input, w);
     const bool convincing = gain < kGainPerDofMax;
     const bool marginal =
         gain < kMarginalGainMax && kept > kKeptMin && *marginal_fits < kMarginalFitsMax;

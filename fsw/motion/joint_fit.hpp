@@ -28,21 +28,19 @@ struct JointFitInput {
 };
 
 struct BundleCopy {
-  std::array<InverseDepthPose, BundleWorkspace::kPoses> poses;
-  std::array<Eigen::Vector3d, BundleWorkspace::kPoints> points_T;
+  std::array<InverseDepthPose, BundleLimits::kPoses> poses;
+  std::array<Eigen::Vector3d, BundleLimits::kPoints> points_T;
 };
 
 struct JointFitWorkspace {
   BundleCopy free;
   BundleCopy joint;
-  std::array<std::uint8_t, BundleWorkspace::kPoses> none_fixed{};
-  std::array<std::uint8_t, BundleWorkspace::kPoses> all_fixed{};
-  std::array<std::size_t, BundleWorkspace::kPoses> in_order_of_time{};
-  std::array<std::uint16_t, BundleWorkspace::kPoints> observations_of_point{};
-  std::array<PoseTime, BundleWorkspace::kPoses> times;
-  FixedVector<AttitudeSample, BundleWorkspace::kPoses> attitudes;
-  FixedVector<PositionSample, BundleWorkspace::kPoses> positions;
-  FreeBodyWorkspace free_body;
+  std::array<std::uint8_t, BundleLimits::kPoses> none_fixed{};
+  std::array<std::size_t, BundleLimits::kPoses> in_order_of_time{};
+  std::array<std::uint16_t, BundleLimits::kPoints> observations_of_point{};
+  std::array<PoseTime, BundleLimits::kPoses> times;
+  FixedVector<AttitudeSample, BundleLimits::kPoses> attitudes;
+  FixedVector<PositionSample, BundleLimits::kPoses> positions;
 };
 
 /// Fits the motion of a free body to the poses, then with the points to the observations. Accepted
@@ -52,7 +50,6 @@ struct JointFitWorkspace {
 /// @return a model that says by its status whether it was accepted; else the bundle is as it was.
 RigidModel fit_jointly(const JointFitInput& input,
                        std::uint32_t* marginal_fits,
-                       BundleWorkspace* workspace,
                        JointFitWorkspace* own);
 
 /// The same model in other axes and another unit of T, as transformed() of a pose.

@@ -5,7 +5,7 @@ namespace polhode {
 void run_adjustment(AdjustmentJob* job) {
   job->usable = false;
   for (const BundleOptions& round : job->rounds) {
-    job->usable = adjust(&job->snapshot, round, &job->workspace).usable || job->usable;
+    job->usable = adjust(&job->snapshot, round).usable || job->usable;
   }
   const RigidModel previous = job->model;
   job->model = {};
@@ -23,7 +23,6 @@ void run_adjustment(AdjustmentJob* job) {
                               .options = job->rounds.back(),
                               .selection = kChosenByPoses},
                              &job->marginal_fits,
-                             &job->workspace,
                              &job->joint);
   }
 }

@@ -25,7 +25,6 @@ struct AdjustmentJob {
   std::uint32_t first_keyframe = 0;  ///< number of the first one of the part that has begun
   FixedVector<BundleOptions, kRounds> rounds;
   AdjustmentSnapshot snapshot;  ///< in: as the map is; out: as it should be
-  BundleWorkspace workspace;
   bool usable = false;  ///< of the result
 
   bool as_free_body = false;

@@ -1,8 +1,7 @@
-// Poses, points and their images, with the memory that an adjustment of them needs.
+// Poses, points and their images: what an adjustment changes, and what it reports.
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -26,9 +25,15 @@ struct PosePrior {
   Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
-/// Poses and points are changed in place; at most as many as BundleWorkspace holds. Where fewer
-/// than two poses are fixed, only the damping constrains the rest of the gauge: the caller
-/// re-aligns.
+/// The most that an adjustment can hold.
+struct BundleLimits {
+  static constexpr std::size_t kPoses = limits::kKeyframes;
+  static constexpr std::size_t kPoints = limits::kLandmarks;
+  static constexpr std::size_t kObservations = limits::kAdjustmentObservations;
+};
+
+/// Poses and points are changed in place; at most as many as BundleLimits says. Where fewer than
+/// two poses are fixed, only the damping constrains the rest of the gauge: the caller re-aligns.
 struct BundleProblem {
   std::span<InverseDepthPose> poses;
   std::span<const std::uint8_t> pose_fixed;  ///< 1: constant
@@ -48,25 +53,6 @@ struct BundleReport {
   int iterations = 0;
   double cost_before = 0.0;  ///< half the robust sum of squares, in sigma
   double cost_after = 0.0;
-};
-
-/// Working memory of an adjustment, some 4 MB; contents mean nothing between calls.
-struct BundleWorkspace {
-  static constexpr std::size_t kPoses = limits::kKeyframes;
-  static constexpr std::size_t kPoints = limits::kLandmarks;
-  static constexpr std::size_t kObservations = limits::kAdjustmentObservations;
-  static constexpr std::size_t kUnknowns = 6 * kPoses;  // (phi, uvs) each
-
-  std::array<std::int32_t, kPoses> block_of_pose{};  ///< -1: constant
-  std::array<std::int32_t, kPoints + 1> first_of_point{};
-  std::array<std::int32_t, kObservations>
-      by_point{};  ///< observations, those of one point together
-  std::array<InverseDepthPose, kPoses> trial_poses{};
-  std::array<Eigen::Vector3d, kPoints> trial_points{};
-  std::array<Eigen::Matrix<double, 6, 6>, kPoses> camera_blocks{};
-  alignas(64) std::array<double, kUnknowns * kUnknowns> reduced{};  ///< lower triangle
-  alignas(64) std::array<double, kUnknowns> gradient{};
-  alignas(64) std::array<double, kUnknowns> step{};
 };
 
 }  // namespace polhode

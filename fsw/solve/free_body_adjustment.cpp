@@ -1,25 +1,38 @@
 #include "solve/free_body_adjustment.hpp"
 
-#include <Eigen/Cholesky>
+#include <ceres/evaluation_callback.h>
+#include <ceres/loss_function.h>
+#include <ceres/sized_cost_function.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
+#include <deque>
 #include <numeric>
+#include <vector>
 
 #include "base/assert.hpp"
 #include "geometry/so3.hpp"
-#include "solve/bundle_system.hpp"
+#include "solve/ceres_solver.hpp"
+#include "solve/settle_points.hpp"
 
 namespace polhode {
 namespace {
 
-using ByUnknowns = FreeBodyWorkspace::ByUnknowns;
-// Part of each unknown's own curvature. Where the linear model fails the first steps fail and it
-// rises; a failed step costs a trial, but no new system. A larger one was worse:
-// docs/decisions/0041.
-constexpr double kDampingFirst = 1e-4;
-
+using ByUnknowns = Eigen::Matrix<double, 6, kFreeBodyUnknowns>;
+using PointByUnknowns = Eigen::Matrix<double, 3, kFreeBodyUnknowns>;
 using GaugeRows = Eigen::Matrix<double, 7, kFreeBodyUnknowns>;
+template <int kRows>
+using RowMajorMap = Eigen::Map<Eigen::Matrix<double, kRows, kFreeBodyUnknowns, Eigen::RowMajor>>;
+
+// Those of shape and mass centre, which have a prior.
+constexpr int kPriorNumbers = 8;
+// Two steps follow a pose step of several degrees (docs/decisions/0043).
+constexpr int kSettlingSteps = 2;
+// The first motion may be further off. Chosen: points follow it by small steps.
+constexpr int kFirstSettlingSteps = 5;
+
+std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Position of T's origin in I, and its derivatives by the unknowns.
 struct Place {
@@ -41,101 +54,107 @@ Place place_of(const FreeBodyMotion& motion,
   return place;
 }
 
-class FreeBody {
+/// Follows the motion to the time of each pose, and settles the points there. Ceres asks for it
+/// before each evaluation, so Euler's equation is integrated once for all observations.
+class MotionAndPoints final : public ceres::EvaluationCallback {
  public:
-  FreeBody(const FreeBodyProblem& problem,
-           const BundleOptions& options,
-           BundleWorkspace* workspace,
-           FreeBodyWorkspace* own)
-      : p_(problem), w_(*own), system_(problem.bundle, options.cauchy_sigma, workspace) {
-    POLHODE_ASSERT(problem.times.size() == count(), problem.times.size());
-    const auto order = std::span(w_.in_order_of_time).first(count());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  MotionAndPoints(const FreeBodyProblem& problem, double cauchy_sigma)
+      : p_(problem),
+        cauchy_sigma_(cauchy_sigma),
+        by_point_(problem.bundle.observations, problem.bundle.points_T.size()),
+        in_order_of_time_(problem.bundle.poses.size()),
+        pose_by_unknowns_(problem.bundle.poses.size()),
+        points_T_(problem.bundle.points_T.begin(), problem.bundle.points_T.end()),
+        point_by_unknowns_(problem.bundle.points_T.size()) {
+    std::iota(in_order_of_time_.begin(), in_order_of_time_.end(), std::size_t{0});
+    std::sort(in_order_of_time_.begin(), in_order_of_time_.end(), [&](auto a, auto b) {
       return p_.times[a].time_s < p_.times[b].time_s;
     });
+    Eigen::Map<FreeBodyVector>{unknowns.data()} << Eigen::Vector3d::Zero(),
+        p_.motion->reference.w_T_rad_s, p_.motion->shape, p_.motion->path;
+  }
+
+  /// Attitude at the reference as a turn from that of the start, then rate, shape, path.
+  std::array<double, kFreeBodyUnknowns> unknowns{};
+
+  [[nodiscard]] FreeBodyMotion motion() const {
+    const Eigen::Map<const FreeBodyVector> x(unknowns.data());
+    FreeBodyMotion motion = *p_.motion;
+    motion.reference.R_IT = so3_exp(x.head<3>()) * p_.motion->reference.R_IT;
+    motion.reference.w_T_rad_s = x.segment<3>(3);
+    motion.shape = x.segment<kShapeNumbers>(kRotationUnknowns - kShapeNumbers);
+    motion.path = x.tail<kTranslationUnknowns>();
+    return motion;
+  }
+
+  /// Derivatives are asked for where a motion is kept: its points are then kept, too.
+  void PrepareForEvaluation(bool with_derivatives, bool is_new) override {
+    if (is_new) {
+      possible_ = pose() && settle();
+    }
+    if (with_derivatives && possible_) {
+      std::copy(points_T_.begin(), points_T_.end(), p_.bundle.points_T.begin());
+      possible_ = linearise_motion();
+      linearise_points();
+      settling_steps_ = kSettlingSteps;
+    }
   }
 
   /// The poses by the motion. @return false where the integration fails or a pose lies behind the
   /// camera.
-  bool pose(const FreeBodyMotion& motion, std::span<InverseDepthPose> poses) {
+  bool pose() {
+    const FreeBodyMotion m = motion();
     return trace(
-        motion, nullptr, [&](std::size_t k, const RotationState& state, const RotationDerivative&) {
+        m, nullptr, [&](std::size_t k, const RotationState& state, const RotationDerivative&) {
           const auto R_CI = p_.times[k].R_IC.transpose();
           const Pose pose{.R_CT = R_CI * state.R_IT,
-                          .p_CT = R_CI * place_of(motion, state, RotationJacobian::Zero()).p_I};
+                          .p_CT = R_CI * place_of(m, state, RotationJacobian::Zero()).p_I};
           const bool in_front = pose.p_CT.allFinite() && pose.p_CT.z() > 0.0;
           if (in_front) {
-            poses[k] = to_inverse_depth(pose);
+            p_.bundle.poses[k] = to_inverse_depth(pose);
           }
           return in_front;
         });
   }
 
-  double try_step(double damping) {
-    if (!built_ && !build()) {
-      return -1.0;
-    }
-    FreeBodyInformation damped = H_;
-    damped.diagonal() += damping * curvature_;
-    const Eigen::LLT<FreeBodyInformation> factor(damped);
-    if (factor.info() != Eigen::Success) {
-      return -1.0;
-    }
-    const FreeBodyVector x = factor.solve(right_);
-    trial_ = moved(*p_.motion, x);
-    if (!x.allFinite() || !pose(trial_, system_.trial_poses())) {
-      return -1.0;
-    }
-    return x.dot(right_) - 0.5 * x.dot(H_ * x);
+  /// Of the poses and points as they are, priors included.
+  [[nodiscard]] double cost() const {
+    const Eigen::Map<const FreeBodyVector> x(unknowns.data());
+    return bundle_cost(p_.bundle, cauchy_sigma_) + 0.5 * prior().dot(x.cwiseAbs2());
   }
 
-  [[nodiscard]] double cost() const { return system_.cost() + prior_cost(*p_.motion); }
-  double settle_trial() { return system_.settle_points() + prior_cost(trial_); }
-
-  void keep_trial() {
-    system_.keep_trial();
-    *p_.motion = trial_;
-    built_ = false;
+  [[nodiscard]] bool possible() const { return possible_; }
+  [[nodiscard]] const InverseDepthPose& pose_of(const BundleObservation& o) const {
+    return p_.bundle.poses[index(o.pose)];
+  }
+  [[nodiscard]] const Eigen::Vector3d& point_of(const BundleObservation& o) const {
+    return points_T_[index(o.point)];
+  }
+  [[nodiscard]] const ByUnknowns& pose_by_unknowns(const BundleObservation& o) const {
+    return pose_by_unknowns_[index(o.pose)];
+  }
+  [[nodiscard]] const PointByUnknowns& point_by_unknowns(const BundleObservation& o) const {
+    return point_by_unknowns_[index(o.point)];
   }
 
-  FreeBodyInformation information() { return built_ || build() ? H_ : FreeBodyInformation::Zero(); }
+  /// The least cost over all points as a quadratic of the unknowns, about the last motion kept.
+  [[nodiscard]] FreeBodyInformation information() const {
+    // Sigma of the gauge, rad and parts of the extent: far below any sigma of the images, far above
+    // rounding.
+    constexpr double kGaugeSigma = 1e-6;
+    const GaugeRows constraint = gauge_ / (kGaugeSigma * static_cast<double>(count()));
+    return information_ + constraint.transpose() * constraint;
+  }
 
  private:
   [[nodiscard]] std::size_t count() const { return p_.bundle.poses.size(); }
 
-  /// The least cost over all points as a quadratic of the unknowns about the present motion.
-  bool build() {
-    // Damping of points that are seen without parallax; otherwise next to nothing.
-    constexpr double kPointDamping = 1e-9;
-    if (!linearise()) {
-      return false;
-    }
-    system_.build(kPointDamping);
-    H_ = project();
-    right_ = -prior().cwiseProduct(unknowns_of(*p_.motion));
-    const BundleSystem::Unknowns of_poses = system_.step();
-    for (std::size_t k = 0; k < count(); ++k) {
-      right_ += w_.pose_by_unknowns[k].transpose() *
-                of_poses.segment<6>(6 * static_cast<Eigen::Index>(k));
-    }
-    H_.diagonal() += prior();
-    curvature_ = H_.diagonal();
-    // Sigma of the gauge, rad and parts of the extent: far below any sigma of the images, far above
-    // rounding.
-    constexpr double kGaugeSigma = 1e-6;
-    const GaugeRows constraint = gauge() / kGaugeSigma;
-    H_ += constraint.transpose() * constraint;
-    built_ = true;
-    return true;
-  }
-
   /// Calls `take` for each pose with the state at its time, and with the derivatives if `begin` is
   /// given.
   template <typename Take>
-  bool trace(const FreeBodyMotion& motion, const RotationDerivative* begin, Take take) {
+  bool trace(const FreeBodyMotion& motion, const RotationDerivative* begin, Take take) const {
     const Inertia inertia = inertia_of(motion.shape);
-    const auto order = std::span(w_.in_order_of_time).first(count());
+    const auto& order = in_order_of_time_;
     const auto later = std::find_if(order.begin(), order.end(), [&](std::size_t k) {
       return p_.times[k].time_s >= motion.reference.time_s;
     });
@@ -155,18 +174,32 @@ class FreeBody {
            integrate(std::make_reverse_iterator(later), std::make_reverse_iterator(order.begin()));
   }
 
-  bool linearise() {
-    const RotationDerivative begin = RotationDerivative::at_reference();
+  bool settle() {
+    for (std::size_t i = 0; i < points_T_.size(); ++i) {
+      points_T_[i] = p_.bundle.points_T[i];
+      if (!std::isfinite(settle_point(by_point_.of(i),
+                                      p_.bundle.poses,
+                                      cauchy_sigma_,
+                                      p_.bundle.point_fixed[i] == 0 ? settling_steps_ : 0,
+                                      &points_T_[i]))) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  bool linearise_motion() {
+    const FreeBodyMotion m = motion();
+    RotationDerivative begin = RotationDerivative::at_reference();
+    begin.attitude_I.leftCols<3>() = so3_left_jacobian(Eigen::Map<Eigen::Vector3d>(unknowns.data()));
     gauge_.setZero();
     return trace(
-        *p_.motion,
-        &begin,
-        [&](std::size_t k, const RotationState& state, const RotationDerivative& by) {
-          const Place place = place_of(*p_.motion, state, by.attitude_I);
+        m, &begin, [&](std::size_t k, const RotationState& state, const RotationDerivative& by) {
+          const Place place = place_of(m, state, by.attitude_I);
           const auto R_CI = p_.times[k].R_IC.transpose();
           Eigen::Matrix<double, 3, kFreeBodyUnknowns> rotation;
           rotation << by.attitude_I, Eigen::Matrix<double, 3, kTranslationUnknowns>::Zero();
-          w_.pose_by_unknowns[k] << R_CI * rotation,
+          pose_by_unknowns_[k] << R_CI * rotation,
               uvs_by_position(R_CI * place.p_I) * (R_CI * place.by_unknowns);
           gauge_.topRows<3>() += state.R_IT.transpose() * rotation;
           gauge_.middleRows<3>(3) +=
@@ -176,84 +209,146 @@ class FreeBody {
         });
   }
 
-  /// T's rotation, shift (in the body's extent) and scale by the unknowns, mean over the poses.
-  [[nodiscard]] GaugeRows gauge() const { return gauge_ / static_cast<double>(count()); }
-
-  /// The reduced system of the poses in terms of the unknowns.
-  FreeBodyInformation project() {
-    const BundleSystem::Reduced S = system_.reduced();
-    FreeBodyInformation H = FreeBodyInformation::Zero();
-    for (std::size_t a = 0; a < count(); ++a) {
-      const auto at = [](std::size_t k) { return 6 * static_cast<Eigen::Index>(k); };
-      ByUnknowns row =
-          S.block<6, 6>(at(a), at(a)).selfadjointView<Eigen::Lower>() * w_.pose_by_unknowns[a];
-      row *= 0.5;  // the other half is its transpose
-      for (std::size_t b = 0; b < a; ++b) {
-        row.noalias() += S.block<6, 6>(at(a), at(b)) * w_.pose_by_unknowns[b];
+  /// How each settled point follows the unknowns, and the information that is left of them then.
+  void linearise_points() {
+    // Damping of points that are seen without parallax; otherwise next to nothing.
+    constexpr double kPointDamping = 1e-9;
+    std::vector<Eigen::Matrix<double, 6, 6>> of_poses(count(),
+                                                      Eigen::Matrix<double, 6, 6>::Zero());
+    information_ = prior().asDiagonal();
+    for (std::size_t i = 0; i < points_T_.size(); ++i) {
+      Eigen::Matrix3d V = Eigen::Matrix3d::Zero();
+      PointByUnknowns W = PointByUnknowns::Zero();
+      for (const BundleObservation& o : by_point_.of(i)) {
+        LinearisedObservation l;
+        (void)linearise(o, pose_of(o), points_T_[i], cauchy_sigma_, &l);  // settle() has seen it
+        const Eigen::Matrix<double, 3, 2> weighted = l.weight * l.by_point.transpose();
+        V.noalias() += weighted * l.by_point;
+        const Eigen::Matrix<double, 3, 6> mixed = weighted * l.by_pose;
+        W.noalias() += mixed * pose_by_unknowns(o);
+        of_poses[index(o.pose)].noalias() += l.weight * l.by_pose.transpose() * l.by_pose;
       }
-      H.noalias() += w_.pose_by_unknowns[a].transpose() * row;
+      const bool moves = p_.bundle.point_fixed[i] == 0;
+      point_by_unknowns_[i] = moves ? PointByUnknowns(-damped_inverse(V, kPointDamping) * W)
+                                    : PointByUnknowns(PointByUnknowns::Zero());
+      information_.noalias() += W.transpose() * point_by_unknowns_[i];
     }
-    return H + FreeBodyInformation(H.transpose());
+    for (std::size_t k = 0; k < count(); ++k) {
+      const ByUnknowns moved = of_poses[k] * pose_by_unknowns_[k];
+      information_.noalias() += pose_by_unknowns_[k].transpose() * moved;
+    }
+    information_ = FreeBodyInformation(0.5 * (information_ + information_.transpose()));
   }
 
   [[nodiscard]] FreeBodyVector prior() const {
     FreeBodyVector information = FreeBodyVector::Zero();
-    information.segment<5>(6).setConstant(1.0 / (p_.shape_sigma * p_.shape_sigma));
+    information.segment<kShapeNumbers>(kRotationUnknowns - kShapeNumbers)
+        .setConstant(1.0 / (p_.shape_sigma * p_.shape_sigma));
     information.tail<3>().setConstant(1.0 / (p_.mass_centre_sigma * p_.mass_centre_sigma));
     return information;
   }
 
-  static FreeBodyVector unknowns_of(const FreeBodyMotion& motion) {
-    FreeBodyVector unknowns;
-    unknowns << Eigen::Vector3d::Zero(), motion.reference.w_T_rad_s, motion.shape, motion.path;
-    return unknowns;
-  }
-
-  [[nodiscard]] double prior_cost(const FreeBodyMotion& motion) const {
-    return 0.5 * prior().dot(unknowns_of(motion).cwiseAbs2());
-  }
-
-  static FreeBodyMotion moved(const FreeBodyMotion& motion, const FreeBodyVector& x) {
-    FreeBodyMotion to = motion;
-    to.reference.R_IT = so3_exp(x.head<3>()) * motion.reference.R_IT;
-    to.reference.w_T_rad_s += x.segment<3>(3);
-    to.shape += x.segment<5>(6);
-    to.path += x.tail<kTranslationUnknowns>();
-    return to;
-  }
-
   const FreeBodyProblem& p_;
-  FreeBodyWorkspace& w_;
-  BundleSystem system_;
-  FreeBodyMotion trial_;
-  GaugeRows gauge_ = GaugeRows::Zero();
-  bool built_ = false;  ///< the members below belong to the present motion
-  FreeBodyInformation H_ = FreeBodyInformation::Zero();
-  FreeBodyVector curvature_ =
-      FreeBodyVector::Zero();                      ///< H's diagonal before the gauge is constrained
-  FreeBodyVector right_ = FreeBodyVector::Zero();  ///< H x = right
+  double cauchy_sigma_;
+  PointObservations by_point_;
+  std::vector<std::size_t> in_order_of_time_;
+  std::vector<ByUnknowns> pose_by_unknowns_;  ///< (phi, uvs)
+  std::vector<Eigen::Vector3d> points_T_;     ///< settled at the present motion
+  std::vector<PointByUnknowns> point_by_unknowns_;
+  int settling_steps_ = kFirstSettlingSteps;
+  bool possible_ = false;
+  GaugeRows gauge_ = GaugeRows::Zero();  ///< T's turn, shift (in extents) and scale, over all poses
+  FreeBodyInformation information_ = FreeBodyInformation::Zero();
+};
+
+/// Of an observation, in sigma, its point following the motion.
+class FollowedPointCost final : public ceres::SizedCostFunction<2, kFreeBodyUnknowns> {
+ public:
+  FollowedPointCost(const BundleObservation& observation, const MotionAndPoints& at)
+      : o_(observation), at_(at) {}
+
+  bool Evaluate(double const* const* /*parameters*/,
+                double* residuals,
+                double** jacobians) const override {
+    LinearisedObservation l;
+    // Ceres weighs by the loss.
+    constexpr double kAnyWidth = 1.0;
+    if (!at_.possible() || !linearise(o_, at_.pose_of(o_), at_.point_of(o_), kAnyWidth, &l)) {
+      return false;
+    }
+    Eigen::Map<Eigen::Vector2d>{residuals} = l.residual;
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      RowMajorMap<2> J(jacobians[0]);
+      J.noalias() = l.by_pose * at_.pose_by_unknowns(o_);
+      J.noalias() += l.by_point * at_.point_by_unknowns(o_);
+    }
+    return true;
+  }
+
+ private:
+  BundleObservation o_;
+  const MotionAndPoints& at_;
+};
+
+/// Shape and mass centre, in sigma.
+class MotionPriorCost final : public ceres::SizedCostFunction<kPriorNumbers, kFreeBodyUnknowns> {
+ public:
+  explicit MotionPriorCost(const FreeBodyProblem& problem) {
+    J_.setZero();
+    J_.block<kShapeNumbers, kShapeNumbers>(0, kRotationUnknowns - kShapeNumbers)
+        .diagonal()
+        .setConstant(1.0 / problem.shape_sigma);
+    J_.bottomRightCorner<3, 3>().diagonal().setConstant(1.0 / problem.mass_centre_sigma);
+  }
+
+  bool Evaluate(double const* const* parameters,
+                double* residuals,
+                double** jacobians) const override {
+    Eigen::Map<Eigen::Matrix<double, kPriorNumbers, 1>>{residuals} =
+        J_ * Eigen::Map<const FreeBodyVector>(parameters[0]);
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      RowMajorMap<kPriorNumbers>{jacobians[0]} = J_;
+    }
+    return true;
+  }
+
+ private:
+  Eigen::Matrix<double, kPriorNumbers, kFreeBodyUnknowns> J_;
 };
 
 }  // namespace
 
-FreeBodyReport adjust_free_body(const FreeBodyProblem& problem,
-                                const BundleOptions& options,
-                                BundleWorkspace* workspace,
-                                FreeBodyWorkspace* own) {
-  FreeBody body(problem, options, workspace, own);
-  FreeBodyReport report;
-  if (problem.bundle.observations.empty() || !body.pose(*problem.motion, problem.bundle.poses)) {
-    return report;
+FreeBodyReport adjust_free_body(const FreeBodyProblem& problem, const BundleOptions& options) {
+  POLHODE_ASSERT(problem.times.size() == problem.bundle.poses.size(), problem.times.size());
+  if (problem.bundle.observations.empty()) {
+    return {};
   }
-  report.bundle = take_damped_steps(
-      body.cost(),
-      options.iterations_max,
-      kDampingFirst,
-      [&](double damping) { return body.try_step(damping); },
-      [&] { return body.settle_trial(); },
-      [&] { body.keep_trial(); });
+  MotionAndPoints state(problem, options.cauchy_sigma);
+  if (!state.pose()) {
+    return {};
+  }
+  const double cost_before = state.cost();
+  std::deque<FollowedPointCost> costs;  // they cannot be moved
+  ceres::CauchyLoss loss(options.cauchy_sigma);
+  MotionPriorCost prior(problem);
+  ceres::Problem::Options of_problem = problem_options();
+  of_problem.evaluation_callback = &state;
+  ceres::Problem ceres(of_problem);
+  for (const BundleObservation& o : problem.bundle.observations) {
+    costs.emplace_back(o, state);
+    ceres.AddResidualBlock(&costs.back(), &loss, state.unknowns.data());
+  }
+  ceres.AddResidualBlock(&prior, nullptr, state.unknowns.data());
+  ceres::Solver::Options of_solver = solver_options(options.iterations_max);
+  of_solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  ceres::Solver::Summary summary;
+  ceres::Solve(of_solver, &ceres, &summary);
+  FreeBodyReport report{.bundle = report_of(summary)};
+  report.bundle.cost_before = cost_before;  // Ceres's first one is that after settling
+  report.bundle.usable = report.bundle.usable && state.pose();  // the last trial may not be kept
   if (report.bundle.usable) {
-    report.information = body.information();
+    report.information = state.information();
+    *problem.motion = state.motion();
   }
   return report;
 }

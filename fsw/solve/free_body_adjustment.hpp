@@ -6,11 +6,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
 #include <span>
 
-#include "solve/bundle_adjustment.hpp"
+#include "solve/bundle_problem.hpp"
 #include "solve/mass_centre_fit.hpp"
 #include "solve/rigid_body.hpp"
 
@@ -52,23 +51,15 @@ struct FreeBodyReport {
   FreeBodyInformation information = FreeBodyInformation::Zero();
 };
 
-struct FreeBodyWorkspace {
-  using ByUnknowns = Eigen::Matrix<double, 6, kFreeBodyUnknowns>;
-  std::array<std::size_t, BundleWorkspace::kPoses> in_order_of_time{};
-  std::array<ByUnknowns, BundleWorkspace::kPoses> pose_by_unknowns{};  ///< (phi, uvs) of each pose
-};
-
-/// Levenberg-Marquardt over the twenty unknowns alone, by variable projection: each trial motion
-/// has its points re-solved. Damping on points as well would restrain the motion, which moves all
-/// of them.
+/// Levenberg-Marquardt by Ceres over the twenty unknowns alone, by variable projection: each trial
+/// motion has its points re-solved (docs/decisions/0043).
 /// @return not usable where the motion diverges or puts a point behind a camera. The problem's
-/// poses and points then mean nothing.
-/// @cost a system like adjust_bundle()'s for each motion that is kept; two to three linearisations
-/// of all observations for each trial. No heap; deterministic.
-/// @source Golub and Pereyra, Inverse Problems 19, 2003 (variable projection).
-FreeBodyReport adjust_free_body(const FreeBodyProblem& problem,
-                                const BundleOptions& options,
-                                BundleWorkspace* workspace,
-                                FreeBodyWorkspace* own);
+/// motion, poses and points then mean nothing.
+/// @cost for each trial a settling of all points, two to three linearisations of all observations;
+/// for each motion that is kept one more and a dense system of twenty. Deterministic; heap by
+/// bundle_octets_max().
+/// @source Golub and Pereyra, Inverse Problems 19, 2003; Kaufman, BIT 15, 1975 (variable
+/// projection).
+FreeBodyReport adjust_free_body(const FreeBodyProblem& problem, const BundleOptions& options);
 
 }  // namespace polhode

@@ -10,9 +10,10 @@
 
 namespace polhode {
 
+inline constexpr int kShapeNumbers = 5;
 /// Trace-free symmetric matrix log S in an orthonormal basis, S being the second-moment matrix of
 /// the mass up to its size. Every value is a physical body; zero is one of three equal moments.
-using InertiaShape = Eigen::Matrix<double, 5, 1>;
+using InertiaShape = Eigen::Matrix<double, kShapeNumbers, 1>;
 
 /// Prior 1-sigma of each number of the shape. Moments of 1:30 are 2.3 sigma.
 inline constexpr double kShapeSigma = 1.5;

@@ -122,7 +122,7 @@ TEST(CloseLoop, LeavesAnAdjustmentThatTakesTheDriftAway) {
     AdjustmentSnapshot& snapshot = *taken;
     snapshot_all(*r.mapped.map, r.model, &snapshot);
     const BundleOptions options{.iterations_max = 30, .cauchy_sigma = cauchy_sigma};
-    ASSERT_TRUE(adjust(&snapshot, options, workspace()).usable);
+    ASSERT_TRUE(adjust(&snapshot, options).usable);
     (void)apply(snapshot, r.mapped.map.get());
   }
   // 0.5 px at 190 px of radius over a hundred observations: some tenths of a mrad.

@@ -178,12 +178,6 @@ inline std::vector<Pose> turn_by(double step_rad, int count) {
   return poses;
 }
 
-/// For adjustments; contents mean nothing between calls.
-inline BundleWorkspace* workspace() {
-  static const auto own = std::make_unique<BundleWorkspace>();
-  return own.get();
-}
-
 /// What holds of a map at any time. @return text of the first promise that is broken, or empty.
 inline std::string broken_promise(const Map& map) {
   std::vector<int> ties(map.landmarks.size(), 0);

@@ -155,7 +155,7 @@ TEST(SnapshotAll, LeavesOutTheOldestObservations_WhenTheTableIsFull_AndTheRestIs
   }
   EXPECT_GT(of_pose.front(), 0) << "the newest keyframe";
   EXPECT_EQ(of_pose.back(), 0) << "the oldest one";
-  ASSERT_TRUE(adjust(&all, {.iterations_max = 3, .cauchy_sigma = 2.0}, workspace()).usable);
+  ASSERT_TRUE(adjust(&all, {.iterations_max = 3, .cauchy_sigma = 2.0}).usable);
   (void)apply(all, s.map.get());
   // Where nothing is seen nothing moves, but by what brings all of the map back to its place.
   EXPECT_LT(rms_px(*s.map), 1.1 * 0.71);
@@ -168,7 +168,7 @@ TEST(Snapshots, AreEmpty_WhenTheMapIs) {
   const auto all_of_map = all_of(*map);
   AdjustmentSnapshot& all = *all_of_map;
   EXPECT_TRUE(all.keyframes.empty());
-  EXPECT_FALSE(adjust(&all, kBundle, workspace()).usable);
+  EXPECT_FALSE(adjust(&all, kBundle).usable);
 }
 
 TEST(Adjust, BringsAJoltedMapBackToItsNoise) {
@@ -178,7 +178,7 @@ TEST(Adjust, BringsAJoltedMapBackToItsNoise) {
   ASSERT_GT(before_px, 3.0);
   const auto all_of_map = all_of(*s.map);
   AdjustmentSnapshot& all = *all_of_map;
-  ASSERT_TRUE(adjust(&all, kBundle, workspace()).usable);
+  ASSERT_TRUE(adjust(&all, kBundle).usable);
   (void)apply(all, s.map.get());
   // Two coordinates of 0.5 px each are 0.71 px RMS; the fit takes some of it away.
   EXPECT_LT(rms_px(*s.map), 1.1 * 0.71);
@@ -193,7 +193,7 @@ TEST(Adjust, OfAWindow_LowersTheErrorOfTheMap) {
   const double before_px = rms_px(*s.map);
   const auto window_of_map = window_of(*s.map, 4);
   AdjustmentSnapshot& window = *window_of_map;
-  ASSERT_TRUE(adjust(&window, kBundle, workspace()).usable);
+  ASSERT_TRUE(adjust(&window, kBundle).usable);
   (void)apply(window, s.map.get());
   EXPECT_LT(rms_px(*s.map), before_px);
   EXPECT_LT(rms_px(*s.map), 1.2 * 0.71);
@@ -206,7 +206,7 @@ TEST(Adjust, OfAWindow_DoesNotMoveWhatIsHeld) {
   const auto window_of_map = window_of(*s.map, 3);
   AdjustmentSnapshot& window = *window_of_map;
   ASSERT_GE(held(window), 2);
-  ASSERT_TRUE(adjust(&window, kBundle, workspace()).usable);
+  ASSERT_TRUE(adjust(&window, kBundle).usable);
   (void)apply(window, s.map.get());
   std::vector<bool> moved(limits::kKeyframes, false);
   for (std::size_t k = 0; k < window.keyframes.size(); ++k) {
@@ -228,7 +228,7 @@ TEST(Apply, KeepsAxesOriginAndScale_WhenAllMoved) {
     const auto before = std::make_unique<Map>(*s.map);
     const auto all_of_map = all_of(*s.map);
     AdjustmentSnapshot& all = *all_of_map;
-    ASSERT_TRUE(adjust(&all, kBundle, workspace()).usable);
+    ASSERT_TRUE(adjust(&all, kBundle).usable);
     (void)apply(all, s.map.get());
     const Similarity moved = drift(*before, *s.map);
     // The map was brought back by this very fit: what is left of it is rounding.
@@ -242,7 +242,7 @@ TEST(Apply, IsNotCarriedAway_ByALandmarkThatRanAway) {
   const auto s = make_map(ball(300, 28), turn_by(0.15, 8), kNoise_px, 4);
   const auto before = std::make_unique<Map>(*s.map);
   const auto all = all_of(*s.map);
-  ASSERT_TRUE(adjust(all.get(), kBundle, workspace()).usable);
+  ASSERT_TRUE(adjust(all.get(), kBundle).usable);
   all->points_T[17] *= 1e5;
   (void)apply(*all, s.map.get());
   for (const Keyframe& keyframe : s.map->keyframes) {

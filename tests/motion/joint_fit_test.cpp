@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "free_body.hpp"
+#include "solve/bundle_adjustment.hpp"
 
 namespace polhode {
 namespace {
@@ -112,14 +113,13 @@ DriftedMap drifted_map(int frames,
 }
 
 RigidModel fitted(DriftedMap* map, std::uint32_t* marginal_fits) {
-  static const auto bundle = std::make_unique<BundleWorkspace>();
   static const auto own = std::make_unique<JointFitWorkspace>();
   // As in a map, free poses come to rest first; the newest is held.
   map->pose_fixed.back() = 1;
   (void)adjust_bundle(
-      map->input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0}, bundle.get());
+      map->input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0});
   map->pose_fixed.back() = 0;
-  return fit_jointly(map->input(), marginal_fits, bundle.get(), own.get());
+  return fit_jointly(map->input(), marginal_fits, own.get());
 }
 
 RigidModel fitted(DriftedMap* map) {
@@ -140,8 +140,6 @@ FreeBodyReport adjusted_from(double turn_rad,
                              double rate_part,
                              DriftedMap* map,
                              FreeBodyMotion* motion) {
-  static const auto bundle = std::make_unique<BundleWorkspace>();
-  static const auto own = std::make_unique<FreeBodyWorkspace>();
   const FreeBody body = asymmetric_body(kTurn_rad);
   const Eigen::Vector3d axis = Eigen::Vector3d(0.6, -0.5, 0.2).normalized();
   *motion = {.reference = {.time_s = 0.0,
@@ -160,9 +158,7 @@ FreeBodyReport adjusted_from(double turn_rad,
                            .times = times,
                            .motion = motion,
                            .mass_centre_sigma = input.body_radius},
-                          {.iterations_max = 40, .cauchy_sigma = 15.0},
-                          bundle.get(),
-                          own.get());
+                          {.iterations_max = 40, .cauchy_sigma = 15.0});
 }
 
 TEST(FreeBodyAdjustment, ComesToRestFromFarOffInFewSteps) {
@@ -187,10 +183,9 @@ TEST(FreeBodyAdjustment, ComesToRestFromFarOffInFewSteps) {
 TEST(JointFit, TakesTheDriftOutOfAMap) {
   DriftedMap map = drifted_map(40, 0.01, Eigen::Vector3d::Zero(), 1);
   DriftedMap free = map;
-  static const auto workspace = std::make_unique<BundleWorkspace>();
   free.pose_fixed.back() = 1;
   (void)adjust_bundle(
-      free.input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0}, workspace.get());
+      free.input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0});
   const RigidModel model = fitted(&map);
   ASSERT_TRUE(model.accepted());
   EXPECT_TRUE(model.of_map);
@@ -243,10 +238,9 @@ TEST(JointFit, RefusesTimesThatAreNotThePictures_AndLeavesTheMap) {
   EXPECT_FALSE(model.accepted());
   EXPECT_EQ(model.status, ModelStatus::kResidualsTooLarge);
   DriftedMap free = drifted_map(40, 0.0, Eigen::Vector3d::Zero(), 3);
-  static const auto workspace = std::make_unique<BundleWorkspace>();
   free.pose_fixed.back() = 1;
   (void)adjust_bundle(
-      free.input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0}, workspace.get());
+      free.input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0});
   for (std::size_t k = 0; k < map.poses.size(); ++k) {
     EXPECT_EQ(map.poses[k].R_CT, free.poses[k].R_CT) << k;
     EXPECT_EQ(map.poses[k].uvs, free.poses[k].uvs) << k;

@@ -28,8 +28,6 @@ struct Scene {
   std::vector<Eigen::Vector3d> points_T;
   std::vector<std::uint8_t> point_fixed;
   std::vector<BundleObservation> observations;
-  std::unique_ptr<BundleWorkspace> bundle = std::make_unique<BundleWorkspace>();
-  std::unique_ptr<FreeBodyWorkspace> own = std::make_unique<FreeBodyWorkspace>();
 
   FreeBodyReport adjust(int iterations_max = 20) {
     const FreeBodyProblem problem{.bundle = {.poses = poses,
@@ -41,7 +39,7 @@ struct Scene {
                                   .motion = &motion,
                                   .shape_sigma = 1.5,
                                   .mass_centre_sigma = 1.0};
-    return adjust_free_body(problem, {.iterations_max = iterations_max}, bundle.get(), own.get());
+    return adjust_free_body(problem, {.iterations_max = iterations_max});
   }
 };
 

@@ -1,0 +1,50 @@
+#include "solve/ceres_solver.hpp"
+
+#include <glog/logging.h>
+
+#include <cmath>
+
+namespace polhode {
+
+ceres::Problem::Options problem_options() {
+  ceres::Problem::Options options;
+  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  // They compare addresses of blocks with each other, which takes as long as a step. What is added
+  // here comes from one place and is right by its types.
+  options.disable_all_safety_checks = true;
+  return options;
+}
+
+ceres::Solver::Options solver_options(int iterations_max) {
+  // Its messages would go to the standard error and to files; what it has to say is in the summary.
+  FLAGS_minloglevel = google::GLOG_FATAL;
+  ceres::Solver::Options options;
+  options.max_num_iterations = iterations_max;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
+  options.dense_linear_algebra_library_type = ceres::EIGEN;  // LAPACK may use threads
+  options.jacobi_scaling = true;
+  // A damping of 1e-4: for a nearly solved problem, as a tracked map's is (docs/decisions/0041).
+  options.initial_trust_region_radius = 1e4;
+  // Relative gain. Small, because weak directions settle last (docs/decisions/0041).
+  options.function_tolerance = 1e-5;
+  // Only the gain decides: a gradient's or a step's size depends on the units of the map.
+  options.gradient_tolerance = 0.0;
+  options.parameter_tolerance = 0.0;
+  // Beyond this damping, 1e12, steps are too small to matter.
+  options.min_trust_region_radius = 1e-12;
+  return options;
+}
+
+BundleReport report_of(const ceres::Solver::Summary& summary) {
+  const bool usable = summary.IsSolutionUsable() && std::isfinite(summary.final_cost);
+  return {.usable = usable,
+          .iterations = static_cast<int>(summary.iterations.size()) - 1,
+          .cost_before = summary.initial_cost,
+          .cost_after = usable ? summary.final_cost : summary.initial_cost};
+}
+
+}  // namespace polhode

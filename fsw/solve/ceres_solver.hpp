@@ -1,0 +1,19 @@
+// How Ceres is used here: what is asked of each of its problems and solutions.
+#pragma once
+
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include "solve/bundle_problem.hpp"
+
+namespace polhode {
+
+/// Nothing is owned by the problem: cost functions, losses and manifolds are the caller's.
+ceres::Problem::Options problem_options();
+
+/// One thread, no limit of time, no messages: the same problem gives the same octets.
+ceres::Solver::Options solver_options(int iterations_max);
+
+BundleReport report_of(const ceres::Solver::Summary& summary);
+
+}  // namespace polhode
