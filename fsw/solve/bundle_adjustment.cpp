@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <deque>
 #include <memory>
-#include <vector>
 
 #include "base/assert.hpp"
 #include "solve/bundle_costs.hpp"
 #include "solve/ceres_solver.hpp"
+#include "solve/settle_points.hpp"
 
 namespace polhode {
 namespace {
@@ -34,9 +34,11 @@ bool fits(const BundleProblem& problem) {
 class CeresBundle {
  public:
   CeresBundle(const BundleProblem& problem, double cauchy_sigma)
-      : p_(problem), loss_(cauchy_sigma), prior_loss_(kPriorCauchySigma), ceres_(problem_options()) {
-    poses_.reserve(p_.poses.size());
-    std::transform(p_.poses.begin(), p_.poses.end(), std::back_inserter(poses_), numbers_of);
+      : p_(problem),
+        poses_(problem.poses),
+        loss_(cauchy_sigma),
+        prior_loss_(kPriorCauchySigma),
+        ceres_(problem_options(&poses_)) {
     add_blocks();
     add_residuals();
   }
@@ -48,53 +50,54 @@ class CeresBundle {
     for (std::size_t i = 0; i < p_.points_T.size(); ++i) {
       options.linear_solver_ordering->AddElementToGroup(p_.points_T[i].data(), kPointGroup);
     }
-    for (PoseNumbers& pose : poses_) {
-      options.linear_solver_ordering->AddElementToGroup(pose.data(), kPoseGroup);
+    for (std::size_t k = 0; k < p_.poses.size(); ++k) {
+      options.linear_solver_ordering->AddElementToGroup(poses_.numbers(k), kPoseGroup);
     }
     ceres::Solver::Summary summary;
     ceres::Solve(options, &ceres_, &summary);
     return summary;
   }
 
-  void take_poses() const {
-    for (std::size_t k = 0; k < poses_.size(); ++k) {
-      p_.poses[k] = pose_of(poses_[k].data());
+  void take_poses() {
+    poses_.PrepareForEvaluation(false, true);  // the last trial may not be kept
+    for (std::size_t k = 0; k < p_.poses.size(); ++k) {
+      p_.poses[k] = poses_[k].pose;
     }
   }
 
  private:
   void add_blocks() {
-    for (std::size_t k = 0; k < poses_.size(); ++k) {
-      ceres_.AddParameterBlock(poses_[k].data(), kPoseNumbers, &manifold_);
+    for (std::size_t k = 0; k < p_.poses.size(); ++k) {
+      ceres_.AddParameterBlock(poses_.numbers(k), kPoseNumbers);
       if (p_.pose_fixed[k] != 0) {
-        ceres_.SetParameterBlockConstant(poses_[k].data());
-      }
-    }
-    for (std::size_t i = 0; i < p_.points_T.size(); ++i) {
-      ceres_.AddParameterBlock(p_.points_T[i].data(), 3);
-      if (p_.point_fixed[i] != 0) {
-        ceres_.SetParameterBlockConstant(p_.points_T[i].data());
+        ceres_.SetParameterBlockConstant(poses_.numbers(k));
       }
     }
   }
 
   void add_residuals() {
-    for (const BundleObservation& o : p_.observations) {
-      costs_.emplace_back(o);
-      ceres_.AddResidualBlock(
-          &costs_.back(), &loss_, poses_[index(o.pose)].data(), p_.points_T[index(o.point)].data());
+    const PointObservations by_point(p_.observations, p_.points_T.size());
+    for (std::size_t i = 0; i < p_.points_T.size(); ++i) {
+      ceres_.AddParameterBlock(p_.points_T[i].data(), 3);
+      if (p_.point_fixed[i] != 0) {
+        ceres_.SetParameterBlockConstant(p_.points_T[i].data());
+      }
+      for (const BundleObservation& o : by_point.of(i)) {
+        costs_.emplace_back(o, poses_[index(o.pose)]);
+        ceres_.AddResidualBlock(
+            &costs_.back(), &loss_, poses_.numbers(index(o.pose)), p_.points_T[i].data());
+      }
     }
     for (const PosePrior& prior : p_.priors) {
-      priors_.emplace_back(prior);
-      ceres_.AddResidualBlock(&priors_.back(), &prior_loss_, poses_[index(prior.pose)].data());
+      priors_.emplace_back(prior, poses_[index(prior.pose)]);
+      ceres_.AddResidualBlock(&priors_.back(), &prior_loss_, poses_.numbers(index(prior.pose)));
     }
   }
 
   const BundleProblem& p_;
-  std::vector<PoseNumbers> poses_;
+  ChartedPoses poses_;
   std::deque<ReprojectionCost> costs_;
   std::deque<PosePriorCost> priors_;
-  PoseManifold manifold_;
   ceres::CauchyLoss loss_;
   ceres::CauchyLoss prior_loss_;
   ceres::Problem ceres_;

@@ -1,60 +1,73 @@
 // What a bundle costs, as Ceres's cost functions with their derivatives written out.
 #pragma once
 
-#include <ceres/manifold.h>
+#include <ceres/evaluation_callback.h>
 #include <ceres/sized_cost_function.h>
 
 #include <Eigen/Core>
 #include <array>
+#include <span>
+#include <vector>
 
 #include "solve/bundle_problem.hpp"
 
 namespace polhode {
 
-/// Numbers of a pose as Ceres holds it: R_CT column by column, then (u, v, s). A step of it has six:
-/// phi of R = exp(phi) R_CT, then those of uvs.
-inline constexpr int kPoseNumbers = 12;
-inline constexpr int kPoseFreedom = 6;
+/// A pose in Ceres's terms: phi of R = exp(phi) R_start, then uvs. A chart about the start, so that
+/// no Jacobian has to pass through a manifold's, which would take a sixth of an adjustment's time.
+inline constexpr int kPoseNumbers = 6;
 using PoseNumbers = std::array<double, kPoseNumbers>;
 
-PoseNumbers numbers_of(const InverseDepthPose& pose);
-InverseDepthPose pose_of(const double* numbers);
+struct ChartedPose {
+  PoseNumbers numbers{};  ///< Ceres's parameter block
+  Eigen::Matrix3d R_start = Eigen::Matrix3d::Identity();
+  InverseDepthPose pose;                                  ///< at these numbers,
+  Eigen::Matrix3d turn_by_phi = Eigen::Matrix3d::Identity();  ///< and the left Jacobian there
+};
 
-/// Rotations turn from the left.
-class PoseManifold final : public ceres::Manifold {
+/// Poses of a bundle at the numbers that Ceres tries: computed once an evaluation.
+class ChartedPoses final : public ceres::EvaluationCallback {
  public:
-  [[nodiscard]] int AmbientSize() const override { return kPoseNumbers; }
-  [[nodiscard]] int TangentSize() const override { return kPoseFreedom; }
-  bool Plus(const double* x, const double* delta, double* x_plus_delta) const override;
-  bool PlusJacobian(const double* x, double* jacobian) const override;
-  bool Minus(const double* y, const double* x, double* y_minus_x) const override;
-  bool MinusJacobian(const double* x, double* jacobian) const override;
+  explicit ChartedPoses(std::span<const InverseDepthPose> start);
+  void PrepareForEvaluation(bool with_derivatives, bool is_new) override;
+
+  [[nodiscard]] double* numbers(std::size_t k) { return poses_[k].numbers.data(); }
+  [[nodiscard]] const ChartedPose& operator[](std::size_t k) const { return poses_[k]; }
+
+ private:
+  std::vector<ChartedPose> poses_;
 };
 
 /// Distance of a point's image from its observation, in sigma, by (pose, p_T). No value where the
 /// point lies behind the camera.
 class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 3> {
  public:
-  explicit ReprojectionCost(const BundleObservation& observation) : o_(observation) {}
+  ReprojectionCost(const BundleObservation& observation, const ChartedPose& pose)
+      : pose_(pose),
+        normalised_(observation.normalised),
+        inverse_sigma_(1.0 / observation.sigma_normalised) {}
   bool Evaluate(double const* const* parameters,
                 double* residuals,
                 double** jacobians) const override;
 
  private:
-  BundleObservation o_;
+  const ChartedPose& pose_;
+  Eigen::Vector2d normalised_;
+  double inverse_sigma_;
 };
 
 /// Departure of a pose from its prior, (phi, uvs), in sigma.
-class PosePriorCost final : public ceres::SizedCostFunction<kPoseFreedom, kPoseNumbers> {
+class PosePriorCost final : public ceres::SizedCostFunction<kPoseNumbers, kPoseNumbers> {
  public:
-  explicit PosePriorCost(const PosePrior& prior);
+  PosePriorCost(const PosePrior& prior, const ChartedPose& pose);
   bool Evaluate(double const* const* parameters,
                 double* residuals,
                 double** jacobians) const override;
 
  private:
+  const ChartedPose& pose_;
   InverseDepthPose mean_;
-  Eigen::Matrix<double, 6, 6> root_;  ///< root' root is the information
+  Eigen::Matrix<double, kPoseNumbers, kPoseNumbers> root_;  ///< root' root is the information
 };
 
 }  // namespace polhode

@@ -6,8 +6,9 @@
 
 namespace polhode {
 
-ceres::Problem::Options problem_options() {
+ceres::Problem::Options problem_options(ceres::EvaluationCallback* callback) {
   ceres::Problem::Options options;
+  options.evaluation_callback = callback;
   options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -26,7 +27,8 @@ ceres::Solver::Options solver_options(int iterations_max) {
   options.logging_type = ceres::SILENT;
   options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
   options.dense_linear_algebra_library_type = ceres::EIGEN;  // LAPACK may use threads
-  options.jacobi_scaling = true;
+  // Damping goes by each unknown's own curvature as it is.
+  options.jacobi_scaling = false;
   // A damping of 1e-4: for a nearly solved problem, as a tracked map's is (docs/decisions/0041).
   options.initial_trust_region_radius = 1e4;
   // Relative gain. Small, because weak directions settle last (docs/decisions/0041).

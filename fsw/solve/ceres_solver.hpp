@@ -9,7 +9,8 @@
 namespace polhode {
 
 /// Nothing is owned by the problem: cost functions, losses and manifolds are the caller's.
-ceres::Problem::Options problem_options();
+/// @param callback  asked to prepare each evaluation.
+ceres::Problem::Options problem_options(ceres::EvaluationCallback* callback);
 
 /// One thread, no limit of time, no messages: the same problem gives the same octets.
 ceres::Solver::Options solver_options(int iterations_max);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/assert.hpp"
+#include "base/avx2_dispatch.hpp"
 #include "geometry/so3.hpp"
 #include "solve/ceres_solver.hpp"
 #include "solve/settle_points.hpp"
@@ -21,7 +22,9 @@ namespace {
 
 using ByUnknowns = Eigen::Matrix<double, 6, kFreeBodyUnknowns>;
 using PointByUnknowns = Eigen::Matrix<double, 3, kFreeBodyUnknowns>;
-using GaugeRows = Eigen::Matrix<double, 7, kFreeBodyUnknowns>;
+// Turn, shift and scale of T.
+constexpr int kGaugeRows = 7;
+using GaugeRows = Eigen::Matrix<double, kGaugeRows, kFreeBodyUnknowns>;
 template <int kRows>
 using RowMajorMap = Eigen::Map<Eigen::Matrix<double, kRows, kFreeBodyUnknowns, Eigen::RowMajor>>;
 
@@ -65,13 +68,15 @@ class MotionAndPoints final : public ceres::EvaluationCallback {
         in_order_of_time_(problem.bundle.poses.size()),
         pose_by_unknowns_(problem.bundle.poses.size()),
         points_T_(problem.bundle.points_T.begin(), problem.bundle.points_T.end()),
-        point_by_unknowns_(problem.bundle.points_T.size()) {
+        point_by_unknowns_(problem.bundle.points_T.size(), PointByUnknowns::Zero()),
+        of_poses_(problem.bundle.poses.size()) {
     std::iota(in_order_of_time_.begin(), in_order_of_time_.end(), std::size_t{0});
     std::sort(in_order_of_time_.begin(), in_order_of_time_.end(), [&](auto a, auto b) {
       return p_.times[a].time_s < p_.times[b].time_s;
     });
     Eigen::Map<FreeBodyVector>{unknowns.data()} << Eigen::Vector3d::Zero(),
         p_.motion->reference.w_T_rad_s, p_.motion->shape, p_.motion->path;
+    kept_unknowns_ = Eigen::Map<FreeBodyVector>(unknowns.data());
   }
 
   /// Attitude at the reference as a turn from that of the start, then rate, shape, path.
@@ -94,6 +99,7 @@ class MotionAndPoints final : public ceres::EvaluationCallback {
     }
     if (with_derivatives && possible_) {
       std::copy(points_T_.begin(), points_T_.end(), p_.bundle.points_T.begin());
+      kept_unknowns_ = Eigen::Map<const FreeBodyVector>(unknowns.data());
       possible_ = linearise_motion();
       linearise_points();
       settling_steps_ = kSettlingSteps;
@@ -174,9 +180,11 @@ class MotionAndPoints final : public ceres::EvaluationCallback {
            integrate(std::make_reverse_iterator(later), std::make_reverse_iterator(order.begin()));
   }
 
+  /// From where the points would go by the linear model.
   bool settle() {
+    const FreeBodyVector step = Eigen::Map<const FreeBodyVector>(unknowns.data()) - kept_unknowns_;
     for (std::size_t i = 0; i < points_T_.size(); ++i) {
-      points_T_[i] = p_.bundle.points_T[i];
+      points_T_[i] = p_.bundle.points_T[i] + point_by_unknowns_[i] * step;
       if (!std::isfinite(settle_point(by_point_.of(i),
                                       p_.bundle.poses,
                                       cauchy_sigma_,
@@ -211,33 +219,41 @@ class MotionAndPoints final : public ceres::EvaluationCallback {
 
   /// How each settled point follows the unknowns, and the information that is left of them then.
   void linearise_points() {
+    information_ = prior().asDiagonal();
+    widely([&] {
+      std::fill(of_poses_.begin(), of_poses_.end(), Eigen::Matrix<double, 6, 6>::Zero());
+      for (std::size_t i = 0; i < points_T_.size(); ++i) {
+        linearise_point(i);
+      }
+      for (std::size_t k = 0; k < count(); ++k) {
+        const ByUnknowns moved = of_poses_[k] * pose_by_unknowns_[k];
+        information_.noalias() += pose_by_unknowns_[k].transpose() * moved;
+      }
+    });
+    information_ = FreeBodyInformation(0.5 * (information_ + information_.transpose()));
+  }
+
+  void linearise_point(std::size_t i) {
     // Damping of points that are seen without parallax; otherwise next to nothing.
     constexpr double kPointDamping = 1e-9;
-    std::vector<Eigen::Matrix<double, 6, 6>> of_poses(count(),
-                                                      Eigen::Matrix<double, 6, 6>::Zero());
-    information_ = prior().asDiagonal();
-    for (std::size_t i = 0; i < points_T_.size(); ++i) {
-      Eigen::Matrix3d V = Eigen::Matrix3d::Zero();
-      PointByUnknowns W = PointByUnknowns::Zero();
-      for (const BundleObservation& o : by_point_.of(i)) {
-        LinearisedObservation l;
-        (void)linearise(o, pose_of(o), points_T_[i], cauchy_sigma_, &l);  // settle() has seen it
-        const Eigen::Matrix<double, 3, 2> weighted = l.weight * l.by_point.transpose();
-        V.noalias() += weighted * l.by_point;
-        const Eigen::Matrix<double, 3, 6> mixed = weighted * l.by_pose;
-        W.noalias() += mixed * pose_by_unknowns(o);
-        of_poses[index(o.pose)].noalias() += l.weight * l.by_pose.transpose() * l.by_pose;
-      }
-      const bool moves = p_.bundle.point_fixed[i] == 0;
-      point_by_unknowns_[i] = moves ? PointByUnknowns(-damped_inverse(V, kPointDamping) * W)
-                                    : PointByUnknowns(PointByUnknowns::Zero());
-      information_.noalias() += W.transpose() * point_by_unknowns_[i];
+    Eigen::Matrix3d V = Eigen::Matrix3d::Zero();
+    PointByUnknowns W = PointByUnknowns::Zero();
+    for (const BundleObservation& o : by_point_.of(i)) {
+      LinearisedObservation l;
+      (void)linearise(o, pose_of(o), points_T_[i], cauchy_sigma_, &l);  // settle() has seen it
+      const Eigen::Matrix<double, 3, 2> weighted = l.weight * l.by_point.transpose();
+      const Eigen::Matrix<double, 3, 6> mixed = weighted * l.by_pose;
+      const Eigen::Matrix<double, 2, 6> weighted_by_pose = l.weight * l.by_pose;
+      V.noalias() += weighted * l.by_point;
+      W.noalias() += mixed * pose_by_unknowns(o);
+      of_poses_[index(o.pose)].noalias() += l.by_pose.transpose() * weighted_by_pose;
     }
-    for (std::size_t k = 0; k < count(); ++k) {
-      const ByUnknowns moved = of_poses[k] * pose_by_unknowns_[k];
-      information_.noalias() += pose_by_unknowns_[k].transpose() * moved;
+    if (p_.bundle.point_fixed[i] == 0) {
+      point_by_unknowns_[i].noalias() = -damped_inverse(V, kPointDamping) * W;
+    } else {
+      point_by_unknowns_[i].setZero();
     }
-    information_ = FreeBodyInformation(0.5 * (information_ + information_.transpose()));
+    information_.noalias() += W.transpose() * point_by_unknowns_[i];
   }
 
   [[nodiscard]] FreeBodyVector prior() const {
@@ -254,7 +270,9 @@ class MotionAndPoints final : public ceres::EvaluationCallback {
   std::vector<std::size_t> in_order_of_time_;
   std::vector<ByUnknowns> pose_by_unknowns_;  ///< (phi, uvs)
   std::vector<Eigen::Vector3d> points_T_;     ///< settled at the present motion
-  std::vector<PointByUnknowns> point_by_unknowns_;
+  std::vector<PointByUnknowns> point_by_unknowns_;  ///< how they follow the last motion kept
+  FreeBodyVector kept_unknowns_;
+  std::vector<Eigen::Matrix<double, 6, 6>> of_poses_;  ///< information of each for itself
   int settling_steps_ = kFirstSettlingSteps;
   bool possible_ = false;
   GaugeRows gauge_ = GaugeRows::Zero();  ///< T's turn, shift (in extents) and scale, over all poses
@@ -270,22 +288,27 @@ class FollowedPointCost final : public ceres::SizedCostFunction<2, kFreeBodyUnkn
   bool Evaluate(double const* const* /*parameters*/,
                 double* residuals,
                 double** jacobians) const override {
+    double* J = jacobians != nullptr ? jacobians[0] : nullptr;
+    return at_.possible() && widely([&] { return evaluate(residuals, J); });
+  }
+
+ private:
+  bool evaluate(double* residuals, double* jacobian) const {
     LinearisedObservation l;
     // Ceres weighs by the loss.
     constexpr double kAnyWidth = 1.0;
-    if (!at_.possible() || !linearise(o_, at_.pose_of(o_), at_.point_of(o_), kAnyWidth, &l)) {
+    if (!linearise(o_, at_.pose_of(o_), at_.point_of(o_), kAnyWidth, &l)) {
       return false;
     }
     Eigen::Map<Eigen::Vector2d>{residuals} = l.residual;
-    if (jacobians != nullptr && jacobians[0] != nullptr) {
-      RowMajorMap<2> J(jacobians[0]);
+    if (jacobian != nullptr) {
+      RowMajorMap<2> J(jacobian);
       J.noalias() = l.by_pose * at_.pose_by_unknowns(o_);
       J.noalias() += l.by_point * at_.point_by_unknowns(o_);
     }
     return true;
   }
 
- private:
   BundleObservation o_;
   const MotionAndPoints& at_;
 };
@@ -331,9 +354,7 @@ FreeBodyReport adjust_free_body(const FreeBodyProblem& problem, const BundleOpti
   std::deque<FollowedPointCost> costs;  // they cannot be moved
   ceres::CauchyLoss loss(options.cauchy_sigma);
   MotionPriorCost prior(problem);
-  ceres::Problem::Options of_problem = problem_options();
-  of_problem.evaluation_callback = &state;
-  ceres::Problem ceres(of_problem);
+  ceres::Problem ceres(problem_options(&state));
   for (const BundleObservation& o : problem.bundle.observations) {
     costs.emplace_back(o, state);
     ceres.AddResidualBlock(&costs.back(), &loss, state.unknowns.data());
