@@ -13,13 +13,12 @@
 
 namespace polhode {
 
-/// A pose in Ceres's terms: phi of R = exp(phi) R_start, then uvs. A chart about the start, so that
-/// no Jacobian has to pass through a manifold's, which would take a sixth of an adjustment's time.
+/// A pose in Ceres's terms: phi of R = exp(phi) R_start, then uvs. A chart about the start: with a
+/// manifold each Jacobian would be multiplied by the manifold's (docs/decisions/0041).
 inline constexpr int kPoseNumbers = 6;
-using PoseNumbers = std::array<double, kPoseNumbers>;
 
 struct ChartedPose {
-  PoseNumbers numbers{};  ///< Ceres's parameter block
+  std::array<double, kPoseNumbers> numbers{};  ///< Ceres's parameter block
   Eigen::Matrix3d R_start = Eigen::Matrix3d::Identity();
   InverseDepthPose pose;                                  ///< at these numbers,
   Eigen::Matrix3d turn_by_phi = Eigen::Matrix3d::Identity();  ///< and the left Jacobian there
@@ -38,14 +37,18 @@ class ChartedPoses final : public ceres::EvaluationCallback {
   std::vector<ChartedPose> poses_;
 };
 
-/// Distance of a point's image from its observation, in sigma, by (pose, p_T). No value where the
-/// point lies behind the camera.
+/// Distance of a point's image from its observation, in sigma and under the Cauchy loss, by (pose,
+/// p_T). No value where the point lies behind the camera. Ceres's own losses re-weight, which takes
+/// half as many steps again (docs/decisions/0041).
 class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 3> {
  public:
-  ReprojectionCost(const BundleObservation& observation, const ChartedPose& pose)
+  ReprojectionCost(const BundleObservation& observation,
+                   const ChartedPose& pose,
+                   double cauchy_sigma)
       : pose_(pose),
         normalised_(observation.normalised),
-        inverse_sigma_(1.0 / observation.sigma_normalised) {}
+        inverse_sigma_(1.0 / observation.sigma_normalised),
+        cauchy_sigma_(cauchy_sigma) {}
   bool Evaluate(double const* const* parameters,
                 double* residuals,
                 double** jacobians) const override;
@@ -54,6 +57,7 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 
   const ChartedPose& pose_;
   Eigen::Vector2d normalised_;
   double inverse_sigma_;
+  double cauchy_sigma_;
 };
 
 /// Departure of a pose from its prior, (phi, uvs), in sigma.
