@@ -4,10 +4,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/assert.hpp"
 #include "base/consensus.hpp"
-#include "base/rng.hpp"
 
 namespace polhode {
 namespace {
@@ -23,10 +23,6 @@ constexpr int kDrawsMax = 100;
 constexpr std::size_t kAgreeMin = 8;
 // Coordinates in hundreds of pixels keep the equations' terms of one size.
 constexpr double kUnit_px = 100.0;
-
-struct Sample {
-  std::array<std::size_t, 4> index;
-};
 
 /// The two equations, linear in the eight unknowns (the ninth element is 1), of a pair of points.
 void equations(const cv::Point2f& from,
@@ -56,14 +52,14 @@ cv::Matx33d in_pixels(const Vector8d& h) {
           1.0};
 }
 
-bool through_four(std::span<const cv::Point2f> from,
-                  std::span<const cv::Point2f> to,
-                  const Sample& sample,
-                  cv::Matx33d* motion) {
+/// None where the points fix no motion.
+std::optional<cv::Matx33d> through_four(std::span<const cv::Point2f> from,
+                                        std::span<const cv::Point2f> to,
+                                        const Sample<4>& sample) {
   Matrix8d A;
   Vector8d b;
   for (int i = 0; i < 4; ++i) {
-    const std::size_t k = sample.index[static_cast<std::size_t>(i)];
+    const std::size_t k = sample[static_cast<std::size_t>(i)];
     Vector8d row_u;
     Vector8d row_v;
     equations(from[k], to[k], &row_u, &row_v, &b(2 * i), &b(2 * i + 1));
@@ -71,26 +67,21 @@ bool through_four(std::span<const cv::Point2f> from,
     A.row(2 * i + 1) = row_v.transpose();
   }
   const Vector8d h = A.partialPivLu().solve(b);
-  *motion = in_pixels(h);
-  return h.allFinite();
+  return h.allFinite() ? std::optional(in_pixels(h)) : std::nullopt;
 }
 
-/// Sum of squared distances, each truncated at fit_px^2. Stops when it is over `best`.
+/// Sum of squared distances, each truncated at fit_px^2. Stops when it is over `enough`.
 double score(std::span<const cv::Point2f> from,
              std::span<const cv::Point2f> to,
              const cv::Matx33d& motion,
              double fit_px,
-             double best,
-             std::size_t* agree) {
+             double enough) {
   const auto limit = static_cast<float>(fit_px * fit_px);
   double sum = 0.0;
-  *agree = 0;
-  for (std::size_t i = 0; i < from.size() && sum < best; ++i) {
+  for (std::size_t i = 0; i < from.size() && sum < enough; ++i) {
     const cv::Point2f d = moved(motion, from[i]) - to[i];
     const float e2 = d.x * d.x + d.y * d.y;
-    const bool near = e2 < limit;
-    *agree += near ? 1 : 0;
-    sum += static_cast<double>(near ? e2 : limit);
+    sum += static_cast<double>(e2 < limit ? e2 : limit);  // not a number counts as far
   }
   return sum;
 }
@@ -121,20 +112,6 @@ void refine(std::span<const cv::Point2f> from,
   }
 }
 
-Sample draw(std::size_t count, Rng* rng) {
-  Sample sample{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    bool again = true;
-    while (again) {
-      sample.index[i] = rng->below(static_cast<std::uint32_t>(count));
-      again = std::find(sample.index.begin(),
-                        sample.index.begin() + static_cast<std::ptrdiff_t>(i),
-                        sample.index[i]) != sample.index.begin() + static_cast<std::ptrdiff_t>(i);
-    }
-  }
-  return sample;
-}
-
 }  // namespace
 
 cv::Point2f moved(const cv::Matx33d& motion, const cv::Point2f& point) {
@@ -154,32 +131,28 @@ bool fit_plane_motion(std::span<const cv::Point2f> from,
   if (from.size() < kAgreeMin) {
     return false;
   }
-  Rng rng(0, from.size());
-  constexpr double kNone = 1E300;  // over any score
-  double best = kNone;
-  int draws = kDrawsMax;
-  for (int i = 0; i < draws; ++i) {
-    cv::Matx33d candidate;
-    std::size_t agree = 0;
-    if (!through_four(from, to, draw(from.size(), &rng), &candidate)) {
-      continue;
-    }
-    const double cost = score(from, to, candidate, fit_px, best, &agree);
-    if (cost < best) {
-      best = cost;
-      *motion = candidate;
-      const double part = static_cast<double>(agree) / static_cast<double>(from.size());
-      draws = std::min(draws, std::max(i + 1, draws_needed(part, 4, kMiss)));
-    }
+  BestHypothesis<cv::Matx33d> best;
+  find_consensus<4>(
+      {.points = from.size(),
+       .draws_max = kDrawsMax,
+       .stream = from.size(),
+       .missed = kMiss,
+       .score_of_none = fit_px * fit_px * static_cast<double>(from.size())},
+      [&](const Sample<4>& sample) { return through_four(from, to, sample); },
+      [&](const cv::Matx33d* m, double enough) { return score(from, to, *m, fit_px, enough); },
+      &best);
+  if (!best.found()) {
+    return false;
   }
+  *motion = best.model;
   // Each round may let other points agree. Chosen; more cost time and change little.
   constexpr int kRounds = 3;
-  for (int i = 0; i < kRounds && best < kNone; ++i) {
+  for (int i = 0; i < kRounds; ++i) {
     refine(from, to, fit_px, motion);
   }
   agrees->assign(from.size(), 0);
   std::size_t count = 0;
-  for (std::size_t i = 0; i < from.size() && best < kNone; ++i) {
+  for (std::size_t i = 0; i < from.size(); ++i) {
     const cv::Point2f d = moved(*motion, from[i]) - to[i];
     (*agrees)[i] = std::hypot(d.x, d.y) < static_cast<float>(fit_px) ? 1 : 0;
     count += (*agrees)[i];

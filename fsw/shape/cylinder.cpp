@@ -7,8 +7,9 @@
 #include <bitset>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
-#include "base/rng.hpp"
+#include "base/consensus.hpp"
 #include "shape/grouped_covariance.hpp"
 #include "shape/rectangle.hpp"
 
@@ -104,50 +105,43 @@ Axes voted_axes(const Support& support, const CloudIndices& directed) {
           eigen.eigenvectors().col(1)};
 }
 
-/// Circle across the axis through three points. False where they all but lie on a line.
-bool circle_through(const Eigen::Vector3d& p,
-                    const Eigen::Vector3d& q,
-                    const Eigen::Vector3d& r,
-                    Cylinder& c) {
-  const auto across = [&c](const Eigen::Vector3d& v) {
-    return Eigen::Vector3d(v - c.axis_T * c.axis_T.dot(v));
+/// Circle across the axis through three points. None where they all but lie on a line.
+std::optional<Cylinder> circle_through(const Eigen::Vector3d& axis_T,
+                                       const Eigen::Vector3d& p,
+                                       const Eigen::Vector3d& q,
+                                       const Eigen::Vector3d& r) {
+  const auto across = [&](const Eigen::Vector3d& v) {
+    return Eigen::Vector3d(v - axis_T * axis_T.dot(v));
   };
   const Eigen::Vector3d a = across(q - p);
   const Eigen::Vector3d b = across(r - p);
-  const double area = a.cross(b).dot(c.axis_T);
+  const double area = a.cross(b).dot(axis_T);
   if (!(std::abs(area) >= kSampleSineMin * a.norm() * b.norm()) || !(std::abs(area) > 0.0)) {
-    return false;
+    return std::nullopt;
   }
   const Eigen::Vector3d to_centre =
-      (b.squaredNorm() * a - a.squaredNorm() * b).cross(c.axis_T) / (-2.0 * area);
-  c.centre_T = p + to_centre;
-  c.radius = to_centre.norm();
-  return true;
+      (b.squaredNorm() * a - a.squaredNorm() * b).cross(axis_T) / (-2.0 * area);
+  return Cylinder{.axis_T = axis_T, .centre_T = p + to_centre, .radius = to_centre.norm()};
 }
 
 /// Axis: one of the voted ones, or across two points' directions. Circle: through three points.
-bool hypothesis(const Support& support,
-                const CloudIndices& directed,
-                const Axes& axes,
-                int number,
-                Rng& rng,
-                Cylinder& c) {
-  const auto draw = [&] {
-    return directed[rng.below(static_cast<std::uint32_t>(directed.size()))];
-  };
-  const std::uint16_t a = draw();
-  const std::uint16_t b = draw();
-  const std::uint16_t third = draw();
-  if (number % 2 == 0) {
-    c.axis_T = axes[static_cast<std::size_t>(number / 2) % kVotedAxes];
-  } else {
-    const Eigen::Vector3d cross = support.normals[a].normal_T.cross(support.normals[b].normal_T);
-    if (!(cross.norm() >= kSampleSineMin)) {
-      return false;
+std::optional<Cylinder> hypothesis(const Support& support,
+                                   const CloudIndices& directed,
+                                   const Axes& axes,
+                                   const Sample<3>& sample,
+                                   std::size_t number) {
+  const std::size_t a = directed[sample[0]];
+  const std::size_t b = directed[sample[1]];
+  const std::size_t c = directed[sample[2]];
+  Eigen::Vector3d axis_T = axes[number / 2 % kVotedAxes];
+  if (number % 2 == 1) {
+    axis_T = support.normals[a].normal_T.cross(support.normals[b].normal_T);
+    if (!(axis_T.norm() >= kSampleSineMin)) {
+      return std::nullopt;
     }
-    c.axis_T = cross.normalized();
+    axis_T.normalize();
   }
-  return circle_through(support.points_T[a], support.points_T[b], support.points_T[third], c);
+  return circle_through(axis_T, support.points_T[a], support.points_T[b], support.points_T[c]);
 }
 
 /// Which of `count` equal sectors a direction lies in.
@@ -278,33 +272,38 @@ void describe(const Support& support,
   c.sigma_radius = std::sqrt(std::max(0.0, covariance(4, 4)));
 }
 
-/// The hypothesis with most support. Promising ones are refined before they are compared.
-Cylinder best_hypothesis(const Support& support,
-                         const CloudIndices& directed,
-                         const CylinderSearch& search,
-                         Normal5* information) {
-  Rng rng(search.seed, kRngStream);
-  const Axes axes = voted_axes(support, directed);
-  Cylinder best;
-  for (int i = 0; i < search.iterations_max; ++i) {
-    Cylinder c;
-    if (!hypothesis(support, directed, axes, i, rng, c)) {
-      continue;
-    }
-    c.inliers = support.count(c, search.distance_max);
-    if (static_cast<double>(c.inliers) < kPromising * static_cast<double>(best.inliers)) {
-      continue;
-    }
-    bool good = true;
-    for (int k = 0; k < kRefinementsEach && good; ++k) {
-      good = refine(support, 2.0 * search.distance_max, c, information);
-    }
-    c.inliers = good ? support.count(c, search.distance_max) : 0;
-    if (c.inliers > best.inliers) {
-      best = c;
+/// Support, negative, for the least is the best. Promising hypotheses are refined first.
+double score(const Support& support, double band, double enough, Cylinder* c) {
+  c->inliers = support.count(*c, band);
+  if (static_cast<double>(c->inliers) < kPromising * -enough) {
+    return enough;
+  }
+  Normal5 information;
+  for (int k = 0; k < kRefinementsEach; ++k) {
+    if (!refine(support, 2.0 * band, *c, &information)) {
+      return kNoScore;
     }
   }
-  return best;
+  c->inliers = support.count(*c, band);
+  return -static_cast<double>(c->inliers);
+}
+
+/// The hypothesis with most support; without inliers when there is none.
+Cylinder best_hypothesis(const Support& support,
+                         const CloudIndices& directed,
+                         const CylinderSearch& search) {
+  const Axes axes = voted_axes(support, directed);
+  std::size_t number = 0;
+  BestHypothesis<Cylinder> best{.score = 0.0};  // some inliers
+  find_consensus<3>(
+      {.points = directed.size(),
+       .draws_max = search.iterations_max,
+       .seed = search.seed,
+       .stream = kRngStream},
+      [&](const Sample<3>& s) { return hypothesis(support, directed, axes, s, number++); },
+      [&](Cylinder* c, double enough) { return score(support, search.distance_max, enough, c); },
+      &best);
+  return best.model;
 }
 
 }  // namespace
@@ -319,12 +318,12 @@ Result<Cylinder> find_cylinder(std::span<const Eigen::Vector3d> points_T,
       POLHODE_ASSERT(directed.push_back(static_cast<std::uint16_t>(i)), i);
     }
   }
-  if (points_T.size() < search.inliers_min || directed.size() < 2) {
+  if (points_T.size() < search.inliers_min || directed.size() < 3) {
     return ErrorCode::kTooFewObservations;
   }
   const Support support{.points_T = points_T, .normals = normals};
   Normal5 information = Normal5::Identity();
-  Cylinder best = best_hypothesis(support, directed, search, &information);
+  Cylinder best = best_hypothesis(support, directed, search);
   if (best.inliers < search.inliers_min) {
     return ErrorCode::kNoConsensus;
   }

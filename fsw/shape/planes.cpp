@@ -4,8 +4,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
-#include "base/rng.hpp"
+#include "base/consensus.hpp"
 #include "shape/grouped_covariance.hpp"
 #include "shape/rectangle.hpp"
 
@@ -96,47 +97,47 @@ Fit refit(const Support& support, const Fit& start, double band) {
   return fit;
 }
 
-/// Plane through three random free points. False for a sample on a line.
-bool sample(const Support& support, const CloudIndices& free, Rng& rng, Fit& fit) {
-  const auto bound = static_cast<std::uint32_t>(free.size());
-  const Eigen::Vector3d& a = support.points_T[free[rng.below(bound)]];
-  const Eigen::Vector3d ab = support.points_T[free[rng.below(bound)]] - a;
-  const Eigen::Vector3d ac = support.points_T[free[rng.below(bound)]] - a;
+/// Plane through three free points. None where they all but lie on a line.
+std::optional<Fit> plane_through(const Support& support,
+                                 const CloudIndices& free,
+                                 const Sample<3>& sample) {
+  const Eigen::Vector3d& a = support.points_T[free[sample[0]]];
+  const Eigen::Vector3d ab = support.points_T[free[sample[1]]] - a;
+  const Eigen::Vector3d ac = support.points_T[free[sample[2]]] - a;
   const Eigen::Vector3d normal = ab.cross(ac);
   if (!(normal.norm() > kSampleSineMin * ab.norm() * ac.norm())) {
-    return false;
+    return std::nullopt;
   }
-  fit.normal_T = normal.normalized();
-  fit.mean_T = a;
-  return true;
+  return Fit{.normal_T = normal.normalized(), .mean_T = a};
+}
+
+/// Points on the plane less what those beside it cost; negative, for the least is the best.
+double score(const Support& support, double band, double enough, Fit* fit) {
+  fit->count = support.count(*fit, band);
+  const auto on = static_cast<double>(fit->count);
+  if (-on >= enough) {
+    return -on;  // counting the points beside it cannot make it better
+  }
+  fit->beside = support.beside(*fit, band);
+  return kBesideCost * static_cast<double>(fit->beside) - on;
 }
 
 /// The hypothesis with most support, refined; count is 0 when there is none.
 Fit best_plane(const Support& support,
                const CloudIndices& free,
                const PlaneSearch& search,
-               Rng& rng,
+               std::uint64_t stream,
                double* band) {
-  Fit best;
-  double worth_best = 0.0;
-  for (int i = 0; i < search.iterations_max; ++i) {
-    Fit fit;
-    if (!sample(support, free, rng, fit)) {
-      continue;
-    }
-    fit.count = support.count(fit, search.distance_max);
-    // Counting the points beside it cannot raise its worth.
-    if (static_cast<double>(fit.count) <= worth_best) {
-      continue;
-    }
-    fit.beside = support.beside(fit, search.distance_max);
-    const double worth =
-        static_cast<double>(fit.count) - kBesideCost * static_cast<double>(fit.beside);
-    if (worth > worth_best) {
-      worth_best = worth;
-      best = fit;
-    }
-  }
+  BestHypothesis<Fit> found{.score = 0.0};  // more points on it than those beside it cost
+  find_consensus<3>(
+      {.points = free.size(),
+       .draws_max = search.iterations_max,
+       .seed = search.seed,
+       .stream = stream},
+      [&](const Sample<3>& sample) { return plane_through(support, free, sample); },
+      [&](Fit* fit, double enough) { return score(support, search.distance_max, enough, fit); },
+      &found);
+  Fit best = found.model;
   *band = search.distance_max;
   for (int i = 0; i < kRefinements && best.count >= 3; ++i) {
     best = refit(support, best, *band);
@@ -245,9 +246,8 @@ void find_planes(std::span<const Eigen::Vector3d> points_T,
     if (free.size() < std::max<std::size_t>(3, search.inliers_min)) {
       return;
     }
-    Rng rng(search.seed, planes.size());
     double band = 0.0;
-    const Fit fit = best_plane(support, free, search, rng, &band);
+    const Fit fit = best_plane(support, free, search, planes.size(), &band);
     if (fit.count < search.inliers_min) {
       return;
     }

@@ -4,14 +4,13 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <opengv/absolute_pose/CentralAbsoluteAdapter.hpp>
 #include <opengv/absolute_pose/methods.hpp>
 
 #include "base/avx2_dispatch.hpp"
 #include "base/consensus.hpp"
-#include "base/rng.hpp"
+#include "base/fixed_vector.hpp"
 #include "geometry/reprojection.hpp"
 #include "geometry/so3.hpp"
 #include "solve/cauchy_loss.hpp"
@@ -24,10 +23,11 @@ namespace {
 constexpr double kCauchySigma = 2.0;
 // Squared error of a point behind the camera: far beyond any gate.
 constexpr double kBehindError2 = 1e12;
-// Worse than any score.
-constexpr double kNoScore = 1e300;
 // P3P takes three points; a fourth chooses among its four solutions.
 constexpr int kPointsMin = 4;
+constexpr std::size_t kSolutions = 4;
+// Chosen; smaller draws longer.
+constexpr double kMissed = 1e-3;
 
 double error2(const Pose& pose, const PoseObservation& o) {
   const Eigen::Vector3d p_C = pose.to_camera(o.p_T);
@@ -48,64 +48,48 @@ double score(const Pose& pose, std::span<const PoseObservation> observations, do
   return sum;
 }
 
-struct Consensus {
-  Pose pose;
-  double score = kNoScore;
-};
-
-void keep_better(const Pose& pose, std::span<const PoseObservation> observations, Consensus* best) {
-  const double s = widely([&] { return score(pose, observations, best->score); });
-  if (s < best->score) {
-    *best = {.pose = pose, .score = s};
-  }
-}
-
-/// Up to four poses from three points; each is scored on all observations.
-void try_sample(std::span<const PoseObservation> observations,
-                const std::array<std::size_t, 3>& sample,
-                Consensus* best) {
+/// Up to four poses from three points.
+FixedVector<Pose, kSolutions> poses_through(std::span<const PoseObservation> observations,
+                                            const Sample<3>& sample) {
   opengv::bearingVectors_t bearings;
   opengv::points_t points;
   for (const std::size_t i : sample) {
     bearings.push_back(observations[i].normalised.homogeneous().normalized());
     points.push_back(observations[i].p_T);
   }
+  FixedVector<Pose, kSolutions> poses;
   opengv::absolute_pose::CentralAbsoluteAdapter adapter(bearings, points);
   for (const opengv::transformation_t& T_TC : opengv::absolute_pose::p3p_kneip(adapter)) {
-    if (!T_TC.allFinite()) {
-      continue;
-    }
     const Eigen::Matrix3d R_CT = T_TC.leftCols<3>().transpose();
-    keep_better({.R_CT = R_CT, .p_CT = -R_CT * T_TC.col(3)}, observations, best);
+    if (T_TC.allFinite()) {
+      (void)poses.push_back({.R_CT = R_CT, .p_CT = -R_CT * T_TC.col(3)});
+    }
   }
+  return poses;
 }
 
-std::array<std::size_t, 3> draw_sample(Rng* rng, std::size_t count) {
-  const auto n = static_cast<std::uint32_t>(count);
-  std::array<std::size_t, 3> sample{rng->below(n), rng->below(n - 1), rng->below(n - 2)};
-  // Draws without replacement: each later draw skips the earlier ones, in ascending order.
-  if (sample[1] >= sample[0]) {
-    ++sample[1];
+/// The pose with the best score; a default one where no sample gave any.
+Pose find_pose(std::span<const PoseObservation> observations,
+               const Pose* hint,
+               const AbsolutePoseOptions& options) {
+  const auto score_of = [&](const Pose* pose, double enough) {
+    return widely([&] { return score(*pose, observations, enough); });
+  };
+  BestHypothesis<Pose> best;
+  if (hint != nullptr) {
+    consider(*hint, score_of, &best);
   }
-  const std::size_t low = std::min(sample[0], sample[1]);
-  const std::size_t high = std::max(sample[0], sample[1]);
-  if (sample[2] >= low) {
-    ++sample[2];
-  }
-  if (sample[2] >= high) {
-    ++sample[2];
-  }
-  return sample;
-}
-
-/// Draws after which one of them has held three inliers with 99.9 % probability.
-int draws_for(double score, std::size_t count) {
-  constexpr double kMissed = 1e-3;  // chosen; smaller draws longer
-  // Asks for more draws than the 5000 that can be set: at 98 % outliers it does not end early.
-  constexpr double kOutliersMax = 0.98;
-  const double outliers =
-      std::min(kOutliersMax, score / (kInlierChi2 * static_cast<double>(count)));
-  return draws_needed(1.0 - outliers, 3, kMissed);
+  find_consensus<3>(
+      {.points = observations.size(),
+       .draws_max = options.iterations_max,
+       .seed = options.seed,
+       .stream = options.stream,
+       .missed = kMissed,
+       .score_of_none = kInlierChi2 * static_cast<double>(observations.size())},
+      [&](const Sample<3>& sample) { return poses_through(observations, sample); },
+      score_of,
+      &best);
+  return best.model;
 }
 
 struct NormalEquations {
@@ -217,30 +201,21 @@ Result<AbsolutePose> absolute_pose(std::span<const PoseObservation> observations
   if (observations.size() < static_cast<std::size_t>(std::max(kPointsMin, options.inliers_min))) {
     return ErrorCode::kTooFewObservations;
   }
-  Consensus best;
-  if (hint != nullptr) {
-    keep_better(*hint, observations, &best);
-  }
-  Rng rng(options.seed, options.stream);
-  int needed = options.iterations_max;
-  for (int i = 0; i < std::min(needed, options.iterations_max); ++i) {
-    try_sample(observations, draw_sample(&rng, observations.size()), &best);
-    needed = draws_for(best.score, observations.size());
-  }
+  Pose pose = find_pose(observations, hint, options);
   // Rounds of choosing inliers and refining on them. Chosen.
   constexpr int kRounds = 3;
   Result<AbsolutePose> refined = ErrorCode::kNoConsensus;
   for (int round = 0; round < kRounds; ++round) {
-    if (mark_inliers(best.pose, observations, inlier) < options.inliers_min) {
+    if (mark_inliers(pose, observations, inlier) < options.inliers_min) {
       return ErrorCode::kNoConsensus;
     }
-    refined = refine_pose(observations, best.pose, inlier);
+    refined = refine_pose(observations, pose, inlier);
     if (!refined) {
       return refined;
     }
-    best.pose = refined.value().pose;
+    pose = refined.value().pose;
   }
-  if (mark_inliers(best.pose, observations, inlier) < options.inliers_min) {
+  if (mark_inliers(pose, observations, inlier) < options.inliers_min) {
     return ErrorCode::kNoConsensus;
   }
   return refined;

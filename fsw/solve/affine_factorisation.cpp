@@ -5,13 +5,12 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 
 #include "base/assert.hpp"
+#include "base/consensus.hpp"
 #include "base/median.hpp"
-#include "base/rng.hpp"
 #include "geometry/so3.hpp"
 
 namespace polhode {
@@ -30,8 +29,6 @@ constexpr int kRounds = 3;
 constexpr double kToleranceSigma = 3.0;
 // Inliers. Four determine the subspace; the others show its noise. Chosen.
 constexpr int kInliersMin = 6;
-// Worse than any median residual.
-constexpr double kNoMedian = 1e300;
 // "AFFS": the random stream of this sampler.
 constexpr std::uint64_t kStream = 0x41464653ULL;
 // Least part of the largest singular value: keeps a flat shape's axes finite.
@@ -57,38 +54,37 @@ double median_of(Eigen::VectorXd values) {
   return median(std::span(values.data(), static_cast<std::size_t>(values.size())));
 }
 
-std::array<Eigen::Index, kSample> draw(Rng* rng, Eigen::Index count) {
-  std::array<Eigen::Index, kSample> sample{};
-  for (int i = 0; i < kSample;) {
-    const auto candidate = static_cast<Eigen::Index>(rng->below(static_cast<std::uint32_t>(count)));
-    const auto end = sample.begin() + i;
-    if (std::find(sample.begin(), end, candidate) == end) {
-      sample[static_cast<std::size_t>(i++)] = candidate;
-    }
+/// Of the frames' coordinates: centre and axes about it.
+struct Hypothesis {
+  Eigen::VectorXd mean;
+  Axes axes;
+};
+
+Hypothesis through_sample(const ImageMatrix& images, const Sample<kSample>& sample) {
+  Eigen::MatrixXd chosen(images.rows(), kSample);
+  for (Eigen::Index k = 0; k < chosen.cols(); ++k) {
+    chosen.col(k) = images.col(static_cast<Eigen::Index>(sample[static_cast<std::size_t>(k)]));
   }
-  return sample;
+  const Eigen::VectorXd mean = chosen.rowwise().mean();
+  chosen.colwise() -= mean;
+  return {.mean = mean, .axes = leading_axes(chosen)};
 }
 
+/// Residuals outside the subspace whose median is the least; empty where no sample gave one.
 Eigen::VectorXd consensus_residuals(const ImageMatrix& images, std::uint64_t seed) {
-  Rng rng(seed, kStream);
-  Eigen::VectorXd best;
-  double best_median = kNoMedian;
-  for (int i = 0; i < kDraws; ++i) {
-    const auto sample = draw(&rng, images.cols());
-    Eigen::MatrixXd chosen(images.rows(), kSample);
-    for (int k = 0; k < kSample; ++k) {
-      chosen.col(k) = images.col(sample[static_cast<std::size_t>(k)]);
-    }
-    const Eigen::VectorXd mean = chosen.rowwise().mean();
-    chosen.colwise() -= mean;
-    const Eigen::VectorXd r = residuals(images.colwise() - mean, leading_axes(chosen));
-    const double m = median_of(r);
-    if (m < best_median) {
-      best_median = m;
-      best = r;
-    }
-  }
-  return best;
+  const auto residuals_of = [&](const Hypothesis& h) {
+    return residuals(images.colwise() - h.mean, h.axes);
+  };
+  BestHypothesis<Hypothesis> best;
+  find_consensus<kSample>(
+      {.points = static_cast<std::size_t>(images.cols()),
+       .draws_max = kDraws,
+       .seed = seed,
+       .stream = kStream},
+      [&](const Sample<kSample>& sample) { return std::optional(through_sample(images, sample)); },
+      [&](const Hypothesis* h, double) { return median_of(residuals_of(*h)); },
+      &best);
+  return best.found() ? residuals_of(best.model) : Eigen::VectorXd();
 }
 
 int mark(const Eigen::VectorXd& r, double tolerance, AffineSubspace* s) {

@@ -4,12 +4,12 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <vector>
 
 #include "base/assert.hpp"
+#include "base/consensus.hpp"
 
 namespace polhode {
 namespace {
@@ -18,11 +18,9 @@ namespace {
 constexpr double kTransferMax2 = 9.21;
 // Rounds of choosing inliers and fitting them. Chosen.
 constexpr int kRounds = 3;
-// Worse than any score or error.
-constexpr double kNoScore = 1e300;
 // Pairs: twice what determines a homography.
 constexpr std::size_t kPairsMin = 8;
-// Streams from here on are this sampler's: "HO", past those of find_relative_poses.
+// "HO": the random stream of this sampler.
 constexpr std::uint64_t kStream = 0x484FULL;
 // Avoid divisions by zero.
 constexpr double kSpreadMin = 1e-30;
@@ -80,17 +78,22 @@ double transfer2(const Eigen::Matrix3d& H, const Eigen::Vector2d& x_a, const Eig
   return std::abs(y.z()) > kDepthMin ? (y.hnormalized() - x_b).squaredNorm() : kNoScore;
 }
 
-double score_of(const Eigen::Matrix3d& H,
-                std::span<const Eigen::Vector2d> x_a,
+struct Hypothesis {
+  Eigen::Matrix3d H_ba = Eigen::Matrix3d::Identity();
+  int inliers = 0;
+};
+
+/// Truncated sum of squares, and the inliers.
+double score_of(std::span<const Eigen::Vector2d> x_a,
                 std::span<const Eigen::Vector2d> x_b,
                 double inverse_variance,
-                int* inliers) {
+                Hypothesis* h) {
   double sum = 0.0;
-  *inliers = 0;
+  h->inliers = 0;
   for (std::size_t i = 0; i < x_a.size(); ++i) {
-    const double e2 = transfer2(H, x_a[i], x_b[i]) * inverse_variance;
+    const double e2 = transfer2(h->H_ba, x_a[i], x_b[i]) * inverse_variance;
     sum += std::min(e2, kTransferMax2);
-    *inliers += e2 < kTransferMax2 ? 1 : 0;
+    h->inliers += e2 < kTransferMax2 ? 1 : 0;
   }
   return sum;
 }
@@ -144,44 +147,40 @@ HomographyFit find_homography(std::span<const Eigen::Vector2d> x_a,
                               std::span<const Eigen::Vector2d> x_b,
                               const TwoViewOptions& options) {
   POLHODE_ASSERT(x_a.size() == x_b.size(), x_a.size());
-  HomographyFit best;
-  best.score = kNoScore;
+  HomographyFit fit;
+  fit.score = kNoScore;
   if (x_a.size() < kPairsMin) {
-    return best;
+    return fit;
   }
   const Eigen::Matrix3d T_a = conditioner(x_a);
   const Eigen::Matrix3d T_b = conditioner(x_b);
   // The error has the noise of two images.
   const double inverse_variance = 0.5 / (options.sigma_normalised * options.sigma_normalised);
-  const auto keep = [&](const Eigen::Matrix3d& H) {
-    int inliers = 0;
-    const double score =
-        H.allFinite() ? score_of(H, x_a, x_b, inverse_variance, &inliers) : kNoScore;
-    if (score < best.score) {
-      best.H_ba = H;
-      best.score = score;
-      best.inliers = inliers;
-    }
+  const auto score = [&](Hypothesis* h, double) {
+    return h->H_ba.allFinite() ? score_of(x_a, x_b, inverse_variance, h) : kNoScore;
   };
-  std::array<int, 4> sample{};
-  for (int draw = 0; draw < options.samples; ++draw) {
-    draw_sample(options.seed,
-                kStream + static_cast<std::uint64_t>(draw),
-                static_cast<std::uint32_t>(x_a.size()),
-                sample);
-    keep(linear_homography(x_a, x_b, T_a, T_b, [&](std::size_t i) {
-      return std::find(sample.begin(), sample.end(), static_cast<int>(i)) != sample.end();
-    }));
-  }
+  BestHypothesis<Hypothesis> best;
+  find_consensus<4>(
+      {.points = x_a.size(), .draws_max = options.samples, .seed = options.seed, .stream = kStream},
+      [&](const Sample<4>& sample) {
+        const auto drawn = [&](std::size_t i) {
+          return std::find(sample.begin(), sample.end(), i) != sample.end();
+        };
+        return std::optional<Hypothesis>({.H_ba = linear_homography(x_a, x_b, T_a, T_b, drawn)});
+      },
+      score,
+      &best);
   for (int round = 0; round < kRounds; ++round) {
-    const Eigen::Matrix3d H = best.H_ba;
-    keep(linear_homography(x_a, x_b, T_a, T_b, [&](std::size_t i) {
+    const auto inlier = [&, H = best.model.H_ba](std::size_t i) {
       return transfer2(H, x_a[i], x_b[i]) * inverse_variance < kTransferMax2;
-    }));
+    };
+    consider(Hypothesis{.H_ba = linear_homography(x_a, x_b, T_a, T_b, inlier)}, score, &best);
   }
-  best.H_ba = euclidean(best.H_ba, x_a[0]);
-  decompose(x_a, &best);
-  return best;
+  fit.H_ba = euclidean(best.model.H_ba, x_a[0]);
+  fit.score = best.score;
+  fit.inliers = best.model.inliers;
+  decompose(x_a, &fit);
+  return fit;
 }
 
 }  // namespace polhode

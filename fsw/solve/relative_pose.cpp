@@ -4,14 +4,12 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <opengv/relative_pose/CentralRelativeAdapter.hpp>
 #include <opengv/relative_pose/methods.hpp>
-#include <vector>
 
 #include "base/assert.hpp"
-#include "base/rng.hpp"
+#include "base/consensus.hpp"
 #include "geometry/so3.hpp"
 
 namespace polhode {
@@ -21,6 +19,10 @@ namespace {
 constexpr double kSampsonMax2 = 9.0;
 // Pairs: five determine the essential matrix, the others choose among its solutions. Chosen.
 constexpr std::size_t kPairsMin = 8;
+// Roots of the five-point problem's polynomial.
+constexpr std::size_t kSolutions = 10;
+// "5P": the random stream of this sampler.
+constexpr std::uint64_t kStream = 0x3550ULL;
 
 struct Pairs {
   std::span<const Eigen::Vector2d> x_a;
@@ -28,14 +30,21 @@ struct Pairs {
   double inverse_sigma2;
 };
 
-double score_of(const Eigen::Matrix3d& E, const Pairs& pairs, int* inliers) {
+struct Essential {
+  Eigen::Matrix3d E;
+  int inliers = 0;
+};
+using Essentials = FixedVector<Essential, kSolutions>;
+
+/// Truncated sum of squares, and the inliers.
+double score_of(const Pairs& pairs, Essential* essential) {
   double sum = 0.0;
-  *inliers = 0;
+  essential->inliers = 0;
   for (std::size_t i = 0; i < pairs.x_a.size(); ++i) {
-    const double e = sampson_error(E, pairs.x_a[i], pairs.x_b[i]);
+    const double e = sampson_error(essential->E, pairs.x_a[i], pairs.x_b[i]);
     const double e2 = e * e * pairs.inverse_sigma2;
     sum += std::min(e2, kSampsonMax2);
-    *inliers += e2 < kSampsonMax2 ? 1 : 0;
+    essential->inliers += e2 < kSampsonMax2 ? 1 : 0;
   }
   return sum;
 }
@@ -69,16 +78,22 @@ RelativePose choose_in_front(const Eigen::Matrix3d& E, const Pairs& pairs) {
   return best;
 }
 
-opengv::essentials_t solve_sample(const Pairs& pairs, std::span<const int> sample) {
+Essentials essentials_through(const Pairs& pairs, const Sample<5>& sample) {
   opengv::bearingVectors_t a;
   opengv::bearingVectors_t b;
-  for (const int i : sample) {
-    a.push_back(pairs.x_a[static_cast<std::size_t>(i)].homogeneous().normalized());
-    b.push_back(pairs.x_b[static_cast<std::size_t>(i)].homogeneous().normalized());
+  for (const std::size_t i : sample) {
+    a.push_back(pairs.x_a[i].homogeneous().normalized());
+    b.push_back(pairs.x_b[i].homogeneous().normalized());
   }
   // OpenGV's E obeys a^T E b = 0 for adapter(a, b); ours b^T E a = 0, so the roles are swapped.
   opengv::relative_pose::CentralRelativeAdapter adapter(b, a);
-  return opengv::relative_pose::fivept_nister(adapter);
+  Essentials essentials;
+  for (const Eigen::Matrix3d& E : opengv::relative_pose::fivept_nister(adapter)) {
+    if (E.allFinite()) {
+      (void)essentials.push_back({.E = E});
+    }
+  }
+  return essentials;
 }
 
 /// Keeps the list sorted, with one candidate per rotation.
@@ -106,6 +121,20 @@ void insert(const RelativePoseCandidate& candidate, RelativePoseCandidates* list
   }
 }
 
+/// What find_consensus keeps here: the best few that differ.
+struct BestDifferent {
+  const Pairs& pairs;
+  RelativePoseCandidates list;
+
+  [[nodiscard]] double bound() const { return list.full() ? list.back().score : kNoScore; }
+  void keep(const Essential& essential, double score) {
+    insert({.motion = choose_in_front(essential.E, pairs),
+            .score = score,
+            .inliers = essential.inliers},
+           &list);
+  }
+};
+
 }  // namespace
 
 double depth_in_a(const RelativePose& motion,
@@ -117,52 +146,21 @@ double depth_in_a(const RelativePose& motion,
   return -moving.dot(b.cross(motion.p_ba)) / moving.squaredNorm();
 }
 
-void draw_sample(std::uint64_t seed,
-                 std::uint64_t stream,
-                 std::uint32_t count,
-                 std::span<int> sample) {
-  POLHODE_ASSERT(sample.size() <= count, count);
-  Rng rng(seed, stream);
-  for (std::size_t i = 0; i < sample.size(); ++i) {
-    // Without replacement: skips the earlier draws in ascending order.
-    int value = static_cast<int>(rng.below(count - static_cast<std::uint32_t>(i)));
-    std::sort(sample.begin(), sample.begin() + static_cast<std::ptrdiff_t>(i));
-    for (std::size_t k = 0; k < i; ++k) {
-      value += value >= sample[k] ? 1 : 0;
-    }
-    sample[i] = value;
-  }
-}
-
 RelativePoseCandidates find_relative_poses(std::span<const Eigen::Vector2d> x_a,
                                            std::span<const Eigen::Vector2d> x_b,
                                            const TwoViewOptions& options) {
   POLHODE_ASSERT(x_a.size() == x_b.size(), x_a.size());
-  RelativePoseCandidates found;
   if (x_a.size() < kPairsMin) {
-    return found;
+    return {};
   }
   const Pairs pairs{x_a, x_b, 1.0 / (options.sigma_normalised * options.sigma_normalised)};
-  std::array<int, 5> sample{};
-  for (int draw = 0; draw < options.samples; ++draw) {
-    draw_sample(options.seed,
-                static_cast<std::uint64_t>(draw),
-                static_cast<std::uint32_t>(x_a.size()),
-                sample);
-    for (const Eigen::Matrix3d& E : solve_sample(pairs, sample)) {
-      if (!E.allFinite()) {
-        continue;
-      }
-      RelativePoseCandidate candidate;
-      candidate.score = score_of(E, pairs, &candidate.inliers);
-      if (found.full() && candidate.score >= found.back().score) {
-        continue;
-      }
-      candidate.motion = choose_in_front(E, pairs);
-      insert(candidate, &found);
-    }
-  }
-  return found;
+  BestDifferent best{.pairs = pairs, .list = {}};
+  find_consensus<5>(
+      {.points = x_a.size(), .draws_max = options.samples, .seed = options.seed, .stream = kStream},
+      [&](const Sample<5>& sample) { return essentials_through(pairs, sample); },
+      [&](Essential* essential, double) { return score_of(pairs, essential); },
+      &best);
+  return best.list;
 }
 
 }  // namespace polhode

@@ -41,10 +41,4 @@ double depth_in_a(const RelativePose& motion,
                   const Eigen::Vector2d& x_a,
                   const Eigen::Vector2d& x_b);
 
-/// k different numbers below `count`; k <= count.
-void draw_sample(std::uint64_t seed,
-                 std::uint64_t stream,
-                 std::uint32_t count,
-                 std::span<int> sample);
-
 }  // namespace polhode

@@ -85,17 +85,6 @@ TEST(RelativePoses, AreNone_WhenPairsAreTooFew) {
   EXPECT_TRUE(find_relative_poses(few, few, {}).empty());
 }
 
-TEST(DrawSample, NeverRepeats) {
-  std::array<int, 5> sample{};
-  for (std::uint64_t stream = 0; stream < 200; ++stream) {
-    draw_sample(3, stream, 6, sample);
-    std::sort(sample.begin(), sample.end());
-    EXPECT_EQ(std::unique(sample.begin(), sample.end()), sample.end());
-    EXPECT_GE(sample.front(), 0);
-    EXPECT_LT(sample.back(), 6);
-  }
-}
-
 TEST(Homography, KeepsBothNormals_OfAFlatPanel) {
   int both = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
