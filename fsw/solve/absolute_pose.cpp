@@ -1,6 +1,5 @@
 #include "solve/absolute_pose.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include "geometry/reprojection.hpp"
 #include "geometry/so3.hpp"
 #include "solve/cauchy_loss.hpp"
+#include "solve/small_fit.hpp"
 
 namespace polhode {
 namespace {
@@ -92,18 +92,16 @@ Pose find_pose(std::span<const PoseObservation> observations,
   return best.model;
 }
 
-struct NormalEquations {
-  Eigen::Matrix<double, 6, 6> H = Eigen::Matrix<double, 6, 6>::Zero();
-  Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
-  double robust_cost = 0.0;
+/// Unknowns: phi and the shift of the position, from the start.
+struct PoseEquations : SmallEquations<6> {
   double chi2 = 0.0;
   int used = 0;
 };
 
-NormalEquations sum_up(std::span<const PoseObservation> observations,
-                       const Pose& pose,
-                       std::span<const std::uint8_t> inlier) {
-  NormalEquations n;
+PoseEquations sum_up(std::span<const PoseObservation> observations,
+                     const Pose& pose,
+                     std::span<const std::uint8_t> inlier) {
+  PoseEquations n;
   CauchySum robust_cost(kCauchySigma);
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const Eigen::Vector3d p_C = pose.to_camera(observations[i].p_T);
@@ -122,14 +120,12 @@ NormalEquations sum_up(std::span<const PoseObservation> observations,
     n.chi2 += weight * squared;
     ++n.used;
   }
-  n.robust_cost = robust_cost.value();
+  n.cost = robust_cost.value();
   return n;
 }
 
-NormalEquations linearise(std::span<const PoseObservation> observations,
-                          const Pose& pose,
-                          std::span<const std::uint8_t> inlier) {
-  return widely([&] { return sum_up(observations, pose, inlier); });
+Pose moved(const Pose& start, const PoseEquations::Vector& by) {
+  return {.R_CT = so3_exp(by.head<3>()) * start.R_CT, .p_CT = start.p_CT + by.tail<3>()};
 }
 
 }  // namespace
@@ -149,41 +145,24 @@ Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
                                  const Pose& start,
                                  std::span<const std::uint8_t> inlier) {
   POLHODE_ASSERT(observations.size() == inlier.size(), inlier.size());
-  constexpr int kIterations = 12;  // a bound: it ends when the cost has settled
-  // Levenberg-Marquardt. The first damping is for a nearly solved problem; a failed step raises it
-  // to kDampingFailed at least, so that the next one differs.
-  constexpr double kDampingFirst = 1e-6;
-  constexpr double kDampingFailed = 1e-4;
-  constexpr double kSettled = 1e-6;  // relative gain that moves nothing by a part of its sigma
-  Pose pose = start;
-  NormalEquations n = linearise(observations, pose, inlier);
-  double damping = kDampingFirst;
-  for (int i = 0; i < kIterations; ++i) {
-    Eigen::Matrix<double, 6, 6> H = n.H;
-    H.diagonal() *= 1.0 + damping;
-    const Eigen::Matrix<double, 6, 1> step = -H.ldlt().solve(n.g);
-    if (!step.allFinite()) {
-      return ErrorCode::kDegenerate;
-    }
-    const Pose next{.R_CT = so3_exp(step.head<3>()) * pose.R_CT,
-                    .p_CT = pose.p_CT + step.tail<3>()};
-    const NormalEquations m = linearise(observations, next, inlier);
-    if (m.used < n.used || m.robust_cost > n.robust_cost) {
-      damping = std::max(kDampingFailed, damping * 10.0);
-      continue;
-    }
-    const bool settled = n.robust_cost - m.robust_cost < kSettled * n.robust_cost;
-    pose = next;
-    n = m;
-    damping *= 0.1;
-    if (settled) {
-      break;
-    }
+  const SmallFitOptions options{.steps_max = 12,        // chosen: three or four settle
+                                .damping_first = 1e-6,  // P3P or the last frame starts near by
+                                .first_three = FirstThree::kRotation};
+  int used_min = -1;  // points in front of the camera at the start: none may fall behind it
+  const auto linearise = [&](const PoseEquations::Vector& by, PoseEquations* at) {
+    *at = widely([&] { return sum_up(observations, moved(start, by), inlier); });
+    used_min = used_min < 0 ? at->used : used_min;
+    return at->used >= used_min;
+  };
+  PoseEquations::Vector by = PoseEquations::Vector::Zero();
+  PoseEquations n;
+  if (minimise(linearise, options, &by, &n) < 0) {
+    return ErrorCode::kDegenerate;
   }
   if (n.used < kPointsMin) {
     return ErrorCode::kTooFewObservations;
   }
-  AbsolutePose out{.pose = pose, .inliers = n.used, .chi2 = n.chi2};
+  AbsolutePose out{.pose = moved(start, by), .inliers = n.used, .chi2 = n.chi2};
   out.pose.R_CT = nearest_rotation(out.pose.R_CT);
   const double reduced = n.chi2 / std::max(1.0, 2.0 * n.used - 6.0);
   out.covariance = n.H.inverse() * std::max(1.0, reduced);

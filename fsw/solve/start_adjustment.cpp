@@ -8,6 +8,7 @@
 #include "base/assert.hpp"
 #include "base/avx2_dispatch.hpp"
 #include "geometry/so3.hpp"
+#include "solve/small_fit.hpp"
 #include "solve/start_residuals.hpp"
 
 namespace polhode {
@@ -201,12 +202,12 @@ bool try_step(std::span<const TrackObservation> observations,
   return true;
 }
 
-struct PoseEquations {
-  Eigen::Matrix<double, 6, 6> H = Eigen::Matrix<double, 6, 6>::Zero();
-  Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
-  double cost = 0.0;
-  int used = 0;
-};
+/// Unknowns: phi and the change of uvs, from the start.
+using PoseEquations = SmallEquations<6>;
+
+InverseDepthPose moved(const InverseDepthPose& start, const PoseEquations::Vector& by) {
+  return {.R_CT = so3_exp(by.head<3>()) * start.R_CT, .uvs = start.uvs + by.tail<3>()};
+}
 
 /// With the Cauchy loss, not the options'.
 PoseEquations linearise_pose(std::span<const TrackObservation> observations,
@@ -222,7 +223,6 @@ PoseEquations linearise_pose(std::span<const TrackObservation> observations,
     if (geometry.known[track] == 0) {
       continue;
     }
-    ++n.used;
     if (!reproject(pose, geometry.points_T[track], &x, &J)) {
       cost.add(behind_error2(options));
       continue;
@@ -306,34 +306,27 @@ double adjust_single_pose(std::span<const TrackObservation> observations,
                           const StartGeometryView& geometry,
                           const StartAdjustmentOptions& options,
                           InverseDepthPose* pose) {
-  double damping = kDampingFirst;
-  PoseEquations equations = linearise_pose(observations, geometry, options, *pose);
-  if (equations.used < kPointsMin) {
+  const auto known = std::count_if(
+      observations.begin(), observations.end(), [&](const TrackObservation& observation) {
+        return geometry.known[static_cast<std::size_t>(observation.track)] != 0;
+      });
+  if (known < kPointsMin) {
     return -1.0;
   }
-  for (int iteration = 0; iteration < options.iterations_max && damping < kDampingMax;
-       ++iteration) {
-    Eigen::Matrix<double, 6, 6> H = equations.H;
-    H.diagonal() *= 1.0 + damping;
-    H.diagonal().array() += kFloor * H.trace();
-    const Eigen::Matrix<double, 6, 1> step = H.ldlt().solve(equations.g);
-    InverseDepthPose trial = *pose;
-    trial.R_CT = so3_exp(-step.head<3>()) * pose->R_CT;
-    trial.uvs -= step.tail<3>();
-    const PoseEquations next = linearise_pose(observations, geometry, options, trial);
-    if (!step.allFinite() || !(trial.uvs.z() > 0.0) || !(next.cost < equations.cost)) {
-      damping *= kDampingUp;
-      continue;
-    }
-    const bool settled = equations.cost - next.cost < options.settled;
-    *pose = trial;
-    equations = next;
-    damping *= kDampingDown;
-    if (settled) {
-      break;
-    }
-  }
-  return equations.cost;
+  const InverseDepthPose start = *pose;
+  PoseEquations::Vector by = PoseEquations::Vector::Zero();
+  PoseEquations at_minimum;
+  (void)minimise(
+      [&](const PoseEquations::Vector& by_trial, PoseEquations* at) {
+        const InverseDepthPose trial = moved(start, by_trial);
+        *at = linearise_pose(observations, geometry, options, trial);
+        return trial.uvs.z() > 0.0;
+      },
+      {.steps_max = options.iterations_max, .first_three = FirstThree::kRotation},
+      &by,
+      &at_minimum);
+  *pose = moved(start, by);
+  return at_minimum.cost;
 }
 
 }  // namespace polhode

@@ -1,6 +1,5 @@
 #include "solve/torque_free_fit.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include "base/median.hpp"
 #include "config/limits.hpp"
 #include "geometry/so3.hpp"
+#include "solve/small_fit.hpp"
 
 namespace polhode {
 namespace {
@@ -15,22 +15,10 @@ namespace {
 // 5 sigma, beyond which a sample counts as a wrong pose: 1.5e-5 of normal errors are (chi-square,
 // three degrees of freedom).
 constexpr double kGate2 = 25.0;
-// Chi-square that a step must gain: a 300th of an unknown's sigma.
-constexpr double kChangeMin = 1e-5;
-// Levenberg-Marquardt's damping, by factors of 10. The first matters little; a failed step raises
-// it to kDampingFailed at least; above kDampingMax steps are too small to matter.
-constexpr double kDampingFirst = 1e-3;
-constexpr double kDampingMin = 1e-9;
-constexpr double kDampingFailed = 1e-4;
-constexpr double kDampingMax = 1e8;
-
 using Squares = std::array<double, limits::kMotionPoses>;
 
-struct System {
-  RotationCovariance H = RotationCovariance::Zero();
-  Eigen::Matrix<double, kRotationUnknowns, 1> g =
-      Eigen::Matrix<double, kRotationUnknowns, 1>::Zero();
-  double cost = 0.0;  ///< robust, by the scale of this solve, with the prior
+/// The cost is robust, by the scale of this solve, with the prior.
+struct System : SmallEquations<kRotationUnknowns> {
   Squares squares{};  ///< chi2 of each sample by the declared noise
 };
 
@@ -47,7 +35,7 @@ void add_sample(const AttitudeSample& sample,
                 double cauchy_sigma,
                 double* square,
                 System* system) {
-  const Eigen::Vector3d r = so3_log(sample.R_IT * state.R_IT.transpose());
+  const Eigen::Vector3d r = -so3_log(sample.R_IT * state.R_IT.transpose());
   const double u2 = r.dot(sample.information_I * r);
   const double c2 = cauchy_sigma * cauchy_sigma * scale2;
   const double weight = 1.0 / (scale2 * (1.0 + u2 / c2));
@@ -88,7 +76,7 @@ bool linearise(const RotationProblem& problem,
   }
   const double prior = 1.0 / (problem.shape_sigma * problem.shape_sigma);
   system->H.diagonal().tail<5>().array() += prior;
-  system->g.tail<5>() -= prior * at.shape;
+  system->g.tail<5>() += prior * at.shape;
   system->cost += prior * at.shape.squaredNorm();
   return std::isfinite(system->cost) && system->H.allFinite();
 }
@@ -98,8 +86,7 @@ double median_of(const Squares& squares, std::size_t count) {
   return median(std::span(sorted).first(count)) / kChi2Median3;
 }
 
-RotationSolution moved(const RotationSolution& from,
-                       const Eigen::Matrix<double, kRotationUnknowns, 1>& by) {
+RotationSolution moved(const RotationSolution& from, const System::Vector& by) {
   RotationSolution to = from;
   to.reference.R_IT = so3_exp(by.head<3>()) * from.reference.R_IT;
   to.reference.w_T_rad_s += by.segment<3>(3);
@@ -126,46 +113,24 @@ void fill_statistics(const System& system,
   }
 }
 
-/// Levenberg-Marquardt at a fixed noise scale.
-bool minimise(const RotationProblem& problem,
-              const Window& window,
-              double scale2,
-              int iterations_max,
-              System* system,
-              RotationSolution* solution) {
-  if (!linearise(problem, *solution, window, scale2, system)) {
-    return false;
-  }
-  double damping = kDampingFirst;
-  for (int i = 0; i < iterations_max; ++i) {
-    RotationCovariance H = system->H;
-    H.diagonal() *= 1.0 + damping;
-    const Eigen::LDLT<RotationCovariance> ldlt(H);
-    const Eigen::Matrix<double, kRotationUnknowns, 1> step = ldlt.solve(system->g);
-    ++solution->iterations;
-    const double promised = step.dot(system->g);
-    if (!step.allFinite() || !(promised > kChangeMin)) {
-      return true;
-    }
-    const RotationSolution next = moved(*solution, step);
-    System at_next;
-    if (linearise(problem, next, window, scale2, &at_next) && at_next.cost < system->cost) {
-      const bool done = system->cost - at_next.cost < kChangeMin;
-      *solution = next;
-      solution->iterations = next.iterations;
-      *system = at_next;
-      damping = std::max(kDampingMin, 0.1 * damping);
-      if (done) {
-        return true;
-      }
-    } else {
-      damping = std::max(kDampingFailed, 10.0 * damping);
-      if (damping > kDampingMax) {
-        return true;
-      }
-    }
-  }
-  return true;
+/// At a fixed noise scale. False when the integration fails at the start.
+bool minimise_at(const RotationProblem& problem,
+                 const Window& window,
+                 double scale2,
+                 System* system,
+                 RotationSolution* solution) {
+  const RotationSolution start = *solution;
+  System::Vector by = System::Vector::Zero();
+  const int steps = minimise(
+      [&](const System::Vector& by_trial, System* at) {
+        return linearise(problem, moved(start, by_trial), window, scale2, at);
+      },
+      {.steps_max = problem.iterations_max, .first_three = FirstThree::kRotation},
+      &by,
+      system);
+  *solution = moved(start, by);
+  solution->iterations += std::max(0, steps);
+  return steps >= 0;
 }
 
 }  // namespace
@@ -203,7 +168,7 @@ Result<RotationSolution> refine_rotation(const RotationProblem& problem,
       break;
     }
     scale2 = found;
-    if (!minimise(problem, window, scale2, problem.iterations_max, &system, &solution)) {
+    if (!minimise_at(problem, window, scale2, &system, &solution)) {
       return ErrorCode::kDegenerate;
     }
   }
