@@ -5,8 +5,8 @@
 
 #include "base/median.hpp"
 #include "geometry/so3.hpp"
-#include "geometry/triangulate.hpp"
 #include "solve/start_adjustment.hpp"
+#include "solve/triangulate.hpp"
 
 namespace polhode {
 namespace {

@@ -8,8 +8,8 @@
 #include "base/avx2_dispatch.hpp"
 #include "features/match.hpp"
 #include "geometry/epipolar.hpp"
-#include "geometry/triangulate.hpp"
 #include "map/localise.hpp"
+#include "solve/triangulate.hpp"
 
 namespace polhode {
 namespace {

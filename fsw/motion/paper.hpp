@@ -10,6 +10,7 @@
 #include "base/fixed_vector.hpp"
 #include "base/result.hpp"
 #include "motion/pose_history.hpp"
+#include "solve/sine_fit.hpp"
 
 namespace polhode {
 
@@ -30,40 +31,8 @@ struct PaperRate {
 /// Eqs. (1)-(4) for one pair. @errors Degenerate (times not increasing).
 Result<PaperRate> paper_rate(const PoseSample& first, const PoseSample& second);
 
-/// offset + amplitude sin(2 pi (t - t0) / period + phase), t0 the first sample's time.
-struct SineFit {
-  double offset = 0.0;
-  double amplitude = 0.0;  ///< >= 0
-  double period_s = 0.0;
-  double phase_rad = 0.0;
-  double sigma_offset = 0.0;
-  double sigma_amplitude = 0.0;
-  double sigma_period_s = 0.0;
-  double sigma_phase_rad = 0.0;
-  double rms = 0.0;       ///< of the residuals
-  bool observed = false;  ///< the samples span a period, and the amplitude is significant; else the
-                          ///< numbers mean nothing
-};
-
-struct SineSample {
-  double time_s = 0.0;
-  double value = 0.0;
-  double sigma = 1.0;       ///< of the value, > 0
-  double interval_s = 0.0;  ///< the value is a mean over this time around time_s: a sine's mean is
-                            ///< smaller, which is undone
-};
-
 /// Poses of a run that paper mode can keep. Chosen: 33 minutes at 10 Hz.
 inline constexpr std::size_t kSineSamplesMax = 20000;
-
-/// Least squares. The period is searched on a grid, from two samples to twice the span, and
-/// refined. Successive samples are differences of the same poses: where their intervals touch,
-/// their noise is correlated by -1/2. So a slow sine is known better than by white noise. Sigmas
-/// are scaled up where the residuals are larger.
-/// @errors TooFewObservations (under 8 samples), Degenerate (no time passes, or a sigma is not
-/// positive).
-/// @cost   at most 4000 grid points times the samples.
-Result<SineFit> fit_sine(std::span<const SineSample> samples);
 
 /// Straight motion of the centre of mass and its place in the body: p_CT(t) = p0 + v t - R_CT(t) c.
 struct DriftFit {

@@ -1,6 +1,5 @@
 #include "solve/constant_rate_grid.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
@@ -9,6 +8,7 @@
 
 #include "base/assert.hpp"
 #include "geometry/so3.hpp"
+#include "solve/small_fit.hpp"
 
 namespace polhode {
 namespace {
@@ -19,6 +19,8 @@ using Motion4 = Eigen::Vector4d;
 // a motion leaves unexplained. Chosen.
 constexpr Eigen::Index kColumns = 6;
 using Images = Eigen::Matrix<double, Eigen::Dynamic, kColumns>;
+using Jacobian = Eigen::
+    Matrix<double, Eigen::Dynamic, 4, 0, 2 * static_cast<int>(limits::kStartFrames* kColumns), 4>;
 using Model =
     Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 2 * static_cast<int>(limits::kStartFrames), 3>;
 
@@ -27,14 +29,10 @@ constexpr int kAzimuths = 12;
 // Rotations about an in-plane axis over the interval, deg: a factor of about 1.6 apart, from where
 // depth begins to show to a third of a turn.
 constexpr std::array<double, 7> kRotations_deg = {6.0, 10.0, 16.0, 26.0, 42.0, 68.0, 110.0};
-// Gauss-Newton steps from each start. Chosen; the adjustment of the hypotheses goes on from there.
+// Steps from each start. Chosen; the adjustment of the hypotheses goes on from there.
 constexpr int kSteps = 8;
-// First damping, and its factors after a good and a bad step. Chosen.
+// Chosen: a start is up to 8 deg and a third of the rotation off.
 constexpr double kDampingFirst = 1e-2;
-constexpr double kDampingDown = 0.2;
-constexpr double kDampingUp = 10.0;
-// Part of the trace that each unknown is damped by at least: one that shows nothing stays finite.
-constexpr double kFloor = 1e-12;
 // Norm under which a model column depends on the others: columns without depth are rounding.
 constexpr double kNormMin = 1e-6;
 // Motions within a tenth of their in-plane rotation are one minimum, and within a tenth of 3 deg.
@@ -84,34 +82,32 @@ struct Minimum {
   double residual2;
 };
 
-/// Gauss-Newton with forward differences in four dimensions.
-Minimum descend(Motion4 motion, const Images& images, const Eigen::VectorXd& t) {
+/// By forward differences.
+bool linearise(const Motion4& motion,
+               const Images& images,
+               const Eigen::VectorXd& t,
+               SmallEquations<4>* at) {
   constexpr double kStep = 1e-4;  // linear to 1e-4, and far above rounding
-  Images r = residual(motion, images, t);
-  double current = r.squaredNorm();
-  double damping = kDampingFirst;
-  for (int step = 0; step < kSteps; ++step) {
-    Eigen::MatrixXd J(images.size(), 4);
-    for (Eigen::Index k = 0; k < 4; ++k) {
-      Motion4 moved = motion;
-      moved(k) += kStep;
-      J.col(k) = (residual(moved, images, t) - r).reshaped() / kStep;
-    }
-    Eigen::Matrix4d H = J.transpose() * J;
-    H.diagonal() *= 1.0 + damping;
-    H.diagonal().array() += kFloor * H.trace();
-    const Motion4 next = motion - H.ldlt().solve(J.transpose() * r.reshaped());
-    const Images r_next = residual(next, images, t);
-    if (next.allFinite() && r_next.squaredNorm() < current) {
-      motion = next;
-      r = r_next;
-      current = r.squaredNorm();
-      damping *= kDampingDown;
-    } else {
-      damping *= kDampingUp;
-    }
+  const Images r = residual(motion, images, t);
+  Jacobian J(r.size(), 4);
+  for (Eigen::Index k = 0; k < 4; ++k) {
+    Motion4 moved = motion;
+    moved(k) += kStep;
+    J.col(k) = (residual(moved, images, t) - r).reshaped() / kStep;
   }
-  return {motion, current};
+  at->H = J.transpose() * J;
+  at->g = J.transpose() * r.reshaped();
+  at->cost = r.squaredNorm();
+  return true;
+}
+
+Minimum descend(Motion4 motion, const Images& images, const Eigen::VectorXd& t) {
+  const auto at = [&](const Motion4& trial, SmallEquations<4>* equations) {
+    return linearise(trial, images, t, equations);
+  };
+  SmallEquations<4> least;
+  (void)minimise(at, {.steps_max = kSteps, .damping_first = kDampingFirst}, &motion, &least);
+  return {motion, least.cost};
 }
 
 /// Rotation of the image about the line of sight, by the best 2-d similarity between the ends.

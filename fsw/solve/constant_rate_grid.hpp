@@ -24,7 +24,7 @@ using ConstantRateMotions = FixedVector<ConstantRateMotion, kConstantRateMotions
 /// -wy, wz), has the same residual and is left out.
 /// @param images   2 F x N, less the centroids (see `centred`), inliers only.
 /// @param times_s  F, ascending; F >= 3.
-/// @cost 12 azimuths x 7 rotations, 8 Gauss-Newton steps in four dimensions each.
+/// @cost 12 azimuths x 7 rotations, at most 8 steps in four dimensions each.
 ConstantRateMotions search_constant_rate(const ImageMatrix& images,
                                          std::span<const double> times_s);
 

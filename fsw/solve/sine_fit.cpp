@@ -1,10 +1,12 @@
+#include "solve/sine_fit.hpp"
+
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "motion/paper.hpp"
+#include "solve/small_fit.hpp"
 
 namespace polhode {
 namespace {
@@ -16,8 +18,8 @@ constexpr int kGridMax = 4000;
 constexpr int kGridMin = 16;
 // Grid points in the width of a spectral line: the best one lies within the basin of the sine.
 constexpr double kGridPerLine = 8.0;
-// Gauss-Newton steps. Chosen: a step that gains nothing ends them.
-constexpr int kRefinements = 20;
+// Steps from the grid's best. Chosen: a few settle.
+constexpr int kStepsMax = 20;
 // In noise an amplitude of five sigma has a probability of exp(-12.5) at one frequency, 0.4 % at a
 // thousand.
 constexpr double kAmplitudeSigmasMin = 5.0;
@@ -118,23 +120,20 @@ double residual(const Parameters& p, const SineSample& sample, double start_s) {
   return sample.value - p(0) - damp * (p(1) * std::cos(angle) + p(2) * std::sin(angle));
 }
 
-struct System {
-  Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
-  Parameters g = Parameters::Zero();
-  double chi2 = 0.0;
-};
+using System = SmallEquations<4>;
 
-System linearise(std::span<const SineSample> samples, const Parameters& p) {
-  System system;
+/// @return false where the rate is not positive.
+bool linearise(std::span<const SineSample> samples, const Parameters& p, System* at) {
+  *at = {};
   for (const SineSample& sample : samples) {
     const double weight = 1.0 / (sample.sigma * sample.sigma);
     const Parameters J = jacobian(p, sample, samples[0].time_s);
     const double r = residual(p, sample, samples[0].time_s);
-    system.H += weight * J * J.transpose();
-    system.g += weight * J * r;
-    system.chi2 += weight * r * r;
+    at->H += weight * J * J.transpose();
+    at->g -= weight * J * r;
+    at->cost += weight * r * r;
   }
-  return system;
+  return p(3) > 0.0;
 }
 
 /// Covariance of the least-squares parameters by the true noise: successive samples that share a
@@ -192,24 +191,18 @@ Result<SineFit> fit_sine(std::span<const SineSample> samples) {
   if (!(span_s > 0.0) || !usable || !search(samples, span_s, &p)) {
     return ErrorCode::kDegenerate;
   }
-  System system = linearise(samples, p);
-  for (int i = 0; i < kRefinements; ++i) {
-    const Parameters next = p + system.H.ldlt().solve(system.g);
-    if (!next.allFinite() || !(next(3) > 0.0)) {
-      break;
-    }
-    const System at_next = linearise(samples, next);
-    if (at_next.chi2 >= system.chi2) {
-      break;
-    }
-    p = next;
-    system = at_next;
+  System system;
+  const auto at = [&](const Parameters& trial, System* equations) {
+    return linearise(samples, trial, equations);
+  };
+  if (minimise(at, {.steps_max = kStepsMax}, &p, &system) < 0) {
+    return ErrorCode::kDegenerate;
   }
   const Eigen::Matrix4d inverse_H = system.H.inverse();
   if (!inverse_H.allFinite()) {
     return ErrorCode::kDegenerate;
   }
-  const double chi2_per_dof = system.chi2 / static_cast<double>(samples.size() - 4);
+  const double chi2_per_dof = system.cost / static_cast<double>(samples.size() - 4);
   SineFit fit = describe(p, std::max(1.0, chi2_per_dof) * sandwich(samples, p, inverse_H), span_s);
   double square = 0.0;
   for (const SineSample& sample : samples) {

@@ -1,4 +1,4 @@
-#include "geometry/triangulate.hpp"
+#include "solve/triangulate.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "geometry/reprojection.hpp"
+#include "solve/small_fit.hpp"
 
 namespace polhode {
 namespace {
@@ -16,8 +17,10 @@ namespace {
 constexpr double kParallel2 = 1e-12;
 // Depth over the target's distance, under which the point counts as behind the camera. Chosen.
 constexpr double kRelativeDepthMin = 1e-6;
-// A bound only: Gauss-Newton converges fast from the linear solution and stops without a gain.
-constexpr int kIterations = 5;
+// A bound only: the linear solution starts near the minimum.
+constexpr int kStepsMax = 5;
+// Of normal equations that are all but solved: as good as none.
+constexpr double kDampingFirst = 1e-6;
 
 Eigen::Vector3d ray_T(const RayObservation& observation) {
   return (observation.pose.R_CT.transpose() * observation.normalised.homogeneous()).normalized();
@@ -53,32 +56,26 @@ bool nearest_to_rays(std::span<const RayObservation> observations, Eigen::Vector
   return p_T->allFinite();
 }
 
-struct NormalEquations {
-  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d g = Eigen::Vector3d::Zero();
-  double chi2 = 0.0;
-  bool in_front = true;
-};
-
-NormalEquations linearise(std::span<const RayObservation> observations,
-                          const Eigen::Vector3d& p_T) {
-  NormalEquations n;
+/// @return false where the point lies behind a camera.
+bool linearise(std::span<const RayObservation> observations,
+               const Eigen::Vector3d& p_T,
+               SmallEquations<3>* at) {
+  *at = {};
   for (const RayObservation& observation : observations) {
     const Eigen::Vector3d p_C = observation.pose.to_camera(p_T);
     if (!(p_C.z() > kRelativeDepthMin * observation.pose.p_CT.norm())) {
-      n.in_front = false;
-      return n;
+      return false;
     }
     const Eigen::Vector2d x = p_C.hnormalized();
     const double w = 1.0 / observation.sigma_normalised;
     const Eigen::Matrix<double, 2, 3> J =
         w * projection_jacobian(observation.pose, p_T).rightCols<3>() * observation.pose.R_CT;
     const Eigen::Vector2d residual = w * (x - observation.normalised);
-    n.H += J.transpose() * J;
-    n.g += J.transpose() * residual;
-    n.chi2 += residual.squaredNorm();
+    at->H += J.transpose() * J;
+    at->g += J.transpose() * residual;
+    at->cost += residual.squaredNorm();
   }
-  return n;
+  return true;
 }
 
 }  // namespace
@@ -91,25 +88,15 @@ Result<TriangulatedPoint> triangulate(std::span<const RayObservation> observatio
   if (!nearest_to_rays(observations, &point.p_T)) {
     return ErrorCode::kDegenerate;
   }
-  NormalEquations n = linearise(observations, point.p_T);
-  for (int i = 0; i < kIterations && n.in_front; ++i) {
-    const Eigen::LDLT<Eigen::Matrix3d> ldlt(n.H);
-    const Eigen::Vector3d step = ldlt.solve(n.g);
-    if (!step.allFinite()) {
-      return ErrorCode::kDegenerate;
-    }
-    const NormalEquations next = linearise(observations, point.p_T - step);
-    if (!next.in_front || next.chi2 > n.chi2) {
-      break;
-    }
-    point.p_T -= step;
-    n = next;
-  }
-  if (!n.in_front) {
+  const auto at = [&](const Eigen::Vector3d& p_T, SmallEquations<3>* equations) {
+    return linearise(observations, p_T, equations);
+  };
+  SmallEquations<3> n;
+  if (minimise(at, {.steps_max = kStepsMax, .damping_first = kDampingFirst}, &point.p_T, &n) < 0) {
     return ErrorCode::kDegenerate;
   }
   point.covariance_T = n.H.inverse();
-  point.chi2 = n.chi2;
+  point.chi2 = n.cost;
   point.parallax_rad = largest_parallax_rad(observations);
   if (!point.covariance_T.allFinite()) {
     return ErrorCode::kDegenerate;

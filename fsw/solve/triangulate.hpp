@@ -22,7 +22,7 @@ struct TriangulatedPoint {
   double parallax_rad = 0.0;                               ///< largest angle between two rays
 };
 
-/// Linear solution, then at most five Gauss-Newton steps on the reprojection error.
+/// Linear solution, then at most five steps on the reprojection error.
 /// @errors TooFewObservations (under 2), Degenerate (rays parallel, or the point behind a camera).
 Result<TriangulatedPoint> triangulate(std::span<const RayObservation> observations);
 
