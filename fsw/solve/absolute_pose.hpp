@@ -37,8 +37,8 @@ struct AbsolutePose {
 /// the robust loss weighs down between 2 and 4 sigma.
 inline constexpr double kInlierChi2 = 16.0;
 
-/// Consensus of P3P hypotheses, then three rounds of choosing inliers and robust Gauss-Newton
-/// (Cauchy) on them.
+/// Consensus of P3P hypotheses, then three rounds of choosing inliers and a robust fit (Cauchy) to
+/// them.
 /// @param inlier  out, one octet per observation.
 /// @param hint    tried as the first hypothesis when given.
 /// @errors TooFewObservations, NoConsensus.
@@ -53,7 +53,7 @@ int mark_inliers(const Pose& pose,
                  std::span<const PoseObservation> observations,
                  std::span<std::uint8_t> inlier);
 
-/// Robust Gauss-Newton (Cauchy at 2 sigma) from `pose` on the observations flagged in `inlier`.
+/// Robust fit (Cauchy at 2 sigma) from `pose` to the observations flagged in `inlier`.
 /// @errors TooFewObservations (under 4), Degenerate.
 Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
                                  const Pose& pose,

@@ -90,11 +90,10 @@ class Residuals {
   void square_root(R r, J jacobian) const {
     typename Equations::Matrix H = last_->equations.H;
     Vector g = last_->equations.g;
-    if (options_.first_three == FirstThree::kRotation) {
-      const Eigen::Matrix3d by_phi = so3_left_jacobian(last_->x.template head<3>());
-      H.template topRows<3>() = (by_phi.transpose() * H.template topRows<3>()).eval();
-      H.template leftCols<3>() = (H.template leftCols<3>() * by_phi).eval();
-      g.template head<3>() = (by_phi.transpose() * g.template head<3>()).eval();
+    if constexpr (NUM_PARAMETERS >= 3) {
+      if (options_.first_three == FirstThree::kRotation) {
+        by_rotation_vector(&H, &g);
+      }
     }
     const Eigen::LDLT<typename Equations::Matrix> ldlt(H);
     const Vector root = ldlt.vectorD().cwiseMax(0.0).cwiseSqrt();
@@ -112,6 +111,14 @@ class Residuals {
     }
     r.template head<NUM_PARAMETERS>() = top;
     r(NUM_PARAMETERS) = std::sqrt(std::max(0.0, last_->equations.cost - top.squaredNorm()));
+  }
+
+  /// exp(phi + d) = exp(J_l d) exp(phi) to first order.
+  void by_rotation_vector(typename Equations::Matrix* H, Vector* g) const {
+    const Eigen::Matrix3d J_l = so3_left_jacobian(last_->x.template head<3>());
+    H->template topRows<3>() = (J_l.transpose() * H->template topRows<3>()).eval();
+    H->template leftCols<3>() = (H->template leftCols<3>() * J_l).eval();
+    g->template head<3>() = (J_l.transpose() * g->template head<3>()).eval();
   }
 
   const Linearise& linearise_;
