@@ -40,7 +40,7 @@ struct RotationSolution {
   int iterations = 0;
 };
 
-/// Levenberg-Marquardt from `start` (its reference state at the reference sample's time) over
+/// Robust fit from `start` (its reference state at the reference sample's time) over
 /// samples [first, last).
 /// @errors Degenerate: it diverges, or a covariance is not usable.
 /// @cost   problem.iterations_max integrations over the samples.
