@@ -54,6 +54,8 @@ template <class Equations, class Linearise>
 class Residuals {
  public:
   using Scalar = double;
+  // TinySolver's names.
+  // NOLINTNEXTLINE(readability-identifier-naming)
   enum { NUM_PARAMETERS = Equations::kUnknowns, NUM_RESIDUALS = NUM_PARAMETERS + 1 };
   using Vector = typename Equations::Vector;
 

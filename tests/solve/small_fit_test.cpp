@@ -49,6 +49,7 @@ Samples decay(std::uint64_t seed, double outlier_sigmas) {
 /// All residuals, as TinySolver is used without a square root.
 struct AllResiduals {
   using Scalar = double;
+  // NOLINTNEXTLINE(readability-identifier-naming)
   enum { NUM_RESIDUALS = kSamples, NUM_PARAMETERS = 3 };
   const Samples& samples;
 
