@@ -32,7 +32,7 @@ ceres::Solver::Options solver_options(int iterations_max) {
   // A damping of 1e-4: for a nearly solved problem, as a tracked map's is (docs/decisions/0041).
   options.initial_trust_region_radius = 1e4;
   // Relative gain. Small, because weak directions settle last (docs/decisions/0041).
-  options.function_tolerance = 3e-5;
+  options.function_tolerance = 5e-5;
   // Only the gain decides: a gradient's or a step's size depends on the units of the map.
   options.gradient_tolerance = 0.0;
   options.parameter_tolerance = 0.0;
