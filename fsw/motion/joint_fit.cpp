@@ -134,8 +134,9 @@ FreeBodyReport adjust(const JointFitInput& input, FreeBodyMotion* motion, JointF
                           .shape_sigma = kModelShapeSigma,
                           .mass_centre_sigma = input.body_radius};
   problem.bundle.pose_fixed = std::span(w->none_fixed).first(count_of(input));
-  BundleOptions options{.iterations_max = kIterationsFactor * input.options.iterations_max,
-                        .cauchy_sigma = kWide_sigmas};
+  BundleOptions options = input.options;
+  options.iterations_max *= kIterationsFactor;
+  options.cauchy_sigma = kWide_sigmas;
   FreeBodyReport report = adjust_free_body(problem, options);
   if (report.bundle.usable) {
     options.cauchy_sigma = input.options.cauchy_sigma;
@@ -180,8 +181,8 @@ double gain_per_dof(const JointFitInput& input, JointFitWorkspace* w) {
   problem.observations =
       input.observations.first(static_cast<std::size_t>(end - input.observations.begin()));
   keep(problem, &w->joint);
-  const BundleOptions options{.iterations_max = kGainIterations,
-                              .cauchy_sigma = input.options.cauchy_sigma};
+  BundleOptions options = input.options;
+  options.iterations_max = kGainIterations;
   const BundleReport free = adjust_bundle(problem, options);
   restore(w->joint, problem);
   const double dof = 6.0 * static_cast<double>(count_of(input)) - kFreeBodyUnknowns;

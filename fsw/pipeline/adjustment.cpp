@@ -19,8 +19,10 @@ constexpr int kWindowLeast = 3;
 // beyond 2 sigma (Rayleigh); wrong ones lie far beyond.
 constexpr double kCauchySigma = 2.0;
 
-BundleOptions bundle_options(int iterations_max) {
-  return {.iterations_max = iterations_max, .cauchy_sigma = kCauchySigma};
+BundleOptions bundle_options(int iterations_max, double cauchy_sigma, const MapOptions& options) {
+  return {.iterations_max = iterations_max,
+          .cauchy_sigma = cauchy_sigma,
+          .observations_max = static_cast<std::size_t>(options.adjustment_observations_max)};
 }
 
 /// All keyframes are adjusted together each time the map has grown by a fifth, or had as many
@@ -35,17 +37,21 @@ bool wants_adjustment_of_all(bool short_of_memory, const MapState& mapping) {
 /// for outliers: the loss starts as wide as a tenth of the body and narrows in two steps.
 void ask_for(AdjustmentReason reason, bool closed, const AdjustmentView& view, JobQueue* queue) {
   AdjustmentJob& job = queue->adjustment;
+  JobTimes times = view.times;
+  times.delay = job.of_all ? times.delay_of_all : times.delay;
   job.reason = reason;
   job.closed = closed;
   job.rounds.clear();
   if (closed) {
     for (const double cauchy_sigma : {100.0, 15.0}) {
-      (void)job.rounds.push_back({.iterations_max = 20, .cauchy_sigma = cauchy_sigma});
+      (void)job.rounds.push_back(bundle_options(20, cauchy_sigma, view.parameters->map));
     }
   }
-  (void)job.rounds.push_back(bundle_options(view.parameters->map.adjustment_iterations_max));
+  const MapOptions& options = view.parameters->map;
+  (void)job.rounds.push_back(
+      bundle_options(options.adjustment_iterations_max, kCauchySigma, options));
   queue->counts.tables_full += job.snapshot.left_out > 0 ? 1 : 0;
-  issue_job(&job, view.times, &queue->map, queue);
+  issue_job(&job, times, &queue->map, queue);
 }
 
 /// Where the motion is known together with the map, it says where the keyframes are: a face that
@@ -83,7 +89,8 @@ void prepare_adjustment_of_all(const AdjustmentView& view, MapState* mapping, Ad
   job->motion = view.parameters->motion;
   // What comes while the job is out can only follow as a whole, and the motion reshapes a young
   // map.
-  const bool old_enough = map.keyframe_count >= 5 * view.parameters->jobs.delay_frames;
+  const bool old_enough = map.keyframe_count >= 5 * static_cast<int>(view.times.delay_of_all);
+  job->of_all = true;
   job->as_free_body =
       old_enough && job->motion.mode == MotionMode::kDynamics && job->motion.forgetting_s == 0.0;
   job->body_radius_mu = map.radius_mu;
@@ -117,15 +124,16 @@ void ask_for_adjustment_after_growth(const AdjustmentView& view,
     const int window = view.parameters->map.window_keyframes / (view.short_of_memory ? 2 : 1);
     snapshot_window(map, *view.camera, std::max(kWindowLeast, window), &job.snapshot);
     add_priors(view, &job.snapshot);
+    job.of_all = false;
     job.as_free_body = false;
   }
   ask_for(AdjustmentReason::kMapGrown, closed, view, queue);
 }
 
-void set_rounds(int iterations_max, AdjustmentJob* job) {
+void set_rounds(int iterations_max, const MapOptions& options, AdjustmentJob* job) {
   job->closed = false;
   job->rounds.clear();
-  (void)job->rounds.push_back(bundle_options(iterations_max));
+  (void)job->rounds.push_back(bundle_options(iterations_max, kCauchySigma, options));
 }
 
 }  // namespace polhode

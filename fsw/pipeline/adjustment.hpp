@@ -1,6 +1,7 @@
 // Which adjustments of the map are asked for, and with what.
 #pragma once
 
+#include "map/options.hpp"
 #include "pipeline/job_times.hpp"
 
 namespace polhode {
@@ -40,6 +41,6 @@ void ask_for_adjustment_after_growth(const AdjustmentView& view,
                                      JobQueue* queue);
 
 /// One round, and no loop that closes: for an adjustment here and now.
-void set_rounds(int iterations_max, AdjustmentJob* job);
+void set_rounds(int iterations_max, const MapOptions& options, AdjustmentJob* job);
 
 }  // namespace polhode

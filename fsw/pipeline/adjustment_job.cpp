@@ -1,29 +1,47 @@
 #include "pipeline/adjustment_job.hpp"
 
+#include <utility>
+
 namespace polhode {
 
+namespace {
+
+RigidModel fit_as_free_body(const RigidModel& previous, AdjustmentJob* job) {
+  // On thirty runs of fifteen rendered scenes attitudes are off by 1.4 times what observations that
+  // nobody chose would allow.
+  constexpr double kChosenByPoses = 2.0;
+  return fit_jointly({.bundle = problem_of(&job->snapshot),
+                      .observations = job->snapshot.observations.view(),
+                      .timestamps_ns = job->snapshot.timestamps_ns.view(),
+                      .R_IC = job->snapshot.R_IC.view(),
+                      .body_radius = job->body_radius_mu,
+                      .motion = job->motion,
+                      .previous = previous,
+                      .options = job->rounds.back(),
+                      .selection = kChosenByPoses},
+                     &job->marginal_fits,
+                     &job->joint);
+}
+
+}  // namespace
+
 void run_adjustment(AdjustmentJob* job) {
+  const RigidModel previous = std::exchange(job->model, RigidModel{});
+  // Where the poses follow a motion already, they need not be freed before they are bound to it
+  // again.
+  if (job->as_free_body && !job->closed && previous.accepted() && previous.of_map) {
+    job->model = fit_as_free_body(previous, job);
+    job->usable = job->model.accepted();
+    if (job->usable) {
+      return;
+    }
+  }
   job->usable = false;
   for (const BundleOptions& round : job->rounds) {
     job->usable = adjust(&job->snapshot, round).usable || job->usable;
   }
-  const RigidModel previous = job->model;
-  job->model = {};
-  // On thirty runs of fifteen rendered scenes attitudes are off by 1.4 times what observations that
-  // nobody chose would allow.
-  constexpr double kChosenByPoses = 2.0;
   if (job->as_free_body && job->usable) {
-    job->model = fit_jointly({.bundle = problem_of(&job->snapshot),
-                              .observations = job->snapshot.observations.view(),
-                              .timestamps_ns = job->snapshot.timestamps_ns.view(),
-                              .R_IC = job->snapshot.R_IC.view(),
-                              .body_radius = job->body_radius_mu,
-                              .motion = job->motion,
-                              .previous = previous,
-                              .options = job->rounds.back(),
-                              .selection = kChosenByPoses},
-                             &job->marginal_fits,
-                             &job->joint);
+    job->model = fit_as_free_body(previous, job);
   }
 }
 

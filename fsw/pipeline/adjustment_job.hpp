@@ -20,6 +20,7 @@ struct AdjustmentJob {
   static constexpr std::size_t kRounds = 3;  ///< a closed loop's; others have one
   AdjustmentReason reason = AdjustmentReason::kMapGrown;
   bool closed = false;  ///< a loop
+  bool of_all = false;  ///< of the whole map
   KeyframeId keyframe;  ///< newest one that the map has grown by
   std::uint32_t keyframe_number = 0;
   std::uint32_t first_keyframe = 0;  ///< number of the first one of the part that has begun

@@ -127,7 +127,7 @@ void take_adjustment(Component::State* s) {
 void adjust_all(int iterations_max, Component::State* s) {
   AdjustmentJob& job = s->jobs.adjustment;
   prepare_adjustment_of_all(adjustment_view(*s), &s->mapping, &s->jobs.adjustment);
-  set_rounds(iterations_max, &job);
+  set_rounds(iterations_max, s->configuration.parameters.map, &job);
   run_adjustment(&job);
   (void)take_over(s);
 }

@@ -7,6 +7,7 @@ namespace polhode {
 struct JobOptions {
   // docs/resources.md: a delay of 1 costs little accuracy, 2 doubles the causal error, 4 may lose the target.
   int delay_frames = 0;  ///< frames from a job's issue to the step that takes its result; 0: within the step, 0 .. 60
+  int delay_of_all_frames = 1;  ///< the same of an adjustment of the whole map, where delay_frames is not 0; at least as many, 1 .. 60
 };
 
 /// What the machine provides. It is decided before start and never exceeded. The component itself needs none of it.

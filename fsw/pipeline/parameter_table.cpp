@@ -88,6 +88,9 @@ constexpr ParameterRow kRows[] = {
    "a keyframe comes sooner when a smaller fraction of the last one's landmarks is tracked"},
   {"map.window_keyframes", POLHODE_FIELD(map.window_keyframes), 3, 30, "",
    "keyframes that the windowed adjustment moves; more: longer jobs"},
+  {"map.adjustment_observations_max", POLHODE_FIELD(map.adjustment_observations_max), 1000,
+   static_cast<int>(limits::kAdjustmentObservations), "",
+   "observations of one adjustment at most: the best-seen landmarks take part, the others follow"},
   {"map.adjustment_iterations_max", POLHODE_FIELD(map.adjustment_iterations_max), 1, 100, "",
    "iterations of one adjustment at most"},
   {"map.landmark_parallax_min_rad", POLHODE_FIELD(map.landmark_parallax_min_rad), 0.005, 0.5, "rad",
@@ -141,6 +144,8 @@ constexpr ParameterRow kRows[] = {
 
   {"jobs.delay_frames", POLHODE_FIELD(jobs.delay_frames), 0, 60, "frames",
    "from the issue of a job for the second core to the step that takes its result; 0: within the step"},
+  {"jobs.delay_of_all_frames", POLHODE_FIELD(jobs.delay_of_all_frames), 1, 60, "frames",
+   "the same of an adjustment of the whole map, unless delay_frames is 0 or larger"},
 
   {"budget.frame_ms", POLHODE_FIELD(budget.frame_ms), 0.0, 10000.0, "ms",
    "time allowed for a step; longer ones are counted; 0: no limit"},

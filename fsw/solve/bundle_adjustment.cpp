@@ -8,6 +8,7 @@
 
 #include "base/assert.hpp"
 #include "solve/bundle_costs.hpp"
+#include "solve/bundle_part.hpp"
 #include "solve/ceres_solver.hpp"
 #include "solve/settle_points.hpp"
 
@@ -103,6 +104,15 @@ class CeresBundle {
   ceres::Problem ceres_;
 };
 
+BundleReport solve(const BundleProblem& problem, const BundleOptions& options) {
+  CeresBundle bundle(problem, options.cauchy_sigma);
+  const BundleReport report = report_of(bundle.solve(options.iterations_max));
+  if (report.usable) {
+    bundle.take_poses();
+  }
+  return report;
+}
+
 }  // namespace
 
 BundleReport adjust_bundle(const BundleProblem& problem, const BundleOptions& options) {
@@ -112,10 +122,10 @@ BundleReport adjust_bundle(const BundleProblem& problem, const BundleOptions& op
   if (problem.observations.empty()) {
     return {};
   }
-  CeresBundle bundle(problem, options.cauchy_sigma);
-  const BundleReport report = report_of(bundle.solve(options.iterations_max));
+  const BundlePart part(problem, options.observations_max);
+  const BundleReport report = solve(part.problem(), options);
   if (report.usable) {
-    bundle.take_poses();
+    part.put_back(options.cauchy_sigma);
   }
   return report;
 }

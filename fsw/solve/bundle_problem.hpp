@@ -46,6 +46,8 @@ struct BundleProblem {
 struct BundleOptions {
   int iterations_max = 10;    ///< a bound: it ends when the cost has settled
   double cauchy_sigma = 2.0;  ///< at this many sigma a residual has half its weight
+  /// Further ones are left out with their points, which follow the poses afterwards.
+  std::size_t observations_max = BundleLimits::kObservations;
 };
 
 struct BundleReport {

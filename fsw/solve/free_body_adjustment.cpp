@@ -14,6 +14,7 @@
 #include "base/assert.hpp"
 #include "base/avx2_dispatch.hpp"
 #include "geometry/so3.hpp"
+#include "solve/bundle_part.hpp"
 #include "solve/ceres_solver.hpp"
 #include "solve/settle_points.hpp"
 
@@ -339,13 +340,7 @@ class MotionPriorCost final : public ceres::SizedCostFunction<kPriorNumbers, kFr
   Eigen::Matrix<double, kPriorNumbers, kFreeBodyUnknowns> J_;
 };
 
-}  // namespace
-
-FreeBodyReport adjust_free_body(const FreeBodyProblem& problem, const BundleOptions& options) {
-  POLHODE_ASSERT(problem.times.size() == problem.bundle.poses.size(), problem.times.size());
-  if (problem.bundle.observations.empty()) {
-    return {};
-  }
+FreeBodyReport solve(const FreeBodyProblem& problem, const BundleOptions& options) {
   MotionAndPoints state(problem, options.cauchy_sigma);
   if (!state.pose()) {
     return {};
@@ -370,6 +365,23 @@ FreeBodyReport adjust_free_body(const FreeBodyProblem& problem, const BundleOpti
   if (report.bundle.usable) {
     report.information = state.information();
     *problem.motion = state.motion();
+  }
+  return report;
+}
+
+}  // namespace
+
+FreeBodyReport adjust_free_body(const FreeBodyProblem& problem, const BundleOptions& options) {
+  POLHODE_ASSERT(problem.times.size() == problem.bundle.poses.size(), problem.times.size());
+  if (problem.bundle.observations.empty()) {
+    return {};
+  }
+  const BundlePart part(problem.bundle, options.observations_max);
+  FreeBodyProblem of_part = problem;
+  of_part.bundle = part.problem();
+  const FreeBodyReport report = solve(of_part, options);
+  if (report.bundle.usable) {
+    part.put_back(options.cauchy_sigma);
   }
   return report;
 }

@@ -1,1 +1,336 @@
+#include "solve/bundle_costs.hpp"
+
 #include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "base/rng.hpp"
+#include "geometry/so3.hpp"
+#include "solve/cauchy_loss.hpp"
+
+namespace polhode {
+namespace {
+
+// Of images a tenth of a radian wide: residuals of a few sigma are far above rounding.
+constexpr double kSigma = 1e-3;
+// The default of BundleOptions.
+constexpr double kCauchySigma = 2.0;
+// Residuals here are below 1e-5 of it: their loss is the square to ten digits.
+constexpr double kWide = 1e6;
+// Of central differences, where their two errors are both about 1e-11 of numbers near 1: the
+// square of the step, and rounding over the step.
+constexpr double kStep = 1e-5;
+// Derivatives are in sigma, 1e3 times those of the images; ten for third derivatives above 1.
+constexpr double kDifferenceError = 1e-7;
+// Of pose and point together.
+constexpr int kUnknowns = kPoseNumbers + 3;
+
+template <int kRows, int kCols>
+using RowMajor = Eigen::Matrix<double, kRows, kCols, Eigen::RowMajor>;
+using Vector6 = Eigen::Matrix<double, kPoseNumbers, 1>;
+using Jacobian6 = RowMajor<kPoseNumbers, kPoseNumbers>;
+
+InverseDepthPose start_pose() {
+  return to_inverse_depth({.R_CT = so3_exp({0.4, -0.3, 0.2}), .p_CT = {0.3, -0.2, 10.0}});
+}
+
+/// What Ceres may try: numbers of the pose and the point.
+struct Trial {
+  std::array<double, kPoseNumbers> numbers{};
+  Eigen::Vector3d p_T = Eigen::Vector3d(0.6, -0.4, 0.5);
+
+  [[nodiscard]] Trial moved(int k, double step) const {
+    Trial trial = *this;
+    if (k < kPoseNumbers) {
+      trial.numbers[static_cast<std::size_t>(k)] += step;
+    } else {
+      trial.p_T(k - kPoseNumbers) += step;
+    }
+    return trial;
+  }
+};
+
+/// The start, a small step, and turns up to far more than an adjustment makes.
+std::vector<Trial> trials() {
+  std::vector<Trial> all;
+  for (const Eigen::Vector3d& phi : {Eigen::Vector3d(0.0, 0.0, 0.0),
+                                     Eigen::Vector3d(1e-4, -2e-4, 1e-4),
+                                     Eigen::Vector3d(0.3, -0.2, 0.5),
+                                     Eigen::Vector3d(-1.1, 0.4, 0.9)}) {
+    Trial trial;
+    trial.numbers = {phi.x(), phi.y(), phi.z()};
+    Eigen::Map<Eigen::Vector3d>{&trial.numbers[3]} = start_pose().uvs + 0.02 * phi;
+    all.push_back(trial);
+  }
+  return all;
+}
+
+/// The second of two poses of Ceres's, for costs to refer to.
+struct Chart {
+  ChartedPoses poses{std::vector<InverseDepthPose>(2, start_pose())};
+
+  [[nodiscard]] const ChartedPose& pose() const { return poses[1]; }
+  void go_to(const Trial& trial, bool with_derivatives) {
+    std::copy(trial.numbers.begin(), trial.numbers.end(), poses.numbers(1));
+    poses.PrepareForEvaluation(with_derivatives, true);
+  }
+};
+
+/// A reprojection cost by itself.
+struct Reprojection {
+  Chart chart;
+  ReprojectionCost cost;
+  Eigen::Vector2d residual = Eigen::Vector2d::Zero();
+  RowMajor<2, kPoseNumbers> by_pose = RowMajor<2, kPoseNumbers>::Zero();
+  RowMajor<2, 3> by_point = RowMajor<2, 3>::Zero();
+
+  explicit Reprojection(const BundleObservation& o, double width = kCauchySigma)
+      : cost(o, chart.pose(), width) {}
+
+  bool evaluate(const Trial& trial) {
+    chart.go_to(trial, true);
+    std::array<double*, 2> jacobians{by_pose.data(), by_point.data()};
+    return at(trial, jacobians.data());
+  }
+  Eigen::Vector2d value(const Trial& trial) {
+    chart.go_to(trial, false);
+    EXPECT_TRUE(at(trial, nullptr));
+    return residual;
+  }
+  bool at(const Trial& trial, double** jacobians) {
+    const std::array<const double*, 2> parameters{trial.numbers.data(), trial.p_T.data()};
+    return cost.Evaluate(parameters.data(), residual.data(), jacobians);
+  }
+  [[nodiscard]] Eigen::Matrix<double, 2, kUnknowns> by_all() const {
+    Eigen::Matrix<double, 2, kUnknowns> J;
+    J << by_pose, by_point;
+    return J;
+  }
+};
+
+/// An observation that lies `off` sigma before the image of the trial's point.
+BundleObservation observation(const Trial& trial, const Eigen::Vector2d& off) {
+  Chart chart;
+  chart.go_to(trial, false);
+  BundleObservation o{.pose = 1, .sigma_normalised = kSigma};
+  EXPECT_TRUE(reproject(chart.pose().pose, trial.p_T, &o.normalised));
+  o.normalised -= kSigma * off;
+  return o;
+}
+
+// Sigma: within the loss's width, about it and far beyond it.
+const std::array<Eigen::Vector2d, 3> kOff{
+    Eigen::Vector2d(0.3, -0.1), Eigen::Vector2d(-1.5, 1.6), Eigen::Vector2d(20.0, 9.0)};
+
+TEST(ChartedPoses, AreTheStart_AtItsNumbers) {
+  const std::vector<InverseDepthPose> start{start_pose(), {.R_CT = so3_exp({1.0, 0.0, 0.0})}};
+  ChartedPoses poses(start);
+  for (const bool prepared : {false, true}) {
+    if (prepared) poses.PrepareForEvaluation(true, true);
+    for (std::size_t k = 0; k < start.size(); ++k) {
+      EXPECT_EQ(poses[k].pose.R_CT, start[k].R_CT) << k;
+      EXPECT_EQ(poses[k].pose.uvs, start[k].uvs) << k;
+      EXPECT_EQ(Eigen::Map<const Eigen::Vector3d>(poses.numbers(k)), Eigen::Vector3d::Zero());
+      EXPECT_EQ(Eigen::Map<const Eigen::Vector3d>(poses.numbers(k) + 3), start[k].uvs);
+      EXPECT_EQ(poses[k].turn_by_phi, Eigen::Matrix3d::Identity()) << k;
+    }
+  }
+}
+
+TEST(ChartedPoses, TurnTheStartFromTheLeft_EachByItsOwnNumbers) {
+  for (const Trial& trial : trials()) {
+    Chart chart;
+    chart.go_to(trial, true);
+    const Eigen::Map<const Eigen::Vector3d> phi(trial.numbers.data());
+    EXPECT_EQ(chart.pose().pose.R_CT, so3_exp(phi) * start_pose().R_CT);
+    EXPECT_EQ(chart.pose().pose.uvs, Eigen::Map<const Eigen::Vector3d>(&trial.numbers[3]));
+    EXPECT_EQ(chart.pose().turn_by_phi, so3_left_jacobian(phi));
+    EXPECT_EQ(chart.poses[0].pose.R_CT, start_pose().R_CT);
+    // From the start again: turns do not add up.
+    chart.go_to({.numbers = {0.0, 0.0, 0.0, 0.1, 0.2, 0.3}}, true);
+    EXPECT_EQ(chart.pose().pose.R_CT, start_pose().R_CT);
+    EXPECT_EQ(chart.pose().turn_by_phi, Eigen::Matrix3d::Identity());
+  }
+}
+
+TEST(ReprojectionCost, SquareIsTheCauchyLoss) {
+  for (const Trial& trial : trials()) {
+    for (const Eigen::Vector2d& off : kOff) {
+      Reprojection r(observation(trial, off));
+      ASSERT_TRUE(r.evaluate(trial));
+      // Rounding of the image over sigma is 1e-13; ten for the root.
+      EXPECT_NEAR(r.residual.squaredNorm(), cauchy_loss(off.squaredNorm(), kCauchySigma), 1e-11);
+      EXPECT_LT((r.residual.normalized() - off.normalized()).norm(), 1e-11);
+    }
+    Reprojection exact(observation(trial, Eigen::Vector2d::Zero()));
+    ASSERT_TRUE(exact.evaluate(trial));
+    EXPECT_LT(exact.residual.norm(), 1e-11);
+    EXPECT_TRUE(exact.by_all().allFinite());
+    EXPECT_GT(exact.by_all().norm(), 1.0);
+  }
+}
+
+TEST(ReprojectionCost, GradientIsThatOfHalfTheSquare) {
+  for (const Trial& trial : trials()) {
+    for (const Eigen::Vector2d& off : kOff) {
+      Reprojection r(observation(trial, off));
+      ASSERT_TRUE(r.evaluate(trial));
+      const Eigen::Matrix<double, kUnknowns, 1> gradient = r.by_all().transpose() * r.residual;
+      for (int k = 0; k < kUnknowns; ++k) {
+        const double slope = 0.25 / kStep *
+                             (r.value(trial.moved(k, kStep)).squaredNorm() -
+                              r.value(trial.moved(k, -kStep)).squaredNorm());
+        // A step moves an image by 1e-2 sigma, a part of the loss's width: the third derivative is
+        // felt to 1e-4 of the gradient.
+        EXPECT_NEAR(gradient(k), slope, 2e-4 * gradient.norm()) << k << " off " << off.norm();
+      }
+    }
+  }
+}
+
+TEST(ReprojectionCost, DerivativeIsTheResiduals_WhereTheLossIsWide) {
+  for (const Trial& trial : trials()) {
+    Reprojection r(observation(trial, {3.0, -2.0}), kWide);
+    ASSERT_TRUE(r.evaluate(trial));
+    const Eigen::Matrix<double, 2, kUnknowns> J = r.by_all();
+    for (int k = 0; k < kUnknowns; ++k) {
+      const Eigen::Vector2d slope =
+          0.5 / kStep * (r.value(trial.moved(k, kStep)) - r.value(trial.moved(k, -kStep)));
+      EXPECT_LT((J.col(k) - slope).norm(), kDifferenceError * (1.0 + J.norm())) << k;
+    }
+  }
+}
+
+TEST(ReprojectionCost, CurvesAsReweightingAcrossTheResidual_AndLessAlongIt) {
+  const Trial trial = trials()[2];
+  for (const Eigen::Vector2d& off : kOff) {
+    Reprojection robust(observation(trial, off));
+    Reprojection wide(observation(trial, off), kWide);
+    ASSERT_TRUE(robust.evaluate(trial) && wide.evaluate(trial));
+    const Eigen::Vector2d along = off.normalized();
+    const Eigen::Vector2d across(-along.y(), along.x());
+    const double root_weight = std::sqrt(cauchy_weight(off.squaredNorm(), kCauchySigma));
+    const auto of = [](const Reprojection& r, const Eigen::Vector2d& direction) {
+      return (direction.transpose() * r.by_all()).eval();
+    };
+    EXPECT_LT((of(robust, across) - root_weight * of(wide, across)).norm(),
+              kDifferenceError * of(wide, across).norm());
+    EXPECT_LT(of(robust, along).norm(), root_weight * of(wide, along).norm());
+  }
+}
+
+TEST(ReprojectionCost, HasNoValueBehindTheCameraOrBeyondInfiniteDepth) {
+  const Trial good = trials()[2];
+  Reprojection r(observation(good, {1.0, 1.0}));
+  EXPECT_TRUE(r.evaluate(good));
+  Trial behind = good;
+  behind.p_T = -20.0 * r.chart.pose().pose.R_CT.row(2).transpose();  // ten in front of T
+  EXPECT_FALSE(r.evaluate(behind));
+  EXPECT_FALSE(r.at(behind, nullptr));
+  for (const double s : {0.0, -0.1}) {
+    Trial beyond = good;
+    beyond.numbers[5] = s;
+    EXPECT_FALSE(r.evaluate(beyond)) << s;
+  }
+}
+
+TEST(ReprojectionCost, GivesTheJacobiansItIsAskedFor) {
+  const Trial trial = trials()[3];
+  Reprojection all(observation(trial, {1.0, 1.0}));
+  ASSERT_TRUE(all.evaluate(trial));
+  Reprojection some(observation(trial, {1.0, 1.0}));
+  some.chart.go_to(trial, true);
+  std::array<double*, 2> of_pose{some.by_pose.data(), nullptr};
+  ASSERT_TRUE(some.at(trial, of_pose.data()));
+  EXPECT_EQ(some.by_pose, all.by_pose);
+  EXPECT_TRUE(some.by_point.isZero(0.0));
+  some.by_pose.setZero();
+  std::array<double*, 2> of_point{nullptr, some.by_point.data()};
+  ASSERT_TRUE(some.at(trial, of_point.data()));
+  EXPECT_EQ(some.by_point, all.by_point);
+  EXPECT_TRUE(some.by_pose.isZero(0.0));
+  EXPECT_EQ(some.value(trial), all.residual);
+}
+
+/// A pose prior's cost by itself. Its mean is off the start in all numbers, its information is
+/// that of six unequal, correlated directions.
+struct Prior {
+  Chart chart;
+  PosePrior prior{.pose = 1, .mean = start_pose()};
+  Vector6 residual = Vector6::Zero();
+  Jacobian6 J = Jacobian6::Zero();
+
+  Prior() {
+    Rng rng(2, 7);
+    Jacobian6 root;
+    for (double& element : root.reshaped()) element = rng.normal();
+    prior.information = root.transpose() * root;
+    prior.mean.R_CT = so3_exp({0.2, 0.1, -0.3}) * prior.mean.R_CT;
+    prior.mean.uvs += Eigen::Vector3d(0.02, -0.01, 0.03);
+  }
+
+  Vector6 value(const Trial& trial, double** jacobians = nullptr) {
+    chart.go_to(trial, true);
+    const std::array<const double*, 1> parameters{trial.numbers.data()};
+    const PosePriorCost cost(prior, chart.pose());
+    EXPECT_TRUE(cost.Evaluate(parameters.data(), residual.data(), jacobians));
+    return residual;
+  }
+  void evaluate(const Trial& trial) {
+    std::array<double*, 1> jacobians{J.data()};
+    (void)value(trial, jacobians.data());
+  }
+};
+
+TEST(PosePriorCost, SquareIsTheDepartureInSigma) {
+  Prior p;
+  for (const Trial& trial : trials()) {
+    p.evaluate(trial);
+    const InverseDepthPose& pose = p.chart.pose().pose;
+    Vector6 departure;
+    departure << so3_log(pose.R_CT * p.prior.mean.R_CT.transpose()), pose.uvs - p.prior.mean.uvs;
+    const double expected = departure.dot(p.prior.information * departure);
+    // Rounding of an eigenvalue's root.
+    EXPECT_NEAR(p.residual.squaredNorm(), expected, 1e-12 * (1.0 + expected));
+    EXPECT_GT(expected, 0.01);
+  }
+}
+
+TEST(PosePriorCost, DerivativeIsTheResiduals) {
+  Prior p;
+  for (const Trial& trial : trials()) {
+    p.evaluate(trial);
+    for (int k = 0; k < kPoseNumbers; ++k) {
+      const Vector6 slope =
+          0.5 / kStep * (p.value(trial.moved(k, kStep)) - p.value(trial.moved(k, -kStep)));
+      EXPECT_LT((p.J.col(k) - slope).norm(), kDifferenceError * p.J.norm()) << k;
+    }
+  }
+}
+
+TEST(PosePriorCost, CostsNothingWhereItHasNoInformation) {
+  Prior p;
+  p.prior.information.setZero();
+  p.prior.information(4, 4) = 9.0;
+  p.prior.information(2, 2) = -1e-15;  // rounding can leave it below zero
+  p.evaluate(trials()[2]);
+  const double off = p.chart.pose().pose.uvs.y() - p.prior.mean.uvs.y();
+  EXPECT_NEAR(p.residual.squaredNorm(), 9.0 * off * off, 1e-12);
+  EXPECT_TRUE(p.J.allFinite());
+  EXPECT_NEAR(p.J.squaredNorm(), 9.0, 1e-12);
+}
+
+TEST(PosePriorCost, NeedsNoJacobian) {
+  Prior p;
+  p.evaluate(trials()[2]);
+  const Vector6 with = p.residual;
+  EXPECT_EQ(p.value(trials()[2]), with);
+  std::array<double*, 1> none{nullptr};
+  EXPECT_EQ(p.value(trials()[2], none.data()), with);
+}
+
+}  // namespace
+}  // namespace polhode

@@ -1,0 +1,99 @@
+#include "solve/bundle_part.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "solve/settle_points.hpp"
+
+namespace polhode {
+namespace {
+
+// Steps of a point that was left out. Chosen: it follows poses that have moved a little.
+constexpr int kFollowingSteps = 5;
+
+std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// Points by their number of observations, most first; in their own order where they have as many.
+std::vector<std::size_t> by_observations(const PointObservations& by_point, std::size_t points) {
+  std::vector<std::size_t> order(points);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return by_point.of(a).size() > by_point.of(b).size();
+  });
+  return order;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> choose_points(const BundleProblem& problem,
+                                        std::size_t observations_max) {
+  if (problem.observations.size() <= observations_max) {
+    return std::vector<std::uint8_t>(problem.points_T.size(), 1);
+  }
+  std::vector<std::uint8_t> chosen(problem.points_T.size(), 0);
+  const PointObservations by_point(problem.observations, problem.points_T.size());
+  const std::vector<std::size_t> order = by_observations(by_point, problem.points_T.size());
+  std::vector<std::size_t> of_pose(problem.poses.size(), 0);
+  std::size_t taken = 0;
+  // Half of the room goes to poses that have less than an equal share of that half, the rest to the
+  // points with most observations.
+  const std::size_t share = observations_max / (2 * problem.poses.size());
+  for (const std::size_t of_each : {share, problem.observations.size()}) {
+    for (const std::size_t i : order) {
+      const auto views = by_point.of(i);
+      const bool wanted = std::any_of(views.begin(), views.end(), [&](const BundleObservation& o) {
+        return of_pose[index(o.pose)] < of_each;
+      });
+      if (chosen[i] == 0 && wanted && taken + views.size() <= observations_max) {
+        chosen[i] = 1;
+        taken += views.size();
+        for (const BundleObservation& o : views) {
+          ++of_pose[index(o.pose)];
+        }
+      }
+    }
+  }
+  return chosen;
+}
+
+BundlePart::BundlePart(const BundleProblem& whole, std::size_t observations_max)
+    : whole_(whole), part_(whole) {
+  if (whole.observations.size() <= observations_max) {
+    return;
+  }
+  const std::vector<std::uint8_t> chosen = choose_points(whole, observations_max);
+  place_.assign(chosen.size(), -1);
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (chosen[i] != 0) {
+      place_[i] = static_cast<std::int32_t>(points_T_.size());
+      points_T_.push_back(whole.points_T[i]);
+      point_fixed_.push_back(whole.point_fixed[i]);
+    }
+  }
+  for (BundleObservation o : whole.observations) {
+    o.point = place_[index(o.point)];
+    if (o.point >= 0) {
+      observations_.push_back(o);
+    }
+  }
+  part_.points_T = points_T_;
+  part_.point_fixed = point_fixed_;
+  part_.observations = observations_;
+}
+
+void BundlePart::put_back(double cauchy_sigma) const {
+  if (place_.empty()) {
+    return;
+  }
+  const PointObservations by_point(whole_.observations, whole_.points_T.size());
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    if (place_[i] >= 0) {
+      whole_.points_T[i] = points_T_[index(place_[i])];
+    } else if (whole_.point_fixed[i] == 0) {
+      (void)settle_point(
+          by_point.of(i), whole_.poses, cauchy_sigma, kFollowingSteps, &whole_.points_T[i]);
+    }
+  }
+}
+
+}  // namespace polhode
