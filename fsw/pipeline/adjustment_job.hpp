@@ -26,7 +26,7 @@ struct AdjustmentJob {
   std::uint32_t first_keyframe = 0;  ///< number of the first one of the part that has begun
   FixedVector<BundleOptions, kRounds> rounds;
   AdjustmentSnapshot snapshot;  ///< in: as the map is; out: as it should be
-  bool usable = false;  ///< of the result
+  bool usable = false;          ///< of the result
 
   bool as_free_body = false;
   bool model_unwanted = false;  ///< the motion so far has been invalidated since

@@ -27,7 +27,8 @@ ScaleInput scale_input(const Component::State& s) {
 
 JobTimes job_times(const Component::State& s) {
   const JobOptions& jobs = s.configuration.parameters.jobs;
-  const int of_all = jobs.delay_frames > 0 ? std::max(jobs.delay_frames, jobs.delay_of_all_frames) : 0;
+  const int of_all =
+      jobs.delay_frames > 0 ? std::max(jobs.delay_frames, jobs.delay_of_all_frames) : 0;
   return {.step = s.clock.frame,
           .delay = static_cast<std::uint32_t>(jobs.delay_frames),
           .delay_of_all = static_cast<std::uint32_t>(of_all)};

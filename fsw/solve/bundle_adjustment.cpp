@@ -37,7 +37,7 @@ class CeresBundle {
   CeresBundle(const BundleProblem& problem, double cauchy_sigma)
       : p_(problem),
         poses_(problem.poses),
-        cauchy_sigma_(cauchy_sigma),
+        loss_(cauchy_sigma),
         prior_loss_(kPriorCauchySigma),
         ceres_(problem_options(&poses_)) {
     add_blocks();
@@ -84,9 +84,9 @@ class CeresBundle {
         ceres_.SetParameterBlockConstant(p_.points_T[i].data());
       }
       for (const BundleObservation& o : by_point.of(i)) {
-        costs_.emplace_back(o, poses_[index(o.pose)], cauchy_sigma_);
+        costs_.emplace_back(o, poses_[index(o.pose)]);
         ceres_.AddResidualBlock(
-            &costs_.back(), nullptr, poses_.numbers(index(o.pose)), p_.points_T[i].data());
+            &costs_.back(), &loss_, poses_.numbers(index(o.pose)), p_.points_T[i].data());
       }
     }
     for (const PosePrior& prior : p_.priors) {
@@ -99,7 +99,7 @@ class CeresBundle {
   ChartedPoses poses_;
   std::deque<ReprojectionCost> costs_;
   std::deque<PosePriorCost> priors_;
-  double cauchy_sigma_;
+  ceres::CauchyLoss loss_;
   ceres::CauchyLoss prior_loss_;
   ceres::Problem ceres_;
 };

@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 
 #include "geometry/so3.hpp"
-#include "solve/cauchy_loss.hpp"
 
 namespace polhode {
 namespace {
@@ -45,21 +44,17 @@ bool ReprojectionCost::Evaluate(double const* const* parameters,
   if (!reproject(pose_.pose, p_T, &x, jacobians != nullptr ? &by : nullptr)) {
     return false;
   }
-  const CauchyResidual robust = cauchy_residual(inverse_sigma_ * (x - normalised_), cauchy_sigma_);
-  Eigen::Map<Eigen::Vector2d>{residuals} = robust.value;
+  Eigen::Map<Eigen::Vector2d>{residuals} = inverse_sigma_ * (x - normalised_);
   if (jacobians == nullptr) {
     return true;
   }
-  const Eigen::Matrix2d by_image = inverse_sigma_ * robust.by_residual;
   if (jacobians[0] != nullptr) {
     RowMajorMap<2, kPoseNumbers> by_pose(jacobians[0]);
-    const Eigen::Matrix<double, 2, 3> by_turn = by_image * by.rotation;
-    by_pose.leftCols<3>().noalias() = by_turn * pose_.turn_by_phi;
-    by_pose.rightCols<3>().noalias() = by_image * by.uvs;
+    by_pose.leftCols<3>().noalias() = inverse_sigma_ * by.rotation * pose_.turn_by_phi;
+    by_pose.rightCols<3>() = inverse_sigma_ * by.uvs;
   }
   if (jacobians[1] != nullptr) {
-    RowMajorMap<2, 3> by_point(jacobians[1]);
-    by_point.noalias() = by_image * by.point;
+    RowMajorMap<2, 3>{jacobians[1]} = inverse_sigma_ * by.point;
   }
   return true;
 }
@@ -80,8 +75,8 @@ bool PosePriorCost::Evaluate(double const* const* /*parameters*/,
   Eigen::Map<Vector6>{residuals} = root_ * departure;
   if (jacobians != nullptr && jacobians[0] != nullptr) {
     RowMajorMap<kPoseNumbers, kPoseNumbers> by_pose(jacobians[0]);
-    by_pose.leftCols<3>() = root_.leftCols<3>() *
-                            so3_left_jacobian(departure.head<3>()).inverse() * pose_.turn_by_phi;
+    by_pose.leftCols<3>() =
+        root_.leftCols<3>() * so3_left_jacobian(departure.head<3>()).inverse() * pose_.turn_by_phi;
     by_pose.rightCols<3>() = root_.rightCols<3>();
   }
   return true;

@@ -20,7 +20,7 @@ inline constexpr int kPoseNumbers = 6;
 struct ChartedPose {
   std::array<double, kPoseNumbers> numbers{};  ///< Ceres's parameter block
   Eigen::Matrix3d R_start = Eigen::Matrix3d::Identity();
-  InverseDepthPose pose;                                  ///< at these numbers,
+  InverseDepthPose pose;                                      ///< at these numbers,
   Eigen::Matrix3d turn_by_phi = Eigen::Matrix3d::Identity();  ///< and the left Jacobian there
 };
 
@@ -37,18 +37,14 @@ class ChartedPoses final : public ceres::EvaluationCallback {
   std::vector<ChartedPose> poses_;
 };
 
-/// Distance of a point's image from its observation, in sigma and under the Cauchy loss, by (pose,
-/// p_T). No value where the point lies behind the camera. Ceres's own losses re-weight, which takes
-/// half as many steps again (docs/decisions/0041).
+/// Distance of a point's image from its observation, in sigma, by (pose, p_T). No value where the
+/// point lies behind the camera.
 class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 3> {
  public:
-  ReprojectionCost(const BundleObservation& observation,
-                   const ChartedPose& pose,
-                   double cauchy_sigma)
+  ReprojectionCost(const BundleObservation& observation, const ChartedPose& pose)
       : pose_(pose),
         normalised_(observation.normalised),
-        inverse_sigma_(1.0 / observation.sigma_normalised),
-        cauchy_sigma_(cauchy_sigma) {}
+        inverse_sigma_(1.0 / observation.sigma_normalised) {}
   bool Evaluate(double const* const* parameters,
                 double* residuals,
                 double** jacobians) const override;
@@ -57,7 +53,6 @@ class ReprojectionCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 
   const ChartedPose& pose_;
   Eigen::Vector2d normalised_;
   double inverse_sigma_;
-  double cauchy_sigma_;
 };
 
 /// Departure of a pose from its prior, (phi, uvs), in sigma.

@@ -8,10 +8,18 @@
 namespace polhode {
 namespace {
 
+// Observations of a point, in the mean at least: it bounds the memory of points. Two tell a point,
+// and nothing else.
+constexpr std::size_t kViewsMean = 3;
 // Steps of a point that was left out. Chosen: it follows poses that have moved a little.
 constexpr int kFollowingSteps = 5;
 
 std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+bool fits(const BundleProblem& problem, std::size_t observations_max) {
+  return problem.observations.size() <= observations_max &&
+         problem.points_T.size() <= observations_max / kViewsMean;
+}
 
 /// Points by their number of observations, most first; in their own order where they have as many.
 std::vector<std::size_t> by_observations(const PointObservations& by_point, std::size_t points) {
@@ -27,14 +35,15 @@ std::vector<std::size_t> by_observations(const PointObservations& by_point, std:
 
 std::vector<std::uint8_t> choose_points(const BundleProblem& problem,
                                         std::size_t observations_max) {
-  if (problem.observations.size() <= observations_max) {
+  if (fits(problem, observations_max)) {
     return std::vector<std::uint8_t>(problem.points_T.size(), 1);
   }
   std::vector<std::uint8_t> chosen(problem.points_T.size(), 0);
   const PointObservations by_point(problem.observations, problem.points_T.size());
   const std::vector<std::size_t> order = by_observations(by_point, problem.points_T.size());
   std::vector<std::size_t> of_pose(problem.poses.size(), 0);
-  std::size_t taken = 0;
+  std::size_t observations_left = observations_max;
+  std::size_t points_left = observations_max / kViewsMean;
   // Half of the room goes to poses that have less than an equal share of that half, the rest to the
   // points with most observations.
   const std::size_t share = observations_max / (2 * problem.poses.size());
@@ -44,9 +53,10 @@ std::vector<std::uint8_t> choose_points(const BundleProblem& problem,
       const bool wanted = std::any_of(views.begin(), views.end(), [&](const BundleObservation& o) {
         return of_pose[index(o.pose)] < of_each;
       });
-      if (chosen[i] == 0 && wanted && taken + views.size() <= observations_max) {
+      if (chosen[i] == 0 && wanted && points_left > 0 && views.size() <= observations_left) {
         chosen[i] = 1;
-        taken += views.size();
+        --points_left;
+        observations_left -= views.size();
         for (const BundleObservation& o : views) {
           ++of_pose[index(o.pose)];
         }
@@ -58,7 +68,7 @@ std::vector<std::uint8_t> choose_points(const BundleProblem& problem,
 
 BundlePart::BundlePart(const BundleProblem& whole, std::size_t observations_max)
     : whole_(whole), part_(whole) {
-  if (whole.observations.size() <= observations_max) {
+  if (fits(whole, observations_max)) {
     return;
   }
   const std::vector<std::uint8_t> chosen = choose_points(whole, observations_max);

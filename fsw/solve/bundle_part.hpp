@@ -10,8 +10,9 @@
 
 namespace polhode {
 
-/// Points of a bundle whose observations are at most so many, chosen so that every pose keeps its
-/// share; among those the points with most observations. All of them where they fit.
+/// Points of a bundle whose observations are at most so many, and which are at most a third as many
+/// themselves. They are chosen so that every pose keeps its share; among those the points with most
+/// observations. All of them where they fit.
 /// @return 1 for each point that is in.
 std::vector<std::uint8_t> choose_points(const BundleProblem& problem, std::size_t observations_max);
 

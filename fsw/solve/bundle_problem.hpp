@@ -32,6 +32,15 @@ struct BundleLimits {
   static constexpr std::size_t kObservations = limits::kAdjustmentObservations;
 };
 
+/// Heap that an adjustment of so many observations takes at most: those of Ceres's residuals and
+/// Jacobian, some of its points, and the dense system of all poses. tests/memory measures it.
+constexpr std::size_t adjustment_octets_max(std::size_t observations, std::size_t poses) {
+  constexpr std::size_t kOfObservation = 870;
+  constexpr std::size_t kOfAll = 1'200'000;
+  const std::size_t unknowns = 6 * poses;
+  return kOfObservation * observations + sizeof(double) * unknowns * unknowns + kOfAll;
+}
+
 /// Poses and points are changed in place; at most as many as BundleLimits says. Where fewer than
 /// two poses are fixed, only the damping constrains the rest of the gauge: the caller re-aligns.
 struct BundleProblem {

@@ -200,7 +200,8 @@ class MotionAndPoints final : public ceres::EvaluationCallback {
   bool linearise_motion() {
     const FreeBodyMotion m = motion();
     RotationDerivative begin = RotationDerivative::at_reference();
-    begin.attitude_I.leftCols<3>() = so3_left_jacobian(Eigen::Map<Eigen::Vector3d>(unknowns.data()));
+    begin.attitude_I.leftCols<3>() =
+        so3_left_jacobian(Eigen::Map<Eigen::Vector3d>(unknowns.data()));
     gauge_.setZero();
     return trace(
         m, &begin, [&](std::size_t k, const RotationState& state, const RotationDerivative& by) {
@@ -269,8 +270,8 @@ class MotionAndPoints final : public ceres::EvaluationCallback {
   double cauchy_sigma_;
   PointObservations by_point_;
   std::vector<std::size_t> in_order_of_time_;
-  std::vector<ByUnknowns> pose_by_unknowns_;  ///< (phi, uvs)
-  std::vector<Eigen::Vector3d> points_T_;     ///< settled at the present motion
+  std::vector<ByUnknowns> pose_by_unknowns_;        ///< (phi, uvs)
+  std::vector<Eigen::Vector3d> points_T_;           ///< settled at the present motion
   std::vector<PointByUnknowns> point_by_unknowns_;  ///< how they follow the last motion kept
   FreeBodyVector kept_unknowns_;
   std::vector<Eigen::Matrix<double, 6, 6>> of_poses_;  ///< information of each for itself

@@ -116,8 +116,7 @@ RigidModel fitted(DriftedMap* map, std::uint32_t* marginal_fits) {
   static const auto own = std::make_unique<JointFitWorkspace>();
   // As in a map, free poses come to rest first; the newest is held.
   map->pose_fixed.back() = 1;
-  (void)adjust_bundle(
-      map->input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0});
+  (void)adjust_bundle(map->input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0});
   map->pose_fixed.back() = 0;
   return fit_jointly(map->input(), marginal_fits, own.get());
 }
@@ -184,8 +183,7 @@ TEST(JointFit, TakesTheDriftOutOfAMap) {
   DriftedMap map = drifted_map(40, 0.01, Eigen::Vector3d::Zero(), 1);
   DriftedMap free = map;
   free.pose_fixed.back() = 1;
-  (void)adjust_bundle(
-      free.input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0});
+  (void)adjust_bundle(free.input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0});
   const RigidModel model = fitted(&map);
   ASSERT_TRUE(model.accepted());
   EXPECT_TRUE(model.of_map);
@@ -239,8 +237,7 @@ TEST(JointFit, RefusesTimesThatAreNotThePictures_AndLeavesTheMap) {
   EXPECT_EQ(model.status, ModelStatus::kResidualsTooLarge);
   DriftedMap free = drifted_map(40, 0.0, Eigen::Vector3d::Zero(), 3);
   free.pose_fixed.back() = 1;
-  (void)adjust_bundle(
-      free.input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0});
+  (void)adjust_bundle(free.input().bundle, {.iterations_max = 20, .cauchy_sigma = 2.0});
   for (std::size_t k = 0; k < map.poses.size(); ++k) {
     EXPECT_EQ(map.poses[k].R_CT, free.poses[k].R_CT) << k;
     EXPECT_EQ(map.poses[k].uvs, free.poses[k].uvs) << k;

@@ -15,7 +15,7 @@ namespace polhode::platform {
 
 struct WorkerOptions {
   bool own_thread = true;  ///< false: a job is run where it is asked for, on the caller's thread
-  std::size_t stack_octets = std::size_t{4} << 20;  ///< the solvers take under 1 MB of it
+  std::size_t stack_octets = std::size_t{2} << 20;  ///< the solvers take under 1 MB of it
   int core = 1;  ///< that the thread is bound to where the machine has it
   /// Real-time priority (SCHED_FIFO) of the thread where the machine grants it; 0: an ordinary one.
   /// Under that of the steps' thread, which comes first where both want one core.
