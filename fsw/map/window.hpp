@@ -28,7 +28,7 @@ struct AdjustmentSnapshot {
   std::uint32_t next_keyframe_number = 0;  ///< of the map: from here on is what came later
   std::int32_t next_landmark_number = 0;
   std::uint32_t left_out =
-      0;  ///< observations that found the table full: those of the last keyframes
+      0;  ///< observations that found the table full: those of the oldest keyframes
 };
 
 /// The newest keyframe and those that share most landmarks with it, `window` in all, free to move;

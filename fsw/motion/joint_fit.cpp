@@ -41,10 +41,10 @@ constexpr double kPoseSigmaOfRange = 0.01;
 // Width of the first loss, in sigmas: residuals of drifted poses. Chosen; narrower loses
 // observations that agree once the poses have moved.
 constexpr double kWide_sigmas = 15.0;
-// Steps of the whole fit, in those of an ordinary adjustment. A fit solves 6 to 10 systems, more
-// before half a rotation has been seen (docs/decisions/0043).
+// Steps of the whole fit, in those of an ordinary adjustment. A fit solves 3 to 4 systems in the
+// mean, more before half a rotation has been seen (docs/decisions/0043).
 constexpr int kIterationsFactor = 4;
-// Two steps reach 0.99 of the gain (docs/decisions/0041); the rest decides nothing.
+// Two steps reach 0.99 of the gain (docs/decisions/0044); the rest decides nothing.
 constexpr int kGainIterations = 2;
 // Points that connect two poses: as many as a pose needs (docs/decisions/0045).
 constexpr std::size_t kSharedMin = 12;

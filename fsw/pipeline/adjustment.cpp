@@ -33,12 +33,29 @@ bool wants_adjustment_of_all(bool short_of_memory, const MapState& mapping) {
          5 * (mapping.map.next_keyframe_number - last.next_keyframe_number) > last.keyframes;
 }
 
+/// Steps until the result of an adjustment of the whole map is taken: as many as keyframes are
+/// apart at present, within what the configuration says. No window is adjusted meanwhile, which a
+/// body that turns to a new keyframe in each frame does not bear.
+std::uint32_t delay_of_all(const JobTimes& times, const Map& map) {
+  const auto order = keyframes_by_age(map);
+  if (order.size() < 2) {
+    return times.delay;
+  }
+  const std::uint32_t apart =
+      map.keyframes[order[0].index()].frame - map.keyframes[order[1].index()].frame;
+  return std::clamp(apart, times.delay, times.delay_of_all);
+}
+
 /// @param closed  a loop that closes brings residuals of many sigma, which a narrow loss would take
 /// for outliers: the loss starts as wide as a tenth of the body and narrows in two steps.
-void ask_for(AdjustmentReason reason, bool closed, const AdjustmentView& view, JobQueue* queue) {
+void ask_for(AdjustmentReason reason,
+             bool closed,
+             const AdjustmentView& view,
+             const Map& map,
+             JobQueue* queue) {
   AdjustmentJob& job = queue->adjustment;
   JobTimes times = view.times;
-  times.delay = job.of_all ? times.delay_of_all : times.delay;
+  times.delay = job.of_all ? delay_of_all(times, map) : times.delay;
   job.reason = reason;
   job.closed = closed;
   job.rounds.clear();
@@ -103,7 +120,7 @@ void ask_for_adjustment_of_all(AdjustmentReason reason,
                                MapState* mapping,
                                JobQueue* queue) {
   prepare_adjustment_of_all(view, mapping, &queue->adjustment);
-  ask_for(reason, false, view, queue);
+  ask_for(reason, false, view, mapping->map, queue);
 }
 
 void ask_for_adjustment_after_growth(const AdjustmentView& view,
@@ -127,7 +144,7 @@ void ask_for_adjustment_after_growth(const AdjustmentView& view,
     job.of_all = false;
     job.as_free_body = false;
   }
-  ask_for(AdjustmentReason::kMapGrown, closed, view, queue);
+  ask_for(AdjustmentReason::kMapGrown, closed, view, map, queue);
 }
 
 void set_rounds(int iterations_max, const MapOptions& options, AdjustmentJob* job) {

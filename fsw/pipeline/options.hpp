@@ -7,14 +7,14 @@ namespace polhode {
 struct JobOptions {
   // docs/resources.md: a delay of 1 costs little accuracy, 2 doubles the causal error, 4 may lose the target.
   int delay_frames = 0;  ///< frames from a job's issue to the step that takes its result; 0: within the step, 0 .. 60
-  int delay_of_all_frames = 1;  ///< the same of an adjustment of the whole map, where delay_frames is not 0; at least as many, 1 .. 60
+  int delay_of_all_frames = 1;  ///< the same at most of an adjustment of the whole map, where keyframes are as far apart; 1 .. 60
 };
 
 /// What the machine provides. It is decided before start and never exceeded. The component itself needs none of it.
 /// The pools are chosen with room to spare; docs/resources.md has what they use.
 struct BudgetOptions {
   double frame_ms = 0.0;  ///< time allowed for a step, longer ones are counted; 0: no limit, 0 .. 10000
-  // The standard tables (63 MiB), the pools below (112 MiB), images, stacks and the program.
+  // The standard tables (60 MiB), the pools below (112 MiB), images, stacks and the program.
   int total_mb = 320;     ///< of the whole process, in MiB, 32 .. 16384
   int general_mb = 24;    ///< pool for files, tables of the run and what belongs to no other pool, 2 .. 4096
   // Most is taken by the mask against a lit background: 50 MB in a laboratory at 1080p.

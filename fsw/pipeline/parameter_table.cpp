@@ -145,7 +145,7 @@ constexpr ParameterRow kRows[] = {
   {"jobs.delay_frames", POLHODE_FIELD(jobs.delay_frames), 0, 60, "frames",
    "from the issue of a job for the second core to the step that takes its result; 0: within the step"},
   {"jobs.delay_of_all_frames", POLHODE_FIELD(jobs.delay_of_all_frames), 1, 60, "frames",
-   "the same of an adjustment of the whole map, unless delay_frames is 0 or larger"},
+   "the same at most of an adjustment of the whole map, where keyframes are as far apart"},
 
   {"budget.frame_ms", POLHODE_FIELD(budget.frame_ms), 0.0, 10000.0, "ms",
    "time allowed for a step; longer ones are counted; 0: no limit"},

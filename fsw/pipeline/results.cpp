@@ -50,10 +50,15 @@ void take_shape_result(const Job& job, Component::State* s) {
   }
 }
 
+/// Skipped, or the solver found no usable solution.
+bool is_without_result(const Job& job, const JobQueue& jobs) {
+  return job.skipped || (is_out_with<AdjustmentJob>(job) && !jobs.adjustment.usable);
+}
+
 void take_result(Job* job, Component::State* s) {
   POLHODE_ASSERT(job->done, job->due_step);
+  s->counters.jobs_without_result += is_without_result(*job, s->jobs) ? 1 : 0;
   const JobWork work = std::exchange(job->work, std::monostate{});
-  s->counters.jobs_without_result += job->skipped ? 1 : 0;
   if (job->unwanted) {
     return;
   }

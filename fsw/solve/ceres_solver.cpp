@@ -11,7 +11,6 @@ ceres::Problem::Options problem_options(ceres::EvaluationCallback* callback) {
   options.evaluation_callback = callback;
   options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   // They compare addresses of blocks with each other, which takes as long as a step. What is added
   // here comes from one place and is right by its types.
   options.disable_all_safety_checks = true;
@@ -29,7 +28,7 @@ ceres::Solver::Options solver_options(int iterations_max) {
   options.dense_linear_algebra_library_type = ceres::EIGEN;  // LAPACK may use threads
   // Damping goes by each unknown's own curvature as it is.
   options.jacobi_scaling = false;
-  // A damping of 1e-4: for a nearly solved problem, as a tracked map's is (docs/decisions/0041).
+  // Ceres's own. From 1e4 to 1e10 adjustments took the same steps (docs/decisions/0041).
   options.initial_trust_region_radius = 1e4;
   // Relative gain. Small, because weak directions settle last (docs/decisions/0041).
   options.function_tolerance = 5e-5;

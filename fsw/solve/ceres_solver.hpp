@@ -8,7 +8,7 @@
 
 namespace polhode {
 
-/// Nothing is owned by the problem: cost functions, losses and manifolds are the caller's.
+/// Nothing is owned by the problem: cost functions and losses are the caller's.
 /// @param callback  asked to prepare each evaluation.
 ceres::Problem::Options problem_options(ceres::EvaluationCallback* callback);
 

@@ -10,85 +10,23 @@
 #include <vector>
 
 #include "base/rng.hpp"
+#include "bundle_scene.hpp"
 #include "geometry/so3.hpp"
 #include "solve/settle_points.hpp"
 
 namespace polhode {
 namespace {
 
-// Half a pixel of a camera of a thousand pixels a radian.
-constexpr double kSigma = 5e-4;
-// The solver ends where a step gains less than 5e-5 of the cost. Steps gain less each time, so
-// about as much is left.
-constexpr double kSettled = 5e-5;
+using testing::disturbed;
+using testing::make_scene;
+using Scene = testing::BundleScene;
+
+constexpr double kSigma = testing::kBundleSigma;
+// The solver ends where a step gains less than 5e-5 of the cost. Weights are those of the last
+// step, so an error falls by a part each time: it leaves up to twice that gain, and a half more.
+constexpr double kSettled = 1.5e-4;
 // The loss of every residual here is its square to ten digits: statistics are those of squares.
 constexpr double kWide = 1e6;
-
-Eigen::Vector3d normal3(Rng* rng) { return {rng->normal(), rng->normal(), rng->normal()}; }
-
-struct Scene {
-  std::vector<InverseDepthPose> poses;
-  std::vector<std::uint8_t> pose_fixed;
-  std::vector<Eigen::Vector3d> points_T;
-  std::vector<std::uint8_t> point_fixed;
-  std::vector<BundleObservation> observations;
-
-  BundleProblem problem() {
-    return {.poses = poses,
-            .pose_fixed = pose_fixed,
-            .points_T = points_T,
-            .point_fixed = point_fixed,
-            .observations = observations};
-  }
-};
-
-/// A body of radius 1 ten radii away that turns by 10 deg from pose to pose; the first two poses
-/// are held: rotation, translation and scale have no freedom left.
-Scene make_scene(int poses, int points, double noise_sigmas, std::uint64_t seed) {
-  Rng rng(seed, 81);
-  Scene s;
-  const Eigen::Vector3d axis = Eigen::Vector3d(0.2, 1.0, -0.1).normalized();
-  for (int k = 0; k < poses; ++k) {
-    const Pose pose{.R_CT = so3_exp(0.175 * k * axis),
-                    .p_CT = {0.05 * k, -0.02 * k, 10.0 + 0.1 * k}};
-    s.poses.push_back(to_inverse_depth(pose));
-    s.pose_fixed.push_back(k < 2 ? 1 : 0);
-  }
-  for (int i = 0; i < points; ++i) {
-    s.points_T.push_back(normal3(&rng).normalized());
-    s.point_fixed.push_back(0);
-  }
-  for (int k = 0; k < poses; ++k) {
-    for (int i = 0; i < points; ++i) {
-      Eigen::Vector2d image;
-      EXPECT_TRUE(reproject(
-          s.poses[static_cast<std::size_t>(k)], s.points_T[static_cast<std::size_t>(i)], &image));
-      image += noise_sigmas * kSigma * Eigen::Vector2d(rng.normal(), rng.normal());
-      s.observations.push_back(
-          {.pose = k, .point = i, .normalised = image, .sigma_normalised = kSigma});
-    }
-  }
-  return s;
-}
-
-/// By some six sigma of the images, or by a part of that.
-Scene disturbed(const Scene& truth, std::uint64_t seed, double part = 1.0) {
-  Rng rng(seed, 82);
-  Scene s = truth;
-  for (std::size_t k = 0; k < s.poses.size(); ++k) {
-    if (s.pose_fixed[k] == 0) {
-      s.poses[k].R_CT = so3_exp(part * 0.02 * normal3(&rng)) * s.poses[k].R_CT;
-      s.poses[k].uvs +=
-          part * Eigen::Vector3d(2e-3 * rng.normal(), 2e-3 * rng.normal(), 1e-3 * rng.normal());
-    }
-  }
-  for (std::size_t i = 0; i < s.points_T.size(); ++i) {
-    if (s.point_fixed[i] == 0) {
-      s.points_T[i] += part * 0.03 * normal3(&rng);
-    }
-  }
-  return s;
-}
 
 double worst_error(const Scene& a, const Scene& b) {
   double worst = 0.0;
@@ -170,16 +108,43 @@ TEST(AdjustBundle, IsNotPulledAway_ByAFewWrongImages) {
   EXPECT_LT(worst_error(s, clean), 0.02);
 }
 
+TEST(AdjustBundle, GoesFromAFarStart_WhereItGoesFromANearOne) {
+  // Residuals of a dozen sigma, of which the loss leaves a thirtieth: a step that takes the loss's
+  // own curvature there overshoots.
+  for (const int poses : {6, 48}) {
+    for (std::uint64_t seed = 50; seed < 56; ++seed) {
+      const Scene truth = make_scene(poses, 60, 1.0, seed);
+      Scene near = disturbed(truth, seed, 0.1);
+      Scene far = disturbed(truth, seed, 2.0);
+      const BundleReport of_near = adjust_bundle(near.problem(), {.iterations_max = 50});
+      const BundleReport of_far = adjust_bundle(far.problem(), {.iterations_max = 10});
+      ASSERT_TRUE(of_near.usable && of_far.usable);
+      EXPECT_GT(of_far.cost_before, 10.0 * of_near.cost_after);
+      EXPECT_NEAR(of_far.cost_after, of_near.cost_after, kSettled * of_near.cost_after)
+          << poses << " poses, seed " << seed;
+    }
+  }
+}
+
 TEST(AdjustBundle, StopsAtItsLimitOfIterations_WithWhatItKept) {
-  const Scene start = disturbed(make_scene(6, 60, 1.0, 6), 6);
-  // The first trials go uphill: what is reported and left is never a trial that was not kept.
-  for (int limit = 1; limit < 8; ++limit) {
+  // A hundred sigma have nearly their full weight, and sums of losses still tell a 1e-10.
+  constexpr double kNearlyWide = 1e3;
+  const Scene start = disturbed(make_scene(6, 60, 1.0, 3), 3, 18.0);
+  // With full weights and from so far some trials go uphill: what is reported and left is never a
+  // trial that was not kept.
+  int uphill = 0;
+  double kept = std::numeric_limits<double>::infinity();
+  for (int limit = 1; limit < 10; ++limit) {
     Scene s = start;
-    const BundleReport report = adjust_bundle(s.problem(), {.iterations_max = limit});
+    const BundleReport report =
+        adjust_bundle(s.problem(), {.iterations_max = limit, .cauchy_sigma = kNearlyWide});
     EXPECT_EQ(report.iterations, limit);
     EXPECT_LE(report.cost_after, report.cost_before);
-    EXPECT_NEAR(bundle_cost(s.problem(), 2.0), report.cost_after, 1e-9 * report.cost_after);
+    EXPECT_NEAR(bundle_cost(s.problem(), kNearlyWide), report.cost_after, 1e-9 * report.cost_after);
+    uphill += report.cost_after == kept ? 1 : 0;
+    kept = report.cost_after;
   }
+  EXPECT_GT(uphill, 0);
 }
 
 TEST(AdjustBundle, LeavesTheProblemUntouched_WithoutObservations) {

@@ -1,5 +1,5 @@
 // The capacities of the small component (CMake preset `small`), which comes before
-// config/limits.hpp in the search for headers: 64 MiB in all. The same names as there.
+// config/limits.hpp in the search for headers: 72 MiB in all. The same names as there.
 #pragma once
 
 #include <cstddef>

@@ -241,7 +241,7 @@ struct polhode_housekeeping {
   uint32_t closures; /* loops closed */
   uint32_t shapes; /* estimates of the shape */
   uint32_t jobs_issued; /* initialisations, adjustments of the map, fits of the dynamics, shape estimates */
-  uint32_t jobs_without_result; /* jobs skipped because memory was short */
+  uint32_t jobs_without_result; /* jobs skipped because memory was short, and adjustments without a usable solution */
   uint32_t steps_short_of_memory; /* steps with reduced work because memory was short */
   uint32_t scale_contradictions; /* times that the readings of the scale began to contradict each other */
   uint32_t tables_full; /* times that a new entry found its table full */
