@@ -14,12 +14,12 @@ struct JobOptions {
 /// The pools are chosen with room to spare; docs/resources.md has what they use.
 struct BudgetOptions {
   double frame_ms = 0.0;  ///< time allowed for a step, longer ones are counted; 0: no limit, 0 .. 10000
-  // The standard tables (60 MiB), the pools below (112 MiB), images, stacks and the program.
+  // The standard tables (60 MiB), the pools below (120 MiB), images, stacks and the program.
   int total_mb = 320;     ///< of the whole process, in MiB, 32 .. 16384
   int general_mb = 24;    ///< pool for files, tables of the run and what belongs to no other pool, 2 .. 4096
   // Most is taken by the mask against a lit background: 50 MB in a laboratory at 1080p.
   int step_mb = 64;       ///< pool for library calls within a step, 4 .. 4096
-  int jobs_mb = 8;        ///< pool for library calls of jobs, 4 .. 4096
+  int jobs_mb = 16;       ///< pool for library calls of jobs, 4 .. 4096
   int reserve_mb = 16;    ///< what a full pool draws on, 1 .. 4096
 };
 

@@ -86,7 +86,11 @@ TEST(MemoryPlan, RefusesAPoolThatTheWorstCallsOverflow) {
   EXPECT_NE(plan_memory(p).problem.find("budget.step_mb"), std::string::npos);
   p = at(640, 480);
   p.jobs.delay_frames = 1;
-  p.budget.jobs_mb = 4;
+  p.budget.jobs_mb = 14;
+  EXPECT_EQ(plan_memory(p).problem, "");
+  p.budget.jobs_mb = 13;
+  EXPECT_NE(plan_memory(p).problem.find("budget.jobs_mb"), std::string::npos);
+  p.map.adjustment_observations_max = 9000;
   EXPECT_EQ(plan_memory(p).problem, "");
 }
 
@@ -104,7 +108,7 @@ TEST(MemoryPlan, WithoutDelayTheJobsDrawFromTheStepsPool) {
 TEST(MemoryPlan, AJobsPoolThatIsAllowedLetsAJobBegin) {
   Parameters p = at(640, 480);
   p.jobs.delay_frames = 1;
-  p.budget.jobs_mb = 4;
+  p.budget.jobs_mb = 14;
   const MemoryPlan plan = plan_memory(p);
   ASSERT_EQ(plan.problem, "");
   std::vector<std::byte> memory(plan.pools[static_cast<std::size_t>(Pool::kJobs)] + 64);

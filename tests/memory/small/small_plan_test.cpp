@@ -13,6 +13,9 @@ Parameters small_parameters() {
   Parameters p;
   p.camera.width_px = 640;
   p.camera.height_px = 480;
+  p.map.keyframes_max = file["map"]["keyframes_max"].value<int>().value();
+  p.map.adjustment_observations_max =
+      file["map"]["adjustment_observations_max"].value<int>().value();
   p.mask.background = file["mask"]["background"].value<bool>().value();
   p.budget.total_mb = budget("total_mb");
   p.budget.general_mb = budget("general_mb");
