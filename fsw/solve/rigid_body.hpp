@@ -10,7 +10,9 @@
 
 namespace polhode {
 
+/// A symmetric 3x3 matrix without a trace has five.
 inline constexpr int kShapeNumbers = 5;
+
 /// Trace-free symmetric matrix log S in an orthonormal basis, S being the second-moment matrix of
 /// the mass up to its size. Every value is a physical body; zero is one of three equal moments.
 using InertiaShape = Eigen::Matrix<double, kShapeNumbers, 1>;
