@@ -128,12 +128,11 @@ std::optional<FreeBodyMotion> motion_of_poses(const JointFitInput& input,
 /// Adjusts the points to the poses, then all together, with a wide loss and then a narrow one.
 /// Poses that have drifted give residuals of many sigma.
 FreeBodyReport adjust(const JointFitInput& input, FreeBodyMotion* motion, JointFitWorkspace* w) {
-  FreeBodyProblem problem{.bundle = input.bundle,
-                          .times = std::span(w->times).first(count_of(input)),
-                          .motion = motion,
-                          .shape_sigma = kModelShapeSigma,
-                          .mass_centre_sigma = input.body_radius};
-  problem.bundle.pose_fixed = std::span(w->none_fixed).first(count_of(input));
+  const FreeBodyProblem problem{.bundle = input.bundle,
+                                .times = std::span(w->times).first(count_of(input)),
+                                .motion = motion,
+                                .shape_sigma = kModelShapeSigma,
+                                .mass_centre_sigma = input.body_radius};
   BundleOptions options = input.options;
   options.iterations_max *= kIterationsFactor;
   options.cauchy_sigma = kWide_sigmas;
@@ -298,7 +297,6 @@ RigidModel fit_jointly(const JointFitInput& input,
   if (!motion) {
     return model;
   }
-  std::fill(w->none_fixed.begin(), w->none_fixed.end(), std::uint8_t{0});
   keep(input.bundle, &w->free);
   const auto before = static_cast<double>(std::max<std::size_t>(1, agreeing(input.bundle)));
   const FreeBodyReport report = adjust(input, &*motion, w);

@@ -35,7 +35,6 @@ struct BundleCopy {
 struct JointFitWorkspace {
   BundleCopy free;
   BundleCopy joint;
-  std::array<std::uint8_t, BundleLimits::kPoses> none_fixed{};
   std::array<std::size_t, BundleLimits::kPoses> in_order_of_time{};
   std::array<std::uint16_t, BundleLimits::kPoints> observations_of_point{};
   std::array<PoseTime, BundleLimits::kPoses> times;

@@ -95,15 +95,16 @@ void BundlePart::put_back(double cauchy_sigma) const {
   if (place_.empty()) {
     return;
   }
-  const PointObservations by_point(whole_.observations, whole_.points_T.size());
+  std::vector<std::uint8_t> stays(whole_.point_fixed.begin(), whole_.point_fixed.end());
   for (std::size_t i = 0; i < place_.size(); ++i) {
     if (place_[i] >= 0) {
       whole_.points_T[i] = points_T_[index(place_[i])];
-    } else if (whole_.point_fixed[i] == 0) {
-      (void)settle_point(
-          by_point.of(i), whole_.poses, cauchy_sigma, kFollowingSteps, &whole_.points_T[i]);
+      stays[i] = 1;
     }
   }
+  BundleProblem left_out = whole_;
+  left_out.point_fixed = stays;
+  (void)settle_points(left_out, {.iterations_max = kFollowingSteps, .cauchy_sigma = cauchy_sigma});
 }
 
 }  // namespace polhode

@@ -33,8 +33,8 @@ struct FreeBodyMotion {
   Orbit orbit;
 };
 
-/// The bundle's poses follow from the motion; none may be fixed. Points, motion and poses are
-/// changed in place.
+/// The bundle's poses follow from the motion, whatever pose_fixed says. Points, motion and poses
+/// are changed in place.
 struct FreeBodyProblem {
   BundleProblem bundle;
   std::span<const PoseTime> times;  ///< by pose, in any order
