@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace polhode {
 namespace {
+
+// A spot that is missed in one frame is found again: tracks that reach the last two are alive.
+constexpr std::int32_t kEnd = 2;
 
 struct PictureChange {
   int matches = 0;
@@ -61,7 +65,54 @@ bool worth_collecting(const Features& features, double ratio_max, TrackTable* tr
          change.shift_px > kShiftMin * change.extent_px;
 }
 
+/// How many times its own sigma a feature is off that stands for a track's point: what changes a
+/// patch moves its centre (docs/decisions/0066).
+double sigma_factor(const TrackPoint& point) {
+  constexpr double kLike2 = 200.0 * 200.0;  // as far as the sigma of a feature holds
+  return std::max(1.0, static_cast<double>(point.distance2) / kLike2);
+}
+
+/// Tracks that reach the newest frames, by the frame they begin in.
+using BegunIn = std::array<std::size_t, limits::kStartFrames>;
+
+BegunIn count_alive(const TrackTable& table) {
+  const auto frames = static_cast<std::int32_t>(table.frames.size());
+  BegunIn begun{};
+  for (const Track& track : table.tracks) {
+    if (!track.points.empty() && track.points.back().frame >= frames - kEnd) {
+      ++begun[static_cast<std::size_t>(track.points[0].frame)];
+    }
+  }
+  return begun;
+}
+
+/// The first of the newest frames that enough tracks span from end to end.
+std::size_t first_spanned(const TrackTable& table, int frames_min) {
+  // As many tracks as a comparison is sure with (docs/decisions/0030). Of many, a third: a window
+  // that fewer span is long, and the search in it harder. Chosen.
+  constexpr std::size_t kSpanningMin = 40;
+  constexpr std::size_t kPart = 3;
+  const BegunIn begun = count_alive(table);
+  const std::size_t alive = std::accumulate(begun.begin(), begun.end(), std::size_t{0});
+  const std::size_t frames = table.frames.size();
+  const std::size_t latest = frames - std::min(frames, static_cast<std::size_t>(frames_min));
+  std::size_t spanning = begun[0];
+  for (std::size_t first = 0; first < latest; ++first) {
+    spanning += begun[first + 1];  // an end is kEnd frames wide
+    if (spanning >= std::max(kSpanningMin, alive / kPart)) {
+      return first;
+    }
+  }
+  return latest;
+}
+
 }  // namespace
+
+void clear(InitialisationState* state) {
+  clear(&state->tracks);
+  state->asked_short = false;
+  state->since_asked = 0;
+}
 
 Collected collect_frame(const CollectibleFrame& frame,
                         double ratio_max,
@@ -77,34 +128,53 @@ Collected collect_frame(const CollectibleFrame& frame,
   drop_unconnected_frames(kConnectingMin, &state->tracks);
   const Collected collected{.kept = true, .tables_full = state->tracks.full_count};
   state->tracks.full_count = 0;
+  ++state->since_asked;
   return collected;
 }
 
-void pose_problem(const InitialisationState& state,
-                  const CameraModel& camera,
+bool wants_selection(const StartOptions& options, const InitialisationState& state) {
+  // A further frame of many says little, and a selection among many takes long. Chosen: up to
+  // twelve frames each new one asks.
+  constexpr int kPart = 12;
+  const auto frames = static_cast<int>(state.tracks.frames.size());
+  return frames >= options.frames_min && state.since_asked > frames / kPart;
+}
+
+void pose_problem(const CameraModel& camera,
                   const StartOptions& options,
                   std::uint64_t seed,
+                  InitialisationState* state,
                   StartJob* job) {
   static_assert(limits::kStartFrames <= 64);
-  const TrackTable& table = state.tracks;
-  job->frame_count = table.frames.size();
+  const TrackTable& table = state->tracks;
+  state->since_asked = 0;
+  const std::size_t first = first_spanned(table, options.frames_min);
+  state->asked_short = !state->asked_short && first > 0;
+  job->first_frame = state->asked_short ? first : 0;
+  job->frame_count = table.frames.size() - job->first_frame;
   job->track_count = table.tracks.size();
   job->seed = seed;
   job->options = options;
   for (std::size_t i = 0; i < job->frame_count; ++i) {
-    const std::int64_t since_ns = table.frames[i].timestamp_ns - table.frames[0].timestamp_ns;
+    const std::int64_t since_ns = table.frames[job->first_frame + i].timestamp_ns -
+                                  table.frames[job->first_frame].timestamp_ns;
     job->times_s[i] = static_cast<double>(since_ns) * 1e-9;
   }
   for (std::size_t t = 0; t < job->track_count; ++t) {
     StartTrack& track = job->tracks[t];
     track.observations.clear();
     for (const TrackPoint& point : table.tracks[t].points) {
+      const int frame = point.frame - static_cast<int>(job->first_frame);
+      if (frame < 0) {
+        continue;
+      }
       const Feature& f = table.frames[static_cast<std::size_t>(point.frame)]
                              .features[static_cast<std::size_t>(point.feature)];
       (void)track.observations.push_back(
-          {.frame = point.frame,
+          {.frame = frame,
            .normalised = f.normalised,
-           .sigma_normalised = static_cast<double>(f.sigma_px) / camera.focal_px()});
+           .sigma_normalised =
+               sigma_factor(point) * static_cast<double>(f.sigma_px) / camera.focal_px()});
     }
   }
 }

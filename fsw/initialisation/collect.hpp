@@ -15,7 +15,12 @@ namespace polhode {
 /// The state of this room: frames with their features, and tracks over them.
 struct InitialisationState {
   TrackTable tracks;
+  bool asked_short = false;  ///< the last problem left out the oldest frames
+  int since_asked = 0;       ///< frames kept since the last problem
 };
+
+/// As before the first frame.
+void clear(InitialisationState* state);
 
 /// A frame whose features are on the target.
 struct CollectibleFrame {
@@ -38,11 +43,16 @@ Collected collect_frame(const CollectibleFrame& frame,
                         double ratio_max,
                         InitialisationState* state);
 
-/// The tracks so far as a problem for hypothesis selection.
-void pose_problem(const InitialisationState& state,
-                  const CameraModel& camera,
+/// Is there enough that the last problem did not hold?
+bool wants_selection(const StartOptions& options, const InitialisationState& state);
+
+/// The tracks so far as a problem for hypothesis selection. In turns of the newest frames, as many
+/// as enough tracks span, and of all frames: the former decide as soon as a body has turned enough
+/// under the same features, the latter where features last too short for that.
+void pose_problem(const CameraModel& camera,
                   const StartOptions& options,
                   std::uint64_t seed,
+                  InitialisationState* state,
                   StartJob* job);
 
 }  // namespace polhode

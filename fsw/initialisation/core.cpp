@@ -174,7 +174,7 @@ void add_frame_quotas(const StartProblem& problem, SelectionSet* set) {
     count_frames(problem.tracks[static_cast<std::size_t>(track)], &counts);
   };
   std::for_each(set->tracks.begin(), set->tracks.end(), count);
-  for (std::size_t n = set->tracks.size(); n < kSelectionTracks; ++n) {
+  for (std::size_t n = set->tracks.size(); n < kExtensionTracks; ++n) {
     // The track that is in most frames short of their quota. Among equals the longest, then the
     // first.
     int best_gain = 0;
@@ -201,8 +201,35 @@ void add_frame_quotas(const StartProblem& problem, SelectionSet* set) {
   }
 }
 
+/// Up to kSelectionTracks: all others that say something about depth, the longest first.
+void add_longest(const StartProblem& problem, SelectionSet* set) {
+  // Two images of a spot agree with either depth sign: the third is the first to tell.
+  constexpr std::size_t kImagesMin = 3;
+  FixedVector<std::uint8_t, limits::kStartTracks> taken;
+  taken.resize(problem.tracks.size());
+  for (const int track : set->tracks) {
+    taken[static_cast<std::size_t>(track)] = 1;
+  }
+  std::size_t observations = 0;
+  for (const int track : set->tracks) {
+    observations += problem.tracks[static_cast<std::size_t>(track)].observations.size();
+  }
+  for (std::size_t length = problem.times_s.size(); length >= kImagesMin; --length) {
+    for (std::size_t i = 0; i < problem.tracks.size(); ++i) {
+      if (taken[i] != 0 || problem.tracks[i].observations.size() != length) {
+        continue;
+      }
+      observations += length;
+      if (observations > kSelectionObservations || !set->tracks.push_back(static_cast<int>(i))) {
+        return;
+      }
+    }
+  }
+}
+
 void list_observations(const StartProblem& problem, SelectionSet* set) {
   set->observations.clear();
+  set->extension_observations = 0;
   for (std::size_t k = 0; k < set->tracks.size(); ++k) {
     for (const StartObservation& o :
          problem.tracks[static_cast<std::size_t>(set->tracks[k])].observations) {
@@ -210,6 +237,9 @@ void list_observations(const StartProblem& problem, SelectionSet* set) {
                                          .track = static_cast<int>(k),
                                          .normalised = o.normalised,
                                          .sigma_normalised = o.sigma_normalised});
+    }
+    if (k < kExtensionTracks) {
+      set->extension_observations = set->observations.size();
     }
   }
 }
@@ -277,6 +307,7 @@ bool choose_selection_set(const StartProblem& problem, SelectionSet* set) {
     (void)set->cores.push_back(core);
   }
   add_frame_quotas(problem, set);
+  add_longest(problem, set);
   list_observations(problem, set);
   return true;
 }

@@ -127,7 +127,13 @@ void adjust_all_tracks(const Selection& c, StartOutcome* out) {
   // The selection's tracks are the longest, and decide on the geometry. On a body that rotates fast
   // most other tracks last three or four frames and know little of their own depth
   // (docs/decisions/0031).
-  out->selection_depth_sigma = median_depth_sigma(c, c.w.set.tracks);
+  FixedVector<int, 2 * kCoreTracks> in_cores;
+  for (const StartCore& core : c.w.set.cores) {
+    for (const int track : core.tracks) {
+      (void)in_cores.push_back(c.w.set.tracks[static_cast<std::size_t>(track)]);
+    }
+  }
+  out->selection_depth_sigma = median_depth_sigma(c, in_cores);
   for (std::size_t i = 0; i < out->points.size(); ++i) {
     StartPoint& point = out->points[i];
     point.p_T = c.w.points_T[i];

@@ -18,9 +18,15 @@ inline constexpr std::size_t kHypothesisKinds = 4;  // of the enumeration above
 constexpr std::uint32_t kind_bit(HypothesisKind kind) { return 1U << static_cast<unsigned>(kind); }
 inline constexpr std::uint32_t kAllKinds = (1U << kHypothesisKinds) - 1U;  // one bit a kind
 
-/// Tracks that hypotheses are compared on. Chosen for its cost: the cost margin grows as N and its
-/// noise as sqrt(N), so fewer decide less, and the time of the adjustments grows as N.
-inline constexpr std::size_t kSelectionTracks = 128;
+/// Tracks that hypotheses are compared on. The cost margin to the depth-reversed solution grows as
+/// N and its noise as sqrt(N), so fewer decide less; the time of the last adjustments grows as N.
+inline constexpr std::size_t kSelectionTracks = 512;
+/// Their images, beyond those of the first tracks below. Chosen for the time of an adjustment; 512
+/// tracks in six frames of eight.
+inline constexpr std::size_t kSelectionObservations = 3000;
+/// The first of them, on which a hypothesis is extended from its core to all frames. Chosen for the
+/// time: it is adjusted after every few frames, and need not decide yet.
+inline constexpr std::size_t kExtensionTracks = 128;
 /// Tracks and frames of a core, in which every frame observes every track. Chosen: 80 of the 128
 /// leave room for a second core and for the quotas of frames; 10 frames bound the time of the
 /// seeds.

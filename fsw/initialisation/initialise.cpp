@@ -11,7 +11,7 @@ namespace {
 
 // In RMS extents (docs/decisions/0031). Depths spread by some 0.6 extents, so 2 sigma are a fifth
 // of that. Later adjustments bring it down.
-constexpr double kDepthSigmaMax = 0.06;
+constexpr double kDepthSigmaMax = 0.12;
 // Wrong tracks take 5 to 20 % of the observations with them. On a body of a hundred pixels that
 // rotates by 6 deg a frame they take twice as many. The cost margin, not this, refuses wrong
 // hypotheses that explain half of the observations.
@@ -51,7 +51,7 @@ StartOutcome select_hypothesis(const StartProblem& problem,
   out.winner_reversed = winner.reversed;
   out.hypotheses = static_cast<int>(workspace.refined.size());
   out.reduced_chi2 = noise * noise;
-  out.inlier_ratio = static_cast<double>(winner.fit.inliers) / winner.fit.observations;
+  out.inlier_ratio = static_cast<double>(winner.fit.agreeing) / std::max(1, winner.fit.telling);
   out.chi2_gap = cost_margin_of(selection);
   out.convexity = convexity_of(selection, &winner);
   adjust_all_tracks(selection, &out);

@@ -77,11 +77,12 @@ struct StartOutcome {
 
 /// The frames and tracks on which hypotheses are compared.
 struct SelectionSet {
-  static constexpr std::size_t kStartObservations = kSelectionTracks * limits::kStartFrames;
+  static constexpr std::size_t kStartObservations = StartAdjustmentWorkspace::kStartObservations;
   FixedVector<StartCore, 2>
       cores;  ///< a long run of frames, and one with many tracks where it differs
   FixedVector<int, kSelectionTracks> tracks;  ///< indices into StartProblem::tracks
   FixedVector<TrackObservation, kStartObservations> observations;
+  std::size_t extension_observations = 0;  ///< the first of them, of the extension's tracks
 };
 
 /// Workspace of a selection, kept by the caller: some 5 MB. Holds nothing between calls.

@@ -180,14 +180,16 @@ void select_on_core(const StartCore& core, Selection* c) {
 /// Extends a hypothesis to all frames. Adjusts on the way, so that errors do not add up.
 bool extend_to_all(const Selection& c, StartHypothesis* h) {
   const std::span<const TrackObservation> all = c.w.set.observations.view();
+  const std::span<const TrackObservation> first = all.first(c.w.set.extension_observations);
   for (std::size_t step = 0; step < h->frames; ++step) {
-    if (!extend(all, c.problem.times_s, kExtendRounds, h)) {
+    if (!extend(first, c.problem.times_s, kExtendRounds, h)) {
       break;
     }
-    if (!refine(c, all, kExtendIterations, h)) {
+    if (!refine(c, first, kExtendIterations, h)) {
       return false;
     }
   }
+  add_points(all, h);
   return refine(c, all, kExtendedIterations, h);
 }
 
@@ -287,7 +289,7 @@ double cost_margin_of(const Selection& c) {
   double margin =
       kTruncation_sigmas * kTruncation_sigmas * list[0].fit.observations - list[0].fit.cost;
   for (std::size_t i = 1; i < list.size(); ++i) {
-    if (!same_geometry(list[0], list[i], kDifferentGeometry)) {
+    if (!same_geometry(list[0], list[i], kDifferentGeometry) && !same_relief(list[0], list[i])) {
       margin = std::min(margin, cost_margin_to(c, &list[0], &list[i]));
     }
   }

@@ -16,7 +16,7 @@ struct Selection {
 
 // The caller's sigma may be too small by this factor at most. Chosen; with more noise than that no
 // hypothesis is accepted.
-inline constexpr double kNoiseScaleMax = 4.0;
+inline constexpr double kNoiseScaleMax = 2.0;
 // Two standard deviations: the sign of the curvature is right in 98 % of cases.
 inline constexpr double kConvexityMin = 2.0;
 // Loss by which hypotheses are compared, in sigmas: exp(-4^2 / 2) = 3e-4 of good residuals, with

@@ -11,6 +11,7 @@
 namespace polhode {
 
 struct StartJob {
+  std::size_t first_frame = 0;  ///< the problem's, in the table of tracks
   std::size_t frame_count = 0;
   std::size_t track_count = 0;
   std::array<double, limits::kStartFrames> times_s{};

@@ -5,6 +5,7 @@
 namespace polhode {
 
 void begin_map(const StartOutcome& outcome,
+               std::size_t first_frame,
                const TrackTable& tracks,
                const Similarity& to_T,
                const MapOptions& options,
@@ -19,12 +20,13 @@ void begin_map(const StartOutcome& outcome,
       break;
     }
     Keyframe& keyframe = map->keyframes[id.index()];
-    keyframe.frame = tracks.frames[f].frame;
-    keyframe.timestamp_ns = tracks.frames[f].timestamp_ns;
-    keyframe.R_IC = tracks.frames[f].R_IC;
+    const CollectedFrame& frame = tracks.frames[first_frame + f];
+    keyframe.frame = frame.frame;
+    keyframe.timestamp_ns = frame.timestamp_ns;
+    keyframe.R_IC = frame.R_IC;
     keyframe.pose = transformed(outcome.frames[f].pose, to_T);
-    keyframe.features = tracks.frames[f].features;
-    keyframe_of[f] = id;
+    keyframe.features = frame.features;
+    keyframe_of[first_frame + f] = id;
   }
   for (std::size_t t = 0; t < outcome.points.size(); ++t) {
     if (!outcome.points[t].valid) {

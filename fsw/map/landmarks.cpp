@@ -23,7 +23,7 @@ constexpr double kLineSigma = 6.0;
 constexpr double kChi2Pair = kLineSigma * kLineSigma;
 constexpr double kObservationSigma =
     3.0;  // reprojection gate of further observations of a landmark
-constexpr std::size_t kPartners = 4;
+constexpr std::size_t kPartners = 6;
 
 double sigma_normalised(const Feature& feature, double focal_px) {
   return static_cast<double>(feature.sigma_px) / focal_px;
@@ -63,7 +63,7 @@ bool connected(const Keyframe& a, const Keyframe& b) {
 FixedVector<KeyframeId, limits::kKeyframes> partners_of(KeyframeId keyframe,
                                                         const CreateOptions& options,
                                                         const Map& map) {
-  constexpr double kIdeal_rad = 0.21;  // 12 deg
+  constexpr double kIdeal_rad = 0.14;  // 8 deg
   constexpr double kMost_rad = 0.6;    // 34 deg: beyond it descriptors hardly match
   const Keyframe& own = map.keyframes[keyframe.index()];
   std::array<double, limits::kKeyframes> merit{};

@@ -296,4 +296,26 @@ Result<bool> localise_matched(const LocaliseInput& input,
   return first ? polish(input, AbsolutePose(out->absolute), scratch, out) : first;
 }
 
+Result<bool> localise_with_prior(const LocaliseInput& input,
+                                 const PosePrediction& prior,
+                                 LocaliseScratch* scratch,
+                                 LocalisedFrame* out) {
+  const AbsolutePose expected{.pose = prior.pose, .covariance = prior.covariance};
+  match_about(input, prior.pose, reach_px(input, expected), scratch, out);
+  to_observations(input, out->matches, scratch);
+  // A prior gives the six unknowns: six landmarks, twice what determines a pose, bear it out.
+  constexpr int kInliersMin = 6;
+  const Result<AbsolutePose> pose = pose_with_prior(scratch->observations.view(),
+                                                    prior.pose,
+                                                    prior.covariance,
+                                                    {.inliers_min = kInliersMin},
+                                                    flags(scratch));
+  if (!pose) {
+    return pose.error();
+  }
+  out->absolute = pose.value();
+  mark(*scratch, &out->matches);
+  return true;
+}
+
 }  // namespace polhode

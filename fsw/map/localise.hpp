@@ -7,6 +7,7 @@
 #include "base/result.hpp"
 #include "features/match.hpp"
 #include "geometry/camera_model.hpp"
+#include "geometry/pose_prediction.hpp"
 #include "map/map.hpp"
 #include "map/options.hpp"
 #include "solve/absolute_pose.hpp"
@@ -102,6 +103,15 @@ Result<bool> solve_matched(const LocaliseInput& input,
                            const Pose* hint,
                            LocaliseScratch* scratch,
                            LocalisedFrame* out);
+
+/// Matches landmarks to features about an expected pose, as far as its own error reaches, and
+/// solves for the pose from the matches and the expectation together: for views that show too
+/// little for a pose of their own.
+/// @errors TooFewObservations, Degenerate.
+Result<bool> localise_with_prior(const LocaliseInput& input,
+                                 const PosePrediction& prior,
+                                 LocaliseScratch* scratch,
+                                 LocalisedFrame* out);
 
 /// Solves for the pose from `out->matches` as they stand, by consensus, then matches anew about it
 /// and refines.

@@ -11,6 +11,7 @@ namespace polhode {
 namespace {
 
 constexpr std::size_t kPosesTried = 6;  // that many poses have checked a motion
+constexpr double kDepthError = 0.05;    // of a map's depths: some percent
 
 /// Fewer poses than that have checked the motion. @param start_checks  the initialisation's poses
 /// among them.
@@ -112,6 +113,23 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
   return false;
 }
 
+bool hold_about(const MapInput& input, const ExpectedPose& expected, MapState* s) {
+  // A prediction that is off by more says little about which feature is which.
+  constexpr double kSigmaMost_rad = 0.05;  // 3 deg
+  PosePrediction prior = expected.prediction;
+  // A map's depth is known to some percent, which falsifies a step by as much (plausible()).
+  const double of_step_rad = kDepthError * expected.step_rad;
+  prior.covariance.topLeftCorner<3, 3>().diagonal().array() += of_step_rad * of_step_rad;
+  if (is_young(expected, false) || !(prior.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() <
+                                     kSigmaMost_rad * kSigmaMost_rad)) {
+    return false;
+  }
+  const Result<bool> done = localise_with_prior(
+      localise_input(input, s->map), prior, &s->scratch.localise, &s->localised);
+  constexpr int kInliersMin = 6;
+  return done && agrees(s->localised, kInliersMin);
+}
+
 bool relocalise_frame(const MapInput& input, MapState* s) {
   const Result<bool> done =
       relocalise(localise_input(input, s->map), &s->scratch.localise, &s->localised);
@@ -125,7 +143,6 @@ bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& 
   if (predicted.rotation_poses < kPosesMin) {
     return true;
   }
-  constexpr double kDepthError = 0.05;       // of a map's depths: some percent
   constexpr double kAllowance_rad = 0.0175;  // 1 deg
   const AbsolutePose& found = s.localised.absolute;
   const double step_rad = expected.step_rad;

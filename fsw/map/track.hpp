@@ -23,6 +23,10 @@ bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapStat
 /// Guided matching about the expected pose, in a circle that grows when too few features agree.
 bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* state);
 
+/// By the few landmarks that agree with the expected pose, and by it: for a view that shows too few
+/// for a pose of its own. Only where the motion behind it has been checked.
+bool hold_about(const MapInput& input, const ExpectedPose& expected, MapState* state);
+
 /// By descriptors alone, over all keyframes.
 bool relocalise_frame(const MapInput& input, MapState* state);
 

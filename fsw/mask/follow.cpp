@@ -281,10 +281,14 @@ void follow_target(const cv::Mat& gray,
   find_piece(s);
   remember_background(explained, s);
   refill(s);
-  if (!s->found && s->unexplained >= kUnexplainedMax && s->points.stored > 1) {
+  if (is_open(*s)) {
     return;
   }
   open_lit_cells(s, mask);
+}
+
+bool is_open(const MaskState& s) {
+  return s.behind && !s.found && s.unexplained >= kUnexplainedMax && s.points.stored > 1;
 }
 
 void sharpen_outline(MaskState* s) {

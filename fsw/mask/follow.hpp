@@ -22,6 +22,10 @@ void follow_target(const cv::Mat& gray,
                    MaskState* state,
                    TargetMask* mask);
 
+/// Everything lit passes for the target, as no motion has explained what is behind it for some
+/// images.
+bool is_open(const MaskState& state);
+
 /// For keyframes, after follow_target: moves the outline to image edges. With a map the result is
 /// stored as log-odds. Does nothing before black space. Where no outline would be left it stays as
 /// it was and is not sharp.

@@ -7,7 +7,9 @@ namespace polhode {
 
 void collect(Component::State* s) {
   PictureState& picture = s->picture;
-  if (is_out(s->jobs.map) || picture.verdict.decision != FrameDecision::kUse) {
+  // What is not told apart from its background may be the background: maps of clouds were begun.
+  if (is_out(s->jobs.map) || picture.verdict.decision != FrameDecision::kUse ||
+      is_open(picture.mask_state)) {
     return;
   }
   // Where a known aspect has been looked for in vain features are there already, from a mask that
@@ -24,15 +26,14 @@ void collect(Component::State* s) {
                                             parameters.tracks.descriptor_ratio_max,
                                             &s->initialisation);
   s->counters.tables_full += collected.tables_full;
-  if (!collected.kept ||
-      static_cast<int>(s->initialisation.tracks.frames.size()) < parameters.start.frames_min) {
+  if (!collected.kept || !wants_selection(parameters.start, s->initialisation)) {
     return;
   }
   ++s->counters.start_contests;
-  pose_problem(s->initialisation,
-               s->configuration.camera,
+  pose_problem(s->configuration.camera,
                parameters.start,
                parameters.seed,
+               &s->initialisation,
                &s->jobs.start);
   issue_job(&s->jobs.start, job_times(*s), &s->jobs.map, &s->jobs);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "map/begin.hpp"
 #include "map/keyframes.hpp"
@@ -36,7 +37,12 @@ void take_over_start(const Similarity& to_T, Component::State* s) {
   const CameraModel& camera = s->configuration.camera;
   Map& map = s->mapping.map;
   s->jobs.adjustment.first_keyframe = map.next_keyframe_number;
-  begin_map(start, s->initialisation.tracks, to_T, s->configuration.parameters.map, &map);
+  begin_map(start,
+            s->jobs.start.first_frame,
+            s->initialisation.tracks,
+            to_T,
+            s->configuration.parameters.map,
+            &map);
   refresh_landmarks(&map, camera);
   ask_for_adjustment_of_all(
       AdjustmentReason::kMapBegun, adjustment_view(*s), &s->mapping, &s->jobs);
@@ -48,7 +54,7 @@ using ReanchorFrames = FixedVector<ReanchorFrame, limits::kStartFrames>;
 
 /// The start's poses beside those that the motion before the loss predicts for the same times.
 ReanchorFrames predicted_beside(const StartOutcome& start,
-                                const TrackTable& tracks,
+                                std::span<const CollectedFrame> collected_frames,
                                 const MotionEstimate& motion,
                                 const MapDrift& drift,
                                 const MotionOptions& options) {
@@ -57,7 +63,7 @@ ReanchorFrames predicted_beside(const StartOutcome& start,
     if (!start.frames[f].valid) {
       continue;
     }
-    const CollectedFrame& collected = tracks.frames[f];
+    const CollectedFrame& collected = collected_frames[f];
     const auto predicted =
         predict_or_hold(motion, drift, options, collected.timestamp_ns, collected.R_IC);
     if (predicted) {
@@ -93,8 +99,12 @@ void begin_again(Component::State* s) {
   const StartOutcome& start = s->jobs.start.outcome;
   const Parameters& parameters = s->configuration.parameters;
   MapState& mapping = s->mapping;
-  const ReanchorFrames frames = predicted_beside(
-      start, s->initialisation.tracks, s->motion, mapping.drift, parameters.motion);
+  const ReanchorFrames frames =
+      predicted_beside(start,
+                       s->initialisation.tracks.frames.view().subspan(s->jobs.start.first_frame),
+                       s->motion,
+                       mapping.drift,
+                       parameters.motion);
   const Result<Reanchoring> found = reanchor_start(
       frames.view(), {.centre_T = mapping.map.centre_T, .radius_mu = mapping.map.radius_mu});
   ++s->counters.restarts;

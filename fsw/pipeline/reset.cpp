@@ -14,7 +14,7 @@ void reset_map_and_motion(Component::State* s) {
 
 void reset_target(Component::State* s) {
   reset_map_and_motion(s);
-  clear(&s->initialisation.tracks);
+  clear(&s->initialisation);
   reset_scale(&s->scale);
   reset_pictures(&s->picture);
   s->bus.cloud.points_T.clear();
@@ -24,7 +24,7 @@ void reset_target(Component::State* s) {
 
 void pause(Component::State* s) {
   drop_reference(&s->mapping);
-  clear(&s->initialisation.tracks);
+  clear(&s->initialisation);
   invalidate_start(&s->jobs);
   reset_pictures(&s->picture);
 }

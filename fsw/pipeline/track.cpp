@@ -25,7 +25,8 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
   const MapInput input = map_input(*s);
   const bool found =
       (expected && find_about(input, *expected, mapping)) ||
-      (relocalise_frame(input, mapping) && (!expected || believable(*expected, false, *mapping)));
+      (relocalise_frame(input, mapping) && (!expected || believable(*expected, false, *mapping))) ||
+      (expected && hold_about(input, *expected, mapping));
   return found ? FoundBy::kFeatures : FoundBy::kNothing;
 }
 
@@ -35,7 +36,7 @@ void lose(Component::State* s) {
   s->mapping.localised.matches.clear();
   if (s->mode.now == Mode::kTracking) {
     ++s->counters.lost;
-    clear(&s->initialisation.tracks);
+    clear(&s->initialisation);
     invalidate_start(&s->jobs);
   }
   change_mode(ModeEvent::kPoseNotFound, &s->mode);

@@ -128,6 +128,28 @@ Pose moved(const Pose& start, const PoseEquations::Vector& by) {
   return {.R_CT = so3_exp(by.head<3>()) * start.R_CT, .p_CT = start.p_CT + by.tail<3>()};
 }
 
+/// Flags the observations that agree within kInlierChi2 with a pose that has an error of its own.
+int mark_within_reach(const Pose& pose,
+                      const PoseCovariance& covariance,
+                      std::span<const PoseObservation> observations,
+                      std::span<std::uint8_t> inlier) {
+  int count = 0;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const PoseObservation& o = observations[i];
+    const Eigen::Vector3d p_C = pose.to_camera(o.p_T);
+    inlier[i] = 0;
+    if (p_C.z() > 0.0) {
+      const Eigen::Vector2d r = p_C.hnormalized() - o.normalised;
+      const Eigen::Matrix<double, 2, 6> J = projection_jacobian(pose, o.p_T);
+      Eigen::Matrix2d S = J * covariance * J.transpose();
+      S.diagonal().array() += o.sigma_normalised * o.sigma_normalised;
+      inlier[i] = r.dot(S.inverse() * r) < kInlierChi2 ? 1 : 0;
+      count += inlier[i];
+    }
+  }
+  return count;
+}
+
 }  // namespace
 
 int mark_inliers(const Pose& pose,
@@ -198,6 +220,57 @@ Result<AbsolutePose> absolute_pose(std::span<const PoseObservation> observations
     return ErrorCode::kNoConsensus;
   }
   return refined;
+}
+
+Result<AbsolutePose> pose_with_prior(std::span<const PoseObservation> observations,
+                                     const Pose& prior,
+                                     const PoseCovariance& prior_covariance,
+                                     const AbsolutePoseOptions& options,
+                                     std::span<std::uint8_t> inlier) {
+  POLHODE_ASSERT(observations.size() == inlier.size(), inlier.size());
+  const PoseCovariance information = prior_covariance.inverse();
+  if (!information.allFinite()) {
+    return ErrorCode::kDegenerate;
+  }
+  int count = mark_within_reach(prior, prior_covariance, observations, inlier);
+  Pose pose = prior;
+  PoseEquations n;
+  constexpr int kRounds = 3;  // as without a prior
+  for (int round = 0; round < kRounds; ++round) {
+    if (count < options.inliers_min) {
+      return ErrorCode::kTooFewObservations;
+    }
+    const auto linearise = [&](const PoseEquations::Vector& by, PoseEquations* at) {
+      const Pose trial = moved(prior, by);
+      *at = widely([&] { return sum_up(observations, trial, inlier); });
+      at->H += information;
+      at->g += information * by;
+      at->cost += by.dot(information * by);
+      return true;
+    };
+    PoseEquations::Vector by = PoseEquations::Vector::Zero();
+    const SmallFitOptions fit{.steps_max = 12,  // as without a prior
+                              .damping_first = 1e-6,
+                              .first_three = FirstThree::kRotation};
+    if (minimise(linearise, fit, &by, &n) < 0) {
+      return ErrorCode::kDegenerate;
+    }
+    pose = moved(prior, by);
+    count = mark_inliers(pose, observations, inlier);
+  }
+  if (count < options.inliers_min) {
+    return ErrorCode::kTooFewObservations;
+  }
+  AbsolutePose out{.pose = pose, .inliers = count, .chi2 = n.chi2};
+  out.pose.R_CT = nearest_rotation(out.pose.R_CT);
+  const double reduced = n.chi2 / std::max(1.0, 2.0 * n.used - 6.0);
+  constexpr double kPriorPart = 0.1;
+  const PoseCovariance measured = n.H - (1.0 - kPriorPart) * information;
+  out.covariance = measured.inverse() * std::max(1.0, reduced);
+  if (!out.covariance.allFinite() || (out.covariance.diagonal().array() <= 0.0).any()) {
+    return ErrorCode::kDegenerate;
+  }
+  return out;
 }
 
 }  // namespace polhode

@@ -59,4 +59,17 @@ Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
                                  const Pose& pose,
                                  std::span<const std::uint8_t> inlier);
 
+/// The most likely pose where the observations alone may be too few: three rounds of choosing those
+/// that agree, within the prior's own reach at first, and a robust fit to them and the prior.
+/// @param prior       expected, with `prior_covariance` of (phi, dp).
+/// @param inlier      out, one octet per observation.
+/// @return covariance: of the observations, the prior counting a tenth so that it stays finite. A
+/// motion that is estimated from the result does not learn its own prediction.
+/// @errors TooFewObservations (fewer agree than options.inliers_min), Degenerate.
+Result<AbsolutePose> pose_with_prior(std::span<const PoseObservation> observations,
+                                     const Pose& prior,
+                                     const PoseCovariance& prior_covariance,
+                                     const AbsolutePoseOptions& options,
+                                     std::span<std::uint8_t> inlier);
+
 }  // namespace polhode

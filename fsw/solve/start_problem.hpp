@@ -52,6 +52,8 @@ struct StartFit {
   double chi2 = 0.0;  ///< of the inliers
   int inliers = 0;    ///< observations within width_sigma, in tracks that fit as a whole
   int observations = 0;
+  int telling = 0;   ///< observations beyond the first two of their tracks
+  int agreeing = 0;  ///< of these, within width_sigma
   int frames = 0;
   int points = 0;            ///< with two inliers or more
   double median = 0.0;       ///< squared residual of the observations that are used

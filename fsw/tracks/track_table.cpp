@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tracks/associate.hpp"
+
 namespace polhode {
 namespace {
 
@@ -24,11 +26,11 @@ std::int32_t track_for(std::size_t frame, std::int32_t feature, TrackTable* tabl
   return track;
 }
 
-void associate(std::size_t earlier, std::size_t latest, double ratio_max, TrackTable* table) {
-  match_mutual(table->frames[earlier].features.view(),
-               table->frames[latest].features.view(),
-               ratio_max,
-               &table->scratch);
+void join(std::size_t earlier, std::size_t latest, double ratio_max, TrackTable* table) {
+  associate(table->frames[earlier].features.view(),
+            table->frames[latest].features.view(),
+            ratio_max,
+            &table->scratch);
   for (const FeatureMatch& match : table->scratch) {
     std::int32_t& now = table->track_of[latest][static_cast<std::size_t>(match.b)];
     if (now >= 0) {
@@ -42,8 +44,47 @@ void associate(std::size_t earlier, std::size_t latest, double ratio_max, TrackT
     if (t.points.back().frame == static_cast<std::int32_t>(latest)) {
       continue;  // already associated with another feature of this frame
     }
-    (void)t.points.push_back({.frame = static_cast<std::int32_t>(latest), .feature = match.b});
+    t.points.back().distance2 = std::min(t.points.back().distance2, match.distance2);
+    (void)t.points.push_back({.frame = static_cast<std::int32_t>(latest),
+                              .feature = match.b,
+                              .distance2 = match.distance2});
     now = track;
+  }
+}
+
+/// Keeps the tracks of which `keeps` holds, in their order.
+template <typename Keeps>
+void keep_tracks(const Keeps& keeps, TrackTable* table) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < table->tracks.size(); ++i) {
+    const Track& track = table->tracks[i];
+    const bool stays = keeps(track);
+    const auto renumbered = stays ? static_cast<std::int32_t>(kept) : -1;
+    for (const TrackPoint& point : track.points) {
+      table->track_of[static_cast<std::size_t>(point.frame)]
+                     [static_cast<std::size_t>(point.feature)] = renumbered;
+    }
+    if (stays) {
+      table->tracks[kept++] = table->tracks[i];
+    }
+  }
+  table->tracks.resize(kept);
+}
+
+/// Room for the tracks of a new frame: those that ended go, the shortest first, as they say least.
+/// The newest frames' go on growing.
+void make_room(std::size_t wanted, TrackTable* table) {
+  const auto first_alive =
+      static_cast<std::int32_t>(table->frames.size()) - static_cast<std::int32_t>(kLookBack);
+  for (std::size_t length = 2; length < limits::kStartFrames; ++length) {
+    if (table->tracks.size() + wanted <= limits::kStartTracks) {
+      return;
+    }
+    keep_tracks(
+        [&](const Track& track) {
+          return track.points.size() > length || track.points.back().frame >= first_alive;
+        },
+        table);
   }
 }
 
@@ -59,25 +100,15 @@ void drop_oldest_frame(TrackTable* table) {
   for (std::size_t f = 0; f < table->frames.size(); ++f) {
     table->track_of[f] = table->track_of[f + 1];
   }
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < table->tracks.size(); ++i) {
-    Track track = table->tracks[i];
+  for (Track& track : table->tracks) {
     if (track.points[0].frame == 0) {
       track.points.erase(0);
     }
     for (TrackPoint& point : track.points) {
       --point.frame;
     }
-    const auto renumbered = track.points.size() >= 1 ? static_cast<std::int32_t>(kept) : -1;
-    for (const TrackPoint& point : track.points) {
-      table->track_of[static_cast<std::size_t>(point.frame)]
-                     [static_cast<std::size_t>(point.feature)] = renumbered;
-    }
-    if (renumbered >= 0) {
-      table->tracks[kept++] = track;
-    }
   }
-  table->tracks.resize(kept);
+  keep_tracks([](const Track& track) { return track.points.size() >= 1; }, table);
 }
 
 void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table) {
@@ -107,6 +138,7 @@ void add_frame(std::uint32_t frame,
   if (table->frames.full()) {
     drop_oldest_frame(table);
   }
+  make_room(features.size(), table);
   const std::size_t latest = table->frames.size();
   table->frames.resize(latest + 1);
   CollectedFrame& collected = table->frames[latest];
@@ -116,7 +148,7 @@ void add_frame(std::uint32_t frame,
   collected.features = features;
   table->track_of[latest].fill(-1);
   for (std::size_t back = 1; back <= std::min(kLookBack, latest); ++back) {
-    associate(latest - back, latest, ratio_max, table);
+    join(latest - back, latest, ratio_max, table);
   }
 }
 

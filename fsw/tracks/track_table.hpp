@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "base/fixed_vector.hpp"
 #include "config/limits.hpp"
@@ -23,6 +24,8 @@ struct CollectedFrame {
 struct TrackPoint {
   std::int32_t frame = -1;    ///< index into TrackTable::frames
   std::int32_t feature = -1;  ///< index into that frame's features
+  /// Squared distance of its descriptor to the nearer of the track's points before and after it.
+  std::int32_t distance2 = std::numeric_limits<std::int32_t>::max();
 };
 
 struct Track {

@@ -84,7 +84,7 @@ TEST_F(CollectFrame, TheProblemHasEveryFrameWithItsTimeAndEveryTrack) {
   (void)show(*ball(0.2));
   (void)show(*ball(0.4));
   const auto job = std::make_unique<StartJob>();
-  pose_problem(*state_, kCamera, {}, 7, job.get());
+  pose_problem(kCamera, {}, 7, state_.get(), job.get());
   ASSERT_EQ(job->frame_count, 3U);
   EXPECT_EQ(job->times_s[0], 0.0);
   EXPECT_EQ(job->times_s[2], 2.0);

@@ -40,7 +40,7 @@ struct Bench {
 
 TEST(BeginMap, MakesAKeyframeOfEachFrameWithAPose) {
   Bench b;
-  begin_map(*b.outcome, *b.tracks, {}, {}, b.map.get());
+  begin_map(*b.outcome, 0, *b.tracks, {}, {}, b.map.get());
   const auto order = keyframes_by_age(*b.map);
   ASSERT_EQ(order.size(), 3U);
   const std::uint32_t frames[] = {13, 12, 10};
@@ -55,7 +55,7 @@ TEST(BeginMap, MakesAKeyframeOfEachFrameWithAPose) {
 
 TEST(BeginMap, MakesALandmarkOfEachTrackWithAPoint_SeenWhereItsFeaturesAre) {
   Bench b;
-  begin_map(*b.outcome, *b.tracks, {}, {}, b.map.get());
+  begin_map(*b.outcome, 0, *b.tracks, {}, {}, b.map.get());
   EXPECT_EQ(b.map->landmark_count, 4);
   EXPECT_EQ(broken_promise(*b.map), "");
   for (const Landmark& landmark : b.map->landmarks) {
@@ -78,7 +78,7 @@ TEST(BeginMap, MakesALandmarkOfEachTrackWithAPoint_SeenWhereItsFeaturesAre) {
 
 TEST(BeginMap, TakesNoMoreKeyframesThanAllowed) {
   Bench b;
-  begin_map(*b.outcome, *b.tracks, {}, {.keyframes_max = 2}, b.map.get());
+  begin_map(*b.outcome, 0, *b.tracks, {}, {.keyframes_max = 2}, b.map.get());
   EXPECT_EQ(b.map->keyframe_count, 2);
   EXPECT_EQ(broken_promise(*b.map), "");
 }

@@ -1,0 +1,243 @@
+#include "tracks/associate.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/median.hpp"
+
+namespace polhode {
+namespace {
+
+// Neighbours whose median motion is a place's. Chosen: with eight, three wrong ones do no harm, and
+// they lie within a few times the distance of two features.
+constexpr std::size_t kNeighbours = 8;
+// Twice as many as the neighbours of one.
+constexpr std::size_t kFieldMin = 2 * kNeighbours;
+
+Eigen::Vector2d place_of(const Feature& feature) { return {feature.u_px, feature.v_px}; }
+
+/// How a body's features move from one frame to another: an affine motion of all, and what its
+/// depth adds, which neighbours share.
+struct Field {
+  struct Point {
+    Eigen::Vector2d at = Eigen::Vector2d::Zero();
+    Eigen::Vector2d beside_affine_px = Eigen::Vector2d::Zero();
+  };
+  Eigen::Matrix<double, 2, 3> affine = Eigen::Matrix<double, 2, 3>::Zero();
+  FixedVector<Point, limits::kFeatures> points;
+  double tolerance_px = 0.0;  ///< a match that differs by more from its neighbours is none
+
+  [[nodiscard]] Eigen::Vector2d affine_at(const Eigen::Vector2d& at) const {
+    return affine * at.homogeneous();
+  }
+};
+
+/// Median of the neighbours' motion beside the affine one. @param itself  a point left out, or -1.
+Eigen::Vector2d neighbours_px(const Field& field,
+                              const Eigen::Vector2d& at,
+                              std::ptrdiff_t itself) {
+  struct Near {
+    double distance2 = 0.0;
+    std::size_t index = 0;
+  };
+  FixedVector<Near, limits::kFeatures> near;
+  for (std::size_t i = 0; i < field.points.size(); ++i) {
+    if (static_cast<std::ptrdiff_t>(i) != itself) {
+      (void)near.push_back({.distance2 = (field.points[i].at - at).squaredNorm(), .index = i});
+    }
+  }
+  const std::size_t count = std::min(kNeighbours, near.size());
+  std::partial_sort(near.begin(),
+                    near.begin() + static_cast<std::ptrdiff_t>(count),
+                    near.end(),
+                    [](const Near& l, const Near& r) {
+                      return l.distance2 != r.distance2 ? l.distance2 < r.distance2
+                                                        : l.index < r.index;
+                    });
+  Eigen::Vector2d motion_px = Eigen::Vector2d::Zero();
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    FixedVector<double, kNeighbours> values;
+    for (std::size_t k = 0; k < count; ++k) {
+      (void)values.push_back(field.points[near[k].index].beside_affine_px(axis));
+    }
+    motion_px(axis) = median(values.view());
+  }
+  return motion_px;
+}
+
+/// Least squares under a Cauchy loss as wide as the residuals' median.
+void fit_affine(std::span<const Feature> a,
+                std::span<const Feature> b,
+                const FeatureMatches& matches,
+                Field* field) {
+  constexpr int kRounds = 8;               // of reweighting; it has settled by then
+  constexpr double kWidthMin2_px2 = 0.25;  // half a pixel: the noise of a feature's place
+  double width2 = 1e12;                    // all alike at first
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+    Eigen::Matrix<double, 3, 2> g = Eigen::Matrix<double, 3, 2>::Zero();
+    FixedVector<double, limits::kFeatures> errors2;
+    for (const FeatureMatch& match : matches) {
+      const Eigen::Vector3d x = place_of(a[static_cast<std::size_t>(match.a)]).homogeneous();
+      const Eigen::Vector2d y = place_of(b[static_cast<std::size_t>(match.b)]);
+      const double weight = 1.0 / (1.0 + (y - field->affine * x).squaredNorm() / width2);
+      H += weight * x * x.transpose();
+      g += weight * x * y.transpose();
+    }
+    H.diagonal().array() += 1e-9 * H.trace();
+    field->affine = H.ldlt().solve(g).transpose();
+    for (const FeatureMatch& match : matches) {
+      (void)errors2.push_back((place_of(b[static_cast<std::size_t>(match.b)]) -
+                               field->affine_at(place_of(a[static_cast<std::size_t>(match.a)])))
+                                  .squaredNorm());
+    }
+    width2 = std::max(kWidthMin2_px2, median(errors2.view()));
+  }
+}
+
+void add_points(std::span<const Feature> a,
+                std::span<const Feature> b,
+                const FeatureMatches& matches,
+                Field* field) {
+  field->points.clear();
+  for (const FeatureMatch& match : matches) {
+    const Eigen::Vector2d at = place_of(a[static_cast<std::size_t>(match.a)]);
+    (void)field->points.push_back(
+        {.at = at,
+         .beside_affine_px =
+             place_of(b[static_cast<std::size_t>(match.b)]) - field->affine_at(at)});
+  }
+}
+
+/// Drops the matches that move otherwise than their neighbours, and learns how much these differ.
+void drop_strays(FeatureMatches* matches, Field* field) {
+  FixedVector<double, limits::kFeatures> apart_px;
+  for (std::size_t i = 0; i < field->points.size(); ++i) {
+    const Field::Point& point = field->points[i];
+    const Eigen::Vector2d about = neighbours_px(*field, point.at, static_cast<std::ptrdiff_t>(i));
+    (void)apart_px.push_back((point.beside_affine_px - about).norm());
+  }
+  FixedVector<double, limits::kFeatures> sorted = apart_px;
+  // The median of a distance in two dimensions is 1.18 sigma; 99.9 % lie within 3.7.
+  constexpr double kSigmas = 3.7 / 1.18;
+  constexpr double kToleranceMin_px = 1.5;  // three sigma of a feature's place in two frames
+  field->tolerance_px = std::max(kToleranceMin_px, kSigmas * median(sorted.view()));
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < matches->size(); ++i) {
+    if (apart_px[i] <= field->tolerance_px) {
+      (*matches)[kept] = (*matches)[i];
+      field->points[kept++] = field->points[i];
+    }
+  }
+  matches->resize(kept);
+  field->points.resize(kept);
+}
+
+/// The feature of `b` about a place that looks most like `feature`, if it stands out there.
+FeatureMatch find_about(const Feature& feature,
+                        const Eigen::Vector2d& at,
+                        std::span<const Feature> b,
+                        std::span<const std::uint8_t> taken,
+                        double radius_px,
+                        double ratio_max) {
+  constexpr int kNone = std::numeric_limits<int>::max();
+  // Measured by ray-cast depths: beyond it the median error is over 0.7 px, three times a feature's
+  // sigma.
+  constexpr int kDistance2About = 280 * 280;
+  constexpr double kSamePlace_px = 1.0;  // a blob with two orientations
+  FeatureMatch best{.distance2 = kNone};
+  int rival2 = kNone;
+  for (std::size_t j = 0; j < b.size(); ++j) {
+    if (taken[j] != 0 || (place_of(b[j]) - at).squaredNorm() > radius_px * radius_px) {
+      continue;
+    }
+    const int d2 = distance2(feature.descriptor, b[j].descriptor);
+    const bool same =
+        best.b >= 0 &&
+        (place_of(b[static_cast<std::size_t>(best.b)]) - place_of(b[j])).norm() < kSamePlace_px;
+    if (d2 < best.distance2) {
+      rival2 = same ? rival2 : best.distance2;
+      best.b = static_cast<std::int32_t>(j);
+      best.distance2 = d2;
+    } else if (!same) {
+      rival2 = std::min(rival2, d2);
+    }
+  }
+  const bool alike = best.distance2 <= kDistance2About;
+  const bool stands_out = rival2 == kNone || best.distance2 <= ratio_max * ratio_max * rival2;
+  return alike && stands_out ? best : FeatureMatch{};
+}
+
+/// Features without a match, looked for where their neighbours went. One to one.
+void add_found_about(std::span<const Feature> a,
+                     std::span<const Feature> b,
+                     const Field& field,
+                     double ratio_max,
+                     FeatureMatches* matches) {
+  FixedVector<std::uint8_t, limits::kFeatures> matched_a;
+  FixedVector<std::uint8_t, limits::kFeatures> matched_b;
+  FixedVector<FeatureMatch, limits::kFeatures> wanted;  // by feature of `b`
+  matched_a.resize(a.size());
+  matched_b.resize(b.size());
+  wanted.resize(b.size());
+  std::fill(matched_a.begin(), matched_a.end(), std::uint8_t{0});
+  std::fill(matched_b.begin(), matched_b.end(), std::uint8_t{0});
+  std::fill(wanted.begin(), wanted.end(), FeatureMatch{});
+  for (const FeatureMatch& match : *matches) {
+    matched_a[static_cast<std::size_t>(match.a)] = 1;
+    matched_b[static_cast<std::size_t>(match.b)] = 1;
+  }
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (matched_a[i] != 0) {
+      continue;
+    }
+    const Eigen::Vector2d from = place_of(a[i]);
+    FeatureMatch found = find_about(a[i],
+                                    field.affine_at(from) + neighbours_px(field, from, -1),
+                                    b,
+                                    matched_b.view(),
+                                    field.tolerance_px,
+                                    ratio_max);
+    if (found.b < 0) {
+      continue;
+    }
+    found.a = static_cast<std::int32_t>(i);
+    FeatureMatch& other = wanted[static_cast<std::size_t>(found.b)];
+    if (other.a < 0 || found.distance2 < other.distance2) {
+      other = found;
+    }
+  }
+  for (const FeatureMatch& match : wanted) {
+    if (match.a >= 0) {
+      (void)matches->push_back(match);
+    }
+  }
+  std::sort(matches->begin(), matches->end(), [](const FeatureMatch& l, const FeatureMatch& r) {
+    return l.a < r.a;
+  });
+}
+
+}  // namespace
+
+void associate(std::span<const Feature> a,
+               std::span<const Feature> b,
+               double ratio_max,
+               FeatureMatches* matches) {
+  match_mutual(a, b, ratio_max, matches);
+  if (matches->size() < kFieldMin) {
+    return;
+  }
+  Field field;
+  fit_affine(a, b, *matches, &field);
+  add_points(a, b, *matches, &field);
+  drop_strays(matches, &field);
+  if (field.points.size() >= kFieldMin) {
+    add_found_about(a, b, field, ratio_max, matches);
+  }
+}
+
+}  // namespace polhode
