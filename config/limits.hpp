@@ -37,6 +37,11 @@ inline constexpr std::size_t kStartFrames = 32;
 // tracks end and others begin. Larger: memory and longer selections.
 inline constexpr std::size_t kStartTracks = 1500;
 
+// Tracks that hypotheses of a start are compared on. The cost margin to the depth-reversed solution
+// grows as N and its noise as sqrt(N), so fewer decide less; the time of the last adjustments grows
+// as N.
+inline constexpr std::size_t kSelectionTracks = 512;
+
 // Points that an absolute pose can use: one landmark for each feature.
 inline constexpr std::size_t kPoseMatches = kFeatures;
 

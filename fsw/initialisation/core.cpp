@@ -201,7 +201,7 @@ void add_frame_quotas(const StartProblem& problem, SelectionSet* set) {
   }
 }
 
-/// Up to kSelectionTracks: all others that say something about depth, the longest first.
+/// Up to limits::kSelectionTracks: all others that say something about depth, the longest first.
 void add_longest(const StartProblem& problem, SelectionSet* set) {
   // Two images of a spot agree with either depth sign: the third is the first to tell.
   constexpr std::size_t kImagesMin = 3;

@@ -11,7 +11,7 @@
 namespace polhode {
 namespace {
 
-using FrameObservations = FixedVector<TrackObservation, kSelectionTracks>;
+using FrameObservations = FixedVector<TrackObservation, limits::kSelectionTracks>;
 
 // Twice the three points that a pose needs without noise.
 constexpr int kPointsMin = 6;
@@ -31,7 +31,7 @@ constexpr double kReachMax = 5.0;
 /// (u, v) for a given attitude and inverse depth: the median over the points.
 void place(const FrameObservations& seen, const StartHypothesis& h, InverseDepthPose* pose) {
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
-    FixedVector<double, kSelectionTracks> values;
+    FixedVector<double, limits::kSelectionTracks> values;
     for (const TrackObservation& s : seen) {
       const Eigen::Vector3d q = pose->R_CT * h.points_T[static_cast<std::size_t>(s.track)];
       (void)values.push_back(s.normalised(axis) * (1.0 + pose->uvs.z() * q.z()) -

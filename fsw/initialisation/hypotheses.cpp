@@ -270,39 +270,8 @@ void seed_hypotheses(const SeedProblem& problem, StartHypotheses* seeds) {
   seed_two_view(problem, images, {0, (last + 1) / 2}, seeds);
 }
 
-bool same_relief(const StartHypothesis& a, const StartHypothesis& b) {
-  // A point beyond is of a wrong track, and may be anywhere. Chosen; twice the RMS extent.
-  constexpr double kReach = 2.0;
-  // Chosen: noise of a third of the relief leaves it. Of the depth-reversed solution it is -1.
-  constexpr double kCorrelationMin = 0.95;
-  double n = 0.0;
-  double sum_a = 0.0;
-  double sum_b = 0.0;
-  double aa = 0.0;
-  double bb = 0.0;
-  double ab = 0.0;
-  for (std::size_t i = 0; i < a.tracks; ++i) {
-    if (a.known[i] == 0 || b.known[i] == 0 || !(a.points_T[i].norm() < kReach) ||
-        !(b.points_T[i].norm() < kReach)) {
-      continue;
-    }
-    const double za = a.points_T[i].z();
-    const double zb = b.points_T[i].z();
-    n += 1.0;
-    sum_a += za;
-    sum_b += zb;
-    aa += za * za;
-    bb += zb * zb;
-    ab += za * zb;
-  }
-  const double covariance = n * ab - sum_a * sum_b;
-  return n >= static_cast<double>(kPointsMin) && covariance > 0.0 &&
-         covariance * covariance > kCorrelationMin * kCorrelationMin * (n * aa - sum_a * sum_a) *
-                                       (n * bb - sum_b * sum_b);
-}
-
 bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double tolerance) {
-  FixedVector<double, kSelectionTracks> apart;
+  FixedVector<double, limits::kSelectionTracks> apart;
   for (std::size_t i = 0; i < a.tracks; ++i) {
     if (a.known[i] != 0 && b.known[i] != 0) {
       (void)apart.push_back((a.points_T[i] - b.points_T[i]).norm());

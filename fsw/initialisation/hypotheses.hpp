@@ -25,9 +25,4 @@ void seed_hypotheses(const SeedProblem& problem, StartHypotheses* seeds);
 /// frames by `tolerance` of the largest. Both in the gauge of normalise_gauge.
 bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double tolerance);
 
-/// Do both see the same depths along the first camera's axis, but for their scale? Relief and
-/// rotation compensate for each other: such hypotheses lie in one valley, and how far it reaches is
-/// what the depths' sigma says.
-bool same_relief(const StartHypothesis& a, const StartHypothesis& b);
-
 }  // namespace polhode

@@ -18,11 +18,8 @@ inline constexpr std::size_t kHypothesisKinds = 4;  // of the enumeration above
 constexpr std::uint32_t kind_bit(HypothesisKind kind) { return 1U << static_cast<unsigned>(kind); }
 inline constexpr std::uint32_t kAllKinds = (1U << kHypothesisKinds) - 1U;  // one bit a kind
 
-/// Tracks that hypotheses are compared on. The cost margin to the depth-reversed solution grows as
-/// N and its noise as sqrt(N), so fewer decide less; the time of the last adjustments grows as N.
-inline constexpr std::size_t kSelectionTracks = 512;
-/// Their images, beyond those of the first tracks below. Chosen for the time of an adjustment; 512
-/// tracks in six frames of eight.
+/// Images of the tracks that hypotheses are compared on (limits::kSelectionTracks), beyond those of
+/// the first tracks below. Chosen for the time of an adjustment; 500 tracks in six frames of eight.
 inline constexpr std::size_t kSelectionObservations = 3000;
 /// The first of them, on which a hypothesis is extended from its core to all frames. Chosen for the
 /// time: it is adjusted after every few frames, and need not decide yet.
@@ -40,8 +37,8 @@ struct StartHypothesis {
   std::size_t tracks = 0;
   std::array<InverseDepthPose, limits::kStartFrames> poses{};
   std::array<std::uint8_t, limits::kStartFrames> posed{};
-  std::array<Eigen::Vector3d, kSelectionTracks> points_T{};
-  std::array<std::uint8_t, kSelectionTracks> known{};
+  std::array<Eigen::Vector3d, limits::kSelectionTracks> points_T{};
+  std::array<std::uint8_t, limits::kSelectionTracks> known{};
   StartFit fit;
 
   [[nodiscard]] StartGeometryView view() {

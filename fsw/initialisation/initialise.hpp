@@ -8,8 +8,8 @@ namespace polhode {
 
 /// Makes hypotheses, refines each and its depth-reversed solution, compares them on the same
 /// observations, decides. Fills poses and points of the winner, committed or not.
-/// @cost bounded by counts: kSeeds short and eight long adjustments of kSelectionTracks, one of all
-/// tracks. Deterministic in (problem, options).
+/// @cost bounded by counts: kSeeds short and eight long adjustments of limits::kSelectionTracks,
+/// one of all tracks. Deterministic in (problem, options).
 StartOutcome select_hypothesis(const StartProblem& problem,
                                const StartOptions& options,
                                StartWorkspace& workspace);

@@ -80,7 +80,7 @@ struct SelectionSet {
   static constexpr std::size_t kStartObservations = StartAdjustmentWorkspace::kStartObservations;
   FixedVector<StartCore, 2>
       cores;  ///< a long run of frames, and one with many tracks where it differs
-  FixedVector<int, kSelectionTracks> tracks;  ///< indices into StartProblem::tracks
+  FixedVector<int, limits::kSelectionTracks> tracks;  ///< indices into StartProblem::tracks
   FixedVector<TrackObservation, kStartObservations> observations;
   std::size_t extension_observations = 0;  ///< the first of them, of the extension's tracks
 };

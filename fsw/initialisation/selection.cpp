@@ -224,8 +224,8 @@ void compare_with_reversed(const Selection& c) {
 /// Cost margin of the winner to `rival`: the smaller of the plain difference and of one in which no
 /// track decides alone. The latter is zero where the tracks do not agree.
 double cost_margin_to(const Selection& c, StartHypothesis* winner, StartHypothesis* rival) {
-  std::array<double, kSelectionTracks> of_winner;
-  std::array<double, kSelectionTracks> of_rival;
+  std::array<double, limits::kSelectionTracks> of_winner;
+  std::array<double, limits::kSelectionTracks> of_rival;
   const StartAdjustmentOptions options = selection_loss(c, 0);
   const std::size_t tracks = winner->tracks;
   start_track_costs(
@@ -289,7 +289,7 @@ double cost_margin_of(const Selection& c) {
   double margin =
       kTruncation_sigmas * kTruncation_sigmas * list[0].fit.observations - list[0].fit.cost;
   for (std::size_t i = 1; i < list.size(); ++i) {
-    if (!same_geometry(list[0], list[i], kDifferentGeometry) && !same_relief(list[0], list[i])) {
+    if (!same_geometry(list[0], list[i], kDifferentGeometry)) {
       margin = std::min(margin, cost_margin_to(c, &list[0], &list[i]));
     }
   }

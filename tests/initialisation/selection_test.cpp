@@ -308,7 +308,7 @@ TEST(ConvexityCue, TellsABallFromItsTwin) {
   h.poses[0].uvs.z() = 0.02;
   std::vector<TrackObservation> observations;
   for (const synthetic::SurfacePoint& point : synthetic::sphere(120, 1.0, &rng)) {
-    if (point.normal_B.z() < -0.2 && h.tracks < kSelectionTracks) {
+    if (point.normal_B.z() < -0.2 && h.tracks < limits::kSelectionTracks) {
       h.points_T[h.tracks] = point.p_B;
       h.known[h.tracks] = 1;
       observations.push_back({.frame = 0, .track = static_cast<int>(h.tracks++)});

@@ -33,6 +33,9 @@ inline constexpr std::size_t kStartFrames = 16;
 // Tracks before there is a map. Chosen: 1.5 times the 400 features of a frame (config/small.toml).
 inline constexpr std::size_t kStartTracks = 600;
 
+// Tracks that hypotheses of a start are compared on. Half as many as in the standard set.
+inline constexpr std::size_t kSelectionTracks = 256;
+
 // Points that an absolute pose can use: one landmark for each feature.
 inline constexpr std::size_t kPoseMatches = kFeatures;
 
