@@ -77,7 +77,8 @@ struct StartOutcome {
 
 /// The frames and tracks on which hypotheses are compared.
 struct SelectionSet {
-  static constexpr std::size_t kStartObservations = StartAdjustmentWorkspace::kStartObservations;
+  static constexpr std::size_t kStartObservations =
+      kSelectionObservations + kExtensionTracks * limits::kStartFrames;
   FixedVector<StartCore, 2>
       cores;  ///< a long run of frames, and one with many tracks where it differs
   FixedVector<int, limits::kSelectionTracks> tracks;  ///< indices into StartProblem::tracks
@@ -92,7 +93,7 @@ struct StartWorkspace {
   StartHypotheses seeds;
   StartHypotheses refined;
   StartHypotheses finalists;
-  FixedVector<TrackObservation, SelectionSet::kStartObservations> core_observations;
+  FixedVector<TrackObservation, kCoreTracks * kCoreFrames> core_observations;
   FixedVector<TrackObservation, StartAdjustmentWorkspace::kStartObservations> observations;
   std::array<InverseDepthPose, limits::kStartFrames> poses;
   std::array<std::uint8_t, limits::kStartFrames> posed;
