@@ -313,7 +313,7 @@ bool choose_selection_set(const StartProblem& problem, SelectionSet* set) {
 }
 
 bool is_crowded(const StartProblem& problem, const SelectionSet& set) {
-  if (!set.tracks.full()) {
+  if (set.tracks.size() < kExtensionTracks) {
     return false;
   }
   const FrameCounts offered = count_offered(problem);

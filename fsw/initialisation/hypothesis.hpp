@@ -18,17 +18,17 @@ inline constexpr std::size_t kHypothesisKinds = 4;  // of the enumeration above
 constexpr std::uint32_t kind_bit(HypothesisKind kind) { return 1U << static_cast<unsigned>(kind); }
 inline constexpr std::uint32_t kAllKinds = (1U << kHypothesisKinds) - 1U;  // one bit a kind
 
-/// Images of the tracks that hypotheses are compared on (limits::kSelectionTracks), beyond those of
-/// the first tracks below. Chosen for the time of an adjustment; 500 tracks in six frames of eight.
-inline constexpr std::size_t kSelectionObservations = 3000;
-/// The first of them, on which a hypothesis is extended from its core to all frames. Chosen for the
-/// time: it is adjusted after every few frames, and need not decide yet.
-inline constexpr std::size_t kExtensionTracks = 128;
-/// Tracks and frames of a core, in which every frame observes every track. Chosen: 80 of the 128
-/// leave room for a second core and for the quotas of frames; 10 frames bound the time of the
-/// seeds.
+/// Tracks and frames of a core, in which every frame observes every track. Chosen: 80 fix a
+/// geometry well enough to tell families apart; 10 frames bound the time of the seeds.
 inline constexpr std::size_t kCoreTracks = 80;
 inline constexpr std::size_t kCoreFrames = 10;
+/// The first tracks, on which a hypothesis is extended from its core to all frames: both cores' and
+/// the quotas of frames. It is adjusted after every few frames, and need not decide yet.
+inline constexpr std::size_t kExtensionTracks = 2 * kCoreTracks;
+/// Images of the tracks that hypotheses are compared on (at most limits::kSelectionTracks); the
+/// first tracks take part in any case. Chosen for the time of an adjustment: 500 tracks in six
+/// frames of eight.
+inline constexpr std::size_t kSelectionObservations = 3000;
 
 struct StartHypothesis {
   HypothesisKind kind = HypothesisKind::kFivePoint;

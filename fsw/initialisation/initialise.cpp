@@ -9,12 +9,11 @@
 namespace polhode {
 namespace {
 
-// In RMS extents (docs/decisions/0031). Depths spread by some 0.6 extents, so 2 sigma are a fifth
-// of that. Later adjustments bring it down.
+// In RMS extents (docs/decisions/0031). Depths spread by some 0.6 extents, so 1 sigma is a fifth of
+// that. Later adjustments bring it down.
 constexpr double kDepthSigmaMax = 0.12;
-// Wrong tracks take 5 to 20 % of the observations with them. On a body of a hundred pixels that
-// rotates by 6 deg a frame they take twice as many. The cost margin, not this, refuses wrong
-// hypotheses that explain half of the observations.
+// Wrong matches take 5 to 25 % of the observations with them. The cost margin, not this, refuses
+// wrong hypotheses that explain half of the observations.
 constexpr double kInlierRatioMin = 0.5;
 
 StartDecision decide(const StartOutcome& out, const StartOptions& options, double noise_scale) {

@@ -65,10 +65,10 @@ struct StartOutcome {
   double rotation_rad = 0.0;  ///< largest rotation from the first posed frame
   double depth_sigma =
       0.0;  ///< median 1-sigma of the points along the first line of sight, in extents
-  double selection_depth_sigma = 0.0;  ///< the same, of the selection's tracks alone
+  double selection_depth_sigma = 0.0;  ///< the same, of the cores' tracks alone
   double convexity =
       0.0;  ///< curvature of the visible face over its 1-sigma; positive: the middle is nearest
-  double inlier_ratio = 0.0;  ///< of the selection's observations
+  double inlier_ratio = 0.0;  ///< of the selection's observations beyond two of each track
   int hypotheses = 0;         ///< different ones that were refined to the end
   bool crowded = false;  ///< more frames than the selection has tracks for: fewer would decide more
   FixedVector<StartFramePose, limits::kStartFrames> frames;  ///< by frame

@@ -59,7 +59,7 @@ bool connected(const Keyframe& a, const Keyframe& b) {
 }
 
 /// Keyframes whose view of the body differs by enough for depth and little enough for descriptors,
-/// best first: the ideal is 12 deg, where the depth error is small and SIFT still repeats.
+/// best first: the ideal is 8 deg, between small depth errors and descriptors that still hold.
 FixedVector<KeyframeId, limits::kKeyframes> partners_of(KeyframeId keyframe,
                                                         const CreateOptions& options,
                                                         const Map& map) {

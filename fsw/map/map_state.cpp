@@ -16,6 +16,7 @@ void begin_frame(MapState* state) {
   state->pyramid.built = false;
   state->localised.matches.clear();
   state->pose_valid = false;
+  state->pose_by_prior = false;
   state->moved_rad = 0.0;
 }
 
@@ -30,6 +31,7 @@ void reset_map(MapState* state) {
   state->reference.points.clear();
   state->localised.matches.clear();
   state->pose_valid = false;
+  state->pose_by_prior = false;
 }
 
 }  // namespace polhode

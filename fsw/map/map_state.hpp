@@ -52,6 +52,7 @@ struct MapState {
   Pyramid pyramid;                 ///< of this frame, once it is followed
   LocalisedFrame localised;        ///< this frame's pose and matches
   bool pose_valid = false;         ///< this frame has a pose
+  bool pose_by_prior = false;      ///< mostly what the motion so far expects
   GrowthWaiting growth;
   LastAdjustment last_adjustment_of_all;
   double moved_rad = 0.0;  ///< by an adjustment taken in this step, under poses given before it

@@ -291,6 +291,19 @@ bool is_open(const MaskState& s) {
   return s.behind && !s.found && s.unexplained >= kUnexplainedMax && s.points.stored > 1;
 }
 
+bool may_be_background(const MaskState& s) {
+  // As many as a layer of a background needs (background.cpp): fewer are a boom's that crosses the
+  // border, or a background's that has nothing to follow.
+  constexpr std::ptrdiff_t kAtBorderMin = 10;
+  const cv::Rect whole = s.points.whole();
+  const cv::Rect inside(
+      whole.width / 8, whole.height / 8, whole.width * 3 / 4, whole.height * 3 / 4);
+  return is_open(s) &&
+         std::count_if(s.points.tracks.begin(), s.points.tracks.end(), [&](const MaskTrack& track) {
+           return track.count > 1 && !inside.contains(cv::Point(track.now()));
+         }) >= kAtBorderMin;
+}
+
 void sharpen_outline(MaskState* s) {
   if (!s->behind || !s->found) {
     return;

@@ -9,7 +9,7 @@ void collect(Component::State* s) {
   PictureState& picture = s->picture;
   // What is not told apart from its background may be the background: maps of clouds were begun.
   if (is_out(s->jobs.map) || picture.verdict.decision != FrameDecision::kUse ||
-      is_open(picture.mask_state)) {
+      may_be_background(picture.mask_state)) {
     return;
   }
   // Where a known aspect has been looked for in vain features are there already, from a mask that

@@ -11,7 +11,12 @@
 namespace polhode {
 namespace {
 
-enum class FoundBy : std::uint8_t { kNothing, kFlow, kFeatures };
+enum class FoundBy : std::uint8_t {
+  kNothing,
+  kFlow,
+  kFeatures,
+  kPrior,  ///< too few features for a pose of their own, which the motion so far bears out
+};
 
 /// This frame's pose, in `mapping.localised`.
 FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State* s) {
@@ -23,11 +28,13 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
   }
   detect_once(s);
   const MapInput input = map_input(*s);
-  const bool found =
-      (expected && find_about(input, *expected, mapping)) ||
-      (relocalise_frame(input, mapping) && (!expected || believable(*expected, false, *mapping))) ||
-      (expected && hold_about(input, *expected, mapping));
-  return found ? FoundBy::kFeatures : FoundBy::kNothing;
+  if ((expected && find_about(input, *expected, mapping)) ||
+      (relocalise_frame(input, mapping) && (!expected || believable(*expected, false, *mapping)))) {
+    return FoundBy::kFeatures;
+  }
+  const bool held =
+      s->mode.now == Mode::kTracking && expected && hold_about(input, *expected, mapping);
+  return held ? FoundBy::kPrior : FoundBy::kNothing;
 }
 
 /// A frame without a pose.
@@ -73,6 +80,21 @@ void grow(Component::State* s) {
   }
 }
 
+/// A pose by the prior. The motion does not learn it, and so its prediction's sigma grows until
+/// nothing is held any more; landmarks that are not found here are not counted against. The map
+/// grows where as many agree as a pose of its own needs.
+void keep_hold(Component::State* s) {
+  MapState* mapping = &s->mapping;
+  mapping->pose_by_prior = true;
+  const int inliers_min = s->configuration.parameters.localise.inliers_min;
+  if (s->picture.verdict.decision == FrameDecision::kUse &&
+      mapping->localised.absolute.inliers >= inliers_min && may_grow(*s)) {
+    grow(s);
+    renew_reference(s->clock.frame, mapping);
+  }
+  hold(s);
+}
+
 }  // namespace
 
 void track(const std::optional<PosePrediction>& predicted, Component::State* s) {
@@ -84,6 +106,10 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
   if (found_by == FoundBy::kNothing) {
     lose(s);
     collect(s);
+    return;
+  }
+  if (found_by == FoundBy::kPrior) {
+    keep_hold(s);
     return;
   }
   MapState* mapping = &s->mapping;

@@ -1,5 +1,6 @@
 #include "solve/absolute_pose.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -228,10 +229,11 @@ Result<AbsolutePose> pose_with_prior(std::span<const PoseObservation> observatio
                                      const AbsolutePoseOptions& options,
                                      std::span<std::uint8_t> inlier) {
   POLHODE_ASSERT(observations.size() == inlier.size(), inlier.size());
-  const PoseCovariance information = prior_covariance.inverse();
-  if (!information.allFinite()) {
+  const Eigen::LLT<PoseCovariance> factor(prior_covariance);
+  if (factor.info() != Eigen::Success) {
     return ErrorCode::kDegenerate;
   }
+  const PoseCovariance information = factor.solve(PoseCovariance::Identity());
   int count = mark_within_reach(prior, prior_covariance, observations, inlier);
   Pose pose = prior;
   PoseEquations n;
@@ -240,13 +242,15 @@ Result<AbsolutePose> pose_with_prior(std::span<const PoseObservation> observatio
     if (count < options.inliers_min) {
       return ErrorCode::kTooFewObservations;
     }
+    int used_min = -1;  // as in refine_pose()
     const auto linearise = [&](const PoseEquations::Vector& by, PoseEquations* at) {
       const Pose trial = moved(prior, by);
       *at = widely([&] { return sum_up(observations, trial, inlier); });
+      used_min = used_min < 0 ? at->used : used_min;
       at->H += information;
       at->g += information * by;
       at->cost += by.dot(information * by);
-      return true;
+      return at->used >= used_min;
     };
     PoseEquations::Vector by = PoseEquations::Vector::Zero();
     const SmallFitOptions fit{.steps_max = 12,  // as without a prior

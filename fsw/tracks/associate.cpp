@@ -27,12 +27,16 @@ struct Field {
     Eigen::Vector2d at = Eigen::Vector2d::Zero();
     Eigen::Vector2d beside_affine_px = Eigen::Vector2d::Zero();
   };
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();  ///< of the matched features
+  double extent_px = 0.0;                            ///< their RMS distance from it
+  /// Of (place - middle, 1) to the motion.
   Eigen::Matrix<double, 2, 3> affine = Eigen::Matrix<double, 2, 3>::Zero();
   FixedVector<Point, limits::kFeatures> points;
   double tolerance_px = 0.0;  ///< a match that differs by more from its neighbours is none
 
   [[nodiscard]] Eigen::Vector2d affine_at(const Eigen::Vector2d& at) const {
-    return affine * at.homogeneous();
+    const Eigen::Vector2d from = at - middle;
+    return at + affine.leftCols<2>() * from + affine.col(2);
   }
 };
 
@@ -44,29 +48,45 @@ Eigen::Vector2d neighbours_px(const Field& field,
     double distance2 = 0.0;
     std::size_t index = 0;
   };
-  FixedVector<Near, limits::kFeatures> near;
+  FixedVector<Near, kNeighbours> near;  // the nearest so far, in order
   for (std::size_t i = 0; i < field.points.size(); ++i) {
-    if (static_cast<std::ptrdiff_t>(i) != itself) {
-      (void)near.push_back({.distance2 = (field.points[i].at - at).squaredNorm(), .index = i});
+    const double distance2 = (field.points[i].at - at).squaredNorm();
+    if (static_cast<std::ptrdiff_t>(i) == itself ||
+        (near.full() && distance2 >= near.back().distance2)) {
+      continue;
     }
+    if (!near.full()) {
+      (void)near.push_back({});
+    }
+    std::size_t k = near.size() - 1;
+    for (; k > 0 && near[k - 1].distance2 > distance2; --k) {
+      near[k] = near[k - 1];
+    }
+    near[k] = {.distance2 = distance2, .index = i};
   }
-  const std::size_t count = std::min(kNeighbours, near.size());
-  std::partial_sort(near.begin(),
-                    near.begin() + static_cast<std::ptrdiff_t>(count),
-                    near.end(),
-                    [](const Near& l, const Near& r) {
-                      return l.distance2 != r.distance2 ? l.distance2 < r.distance2
-                                                        : l.index < r.index;
-                    });
   Eigen::Vector2d motion_px = Eigen::Vector2d::Zero();
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
     FixedVector<double, kNeighbours> values;
-    for (std::size_t k = 0; k < count; ++k) {
-      (void)values.push_back(field.points[near[k].index].beside_affine_px(axis));
+    for (const Near& n : near) {
+      (void)values.push_back(field.points[n.index].beside_affine_px(axis));
     }
     motion_px(axis) = median(values.view());
   }
   return motion_px;
+}
+
+/// Middle and extent of the matched features of `a`.
+void measure(std::span<const Feature> a, const FeatureMatches& matches, Field* field) {
+  for (const FeatureMatch& match : matches) {
+    field->middle += place_of(a[static_cast<std::size_t>(match.a)]);
+  }
+  const auto count = static_cast<double>(matches.size());
+  field->middle /= count;
+  double squares = 0.0;
+  for (const FeatureMatch& match : matches) {
+    squares += (place_of(a[static_cast<std::size_t>(match.a)]) - field->middle).squaredNorm();
+  }
+  field->extent_px = std::sqrt(squares / count);
 }
 
 /// Least squares under a Cauchy loss as wide as the residuals' median.
@@ -76,19 +96,23 @@ void fit_affine(std::span<const Feature> a,
                 Field* field) {
   constexpr int kRounds = 8;               // of reweighting; it has settled by then
   constexpr double kWidthMin2_px2 = 0.25;  // half a pixel: the noise of a feature's place
-  double width2 = 1e12;                    // all alike at first
+  // Of the trace: places on one line leave the motion across it at zero.
+  constexpr double kRidge = 1e-9;
+  double width2 = std::numeric_limits<double>::max();  // all alike at first
   for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Matrix<double, 3, 2> g = Eigen::Matrix<double, 3, 2>::Zero();
     FixedVector<double, limits::kFeatures> errors2;
     for (const FeatureMatch& match : matches) {
-      const Eigen::Vector3d x = place_of(a[static_cast<std::size_t>(match.a)]).homogeneous();
-      const Eigen::Vector2d y = place_of(b[static_cast<std::size_t>(match.b)]);
-      const double weight = 1.0 / (1.0 + (y - field->affine * x).squaredNorm() / width2);
+      const Eigen::Vector2d at = place_of(a[static_cast<std::size_t>(match.a)]);
+      const Eigen::Vector2d to = place_of(b[static_cast<std::size_t>(match.b)]);
+      const Eigen::Vector2d from = at - field->middle;
+      const Eigen::Vector3d x(from.x(), from.y(), 1.0);
+      const double weight = 1.0 / (1.0 + (to - field->affine_at(at)).squaredNorm() / width2);
       H += weight * x * x.transpose();
-      g += weight * x * y.transpose();
+      g += weight * x * (to - at).transpose();
     }
-    H.diagonal().array() += 1e-9 * H.trace();
+    H.diagonal().array() += kRidge * H.trace();
     field->affine = H.ldlt().solve(g).transpose();
     for (const FeatureMatch& match : matches) {
       (void)errors2.push_back((place_of(b[static_cast<std::size_t>(match.b)]) -
@@ -113,19 +137,31 @@ void add_points(std::span<const Feature> a,
   }
 }
 
-/// Drops the matches that move otherwise than their neighbours, and learns how much these differ.
-void drop_strays(FeatureMatches* matches, Field* field) {
+/// Distance of each match's motion from its neighbours'.
+FixedVector<double, limits::kFeatures> differences_px(const Field& field) {
   FixedVector<double, limits::kFeatures> apart_px;
-  for (std::size_t i = 0; i < field->points.size(); ++i) {
-    const Field::Point& point = field->points[i];
-    const Eigen::Vector2d about = neighbours_px(*field, point.at, static_cast<std::ptrdiff_t>(i));
+  for (std::size_t i = 0; i < field.points.size(); ++i) {
+    const Field::Point& point = field.points[i];
+    const Eigen::Vector2d about = neighbours_px(field, point.at, static_cast<std::ptrdiff_t>(i));
     (void)apart_px.push_back((point.beside_affine_px - about).norm());
   }
+  return apart_px;
+}
+
+/// Drops the matches that move otherwise than their neighbours, and learns how much these differ.
+/// @return false, with nothing dropped, where neighbours have no motion in common.
+bool drop_strays(FeatureMatches* matches, Field* field) {
+  const FixedVector<double, limits::kFeatures> apart_px = differences_px(*field);
   FixedVector<double, limits::kFeatures> sorted = apart_px;
   // The median of a distance in two dimensions is 1.18 sigma; 99.9 % lie within 3.7.
   constexpr double kSigmas = 3.7 / 1.18;
   constexpr double kToleranceMin_px = 1.5;  // three sigma of a feature's place in two frames
+  // Of the extent: depth moves neighbours apart by less, at 10 deg of turn by 0.1.
+  constexpr double kToleranceMost = 0.2;
   field->tolerance_px = std::max(kToleranceMin_px, kSigmas * median(sorted.view()));
+  if (field->tolerance_px > std::max(kToleranceMin_px, kToleranceMost * field->extent_px)) {
+    return false;
+  }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < matches->size(); ++i) {
     if (apart_px[i] <= field->tolerance_px) {
@@ -135,6 +171,7 @@ void drop_strays(FeatureMatches* matches, Field* field) {
   }
   matches->resize(kept);
   field->points.resize(kept);
+  return true;
 }
 
 /// The feature of `b` about a place that looks most like `feature`, if it stands out there.
@@ -232,10 +269,10 @@ void associate(std::span<const Feature> a,
     return;
   }
   Field field;
+  measure(a, *matches, &field);
   fit_affine(a, b, *matches, &field);
   add_points(a, b, *matches, &field);
-  drop_strays(matches, &field);
-  if (field.points.size() >= kFieldMin) {
+  if (drop_strays(matches, &field) && field.points.size() >= kFieldMin) {
     add_found_about(a, b, field, ratio_max, matches);
   }
 }

@@ -10,48 +10,6 @@ namespace {
 // A point missed in one or two frames is found again. Each further frame costs another matching.
 constexpr std::size_t kLookBack = 3;
 
-/// The track of a feature; a new one when it has none. -1 when the table is full.
-std::int32_t track_for(std::size_t frame, std::int32_t feature, TrackTable* table) {
-  std::int32_t& track = table->track_of[frame][static_cast<std::size_t>(feature)];
-  if (track >= 0) {
-    return track;
-  }
-  Track fresh;
-  (void)fresh.points.push_back({.frame = static_cast<std::int32_t>(frame), .feature = feature});
-  if (!table->tracks.push_back(fresh)) {
-    ++table->full_count;
-    return -1;
-  }
-  track = static_cast<std::int32_t>(table->tracks.size()) - 1;
-  return track;
-}
-
-void join(std::size_t earlier, std::size_t latest, double ratio_max, TrackTable* table) {
-  associate(table->frames[earlier].features.view(),
-            table->frames[latest].features.view(),
-            ratio_max,
-            &table->scratch);
-  for (const FeatureMatch& match : table->scratch) {
-    std::int32_t& now = table->track_of[latest][static_cast<std::size_t>(match.b)];
-    if (now >= 0) {
-      continue;
-    }
-    const std::int32_t track = track_for(earlier, match.a, table);
-    if (track < 0) {
-      continue;
-    }
-    Track& t = table->tracks[static_cast<std::size_t>(track)];
-    if (t.points.back().frame == static_cast<std::int32_t>(latest)) {
-      continue;  // already associated with another feature of this frame
-    }
-    t.points.back().distance2 = std::min(t.points.back().distance2, match.distance2);
-    (void)t.points.push_back({.frame = static_cast<std::int32_t>(latest),
-                              .feature = match.b,
-                              .distance2 = match.distance2});
-    now = track;
-  }
-}
-
 /// Keeps the tracks of which `keeps` holds, in their order.
 template <typename Keeps>
 void keep_tracks(const Keeps& keeps, TrackTable* table) {
@@ -71,13 +29,14 @@ void keep_tracks(const Keeps& keeps, TrackTable* table) {
   table->tracks.resize(kept);
 }
 
-/// Room for the tracks of a new frame: those that ended go, the shortest first, as they say least.
+/// Room for an eighth of the table: tracks that ended go, the shortest first, as they say least.
 /// The newest frames' go on growing.
-void make_room(std::size_t wanted, TrackTable* table) {
+void make_room(TrackTable* table) {
+  constexpr std::size_t kWanted = limits::kStartTracks / 8;  // at a time, so that it is seldom
   const auto first_alive =
-      static_cast<std::int32_t>(table->frames.size()) - static_cast<std::int32_t>(kLookBack);
+      static_cast<std::int32_t>(table->frames.size()) - static_cast<std::int32_t>(kLookBack) - 1;
   for (std::size_t length = 2; length < limits::kStartFrames; ++length) {
-    if (table->tracks.size() + wanted <= limits::kStartTracks) {
+    if (table->tracks.size() + kWanted <= limits::kStartTracks) {
       return;
     }
     keep_tracks(
@@ -85,6 +44,63 @@ void make_room(std::size_t wanted, TrackTable* table) {
           return track.points.size() > length || track.points.back().frame >= first_alive;
         },
         table);
+  }
+}
+
+/// The track of a feature; a new one when it has none. -1 when the table is full.
+/// @param may_make_room  tried once a frame.
+std::int32_t track_for(std::size_t frame,
+                       std::int32_t feature,
+                       bool* may_make_room,
+                       TrackTable* table) {
+  std::int32_t& track = table->track_of[frame][static_cast<std::size_t>(feature)];
+  if (track >= 0) {
+    return track;
+  }
+  if (table->tracks.full() && *may_make_room) {
+    make_room(table);
+    *may_make_room = table->tracks.size() < limits::kStartTracks;
+  }
+  Track fresh;
+  (void)fresh.points.push_back({.frame = static_cast<std::int32_t>(frame), .feature = feature});
+  if (!table->tracks.push_back(fresh)) {
+    ++table->full_count;
+    return -1;
+  }
+  track = static_cast<std::int32_t>(table->tracks.size()) - 1;
+  return track;
+}
+
+void join(std::size_t earlier,
+          std::size_t latest,
+          double ratio_max,
+          bool* may_make_room,
+          TrackTable* table) {
+  associate(table->frames[earlier].features.view(),
+            table->frames[latest].features.view(),
+            ratio_max,
+            &table->scratch);
+  for (const FeatureMatch& match : table->scratch) {
+    std::int32_t& now = table->track_of[latest][static_cast<std::size_t>(match.b)];
+    if (now >= 0) {
+      continue;
+    }
+    const std::int32_t track = track_for(earlier, match.a, may_make_room, table);
+    if (track < 0) {
+      continue;
+    }
+    Track& t = table->tracks[static_cast<std::size_t>(track)];
+    if (t.points.back().frame == static_cast<std::int32_t>(latest)) {
+      continue;  // already associated with another feature of this frame
+    }
+    auto* const before = std::find_if(t.points.begin(), t.points.end(), [&](const TrackPoint& p) {
+      return p.frame == static_cast<std::int32_t>(earlier);
+    });
+    before->distance2 = std::min(before->distance2, match.distance2);
+    (void)t.points.push_back({.frame = static_cast<std::int32_t>(latest),
+                              .feature = match.b,
+                              .distance2 = match.distance2});
+    now = track;
   }
 }
 
@@ -138,7 +154,6 @@ void add_frame(std::uint32_t frame,
   if (table->frames.full()) {
     drop_oldest_frame(table);
   }
-  make_room(features.size(), table);
   const std::size_t latest = table->frames.size();
   table->frames.resize(latest + 1);
   CollectedFrame& collected = table->frames[latest];
@@ -147,8 +162,9 @@ void add_frame(std::uint32_t frame,
   collected.R_IC = R_IC;
   collected.features = features;
   table->track_of[latest].fill(-1);
+  bool may_make_room = true;
   for (std::size_t back = 1; back <= std::min(kLookBack, latest); ++back) {
-    join(latest - back, latest, ratio_max, table);
+    join(latest - back, latest, ratio_max, &may_make_room, table);
   }
 }
 
