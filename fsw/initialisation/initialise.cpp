@@ -9,9 +9,9 @@
 namespace polhode {
 namespace {
 
-// In RMS extents (docs/decisions/0031). Depths spread by some 0.6 extents, so 1 sigma is a fifth of
-// that. Later adjustments bring it down.
-constexpr double kDepthSigmaMax = 0.12;
+// In RMS extents (docs/decisions/0031). Depths spread by some 0.6 extents, so 2 sigma are a fifth
+// of that. With 0.12 one map of 40 began with a quarter too much turn, and stayed bent.
+constexpr double kDepthSigmaMax = 0.06;
 // Wrong matches take 5 to 25 % of the observations with them. The cost margin, not this, refuses
 // wrong hypotheses that explain half of the observations.
 constexpr double kInlierRatioMin = 0.5;
