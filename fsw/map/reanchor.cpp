@@ -48,8 +48,8 @@ void judge_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reancho
   // A phase that is off by this is within a half turn to three sigma; by more it says nothing of
   // where T is, however well a rate is known that brought it there.
   constexpr double kPhaseKnown_rad = 1.0;
-  // What changes evenly has an RMS of 1 / sqrt(12) of it about its mean; 99.7 % of three numbers lie
-  // within 3.8 sigma.
+  // What changes evenly has an RMS of 1 / sqrt(12) of it about its mean; 99.7 % of three numbers
+  // lie within 3.8 sigma.
   constexpr double kChangePart = 1.1;
   reanchoring->agrees =
       frames.front().predicted_sigma_rad < kPhaseKnown_rad &&
