@@ -98,8 +98,8 @@ FeatureMatches associated(const TwoFrames& f) {
 
 /// The feature of `b` that is tied to feature `a`, or -1.
 int partner_of(int a, const FeatureMatches& matches) {
-  const auto* const at = std::find_if(
-      matches.begin(), matches.end(), [a](const FeatureMatch& m) { return m.a == a; });
+  const auto* const at =
+      std::find_if(matches.begin(), matches.end(), [a](const FeatureMatch& m) { return m.a == a; });
   return at == matches.end() ? -1 : at->b;
 }
 
@@ -199,9 +199,9 @@ TEST(Associate, GivesAFeatureToTheOneThatLooksMostLikeIt) {
   TwoFrames f;
   f.make_alike(20, 140);
   // A second spot beside 20 in `a` that is not seen in `b`, and looks a little less like it.
-  f.a.push_back(feature_at({static_cast<double>(f.a[20].u_px) + 1.2,
-                            static_cast<double>(f.a[20].v_px)},
-                           changed(f.a[20].descriptor, 20)));
+  f.a.push_back(
+      feature_at({static_cast<double>(f.a[20].u_px) + 1.2, static_cast<double>(f.a[20].v_px)},
+                 changed(f.a[20].descriptor, 20)));
   const FeatureMatches matches = associated(f);
   EXPECT_EQ(partner_of(20, matches), 20);
   EXPECT_EQ(partner_of(kSpots, matches), -1);
