@@ -88,7 +88,7 @@ void fit_affine(std::span<const Feature> a,
       H += weight * x * x.transpose();
       g += weight * x * y.transpose();
     }
-    H.diagonal().array() += 1e-9 * H.trace();
+    H.diagonal() *= 1.0 + 1e-9;  // places in one line leave a direction open
     field->affine = H.ldlt().solve(g).transpose();
     for (const FeatureMatch& match : matches) {
       (void)errors2.push_back((place_of(b[static_cast<std::size_t>(match.b)]) -

@@ -42,17 +42,19 @@ Feature feature_at(const Eigen::Vector2d& at, const Descriptor& look) {
   return f;
 }
 
-const Eigen::Vector2d kMiddle(400.0, 300.0);
+struct Body {
+  Eigen::Vector2d middle{400.0, 300.0};
+  double bulge_px = 3.0;  ///< that its middle moves more than its rim
+};
 
-/// A rotation by 6 deg, 2 % of approach, a shift, and 3 px more for the middle of a bulging body of
-/// radius 150 px than for its rim.
-Eigen::Vector2d moved(const Eigen::Vector2d& at) {
+/// A rotation by 6 deg, 2 % of approach, a shift, and what a bulging body of radius 150 px adds.
+Eigen::Vector2d moved(const Eigen::Vector2d& at, const Body& body) {
   constexpr double kTurn_rad = 0.105;
   Eigen::Matrix2d turn;
   turn << std::cos(kTurn_rad), -std::sin(kTurn_rad), std::sin(kTurn_rad), std::cos(kTurn_rad);
-  const Eigen::Vector2d from = at - kMiddle;
+  const Eigen::Vector2d from = at - body.middle;
   const double bulge = 1.0 - from.squaredNorm() / (150.0 * 150.0);
-  return kMiddle + 1.02 * turn * from + Eigen::Vector2d(12.0 + 3.0 * bulge, -7.0);
+  return body.middle + 1.02 * turn * from + Eigen::Vector2d(12.0 + body.bulge_px * bulge, -7.0);
 }
 
 /// Spot i is feature i of both, and looks a little different in `b`.
@@ -60,17 +62,17 @@ struct TwoFrames {
   std::vector<Feature> a;
   std::vector<Feature> b;
 
-  explicit TwoFrames(int spots = kSpots, double noise_px = 0.0) {
+  explicit TwoFrames(int spots = kSpots, double noise_px = 0.0, const Body& body = {}) {
     Rng rng(44, 0);
     for (int i = 0; i < spots; ++i) {
       // A sunflower's seeds: evenly spread over a disc, some 19 px apart.
       const double angle = 2.39996 * i;
       const double radius = 150.0 * std::sqrt((i + 0.5) / spots);
       const Eigen::Vector2d at =
-          kMiddle + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+          body.middle + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
       a.push_back(feature_at(at, look_of(i)));
       const Eigen::Vector2d noise(rng.normal(), rng.normal());
-      b.push_back(feature_at(moved(at) + noise_px * noise, changed(look_of(i), 5)));
+      b.push_back(feature_at(moved(at, body) + noise_px * noise, changed(look_of(i), 5)));
     }
   }
   /// Spots i and j look alike: by their looks alone neither can be told.
@@ -118,6 +120,22 @@ TEST(Associate, KeepsTheMatchesOfABodyThatTurns) {
   ASSERT_EQ(matches.size(), static_cast<std::size_t>(kSpots));
   for (const FeatureMatch& m : matches) {
     EXPECT_EQ(m.a, m.b);
+  }
+}
+
+TEST(Associate, GivesTheSame_WhereverTheBodyIsInThePicture) {
+  // A bulge and noise such that some matches at the rim are doubtful.
+  const Body here{.bulge_px = 5.0};
+  const FeatureMatches expected = associated(TwoFrames(kSpots, 0.3, here));
+  EXPECT_GT(expected.size(), 9U * kSpots / 10U);
+  for (const double far_px : {500.0, 1500.0}) {
+    Body there = here;
+    there.middle += Eigen::Vector2d(far_px, 0.6 * far_px);
+    const FeatureMatches matches = associated(TwoFrames(kSpots, 0.3, there));
+    ASSERT_EQ(matches.size(), expected.size()) << far_px;
+    for (std::size_t i = 0; i < matches.size(); ++i) {
+      EXPECT_EQ(matches[i].a, expected[i].a) << far_px;
+    }
   }
 }
 
