@@ -313,7 +313,10 @@ bool choose_selection_set(const StartProblem& problem, SelectionSet* set) {
 }
 
 bool is_crowded(const StartProblem& problem, const SelectionSet& set) {
-  if (set.tracks.size() < kExtensionTracks) {
+  // By either bound of add_longest.
+  const bool full = set.tracks.full() ||
+                    set.observations.size() + problem.times_s.size() > kSelectionObservations;
+  if (!full) {
     return false;
   }
   const FrameCounts offered = count_offered(problem);

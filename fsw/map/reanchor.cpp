@@ -22,14 +22,23 @@ Eigen::Matrix3d mean_rotation(std::span<const ReanchorFrame> frames) {
   return nearest_rotation(sum);
 }
 
+/// How much the prediction's error can change over the start, which one rotation from T' to T does
+/// not take up: by its growth, and by turning with the body.
+double changes_rad(std::span<const ReanchorFrame> frames, double turn_rad) {
+  const auto [least, most] = std::minmax_element(
+      frames.begin(), frames.end(), [](const ReanchorFrame& l, const ReanchorFrame& r) {
+        return l.predicted_sigma_rad < r.predicted_sigma_rad;
+      });
+  return std::hypot(most->predicted_sigma_rad - least->predicted_sigma_rad,
+                    2.0 * std::sin(0.5 * turn_rad) * most->predicted_sigma_rad);
+}
+
 void judge_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reanchoring) {
   double squares = 0.0;
-  double sigma_rad = 0.0;
   for (const ReanchorFrame& frame : frames) {
     const Eigen::Matrix3d R_CT = frame.start.R_CT * reanchoring->to_T.R_ba.transpose();
     const double difference_rad = rotation_angle_rad(R_CT, frame.predicted.R_CT);
     squares += difference_rad * difference_rad;
-    sigma_rad = std::max(sigma_rad, frame.predicted_sigma_rad);
     reanchoring->turn_rad = std::max(
         reanchoring->turn_rad, rotation_angle_rad(frame.start.R_CT, frames.front().start.R_CT));
   }
@@ -39,9 +48,13 @@ void judge_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reancho
   // A phase that is off by this is within a half turn to three sigma; by more it says nothing of
   // where T is, however well a rate is known that brought it there.
   constexpr double kPhaseKnown_rad = 1.0;
+  // What changes evenly has an RMS of 1 / sqrt(12) of it about its mean; 99.7 % of three numbers
+  // lie within 3.8 sigma.
+  constexpr double kChangePart = 1.1;
   reanchoring->agrees =
       frames.front().predicted_sigma_rad < kPhaseKnown_rad &&
-      reanchoring->misfit_rad < std::max(kTurnPart * reanchoring->turn_rad, 3.0 * sigma_rad);
+      reanchoring->misfit_rad < std::max(kTurnPart * reanchoring->turn_rad,
+                                         kChangePart * changes_rad(frames, reanchoring->turn_rad));
 }
 
 /// Scale k, origin q and the prediction's common offset d with k p' - R' Q^T q + d = p over all

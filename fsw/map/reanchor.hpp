@@ -29,8 +29,9 @@ struct Reanchoring {
   double misfit_rad = 0.0;  ///< RMS disagreement of the attitudes after it
   double turn_rad = 0.0;    ///< largest turn of the start from its first frame
   /// Attitudes of the start and of the prediction turn alike: they differ by under a quarter of the
-  /// turn, or by under three sigma of the prediction. Where they do not, one of the two motions is
-  /// wrong. And the prediction's attitude is known to a radian.
+  /// turn, or by what the prediction's error can change meanwhile (an error that stays is part of
+  /// to_T). Where they do not, one of the two motions is wrong. And the prediction's attitude is
+  /// known to a radian.
   bool agrees = false;
 };
 

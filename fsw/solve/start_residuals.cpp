@@ -137,7 +137,7 @@ StartFit evaluate_start(std::span<const TrackObservation> observations,
     }
     fit.inliers += wrong ? 0 : track_inliers;
     // A point agrees with nearly any two images of it: the others say something.
-    fit.telling += static_cast<int>(end - begin) - 2;
+    fit.telling += std::max(0, static_cast<int>(end - begin) - 2);
     fit.agreeing += std::max(0, track_inliers - 2);
     fit.chi2 += wrong ? 0.0 : track_chi2;
     fit.points += track_inliers >= 2 ? 1 : 0;

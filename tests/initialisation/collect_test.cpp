@@ -98,6 +98,16 @@ TEST_F(CollectFrame, TheProblemHasEveryFrameWithItsTimeAndEveryTrack) {
   }
 }
 
+TEST_F(CollectFrame, CountsTheFramesThatItHasKeptSinceTheLastProblem) {
+  (void)show(*ball(0.0));
+  (void)show(*ball(0.2));
+  (void)show(*ball(0.2));  // not kept
+  EXPECT_EQ(state_->since_asked, 2);
+  const auto job = std::make_unique<StartJob>();
+  pose_problem(kCamera, {}, 7, state_.get(), job.get());
+  EXPECT_EQ(state_->since_asked, 0);
+}
+
 TEST_F(CollectFrame, ASkippedSelectionCommitsToNothing) {
   const auto job = std::make_unique<StartJob>();
   job->outcome.decision = StartDecision::kCommit;
@@ -105,6 +115,156 @@ TEST_F(CollectFrame, ASkippedSelectionCommitsToNothing) {
   skip_start(job.get());
   EXPECT_EQ(job->outcome.decision, StartDecision::kTooFewTracks);
   EXPECT_FALSE(job->outcome.crowded);
+}
+
+/// Frames a second apart, and tracks over them.
+class PoseProblem : public ::testing::Test {
+ protected:
+  void add_frames(int count) {
+    for (int f = 0; f < count; ++f) {
+      const std::size_t at = state_->tracks.frames.size();
+      state_->tracks.frames.resize(at + 1);
+      CollectedFrame& frame = state_->tracks.frames[at];
+      frame.timestamp_ns = static_cast<std::int64_t>(at) * 1'000'000'000;
+      frame.features.resize(1);
+      frame.features[0].sigma_px = 0.5F;
+      // The frame's number: it tells which frame an observation is from.
+      frame.features[0].normalised = {static_cast<double>(at), 0.0};
+    }
+  }
+  /// Tracks with a point in each of the frames first .. last.
+  void add_tracks(int count, int first, int last, std::int32_t distance2 = 0) {
+    for (int i = 0; i < count; ++i) {
+      Track track;
+      for (int f = first; f <= last; ++f) {
+        (void)track.points.push_back({.frame = f, .feature = 0, .distance2 = distance2});
+      }
+      ASSERT_TRUE(state_->tracks.tracks.push_back(track));
+    }
+  }
+  const StartJob& pose(int frames_min = 5) {
+    pose_problem(kCamera, {.frames_min = frames_min}, 7, state_.get(), job_.get());
+    return *job_;
+  }
+  std::unique_ptr<InitialisationState> state_ = std::make_unique<InitialisationState>();
+  std::unique_ptr<StartJob> job_ = std::make_unique<StartJob>();
+};
+
+TEST_F(PoseProblem, IsOfTheNewestFramesThatEnoughTracksSpan_AndOfAllInTurns) {
+  add_frames(12);
+  add_tracks(50, 5, 11);
+  add_tracks(60, 9, 11);
+  for (int turn = 0; turn < 2; ++turn) {
+    EXPECT_EQ(pose().first_frame, 4U) << "an end is two frames wide";
+    EXPECT_EQ(job_->frame_count, 8U);
+    EXPECT_EQ(job_->times_s[0], 0.0);
+    EXPECT_EQ(job_->times_s[7], 7.0);
+    EXPECT_EQ(pose().first_frame, 0U);
+    EXPECT_EQ(job_->frame_count, 12U);
+    EXPECT_EQ(job_->times_s[11], 11.0);
+  }
+}
+
+TEST_F(PoseProblem, CountsItsFramesFromItsFirst) {
+  add_frames(12);
+  add_tracks(50, 5, 11);
+  add_tracks(1, 0, 11);
+  add_tracks(1, 0, 3);
+  ASSERT_EQ(pose().first_frame, 4U);
+  ASSERT_EQ(job_->track_count, 52U) << "as in the table, those without an image too";
+  EXPECT_EQ(job_->tracks[0].observations.size(), 7U);
+  EXPECT_EQ(job_->tracks[0].observations[0].frame, 1);
+  EXPECT_EQ(job_->tracks[50].observations.size(), 8U);
+  EXPECT_EQ(job_->tracks[51].observations.size(), 0U);
+  for (std::size_t t = 0; t < job_->track_count; ++t) {
+    for (const StartObservation& o : job_->tracks[t].observations) {
+      EXPECT_EQ(o.normalised.x(), o.frame + 4.0);
+    }
+  }
+}
+
+TEST_F(PoseProblem, IsSpannedByAThirdOfManyTracks) {
+  add_frames(12);
+  add_tracks(50, 2, 11);  // enough, but a fifth of all
+  add_tracks(40, 6, 11);  // with these more than a third
+  add_tracks(160, 9, 11);
+  EXPECT_EQ(pose().first_frame, 5U);
+}
+
+TEST_F(PoseProblem, IsNotSpannedByTracksThatHaveEnded) {
+  add_frames(12);
+  add_tracks(200, 0, 9);
+  add_tracks(50, 5, 10);  // missed in the last frame, and may come again
+  EXPECT_EQ(pose().first_frame, 4U);
+}
+
+TEST_F(PoseProblem, HasTheLeastNumberOfFrames_WhereTooFewTracksSpanMore) {
+  add_frames(12);
+  add_tracks(39, 0, 11);
+  EXPECT_EQ(pose().first_frame, 7U);
+  EXPECT_EQ(job_->frame_count, 5U);
+  EXPECT_EQ(pose().first_frame, 0U);
+  EXPECT_EQ(pose(8).first_frame, 4U);
+}
+
+TEST_F(PoseProblem, IsAlwaysOfAllFrames_WhereTheTracksSpanThem) {
+  add_frames(12);
+  add_tracks(50, 0, 11);
+  for (int turn = 0; turn < 3; ++turn) {
+    EXPECT_EQ(pose().first_frame, 0U);
+    EXPECT_EQ(job_->frame_count, 12U);
+  }
+}
+
+TEST_F(PoseProblem, SaysThatAFeatureIsLessSure_TheMoreItsLookHasChanged) {
+  add_frames(5);
+  add_tracks(1, 0, 4, 100 * 100);
+  add_tracks(1, 0, 4, 200 * 200);
+  add_tracks(1, 0, 4, 300 * 300);
+  const double sigma = 0.5 / kCamera.focal_px();
+  (void)pose();
+  const double factor[] = {1.0, 1.0, 2.25};
+  for (std::size_t t = 0; t < 3; ++t) {
+    for (const StartObservation& o : job_->tracks[t].observations) {
+      EXPECT_DOUBLE_EQ(o.sigma_normalised, factor[t] * sigma) << t;
+    }
+  }
+}
+
+TEST_F(PoseProblem, IsWantedWithEveryFrame_AndMoreSeldomWithMany) {
+  const StartOptions options{.frames_min = 5};
+  const auto wanted_after = [&] {
+    int since = 0;
+    for (state_->since_asked = 0; !wants_selection(options, *state_); ++state_->since_asked) {
+      ++since;
+      if (since > 100) break;
+    }
+    return since;
+  };
+  add_frames(4);
+  state_->since_asked = 4;
+  EXPECT_FALSE(wants_selection(options, *state_)) << "too few frames";
+  add_frames(1);
+  EXPECT_EQ(wanted_after(), 1);
+  add_frames(6);
+  EXPECT_EQ(wanted_after(), 1);
+  add_frames(9);
+  EXPECT_EQ(wanted_after(), 2);
+  add_frames(12);
+  EXPECT_EQ(wanted_after(), 3);
+}
+
+TEST_F(PoseProblem, BeginsAfreshAfterClear) {
+  add_frames(12);
+  add_tracks(50, 5, 11);
+  ASSERT_EQ(pose().first_frame, 4U);
+  state_->since_asked = 3;
+  clear(state_.get());
+  EXPECT_TRUE(state_->tracks.frames.empty());
+  EXPECT_EQ(state_->since_asked, 0);
+  add_frames(12);
+  add_tracks(50, 5, 11);
+  EXPECT_EQ(pose().first_frame, 4U) << "the turn is the short problem's";
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "initialisation/convexity.hpp"
-#include "initialisation/core.hpp"
 #include "initialisation/hypotheses.hpp"
 #include "initialisation/initialise.hpp"
 #include "synthetic/start_scenarios.hpp"
@@ -264,41 +263,6 @@ TEST(StartContest, NeverStarts_OnRandomTracks) {
 TEST(StartContest, NeverStarts_OnTracksThatDriftApart) {
   EXPECT_EQ(tally(StartFamily::kLumpy, 30).commits, 0);
 }
-
-/// `per_frame` tracks begin in each frame and live for `length` frames.
-std::vector<StartTrack> short_lived(int frames, int per_frame, int length) {
-  Rng rng(31, 2);
-  std::vector<StartTrack> tracks;
-  for (int begin = 1 - length; begin < frames; ++begin) {
-    for (int i = 0; i < per_frame; ++i) {
-      StartTrack track;
-      for (int f = std::max(0, begin); f < std::min(frames, begin + length); ++f) {
-        (void)track.observations.push_back(
-            {.frame = f,
-             .normalised = {0.01 * rng.normal(), 0.01 * rng.normal()},
-             .sigma_normalised = 1e-4});
-      }
-      tracks.push_back(track);
-    }
-  }
-  return tracks;
-}
-
-bool crowded(int frames, int per_frame, int length) {
-  const std::vector<StartTrack> tracks = short_lived(frames, per_frame, length);
-  const std::vector<double> times_s(static_cast<std::size_t>(frames), 0.0);
-  const StartProblem problem{.times_s = times_s, .tracks = tracks};
-  return choose_selection_set(problem, &workspace().set) && is_crowded(problem, workspace().set);
-}
-
-TEST(ContestSet, IsCrowded_ByFramesWhoseTracksItHasNoPlaceFor) {
-  EXPECT_FALSE(crowded(6, 20, 4));
-  EXPECT_TRUE(crowded(24, 20, 4));
-}
-
-TEST(ContestSet, IsNotCrowded_WhereTracksLiveLong) { EXPECT_FALSE(crowded(32, 8, 24)); }
-
-TEST(ContestSet, IsNotCrowded_WhereThereAreNoMoreTracks) { EXPECT_FALSE(crowded(16, 7, 4)); }
 
 TEST(ConvexityCue, TellsABallFromItsTwin) {
   Rng rng(1, 1);

@@ -83,5 +83,30 @@ TEST(BeginMap, TakesNoMoreKeyframesThanAllowed) {
   EXPECT_EQ(broken_promise(*b.map), "");
 }
 
+TEST(BeginMap, OfTheNewestFrames_LeavesOutTheFramesBefore) {
+  Bench b;
+  b.outcome->frames.resize(3);  // of the frames 11, 12 and 13; the second has no pose
+  begin_map(*b.outcome, 1, *b.tracks, {}, {}, b.map.get());
+  const auto order = keyframes_by_age(*b.map);
+  ASSERT_EQ(order.size(), 2U);
+  const std::uint32_t frames[] = {13, 11};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Keyframe& keyframe = b.map->keyframes[order[i].index()];
+    EXPECT_EQ(keyframe.frame, frames[i]);
+    EXPECT_EQ(keyframe.timestamp_ns, 1000 * static_cast<std::int64_t>(frames[i]));
+    EXPECT_EQ(keyframe.pose.R_CT, turned(0.1 * (frames[i] - 11)).R_CT);
+    for (std::size_t t = 0; t < 4; ++t) {
+      const LandmarkId tied = keyframe.landmark_of[(t + frames[i] - 10) % 6];
+      ASSERT_TRUE(tied.valid());
+      EXPECT_EQ(b.map->landmarks[tied.index()].p_T, b.outcome->points[t].p_T);
+    }
+  }
+  EXPECT_EQ(b.map->landmark_count, 4);
+  for (const Landmark& landmark : b.map->landmarks) {
+    EXPECT_EQ(landmark.observations, landmark.used ? 2 : 0);
+  }
+  EXPECT_EQ(broken_promise(*b.map), "");
+}
+
 }  // namespace
 }  // namespace polhode

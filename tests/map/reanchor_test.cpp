@@ -70,6 +70,20 @@ TEST(Reanchoring, SaysThatTheMotionsContradict_WhenTheyTurnByDifferentRates) {
   EXPECT_GT(mirrored.value().misfit_rad, 0.2);
 }
 
+TEST(Reanchoring, SaysThatTheMotionsContradict_ThoughThePhaseIsHardlyKnown) {
+  // A start of 16 deg against its mirror image: 0.18 rad of misfit. An error of the phase that all
+  // frames share is part of the rotation from T' to T and excuses none of it.
+  auto all = frames(0.28, -1.0);
+  for (ReanchorFrame& frame : all) frame.predicted_sigma_rad = 0.145;
+  EXPECT_FALSE(reanchor_start(all, kBody).value().agrees);
+  EXPECT_GT(reanchor_start(all, kBody).value().misfit_rad, 0.15);
+  // One that grows by 0.4 rad over the start does: the rate is not known.
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].predicted_sigma_rad = 0.1 + 0.05 * static_cast<double>(i);
+  }
+  EXPECT_TRUE(reanchor_start(all, kBody).value().agrees);
+}
+
 TEST(Reanchoring, DoesNotHold_WhereTheBodyMayHaveTurnedByAnything) {
   auto all = frames(0.6);
   for (ReanchorFrame& frame : all) frame.predicted_sigma_rad = 0.9;

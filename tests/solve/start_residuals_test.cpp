@@ -146,6 +146,30 @@ TEST(EvaluateStart, CountsInliersPointsFramesAndLeavesWrongTracksOut) {
   EXPECT_NEAR(fit.cost, total(&g, kTruncated), 1e-12);
 }
 
+TEST(EvaluateStart, CountsWhatTellsBeyondTwoImagesOfATrack_AndWhatOfItAgrees) {
+  Geometry g;
+  g.add_track({1.0, 1.0, 1.0, 1.0, 1.0, 1.0});  // 4 tell, 4 agree
+  g.add_track({1.0, 1.0, 9.0, 1.0, 1.0});       // 3 tell, 2 agree
+  g.add_track({9.0, 9.0, 9.0, 9.0, 1.0});       // 3 tell, none agrees
+  g.add_track({0.0, 0.0});                      // a point agrees with any two images
+  const StartFit fit = evaluate(&g, kTruncated);
+  EXPECT_EQ(fit.telling, 4 + 3 + 3);
+  EXPECT_EQ(fit.agreeing, 4 + 2);
+  g.known[0] = 0;
+  EXPECT_EQ(evaluate(&g, kTruncated).telling, 10) << "a lost one tells too";
+  EXPECT_EQ(evaluate(&g, kTruncated).agreeing, 2);
+}
+
+TEST(EvaluateStart, ATrackOfOneImageTellsNothing) {
+  Geometry g;
+  g.add_track({1.0, 1.0, 1.0, 1.0});
+  g.add_track({0.0});
+  g.add_track({9.0});
+  const StartFit fit = evaluate(&g, kTruncated);
+  EXPECT_EQ(fit.telling, 2);
+  EXPECT_EQ(fit.agreeing, 2);
+}
+
 TEST(EvaluateStart, ScalesTheNoiseByWhatTheFitHasTakenUp) {
   Geometry g;
   for (int i = 0; i < 20; ++i) g.add_track({1.0, 1.0, 1.0, 1.0, 1.0, 1.0});

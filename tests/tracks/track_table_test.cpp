@@ -29,8 +29,9 @@ struct Fixture {
   std::unique_ptr<Features> features = std::make_unique<Features>();
   std::uint32_t next_frame = 100;
 
-  /// A frame in which these spots are seen, in this order.
-  void add(const std::vector<int>& spots) {
+  /// A frame in which these spots are seen, in this order. @param change  of each look's first
+  /// octet.
+  void add(const std::vector<int>& spots, int change = 0) {
     features->clear();
     for (const int spot : spots) {
       Feature f;
@@ -38,6 +39,7 @@ struct Fixture {
       f.v_px = 10.0F * static_cast<float>(spot / 60) + 0.75F;
       f.scale_px = static_cast<float>(spot);
       f.descriptor = look_of(spot);
+      f.descriptor[0] = static_cast<std::uint8_t>(f.descriptor[0] + change);
       ASSERT_TRUE(features->push_back(f));
     }
     add_frame(next_frame,
@@ -237,19 +239,66 @@ TEST(TrackTable, StaysConsistent_UnderRandomObservations) {
   }
 }
 
-TEST(TrackTable, CountsTracksThatFindNoPlace_WhenItIsFull) {
+TEST(TrackTable, MakesRoomForANewFrame_ByTheTracksThatEnded_TheShortestFirst) {
   Fixture f;
-  // New spots in each pair of frames; the third frame of each trio shares nothing, so that the
-  // tracks end.
-  constexpr int kSpots = 400;
-  int made = 0;
-  for (int pair = 0; made <= static_cast<int>(limits::kStartTracks); ++pair, made += kSpots) {
-    f.add(range(pair * kSpots, (pair + 1) * kSpots));
-    f.add(range(pair * kSpots, (pair + 1) * kSpots));
+  constexpr int kSpots = static_cast<int>(limits::kStartTracks) / 5;
+  const auto show = [&](int group) { f.add(range(group * kSpots, (group + 1) * kSpots)); };
+  show(0);
+  for (int group = 0; group < 5; ++group) {
+    show(group);
+    show(group);
   }
   EXPECT_TRUE(f.table->tracks.full());
-  EXPECT_EQ(f.table->full_count, static_cast<std::uint32_t>(made) - limits::kStartTracks);
+  show(5);
+  show(5);
   f.expect_consistent();
+  EXPECT_EQ(f.table->full_count, 0U);
+  const auto left = f.observations();
+  EXPECT_EQ(left.count(kSpots), 0U) << "two points, and ended";
+  EXPECT_EQ(left.count(2 * kSpots), 0U) << "two points, and ended";
+  EXPECT_EQ(left.count(0), 1U) << "ended, with three points";
+  EXPECT_EQ(left.count(3 * kSpots), 1U) << "may go on";
+  EXPECT_EQ(left.count(4 * kSpots), 1U) << "may go on";
+  EXPECT_EQ(left.count(5 * kSpots), 1U) << "new";
+}
+
+TEST(TrackTable, LosesNoTrackThatEnded_WhileThereIsRoom) {
+  Fixture f;
+  constexpr int kSpots = static_cast<int>(limits::kStartTracks) / 5;
+  for (int group = 0; group < 5; ++group) {
+    f.add(range(group * kSpots, (group + 1) * kSpots));
+    f.add(range(group * kSpots, (group + 1) * kSpots));
+  }
+  EXPECT_EQ(f.table->tracks.size(), limits::kStartTracks);
+  EXPECT_EQ(f.table->full_count, 0U);
+}
+
+TEST(TrackTable, CountsTracksThatFindNoPlace_WhenItIsFullOfTracksThatMayGoOn) {
+  Fixture f;
+  constexpr int kSpots = static_cast<int>(limits::kFeatures);
+  constexpr auto kMade = static_cast<std::uint32_t>(2 * kSpots);
+  static_assert(kMade > limits::kStartTracks);
+  for (int group = 0; group < 2; ++group) {
+    f.add(range(group * kSpots, (group + 1) * kSpots));
+    f.add(range(group * kSpots, (group + 1) * kSpots));
+  }
+  EXPECT_TRUE(f.table->tracks.full());
+  EXPECT_EQ(f.table->full_count, kMade - limits::kStartTracks);
+  f.expect_consistent();
+}
+
+TEST(TrackTable, APointKnowsTheNearerLookOfThoseBesideIt) {
+  Fixture f;
+  f.add(range(0, 4));
+  f.add(range(0, 4), 6);
+  f.add(range(0, 4), 10);
+  ASSERT_EQ(f.table->tracks.size(), 4U);
+  for (const Track& track : f.table->tracks) {
+    ASSERT_EQ(track.points.size(), 3U);
+    EXPECT_EQ(track.points[0].distance2, 6 * 6);
+    EXPECT_EQ(track.points[1].distance2, 4 * 4);
+    EXPECT_EQ(track.points[2].distance2, 4 * 4);
+  }
 }
 
 TEST(TrackTable, IsEmptyAgain_AfterClear) {

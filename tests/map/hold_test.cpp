@@ -1,0 +1,204 @@
+// A view that shows too little for a pose of its own, held by what is expected of it.
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "map/track.hpp"
+#include "synthetic_map.hpp"
+
+namespace polhode {
+namespace {
+
+using namespace synthetic;
+
+// 1-sigmas of the prediction.
+constexpr double kTurnSigma_rad = 0.01;
+constexpr double kShiftSigma_mu = 0.02;
+
+/// A mapped body, and a picture in which few of its spots are left.
+struct Bench {
+  std::vector<Spot> body = ball(400, 11);
+  std::unique_ptr<MapState> state = std::make_unique<MapState>();
+  CameraModel model = camera();
+  LocaliseOptions localise;
+  TrackOptions tracks;
+  MapOptions options;
+  cv::Mat gray;
+  Picture picture;
+  Pose truth = turned(0.3);
+
+  /// @param left  mapped spots that are seen.
+  explicit Bench(int left, std::uint64_t seed = 1, int clutter = 0) {
+    const SyntheticMap mapped = make_map(body, turn_by(0.12, 6), kNoise_px, 11);
+    state->map = *mapped.map;
+    Rng rng(seed, 131);
+    const Picture all = take_picture(body, truth, kNoise_px, 0, &rng);
+    // Every seventh, so that they are spread over the side.
+    for (std::size_t i = 0; i < all.spot_of.size() && left > 0; i += 7) {
+      if (mapped.landmark_of[static_cast<std::size_t>(all.spot_of[i])].valid()) {
+        EXPECT_TRUE(picture.features->push_back((*all.features)[i]));
+        --left;
+      }
+    }
+    EXPECT_EQ(left, 0);
+    const Picture nothing = take_picture({}, truth, kNoise_px, clutter, &rng);
+    for (const Feature& feature : *nothing.features) {
+      EXPECT_TRUE(picture.features->push_back(feature));
+    }
+  }
+
+  [[nodiscard]] MapInput input() const {
+    return {.gray = &gray,
+            .features = picture.features.get(),
+            .camera = &model,
+            .localise = &localise,
+            .tracks = &tracks,
+            .options = &options,
+            .features_max = limits::kFeatures,
+            .seed = 1};
+  }
+
+  /// A tried motion's prediction that is off by so much about the vertical and to the side.
+  [[nodiscard]] ExpectedPose expected(double off_rad, double off_mu = 0.0) const {
+    ExpectedPose e;
+    e.prediction.pose = {.R_CT = so3_exp(off_rad * Eigen::Vector3d::UnitY()) * truth.R_CT,
+                         .p_CT = truth.p_CT + Eigen::Vector3d(off_mu, 0.0, 0.0)};
+    Eigen::Matrix<double, 6, 1> sigmas;
+    sigmas << Eigen::Vector3d::Constant(kTurnSigma_rad), Eigen::Vector3d::Constant(kShiftSigma_mu);
+    e.prediction.covariance = sigmas.cwiseAbs2().asDiagonal();
+    e.prediction.rotation_poses = 20;
+    e.prediction.position_poses = 20;
+    e.poses_since_start = 20;
+    e.step_rad = 0.05;
+    return e;
+  }
+
+  bool hold(const ExpectedPose& e) { return hold_about(input(), e, state.get()); }
+
+  [[nodiscard]] double error_rad() const {
+    return rotation_angle_rad(state->localised.absolute.pose.R_CT, truth.R_CT);
+  }
+  [[nodiscard]] double normalised_error2() const {
+    const AbsolutePose& found = state->localised.absolute;
+    Eigen::Matrix<double, 6, 1> e;
+    e << so3_log(truth.R_CT * found.pose.R_CT.transpose()), truth.p_CT - found.pose.p_CT;
+    return e.dot(found.covariance.ldlt().solve(e));
+  }
+};
+
+TEST(HoldAbout, HoldsAViewOfEightLandmarks_ThatIsTooLittleForAPoseOfItsOwn) {
+  double squares = 0.0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Bench b(8, seed);
+    const ExpectedPose e = b.expected(0.01, -0.02);
+    EXPECT_FALSE(find_about(b.input(), e, b.state.get())) << seed;
+    EXPECT_FALSE(relocalise_frame(b.input(), b.state.get())) << seed;
+    ASSERT_TRUE(b.hold(e)) << seed;
+    EXPECT_GE(b.state->localised.absolute.inliers, 7) << seed;
+    squares += b.error_rad() * b.error_rad();
+    EXPECT_LT(b.normalised_error2(), 27.9) << "99.99 % of six numbers: seed " << seed;
+  }
+  EXPECT_LT(std::sqrt(squares / 10.0), 0.01) << "nearer than the prediction";
+}
+
+TEST(HoldAbout, MarksTheMatchesThatAgree) {
+  Bench b(9);
+  for (Feature& feature : *b.picture.features) {
+    feature.u_px += &feature == &(*b.picture.features)[4] ? 12.0F : 0.0F;
+    feature.normalised =
+        undistort(b.model, {static_cast<double>(feature.u_px), static_cast<double>(feature.v_px)});
+  }
+  ASSERT_TRUE(b.hold(b.expected(0.0)));
+  int inliers = 0;
+  for (const LandmarkMatch& match : b.state->localised.matches) {
+    EXPECT_EQ(match.inlier, match.feature != 4) << match.feature;
+    inliers += match.inlier ? 1 : 0;
+  }
+  EXPECT_EQ(inliers, b.state->localised.absolute.inliers);
+}
+
+TEST(HoldAbout, IsNotMisledByClutter) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Bench b(10, seed, 200);
+    ASSERT_TRUE(b.hold(b.expected(0.01, -0.02))) << seed;
+    EXPECT_LT(b.normalised_error2(), 27.9) << seed;
+  }
+}
+
+TEST(HoldAbout, HoldsNothing_WhereTooFewLandmarksAreLeft) {
+  // Beyond six, one for every eight matches may be by chance.
+  EXPECT_FALSE(Bench(5).hold(Bench(5).expected(0.0)));
+  EXPECT_TRUE(Bench(7).hold(Bench(7).expected(0.0)));
+}
+
+TEST(HoldAbout, HoldsNothing_WhereTheFeaturesAreAnotherBodys) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Bench b(0, seed);
+    Rng rng(seed, 132);
+    b.picture = take_picture(ball(400, 12), b.truth, kNoise_px, 0, &rng);
+    EXPECT_FALSE(b.hold(b.expected(0.0))) << seed;
+  }
+}
+
+TEST(HoldAbout, HoldsNothingByAYoungMotion) {
+  Bench b(8);
+  ExpectedPose young = b.expected(0.0);
+  ASSERT_TRUE(b.hold(young));
+  young.poses_since_start = 5;
+  EXPECT_FALSE(b.hold(young)) << "only the start's own poses have checked it";
+  young = b.expected(0.0);
+  young.prediction.rotation_poses = 5;
+  EXPECT_FALSE(b.hold(young));
+}
+
+TEST(HoldAbout, HoldsNothingByADoubtfulMotion) {
+  Bench b(8);
+  ExpectedPose doubtful = b.expected(0.0);
+  doubtful.prediction.covariance(1, 1) = 0.06 * 0.06;
+  EXPECT_FALSE(b.hold(doubtful));
+  doubtful = b.expected(0.0);
+  doubtful.step_rad = 1.2;
+  EXPECT_FALSE(b.hold(doubtful)) << "a twentieth of so long a step";
+  doubtful = b.expected(0.0);
+  doubtful.prediction.covariance(0, 0) = std::nan("");
+  EXPECT_FALSE(b.hold(doubtful));
+}
+
+TEST(HoldAbout, HoldsNothing_WhereThePredictionIsOffByMoreThanItSays) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Bench b(8, seed);
+    EXPECT_FALSE(b.hold(b.expected(0.0, 0.15))) << "28 px: seed " << seed;
+    EXPECT_FALSE(b.hold(b.expected(0.15))) << "28 px in the middle: seed " << seed;
+  }
+}
+
+TEST(LocaliseWithPrior, LooksAsFarAsThePriorsErrorReaches) {
+  Bench b(8);
+  PosePrediction prior = b.expected(0.0, 0.1).prediction;  // 19 px
+  const LocaliseInput input = localise_input(b.input(), b.state->map);
+  const auto narrow =
+      localise_with_prior(input, prior, &b.state->scratch.localise, &b.state->localised);
+  ASSERT_FALSE(narrow.ok());
+  EXPECT_EQ(narrow.error().code, ErrorCode::kTooFewObservations);
+  prior.covariance.bottomRightCorner<3, 3>() = 0.1 * 0.1 * Eigen::Matrix3d::Identity();
+  ASSERT_TRUE(
+      localise_with_prior(input, prior, &b.state->scratch.localise, &b.state->localised).ok());
+  EXPECT_LT(b.normalised_error2(), 27.9);
+}
+
+TEST(LocaliseWithPrior, ReturnsTooFewObservations_WithoutFeatures) {
+  Bench b(0);
+  const auto unseen = localise_with_prior(localise_input(b.input(), b.state->map),
+                                          b.expected(0.0).prediction,
+                                          &b.state->scratch.localise,
+                                          &b.state->localised);
+  ASSERT_FALSE(unseen.ok());
+  EXPECT_EQ(unseen.error().code, ErrorCode::kTooFewObservations);
+}
+
+}  // namespace
+}  // namespace polhode

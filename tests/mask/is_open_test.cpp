@@ -1,0 +1,63 @@
+// A mask that tells nothing apart any more.
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "mask/follow.hpp"
+#include "moving_scene.hpp"
+
+namespace polhode {
+namespace {
+
+using moving::Scene;
+
+constexpr int kFrames = 16;
+
+struct Mask {
+  std::unique_ptr<MaskState> state = std::make_unique<MaskState>();
+  TargetMask target;
+  MaskOptions options;
+
+  void show(const cv::Mat& picture) {
+    find_target(picture, options, &target);
+    follow_target(picture, {}, options, state.get(), &target);
+  }
+  void show(const Scene& scene, int first, int frames) {
+    for (int i = first; i < first + frames; ++i) {
+      show(scene.picture(i));
+    }
+  }
+};
+
+TEST(IsOpen, OnceNoMotionHasExplainedWhatIsBehindForSomeImages) {
+  Mask mask;
+  EXPECT_FALSE(is_open(*mask.state)) << "no image yet";
+  const auto show_unlike = [&](std::uint64_t seed) {
+    Scene scene{.target = false};
+    scene.behind = moving::texture(900, seed);
+    mask.show(scene.picture(0));
+  };
+  const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
+  mask.show(scene, 0, kFrames);
+  ASSERT_TRUE(mask.state->found);
+  EXPECT_FALSE(is_open(*mask.state));
+  int images = 0;
+  for (; images < 20 && !is_open(*mask.state); ++images) {
+    show_unlike(10 + static_cast<std::uint64_t>(images));
+  }
+  EXPECT_GE(images, 5) << "a few badly tracked images do not open it";
+  ASSERT_LT(images, 20);
+  EXPECT_GT(mask.target.coverage, 0.9) << "everything lit";
+  mask.show(scene, kFrames, kFrames);
+  EXPECT_FALSE(is_open(*mask.state)) << "a motion explains it again";
+}
+
+TEST(IsOpen, NotBeforeBlackSpace) {
+  Mask mask;
+  mask.show(Scene{.target_turn_deg = 3.0, .background = false}, 0, kFrames);
+  EXPECT_FALSE(mask.state->behind);
+  EXPECT_FALSE(is_open(*mask.state));
+}
+
+}  // namespace
+}  // namespace polhode
