@@ -52,6 +52,14 @@ TEST(IsOpen, OnceNoMotionHasExplainedWhatIsBehindForSomeImages) {
   EXPECT_FALSE(is_open(*mask.state)) << "a motion explains it again";
 }
 
+TEST(IsOpen, NotWhereAMotionExplainsAll_ThoughThereIsNoTarget) {
+  Mask mask;
+  mask.show(Scene{.background_px = {3.0, 1.0}, .target = false}, 0, kFrames);
+  EXPECT_TRUE(mask.state->behind);
+  EXPECT_FALSE(mask.state->found);
+  EXPECT_FALSE(is_open(*mask.state));
+}
+
 TEST(IsOpen, NotBeforeBlackSpace) {
   Mask mask;
   mask.show(Scene{.target_turn_deg = 3.0, .background = false}, 0, kFrames);

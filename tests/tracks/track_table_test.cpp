@@ -290,14 +290,16 @@ TEST(TrackTable, CountsTracksThatFindNoPlace_WhenItIsFullOfTracksThatMayGoOn) {
 TEST(TrackTable, APointKnowsTheNearerLookOfThoseBesideIt) {
   Fixture f;
   f.add(range(0, 4));
-  f.add(range(0, 4), 6);
+  f.add(range(0, 4), 4);
   f.add(range(0, 4), 10);
+  f.add(range(0, 4), 13);
   ASSERT_EQ(f.table->tracks.size(), 4U);
   for (const Track& track : f.table->tracks) {
-    ASSERT_EQ(track.points.size(), 3U);
-    EXPECT_EQ(track.points[0].distance2, 6 * 6);
-    EXPECT_EQ(track.points[1].distance2, 4 * 4);
-    EXPECT_EQ(track.points[2].distance2, 4 * 4);
+    ASSERT_EQ(track.points.size(), 4U);
+    EXPECT_EQ(track.points[0].distance2, 4 * 4);
+    EXPECT_EQ(track.points[1].distance2, 4 * 4) << "not the 6 * 6 to the one after it";
+    EXPECT_EQ(track.points[2].distance2, 3 * 3);
+    EXPECT_EQ(track.points[3].distance2, 3 * 3);
   }
 }
 
