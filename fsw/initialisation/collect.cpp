@@ -133,7 +133,7 @@ Collected collect_frame(const CollectibleFrame& frame,
 }
 
 bool wants_selection(const StartOptions& options, const InitialisationState& state) {
-  // A further frame of many says little, and a selection among many takes long. Chosen: up to
+  // A further frame of many says little, and a selection among many takes long. Chosen: under
   // twelve frames each new one asks.
   constexpr int kPart = 12;
   const auto frames = static_cast<int>(state.tracks.frames.size());

@@ -234,6 +234,9 @@ Result<AbsolutePose> pose_with_prior(std::span<const PoseObservation> observatio
     return ErrorCode::kDegenerate;
   }
   const PoseCovariance information = factor.solve(PoseCovariance::Identity());
+  if (!information.allFinite()) {
+    return ErrorCode::kDegenerate;
+  }
   int count = mark_within_reach(prior, prior_covariance, observations, inlier);
   Pose pose = prior;
   PoseEquations n;
@@ -268,7 +271,7 @@ Result<AbsolutePose> pose_with_prior(std::span<const PoseObservation> observatio
   AbsolutePose out{.pose = pose, .inliers = count, .chi2 = n.chi2};
   out.pose.R_CT = nearest_rotation(out.pose.R_CT);
   const double reduced = n.chi2 / std::max(1.0, 2.0 * n.used - 6.0);
-  constexpr double kPriorPart = 0.1;
+  constexpr double kPriorPart = 0.1;  // chosen: sigmas of at most three times the prior's
   const PoseCovariance measured = n.H - (1.0 - kPriorPart) * information;
   out.covariance = measured.inverse() * std::max(1.0, reduced);
   if (!out.covariance.allFinite() || (out.covariance.diagonal().array() <= 0.0).any()) {

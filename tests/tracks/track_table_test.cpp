@@ -257,7 +257,7 @@ TEST(TrackTable, MakesRoomForANewFrame_ByTheTracksThatEnded_TheShortestFirst) {
   EXPECT_EQ(left.count(kSpots), 0U) << "two points, and ended";
   EXPECT_EQ(left.count(2 * kSpots), 0U) << "two points, and ended";
   EXPECT_EQ(left.count(0), 1U) << "ended, with three points";
-  EXPECT_EQ(left.count(3 * kSpots), 1U) << "may go on";
+  EXPECT_EQ(left.count(3 * kSpots), 0U) << "two points, and ended";
   EXPECT_EQ(left.count(4 * kSpots), 1U) << "may go on";
   EXPECT_EQ(left.count(5 * kSpots), 1U) << "new";
 }
