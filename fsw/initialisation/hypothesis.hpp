@@ -53,6 +53,8 @@ struct StartHypothesis {
 /// two pairs 3 of five points and 4 of homographies.
 inline constexpr std::size_t kSeeds = 24;
 using StartHypotheses = FixedVector<StartHypothesis, kSeeds>;
+/// Hypotheses that are extended to all frames, shared by the cores. Chosen; more cost time.
+inline constexpr std::size_t kFinalists = 6;
 
 /// What a seed is made from: frames of the sequence, and tracks of the selection that all of them
 /// observe.

@@ -92,7 +92,7 @@ struct StartWorkspace {
   SelectionSet set;
   StartHypotheses seeds;
   StartHypotheses refined;
-  StartHypotheses finalists;
+  FixedVector<StartHypothesis, kFinalists> finalists;
   FixedVector<TrackObservation, kCoreTracks * kCoreFrames> core_observations;
   FixedVector<TrackObservation, StartAdjustmentWorkspace::kStartObservations> observations;
   std::array<InverseDepthPose, limits::kStartFrames> poses;

@@ -17,8 +17,6 @@ constexpr double kSameGeometry = 0.15;
 constexpr double kDifferentGeometry = 0.20;
 // Seeds that are fully refined, each with its depth-reversed solution. Chosen; more cost time.
 constexpr std::size_t kFamilies = 6;
-// Hypotheses that are extended to all frames, shared by the cores. Chosen; more cost time.
-constexpr std::size_t kFinalists = 6;
 // Frames posed on either side between two adjustments. Chosen; more let errors add up.
 constexpr int kExtendRounds = 3;
 // Times that the winner may be replaced by its depth-reversed solution. Chosen; normally one
