@@ -29,6 +29,8 @@ constexpr int kPointsMin = 4;
 constexpr std::size_t kSolutions = 4;
 // Chosen; smaller draws longer.
 constexpr double kMissed = 1e-3;
+// Rounds of choosing inliers and refining on them. Chosen.
+constexpr int kRounds = 3;
 
 double error2(const Pose& pose, const PoseObservation& o) {
   const Eigen::Vector3d p_C = pose.to_camera(o.p_T);
@@ -151,6 +153,51 @@ int mark_within_reach(const Pose& pose,
   return count;
 }
 
+/// What is known of a pose beside the observations: its information at the fit's start, and the
+/// part of it that the result's covariance counts.
+struct Prior {
+  PoseCovariance information = PoseCovariance::Zero();
+  double part = 0.0;
+};
+
+/// Robust fit from `start` to the observations flagged in `inlier` and to a prior at `start`.
+/// @errors as refine_pose().
+Result<AbsolutePose> fit(std::span<const PoseObservation> observations,
+                         const Pose& start,
+                         const Prior& prior,
+                         std::span<const std::uint8_t> inlier) {
+  POLHODE_ASSERT(observations.size() == inlier.size(), inlier.size());
+  const SmallFitOptions options{.steps_max = 12,        // chosen: three or four settle
+                                .damping_first = 1e-6,  // P3P or the last frame starts near by
+                                .first_three = FirstThree::kRotation};
+  int used_min = -1;  // points in front of the camera at the start: none may fall behind it
+  const auto linearise = [&](const PoseEquations::Vector& by, PoseEquations* at) {
+    *at = widely([&] { return sum_up(observations, moved(start, by), inlier); });
+    used_min = used_min < 0 ? at->used : used_min;
+    at->H += prior.information;
+    at->g += prior.information * by;
+    at->cost += by.dot(prior.information * by);
+    return at->used >= used_min;
+  };
+  PoseEquations::Vector by = PoseEquations::Vector::Zero();
+  PoseEquations n;
+  if (minimise(linearise, options, &by, &n) < 0) {
+    return ErrorCode::kDegenerate;
+  }
+  if (n.used < kPointsMin) {
+    return ErrorCode::kTooFewObservations;
+  }
+  AbsolutePose out{.pose = moved(start, by), .inliers = n.used, .chi2 = n.chi2};
+  out.pose.R_CT = nearest_rotation(out.pose.R_CT);
+  const double reduced = n.chi2 / std::max(1.0, 2.0 * n.used - 6.0);
+  const PoseCovariance counted = n.H - (1.0 - prior.part) * prior.information;
+  out.covariance = counted.inverse() * std::max(1.0, reduced);
+  if (!out.covariance.allFinite() || (out.covariance.diagonal().array() <= 0.0).any()) {
+    return ErrorCode::kDegenerate;
+  }
+  return out;
+}
+
 }  // namespace
 
 int mark_inliers(const Pose& pose,
@@ -167,32 +214,7 @@ int mark_inliers(const Pose& pose,
 Result<AbsolutePose> refine_pose(std::span<const PoseObservation> observations,
                                  const Pose& start,
                                  std::span<const std::uint8_t> inlier) {
-  POLHODE_ASSERT(observations.size() == inlier.size(), inlier.size());
-  const SmallFitOptions options{.steps_max = 12,        // chosen: three or four settle
-                                .damping_first = 1e-6,  // P3P or the last frame starts near by
-                                .first_three = FirstThree::kRotation};
-  int used_min = -1;  // points in front of the camera at the start: none may fall behind it
-  const auto linearise = [&](const PoseEquations::Vector& by, PoseEquations* at) {
-    *at = widely([&] { return sum_up(observations, moved(start, by), inlier); });
-    used_min = used_min < 0 ? at->used : used_min;
-    return at->used >= used_min;
-  };
-  PoseEquations::Vector by = PoseEquations::Vector::Zero();
-  PoseEquations n;
-  if (minimise(linearise, options, &by, &n) < 0) {
-    return ErrorCode::kDegenerate;
-  }
-  if (n.used < kPointsMin) {
-    return ErrorCode::kTooFewObservations;
-  }
-  AbsolutePose out{.pose = moved(start, by), .inliers = n.used, .chi2 = n.chi2};
-  out.pose.R_CT = nearest_rotation(out.pose.R_CT);
-  const double reduced = n.chi2 / std::max(1.0, 2.0 * n.used - 6.0);
-  out.covariance = n.H.inverse() * std::max(1.0, reduced);
-  if (!out.covariance.allFinite() || (out.covariance.diagonal().array() <= 0.0).any()) {
-    return ErrorCode::kDegenerate;
-  }
-  return out;
+  return fit(observations, start, {}, inlier);
 }
 
 Result<AbsolutePose> absolute_pose(std::span<const PoseObservation> observations,
@@ -204,8 +226,6 @@ Result<AbsolutePose> absolute_pose(std::span<const PoseObservation> observations
     return ErrorCode::kTooFewObservations;
   }
   Pose pose = find_pose(observations, hint, options);
-  // Rounds of choosing inliers and refining on them. Chosen.
-  constexpr int kRounds = 3;
   Result<AbsolutePose> refined = ErrorCode::kNoConsensus;
   for (int round = 0; round < kRounds; ++round) {
     if (mark_inliers(pose, observations, inlier) < options.inliers_min) {
@@ -237,47 +257,25 @@ Result<AbsolutePose> pose_with_prior(std::span<const PoseObservation> observatio
   if (!information.allFinite()) {
     return ErrorCode::kDegenerate;
   }
+  constexpr double kPriorPart = 0.1;  // chosen: sigmas of at most three times the prior's
+  const Prior known{.information = information, .part = kPriorPart};
   int count = mark_within_reach(prior, prior_covariance, observations, inlier);
-  Pose pose = prior;
-  PoseEquations n;
-  constexpr int kRounds = 3;  // as without a prior
+  Result<AbsolutePose> found = ErrorCode::kTooFewObservations;
   for (int round = 0; round < kRounds; ++round) {
     if (count < options.inliers_min) {
       return ErrorCode::kTooFewObservations;
     }
-    int used_min = -1;  // as in refine_pose()
-    const auto linearise = [&](const PoseEquations::Vector& by, PoseEquations* at) {
-      const Pose trial = moved(prior, by);
-      *at = widely([&] { return sum_up(observations, trial, inlier); });
-      used_min = used_min < 0 ? at->used : used_min;
-      at->H += information;
-      at->g += information * by;
-      at->cost += by.dot(information * by);
-      return at->used >= used_min;
-    };
-    PoseEquations::Vector by = PoseEquations::Vector::Zero();
-    const SmallFitOptions fit{.steps_max = 12,  // as without a prior
-                              .damping_first = 1e-6,
-                              .first_three = FirstThree::kRotation};
-    if (minimise(linearise, fit, &by, &n) < 0) {
-      return ErrorCode::kDegenerate;
+    found = fit(observations, prior, known, inlier);
+    if (!found) {
+      return found;
     }
-    pose = moved(prior, by);
-    count = mark_inliers(pose, observations, inlier);
+    count = mark_inliers(found.value().pose, observations, inlier);
   }
   if (count < options.inliers_min) {
     return ErrorCode::kTooFewObservations;
   }
-  AbsolutePose out{.pose = pose, .inliers = count, .chi2 = n.chi2};
-  out.pose.R_CT = nearest_rotation(out.pose.R_CT);
-  const double reduced = n.chi2 / std::max(1.0, 2.0 * n.used - 6.0);
-  constexpr double kPriorPart = 0.1;  // chosen: sigmas of at most three times the prior's
-  const PoseCovariance measured = n.H - (1.0 - kPriorPart) * information;
-  out.covariance = measured.inverse() * std::max(1.0, reduced);
-  if (!out.covariance.allFinite() || (out.covariance.diagonal().array() <= 0.0).any()) {
-    return ErrorCode::kDegenerate;
-  }
-  return out;
+  found.value().inliers = count;
+  return found;
 }
 
 }  // namespace polhode
