@@ -164,16 +164,25 @@ bool take_farthest(const StartProblem& problem,
   return true;
 }
 
+using Taken = FixedVector<std::uint8_t, limits::kStartTracks>;
+
+/// By track: is it in the set?
+Taken list_taken(const StartProblem& problem, const SelectionSet& set) {
+  Taken taken;
+  taken.resize(problem.tracks.size());
+  for (const int track : set.tracks) {
+    taken[static_cast<std::size_t>(track)] = 1;
+  }
+  return taken;
+}
+
 /// Tracks outside the core, so that every frame has its quota.
 void add_frame_quotas(const StartProblem& problem, SelectionSet* set) {
   FrameCounts counts{};
-  FixedVector<std::uint8_t, limits::kStartTracks> taken;
-  taken.resize(problem.tracks.size());
-  const auto count = [&](int track) {
-    taken[static_cast<std::size_t>(track)] = 1;
+  Taken taken = list_taken(problem, *set);
+  for (const int track : set->tracks) {
     count_frames(problem.tracks[static_cast<std::size_t>(track)], &counts);
-  };
-  std::for_each(set->tracks.begin(), set->tracks.end(), count);
+  }
   for (std::size_t n = set->tracks.size(); n < kExtensionTracks; ++n) {
     // The track that is in most frames short of their quota. Among equals the longest, then the
     // first.
@@ -197,7 +206,8 @@ void add_frame_quotas(const StartProblem& problem, SelectionSet* set) {
       return;
     }
     (void)set->tracks.push_back(best_track);
-    count(best_track);
+    taken[static_cast<std::size_t>(best_track)] = 1;
+    count_frames(problem.tracks[static_cast<std::size_t>(best_track)], &counts);
   }
 }
 
@@ -205,11 +215,7 @@ void add_frame_quotas(const StartProblem& problem, SelectionSet* set) {
 void add_longest(const StartProblem& problem, SelectionSet* set) {
   // Two images of a spot agree with either depth sign: the third is the first to tell.
   constexpr std::size_t kImagesMin = 3;
-  FixedVector<std::uint8_t, limits::kStartTracks> taken;
-  taken.resize(problem.tracks.size());
-  for (const int track : set->tracks) {
-    taken[static_cast<std::size_t>(track)] = 1;
-  }
+  const Taken taken = list_taken(problem, *set);
   std::size_t observations = 0;
   for (const int track : set->tracks) {
     observations += problem.tracks[static_cast<std::size_t>(track)].observations.size();

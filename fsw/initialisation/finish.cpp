@@ -124,8 +124,8 @@ void adjust_all_tracks(const Selection& c, StartOutcome* out) {
   all.resize(c.problem.tracks.size());
   std::iota(all.begin(), all.end(), 0);
   out->depth_sigma = median_depth_sigma(c, all);
-  // The selection's tracks are the longest, and decide on the geometry. On a body that rotates fast
-  // most other tracks last three or four frames and know little of their own depth
+  // The cores' tracks are the longest, and decide on the geometry. On a body that rotates fast most
+  // other tracks last three or four frames and know little of their own depth
   // (docs/decisions/0031).
   FixedVector<int, 2 * kCoreTracks> in_cores;
   for (const StartCore& core : c.w.set.cores) {

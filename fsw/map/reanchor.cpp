@@ -23,7 +23,7 @@ Eigen::Matrix3d mean_rotation(std::span<const ReanchorFrame> frames) {
 }
 
 /// How much the prediction's error can change over the start, which one rotation from T' to T does
-/// not take up: by its growth, and by turning with the body.
+/// not take up: by its growth, and by rotating with the body.
 double changes_rad(std::span<const ReanchorFrame> frames, double turn_rad) {
   const auto [least, most] = std::minmax_element(
       frames.begin(), frames.end(), [](const ReanchorFrame& l, const ReanchorFrame& r) {

@@ -15,9 +15,6 @@ constexpr double kFit_px = 1.0;
 // A point contradicts the background from here on: half as much again as what fits. Chosen; larger
 // needs faster targets, smaller takes mistracked points for the target.
 constexpr float kContradiction_px = 1.5F;
-// Points of a layer: over twice the four that any homography fits. Chosen; larger misses small
-// backgrounds, smaller fits chance.
-constexpr std::size_t kLayerTracksMin = 10;
 constexpr std::size_t kAgeMax = (MaskTrack::kPlaces - 1) / 2;  // twice the age is looked back, too
 
 /// Does a group of points surround the middle, as a background does? By 4 x 4 blocks of the image:
@@ -86,7 +83,7 @@ void fit_layers(const cv::Size& size, BackgroundMotion* motion, BackgroundState*
   constexpr int kGroupsMax = static_cast<int>(BackgroundMotion::kLayers) + 1;  // one face of it
   motion->layers.clear();
   for (int group = 0; group < kGroupsMax && !motion->layers.full(); ++group) {
-    if (s->from.size() < kLayerTracksMin) {
+    if (s->from.size() < BackgroundMotion::kLayerTracksMin) {
       return;
     }
     cv::Matx33d layer;
@@ -94,7 +91,7 @@ void fit_layers(const cv::Size& size, BackgroundMotion* motion, BackgroundState*
       return;
     }
     take_out_agreeing(s);
-    if (s->group.size() < kLayerTracksMin) {
+    if (s->group.size() < BackgroundMotion::kLayerTracksMin) {
       return;
     }
     if (surrounds(s->group, size)) {

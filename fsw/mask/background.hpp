@@ -15,6 +15,9 @@ namespace polhode {
 struct BackgroundMotion {
   // Chosen: a room has several planes. Each more costs a look-up of every compared pixel.
   static constexpr std::size_t kLayers = 3;
+  // Points of a layer: over twice the four that any homography fits. Chosen; larger misses small
+  // backgrounds, smaller fits chance.
+  static constexpr std::size_t kLayerTracksMin = 10;
 
   std::size_t age = 1;
   FixedVector<cv::Matx33d, kLayers> layers;

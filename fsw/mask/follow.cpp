@@ -292,9 +292,9 @@ bool is_open(const MaskState& s) {
 }
 
 bool may_be_background(const MaskState& s) {
-  // As many as a layer of a background needs (background.cpp): fewer are a boom's that crosses the
-  // border, or a background's that has nothing to follow.
-  constexpr std::ptrdiff_t kAtBorderMin = 10;
+  // Fewer than a layer of a background needs are a boom's that crosses the border, or a
+  // background's that has nothing to follow.
+  constexpr auto kAtBorderMin = static_cast<std::ptrdiff_t>(BackgroundMotion::kLayerTracksMin);
   const cv::Rect whole = s.points.whole();
   const cv::Rect inside(
       whole.width / 8, whole.height / 8, whole.width * 3 / 4, whole.height * 3 / 4);

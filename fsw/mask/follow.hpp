@@ -26,7 +26,7 @@ void follow_target(const cv::Mat& gray,
 /// images.
 bool is_open(const MaskState& state);
 
-/// The mask is open, and points are followed all around, as on a background.
+/// The mask is open, and points are followed along the image border, as on a background.
 bool may_be_background(const MaskState& state);
 
 /// For keyframes, after follow_target: moves the outline to image edges. With a map the result is
