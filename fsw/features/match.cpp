@@ -1,45 +1,17 @@
 #include "features/match.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "base/avx2_dispatch.hpp"
 
 namespace polhode {
 namespace {
 
-bool same_place(const Feature& a, const Feature& b) {
-  // A blob with two orientations gives two features at one place; they do not compete. Chosen:
-  // their places are equal, those of other blobs seldom as close.
-  constexpr float kSamePlace_px = 1.0F;
-  const float du = a.u_px - b.u_px;
-  const float dv = a.v_px - b.v_px;
-  return du * du + dv * dv < kSamePlace_px * kSamePlace_px;
-}
+// A blob with two orientations. Chosen: their places are equal, those of other blobs seldom as
+// close.
+constexpr float kSamePlace_px = 1.0F;
 
-struct Best {
-  std::int32_t index = -1;
-  int nearest2 = std::numeric_limits<int>::max();
-  int rival2 = std::numeric_limits<int>::max();
-};
-
-/// Compares one more of `among`; called in the order of the indices.
-void consider(std::size_t index, int d2, std::span<const Feature> among, Best* best) {
-  const auto is_same_blob = [&] {
-    return same_place(among[index], among[static_cast<std::size_t>(best->index)]);
-  };
-  if (d2 < best->nearest2) {
-    if (best->index >= 0 && !is_same_blob()) {
-      best->rival2 = best->nearest2;
-    }
-    best->nearest2 = d2;
-    best->index = static_cast<std::int32_t>(index);
-  } else if (d2 < best->rival2 && !is_same_blob()) {
-    best->rival2 = d2;
-  }
-}
-
-using Bests = std::array<Best, limits::kFeatures>;
+using Bests = std::array<NearestFeature, limits::kFeatures>;
 
 /// Each feature's nearest of the other list, and the nearest of those at another place.
 void find_nearest(std::span<const Feature> a,
@@ -49,8 +21,8 @@ void find_nearest(std::span<const Feature> a,
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t j = 0; j < b.size(); ++j) {
       const int d2 = distance2(a[i].descriptor, b[j].descriptor);
-      consider(j, d2, b, &(*forward)[i]);
-      consider(i, d2, a, &(*back)[j]);
+      keep_nearest(static_cast<std::int32_t>(j), d2, b, kSamePlace_px, &(*forward)[i]);
+      keep_nearest(static_cast<std::int32_t>(i), d2, a, kSamePlace_px, &(*back)[j]);
     }
   }
 }
@@ -121,15 +93,17 @@ void match_mutual(std::span<const Feature> a,
   Bests back;
   widely([&] { find_nearest(a, b, &forward, &back); });
   const double ratio2 = ratio_max * ratio_max;
-  const auto stands_out = [&](const Best& best) { return best.nearest2 <= ratio2 * best.rival2; };
+  const auto stands_out = [&](const NearestFeature& best) {
+    return best.nearest2 <= ratio2 * best.rival2;
+  };
   for (std::size_t i = 0; i < a.size(); ++i) {
-    const auto j = static_cast<std::size_t>(forward[i].index);
+    const auto j = static_cast<std::size_t>(forward[i].feature);
     if (forward[i].nearest2 > kDistance2Max || !stands_out(forward[i]) || !stands_out(back[j])) {
       continue;
     }
-    if (same_place(a[static_cast<std::size_t>(back[j].index)], a[i])) {
+    if (same_place(a[static_cast<std::size_t>(back[j].feature)], a[i], kSamePlace_px)) {
       (void)matches->push_back({.a = static_cast<std::int32_t>(i),
-                                .b = forward[i].index,
+                                .b = forward[i].feature,
                                 .distance2 = forward[i].nearest2});
     }
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "base/fixed_vector.hpp"
@@ -50,6 +51,43 @@ class FeatureGrid {
   std::array<std::int32_t, kCells * kCells + 1> first_{};
   std::array<Place, limits::kFeatures> places_{};  ///< cell by cell
 };
+
+/// A feature's nearest in appearance, and how near the next one at another place is.
+struct NearestFeature {
+  std::int32_t feature = -1;
+  int nearest2 = std::numeric_limits<int>::max();
+  int rival2 = std::numeric_limits<int>::max();
+};
+
+inline bool same_place(const Feature& a, const Feature& b, float within_px) {
+  const float du = a.u_px - b.u_px;
+  const float dv = a.v_px - b.v_px;
+  return du * du + dv * dv < within_px * within_px;
+}
+
+/// Compares one more of `among`, at squared distance `d2`; of equals the first called stays. A blob
+/// with two orientations gives two features at one place (`same_px`): they do not compete. Inline:
+/// as distance2().
+inline void keep_nearest(std::int32_t feature,
+                         int d2,
+                         std::span<const Feature> among,
+                         float same_px,
+                         NearestFeature* best) {
+  const auto is_same_blob = [&] {
+    return best->feature >= 0 && same_place(among[static_cast<std::size_t>(feature)],
+                                            among[static_cast<std::size_t>(best->feature)],
+                                            same_px);
+  };
+  if (d2 < best->nearest2) {
+    if (!is_same_blob()) {
+      best->rival2 = best->nearest2;
+    }
+    best->nearest2 = d2;
+    best->feature = feature;
+  } else if (d2 < best->rival2 && !is_same_blob()) {
+    best->rival2 = d2;
+  }
+}
 
 struct FeatureMatch {
   std::int32_t a = -1;

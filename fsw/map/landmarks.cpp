@@ -119,12 +119,6 @@ void list_free(const Keyframe& keyframe,
   }
 }
 
-struct PairSearch {
-  std::int32_t feature = -1;
-  int nearest2 = std::numeric_limits<int>::max();
-  int rival2 = std::numeric_limits<int>::max();
-};
-
 /// What a search along lines asks of each free feature of the partner first.
 void prepare_lines(const Keyframe& partner,
                    const Eigen::Matrix3d& E,
@@ -176,12 +170,12 @@ void list_near(const Eigen::Vector3d& line_b,
 }
 
 /// Best partner of a feature along its epipolar line.
-PairSearch search_line(const Feature& wanted,
-                       const Keyframe& partner,
-                       const Eigen::Matrix3d& E,
-                       double focal_px,
-                       CreateScratch* scratch) {
-  PairSearch best;
+NearestFeature search_line(const Feature& wanted,
+                           const Keyframe& partner,
+                           const Eigen::Matrix3d& E,
+                           double focal_px,
+                           CreateScratch* scratch) {
+  NearestFeature best;
   const double own_sigma = sigma_normalised(wanted, focal_px);
   const Eigen::Vector3d line_b = E * wanted.normalised.homogeneous();
   list_near(line_b, own_sigma * own_sigma, scratch->free_b.size(), &scratch->lines);
@@ -192,20 +186,11 @@ PairSearch search_line(const Feature& wanted,
     if (ratio < 0.5F || ratio > 2.0F) {
       continue;
     }
-    const int d2 = distance2(wanted.descriptor, f.descriptor);
-    const auto is_twin = [&] {
-      return best.feature >= 0 &&
-             std::hypot(f.u_px - partner.features[static_cast<std::size_t>(best.feature)].u_px,
-                        f.v_px - partner.features[static_cast<std::size_t>(best.feature)].v_px) <
-                 2.0F;
-    };
-    if (d2 < best.nearest2) {
-      best.rival2 = is_twin() ? best.rival2 : best.nearest2;
-      best.nearest2 = d2;
-      best.feature = index;
-    } else if (d2 < best.rival2 && !is_twin()) {
-      best.rival2 = d2;
-    }
+    keep_nearest(index,
+                 distance2(wanted.descriptor, f.descriptor),
+                 partner.features.view(),
+                 kSamePlace_px,
+                 &best);
   }
   return best;
 }
@@ -270,7 +255,7 @@ void match_partner(KeyframeId a,
   scratch->distance_of_b.fill(std::numeric_limits<std::int32_t>::max());
   const double ratio2 = options.ratio_max * options.ratio_max;
   for (const std::int32_t index : scratch->free_a) {
-    const PairSearch best = widely([&] {
+    const NearestFeature best = widely([&] {
       return search_line(
           own.features[static_cast<std::size_t>(index)], partner, E, focal_px, scratch);
     });
@@ -311,7 +296,7 @@ std::int32_t find_in(const Landmark& landmark,
   constexpr double kReach_px = 6.0;
   std::array<std::int32_t, 32> near{};
   const std::size_t count = grid.find(pixel.x(), pixel.y(), kReach_px, near);
-  PairSearch best;
+  NearestFeature best;
   for (std::size_t k = 0; k < count; ++k) {
     const auto i = static_cast<std::size_t>(near[k]);
     const Feature& f = keyframe.features[i];

@@ -13,12 +13,6 @@ namespace {
 // no longer holds.
 constexpr double kFacingCosineMin = 0.342;
 
-struct Candidate {
-  std::int32_t feature = -1;
-  int nearest2 = std::numeric_limits<int>::max();
-  int rival2 = std::numeric_limits<int>::max();
-};
-
 int distance_to_views(const Landmark& landmark, const Feature& feature) {
   int best = std::numeric_limits<int>::max();
   for (const LandmarkView& view : landmark.views) {
@@ -34,35 +28,23 @@ bool scale_agrees(double predicted_px, const Feature& feature) {
 }
 
 /// @param size_px  predicted radius of the landmark's blob.
-Candidate best_candidate(const LocaliseInput& input,
-                         const Landmark& landmark,
-                         const Eigen::Vector2d& pixel,
-                         double size_px,
-                         double radius_px,
-                         const FeatureGrid& grid) {
+NearestFeature best_candidate(const LocaliseInput& input,
+                              const Landmark& landmark,
+                              const Eigen::Vector2d& pixel,
+                              double size_px,
+                              double radius_px,
+                              const FeatureGrid& grid) {
   std::array<std::int32_t, 256> near{};
   const Features& features = *input.features;
   const std::size_t count = grid.find(pixel.x(), pixel.y(), radius_px, near);
-  Candidate best;
+  NearestFeature best;
   for (std::size_t k = 0; k < count; ++k) {
     const Feature& feature = features[static_cast<std::size_t>(near[k])];
     if (!scale_agrees(size_px, feature)) {
       continue;
     }
-    const int d2 = distance_to_views(landmark, feature);
-    const auto is_twin = [&] {
-      return best.feature >= 0 &&
-             std::hypot(feature.u_px - features[static_cast<std::size_t>(best.feature)].u_px,
-                        feature.v_px - features[static_cast<std::size_t>(best.feature)].v_px) <
-                 2.0F;
-    };
-    if (d2 < best.nearest2) {
-      best.rival2 = is_twin() ? best.rival2 : best.nearest2;
-      best.nearest2 = d2;
-      best.feature = near[k];
-    } else if (d2 < best.rival2 && !is_twin()) {
-      best.rival2 = d2;
-    }
+    keep_nearest(
+        near[k], distance_to_views(landmark, feature), features.view(), kSamePlace_px, &best);
   }
   return best;
 }
@@ -218,7 +200,7 @@ void match_about(const LocaliseInput& input,
     }
     ++out->predicted;
     const double size_px = landmark.size_mu * focal_px / pose.to_camera(landmark.p_T).z();
-    const Candidate best = widely(
+    const NearestFeature best = widely(
         [&] { return best_candidate(input, landmark, pixel, size_px, radius_px, scratch->grid); });
     if (best.feature < 0 || best.nearest2 > kDistance2Max || best.nearest2 > ratio2 * best.rival2) {
       continue;
@@ -303,12 +285,10 @@ Result<bool> localise_with_prior(const LocaliseInput& input,
   const AbsolutePose expected{.pose = prior.pose, .covariance = prior.covariance};
   match_about(input, prior.pose, reach_px(input, expected), scratch, out);
   to_observations(input, out->matches, scratch);
-  // A prior gives the six unknowns: six landmarks, twice what determines a pose, bear it out.
-  constexpr int kInliersMin = 6;
   const Result<AbsolutePose> pose = pose_with_prior(scratch->observations.view(),
                                                     prior.pose,
                                                     prior.covariance,
-                                                    {.inliers_min = kInliersMin},
+                                                    {.inliers_min = kInliersWithPrior},
                                                     flags(scratch));
   if (!pose) {
     return pose.error();

@@ -47,6 +47,14 @@ struct LocaliseScratch {
 /// chance matches by the dozen (the least that a pose needs is 12).
 inline constexpr int kInliersAlone = 30;
 
+/// So many inliers bear out a pose that is expected: the prior gives its six unknowns, and this is
+/// twice what determines a pose.
+inline constexpr int kInliersWithPrior = 6;
+
+/// Features this close are one blob's, in a search that a pose guides. Chosen: wider than that of
+/// match_mutual, as of two blobs so close either may be meant.
+inline constexpr float kSamePlace_px = 2.0F;
+
 /// Landmarks that take part.
 enum class LandmarkAge : std::uint8_t {
   kAny,

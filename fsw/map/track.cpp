@@ -126,8 +126,7 @@ bool hold_about(const MapInput& input, const ExpectedPose& expected, MapState* s
   }
   const Result<bool> done = localise_with_prior(
       localise_input(input, s->map), prior, &s->scratch.localise, &s->localised);
-  constexpr int kInliersMin = 6;  // as localise_with_prior()
-  return done && agrees(s->localised, kInliersMin);
+  return done && agrees(s->localised, kInliersWithPrior);
 }
 
 bool relocalise_frame(const MapInput& input, MapState* s) {

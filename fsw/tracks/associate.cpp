@@ -181,32 +181,21 @@ FeatureMatch find_about(const Feature& feature,
                         std::span<const std::uint8_t> taken,
                         double radius_px,
                         double ratio_max) {
-  constexpr int kNone = std::numeric_limits<int>::max();
   // Measured by ray-cast depths: beyond it the median error is over 0.7 px, three times a feature's
   // sigma.
   constexpr int kDistance2About = 280 * 280;
-  constexpr double kSamePlace_px = 1.0;  // a blob with two orientations
-  FeatureMatch best{.distance2 = kNone};
-  int rival2 = kNone;
+  constexpr float kSamePlace_px = 1.0F;  // as in match_mutual()
+  NearestFeature best;
   for (std::size_t j = 0; j < b.size(); ++j) {
-    if (taken[j] != 0 || (place_of(b[j]) - at).squaredNorm() > radius_px * radius_px) {
-      continue;
-    }
-    const int d2 = distance2(feature.descriptor, b[j].descriptor);
-    const bool same =
-        best.b >= 0 &&
-        (place_of(b[static_cast<std::size_t>(best.b)]) - place_of(b[j])).norm() < kSamePlace_px;
-    if (d2 < best.distance2) {
-      rival2 = same ? rival2 : best.distance2;
-      best.b = static_cast<std::int32_t>(j);
-      best.distance2 = d2;
-    } else if (!same) {
-      rival2 = std::min(rival2, d2);
+    if (taken[j] == 0 && (place_of(b[j]) - at).squaredNorm() <= radius_px * radius_px) {
+      const int d2 = distance2(feature.descriptor, b[j].descriptor);
+      keep_nearest(static_cast<std::int32_t>(j), d2, b, kSamePlace_px, &best);
     }
   }
-  const bool alike = best.distance2 <= kDistance2About;
-  const bool stands_out = rival2 == kNone || best.distance2 <= ratio_max * ratio_max * rival2;
-  return alike && stands_out ? best : FeatureMatch{};
+  const bool alike = best.nearest2 <= kDistance2About;
+  const bool stands_out = best.nearest2 <= ratio_max * ratio_max * best.rival2;
+  return alike && stands_out ? FeatureMatch{.b = best.feature, .distance2 = best.nearest2}
+                             : FeatureMatch{};
 }
 
 /// Features without a match, looked for where their neighbours went. One to one.
