@@ -43,18 +43,19 @@ void judge_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reancho
         reanchoring->turn_rad, rotation_angle_rad(frame.start.R_CT, frames.front().start.R_CT));
   }
   reanchoring->misfit_rad = std::sqrt(squares / static_cast<double>(frames.size()));
-  // Of the start's turn: two motions that differ by more have no axis and rate in common.
-  constexpr double kTurnPart = 0.25;
+  // Of the start's turn, 1-sigma: a start is committed where its depths, and with them its turn,
+  // are known this well (docs/decisions/0067).
+  constexpr double kTurnPart = 0.06;
   // A phase that is off by this is within a half turn to three sigma; by more it says nothing of
   // where T is, however well a rate is known that brought it there.
   constexpr double kPhaseKnown_rad = 1.0;
   // What changes evenly has an RMS of 1 / sqrt(12) of it about its mean; 99.7 % of three numbers
   // lie within 3.8 sigma.
   constexpr double kChangePart = 1.1;
-  reanchoring->agrees =
-      frames.front().predicted_sigma_rad < kPhaseKnown_rad &&
-      reanchoring->misfit_rad < std::max(kTurnPart * reanchoring->turn_rad,
-                                         kChangePart * changes_rad(frames, reanchoring->turn_rad));
+  reanchoring->agrees = frames.front().predicted_sigma_rad < kPhaseKnown_rad &&
+                        reanchoring->misfit_rad <
+                            kChangePart * std::hypot(kTurnPart * reanchoring->turn_rad,
+                                                     changes_rad(frames, reanchoring->turn_rad));
 }
 
 /// Scale k, origin q and the prediction's common offset d with k p' - R' Q^T q + d = p over all

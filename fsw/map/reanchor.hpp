@@ -28,10 +28,10 @@ struct Reanchoring {
   Similarity to_T;          ///< takes T' to T
   double misfit_rad = 0.0;  ///< RMS disagreement of the attitudes after it
   double turn_rad = 0.0;    ///< largest turn of the start from its first frame
-  /// Attitudes of the start and of the prediction turn alike: they differ by under a quarter of the
-  /// turn, or by what the prediction's error can change meanwhile (an error that stays is part of
-  /// to_T). Where they do not, one of the two motions is wrong. And the prediction's attitude is
-  /// known to a radian.
+  /// Attitudes of the start and of the prediction turn alike: they differ by what the start's depth
+  /// error makes of its turn and what the prediction's error can change meanwhile (an error that
+  /// stays is part of to_T). Where they do not, one of the two motions is wrong. And the
+  /// prediction's attitude is known to a radian.
   bool agrees = false;
 };
 

@@ -20,12 +20,16 @@ namespace {
 // bodies stay under 8, times off by a fifth of a frame give 11 and more (docs/decisions/0044).
 constexpr double kGainPerDofMax = 8.0;
 
+// A fit that no longer agrees with what free poses agree with has refused the pictures, and its
+// gain counts only what it has left. Free bodies keep 0.976 and more of their observations, a
+// camera or a table that moves by hand keeps 0.3 to 0.5 (docs/decisions/0069).
+constexpr double kKeptMin = 0.95;
+
 // A map that has grown without the motion has wrong associations that agree with its drift. They
 // contradict the motion until one joint fit has removed them: gains of up to 28, then 2 to 6. So a
-// gain up to 40 is marginally accepted twice, where nearly all observations are kept. Times that
-// are made up give 60 and more (docs/decisions/0044).
+// gain up to 40 is marginally accepted twice. Times that are made up give 60 and more
+// (docs/decisions/0044).
 constexpr double kMarginalGainMax = 40.0;
-constexpr double kKeptMin = 0.95;
 constexpr std::uint32_t kMarginalFitsMax = 2;
 
 // Errors beyond the declared ones come from surfaces, as light slides over a relief, and from
@@ -303,12 +307,10 @@ RigidModel fit_jointly(const JointFitInput& input,
   if (report.bundle.usable) {
     const double kept = static_cast<double>(agreeing(input.bundle)) / before;
     const double gain = gain_per_dof(input, w);
-    const bool convincing = gain < kGainPerDofMax;
-    const bool marginal =
-        gain < kMarginalGainMax && kept > kKeptMin && *marginal_fits < kMarginalFitsMax;
+    const double gain_max = *marginal_fits < kMarginalFitsMax ? kMarginalGainMax : kGainPerDofMax;
     model.status = ModelStatus::kResidualsTooLarge;
     model.attitude.chi2_per_dof = gain;
-    if (convincing || marginal) {
+    if (kept > kKeptMin && gain < gain_max) {
       const ResidualLevel noise{
           .chi2_per_dof = gain,
           .scale2 = 1.0 + std::max(0.0, gain - 1.0) / kDriftShown,

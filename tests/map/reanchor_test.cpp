@@ -64,6 +64,7 @@ TEST(Reanchoring, KeepsTheOriginOnTheBody_WhenTheTurnTellsNothingOfItsDepth) {
 
 TEST(Reanchoring, SaysThatTheMotionsContradict_WhenTheyTurnByDifferentRates) {
   EXPECT_TRUE(reanchor_start(frames(0.6, 0.9), kBody).value().agrees);
+  EXPECT_FALSE(reanchor_start(frames(0.6, 0.7), kBody).value().agrees) << "disturbed meanwhile";
   const Result<Reanchoring> mirrored = reanchor_start(frames(0.6, -1.0), kBody);
   ASSERT_TRUE(mirrored.ok());
   EXPECT_FALSE(mirrored.value().agrees);
