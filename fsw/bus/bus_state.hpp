@@ -57,6 +57,7 @@ struct Reported {
   bool started = false;
   Counters counters;
   Mode mode = Mode::kIdle;
+  std::uint8_t dynamics = 0;   ///< a value of the model packet's field
   double metres_per_mu = 0.0;  ///< 0: lengths were in map units
   std::uint32_t frame_of_loss = 0;
   std::uint32_t target_frame = 0;  ///< that the last poses were reported in

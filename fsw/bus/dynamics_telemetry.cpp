@@ -40,13 +40,6 @@ std::uint8_t class_number(Observability observability) {
 
 bool known(Observability observability) { return observability != Observability::kUnobserved; }
 
-std::uint8_t dynamics_of(const RigidModel& model) {
-  // Values of the field, after kDynamicsNone and kDynamicsLocal.
-  constexpr std::uint8_t kTorqueFree = 2;
-  constexpr std::uint8_t kOrbit = 3;
-  return model.orbit.active() ? kOrbit : kTorqueFree;
-}
-
 void put_axes(const BodyDynamics& body, ModelPacket* packet) {
   for (std::size_t k = 0; k < 3; ++k) {
     packet->class_axes[k] = class_number(body.axes[k]);
@@ -178,6 +171,13 @@ PoseCovariance in_unit(const PoseCovariance& covariance_I,
 }
 
 }  // namespace
+
+std::uint8_t dynamics_of(const RigidModel& model) {
+  // Values of the field, after kDynamicsNone and kDynamicsLocal.
+  constexpr std::uint8_t kTorqueFree = 2;
+  constexpr std::uint8_t kOrbit = 3;
+  return model.orbit.active() ? kOrbit : kTorqueFree;
+}
 
 ModelPacket to_packet(const RigidModel& model,
                       const Eigen::Matrix3d& R_CI,

@@ -14,6 +14,9 @@ namespace polhode::bus {
 inline constexpr std::uint8_t kDynamicsNone = 0;
 inline constexpr std::uint8_t kDynamicsLocal = 1;
 
+/// What an accepted fit assumes, as a value of that field.
+std::uint8_t dynamics_of(const RigidModel& model);
+
 /// A fit at its own reference time; of a refused one, only the reason. The caller sets the frame.
 /// @param R_CI  takes I, in which the model is, to C.
 ModelPacket to_packet(const RigidModel& model, const Eigen::Matrix3d& R_CI, const LengthUnit& unit);

@@ -23,6 +23,7 @@ enum class EventId : std::uint16_t {
   kTargetLost = 3,
   kTargetFoundAgain = 4,
   kTargetFrameNew = 11,
+  kMotionChanged = 12,
   kLoopClosed = 5,
   kScaleKnown = 6,
   kTableFull = 7,
@@ -64,13 +65,14 @@ struct EventRow {
   const char* text;  ///< {0}, {1}: the event's numbers; {}: its word
 };
 
-inline constexpr std::size_t kEventKinds = 36;
+inline constexpr std::size_t kEventKinds = 37;
 inline constexpr std::array<EventRow, kEventKinds> kEvents{{
     {EventId::kStarted, Severity::kInfo, 4, "started", "component {} started, table CRC {0}"},
     {EventId::kTargetAcquired, Severity::kInfo, 4, "target_acquired", "map begun: {0} landmarks, {1} keyframes"},
     {EventId::kTargetLost, Severity::kWarning, 4, "target_lost", "target lost after {0} poses"},
     {EventId::kTargetFoundAgain, Severity::kInfo, 4, "target_found_again", "target found again after {0} frames"},
     {EventId::kTargetFrameNew, Severity::kWarning, 4, "target_frame_new", "map begun anew after {0} frames, in a new frame T and unit, number {1}"},
+    {EventId::kMotionChanged, Severity::kInfo, 4, "motion_changed", "dynamics {0} to {1} (1: local fits, 2: torque-free, 3: in orbit)"},
     {EventId::kLoopClosed, Severity::kInfo, 4, "loop_closed", "{0} loops closed"},
     {EventId::kScaleKnown, Severity::kInfo, 4, "scale_known", "scale known: {0} m per map unit, relative sigma {1}"},
     {EventId::kTableFull, Severity::kWarning, 4, "table_full", "a table was full {0} times"},

@@ -63,6 +63,13 @@ void send_local_prediction(const View& view, BusState* bus) {
 
 }  // namespace
 
+std::uint8_t dynamics_in_force(const View& view) {
+  if (dynamics_hold(view)) {
+    return dynamics_of(view.estimate->model);
+  }
+  return view.motion->rate_valid ? kDynamicsLocal : kDynamicsNone;
+}
+
 void send_model(const View& view, BusState* bus) {
   const MotionState& motion = *view.motion;
   RigidModel model = view.estimate->model;

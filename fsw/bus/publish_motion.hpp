@@ -1,9 +1,14 @@
 // Motion model and predictions on the bus.
 #pragma once
 
+#include <cstdint>
+
 #include "bus/view.hpp"
 
 namespace polhode::bus {
+
+/// What rates and predictions rest on, as a value of the field `dynamics`.
+std::uint8_t dynamics_in_force(const View& view);
 
 /// What is known of the motion at this frame: by the dynamics where they hold, else the local rate
 /// and why they are refused.

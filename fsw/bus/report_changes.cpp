@@ -1,7 +1,9 @@
 #include "bus/report_changes.hpp"
 
 #include "bus/bus_state.hpp"
+#include "bus/dynamics_telemetry.hpp"
 #include "bus/frame_uses.hpp"
+#include "bus/publish_motion.hpp"
 #include "shape/scale_state.hpp"
 
 namespace polhode::bus {
@@ -50,6 +52,17 @@ void report_mode(const View& view, BusState* bus) {
   }
 }
 
+/// What rates and predictions rest on. A frame without either changes nothing.
+void report_motion(const View& view, BusState* bus) {
+  const std::uint8_t now = dynamics_in_force(view);
+  std::uint8_t& reported = bus->reported.dynamics;
+  if (now == kDynamicsNone || now == reported) {
+    return;
+  }
+  tell(EventId::kMotionChanged, reported, now, bus);
+  reported = now;
+}
+
 }  // namespace
 
 void report_changes(const View& view, BusState* bus) {
@@ -63,6 +76,7 @@ void report_changes(const View& view, BusState* bus) {
   }
   report_frame(view, bus);
   report_mode(view, bus);
+  report_motion(view, bus);
   const Counters& now = *view.counters;
   if (now.closures != reported.counters.closures) {
     tell(EventId::kLoopClosed, now.closures - reported.counters.closures, 0.0, bus);

@@ -32,6 +32,7 @@ void reset_map(MapState* state) {
   state->localised.matches.clear();
   state->pose_valid = false;
   state->pose_by_prior = false;
+  state->inliers_last = 0;
 }
 
 }  // namespace polhode

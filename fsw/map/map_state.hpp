@@ -53,6 +53,7 @@ struct MapState {
   LocalisedFrame localised;        ///< this frame's pose and matches
   bool pose_valid = false;         ///< this frame has a pose
   bool pose_by_prior = false;      ///< mostly what the motion so far expects
+  int inliers_last = 0;            ///< of the last pose that features gave
   GrowthWaiting growth;
   LastAdjustment last_adjustment_of_all;
   double moved_rad = 0.0;  ///< by an adjustment taken in this step, under poses given before it

@@ -61,6 +61,12 @@ bool certain(const LocalisedFrame& localised) {
          5 * localised.absolute.inliers >= 3 * static_cast<int>(localised.matches.size());
 }
 
+/// A pose with under half the inliers of the last one. About a wrong prediction some agree with a
+/// pose that lags behind the body, and where the light has changed it is all that there is.
+bool is_thin(const LocalisedFrame& localised, const MapState& s) {
+  return 2 * localised.absolute.inliers < s.inliers_last;
+}
+
 }  // namespace
 
 bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapState* s) {
@@ -95,6 +101,8 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
   // The rotation of one frame to the next is predicted to about a tenth; three circles, each three
   // times the one before, bracket what that leaves.
   const double first_px = std::max(input.localise->search_floor_px, 0.04 * body_px);
+  LocalisedFrame& best = s->scratch.other;
+  best.absolute.inliers = 0;
   // What agrees with the initialisation, in whichever circle, goes before what may contradict it.
   for (const bool start_checks : {true, false}) {
     if (!start_checks && is_young(expected, true) == is_young(expected, false)) {
@@ -104,13 +112,34 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
     for (int i = 0; i < 3; ++i, radius_px *= 3.0) {
       const Result<bool> done = localise_guided(
           localise_input(input, s->map), predicted, radius_px, &s->scratch.localise, &s->localised);
-      if (done && agrees(s->localised, input.localise->inliers_min) &&
-          believable(expected, start_checks, *s)) {
+      if (!done || !agrees(s->localised, input.localise->inliers_min)) {
+        continue;
+      }
+      if (believable(expected, start_checks, *s) && !is_thin(s->localised, *s)) {
         return true;
+      }
+      if (s->localised.absolute.inliers > best.absolute.inliers) {
+        best = s->localised;
       }
     }
   }
-  return false;
+  if (best.absolute.inliers > 0) {
+    s->localised = best;
+  }
+  return best.absolute.inliers > 0 && believable(expected, false, *s);
+}
+
+bool overrule_motion(bool held, MapState* s) {
+  // Poisson: as many sigmas of the larger count.
+  constexpr double kApart_sigmas = 3.0;
+  const LocalisedFrame& best = s->scratch.other;
+  const int more = best.absolute.inliers - (held ? s->localised.absolute.inliers : 0);
+  if (best.absolute.inliers < kInliersAlone || is_thin(best, *s) ||
+      more < kApart_sigmas * std::sqrt(static_cast<double>(best.absolute.inliers))) {
+    return false;
+  }
+  s->localised = best;
+  return true;
 }
 
 bool hold_about(const MapInput& input, const ExpectedPose& expected, MapState* s) {

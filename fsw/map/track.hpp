@@ -21,11 +21,19 @@ struct ExpectedPose {
 bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapState* state);
 
 /// Guided matching about the expected pose, in a circle that grows when too few features agree.
+/// Of poses that contradict the motion so far the one with most inliers is kept for
+/// overrule_motion().
 bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* state);
 
 /// By the few landmarks that agree with the expected pose, and by it: for a view that shows too few
 /// for a pose of its own. Only where the motion behind it has been checked.
 bool hold_about(const MapInput& input, const ExpectedPose& expected, MapState* state);
+
+/// The pose that find_about() has kept, where it is the motion that must err: it has as many
+/// inliers as a pose needs that nothing supports, half of those of the last one, and beyond chance
+/// more than the pose that the motion holds.
+/// @param held  hold_about() has found one.
+bool overrule_motion(bool held, MapState* state);
 
 /// By descriptors alone, over all keyframes.
 bool relocalise_frame(const MapInput& input, MapState* state);

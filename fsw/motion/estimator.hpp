@@ -26,7 +26,16 @@ struct MotionEstimate {
   std::uint32_t poses_since_start =
       0;  ///< found one by one; those of an initialisation are right or wrong together
   std::uint32_t disagreements = 0;  ///< poses in succession that are not where the model has them
+  std::uint32_t departures =
+      0;  ///< poses in succession to which its motion from the last one before does not lead
+  std::uint32_t led_to = 0;                    ///< poses so far to which its motion did lead
+  std::int64_t moves_so_since_ns = INT64_MIN;  ///< it was disturbed then, the last time
 };
+
+/// May one motion be fitted to all poses since then? Not while a pose departs from it.
+inline bool moves_alike_since(std::int64_t timestamp_ns, const MotionEstimate& motion) {
+  return motion.departures == 0 && motion.moves_so_since_ns <= timestamp_ns;
+}
 
 /// What a fit of motion and map together says of the map's drift.
 struct DriftByModel {
@@ -50,12 +59,15 @@ std::optional<Eigen::Matrix3d> take_observer(const std::optional<Eigen::Quaterni
                                  MotionEstimate* motion);
 
 /// A pose in C has been measured, by landmarks alone: does the model bear it out? After three that
-/// it does not it is refused.
-void check_pose(std::int64_t timestamp_ns,
-                const Pose& pose,
-                const PoseCovariance& covariance,
-                const MapDrift& drift,
-                MotionEstimate* motion);
+/// are elsewhere it is refused. After two to which its motion does not lead the body moves
+/// otherwise than before: the model goes, and the poses before these two with it. Where its motion
+/// had led to few poses it is the model that was wrong, and only that goes.
+/// @return has the motion begun anew? Fits that are under way are of the one before.
+[[nodiscard]] bool check_pose(std::int64_t timestamp_ns,
+                              const Pose& pose,
+                              const PoseCovariance& covariance,
+                              const MapDrift& drift,
+                              MotionEstimate* motion);
 
 /// The poses to fit dynamics to, as the map has them now.
 void prepare_fit(const Map& map,
@@ -75,6 +87,9 @@ void take_fit(const RigidModel& model,
 /// The model of a map that was fitted with it as a free body's: it stands for all poses so far.
 /// @return the drift that is left in the map; nothing where the model tells no translation.
 std::optional<DriftByModel> take_joint_fit(const RigidModel& model, MotionEstimate* motion);
+
+/// A fit to more of the pictures has refused the model.
+void refute_model(MotionEstimate* motion);
 
 /// The poses of an initialisation's keyframes, in order of time and in I, come into the past or
 /// replace what is there at their times. The model is dropped.

@@ -25,6 +25,7 @@ struct ResidualLevel {
   double scale2 = 1.0;
   double correlation = 1.0;  ///< poses that tell as much as one independent pose would, >= 1
   std::size_t outliers = 0;
+  std::size_t outliers_at_end = 0;  ///< of the newest, in succession
 };
 
 /// All unknowns: those of the rotation, then those of the translation.

@@ -150,21 +150,25 @@ Result<MotionPrediction> predict_from(const RigidModel& model,
   return out;
 }
 
+double chi2_between(const MotionPrediction& predicted, const PoseSample& sample) {
+  Eigen::Matrix<double, 6, 1> error = Eigen::Matrix<double, 6, 1>::Zero();
+  error.head<3>() = so3_log(sample.pose.R_CT * predicted.pose.R_CT.transpose());
+  if (predicted.translation_known) {
+    error.tail<3>() = sample.pose.p_CT - predicted.pose.p_CT;
+  }
+  const PoseCovariance total = sample.covariance + predicted.covariance;
+  return error.dot(total.ldlt().solve(error));
+}
+
 Result<double> chi2_against(const RigidModel& model,
                             const PoseSample& sample,
                             const PoseCovariance& drift) {
-  const Result<MotionPrediction> predicted = predict_motion(model, sample.timestamp_ns);
+  Result<MotionPrediction> predicted = predict_motion(model, sample.timestamp_ns);
   if (!predicted) {
     return predicted.error();
   }
-  const MotionPrediction& at = predicted.value();
-  Eigen::Matrix<double, 6, 1> error = Eigen::Matrix<double, 6, 1>::Zero();
-  error.head<3>() = so3_log(sample.pose.R_CT * at.pose.R_CT.transpose());
-  PoseCovariance total = sample.covariance + drift + at.covariance;
-  if (at.translation_known) {
-    error.tail<3>() = sample.pose.p_CT - at.pose.p_CT;
-  }
-  return error.dot(total.ldlt().solve(error));
+  predicted.value().covariance += drift;
+  return chi2_between(predicted.value(), sample);
 }
 
 }  // namespace polhode

@@ -74,6 +74,7 @@ ResidualLevel residual_level(const ResidualInput& input) {
     const bool inside = square <= gate2;  // false for NaN
     chi2 += inside ? square : 0.0;
     level.outliers += inside ? 0 : 1;
+    level.outliers_at_end = inside ? 0 : level.outliers_at_end + 1;
   }
   const double count = static_cast<double>(input.residuals.size());
   const double inside = count - static_cast<double>(level.outliers);

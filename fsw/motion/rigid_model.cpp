@@ -17,6 +17,8 @@ namespace {
 constexpr double kChi2PerDofMax = 1.4;
 // Part of the poses. Chosen; with more outliers the rest may be of another motion.
 constexpr double kOutliersMax = 0.3;
+// Of the newest poses: one may be wrong, from two on the body moves otherwise by now.
+constexpr std::size_t kOutliersAtEndMax = 1;
 // Sigma of the released prior: exp(15) as a ratio of moments is open, and yet a finite number.
 constexpr double kReleasedShapeSigma = 10.0 * kModelShapeSigma;
 // The logarithm of a vanishing moment is reached in steps of about one; its released sigma is 15.
@@ -173,7 +175,8 @@ bool take_rotation(const RotationSolution& rotation,
   model.attitude = residual_level(residual_input(poses, snapshot.drift, true, work));
   const double outliers_max = kOutliersMax * static_cast<double>(poses.size());
   if (!(model.attitude.chi2_per_dof < kChi2PerDofMax) ||
-      static_cast<double>(model.attitude.outliers) > outliers_max) {
+      static_cast<double>(model.attitude.outliers) > outliers_max ||
+      model.attitude.outliers_at_end > kOutliersAtEndMax) {
     model.status = ModelStatus::kResidualsTooLarge;
     return false;
   }

@@ -82,6 +82,10 @@ Result<MotionPrediction> predict_from(const RigidModel& model,
                                       const PoseSample& last,
                                       std::int64_t timestamp_ns);
 
+/// chi2 of a pose against a prediction of it, by the covariance of both: 6 numbers, or 3 where the
+/// translation is not known.
+double chi2_between(const MotionPrediction& predicted, const PoseSample& sample);
+
 /// chi2 of a pose against the model, by the covariance of both and the drift: 6 numbers, or 3 where
 /// the translation is not known. @errors Degenerate as above.
 Result<double> chi2_against(const RigidModel& model,

@@ -106,10 +106,14 @@ void prepare_adjustment_of_all(const AdjustmentView& view, MapState* mapping, Ad
   job->motion = view.parameters->motion;
   // What comes while the job is out can only follow as a whole, and the motion reshapes a young
   // map.
+  const auto order = keyframes_by_age(map);
+  const bool alike =
+      order.empty() ||
+      moves_alike_since(map.keyframes[order.back().index()].timestamp_ns, *view.motion);
   const bool old_enough = map.keyframe_count >= 5 * static_cast<int>(view.times.delay_of_all);
   job->of_all = true;
-  job->as_free_body =
-      old_enough && job->motion.mode == MotionMode::kDynamics && job->motion.forgetting_s == 0.0;
+  job->as_free_body = alike && old_enough && job->motion.mode == MotionMode::kDynamics &&
+                      job->motion.forgetting_s == 0.0;
   job->body_radius_mu = map.radius_mu;
   job->model = view.motion->model;
   job->model_unwanted = false;

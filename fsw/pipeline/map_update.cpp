@@ -31,12 +31,19 @@ void take_motion_of_map(const RigidModel& model, Component::State* s) {
 /// to nothing is still to be closed.
 MapCorrection take_over(Component::State* s) {
   const AdjustmentJob& job = s->jobs.adjustment;
-  const MapUpdate update = take_adjusted(job.snapshot, job.usable, job.closed, &s->mapping);
+  // Meanwhile the motion that the poses were bound to may have ended.
+  const bool bound = job.as_free_body && job.model.accepted();
+  const bool usable = job.usable && !(bound && (job.model_unwanted || s->motion.departures > 0));
+  const MapUpdate update = take_adjusted(job.snapshot, usable, job.closed, &s->mapping);
   if (job.closed && !update.applied) {
     s->mapping.growth.closed = true;
   }
-  if (update.applied && job.as_free_body && job.model.accepted() && !job.model_unwanted) {
-    take_motion_of_map(transformed(job.model, update.correction.back), s);
+  if (update.applied && job.as_free_body && !job.model_unwanted) {
+    if (bound) {
+      take_motion_of_map(transformed(job.model, update.correction.back), s);
+    } else if (job.model.status == ModelStatus::kResidualsTooLarge && s->motion.model.of_map) {
+      refute_model(&s->motion);
+    }
   }
   return update.correction;
 }

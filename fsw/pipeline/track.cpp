@@ -34,6 +34,9 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
   }
   const bool held =
       s->mode.now == Mode::kTracking && expected && hold_about(input, *expected, mapping);
+  if (expected && overrule_motion(held, mapping)) {
+    return FoundBy::kFeatures;
+  }
   return held ? FoundBy::kPrior : FoundBy::kNothing;
 }
 
@@ -114,11 +117,16 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
   }
   MapState* mapping = &s->mapping;
   const AbsolutePose& found = mapping->localised.absolute;
-  check_pose(s->clock.timestamp_ns, found.pose, found.covariance, mapping->drift, &s->motion);
+  if (check_pose(s->clock.timestamp_ns, found.pose, found.covariance, mapping->drift, &s->motion)) {
+    invalidate_fits(&s->jobs);
+  }
   const std::optional<PosePrediction> prior = pose_by_joint_model(
       s->motion, s->configuration.parameters.motion, s->clock.timestamp_ns, s->motion.R_IC);
   if (prior) {
     fuse_with_prior(*prior, mapping);
+  }
+  if (found_by == FoundBy::kFeatures) {
+    mapping->inliers_last = found.inliers;
   }
   const bool may_teach = s->picture.verdict.decision == FrameDecision::kUse;
   if (may_teach) {

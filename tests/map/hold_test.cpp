@@ -32,13 +32,13 @@ struct Bench {
   Pose truth = turned(0.3);
 
   /// @param left  mapped spots that are seen.
-  explicit Bench(int left, std::uint64_t seed = 1, int clutter = 0) {
+  /// @param every  of the mapped spots: seven spreads few over the side.
+  explicit Bench(int left, std::uint64_t seed = 1, int clutter = 0, std::size_t every = 7) {
     const SyntheticMap mapped = make_map(body, turn_by(0.12, 6), kNoise_px, 11);
     state->map = *mapped.map;
     Rng rng(seed, 131);
     const Picture all = take_picture(body, truth, kNoise_px, 0, &rng);
-    // Every seventh, so that they are spread over the side.
-    for (std::size_t i = 0; i < all.spot_of.size() && left > 0; i += 7) {
+    for (std::size_t i = 0; i < all.spot_of.size() && left > 0; i += every) {
       if (mapped.landmark_of[static_cast<std::size_t>(all.spot_of[i])].valid()) {
         EXPECT_TRUE(picture.features->push_back((*all.features)[i]));
         --left;
@@ -174,6 +174,62 @@ TEST(HoldAbout, HoldsNothing_WhereThePredictionIsOffByMoreThanItSays) {
     EXPECT_FALSE(b.hold(b.expected(0.0, 0.15))) << "28 px: seed " << seed;
     EXPECT_FALSE(b.hold(b.expected(0.15))) << "28 px in the middle: seed " << seed;
   }
+}
+
+// So many features that are nothing leave no pose the two thirds of its matches that need no
+// motion.
+constexpr int kClutter = 800;
+
+/// Half of the features are of other spots, as glints are: a pose with half of its matches needs
+/// the motion's word.
+void displace_half(Bench* b) {
+  Rng rng(3, 17);
+  Features& features = *b->picture.features;
+  for (std::size_t i = 0; i < features.size(); i += 2) {
+    const double direction_rad = 6.283 * rng.uniform();
+    features[i].u_px += static_cast<float>(3.0 * std::cos(direction_rad));
+    features[i].v_px += static_cast<float>(3.0 * std::sin(direction_rad));
+    features[i].normalised = undistort(
+        b->model, {static_cast<double>(features[i].u_px), static_cast<double>(features[i].v_px)});
+  }
+}
+
+/// What tracking does where features give no pose that the motion bears out.
+bool overruled(const ExpectedPose& e, Bench* b) {
+  displace_half(b);
+  EXPECT_FALSE(find_about(b->input(), e, b->state.get()));
+  return overrule_motion(b->hold(e), b->state.get());
+}
+
+TEST(OverruleMotion, TakesThePoseOfManyLandmarks_WhereTheBodyWasTouched) {
+  Bench b(100, 1, 0, 1);
+  b.state->inliers_last = 55;
+  EXPECT_TRUE(overruled(b.expected(0.15), &b));
+  EXPECT_LT(b.error_rad(), 0.01);
+  EXPECT_GT(b.state->localised.absolute.inliers, 40);
+}
+
+TEST(OverruleMotion, KeepsTheMotion_WhereLessIsSeenThanBefore) {
+  Bench b(100, 1, 0, 1);
+  b.state->inliers_last = 150;
+  EXPECT_FALSE(overruled(b.expected(0.15), &b));
+}
+
+TEST(OverruleMotion, KeepsTheMotion_WhereFewLandmarksContradictIt) {
+  Bench b(50, 1, 0, 1);
+  b.state->inliers_last = 25;
+  EXPECT_FALSE(overruled(b.expected(0.15), &b));
+}
+
+TEST(OverruleMotion, KeepsTheMotion_WhereItHoldsNearlyAsMany) {
+  Bench b(100, 1, 0, 1);
+  b.state->inliers_last = 55;
+  const ExpectedPose e = b.expected(0.15);
+  displace_half(&b);
+  EXPECT_FALSE(find_about(b.input(), e, b.state.get()));
+  ASSERT_FALSE(b.state->scratch.other.matches.empty());
+  b.state->localised.absolute.inliers = b.state->scratch.other.absolute.inliers - 5;
+  EXPECT_FALSE(overrule_motion(true, b.state.get()));
 }
 
 TEST(LocaliseWithPrior, LooksAsFarAsThePriorsErrorReaches) {

@@ -264,6 +264,7 @@ EVENTS = {
     3: ("target_lost", "WARNING"),
     4: ("target_found_again", "INFO"),
     11: ("target_frame_new", "WARNING"),
+    12: ("motion_changed", "INFO"),
     5: ("loop_closed", "INFO"),
     6: ("scale_known", "INFO"),
     7: ("table_full", "WARNING"),

@@ -1,0 +1,120 @@
+// A body that is touched, and moves otherwise from then on.
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "geometry/so3.hpp"
+#include "motion/estimator.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr double kStep_rad = 0.1;
+constexpr double kSigma_rad = 1e-3;
+const PoseCovariance kCovariance = kSigma_rad * kSigma_rad * PoseCovariance::Identity();
+
+Pose pose_at(double angle_rad) {
+  return {.R_CT = so3_exp(angle_rad * Eigen::Vector3d(0.0, 1.0, 0.0)), .p_CT = {0.0, 0.0, 8.0}};
+}
+
+/// A body whose steady turn has been fitted, and then seen for so many poses more.
+struct Bench {
+  std::unique_ptr<MotionEstimate> motion = std::make_unique<MotionEstimate>();
+  std::unique_ptr<Map> map = std::make_unique<Map>();
+  std::int64_t now_ns = 0;
+  double angle_rad = 0.0;
+
+  explicit Bench(int poses_since_fit) {
+    for (int i = 0; i < 20; ++i) {
+      (void)show(kStep_rad);
+    }
+    auto snapshot = std::make_unique<MotionSnapshot>();
+    auto work = std::make_unique<MotionWorkspace>();
+    prepare_fit(*map, {}, {}, motion.get(), snapshot.get());
+    take_fit(fit_rigid_model(*snapshot, *work), now_ns, 20, {}, motion.get());
+    EXPECT_TRUE(motion->model.accepted());
+    for (int i = 0; i < poses_since_fit; ++i) {
+      EXPECT_FALSE(show(kStep_rad));
+    }
+  }
+
+  /// The next pose, so far on and beside that by an error of its own. @return begun anew?
+  bool show(double step_rad, double error_rad = 0.0) {
+    now_ns += kSecond_ns;
+    angle_rad += step_rad;
+    const Pose pose = pose_at(angle_rad + error_rad);
+    const bool anew = check_pose(now_ns, pose, kCovariance, {}, motion.get());
+    (void)remember_pose(now_ns, pose, kCovariance, {}, motion.get());
+    return anew;
+  }
+
+  [[nodiscard]] Result<RateEstimate> rates() const { return rates_now(*motion, {}, {}); }
+};
+
+TEST(Disturbance, IsToldByTwoPoses_AndWhatWasBeforeIsForgotten) {
+  Bench b(16);
+  const std::int64_t before_ns = b.now_ns;
+  EXPECT_FALSE(b.show(1.33 * kStep_rad)) << "it may be a wrong pose";
+  EXPECT_FALSE(b.rates().ok()) << "neither rate is known";
+  EXPECT_FALSE(moves_alike_since(0, *b.motion));
+  EXPECT_TRUE(b.show(1.33 * kStep_rad));
+  EXPECT_FALSE(b.motion->model.accepted());
+  EXPECT_EQ(b.motion->recent[0].timestamp_ns, before_ns + kSecond_ns);
+  EXPECT_EQ(b.motion->past[0].timestamp_ns, before_ns + kSecond_ns);
+  EXPECT_FALSE(moves_alike_since(before_ns, *b.motion));
+  EXPECT_TRUE(moves_alike_since(before_ns + kSecond_ns, *b.motion));
+  const Result<RateEstimate> rates = b.rates();
+  ASSERT_TRUE(rates.ok());
+  EXPECT_NEAR(rates.value().w_T_rad_s.y(), 1.33 * kStep_rad, 3.0 * kSigma_rad);
+}
+
+TEST(Disturbance, IsToldWhereTheBodyTurnsBack) {
+  Bench b(16);
+  EXPECT_FALSE(b.show(-kStep_rad));
+  EXPECT_TRUE(b.show(-kStep_rad));
+  ASSERT_TRUE(b.rates().ok());
+  EXPECT_NEAR(b.rates().value().w_T_rad_s.y(), -kStep_rad, 3.0 * kSigma_rad);
+}
+
+TEST(Disturbance, IsNotOneWrongPose) {
+  Bench b(16);
+  EXPECT_FALSE(b.show(kStep_rad, 0.3));
+  EXPECT_FALSE(b.show(kStep_rad)) << "judged from the last pose that was right";
+  EXPECT_EQ(b.motion->departures, 0U);
+  EXPECT_TRUE(b.motion->model.accepted());
+  ASSERT_TRUE(b.rates().ok());
+  EXPECT_NEAR(b.rates().value().w_T_rad_s.y(), kStep_rad, kSigma_rad);
+}
+
+TEST(Disturbance, OfAMotionThatLedNowhereYet_IsTheModelsFault) {
+  Bench b(2);
+  EXPECT_FALSE(b.show(1.33 * kStep_rad));
+  EXPECT_FALSE(b.show(1.33 * kStep_rad));
+  EXPECT_FALSE(b.motion->model.accepted());
+  EXPECT_EQ(b.motion->recent.size(), 24U) << "the poses stay";
+  EXPECT_TRUE(moves_alike_since(0, *b.motion));
+}
+
+TEST(Disturbance, IsForgottenWithTheTarget) {
+  Bench b(16);
+  (void)b.show(1.33 * kStep_rad);
+  (void)b.show(1.33 * kStep_rad);
+  reset_poses(b.motion.get());
+  EXPECT_TRUE(moves_alike_since(INT64_MIN, *b.motion));
+}
+
+TEST(Disturbance, InTheNewestPosesIsNotFittedOver) {
+  Bench b(0);
+  auto snapshot = std::make_unique<MotionSnapshot>();
+  auto work = std::make_unique<MotionWorkspace>();
+  prepare_fit(*b.map, {}, {}, b.motion.get(), snapshot.get());
+  PoseHistory& poses = snapshot->poses;
+  poses[poses.size() - 1].pose = pose_at(b.angle_rad + 0.2);
+  EXPECT_TRUE(fit_rigid_model(*snapshot, *work).accepted()) << "one may be wrong";
+  poses[poses.size() - 2].pose = pose_at(b.angle_rad - kStep_rad + 0.1);
+  EXPECT_EQ(fit_rigid_model(*snapshot, *work).status, ModelStatus::kResidualsTooLarge);
+}
+
+}  // namespace
+}  // namespace polhode
