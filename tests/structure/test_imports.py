@@ -10,7 +10,8 @@ from source_tree import REPOSITORY, name_of, source_files
 PACKAGE_OF = {"PIL": "pillow", "cv2": "opencv-python-headless", "yaml": "pyyaml", "yamcs": "yamcs-client",
               "websocket": "websocket-client", "dask_jobqueue": "dask-jobqueue"}
 # Run inside a program or an environment that brings them: Blender's own Python, COLMAP's virtual environment.
-BROUGHT = {"bpy": "hil/scenes/", "mathutils": "hil/scenes/", "pycolmap": "hil/judge/colmap_worker.py"}
+BROUGHT = {"bpy": "hil/scenes/", "mathutils": "hil/scenes/",
+           "pycolmap": ("hil/judge/colmap_worker.py", "tools/importing/colmap_project_worker.py", "tools/importing/focal_worker.py")}
 
 
 def modules_of(file):
