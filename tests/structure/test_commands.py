@@ -53,6 +53,8 @@ def test_its_help_is_printed_by_its_path(file, tmp_path):
     ("tools/import_sequence.py", [SAMPLE], "SEQ is needed, or --intrinsics auto"),
     ("tools/import_sequence.py", [SAMPLE, "OUT", "--step", "0"], "--step: 0: allowed is a whole number of at least 1"),
     ("tools/import_sequence.py", [SAMPLE, "OUT", "--rate-hz", "nan"], "--rate-hz: nan: not a number"),
+    ("tools/report.py", ["NOT_THERE"], "NOT_THERE: no such run folder"),
+    ("tools/report.py", ["FOLDER"], "holds neither motion.csv nor motion_smoothed.csv"),
     ("tools/benchmark_table.py", ["NOT_THERE"], "NOT_THERE: No such file"),
     ("tools/benchmark_table.py", ["FILE"], "not a replay's summary.json"),
     ("tools/junit_totals.py", ["NOT_THERE"], "NOT_THERE: No such file"),

@@ -1,0 +1,48 @@
+#!/usr/bin/env python3
+"""Makes one page of a run that needs no other file: DIR/report.html.
+
+It says in words what was found, warnings first, and shows modes, rates, velocity, errors where the truth is known, the
+motion as a law with its prediction, the cloud in three dimensions, frames with the outline drawn in, and what it cost.
+
+Examples:
+  tools/report.py DIR
+  tools/report.py DIR --sequence SEQ --truth truth.csv --out page.html
+"""
+
+import argparse
+import pathlib
+import sys
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(REPOSITORY / "hil"), str(REPOSITORY / "tools")]
+from judge.venv import enter_venv, run_main  # noqa: E402
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter,
+                                     epilog="Exit status: 0 made, also of a run that never acquired; 2 unusable input (one line says which).")
+    parser.add_argument("run", metavar="DIR", type=pathlib.Path, help="output folder of a replay")
+    parser.add_argument("--sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder (default: the one that DIR/summary.json names)")
+    parser.add_argument("--truth", metavar="FILE", type=pathlib.Path, help="truth (default: SEQ/truth.csv if it is there)")
+    parser.add_argument("--out", metavar="FILE", type=pathlib.Path, help="the page (default: DIR/report.html)")
+    return parser.parse_args()
+
+
+def main() -> int:
+    options = arguments()
+    from judge.errors import BadInput
+    from reporting.gather import gather
+    from reporting.page import page
+    text = page(gather(options.run, options.sequence, options.truth))
+    out = options.out or options.run / "report.html"
+    try:
+        out.write_text(text, encoding="utf-8")
+    except OSError as problem:
+        raise BadInput(f"{out}: {problem.strerror}") from None
+    print(out)
+    return 0
+
+
+if __name__ == "__main__":
+    enter_venv()
+    run_main(main, "report")
