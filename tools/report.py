@@ -6,6 +6,7 @@ motion as a law with its prediction, the cloud in three dimensions, frames with 
 
 Examples:
   tools/report.py DIR
+  tools/report.py DIR --video run.mp4
   tools/report.py DIR --sequence SEQ --truth truth.csv --out page.html
 """
 
@@ -25,6 +26,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder (default: the one that DIR/summary.json names)")
     parser.add_argument("--truth", metavar="FILE", type=pathlib.Path, help="truth (default: SEQ/truth.csv if it is there)")
     parser.add_argument("--out", metavar="FILE", type=pathlib.Path, help="the page (default: DIR/report.html)")
+    parser.add_argument("--video", metavar="FILE.mp4", type=pathlib.Path, help="also write the sequence with surface, outline, axes and tracks drawn in")
     return parser.parse_args()
 
 
@@ -33,13 +35,17 @@ def main() -> int:
     from judge.errors import BadInput
     from reporting.gather import gather
     from reporting.page import page
-    text = page(gather(options.run, options.sequence, options.truth))
+    material = gather(options.run, options.sequence, options.truth)
+    text = page(material)
     out = options.out or options.run / "report.html"
     try:
         out.write_text(text, encoding="utf-8")
     except OSError as problem:
         raise BadInput(f"{out}: {problem.strerror}") from None
     print(out)
+    if options.video is not None:
+        from reporting.video import write_video
+        print(f"{options.video}: {write_video(material, options.video)} frames")
     return 0
 
 

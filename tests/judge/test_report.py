@@ -160,3 +160,30 @@ def test_a_browser_shows_it_without_errors(run, tmp_path, width_px):
         shown.screenshot(tmp_path / "page.png")
     from PIL import Image
     assert np.asarray(Image.open(tmp_path / "page.png").convert("L")).std() > 20
+
+
+def test_a_video_shows_the_frames_with_what_was_found(made, run, tmp_path):
+    import av
+    (run / "surface.ply").write_bytes((made[0] / "model.ply").read_bytes())
+    status, err = report(run, "--video", tmp_path / "run.mp4")
+    assert status == 0, err
+    from judge.sequence import read_sequence
+    with av.open(str(tmp_path / "run.mp4")) as container:
+        shown = [frame.to_ndarray(format="rgb24").astype(int) for frame in container.decode(video=0)]
+    assert len(shown) == 40
+    sequence = read_sequence(made[0])
+    coloured = [np.ptp(frame, axis=2) > 60 for frame in shown]  # frames are gray: colour is what was drawn
+    assert coloured[0].sum() < coloured[20].sum() and coloured[20].sum() > 300  # frame 0 has no pose
+    body = sequence.read_gray(20) > 100
+    drawn = np.flatnonzero(coloured[20].any(axis=0))
+    seen = np.flatnonzero(body.any(axis=0))
+    assert abs(drawn[0] - seen[0]) < 25 and abs(drawn[-1] - seen[-1]) < 60  # the axes stand out to one side
+
+
+def test_a_video_that_cannot_be_made_is_refused(run, tmp_path):
+    status, err = report(run, "--video", "/nonexistent/run.mp4")
+    assert status == 2 and "--video /nonexistent/run.mp4" in err and err.count("\n") == 1
+    summary = json.loads((run / "summary.json").read_text())
+    (run / "summary.json").write_text(json.dumps(summary | {"sequence": ""}))
+    status, err = report(run, "--video", tmp_path / "run.mp4")
+    assert status == 2 and "names no sequence" in err
