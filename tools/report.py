@@ -6,6 +6,7 @@ motion as a law with its prediction, the cloud in three dimensions, frames with 
 
 Examples:
   tools/report.py DIR
+  tools/report.py DIR --replay SEQ         replays first
   tools/report.py DIR --video run.mp4
   tools/report.py DIR --sequence SEQ --truth truth.csv --out page.html
 """
@@ -26,6 +27,8 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder (default: the one that DIR/summary.json names)")
     parser.add_argument("--truth", metavar="FILE", type=pathlib.Path, help="truth (default: SEQ/truth.csv if it is there)")
     parser.add_argument("--out", metavar="FILE", type=pathlib.Path, help="the page (default: DIR/report.html)")
+    parser.add_argument("--replay", metavar="SEQ", type=pathlib.Path, help="replay this sequence into DIR first, as `polhode replay` does with config/default.toml")
+    parser.add_argument("--set", metavar="key=value", action="append", default=[], help="a setting for --replay, as in --set scale.known_length_m=0.6")
     parser.add_argument("--video", metavar="FILE.mp4", type=pathlib.Path, help="also write the sequence with surface, outline, axes and tracks drawn in")
     return parser.parse_args()
 
@@ -35,6 +38,12 @@ def main() -> int:
     from judge.errors import BadInput
     from reporting.gather import gather
     from reporting.page import page
+    if options.set and options.replay is None:
+        raise BadInput("--set: is for --replay")
+    if options.replay is not None:
+        from judge.replay import replay
+        print(f"replaying {options.replay}", file=sys.stderr)
+        replay(options.replay, options.run, options.set)
     material = gather(options.run, options.sequence, options.truth)
     text = page(material)
     out = options.out or options.run / "report.html"
