@@ -4,7 +4,7 @@
 Prints one table: coverage, attitude, position, angular velocity and its periods, linear velocity, shape, consistency of
 the published sigmas, cost; and says which runs follow the depth-reversed twin of the truth. motion.csv ("causal", what
 flies) and motion_smoothed.csv ("smoothed", to set beside offline systems) are both judged, after one constant rotation
-for attitude and one scale and offset for positions.
+for attitude and one scale and offset for positions. Writes RUN/truth.tum, for tools that read trajectories (docs/trajectories.md).
 """
 
 import argparse
@@ -50,6 +50,15 @@ def write_plots(folder: pathlib.Path, runs: list, truth) -> None:
             print(path)
 
 
+def write_truth(folder: pathlib.Path, truth) -> None:
+    """RUN/truth.tum beside the run's causal.tum and smoothed.tum; a remark where RUN may not be written to."""
+    from judge.trajectory import write_tum
+    try:
+        write_tum(folder / "truth.tum", truth)
+    except OSError as problem:
+        print(f"evaluate: {folder / 'truth.tum'}: {problem.strerror}, left out", file=sys.stderr)
+
+
 def main() -> int:
     options = arguments()
     from judge import report
@@ -60,6 +69,8 @@ def main() -> int:
     runs = [read_run(folder) for folder in (options.run, *options.vs)]
     reports = [judge_run(run, sequence, truth) for run in runs]
     print(report.text_report(reports))
+    for run in runs:
+        write_truth(run.folder, truth)
     if options.json:
         write_json(options.json, reports)
     if options.plots:

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Calibrates a camera from pictures of a chessboard or ChArUco board.
+"""Calibrates a camera from pictures or a video of a chessboard or ChArUco board.
 
 usage: calibrate_camera.py --board chessboard --squares 10x7 --square-m 0.03 --out sensor.yaml PICTURE...
        calibrate_camera.py --board charuco --squares 10x7 --square-m 0.03 --marker-m 0.022 --out sensor.yaml PICTURE...
 
 Twenty pictures with the board tilted by 30 to 45 deg in all directions and in all corners of the picture are good, five the least.
+A video counts as 40 pictures, spread over it. Move slowly: a rolling shutter bends what moves.
 Writes sensor.yaml (ASL layout, as `polhode replay` reads it), beside it a picture of the residuals, and prints the same values
 as a [camera] section for `polhode run`. Status 1: the pictures do not determine the camera; 2: unusable arguments.
 """
@@ -17,6 +18,7 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(REPOSITORY / "hil"), str(REPOSITORY / "tools")]
 from judge.venv import enter_venv, run_main  # noqa: E402
 
+VIDEO_FRAMES = 40  # of a video: more views hardly tell more, and each is searched for the board
 SENSOR = """\
 # From {views} pictures, RMS residual {rms:.3f} px. 1 sigma: fu {sfu:.2f}, fv {sfv:.2f}, cu {scu:.2f}, cv {scv:.2f} px
 sensor_type: camera
@@ -74,20 +76,38 @@ def parse() -> argparse.Namespace:
     return parsed
 
 
-def find_views(files: list[pathlib.Path], board) -> tuple[list, tuple[int, int]]:
+def pictures_of(files: list[pathlib.Path]):
+    """(name, gray [H,W]) of each picture; of a video one frame in each part of it, as many parts as VIDEO_FRAMES."""
     import cv2
+    from calibration.solve import NotCalibrated
+    from importing.source import Options
+    from importing.video import open_video
+    from judge.errors import BadInput
+    for file in files:
+        gray = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE)
+        if gray is not None:
+            yield file.name, gray
+            continue
+        try:
+            count = sum(1 for _ in open_video(file, Options()).frames)  # containers do not always tell it
+            step = max(1, count // VIDEO_FRAMES)
+            for number, frame in enumerate(open_video(file, Options()).frames):
+                if number % step == 0:
+                    yield f"{file.name}, frame {number}", frame.pixels
+        except BadInput:
+            raise NotCalibrated(f"{file}: not a picture, nor a video") from None
+
+
+def find_views(files: list[pathlib.Path], board) -> tuple[list, tuple[int, int]]:
     from calibration.boards import find_view
     from calibration.solve import NotCalibrated
     views, size = [], None
-    for file in files:
-        gray = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE)
-        if gray is None:
-            raise NotCalibrated(f"{file}: not a picture")
+    for name, gray in pictures_of(files):
         size = size or gray.shape[::-1]
         if gray.shape[::-1] != size:
-            raise NotCalibrated(f"{file}: {gray.shape[1]}x{gray.shape[0]}, but the pictures before it are {size[0]}x{size[1]}")
-        view = find_view(str(file), gray, board)
-        print(f"{file.name}: {f'{len(view.image_px)} corners' if view else 'board not found'}")
+            raise NotCalibrated(f"{name}: {gray.shape[1]}x{gray.shape[0]}, but the pictures before it are {size[0]}x{size[1]}")
+        view = find_view(name, gray, board)
+        print(f"{name}: {f'{len(view.image_px)} corners' if view else 'board not found'}")
         if view is not None:
             views.append(view)
     return views, size

@@ -20,6 +20,7 @@ say "judgement against the truth"
 
 say "pictures"
 .venv/bin/python tools/plot_replay.py "$OUT" --sequence "$SEQUENCE" --truth "$SEQUENCE/truth.csv"
+.venv/bin/python tools/report.py "$OUT" --sequence "$SEQUENCE"
 
 say "found"
 .venv/bin/python - "$OUT/summary.json" <<'PYTHON'
@@ -30,4 +31,4 @@ print(summary["result"])
 print(f"A frame takes {step['p50_us'] / 1000:.1f} ms (median), {step['max_us'] / 1000:.1f} ms at most; "
       f"the process takes {memory['peak_resident_octets'] / 1e6:.0f} MB at most.")
 PYTHON
-say "pictures are in $OUT/plots, all other results in $OUT"
+say "open $OUT/report.html in a browser; pictures are in $OUT/plots, all other results in $OUT"

@@ -3,6 +3,7 @@
 #   tools/setup.sh            the distribution's packages that the build needs, and the Python side of the tools in .venv
 #   tools/setup.sh renderer   only Blender, for hil/render_scene.sh, which calls this by itself
 #   tools/setup.sh colmap     only COLMAP in .venv-colmap, for hil/compare_colmap.py, which calls this by itself
+#   tools/setup.sh extras     only what single tests and exports need beyond that (tools/requirements-extras.txt), into .venv
 #   tools/setup.sh campaign   only what hil/campaign.py needs, into .venv, which calls this by itself
 #   tools/setup.sh arm64      only what builds and runs arm64 programs here, for tools/check_arm64.sh, which calls this by itself
 set -euo pipefail
@@ -123,6 +124,10 @@ case ${1:-} in
     install_packages python3 python3-venv
     install_python_side .venv tools/requirements.txt
     install_python_side .venv tools/requirements-campaign.txt ;;
+  extras)
+    install_packages python3 python3-venv
+    install_python_side .venv tools/requirements.txt
+    install_python_side .venv tools/requirements-extras.txt ;;
   colmap)
     install_packages "${COLMAP_PACKAGES[@]}"
     install_python_side .venv-colmap tools/requirements-colmap.txt ;;
@@ -130,8 +135,8 @@ case ${1:-} in
     install_packages "${ARM64_PACKAGES[@]}"
     make_sysroot ;;
   -h | --help)
-    sed -n '2,7s/^# //p' "$0" ;;
+    sed -n '2,8s/^# //p' "$0" ;;
   *)
-    echo "setup: unknown part '$1'; allowed: renderer, campaign, colmap, arm64, or nothing" >&2
+    echo "setup: unknown part '$1'; allowed: renderer, extras, campaign, colmap, arm64, or nothing" >&2
     exit 2 ;;
 esac

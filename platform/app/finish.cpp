@@ -228,6 +228,8 @@ void write_smoothed(const std::vector<MotionState>& smoothed,
   }
   table.close();
   write_trajectory(folder / "trajectory.tum", smoothed);
+  write_last_trajectory(folder / "smoothed.tum", smoothed);
+  write_last_trajectory(folder / "causal.tum", log.published);
 }
 
 }  // namespace

@@ -19,9 +19,9 @@ struct ReplayLog {
   const ServicerAttitude& servicer;
 };
 
-/// Writes motion_smoothed.csv, trajectory.tum, the clouds, shape.json and motion_model.json into
-/// `folder`. Lengths and poses in them are in the target's body frame: origin in the centroid, axes
-/// from the shape (T's own where no shape was found).
+/// Writes motion_smoothed.csv, the trajectories (*.tum), the clouds, shape.json and
+/// motion_model.json into `folder`. Lengths and poses in them are in the target's body frame:
+/// origin in the centroid, axes from the shape (T's own where no shape was found).
 void finish_replay(Component& component,
                    const Sequence& sequence,
                    const ReplayLog& log,

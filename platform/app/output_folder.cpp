@@ -18,6 +18,8 @@ constexpr const char* kOwnFiles[] = {
     "motion.csv",
     "motion_smoothed.csv",
     "trajectory.tum",
+    "causal.tum",
+    "smoothed.tum",
     "cloud_raw.ply",
     "cloud.ply",
     "surface.ply",

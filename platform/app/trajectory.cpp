@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "output_file.hpp"
 
@@ -34,6 +35,19 @@ void write_trajectory(const std::filesystem::path& file, std::span<const MotionS
   OutputFile out(file);
   for (const MotionState& state : motion) {
     out.write(tum_line(state));
+  }
+  out.close();
+}
+
+void write_last_trajectory(const std::filesystem::path& file, std::span<const MotionState> motion) {
+  OutputFile out(file);
+  const auto last = std::find_if(
+      motion.rbegin(), motion.rend(), [](const MotionState& state) { return state.pose_valid; });
+  for (const MotionState& state : motion) {
+    if (state.pose_valid && state.target_frame == last->target_frame &&
+        state.scale_known == last->scale_known) {
+      out.write(tum_line(state));
+    }
   }
   out.close();
 }

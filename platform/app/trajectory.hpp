@@ -1,4 +1,4 @@
-// trajectory.tum: the camera's path in the target frame, as trajectory tools read it.
+// *.tum: the camera's path in the target frame, as trajectory tools read it.
 #pragma once
 
 #include <filesystem>
@@ -14,5 +14,9 @@ std::string tum_line(const MotionState& motion);
 
 /// One line a frame with a pose.
 void write_trajectory(const std::filesystem::path& file, std::span<const MotionState> motion);
+
+/// One line a frame whose pose is in the target frame and the unit of length of the last pose: what
+/// one alignment can be fitted to.
+void write_last_trajectory(const std::filesystem::path& file, std::span<const MotionState> motion);
 
 }  // namespace polhode::platform

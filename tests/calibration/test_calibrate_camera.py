@@ -105,3 +105,22 @@ def test_pictures_of_different_sizes_are_refused(tmp_path):
                                        ["--board", "circles", "--out", "s.yaml", "x.png"]])
 def test_unusable_arguments(arguments):
     assert run(*arguments).returncode == 2
+
+
+def test_a_video_of_the_board_does_as_well(tmp_path):
+    """Each picture for two frames: of 18 frames all are looked at, and the codec moves corners by little."""
+    sys.path.insert(0, str(REPOSITORY / "tests/importing"))
+    from made_sources import write_video
+    files = take_pictures(tmp_path, "chessboard")
+    frames = [cv2.imread(str(file), cv2.IMREAD_GRAYSCALE) for file in files for _ in range(2)]
+    write_video(tmp_path / "board.mp4", frames, [i / 10 for i in range(len(frames))])
+    done = run("--board", "chessboard", "--out", tmp_path / "sensor.yaml", tmp_path / "board.mp4")
+    assert done.returncode == 0, done.stderr
+    assert "board.mp4, frame 4:" in done.stdout
+    assert pixel_error(*read_sensor(tmp_path / "sensor.yaml")) < 3.0  # as for the pictures themselves
+
+
+def test_what_is_neither_picture_nor_video_is_named(tmp_path):
+    (tmp_path / "notes.txt").write_text("no picture")
+    done = run("--board", "chessboard", "--out", tmp_path / "sensor.yaml", tmp_path / "notes.txt")
+    assert done.returncode == 1 and "notes.txt: not a picture, nor a video" in done.stderr and done.stderr.count("\n") == 1

@@ -46,6 +46,25 @@ TEST(Trajectory, LeavesOutFramesWithoutAPose) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
 }
 
+TEST(Trajectory, OfTheLastFrameTAndUnitAlone) {
+  const TemporaryFolder folder;
+  MotionState states[6];
+  for (std::int64_t i = 0; i < 6; ++i) {
+    states[i].timestamp_ns = i;
+    states[i].pose_valid = i != 3 && i != 5;
+    states[i].target_frame = i < 1 ? 1 : 2;
+    states[i].scale_known = i >= 2;
+  }
+  write_last_trajectory(folder.path() / "t.tum", states);
+  const std::string text = content(folder.path() / "t.tum");
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
+            2);  // 0: another T; 1: map units; 3 and 5: no pose
+  EXPECT_EQ(text.find("0.000000002 "), 0U);
+  EXPECT_NE(text.find("\n0.000000004 "), std::string::npos);
+  write_last_trajectory(folder.path() / "none.tum", std::span(states).subspan(3, 1));
+  EXPECT_EQ(content(folder.path() / "none.tum"), "");
+}
+
 TEST(Ply, HoldsWhatItsHeaderSays) {
   const TemporaryFolder folder;
   const Eigen::Vector3d points[] = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}};

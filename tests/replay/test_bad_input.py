@@ -23,17 +23,24 @@ def test_absent_folder(replay, tmp_path):
 
 def test_folder_that_is_no_sequence(replay, tmp_path):
     (tmp_path / "photos").mkdir()
-    refused(replay(tmp_path / "photos"), "photos: not an image sequence: mav0/cam0/data.csv is missing")
+    refused(replay(tmp_path / "photos"), "photos: not an image sequence: mav0/cam0/data.csv is missing",
+            "tools/import_sequence.py SOURCE SEQ")
 
 
 def test_file_instead_of_folder(replay, tmp_path):
     (tmp_path / "film.avi").write_bytes(b"RIFF")
-    refused(replay(tmp_path / "film.avi"), "film.avi: no such folder")
+    refused(replay(tmp_path / "film.avi"), "film.avi: a file, no such folder", "tools/import_sequence.py SOURCE SEQ")
 
 
 def test_missing_sensor_yaml(replay, sequence):
     (sequence.camera / "sensor.yaml").unlink()
     refused(replay(sequence.path), "sensor.yaml: no such file, or not readable")
+
+
+def test_intrinsics_that_are_yet_to_be_estimated(replay, sequence):
+    text = (sequence.camera / "sensor.yaml").read_text()
+    sequence.sensor("".join("intrinsics: auto\n" if line.startswith("intrinsics") else line for line in text.splitlines(True)))
+    refused(replay(sequence.path), "intrinsics: 'auto', allowed are 4 numbers", f"tools/import_sequence.py {sequence.path} --intrinsics auto")
 
 
 @pytest.mark.parametrize(

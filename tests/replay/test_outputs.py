@@ -18,7 +18,7 @@ HEADER = (
     "sigma_att_rad,sigma_pos,sigma_vel,sigma_rate_rad_s,features,matches,inliers,landmarks,keyframes,step_us,target_frame"
 )
 FILES = {
-    "motion.csv", "motion_smoothed.csv", "trajectory.tum", "cloud_raw.ply", "cloud.ply", "surface.ply", "shape.json",
+    "motion.csv", "motion_smoothed.csv", "trajectory.tum", "causal.tum", "smoothed.tum", "cloud_raw.ply", "cloud.ply", "surface.ply", "shape.json",
     "motion_model.json", "bus.ccsds", "summary.json", "observations.csv", ".polhode-replay",
 }
 GROUPS = {

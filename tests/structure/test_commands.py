@@ -17,7 +17,7 @@ COMMANDS = [file for file in source_files("hil", "tools", suffixes=(".py",)) if 
 
 def test_commands_are_found_at_all():
     names = {name_of(file) for file in COMMANDS}
-    assert {"hil/evaluate.py", "tools/plot_replay.py", "tools/calibrate_camera.py", "tools/sequence_to_mcap.py"} <= names
+    assert {"hil/evaluate.py", "tools/plot_replay.py", "tools/import_sequence.py", "tools/calibrate_camera.py", "tools/sequence_to_mcap.py"} <= names
 
 
 @pytest.mark.parametrize("file", COMMANDS, ids=name_of)
@@ -49,6 +49,12 @@ def test_its_help_is_printed_by_its_path(file, tmp_path):
     ("tools/scale_sequence.py", ["NOT_THERE", "OUT", "--width", "20", "--height", "20"], "NOT_THERE: no sequence"),
     ("tools/scale_sequence.py", [SAMPLE, SAMPLE, "--width", "20", "--height", "20"], "is there already"),
     ("tools/scale_sequence.py", [SAMPLE, "OUT", "--width", "-1", "--height", "20"], "--width: -1: out of range, allowed is 1 .. 8192"),
+    ("tools/import_sequence.py", ["NOT_THERE", "OUT"], "NOT_THERE: not there; expected a video"),
+    ("tools/import_sequence.py", [SAMPLE], "SEQ is needed, or --intrinsics auto"),
+    ("tools/import_sequence.py", [SAMPLE, "OUT", "--step", "0"], "--step: 0: allowed is a whole number of at least 1"),
+    ("tools/import_sequence.py", [SAMPLE, "OUT", "--rate-hz", "nan"], "--rate-hz: nan: not a number"),
+    ("tools/report.py", ["NOT_THERE"], "NOT_THERE: no such run folder"),
+    ("tools/report.py", ["FOLDER"], "holds neither motion.csv nor motion_smoothed.csv"),
     ("tools/benchmark_table.py", ["NOT_THERE"], "NOT_THERE: No such file"),
     ("tools/benchmark_table.py", ["FILE"], "not a replay's summary.json"),
     ("tools/junit_totals.py", ["NOT_THERE"], "NOT_THERE: No such file"),

@@ -10,7 +10,11 @@ from source_tree import REPOSITORY, name_of, source_files
 PACKAGE_OF = {"PIL": "pillow", "cv2": "opencv-python-headless", "yaml": "pyyaml", "yamcs": "yamcs-client",
               "websocket": "websocket-client", "dask_jobqueue": "dask-jobqueue"}
 # Run inside a program or an environment that brings them: Blender's own Python, COLMAP's virtual environment.
-BROUGHT = {"bpy": "hil/scenes/", "mathutils": "hil/scenes/", "pycolmap": "hil/judge/colmap_worker.py"}
+BROUGHT = {"bpy": "hil/scenes/", "mathutils": "hil/scenes/",
+           "pycolmap": ("hil/judge/colmap_worker.py", "tools/importing/colmap_project_worker.py", "tools/importing/focal_worker.py")}
+
+# What these import of tools/requirements-extras.txt may be absent: they skip, or say what to install.
+EXTRAS_USERS = ("tests/judge/test_trajectories.py",)
 
 
 def modules_of(file):
@@ -27,7 +31,7 @@ def packages_of(requirements: str) -> set[str]:
 
 
 def test_every_imported_package_is_installed_by_the_set_up():
-    everywhere, for_campaigns = packages_of("requirements.txt"), packages_of("requirements-campaign.txt")
+    everywhere, for_campaigns, extras = (packages_of(f"requirements{part}.txt") for part in ("", "-campaign", "-extras"))
     files = source_files(suffixes=(".py",))
     own = {file.stem for file in files} | {file.parent.name for file in files}
     for file in files:
@@ -36,4 +40,5 @@ def test_every_imported_package_is_installed_by_the_set_up():
             if module in sys.stdlib_module_names or module in own or brought:
                 continue
             named = everywhere | (for_campaigns if name_of(file).startswith(("hil/campaign", "tests/campaigns/")) else set())
+            named |= extras if name_of(file).startswith(EXTRAS_USERS) else set()
             assert PACKAGE_OF.get(module, module).lower() in named, f"{name_of(file)} imports {module}"

@@ -1,10 +1,7 @@
 """The cloud in three views, alone and with the camera's path around it."""
 
 import numpy as np
-from judge import align
-from judge.aligned import align_last
-from judge.shape import cloud_in_truth, read_cloud
-from plots import style
+from plots import series, style
 from plots.style import plt
 
 VIEWS = ((0, 1, 2), (0, 2, 1), (1, 2, 0))  # horizontal, vertical, depth
@@ -14,23 +11,12 @@ POINTS_MAX = 20000
 
 def _path_and_cloud(run, truth):
     """(cloud [N,3], camera path [M,3], seconds [M], description of the frame) or None."""
-    kind = next((kind for kind in ("smoothed", "causal")
-                 if kind in run.motions and run.motions[kind].pose_valid.any()), None)
-    path = next((run.folder / name for name in ("cloud.ply", "cloud_raw.ply") if (run.folder / name).exists()), None)
-    if kind is None or path is None:
+    found = series.cloud_and_path(run, truth)
+    if found is None:
         return None
-    motion = run.motions[kind]
-    valid = motion.pose_valid
-    R_CE, p_CE = align.rotations(motion.q_CT[valid]), motion.p_CT[valid]
-    points, camera = read_cloud(path), -R_CE.inv().apply(p_CE)
-    aligned = align_last(motion, truth) if truth is not None else None
-    if aligned is not None:
-        points, camera = cloud_in_truth(points, aligned), cloud_in_truth(camera, aligned)
-        where = "the truth's body axes [m]"
-    else:
-        known = motion.scale_known[valid].all()
-        where = f"the estimate's body axes [{'m' if known else 'map units'}]"
-    return points[:: max(1, len(points) // POINTS_MAX)], camera, motion.seconds[valid], where
+    points, camera, rows, kind, aligned, unit = found
+    where = f"the {'estimate' if aligned is None else 'truth'}'s body axes [{unit}]"
+    return points[:: max(1, len(points) // POINTS_MAX)], camera, run.motions[kind].seconds[rows], where
 
 
 def _bulk(points: np.ndarray) -> np.ndarray:

@@ -1,128 +1,79 @@
 """Angular and linear velocity against the truth, with one-sigma bands, as in the paper's figures."""
 
 import numpy as np
-from judge import metrics, period
-from judge.aligned import align_each
-from judge.run import best_alignment
+from judge import period
 from judge.tables import join
-from plots import style
+from plots import series, style
 from plots.style import plt
 
+FIT_MIN = 0.02  # a sine smaller than this part of the mean speed is not drawn
+CYCLES_MIN = 0.75
 
-def _panel(axis, time, series: list[dict], truth: np.ndarray | None, unit: str, label: str) -> None:
-    """One component: truth as a line below dots and bands of each motion file."""
+
+def _truth_lines(axis, time, truth, series_list, factor: float, i: int) -> None:
+    """The truth as it is sampled; where it differs by the estimate's origin, each file has its own."""
     if truth is not None:
-        axis.plot(time, truth, color=style.TRUTH, lw=1.6, label="truth", zorder=2)
-    for one in series:
-        colour = style.KIND_COLOURS[one["kind"]]
-        name = style.KIND_NAMES[one["kind"]]
-        axis.fill_between(one["time"], one["value"] - one["sigma"], one["value"] + one["sigma"],
-                          color=colour, alpha=0.25, lw=0, zorder=1, label=f"{name}, 1 sigma")
-        axis.plot(one["time"], one["value"], ".", ms=3.2, color=colour, label=name, zorder=3)
-        if one.get("curve") is not None:
-            axis.plot(one["time"], one["curve"], "--", lw=1, color=colour, label=f"{name}, sine fit", zorder=4)
-    axis.set_ylim(*style.robust_limits(truth if truth is not None else np.empty(0), [one["value"] for one in series]))
-    hidden = sum(style.count_outside(axis, one["value"]) for one in series)
-    axis.set_ylabel(f"{label} [{unit}]" + (f"\n({hidden} beyond)" if hidden else ""))
+        axis.plot(time, truth[:, i], color=style.TRUTH, lw=1.6, label="truth", zorder=2)
+        return
+    for one, dashes in zip(series_list, ("-", ":")):
+        if one.truth is not None:
+            axis.plot(one.seconds * factor, one.truth[:, i], dashes, color=style.TRUTH, lw=1.5, zorder=2,
+                      label=f"truth at the origin of {style.KIND_NAMES[one.kind]}")
 
 
-def _parts(run, kind: str, truth) -> list:
-    """Alignments of one motion file's target frames with the truth, or that of the run's other file, or none."""
-    if truth is None:
-        return []
-    last = best_alignment(run, truth)
-    return align_each(run.motions[kind], truth) or ([last] if last else [])
+def _panel(axis, one: series.Series, factor: float, i: int, sine: bool) -> None:
+    """One component of one file: dots with a band of one sigma, which breaks where the series does."""
+    colour, name = style.KIND_COLOURS[one.kind], style.KIND_NAMES[one.kind]
+    time, value = one.seconds * factor, one.value[:, i]
+    axis.fill_between(time, value - one.sigma, value + one.sigma, color=colour, alpha=0.25, lw=0, zorder=1, label=f"{name}, 1 sigma")
+    axis.plot(time, value, ".", ms=3.2, color=colour, label=name, zorder=3)
+    kept = np.isfinite(value)
+    if not sine or one.kind != "smoothed" or kept.sum() < period.SAMPLES_MIN:
+        return
+    seconds = one.seconds[kept]
+    fit = period.fit_sine(seconds, value[kept])
+    if fit and fit["amplitude"] > FIT_MIN * np.linalg.norm(one.value[kept], axis=1).mean() and fit["cycles"] > CYCLES_MIN:
+        axis.plot(seconds * factor, period.sine_curve(fit, seconds, seconds[0]), "--", lw=1, color=colour, label=f"{name}, sine fit", zorder=4)
 
 
-def _start_ns(run) -> int:
-    return min(int(motion.timestamp_ns[0]) for motion in run.motions.values())
-
-
-def _rate_series(run, kind: str, truth, start_ns: int) -> dict | None:
-    """w of one file in the truth's axes [deg/s] with its sigma; in its own axes without truth."""
-    motion = run.motions[kind]
-    valid = motion.rate_valid
-    if not valid.any():
-        return None
-    w = motion.w_T.copy()
-    for part in _parts(run, kind, truth):
-        here = part.estimate.rate_valid
-        w[here] = part.R_ET.inv().apply(w[here]) if here.any() else w[here]
-    return {"kind": kind, "seconds": (motion.timestamp_ns[valid] - start_ns) * 1e-9, "value": np.degrees(w[valid]),
-            "sigma": np.degrees(motion.columns["sigma_rate_rad_s"][valid])}
-
-
-def _velocity_series(run, kind: str, truth, start_ns: int) -> dict | None:
-    """v_C of one file [mm/s], scaled by the alignment where the run has no scale of its own."""
-    motion = run.motions[kind]
-    valid = motion.velocity_valid
-    if not valid.any():
-        return None
-    scale = np.ones(len(valid))
-    for part in _parts(run, kind, truth):
-        scale[part.estimate.velocity_valid] = 1.0 if part.metric else part.similarity.scale
-    return {"kind": kind, "seconds": (motion.timestamp_ns[valid] - start_ns) * 1e-9,
-            "value": 1e3 * scale[valid, None] * motion.v_C[valid], "sigma": 1e3 * scale[valid] * motion.columns["sigma_vel"][valid]}
-
-
-def _velocity_of_origin(run, truth, start_ns: int):
-    """(seconds [M], velocity [M,3] mm/s) that the estimate's own origin has by the truth: it circles the mass centre."""
-    aligned = best_alignment(run, truth) if truth is not None else None
-    if aligned is None:
-        return None
-    rows, published, moved, true = metrics.velocity_pairs(aligned)
-    if len(rows) == 0 or not np.isfinite(moved).all():
-        return None
-    return (aligned.estimate.timestamp_ns[rows] - start_ns) * 1e-9, 1e3 * (true + published - moved)
-
-
-def _figure(series: list[dict], truth_seconds, truth_values, labels, unit: str, title: str, sine: bool, origin=None):
-    """Three stacked panels over one time axis; origin: (seconds [M], values [M,3]) of a second true curve, or None."""
-    span = np.concatenate([one["seconds"] for one in series] + ([truth_seconds] if truth_values is not None else []))
-    factor = 1 / 60 if span.max() > 1200 else 1.0
+def _figure(found: list[series.Series], truth_seconds, truth_values, labels, unit: str, title: str, sine: bool):
+    """Three stacked panels over one time axis."""
+    span = np.concatenate([one.seconds for one in found] + ([truth_seconds] if truth_values is not None else []))
+    factor = 1 / 60 if np.nanmax(span) > style.MINUTES_FROM_S else 1.0
     figure, axes = plt.subplots(3, 1, sharex=True, figsize=(9, 7.5))
     for i, axis in enumerate(axes):
-        parts = []
-        for one in series:
-            part = {"kind": one["kind"], "time": one["seconds"] * factor, "value": one["value"][:, i],
-                    "sigma": np.nan_to_num(one["sigma"])}
-            if sine and one["kind"] == "smoothed" and len(one["seconds"]) >= period.SAMPLES_MIN:
-                fit = period.fit_sine(one["seconds"], part["value"])
-                if fit and fit["amplitude"] > 0.02 * np.linalg.norm(one["value"], axis=1).mean() and fit["cycles"] > 0.75:
-                    part["curve"] = period.sine_curve(fit, one["seconds"], one["seconds"][0])
-            parts.append(part)
-        _panel(axis, truth_seconds * factor, parts, None if truth_values is None else truth_values[:, i], unit, labels[i])
+        _truth_lines(axis, truth_seconds * factor, truth_values, found, factor, i)
+        for one in found:
+            _panel(axis, one, factor, i, sine)
+        references = [truth_values[:, i]] if truth_values is not None else [one.truth[:, i] for one in found if one.truth is not None]
+        values = [one.value[:, i] for one in found]
+        axis.set_ylim(*style.robust_limits(np.concatenate(references) if references else np.empty(0), values))
+        hidden = sum(style.count_outside(axis, value) for value in values)
+        axis.set_ylabel(f"{labels[i]} [{unit}]" + (f"\n({hidden} beyond)" if hidden else ""))
     axes[-1].set_xlabel("time [min]" if factor != 1.0 else "time [s]")
-    if origin is not None:
-        for i, axis in enumerate(axes):
-            axis.plot(origin[0] * factor, origin[1][:, i], ":", color=style.TRUTH, lw=1.4, zorder=2,
-                      label="truth, moved to the estimate's origin")
     style.head(figure, axes, title)
     return figure
 
 
 def draw(run, truth, folder, prefix: str = "") -> list:
     """rates.png and velocity.png; what a run does not have is not drawn."""
-    start_ns = _start_ns(run)
     paths = []
     overlap = truth is not None and all(len(join(motion, truth)[0]) for motion in run.motions.values())
     truth = truth if overlap else None
-    truth_seconds = (truth.timestamp_ns - start_ns) * 1e-9 if truth is not None else np.empty(0)
-    rates = [one for one in (_rate_series(run, kind, truth, start_ns) for kind in run.motions) if one]
+    truth_seconds = (truth.timestamp_ns - series.start_ns(run)) * 1e-9 if truth is not None else np.empty(0)
+    rates = [one for one in (series.rate_series(run, kind, truth) for kind in run.motions) if one]
     if rates:
         values = np.degrees(truth.w_T) if truth is not None and np.isfinite(truth.w_T).any() else None
         axes_of = "truth's" if truth is not None else "estimate's own"
         figure = _figure(rates, truth_seconds, values, ["w_x", "w_y", "w_z"], "deg/s",
                          f"Angular velocity of the target, in the {axes_of} body axes", sine=True)
         paths.append(style.save(figure, folder, f"{prefix}rates.png"))
-    velocities = [one for one in (_velocity_series(run, kind, truth, start_ns) for kind in run.motions) if one]
+    velocities = [one for one in (series.velocity_series(run, kind, truth) for kind in run.motions) if one]
     if velocities:
-        values = 1e3 * truth.v_C if truth is not None and np.isfinite(truth.v_C).any() else None
-        known = all(run.motions[one["kind"]].scale_known[run.motions[one["kind"]].velocity_valid].all() for one in velocities)
+        known = series.velocity_in_metres(run)
         unit = "mm/s" if known or truth is not None else "map units/s / 1000"
         note = "" if known else ", scale taken from the truth" if truth is not None else ", scale unknown"
-        figure = _figure(velocities, truth_seconds, values, ["v_x", "v_y", "v_z"], unit,
-                         f"Velocity of the target's origin in the camera frame{note}", sine=False,
-                         origin=_velocity_of_origin(run, truth, start_ns))
+        figure = _figure(velocities, truth_seconds, None, ["v_x", "v_y", "v_z"], unit,
+                         f"Velocity of the target's origin in the camera frame{note}", sine=False)
         paths.append(style.save(figure, folder, f"{prefix}velocity.png"))
     return paths

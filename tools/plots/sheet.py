@@ -94,9 +94,9 @@ def _draw_observations(axis, now: Observations) -> np.ndarray:
     landmark = np.isfinite(now.landmark)
     good, bad, loose = landmark & now.inlier, landmark & ~now.inlier, ~landmark
     for rows, colour in ((good, style.GOOD), (bad, style.BAD)):
-        axis.plot(*now.seen_px[rows].T, "o", ms=3.4, mfc="none", mec=colour, mew=0.7)
-    axis.plot(*now.seen_px[loose].T, ".", ms=1.6, color=TRACK)
-    axis.plot(*now.predicted_px[landmark].T, "+", ms=3.2, mew=0.6, color=style.TRUTH)
+        axis.plot(*now.seen_px[rows].T, "o", ms=2.2, mfc="none", mec=colour, mew=0.45)
+    axis.plot(*now.seen_px[loose].T, ".", ms=0.9, color=TRACK)
+    axis.plot(*now.predicted_px[landmark].T, "+", ms=2.0, mew=0.4, color=style.TRUTH)
     residual = np.linalg.norm(now.seen_px - now.predicted_px, axis=1)[good]
     residual = residual[np.isfinite(residual)]
     text = f"{good.sum()} inliers" + (f", median {np.median(residual):.2f} px" if len(residual) else "")

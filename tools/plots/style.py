@@ -18,8 +18,9 @@ GOOD = "#2ca02c"
 BAD = "#ff7f0e"
 KIND_COLOURS = {"causal": CAUSAL, "smoothed": SMOOTHED}
 KIND_NAMES = {"causal": "causal (flies)", "smoothed": "smoothed"}
-MODE_COLOURS = {"IDLE": "#dddddd", "ACQUIRING": "#f2c14e", "TRACKING": "#cfe8cf", "LOST": "#f4a6a6"}
+MODE_COLOURS = {"IDLE": "#dddddd", "ACQUIRING": "#f2c14e", "TRACKING": "#cfe8cf", "COASTING": "#b9d4ee", "LOST": "#f4a6a6"}
 DPI = 130
+MINUTES_FROM_S = 1200  # longer runs are drawn in minutes
 
 
 def prepare(folder: pathlib.Path) -> None:
@@ -58,7 +59,7 @@ def head(figure, axes, title: str) -> None:
 
 def time_axis(seconds: np.ndarray) -> tuple[np.ndarray, str]:
     """Times in the unit that suits their span, and the axis label."""
-    if seconds.size and seconds.max() > 1200:
+    if seconds.size and seconds.max() > MINUTES_FROM_S:
         return seconds / 60, "time [min]"
     return seconds, "time [s]"
 

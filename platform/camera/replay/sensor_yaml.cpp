@@ -50,6 +50,11 @@ class SensorFile {
     }
   }
 
+  [[nodiscard]] bool holds_word(const char* field, const char* word) const {
+    const YAML::Node node = root_[field];
+    return node && node.IsScalar() && node.Scalar() == word;
+  }
+
   [[nodiscard]] std::vector<double> numbers(const char* field, std::size_t count) const {
     const YAML::Node node = required(field);
     if (!node.IsSequence() || node.size() != count) {
@@ -125,6 +130,12 @@ CameraParameters read_sensor_yaml(const std::filesystem::path& path) {
   file.expect_word("camera_model", "pinhole");
   file.expect_word("distortion_model", "radial-tangential");
   const std::vector<double> size = file.numbers("resolution", 2);
+  if (file.holds_word("intrinsics", "auto")) {
+    file.fail(
+        fmt::format("intrinsics: 'auto', allowed are 4 numbers; estimate them on the ground by "
+                    "tools/import_sequence.py {} --intrinsics auto",
+                    path.parent_path().parent_path().parent_path().string()));
+  }
   const std::vector<double> pinhole = file.numbers("intrinsics", 4);
   const std::vector<double> distortion = file.numbers("distortion_coefficients", 4);
   const CameraParameters camera{.width_px = file.whole("resolution[0]", size[0]),

@@ -21,6 +21,9 @@ namespace fs = std::filesystem;
 constexpr std::size_t kFramesMax =
     10'000'000;  // four days at 30 frames a second: more is a mistake
 
+constexpr std::string_view kImport =  // what a user with a video or photographs needs
+    "tools/import_sequence.py SOURCE SEQ makes a sequence of videos, pictures and bags";
+
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r");
   if (first == std::string_view::npos) {
@@ -171,14 +174,17 @@ Sequence open_sequence(const fs::path& path) {
   std::error_code problem;
   if (!fs::is_directory(path, problem)) {
     const bool absent = !problem || problem == std::errc::no_such_file_or_directory;
+    const bool file = fs::is_regular_file(path, problem);
     throw UnusableInput(
-        fmt::format("{}: {}", path.string(), absent ? "no such folder" : problem.message()));
+        file ? fmt::format("{}: a file, no such folder; {}", path.string(), kImport)
+             : fmt::format("{}: {}", path.string(), absent ? "no such folder" : problem.message()));
   }
   if (!fs::exists(camera / "data.csv", problem)) {
     throw UnusableInput(
         problem ? fmt::format("{}: {}", (camera / "data.csv").string(), problem.message())
-                : fmt::format("{}: not an image sequence: mav0/cam0/data.csv is missing",
-                              path.string()));
+                : fmt::format("{}: not an image sequence: mav0/cam0/data.csv is missing; {}",
+                              path.string(),
+                              kImport));
   }
   Sequence sequence{.path = path,
                     .image_folder = camera / "data",

@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""Makes an image sequence, as `polhode replay` reads it, of what people have.
+
+SOURCE is a video, a folder of pictures, a TUM or EuRoC sequence, a COLMAP project (text or binary), a ROS 1 or 2 bag or an
+MCAP file; which of them is found out by itself. SEQ is made in the ASL/EuRoC layout. Standard output says what was read,
+dropped and assumed; SEQ/import.json keeps it.
+
+Examples:
+  tools/import_sequence.py clip.mp4 SEQ --intrinsics calibration.yaml     a video, a calibration of OpenCV, Kalibr or ROS
+  tools/import_sequence.py clip.mp4 SEQ --intrinsics auto --from 2 --to 30 --step 3
+  tools/import_sequence.py photos/ SEQ --rate-hz 2                        pictures; the focal length from EXIF
+  tools/import_sequence.py recording.bag SEQ --topic /cam/image_raw       intrinsics from its CameraInfo
+  tools/import_sequence.py SEQ --intrinsics auto                          estimates the focal length of a sequence that is there
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(REPOSITORY / "hil"), str(REPOSITORY / "tools")]
+from judge.venv import enter_venv, run_main  # noqa: E402
+
+PROGRESS_FRAMES = 100  # a line of progress after so many
+
+
+def parse() -> argparse.Namespace:
+    from importing.arguments import at_least_one, positive, seconds
+    parser = argparse.ArgumentParser(
+        description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="Exit status: 0 done; 1 the focal length can't be known from the pictures; 2 unusable arguments or source (one line says which).")
+    parser.add_argument("source", metavar="SOURCE", type=pathlib.Path)
+    parser.add_argument("sequence", metavar="SEQ", type=pathlib.Path, nargs="?", help="to be made; left out: SOURCE is a sequence, only its intrinsics change")
+    parser.add_argument("--intrinsics", metavar="HOW", help="a calibration file (Kalibr, OpenCV, ROS, EuRoC), 'fu,fv,cu,cv' in px, or 'auto': "
+                        "the focal length is estimated from the pictures (default: the source's own, else EXIF's)")
+    parser.add_argument("--camera", default="cam0", help="which camera of an EuRoC sequence or a Kalibr file (default: cam0)")
+    parser.add_argument("--topic", help="of a bag's pictures, where it has several")
+    parser.add_argument("--rate-hz", type=positive, metavar="HZ", help="of pictures that tell no time")
+    parser.add_argument("--from", dest="from_s", type=seconds, default=0.0, metavar="S", help="leave out what is earlier than S seconds after the first frame")
+    parser.add_argument("--to", dest="to_s", type=seconds, metavar="S", help="leave out what is later")
+    parser.add_argument("--step", type=at_least_one, default=1, metavar="N", help="take every Nth frame only")
+    return parser.parse_args()
+
+
+def progress(count: int) -> None:
+    if count % PROGRESS_FRAMES == 0:
+        print(f"{count} frames", file=sys.stderr)
+
+
+def chosen_lens(asked: argparse.Namespace, source):
+    """(lens or None where it is to be estimated, where it is from)."""
+    from importing.arguments import lens_of_numbers
+    from importing.calibration_files import read_lens
+    from judge.errors import BadInput
+    if asked.intrinsics == "auto":
+        return None, "to be estimated"
+    if asked.intrinsics is not None:
+        numbers = lens_of_numbers(asked.intrinsics)
+        return (numbers, "--intrinsics") if numbers else (read_lens(pathlib.Path(asked.intrinsics), asked.camera), asked.intrinsics)
+    if source.lens is None:
+        raise BadInput(f"{asked.source}: {source.kind}; it tells no intrinsics: give --intrinsics FILE, 'fu,fv,cu,cv' or auto")
+    if source.lens_from.startswith("EXIF"):
+        source.account.assumed.append(f"focal length {source.lens.intrinsics_px[0]:.1f} px, principal point in the middle and no distortion, by "
+                                      f"{source.lens_from}: good to some per cent, --intrinsics auto is better")
+    return source.lens, source.lens_from
+
+
+def tell(record: dict) -> None:
+    print(f"read: {record['source']}, {record['kind']}")
+    for reason, count in record["dropped"].items():
+        print(f"dropped: {count} frames: {reason}")
+    for sentence in record["assumed"]:
+        print(f"assumed: {sentence}")
+
+
+def import_source(asked: argparse.Namespace) -> None:
+    from importing.recognise import open_source
+    from importing.source import Options, cropped, rising
+    from importing.writing import Writer
+    from judge.errors import BadInput
+    if asked.sequence.exists():
+        raise BadInput(f"{asked.sequence}: is there already")
+    source = open_source(asked.source, Options(asked.rate_hz, asked.topic, asked.camera))
+    lens, where = chosen_lens(asked, source)
+    account = source.account
+    frames = cropped(rising(source.frames, account), account, asked.from_s, asked.to_s, asked.step)
+    writer = Writer(asked.sequence, lens, where, account)
+    try:
+        writer.write_all(frames, progress)
+        if not writer.rows:
+            raise BadInput(f"{asked.source}: {source.kind}: no frame is left ({', '.join(account.dropped) or 'it holds none'})")
+        record = {"source": str(asked.source), "kind": source.kind, "dropped": dict(account.dropped), "assumed": account.assumed,
+                  "nominal_time": source.nominal_time}
+        writer.finish(record)
+    except BaseException:
+        writer.abandon()
+        raise
+    tell(record)
+    span_s = (writer.rows[-1][0] - writer.rows[0][0]) * 1e-9
+    print(f"written: {len(writer.rows)} frames of {writer.size[0]}x{writer.size[1]} over {span_s:.3f} s to {asked.sequence}; intrinsics: {where}")
+
+
+def main() -> int:
+    asked = parse()
+    from judge.errors import BadInput
+    if asked.sequence is None and asked.intrinsics != "auto":
+        raise BadInput("SEQ is needed, or --intrinsics auto for a sequence that is there")
+    if asked.sequence is not None:
+        import_source(asked)
+    if asked.intrinsics == "auto":
+        from importing import focal
+        return focal.estimate_and_write(asked.sequence or asked.source)
+    return 0
+
+
+if __name__ == "__main__":
+    enter_venv()
+    run_main(main, "import_sequence")
