@@ -54,6 +54,9 @@ def test_its_help_is_printed_by_its_path(file, tmp_path):
     ("tools/junit_totals.py", ["NOT_THERE"], "NOT_THERE: No such file"),
     ("tools/junit_totals.py", ["FILE"], "FILE: not a report"),
     ("tools/junit_totals.py", [], "REPORT.xml"),
+    ("tools/sbom.py", ["--program", "NOT_THERE", "--out", "OUT"], "NOT_THERE: no such program"),
+    ("tools/sbom.py", ["--program", "FILE", "--out", "NOT_THERE/OUT"], "NOT_THERE: no such folder"),
+    ("tools/sbom.py", ["--program", "FILE", "--out", "OUT"], "not a program that this machine can load"),
     ("tools/plot_masks.py", ["NOT_THERE", SAMPLE], "masks.pgms: not there; replay with --masks"),
     ("tools/plot_masks.py", ["FOLDER", SAMPLE, "--frames", "1,x"], "--frames"),
 ])
