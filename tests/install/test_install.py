@@ -39,6 +39,16 @@ def test_a_program_of_twenty_lines_builds_and_runs(prefix, tmp_path):
     assert all(re.fullmatch(r"[1-9]\d* octets for the bus, pose unknown", line) for line in lines), lines
 
 
+def test_a_c_host_builds_by_pkg_config(prefix, tmp_path):
+    library = next(prefix.rglob("libpolhode.so.1")).parent
+    flags = subprocess.run(["pkg-config", f"--define-variable=prefix={prefix}", "--cflags", "--libs", "polhode"], capture_output=True, text=True, check=True,
+                           env={**os.environ, "PKG_CONFIG_PATH": str(library / "pkgconfig")}).stdout.split()
+    example = REPOSITORY / "platform/capi/example"
+    run("gcc", "-std=c11", example / "main.c", example / "sequence.c", *flags, "-lpng", "-o", tmp_path / "host", f"-Wl,-rpath,{library}")
+    done = subprocess.run([tmp_path / "host"], capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and "usage" in done.stderr
+
+
 def test_only_the_public_header_and_what_it_includes_is_installed(prefix):
     include = prefix / "include/polhode"
     installed = {str(file.relative_to(include)) for file in include.rglob("*.hpp")}
