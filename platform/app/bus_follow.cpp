@@ -107,6 +107,9 @@ void send_command(const BusSendArguments& arguments) {
   }
   packets.push_back(writer.packet(line));
   DatagramSender sender(address);
+  if (address.kind == AddressKind::kUdp) {
+    sender.hear_refusals();
+  }
   for (const auto& packet : packets) {
     if (packet.size() > limits::kPacketOctets) {
       throw UnusableInput(fmt::format(
@@ -122,7 +125,10 @@ void send_command(const BusSendArguments& arguments) {
     std::this_thread::sleep_for(kPause);
     sender.flush();
   }
-  if (counts.no_reader > 0) {
+  // The refusal of this machine comes at once, that of another one within a round trip.
+  constexpr int kRefusal_ms = 100;
+  const bool refused = address.kind == AddressKind::kUdp && sender.refused(kRefusal_ms);
+  if (counts.no_reader > 0 || refused) {
     throw RunFailure(fmt::format("{}: nobody takes commands there", arguments.address));
   }
   if (counts.sent != packets.size()) {

@@ -5,6 +5,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 
 import pytest
 
@@ -78,3 +79,16 @@ def test_readme_shows_the_program_that_is_built():
     blocks = re.findall(r"```cpp\n(.*?)```", (REPOSITORY / "README.md").read_text(), re.DOTALL)
     program = (CONSUMER / "main.cpp").read_text().split("\n", 1)[1]  # without the remark about README.md
     assert program in blocks
+
+
+def test_installing_the_python_client_leaves_its_folder_alone(tmp_path):
+    """pip builds where the sources are, and setuptools would leave a build folder there."""
+    source = REPOSITORY / "platform/transport/client/python"
+    before = sorted(path for path in source.rglob("*") if "__pycache__" not in path.parts)
+    done = subprocess.run([sys.executable, "-m", "pip", "install", "--disable-pip-version-check", "--quiet", "--no-deps", "--target", tmp_path, source],
+                          capture_output=True, text=True, timeout=120)
+    if "flit_core" in done.stderr and done.returncode != 0:
+        pytest.skip(f"flit_core cannot be fetched: {done.stderr.splitlines()[-1]}")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "polhode_bus/decode.py").exists()
+    assert sorted(path for path in source.rglob("*") if "__pycache__" not in path.parts) == before
