@@ -180,3 +180,21 @@ def test_codes_of_events_are_printed_in_words():
     assert [event["words"] for event in changes] == [" to ".join(names[int(value)] for value in event["value"]) for event in changes]
     table = subprocess.run([PROGRAM, "bus", "dump", recorded], capture_output=True, text=True, check=True, timeout=60).stdout
     assert table.count('words="ACQUIRING to TRACKING"') >= 1
+
+
+@pytest.mark.parametrize(("words", "says"), [
+    ("set_range range_m=-1 frame_timestamp_ns=7", "command set_range range_m=-1 frame_timestamp_ns=7: range_m: out of its range"),
+    ("table_load features.sigma_px=0.3 features.count_max=5", "command table_load: features.count_max: allowed is 50 .. "),
+    ("table_load seed=5", "command table_load: seed: does not change in flight"),
+    ("noop + table_load features.sigma_px=nan", "command table_load: features.sigma_px: allowed is 0.05 .. 5"),
+])
+def test_what_is_out_of_range_is_not_sent(tmp_path, words, says):
+    import socket
+
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(str(tmp_path / "commands"))
+        receiver.setblocking(False)
+        done = subprocess.run([PROGRAM, "bus", "send", f"unix:{tmp_path}/commands", *words.split()], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 2 and says in done.stderr and done.stderr.count("\n") == 1, done.stderr
+        with pytest.raises(BlockingIOError):
+            receiver.recv(2000)
