@@ -7,6 +7,10 @@ cd "$(dirname "$0")/.."
 RESULTS=build/v4l2_vm/results
 TIMEOUT_S=${POLHODE_VM_TIMEOUT_S:-1800}
 
+# The guest has its own memory at /run and /tmp, where the host's files do not show.
+case $(pwd -P)/ in
+  /tmp/* | /run/*) echo "v4l2_vm: $(pwd -P): lies below /tmp or /run, where the guest has memory of its own; use a clone elsewhere" >&2; exit 2 ;;
+esac
 for program in polhode filecam_feed; do
   [ -x "build/release/bin/$program" ] || { echo "v4l2_vm: build/release/bin/$program is not built" >&2; exit 2; }
 done

@@ -5,6 +5,7 @@
 #   tools/setup.sh colmap     only COLMAP in .venv-colmap, for hil/compare_colmap.py, which calls this by itself
 #   tools/setup.sh extras     only what single tests and exports need beyond that (tools/requirements-extras.txt), into .venv
 #   tools/setup.sh campaign   only what hil/campaign.py needs, into .venv, which calls this by itself
+#   tools/setup.sh packages   only what builds and checks Debian packages, for tools/package.sh, which calls this by itself
 #   tools/setup.sh arm64      only what builds and runs arm64 programs here, for tools/check_arm64.sh, which calls this by itself
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -22,6 +23,7 @@ LIBRARIES=(
 # Kept apart from the build: Blender is large, and COLMAP is only there to be compared with.
 RENDERER_PACKAGES=(blender python3-numpy)
 COLMAP_PACKAGES=(python3 python3-venv)
+DEBIAN_PACKAGES=(dpkg-dev fakeroot lintian mmdebstrap)
 ARM64_PACKAGES=(cmake g++-aarch64-linux-gnu ninja-build pkg-config python3 python3-venv qemu-user-static)
 # The same place stands in config/aarch64.cmake.
 ARM64_SYSROOT=${XDG_CACHE_HOME:-$HOME/.cache}/polhode/sysroot-arm64
@@ -128,6 +130,8 @@ case ${1:-} in
     install_packages python3 python3-venv
     install_python_side .venv tools/requirements.txt
     install_python_side .venv tools/requirements-extras.txt ;;
+  packages)
+    install_packages "${DEBIAN_PACKAGES[@]}" ;;
   colmap)
     install_packages "${COLMAP_PACKAGES[@]}"
     install_python_side .venv-colmap tools/requirements-colmap.txt ;;
@@ -135,8 +139,8 @@ case ${1:-} in
     install_packages "${ARM64_PACKAGES[@]}"
     make_sysroot ;;
   -h | --help)
-    sed -n '2,8s/^# //p' "$0" ;;
+    sed -n '2,10s/^# //p' "$0" ;;
   *)
-    echo "setup: unknown part '$1'; allowed: renderer, extras, campaign, colmap, arm64, or nothing" >&2
+    echo "setup: unknown part '$1'; allowed: renderer, colmap, extras, campaign, packages, arm64, or nothing" >&2
     exit 2 ;;
 esac

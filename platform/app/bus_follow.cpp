@@ -7,9 +7,12 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <system_error>
 #include <thread>
 
+#include "app/bus_answers.hpp"
+#include "app/command_check.hpp"
 #include "app/packet_printer.hpp"
 #include "errors.hpp"
 #include "transport/client/c/polhode_bus.h"
@@ -89,29 +92,43 @@ void follow_bus(const BusFollowArguments& arguments) {
   printer.finish();
 }
 
-void send_command(const BusSendArguments& arguments) {
-  const Address address = parse_address(arguments.address);
-  if (address.kind != AddressKind::kUnix && address.kind != AddressKind::kUdp) {
-    throw UnusableInput(fmt::format("{}: allowed are unix: and udp:", arguments.address));
-  }
+namespace {
+
+std::vector<std::vector<std::uint8_t>> command_packets(const BusSendArguments& arguments) {
   CommandWriter writer(arguments.apid_first);
   std::vector<std::vector<std::uint8_t>> packets;
   std::string line;
+  const auto end_line = [&] {
+    packets.push_back(writer.packet(line));
+    if (!line.starts_with("hex")) {  // octets are sent as they are
+      check_ranges(packets.back(), arguments.apid_first, line);
+    }
+    line.clear();
+  };
   for (const std::string& word : arguments.words) {
     if (word == "+") {
-      packets.push_back(writer.packet(line));
-      line.clear();
+      end_line();
     } else {
       line += (line.empty() ? "" : " ") + word;
     }
   }
-  packets.push_back(writer.packet(line));
-  DatagramSender sender(address);
+  end_line();
   for (const auto& packet : packets) {
     if (packet.size() > limits::kPacketOctets) {
       throw UnusableInput(fmt::format(
           "a command of {} octets: allowed are {}", packet.size(), limits::kPacketOctets));
     }
+  }
+  return packets;
+}
+
+/// @throws RunFailure: nobody takes them, or the receiver's queue stays full.
+void send_packets(const Address& address, const std::vector<std::vector<std::uint8_t>>& packets) {
+  DatagramSender sender(address);
+  if (address.kind == AddressKind::kUdp) {
+    sender.hear_refusals();
+  }
+  for (const auto& packet : packets) {
     sender.send(packet);
   }
   // A receiver takes its commands with its next frame; until then its queue may be full.
@@ -122,15 +139,40 @@ void send_command(const BusSendArguments& arguments) {
     std::this_thread::sleep_for(kPause);
     sender.flush();
   }
-  if (counts.no_reader > 0) {
-    throw RunFailure(fmt::format("{}: nobody takes commands there", arguments.address));
+  // The refusal of this machine comes at once, that of another one within a round trip.
+  constexpr int kRefusal_ms = 100;
+  const bool refused = address.kind == AddressKind::kUdp && sender.refused(kRefusal_ms);
+  if (counts.no_reader > 0 || refused) {
+    throw RunFailure(fmt::format("{}: nobody takes commands there", address.text));
   }
   if (counts.sent != packets.size()) {
     throw RunFailure(
         fmt::format("{}: {} of {} commands were sent, then the receiver's queue stayed full",
-                    arguments.address,
+                    address.text,
                     counts.sent,
                     packets.size()));
+  }
+}
+
+}  // namespace
+
+void send_command(const BusSendArguments& arguments) {
+  const Address address = parse_address(arguments.address);
+  if (address.kind != AddressKind::kUnix && address.kind != AddressKind::kUdp) {
+    throw UnusableInput(fmt::format("{}: allowed are unix: and udp:", arguments.address));
+  }
+  const auto packets = command_packets(arguments);
+  std::optional<BusAnswers> answers;
+  if (!arguments.wait.empty()) {
+    answers.emplace(parse_address(arguments.wait).text, arguments.apid_first);
+  }
+  send_packets(address, packets);
+  if (answers) {
+    const std::size_t refused = answers->wait(packets.size(), arguments.timeout_s);
+    if (refused > 0) {
+      throw RunFailure(fmt::format(
+          "{}: {} of {} commands were refused", arguments.address, refused, packets.size()));
+    }
   }
 }
 

@@ -23,10 +23,13 @@ struct BusSendArguments {
   std::string address;             ///< unix: or udp:
   std::vector<std::string> words;  ///< the command as CommandWriter takes it
   int apid_first = 0x1A0;
+  std::string wait;  ///< address of telemetry to read the answers from; empty: not waited for
+  double timeout_s = 10.0;  ///< for all answers
 };
 
 /// Sends one command. `table_load` and `table_activate` in one call: between them a word `+`.
-/// @throws UnusableInput: no such command; RunFailure: nobody takes it.
+/// @throws UnusableInput: no such command; RunFailure: nobody takes it, or, where the answer is
+/// waited for, it was refused or not answered.
 void send_command(const BusSendArguments& arguments);
 
 }  // namespace polhode::platform

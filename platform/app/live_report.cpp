@@ -35,6 +35,10 @@ void say(const char* format, ...) {
   [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, line.data(), octets + 1);
 }
 
+std::uint32_t frames_passed_over(const CameraCounters& camera, const LiveCounts& counts) {
+  return camera.frames_late + camera.frames_out_of_time + counts.frames_dropped_for_job;
+}
+
 LiveReport::LiveReport(ServiceManager& manager, int period_s)
     : manager_(manager), period_ns_(period_s * kSecond_ns) {}
 
@@ -72,7 +76,7 @@ void LiveReport::say_state(const LiveCamera& camera, const LiveCounts& counts) {
                 mode_name(last_.mode),
                 counts.frames_accepted,
                 counts.frames_with_pose,
-                camera.counters().frames_late + counts.frames_dropped_for_job,
+                frames_passed_over(camera.counters(), counts),
                 1e-3 * static_cast<double>(counts.step.percentile_us(0.99)));
   say("%s", line.data());
   manager_.status(line.data());

@@ -35,6 +35,10 @@ class LiveReport {
   MotionState last_;
 };
 
+/// Frames that the camera gave and the component never saw: late, out of time, or dropped for work
+/// that had not come back.
+std::uint32_t frames_passed_over(const CameraCounters& camera, const LiveCounts& counts);
+
 /// A line of its own on stderr, cut at 200 characters.
 void say(const char* format, ...) __attribute__((format(printf, 1, 2)));
 

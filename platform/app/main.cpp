@@ -151,6 +151,14 @@ void add_send(CLI::App& bus, BusSendArguments& arguments) {
           "as in: set_range frame_timestamp_ns=5 range_m=12.5; several with + between them")
       ->required();
   add_apid(*send, arguments.apid_first);
+  CLI::Option* wait =
+      send->add_option("--wait",
+                       arguments.wait,
+                       "telemetry to read the answers from, as `bus follow` takes it (shm: beside "
+                       "other readers); status 1 when a command is refused or not answered");
+  send->add_option("--timeout", arguments.timeout_s, "with --wait: seconds for all answers")
+      ->check(CLI::Range(0.01, 3600.0))
+      ->needs(wait);
   send->callback([&arguments] { polhode::platform::send_command(arguments); });
 }
 

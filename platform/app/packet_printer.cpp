@@ -7,30 +7,59 @@
 #include <cstdio>
 #include <cstring>
 
+#include "app/motion_csv.hpp"
 #include "app/packet_json.hpp"
+#include "app/run_record.hpp"
+#include "bus/event_table.hpp"
 #include "bus/telemetry.hpp"
 #include "errors.hpp"
 
 namespace polhode::platform {
 namespace {
 
+std::string mode_word(double code) {
+  const char* word = mode_name(static_cast<Mode>(code));
+  return *word != '\0' ? word : "unknown";
+}
+
+/// What the codes among an event's numbers mean; empty where there are none.
+std::string event_words(const bus::Layout& layout, const void* packet) {
+  if (&layout != &bus::EventPacket::layout()) {
+    return "";
+  }
+  bus::EventPacket event;
+  std::memcpy(static_cast<void*>(&event), packet, sizeof event);
+  const double last = event.value[1];
+  if (event.id == static_cast<std::uint16_t>(bus::EventId::kModeChanged)) {
+    return mode_word(event.value[0]) + " to " + mode_word(last);
+  }
+  const bool is_fault = event.id == static_cast<std::uint16_t>(bus::EventId::kFrameWithCare) &&
+                        last >= 0.0 && last < static_cast<double>(kFrameFaults);
+  return is_fault ? fault_name(static_cast<FrameFault>(last)) : "";
+}
+
 void print_packet(const bus::Layout& layout,
                   const bus::PacketHeader& header,
                   const void* packet,
                   bool json) {
+  const std::string words = event_words(layout, packet);
   if (!json) {
     std::int64_t timestamp_ns = 0;  // every packet begins with it
     std::memcpy(&timestamp_ns, packet, sizeof timestamp_ns);
-    fmt::print("{:>5} {:<12} {:>19} {}\n",
+    fmt::print("{:>5} {:<12} {:>19} {}{}\n",
                header.sequence,
                layout.name,
                timestamp_ns,
-               fields_text(layout, packet));
+               fields_text(layout, packet),
+               words.empty() ? "" : fmt::format(" words=\"{}\"", words));
     return;
   }
   nlohmann::ordered_json out{
       {"packet", std::string(layout.name)}, {"apid", header.apid}, {"sequence", header.sequence}};
   out.update(fields_json(layout, packet));
+  if (!words.empty()) {
+    out["words"] = words;
+  }
   fmt::print("{}\n", out.dump());
 }
 

@@ -1,5 +1,7 @@
 #include "app/platform_telemetry.hpp"
 
+#include "app/live_report.hpp"
+
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -18,8 +20,7 @@ bus::PlatformPacket packet_of(const LiveCounts& counts,
                               const CameraCounters& camera,
                               const Transports& transports) {
   const SendCounts sent = transports.counts();
-  return {.frames_dropped = camera.frames_missing + camera.frames_late + camera.frames_out_of_time +
-                            counts.frames_dropped_for_job,
+  return {.frames_dropped = camera.frames_missing + frames_passed_over(camera, counts),
           .camera_errors = camera.frames_damaged + camera.stream_errors + camera.disconnects,
           .camera_reopened = camera.opened > 0 ? camera.opened - 1 : 0,
           .deadline_misses = static_cast<std::uint32_t>(counts.deadline.missed()),

@@ -217,7 +217,7 @@ void say_end(LiveEnd end,
       counts.frames_with_pose,
       camera.frames_missing,
       camera.frames_damaged,
-      camera.frames_late);
+      frames_passed_over(camera, counts));
 }
 
 /// Where checkpoints are asked for: one now and then, and a last one when memory is exhausted.

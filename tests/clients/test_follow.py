@@ -6,7 +6,7 @@ import subprocess
 import time
 
 import pytest
-from flights import PROGRAM, split
+from flights import PROGRAM, REPOSITORY, split
 
 
 @pytest.fixture
@@ -154,3 +154,47 @@ def test_commands_are_sent_as_the_python_client_makes_them(tmp_path):
         assert receiver.recv(2000) == make_table_activate([load])
     done = subprocess.run([PROGRAM, "bus", "send", f"unix:{tmp_path}/nobody", "noop"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 1 and "nobody takes commands" in done.stderr
+
+
+def test_a_command_to_a_udp_port_of_nobody_fails(tmp_path):
+    import socket
+
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(("127.0.0.1", 0))
+        receiver.settimeout(20)
+        port = receiver.getsockname()[1]
+        done = subprocess.run([PROGRAM, "bus", "send", f"udp:127.0.0.1:{port}", "noop", "+", "noop"], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0, done.stderr
+        assert receiver.recv(2000) and receiver.recv(2000)
+    for words in (["noop"], ["noop", "+", "noop"]):
+        done = subprocess.run([PROGRAM, "bus", "send", f"udp:127.0.0.1:{port}", *words], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 1 and done.stderr == f"polhode: udp:127.0.0.1:{port}: nobody takes commands there\n"
+
+
+def test_codes_of_events_are_printed_in_words():
+    recorded = REPOSITORY / "tests/golden/x86_64/default.ccsds"
+    done = subprocess.run([PROGRAM, "bus", "dump", recorded, "--json"], capture_output=True, text=True, check=True, timeout=60)
+    changes = [event for event in map(json.loads, done.stdout.splitlines()) if event["packet"] == "event" and event["id"] == 9]
+    assert changes and all(f"mode {int(event['value'][0])} to" in event["text"] for event in changes)
+    names = ["IDLE", "ACQUIRING", "TRACKING", "LOST"]
+    assert [event["words"] for event in changes] == [" to ".join(names[int(value)] for value in event["value"]) for event in changes]
+    table = subprocess.run([PROGRAM, "bus", "dump", recorded], capture_output=True, text=True, check=True, timeout=60).stdout
+    assert table.count('words="ACQUIRING to TRACKING"') >= 1
+
+
+@pytest.mark.parametrize(("words", "says"), [
+    ("set_range range_m=-1 frame_timestamp_ns=7", "command set_range range_m=-1 frame_timestamp_ns=7: range_m: out of its range"),
+    ("table_load features.sigma_px=0.3 features.count_max=5", "command table_load: features.count_max: allowed is 50 .. "),
+    ("table_load seed=5", "command table_load: seed: does not change in flight"),
+    ("noop + table_load features.sigma_px=nan", "command table_load: features.sigma_px: allowed is 0.05 .. 5"),
+])
+def test_what_is_out_of_range_is_not_sent(tmp_path, words, says):
+    import socket
+
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(str(tmp_path / "commands"))
+        receiver.setblocking(False)
+        done = subprocess.run([PROGRAM, "bus", "send", f"unix:{tmp_path}/commands", *words.split()], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 2 and says in done.stderr and done.stderr.count("\n") == 1, done.stderr
+        with pytest.raises(BlockingIOError):
+            receiver.recv(2000)

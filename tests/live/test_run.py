@@ -3,11 +3,14 @@
 import json
 import os
 import pathlib
+import re
 import signal
 import socket
+import subprocess
 import time
 
 import pytest
+from replay_files import PROGRAM
 
 
 def bus(run):
@@ -188,9 +191,6 @@ def test_is_warmed_up_by_a_body_whose_map_is_begun(live):
 
 
 def test_commands_for_people(tmp_path):
-    import subprocess
-
-    from replay_files import PROGRAM
     assert subprocess.run([PROGRAM, "camera", "list"], capture_output=True).returncode == 0
     probe = subprocess.run([PROGRAM, "camera", "probe", "/dev/null"], capture_output=True, text=True)
     assert probe.returncode == 2 and "not a V4L2 device" in probe.stderr
@@ -216,3 +216,31 @@ def test_a_core_that_is_not_there_is_said(live, played):
     ended = live(played.path, run__core=1023).finish()
     assert ended.status == 0
     assert "not bound to core 1023: Invalid argument" in ended.err
+
+
+def test_commands_are_answered_to_whoever_waits(live, played, until, tmp_path):
+    ring = f"/polhode_answers_{os.getpid()}"
+    commands = f"unix:{tmp_path}/commands"
+
+    def send(*words):
+        return subprocess.run([PROGRAM, "bus", "send", commands, *words, "--wait", f"shm:{ring}", "--timeout", "20"], capture_output=True, text=True, timeout=60)
+
+    run = live(played.path, device__sequence_passes=100000, device__sequence_speed=1.0,
+               settings=[f'transport.send=["shm:{ring}"]', f'transport.receive="{commands}"'])
+    try:
+        until(lambda: (tmp_path / "commands").exists() and pathlib.Path(f"/dev/shm{ring}").exists())
+        done = send("noop", "+", "table_load", "features.count_max=500", "+", "table_activate")
+        assert done.returncode == 0, done.stderr
+        assert re.findall(r"frame \d+: (.*)", done.stdout)[0].startswith("NOOP, version") and done.stdout.count("accepted") == 2
+        done = send("table_discard", "+", "noop")
+        assert done.returncode == 1 and "refused: no table loaded" in done.stdout and "1 of 2 commands were refused" in done.stderr
+        done = send("table_load", "features.count_max=5")
+        assert done.returncode == 2 and done.stdout == "" and "features.count_max" in done.stderr and "50 .. " in done.stderr
+        run.process.send_signal(signal.SIGTERM)
+        assert run.finish().status == 0
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as deaf:
+            deaf.bind(str(tmp_path / "commands"))
+            done = subprocess.run([PROGRAM, "bus", "send", commands, "noop", "--wait", f"shm:{ring}", "--timeout", "0.5"], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 1 and done.stderr.endswith(f"shm:{ring}: 0 of 1 commands were answered within 0.5 s\n")
+    finally:
+        pathlib.Path(f"/dev/shm{ring}").unlink(missing_ok=True)

@@ -1,5 +1,7 @@
 #include "app/live_counts.hpp"
 
+#include "app/live_report.hpp"
+
 #include <gtest/gtest.h>
 
 namespace polhode::platform {
@@ -29,6 +31,16 @@ TEST(DurationHistogram, TakesAnything) {
   histogram.add(INT64_MAX);
   EXPECT_EQ(histogram.max_us(), static_cast<std::uint64_t>(INT64_MAX / 1000));
   EXPECT_EQ(histogram.count(), 3U);
+}
+
+TEST(FramesPassedOver, CountAllThatTheComponentNeverSaw) {
+  CameraCounters camera;
+  camera.frames_late = 2;
+  camera.frames_out_of_time = 3;
+  camera.frames_damaged = 100;  // answered with a packet
+  LiveCounts counts;
+  counts.frames_dropped_for_job = 12;
+  EXPECT_EQ(frames_passed_over(camera, counts), 17U);
 }
 
 }  // namespace

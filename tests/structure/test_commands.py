@@ -60,6 +60,9 @@ def test_its_help_is_printed_by_its_path(file, tmp_path):
     ("tools/junit_totals.py", ["NOT_THERE"], "NOT_THERE: No such file"),
     ("tools/junit_totals.py", ["FILE"], "FILE: not a report"),
     ("tools/junit_totals.py", [], "REPORT.xml"),
+    ("tools/sbom.py", ["--program", "NOT_THERE", "--out", "OUT"], "NOT_THERE: no such program"),
+    ("tools/sbom.py", ["--program", "FILE", "--out", "NOT_THERE/OUT"], "NOT_THERE: no such folder"),
+    ("tools/sbom.py", ["--program", "FILE", "--out", "OUT"], "not a program that this machine can load"),
     ("tools/plot_masks.py", ["NOT_THERE", SAMPLE], "masks.pgms: not there; replay with --masks"),
     ("tools/plot_masks.py", ["FOLDER", SAMPLE, "--frames", "1,x"], "--frames"),
 ])
@@ -82,3 +85,13 @@ def test_the_programs_own_words_are_passed_on(tmp_path, name, arguments, says):
     (tmp_path / "OTHER").write_text("other text")
     done = subprocess.run([sys.executable, REPOSITORY / name, *arguments], capture_output=True, text=True, cwd=tmp_path, timeout=120)
     assert done.returncode == 2 and done.stderr.count("\n") == 1 and says in done.stderr, done.stderr
+
+
+def test_the_virtual_machine_refuses_a_clone_that_its_guest_cannot_see(tmp_path):
+    """pytest's own folder lies below /tmp."""
+    (tmp_path / "hil").mkdir()
+    (tmp_path / "hil/v4l2_vm.sh").write_text((REPOSITORY / "hil/v4l2_vm.sh").read_text())
+    done = subprocess.run(["bash", tmp_path / "hil/v4l2_vm.sh"], capture_output=True, text=True, timeout=60)
+    if not str(tmp_path.resolve()).startswith("/tmp/"):
+        pytest.skip("temporary files are elsewhere")
+    assert done.returncode == 2 and done.stderr.count("\n") == 1 and "lies below /tmp or /run" in done.stderr

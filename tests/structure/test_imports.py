@@ -8,7 +8,8 @@ from source_tree import REPOSITORY, name_of, source_files
 
 # Name of the package that brings a module, where the two differ.
 PACKAGE_OF = {"PIL": "pillow", "cv2": "opencv-python-headless", "yaml": "pyyaml", "yamcs": "yamcs-client",
-              "websocket": "websocket-client", "dask_jobqueue": "dask-jobqueue"}
+              "websocket": "websocket-client", "dask_jobqueue": "dask-jobqueue",
+              "cyclonedx": "cyclonedx-python-lib", "packageurl": "packageurl-python"}
 # Run inside a program or an environment that brings them: Blender's own Python, COLMAP's virtual environment.
 BROUGHT = {"bpy": "hil/scenes/", "mathutils": "hil/scenes/",
            "pycolmap": ("hil/judge/colmap_worker.py", "tools/importing/colmap_project_worker.py", "tools/importing/focal_worker.py")}
@@ -27,7 +28,7 @@ def modules_of(file):
 
 def packages_of(requirements: str) -> set[str]:
     lines = (REPOSITORY / "tools" / requirements).read_text().splitlines()
-    return {re.split("[=<>]", line)[0].strip().lower() for line in lines if line and not line.startswith("#")}
+    return {re.split(r"[=<>[]", line)[0].strip().lower() for line in lines if line and not line.startswith("#")}
 
 
 def test_every_imported_package_is_installed_by_the_set_up():

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: GPL-2.0 */
+/* SPDX-License-Identifier: GPL-2.0-only */
 /*
  * filecam: a capture device for tests. Frames written to /dev/filecam_in come out of /dev/videoN octet for octet, whatever
  * the timing: a writer waits until a buffer is queued. Buffer ownership, errors and unplugging are videobuf2's own.

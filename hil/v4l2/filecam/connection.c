@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0
+// SPDX-License-Identifier: GPL-2.0-only
 /* Plugging and unplugging. */
 #include <linux/err.h>
 #include <linux/slab.h>

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0
+// SPDX-License-Identifier: GPL-2.0-only
 /* The side of the light: /dev/filecam_in, and the module's beginning and end. */
 #include <linux/err.h>
 #include <linux/miscdevice.h>

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: GPL-2.0 OR MIT */
+/* SPDX-License-Identifier: GPL-2.0-only OR MIT */
 /* What is written to and read from /dev/filecam_in: the side of the test camera where the light comes in. */
 #ifndef POLHODE_FILECAM_FEED_FORMAT_H
 #define POLHODE_FILECAM_FEED_FORMAT_H

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0
+// SPDX-License-Identifier: GPL-2.0-only
 /* Buffers, from queued to filled. */
 #include <linux/uaccess.h>
 #include <media/videobuf2-vmalloc.h>

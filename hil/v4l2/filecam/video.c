@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-2.0
+// SPDX-License-Identifier: GPL-2.0-only
 /* What the device says of itself: capabilities, formats, interval, input. */
 #include <media/v4l2-event.h>
 #include <media/v4l2-ioctl.h>

@@ -1,6 +1,7 @@
 #include "transport/datagram/datagram.hpp"
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -120,6 +121,21 @@ DatagramSender::DatagramSender(const Address& address, SenderName name)
     std::memcpy(to_.data(), &address.udp, sizeof address.udp);
     to_octets_ = sizeof address.udp;
   }
+}
+
+void DatagramSender::hear_refusals() {
+  // Of a connected socket alone the system passes on what the other side answers. Where there is no
+  // way to the address, sending fails as before.
+  (void)::connect(socket_.get(), as_socket_address(to_.data()), to_octets_);
+}
+
+bool DatagramSender::refused(int wait_ms) const {
+  pollfd waiting{.fd = socket_.get(), .events = 0, .revents = 0};
+  int error = 0;
+  socklen_t octets = sizeof error;
+  return ::poll(&waiting, 1, wait_ms) > 0 &&
+         ::getsockopt(socket_.get(), SOL_SOCKET, SO_ERROR, &error, &octets) == 0 &&
+         error == ECONNREFUSED;
 }
 
 DatagramSender::Outcome DatagramSender::try_send(std::span<const std::uint8_t> packet) {

@@ -89,6 +89,12 @@ class DatagramSender {
   void flush();
   [[nodiscard]] const SendCounts& counts() const { return counts_; }
 
+  /// For a sender of a few commands, before the first: has the system tell when nobody has bound a
+  /// UDP address. A machine that is off, or that keeps silent, is not told of.
+  void hear_refusals();
+  /// Waits for such word for at most `wait_ms`.
+  [[nodiscard]] bool refused(int wait_ms) const;
+
  private:
   enum class Outcome : std::uint8_t { kSent, kNoRoom, kNoReader };
   void retry(std::size_t packets_max);

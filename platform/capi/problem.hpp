@@ -1,0 +1,28 @@
+// A problem's text in the caller's memory, and the wall that no exception passes.
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+#include "capi/polhode.h"
+
+namespace polhode::capi {
+
+inline void tell(std::string_view text, char* problem, std::size_t octets) noexcept {
+  if (problem != nullptr && octets > 0) {
+    const std::size_t length = text.copy(problem, octets - 1);
+    problem[length] = '\0';
+  }
+}
+
+/// What the libraries throw ends here.
+template <typename Work>
+polhode_status guarded(Work work) noexcept {
+  try {
+    return work();
+  } catch (...) {
+    return POLHODE_FAILED;
+  }
+}
+
+}  // namespace polhode::capi

@@ -1,0 +1,121 @@
+"""The Debian packages that tools/package.sh makes, and what stands in them whether they are built or not."""
+
+import hashlib
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(REPOSITORY / "tools"))
+import golden  # noqa: E402
+
+PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
+PACKAGES = REPOSITORY / "build/packages"
+DEBIAN = REPOSITORY / "platform/debian"
+NAMES = ("polhode", "libpolhode1", "libpolhode-dev", "polhode-ground")
+FILES = {name: next(iter(PACKAGES.glob(f"{name}_*.deb")), None) for name in NAMES}
+BUILT = pytest.mark.skipif(None in FILES.values(), reason="no packages in build/packages: tools/package.sh makes them")
+RUNS = pytest.mark.skipif(not PROGRAM.exists() or "POLHODE_RUNNER" in os.environ, reason=f"{PROGRAM} is not built for this machine")
+
+
+def run(*command, **more) -> subprocess.CompletedProcess:
+    return subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, **more)
+
+
+def subcommands(*words: str) -> list[str]:
+    listed = run(PROGRAM, *words, "--help").stdout.partition("Subcommands:\n")[2]
+    return re.findall(r"^  ([a-z]+) ", listed, re.MULTILINE)
+
+
+@RUNS
+def test_the_man_page_has_every_command():
+    page = re.sub(r"\\f.|\\", "", (DEBIAN / "polhode.1").read_text())
+    commands = [f"{first} {second}" for first in subcommands() for second in subcommands(first) or [""]]
+    assert {"replay ", "bus dump", "recording export"} <= set(commands)
+    missing = [command for command in commands if not re.search(rf"\b{command.strip()}\b", page)]
+    assert not missing, f"platform/debian/polhode.1 lacks {', '.join(missing)}"
+
+
+def completed(*words: str) -> list[str]:
+    script = 'source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _polhode; printf "%s\\n" "${COMPREPLY[@]}"'
+    return run("bash", "-c", script, "bash", DEBIAN / "completion.bash", PROGRAM, *words, cwd=DEBIAN / "ground").stdout.split()
+
+
+@RUNS
+def test_bash_completes_commands_and_options():
+    assert set(subcommands()) <= set(completed(""))
+    assert completed("rep") == ["replay"]
+    assert set(completed("bus", "")) == set(subcommands("bus")) | {"postinst", "prerm"}  # files of the folder, too
+    assert completed("replay", "--seq") == ["--sequence"]
+    assert completed("replay", "--config", "pre") == ["prerm"]
+
+
+def listing(name: str) -> dict[str, str]:
+    """Path: mode."""
+    rows = [line.split() for line in run("dpkg-deb", "-c", FILES[name]).stdout.splitlines()]
+    return {row[5]: row[0] for row in rows}
+
+
+@BUILT
+def test_each_package_has_what_it_is_for():
+    program, library, development, ground = (set(listing(name)) for name in NAMES)
+    assert {"./usr/bin/polhode", "./etc/polhode/live.toml", "./usr/lib/systemd/system/polhode.service", "./usr/share/man/man1/polhode.1.gz",
+            "./usr/share/polhode/default.toml", "./usr/share/bash-completion/completions/polhode"} <= program
+    assert any(path.endswith("/libpolhode.so.1") for path in library) and not any(path.endswith("/libpolhode.so") for path in library)
+    assert "./usr/include/polhode.h" in development and "./usr/include/polhode/pipeline/component.hpp" in development
+    assert any(path.endswith("/libpolhode.so") for path in development) and any(path.endswith("/pkgconfig/polhode.pc") for path in development)
+    assert {"./usr/share/polhode/bus/polhode.xtce.xml", "./usr/share/polhode/bus/ccsdspy/motion.csv", "./usr/share/polhode/client/c/polhode_bus.c",
+            "./usr/lib/python3/dist-packages/polhode_bus/__init__.py", "./usr/share/doc/polhode-ground/interface_control.md"} <= ground
+    folders = [set(path for path in one if not path.endswith("/")) for one in (program, library, development, ground)]
+    assert sum(map(len, folders)) == len(set().union(*folders)), "one file in two packages"
+    assert run("dpkg-deb", "-I", FILES["polhode"], "conffiles").stdout == "/etc/polhode/live.toml\n"
+
+
+@BUILT
+def test_what_flies_is_stripped_and_links_no_windows_codecs_or_networks(tmp_path):
+    for name in ("polhode", "libpolhode1"):
+        assert run("dpkg-deb", "-x", FILES[name], tmp_path).returncode == 0
+    flown = [tmp_path / "usr/bin/polhode", *tmp_path.rglob("libpolhode.so.1.*")]
+    assert len(flown) == 2
+    for file in flown:
+        assert file.stat().st_size < 8e6 and ".debug_info" not in run("readelf", "-SW", file).stdout
+        needed = run("readelf", "-d", file).stdout
+        assert "opencv_core" in needed and not re.search(r"opencv_(?:dnn|imgcodecs|highgui|videoio)|libgtk|libQt", needed)
+        assert re.search(r"Build ID: [0-9a-f]{40}", run("readelf", "-n", file).stdout)
+    assert all(list(PACKAGES.glob(f"{name}-dbgsym_*.ddeb")) for name in ("polhode", "libpolhode1"))
+    asked = run(flown[0], "check", "--config", REPOSITORY / "config/default.toml", "--set", 'network.file="outline.onnx"')
+    assert asked.returncode == 2 and asked.stderr.count("\n") == 1 and "this build has no networks" in asked.stderr
+
+
+@BUILT
+@pytest.mark.slow
+def test_lintian_finds_no_errors():
+    if not shutil.which("lintian"):
+        pytest.skip("lintian is not installed: tools/setup.sh packages")
+    done = run("lintian", "--allow-root", "--fail-on", "error", *FILES.values(), timeout=300)
+    assert done.returncode == 0, done.stdout
+
+
+@BUILT
+@pytest.mark.slow
+def test_they_install_run_the_sample_and_leave_nothing_in_a_bare_root():
+    if not shutil.which("mmdebstrap") or os.geteuid() != 0:
+        pytest.skip("takes root and mmdebstrap: tools/setup.sh packages")
+    done = run(REPOSITORY / "hil/bare_root.sh", PACKAGES, timeout=1800)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "nothing of it remains" in done.stdout
+    if golden.comparable():
+        recorded = hashlib.sha256((golden.recorded() / "default.ccsds").read_bytes()).hexdigest()
+        assert f"sha256 of the sample's stream: {recorded}" in done.stdout
+
+
+def test_a_folder_without_packages_is_refused(tmp_path):
+    done = run(REPOSITORY / "hil/bare_root.sh", tmp_path)
+    assert done.returncode == 2 and done.stderr == f"bare_root: {tmp_path}: no polhode_*.deb; tools/package.sh makes them\n"
+    done = run(REPOSITORY / "tools/package.sh", "chekc")
+    assert done.returncode == 2 and done.stderr.count("\n") == 1 and "allowed: check" in done.stderr

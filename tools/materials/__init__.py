@@ -1,0 +1,1 @@
+"""What the program and its tools are made of (tools/sbom.py)."""
