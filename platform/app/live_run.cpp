@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "app/checkpoint_writer.hpp"
+#include "app/crash_mark.hpp"
 #include "app/exposure_control.hpp"
 #include "app/next_input.hpp"
 #include "os/linux/clock.hpp"
@@ -80,6 +81,9 @@ std::int64_t take_frame(LiveParts& parts,
     counts.first_pose_frame = std::min(counts.first_pose_frame, counts.frames_accepted);
   }
   ++counts.frames_accepted;
+  if (parts.crash != nullptr) {
+    parts.crash->stepped();
+  }
   const auto every = static_cast<std::uint32_t>(limits.checkpoint_frames);
   const bool due = counts.frames_accepted % every == 0 || out.checkpoint_asked;
   if (parts.checkpoint != nullptr && due) {

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "app/checkpoint_file.hpp"
 #include "app/component_memory.hpp"
 #include "app/finish.hpp"
 #include "app/frames_trapped.hpp"
@@ -27,7 +28,6 @@
 #include "app/summary.hpp"
 #include "app/timings.hpp"
 #include "camera/replay/file_camera.hpp"
-#include "camera/replay/file_octets.hpp"
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
 #include "network/loaded_network.hpp"
@@ -220,15 +220,15 @@ void tell_other_parameters(const fs::path& checkpoint,
 
 /// The state that a recorded run started from.
 void restore(const fs::path& checkpoint, const Parameters& configured, Component& component) {
-  std::vector<std::uint8_t> octets;
   if (checkpoint.empty()) {
     return;
   }
-  if (const auto unreadable = read_file(checkpoint, octets)) {
-    throw UnusableInput(fmt::format("{}: {}", checkpoint.string(), *unreadable));
+  LoadedCheckpoint loaded = load_whole_checkpoint(checkpoint, this_build());
+  if (loaded.refusal.empty() && !restore_checkpoint(loaded.content, &component)) {
+    loaded.refusal = "holds values that no run leaves";
   }
-  if (!restore_checkpoint(octets, &component)) {
-    throw UnusableInput(fmt::format("{}: not a checkpoint of this build", checkpoint.string()));
+  if (!loaded.refusal.empty()) {
+    throw UnusableInput(fmt::format("--checkpoint {}: {}", checkpoint.string(), loaded.refusal));
   }
   tell_other_parameters(checkpoint, configured, view_of(component).parameters);
 }
