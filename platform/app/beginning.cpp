@@ -7,17 +7,13 @@
 #include <system_error>
 
 #include "app/checkpoint_writer.hpp"
+#include "input_text.hpp"
 #include "pipeline/checkpoint.hpp"
 
 namespace polhode::platform {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_absent(const fs::path& file) {
-  std::error_code problem;  // a link that leads nowhere is there: it is refused by its name
-  return fs::symlink_status(file, problem).type() == fs::file_type::not_found;
-}
 
 /// Neither is begun from again; the last one stays for people to look at.
 void put_aside(const fs::path& checkpoint) {

@@ -261,7 +261,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& request) {  // --help and --version
     return app.exit(request);
   } catch (const CLI::ParseError& problem) {
-    tell_misuse(find_command(app, argc, argv), problem.what());
+    tell_misuse(find_command(app, argc, argv), polhode::platform::legible(problem.what()).c_str());
     return kUnusable;
   }
   return 0;
@@ -283,7 +283,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "polhode: {}\n", problem.what());
     return kUnusable;
   } catch (const std::exception& problem) {
-    fmt::print(stderr, "polhode: {}\n", problem.what());
+    fmt::print(stderr, "polhode: {}\n", polhode::platform::legible(problem.what()));
     return kRunFailed;
   }
 }

@@ -31,7 +31,7 @@ void print_packet(const bus::Layout& layout,
   nlohmann::ordered_json out{
       {"packet", std::string(layout.name)}, {"apid", header.apid}, {"sequence", header.sequence}};
   out.update(fields_json(layout, packet));
-  fmt::print("{}\n", out.dump());
+  fmt::print("{}\n", out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "camera/replay/file_octets.hpp"
 #include "os/linux/memory/region.hpp"
+#include "quote.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -50,7 +51,7 @@ bool FileCamera::next(Frame& frame) {
   }
   const SequenceFrame& entry = sequence_.frames[next_++];
   const Refusal refusal = load(entry);
-  refusal_ = refusal ? entry.file + ": " + *refusal : std::string();
+  refusal_ = refusal ? cited(entry.file) + ": " + *refusal : std::string();
   frame = {.timestamp_ns = entry.timestamp_ns,
            .image = refusal ? ImageView{} : image_.view(),
            .readable = !refusal};

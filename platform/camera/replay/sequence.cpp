@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <string_view>
 #include <system_error>
 
@@ -12,6 +11,7 @@
 #include "camera/replay/file_octets.hpp"
 #include "camera/replay/sensor_yaml.hpp"
 #include "errors.hpp"
+#include "input_text.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -32,21 +32,13 @@ std::string_view trimmed(std::string_view text) {
 /// data.csv line by line; every message names the file and the line.
 class FrameTable {
  public:
-  explicit FrameTable(const fs::path& file) : file_(file) {
-    std::error_code problem;
-    if (fs::is_regular_file(file, problem)) {  // a pipe would be waited for
-      in_.open(file);
-    }
-    if (!in_.is_open()) {
-      throw UnusableInput(fmt::format("{}: not readable", file.string()));
-    }
-  }
+  explicit FrameTable(const fs::path& file)
+      : file_(file), text_(read_text(file, kTableOctetsMax)) {}
 
   std::vector<SequenceFrame> read() {
     std::vector<SequenceFrame> frames;
-    std::string line;
-    while (frames.size() < kFramesMax && std::getline(in_, line)) {
-      ++line_;
+    std::string_view line;
+    while (frames.size() < kFramesMax && lines_.next(&line)) {
       const std::string_view content = trimmed(line);
       if (!content.empty() && content.front() != '#') {
         frames.push_back(parse(content));
@@ -61,13 +53,13 @@ class FrameTable {
 
  private:
   [[noreturn]] void fail(const std::string& what) const {
-    throw UnusableInput(fmt::format("{}:{}: {}", file_.string(), line_, what));
+    throw UnusableInput(fmt::format("{}:{}: {}", file_.string(), lines_.number(), what));
   }
 
   SequenceFrame parse(std::string_view content) const {
     const std::size_t comma = content.find(',');
     if (comma == std::string_view::npos) {
-      fail(fmt::format("'{}' is not 'timestamp [ns],filename'", content));
+      fail(fmt::format("'{}' is not 'timestamp [ns],filename'", cited(content)));
     }
     const std::string_view stamp = trimmed(content.substr(0, comma));
     const std::string_view rest = content.substr(comma + 1);
@@ -78,12 +70,12 @@ class FrameTable {
         std::from_chars(stamp.data(), stamp.data() + stamp.size(), frame.timestamp_ns);
     if (error != std::errc{} || end != stamp.data() + stamp.size() || frame.timestamp_ns < 0) {
       fail(fmt::format("timestamp [ns]: '{}', allowed are whole numbers 0 .. 9223372036854775807",
-                       stamp));
+                       cited(stamp)));
     }
     const fs::path relative(name);
     const bool leaves = std::find(relative.begin(), relative.end(), "..") != relative.end();
     if (name.empty() || relative.is_absolute() || leaves) {
-      fail(fmt::format("filename: '{}', allowed is a file inside the folder data", name));
+      fail(fmt::format("filename: '{}', allowed is a file inside the folder data", cited(name)));
     }
     frame.file = std::string(name);
     return frame;
@@ -105,8 +97,8 @@ class FrameTable {
   }
 
   fs::path file_;
-  std::ifstream in_;
-  int line_ = 0;
+  std::string text_;
+  TextLines lines_{text_};
 };
 
 /// The first image whose header can be read must have the camera's size. Single bad files are the
@@ -174,11 +166,9 @@ Sequence open_sequence(const fs::path& path) {
     throw UnusableInput(
         fmt::format("{}: {}", path.string(), absent ? "no such folder" : problem.message()));
   }
-  if (!fs::exists(camera / "data.csv", problem)) {
+  if (is_absent(camera / "data.csv")) {
     throw UnusableInput(
-        problem ? fmt::format("{}: {}", (camera / "data.csv").string(), problem.message())
-                : fmt::format("{}: not an image sequence: mav0/cam0/data.csv is missing",
-                              path.string()));
+        fmt::format("{}: not an image sequence: mav0/cam0/data.csv is missing", path.string()));
   }
   Sequence sequence{.path = path,
                     .image_folder = camera / "data",
