@@ -111,7 +111,7 @@ void StreamReader::add(std::span<const std::uint8_t> more, bool at_end, PacketPr
     }
     if (piece.kind == bus::PieceKind::kPacket) {
       printer.packet(piece.header, std::span(held_).subspan(piece.offset, piece.octets));
-    } else {
+    } else if (piece.kind == bus::PieceKind::kDamaged) {
       printer.damage(offset_ + piece.offset, piece.octets);
     }
     at += piece.octets;
