@@ -69,6 +69,13 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
       ->add_option(
           "--checkpoint", arguments.checkpoint, "state to start from, as exported with a recording")
       ->type_name("FILE");
+  command
+      ->add_option("--depth-bits",
+                   arguments.depth_bits,
+                   "of levels that 16-bit pictures hold unshifted: 10, 12, 14 or 16; else by sBIT, "
+                   "maxval or the levels themselves")
+      ->type_name("BITS")
+      ->check(CLI::IsMember({10, 12, 14, 16}));
   command->add_flag(
       "--realtime", arguments.realtime, "hand frames over at the pace of their time stamps");
   command->add_flag(

@@ -27,6 +27,7 @@
 #include "app/servicer_attitude.hpp"
 #include "app/summary.hpp"
 #include "app/timings.hpp"
+#include "camera/replay/depth.hpp"
 #include "camera/replay/file_camera.hpp"
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
@@ -293,10 +294,20 @@ void tell_result(const Run& run, const fs::path& out) {
   }
 }
 
+/// Says what levels of few bits were taken for, where the arguments do not.
+Sequence open_and_tell(const ReplayArguments& arguments) {
+  Sequence sequence = open_sequence(arguments.sequence, arguments.depth_bits);
+  const std::string remark = arguments.depth_bits == 0 ? depth_remark(sequence.depth_bits) : "";
+  if (!remark.empty()) {
+    fmt::print(stderr, "polhode: {}: {}\n", sequence.image_folder.string(), remark);
+  }
+  return sequence;
+}
+
 }  // namespace
 
 void replay(const ReplayArguments& arguments) {
-  const Sequence sequence = open_sequence(arguments.sequence);
+  const Sequence sequence = open_and_tell(arguments);
   const ServicerAttitude servicer = ServicerAttitude::of_sequence(arguments.sequence);
   const Parameters parameters = parameters_for(arguments, sequence);
   const TransportOptions options = load_transport_options(arguments.config, arguments.settings);

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "camera/replay/decode.hpp"
+#include "camera/replay/depth.hpp"
 #include "camera/replay/file_octets.hpp"
 #include "camera/replay/sensor_yaml.hpp"
 #include "errors.hpp"
@@ -158,7 +159,7 @@ std::size_t frame_octets_max(const CameraParameters& camera) {
          kBeside;
 }
 
-Sequence open_sequence(const fs::path& path) {
+Sequence open_sequence(const fs::path& path, int depth_bits) {
   const fs::path camera = path / "mav0" / "cam0";
   std::error_code problem;
   if (!fs::is_directory(path, problem)) {
@@ -175,6 +176,7 @@ Sequence open_sequence(const fs::path& path) {
                     .camera = read_sensor_yaml(camera / "sensor.yaml"),
                     .frames = FrameTable(camera / "data.csv").read()};
   sequence.decoder_octets = check_first_image(sequence).decoder_octets;
+  sequence.depth_bits = depth_bits == 0 ? depth_of(sequence) : depth_bits;
   sequence.file_octets_max = largest_file(sequence);
   return sequence;
 }
