@@ -24,6 +24,12 @@ void record_passed_over(LiveParts& parts, std::uint32_t late_before) {
   }
 }
 
+WriteFailures write_failures(const LiveParts& parts) {
+  return {.packets = parts.packets != nullptr ? parts.packets->failures() : 0,
+          .checkpoints = parts.checkpoint != nullptr ? parts.checkpoint->counters().failed : 0,
+          .records = parts.recorder != nullptr ? parts.recorder->counters().write_failures : 0};
+}
+
 const StepOutput& step_from_pool(Component& component, const StepInput& input) {
   const PoolScope scope(Pool::kStep);
   return component.step(input);
@@ -125,6 +131,7 @@ LiveEnd run_live(LiveParts& parts, const LiveLimits& limits) {
       parts.manager.progress(now_ns);
     }
     attempts = camera.attempts;
+    parts.report.written(write_failures(parts), now_ns);
     parts.report.passed(parts.camera, parts.counts, now_ns);
     parts.telemetry.passed(
         parts.counts, parts.camera, parts.transports, now_ns, parts.report.last().timestamp_ns);

@@ -42,6 +42,7 @@
 #include "pipeline/checkpoint.hpp"
 #include "pipeline/component.hpp"
 #include "pipeline/ground_view.hpp"
+#include "tell.hpp"
 #include "transport/command_file.hpp"
 #include "transport/file/packet_file.hpp"
 #include "transport/transports.hpp"
@@ -212,10 +213,9 @@ void tell_other_parameters(const fs::path& checkpoint,
     }
   }
   if (!keys.empty()) {
-    fmt::print(stderr,
-               "polhode: --checkpoint {}: its parameters take the configuration's place: {}\n",
-               checkpoint.string(),
-               fmt::join(keys, ", "));
+    tell("polhode: --checkpoint {}: its parameters take the configuration's place: {}\n",
+         checkpoint.string(),
+         fmt::join(keys, ", "));
   }
 }
 
@@ -299,7 +299,7 @@ Sequence open_and_tell(const ReplayArguments& arguments) {
   Sequence sequence = open_sequence(arguments.sequence, arguments.depth_bits);
   const std::string remark = arguments.depth_bits == 0 ? depth_remark(sequence.depth_bits) : "";
   if (!remark.empty()) {
-    fmt::print(stderr, "polhode: {}: {}\n", sequence.image_folder.string(), remark);
+    tell("polhode: {}: {}\n", sequence.image_folder.string(), remark);
   }
   return sequence;
 }
