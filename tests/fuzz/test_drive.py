@@ -10,7 +10,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from drive import drive, fault_of, report  # noqa: E402
 from readers import PROGRAM  # noqa: E402
 
-TRIALS = 90  # five of each reader
+TRIALS = 54  # three of each reader
 
 
 @pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
