@@ -41,7 +41,8 @@ std::size_t mask_octets(const Parameters& p) {
     return 0;
   }
   constexpr std::size_t kPerPixel = 160;
-  const auto decimation = static_cast<std::size_t>(decimation_of(p.camera.width_px));
+  const auto decimation =
+      static_cast<std::size_t>(decimation_of(p.camera.width_px, p.camera.height_px));
   return kPerPixel * (pixels(p) / (decimation * decimation));
 }
 

@@ -4,8 +4,9 @@
 usage: calibrate_camera.py --board chessboard --squares 10x7 --square-m 0.03 --out sensor.yaml PICTURE...
        calibrate_camera.py --board charuco --squares 10x7 --square-m 0.03 --marker-m 0.022 --out sensor.yaml PICTURE...
 
-Twenty pictures with the board tilted by 30 to 45 deg in all directions and in all corners of the picture are good, five the least.
-A video counts as 40 pictures, spread over it. Move slowly: a rolling shutter bends what moves.
+Twenty pictures with the board tilted by 30 to 45 deg in all directions and in all corners of the picture are good, five different
+ones the least. A video counts as 40 pictures, spread over it. Move slowly: a rolling shutter bends what moves. EXIF orientation
+is passed over, as a replay does: pixels are taken as they are stored.
 Writes sensor.yaml (ASL layout, as `polhode replay` reads it), beside it a picture of the residuals, and prints the same values
 as a [camera] section for `polhode run`. Status 1: the pictures do not determine the camera; 2: unusable arguments.
 """
@@ -68,6 +69,7 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--square-m", type=float, required=True, help="edge of a square, metres")
     parser.add_argument("--marker-m", type=float, default=0.0, help="edge of a marker, metres (charuco)")
     parser.add_argument("--dictionary", default="DICT_5X5_100", help="of the markers (charuco)")
+    parser.add_argument("--legacy", action="store_true", help="a board that was drawn by OpenCV before 4.6 (charuco with even rows)")
     parser.add_argument("--rate-hz", type=float, default=10.0, help="written into sensor.yaml")
     parser.add_argument("--out", type=pathlib.Path, required=True, metavar="sensor.yaml")
     parsed = parser.parse_args()
@@ -84,7 +86,7 @@ def pictures_of(files: list[pathlib.Path]):
     from importing.video import open_video
     from judge.errors import BadInput
     for file in files:
-        gray = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE)
+        gray = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION)
         if gray is not None:
             yield file.name, gray
             continue
@@ -99,10 +101,13 @@ def pictures_of(files: list[pathlib.Path]):
 
 
 def find_views(files: list[pathlib.Path], board) -> tuple[list, tuple[int, int]]:
+    from calibration import diagnose
     from calibration.boards import find_view
     from calibration.solve import NotCalibrated
-    views, size = [], None
+    views, size, without = [], None, []
+    looked_at = 0
     for name, gray in pictures_of(files):
+        looked_at += 1
         size = size or gray.shape[::-1]
         if gray.shape[::-1] != size:
             raise NotCalibrated(f"{name}: {gray.shape[1]}x{gray.shape[0]}, but the pictures before it are {size[0]}x{size[1]}")
@@ -110,6 +115,10 @@ def find_views(files: list[pathlib.Path], board) -> tuple[list, tuple[int, int]]
         print(f"{name}: {f'{len(view.image_px)} corners' if view else 'board not found'}")
         if view is not None:
             views.append(view)
+        elif len(without) < diagnose.PICTURES:
+            without.append(gray)
+    if not views:
+        raise NotCalibrated(f"the board was found in none of {looked_at} pictures: {diagnose.explain(without, board)}")
     return views, size
 
 
@@ -122,7 +131,7 @@ def main() -> int:
     from judge.errors import BadInput
     if not hasattr(cv2.aruco, asked.dictionary):
         raise BadInput(f"--dictionary {asked.dictionary}: unknown")
-    board = Board(asked.board, *asked.squares, asked.square_m, asked.marker_m, asked.dictionary)
+    board = Board(asked.board, *asked.squares, asked.square_m, asked.marker_m, asked.dictionary, asked.legacy)
     try:
         views, (width_px, height_px) = find_views(asked.pictures, board)
         calibration = calibrate(views, width_px, height_px)

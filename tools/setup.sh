@@ -139,7 +139,7 @@ case ${1:-} in
     install_packages "${ARM64_PACKAGES[@]}"
     make_sysroot ;;
   -h | --help)
-    sed -n '2,10s/^# //p' "$0" ;;
+    sed -n '2,9s/^# //p' "$0" ;;
   *)
     echo "setup: unknown part '$1'; allowed: renderer, colmap, extras, campaign, packages, arm64, or nothing" >&2
     exit 2 ;;

@@ -11,6 +11,7 @@ namespace polhode::bus {
 
 enum class PieceKind : std::uint8_t {
   kPacket,      ///< fixed bits, length and CRC are right
+  kIdle,        ///< a CCSDS idle packet: it fills a frame up, and says nothing
   kDamaged,     ///< octets that belong to no whole packet
   kIncomplete,  ///< the front of what may be a packet; more octets are needed (never with at_end)
 };

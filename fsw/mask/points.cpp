@@ -164,7 +164,7 @@ cv::Point2f MaskTrack::motion(std::size_t age) const {
 }
 
 bool add_picture(const cv::Mat& gray, const cv::Mat& reduced, PointsState* s) {
-  const int decimation = decimation_of(gray.cols);
+  const int decimation = decimation_of(gray.cols, gray.rows);
   const cv::Size size(gray.cols / decimation, gray.rows / decimation);
   if (s->stored > 0 && (decimation != s->decimation || s->picture(0).size() != size)) {
     clear(s);

@@ -1,8 +1,9 @@
 // Points tracked from image to image, all over the image and closer together on the target.
 //
-// Works on the image halved until it is at most kWorkingWidthMax_px across ("working pixels").
+// Works on the image halved until its longer side is at most kWorkingSideMax_px ("working pixels").
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -15,11 +16,13 @@ namespace polhode {
 
 // 480 at 1920: overlaps as with 640, in two thirds of the time. With 240 they are 0.88 and 0.84
 // instead of 0.91 and 0.91 (record 0009).
-inline constexpr int kWorkingWidthMax_px = 640;
+inline constexpr int kWorkingSideMax_px = 640;
 
 /// Pixels of an image per working pixel: a power of two, as halving is the cheap way to reduce.
-constexpr int decimation_of(int width_px) {
-  const int least = (width_px + kWorkingWidthMax_px - 1) / kWorkingWidthMax_px;
+/// Upright images as lying ones.
+constexpr int decimation_of(int width_px, int height_px) {
+  const int longer_px = std::max(width_px, height_px);
+  const int least = (longer_px + kWorkingSideMax_px - 1) / kWorkingSideMax_px;
   return static_cast<int>(std::bit_ceil(static_cast<unsigned>(least)));
 }
 

@@ -4,7 +4,9 @@
 #include <type_traits>
 
 #include "base/assert.hpp"
-#include "pipeline/state.hpp"
+#include "base/sound.hpp"
+#include "pipeline/soundness.hpp"
+#include "pipeline/storage.hpp"
 
 namespace polhode {
 namespace {
@@ -175,6 +177,39 @@ bool is_whole(Reader in, const Component::State& s) {
          slots_are_whole(&in, s.mapping.map.landmarks) && in.at_end();
 }
 
+/// As Component::create() had left it, with the caller's hooks.
+void begin_anew(const Parameters& parameters, Component* component) {
+  Component::State* s = ComponentAccess::state(*component);
+  const StageTimer timer = s->timer;
+  const MaskNetwork network = s->picture.mask_state.network;
+  auto* memory = reinterpret_cast<std::byte*>(s);  // the state lies first in its storage
+  Component::destroy(component);
+  const Result<Component*> made = Component::create({memory, sizeof(Storage)}, parameters);
+  POLHODE_ASSERT(made.ok(), 0.0);
+  made.value()->set_stage_hook(timer.hook, timer.context);
+  made.value()->set_mask_network(network);
+}
+
+/// @return whether the values are such as a component leaves.
+bool take_values(Reader reader, Component::State* s) {
+  bool taken = reader.skip(sizeof(Fingerprint));
+  clear(&s->mapping.map);
+  visit_persistent([&](auto& value) { taken = taken && reader.take(&value); }, *s);
+  WorkLost lost;
+  taken = taken && reader.take(&lost);
+  POLHODE_ASSERT(taken, s->mapping.map.keyframe_count);
+  take_used(&reader, &s->mapping.map.keyframes);
+  take_used(&reader, &s->mapping.map.landmarks);
+  if (!sound::is_bool(lost.loop_open) || !sound::is_bool(lost.shape_asked) || !is_sound(*s)) {
+    return false;
+  }
+  s->mapping.growth.closed = lost.loop_open;
+  if (lost.shape_asked) {
+    ask_shape_again(&s->shape);
+  }
+  return true;
+}
+
 }  // namespace
 
 std::size_t checkpoint_octets_max() {
@@ -202,23 +237,16 @@ std::size_t save_checkpoint(const Component& component, std::span<std::uint8_t> 
 
 bool restore_checkpoint(std::span<const std::uint8_t> octets, Component* component) {
   Component::State* s = ComponentAccess::state(*component);
-  Reader reader(octets);
+  const Reader reader(octets);
   if (!is_whole(reader, *s)) {
     return false;
   }
-  bool taken = reader.skip(sizeof(Fingerprint));
-  clear(&s->mapping.map);
-  visit_persistent([&](auto& value) { taken = taken && reader.take(&value); }, *s);
-  WorkLost lost;
-  taken = taken && reader.take(&lost);
-  POLHODE_ASSERT(taken, octets.size());
-  s->mapping.growth.closed = lost.loop_open;
-  if (lost.shape_asked) {
-    ask_shape_again(&s->shape);
+  const Parameters configured = s->configuration.parameters;
+  if (!take_values(reader, s)) {
+    begin_anew(configured, component);
+    return false;
   }
   s->bus.reported.started = false;  // the component reports its start again
-  take_used(&reader, &s->mapping.map.keyframes);
-  take_used(&reader, &s->mapping.map.landmarks);
   drop_reference(&s->mapping);
   const bool has_map = s->mapping.map.keyframe_count > 0;
   change_mode(has_map ? ModeEvent::kWarmStartWithMap : ModeEvent::kWarmStartWithoutMap, &s->mode);

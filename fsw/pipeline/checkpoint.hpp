@@ -2,7 +2,8 @@
 // estimated from, scale, counters. Not what lives for one frame, and not a start that is under way.
 //
 // The content is the tables as they lie in memory, for the same build only: its first words tell
-// the layout, and another one's is refused. Whoever stores it checks that it is whole.
+// the layout, and another one's is refused. Whoever stores it checks that it is whole and of this
+// build. Each value is checked all the same: a bit may have flipped before it was written.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +23,8 @@ std::size_t save_checkpoint(const Component& component, std::span<std::uint8_t> 
 
 /// Into a component that has just been created. With a map in it, the component begins as one that
 /// has lost its target: it looks where the motion says, then everywhere.
-/// @return false, with nothing changed, when the octets are of another build, or cut off.
+/// @return false, and the component is as it was created, when the octets are of another layout,
+/// cut off, or hold values that no component leaves (is_sound() of pipeline/soundness.hpp).
 bool restore_checkpoint(std::span<const std::uint8_t> octets, Component* component);
 
 }  // namespace polhode

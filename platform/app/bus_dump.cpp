@@ -1,6 +1,9 @@
 #include "app/bus_dump.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -24,7 +27,14 @@ struct Close {
 }  // namespace
 
 void dump_bus(const BusDumpArguments& arguments) {
-  const std::unique_ptr<std::FILE, Close> in(std::fopen(arguments.file.c_str(), "rbe"));
+  // Without waiting: a FIFO that nobody writes to would never open.
+  const int opened = ::open(arguments.file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  struct stat status {};
+  if (opened >= 0 && (::fstat(opened, &status) != 0 || !S_ISREG(status.st_mode))) {
+    ::close(opened);
+    throw UnusableInput(fmt::format("{}: not a regular file", arguments.file.string()));
+  }
+  const std::unique_ptr<std::FILE, Close> in(opened < 0 ? nullptr : ::fdopen(opened, "rb"));
   if (!in) {
     throw UnusableInput(
         fmt::format("{}: {}", arguments.file.string(), std::generic_category().message(errno)));

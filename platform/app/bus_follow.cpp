@@ -15,6 +15,7 @@
 #include "app/command_check.hpp"
 #include "app/packet_printer.hpp"
 #include "errors.hpp"
+#include "tell.hpp"
 #include "transport/client/c/polhode_bus.h"
 #include "transport/command_text.hpp"
 #include "transport/datagram/datagram.hpp"
@@ -46,12 +47,11 @@ std::unique_ptr<polhode_bus, CloseBus> open_bus(const Address& address) {
 /// Tells of damage that the reader skipped since the last call.
 void tell_loss(const polhode_bus& bus, std::uint64_t& damaged, std::uint64_t& overrun) {
   if (bus.damaged_octets != damaged) {
-    fmt::print(stderr, "{} octets were no packet\n", bus.damaged_octets - damaged);
+    tell("{} octets were no packet\n", bus.damaged_octets - damaged);
     damaged = bus.damaged_octets;
   }
   if (bus.overrun != overrun) {
-    fmt::print(
-        stderr, "{} packets were overwritten before they were read\n", bus.overrun - overrun);
+    tell("{} packets were overwritten before they were read\n", bus.overrun - overrun);
     overrun = bus.overrun;
   }
 }

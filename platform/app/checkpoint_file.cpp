@@ -21,15 +21,16 @@ namespace fs = std::filesystem;
 
 /// Read by the same build on the same machine only: as it lies in memory.
 struct FileHeader {
-  std::array<char, 8> magic{'P', 'L', 'H', 'C', 'H', 'K', '0', '1'};
+  std::array<char, 8> magic{'P', 'L', 'H', 'C', 'H', 'K', '0', '2'};
   CheckpointIdentity identity;
   std::uint32_t content_crc32 = 0;
+  std::uint32_t restarts = 0;
   std::int64_t utc_ns = 0;
   std::uint64_t content_octets = 0;
-  std::uint32_t restarts = 0;
+  std::uint32_t spare = 0;
   std::uint32_t header_crc32 = 0;
 };
-static_assert(sizeof(FileHeader) == 136, "no gaps: the checksum goes over all octets");
+static_assert(sizeof(FileHeader) == 160, "no gaps: the checksum goes over all octets");
 
 std::uint32_t crc_of(const FileHeader& header) {
   return crc32_iso_hdlc(
@@ -67,22 +68,23 @@ void sync_folder_of(const fs::path& file) {
   }
 }
 
-std::string refusal_of(const FileHeader& header,
-                       std::span<const std::uint8_t> content,
-                       const CheckpointIdentity& identity) {
+std::string damage_of(const FileHeader& header,
+                      std::span<const std::uint8_t> content,
+                      const BuildId& build) {
   if (header.magic != FileHeader{}.magic || header.header_crc32 != crc_of(header)) {
     return "not a checkpoint, or its beginning is damaged";
   }
   if (header.content_octets != content.size() || header.content_crc32 != crc32_iso_hdlc(content)) {
     return "torn or damaged";
   }
+  return header.identity.build_id != build ? "of another build" : "";
+}
+
+std::string foreign_in(const FileHeader& header, const CheckpointIdentity& identity) {
   if (header.identity.config_hash != identity.config_hash) {
     return "of another configuration";
   }
-  if (header.identity.boot_id != identity.boot_id) {
-    return "from before the machine was started";
-  }
-  return {};
+  return header.identity.boot_id != identity.boot_id ? "from before the machine was started" : "";
 }
 
 bool read_all(int file, void* data, std::size_t octets) {
@@ -100,7 +102,7 @@ bool read_all(int file, void* data, std::size_t octets) {
 
 /// @return why it cannot be read; empty when it has been.
 std::string read_whole(const fs::path& file, FileHeader* header, LoadedCheckpoint* loaded) {
-  const Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  const Descriptor in(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));  // a FIFO waits
   struct stat status {};
   if (in.get() < 0 || ::fstat(in.get(), &status) != 0) {
     return fmt::format("cannot be read: {}", std::generic_category().message(errno));
@@ -109,22 +111,41 @@ std::string read_whole(const fs::path& file, FileHeader* header, LoadedCheckpoin
     return "no file";
   }
   const auto octets = static_cast<std::size_t>(status.st_size);
-  if (octets < sizeof *header || !read_all(in.get(), header, sizeof *header)) {
+  if (octets < sizeof *header) {
     return "too short";
   }
   if (octets > sizeof *header + checkpoint_octets_max()) {
     return "too long";
   }
-  if (octets == sizeof *header) {
-    return {};
-  }
-  loaded->memory = std::make_unique<TableMemory>(octets - sizeof *header);
-  const std::span<std::byte> content = loaded->memory->span();
-  if (!read_all(in.get(), content.data(), content.size())) {
+  loaded->memory = std::make_unique<TableMemory>(octets);
+  const std::span<std::byte> whole = loaded->memory->span().first(octets);
+  if (!read_all(in.get(), whole.data(), whole.size())) {
     return "cannot be read to its end";
   }
-  loaded->content = {reinterpret_cast<const std::uint8_t*>(content.data()), content.size()};
+  std::memcpy(header, whole.data(), sizeof *header);
+  loaded->octets = {reinterpret_cast<const std::uint8_t*>(whole.data()), whole.size()};
+  loaded->content = loaded->octets.subspan(sizeof *header);
+  loaded->checksum = header->header_crc32;
+  loaded->restarts = header->restarts;
   return {};
+}
+
+LoadedCheckpoint load(const fs::path& file, const BuildId& build, FileHeader* header) {
+  LoadedCheckpoint loaded;
+  loaded.refusal = read_whole(file, header, &loaded);
+  if (loaded.refusal.empty()) {
+    loaded.refusal = damage_of(*header, loaded.content, build);
+  }
+  return loaded;
+}
+
+/// Nothing of a refused one is used.
+LoadedCheckpoint judged(LoadedCheckpoint loaded) {
+  if (!loaded.refusal.empty()) {
+    loaded.octets = loaded.content = {};
+    loaded.restarts = loaded.checksum = 0;
+  }
+  return loaded;
 }
 
 }  // namespace
@@ -136,51 +157,57 @@ std::array<char, 36> this_boot() {
   return in ? id : std::array<char, 36>{};
 }
 
-bool write_checkpoint_file(const fs::path& file,
-                           const fs::path& beside,
+fs::path checkpoint_before(const fs::path& file) { return file.string() + ".before"; }
+
+CheckpointPlaces::CheckpointPlaces(const fs::path& of)
+    : file(of), before(checkpoint_before(of)), beside(of.string() + ".new") {}
+
+bool write_checkpoint_file(const CheckpointPlaces& places,
                            const CheckpointStamp& stamp,
                            std::span<const std::uint8_t> content) {
   FileHeader header{.identity = stamp.identity,
                     .content_crc32 = crc32_iso_hdlc(content),
+                    .restarts = stamp.restarts,
                     .utc_ns = stamp.utc_ns,
-                    .content_octets = content.size(),
-                    .restarts = stamp.restarts};
+                    .content_octets = content.size()};
   header.header_crc32 = crc_of(header);
-  const int out = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
+  const int out = ::open(places.beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
   if (out < 0) {
     return false;
   }
   const bool written = write_all(out, &header, sizeof header) &&
                        write_all(out, content.data(), content.size()) && ::fsync(out) == 0;
   const bool closed = ::close(out) == 0;
-  if (!written || !closed || ::rename(beside.c_str(), file.c_str()) != 0) {
-    (void)::unlink(beside.c_str());
+  if (written && closed) {
+    (void)::rename(places.file.c_str(), places.before.c_str());  // at first there is none
+  }
+  if (!written || !closed || ::rename(places.beside.c_str(), places.file.c_str()) != 0) {
+    (void)::unlink(places.beside.c_str());
     return false;
   }
-  sync_folder_of(file);
+  sync_folder_of(places.file);
   return true;
+}
+
+LoadedCheckpoint load_whole_checkpoint(const fs::path& file, const BuildId& build) {
+  FileHeader header;
+  return judged(load(file, build, &header));
 }
 
 LoadedCheckpoint load_checkpoint_file(const fs::path& file,
                                       const CheckpointIdentity& identity,
                                       std::int64_t utc_ns,
                                       double age_s_max) {
-  LoadedCheckpoint loaded;
   FileHeader header;
-  loaded.refusal = read_whole(file, &header, &loaded);
+  LoadedCheckpoint loaded = load(file, identity.build_id, &header);
   if (loaded.refusal.empty()) {
-    loaded.refusal = refusal_of(header, loaded.content, identity);
+    loaded.refusal = foreign_in(header, identity);
   }
   loaded.age_s = 1e-9 * static_cast<double>(utc_ns - header.utc_ns);
   if (loaded.refusal.empty() && !(loaded.age_s >= 0.0 && loaded.age_s <= age_s_max)) {
     loaded.refusal = fmt::format("{:.0f} s old, allowed are 0 .. {:.0f}", loaded.age_s, age_s_max);
   }
-  if (!loaded.refusal.empty()) {
-    loaded.content = {};
-  } else {
-    loaded.restarts = header.restarts;
-  }
-  return loaded;
+  return judged(std::move(loaded));
 }
 
 }  // namespace polhode::platform

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "os/linux/build_id.hpp"
 #include "os/linux/memory/table_memory.hpp"
 
 namespace polhode::platform {
@@ -16,6 +17,7 @@ namespace polhode::platform {
 struct CheckpointIdentity {
   std::array<char, 64> config_hash{};  ///< hexadecimal digits, of the parameters
   std::array<char, 36> boot_id{};      ///< zeros where time stamps do not depend on the boot
+  BuildId build_id{};                  ///< of the program: tables lie otherwise in another one
 };
 
 /// What is written with a state.
@@ -29,22 +31,38 @@ struct CheckpointStamp {
 /// Of this machine since it was started; zeros when it does not tell.
 std::array<char, 36> this_boot();
 
-/// Writes beside the file, has it on the disk, then takes the old one's place: at no moment is
-/// there none, or half of one. Takes no memory.
+/// The one before the last, beside it.
+std::filesystem::path checkpoint_before(const std::filesystem::path& file);
+
+/// Where the files of a checkpoint lie.
+struct CheckpointPlaces {
+  explicit CheckpointPlaces(const std::filesystem::path& file);
+  std::filesystem::path file;
+  std::filesystem::path before;  ///< the one before
+  std::filesystem::path beside;  ///< one that is being written
+};
+
+/// Writes beside the file and has it on the disk. Then the old one becomes the one before, and the
+/// new one takes its place: at no moment is there none, or half of one. Takes no memory.
 /// @return false when the disk did not take it; the old one is still there.
-bool write_checkpoint_file(const std::filesystem::path& file,
-                           const std::filesystem::path& beside,
+bool write_checkpoint_file(const CheckpointPlaces& places,
                            const CheckpointStamp& stamp,
                            std::span<const std::uint8_t> content);
 
 struct LoadedCheckpoint {
   std::unique_ptr<TableMemory> memory;    ///< of the content: goes with it, beside the pools
-  std::span<const std::uint8_t> content;  ///< empty when refused
+  std::span<const std::uint8_t> octets;   ///< the file; empty when refused
+  std::span<const std::uint8_t> content;  ///< of it the state; empty when refused
+  std::uint32_t checksum = 0;             ///< tells it from others
   std::string refusal;                    ///< why; empty when it is good
   double age_s = 0.0;
   std::uint32_t restarts = 0;
 };
 
+/// Whole and of this build, as a replay asks it: of any configuration, boot and age.
+LoadedCheckpoint load_whole_checkpoint(const std::filesystem::path& file, const BuildId& build);
+
+/// As a live run asks it.
 LoadedCheckpoint load_checkpoint_file(const std::filesystem::path& file,
                                       const CheckpointIdentity& identity,
                                       std::int64_t utc_ns,

@@ -9,8 +9,7 @@ std::int64_t utc_now_ns() { return clock_ns(CLOCK_REALTIME); }
 CheckpointWriter::CheckpointWriter(const std::filesystem::path& file,
                                    const CheckpointIdentity& identity,
                                    std::uint32_t restarts)
-    : file_(file),
-      beside_(file.string() + ".new"),
+    : places_(file),
       stamp_{.identity = identity, .restarts = restarts},
       memory_(checkpoint_octets_max()),
       buffer_(reinterpret_cast<std::uint8_t*>(memory_.span().data()), memory_.span().size()) {
@@ -46,6 +45,9 @@ void CheckpointWriter::offer(const Component& component, std::int64_t stepped_ut
 void CheckpointWriter::write_now(const Component& component, std::int64_t stepped_utc_ns) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return waiting_ == 0; });
+  if (stepped_utc_ns == written_utc_ns_) {
+    return;  // twice the same would push out the one before
+  }
   lock.unlock();
   offer(component, stepped_utc_ns);
   lock.lock();
@@ -68,9 +70,10 @@ void CheckpointWriter::serve() {
     }
     const std::size_t octets = waiting_;
     lock.unlock();
-    const bool written = write_checkpoint_file(file_, beside_, stamp_, buffer_.first(octets));
+    const bool written = write_checkpoint_file(places_, stamp_, buffer_.first(octets));
     lock.lock();
     ++(written ? counters_.written : counters_.failed);
+    written_utc_ns_ = written ? stamp_.utc_ns : written_utc_ns_;
     counters_.octets = octets;
     waiting_ = 0;
     changed_.notify_all();

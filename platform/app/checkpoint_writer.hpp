@@ -34,7 +34,7 @@ class CheckpointWriter {
   /// Copies the state and returns; nothing when the last one is still being written.
   /// @param stepped_utc_ns when its last frame was stepped: from then on it ages.
   void offer(const Component& component, std::int64_t stepped_utc_ns);
-  /// As offer(), but waits until it is on the disk. For the end of a run.
+  /// As offer(), but waits until it is on the disk; it may be there already. For the end of a run.
   void write_now(const Component& component, std::int64_t stepped_utc_ns);
 
   [[nodiscard]] CheckpointCounters counters();
@@ -43,14 +43,14 @@ class CheckpointWriter {
   static void work(void* writer);
   void serve();
 
-  std::filesystem::path file_;
-  std::filesystem::path beside_;
+  CheckpointPlaces places_;
   CheckpointStamp stamp_;           ///< of the thread while `waiting_`
   TableMemory memory_;              ///< beside the pools, which are the libraries'
   std::span<std::uint8_t> buffer_;  ///< of the thread while `waiting_`
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::size_t waiting_ = 0;  ///< octets to be written; 0: none
+  std::size_t waiting_ = 0;          ///< octets to be written; 0: none
+  std::int64_t written_utc_ns_ = 0;  ///< that the last one on the disk was stepped at
   bool stop_ = false;
   CheckpointCounters counters_;
   BackgroundThread thread_;

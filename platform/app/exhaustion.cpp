@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 
+#include "app/crash_mark.hpp"
 #include "os/linux/memory/region.hpp"
 
 namespace polhode::platform {
@@ -18,6 +19,7 @@ Subject g_subject;
 void write_checkpoint(Pool /*pool*/, std::size_t /*octets*/) {
   const Subject subject = g_subject;
   g_subject = {};  // once, should writing come back here
+  leave_crash_mark();
   if (subject.component == nullptr || pthread_equal(pthread_self(), subject.stepping) == 0) {
     return;
   }

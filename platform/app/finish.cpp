@@ -18,6 +18,7 @@
 #include "pipeline/smooth.hpp"
 #include "shape/hull.hpp"
 #include "shape/scale_state.hpp"
+#include "tell.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -117,7 +118,7 @@ void measure_scale_by_shape(Component* component) {
 void tell_scale_that_was_not_read(const GroundView& view) {
   const ScaleOptions& o = view.parameters.scale;
   const auto tell = [](const char* key, const char* why) {
-    fmt::print(stderr, "polhode: {}: not read: {}; lengths stay in map units\n", key, why);
+    platform::tell("polhode: {}: not read: {}; lengths stay in map units\n", key, why);
   };
   if (view.scale.known || view.scale.contradiction) {
     return;

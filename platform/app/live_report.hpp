@@ -14,6 +14,14 @@
 
 namespace polhode::platform {
 
+/// What the disk did not take, since the start.
+struct WriteFailures {
+  std::uint64_t packets = 0;  ///< steps whose packets are not, or not whole, in bus.ccsds
+  std::uint64_t checkpoints = 0;
+  std::uint64_t records = 0;  ///< of the recording
+  bool operator==(const WriteFailures&) const = default;
+};
+
 class LiveReport {
  public:
   LiveReport(ServiceManager& manager, int period_s);
@@ -21,6 +29,9 @@ class LiveReport {
   void stepped(const StepOutput& out) { last_ = out.motion; }
   /// Once a turn of the loop: says what is new, and the state every period.
   void passed(const LiveCamera& camera, const LiveCounts& counts, std::int64_t now_ns);
+  /// Once a turn of the loop: says at once what the disk did not take, then no more often than
+  /// trouble of the camera.
+  void written(const WriteFailures& failures, std::int64_t now_ns);
   [[nodiscard]] const MotionState& last() const { return last_; }
 
  private:
@@ -32,6 +43,8 @@ class LiveReport {
   CameraCounters told_;
   std::array<char, 80> told_state_{};  ///< its beginning, by which a new one is known
   std::int64_t trouble_due_ns_ = 0;    ///< lines about trouble come no faster than this
+  WriteFailures told_failures_;
+  std::int64_t failures_due_ns_ = 0;
   MotionState last_;
 };
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "app/checkpoint_writer.hpp"
+#include "app/crash_mark.hpp"
 #include "app/exposure_control.hpp"
 #include "app/next_input.hpp"
 #include "os/linux/clock.hpp"
@@ -21,6 +22,12 @@ void record_passed_over(LiveParts& parts, std::uint32_t late_before) {
   if (parts.recorder != nullptr && late > 0) {
     parts.recorder->dropped(DropReason::kLate, late);
   }
+}
+
+WriteFailures write_failures(const LiveParts& parts) {
+  return {.packets = parts.packets != nullptr ? parts.packets->failures() : 0,
+          .checkpoints = parts.checkpoint != nullptr ? parts.checkpoint->counters().failed : 0,
+          .records = parts.recorder != nullptr ? parts.recorder->counters().write_failures : 0};
 }
 
 const StepOutput& step_from_pool(Component& component, const StepInput& input) {
@@ -80,6 +87,9 @@ std::int64_t take_frame(LiveParts& parts,
     counts.first_pose_frame = std::min(counts.first_pose_frame, counts.frames_accepted);
   }
   ++counts.frames_accepted;
+  if (parts.crash != nullptr) {
+    parts.crash->stepped();
+  }
   const auto every = static_cast<std::uint32_t>(limits.checkpoint_frames);
   const bool due = counts.frames_accepted % every == 0 || out.checkpoint_asked;
   if (parts.checkpoint != nullptr && due) {
@@ -121,6 +131,7 @@ LiveEnd run_live(LiveParts& parts, const LiveLimits& limits) {
       parts.manager.progress(now_ns);
     }
     attempts = camera.attempts;
+    parts.report.written(write_failures(parts), now_ns);
     parts.report.passed(parts.camera, parts.counts, now_ns);
     parts.telemetry.passed(
         parts.counts, parts.camera, parts.transports, now_ns, parts.report.last().timestamp_ns);

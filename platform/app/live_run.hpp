@@ -17,6 +17,7 @@
 namespace polhode::platform {
 
 class CheckpointWriter;
+class CrashWatch;
 class ExposureControl;
 
 enum class LiveEnd : std::uint8_t {
@@ -38,6 +39,7 @@ struct LiveParts {
   PacketLog* packets = nullptr;
   Recorder* recorder = nullptr;
   CheckpointWriter* checkpoint = nullptr;
+  CrashWatch* crash = nullptr;  ///< with the checkpoint
   ExposureControl& exposure;
 };
 

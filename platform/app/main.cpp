@@ -18,8 +18,11 @@
 #include "app/run.hpp"
 #include "errors.hpp"
 #include "os/linux/assertion.hpp"
+#include "os/linux/last_words.hpp"
 #include "os/linux/libraries.hpp"
+#include "os/linux/standard_files.hpp"
 #include "pipeline/component.hpp"
+#include "tell.hpp"
 
 namespace {
 
@@ -69,6 +72,13 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
       ->add_option(
           "--checkpoint", arguments.checkpoint, "state to start from, as exported with a recording")
       ->type_name("FILE");
+  command
+      ->add_option("--depth-bits",
+                   arguments.depth_bits,
+                   "of levels that 16-bit pictures hold unshifted: 10, 12, 14 or 16; else by sBIT, "
+                   "maxval or the levels themselves")
+      ->type_name("BITS")
+      ->check(CLI::IsMember({10, 12, 14, 16}));
   command->add_flag(
       "--realtime", arguments.realtime, "hand frames over at the pace of their time stamps");
   command->add_flag(
@@ -238,13 +248,13 @@ NamedCommand find_command(const CLI::App& app, int argc, char** argv) {
 
 void tell_misuse(const NamedCommand& named, const char* problem) {
   if (named.unknown.empty()) {
-    fmt::print(stderr, "polhode: {} ({} --help shows the usage)\n", problem, named.path);
+    polhode::platform::tell("polhode: {} ({} --help shows the usage)\n", problem, named.path);
   } else {
-    fmt::print(stderr,
-               "{}: unknown command '{}'; allowed are {}\n",
-               named.path == "polhode" ? "polhode" : "polhode: " + named.path.substr(8),
-               named.unknown,
-               named.allowed);
+    polhode::platform::tell(
+        "{}: unknown command '{}'; allowed are {}\n",
+        named.path == "polhode" ? "polhode" : "polhode: " + named.path.substr(8),
+        named.unknown,
+        named.allowed);
   }
 }
 
@@ -269,7 +279,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& request) {  // --help and --version
     return app.exit(request);
   } catch (const CLI::ParseError& problem) {
-    tell_misuse(find_command(app, argc, argv), problem.what());
+    tell_misuse(find_command(app, argc, argv), polhode::platform::legible(problem.what()).c_str());
     return kUnusable;
   }
   return 0;
@@ -278,20 +288,25 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  polhode::platform::prepare_standard_files();
   polhode::platform::tell_assertions();
   polhode::platform::pin_libraries();
   try {
     const int status = run(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-      fmt::print(stderr, "polhode: standard output: {}\n", std::generic_category().message(errno));
+      polhode::platform::tell("polhode: standard output: {}\n",
+                              std::generic_category().message(errno));
       return kRunFailed;
     }
     return status;
   } catch (const polhode::platform::UnusableInput& problem) {
-    fmt::print(stderr, "polhode: {}\n", problem.what());
+    polhode::platform::tell("polhode: {}\n", problem.what());
     return kUnusable;
+  } catch (const std::bad_alloc&) {
+    polhode::platform::tell_last("polhode: the machine gives no more memory\n");
+    return kRunFailed;
   } catch (const std::exception& problem) {
-    fmt::print(stderr, "polhode: {}\n", problem.what());
+    polhode::platform::tell("polhode: {}\n", polhode::platform::legible(problem.what()));
     return kRunFailed;
   }
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "quote.hpp"
+
 namespace polhode::platform {
 namespace {
 
@@ -67,7 +69,7 @@ std::string value_text(const bus::Field& field, const void* packet) {
   constexpr std::size_t kValuesShown = 8;
   const bool real = field.type == bus::FieldType::kF32 || field.type == bus::FieldType::kF64;
   if (field.type == bus::FieldType::kText) {
-    return fmt::format("\"{}\"", text_of(field, packet));
+    return fmt::format("\"{}\"", cited(text_of(field, packet)));
   }
   std::string text;
   for (std::size_t i = 0; i < std::min<std::size_t>(field.count, kValuesShown); ++i) {

@@ -13,6 +13,7 @@
 #include "bus/event_table.hpp"
 #include "bus/telemetry.hpp"
 #include "errors.hpp"
+#include "tell.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -60,7 +61,7 @@ void print_packet(const bus::Layout& layout,
   if (!words.empty()) {
     out["words"] = words;
   }
-  fmt::print("{}\n", out.dump());
+  fmt::print("{}\n", out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 }  // namespace
@@ -87,8 +88,7 @@ void PacketPrinter::packet(const bus::PacketHeader& header, std::span<const std:
   alignas(std::max_align_t) std::array<std::byte, bus::kStructOctetsMax> packet{};
   const Result<bus::PacketHeader> decoded = bus::decode(*layout, octets, packet.data());
   if (!decoded) {
-    fmt::print(
-        stderr, "packet {} of APID {}: {}\n", packets_ - 1, header.apid, decoded.error().message);
+    tell("packet {} of APID {}: {}\n", packets_ - 1, header.apid, decoded.error().message);
     return;
   }
   print_packet(*layout, header, packet.data(), options_.json);
@@ -105,27 +105,24 @@ void PacketPrinter::damage(std::uint64_t offset, std::size_t octets) {
 void PacketPrinter::finish() {
   tell_damage();
   for (const auto& [apid, count] : unknown_) {
-    fmt::print(stderr,
-               "{}: {} packets of APID {}, which is none of {} and following (--apid-first)\n",
-               options_.source,
-               count,
-               apid,
-               options_.apid_first);
+    tell("{}: {} packets of APID {}, which is none of {} and following (--apid-first)\n",
+         options_.source,
+         count,
+         apid,
+         options_.apid_first);
   }
-  fmt::print(stderr,
-             "{} packets, {} missing by their counts, {} octets damaged\n",
-             packets_,
-             missing_,
-             damaged_total_);
+  tell("{} packets, {} missing by their counts, {} octets damaged\n",
+       packets_,
+       missing_,
+       damaged_total_);
 }
 
 void PacketPrinter::tell_damage() {
   if (damage_octets_ != 0) {
-    fmt::print(stderr,
-               "{}: {} octets at offset {} are no packet\n",
-               options_.source,
-               damage_octets_,
-               damage_offset_);
+    tell("{}: {} octets at offset {} are no packet\n",
+         options_.source,
+         damage_octets_,
+         damage_offset_);
     damage_octets_ = 0;
   }
 }
@@ -140,7 +137,7 @@ void StreamReader::add(std::span<const std::uint8_t> more, bool at_end, PacketPr
     }
     if (piece.kind == bus::PieceKind::kPacket) {
       printer.packet(piece.header, std::span(held_).subspan(piece.offset, piece.octets));
-    } else {
+    } else if (piece.kind == bus::PieceKind::kDamaged) {
       printer.damage(offset_ + piece.offset, piece.octets);
     }
     at += piece.octets;

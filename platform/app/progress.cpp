@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "app/motion_csv.hpp"
+#include "tell.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -54,7 +55,7 @@ void Progress::update(std::size_t frames_done, const MotionState& motion) {
 
 void Progress::note(const std::string& line) {
   wipe();
-  fmt::print(stderr, "{}\n", line);
+  tell("{}\n", line);
 }
 
 }  // namespace polhode::platform

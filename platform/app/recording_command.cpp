@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <system_error>
 
 #include "errors.hpp"
 #include "recording/export.hpp"
@@ -13,7 +14,9 @@ void list_recordings(const std::filesystem::path& folder) {
   for (const RecordedRun& run : recorded_runs(folder)) {
     std::uintmax_t octets = 0;
     for (const auto& file : run.files) {
-      octets += std::filesystem::file_size(file);
+      std::error_code problem;
+      const std::uintmax_t size = std::filesystem::file_size(file, problem);
+      octets += problem ? 0 : size;
     }
     fmt::print("{}  {} files, {:.1f} MB{}\n",
                run.utc_ns,

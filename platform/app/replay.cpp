@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "app/checkpoint_file.hpp"
 #include "app/component_memory.hpp"
 #include "app/finish.hpp"
 #include "app/frames_trapped.hpp"
@@ -26,8 +27,8 @@
 #include "app/servicer_attitude.hpp"
 #include "app/summary.hpp"
 #include "app/timings.hpp"
+#include "camera/replay/depth.hpp"
 #include "camera/replay/file_camera.hpp"
-#include "camera/replay/file_octets.hpp"
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
 #include "network/loaded_network.hpp"
@@ -41,6 +42,7 @@
 #include "pipeline/checkpoint.hpp"
 #include "pipeline/component.hpp"
 #include "pipeline/ground_view.hpp"
+#include "tell.hpp"
 #include "transport/command_file.hpp"
 #include "transport/file/packet_file.hpp"
 #include "transport/transports.hpp"
@@ -211,24 +213,23 @@ void tell_other_parameters(const fs::path& checkpoint,
     }
   }
   if (!keys.empty()) {
-    fmt::print(stderr,
-               "polhode: --checkpoint {}: its parameters take the configuration's place: {}\n",
-               checkpoint.string(),
-               fmt::join(keys, ", "));
+    tell("polhode: --checkpoint {}: its parameters take the configuration's place: {}\n",
+         checkpoint.string(),
+         fmt::join(keys, ", "));
   }
 }
 
 /// The state that a recorded run started from.
 void restore(const fs::path& checkpoint, const Parameters& configured, Component& component) {
-  std::vector<std::uint8_t> octets;
   if (checkpoint.empty()) {
     return;
   }
-  if (const auto unreadable = read_file(checkpoint, octets)) {
-    throw UnusableInput(fmt::format("{}: {}", checkpoint.string(), *unreadable));
+  LoadedCheckpoint loaded = load_whole_checkpoint(checkpoint, this_build());
+  if (loaded.refusal.empty() && !restore_checkpoint(loaded.content, &component)) {
+    loaded.refusal = "holds values that no run leaves";
   }
-  if (!restore_checkpoint(octets, &component)) {
-    throw UnusableInput(fmt::format("{}: not a checkpoint of this build", checkpoint.string()));
+  if (!loaded.refusal.empty()) {
+    throw UnusableInput(fmt::format("--checkpoint {}: {}", checkpoint.string(), loaded.refusal));
   }
   tell_other_parameters(checkpoint, configured, view_of(component).parameters);
 }
@@ -293,10 +294,20 @@ void tell_result(const Run& run, const fs::path& out) {
   }
 }
 
+/// Says what levels of few bits were taken for, where the arguments do not.
+Sequence open_and_tell(const ReplayArguments& arguments) {
+  Sequence sequence = open_sequence(arguments.sequence, arguments.depth_bits);
+  const std::string remark = arguments.depth_bits == 0 ? depth_remark(sequence.depth_bits) : "";
+  if (!remark.empty()) {
+    tell("polhode: {}: {}\n", sequence.image_folder.string(), remark);
+  }
+  return sequence;
+}
+
 }  // namespace
 
 void replay(const ReplayArguments& arguments) {
-  const Sequence sequence = open_sequence(arguments.sequence);
+  const Sequence sequence = open_and_tell(arguments);
   const ServicerAttitude servicer = ServicerAttitude::of_sequence(arguments.sequence);
   const Parameters parameters = parameters_for(arguments, sequence);
   const TransportOptions options = load_transport_options(arguments.config, arguments.settings);

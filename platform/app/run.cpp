@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "app/beginning.hpp"
 #include "app/checkpoint_writer.hpp"
 #include "app/component_memory.hpp"
 #include "app/exhaustion.hpp"
@@ -34,62 +35,6 @@ namespace polhode::platform {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Where this run begins: anew, or where a checkpoint says. Bad checkpoints are no reason not to
-/// run.
-class Beginning {
- public:
-  Beginning(const MachineOptions& machine, const std::string& config_hash) : machine_(machine) {
-    std::memcpy(identity_.config_hash.data(),
-                config_hash.data(),
-                std::min(config_hash.size(), identity_.config_hash.size()));
-    if (machine.device.clock == "monotonic") {
-      identity_.boot_id = this_boot();
-    }
-  }
-
-  void restore(Component& component) {
-    if (machine_.run.checkpoint.empty()) {
-      return;
-    }
-    if (!fs::exists(machine_.run.checkpoint)) {
-      how_ = "cold: no checkpoint";
-      return;
-    }
-    loaded_ = load_checkpoint_file(
-        machine_.run.checkpoint, identity_, utc_now_ns(), machine_.run.checkpoint_age_s_max);
-    if (loaded_.refusal.empty() && !restore_checkpoint(loaded_.content, &component)) {
-      loaded_.refusal = "of another build";
-    }
-    warm_ = loaded_.refusal.empty();
-    restarts_ = warm_ ? loaded_.restarts + 1 : 0;
-    how_ = warm_ ? fmt::format("warm: from frame {}, {:.1f} s ago",
-                               component.counters().frames_in,
-                               loaded_.age_s)
-                 : fmt::format("cold: the checkpoint is not used: {}", loaded_.refusal);
-  }
-
-  [[nodiscard]] const CheckpointIdentity& identity() const { return identity_; }
-  [[nodiscard]] const std::string& how() const { return how_; }
-  /// Of the program, this start included, since a cold one.
-  [[nodiscard]] std::uint32_t restarts() const { return restarts_; }
-  [[nodiscard]] std::span<const std::uint8_t> content() const {
-    return warm_ ? loaded_.content : std::span<const std::uint8_t>();
-  }
-  /// The memory of its content goes back; how it was stays known.
-  void forget_content() {
-    warm_ = false;
-    loaded_ = {};
-  }
-
- private:
-  const MachineOptions& machine_;
-  CheckpointIdentity identity_;
-  LoadedCheckpoint loaded_;
-  bool warm_ = false;
-  std::uint32_t restarts_ = 0;
-  std::string how_ = "cold";
-};
 
 std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
                                         const Parameters& parameters,
@@ -177,14 +122,21 @@ WorkerOptions worker_options(const Parameters& parameters, const RunOptions& wis
           .job_octets = job_worst_case(parameters)};
 }
 
-/// From the first frame to the last nothing is asked of the machine.
+/// From the first frame to the last nothing is asked of the machine. What ends it by an exception
+/// is a crash to the next start.
 LiveEnd run_sealed(LiveParts& parts, const RunOptions& wish, bool memory_trap) {
   seal_memory();
   const FramesTrapped trapped(memory_trap);
-  const LiveEnd end = run_live(parts,
-                               {.checkpoint_frames = wish.checkpoint_frames,
-                                .start_s_max = wish.start_s_max,
-                                .frames_max = wish.frames_max});
+  LiveEnd end = LiveEnd::kStopped;
+  try {
+    end = run_live(parts,
+                   {.checkpoint_frames = wish.checkpoint_frames,
+                    .start_s_max = wish.start_s_max,
+                    .frames_max = wish.frames_max});
+  } catch (...) {
+    leave_crash_mark();
+    throw;
+  }
   parts.worker.finish();
   trapped.end();
   unseal_memory();
@@ -225,8 +177,10 @@ void open_checkpoint(const RunOptions& options,
                      const Beginning& beginning,
                      Component& component,
                      std::optional<CheckpointWriter>* checkpoint,
-                     std::optional<CheckpointOnExhaustion>* last_words) {
+                     std::optional<CheckpointOnExhaustion>* last_words,
+                     std::optional<CrashWatch>* crash) {
   if (!options.checkpoint.empty()) {
+    crash->emplace(options.checkpoint, beginning.crashes(), beginning.checksum());
     checkpoint->emplace(options.checkpoint, beginning.identity(), beginning.restarts());
     last_words->emplace(component, **checkpoint);
   }
@@ -256,11 +210,12 @@ void run_command(const RunArguments& arguments) {
 
   std::optional<PacketLog> packets;
   open_packet_log(machine.run.folder, &packets);
-  const auto recorder = make_recorder(machine, parameters, network, beginning.content());
-  beginning.forget_content();
+  const auto recorder = make_recorder(machine, parameters, network, beginning.octets());
+  beginning.forget_octets();
   std::optional<CheckpointWriter> checkpoint;
   std::optional<CheckpointOnExhaustion> last_words;
-  open_checkpoint(machine.run, beginning, component, &checkpoint, &last_words);
+  std::optional<CrashWatch> crash;
+  open_checkpoint(machine.run, beginning, component, &checkpoint, &last_words, &crash);
   ServiceManager manager;
   LiveReport report(manager, machine.run.report_s);
   const auto counts = std::make_unique<LiveCounts>();
@@ -284,6 +239,7 @@ void run_command(const RunArguments& arguments) {
                   .packets = packets ? &*packets : nullptr,
                   .recorder = recorder.get(),
                   .checkpoint = checkpoint ? &*checkpoint : nullptr,
+                  .crash = crash ? &*crash : nullptr,
                   .exposure = exposure};
   manager.ready();
   const LiveEnd end = run_sealed(parts, machine.run, arguments.memory_trap);

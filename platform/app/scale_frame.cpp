@@ -10,6 +10,7 @@
 #include "errors.hpp"
 #include "pipeline/parameter_table.hpp"
 #include "shape/scale_state.hpp"
+#include "tell.hpp"
 
 namespace polhode::platform {
 
@@ -35,7 +36,7 @@ void check_scale_frame(const Configuration& configuration, const Sequence& seque
   if (!dropped) {
     throw UnusableInput(problem);
   }
-  fmt::print(stderr, "polhode: {}: lengths stay in map units\n", problem);
+  tell("polhode: {}: lengths stay in map units\n", problem);
 }
 
 }  // namespace polhode::platform

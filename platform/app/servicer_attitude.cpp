@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 #include <string>
-#include <system_error>
 
 #include "errors.hpp"
+#include "input_text.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -25,19 +24,17 @@ constexpr double kNormError = 1e-2;
 ServicerAttitude ServicerAttitude::of_sequence(const std::filesystem::path& sequence) {
   const std::filesystem::path file = sequence / "servicer_attitude.csv";
   ServicerAttitude attitude;
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) {
+  if (is_absent(file)) {
     return attitude;
   }
-  std::ifstream stream(file);
-  if (!stream || std::filesystem::is_directory(file, error)) {
-    throw UnusableInput(fmt::format("{}: cannot be read", file.string()));
-  }
-  std::string text;
-  for (int line = 1; std::getline(stream, text); ++line) {
-    if (text.empty() || text.front() == '#' || text == "\r") {
+  const std::string table = read_text(file, kTableOctetsMax);
+  TextLines lines(table);
+  for (std::string_view content; lines.next(&content);) {
+    if (content.empty() || content.front() == '#') {
       continue;
     }
+    const int line = lines.number();
+    std::string text(content);
     std::replace(text.begin(), text.end(), ',', ' ');
     std::istringstream cells(text);
     Row row;

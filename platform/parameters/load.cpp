@@ -2,15 +2,13 @@
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <sstream>
-#include <system_error>
 
 #include "errors.hpp"
+#include "input_text.hpp"
 #include "parameters/machine_options.hpp"
 #include "parameters/suggest.hpp"
 #include "parameters/transport_options.hpp"
@@ -22,7 +20,7 @@ namespace {
 std::string toml_text(const toml::node& node) {
   std::ostringstream out;
   node.visit([&](const auto& value) { out << value; });
-  return out.str();
+  return cited(out.str());
 }
 
 /// Writes a TOML value into a parameter. Each overload returns what would have been allowed, or
@@ -100,27 +98,13 @@ struct Assign {
   }
 };
 
-/// A folder would be read as an empty table, and a pipe can be read once only: the file is read for
-/// each kind of options.
-void refuse_what_is_no_file(const std::filesystem::path& file) {
-  if (::access(file.c_str(), R_OK) != 0) {
-    throw UnusableInput(fmt::format(
-        "{}: cannot be read: {}", file.string(), std::generic_category().message(errno)));
-  }
-  std::error_code problem;
-  if (!std::filesystem::is_regular_file(file, problem)) {
-    throw UnusableInput(fmt::format("{}: not a regular file", file.string()));
-  }
-}
-
 class Loader {
  public:
   Loader() { configuration_.origins.resize(parameter_table().size()); }
 
   void add_file(const std::filesystem::path& file) {
-    refuse_what_is_no_file(file);
     try {
-      add(toml::parse_file(file.string()), file.string());
+      add(toml::parse(read_text(file, kSettingsOctetsMax), file.string()), file.string());
     } catch (const toml::parse_error& problem) {
       const toml::source_index line = problem.source().begin.line;
       const std::string where = line > 0 ? fmt::format(":{}", line) : std::string();
@@ -206,7 +190,7 @@ class Loader {
     const std::string_view near = nearest_parameter(key);
     throw UnusableInput(fmt::format("{}: {}: unknown key{}",
                                     position(node, source),
-                                    key,
+                                    cited(key),
                                     near.empty()
                                         ? "; `polhode check --defaults` lists the known ones"
                                         : fmt::format("; did you mean {}?", near)));

@@ -10,6 +10,7 @@
 
 #include "camera/v4l2/formats.hpp"
 #include "errors.hpp"
+#include "input_text.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -188,7 +189,7 @@ MachineOptions load_machine_options(const std::filesystem::path& file,
   MachineOptions options;
   std::string source = file.string();
   try {
-    take_table(toml::parse_file(file.string()), source, &options);
+    take_table(toml::parse(read_text(file, kSettingsOctetsMax), source), source, &options);
     for (const std::string& setting : settings) {
       source = fmt::format("--set {}", setting);
       take_table(toml::parse(setting), source, &options);

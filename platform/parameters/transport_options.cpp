@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "errors.hpp"
+#include "input_text.hpp"
 #include "transport/address.hpp"
 
 namespace polhode::platform {
@@ -96,7 +97,7 @@ TransportOptions load_transport_options(const std::filesystem::path& file,
   TransportOptions options;
   std::string source = file.string();
   try {
-    take_table(toml::parse_file(source), source, options);
+    take_table(toml::parse(read_text(file, kSettingsOctetsMax), source), source, options);
     for (const std::string& setting : settings) {
       source = fmt::format("--set {}", setting);
       take_table(toml::parse(setting), source, options);

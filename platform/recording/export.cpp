@@ -104,9 +104,10 @@ class Exporter {
     }
   }
 
-  ExportReport finish(bool begins, const RecordingReader& reader) {
+  ExportReport finish(const RecordedRun& run, const RecordingReader& reader) {
     if (report_.frames == 0) {
-      throw UnusableInput("the recording holds no frame");
+      throw UnusableInput(fmt::format("{}: the recording holds no frame that can be read",
+                                      run.files.front().string()));
     }
     table_.close();
     const double span_s = 1e-9 * static_cast<double>(last_ns_ - first_ns_);
@@ -116,7 +117,7 @@ class Exporter {
     if (!commands_.empty()) {
       write_file(folder_ / "commands.csv", "#timestamp [ns],packet\n" + commands_);
     }
-    report_.has_begin = begins;
+    report_.has_begin = run.begins;
     report_.octets_lost = reader.octets_lost();
     report_.files_lost = reader.files_lost();
     report_.network_sha256 = network_of(begin_);
@@ -204,7 +205,7 @@ ExportReport export_run(const RecordedRun& run, const fs::path& folder) {
   while (reader.next(&record)) {
     exporter.take(record);
   }
-  return exporter.finish(run.begins, reader);
+  return exporter.finish(run, reader);
 }
 
 }  // namespace polhode::platform

@@ -7,6 +7,7 @@
 
 #include "base/crc.hpp"
 #include "camera/replay/file_octets.hpp"
+#include "config/limits.hpp"
 #include "errors.hpp"
 #include "recording/segments.hpp"
 
@@ -28,11 +29,33 @@ bool parse_name(const fs::path& file, std::int64_t* utc_ns, std::uint32_t* numbe
   return start && std::from_chars(begin + dash + 1, begin + name.size(), *number).ec == std::errc{};
 }
 
+/// A whole number of the run's parameters. @return 0 when it is not there.
+std::size_t parameter_of(std::string_view text, std::string_view key) {
+  const std::size_t at = text.find(key);
+  std::size_t value = 0;
+  if (at != std::string_view::npos) {
+    (void)std::from_chars(text.data() + at + key.size(), text.data() + text.size(), value);
+  }
+  return value;
+}
+
+/// Of a frame of the camera that the run's parameters name, 16 bits a pixel.
+/// @return `otherwise` where they name none that can be.
+std::size_t frame_octets_of(std::span<const std::uint8_t> begin, std::size_t otherwise) {
+  const std::string_view text(reinterpret_cast<const char*>(begin.data()), begin.size());
+  const std::size_t width = parameter_of(text, "\ncamera.width_px = ");
+  const std::size_t height = parameter_of(text, "\ncamera.height_px = ");
+  const bool known =
+      width > 0 && height > 0 && width <= limits::kImageSide && height <= limits::kImageSide;
+  return known ? 2 * width * height : otherwise;
+}
+
 }  // namespace
 
 std::vector<RecordedRun> recorded_runs(const fs::path& folder) {
   std::vector<RecordedRun> runs;
-  if (!fs::is_directory(folder)) {
+  std::error_code problem;
+  if (!fs::is_directory(folder, problem)) {
     throw UnusableInput(fmt::format("{}: no such folder", folder.string()));
   }
   std::uint32_t last = 0;
@@ -45,7 +68,7 @@ std::vector<RecordedRun> recorded_runs(const fs::path& folder) {
     if (runs.empty() || runs.back().utc_ns != utc_ns) {
       runs.push_back({.utc_ns = utc_ns, .files = {}, .begins = number == 1});
     } else {
-      runs.back().files_missing += number - last - 1;
+      runs.back().files_missing += number > last ? number - last - 1 : 0;
     }
     runs.back().files.push_back(file);
     last = number;
@@ -56,9 +79,16 @@ std::vector<RecordedRun> recorded_runs(const fs::path& folder) {
   return runs;
 }
 
-bool unpack(const RecordHeader& header, std::vector<std::uint8_t>* content) {
+bool unpack(const RecordHeader& header,
+            std::size_t octets_max,
+            std::vector<std::uint8_t>* content) {
   const std::size_t pixels = static_cast<std::size_t>(header.width_px) * header.height_px;
   const std::size_t octets = header.deep ? 2 * pixels : pixels;
+  // No LZ4 block unpacks to more than 255 times its length: a size beyond that is no picture's.
+  constexpr std::size_t kLz4Ratio = 255;
+  if (octets > octets_max || octets > kLz4Ratio * (content->size() + 1)) {
+    return false;
+  }
   if (header.packing == RecordPacking::kDifferenceLz4) {
     std::vector<std::uint8_t> image(octets);
     const int got = LZ4_decompress_safe(reinterpret_cast<const char*>(content->data()),
@@ -107,8 +137,11 @@ bool RecordingReader::read_record(Record* record) {
   record->header = *header;
   record->content.assign(content.begin(), content.end());
   const bool picture = header->kind == RecordKind::kFrame && header->readable;
-  if (picture && !unpack(*header, &record->content)) {
+  if (picture && !unpack(*header, frame_octets_max_, &record->content)) {
     return false;
+  }
+  if (header->kind == RecordKind::kBegin) {
+    frame_octets_max_ = frame_octets_of(record->content, frame_octets_max_);
   }
   at_ += kRecordHeaderOctets + header->octets;
   return true;

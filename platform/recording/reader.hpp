@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "config/limits.hpp"
 #include "recording/record.hpp"
 
 namespace polhode::platform {
@@ -50,11 +51,15 @@ class RecordingReader {
   std::size_t next_file_ = 0;
   std::vector<std::uint8_t> octets_;  ///< of the present file
   std::size_t at_ = 0;
+  /// Of the run's camera, once the record that names it was read.
+  std::size_t frame_octets_max_ = 2 * limits::kImageSide * limits::kImageSide;
   std::uint64_t octets_lost_ = 0;
   std::uint32_t files_lost_ = 0;
 };
 
-/// The pixels of a frame's record as it is stored. @return false when they cannot be had.
-bool unpack(const RecordHeader& header, std::vector<std::uint8_t>* content);
+/// The pixels of a frame's record as it is stored.
+/// @param octets_max  no memory is asked for more
+/// @return false when they cannot be had.
+bool unpack(const RecordHeader& header, std::size_t octets_max, std::vector<std::uint8_t>* content);
 
 }  // namespace polhode::platform

@@ -4,6 +4,7 @@
 
 #include "base/assert.hpp"
 #include "base/crc.hpp"
+#include "config/limits.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -25,6 +26,18 @@ T take(const std::uint8_t*& at) {
     value |= std::uint64_t{*at++} << (8 * i);
   }
   return static_cast<T>(value);
+}
+
+/// Kinds that exist, and a picture of a size that a camera can have.
+bool is_possible(const RecordHeader& header) {
+  const bool kinds = header.kind >= RecordKind::kBegin && header.kind <= RecordKind::kCheckpoint &&
+                     header.packing <= RecordPacking::kDifferenceLz4 &&
+                     header.reason >= DropReason::kLate &&
+                     header.reason <= DropReason::kNotRecorded;
+  const bool picture = header.kind == RecordKind::kFrame && header.readable;
+  return kinds && (!picture || (header.width_px > 0 && header.height_px > 0 &&
+                                header.width_px <= limits::kImageSide &&
+                                header.height_px <= limits::kImageSide));
 }
 
 }  // namespace
@@ -73,7 +86,7 @@ std::optional<RecordHeader> decode_record_header(std::span<const std::uint8_t> o
   header.timestamp_ns = take<std::int64_t>(at);
   header.octets = take<std::uint32_t>(at);
   header.content_crc32 = take<std::uint32_t>(at);
-  return header;
+  return is_possible(header) ? std::optional(header) : std::nullopt;
 }
 
 void difference_rows(std::span<const std::uint8_t> from,

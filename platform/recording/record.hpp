@@ -43,7 +43,7 @@ struct RecordHeader {
 };
 
 std::array<std::uint8_t, kRecordHeaderOctets> encode(const RecordHeader& header);
-/// @return nothing when it is no header, or a damaged one.
+/// @return nothing when it is no header, a damaged one, or of a kind or size that there is not.
 std::optional<RecordHeader> decode_record_header(std::span<const std::uint8_t> octets);
 
 /// Gray values as differences to the left neighbour, row by row, which compress better; and back.

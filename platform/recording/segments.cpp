@@ -18,7 +18,12 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> segment_files(const fs::path& folder) {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
+  std::error_code problem;
+  fs::directory_iterator entries(folder, problem);
+  if (problem) {
+    throw UnusableInput(fmt::format("{}: cannot be read: {}", folder.string(), problem.message()));
+  }
+  for (const auto& entry : entries) {
     const std::string name = entry.path().filename();
     if (name.rfind("recording-", 0) == 0 && entry.path().extension() == ".rec") {
       files.push_back(entry.path());

@@ -4,12 +4,11 @@
 
 #include <charconv>
 #include <filesystem>
-#include <fstream>
 #include <string>
-#include <system_error>
 
 #include "bus/capacities.hpp"
 #include "errors.hpp"
+#include "input_text.hpp"
 #include "transport/command_text.hpp"
 
 namespace polhode::platform {
@@ -40,14 +39,10 @@ TimedCommand read_line(std::string_view line, CommandWriter& writer) {
 }  // namespace
 
 CommandFile::CommandFile(const std::filesystem::path& file, int apid_first) {
-  std::ifstream in(file);
-  std::error_code error;
-  if (!in || std::filesystem::is_directory(file, error)) {
-    throw UnusableInput(fmt::format("{}: cannot be read", file.string()));
-  }
+  const std::string text = read_text(file, kTableOctetsMax);
   CommandWriter writer(apid_first);
-  std::string line;
-  for (int number = 1; std::getline(in, line); ++number) {
+  TextLines lines(text);
+  for (std::string_view line; lines.next(&line);) {
     const std::string_view content = content_of(line);
     if (content.empty()) {
       continue;
@@ -55,11 +50,11 @@ CommandFile::CommandFile(const std::filesystem::path& file, int apid_first) {
     try {
       commands_.push_back(read_line(content, writer));
     } catch (const UnusableInput& problem) {
-      throw UnusableInput(fmt::format("{}:{}: {}", file.string(), number, problem.what()));
+      throw UnusableInput(fmt::format("{}:{}: {}", file.string(), lines.number(), problem.what()));
     }
     const std::size_t count = commands_.size();
     if (count > 1 && commands_[count - 1].timestamp_ns < commands_[count - 2].timestamp_ns) {
-      throw UnusableInput(fmt::format("{}:{}: time decreases", file.string(), number));
+      throw UnusableInput(fmt::format("{}:{}: time decreases", file.string(), lines.number()));
     }
   }
   handed_.reserve(limits::kStepCommands);

@@ -85,7 +85,7 @@ const bus::Layout& layout_of(std::string_view name) {
     }
     known += fmt::format(" {}", layout->name);
   }
-  throw UnusableInput(fmt::format("command '{}': unknown; known are{}, hex", name, known));
+  throw UnusableInput(fmt::format("command '{}': unknown; known are{}, hex", cited(name), known));
 }
 
 void put_field(const bus::Layout& layout,
@@ -100,7 +100,7 @@ void put_field(const bus::Layout& layout,
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto bits = bits_of_text(field.type, values[i]);
     if (!bits) {
-      refuse(layout, fmt::format("{}={} is no number of its type", field.name, text));
+      refuse(layout, fmt::format("{}={} is no number of its type", field.name, cited(text)));
     }
     bus::put_unsigned(octets, field.octet + i * size, *bits, size);
   }
@@ -137,7 +137,8 @@ Octets octets_of_hex(std::string_view digits) {
   for (std::size_t i = 0; i < octets.size(); ++i) {
     const auto value = number<std::uint8_t>(digits.substr(2 * i, 2), 16);
     if (!value || digits.size() % 2 != 0) {
-      throw UnusableInput(fmt::format("command hex {}: not pairs of hexadecimal digits", digits));
+      throw UnusableInput(
+          fmt::format("command hex {}: not pairs of hexadecimal digits", cited(digits)));
     }
     octets[i] = *value;
   }
@@ -150,7 +151,7 @@ void add_entries(std::string_view setting, Octets& entries) {
   const std::string_view key = setting.substr(0, equals);
   const ParameterRow* row = find_parameter(key);
   if (row == nullptr || equals == std::string_view::npos) {
-    throw UnusableInput(fmt::format("command table_load: '{}': unknown parameter", setting));
+    throw UnusableInput(fmt::format("command table_load: '{}': unknown parameter", cited(setting)));
   }
   std::string_view text = setting.substr(equals + 1);
   text = text == "true" ? "1" : text == "false" ? "0" : text;
@@ -160,8 +161,8 @@ void add_entries(std::string_view setting, Octets& entries) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto bits = bits_of_text(real ? FieldType::kF64 : FieldType::kI64, values[i]);
     if (!bits) {
-      throw UnusableInput(
-          fmt::format("command table_load: '{}': allowed are {}", setting, range_text(*row)));
+      throw UnusableInput(fmt::format(
+          "command table_load: '{}': allowed are {}", cited(setting), range_text(*row)));
     }
     const std::size_t at = entries.size();
     entries.resize(at + bus::TableLoadEntry::layout().octets);

@@ -103,6 +103,26 @@ TEST(Splitter, WaitsForTheRestOfAPacketUnlessTheEndIsKnown) {
   EXPECT_EQ(next_piece(stream, 0, false).kind, PieceKind::kPacket);
 }
 
+TEST(Splitter, IdlePacketsAreNeitherPacketsNorDamage) {
+  std::vector<std::uint8_t> idle{0x07, 0xFF, 0xC0, 0, 0, 13};
+  idle.resize(20, 0x55);
+  std::vector<std::uint8_t> stream = stream_of(1);
+  const std::size_t packet = stream.size();
+  stream.insert(stream.end(), idle.begin(), idle.end());
+  stream.insert(stream.begin(), idle.begin(), idle.end());
+  EXPECT_EQ(next_piece(stream, 0, true).kind, PieceKind::kIdle);
+  EXPECT_EQ(next_piece(stream, 0, true).octets, idle.size());
+  EXPECT_EQ(next_piece(stream, idle.size(), true).kind, PieceKind::kPacket);
+  EXPECT_EQ(next_piece(stream, idle.size() + packet, true).kind, PieceKind::kIdle);
+  for (std::size_t octets = 1; octets < idle.size(); ++octets) {
+    const std::span<const std::uint8_t> front(idle.data(), octets);
+    EXPECT_EQ(next_piece(front, 0, false).kind, PieceKind::kIncomplete) << octets;
+    EXPECT_EQ(next_piece(front, 0, true).kind, PieceKind::kDamaged) << octets;
+  }
+  stream[5] = 200;  // a length that does not lead to a packet: the packet is found all the same
+  EXPECT_EQ(read_all(stream).sequences.size(), 1U);
+}
+
 TEST(Splitter, FindsNothingInNoise) {
   Rng rng(6, 0);
   std::vector<std::uint8_t> noise(100'000);

@@ -67,6 +67,9 @@ def test_finds_the_camera_that_took_the_pictures(tmp_path, kind):
     assert distortion[0] == pytest.approx(rendered.DISTORTION[0], abs=0.02)
     # A shift of the principal point with a turn of the camera is not seen on a board, so some px remain at the picture's edges.
     assert pixel_error(intrinsics, distortion) < 3.0
+    words = (tmp_path / "sensor.yaml").read_text().splitlines()[0].replace(",", "").split()
+    sigma = numpy.array([float(words[words.index(name) + 1]) for name in ("fu", "fv", "cu", "cv")])
+    assert (abs(intrinsics - rendered.INTRINSICS) < 4.0 * sigma).all(), (intrinsics, sigma)
     assert (tmp_path / "sensor.png").stat().st_size > 10_000
     assert "[camera]" in done.stdout
 
@@ -124,3 +127,57 @@ def test_what_is_neither_picture_nor_video_is_named(tmp_path):
     (tmp_path / "notes.txt").write_text("no picture")
     done = run("--board", "chessboard", "--out", tmp_path / "sensor.yaml", tmp_path / "notes.txt")
     assert done.returncode == 1 and "notes.txt: not a picture, nor a video" in done.stderr and done.stderr.count("\n") == 1
+
+
+def show(folder: pathlib.Path, level, poses) -> list[pathlib.Path]:
+    random, files = numpy.random.default_rng(5), []
+    for i, (R, t) in enumerate(poses):
+        files.append(folder / f"view{i}.png")
+        cv2.imwrite(str(files[-1]), rendered.seen(level, SQUARE_M, R, t, random, samples=1))
+    return files
+
+
+def test_views_face_on_are_refused_with_what_is_missing(tmp_path):
+    middle = numpy.array([COLUMNS, ROWS, 0.0]) * SQUARE_M / 2
+    poses = [(numpy.eye(3), numpy.array([0.04 * (i % 3 - 1), 0.03 * (i // 3 - 1), 0.6]) - middle) for i in range(6)]
+    done = run("--board", "chessboard", "--out", tmp_path / "sensor.yaml", *show(tmp_path, rendered.chessboard(COLUMNS, ROWS), poses))
+    assert done.returncode == 1 and "missing are tilts" in done.stderr and not (tmp_path / "sensor.yaml").exists()
+
+
+def test_one_view_many_times_is_one(tmp_path):
+    files = take_pictures(tmp_path, "chessboard", 4)
+    done = run("--board", "chessboard", "--out", tmp_path / "sensor.yaml", *files, *files)
+    assert done.returncode == 1 and "8 pictures, 4 of them from where another was taken; at least 5" in done.stderr
+
+
+def test_orientation_tags_change_nothing(tmp_path):
+    from PIL import Image
+
+    got, pictures = [], take_pictures(tmp_path, "chessboard", 5)
+    for orientation in (1, 6):
+        files = []
+        for file in pictures:
+            tag = Image.Exif()
+            tag[0x0112] = orientation
+            files.append(file.with_suffix(f".{orientation}.jpg"))
+            Image.open(file).save(files[-1], quality=95, exif=tag)
+        done = run("--board", "chessboard", "--out", tmp_path / "sensor.yaml", *files)
+        assert done.returncode == 0, done.stderr
+        got.append((tmp_path / "sensor.yaml").read_text())
+    assert got[0] == got[1]
+
+
+@pytest.mark.parametrize(("drawn", "told", "says"), [
+    (dict(columns=7, rows=10, legacy=True), ["--squares", "7x10"], "it is found with --legacy"),
+    (dict(columns=10, rows=7), ["--squares", "7x10"], "it is found with --squares 10x7"),
+    (dict(columns=10, rows=7), ["--dictionary", "DICT_4X4_50"], "--dictionary DICT_5X5"),
+    (None, ["--squares", "9x6"], "it is found with --squares 10x7"),
+])
+def test_a_board_that_is_not_found_says_what_would_fit(tmp_path, drawn, told, says):
+    columns, rows = (drawn["columns"], drawn["rows"]) if drawn else (COLUMNS, ROWS)
+    level = rendered.printed(Board("charuco", square_m=SQUARE_M, marker_m=0.022, **drawn), columns, rows) if drawn else rendered.chessboard(columns, rows)
+    files = show(tmp_path, level, list(rendered.poses(columns, rows, SQUARE_M, 2, numpy.random.default_rng(4))))
+    kind = ["--board", "charuco", "--marker-m", "0.022"] if drawn else ["--board", "chessboard"]
+    done = run(*kind, *told, "--out", tmp_path / "sensor.yaml", *files)
+    assert done.returncode == 1 and says in done.stderr, done.stderr
+    assert (not drawn) or "markers were seen" in done.stderr

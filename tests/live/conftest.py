@@ -98,3 +98,13 @@ def until():
             time.sleep(0.02)
 
     return wait
+
+
+@pytest.fixture
+def program_status():
+    def call(*arguments):
+        done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True,
+                              cwd=PROGRAM.parents[3])
+        return done.returncode, done.stderr
+
+    return call

@@ -60,16 +60,6 @@ def test_a_checkpoint_that_is_none_is_refused_by_replay(program_status, played, 
     assert status == 2 and "not a checkpoint" in err
 
 
-@pytest.fixture
-def program_status():
-    def call(*arguments):
-        done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True,
-                              cwd=PROGRAM.parents[3])
-        return done.returncode, done.stderr
-
-    return call
-
-
 def test_a_checkpoint_brings_its_own_parameters_and_says_so(live, played, program_status, tmp_path):
     options = {"run__checkpoint": tmp_path / "checkpoint", "recording__folder": tmp_path / "recording", "recording__complete": True}
     for name in ("first", "again"):

@@ -80,6 +80,14 @@ TEST(MemoryPlan, RefusesATotalThatIsTooSmall_AndSaysWhatIsNeeded) {
   EXPECT_NE(text_of(plan).find("does not fit"), std::string::npos);
 }
 
+TEST(MemoryPlan, OfAnUprightPictureIsThatOfALyingOne) {
+  for (const auto& [longer, shorter] : {std::pair(960, 540), std::pair(1920, 1080)}) {
+    const MemoryPlan upright = plan_memory(at(shorter, longer));
+    EXPECT_EQ(upright.problem, "");
+    EXPECT_EQ(upright.total_octets, plan_memory(at(longer, shorter)).total_octets);
+  }
+}
+
 TEST(MemoryPlan, RefusesAPoolThatTheWorstCallsOverflow) {
   Parameters p = at(1920, 1080);
   p.budget.step_mb = 8;

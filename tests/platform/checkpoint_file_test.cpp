@@ -23,8 +23,7 @@ class CheckpointFile : public testing::Test {
  protected:
   bool write(std::span<const std::uint8_t> content) {
     return write_checkpoint_file(
-        file_,
-        beside_,
+        places_,
         {.identity = identity('a', 'b'), .utc_ns = 1'000'000'000'000, .restarts = 3},
         content);
   }
@@ -46,6 +45,7 @@ class CheckpointFile : public testing::Test {
   TemporaryFolder folder_;
   fs::path file_ = folder_.path() / "checkpoint";
   fs::path beside_ = folder_.path() / "checkpoint.new";
+  CheckpointPlaces places_{file_};
   std::vector<std::uint8_t> content_{1, 2, 3, 4, 5, 6, 7};
 };
 
@@ -90,14 +90,31 @@ TEST_F(CheckpointFile, OfAnotherConfigurationBootOrTimeItIsRefused) {
   EXPECT_NE(load(identity('a', 'b'), 999'000'000'000).refusal, "");    // from the future
 }
 
+TEST_F(CheckpointFile, OfAnotherBuildItIsRefusedEverywhere) {
+  CheckpointIdentity other = identity('a', 'b');
+  other.build_id[7] = 1;
+  ASSERT_TRUE(write(content_));
+  EXPECT_EQ(load(other).refusal, "of another build");
+  EXPECT_EQ(load_whole_checkpoint(file_, other.build_id).refusal, "of another build");
+  EXPECT_EQ(content_of(load_whole_checkpoint(file_, identity('x', 'y').build_id)), content_);
+}
+
+TEST_F(CheckpointFile, TheOneBeforeTheLastStaysBesideIt) {
+  ASSERT_TRUE(write(content_));
+  const std::string first = octets();
+  ASSERT_TRUE(write(std::vector<std::uint8_t>{8, 9}));
+  std::ifstream before(checkpoint_before(file_), std::ios::binary);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(before), {}), first);
+}
+
 TEST_F(CheckpointFile, ThatIsNotThereIsRefused) { EXPECT_NE(load().refusal, ""); }
 
 TEST_F(CheckpointFile, AFailedWriteLeavesTheOldOne) {
   ASSERT_TRUE(write(content_));
-  EXPECT_FALSE(write_checkpoint_file(file_,
-                                     folder_.path() / "absent/new",
-                                     {.identity = identity('a', 'b')},
-                                     std::vector<std::uint8_t>{9}));
+  CheckpointPlaces full = places_;
+  full.beside = folder_.path() / "absent/new";
+  EXPECT_FALSE(
+      write_checkpoint_file(full, {.identity = identity('a', 'b')}, std::vector<std::uint8_t>{9}));
   EXPECT_EQ(content_of(load()), content_);
   // A half-written one beside it, as an end in the middle of writing leaves it, changes nothing.
   std::ofstream(beside_) << "half";

@@ -154,19 +154,63 @@ TEST(Decode, Pgm_ScalesAnotherMaxvalToFullScale) {
   EXPECT_EQ(deep_pixel(decoded(encode_pgm(kWidth, kHeight, 1023, ten_bits)), 0), 65535);
 }
 
-TEST(Decode, EveryTruncationIsRefused_AndSaysSo) {
+TEST(Decode, EveryTruncationIsRefused_AndSaysSo_WhereAPixelIsMissing) {
   const PngShape shape{.width = kWidth, .height = kHeight};
   const File files[] = {encode_png(shape, gray_samples()),
                         encode_jpeg(kWidth, kHeight, gray_samples()),
                         encode_pgm(kWidth, kHeight, 255, gray_samples())};
   for (const File& file : files) {
+    const DecodedImage whole = decoded(file);
     for (std::size_t size = 0; size < file.size(); ++size) {
       DecodedImage image;
       const Refusal refusal = decode(Octets(file).first(size), image);
+      if (!refusal) {  // a JPEG without its end marker: all of the picture is there
+        ASSERT_EQ(&file, &files[1]);
+        ASSERT_GE(size + 2, file.size());
+        ASSERT_EQ(image.pixels, whole.pixels);
+        continue;
+      }
       ASSERT_TRUE(refusal.has_value()) << size << " of " << file.size() << " octets";
       ASSERT_FALSE(refusal->empty());
     }
   }
+}
+
+/// Octets put before the marker FF xx.
+File with_stray(File file, std::uint8_t marker, const File& stray) {
+  for (std::size_t i = file.size() - 2; i > 0; --i) {
+    if (file[i] == 0xFF && file[i + 1] == marker) {
+      file.insert(file.begin() + static_cast<std::ptrdiff_t>(i), stray.begin(), stray.end());
+      return file;
+    }
+  }
+  ADD_FAILURE() << "no such marker";
+  return file;
+}
+
+TEST(Decode, AJpegsStrayOctetsAreNoDamage_DataThatIsNotUnderstoodIs) {
+  constexpr std::uint8_t kEnd = 0xD9;
+  const File file = encode_jpeg(kWidth, kHeight, gray_samples());
+  const DecodedImage whole = decoded(file);
+  EXPECT_EQ(decoded(with_stray(file, kEnd, {0})).pixels, whole.pixels);
+  EXPECT_EQ(decoded(with_stray(file, kEnd, File(3000, 0))).pixels, whole.pixels);  // filled up
+  File data(300);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    data[i] = static_cast<std::uint8_t>(i % 200);
+  }
+  DecodedImage image;
+  EXPECT_TRUE(decode(with_stray(file, kEnd, data), image).has_value());
+}
+
+TEST(Decode, AProgressiveJpegThatLacksScansIsRefused) {
+  const File file = encode_jpeg(kWidth, kHeight, gray_samples(), TJFLAG_PROGRESSIVE);
+  std::size_t last_scan = 0;
+  for (std::size_t i = 0; i + 1 < file.size(); ++i) {
+    last_scan = file[i] == 0xFF && file[i + 1] == 0xDA ? i : last_scan;
+  }
+  ASSERT_GT(last_scan, 0U);
+  DecodedImage image;
+  EXPECT_TRUE(decode(Octets(file).first(last_scan), image).has_value());
 }
 
 TEST(Decode, DamagedOctetsNeverCrash_AndPngNoticesThem) {

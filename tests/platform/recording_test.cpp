@@ -5,6 +5,7 @@
 #include <fstream>
 #include <thread>
 
+#include "base/crc.hpp"
 #include "errors.hpp"
 #include "recordings.hpp"
 #include "temporary_folder.hpp"
@@ -282,6 +283,51 @@ TEST(Recording, ACommandThatFindsNoPlaceIsCountedAndWrittenDown_AtTheEndToo) {
                 : 0;
   }
   EXPECT_EQ(told, missed);
+}
+
+/// Writes a recording of one frame whose header says what is wanted; all checksums are right.
+void write_frame_of(const fs::path& folder, RecordHeader header, std::size_t content_octets) {
+  const std::vector<std::uint8_t> content(content_octets, 0x1F);
+  header.kind = RecordKind::kFrame;
+  header.octets = static_cast<std::uint32_t>(content.size());
+  header.content_crc32 = crc32_iso_hdlc(content);
+  const auto head = encode(header);
+  std::ofstream out(folder / "recording-1-000001.rec", std::ios::binary);
+  out.write(reinterpret_cast<const char*>(head.data()), head.size());
+  out.write(reinterpret_cast<const char*>(content.data()),
+            static_cast<std::streamsize>(content.size()));
+}
+
+TEST(Recording, ASizeThatNoFrameHasIsPassedOver_BeforeMemoryIsAskedFor) {
+  constexpr auto kPacked = RecordPacking::kDifferenceLz4;
+  for (const RecordHeader& header :
+       {RecordHeader{.packing = kPacked, .width_px = 0, .height_px = 48},
+        RecordHeader{.packing = kPacked, .width_px = 64, .height_px = 0},
+        RecordHeader{.width_px = 0, .height_px = 0},
+        RecordHeader{.deep = true, .packing = kPacked, .width_px = 65535, .height_px = 65535},
+        RecordHeader{.deep = true, .packing = kPacked, .width_px = 8192, .height_px = 8192},
+        RecordHeader{.packing = static_cast<RecordPacking>(7), .width_px = 64, .height_px = 48}}) {
+    const TemporaryFolder folder;
+    write_frame_of(folder.path(), header, 40'000);
+    std::uint64_t lost = 0;
+    EXPECT_TRUE(read_all(folder.path(), &lost).empty()) << header.width_px;
+    EXPECT_EQ(lost, kRecordHeaderOctets + 40'000U);
+  }
+}
+
+TEST(Recording, AFrameLargerThanTheCamerasIsPassedOver) {
+  const TemporaryFolder frame;
+  write_frame_of(frame.path(), {.width_px = 128, .height_px = 97}, 128 * 97);
+  EXPECT_EQ(read_all(frame.path()).size(), 1U);  // without the camera nothing speaks against it
+  {
+    Recorder recorder(options(frame.path() / "run"), kBegin, kFrameOctets);
+    const Pixels pixels(kFrameOctets / 2, 1);
+    recorder.frame(frame_of(1, pixels));
+  }
+  fs::copy(frame.path() / "recording-1-000001.rec", frame.path() / "run/recording-1000-000002.rec");
+  std::uint64_t lost = 0;
+  EXPECT_EQ(read_all(frame.path() / "run", &lost).size(), 2U);  // the beginning, and the good frame
+  EXPECT_EQ(lost, kRecordHeaderOctets + 128U * 97U);
 }
 
 TEST(Recording, AFileThatIsMissingIsFound) {

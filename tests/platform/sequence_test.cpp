@@ -79,7 +79,7 @@ TEST(Sequence, RefusesAPipe_ForItWouldBeWaitedFor) {
   const std::filesystem::path table = folder.path() / "mav0/cam0/data.csv";
   std::filesystem::remove(table);
   ASSERT_EQ(::mkfifo(table.c_str(), 0600), 0);
-  EXPECT_HOLDS(folder.refusal(), "data.csv: not readable");
+  EXPECT_HOLDS(folder.refusal(), "data.csv: not a regular file");
   std::filesystem::remove(table);
   folder.table("100,a.pgm\n");
   std::filesystem::remove(folder.path() / "mav0/cam0/data/a.pgm");
@@ -136,9 +136,9 @@ TEST(Sequence, RefusesSensorFiles_NamingFieldAndRange) {
     EXPECT_HOLDS(folder.refusal(), "sensor.yaml: ");
   }
   std::filesystem::remove(folder.path() / "mav0/cam0/sensor.yaml");
-  EXPECT_HOLDS(folder.refusal(), "sensor.yaml: no such file");
+  EXPECT_HOLDS(folder.refusal(), "sensor.yaml: cannot be read: No such file");
   std::filesystem::create_directory(folder.path() / "mav0/cam0/sensor.yaml");
-  EXPECT_HOLDS(folder.refusal(), "sensor.yaml: not readable");
+  EXPECT_HOLDS(folder.refusal(), "sensor.yaml: not a regular file");
 }
 
 TEST(Sequence, RefusesFoldersThatAreNone) {
@@ -173,7 +173,7 @@ TEST(FileCamera, HandsOverEveryFrame_BadOnesAsNotReadable) {
   FileCamera camera(sequence);
   Frame frame;
   const char* const reasons[] = {"",
-                                 "missing.pgm: No such file",
+                                 "missing.pgm: cannot be read: No such file",
                                  "big.pgm: image is 640x480",
                                  "short.pgm: PGM: the file ends early",
                                  ""};

@@ -34,7 +34,7 @@ def test_file_instead_of_folder(replay, tmp_path):
 
 def test_missing_sensor_yaml(replay, sequence):
     (sequence.camera / "sensor.yaml").unlink()
-    refused(replay(sequence.path), "sensor.yaml: no such file, or not readable")
+    refused(replay(sequence.path), "sensor.yaml: cannot be read: No such file or directory")
 
 
 def test_intrinsics_that_are_yet_to_be_estimated(replay, sequence):

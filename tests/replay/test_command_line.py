@@ -128,9 +128,9 @@ def test_a_refused_run_leaves_the_results_of_an_earlier_one(replay, sequence, tm
 
 
 def test_what_cannot_be_read_is_not_taken_for_absent(replay, sequence, tmp_path):
-    refused(replay(sequence.path, "--commands", tmp_path), f"{tmp_path}: cannot be read")
+    refused(replay(sequence.path, "--commands", tmp_path), f"{tmp_path}: not a regular file")
     (sequence.path / "servicer_attitude.csv").mkdir()
-    refused(replay(sequence.path), "servicer_attitude.csv: cannot be read")
+    refused(replay(sequence.path), "servicer_attitude.csv: not a regular file")
 
 
 def test_output_folder_that_cannot_be_made(replay, sequence, tmp_path):

@@ -2,7 +2,7 @@
 
 import numpy
 import pytest
-from replay_files import motion_rows, summary
+from replay_files import REPOSITORY, motion_rows, summary
 from sequence_writer import SequenceWriter, noise, textured, uniform
 
 FRAMES = 12
@@ -32,3 +32,13 @@ def test_it_ends_in_acquiring_with_exit_0(replay, tmp_path, scene):
     assert told["acquired"] is False and told["mode_at_end"] == "ACQUIRING"
     assert told["frames"] == {"in": FRAMES, "processed": told["frames"]["processed"], "with_pose": 0, "first_with_pose": None}
     assert "never acquired" in told["result"] and "never acquired" in result.out
+
+
+@pytest.mark.parametrize(("size", "suffix", "config"), [((540, 960), ".png", "default"), ((1080, 1920), ".png", "default"), ((1280, 720), ".pgm", "standard")])
+def test_upright_pictures_and_large_files_fit_the_configurations(program, tmp_path, size, suffix, config):
+    writer = SequenceWriter(tmp_path / "sequence", suffix, *size)
+    for index in range(2):
+        writer.add(numpy.tile(textured(index), (16, 12))[:size[1], :size[0]])
+    done = program("replay", "--config", REPOSITORY / f"config/{config}.toml", "--sequence", writer.path, "--out", tmp_path / "out")
+    assert done.status == 0, done.err
+    assert summary(tmp_path / "out")["frames"]["processed"] == 2

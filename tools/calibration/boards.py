@@ -17,10 +17,13 @@ class Board:
     square_m: float
     marker_m: float = 0.0
     dictionary: str = "DICT_5X5_100"
+    legacy: bool = False  # drawn before OpenCV 4.6: with even rows its first square is white
 
     def charuco(self) -> "cv2.aruco.CharucoBoard":
         dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, self.dictionary))
-        return cv2.aruco.CharucoBoard((self.columns, self.rows), self.square_m, self.marker_m, dictionary)
+        board = cv2.aruco.CharucoBoard((self.columns, self.rows), self.square_m, self.marker_m, dictionary)
+        board.setLegacyPattern(self.legacy)
+        return board
 
     def corners_m(self) -> numpy.ndarray:
         """All inner corners on the board, N x 3 [m], row by row."""

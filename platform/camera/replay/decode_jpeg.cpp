@@ -1,22 +1,75 @@
 // JPEG by libjpeg-turbo. Gray is the file's own luminance channel: no colour conversion is made.
-#include <turbojpeg.h>
-
+// The library leaves by longjmp, so every function that sets a jump holds only plain variables that
+// were there before the jump was set.
+#include <csetjmp>
 #include <cstddef>
-#include <memory>
 
+#include "camera/jpeg_remarks.hpp"
 #include "camera/replay/decode.hpp"
 
 namespace polhode::platform {
 namespace {
 
-struct Close {
-  void operator()(void* handle) const { tjDestroy(handle); }
-};
-using Decoder = std::unique_ptr<void, Close>;
+/// Owns the library's decoder for one pass over one file.
+struct Decoder {
+  jpeg_decompress_struct jpeg{};
+  jpeg_error_mgr errors{};
+  std::jmp_buf failed{};
+  Octets file;
+  char message[JMSG_LENGTH_MAX] = {};
 
-std::string reason(const Decoder& decoder) {
-  return std::string("JPEG: ") + tjGetErrorStr2(decoder.get());
-}
+  explicit Decoder(Octets octets) : file(octets) {
+    jpeg.err = jpeg_std_error(&errors);
+    errors.error_exit = give_up;
+    errors.emit_message = remark;
+    jpeg.client_data = this;
+    jpeg_create_decompress(&jpeg);
+  }
+  ~Decoder() { jpeg_destroy_decompress(&jpeg); }
+  Decoder(const Decoder&) = delete;
+  Decoder& operator=(const Decoder&) = delete;
+
+  [[nodiscard]] std::string reason() const { return std::string("JPEG: ") + message; }
+
+  bool read_header() {
+    if (setjmp(failed) != 0) {  // NOLINT(cert-err52-cpp): the library's way out of an error
+      return false;
+    }
+    jpeg_mem_src(&jpeg, file.data(), static_cast<unsigned long>(file.size()));
+    (void)jpeg_read_header(&jpeg, TRUE);
+    return true;
+  }
+
+  /// After read_header(). The accurate transform gives the same pixels whatever vector unit the
+  /// machine has.
+  bool read_rows(std::uint8_t* pixels) {
+    if (setjmp(failed) != 0) {  // NOLINT(cert-err52-cpp)
+      return false;
+    }
+    jpeg.out_color_space = JCS_GRAYSCALE;
+    jpeg.dct_method = JDCT_ISLOW;
+    (void)jpeg_start_decompress(&jpeg);
+    while (jpeg.output_scanline < jpeg.output_height) {
+      JSAMPROW row = pixels + std::size_t{jpeg.output_scanline} * jpeg.output_width;
+      (void)jpeg_read_scanlines(&jpeg, &row, 1);
+    }
+    (void)jpeg_finish_decompress(&jpeg);
+    return true;
+  }
+
+ private:
+  [[noreturn]] static void give_up(j_common_ptr jpeg) {
+    auto* decoder = static_cast<Decoder*>(jpeg->client_data);
+    jpeg->err->format_message(jpeg, decoder->message);
+    std::longjmp(decoder->failed, 1);
+  }
+  static void remark(j_common_ptr jpeg, int level) {
+    const auto* decoder = static_cast<Decoder*>(jpeg->client_data);
+    if (level < 0 && tells_damage(decoder->jpeg, decoder->file.data())) {
+      give_up(jpeg);
+    }
+  }
+};
 
 /// In how many scans a picture comes, by the markers up to the first one.
 struct Scans {
@@ -60,45 +113,30 @@ std::size_t coefficient_octets(Octets file, const ImageHeader& header) {
   return scans.several ? 2 * scans.components * samples : 0;
 }
 
-Refusal header_with(const Decoder& decoder, Octets file, ImageHeader& header) {
-  int subsampling = 0;
-  int colour_space = 0;
-  const int failed = tjDecompressHeader3(decoder.get(),
-                                         file.data(),
-                                         static_cast<unsigned long>(file.size()),
-                                         &header.width_px,
-                                         &header.height_px,
-                                         &subsampling,
-                                         &colour_space);
-  header.format = PixelFormat::kGray8;
-  if (failed != 0) {
-    return reason(decoder);
+}  // namespace
+
+Refusal jpeg_header(Octets file, ImageHeader& header) {
+  Decoder decoder(file);
+  if (!decoder.read_header()) {
+    return decoder.reason();
   }
+  const J_COLOR_SPACE colours = decoder.jpeg.jpeg_color_space;
+  if (colours == JCS_CMYK || colours == JCS_YCCK || colours == JCS_UNKNOWN) {
+    return "JPEG: colours for print (CMYK) or of an unknown kind; allowed are gray, YCbCr and RGB";
+  }
+  header = {.width_px = static_cast<int>(decoder.jpeg.image_width),
+            .height_px = static_cast<int>(decoder.jpeg.image_height),
+            .format = PixelFormat::kGray8};
   header.decoder_octets = coefficient_octets(file, header);
   return std::nullopt;
 }
 
-}  // namespace
-
-Refusal jpeg_header(Octets file, ImageHeader& header) {
-  const Decoder decoder(tjInitDecompress());
-  return header_with(decoder, file, header);
-}
-
 Refusal jpeg_decode(Octets file, DecodedImage& image) {
-  const Decoder decoder(tjInitDecompress());
-  // A file that ends early is only a warning to the library, which paints the rest gray. Here it is
-  // a refusal. The accurate transform gives the same pixels whatever vector unit the machine has.
-  const int failed = tjDecompress2(decoder.get(),
-                                   file.data(),
-                                   static_cast<unsigned long>(file.size()),
-                                   image.pixels.data(),
-                                   image.header.width_px,
-                                   0,
-                                   image.header.height_px,
-                                   TJPF_GRAY,
-                                   TJFLAG_STOPONWARNING | TJFLAG_ACCURATEDCT);
-  return failed != 0 ? Refusal(reason(decoder)) : std::nullopt;
+  Decoder decoder(file);
+  if (!decoder.read_header() || !decoder.read_rows(image.pixels.data())) {
+    return decoder.reason();
+  }
+  return std::nullopt;
 }
 
 }  // namespace polhode::platform

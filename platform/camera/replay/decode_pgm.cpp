@@ -65,7 +65,8 @@ Refusal pgm_header(Octets file, ImageHeader& header) {
   }
   header = {.width_px = static_cast<int>(pgm.width),
             .height_px = static_cast<int>(pgm.height),
-            .format = pgm.maxval > 255 ? PixelFormat::kGray16 : PixelFormat::kGray8};
+            .format = pgm.maxval > 255 ? PixelFormat::kGray16 : PixelFormat::kGray8,
+            .significant_bits = pgm.maxval > 255 && pgm.maxval < 65535 ? 16 : 0};
   return std::nullopt;
 }
 

@@ -168,6 +168,28 @@ class Reader {
   png_infop info_ = nullptr;
 };
 
+/// By the chunk sBIT, of the widest channel; 0: there is none. The library passes it over with all
+/// that a picture can do without.
+int significant_bits(Octets file) {
+  constexpr std::size_t kAround = 12;  // length, type and checksum
+  constexpr std::size_t kColours = 3;  // a fourth is alpha, as is a second
+  std::size_t at = 8;                  // after the signature
+  while (at + kAround < file.size()) {
+    const std::size_t octets = std::size_t{file[at]} << 24U | std::size_t{file[at + 1]} << 16U |
+                               std::size_t{file[at + 2]} << 8U | file[at + 3];
+    const Octets type = file.subspan(at + 4, 4);
+    if (std::memcmp(type.data(), "IDAT", 4) == 0 || octets > file.size() - at - kAround) {
+      return 0;
+    }
+    if (std::memcmp(type.data(), "sBIT", 4) == 0 && octets > 0) {
+      const Octets bits = file.subspan(at + 8, octets < kColours ? 1 : kColours);
+      return *std::max_element(bits.begin(), bits.end());
+    }
+    at += octets + kAround;
+  }
+  return 0;
+}
+
 }  // namespace
 
 Refusal png_header(Octets file, ImageHeader& header) {
@@ -177,7 +199,8 @@ Refusal png_header(Octets file, ImageHeader& header) {
   }
   header = {.width_px = static_cast<int>(std::min<png_uint_32>(reader.width(), 1U << 30U)),
             .height_px = static_cast<int>(std::min<png_uint_32>(reader.height(), 1U << 30U)),
-            .format = reader.deep() ? PixelFormat::kGray16 : PixelFormat::kGray8};
+            .format = reader.deep() ? PixelFormat::kGray16 : PixelFormat::kGray8,
+            .significant_bits = significant_bits(file)};
   return std::nullopt;
 }
 

@@ -37,6 +37,10 @@ bool write_rows(std::FILE* file, const ImageView& image, png_bytep* rows) {
                PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT,
                PNG_FILTER_TYPE_DEFAULT);
+  if (deep) {
+    const png_color_8 all{.red = 0, .green = 0, .blue = 0, .gray = 16, .alpha = 0};
+    png_set_sBIT(png, info, &all);  // dark ones are not to be taken for those of fewer bits
+  }
   png_set_compression_level(png, 3);
   png_write_info(png, info);
   if (deep) {

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include "camera/replay/depth.hpp"
 #include "camera/replay/file_octets.hpp"
 #include "os/linux/memory/region.hpp"
+#include "quote.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -41,7 +43,11 @@ Refusal FileCamera::load(const SequenceFrame& frame) {
   if (header.decoder_octets > sequence_.decoder_octets) {
     return "JPEG: in several scans, other than the first image; no memory is planned for that";
   }
-  return decode(octets_, image_);
+  if (Refusal refusal = decode(octets_, image_)) {
+    return refusal;
+  }
+  scale_up(sequence_.depth_bits, &image_);
+  return std::nullopt;
 }
 
 bool FileCamera::next(Frame& frame) {
@@ -50,7 +56,7 @@ bool FileCamera::next(Frame& frame) {
   }
   const SequenceFrame& entry = sequence_.frames[next_++];
   const Refusal refusal = load(entry);
-  refusal_ = refusal ? entry.file + ": " + *refusal : std::string();
+  refusal_ = refusal ? cited(entry.file) + ": " + *refusal : std::string();
   frame = {.timestamp_ns = entry.timestamp_ns,
            .image = refusal ? ImageView{} : image_.view(),
            .readable = !refusal};

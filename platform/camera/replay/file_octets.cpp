@@ -11,7 +11,7 @@
 namespace polhode::platform {
 namespace {
 
-std::string last_error() { return std::generic_category().message(errno); }
+std::string last_error() { return "cannot be read: " + std::generic_category().message(errno); }
 
 class Descriptor {
  public:

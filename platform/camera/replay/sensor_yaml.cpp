@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include <ios>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "errors.hpp"
+#include "input_text.hpp"
 #include "pipeline/parameter_table.hpp"
 
 namespace polhode::platform {
@@ -19,13 +19,9 @@ class SensorFile {
  public:
   explicit SensorFile(const std::filesystem::path& file) : file_(file) {
     try {
-      root_ = YAML::LoadFile(file.string());
-    } catch (const YAML::BadFile&) {
-      fail("no such file, or not readable");
+      root_ = YAML::Load(read_text(file, kSettingsOctetsMax));
     } catch (const YAML::Exception& problem) {
       fail(fmt::format("not YAML: {}", problem.what()));
-    } catch (const std::ios_base::failure&) {
-      fail("not readable");
     }
     if (!root_.IsMap()) {
       fail("not a table of fields");
@@ -33,7 +29,7 @@ class SensorFile {
     std::set<std::string> fields;
     for (const auto& field : root_) {
       if (field.first.IsScalar() && !fields.insert(field.first.Scalar()).second) {
-        fail(fmt::format("{}: field is there twice", field.first.Scalar()));
+        fail(fmt::format("{}: field is there twice", cited(field.first.Scalar())));
       }
     }
   }
@@ -103,7 +99,7 @@ class SensorFile {
   static std::string text(const YAML::Node& node) {
     YAML::Emitter out;
     out << YAML::Flow << node;
-    return out.c_str();
+    return cited(out.c_str());
   }
 
   std::filesystem::path file_;

@@ -4,14 +4,15 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <string_view>
 #include <system_error>
 
 #include "camera/replay/decode.hpp"
+#include "camera/replay/depth.hpp"
 #include "camera/replay/file_octets.hpp"
 #include "camera/replay/sensor_yaml.hpp"
 #include "errors.hpp"
+#include "input_text.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -35,21 +36,13 @@ std::string_view trimmed(std::string_view text) {
 /// data.csv line by line; every message names the file and the line.
 class FrameTable {
  public:
-  explicit FrameTable(const fs::path& file) : file_(file) {
-    std::error_code problem;
-    if (fs::is_regular_file(file, problem)) {  // a pipe would be waited for
-      in_.open(file);
-    }
-    if (!in_.is_open()) {
-      throw UnusableInput(fmt::format("{}: not readable", file.string()));
-    }
-  }
+  explicit FrameTable(const fs::path& file)
+      : file_(file), text_(read_text(file, kTableOctetsMax)) {}
 
   std::vector<SequenceFrame> read() {
     std::vector<SequenceFrame> frames;
-    std::string line;
-    while (frames.size() < kFramesMax && std::getline(in_, line)) {
-      ++line_;
+    std::string_view line;
+    while (frames.size() < kFramesMax && lines_.next(&line)) {
       const std::string_view content = trimmed(line);
       if (!content.empty() && content.front() != '#') {
         frames.push_back(parse(content));
@@ -64,13 +57,13 @@ class FrameTable {
 
  private:
   [[noreturn]] void fail(const std::string& what) const {
-    throw UnusableInput(fmt::format("{}:{}: {}", file_.string(), line_, what));
+    throw UnusableInput(fmt::format("{}:{}: {}", file_.string(), lines_.number(), what));
   }
 
   SequenceFrame parse(std::string_view content) const {
     const std::size_t comma = content.find(',');
     if (comma == std::string_view::npos) {
-      fail(fmt::format("'{}' is not 'timestamp [ns],filename'", content));
+      fail(fmt::format("'{}' is not 'timestamp [ns],filename'", cited(content)));
     }
     const std::string_view stamp = trimmed(content.substr(0, comma));
     const std::string_view rest = content.substr(comma + 1);
@@ -81,12 +74,12 @@ class FrameTable {
         std::from_chars(stamp.data(), stamp.data() + stamp.size(), frame.timestamp_ns);
     if (error != std::errc{} || end != stamp.data() + stamp.size() || frame.timestamp_ns < 0) {
       fail(fmt::format("timestamp [ns]: '{}', allowed are whole numbers 0 .. 9223372036854775807",
-                       stamp));
+                       cited(stamp)));
     }
     const fs::path relative(name);
     const bool leaves = std::find(relative.begin(), relative.end(), "..") != relative.end();
     if (name.empty() || relative.is_absolute() || leaves) {
-      fail(fmt::format("filename: '{}', allowed is a file inside the folder data", name));
+      fail(fmt::format("filename: '{}', allowed is a file inside the folder data", cited(name)));
     }
     frame.file = std::string(name);
     return frame;
@@ -108,8 +101,8 @@ class FrameTable {
   }
 
   fs::path file_;
-  std::ifstream in_;
-  int line_ = 0;
+  std::string text_;
+  TextLines lines_{text_};
 };
 
 /// The first image whose header can be read must have the camera's size. Single bad files are the
@@ -169,7 +162,7 @@ std::size_t frame_octets_max(const CameraParameters& camera) {
          kBeside;
 }
 
-Sequence open_sequence(const fs::path& path) {
+Sequence open_sequence(const fs::path& path, int depth_bits) {
   const fs::path camera = path / "mav0" / "cam0";
   std::error_code problem;
   if (!fs::is_directory(path, problem)) {
@@ -179,18 +172,18 @@ Sequence open_sequence(const fs::path& path) {
         file ? fmt::format("{}: a file, no such folder; {}", path.string(), kImport)
              : fmt::format("{}: {}", path.string(), absent ? "no such folder" : problem.message()));
   }
-  if (!fs::exists(camera / "data.csv", problem)) {
+  if (is_absent(camera / "data.csv")) {
     throw UnusableInput(
-        problem ? fmt::format("{}: {}", (camera / "data.csv").string(), problem.message())
-                : fmt::format("{}: not an image sequence: mav0/cam0/data.csv is missing; {}",
-                              path.string(),
-                              kImport));
+        fmt::format("{}: not an image sequence: mav0/cam0/data.csv is missing; {}",
+                    path.string(),
+                    kImport));
   }
   Sequence sequence{.path = path,
                     .image_folder = camera / "data",
                     .camera = read_sensor_yaml(camera / "sensor.yaml"),
                     .frames = FrameTable(camera / "data.csv").read()};
   sequence.decoder_octets = check_first_image(sequence).decoder_octets;
+  sequence.depth_bits = depth_bits == 0 ? depth_of(sequence) : depth_bits;
   sequence.file_octets_max = largest_file(sequence);
   return sequence;
 }

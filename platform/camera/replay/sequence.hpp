@@ -21,6 +21,7 @@ struct Sequence {
   std::filesystem::path image_folder;
   CameraParameters camera;
   std::vector<SequenceFrame> frames;  ///< at least one; time stamps strictly increasing
+  int depth_bits = 16;                ///< of the levels in 16-bit pictures (depth.hpp)
   std::size_t file_octets_max = 0;  ///< of the frames' files, those beyond frame_octets_max() aside
   std::size_t decoder_octets = 0;   ///< as ImageHeader's, of the first image
 };
@@ -33,6 +34,7 @@ std::size_t frame_octets_max(const CameraParameters& camera);
 /// the size of all files: memory for them is planned.
 /// @throws UnusableInput naming the file and, where there is one, line and field: not a sequence,
 /// no frames, a time stamp that repeats or runs back, an unusable camera, images of another size.
-Sequence open_sequence(const std::filesystem::path& path);
+/// @param depth_bits  of 16-bit pictures, 10, 12, 14 or 16; 0: as they are found
+Sequence open_sequence(const std::filesystem::path& path, int depth_bits = 0);
 
 }  // namespace polhode::platform

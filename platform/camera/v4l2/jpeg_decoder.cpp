@@ -10,6 +10,8 @@
 #include <csetjmp>
 #include <vector>
 
+#include "camera/jpeg_remarks.hpp"
+
 namespace polhode::platform {
 namespace {
 
@@ -56,6 +58,7 @@ struct JpegDecoder::State {
   jpeg_memory_mgr memory{};
   jpeg_memory_mgr* own_memory = nullptr;  ///< the library's, for what it took when it was made
   std::jmp_buf failed{};
+  const JOCTET* file = nullptr;  ///< that is being decoded
   Arena permanent{kPermanentOctets};
   Arena image;
   int width_px;
@@ -76,7 +79,8 @@ JpegDecoder::State* state_of(j_common_ptr decoder) {
 [[noreturn]] void give_up(j_common_ptr decoder) { std::longjmp(state_of(decoder)->failed, 1); }
 
 void warn(j_common_ptr decoder, int level) {
-  if (level < 0) {  // damaged or cut off
+  const JpegDecoder::State* state = state_of(decoder);
+  if (level < 0 && tells_damage(state->decoder, state->file)) {
     give_up(decoder);
   }
 }
@@ -180,6 +184,7 @@ bool JpegDecoder::decode(std::span<const std::uint8_t> octets, std::uint8_t* gra
     jpeg_abort_decompress(&s->decoder);
     return false;
   }
+  s->file = octets.data();
   jpeg_mem_src(&s->decoder, octets.data(), static_cast<unsigned long>(octets.size()));
   (void)jpeg_read_header(&s->decoder, TRUE);
   if (s->decoder.image_width != static_cast<JDIMENSION>(s->width_px) ||

@@ -115,6 +115,22 @@ TEST(JpegDecoder, TakesNoHeapOnceItIsMade_GoodImagesOrBad) {
 }
 #endif
 
+TEST(JpegDecoder, TakesWhatCamerasSend_StrayOctetsAndNoEndMarker) {
+  const Octets file = compressed(320, 240, TJSAMP_422);
+  JpegDecoder decoder(320, 240);
+  Octets whole(320 * 240);
+  ASSERT_TRUE(decoder.decode(file, whole.data()));
+  Octets stray = file;
+  stray.insert(stray.end() - 2, 1000, 0);  // before the end marker
+  for (const Octets& sent : {stray, Octets(file.begin(), file.end() - 2)}) {
+    Octets gray(320 * 240);
+    ASSERT_TRUE(decoder.decode(sent, gray.data()));
+    EXPECT_EQ(gray, whole);
+  }
+  Octets gray(320 * 240);
+  EXPECT_FALSE(decoder.decode(Octets(file.begin(), file.end() - 60), gray.data()));
+}
+
 TEST(JpegDecoder, RefusesWhatNoCameraSends_AndGoesOn) {
   const Octets file = compressed(320, 240, TJSAMP_420);
   JpegDecoder decoder(320, 240);

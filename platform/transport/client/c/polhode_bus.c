@@ -35,6 +35,20 @@ static int packet_at(const uint8_t *in, size_t held) {
   return polhode_crc16(in, octets) == 0 ? (int)octets : -1;
 }
 
+/* An idle packet (APID 0x7FF), with the beginning of what follows where that is held: its octets; 0: more are needed to tell;
+ * -1: none begins here. Longer ones than IDLE_OCTETS_MAX are not taken for such, as they would hide packets. */
+enum { IDLE_OCTETS_MAX = 4096 };
+static int idle_at(const uint8_t *in, size_t held) {
+  if (held >= 1 && in[0] != 0x07) return -1;
+  if (held >= 2 && in[1] != 0xFF) return -1;
+  if (held >= 3 && (in[2] & 0xC0) != 0xC0) return -1;
+  if (held < 6) return 0;
+  const size_t octets = ((size_t)in[4] << 8 | in[5]) + 7;
+  if (octets > IDLE_OCTETS_MAX) return -1;
+  if (held < octets) return 0;
+  return held == octets || in[octets] == 0x07 || (in[octets] & 0xF8) == 0x08 ? (int)octets : -1;
+}
+
 static void count(struct polhode_bus *bus, const uint8_t *packet) {
   const unsigned apid = (unsigned)(packet[0] & 7) << 8 | packet[1];
   const int sequence = (packet[2] & 0x3F) << 8 | packet[3];
@@ -43,6 +57,29 @@ static void count(struct polhode_bus *bus, const uint8_t *packet) {
   }
   bus->last[apid] = (int16_t)sequence;
   ++bus->packets;
+}
+
+/* The next packet of what is held, which loses it, the damage before it and idle packets. @param at_end nothing will follow.
+ * 0: more is needed. */
+static int cut_packet(struct polhode_bus *bus, uint8_t *packet, size_t capacity, int at_end) {
+  size_t at = 0;
+  int octets = -1;
+  while (at < bus->held) {
+    const int idle = idle_at(bus->stream + at, bus->held - at);
+    octets = packet_at(bus->stream + at, bus->held - at);
+    if (octets > 0 || (!at_end && (octets == 0 || idle == 0))) break;
+    bus->damaged_octets += idle > 0 ? 0 : 1;
+    at += idle > 0 ? (size_t)idle : 1;
+    octets = -1;
+  }
+  const int whole = octets > 0 && (size_t)octets <= capacity;
+  if (whole) {
+    memcpy(packet, bus->stream + at, (size_t)octets);
+    at += (size_t)octets;
+  }
+  bus->held -= at;
+  memmove(bus->stream, bus->stream + at, bus->held);
+  return whole ? octets : octets > 0 ? -EMSGSIZE : 0;
 }
 
 /* ---- datagrams ---- */
@@ -107,17 +144,20 @@ static int next_datagram(struct polhode_bus *bus, uint8_t *packet, size_t capaci
   enum { SILENCE_MS = 200 };
   int left_ms = timeout_ms;
   for (;;) {
+    const int cut = cut_packet(bus, packet, capacity, 1);
+    if (cut != 0) return cut;
     struct sockaddr_un from;
     socklen_t from_octets = sizeof from;
     const ssize_t octets =
-        recvfrom(bus->fd, packet, capacity, MSG_DONTWAIT | MSG_TRUNC, (struct sockaddr *)&from, &from_octets);
+        recvfrom(bus->fd, bus->stream, sizeof bus->stream, MSG_DONTWAIT, (struct sockaddr *)&from, &from_octets);
     if (octets > 0) {
-      if ((size_t)octets <= capacity && packet_at(packet, (size_t)octets) == octets) {
+      bus->held = (size_t)octets;
+      const int good = cut_packet(bus, packet, capacity, 1);
+      if (good > 0) {
         connect_to(bus, &from, from_octets);
         bus->heard_ms = now_ms();
-        return (int)octets;
+        return good;
       }
-      bus->damaged_octets += (uint64_t)octets;
       continue;
     }
     if (octets == 0) continue;
@@ -227,27 +267,10 @@ static int next_ring(struct polhode_bus *bus, uint8_t *packet, size_t capacity, 
 
 /* ---- files ---- */
 
-static int cut_packet(struct polhode_bus *bus, uint8_t *packet, size_t capacity) {
-  size_t at = 0;
-  int octets = -1;
-  while (at < bus->held && (octets = packet_at(bus->stream + at, bus->held - at)) < 0) {
-    ++at;
-  }
-  bus->damaged_octets += at;
-  const int whole = octets > 0 && (size_t)octets <= capacity;
-  if (whole) {
-    memcpy(packet, bus->stream + at, (size_t)octets);
-    at += (size_t)octets;
-  }
-  bus->held -= at;
-  memmove(bus->stream, bus->stream + at, bus->held);
-  return whole ? octets : octets > 0 ? -EMSGSIZE : 0;
-}
-
 static int next_in_file(struct polhode_bus *bus, uint8_t *packet, size_t capacity, int timeout_ms) {
   const int64_t until_ms = now_ms() + timeout_ms;
   for (;;) {
-    const int octets = cut_packet(bus, packet, capacity);
+    const int octets = cut_packet(bus, packet, capacity, 0);
     if (octets != 0) return octets;
     const ssize_t more = read(bus->fd, bus->stream + bus->held, sizeof bus->stream - bus->held);
     if (more < 0) return -errno;

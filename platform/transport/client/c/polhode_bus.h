@@ -39,7 +39,7 @@ struct polhode_bus {
   const void *ring;         /* shared memory */
   uint64_t next;            /* packet of the ring to be read next */
   size_t held;              /* octets in `stream` */
-  uint8_t stream[8192];     /* of a file, not yet cut into packets */
+  uint8_t stream[65536];    /* of a file or the last datagram, not yet cut into packets */
   int16_t last[POLHODE_APIDS]; /* sequence count last seen, -1: none */
 };
 
@@ -47,7 +47,7 @@ struct polhode_bus {
  * file:PATH are opened. A Unix socket's file is made for its owner alone. 0, or a negative errno. */
 int polhode_bus_open(struct polhode_bus *bus, const char *address);
 
-/* The next whole packet, its CRC checked. Damage is skipped and counted.
+/* The next whole packet, its CRC checked; a datagram may hold several. Damage is skipped and counted, idle packets are skipped.
  * Waits at most timeout_ms (0: not at all; -1: for ever). Octets of the packet; 0: none came in time (of a file: its end for
  * now); a negative errno. */
 int polhode_bus_next(struct polhode_bus *bus, uint8_t *packet, size_t capacity, int timeout_ms);

@@ -8,12 +8,64 @@ import stat
 import struct
 import time
 
-from .decode import PACKET_OCTETS_MAX, Packet, crc16, decode, header_of
+from .decode import HEADER_OCTETS, PACKET_OCTETS_MAX, Packet, crc16, decode, header_of
 
 _RING_MAGIC = 0x31474E5248444C50
 _RING_HEADER = 128  # octets; the count of packets written is at 64
 _POLL_S = 0.001
 _SILENCE_S = 0.2  # after which a sender may have died
+
+
+_IDLE_OCTETS_MAX = 4096  # a longer one could hide packets
+
+
+def _idle_at(octets: bytes) -> int | None:
+    """Octets of the idle packet (APID 0x7FF) at the front; 0: more are needed to tell; None: there is none."""
+    if octets[0] != 0x07 or octets[1:2] not in (b"", b"\xff") or (len(octets) > 2 and octets[2] & 0xC0 != 0xC0):
+        return None
+    if len(octets) < 6:
+        return 0
+    count = struct.unpack_from(">H", octets, 4)[0] + 7
+    if count > _IDLE_OCTETS_MAX:
+        return None
+    if len(octets) < count:
+        return 0
+    following = octets[count:count + 1]
+    return count if not following or following[0] == 0x07 or following[0] & 0xF8 == 0x08 else None
+
+
+def _packet_at(octets: bytes) -> int | None:
+    """As _idle_at(), of a packet whose CRC is right."""
+    if len(octets) < HEADER_OCTETS:
+        return 0 if octets[0] & 0xF8 == 0x08 else None
+    header = header_of(octets[:HEADER_OCTETS])
+    if header is None or not 18 < header.octets <= PACKET_OCTETS_MAX:
+        return None
+    if len(octets) < header.octets:
+        return 0
+    return header.octets if crc16(octets[:header.octets]) == 0 else None
+
+
+class _Cutter:
+    """Octets that arrive in pieces, cut into packets: several in a datagram, idle ones in between."""
+
+    def __init__(self):
+        self.held = b""
+        self.damaged_octets = 0
+
+    def packet(self, at_end: bool) -> bytes | None:
+        """The next whole packet of what is held; None: more is needed. @param at_end nothing will follow."""
+        while self.held:
+            whole = _packet_at(self.held)
+            idle = None if whole else _idle_at(self.held)
+            if whole:
+                packet, self.held = self.held[:whole], self.held[whole:]
+                return packet
+            if not at_end and 0 in (whole, idle):
+                return None
+            self.damaged_octets += 0 if idle else 1
+            self.held = self.held[idle or 1:]
+        return None
 
 
 class _Datagrams:
@@ -67,7 +119,7 @@ class _Datagrams:
             slice_s = min(left_s, _SILENCE_S) if self._connected else left_s
             self._socket.settimeout(slice_s)
             try:
-                octets, sender = self._socket.recvfrom(PACKET_OCTETS_MAX + 1)
+                octets, sender = self._socket.recvfrom(65536)
                 self._connect_to(sender)
                 self._heard_s = time.monotonic()
                 return octets
@@ -133,39 +185,20 @@ class _Ring:
 class _File:
     def __init__(self, path: str):
         self._file = open(path, "rb")
-        self._held = b""
-        self.damaged_octets = 0
+        self._cutter = _Cutter()
 
-    def _cut(self) -> bytes | None:
-        """The next whole packet of what is held; None: more is needed."""
-        at = 0
-        while len(self._held) - at >= 16:
-            header = header_of(self._held[at:at + 16])
-            if header is None or not 18 < header.octets <= PACKET_OCTETS_MAX:
-                at += 1
-                continue
-            packet = self._held[at:at + header.octets]
-            if len(packet) < header.octets:
-                break
-            if crc16(packet) == 0:
-                self._drop(at, header.octets)
-                return packet
-            at += 1
-        self._drop(at, 0)
-        return None
-
-    def _drop(self, damaged: int, whole: int) -> None:
-        self.damaged_octets += damaged
-        self._held = self._held[damaged + whole:]
+    @property
+    def damaged_octets(self) -> int:
+        return self._cutter.damaged_octets
 
     def read(self, timeout_s: float) -> bytes | None:
         until = time.monotonic() + timeout_s
         while True:
-            packet = self._cut()
+            packet = self._cutter.packet(at_end=False)
             if packet is not None:
                 return packet
             more = self._file.read(1 << 16)
-            self._held += more
+            self._cutter.held += more
             if not more:
                 if time.monotonic() >= until:
                     return None
@@ -176,31 +209,30 @@ class _File:
 
 
 class Bus:
-    """A reader's end. What was lost is counted: `missing` by the packets' counts, `damaged` datagrams or octets."""
+    """A reader's end. What was lost is counted: `missing` by the packets' counts, `damaged` octets."""
 
     def __init__(self, source):
         self._source = source
+        self._cutter = _Cutter()  # of the last datagram
         self._last = {}
         self.missing = 0
-        self._damaged = 0
 
     @property
     def damaged(self) -> int:
-        return self._damaged + getattr(self._source, "damaged_octets", 0)
+        return self._cutter.damaged_octets + getattr(self._source, "damaged_octets", 0)
 
     def next_octets(self, timeout_s: float) -> bytes | None:
         """The next packet whose CRC is right; None when none came in time (of a file: its end for now)."""
-        while True:
-            octets = self._source.read(timeout_s)
-            if octets is None:
+        while (octets := self._cutter.packet(at_end=True)) is None:
+            self._cutter.held = self._source.read(timeout_s)
+            if self._cutter.held is None:
+                self._cutter.held = b""
                 return None
-            header = header_of(octets)
-            if header is not None and header.octets == len(octets) and crc16(octets) == 0:
-                last = self._last.get(header.apid)
-                self.missing += 0 if last is None else (header.sequence - last - 1) % 16384
-                self._last[header.apid] = header.sequence
-                return octets
-            self._damaged += 1
+        header = header_of(octets)
+        last = self._last.get(header.apid)
+        self.missing += 0 if last is None else (header.sequence - last - 1) % 16384
+        self._last[header.apid] = header.sequence
+        return octets
 
     def packets(self, timeout_s: float = 0.0):
         """Packets of the field table, decoded, until none comes for timeout_s."""

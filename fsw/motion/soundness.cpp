@@ -1,0 +1,69 @@
+#include "motion/soundness.hpp"
+
+#include "base/sound.hpp"
+
+namespace polhode {
+namespace {
+
+using sound::is_at_least;
+using sound::is_bool;
+using sound::is_bounded;
+using sound::is_covariance;
+using sound::is_enum;
+using sound::is_past;
+using sound::is_positive_definite;
+using sound::is_rotation;
+
+bool is_sound(const PoseSample& sample, std::int64_t now_ns) {
+  const PoseCovariance& C = sample.covariance;
+  return is_past(sample.timestamp_ns, now_ns) && is_rotation(sample.pose.R_CT) &&
+         is_bounded(sample.pose.p_CT) && is_bounded(C) &&
+         is_positive_definite(C.topLeftCorner<3, 3>()) &&
+         is_positive_definite(C.bottomRightCorner<3, 3>());
+}
+
+bool is_sound(const PoseHistory& poses, std::int64_t now_ns) {
+  if (poses.size() > PoseHistory::capacity()) {
+    return false;
+  }
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!is_sound(poses[i], now_ns) ||
+        (i > 0 && poses[i].timestamp_ns <= poses[i - 1].timestamp_ns)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool is_sound(const ResidualLevel& level) {
+  return is_at_least(level.chi2_per_dof, 0.0) && is_at_least(level.scale2, 0.0) &&
+         is_at_least(level.correlation, 1.0) && level.outliers <= limits::kMotionPoses;
+}
+
+bool is_sound(const RigidModel& model, std::int64_t now_ns) {
+  constexpr double kShapeMax = 50.0;  // logarithms of ratios: exp() of it is finite
+  if (!is_enum(model.status, ModelStatus::kResidualsTooLarge) ||
+      !is_bool(model.translation_known) || !is_bool(model.of_map)) {
+    return false;
+  }
+  if (!model.accepted()) {
+    return true;  // nothing else of it is looked at
+  }
+  return is_past(model.reference_ns, now_ns) && is_bounded(model.reference.time_s) &&
+         is_rotation(model.reference.R_IT) && is_bounded(model.reference.w_T_rad_s) &&
+         model.shape.cwiseAbs().maxCoeff() <= kShapeMax && is_bounded(model.path) &&
+         is_covariance(model.covariance) && is_at_least(model.mass_centre_sigma, 0.0) &&
+         is_at_least(model.orbit.mean_motion_rad_s, 0.0) && is_rotation(model.orbit.R_IH) &&
+         is_sound(model.attitude) && is_sound(model.position) &&
+         model.poses <= limits::kMotionPoses && is_at_least(model.span_s, 0.0);
+}
+
+}  // namespace
+
+bool is_sound(const MotionEstimate& motion, std::int64_t now_ns) {
+  return is_rotation(motion.R_IC) && is_bool(motion.observer_known) &&
+         is_sound(motion.recent, now_ns) && is_sound(motion.past, now_ns) &&
+         is_sound(motion.model, now_ns);
+}
+
+}  // namespace polhode

@@ -1,0 +1,15 @@
+// Whether the remembered motion holds what may be computed with: after it came from a file, or lay
+// in memory that radiation reaches.
+#pragma once
+
+#include <cstdint>
+
+#include "motion/estimator.hpp"
+
+namespace polhode {
+
+/// Numbers finite, rotations orthonormal, times increasing and not after `now_ns`, covariances of
+/// poses positive definite, the model's kind one that exists.
+bool is_sound(const MotionEstimate& motion, std::int64_t now_ns);
+
+}  // namespace polhode

@@ -1,0 +1,15 @@
+// Whether the last shape and the scale hold what may be computed with: after they came from a file,
+// or lay in memory that radiation reaches.
+#pragma once
+
+#include "shape/scale_state.hpp"
+#include "shape/shape_state.hpp"
+
+namespace polhode {
+
+/// Counts within their tables, numbers finite, axes unit, kinds that exist.
+bool is_sound(const ShapeState& shape);
+
+bool is_sound(const ScaleState& scale);
+
+}  // namespace polhode

@@ -1,0 +1,85 @@
+#include "app/beginning.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <system_error>
+
+#include "app/checkpoint_writer.hpp"
+#include "input_text.hpp"
+#include "pipeline/checkpoint.hpp"
+
+namespace polhode::platform {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Neither is begun from again; the last one stays for people to look at.
+void put_aside(const fs::path& checkpoint) {
+  std::error_code problem;
+  fs::rename(checkpoint, checkpoint.string() + ".suspect", problem);
+  fs::remove(checkpoint_before(checkpoint), problem);
+}
+
+}  // namespace
+
+Beginning::Beginning(const MachineOptions& machine, const std::string& config_hash)
+    : machine_(machine) {
+  std::memcpy(identity_.config_hash.data(),
+              config_hash.data(),
+              std::min(config_hash.size(), identity_.config_hash.size()));
+  identity_.build_id = this_build();
+  if (machine.device.clock == "monotonic") {
+    identity_.boot_id = this_boot();
+  }
+}
+
+std::string Beginning::take(const fs::path& file, Component& component) {
+  loaded_ = load_checkpoint_file(file, identity_, utc_now_ns(), machine_.run.checkpoint_age_s_max);
+  if (loaded_.refusal.empty() && crashes_.was_tried(loaded_.checksum)) {
+    loaded_.refusal = "a run that began from it crashed";
+  }
+  if (loaded_.refusal.empty() && !restore_checkpoint(loaded_.content, &component)) {
+    loaded_.refusal = "holds values that no run leaves";
+  }
+  const std::string refusal = loaded_.refusal;
+  if (!refusal.empty()) {
+    loaded_ = {};
+  }
+  return refusal;
+}
+
+void Beginning::restore(Component& component) {
+  const fs::path& last = machine_.run.checkpoint;
+  if (last.empty()) {
+    return;
+  }
+  crashes_ = read_crash_mark(crash_mark_file(last));
+  if (crashes_.crashes >= CrashMark::kWarmMax) {
+    how_ = fmt::format("cold: {} runs in a row crashed soon after their start", crashes_.crashes);
+    put_aside(last);
+    return;
+  }
+  how_ = "cold: no checkpoint";
+  std::string refused;
+  for (const fs::path& file : {last, checkpoint_before(last)}) {
+    if (is_absent(file)) {
+      continue;
+    }
+    const std::string refusal = take(file, component);
+    if (refusal.empty()) {
+      checksum_ = loaded_.checksum;
+      restarts_ = loaded_.restarts + 1;
+      how_ = fmt::format("warm: from frame {}, {:.1f} s ago{}",
+                         component.counters().frames_in,
+                         loaded_.age_s,
+                         refused.empty() ? "" : "; the last checkpoint is not used: " + refused);
+      return;
+    }
+    refused = refused.empty() ? refusal : refused;
+    how_ = fmt::format("cold: the checkpoint is not used: {}", refused);
+  }
+}
+
+}  // namespace polhode::platform

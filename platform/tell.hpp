@@ -1,0 +1,20 @@
+// Lines for people on standard error.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <string>
+#include <utility>
+
+namespace polhode::platform {
+
+/// As fmt::print(stderr, ...), but no run ends because nobody can be told: standard error may be
+/// closed, or on a full disk.
+template <typename... Values>
+void tell(fmt::format_string<Values...> format, Values&&... values) {
+  const std::string line = fmt::format(format, std::forward<Values>(values)...);
+  (void)std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
+}  // namespace polhode::platform

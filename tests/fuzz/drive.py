@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+"""Gives spoilt inputs to every reader of the program.
+
+usage: .venv/bin/python tests/fuzz/drive.py [--trials 20000] [--seed 1] [--keep FOLDER] [--processes 1]
+
+A trial fails by a signal, a status outside 0 to 3, more than 20 s or 1 GB, a refusal of more than one line, or one that does not name the
+file. Failing inputs are kept; the same trial of the same seed is the same input. Status 1 when a trial failed.
+"""
+
+import argparse
+import collections
+import dataclasses
+import os
+import pathlib
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from concurrent.futures import ProcessPoolExecutor
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from mutations import spoilt  # noqa: E402
+from readers import PROGRAM, Reader, all_readers, sequence  # noqa: E402
+
+TIME_MAX_S = 20.0
+MEMORY_MAX_KB = 1_000_000
+STATUS_MAX = 3
+
+
+@dataclasses.dataclass
+class Outcome:
+    trial: int
+    reader: str
+    status: int
+    seconds: float
+    memory_kb: int
+    fault: str  # empty: none
+
+
+def fault_of(status: int, seconds: float, memory_kb: int, err: bytes, names: list[str]) -> str:
+    if not 0 <= status <= STATUS_MAX:
+        return f"status {status}"
+    if seconds > TIME_MAX_S:
+        return f"{seconds:.0f} s"
+    if memory_kb > MEMORY_MAX_KB:
+        return f"{memory_kb} kB"
+    if status != 2:
+        return ""
+    last = err.decode(errors="backslashreplace").replace("\r", "\n").strip().splitlines()
+    told = [line for line in last if line.startswith("polhode: ")]
+    if len(told) != 1:
+        return "a refusal is one line"
+    return "" if any(name in told[0] for name in names) else "a refusal names the file"
+
+
+def execute(command: list[str]) -> tuple[int, float, int, bytes]:
+    """@return status (negative: a signal), seconds, resident kB at most, standard error."""
+    with tempfile.TemporaryFile() as err:
+        start = time.monotonic()
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=err)
+        while True:
+            pid, status, usage = os.wait4(process.pid, os.WNOHANG)
+            if pid:
+                break
+            if time.monotonic() - start > TIME_MAX_S:
+                process.kill()
+            time.sleep(0.002)
+        process.returncode = os.waitstatus_to_exitcode(status)  # it was waited for here
+        err.seek(0)
+        return process.returncode, time.monotonic() - start, usage.ru_maxrss, err.read(100_000)
+
+
+def one(reader: Reader, trial: int, seed: int, folder: pathlib.Path, keep: pathlib.Path | None) -> Outcome:
+    data = spoilt(reader.good, random.Random(f"{seed}/{trial}"), reader.sums)
+    work = pathlib.Path(tempfile.mkdtemp(dir=folder))
+    try:
+        place = sequence_with(work, reader.place)
+        file = place or work / ("recording-1-000001.rec" if reader.name == "recording" else "input")
+        file.write_bytes(data)
+        places = {"file": file, "folder": work, "sequence": work / "sequence", "out": work / "out"}
+        status, seconds, memory_kb, err = execute([str(PROGRAM), *(part.format(**places) for part in reader.arguments)])
+        names = [file.name, str(work)]
+        fault = fault_of(status, seconds, memory_kb, err, names)
+        if fault and keep:
+            keep.mkdir(parents=True, exist_ok=True)
+            (keep / f"{trial}.{reader.name.replace(' ', '_')}").write_bytes(data)
+            (keep / f"{trial}.txt").write_bytes(f"{reader.name}: {fault}\n{reader.arguments}\n".encode() + err)
+        return Outcome(trial, reader.name, status, seconds, memory_kb, fault)
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+
+
+def sequence_with(work: pathlib.Path, place: str) -> pathlib.Path | None:
+    """A good sequence; @return where the spoilt file belongs in it."""
+    sequence(work / "sequence")
+    return work / "sequence" / place if place else None
+
+
+def drive(trials: int, seed: int, folder: pathlib.Path, keep: pathlib.Path | None = None, processes: int = 1) -> list[Outcome]:
+    readers = all_readers(folder)
+    calls = [(readers[trial % len(readers)], trial, seed, folder, keep) for trial in range(trials)]
+    if processes == 1:
+        return [one(*call) for call in calls]
+    with ProcessPoolExecutor(processes) as pool:
+        return list(pool.map(one, *zip(*calls), chunksize=20))
+
+
+def report(outcomes: list[Outcome]) -> str:
+    lines = ["reader                   trials  status 0    1    2    3  slowest s  most MB  faults"]
+    by_reader = collections.defaultdict(list)
+    for outcome in outcomes:
+        by_reader[outcome.reader].append(outcome)
+    for name, mine in by_reader.items():
+        counts = collections.Counter(o.status for o in mine)
+        lines.append(f"{name:<24} {len(mine):>6}  {counts[0]:>8} {counts[1]:>4} {counts[2]:>4} {counts[3]:>4}  {max(o.seconds for o in mine):>9.1f}"
+                     f"  {max(o.memory_kb for o in mine) / 1000:>7.0f}  {sum(bool(o.fault) for o in mine):>6}")
+    return "\n".join(lines + [f"{o.trial} {o.reader}: {o.fault}" for o in outcomes if o.fault])
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description="Gives spoilt inputs to every reader of the program.")
+    parser.add_argument("--trials", type=int, default=20000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--keep", type=pathlib.Path, help="folder for inputs that failed")
+    parser.add_argument("--processes", type=int, default=1)
+    asked = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        outcomes = drive(asked.trials, asked.seed, pathlib.Path(folder), asked.keep, asked.processes)
+    print(report(outcomes))
+    return 1 if any(outcome.fault for outcome in outcomes) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

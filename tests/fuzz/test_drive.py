@@ -1,0 +1,32 @@
+"""Spoilt inputs to every reader, a few of each; tests/fuzz/drive.py gives as many as are asked for."""
+
+import pathlib
+import sys
+
+import pytest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+from drive import drive, fault_of, report  # noqa: E402
+from readers import PROGRAM  # noqa: E402
+
+TRIALS = 54  # three of each reader
+
+
+@pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
+def test_no_reader_fails(tmp_path):
+    outcomes = drive(TRIALS, 7, tmp_path)
+    assert len({outcome.reader for outcome in outcomes}) == 18
+    assert any(outcome.status == 2 for outcome in outcomes) and any(outcome.status == 0 for outcome in outcomes)
+    assert not any(outcome.fault for outcome in outcomes), report(outcomes)
+
+
+def test_what_a_fault_is():
+    good = b"polhode: /x/input:3: no number\n"
+    assert fault_of(2, 0.1, 1000, good, ["input"]) == ""
+    assert fault_of(-11, 0.1, 1000, b"", ["input"]) == "status -11"
+    assert fault_of(4, 0.1, 1000, b"", ["input"]) == "status 4"
+    assert fault_of(0, 21.0, 1000, b"", ["input"]) == "21 s"
+    assert fault_of(0, 0.1, 2_000_000, b"", ["input"]) == "2000000 kB"
+    assert fault_of(2, 0.1, 1000, b"polhode: no number\n", ["input"]) == "a refusal names the file"
+    assert fault_of(2, 0.1, 1000, good + good, ["input"]) == "a refusal is one line"

@@ -1,0 +1,59 @@
+"""What the machine refuses is said, and ends nothing that can go on."""
+
+import os
+import resource
+import subprocess
+
+import pytest
+from replay_files import DEFAULTS, PROGRAM
+
+
+def call(*arguments, close=(), limits=(), out=subprocess.PIPE, err=subprocess.PIPE):
+    """With these descriptors closed, and these limits."""
+
+    def prepare():
+        for file in close:
+            os.close(file)
+        for name, value in limits:
+            resource.setrlimit(name, (value, value))
+
+    return subprocess.run([PROGRAM, *map(str, arguments)], stdout=out, stderr=err, preexec_fn=prepare, timeout=60)
+
+
+@pytest.fixture
+def replay(played, tmp_path):
+    return ["replay", "--config", DEFAULTS, "--sequence", played.path, "--out", tmp_path / "out"]
+
+
+def test_a_limit_on_the_size_of_files_is_an_error_of_writing(replay):
+    done = call(*replay, limits=[(resource.RLIMIT_FSIZE, 200)])
+    assert done.returncode == 1 and b".csv: cannot be written: File too large" in done.stderr
+
+
+@pytest.mark.parametrize("closed", [(1,), (2,), (0, 1, 2)])
+def test_a_closed_standard_file_takes_nothing_from_another(replay, tmp_path, closed):
+    done = call(*replay, close=closed)
+    assert done.returncode == (1 if 1 in closed else 0), done.stderr  # what it prints was lost
+    assert (tmp_path / "out/motion.csv").read_text().startswith("frame,timestamp_ns,")
+    assert (tmp_path / "out/bus.ccsds").read_bytes()[:1] == b"\x09"
+
+
+def test_nobody_to_tell_ends_no_run(replay, tmp_path):
+    with open("/dev/full", "wb") as full:
+        assert call(*replay, err=full).returncode == 0
+        assert call("replay", "--config", tmp_path / "absent", "--sequence", "x", "--out", "y", err=full).returncode == 2
+        done = call("bus", "dump", tmp_path / "out/bus.ccsds", out=full)
+    assert done.returncode == 1 and b"polhode: " in done.stderr
+
+
+def test_no_memory_is_one_line(replay):
+    done = call(*replay, limits=[(resource.RLIMIT_AS, 150_000_000)])
+    assert done.returncode in (1, 2) and done.stderr.startswith(b"polhode: ") and len(done.stderr.splitlines()) == 1, done.stderr
+
+
+def test_a_disk_that_takes_no_more_is_said_at_once_and_the_run_goes_on(live, played, tmp_path):
+    run = live(played.path, run__checkpoint=tmp_path / "checkpoint", run__checkpoint_frames=2, device__sequence_speed=2.0)
+    resource.prlimit(run.process.pid, resource.RLIMIT_FSIZE, (100, 100))
+    done = run.finish()
+    assert "disk: not written since the start: packets of 1 steps" in done.err, done.err
+    assert done.status == 1 and "run.json: cannot be written: File too large" in done.err
