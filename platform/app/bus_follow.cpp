@@ -13,6 +13,7 @@
 #include "app/packet_printer.hpp"
 #include "errors.hpp"
 #include "transport/client/c/polhode_bus.h"
+#include "transport/command_guard.hpp"
 #include "transport/command_text.hpp"
 #include "transport/datagram/datagram.hpp"
 
@@ -50,6 +51,23 @@ void tell_loss(const polhode_bus& bus, std::uint64_t& damaged, std::uint64_t& ov
     fmt::print(
         stderr, "{} packets were overwritten before they were read\n", bus.overrun - overrun);
     overrun = bus.overrun;
+  }
+}
+
+/// Each with the next number.
+/// @param number  of the first; 0: the time.
+void sign(const polhode_key& key,
+          std::uint64_t number,
+          std::vector<std::vector<std::uint8_t>>& packets) {
+  std::uint64_t last = 0;
+  for (auto& packet : packets) {
+    const std::uint64_t next = number > 0 ? number++ : polhode_next_number(last);
+    const std::size_t octets = packet.size();
+    packet.resize(octets + POLHODE_TRAILER_OCTETS);
+    if (polhode_sign(&key, next, packet.data(), octets, packet.size()) < 0) {
+      throw UnusableInput("--key: a command that is no packet is not signed");
+    }
+    last = next;
   }
 }
 
@@ -106,6 +124,9 @@ void send_command(const BusSendArguments& arguments) {
     }
   }
   packets.push_back(writer.packet(line));
+  if (!arguments.key.empty()) {
+    sign(read_key(arguments.key), arguments.number, packets);
+  }
   DatagramSender sender(address);
   for (const auto& packet : packets) {
     if (packet.size() > limits::kPacketOctets) {

@@ -151,6 +151,14 @@ void add_send(CLI::App& bus, BusSendArguments& arguments) {
           "as in: set_range frame_timestamp_ns=5 range_m=12.5; several with + between them")
       ->required();
   add_apid(*send, arguments.apid_first);
+  CLI::Option* key =
+      send->add_option("--key", arguments.key, "sign with the key in this file (commands.key)")
+          ->type_name("FILE");
+  send->add_option("--number",
+                   arguments.number,
+                   "number of the signed command; by default the time, UTC in ns")
+      ->check(CLI::PositiveNumber)
+      ->needs(key);
   send->callback([&arguments] { polhode::platform::send_command(arguments); });
 }
 
