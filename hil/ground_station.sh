@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # A ground station for Polhode's bus: a YAMCS server that archives and decodes the packets that come by UDP, and a page that
 # shows rates, attitude, mode and health.
-#   hil/ground_station.sh [--tm PORT] [--tc PORT] [--http PORT] [--page PORT] [--data DIR] [--install]
+#   hil/ground_station.sh [--tm PORT] [--tc PORT] [--http PORT] [--page PORT] [--data DIR] [--key FILE] [--install]
 #   --tm 10015  telemetry comes here: [transport] send = ["udp:10015"]      --tc 10016  commands go there
 #   --http 8090 the server's own pages (archive, commands, links)           --page 8091 the display
+#   --key FILE  sign commands with this key (docs/security.md); without it they are not signed
 #   --data DIR  archive (default: build/ground_station)                     --install   only fetch what it needs
 # The server comes from Maven Central once (60 MB), into ~/.cache/polhode. Its telemetry link listens on every interface of the
 # machine, as it knows no other way: on an open network put a firewall before the port.
@@ -12,7 +13,7 @@ cd "$(dirname "$0")/.."
 
 VERSION=5.13.2
 LIBRARIES=${XDG_CACHE_HOME:-$HOME/.cache}/polhode/yamcs-$VERSION
-TM=10015 TC=10016 HTTP=8090 PAGE=8091 DATA=build/ground_station install=false
+TM=10015 TC=10016 HTTP=8090 PAGE=8091 DATA=build/ground_station KEY= install=false
 
 say() { printf '== %s\n' "$*"; }
 fail() { echo "ground_station: $*" >&2; exit 2; }
@@ -24,18 +25,19 @@ while [ $# -gt 0 ]; do
     --http) HTTP=${2:?}; shift 2 ;;
     --page) PAGE=${2:?}; shift 2 ;;
     --data) DATA=${2:?}; shift 2 ;;
+    --key) KEY=$(realpath "${2:?}"); shift 2 ;;
     --install) install=true; shift ;;
-    -h | --help) sed -n '2,9s/^# //p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,10s/^# //p' "$0"; exit 0 ;;
     *) fail "unknown argument '$1'" ;;
   esac
 done
 
 install_packages() {
   local missing=() package as_root=()
-  for package in openjdk-17-jre-headless maven python3; do
+  for package in openjdk-17-jdk-headless maven python3; do
     [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
   done
-  if command -v java >/dev/null && command -v mvn >/dev/null; then return; fi
+  if command -v javac >/dev/null && command -v mvn >/dev/null; then return; fi
   [ "$(id -u)" -eq 0 ] || as_root=(sudo)
   say "packages: installing ${missing[*]}"
   "${as_root[@]}" apt-get update -q
@@ -53,9 +55,13 @@ fetch_server() {
 configure() {
   mkdir -p "$DATA/etc" "$DATA/archive" "$DATA/cache"
   DATA=$(realpath "$DATA")
-  local file
+  local file postprocessor=org.yamcs.pus.PusCommandPostprocessor
+  if [ -n "$KEY" ]; then
+    postprocessor=SigningCommandPostprocessor
+    javac -cp "$LIBRARIES/lib/*" -d "$DATA/classes" hil/ground_station/signing/*.java
+  fi
   for file in hil/ground_station/etc/*.yaml; do
-    sed -e "s|@HTTP_PORT@|$HTTP|g; s|@TM_PORT@|$TM|g; s|@TC_PORT@|$TC|g; s|@MDB@|$PWD/config/bus|g" "$file" >"$DATA/etc/$(basename "$file")"
+    sed -e "s|@HTTP_PORT@|$HTTP|g; s|@TM_PORT@|$TM|g; s|@TC_PORT@|$TC|g; s|@TC_POSTPROCESSOR@|$postprocessor|g; s|@TC_KEY@|$KEY|g; s|@MDB@|$PWD/config/bus|g" "$file" >"$DATA/etc/$(basename "$file")"
   done
 }
 
@@ -73,6 +79,6 @@ trap 'kill "${children[@]}" 2>/dev/null; wait' EXIT
 trap 'exit 0' INT TERM
 python3 -m http.server --bind 127.0.0.1 --directory hil/ground_station/display "$PAGE" >/dev/null 2>&1 &
 children+=($!)
-java -Xmx256m -cp "$LIBRARIES/lib/*" org.yamcs.YamcsServer --etc-dir "$DATA/etc" --data-dir "$DATA/archive" --cache-dir "$DATA/cache" &
+java -Xmx256m -cp "$DATA/classes:$LIBRARIES/lib/*" org.yamcs.YamcsServer --etc-dir "$DATA/etc" --data-dir "$DATA/archive" --cache-dir "$DATA/cache" &
 children+=($!)
 wait "${children[1]}"

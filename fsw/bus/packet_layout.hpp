@@ -271,6 +271,28 @@ inline constexpr std::uint8_t kFlagRealTime = 0x04;
 inline constexpr std::uint8_t kFlagsUsed = 0x07;
 }  // namespace platform_layout
 
+namespace command_link_layout {
+inline constexpr std::size_t kTimestamp_ns = 16;  ///< i64
+inline constexpr std::size_t kHighest_number = 24;  ///< u64
+inline constexpr std::size_t kReceived = 32;  ///< u32
+inline constexpr std::size_t kPassed = 36;  ///< u32
+inline constexpr std::size_t kRefused_sender = 40;  ///< u32
+inline constexpr std::size_t kRefused_form = 44;  ///< u32
+inline constexpr std::size_t kRefused_mac = 48;  ///< u32
+inline constexpr std::size_t kRefused_number = 52;  ///< u32
+inline constexpr std::size_t kDropped = 56;  ///< u32
+inline constexpr std::size_t kNumbers_not_kept = 60;  ///< u32
+inline constexpr std::size_t kPorts = 64;  ///< u8
+inline constexpr std::size_t kFlags = 65;  ///< u8
+inline constexpr std::size_t kSpare = 66;  ///< 2 x u8
+inline constexpr std::size_t kCrc = 68;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 70;
+inline constexpr std::uint8_t kFlagKey = 0x01;
+inline constexpr std::uint8_t kFlagUnauthenticated = 0x02;
+inline constexpr std::uint8_t kFlagNumberNotKept = 0x04;
+inline constexpr std::uint8_t kFlagsUsed = 0x07;
+}  // namespace command_link_layout
+
 namespace set_known_length_layout {
 inline constexpr std::size_t kFrame_timestamp_ns = 8;  ///< i64
 inline constexpr std::size_t kLength_m = 16;  ///< f64

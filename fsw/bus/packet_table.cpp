@@ -231,6 +231,24 @@ constexpr Field kPlatformPacket[] = {
 constexpr Layout kPlatformPacketLayout{"platform", 7, 94, kPlatformPacket, offsetof(PlatformPacket, flags), "watchdog locked_memory real_time"};
 static_assert(sizeof(PlatformPacket) <= kStructOctetsMax);
 
+constexpr Field kCommandLinkPacket[] = {
+    {"timestamp_ns", FieldType::kI64, 1, false, 16, offsetof(CommandLinkPacket, timestamp_ns), -1, -kNoLimit, kNoLimit, "", "ns", ""},
+    {"highest_number", FieldType::kU64, 1, false, 24, offsetof(CommandLinkPacket, highest_number), -1, -kNoLimit, kNoLimit, "", "", ""},
+    {"received", FieldType::kU32, 1, false, 32, offsetof(CommandLinkPacket, received), -1, -kNoLimit, kNoLimit, "", "", ""},
+    {"passed", FieldType::kU32, 1, false, 36, offsetof(CommandLinkPacket, passed), -1, -kNoLimit, kNoLimit, "", "", ""},
+    {"refused_sender", FieldType::kU32, 1, false, 40, offsetof(CommandLinkPacket, refused_sender), -1, -kNoLimit, kNoLimit, "", "", ""},
+    {"refused_form", FieldType::kU32, 1, false, 44, offsetof(CommandLinkPacket, refused_form), -1, -kNoLimit, kNoLimit, "", "", ""},
+    {"refused_mac", FieldType::kU32, 1, false, 48, offsetof(CommandLinkPacket, refused_mac), -1, -kNoLimit, kNoLimit, "", "", ""},
+    {"refused_number", FieldType::kU32, 1, false, 52, offsetof(CommandLinkPacket, refused_number), -1, -kNoLimit, kNoLimit, "", "", ""},
+    {"dropped", FieldType::kU32, 1, false, 56, offsetof(CommandLinkPacket, dropped), -1, -kNoLimit, kNoLimit, "", "", ""},
+    {"numbers_not_kept", FieldType::kU32, 1, false, 60, offsetof(CommandLinkPacket, numbers_not_kept), -1, -kNoLimit, kNoLimit, "", "", ""},
+    {"ports", FieldType::kU8, 1, false, 64, offsetof(CommandLinkPacket, ports), -1, -kNoLimit, kNoLimit, "", "", ""},
+    {"flags", FieldType::kU8, 1, false, 65, offsetof(CommandLinkPacket, flags), -1, 0.0, 7.0, "", "", ""},
+    {"spare", FieldType::kU8, 2, true, 66, offsetof(CommandLinkPacket, spare), -1, -kNoLimit, kNoLimit, "", "", ""},
+};
+constexpr Layout kCommandLinkPacketLayout{"command_link", 8, 70, kCommandLinkPacket, offsetof(CommandLinkPacket, flags), "key unauthenticated number_not_kept"};
+static_assert(sizeof(CommandLinkPacket) <= kStructOctetsMax);
+
 constexpr Layout kNoopCommandLayout{"noop", 0, 10, {}, kNoFlags, ""};
 
 constexpr Layout kResetCountersCommandLayout{"reset_counters", 1, 10, {}, kNoFlags, ""};
@@ -298,7 +316,7 @@ constexpr Layout kTableDiscardCommandLayout{"table_discard", 11, 10, {}, kNoFlag
 
 constexpr Layout kCheckpointCommandLayout{"checkpoint", 12, 10, {}, kNoFlags, ""};
 
-constexpr const Layout* kPackets[] = {&kMotionPacketLayout, &kModelPacketLayout, &kPredictionPacketLayout, &kShapePacketLayout, &kHousekeepingPacketLayout, &kEventPacketLayout, &kCloudPacketLayout, &kPlatformPacketLayout};
+constexpr const Layout* kPackets[] = {&kMotionPacketLayout, &kModelPacketLayout, &kPredictionPacketLayout, &kShapePacketLayout, &kHousekeepingPacketLayout, &kEventPacketLayout, &kCloudPacketLayout, &kPlatformPacketLayout, &kCommandLinkPacketLayout};
 constexpr const Layout* kCommands[] = {&kNoopCommandLayout, &kResetCountersCommandLayout, &kResetMapCommandLayout, &kHoldCommandLayout, &kResumeCommandLayout, &kSetKnownLengthCommandLayout, &kSetRangeCommandLayout, &kServicerAttitudeCommandLayout, &kRequestCloudCommandLayout, &kTableLoadCommandLayout, &kTableActivateCommandLayout, &kTableDiscardCommandLayout, &kCheckpointCommandLayout};
 // clang-format on
 
@@ -312,6 +330,7 @@ const Layout& HousekeepingPacket::layout() { return kHousekeepingPacketLayout; }
 const Layout& EventPacket::layout() { return kEventPacketLayout; }
 const Layout& CloudPacket::layout() { return kCloudPacketLayout; }
 const Layout& PlatformPacket::layout() { return kPlatformPacketLayout; }
+const Layout& CommandLinkPacket::layout() { return kCommandLinkPacketLayout; }
 const Layout& SetKnownLengthCommand::layout() { return kSetKnownLengthCommandLayout; }
 const Layout& SetRangeCommand::layout() { return kSetRangeCommandLayout; }
 const Layout& ServicerAttitudeCommand::layout() { return kServicerAttitudeCommandLayout; }

@@ -19,9 +19,10 @@ enum class PacketId : std::uint8_t {
   kEvent = 5,
   kCloud = 6,
   kPlatform = 7,
+  kCommandLink = 8,
 };
 
-inline constexpr std::size_t kPacketKinds = 8;
+inline constexpr std::size_t kPacketKinds = 9;
 inline constexpr int kCommandApid = 15;  ///< above the first one
 
 enum class CommandCode : std::uint8_t {
@@ -281,6 +282,25 @@ struct PlatformPacket {
   std::uint8_t spare = 0;  ///< 0
 
   static const Layout& layout();  ///< 94 octets
+};
+
+/// What came to the command ports, and who may give commands. What the component then refused is in housekeeping.
+struct CommandLinkPacket {
+  std::int64_t timestamp_ns = 0;  ///< time of the last frame; ns
+  std::uint64_t highest_number = 0;  ///< greatest number of a signed command taken; numbers up to it that left the window are refused
+  std::uint32_t received = 0;  ///< datagrams received
+  std::uint32_t passed = 0;  ///< commands handed to the component
+  std::uint32_t refused_sender = 0;  ///< refused: sent by another user (Unix sockets)
+  std::uint32_t refused_form = 0;  ///< refused: no packet with a trailer
+  std::uint32_t refused_mac = 0;  ///< refused: not signed by this key
+  std::uint32_t refused_number = 0;  ///< refused: taken before, or older than the window
+  std::uint32_t dropped = 0;  ///< dropped by the system before they were read, as far as it reports (UDP)
+  std::uint32_t numbers_not_kept = 0;  ///< commands passed whose number the disk refused: they could be repeated after a restart
+  std::uint8_t ports = 0;  ///< command ports
+  std::uint8_t flags = 0;  ///< key: commands are signed; unauthenticated: anybody who reaches a UDP port may give them; number_not_kept: numbers_not_kept is not 0
+  std::array<std::uint8_t, 2> spare{};  ///< 0
+
+  static const Layout& layout();  ///< 70 octets
 };
 
 /// gives the distance between two image points of a frame; once measured in the map, it replaces any earlier length or range

@@ -17,6 +17,7 @@
 #include "errors.hpp"
 #include "tell.hpp"
 #include "transport/client/c/polhode_bus.h"
+#include "transport/command_guard.hpp"
 #include "transport/command_text.hpp"
 #include "transport/datagram/datagram.hpp"
 
@@ -53,6 +54,23 @@ void tell_loss(const polhode_bus& bus, std::uint64_t& damaged, std::uint64_t& ov
   if (bus.overrun != overrun) {
     tell("{} packets were overwritten before they were read\n", bus.overrun - overrun);
     overrun = bus.overrun;
+  }
+}
+
+/// Each with the next number.
+/// @param number  of the first; 0: the time.
+void sign(const polhode_key& key,
+          std::uint64_t number,
+          std::vector<std::vector<std::uint8_t>>& packets) {
+  std::uint64_t last = 0;
+  for (auto& packet : packets) {
+    const std::uint64_t next = number > 0 ? number++ : polhode_next_number(last);
+    const std::size_t octets = packet.size();
+    packet.resize(octets + POLHODE_TRAILER_OCTETS);
+    if (polhode_sign(&key, next, packet.data(), octets, packet.size()) < 0) {
+      throw UnusableInput("--key: a command that is no packet is not signed");
+    }
+    last = next;
   }
 }
 
@@ -118,6 +136,9 @@ std::vector<std::vector<std::uint8_t>> command_packets(const BusSendArguments& a
       throw UnusableInput(fmt::format(
           "a command of {} octets: allowed are {}", packet.size(), limits::kPacketOctets));
     }
+  }
+  if (!arguments.key.empty()) {
+    sign(read_key(arguments.key), arguments.number, packets);
   }
   return packets;
 }

@@ -1,6 +1,7 @@
 // polhode bus follow and send: the bus as it runs.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct BusSendArguments {
   std::string address;             ///< unix: or udp:
   std::vector<std::string> words;  ///< the command as CommandWriter takes it
   int apid_first = 0x1A0;
+  std::string key;           ///< file; empty: the command is not signed
+  std::uint64_t number = 0;  ///< of the first signed command; 0: the time
   std::string wait;  ///< address of telemetry to read the answers from; empty: not waited for
   double timeout_s = 10.0;  ///< for all answers
 };

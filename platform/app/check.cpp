@@ -63,6 +63,7 @@ void check_files(const CheckArguments& arguments,
                  const Parameters& parameters) {
   check_places(arguments.config, machine);
   const LoadedNetwork network(transport.network_file);
+  (void)key_of(transport.transport.commands);
   if (!transport.commands_file.empty()) {
     const CommandFile commands(transport.commands_file, parameters.bus.apid_first);
   }

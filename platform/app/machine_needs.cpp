@@ -36,6 +36,11 @@ std::size_t buffer_octets_per_pixel(std::string_view pixel_format) {
 
 MachineNeeds transport_needs(const TransportOptions& options) {
   MachineNeeds needs{.rows = {}, .general_octets = network_octets(options.network_file)};
+  if (!options.transport.commands.key.empty()) {
+    // OpenSSL's contexts of one MAC, given back after each; 3 kB with OpenSSL 3.0.
+    constexpr std::size_t kMac_octets = std::size_t{16} << 10U;
+    needs.general_octets += kMac_octets;
+  }
   for (const std::string& text : options.transport.send) {
     const AddressKind kind = parse_address(text).kind;
     if (kind == AddressKind::kUnix || kind == AddressKind::kUdp) {

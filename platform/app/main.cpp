@@ -169,6 +169,14 @@ void add_send(CLI::App& bus, BusSendArguments& arguments) {
   send->add_option("--timeout", arguments.timeout_s, "with --wait: seconds for all answers")
       ->check(CLI::Range(0.01, 3600.0))
       ->needs(wait);
+  CLI::Option* key =
+      send->add_option("--key", arguments.key, "sign with the key in this file (commands.key)")
+          ->type_name("FILE");
+  send->add_option("--number",
+                   arguments.number,
+                   "number of the signed command; by default the time, UTC in ns")
+      ->check(CLI::PositiveNumber)
+      ->needs(key);
   send->callback([&arguments] { polhode::platform::send_command(arguments); });
 }
 

@@ -29,9 +29,32 @@ bus::PlatformPacket packet_of(const LiveCounts& counts,
           .longest_step_us = static_cast<std::uint32_t>(counts.deadline.worst_us()),
           .packets_sent = static_cast<std::uint32_t>(sent.sent),
           .packets_dropped = static_cast<std::uint32_t>(sent.dropped),
-          .commands_received = static_cast<std::uint32_t>(transports.commands_received()),
-          .commands_dropped = transports.commands_dropped()};
+          .commands_received = transports.commands().guard().counts().received,
+          .commands_dropped = transports.commands().dropped()};
 }
+
+bus::CommandLinkPacket packet_of(const CommandPorts& ports) {
+  namespace layout = bus::command_link_layout;
+  const CommandGuard& guard = ports.guard();
+  const CommandCounts& counts = guard.counts();
+  const int flags = (guard.has_key() ? layout::kFlagKey : 0) |
+                    (ports.open_to_all() ? layout::kFlagUnauthenticated : 0) |
+                    (counts.numbers_not_kept > 0 ? layout::kFlagNumberNotKept : 0);
+  return {.highest_number = guard.highest(),
+          .received = counts.received,
+          .passed = counts.passed,
+          .refused_sender = counts.refused_sender,
+          .refused_form = counts.refused_form,
+          .refused_mac = counts.refused_mac,
+          .refused_number = counts.refused_number,
+          .dropped = ports.dropped(),
+          .numbers_not_kept = counts.numbers_not_kept,
+          .ports = static_cast<std::uint8_t>(ports.size()),
+          .flags = static_cast<std::uint8_t>(flags)};
+}
+
+static_assert(bus::command_link_layout::kPacketOctets <= bus::platform_layout::kPacketOctets,
+              "both are encoded in one place");
 
 std::uint8_t flags_of(const PlatformFacts& facts) {
   namespace layout = bus::platform_layout;
@@ -80,10 +103,23 @@ void PlatformTelemetry::passed(const LiveCounts& counts,
   packet.uptime_s = static_cast<std::uint32_t>((now_ns - begun_ns_) / kSecond_ns);
   packet.restarts = facts_.restarts;
   packet.flags = flags_of(facts_);
+  send(bus::PlatformPacket::layout(), &packet, frame_ns, transports);
+  if (transports.commands().size() > 0) {
+    bus::CommandLinkPacket link = packet_of(transports.commands());
+    link.timestamp_ns = frame_ns;
+    send(bus::CommandLinkPacket::layout(), &link, frame_ns, transports);
+  }
+  ++sequence_;
+}
+
+void PlatformTelemetry::send(const bus::Layout& layout,
+                             void* packet,
+                             std::int64_t frame_ns,
+                             Transports& transports) {
   const std::size_t octets = bus::encode(
-      bus::PlatformPacket::layout(),
-      &packet,
-      {.apid_first = options_.apid_first, .sequence = sequence_++, .timestamp_ns = frame_ns},
+      layout,
+      packet,
+      {.apid_first = options_.apid_first, .sequence = sequence_, .timestamp_ns = frame_ns},
       octets_);
   transports.send(std::span(octets_).first(octets));
 }

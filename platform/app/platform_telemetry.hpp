@@ -1,5 +1,5 @@
-// What the machine around the component does, once a second on the bus: the packet of the field
-// table that is in no replay. It goes to the transports only, never into a run's bus.ccsds.
+// What the machine around the component does, once a second on the bus: the two packets of the
+// field table that are in no replay. They go to the transports only, never into a run's bus.ccsds.
 #pragma once
 
 #include <array>
@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "app/live_counts.hpp"
+#include "bus/fields.hpp"
 #include "bus/options.hpp"
 #include "bus/packet_layout.hpp"
 #include "camera/live_camera.hpp"
@@ -40,13 +41,14 @@ class PlatformTelemetry {
 
  private:
   [[nodiscard]] std::uint64_t resident_octets() const;
+  void send(const bus::Layout& layout, void* packet, std::int64_t frame_ns, Transports& transports);
 
   BusOptions options_;
   PlatformFacts facts_;
   int statm_;  ///< held open: of the process, by the kernel
   std::int64_t begun_ns_ = 0;
   std::int64_t due_ns_ = 0;
-  std::uint16_t sequence_ = 0;
+  std::uint16_t sequence_ = 0;  ///< of both packets
   std::array<std::uint8_t, bus::platform_layout::kPacketOctets> octets_{};
 };
 

@@ -186,6 +186,17 @@ void open_checkpoint(const RunOptions& options,
   }
 }
 
+/// Who may give commands, where that is not plain.
+void tell_commands(const CommandPorts& ports) {
+  if (ports.open_to_all()) {
+    say("commands are unauthenticated: all who reach the port may give them "
+        "(commands.unauthenticated = true)");
+  }
+  if (!ports.guard().remark().empty()) {
+    say("commands.window: %s", ports.guard().remark().c_str());
+  }
+}
+
 }  // namespace
 
 void run_command(const RunArguments& arguments) {
@@ -197,6 +208,7 @@ void run_command(const RunArguments& arguments) {
   prepare_places(arguments.config, machine);
   const Parameters& parameters = configuration.parameters;
   const TransportOptions transport = load_transport_options(arguments.config, arguments.settings);
+  (void)key_of(transport.transport.commands);  // before anything starts
   const ComponentMemory memory(parameters,
                                arguments.config.string(),
                                needs_of(machine, transport, parameters.camera, chosen));
@@ -223,7 +235,8 @@ void run_command(const RunArguments& arguments) {
   ExposureControl exposure({.enabled = machine.device.exposure_control,
                             .gain_factor_max = machine.device.gain_factor_max});
   Worker worker(worker_options(parameters, machine.run));
-  Transports transports(transport.transport);
+  Transports transports(transport.transport, utc_now_ns());
+  tell_commands(transports.commands());
   LiveCamera& camera = chosen.start(parameters.camera);
   // After all that takes memory.
   PlatformTelemetry telemetry(parameters.bus,

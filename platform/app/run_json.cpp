@@ -65,9 +65,17 @@ Json transports(const Transports& all) {
                          {"dropped", c.dropped},
                          {"without_reader", c.no_reader}});
   }
+  const CommandCounts& commands = all.commands().guard().counts();
   return {{"send", addresses},
-          {"commands_received", all.commands_received()},
-          {"commands_dropped", all.commands_dropped()}};
+          {"commands_signed", all.commands().guard().has_key()},
+          {"commands_received", commands.received},
+          {"commands_passed", commands.passed},
+          {"commands_refused",
+           {{"sender", commands.refused_sender},
+            {"form", commands.refused_form},
+            {"mac", commands.refused_mac},
+            {"number", commands.refused_number}}},
+          {"commands_dropped", all.commands().dropped()}};
 }
 
 }  // namespace

@@ -42,21 +42,38 @@ std::string address_of(const toml::node& node, const Place& place) {
   return text;
 }
 
+/// A list of addresses, or one; an empty text is none.
+std::vector<std::string> addresses_of(const toml::node& node, const Place& place) {
+  std::vector<std::string> addresses;
+  if (const toml::array* list = node.as_array()) {
+    for (const toml::node& entry : *list) {
+      addresses.push_back(address_of(entry, place));
+    }
+  } else if (!text_of(node, place).empty()) {
+    addresses.push_back(address_of(node, place));
+  }
+  return addresses;
+}
+
 void take_value(const toml::node& node, const Place& place, TransportOptions& options) {
+  CommandSettings& commands = options.transport.commands;
   if (place.key == "transport.send") {
-    const toml::array* list = node.as_array();
-    if (list == nullptr) {
+    if (!node.is_array()) {
       refuse(place, "a list of addresses");
     }
-    options.transport.send.clear();
-    for (const toml::node& entry : *list) {
-      options.transport.send.push_back(address_of(entry, place));
-    }
+    options.transport.send = addresses_of(node, place);
   } else if (place.key == "transport.receive") {
-    options.transport.receive = text_of(node, place);
-    if (!options.transport.receive.empty()) {
-      (void)address_of(node, place);
+    options.transport.receive = addresses_of(node, place);
+  } else if (place.key == "commands.key") {
+    commands.key = text_of(node, place);
+  } else if (place.key == "commands.window") {
+    commands.window = text_of(node, place);
+  } else if (place.key == "commands.unauthenticated") {
+    const auto value = node.value_exact<bool>();
+    if (!value) {
+      refuse(place, "true or false");
     }
+    commands.unauthenticated = *value;
   } else if (place.key == "commands.file") {
     options.commands_file = text_of(node, place);
   } else if (place.key == "network.file") {
@@ -64,7 +81,7 @@ void take_value(const toml::node& node, const Place& place, TransportOptions& op
   } else {
     throw UnusableInput(fmt::format(
         "{}: {}: unknown key; known are transport.send, transport.receive, commands.file, "
-        "network.file",
+        "commands.key, commands.window, commands.unauthenticated, network.file",
         place.source,
         place.key));
   }
@@ -105,18 +122,22 @@ TransportOptions load_transport_options(const std::filesystem::path& file,
   } catch (const toml::parse_error& problem) {
     throw UnusableInput(fmt::format("{}: {}", source, problem.description()));
   }
+  const std::string problem = problem_of(options.transport.receive, options.transport.commands);
+  if (!problem.empty()) {
+    throw UnusableInput(fmt::format("{}: {}", file.string(), problem));
+  }
   return options;
 }
 
 std::string transport_table(const TransportOptions& options) {
-  std::string send;
-  for (const std::string& address : options.transport.send) {
-    send += (send.empty() ? "" : ", ") + address;
-  }
+  const TransportSettings& transport = options.transport;
   const std::pair<const char*, std::string> rows[] = {
-      {"transport.send", send},
-      {"transport.receive", options.transport.receive},
+      {"transport.send", fmt::format("{}", fmt::join(transport.send, ", "))},
+      {"transport.receive", fmt::format("{}", fmt::join(transport.receive, ", "))},
       {"commands.file", options.commands_file.string()},
+      {"commands.key", transport.commands.key.string()},
+      {"commands.window", transport.commands.window.string()},
+      {"commands.unauthenticated", fmt::format("{}", transport.commands.unauthenticated)},
       {"network.file", options.network_file.string()}};
   std::string out;
   for (const auto& [key, value] : rows) {

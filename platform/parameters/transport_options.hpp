@@ -12,7 +12,8 @@
 namespace polhode::platform {
 
 struct TransportOptions {
-  TransportSettings transport;          ///< [transport] send, receive
+  TransportSettings transport;          ///< [transport] send, receive; [commands] key, window,
+                                        ///< unauthenticated
   std::filesystem::path commands_file;  ///< [commands] file: of a replay; empty: none
   std::filesystem::path network_file;   ///< [network] file: ONNX, for outlines; empty: none
 };

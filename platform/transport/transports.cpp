@@ -7,7 +7,8 @@
 
 namespace polhode::platform {
 
-Transports::Transports(const TransportSettings& settings) {
+Transports::Transports(const TransportSettings& settings, std::int64_t utc_ns)
+    : ports_(settings.receive, settings.commands, static_cast<std::uint64_t>(utc_ns)) {
   senders_.reserve(settings.send.size());
   for (const std::string& text : settings.send) {
     try {
@@ -15,19 +16,6 @@ Transports::Transports(const TransportSettings& settings) {
     } catch (const UnusableInput& problem) {
       throw UnusableInput(fmt::format("transport.send: {}", problem.what()));
     }
-  }
-  if (settings.receive.empty()) {
-    return;
-  }
-  const Address address = parse_address(settings.receive);
-  if (address.kind != AddressKind::kUnix && address.kind != AddressKind::kUdp) {
-    throw UnusableInput(
-        fmt::format("transport.receive: '{}': allowed are unix:PATH and udp:", settings.receive));
-  }
-  try {
-    receiver_.emplace(address);
-  } catch (const UnusableInput& problem) {
-    throw UnusableInput(fmt::format("transport.receive: {}", problem.what()));
   }
 }
 
@@ -68,12 +56,7 @@ void Transports::flush() {
   }
 }
 
-std::span<const std::span<const std::uint8_t>> Transports::received() {
-  if (!receiver_) {
-    return {};
-  }
-  return receiver_->receive();
-}
+std::span<const std::span<const std::uint8_t>> Transports::received() { return ports_.receive(); }
 
 const SendCounts& Transports::counts(std::size_t number) const {
   return std::visit([](const auto& to) -> const SendCounts& { return to.counts(); },
@@ -90,11 +73,5 @@ SendCounts Transports::counts() const {
   }
   return sum;
 }
-
-std::uint64_t Transports::commands_received() const {
-  return receiver_ ? receiver_->received() : 0;
-}
-
-std::uint32_t Transports::commands_dropped() const { return receiver_ ? receiver_->dropped() : 0; }
 
 }  // namespace polhode::platform

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "transport/command_ports.hpp"
 #include "transport/datagram/datagram.hpp"
 #include "transport/file/flat_file.hpp"
 #include "transport/shm/ring_writer.hpp"
@@ -20,14 +20,16 @@ namespace polhode::platform {
 ///   "file:flight.ccsds"] receive = "unix:/run/polhode/commands"
 struct TransportSettings {
   std::vector<std::string> send;
-  std::string receive;  ///< empty: no commands
+  std::vector<std::string> receive;  ///< empty: no commands
+  CommandSettings commands = {};     ///< who may give them
 };
 
 /// Opens everything before the first frame; sends without waiting and without heap.
 class Transports {
  public:
+  /// @param utc_ns  now: where the numbers of signed commands begin when none were kept.
   /// @throws UnusableInput naming the address.
-  explicit Transports(const TransportSettings& settings);
+  explicit Transports(const TransportSettings& settings, std::int64_t utc_ns = 0);
 
   /// Whole packets end to end, as StepOutput::packets. Every transport gets every packet; one that
   /// does not take it is counted and delays none of the others.
@@ -47,9 +49,7 @@ class Transports {
     return senders_[number].address;
   }
   [[nodiscard]] std::size_t senders() const { return senders_.size(); }
-  [[nodiscard]] std::uint64_t commands_received() const;
-  /// By the system, for want of room; of a Unix socket none, as its sender is told instead.
-  [[nodiscard]] std::uint32_t commands_dropped() const;
+  [[nodiscard]] const CommandPorts& commands() const { return ports_; }
 
  private:
   struct Sender {
@@ -59,7 +59,7 @@ class Transports {
   void add_sender(const std::string& text);
 
   std::vector<Sender> senders_;
-  std::optional<DatagramReceiver> receiver_;
+  CommandPorts ports_;
 };
 
 }  // namespace polhode::platform

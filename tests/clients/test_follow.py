@@ -238,3 +238,48 @@ def test_what_is_out_of_range_is_not_sent(tmp_path, words, says):
         assert done.returncode == 2 and says in done.stderr and done.stderr.count("\n") == 1, done.stderr
         with pytest.raises(BlockingIOError):
             receiver.recv(2000)
+
+
+@pytest.fixture
+def key(tmp_path):
+    file = tmp_path / "commands.key"
+    file.write_text("0123456789abcdef" * 4 + "\n")
+    file.chmod(0o600)
+    return file
+
+
+def test_commands_are_signed_as_the_python_client_signs_them(tmp_path, key):
+    import socket
+
+    from polhode_bus import CommandSender, make_command, read_key, sign
+
+    path = str(tmp_path / "commands")
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(path)
+        receiver.settimeout(20)
+        words = "noop + set_range range_m=12.5 frame_timestamp_ns=7".split()
+        subprocess.run([PROGRAM, "bus", "send", f"unix:{path}", *words, "--key", key, "--number", "77"], check=True, timeout=60)
+        assert receiver.recv(2000) == sign(read_key(key), 77, make_command("noop"))
+        assert receiver.recv(2000) == sign(read_key(key), 78, make_command("set_range", range_m=12.5, frame_timestamp_ns=7))
+        before = time.time_ns()
+        sender = CommandSender(f"unix:{path}", key=key)
+        sender.send(make_command("noop"))
+        sender.send(make_command("noop"))
+        subprocess.run([PROGRAM, "bus", "send", f"unix:{path}", "noop", "--key", key], check=True, timeout=60)
+        numbers = [int.from_bytes(receiver.recv(2000)[-24:-16], "big") for _ in range(3)]
+        assert before <= numbers[0] < numbers[1] < numbers[2] <= time.time_ns()
+        sender.close()
+
+
+def test_a_key_that_others_may_read_signs_nothing(tmp_path, key):
+    from polhode_bus import read_key
+
+    key.chmod(0o644)
+    done = subprocess.run([PROGRAM, "bus", "send", "udp:39220", "noop", "--key", key], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2 and "mode 0600" in done.stderr
+    with pytest.raises(PermissionError):
+        read_key(key)
+    key.chmod(0o600)
+    key.write_text("no key")
+    with pytest.raises(ValueError, match="hexadecimal"):
+        read_key(key)

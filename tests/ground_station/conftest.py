@@ -46,13 +46,16 @@ def answers(url: str) -> bool:
 
 @pytest.fixture(scope="session")
 def server(tmp_path_factory):
-    """@return client of yamcs-client, send(octets) to the telemetry link."""
+    """@return client of yamcs-client, send(octets) to the telemetry link, the key that it signs commands with."""
     from yamcs.client import YamcsClient
 
     folder = tmp_path_factory.mktemp("yamcs")
     ports = ["--tm", str(TM), "--tc", str(TC), "--http", str(HTTP), "--page", str(PAGE)]
+    key = folder / "commands.key"
+    key.touch(mode=0o600)
+    key.write_text("e7" * 32 + "\n")
     with open(folder / "server.log", "w") as log:
-        process = subprocess.Popen([REPOSITORY / "hil/ground_station.sh", "--data", folder / "data", *ports], stdout=log,
+        process = subprocess.Popen([REPOSITORY / "hil/ground_station.sh", "--data", folder / "data", "--key", key, *ports], stdout=log,
                                    stderr=subprocess.STDOUT, start_new_session=True)
     sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
@@ -60,7 +63,8 @@ def server(tmp_path_factory):
         wait_until(lambda: answers(running), 240, "the server starts")
         client = YamcsClient(f"127.0.0.1:{HTTP}")
         wait_until(lambda: client.get_link("polhode", "telemetry").get_info().status == "OK", 60, "the telemetry link")
-        yield types.SimpleNamespace(client=client, send=lambda octets: sender.sendto(octets, ("127.0.0.1", TM)), log=folder / "server.log")
+        yield types.SimpleNamespace(client=client, send=lambda octets: sender.sendto(octets, ("127.0.0.1", TM)), log=folder / "server.log",
+                                    key=key)
     finally:
         os.killpg(process.pid, signal.SIGTERM)
         process.wait(timeout=30)

@@ -89,22 +89,30 @@ def test_parameters_come_back_with_the_replays_values(server, received, flight):
     assert modes == [row["mode"] for row in rows]
 
 
-def test_commands_reach_the_bus_as_the_field_table_says(server):
+def test_commands_reach_the_bus_signed_and_as_the_field_table_says(server):
     import socket
+    import time
 
-    from polhode_bus import make_command
+    from polhode_bus import crc16, make_command, read_key, sign
 
+    before = time.time_ns()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as flight_side:
         flight_side.bind(("127.0.0.1", TC))
         flight_side.settimeout(30)
         processor = server.client.get_processor("polhode", "realtime")
-        processor.issue_command("/polhode_commands/set_range", args={"frame_timestamp_ns": 7, "range_m": 12.5})
-        octets = bytearray(flight_side.recv(2000))
-    octets[2:4] = b"\xc0\x00"  # its sequence count, which is not checked
-    from polhode_bus import crc16
-
-    octets[-2:] = crc16(bytes(octets[:-2])).to_bytes(2, "big")
-    assert bytes(octets) == make_command("set_range", frame_timestamp_ns=7, range_m=12.5)
+        numbers = []
+        for _ in range(2):
+            processor.issue_command("/polhode_commands/set_range", args={"frame_timestamp_ns": 7, "range_m": 12.5})
+            signed = flight_side.recv(2000)
+            octets = bytearray(signed[:-24])
+            octets[4:6] = (len(octets) - 7).to_bytes(2, "big")
+            assert crc16(bytes(octets)) == 0
+            numbers.append(int.from_bytes(signed[-24:-16], "big"))
+            assert sign(read_key(server.key), numbers[-1], bytes(octets)) == signed
+            octets[2:4] = b"\xc0\x00"  # its sequence count, which is not checked
+            octets[-2:] = crc16(bytes(octets[:-2])).to_bytes(2, "big")
+            assert bytes(octets) == make_command("set_range", frame_timestamp_ns=7, range_m=12.5)
+    assert before < numbers[0] < numbers[1] < time.time_ns()
 
 
 def test_the_display_shows_rates_attitude_mode_and_health(display, flight):

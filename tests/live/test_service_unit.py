@@ -61,6 +61,9 @@ def test_its_exposure_stays_low(unit):
 @pytest.mark.skipif(not shutil.which("strace"), reason="strace is not installed")
 def test_a_run_asks_for_nothing_that_it_forbids(played, tmp_path):
     """All that a run can do at once: transports of each kind, commands, checkpoints, a recording, priority, locked memory."""
+    key = tmp_path / "key"
+    key.write_text("5a" * 32)
+    key.chmod(0o600)
     config = tmp_path / "live.toml"
     config.write_text(f"""
 [device]
@@ -76,7 +79,10 @@ priority = 10
 folder = "{tmp_path}/recording"
 [transport]
 send = ["unix:{tmp_path}/telemetry", "udp:127.0.0.1:40124", "shm:/polhode_unit_test", "file:{tmp_path}/stream"]
-receive = "unix:{tmp_path}/commands"
+receive = ["unix:{tmp_path}/commands", "udp:40125"]
+[commands]
+key = "{key}"
+window = "{tmp_path}/run/commands.window"
 """)
     files_max = int(settings("LimitNOFILE")[0])
     trace = tmp_path / "trace"

@@ -8,7 +8,6 @@
 
 #include <fstream>
 
-#include "../bus/command_packets.hpp"
 #include "errors.hpp"
 #include "packets.hpp"
 #include "transport/transports.hpp"
@@ -209,43 +208,6 @@ TEST(Udp, CarriesPacketsOverLoopback) {
   DatagramSender sender(parse_address("udp:39217"));
   sender.send(motion_packet(7));
   EXPECT_EQ(reader.next(1000), motion_packet(7));
-}
-
-TEST(Commands, ArriveInOrder_NoMoreAtOnceThanAStepTakes) {
-  const Folder folder;
-  const std::string address = "unix:" + folder / "commands";
-  Transports transports({.send = {}, .receive = address});
-  DatagramSender ground(parse_address(address));
-  for (std::uint32_t i = 0; i < limits::kStepCommands + 2; ++i) {
-    ground.send(bus::command(bus::CommandCode::kRequestCloud,
-                             bus::RequestCloudCommand{.points_max = i + 1}));
-  }
-  const auto first = transports.received();
-  ASSERT_EQ(first.size(), limits::kStepCommands);
-  EXPECT_EQ(bus::get_u32(first[2], bus::request_cloud_layout::kPoints_max), 3U);
-  EXPECT_EQ(transports.received().size(), 2U);
-  EXPECT_TRUE(transports.received().empty());
-  EXPECT_EQ(transports.commands_received(), limits::kStepCommands + 2);
-}
-
-TEST(Commands, LongerThanAnyPacketArriveTooLong_NotCutToFit) {
-  const Folder folder;
-  const std::string address = "unix:" + folder / "commands";
-  DatagramReceiver receiver(parse_address(address));
-  const Descriptor ground(::socket(AF_UNIX, SOCK_DGRAM, 0));
-  sockaddr_un to{.sun_family = AF_UNIX, .sun_path = {}};
-  (folder / "commands").copy(to.sun_path, sizeof to.sun_path - 1);
-  for (const std::size_t octets : {5000, 0}) {
-    const Octets datagram(octets);
-    ASSERT_EQ(
-        ::sendto(
-            ground.get(), datagram.data(), octets, 0, reinterpret_cast<sockaddr*>(&to), sizeof to),
-        static_cast<ssize_t>(octets));
-  }
-  const auto packets = receiver.receive();
-  ASSERT_EQ(packets.size(), 2U);
-  EXPECT_EQ(packets[0].size(), limits::kPacketOctets + 1);
-  EXPECT_EQ(packets[1].size(), 0U);
 }
 
 }  // namespace

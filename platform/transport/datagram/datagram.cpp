@@ -188,47 +188,52 @@ void DatagramSender::send(std::span<const std::uint8_t> packet) {
   ++waiting_;
 }
 
-DatagramReceiver::DatagramReceiver(const Address& address) : socket_(open_socket(address.kind)) {
-  if (address.kind == AddressKind::kUnix) {
+DatagramReceiver::DatagramReceiver(const Address& address)
+    : socket_(open_socket(address.kind)), is_unix_(address.kind == AddressKind::kUnix) {
+  const int tell = 1;
+  if (is_unix_) {
+    // With each datagram, who sent it. Before the address is there: none comes without.
+    if (::setsockopt(socket_.get(), SOL_SOCKET, SO_PASSCRED, &tell, sizeof tell) != 0) {
+      throw UnusableInput(fmt::format("{}: senders stay unknown: {}", address.text, reason()));
+    }
     bind_unix(socket_.get(), address);
     file_ = SocketFile(address.path);
     return;
   }
-  const int tell = 1;  // with each datagram, how many the system has dropped before it
+  // With each datagram, how many the system has dropped before it.
   (void)::setsockopt(socket_.get(), SOL_SOCKET, SO_RXQ_OVFL, &tell, sizeof tell);
   if (::bind(socket_.get(), as_socket_address(&address.udp), sizeof address.udp) != 0) {
     throw UnusableInput(fmt::format("{}: cannot be bound: {}", address.text, reason()));
   }
 }
 
-ssize_t DatagramReceiver::receive_one(std::span<std::uint8_t> octets) {
-  iovec place{.iov_base = octets.data(), .iov_len = octets.size()};
-  alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof dropped_)> beside{};
+std::optional<Received> DatagramReceiver::next(std::span<std::uint8_t> into) {
+  iovec place{.iov_base = into.data(), .iov_len = into.size()};
+  alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof dropped_) + CMSG_SPACE(sizeof(ucred))>
+      beside{};
   msghdr message{};
   message.msg_iov = &place;
   message.msg_iovlen = 1;
   message.msg_control = beside.data();
   message.msg_controllen = beside.size();
-  const ssize_t got = ::recvmsg(socket_.get(), &message, MSG_DONTWAIT);
-  const cmsghdr* told = got < 0 ? nullptr : CMSG_FIRSTHDR(&message);
-  if (told != nullptr && told->cmsg_level == SOL_SOCKET && told->cmsg_type == SO_RXQ_OVFL) {
-    std::memcpy(&dropped_, CMSG_DATA(told), sizeof dropped_);
+  // A file that somebody sends along is closed by the system: there is no room for it beside.
+  const ssize_t got = ::recvmsg(socket_.get(), &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+  if (got < 0) {
+    return std::nullopt;  // an error of a sender's (ECONNREFUSED) says nothing to a receiver
   }
-  return got;
-}
-
-std::span<const std::span<const std::uint8_t>> DatagramReceiver::receive() {
-  std::size_t count = 0;
-  while (count < packets_.size()) {
-    const ssize_t octets = receive_one(octets_[count]);
-    if (octets < 0) {
-      break;  // nothing there; an error of a sender's (ECONNREFUSED) says nothing to a receiver
+  Received received{.octets = static_cast<std::size_t>(got)};
+  for (cmsghdr* told = CMSG_FIRSTHDR(&message); told != nullptr;
+       told = CMSG_NXTHDR(&message, told)) {
+    if (told->cmsg_level == SOL_SOCKET && told->cmsg_type == SO_RXQ_OVFL) {
+      std::memcpy(&dropped_, CMSG_DATA(told), sizeof dropped_);
+    } else if (told->cmsg_level == SOL_SOCKET && told->cmsg_type == SCM_CREDENTIALS) {
+      ucred sender{};
+      std::memcpy(&sender, CMSG_DATA(told), sizeof sender);
+      received.told_uid = true;
+      received.uid = sender.uid;
     }
-    packets_[count] = std::span(octets_[count]).first(static_cast<std::size_t>(octets));
-    ++count;
-    ++received_;
   }
-  return std::span(packets_).first(count);
+  return received;
 }
 
 }  // namespace polhode::platform

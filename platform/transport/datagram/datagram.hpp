@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -114,32 +115,32 @@ class DatagramSender {
   SendCounts counts_;
 };
 
+/// A datagram, and who sent it.
+struct Received {
+  std::size_t octets = 0;
+  bool told_uid = false;  ///< by the system, of a Unix socket's
+  uid_t uid = 0;
+};
+
 /// Receives command packets. A Unix socket's file belongs to its owner alone (mode 0600) and goes
-/// with the receiver.
+/// with the receiver; the system tells of each datagram which user sent it.
 class DatagramReceiver {
  public:
   /// @throws UnusableInput when the address is in use or cannot be bound.
   explicit DatagramReceiver(const Address& address);
 
-  /// What has arrived, oldest first, at most limits::kStepCommands; the rest stays for the next
-  /// call. A datagram longer than a packet may be arrives cut, and so is refused by its length.
-  /// @return valid until the next call. Never waits.
-  std::span<const std::span<const std::uint8_t>> receive();
+  /// The oldest datagram that waits. One longer than `into` arrives cut to it.
+  /// @return nothing when none waits. Never waits.
+  std::optional<Received> next(std::span<std::uint8_t> into);
 
-  [[nodiscard]] std::uint64_t received() const { return received_; }
   /// By the system for want of room, as far as it tells (UDP).
   [[nodiscard]] std::uint32_t dropped() const { return dropped_; }
-  [[nodiscard]] int descriptor() const { return socket_.get(); }
+  [[nodiscard]] bool is_unix() const { return is_unix_; }
 
  private:
-  ssize_t receive_one(std::span<std::uint8_t> octets);
-
-  static constexpr std::size_t kOctets = limits::kPacketOctets + 1;  // one more tells a longer one
   Descriptor socket_;
   SocketFile file_;
-  std::array<std::array<std::uint8_t, kOctets>, limits::kStepCommands> octets_{};
-  std::array<std::span<const std::uint8_t>, limits::kStepCommands> packets_{};
-  std::uint64_t received_ = 0;
+  bool is_unix_;
   std::uint32_t dropped_ = 0;
 };
 

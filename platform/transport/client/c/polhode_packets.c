@@ -205,6 +205,21 @@ static const struct polhode_field platform_fields[] = {
     {offsetof(struct polhode_platform, flags), 90, 1, POLHODE_TYPE_U8},
     {offsetof(struct polhode_platform, spare), 91, 1, POLHODE_TYPE_U8},
 };
+static const struct polhode_field command_link_fields[] = {
+    {offsetof(struct polhode_command_link, timestamp_ns), 16, 1, POLHODE_TYPE_I64},
+    {offsetof(struct polhode_command_link, highest_number), 24, 1, POLHODE_TYPE_U64},
+    {offsetof(struct polhode_command_link, received), 32, 1, POLHODE_TYPE_U32},
+    {offsetof(struct polhode_command_link, passed), 36, 1, POLHODE_TYPE_U32},
+    {offsetof(struct polhode_command_link, refused_sender), 40, 1, POLHODE_TYPE_U32},
+    {offsetof(struct polhode_command_link, refused_form), 44, 1, POLHODE_TYPE_U32},
+    {offsetof(struct polhode_command_link, refused_mac), 48, 1, POLHODE_TYPE_U32},
+    {offsetof(struct polhode_command_link, refused_number), 52, 1, POLHODE_TYPE_U32},
+    {offsetof(struct polhode_command_link, dropped), 56, 1, POLHODE_TYPE_U32},
+    {offsetof(struct polhode_command_link, numbers_not_kept), 60, 1, POLHODE_TYPE_U32},
+    {offsetof(struct polhode_command_link, ports), 64, 1, POLHODE_TYPE_U8},
+    {offsetof(struct polhode_command_link, flags), 65, 1, POLHODE_TYPE_U8},
+    {offsetof(struct polhode_command_link, spare), 66, 2, POLHODE_TYPE_U8},
+};
 
 const struct polhode_layout polhode_layouts[] = {
     {0, 310, sizeof(struct polhode_motion), motion_fields, sizeof motion_fields / sizeof *motion_fields},
@@ -215,5 +230,6 @@ const struct polhode_layout polhode_layouts[] = {
     {5, 182, sizeof(struct polhode_event), event_fields, sizeof event_fields / sizeof *event_fields},
     {6, 1370, sizeof(struct polhode_cloud), cloud_fields, sizeof cloud_fields / sizeof *cloud_fields},
     {7, 94, sizeof(struct polhode_platform), platform_fields, sizeof platform_fields / sizeof *platform_fields},
+    {8, 70, sizeof(struct polhode_command_link), command_link_fields, sizeof command_link_fields / sizeof *command_link_fields},
 };
 const size_t polhode_layout_count = sizeof polhode_layouts / sizeof *polhode_layouts;

@@ -329,4 +329,26 @@ struct polhode_platform {
   uint8_t spare; /* 0 */
 };
 
+#define POLHODE_COMMAND_LINK 8 /* number of the packet: its APID less the first one */
+#define POLHODE_COMMAND_LINK_OCTETS 70
+#define POLHODE_COMMAND_LINK_KEY 0x01
+#define POLHODE_COMMAND_LINK_UNAUTHENTICATED 0x02
+#define POLHODE_COMMAND_LINK_NUMBER_NOT_KEPT 0x04
+/* What came to the command ports, and who may give commands. What the component then refused is in housekeeping. */
+struct polhode_command_link {
+  int64_t timestamp_ns; /* time of the last frame; ns */
+  uint64_t highest_number; /* greatest number of a signed command taken; numbers up to it that left the window are refused */
+  uint32_t received; /* datagrams received */
+  uint32_t passed; /* commands handed to the component */
+  uint32_t refused_sender; /* refused: sent by another user (Unix sockets) */
+  uint32_t refused_form; /* refused: no packet with a trailer */
+  uint32_t refused_mac; /* refused: not signed by this key */
+  uint32_t refused_number; /* refused: taken before, or older than the window */
+  uint32_t dropped; /* dropped by the system before they were read, as far as it reports (UDP) */
+  uint32_t numbers_not_kept; /* commands passed whose number the disk refused: they could be repeated after a restart */
+  uint8_t ports; /* command ports */
+  uint8_t flags; /* key: commands are signed; unauthenticated: anybody who reaches a UDP port may give them; number_not_kept: numbers_not_kept is not 0 */
+  uint8_t spare[2]; /* 0 */
+};
+
 #endif

@@ -6,6 +6,7 @@ import struct
 
 from .decode import crc16
 from .packets import APID_COMMAND, APID_FIRST, COMMANDS, LAYOUT_VERSION
+from .signing import next_number, read_key, sign
 
 _BY_NAME = {row[0]: (code, row) for code, row in COMMANDS.items()}
 
@@ -54,9 +55,10 @@ def make_table_activate(loads: list, apid_first: int = APID_FIRST) -> bytes:
 
 
 class CommandSender:
-    """Sends to unix:PATH, udp:PORT or udp:HOST:PORT."""
+    """Sends to unix:PATH, udp:PORT or udp:HOST:PORT; signed where a key file is given (commands.key of the run)."""
 
-    def __init__(self, address: str):
+    def __init__(self, address: str, key=None):
+        self._key, self._number = read_key(key) if key else None, 0
         kind, _, rest = address.partition(":")
         if kind == "unix":
             self._socket, self._to = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM), rest
@@ -67,6 +69,9 @@ class CommandSender:
             raise ValueError(f"{address}: allowed are unix:PATH, udp:PORT, udp:HOST:PORT")
 
     def send(self, octets: bytes) -> None:
+        if self._key:
+            self._number = next_number(self._number)
+            octets = sign(self._key, self._number, octets)
         self._socket.sendto(octets, self._to)
 
     def close(self) -> None:

@@ -207,6 +207,21 @@ PACKETS = {
         ("flags", "B", 1, 90, None, None, ()),
         ("spare", "B", 1, 91, None, None, ()),
     ]),
+    8: ("command_link", 70, ('key', 'unauthenticated', 'number_not_kept'), [
+        ("timestamp_ns", "q", 1, 16, None, None, ()),
+        ("highest_number", "Q", 1, 24, None, None, ()),
+        ("received", "I", 1, 32, None, None, ()),
+        ("passed", "I", 1, 36, None, None, ()),
+        ("refused_sender", "I", 1, 40, None, None, ()),
+        ("refused_form", "I", 1, 44, None, None, ()),
+        ("refused_mac", "I", 1, 48, None, None, ()),
+        ("refused_number", "I", 1, 52, None, None, ()),
+        ("dropped", "I", 1, 56, None, None, ()),
+        ("numbers_not_kept", "I", 1, 60, None, None, ()),
+        ("ports", "B", 1, 64, None, None, ()),
+        ("flags", "B", 1, 65, None, None, ()),
+        ("spare", "B", 2, 66, (2,), None, ()),
+    ]),
 }
 
 # Function code: the same.

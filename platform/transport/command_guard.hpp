@@ -1,0 +1,73 @@
+// Which datagrams at a command port are commands of somebody who may give them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "transport/command_window.hpp"
+#include "transport/datagram/datagram.hpp"
+#include "transport/number_file.hpp"
+
+namespace polhode::platform {
+
+/// As in a configuration, section [commands].
+struct CommandSettings {
+  std::filesystem::path key;     ///< file; empty: commands are not signed
+  std::filesystem::path window;  ///< file of the greatest number taken; with a key only
+  bool unauthenticated = false;  ///< without a key, UDP takes commands from anybody
+};
+
+/// What became of the datagrams that arrived.
+struct CommandCounts {
+  std::uint32_t received = 0;
+  std::uint32_t passed = 0;            ///< to the component, which has its own checks
+  std::uint32_t refused_sender = 0;    ///< a Unix socket: another user's
+  std::uint32_t refused_form = 0;      ///< no packet with a trailer
+  std::uint32_t refused_mac = 0;       ///< not by this key
+  std::uint32_t refused_number = 0;    ///< taken before, or too old to tell
+  std::uint32_t numbers_not_kept = 0;  ///< the disk refused the number of one that was passed
+};
+
+class CommandGuard {
+ public:
+  /// Without a key all datagrams pass, but for those of other users on a Unix socket.
+  CommandGuard() = default;
+  /// @throws UnusableInput: the key cannot be used, or the file of numbers.
+  CommandGuard(const CommandSettings& settings, std::uint64_t utc_ns);
+
+  /// Counts the datagram, and takes the trailer off.
+  /// @param datagram  changed in place.
+  /// @return the command packet as it was before it was signed; nothing when refused.
+  std::optional<std::span<const std::uint8_t>> pass(std::span<std::uint8_t> datagram,
+                                                    const Received& received);
+
+  [[nodiscard]] bool has_key() const { return key_.has_value(); }
+  [[nodiscard]] const CommandCounts& counts() const { return counts_; }
+  [[nodiscard]] std::uint64_t highest() const { return window_.highest(); }
+  /// For people, at start: where numbers begin, if not where they ended.
+  [[nodiscard]] std::string remark() const { return numbers_ ? numbers_->remark() : ""; }
+
+ private:
+  std::optional<std::span<const std::uint8_t>> take_trailer(std::span<std::uint8_t> datagram);
+
+  std::optional<polhode_key> key_;
+  std::optional<NumberFile> numbers_;
+  CommandWindow window_;
+  CommandCounts counts_;
+};
+
+/// @throws UnusableInput saying what a key file is.
+polhode_key read_key(const std::filesystem::path& file);
+
+/// Of the settings, if they name one. @throws UnusableInput naming commands.key.
+std::optional<polhode_key> key_of(const CommandSettings& settings);
+
+/// @return empty, or what is wrong with these settings, by key: ports of no kind that commands come
+/// by, or that would take them from anybody without the settings saying so.
+std::string problem_of(const std::vector<std::string>& receive, const CommandSettings& settings);
+
+}  // namespace polhode::platform
