@@ -1,6 +1,7 @@
 #include "geometry/so3.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <cmath>
 

@@ -131,14 +131,14 @@ std::vector<std::vector<std::uint8_t>> command_packets(const BusSendArguments& a
     }
   }
   end_line();
+  if (!arguments.key.empty()) {
+    sign(read_key(arguments.key), arguments.number, packets);
+  }
   for (const auto& packet : packets) {
     if (packet.size() > limits::kPacketOctets) {
       throw UnusableInput(fmt::format(
           "a command of {} octets: allowed are {}", packet.size(), limits::kPacketOctets));
     }
-  }
-  if (!arguments.key.empty()) {
-    sign(read_key(arguments.key), arguments.number, packets);
   }
   return packets;
 }
