@@ -10,32 +10,11 @@
 #include "map/drift.hpp"
 #include "map/map.hpp"
 #include "map/track.hpp"
+#include "motion/motion_estimate.hpp"
 #include "motion/rates.hpp"
 #include "motion/rigid_model.hpp"
 
 namespace polhode {
-
-/// The state of this room. Poses are kept in I, so that they stay right when the observer turns.
-struct MotionEstimate {
-  Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();  ///< the observer's attitude at this frame
-  bool observer_known = false;                         ///< it was reported; else C stands in for I
-  PoseHistory recent;  ///< in I, one by one; errors of single frames, without the map's drift
-  PoseHistory past;    ///< as recent, thinned: what the dynamics are fitted to
-  RigidModel model;    ///< of the last fit; used while it is accepted and the poses agree
-  std::uint32_t poses_since_fit = 0;
-  std::uint32_t poses_since_start =
-      0;  ///< found one by one; those of an initialisation are right or wrong together
-  std::uint32_t disagreements = 0;  ///< poses in succession that are not where the model has them
-  std::uint32_t departures =
-      0;  ///< poses in succession to which its motion from the last one before does not lead
-  std::uint32_t led_to = 0;                    ///< poses so far to which its motion did lead
-  std::int64_t moves_so_since_ns = INT64_MIN;  ///< it was disturbed then, the last time
-};
-
-/// May one motion be fitted to all poses since then? Not while a pose departs from it.
-inline bool moves_alike_since(std::int64_t timestamp_ns, const MotionEstimate& motion) {
-  return motion.departures == 0 && motion.moves_so_since_ns <= timestamp_ns;
-}
 
 /// What a fit of motion and map together says of the map's drift.
 struct DriftByModel {
@@ -87,9 +66,6 @@ void take_fit(const RigidModel& model,
 /// The model of a map that was fitted with it as a free body's: it stands for all poses so far.
 /// @return the drift that is left in the map; nothing where the model tells no translation.
 std::optional<DriftByModel> take_joint_fit(const RigidModel& model, MotionEstimate* motion);
-
-/// A fit to more of the pictures has refused the model.
-void refute_model(MotionEstimate* motion);
 
 /// The poses of an initialisation's keyframes, in order of time and in I, come into the past or
 /// replace what is there at their times. The model is dropped.

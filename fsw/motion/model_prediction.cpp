@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/so3.hpp"
+#include "motion/residual_level.hpp"
 #include "motion/rigid_model.hpp"
 
 namespace polhode {
@@ -148,6 +149,19 @@ Result<MotionPrediction> predict_from(const RigidModel& model,
   out.pose.R_CT = R_between * last.pose.R_CT;
   out.pose.p_CT = last.pose.p_CT + (out.pose.p_CT - before.pose.p_CT);
   return out;
+}
+
+Result<MotionPrediction> predict_on(const RigidModel& model,
+                                    const PoseSample& from,
+                                    const PoseCovariance& drift_I,
+                                    std::int64_t timestamp_ns) {
+  Result<MotionPrediction> predicted = predict_from(model, from, timestamp_ns);
+  if (predicted) {
+    const double part =
+        rotation_angle_rad(from.pose.R_CT, predicted.value().pose.R_CT) / kFaceAngle_rad;
+    predicted.value().covariance += part * part * drift_I;
+  }
+  return predicted;
 }
 
 double chi2_between(const MotionPrediction& predicted, const PoseSample& sample) {

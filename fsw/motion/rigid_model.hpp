@@ -82,6 +82,13 @@ Result<MotionPrediction> predict_from(const RigidModel& model,
                                       const PoseSample& last,
                                       std::int64_t timestamp_ns);
 
+/// The same with what the map's drift changes while the body turns from one pose to the other.
+/// @param drift_I  error that poses of one visible face share.
+Result<MotionPrediction> predict_on(const RigidModel& model,
+                                    const PoseSample& from,
+                                    const PoseCovariance& drift_I,
+                                    std::int64_t timestamp_ns);
+
 /// chi2 of a pose against a prediction of it, by the covariance of both: 6 numbers, or 3 where the
 /// translation is not known.
 double chi2_between(const MotionPrediction& predicted, const PoseSample& sample);

@@ -63,7 +63,7 @@ bool is_sound(const RigidModel& model, std::int64_t now_ns) {
 bool is_sound(const MotionEstimate& motion, std::int64_t now_ns) {
   return is_rotation(motion.R_IC) && is_bool(motion.observer_known) &&
          is_sound(motion.recent, now_ns) && is_sound(motion.past, now_ns) &&
-         is_sound(motion.model, now_ns);
+         motion.departures <= motion.recent.size() && is_sound(motion.model, now_ns);
 }
 
 }  // namespace polhode

@@ -5,6 +5,7 @@
 #include "geometry/so3.hpp"
 #include "map/grow.hpp"
 #include "map/update.hpp"
+#include "motion/disturbance.hpp"
 #include "pipeline/adjustment.hpp"
 #include "pipeline/state.hpp"
 

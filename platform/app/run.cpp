@@ -197,6 +197,12 @@ void tell_commands(const CommandPorts& ports) {
   }
 }
 
+std::unique_ptr<LiveCounts> make_counts(double frame_ms) {
+  auto counts = std::make_unique<LiveCounts>();
+  counts->deadline = DeadlineMonitor(frame_ms);
+  return counts;
+}
+
 }  // namespace
 
 void run_command(const RunArguments& arguments) {
@@ -219,7 +225,6 @@ void run_command(const RunArguments& arguments) {
   Beginning beginning(machine, config_hash);
   beginning.restore(component);
   say("start %s", beginning.how().c_str());
-
   std::optional<PacketLog> packets;
   open_packet_log(machine.run.folder, &packets);
   const auto recorder = make_recorder(machine, parameters, network, beginning.octets());
@@ -230,8 +235,7 @@ void run_command(const RunArguments& arguments) {
   open_checkpoint(machine.run, beginning, component, &checkpoint, &last_words, &crash);
   ServiceManager manager;
   LiveReport report(manager, machine.run.report_s);
-  const auto counts = std::make_unique<LiveCounts>();
-  counts->deadline = DeadlineMonitor(parameters.budget.frame_ms);
+  const auto counts = make_counts(parameters.budget.frame_ms);
   ExposureControl exposure({.enabled = machine.device.exposure_control,
                             .gain_factor_max = machine.device.gain_factor_max});
   Worker worker(worker_options(parameters, machine.run));

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "geometry/so3.hpp"
+#include "motion/disturbance.hpp"
 #include "motion/estimator.hpp"
 
 namespace polhode {

@@ -173,10 +173,8 @@ Sequence open_sequence(const fs::path& path, int depth_bits) {
              : fmt::format("{}: {}", path.string(), absent ? "no such folder" : problem.message()));
   }
   if (is_absent(camera / "data.csv")) {
-    throw UnusableInput(
-        fmt::format("{}: not an image sequence: mav0/cam0/data.csv is missing; {}",
-                    path.string(),
-                    kImport));
+    throw UnusableInput(fmt::format(
+        "{}: not an image sequence: mav0/cam0/data.csv is missing; {}", path.string(), kImport));
   }
   Sequence sequence{.path = path,
                     .image_folder = camera / "data",

@@ -1,0 +1,98 @@
+#include "motion/disturbance.hpp"
+
+namespace polhode {
+namespace {
+
+// 99.9 % of chi-square with six degrees of freedom; sigmas of single poses are right to a factor of
+// two.
+constexpr double kChi2Max = 4.0 * 22.5;
+constexpr std::uint32_t kDisagreementsMax = 3;
+// Twice 99.9 %: over so short a time most errors are common to both poses. On free bodies one pose
+// in a hundred departs (docs/decisions/0070).
+constexpr double kChi2DepartsMax = 2.0 * 22.5;
+// One may be a wrong pose. Two that depart alike are a contact, or a manoeuvre that nobody
+// reported.
+constexpr std::uint32_t kDeparturesMax = 2;
+// A motion that led to as many poses as its rotation has unknowns was right.
+constexpr std::uint32_t kLedToMin = kRotationUnknowns;
+
+/// Does the model's motion lead here from the last pose that it led to? Unlike its attitude this
+/// tells a change of the rate at once: the map's drift and the model's phase cancel.
+bool departs(const PoseSample& sample, const PoseCovariance& drift_I, const MotionEstimate& m) {
+  if (m.recent.size() <= m.departures) {
+    return false;
+  }
+  const PoseSample& from = m.recent[m.recent.size() - 1 - m.departures];
+  const Result<MotionPrediction> at = predict_on(m.model, from, drift_I, sample.timestamp_ns);
+  return at && chi2_between(at.value(), sample) > kChi2DepartsMax;
+}
+
+/// The motion leads on past a pose that had departed: that one was wrong.
+void forget_departed(MotionEstimate* m) {
+  for (; m->departures > 0; --m->departures) {
+    const std::int64_t wrong_ns = m->recent.back().timestamp_ns;
+    for (PoseHistory* const history : {&m->recent, &m->past}) {
+      if (!history->empty() && history->back().timestamp_ns == wrong_ns) {
+        history->resize(history->size() - 1);
+      }
+    }
+  }
+}
+
+/// The body moves otherwise than before since the first of the poses that departed; the last of
+/// them is still to be remembered.
+void begin_anew(MotionEstimate* m) {
+  const std::size_t kept = m->departures - 1;
+  const std::int64_t since_ns = m->recent[m->recent.size() - kept].timestamp_ns;
+  for (PoseHistory* const history : {&m->recent, &m->past}) {
+    while (!history->empty() && (*history)[0].timestamp_ns < since_ns) {
+      history->erase(0);
+    }
+  }
+  refute_model(m);
+  m->moves_so_since_ns = since_ns;
+  m->poses_since_fit = static_cast<std::uint32_t>(kept);
+  m->poses_since_start = static_cast<std::uint32_t>(kept);
+}
+
+}  // namespace
+
+void judge_place(const PoseSample& sample, const PoseCovariance& drift_I, MotionEstimate* m) {
+  const Result<double> chi2 = chi2_against(m->model, sample, drift_I);
+  m->disagreements = chi2 && chi2.value() > kChi2Max ? m->disagreements + 1 : 0;
+  if (m->disagreements >= kDisagreementsMax) {
+    m->model.status = ModelStatus::kResidualsTooLarge;
+  }
+}
+
+void refute_model(MotionEstimate* m) {
+  m->model = {};
+  m->led_to = 0;
+  m->model.status = ModelStatus::kResidualsTooLarge;
+  m->disagreements = 0;
+  m->departures = 0;
+}
+
+bool judge_pose(const PoseSample& sample, const PoseCovariance& drift_I, MotionEstimate* m) {
+  if (!m->model.accepted()) {
+    return false;
+  }
+  if (departs(sample, drift_I, *m)) {
+    ++m->departures;
+  } else {
+    forget_departed(m);
+    ++m->led_to;
+  }
+  if (m->departures >= kDeparturesMax) {
+    if (m->led_to < kLedToMin) {
+      refute_model(m);
+      return false;
+    }
+    begin_anew(m);
+    return true;
+  }
+  judge_place(sample, drift_I, m);
+  return false;
+}
+
+}  // namespace polhode

@@ -1,0 +1,26 @@
+// Does the body still move as the model has it? Poses judge that one by one.
+#pragma once
+
+#include "geometry/pose.hpp"
+#include "motion/motion_estimate.hpp"
+
+namespace polhode {
+
+/// A measured pose, in I: is it where the model has it, and does the model's motion lead there from
+/// the last pose that it led to? The second tells a change of the rate at once: the map's drift and
+/// the model's phase cancel.
+/// @param drift_I  error that poses of one visible face share.
+/// @return has the motion begun anew? Then the model is gone, and what was before the first pose
+/// that departed.
+[[nodiscard]] bool judge_pose(const PoseSample& sample,
+                              const PoseCovariance& drift_I,
+                              MotionEstimate* motion);
+
+/// The first question alone, for a pose that was there before the model. After three that are
+/// elsewhere the model is refused.
+void judge_place(const PoseSample& sample, const PoseCovariance& drift_I, MotionEstimate* motion);
+
+/// A fit to more of the pictures has refused the model.
+void refute_model(MotionEstimate* motion);
+
+}  // namespace polhode
