@@ -12,8 +12,13 @@
 namespace polhode::bus {
 namespace {
 
-bool dynamics_hold(const View& view) {
+bool dynamics_accepted(const View& view) {
   return view.motion_options->mode == MotionMode::kDynamics && view.estimate->model.accepted();
+}
+
+/// Not while a pose departs from them.
+bool dynamics_hold(const View& view) {
+  return dynamics_accepted(view) && view.estimate->departures == 0;
 }
 
 /// The rate that the motion packet has.
@@ -64,7 +69,7 @@ void send_local_prediction(const View& view, BusState* bus) {
 }  // namespace
 
 std::uint8_t dynamics_in_force(const View& view) {
-  if (dynamics_hold(view)) {
+  if (dynamics_accepted(view)) {
     return dynamics_of(view.estimate->model);
   }
   return view.motion->rate_valid ? kDynamicsLocal : kDynamicsNone;

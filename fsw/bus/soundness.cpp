@@ -20,8 +20,10 @@ bool is_sound(const ServicerAttitude& servicer) {
 }
 
 bool is_sound(const Reported& reported) {
+  constexpr std::uint8_t kDynamicsMax = 3;  // ORBIT
+
   return is_bool(reported.started) && is_enum(reported.mode, Mode::kLost) &&
-         is_at_least(reported.metres_per_mu, 0.0);
+         reported.dynamics <= kDynamicsMax && is_at_least(reported.metres_per_mu, 0.0);
 }
 
 }  // namespace

@@ -251,6 +251,17 @@ Result<bool> solve_matched(const LocaliseInput& input,
   return solved;
 }
 
+void take_matches(const LocaliseInput& input,
+                  const LocalisedFrame& frame,
+                  LocaliseScratch* scratch,
+                  LocalisedFrame* out) {
+  *out = frame;
+  to_observations(input, out->matches, scratch);
+  for (std::size_t i = 0; i < out->matches.size(); ++i) {
+    scratch->inlier[i] = out->matches[i].inlier ? 1 : 0;
+  }
+}
+
 void take_pose(const Pose& pose,
                const PoseCovariance& covariance,
                LocaliseScratch* scratch,

@@ -133,6 +133,12 @@ Result<bool> localise_matched(const LocaliseInput& input,
 /// @errors as above.
 Result<bool> relocalise(const LocaliseInput& input, LocaliseScratch* scratch, LocalisedFrame* out);
 
+/// Goes back to a frame that was solved before others.
+void take_matches(const LocaliseInput& input,
+                  const LocalisedFrame& frame,
+                  LocaliseScratch* scratch,
+                  LocalisedFrame* out);
+
 /// Another pose for the frame that was solved last: its matches are told anew from their outliers.
 void take_pose(const Pose& pose,
                const PoseCovariance& covariance,

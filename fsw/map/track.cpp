@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "geometry/so3.hpp"
@@ -18,21 +19,6 @@ constexpr double kDepthError = 0.05;    // of a map's depths: some percent
 bool is_young(const ExpectedPose& expected, bool start_checks) {
   return expected.prediction.rotation_poses < kPosesTried ||
          (!start_checks && expected.poses_since_start < kPosesTried);
-}
-
-/// An aspect has come back, and its old landmarks carry the pose: then the drift of the young ones,
-/// not the body, has jumped.
-bool comes_back(const MapState& s) {
-  int old = 0;
-  int old_inliers = 0;
-  for (const LandmarkMatch& match : s.localised.matches) {
-    const Landmark& landmark = s.map.landmarks[match.landmark.index()];
-    if (is_old(landmark, s.map)) {
-      ++old;
-      old_inliers += match.inlier ? 1 : 0;
-    }
-  }
-  return old_inliers >= kInliersAlone && 2 * old_inliers >= old;
 }
 
 /// Most keyframes are never followed, and most frames not by flow: pyramids are built for those
@@ -65,6 +51,27 @@ bool certain(const LocalisedFrame& localised) {
 /// pose that lags behind the body, and where the light has changed it is all that there is.
 bool is_thin(const LocalisedFrame& localised, const MapState& s) {
   return 2 * localised.absolute.inliers < s.inliers_last;
+}
+
+/// More inliers, beyond chance (Poisson).
+bool outnumbers(int inliers, int others) {
+  constexpr double kApart_sigmas = 3.0;
+  return inliers - others >= kApart_sigmas * std::sqrt(static_cast<double>(inliers));
+}
+
+/// The prediction with what the map's depth error makes of the step, where it says enough of which
+/// feature is which.
+std::optional<PosePrediction> tried_prior(const ExpectedPose& expected) {
+  constexpr double kSigmaMost_rad = 0.05;  // 3 deg
+  PosePrediction prior = expected.prediction;
+  // A map's depth is known to some percent, which falsifies a step by as much (plausible()).
+  const double of_step_rad = kDepthError * expected.step_rad;
+  prior.covariance.topLeftCorner<3, 3>().diagonal().array() += of_step_rad * of_step_rad;
+  const double variance = prior.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff();
+  if (is_young(expected, false) || !(variance < kSigmaMost_rad * kSigmaMost_rad)) {
+    return std::nullopt;
+  }
+  return prior;
 }
 
 }  // namespace
@@ -103,6 +110,7 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
   const double first_px = std::max(input.localise->search_floor_px, 0.04 * body_px);
   LocalisedFrame& best = s->scratch.other;
   best.absolute.inliers = 0;
+  bool best_believable = false;
   // What agrees with the initialisation, in whichever circle, goes before what may contradict it.
   for (const bool start_checks : {true, false}) {
     if (!start_checks && is_young(expected, true) == is_young(expected, false)) {
@@ -115,46 +123,45 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
       if (!done || !agrees(s->localised, input.localise->inliers_min)) {
         continue;
       }
-      if (believable(expected, start_checks, *s) && !is_thin(s->localised, *s)) {
+      const bool fits = believable(expected, start_checks, *s);
+      if (fits && !is_thin(s->localised, *s)) {
         return true;
       }
-      if (s->localised.absolute.inliers > best.absolute.inliers) {
+      // Of two that the motion bears out, or that it does not, the one with more inliers. Against
+      // it more by chance are not enough.
+      const int inliers = s->localised.absolute.inliers;
+      const bool better = fits == best_believable ? inliers > best.absolute.inliers
+                          : fits                  ? !outnumbers(best.absolute.inliers, inliers)
+                                                  : outnumbers(inliers, best.absolute.inliers);
+      if (better) {
         best = s->localised;
+        best_believable = fits;
       }
     }
   }
-  if (best.absolute.inliers > 0) {
-    s->localised = best;
+  if (best_believable) {
+    take_matches(localise_input(input, s->map), best, &s->scratch.localise, &s->localised);
   }
-  return best.absolute.inliers > 0 && believable(expected, false, *s);
+  return best_believable;
 }
 
-bool overrule_motion(bool held, MapState* s) {
-  // Poisson: as many sigmas of the larger count.
-  constexpr double kApart_sigmas = 3.0;
+bool overrule_motion(const MapInput& input, const ExpectedPose& expected, bool held, MapState* s) {
   const LocalisedFrame& best = s->scratch.other;
-  const int more = best.absolute.inliers - (held ? s->localised.absolute.inliers : 0);
-  if (best.absolute.inliers < kInliersAlone || is_thin(best, *s) ||
-      more < kApart_sigmas * std::sqrt(static_cast<double>(best.absolute.inliers))) {
+  if (best.absolute.inliers < kInliersAlone || is_thin(best, *s) || !tried_prior(expected) ||
+      !outnumbers(best.absolute.inliers, held ? s->localised.absolute.inliers : 0)) {
     return false;
   }
-  s->localised = best;
+  take_matches(localise_input(input, s->map), best, &s->scratch.localise, &s->localised);
   return true;
 }
 
 bool hold_about(const MapInput& input, const ExpectedPose& expected, MapState* s) {
-  // A prediction that is off by more says little about which feature is which.
-  constexpr double kSigmaMost_rad = 0.05;  // 3 deg
-  PosePrediction prior = expected.prediction;
-  // A map's depth is known to some percent, which falsifies a step by as much (plausible()).
-  const double of_step_rad = kDepthError * expected.step_rad;
-  prior.covariance.topLeftCorner<3, 3>().diagonal().array() += of_step_rad * of_step_rad;
-  if (is_young(expected, false) || !(prior.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() <
-                                     kSigmaMost_rad * kSigmaMost_rad)) {
+  const std::optional<PosePrediction> prior = tried_prior(expected);
+  if (!prior) {
     return false;
   }
   const Result<bool> done = localise_with_prior(
-      localise_input(input, s->map), prior, &s->scratch.localise, &s->localised);
+      localise_input(input, s->map), *prior, &s->scratch.localise, &s->localised);
   return done && agrees(s->localised, kInliersWithPrior);
 }
 
@@ -163,6 +170,19 @@ bool relocalise_frame(const MapInput& input, MapState* s) {
       relocalise(localise_input(input, s->map), &s->scratch.localise, &s->localised);
   return done && s->localised.absolute.inliers >= kInliersAlone &&
          2 * s->localised.absolute.inliers >= static_cast<int>(s->localised.matches.size());
+}
+
+bool comes_back(const MapState& s) {
+  int old = 0;
+  int old_inliers = 0;
+  for (const LandmarkMatch& match : s.localised.matches) {
+    const Landmark& landmark = s.map.landmarks[match.landmark.index()];
+    if (is_old(landmark, s.map)) {
+      ++old;
+      old_inliers += match.inlier ? 1 : 0;
+    }
+  }
+  return old_inliers >= kInliersAlone && 2 * old_inliers >= old;
 }
 
 bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& s) {

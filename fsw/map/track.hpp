@@ -32,8 +32,12 @@ bool hold_about(const MapInput& input, const ExpectedPose& expected, MapState* s
 /// The pose that find_about() has kept, where it is the motion that must err: it has as many
 /// inliers as a pose needs that nothing supports, half of those of the last one, and beyond chance
 /// more than the pose that the motion holds.
-/// @param held  hold_about() has found one.
-bool overrule_motion(bool held, MapState* state);
+/// Only after hold_about() could have held one.
+/// @param held  it has.
+bool overrule_motion(const MapInput& input,
+                     const ExpectedPose& expected,
+                     bool held,
+                     MapState* state);
 
 /// By descriptors alone, over all keyframes.
 bool relocalise_frame(const MapInput& input, MapState* state);
@@ -46,6 +50,10 @@ bool relocalise_frame(const MapInput& input, MapState* state);
 /// @param start_checks  an initialisation's poses count as a check. Where its map is sheared all of
 /// them are off together, and refuse the first right one.
 bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& state);
+
+/// An aspect has come back, and its old landmarks carry the pose: then the drift of the young ones,
+/// not the body, has jumped.
+bool comes_back(const MapState& state);
 
 /// Agrees with the motion, or is strong enough to be accepted without it.
 bool believable(const ExpectedPose& expected, bool start_checks, const MapState& state);

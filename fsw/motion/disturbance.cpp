@@ -1,5 +1,9 @@
 #include "motion/disturbance.hpp"
 
+#include <optional>
+
+#include "motion/rates.hpp"
+
 namespace polhode {
 namespace {
 
@@ -10,21 +14,31 @@ constexpr std::uint32_t kDisagreementsMax = 3;
 // Twice 99.9 %: over so short a time most errors are common to both poses. On free bodies one pose
 // in a hundred departs (docs/decisions/0070).
 constexpr double kChi2DepartsMax = 2.0 * 22.5;
-// One may be a wrong pose. Two that depart alike are a contact, or a manoeuvre that nobody
-// reported.
+// One may be a wrong pose. Two in succession are a contact, or a manoeuvre that nobody reported.
 constexpr std::uint32_t kDeparturesMax = 2;
 // A motion that led to as many poses as its rotation has unknowns was right.
 constexpr std::uint32_t kLedToMin = kRotationUnknowns;
 
-/// Does the model's motion lead here from the last pose that it led to? Unlike its attitude this
-/// tells a change of the rate at once: the map's drift and the model's phase cancel.
-bool departs(const PoseSample& sample, const PoseCovariance& drift_I, const MotionEstimate& m) {
+/// Does the model's motion not lead here from the last pose that it led to? Unlike its attitude
+/// this tells a change of the rate at once: the map's drift and the model's phase cancel.
+/// @return nothing where that cannot be told: over a gap the body may have turned by any number of
+/// turns.
+std::optional<bool> departs(const PoseSample& sample,
+                            const PoseCovariance& drift_I,
+                            const MotionEstimate& m) {
   if (m.recent.size() <= m.departures) {
-    return false;
+    return std::nullopt;
   }
   const PoseSample& from = m.recent[m.recent.size() - 1 - m.departures];
+  if (seconds_between(from.timestamp_ns, sample.timestamp_ns) >
+      unambiguous_interval_max_s(m.recent.view())) {
+    return std::nullopt;
+  }
   const Result<MotionPrediction> at = predict_on(m.model, from, drift_I, sample.timestamp_ns);
-  return at && chi2_between(at.value(), sample) > kChi2DepartsMax;
+  if (!at) {
+    return std::nullopt;
+  }
+  return !(chi2_between(at.value(), sample) <= kChi2DepartsMax);  // a NaN departs
 }
 
 /// The motion leads on past a pose that had departed: that one was wrong.
@@ -62,22 +76,35 @@ void judge_place(const PoseSample& sample, const PoseCovariance& drift_I, Motion
   m->disagreements = chi2 && chi2.value() > kChi2Max ? m->disagreements + 1 : 0;
   if (m->disagreements >= kDisagreementsMax) {
     m->model.status = ModelStatus::kResidualsTooLarge;
+    m->departures = 0;
+    m->led_to = 0;
   }
 }
 
-void refute_model(MotionEstimate* m) {
-  m->model = {};
-  m->led_to = 0;
-  m->model.status = ModelStatus::kResidualsTooLarge;
+void pass_over_pose(MotionEstimate* m) { m->departures = 0; }
+
+void replace_model(const RigidModel& model, MotionEstimate* m) {
+  if (!m->model.accepted() || !model.accepted()) {
+    m->departures = 0;
+    m->led_to = 0;
+  }
+  m->model = model;
   m->disagreements = 0;
-  m->departures = 0;
+}
+
+void refute_model(MotionEstimate* m) {
+  replace_model({}, m);
+  m->model.status = ModelStatus::kResidualsTooLarge;
 }
 
 bool judge_pose(const PoseSample& sample, const PoseCovariance& drift_I, MotionEstimate* m) {
   if (!m->model.accepted()) {
     return false;
   }
-  if (departs(sample, drift_I, *m)) {
+  const std::optional<bool> gone = departs(sample, drift_I, *m);
+  if (!gone) {
+    pass_over_pose(m);
+  } else if (*gone) {
     ++m->departures;
   } else {
     forget_departed(m);

@@ -16,6 +16,13 @@ namespace polhode {
                               const PoseCovariance& drift_I,
                               MotionEstimate* motion);
 
+/// A pose that says nothing of the motion: the map has moved under it.
+void pass_over_pose(MotionEstimate* motion);
+
+/// Another model, or none. What poses have said of the last one goes on only from an accepted one
+/// to an accepted one.
+void replace_model(const RigidModel& model, MotionEstimate* motion);
+
 /// The first question alone, for a pose that was there before the model. After three that are
 /// elsewhere the model is refused.
 void judge_place(const PoseSample& sample, const PoseCovariance& drift_I, MotionEstimate* motion);

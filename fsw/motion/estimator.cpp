@@ -150,7 +150,7 @@ std::optional<Eigen::Matrix3d> take_observer(const std::optional<Eigen::Quaterni
       sample = turned(m->R_IC, sample);
     }
   }
-  m->model = {};
+  replace_model({}, m);
   return m->R_IC;
 }
 
@@ -198,9 +198,8 @@ void take_fit(const RigidModel& model,
               std::uint32_t poses_fitted,
               const MapDrift& drift,
               MotionEstimate* m) {
-  m->model = model;
+  replace_model(model, m);
   m->poses_since_fit -= std::min(m->poses_since_fit, poses_fitted);
-  m->disagreements = 0;
   for (const PoseSample& sample : m->recent) {
     if (m->model.accepted() && sample.timestamp_ns > fitted_to_ns) {
       judge_place(sample, drift_I(*m, drift), m);
@@ -209,10 +208,8 @@ void take_fit(const RigidModel& model,
 }
 
 std::optional<DriftByModel> take_joint_fit(const RigidModel& model, MotionEstimate* m) {
-  m->model = model;
+  replace_model(model, m);
   m->poses_since_fit = 0;
-  m->disagreements = 0;
-  m->departures = 0;
   const Result<MotionPrediction> now = predict_motion(model, model.reference_ns);
   if (!now || !now.value().translation_known) {
     return std::nullopt;
@@ -225,9 +222,7 @@ void restate_poses(std::span<const PoseSample> start, MotionEstimate* m) {
   for (PoseHistory* const history : {&m->recent, &m->past}) {
     merge(start, *history);
   }
-  m->model = {};
-  m->departures = 0;
-  m->led_to = 0;
+  replace_model({}, m);
   m->poses_since_fit += static_cast<std::uint32_t>(start.size());
   m->poses_since_start = 0;
 }
@@ -254,12 +249,9 @@ bool move_poses_with_map(const Map& map, std::int64_t adjusted_to_ns, MotionEsti
 void reset_poses(MotionEstimate* m) {
   m->recent.clear();
   m->past.clear();
-  m->model = {};
+  replace_model({}, m);
   m->poses_since_fit = 0;
   m->poses_since_start = 0;
-  m->disagreements = 0;
-  m->departures = 0;
-  m->led_to = 0;
   m->moves_so_since_ns = INT64_MIN;
 }
 

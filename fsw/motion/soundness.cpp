@@ -37,7 +37,8 @@ bool is_sound(const PoseHistory& poses, std::int64_t now_ns) {
 
 bool is_sound(const ResidualLevel& level) {
   return is_at_least(level.chi2_per_dof, 0.0) && is_at_least(level.scale2, 0.0) &&
-         is_at_least(level.correlation, 1.0) && level.outliers <= limits::kMotionPoses;
+         is_at_least(level.correlation, 1.0) && level.outliers <= limits::kMotionPoses &&
+         level.outliers_at_end <= level.outliers;
 }
 
 bool is_sound(const RigidModel& model, std::int64_t now_ns) {
@@ -51,8 +52,9 @@ bool is_sound(const RigidModel& model, std::int64_t now_ns) {
   }
   return is_past(model.reference_ns, now_ns) && is_bounded(model.reference.time_s) &&
          is_rotation(model.reference.R_IT) && is_bounded(model.reference.w_T_rad_s) &&
-         model.shape.cwiseAbs().maxCoeff() <= kShapeMax && is_bounded(model.path) &&
-         is_covariance(model.covariance) && is_at_least(model.mass_centre_sigma, 0.0) &&
+         is_bounded(model.shape) && model.shape.cwiseAbs().maxCoeff() <= kShapeMax &&
+         is_bounded(model.path) && is_covariance(model.covariance) &&
+         is_at_least(model.mass_centre_sigma, 0.0) &&
          is_at_least(model.orbit.mean_motion_rad_s, 0.0) && is_rotation(model.orbit.R_IH) &&
          is_sound(model.attitude) && is_sound(model.position) &&
          model.poses <= limits::kMotionPoses && is_at_least(model.span_s, 0.0);
@@ -63,6 +65,7 @@ bool is_sound(const RigidModel& model, std::int64_t now_ns) {
 bool is_sound(const MotionEstimate& motion, std::int64_t now_ns) {
   return is_rotation(motion.R_IC) && is_bool(motion.observer_known) &&
          is_sound(motion.recent, now_ns) && is_sound(motion.past, now_ns) &&
+         (motion.moves_so_since_ns == INT64_MIN || is_past(motion.moves_so_since_ns, now_ns)) &&
          motion.departures <= motion.recent.size() && is_sound(motion.model, now_ns);
 }
 

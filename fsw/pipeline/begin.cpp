@@ -108,7 +108,8 @@ void begin_again(Component::State* s) {
   const Result<Reanchoring> found = reanchor_start(
       frames.view(), {.centre_T = mapping.map.centre_T, .radius_mu = mapping.map.radius_mu});
   ++s->counters.restarts;
-  if (!found || !found.value().agrees) {
+  const bool doubted = s->motion.departures > 0;
+  if (doubted || !found || !found.value().agrees) {
     begin(s);
     return;
   }

@@ -5,6 +5,7 @@
 #include "base/crc.hpp"
 #include "base/time_doubt.hpp"
 #include "bus/commands.hpp"
+#include "motion/disturbance.hpp"
 #include "pipeline/parameter_image.hpp"
 #include "pipeline/reset.hpp"
 #include "pipeline/state.hpp"
@@ -184,7 +185,7 @@ Outcome table_activate(const Command& command, Component::State* s) {
   c.parameters = c.inactive.parameters;
   c.parameters.scale = scale;
   if (c.parameters.motion != motion) {  // the poses are no longer taken to move as they were
-    s->motion.model = {};
+    replace_model({}, &s->motion);
     invalidate_fits(&s->jobs);
   }
   c.inactive = {};

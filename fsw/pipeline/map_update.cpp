@@ -34,7 +34,13 @@ MapCorrection take_over(Component::State* s) {
   const AdjustmentJob& job = s->jobs.adjustment;
   // Meanwhile the motion that the poses were bound to may have ended.
   const bool bound = job.as_free_body && job.model.accepted();
-  const bool usable = job.usable && !(bound && (job.model_unwanted || s->motion.departures > 0));
+  const bool ended = bound && (job.model_unwanted || s->motion.departures > 0);
+  const bool usable = job.usable && !ended;
+  if (ended) {  // all of the map is adjusted anew, its poses free
+    s->mapping.growth.any = true;
+    s->mapping.last_adjustment_of_all = {};
+    ++s->counters.jobs_without_result;
+  }
   const MapUpdate update = take_adjusted(job.snapshot, usable, job.closed, &s->mapping);
   if (job.closed && !update.applied) {
     s->mapping.growth.closed = true;

@@ -3,6 +3,7 @@
 #include "map/grow.hpp"
 #include "map/track.hpp"
 #include "mask/follow.hpp"
+#include "motion/disturbance.hpp"
 #include "pipeline/acquire.hpp"
 #include "pipeline/adjustment.hpp"
 #include "pipeline/map_update.hpp"
@@ -32,12 +33,14 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
       (relocalise_frame(input, mapping) && (!expected || believable(*expected, false, *mapping)))) {
     return FoundBy::kFeatures;
   }
-  const bool held =
-      s->mode.now == Mode::kTracking && expected && hold_about(input, *expected, mapping);
-  if (expected && overrule_motion(held, mapping)) {
+  if (s->mode.now != Mode::kTracking || !expected) {
+    return FoundBy::kNothing;
+  }
+  const bool held = hold_about(input, *expected, mapping);
+  if (overrule_motion(input, *expected, held, mapping)) {
     return FoundBy::kFeatures;
   }
-  return held ? FoundBy::kPrior : FoundBy::kNothing;
+  return held && s->motion.departures == 0 ? FoundBy::kPrior : FoundBy::kNothing;
 }
 
 /// A frame without a pose.
@@ -117,7 +120,10 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
   }
   MapState* mapping = &s->mapping;
   const AbsolutePose& found = mapping->localised.absolute;
-  if (check_pose(s->clock.timestamp_ns, found.pose, found.covariance, mapping->drift, &s->motion)) {
+  if (comes_back(*mapping)) {
+    pass_over_pose(&s->motion);  // it jumps by the drift of the young side
+  } else if (check_pose(
+                 s->clock.timestamp_ns, found.pose, found.covariance, mapping->drift, &s->motion)) {
     invalidate_fits(&s->jobs);
   }
   const std::optional<PosePrediction> prior = pose_by_joint_model(

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <exception>
 #include <span>
 #include <vector>
 
@@ -105,7 +106,9 @@ CrashWatch::~CrashWatch() {
   if (g_prepared.armed != 0) {
     g_prepared.armed = 0;
     set_handlers(false);
-    (void)::unlink(file_.c_str());
+    if (frames_ > 0 && std::uncaught_exceptions() == 0) {
+      (void)::unlink(file_.c_str());
+    }
   }
 }
 

@@ -37,7 +37,8 @@ class CrashWatch {
   CrashWatch(const std::filesystem::path& checkpoint,
              const CrashMark& before,
              std::uint32_t began_from);
-  /// The run has ended in order: there is nothing to mark.
+  /// A run that has stepped and ends in order takes the mark away. One that ends by an exception,
+  /// or before its first frame, leaves what was there.
   ~CrashWatch();
   CrashWatch(const CrashWatch&) = delete;
   CrashWatch& operator=(const CrashWatch&) = delete;

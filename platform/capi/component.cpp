@@ -298,6 +298,9 @@ polhode_status polhode_save_checkpoint(const polhode_component* component,
   if (component == nullptr || out == nullptr || written == nullptr) {
     return POLHODE_BAD_ARGUMENT;
   }
+  if (component->failed) {
+    return POLHODE_FAILED;
+  }
   if (octets < polhode::checkpoint_octets_max()) {
     return POLHODE_MEMORY_TOO_SMALL;
   }

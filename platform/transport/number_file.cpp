@@ -88,12 +88,19 @@ void NumberFile::begin(std::uint64_t utc_ns) {
   const ssize_t octets = ::pread(file_.get(), places.data(), sizeof places, 0);
   bool known = false;
   bool other_key = false;
+  std::size_t whole = 0;
   for (std::size_t i = 0; octets == sizeof places && i < places.size(); ++i) {
+    whole += places[i].whole() ? 1 : 0;
     if (places[i].whole() && places[i].key_name == key_name_) {
       known = true;
       number_ = std::max(number_, places[i].number);
     }
     other_key = other_key || places[i].whole();
+  }
+  if (known && whole < places.size()) {  // the greater number may have stood in the other
+    number_ = std::max(number_, utc_ns);
+    remark_ = "one of the numbers kept is damaged: they begin at the present time";
+    return;
   }
   if (known || other_key) {
     remark_ = known ? "" : "a new key: numbers begin at 0";

@@ -198,7 +198,7 @@ void displace_half(Bench* b) {
 bool overruled(const ExpectedPose& e, Bench* b) {
   displace_half(b);
   EXPECT_FALSE(find_about(b->input(), e, b->state.get()));
-  return overrule_motion(b->hold(e), b->state.get());
+  return overrule_motion(b->input(), e, b->hold(e), b->state.get());
 }
 
 TEST(OverruleMotion, TakesThePoseOfManyLandmarks_WhereTheBodyWasTouched) {
@@ -229,7 +229,7 @@ TEST(OverruleMotion, KeepsTheMotion_WhereItHoldsNearlyAsMany) {
   EXPECT_FALSE(find_about(b.input(), e, b.state.get()));
   ASSERT_FALSE(b.state->scratch.other.matches.empty());
   b.state->localised.absolute.inliers = b.state->scratch.other.absolute.inliers - 5;
-  EXPECT_FALSE(overrule_motion(true, b.state.get()));
+  EXPECT_FALSE(overrule_motion(b.input(), e, true, b.state.get()));
 }
 
 TEST(LocaliseWithPrior, LooksAsFarAsThePriorsErrorReaches) {

@@ -97,6 +97,25 @@ TEST(Disturbance, OfAMotionThatLedNowhereYet_IsTheModelsFault) {
   EXPECT_TRUE(moves_alike_since(0, *b.motion));
 }
 
+TEST(Disturbance, IsNoLongerInDoubt_WhereTheModelGoes) {
+  Bench b(16);
+  (void)b.show(1.33 * kStep_rad);
+  RigidModel refused;
+  refused.status = ModelStatus::kResidualsTooLarge;
+  take_fit(refused, b.now_ns, 1, {}, b.motion.get());
+  EXPECT_TRUE(b.rates().ok()) << "local fits give one";
+  EXPECT_TRUE(moves_alike_since(0, *b.motion));
+}
+
+TEST(Disturbance, IsNotToldOverAGap) {
+  Bench b(16);
+  (void)b.show(1.33 * kStep_rad);
+  b.now_ns += 60 * kSecond_ns;  // it may have turned by any number of turns
+  EXPECT_FALSE(b.show(1.0));
+  EXPECT_EQ(b.motion->departures, 0U);
+  EXPECT_EQ(b.motion->recent.size(), 38U) << "nothing was refuted";
+}
+
 TEST(Disturbance, IsForgottenWithTheTarget) {
   Bench b(16);
   (void)b.show(1.33 * kStep_rad);
