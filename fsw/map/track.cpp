@@ -53,9 +53,9 @@ bool is_thin(const LocalisedFrame& localised, const MapState& s) {
   return 2 * localised.absolute.inliers < s.inliers_last;
 }
 
-/// More inliers, beyond chance (Poisson).
+/// More inliers, beyond chance.
 bool outnumbers(int inliers, int others) {
-  constexpr double kApart_sigmas = 3.0;
+  constexpr double kApart_sigmas = 3.0;  // 99.7 %, of a count as Poisson has it
   return inliers - others >= kApart_sigmas * std::sqrt(static_cast<double>(inliers));
 }
 
