@@ -66,5 +66,5 @@ install(DIRECTORY config/bus/ccsdspy DESTINATION share/polhode/bus COMPONENT gro
 install(DIRECTORY platform/transport/client/c DESTINATION share/polhode/client COMPONENT ground)
 install(DIRECTORY platform/transport/client/python/polhode_bus DESTINATION lib/python3/dist-packages COMPONENT ground
   FILES_MATCHING PATTERN "*.py" PATTERN __pycache__ EXCLUDE)
-install(FILES docs/interface_control.md docs/bus.md DESTINATION share/doc/polhode-ground COMPONENT ground)
+install(FILES docs/interface_control.md docs/bus.md docs/security.md DESTINATION share/doc/polhode-ground COMPONENT ground)
 include(CPack)
