@@ -76,7 +76,7 @@ TEST_F(CommandPortsTest, LongerThanAnyPacketArriveTooLong_NotCutToFit) {
 }
 
 TEST_F(CommandPortsTest, WithAKeyTakesSignedOnes_AsTheyWereBefore_OnEveryKindOfPort) {
-  const std::string udp = "udp:39219";
+  const std::string udp = "udp:39240";
   CommandPorts ports = signed_ports({unix_, udp});
   for (const std::string& address : {unix_, udp}) {
     DatagramSender ground(parse_address(address));
@@ -91,15 +91,15 @@ TEST_F(CommandPortsTest, WithAKeyTakesSignedOnes_AsTheyWereBefore_OnEveryKindOfP
 }
 
 TEST_F(CommandPortsTest, UdpTakesUnsignedOnesOnlyWhereTheSettingsSayIt) {
-  EXPECT_THROW(CommandPorts({"udp:39219"}, {}, 0), UnusableInput);
-  EXPECT_THROW(CommandPorts({unix_, "udp:39219"}, {}, 0), UnusableInput);
+  EXPECT_THROW(CommandPorts({"udp:39241"}, {}, 0), UnusableInput);
+  EXPECT_THROW(CommandPorts({unix_, "udp:39241"}, {}, 0), UnusableInput);
   CommandSettings both = signed_.settings();
   both.unauthenticated = true;
   EXPECT_THROW(CommandPorts({unix_}, both, 0), UnusableInput);
   CommandSettings without_window = signed_.settings();
   without_window.window.clear();
   EXPECT_THROW(CommandPorts({unix_}, without_window, 0), UnusableInput);
-  const CommandPorts open({"udp:39219"}, {.key = {}, .window = {}, .unauthenticated = true}, 0);
+  const CommandPorts open({"udp:39241"}, {.key = {}, .window = {}, .unauthenticated = true}, 0);
   EXPECT_TRUE(open.open_to_all());
   const CommandPorts closed({unix_}, {}, 0);
   EXPECT_FALSE(closed.open_to_all());
@@ -135,8 +135,8 @@ TEST_F(CommandPortsTest, AnotherUsersDatagramsAreRefused_WhateverTheModeOfTheFil
 }
 
 TEST_F(CommandPortsTest, AFloodAtOnePortStarvesNoneOfAnother_AndReadsABoundedNumber) {
-  CommandPorts ports = signed_ports({"udp:39219", other_});
-  DatagramSender flood(parse_address("udp:39219"));
+  CommandPorts ports = signed_ports({"udp:39242", other_});
+  DatagramSender flood(parse_address("udp:39242"));
   DatagramSender ground(parse_address(other_));
   for (std::uint32_t step = 0; step < 20; ++step) {
     for (std::size_t i = 0; i < 2 * CommandPorts::kReads; ++i) {
@@ -152,8 +152,8 @@ TEST_F(CommandPortsTest, AFloodAtOnePortStarvesNoneOfAnother_AndReadsABoundedNum
 }
 
 TEST_F(CommandPortsTest, WithoutAKeyAFloodLeavesOtherPortsTheirTurn) {
-  CommandPorts ports({"udp:39219", other_}, {.key = {}, .window = {}, .unauthenticated = true}, 0);
-  DatagramSender flood(parse_address("udp:39219"));
+  CommandPorts ports({"udp:39243", other_}, {.key = {}, .window = {}, .unauthenticated = true}, 0);
+  DatagramSender flood(parse_address("udp:39243"));
   DatagramSender ground(parse_address(other_));
   for (int i = 0; i < 100; ++i) {
     flood.send(Octets(20, 0xFF));
