@@ -173,10 +173,7 @@ PoseCovariance in_unit(const PoseCovariance& covariance_I,
 }  // namespace
 
 std::uint8_t dynamics_of(const RigidModel& model) {
-  // Values of the field, after kDynamicsNone and kDynamicsLocal.
-  constexpr std::uint8_t kTorqueFree = 2;
-  constexpr std::uint8_t kOrbit = 3;
-  return model.orbit.active() ? kOrbit : kTorqueFree;
+  return model.orbit.active() ? kDynamicsOrbit : kDynamicsTorqueFree;
 }
 
 ModelPacket to_packet(const RigidModel& model,

@@ -13,6 +13,8 @@ namespace polhode::bus {
 /// Values of the field `dynamics` (config/bus/telemetry.toml).
 inline constexpr std::uint8_t kDynamicsNone = 0;
 inline constexpr std::uint8_t kDynamicsLocal = 1;
+inline constexpr std::uint8_t kDynamicsTorqueFree = 2;
+inline constexpr std::uint8_t kDynamicsOrbit = 3;  ///< the last
 
 /// What an accepted fit assumes, as a value of that field.
 std::uint8_t dynamics_of(const RigidModel& model);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/sound.hpp"
+#include "bus/dynamics_telemetry.hpp"
 
 namespace polhode {
 namespace {
@@ -20,10 +21,8 @@ bool is_sound(const ServicerAttitude& servicer) {
 }
 
 bool is_sound(const Reported& reported) {
-  constexpr std::uint8_t kDynamicsMax = 3;  // ORBIT
-
   return is_bool(reported.started) && is_enum(reported.mode, Mode::kLost) &&
-         reported.dynamics <= kDynamicsMax && is_at_least(reported.metres_per_mu, 0.0);
+         reported.dynamics <= bus::kDynamicsOrbit && is_at_least(reported.metres_per_mu, 0.0);
 }
 
 }  // namespace
