@@ -173,6 +173,14 @@ def write_sequence(folder: pathlib.Path, body: Body, rates: bool = True) -> path
     return folder
 
 
+def write_acquired(folder: pathlib.Path, frames: int) -> tuple[pathlib.Path, pathlib.Path]:
+    """(sequence, run) of a short tumbling body that is acquired on its third frame, with honest sigmas."""
+    body = tumbling_body(frames=frames)
+    sequence = write_sequence(folder / "seq", body)
+    errors = Errors(attitude_rms_rad=0.01, position_rms_m=0.02, rate_rms_rad_s=0.001, velocity_rms_m_s=0.001, first_frame=3)
+    return sequence, write_run(folder / "run", body, errors, sequence=sequence)
+
+
 def write_run(folder: pathlib.Path, body: Body, causal: Errors, smoothed: Errors | None = None,
               sequence: pathlib.Path | None = None) -> pathlib.Path:
     """An output folder of a replay with these errors, cloud and observations included."""

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from judge.sequence import read_sequence
 from PIL import Image
-from synthetic import Errors, tumbling_body, write_run, write_sequence
+from synthetic import Errors, tumbling_body, write_acquired, write_run
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 ALL = {"rates.png", "velocity.png", "attitude_error.png", "counts.png", "cloud.png", "contact_sheet.png"}
@@ -17,12 +17,8 @@ ALL = {"rates.png", "velocity.png", "attitude_error.png", "counts.png", "cloud.p
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """(sequence, run) of a short tumbling body that is acquired on its third frame."""
-    folder = tmp_path_factory.mktemp("plots")
-    body = tumbling_body(frames=30)
-    sequence = write_sequence(folder / "seq", body)
-    errors = Errors(attitude_rms_rad=0.01, position_rms_m=0.02, rate_rms_rad_s=0.001, velocity_rms_m_s=0.001, first_frame=3)
-    return sequence, write_run(folder / "run", body, errors, sequence=sequence)
+    """(sequence, run), see write_acquired()."""
+    return write_acquired(tmp_path_factory.mktemp("plots"), frames=30)
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ import sys
 
 import numpy as np
 import pytest
-from synthetic import Errors, box_points, tumbling_body, write_motion, write_ply, write_run, write_sequence
+from synthetic import Errors, box_points, tumbling_body, write_acquired, write_motion, write_ply, write_run
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(REPOSITORY / "tests/ground_station"))
@@ -20,12 +20,8 @@ PAGE_OCTETS_MAX = 15_000_000
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """(sequence, run) of a short tumbling body whose sigmas are honest."""
-    folder = tmp_path_factory.mktemp("report")
-    body = tumbling_body(frames=40)
-    sequence = write_sequence(folder / "seq", body)
-    errors = Errors(attitude_rms_rad=0.01, position_rms_m=0.02, rate_rms_rad_s=0.001, velocity_rms_m_s=0.001, first_frame=3)
-    return sequence, write_run(folder / "run", body, errors, sequence=sequence)
+    """(sequence, run), see write_acquired()."""
+    return write_acquired(tmp_path_factory.mktemp("report"), frames=40)
 
 
 @pytest.fixture
