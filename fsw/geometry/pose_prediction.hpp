@@ -15,4 +15,11 @@ struct PosePrediction {
   std::size_t position_poses = 0;
 };
 
+/// With components of another frame X in C's place; as turned() of a pose.
+inline PosePrediction turned(const Eigen::Matrix3d& R_XC, PosePrediction predicted) {
+  predicted.pose = turned(R_XC, predicted.pose);
+  predicted.covariance = turned(R_XC, predicted.covariance);
+  return predicted;
+}
+
 }  // namespace polhode

@@ -42,9 +42,7 @@ void widen_turn(const Pose& pose, MapDrift* drift) {
 }
 
 void add_keyframe_error(const LocalisedFrame& keyframe, MapDrift* drift) {
-  const double clutter = static_cast<double>(keyframe.matches.size()) /
-                         static_cast<double>(std::max(1, keyframe.absolute.inliers));
-  drift->walk += std::max(1.0, clutter) * keyframe.absolute.covariance;
+  drift->walk += with_clutter(keyframe);
 }
 
 void hold_at_both_ends(MapDrift* drift) {

@@ -55,9 +55,7 @@ void hold_turn(double relative_sigma, double extent_mu, MapDrift* drift);
 /// A frame has its pose.
 void widen_turn(const Pose& pose, MapDrift* drift);
 
-/// A keyframe joins the map. Matches that are no inliers say how much clutter there is, some of
-/// which falls within the gate and pulls: the pose's covariance is taken as many times larger as
-/// there are matches to an inlier.
+/// A keyframe joins the map.
 void add_keyframe_error(const LocalisedFrame& keyframe, MapDrift* drift);
 
 /// A walk that is held at both ends, as by a closed loop, has at most a quarter of its variance, in

@@ -251,6 +251,12 @@ Result<bool> solve_matched(const LocaliseInput& input,
   return solved;
 }
 
+PoseCovariance with_clutter(const LocalisedFrame& frame) {
+  const double clutter = static_cast<double>(frame.matches.size()) /
+                         static_cast<double>(std::max(1, frame.absolute.inliers));
+  return std::max(1.0, clutter) * frame.absolute.covariance;
+}
+
 void take_matches(const LocaliseInput& input,
                   const LocalisedFrame& frame,
                   LocaliseScratch* scratch,

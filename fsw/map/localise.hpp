@@ -34,6 +34,11 @@ struct LocalisedFrame {
   int predicted = 0;  ///< landmarks that should be seen from this pose
 };
 
+/// The pose's covariance with what its matches say: those that are no inliers tell how much clutter
+/// there is, some of which falls within the gate and pulls. As many times larger as there are
+/// matches to an inlier.
+[[nodiscard]] PoseCovariance with_clutter(const LocalisedFrame& frame);
+
 /// Working memory of the functions below; contents mean nothing between calls.
 struct LocaliseScratch {
   FeatureGrid grid;

@@ -206,6 +206,14 @@ void remove_keyframe(KeyframeId id, Map* map) {
   --map->keyframe_count;
 }
 
+void withdraw_keyframe(std::int64_t timestamp_ns, Map* map) {
+  for (std::size_t k = 0; k < map->keyframes.size(); ++k) {
+    if (map->keyframes[k].used && map->keyframes[k].timestamp_ns == timestamp_ns) {
+      remove_keyframe(KeyframeId::from_index(k), map);
+    }
+  }
+}
+
 void refresh_landmarks(Map* map, const CameraModel& camera) {
   const double focal_px = camera.focal_px();
   std::array<double, limits::kLandmarks> spread_cosine;

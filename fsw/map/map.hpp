@@ -91,6 +91,9 @@ void remove_landmarks(std::span<const LandmarkId> ids, Map* map);
 /// Frees the slot; landmarks that fewer than two keyframes still see go with it.
 void remove_keyframe(KeyframeId id, Map* map);
 
+/// The keyframe of that time goes, where there is one: its picture is of another time.
+void withdraw_keyframe(std::int64_t timestamp_ns, Map* map);
+
 /// Ties feature `feature` of a keyframe to a landmark; the feature must be free.
 void add_observation(KeyframeId keyframe, std::size_t feature, LandmarkId landmark, Map* map);
 void remove_observation(KeyframeId keyframe, std::size_t feature, Map* map);

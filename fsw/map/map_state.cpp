@@ -17,6 +17,7 @@ void begin_frame(MapState* state) {
   state->localised.matches.clear();
   state->pose_valid = false;
   state->pose_by_prior = false;
+  state->contested = PoseCovariance::Zero();
   state->moved_rad = 0.0;
 }
 
@@ -32,6 +33,7 @@ void reset_map(MapState* state) {
   state->localised.matches.clear();
   state->pose_valid = false;
   state->pose_by_prior = false;
+  state->contested = PoseCovariance::Zero();
   state->inliers_last = 0;
 }
 

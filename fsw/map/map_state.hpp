@@ -53,6 +53,8 @@ struct MapState {
   LocalisedFrame localised;        ///< this frame's pose and matches
   bool pose_valid = false;         ///< this frame has a pose
   bool pose_by_prior = false;      ///< mostly what the motion so far expects
+  PoseCovariance contested =
+      PoseCovariance::Zero();  ///< of a pose that departs from the motion so far: by how much
   int inliers_last = 0;            ///< of the last pose that features gave
   GrowthWaiting growth;
   LastAdjustment last_adjustment_of_all;

@@ -11,6 +11,15 @@
 namespace polhode {
 namespace {
 
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// (phi, dp) as in pose.hpp that takes `from` to `to`.
+Vector6 difference(const Pose& to, const Pose& from) {
+  Vector6 apart;
+  apart << so3_log(to.R_CT * from.R_CT.transpose()), to.p_CT - from.p_CT;
+  return apart;
+}
+
 constexpr std::size_t kPosesTried = 6;  // that many poses have checked a motion
 constexpr double kDepthError = 0.05;    // of a map's depths: some percent
 
@@ -51,6 +60,25 @@ bool certain(const LocalisedFrame& localised) {
 /// pose that lags behind the body, and where the light has changed it is all that there is.
 bool is_thin(const LocalisedFrame& localised, const MapState& s) {
   return 2 * localised.absolute.inliers < s.inliers_last;
+}
+
+/// 1-sigma of the angle between two attitudes, worst axis.
+double sigma_between(const PosePrediction& predicted, const AbsolutePose& found) {
+  return std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
+                   found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
+}
+
+/// Could a body that moved as expected until the last pose be here? A contact changes its rate, not
+/// its attitude: one that is stopped, reversed or made three times as fast is off by two steps at
+/// most. Further off is an alike face. A motion that has hardly been checked rules out nothing.
+bool within_reach(const ExpectedPose& expected, const AbsolutePose& found, double moved_rad) {
+  constexpr double kSteps = 2.0;
+  if (is_young(expected, false)) {
+    return true;
+  }
+  const double bound_rad = (kSteps + kDepthError) * expected.step_rad +
+                           4.0 * sigma_between(expected.prediction, found) + moved_rad;
+  return rotation_angle_rad(found.pose.R_CT, expected.prediction.pose.R_CT) < bound_rad;
 }
 
 /// More inliers, beyond chance.
@@ -148,6 +176,7 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
 bool overrule_motion(const MapInput& input, const ExpectedPose& expected, bool held, MapState* s) {
   const LocalisedFrame& best = s->scratch.other;
   if (best.absolute.inliers < kInliersAlone || is_thin(best, *s) || !tried_prior(expected) ||
+      !within_reach(expected, best.absolute, s->moved_rad) ||
       !outnumbers(best.absolute.inliers, held ? s->localised.absolute.inliers : 0)) {
     return false;
   }
@@ -194,9 +223,7 @@ bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& 
   constexpr double kAllowance_rad = 0.0175;  // 1 deg
   const AbsolutePose& found = s.localised.absolute;
   const double step_rad = expected.step_rad;
-  const double sigma_rad =
-      std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
-                found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
+  const double sigma_rad = sigma_between(predicted, found);
   const double bound_rad = is_young(expected, start_checks)
                                ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
                                : kDepthError * step_rad + 4.0 * sigma_rad;
@@ -204,15 +231,13 @@ bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& 
 }
 
 bool believable(const ExpectedPose& expected, bool start_checks, const MapState& s) {
-  return plausible(expected, start_checks, s) || comes_back(s) || certain(s.localised);
+  return plausible(expected, start_checks, s) ||
+         (within_reach(expected, s.localised.absolute, s.moved_rad) && (comes_back(s) || certain(s.localised)));
 }
 
 void fuse_with_prior(const PosePrediction& prior, MapState* s) {
   const AbsolutePose& measured = s->localised.absolute;
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
-  Vector6 apart;
-  apart << so3_log(measured.pose.R_CT * prior.pose.R_CT.transpose()),
-      measured.pose.p_CT - prior.pose.p_CT;
+  const Vector6 apart = difference(measured.pose, prior.pose);
   const PoseCovariance sum = prior.covariance + measured.covariance;
   const Eigen::LDLT<PoseCovariance> factor(sum);
   constexpr double kChi2Max = 22.5;  // 99.9 % of six numbers
@@ -227,6 +252,11 @@ void fuse_with_prior(const PosePrediction& prior, MapState* s) {
       0.5 * (covariance + covariance.transpose()),
       &s->scratch.localise,
       &s->localised);
+}
+
+void contest_pose(const PosePrediction& predicted, MapState* s) {
+  const Vector6 apart = difference(s->localised.absolute.pose, predicted.pose);
+  s->contested = apart * apart.transpose();
 }
 
 bool match_features(const MapInput& input,

@@ -1,7 +1,9 @@
 #include "motion/disturbance.hpp"
 
+#include <Eigen/Cholesky>
 #include <optional>
 
+#include "geometry/so3.hpp"
 #include "motion/rates.hpp"
 
 namespace polhode {
@@ -16,6 +18,9 @@ constexpr std::uint32_t kDisagreementsMax = 3;
 constexpr double kChi2DepartsMax = 2.0 * 22.5;
 // One may be a wrong pose. Two in succession are a contact, or a manoeuvre that nobody reported.
 constexpr std::uint32_t kDeparturesMax = 2;
+// So often in succession is the same picture believed to be a repeat; then the body has stopped.
+// Chosen: a transfer that is retried gives two or three.
+constexpr std::uint32_t kRepeatsMax = 5;
 // A motion that led to as many poses as its rotation has unknowns was right.
 constexpr std::uint32_t kLedToMin = kRotationUnknowns;
 
@@ -41,16 +46,30 @@ std::optional<bool> departs(const PoseSample& sample,
   return !(chi2_between(at.value(), sample) <= kChi2DepartsMax);  // a NaN departs
 }
 
+/// Has nothing moved since a pose? A picture that is delivered twice, encoded anew, shows that.
+bool is_repeat(const PoseSample& sample, const PoseSample& before) {
+  Eigen::Matrix<double, 6, 1> apart;
+  apart << so3_log(sample.pose.R_CT * before.pose.R_CT.transpose()),
+      sample.pose.p_CT - before.pose.p_CT;
+  const PoseCovariance total = sample.covariance + before.covariance;
+  return apart.dot(total.ldlt().solve(apart)) < kChi2Max;
+}
+
 /// The motion leads on past a pose that had departed: that one was wrong.
-void forget_departed(MotionEstimate* m) {
-  for (; m->departures > 0; --m->departures) {
-    const std::int64_t wrong_ns = m->recent.back().timestamp_ns;
-    for (PoseHistory* const history : {&m->recent, &m->past}) {
-      if (!history->empty() && history->back().timestamp_ns == wrong_ns) {
-        history->resize(history->size() - 1);
-      }
+/// @return its time; nothing where none had.
+std::optional<std::int64_t> forget_departed(MotionEstimate* m) {
+  static_assert(kDeparturesMax == 2, "of two, one is left to forget");
+  if (m->departures == 0) {
+    return std::nullopt;
+  }
+  m->departures = 0;
+  const std::int64_t wrong_ns = m->recent.back().timestamp_ns;
+  for (PoseHistory* const history : {&m->recent, &m->past}) {
+    if (!history->empty() && history->back().timestamp_ns == wrong_ns) {
+      history->resize(history->size() - 1);
     }
   }
+  return wrong_ns;
 }
 
 /// The body moves otherwise than before since the first of the poses that departed; the last of
@@ -97,29 +116,40 @@ void refute_model(MotionEstimate* m) {
   m->model.status = ModelStatus::kResidualsTooLarge;
 }
 
-bool judge_pose(const PoseSample& sample, const PoseCovariance& drift_I, MotionEstimate* m) {
+PoseJudgement judge_pose(const PoseSample& sample,
+                         const PoseCovariance& drift_I,
+                         MotionEstimate* m) {
+  PoseJudgement judgement;
   if (!m->model.accepted()) {
-    return false;
+    return judgement;
   }
   const std::optional<bool> gone = departs(sample, drift_I, *m);
   if (!gone) {
     pass_over_pose(m);
   } else if (*gone) {
+    if (m->departures > 0 && m->repeats < kRepeatsMax && is_repeat(sample, m->recent.back())) {
+      judgement.withdrawn_ns = forget_departed(m);
+      ++m->repeats;
+    }
     ++m->departures;
   } else {
-    forget_departed(m);
+    judgement.withdrawn_ns = forget_departed(m);
     ++m->led_to;
+    m->repeats = 0;
   }
   if (m->departures >= kDeparturesMax) {
     if (m->led_to < kLedToMin) {
       refute_model(m);
-      return false;
+      return judgement;
     }
     begin_anew(m);
-    return true;
+    judgement.begun_anew = true;
+    return judgement;
   }
-  judge_place(sample, drift_I, m);
-  return false;
+  if (m->departures == 0) {
+    judge_place(sample, drift_I, m);
+  }
+  return judgement;
 }
 
 }  // namespace polhode

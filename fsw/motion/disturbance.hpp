@@ -1,20 +1,28 @@
 // Does the body still move as the model has it? Poses judge that one by one.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 #include "geometry/pose.hpp"
 #include "motion/motion_estimate.hpp"
 
 namespace polhode {
 
+struct PoseJudgement {
+  /// The model is gone, and what was before the first pose that departed.
+  bool begun_anew = false;
+  /// Time of the pose before, which had departed: it was wrong, and is forgotten.
+  std::optional<std::int64_t> withdrawn_ns;
+};
+
 /// A measured pose, in I: is it where the model has it, and does the model's motion lead there from
 /// the last pose that it led to? The second tells a change of the rate at once: the map's drift and
 /// the model's phase cancel.
 /// @param drift_I  error that poses of one visible face share.
-/// @return has the motion begun anew? Then the model is gone, and what was before the first pose
-/// that departed.
-[[nodiscard]] bool judge_pose(const PoseSample& sample,
-                              const PoseCovariance& drift_I,
-                              MotionEstimate* motion);
+[[nodiscard]] PoseJudgement judge_pose(const PoseSample& sample,
+                                       const PoseCovariance& drift_I,
+                                       MotionEstimate* motion);
 
 /// A pose that says nothing of the motion: the map has moved under it.
 void pass_over_pose(MotionEstimate* motion);

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "geometry/so3.hpp"
-#include "motion/disturbance.hpp"
 #include "motion/fit_poses.hpp"
 #include "motion/paper.hpp"
 #include "motion/residual_level.hpp"
@@ -14,6 +13,35 @@ namespace {
 
 /// While a pose departs nobody knows yet whether it or the motion is wrong.
 bool holds(const MotionEstimate& m) { return m.model.accepted() && m.departures == 0; }
+
+/// The poses without one that departs from the motion; the last pose stays where it is alone.
+std::span<const PoseSample> led_to(const MotionEstimate& m) {
+  const std::size_t count = m.recent.size();
+  return m.recent.view().first(count > m.departures ? count - m.departures : count);
+}
+
+/// From the last of some poses, in I: by the model, or by a local fit to them where none holds or it
+/// tells no translation. @errors as predict_by_motion().
+Result<PosePrediction> predict_after(std::span<const PoseSample> poses,
+                                     const MotionEstimate& m,
+                                     const PoseCovariance& drift_in_I,
+                                     const MotionOptions& options,
+                                     std::int64_t timestamp_ns) {
+  if (poses.empty()) {
+    return ErrorCode::kTooFewObservations;
+  }
+  Result<MotionPrediction> at = ErrorCode::kDegenerate;
+  if (m.model.accepted() && options.mode == MotionMode::kDynamics) {
+    at = predict_on(m.model, poses.back(), drift_in_I, timestamp_ns);
+  }
+  if (!at || !at.value().translation_known) {
+    return predict_pose(poses, timestamp_ns, options);
+  }
+  return PosePrediction{.pose = at.value().pose,
+                        .covariance = at.value().covariance,
+                        .rotation_poses = m.model.poses,
+                        .position_poses = m.model.poses};
+}
 
 const Keyframe* keyframe_at(std::int64_t timestamp_ns, const Map& map) {
   const auto found =
@@ -172,11 +200,11 @@ bool remember_pose(std::int64_t timestamp_ns,
   return fit_is_due(m->model, m->past.size(), m->poses_since_fit);
 }
 
-bool check_pose(std::int64_t timestamp_ns,
-                const Pose& pose,
-                const PoseCovariance& covariance,
-                const MapDrift& drift,
-                MotionEstimate* m) {
+PoseJudgement check_pose(std::int64_t timestamp_ns,
+                         const Pose& pose,
+                         const PoseCovariance& covariance,
+                         const MapDrift& drift,
+                         MotionEstimate* m) {
   return judge_pose(in_I(*m, timestamp_ns, pose, covariance), drift_I(*m, drift), m);
 }
 
@@ -284,25 +312,31 @@ Result<PosePrediction> predict_by_motion(const MotionEstimate& m,
                                          const MotionOptions& options,
                                          std::int64_t timestamp_ns,
                                          const Eigen::Matrix3d& R_IC) {
-  Result<PosePrediction> predicted = ErrorCode::kTooFewObservations;
-  if (!m.recent.empty() && m.model.accepted() && options.mode == MotionMode::kDynamics) {
-    const Result<MotionPrediction> by_model =
-        predict_on(m.model, m.recent.back(), drift_I(m, drift), timestamp_ns);
-    if (by_model && by_model.value().translation_known) {
-      predicted = PosePrediction{.pose = by_model.value().pose,
-                                 .covariance = by_model.value().covariance,
-                                 .rotation_poses = m.model.poses,
-                                 .position_poses = m.model.poses};
-    }
-  }
-  if (!predicted) {
-    predicted = predict_pose(m.recent.view(), timestamp_ns, options);
-  }
+  Result<PosePrediction> predicted =
+      predict_after(led_to(m), m, drift_I(m, drift), options, timestamp_ns);
   if (predicted) {
-    predicted.value().pose = turned(R_IC.transpose(), predicted.value().pose);
-    predicted.value().covariance = turned(R_IC.transpose(), predicted.value().covariance);
+    predicted.value() = turned(R_IC.transpose(), predicted.value());
   }
   return predicted;
+}
+
+std::optional<ExpectedPose> expected_from_departed(const MotionEstimate& m,
+                                                   const MapDrift& drift,
+                                                   const MotionOptions& options,
+                                                   std::int64_t timestamp_ns) {
+  if (m.departures == 0 || m.recent.empty()) {
+    return std::nullopt;
+  }
+  const Result<PosePrediction> predicted =
+      predict_after(m.recent.view(), m, drift_I(m, drift), options, timestamp_ns);
+  if (!predicted) {
+    return std::nullopt;
+  }
+  return ExpectedPose{
+      .prediction = turned(m.R_IC.transpose(), predicted.value()),
+      .step_rad =
+          rotation_angle_rad(m.recent.back().pose.R_CT, predicted.value().pose.R_CT),
+      .poses_since_start = m.poses_since_start};
 }
 
 Pose last_pose_seen(const MotionEstimate& m, const Eigen::Matrix3d& R_IC) {
@@ -329,8 +363,9 @@ std::optional<PosePrediction> predict_or_hold(const MotionEstimate& m,
 
 ExpectedPose expected_at(const PosePrediction& predicted, const MotionEstimate& m) {
   const double step_rad =
-      m.recent.empty() ? 0.0
-                       : rotation_angle_rad(last_pose_seen(m, m.R_IC).R_CT, predicted.pose.R_CT);
+      m.recent.empty()
+          ? 0.0
+          : rotation_angle_rad(m.R_IC.transpose() * led_to(m).back().pose.R_CT, predicted.pose.R_CT);
   return {.prediction = predicted, .step_rad = step_rad, .poses_since_start = m.poses_since_start};
 }
 

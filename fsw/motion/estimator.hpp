@@ -10,6 +10,7 @@
 #include "map/drift.hpp"
 #include "map/map.hpp"
 #include "map/track.hpp"
+#include "motion/disturbance.hpp"
 #include "motion/motion_estimate.hpp"
 #include "motion/rates.hpp"
 #include "motion/rigid_model.hpp"
@@ -41,12 +42,12 @@ std::optional<Eigen::Matrix3d> take_observer(const std::optional<Eigen::Quaterni
 /// are elsewhere it is refused. After two to which its motion does not lead the body moves
 /// otherwise than before: the model goes, and the poses before these two with it. Where its motion
 /// had led to few poses it is the model that was wrong, and only that goes.
-/// @return has the motion begun anew? Fits that are under way are of the one before.
-[[nodiscard]] bool check_pose(std::int64_t timestamp_ns,
-                              const Pose& pose,
-                              const PoseCovariance& covariance,
-                              const MapDrift& drift,
-                              MotionEstimate* motion);
+/// Where the motion has begun anew, fits that are under way are of the one before.
+[[nodiscard]] PoseJudgement check_pose(std::int64_t timestamp_ns,
+                                       const Pose& pose,
+                                       const PoseCovariance& covariance,
+                                       const MapDrift& drift,
+                                       MotionEstimate* motion);
 
 /// The poses to fit dynamics to, as the map has them now.
 void prepare_fit(const Map& map,
@@ -88,7 +89,8 @@ Result<RateEstimate> rates_now(const MotionEstimate& motion,
                                const MapDrift& drift,
                                const MotionOptions& options);
 
-/// The pose in C at a time not before the last pose's, for an observer with the attitude R_IC.
+/// The pose in C at a time not before the last pose's, for an observer with the attitude R_IC. A
+/// pose that departs from the motion is passed over.
 /// @errors as predict_pose() of motion/rates.hpp.
 Result<PosePrediction> predict_by_motion(const MotionEstimate& motion,
                                          const MapDrift& drift,
@@ -107,6 +109,13 @@ std::optional<PosePrediction> predict_or_hold(const MotionEstimate& motion,
 /// What tracking is told of a predicted pose: it, and how far the motion behind it has been
 /// checked.
 ExpectedPose expected_at(const PosePrediction& predicted, const MotionEstimate& motion);
+
+/// What tracking is told where the last pose departs from the motion and is right: the body has gone
+/// on from it. Nothing where no pose departs.
+std::optional<ExpectedPose> expected_from_departed(const MotionEstimate& motion,
+                                                   const MapDrift& drift,
+                                                   const MotionOptions& options,
+                                                   std::int64_t timestamp_ns);
 
 /// The pose in C by a model that was fitted with the map; nothing where there is none that holds.
 std::optional<PosePrediction> pose_by_joint_model(const MotionEstimate& motion,

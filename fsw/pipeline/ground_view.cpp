@@ -27,6 +27,7 @@ GroundView view_of(const Component::State& s) {
           .drift = s.mapping.drift,
           .last_pose = s.mapping.localised.absolute.pose,
           .model = s.motion.model,
+          .moves_so_since_ns = s.motion.moves_so_since_ns,
           .scale = s.scale,
           .target_frame = s.mapping.target_frame};
 }

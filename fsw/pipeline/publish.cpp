@@ -15,22 +15,23 @@ std::uint16_t inliers(const LandmarkMatches& matches) {
       matches.begin(), matches.end(), [](const LandmarkMatch& m) { return m.inlier; })));
 }
 
-/// Pose and rates, with what the map's drift and the scale add to their errors.
+/// Pose and rates, with what the map's drift, a contest and the scale add to their errors.
 /// @param q_last  quaternion published last; becomes this one.
-void fill_motion(const AbsolutePose& found,
-                 const MapDrift& drift,
+void fill_motion(const MapState& mapping,
                  const MotionEstimate& motion,
                  const MotionOptions& options,
                  const bus::LengthUnit& unit,
                  std::array<double, 4>* q_last,
                  MotionState* m) {
+  const AbsolutePose& found = mapping.localised.absolute;
   const Pose pose = scaled(found.pose, unit.metres_per_mu);
   fill_pose(pose,
-            scaled(found.covariance + covariance(drift), unit.metres_per_mu) +
+            scaled(found.covariance + covariance(mapping.drift) + mapping.contested,
+                   unit.metres_per_mu) +
                 by_scale(pose, unit.relative_sigma),
             q_last,
             m);
-  const Result<RateEstimate> rates = rates_now(motion, drift, options);
+  const Result<RateEstimate> rates = rates_now(motion, mapping.drift, options);
   if (rates) {
     fill_rates(rates.value(), unit.metres_per_mu, unit.relative_sigma, m);
   }
@@ -85,8 +86,8 @@ MotionState motion_state(std::int64_t timestamp_ns,
   m.landmarks = bus::clipped(static_cast<std::size_t>(mapping.map.landmark_count));
   m.keyframes = bus::clipped(static_cast<std::size_t>(mapping.map.keyframe_count));
   if (mapping.pose_valid) {
-    fill_motion(mapping.localised.absolute,
-                mapping.drift,
+    m.contested = !mapping.contested.isZero(0.0);
+    fill_motion(mapping,
                 s->motion,
                 s->configuration.parameters.motion,
                 unit,

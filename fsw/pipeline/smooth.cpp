@@ -133,8 +133,9 @@ SmoothedPose MapAtRest::from_image(const Frame& frame) {
           : pose_by_joint_model(s->motion, c.parameters.motion, frame.timestamp_ns, s->motion.R_IC);
   const MapInput input = map_input(*s);
   SmoothedPose smoothed;
-  if ((expected && find_about(input, expected_at(*expected, s->motion), &s->mapping)) ||
-      relocalise_frame(input, &s->mapping)) {
+  const auto told = expected ? std::optional(expected_at(*expected, s->motion)) : std::nullopt;
+  if ((told && find_about(input, *told, &s->mapping)) ||
+      (relocalise_frame(input, &s->mapping) && (!told || plausible(*told, true, s->mapping)))) {
     smoothed.valid = true;
     smoothed.absolute = s->mapping.localised.absolute;
     smoothed.matches = static_cast<int>(s->mapping.localised.matches.size());

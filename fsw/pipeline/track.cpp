@@ -29,7 +29,13 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
   }
   detect_once(s);
   const MapInput input = map_input(*s);
+  const std::optional<ExpectedPose> from_departed =
+      expected_from_departed(s->motion,
+                             mapping->drift,
+                             s->configuration.parameters.motion,
+                             s->clock.timestamp_ns);
   if ((expected && find_about(input, *expected, mapping)) ||
+      (from_departed && find_about(input, *from_departed, mapping)) ||
       (relocalise_frame(input, mapping) && (!expected || believable(*expected, false, *mapping)))) {
     return FoundBy::kFeatures;
   }
@@ -86,6 +92,28 @@ void grow(Component::State* s) {
   }
 }
 
+/// Does the motion so far bear out a pose that was found without it?
+/// @return time of the pose before, where that one turns out to be wrong.
+std::optional<std::int64_t> judge(const std::optional<ExpectedPose>& expected, Component::State* s) {
+  MapState* mapping = &s->mapping;
+  if (comes_back(*mapping)) {
+    pass_over_pose(&s->motion);  // it jumps by the drift of the young side
+    return std::nullopt;
+  }
+  const PoseJudgement judgement = check_pose(s->clock.timestamp_ns,
+                                             mapping->localised.absolute.pose,
+                                             with_clutter(mapping->localised),
+                                             mapping->drift,
+                                             &s->motion);
+  if (judgement.begun_anew) {
+    invalidate_fits(&s->jobs);
+  }
+  if (expected && s->motion.departures > 0) {
+    contest_pose(expected->prediction, mapping);
+  }
+  return judgement.withdrawn_ns;
+}
+
 /// A pose by the prior. The motion does not learn it, and so its prediction's sigma grows until
 /// nothing is held any more; landmarks that are not found here are not counted against. The map
 /// grows where as many agree as a pose of its own needs.
@@ -120,12 +148,7 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
   }
   MapState* mapping = &s->mapping;
   const AbsolutePose& found = mapping->localised.absolute;
-  if (comes_back(*mapping)) {
-    pass_over_pose(&s->motion);  // it jumps by the drift of the young side
-  } else if (check_pose(
-                 s->clock.timestamp_ns, found.pose, found.covariance, mapping->drift, &s->motion)) {
-    invalidate_fits(&s->jobs);
-  }
+  const std::optional<std::int64_t> withdrawn_ns = judge(expected, s);
   const std::optional<PosePrediction> prior = pose_by_joint_model(
       s->motion, s->configuration.parameters.motion, s->clock.timestamp_ns, s->motion.R_IC);
   if (prior) {
@@ -134,7 +157,8 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
   if (found_by == FoundBy::kFeatures) {
     mapping->inliers_last = found.inliers;
   }
-  const bool may_teach = s->picture.verdict.decision == FrameDecision::kUse;
+  const bool may_teach =
+      s->picture.verdict.decision == FrameDecision::kUse;
   if (may_teach) {
     count_observations(s->configuration.camera, found_by == FoundBy::kFlow, mapping);
   }
@@ -149,6 +173,9 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
     renew_reference(s->clock.frame, mapping);
   } else if (!mapping->reference.valid) {
     renew_reference(s->clock.frame, mapping);
+  }
+  if (withdrawn_ns) {
+    withdraw_keyframe(*withdrawn_ns, &mapping->map);
   }
   hold(s);
 }

@@ -33,6 +33,8 @@ Pose causal_pose(const MotionState& m, double metres_per_mu) {
 }
 
 /// Every frame's pose from the map at rest. Frames that had none at their time are looked at again.
+/// A picture whose pose departs from the motion is of another time, or of the first moment after a
+/// contact: it gives none.
 std::vector<SmoothedPose> smooth_frames(Component& component,
                                         const Sequence& sequence,
                                         const ReplayLog& log) {
@@ -43,6 +45,10 @@ std::vector<SmoothedPose> smooth_frames(Component& component,
   std::vector<SmoothedPose> poses;
   for (std::size_t i = 0; i < log.published.size(); ++i) {
     const MotionState& m = log.published[i];
+    if (m.contested) {
+      poses.push_back({});
+      continue;
+    }
     const Pose hint = causal_pose(m, view.scale.metres_per_mu_published);
     SmoothedPose pose = at_rest.from_log(m.frame, hint, log.observations.of_frame(i));
     Frame frame;

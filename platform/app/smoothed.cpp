@@ -1,5 +1,6 @@
 #include "app/smoothed.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -40,12 +41,13 @@ struct ModelOfRun {
   std::int64_t to_ns = 0;
 };
 
-ModelOfRun of_run(const RigidModel& model) {
+/// @param moves_so_since_ns  before that the body moved otherwise.
+ModelOfRun of_run(const RigidModel& model, std::int64_t moves_so_since_ns) {
   const auto span_ns = static_cast<std::int64_t>(1e9 * model.span_s);
   const auto beyond_ns = static_cast<std::int64_t>(kBeyond * 1e9 * model.span_s);
   return {.model = model,
           .with_poses = goes_through_poses(model),
-          .from_ns = model.reference_ns - span_ns - beyond_ns,
+          .from_ns = std::max(model.reference_ns - span_ns - beyond_ns, moves_so_since_ns),
           .to_ns = model.reference_ns + beyond_ns};
 }
 
@@ -95,18 +97,33 @@ AtFrame by_model(std::int64_t timestamp_ns, ModelOfRun* run) {
   return by_model;
 }
 
+/// Those of the samples that are on the same side of a disturbance as one of them.
+struct Side {
+  std::span<const PoseSample> samples;
+  std::size_t index = 0;
+};
+
+Side side_of(std::span<const PoseSample> samples, std::size_t index, std::int64_t disturbed_ns) {
+  const auto after =
+      std::find_if(samples.begin(), samples.end(), [&](const PoseSample& sample) {
+        return sample.timestamp_ns >= disturbed_ns;
+      });
+  const auto before = static_cast<std::size_t>(after - samples.begin());
+  return index < before ? Side{.samples = samples.first(before), .index = index}
+                        : Side{.samples = samples.subspan(before), .index = index - before};
+}
+
 /// The measured pose; where the model has no rates, those of a fit to poses on both sides.
-AtFrame by_measurement(std::span<const PoseSample> samples,
-                       std::size_t index,
+AtFrame by_measurement(const Side& side,
                        const PoseCovariance& drift,
                        const MotionOptions& options,
                        const std::optional<RateEstimate>& rates_by_model) {
-  AtFrame at{.pose = samples[index], .rates = rates_by_model};
+  AtFrame at{.pose = side.samples[side.index], .rates = rates_by_model};
   at.pose->covariance += drift;
   if (rates_by_model) {
     return at;
   }
-  Result<RateEstimate> local = estimate_rates_at(samples, index, options);
+  Result<RateEstimate> local = estimate_rates_at(side.samples, side.index, options);
   if (local) {
     widen_by_drift(drift, 0.0, local.value());  // the map at rest has seen the whole turn
     at.rates = local.value();
@@ -218,7 +235,7 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
   std::vector<MotionState> smoothed;
   std::array<double, 4> q_last{1.0, 0.0, 0.0, 0.0};
   std::size_t next = 0;
-  ModelOfRun run = of_run(model);
+  ModelOfRun run = of_run(model, view.moves_so_since_ns);
   const PoseCovariance drift = drift_at_rest(view);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     MotionState m = row_of(published[i], poses[i], view);
@@ -229,7 +246,10 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
       m.matches = static_cast<std::uint16_t>(poses[i].matches);
       m.inliers = static_cast<std::uint16_t>(poses[i].absolute.inliers);
       if (!at.pose) {
-        at = by_measurement(samples, next, drift, view.parameters.motion, at.rates);
+        at = by_measurement(side_of(samples, next, view.moves_so_since_ns),
+                            drift,
+                            view.parameters.motion,
+                            at.rates);
       }
       ++next;
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "map/track.hpp"
@@ -194,6 +195,9 @@ void displace_half(Bench* b) {
   }
 }
 
+// Off the motion by what a contact can do: twice a step.
+constexpr double kTouched_rad = 0.12;
+
 /// What tracking does where features give no pose that the motion bears out.
 bool overruled(const ExpectedPose& e, Bench* b) {
   displace_half(b);
@@ -204,32 +208,82 @@ bool overruled(const ExpectedPose& e, Bench* b) {
 TEST(OverruleMotion, TakesThePoseOfManyLandmarks_WhereTheBodyWasTouched) {
   Bench b(100, 1, 0, 1);
   b.state->inliers_last = 55;
-  EXPECT_TRUE(overruled(b.expected(0.15), &b));
+  EXPECT_TRUE(overruled(b.expected(kTouched_rad), &b));
   EXPECT_LT(b.error_rad(), 0.01);
   EXPECT_GT(b.state->localised.absolute.inliers, 40);
+}
+
+TEST(OverruleMotion, KeepsTheMotion_WhereNoContactBringsTheBodyThere) {
+  constexpr double kOff_rad = 0.2;
+  for (const auto& [step_rad, reached] : {std::pair(0.1, true), std::pair(0.05, false)}) {
+    Bench b(100, 1, 0, 1);
+    b.state->inliers_last = 55;
+    ExpectedPose e = b.expected(kOff_rad);
+    e.step_rad = step_rad;
+    EXPECT_EQ(overruled(e, &b), reached) << step_rad;
+  }
 }
 
 TEST(OverruleMotion, KeepsTheMotion_WhereLessIsSeenThanBefore) {
   Bench b(100, 1, 0, 1);
   b.state->inliers_last = 150;
-  EXPECT_FALSE(overruled(b.expected(0.15), &b));
+  EXPECT_FALSE(overruled(b.expected(kTouched_rad), &b));
 }
 
 TEST(OverruleMotion, KeepsTheMotion_WhereFewLandmarksContradictIt) {
   Bench b(50, 1, 0, 1);
   b.state->inliers_last = 25;
-  EXPECT_FALSE(overruled(b.expected(0.15), &b));
+  EXPECT_FALSE(overruled(b.expected(kTouched_rad), &b));
 }
 
 TEST(OverruleMotion, KeepsTheMotion_WhereItHoldsNearlyAsMany) {
   Bench b(100, 1, 0, 1);
   b.state->inliers_last = 55;
-  const ExpectedPose e = b.expected(0.15);
+  const ExpectedPose e = b.expected(kTouched_rad);
   displace_half(&b);
   EXPECT_FALSE(find_about(b.input(), e, b.state.get()));
   ASSERT_FALSE(b.state->scratch.other.matches.empty());
   b.state->localised.absolute.inliers = b.state->scratch.other.absolute.inliers - 5;
   EXPECT_FALSE(overrule_motion(b.input(), e, true, b.state.get()));
+}
+
+/// A pose that nearly all matches agree with, so far from where it is expected.
+bool believed(double off_rad, std::size_t poses_before) {
+  MapState state;
+  ExpectedPose e;
+  e.prediction.covariance = 1e-4 * PoseCovariance::Identity();
+  e.prediction.rotation_poses = e.poses_since_start = poses_before;
+  e.step_rad = 0.05;
+  state.localised.absolute.pose.R_CT = so3_exp(off_rad * Eigen::Vector3d::UnitY());
+  state.localised.absolute.covariance = 1e-6 * PoseCovariance::Identity();
+  state.localised.absolute.inliers = 100;
+  state.map.landmarks[0].used = true;
+  state.map.landmarks[0].seen_keyframe = state.map.next_keyframe_number;
+  state.localised.matches.resize(120);
+  for (LandmarkMatch& match : state.localised.matches) {
+    match.landmark = LandmarkId::from_index(0);
+  }
+  return believable(e, false, state);
+}
+
+TEST(Believable, IsWhatAContactCanDo_AndNoFaceThatLooksAlike) {
+  constexpr double kHalfTurn_rad = 3.14;
+  EXPECT_TRUE(believed(0.1, 20)) << "reversed: two steps";
+  EXPECT_FALSE(believed(kHalfTurn_rad, 20));
+  EXPECT_TRUE(believed(kHalfTurn_rad, 4)) << "a young motion rules out nothing";
+}
+
+TEST(ContestPose, MakesThePoseAsUncertainAsItDepartsFromTheMotion) {
+  MapState state;
+  PosePrediction predicted;
+  predicted.pose.p_CT = {0.0, 0.0, 8.0};
+  state.localised.absolute.pose = {.R_CT = so3_exp(0.3 * Eigen::Vector3d::UnitX()),
+                                   .p_CT = {0.0, 0.5, 8.0}};
+  contest_pose(predicted, &state);
+  EXPECT_NEAR(std::sqrt(state.contested(0, 0)), 0.3, 1e-12);
+  EXPECT_NEAR(std::sqrt(state.contested(4, 4)), 0.5, 1e-12);
+  begin_frame(&state);
+  EXPECT_TRUE(state.contested.isZero(0.0)) << "of one frame";
 }
 
 TEST(LocaliseWithPrior, LooksAsFarAsThePriorsErrorReaches) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "synthetic_map.hpp"
@@ -107,6 +108,21 @@ TEST(Map, LosesLandmarksThatOneKeyframeSees_WhenAnotherGoes) {
   EXPECT_EQ(map->landmarks[by_three.index()].observations, 2);
   EXPECT_EQ(map->landmarks[elsewhere.index()].observations, 2);
   EXPECT_FALSE(map->keyframes[b.index()].landmark_of[0].valid());
+  EXPECT_EQ(broken_promise(*map), "");
+}
+
+TEST(Map, WithdrawsTheKeyframeOfATime) {
+  const auto map = std::make_unique<Map>();
+  for (const std::int64_t timestamp_ns : {10, 20, 30}) {
+    map->keyframes[keyframe_with_features(5, map.get()).index()].timestamp_ns = timestamp_ns;
+  }
+  withdraw_keyframe(15, map.get());
+  EXPECT_EQ(map->keyframe_count, 3);
+  withdraw_keyframe(20, map.get());
+  EXPECT_EQ(map->keyframe_count, 2);
+  EXPECT_TRUE(std::none_of(map->keyframes.begin(), map->keyframes.end(), [](const Keyframe& k) {
+    return k.used && k.timestamp_ns == 20;
+  }));
   EXPECT_EQ(broken_promise(*map), "");
 }
 

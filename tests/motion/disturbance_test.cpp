@@ -27,6 +27,7 @@ struct Bench {
   double angle_rad = 0.0;
 
   explicit Bench(int poses_since_fit) {
+    map->radius_mu = 1.0;
     for (int i = 0; i < 20; ++i) {
       (void)show(kStep_rad);
     }
@@ -42,12 +43,21 @@ struct Bench {
 
   /// The next pose, so far on and beside that by an error of its own. @return begun anew?
   bool show(double step_rad, double error_rad = 0.0) {
+    return judged(step_rad, error_rad).begun_anew;
+  }
+
+  PoseJudgement judged(double step_rad, double error_rad = 0.0) {
     now_ns += kSecond_ns;
     angle_rad += step_rad;
     const Pose pose = pose_at(angle_rad + error_rad);
-    const bool anew = check_pose(now_ns, pose, kCovariance, {}, motion.get());
+    const PoseJudgement judgement = check_pose(now_ns, pose, kCovariance, {}, motion.get());
     (void)remember_pose(now_ns, pose, kCovariance, {}, motion.get());
-    return anew;
+    return judgement;
+  }
+
+  /// How far from where the body is if it turns on as it did.
+  [[nodiscard]] double off_rad(const Pose& pose) const {
+    return rotation_angle_rad(pose.R_CT, pose_at(angle_rad + kStep_rad).R_CT);
   }
 
   [[nodiscard]] Result<RateEstimate> rates() const { return rates_now(*motion, {}, {}); }
@@ -81,11 +91,56 @@ TEST(Disturbance, IsToldWhereTheBodyTurnsBack) {
 TEST(Disturbance, IsNotOneWrongPose) {
   Bench b(16);
   EXPECT_FALSE(b.show(kStep_rad, 0.3));
-  EXPECT_FALSE(b.show(kStep_rad)) << "judged from the last pose that was right";
+  const std::int64_t wrong_ns = b.now_ns;
+  const PoseJudgement next = b.judged(kStep_rad);
+  EXPECT_FALSE(next.begun_anew) << "judged from the last pose that was right";
+  EXPECT_EQ(next.withdrawn_ns, wrong_ns);
+  EXPECT_FALSE(b.judged(kStep_rad).withdrawn_ns) << "once";
   EXPECT_EQ(b.motion->departures, 0U);
   EXPECT_TRUE(b.motion->model.accepted());
   ASSERT_TRUE(b.rates().ok());
   EXPECT_NEAR(b.rates().value().w_T_rad_s.y(), kStep_rad, kSigma_rad);
+}
+
+TEST(Disturbance, InDoubt_TheMotionIsExpectedToLeadOn_AndAfterItTheDepartedPose) {
+  Bench b(16);
+  EXPECT_FALSE(expected_from_departed(*b.motion, {}, {}, b.now_ns + kSecond_ns));
+  constexpr double kError_rad = 0.3;
+  (void)b.show(kStep_rad, kError_rad);
+  const std::int64_t next_ns = b.now_ns + kSecond_ns;
+  const auto by_motion = predict_or_hold(*b.motion, {}, {}, next_ns, b.motion->R_IC);
+  ASSERT_TRUE(by_motion);
+  EXPECT_LT(b.off_rad(by_motion->pose), 5.0 * kSigma_rad);
+  EXPECT_NEAR(expected_at(*by_motion, *b.motion).step_rad, 2.0 * kStep_rad, 5.0 * kSigma_rad);
+  const auto from_departed = expected_from_departed(*b.motion, {}, {}, next_ns);
+  ASSERT_TRUE(from_departed);
+  EXPECT_NEAR(b.off_rad(from_departed->prediction.pose), kError_rad, 5.0 * kSigma_rad);
+  EXPECT_NEAR(from_departed->step_rad, kStep_rad, 5.0 * kSigma_rad);
+}
+
+TEST(Disturbance, IsNoPictureThatComesTwiceOrThreeTimes) {
+  Bench b(16);
+  double behind_rad = 0.0;
+  for (int repeat = 0; repeat < 3; ++repeat) {
+    behind_rad -= kStep_rad;  // the clock goes on, the picture stays
+    const PoseJudgement judgement = b.judged(kStep_rad, behind_rad);
+    EXPECT_FALSE(judgement.begun_anew) << repeat;
+    EXPECT_EQ(judgement.withdrawn_ns.has_value(), repeat > 0) << "the one before";
+    EXPECT_EQ(b.motion->departures, 1U) << repeat;
+  }
+  EXPECT_FALSE(b.show(kStep_rad));
+  EXPECT_EQ(b.motion->departures, 0U);
+  EXPECT_TRUE(b.motion->model.accepted());
+  ASSERT_TRUE(b.rates().ok());
+  EXPECT_NEAR(b.rates().value().w_T_rad_s.y(), kStep_rad, kSigma_rad);
+}
+
+TEST(Disturbance, IsABodyThatHasStopped_AtTheSeventhPicture) {
+  Bench b(16);
+  for (int picture = 1; picture < 7; ++picture) {
+    EXPECT_FALSE(b.show(0.0)) << picture;
+  }
+  EXPECT_TRUE(b.show(0.0));
 }
 
 TEST(Disturbance, OfAMotionThatLedNowhereYet_IsTheModelsFault) {
