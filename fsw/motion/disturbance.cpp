@@ -46,7 +46,8 @@ std::optional<bool> departs(const PoseSample& sample,
   return !(chi2_between(at.value(), sample) <= kChi2DepartsMax);  // a NaN departs
 }
 
-/// Has nothing moved since a pose? A picture that is delivered twice, encoded anew, shows that.
+/// Has nothing moved since a pose, both in C? A picture that is delivered twice, encoded anew, shows
+/// that, however the observer has turned.
 bool is_repeat(const PoseSample& sample, const PoseSample& before) {
   Eigen::Matrix<double, 6, 1> apart;
   apart << so3_log(sample.pose.R_CT * before.pose.R_CT.transpose()),
@@ -127,10 +128,12 @@ PoseJudgement judge_pose(const PoseSample& sample,
   if (!gone) {
     pass_over_pose(m);
   } else if (*gone) {
-    if (m->departures > 0 && m->repeats < kRepeatsMax && is_repeat(sample, m->recent.back())) {
+    const PoseSample seen = turned(m->R_IC.transpose(), sample);
+    if (m->departures > 0 && m->repeats < kRepeatsMax && is_repeat(seen, m->departed_C)) {
       judgement.withdrawn_ns = forget_departed(m);
       ++m->repeats;
     }
+    m->departed_C = seen;
     ++m->departures;
   } else {
     judgement.withdrawn_ns = forget_departed(m);

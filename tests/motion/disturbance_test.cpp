@@ -135,6 +135,17 @@ TEST(Disturbance, IsNoPictureThatComesTwiceOrThreeTimes) {
   EXPECT_NEAR(b.rates().value().w_T_rad_s.y(), kStep_rad, kSigma_rad);
 }
 
+TEST(Disturbance, IsNoPictureThatComesTwice_WhileTheServicerTurns) {
+  Bench b(16);
+  constexpr double kTurn_rad = 0.03;
+  for (int repeat = 1; repeat <= 2; ++repeat) {
+    const Eigen::Matrix3d R_IC = so3_exp(kTurn_rad * repeat * Eigen::Vector3d::UnitZ());
+    b.motion->R_IC = R_IC;
+    EXPECT_FALSE(b.show(0.0)) << repeat;
+  }
+  EXPECT_EQ(b.motion->departures, 1U);
+}
+
 TEST(Disturbance, IsABodyThatHasStopped_AtTheSeventhPicture) {
   Bench b(16);
   for (int picture = 1; picture < 7; ++picture) {
