@@ -52,7 +52,10 @@ void judge_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reancho
   // What changes evenly has an RMS of 1 / sqrt(12) of it about its mean; 99.7 % of three numbers
   // lie within 3.8 sigma.
   constexpr double kChangePart = 1.1;
-  reanchoring->agrees = frames.front().predicted_sigma_rad < kPhaseKnown_rad &&
+  const bool known = std::all_of(frames.begin(), frames.end(), [](const ReanchorFrame& frame) {
+    return frame.predicted_sigma_rad < kPhaseKnown_rad;
+  });
+  reanchoring->agrees = known &&
                         reanchoring->misfit_rad <
                             kChangePart * std::hypot(kTurnPart * reanchoring->turn_rad,
                                                      changes_rad(frames, reanchoring->turn_rad));

@@ -31,7 +31,8 @@ struct Reanchoring {
   /// Attitudes of the start and of the prediction turn alike: they differ by what the start's depth
   /// error makes of its turn and what the prediction's error can change meanwhile (an error that
   /// stays is part of to_T). Where they do not, one of the two motions is wrong. And the
-  /// prediction's attitude is known to a radian.
+  /// prediction's attitude is known to a radian in every frame: what may be anywhere agrees with
+  /// anything.
   bool agrees = false;
 };
 

@@ -19,6 +19,10 @@ constexpr double kPsiMax_rad = 2.6;
 // Bodies that rotate far between frames exceed the window's angle at once. Four poses show a change
 // of the rate, with one to spare.
 constexpr std::size_t kPosesMin = 4;
+// Poses that a fit goes through leave no more, as a factor on their covariances: sigmas of single
+// poses are right to a factor of two, and 99.9 % of chi-square of the few numbers that the least
+// window leaves over are 2.7 of each.
+constexpr double kMisfitMax = 4.0 * 2.7;
 // A rotation beyond three sigma counts as one.
 constexpr double kRotation_sigmas2 = 9.0;
 
@@ -61,26 +65,25 @@ bool add(const PoseSample& sample, double tau_s, bool with_rotation, Window& win
   return window.rotation.push_back(rotation);
 }
 
-/// Poses around `index`, nearest in time first, at most window_poses_max. Stops at an interval that
+/// Poses around `index`, nearest in time first, at most `poses_max`. Stops at an interval that
 /// gives no rate. Rotation stops where the angle gets too large.
 bool collect(std::span<const PoseSample> history,
              std::size_t index,
              const MotionOptions& options,
+             std::size_t poses_max,
              Window& window) {
   window.R_CT = history[index].pose.R_CT;
   std::size_t before = index;     // next candidate is before - 1
   std::size_t after = index + 1;  // next candidate
   bool rotation_open = true;
-  const auto limit = std::min(limits::kMotionPoses,
-                              static_cast<std::size_t>(std::max(2, options.window_poses_max)));
-  const std::size_t first = index - std::min(index, limit);
+  const std::size_t first = index - std::min(index, poses_max);
   const double told_max_s = unambiguous_interval_max_s(
-      history.subspan(first, std::min(history.size() - first, 2 * limit)));
+      history.subspan(first, std::min(history.size() - first, 2 * poses_max)));
   const auto told = [&](std::size_t a, std::size_t b) {
     return seconds_between(history[a].timestamp_ns, history[b].timestamp_ns) <= told_max_s;
   };
   std::size_t next = index;
-  for (std::size_t count = 0; count < limit; ++count) {
+  for (std::size_t count = 0; count < poses_max; ++count) {
     const double tau_s = seconds_between(history[index].timestamp_ns, history[next].timestamp_ns);
     const double angle_rad = rotation_angle_rad(window.R_CT, history[next].pose.R_CT);
     const double angle_max_rad = window.rotation.size() < kPosesMin
@@ -117,6 +120,73 @@ double rotation_rad_s(const Window& window) {
   return rate_rad_s;
 }
 
+/// The fastest that the body turns between two poses of the window that follow each other.
+double fastest_rad_s(const Window& window) {
+  double fastest = 0.0;
+  for (std::size_t i = 1; i < window.rotation.size(); ++i) {
+    const RotationPoint& a = window.rotation[i - 1];
+    const RotationPoint& b = window.rotation[i];
+    fastest = std::max(fastest, (b.psi_rad - a.psi_rad).norm() / std::abs(b.tau_s - a.tau_s));
+  }
+  return fastest;
+}
+
+/// Mean rate from one pose to a later one, in T.
+Eigen::Vector3d rate_between(const PoseSample& from, const PoseSample& to) {
+  return so3_log(from.pose.R_CT.transpose() * to.pose.R_CT) /
+         seconds_between(from.timestamp_ns, to.timestamp_ns);
+}
+
+/// How the rate changes from one interval beside `index` to the next, whatever moves the body. Within
+/// an interval poses do not tell it: the rate at a pose may be anywhere between.
+Eigen::Matrix3d untold_change(std::span<const PoseSample> history, std::size_t index) {
+  if (history.size() < 3) {
+    return Eigen::Matrix3d::Zero();
+  }
+  const std::size_t middle = std::clamp<std::size_t>(index, 1, history.size() - 2);
+  const double change_rad_s = (rate_between(history[middle], history[middle + 1]) -
+                               rate_between(history[middle - 1], history[middle]))
+                                  .norm();
+  const double half = 0.5 * change_rad_s;
+  return half * half / 3.0 * Eigen::Matrix3d::Identity();  // evenly within plus and minus a half
+}
+
+std::size_t poses_max(const MotionOptions& options) {
+  return std::min(limits::kMotionPoses,
+                  static_cast<std::size_t>(std::max(2, options.window_poses_max)));
+}
+
+/// The rate at `index`, by a fit to as many poses as it goes through: a body that is turned by hand
+/// moves otherwise than a free one within seconds.
+/// @errors Degenerate (a covariance is not usable), as fit_rotation().
+Result<LocalFit> fit_rate(std::span<const PoseSample> history,
+                          std::size_t index,
+                          const MotionOptions& options,
+                          Window& window) {
+  // What is not free changes its rate within a third of the time that a free body takes. Chosen.
+  constexpr double kQuicker = 3.0;
+  constexpr LocalTarget kRate{.tau_s = 0.0, .derivative = 1};
+  double quicker_rad_s = 0.0;
+  for (std::size_t poses = poses_max(options);;) {
+    window.rotation.clear();
+    window.path.clear();
+    if (!collect(history, index, options, poses, window)) {
+      return ErrorCode::kDegenerate;
+    }
+    const std::size_t taken = window.rotation.size();
+    Result<LocalFit> turn = fit_rotation(
+        window.rotation.view(), std::max(quicker_rad_s, rotation_rad_s(window)), kRate);
+    if (!turn || turn.value().misfit <= kMisfitMax || taken <= kPosesMin) {
+      if (turn && quicker_rad_s > 0.0) {
+        turn.value().covariance += untold_change(history, index);
+      }
+      return turn;
+    }
+    quicker_rad_s = std::max(quicker_rad_s, kQuicker * fastest_rad_s(window));
+    poses = std::max(kPosesMin, taken / 2);
+  }
+}
+
 }  // namespace
 
 double unambiguous_interval_max_s(std::span<const PoseSample> poses) {
@@ -148,12 +218,8 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
     return ErrorCode::kTooFewObservations;
   }
   Window window;
-  if (!collect(history, index, options, window)) {
-    return ErrorCode::kDegenerate;
-  }
   const LocalTarget rate{.tau_s = 0.0, .derivative = 1};
-  const Result<LocalFit> rotation =
-      fit_rotation(window.rotation.view(), rotation_rad_s(window), rate);
+  const Result<LocalFit> rotation = fit_rate(history, index, options, window);
   if (!rotation) {
     return rotation.error();
   }
@@ -209,9 +275,10 @@ Result<PosePrediction> predict_pose(std::span<const PoseSample> history,
   }
   const double ahead_s = seconds_between(history.back().timestamp_ns, timestamp_ns);
   Window window;
-  if (ahead_s < 0.0 || !collect(history, history.size() - 1, options, window)) {
+  if (ahead_s < 0.0 || !collect(history, history.size() - 1, options, poses_max(options), window)) {
     return ErrorCode::kDegenerate;
   }
+  // As a free body would go on: a shorter window follows what a hand does, and leads nowhere.
   const LocalTarget later{.tau_s = ahead_s, .derivative = 0};
   const Result<LocalFit> rotation =
       fit_rotation(window.rotation.view(), rotation_rad_s(window), later);

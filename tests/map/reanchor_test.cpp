@@ -93,6 +93,14 @@ TEST(Reanchoring, DoesNotHold_WhereTheBodyMayHaveTurnedByAnything) {
   EXPECT_FALSE(reanchor_start(all, kBody).value().agrees) << "however alike the rates are";
 }
 
+TEST(Reanchoring, DoesNotHold_WhereThePredictionEndsAnywhere) {
+  std::vector<ReanchorFrame> all = frames(0.6, 0.9);
+  all.back().predicted_sigma_rad = 0.9;
+  EXPECT_TRUE(reanchor_start(all, kBody).value().agrees);
+  all.back().predicted_sigma_rad = 3.5;  // of a body that is turned by hand
+  EXPECT_FALSE(reanchor_start(all, kBody).value().agrees);
+}
+
 TEST(Reanchoring, RefusesWhatItCannotUse) {
   const auto all = frames(0.6);
   EXPECT_EQ(reanchor_start(std::span(all).first(2), kBody).error().code,

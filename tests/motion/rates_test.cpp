@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
 
 #include "free_body.hpp"
 
@@ -168,6 +169,44 @@ TEST(Rates, WidenWhenTheDeclaredNoiseIsTooSmall) {
     tally.add(rates.value().w_T_rad_s - truth.back().w_T_rad_s, rates.value().covariance_w_T);
   }
   EXPECT_GT(tally.part_inside(), 0.8);
+}
+
+/// A table that is turned by hand: it stops and goes on, 16 s from one stop to the next.
+std::vector<TruthSample> turned_by_hand() {
+  constexpr double kMean_rad_s = 4.0 * kDegree_rad;
+  constexpr double kCycle_rad_s = 2.0 * std::numbers::pi / 16.0;
+  std::vector<TruthSample> truth;
+  for (int i = 0; i < 100; ++i) {
+    const double t_s = 0.5 * i;
+    const double angle_rad = kMean_rad_s * (t_s - std::sin(kCycle_rad_s * t_s) / kCycle_rad_s);
+    truth.push_back(
+        {.timestamp_ns = 500'000'000LL * i,
+         .pose = {.R_CT = so3_exp({0.4, 0.0, 0.0}) * so3_exp({0.0, angle_rad, 0.0}),
+                  .p_CT = {0.0, 0.0, 8.0}},
+         .w_T_rad_s =
+             Eigen::Vector3d(0.0, kMean_rad_s * (1.0 - std::cos(kCycle_rad_s * t_s)), 0.0),
+         .v_C = Eigen::Vector3d::Zero()});
+  }
+  return truth;
+}
+
+TEST(Rates, FollowABodyThatIsNotFree_AndSayHowWell) {
+  const std::vector<TruthSample> truth = turned_by_hand();
+  const std::vector<PoseSample> poses = observed(
+      truth, {.attitude_rad = {5e-4, 5e-4, 5e-4}, .position = {1e-3, 1e-3, 1e-2}}, 7);
+  for (const bool both_sides : {false, true}) {
+    Tally tally;
+    for (std::size_t i = 20; i + 1 < poses.size(); ++i) {
+      const auto seen = std::span(poses).first(both_sides ? poses.size() : i + 1);
+      const Result<RateEstimate> rates = estimate_rates_at(seen, i, {});
+      ASSERT_TRUE(rates.ok());
+      tally.add(rates.value().w_T_rad_s - truth[i].w_T_rad_s, rates.value().covariance_w_T);
+    }
+    EXPECT_GT(tally.part_inside(), 0.93) << both_sides;
+    // A twentieth of the mean rate; a window of a free body's length is off by all of it.
+    EXPECT_LT(tally.rms(), 0.2 * kDegree_rad) << both_sides;
+    EXPECT_LT(tally.sigma(), 0.4 * kDegree_rad) << both_sides;
+  }
 }
 
 TEST(Rates, NeedTwoPosesAndUsableCovariances) {
