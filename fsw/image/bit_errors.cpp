@@ -144,10 +144,22 @@ int count_rough_tiles(const cv::Mat& gray, QualityHistory* history) {
   return count;
 }
 
+/// Broken in none of the last frames, good or bad: errors strike any row, a crosshair one.
+bool is_new_line(int row, bool broken, QualityHistory* history) {
+  std::uint8_t& known = history->lines_known.at<std::uint8_t>(row);
+  const bool is_new = broken && known == 0;
+  known = broken ? static_cast<std::uint8_t>(QualityHistory::kFrames)
+                 : static_cast<std::uint8_t>(std::max(0, known - 1));
+  return is_new;
+}
+
 }  // namespace
 
 BitErrorTraces find_bit_errors(const cv::Mat& gray, QualityHistory* history) {
   POLHODE_ASSERT(gray.type() == CV_8UC1, gray.type());
+  if (history->lines_known.empty()) {
+    history->lines_known = cv::Mat::zeros(gray.rows, 1, CV_8UC1);
+  }
   BitErrorTraces traces;
   int impulses = 0;
   for (int row = 1; row + 1 < gray.rows; ++row) {
@@ -155,7 +167,7 @@ BitErrorTraces find_bit_errors(const cv::Mat& gray, QualityHistory* history) {
                                 gray.ptr<std::uint8_t>(row),
                                 gray.ptr<std::uint8_t>(row + 1),
                                 gray.cols);
-    traces.lines += broken_line(gray, row) ? 1 : 0;
+    traces.lines += is_new_line(row, broken_line(gray, row), history) ? 1 : 0;
   }
   traces.rough_tiles = count_rough_tiles(gray, history);
   traces.pixels = static_cast<double>(gray.total());

@@ -234,6 +234,7 @@ void clear(QualityHistory* history) {
   history->previous.release();
   history->roughness_good.release();
   history->row_levels_good.release();
+  history->lines_known.release();
   history->frames.clear();
   history->persistence.fill(0);
 }

@@ -30,7 +30,8 @@ struct BitErrorTraces {
                                   ///< by more than any but the highest bit
   int rough_tiles = 0;  ///< tiles of 16 x 16 px that change from pixel to pixel like random octets,
                         ///< where the last good frame had nothing like it nearby
-  int lines = 0;        ///< rows that differ from both neighbours, which agree
+  int lines = 0;        ///< rows that differ from both neighbours, which agree, and did not in the
+                        ///< frames before: a crosshair stays where it is
 };
 
 /// Rows that are the previous frame's, octet for octet. A row in which fewer than 32 pixels differ
@@ -69,6 +70,8 @@ struct QualityHistory {
   cv::Mat previous;        ///< as delivered, good or bad
   cv::Mat roughness;       ///< CV_8UC1 by tile, of this image: mean change from pixel to pixel
   cv::Mat roughness_good;  ///< of the last good frame, the largest of 5 x 5 tiles; empty before
+  cv::Mat lines_known;  ///< CV_8UC1, a row each: for how many more frames it is remembered that one
+                        ///< broke off; empty before
   cv::Mat
       row_levels_good;  ///< CV_8UC1, a row each: mean level in the last good frame; empty before
   FixedVector<Entry, kFrames> frames;  ///< the last good ones, oldest first
@@ -80,7 +83,8 @@ struct QualityHistory {
 ImageLevels measure_levels(const cv::Mat& gray, const ImageOptions& options);
 
 /// Two passes over the image.
-/// @param history gives the last good frame's roughness, if any, and takes this one's.
+/// @param history gives the last good frame's roughness and the last frames' lines, if any, and
+///                takes this one's.
 BitErrorTraces find_bit_errors(const cv::Mat& gray, QualityHistory* history);
 
 /// @param history its previous frame is none, or of the same size.

@@ -16,7 +16,7 @@ void begin_frame(MapState* state) {
   state->pyramid.built = false;
   state->localised.matches.clear();
   state->pose_valid = false;
-  state->pose_by_prior = false;
+  state->pose_teaches = true;
   state->contested = PoseCovariance::Zero();
   state->moved_rad = 0.0;
 }
@@ -32,7 +32,7 @@ void reset_map(MapState* state) {
   state->reference.points.clear();
   state->localised.matches.clear();
   state->pose_valid = false;
-  state->pose_by_prior = false;
+  state->pose_teaches = true;
   state->contested = PoseCovariance::Zero();
   state->inliers_last = 0;
 }

@@ -52,10 +52,10 @@ struct MapState {
   Pyramid pyramid;                 ///< of this frame, once it is followed
   LocalisedFrame localised;        ///< this frame's pose and matches
   bool pose_valid = false;         ///< this frame has a pose
-  bool pose_by_prior = false;      ///< mostly what the motion so far expects
+  bool pose_teaches = true;        ///< not mostly what the motion expects, nor the last one again
   PoseCovariance contested =
       PoseCovariance::Zero();  ///< of a pose that departs from the motion so far: by how much
-  int inliers_last = 0;            ///< of the last pose that features gave
+  int inliers_last = 0;        ///< of the last pose that features gave
   GrowthWaiting growth;
   LastAdjustment last_adjustment_of_all;
   double moved_rad = 0.0;  ///< by an adjustment taken in this step, under poses given before it

@@ -55,10 +55,10 @@ void judge_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reancho
   const bool known = std::all_of(frames.begin(), frames.end(), [](const ReanchorFrame& frame) {
     return frame.predicted_sigma_rad < kPhaseKnown_rad;
   });
-  reanchoring->agrees = known &&
-                        reanchoring->misfit_rad <
-                            kChangePart * std::hypot(kTurnPart * reanchoring->turn_rad,
-                                                     changes_rad(frames, reanchoring->turn_rad));
+  reanchoring->agrees =
+      known && reanchoring->misfit_rad <
+                   kChangePart * std::hypot(kTurnPart * reanchoring->turn_rad,
+                                            changes_rad(frames, reanchoring->turn_rad));
 }
 
 /// Scale k, origin q and the prediction's common offset d with k p' - R' Q^T q + d = p over all

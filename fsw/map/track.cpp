@@ -72,7 +72,7 @@ double sigma_between(const PosePrediction& predicted, const AbsolutePose& found)
 /// its attitude: one that is stopped, reversed or made three times as fast is off by two steps at
 /// most. Further off is an alike face. A motion that has hardly been checked rules out nothing.
 bool within_reach(const ExpectedPose& expected, const AbsolutePose& found, double moved_rad) {
-  constexpr double kSteps = 2.0;
+  constexpr double kSteps = 2.0;  // from one step on to one step back
   if (is_young(expected, false)) {
     return true;
   }
@@ -232,7 +232,8 @@ bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& 
 
 bool believable(const ExpectedPose& expected, bool start_checks, const MapState& s) {
   return plausible(expected, start_checks, s) ||
-         (within_reach(expected, s.localised.absolute, s.moved_rad) && (comes_back(s) || certain(s.localised)));
+         (within_reach(expected, s.localised.absolute, s.moved_rad) &&
+          (comes_back(s) || certain(s.localised)));
 }
 
 void fuse_with_prior(const PosePrediction& prior, MapState* s) {

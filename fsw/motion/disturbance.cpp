@@ -21,6 +21,8 @@ constexpr std::uint32_t kDeparturesMax = 2;
 // So often in succession is the same picture believed to be a repeat; then the body has stopped.
 // Chosen: a transfer that is retried gives two or three.
 constexpr std::uint32_t kRepeatsMax = 5;
+// That a step is told from none: ten times what is taken for none.
+constexpr double kChi2MovedMin = 10.0 * kChi2Max;
 // A motion that led to as many poses as its rotation has unknowns was right.
 constexpr std::uint32_t kLedToMin = kRotationUnknowns;
 
@@ -46,14 +48,13 @@ std::optional<bool> departs(const PoseSample& sample,
   return !(chi2_between(at.value(), sample) <= kChi2DepartsMax);  // a NaN departs
 }
 
-/// Has nothing moved since a pose, both in C? A picture that is delivered twice, encoded anew, shows
-/// that, however the observer has turned.
-bool is_repeat(const PoseSample& sample, const PoseSample& before) {
+/// chi2 of two poses being one. In C, where the same picture shows the same pose, however the
+/// observer has turned.
+double chi2_of_same(const PoseSample& a, const PoseSample& b) {
   Eigen::Matrix<double, 6, 1> apart;
-  apart << so3_log(sample.pose.R_CT * before.pose.R_CT.transpose()),
-      sample.pose.p_CT - before.pose.p_CT;
-  const PoseCovariance total = sample.covariance + before.covariance;
-  return apart.dot(total.ldlt().solve(apart)) < kChi2Max;
+  apart << so3_log(a.pose.R_CT * b.pose.R_CT.transpose()), a.pose.p_CT - b.pose.p_CT;
+  const PoseCovariance total = a.covariance + b.covariance;
+  return apart.dot(total.ldlt().solve(apart));
 }
 
 /// The motion leads on past a pose that had departed: that one was wrong.
@@ -90,6 +91,19 @@ void begin_anew(MotionEstimate* m) {
 }
 
 }  // namespace
+
+bool repeats_last(const PoseSample& seen_C, MotionEstimate* m) {
+  const double chi2 = m->any_seen ? chi2_of_same(seen_C, m->seen_C) : 0.0;
+  if (m->moved && m->repeats < kRepeatsMax && chi2 < kChi2Max) {
+    ++m->repeats;
+    return true;
+  }
+  m->moved = chi2 > kChi2MovedMin;
+  m->repeats = 0;
+  m->any_seen = true;
+  m->seen_C = seen_C;
+  return false;
+}
 
 void judge_place(const PoseSample& sample, const PoseCovariance& drift_I, MotionEstimate* m) {
   const Result<double> chi2 = chi2_against(m->model, sample, drift_I);
@@ -128,17 +142,10 @@ PoseJudgement judge_pose(const PoseSample& sample,
   if (!gone) {
     pass_over_pose(m);
   } else if (*gone) {
-    const PoseSample seen = turned(m->R_IC.transpose(), sample);
-    if (m->departures > 0 && m->repeats < kRepeatsMax && is_repeat(seen, m->departed_C)) {
-      judgement.withdrawn_ns = forget_departed(m);
-      ++m->repeats;
-    }
-    m->departed_C = seen;
     ++m->departures;
   } else {
     judgement.withdrawn_ns = forget_departed(m);
     ++m->led_to;
-    m->repeats = 0;
   }
   if (m->departures >= kDeparturesMax) {
     if (m->led_to < kLedToMin) {

@@ -16,6 +16,11 @@ struct PoseJudgement {
   std::optional<std::int64_t> withdrawn_ns;
 };
 
+/// Nothing has moved since the last picture, though it did until then: it has been delivered twice,
+/// encoded anew. Its pose says nothing of the motion. The same one a sixth time is a body at rest.
+/// @param seen_C  remembered where it is no repeat.
+[[nodiscard]] bool repeats_last(const PoseSample& seen_C, MotionEstimate* motion);
+
 /// A measured pose, in I: is it where the model has it, and does the model's motion lead there from
 /// the last pose that it led to? The second tells a change of the rate at once: the map's drift and
 /// the model's phase cancel.

@@ -20,8 +20,8 @@ std::span<const PoseSample> led_to(const MotionEstimate& m) {
   return m.recent.view().first(count > m.departures ? count - m.departures : count);
 }
 
-/// From the last of some poses, in I: by the model, or by a local fit to them where none holds or it
-/// tells no translation. @errors as predict_by_motion().
+/// From the last of some poses, in I: by the model, or by a local fit to them where none holds or
+/// it tells no translation. @errors as predict_by_motion().
 Result<PosePrediction> predict_after(std::span<const PoseSample> poses,
                                      const MotionEstimate& m,
                                      const PoseCovariance& drift_in_I,
@@ -281,6 +281,8 @@ void reset_poses(MotionEstimate* m) {
   m->poses_since_fit = 0;
   m->poses_since_start = 0;
   m->moves_so_since_ns = INT64_MIN;
+  m->any_seen = false;
+  m->moved = false;
 }
 
 Result<RateEstimate> rates_now(const MotionEstimate& m,
@@ -334,8 +336,7 @@ std::optional<ExpectedPose> expected_from_departed(const MotionEstimate& m,
   }
   return ExpectedPose{
       .prediction = turned(m.R_IC.transpose(), predicted.value()),
-      .step_rad =
-          rotation_angle_rad(m.recent.back().pose.R_CT, predicted.value().pose.R_CT),
+      .step_rad = rotation_angle_rad(m.recent.back().pose.R_CT, predicted.value().pose.R_CT),
       .poses_since_start = m.poses_since_start};
 }
 
@@ -362,10 +363,10 @@ std::optional<PosePrediction> predict_or_hold(const MotionEstimate& m,
 }
 
 ExpectedPose expected_at(const PosePrediction& predicted, const MotionEstimate& m) {
-  const double step_rad =
-      m.recent.empty()
-          ? 0.0
-          : rotation_angle_rad(m.R_IC.transpose() * led_to(m).back().pose.R_CT, predicted.pose.R_CT);
+  const double step_rad = m.recent.empty()
+                              ? 0.0
+                              : rotation_angle_rad(m.R_IC.transpose() * led_to(m).back().pose.R_CT,
+                                                   predicted.pose.R_CT);
   return {.prediction = predicted, .step_rad = step_rad, .poses_since_start = m.poses_since_start};
 }
 

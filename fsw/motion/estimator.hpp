@@ -110,8 +110,8 @@ std::optional<PosePrediction> predict_or_hold(const MotionEstimate& motion,
 /// checked.
 ExpectedPose expected_at(const PosePrediction& predicted, const MotionEstimate& motion);
 
-/// What tracking is told where the last pose departs from the motion and is right: the body has gone
-/// on from it. Nothing where no pose departs.
+/// What tracking is told where the last pose departs from the motion and is right: the body has
+/// gone on from it. Nothing where no pose departs.
 std::optional<ExpectedPose> expected_from_departed(const MotionEstimate& motion,
                                                    const MapDrift& drift,
                                                    const MotionOptions& options,

@@ -21,8 +21,10 @@ struct MotionEstimate {
   std::uint32_t disagreements = 0;  ///< poses in succession that are not where the model has them
   std::uint32_t departures =
       0;  ///< poses in succession to which its motion from the last one before does not lead
-  PoseSample departed_C;      ///< the last of them, as the camera saw it
-  std::uint32_t repeats = 0;  ///< poses in succession that departed alike, as if nothing moved
+  bool any_seen = false;
+  PoseSample seen_C;                           ///< the last pose judged, as the camera saw it
+  bool moved = false;                          ///< since the one before
+  std::uint32_t repeats = 0;                   ///< poses since that show the same
   std::uint32_t led_to = 0;                    ///< poses so far to which its motion did lead
   std::int64_t moves_so_since_ns = INT64_MIN;  ///< it was disturbed then, the last time
 };

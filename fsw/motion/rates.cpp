@@ -137,8 +137,8 @@ Eigen::Vector3d rate_between(const PoseSample& from, const PoseSample& to) {
          seconds_between(from.timestamp_ns, to.timestamp_ns);
 }
 
-/// How the rate changes from one interval beside `index` to the next, whatever moves the body. Within
-/// an interval poses do not tell it: the rate at a pose may be anywhere between.
+/// How the rate changes from one interval beside `index` to the next, whatever moves the body.
+/// Within an interval poses do not tell it: the rate at a pose may be anywhere between.
 Eigen::Matrix3d untold_change(std::span<const PoseSample> history, std::size_t index) {
   if (history.size() < 3) {
     return Eigen::Matrix3d::Zero();

@@ -27,8 +27,8 @@ struct GroundView {
   const MaskState& mask_state;
   const Map& map;
   const MapDrift& drift;
-  const Pose& last_pose;    ///< found last, in map units
-  const RigidModel& model;  ///< of the motion so far
+  const Pose& last_pose;                       ///< found last, in map units
+  const RigidModel& model;                     ///< of the motion so far
   std::int64_t moves_so_since_ns = INT64_MIN;  ///< the body was disturbed then, the last time
   const ScaleState& scale;
   std::uint32_t target_frame = 0;  ///< number of the frame T that the map is in

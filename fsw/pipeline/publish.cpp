@@ -25,12 +25,12 @@ void fill_motion(const MapState& mapping,
                  MotionState* m) {
   const AbsolutePose& found = mapping.localised.absolute;
   const Pose pose = scaled(found.pose, unit.metres_per_mu);
-  fill_pose(pose,
-            scaled(found.covariance + covariance(mapping.drift) + mapping.contested,
-                   unit.metres_per_mu) +
-                by_scale(pose, unit.relative_sigma),
-            q_last,
-            m);
+  fill_pose(
+      pose,
+      scaled(found.covariance + covariance(mapping.drift) + mapping.contested, unit.metres_per_mu) +
+          by_scale(pose, unit.relative_sigma),
+      q_last,
+      m);
   const Result<RateEstimate> rates = rates_now(motion, mapping.drift, options);
   if (rates) {
     fill_rates(rates.value(), unit.metres_per_mu, unit.relative_sigma, m);
@@ -87,12 +87,8 @@ MotionState motion_state(std::int64_t timestamp_ns,
   m.keyframes = bus::clipped(static_cast<std::size_t>(mapping.map.keyframe_count));
   if (mapping.pose_valid) {
     m.contested = !mapping.contested.isZero(0.0);
-    fill_motion(mapping,
-                s->motion,
-                s->configuration.parameters.motion,
-                unit,
-                &s->bus.q_CT_last,
-                &m);
+    fill_motion(
+        mapping, s->motion, s->configuration.parameters.motion, unit, &s->bus.q_CT_last, &m);
   }
   return m;
 }

@@ -133,7 +133,11 @@ SmoothedPose MapAtRest::from_image(const Frame& frame) {
           : pose_by_joint_model(s->motion, c.parameters.motion, frame.timestamp_ns, s->motion.R_IC);
   const MapInput input = map_input(*s);
   SmoothedPose smoothed;
-  const auto told = expected ? std::optional(expected_at(*expected, s->motion)) : std::nullopt;
+  // The model goes through this time: no step leads there.
+  const auto told =
+      expected ? std::optional(ExpectedPose{.prediction = *expected,
+                                            .poses_since_start = s->motion.poses_since_start})
+               : std::nullopt;
   if ((told && find_about(input, *told, &s->mapping)) ||
       (relocalise_frame(input, &s->mapping) && (!told || plausible(*told, true, s->mapping)))) {
     smoothed.valid = true;

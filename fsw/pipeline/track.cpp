@@ -29,11 +29,8 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
   }
   detect_once(s);
   const MapInput input = map_input(*s);
-  const std::optional<ExpectedPose> from_departed =
-      expected_from_departed(s->motion,
-                             mapping->drift,
-                             s->configuration.parameters.motion,
-                             s->clock.timestamp_ns);
+  const std::optional<ExpectedPose> from_departed = expected_from_departed(
+      s->motion, mapping->drift, s->configuration.parameters.motion, s->clock.timestamp_ns);
   if ((expected && find_about(input, *expected, mapping)) ||
       (from_departed && find_about(input, *from_departed, mapping)) ||
       (relocalise_frame(input, mapping) && (!expected || believable(*expected, false, *mapping)))) {
@@ -94,8 +91,20 @@ void grow(Component::State* s) {
 
 /// Does the motion so far bear out a pose that was found without it?
 /// @return time of the pose before, where that one turns out to be wrong.
-std::optional<std::int64_t> judge(const std::optional<ExpectedPose>& expected, Component::State* s) {
+std::optional<std::int64_t> judge(const std::optional<ExpectedPose>& expected,
+                                  Component::State* s) {
   MapState* mapping = &s->mapping;
+  const bool repeated = repeats_last({.timestamp_ns = s->clock.timestamp_ns,
+                                      .pose = mapping->localised.absolute.pose,
+                                      .covariance = with_clutter(mapping->localised)},
+                                     &s->motion);
+  if (repeated) {
+    mapping->pose_teaches = false;
+    if (expected) {
+      contest_pose(expected->prediction, mapping);
+    }
+    return std::nullopt;
+  }
   if (comes_back(*mapping)) {
     pass_over_pose(&s->motion);  // it jumps by the drift of the young side
     return std::nullopt;
@@ -119,7 +128,7 @@ std::optional<std::int64_t> judge(const std::optional<ExpectedPose>& expected, C
 /// grows where as many agree as a pose of its own needs.
 void keep_hold(Component::State* s) {
   MapState* mapping = &s->mapping;
-  mapping->pose_by_prior = true;
+  mapping->pose_teaches = false;
   const int inliers_min = s->configuration.parameters.localise.inliers_min;
   if (s->picture.verdict.decision == FrameDecision::kUse &&
       mapping->localised.absolute.inliers >= inliers_min && may_grow(*s)) {
@@ -158,7 +167,7 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
     mapping->inliers_last = found.inliers;
   }
   const bool may_teach =
-      s->picture.verdict.decision == FrameDecision::kUse;
+      s->picture.verdict.decision == FrameDecision::kUse && mapping->pose_teaches;
   if (may_teach) {
     count_observations(s->configuration.camera, found_by == FoundBy::kFlow, mapping);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/median.hpp"
 #include "tracks/associate.hpp"
 
 namespace polhode {
@@ -104,6 +105,20 @@ void join(std::size_t earlier,
   }
 }
 
+/// How far a track's points are from its first one, the farthest of them.
+double spread_px(const Track& track, const TrackTable& table) {
+  const auto place = [&](const TrackPoint& point) {
+    const Feature& f = table.frames[static_cast<std::size_t>(point.frame)]
+                           .features[static_cast<std::size_t>(point.feature)];
+    return Eigen::Vector2d(f.u_px, f.v_px);
+  };
+  double farthest_px = 0.0;
+  for (const TrackPoint& point : track.points) {
+    farthest_px = std::max(farthest_px, (place(point) - place(track.points[0])).norm());
+  }
+  return farthest_px;
+}
+
 }  // namespace
 
 void clear(TrackTable* table) {
@@ -143,6 +158,35 @@ void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table) {
   while (table->frames.size() > kLookBack) {
     drop_oldest_frame(table);
   }
+}
+
+void drop_resting_tracks(TrackTable* table) {
+  constexpr std::size_t kPoints = 3;  // two coincide by chance
+  // Three sigma of a feature that is detected again.
+  constexpr double kRest_px = 1.0;
+  // So many move, by as much in the middle, that the body turns. Chosen: as many as span a window
+  // that is searched, and more than what a slow body's tracks differ by.
+  constexpr std::size_t kMovingMin = 40;
+  // Fewer carry no start of their own. On the body, where its axis meets the picture, a few rest.
+  constexpr std::size_t kRestingMin = 12;
+  constexpr double kMoves_px = 6.0;
+  const auto rests = [&](const Track& track) {
+    return track.points.size() >= kPoints && spread_px(track, *table) < kRest_px;
+  };
+  std::size_t resting = 0;
+  FixedVector<double, limits::kStartTracks> moves_px;
+  for (const Track& track : table->tracks) {
+    if (rests(track)) {
+      ++resting;
+    } else if (track.points.size() >= kPoints) {
+      (void)moves_px.push_back(spread_px(track, *table));
+    }
+  }
+  if (resting < kRestingMin || moves_px.size() < kMovingMin ||
+      median(std::span(moves_px.begin(), moves_px.size())) < kMoves_px) {
+    return;
+  }
+  keep_tracks([&](const Track& track) { return !rests(track); }, table);
 }
 
 void add_frame(std::uint32_t frame,

@@ -59,6 +59,10 @@ void drop_oldest_frame(TrackTable* table);
 /// both.
 void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table);
 
+/// Drops the tracks that stay where they are in the picture while others move: a word in a corner,
+/// a piece of the servicer, dirt on the lens. Where nothing moves they stay.
+void drop_resting_tracks(TrackTable* table);
+
 void clear(TrackTable* table);
 
 }  // namespace polhode

@@ -104,10 +104,9 @@ struct Side {
 };
 
 Side side_of(std::span<const PoseSample> samples, std::size_t index, std::int64_t disturbed_ns) {
-  const auto after =
-      std::find_if(samples.begin(), samples.end(), [&](const PoseSample& sample) {
-        return sample.timestamp_ns >= disturbed_ns;
-      });
+  const auto after = std::find_if(samples.begin(), samples.end(), [&](const PoseSample& sample) {
+    return sample.timestamp_ns >= disturbed_ns;
+  });
   const auto before = static_cast<std::size_t>(after - samples.begin());
   return index < before ? Side{.samples = samples.first(before), .index = index}
                         : Side{.samples = samples.subspan(before), .index = index - before};

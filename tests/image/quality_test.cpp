@@ -122,6 +122,22 @@ TEST(FindBitErrors, CountsRandomTilesAndBrokenLines) {
   EXPECT_EQ(traces_of(gray).lines, 1);
 }
 
+TEST(FindBitErrors, CountsALineOnce_ThatStaysWhereItIs) {
+  cv::Mat crossed = constant(160, 160, 100);
+  crossed.row(80).setTo(255);
+  QualityHistory history;
+  EXPECT_EQ(find_bit_errors(crossed, &history).lines, 1);
+  EXPECT_EQ(find_bit_errors(crossed, &history).lines, 0) << "a crosshair";
+  cv::Mat broken = crossed.clone();
+  broken.row(40).setTo(255);
+  EXPECT_EQ(find_bit_errors(broken, &history).lines, 1) << "beside it an error";
+  const cv::Mat clean = constant(160, 160, 100);
+  for (std::size_t frame = 0; frame < QualityHistory::kFrames; ++frame) {
+    EXPECT_EQ(find_bit_errors(clean, &history).lines, 0);
+  }
+  EXPECT_EQ(find_bit_errors(crossed, &history).lines, 1) << "forgotten";
+}
+
 TEST(FindBitErrors, CountsNoTile_WhereTheLastGoodPictureWasNearlyAsRough) {
   Rng rng(7, 0);
   const auto grained = [&](std::uint32_t levels) {

@@ -183,8 +183,7 @@ std::vector<TruthSample> turned_by_hand() {
         {.timestamp_ns = 500'000'000LL * i,
          .pose = {.R_CT = so3_exp({0.4, 0.0, 0.0}) * so3_exp({0.0, angle_rad, 0.0}),
                   .p_CT = {0.0, 0.0, 8.0}},
-         .w_T_rad_s =
-             Eigen::Vector3d(0.0, kMean_rad_s * (1.0 - std::cos(kCycle_rad_s * t_s)), 0.0),
+         .w_T_rad_s = Eigen::Vector3d(0.0, kMean_rad_s * (1.0 - std::cos(kCycle_rad_s * t_s)), 0.0),
          .v_C = Eigen::Vector3d::Zero()});
   }
   return truth;
@@ -192,8 +191,8 @@ std::vector<TruthSample> turned_by_hand() {
 
 TEST(Rates, FollowABodyThatIsNotFree_AndSayHowWell) {
   const std::vector<TruthSample> truth = turned_by_hand();
-  const std::vector<PoseSample> poses = observed(
-      truth, {.attitude_rad = {5e-4, 5e-4, 5e-4}, .position = {1e-3, 1e-3, 1e-2}}, 7);
+  const std::vector<PoseSample> poses =
+      observed(truth, {.attitude_rad = {5e-4, 5e-4, 5e-4}, .position = {1e-3, 1e-3, 1e-2}}, 7);
   for (const bool both_sides : {false, true}) {
     Tally tally;
     for (std::size_t i = 20; i + 1 < poses.size(); ++i) {

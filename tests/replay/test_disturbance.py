@@ -6,24 +6,10 @@ import subprocess
 import sys
 
 import numpy
+from attitudes import mean_rotation, off_deg, rotation
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 JUMP = 40  # the last frame before it
-
-
-def rotation(row) -> numpy.ndarray:
-    """R_CT [3,3]."""
-    w, x, y, z = (float(row[f"q_CT_{axis}"]) for axis in "wxyz")
-    return numpy.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ])
-
-
-def mean_rotation(rotations) -> numpy.ndarray:
-    u, _, vt = numpy.linalg.svd(sum(rotations))
-    return u @ numpy.diag([1.0, 1.0, numpy.linalg.det(u @ vt)]) @ vt
 
 
 def rate(row) -> numpy.ndarray:
@@ -44,11 +30,7 @@ def test_poses_and_rates_follow_a_contact(replay, program, sample, tmp_path):
     assert len(before) > JUMP // 2 and len(after) >= 20
     R_TT = mean_rotation([rotation(truth[row["timestamp_ns"]]).T @ rotation(row) for row in before])
 
-    off_deg = []
-    for row in after:
-        R = rotation(truth[row["timestamp_ns"]]) @ R_TT @ rotation(row).T
-        off_deg.append(numpy.degrees(numpy.arccos(numpy.clip((numpy.trace(R) - 1) / 2, -1, 1))))
-    assert max(off_deg) < 2.0 and {row["target_frame"] for row in rows} == {"1"}
+    assert max(off_deg(row, truth, R_TT) for row in after) < 2.0 and {row["target_frame"] for row in rows} == {"1"}
 
     assert all(row["rate_valid"] == "0" for row in after if int(row["frame"]) == JUMP + 1), "nobody knows it yet"
     for row in after:

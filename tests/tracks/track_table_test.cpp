@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <set>
 #include <vector>
 
@@ -28,6 +30,8 @@ struct Fixture {
   std::unique_ptr<TrackTable> table = std::make_unique<TrackTable>();
   std::unique_ptr<Features> features = std::make_unique<Features>();
   std::uint32_t next_frame = 100;
+  float moved_px = 0.0F;  ///< of the spots below kMoving, in the next frame
+  static constexpr int kMoving = 60;
 
   /// A frame in which these spots are seen, in this order. @param change  of each look's first
   /// octet.
@@ -36,7 +40,7 @@ struct Fixture {
     for (const int spot : spots) {
       Feature f;
       f.u_px = 10.0F * static_cast<float>(spot % 60) + 0.25F;
-      f.v_px = 10.0F * static_cast<float>(spot / 60) + 0.75F;
+      f.v_px = 10.0F * static_cast<float>(spot / 60) + 0.75F + (spot < kMoving ? moved_px : 0.0F);
       f.scale_px = static_cast<float>(spot);
       f.descriptor = look_of(spot);
       f.descriptor[0] = static_cast<std::uint8_t>(f.descriptor[0] + change);
@@ -301,6 +305,49 @@ TEST(TrackTable, APointKnowsTheNearerLookOfThoseBesideIt) {
     EXPECT_EQ(track.points[2].distance2, 3 * 3);
     EXPECT_EQ(track.points[3].distance2, 3 * 3);
   }
+}
+
+/// Frames in which 60 spots move by so much from each to the next, and 20 stay where they are.
+void add_resting_and_moving(float step_px, int frames, Fixture* f) {
+  std::vector<int> spots(80);
+  std::iota(spots.begin(), spots.end(), 0);
+  for (int frame = 0; frame < frames; ++frame) {
+    f->add(spots);
+    f->moved_px += step_px;
+  }
+}
+
+std::size_t resting_tracks(const Fixture& f) {
+  return static_cast<std::size_t>(
+      std::count_if(f.table->tracks.begin(), f.table->tracks.end(), [&](const Track& track) {
+        return f.spot_of(track.points[0]) >= Fixture::kMoving;
+      }));
+}
+
+TEST(DropRestingTracks, DropsWhatStays_WhereOthersMove) {
+  Fixture f;
+  add_resting_and_moving(4.0F, 3, &f);
+  ASSERT_EQ(resting_tracks(f), 20U);
+  drop_resting_tracks(f.table.get());
+  EXPECT_EQ(resting_tracks(f), 0U);
+  EXPECT_EQ(f.table->tracks.size(), 60U);
+  f.expect_consistent();
+  add_resting_and_moving(4.0F, 1, &f);
+  f.expect_consistent();
+}
+
+TEST(DropRestingTracks, KeepsThem_WhereHardlyAnythingMoves) {
+  Fixture f;
+  add_resting_and_moving(0.5F, 5, &f);  // a slow body
+  drop_resting_tracks(f.table.get());
+  EXPECT_EQ(f.table->tracks.size(), 80U);
+}
+
+TEST(DropRestingTracks, KeepsThem_UntilThreePointsTell) {
+  Fixture f;
+  add_resting_and_moving(9.0F, 2, &f);
+  drop_resting_tracks(f.table.get());
+  EXPECT_EQ(f.table->tracks.size(), 80U);
 }
 
 TEST(TrackTable, IsEmptyAgain_AfterClear) {
