@@ -93,12 +93,16 @@ void begin_anew(MotionEstimate* m) {
 }  // namespace
 
 bool repeats_last(const PoseSample& seen_C, MotionEstimate* m) {
+  // Of the last step. The noise of a pose that sees less than the last may hide a whole one.
+  constexpr double kPart = 0.1;
   const double chi2 = m->any_seen ? chi2_of_same(seen_C, m->seen_C) : 0.0;
-  if (m->moved && m->repeats < kRepeatsMax && chi2 < kChi2Max) {
+  const double step_rad =
+      m->any_seen ? rotation_angle_rad(seen_C.pose.R_CT, m->seen_C.pose.R_CT) : 0.0;
+  if (m->repeats < kRepeatsMax && chi2 < kChi2Max && step_rad < kPart * m->moved_rad) {
     ++m->repeats;
     return true;
   }
-  m->moved = chi2 > kChi2MovedMin;
+  m->moved_rad = chi2 > kChi2MovedMin ? step_rad : 0.0;
   m->repeats = 0;
   m->any_seen = true;
   m->seen_C = seen_C;

@@ -282,7 +282,7 @@ void reset_poses(MotionEstimate* m) {
   m->poses_since_start = 0;
   m->moves_so_since_ns = INT64_MIN;
   m->any_seen = false;
-  m->moved = false;
+  m->moved_rad = 0.0;
 }
 
 Result<RateEstimate> rates_now(const MotionEstimate& m,

@@ -67,8 +67,8 @@ bool is_sound(const MotionEstimate& motion, std::int64_t now_ns) {
          is_sound(motion.recent, now_ns) && is_sound(motion.past, now_ns) &&
          (motion.moves_so_since_ns == INT64_MIN || is_past(motion.moves_so_since_ns, now_ns)) &&
          motion.departures <= motion.recent.size() && is_bool(motion.any_seen) &&
-         is_bool(motion.moved) && (!motion.any_seen || is_sound(motion.seen_C, now_ns)) &&
-         is_sound(motion.model, now_ns);
+         is_at_least(motion.moved_rad, 0.0) &&
+         (!motion.any_seen || is_sound(motion.seen_C, now_ns)) && is_sound(motion.model, now_ns);
 }
 
 }  // namespace polhode

@@ -162,12 +162,13 @@ void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table) {
 
 void drop_resting_tracks(TrackTable* table) {
   constexpr std::size_t kPoints = 3;  // two coincide by chance
-  // Three sigma of a feature that is detected again.
-  constexpr double kRest_px = 1.0;
+  // Three sigma of a strong feature that is detected again in the same place. On a body, where its
+  // axis meets the picture, tracks move by 0.2 to 1 px.
+  constexpr double kRest_px = 0.4;
   // So many move, by as much in the middle, that the body turns. Chosen: as many as span a window
   // that is searched, and more than what a slow body's tracks differ by.
   constexpr std::size_t kMovingMin = 40;
-  // Fewer carry no start of their own. On the body, where its axis meets the picture, a few rest.
+  // Fewer carry no start of their own.
   constexpr std::size_t kRestingMin = 12;
   constexpr double kMoves_px = 6.0;
   const auto rests = [&](const Track& track) {
