@@ -177,10 +177,8 @@ void open_checkpoint(const RunOptions& options,
                      const Beginning& beginning,
                      Component& component,
                      std::optional<CheckpointWriter>* checkpoint,
-                     std::optional<CheckpointOnExhaustion>* last_words,
-                     std::optional<CrashWatch>* crash) {
+                     std::optional<CheckpointOnExhaustion>* last_words) {
   if (!options.checkpoint.empty()) {
-    crash->emplace(options.checkpoint, beginning.crashes(), beginning.checksum());
     checkpoint->emplace(options.checkpoint, beginning.identity(), beginning.restarts());
     last_words->emplace(component, **checkpoint);
   }
@@ -231,8 +229,7 @@ void run_command(const RunArguments& arguments) {
   beginning.forget_octets();
   std::optional<CheckpointWriter> checkpoint;
   std::optional<CheckpointOnExhaustion> last_words;
-  std::optional<CrashWatch> crash;
-  open_checkpoint(machine.run, beginning, component, &checkpoint, &last_words, &crash);
+  open_checkpoint(machine.run, beginning, component, &checkpoint, &last_words);
   ServiceManager manager;
   LiveReport report(manager, machine.run.report_s);
   const auto counts = make_counts(parameters.budget.frame_ms);
@@ -256,7 +253,7 @@ void run_command(const RunArguments& arguments) {
                   .packets = packets ? &*packets : nullptr,
                   .recorder = recorder.get(),
                   .checkpoint = checkpoint ? &*checkpoint : nullptr,
-                  .crash = crash ? &*crash : nullptr,
+                  .crash = beginning.watch(),
                   .exposure = exposure};
   manager.ready();
   const LiveEnd end = run_sealed(parts, machine.run, arguments.memory_trap);
