@@ -318,8 +318,7 @@ void replay(const ReplayArguments& arguments) {
   Component& component = make_component(memory, parameters, arguments);
   const std::string config_hash = sha256_of(canonical_text(view_of(component).parameters));
   Transports transports({.send = options.transport.send, .receive = {}});
-  prepare_output_folder(arguments.out);  // last: an earlier run's files go
-
+  const Descriptor lock = prepare_output_folder(arguments.out);  // last: an earlier run's files go
   const std::size_t frames = sequence.frames.size();
   Run run{.sequence = sequence,
           .servicer = servicer,

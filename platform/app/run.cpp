@@ -209,9 +209,10 @@ void run_command(const RunArguments& arguments) {
   // Signals of now on end the run in order, also while the camera is being opened.
   listen_for_stop();
   ChosenCamera chosen(arguments.config, machine, &configuration.parameters);
-  prepare_places(arguments.config, machine);
+  const std::vector<Descriptor> places = prepare_places(arguments.config, machine);
   const Parameters& parameters = configuration.parameters;
-  const TransportOptions transport = load_transport_options(arguments.config, arguments.settings);
+  const TransportOptions transport =
+      load_live_transport_options(arguments.config, arguments.settings);
   (void)key_of(transport.transport.commands);  // before anything starts
   const ComponentMemory memory(parameters,
                                arguments.config.string(),

@@ -38,7 +38,7 @@ class Transports {
   /// Tries again what waits for a reader with a full queue: at a quiet moment, and before the end.
   void flush();
 
-  /// Command packets that have arrived; valid until the next call. Never waits.
+  /// Command packets that have arrived, as CommandPorts::receive(); valid until the next call.
   std::span<const std::span<const std::uint8_t>> received();
 
   /// Over all transports.

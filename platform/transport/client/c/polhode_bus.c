@@ -197,10 +197,12 @@ static int open_ring(struct polhode_bus *bus, const char *name) {
   char path[160] = "/dev/shm";
   if (name[0] != '/' || strlen(name) > 128) return -EINVAL;
   strcat(path, name);
-  bus->fd = open(path, O_RDONLY | O_CLOEXEC);
+  bus->fd = open(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (bus->fd < 0) return -errno;
   struct stat status;
   if (fstat(bus->fd, &status) != 0) return -errno;
+  /* As the writer makes it. Of another user, or open to others, it could hold anything. */
+  if (!S_ISREG(status.st_mode) || status.st_uid != geteuid() || (status.st_mode & 077) != 0) return -EPERM;
   if ((size_t)status.st_size < sizeof(struct ring)) return -EPROTO;
   void *memory = mmap(NULL, (size_t)status.st_size, PROT_READ, MAP_SHARED | MAP_POPULATE, bus->fd, 0);
   if (memory == MAP_FAILED) return -errno;

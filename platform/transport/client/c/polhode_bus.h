@@ -44,7 +44,8 @@ struct polhode_bus {
 };
 
 /* Addresses: unix:PATH and udp:PORT or udp:HOST:PORT are bound here (the sender sends to them), shm:/NAME and
- * file:PATH are opened. A Unix socket's file is made for its owner alone. 0, or a negative errno. */
+ * file:PATH are opened. A Unix socket's file is made for its owner alone. 0, or a negative errno; -EPERM: a ring of another
+ * user, or one that is open to others. */
 int polhode_bus_open(struct polhode_bus *bus, const char *address);
 
 /* The next whole packet, its CRC checked; a datagram may hold several. Damage is skipped and counted, idle packets are skipped.

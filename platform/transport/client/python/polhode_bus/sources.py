@@ -12,6 +12,8 @@ from .decode import HEADER_OCTETS, PACKET_OCTETS_MAX, Packet, crc16, decode, hea
 
 _RING_MAGIC = 0x31474E5248444C50
 _RING_HEADER = 128  # octets; the count of packets written is at 64
+_RING_WORDS = 175  # of a slot's packet
+_RING_SLOT = 1472  # octets, a multiple of 64
 _POLL_S = 0.001
 _SILENCE_S = 0.2  # after which a sender may have died
 
@@ -140,10 +142,17 @@ class _Ring:
     """See platform/transport/shm/ring_layout.hpp."""
 
     def __init__(self, name: str):
-        with open(f"/dev/shm{name}", "rb") as file:
+        with open(os.open(f"/dev/shm{name}", os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
+            status = os.fstat(file.fileno())
+            # As the writer makes it. Of another user, or open to others, it could hold anything.
+            if not stat.S_ISREG(status.st_mode) or status.st_uid != os.geteuid() or status.st_mode & 0o077:
+                raise PermissionError(f"shm:{name}: belongs to another user, or is open to others")
+            if status.st_size < _RING_HEADER:
+                raise ValueError(f"shm:{name} is no ring of packets")
             self._memory = mmap.mmap(file.fileno(), 0, prot=mmap.PROT_READ)
-        magic, self._slots, self._slot_octets, _ = struct.unpack_from("=4Q", self._memory)
-        if magic != _RING_MAGIC:
+        magic, self._slots, self._slot_octets, words = struct.unpack_from("=4Q", self._memory)
+        whole = _RING_HEADER + self._slots * self._slot_octets <= status.st_size
+        if magic != _RING_MAGIC or words != _RING_WORDS or self._slot_octets != _RING_SLOT or not whole:
             raise ValueError(f"shm:{name} is no ring of packets")
         self._next = self._head()
         self.overrun = 0
