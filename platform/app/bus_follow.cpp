@@ -62,6 +62,7 @@ void sign(const polhode_key& key,
 void follow_bus(const BusFollowArguments& arguments) {
   const Address address = parse_address(arguments.address);
   const BusReader bus = open_bus_reader(address.text);
+  bus->apid_first = arguments.apid_first;
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
   PacketPrinter printer(
@@ -90,6 +91,8 @@ void follow_bus(const BusFollowArguments& arguments) {
       break;
     }
   }
+  printer.count_damage(bus->damaged_octets);
+  printer.passed_over(bus->idle, bus->foreign);
   printer.finish();
 }
 
