@@ -43,6 +43,8 @@ class Transports {
 
   /// Over all transports.
   [[nodiscard]] SendCounts counts() const;
+  /// Packets that the disk did not take, over all file: transports.
+  [[nodiscard]] std::uint64_t refused_by_disk() const;
   /// Of the address with this number, from 0, as in the settings.
   [[nodiscard]] const SendCounts& counts(std::size_t number) const;
   [[nodiscard]] const std::string& address(std::size_t number) const {

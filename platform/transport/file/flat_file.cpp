@@ -41,6 +41,8 @@ void FlatFile::send(std::span<const std::uint8_t> packet) {
     ++counts_.sent;
   } else {
     ++counts_.dropped;
+    const bool is_of_a_pipe = octets < 0 && (errno == EAGAIN || errno == EPIPE);
+    refused_ += is_of_a_pipe ? 0 : 1;
   }
 }
 

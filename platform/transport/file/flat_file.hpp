@@ -21,10 +21,13 @@ class FlatFile {
   explicit FlatFile(const Address& address);
   void send(std::span<const std::uint8_t> packet);
   [[nodiscard]] const SendCounts& counts() const { return counts_; }
+  /// Of the dropped packets, those that the disk did not take.
+  [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
  private:
   Descriptor file_;
   SendCounts counts_;
+  std::uint64_t refused_ = 0;
 };
 
 }  // namespace polhode::platform
