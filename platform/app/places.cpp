@@ -46,13 +46,20 @@ void prepare_folder(const Place& place, const fs::path& folder) {
   std::error_code problem;
   fs::create_directories(folder, problem);
   if (problem) {
-    of_place(place, [&] { fail_at_start(folder.string() + ": cannot be made", problem.value()); });
+    of_place(place, [&] {
+      fail_at_start(fmt::format("{}: {} cannot be made", place.path.string(), folder.string()),
+                    problem.value());
+    });
   }
   if (!fs::is_directory(folder, problem)) {
     refuse(place, fmt::format("{} is no folder", folder.string()));
   }
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    of_place(place, [&] { fail_at_start(folder.string() + ": cannot be written to", errno); });
+    const int error = errno;
+    of_place(place, [&] {
+      fail_at_start(
+          fmt::format("{}: {} cannot be written to", place.path.string(), folder.string()), error);
+    });
   }
 }
 
