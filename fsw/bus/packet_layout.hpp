@@ -293,6 +293,18 @@ inline constexpr std::uint8_t kFlagNumberNotKept = 0x04;
 inline constexpr std::uint8_t kFlagsUsed = 0x07;
 }  // namespace command_link_layout
 
+namespace platform_event_layout {
+inline constexpr std::size_t kTimestamp_ns = 16;  ///< i64
+inline constexpr std::size_t kValue = 24;  ///< 4 x f64
+inline constexpr std::size_t kId = 56;  ///< u16
+inline constexpr std::size_t kSeverity = 58;  ///< u8
+inline constexpr std::size_t kText_octets = 59;  ///< u8
+inline constexpr std::size_t kText = 60;  ///< 122 x text
+inline constexpr std::size_t kSpare = 182;  ///< 2 x u8
+inline constexpr std::size_t kCrc = 184;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 186;
+}  // namespace platform_event_layout
+
 namespace set_known_length_layout {
 inline constexpr std::size_t kFrame_timestamp_ns = 8;  ///< i64
 inline constexpr std::size_t kLength_m = 16;  ///< f64

@@ -249,6 +249,18 @@ constexpr Field kCommandLinkPacket[] = {
 constexpr Layout kCommandLinkPacketLayout{"command_link", 8, 70, kCommandLinkPacket, offsetof(CommandLinkPacket, flags), "key unauthenticated number_not_kept"};
 static_assert(sizeof(CommandLinkPacket) <= kStructOctetsMax);
 
+constexpr Field kPlatformEventPacket[] = {
+    {"timestamp_ns", FieldType::kI64, 1, false, 16, offsetof(PlatformEventPacket, timestamp_ns), -1, -kNoLimit, kNoLimit, "", "ns", ""},
+    {"value", FieldType::kF64, 4, true, 24, offsetof(PlatformEventPacket, value), -1, -kNoLimit, kNoLimit, "", "", ""},
+    {"id", FieldType::kU16, 1, false, 56, offsetof(PlatformEventPacket, id), -1, -kNoLimit, kNoLimit, "", "", ""},
+    {"severity", FieldType::kU8, 1, false, 58, offsetof(PlatformEventPacket, severity), -1, 0.0, 4.0, "", "", "DEBUG INFO WARNING ERROR CRITICAL"},
+    {"text_octets", FieldType::kU8, 1, false, 59, offsetof(PlatformEventPacket, text_octets), -1, 0.0, 122.0, "", "", ""},
+    {"text", FieldType::kText, 122, true, 60, offsetof(PlatformEventPacket, text), -1, -kNoLimit, kNoLimit, "", "", ""},
+    {"spare", FieldType::kU8, 2, true, 182, offsetof(PlatformEventPacket, spare), -1, -kNoLimit, kNoLimit, "", "", ""},
+};
+constexpr Layout kPlatformEventPacketLayout{"platform_event", 9, 186, kPlatformEventPacket, kNoFlags, ""};
+static_assert(sizeof(PlatformEventPacket) <= kStructOctetsMax);
+
 constexpr Layout kNoopCommandLayout{"noop", 0, 10, {}, kNoFlags, ""};
 
 constexpr Layout kResetCountersCommandLayout{"reset_counters", 1, 10, {}, kNoFlags, ""};
@@ -316,7 +328,7 @@ constexpr Layout kTableDiscardCommandLayout{"table_discard", 11, 10, {}, kNoFlag
 
 constexpr Layout kCheckpointCommandLayout{"checkpoint", 12, 10, {}, kNoFlags, ""};
 
-constexpr const Layout* kPackets[] = {&kMotionPacketLayout, &kModelPacketLayout, &kPredictionPacketLayout, &kShapePacketLayout, &kHousekeepingPacketLayout, &kEventPacketLayout, &kCloudPacketLayout, &kPlatformPacketLayout, &kCommandLinkPacketLayout};
+constexpr const Layout* kPackets[] = {&kMotionPacketLayout, &kModelPacketLayout, &kPredictionPacketLayout, &kShapePacketLayout, &kHousekeepingPacketLayout, &kEventPacketLayout, &kCloudPacketLayout, &kPlatformPacketLayout, &kCommandLinkPacketLayout, &kPlatformEventPacketLayout};
 constexpr const Layout* kCommands[] = {&kNoopCommandLayout, &kResetCountersCommandLayout, &kResetMapCommandLayout, &kHoldCommandLayout, &kResumeCommandLayout, &kSetKnownLengthCommandLayout, &kSetRangeCommandLayout, &kServicerAttitudeCommandLayout, &kRequestCloudCommandLayout, &kTableLoadCommandLayout, &kTableActivateCommandLayout, &kTableDiscardCommandLayout, &kCheckpointCommandLayout};
 // clang-format on
 
@@ -331,6 +343,7 @@ const Layout& EventPacket::layout() { return kEventPacketLayout; }
 const Layout& CloudPacket::layout() { return kCloudPacketLayout; }
 const Layout& PlatformPacket::layout() { return kPlatformPacketLayout; }
 const Layout& CommandLinkPacket::layout() { return kCommandLinkPacketLayout; }
+const Layout& PlatformEventPacket::layout() { return kPlatformEventPacketLayout; }
 const Layout& SetKnownLengthCommand::layout() { return kSetKnownLengthCommandLayout; }
 const Layout& SetRangeCommand::layout() { return kSetRangeCommandLayout; }
 const Layout& ServicerAttitudeCommand::layout() { return kServicerAttitudeCommandLayout; }

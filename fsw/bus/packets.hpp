@@ -20,9 +20,10 @@ enum class PacketId : std::uint8_t {
   kCloud = 6,
   kPlatform = 7,
   kCommandLink = 8,
+  kPlatformEvent = 9,
 };
 
-inline constexpr std::size_t kPacketKinds = 9;
+inline constexpr std::size_t kPacketKinds = 10;
 inline constexpr int kCommandApid = 15;  ///< above the first one
 
 enum class CommandCode : std::uint8_t {
@@ -301,6 +302,19 @@ struct CommandLinkPacket {
   std::array<std::uint8_t, 2> spare{};  ///< 0
 
   static const Layout& layout();  ///< 70 octets
+};
+
+/// Something happened in the machine around the component, as the disk took no more. The id alone states what; the text is for people.
+struct PlatformEventPacket {
+  std::int64_t timestamp_ns = 0;  ///< time of the last frame; ns
+  std::array<double, 4> value{};  ///< the event's numbers, in the order of its text
+  std::uint16_t id = 0;  ///< 1: the disk did not take all since the start: packets of so many steps in bus.ccsds, checkpoints, records of the recording, packets of file: transports
+  std::uint8_t severity = 0;  ///< how serious the event is
+  std::uint8_t text_octets = 0;  ///< length of the text
+  std::array<char, 122> text{};  ///< ASCII without control characters, zero-padded
+  std::array<std::uint8_t, 2> spare{};  ///< 0
+
+  static const Layout& layout();  ///< 186 octets
 };
 
 /// gives the distance between two image points of a frame; once measured in the map, it replaces any earlier length or range

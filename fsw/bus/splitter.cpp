@@ -1,12 +1,17 @@
 #include "bus/splitter.hpp"
 
+#include <algorithm>
+
 #include "base/assert.hpp"
+#include "bus/packets.hpp"
 #include "config/limits.hpp"
 
 namespace polhode::bus {
 namespace {
 
-enum class Verdict { kWhole, kIdle, kNotAPacket, kNeedsMore };
+enum class Verdict { kWhole, kIdle, kForeign, kNotAPacket, kNeedsMore };
+
+constexpr std::size_t kSkippedOctetsMax = 4096;  // a longer one could hide packets
 
 PieceKind kind_of(Verdict verdict) {
   switch (verdict) {
@@ -14,6 +19,8 @@ PieceKind kind_of(Verdict verdict) {
       return PieceKind::kPacket;
     case Verdict::kIdle:
       return PieceKind::kIdle;
+    case Verdict::kForeign:
+      return PieceKind::kForeign;
     case Verdict::kNeedsMore:
       return PieceKind::kIncomplete;
     case Verdict::kNotAPacket:
@@ -41,14 +48,13 @@ Verdict judge(std::span<const std::uint8_t> rest, PacketHeader& header) {
 
 /// An idle packet, with the beginning of what follows where that is there.
 Verdict judge_idle(std::span<const std::uint8_t> rest, PacketHeader& header) {
-  constexpr std::size_t kIdleOctetsMax = 4096;  // a longer one could hide packets
   const bool plausible = rest[0] == 0x07 && (rest.size() < 2 || rest[1] == 0xFF) &&
                          (rest.size() < 3 || (rest[2] & 0xC0U) == 0xC0U);
   if (!plausible || rest.size() < kPrimaryHeaderOctets) {
     return plausible ? Verdict::kNeedsMore : Verdict::kNotAPacket;
   }
   header.total_octets = get_u16(rest, 4) + kLengthOffset;
-  if (header.total_octets > kIdleOctetsMax) {
+  if (header.total_octets > kSkippedOctetsMax) {
     return Verdict::kNotAPacket;
   }
   if (rest.size() <= header.total_octets) {
@@ -58,18 +64,94 @@ Verdict judge_idle(std::span<const std::uint8_t> rest, PacketHeader& header) {
   return next == 0x07 || (next & 0xF8U) == 0x08U ? Verdict::kIdle : Verdict::kNotAPacket;
 }
 
+/// Whose a primary header may be.
+enum class Owner { kNobody, kRun, kFill, kOther };
+
+Owner owner_of(std::span<const std::uint8_t> header, int apid_first) {
+  const bool is_telemetry = (header[0] & 0x10U) == 0;
+  const bool is_unsegmented = (header[2] & 0xC0U) == 0xC0U;
+  const int apid = get_u16(header, 0) & 0x7FF;
+  if ((header[0] & 0xE0U) != 0) {  // the version
+    return Owner::kNobody;
+  }
+  if (apid == 0x7FF) {
+    return header[0] == 0x07 && is_unsegmented ? Owner::kFill : Owner::kNobody;
+  }
+  if (apid >= apid_first && apid <= apid_first + kCommandApid && is_telemetry) {
+    return (header[0] & 0xF8U) == 0x08U && is_unsegmented ? Owner::kRun : Owner::kNobody;
+  }
+  // A hole in a file reads as zeros.
+  return std::any_of(header.begin(), header.end(), [](std::uint8_t octet) { return octet != 0; })
+             ? Owner::kOther
+             : Owner::kNobody;
+}
+
+/// Of another application, or an idle packet before such: with a few headers behind it followed
+/// from length to length.
+Verdict judge_skipped(std::span<const std::uint8_t> rest,
+                      int apid_first,
+                      bool at_end,
+                      PacketHeader& header) {
+  constexpr int kLookAhead = 4;  // packets; each makes an accident some ten times less likely
+  const Verdict skipped =
+      rest[0] == 0x07 && rest.size() > 1 && rest[1] == 0xFF ? Verdict::kIdle : Verdict::kForeign;
+  std::size_t at = 0;
+  for (int i = 0; i < kLookAhead; ++i) {
+    if (i > 0 && at == rest.size()) {
+      return at_end ? skipped : Verdict::kNeedsMore;
+    }
+    if (rest.size() - at < kPrimaryHeaderOctets) {
+      return at_end ? Verdict::kNotAPacket : Verdict::kNeedsMore;
+    }
+    const Owner owner = owner_of(rest.subspan(at, kPrimaryHeaderOctets), apid_first);
+    if (i > 0 && (owner == Owner::kRun || owner == Owner::kFill)) {
+      return skipped;
+    }
+    const std::size_t octets = get_u16(rest, at + 4) + kLengthOffset;
+    if (owner == Owner::kNobody || owner == Owner::kRun || octets > kSkippedOctetsMax) {
+      return Verdict::kNotAPacket;
+    }
+    header.total_octets = i == 0 ? octets : header.total_octets;
+    at += octets;
+    if (at > rest.size()) {
+      return at_end ? Verdict::kNotAPacket : Verdict::kNeedsMore;
+    }
+  }
+  return skipped;
+}
+
+/// @param in_step  packets were whole up to here.
+Verdict judge_any(std::span<const std::uint8_t> rest,
+                  int apid_first,
+                  bool at_end,
+                  bool in_step,
+                  PacketHeader& header) {
+  const auto is_none = [at_end](Verdict verdict) {
+    return verdict == Verdict::kNotAPacket || (verdict == Verdict::kNeedsMore && at_end);
+  };
+  Verdict verdict = judge(rest, header);
+  if (is_none(verdict)) {
+    verdict = judge_idle(rest, header);
+  }
+  if (is_none(verdict) && in_step) {
+    verdict = judge_skipped(rest, apid_first, at_end, header);
+  }
+  return is_none(verdict) ? Verdict::kNotAPacket : verdict;
+}
+
 }  // namespace
 
-StreamPiece next_piece(std::span<const std::uint8_t> stream, std::size_t offset, bool at_end) {
+StreamPiece next_piece(std::span<const std::uint8_t> stream,
+                       std::size_t offset,
+                       bool at_end,
+                       const StreamPlace& place) {
   POLHODE_ASSERT(offset < stream.size(), offset);
   StreamPiece piece{.kind = PieceKind::kDamaged, .offset = offset, .octets = 0, .header = {}};
   for (std::size_t i = offset; i < stream.size(); ++i) {
     PacketHeader header;
-    Verdict verdict = judge(stream.subspan(i), header);
+    const bool in_step = i == offset && !place.after_damage;
+    const Verdict verdict = judge_any(stream.subspan(i), place.apid_first, at_end, in_step, header);
     if (verdict == Verdict::kNotAPacket) {
-      verdict = judge_idle(stream.subspan(i), header);
-    }
-    if (verdict == Verdict::kNotAPacket || (verdict == Verdict::kNeedsMore && at_end)) {
       continue;
     }
     if (i > offset) {  // the damage first; what follows is the next piece

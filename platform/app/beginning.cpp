@@ -40,8 +40,12 @@ std::string Beginning::take(const fs::path& file, Component& component) {
   if (loaded_.refusal.empty() && crashes_.was_tried(loaded_.checksum)) {
     loaded_.refusal = "a run that began from it crashed";
   }
-  if (loaded_.refusal.empty() && !restore_checkpoint(loaded_.content, &component)) {
-    loaded_.refusal = "holds values that no run leaves";
+  if (loaded_.refusal.empty()) {
+    watch_->begins_from(loaded_.checksum);
+    if (!restore_checkpoint(loaded_.content, &component)) {
+      loaded_.refusal = "holds values that no run leaves";
+      watch_->begins_from(0);
+    }
   }
   const std::string refusal = loaded_.refusal;
   if (!refusal.empty()) {
@@ -56,6 +60,17 @@ void Beginning::restore(Component& component) {
     return;
   }
   crashes_ = read_crash_mark(crash_mark_file(last));
+  watch_.emplace(last, crashes_);
+  try {
+    restore_last(component);
+  } catch (...) {
+    leave_crash_mark();
+    throw;
+  }
+}
+
+void Beginning::restore_last(Component& component) {
+  const fs::path& last = machine_.run.checkpoint;
   if (crashes_.crashes >= CrashMark::kWarmMax) {
     how_ = fmt::format("cold: {} runs in a row crashed soon after their start", crashes_.crashes);
     put_aside(last);
@@ -69,7 +84,6 @@ void Beginning::restore(Component& component) {
     }
     const std::string refusal = take(file, component);
     if (refusal.empty()) {
-      checksum_ = loaded_.checksum;
       restarts_ = loaded_.restarts + 1;
       how_ = fmt::format("warm: from frame {}, {:.1f} s ago{}",
                          component.counters().frames_in,

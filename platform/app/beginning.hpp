@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -13,13 +14,14 @@
 namespace polhode::platform {
 
 /// Bad checkpoints are no reason not to run: the one before the last is tried, then the run begins
-/// cold.
+/// cold. A crash while one is read or restored leaves a mark, as one soon after does: the watch
+/// begins here.
 class Beginning {
  public:
   /// @param config_hash  64 hexadecimal digits
   Beginning(const MachineOptions& machine, const std::string& config_hash);
 
-  /// Into a component that has just been created.
+  /// Into a component that has just been created. What it throws is a crash to the next start.
   void restore(Component& component);
 
   [[nodiscard]] const CheckpointIdentity& identity() const { return identity_; }
@@ -31,12 +33,12 @@ class Beginning {
   [[nodiscard]] std::span<const std::uint8_t> octets() const { return loaded_.octets; }
   /// Its memory goes back; how it was stays known.
   void forget_octets() { loaded_ = {}; }
-  /// Crashes of the runs before.
-  [[nodiscard]] const CrashMark& crashes() const { return crashes_; }
-  /// Of the file that the run begins from; 0: cold.
-  [[nodiscard]] std::uint32_t checksum() const { return checksum_; }
+  /// From restore() on; nullptr: there are no checkpoints.
+  [[nodiscard]] CrashWatch* watch() { return watch_ ? &*watch_ : nullptr; }
 
  private:
+  /// From the last checkpoint that will do.
+  void restore_last(Component& component);
   /// @return why this file is not used; empty when the component has it.
   std::string take(const std::filesystem::path& file, Component& component);
 
@@ -44,7 +46,7 @@ class Beginning {
   CheckpointIdentity identity_;
   LoadedCheckpoint loaded_;
   CrashMark crashes_;
-  std::uint32_t checksum_ = 0;
+  std::optional<CrashWatch> watch_;
   std::uint32_t restarts_ = 0;
   std::string how_ = "cold";
 };

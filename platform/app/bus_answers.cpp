@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <chrono>
+#include <span>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "bus/event_table.hpp"
 #include "bus/telemetry.hpp"
 #include "errors.hpp"
-#include "transport/client/c/polhode_bus.h"
 
 namespace polhode::platform {
 namespace {
@@ -37,29 +36,35 @@ bool closes_a_command(bus::EventId id) {
   }
 }
 
-}  // namespace
-
-void BusAnswers::Close::operator()(polhode_bus* bus) const {
-  polhode_bus_close(bus);
-  delete bus;
+Clock::time_point after(double seconds) {
+  return Clock::now() +
+         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
-BusAnswers::BusAnswers(const std::string& address, int apid_first)
-    : address_(address), apid_first_(apid_first), bus_(new polhode_bus{}) {
-  const int failed = polhode_bus_open(bus_.get(), address.c_str());
-  if (failed != 0) {
-    throw UnusableInput(fmt::format(
-        "--wait {}: cannot be opened: {}", address, std::generic_category().message(-failed)));
+BusReader open_to_wait(const std::string& address) {
+  try {
+    return open_bus_reader(address);
+  } catch (const UnusableInput& problem) {
+    throw UnusableInput(fmt::format("--wait {}", problem.what()));
   }
 }
 
-BusAnswers::Answer BusAnswers::read(std::span<const std::uint8_t> octets) const {
+}  // namespace
+
+BusAnswers::BusAnswers(const std::string& address, int apid_first)
+    : address_(address), apid_first_(apid_first), bus_(open_to_wait(address)) {}
+
+BusAnswers::Answer BusAnswers::read(std::span<const std::uint8_t> octets) {
   bus::PacketHeader header;
   (void)bus::read_header(octets, header);
-  const bus::Layout& layout = bus::EventPacket::layout();
+  const bus::Layout* layout = bus::find_packet(header.apid, apid_first_);
+  bus::CommandLinkPacket link;
+  if (layout == &bus::CommandLinkPacket::layout() && bus::decode(*layout, octets, &link)) {
+    (before_ ? last_ : before_) = link;
+  }
   bus::EventPacket event;
-  if (bus::find_packet(header.apid, apid_first_) != &layout ||
-      !bus::decode(layout, octets, &event) || !closes_a_command(bus::EventId{event.id})) {
+  if (layout != &bus::EventPacket::layout() || !bus::decode(*layout, octets, &event) ||
+      !closes_a_command(bus::EventId{event.id})) {
     return {};
   }
   const bool refused = event.severity >= static_cast<std::uint8_t>(bus::Severity::kError);
@@ -70,30 +75,85 @@ BusAnswers::Answer BusAnswers::read(std::span<const std::uint8_t> octets) const 
           .refused = refused};
 }
 
+std::span<const std::uint8_t> BusAnswers::next(Clock::time_point end) {
+  const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+  if (left.count() <= 0) {
+    return {};
+  }
+  const int octets =
+      polhode_bus_next(bus_.get(), packet_.data(), packet_.size(), static_cast<int>(left.count()));
+  if (octets < 0) {
+    throw RunFailure(fmt::format("{}: {}", address_, std::generic_category().message(-octets)));
+  }
+  return std::span(packet_).first(static_cast<std::size_t>(octets));
+}
+
+void BusAnswers::begin(double timeout_s) {
+  constexpr double kPeriod_s = 1.5;  // of the packet it is one, and a frame more
+  const Clock::time_point end = after(std::min(timeout_s, kPeriod_s));
+  while (!before_) {
+    const std::span<const std::uint8_t> packet = next(end);
+    if (packet.empty()) {
+      return;
+    }
+    bus::PacketHeader header;
+    (void)bus::read_header(packet, header);
+    if (bus::find_packet(header.apid, apid_first_) == &bus::CommandLinkPacket::layout()) {
+      (void)read(packet);
+    }
+  }
+}
+
+std::string BusAnswers::refused_at_ports() const {
+  if (!before_ || !last_) {
+    return {};
+  }
+  const std::pair<std::uint32_t, const char*> reasons[] = {
+      {last_->refused_sender - before_->refused_sender, "sent by another user"},
+      {last_->refused_form - before_->refused_form, "not signed (--key)"},
+      {last_->refused_mac - before_->refused_mac, "signed by another key"},
+      {last_->refused_number - before_->refused_number,
+       "with a number that was taken or is too old (a clock that is behind)"}};
+  std::string words;
+  for (const auto& [count, reason] : reasons) {
+    if (count > 0) {
+      words += fmt::format("{}{} {}", words.empty() ? "" : ", ", count, reason);
+    }
+  }
+  return words;
+}
+
+bool BusAnswers::all_refused(std::size_t commands) const {
+  return before_ && last_ && last_->received - before_->received == commands &&
+         last_->passed == before_->passed;
+}
+
 std::size_t BusAnswers::wait(std::size_t commands, double timeout_s) {
-  const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                      std::chrono::duration<double>(timeout_s));
-  std::array<std::uint8_t, POLHODE_PACKET_OCTETS_MAX> packet{};
+  const Clock::time_point end = after(timeout_s);
   std::size_t answered = 0;
   std::size_t refused = 0;
   while (answered < commands) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
-    if (left.count() <= 0) {
-      throw RunFailure(fmt::format("{}: {} of {} commands were answered within {} s",
+    const std::span<const std::uint8_t> packet = next(end);
+    const Answer answer = packet.empty() ? Answer{} : read(packet);
+    answered += answer.commands;
+    refused += answer.refused ? answer.commands : 0;
+    if (all_refused(commands)) {
+      throw RunFailure(fmt::format("{}: {} of {} commands were refused at the port: {}",
+                                   address_,
+                                   commands,
+                                   commands,
+                                   refused_at_ports()));
+    }
+    if (packet.empty() && Clock::now() >= end) {
+      const std::string words = refused_at_ports();
+      throw RunFailure(fmt::format("{}: {} of {} commands were answered within {} s{}{}",
                                    address_,
                                    answered,
                                    commands,
-                                   timeout_s));
+                                   timeout_s,
+                                   words.empty() ? "" : "; refused at the ports meanwhile: ",
+                                   words));
     }
-    const int octets =
-        polhode_bus_next(bus_.get(), packet.data(), packet.size(), static_cast<int>(left.count()));
-    if (octets < 0) {
-      throw RunFailure(fmt::format("{}: {}", address_, std::generic_category().message(-octets)));
-    }
-    const Answer answer =
-        octets == 0 ? Answer{} : read(std::span(packet).first(static_cast<std::size_t>(octets)));
-    answered += answer.commands;
-    refused += answer.refused ? answer.commands : 0;
   }
   return refused;
 }

@@ -1,13 +1,17 @@
 // What a component answers to commands, as it comes over the bus.
 #pragma once
 
+#include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
-struct polhode_bus;
+#include "app/bus_reader.hpp"
+#include "bus/packets.hpp"
+#include "transport/client/c/polhode_bus.h"
 
 namespace polhode::platform {
 
@@ -19,9 +23,13 @@ class BusAnswers {
   /// @throws UnusableInput: it cannot be opened.
   BusAnswers(const std::string& address, int apid_first);
 
+  /// Before the commands are sent: reads what the ports have counted so far, which comes once a
+  /// second. What they refuse afterwards can then be told from that.
+  void begin(double timeout_s);
+
   /// Prints each answer as it comes.
   /// @return commands refused, of `commands`.
-  /// @throws RunFailure: no answer to one of them within the time.
+  /// @throws RunFailure: the ports refused them, and why; or no answer to one within the time.
   std::size_t wait(std::size_t commands, double timeout_s);
 
  private:
@@ -29,14 +37,20 @@ class BusAnswers {
     std::size_t commands = 0;  ///< that it answers; 0: another packet
     bool refused = false;
   };
-  [[nodiscard]] Answer read(std::span<const std::uint8_t> octets) const;
+  [[nodiscard]] Answer read(std::span<const std::uint8_t> octets);
+  /// Reads on until the time is over. @return the next packet; empty: none came.
+  std::span<const std::uint8_t> next(std::chrono::steady_clock::time_point end);
+  /// Since begin(), as words: how many by which reason; empty: none, or it was not told.
+  [[nodiscard]] std::string refused_at_ports() const;
+  /// Nobody else has sent since begin(), and none of these passed: no answer will come.
+  [[nodiscard]] bool all_refused(std::size_t commands) const;
 
-  struct Close {
-    void operator()(polhode_bus* bus) const;
-  };
   std::string address_;
   int apid_first_;
-  std::unique_ptr<polhode_bus, Close> bus_;
+  BusReader bus_;
+  std::array<std::uint8_t, POLHODE_PACKET_OCTETS_MAX> packet_{};
+  std::optional<bus::CommandLinkPacket> before_;  ///< at begin()
+  std::optional<bus::CommandLinkPacket> last_;    ///< that came after it
 };
 
 }  // namespace polhode::platform

@@ -6,12 +6,12 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <memory>
 #include <optional>
 #include <system_error>
 #include <thread>
 
 #include "app/bus_answers.hpp"
+#include "app/bus_reader.hpp"
 #include "app/command_check.hpp"
 #include "app/packet_printer.hpp"
 #include "errors.hpp"
@@ -27,23 +27,6 @@ namespace {
 constexpr int kWait_ms = 200;  // after which an interruption is seen
 
 volatile std::sig_atomic_t interrupted = 0;
-
-struct CloseBus {
-  void operator()(polhode_bus* bus) const {
-    polhode_bus_close(bus);
-    delete bus;
-  }
-};
-
-std::unique_ptr<polhode_bus, CloseBus> open_bus(const Address& address) {
-  std::unique_ptr<polhode_bus, CloseBus> bus(new polhode_bus{});
-  const int failed = polhode_bus_open(bus.get(), address.text.c_str());
-  if (failed != 0) {
-    throw UnusableInput(fmt::format(
-        "{}: cannot be opened: {}", address.text, std::generic_category().message(-failed)));
-  }
-  return bus;
-}
 
 /// Tells of damage that the reader skipped since the last call.
 void tell_loss(const polhode_bus& bus, std::uint64_t& damaged, std::uint64_t& overrun) {
@@ -78,7 +61,8 @@ void sign(const polhode_key& key,
 
 void follow_bus(const BusFollowArguments& arguments) {
   const Address address = parse_address(arguments.address);
-  const auto bus = open_bus(address);
+  const BusReader bus = open_bus_reader(address.text);
+  bus->apid_first = arguments.apid_first;
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
   PacketPrinter printer(
@@ -107,6 +91,8 @@ void follow_bus(const BusFollowArguments& arguments) {
       break;
     }
   }
+  printer.count_damage(bus->damaged_octets);
+  printer.passed_over(bus->idle, bus->foreign);
   printer.finish();
 }
 
@@ -186,6 +172,7 @@ void send_command(const BusSendArguments& arguments) {
   std::optional<BusAnswers> answers;
   if (!arguments.wait.empty()) {
     answers.emplace(parse_address(arguments.wait).text, arguments.apid_first);
+    answers->begin(arguments.timeout_s);
   }
   send_packets(address, packets);
   if (answers) {

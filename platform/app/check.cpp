@@ -95,7 +95,8 @@ void check_configuration(const CheckArguments& arguments) {
   }
   Configuration configuration = load_configuration(arguments.config, arguments.settings);
   const MachineOptions machine = load_machine_options(arguments.config, arguments.settings);
-  const TransportOptions transport = load_transport_options(arguments.config, arguments.settings);
+  const TransportOptions transport =
+      load_live_transport_options(arguments.config, arguments.settings);
   check_files(arguments, machine, transport, configuration.parameters);
   const std::optional<Sequence> sequence = take_sequence(arguments, configuration);
   fmt::print("{}{}{}\n{}config hash: {}\n",

@@ -11,8 +11,9 @@
 #include <system_error>
 
 #include "base/crc.hpp"
+#include "os/linux/descriptor.hpp"
+#include "os/linux/file_owner.hpp"
 #include "pipeline/checkpoint.hpp"
-#include "transport/datagram/datagram.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -126,6 +127,7 @@ std::string read_whole(const fs::path& file, FileHeader* header, LoadedCheckpoin
   loaded->octets = {reinterpret_cast<const std::uint8_t*>(whole.data()), whole.size()};
   loaded->content = loaded->octets.subspan(sizeof *header);
   loaded->checksum = header->header_crc32;
+  loaded->stranger = problem_of_owner(in.get(), S_IWGRP | S_IWOTH);
   loaded->restarts = header->restarts;
   return {};
 }
@@ -171,7 +173,8 @@ bool write_checkpoint_file(const CheckpointPlaces& places,
                     .utc_ns = stamp.utc_ns,
                     .content_octets = content.size()};
   header.header_crc32 = crc_of(header);
-  const int out = ::open(places.beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640);
+  const int out =
+      ::open(places.beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0640);
   if (out < 0) {
     return false;
   }
@@ -201,7 +204,7 @@ LoadedCheckpoint load_checkpoint_file(const fs::path& file,
   FileHeader header;
   LoadedCheckpoint loaded = load(file, identity.build_id, &header);
   if (loaded.refusal.empty()) {
-    loaded.refusal = foreign_in(header, identity);
+    loaded.refusal = loaded.stranger.empty() ? foreign_in(header, identity) : loaded.stranger;
   }
   loaded.age_s = 1e-9 * static_cast<double>(utc_ns - header.utc_ns);
   if (loaded.refusal.empty() && !(loaded.age_s >= 0.0 && loaded.age_s <= age_s_max)) {

@@ -55,6 +55,7 @@ struct LoadedCheckpoint {
   std::span<const std::uint8_t> content;  ///< of it the state; empty when refused
   std::uint32_t checksum = 0;             ///< tells it from others
   std::string refusal;                    ///< why; empty when it is good
+  std::string stranger;                   ///< why it is not this user's own; empty when it is
   double age_s = 0.0;
   std::uint32_t restarts = 0;
 };
@@ -62,7 +63,8 @@ struct LoadedCheckpoint {
 /// Whole and of this build, as a replay asks it: of any configuration, boot and age.
 LoadedCheckpoint load_whole_checkpoint(const std::filesystem::path& file, const BuildId& build);
 
-/// As a live run asks it.
+/// As a live run asks it: of this configuration and boot, not too old, and a file of this user's
+/// own that nobody else may write to.
 LoadedCheckpoint load_checkpoint_file(const std::filesystem::path& file,
                                       const CheckpointIdentity& identity,
                                       std::int64_t utc_ns,

@@ -81,25 +81,27 @@ CrashMark read_crash_mark(const std::filesystem::path& file) {
   return good ? read.mark : CrashMark{};
 }
 
-CrashWatch::CrashWatch(const std::filesystem::path& checkpoint,
-                       const CrashMark& before,
-                       std::uint32_t began_from)
-    : file_(crash_mark_file(checkpoint)) {
+CrashWatch::CrashWatch(const std::filesystem::path& checkpoint, const CrashMark& before)
+    : file_(crash_mark_file(checkpoint)), before_(before) {
   const std::string name = file_.string();
   if (name.size() >= g_prepared.path.size()) {
     return;
   }
   std::copy(name.begin(), name.end(), g_prepared.path.begin());
   g_prepared.path[name.size()] = '\0';
-  MarkFile next{.mark = before};
-  if (next.mark.crashes < CrashMark::kWarmMax) {
-    next.mark.tried[next.mark.crashes] = began_from;
-  }
-  next.mark.crashes = std::min(before.crashes, 1000U) + 1;
-  next.crc32 = crc_of(next);
-  g_prepared.content = next;
+  begins_from(0);
   g_prepared.armed = 1;
   set_handlers(true);
+}
+
+void CrashWatch::begins_from(std::uint32_t checksum) {
+  MarkFile next{.mark = before_};
+  if (next.mark.crashes < CrashMark::kWarmMax) {
+    next.mark.tried[next.mark.crashes] = checksum;
+  }
+  next.mark.crashes = std::min(before_.crashes, 1000U) + 1;
+  next.crc32 = crc_of(next);
+  g_prepared.content = next;
 }
 
 CrashWatch::~CrashWatch() {

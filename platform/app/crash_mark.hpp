@@ -33,21 +33,21 @@ CrashMark read_crash_mark(const std::filesystem::path& file);
 /// time.
 class CrashWatch {
  public:
-  /// @param began_from  checksum of the checkpoint that this run began from; 0: cold.
-  CrashWatch(const std::filesystem::path& checkpoint,
-             const CrashMark& before,
-             std::uint32_t began_from);
+  CrashWatch(const std::filesystem::path& checkpoint, const CrashMark& before);
   /// A run that has stepped and ends in order takes the mark away. One that ends by an exception,
   /// or before its first frame, leaves what was there.
   ~CrashWatch();
   CrashWatch(const CrashWatch&) = delete;
   CrashWatch& operator=(const CrashWatch&) = delete;
 
+  /// From now on a crash is laid to the checkpoint with this checksum; 0: to none, as at first.
+  void begins_from(std::uint32_t checksum);
   /// A frame was stepped. After kFramesProven of them the mark goes, and none is left any more.
   void stepped();
 
  private:
   std::filesystem::path file_;
+  CrashMark before_;
   std::uint32_t frames_ = 0;
 };
 

@@ -10,6 +10,15 @@
 
 namespace polhode::platform {
 
+/// What the disk did not take, since the start.
+struct WriteFailures {
+  std::uint64_t packets = 0;  ///< steps whose packets are not, or not whole, in bus.ccsds
+  std::uint64_t checkpoints = 0;
+  std::uint64_t records = 0;   ///< of the recording
+  std::uint64_t streamed = 0;  ///< packets of file: transports
+  bool operator==(const WriteFailures&) const = default;
+};
+
 /// Durations in classes of 1/16 of an octave: a percentile is known to 5 %.
 class DurationHistogram {
  public:

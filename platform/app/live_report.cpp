@@ -68,16 +68,19 @@ void LiveReport::passed(const LiveCamera& camera, const LiveCounts& counts, std:
   }
 }
 
-void LiveReport::written(const WriteFailures& failures, std::int64_t now_ns) {
+bool LiveReport::written(const WriteFailures& failures, std::int64_t now_ns) {
   if (failures == told_failures_ || now_ns < failures_due_ns_) {
-    return;
+    return false;
   }
   failures_due_ns_ = now_ns + kSecond_ns;
   told_failures_ = failures;
-  say("disk: not written since the start: packets of %llu steps, %llu checkpoints, %llu records",
+  say("disk: not written since the start: packets of %llu steps, %llu checkpoints, %llu records, "
+      "%llu packets of files",
       static_cast<unsigned long long>(failures.packets),
       static_cast<unsigned long long>(failures.checkpoints),
-      static_cast<unsigned long long>(failures.records));
+      static_cast<unsigned long long>(failures.records),
+      static_cast<unsigned long long>(failures.streamed));
+  return true;
 }
 
 void LiveReport::say_state(const LiveCamera& camera, const LiveCounts& counts) {

@@ -14,14 +14,6 @@
 
 namespace polhode::platform {
 
-/// What the disk did not take, since the start.
-struct WriteFailures {
-  std::uint64_t packets = 0;  ///< steps whose packets are not, or not whole, in bus.ccsds
-  std::uint64_t checkpoints = 0;
-  std::uint64_t records = 0;  ///< of the recording
-  bool operator==(const WriteFailures&) const = default;
-};
-
 class LiveReport {
  public:
   LiveReport(ServiceManager& manager, int period_s);
@@ -31,7 +23,8 @@ class LiveReport {
   void passed(const LiveCamera& camera, const LiveCounts& counts, std::int64_t now_ns);
   /// Once a turn of the loop: says at once what the disk did not take, then no more often than
   /// trouble of the camera.
-  void written(const WriteFailures& failures, std::int64_t now_ns);
+  /// @return true when it has said so.
+  bool written(const WriteFailures& failures, std::int64_t now_ns);
   [[nodiscard]] const MotionState& last() const { return last_; }
 
  private:

@@ -27,7 +27,16 @@ void record_passed_over(LiveParts& parts, std::uint32_t late_before) {
 WriteFailures write_failures(const LiveParts& parts) {
   return {.packets = parts.packets != nullptr ? parts.packets->failures() : 0,
           .checkpoints = parts.checkpoint != nullptr ? parts.checkpoint->counters().failed : 0,
-          .records = parts.recorder != nullptr ? parts.recorder->counters().write_failures : 0};
+          .records = parts.recorder != nullptr ? parts.recorder->counters().write_failures : 0,
+          .streamed = parts.transports.refused_by_disk()};
+}
+
+/// What it did not take, at once: to people, and on the bus.
+void tell_disk(LiveParts& parts, std::int64_t now_ns) {
+  const WriteFailures failures = write_failures(parts);
+  if (parts.report.written(failures, now_ns)) {
+    parts.telemetry.disk_refused(failures, parts.transports, parts.report.last().timestamp_ns);
+  }
 }
 
 const StepOutput& step_from_pool(Component& component, const StepInput& input) {
@@ -131,7 +140,7 @@ LiveEnd run_live(LiveParts& parts, const LiveLimits& limits) {
       parts.manager.progress(now_ns);
     }
     attempts = camera.attempts;
-    parts.report.written(write_failures(parts), now_ns);
+    tell_disk(parts, now_ns);
     parts.report.passed(parts.camera, parts.counts, now_ns);
     parts.telemetry.passed(
         parts.counts, parts.camera, parts.transports, now_ns, parts.report.last().timestamp_ns);

@@ -1,10 +1,13 @@
 #include "app/output_folder.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <system_error>
 
 #include "errors.hpp"
+#include "os/linux/file_lock.hpp"
 #include "output_file.hpp"
 
 namespace polhode::platform {
@@ -39,7 +42,7 @@ constexpr const char* kOwnFiles[] = {
 
 }  // namespace
 
-void prepare_output_folder(const fs::path& folder) {
+Descriptor prepare_output_folder(const fs::path& folder) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
     fail(folder, "exists and is not a folder");
@@ -48,6 +51,11 @@ void prepare_output_folder(const fs::path& folder) {
   if (error) {
     fail(folder, "cannot be created: " + error.message());
   }
+  Descriptor lock(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (lock.get() < 0) {
+    fail(folder, "cannot be read: " + std::generic_category().message(errno));
+  }
+  lock_file(lock.get(), "--out " + folder.string());
   const bool empty = fs::is_empty(folder, error);
   if (error) {
     fail(folder, "cannot be read: " + error.message());
@@ -68,6 +76,7 @@ void prepare_output_folder(const fs::path& folder) {
            fmt::format("{} of an earlier run cannot be removed: {}", name, error.message()));
     }
   }
+  return lock;
 }
 
 }  // namespace polhode::platform

@@ -111,6 +111,12 @@ void PacketPrinter::finish() {
          apid,
          options_.apid_first);
   }
+  if (idle_ + foreign_ > 0) {
+    tell("{}: passed over: {} idle packets, {} of other applications without our CRC\n",
+         options_.source,
+         idle_,
+         foreign_);
+  }
   tell("{} packets, {} missing by their counts, {} octets damaged\n",
        packets_,
        missing_,
@@ -131,7 +137,8 @@ void StreamReader::add(std::span<const std::uint8_t> more, bool at_end, PacketPr
   held_.insert(held_.end(), more.begin(), more.end());
   std::size_t at = 0;
   while (at < held_.size()) {
-    const bus::StreamPiece piece = bus::next_piece(held_, at, at_end);
+    const bus::StreamPiece piece = bus::next_piece(
+        held_, at, at_end, {.after_damage = after_damage_, .apid_first = printer.apid_first()});
     if (piece.kind == bus::PieceKind::kIncomplete) {
       break;
     }
@@ -139,7 +146,11 @@ void StreamReader::add(std::span<const std::uint8_t> more, bool at_end, PacketPr
       printer.packet(piece.header, std::span(held_).subspan(piece.offset, piece.octets));
     } else if (piece.kind == bus::PieceKind::kDamaged) {
       printer.damage(offset_ + piece.offset, piece.octets);
+    } else {
+      printer.passed_over(piece.kind == bus::PieceKind::kIdle ? 1 : 0,
+                          piece.kind == bus::PieceKind::kForeign ? 1 : 0);
     }
+    after_damage_ = piece.kind == bus::PieceKind::kDamaged;
     at += piece.octets;
   }
   held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(at));

@@ -28,9 +28,18 @@ class PacketPrinter {
   /// file of something else gets one line, not hundreds.
   void damage(std::uint64_t offset, std::size_t octets);
 
+  /// As damage(), of what its reader has told already.
+  void count_damage(std::uint64_t octets) { damaged_total_ += octets; }
+  /// Packets that say nothing to us: idle ones, and other applications' without our CRC.
+  void passed_over(std::uint64_t idle, std::uint64_t foreign) {
+    idle_ += idle;
+    foreign_ += foreign;
+  }
+
   /// The last line, on standard error.
   void finish();
 
+  [[nodiscard]] int apid_first() const { return options_.apid_first; }
   [[nodiscard]] std::uint64_t packets() const { return packets_; }
   [[nodiscard]] std::uint64_t damaged_octets() const { return damaged_total_; }
 
@@ -45,6 +54,8 @@ class PacketPrinter {
   std::uint64_t packets_ = 0;
   std::uint64_t missing_ = 0;
   std::uint64_t damaged_total_ = 0;
+  std::uint64_t idle_ = 0;
+  std::uint64_t foreign_ = 0;
   std::uint64_t damage_offset_ = 0;  ///< of the damage since the last packet
   std::uint64_t damage_octets_ = 0;
 };
@@ -57,6 +68,7 @@ class StreamReader {
   void add(std::span<const std::uint8_t> more, bool at_end, PacketPrinter& printer);
 
  private:
+  bool after_damage_ = false;
   std::vector<std::uint8_t> held_;
   std::uint64_t offset_ = 0;  ///< of held_ in the stream
 };

@@ -1,12 +1,18 @@
 #include "app/places.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
+#include <utility>
 
 #include "errors.hpp"
+#include "os/linux/file_faults.hpp"
+#include "os/linux/file_lock.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -25,20 +31,57 @@ struct Place {
       fmt::format("{}: {}: {}: {}", place.config.string(), place.key, place.path.string(), why));
 }
 
+/// What the call throws, with the place's key.
+template <typename Call>
+auto of_place(const Place& place, Call call) {
+  try {
+    return call();
+  } catch (const UnusableInput& problem) {
+    throw UnusableInput(
+        fmt::format("{}: {}: {}", place.config.string(), place.key, problem.what()));
+  }
+}
+
 void prepare_folder(const Place& place, const fs::path& folder) {
   std::error_code problem;
   fs::create_directories(folder, problem);
   if (problem) {
-    refuse(place, fmt::format("{} cannot be made: {}", folder.string(), problem.message()));
+    of_place(place, [&] {
+      fail_at_start(fmt::format("{}: {} cannot be made", place.path.string(), folder.string()),
+                    problem.value());
+    });
   }
   if (!fs::is_directory(folder, problem)) {
     refuse(place, fmt::format("{} is no folder", folder.string()));
   }
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    refuse(place,
-           fmt::format("{} cannot be written to: {}",
-                       folder.string(),
-                       std::generic_category().message(errno)));
+    const int error = errno;
+    of_place(place, [&] {
+      fail_at_start(
+          fmt::format("{}: {} cannot be written to", place.path.string(), folder.string()), error);
+    });
+  }
+}
+
+bool is_same(int a, int b) {
+  struct stat of_a {};
+  struct stat of_b {};
+  return ::fstat(a, &of_a) == 0 && ::fstat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
+         of_a.st_ino == of_b.st_ino;
+}
+
+/// Nothing where it is one of those locked already.
+void lock_folder(const Place& place, std::vector<Descriptor>* locks) {
+  Descriptor folder(::open(place.path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (folder.get() < 0) {
+    refuse(place, std::generic_category().message(errno));
+  }
+  const bool locked = std::any_of(locks->begin(), locks->end(), [&](const Descriptor& other) {
+    return is_same(folder.get(), other.get());
+  });
+  if (!locked) {
+    of_place(place, [&] { lock_file(folder.get(), place.path.string()); });
+    locks->push_back(std::move(folder));
   }
 }
 
@@ -59,19 +102,22 @@ void check_places(const fs::path& config, const MachineOptions& machine) {
   }
 }
 
-void prepare_places(const fs::path& config, const MachineOptions& machine) {
+std::vector<Descriptor> prepare_places(const fs::path& config, const MachineOptions& machine) {
   check_places(config, machine);
-  if (!machine.run.folder.empty()) {
-    prepare_folder({config, "run.folder", machine.run.folder}, machine.run.folder);
-  }
-  if (!machine.recording.folder.empty()) {
-    prepare_folder({config, "recording.folder", machine.recording.folder},
-                   machine.recording.folder);
+  std::vector<Descriptor> locks;
+  for (const Place& place : {Place{config, "run.folder", machine.run.folder},
+                             Place{config, "recording.folder", machine.recording.folder}}) {
+    if (!place.path.empty()) {
+      prepare_folder(place, place.path);
+      lock_folder(place, &locks);
+    }
   }
   if (!machine.run.checkpoint.empty()) {
     const Place place{config, "run.checkpoint", machine.run.checkpoint};
     prepare_folder(place, fs::absolute(place.path).parent_path());
+    locks.push_back(of_place(place, [&] { return lock_beside(place.path); }));
   }
+  return locks;
 }
 
 }  // namespace polhode::platform

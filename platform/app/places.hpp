@@ -3,7 +3,9 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
+#include "os/linux/descriptor.hpp"
 #include "parameters/machine_options.hpp"
 
 namespace polhode::platform {
@@ -13,8 +15,11 @@ namespace polhode::platform {
 void check_places(const std::filesystem::path& config, const MachineOptions& machine);
 
 /// Makes the folders of run.folder, run.checkpoint and recording.folder where they are missing,
-/// after check_places().
-/// @throws UnusableInput naming the configuration, the key, the place and why it cannot be written.
-void prepare_places(const std::filesystem::path& config, const MachineOptions& machine);
+/// after check_places(), and locks what is written to: both folders and the checkpoint.
+/// @return the locks: no other run has these places while it lives.
+/// @throws UnusableInput naming the configuration, the key, the place and why it cannot be written,
+/// or which process has it.
+[[nodiscard]] std::vector<Descriptor> prepare_places(const std::filesystem::path& config,
+                                                     const MachineOptions& machine);
 
 }  // namespace polhode::platform

@@ -5,9 +5,12 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 
 #include "app/machine.hpp"
+#include "bus/event_table.hpp"
 #include "bus/packet_layout.hpp"
 #include "bus/telemetry.hpp"
 
@@ -53,8 +56,12 @@ bus::CommandLinkPacket packet_of(const CommandPorts& ports) {
           .flags = static_cast<std::uint8_t>(flags)};
 }
 
-static_assert(bus::command_link_layout::kPacketOctets <= bus::platform_layout::kPacketOctets,
-              "both are encoded in one place");
+static_assert(bus::command_link_layout::kPacketOctets <=
+                      bus::platform_event_layout::kPacketOctets &&
+                  bus::platform_layout::kPacketOctets <= bus::platform_event_layout::kPacketOctets,
+              "all are encoded in one place");
+
+constexpr std::uint16_t kDiskRefused = 1;  // platform_event's id
 
 std::uint8_t flags_of(const PlatformFacts& facts) {
   namespace layout = bus::platform_layout;
@@ -103,23 +110,49 @@ void PlatformTelemetry::passed(const LiveCounts& counts,
   packet.uptime_s = static_cast<std::uint32_t>((now_ns - begun_ns_) / kSecond_ns);
   packet.restarts = facts_.restarts;
   packet.flags = flags_of(facts_);
-  send(bus::PlatformPacket::layout(), &packet, frame_ns, transports);
+  send(bus::PlatformPacket::layout(), &packet, sequence_, frame_ns, transports);
   if (transports.commands().size() > 0) {
     bus::CommandLinkPacket link = packet_of(transports.commands());
     link.timestamp_ns = frame_ns;
-    send(bus::CommandLinkPacket::layout(), &link, frame_ns, transports);
+    send(bus::CommandLinkPacket::layout(), &link, sequence_, frame_ns, transports);
   }
   ++sequence_;
 }
 
+void PlatformTelemetry::disk_refused(const WriteFailures& failures,
+                                     Transports& transports,
+                                     std::int64_t frame_ns) {
+  bus::PlatformEventPacket event{.timestamp_ns = frame_ns,
+                                 .value = {static_cast<double>(failures.packets),
+                                           static_cast<double>(failures.checkpoints),
+                                           static_cast<double>(failures.records),
+                                           static_cast<double>(failures.streamed)},
+                                 .id = kDiskRefused,
+                                 .severity = static_cast<std::uint8_t>(bus::Severity::kError)};
+  const int octets = std::snprintf(
+      event.text.data(),
+      event.text.size(),
+      "disk: not written: packets of %.0f steps, %.0f checkpoints, %.0f records, %.0f packets of "
+      "files",
+      event.value[0],
+      event.value[1],
+      event.value[2],
+      event.value[3]);
+  event.text_octets =
+      static_cast<std::uint8_t>(std::clamp(octets, 0, static_cast<int>(event.text.size()) - 1));
+  send(bus::PlatformEventPacket::layout(), &event, events_, frame_ns, transports);
+  events_ = bus::next_sequence(events_);
+}
+
 void PlatformTelemetry::send(const bus::Layout& layout,
                              void* packet,
+                             std::uint16_t sequence,
                              std::int64_t frame_ns,
                              Transports& transports) {
   const std::size_t octets = bus::encode(
       layout,
       packet,
-      {.apid_first = options_.apid_first, .sequence = sequence_, .timestamp_ns = frame_ns},
+      {.apid_first = options_.apid_first, .sequence = sequence, .timestamp_ns = frame_ns},
       octets_);
   transports.send(std::span(octets_).first(octets));
 }

@@ -1,5 +1,6 @@
-// What the machine around the component does, once a second on the bus: the two packets of the
-// field table that are in no replay. They go to the transports only, never into a run's bus.ccsds.
+// What the machine around the component does, on the bus: the packets of the field table that are
+// in no replay, two once a second, and events. They go to the transports only, never into a run's
+// bus.ccsds.
 #pragma once
 
 #include <array>
@@ -39,9 +40,16 @@ class PlatformTelemetry {
               std::int64_t now_ns,
               std::int64_t frame_ns);
 
+  /// At once. Takes no memory.
+  void disk_refused(const WriteFailures& failures, Transports& transports, std::int64_t frame_ns);
+
  private:
   [[nodiscard]] std::uint64_t resident_octets() const;
-  void send(const bus::Layout& layout, void* packet, std::int64_t frame_ns, Transports& transports);
+  void send(const bus::Layout& layout,
+            void* packet,
+            std::uint16_t sequence,
+            std::int64_t frame_ns,
+            Transports& transports);
 
   BusOptions options_;
   PlatformFacts facts_;
@@ -49,7 +57,8 @@ class PlatformTelemetry {
   std::int64_t begun_ns_ = 0;
   std::int64_t due_ns_ = 0;
   std::uint16_t sequence_ = 0;  ///< of both packets
-  std::array<std::uint8_t, bus::platform_layout::kPacketOctets> octets_{};
+  std::uint16_t events_ = 0;    ///< count of theirs
+  std::array<std::uint8_t, bus::platform_event_layout::kPacketOctets> octets_{};
 };
 
 }  // namespace polhode::platform

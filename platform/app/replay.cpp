@@ -284,6 +284,16 @@ void finish_files(Run& run, const fs::path& folder) {
                 folder);
 }
 
+/// @return what was said.
+std::vector<std::string> tell_warnings(const FileCamera& camera) {
+  const std::string remark = camera.orientation_remark();
+  if (remark.empty()) {
+    return {};
+  }
+  tell("polhode: {}\n", remark);
+  return {remark};
+}
+
 void tell_result(const Run& run, const fs::path& out) {
   fmt::print(
       "{}\nwritten to {}\n", result_sentence(run.record, run.component.counters()), out.string());
@@ -318,8 +328,7 @@ void replay(const ReplayArguments& arguments) {
   Component& component = make_component(memory, parameters, arguments);
   const std::string config_hash = sha256_of(canonical_text(view_of(component).parameters));
   Transports transports({.send = options.transport.send, .receive = {}});
-  prepare_output_folder(arguments.out);  // last: an earlier run's files go
-
+  const Descriptor lock = prepare_output_folder(arguments.out);  // last: an earlier run's files go
   const std::size_t frames = sequence.frames.size();
   Run run{.sequence = sequence,
           .servicer = servicer,
@@ -352,6 +361,7 @@ void replay(const ReplayArguments& arguments) {
                  .counters = component.counters(),
                  .parameters = parameters,
                  .sequence = arguments.sequence.string(),
+                 .warnings = tell_warnings(run.camera),
                  .config_hash = config_hash,
                  .bus_sha256 = bus_sha256,
                  .bus_octets = run.files.bus.octets(),

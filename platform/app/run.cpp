@@ -177,10 +177,8 @@ void open_checkpoint(const RunOptions& options,
                      const Beginning& beginning,
                      Component& component,
                      std::optional<CheckpointWriter>* checkpoint,
-                     std::optional<CheckpointOnExhaustion>* last_words,
-                     std::optional<CrashWatch>* crash) {
+                     std::optional<CheckpointOnExhaustion>* last_words) {
   if (!options.checkpoint.empty()) {
-    crash->emplace(options.checkpoint, beginning.crashes(), beginning.checksum());
     checkpoint->emplace(options.checkpoint, beginning.identity(), beginning.restarts());
     last_words->emplace(component, **checkpoint);
   }
@@ -211,9 +209,10 @@ void run_command(const RunArguments& arguments) {
   // Signals of now on end the run in order, also while the camera is being opened.
   listen_for_stop();
   ChosenCamera chosen(arguments.config, machine, &configuration.parameters);
-  prepare_places(arguments.config, machine);
+  const std::vector<Descriptor> places = prepare_places(arguments.config, machine);
   const Parameters& parameters = configuration.parameters;
-  const TransportOptions transport = load_transport_options(arguments.config, arguments.settings);
+  const TransportOptions transport =
+      load_live_transport_options(arguments.config, arguments.settings);
   (void)key_of(transport.transport.commands);  // before anything starts
   const ComponentMemory memory(parameters,
                                arguments.config.string(),
@@ -231,8 +230,7 @@ void run_command(const RunArguments& arguments) {
   beginning.forget_octets();
   std::optional<CheckpointWriter> checkpoint;
   std::optional<CheckpointOnExhaustion> last_words;
-  std::optional<CrashWatch> crash;
-  open_checkpoint(machine.run, beginning, component, &checkpoint, &last_words, &crash);
+  open_checkpoint(machine.run, beginning, component, &checkpoint, &last_words);
   ServiceManager manager;
   LiveReport report(manager, machine.run.report_s);
   const auto counts = make_counts(parameters.budget.frame_ms);
@@ -256,7 +254,7 @@ void run_command(const RunArguments& arguments) {
                   .packets = packets ? &*packets : nullptr,
                   .recorder = recorder.get(),
                   .checkpoint = checkpoint ? &*checkpoint : nullptr,
-                  .crash = crash ? &*crash : nullptr,
+                  .crash = beginning.watch(),
                   .exposure = exposure};
   manager.ready();
   const LiveEnd end = run_sealed(parts, machine.run, arguments.memory_trap);

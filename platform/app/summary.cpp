@@ -165,6 +165,7 @@ void write_summary(const std::filesystem::path& file, const SummaryInput& input)
                      {"acquired", record.first_pose_frame.has_value()},
                      {"mode_at_end", mode_name(record.last.mode)},
                      {"sequence", input.sequence},
+                     {"warnings", input.warnings},
                      {"config_hash", input.config_hash},
                      {"network", network(input.network)},
                      {"frames", frames},

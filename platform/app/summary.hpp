@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "app/machine.hpp"
 #include "app/run_record.hpp"
@@ -20,6 +21,7 @@ struct SummaryInput {
   const Counters& counters;
   const Parameters& parameters;
   std::string sequence;
+  std::vector<std::string> warnings;  ///< what else people should know
   std::string config_hash;
   std::string bus_sha256;
   std::uint64_t bus_octets = 0;

@@ -2,8 +2,11 @@
 _polhode() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} word help commands=()
   case $previous in
-    --config | --sequence | --out | --commands | --checkpoint)
+    --config | --sequence | --out | --commands | --checkpoint | --key)
       mapfile -t COMPREPLY < <(compgen -f -- "$current")
+      return ;;
+    --wait)
+      mapfile -t COMPREPLY < <(compgen -W 'unix: udp: shm:/ file:' -- "$current")
       return ;;
   esac
   for word in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do

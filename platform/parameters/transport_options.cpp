@@ -122,6 +122,12 @@ TransportOptions load_transport_options(const std::filesystem::path& file,
   } catch (const toml::parse_error& problem) {
     throw UnusableInput(fmt::format("{}: {}", source, problem.description()));
   }
+  return options;
+}
+
+TransportOptions load_live_transport_options(const std::filesystem::path& file,
+                                             std::span<const std::string> settings) {
+  TransportOptions options = load_transport_options(file, settings);
   const std::string problem = problem_of(options.transport.receive, options.transport.commands);
   if (!problem.empty()) {
     throw UnusableInput(fmt::format("{}: {}", file.string(), problem));

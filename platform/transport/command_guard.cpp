@@ -10,6 +10,7 @@
 
 #include "bus/octets.hpp"
 #include "errors.hpp"
+#include "os/linux/file_faults.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -32,8 +33,7 @@ polhode_key read_key(const std::filesystem::path& file) {
         "{}: a key is a file of its own user's or root's, of mode 0600 or 0400", file.string()));
   }
   if (failed != 0) {
-    throw UnusableInput(fmt::format(
-        "{}: cannot be read: {}", file.string(), std::generic_category().message(-failed)));
+    fail_at_start(file.string() + ": cannot be read", -failed);
   }
   return key;
 }
@@ -81,9 +81,11 @@ CommandGuard::CommandGuard(const CommandSettings& settings, std::uint64_t utc_ns
     return;
   }
   try {
-    numbers_.emplace(settings.window, *key_, utc_ns);
+    numbers_ = std::make_unique<NumberFile>(settings.window, *key_, utc_ns);
   } catch (const UnusableInput& problem) {
     throw UnusableInput(fmt::format("commands.window: {}", problem.what()));
+  } catch (const RunFailure& problem) {
+    throw RunFailure(fmt::format("commands.window: {}", problem.what()));
   }
   window_ = CommandWindow(numbers_->number());
 }
@@ -101,6 +103,20 @@ std::optional<std::span<const std::uint8_t>> CommandGuard::pass(std::span<std::u
   }
   counts_.passed += packet ? 1 : 0;
   return packet;
+}
+
+void CommandGuard::keep_numbers() {
+  if (late_.commands > 0 && numbers_->state_of(late_.number) != Kept::kYes) {
+    counts_.numbers_not_kept += late_.commands;
+  }
+  late_ = {};
+  if (passed_.commands == 0) {
+    return;
+  }
+  const Kept kept = numbers_->keep(passed_.number);
+  counts_.numbers_not_kept += kept == Kept::kRefused ? passed_.commands : 0;
+  late_ = kept == Kept::kLate ? passed_ : Unkept{};
+  passed_ = {};
 }
 
 std::optional<std::span<const std::uint8_t>> CommandGuard::take_trailer(
@@ -124,7 +140,7 @@ std::optional<std::span<const std::uint8_t>> CommandGuard::take_trailer(
     return std::nullopt;
   }
   window_.take(number);
-  counts_.numbers_not_kept += numbers_->keep(window_.highest()) ? 0 : 1;
+  passed_ = {.commands = passed_.commands + 1, .number = window_.highest()};
   bus::put_unsigned(datagram, kLengthOctet, octets - kLengthOffset, 2);
   return datagram.first(octets);
 }

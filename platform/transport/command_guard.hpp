@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,21 +30,27 @@ struct CommandCounts {
   std::uint32_t refused_form = 0;      ///< no packet with a trailer
   std::uint32_t refused_mac = 0;       ///< not by this key
   std::uint32_t refused_number = 0;    ///< taken before, or too old to tell
-  std::uint32_t numbers_not_kept = 0;  ///< the disk refused the number of one that was passed
+  std::uint32_t numbers_not_kept = 0;  ///< passed, but the disk refused the number, or was slow
 };
 
 class CommandGuard {
  public:
   /// Without a key all datagrams pass, but for those of other users on a Unix socket.
   CommandGuard() = default;
-  /// @throws UnusableInput: the key cannot be used, or the file of numbers.
+  /// @throws UnusableInput: the key cannot be used, or the file of numbers; RunFailure: the disk's
+  /// fault.
   CommandGuard(const CommandSettings& settings, std::uint64_t utc_ns);
 
-  /// Counts the datagram, and takes the trailer off.
+  /// Counts the datagram, and takes the trailer off. What passes is handed on after keep_numbers().
   /// @param datagram  changed in place.
   /// @return the command packet as it was before it was signed; nothing when refused.
   std::optional<std::span<const std::uint8_t>> pass(std::span<std::uint8_t> datagram,
                                                     const Received& received);
+
+  /// Once a step, for all that passed since the last call, so that none of them passes after a
+  /// restart. May wait, for NumberFile::kWait at most. What the file has not by the next call is
+  /// counted.
+  void keep_numbers();
 
   [[nodiscard]] bool has_key() const { return key_.has_value(); }
   [[nodiscard]] const CommandCounts& counts() const { return counts_; }
@@ -55,7 +62,13 @@ class CommandGuard {
   std::optional<std::span<const std::uint8_t>> take_trailer(std::span<std::uint8_t> datagram);
 
   std::optional<polhode_key> key_;
-  std::optional<NumberFile> numbers_;
+  std::unique_ptr<NumberFile> numbers_;
+  struct Unkept {
+    std::uint32_t commands = 0;
+    std::uint64_t number = 0;  ///< the greatest of them
+  };
+  Unkept passed_;  ///< since the last keep_numbers()
+  Unkept late_;    ///< handed to the file then, which was slow
   CommandWindow window_;
   CommandCounts counts_;
 };

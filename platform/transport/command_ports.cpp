@@ -59,6 +59,7 @@ std::span<const std::span<const std::uint8_t>> CommandPorts::receive() {
     empty = take_one(ports_[first_]) ? 0 : empty + 1;
     first_ = (first_ + 1) % ports_.size();
   }
+  guard_.keep_numbers();
   return std::span(packets_).first(count_);
 }
 

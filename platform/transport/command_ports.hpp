@@ -32,7 +32,8 @@ class CommandPorts {
   /// Command packets that have arrived, of each port oldest first, at most limits::kStepCommands;
   /// the rest stays for the next call. Without a key a datagram longer than a packet may be arrives
   /// cut, and so is refused by its length.
-  /// @return valid until the next call. Never waits.
+  /// @return valid until the next call. Waits for no datagram; with signed ones for their number to
+  /// be kept, NumberFile::kWait at most.
   std::span<const std::span<const std::uint8_t>> receive();
 
   [[nodiscard]] const CommandGuard& guard() const { return guard_; }

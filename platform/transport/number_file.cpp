@@ -5,16 +5,20 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <system_error>
 
 #include "base/crc.hpp"
 #include "errors.hpp"
+#include "os/linux/file_faults.hpp"
 #include "os/linux/file_lock.hpp"
+#include "os/linux/file_owner.hpp"
 
 namespace polhode::platform {
 
@@ -49,82 +53,143 @@ std::uint64_t name_of(const polhode_key& key) {
   return name;
 }
 
-int open_numbers(const std::filesystem::path& file) {
-  const int fd = ::open(
-      file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, S_IRUSR | S_IWUSR);
-  if (fd < 0) {
-    throw UnusableInput(fmt::format(
-        "{}: cannot be written: {}", file.string(), std::generic_category().message(errno)));
+Descriptor open_numbers(const std::filesystem::path& file) {
+  Descriptor opened(::open(
+      file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, S_IRUSR | S_IWUSR));
+  if (opened.get() < 0) {
+    fail_at_start(file.string() + ": cannot be written", errno);
   }
-  return fd;
+  return opened;
 }
 
 }  // namespace
 
 NumberFile::NumberFile(const std::filesystem::path& file,
                        const polhode_key& key,
-                       std::uint64_t utc_ns)
-    : file_(open_numbers(file)), key_name_(name_of(key)) {
-  struct stat status {};
-  if (::fstat(file_.get(), &status) != 0 || !S_ISREG(status.st_mode) ||
-      status.st_uid != ::geteuid() || (status.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
-    throw UnusableInput(
-        fmt::format("{}: is no file of this user's own, or others may write to it", file.string()));
+                       std::uint64_t utc_ns,
+                       WriteAt write)
+    : write_(write), file_(open_numbers(file)), key_name_(name_of(key)) {
+  const std::string problem = problem_of_owner(file_.get(), S_IWGRP | S_IWOTH);
+  if (!problem.empty()) {
+    throw UnusableInput(fmt::format("{}: {}", file.string(), problem));
   }
-  const std::string taken = lock_file(file_.get());
-  if (!taken.empty()) {
-    throw UnusableInput(fmt::format("{}: {}", file.string(), taken));
-  }
-  begin(utc_ns);
+  lock_file(file_.get(), file.string());
+  begin(file, utc_ns);
   // Both places: from here on the file never grows, so a full disk does not stop it.
-  if (!keep(number_) || !keep(number_)) {
-    throw UnusableInput(fmt::format(
-        "{}: cannot be written: {}", file.string(), std::generic_category().message(errno)));
+  if (!put(number_) || !put(number_)) {
+    fail_at_start(file.string() + ": cannot be written", errno);
   }
+  wanted_ = done_ = written_ = number_;
+  thread_.start(&NumberFile::work, this);
 }
 
-void NumberFile::begin(std::uint64_t utc_ns) {
-  std::array<Place, 2> places;
+NumberFile::~NumberFile() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void NumberFile::begin(const std::filesystem::path& file, std::uint64_t utc_ns) {
+  std::array<Place, 2 * kKeys> places;
   const ssize_t octets = ::pread(file_.get(), places.data(), sizeof places, 0);
-  bool known = false;
-  bool other_key = false;
-  std::size_t whole = 0;
-  for (std::size_t i = 0; octets == sizeof places && i < places.size(); ++i) {
-    whole += places[i].whole() ? 1 : 0;
-    if (places[i].whole() && places[i].key_name == key_name_) {
-      known = true;
-      number_ = std::max(number_, places[i].number);
+  if (octets < 0) {
+    throw RunFailure(fmt::format(
+        "{}: cannot be read: {}", file.string(), std::generic_category().message(errno)));
+  }
+  constexpr std::size_t kPairOctets = 2 * sizeof(Place);
+  const std::size_t pairs = (static_cast<std::size_t>(octets) + kPairOctets - 1) / kPairOctets;
+  const std::size_t held = static_cast<std::size_t>(octets) / sizeof(Place);
+  std::optional<std::size_t> own;
+  bool torn = false;  // one of this key's places
+  bool lost = false;  // a pair that does not tell whose it was
+  for (std::size_t pair = 0; pair < pairs; ++pair) {
+    std::size_t mine = 0;
+    std::size_t others = 0;
+    for (std::size_t i = 2 * pair; i < std::min(held, 2 * pair + 2); ++i) {
+      const bool is_mine = places[i].whole() && places[i].key_name == key_name_;
+      mine += is_mine ? 1 : 0;
+      others += places[i].whole() && !is_mine ? 1 : 0;
+      number_ = is_mine ? std::max(number_, places[i].number) : number_;
     }
-    other_key = other_key || places[i].whole();
+    own = mine > 0 && others == 0 ? pair : own;
+    torn = torn || mine == 1;
+    lost = lost || mine + others == 0;
   }
-  if (known && whole < places.size()) {  // the greater number may have stood in the other
+  pair_ = own.value_or(pairs);
+  if (pair_ == kKeys) {
+    throw UnusableInput(
+        fmt::format("{}: holds the numbers of {} other keys, and has no room for "
+                    "more: name a new file",
+                    file.string(),
+                    kKeys));
+  }
+  if (torn || (!own && (lost || pairs == 0))) {
     number_ = std::max(number_, utc_ns);
-    remark_ = "one of the numbers kept is damaged: they begin at the present time";
-    return;
+    remark_ = pairs == 0 ? "no numbers were kept: they begin at the present time"
+                         : "numbers that were kept are damaged: they begin at the present time";
+  } else if (!own) {
+    remark_ = "a new key: numbers begin at 0";
   }
-  if (known || other_key) {
-    remark_ = known ? "" : "a new key: numbers begin at 0";
-    return;
-  }
-  number_ = utc_ns;
-  remark_ = octets == 0 ? "no numbers were kept: they begin at the present time"
-                        : "the numbers kept are damaged: they begin at the present time";
 }
 
-bool NumberFile::keep(std::uint64_t number) {
+bool NumberFile::put(std::uint64_t number) {
   Place place;
   place.key_name = key_name_;
   place.number = number;
   place.crc32 = place.sum();
-  const auto at = static_cast<off_t>(next_ * sizeof place);
-  if (::pwrite(file_.get(), &place, sizeof place, at) != sizeof place) {
+  const auto at = static_cast<off_t>((2 * pair_ + next_) * sizeof place);
+  if (write_(file_.get(), &place, sizeof place, at) != sizeof place) {
     return false;
   }
   // Begins the writing and returns; without it the disk has it within half a minute.
   (void)::sync_file_range(file_.get(), at, sizeof place, SYNC_FILE_RANGE_WRITE);
-  number_ = number;
   next_ = 1 - next_;
   return true;
+}
+
+Kept NumberFile::keep(std::uint64_t number) {
+  std::unique_lock lock(mutex_);
+  const bool late = done_ < wanted_;
+  wanted_ = std::max(wanted_, number);
+  changed_.notify_all();
+  if (!late) {
+    (void)changed_.wait_for(lock, kWait, [&] { return done_ >= number; });
+  }
+  return state_with_lock(number);
+}
+
+Kept NumberFile::state_of(std::uint64_t number) {
+  const std::lock_guard lock(mutex_);
+  return state_with_lock(number);
+}
+
+Kept NumberFile::state_with_lock(std::uint64_t number) const {
+  if (written_ >= number) {
+    return Kept::kYes;
+  }
+  return done_ >= number ? Kept::kRefused : Kept::kLate;
+}
+
+void NumberFile::work(void* numbers) { static_cast<NumberFile*>(numbers)->serve(); }
+
+void NumberFile::serve() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return stop_ || done_ < wanted_; });
+    if (done_ == wanted_) {
+      return;
+    }
+    const std::uint64_t number = wanted_;
+    lock.unlock();
+    const bool put_down = put(number);
+    lock.lock();
+    done_ = number;
+    written_ = put_down ? number : written_;
+    changed_.notify_all();
+  }
 }
 
 }  // namespace polhode::platform

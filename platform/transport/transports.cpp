@@ -63,6 +63,15 @@ const SendCounts& Transports::counts(std::size_t number) const {
                     senders_[number].to);
 }
 
+std::uint64_t Transports::refused_by_disk() const {
+  std::uint64_t sum = 0;
+  for (const Sender& sender : senders_) {
+    const auto* file = std::get_if<FlatFile>(&sender.to);
+    sum += file != nullptr ? file->refused() : 0;
+  }
+  return sum;
+}
+
 SendCounts Transports::counts() const {
   SendCounts sum;
   for (std::size_t i = 0; i < senders_.size(); ++i) {

@@ -38,11 +38,13 @@ class Transports {
   /// Tries again what waits for a reader with a full queue: at a quiet moment, and before the end.
   void flush();
 
-  /// Command packets that have arrived; valid until the next call. Never waits.
+  /// Command packets that have arrived, as CommandPorts::receive(); valid until the next call.
   std::span<const std::span<const std::uint8_t>> received();
 
   /// Over all transports.
   [[nodiscard]] SendCounts counts() const;
+  /// Packets that the disk did not take, over all file: transports.
+  [[nodiscard]] std::uint64_t refused_by_disk() const;
   /// Of the address with this number, from 0, as in the settings.
   [[nodiscard]] const SendCounts& counts(std::size_t number) const;
   [[nodiscard]] const std::string& address(std::size_t number) const {

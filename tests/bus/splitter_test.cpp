@@ -123,6 +123,38 @@ TEST(Splitter, IdlePacketsAreNeitherPacketsNorDamage) {
   EXPECT_EQ(read_all(stream).sequences.size(), 1U);
 }
 
+/// Without our secondary header, and without a CRC.
+std::vector<std::uint8_t> foreign(std::uint8_t octets) {
+  std::vector<std::uint8_t> packet{0x01, 0x23, 0xC0, 5, 0, static_cast<std::uint8_t>(octets - 7)};
+  packet.resize(octets, 0xA5);
+  return packet;
+}
+
+TEST(Splitter, PacketsOfOthersAreBelievedInStep_AndNotBehindDamage) {
+  const std::vector<std::uint8_t> other = foreign(20);
+  std::vector<std::uint8_t> stream = stream_of(1);
+  stream.insert(stream.begin(), other.begin(), other.end());
+  const StreamPiece piece = next_piece(stream, 0, true);
+  EXPECT_EQ(piece.kind, PieceKind::kForeign);
+  EXPECT_EQ(piece.octets, other.size());
+  const StreamPiece damaged = next_piece(stream, 0, true, {.after_damage = true});
+  EXPECT_EQ(damaged.kind, PieceKind::kDamaged);
+  EXPECT_EQ(damaged.octets, other.size()) << "up to the packet that a CRC tells";
+  // The same octets under one of the run's own APIDs are damage.
+  EXPECT_EQ(next_piece(stream, 0, true, {.apid_first = 0x120}).kind, PieceKind::kDamaged);
+  EXPECT_EQ(next_piece(stream, 0, true, {.apid_first = 0x124}).kind, PieceKind::kForeign);
+}
+
+TEST(Splitter, APacketOfOthersNeedsAnotherHeaderOrTheEndBehindIt) {
+  std::vector<std::uint8_t> stream = foreign(20);
+  EXPECT_EQ(next_piece(stream, 0, true).kind, PieceKind::kForeign);
+  EXPECT_EQ(next_piece(stream, 0, false).kind, PieceKind::kIncomplete);
+  stream.resize(30, 0xA5);
+  EXPECT_EQ(next_piece(stream, 0, true).kind, PieceKind::kDamaged);
+  const std::vector<std::uint8_t> hole(70);
+  EXPECT_EQ(next_piece(hole, 0, true).kind, PieceKind::kDamaged);
+}
+
 TEST(Splitter, FindsNothingInNoise) {
   Rng rng(6, 0);
   std::vector<std::uint8_t> noise(100'000);

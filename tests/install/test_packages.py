@@ -39,6 +39,9 @@ def test_the_man_page_has_every_command():
     assert {"replay ", "bus dump", "recording export"} <= set(commands)
     missing = [command for command in commands if not re.search(rf"\b{command.strip()}\b", page)]
     assert not missing, f"platform/debian/polhode.1 lacks {', '.join(missing)}"
+    options = re.findall(r"--[a-z]+", run(PROGRAM, "bus", "send", "--help").stdout)
+    assert {"--key", "--number", "--wait", "--timeout"} <= set(options)
+    assert {"--key", "--number", "--wait", "--timeout"} <= set(re.findall(r"--[a-z]+", page))
 
 
 def completed(*words: str) -> list[str]:
@@ -53,6 +56,9 @@ def test_bash_completes_commands_and_options():
     assert set(completed("bus", "")) == set(subcommands("bus")) | {"postinst", "prerm"}  # files of the folder, too
     assert completed("replay", "--seq") == ["--sequence"]
     assert completed("replay", "--config", "pre") == ["prerm"]
+    assert completed("bus", "send", "udp:1", "noop", "--key", "pre") == ["prerm"]
+    assert completed("bus", "send", "udp:1", "noop", "--wait", "s") == ["shm:/"]
+    assert {"--key", "--wait"} <= set(completed("bus", "send", "udp:1", "noop", "--"))
 
 
 def listing(name: str) -> dict[str, str]:

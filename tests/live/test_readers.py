@@ -74,6 +74,6 @@ def without_platform(octets):
     while at < len(octets):
         size = int.from_bytes(octets[at + 4:at + 6], "big") + 7
         apid = int.from_bytes(octets[at:at + 2], "big") & 0x7FF
-        kept += b"" if apid & 0xF == 7 else octets[at:at + size]
+        kept += b"" if apid & 0xF in (7, 8, 9) else octets[at:at + size]
         at += size
     return kept

@@ -1,12 +1,15 @@
 """polhode run takes commands of those who hold the key, once, and says who else may give them."""
 
 import json
+import os
 import pathlib
 import socket
+import subprocess
 import sys
 import time
 
 import pytest
+from replay_files import PROGRAM
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(REPOSITORY / "platform/transport/client/python"))
@@ -82,6 +85,43 @@ def test_without_a_key_udp_takes_commands_only_where_the_configuration_says_so(l
     counts = json.loads((run.folder / "run.json").read_text())["transport"]
     assert not counts["commands_signed"] and counts["commands_passed"] == 1
     assert packets(tmp_path / "open.ccsds", "command_link")[0].unauthenticated
+
+
+def test_what_the_port_refuses_is_said_with_its_reason(live, played, tmp_path, key, until):
+    """By who waits for the answer; the guard itself answers nothing."""
+    ring = f"/polhode_refused_{os.getpid()}"
+    commands = f"unix:{tmp_path}/commands"
+    other = tmp_path / "other.key"
+    other.write_text("d5" * 32)
+    other.chmod(0o600)
+
+    def send(*words):
+        return subprocess.run([PROGRAM, "bus", "send", commands, "noop", *words, "--wait", f"shm:{ring}", "--timeout", "60"],
+                              capture_output=True, text=True, timeout=120)
+
+    run = live(played.path, device__sequence_passes=100000, device__sequence_speed=1.0, commands__key=key, commands__window=tmp_path / "window",
+               settings=[f'transport.send=["shm:{ring}"]', f'transport.receive="{commands}"'])
+    wait_until_it_takes(run, until)
+    try:
+        for words, reason in (((), "1 not signed (--key)"), (("--key", other), "1 signed by another key"),
+                              (("--key", key, "--number", "5"), "1 with a number that was taken or is too old (a clock that is behind)")):
+            done = send(*words)
+            assert done.returncode == 1, done.stdout
+            assert done.stderr == f"polhode: shm:{ring}: 1 of 1 commands were refused at the port: {reason}\n"
+        done = send("--key", key)
+        assert done.returncode == 0 and "NOOP" in done.stdout, done.stderr
+    finally:
+        pathlib.Path(f"/dev/shm{ring}").unlink(missing_ok=True)
+
+
+@pytest.mark.parametrize("commands", ["", '[commands]\nkey = "/nowhere/commands.key"\n'])
+def test_a_replay_of_a_flight_needs_neither_its_key_nor_its_port(replayed, program_status, played, tmp_path, commands):
+    """It takes no commands from anybody. A run and a check still refuse it."""
+    flight = tmp_path / "flight.toml"
+    flight.write_text(f'[transport]\nreceive = "{UDP}"\n{commands}')
+    assert replayed(played.path, config=flight)
+    status, err = program_status("check", "--config", flight)
+    assert status == 2 and "commands." in err and len(err.splitlines()) == 1
 
 
 @pytest.mark.parametrize("keys, named", [({"commands__key": "absent"}, "commands.window"),

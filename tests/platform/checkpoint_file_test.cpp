@@ -1,6 +1,8 @@
 #include "app/checkpoint_file.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <iterator>
@@ -121,6 +123,20 @@ TEST_F(CheckpointFile, AFailedWriteLeavesTheOldOne) {
   EXPECT_EQ(content_of(load()), content_);
   ASSERT_TRUE(write({}));
   EXPECT_EQ(load().refusal, "");
+}
+
+TEST_F(CheckpointFile, ThatOthersMayHaveWrittenStartsNoRun) {
+  ASSERT_TRUE(write(content_));
+  ASSERT_EQ(::chmod(file_.c_str(), 0660), 0);
+  EXPECT_EQ(load().refusal, "is open to others: mode 0660");
+  ASSERT_EQ(::chmod(file_.c_str(), 0640), 0);
+  EXPECT_EQ(load().refusal, "");
+  if (::geteuid() == 0) {
+    ASSERT_EQ(::chown(file_.c_str(), 65534, 65534), 0);
+    EXPECT_EQ(load().refusal, "belongs to user 65534, not to 0");
+    EXPECT_TRUE(load().octets.empty());
+    EXPECT_EQ(load_whole_checkpoint(file_, BuildId{}).refusal, "") << "a replay was told which";
+  }
 }
 
 }  // namespace

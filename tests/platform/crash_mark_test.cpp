@@ -23,7 +23,8 @@ class CrashMarks : public testing::Test {
     const pid_t child = ::fork();
     if (child == 0) {
       {
-        CrashWatch watch(checkpoint_, mark(), began_from);
+        CrashWatch watch(checkpoint_, mark());
+        watch.begins_from(began_from);
         for (std::uint32_t i = 0; i < frames; ++i) {
           watch.stepped();
         }

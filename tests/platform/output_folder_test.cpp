@@ -11,22 +11,22 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string refusal(const fs::path& folder) {
-  return refusal_of<UnusableInput>([&] { prepare_output_folder(folder); });
+  return refusal_of<UnusableInput>([&] { (void)prepare_output_folder(folder); });
 }
 
 TEST(OutputFolder, IsCreatedWithItsParents) {
   const TemporaryFolder folder;
-  prepare_output_folder(folder.path() / "a/b");
+  (void)prepare_output_folder(folder.path() / "a/b");
   EXPECT_TRUE(fs::is_directory(folder.path() / "a/b"));
 }
 
 TEST(OutputFolder, OfAnEarlierRun_LosesThatRunsFilesOnly) {
   const TemporaryFolder folder;
-  prepare_output_folder(folder.path());
+  (void)prepare_output_folder(folder.path());
   folder.write("motion.csv", "old");
   folder.write("notes.txt", "mine");
   folder.write("plots/rates.png", "picture");
-  prepare_output_folder(folder.path());
+  (void)prepare_output_folder(folder.path());
   EXPECT_FALSE(fs::exists(folder.path() / "motion.csv"));
   EXPECT_TRUE(fs::exists(folder.path() / "notes.txt"));
   EXPECT_TRUE(fs::exists(folder.path() / "plots/rates.png"));
@@ -37,6 +37,19 @@ TEST(OutputFolder, OfSomebodyElse_IsRefusedAndKept) {
   folder.write("motion.csv", "somebody's");
   EXPECT_NE(refusal(folder.path()).find("holds files that no replay wrote"), std::string::npos);
   EXPECT_TRUE(fs::exists(folder.path() / "motion.csv"));
+}
+
+TEST(OutputFolder, OfAReplayThatRuns_IsRefusedAndKept) {
+  const TemporaryFolder folder;
+  {
+    const Descriptor lock = prepare_output_folder(folder.path());
+    folder.write("motion.csv", "new");
+    EXPECT_EQ(
+        refusal(folder.path()),
+        "--out " + folder.path().string() + ": process " + std::to_string(::getpid()) + " has it");
+    EXPECT_TRUE(fs::exists(folder.path() / "motion.csv"));
+  }
+  EXPECT_EQ(refusal(folder.path()), "");
 }
 
 TEST(OutputFolder, ThatIsAFile_IsRefused) {

@@ -16,7 +16,7 @@ class Places : public testing::Test {
  protected:
   [[nodiscard]] std::string refusal() const {
     try {
-      prepare_places("live.toml", machine_);
+      (void)prepare_places("live.toml", machine_);
     } catch (const UnusableInput& problem) {
       return problem.what();
     }
@@ -66,6 +66,34 @@ TEST_F(Places, ACheckOfThemMakesNothing_AndRefusesWhatIsInTheWay) {
   EXPECT_NE(refused().find("run.checkpoint: "), std::string::npos) << refused();
   std::ofstream(machine_.recording.folder) << "mine";
   EXPECT_NE(refused().find("recording.folder: "), std::string::npos) << refused();
+}
+
+TEST_F(Places, EachIsOfOneRun) {
+  const auto taken = [](const std::string& path) {
+    return path + ": process " + std::to_string(::getpid()) + " has it";
+  };
+  machine_.run.folder = place("run");
+  machine_.recording.folder = place("run/.");  // the same by another name is no second run
+  machine_.run.checkpoint = place("state/checkpoint");
+  const std::vector<Descriptor> locks = prepare_places("live.toml", machine_);
+  MachineOptions& other = machine_;
+  other.recording.folder.clear();
+  other.run.checkpoint.clear();
+  EXPECT_EQ(refusal(), "live.toml: run.folder: " + taken(place("run")));
+  std::swap(other.run.folder, other.recording.folder);
+  EXPECT_EQ(refusal(), "live.toml: recording.folder: " + taken(place("run")));
+  other.recording.folder.clear();
+  other.run.checkpoint = place("state/checkpoint");
+  EXPECT_EQ(refusal(), "live.toml: run.checkpoint: " + taken(place("state/checkpoint")));
+  other.run.checkpoint = place("state/other");
+  EXPECT_EQ(refusal(), "");
+}
+
+TEST_F(Places, AreFreeAgainWhenTheRunIsOver) {
+  machine_.run.folder = place("run");
+  machine_.run.checkpoint = place("checkpoint");
+  EXPECT_EQ(refusal(), "");
+  EXPECT_EQ(refusal(), "");
 }
 
 TEST_F(Places, AFolderInPlaceOfTheCheckpointIsRefused) {

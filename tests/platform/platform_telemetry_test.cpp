@@ -31,13 +31,16 @@ class PlatformTelemetryTest : public testing::Test {
   void pass(std::int64_t now_ns) {
     telemetry_.passed(counts_, camera_, transports_, now_ns, kFrame_ns);
   }
-  [[nodiscard]] std::vector<bus::PlatformPacket> sent() const {
+  [[nodiscard]] std::vector<std::uint8_t> written() const {
     std::ifstream in(file_, std::ios::binary);
-    const std::vector<char> octets{std::istreambuf_iterator<char>(in), {}};
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  [[nodiscard]] std::vector<bus::PlatformPacket> sent() const {
+    const std::vector<std::uint8_t> octets = written();
     std::vector<bus::PlatformPacket> packets(octets.size() / kOctets);
     EXPECT_EQ(octets.size() % kOctets, 0U);
     for (std::size_t i = 0; i < packets.size(); ++i) {
-      const auto* begin = reinterpret_cast<const std::uint8_t*>(octets.data()) + i * kOctets;
+      const auto* begin = octets.data() + i * kOctets;
       const auto header = bus::decode(bus::PlatformPacket::layout(), {begin, kOctets}, &packets[i]);
       EXPECT_TRUE(header) << header.error().message;
       EXPECT_EQ(header.value().sequence, i);
@@ -96,6 +99,28 @@ TEST_F(PlatformTelemetryTest, TellsWhatTheRunHasCounted) {
   EXPECT_EQ(told.flags, bus::platform_layout::kFlagWatchdog | bus::platform_layout::kFlagRealTime);
   EXPECT_GT(told.resident_octets, 1'000'000U);
   EXPECT_GE(told.resident_peak_octets, told.resident_octets / 2);
+}
+
+TEST_F(PlatformTelemetryTest, ADiskThatRefusesIsAnEvent_WithACountOfItsOwn) {
+  const WriteFailures failures{.packets = 5, .checkpoints = 1, .records = 123456789, .streamed = 2};
+  telemetry_.disk_refused(failures, transports_, kFrame_ns);
+  telemetry_.disk_refused(failures, transports_, kFrame_ns);
+  const std::vector<std::uint8_t> octets = written();
+  constexpr std::size_t kEvent = bus::platform_event_layout::kPacketOctets;
+  ASSERT_EQ(octets.size(), 2 * kEvent);
+  for (std::uint16_t i = 0; i < 2; ++i) {
+    bus::PlatformEventPacket event;
+    const auto header = bus::decode(
+        bus::PlatformEventPacket::layout(), std::span(octets).subspan(i * kEvent, kEvent), &event);
+    ASSERT_TRUE(header) << header.error().message;
+    EXPECT_EQ(header.value().apid, 0x1A0 + 9);
+    EXPECT_EQ(header.value().sequence, i);
+    EXPECT_EQ(event.value, (std::array<double, 4>{5, 1, 123456789, 2}));
+    EXPECT_EQ(event.timestamp_ns, kFrame_ns);
+    EXPECT_EQ(std::string(event.text.data(), event.text_octets),
+              "disk: not written: packets of 5 steps, 1 checkpoints, 123456789 records, 2 packets "
+              "of files");
+  }
 }
 
 }  // namespace

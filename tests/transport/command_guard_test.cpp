@@ -15,6 +15,7 @@
 #include "base/rng.hpp"
 #include "errors.hpp"
 #include "signed_commands.hpp"
+#include "small_files.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -128,6 +129,7 @@ TEST(CommandGuard, RemembersOverARestart_AndBeginsAnewWithANewKey) {
   {
     CommandGuard guard(settings, SignedCommands::kUtc_ns);
     EXPECT_TRUE(guard.pass(first, {}));
+    guard.keep_numbers();
     EXPECT_NE(guard.remark(), "");
     EXPECT_THROW(CommandGuard(settings, SignedCommands::kUtc_ns), UnusableInput) << "in use";
   }
@@ -138,61 +140,38 @@ TEST(CommandGuard, RemembersOverARestart_AndBeginsAnewWithANewKey) {
     EXPECT_FALSE(again.pass(repeated, {}));
     Octets next = signed_commands.sign(kNoop);
     EXPECT_TRUE(again.pass(next, {}));
+    again.keep_numbers();
   }
   const SignedCommands other('c');
   settings.key = other.settings().key;
-  CommandGuard renewed(settings, SignedCommands::kUtc_ns);
-  Octets low = other.sign(kNoop, 1);
-  EXPECT_TRUE(renewed.pass(low, {}));
+  {
+    CommandGuard renewed(settings, SignedCommands::kUtc_ns);
+    Octets low = other.sign(kNoop, 1);
+    EXPECT_TRUE(renewed.pass(low, {}));
+    renewed.keep_numbers();
+  }
+  settings.key = signed_commands.settings().key;  // the first key comes back
+  CommandGuard back(settings, 0);
+  Octets repeated = captured;
+  EXPECT_FALSE(back.pass(repeated, {}));
+  EXPECT_EQ(back.remark(), "");
 }
 
-/// As a power cut may leave it: one place of the two torn, or both.
-TEST(NumberFile, TornPlacesBeginAtThePresent) {
-  const SignedCommands signed_commands;
-  const std::string file = signed_commands.settings().window;
-  const auto open = [&](std::uint64_t utc_ns) {
-    return NumberFile(file, signed_commands.key(), utc_ns);
-  };
+TEST(CommandGuard, CountsCommandsWhoseNumberTheDiskRefuses_AndPassesThem) {
+  SignedCommands signed_commands;
+  CommandGuard guard(signed_commands.settings(), SignedCommands::kUtc_ns);
+  Octets first = signed_commands.sign(kNoop);
+  Octets second = signed_commands.sign(kNoop);
   {
-    NumberFile numbers = open(7);
-    EXPECT_EQ(numbers.number(), 7U);
-    EXPECT_TRUE(numbers.keep(100));
-    EXPECT_TRUE(numbers.keep(200));
+    const SmallFiles none(0);
+    EXPECT_TRUE(guard.pass(first, {}));
+    EXPECT_TRUE(guard.pass(second, {}));
+    guard.keep_numbers();
+    guard.keep_numbers();  // where the first did not wait long enough
   }
-  EXPECT_EQ(open(7).number(), 200U);
-  const auto spoil = [&](int octet) {
-    std::fstream in(file, std::ios::in | std::ios::out | std::ios::binary);
-    in.seekp(octet);
-    in.put('\x55');
-  };
-  {
-    NumberFile numbers = open(7);
-    EXPECT_TRUE(numbers.keep(300));
-  }
-  spoil(40);
-  EXPECT_EQ(open(400).number(), 400U) << "the greatest may have stood there";
-  spoil(8);
-  spoil(40);
-  NumberFile begun = open(900);
-  EXPECT_EQ(begun.number(), 900U);
-  EXPECT_NE(begun.remark(), "");
-}
-
-TEST(NumberFile, IsTheUsersOwn) {
-  const SignedCommands signed_commands;
-  const Folder folder;
-  const auto open = [&](const std::string& file) {
-    const NumberFile numbers(file, signed_commands.key(), 7);
-  };
-  EXPECT_THROW(open(folder / "absent/window"), UnusableInput);
-  EXPECT_THROW(open(folder / "."), UnusableInput);
-  std::ofstream(folder / "open") << "";
-  ASSERT_EQ(::chmod((folder / "open").c_str(), 0666), 0);
-  EXPECT_THROW(open(folder / "open"), UnusableInput);
-  ASSERT_EQ(::symlink((folder / "open").c_str(), (folder / "link").c_str()), 0);
-  EXPECT_THROW(open(folder / "link"), UnusableInput);
-  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
-  EXPECT_THROW(open(folder / "pipe"), UnusableInput);
+  EXPECT_EQ(guard.counts().numbers_not_kept, 2U);
+  guard.keep_numbers();
+  EXPECT_EQ(guard.counts().numbers_not_kept, 2U);
 }
 
 TEST(KeyFile, HoldsDigitsForItsOwnerAlone) {

@@ -30,6 +30,17 @@ class Name {
   std::string name_;
 };
 
+struct stat status_of(const Name& name) {
+  struct stat status {};
+  EXPECT_EQ(::lstat(name.file().c_str(), &status), 0);
+  return status;
+}
+
+/// What a writer says that does not take the name.
+std::string refused(const Name& name) {
+  return refusal_of<UnusableInput>([&] { RingWriter(parse_address(name.address())); });
+}
+
 TEST(Ring, GivesEveryReaderEveryPacket) {
   const Name name("all");
   RingWriter writer(parse_address(name.address()));
@@ -52,10 +63,80 @@ TEST(Ring, IsForItsOwnerAlone) {
   EXPECT_EQ(status.st_mode & 0777, 0600U);
 }
 
-TEST(Ring, TakesOneWriter) {
+TEST(Ring, TakesOneWriter_AndNamesTheOneThatHasIt) {
   const Name name("one");
   const RingWriter writer(parse_address(name.address()));
-  EXPECT_THROW(RingWriter(parse_address(name.address())), UnusableInput);
+  EXPECT_EQ(refused(name), name.address() + ": process " + std::to_string(::getpid()) + " has it");
+}
+
+/// One packet in a whole ring, made beforehand by somebody.
+void forge(const Name& name) {
+  RingWriter forger(parse_address(name.address()));
+  forger.send(motion_packet(666));
+}
+
+TEST(Ring, OfAnotherUserIsNeitherWrittenNorRead) {
+  if (::geteuid() != 0) {
+    GTEST_SKIP() << "only root can give a file to another user";
+  }
+  const Name name("theirs");
+  forge(name);
+  ASSERT_EQ(::chown(name.file().c_str(), 65534, 65534), 0);
+  const ino_t theirs = status_of(name).st_ino;
+  EXPECT_EQ(refused(name), name.address() + ": belongs to user 65534, not to 0");
+  EXPECT_EQ(status_of(name).st_ino, theirs);
+  EXPECT_EQ(Reader(name.address()).opened(), -EPERM);
+}
+
+TEST(Ring, ThatWasOpenToOthersIsReplaced_AndNotRead) {
+  const Name name("open");
+  forge(name);
+  ASSERT_EQ(::chmod(name.file().c_str(), 0620), 0);
+  EXPECT_EQ(Reader(name.address()).opened(), -EPERM);
+  const int theirs = ::open(name.file().c_str(), O_RDWR);  // who had it open keeps the old one
+  ASSERT_GE(theirs, 0);
+  RingWriter writer(parse_address(name.address()));
+  EXPECT_EQ(status_of(name).st_mode & 0777, 0600U);
+  struct stat old {};
+  ASSERT_EQ(::fstat(theirs, &old), 0);
+  EXPECT_EQ(old.st_nlink, 0U);
+  ::close(theirs);
+  Reader reader(name.address());
+  writer.send(motion_packet(1));
+  EXPECT_EQ(reader.next(), motion_packet(1));
+  EXPECT_TRUE(reader.next().empty());
+}
+
+TEST(Ring, LeftOfAnotherSizeOrLayoutIsReplaced_AndWhoMappedItKeepsIt) {
+  const Name name("stale");
+  for (const bool same_size : {false, true}) {
+    const int fd = ::shm_open(name.file().c_str() + 8, O_RDWR | O_CREAT, 0600);
+    ASSERT_GE(fd, 0);
+    constexpr std::size_t kLonger = sizeof(ring::Ring) + 4096;
+    const std::size_t octets = same_size ? sizeof(ring::Ring) : kLonger;
+    ASSERT_EQ(::ftruncate(fd, static_cast<off_t>(octets)), 0);
+    const auto* mapped =
+        static_cast<const std::uint8_t*>(::mmap(nullptr, octets, PROT_READ, MAP_SHARED, fd, 0));
+    ::close(fd);
+    RingWriter writer(parse_address(name.address()));
+    EXPECT_EQ(mapped[octets - 1], 0);  // SIGBUS had it been cut
+    ::munmap(const_cast<std::uint8_t*>(mapped), octets);
+    Reader reader(name.address());
+    writer.send(motion_packet(2));
+    EXPECT_EQ(reader.next(), motion_packet(2));
+    ::shm_unlink(name.file().c_str() + 8);
+  }
+}
+
+TEST(Ring, IsNoLink) {
+  const Name name("link");
+  const Folder folder;
+  ASSERT_EQ(::symlink((folder / "elsewhere").c_str(), name.file().c_str()), 0);
+  EXPECT_NE(refused(name), "");
+  EXPECT_LT(Reader(name.address()).opened(), 0);
+  struct stat status {};
+  EXPECT_NE(::stat((folder / "elsewhere").c_str(), &status), 0);
+  ::unlink(name.file().c_str());
 }
 
 TEST(Ring, TellsASlowReaderWhatWasOverwritten) {

@@ -1,9 +1,12 @@
 // The C client on files and streams that are damaged.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
 
 #include "base/rng.hpp"
+#include "errors.hpp"
 #include "packets.hpp"
 #include "transport/file/flat_file.hpp"
 #include "transport/transports.hpp"
@@ -48,6 +51,28 @@ TEST(FlatFile, HoldsWhatWasSent_AndIsAppendedTo) {
   Reader reader(address);
   EXPECT_EQ(read_all(reader), 20U);
   EXPECT_EQ(reader.bus().missing, 0U);
+}
+
+TEST(FlatFile, IsOfOneRun_AndOfItsUserAlone) {
+  const Folder folder;
+  const std::string file = folder / "flight.ccsds";
+  const auto refused = [&] {
+    return refusal_of<UnusableInput>([&] { FlatFile(parse_address("file:" + file)); });
+  };
+  {
+    const FlatFile held(parse_address("file:" + file));
+    EXPECT_EQ(refused(), "file:" + file + ": process " + std::to_string(::getpid()) + " has it");
+  }
+  EXPECT_EQ(refused(), "");
+  ASSERT_EQ(::chmod(file.c_str(), 0622), 0);
+  EXPECT_EQ(refused(), "file:" + file + ": is open to others: mode 0622");
+  ASSERT_EQ(::chmod(file.c_str(), 0600), 0);
+  if (::geteuid() == 0) {
+    ASSERT_EQ(::chown(file.c_str(), 65534, 65534), 0);
+    EXPECT_EQ(refused(), "file:" + file + ": belongs to user 65534, not to 0");
+  }
+  const FlatFile nowhere(parse_address("file:/dev/null"));
+  const FlatFile again(parse_address("file:/dev/null"));  // any number of runs
 }
 
 TEST(FlatFile, IsFollowedAsItGrows) {

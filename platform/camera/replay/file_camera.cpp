@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "camera/replay/depth.hpp"
+#include "camera/replay/exif.hpp"
 #include "camera/replay/file_octets.hpp"
 #include "os/linux/memory/region.hpp"
 #include "quote.hpp"
@@ -46,8 +47,28 @@ Refusal FileCamera::load(const SequenceFrame& frame) {
   if (Refusal refusal = decode(octets_, image_)) {
     return refusal;
   }
+  const int orientation = exif_orientation(octets_);
+  if (orientation != 1 && ++turned_ == 1) {
+    first_turned_ = index();
+    orientation_ = orientation;
+  }
   scale_up(sequence_.depth_bits, &image_);
   return std::nullopt;
+}
+
+std::string FileCamera::orientation_remark() const {
+  if (turned_ == 0) {
+    return {};
+  }
+  return fmt::format(
+      "{}: {} of {} pictures have an EXIF orientation other than 1 ({}: {}); their pixels are "
+      "taken "
+      "as stored",
+      sequence_.image_folder.string(),
+      turned_,
+      sequence_.frames.size(),
+      cited(sequence_.frames[first_turned_].file),
+      orientation_);
 }
 
 bool FileCamera::next(Frame& frame) {

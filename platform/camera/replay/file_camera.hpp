@@ -31,6 +31,9 @@ class FileCamera {
     return refusal_;
   }  ///< why that frame is not readable
 
+  /// For people: how many pictures EXIF would turn, which is not done; empty: none.
+  [[nodiscard]] std::string orientation_remark() const;
+
  private:
   Refusal load(const SequenceFrame& frame);
 
@@ -39,6 +42,9 @@ class FileCamera {
   std::vector<std::uint8_t> octets_;
   DecodedImage image_;
   std::string refusal_;
+  std::size_t turned_ = 0;        ///< pictures with an orientation other than 1
+  std::size_t first_turned_ = 0;  ///< the frame
+  int orientation_ = 1;           ///< of that one
 };
 
 }  // namespace polhode::platform

@@ -8,27 +8,12 @@
 #include <cstddef>
 #include <system_error>
 
+#include "os/linux/descriptor.hpp"
+
 namespace polhode::platform {
 namespace {
 
 std::string last_error() { return "cannot be read: " + std::generic_category().message(errno); }
-
-class Descriptor {
- public:
-  explicit Descriptor(const std::filesystem::path& file)
-      : number_(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
-  ~Descriptor() {
-    if (number_ >= 0) {
-      ::close(number_);
-    }
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int number() const { return number_; }
-
- private:
-  int number_;
-};
 
 }  // namespace
 
@@ -36,9 +21,9 @@ std::optional<std::string> read_file(const std::filesystem::path& file,
                                      std::vector<std::uint8_t>& octets,
                                      std::size_t octets_max) {
   octets.clear();
-  const Descriptor in(file);
+  const Descriptor in(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   struct stat status {};
-  if (in.number() < 0 || ::fstat(in.number(), &status) != 0) {
+  if (in.get() < 0 || ::fstat(in.get(), &status) != 0) {
     return last_error();
   }
   if (!S_ISREG(status.st_mode)) {
@@ -52,7 +37,7 @@ std::optional<std::string> read_file(const std::filesystem::path& file,
   octets.resize(size);
   std::size_t done = 0;
   while (done < size) {
-    const ssize_t count = ::read(in.number(), octets.data() + done, size - done);
+    const ssize_t count = ::read(in.get(), octets.data() + done, size - done);
     if (count < 0 && errno == EINTR) {
       continue;
     }

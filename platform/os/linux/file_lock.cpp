@@ -1,5 +1,6 @@
 #include "os/linux/file_lock.hpp"
 
+#include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
@@ -8,6 +9,9 @@
 #include <cstdio>
 #include <fstream>
 #include <system_error>
+
+#include "errors.hpp"
+#include "os/linux/file_faults.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -41,15 +45,27 @@ int holder_of(int descriptor) {
 
 }  // namespace
 
-std::string lock_file(int descriptor) {
+void lock_file(int descriptor, const std::string& what) {
   if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
-    return {};
+    return;
   }
   if (errno != EWOULDBLOCK) {
-    return "cannot be locked: " + std::generic_category().message(errno);
+    throw RunFailure(what + ": cannot be locked: " + std::generic_category().message(errno));
   }
   const int pid = holder_of(descriptor);
-  return pid > 0 ? "process " + std::to_string(pid) + " has it" : "another process has it";
+  throw UnusableInput(what + ": " +
+                      (pid > 0 ? "process " + std::to_string(pid) : "another process") + " has it");
+}
+
+Descriptor lock_beside(const std::filesystem::path& file) {
+  const std::string name = file.string() + ".lock";
+  Descriptor lock(::open(
+      name.c_str(), O_RDONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, S_IRUSR | S_IWUSR));
+  if (lock.get() < 0) {
+    fail_at_start(name + ": cannot be made", errno);
+  }
+  lock_file(lock.get(), file.string());
+  return lock;
 }
 
 }  // namespace polhode::platform

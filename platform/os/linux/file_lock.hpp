@@ -1,13 +1,22 @@
 // One process at a time has a file, or a folder.
 #pragma once
 
+#include <filesystem>
 #include <string>
+
+#include "os/linux/descriptor.hpp"
 
 namespace polhode::platform {
 
 /// Takes the lock on an open file or folder, which goes with its descriptor, however the process
 /// ends. Never waits.
-/// @return empty; or that another process has it, with that one's pid where the kernel tells.
-std::string lock_file(int descriptor);
+/// @param what  names it in what is thrown.
+/// @throws UnusableInput: another process has it, with that one's pid where the kernel tells;
+/// RunFailure: the system cannot lock it.
+void lock_file(int descriptor, const std::string& what);
+
+/// Locks a file that is replaced by others of its name, by one beside it, NAME.lock, which stays.
+/// @throws as lock_file() and fail_at_start().
+Descriptor lock_beside(const std::filesystem::path& file);
 
 }  // namespace polhode::platform

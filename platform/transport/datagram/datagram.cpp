@@ -99,12 +99,6 @@ SocketFile::~SocketFile() {
   }
 }
 
-Descriptor::~Descriptor() {
-  if (fd_ >= 0) {
-    ::close(fd_);
-  }
-}
-
 DatagramSender::DatagramSender(const Address& address, SenderName name)
     : socket_(open_socket(address.kind)), backlog_(kBacklog) {
   static_assert(sizeof(sockaddr_un) <= sizeof to_);

@@ -14,27 +14,10 @@
 
 #include "bus/capacities.hpp"
 #include "bus/layout.hpp"
+#include "os/linux/descriptor.hpp"
 #include "transport/address.hpp"
 
 namespace polhode::platform {
-
-/// A descriptor that is closed with its owner.
-class Descriptor {
- public:
-  explicit Descriptor(int fd = -1) : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor();
-  [[nodiscard]] int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 /// The file of a bound Unix socket, removed with its owner; empty: there is none.
 class SocketFile {

@@ -9,6 +9,9 @@
 #include <system_error>
 
 #include "errors.hpp"
+#include "os/linux/file_faults.hpp"
+#include "os/linux/file_lock.hpp"
+#include "os/linux/file_owner.hpp"
 
 namespace polhode::platform {
 
@@ -18,8 +21,17 @@ FlatFile::FlatFile(const Address& address)
                  O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK,  // the last is for a pipe
                  S_IRUSR | S_IWUSR)) {
   if (file_.get() < 0) {
-    throw UnusableInput(fmt::format(
-        "{}: cannot be opened: {}", address.text, std::generic_category().message(errno)));
+    fail_at_start(address.text + ": cannot be opened", errno);
+  }
+  struct stat status {};
+  const bool known = ::fstat(file_.get(), &status) == 0;
+  const std::string problem =
+      known && S_ISREG(status.st_mode) ? problem_of_owner(file_.get(), S_IWGRP | S_IWOTH) : "";
+  if (!problem.empty()) {
+    throw UnusableInput(fmt::format("{}: {}", address.text, problem));
+  }
+  if (!known || S_ISREG(status.st_mode) || S_ISFIFO(status.st_mode)) {  // no /dev/null
+    lock_file(file_.get(), address.text);
   }
 }
 
@@ -29,6 +41,8 @@ void FlatFile::send(std::span<const std::uint8_t> packet) {
     ++counts_.sent;
   } else {
     ++counts_.dropped;
+    const bool is_of_a_pipe = octets < 0 && (errno == EAGAIN || errno == EPIPE);
+    refused_ += is_of_a_pipe ? 0 : 1;
   }
 }
 

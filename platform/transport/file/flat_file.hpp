@@ -15,14 +15,19 @@ namespace polhode::platform {
 /// room, and is never waited for.
 class FlatFile {
  public:
-  /// Appends to what is there. Mode 0600. @throws UnusableInput; a pipe needs its reader by now.
+  /// Appends to what is there. Mode 0600. A pipe needs its reader by now.
+  /// @throws UnusableInput: it cannot be opened, another process has it, or it is a file of another
+  /// user or that others may write to.
   explicit FlatFile(const Address& address);
   void send(std::span<const std::uint8_t> packet);
   [[nodiscard]] const SendCounts& counts() const { return counts_; }
+  /// Of the dropped packets, those that the disk did not take.
+  [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
  private:
   Descriptor file_;
   SendCounts counts_;
+  std::uint64_t refused_ = 0;
 };
 
 }  // namespace polhode::platform

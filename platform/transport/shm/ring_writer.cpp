@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <linux/futex.h>
-#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -16,6 +15,8 @@
 
 #include "base/assert.hpp"
 #include "errors.hpp"
+#include "os/linux/file_lock.hpp"
+#include "os/linux/file_owner.hpp"
 #include "transport/shm/ring_layout.hpp"
 
 namespace polhode::platform {
@@ -23,26 +24,57 @@ namespace {
 
 using ring::Ring;
 
+constexpr mode_t kMode = S_IRUSR | S_IWUSR;
+constexpr mode_t kOthers = S_IRWXG | S_IRWXO;
+
 [[noreturn]] void refuse(const Address& address, const char* what) {
   throw UnusableInput(
       fmt::format("{}: {}: {}", address.text, what, std::generic_category().message(errno)));
 }
 
-int open_shared(const Address& address) {
-  const int fd = ::shm_open(address.path.c_str(), O_RDWR | O_CREAT, S_IRUSR | S_IWUSR);
-  if (fd < 0) {
+/// Does the name still stand for what was opened, or has another process put its own there?
+bool is_at_its_name(int fd, const Address& address) {
+  const Descriptor now(::shm_open(address.path.c_str(), O_RDONLY, 0));
+  struct stat opened {};
+  struct stat named {};
+  return now.get() >= 0 && ::fstat(fd, &opened) == 0 && ::fstat(now.get(), &named) == 0 &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
+/// Of this call's own making, or nothing: the name is taken.
+Descriptor make_new(const Address& address) {
+  Descriptor made(::shm_open(address.path.c_str(), O_RDWR | O_CREAT | O_EXCL, kMode));
+  if (made.get() < 0 && errno != EEXIST) {
     refuse(address, "cannot be made");
   }
-  return fd;
+  return made;
+}
+
+/// Who has the name, where it may not be opened.
+std::string stranger_at(const Address& address) {
+  struct stat status {};
+  const bool known = ::lstat(("/dev/shm" + address.path).c_str(), &status) == 0;
+  return known ? fmt::format("belongs to user {}, not to {}", status.st_uid, ::geteuid())
+               : "cannot be opened";
+}
+
+/// What stands there already; nothing: it has just gone. Another user's is not touched.
+Descriptor open_present(const Address& address) {
+  Descriptor present(::shm_open(address.path.c_str(), O_RDWR, 0));
+  if (present.get() < 0 && errno == EACCES) {
+    throw UnusableInput(fmt::format("{}: {}", address.text, stranger_at(address)));
+  }
+  if (present.get() < 0 && errno != ENOENT) {
+    refuse(address, "cannot be opened");
+  }
+  const std::string problem = present.get() < 0 ? "" : problem_of_owner(present.get(), 0);
+  if (!problem.empty()) {
+    throw UnusableInput(fmt::format("{}: {}", address.text, problem));
+  }
+  return present;
 }
 
 Ring* map_ring(int fd, const Address& address) {
-  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
-    refuse(address, "another process writes there");
-  }
-  if (::fchmod(fd, S_IRUSR | S_IWUSR) != 0 || ::ftruncate(fd, sizeof(Ring)) != 0) {
-    refuse(address, "cannot be sized");
-  }
   void* memory =
       ::mmap(nullptr, sizeof(Ring), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, fd, 0);
   if (memory == MAP_FAILED) {
@@ -57,19 +89,60 @@ bool is_whole(const ring::Header& header) {
          header.words == ring::kWords;
 }
 
-}  // namespace
-
-RingWriter::RingWriter(const Address& address)
-    : file_(open_shared(address)), ring_(map_ring(file_.get(), address)) {
-  ring::Header& header = ring_->header;
-  if (is_whole(header)) {
-    return;  // what an earlier writer left
+/// Goes on in what an earlier writer of this user left. @return nullptr: it is of another size or
+/// layout, or was open to others, who may still have it.
+Ring* take_over(int fd, const Address& address) {
+  struct stat status {};
+  if (!problem_of_owner(fd, kOthers).empty() || ::fstat(fd, &status) != 0 || status.st_nlink != 1 ||
+      status.st_size != sizeof(Ring)) {
+    return nullptr;
   }
-  std::memset(static_cast<void*>(ring_), 0, sizeof(Ring));
+  Ring* ring = map_ring(fd, address);
+  if (is_whole(ring->header)) {
+    return ring;
+  }
+  ::munmap(static_cast<void*>(ring), sizeof(Ring));
+  return nullptr;
+}
+
+Ring* fill_new(int fd, const Address& address) {
+  if (::fchmod(fd, kMode) != 0 || ::ftruncate(fd, sizeof(Ring)) != 0) {
+    refuse(address, "cannot be sized");
+  }
+  Ring* ring = map_ring(fd, address);
+  ring::Header& header = ring->header;
   header.slots = ring::kSlots;
   header.slot_octets = sizeof(ring::Slot);
   header.words = ring::kWords;
   header.magic.store(ring::kMagic, std::memory_order_release);
+  return ring;
+}
+
+}  // namespace
+
+RingWriter::RingWriter(const Address& address) {
+  constexpr int kTries = 8;  // others may come and go between two calls
+  for (int i = 0; i < kTries && ring_ == nullptr; ++i) {
+    file_ = make_new(address);
+    const bool is_new = file_.get() >= 0;
+    if (!is_new) {
+      file_ = open_present(address);
+    }
+    if (file_.get() < 0) {
+      continue;
+    }
+    lock_file(file_.get(), address.text);
+    if (!is_at_its_name(file_.get(), address)) {
+      continue;
+    }
+    ring_ = is_new ? fill_new(file_.get(), address) : take_over(file_.get(), address);
+    if (ring_ == nullptr) {
+      ::shm_unlink(address.path.c_str());  // readers keep what they have mapped
+    }
+  }
+  if (ring_ == nullptr) {
+    throw UnusableInput(fmt::format("{}: others make and remove it", address.text));
+  }
 }
 
 RingWriter::~RingWriter() {

@@ -17,9 +17,10 @@ struct Ring;
 /// Overwrites the oldest packet; no reader can delay or stop it.
 class RingWriter {
  public:
-  /// Creates the shared memory (mode 0600), or goes on in what an earlier writer left: its readers
-  /// stay attached. The name stays when the writer goes.
-  /// @throws UnusableInput: another writer has it, or it cannot be made.
+  /// Creates the shared memory (mode 0600), or goes on in what an earlier writer of the same user
+  /// left: its readers stay attached. What that one left of another size or layout, or open to
+  /// others, is replaced. The name stays when the writer goes.
+  /// @throws UnusableInput: another user's, or another writer has it, or it cannot be made.
   explicit RingWriter(const Address& address);
   RingWriter(RingWriter&& other) noexcept
       : file_(std::move(other.file_)), ring_(std::exchange(other.ring_, nullptr)) {}

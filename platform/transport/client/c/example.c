@@ -20,6 +20,10 @@ int main(int argc, char **argv) {
     }
   }
   printf("%llu packets, %llu missing\n", (unsigned long long)bus.packets, (unsigned long long)bus.missing);
+  if (bus.damaged_octets + bus.idle + bus.foreign > 0) {
+    printf("%llu octets damaged; passed over: %llu idle packets, %llu of other applications\n", (unsigned long long)bus.damaged_octets,
+           (unsigned long long)bus.idle, (unsigned long long)bus.foreign);
+  }
   polhode_bus_close(&bus);
   return octets < 0;
 }

@@ -36,17 +36,53 @@ static int packet_at(const uint8_t *in, size_t held) {
 }
 
 /* An idle packet (APID 0x7FF), with the beginning of what follows where that is held: its octets; 0: more are needed to tell;
- * -1: none begins here. Longer ones than IDLE_OCTETS_MAX are not taken for such, as they would hide packets. */
-enum { IDLE_OCTETS_MAX = 4096 };
+ * -1: none begins here. Longer ones than SKIPPED_OCTETS_MAX are not taken for such, as they would hide packets. */
+enum { SKIPPED_OCTETS_MAX = 4096 };
 static int idle_at(const uint8_t *in, size_t held) {
   if (held >= 1 && in[0] != 0x07) return -1;
   if (held >= 2 && in[1] != 0xFF) return -1;
   if (held >= 3 && (in[2] & 0xC0) != 0xC0) return -1;
   if (held < 6) return 0;
   const size_t octets = ((size_t)in[4] << 8 | in[5]) + 7;
-  if (octets > IDLE_OCTETS_MAX) return -1;
+  if (octets > SKIPPED_OCTETS_MAX) return -1;
   if (held < octets) return 0;
   return held == octets || in[octets] == 0x07 || (in[octets] & 0xF8) == 0x08 ? (int)octets : -1;
+}
+
+/* Whose a primary header may be. */
+enum owner { OWNER_NOBODY, OWNER_RUN, OWNER_FILL, OWNER_OTHER };
+enum { PRIMARY_HEADER_OCTETS = 6, APIDS_OF_A_RUN = 16 };
+
+static enum owner owner_of(const uint8_t *header, int apid_first) {
+  static const uint8_t hole[PRIMARY_HEADER_OCTETS]; /* in a file: it reads as zeros */
+  const int apid = (header[0] & 7) << 8 | header[1];
+  const int unsegmented = (header[2] & 0xC0) == 0xC0;
+  if ((header[0] & 0xE0) != 0) return OWNER_NOBODY; /* the version */
+  if (apid == 0x7FF) return header[0] == 0x07 && unsegmented ? OWNER_FILL : OWNER_NOBODY;
+  if (apid >= apid_first && apid < apid_first + APIDS_OF_A_RUN && (header[0] & 0x10) == 0) {
+    return (header[0] & 0xF8) == 0x08 && unsegmented ? OWNER_RUN : OWNER_NOBODY;
+  }
+  return memcmp(header, hole, sizeof hole) == 0 ? OWNER_NOBODY : OWNER_OTHER;
+}
+
+/* As idle_at(), of a packet of another application without our secondary header or CRC, or of an idle one before such. Its
+ * primary header tells it, and those of a few packets behind it, followed from length to length. */
+static int skipped_at(const uint8_t *in, size_t held, int apid_first, int at_end) {
+  enum { LOOK_AHEAD = 4 }; /* packets; each makes an accident some ten times less likely */
+  size_t first = 0;
+  size_t at = 0;
+  for (int i = 0; i < LOOK_AHEAD; ++i) {
+    if (i > 0 && at == held) return at_end ? (int)first : 0;
+    if (held - at < PRIMARY_HEADER_OCTETS) return at_end ? -1 : 0;
+    const enum owner owner = owner_of(in + at, apid_first);
+    if (i > 0 && (owner == OWNER_RUN || owner == OWNER_FILL)) return (int)first;
+    const size_t octets = ((size_t)in[at + 4] << 8 | in[at + 5]) + 7;
+    if (owner == OWNER_NOBODY || owner == OWNER_RUN || octets > SKIPPED_OCTETS_MAX) return -1;
+    if (i == 0) first = octets;
+    at += octets;
+    if (at > held) return at_end ? -1 : 0;
+  }
+  return (int)first;
 }
 
 static void count(struct polhode_bus *bus, const uint8_t *packet) {
@@ -59,21 +95,31 @@ static void count(struct polhode_bus *bus, const uint8_t *packet) {
   ++bus->packets;
 }
 
-/* The next packet of what is held, which loses it, the damage before it and idle packets. @param at_end nothing will follow.
- * 0: more is needed. */
+/* The next packet of what is held, which loses it, the damage before it and what is passed over. Another application's packet
+ * is believed only where packets were whole up to it. @param at_end nothing will follow. 0: more is needed. */
 static int cut_packet(struct polhode_bus *bus, uint8_t *packet, size_t capacity, int at_end) {
   size_t at = 0;
   int octets = -1;
   while (at < bus->held) {
-    const int idle = idle_at(bus->stream + at, bus->held - at);
-    octets = packet_at(bus->stream + at, bus->held - at);
-    if (octets > 0 || (!at_end && (octets == 0 || idle == 0))) break;
-    bus->damaged_octets += idle > 0 ? 0 : 1;
-    at += idle > 0 ? (size_t)idle : 1;
+    const uint8_t *in = bus->stream + at;
+    const size_t left = bus->held - at;
+    octets = packet_at(in, left);
+    if (octets > 0 || (octets == 0 && !at_end)) break;
+    const int idle = idle_at(in, left);
+    if (idle == 0 && !at_end) break;
+    const int skipped = idle > 0 ? idle : bus->in_step ? skipped_at(in, left, bus->apid_first, at_end) : -1;
+    if (skipped == 0) break;
+    const int is_idle = skipped > 0 && in[0] == 0x07 && in[1] == 0xFF;
+    bus->in_step = skipped > 0;
+    bus->damaged_octets += skipped > 0 ? 0 : 1;
+    bus->idle += is_idle;
+    bus->foreign += skipped > 0 && !is_idle;
+    at += skipped > 0 ? (size_t)skipped : 1;
     octets = -1;
   }
   const int whole = octets > 0 && (size_t)octets <= capacity;
   if (whole) {
+    bus->in_step = 1;
     memcpy(packet, bus->stream + at, (size_t)octets);
     at += (size_t)octets;
   }
@@ -152,6 +198,7 @@ static int next_datagram(struct polhode_bus *bus, uint8_t *packet, size_t capaci
         recvfrom(bus->fd, bus->stream, sizeof bus->stream, MSG_DONTWAIT, (struct sockaddr *)&from, &from_octets);
     if (octets > 0) {
       bus->held = (size_t)octets;
+      bus->in_step = 1;
       const int good = cut_packet(bus, packet, capacity, 1);
       if (good > 0) {
         connect_to(bus, &from, from_octets);
@@ -197,10 +244,12 @@ static int open_ring(struct polhode_bus *bus, const char *name) {
   char path[160] = "/dev/shm";
   if (name[0] != '/' || strlen(name) > 128) return -EINVAL;
   strcat(path, name);
-  bus->fd = open(path, O_RDONLY | O_CLOEXEC);
+  bus->fd = open(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (bus->fd < 0) return -errno;
   struct stat status;
   if (fstat(bus->fd, &status) != 0) return -errno;
+  /* As the writer makes it. Of another user, or open to others, it could hold anything. */
+  if (!S_ISREG(status.st_mode) || status.st_uid != geteuid() || (status.st_mode & 077) != 0) return -EPERM;
   if ((size_t)status.st_size < sizeof(struct ring)) return -EPROTO;
   void *memory = mmap(NULL, (size_t)status.st_size, PROT_READ, MAP_SHARED | MAP_POPULATE, bus->fd, 0);
   if (memory == MAP_FAILED) return -errno;
@@ -288,6 +337,8 @@ int polhode_bus_open(struct polhode_bus *bus, const char *address) {
   memset(bus, 0, sizeof *bus);
   memset(bus->last, 0xFF, sizeof bus->last);
   bus->fd = -1;
+  bus->apid_first = POLHODE_APID_FIRST;
+  bus->in_step = 1;
   int failed = -EINVAL;
   if (strncmp(address, "unix:", 5) == 0 || strncmp(address, "udp:", 4) == 0) {
     const int is_unix = address[1] == 'n';

@@ -24,12 +24,15 @@ extern "C" {
 #define POLHODE_PACKET_OCTETS_MAX 1400
 #define POLHODE_APIDS 2048
 
-/* The caller's memory; read the counters, leave the rest alone. */
+/* The caller's memory; read the counters, leave the rest alone. `apid_first` may be set after opening. */
 struct polhode_bus {
   uint64_t packets;        /* handed over */
   uint64_t missing;        /* by their counts, per APID modulo 16384 */
   uint64_t damaged_octets; /* that belonged to no whole packet */
   uint64_t overrun;        /* packets of a shared-memory ring that were overwritten before they were read */
+  uint64_t idle;           /* CCSDS idle packets, passed over */
+  uint64_t foreign;        /* packets of other applications without our secondary header or CRC, passed over */
+  int apid_first;          /* of the run: what bears one of its 16 APIDs is its packet, or damage */
 
   int kind;
   int fd;
@@ -39,16 +42,18 @@ struct polhode_bus {
   const void *ring;         /* shared memory */
   uint64_t next;            /* packet of the ring to be read next */
   size_t held;              /* octets in `stream` */
+  int in_step;              /* packets were whole up to there */
   uint8_t stream[65536];    /* of a file or the last datagram, not yet cut into packets */
   int16_t last[POLHODE_APIDS]; /* sequence count last seen, -1: none */
 };
 
 /* Addresses: unix:PATH and udp:PORT or udp:HOST:PORT are bound here (the sender sends to them), shm:/NAME and
- * file:PATH are opened. A Unix socket's file is made for its owner alone. 0, or a negative errno. */
+ * file:PATH are opened. A Unix socket's file is made for its owner alone. 0, or a negative errno; -EPERM: a ring of another
+ * user, or one that is open to others. */
 int polhode_bus_open(struct polhode_bus *bus, const char *address);
 
-/* The next whole packet, its CRC checked; a datagram may hold several. Damage is skipped and counted, idle packets are skipped.
- * Waits at most timeout_ms (0: not at all; -1: for ever). Octets of the packet; 0: none came in time (of a file: its end for
+/* The next whole packet, its CRC checked; a datagram may hold several. Damage, idle packets and those of other
+ * applications are skipped and counted. Waits at most timeout_ms (0: not at all; -1: for ever). Octets of the packet; 0: none came in time (of a file: its end for
  * now); a negative errno. */
 int polhode_bus_next(struct polhode_bus *bus, uint8_t *packet, size_t capacity, int timeout_ms);
 

@@ -220,6 +220,15 @@ static const struct polhode_field command_link_fields[] = {
     {offsetof(struct polhode_command_link, flags), 65, 1, POLHODE_TYPE_U8},
     {offsetof(struct polhode_command_link, spare), 66, 2, POLHODE_TYPE_U8},
 };
+static const struct polhode_field platform_event_fields[] = {
+    {offsetof(struct polhode_platform_event, timestamp_ns), 16, 1, POLHODE_TYPE_I64},
+    {offsetof(struct polhode_platform_event, value), 24, 4, POLHODE_TYPE_F64},
+    {offsetof(struct polhode_platform_event, id), 56, 1, POLHODE_TYPE_U16},
+    {offsetof(struct polhode_platform_event, severity), 58, 1, POLHODE_TYPE_U8},
+    {offsetof(struct polhode_platform_event, text_octets), 59, 1, POLHODE_TYPE_U8},
+    {offsetof(struct polhode_platform_event, text), 60, 122, POLHODE_TYPE_TEXT},
+    {offsetof(struct polhode_platform_event, spare), 182, 2, POLHODE_TYPE_U8},
+};
 
 const struct polhode_layout polhode_layouts[] = {
     {0, 310, sizeof(struct polhode_motion), motion_fields, sizeof motion_fields / sizeof *motion_fields},
@@ -231,5 +240,6 @@ const struct polhode_layout polhode_layouts[] = {
     {6, 1370, sizeof(struct polhode_cloud), cloud_fields, sizeof cloud_fields / sizeof *cloud_fields},
     {7, 94, sizeof(struct polhode_platform), platform_fields, sizeof platform_fields / sizeof *platform_fields},
     {8, 70, sizeof(struct polhode_command_link), command_link_fields, sizeof command_link_fields / sizeof *command_link_fields},
+    {9, 186, sizeof(struct polhode_platform_event), platform_event_fields, sizeof platform_event_fields / sizeof *platform_event_fields},
 };
 const size_t polhode_layout_count = sizeof polhode_layouts / sizeof *polhode_layouts;

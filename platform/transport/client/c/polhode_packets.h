@@ -351,4 +351,22 @@ struct polhode_command_link {
   uint8_t spare[2]; /* 0 */
 };
 
+#define POLHODE_PLATFORM_EVENT 9 /* number of the packet: its APID less the first one */
+#define POLHODE_PLATFORM_EVENT_OCTETS 186
+#define POLHODE_PLATFORM_EVENT_SEVERITY_DEBUG 0
+#define POLHODE_PLATFORM_EVENT_SEVERITY_INFO 1
+#define POLHODE_PLATFORM_EVENT_SEVERITY_WARNING 2
+#define POLHODE_PLATFORM_EVENT_SEVERITY_ERROR 3
+#define POLHODE_PLATFORM_EVENT_SEVERITY_CRITICAL 4
+/* Something happened in the machine around the component, as the disk took no more. The id alone states what; the text is for people. */
+struct polhode_platform_event {
+  int64_t timestamp_ns; /* time of the last frame; ns */
+  double value[4]; /* the event's numbers, in the order of its text */
+  uint16_t id; /* 1: the disk did not take all since the start: packets of so many steps in bus.ccsds, checkpoints, records of the recording, packets of file: transports */
+  uint8_t severity; /* how serious the event is */
+  uint8_t text_octets; /* length of the text */
+  char text[123]; /* ASCII without control characters, zero-padded */
+  uint8_t spare[2]; /* 0 */
+};
+
 #endif

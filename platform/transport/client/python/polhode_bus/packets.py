@@ -222,6 +222,15 @@ PACKETS = {
         ("flags", "B", 1, 65, None, None, ()),
         ("spare", "B", 2, 66, (2,), None, ()),
     ]),
+    9: ("platform_event", 186, (), [
+        ("timestamp_ns", "q", 1, 16, None, None, ()),
+        ("value", "d", 4, 24, (4,), None, ()),
+        ("id", "H", 1, 56, None, None, ()),
+        ("severity", "B", 1, 58, None, None, ('DEBUG', 'INFO', 'WARNING', 'ERROR', 'CRITICAL')),
+        ("text_octets", "B", 1, 59, None, None, ()),
+        ("text", "s", 122, 60, (122,), None, ()),
+        ("spare", "B", 2, 182, (2,), None, ()),
+    ]),
 }
 
 # Function code: the same.

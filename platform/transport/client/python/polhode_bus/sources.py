@@ -9,14 +9,16 @@ import struct
 import time
 
 from .decode import HEADER_OCTETS, PACKET_OCTETS_MAX, Packet, crc16, decode, header_of
+from .packets import APID_COMMAND, APID_FIRST
 
 _RING_MAGIC = 0x31474E5248444C50
 _RING_HEADER = 128  # octets; the count of packets written is at 64
+_RING_WORDS = 175  # of a slot's packet
+_RING_SLOT = 1472  # octets, a multiple of 64
 _POLL_S = 0.001
 _SILENCE_S = 0.2  # after which a sender may have died
-
-
-_IDLE_OCTETS_MAX = 4096  # a longer one could hide packets
+_SKIPPED_OCTETS_MAX = 4096  # a longer packet could hide others
+_LOOK_AHEAD = 4  # packets; each makes an accident some ten times less likely
 
 
 def _idle_at(octets: bytes) -> int | None:
@@ -26,7 +28,7 @@ def _idle_at(octets: bytes) -> int | None:
     if len(octets) < 6:
         return 0
     count = struct.unpack_from(">H", octets, 4)[0] + 7
-    if count > _IDLE_OCTETS_MAX:
+    if count > _SKIPPED_OCTETS_MAX:
         return None
     if len(octets) < count:
         return 0
@@ -34,10 +36,48 @@ def _idle_at(octets: bytes) -> int | None:
     return count if not following or following[0] == 0x07 or following[0] & 0xF8 == 0x08 else None
 
 
+def _owner_of(header: bytes, apid_first: int) -> str | None:
+    """Whose a primary header may be: of the run, an idle packet's (fill), of another application; None: it is none."""
+    apid, unsegmented = int.from_bytes(header[:2], "big") & 0x7FF, header[2] & 0xC0 == 0xC0
+    if header[0] & 0xE0:  # the version
+        return None
+    if apid == 0x7FF:
+        return "fill" if header[0] == 0x07 and unsegmented else None
+    if apid_first <= apid <= apid_first + APID_COMMAND and not header[0] & 0x10:
+        return "run" if header[0] & 0xF8 == 0x08 and unsegmented else None
+    return "other" if any(header) else None  # a hole in a file reads as zeros
+
+
+def _skipped_at(octets: bytes, apid_first: int, at_end: bool) -> int | None:
+    """As _idle_at(), of a packet of another application without our secondary header or CRC, or of an idle one before such. Its primary
+    header tells it, and those of a few packets behind it, followed from length to length."""
+    undecided = None if at_end else 0
+    first = at = 0
+    for i in range(_LOOK_AHEAD):
+        if i and at == len(octets):
+            return first if at_end else 0
+        if len(octets) - at < 6:
+            return undecided
+        owner = _owner_of(octets[at:at + 6], apid_first)
+        if i and owner in ("run", "fill"):
+            return first
+        count = struct.unpack_from(">H", octets, at + 4)[0] + 7
+        if owner in (None, "run") or count > _SKIPPED_OCTETS_MAX:
+            return None
+        first = first or count
+        at += count
+        if at > len(octets):
+            return undecided
+    return first
+
+
 def _packet_at(octets: bytes) -> int | None:
     """As _idle_at(), of a packet whose CRC is right."""
+    for at, mask, value in ((0, 0xF8, 0x08), (2, 0xC0, 0xC0), (6, 0xFF, 0x2F)):
+        if len(octets) > at and octets[at] & mask != value:
+            return None
     if len(octets) < HEADER_OCTETS:
-        return 0 if octets[0] & 0xF8 == 0x08 else None
+        return 0
     header = header_of(octets[:HEADER_OCTETS])
     if header is None or not 18 < header.octets <= PACKET_OCTETS_MAX:
         return None
@@ -47,24 +87,36 @@ def _packet_at(octets: bytes) -> int | None:
 
 
 class _Cutter:
-    """Octets that arrive in pieces, cut into packets: several in a datagram, idle ones in between."""
+    """Octets that arrive in pieces, cut into packets: several in a datagram, in between idle ones and those of other applications."""
 
-    def __init__(self):
+    def __init__(self, apid_first: int):
         self.held = b""
-        self.damaged_octets = 0
+        self.in_step = True  # packets were whole up to here
+        self.damaged_octets = self.idle = self.foreign = 0
+        self._apid_first = apid_first
 
     def packet(self, at_end: bool) -> bytes | None:
-        """The next whole packet of what is held; None: more is needed. @param at_end nothing will follow."""
+        """The next whole packet of what is held; None: more is needed. Another application's packet is believed only where packets were
+        whole up to it. @param at_end nothing will follow."""
         while self.held:
             whole = _packet_at(self.held)
-            idle = None if whole else _idle_at(self.held)
             if whole:
-                packet, self.held = self.held[:whole], self.held[whole:]
+                packet, self.held, self.in_step = self.held[:whole], self.held[whole:], True
                 return packet
+            idle = _idle_at(self.held)
             if not at_end and 0 in (whole, idle):
                 return None
-            self.damaged_octets += 0 if idle else 1
-            self.held = self.held[idle or 1:]
+            skipped = idle or (_skipped_at(self.held, self._apid_first, at_end) if self.in_step else None)
+            if skipped == 0 and not at_end:
+                return None
+            self.in_step = bool(skipped)
+            if not skipped:
+                self.damaged_octets += 1
+            elif self.held[:2] == b"\x07\xff":
+                self.idle += 1
+            else:
+                self.foreign += 1
+            self.held = self.held[skipped or 1:]
         return None
 
 
@@ -140,10 +192,17 @@ class _Ring:
     """See platform/transport/shm/ring_layout.hpp."""
 
     def __init__(self, name: str):
-        with open(f"/dev/shm{name}", "rb") as file:
+        with open(os.open(f"/dev/shm{name}", os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
+            status = os.fstat(file.fileno())
+            # As the writer makes it. Of another user, or open to others, it could hold anything.
+            if not stat.S_ISREG(status.st_mode) or status.st_uid != os.geteuid() or status.st_mode & 0o077:
+                raise PermissionError(f"shm:{name}: belongs to another user, or is open to others")
+            if status.st_size < _RING_HEADER:
+                raise ValueError(f"shm:{name} is no ring of packets")
             self._memory = mmap.mmap(file.fileno(), 0, prot=mmap.PROT_READ)
-        magic, self._slots, self._slot_octets, _ = struct.unpack_from("=4Q", self._memory)
-        if magic != _RING_MAGIC:
+        magic, self._slots, self._slot_octets, words = struct.unpack_from("=4Q", self._memory)
+        whole = _RING_HEADER + self._slots * self._slot_octets <= status.st_size
+        if magic != _RING_MAGIC or words != _RING_WORDS or self._slot_octets != _RING_SLOT or not whole:
             raise ValueError(f"shm:{name} is no ring of packets")
         self._next = self._head()
         self.overrun = 0
@@ -183,22 +242,18 @@ class _Ring:
 
 
 class _File:
-    def __init__(self, path: str):
+    def __init__(self, path: str, apid_first: int):
         self._file = open(path, "rb")
-        self._cutter = _Cutter()
-
-    @property
-    def damaged_octets(self) -> int:
-        return self._cutter.damaged_octets
+        self.cutter = _Cutter(apid_first)
 
     def read(self, timeout_s: float) -> bytes | None:
         until = time.monotonic() + timeout_s
         while True:
-            packet = self._cutter.packet(at_end=False)
+            packet = self.cutter.packet(at_end=False)
             if packet is not None:
                 return packet
             more = self._file.read(1 << 16)
-            self._cutter.held += more
+            self.cutter.held += more
             if not more:
                 if time.monotonic() >= until:
                     return None
@@ -209,25 +264,35 @@ class _File:
 
 
 class Bus:
-    """A reader's end. What was lost is counted: `missing` by the packets' counts, `damaged` octets."""
+    """A reader's end. What was lost is counted: `missing` by the packets' counts, `damaged` octets. What was passed over is counted,
+    too: `idle` packets, and those of other applications without our secondary header or CRC (`foreign`)."""
 
-    def __init__(self, source):
+    def __init__(self, source, apid_first: int = APID_FIRST):
         self._source = source
-        self._cutter = _Cutter()  # of the last datagram
+        self._cutter = _Cutter(apid_first)  # of the last datagram
+        self._cutters = [self._cutter, *([source.cutter] if hasattr(source, "cutter") else [])]
         self._last = {}
         self.missing = 0
 
     @property
     def damaged(self) -> int:
-        return self._cutter.damaged_octets + getattr(self._source, "damaged_octets", 0)
+        return sum(cutter.damaged_octets for cutter in self._cutters)
+
+    @property
+    def idle(self) -> int:
+        return sum(cutter.idle for cutter in self._cutters)
+
+    @property
+    def foreign(self) -> int:
+        return sum(cutter.foreign for cutter in self._cutters)
 
     def next_octets(self, timeout_s: float) -> bytes | None:
         """The next packet whose CRC is right; None when none came in time (of a file: its end for now)."""
         while (octets := self._cutter.packet(at_end=True)) is None:
-            self._cutter.held = self._source.read(timeout_s)
-            if self._cutter.held is None:
-                self._cutter.held = b""
+            octets = self._source.read(timeout_s)
+            if octets is None:
                 return None
+            self._cutter.held, self._cutter.in_step = octets, True
         header = header_of(octets)
         last = self._last.get(header.apid)
         self.missing += 0 if last is None else (header.sequence - last - 1) % 16384
@@ -251,13 +316,13 @@ class Bus:
         self.close()
 
 
-def open_bus(address: str) -> Bus:
-    """unix:PATH and udp:PORT or udp:HOST:PORT are bound here; shm:/NAME and file:PATH are opened."""
+def open_bus(address: str, apid_first: int = APID_FIRST) -> Bus:
+    """unix:PATH and udp:PORT or udp:HOST:PORT are bound here; shm:/NAME and file:PATH are opened. Another run's bus.apid_first may be given."""
     kind, _, rest = address.partition(":")
     if kind in ("unix", "udp"):
-        return Bus(_Datagrams(kind, rest))
+        return Bus(_Datagrams(kind, rest), apid_first)
     if kind == "shm":
-        return Bus(_Ring(rest))
+        return Bus(_Ring(rest), apid_first)
     if kind == "file":
-        return Bus(_File(rest))
+        return Bus(_File(rest, apid_first), apid_first)
     raise ValueError(f"{address}: allowed are unix:PATH, udp:PORT, udp:HOST:PORT, shm:/NAME, file:PATH")

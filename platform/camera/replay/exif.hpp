@@ -1,0 +1,11 @@
+// How a JPEG's writer says that its pixels should be turned for people.
+#pragma once
+
+#include "camera/replay/decode.hpp"
+
+namespace polhode::platform {
+
+/// EXIF's orientation: 1 as stored, to 8. Also 1 where the file has none, or a damaged one.
+int exif_orientation(Octets jpeg);
+
+}  // namespace polhode::platform

@@ -1,0 +1,16 @@
+// Which faults of a file are the settings', and which the machine's.
+#pragma once
+
+#include <string>
+
+namespace polhode::platform {
+
+/// For a file that cannot be opened, made or written at a start.
+/// @param what   for people, the file's name first.
+/// @param error  errno.
+/// @throws RunFailure where disk or machine is at fault, which may pass: no space, a read error, a
+/// file system that has become read-only, too many files. Else UnusableInput: starting again
+/// changes nothing.
+[[noreturn]] void fail_at_start(const std::string& what, int error);
+
+}  // namespace polhode::platform

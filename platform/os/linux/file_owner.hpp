@@ -1,0 +1,14 @@
+// Whose an open file is.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+
+namespace polhode::platform {
+
+/// @param forbidden  of the mode: what nobody but the owner may do, as S_IWGRP | S_IWOTH.
+/// @return empty; or why this is no file of this process's user's own.
+std::string problem_of_owner(int descriptor, mode_t forbidden);
+
+}  // namespace polhode::platform
