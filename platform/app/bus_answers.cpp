@@ -24,6 +24,7 @@ bool closes_a_command(bus::EventId id) {
     case bus::EventId::kNoop:
     case bus::EventId::kCountersReset:
     case bus::EventId::kCommandAccepted:
+    case bus::EventId::kCommandRepeated:
     case bus::EventId::kCommandLength:
     case bus::EventId::kCommandHeader:
     case bus::EventId::kCommandCrc:
@@ -35,6 +36,12 @@ bool closes_a_command(bus::EventId id) {
     default:
       return false;
   }
+}
+
+bool answers_one_of(const BusAnswers::Commands& commands, int sequence) {
+  constexpr int kCounts = bus::kSequenceModulus - 1;  // 0 is none
+  const auto behind = static_cast<std::size_t>((sequence - commands.sequence + kCounts) % kCounts);
+  return commands.sequence == 0 || (sequence != 0 && behind < commands.count);
 }
 
 }  // namespace
@@ -53,13 +60,15 @@ BusAnswers::BusAnswers(const std::string& address, int apid_first)
   }
 }
 
-BusAnswers::Answer BusAnswers::read(std::span<const std::uint8_t> octets) const {
+BusAnswers::Answer BusAnswers::read(std::span<const std::uint8_t> octets,
+                                    const Commands& commands) const {
   bus::PacketHeader header;
   (void)bus::read_header(octets, header);
   const bus::Layout& layout = bus::EventPacket::layout();
   bus::EventPacket event;
   if (bus::find_packet(header.apid, apid_first_) != &layout ||
-      !bus::decode(layout, octets, &event) || !closes_a_command(bus::EventId{event.id})) {
+      !bus::decode(layout, octets, &event) || !closes_a_command(bus::EventId{event.id}) ||
+      !answers_one_of(commands, event.command_sequence)) {
     return {};
   }
   const bool refused = event.severity >= static_cast<std::uint8_t>(bus::Severity::kError);
@@ -70,19 +79,19 @@ BusAnswers::Answer BusAnswers::read(std::span<const std::uint8_t> octets) const 
           .refused = refused};
 }
 
-std::size_t BusAnswers::wait(std::size_t commands, double timeout_s) {
+std::size_t BusAnswers::wait(const Commands& commands, double timeout_s) {
   const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                       std::chrono::duration<double>(timeout_s));
   std::array<std::uint8_t, POLHODE_PACKET_OCTETS_MAX> packet{};
   std::size_t answered = 0;
   std::size_t refused = 0;
-  while (answered < commands) {
+  while (answered < commands.count) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
     if (left.count() <= 0) {
       throw RunFailure(fmt::format("{}: {} of {} commands were answered within {} s",
                                    address_,
                                    answered,
-                                   commands,
+                                   commands.count,
                                    timeout_s));
     }
     const int octets =
@@ -91,7 +100,8 @@ std::size_t BusAnswers::wait(std::size_t commands, double timeout_s) {
       throw RunFailure(fmt::format("{}: {}", address_, std::generic_category().message(-octets)));
     }
     const Answer answer =
-        octets == 0 ? Answer{} : read(std::span(packet).first(static_cast<std::size_t>(octets)));
+        octets == 0 ? Answer{}
+                    : read(std::span(packet).first(static_cast<std::size_t>(octets)), commands);
     answered += answer.commands;
     refused += answer.refused ? answer.commands : 0;
   }
