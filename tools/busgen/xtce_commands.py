@@ -13,7 +13,7 @@ SENT_COUNT = "/yamcs/cmdHist/ccsds-seqcount"
 # Events by which the component closes a command: what it came to.
 ACCEPTED = ("command_accepted", "noop", "counters_reset", "command_repeated")
 REFUSED = ("command_length", "command_header", "command_crc", "command_unknown", "command_range", "command_state")
-WAIT_S = 10  # chosen: a command is carried out with the next frame, so within some tenths of a second while frames come
+WAIT_S = 30  # chosen: a command is carried out with the next frame; frames may stay out for seconds, and a machine be busy
 
 
 def valid_range(limits: tuple[float, float] | None, whole: bool) -> str:
