@@ -106,8 +106,10 @@ async function takeArchive() {
 function takeAlarm(alarm) {
   const parameter = alarm.id.name, detail = alarm.parameterDetail || {};
   const latest = detail.currentValue || detail.triggerValue || {};
-  if (alarm.notificationType === "CLEARED" || (alarm.processOK && alarm.acknowledged)) alarms.delete(parameter);
-  else alarms.set(parameter, { parameter, severity: alarm.severity, over: Boolean(alarm.processOK), since: clock(Date.parse(alarm.triggerTime), 1),
+  // YAMCS leaves processOK where an alarm that is not acknowledged comes back: the value says it.
+  const over = Boolean(alarm.processOK) && ["IN_LIMITS", undefined].includes(latest.monitoringResult);
+  if (alarm.notificationType === "CLEARED" || (over && alarm.acknowledged)) alarms.delete(parameter);
+  else alarms.set(parameter, { parameter, severity: alarm.severity, over, since: clock(Date.parse(alarm.triggerTime), 1),
     value: latest.engValue ? number(latest.engValue) : "" });
   alarmList([...alarms.values()]);
 }
