@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # A ground station for Polhode's bus: a YAMCS server that archives and decodes the packets that come by UDP, and a page that
-# shows rates, attitude, mode and health.
+# shows rates over time, attitude and measured body, prediction, alarms, health and events. Commands are counted and verified.
 #   hil/ground_station.sh [--tm PORT] [--tc PORT] [--http PORT] [--page PORT] [--data DIR] [--key FILE] [--install]
 #   --tm 10015  telemetry comes here: [transport] send = ["udp:10015"]      --tc 10016  commands go there
 #   --http 8090 the server's own pages (archive, commands, links)           --page 8091 the display
@@ -55,11 +55,9 @@ fetch_server() {
 configure() {
   mkdir -p "$DATA/etc" "$DATA/archive" "$DATA/cache"
   DATA=$(realpath "$DATA")
-  local file postprocessor=org.yamcs.pus.PusCommandPostprocessor
-  if [ -n "$KEY" ]; then
-    postprocessor=SigningCommandPostprocessor
-    javac -cp "$LIBRARIES/lib/*" -d "$DATA/classes" hil/ground_station/signing/*.java
-  fi
+  local file postprocessor=CountingCommandPostprocessor
+  if [ -n "$KEY" ]; then postprocessor=SigningCommandPostprocessor; fi
+  javac -cp "$LIBRARIES/lib/*" -d "$DATA/classes" hil/ground_station/commanding/*.java
   for file in hil/ground_station/etc/*.yaml; do
     sed -e "s|@HTTP_PORT@|$HTTP|g; s|@TM_PORT@|$TM|g; s|@TC_PORT@|$TC|g; s|@TC_POSTPROCESSOR@|$postprocessor|g; s|@TC_KEY@|$KEY|g; s|@MDB@|$PWD/config/bus|g" "$file" >"$DATA/etc/$(basename "$file")"
   done

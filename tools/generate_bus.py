@@ -12,14 +12,14 @@ import sys
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY / "tools"))
-from busgen import c_client, ccsdspy_csv, cpp, document, python_client, xtce  # noqa: E402
+from busgen import c_client, ccsdspy_csv, cpp, display, document, python_client, xtce, xtce_commands  # noqa: E402
 from busgen.table import TableError, read_table  # noqa: E402
 
 
 def generated(table) -> dict[str, str]:
     """Path in the repository -> text."""
     files = {}
-    for part in (cpp, c_client, python_client, xtce, ccsdspy_csv, document):
+    for part in (cpp, c_client, python_client, xtce, xtce_commands, ccsdspy_csv, display, document):
         files.update(part.files(table))
     return files
 

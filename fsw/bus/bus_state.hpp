@@ -11,6 +11,7 @@
 #include "bus/commands.hpp"
 #include "bus/counters.hpp"
 #include "bus/events.hpp"
+#include "bus/repeated_commands.hpp"
 #include "bus/telemetry.hpp"
 #include "motion/look_ahead.hpp"
 #include "motion/motion_state.hpp"
@@ -76,6 +77,7 @@ struct BusState {
   bus::PacketStream stream;
   bus::EventLog events;
   CommandCounts commands;
+  bus::CommandsDone commands_done;
   CloudRequest cloud;
   ServicerAttitude servicer;
   PredictionsUnderWay predictions;

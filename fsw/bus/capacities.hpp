@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "config/limits.hpp"
 
@@ -9,6 +10,13 @@ namespace polhode::limits {
 
 // Commands executed in one step. Chosen: a ground pass sends a few a second.
 inline constexpr std::size_t kStepCommands = 8;
+
+// Commands that are recognised when they come again. Chosen: one step's and half as many before.
+inline constexpr std::size_t kCommandsRemembered = 12;
+
+// Frames after the last command in which that holds. Chosen: a minute at 10 frames/s, many times
+// the wait for an answer, and less than a ground station takes to start and count anew.
+inline constexpr std::uint32_t kRepeatFrames = 600;
 
 // Events of one step: two for each command (a refused table entry has one of its own) and eight of
 // the component's own.

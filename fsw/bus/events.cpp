@@ -43,12 +43,17 @@ std::size_t index_of(EventId id) {
 
 double finite(double value) { return std::isfinite(value) ? value : 0.0; }
 
-EventPacket packet_of(std::size_t index, const EventDetails& details, const EventCount& count) {
+/// @param command_sequence  of the command that it answers, or 0.
+EventPacket packet_of(std::size_t index,
+                      const EventDetails& details,
+                      const EventCount& count,
+                      std::uint16_t command_sequence) {
   const EventRow& row = kEvents[index];
   EventPacket packet;
   packet.value = {finite(details.values[0]), finite(details.values[1])};
   packet.occurrences = count.occurrences;
   packet.suppressed = count.suppressed;
+  packet.command_sequence = command_sequence;
   packet.id = static_cast<std::uint16_t>(row.id);
   packet.severity = static_cast<std::uint8_t>(row.severity);
   packet.text_octets = static_cast<std::uint8_t>(
@@ -64,7 +69,7 @@ void end_window(std::uint32_t frame, EventLog* log) {
     count.in_window = 0;
     if (count.suppressed != 0 && !log->waiting.full()) {
       (void)log->waiting.push_back(
-          packet_of(i, {.values = count.values, .word = "(repeated)"}, count));
+          packet_of(i, {.values = count.values, .word = "(repeated)"}, count, 0));
       count.suppressed = 0;
       ++count.in_window;
       ++log->sent;
@@ -105,7 +110,7 @@ void report(EventId id, const EventDetails& details, EventLog* log) {
     count.values = details.values;
     return;
   }
-  (void)log->waiting.push_back(packet_of(index, details, count));
+  (void)log->waiting.push_back(packet_of(index, details, count, log->command_sequence));
   ++count.in_window;
   count.suppressed = 0;
   ++log->sent;

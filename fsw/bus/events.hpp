@@ -27,6 +27,7 @@ struct EventLog {
   std::uint32_t window_begin = 0;                ///< its first frame
   std::uint32_t sent = 0;
   std::uint32_t suppressed = 0;
+  std::uint16_t command_sequence = 0;  ///< of the command that is being carried out; 0: none
   FixedVector<EventPacket, limits::kStepEvents> waiting;  ///< of this step
 };
 

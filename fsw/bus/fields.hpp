@@ -8,6 +8,8 @@
 #include <span>
 #include <string_view>
 
+#include "bus/code_names.hpp"
+
 namespace polhode::bus {
 
 enum class FieldType : std::uint8_t { kU8, kU16, kU32, kU64, kI64, kF32, kF64, kText };
@@ -29,9 +31,10 @@ struct Field {
   std::int8_t valid_by;  ///< bit of the flags that must be up; -1: always valid
   double low;            ///< allowed, both included
   double high;
-  std::string_view elements;     ///< names of an array's elements, "w x y z"; may be empty
-  std::string_view unit;         ///< may be empty
-  std::string_view enumeration;  ///< names of the values 0, 1, ...; may be empty
+  std::string_view elements;        ///< names of an array's elements, "w x y z"; may be empty
+  std::string_view unit;            ///< may be empty
+  std::string_view enumeration;     ///< names of the values 0, 1, ...; may be empty
+  std::span<const CodeName> names;  ///< where the value is a code with a name for people
 };
 
 struct Layout {

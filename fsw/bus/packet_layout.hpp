@@ -222,7 +222,7 @@ inline constexpr std::size_t kId = 52;  ///< u16
 inline constexpr std::size_t kSeverity = 54;  ///< u8
 inline constexpr std::size_t kText_octets = 55;  ///< u8
 inline constexpr std::size_t kText = 56;  ///< 122 x text
-inline constexpr std::size_t kSpare = 178;  ///< 2 x u8
+inline constexpr std::size_t kCommand_sequence = 178;  ///< u16
 inline constexpr std::size_t kCrc = 180;  ///< u16 over all octets before it
 inline constexpr std::size_t kPacketOctets = 182;
 }  // namespace event_layout

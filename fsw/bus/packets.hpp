@@ -240,7 +240,7 @@ struct EventPacket {
   std::uint8_t severity = 0;  ///< how serious the event is
   std::uint8_t text_octets = 0;  ///< length of the text
   std::array<char, 122> text{};  ///< ASCII without control characters, zero-padded
-  std::array<std::uint8_t, 2> spare{};  ///< 0
+  std::uint16_t command_sequence = 0;  ///< sequence count of the command that this answers; 0: of none, or of one without a count
 
   static const Layout& layout();  ///< 182 octets
 };

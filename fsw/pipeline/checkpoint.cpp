@@ -129,6 +129,7 @@ void visit_persistent(Visitor&& visit, State& s) {
   visit(s.bus.events.sent);
   visit(s.bus.events.suppressed);
   visit(s.bus.commands);
+  visit(s.bus.commands_done);
   visit(s.bus.cloud.number);
   visit(s.bus.servicer);
   visit(s.bus.reported);
@@ -149,7 +150,7 @@ WorkLost work_lost(const JobQueue& jobs, const GrowthWaiting& growth) {
 
 /// Sizes of everything, which show when a table's entry has changed.
 struct Fingerprint {
-  std::uint64_t version = 5;  ///< changes when the order or the meaning of the content does
+  std::uint64_t version = 6;  ///< changes when the order or the meaning of the content does
   std::uint64_t keyframe = sizeof(Keyframe);
   std::uint64_t landmark = sizeof(Landmark);
   std::uint64_t values = 0;  ///< octets of all values together
@@ -215,10 +216,11 @@ bool take_values(Reader reader, Component::State* s) {
 std::size_t checkpoint_octets_max() {
   constexpr std::size_t kPlace = sizeof(std::uint32_t);
   // The structs of visit_persistent(), and room for its single numbers and short arrays.
-  constexpr std::size_t kValuesMax =
-      sizeof(Parameters) + sizeof(Counters) + sizeof(MapDrift) + sizeof(MotionEstimate) +
-      sizeof(ShapeState) + sizeof(ScaleState) + sizeof(bus::EventLog::counts) +
-      sizeof(CommandCounts) + sizeof(ServicerAttitude) + sizeof(Reported) + 1024;
+  constexpr std::size_t kValuesMax = sizeof(Parameters) + sizeof(Counters) + sizeof(MapDrift) +
+                                     sizeof(MotionEstimate) + sizeof(ShapeState) +
+                                     sizeof(ScaleState) + sizeof(bus::EventLog::counts) +
+                                     sizeof(CommandCounts) + sizeof(bus::CommandsDone) +
+                                     sizeof(ServicerAttitude) + sizeof(Reported) + 1024;
   return sizeof(Fingerprint) + kValuesMax + sizeof(WorkLost) + 2 * kPlace +
          limits::kKeyframes * (kPlace + sizeof(Keyframe)) +
          limits::kLandmarks * (kPlace + sizeof(Landmark));

@@ -277,6 +277,15 @@ void reject(Rejection reason, const bus::EventDetails& details, Component::State
   bus::report(bus::event_of(reason), details, &s->bus.events);
 }
 
+/// Answered, but not carried out again, and in none of the counters of commands.
+void answer_again(const Command& command, Component::State* s) {
+  bus::report(EventId::kCommandRepeated,
+              {.values = {static_cast<double>(command.code),
+                          static_cast<double>(bus::command_sequence(command.octets))},
+               .word = command.layout->name},
+              &s->bus.events);
+}
+
 void execute(std::span<const std::uint8_t> octets, Component::State* s) {
   Command command;
   const Refusal refusal =
@@ -288,11 +297,18 @@ void execute(std::span<const std::uint8_t> octets, Component::State* s) {
     reject(refusal.reason, refusal.details, s);
     return;
   }
+  if (bus::was_done(octets, s->clock.frame, s->bus.commands_done)) {
+    answer_again(command, s);
+    return;
+  }
   const double code = static_cast<double>(command.code);
   const Outcome outcome = carry_out(command, s);
   if (outcome != kDone) {
     reject(Rejection::kState, {.values = {code, 0.0}, .word = outcome}, s);
     return;
+  }
+  if (command.code != bus::CommandCode::kServicerAttitude) {  // refuses a repeated time by itself
+    bus::remember(octets, s->clock.frame, &s->bus.commands_done);
   }
   ++s->bus.commands.accepted;
   if (!answers_by_itself(command.code)) {
@@ -302,14 +318,23 @@ void execute(std::span<const std::uint8_t> octets, Component::State* s) {
   }
 }
 
+/// The sequence count that its answers bear; 0 where the octets are not as they were sent.
+std::uint16_t counted(std::span<const std::uint8_t> octets) {
+  return octets.size() >= bus::kCommandHeaderOctets + bus::kCrcOctets && bus::crc_is_right(octets)
+             ? bus::command_sequence(octets)
+             : 0;
+}
+
 }  // namespace
 
 void execute_commands(std::span<const std::span<const std::uint8_t>> commands,
                       Component::State* s) {
   const std::size_t read = std::min(commands.size(), limits::kStepCommands);
   for (const std::span<const std::uint8_t> octets : commands.first(read)) {
+    s->bus.events.command_sequence = counted(octets);
     execute(octets, s);
   }
+  s->bus.events.command_sequence = 0;
   if (commands.size() > read) {
     const std::size_t beyond = commands.size() - read;
     reject(Rejection::kTooMany,

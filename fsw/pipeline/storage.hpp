@@ -10,7 +10,7 @@ namespace polhode {
 /// The component and its state lie side by side.
 struct alignas(64) Storage {
   Component::State state;
-  alignas(64) std::byte component[sizeof(Component)];
+  alignas(Component) std::byte component[sizeof(Component)];
 };
 
 }  // namespace polhode

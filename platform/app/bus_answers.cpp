@@ -23,6 +23,7 @@ bool closes_a_command(bus::EventId id) {
     case bus::EventId::kNoop:
     case bus::EventId::kCountersReset:
     case bus::EventId::kCommandAccepted:
+    case bus::EventId::kCommandRepeated:
     case bus::EventId::kCommandLength:
     case bus::EventId::kCommandHeader:
     case bus::EventId::kCommandCrc:
@@ -41,6 +42,12 @@ Clock::time_point after(double seconds) {
          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
+bool answers_one_of(const BusAnswers::Commands& commands, int sequence) {
+  constexpr int kCounts = bus::kSequenceModulus - 1;  // 0 is none
+  const auto behind = static_cast<std::size_t>((sequence - commands.sequence + kCounts) % kCounts);
+  return commands.sequence == 0 || (sequence != 0 && behind < commands.count);
+}
+
 BusReader open_to_wait(const std::string& address) {
   try {
     return open_bus_reader(address);
@@ -54,7 +61,8 @@ BusReader open_to_wait(const std::string& address) {
 BusAnswers::BusAnswers(const std::string& address, int apid_first)
     : address_(address), apid_first_(apid_first), bus_(open_to_wait(address)) {}
 
-BusAnswers::Answer BusAnswers::read(std::span<const std::uint8_t> octets) {
+BusAnswers::Answer BusAnswers::read(std::span<const std::uint8_t> octets,
+                                    const Commands& commands) {
   bus::PacketHeader header;
   (void)bus::read_header(octets, header);
   const bus::Layout* layout = bus::find_packet(header.apid, apid_first_);
@@ -64,7 +72,8 @@ BusAnswers::Answer BusAnswers::read(std::span<const std::uint8_t> octets) {
   }
   bus::EventPacket event;
   if (layout != &bus::EventPacket::layout() || !bus::decode(*layout, octets, &event) ||
-      !closes_a_command(bus::EventId{event.id})) {
+      !closes_a_command(bus::EventId{event.id}) ||
+      !answers_one_of(commands, event.command_sequence)) {
     return {};
   }
   const bool refused = event.severity >= static_cast<std::uint8_t>(bus::Severity::kError);
@@ -99,7 +108,7 @@ void BusAnswers::begin(double timeout_s) {
     bus::PacketHeader header;
     (void)bus::read_header(packet, header);
     if (bus::find_packet(header.apid, apid_first_) == &bus::CommandLinkPacket::layout()) {
-      (void)read(packet);
+      (void)read(packet, {});
     }
   }
 }
@@ -128,20 +137,20 @@ bool BusAnswers::all_refused(std::size_t commands) const {
          last_->passed == before_->passed;
 }
 
-std::size_t BusAnswers::wait(std::size_t commands, double timeout_s) {
+std::size_t BusAnswers::wait(const Commands& commands, double timeout_s) {
   const Clock::time_point end = after(timeout_s);
   std::size_t answered = 0;
   std::size_t refused = 0;
-  while (answered < commands) {
+  while (answered < commands.count) {
     const std::span<const std::uint8_t> packet = next(end);
-    const Answer answer = packet.empty() ? Answer{} : read(packet);
+    const Answer answer = packet.empty() ? Answer{} : read(packet, commands);
     answered += answer.commands;
     refused += answer.refused ? answer.commands : 0;
-    if (all_refused(commands)) {
+    if (all_refused(commands.count)) {
       throw RunFailure(fmt::format("{}: {} of {} commands were refused at the port: {}",
                                    address_,
-                                   commands,
-                                   commands,
+                                   commands.count,
+                                   commands.count,
                                    refused_at_ports()));
     }
     if (packet.empty() && Clock::now() >= end) {
@@ -149,7 +158,7 @@ std::size_t BusAnswers::wait(std::size_t commands, double timeout_s) {
       throw RunFailure(fmt::format("{}: {} of {} commands were answered within {} s{}{}",
                                    address_,
                                    answered,
-                                   commands,
+                                   commands.count,
                                    timeout_s,
                                    words.empty() ? "" : "; refused at the ports meanwhile: ",
                                    words));

@@ -16,28 +16,34 @@
 namespace polhode::platform {
 
 /// Listens from its making on, so that the answer to a command that is sent next is not missed.
-/// Each command is answered by one event; those of other senders cannot be told from one's own.
+/// Each command is answered by one event. Those of other senders are told from one's own by the
+/// sequence counts, where the commands have such.
 class BusAnswers {
  public:
   /// @param address of telemetry, as `polhode bus follow` takes it.
   /// @throws UnusableInput: it cannot be opened.
   BusAnswers(const std::string& address, int apid_first);
 
+  struct Commands {
+    std::size_t count = 0;
+    int sequence = 0;  ///< sequence count of the first; 0: they have none
+  };
+
   /// Before the commands are sent: reads what the ports have counted so far, which comes once a
   /// second. What they refuse afterwards can then be told from that.
   void begin(double timeout_s);
 
   /// Prints each answer as it comes.
-  /// @return commands refused, of `commands`.
+  /// @return commands refused, of those.
   /// @throws RunFailure: the ports refused them, and why; or no answer to one within the time.
-  std::size_t wait(std::size_t commands, double timeout_s);
+  std::size_t wait(const Commands& commands, double timeout_s);
 
  private:
   struct Answer {
     std::size_t commands = 0;  ///< that it answers; 0: another packet
     bool refused = false;
   };
-  [[nodiscard]] Answer read(std::span<const std::uint8_t> octets);
+  [[nodiscard]] Answer read(std::span<const std::uint8_t> octets, const Commands& commands);
   /// Reads on until the time is over. @return the next packet; empty: none came.
   std::span<const std::uint8_t> next(std::chrono::steady_clock::time_point end);
   /// Since begin(), as words: how many by which reason; empty: none, or it was not told.

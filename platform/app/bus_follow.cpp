@@ -100,12 +100,13 @@ namespace {
 
 std::vector<std::vector<std::uint8_t>> command_packets(const BusSendArguments& arguments) {
   CommandWriter writer(arguments.apid_first);
+  writer.count_from(static_cast<std::uint16_t>(arguments.sequence));
   std::vector<std::vector<std::uint8_t>> packets;
   std::string line;
   const auto end_line = [&] {
     packets.push_back(writer.packet(line));
     if (!line.starts_with("hex")) {  // octets are sent as they are
-      check_ranges(packets.back(), arguments.apid_first, line);
+      check_ranges(packets.back(), arguments.apid_first);
     }
     line.clear();
   };
@@ -176,7 +177,8 @@ void send_command(const BusSendArguments& arguments) {
   }
   send_packets(address, packets);
   if (answers) {
-    const std::size_t refused = answers->wait(packets.size(), arguments.timeout_s);
+    const std::size_t refused = answers->wait(
+        {.count = packets.size(), .sequence = arguments.sequence}, arguments.timeout_s);
     if (refused > 0) {
       throw RunFailure(fmt::format(
           "{}: {} of {} commands were refused", arguments.address, refused, packets.size()));

@@ -24,6 +24,7 @@ struct BusSendArguments {
   std::string address;             ///< unix: or udp:
   std::vector<std::string> words;  ///< the command as CommandWriter takes it
   int apid_first = 0x1A0;
+  int sequence = 0;          ///< sequence count of the first command, 1 .. 16383; 0: none
   std::string key;           ///< file; empty: the command is not signed
   std::uint64_t number = 0;  ///< of the first signed command; 0: the time
   std::string wait;  ///< address of telemetry to read the answers from; empty: not waited for

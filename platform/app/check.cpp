@@ -11,6 +11,7 @@
 #include "errors.hpp"
 #include "memory_plan.hpp"
 #include "network/loaded_network.hpp"
+#include "parameters/bus_parameters.hpp"
 #include "parameters/load.hpp"
 #include "parameters/machine_options.hpp"
 #include "parameters/print.hpp"
@@ -91,6 +92,10 @@ void check_memory(const CheckArguments& arguments,
 void check_configuration(const CheckArguments& arguments) {
   if (arguments.defaults) {
     fmt::print("{}", documented_defaults());
+    return;
+  }
+  if (arguments.bus_parameters) {
+    fmt::print("{}", bus_parameters());
     return;
   }
   Configuration configuration = load_configuration(arguments.config, arguments.settings);

@@ -13,6 +13,7 @@ struct CheckArguments {
   std::vector<std::string> settings;
   bool memory = false;    ///< print the whole memory plan as well; one that does not fit is refused
   bool defaults = false;  ///< print a documented file of defaults instead
+  bool bus_parameters = false;  ///< print the part of the bus's field table instead
 };
 
 /// @throws UnusableInput naming the first problem.

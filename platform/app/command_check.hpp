@@ -3,12 +3,11 @@
 
 #include <cstdint>
 #include <span>
-#include <string_view>
 
 namespace polhode::platform {
 
-/// @param text  the command as it was written, for the words of a refusal.
-/// @throws UnusableInput: an argument, or a value of a table_load, is out of its range.
-void check_ranges(std::span<const std::uint8_t> command, int apid_first, std::string_view text);
+/// @throws UnusableInput naming the argument, or the parameter of a table_load, its value and what
+/// is allowed.
+void check_ranges(std::span<const std::uint8_t> command, int apid_first);
 
 }  // namespace polhode::platform

@@ -124,8 +124,15 @@ void add_check(CLI::App& app, CheckArguments& arguments) {
   auto* defaults = command->add_flag(
       "--defaults", arguments.defaults, "print a documented configuration of all defaults instead");
   defaults->excludes(config)->excludes(settings);
+  command
+      ->add_flag("--bus-parameters",
+                 arguments.bus_parameters,
+                 "print the parameters that commands may change, as config/bus/parameters.toml")
+      ->excludes(config)
+      ->excludes(settings)
+      ->excludes(defaults);
   command->callback([&arguments] {
-    if (arguments.config.empty() && !arguments.defaults) {
+    if (arguments.config.empty() && !arguments.defaults && !arguments.bus_parameters) {
       throw CLI::RequiredError("--config");
     }
     polhode::platform::check_configuration(arguments);
@@ -169,6 +176,13 @@ void add_send(CLI::App& bus, BusSendArguments& arguments) {
   send->add_option("--timeout", arguments.timeout_s, "with --wait: seconds for all answers")
       ->check(CLI::Range(0.01, 3600.0))
       ->needs(wait);
+  send->add_option(
+          "--sequence",
+          arguments.sequence,
+          "sequence count of the first command, 1 .. 16383; the same command sent again with "
+          "its count is answered but not carried out twice; with --wait, only answers to "
+          "these counts are taken")
+      ->check(CLI::Range(1, 16383));
   CLI::Option* key =
       send->add_option("--key", arguments.key, "sign with the key in this file (commands.key)")
           ->type_name("FILE");

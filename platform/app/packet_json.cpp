@@ -39,6 +39,13 @@ Json value_json(const bus::Field& field, const void* packet, std::size_t index) 
   return real ? Json(bus::value_of(field, packet, index)) : whole_number(field, packet, index);
 }
 
+/// Of a code; its number where it has no name.
+std::string code_name(const bus::Field& field, const void* packet) {
+  const double code = bus::value_of(field, packet, 0);
+  const std::string_view name = bus::name_of(field.names, code);
+  return name.empty() ? fmt::format("{:.0f}", code) : std::string(name);
+}
+
 std::string text_of(const bus::Field& field, const void* packet) {
   std::string text;
   for (std::size_t i = 0; i < field.count; ++i) {
@@ -70,6 +77,9 @@ std::string value_text(const bus::Field& field, const void* packet) {
   const bool real = field.type == bus::FieldType::kF32 || field.type == bus::FieldType::kF64;
   if (field.type == bus::FieldType::kText) {
     return fmt::format("\"{}\"", cited(text_of(field, packet)));
+  }
+  if (!field.names.empty()) {
+    return code_name(field, packet);
   }
   std::string text;
   for (std::size_t i = 0; i < std::min<std::size_t>(field.count, kValuesShown); ++i) {
@@ -111,6 +121,9 @@ Json fields_json(const bus::Layout& layout, const void* packet) {
     } else if (!is_spare(field)) {
       const bool valid = is_up(layout, packet, field.valid_by);
       out[std::string(field.name)] = valid ? field_json(field, packet) : Json();
+      if (!field.names.empty()) {
+        out[fmt::format("{}_name", field.name)] = code_name(field, packet);
+      }
     }
   }
   return out;

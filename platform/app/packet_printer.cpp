@@ -2,14 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
+#include <string_view>
 
-#include "app/motion_csv.hpp"
 #include "app/packet_json.hpp"
-#include "app/run_record.hpp"
 #include "bus/event_table.hpp"
 #include "bus/telemetry.hpp"
 #include "errors.hpp"
@@ -18,25 +18,25 @@
 namespace polhode::platform {
 namespace {
 
-std::string mode_word(double code) {
-  const char* word = mode_name(static_cast<Mode>(code));
-  return *word != '\0' ? word : "unknown";
-}
-
-/// What the codes among an event's numbers mean; empty where there are none.
+/// What the codes among an event's numbers mean, "IDLE to ACQUIRING"; empty where there are none.
 std::string event_words(const bus::Layout& layout, const void* packet) {
   if (&layout != &bus::EventPacket::layout()) {
     return "";
   }
   bus::EventPacket event;
   std::memcpy(static_cast<void*>(&event), packet, sizeof event);
-  const double last = event.value[1];
-  if (event.id == static_cast<std::uint16_t>(bus::EventId::kModeChanged)) {
-    return mode_word(event.value[0]) + " to " + mode_word(last);
+  const auto row = std::find_if(bus::kEvents.begin(), bus::kEvents.end(), [&](const auto& known) {
+    return known.id == bus::EventId{event.id};
+  });
+  std::string words;
+  for (std::size_t i = 0; row != bus::kEvents.end() && i < row->words.size(); ++i) {
+    if (!row->words[i].empty()) {
+      const std::string_view word = bus::name_of(row->words[i], event.value[i]);
+      words += words.empty() ? "" : " to ";
+      words += word.empty() ? "unknown" : word;
+    }
   }
-  const bool is_fault = event.id == static_cast<std::uint16_t>(bus::EventId::kFrameWithCare) &&
-                        last >= 0.0 && last < static_cast<double>(kFrameFaults);
-  return is_fault ? fault_name(static_cast<FrameFault>(last)) : "";
+  return words;
 }
 
 void print_packet(const bus::Layout& layout,

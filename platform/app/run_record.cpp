@@ -1,6 +1,8 @@
 #include "app/run_record.hpp"
 
-#include <array>
+#include <iterator>
+
+#include "bus/code_names.hpp"
 
 namespace polhode::platform {
 
@@ -33,9 +35,8 @@ const char* use_name(FrameUse use) {
 }
 
 const char* fault_name(FrameFault fault) {
-  constexpr std::array<const char*, kFrameFaults> kNames{
-      "none", "dark", "flat", "saturated", "frozen", "torn", "bit errors", "blurred"};
-  return kNames[static_cast<std::size_t>(fault)];
+  static_assert(std::size(bus::kFaultsNames) == kFrameFaults);
+  return bus::kFaultsNames[static_cast<std::size_t>(fault)].name;
 }
 
 void add_frame(RunRecord& record,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
@@ -12,6 +13,7 @@
 #include "base/crc.hpp"
 #include "bus/commands.hpp"
 #include "bus/octets.hpp"
+#include "bus/repeated_commands.hpp"
 #include "errors.hpp"
 #include "pipeline/parameter_image.hpp"
 
@@ -145,6 +147,22 @@ Octets octets_of_hex(std::string_view digits) {
   return octets;
 }
 
+/// The code of a word that a parameter may be.
+std::optional<std::uint64_t> code_of_word(const ParameterRow& row, std::string_view text) {
+  const auto code = [text](const auto& words) -> std::optional<std::uint64_t> {
+    const auto at = std::find(words.begin(), words.end(), text);
+    return at != words.end() ? std::optional<std::uint64_t>(at - words.begin()) : std::nullopt;
+  };
+  if (std::holds_alternative<Member<bool>>(row.member)) {
+    return code(std::array<std::string_view, 2>{"false", "true"});
+  }
+  if (std::holds_alternative<Member<MotionMode>>(row.member)) {
+    return code(choices_of(MotionMode{}));
+  }
+  return std::holds_alternative<Member<DynamicsKind>>(row.member) ? code(choices_of(DynamicsKind{}))
+                                                                  : std::nullopt;
+}
+
 /// Entries of one parameter: one a value.
 void add_entries(std::string_view setting, Octets& entries) {
   const std::size_t equals = setting.find('=');
@@ -153,16 +171,19 @@ void add_entries(std::string_view setting, Octets& entries) {
   if (row == nullptr || equals == std::string_view::npos) {
     throw UnusableInput(fmt::format("command table_load: '{}': unknown parameter", cited(setting)));
   }
-  std::string_view text = setting.substr(equals + 1);
-  text = text == "true" ? "1" : text == "false" ? "0" : text;
+  const std::string_view text = setting.substr(equals + 1);
   const bool real = std::holds_alternative<Member<double>>(row->member) ||
                     std::holds_alternative<Member<PointPair>>(row->member);
   const auto values = split(text, ',');
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto bits = bits_of_text(real ? FieldType::kF64 : FieldType::kI64, values[i]);
+    const auto word = code_of_word(*row, values[i]);
+    const auto bits =
+        word ? word : bits_of_text(real ? FieldType::kF64 : FieldType::kI64, values[i]);
     if (!bits) {
-      throw UnusableInput(fmt::format(
-          "command table_load: '{}': allowed are {}", cited(setting), range_text(*row)));
+      throw UnusableInput(fmt::format("command table_load: {} = {}: allowed are {}",
+                                      row->key,
+                                      cited(values[i]),
+                                      range_text(*row)));
     }
     const std::size_t at = entries.size();
     entries.resize(at + bus::TableLoadEntry::layout().octets);
@@ -174,9 +195,11 @@ void add_entries(std::string_view setting, Octets& entries) {
 
 }  // namespace
 
-void CommandWriter::seal(std::uint8_t code, Octets& octets) const {
+void CommandWriter::seal(std::uint8_t code, Octets& octets) {
   bus::put_unsigned(octets, 0, 0x1800U | static_cast<unsigned>(apid_first_ + bus::kCommandApid), 2);
-  bus::put_unsigned(octets, 2, 0xC000U, 2);
+  bus::put_unsigned(octets, 2, 0xC000U | sequence_, 2);
+  const bool counts = sequence_ != 0;
+  sequence_ = counts ? bus::next_command_sequence(sequence_) : sequence_;
   bus::put_unsigned(octets, 4, octets.size() - 7, 2);
   octets[6] = bus::kLayoutVersion;
   octets[7] = code;

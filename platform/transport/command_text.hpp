@@ -17,6 +17,9 @@ class CommandWriter {
  public:
   explicit CommandWriter(int apid_first) : apid_first_(apid_first) {}
 
+  /// Gives the packets sequence counts from here on; 0: none. Up to bus::kSequenceModulus - 1.
+  void count_from(std::uint16_t sequence) { sequence_ = sequence; }
+
   /// @throws UnusableInput naming the command, the argument and what is allowed. Ranges are left to
   /// the receiver, which has to check them anyway.
   std::vector<std::uint8_t> packet(std::string_view line);
@@ -24,9 +27,10 @@ class CommandWriter {
  private:
   std::vector<std::uint8_t> table_load(const std::vector<std::string_view>& words);
   std::vector<std::uint8_t> table_activate();
-  void seal(std::uint8_t code, std::vector<std::uint8_t>& octets) const;
+  void seal(std::uint8_t code, std::vector<std::uint8_t>& octets);
 
   int apid_first_;
+  std::uint16_t sequence_ = 0;        ///< of the next packet
   std::vector<std::uint8_t> loaded_;  ///< octets of all entries since the last activation
 };
 

@@ -211,6 +211,38 @@ def test_a_command_to_a_udp_port_of_nobody_fails(tmp_path):
         assert done.returncode == 1 and done.stderr == f"polhode: udp:127.0.0.1:{port}: nobody takes commands there\n"
 
 
+def test_words_are_loaded_as_such_and_counts_follow_each_other(tmp_path):
+    import socket
+
+    from polhode_bus import make_command, make_table_load
+
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(str(tmp_path / "commands"))
+        receiver.settimeout(20)
+        words = "table_load motion.mode=paper mask.background=false + noop".split()
+        subprocess.run([PROGRAM, "bus", "send", f"unix:{tmp_path}/commands", *words, "--sequence", "16383"], check=True, timeout=60)
+        assert receiver.recv(2000) == make_table_load({"motion.mode": "paper", "mask.background": False}, sequence=16383)
+        assert receiver.recv(2000) == make_command("noop", sequence=1)
+
+
+def test_codes_are_printed_by_their_names(flight):
+    from polhode_bus import name_of, words_of
+
+    done = subprocess.run([PROGRAM, "bus", "dump", flight.file, "--json"], capture_output=True, text=True, check=True, timeout=60)
+    printed = list(map(json.loads, done.stdout.splitlines()))
+    for packet, ours in zip(printed, flight.packets, strict=True):
+        if packet["packet"] == "event":
+            assert packet["id_name"] == name_of(ours, "id") and packet.get("words", "") == words_of(ours)
+        elif packet["packet"] == "housekeeping":
+            assert packet["last_command_name"] == name_of(ours, "last_command")
+    words = {packet["text"]: packet["words"] for packet in printed if packet.get("words")}
+    assert words["command 6 set_range accepted"] == "set_range" and words["command 9 refused: entry"] == "table_load"
+    names = {packet["id_name"] for packet in printed if packet["packet"] == "event"}
+    assert {"noop", "command_accepted", "command_crc", "table_loaded", "table_refused", "table_activated", "checkpoint_asked"} <= names
+    table = subprocess.run([PROGRAM, "bus", "dump", flight.file], capture_output=True, text=True, check=True, timeout=60).stdout
+    assert " id=table_activated " in table and " last_command=checkpoint " in table and " last_command=noop " in table
+
+
 def test_codes_of_events_are_printed_in_words():
     recorded = REPOSITORY / "tests/golden/x86_64/default.ccsds"
     done = subprocess.run([PROGRAM, "bus", "dump", recorded, "--json"], capture_output=True, text=True, check=True, timeout=60)
@@ -223,10 +255,16 @@ def test_codes_of_events_are_printed_in_words():
 
 
 @pytest.mark.parametrize(("words", "says"), [
-    ("set_range range_m=-1 frame_timestamp_ns=7", "command set_range range_m=-1 frame_timestamp_ns=7: range_m: out of its range"),
-    ("table_load features.sigma_px=0.3 features.count_max=5", "command table_load: features.count_max: allowed is 50 .. "),
+    ("set_range range_m=-1 frame_timestamp_ns=7", "command set_range: range_m = -1: allowed is 0.01 .. 100000 m\n"),
+    ("request_cloud points_max=0", "command request_cloud: points_max = 0: allowed is 1 .. 100000\n"),
+    ("servicer_attitude timestamp_ns=1 q_IC=1,1,0,0 w_C_rad_s=0,0,0",
+     "command servicer_attitude: q_IC = 1,1,0,0: allowed is a quaternion whose norm is within 0.001 of 1\n"),
+    ("servicer_attitude timestamp_ns=1 q_IC=1,0,0,0 w_C_rad_s=0,nan,0", "command servicer_attitude: w_C_rad_s = 0,nan,0: allowed is -10 .. 10 rad/s\n"),
+    ("table_load features.sigma_px=0.3 features.count_max=5", "command table_load: features.count_max = 5: allowed is 50 .. 1000\n"),
+    ("table_load features.sigma_px=0.3,0.4", "command table_load: features.sigma_px: 2 values, allowed is 1\n"),
+    ("table_load motion.mode=fast", 'command table_load: motion.mode = fast: allowed are "dynamics", "paper"\n'),
     ("table_load seed=5", "command table_load: seed: does not change in flight"),
-    ("noop + table_load features.sigma_px=nan", "command table_load: features.sigma_px: allowed is 0.05 .. 5"),
+    ("noop + table_load features.sigma_px=nan", "command table_load: features.sigma_px = nan: allowed is 0.05 .. 5.0 px\n"),
 ])
 def test_what_is_out_of_range_is_not_sent(tmp_path, words, says):
     import socket

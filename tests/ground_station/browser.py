@@ -43,6 +43,10 @@ class Page:
             assert time.monotonic() < until, f"{expression}: not within {seconds} s; the page shows {self.value('document.body.innerText')}"
             time.sleep(0.2)
 
+    def resize(self, width_px: int, height_px: int) -> None:
+        """A window is not made narrower than 500 px; a page may be."""
+        self._ask("Emulation.setDeviceMetricsOverride", width=width_px, height=height_px, deviceScaleFactor=1, mobile=width_px < 500)
+
     def screenshot(self, file: pathlib.Path) -> None:
         file.write_bytes(base64.b64decode(self._ask("Page.captureScreenshot", format="png", captureBeyondViewport=True)["data"]))
 

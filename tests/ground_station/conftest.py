@@ -44,7 +44,7 @@ def answers(url: str) -> bool:
         return False
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def server(tmp_path_factory):
     """@return client of yamcs-client, send(octets) to the telemetry link, the key that it signs commands with."""
     from yamcs.client import YamcsClient

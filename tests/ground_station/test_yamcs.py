@@ -140,7 +140,7 @@ def test_the_display_marks_what_it_shows_as_old_when_nothing_comes(display):
 
 def test_the_displays_curves_have_a_point_for_every_frame_that_came(display, flight):
     assert display.value("rates.length") == len(flight.rows) - 2
-    assert display.value("rates.filter(Boolean).length") == sum(
+    assert display.value("rates.filter(sample => sample.w).length") == sum(
         row["rate_valid"] == "1" for index, row in enumerate(flight.rows) if index not in (4, 8))
 
 
@@ -148,11 +148,21 @@ def test_the_display_lists_the_latest_events(display, flight):
     texts = [packet.text for packet in flight.packets if packet.name == "event"]
     shown = display.texts("#events li")
     assert len(shown) == min(8, len(texts))
-    assert all(line.endswith(text) for line, text in zip(shown, reversed(texts))), (shown, texts)
+    assert all(line.split("  ")[2] == text for line, text in zip(shown, reversed(texts))), (shown, texts)
+    assert [line.split("  ")[3:] for line in shown if line.split("  ")[2] == "command 12 checkpoint accepted"] == [["(checkpoint)"]]
 
 
 def test_a_page_that_is_opened_later_shows_the_last_values(server, received, flight, tmp_path):
     with open_page(f"http://127.0.0.1:{PAGE}/?yamcs={HTTP}", tmp_path / "browser") as page:
         page.wait_for(f"document.querySelector('#frame').textContent === 'frame {flight.rows[-1]['frame']}'", 30)
         assert page.texts("#mode") == [flight.rows[-1]["mode"]]
+        texts = [packet.text for packet in flight.packets if packet.name == "event"]
+        page.wait_for(f"document.querySelectorAll('#events li').length === {min(8, len(texts))}", 30)
+        shown = page.texts("#events li")
+        assert sorted(line.split("  ")[2] for line in shown) == sorted(texts[-8:])
+        page.wait_for(f"rates.length === {len(flight.rows) - 2}", 30)
+        rows = [row for index, row in enumerate(flight.rows) if index not in (4, 8)]
+        for curve, row in zip(page.value("rates.map(sample => sample.w)"), rows):
+            expected = [math.degrees(float(row[f"w_T_{axis}"])) for axis in "xyz"] if row["rate_valid"] == "1" else None
+            assert curve == (expected and pytest.approx(expected, rel=1e-6)), row["frame"]
         page.wait_for("document.querySelector('#stale').textContent.startsWith('STALE: no motion packet for')", 30)

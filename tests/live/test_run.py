@@ -236,6 +236,19 @@ def test_commands_are_answered_to_whoever_waits(live, played, until, tmp_path):
         assert done.returncode == 1 and "refused: no table loaded" in done.stdout and "1 of 2 commands were refused" in done.stderr
         done = send("table_load", "features.count_max=5")
         assert done.returncode == 2 and done.stdout == "" and "features.count_max" in done.stderr and "50 .. " in done.stderr
+        again = ("hold", "+", "resume", "--sequence", "70")
+        first, second = send(*again), send(*again)
+        assert first.returncode == second.returncode == 0 and first.stdout.count("accepted") == 2
+        assert re.findall(r"frame \d+: (.*)", second.stdout) == ["command 3 hold of count 70 was carried out before",
+                                                                 "command 4 resume of count 71 was carried out before"]
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as deaf:
+            deaf.bind(str(tmp_path / "deaf"))
+            waiting = subprocess.Popen([PROGRAM, "bus", "send", f"unix:{tmp_path}/deaf", "noop", "--sequence", "90", "--wait", f"shm:{ring}", "--timeout", "8"],
+                                       stdout=subprocess.PIPE, text=True)
+            deaf.recv(2000)  # it listens by now
+            assert send("noop", "--sequence", "91").returncode == 0
+            told, _ = waiting.communicate(timeout=60)
+            assert waiting.returncode == 1 and told == ""  # the other's answer is not its own
         run.process.send_signal(signal.SIGTERM)
         assert run.finish().status == 0
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as deaf:

@@ -72,6 +72,28 @@ def test_a_captured_command_is_not_taken_again_after_a_restart_either(signed, un
     sender.close()
 
 
+def test_a_command_that_is_sent_again_is_answered_and_not_carried_out_again(signed, until, tmp_path, key):
+    run = signed("repeated")
+    wait_until_it_takes(run, until)
+    file = run.folder / "bus.ccsds"
+    sender = polhode_bus.CommandSender(UDP, key=key)
+
+    def send_and_wait(octets, event, count):
+        sender.send(octets)  # signed anew each time
+        until(lambda: sum(polhode_bus.name_of(packet, "id") == event for packet in packets(file, "event")) == count, 15.0)
+
+    hold = polhode_bus.make_command("hold", sequence=900)
+    send_and_wait(hold, "command_accepted", 1)
+    send_and_wait(polhode_bus.make_command("resume", sequence=901), "command_accepted", 2)
+    send_and_wait(hold, "command_repeated", 1)
+    send_and_wait(polhode_bus.make_command("reset_counters", sequence=902), "counters_reset", 1)
+    sender.close()
+    assert run.finish().status == 0
+    repeated = next(packet for packet in packets(file, "event") if polhode_bus.name_of(packet, "id") == "command_repeated")
+    assert repeated.command_sequence == 900 and polhode_bus.words_of(repeated) == "hold"
+    assert not packets(file, "housekeeping")[-1].held
+
+
 def test_without_a_key_udp_takes_commands_only_where_the_configuration_says_so(live, played, tmp_path, until):
     refused = live(played.path, name="refused", transport__receive=UDP).finish()
     assert refused.status == 2 and "commands.unauthenticated" in refused.err and len(refused.err.splitlines()) == 1

@@ -102,6 +102,10 @@ def test_default_toml_is_complete_and_holds_the_defaults(program):
     assert DEFAULTS.read_text() == program("check", "--defaults").out
 
 
+def test_the_field_table_has_the_parameters_that_commands_may_change(program):
+    assert (DEFAULTS.parent / "bus/parameters.toml").read_text() == program("check", "--bus-parameters").out
+
+
 def test_output_folder_of_somebody_else_is_left_alone(replay, sequence, tmp_path):
     folder = tmp_path / "precious"
     folder.mkdir()

@@ -25,6 +25,8 @@ def header(table: Table) -> str:
             text += f"#define POLHODE_{name}_{flag.upper()} 0x{1 << bit:02X}\n"
         text += "".join(f"#define POLHODE_{name}_{field.name.upper()}_{label} {value}\n"
                         for field in packet.fields for value, label in enumerate(field.enum))
+        text += "".join(f"#define POLHODE_{name}_{field.name.upper()}_{code_name.upper()} {code}\n"
+                        for field in packet.fields if field.names for code, code_name in table.codes[field.names].items())
         text += f"/* {packet.help} */\nstruct polhode_{packet.name} {{\n" + "".join(map(member, packet.fields)) + "};\n\n"
     return text + "#endif\n"
 

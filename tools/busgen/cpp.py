@@ -96,6 +96,11 @@ def number(value: float) -> str:
     return repr(float(value))
 
 
+def names_of(codes: str) -> str:
+    """The array of code_names.hpp; none for codes without a name."""
+    return f"k{camel(codes.replace('.', '_'))}Names" if codes else "{}"
+
+
 def field_row(field: Field, owner: str, flags: tuple[str, ...]) -> str:
     low, high = field.range or (float("-inf"), float("inf"))
     if field.enum:
@@ -105,7 +110,7 @@ def field_row(field: Field, owner: str, flags: tuple[str, ...]) -> str:
     valid = flags.index(field.valid) if field.valid else -1
     return (f'    {{"{field.name}", FieldType::k{field.type.capitalize()}, {field.count}, {str(field.is_array).lower()}, {field.offset}, '
             f'offsetof({owner}, {field.name}), {valid}, {number(low)}, {number(high)}, '
-            f'"{" ".join(field.elements)}", "{field.unit}", "{" ".join(field.enum)}"}},\n')
+            f'"{" ".join(field.elements)}", "{field.unit}", "{" ".join(field.enum)}", {names_of(field.names)}}},\n')
 
 
 def layout_rows(layout: Layout, kind: str, where: str) -> str:
@@ -165,22 +170,36 @@ def counter_table(table: Table) -> str:
 
 
 def event_row(event: Event) -> str:
-    return f'    {{EventId::k{camel(event.name)}, Severity::k{camel(event.severity.lower())}, {event.burst}, "{event.name}", "{event.text}"}},\n'
+    return f'    {{EventId::k{camel(event.name)}, Severity::k{camel(event.severity.lower())}, {event.burst}, "{event.name}", "{event.text}", {{{{{names_of(event.words[0])}, {names_of(event.words[1])}}}}}}},\n'
 
 
 def event_header(table: Table) -> str:
     text = NOTE + "// All events: id, severity and the text for people.\n#pragma once\n\n#include <array>\n#include <cstddef>\n"
-    text += "#include <cstdint>\n\nnamespace polhode::bus {\n\n// clang-format off\n"
+    text += '#include <cstdint>\n#include <span>\n\n#include "bus/code_names.hpp"\n\nnamespace polhode::bus {\n\n// clang-format off\n'
     text += enum("Severity", [(name, number) for number, name in enumerate(table.severities)], "std::uint8_t")
     text += enum("EventId", [(event.name, event.id) for event in table.events], "std::uint16_t")
     text += "struct EventRow {\n  EventId id;\n  Severity severity;\n  std::uint32_t burst;  ///< sent at most in a window of frames\n  const char* name;\n"
-    text += "  const char* text;  ///< {0}, {1}: the event's numbers; {}: its word\n};\n\n"
+    text += "  const char* text;  ///< {0}, {1}: the event's numbers; {}: its word\n"
+    text += "  std::array<std::span<const CodeName>, 2> words;  ///< what the numbers are codes of; empty for numbers\n};\n\n"
     text += f"inline constexpr std::size_t kEventKinds = {len(table.events)};\n"
     text += "inline constexpr std::array<EventRow, kEventKinds> kEvents{{\n" + "".join(map(event_row, table.events)) + "}};\n"
     return text + "// clang-format on\n\n}  // namespace polhode::bus\n"
 
 
+def code_names_header(table: Table) -> str:
+    """Only what a field or an event refers to: an enum's own words stand in its field."""
+    text = NOTE + "// Names of codes, for the ground.\n#pragma once\n\n#include <cstdint>\n#include <span>\n#include <string_view>\n\n"
+    text += "namespace polhode::bus {\n\n// clang-format off\nstruct CodeName {\n  std::uint16_t code;\n  const char* name;\n};\n\n"
+    for codes in table.codes_in_use:
+        rows = "".join(f'    {{{code}, "{name}"}},\n' for code, name in table.codes[codes].items())
+        text += f"inline constexpr CodeName {names_of(codes)}[] = {{\n{rows}}};\n"
+    text += "// clang-format on\n\n/// The name of a code; empty where it has none.\n"
+    text += "constexpr std::string_view name_of(std::span<const CodeName> names, double code) {\n  for (const CodeName& row : names) {\n"
+    text += "    if (row.code == code) {\n      return row.name;\n    }\n  }\n  return {};\n}\n"
+    return text + "\n}  // namespace polhode::bus\n"
+
+
 def files(table: Table) -> dict[str, str]:
-    return {"fsw/bus/packets.hpp": packets_header(table), "fsw/bus/packet_layout.hpp": layout_header(table),
+    return {"fsw/bus/code_names.hpp": code_names_header(table), "fsw/bus/packets.hpp": packets_header(table), "fsw/bus/packet_layout.hpp": layout_header(table),
             "fsw/bus/packet_table.cpp": packet_table(table), "fsw/bus/event_table.hpp": event_header(table),
             "fsw/bus/counters.hpp": counters_header(table), "fsw/bus/counter_table.hpp": counter_table(table)}

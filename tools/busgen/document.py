@@ -1,6 +1,6 @@
 """The interface control document: every octet of every packet, for people."""
 
-from .table import COMMAND_HEADER_OCTETS, HEADER_OCTETS, Field, Layout, Table
+from .table import COMMAND_HEADER_OCTETS, HEADER_OCTETS, Event, Field, Layout, Table
 
 HEAD = """# Interface control document of the motion output bus
 Written by `tools/generate_bus.py` from `config/bus/*.toml`: change those. How to read, command and transport: `bus.md`.
@@ -32,8 +32,10 @@ Hamilton, w first. sigma: one standard deviation. Layout version {version}.
 
 COMMAND_HEAD = """## Commands
 APID {apid}. Header, {header} octets: packet version 0 (3 bits), type 1: telecommand, secondary header 1, APID (11); segmentation
-flags 3 (2), sequence count, not checked (14); total octets - 7 (16); layout version {version} (8); function code (8). Arguments
+flags 3 (2), sequence count (14); total octets - 7 (16); layout version {version} (8); function code (8). Arguments
 follow, then the CRC. Every command is answered by an event and counted, accepted or rejected.
+A sequence count of 0 says that the sender does not count. With 1 .. 16383 the answering events bear it, and a command that comes
+twice with the same octets is answered by command_repeated and not carried out again (decision 0092).
 
 """
 
@@ -57,13 +59,19 @@ def type_text(field: Field) -> str:
     return f"{shape} x {field.type}{names}"
 
 
+def alarm_text(field: Field) -> str:
+    """What follows the meaning: the alarms that the XTCE raises on the ground."""
+    return "".join(f"; {level} " + (f"above {limit['above']:g}" if "above" in limit else f"at {', '.join(limit['at'])}")
+                   for level, limit in field.alarm.items())
+
+
 def field_rows(layout: Layout) -> str:
     text = ""
     for field in layout.fields:
         help = field.help
         if field.is_flags and layout.flags:
             help = "; ".join(f"bit {bit}: {flag}" for bit, flag in enumerate(layout.flags)) + "; the rest 0 (bit 0 is the least)"
-        text += f"| {field.offset} | {type_text(field)} | {field.name} | {field.unit} | {range_text(field)} | {field.valid or ''} | {help} |\n"
+        text += f"| {field.offset} | {type_text(field)} | {field.name} | {field.unit} | {range_text(field)} | {field.valid or ''} | {help}{alarm_text(field)} |\n"
     return text
 
 
@@ -88,8 +96,38 @@ def command_text(command: Layout) -> str:
 def events_text(table: Table) -> str:
     text = ("## Events\nOf one id, at most `burst` events are sent within `bus.event_window_frames` frames. The others are counted, and the "
             "next one sent reports how many. {0} and {1} are the packet's values, {} a word.\n\n"
-            "| id | name | severity | burst | text |\n| --- | --- | --- | --- | --- |\n")
-    return text + "".join(f"| {event.id} | {event.name} | {event.severity} | {event.burst} | {event.text} |\n" for event in table.events)
+            "| id | name | severity | burst | text | codes in it |\n| --- | --- | --- | --- | --- | --- |\n")
+    return text + "".join(f"| {event.id} | {event.name} | {event.severity} | {event.burst} | {event.text} | {codes_text(event, table)} |\n"
+                          for event in table.events)
+
+
+def codes_text(event: Event, table: Table) -> str:
+    """Of each kind of code once."""
+    told = []
+    for number, codes in enumerate(event.words):
+        if codes == "commands":
+            told.append(f"{{{number}}}: code of the command")
+        elif codes and codes not in event.words[:number]:
+            where = "{0}, {1}" if event.words[0] == event.words[1] else f"{{{number}}}"
+            told.append(f"{where}: " + ", ".join(f"{code} {name}" for code, name in table.codes[codes].items()))
+    return "; ".join(told)
+
+
+PARAMETERS_HEAD = """## Parameters
+TABLE_LOAD changes these. Type of the value in its entry: i64, in two's complement, or f64. Words stand for the values 0, 1, ...
+
+| key | key_crc | type | unit | allowed | default | meaning |
+| --- | --- | --- | --- | --- | --- | --- |
+"""
+
+
+def parameters_text(table: Table) -> str:
+    text = PARAMETERS_HEAD
+    for row in table.parameters:
+        allowed = ", ".join(f"{value} {word}" for value, word in enumerate(row.words)) or f"{row.range[0]} .. {row.range[1]}"
+        default = str(row.default).lower() if isinstance(row.default, bool) else row.default
+        text += f"| {row.key} | 0x{row.crc:08X} | {row.type} | {row.unit} | {allowed} | {default} | {row.help} |\n"
+    return text + "\n"
 
 
 
@@ -98,5 +136,5 @@ def files(table: Table) -> dict[str, str]:
     text += "".join(packet_text(packet, table) for packet in table.packets)
     apid = f"{table.apid_first + table.apid_command} (0x{table.apid_first + table.apid_command:X})"
     text += COMMAND_HEAD.format(apid=apid, header=COMMAND_HEADER_OCTETS, version=table.layout_version)
-    text += "".join(map(command_text, table.commands)) + events_text(table)
+    text += "".join(map(command_text, table.commands)) + parameters_text(table) + events_text(table)
     return {"docs/interface_control.md": text}

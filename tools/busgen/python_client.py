@@ -1,6 +1,8 @@
 """Python: the table by which the client package decodes packets and makes commands."""
 
-from .table import Field, Layout, Table
+import dataclasses
+
+from .table import Field, Layout, Parameter, Table
 
 NOTE = '"""Written by tools/generate_bus.py from config/bus/*.toml: change those."""\n\n'
 CODES = {"u8": "B", "u16": "H", "u32": "I", "u64": "Q", "i64": "q", "f32": "f", "f64": "d", "text": "s"}
@@ -18,6 +20,11 @@ def layout_text(layout: Layout) -> str:
             + "".join(field_row(field, layout) for field in layout.fields) + "    ]),\n")
 
 
+def as_tuple(parameter: Parameter) -> Parameter:
+    """Its range as Python reads it back."""
+    return dataclasses.replace(parameter, range=parameter.range and tuple(parameter.range))
+
+
 def files(table: Table) -> dict[str, str]:
     text = NOTE + f"LAYOUT_VERSION = {table.layout_version}\nAPID_FIRST = {table.apid_first}\nAPID_COMMAND = {table.apid_command}\n\n"
     text += "# Number of the packet (its APID less the first one): name, octets, flags, fields as (name, code of struct, values,\n"
@@ -26,5 +33,11 @@ def files(table: Table) -> dict[str, str]:
     text += "".join(map(layout_text, table.commands)) + "}\n\n# Entries of commands that repeat them.\nENTRIES = {\n"
     text += "".join(f'    "{command.name}": {[(f.name, CODES[f.type]) for f in command.entry.fields]},\n'
                     for command in table.commands if command.entry) + "}\n\n"
-    text += "EVENTS = {\n" + "".join(f'    {event.id}: ("{event.name}", "{event.severity}"),\n' for event in table.events) + "}\n"
+    text += "# Event id: name, severity, what each of its two numbers is a code of (a key of CODES; empty: it is a number).\nEVENTS = {\n"
+    text += "".join(f'    {event.id}: ("{event.name}", "{event.severity}", {tuple(event.words)}),\n' for event in table.events) + "}\n\n"
+    text += "# Names of codes.\nCODES = {\n" + "".join(f'    "{name}": {table.codes[name]},\n' for name in table.codes_in_use) + "}\n\n"
+    named = [(packet.name, field) for packet in table.packets for field in packet.fields if field.names]
+    text += "# Fields whose value is a code: its names.\nNAMED = {\n" + "".join(f'    ("{packet}", "{field.name}"): "{field.names}",\n' for packet, field in named) + "}\n\n"
+    text += "# Parameters that make_table_load() may change: type, least and greatest value, words for the values 0, 1, ...\nPARAMETERS = {\n"
+    text += "".join(f'    "{row.key}": ("{row.type}", {row.range}, {tuple(row.words)}),\n' for row in map(as_tuple, table.parameters)) + "}\n"
     return {"platform/transport/client/python/polhode_bus/packets.py": text}

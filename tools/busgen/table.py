@@ -1,5 +1,6 @@
 """The field table, read and checked: offsets follow from the order, everything on a multiple of its size."""
 
+import binascii
 import dataclasses
 import math
 import pathlib
@@ -11,6 +12,7 @@ CRC_OCTETS = 2
 PACKET_OCTETS_MAX = 1400
 TEXT_OCTETS_MAX = 122
 COMMAND_EVENTS = range(40, 80)  # ids of answers to commands
+NO_COMMAND = 255  # where the code of the last command stands and none came
 
 SIZES = {"u8": 1, "u16": 2, "u32": 4, "u64": 8, "i64": 8, "f32": 4, "f64": 8, "text": 1}
 
@@ -34,6 +36,8 @@ class Field:
     count: int = 1  # values in all; octets of a text
     is_array: bool = False
     is_counter: bool = False  # of the component: a member of Counters
+    names: str = ""  # of Table.codes: what the value is a code of
+    alarm: dict = dataclasses.field(default_factory=dict)  # level -> {"above": number} or {"at": names}
 
     @property
     def size(self) -> int:
@@ -90,6 +94,23 @@ class Event:
     severity: str
     text: str
     burst: int  # sent within a window of frames
+    words: tuple[str, str]  # of Table.codes: what each number is a code of; "" where it is a number
+
+
+@dataclasses.dataclass
+class Parameter:
+    """That TABLE_LOAD may change."""
+    key: str
+    type: str  # i64 or f64
+    default: float | int | bool | str
+    unit: str
+    help: str
+    range: tuple[float, float] | None = None
+    words: tuple[str, ...] = ()  # for the values 0, 1, ...
+
+    @property
+    def crc(self) -> int:
+        return binascii.crc32(self.key.encode())
 
 
 @dataclasses.dataclass
@@ -100,16 +121,25 @@ class Table:
     packets: list[Layout]
     commands: list[Layout]
     events: list[Event]
+    parameters: list[Parameter]
+    codes: dict[str, dict[int, str]]  # "commands", "events", "faults", and "packet.field" of each enum: code -> name
 
     def packet(self, name: str) -> Layout:
         return next(packet for packet in self.packets if packet.name == name)
+
+    @property
+    def codes_in_use(self) -> list[str]:
+        """Those that a field or an event refers to: of the others the field itself has the words."""
+        return sorted(({field.names for packet in self.packets for field in packet.fields}
+                       | {word for event in self.events for word in event.words}) - {""})
 
     @property
     def severities(self) -> tuple[str, ...]:
         return next(field.enum for field in self.packet("event").fields if field.name == "severity")
 
 
-FIELD_KEYS = {"name", "type", "help", "unit", "range", "valid", "enum", "elements", "rows", "count", "octets", "counter"}
+FIELD_KEYS = {"name", "type", "help", "unit", "range", "valid", "enum", "elements", "rows", "count", "octets", "counter", "names", "alarm"}
+ALARM_LEVELS = ("watch", "warning", "distress", "critical", "severe")  # as XTCE has them
 
 
 def read_field(raw: dict, offset: int, where: str) -> Field:
@@ -122,10 +152,19 @@ def read_field(raw: dict, offset: int, where: str) -> Field:
     low, high = raw.get("range", (-math.inf, math.inf))
     field = Field(name=raw["name"], type=raw["type"], offset=offset, help=raw.get("help", ""), unit=raw.get("unit", ""),
                   is_counter=raw.get("counter", False), range=(low, high) if "range" in raw else None, valid=raw.get("valid"), enum=tuple(raw.get("enum", ())),
-                  elements=elements, rows=rows, count=count, is_array=count > 1 or bool(elements))
+                  elements=elements, rows=rows, count=count, is_array=count > 1 or bool(elements), names=raw.get("names", ""),
+                  alarm=raw.get("alarm", {}))
     if offset % field.size:
         raise TableError(f"{where}: {field.name} at octet {offset} is not on a multiple of its {field.size} octets")
+    check_alarm(field, where)
     return field
+
+
+def check_alarm(field: Field, where: str) -> None:
+    for level, limit in field.alarm.items():
+        good = set(limit.get("at", ())) <= set(field.enum) and field.enum if "at" in limit else "above" in limit and not field.enum
+        if level not in ALARM_LEVELS or len(limit) != 1 or not good:
+            raise TableError(f"{where}: {field.name}: alarm {level}: a level of XTCE, with `above` a number or `at` names of its enum")
 
 
 def read_layout(raw: dict, begin: int, where: str, key: str) -> Layout:
@@ -165,13 +204,22 @@ def read_command(raw: dict) -> Layout:
 
 
 def read_events(raw: dict, severities: tuple[str, ...]) -> list[Event]:
-    events = [Event(**entry, burst=raw["command_burst" if entry["id"] in COMMAND_EVENTS else "burst"]) for entry in raw["event"]]
+    events = [Event(**{"words": ("", ""), **entry}, burst=raw["command_burst" if entry["id"] in COMMAND_EVENTS else "burst"]) for entry in raw["event"]]
     for event in events:
         if event.severity not in severities or len(event.text) > TEXT_OCTETS_MAX or not event.text.isascii():
             raise TableError(f"event {event.name}: severity, or text longer than {TEXT_OCTETS_MAX} ASCII characters")
     if len({event.id for event in events}) != len(events):
         raise TableError("events: an id stands twice")
     return events
+
+
+def codes_of(table: Table, faults: list[str]) -> dict[str, dict[int, str]]:
+    codes = {"commands": {**{command.number: command.name for command in table.commands}, NO_COMMAND: "none"},
+             "events": {event.id: event.name for event in table.events}, "faults": dict(enumerate(faults))}
+    codes.update((f"{packet.name}.{field.name}", dict(enumerate(field.enum))) for packet in table.packets for field in packet.fields if field.enum)
+    if unknown := set(table.codes_in_use) - set(codes):
+        raise TableError(f"names or words of {', '.join(sorted(unknown))}: no such codes")
+    return codes
 
 
 def read_table(folder: pathlib.Path) -> Table:
@@ -181,10 +229,12 @@ def read_table(folder: pathlib.Path) -> Table:
     telemetry, commands, events = load("telemetry.toml"), load("commands.toml"), load("events.toml")
     if telemetry["layout_version"] != commands["layout_version"]:
         raise TableError("telemetry.toml and commands.toml have different layout versions")
+    parameters = [Parameter(**raw) for raw in load("parameters.toml")["parameter"]]
     table = Table(layout_version=telemetry["layout_version"], apid_first=telemetry["apid_first"], apid_command=commands["apid"],
                   packets=[read_packet(raw) for raw in telemetry["packet"]],
-                  commands=[read_command(raw) for raw in commands["command"]], events=[])
+                  commands=[read_command(raw) for raw in commands["command"]], events=[], parameters=parameters, codes={})
     table.events = read_events(events, table.severities)
+    table.codes = codes_of(table, events["faults"])
     numbers = [packet.number for packet in table.packets] + [table.apid_command]
     codes = [command.number for command in table.commands]
     if len(set(numbers)) != len(numbers) or codes != list(range(len(codes))):

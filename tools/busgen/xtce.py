@@ -1,7 +1,7 @@
-"""XTCE 1.2 (OMG), as mission control systems read it: flat parameters, one container a packet, one meta-command a command."""
+"""XTCE 1.2 (OMG), as mission control systems read it: flat parameters, one container a packet. Commands: xtce_commands.py."""
 
 import re
-from xml.sax.saxutils import quoteattr
+from xml.sax.saxutils import escape, quoteattr
 
 from .table import Field, Layout, Table
 
@@ -16,7 +16,10 @@ HEADER = [("VERSION", 3, "packet version number, 0"), ("TYPE", 1, "0: telemetry"
           ("LAYOUT_VERSION", 8, "of the field table"), ("TIME_QUALITY", 8, "0: camera time; 1: does not fit")]
 
 
-def type_name(field: Field) -> str:
+def type_name(field: Field, packet: Layout) -> str:
+    """Shared by fields of one type, unit and words; a field with an alarm or names has one of its own."""
+    if field.alarm or field.names:
+        return f"{packet.name}_{field.name}"
     parts = [field.type if field.type != "text" else f"text{field.count}"]
     if field.enum:
         parts.append("_".join(field.enum).lower())
@@ -26,31 +29,63 @@ def type_name(field: Field) -> str:
 
 
 def unit_set(unit: str) -> str:
-    return f"<UnitSet><Unit>{unit}</Unit></UnitSet>" if unit else "<UnitSet/>"
+    return f"<UnitSet><Unit>{escape(unit)}</Unit></UnitSet>" if unit else "<UnitSet/>"
 
 
 def integer_encoding(bits: int, signed: bool) -> str:
     return f'<IntegerDataEncoding sizeInBits="{bits}" encoding="{"twosComplement" if signed else "unsigned"}"/>'
 
 
-def data_type(field: Field, role: str) -> str:
-    """A <role>Type, Parameter or Argument."""
-    name = type_name(field)
+def enumeration(labels: dict[int, str]) -> str:
+    rows = "".join(f'<Enumeration value="{value}" label="{label}"/>' for value, label in labels.items())
+    return f"<EnumerationList>{rows}</EnumerationList>"
+
+
+def integer_type(role: str, name: str, bits: int, signed: bool, unit: str, limits: str = "") -> str:
+    return (f'<Integer{role}Type name="{name}" sizeInBits="{bits}" signed="{str(signed).lower()}">{unit_set(unit)}'
+            f"{integer_encoding(bits, signed)}{limits}</Integer{role}Type>")
+
+
+def float_type(role: str, name: str, bits: int, unit: str, limits: str = "") -> str:
+    return (f'<Float{role}Type name="{name}" sizeInBits="{bits}">{unit_set(unit)}'
+            f'<FloatDataEncoding sizeInBits="{bits}" encoding="IEEE754_1985"/>{limits}</Float{role}Type>')
+
+
+def enumerated_type(role: str, name: str, bits: int, labels: dict[int, str], limits: str = "") -> str:
+    return (f'<Enumerated{role}Type name="{name}"><UnitSet/>{integer_encoding(bits, False)}{enumeration(labels)}{limits}'
+            f"</Enumerated{role}Type>")
+
+
+def numeric_alarm(field: Field) -> str:
+    rows = "".join(f'<{level.capitalize()}Range maxInclusive="{limit["above"]}"/>' for level, limit in field.alarm.items())
+    return f"<DefaultAlarm><StaticAlarmRanges>{rows}</StaticAlarmRanges></DefaultAlarm>" if rows else ""
+
+
+def enumerated_alarm(field: Field) -> str:
+    rows = "".join(f'<EnumerationAlarm alarmLevel="{level}" enumerationLabel="{label}"/>'
+                   for level, limit in field.alarm.items() for label in limit["at"])
+    return f"<DefaultAlarm><EnumerationAlarmList>{rows}</EnumerationAlarmList></DefaultAlarm>" if rows else ""
+
+
+def labels_of(field: Field, table: Table) -> dict[int, str]:
+    if not field.names:
+        return dict(enumerate(field.enum))
+    # Readers refuse a packet with a value that has no label, as a command of an unknown code leaves it in housekeeping.
+    others = {code: f"code_{code}" for code in range(256)} if field.type == "u8" else {}
+    return dict(sorted({**others, **table.codes[field.names]}.items()))
+
+
+def data_type(field: Field, packet: Layout, table: Table) -> str:
+    name = type_name(field, packet)
     if field.type == "text":
         size = f"<SizeInBits><Fixed><FixedValue>{8 * field.count}</FixedValue></Fixed><TerminationChar>00</TerminationChar></SizeInBits>"
-        return (f'<String{role}Type name="{name}"><UnitSet/><StringDataEncoding encoding="US-ASCII">{size}'
-                f"</StringDataEncoding></String{role}Type>")
-    if field.enum:
-        labels = "".join(f'<Enumeration value="{value}" label="{label}"/>' for value, label in enumerate(field.enum))
-        return (f'<Enumerated{role}Type name="{name}"><UnitSet/>{integer_encoding(BITS[field.type], False)}'
-                f"<EnumerationList>{labels}</EnumerationList></Enumerated{role}Type>")
+        return (f'<StringParameterType name="{name}"><UnitSet/><StringDataEncoding encoding="US-ASCII">{size}'
+                f"</StringDataEncoding></StringParameterType>")
+    if field.enum or field.names:
+        return enumerated_type("Parameter", name, BITS[field.type], labels_of(field, table), enumerated_alarm(field))
     if field.type.startswith("f"):
-        bits = BITS[field.type]
-        return (f'<Float{role}Type name="{name}" sizeInBits="{bits}">{unit_set(field.unit)}'
-                f'<FloatDataEncoding sizeInBits="{bits}" encoding="IEEE754_1985"/></Float{role}Type>')
-    bits, signed = BITS[field.type], field.type.startswith("i")
-    return (f'<Integer{role}Type name="{name}" sizeInBits="{bits}" signed="{str(signed).lower()}">{unit_set(field.unit)}'
-            f"{integer_encoding(bits, signed)}</Integer{role}Type>")
+        return float_type("Parameter", name, BITS[field.type], field.unit, numeric_alarm(field))
+    return integer_type("Parameter", name, BITS[field.type], field.type.startswith("i"), field.unit, numeric_alarm(field))
 
 
 def header_types() -> dict[str, str]:
@@ -75,7 +110,7 @@ def parameters(packet: Layout) -> list[tuple[str, str, str]]:
         if field.is_flags and packet.flags:
             rows += flag_parameters(packet)
         else:
-            rows += [(f"{packet.name}_{name}", type_name(field), field.help) for name in field.element_names()]
+            rows += [(f"{packet.name}_{name}", type_name(field, packet), field.help) for name in field.element_names()]
     return rows
 
 
@@ -101,7 +136,7 @@ def telemetry(table: Table) -> str:
     types = header_types()
     rows = [(name, f"bits{bits}", help) for name, bits, help in HEADER] + [("CRC", "bits16", "CRC-16/CCITT-FALSE of all octets before it")]
     for packet in table.packets:
-        types.update((type_name(field), data_type(field, "Parameter")) for field in packet.fields
+        types.update((type_name(field, packet), data_type(field, packet, table)) for field in packet.fields
                      if not (field.is_flags and packet.flags))
         rows += parameters(packet)
     text = "  <TelemetryMetaData>\n    <ParameterTypeSet>\n" + "".join(f"      {types[name]}\n" for name in sorted(types))
@@ -109,35 +144,6 @@ def telemetry(table: Table) -> str:
     text += '    </ParameterSet>\n    <ContainerSet>\n      <SequenceContainer name="CCSDSPacket" abstract="true">\n        <EntryList>\n'
     text += references([name for name, _, _ in HEADER]) + "        </EntryList>\n      </SequenceContainer>\n"
     return text + "".join(container(packet, table) for packet in table.packets) + "    </ContainerSet>\n  </TelemetryMetaData>\n"
-
-
-def meta_command(command: Layout) -> str:
-    arguments, entries = "", f'<FixedValueEntry name="code" binaryValue="{command.number:02X}" sizeInBits="8"/>'
-    for field in command.fields:
-        for name in field.element_names():
-            if field.name == "spare":
-                entries += f'<FixedValueEntry name="{name}" binaryValue="{"00" * field.size}" sizeInBits="{8 * field.size}"/>'
-                continue
-            arguments += f'<Argument name="{name}" argumentTypeRef="{type_name(field)}"/>'
-            entries += f'<ArgumentRefEntry argumentRef="{name}"/>'
-    listed = f"<ArgumentList>{arguments}</ArgumentList>" if arguments else ""
-    return (f'      <MetaCommand name="{command.name}" shortDescription={quoteattr(command.help)}>'
-            f'<BaseMetaCommand metaCommandRef="command"/>{listed}<CommandContainer name="{command.name}"><EntryList>{entries}</EntryList>'
-            f'<BaseContainer containerRef="command"/></CommandContainer></MetaCommand>\n')
-
-
-def commands(table: Table) -> str:
-    """Commands with repeated entries are not here: XTCE systems differ in how they take such lists."""
-    plain = [command for command in table.commands if command.entry is None]
-    types = {type_name(field): data_type(field, "Argument") for command in plain for field in command.fields}
-    first = 0x1800 | (table.apid_first + table.apid_command)
-    header = "".join(f'<FixedValueEntry name="{name}" binaryValue="{value}" sizeInBits="{4 * len(value)}"/>' for name, value in
-                     [("identification", f"{first:04X}"), ("sequence", "C000"), ("length", "0000"),
-                      ("layout_version", f"{table.layout_version:02X}")])
-    return ("  <CommandMetaData>\n    <ArgumentTypeSet>\n" + "".join(f"      {types[name]}\n" for name in sorted(types))
-            + "    </ArgumentTypeSet>\n    <MetaCommandSet>\n"
-            + f'      <MetaCommand name="command" abstract="true"><CommandContainer name="command"><EntryList>{header}</EntryList>'
-            + "</CommandContainer></MetaCommand>\n" + "".join(map(meta_command, plain)) + "    </MetaCommandSet>\n  </CommandMetaData>\n")
 
 
 def space_system(name: str, content: str) -> str:
@@ -148,6 +154,4 @@ def space_system(name: str, content: str) -> str:
 
 
 def files(table: Table) -> dict[str, str]:
-    """Commands in a file of their own: readers of telemetry stumble over containers that are none."""
-    return {"config/bus/polhode.xtce.xml": space_system("polhode", telemetry(table)),
-            "config/bus/polhode_commands.xtce.xml": space_system("polhode_commands", commands(table))}
+    return {"config/bus/polhode.xtce.xml": space_system("polhode", telemetry(table))}

@@ -171,7 +171,7 @@ static const struct polhode_field event_fields[] = {
     {offsetof(struct polhode_event, severity), 54, 1, POLHODE_TYPE_U8},
     {offsetof(struct polhode_event, text_octets), 55, 1, POLHODE_TYPE_U8},
     {offsetof(struct polhode_event, text), 56, 122, POLHODE_TYPE_TEXT},
-    {offsetof(struct polhode_event, spare), 178, 2, POLHODE_TYPE_U8},
+    {offsetof(struct polhode_event, command_sequence), 178, 1, POLHODE_TYPE_U16},
 };
 static const struct polhode_field cloud_fields[] = {
     {offsetof(struct polhode_cloud, timestamp_ns), 16, 1, POLHODE_TYPE_I64},

@@ -5,19 +5,22 @@ import socket
 import struct
 
 from .decode import crc16
-from .packets import APID_COMMAND, APID_FIRST, COMMANDS, LAYOUT_VERSION
+from .packets import APID_COMMAND, APID_FIRST, COMMANDS, LAYOUT_VERSION, PARAMETERS
 from .signing import next_number, read_key, sign
 
 _BY_NAME = {row[0]: (code, row) for code, row in COMMANDS.items()}
 
 
-def _packet(code: int, arguments: bytes, apid_first: int) -> bytes:
-    octets = struct.pack(">HHHBB", 0x1800 | (apid_first + APID_COMMAND), 0xC000, len(arguments) + 3, LAYOUT_VERSION, code) + arguments
+def _packet(code: int, arguments: bytes, apid_first: int, sequence: int) -> bytes:
+    if not 0 <= sequence < 0x4000:
+        raise ValueError(f"sequence = {sequence}: allowed are 0 .. {0x3FFF}")
+    octets = struct.pack(">HHHBB", 0x1800 | (apid_first + APID_COMMAND), 0xC000 | sequence, len(arguments) + 3, LAYOUT_VERSION, code) + arguments
     return octets + struct.pack(">H", crc16(octets))
 
 
-def make_command(name: str, apid_first: int = APID_FIRST, **arguments) -> bytes:
+def make_command(name: str, apid_first: int = APID_FIRST, sequence: int = 0, **arguments) -> bytes:
     """A command by its name in the field table, as in make_command("set_range", frame_timestamp_ns=5, range_m=12.0).
+    sequence: its count, 1 .. 16383: sent again as it is, it is answered but not carried out again. 0: it has none.
     Ranges are checked by the receiver. Raises TypeError for arguments that are missing or not the command's."""
     code, (_, _, _, rows) = _BY_NAME[name]
     packed = b""
@@ -29,29 +32,39 @@ def make_command(name: str, apid_first: int = APID_FIRST, **arguments) -> bytes:
         packed += struct.pack(f">{row[2]}{row[1]}", *(value if row[4] else [value]))
     if arguments:
         raise TypeError(f"{name}: has no {', '.join(arguments)}")
-    return _packet(code, packed, apid_first)
+    return _packet(code, packed, apid_first, sequence)
 
 
-def _bits(value) -> int:
-    if isinstance(value, float):
-        return struct.unpack(">Q", struct.pack(">d", value))[0]
-    return int(value) & 0xFFFFFFFFFFFFFFFF
+def _bits(key: str, value) -> bytes:
+    """The value as the parameter's type has it. Raises ValueError where it is not one that the parameter may have."""
+    if key not in PARAMETERS:
+        raise ValueError(f"{key}: no parameter that a command may change")
+    kind, limits, words = PARAMETERS[key]
+    if words:
+        word = str(value).lower() if isinstance(value, bool) else value
+        if word not in words:
+            raise ValueError(f"{key} = {value}: allowed are {', '.join(words)}")
+        return struct.pack(">q", words.index(word))
+    if not limits[0] <= value <= limits[1] or (kind == "i64" and int(value) != value):
+        raise ValueError(f"{key} = {value}: allowed are {limits[0]} .. {limits[1]}")
+    return struct.pack(">d", value) if kind == "f64" else struct.pack(">q", int(value))
 
 
 def table_entries(values: dict) -> bytes:
-    """Parameters by dotted key: floats where the parameter is one, else whole numbers or switches."""
-    return b"".join(struct.pack(">IHHQ", binascii.crc32(key.encode()), 0, 0, _bits(value)) for key, value in values.items())
+    """Parameters by dotted key: numbers, True and False, or words."""
+    return b"".join(struct.pack(">IHH", binascii.crc32(key.encode()), 0, 0) + _bits(key, value) for key, value in values.items())
 
 
-def make_table_load(values: dict, apid_first: int = APID_FIRST) -> bytes:
-    """TABLE_LOAD of up to 64 parameters, as in make_table_load({"features.count_max": 500})."""
-    return _packet(_BY_NAME["table_load"][0], struct.pack(">HHHH", len(values), 0, 0, 0) + table_entries(values), apid_first)
+def make_table_load(values: dict, apid_first: int = APID_FIRST, sequence: int = 0) -> bytes:
+    """TABLE_LOAD of up to 64 parameters, as in make_table_load({"features.count_max": 500}).
+    Raises ValueError naming the parameter, its value and what is allowed."""
+    return _packet(_BY_NAME["table_load"][0], struct.pack(">HHHH", len(values), 0, 0, 0) + table_entries(values), apid_first, sequence)
 
 
-def make_table_activate(loads: list, apid_first: int = APID_FIRST) -> bytes:
+def make_table_activate(loads: list, apid_first: int = APID_FIRST, sequence: int = 0) -> bytes:
     """TABLE_ACTIVATE of what these make_table_load() calls loaded, given their arguments in order."""
     octets = b"".join(map(table_entries, loads))
-    return make_command("table_activate", apid_first, crc32=binascii.crc32(octets), entries=sum(map(len, loads)))
+    return make_command("table_activate", apid_first, sequence, crc32=binascii.crc32(octets), entries=sum(map(len, loads)))
 
 
 class CommandSender:

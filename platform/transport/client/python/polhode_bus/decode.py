@@ -4,7 +4,7 @@ import binascii
 import struct
 from dataclasses import dataclass, field
 
-from .packets import APID_FIRST, LAYOUT_VERSION, PACKETS
+from .packets import APID_FIRST, CODES, EVENTS, LAYOUT_VERSION, NAMED, PACKETS
 
 HEADER_OCTETS = 16
 CRC_OCTETS = 2
@@ -39,6 +39,17 @@ class Packet:
             return self.values[key]
         except KeyError:
             raise AttributeError(f"packet {self.name} has no field {key}") from None
+
+
+def name_of(packet: Packet, field: str) -> str:
+    """The name of a code: name_of(event, "id") is "mode_changed", name_of(housekeeping, "last_command") is "noop"."""
+    return CODES[NAMED[packet.name, field]].get(packet.values[field], str(packet.values[field]))
+
+
+def words_of(event: Packet) -> str:
+    """What the codes among an event's numbers mean, as in "IDLE to ACQUIRING"; empty where there are none."""
+    _, _, codes = EVENTS.get(event.id, ("", "", ("", "")))
+    return " to ".join(CODES[of].get(value, "unknown") for of, value in zip(codes, event.value) if of)
 
 
 def header_of(octets: bytes) -> Header | None:

@@ -1,4 +1,4 @@
-// Signs what YAMCS sends: the trailer of docs/security.md behind what PusCommandPostprocessor makes.
+// Signs what YAMCS sends: the trailer of docs/security.md behind what CountingCommandPostprocessor makes.
 import java.io.IOException;
 import java.nio.ByteBuffer;
 import java.nio.file.Files;
@@ -14,10 +14,9 @@ import javax.crypto.spec.SecretKeySpec;
 import org.yamcs.ConfigurationException;
 import org.yamcs.YConfiguration;
 import org.yamcs.commanding.PreparedCommand;
-import org.yamcs.pus.PusCommandPostprocessor;
 import org.yamcs.tctm.Link;
 
-public class SigningCommandPostprocessor extends PusCommandPostprocessor {
+public class SigningCommandPostprocessor extends CountingCommandPostprocessor {
     private static final int HEADER_OCTETS = 6;
     private static final int LENGTH_OCTET = 4;
     private static final int KEY_OCTETS = 32;
