@@ -12,7 +12,8 @@ PACKAGE_OF = {"PIL": "pillow", "cv2": "opencv-python-headless", "yaml": "pyyaml"
               "cyclonedx": "cyclonedx-python-lib", "packageurl": "packageurl-python"}
 # Run inside a program or an environment that brings them: Blender's own Python, COLMAP's virtual environment.
 BROUGHT = {"bpy": "hil/scenes/", "mathutils": "hil/scenes/",
-           "pycolmap": ("hil/judge/colmap_worker.py", "tools/importing/colmap_project_worker.py", "tools/importing/focal_worker.py")}
+           "pycolmap": ("hil/judge/colmap_worker.py", "tools/importing/colmap_project_worker.py", "tools/importing/focal_worker.py",
+                       "tools/reporting/surface_worker.py")}
 
 # What these import of tools/requirements-extras.txt may be absent: they skip, or say what to install.
 EXTRAS_USERS = ("tests/judge/test_trajectories.py",)
