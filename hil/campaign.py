@@ -3,6 +3,12 @@
 
 Whatever is done stays done: the same command after an interruption, or with a new program or judge, does what is missing
 and nothing else. DIR/report/index.html holds the results so far while the campaign runs.
+
+Examples:
+  hil/campaign.py hil/campaigns/standing.toml --out DIR
+  hil/campaign.py hil/campaigns/standing.toml --out NEW --vs DIR
+  hil/campaign.py PLAN.toml --check
+  hil/campaign.py --report DIR
 """
 
 import argparse

@@ -5,6 +5,10 @@ COLMAP (pycolmap, in a virtual environment of its own: .venv-colmap, made on fir
 on the CPU with default features, fixed OPENCV intrinsics and exhaustive matching up to 150 frames, else sequential. Its
 trajectory is written as motion_smoothed.csv, so hil/evaluate.py reads the output folder like any run. In narrow fields
 of view COLMAP may return the depth-reversed twin with every frame registered: the table names it.
+
+Examples:
+  hil/compare_colmap.py SEQ
+  hil/compare_colmap.py SEQ --run DIR
 """
 
 import argparse

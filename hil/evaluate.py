@@ -5,6 +5,11 @@ Prints one table: coverage, attitude, position, angular velocity and its periods
 the published sigmas, cost; and says which runs follow the depth-reversed twin of the truth. motion.csv ("causal", what
 flies) and motion_smoothed.csv ("smoothed", to set beside offline systems) are both judged, after one constant rotation
 for attitude and one scale and offset for positions. Writes RUN/truth.tum, for tools that read trajectories (docs/trajectories.md).
+
+Examples:
+  hil/evaluate.py DIR SEQ
+  hil/evaluate.py DIR SEQ --vs OTHER_DIR --json report.json
+  hil/evaluate.py DIR SEQ --plots FOLDER
 """
 
 import argparse

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """Kills a live run at random moments and starts it anew, as a service manager would.
 
-usage: kill_campaign.py FOLDER [--kills 50] [--seed 1] [--interval-s 0.25]
 A turning body is played on and on, on the machine's clock, so that a new start finds it where it would be by then. A checkpoint is
 written after every frame, so that most kills fall into the writing of one. For every start: was the checkpoint taken, how long
 until the first packet, how many good frames until a valid pose. Status 1 when a checkpoint was torn, a pose came later
 than with the third frame, or a start gave no packet. FOLDER, not there yet, receives the runs and campaign.json.
+
+Examples:
+  hil/kill_campaign.py FOLDER
+  hil/kill_campaign.py FOLDER --kills 10 --seed 2
 """
 
 import argparse

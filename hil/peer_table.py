@@ -3,6 +3,9 @@
 
 Replays and COLMAP's results are kept in the cache; COLMAP's are reused for the same frames, replays are made anew. CPU is
 that of one frame with the work at the end, and a busy machine lengthens it: run both at the same load to compare.
+
+Examples:
+  hil/peer_table.py SEQ OTHER_SEQ --seeds 3
 """
 
 import argparse

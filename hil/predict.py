@@ -2,6 +2,9 @@
 """Replays the first frames of a sequence and sets what they predict beside the truth of the rest.
 
 Makes a sequence of the first N frames (its pictures are links), replays it and prints the errors over the horizon.
+
+Examples:
+  hil/predict.py SEQ DIR --frames 60
 """
 
 import argparse

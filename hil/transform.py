@@ -1,5 +1,10 @@
 #!/usr/bin/env python3
-"""Makes a changed copy of a sequence, its truth kept right, and logs in OUT/faults.csv what was done to which frame."""
+"""Makes a changed copy of a sequence, its truth kept right, and logs in OUT/faults.csv what was done to which frame.
+
+Examples:
+  hil/transform.py --list
+  hil/transform.py SEQ OUT --kind jpeg --set jpeg.quality=30
+"""
 
 import argparse
 import pathlib
@@ -12,7 +17,7 @@ from judge.venv import enter_venv, run_main  # noqa: E402
 
 
 def arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sequence", metavar="SEQ", type=pathlib.Path, nargs="?", help="sequence folder")
     parser.add_argument("out", metavar="OUT", type=pathlib.Path, nargs="?", help="folder to write, not there yet")
     parser.add_argument("--kind", action="append", default=[], help="what to do; several are done one after the other")

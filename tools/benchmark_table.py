@@ -34,7 +34,7 @@ def text_of(summary: dict) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("summary", metavar="SUMMARY.json", type=pathlib.Path, help="of a replay's output folder")
     file = parser.parse_args().summary
     try:

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Calibrates a camera from pictures or a video of a chessboard or ChArUco board.
 
-usage: calibrate_camera.py --board chessboard --squares 10x7 --square-m 0.03 --out sensor.yaml PICTURE...
-       calibrate_camera.py --board charuco --squares 10x7 --square-m 0.03 --marker-m 0.022 --out sensor.yaml PICTURE...
-
 Twenty pictures with the board tilted by 30 to 45 deg in all directions and in all corners of the picture are good, five different
 ones the least. A video counts as 40 pictures, spread over it. Move slowly: a rolling shutter bends what moves. EXIF orientation
 is passed over, as a replay does: pixels are taken as they are stored.
 Writes sensor.yaml (ASL layout, as `polhode replay` reads it), beside it a picture of the residuals, and prints the same values
 as a [camera] section for `polhode run`. Status 1: the pictures do not determine the camera; 2: unusable arguments.
+
+Examples:
+  tools/calibrate_camera.py --board chessboard --squares 10x7 --square-m 0.03 --out sensor.yaml PICTURE...
+  tools/calibrate_camera.py --board charuco --squares 10x7 --square-m 0.03 --marker-m 0.022 --out sensor.yaml board.mp4
 """
 
 import argparse
@@ -62,7 +63,7 @@ def squares(text: str) -> tuple[int, int]:
 
 
 def parse() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description="Calibrates a camera from pictures of a board.")
+    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("pictures", nargs="+", type=pathlib.Path, metavar="PICTURE")
     parser.add_argument("--board", choices=("chessboard", "charuco"), required=True)
     parser.add_argument("--squares", type=squares, required=True, help="columns x rows of squares, as in 10x7")

@@ -58,7 +58,7 @@ def verdicts(budget: str, found: dict[str, float], default: dict[str, float]) ->
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3, 4, 5, 6, 7])
     seeds = parser.parse_args().seeds
     for preset in sorted(set(BUDGETS.values())):

@@ -64,7 +64,7 @@ def first_difference(expected: list[dict], found: list[dict]) -> str | None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("expected", metavar="EXPECTED.ccsds", type=pathlib.Path)
     parser.add_argument("found", metavar="FOUND.ccsds", type=pathlib.Path)
     arguments = parser.parse_args()

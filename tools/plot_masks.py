@@ -1,7 +1,12 @@
 #!/usr/bin/env python3
 """Draws over frames of a replay made with --masks what it took for the target: the target's outline (blue), where no
 features may be made (darkened), points that the mask followed and landmarks by class (green: target, red: background,
-yellow: unassigned). With truth and mesh, prints the overlap (intersection over union) of the sharpened outlines."""
+yellow: unassigned). With truth and mesh, prints the overlap (intersection over union) of the sharpened outlines.
+
+Examples:
+  tools/plot_masks.py DIR SEQ
+  tools/plot_masks.py DIR SEQ --frames 0,10,20 --out masks
+"""
 
 import argparse
 import pathlib
@@ -17,7 +22,7 @@ def numbers(text: str) -> list[int]:
 
 
 def arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("run", metavar="DIR", type=pathlib.Path, help="output folder of a replay with --masks")
     parser.add_argument("sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder")
     parser.add_argument("--frames", metavar="N,N,...", type=numbers, help="frames to draw (default: nine, evenly)")

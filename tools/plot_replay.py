@@ -6,6 +6,10 @@ attitude_error.png        attitude and position errors over time, with the publi
 counts.png                features, matches, inliers, landmarks, keyframes, mode and step time
 cloud.png                 the cloud in three views, alone and with the camera's path
 contact_sheet.png         frames with tracks and reprojected landmarks drawn in
+
+Examples:
+  tools/plot_replay.py DIR
+  tools/plot_replay.py DIR --sequence SEQ --truth truth.csv --out plots
 """
 
 import argparse

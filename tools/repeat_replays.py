@@ -73,7 +73,7 @@ def replay(arguments: argparse.Namespace, found: dict, folder: Path) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--replays", type=whole(1), default=20)
     parser.add_argument("--sequence", type=Path, default=REPOSITORY / "hil/data/sample")
     parser.add_argument("--config", type=Path, default=REPOSITORY / "config/default.toml")

@@ -8,6 +8,7 @@ Examples:
   tools/report.py DIR
   tools/report.py DIR --replay SEQ         replays first
   tools/report.py DIR --video run.mp4
+  tools/report.py DIR --rrd run.rrd        for the Rerun viewer (tools/setup.sh extras)
   tools/report.py DIR --sequence SEQ --truth truth.csv --out page.html
 """
 
@@ -30,6 +31,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--replay", metavar="SEQ", type=pathlib.Path, help="replay this sequence into DIR first, as `polhode replay` does with config/default.toml")
     parser.add_argument("--set", metavar="key=value", action="append", default=[], help="a setting for --replay, as in --set scale.known_length_m=0.6")
     parser.add_argument("--video", metavar="FILE.mp4", type=pathlib.Path, help="also write the sequence with surface, outline, axes and tracks drawn in")
+    parser.add_argument("--rrd", metavar="FILE.rrd", type=pathlib.Path, help="also write a Rerun recording: camera, pictures, cloud, surface, axes, rates, events")
     return parser.parse_args()
 
 
@@ -55,6 +57,9 @@ def main() -> int:
     if options.video is not None:
         from reporting.video import write_video
         print(f"{options.video}: {write_video(material, options.video)} frames")
+    if options.rrd is not None:
+        from reporting.rerun_file import write_rrd
+        print(f"{options.rrd}: {write_rrd(material, options.rrd)} poses")
     return 0
 
 

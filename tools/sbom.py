@@ -5,6 +5,10 @@ Listed with version and licence, from this machine's own records:
   - the Debian package of every library that the program loads, directly or by way of others, and which of them loads which
   - the header-only libraries that are compiled into it
   - every Python requirement of the tools (tools/requirements*.txt), and what those that are installed ask for
+
+Examples:
+  tools/sbom.py --out polhode.cdx.json
+  tools/sbom.py --program build/flight-aarch64/bin/polhode --out polhode.cdx.json
 """
 
 import argparse

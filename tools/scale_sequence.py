@@ -63,7 +63,7 @@ def scale(sequence: pathlib.Path, out: pathlib.Path, width: int, height: int) ->
 
 def main() -> int:
     from judge.errors import BadInput
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sequence", metavar="SEQUENCE", type=pathlib.Path)
     parser.add_argument("out", metavar="OUT", type=pathlib.Path)
     parser.add_argument("--width", metavar="PX", type=whole(1, SIDE_PX_MAX), required=True)

@@ -1,10 +1,21 @@
 #!/usr/bin/env python3
-"""Puts a sequence, as `polhode recording export` writes it, and the packets that belong to it into one MCAP file.
+"""Puts a sequence, the packets that belong to it and what a replay found into one MCAP file, as Foxglove reads it.
 
-usage: sequence_to_mcap.py SEQ --out run.mcap [--bus DIR/bus.ccsds]
-  /camera/image   foxglove.CompressedImage (JSON): the files as they are, at their time of mid-exposure
-  /bus/packet     the packets as they were published, one a message, at their own time
-Parameters, camera and the account of the recording are attachments. Status 2: SEQ or the packets cannot be read.
+SEQ is a sequence as `polhode recording export` or tools/import_sequence.py write it.
+  /camera/image        foxglove.CompressedImage (JSON): the files as they are, at their time of mid-exposure
+  /bus/packet          the packets as they were published, one a message, at their own time
+With --run also, as Protobuf:
+  /camera/calibration  foxglove.CameraCalibration
+  /target/causal, /target/smoothed
+                       foxglove.FrameTransform: T to C for each row with a pose of motion.csv and of motion_smoothed.csv
+                       (its last frame T); lengths as those files have them
+  /target/cloud        foxglove.PointCloud: cloud.ply with its sigma, views and added
+  /target/events       foxglove.Log: the event packets as text
+Parameters, camera and the account of the recording are attachments.
+
+Examples:
+  tools/sequence_to_mcap.py SEQ --out run.mcap --run DIR
+  tools/sequence_to_mcap.py SEQ --out run.mcap --bus bus.ccsds
 """
 
 import argparse
@@ -15,7 +26,7 @@ import pathlib
 import sys
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY / "hil"))
+sys.path[:0] = [str(REPOSITORY / "hil"), str(REPOSITORY / "tools")]
 sys.path.insert(0, str(REPOSITORY / "platform/transport/client/python"))
 from polhode_bus import open_bus  # noqa: E402
 from judge.venv import enter_venv, run_main  # noqa: E402
@@ -87,38 +98,62 @@ def write_packets(writer, bus: pathlib.Path) -> tuple[int, int]:
     return count, bus.stat().st_size - octets
 
 
-def convert(sequence: pathlib.Path, bus: pathlib.Path | None, out: pathlib.Path) -> tuple[int, int, int]:
-    """@return images, packets, octets among the packets that were none."""
+def write_run(writer, run: pathlib.Path, sequence: pathlib.Path) -> int:
+    """What the replay found. @return messages."""
+    from mcap_protobuf.schema import build_file_descriptor_set
+    from reporting.foxglove_messages import messages_of
+    from reporting.gather import gather
+    channels, schemas, count = {}, {}, 0
+    for topic, time_ns, message in messages_of(gather(run, sequence)):
+        kind = message.DESCRIPTOR.full_name
+        if kind not in schemas:
+            schemas[kind] = writer.register_schema(kind, "protobuf", build_file_descriptor_set(type(message)).SerializeToString())
+        if topic not in channels:
+            channels[topic] = writer.register_channel(topic, "protobuf", schemas[kind])
+        writer.add_message(channels[topic], time_ns, message.SerializeToString(), time_ns, count)
+        count += 1
+    return count
+
+
+def convert(sequence: pathlib.Path, bus: pathlib.Path | None, run: pathlib.Path | None, out: pathlib.Path) -> tuple[int, int, int, int]:
+    """@return images, packets, octets among the packets that were none, messages of the run."""
     from mcap.writer import Writer
     frames = frames_of(sequence)
+    if bus is None and run is not None:
+        bus = run / "bus.ccsds"
     beside = out.with_name(out.name + ".new")
-    with open(beside, "wb") as file:
-        writer = Writer(file)
-        writer.start(library="polhode")
-        counts = write_images(writer, frames), *((0, 0) if bus is None else write_packets(writer, bus))
-        for name in ATTACHMENTS:
-            if (sequence / name).exists():
-                stamp = frames[0][0] if frames else 0
-                writer.add_attachment(stamp, stamp, pathlib.Path(name).name, "text/plain", (sequence / name).read_bytes())
-        writer.finish()
-    beside.rename(out)
+    try:
+        with open(beside, "wb") as file:
+            writer = Writer(file)
+            writer.start(library="polhode")
+            counts = write_images(writer, frames), *((0, 0) if bus is None else write_packets(writer, bus)), 0 if run is None else write_run(writer, run, sequence)
+            for name in ATTACHMENTS:
+                if (sequence / name).exists():
+                    stamp = frames[0][0] if frames else 0
+                    writer.add_attachment(stamp, stamp, pathlib.Path(name).name, "text/plain", (sequence / name).read_bytes())
+            writer.finish()
+        beside.rename(out)
+    finally:
+        beside.unlink(missing_ok=True)
     return counts
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("sequence", type=pathlib.Path, metavar="SEQ")
-    parser.add_argument("--bus", type=pathlib.Path, metavar="bus.ccsds")
+    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter,
+                                     epilog="Exit status: 0 made; 2 SEQ, the packets or the run cannot be read (one line says which).")
+    parser.add_argument("sequence", type=pathlib.Path, metavar="SEQ", help="sequence folder")
+    parser.add_argument("--bus", type=pathlib.Path, metavar="bus.ccsds", help="the packets (default: those of --run)")
+    parser.add_argument("--run", type=pathlib.Path, metavar="DIR", help="output folder of a replay of SEQ")
     parser.add_argument("--out", type=pathlib.Path, required=True, metavar="run.mcap")
     asked = parser.parse_args()
     try:
-        images, packets, damaged = convert(asked.sequence, asked.bus, asked.out)
+        images, packets, damaged, found = convert(asked.sequence, asked.bus, asked.run, asked.out)
     except (Unreadable, OSError) as problem:
         print(f"sequence_to_mcap: {problem}", file=sys.stderr)
         return 2
-    print(f"{images} images, {packets} packets: {asked.out}")
+    print(f"{images} images, {packets} packets, {found} messages of the run: {asked.out}")
     if damaged:
-        print(f"sequence_to_mcap: {asked.bus}: {damaged} octets are no packet and were passed over", file=sys.stderr)
+        print(f"sequence_to_mcap: {asked.bus or asked.run / 'bus.ccsds'}: {damaged} octets are no packet and were passed over", file=sys.stderr)
     return 0
 
 

@@ -2,6 +2,7 @@
 # The long memory test: 20,000 frames after the seal (the everyday suite takes 500).
 #   tools/soak.sh [FRAMES]
 set -euo pipefail
+case ${1:-} in -h | --help) sed -n '2,3s/^# //p' "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
 export POLHODE_SOAK_FRAMES=${1:-20000}
 tools/build.sh release

@@ -1,11 +1,14 @@
 #include "pipeline/smooth.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <optional>
 
+#include "geometry/reprojection.hpp"
 #include "map/grow.hpp"
 #include "map/landmarks.hpp"
 #include "map/track.hpp"
+#include "motion/rates.hpp"
 #include "pipeline/counting.hpp"
 #include "pipeline/map_update.hpp"
 #include "pipeline/results.hpp"
@@ -47,6 +50,25 @@ SmoothedPose refine(const std::vector<PoseObservation>& observations, const Pose
     smoothed.absolute = refined.value();
   }
   return smoothed;
+}
+
+/// By slot: the sum over the image points that keyframes have of a landmark. Zero without any.
+std::vector<Eigen::Matrix3d> information_of_landmarks(const Map& map, const CameraModel& camera) {
+  std::vector<Eigen::Matrix3d> information(map.landmarks.size(), Eigen::Matrix3d::Zero());
+  for (const Keyframe& keyframe : map.keyframes) {
+    for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
+      const LandmarkId id = keyframe.landmark_of[i];
+      if (!id.valid()) {
+        continue;
+      }
+      const double w = camera.focal_px() / static_cast<double>(keyframe.features[i].sigma_px);
+      const Eigen::Matrix<double, 2, 3> J =
+          w * projection_jacobian(keyframe.pose, map.landmarks[id.index()].p_T).rightCols<3>() *
+          keyframe.pose.R_CT;
+      information[id.index()] += J.transpose() * J;
+    }
+  }
+  return information;
 }
 
 const Keyframe* keyframe_of(const Map& map, std::uint32_t frame) {
@@ -163,12 +185,18 @@ bool read_scale_in_shape(const Shape& shape, Component* component) {
   return count(read_scale_of(shape, options, &s->scale), &s->counters);
 }
 
-ConfirmedLandmarks confirmed_landmarks(const Map& map) {
+ConfirmedLandmarks confirmed_landmarks(const Map& map, const CameraModel& camera) {
   ConfirmedLandmarks found;
-  for (const Landmark& landmark : map.landmarks) {
+  const std::vector<Eigen::Matrix3d> information = information_of_landmarks(map, camera);
+  const double noise_scale = std::max(1.0, residual_scale(map, camera));
+  for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
+    const Landmark& landmark = map.landmarks[i];
     if (landmark.used && confirmed(landmark)) {
       found.points_T.push_back(landmark.p_T);
       found.numbers.push_back(landmark.number);
+      found.directions_T.push_back(landmark.normal_T.normalized());
+      found.views.push_back(landmark.observations);
+      found.sigmas.push_back(noise_scale * worst_sigma(information[i].inverse()));
     }
   }
   return found;

@@ -58,11 +58,16 @@ bool read_scale_in_image(Component* component);
 bool read_scale_in_shape(const Shape& shape, Component* component);
 
 struct ConfirmedLandmarks {
-  std::vector<Eigen::Vector3d> points_T;  ///< in map units
-  std::vector<std::int32_t> numbers;      ///< as in the observations
+  std::vector<Eigen::Vector3d> points_T;      ///< in map units
+  std::vector<std::int32_t> numbers;          ///< as in the observations
+  std::vector<Eigen::Vector3d> directions_T;  ///< unit, mean direction to the cameras that see it
+  std::vector<std::int32_t> views;            ///< keyframes that see it
+  /// 1-sigma, worst axis, in map units: of its image points, at the scale of all residuals. The
+  /// keyframes' poses are taken as exact: the drift of the map is not in it.
+  std::vector<double> sigmas;
 };
 
 /// Landmarks that three keyframes or more confirm, in slot order.
-ConfirmedLandmarks confirmed_landmarks(const Map& map);
+ConfirmedLandmarks confirmed_landmarks(const Map& map, const CameraModel& camera);
 
 }  // namespace polhode

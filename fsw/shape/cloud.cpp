@@ -23,12 +23,11 @@ std::int64_t cube(double coordinate, double edge) {
   return static_cast<std::int64_t>(std::clamp(std::floor(coordinate / edge), -kCubeMax, kCubeMax));
 }
 
-bool same_cube(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double edge) {
-  return cube(a.x(), edge) == cube(b.x(), edge) && cube(a.y(), edge) == cube(b.y(), edge) &&
-         cube(a.z(), edge) == cube(b.z(), edge);
-}
-
 }  // namespace
+
+std::array<std::int64_t, 3> cube_of(const Eigen::Vector3d& point_T, double edge) {
+  return {cube(point_T.x(), edge), cube(point_T.y(), edge), cube(point_T.z(), edge)};
+}
 
 Result<double> median_spacing(std::span<const Eigen::Vector3d> points_T) {
   if (points_T.size() <= kNeighbour) {
@@ -95,7 +94,8 @@ std::size_t homogenise(double edge, CloudScratch& scratch, Cloud& cloud) {
   for (std::size_t first = 0; first < before;) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     std::size_t next = first;
-    while (next < before && same_cube(points_T[by_cube[first]], points_T[by_cube[next]], edge)) {
+    while (next < before &&
+           cube_of(points_T[by_cube[first]], edge) == cube_of(points_T[by_cube[next]], edge)) {
       sum += points_T[by_cube[next++]];
     }
     POLHODE_ASSERT(means_T.push_back(sum / static_cast<double>(next - first)), first);

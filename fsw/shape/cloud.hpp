@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -40,6 +41,9 @@ Result<double> median_spacing(std::span<const Eigen::Vector3d> points_T);
 /// Keeps the points that have at least `neighbours_min` others within `radius`; order kept.
 /// @return number removed.
 std::size_t remove_outliers(double radius, int neighbours_min, CloudScratch& scratch, Cloud& cloud);
+
+/// Numbers of the cube of edge `edge` that holds a point, as homogenise() divides space.
+std::array<std::int64_t, 3> cube_of(const Eigen::Vector3d& point_T, double edge);
 
 /// One point, the mean, for each occupied cube of edge `edge`; ordered by cube.
 /// @return number of points gone.

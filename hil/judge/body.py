@@ -14,7 +14,7 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 from judge.align import axis_angle_deg
 from judge.errors import BadInput
 from judge.aligned import Aligned
-from judge.shape import SURFACE_SAMPLES, cloud_in_truth, read_cloud, sample_mesh
+from judge.shape import SURFACE_SAMPLES, cloud_in_truth, load_ply, property_of, read_cloud, sample_mesh, seen_samples
 
 # The mesh belongs to a found side where it runs this near, in parts of the body's size, and this parallel.
 NEAR_SIZES = 0.025
@@ -31,6 +31,8 @@ GAP_SIZES = 0.005
 NEAR_RADII = 0.15
 RADIAL_MIN = np.cos(np.radians(30.0))
 HULL_SAMPLES = 20_000
+# Their spacing on a body is 0.3 % of its size, as fine as clouds are exact.
+FACE_SAMPLES = 100_000
 
 
 class Truth:
@@ -194,6 +196,27 @@ def judge_surface(path: pathlib.Path, truth: Truth) -> dict | None:
             "complete_within_5_percent": float(np.mean(inward <= 0.05 * truth.size_m))}
 
 
+def judge_faces(path: pathlib.Path, truth: Truth) -> dict | None:
+    """A surface's measured faces against the mesh, and how near what was seen of the mesh is to any face; None where it has no faces."""
+    import trimesh
+    found = load_ply(path)
+    if len(getattr(found, "faces", ())) == 0:
+        return None
+    added = property_of(found, "added", len(found.vertices))
+    measured = np.ones(len(found.faces), bool) if added is None else ~(added[found.faces] > 0).any(axis=1)
+    vertices_T = cloud_in_truth(np.asarray(found.vertices, dtype=float), truth.aligned)
+
+    def samples(faces):
+        return np.asarray(trimesh.sample.sample_surface(trimesh.Trimesh(vertices_T, faces, process=False), FACE_SAMPLES, seed=1)[0])
+    result = {"faces": len(found.faces), "measured_rmse_percent": None, "seen_rmse_percent": None}
+    if measured.any():
+        result["measured_rmse_percent"] = 100 * float(np.sqrt(np.mean(cKDTree(truth.points_T).query(samples(found.faces[measured]))[0]**2))) / truth.size_m
+    seen = seen_samples(truth.points_T, truth.normals_T, truth.aligned.R_CT, truth.aligned.truth.p_CT[truth.aligned.rows_T])
+    if seen.any():
+        result["seen_rmse_percent"] = 100 * float(np.sqrt(np.mean(cKDTree(samples(found.faces)).query(truth.points_T[seen])[0]**2))) / truth.size_m
+    return result
+
+
 def judge_body(folder: pathlib.Path, model_path: pathlib.Path, scene: dict, aligned: Aligned) -> dict | None:
     """All of the above; None where there is no shape.json or no mesh."""
     path = folder / "shape.json"
@@ -217,4 +240,5 @@ def judge_body(folder: pathlib.Path, model_path: pathlib.Path, scene: dict, alig
             "cylinder": judge_cylinder(shape["cylinder"], truth) if shape["cylinder"] else None,
             "centroid": judge_centroid(shape, truth), "dimensions": judge_dimensions(shape, truth),
             "surface": judge_surface(surface, truth) if surface.exists() else None,
+            "faces": judge_faces(surface, truth) if surface.exists() else None,
             "scale_contradiction": report.get("scale", {}).get("contradiction")}

@@ -50,6 +50,8 @@ BODY_ROWS = (
     ("centroid error before completion [% of size]", "body.centroid.error_before_completion_percent", "{:.2f}"),
     ("hull volume error [%]", "body.surface.volume_error_percent", "{:+.1f}"),
     ("hull to true hull RMSE [% of size]", "body.surface.distance_rmse_percent", "{:.2f}"),
+    ("measured faces to mesh RMSE [% of size]", "body.faces.measured_rmse_percent", "{:.2f}"),
+    ("seen surface to faces RMSE [% of size]", "body.faces.seen_rmse_percent", "{:.2f}"),
 )
 DYNAMICS_ROWS = (
     ("inertia ratio, middle over least, error [%]", "dynamics.inertia_ratios.middle_over_least.error_percent", "{:+.2f}"),

@@ -18,7 +18,7 @@ VIEWS = 40
 DEPTH_CELLS = 220
 
 
-def _load(path: pathlib.Path):
+def load_ply(path: pathlib.Path):
     import trimesh
     try:
         return trimesh.load(path, process=False)
@@ -28,25 +28,25 @@ def _load(path: pathlib.Path):
 
 def read_cloud(path: pathlib.Path, measured_only: bool = False) -> np.ndarray:
     """Points [N,3] of a PLY file; with measured_only those that completion added, where they are marked, are left out."""
-    mesh = _load(path)
+    mesh = load_ply(path)
     points = np.asarray(getattr(mesh, "vertices", np.empty((0, 3))), dtype=float)
     if len(points) == 0:
         return points.reshape(0, 3)
     keep = np.isfinite(points).all(axis=1)
     if measured_only:
-        added = _property(mesh, "added", len(points))
+        added = property_of(mesh, "added", len(points))
         keep &= added == 0 if added is not None else True
     return points[keep]
 
 
 def read_landmark_numbers(path: pathlib.Path) -> set[int] | None:
     """Numbers of the landmarks in a cloud_raw.ply; None where it does not give them."""
-    mesh = _load(path)
-    numbers = _property(mesh, "landmark", len(getattr(mesh, "vertices", ())))
+    mesh = load_ply(path)
+    numbers = property_of(mesh, "landmark", len(getattr(mesh, "vertices", ())))
     return None if numbers is None else set(numbers.tolist())
 
 
-def _property(mesh, name: str, count: int) -> np.ndarray | None:
+def property_of(mesh, name: str, count: int) -> np.ndarray | None:
     """A property of each point [N] of a PLY file; None where the file has none of that name."""
     try:
         values = np.asarray(mesh.metadata["_ply_raw"]["vertex"]["data"][name]).reshape(-1)
@@ -58,7 +58,7 @@ def _property(mesh, name: str, count: int) -> np.ndarray | None:
 def sample_mesh(path: pathlib.Path) -> tuple[np.ndarray, np.ndarray, float]:
     """(points [S,3], outward normals [S,3], size) of a mesh; size is its bounding box's diagonal [m]."""
     import trimesh
-    mesh = _load(path)
+    mesh = load_ply(path)
     if isinstance(mesh, trimesh.Scene):
         mesh = mesh.to_mesh()
     if getattr(mesh, "faces", None) is None or len(mesh.faces) == 0:

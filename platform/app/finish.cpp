@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "app/cloud_details.hpp"
 #include "app/model_json.hpp"
 #include "app/motion_csv.hpp"
 #include "app/ply.hpp"
@@ -95,9 +96,10 @@ struct FoundShape {
 
 /// Landmarks in metres once the scale is known.
 ConfirmedLandmarks landmarks_of(const GroundView& view) {
-  ConfirmedLandmarks landmarks = confirmed_landmarks(view.map);
-  for (Eigen::Vector3d& point : landmarks.points_T) {
-    point *= view.scale.metres_per_mu;
+  ConfirmedLandmarks landmarks = confirmed_landmarks(view.map, view.camera);
+  for (std::size_t i = 0; i < landmarks.points_T.size(); ++i) {
+    landmarks.points_T[i] *= view.scale.metres_per_mu;
+    landmarks.sigmas[i] *= view.scale.metres_per_mu;
   }
   return landmarks;
 }
@@ -110,7 +112,7 @@ void measure_scale_by_shape(Component* component) {
     return;
   }
   const auto work = std::make_unique<ShapeWork>();
-  const Result<Shape> shape = estimate_shape(confirmed_landmarks(view.map).points_T,
+  const Result<Shape> shape = estimate_shape(confirmed_landmarks(view.map, view.camera).points_T,
                                              view.parameters.shape,
                                              view.parameters.seed,
                                              nullptr,
@@ -193,6 +195,7 @@ void write_surface(const FoundShape& found, const fs::path& folder) {
 
 void write_clouds(const FoundShape& found,
                   const ConfirmedLandmarks& landmarks,
+                  const ShapeOptions& options,
                   const fs::path& folder) {
   write_ply(folder / "cloud_raw.ply",
             {.points = in_body(found.body, landmarks.points_T),
@@ -208,6 +211,10 @@ void write_clouds(const FoundShape& found,
   }
   const Cloud& cloud = found.work->cloud;
   const std::vector<Eigen::Vector3d> points_B = in_body(found.body, cloud.points_T.view());
+  const CloudDetails details = details_of(
+      *found.shape, *found.work, landmarks, options.voxel_spacings * found.shape->spacing);
+  const std::vector<Eigen::Vector3d> normals_B =
+      in_body({.R_TB = found.body.R_TB}, details.normals_T);
   std::vector<std::array<std::uint8_t, 3>> rgb(points_B.size(), {200, 200, 200});
   std::fill(rgb.begin() + static_cast<std::ptrdiff_t>(cloud.measured),
             rgb.end(),
@@ -216,10 +223,13 @@ void write_clouds(const FoundShape& found,
   std::fill(added.begin() + static_cast<std::ptrdiff_t>(cloud.measured), added.end(), 1);
   write_ply(folder / "cloud.ply",
             {.points = points_B,
-             .normals = {},
+             .normals = normals_B,
              .rgb = rgb,
              .added = added,
-             .comment = "denoised, body frame; orange, added = 1: by completion, not measured"});
+             .sigma = details.sigmas,
+             .views = details.views,
+             .comment = "denoised, body frame; orange, added = 1: by completion, not measured; "
+                        "sigma: worst axis, in the map; views: keyframes that see it"});
 }
 
 void write_smoothed(const std::vector<MotionState>& smoothed,
@@ -252,7 +262,7 @@ void finish_replay(Component& component,
   tell_scale_that_was_not_read(view);
   const ConfirmedLandmarks landmarks = landmarks_of(view);
   const FoundShape found = find_shape(view, landmarks.points_T);
-  write_clouds(found, landmarks, folder);
+  write_clouds(found, landmarks, view.parameters.shape, folder);
   write_shape_json(folder / "shape.json",
                    {.shape = found.shape ? &*found.shape : nullptr,
                     .reason = found.reason,

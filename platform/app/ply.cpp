@@ -43,6 +43,12 @@ std::string header(const PlyCloud& cloud) {
   if (!cloud.added.empty()) {
     text += "property uchar added\n";
   }
+  if (!cloud.sigma.empty()) {
+    text += "property float sigma\n";
+  }
+  if (!cloud.views.empty()) {
+    text += "property int views\n";
+  }
   if (!cloud.landmark.empty()) {
     text += "property int landmark\n";
   }
@@ -69,6 +75,12 @@ void write_ply(const std::filesystem::path& file, const PlyCloud& cloud) {
     }
     if (!cloud.added.empty()) {
       content += static_cast<char>(cloud.added[i]);
+    }
+    if (!cloud.sigma.empty()) {
+      put_float(content, static_cast<double>(cloud.sigma[i]));
+    }
+    if (!cloud.views.empty()) {
+      put_whole(content, static_cast<std::uint32_t>(cloud.views[i]));
     }
     if (!cloud.landmark.empty()) {
       put_whole(content, static_cast<std::uint32_t>(cloud.landmark[i]));

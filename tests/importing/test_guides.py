@@ -24,9 +24,10 @@ BOUND = 2.80
 
 
 def commands_of(guide: str) -> str:
-    blocks = re.findall(r"^```\n(.*?)^```$", (REPOSITORY / "docs" / guide).read_text(), re.DOTALL | re.MULTILINE)
-    assert blocks
-    return "".join(blocks)
+    blocks = re.findall(r"^```(\w*)\n(.*?)^```$", (REPOSITORY / "docs" / guide).read_text(), re.DOTALL | re.MULTILINE)
+    commands = [text for language, text in blocks if not language]
+    assert commands
+    return "".join(commands)
 
 
 @pytest.fixture
@@ -95,4 +96,35 @@ def test_my_servicer(desk, original):
     (desk / "pictures").symlink_to(SAMPLE / "mav0/cam0/data")
     follow(desk, "guide_servicer.md")
     agrees(desk / "DIR", original)
-    assert (desk / "run.mcap").stat().st_size > 1_000_000
+    from mcap.reader import make_reader
+    with open(desk / "run.mcap", "rb") as file:
+        counts = make_reader(file).get_summary().statistics.channel_message_counts
+        file.seek(0)
+        topics = {channel.topic: counts[number] for number, channel in make_reader(file).get_summary().channels.items()}
+    poses = {name: len((desk / "DIR" / name).read_text().splitlines()) for name in ("causal.tum", "smoothed.tum")}
+    assert topics["/camera/image"] == 90 and topics["/target/causal"] == poses["causal.tum"] and topics["/target/smoothed"] == poses["smoothed.tum"]
+    assert topics["/target/cloud"] == 1 and topics["/target/events"] > 0 and topics["/bus/packet"] > 90
+
+
+def test_my_cluster(desk, monkeypatch):
+    """SLURM's side is played by two scripts that run and end job scripts here; the sample is the sequence with truth."""
+    pytest.importorskip("distributed", reason="distributed is not installed: tools/setup.sh campaign")
+    pq = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed: tools/setup.sh campaign")
+    (desk / "SEQ").symlink_to(SAMPLE)
+    guide = (REPOSITORY / "docs/guide_cluster.md").read_text()
+    (desk / "plan.toml").write_text(re.search(r"^```toml\n(.*?)^```$", guide, re.DOTALL | re.MULTILINE).group(1))
+    example = (REPOSITORY / "hil/campaigns/slurm_example.toml").read_text()
+    (desk / "slurm.toml").write_text(example.replace("jobs = 20", "jobs = 1").replace('"FILL_IN"', '"nodes"'))
+    (desk / "bin").mkdir()
+    (desk / "bin/sbatch").write_text(f'#!/bin/sh\ncp "$1" {desk}/job_script\nsetsid sh {desk}/job_script > {desk}/job.log 2>&1 &\necho $!\n')
+    (desk / "bin/scancel").write_text('#!/bin/sh\nfor id; do kill -- -"$id" 2>/dev/null; done\nexit 0\n')
+    for name in ("sbatch", "scancel"):
+        (desk / "bin" / name).chmod(0o755)
+    monkeypatch.setenv("PATH", f"{desk / 'bin'}:{os.environ['PATH']}")
+    monkeypatch.setenv("POLHODE_CACHE", str(desk / "cache"))
+    follow(desk, "guide_cluster.md")
+    runs = pq.read_table(desk / "DIR/report/runs.parquet").to_pylist()
+    assert len(runs) == 2 and max(run["coverage"] for run in runs) > 0.9
+    assert "index.html" in {path.name for path in (desk / "DIR/report").iterdir()}
+    paired = (desk / "NEW/report/paired.csv").read_text().splitlines()
+    assert len(paired) > 1

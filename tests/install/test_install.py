@@ -76,8 +76,8 @@ def test_the_service_is_installed_with_the_program_and_the_notes_that_it_names(p
 
 
 def test_readme_shows_the_program_that_is_built():
-    blocks = re.findall(r"```cpp\n(.*?)```", (REPOSITORY / "README.md").read_text(), re.DOTALL)
-    program = (CONSUMER / "main.cpp").read_text().split("\n", 1)[1]  # without the remark about README.md
+    blocks = re.findall(r"```cpp\n(.*?)```", (REPOSITORY / "docs/library.md").read_text(), re.DOTALL)
+    program = (CONSUMER / "main.cpp").read_text().split("\n", 1)[1]  # without the remark about docs/library.md
     assert program in blocks
 
 

@@ -150,6 +150,35 @@ def test_the_hull_of_the_corners_is_the_bodys(tmp_path, scene, body):
     assert estimate.judged()["surface"] is None
 
 
+def test_faces_are_judged_by_what_they_measured_and_by_what_was_seen(tmp_path, scene, body):
+    import trimesh
+    estimate = Estimate(tmp_path, body, scene)
+    path = estimate.run.folder / "surface.ply"
+    box = trimesh.creation.box(extents=BOX_M).subdivide().subdivide()
+
+    def judged(vertices_T, added):
+        vertices = np.array([estimate.point(vertex) for vertex in vertices_T])
+        rows = [" ".join(map(str, [*vertex, int(mark)])) for vertex, mark in zip(vertices, added)]
+        header = ["ply", "format ascii 1.0", f"element vertex {len(rows)}", *(f"property float {a}" for a in "xyz"), "property uchar added",
+                  f"element face {len(box.faces)}", "property list uchar int vertex_indices", "end_header"]
+        path.write_text("\n".join([*header, *rows, *(f"3 {a} {b} {c}" for a, b, c in box.faces)]) + "\n")
+        return estimate.judged()["faces"]
+    size_m, none = np.linalg.norm(BOX_M), np.zeros(len(box.vertices), bool)
+    exact = judged(box.vertices, none)
+    assert exact["measured_rmse_percent"] < 0.3 and exact["seen_rmse_percent"] < 0.5  # spacing of the samples
+    # A dent of 0.1 m in the upper side. Where it is marked as not measured, it is no error of what was measured, but of what was seen.
+    top = np.isclose(box.vertices[:, 2], BOX_M[2] / 2) & (np.abs(box.vertices[:, :2]) < 0.3 * np.array(BOX_M[:2])).all(axis=1)
+    dented = box.vertices - 0.1 * np.outer(top, [0, 0, 1])
+    assert top.any()
+    wrong, marked = judged(dented, none), judged(dented, top)
+    assert wrong["measured_rmse_percent"] > 100 * 0.02 / size_m
+    assert marked["measured_rmse_percent"] == pytest.approx(exact["measured_rmse_percent"], abs=0.1)
+    # From the true side the nearest place of the dent is on its slope, not at its bottom.
+    assert marked["seen_rmse_percent"] == pytest.approx(wrong["seen_rmse_percent"], abs=0.05) and marked["seen_rmse_percent"] > 100 * 0.01 / size_m
+    write_ply(path, box.vertices)
+    assert estimate.judged()["faces"] is None
+
+
 def test_no_shape_is_a_report_with_its_reason(tmp_path, scene, body):
     estimate = Estimate(tmp_path, body, scene)
     (estimate.run.folder / "shape.json").write_text(json.dumps({"shape": None, "reason": "there is no map"}))

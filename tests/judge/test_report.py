@@ -176,6 +176,38 @@ def test_a_video_shows_the_frames_with_what_was_found(made, run, tmp_path):
     assert abs(drawn[0] - seen[0]) < 25 and abs(drawn[-1] - seen[-1]) < 60  # the axes stand out to one side
 
 
+def test_a_fine_surface_does_not_hide_the_picture():
+    import trimesh
+    from judge.sequence import Camera
+    from reporting.video import draw_surface
+    from scipy.spatial.transform import Rotation
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=0.5)
+    checks = np.repeat(np.repeat(np.indices((30, 40)).sum(axis=0) % 2, 8, axis=0), 8, axis=1).astype(np.uint8) * 150 + 50
+    picture = np.repeat(checks[:, :, None], 3, axis=2)
+    camera = Camera(320, 240, np.array([500.0, 500.0, 159.5, 119.5]), np.zeros(4))
+    draw_surface(picture, camera, Rotation.identity(), np.array([0, 0, 4.0]), (ball.vertices, ball.faces))
+    coloured = np.ptp(picture.astype(int), axis=2) > 10
+    rows, columns = np.flatnonzero(coloured.any(axis=1)), np.flatnonzero(coloured.any(axis=0))
+    radius_px = 500 * 0.5 / np.sqrt(4**2 - 0.5**2)  # of the ball's outline
+    assert abs(len(rows) - 2 * radius_px) < 4 and abs(len(columns) - 2 * radius_px) < 4
+    inside = picture[110:130, 150:170].astype(int)
+    assert np.ptp(inside[:, :, 0]) > 60  # the checks are still there
+
+
+def test_a_surface_is_in_the_scene_with_what_was_completed_apart(run, made):
+    from judge.shape import load_ply
+    from reporting.scene import surfaces
+    from reporting.surface import write_surface
+    (run / "surface.ply").write_bytes((made[0] / "model.ply").read_bytes())
+    assert [one.name for one in surfaces(run)] == ["surface"]
+    mesh = load_ply(made[0] / "model.ply")
+    write_surface(run / "surface.ply", mesh.vertices, mesh.faces, np.arange(8) < 4)
+    parts = surfaces(run)
+    assert [one.name for one in parts] == ["surface, measured", "surface, completed"]
+    assert len(parts[0].i) + len(parts[1].i) == 12 and all((np.array([one.i, one.j, one.k]) >= 4).all() for one in parts[:1])
+    assert "surface, completed" in made_of(run) or "surface, completed" in (run / "report.html").read_text()
+
+
 def test_a_video_that_cannot_be_made_is_refused(run, tmp_path):
     status, err = report(run, "--video", "/nonexistent/run.mp4")
     assert status == 2 and "--video /nonexistent/run.mp4" in err and err.count("\n") == 1

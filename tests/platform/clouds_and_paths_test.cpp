@@ -106,6 +106,34 @@ TEST(Ply, MarksAddedPointsAndHoldsFaces) {
   EXPECT_EQ(text[data + 48], 2);
 }
 
+TEST(Ply, HoldsSigmaAndViewsAfterTheMark) {
+  const TemporaryFolder folder;
+  const Eigen::Vector3d points[] = {{1.0, 2.0, 3.0}};
+  const std::uint8_t added[] = {0};
+  const float sigma[] = {0.25F};
+  const std::int32_t views[] = {7};
+  write_ply(folder.path() / "c.ply",
+            {.points = points,
+             .normals = {},
+             .rgb = {},
+             .added = added,
+             .sigma = sigma,
+             .views = views,
+             .comment = "frame T"});
+  const std::string text = content(folder.path() / "c.ply");
+  const std::size_t data = text.find("end_header\n") + 11;
+  EXPECT_NE(
+      text.find("property uchar added\nproperty float sigma\nproperty int views\nend_header\n"),
+      std::string::npos);
+  ASSERT_EQ(text.size() - data, 3U * 4U + 1U + 4U + 4U);
+  float read_sigma = 0.0F;
+  std::int32_t read_views = 0;
+  std::memcpy(&read_sigma, text.data() + data + 13, sizeof read_sigma);
+  std::memcpy(&read_views, text.data() + data + 17, sizeof read_views);
+  EXPECT_EQ(read_sigma, 0.25F);
+  EXPECT_EQ(read_views, 7);
+}
+
 TEST(Ply, MayBeEmpty) {
   const TemporaryFolder folder;
   write_ply(folder.path() / "c.ply",

@@ -1,5 +1,9 @@
 """Sequences without a target: the run ends well, and says that nothing was acquired."""
 
+import re
+import subprocess
+import sys
+
 import numpy
 import pytest
 from replay_files import REPOSITORY, motion_rows, summary
@@ -32,6 +36,21 @@ def test_it_ends_in_acquiring_with_exit_0(replay, tmp_path, scene):
     assert told["acquired"] is False and told["mode_at_end"] == "ACQUIRING"
     assert told["frames"] == {"in": FRAMES, "processed": told["frames"]["processed"], "with_pose": 0, "first_with_pose": None}
     assert "never acquired" in told["result"] and "never acquired" in result.out
+
+
+def test_its_page_says_so_and_no_surface_is_made(replay, tmp_path):
+    writer = SequenceWriter(tmp_path / "sequence")
+    for index in range(FRAMES):
+        writer.add(noise(index))
+    folder = replay(writer.path).folder
+    done = subprocess.run([sys.executable, REPOSITORY / "tools/report.py", folder], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    page = (folder / "report.html").read_text()
+    shown = re.sub(r"<(script|style).*?</\1>", "", page, flags=re.DOTALL)
+    assert "The target was never acquired" in shown and f"0 of {FRAMES}" in shown and "Know this first" in shown
+    assert not re.search(r"\bnan\b|\bNone\b", shown), "a value that is not there is shown as one"
+    done = subprocess.run([sys.executable, REPOSITORY / "tools/surface.py", folder], capture_output=True, text=True)
+    assert done.returncode == 2 and done.stderr.count("\n") == 1 and "0 points, at least 100 are needed" in done.stderr, done.stderr
 
 
 @pytest.mark.parametrize(("size", "suffix", "config"), [((540, 960), ".png", "default"), ((1080, 1920), ".png", "default")])

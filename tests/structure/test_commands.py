@@ -14,6 +14,9 @@ PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/rel
 
 COMMANDS = [file for file in source_files("hil", "tools", suffixes=(".py",)) if file.read_text().startswith("#!")]
 
+# Not hil/render_scene.sh: the generator answers for it, and a change of that file would render every scene of a campaign anew.
+SHELL_COMMANDS = [file for folder in ("tools", "hil") for file in sorted((REPOSITORY / folder).glob("*.sh")) if file.name != "render_scene.sh"]
+
 
 def test_commands_are_found_at_all():
     names = {name_of(file) for file in COMMANDS}
@@ -28,7 +31,16 @@ def test_its_help_is_printed_by_its_path(file, tmp_path):
                           env={**os.environ, "PATH": os.defpath})
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("usage: "), done.stdout
+    examples = [line.strip() for line in done.stdout.splitlines()]
+    assert any(line.removeprefix("./").startswith(f"{name_of(file)} ") for line in examples), f"{name_of(file)}: --help shows no example\n{done.stdout}"
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("file", SHELL_COMMANDS, ids=name_of)
+def test_a_shell_command_says_how_it_is_called(file, tmp_path):
+    done = subprocess.run(["bash", file, "--help"], capture_output=True, text=True, cwd=tmp_path, timeout=60)
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    assert f"{name_of(file)}" in done.stdout and not done.stdout.startswith("#"), done.stdout
 
 
 @pytest.mark.parametrize(("name", "arguments", "says"), [
@@ -53,6 +65,11 @@ def test_its_help_is_printed_by_its_path(file, tmp_path):
     ("tools/import_sequence.py", [SAMPLE], "SEQ is needed, or --intrinsics auto"),
     ("tools/import_sequence.py", [SAMPLE, "OUT", "--step", "0"], "--step: 0: allowed is a whole number of at least 1"),
     ("tools/import_sequence.py", [SAMPLE, "OUT", "--rate-hz", "nan"], "--rate-hz: nan: not a number"),
+    ("tools/surface.py", ["NOT_THERE"], "NOT_THERE/cloud.ply: not there"),
+    ("tools/surface.py", ["FOLDER"], "FOLDER/cloud.ply: not there"),
+    ("tools/sequence_to_mcap.py", ["NOT_THERE", "--out", "OUT"], "NOT_THERE/mav0/cam0/data.csv"),
+    ("tools/sequence_to_mcap.py", [SAMPLE, "--run", "FOLDER", "--out", "OUT"], "FOLDER"),
+    ("tools/report.py", ["FOLDER", "--rrd", "OUT"], "holds neither motion.csv nor motion_smoothed.csv"),
     ("tools/report.py", ["NOT_THERE"], "NOT_THERE: no such run folder"),
     ("tools/report.py", ["FOLDER"], "holds neither motion.csv nor motion_smoothed.csv"),
     ("tools/benchmark_table.py", ["NOT_THERE"], "NOT_THERE: No such file"),

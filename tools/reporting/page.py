@@ -53,7 +53,7 @@ def sections(material: Material) -> list[dict]:
                     "The published sigma of a position holds the scale's; the last panel shows both without it.", figures.errors(material))] if known else []),
         _section("The motion as a law", "What a free body's motion fixes: periods, ratios of the moments of inertia, centre of mass. Below, where it will be: bars and band are one sigma.",
                  figures.prediction(material), tables.motion_rows(material), "No torque-free motion was fitted, so nothing is predicted."),
-        _section("What it looks like", "Drag to turn, scroll to come nearer. Touch a name below the picture to hide or show it; the camera's path is hidden at first.", scene.scene(material),
+        _section("What it looks like", "Drag to turn, scroll to come nearer. Touch a name below the picture to hide or show it; surface and camera's path are hidden at first.", scene.scene(material),
                  tables.shape_rows(material), "No cloud was made."),
         _section("What each frame gave", "Few features: the target is small, dark or smooth. Few inliers: it was seen, but did not fit the map.", figures.counts(material)),
         _section("What it cost", "Time and memory on the machine of this run.", figures.step_times(material), tables.machine_rows(material)),

@@ -1,5 +1,7 @@
 """The cloud in three dimensions, with the body's axes, planes, surface and the camera's path around it."""
 
+import pathlib
+
 import numpy as np
 import plotly.graph_objects as go
 from plots import series, style
@@ -12,10 +14,25 @@ AXIS_COLOURS = {"x": "#d62728", "y": "#2ca02c", "z": "#1f77b4"}
 
 def _added(material: Material, count: int) -> np.ndarray:
     """[N] bool: points that completion made."""
-    from judge.shape import _load, _property
+    from judge.shape import load_ply, property_of
     path = material.run.folder / "cloud.ply"
-    marks = _property(_load(path), "added", count) if path.exists() else None
+    marks = property_of(load_ply(path), "added", count) if path.exists() else None
     return np.zeros(count, bool) if marks is None else marks > 0
+
+
+def surfaces(folder: pathlib.Path) -> list[go.Mesh3d]:
+    """surface.ply, what was measured and what was completed apart; [] where there is none."""
+    from judge.shape import load_ply, property_of
+    path = folder / "surface.ply"
+    mesh = load_ply(path) if path.exists() else None
+    if mesh is None or len(getattr(mesh, "faces", ())) == 0:
+        return []
+    corners, faces = np.asarray(mesh.vertices, dtype=np.float32), np.asarray(mesh.faces)
+    added = property_of(mesh, "added", len(corners))
+    guessed = np.zeros(len(faces), bool) if added is None else (added[faces] > 0).any(axis=1)
+    kinds = [("surface", ~guessed, "#8fa6bd")] if added is None else [("surface, measured", ~guessed, "#8fa6bd"), ("surface, completed", guessed, style.BAD)]
+    return [go.Mesh3d(x=corners[:, 0], y=corners[:, 1], z=corners[:, 2], i=faces[rows, 0], j=faces[rows, 1], k=faces[rows, 2], color=colour, flatshading=True,
+                      name=name, showlegend=True, hoverinfo="name", visible="legendonly") for name, rows, colour in kinds if rows.any()]
 
 
 def _segments(name: str, points: np.ndarray, line: dict) -> go.Scatter3d:
@@ -43,6 +60,7 @@ def scene(material: Material) -> go.Figure | None:
         corners = _plane_corners(plane)
         figure.add_trace(go.Mesh3d(x=corners[:, 0], y=corners[:, 1], z=corners[:, 2], i=[0, 0], j=[1, 2], k=[2, 3], opacity=0.25, color="#e0a030", name="planes",
                                    legendgroup="planes", showlegend=number == 1, hoverinfo="name"))
+    figure.add_traces(surfaces(material.run.folder))
     size = float(np.percentile(np.linalg.norm(points - np.median(points, axis=0), axis=1), 95))
     origin = np.array(shape.get("centroid_T") or np.median(points, axis=0), dtype=float)
     for name, direction in (shape.get("axes") or {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}).items():

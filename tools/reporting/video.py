@@ -15,6 +15,8 @@ from reporting.gather import Material
 
 RATE_HZ = 15  # of the video: a sequence of one frame a second would be watched for hours
 TRAIL_FRAMES = 4
+NET_FACES_MAX = 300
+SURFACE_OPACITY = 0.45
 SURFACE_BGR, SEEN_BGR, REJECTED_BGR, TEXT_BGR = (150, 120, 60), (90, 220, 90), (60, 120, 255), (235, 235, 235)
 
 
@@ -45,7 +47,7 @@ def surface_of(folder: pathlib.Path):
 
 
 def draw_surface(picture: np.ndarray, camera, R_CT, p_CT: np.ndarray, surface) -> None:
-    """Edges of the faces that are turned to the camera, as a thin net."""
+    """What is turned to the camera: edges as a thin net, or a translucent shaded surface where a net would hide the picture."""
     vertices, faces = surface
     p_C = R_CT.apply(vertices) + p_CT
     pixels = camera.project(p_C)
@@ -53,7 +55,16 @@ def draw_surface(picture: np.ndarray, camera, R_CT, p_CT: np.ndarray, surface) -
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     facing = (np.einsum("ij,ij->i", normals, corners[:, 0]) < 0) & np.isfinite(pixels[faces]).all(axis=(1, 2))
     net = [pixels[face].round().clip(-30000, 30000).astype(np.int32) for face in faces[facing]]
-    cv2.polylines(picture, net, True, SURFACE_BGR, 1, cv2.LINE_AA)
+    if len(faces) <= NET_FACES_MAX:
+        cv2.polylines(picture, net, True, SURFACE_BGR, 1, cv2.LINE_AA)
+        return
+    towards = corners[facing].mean(axis=1)
+    shade = np.abs(np.einsum("ij,ij->i", normals[facing], towards)) / np.maximum(np.linalg.norm(normals[facing], axis=1) * np.linalg.norm(towards, axis=1), 1e-300)
+    layer, covered = np.zeros_like(picture), np.zeros(picture.shape[:2], np.uint8)
+    for at in np.argsort(-np.linalg.norm(towards, axis=1)):  # the far ones first
+        cv2.fillConvexPoly(layer, net[at], [float(shade[at] * 1.5 * value) for value in SURFACE_BGR])
+        cv2.fillConvexPoly(covered, net[at], 255)
+    picture[covered > 0] = cv2.addWeighted(picture, 1 - SURFACE_OPACITY, layer, SURFACE_OPACITY, 0)[covered > 0]
 
 
 def draw_tracks(picture: np.ndarray, history: list[dict[int, tuple[float, float, bool]]]) -> None:

@@ -1,4 +1,4 @@
-// README.md shows this program; the test of the installation builds and runs it.
+// docs/library.md shows this program; the test of the installation builds and runs it.
 #include <polhode/pipeline/component.hpp>
 
 #include <cstdio>
