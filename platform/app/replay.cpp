@@ -27,6 +27,7 @@
 #include "app/servicer_attitude.hpp"
 #include "app/summary.hpp"
 #include "app/timings.hpp"
+#include "app/warnings.hpp"
 #include "camera/replay/depth.hpp"
 #include "camera/replay/file_camera.hpp"
 #include "camera/replay/sequence.hpp"
@@ -294,13 +295,14 @@ void tell_result(const Run& run, const fs::path& out) {
   }
 }
 
-/// Says what levels of few bits were taken for, where the arguments do not.
+/// Says what is doubtful, and what levels of few bits were taken for where the arguments do not.
 Sequence open_and_tell(const ReplayArguments& arguments) {
   Sequence sequence = open_sequence(arguments.sequence, arguments.depth_bits);
   const std::string remark = arguments.depth_bits == 0 ? depth_remark(sequence.depth_bits) : "";
   if (!remark.empty()) {
     tell("polhode: {}: {}\n", sequence.image_folder.string(), remark);
   }
+  tell_warnings(sequence.warnings);
   return sequence;
 }
 
@@ -351,7 +353,7 @@ void replay(const ReplayArguments& arguments) {
                  .timings = run.timings,
                  .counters = component.counters(),
                  .parameters = parameters,
-                 .sequence = arguments.sequence.string(),
+                 .sequence = sequence,
                  .config_hash = config_hash,
                  .bus_sha256 = bus_sha256,
                  .bus_octets = run.files.bus.octets(),

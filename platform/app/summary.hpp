@@ -7,6 +7,7 @@
 #include "app/machine.hpp"
 #include "app/run_record.hpp"
 #include "app/timings.hpp"
+#include "camera/replay/sequence.hpp"
 #include "memory_plan.hpp"
 #include "network/loaded_network.hpp"
 #include "os/linux/deadline.hpp"
@@ -19,7 +20,7 @@ struct SummaryInput {
   const Timings& timings;
   const Counters& counters;
   const Parameters& parameters;
-  std::string sequence;
+  const Sequence& sequence;
   std::string config_hash;
   std::string bus_sha256;
   std::uint64_t bus_octets = 0;
