@@ -280,6 +280,8 @@ EVENTS = {
     4: ("target_found_again", "INFO"),
     11: ("target_frame_new", "WARNING"),
     12: ("motion_changed", "INFO"),
+    13: ("stamps_doubted", "WARNING"),
+    14: ("rate_implausible", "WARNING"),
     5: ("loop_closed", "INFO"),
     6: ("scale_known", "INFO"),
     7: ("table_full", "WARNING"),
