@@ -270,24 +270,25 @@ RunCost run_sealed(Run& run, const ReplayArguments& arguments) {
   return cost;
 }
 
-void finish_files(Run& run, const fs::path& folder) {
+FocalReport finish_files(Run& run, const fs::path& folder) {
   run.files.motion.close();
   run.files.table.close();
   if (run.masks) {
     run.masks->close();
   }
-  finish_replay(run.component,
-                run.sequence,
-                {.published = run.published,
-                 .uses = run.uses,
-                 .observations = run.files.spool,
-                 .servicer = run.servicer},
-                folder);
+  return finish_replay(run.component,
+                       run.sequence,
+                       {.published = run.published,
+                        .uses = run.uses,
+                        .observations = run.files.spool,
+                        .servicer = run.servicer},
+                       folder);
 }
 
 void tell_result(const Run& run, const fs::path& out) {
-  fmt::print(
-      "{}\nwritten to {}\n", result_sentence(run.record, run.component.counters()), out.string());
+  fmt::print("{}\nwritten to {}\n",
+             result_sentence(run.record, run.component.counters(), run.sequence.camera),
+             out.string());
   const std::size_t frames = run.sequence.frames.size();
   if (run.component.counters().frames_unreadable == frames) {
     throw UnusableInput(fmt::format(
@@ -347,7 +348,7 @@ void replay(const ReplayArguments& arguments) {
   const RunCost cost = run_sealed(run, arguments);
   const std::string bus_sha256 = run.files.bus.finish();
   const Clock::time_point finish_start = Clock::now();
-  finish_files(run, arguments.out);
+  run.record.focal = finish_files(run, arguments.out);
   write_summary(arguments.out / "summary.json",
                 {.record = run.record,
                  .timings = run.timings,

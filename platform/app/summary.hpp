@@ -36,8 +36,10 @@ struct SummaryInput {
 };
 
 /// One plain sentence: was the target acquired, on how many frames is there a pose, how does it
-/// turn.
-std::string result_sentence(const RunRecord& record, const Counters& counters);
+/// turn; and does the map contradict the focal length.
+std::string result_sentence(const RunRecord& record,
+                            const Counters& counters,
+                            const CameraParameters& camera);
 
 void write_summary(const std::filesystem::path& file, const SummaryInput& input);
 
