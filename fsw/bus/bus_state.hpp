@@ -58,6 +58,8 @@ struct Reported {
   bool started = false;
   Counters counters;
   Mode mode = Mode::kIdle;
+  bool stamps_doubted = false;
+  bool rate_implausible = false;
   std::uint8_t dynamics = 0;   ///< a value of the model packet's field
   double metres_per_mu = 0.0;  ///< 0: lengths were in map units
   std::uint32_t frame_of_loss = 0;

@@ -37,6 +37,8 @@ inline constexpr CodeName kEventsNames[] = {
     {4, "target_found_again"},
     {11, "target_frame_new"},
     {12, "motion_changed"},
+    {13, "stamps_doubted"},
+    {14, "rate_implausible"},
     {5, "loop_closed"},
     {6, "scale_known"},
     {7, "table_full"},

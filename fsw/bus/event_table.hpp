@@ -27,6 +27,8 @@ enum class EventId : std::uint16_t {
   kTargetFoundAgain = 4,
   kTargetFrameNew = 11,
   kMotionChanged = 12,
+  kStampsDoubted = 13,
+  kRateImplausible = 14,
   kLoopClosed = 5,
   kScaleKnown = 6,
   kTableFull = 7,
@@ -70,7 +72,7 @@ struct EventRow {
   std::array<std::span<const CodeName>, 2> words;  ///< what the numbers are codes of; empty for numbers
 };
 
-inline constexpr std::size_t kEventKinds = 38;
+inline constexpr std::size_t kEventKinds = 40;
 inline constexpr std::array<EventRow, kEventKinds> kEvents{{
     {EventId::kStarted, Severity::kInfo, 4, "started", "component {} started, table CRC {0}", {{{}, {}}}},
     {EventId::kTargetAcquired, Severity::kInfo, 4, "target_acquired", "map begun: {0} landmarks, {1} keyframes", {{{}, {}}}},
@@ -78,6 +80,8 @@ inline constexpr std::array<EventRow, kEventKinds> kEvents{{
     {EventId::kTargetFoundAgain, Severity::kInfo, 4, "target_found_again", "target found again after {0} frames", {{{}, {}}}},
     {EventId::kTargetFrameNew, Severity::kWarning, 4, "target_frame_new", "map begun anew after {0} frames, in a new frame T and unit, number {1}", {{{}, {}}}},
     {EventId::kMotionChanged, Severity::kInfo, 4, "motion_changed", "dynamics {0} to {1} (1: local fits, 2: torque-free, 3: in orbit)", {{kModelDynamicsNames, kModelDynamicsNames}}},
+    {EventId::kStampsDoubted, Severity::kWarning, 4, "stamps_doubted", "time stamps doubted: intervals {0} to {1} s, yet it turns alike over all; no rates", {{{}, {}}}},
+    {EventId::kRateImplausible, Severity::kWarning, 4, "rate_implausible", "{0} deg/s: faster than debris turns; are the time stamps nanoseconds?", {{{}, {}}}},
     {EventId::kLoopClosed, Severity::kInfo, 4, "loop_closed", "{0} loops closed", {{{}, {}}}},
     {EventId::kScaleKnown, Severity::kInfo, 4, "scale_known", "scale known: {0} m per map unit, relative sigma {1}", {{{}, {}}}},
     {EventId::kTableFull, Severity::kWarning, 4, "table_full", "a table was full {0} times", {{{}, {}}}},

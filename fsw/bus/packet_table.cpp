@@ -250,13 +250,13 @@ constexpr Layout kCommandLinkPacketLayout{"command_link", 8, 70, kCommandLinkPac
 static_assert(sizeof(CommandLinkPacket) <= kStructOctetsMax);
 
 constexpr Field kPlatformEventPacket[] = {
-    {"timestamp_ns", FieldType::kI64, 1, false, 16, offsetof(PlatformEventPacket, timestamp_ns), -1, -kNoLimit, kNoLimit, "", "ns", ""},
-    {"value", FieldType::kF64, 4, true, 24, offsetof(PlatformEventPacket, value), -1, -kNoLimit, kNoLimit, "", "", ""},
-    {"id", FieldType::kU16, 1, false, 56, offsetof(PlatformEventPacket, id), -1, -kNoLimit, kNoLimit, "", "", ""},
-    {"severity", FieldType::kU8, 1, false, 58, offsetof(PlatformEventPacket, severity), -1, 0.0, 4.0, "", "", "DEBUG INFO WARNING ERROR CRITICAL"},
-    {"text_octets", FieldType::kU8, 1, false, 59, offsetof(PlatformEventPacket, text_octets), -1, 0.0, 122.0, "", "", ""},
-    {"text", FieldType::kText, 122, true, 60, offsetof(PlatformEventPacket, text), -1, -kNoLimit, kNoLimit, "", "", ""},
-    {"spare", FieldType::kU8, 2, true, 182, offsetof(PlatformEventPacket, spare), -1, -kNoLimit, kNoLimit, "", "", ""},
+    {"timestamp_ns", FieldType::kI64, 1, false, 16, offsetof(PlatformEventPacket, timestamp_ns), -1, -kNoLimit, kNoLimit, "", "ns", "", {}},
+    {"value", FieldType::kF64, 4, true, 24, offsetof(PlatformEventPacket, value), -1, -kNoLimit, kNoLimit, "", "", "", {}},
+    {"id", FieldType::kU16, 1, false, 56, offsetof(PlatformEventPacket, id), -1, -kNoLimit, kNoLimit, "", "", "", {}},
+    {"severity", FieldType::kU8, 1, false, 58, offsetof(PlatformEventPacket, severity), -1, 0.0, 4.0, "", "", "DEBUG INFO WARNING ERROR CRITICAL", {}},
+    {"text_octets", FieldType::kU8, 1, false, 59, offsetof(PlatformEventPacket, text_octets), -1, 0.0, 122.0, "", "", "", {}},
+    {"text", FieldType::kText, 122, true, 60, offsetof(PlatformEventPacket, text), -1, -kNoLimit, kNoLimit, "", "", "", {}},
+    {"spare", FieldType::kU8, 2, true, 182, offsetof(PlatformEventPacket, spare), -1, -kNoLimit, kNoLimit, "", "", "", {}},
 };
 constexpr Layout kPlatformEventPacketLayout{"platform_event", 9, 186, kPlatformEventPacket, kNoFlags, ""};
 static_assert(sizeof(PlatformEventPacket) <= kStructOctetsMax);

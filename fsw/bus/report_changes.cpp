@@ -1,5 +1,7 @@
 #include "bus/report_changes.hpp"
 
+#include <numbers>
+
 #include "bus/bus_state.hpp"
 #include "bus/dynamics_telemetry.hpp"
 #include "bus/frame_uses.hpp"
@@ -63,6 +65,27 @@ void report_motion(const View& view, BusState* bus) {
   reported = now;
 }
 
+/// Times that are not those of the pictures: said when it is found, and again after it was over.
+void report_times(const View& view, BusState* bus) {
+  // Chosen: five turns a second, several times what the fastest bodies in orbit are known to do.
+  constexpr double kImplausible_deg_s = 1800.0;
+  const MotionState& motion = *view.motion;
+  if (!motion.pose_valid) {
+    return;
+  }
+  Reported& reported = bus->reported;
+  if (view.stamps.contradicted && !reported.stamps_doubted) {
+    tell(EventId::kStampsDoubted, view.stamps.shortest_s, view.stamps.longest_s, bus);
+  }
+  reported.stamps_doubted = view.stamps.contradicted;
+  const Eigen::Map<const Eigen::Vector3d> w_T(motion.w_T_rad_s.data());
+  const double rate_deg_s = motion.rate_valid ? w_T.norm() * 180.0 / std::numbers::pi : 0.0;
+  if (rate_deg_s > kImplausible_deg_s && !reported.rate_implausible) {
+    tell(EventId::kRateImplausible, rate_deg_s, 0.0, bus);
+  }
+  reported.rate_implausible = rate_deg_s > kImplausible_deg_s;
+}
+
 }  // namespace
 
 void report_changes(const View& view, BusState* bus) {
@@ -77,6 +100,7 @@ void report_changes(const View& view, BusState* bus) {
   report_frame(view, bus);
   report_mode(view, bus);
   report_motion(view, bus);
+  report_times(view, bus);
   const Counters& now = *view.counters;
   if (now.closures != reported.counters.closures) {
     tell(EventId::kLoopClosed, now.closures - reported.counters.closures, 0.0, bus);

@@ -11,6 +11,7 @@
 #include "image/frame_use.hpp"
 #include "image/verdict.hpp"
 #include "motion/motion_state.hpp"
+#include "motion/stamp_doubt.hpp"
 
 namespace polhode {
 
@@ -42,6 +43,7 @@ struct View {
   const MotionEstimate* estimate = nullptr;
   const MapDrift* drift = nullptr;
   const Pose* pose = nullptr;  ///< of this frame; meaningful with motion->pose_valid
+  StampDoubt stamps;           ///< of the last poses, where this frame has one
   const ShapeState* shape = nullptr;
   const ScaleState* scale = nullptr;
   LengthUnit unit;

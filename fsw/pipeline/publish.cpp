@@ -15,11 +15,13 @@ std::uint16_t inliers(const LandmarkMatches& matches) {
       matches.begin(), matches.end(), [](const LandmarkMatch& m) { return m.inlier; })));
 }
 
-/// Pose and rates, with what the map's drift, a contest and the scale add to their errors.
+/// Pose and rates, with what the map's drift, a contest and the scale add to their errors. No rates
+/// where the turns contradict the times.
 /// @param q_last  quaternion published last; becomes this one.
 void fill_motion(const MapState& mapping,
                  const MotionEstimate& motion,
                  const MotionOptions& options,
+                 const StampDoubt& stamps,
                  const bus::LengthUnit& unit,
                  std::array<double, 4>* q_last,
                  MotionState* m) {
@@ -32,7 +34,7 @@ void fill_motion(const MapState& mapping,
       q_last,
       m);
   const Result<RateEstimate> rates = rates_now(motion, mapping.drift, options);
-  if (rates) {
+  if (rates && !stamps.contradicted) {
     fill_rates(rates.value(), unit.metres_per_mu, unit.relative_sigma, m);
   }
 }
@@ -70,6 +72,7 @@ void list_observations(const MapState& mapping,
 }
 
 MotionState motion_state(std::int64_t timestamp_ns,
+                         const StampDoubt& stamps,
                          const bus::LengthUnit& unit,
                          Component::State* s) {
   const MapState& mapping = s->mapping;
@@ -87,8 +90,13 @@ MotionState motion_state(std::int64_t timestamp_ns,
   m.keyframes = bus::clipped(static_cast<std::size_t>(mapping.map.keyframe_count));
   if (mapping.pose_valid) {
     m.contested = !mapping.contested.isZero(0.0);
-    fill_motion(
-        mapping, s->motion, s->configuration.parameters.motion, unit, &s->bus.q_CT_last, &m);
+    fill_motion(mapping,
+                s->motion,
+                s->configuration.parameters.motion,
+                stamps,
+                unit,
+                &s->bus.q_CT_last,
+                &m);
   }
   return m;
 }
@@ -101,7 +109,10 @@ bus::TableStatus table_status(const Configuration& c) {
           .memory_octets = c.memory_octets};
 }
 
-bus::View bus_view(FrameUse use, const bus::LengthUnit& unit, const Component::State& s) {
+bus::View bus_view(FrameUse use,
+                   const StampDoubt& stamps,
+                   const bus::LengthUnit& unit,
+                   const Component::State& s) {
   const Configuration& c = s.configuration;
   return {.use = use,
           .verdict = s.picture.verdict,
@@ -110,6 +121,7 @@ bus::View bus_view(FrameUse use, const bus::LengthUnit& unit, const Component::S
           .estimate = &s.motion,
           .drift = &s.mapping.drift,
           .pose = &s.mapping.localised.absolute.pose,
+          .stamps = stamps,
           .shape = &s.shape,
           .scale = &s.scale,
           .unit = unit,
@@ -127,13 +139,15 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   const bus::LengthUnit unit{.known = s->scale.known,
                              .metres_per_mu = s->scale.metres_per_mu,
                              .relative_sigma = length_sigma(s->scale, s->mapping.drift)};
+  const StampDoubt stamps =
+      s->mapping.pose_valid ? doubt_of_stamps(s->motion.recent.view()) : StampDoubt{};
   StepOutput& output = s->answer.output;
   output.use = use;
   output.verdict = s->picture.verdict;
-  output.motion = motion_state(timestamp_ns, unit, s);
+  output.motion = motion_state(timestamp_ns, stamps, unit, s);
   list_observations(s->mapping, s->features.features, s->configuration.camera, &s->answer);
   output.observations = s->answer.observations.view();
-  const bus::View view = bus_view(use, unit, *s);
+  const bus::View view = bus_view(use, stamps, unit, *s);
   bus::publish(view, &s->bus);
   s->shape.is_new = s->shape.is_new && !view.has_map;  // else it has been sent
   output.packets = s->bus.stream.view();

@@ -213,6 +213,9 @@ std::size_t complete_cylinder(const Cylinder& cylinder, double pitch, Cloud& clo
       return filler.added;
     }
   }
+  if (cylinder.ends_found == 0) {
+    return filler.added;
+  }
   const int rings = cells(cylinder.radius, pitch);
   for (const double sign : {-1.0, 1.0}) {
     for (int i = 0; i < rings; ++i) {

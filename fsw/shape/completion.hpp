@@ -49,7 +49,7 @@ int snap_ends(const Planes& planes, Cylinder& cylinder);
 /// @return number added.
 std::size_t complete_box(const Box& box, double pitch, Cloud& cloud);
 
-/// As above, round surface and both ends.
+/// As above, the round surface, and both ends where one of them was found.
 std::size_t complete_cylinder(const Cylinder& cylinder, double pitch, Cloud& cloud);
 
 /// Part of the measured points within `tolerance` of the cylinder's round surface or ends.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "shape/rectangle.hpp"
+#include "shape/rounded.hpp"
 
 namespace polhode {
 namespace {
@@ -72,8 +73,8 @@ double worth_of(const Cylinder& cylinder) {
   return static_cast<double>(cylinder.inliers) - static_cast<double>(cylinder.beside);
 }
 
-/// A cylinder where it explains the cloud better than planes do. Planes are then sought among the
-/// other points.
+/// A cylinder where it explains the cloud better than planes and an ellipsoid do. Planes are then
+/// sought among the other points.
 void find_surfaces(const ShapeOptions& options, std::uint64_t seed, Shape& shape, ShapeWork& work) {
   const std::span<const Eigen::Vector3d> points_T = work.cloud.points_T.view();
   shape.thickness =
@@ -89,8 +90,10 @@ void find_surfaces(const ShapeOptions& options, std::uint64_t seed, Shape& shape
       .iterations_max = options.plane_iterations_max,
       .seed = seed};
   const Result<Cylinder> cylinder = find_cylinder(points_T, work.normals, round);
-  if (!cylinder || worth_of(cylinder.value()) <
-                       kCylinderOverPlanes * worth_of_sides(shape.planes, cylinder.value())) {
+  if (!cylinder ||
+      worth_of(cylinder.value()) <
+          kCylinderOverPlanes * worth_of_sides(shape.planes, cylinder.value()) ||
+      is_rounded(points_T, cylinder.value(), search.distance_max)) {
     return;
   }
   shape.cylinder = cylinder.value();

@@ -7,6 +7,7 @@
 #include "app/machine_needs.hpp"
 #include "app/places.hpp"
 #include "app/scale_frame.hpp"
+#include "app/warnings.hpp"
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
 #include "memory_plan.hpp"
@@ -39,9 +40,13 @@ void take_camera(const Sequence& sequence, Configuration& configuration) {
 std::optional<Sequence> take_sequence(const CheckArguments& arguments,
                                       Configuration& configuration) {
   if (arguments.sequence.empty()) {
+    if (configuration.has_camera) {
+      judge_configured_camera(arguments.config, configuration.parameters.camera);
+    }
     return std::nullopt;
   }
   Sequence sequence = open_sequence(arguments.sequence);
+  tell_warnings(sequence.warnings);
   take_camera(sequence, configuration);
   if (const auto problem = check(configuration.parameters)) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), problem->message));

@@ -39,7 +39,6 @@ Pose causal_pose(const MotionState& m, double metres_per_mu) {
 std::vector<SmoothedPose> smooth_frames(Component& component,
                                         const Sequence& sequence,
                                         const ReplayLog& log) {
-  bring_to_rest(&component);
   MapAtRest at_rest(&component);
   const GroundView view = view_of(component);
   FileCamera camera(sequence);
@@ -251,10 +250,12 @@ void write_smoothed(const std::vector<MotionState>& smoothed,
 
 }  // namespace
 
-void finish_replay(Component& component,
-                   const Sequence& sequence,
-                   const ReplayLog& log,
-                   const fs::path& folder) {
+FocalReport finish_replay(Component& component,
+                          const Sequence& sequence,
+                          const ReplayLog& log,
+                          const fs::path& folder) {
+  bring_to_rest(&component);
+  const FocalReport focal = focal_of_map(component);
   const std::vector<SmoothedPose> poses = smooth_frames(component, sequence, log);
   measure_scale_late(sequence, log, &component);
   measure_scale_by_shape(&component);
@@ -289,6 +290,7 @@ void finish_replay(Component& component,
        .R_CI = samples.empty()
                    ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
                    : Eigen::Matrix3d(log.servicer.R_IC(samples.back().timestamp_ns).transpose())});
+  return focal;
 }
 
 }  // namespace polhode::platform

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/live_report.hpp"
+#include "app/warnings.hpp"
 #include "camera/replay/played_sequence.hpp"
 #include "camera/v4l2/v4l2_camera.hpp"
 #include "errors.hpp"
@@ -46,11 +47,13 @@ ChosenCamera::ChosenCamera(const std::filesystem::path& config,
   if (std::filesystem::is_directory(device_.source)) {
     sequence_ = open_sequence(device_.source);
     parameters->camera = sequence_->camera;
+    tell_warnings(sequence_->warnings);
   }
   if (const auto problem = check(*parameters)) {
     throw UnusableInput(fmt::format("{}: {}", config_.string(), problem->message));
   }
   if (!sequence_) {
+    judge_configured_camera(config_, parameters->camera);
     refuse_unsuitable(parameters->camera);
   }
 }

@@ -27,6 +27,7 @@
 #include "app/servicer_attitude.hpp"
 #include "app/summary.hpp"
 #include "app/timings.hpp"
+#include "app/warnings.hpp"
 #include "camera/replay/depth.hpp"
 #include "camera/replay/file_camera.hpp"
 #include "camera/replay/sequence.hpp"
@@ -269,23 +270,23 @@ RunCost run_sealed(Run& run, const ReplayArguments& arguments) {
   return cost;
 }
 
-void finish_files(Run& run, const fs::path& folder) {
+FocalReport finish_files(Run& run, const fs::path& folder) {
   run.files.motion.close();
   run.files.table.close();
   if (run.masks) {
     run.masks->close();
   }
-  finish_replay(run.component,
-                run.sequence,
-                {.published = run.published,
-                 .uses = run.uses,
-                 .observations = run.files.spool,
-                 .servicer = run.servicer},
-                folder);
+  return finish_replay(run.component,
+                       run.sequence,
+                       {.published = run.published,
+                        .uses = run.uses,
+                        .observations = run.files.spool,
+                        .servicer = run.servicer},
+                       folder);
 }
 
 /// @return what was said.
-std::vector<std::string> tell_warnings(const FileCamera& camera) {
+std::vector<std::string> tell_remarks(const FileCamera& camera) {
   const std::string remark = camera.orientation_remark();
   if (remark.empty()) {
     return {};
@@ -295,8 +296,9 @@ std::vector<std::string> tell_warnings(const FileCamera& camera) {
 }
 
 void tell_result(const Run& run, const fs::path& out) {
-  fmt::print(
-      "{}\nwritten to {}\n", result_sentence(run.record, run.component.counters()), out.string());
+  fmt::print("{}\nwritten to {}\n",
+             result_sentence(run.record, run.component.counters(), run.sequence.camera),
+             out.string());
   const std::size_t frames = run.sequence.frames.size();
   if (run.component.counters().frames_unreadable == frames) {
     throw UnusableInput(fmt::format(
@@ -304,13 +306,14 @@ void tell_result(const Run& run, const fs::path& out) {
   }
 }
 
-/// Says what levels of few bits were taken for, where the arguments do not.
+/// Says what is doubtful, and what levels of few bits were taken for where the arguments do not.
 Sequence open_and_tell(const ReplayArguments& arguments) {
   Sequence sequence = open_sequence(arguments.sequence, arguments.depth_bits);
   const std::string remark = arguments.depth_bits == 0 ? depth_remark(sequence.depth_bits) : "";
   if (!remark.empty()) {
     tell("polhode: {}: {}\n", sequence.image_folder.string(), remark);
   }
+  tell_warnings(sequence.warnings);
   return sequence;
 }
 
@@ -354,14 +357,14 @@ void replay(const ReplayArguments& arguments) {
   const RunCost cost = run_sealed(run, arguments);
   const std::string bus_sha256 = run.files.bus.finish();
   const Clock::time_point finish_start = Clock::now();
-  finish_files(run, arguments.out);
+  run.record.focal = finish_files(run, arguments.out);
   write_summary(arguments.out / "summary.json",
                 {.record = run.record,
                  .timings = run.timings,
                  .counters = component.counters(),
                  .parameters = parameters,
-                 .sequence = arguments.sequence.string(),
-                 .warnings = tell_warnings(run.camera),
+                 .sequence = sequence,
+                 .remarks = tell_remarks(run.camera),
                  .config_hash = config_hash,
                  .bus_sha256 = bus_sha256,
                  .bus_octets = run.files.bus.octets(),

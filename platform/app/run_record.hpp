@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pipeline/component.hpp"
+#include "solve/focal_adjustment.hpp"
 
 namespace polhode::platform {
 
@@ -37,7 +38,8 @@ struct RunRecord {
   std::optional<std::size_t> first_pose_frame;
   std::vector<ModeChange> mode_changes;
   std::vector<BadFrame> bad_frames;
-  MotionState last;  ///< of the last frame
+  MotionState last;   ///< of the last frame
+  FocalReport focal;  ///< of the map at rest
 };
 
 /// Adds one frame. @param refusal why the camera could not read it; empty when it could.

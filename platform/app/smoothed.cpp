@@ -9,6 +9,7 @@
 #include "map/map.hpp"
 #include "motion/joint_fit.hpp"
 #include "motion/published.hpp"
+#include "motion/stamp_doubt.hpp"
 #include "shape/scale_state.hpp"
 
 namespace polhode::platform {
@@ -128,6 +129,11 @@ AtFrame by_measurement(const Side& side,
     at.rates = local.value();
   }
   return at;
+}
+
+/// @param next  the sample that comes after the frame's own
+bool times_are_contradicted(std::span<const PoseSample> samples, std::size_t next) {
+  return !samples.empty() && doubt_of_stamps_about(samples, next > 0 ? next - 1 : 0).contradicted;
 }
 
 MotionState row_of(const MotionState& published, const SmoothedPose& pose, const GroundView& view) {
@@ -251,6 +257,9 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
                             at.rates);
       }
       ++next;
+    }
+    if (at.rates && times_are_contradicted(samples, next)) {
+      at.rates.reset();
     }
     if (at.pose) {
       write_motion(at, servicer.R_IC(m.timestamp_ns).transpose(), view.scale, &q_last, &m);

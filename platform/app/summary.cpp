@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "app/focal_check.hpp"
 #include "app/motion_csv.hpp"
 #include "bus/counter_table.hpp"
 #include "output_file.hpp"
@@ -104,6 +105,17 @@ Json memory(const SummaryInput& input) {
             {"peak_resident_after_last_frame_octets", input.after_frames.peak_resident_octets}}}};
 }
 
+/// Before the start, and what came out at the end.
+Json warnings(const SummaryInput& input) {
+  Json out = input.sequence.warnings;
+  out.insert(out.end(), input.remarks.begin(), input.remarks.end());
+  const std::string focal = focal_sentence(input.record.focal, input.sequence.camera);
+  if (!focal.empty()) {
+    out.push_back(focal);
+  }
+  return out;
+}
+
 /// What else the packets depend on.
 Json network(const LoadedNetwork& network) {
   return network.present()
@@ -122,11 +134,27 @@ Json cost(const SummaryInput& input) {
           {"finish_cpu_s", input.at_end.cpu_s - input.after_frames.cpu_s}};
 }
 
+/// As given, and as the map at rest has it; only the first where the map does not tell it.
+Json focal_length(const FocalReport& found, const CameraParameters& camera) {
+  const double given_px = std::sqrt(camera.fu_px * camera.fv_px);
+  Json out{{"given_px", given_px}, {"found_px", Json()}, {"sigma_px", Json()}};
+  if (found.usable) {
+    out["found_px"] = given_px * found.factor;
+    out["sigma_px"] = given_px * found.factor * found.relative_sigma;
+    out["cost_as_given"] = found.cost_as_given / static_cast<double>(found.observations);
+    out["cost_as_found"] = found.cost_at_factor / static_cast<double>(found.observations);
+  }
+  out["refuted"] = refutes_focal(found);
+  return out;
+}
+
 double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
 
 }  // namespace
 
-std::string result_sentence(const RunRecord& record, const Counters& counters) {
+std::string result_sentence(const RunRecord& record,
+                            const Counters& counters,
+                            const CameraParameters& camera) {
   if (!record.first_pose_frame) {
     return fmt::format(
         "The target was never acquired: {} frames, {} of them usable, none with a pose; {} at the "
@@ -150,7 +178,8 @@ std::string result_sentence(const RunRecord& record, const Counters& counters) {
                         norm(record.last.v_C),
                         record.last.scale_known ? "m" : "map units");
   }
-  return text + ".";
+  const std::string doubt = focal_sentence(record.focal, camera);
+  return text + (doubt.empty() ? "." : ". " + doubt);
 }
 
 void write_summary(const std::filesystem::path& file, const SummaryInput& input) {
@@ -161,11 +190,12 @@ void write_summary(const std::filesystem::path& file, const SummaryInput& input)
   frames["first_with_pose"] = record.first_pose_frame ? Json(*record.first_pose_frame) : Json();
   const Json summary{{"program", "polhode"},
                      {"version", kVersion},
-                     {"result", result_sentence(record, input.counters)},
+                     {"result", result_sentence(record, input.counters, input.sequence.camera)},
                      {"acquired", record.first_pose_frame.has_value()},
+                     {"warnings", warnings(input)},
+                     {"focal_length", focal_length(record.focal, input.sequence.camera)},
                      {"mode_at_end", mode_name(record.last.mode)},
-                     {"sequence", input.sequence},
-                     {"warnings", input.warnings},
+                     {"sequence", input.sequence.path.string()},
                      {"config_hash", input.config_hash},
                      {"network", network(input.network)},
                      {"frames", frames},

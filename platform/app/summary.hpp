@@ -8,6 +8,7 @@
 #include "app/machine.hpp"
 #include "app/run_record.hpp"
 #include "app/timings.hpp"
+#include "camera/replay/sequence.hpp"
 #include "memory_plan.hpp"
 #include "network/loaded_network.hpp"
 #include "os/linux/deadline.hpp"
@@ -20,8 +21,8 @@ struct SummaryInput {
   const Timings& timings;
   const Counters& counters;
   const Parameters& parameters;
-  std::string sequence;
-  std::vector<std::string> warnings;  ///< what else people should know
+  const Sequence& sequence;
+  std::vector<std::string> remarks;  ///< what else people should know
   std::string config_hash;
   std::string bus_sha256;
   std::uint64_t bus_octets = 0;
@@ -37,8 +38,10 @@ struct SummaryInput {
 };
 
 /// One plain sentence: was the target acquired, on how many frames is there a pose, how does it
-/// turn.
-std::string result_sentence(const RunRecord& record, const Counters& counters);
+/// turn; and does the map contradict the focal length.
+std::string result_sentence(const RunRecord& record,
+                            const Counters& counters,
+                            const CameraParameters& camera);
 
 void write_summary(const std::filesystem::path& file, const SummaryInput& input);
 

@@ -18,7 +18,8 @@ TEST(Export, LeavesOutFramesWhoseTimesRunBack_AndSaysSo) {
   const TemporaryFolder folder;
   {
     Recorder recorder(options(folder.path()), kBegin, kFrameOctets);
-    for (const std::int64_t time_ns : {10, 30, 20, 30, 40}) {
+    for (const std::int64_t time_ns :
+         {10'000'000, 30'000'000, 20'000'000, 30'000'000, 40'000'000}) {
       recorder.frame(frame_of(time_ns, ramp(kWidth * kHeight)));
     }
   }
@@ -37,10 +38,10 @@ TEST(Export, IsASequenceWithTheSamePixelsAndTimes) {
   const Pixels packet{0xAB, 0x01};
   {
     Recorder recorder(options(folder.path() / "rec"), kBegin, kFrameOctets);
-    recorder.frame(frame_of(1000, shallow));
-    recorder.frame({.timestamp_ns = 2000, .image = {}, .readable = false});
+    recorder.frame(frame_of(1'000'000, shallow));
+    recorder.frame({.timestamp_ns = 2'000'000, .image = {}, .readable = false});
     recorder.command(packet);
-    recorder.frame(frame_of(3000, deep, PixelFormat::kGray16));
+    recorder.frame(frame_of(3'000'000, deep, PixelFormat::kGray16));
     recorder.dropped(DropReason::kLate, 2);
   }
   const fs::path out = folder.path() / "seq";
@@ -56,7 +57,7 @@ TEST(Export, IsASequenceWithTheSamePixelsAndTimes) {
   FileCamera camera(sequence);
   Frame frame;
   ASSERT_TRUE(camera.next(frame));
-  EXPECT_EQ(frame.timestamp_ns, 1000);
+  EXPECT_EQ(frame.timestamp_ns, 1'000'000);
   EXPECT_TRUE(std::equal(shallow.begin(), shallow.end(), frame.image.data));
   ASSERT_TRUE(camera.next(frame));
   EXPECT_FALSE(frame.readable);
@@ -67,7 +68,7 @@ TEST(Export, IsASequenceWithTheSamePixelsAndTimes) {
   std::string line;
   std::getline(commands, line);
   std::getline(commands, line);
-  EXPECT_EQ(line, "3000,ab01");
+  EXPECT_EQ(line, "3000000,ab01");
 }
 
 TEST(Export, OverwritesNothing) {

@@ -29,7 +29,7 @@ std::string image(int width = kWidth, int height = kHeight) {
 struct SequenceFolder : TemporaryFolder {
   SequenceFolder() {
     sensor(kSensor);
-    table("#timestamp [ns],filename\n100,a.pgm\n200,b.pgm\n300,c.pgm\n");
+    table("#timestamp [ns],filename\n100000000,a.pgm\n200000000,b.pgm\n300000000,c.pgm\n");
     for (const char* name : {"a.pgm", "b.pgm", "c.pgm"}) {
       frame(name, image());
     }
@@ -54,7 +54,7 @@ TEST(Sequence, ReadsCameraAndFrames) {
   const SequenceFolder folder;
   const Sequence sequence = open_sequence(folder.path());
   ASSERT_EQ(sequence.frames.size(), 3U);
-  EXPECT_EQ(sequence.frames[1].timestamp_ns, 200);
+  EXPECT_EQ(sequence.frames[1].timestamp_ns, 200000000);
   EXPECT_EQ(sequence.frames[1].file, "b.pgm");
   EXPECT_EQ(sequence.camera.width_px, kWidth);
   EXPECT_EQ(sequence.camera.fv_px, 101.0);
@@ -63,7 +63,7 @@ TEST(Sequence, ReadsCameraAndFrames) {
 
 TEST(Sequence, TakesLineEndsAndBlanksAsTheyCome) {
   const SequenceFolder folder;
-  folder.table("#timestamp [ns],filename\r\n100 , a.pgm \r\n\r\n200,b.pgm");
+  folder.table("#timestamp [ns],filename\r\n100000000 , a.pgm \r\n\r\n200000000,b.pgm");
   EXPECT_EQ(open_sequence(folder.path()).frames.size(), 2U);
 }
 
@@ -166,7 +166,9 @@ TEST(Sequence, RefusesImagesOfAnotherSize_AndSequencesWithoutAnyImage) {
 
 TEST(FileCamera, HandsOverEveryFrame_BadOnesAsNotReadable) {
   const SequenceFolder folder;
-  folder.table("100,a.pgm\n200,missing.pgm\n300,big.pgm\n400,short.pgm\n500,c.pgm\n");
+  folder.table(
+      "100000000,a.pgm\n200000000,missing.pgm\n300000000,big.pgm\n400000000,short.pgm\n"
+      "500000000,c.pgm\n");
   folder.frame("big.pgm", image(640, 480));
   folder.frame("short.pgm", image().substr(0, 500));
   const Sequence sequence = open_sequence(folder.path());
@@ -180,7 +182,7 @@ TEST(FileCamera, HandsOverEveryFrame_BadOnesAsNotReadable) {
   for (std::size_t i = 0; i < 5; ++i) {
     ASSERT_TRUE(camera.next(frame));
     EXPECT_EQ(camera.index(), i);
-    EXPECT_EQ(frame.timestamp_ns, static_cast<std::int64_t>(100 * (i + 1)));
+    EXPECT_EQ(frame.timestamp_ns, static_cast<std::int64_t>(100'000'000 * (i + 1)));
     EXPECT_EQ(frame.readable, camera.refusal().empty());
     EXPECT_EQ(frame.image.data != nullptr, frame.readable);
     EXPECT_HOLDS(camera.refusal(), reasons[i]);

@@ -135,6 +135,7 @@ Cylinder round_body() {
   Cylinder cylinder;
   cylinder.radius = 0.4;
   cylinder.length = 1.2;
+  cylinder.ends_found = 2;
   return cylinder;
 }
 
@@ -153,6 +154,16 @@ TEST(CompleteCylinder, FillsRoundAndEnds_AndAddsNothingToAWholeOne) {
     EXPECT_TRUE(std::abs(radius - 0.4) < 1e-9 || std::abs(std::abs(p.z()) - 0.6) < 1e-9) << i;
     EXPECT_LT(radius, 0.4 + 1e-9);
     EXPECT_LT(std::abs(p.z()), 0.6 + 1e-9);
+  }
+}
+
+TEST(CompleteCylinder, DrawsNoEndThatNoFaceSupports) {
+  Cylinder open = round_body();
+  open.ends_found = 0;
+  auto cloud = cloud_of({Eigen::Vector3d::Zero()});
+  ASSERT_GT(complete_cylinder(open, 0.02, *cloud), 1000U);
+  for (std::size_t i = 1; i < cloud->points_T.size(); ++i) {
+    EXPECT_NEAR(cloud->points_T[i].head<2>().norm(), 0.4, 1e-9) << i;
   }
 }
 

@@ -18,8 +18,14 @@ def result(material: Material) -> str:
 
 def warnings(material: Material) -> list[str]:
     """The most serious first; empty where there is nothing to say."""
-    return [*_of_acquisition(material), *_of_truth(material), *_of_lengths(material), *_of_input(material), *_of_the_model(material),
+    return [*_of_the_start(material), *_of_acquisition(material), *_of_truth(material), *_of_lengths(material), *_of_input(material), *_of_the_model(material),
             *_of_the_machine(material), *material.remarks]
+
+
+def _of_the_start(material: Material) -> list[str]:
+    """What the program found doubtful of the sequence, without the folder before the file's name."""
+    folder = str(material.run.summary.get("sequence", ""))
+    return [str(said).removeprefix(folder).lstrip("/") for said in material.run.summary.get("warnings") or []]
 
 
 def _of_acquisition(material: Material) -> list[str]:

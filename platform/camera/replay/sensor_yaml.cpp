@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <cmath>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "camera/lens_doubts.hpp"
 #include "errors.hpp"
 #include "input_text.hpp"
 #include "pipeline/parameter_table.hpp"
@@ -34,9 +36,7 @@ class SensorFile {
     }
   }
 
-  [[noreturn]] void fail(const std::string& what) const {
-    throw UnusableInput(fmt::format("{}: {}", file_.string(), what));
-  }
+  [[noreturn]] void fail(const std::string& what) const { throw UnusableInput(named(what)); }
 
   /// A word that must be the one that we understand.
   void expect_word(const char* field, const char* word) const {
@@ -65,6 +65,34 @@ class SensorFile {
       values.push_back(value);
     }
     return values;
+  }
+
+  /// A number above zero; none where the field is missing.
+  /// @param problem  what else stands there, in one line; empty where nothing does
+  [[nodiscard]] std::optional<double> positive(const char* field, std::string* problem) const {
+    const YAML::Node node = root_[field];
+    double value = 0.0;
+    if (!node) {
+      return std::nullopt;
+    }
+    if (!YAML::convert<double>::decode(node, value) || !(value > 0.0) || !std::isfinite(value)) {
+      *problem = fmt::format("{}: '{}' is not a number above 0", field, text(node));
+      return std::nullopt;
+    }
+    return value;
+  }
+
+  /// Is there such a field, other than 0, false and what else says no?
+  [[nodiscard]] bool says(const char* field) const {
+    const YAML::Node node = root_[field];
+    bool yes = true;
+    double number = 1.0;
+    return node && !node.IsNull() && !(YAML::convert<bool>::decode(node, yes) && !yes) &&
+           !(YAML::convert<double>::decode(node, number) && number == 0.0);
+  }
+
+  [[nodiscard]] std::string named(const std::string& what) const {
+    return fmt::format("{}: {}", file_.string(), what);
   }
 
   [[nodiscard]] int whole(const char* field, double value) const {
@@ -119,9 +147,41 @@ void check_all(const SensorFile& file, const CameraParameters& camera) {
   file.check("distortion_coefficients[3]", "camera.p2", camera);
 }
 
+/// How cameras' drivers and calibrations name a shutter that reads row after row.
+std::string rolling_shutter(const SensorFile& file) {
+  constexpr const char* kLimit =
+      "a rolling shutter: rows are taken as of one time, so that a fast body is sheared and poses "
+      "are off by more than their sigma (docs/known_limits.md)";
+  for (const char* field : {"rolling_shutter", "line_time_ns", "line_delay", "readout_time"}) {
+    if (file.says(field)) {
+      return fmt::format("{}: {}", field, kLimit);
+    }
+  }
+  for (const char* field : {"shutter", "shutter_type"}) {
+    if (file.holds_word(field, "rolling")) {
+      return fmt::format("{}: {}", field, kLimit);
+    }
+  }
+  return "";
+}
+
+/// What the program can go by, and is likely to be wrong.
+void add_doubts(const SensorFile& file, Sensor* sensor) {
+  std::string problem;
+  sensor->rate_hz = file.positive("rate_hz", &problem);
+  std::vector<std::string> doubts = doubts_about_lens(sensor->camera);
+  doubts.push_back(problem);
+  doubts.push_back(rolling_shutter(file));
+  for (const std::string& doubt : doubts) {
+    if (!doubt.empty()) {
+      sensor->warnings.push_back(file.named(doubt));
+    }
+  }
+}
+
 }  // namespace
 
-CameraParameters read_sensor_yaml(const std::filesystem::path& path) {
+Sensor read_sensor_yaml(const std::filesystem::path& path) {
   const SensorFile file(path);
   file.expect_word("camera_model", "pinhole");
   file.expect_word("distortion_model", "radial-tangential");
@@ -145,7 +205,13 @@ CameraParameters read_sensor_yaml(const std::filesystem::path& path) {
                                 .p1 = distortion[2],
                                 .p2 = distortion[3]};
   check_all(file, camera);
-  return camera;
+  const std::string disorder = wrong_order(camera);
+  if (!disorder.empty()) {
+    file.fail(disorder);
+  }
+  Sensor sensor{.camera = camera, .rate_hz = std::nullopt, .warnings = {}};
+  add_doubts(file, &sensor);
+  return sensor;
 }
 
 }  // namespace polhode::platform

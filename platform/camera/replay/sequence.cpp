@@ -6,11 +6,13 @@
 #include <charconv>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "camera/replay/decode.hpp"
 #include "camera/replay/depth.hpp"
 #include "camera/replay/file_octets.hpp"
 #include "camera/replay/sensor_yaml.hpp"
+#include "camera/replay/stamps.hpp"
 #include "errors.hpp"
 #include "input_text.hpp"
 
@@ -139,6 +141,14 @@ ImageHeader check_first_image(const Sequence& sequence) {
                                   first_refusal.value_or("")));
 }
 
+std::vector<std::int64_t> stamps_of(const Sequence& sequence) {
+  std::vector<std::int64_t> stamps_ns;
+  for (const SequenceFrame& frame : sequence.frames) {
+    stamps_ns.push_back(frame.timestamp_ns);
+  }
+  return stamps_ns;
+}
+
 std::size_t largest_file(const Sequence& sequence) {
   const std::size_t allowed = frame_octets_max(sequence.camera);
   std::size_t largest = 0;
@@ -176,13 +186,18 @@ Sequence open_sequence(const fs::path& path, int depth_bits) {
     throw UnusableInput(fmt::format(
         "{}: not an image sequence: mav0/cam0/data.csv is missing; {}", path.string(), kImport));
   }
+  Sensor sensor = read_sensor_yaml(camera / "sensor.yaml");
   Sequence sequence{.path = path,
                     .image_folder = camera / "data",
-                    .camera = read_sensor_yaml(camera / "sensor.yaml"),
-                    .frames = FrameTable(camera / "data.csv").read()};
+                    .camera = sensor.camera,
+                    .frames = FrameTable(camera / "data.csv").read(),
+                    .warnings = std::move(sensor.warnings)};
   sequence.decoder_octets = check_first_image(sequence).decoder_octets;
   sequence.depth_bits = depth_bits == 0 ? depth_of(sequence) : depth_bits;
   sequence.file_octets_max = largest_file(sequence);
+  const std::vector<std::string> doubts =
+      doubts_about_stamps(stamps_of(sequence), sensor.rate_hz, camera / "data.csv");
+  sequence.warnings.insert(sequence.warnings.end(), doubts.begin(), doubts.end());
   return sequence;
 }
 

@@ -24,6 +24,7 @@ struct Sequence {
   int depth_bits = 16;                ///< of the levels in 16-bit pictures (depth.hpp)
   std::size_t file_octets_max = 0;  ///< of the frames' files, those beyond frame_octets_max() aside
   std::size_t decoder_octets = 0;   ///< as ImageHeader's, of the first image
+  std::vector<std::string> warnings;  ///< what is likely to be wrong, one line each with its file
 };
 
 /// A larger file is no frame of this camera: colour with alpha of 16 bits, stored raw, has 8 octets
@@ -33,7 +34,8 @@ std::size_t frame_octets_max(const CameraParameters& camera);
 /// Reads data.csv and sensor.yaml, looks at the first image that has a readable header and asks for
 /// the size of all files: memory for them is planned.
 /// @throws UnusableInput naming the file and, where there is one, line and field: not a sequence,
-/// no frames, a time stamp that repeats or runs back, an unusable camera, images of another size.
+/// no frames, a time stamp that repeats or runs back, stamps of another unit, an unusable camera,
+/// images of another size.
 /// @param depth_bits  of 16-bit pictures, 10, 12, 14 or 16; 0: as they are found
 Sequence open_sequence(const std::filesystem::path& path, int depth_bits = 0);
 

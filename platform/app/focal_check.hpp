@@ -1,0 +1,18 @@
+// Do the pictures bear the given focal length out?
+#pragma once
+
+#include <string>
+
+#include "pipeline/parameters.hpp"
+#include "solve/focal_adjustment.hpp"
+
+namespace polhode::platform {
+
+/// Is the given focal length refuted? Beyond what the sigma, a bent map or a lens whose distortion
+/// is left out explain.
+bool refutes_focal(const FocalReport& found);
+
+/// One sentence on a refuted focal length; empty where it is not.
+std::string focal_sentence(const FocalReport& found, const CameraParameters& camera);
+
+}  // namespace polhode::platform

@@ -1,0 +1,19 @@
+// Are a camera's numbers those of a lens and of these pictures?
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/parameters.hpp"
+
+namespace polhode::platform {
+
+/// What is doubtful, one line each, without a file's name: a principal point far from the middle, a
+/// focal length that no usual lens has, pixels that are no squares, a distortion that folds back.
+std::vector<std::string> doubts_about_lens(const CameraParameters& camera);
+
+/// Numbers that make no camera as they stand and a usual one in another order.
+/// @return one line without a file's name; empty where they are in order.
+std::string wrong_order(const CameraParameters& camera);
+
+}  // namespace polhode::platform

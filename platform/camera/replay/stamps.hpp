@@ -1,0 +1,24 @@
+// Time stamps of a sequence: are they nanoseconds, and those of the pictures?
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace polhode::platform {
+
+/// Compares the intervals of the stamps with the rate that the camera's file names.
+/// @param stamps_ns  strictly increasing
+/// @param table      the file that they are from, for messages
+/// @return what is doubtful, one line each: another rate than the file's, pictures in bursts.
+/// @throws UnusableInput where they cannot be nanoseconds: more pictures a second than any camera
+/// takes, or intervals that are those of `rate_hz` in a unit a thousand, a million or a thousand
+/// million times as long.
+std::vector<std::string> doubts_about_stamps(std::span<const std::int64_t> stamps_ns,
+                                             std::optional<double> rate_hz,
+                                             const std::filesystem::path& table);
+
+}  // namespace polhode::platform
