@@ -61,6 +61,7 @@ def listing(name: str) -> dict[str, str]:
     return {row[5]: row[0] for row in rows}
 
 
+# verifies: DEL-03
 @BUILT
 def test_each_package_has_what_it_is_for():
     program, library, development, ground = (set(listing(name)) for name in NAMES)
@@ -76,6 +77,7 @@ def test_each_package_has_what_it_is_for():
     assert run("dpkg-deb", "-I", FILES["polhode"], "conffiles").stdout == "/etc/polhode/live.toml\n"
 
 
+# verifies: DEL-04
 @BUILT
 def test_what_flies_is_stripped_and_links_no_windows_codecs_or_networks(tmp_path):
     for name in ("polhode", "libpolhode1"):
@@ -101,6 +103,7 @@ def test_lintian_finds_no_errors():
     assert done.returncode == 0, done.stdout
 
 
+# verifies: DEL-03
 @BUILT
 @pytest.mark.slow
 def test_they_install_run_the_sample_and_leave_nothing_in_a_bare_root():

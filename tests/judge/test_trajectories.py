@@ -27,6 +27,7 @@ def made(tmp_path):
     return run, read_motion(sequence / "truth.csv")
 
 
+# verifies: PRG-07
 def test_truth_is_the_camera_in_the_target(made):
     run, truth = made
     lines = (run / "truth.tum").read_text().splitlines()

@@ -40,6 +40,7 @@ TEST(Commands, ThatAreDamagedChangeNothingButTheirCounter) {
   EXPECT_EQ(told.flags & bus::housekeeping_layout::kFlagHeld, 0);
 }
 
+// verifies: CMD-01
 TEST(Commands, EachIsCountedAndAnswered_UnknownOnesToo) {
   Commanded bench;
   const std::vector<CommandOctets> commands = {command(static_cast<CommandCode>(99)),
@@ -58,6 +59,7 @@ TEST(Commands, EachIsCountedAndAnswered_UnknownOnesToo) {
   EXPECT_FALSE(bench.step(std::vector<CommandOctets>()).checkpoint_asked);
 }
 
+// verifies: CMD-03
 TEST(Commands, BeyondAStepsLimitAreRejected_AndCountedEach) {
   Commanded bench;
   const std::vector<CommandOctets> flood(limits::kStepCommands + 5, command(CommandCode::kNoop));
@@ -201,6 +203,7 @@ TEST(Commands, ServicerAttitudesOutvoteOneOfAWrongTime) {
 
 /// A million random and mutated packets are the fuzz target's; these go through the whole
 /// component.
+// verifies: CMD-02
 TEST(Commands, RandomOnesNeverHarmAndAreAllCounted) {
   Commanded bench;
   Rng rng(5, 9);
