@@ -18,7 +18,7 @@ from verification.catalogue import Requirement, Stage, faults_of, read_stages  #
 from verification.tests import read_results, read_tests, result_of  # noqa: E402
 
 EPILOG = """Exit status 0: all is as it should be; 1: something is wrong, or a requirement's tests have failed or were not run; 2: unusable input.
-A requirement is verified when one of its tests has passed and none has failed. Where no report is, nothing is said of results."""
+A requirement is verified when one of its tests has passed, none has failed, and the others were skipped with a reason. Where no report is, nothing is said of results."""
 TEST_IN_TABLE = re.compile(r"`(tests/[^`]+::[^`]+)`")
 
 
@@ -59,7 +59,7 @@ def all_faults(repository: pathlib.Path) -> list[str]:
 
 def outcome(results: list[str]) -> str:
     """Of a requirement, from its tests."""
-    return next((result for result in ("failed", "passed", "skipped") if result in results), "not run")
+    return next((result for result in ("failed", "not run", "passed", "skipped") if result in results), "not run")
 
 
 def rows_of(stages: list[Stage], tests: dict[str, list[str]], results: dict[str, str]) -> list[tuple[Requirement, str, list[tuple[str, str]]]]:
