@@ -2,7 +2,12 @@
 set(PACKAGING ${PROJECT_SOURCE_DIR}/platform/debian)
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
-set(CPACK_PACKAGE_CONTACT "The Polhode authors <dev@polhode.org>")
+# Who makes packages for others to install names himself: he answers for them, and there is nobody behind the default's address.
+set(POLHODE_PACKAGE_CONTACT "The Polhode authors <dev@polhode.org>" CACHE STRING "Maintainer of the Debian packages: NAME <ADDRESS>")
+if(NOT POLHODE_PACKAGE_CONTACT MATCHES "^[^<>\n]+ <[^<>@ ]+@[^<>@ ]+>$")
+  message(FATAL_ERROR "POLHODE_PACKAGE_CONTACT is '${POLHODE_PACKAGE_CONTACT}'; allowed is NAME <ADDRESS>")
+endif()
+set(CPACK_PACKAGE_CONTACT ${POLHODE_PACKAGE_CONTACT})
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/packages)
 set(CPACK_SET_DESTDIR ON)  # /etc/polhode lies outside of the prefix
 set(CPACK_DEB_COMPONENT_INSTALL ON)
@@ -22,7 +27,7 @@ macro(polhode_package component package section summary)
   set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${section})
   string(JOIN "\n" body ${ARGN})
   set(CPACK_COMPONENT_${upper}_DESCRIPTION "${summary}\n${body}")
-  install(FILES ${PACKAGING}/copyright DESTINATION share/doc/${package} COMPONENT ${component})
+  install(FILES ${CMAKE_BINARY_DIR}/packaging/copyright DESTINATION share/doc/${package} COMPONENT ${component})
   install(FILES ${CMAKE_BINARY_DIR}/packaging/changelog.Debian.gz DESTINATION share/doc/${package} COMPONENT ${component})
 endmacro()
 
@@ -32,6 +37,7 @@ function(compress from to)
   execute_process(COMMAND gzip -9nc ${from} OUTPUT_FILE ${CMAKE_BINARY_DIR}/packaging/${to} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 configure_file(${PACKAGING}/changelog.in ${CMAKE_BINARY_DIR}/packaging/changelog @ONLY)
+configure_file(${PACKAGING}/copyright.in ${CMAKE_BINARY_DIR}/packaging/copyright @ONLY)
 compress(${CMAKE_BINARY_DIR}/packaging/changelog changelog.Debian.gz)
 compress(${PACKAGING}/polhode.1 polhode.1.gz)
 
@@ -64,6 +70,7 @@ set(CPACK_DEBIAN_GROUND_PACKAGE_CONTROL_EXTRA "${PACKAGING}/ground/postinst;${PA
 install(FILES config/bus/polhode.xtce.xml config/bus/polhode_commands.xtce.xml DESTINATION share/polhode/bus COMPONENT ground)
 install(DIRECTORY config/bus/ccsdspy DESTINATION share/polhode/bus COMPONENT ground)
 install(DIRECTORY platform/transport/client/c DESTINATION share/polhode/client COMPONENT ground)
+install(FILES platform/transport/client/python/example.py DESTINATION share/polhode/client/python COMPONENT ground)
 install(DIRECTORY platform/transport/client/python/polhode_bus DESTINATION lib/python3/dist-packages COMPONENT ground
   FILES_MATCHING PATTERN "*.py" PATTERN __pycache__ EXCLUDE)
 install(FILES docs/interface_control.md docs/bus.md docs/security.md DESTINATION share/doc/polhode-ground COMPONENT ground)

@@ -18,18 +18,13 @@ else
   trap 'rm -rf "$WORK"' EXIT
 fi
 ROOT=$WORK/root
+. hil/bare_root.inc
 
-inside() { unshare --mount --pid --fork --uts bash -c 'mount -t proc proc "$0/proc" && exec chroot "$0" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive "$@"' "$ROOT" "$@"; }
 # What stands on the disk, without what apt and dpkg keep about themselves.
 listing() { (cd "$ROOT" && find . -xdev \( -path ./proc -o -path ./var/lib/dpkg -o -path ./var/lib/apt -o -path ./var/cache -o -path ./var/log -o -path ./pkg -o -path ./tmp \) -prune -o -print | sort); }
 
 printf '== a bare root\n'
-rm -rf "$ROOT"
-# Its archive is this machine's. Services are not started in it.
-mmdebstrap --quiet --variant=minbase --include=ca-certificates bookworm "$ROOT"
-for file in /etc/resolv.conf /etc/apt/apt.conf.d/*proxy* /usr/local/share/ca-certificates; do
-  [ ! -e "$file" ] || { mkdir -p "$ROOT$(dirname "$file")"; cp -rL "$file" "$ROOT$file"; }
-done
+make_root
 mkdir -p "$ROOT/pkg"
 cp "$FOLDER"/*.deb "$ROOT/pkg"
 cp -r hil/data/sample "$ROOT/pkg/sample"
@@ -59,3 +54,21 @@ inside apt-get -q -q autoremove --purge -y >>"$WORK/install.log" 2>&1
 listing | grep -i polhode && { echo "bare_root: remains, listed above" >&2; exit 1; }
 if inside getent passwd polhode; then echo "bare_root: the user polhode remains" >&2; exit 1; fi
 printf 'nothing of it remains\n'
+
+# COPY and RUN as a builder of containers takes them, then what the container runs, as its user.
+printf '== the container of the ground side\n'
+rm -rf "$ROOT/pkg"/*.deb
+while read word rest; do  # without -r, so that a line goes on behind a backslash
+  case $word in
+    COPY) for file in $(cd "$FOLDER" && printf '%s ' ${rest% *}); do cp "$FOLDER/$file" "$ROOT${rest##* }"; done ;;
+    RUN) inside sh -c "$rest" >>"$WORK/install.log" 2>&1 || { tail -20 "$WORK/install.log" >&2; exit 1; } ;;
+    USER) user=$rest ;;
+    ENTRYPOINT) read -ra entry <<< "$(tr -d '[],"' <<< "$rest")" ;;
+    FROM) [ "$rest" = debian:bookworm-slim ] || { echo "bare_root: platform/debian/Containerfile begins from $rest" >&2; exit 1; } ;;
+    '#'* | '') ;;
+    *) echo "bare_root: platform/debian/Containerfile: $word is not known here" >&2; exit 1 ;;
+  esac
+done < platform/debian/Containerfile
+rows=$(inside setpriv --reuid="$user" --regid="$user" --clear-groups "${entry[@]}" file:/pkg/out/bus.ccsds | grep -c 'rad/s$') || true
+printf '%s rates printed by the container as user %s\n' "$rows" "$user"
+[ "$rows" -gt 80 ] || { echo "bare_root: the container of the ground side prints $rows rates" >&2; exit 1; }

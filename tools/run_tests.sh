@@ -43,6 +43,11 @@ printf '== tests in Python\n'
 # 5: the filter leaves no test on this side
 .venv/bin/python -m pytest tests "${pytest_arguments[@]}" --junitxml "$REPORTS/pytest.xml" || [ $? -eq 5 ] || status=1
 
+if [ -z "$filter" ] && ! $quick; then
+  printf '== requirements that are not verified\n'
+  tools/requirements_matrix.py --open || status=1
+fi
+
 printf '== totals\n'
 .venv/bin/python tools/junit_totals.py "$REPORTS"/*.xml || status=1
 exit $status

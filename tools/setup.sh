@@ -5,6 +5,7 @@
 #   tools/setup.sh colmap     only COLMAP in .venv-colmap, for hil/compare_colmap.py, which calls this by itself
 #   tools/setup.sh extras     only what single tests and exports need beyond that (tools/requirements-extras.txt), into .venv
 #   tools/setup.sh campaign   only what hil/campaign.py needs, into .venv, which calls this by itself
+#   tools/setup.sh site       only what makes the site, for tools/make_site.py: Doxygen, and tools/requirements-site.txt into .venv
 #   tools/setup.sh packages   only what builds and checks Debian packages, for tools/package.sh, which calls this by itself
 #   tools/setup.sh arm64      only what builds and runs arm64 programs here, for tools/check_arm64.sh, which calls this by itself
 set -euo pipefail
@@ -23,6 +24,7 @@ LIBRARIES=(
 # Kept apart from the build: Blender is large, and COLMAP is only there to be compared with.
 RENDERER_PACKAGES=(blender python3-numpy)
 COLMAP_PACKAGES=(python3 python3-venv)
+SITE_PACKAGES=(doxygen python3 python3-venv)
 DEBIAN_PACKAGES=(dpkg-dev fakeroot lintian mmdebstrap)
 ARM64_PACKAGES=(cmake g++-aarch64-linux-gnu ninja-build pkg-config python3 python3-venv qemu-user-static)
 # The same place stands in config/aarch64.cmake.
@@ -130,6 +132,10 @@ case ${1:-} in
     install_packages python3 python3-venv
     install_python_side .venv tools/requirements.txt
     install_python_side .venv tools/requirements-extras.txt ;;
+  site)
+    install_packages "${SITE_PACKAGES[@]}"
+    install_python_side .venv tools/requirements.txt
+    install_python_side .venv tools/requirements-site.txt ;;
   packages)
     install_packages "${DEBIAN_PACKAGES[@]}" ;;
   colmap)
@@ -139,8 +145,8 @@ case ${1:-} in
     install_packages "${ARM64_PACKAGES[@]}"
     make_sysroot ;;
   -h | --help)
-    sed -n '2,9s/^# //p' "$0" ;;
+    sed -n '2,10s/^# //p' "$0" ;;
   *)
-    echo "setup: unknown part '$1'; allowed: renderer, colmap, extras, campaign, packages, arm64, or nothing" >&2
+    echo "setup: unknown part '$1'; allowed: renderer, colmap, extras, campaign, site, packages, arm64, or nothing" >&2
     exit 2 ;;
 esac

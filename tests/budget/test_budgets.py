@@ -33,6 +33,7 @@ cv_px = {height / 2}
     return subprocess.run([PROGRAM, "check", "--config", config, "--memory"], capture_output=True, text=True)
 
 
+# verifies: RES-03
 @pytest.mark.parametrize("budget, width, height", [("standard", 1280, 720), ("full", 1920, 1080)])
 def test_a_budget_holds_its_camera(tmp_path, budget, width, height):
     result = check(tmp_path, budget, width, height)
@@ -40,6 +41,7 @@ def test_a_budget_holds_its_camera(tmp_path, budget, width, height):
     assert "It fits." in result.stdout
 
 
+# verifies: RES-03
 @pytest.mark.parametrize("budget, width, height", [("standard", 3840, 2160), ("full", 7680, 4320)])
 def test_a_larger_camera_is_refused(tmp_path, budget, width, height):
     result = check(tmp_path, budget, width, height)
@@ -47,6 +49,7 @@ def test_a_larger_camera_is_refused(tmp_path, budget, width, height):
     assert "does not fit" in result.stderr
 
 
+# verifies: RES-03
 def test_the_standard_tables_are_too_large_for_the_small_budget(tmp_path):
     result = check(tmp_path, "small", 640, 480)
     assert result.returncode == 2

@@ -50,6 +50,7 @@ def test_counts_are_read_from_the_annotation():
     assert counts["polhode::detect_features"] == 2_000_000
 
 
+# verifies: RES-05
 def test_only_a_stage_that_costs_more_is_reproached():
     recorded = {"step": 100.0, "mask": 2.0}
     assert instruction_counts.verdicts(recorded, {"step": 109.0, "mask": 1.0}) == []

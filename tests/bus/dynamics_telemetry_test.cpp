@@ -80,6 +80,7 @@ TEST(ModelPacketOf, LengthsAreInTheUnitAndInC) {
   EXPECT_NEAR(packet.cov_w[0], 1e-8, 1e-12);
 }
 
+// verifies: BUS-08
 TEST(PacketsOfLengths, HoldTheErrorOfTheScaleItself) {
   const LengthUnit loose{.known = true, .metres_per_mu = 2.0, .relative_sigma = 0.1};
   const ModelPacket model = through_the_bus(to_packet(tumbling(1e-4), kR_CI, loose));

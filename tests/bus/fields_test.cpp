@@ -142,6 +142,7 @@ TEST(Packing, IsBigEndianAtTheOffsetsOfTheTable) {
   EXPECT_EQ(octets[housekeeping_layout::kMemory_octets], 0x11);
 }
 
+// verifies: BUS-02
 TEST(Decoding, RefusesEveryPacketWithAnyOneBitFlipped) {
   for (const Layout* layout : packet_layouts()) {
     Storage storage{};

@@ -50,6 +50,7 @@ TEST(Time, OutsideOfTheCodesRangeIsSaidAndZero) {
   EXPECT_EQ(header.time_quality, TimeQuality::kCamera);
 }
 
+// verifies: BUS-01
 TEST(Header, HasTheOctetsOfTheStandard) {
   PacketHeader header{.apid = 0x1A0, .sequence = 0x1234, .total_octets = 178};
   header.seconds = 0x01020304;

@@ -56,6 +56,7 @@ TEST(Splitter, FindsEveryPacketOfAGoodStream) {
   }
 }
 
+// verifies: BUS-06
 TEST(Splitter, LosesOnlyThePacketThatIsDamaged) {
   for (std::size_t octet = 0; octet < kMotionPacketOctets; ++octet) {
     std::vector<std::uint8_t> stream = stream_of(3);

@@ -69,6 +69,7 @@ TEST(MotionPacket, SaysCountTimeAndApidInItsHeader) {
   EXPECT_EQ(header.fraction_2_24, 1U << 22U);
 }
 
+// verifies: BUS-03
 TEST(MotionPacket, HoldsZerosWhereItsFlagIsDown) {
   MotionState state = random_motion_state(3);
   state.pose_valid = state.rate_valid = state.velocity_valid = state.scale_known = false;
@@ -83,6 +84,7 @@ TEST(MotionPacket, HoldsZerosWhereItsFlagIsDown) {
   EXPECT_EQ(packet[layout::kFlags], 0);
 }
 
+// verifies: BUS-03
 TEST(MotionPacket, NeverCarriesANonFiniteValue) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
@@ -110,6 +112,7 @@ TEST(MotionPacket, IsNotWrittenWhereItDoesNotFit) {
   }
 }
 
+// verifies: BUS-02
 TEST(MotionPacket, IsRefusedWithAnyBitFlipped) {
   Packet packet = encoded(random_motion_state(6));
   for (std::size_t bit = 0; bit < 8 * packet.size(); ++bit) {

@@ -54,6 +54,7 @@ def pixel_error(intrinsics: numpy.ndarray, distortion: numpy.ndarray) -> float:
     return float(numpy.max(numpy.linalg.norm(seen.reshape(-1, 2) - numpy.stack([u.ravel(), v.ravel()], axis=1), axis=1)))
 
 
+# verifies: GND-04
 @pytest.mark.parametrize("kind", ["chessboard", "charuco"])
 def test_finds_the_camera_that_took_the_pictures(tmp_path, kind):
     files = take_pictures(tmp_path, kind)
@@ -87,6 +88,7 @@ def test_leaves_a_picture_out_that_does_not_fit(tmp_path):
     assert intrinsics[:2] == pytest.approx(rendered.INTRINSICS[:2], rel=5e-3)
 
 
+# verifies: GND-04
 def test_too_few_boards_are_no_calibration(tmp_path):
     files = take_pictures(tmp_path, "chessboard", 2)
     cv2.imwrite(str(tmp_path / "empty.png"), numpy.full((rendered.HEIGHT, rendered.WIDTH), 90, numpy.uint8))

@@ -42,6 +42,7 @@ def run(*command) -> subprocess.CompletedProcess:
     return subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=300)
 
 
+# verifies: DEL-01
 def test_the_library_has_the_symbols_of_the_header_and_no_others():
     declared = set(re.findall(r"^[\w \*]*?\b(polhode_\w+)\([^)]*\);", HEADER.read_text().replace(",\n", ","), re.MULTILINE))
     mapped = set(re.findall(r"^\s+(polhode_\w+);", (REPOSITORY / "platform/capi/polhode.map").read_text(), re.MULTILINE))
@@ -52,6 +53,7 @@ def test_the_library_has_the_symbols_of_the_header_and_no_others():
     assert "libpolhode.so.1" in run("readelf", "-d", LIBRARY).stdout
 
 
+# verifies: DEL-01
 @pytest.mark.parametrize("command", [["gcc", "-std=c11"], ["g++", "-std=c++11"]])
 def test_the_header_stands_alone(tmp_path, command):
     source = tmp_path / "one.c"
@@ -72,6 +74,7 @@ def test_structs_have_the_layout_that_python_reads(tmp_path):
 COMPARABLE = pytest.mark.skipif(not golden.PROGRAM.exists() or not golden.comparable(), reason="recorded with other vector units")
 
 
+# verifies: DEL-02
 @COMPARABLE
 @pytest.mark.parametrize(("name", "settings"), [("default", []), ("jobs_beside", ["jobs.delay_frames=1"])])
 def test_a_c_host_gives_the_samples_stream(tmp_path, name, settings):
@@ -80,6 +83,7 @@ def test_a_c_host_gives_the_samples_stream(tmp_path, name, settings):
     assert (tmp_path / "bus.ccsds").read_bytes() == (golden.recorded() / f"{name}.ccsds").read_bytes()
 
 
+# verifies: DEL-02
 @COMPARABLE
 def test_a_python_host_gives_the_samples_stream(tmp_path):
     done = run(sys.executable, REPOSITORY / "platform/capi/example/polhode_ctypes.py", LIBRARY, SAMPLE, tmp_path / "bus.ccsds")

@@ -25,6 +25,7 @@ def test_motion_equals_the_table(flight):
     assert list(columns["CCSDS_SEQUENCE_COUNT"]) == list(range(len(rows)))
 
 
+# verifies: BUS-07
 @pytest.mark.parametrize("name", KINDS)
 def test_every_field_of_every_kind_is_the_python_clients(flight, name):
     ours = [flat(packet) for packet in flight.packets if packet.name == name]

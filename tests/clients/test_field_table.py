@@ -9,6 +9,7 @@ from flights import CLIENT, REPOSITORY
 from busgen.table import TableError, read_table
 
 
+# verifies: BUS-07
 def test_generated_files_are_up_to_date():
     done = subprocess.run([sys.executable, REPOSITORY / "tools/generate_bus.py", "--check"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -38,6 +39,7 @@ def expected_lines(flight) -> list[str]:
     return ["frame {}: {:.5f} {:.5f} {:.5f} rad/s".format(p.frame, *p.w_T_rad_s) for p in flight.packets if p.name == "motion" and p.rate_valid]
 
 
+# verifies: GND-01
 def test_the_c_example_builds_without_anything_else_and_reads_a_flight(flight, tmp_path):
     sources = [str(file) for file in sorted((CLIENT / "c").glob("*.c"))]
     subprocess.run(["cc", "-std=c11", "-Wall", "-Wextra", "-Werror", "-O1", "-o", tmp_path / "example", *sources], check=True)
@@ -46,6 +48,7 @@ def test_the_c_example_builds_without_anything_else_and_reads_a_flight(flight, t
     assert done.stdout.splitlines() == [*expected_lines(flight), f"{len(flight.packets)} packets, 0 missing"]
 
 
+# verifies: GND-01
 def test_the_python_example_reads_a_flight(flight):
     done = subprocess.run([sys.executable, "example.py", f"file:{flight.file}"], cwd=CLIENT / "python", capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr

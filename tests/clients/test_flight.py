@@ -20,6 +20,7 @@ def test_one_motion_packet_a_frame(flight):
     assert [packet.frame for packet in named(flight, "motion")] == list(range(FRAMES))
 
 
+# verifies: BUS-05
 def test_counts_are_without_gaps_for_every_apid(flight):
     for _, group in itertools.groupby(sorted(flight.packets, key=lambda p: p.name), key=lambda p: p.name):
         counts = [packet.header.sequence for packet in group]
@@ -52,6 +53,7 @@ def test_shape_model_and_predictions_are_told(flight):
     assert ahead[0] == 10 and set(ahead) <= {10, 30, 60, 120, 300, 600, 900, 1200, 1800} and len(ahead) > 1
 
 
+# verifies: CMD-01
 def test_every_accepted_command_is_answered_by_an_event(flight):
     assert len(events(flight, "command_accepted")) == named(flight, "housekeeping")[-1].commands_accepted - 1  # NOOP by its own
 

@@ -53,6 +53,7 @@ def number(value):
     return getattr(value, "raw_value", value)
 
 
+# verifies: BUS-07
 @pytest.mark.parametrize("name", KINDS)
 def test_every_field_of_every_kind_is_the_python_clients(decoded, flight, name):
     ours = [flat(packet) for packet in flight.packets if packet.name == name]

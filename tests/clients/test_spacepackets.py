@@ -13,6 +13,7 @@ def crc_ccitt_false(octets: bytes) -> int:
     return fastcrc.crc16.ibm_3740(octets)  # the catalogue's name of CRC-16/CCITT-FALSE; what spacepackets uses
 
 
+# verifies: BUS-01
 def test_headers_are_the_standards(flight):
     for octets in split(flight.stream):
         header = SpacePacketHeader.unpack(octets)
@@ -22,6 +23,7 @@ def test_headers_are_the_standards(flight):
         assert APID_FIRST <= header.apid < APID_FIRST + KINDS
 
 
+# verifies: BUS-01
 def test_checksums_vanish_over_whole_packets(flight):
     assert all(crc_ccitt_false(octets) == 0 for octets in split(flight.stream))
 
@@ -30,6 +32,7 @@ def test_a_damaged_packet_fails_its_checksum_alone(damaged):
     assert sum(crc_ccitt_false(octets) != 0 for octets in damaged.packets) == 1
 
 
+# verifies: BUS-06
 def test_a_slipped_stream_is_read_on(flight):
     whole = split(flight.stream)
     slipped = b"\x00\x01\x02" + b"".join(whole[:5]) + b"\xff" * 7 + b"".join(whole[5:])

@@ -157,6 +157,7 @@ TEST(DetectFeatures, PlacesSpotsOnAShadedSideByTheirLight) {
   EXPECT_GT(worst_shift_px(2.2, 1.0), linear_px + 0.1);
 }
 
+// verifies: FEA-01
 TEST(DetectFeatures, FindsBlobsAtTheirPlace_ForEachSizeOfBlob) {
   for (const double sigma_px : {2.0, 3.0, 5.0}) {
     SCOPED_TRACE(sigma_px);
@@ -263,6 +264,7 @@ TEST(DetectFeatures, FindsNothingOutsideTheMask) {
   }
 }
 
+// verifies: FEA-04
 TEST(DetectFeatures, KeepsAtMostCountMax_AndSpreadsThem) {
   // Strong blobs crowd the left quarter; the right one has weak blobs, and still gets its share.
   Rng rng(26, 0);
@@ -319,6 +321,7 @@ cv::Mat random_texture(int side, std::uint64_t seed) {
   return draw(side, side, 120.0, blobs);
 }
 
+// verifies: FEA-02
 TEST(DetectFeatures, MatchesAPictureTurnedByAnyAngle) {
   constexpr int kSide = 320;
   const cv::Mat before = random_texture(kSide, 1);

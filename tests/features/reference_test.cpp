@@ -100,6 +100,7 @@ Quality judge(const cv::Mat& before,
           .median_px = off_px.empty() ? 9.0 : off_px[off_px.size() / 2]};
 }
 
+// verifies: FEA-03
 TEST(DetectFeatures, IsNoWorseThanOpenCvs) {
   const cv::Mat scene = texture();
   // Seen 25 deg from the side, turned by 40 deg and a little nearer.

@@ -60,6 +60,7 @@ TEST(FuzzCorpus, IsReadWithoutHarm) {
   EXPECT_GE(fuzz::counts().taken - taken_before, 13U);  // one good command of each code
 }
 
+// verifies: CMD-02
 TEST(FuzzCorpus, AMillionMutationsAreEachTakenOrRefused) {
   const auto all = corpus();
   const fuzz::Counts before = fuzz::counts();

@@ -13,6 +13,7 @@ from readers import PROGRAM  # noqa: E402
 TRIALS = 54  # three of each reader
 
 
+# verifies: PRG-06
 @pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
 def test_no_reader_fails(tmp_path):
     outcomes = drive(TRIALS, 7, tmp_path)

@@ -41,6 +41,7 @@ double saturated(const LevelCounts& counts) {
   return high / sum;
 }
 
+// verifies: IMG-06
 TEST(NextExposure, SettlesBelowSaturation_FromAnyStart_WithEitherResponse) {
   const auto target = radiances();
   for (const double gamma : {1.0, 2.2}) {
@@ -71,6 +72,7 @@ TEST(NextExposure, ComesToRest) {
   }
 }
 
+// verifies: IMG-05
 TEST(NextExposure, TakesBoundedSteps_WithinTheRange_WhateverTheHistogram) {
   Rng rng(9, 0);
   const ExposureRange range;

@@ -46,6 +46,7 @@ void expect_good(const FrameVerdict& verdict) {
   EXPECT_EQ(verdict.faults, 0);
 }
 
+// verifies: IMG-02
 TEST(Assess, SkipsAFrozenFrame_AndGoesOn) {
   Watch watch;
   expect_skipped(watch.show(watch.history.previous.clone()), FrameFault::kFrozen);
@@ -60,6 +61,7 @@ TEST(Assess, SkipsAFrozenCamera_HoweverLong) {
   }
 }
 
+// verifies: IMG-02
 TEST(Assess, SkipsATornFrame_FromEitherEnd) {
   for (const bool upper : {true, false}) {
     Watch watch;
@@ -155,6 +157,7 @@ TEST(Assess, GetsUsedToLessLight) {
   EXPECT_LE(skipped, 3);
 }
 
+// verifies: IMG-01
 TEST(Assess, NeverUsesADarkPicture_HoweverLong) {
   Watch watch;
   for (int i = 0; i < 40; ++i) {
@@ -218,6 +221,7 @@ cv::Mat speckled(std::uint64_t seed, int shift_px) {
   return gray;
 }
 
+// verifies: IMG-04
 TEST(Assess, FindsOneBitInFiveHundredPixels_AmongAsManyOutliers) {
   constexpr unsigned kBitErrors = 1U << static_cast<unsigned>(FrameFault::kBitErrors);
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
@@ -272,6 +276,7 @@ TEST(Assess, UsesNoiseThatHasAlwaysBeenThere) {
   }
 }
 
+// verifies: IMG-03
 TEST(Assess, DegradesABlurredFrame) {
   QualityHistory history;
   for (std::uint64_t i = 0; i < 5; ++i) {
@@ -286,6 +291,7 @@ TEST(Assess, DegradesABlurredFrame) {
   EXPECT_EQ(verdict.decision, FrameDecision::kCare);
 }
 
+// verifies: IMG-01
 TEST(Assess, NeverUsesAPictureThatIsAllAtFullScale_HoweverLong) {
   Watch watch;
   for (int i = 0; i < 40; ++i) {

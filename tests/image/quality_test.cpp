@@ -85,6 +85,7 @@ BitErrorTraces traces_of(const cv::Mat& gray) {
   return find_bit_errors(gray, &history);
 }
 
+// verifies: IMG-04
 TEST(FindBitErrors, CountsEachFlippedPixel_WhateverItsColumn) {
   for (int u = 1; u + 1 < 70; ++u) {
     cv::Mat gray = constant(70, 40, 100);

@@ -23,6 +23,7 @@ def same(sequence, frames) -> bool:
     return len(sequence.filenames) == len(frames) and all(np.array_equal(sequence.read_gray(i), pixels) for i, pixels in enumerate(frames))
 
 
+# verifies: GND-03
 def test_a_video_keeps_its_own_times_and_nearly_its_pixels(imported, frames, tmp_path):
     times_s = [0.5, 0.54, 0.6, 0.7, 0.75, 1.0]  # a variable rate
     sources.write_video(tmp_path / "clip.mp4", frames, times_s)
@@ -103,6 +104,7 @@ def test_files_of_16_bits_and_other_sizes(imported, tmp_path):
     assert "1 frames: another size than 160x120" in out and "1 frames: picture can't be read" in out
 
 
+# verifies: GND-03
 def test_tum(imported, refused, frames, tmp_path):
     sources.write_pictures(tmp_path / "tum/rgb", frames, [f"{i}.png" for i in range(COUNT)])
     lines = ["# color images", *(f"1305031102.{i}75304 rgb/{i}.png" for i in range(COUNT)), "1305031103.5 rgb/gone.png"]
@@ -114,6 +116,7 @@ def test_tum(imported, refused, frames, tmp_path):
     assert "the file is missing" in out and "groundtruth.txt is left out" in out
 
 
+# verifies: GND-03
 def test_euroc_in_the_wild(imported, frames, tmp_path):
     """OpenCV's first line, radtan by its short name, more columns, a repeated time, a file that is not there, cam1 named."""
     sources.write_pictures(tmp_path / "wild/mav0/cam1/data", frames, [f"{100 + i}.png" for i in range(COUNT)])
@@ -144,6 +147,7 @@ def bag_messages(version, frames, kind="raw"):
     return messages
 
 
+# verifies: GND-03
 @pytest.mark.parametrize(("version", "kind", "storage", "name"), [
     (1, "raw", None, "a.bag"), (1, "compressed", None, "a.bag"), (2, "raw", "SQLITE3", "bag"), (2, "compressed", "MCAP", "bag")])
 def test_bags(imported, frames, tmp_path, version, kind, storage, name):

@@ -99,6 +99,7 @@ TEST(StartContest, FixesTheGaugeAsPromised) {
               0.05);  // points may have been dropped since the scale was fixed
 }
 
+// verifies: INI-06
 TEST(StartContest, PointSigmasCoverTheErrors) {
   double sum = 0.0;
   double count = 0.0;
@@ -219,11 +220,13 @@ Tally tally(StartFamily family, int seeds) {
   return t;
 }
 
+// verifies: INI-02
 TEST(StartContest, NeverCommitsToTheWrongTwin_AtThreeDegrees) {
   const Tally t = tally(StartFamily::kFar, 100);
   EXPECT_GE(t.commits, 30);
 }
 
+// verifies: INI-02
 TEST(StartContest, NeverCommitsToTheWrongTwin_AtThreeDegreesWithOutliers) {
   (void)tally(StartFamily::kFarPartial, 40);
 }
@@ -233,6 +236,7 @@ TEST(StartContest, StartsOnATumblingBody_WhosePointsComeAndGo) {
   EXPECT_GE(t.commits, 20);
 }
 
+// verifies: INI-05
 TEST(StartContest, StartsOnADriftingBody_ThatDoesNotTurn) {
   const Tally t = tally(StartFamily::kTranslation, 20);
   EXPECT_GE(t.commits, 15);
@@ -243,6 +247,7 @@ TEST(StartContest, StartsOnAConcaveBody_ThoughConvexityIsWrong) {
   EXPECT_GE(t.commits, 8);
 }
 
+// verifies: INI-04
 TEST(StartContest, StartsOnAFlatPanel) {
   const Tally t = tally(StartFamily::kPanel, 20);
   EXPECT_GE(t.commits, 5);
@@ -252,10 +257,12 @@ TEST(StartContest, WaitsWhenTheNoiseIsThreeTimesTheClaim_OrIsRight) {
   (void)tally(StartFamily::kNoisy, 20);
 }
 
+// verifies: INI-03
 TEST(StartContest, NeverStarts_WhenNothingMoves) {
   EXPECT_EQ(tally(StartFamily::kStatic, 30).commits, 0);
 }
 
+// verifies: INI-03
 TEST(StartContest, NeverStarts_OnRandomTracks) {
   EXPECT_EQ(tally(StartFamily::kRandom, 30).commits, 0);
 }

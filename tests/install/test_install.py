@@ -29,6 +29,7 @@ def prefix(tmp_path_factory):
     return folder
 
 
+# verifies: DEL-06
 @pytest.mark.slow
 def test_a_program_of_twenty_lines_builds_and_runs(prefix, tmp_path):
     shutil.copytree(CONSUMER, tmp_path / "consumer")
@@ -75,6 +76,7 @@ def test_the_service_is_installed_with_the_program_and_the_notes_that_it_names(p
     assert (prefix / "share/polhode/live.toml").is_file()
 
 
+# verifies: DEL-06
 def test_readme_shows_the_program_that_is_built():
     blocks = re.findall(r"```cpp\n(.*?)```", (REPOSITORY / "docs/library.md").read_text(), re.DOTALL)
     program = (CONSUMER / "main.cpp").read_text().split("\n", 1)[1]  # without the remark about docs/library.md

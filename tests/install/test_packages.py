@@ -67,6 +67,7 @@ def listing(name: str) -> dict[str, str]:
     return {row[5]: row[0] for row in rows}
 
 
+# verifies: DEL-03
 @BUILT
 def test_each_package_has_what_it_is_for():
     program, library, development, ground = (set(listing(name)) for name in NAMES)
@@ -76,12 +77,13 @@ def test_each_package_has_what_it_is_for():
     assert "./usr/include/polhode.h" in development and "./usr/include/polhode/pipeline/component.hpp" in development
     assert any(path.endswith("/libpolhode.so") for path in development) and any(path.endswith("/pkgconfig/polhode.pc") for path in development)
     assert {"./usr/share/polhode/bus/polhode.xtce.xml", "./usr/share/polhode/bus/ccsdspy/motion.csv", "./usr/share/polhode/client/c/polhode_bus.c",
-            "./usr/lib/python3/dist-packages/polhode_bus/__init__.py", "./usr/share/doc/polhode-ground/interface_control.md"} <= ground
+            "./usr/lib/python3/dist-packages/polhode_bus/__init__.py", "./usr/share/polhode/client/python/example.py", "./usr/share/doc/polhode-ground/interface_control.md"} <= ground
     folders = [set(path for path in one if not path.endswith("/")) for one in (program, library, development, ground)]
     assert sum(map(len, folders)) == len(set().union(*folders)), "one file in two packages"
     assert run("dpkg-deb", "-I", FILES["polhode"], "conffiles").stdout == "/etc/polhode/live.toml\n"
 
 
+# verifies: DEL-04
 @BUILT
 def test_what_flies_is_stripped_and_links_no_windows_codecs_or_networks(tmp_path):
     for name in ("polhode", "libpolhode1"):
@@ -107,6 +109,7 @@ def test_lintian_finds_no_errors():
     assert done.returncode == 0, done.stdout
 
 
+# verifies: DEL-03
 @BUILT
 @pytest.mark.slow
 def test_they_install_run_the_sample_and_leave_nothing_in_a_bare_root():
@@ -114,10 +117,50 @@ def test_they_install_run_the_sample_and_leave_nothing_in_a_bare_root():
         pytest.skip("takes root and mmdebstrap: tools/setup.sh packages")
     done = run(REPOSITORY / "hil/bare_root.sh", PACKAGES, timeout=1800)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "nothing of it remains" in done.stdout
+    assert "nothing of it remains" in done.stdout and "rates printed by the container as user ground" in done.stdout
     if golden.comparable():
         recorded = hashlib.sha256((golden.recorded() / "default.ccsds").read_bytes()).hexdigest()
         assert f"sha256 of the sample's stream: {recorded}" in done.stdout
+
+
+@BUILT
+def test_the_contact_is_one_and_the_same():
+    contacts = {run("dpkg-deb", "-f", file, "Maintainer").stdout.strip() for file in FILES.values()}
+    assert len(contacts) == 1, contacts
+    copyright = run("bash", "-c", 'dpkg-deb --fsys-tarfile "$0" | tar -xO ./usr/share/doc/polhode/copyright', FILES["polhode"]).stdout
+    assert f"Upstream-Contact: {contacts.pop()}\n" in copyright and not re.search(r"@\w+@", copyright)
+
+
+@pytest.mark.slow
+def test_a_contact_without_an_address_is_refused(tmp_path):
+    done = run("cmake", "--preset", "package", "-B", tmp_path, "-DPOLHODE_PACKAGE_CONTACT=nobody", cwd=REPOSITORY, timeout=300)
+    assert done.returncode == 1 and "POLHODE_PACKAGE_CONTACT is 'nobody'; allowed is NAME <ADDRESS>" in " ".join(done.stderr.split())
+
+
+CONTAINER = (DEBIAN / "Containerfile").read_text()
+
+
+@BUILT
+def test_the_container_starts_what_the_ground_package_holds():
+    assert re.search(r"^FROM debian:bookworm-slim$", CONTAINER, re.MULTILINE)
+    started = re.search(r'^ENTRYPOINT \["python3", "([^"]+)"\]$', CONTAINER, re.MULTILINE)[1]
+    assert f".{started}" in listing("polhode-ground")
+    copied = re.search(r"^COPY (\S+) /pkg/$", CONTAINER, re.MULTILINE)[1]
+    assert list(PACKAGES.glob(copied)) == [FILES["polhode-ground"]]
+
+
+@BUILT
+@pytest.mark.parametrize("able", ["podman", "docker", None])
+def test_the_container_is_built_by_the_builder_that_works(tmp_path, able):
+    """Stand-ins of both; only one of them, or none, has a service behind it."""
+    for name in ("podman", "docker"):
+        (tmp_path / name).write_text(f'#!/bin/sh\n[ "$1" != info ] || exit {0 if name == able else 1}\necho {name} "$@"\n')
+        (tmp_path / name).chmod(0o755)
+    done = run(REPOSITORY / "tools/package.sh", "container", env={**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"})
+    if able:
+        assert done.stdout == f"{able} build -f platform/debian/Containerfile -t polhode-ground build/packages\n"
+    else:
+        assert done.returncode == 2 and done.stderr == "package: neither podman nor docker can build here\n"
 
 
 def test_a_folder_without_packages_is_refused(tmp_path):

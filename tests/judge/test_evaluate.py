@@ -37,6 +37,7 @@ def judged(tmp_path, scene, body, causal, cloud=False):
     return judge_run(run, sequence, read_truth(sequence))
 
 
+# verifies: GND-02
 def test_truth_is_consistent_with_itself(body):
     """The made-up body's rates are the derivative of its attitude, or every test below would test nothing."""
     step = (body.R_CT[:-1].inv() * body.R_CT[1:]).as_rotvec()
@@ -56,6 +57,7 @@ def test_perfect_run_in_another_body_frame_has_no_error(tmp_path, scene, body):
     assert report["twin"]["verdict"] == "truth"
 
 
+# verifies: GND-02
 def test_one_degree_in_is_one_degree_out(tmp_path, scene, body):
     report = judged(tmp_path, scene, body, Errors(attitude_rms_rad=np.radians(1.0)))["motion"]["causal"]
     # 120 random axes: the alignment absorbs about 3 of 360 degrees of freedom, 0.4 % of the RMSE.

@@ -55,6 +55,7 @@ def call(house, *arguments, **extra):
     return subprocess.run([house / "hil/paper_table.sh", *arguments], capture_output=True, text=True, env=environment)
 
 
+# verifies: MOT-12
 def test_both_cases_are_rendered_replayed_judged_drawn_and_tabled(house):
     done = call(house, "--small", "--set", "seed=3")
     assert done.returncode == 0, done.stderr

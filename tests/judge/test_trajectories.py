@@ -27,6 +27,7 @@ def made(tmp_path):
     return run, read_motion(sequence / "truth.csv")
 
 
+# verifies: PRG-07
 def test_truth_is_the_camera_in_the_target(made):
     run, truth = made
     lines = (run / "truth.tum").read_text().splitlines()
@@ -48,6 +49,7 @@ def test_rows_without_a_pose_are_left_out(made, tmp_path):
     assert (tmp_path / "t.tum").read_text() == ""
 
 
+# verifies: PRG-07
 def test_evo_says_the_same_error_of_the_path_as_the_judge(made):
     pytest.importorskip("evo", reason="evo is not installed: tools/setup.sh extras")
     from evo.core import metrics, sync

@@ -37,6 +37,7 @@ def crashed(start, until):
     return run
 
 
+# verifies: LIV-05
 def test_two_generations_then_cold_then_warm_again(start, crashed):
     assert start("first", device__sequence_speed=1.0).finish().status == 0  # slow enough for two generations
     assert "start warm" in crashed("second")

@@ -56,6 +56,7 @@ def test_no_memory_is_one_line(replay):
     assert done.returncode in (1, 2) and done.stderr.startswith(b"polhode: ") and len(done.stderr.splitlines()) == 1, done.stderr
 
 
+# verifies: LIV-08
 def test_a_disk_that_takes_no_more_is_said_at_once_and_the_run_goes_on(live, played, tmp_path):
     run = live(played.path, run__checkpoint=tmp_path / "checkpoint", run__checkpoint_frames=2, device__sequence_speed=2.0)
     resource.prlimit(run.process.pid, resource.RLIMIT_FSIZE, (100, 100))

@@ -50,6 +50,7 @@ def ring():
         pathlib.Path(f"/dev/shm{name}").unlink()
 
 
+# verifies: LIV-07
 def test_good_readers_get_everything_beside_stopped_ones(live, played, tmp_path, ring):
     good, stopped, nobody = (f"unix:{tmp_path}/{name}" for name in ("good", "stopped", "nobody"))
     settings = [f'transport.send=["{stopped}", "{nobody}", "{good}", "{ring}"]', "bus.housekeeping_every_frames=1"]

@@ -17,6 +17,7 @@ def bus(run):
     return (run.folder / "bus.ccsds").read_bytes()
 
 
+# verifies: LIV-02
 def test_a_recorded_run_replays_to_the_same_bytes(live, played, replayed, tmp_path):
     (played.data / "1300000000.png").write_bytes(b"no picture")
     run = live(played.path, settings=["seed=5"], recording__folder=tmp_path / "recording", recording__complete=True)
@@ -26,6 +27,7 @@ def test_a_recorded_run_replays_to_the_same_bytes(live, played, replayed, tmp_pa
     assert replayed(tmp_path / "exported", config=tmp_path / "exported/config.toml") == bus(run)
 
 
+# verifies: LIV-02
 def test_frames_that_were_passed_over_live_are_absent_in_the_replay(live, played, replayed, tmp_path):
     """Played a thousand times too fast: most frames are late. What was accepted decides the bytes."""
     run = live(played.path, device__sequence_speed=1000.0, recording__folder=tmp_path / "recording", recording__complete=True)
@@ -38,6 +40,7 @@ def test_frames_that_were_passed_over_live_are_absent_in_the_replay(live, played
     assert replayed(tmp_path / "exported", config=tmp_path / "exported/config.toml") == bus(run)
 
 
+# verifies: LIV-02
 def test_a_run_from_a_checkpoint_replays_from_it(live, played, replayed, tmp_path):
     options = {"run__checkpoint": tmp_path / "checkpoint", "recording__folder": tmp_path / "recording",
                "recording__complete": True}

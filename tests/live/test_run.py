@@ -21,6 +21,7 @@ def report(run):
     return json.loads((run.folder / "run.json").read_text())
 
 
+# verifies: LIV-01
 def test_gives_the_bytes_of_a_replay(live, played, replayed):
     run = live(played.path)
     assert run.finish().status == 0
@@ -38,6 +39,7 @@ def test_at_its_own_pace_gives_the_bytes_of_a_replay(live, played, replayed):
     assert bus(run) == replayed(played.path)
 
 
+# verifies: LIV-10
 def test_unreadable_frames_are_answered_and_counted(live, played, replayed):
     for name in ("1300000000", "1900000000"):
         (played.data / f"{name}.png").write_bytes(b"no picture")
@@ -127,6 +129,7 @@ def test_tells_the_service_manager(live, played, tmp_path):
     assert "WATCHDOG=1" in told
 
 
+# verifies: LIV-06
 def test_no_progress_no_watchdog(live, played, tmp_path, until):
     """Frames that are not due are no progress, however often the loop turns."""
     address = tmp_path / "notify"

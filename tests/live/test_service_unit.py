@@ -53,11 +53,13 @@ def test_systemd_takes_it(unit):
     assert verified.returncode == 0 and "polhode.service" not in verified.stderr, verified.stderr
 
 
+# verifies: LIV-12
 def test_its_exposure_stays_low(unit):
     rated = analyze("security", "--offline=true", "--threshold=20", unit)  # of 100, in tenths of what it prints
     assert rated.returncode == 0, rated.stdout.splitlines()[-1:]
 
 
+# verifies: LIV-12
 @pytest.mark.skipif(not shutil.which("strace"), reason="strace is not installed")
 def test_a_run_asks_for_nothing_that_it_forbids(played, tmp_path):
     """All that a run can do at once: transports of each kind, commands, checkpoints, a recording, priority, locked memory."""

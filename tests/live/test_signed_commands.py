@@ -49,6 +49,7 @@ def wait_until_it_takes(run, until):
     until(lambda: (run.folder / "bus.ccsds").exists() and (run.folder / "bus.ccsds").stat().st_size > 0)
 
 
+# verifies: CMD-05
 def test_a_captured_command_is_not_taken_again_after_a_restart_either(signed, until, tmp_path, key):
     octets = None
     sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -94,6 +95,7 @@ def test_a_command_that_is_sent_again_is_answered_and_not_carried_out_again(sign
     assert not packets(file, "housekeeping")[-1].held
 
 
+# verifies: CMD-06
 def test_without_a_key_udp_takes_commands_only_where_the_configuration_says_so(live, played, tmp_path, until):
     refused = live(played.path, name="refused", transport__receive=UDP).finish()
     assert refused.status == 2 and "commands.unauthenticated" in refused.err and len(refused.err.splitlines()) == 1
@@ -156,6 +158,7 @@ def test_bad_settings_are_named(live, played, keys, named):
     assert ended.status == 2 and named in ended.err and len(ended.err.splitlines()) == 1, ended.err
 
 
+# verifies: CMD-07
 def test_a_flood_at_one_port_keeps_neither_frames_nor_the_commands_of_another(live, played, tmp_path, key, until):
     own = f"unix:{tmp_path}/commands"
     run = live(played.path, name="flooded", device__sequence_speed=0.5, device__sequence_passes=2, commands__key=key,

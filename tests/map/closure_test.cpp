@@ -90,6 +90,7 @@ struct Return {
 
 constexpr std::uint32_t kLong = kRecentKeyframes + 10;
 
+// verifies: MAP-05
 TEST(CloseLoop, TiesTheNewKeyframeToTheOldLandmarks_AndMergesTheYoung) {
   Return r(0.09, kLong, ball(400, 21));  // 5 deg of drift
   const int young = r.mapped.map->landmark_count;
@@ -113,6 +114,7 @@ TEST(CloseLoop, TiesTheNewKeyframeToTheOldLandmarks_AndMergesTheYoung) {
   EXPECT_LT(wrong, right / 10) << "spots that no old landmark stands for keep their young ones";
 }
 
+// verifies: MAP-05
 TEST(CloseLoop, LeavesAnAdjustmentThatTakesTheDriftAway) {
   Return r(0.09, kLong, ball(400, 21));
   ASSERT_NEAR(r.pose_error_rad(), 0.09, 1e-6);

@@ -65,6 +65,7 @@ TEST(MapDrift, ForgetsTheStart_AsTheBodyTurnsOn_AndNeverGrowsByIt) {
   EXPECT_EQ(attitude_sigma_rad(drift), last) << "what was seen stays seen";
 }
 
+// verifies: MAP-08
 TEST(MapDrift, WalksWithEachKeyframe_MoreWhereThereIsClutter) {
   MapDrift clean;
   MapDrift cluttered;
@@ -76,6 +77,7 @@ TEST(MapDrift, WalksWithEachKeyframe_MoreWhereThereIsClutter) {
   EXPECT_NEAR(attitude_sigma_rad(cluttered), 2e-3 * std::sqrt(3.0), 1e-12);
 }
 
+// verifies: MAP-08
 TEST(MapDrift, IsHalved_WhenItIsHeldAtBothEnds) {
   MapDrift drift;
   add_keyframe_error(*keyframe(100, 100), &drift);

@@ -134,6 +134,7 @@ TEST(MostRedundant, IsNone_WhenEachKeyframeIsAloneOnItsSide) {
   EXPECT_EQ(s.map->landmark_count, landmarks);
 }
 
+// verifies: MAP-06
 TEST(MostRedundant, NeverTakesTheOnlyViewOfASide) {
   // Ten views of one side, all within 20 deg, and one of another: the lonely one is the oldest.
   std::vector<Pose> poses{turned(1.5)};

@@ -172,6 +172,7 @@ TEST(LocaliseGuided, RefusesASpotThatRepeatsWithinTheSearch) {
       localise_guided(b.input(picture), turned(0.1), 12.0, b.scratch.get(), b.out.get()).ok());
 }
 
+// verifies: MAP-03
 TEST(Relocalise, FindsThePose_WithoutAPrediction_FromEachMappedSide) {
   Bench b;
   for (std::uint64_t seed = 0; seed < 6; ++seed) {

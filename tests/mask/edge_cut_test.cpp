@@ -61,6 +61,7 @@ cv::Mat unary_of(const cv::Mat& outline, int cell_px) {
   return unary;
 }
 
+// verifies: MSK-04
 TEST(CutAtEdges, ComesBackToTheEdge_FromAnOutlineThatIsTooWideOnOneSide) {
   // As behind a moving target: 4 px that it has uncovered.
   cv::Mat outline = body();

@@ -70,10 +70,12 @@ void expect_found(const Scene& scene, double overlap_min, double open_min = 0.3)
   EXPECT_LT(follower.mask.coverage, 0.25);
 }
 
+// verifies: MSK-02
 TEST(FollowTarget, FindsARotatingTarget_BeforeAMovingBackground) {
   expect_found({.background_px = {3.0, 1.0}, .target_turn_deg = 3.0}, 0.75);
 }
 
+// verifies: MSK-02
 TEST(FollowTarget, FindsARotatingTarget_BeforeAStaticRoom) {
   expect_found({.target_turn_deg = 3.0}, 0.75);
 }
@@ -96,6 +98,7 @@ TEST(FollowTarget, FindsATargetThatCrossesTheLimb) {
   expect_found(scene, 0.5);  // it moves by half its size while its log-odds last
 }
 
+// verifies: MSK-03
 TEST(FollowTarget, FindsNothing_WhereOnlyTheBackgroundIs) {
   for (const cv::Point2d& motion : {cv::Point2d(0.0, 0.0), cv::Point2d(3.0, 1.0)}) {
     Follower follower;

@@ -84,6 +84,7 @@ TEST(RefineUnaryCost, ShiftsACostByCells) {
   EXPECT_EQ(unary_cost.at<float>(59, 79), 0.25F);
 }
 
+// verifies: MSK-05
 TEST(RefineUnaryCost, LeavesTheCost_WhereTheNetworkHasNoAnswerOrAWrongOne) {
   Constant silent{.answer = 1.0F, .answers = false};
   EXPECT_TRUE(untouched(refined(&silent, body())));

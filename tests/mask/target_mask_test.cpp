@@ -30,6 +30,7 @@ TargetMask mask_of(const cv::Mat& gray, const MaskOptions& options = {}) {
 
 bool encloses(const cv::Rect& outer, const cv::Rect& inner) { return (outer & inner) == inner; }
 
+// verifies: MSK-01
 TEST(FindTarget, EnclosesABrightBodyClosely) {
   const cv::Rect body(57, 31, 46, 53);
   cv::Mat gray = black();
@@ -45,6 +46,7 @@ TEST(FindTarget, EnclosesABrightBodyClosely) {
   EXPECT_LE(mask.coverage, static_cast<double>(loose.area()) / (kWidth * kHeight));
 }
 
+// verifies: MSK-01
 TEST(FindTarget, ContainsEachPixelOfTheBody_AndNoneFarFromIt) {
   const cv::Rect body(57, 31, 46, 53);
   cv::Mat gray = black();

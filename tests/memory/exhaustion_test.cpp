@@ -67,6 +67,7 @@ class Exhaustion : public ::testing::Test {
                                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
+// verifies: RES-04
 TEST_F(Exhaustion, OfTheReserveLeavesACheckpointBehind_AndItsOwnExitCode) {
   EXPECT_EXIT(run_and_exhaust(file_, false),
               ::testing::ExitedWithCode(kMemoryExhausted),

@@ -174,6 +174,7 @@ TEST(MemoryPlan, ALargerPictureTakesMore) {
   EXPECT_GT(plan_memory(at(1920, 1080)).total_octets, plan_memory(at(640, 480)).total_octets);
 }
 
+// verifies: RES-05
 TEST(DeadlineMonitor, CountsWhatWasLate) {
   DeadlineMonitor monitor(10.0);
   EXPECT_TRUE(monitor.add(10'000));

@@ -146,6 +146,7 @@ void exhaust_the_reserve() {
   }
 }
 
+// verifies: RES-04
 TEST_F(RegionTest, AnExhaustedReserveEndsTheProgram_WithItsOwnCode) {
   EXPECT_EXIT(exhaust_the_reserve(), ::testing::ExitedWithCode(kMemoryExhausted), "reserve too");
 }

@@ -15,6 +15,7 @@ def run(request, soak):
     return soak(FRAMES, "--set", f"jobs.delay_frames={delay}")
 
 
+# verifies: RES-01
 @pytest.mark.slow
 def test_nothing_was_asked_of_the_machine(run):
     assert run.status == 0, run.err
@@ -29,6 +30,7 @@ def test_no_page_was_missing(run):
     assert run.found["faults_after_seal"] == 0
 
 
+# verifies: RES-02
 @pytest.mark.slow
 def test_memory_stays_where_it_is(run):
     """Live blocks breathe with the frame that is being worked on, but they do not grow."""
@@ -52,6 +54,7 @@ def test_the_body_is_followed_meanwhile(run):
     assert run.found["poses"] >= 0.9 * run.found["frames"]
 
 
+# verifies: RES-01
 @pytest.mark.parametrize("call", ["mmap", "brk", "open", "thread", "madvise"])
 def test_the_trap_would_have_seen_it(soak, call):
     result = soak(1, "--warm-up", "1", "--control", call)

@@ -69,6 +69,7 @@ struct Bench {
   [[nodiscard]] Result<RateEstimate> rates() const { return rates_now(*motion, {}, {}); }
 };
 
+// verifies: MOT-09
 TEST(Disturbance, IsToldByTwoPoses_AndWhatWasBeforeIsForgotten) {
   Bench b(16);
   const std::int64_t before_ns = b.now_ns;

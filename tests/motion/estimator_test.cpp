@@ -59,6 +59,7 @@ TEST(MotionEstimate, IsNeverPredictedThroughTheCamera) {
   EXPECT_EQ(predicted->pose.p_CT, pose_at(0, 1.5).p_CT);
 }
 
+// verifies: MOT-13
 TEST(MotionEstimate, IsSeenFromAnObserverWhoHasTurned) {
   const auto motion = turning(6);
   const Eigen::Matrix3d R_IC = so3_exp(0.3 * Eigen::Vector3d::UnitZ());

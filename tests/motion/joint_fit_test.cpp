@@ -193,6 +193,7 @@ TEST(JointFit, TakesTheDriftOutOfAMap) {
       << "the observations have the noise that they declare";
 }
 
+// verifies: MOT-13
 TEST(JointFit, HoldsForAnObserverThatTurns) {
   DriftedMap map = drifted_map(40, 0.01, {0.0, 0.01, 0.004}, 2);
   const RigidModel model = fitted(&map);

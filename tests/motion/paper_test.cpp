@@ -37,6 +37,7 @@ TEST(PaperRate, IsTheRotationBetweenTwoPosesOverTheirTimeAtTheMiddle) {
   EXPECT_EQ(paper_rate(first, first).error().code, ErrorCode::kDegenerate);
 }
 
+// verifies: MOT-02
 TEST(PaperRate, StampedAtTheMiddleIsBetterThanAtEitherEnd) {
   const std::vector<TruthSample> truth = tumble(paper_body(), 200, 10.0);
   const std::vector<TruthSample> middles = [] {
@@ -61,6 +62,7 @@ TEST(PaperRate, StampedAtTheMiddleIsBetterThanAtEitherEnd) {
   EXPECT_LT(std::sqrt(at_middle / 199.0 / 2.0) / kDegree_rad, 0.0003);
 }
 
+// verifies: MOT-04
 TEST(Drift, FindsVelocityAndMassCentreWithHonestSigmas) {
   const FreeBody body = asymmetric_body(10.0 * kDegree_rad);
   const std::vector<TruthSample> truth = tumble(body, 100, 1.0);
@@ -126,6 +128,7 @@ TEST(Drift, IsAnErrorWhereItCannotBeSolved) {
   EXPECT_EQ(fit_drift(bad, 0.5).error().code, ErrorCode::kDegenerate);
 }
 
+// verifies: MOT-03
 TEST(PaperModel, OfThePapersCaseHasItsPeriodsAndSpeed) {
   const std::vector<PoseSample> poses = observed(tumble(paper_body(), 300, 10.0), {}, 5);
   std::vector<SineSample> workspace(299);

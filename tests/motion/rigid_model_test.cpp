@@ -50,6 +50,7 @@ void expect_consistent(const BoundCase& c, int seeds) {
   EXPECT_GT(inside, 0.95 - 3.0 * std::sqrt(0.05 * 0.95 / (5.0 * seeds)));
 }
 
+// verifies: MOT-05, MOT-12
 TEST(RigidModel, OfThePapersCaseReachesTheBoundWithHonestSigmas) {
   expect_consistent(paper_case(150), 12);
 }
@@ -63,6 +64,7 @@ TEST(RigidModel, OfASheetIsNotMadeThickByWhatWasHeldBeforehand) {
   expect_consistent(c, 12);
 }
 
+// verifies: MOT-05
 TEST(RigidModel, OfATumblingBodyReachesTheBoundWithHonestSigmas) {
   expect_consistent(tumbling_case(120), 12);
 }
@@ -78,6 +80,7 @@ TEST(RigidModel, RefusesPosesThatAreFarNoisierThanTheySay) {
   EXPECT_EQ(s.accepted, 0);
 }
 
+// verifies: MOT-08
 TEST(RigidModel, RefusesTimesThatAreNotThePoses) {
   // A turntable moved by hand: attitudes of a steady turn, at steps that vary by a fifth.
   Rng rng(7, 1);
@@ -128,6 +131,7 @@ TEST(RigidModel, FollowsTheLaterPartWhenAPushLiesBefore) {
   EXPECT_LT((model.reference.w_T_rad_s - later.back().w_T_rad_s).norm(), 1e-4);
 }
 
+// verifies: MOT-07
 TEST(RigidModel, OfAPureSpinClaimsNeitherInertiaNorTheMassCentreOnItsAxis) {
   FreeBody body;
   body.inertia = {0.42, 0.40, 0.24};
@@ -257,6 +261,7 @@ TEST(RigidModel, WidensByTheDriftThatPosesShare) {
   EXPECT_GT(shared.covariance(3, 3), 2.0 * alone.covariance(3, 3));
 }
 
+// verifies: MOT-06
 TEST(RigidModel, PredictsTenMinutesAheadWithHonestSigmas) {
   const BoundCase c = paper_case(200);
   const auto truth = tumble(c.body, 261, 10.0);

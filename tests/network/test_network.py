@@ -100,6 +100,7 @@ def test_the_same_network_gives_the_same_packets(replay, tmp_path):
         assert (runs[0].folder / name).read_bytes() == (runs[1].folder / name).read_bytes()
 
 
+# verifies: MSK-05
 @pytest.mark.parametrize("content", [None, b"", b"no network", onnx_writer.keeps_the_outline()[:200],
                                      onnx_writer.of_another_shape()], ids=["missing", "empty", "text", "cut", "shape"])
 def test_a_missing_or_broken_network_is_refused_before_anything_starts(replay, tmp_path, content):

@@ -52,6 +52,7 @@ Eigen::Matrix3d rotation_of(const MotionState& m) {
   return Eigen::Quaterniond(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]).toRotationMatrix();
 }
 
+// verifies: CMP-08
 TEST(Checkpoint, AfterIt_TheTargetIsFoundAtOnce_InTheSameFrame) {
   const Before& run = before_the_end();
   ASSERT_GT(state_of(*run.bench.component).mapping.map.keyframe_count, 0);

@@ -114,6 +114,7 @@ TEST(Commands, ThatAreDamagedChangeNothingButTheirCounter) {
   EXPECT_EQ(told.flags & bus::housekeeping_layout::kFlagHeld, 0);
 }
 
+// verifies: CMD-01
 TEST(Commands, EachIsCountedAndAnswered_UnknownOnesToo) {
   Commanded bench;
   const std::vector<CommandOctets> commands = {command(static_cast<CommandCode>(99)),
@@ -132,6 +133,7 @@ TEST(Commands, EachIsCountedAndAnswered_UnknownOnesToo) {
   EXPECT_FALSE(bench.step(std::vector<CommandOctets>()).checkpoint_asked);
 }
 
+// verifies: CMD-03
 TEST(Commands, BeyondAStepsLimitAreRejected_AndCountedEach) {
   Commanded bench;
   const std::vector<CommandOctets> flood(limits::kStepCommands + 5, command(CommandCode::kNoop));
@@ -281,6 +283,7 @@ std::uint32_t occurrences(EventId id, const bus::EventLog& log) {
   return log.counts[static_cast<std::size_t>(row - bus::kEvents.begin())].occurrences;
 }
 
+// verifies: CMD-02
 TEST(Commands, RandomOnesNeverHarmAndAreAllCounted) {
   Commanded bench;
   Rng rng(5, 9);

@@ -28,6 +28,7 @@ int sequence_count(const StepOutput& out) {
   return ((out.packets[2] & 0x3F) << 8) | out.packets[3];
 }
 
+// verifies: CMP-03
 TEST(ComponentCreate, RefusesAParameterOutOfRange_AndNamesIt) {
   Parameters p = parameters();
   p.features.count_max = 0;
@@ -60,6 +61,7 @@ TEST(ComponentCreate, RefusesMemoryThatIsTooSmall_OrNotAligned) {
   EXPECT_TRUE(Component::create(memory.view().first(need), p).ok());
 }
 
+// verifies: CMP-04
 TEST(ComponentCreate, StaysWithinTheMemoryThatItAskedFor) {
   const Parameters p = parameters();
   const std::size_t need = memory_needed(p).total;
@@ -109,6 +111,7 @@ TEST(Step, StaysAcquiring_WhenTheBodyDoesNotTurn) {
   expect_acquiring(std::vector<Picture>(8, Ball(1).seen_from({.p_CT = {0.0, 0.0, 8.0}})));
 }
 
+// verifies: BUS-04
 TEST(Step, AnswersAndCountsEachKindOfBadFrame_WithOneInvalidPacket) {
   Bench b;
   const Picture good = noise(1);
@@ -188,6 +191,7 @@ TEST(Step, CountsFramesAndPackets_WithoutAGap) {
   }
 }
 
+// verifies: BUS-05
 TEST(Step, WrapsTheCountOfPackets_After14Bits) {
   Bench b;
   int last = -1;

@@ -26,6 +26,7 @@ class FitJobs : public ::testing::TestWithParam<int> {};
 /// With a delay: a fit is out for some frames.
 class FitJobsOut : public ::testing::TestWithParam<int> {};
 
+// verifies: CMP-02
 TEST_P(FitJobs, PacketsDoNotShowWhenAFitWasRun) {
   Caller& early = shown(GetParam(), Run::kAtOnce);
   EXPECT_EQ(early.packets(), shown(GetParam(), Run::kWhenDue).packets());

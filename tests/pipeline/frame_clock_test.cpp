@@ -42,6 +42,7 @@ TEST(FrameClock, FramesThatNeverCameAreCounted) {
   EXPECT_EQ(missing, 3U);
 }
 
+// verifies: IMG-07
 TEST(FrameClock, TenLaterAndLaterFramesOutvoteAWrongTime) {
   FrameClock clock = after_seconds(1, 3);
   std::uint32_t missing = 0;

@@ -42,6 +42,7 @@ double turn_error_rad(const Pose& before, int from, const Pose& after, int to) {
   return rotation_angle_rad(measured, true_turn);
 }
 
+// verifies: MAP-06
 TEST(FullTables, OfKeyframes_TheMostRedundantGo_AndTheBodyIsFollowed) {
   Parameters p = parameters();
   p.map.keyframes_max = 8;
@@ -55,6 +56,7 @@ TEST(FullTables, OfKeyframes_TheMostRedundantGo_AndTheBodyIsFollowed) {
   EXPECT_EQ(synthetic::broken_promise(s.mapping.map), "");
 }
 
+// verifies: MAP-06
 TEST(FullTables, OfLandmarks_ATenthGoes_AndTheBodyIsFollowed) {
   Bench b;
   constexpr int kBefore = 12;
@@ -75,6 +77,7 @@ TEST(FullTables, OfLandmarks_ATenthGoes_AndTheBodyIsFollowed) {
       0.03);
 }
 
+// verifies: FEA-04
 TEST(FullTables, OfFeatures_LeaveTheStrongestOfEachPlace_AndABodyThatIsFollowed) {
   Parameters p = parameters();
   p.features.count_max = 60;
@@ -151,6 +154,7 @@ TEST_P(HostilePictures, BeforeTheMap_OverflowNothing_AndTheBodyIsAcquiredAfterwa
   EXPECT_EQ(synthetic::broken_promise(s.mapping.map), "");
 }
 
+// verifies: MAP-10
 TEST_P(HostilePictures, InPlaceOfTheBody_GiveNoWrongPose_AndTheBodyIsFoundAgain) {
   Bench b;
   constexpr int kBefore = 12;

@@ -33,6 +33,7 @@ CommandOctets activation(const std::vector<bus::TableLoadEntry>& entries) {
                                            .entries = static_cast<std::uint32_t>(entries.size())});
 }
 
+// verifies: CMD-04
 TEST(ParameterTable, IsLoadedApart_AndSwappedByActivationOnly) {
   Commanded bench;
   const Parameters& active = state_of(*bench.component).configuration.parameters;
@@ -77,6 +78,7 @@ TEST(ParameterTable, WithOneBadEntryTakesNoneOfThePacket) {
   }
 }
 
+// verifies: CMD-04
 TEST(ParameterTable, IsNotActivatedWithAnotherChecksumOrCount_NorWithoutALoad) {
   Commanded bench;
   const std::vector entries = {entry("features.count_max", std::uint64_t{321})};

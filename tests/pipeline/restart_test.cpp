@@ -120,11 +120,13 @@ TEST(Restart, KeepsOriginAndUnit_AsFarAsTheBodyTellsThem) {
   EXPECT_LT((position_of(m) - expected).norm(), 0.3 * expected.norm());
 }
 
+// verifies: MAP-09
 TEST(Restart, InTheSameTIsToldAsFoundAgain) {
   EXPECT_EQ(passage().told(bus::EventId::kTargetFoundAgain), 1);
   EXPECT_EQ(passage().told(bus::EventId::kTargetFrameNew), 0);
 }
 
+// verifies: MAP-09
 TEST(Restart, InAnotherTIsToldAsThat) {
   // After a week nothing is known of how far the body has turned.
   const Passage r = run(7 * 86400);

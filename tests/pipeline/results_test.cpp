@@ -18,6 +18,7 @@ TEST(Jobs, WithoutDelay_AreDoneWithinTheStep) {
 
 class JobsWithDelay : public ::testing::TestWithParam<int> {};
 
+// verifies: CMP-02
 TEST_P(JobsWithDelay, PacketsDoNotShowWhenAJobWasRun) {
   Caller& early = shown(GetParam(), Run::kAtOnce);
   Caller& late = shown(GetParam(), Run::kWhenDue);
@@ -34,6 +35,7 @@ TEST_P(JobsWithDelay, TheBodyIsAcquiredAndFollowed) {
   EXPECT_GT(state_of(caller.component()).mapping.map.keyframe_count, 3);
 }
 
+// verifies: CMP-02
 TEST_P(JobsWithDelay, AJobNamesTheStepThatTakesItsResult) {
   Caller caller(parameters(), GetParam(), Run::kAtOnce);
   std::uint32_t step = 0;

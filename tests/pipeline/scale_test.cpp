@@ -53,6 +53,7 @@ double depth_ratio(const Component::State& s, int frame) {
   return ratios[ratios.size() / 2];
 }
 
+// verifies: SHP-08
 TEST(KnownLength, GivesMetres_AndIsReadAnewAsTheMapGrows) {
   const std::vector<Picture> pictures = pictures_of_turning(kFrames);
   Bench b(with_length());
@@ -103,6 +104,7 @@ TEST(KnownLength, OfAFrameThatIsNotThere_LeavesMapUnits) {
   EXPECT_FALSE(read_scale_in_keyframe(b.component));
 }
 
+// verifies: SHP-10
 TEST(KnownDiameter, IsReadOfAShape_OnceTheBodyHasTurnedByARightAngle) {
   Parameters p = parameters();
   p.scale.known_diameter_m = 1.9;

@@ -94,6 +94,7 @@ const std::vector<Damage>& damages() {
   return list;
 }
 
+// verifies: CMP-09
 TEST(Soundness, OfAStateThatWasDamagedBeforeItWasWritten_NothingIsTaken) {
   for (const Damage& damage : damages()) {
     Bench spoilt(parameters());
@@ -112,6 +113,7 @@ TEST(Soundness, OfAStateThatWasDamagedBeforeItWasWritten_NothingIsTaken) {
   }
 }
 
+// verifies: CMP-09
 TEST(Soundness, WithFlippedBitsItIsRefusedOrTheStepsGoOn) {
   constexpr int kTrials = 30;  // takes 3 s; 3000 were run once
   int taken = 0;

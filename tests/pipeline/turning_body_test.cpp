@@ -77,6 +77,7 @@ double worst_turn_error_rad(const Passage& r) {
   return worst;
 }
 
+// verifies: INI-01
 TEST(TurningBody, IsAcquired_AndFollowedToTheEnd) {
   const Passage& r = plain_run();
   std::size_t first = 0;
@@ -116,6 +117,7 @@ TEST(TurningBody, HasTheRateOfTheTruth) {
   EXPECT_NEAR(rate, kTurn_rad, 0.1 * kTurn_rad);
 }
 
+// verifies: MOT-10
 TEST(TurningBody, HasAQuaternionThatDoesNotJump) {
   const Passage& r = plain_run();
   for (std::size_t i = 1; i < r.motion.size(); ++i) {
@@ -153,6 +155,7 @@ TEST(TurningBody, GivesTheSameBytes_InTwoComponentsThatTakeTurns) {
   EXPECT_TRUE(std::equal(from_a.begin(), from_a.end(), plain_run().bytes.begin()));
 }
 
+// verifies: MAP-04
 TEST(TurningBody, IsFoundAgain_AfterFramesThatCouldNotBeRead) {
   const auto shown = [](int i) { return i < 15 || i >= 18; };
   const Passage r = run(parameters(), shown);
@@ -164,6 +167,7 @@ TEST(TurningBody, IsFoundAgain_AfterFramesThatCouldNotBeRead) {
   EXPECT_LT(worst_turn_error_rad(r), 0.035);
 }
 
+// verifies: MAP-03
 TEST(TurningBody, IsLost_WhenItIsGone_AndFoundAgain_WhenItReturns) {
   Bench b;
   show_first(16, &b);
@@ -210,6 +214,7 @@ TEST(TurningBody, IsFollowedByFlow_OverADegreeAndNoFarther) {
   }
 }
 
+// verifies: IMG-03
 TEST(TurningBody, AFrameUsedWithCareTeachesTheMapNothing) {
   Bench b;
   show_first(16, &b);
@@ -245,6 +250,7 @@ TEST(TurningBody, ItsPictureIsStillThere_AfterEachStep) {
   }
 }
 
+// verifies: IMG-07
 TEST(TurningBody, IsAcquiredAnew_WhenOneTimeWasFarAhead) {
   const Ball ball(3);
   Bench b;

@@ -61,6 +61,7 @@ TEST_F(CheckpointFile, ComesBackAsItWas) {
   EXPECT_FALSE(fs::exists(beside_));
 }
 
+// verifies: LIV-04
 TEST_F(CheckpointFile, CutOffAnywhereItIsRefused) {
   ASSERT_TRUE(write(content_));
   const std::string good = octets();
@@ -73,6 +74,7 @@ TEST_F(CheckpointFile, CutOffAnywhereItIsRefused) {
   EXPECT_NE(load().refusal, "");
 }
 
+// verifies: LIV-04
 TEST_F(CheckpointFile, WithAnyBitFlippedItIsRefused) {
   ASSERT_TRUE(write(content_));
   const std::string good = octets();
@@ -84,6 +86,7 @@ TEST_F(CheckpointFile, WithAnyBitFlippedItIsRefused) {
   }
 }
 
+// verifies: LIV-04
 TEST_F(CheckpointFile, OfAnotherConfigurationBootOrTimeItIsRefused) {
   ASSERT_TRUE(write(content_));
   EXPECT_EQ(load(identity('x', 'b')).refusal, "of another configuration");
@@ -92,6 +95,7 @@ TEST_F(CheckpointFile, OfAnotherConfigurationBootOrTimeItIsRefused) {
   EXPECT_NE(load(identity('a', 'b'), 999'000'000'000).refusal, "");    // from the future
 }
 
+// verifies: LIV-04
 TEST_F(CheckpointFile, OfAnotherBuildItIsRefusedEverywhere) {
   CheckpointIdentity other = identity('a', 'b');
   other.build_id[7] = 1;

@@ -18,6 +18,7 @@ std::string content(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+// verifies: PRG-07
 TEST(Trajectory, IsTheCameraSeenFromTheTarget) {
   // The target turned by 90 deg about z and 5 ahead of the camera: p_TC = -R_CT^T (1, 0, 5) = (0,
   // 1, -5).

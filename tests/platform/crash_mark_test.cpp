@@ -55,6 +55,7 @@ TEST_F(CrashMarks, EachSignalOfACrashLeavesOne_WithWhatTheRunBeganFrom) {
   }
 }
 
+// verifies: LIV-05
 TEST_F(CrashMarks, CrashesInARowAreCounted_WithEachCheckpoint) {
   run(77, 3, SIGSEGV);
   run(88, 3, SIGABRT);

@@ -154,6 +154,7 @@ TEST(Decode, Pgm_ScalesAnotherMaxvalToFullScale) {
   EXPECT_EQ(deep_pixel(decoded(encode_pgm(kWidth, kHeight, 1023, ten_bits)), 0), 65535);
 }
 
+// verifies: PRG-06
 TEST(Decode, EveryTruncationIsRefused_AndSaysSo_WhereAPixelIsMissing) {
   const PngShape shape{.width = kWidth, .height = kHeight};
   const File files[] = {encode_png(shape, gray_samples()),

@@ -81,12 +81,14 @@ class LiveRun : public testing::Test {
   ExposureControl exposure_{ExposureControlOptions{}};
 };
 
+// verifies: LIV-06
 TEST_F(LiveRun, StrokesTheWatchdogWithSteps) {
   Worker worker({.own_thread = false});
   EXPECT_GT(strokes_of_a_run(3, worker), 0);
   EXPECT_EQ(counts_.frames_accepted, 3U);
 }
 
+// verifies: LIV-06
 TEST_F(LiveRun, FramesDroppedForAJobThatDoesNotEndAreNoProgress) {
   // The first job is held back by 2.3 s, as the draw for it gives; the frames come in no time.
   Worker worker({.own_thread = true, .latency_ms_max = 3000});

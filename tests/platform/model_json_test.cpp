@@ -53,6 +53,7 @@ TEST(ModelJson, OfARefusedModelHasNoNumbersOfDynamicsAndSaysWhy) {
   EXPECT_FALSE(json.contains("w_T_rad_s"));
 }
 
+// verifies: MOT-07
 TEST(ModelJson, ShowsNoNumberOfWhatIsUnobserved) {
   RigidModel model = accepted({0.0, 0.0, 0.05});
   model.covariance.diagonal().segment<5>(6).setConstant(2.25);
@@ -71,6 +72,7 @@ TEST(ModelJson, ShowsNoNumberOfWhatIsUnobserved) {
   EXPECT_NEAR(json["prediction"][1]["v_C"][2].get<double>(), -0.01, 1e-9);
 }
 
+// verifies: BUS-08
 TEST(ModelJson, LengthsInMetresCarryTheErrorOfTheScale) {
   const RigidModel model = accepted({0.01, 0.02, 0.05});
   constexpr double kScaleSigma = 0.05;

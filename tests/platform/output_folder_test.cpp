@@ -32,6 +32,7 @@ TEST(OutputFolder, OfAnEarlierRun_LosesThatRunsFilesOnly) {
   EXPECT_TRUE(fs::exists(folder.path() / "plots/rates.png"));
 }
 
+// verifies: PRG-04
 TEST(OutputFolder, OfSomebodyElse_IsRefusedAndKept) {
   const TemporaryFolder folder;
   folder.write("motion.csv", "somebody's");

@@ -48,6 +48,7 @@ TEST(Parameters, DefaultsAreInRange) {
   EXPECT_FALSE(check(parameters));
 }
 
+// verifies: CMP-03
 TEST(Parameters, EveryRowRefusesWhatIsBeyondItsEnds_NamingKeyAndRange) {
   for (const ParameterRow& row : parameter_table()) {
     const auto* real = std::get_if<Member<double>>(&row.member);
@@ -113,6 +114,7 @@ TEST(Configuration, FileAndSettingsChangeDefaults_LaterWins) {
   EXPECT_EQ(loaded.parameters.map.keyframes_max, Parameters{}.map.keyframes_max);
 }
 
+// verifies: PRG-01
 TEST(Configuration, RefusalsNameFileLineKeyValueAndRange) {
   struct {
     const char* text;

@@ -143,6 +143,7 @@ class FullDisk {
   void (*handler_)(int);
 };
 
+// verifies: LIV-08
 TEST(Recording, WhatAFullDiskRefusesIsWrittenDown_OnceThereIsRoom) {
   const TemporaryFolder folder;
   const Pixels pixels = noise(1, kWidth * kHeight);

@@ -65,6 +65,7 @@ TEST(ShapeJson, ReportsReadingsThatContradictEachOther) {
   EXPECT_EQ(json["unknown"][0], "scale: the readings contradict each other");
 }
 
+// verifies: SHP-11
 TEST(ShapeJson, NamesWhatCouldNotBeMeasured) {
   const nlohmann::json json =
       written({.reason = "there is no map", .scale_options = {.known_diameter_m = 2.0}});

@@ -59,6 +59,7 @@ class Smoothed : public testing::Test {
   std::vector<MotionState> published_;
 };
 
+// verifies: MOT-11
 TEST_F(Smoothed, EveryFrameHasThePoseOfTheDynamics_WithSigmasThatHoldItsError) {
   const RigidModel fitted = model();
   ASSERT_TRUE(fitted.accepted());

@@ -22,6 +22,7 @@ def judge(run, sequence):
     return json.loads(report.read_text())["runs"][0]["motion"]
 
 
+# verifies: MOT-01, MOT-11
 def test_sample(replay):
     if not SAMPLE.exists():
         pytest.skip(f"{SAMPLE} is not there")

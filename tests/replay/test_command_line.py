@@ -27,6 +27,7 @@ def test_help_and_version(program):
         assert option in program("replay", "--help").out
 
 
+# verifies: PRG-01
 @pytest.mark.parametrize(
     "arguments",
     [[], ["fly"], ["replay"], ["replay", "--config"], ["replay", "--bogus"], ["bus"], ["bus", "dump"], ["check"]],
@@ -43,6 +44,7 @@ def refused_by_check_and_replay(program, config, sequence, text, says):
     assert not out.exists()
 
 
+# verifies: PRG-01
 @pytest.mark.parametrize(
     ("text", "says"),
     [
@@ -98,6 +100,7 @@ def test_check_with_a_sequence_validates_it_too(program, sequence):
     refused(program("check", "--config", DEFAULTS, "--sequence", sequence.path), "data.csv:2: timestamp [ns]: 1 repeats")
 
 
+# verifies: PRG-05
 def test_default_toml_is_complete_and_holds_the_defaults(program):
     assert DEFAULTS.read_text() == program("check", "--defaults").out
 
@@ -106,6 +109,7 @@ def test_the_field_table_has_the_parameters_that_commands_may_change(program):
     assert (DEFAULTS.parent / "bus/parameters.toml").read_text() == program("check", "--bus-parameters").out
 
 
+# verifies: PRG-04
 def test_output_folder_of_somebody_else_is_left_alone(replay, sequence, tmp_path):
     folder = tmp_path / "precious"
     folder.mkdir()

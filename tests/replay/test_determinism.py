@@ -32,6 +32,7 @@ def hash_of(result):
     return summary(result.folder)["bus_sha256"]
 
 
+# verifies: CMP-01
 def test_two_replays_give_the_same_bytes(replay, subject, tmp_path):
     first = replay(subject, out=tmp_path / "one")
     second = replay(subject, out=tmp_path / "two")
@@ -40,6 +41,7 @@ def test_two_replays_give_the_same_bytes(replay, subject, tmp_path):
         assert (first.folder / name).read_bytes() == (second.folder / name).read_bytes(), name
 
 
+# verifies: CMP-01
 def test_on_a_loaded_machine(replay, subject, tmp_path):
     """Twice as many busy processes as cores."""
     quiet = hash_of(replay(subject, out=tmp_path / "quiet"))
@@ -79,6 +81,7 @@ def test_with_files_that_come_at_uneven_speed(replay, subject, tmp_path):
     assert summary(halted)["bus_sha256"] == steady
 
 
+# verifies: CMP-01
 @pytest.mark.parametrize("delay_frames", [1, 4])
 def test_on_one_core_or_two_and_however_long_a_job_takes(replay, subject, tmp_path, delay_frames):
     delay = ("--set", f"jobs.delay_frames={delay_frames}")

@@ -17,6 +17,7 @@ def rate(row) -> numpy.ndarray:
     return numpy.array([float(row[f"w_T_{axis}"]) for axis in "xyz"])
 
 
+# verifies: MOT-09
 def test_poses_and_rates_follow_a_contact(replay, program, sample, tmp_path):
     sequence = tmp_path / "touched"
     subprocess.run([sys.executable, REPOSITORY / "hil/transform.py", "--kind", "rate_jump", "--set", "rate_jump.factor=2",

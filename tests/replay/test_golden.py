@@ -12,6 +12,7 @@ import golden  # noqa: E402
 from first_difference import first_difference, packets  # noqa: E402
 
 
+# verifies: CMP-01
 @pytest.mark.slow
 @pytest.mark.parametrize("name", golden.CONFIGURATIONS)
 def test_the_stream_is_the_recorded_one(name, tmp_path):

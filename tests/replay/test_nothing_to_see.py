@@ -21,6 +21,7 @@ SCENES = {
 }
 
 
+# verifies: INI-03
 @pytest.mark.parametrize("scene", SCENES)
 def test_it_ends_in_acquiring_with_exit_0(replay, tmp_path, scene):
     writer = SequenceWriter(tmp_path / "sequence")

@@ -38,10 +38,12 @@ def run(request, replay, sequence):
     return result
 
 
+# verifies: PRG-03
 def test_every_file_is_there_and_no_other(run):
     assert {file.name for file in run.folder.iterdir()} == FILES
 
 
+# verifies: PRG-03
 @pytest.mark.parametrize("name", ["motion.csv", "motion_smoothed.csv"])
 def test_motion_tables_have_the_header_and_a_row_a_frame(run, name):
     lines = (run.folder / name).read_text().splitlines()
@@ -63,12 +65,14 @@ def test_motion_tables_have_the_header_and_a_row_a_frame(run, name):
             assert math.isclose(math.hypot(*q), 1.0, abs_tol=1e-6)
 
 
+# verifies: MOT-10
 def test_quaternions_do_not_jump_in_sign(run):
     poses = [numpy.array([float(row[f"q_CT_{axis}"]) for axis in "wxyz"])
              for row in motion_rows(run.folder) if row["pose_valid"] == "1"]
     assert all(a @ b >= 0.0 for a, b in zip(poses, poses[1:]))
 
 
+# verifies: BUS-04
 def test_bus_holds_one_motion_packet_a_frame_with_the_rows_values(run, program):
     packets = [json.loads(line) for line in program("bus", "dump", run.folder / "bus.ccsds", "--json").out.splitlines()]
     packets = [packet for packet in packets if packet["packet"] == "motion"]
@@ -131,6 +135,7 @@ FORMATS = {
 }
 
 
+# verifies: PRG-02
 def test_lossless_formats_of_the_same_picture_give_the_same_packets(replay, tmp_path):
     hashes = {}
     for name, (suffix, convert) in FORMATS.items():
@@ -143,6 +148,7 @@ def test_lossless_formats_of_the_same_picture_give_the_same_packets(replay, tmp_
     assert len(set(hashes.values())) == 1, hashes
 
 
+# verifies: PRG-02
 @pytest.mark.parametrize(("suffix", "depth"), [(".png", 16), (".pgm", 16), (".jpg", 8)])
 def test_other_formats_are_read(replay, tmp_path, suffix, depth):
     writer = SequenceWriter(tmp_path / "sequence", suffix)
@@ -165,6 +171,7 @@ def test_masks_and_tracks_are_written_where_wished_and_can_be_drawn(replay, sequ
         assert picture.std() > 10, frame
 
 
+# verifies: MAP-09
 def test_target_frame_numbers_the_frames_of_the_poses(sample, replay, tmp_path):
     stamps = [line.split(",")[0] for line in (sample / "mav0/cam0/data.csv").read_text().splitlines()[1:]]
     commands = tmp_path / "commands.txt"

@@ -6,6 +6,7 @@ from generator import rigid_body
 from generator.rotations import quat_from_axis_angle, quat_multiply, quat_to_matrix
 
 
+# verifies: GND-05
 def test_momentum_and_energy_stay_constant_for_a_full_tensor():
     inertia = np.array([[0.42, 0.02, -0.01], [0.02, 0.30, 0.015], [-0.01, 0.015, 0.24]])
     times_s = np.linspace(0, 300, 61)
@@ -17,6 +18,7 @@ def test_momentum_and_energy_stay_constant_for_a_full_tensor():
     assert np.abs(energies / energies[0] - 1).max() < 1e-8
 
 
+# verifies: GND-05
 def test_an_axisymmetric_body_follows_the_closed_solution():
     inertia = np.diag([0.47, 0.47, 0.02])
     w0 = np.radians([0.0, 0.1, 1.0])

@@ -78,6 +78,7 @@ TEST(Outliers, AreExactlyThePointsWithTooFewNeighboursInOrder) {
   }
 }
 
+// verifies: SHP-02
 TEST(Homogenise, LeavesOnePointACubeAndKeepsTheWeightedMean) {
   const Points points = box_points({1.0, 0.7, 0.5}, kAllSides, 3000, 0.01, 5);
   Cloud cloud = cloud_of(points);
@@ -117,6 +118,7 @@ TEST(Homogenise, EvensOutADenseHalf) {
   EXPECT_LT((centroid_T(cloud.points_T.view()) - whole.centre_T).norm(), 0.02);
 }
 
+// verifies: SHP-01
 TEST(Denoise, LeavesOutStraysAndValuesThatAreNotFinite) {
   Points points = box_points({1.0, 0.8, 0.6}, kAllSides, 1500, 0.003, 8);
   add_strays(points, 150, 3.0, 8);

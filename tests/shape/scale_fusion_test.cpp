@@ -35,6 +35,7 @@ TEST(FuseScales, OfReadingsThatAgreeIsTheirWeightedMean) {
   EXPECT_NEAR(fused.sigma / fused.metres_per_mu, 0.01 / std::sqrt(1.25), 1e-9);
 }
 
+// verifies: SHP-09
 TEST(FuseScales, OfTwoThatContradictIsUnknown_NotTheirMean) {
   const FusedScale fused = fuse_scales(
       readings_of({{ScaleSource::kKnownLength, 1.0, 0.01}, {ScaleSource::kRange, 1.1, 0.01}}));

@@ -50,6 +50,7 @@ TEST(ScaleFromLength, IsExactOnExactLandmarks) {
   EXPECT_NEAR(scale.value().metres_per_mu, kMetresPerMu, 1e-3 * kMetresPerMu);
 }
 
+// verifies: SHP-08
 TEST(ScaleFromLength, HasAnHonestSigma) {
   constexpr int kSeeds = 200;
   constexpr double kPick = 0.0004;

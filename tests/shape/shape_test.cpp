@@ -27,6 +27,7 @@ Points damaged_box(std::uint64_t seed) {
   return points;
 }
 
+// verifies: SHP-06
 TEST(Shape, OfABoxHasItsCentreAxesAndDimensionsWithinTheirSigmas) {
   const Placement at;
   const auto work = new_work();
@@ -55,6 +56,7 @@ TEST(Shape, OfABoxHasItsCentreAxesAndDimensionsWithinTheirSigmas) {
   EXPECT_LE(beyond_two_sigma, 10);
 }
 
+// verifies: SHP-04
 TEST(Shape, OfADamagedBoxIsCompletedAndItsCentreTwiceAsGoodAtLeast) {
   const Placement at;
   const auto work = new_work();
@@ -92,6 +94,7 @@ TEST(Shape, CompletionPointsLieOnTheBoxAwayFromMeasuredOnesAtTheirDensity) {
   }
 }
 
+// verifies: SHP-05
 TEST(Shape, OfACylinderHasItsAxisRadiusAndCentre) {
   const Placement at;
   const auto work = new_work();
@@ -172,6 +175,7 @@ TEST(Shape, OfACylinderKeepsItsAxesToo) {
   }
 }
 
+// verifies: SHP-07
 TEST(Shape, NeverRenamesItsAxesWhateverIsSeenOfIt) {
   // Any sides of any box and any arc of any cylinder, one after the other: the frame turns by what
   // the geometry has changed, never by a quarter or half turn on top. Each next frame is within
@@ -259,6 +263,7 @@ TEST(Shape, IsTheSameForTheSameInput) {
   }
 }
 
+// verifies: SHP-11
 TEST(Shape, OfOnePanelSaysOnlyWhatAPanelTells) {
   const auto work = new_work();
   const Result<Shape> result = estimate_shape(

@@ -70,6 +70,7 @@ TEST(Rectangle, IsFoundAtAnyAngle) {
   }
 }
 
+// verifies: SHP-03
 TEST(Planes, AreTheSixSidesOfABoxWithinTheirSigmas) {
   const Placement at;
   const Eigen::Vector3d dimensions(1.0, 0.8, 0.6);
@@ -179,6 +180,7 @@ Result<Cylinder> cylinder_of(const Points& points, double spacing, double distan
                         .seed = 1});
 }
 
+// verifies: SHP-05
 TEST(Cylinder, HasTheRightAxisAndRadius) {
   const Placement at;
   constexpr double kSigma = 0.004;

@@ -76,6 +76,7 @@ TEST(AbsolutePose, IsExact_WhenTheImagesAre) {
   }
 }
 
+// verifies: MAP-01
 TEST(AbsolutePose, FindsThePose_WhenHalfOfTheMatchesAreOutliers) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     Scene s = make_scene(seed, 100, 50, 1.0);
@@ -107,6 +108,7 @@ TEST(AbsolutePose, CountsItsInliers) {
       << "the last round of flags may differ by what lies on the limit";
 }
 
+// verifies: MAP-02
 TEST(AbsolutePose, PublishesAnHonestCovariance) {
   constexpr int kSeeds = 200;
   double sum = 0.0;

@@ -49,6 +49,7 @@ bool same_bytes(const Scene& a, const Scene& b) {
   return a.points_T == b.points_T;
 }
 
+// verifies: MAP-07
 TEST(AdjustBundle, FindsTheScene_WhenItWasDisturbed) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     const Scene truth = make_scene(6, 60, 0.0, seed);
@@ -155,6 +156,7 @@ TEST(AdjustBundle, LeavesTheProblemUntouched_WithoutObservations) {
   EXPECT_TRUE(same_bytes(s, before));
 }
 
+// verifies: MAP-07
 TEST(AdjustBundle, LeavesTheProblemUntouched_WhenAValueIsNotFinite) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const Scene good = disturbed(make_scene(4, 20, 1.0, 8), 8);
@@ -273,6 +275,7 @@ TEST(AdjustBundle, ErrorsAreThoseOfTheNoise) {
   EXPECT_NEAR(mean_square, 6.0, 3.0 * std::sqrt(2.0 * 6.0 / kSeeds));
 }
 
+// verifies: MAP-07
 TEST(AdjustBundle, GivesTheSameBytes_EachTimeAndAtAnyAddress) {
   const Scene start = disturbed(make_scene(8, 50, 1.0, 14), 14, 0.2);
   Scene expected = start;

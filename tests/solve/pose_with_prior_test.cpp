@@ -235,6 +235,7 @@ TEST(PoseWithPrior, GrowsItsCovariance_WhenTheNoiseIsLargerThanSaid) {
   EXPECT_GT(noisy, 1.5 * honest);
 }
 
+// verifies: MAP-02
 TEST(PoseWithPrior, PublishesAnHonestCovariance) {
   constexpr int kSeeds = 300;
   double sum = 0.0;

@@ -13,10 +13,12 @@ FILES = [file for root in ("fsw", "platform") for file in source_files(root, suf
          if ARCHITECTURE.search(file.read_text())]
 
 
+# verifies: RES-06
 def test_some_files_name_an_architecture():
     assert {name_of(file) for file in FILES} >= {"fsw/features/lanes.hpp", "platform/os/linux/memory/trap.cpp"}
 
 
+# verifies: RES-06
 @pytest.mark.skipif(not shutil.which(COMPILER), reason=f"{COMPILER} is not installed (tools/setup.sh arm64)")
 @pytest.mark.parametrize("file", FILES, ids=name_of)
 def test_it_compiles_for_arm64(file):

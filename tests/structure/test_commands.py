@@ -77,6 +77,8 @@ def test_a_shell_command_says_how_it_is_called(file, tmp_path):
     ("tools/junit_totals.py", ["NOT_THERE"], "NOT_THERE: No such file"),
     ("tools/junit_totals.py", ["FILE"], "FILE: not a report"),
     ("tools/junit_totals.py", [], "REPORT.xml"),
+    ("tools/requirements_matrix.py", ["--results", "NOT_THERE"], "NOT_THERE: no such folder"),
+    ("tools/make_site.py", ["--out", "."], "holds something else"),
     ("tools/sbom.py", ["--program", "NOT_THERE", "--out", "OUT"], "NOT_THERE: no such program"),
     ("tools/sbom.py", ["--program", "FILE", "--out", "NOT_THERE/OUT"], "NOT_THERE: no such folder"),
     ("tools/sbom.py", ["--program", "FILE", "--out", "OUT"], "not a program that this machine can load"),

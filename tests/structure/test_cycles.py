@@ -35,6 +35,7 @@ def cycles(graph: dict[str, set[str]]) -> list[list[str]]:
         left = {unit: others for unit, others in left.items() if unit not in starts}
 
 
+# verifies: CMP-07
 def test_there_is_no_include_cycle():
     assert len(arrows()) > 150
     assert not cycles(arrows())

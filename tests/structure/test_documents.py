@@ -18,7 +18,7 @@ DECISIONS = REPOSITORY / "docs/decisions"
 DOCUMENTS = [REPOSITORY / "README.md", REPOSITORY / "CONTRIBUTING.md"]
 DOCUMENTS += [file for root in ("fsw", "platform", "hil") for file in sorted((REPOSITORY / root).rglob("README.md"))]
 DOCUMENTS += [file for file in sorted((REPOSITORY / "docs").glob("*.md")) if name_of(file) not in GENERATED]
-DOCUMENTS += sorted(DECISIONS.glob("*.md"))
+DOCUMENTS += sorted(DECISIONS.glob("*.md")) + [REPOSITORY / "docs/requirements/README.md"]
 
 FENCED = re.compile(r"^[ \t]*```.*?^[ \t]*```[ \t]*$", re.DOTALL | re.MULTILINE)
 HEADING_OR_TABLE = re.compile(r"^[ \t]*(?:#{1,6}[ \t]|\|).*$", re.MULTILINE)

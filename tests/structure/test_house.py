@@ -50,6 +50,7 @@ def stage_of(file) -> str:
     return file.relative_to(REPOSITORY / "fsw").parts[0]
 
 
+# verifies: CMP-07
 @pytest.mark.parametrize("stage", STAGES)
 def test_no_arrow_runs_back(stage):
     allowed = allowed_from(stage)
@@ -67,6 +68,7 @@ def test_every_folder_of_fsw_is_a_stage():
     assert folders == set(STAGES)
 
 
+# verifies: CMP-06
 @pytest.mark.parametrize("stage", STAGES)
 def test_fsw_knows_no_machine(stage):
     wrong = []

@@ -20,6 +20,7 @@ ENVIRONMENT = {**os.environ, "REUSE_ENCODING_MODULE": "charset_normalizer"}
 IN_GIT = pytest.mark.skipif(not (REPOSITORY / ".git").exists() or not shutil.which("git"), reason="not a clone, or no git: what is generated cannot be told from what is kept")
 
 
+# verifies: DEL-05
 @IN_GIT
 def test_every_file_has_a_licence_and_its_text_is_here():
     done = subprocess.run([REUSE, "--root", REPOSITORY, "lint", "--lines"], capture_output=True, text=True, timeout=120, env=ENVIRONMENT)
@@ -70,6 +71,7 @@ def installed_version(package: str) -> str:
     return subprocess.run(["dpkg-query", "-W", "-f", "${Version}", package], capture_output=True, text=True, check=True).stdout
 
 
+# verifies: DEL-05
 @BUILT_HERE
 def test_the_bill_holds_every_library_and_every_requirement(bill):
     rows = {one["name"]: one for one in json.loads(bill)["components"]}

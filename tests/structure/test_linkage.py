@@ -10,6 +10,7 @@ from source_tree import REPOSITORY
 PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
 
 
+# verifies: DEL-04
 def test_no_codecs_windows_or_video_files_are_linked():
     if not PROGRAM.exists():
         pytest.skip(f"{PROGRAM} is not built")

@@ -49,6 +49,7 @@ def table():
     return ranges
 
 
+# verifies: PRG-05
 def test_every_option_is_in_the_table(table):
     assert set(option_fields()) - NOT_SET_DIRECTLY | {"seed"} == set(table)
 

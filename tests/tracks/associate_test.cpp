@@ -154,6 +154,7 @@ TEST(Associate, DropsAMatchThatMovesOtherwiseThanItsNeighbours) {
   }
 }
 
+// verifies: TRK-03
 TEST(Associate, IsNotMisled_WhenAFifthOfTheMatchesIsWrong) {
   TwoFrames f(kSpots, 0.2);
   for (int i = 0; i < kSpots; i += 5) {

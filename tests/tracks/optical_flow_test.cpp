@@ -85,8 +85,10 @@ void expect_followed(double shift_u_px, double shift_v_px, double guess_error_px
 
 TEST(FollowPoints, StaysInPlace_WhenThePictureDoes) { expect_followed(0.0, 0.0, 0.0); }
 
+// verifies: TRK-01
 TEST(FollowPoints, FindsAShiftOfAPartOfAPixel) { expect_followed(0.37, -0.61, 0.0); }
 
+// verifies: TRK-01
 TEST(FollowPoints, FindsALargeShift_WhenTheGuessIsNear) { expect_followed(23.4, -17.7, 2.0); }
 
 TEST(FollowPoints, FindsAShiftOfSomePixels_WithoutAGuess) {
@@ -99,6 +101,7 @@ TEST(FollowPoints, FindsAShiftOfSomePixels_WithoutAGuess) {
   }
 }
 
+// verifies: TRK-02
 TEST(FollowPoints, SurvivesAChangeOfBrightnessOfSomePercent) {
   cv::Mat brighter;
   texture(1, 2.5, 0.0).convertTo(brighter, CV_8UC1, 1.03, 2.0);

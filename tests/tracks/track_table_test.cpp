@@ -130,6 +130,7 @@ TEST(TrackTable, ChainsASpotOverAllFrames_WhateverItsPlaceInTheList) {
   f.expect_consistent();
 }
 
+// verifies: TRK-04
 TEST(TrackTable, BridgesTwoMissedFrames_ButNotThree) {
   Fixture f;
   f.add(range(0, 10));

@@ -60,6 +60,7 @@ def test_the_log_says_what_was_done(spoiled):
         before = gray
 
 
+# verifies: CMP-05
 @pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_tenth_of_bad_frames_does_no_harm(tmp_path, seed):

@@ -58,6 +58,7 @@ TEST(Mac, IsHmacSha256_ItsFirst128Bits) {
   EXPECT_EQ(mac, expected);
 }
 
+// verifies: CMD-05
 TEST_F(CommandGuardTest, TakesASignedCommandOnce_AndCountsWhatItRefusesByReason) {
   const Octets good = signed_.sign(kNoop);
   Octets datagram = good;
@@ -106,6 +107,7 @@ TEST_F(CommandGuardTest, TakesThoseThatOvertakeEachOther_AndNoneThatLeftTheWindo
   EXPECT_FALSE(at(2000 + 5));
 }
 
+// verifies: CMD-05
 TEST(CommandWindow, TakesEachNumberOnce_InAnyOrder) {
   Rng rng(5, 0);
   CommandWindow window(100);

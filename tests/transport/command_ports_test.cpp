@@ -90,6 +90,7 @@ TEST_F(CommandPortsTest, WithAKeyTakesSignedOnes_AsTheyWereBefore_OnEveryKindOfP
   EXPECT_FALSE(ports.open_to_all());
 }
 
+// verifies: CMD-06
 TEST_F(CommandPortsTest, UdpTakesUnsignedOnesOnlyWhereTheSettingsSayIt) {
   EXPECT_THROW(CommandPorts({"udp:39241"}, {}, 0), UnusableInput);
   EXPECT_THROW(CommandPorts({unix_, "udp:39241"}, {}, 0), UnusableInput);
@@ -134,6 +135,7 @@ TEST_F(CommandPortsTest, AnotherUsersDatagramsAreRefused_WhateverTheModeOfTheFil
   EXPECT_EQ(ports.receive().size(), 1U);
 }
 
+// verifies: CMD-07
 TEST_F(CommandPortsTest, AFloodAtOnePortStarvesNoneOfAnother_AndReadsABoundedNumber) {
   CommandPorts ports = signed_ports({"udp:39242", other_});
   DatagramSender flood(parse_address("udp:39242"));

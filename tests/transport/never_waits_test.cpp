@@ -94,6 +94,7 @@ struct Audience {
   std::vector<std::string> addresses;
 };
 
+// verifies: LIV-07
 TEST(Publishing, NeverWaits_WhateverItsReadersDo) {
   const Folder folder;
   Audience audience(folder);

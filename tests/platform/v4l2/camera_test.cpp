@@ -107,6 +107,7 @@ TEST_F(V4l2CameraTest, AStampThatCannotBeOfThisClockDoesNotTellWhenTheFrameWasTh
   EXPECT_EQ(camera.available_ns(), now_ns);
 }
 
+// verifies: LIV-10
 TEST_F(V4l2CameraTest, DamagedAndShortFramesAreAnsweredAsUnreadable) {
   V4l2Camera camera(device, options());
   ASSERT_EQ(camera.open(), OpenResult::kStreaming);
@@ -187,6 +188,7 @@ TEST_F(V4l2CameraTest, ComesBackAfterAFatalStreamingError) {
   EXPECT_EQ(device.open_now, 1);
 }
 
+// verifies: LIV-09
 TEST_F(V4l2CameraTest, FindsAnUnpluggedDeviceWithinTheLongestBackOffOfItsReturn) {
   V4l2Camera camera(device, options());
   ASSERT_EQ(camera.open(), OpenResult::kStreaming);
@@ -263,6 +265,7 @@ TEST_F(V4l2CameraTest, DoesNotTakeAnotherFormatWhenItComesBack) {
   EXPECT_TRUE(frame_within(camera, 1500, &frame));
 }
 
+// verifies: LIV-09
 TEST_F(V4l2CameraTest, FindsTheDeviceThatCameBackUnderAnotherNumber) {
   V4l2Camera camera(device, options());
   ASSERT_EQ(camera.open(), OpenResult::kStreaming);
@@ -279,6 +282,7 @@ TEST_F(V4l2CameraTest, FindsTheDeviceThatCameBackUnderAnotherNumber) {
   EXPECT_EQ(device.open_now, 1);
 }
 
+// verifies: LIV-09
 TEST_F(V4l2CameraTest, DoesNotTakeAnotherDeviceForItsOwn_NorSetAnythingThere) {
   V4l2Camera camera(device, options());
   ASSERT_EQ(camera.open(), OpenResult::kStreaming);

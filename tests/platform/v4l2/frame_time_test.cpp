@@ -5,6 +5,7 @@
 namespace polhode::platform {
 namespace {
 
+// verifies: LIV-11
 TEST(MidExposure, IsHalfAnExposureAfterItsStart) {
   EXPECT_EQ(
       mid_exposure_ns(
@@ -13,6 +14,7 @@ TEST(MidExposure, IsHalfAnExposureAfterItsStart) {
       1'010'000);
 }
 
+// verifies: LIV-11
 TEST(MidExposure, IsReadoutAndHalfAnExposureBeforeTheEndOfTheFrame) {
   EXPECT_EQ(mid_exposure_ns(
                 1'000'000,
