@@ -24,6 +24,7 @@ enum class EventId : std::uint16_t {
   kTargetFoundAgain = 4,
   kTargetFrameNew = 11,
   kMotionChanged = 12,
+  kTableDamaged = 13,
   kLoopClosed = 5,
   kScaleKnown = 6,
   kTableFull = 7,
@@ -65,7 +66,7 @@ struct EventRow {
   const char* text;  ///< {0}, {1}: the event's numbers; {}: its word
 };
 
-inline constexpr std::size_t kEventKinds = 37;
+inline constexpr std::size_t kEventKinds = 38;
 inline constexpr std::array<EventRow, kEventKinds> kEvents{{
     {EventId::kStarted, Severity::kInfo, 4, "started", "component {} started, table CRC {0}"},
     {EventId::kTargetAcquired, Severity::kInfo, 4, "target_acquired", "map begun: {0} landmarks, {1} keyframes"},
@@ -73,6 +74,7 @@ inline constexpr std::array<EventRow, kEventKinds> kEvents{{
     {EventId::kTargetFoundAgain, Severity::kInfo, 4, "target_found_again", "target found again after {0} frames"},
     {EventId::kTargetFrameNew, Severity::kWarning, 4, "target_frame_new", "map begun anew after {0} frames, in a new frame T and unit, number {1}"},
     {EventId::kMotionChanged, Severity::kInfo, 4, "motion_changed", "dynamics {0} to {1} (1: local fits, 2: torque-free, 3: in orbit)"},
+    {EventId::kTableDamaged, Severity::kWarning, 4, "table_damaged", "{} damaged in memory: {0} entries dropped or put right, reset {1}"},
     {EventId::kLoopClosed, Severity::kInfo, 4, "loop_closed", "{0} loops closed"},
     {EventId::kScaleKnown, Severity::kInfo, 4, "scale_known", "scale known: {0} m per map unit, relative sigma {1}"},
     {EventId::kTableFull, Severity::kWarning, 4, "table_full", "a table was full {0} times"},

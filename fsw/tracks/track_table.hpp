@@ -61,4 +61,7 @@ void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table);
 
 void clear(TrackTable* table);
 
+/// Sizes and indices within the tables, as long as no bit has flipped in memory.
+bool is_sound(const TrackTable& table);
+
 }  // namespace polhode

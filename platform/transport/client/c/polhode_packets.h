@@ -261,7 +261,7 @@ struct polhode_housekeeping {
   uint8_t mode; /* what the component is doing */
   uint8_t version[3]; /* of the component */
   uint8_t flags;
-  uint8_t spare; /* 0 */
+  uint8_t tables_damaged; /* tables found damaged in memory, and reset or rebuilt; 255: so many or more */
 };
 
 #define POLHODE_EVENT 5 /* number of the packet: its APID less the first one */

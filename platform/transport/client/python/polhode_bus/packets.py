@@ -161,7 +161,7 @@ PACKETS = {
         ("mode", "B", 1, 198, None, None, ('IDLE', 'ACQUIRING', 'TRACKING', 'LOST')),
         ("version", "B", 3, 199, (3,), None, ()),
         ("flags", "B", 1, 202, None, None, ()),
-        ("spare", "B", 1, 203, None, None, ()),
+        ("tables_damaged", "B", 1, 203, None, None, ()),
     ]),
     5: ("event", 182, (), [
         ("timestamp_ns", "q", 1, 16, None, None, ()),
@@ -280,6 +280,7 @@ EVENTS = {
     4: ("target_found_again", "INFO"),
     11: ("target_frame_new", "WARNING"),
     12: ("motion_changed", "INFO"),
+    13: ("table_damaged", "WARNING"),
     5: ("loop_closed", "INFO"),
     6: ("scale_known", "INFO"),
     7: ("table_full", "WARNING"),
