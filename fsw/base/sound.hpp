@@ -27,6 +27,19 @@ inline bool is_bool(const bool& value) {
   return octet <= 1;
 }
 
+/// A flag of which another bit than its lowest was hit is what its lowest bit says.
+/// @return whether it was put right.
+inline bool mend(bool* value) {
+  std::uint8_t octet = 0;
+  std::memcpy(&octet, value, sizeof octet);
+  if (octet <= 1) {
+    return false;
+  }
+  octet &= 1U;
+  std::memcpy(value, &octet, sizeof octet);
+  return true;
+}
+
 /// All enumerators from 0 to `last` exist.
 template <typename Enum>
 bool is_enum(Enum value, Enum last) {

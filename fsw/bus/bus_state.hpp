@@ -85,6 +85,7 @@ struct BusState {
   PredictionsUnderWay predictions;
   Reported reported;
   std::array<double, 4> q_CT_last{1.0, 0.0, 0.0, 0.0};  ///< published last: signs go on from it
+  std::uint32_t tables_damaged = 0;                     ///< found so in memory
 };
 
 }  // namespace polhode

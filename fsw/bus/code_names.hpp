@@ -39,6 +39,7 @@ inline constexpr CodeName kEventsNames[] = {
     {12, "motion_changed"},
     {13, "stamps_doubted"},
     {14, "rate_implausible"},
+    {15, "table_damaged"},
     {5, "loop_closed"},
     {6, "scale_known"},
     {7, "table_full"},

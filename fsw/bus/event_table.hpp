@@ -29,6 +29,7 @@ enum class EventId : std::uint16_t {
   kMotionChanged = 12,
   kStampsDoubted = 13,
   kRateImplausible = 14,
+  kTableDamaged = 15,
   kLoopClosed = 5,
   kScaleKnown = 6,
   kTableFull = 7,
@@ -72,7 +73,7 @@ struct EventRow {
   std::array<std::span<const CodeName>, 2> words;  ///< what the numbers are codes of; empty for numbers
 };
 
-inline constexpr std::size_t kEventKinds = 40;
+inline constexpr std::size_t kEventKinds = 41;
 inline constexpr std::array<EventRow, kEventKinds> kEvents{{
     {EventId::kStarted, Severity::kInfo, 4, "started", "component {} started, table CRC {0}", {{{}, {}}}},
     {EventId::kTargetAcquired, Severity::kInfo, 4, "target_acquired", "map begun: {0} landmarks, {1} keyframes", {{{}, {}}}},
@@ -82,6 +83,7 @@ inline constexpr std::array<EventRow, kEventKinds> kEvents{{
     {EventId::kMotionChanged, Severity::kInfo, 4, "motion_changed", "dynamics {0} to {1} (1: local fits, 2: torque-free, 3: in orbit)", {{kModelDynamicsNames, kModelDynamicsNames}}},
     {EventId::kStampsDoubted, Severity::kWarning, 4, "stamps_doubted", "time stamps doubted: intervals {0} to {1} s, yet it turns alike over all; no rates", {{{}, {}}}},
     {EventId::kRateImplausible, Severity::kWarning, 4, "rate_implausible", "{0} deg/s: faster than debris turns; are the time stamps nanoseconds?", {{{}, {}}}},
+    {EventId::kTableDamaged, Severity::kWarning, 4, "table_damaged", "{} damaged in memory: {0} entries dropped or put right, reset {1}", {{{}, {}}}},
     {EventId::kLoopClosed, Severity::kInfo, 4, "loop_closed", "{0} loops closed", {{{}, {}}}},
     {EventId::kScaleKnown, Severity::kInfo, 4, "scale_known", "scale known: {0} m per map unit, relative sigma {1}", {{{}, {}}}},
     {EventId::kTableFull, Severity::kWarning, 4, "table_full", "a table was full {0} times", {{{}, {}}}},

@@ -13,6 +13,10 @@ inline std::uint16_t clipped(std::size_t count) {
   return static_cast<std::uint16_t>(std::min<std::size_t>(count, 0xFFFF));
 }
 
+inline std::uint8_t clipped_to_octet(std::size_t count) {
+  return static_cast<std::uint8_t>(std::min<std::size_t>(count, 0xFF));
+}
+
 /// Rounded to binary32.
 template <std::size_t kCount>
 std::array<float, kCount> narrowed(const std::array<double, kCount>& values) {

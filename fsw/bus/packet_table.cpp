@@ -173,7 +173,7 @@ constexpr Field kHousekeepingPacket[] = {
     {"mode", FieldType::kU8, 1, false, 198, offsetof(HousekeepingPacket, mode), -1, 0.0, 3.0, "", "", "IDLE ACQUIRING TRACKING LOST", {}},
     {"version", FieldType::kU8, 3, true, 199, offsetof(HousekeepingPacket, version), -1, -kNoLimit, kNoLimit, "major minor patch", "", "", {}},
     {"flags", FieldType::kU8, 1, false, 202, offsetof(HousekeepingPacket, flags), -1, 0.0, 15.0, "", "", "", {}},
-    {"spare", FieldType::kU8, 1, false, 203, offsetof(HousekeepingPacket, spare), -1, -kNoLimit, kNoLimit, "", "", "", {}},
+    {"tables_damaged", FieldType::kU8, 1, false, 203, offsetof(HousekeepingPacket, tables_damaged), -1, -kNoLimit, kNoLimit, "", "", "", {}},
 };
 constexpr Layout kHousekeepingPacketLayout{"housekeeping", 4, 206, kHousekeepingPacket, offsetof(HousekeepingPacket, flags), "held scale_known table_loaded servicer_attitude"};
 static_assert(sizeof(HousekeepingPacket) <= kStructOctetsMax);

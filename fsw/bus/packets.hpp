@@ -224,7 +224,7 @@ struct HousekeepingPacket {
   std::uint8_t mode = 0;  ///< what the component is doing
   std::array<std::uint8_t, 3> version{};  ///< of the component
   std::uint8_t flags = 0;
-  std::uint8_t spare = 0;  ///< 0
+  std::uint8_t tables_damaged = 0;  ///< tables found damaged in memory, and reset or rebuilt; 255: so many or more
 
   static const Layout& layout();  ///< 206 octets
 };

@@ -69,6 +69,7 @@ void send_housekeeping(const View& view, BusState* bus) {
       flag_if(view.held, flag::kFlagHeld) | flag_if(view.scale->known, flag::kFlagScaleKnown) |
       flag_if(view.table.loaded, flag::kFlagTableLoaded) |
       flag_if(bus->servicer.known, flag::kFlagServicerAttitude));
+  packet.tables_damaged = clipped_to_octet(bus->tables_damaged);
   append(packet, *view.options, &bus->stream);
 }
 

@@ -7,11 +7,11 @@
 
 namespace polhode {
 namespace {
-
 using sound::is_at_least;
 using sound::is_bool;
 using sound::is_bounded;
 using sound::is_enum;
+}  // namespace
 
 bool is_sound(const ServicerAttitude& servicer) {
   // Commands carry a quaternion to single precision.
@@ -25,8 +25,6 @@ bool is_sound(const Reported& reported) {
          is_bool(reported.rate_implausible) && is_enum(reported.mode, Mode::kLost) &&
          reported.dynamics <= bus::kDynamicsOrbit && is_at_least(reported.metres_per_mu, 0.0);
 }
-
-}  // namespace
 
 bool is_sound(const BusState& bus) {
   const auto& q = bus.q_CT_last;

@@ -9,4 +9,8 @@ namespace polhode {
 /// unit norm, kinds that exist.
 bool is_sound(const BusState& bus);
 
+/// Parts of it:
+bool is_sound(const ServicerAttitude& servicer);
+bool is_sound(const Reported& reported);
+
 }  // namespace polhode

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/sound.hpp"
+
 namespace polhode {
 namespace {
 
@@ -112,6 +114,10 @@ void clear(InitialisationState* state) {
   clear(&state->tracks);
   state->asked_short = false;
   state->since_asked = 0;
+}
+
+bool is_sound(const InitialisationState& state) {
+  return sound::is_bool(state.asked_short) && is_sound(state.tracks);
 }
 
 Collected collect_frame(const CollectibleFrame& frame,

@@ -22,6 +22,9 @@ struct InitialisationState {
 /// As before the first frame.
 void clear(InitialisationState* state);
 
+/// Whether indices and sizes are within their tables, as long as no bit has flipped in memory.
+bool is_sound(const InitialisationState& state);
+
 /// A frame whose features are on the target.
 struct CollectibleFrame {
   std::uint32_t frame = 0;

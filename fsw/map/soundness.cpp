@@ -17,17 +17,6 @@ using sound::is_rotation;
 
 using Ties = std::array<std::int32_t, limits::kLandmarks>;
 
-bool is_sound(const Feature& feature, const CameraModel& camera) {
-  // Refinement moves a feature by less than a pixel: no farther out of the image.
-  constexpr float kBeside_px = 1.0F;
-  const bool inside = feature.u_px >= -kBeside_px && feature.v_px >= -kBeside_px &&
-                      feature.u_px <= static_cast<float>(camera.width_px) + kBeside_px &&
-                      feature.v_px <= static_cast<float>(camera.height_px) + kBeside_px;
-  return inside && is_bounded(feature.normalised) && feature.sigma_px > 0.0F &&
-         is_bounded(feature.sigma_px) && feature.scale_px > 0.0F && is_bounded(feature.scale_px) &&
-         is_bounded(feature.angle_rad);
-}
-
 bool is_sound(const Pose& pose) { return is_rotation(pose.R_CT) && is_bounded(pose.p_CT); }
 
 /// Counts the keyframe's ties to each landmark.
@@ -36,22 +25,16 @@ bool is_sound(const Keyframe& keyframe,
               const CameraModel& camera,
               std::int64_t now_ns,
               Ties* ties) {
-  if (keyframe.number >= map.next_keyframe_number || !is_past(keyframe.timestamp_ns, now_ns) ||
-      !is_rotation(keyframe.R_IC) || !is_sound(keyframe.pose) ||
-      !is_sound(keyframe.refreshed_pose) ||
-      keyframe.features.size() > keyframe.features.capacity()) {
+  if (!head_is_sound(keyframe, map, now_ns)) {
     return false;
   }
   for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
-    const std::int32_t slot = keyframe.landmark_of[i].slot;
-    const bool free = slot == -1;
-    if (!is_sound(keyframe.features[i], camera) ||
-        (!free && (slot < 0 || slot >= static_cast<std::int32_t>(map.landmarks.size()) ||
-                   !map.landmarks[static_cast<std::size_t>(slot)].used))) {
+    const LandmarkId landmark = keyframe.landmark_of[i];
+    if (!is_sound(keyframe.features[i], camera) || !tie_is_sound(landmark, map)) {
       return false;
     }
-    if (!free) {
-      ++(*ties)[static_cast<std::size_t>(slot)];
+    if (landmark.valid()) {
+      ++(*ties)[landmark.index()];
     }
   }
   return true;
@@ -62,22 +45,6 @@ bool is_sound(const LandmarkView& view, const Map& map) {
   return is_bounded(view.direction_T) && slot >= -1 &&
          slot < static_cast<std::int32_t>(map.keyframes.size()) && view.feature >= -1 &&
          view.feature < static_cast<std::int32_t>(limits::kFeatures);
-}
-
-bool is_sound(const Landmark& landmark, const Map& map, std::int32_t ties) {
-  const bool counted = landmark.observations == ties && landmark.number >= 0 &&
-                       landmark.number < map.next_landmark_number && landmark.found >= 0 &&
-                       landmark.predicted >= 0 &&
-                       landmark.created_keyframe < map.next_keyframe_number &&
-                       landmark.seen_keyframe < map.next_keyframe_number;
-  const bool placed = is_bounded(landmark.p_T) && is_bounded(landmark.normal_T) &&
-                      is_at_least(landmark.size_mu, 0.0) && is_at_least(landmark.spread_rad, 0.0) &&
-                      is_bounded(landmark.oldest_direction_T) &&
-                      is_bool(landmark.observations_changed) && is_bounded(landmark.refreshed_p_T);
-  return counted && placed && landmark.views.size() <= landmark.views.capacity() &&
-         std::all_of(landmark.views.begin(), landmark.views.end(), [&](const LandmarkView& view) {
-           return is_sound(view, map);
-         });
 }
 
 /// No keyframe number twice, as ages are told by them.
@@ -108,6 +75,47 @@ bool counts_are(const Table& table, std::int32_t count) {
 
 }  // namespace
 
+bool is_sound(const Feature& feature, const CameraModel& camera) {
+  // Refinement moves a feature by less than a pixel: no farther out of the image.
+  constexpr float kBeside_px = 1.0F;
+  const bool inside = feature.u_px >= -kBeside_px && feature.v_px >= -kBeside_px &&
+                      feature.u_px <= static_cast<float>(camera.width_px) + kBeside_px &&
+                      feature.v_px <= static_cast<float>(camera.height_px) + kBeside_px;
+  return inside && is_bounded(feature.normalised) && feature.sigma_px > 0.0F &&
+         is_bounded(feature.sigma_px) && feature.scale_px > 0.0F && is_bounded(feature.scale_px) &&
+         is_bounded(feature.angle_rad);
+}
+
+bool tie_is_sound(LandmarkId landmark, const Map& map) {
+  return landmark.slot == -1 || (landmark.slot >= 0 && landmark.index() < map.landmarks.size() &&
+                                 map.landmarks[landmark.index()].used);
+}
+
+bool head_is_sound(const Keyframe& keyframe, const Map& map, std::int64_t now_ns) {
+  return keyframe.number < map.next_keyframe_number && is_past(keyframe.timestamp_ns, now_ns) &&
+         is_rotation(keyframe.R_IC) && is_sound(keyframe.pose) &&
+         is_sound(keyframe.refreshed_pose) &&
+         keyframe.features.size() <= keyframe.features.capacity();
+}
+
+bool head_is_sound(const Landmark& landmark, const Map& map) {
+  const bool counted = landmark.number >= 0 && landmark.number < map.next_landmark_number &&
+                       landmark.found >= 0 && landmark.predicted >= 0 &&
+                       landmark.created_keyframe < map.next_keyframe_number &&
+                       landmark.seen_keyframe < map.next_keyframe_number;
+  return counted && is_bounded(landmark.p_T) && is_bounded(landmark.normal_T) &&
+         is_at_least(landmark.size_mu, 0.0) && is_at_least(landmark.spread_rad, 0.0) &&
+         is_bounded(landmark.oldest_direction_T) && is_bool(landmark.observations_changed) &&
+         is_bounded(landmark.refreshed_p_T);
+}
+
+bool views_are_sound(const Landmark& landmark, const Map& map) {
+  return landmark.views.size() <= landmark.views.capacity() &&
+         std::all_of(landmark.views.begin(), landmark.views.end(), [&](const LandmarkView& view) {
+           return is_sound(view, map);
+         });
+}
+
 bool is_sound(const Map& map, const CameraModel& camera, std::int64_t now_ns) {
   if (!counts_are(map.keyframes, map.keyframe_count) ||
       !counts_are(map.landmarks, map.landmark_count) || !numbers_differ(map) ||
@@ -122,7 +130,9 @@ bool is_sound(const Map& map, const CameraModel& camera, std::int64_t now_ns) {
     }
   }
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
-    if (map.landmarks[i].used && !is_sound(map.landmarks[i], map, ties[i])) {
+    const Landmark& landmark = map.landmarks[i];
+    if (landmark.used && (landmark.observations != ties[i] || !head_is_sound(landmark, map) ||
+                          !views_are_sound(landmark, map))) {
       return false;
     }
   }
@@ -134,6 +144,44 @@ bool is_sound(const MapDrift& drift) {
          is_covariance(drift.reanchoring) && is_rotation(drift.R_first_CT) &&
          is_at_least(drift.start_turn_sigma, 0.0) && is_at_least(drift.start_sigma_mu, 0.0) &&
          is_at_least(drift.start_turn_rad, 0.0) && is_at_least(drift.turn_rad, 0.0);
+}
+
+bool is_sound(const FlowReference& reference, const Map& map) {
+  const LandmarkMatches& points = reference.points;
+  return is_bool(reference.valid) && is_bool(reference.gray_to_come) && is_sound(reference.pose) &&
+         points.size() <= points.capacity() &&
+         std::all_of(points.begin(), points.end(), [&](const LandmarkMatch& point) {
+           return point.landmark.valid() && point.landmark.index() < map.landmarks.size() &&
+                  is_bounded(point.u_px) && is_bounded(point.v_px);
+         });
+}
+
+bool is_sound(const AdjustmentSnapshot& snapshot) {
+  const std::size_t poses = snapshot.poses.size();
+  const std::size_t points = snapshot.points_T.size();
+  const auto in = [](std::int32_t index, std::size_t count) {
+    return index >= 0 && static_cast<std::size_t>(index) < count;
+  };
+  return poses <= snapshot.poses.capacity() && points <= snapshot.points_T.capacity() &&
+         snapshot.keyframes.size() == poses && snapshot.keyframe_numbers.size() == poses &&
+         snapshot.pose_fixed.size() == poses && snapshot.timestamps_ns.size() == poses &&
+         snapshot.R_IC.size() == poses && snapshot.priors.size() <= poses &&
+         snapshot.landmarks.size() == points && snapshot.landmark_numbers.size() == points &&
+         snapshot.point_fixed.size() == points &&
+         snapshot.observations.size() <= snapshot.observations.capacity() &&
+         std::all_of(snapshot.keyframes.begin(),
+                     snapshot.keyframes.end(),
+                     [&](KeyframeId id) { return in(id.slot, limits::kKeyframes); }) &&
+         std::all_of(snapshot.landmarks.begin(),
+                     snapshot.landmarks.end(),
+                     [&](LandmarkId id) { return in(id.slot, limits::kLandmarks); }) &&
+         std::all_of(snapshot.priors.begin(),
+                     snapshot.priors.end(),
+                     [&](const PosePrior& prior) { return in(prior.pose, poses); }) &&
+         std::all_of(
+             snapshot.observations.begin(),
+             snapshot.observations.end(),
+             [&](const BundleObservation& o) { return in(o.pose, poses) && in(o.point, points); });
 }
 
 }  // namespace polhode

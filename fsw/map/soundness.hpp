@@ -7,6 +7,8 @@
 #include "geometry/camera_model.hpp"
 #include "map/drift.hpp"
 #include "map/map.hpp"
+#include "map/map_state.hpp"
+#include "map/window.hpp"
 
 namespace polhode {
 
@@ -16,5 +18,20 @@ namespace polhode {
 bool is_sound(const Map& map, const CameraModel& camera, std::int64_t now_ns);
 
 bool is_sound(const MapDrift& drift);
+
+/// What optical flow follows from frame to frame.
+bool is_sound(const FlowReference& reference, const Map& map);
+
+/// Indices of a part of the map that an adjustment works on, and of what it brings back.
+bool is_sound(const AdjustmentSnapshot& snapshot);
+
+/// Parts of a map. A keyframe but for its features and their ties:
+bool head_is_sound(const Keyframe& keyframe, const Map& map, std::int64_t now_ns);
+bool is_sound(const Feature& feature, const CameraModel& camera);
+/// No landmark, or a used slot of the map.
+bool tie_is_sound(LandmarkId landmark, const Map& map);
+/// A landmark but for the number of its observations and its views:
+bool head_is_sound(const Landmark& landmark, const Map& map);
+bool views_are_sound(const Landmark& landmark, const Map& map);
 
 }  // namespace polhode

@@ -14,14 +14,6 @@ using sound::is_past;
 using sound::is_positive_definite;
 using sound::is_rotation;
 
-bool is_sound(const PoseSample& sample, std::int64_t now_ns) {
-  const PoseCovariance& C = sample.covariance;
-  return is_past(sample.timestamp_ns, now_ns) && is_rotation(sample.pose.R_CT) &&
-         is_bounded(sample.pose.p_CT) && is_bounded(C) &&
-         is_positive_definite(C.topLeftCorner<3, 3>()) &&
-         is_positive_definite(C.bottomRightCorner<3, 3>());
-}
-
 bool is_sound(const PoseHistory& poses, std::int64_t now_ns) {
   if (poses.size() > PoseHistory::capacity()) {
     return false;
@@ -39,6 +31,16 @@ bool is_sound(const ResidualLevel& level) {
   return is_at_least(level.chi2_per_dof, 0.0) && is_at_least(level.scale2, 0.0) &&
          is_at_least(level.correlation, 1.0) && level.outliers <= limits::kMotionPoses &&
          level.outliers_at_end <= level.outliers;
+}
+
+}  // namespace
+
+bool is_sound(const PoseSample& sample, std::int64_t now_ns) {
+  const PoseCovariance& C = sample.covariance;
+  return is_past(sample.timestamp_ns, now_ns) && is_rotation(sample.pose.R_CT) &&
+         is_bounded(sample.pose.p_CT) && is_bounded(C) &&
+         is_positive_definite(C.topLeftCorner<3, 3>()) &&
+         is_positive_definite(C.bottomRightCorner<3, 3>());
 }
 
 bool is_sound(const RigidModel& model, std::int64_t now_ns) {
@@ -59,8 +61,6 @@ bool is_sound(const RigidModel& model, std::int64_t now_ns) {
          is_sound(model.attitude) && is_sound(model.position) &&
          model.poses <= limits::kMotionPoses && is_at_least(model.span_s, 0.0);
 }
-
-}  // namespace
 
 bool is_sound(const MotionEstimate& motion, std::int64_t now_ns) {
   return is_rotation(motion.R_IC) && is_bool(motion.observer_known) &&

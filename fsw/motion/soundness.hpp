@@ -12,4 +12,8 @@ namespace polhode {
 /// poses positive definite, the model's kind one that exists.
 bool is_sound(const MotionEstimate& motion, std::int64_t now_ns);
 
+/// Parts of it:
+bool is_sound(const PoseSample& sample, std::int64_t now_ns);
+bool is_sound(const RigidModel& model, std::int64_t now_ns);
+
 }  // namespace polhode

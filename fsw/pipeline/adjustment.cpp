@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "map/map_state.hpp"
+#include "map/soundness.hpp"
 #include "motion/estimator.hpp"
 #include "pipeline/job.hpp"
 #include "pipeline/parameters.hpp"
@@ -132,7 +133,9 @@ void ask_for_adjustment_after_growth(const AdjustmentView& view,
                                      JobQueue* queue) {
   const Map& map = mapping->map;
   const auto order = keyframes_by_age(map);
-  if (!mapping->growth.any || is_out(queue->map) || order.empty()) {
+  // A map that has been damaged within this step is mended by the next one, and adjusted then.
+  if (!mapping->growth.any || is_out(queue->map) || order.empty() ||
+      !is_sound(map, *view.camera, view.now_ns)) {
     return;
   }
   const bool closed = std::exchange(mapping->growth, {}).closed;

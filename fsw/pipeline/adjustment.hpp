@@ -1,6 +1,8 @@
 // Which adjustments of the map are asked for, and with what.
 #pragma once
 
+#include <cstdint>
+
 #include "map/options.hpp"
 #include "pipeline/job_times.hpp"
 
@@ -20,6 +22,7 @@ struct AdjustmentView {
   const Parameters* parameters = nullptr;
   const CameraModel* camera = nullptr;
   bool short_of_memory = false;
+  std::int64_t now_ns = 0;  ///< nothing in the map is later
   JobTimes times;
 };
 

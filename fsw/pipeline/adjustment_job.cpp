@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "map/soundness.hpp"
+
 namespace polhode {
 
 namespace {
@@ -26,6 +28,10 @@ RigidModel fit_as_free_body(const RigidModel& previous, AdjustmentJob* job) {
 }  // namespace
 
 void run_adjustment(AdjustmentJob* job) {
+  if (!is_sound(job->snapshot)) {  // damaged in memory while it waited
+    skip_adjustment(job);
+    return;
+  }
   const RigidModel previous = std::exchange(job->model, RigidModel{});
   // Where the poses follow a motion already, they need not be freed before they are bound to it
   // again.

@@ -226,6 +226,10 @@ std::size_t checkpoint_octets_max() {
          limits::kLandmarks * (kPlace + sizeof(Landmark));
 }
 
+bool may_be_saved(const Component& component) {
+  return is_sound(*ComponentAccess::state(component));
+}
+
 std::size_t save_checkpoint(const Component& component, std::span<std::uint8_t> out) {
   const Component::State& s = *ComponentAccess::state(component);
   Writer writer(out);

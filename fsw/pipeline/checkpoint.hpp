@@ -17,6 +17,9 @@ namespace polhode {
 /// Octets that no checkpoint is longer than.
 std::size_t checkpoint_octets_max();
 
+/// Not while its memory is damaged: the next step puts that right.
+bool may_be_saved(const Component& component);
+
 /// Unused slots of tables are left out. @param out at least checkpoint_octets_max() long.
 /// @return octets written.
 std::size_t save_checkpoint(const Component& component, std::span<std::uint8_t> out);

@@ -34,6 +34,7 @@ Result<Component*> Component::create(std::span<std::byte> memory, const Paramete
   auto* storage = ::new (static_cast<void*>(memory.data())) Storage;
   Configuration& configuration = storage->state.configuration;
   configuration.parameters = parameters;
+  configuration.spare = parameters;
   configuration.camera = to_model(parameters.camera);
   configuration.memory_octets = sizeof(Storage);
   configuration.background_planned = parameters.mask.separates_background();

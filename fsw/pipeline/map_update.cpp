@@ -4,6 +4,7 @@
 
 #include "geometry/so3.hpp"
 #include "map/grow.hpp"
+#include "map/soundness.hpp"
 #include "map/update.hpp"
 #include "motion/disturbance.hpp"
 #include "pipeline/adjustment.hpp"
@@ -35,7 +36,7 @@ MapCorrection take_over(Component::State* s) {
   // Meanwhile the motion that the poses were bound to may have ended.
   const bool bound = job.as_free_body && job.model.accepted();
   const bool ended = bound && (job.model_unwanted || s->motion.departures > 0);
-  const bool usable = job.usable && !ended;
+  const bool usable = job.usable && !ended && is_sound(job.snapshot);
   if (ended) {  // all of the map is adjusted anew, its poses free
     s->mapping.growth.any = true;
     s->mapping.last_adjustment_of_all = {};
@@ -110,6 +111,7 @@ AdjustmentView adjustment_view(const Component::State& s) {
           .parameters = &parameters,
           .camera = &s.configuration.camera,
           .short_of_memory = s.steps_to_shed > 0,
+          .now_ns = s.clock.timestamp_ns,
           .times = job_times(s)};
 }
 

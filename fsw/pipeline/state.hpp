@@ -34,6 +34,7 @@ struct InactiveTable {
 /// What holds until a command changes it.
 struct Configuration {
   Parameters parameters;
+  Parameters spare;  ///< as they were when the last step began, should their memory be damaged
   CameraModel camera;
   std::uint32_t table_crc = 0;      ///< of the active table
   bool background_planned = false;  ///< libraries' memory was planned for a mask that tells a

@@ -11,6 +11,7 @@
 #include "pipeline/publish.hpp"
 #include "pipeline/reset.hpp"
 #include "pipeline/results.hpp"
+#include "pipeline/scrub.hpp"
 #include "pipeline/state.hpp"
 #include "pipeline/track.hpp"
 #include "shape/scale_reading.hpp"
@@ -138,6 +139,7 @@ void estimate_motion(Component::State* s) {
 const StepOutput& Component::step(const StepInput& input) {
   State* s = state_;
   begin_step(s);
+  scrub(s);
   execute_commands(input.commands, s);
   ++s->counters.frames_in;
   shed_load(input.memory_short, s);

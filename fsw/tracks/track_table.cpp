@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/median.hpp"
+#include "base/sound.hpp"
 #include "tracks/associate.hpp"
 
 namespace polhode {
@@ -211,6 +212,37 @@ void add_frame(std::uint32_t frame,
   for (std::size_t back = 1; back <= std::min(kLookBack, latest); ++back) {
     join(latest - back, latest, ratio_max, &may_make_room, table);
   }
+}
+
+bool is_sound(const TrackTable& table) {
+  const auto in = [](std::int32_t index, std::size_t size) {
+    return index >= 0 && static_cast<std::size_t>(index) < size;
+  };
+  if (table.frames.size() > table.frames.capacity() ||
+      table.tracks.size() > table.tracks.capacity()) {
+    return false;
+  }
+  for (std::size_t f = 0; f < table.frames.size(); ++f) {
+    const Features& features = table.frames[f].features;
+    if (features.size() > features.capacity()) {
+      return false;
+    }
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      const std::int32_t track = table.track_of[f][i];
+      if (!sound::is_bounded(features[i].normalised) ||
+          (track != -1 && !in(track, table.tracks.size()))) {
+        return false;
+      }
+    }
+  }
+  return std::all_of(table.tracks.begin(), table.tracks.end(), [&](const Track& track) {
+    return track.points.size() <= track.points.capacity() &&
+           std::all_of(track.points.begin(), track.points.end(), [&](const TrackPoint& point) {
+             return in(point.frame, table.frames.size()) &&
+                    in(point.feature,
+                       table.frames[static_cast<std::size_t>(point.frame)].features.size());
+           });
+  });
 }
 
 }  // namespace polhode

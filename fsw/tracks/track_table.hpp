@@ -65,4 +65,7 @@ void drop_resting_tracks(TrackTable* table);
 
 void clear(TrackTable* table);
 
+/// Sizes and indices within the tables, as long as no bit has flipped in memory.
+bool is_sound(const TrackTable& table);
+
 }  // namespace polhode

@@ -26,9 +26,10 @@ CheckpointWriter::~CheckpointWriter() {
 }
 
 void CheckpointWriter::offer(const Component& component, std::int64_t stepped_utc_ns) {
+  const bool sound = may_be_saved(component);
   {
     const std::lock_guard lock(mutex_);
-    if (waiting_ > 0) {
+    if (waiting_ > 0 || !sound) {
       ++counters_.skipped;
       return;
     }

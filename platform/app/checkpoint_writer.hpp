@@ -16,9 +16,10 @@ namespace polhode::platform {
 
 struct CheckpointCounters {
   std::uint32_t written = 0;
-  std::uint32_t failed = 0;   ///< the disk did not take it
-  std::uint32_t skipped = 0;  ///< the one before was still being written
-  std::uint64_t octets = 0;   ///< of the last
+  std::uint32_t failed = 0;  ///< the disk did not take it
+  std::uint32_t skipped =
+      0;  ///< the one before was still being written, or the state was damaged in memory
+  std::uint64_t octets = 0;  ///< of the last
 };
 
 class CheckpointWriter {

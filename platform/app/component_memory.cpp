@@ -4,6 +4,10 @@
 
 #include "errors.hpp"
 
+extern "C" {
+[[gnu::used]] PolhodeTables polhode_tables;
+}
+
 namespace polhode::platform {
 namespace {
 
@@ -24,6 +28,8 @@ MemoryPlan acquired(const Parameters& parameters,
 ComponentMemory::ComponentMemory(const Parameters& parameters,
                                  const std::string& where,
                                  const MachineNeeds& machine)
-    : plan_(acquired(parameters, where, machine)), tables_(memory_needed(parameters).total) {}
+    : plan_(acquired(parameters, where, machine)), tables_(memory_needed(parameters).total) {
+  polhode_tables = {.begin = tables_.span().data(), .octets = tables_.span().size()};
+}
 
 }  // namespace polhode::platform

@@ -1,10 +1,19 @@
 // The memory of a run: planned, checked and acquired before anything else starts.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "memory_plan.hpp"
 #include "os/linux/memory/table_memory.hpp"
+
+/// Where a component's tables lie, for debuggers and for hil/seu_campaign.py, which flips bits in
+/// them. Nothing in the program reads it.
+struct PolhodeTables {
+  void* begin = nullptr;
+  std::size_t octets = 0;
+};
+extern "C" PolhodeTables polhode_tables;
 
 namespace polhode::platform {
 

@@ -46,6 +46,8 @@ def test_a_shell_command_says_how_it_is_called(file, tmp_path):
 @pytest.mark.parametrize(("name", "arguments", "says"), [
     ("hil/kill_campaign.py", ["FOLDER"], "is there already"),
     ("hil/kill_campaign.py", ["NOT_THERE", "--kills", "0"], "--kills: 0: out of range, allowed is at least 1"),
+    ("hil/seu_campaign.py", ["FOLDER"], "is there already"),
+    ("hil/seu_campaign.py", ["NOT_THERE", "--flips", "64,5000"], "5000: out of range, allowed is 0 .. 4096"),
     ("hil/transform.py", [SAMPLE, "FOLDER", "--kind", "jpeg"], "is there already"),
     ("hil/transform.py", [SAMPLE, "NOT_THERE", "--kind", "jpg"], "step 1: kind 'jpg' is none of faults, repeated"),
     ("hil/transform.py", [SAMPLE, "NOT_THERE", "--kind", "jpeg", "--set", "jpeg.quality=0"], "quality = 0: allowed is a whole number in 1 .. 100"),

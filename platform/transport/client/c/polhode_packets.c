@@ -159,7 +159,7 @@ static const struct polhode_field housekeeping_fields[] = {
     {offsetof(struct polhode_housekeeping, mode), 198, 1, POLHODE_TYPE_U8},
     {offsetof(struct polhode_housekeeping, version), 199, 3, POLHODE_TYPE_U8},
     {offsetof(struct polhode_housekeeping, flags), 202, 1, POLHODE_TYPE_U8},
-    {offsetof(struct polhode_housekeeping, spare), 203, 1, POLHODE_TYPE_U8},
+    {offsetof(struct polhode_housekeeping, tables_damaged), 203, 1, POLHODE_TYPE_U8},
 };
 static const struct polhode_field event_fields[] = {
     {offsetof(struct polhode_event, timestamp_ns), 16, 1, POLHODE_TYPE_I64},

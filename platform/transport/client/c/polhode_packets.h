@@ -275,7 +275,7 @@ struct polhode_housekeeping {
   uint8_t mode; /* what the component is doing */
   uint8_t version[3]; /* of the component */
   uint8_t flags;
-  uint8_t spare; /* 0 */
+  uint8_t tables_damaged; /* tables found damaged in memory, and reset or rebuilt; 255: so many or more */
 };
 
 #define POLHODE_EVENT 5 /* number of the packet: its APID less the first one */
@@ -293,6 +293,7 @@ struct polhode_housekeeping {
 #define POLHODE_EVENT_ID_MOTION_CHANGED 12
 #define POLHODE_EVENT_ID_STAMPS_DOUBTED 13
 #define POLHODE_EVENT_ID_RATE_IMPLAUSIBLE 14
+#define POLHODE_EVENT_ID_TABLE_DAMAGED 15
 #define POLHODE_EVENT_ID_LOOP_CLOSED 5
 #define POLHODE_EVENT_ID_SCALE_KNOWN 6
 #define POLHODE_EVENT_ID_TABLE_FULL 7

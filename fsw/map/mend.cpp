@@ -1,0 +1,150 @@
+#include "map/mend.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "base/sound.hpp"
+#include "map/soundness.hpp"
+
+namespace polhode {
+namespace {
+
+// A map begins with no less, and a pose needs 12 landmarks.
+constexpr int kKeyframesMin = 2;
+constexpr int kLandmarksMin = 12;
+
+/// @return flags put right.
+template <typename Table>
+std::uint32_t mend_flags(Table* table) {
+  std::uint32_t mended = 0;
+  for (auto& slot : *table) {
+    mended += sound::mend(&slot.used) ? 1 : 0;
+  }
+  return mended;
+}
+
+template <typename Table>
+bool counts_are(const Table& table, std::int32_t count) {
+  return std::count_if(table.begin(), table.end(), [](const auto& slot) { return slot.used; }) ==
+         count;
+}
+
+std::uint32_t drop_keyframes(std::int64_t now_ns, Map* map) {
+  std::uint32_t dropped = 0;
+  for (Keyframe& keyframe : map->keyframes) {
+    if (keyframe.used && !head_is_sound(keyframe, *map, now_ns)) {
+      keyframe.used = false;
+      --map->keyframe_count;
+      ++dropped;
+    }
+  }
+  return dropped;
+}
+
+std::uint32_t drop_landmarks(Map* map) {
+  std::uint32_t dropped = 0;
+  for (Landmark& landmark : map->landmarks) {
+    if (!landmark.used) {
+      continue;
+    }
+    if (!head_is_sound(landmark, *map)) {
+      landmark.used = false;
+      --map->landmark_count;
+      ++dropped;
+    } else if (!views_are_sound(landmark, *map)) {
+      landmark.views.clear();
+      landmark.observations_changed = true;
+      ++dropped;
+    }
+  }
+  return dropped;
+}
+
+/// A feature keeps its place, by which others know it, but is that of a black corner.
+std::uint32_t blank_features(const CameraModel& camera, Map* map) {
+  const Feature blank{.normalised = undistort(camera, Eigen::Vector2d::Zero())};
+  std::uint32_t blanked = 0;
+  for (Keyframe& keyframe : map->keyframes) {
+    for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
+      if (!is_sound(keyframe.features[i], camera)) {
+        keyframe.features[i] = blank;
+        keyframe.landmark_of[i] = {};
+        ++blanked;
+      }
+    }
+  }
+  return blanked;
+}
+
+std::uint32_t drop_ties(Map* map) {
+  std::uint32_t dropped = 0;
+  for (Keyframe& keyframe : map->keyframes) {
+    for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
+      if (!tie_is_sound(keyframe.landmark_of[i], *map)) {
+        keyframe.landmark_of[i] = {};
+        ++dropped;
+      }
+    }
+  }
+  return dropped;
+}
+
+/// Landmarks that fewer than two keyframes still see go.
+std::uint32_t count_observations(Map* map) {
+  std::array<std::int32_t, limits::kLandmarks> ties{};
+  for (const Keyframe& keyframe : map->keyframes) {
+    for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
+      if (keyframe.landmark_of[i].valid()) {
+        ++ties[keyframe.landmark_of[i].index()];
+      }
+    }
+  }
+  std::uint32_t mended = 0;
+  for (std::size_t i = 0; i < map->landmarks.size(); ++i) {
+    Landmark& landmark = map->landmarks[i];
+    if (!landmark.used || landmark.observations == ties[i]) {
+      continue;
+    }
+    landmark.observations = ties[i];
+    landmark.observations_changed = true;
+    ++mended;
+    if (ties[i] < 2) {
+      landmark.used = false;
+      --map->landmark_count;
+    }
+  }
+  return mended;
+}
+
+}  // namespace
+
+Mended mend(const CameraModel& camera, std::int64_t now_ns, Map* map) {
+  if (is_sound(*map, camera, now_ns)) {
+    return {};
+  }
+  Mended mended{.entries = mend_flags(&map->keyframes) + mend_flags(&map->landmarks)};
+  const bool counted = counts_are(map->keyframes, map->keyframe_count) &&
+                       counts_are(map->landmarks, map->landmark_count);
+  if (counted) {
+    mended.entries += drop_keyframes(now_ns, map) + drop_landmarks(map);
+    mended.entries += blank_features(camera, map) + drop_ties(map);
+    mended.entries += count_observations(map);
+    mended.entries += drop_ties(map);  // to landmarks that have just gone
+    map->landmark_free_from = 0;
+    if (map->keyframe_count >= kKeyframesMin && map->landmark_count >= kLandmarksMin) {
+      refresh_landmarks(map, camera);
+    }
+    mended.entries = std::max(mended.entries, 1U);  // the extent, where nothing else was damaged
+  }
+  mended.reset = !counted || map->keyframe_count < kKeyframesMin ||
+                 map->landmark_count < kLandmarksMin || !is_sound(*map, camera, now_ns);
+  if (mended.reset) {
+    clear(map);
+    map->next_landmark_number = std::max(map->next_landmark_number, 0);
+    map->centre_T.setZero();
+    map->radius_mu = 0.0;
+  }
+  return mended;
+}
+
+}  // namespace polhode

@@ -1,0 +1,50 @@
+#include "motion/mend.hpp"
+
+#include "base/sound.hpp"
+#include "motion/disturbance.hpp"
+#include "motion/estimator.hpp"
+#include "motion/soundness.hpp"
+
+namespace polhode {
+namespace {
+
+/// A pose that is not earlier than the next one that stays goes, too.
+std::uint32_t drop_poses(std::int64_t now_ns, PoseHistory* poses) {
+  if (poses->size() > PoseHistory::capacity()) {
+    poses->clear();
+    return 1;
+  }
+  std::uint32_t dropped = 0;
+  for (std::size_t i = poses->size(); i-- > 0;) {
+    const bool earlier =
+        i + 1 == poses->size() || (*poses)[i].timestamp_ns < (*poses)[i + 1].timestamp_ns;
+    if (!earlier || !is_sound((*poses)[i], now_ns)) {
+      poses->erase(i);
+      ++dropped;
+    }
+  }
+  return dropped;
+}
+
+}  // namespace
+
+Mended mend(std::int64_t now_ns, MotionEstimate* motion) {
+  if (is_sound(*motion, now_ns)) {
+    return {};
+  }
+  Mended mended{.entries = drop_poses(now_ns, &motion->recent) + drop_poses(now_ns, &motion->past)};
+  if (!is_sound(motion->model, now_ns)) {
+    replace_model({}, motion);
+    ++mended.entries;
+  }
+  if (!is_sound(*motion, now_ns)) {
+    reset_poses(motion);
+    motion->R_IC.setIdentity();
+    motion->observer_known = false;
+    motion->departures = 0;
+    mended.reset = true;
+  }
+  return mended;
+}
+
+}  // namespace polhode

@@ -1,0 +1,1 @@
+"""Bits flipped in the memory of a running program, and what comes of it."""
