@@ -108,7 +108,9 @@ Json memory(const SummaryInput& input) {
 /// Before the start, and what came out at the end.
 Json warnings(const SummaryInput& input) {
   Json out = input.sequence.warnings;
-  out.insert(out.end(), input.remarks.begin(), input.remarks.end());
+  for (const std::string& remark : input.remarks) {
+    out.push_back(remark);
+  }
   const std::string focal = focal_sentence(input.record.focal, input.sequence.camera);
   if (!focal.empty()) {
     out.push_back(focal);

@@ -249,21 +249,21 @@ TEST(OverruleMotion, KeepsTheMotion_WhereItHoldsNearlyAsMany) {
 
 /// A pose that nearly all matches agree with, so far from where it is expected.
 bool believed(double off_rad, std::size_t poses_before) {
-  MapState state;
+  const auto state = std::make_unique<MapState>();
   ExpectedPose e;
   e.prediction.covariance = 1e-4 * PoseCovariance::Identity();
   e.prediction.rotation_poses = e.poses_since_start = poses_before;
   e.step_rad = 0.05;
-  state.localised.absolute.pose.R_CT = so3_exp(off_rad * Eigen::Vector3d::UnitY());
-  state.localised.absolute.covariance = 1e-6 * PoseCovariance::Identity();
-  state.localised.absolute.inliers = 100;
-  state.map.landmarks[0].used = true;
-  state.map.landmarks[0].seen_keyframe = state.map.next_keyframe_number;
-  state.localised.matches.resize(120);
-  for (LandmarkMatch& match : state.localised.matches) {
+  state->localised.absolute.pose.R_CT = so3_exp(off_rad * Eigen::Vector3d::UnitY());
+  state->localised.absolute.covariance = 1e-6 * PoseCovariance::Identity();
+  state->localised.absolute.inliers = 100;
+  state->map.landmarks[0].used = true;
+  state->map.landmarks[0].seen_keyframe = state->map.next_keyframe_number;
+  state->localised.matches.resize(120);
+  for (LandmarkMatch& match : state->localised.matches) {
     match.landmark = LandmarkId::from_index(0);
   }
-  return believable(e, false, state);
+  return believable(e, false, *state);
 }
 
 TEST(Believable, IsWhatAContactCanDo_AndNoFaceThatLooksAlike) {
@@ -274,16 +274,16 @@ TEST(Believable, IsWhatAContactCanDo_AndNoFaceThatLooksAlike) {
 }
 
 TEST(ContestPose, MakesThePoseAsUncertainAsItDepartsFromTheMotion) {
-  MapState state;
+  const auto state = std::make_unique<MapState>();
   PosePrediction predicted;
   predicted.pose.p_CT = {0.0, 0.0, 8.0};
-  state.localised.absolute.pose = {.R_CT = so3_exp(0.3 * Eigen::Vector3d::UnitX()),
-                                   .p_CT = {0.0, 0.5, 8.0}};
-  contest_pose(predicted, &state);
-  EXPECT_NEAR(std::sqrt(state.contested(0, 0)), 0.3, 1e-12);
-  EXPECT_NEAR(std::sqrt(state.contested(4, 4)), 0.5, 1e-12);
-  begin_frame(&state);
-  EXPECT_TRUE(state.contested.isZero(0.0)) << "of one frame";
+  state->localised.absolute.pose = {.R_CT = so3_exp(0.3 * Eigen::Vector3d::UnitX()),
+                                    .p_CT = {0.0, 0.5, 8.0}};
+  contest_pose(predicted, state.get());
+  EXPECT_NEAR(std::sqrt(state->contested(0, 0)), 0.3, 1e-12);
+  EXPECT_NEAR(std::sqrt(state->contested(4, 4)), 0.5, 1e-12);
+  begin_frame(state.get());
+  EXPECT_TRUE(state->contested.isZero(0.0)) << "of one frame";
 }
 
 TEST(LocaliseWithPrior, LooksAsFarAsThePriorsErrorReaches) {

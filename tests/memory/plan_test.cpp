@@ -159,7 +159,8 @@ TEST(MemoryPlan, RefusesMoreReadersThanTheGeneralPoolHasRoomFor) {
 
 TEST(MemoryPlan, HoldsTheFilesOfASequence_AndWhatDecodingTakes) {
   const Parameters p = at(640, 480);
-  Sequence sequence{.path = {}, .image_folder = {}, .camera = p.camera, .frames = {}};
+  Sequence sequence{
+      .path = {}, .image_folder = {}, .camera = p.camera, .frames = {}, .warnings = {}};
   sequence.file_octets_max = 900'000;
   MachineNeeds needs;
   add_sequence(sequence, &needs);
