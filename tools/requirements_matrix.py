@@ -18,7 +18,11 @@ from verification.catalogue import Requirement, Stage, faults_of, read_stages  #
 from verification.tests import read_results, read_tests, result_of  # noqa: E402
 
 EPILOG = """Exit status 0: all is as it should be; 1: something is wrong, or a requirement's tests have failed or were not run; 2: unusable input.
-A requirement is verified when one of its tests has passed, none has failed, and the others were skipped with a reason. Where no report is, nothing is said of results."""
+A requirement is verified when one of its tests has passed, none has failed, and the others were skipped with a reason. Where no report is, nothing is said of results.
+
+Examples:
+  tools/requirements_matrix.py --check
+  tools/requirements_matrix.py --open"""
 TEST_IN_TABLE = re.compile(r"`(tests/[^`]+::[^`]+)`")
 
 
