@@ -16,9 +16,9 @@ bool dynamics_accepted(const View& view) {
   return view.motion_options->mode == MotionMode::kDynamics && view.estimate->model.accepted();
 }
 
-/// Not while a pose departs from them.
+/// Not while a pose departs from them, or pictures come that are of no moment.
 bool dynamics_hold(const View& view) {
-  return dynamics_accepted(view) && view.estimate->departures == 0;
+  return dynamics_accepted(view) && view.estimate->departures == 0 && view.estimate->repeats == 0;
 }
 
 /// The rate that the motion packet has.

@@ -69,15 +69,18 @@ double sigma_between(const PosePrediction& predicted, const AbsolutePose& found)
 }
 
 /// Could a body that moved as expected until the last pose be here? A contact changes its rate, not
-/// its attitude: one that is stopped, reversed or made three times as fast is off by two steps at
-/// most. Further off is an alike face. A motion that has hardly been checked rules out nothing.
+/// its attitude: one that is stopped, reversed or made three times as fast is off by two steps, and
+/// a slow one that is pushed by some degrees. Faces that look alike are an eighth of a turn apart
+/// at least. A motion that has hardly been checked rules out nothing.
 bool within_reach(const ExpectedPose& expected, const AbsolutePose& found, double moved_rad) {
-  constexpr double kSteps = 2.0;  // from one step on to one step back
+  constexpr double kSteps = 2.0;       // from one step on to one step back
+  constexpr double kPushed_rad = 0.5;  // 29 deg, under the 45 deg of a body with eight sides
   if (is_young(expected, false)) {
     return true;
   }
-  const double bound_rad = (kSteps + kDepthError) * expected.step_rad +
-                           4.0 * sigma_between(expected.prediction, found) + moved_rad;
+  const double contact_rad = (kSteps + kDepthError) * expected.step_rad +
+                             4.0 * sigma_between(expected.prediction, found) + moved_rad;
+  const double bound_rad = std::max(kPushed_rad, contact_rad);
   return rotation_angle_rad(found.pose.R_CT, expected.prediction.pose.R_CT) < bound_rad;
 }
 

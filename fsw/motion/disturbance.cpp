@@ -93,16 +93,22 @@ void begin_anew(MotionEstimate* m) {
 }  // namespace
 
 bool repeats_last(const PoseSample& seen_C, MotionEstimate* m) {
-  // Of the last step. The noise of a pose that sees less than the last may hide a whole one.
+  // Of what the last step lets expect. The noise of a pose that sees less may hide a whole step.
   constexpr double kPart = 0.1;
-  const double chi2 = m->any_seen ? chi2_of_same(seen_C, m->seen_C) : 0.0;
-  const double step_rad =
-      m->any_seen ? rotation_angle_rad(seen_C.pose.R_CT, m->seen_C.pose.R_CT) : 0.0;
-  if (m->repeats < kRepeatsMax && chi2 < kChi2Max && step_rad < kPart * m->moved_rad) {
+  double chi2 = 0.0;
+  double step_rad = 0.0;
+  double interval_s = 0.0;
+  if (m->any_seen) {
+    chi2 = chi2_of_same(seen_C, m->seen_C);
+    step_rad = rotation_angle_rad(seen_C.pose.R_CT, m->seen_C.pose.R_CT);
+    interval_s = seconds_between(m->seen_C.timestamp_ns, seen_C.timestamp_ns);
+  }
+  if (m->repeats < kRepeatsMax && chi2 < kChi2Max &&
+      step_rad < kPart * m->moved_rad_s * interval_s) {
     ++m->repeats;
     return true;
   }
-  m->moved_rad = chi2 > kChi2MovedMin ? step_rad : 0.0;
+  m->moved_rad_s = chi2 > kChi2MovedMin && interval_s > 0.0 ? step_rad / interval_s : 0.0;
   m->repeats = 0;
   m->any_seen = true;
   m->seen_C = seen_C;
@@ -120,6 +126,12 @@ void judge_place(const PoseSample& sample, const PoseCovariance& drift_I, Motion
 }
 
 void pass_over_pose(MotionEstimate* m) { m->departures = 0; }
+
+void forget_seen(MotionEstimate* m) {
+  m->any_seen = false;
+  m->moved_rad_s = 0.0;
+  m->repeats = 0;
+}
 
 void replace_model(const RigidModel& model, MotionEstimate* m) {
   if (!m->model.accepted() || !model.accepted()) {

@@ -32,6 +32,9 @@ struct PoseJudgement {
 /// A pose that says nothing of the motion: the map has moved under it.
 void pass_over_pose(MotionEstimate* motion);
 
+/// As if no pose had been seen yet: none repeats the last one.
+void forget_seen(MotionEstimate* motion);
+
 /// Another model, or none. What poses have said of the last one goes on only from an accepted one
 /// to an accepted one.
 void replace_model(const RigidModel& model, MotionEstimate* motion);

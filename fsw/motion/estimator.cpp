@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "geometry/so3.hpp"
 #include "motion/fit_poses.hpp"
@@ -281,14 +282,16 @@ void reset_poses(MotionEstimate* m) {
   m->poses_since_fit = 0;
   m->poses_since_start = 0;
   m->moves_so_since_ns = INT64_MIN;
-  m->any_seen = false;
-  m->moved_rad = 0.0;
+  forget_seen(m);
 }
 
 Result<RateEstimate> rates_now(const MotionEstimate& m,
                                const MapDrift& drift,
                                const MotionOptions& options) {
   Result<RateEstimate> rates = ErrorCode::kTooFewObservations;
+  if (m.repeats > 0) {
+    return rates;  // no pose is of this moment; or the body has stopped
+  }
   if (options.mode == MotionMode::kPaper) {
     rates = rates_by_pairs(m);
   } else if (m.departures > 0) {
@@ -362,11 +365,18 @@ std::optional<PosePrediction> predict_or_hold(const MotionEstimate& m,
   return predicted;
 }
 
-ExpectedPose expected_at(const PosePrediction& predicted, const MotionEstimate& m) {
-  const double step_rad = m.recent.empty()
-                              ? 0.0
-                              : rotation_angle_rad(m.R_IC.transpose() * led_to(m).back().pose.R_CT,
-                                                   predicted.pose.R_CT);
+ExpectedPose expected_at(const PosePrediction& predicted,
+                         std::int64_t timestamp_ns,
+                         const MotionEstimate& m) {
+  const std::span<const PoseSample> poses = led_to(m);
+  double step_rad = 0.0;
+  if (!poses.empty()) {
+    const PoseSample& from = poses.back();
+    step_rad = rotation_angle_rad(m.R_IC.transpose() * from.pose.R_CT, predicted.pose.R_CT);
+    if (seconds_between(from.timestamp_ns, timestamp_ns) > unambiguous_interval_max_s(poses)) {
+      step_rad = std::numbers::pi;  // or any number of turns more
+    }
+  }
   return {.prediction = predicted, .step_rad = step_rad, .poses_since_start = m.poses_since_start};
 }
 

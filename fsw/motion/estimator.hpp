@@ -108,7 +108,9 @@ std::optional<PosePrediction> predict_or_hold(const MotionEstimate& motion,
 
 /// What tracking is told of a predicted pose: it, and how far the motion behind it has been
 /// checked.
-ExpectedPose expected_at(const PosePrediction& predicted, const MotionEstimate& motion);
+ExpectedPose expected_at(const PosePrediction& predicted,
+                         std::int64_t timestamp_ns,
+                         const MotionEstimate& motion);
 
 /// What tracking is told where the last pose departs from the motion and is right: the body has
 /// gone on from it. Nothing where no pose departs.

@@ -33,6 +33,13 @@ Mended mend(std::int64_t now_ns, MotionEstimate* motion) {
     return {};
   }
   Mended mended{.entries = drop_poses(now_ns, &motion->recent) + drop_poses(now_ns, &motion->past)};
+  if (mended.entries > 0) {
+    pass_over_pose(motion);  // which of them had departed is not known any more
+  }
+  if (!is_sound_of_repeats(*motion, now_ns)) {
+    forget_seen(motion);
+    ++mended.entries;
+  }
   if (!is_sound(motion->model, now_ns)) {
     replace_model({}, motion);
     ++mended.entries;

@@ -23,7 +23,7 @@ struct MotionEstimate {
       0;  ///< poses in succession to which its motion from the last one before does not lead
   bool any_seen = false;
   PoseSample seen_C;          ///< the last pose judged, as the camera saw it
-  double moved_rad = 0.0;     ///< since the one before; 0 where that is not told from none
+  double moved_rad_s = 0.0;   ///< since the one before; 0 where that is not told from none
   std::uint32_t repeats = 0;  ///< poses since that show the same
   std::uint32_t led_to = 0;   ///< poses so far to which its motion did lead
   std::int64_t moves_so_since_ns = INT64_MIN;  ///< it was disturbed then, the last time

@@ -120,21 +120,21 @@ double rotation_rad_s(const Window& window) {
   return rate_rad_s;
 }
 
-/// The fastest that the body turns between two poses of the window that follow each other.
-double fastest_rad_s(const Window& window) {
-  double fastest = 0.0;
-  for (std::size_t i = 1; i < window.rotation.size(); ++i) {
-    const RotationPoint& a = window.rotation[i - 1];
-    const RotationPoint& b = window.rotation[i];
-    fastest = std::max(fastest, (b.psi_rad - a.psi_rad).norm() / std::abs(b.tau_s - a.tau_s));
-  }
-  return fastest;
-}
-
 /// Mean rate from one pose to a later one, in T.
 Eigen::Vector3d rate_between(const PoseSample& from, const PoseSample& to) {
   return so3_log(from.pose.R_CT.transpose() * to.pose.R_CT) /
          seconds_between(from.timestamp_ns, to.timestamp_ns);
+}
+
+/// The fastest that the body turns between poses about `index` that follow each other.
+double fastest_rad_s(std::span<const PoseSample> history, std::size_t index, std::size_t poses) {
+  const std::size_t first = index - std::min(index, poses);
+  const std::size_t last = std::min(history.size() - 1, index + poses);
+  double fastest = 0.0;
+  for (std::size_t i = first; i < last; ++i) {
+    fastest = std::max(fastest, rate_between(history[i], history[i + 1]).norm());
+  }
+  return fastest;
 }
 
 /// How the rate changes from one interval beside `index` to the next, whatever moves the body.
@@ -182,7 +182,7 @@ Result<LocalFit> fit_rate(std::span<const PoseSample> history,
       }
       return turn;
     }
-    quicker_rad_s = std::max(quicker_rad_s, kQuicker * fastest_rad_s(window));
+    quicker_rad_s = std::max(quicker_rad_s, kQuicker * fastest_rad_s(history, index, taken));
     poses = std::max(kPosesMin, taken / 2);
   }
 }

@@ -62,13 +62,17 @@ bool is_sound(const RigidModel& model, std::int64_t now_ns) {
          model.poses <= limits::kMotionPoses && is_at_least(model.span_s, 0.0);
 }
 
+bool is_sound_of_repeats(const MotionEstimate& motion, std::int64_t now_ns) {
+  return is_bool(motion.any_seen) && is_at_least(motion.moved_rad_s, 0.0) &&
+         (!motion.any_seen || is_sound(motion.seen_C, now_ns));
+}
+
 bool is_sound(const MotionEstimate& motion, std::int64_t now_ns) {
   return is_rotation(motion.R_IC) && is_bool(motion.observer_known) &&
          is_sound(motion.recent, now_ns) && is_sound(motion.past, now_ns) &&
          (motion.moves_so_since_ns == INT64_MIN || is_past(motion.moves_so_since_ns, now_ns)) &&
-         motion.departures <= motion.recent.size() && is_bool(motion.any_seen) &&
-         is_at_least(motion.moved_rad, 0.0) &&
-         (!motion.any_seen || is_sound(motion.seen_C, now_ns)) && is_sound(motion.model, now_ns);
+         motion.departures <= motion.recent.size() && is_sound_of_repeats(motion, now_ns) &&
+         is_sound(motion.model, now_ns);
 }
 
 }  // namespace polhode

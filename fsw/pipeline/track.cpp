@@ -123,6 +123,13 @@ std::optional<std::int64_t> judge(const std::optional<ExpectedPose>& expected,
   return judgement.withdrawn_ns;
 }
 
+/// The keyframe of a wrong pose goes before the map grows on it.
+void withdraw(std::int64_t timestamp_ns, MapState* mapping) {
+  withdraw_keyframe(timestamp_ns, &mapping->map);
+  keep_matches_of_map(mapping->map, &mapping->localised.matches);
+  keep_matches_of_map(mapping->map, &mapping->reference.points);
+}
+
 /// A pose by the prior. The motion does not learn it, and so its prediction's sigma grows until
 /// nothing is held any more; landmarks that are not found here are not counted against. The map
 /// grows where as many agree as a pose of its own needs.
@@ -143,7 +150,7 @@ void keep_hold(Component::State* s) {
 void track(const std::optional<PosePrediction>& predicted, Component::State* s) {
   std::optional<ExpectedPose> expected;
   if (predicted) {
-    expected = expected_at(*predicted, s->motion);
+    expected = expected_at(*predicted, s->clock.timestamp_ns, s->motion);
   }
   const FoundBy found_by = find_pose(expected, s);
   if (found_by == FoundBy::kNothing) {
@@ -157,11 +164,14 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
   }
   MapState* mapping = &s->mapping;
   const AbsolutePose& found = mapping->localised.absolute;
-  const std::optional<std::int64_t> withdrawn_ns = judge(expected, s);
+  const std::optional<std::int64_t> wrong_ns = judge(expected, s);
   const std::optional<PosePrediction> prior = pose_by_joint_model(
       s->motion, s->configuration.parameters.motion, s->clock.timestamp_ns, s->motion.R_IC);
   if (prior) {
     fuse_with_prior(*prior, mapping);
+  }
+  if (wrong_ns) {
+    withdraw(*wrong_ns, mapping);
   }
   if (found_by == FoundBy::kFeatures) {
     mapping->inliers_last = found.inliers;
@@ -182,9 +192,6 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
     renew_reference(s->clock.frame, mapping);
   } else if (!mapping->reference.valid) {
     renew_reference(s->clock.frame, mapping);
-  }
-  if (withdrawn_ns) {
-    withdraw_keyframe(*withdrawn_ns, &mapping->map);
   }
   hold(s);
 }

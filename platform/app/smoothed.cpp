@@ -104,11 +104,16 @@ struct Side {
   std::size_t index = 0;
 };
 
+/// How many of the last samples are not before a time.
+std::size_t samples_since(std::span<const PoseSample> samples, std::int64_t since_ns) {
+  return static_cast<std::size_t>(
+      std::count_if(samples.begin(), samples.end(), [&](const PoseSample& sample) {
+        return sample.timestamp_ns >= since_ns;
+      }));
+}
+
 Side side_of(std::span<const PoseSample> samples, std::size_t index, std::int64_t disturbed_ns) {
-  const auto after = std::find_if(samples.begin(), samples.end(), [&](const PoseSample& sample) {
-    return sample.timestamp_ns >= disturbed_ns;
-  });
-  const auto before = static_cast<std::size_t>(after - samples.begin());
+  const std::size_t before = samples.size() - samples_since(samples, disturbed_ns);
   return index < before ? Side{.samples = samples.first(before), .index = index}
                         : Side{.samples = samples.subspan(before), .index = index - before};
 }
@@ -194,6 +199,11 @@ RigidModel model_of(std::span<const PoseSample> samples,
                     double body_radius,
                     const GroundView& view) {
   if (view.parameters.motion.mode == MotionMode::kPaper || samples.empty()) {
+    return {};
+  }
+  // Before a disturbance the body moved otherwise.
+  samples = samples.last(samples_since(samples, view.moves_so_since_ns));
+  if (samples.empty()) {
     return {};
   }
   auto snapshot = std::make_unique<MotionSnapshot>();

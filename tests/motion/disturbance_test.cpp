@@ -118,7 +118,8 @@ TEST(Disturbance, InDoubt_TheMotionIsExpectedToLeadOn_AndAfterItTheDepartedPose)
   const auto by_motion = predict_or_hold(*b.motion, {}, {}, next_ns, b.motion->R_IC);
   ASSERT_TRUE(by_motion);
   EXPECT_LT(b.off_rad(by_motion->pose), 5.0 * kSigma_rad);
-  EXPECT_NEAR(expected_at(*by_motion, *b.motion).step_rad, 2.0 * kStep_rad, 5.0 * kSigma_rad);
+  EXPECT_NEAR(
+      expected_at(*by_motion, next_ns, *b.motion).step_rad, 2.0 * kStep_rad, 5.0 * kSigma_rad);
   const auto from_departed = expected_from_departed(*b.motion, {}, {}, next_ns);
   ASSERT_TRUE(from_departed);
   EXPECT_NEAR(b.off_rad(from_departed->prediction.pose), kError_rad, 5.0 * kSigma_rad);
