@@ -248,12 +248,12 @@ TEST(OverruleMotion, KeepsTheMotion_WhereItHoldsNearlyAsMany) {
 }
 
 /// A pose that nearly all matches agree with, so far from where it is expected.
-bool believed(double off_rad, std::size_t poses_before) {
+bool believed(double off_rad, std::size_t poses_before, double step_rad = 0.05) {
   const auto state = std::make_unique<MapState>();
   ExpectedPose e;
   e.prediction.covariance = 1e-4 * PoseCovariance::Identity();
   e.prediction.rotation_poses = e.poses_since_start = poses_before;
-  e.step_rad = 0.05;
+  e.step_rad = step_rad;
   state->localised.absolute.pose.R_CT = so3_exp(off_rad * Eigen::Vector3d::UnitY());
   state->localised.absolute.covariance = 1e-6 * PoseCovariance::Identity();
   state->localised.absolute.inliers = 100;
@@ -269,6 +269,7 @@ bool believed(double off_rad, std::size_t poses_before) {
 TEST(Believable, IsWhatAContactCanDo_AndNoFaceThatLooksAlike) {
   constexpr double kHalfTurn_rad = 3.14;
   EXPECT_TRUE(believed(0.1, 20)) << "reversed: two steps";
+  EXPECT_TRUE(believed(0.3, 20, 0.001)) << "a slow one that is pushed";
   EXPECT_FALSE(believed(kHalfTurn_rad, 20));
   EXPECT_TRUE(believed(kHalfTurn_rad, 4)) << "a young motion rules out nothing";
 }

@@ -134,6 +134,7 @@ TEST(Disturbance, IsNoPictureThatComesTwiceOrThreeTimes) {
     (void)b.judged(kStep_rad, behind_rad);
     EXPECT_TRUE(b.repeated) << repeat;
     EXPECT_EQ(b.motion->departures, 0U) << repeat;
+    EXPECT_FALSE(b.rates().ok()) << "the body may have stopped";
   }
   EXPECT_FALSE(b.show(kStep_rad));
   EXPECT_EQ(b.motion->departures, 0U);
@@ -151,6 +152,22 @@ TEST(Disturbance, IsNoPictureThatComesTwice_WhileTheServicerTurns) {
     (void)b.show(0.0);
     EXPECT_TRUE(b.repeated) << repeat;
   }
+}
+
+TEST(Disturbance, AStepAfterManyLostPicturesIsNoRepeat) {
+  Bench b(16);
+  b.now_ns += 29 * kSecond_ns;
+  (void)b.show(30.0 * kStep_rad);
+  (void)b.show(kStep_rad);
+  EXPECT_FALSE(b.repeated) << "a thirtieth of the last step, in a thirtieth of its time";
+}
+
+TEST(Disturbance, OverAGapOfAnyNumberOfTurns_AStepIsHalfATurn) {
+  Bench b(16);
+  const std::int64_t later_ns = b.now_ns + 63 * kSecond_ns;  // about a whole turn
+  const auto predicted = predict_or_hold(*b.motion, {}, {}, later_ns, b.motion->R_IC);
+  ASSERT_TRUE(predicted);
+  EXPECT_NEAR(expected_at(*predicted, later_ns, *b.motion).step_rad, 3.1416, 1e-4);
 }
 
 TEST(Disturbance, IsNoPictureThatComesTwice_BeforeThereIsAModel) {
