@@ -13,6 +13,7 @@ from judge.venv import REPOSITORY
 
 sys.path.insert(0, str(REPOSITORY / "platform/transport/client/python"))
 from polhode_bus import open_bus  # noqa: E402
+from polhode_bus.packets import EVENTS  # noqa: E402, F401
 
 START_S = 120.0  # until it is ready
 LIMIT_S = 600.0  # a start that still tells of progress then is in a loop

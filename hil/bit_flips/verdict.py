@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from bit_flips.service import Start
+from bit_flips.service import EVENTS, Start
 from judge import align
 from judge.tables import Motion
 
@@ -14,9 +14,9 @@ SIGMA_DEG = 2.0
 # Frames of one T before the flips that are enough to lay it over the truth.
 ALIGN_FRAMES = 5
 FRAMES_TO_POSE_MAX = 3
-# Events that begin a frame T: a map begun, and one begun anew after a loss.
-TARGET_ACQUIRED, TARGET_FRAME_NEW = 2, 11
-TABLE_DAMAGED = 13
+# Events that begin a frame T, a map begun and one begun anew after a loss; and the scrubber's.
+ID = {name: number for number, (name, *_) in EVENTS.items()}
+TARGET_ACQUIRED, TARGET_FRAME_NEW, TABLE_DAMAGED = ID["target_acquired"], ID["target_frame_new"], ID["table_damaged"]
 KINDS = ("clean", "reset", "crash", "hang", "wrong pose")
 
 
