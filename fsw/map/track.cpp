@@ -68,20 +68,24 @@ double sigma_between(const PosePrediction& predicted, const AbsolutePose& found)
                    found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
 }
 
-/// Could a body that moved as expected until the last pose be here? A contact changes its rate, not
-/// its attitude: one that is stopped, reversed or made three times as fast is off by two steps, and
-/// a slow one that is pushed by some degrees. Faces that look alike are an eighth of a turn apart
-/// at least. A motion that has hardly been checked rules out nothing.
+/// Is it within what a contact makes of one step? It changes a body's rate, not its attitude: one
+/// that is stopped, reversed or made three times as fast is off by two steps. A motion that has
+/// hardly been checked rules out nothing.
+bool within_steps(const ExpectedPose& expected, const AbsolutePose& found, double moved_rad) {
+  constexpr double kSteps = 2.0;  // from one step on to one step back
+  const double bound_rad = (kSteps + kDepthError) * expected.step_rad +
+                           4.0 * sigma_between(expected.prediction, found) + moved_rad;
+  return is_young(expected, false) ||
+         rotation_angle_rad(found.pose.R_CT, expected.prediction.pose.R_CT) < bound_rad;
+}
+
+/// Could a body that moved as expected until the last pose be here? A slow one that is pushed goes
+/// further than two of its steps. Faces that look alike are further apart, and so are most pictures
+/// of another moment.
 bool within_reach(const ExpectedPose& expected, const AbsolutePose& found, double moved_rad) {
-  constexpr double kSteps = 2.0;       // from one step on to one step back
-  constexpr double kPushed_rad = 0.5;  // 29 deg, under the 45 deg of a body with eight sides
-  if (is_young(expected, false)) {
-    return true;
-  }
-  const double contact_rad = (kSteps + kDepthError) * expected.step_rad +
-                             4.0 * sigma_between(expected.prediction, found) + moved_rad;
-  const double bound_rad = std::max(kPushed_rad, contact_rad);
-  return rotation_angle_rad(found.pose.R_CT, expected.prediction.pose.R_CT) < bound_rad;
+  constexpr double kPushed_rad = 0.17;  // 10 deg from one frame to the next. Chosen
+  return within_steps(expected, found, moved_rad) ||
+         rotation_angle_rad(found.pose.R_CT, expected.prediction.pose.R_CT) < kPushed_rad;
 }
 
 /// More inliers, beyond chance.
@@ -215,6 +219,10 @@ bool comes_back(const MapState& s) {
     }
   }
   return old_inliers >= kInliersAlone && 2 * old_inliers >= old;
+}
+
+bool jumps_by_drift(const ExpectedPose& expected, const MapState& s) {
+  return comes_back(s) && within_steps(expected, s.localised.absolute, s.moved_rad);
 }
 
 bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& s) {

@@ -55,6 +55,10 @@ bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& 
 /// not the body, has jumped.
 bool comes_back(const MapState& state);
 
+/// It has come back, and the pose is no further from the motion than a contact could bring it: more
+/// is no drift.
+bool jumps_by_drift(const ExpectedPose& expected, const MapState& state);
+
 /// Agrees with the motion, or is strong enough to be accepted without it.
 bool believable(const ExpectedPose& expected, bool start_checks, const MapState& state);
 

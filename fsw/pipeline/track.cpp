@@ -105,8 +105,8 @@ std::optional<std::int64_t> judge(const std::optional<ExpectedPose>& expected,
     }
     return std::nullopt;
   }
-  if (comes_back(*mapping)) {
-    pass_over_pose(&s->motion);  // it jumps by the drift of the young side
+  if (expected ? jumps_by_drift(*expected, *mapping) : comes_back(*mapping)) {
+    pass_over_pose(&s->motion);
     return std::nullopt;
   }
   const PoseJudgement judgement = check_pose(s->clock.timestamp_ns,

@@ -269,7 +269,7 @@ bool believed(double off_rad, std::size_t poses_before, double step_rad = 0.05) 
 TEST(Believable, IsWhatAContactCanDo_AndNoFaceThatLooksAlike) {
   constexpr double kHalfTurn_rad = 3.14;
   EXPECT_TRUE(believed(0.1, 20)) << "reversed: two steps";
-  EXPECT_TRUE(believed(0.3, 20, 0.001)) << "a slow one that is pushed";
+  EXPECT_TRUE(believed(0.15, 20, 0.001)) << "a slow one that is pushed";
   EXPECT_FALSE(believed(kHalfTurn_rad, 20));
   EXPECT_TRUE(believed(kHalfTurn_rad, 4)) << "a young motion rules out nothing";
 }
