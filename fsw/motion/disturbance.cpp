@@ -1,6 +1,5 @@
 #include "motion/disturbance.hpp"
 
-#include <Eigen/Cholesky>
 #include <optional>
 
 #include "geometry/so3.hpp"
@@ -51,10 +50,7 @@ std::optional<bool> departs(const PoseSample& sample,
 /// chi2 of two poses being one. In C, where the same picture shows the same pose, however the
 /// observer has turned.
 double chi2_of_same(const PoseSample& a, const PoseSample& b) {
-  Eigen::Matrix<double, 6, 1> apart;
-  apart << so3_log(a.pose.R_CT * b.pose.R_CT.transpose()), a.pose.p_CT - b.pose.p_CT;
-  const PoseCovariance total = a.covariance + b.covariance;
-  return apart.dot(total.ldlt().solve(apart));
+  return chi2_between({.pose = b.pose, .covariance = b.covariance, .translation_known = true}, a);
 }
 
 /// The motion leads on past a pose that had departed: that one was wrong.

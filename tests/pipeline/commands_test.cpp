@@ -275,14 +275,14 @@ TEST(Commands, ServicerAttitudesOutvoteOneOfAWrongTime) {
   EXPECT_EQ(state_of(*bench.component).bus.servicer.timestamp_ns, 10);
 }
 
-/// A million random and mutated packets are the fuzz target's; these go through the whole
-/// component.
 std::uint32_t occurrences(EventId id, const bus::EventLog& log) {
   const auto row = std::find_if(
       bus::kEvents.begin(), bus::kEvents.end(), [id](const auto& known) { return known.id == id; });
   return log.counts[static_cast<std::size_t>(row - bus::kEvents.begin())].occurrences;
 }
 
+/// A million random and mutated packets are the fuzz target's; these go through the whole
+/// component.
 // verifies: CMD-02
 TEST(Commands, RandomOnesNeverHarmAndAreAllCounted) {
   Commanded bench;
