@@ -134,18 +134,22 @@ TEST(AdjustBundle, StopsAtItsLimitOfIterations_WithWhatItKept) {
   // With full weights and from so far some trials go uphill: what is reported and left is never a
   // trial that was not kept.
   int uphill = 0;
+  int iterations = 0;
   double kept = std::numeric_limits<double>::infinity();
   for (int limit = 1; limit < 10; ++limit) {
     Scene s = start;
     const BundleReport report =
         adjust_bundle(s.problem(), {.iterations_max = limit, .cauchy_sigma = kNearlyWide});
-    EXPECT_EQ(report.iterations, limit);
+    // It ends at the limit, or where it converged: from there on a higher limit changes nothing.
+    EXPECT_TRUE(report.iterations == limit || report.iterations == iterations) << limit;
+    iterations = report.iterations;
     EXPECT_LE(report.cost_after, report.cost_before);
     EXPECT_NEAR(bundle_cost(s.problem(), kNearlyWide), report.cost_after, 1e-9 * report.cost_after);
     uphill += report.cost_after == kept ? 1 : 0;
     kept = report.cost_after;
   }
   EXPECT_GT(uphill, 0);
+  EXPECT_GE(iterations, 5);  // most of the limits were met before it converged
 }
 
 TEST(AdjustBundle, LeavesTheProblemUntouched_WithoutObservations) {
