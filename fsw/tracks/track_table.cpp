@@ -9,8 +9,12 @@
 namespace polhode {
 namespace {
 
-// A point missed in one or two frames is found again. Each further frame costs another matching.
-constexpr std::size_t kLookBack = 3;
+// A point that is missed in up to five frames is found again (docs/decisions/0097). Each further
+// frame costs another matching.
+constexpr std::size_t kLookBack = 6;
+// Frames that no track leads to any more show something else. Chosen: a body that is hidden for one
+// or two frames is still the same.
+constexpr std::size_t kConnected = 3;
 
 /// Keeps the tracks of which `keeps` holds, in their order.
 template <typename Keeps>
@@ -144,10 +148,10 @@ void drop_oldest_frame(TrackTable* table) {
 }
 
 void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table) {
-  if (table->frames.size() <= kLookBack) {
+  if (table->frames.size() <= kConnected) {
     return;
   }
-  const auto first_late = static_cast<std::int32_t>(table->frames.size() - kLookBack);
+  const auto first_late = static_cast<std::int32_t>(table->frames.size() - kConnected);
   std::size_t leading = 0;
   for (const Track& track : table->tracks) {
     leading +=
@@ -156,7 +160,7 @@ void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table) {
   if (leading >= tracks_min) {
     return;
   }
-  while (table->frames.size() > kLookBack) {
+  while (table->frames.size() > kConnected) {
     drop_oldest_frame(table);
   }
 }

@@ -42,7 +42,7 @@ struct TrackTable {
 };
 
 /// Appends a frame (its features are copied). Associates its features with the tracks of the last
-/// three frames by mutual best descriptors, nearest frame first. A full table drops its oldest
+/// six frames by mutual best descriptors, nearest frame first. A full table drops its oldest
 /// frame.
 void add_frame(std::uint32_t frame,
                std::int64_t timestamp_ns,
@@ -54,9 +54,8 @@ void add_frame(std::uint32_t frame,
 /// Drops frame 0 and the tracks that have no other frame.
 void drop_oldest_frame(TrackTable* table);
 
-/// Drops the frames before the last three, which a new frame is associated with, where fewer than
-/// `tracks_min` tracks connect them to these. They show something else: no initialisation can use
-/// both.
+/// Drops the frames before the last three where fewer than `tracks_min` tracks connect them to
+/// these. They show something else: no initialisation can use both.
 void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table);
 
 /// Drops the tracks that stay where they are in the picture while others move: a word in a corner,

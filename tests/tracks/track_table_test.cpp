@@ -131,19 +131,21 @@ TEST(TrackTable, ChainsASpotOverAllFrames_WhateverItsPlaceInTheList) {
 }
 
 // verifies: TRK-04
-TEST(TrackTable, BridgesTwoMissedFrames_ButNotThree) {
+TEST(TrackTable, BridgesFiveMissedFrames_ButNotSix) {
   Fixture f;
   f.add(range(0, 10));
   f.add(range(1, 10));
-  f.add(range(2, 10));
-  f.add(range(0, 10));  // 0 was away for two frames
+  for (int i = 0; i < 4; ++i) {
+    f.add(range(2, 10));
+  }
+  f.add(range(0, 10));  // 0 was away for five frames
   const auto bridged = f.observations();
-  EXPECT_EQ(bridged.at(0), (std::set<std::uint32_t>{100, 103}));
-  EXPECT_EQ(bridged.at(1), (std::set<std::uint32_t>{100, 101, 103}));
+  EXPECT_EQ(bridged.at(0), (std::set<std::uint32_t>{100, 106}));
+  EXPECT_EQ(bridged.at(1), (std::set<std::uint32_t>{100, 101, 106}));
   f.expect_consistent();
   Fixture g;
   g.add(range(0, 10));
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 6; ++i) {
     g.add(range(1, 10));
   }
   g.add(range(0, 10));
@@ -252,6 +254,9 @@ TEST(TrackTable, MakesRoomForANewFrame_ByTheTracksThatEnded_TheShortestFirst) {
   for (int group = 0; group < 5; ++group) {
     show(group);
     show(group);
+  }
+  for (int i = 0; i < 3; ++i) {
+    show(4);  // the others were seen more than six frames ago
   }
   EXPECT_TRUE(f.table->tracks.full());
   show(5);
