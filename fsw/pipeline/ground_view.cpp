@@ -23,6 +23,7 @@ GroundView view_of(const Component::State& s) {
           .gray = s.picture.gray,
           .mask = s.picture.mask,
           .mask_state = s.picture.mask_state,
+          .initialisation = s.initialisation,
           .map = s.mapping.map,
           .drift = s.mapping.drift,
           .last_pose = s.mapping.localised.absolute.pose,

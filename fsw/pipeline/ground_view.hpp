@@ -10,6 +10,7 @@
 namespace polhode {
 
 struct CameraModel;
+struct InitialisationState;
 struct Map;
 struct MapDrift;
 struct MaskState;
@@ -25,6 +26,7 @@ struct GroundView {
   const cv::Mat& gray;  ///< the last picture that was looked at
   const TargetMask& mask;
   const MaskState& mask_state;
+  const InitialisationState& initialisation;  ///< frames and tracks before there is a map
   const Map& map;
   const MapDrift& drift;
   const Pose& last_pose;                       ///< found last, in map units

@@ -13,8 +13,6 @@
 #include "image/image.hpp"
 
 namespace polhode::benchmark {
-namespace {
-
 std::map<std::int64_t, Pose> read_truth(const std::string& file) {
   std::map<std::int64_t, Pose> truth;
   std::ifstream in(file);
@@ -35,8 +33,6 @@ std::map<std::int64_t, Pose> read_truth(const std::string& file) {
   }
   return truth;
 }
-
-}  // namespace
 
 TrueFrames read_true_frames(const std::string& folder) {
   const platform::Sequence sequence = platform::open_sequence(folder);

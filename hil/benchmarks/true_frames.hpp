@@ -1,6 +1,8 @@
 // The frames of a sequence with truth, in memory, for the benchmarks.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -10,6 +12,9 @@
 #include "geometry/pose.hpp"
 
 namespace polhode::benchmark {
+
+/// A sequence's truth.csv: the pose by time stamp.
+std::map<std::int64_t, Pose> read_truth(const std::string& file);
 
 /// Frames that can be read and whose pose is known, both in order of time.
 struct TrueFrames {

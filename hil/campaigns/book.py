@@ -13,8 +13,11 @@ from campaigns.plan import Plan, Run, Scene
 from campaigns.store import Store, digest, file_digest, folder_digest, is_whole, keep_copy, source_digest, write_whole
 from campaigns.tasks import Task
 from judge.errors import BadInput
+from judge.venv import REPOSITORY
 
 BOOK_FILE = "campaign.json"
+# Built beside the program from the same sources.
+LIMIT_PROGRAM = REPOSITORY / "build/release/bin/bench_start_limit"
 
 
 # The code behind each kind of task.
@@ -33,6 +36,7 @@ class Chain:
     sequence_key: str
     tasks: tuple[Task, ...]
     time: Task
+    limit: Task | None = None  # where the plan asks for it
 
     def task(self, kind: str) -> Task | None:
         return next((task for task in self.tasks if task.kind == kind), None)
@@ -48,9 +52,10 @@ class Chain:
     def missing(self) -> list[Task]:
         """The tasks still to be done, in order; none where the last is done. What only leads to a result that is there is not."""
         replay, judge = self.tasks[-2:]
+        limit = [] if self.limit is None or is_whole(self.limit.place) else [self.limit]
         if is_whole(judge.place):
-            return []
-        return [*self.missing_sequence, *([] if is_whole(replay.place) else [replay]), judge]
+            return [*self.missing_sequence, *limit] if limit else []
+        return [*self.missing_sequence, *([] if is_whole(replay.place) else [replay]), judge, *limit]
 
 
 def _scene_key(scene: Scene, generator: str) -> str:
@@ -84,9 +89,19 @@ class _Maker:
         self.program_key = file_digest(program)
         self.program = store.input(self.program_key, program.name)
         keep_copy(program, self.program)
+        self.limit_key = self._limit_key()
         self.sources = {kind: source_digest(*patterns) for kind, patterns in SOURCES.items()}
         self.scene_keys = {scene.name: _scene_key(scene, self.sources["render"]) for scene in plan.scenes}
         self.configs = {setting.config: self._config(setting) for setting in plan.settings}
+
+    def _limit_key(self) -> str | None:
+        if not self.plan.limit:
+            return None
+        if not LIMIT_PROGRAM.is_file():
+            raise BadInput(f"{LIMIT_PROGRAM}: not there; [judge] limit needs it, and tools/build.sh release builds it")
+        key = file_digest(LIMIT_PROGRAM)
+        keep_copy(LIMIT_PROGRAM, self.store.input(key, LIMIT_PROGRAM.name))
+        return key
 
     def _config(self, setting) -> pathlib.Path:
         """A copy of the configuration; the file itself where it names others beside it."""
@@ -138,7 +153,16 @@ class _Maker:
         judge_key = digest("judge", replay_key, self.plan.shape, self.sources["judge"])
         judge = self.task("judge", judge_key, run.name, self.store.result(judge_key), run=str(replay.place), sequence=str(folder),
                           shape=self.plan.shape)
-        return Chain(run, sequence_key, (*tasks, replay, judge), self.task("time", replay_key, run.name, self.store.time(replay_key), **options))
+        return Chain(run, sequence_key, (*tasks, replay, judge), self.task("time", replay_key, run.name, self.store.time(replay_key), **options),
+                     self._limit(run, sequence_key, options))
+
+    def _limit(self, run: Run, sequence_key: str, options: dict) -> Task | None:
+        """Of the sequence and the configuration alone, so that other programs find it there."""
+        if self.limit_key is None:
+            return None
+        key = digest("limit", sequence_key, self.limit_key, run.setting.config.read_bytes(), list(run.setting.settings))
+        return self.task("limit", key, run.name, self.store.limit(key),
+                         **(options | {"program": str(self.store.input(self.limit_key, LIMIT_PROGRAM.name))}))
 
 
 def open_book(plan: Plan, store: Store, program: pathlib.Path) -> list[Chain]:
@@ -162,6 +186,7 @@ def _entry(chain: Chain, plan: Plan) -> dict:
     judge = chain.task("judge")
     return {"scene": chain.run.scene.name, "transform": chain.run.transform.name, "setting": chain.run.setting.name,
             "result": judge.key, "time": chain.time.key if plan.time_alone else None,
+            "limit": chain.limit.key if chain.limit is not None else None,
             "run": judge.options["run"], "sequence": judge.options["sequence"], "sequence_key": chain.sequence_key}
 
 

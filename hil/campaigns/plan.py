@@ -21,7 +21,7 @@ TABLES = {
     "scene_files": {"file", "variant"},
     "configurations": {"name", "file", "set"},
     "transforms": {"name", "steps", "seed"},
-    "judge": {"shape", "time_alone", "replay_timeout_s"},
+    "judge": {"shape", "time_alone", "limit", "replay_timeout_s"},
 }
 
 
@@ -71,6 +71,7 @@ class Plan:
     settings: tuple[Setting, ...]
     shape: bool = True  # judge the cloud, too
     time_alone: bool = True  # measure times by runs that have the machine to themselves
+    limit: bool = False  # ask from which frame on the depth sign is decidable
     replay_timeout_s: float = 1800.0
     draws: tuple[dict, ...] = field(default=())  # the points of the scene space, in order
 
@@ -260,4 +261,5 @@ def read_plan(path: pathlib.Path) -> Plan:
     return Plan(name=reader.value("", reader.raw, "name", str, reader.path.stem), scenes=tuple(scenes), transforms=tuple(transforms),
                 settings=tuple(settings), shape=reader.value("judge", judge, "shape", bool, True),
                 time_alone=reader.value("judge", judge, "time_alone", bool, True),
+                limit=reader.value("judge", judge, "limit", bool, False),
                 replay_timeout_s=float(reader.value("judge", judge, "replay_timeout_s", (int, float), 1800.0, 1, 1e6)), draws=tuple(draws))

@@ -21,12 +21,25 @@ def _names(entry: dict) -> dict:
     return {key: entry[key] for key in ("scene", "transform", "setting")}
 
 
+def _against_limit(row: dict, limit: dict) -> dict:
+    """How late the first pose is; nothing where the images never decide. A run without a pose is as late as can be."""
+    frame = limit["frame"]
+    columns = {"decidable": frame is not None, "limit_frame": frame, "limit_turn_deg": limit["turn_deg"]}
+    if frame is None:
+        return columns
+    late = float(row["first_pose_frame"] - frame) if row["acquired"] else float("inf")
+    return columns | {"first_pose_after_limit_frames": late, "acquired_of_decidable": row["acquired"]}
+
+
 def _row(entry: dict, point: dict, store: Store) -> dict:
     row = _names(entry) | json.loads((store.result(entry["result"]) / "run.json").read_text())
     row |= {f"{POINT}{name}": value for name, value in point.items()}
     time = store.time(entry["time"]) if entry["time"] else None
     if time is not None and is_whole(time):
         row |= {f"{COST}{name}": value for name, value in json.loads((time / "time.json").read_text()).items()}
+    limit = store.limit(entry["limit"]) if entry.get("limit") else None
+    if limit is not None and is_whole(limit):
+        row |= _against_limit(row, json.loads((limit / "limit.json").read_text()))
     return row | {"run_folder": entry["run"], "sequence_folder": entry["sequence"], "result": entry["result"], "sequence_key": entry["sequence_key"]}
 
 

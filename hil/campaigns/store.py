@@ -65,6 +65,9 @@ class Store:
     def time(self, key: str) -> pathlib.Path:
         return self.out / "times" / key
 
+    def limit(self, key: str) -> pathlib.Path:
+        return self.cache / "limits" / key
+
     def input(self, key: str, name: str) -> pathlib.Path:
         """A copy of a file as it was when the campaign read it."""
         return self.out / "inputs" / key / name

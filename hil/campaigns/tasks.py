@@ -1,4 +1,4 @@
-"""What workers do: render a scene, transform a sequence, replay it, judge the run, time a run alone.
+"""What workers do: render a scene, transform a sequence, replay it, judge the run, ask for its limit, time a run alone.
 
 A task is plain data; its result is a folder, which is there whole or not at all, so a task that is done is done for good.
 A task never raises: what went wrong is told in its outcome, with a log, and whatever needs its result is not tried.
@@ -122,6 +122,13 @@ def _time(task: Task, lock: int) -> None:
             "peak_resident_mb": summary["memory"]["peak_resident_octets"] / 1e6}))
 
 
+def _limit(task: Task, lock: int) -> None:
+    """From which frame on the images could decide on the depth sign, by the truth."""
+    with store.appearing(task.place) as part:
+        words = [task.options["program"], "--config", task.options["config"], "--sequence", task.options["sequence"], "--json", part / "limit.json"]
+        run_program(words + [word for setting in task.options["settings"] for word in ("--set", setting)], task.log, task.options["timeout_s"], lock)
+
+
 def _same_sources(task: Task) -> None:
     """A result is named by the code that makes it: code that has changed meanwhile must not make it."""
     patterns, expected = task.options.get("sources", ((), None))
@@ -129,7 +136,7 @@ def _same_sources(task: Task) -> None:
         raise Failed("the project's own sources have changed since the campaign began: run it again")
 
 
-MAKERS = {"render": _render, "transform": _transform, "replay": _replay, "judge": _judge, "time": _time}
+MAKERS = {"render": _render, "transform": _transform, "replay": _replay, "judge": _judge, "limit": _limit, "time": _time}
 KINDS = tuple(MAKERS)  # in the order in which they follow each other
 
 

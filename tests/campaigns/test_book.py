@@ -73,3 +73,28 @@ def test_no_program_is_told(files):
     (files / "program").unlink()
     with pytest.raises(BadInput, match="not there or not a program"):
         chains(files)
+
+
+def test_the_limit_is_asked_of_the_sequence_and_not_of_the_program(files, monkeypatch):
+    from campaigns import book
+    monkeypatch.setattr(book, "LIMIT_PROGRAM", files / "limit")
+    with pytest.raises(BadInput, match="tools/build.sh release builds it"):
+        chains(files, shape="true\nlimit = true")
+    (files / "limit").write_text("the tool")
+    before = chains(files, shape="true\nlimit = true")[0]
+    (files / "program").write_text("another")
+    after = chains(files, shape="true\nlimit = true")[0]
+    assert before.limit.place == after.limit.place and before.task("judge").place != after.task("judge").place
+    assert [task.kind for task in before.missing][-2:] == ["judge", "limit"]
+    assert chains(files)[0].limit is None
+
+
+@pytest.mark.parametrize(("row", "limit", "late"), [
+    ({"acquired": True, "first_pose_frame": 9}, {"frame": 4, "turn_deg": 8.0}, 5.0),
+    ({"acquired": False, "first_pose_frame": None}, {"frame": 4, "turn_deg": 8.0}, float("inf")),
+    ({"acquired": False, "first_pose_frame": None}, {"frame": None, "turn_deg": None}, None)])
+def test_a_run_is_late_against_its_limit_only_where_there_is_one(row, limit, late):
+    from campaigns.results import _against_limit
+    columns = _against_limit(row, limit)
+    assert columns.get("first_pose_after_limit_frames") == late
+    assert columns["decidable"] == (late is not None) and ("acquired_of_decidable" in columns) == (late is not None)
