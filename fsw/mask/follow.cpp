@@ -291,7 +291,24 @@ bool is_open(const MaskState& s) {
   return s.behind && !s.found && s.unexplained >= kUnexplainedMax && s.points.stored > 1;
 }
 
+/// Before a lit background: does the outline cover so much of the picture's border that it has
+/// taken the background in?
+bool covers_border(const MaskState& s) {
+  // Chosen: two fifths of a side. A body that enters the picture covers less.
+  constexpr double kShareMax = 0.1;
+  if (!s.behind || !s.found || s.outline.empty()) {
+    return false;
+  }
+  const cv::Mat& o = s.outline;
+  const int covered = cv::countNonZero(o.row(0)) + cv::countNonZero(o.row(o.rows - 1)) +
+                      cv::countNonZero(o.col(0)) + cv::countNonZero(o.col(o.cols - 1));
+  return covered > kShareMax * 2.0 * (o.rows + o.cols);
+}
+
 bool may_be_background(const MaskState& s) {
+  if (covers_border(s)) {
+    return true;
+  }
   // Fewer than a layer of a background needs are a boom's that crosses the border, or a
   // background's that has nothing to follow.
   constexpr auto kAtBorderMin = static_cast<std::ptrdiff_t>(BackgroundMotion::kLayerTracksMin);

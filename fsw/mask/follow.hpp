@@ -26,7 +26,8 @@ void follow_target(const cv::Mat& gray,
 /// images.
 bool is_open(const MaskState& state);
 
-/// The mask is open, and points are followed along the image border, as on a background.
+/// The mask is open, and points are followed along the image border, as on a background. Or the
+/// outline before a lit background covers a tenth of the border.
 bool may_be_background(const MaskState& state);
 
 /// For keyframes, after follow_target: moves the outline to image edges. With a map the result is

@@ -67,5 +67,19 @@ TEST(IsOpen, NotBeforeBlackSpace) {
   EXPECT_FALSE(is_open(*mask.state));
 }
 
+TEST(MayBeBackground, WhereTheOutlineCoversMuchOfTheBorder) {
+  Mask mask;
+  mask.show(Scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0}, 0, kFrames);
+  ASSERT_TRUE(mask.state->found);
+  EXPECT_FALSE(may_be_background(*mask.state));
+  cv::Mat& outline = mask.state->outline;
+  outline.row(0).colRange(0, outline.cols / 4).setTo(255);
+  EXPECT_FALSE(may_be_background(*mask.state)) << "a body that enters the picture";
+  outline.row(0).setTo(255);
+  EXPECT_TRUE(may_be_background(*mask.state));
+  mask.state->behind = false;
+  EXPECT_FALSE(may_be_background(*mask.state)) << "before black space it is the target";
+}
+
 }  // namespace
 }  // namespace polhode
