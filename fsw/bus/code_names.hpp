@@ -94,6 +94,7 @@ inline constexpr CodeName kMotionModeNames[] = {
     {1, "ACQUIRING"},
     {2, "TRACKING"},
     {3, "LOST"},
+    {4, "COASTING"},
 };
 // clang-format on
 

@@ -26,7 +26,7 @@ constexpr Field kMotionPacket[] = {
     {"inliers", FieldType::kU16, 1, false, 300, offsetof(MotionPacket, inliers), -1, -kNoLimit, kNoLimit, "", "", "", {}},
     {"landmarks", FieldType::kU16, 1, false, 302, offsetof(MotionPacket, landmarks), -1, -kNoLimit, kNoLimit, "", "", "", {}},
     {"keyframes", FieldType::kU16, 1, false, 304, offsetof(MotionPacket, keyframes), -1, -kNoLimit, kNoLimit, "", "", "", {}},
-    {"mode", FieldType::kU8, 1, false, 306, offsetof(MotionPacket, mode), -1, 0.0, 3.0, "", "", "IDLE ACQUIRING TRACKING LOST", {}},
+    {"mode", FieldType::kU8, 1, false, 306, offsetof(MotionPacket, mode), -1, 0.0, 4.0, "", "", "IDLE ACQUIRING TRACKING LOST COASTING", {}},
     {"flags", FieldType::kU8, 1, false, 307, offsetof(MotionPacket, flags), -1, 0.0, 15.0, "", "", "", {}},
 };
 constexpr Layout kMotionPacketLayout{"motion", 0, 310, kMotionPacket, offsetof(MotionPacket, flags), "pose rate velocity scale_known"};
@@ -170,7 +170,7 @@ constexpr Field kHousekeepingPacket[] = {
     {"cloud_chunks_left", FieldType::kU16, 1, false, 194, offsetof(HousekeepingPacket, cloud_chunks_left), -1, -kNoLimit, kNoLimit, "", "", "", {}},
     {"last_command", FieldType::kU8, 1, false, 196, offsetof(HousekeepingPacket, last_command), -1, -kNoLimit, kNoLimit, "", "", "", kCommandsNames},
     {"last_rejection", FieldType::kU8, 1, false, 197, offsetof(HousekeepingPacket, last_rejection), -1, 0.0, 7.0, "", "", "NONE LENGTH HEADER CRC UNKNOWN_CODE RANGE STATE TOO_MANY", {}},
-    {"mode", FieldType::kU8, 1, false, 198, offsetof(HousekeepingPacket, mode), -1, 0.0, 3.0, "", "", "IDLE ACQUIRING TRACKING LOST", {}},
+    {"mode", FieldType::kU8, 1, false, 198, offsetof(HousekeepingPacket, mode), -1, 0.0, 4.0, "", "", "IDLE ACQUIRING TRACKING LOST COASTING", {}},
     {"version", FieldType::kU8, 3, true, 199, offsetof(HousekeepingPacket, version), -1, -kNoLimit, kNoLimit, "major minor patch", "", "", {}},
     {"flags", FieldType::kU8, 1, false, 202, offsetof(HousekeepingPacket, flags), -1, 0.0, 15.0, "", "", "", {}},
     {"tables_damaged", FieldType::kU8, 1, false, 203, offsetof(HousekeepingPacket, tables_damaged), -1, -kNoLimit, kNoLimit, "", "", "", {}},

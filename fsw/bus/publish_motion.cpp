@@ -98,7 +98,7 @@ void send_prediction(const View& view, bool due, BusState* bus) {
   if (due && !ahead.walk.under_way) {
     const bool begun = dynamics_hold(view) &&
                        begin_look_ahead(view.estimate->model, motion.timestamp_ns, &ahead.walk);
-    if (!begun && motion.pose_valid) {
+    if (!begun && is_measured(motion)) {
       send_local_prediction(view, bus);
     }
     ahead.timestamp_ns = motion.timestamp_ns;

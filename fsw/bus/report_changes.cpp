@@ -38,7 +38,8 @@ void report_mode(const View& view, BusState* bus) {
   if (reported.mode == Mode::kAcquiring && motion.mode == Mode::kTracking) {
     tell(EventId::kTargetAcquired, motion.landmarks, motion.keyframes, bus);
   }
-  if (reported.mode == Mode::kTracking && motion.mode == Mode::kLost) {
+  const bool had_target = reported.mode == Mode::kTracking || reported.mode == Mode::kCoasting;
+  if (had_target && motion.mode == Mode::kLost) {
     tell(EventId::kTargetLost, view.counters->poses, 0.0, bus);
   }
   if (motion.mode == Mode::kLost) {
@@ -70,7 +71,7 @@ void report_times(const View& view, BusState* bus) {
   // Chosen: five turns a second, several times what the fastest bodies in orbit are known to do.
   constexpr double kImplausible_deg_s = 1800.0;
   const MotionState& motion = *view.motion;
-  if (!motion.pose_valid) {
+  if (!is_measured(motion)) {
     return;
   }
   Reported& reported = bus->reported;

@@ -22,7 +22,7 @@ bool is_sound(const ServicerAttitude& servicer) {
 
 bool is_sound(const Reported& reported) {
   return is_bool(reported.started) && is_bool(reported.stamps_doubted) &&
-         is_bool(reported.rate_implausible) && is_enum(reported.mode, Mode::kLost) &&
+         is_bool(reported.rate_implausible) && is_enum(reported.mode, kLastMode) &&
          reported.dynamics <= bus::kDynamicsOrbit && is_at_least(reported.metres_per_mu, 0.0);
 }
 

@@ -6,7 +6,14 @@
 
 namespace polhode {
 
-enum class Mode : std::uint8_t { kIdle = 0, kAcquiring = 1, kTracking = 2, kLost = 3 };
+enum class Mode : std::uint8_t {
+  kIdle = 0,
+  kAcquiring = 1,
+  kTracking = 2,
+  kLost = 3,
+  kCoasting = 4  ///< the frame could not be looked at: its pose is the motion's prediction
+};
+inline constexpr Mode kLastMode = Mode::kCoasting;
 
 /// Frames: C camera, T target, I inertial. Values are meaningful only where their flag says so.
 struct MotionState {
@@ -38,5 +45,10 @@ struct MotionState {
   std::uint16_t landmarks = 0;        ///< in the map
   std::uint16_t keyframes = 0;        ///< in the map
 };
+
+/// A pose that the frame itself gave, not a predicted one.
+inline bool is_measured(const MotionState& motion) {
+  return motion.pose_valid && motion.mode != Mode::kCoasting;
+}
 
 }  // namespace polhode

@@ -4,8 +4,16 @@ namespace polhode {
 namespace {
 
 /// Which modes a transition starts from.
-enum From : std::uint8_t { kFromIdle = 1, kFromAcquiring = 2, kFromTracking = 4, kFromLost = 8 };
-constexpr std::uint8_t kFromAny = kFromIdle | kFromAcquiring | kFromTracking | kFromLost;
+enum From : std::uint8_t {
+  kFromIdle = 1,
+  kFromAcquiring = 2,
+  kFromTracking = 4,
+  kFromLost = 8,
+  kFromCoasting = 16
+};
+constexpr std::uint8_t kFromAny =
+    kFromIdle | kFromAcquiring | kFromTracking | kFromLost | kFromCoasting;
+constexpr std::uint8_t kFromMapped = kFromTracking | kFromLost | kFromCoasting;
 
 enum class When : std::uint8_t { kAlways, kHeld, kNotHeld };
 
@@ -23,8 +31,9 @@ constexpr Transition kTransitions[] = {
     {ModeEvent::kFrameComes, kFromAny, When::kHeld, Mode::kIdle},
     {ModeEvent::kFrameComes, kFromIdle, When::kNotHeld, Mode::kAcquiring},
     {ModeEvent::kMapBegun, kFromAcquiring | kFromLost, When::kNotHeld, Mode::kTracking},
-    {ModeEvent::kPoseFound, kFromTracking | kFromLost, When::kNotHeld, Mode::kTracking},
-    {ModeEvent::kPoseNotFound, kFromTracking | kFromLost, When::kNotHeld, Mode::kLost},
+    {ModeEvent::kPoseFound, kFromMapped, When::kNotHeld, Mode::kTracking},
+    {ModeEvent::kPoseNotFound, kFromMapped, When::kNotHeld, Mode::kLost},
+    {ModeEvent::kPosePredicted, kFromTracking | kFromCoasting, When::kNotHeld, Mode::kCoasting},
     {ModeEvent::kTargetReset, kFromAny, When::kNotHeld, Mode::kAcquiring},
     {ModeEvent::kWarmStartWithMap, kFromAny, When::kAlways, Mode::kLost},
     {ModeEvent::kWarmStartWithoutMap, kFromAny, When::kAlways, Mode::kIdle},

@@ -5,6 +5,7 @@
 #include "bus/narrow.hpp"
 #include "bus/publish.hpp"
 #include "motion/published.hpp"
+#include "pipeline/coast.hpp"
 #include "pipeline/state.hpp"
 
 namespace polhode {
@@ -36,6 +37,20 @@ void fill_motion(const MapState& mapping,
   const Result<RateEstimate> rates = rates_now(motion, mapping.drift, options);
   if (rates && !stamps.contradicted) {
     fill_rates(rates.value(), unit.metres_per_mu, unit.relative_sigma, m);
+  }
+}
+
+/// A predicted pose, with what the scale adds to its error; no rates.
+void fill_coasted(const std::optional<PosePrediction>& coasted,
+                  const bus::LengthUnit& unit,
+                  std::array<double, 4>* q_last,
+                  MotionState* m) {
+  if (coasted) {
+    const Pose pose = scaled(coasted->pose, unit.metres_per_mu);
+    fill_pose(pose,
+              scaled(coasted->covariance, unit.metres_per_mu) + by_scale(pose, unit.relative_sigma),
+              q_last,
+              m);
   }
 }
 
@@ -97,6 +112,8 @@ MotionState motion_state(std::int64_t timestamp_ns,
                 unit,
                 &s->bus.q_CT_last,
                 &m);
+  } else if (m.mode == Mode::kCoasting) {
+    fill_coasted(coasted_pose(timestamp_ns, *s), unit, &s->bus.q_CT_last, &m);
   }
   return m;
 }

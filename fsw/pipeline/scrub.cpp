@@ -38,8 +38,9 @@ void scrub_configuration(Component::State* s) {
 }
 
 void scrub_mode(Component::State* s) {
-  const bool known = sound::is_enum(s->mode.now, Mode::kLost);
-  const bool mended = sound::mend(&s->mode.held) | sound::mend(&s->clock.time_known);
+  const bool known = sound::is_enum(s->mode.now, kLastMode);
+  const bool held_mended = sound::mend(&s->mode.held);
+  const bool mended = sound::mend(&s->clock.time_known) || held_mended;
   if (!known) {
     s->mode.now = Mode::kIdle;
     reset_target(s);

@@ -4,6 +4,7 @@
 
 #include "bus/frame_uses.hpp"
 #include "pipeline/acquire.hpp"
+#include "pipeline/coast.hpp"
 #include "pipeline/commands.hpp"
 #include "pipeline/counting.hpp"
 #include "pipeline/observer.hpp"
@@ -68,7 +69,7 @@ FrameUse take_frame(const Frame& frame, Component::State* s) {
 
 void find_target_now(const std::optional<PosePrediction>& predicted, Component::State* s) {
   const Configuration& c = s->configuration;
-  const bool tracks = s->mode.now == Mode::kTracking && predicted;
+  const bool tracks = has_target(s->mode) && predicted;
   look_for_target(tracks ? &predicted->pose : nullptr,
                   s->mapping.map,
                   c.camera,
@@ -158,8 +159,8 @@ const StepOutput& Component::step(const StepInput& input) {
     locate_target(predicted, s);
     measure_target(s);
     estimate_motion(s);
-  } else if (s->mode.now == Mode::kTracking) {
-    drop_reference(&s->mapping);
+  } else if (use != FrameUse::kTimeNotIncreasing) {
+    coast(input.frame.timestamp_ns, s);
   }
   count(use, s->picture.verdict, &s->counters);
   take_counts(&s->mapping.counts, &s->jobs.counts, &s->counters);

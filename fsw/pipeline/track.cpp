@@ -36,7 +36,7 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
       (relocalise_frame(input, mapping) && (!expected || believable(*expected, false, *mapping)))) {
     return FoundBy::kFeatures;
   }
-  if (s->mode.now != Mode::kTracking || !expected) {
+  if (!has_target(s->mode) || !expected) {
     return FoundBy::kNothing;
   }
   const bool held = hold_about(input, *expected, mapping);
@@ -46,19 +46,7 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
   return held && s->motion.departures == 0 ? FoundBy::kPrior : FoundBy::kNothing;
 }
 
-/// A frame without a pose.
-void lose(Component::State* s) {
-  drop_reference(&s->mapping);
-  s->mapping.localised.matches.clear();
-  if (s->mode.now == Mode::kTracking) {
-    ++s->counters.lost;
-    clear(&s->initialisation);
-    invalidate_start(&s->jobs);
-  }
-  change_mode(ModeEvent::kPoseNotFound, &s->mode);
-}
-
-/// A frame with one.
+/// A frame with a pose.
 void hold(Component::State* s) {
   s->mapping.pose_valid = true;
   s->counters.relocalised += s->mode.now == Mode::kLost ? 1 : 0;
@@ -147,6 +135,17 @@ void keep_hold(Component::State* s) {
 
 }  // namespace
 
+void lose_target(Component::State* s) {
+  drop_reference(&s->mapping);
+  s->mapping.localised.matches.clear();
+  if (has_target(s->mode)) {
+    ++s->counters.lost;
+    clear(&s->initialisation);
+    invalidate_start(&s->jobs);
+  }
+  change_mode(ModeEvent::kPoseNotFound, &s->mode);
+}
+
 void track(const std::optional<PosePrediction>& predicted, Component::State* s) {
   std::optional<ExpectedPose> expected;
   if (predicted) {
@@ -154,7 +153,7 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
   }
   const FoundBy found_by = find_pose(expected, s);
   if (found_by == FoundBy::kNothing) {
-    lose(s);
+    lose_target(s);
     collect(s);
     return;
   }

@@ -14,4 +14,7 @@ namespace polhode {
 /// @param predicted  the pose by the motion so far; nothing where no pose is known.
 void track(const std::optional<PosePrediction>& predicted, Component::State* state);
 
+/// A frame without a pose, in which it was looked for: the mode is LOST.
+void lose_target(Component::State* state);
+
 }  // namespace polhode

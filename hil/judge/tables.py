@@ -123,9 +123,11 @@ def read_motion(path: pathlib.Path) -> Motion:
         filled = np.all([np.isfinite(value).all(axis=1) for value in values], axis=0)
         return filled & (known[flag] > 0) if flag in known else filled
 
+    # A predicted pose counts as silence.
+    coasted = np.array(cells.get("mode", [""] * len(rows))) == "COASTING"
     return Motion(
         path=path, timestamp_ns=timestamps(path, cells["timestamp_ns"]), q_CT=_unit_quaternions(path, q_CT),
-        p_CT=p_CT, v_C=v_C, w_T=w_T, pose_valid=valid("pose_valid", q_CT, p_CT), rate_valid=valid("rate_valid", w_T),
+        p_CT=p_CT, v_C=v_C, w_T=w_T, pose_valid=valid("pose_valid", q_CT, p_CT) & ~coasted, rate_valid=valid("rate_valid", w_T),
         velocity_valid=valid("velocity_valid", v_C), scale_known=known.get("scale_known", unknown + 1) > 0,
         mode=list(cells.get("mode", [])), columns={name: known.get(name, unknown) for name in (*SIGMAS, *COUNTS, *COST)},
         target_frame=known.get(TARGET_FRAME))

@@ -91,7 +91,7 @@ std::int64_t take_frame(LiveParts& parts,
   (void)counts.deadline.add(counts.last_step_us);
   counts.latency.add(published_ns - parts.camera.available_ns());
   counts.latency_cpu.add(clock_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_before_ns);
-  if (out.motion.pose_valid) {
+  if (is_measured(out.motion)) {
     ++counts.frames_with_pose;
     counts.first_pose_frame = std::min(counts.first_pose_frame, counts.frames_accepted);
   }

@@ -39,6 +39,8 @@ const char* mode_name(Mode mode) {
       return "ACQUIRING";
     case Mode::kTracking:
       return "TRACKING";
+    case Mode::kCoasting:
+      return "COASTING";
     case Mode::kLost:
       return "LOST";
   }

@@ -59,7 +59,7 @@ void add_frame(RunRecord& record,
                                  .verdict = out.verdict,
                                  .reason = refusal});
   }
-  if (out.motion.pose_valid) {
+  if (is_measured(out.motion)) {
     ++record.frames_with_pose;
     record.first_pose_frame = record.first_pose_frame.value_or(frame);
   }

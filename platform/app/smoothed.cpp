@@ -147,7 +147,9 @@ MotionState row_of(const MotionState& published, const SmoothedPose& pose, const
   m.timestamp_ns = published.timestamp_ns;
   m.scale_known = view.scale.known;
   m.target_frame = view.target_frame;
-  m.mode = pose.valid ? Mode::kTracking : published.mode;
+  // A predicted pose is none of the smoothed ones.
+  const bool tracks = pose.valid || published.mode == Mode::kCoasting;
+  m.mode = tracks ? Mode::kTracking : published.mode;
   m.features = published.features;
   m.landmarks = static_cast<std::uint16_t>(view.map.landmark_count);
   m.keyframes = static_cast<std::uint16_t>(view.map.keyframe_count);

@@ -10,7 +10,7 @@
 namespace polhode::platform {
 
 std::string tum_line(const MotionState& motion) {
-  if (!motion.pose_valid) {
+  if (!is_measured(motion)) {
     return {};
   }
   const Eigen::Quaterniond q_CT(motion.q_CT[0], motion.q_CT[1], motion.q_CT[2], motion.q_CT[3]);
@@ -41,10 +41,9 @@ void write_trajectory(const std::filesystem::path& file, std::span<const MotionS
 
 void write_last_trajectory(const std::filesystem::path& file, std::span<const MotionState> motion) {
   OutputFile out(file);
-  const auto last = std::find_if(
-      motion.rbegin(), motion.rend(), [](const MotionState& state) { return state.pose_valid; });
+  const auto last = std::find_if(motion.rbegin(), motion.rend(), is_measured);
   for (const MotionState& state : motion) {
-    if (state.pose_valid && state.target_frame == last->target_frame &&
+    if (is_measured(state) && state.target_frame == last->target_frame &&
         state.scale_known == last->scale_known) {
       out.write(tum_line(state));
     }

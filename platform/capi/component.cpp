@@ -41,7 +41,8 @@ constexpr std::size_t kHandleOctets = (sizeof(Handle) + kAlignment - 1) / kAlign
 
 static_assert(POLHODE_STEP_COMMANDS == polhode::limits::kStepCommands);
 static_assert(static_cast<int>(polhode::Mode::kTracking) == POLHODE_TRACKING &&
-              static_cast<int>(polhode::Mode::kLost) == POLHODE_LOST);
+              static_cast<int>(polhode::Mode::kLost) == POLHODE_LOST &&
+              static_cast<int>(polhode::Mode::kCoasting) == POLHODE_COASTING);
 
 polhode_assertion_hook g_assertion_hook = nullptr;  // set once before the first create
 

@@ -160,7 +160,7 @@ TEST(Decoding, RefusesEveryPacketWithAnyOneBitFlipped) {
 
 TEST(Decoding, RefusesAnEnumerationsUnknownValueByName) {
   HousekeepingPacket packet;
-  packet.mode = 4;
+  packet.mode = 5;
   std::array<std::uint8_t, housekeeping_layout::kPacketOctets> octets{};
   ASSERT_EQ(encode(HousekeepingPacket::layout(), &packet, {}, octets), octets.size());
   HousekeepingPacket back;

@@ -135,7 +135,7 @@ std::string refusal(std::size_t offset, std::uint8_t octet) {
 
 TEST(MotionPacket, IsRefusedByNameWhenItsContentMakesNoSense) {
   EXPECT_NE(refusal(14, 1).find("version"), std::string::npos);
-  EXPECT_NE(refusal(layout::kMode, 4).find("mode"), std::string::npos);
+  EXPECT_NE(refusal(layout::kMode, 5).find("mode"), std::string::npos);
   EXPECT_NE(refusal(layout::kFlags, 0x10).find("flags"), std::string::npos);
   EXPECT_NE(refusal(5, 10).find("header"), std::string::npos);
   Packet packet = encoded(random_motion_state(8));

@@ -248,7 +248,7 @@ def test_codes_of_events_are_printed_in_words():
     done = subprocess.run([PROGRAM, "bus", "dump", recorded, "--json"], capture_output=True, text=True, check=True, timeout=60)
     changes = [event for event in map(json.loads, done.stdout.splitlines()) if event["packet"] == "event" and event["id"] == 9]
     assert changes and all(f"mode {int(event['value'][0])} to" in event["text"] for event in changes)
-    names = ["IDLE", "ACQUIRING", "TRACKING", "LOST"]
+    names = ["IDLE", "ACQUIRING", "TRACKING", "LOST", "COASTING"]
     assert [event["words"] for event in changes] == [" to ".join(names[int(value)] for value in event["value"]) for event in changes]
     table = subprocess.run([PROGRAM, "bus", "dump", recorded], capture_output=True, text=True, check=True, timeout=60).stdout
     assert table.count('words="ACQUIRING to TRACKING"') >= 1

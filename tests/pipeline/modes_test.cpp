@@ -6,7 +6,8 @@
 namespace polhode {
 namespace {
 
-constexpr Mode kModes[] = {Mode::kIdle, Mode::kAcquiring, Mode::kTracking, Mode::kLost};
+constexpr Mode kModes[] = {
+    Mode::kIdle, Mode::kAcquiring, Mode::kTracking, Mode::kLost, Mode::kCoasting};
 
 Mode after(ModeEvent event, Mode from, bool held) {
   ModeState mode{.now = from, .held = held};
@@ -34,7 +35,7 @@ TEST(Modes, WhileHeldNothingLeadsOutOfIdle) {
 
 TEST(Modes, AFrameBeginsTheSearch_AndDisturbsNothingElse) {
   EXPECT_EQ(after(ModeEvent::kFrameComes, Mode::kIdle, false), Mode::kAcquiring);
-  for (const Mode from : {Mode::kAcquiring, Mode::kTracking, Mode::kLost}) {
+  for (const Mode from : {Mode::kAcquiring, Mode::kTracking, Mode::kLost, Mode::kCoasting}) {
     EXPECT_EQ(after(ModeEvent::kFrameComes, from, false), from);
   }
 }
@@ -50,10 +51,19 @@ TEST(Modes, WithoutAMapNoPoseIsFoundOrMissed) {
 }
 
 TEST(Modes, PosesLeadBetweenTrackingAndLost) {
-  for (const Mode from : {Mode::kTracking, Mode::kLost}) {
+  for (const Mode from : {Mode::kTracking, Mode::kLost, Mode::kCoasting}) {
     EXPECT_EQ(after(ModeEvent::kPoseFound, from, false), Mode::kTracking);
     EXPECT_EQ(after(ModeEvent::kPoseNotFound, from, false), Mode::kLost);
   }
+}
+
+TEST(Modes, APoseIsPredictedOnlyAfterOneThatWasFound) {
+  EXPECT_EQ(after(ModeEvent::kPosePredicted, Mode::kTracking, false), Mode::kCoasting);
+  EXPECT_EQ(after(ModeEvent::kPosePredicted, Mode::kCoasting, false), Mode::kCoasting);
+  for (const Mode from : {Mode::kIdle, Mode::kAcquiring, Mode::kLost}) {
+    EXPECT_EQ(after(ModeEvent::kPosePredicted, from, false), from);
+  }
+  EXPECT_EQ(after(ModeEvent::kPosePredicted, Mode::kTracking, true), Mode::kTracking);
 }
 
 TEST(Modes, AWarmStartLooksForTheTargetThatItKnows) {

@@ -65,7 +65,7 @@ Eigen::Matrix3d rotation_of(const MotionState& m) {
 
 int first_pose(int from) {
   int i = from;
-  while (i < kFrames && !passage().motion[static_cast<std::size_t>(i)].pose_valid) {
+  while (i < kFrames && !is_measured(passage().motion[static_cast<std::size_t>(i)])) {
     ++i;
   }
   return i;

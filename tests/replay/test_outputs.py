@@ -54,7 +54,7 @@ def test_motion_tables_have_the_header_and_a_row_a_frame(run, name):
     assert [row["timestamp_ns"] for row in rows] == stamps
     assert [row["frame"] for row in rows] == [str(i) for i in range(len(stamps))]
     for row in rows:
-        assert row["mode"] in ("IDLE", "ACQUIRING", "TRACKING", "LOST")
+        assert row["mode"] in ("IDLE", "ACQUIRING", "TRACKING", "COASTING", "LOST")
         for flag, columns in GROUPS.items():
             assert row[flag] in ("0", "1")
             for column in columns:

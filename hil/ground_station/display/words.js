@@ -71,6 +71,7 @@ const codeNames = {
     "0": "IDLE",
     "1": "ACQUIRING",
     "2": "TRACKING",
-    "3": "LOST"
+    "3": "LOST",
+    "4": "COASTING"
   }
 };

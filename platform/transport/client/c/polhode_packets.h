@@ -17,6 +17,7 @@
 #define POLHODE_MOTION_MODE_ACQUIRING 1
 #define POLHODE_MOTION_MODE_TRACKING 2
 #define POLHODE_MOTION_MODE_LOST 3
+#define POLHODE_MOTION_MODE_COASTING 4
 /* Attitude, position and their rates of change, at the middle of this frame's exposure. */
 struct polhode_motion {
   int64_t timestamp_ns; /* middle of the exposure since 1970-01-01T00:00:00, exact; ns */
@@ -209,6 +210,7 @@ struct polhode_shape {
 #define POLHODE_HOUSEKEEPING_MODE_ACQUIRING 1
 #define POLHODE_HOUSEKEEPING_MODE_TRACKING 2
 #define POLHODE_HOUSEKEEPING_MODE_LOST 3
+#define POLHODE_HOUSEKEEPING_MODE_COASTING 4
 #define POLHODE_HOUSEKEEPING_LAST_COMMAND_NOOP 0
 #define POLHODE_HOUSEKEEPING_LAST_COMMAND_RESET_COUNTERS 1
 #define POLHODE_HOUSEKEEPING_LAST_COMMAND_RESET_MAP 2

@@ -26,7 +26,7 @@ PACKETS = {
         ("inliers", "H", 1, 300, None, None, ()),
         ("landmarks", "H", 1, 302, None, None, ()),
         ("keyframes", "H", 1, 304, None, None, ()),
-        ("mode", "B", 1, 306, None, None, ('IDLE', 'ACQUIRING', 'TRACKING', 'LOST')),
+        ("mode", "B", 1, 306, None, None, ('IDLE', 'ACQUIRING', 'TRACKING', 'LOST', 'COASTING')),
         ("flags", "B", 1, 307, None, None, ()),
     ]),
     1: ("model", 324, ('rate', 'axes', 'inertia', 'spin', 'precession', 'velocity', 'mass_centre', 'scale_known'), [
@@ -158,7 +158,7 @@ PACKETS = {
         ("cloud_chunks_left", "H", 1, 194, None, None, ()),
         ("last_command", "B", 1, 196, None, None, ()),
         ("last_rejection", "B", 1, 197, None, None, ('NONE', 'LENGTH', 'HEADER', 'CRC', 'UNKNOWN_CODE', 'RANGE', 'STATE', 'TOO_MANY')),
-        ("mode", "B", 1, 198, None, None, ('IDLE', 'ACQUIRING', 'TRACKING', 'LOST')),
+        ("mode", "B", 1, 198, None, None, ('IDLE', 'ACQUIRING', 'TRACKING', 'LOST', 'COASTING')),
         ("version", "B", 3, 199, (3,), None, ()),
         ("flags", "B", 1, 202, None, None, ()),
         ("tables_damaged", "B", 1, 203, None, None, ()),
@@ -333,7 +333,7 @@ CODES = {
     "events": {1: 'started', 2: 'target_acquired', 3: 'target_lost', 4: 'target_found_again', 11: 'target_frame_new', 12: 'motion_changed', 13: 'stamps_doubted', 14: 'rate_implausible', 15: 'table_damaged', 5: 'loop_closed', 6: 'scale_known', 7: 'table_full', 8: 'shape_known', 10: 'counters_reset', 9: 'mode_changed', 20: 'frame_unreadable', 21: 'frame_dark', 22: 'frame_wrong_size', 23: 'frame_time_not_increasing', 24: 'frame_flat', 25: 'frame_saturated', 26: 'frame_frozen', 27: 'frame_torn', 28: 'frame_bit_errors', 29: 'frame_with_care', 40: 'noop', 41: 'command_accepted', 42: 'command_length', 43: 'command_header', 44: 'command_crc', 45: 'command_unknown', 46: 'command_range', 47: 'command_state', 48: 'command_too_many', 49: 'command_repeated', 60: 'table_loaded', 61: 'table_refused', 62: 'table_activated', 63: 'table_not_activated', 70: 'cloud_begun', 71: 'checkpoint_asked'},
     "faults": {0: 'none', 1: 'dark', 2: 'flat', 3: 'saturated', 4: 'frozen', 5: 'torn', 6: 'bit errors', 7: 'blurred'},
     "model.dynamics": {0: 'NONE', 1: 'LOCAL', 2: 'TORQUE_FREE', 3: 'ORBIT'},
-    "motion.mode": {0: 'IDLE', 1: 'ACQUIRING', 2: 'TRACKING', 3: 'LOST'},
+    "motion.mode": {0: 'IDLE', 1: 'ACQUIRING', 2: 'TRACKING', 3: 'LOST', 4: 'COASTING'},
 }
 
 # Fields whose value is a code: its names.
