@@ -137,6 +137,12 @@ def service(results: pathlib.Path) -> None:
     print(f"its second start: {about['start']}, {about['frames_accepted']} frames, pose on frame {about['first_pose_frame'] + 1}")
 
 
+def package(results: pathlib.Path) -> None:
+    about = report(results)
+    require(about["frames_accepted"] > 0 and (results / "bus.ccsds").stat().st_size > 0, "frames and packets")
+    print(f"the packaged unit, {about['start']}: {about['frames_accepted']} frames, {about['frames_with_pose']} with a pose")
+
+
 BRIGHT = 0.8 * 255  # where the controller puts the level that a fiftieth of the target's pixels exceed
 SETTLED = 0.2  # its dead band, the gain's steps, the mask's edge
 
@@ -163,5 +169,5 @@ def exposure(results: pathlib.Path) -> None:
 
 
 if __name__ == "__main__":
-    jobs = {"compliance": compliance, "capture": capture, "run": run, "faults": faults, "exposure": exposure, "service": service}
+    jobs = {"compliance": compliance, "capture": capture, "run": run, "faults": faults, "exposure": exposure, "service": service, "package": package}
     jobs[sys.argv[1]](pathlib.Path(sys.argv[2]))
