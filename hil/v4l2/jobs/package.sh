@@ -16,8 +16,11 @@ import collections, time, polhode_bus
 heard, end = collections.Counter(), time.monotonic() + 600
 with polhode_bus.open_bus("unix:/run/polhode/telemetry") as bus:
     while time.monotonic() < end and not (heard["housekeeping"] and heard["motion"]):
-        heard.update(packet.name for packet in bus.packets(timeout_s=2.0))
-print(", ".join(f"{count} {name}" for name, count in sorted(heard.items())))
+        for packet in bus.packets(timeout_s=2.0):
+            heard[packet.name] += 1
+            if heard["housekeeping"] and heard["motion"]:
+                break
+print(", ".join(f"{count} {name}" for name, count in sorted(heard.items()) if count))
 raise SystemExit(not (heard["housekeeping"] and heard["motion"]))
 LISTEN
 inside runuser -u polhode -- python3 /listen.py > $WORK/heard &
@@ -26,10 +29,9 @@ until inside test -S /run/polhode/telemetry; do sleep 1; kill -0 $listener || fa
 $FEED --sequence $WORK/body &
 feeder=$!
 wait $listener || fail "the ground package has heard only: $(cat $WORK/heard)"
-tell "the ground package has decoded, as they came: $(cat $WORK/heard)"
-wait $feeder
-sleep 20
+tell "heard by the client of the ground package: $(cat $WORK/heard)"
 inside systemctl stop polhode
+kill $feeder 2> /dev/null # where frames are left
 tell "stopped: $(state Result), status $(state ExecMainStatus)"
 cp $ROOT/var/lib/polhode/{run.json,bus.ccsds} /mnt/ || fail "no results"
 [ "$(state Result)" = success ] || fail "$(state Result)"
