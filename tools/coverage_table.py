@@ -1,5 +1,9 @@
 #!/usr/bin/env python3
-"""Prints gcovr's summary of fsw by stage, as a table of Markdown, and the units whose branches are taken least (tools/coverage.sh)."""
+"""Prints gcovr's summary of fsw by stage, as a table of Markdown, and the units whose branches are taken least (tools/coverage.sh).
+
+Example:
+  tools/coverage_table.py build/coverage/coverage.json
+"""
 
 import argparse
 import json
@@ -56,7 +60,7 @@ def table(units: dict[str, dict[str, int]]) -> list[str]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("summary", type=pathlib.Path, metavar="SUMMARY.json", help="of gcovr --json-summary")
     print("\n".join(table(read_summary(parser.parse_args().summary))))
 

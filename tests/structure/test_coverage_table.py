@@ -35,6 +35,6 @@ def test_what_is_no_summary_is_refused(tmp_path, text):
         read_summary(tmp_path / "summary.json")
 
 
-def test_an_unknown_folder_is_refused():
+def test_an_unknown_stage_is_refused():
     done = subprocess.run([REPOSITORY / "tools/coverage.sh", "masks"], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 2 and done.stderr.startswith("coverage: unknown folder 'masks'; allowed: base geometry") and done.stderr.count("\n") == 1
+    assert done.returncode == 2 and done.stderr.startswith("coverage: unknown stage 'masks'; allowed: base geometry") and done.stderr.count("\n") == 1
