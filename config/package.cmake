@@ -9,9 +9,16 @@ if(NOT POLHODE_PACKAGE_CONTACT MATCHES "^[^<>\n]+ <[^<>@ ]+@[^<>@ ]+>$")
 endif()
 set(CPACK_PACKAGE_CONTACT ${POLHODE_PACKAGE_CONTACT})
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/packages)
+set(CPACK_COMPONENTS_ALL program library development ground)
+set(CPACK_POLHODE_STRIP ${CMAKE_STRIP})  # for strip_archives.cmake
+if(CMAKE_CROSSCOMPILING)  # config/aarch64.cmake. What is for every architecture is packaged without it.
+  set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+  set(CPACK_PACKAGE_DIRECTORY ${PROJECT_SOURCE_DIR}/build/packages-arm64)
+  set(CPACK_COMPONENTS_ALL program library development)
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_SYSROOT}/lib/aarch64-linux-gnu ${CMAKE_SYSROOT}/usr/lib/aarch64-linux-gnu)
+endif()
 set(CPACK_SET_DESTDIR ON)  # /etc/polhode lies outside of the prefix
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL program library development ground)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)

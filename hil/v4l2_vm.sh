@@ -27,6 +27,7 @@ jobs=("$@")
 failed=0
 for job in "${jobs[@]}"; do
   [ -f "hil/v4l2/jobs/$job.sh" ] || { echo "v4l2_vm: no job '$job' in hil/v4l2/jobs" >&2; exit 2; }
+  [ "$job" != package ] || hil/v4l2/package_root.sh || { failed=1; continue; }
   out=$RESULTS/$job
   rm -rf "$out"
   mkdir -p "$out"

@@ -95,10 +95,26 @@ settle_sysroot() {
   sed -i "s#\([\";]\)/usr/\(lib\|include\)#\1$ARM64_SYSROOT/usr/\2#g" "$root"/usr/lib/aarch64-linux-gnu/cmake/{Ceres/Ceres,opengv/opengv}Targets.cmake
 }
 
+# unpack PACKAGE ROOT: its files, and its part of a database of dpkg's own form, which names the files where they will stand. By it
+# dpkg-shlibdeps and dpkg-query find the package of a library, and the version that its symbols need.
+unpack() {
+  local database=$2/var/lib/dpkg control=$2/../control name file
+  mkdir -p "$database/info" "$database/updates"
+  rm -rf "$control"
+  dpkg-deb -e "$1" "$control"
+  name=$(sed -n 's/^Package: //p' "$control/control")
+  ! grep -qx 'Multi-Arch: same' "$control/control" || name=$name:arm64
+  { cat "$control/control"; printf 'Status: install ok installed\n\n'; } >> "$database/status"
+  dpkg-deb -X "$1" "$2" | sed -n "s#^\./\(.*[^/]\)\$#$ARM64_SYSROOT/\1#p" > "$database/info/$name.list"
+  for file in symbols shlibs; do
+    [ ! -e "$control/$file" ] || mv "$control/$file" "$database/info/$name.$file"
+  done
+}
+
 # The libraries for arm64, unpacked and not installed: the machine's own packages stay as they are.
 make_sysroot() {
   local new=$ARM64_SYSROOT.new package
-  if [ "$(cat "$ARM64_SYSROOT/packages" 2>/dev/null)" = "${LIBRARIES[*]}" ]; then
+  if [ "$(cat "$ARM64_SYSROOT/packages" 2>/dev/null)" = "${LIBRARIES[*]}" ] && [ -s "$ARM64_SYSROOT/var/lib/dpkg/status" ]; then
     say "sysroot: $ARM64_SYSROOT is up to date"
     return
   fi
@@ -109,11 +125,13 @@ make_sysroot() {
   apt_arm64 "$new" install -y --no-install-recommends --download-only "${LIBRARIES[@]}" libc6-dev
   say "sysroot: unpacking into $ARM64_SYSROOT (about 1.1 GB)"
   for package in "$new"/archives/*.deb; do
-    dpkg-deb -x "$package" "$new/tree"
+    unpack "$package" "$new/tree"
   done
+  printf '%s\n' "$(dpkg --print-architecture)" arm64 > "$new/tree/var/lib/dpkg/arch"
+  echo 1 > "$new/tree/var/lib/dpkg/info/format"
   settle_sysroot "$new/tree"
   echo "${LIBRARIES[*]}" > "$new/tree/packages"
-  rm -rf "$ARM64_SYSROOT"
+  [ ! -e "$ARM64_SYSROOT" ] || mv "$ARM64_SYSROOT" "$new/before"  # at once: a build may be reading it
   mv "$new/tree" "$ARM64_SYSROOT"
   rm -rf "$new"
 }

@@ -73,7 +73,9 @@ struct LaneKind {
   using Lanes = L;
 };
 
-#if defined(__x86_64__)
+// Only optimised: where nothing is inlined, functions for AVX2 and others would pass eight lanes to
+// each other by different calling conventions.
+#if defined(__x86_64__) && defined(__OPTIMIZE__)
 using Lanes8 = float __attribute__((vector_size(32)));
 
 template <>

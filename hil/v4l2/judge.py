@@ -137,6 +137,29 @@ def service(results: pathlib.Path) -> None:
     print(f"its second start: {about['start']}, {about['frames_accepted']} frames, pose on frame {about['first_pose_frame'] + 1}")
 
 
+DECODE = """
+import json, sys, polhode_bus
+with polhode_bus.open_bus("file:" + sys.argv[1]) as bus:
+    packets = list(bus.packets(timeout_s=1.0))
+    modes = [packet.mode for packet in packets if packet.name == "housekeeping"]
+    print(json.dumps({"names": [packet.name for packet in packets], "missing": bus.missing, "modes": modes}))
+"""
+
+
+def package(results: pathlib.Path) -> None:
+    """By the client of the ground package, as it is installed in the guest's root."""
+    about = report(results)
+    client = REPOSITORY / "build/v4l2_vm/package_root/usr/lib/python3/dist-packages"
+    done = subprocess.run([sys.executable, "-c", DECODE, results / "bus.ccsds"], capture_output=True, text=True, check=True,
+                          env=os.environ | {"PYTHONPATH": str(client)})
+    decoded = json.loads(done.stdout)
+    names, modes = decoded["names"], decoded["modes"]
+    require(about["frames_accepted"] > 0 and names.count("motion") == about["frames_accepted"], "a packet of motion for every frame")
+    require(len(modes) > 0 and decoded["missing"] == 0, "housekeeping, and no packet missing")
+    print(f"the packaged unit, {about['start']}: {about['frames_accepted']} frames; decoded by the ground package: {len(names)} packets, "
+          f"{len(modes)} of housekeeping, the first in mode {modes[0]}")
+
+
 BRIGHT = 0.8 * 255  # where the controller puts the level that a fiftieth of the target's pixels exceed
 SETTLED = 0.2  # its dead band, the gain's steps, the mask's edge
 
@@ -163,5 +186,5 @@ def exposure(results: pathlib.Path) -> None:
 
 
 if __name__ == "__main__":
-    jobs = {"compliance": compliance, "capture": capture, "run": run, "faults": faults, "exposure": exposure, "service": service}
+    jobs = {"compliance": compliance, "capture": capture, "run": run, "faults": faults, "exposure": exposure, "service": service, "package": package}
     jobs[sys.argv[1]](pathlib.Path(sys.argv[2]))

@@ -130,6 +130,17 @@ TEST(Reprojection, HasTheDerivativesThatDifferencesGive) {
   }
 }
 
+TEST(Reprojection, InverseDepthHasTheDerivativeThatDifferencesGive) {
+  Rng rng(4, 0);
+  for (int i = 0; i < 100; ++i) {
+    const Pose pose = random_scene(rng).pose;
+    const auto numeric = numeric_jacobian<3, 3>([&](const Eigen::Vector3d& d) -> Eigen::Vector3d {
+      return to_inverse_depth({.R_CT = pose.R_CT, .p_CT = pose.p_CT + d}).uvs;
+    });
+    EXPECT_LT((uvs_by_position(pose.p_CT) - numeric).norm(), 1e-8);
+  }
+}
+
 TEST(Reprojection, PoseErrorJacobianIsThatOfTheProjection) {
   Rng rng(3, 0);
   for (int i = 0; i < 100; ++i) {

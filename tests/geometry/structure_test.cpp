@@ -81,6 +81,19 @@ TEST(Alignment, FindsTheScaleAndShiftThatWereApplied) {
   }
 }
 
+TEST(Alignment, ATransformedPoseSeesThePointsWhereTheyWere) {
+  Rng rng(7, 0);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Similarity b_of_a{.scale = 0.1 + 3.0 * rng.uniform(),
+                            .R_ba = so3_exp(random_vector(rng, 1.5)),
+                            .t_ba = random_vector(rng, 4.0)};
+    const Pose pose_a{.R_CT = so3_exp(random_vector(rng, 1.5)), .p_CT = random_vector(rng, 4.0)};
+    const Eigen::Vector3d p_a = random_vector(rng, 1.0);
+    const Eigen::Vector3d p_C = transformed(pose_a, b_of_a).to_camera(b_of_a.apply(p_a));
+    EXPECT_LT((p_C - b_of_a.scale * pose_a.to_camera(p_a)).norm(), 1e-13);  // sums of some tens
+  }
+}
+
 TEST(Alignment, IgnoresPointsOfNoWeight) {
   Rng rng(7, 0);
   std::vector<Eigen::Vector3d> a;

@@ -56,6 +56,14 @@ TEST(MeasureLevels, CountsSaturatedPixels_WhenTheyAreFew) {
   EXPECT_DOUBLE_EQ(measure_levels(constant(100, 100, 100), {}).saturated_fraction, 0.0);
 }
 
+TEST(MeasureLevels, CountsTheLastColumn_WhateverTheWidth) {
+  for (int width = 97; width <= 100; ++width) {
+    cv::Mat gray = constant(width, 100, 100);
+    gray.at<std::uint8_t>(50, width - 1) = 255;
+    EXPECT_DOUBLE_EQ(measure_levels(gray, {}).saturated_fraction, 0.01 / width);
+  }
+}
+
 TEST(MeasureLevels, CountsAllSaturatedPixels_WhenTheyHaveDifferentLevels) {
   cv::Mat gray = constant(100, 100, 100);
   gray.rowRange(0, 40).setTo(252);  // over 0.98 of full scale
@@ -92,6 +100,15 @@ TEST(FindBitErrors, CountsEachFlippedPixel_WhateverItsColumn) {
     gray.at<std::uint8_t>(17, u) = 100 ^ 0x80;
     EXPECT_DOUBLE_EQ(traces_of(gray).impulse_fraction, 1.0 / 2800.0) << u;
   }
+}
+
+TEST(FindBitErrors, CountsEachFlippedPixel_OfAWideRow) {
+  constexpr int kFlips = 260;  // sixteen columns apart: more than an octet counts
+  cv::Mat gray = constant(16 * kFlips + 2, 40, 100);
+  for (int i = 0; i < kFlips; ++i) {
+    gray.at<std::uint8_t>(17, 1 + 16 * i) = 100 ^ 0x80;
+  }
+  EXPECT_DOUBLE_EQ(traces_of(gray).impulse_fraction, kFlips / static_cast<double>(gray.total()));
 }
 
 TEST(FindBitErrors, CountsNeitherEdgesNorLinesNorGrain) {

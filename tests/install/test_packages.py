@@ -67,7 +67,7 @@ def listing(name: str) -> dict[str, str]:
     return {row[5]: row[0] for row in rows}
 
 
-# verifies: DEL-03
+# verifies: DEL-03, DEL-08
 @BUILT
 def test_each_package_has_what_it_is_for():
     program, library, development, ground = (set(listing(name)) for name in NAMES)
@@ -98,6 +98,18 @@ def test_what_flies_is_stripped_and_links_no_windows_codecs_or_networks(tmp_path
     assert all(list(PACKAGES.glob(f"{name}-dbgsym_*.ddeb")) for name in ("polhode", "libpolhode1"))
     asked = run(flown[0], "check", "--config", REPOSITORY / "config/default.toml", "--set", 'network.file="outline.onnx"')
     assert asked.returncode == 2 and asked.stderr.count("\n") == 1 and "this build has no networks" in asked.stderr
+
+
+# verifies: DEL-07
+@pytest.mark.parametrize("folder", ["packages", "packages-arm64"])
+def test_contents_and_dependencies_are_whole(folder):
+    if not any((REPOSITORY / "build" / folder).glob("*.deb")) or None in FILES.values():
+        pytest.skip(f"no packages in build/{folder} to compare: tools/package.sh makes them")
+    sysroot = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache", "polhode/sysroot-arm64")
+    more = ["--database", sysroot / "var/lib/dpkg"] if folder == "packages-arm64" else []
+    done = run(REPOSITORY / "tools/check_packages.py", REPOSITORY / "build" / folder, "--like", PACKAGES, *more)
+    assert (done.returncode, done.stderr) == (0, ""), done.stdout
+    assert [line.split()[0] for line in done.stdout.splitlines()] == ["libpolhode-dev", "libpolhode1", "polhode"]
 
 
 @BUILT

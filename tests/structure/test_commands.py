@@ -81,6 +81,7 @@ def test_a_shell_command_says_how_it_is_called(file, tmp_path):
     ("tools/junit_totals.py", [], "REPORT.xml"),
     ("tools/requirements_matrix.py", ["--results", "NOT_THERE"], "NOT_THERE: no such folder"),
     ("tools/make_site.py", ["--out", "."], "holds something else"),
+    ("tools/check_packages.py", ["FOLDER"], "FOLDER: no packages; tools/package.sh makes them"),
     ("tools/sbom.py", ["--program", "NOT_THERE", "--out", "OUT"], "NOT_THERE: no such program"),
     ("tools/sbom.py", ["--program", "FILE", "--out", "NOT_THERE/OUT"], "NOT_THERE: no such folder"),
     ("tools/sbom.py", ["--program", "FILE", "--out", "OUT"], "not a program that this machine can load"),
