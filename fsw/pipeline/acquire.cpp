@@ -16,6 +16,9 @@ void collect(Component::State* s) {
   // was not cut; the outline goes along.
   sharpen_outline(&picture.mask_state);
   open_outline(picture.gray.size(), &picture.mask_state, &picture.mask);
+  if (picture.own != nullptr) {
+    close_cells(*picture.own, &picture.mask);
+  }
   stage_done(Stage::kMask, s->timer);
   detect_once(s);
   const Parameters& parameters = s->configuration.parameters;

@@ -63,6 +63,9 @@ FrameUse bring_picture(const Frame& frame,
     std::swap(picture->gray, reference->gray);
   }
   import_frame(frame.image, &picture->gray);
+  if (picture->own != nullptr) {
+    blacken(*picture->own, &picture->gray);
+  }
   return FrameUse::kUsed;
 }
 
@@ -77,12 +80,18 @@ void look_for_target(const Pose* predicted,
                      const MaskOptions& options,
                      PictureState* picture) {
   find_target(picture->gray, options, &picture->mask);
+  if (picture->own != nullptr) {
+    close_cells(*picture->own, &picture->mask);
+  }
   MaskPrior prior;
   if (predicted != nullptr && options.separates_background() &&
       border_is_lit(picture->mask.cells)) {
     prior = mask_prior(*predicted, map, camera, picture);
   }
   follow_target(picture->gray, prior, options, &picture->mask_state, &picture->mask);
+  if (picture->own != nullptr) {
+    leave_out(*picture->own, &picture->mask_state);
+  }
 }
 
 }  // namespace polhode

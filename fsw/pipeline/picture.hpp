@@ -8,6 +8,7 @@
 #include "image/quality.hpp"
 #include "mask/mask_state.hpp"
 #include "mask/options.hpp"
+#include "mask/own_structure.hpp"
 #include "mask/target_mask.hpp"
 #include "pipeline/component.hpp"
 
@@ -26,6 +27,7 @@ struct PictureState {
   FrameVerdict verdict;
   TargetMask mask;
   MaskState mask_state;
+  const OwnStructure* own = nullptr;  ///< the caller's, as the network; null: nothing is
   FixedVector<cv::Point2f, limits::kLandmarks> landmarks_px;  ///< where the map has them
 };
 
@@ -33,8 +35,8 @@ struct PictureState {
 /// before.
 void reset_pictures(PictureState* picture);
 
-/// Imports the image alone. @param reference  takes over the picture that was in `gray`, where it
-/// still waits for it.
+/// Imports the image alone; what is the servicer's own is black in it. @param reference  takes over
+/// the picture that was in `gray`, where it still waits for it.
 FrameUse bring_picture(const Frame& frame,
                        const CameraModel& camera,
                        FlowReference* reference,

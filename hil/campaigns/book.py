@@ -73,12 +73,14 @@ def model_files(scene: Scene) -> list[pathlib.Path]:
     return sorted(folder / name for name in names if name and (folder / name).is_file())
 
 
-def _network_file(config: pathlib.Path, settings: tuple[str, ...]) -> pathlib.Path | None:
-    """The network that a configuration names, whose weights decide what the program does."""
-    raw = tomllib.loads(config.read_text())
-    named = [setting.split("=", 1)[1].strip(" \"'") for setting in settings if setting.startswith("network.file=")]
-    name = named[-1] if named else raw.get("network", {}).get("file", "")
-    return next((place for place in (config.parent / name, pathlib.Path(name)) if name and place.is_file()), None)
+def _named_files(config: pathlib.Path, settings: tuple[str, ...]) -> list[pathlib.Path]:
+    """The files that a configuration names and whose content decides what the program does: a network, the servicer's own in the view."""
+    raw, found = tomllib.loads(config.read_text()), []
+    for section in ("network", "mask"):
+        named = [setting.split("=", 1)[1].strip(" \"'") for setting in settings if setting.startswith(f"{section}.file=")]
+        name = named[-1] if named else raw.get(section, {}).get("file", "")
+        found += [place for place in (config.parent / name, pathlib.Path(name)) if name and place.is_file()][:1]
+    return found
 
 
 class _Maker:
@@ -105,7 +107,7 @@ class _Maker:
 
     def _config(self, setting) -> pathlib.Path:
         """A copy of the configuration; the file itself where it names others beside it."""
-        if _network_file(setting.config, setting.settings) is not None:
+        if _named_files(setting.config, setting.settings):
             return setting.config
         copy = self.store.input(file_digest(setting.config), setting.config.name)
         keep_copy(setting.config, copy)
@@ -144,9 +146,8 @@ class _Maker:
     def chain(self, run: Run) -> Chain:
         tasks, sequence_key, folder = self.sequence(run)
         setting = run.setting
-        network = _network_file(setting.config, setting.settings)
         replay_key = digest("replay", sequence_key, self.program_key, setting.config.read_bytes(), list(setting.settings),
-                            *([file_digest(network)] if network else []))
+                            *(file_digest(file) for file in _named_files(setting.config, setting.settings)))
         options = {"program": str(self.program), "config": str(self.configs[setting.config]), "settings": list(setting.settings),
                    "sequence": str(folder), "timeout_s": self.plan.replay_timeout_s}
         replay = self.task("replay", replay_key, run.name, self.store.run(replay_key), **options)

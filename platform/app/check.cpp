@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "app/machine_needs.hpp"
+#include "app/own_structure_file.hpp"
 #include "app/places.hpp"
 #include "app/scale_frame.hpp"
 #include "app/warnings.hpp"
@@ -109,6 +110,9 @@ void check_configuration(const CheckArguments& arguments) {
       load_live_transport_options(arguments.config, arguments.settings);
   check_files(arguments, machine, transport, configuration.parameters);
   const std::optional<Sequence> sequence = take_sequence(arguments, configuration);
+  if (configuration.has_camera) {
+    const OwnStructureFile own(transport.own_structure_file, configuration.parameters.camera);
+  }
   fmt::print("{}{}{}\n{}config hash: {}\n",
              effective_table(configuration),
              machine_table(machine),

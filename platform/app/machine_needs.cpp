@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "app/own_structure_file.hpp"
 #include "camera/v4l2/formats.hpp"
 #include "network/loaded_network.hpp"
 #include "pipeline/checkpoint.hpp"
@@ -34,8 +35,10 @@ std::size_t buffer_octets_per_pixel(std::string_view pixel_format) {
 
 }  // namespace
 
-MachineNeeds transport_needs(const TransportOptions& options) {
-  MachineNeeds needs{.rows = {}, .general_octets = network_octets(options.network_file)};
+MachineNeeds transport_needs(const TransportOptions& options, const CameraParameters& camera) {
+  MachineNeeds needs{.rows = {},
+                     .general_octets = network_octets(options.network_file) +
+                                       own_structure_octets(options.own_structure_file, camera)};
   if (!options.transport.commands.key.empty()) {
     // OpenSSL's contexts of one MAC, given back after each; 3 kB with OpenSSL 3.0.
     constexpr std::size_t kMac_octets = std::size_t{16} << 10U;
@@ -71,7 +74,7 @@ std::size_t recorded_frame_octets(const CameraParameters& camera) {
 MachineNeeds live_needs(const MachineOptions& machine,
                         const TransportOptions& options,
                         const CameraParameters& camera) {
-  MachineNeeds needs = transport_needs(options);
+  MachineNeeds needs = transport_needs(options, camera);
   if (!machine.device.source.empty() && !std::filesystem::is_directory(machine.device.source)) {
     const std::size_t buffer_octets = buffer_octets_per_pixel(machine.device.pixel_format) *
                                       static_cast<std::size_t>(camera.width_px) *

@@ -9,8 +9,8 @@
 
 namespace polhode::platform {
 
-/// Of packets that wait for a reader, and of the network.
-MachineNeeds transport_needs(const TransportOptions& options);
+/// Of packets that wait for a reader, of the network, and of the picture of the servicer's own.
+MachineNeeds transport_needs(const TransportOptions& options, const CameraParameters& camera);
 
 /// Adds what frames from files take.
 void add_sequence(const Sequence& sequence, MachineNeeds* needs);

@@ -54,6 +54,12 @@ void export_recording(const ExportArguments& arguments) {
         "configuration\n",
         report.network_sha256);
   }
+  if (!report.own_structure_sha256.empty()) {
+    fmt::print(
+        "the run had a picture of the servicer's own (SHA-256 {}): name it as mask.file of the "
+        "configuration\n",
+        report.own_structure_sha256);
+  }
   fmt::print("polhode replay --config {0}/config.toml --sequence {0}{1} --out DIR\n",
              arguments.out.string(),
              report.has_checkpoint

@@ -21,6 +21,7 @@
 #include "app/next_input.hpp"
 #include "app/observations.hpp"
 #include "app/output_folder.hpp"
+#include "app/own_structure_file.hpp"
 #include "app/progress.hpp"
 #include "app/run_record.hpp"
 #include "app/scale_frame.hpp"
@@ -43,6 +44,7 @@
 #include "pipeline/checkpoint.hpp"
 #include "pipeline/component.hpp"
 #include "pipeline/ground_view.hpp"
+#include "pipeline/own_structure.hpp"
 #include "tell.hpp"
 #include "transport/command_file.hpp"
 #include "transport/file/packet_file.hpp"
@@ -237,17 +239,21 @@ void restore(const fs::path& checkpoint, const Parameters& configured, Component
 
 Component& make_component(const ComponentMemory& memory,
                           const Parameters& parameters,
+                          const MaskNetwork& network,
+                          const OwnStructureFile& own,
                           const ReplayArguments& arguments) {
   Result<Component*> made = Component::create(memory.span(), parameters);
   if (!made) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));
   }
+  made.value()->set_mask_network(network);
+  set_own_structure(own.hook(), made.value());
   restore(arguments.checkpoint, parameters, *made.value());
   return *made.value();
 }
 
 MachineNeeds needs_of(const TransportOptions& options, const Sequence& sequence) {
-  MachineNeeds needs = transport_needs(options);
+  MachineNeeds needs = transport_needs(options, sequence.camera);
   add_sequence(sequence, &needs);
   return needs;
 }
@@ -328,7 +334,8 @@ void replay(const ReplayArguments& arguments) {
       arguments.commands.empty() ? options.commands_file : arguments.commands, parameters);
   const ComponentMemory memory(parameters, arguments.config.string(), needs_of(options, sequence));
   LoadedNetwork network(options.network_file);
-  Component& component = make_component(memory, parameters, arguments);
+  const OwnStructureFile own(options.own_structure_file, parameters.camera);
+  Component& component = make_component(memory, parameters, network.hook(), own, arguments);
   const std::string config_hash = sha256_of(canonical_text(view_of(component).parameters));
   Transports transports({.send = options.transport.send, .receive = {}});
   const Descriptor lock = prepare_output_folder(arguments.out);  // last: an earlier run's files go
@@ -352,8 +359,6 @@ void replay(const ReplayArguments& arguments) {
   run.published.reserve(frames);
   run.uses.reserve(frames);
   component.set_stage_hook(Timings::hook, &run.timings);
-  component.set_mask_network(network.hook());
-
   const RunCost cost = run_sealed(run, arguments);
   const std::string bus_sha256 = run.files.bus.finish();
   const Clock::time_point finish_start = Clock::now();
@@ -369,6 +374,7 @@ void replay(const ReplayArguments& arguments) {
                  .bus_sha256 = bus_sha256,
                  .bus_octets = run.files.bus.octets(),
                  .network = network,
+                 .own = own,
                  .plan = memory.plan(),
                  .pools = cost.pools,
                  .deadline = run.deadline,

@@ -16,6 +16,7 @@
 #include "app/live_camera_choice.hpp"
 #include "app/live_run.hpp"
 #include "app/machine_needs.hpp"
+#include "app/own_structure_file.hpp"
 #include "app/places.hpp"
 #include "app/run_json.hpp"
 #include "app/warm_up.hpp"
@@ -29,6 +30,7 @@
 #include "parameters/machine_options.hpp"
 #include "parameters/sha256.hpp"
 #include "parameters/transport_options.hpp"
+#include "pipeline/own_structure.hpp"
 #include "recording/export.hpp"
 
 namespace polhode::platform {
@@ -39,6 +41,7 @@ namespace fs = std::filesystem;
 std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
                                         const Parameters& parameters,
                                         const LoadedNetwork& network,
+                                        const OwnStructureFile& own,
                                         std::span<const std::uint8_t> checkpoint) {
   const RecordingOptions& wish = machine.recording;
   if (wish.folder.empty()) {
@@ -56,7 +59,7 @@ std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
           .limits = {.segment_octets_max = segment_octets, .folder_octets_max = folder_octets},
           .slots = static_cast<std::size_t>(wish.slots),
           .complete = wish.complete},
-      begin_text(kVersion, network.sha256(), canonical_text(parameters)),
+      begin_text(kVersion, network.sha256(), own.sha256(), canonical_text(parameters)),
       recorded_frame_octets(parameters.camera));
   if (!checkpoint.empty()) {
     recorder->checkpoint(checkpoint);
@@ -67,12 +70,14 @@ std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
 Component& make_component(const ComponentMemory& memory,
                           const Parameters& parameters,
                           const MaskNetwork& network,
+                          const OwnStructureFile& own,
                           const RunArguments& arguments) {
   Result<Component*> made = Component::create(memory.span(), parameters);
   if (!made) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));
   }
   made.value()->set_mask_network(network);
+  set_own_structure(own.hook(), made.value());
   return *made.value();
 }
 
@@ -206,8 +211,7 @@ std::unique_ptr<LiveCounts> make_counts(double frame_ms) {
 void run_command(const RunArguments& arguments) {
   Configuration configuration = load_configuration(arguments.config, arguments.settings);
   const MachineOptions machine = load_machine_options(arguments.config, arguments.settings);
-  // Signals of now on end the run in order, also while the camera is being opened.
-  listen_for_stop();
+  listen_for_stop();  // of now on signals end the run in order, also while the camera is opened
   ChosenCamera chosen(arguments.config, machine, &configuration.parameters);
   const std::vector<Descriptor> places = prepare_places(arguments.config, machine);
   const Parameters& parameters = configuration.parameters;
@@ -218,15 +222,16 @@ void run_command(const RunArguments& arguments) {
                                arguments.config.string(),
                                needs_of(machine, transport, parameters.camera, chosen));
   LoadedNetwork network(transport.network_file);
+  const OwnStructureFile own(transport.own_structure_file, parameters.camera);
   say("warmed up: %d poses of a made-up body", warm_up(memory, parameters));
-  Component& component = make_component(memory, parameters, network.hook(), arguments);
+  Component& component = make_component(memory, parameters, network.hook(), own, arguments);
   const std::string config_hash = sha256_of(canonical_text(parameters));
   Beginning beginning(machine, config_hash);
   beginning.restore(component);
   say("start %s", beginning.how().c_str());
   std::optional<PacketLog> packets;
   open_packet_log(machine.run.folder, &packets);
-  const auto recorder = make_recorder(machine, parameters, network, beginning.octets());
+  const auto recorder = make_recorder(machine, parameters, network, own, beginning.octets());
   beginning.forget_octets();
   std::optional<CheckpointWriter> checkpoint;
   std::optional<CheckpointOnExhaustion> last_words;

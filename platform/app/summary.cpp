@@ -125,6 +125,10 @@ Json network(const LoadedNetwork& network) {
              : Json();
 }
 
+Json own_structure(const OwnStructureFile& own) {
+  return own.present() ? Json{{"sha256", own.sha256()}, {"part_of_picture", own.part()}} : Json();
+}
+
 Json cost(const SummaryInput& input) {
   const auto frames = static_cast<double>(input.record.frames_in);
   const double cpu_s = input.after_frames.cpu_s - input.at_start.cpu_s;
@@ -200,6 +204,7 @@ void write_summary(const std::filesystem::path& file, const SummaryInput& input)
                      {"sequence", input.sequence.path.string()},
                      {"config_hash", input.config_hash},
                      {"network", network(input.network)},
+                     {"own_structure", own_structure(input.own)},
                      {"frames", frames},
                      {"mode_changes", record.mode_changes_total},
                      {"mode_history", mode_history(record)},

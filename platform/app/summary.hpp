@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/machine.hpp"
+#include "app/own_structure_file.hpp"
 #include "app/run_record.hpp"
 #include "app/timings.hpp"
 #include "camera/replay/sequence.hpp"
@@ -27,6 +28,7 @@ struct SummaryInput {
   std::string bus_sha256;
   std::uint64_t bus_octets = 0;
   const LoadedNetwork& network;
+  const OwnStructureFile& own;
   const MemoryPlan& plan;
   PoolReport pools;  ///< over the frames
   const DeadlineMonitor& deadline;

@@ -157,7 +157,10 @@ class Loader {
         unknown(name, node, source);
       }
       for (const auto& [field, value] : *section) {
-        assign(fmt::format("{}.{}", name, field.str()), value, source);
+        const std::string dotted = fmt::format("{}.{}", name, field.str());
+        if (!is_transport_key(dotted)) {
+          assign(dotted, value, source);
+        }
       }
     }
   }

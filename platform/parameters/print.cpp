@@ -24,9 +24,22 @@ constexpr const char* kCameraHead =
     "# A replay takes its camera from the sequence's sensor.yaml. This section is for a "
     "configuration without a sequence.\n";
 
+constexpr const char* kMaskHead =
+    "# file = \"own.png\" names a picture of what is the servicer's own in the view: PNG or PGM of "
+    "the "
+    "camera's size, white where it is seen.\n"
+    "# Nothing there is target. It is read before the start; none by default.\n";
+
 std::string section_of(std::string_view key) {
   const std::size_t dot = key.find('.');
   return std::string(dot == std::string_view::npos ? std::string_view() : key.substr(0, dot));
+}
+
+const char* head_of(std::string_view section) {
+  return section == "scale"    ? kScaleHead
+         : section == "camera" ? kCameraHead
+         : section == "mask"   ? kMaskHead
+                               : "";
 }
 
 /// Examples for keys that have no default.
@@ -79,7 +92,7 @@ std::string documented_defaults() {
     if (here != section) {
       section = here;
       out += fmt::format("\n[{}]\n", section);
-      out += section == "scale" ? kScaleHead : section == "camera" ? kCameraHead : "";
+      out += head_of(section);
     } else if (section.empty()) {
       out += "\n";
     }

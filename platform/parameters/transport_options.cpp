@@ -13,6 +13,7 @@ namespace polhode::platform {
 namespace {
 
 constexpr const char* kText = "a text";
+constexpr std::string_view kOwnStructureKey = "mask.file";
 
 /// Where a value stands and what it is called, for messages.
 struct Place {
@@ -78,6 +79,8 @@ void take_value(const toml::node& node, const Place& place, TransportOptions& op
     options.commands_file = text_of(node, place);
   } else if (place.key == "network.file") {
     options.network_file = text_of(node, place);
+  } else if (place.key == kOwnStructureKey) {
+    options.own_structure_file = text_of(node, place);
   } else {
     throw UnusableInput(fmt::format(
         "{}: {}: unknown key; known are transport.send, transport.receive, commands.file, "
@@ -90,14 +93,18 @@ void take_value(const toml::node& node, const Place& place, TransportOptions& op
 void take_table(const toml::table& table, const std::string& source, TransportOptions& options) {
   for (const auto& [section, node] : table) {
     const toml::table* keys = node.as_table();
-    if (keys == nullptr || !is_transport_section(section.str())) {
+    if (keys == nullptr) {
       continue;
     }
     for (const auto& [field, value] : *keys) {
+      const std::string key = fmt::format("{}.{}", section.str(), field.str());
+      if (!is_transport_section(section.str()) && !is_transport_key(key)) {
+        continue;
+      }
       const bool in_file = source.rfind("--set", 0) != 0;
       const Place place{
           .source = in_file ? fmt::format("{}:{}", source, value.source().begin.line) : source,
-          .key = fmt::format("{}.{}", section.str(), field.str())};
+          .key = key};
       take_value(value, place, options);
     }
   }
@@ -108,6 +115,8 @@ void take_table(const toml::table& table, const std::string& source, TransportOp
 bool is_transport_section(std::string_view section) {
   return section == "transport" || section == "commands" || section == "network";
 }
+
+bool is_transport_key(std::string_view key) { return key == kOwnStructureKey; }
 
 TransportOptions load_transport_options(const std::filesystem::path& file,
                                         std::span<const std::string> settings) {
@@ -144,7 +153,8 @@ std::string transport_table(const TransportOptions& options) {
       {"commands.key", transport.commands.key.string()},
       {"commands.window", transport.commands.window.string()},
       {"commands.unauthenticated", fmt::format("{}", transport.commands.unauthenticated)},
-      {"network.file", options.network_file.string()}};
+      {"network.file", options.network_file.string()},
+      {kOwnStructureKey.data(), options.own_structure_file.string()}};
   std::string out;
   for (const auto& [key, value] : rows) {
     out += fmt::format("{:<32} {}\n", key, value.empty() ? "-" : value);

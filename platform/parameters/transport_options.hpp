@@ -1,5 +1,6 @@
-// The sections of a configuration that say where packets go and commands come from, and which
-// network is asked. They belong to the machine, not to the estimator's parameters.
+// What a configuration says of where packets go and commands come from, which network is asked, and
+// what in the view is the servicer's own. It belongs to the machine, not to the estimator's
+// parameters.
 #pragma once
 
 #include <filesystem>
@@ -16,10 +17,15 @@ struct TransportOptions {
                                         ///< unauthenticated
   std::filesystem::path commands_file;  ///< [commands] file: of a replay; empty: none
   std::filesystem::path network_file;   ///< [network] file: ONNX, for outlines; empty: none
+  std::filesystem::path
+      own_structure_file;  ///< [mask] file: picture of the servicer's own; empty: none
 };
 
 /// True for `transport`, `commands` and `network`.
 bool is_transport_section(std::string_view section);
+
+/// True for a dotted key that is read here though its section is the estimator's: `mask.file`.
+bool is_transport_key(std::string_view key);
 
 /// Reads these sections of the file, then of the settings (key=value as on the command line). For a
 /// replay, which takes no commands from anybody: a flight's configuration will do without its key.

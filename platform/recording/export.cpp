@@ -41,14 +41,17 @@ std::map<std::string, std::string> values_of(std::string_view text) {
   return values;
 }
 
-/// Of the comment that begin_text() leaves; empty without a network.
-std::string network_of(std::string_view text) {
-  constexpr std::string_view kMark = "\n# network ";
-  const std::size_t at = text.find(kMark);
+constexpr std::string_view kNetwork = "network";
+constexpr std::string_view kOwnStructure = "mask.file";
+
+/// Of the comment that begin_text() leaves for a file; empty where the run had none.
+std::string digest_of(std::string_view name, std::string_view text) {
+  const std::string mark = fmt::format("\n# {} ", name);
+  const std::size_t at = text.find(mark);
   if (at == std::string_view::npos) {
     return {};
   }
-  const std::string_view rest = text.substr(at + kMark.size());
+  const std::string_view rest = text.substr(at + mark.size());
   return std::string(rest.substr(0, rest.find('\n')));
 }
 
@@ -120,12 +123,14 @@ class Exporter {
     report_.has_begin = run.begins;
     report_.octets_lost = reader.octets_lost();
     report_.files_lost = reader.files_lost();
-    report_.network_sha256 = network_of(begin_);
+    report_.network_sha256 = digest_of(kNetwork, begin_);
+    report_.own_structure_sha256 = digest_of(kOwnStructure, begin_);
     write_file(folder_ / "recording.json",
                fmt::format("{{\n  \"frames\": {},\n  \"unreadable\": {},\n  \"dropped\": {},\n"
                            "  \"not_recorded\": {},\n  \"out_of_time\": {},\n  \"commands\": {},\n "
                            " \"octets_lost\": {},\n"
                            "  \"files_lost\": {},\n  \"network_sha256\": \"{}\",\n"
+                           "  \"own_structure_sha256\": \"{}\",\n"
                            "  \"starts_from_checkpoint\": {},\n  \"has_begin\": {},\n"
                            "  \"same_bytes\": {}\n}}\n",
                            report_.frames,
@@ -137,6 +142,7 @@ class Exporter {
                            report_.octets_lost,
                            report_.files_lost,
                            report_.network_sha256,
+                           report_.own_structure_sha256,
                            report_.has_checkpoint,
                            report_.has_begin,
                            replays_to_the_same_bytes(report_)));
@@ -186,15 +192,22 @@ class Exporter {
 
 std::string begin_text(std::string_view version,
                        const std::string& network_sha256,
+                       const std::string& own_structure_sha256,
                        const std::string& parameters) {
-  const std::string network =
-      network_sha256.empty() ? "" : fmt::format("# network {}\n", network_sha256);
-  return fmt::format("# polhode {}\n{}{}", version, network, parameters);
+  const auto comment = [](std::string_view name, const std::string& digest) {
+    return digest.empty() ? std::string() : fmt::format("# {} {}\n", name, digest);
+  };
+  return fmt::format("# polhode {}\n{}{}{}",
+                     version,
+                     comment(kNetwork, network_sha256),
+                     comment(kOwnStructure, own_structure_sha256),
+                     parameters);
 }
 
 bool replays_to_the_same_bytes(const ExportReport& report) {
   return report.has_begin && report.not_recorded == 0 && report.out_of_time == 0 &&
-         report.octets_lost == 0 && report.files_lost == 0 && report.network_sha256.empty();
+         report.octets_lost == 0 && report.files_lost == 0 && report.network_sha256.empty() &&
+         report.own_structure_sha256.empty();
 }
 
 ExportReport export_run(const RecordedRun& run, const fs::path& folder) {

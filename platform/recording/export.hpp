@@ -22,6 +22,8 @@ struct ExportReport {
   std::uint32_t files_lost = 0;
   std::string network_sha256 =
       {};  ///< of the network that the run asked; it is not in the recording
+  std::string own_structure_sha256 =
+      {};  ///< of the picture that mask.file named; it is not in the recording
   bool has_checkpoint = false;
   bool has_begin = false;  ///< else the replay starts where the recording does
 };
@@ -30,6 +32,7 @@ struct ExportReport {
 /// estimator's.
 std::string begin_text(std::string_view version,
                        const std::string& network_sha256,
+                       const std::string& own_structure_sha256,
                        const std::string& parameters);
 
 /// Writes mav0/cam0/{data.csv, sensor.yaml, data/*.png}, config.toml, recording.json and, where the

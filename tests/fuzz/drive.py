@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Gives spoilt inputs to every reader of the program.
+"""Gives spoilt inputs to every reader of the program, and to the tool that reads its clouds.
 
 usage: .venv/bin/python tests/fuzz/drive.py [--trials 20000] [--seed 1] [--keep FOLDER] [--processes 1]
 
-A trial fails by a signal, a status outside 0 to 3, more than 20 s or 1 GB, a refusal of more than one line, or one that does not name the
+A trial fails by a signal, a status outside 0 to 3, more than 20 s (60 s of a tool) or 1 GB, a refusal of more than one line, or one that does not name the
 file. Failing inputs are kept; the same trial of the same seed is the same input. Status 1 when a trial failed.
 """
 
@@ -22,9 +22,8 @@ from concurrent.futures import ProcessPoolExecutor
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from mutations import spoilt  # noqa: E402
-from readers import PROGRAM, Reader, all_readers, sequence  # noqa: E402
+from readers import Reader, all_readers, sequence  # noqa: E402
 
-TIME_MAX_S = 20.0
 MEMORY_MAX_KB = 1_000_000
 STATUS_MAX = 3
 
@@ -39,23 +38,23 @@ class Outcome:
     fault: str  # empty: none
 
 
-def fault_of(status: int, seconds: float, memory_kb: int, err: bytes, names: list[str]) -> str:
+def fault_of(status: int, seconds: float, memory_kb: int, err: bytes, names: list[str], who: str = "polhode", seconds_max: float = 20.0) -> str:
     if not 0 <= status <= STATUS_MAX:
         return f"status {status}"
-    if seconds > TIME_MAX_S:
+    if seconds > seconds_max:
         return f"{seconds:.0f} s"
     if memory_kb > MEMORY_MAX_KB:
         return f"{memory_kb} kB"
     if status != 2:
         return ""
     last = err.decode(errors="backslashreplace").replace("\r", "\n").strip().splitlines()
-    told = [line for line in last if line.startswith("polhode: ")]
-    if len(told) != 1:
+    told = [line for line in last if line.startswith(f"{who}: ")]
+    if len(told) != 1 or "Traceback (most recent call last):" in last:
         return "a refusal is one line"
     return "" if any(name in told[0] for name in names) else "a refusal names the file"
 
 
-def execute(command: list[str]) -> tuple[int, float, int, bytes]:
+def execute(command: list[str], seconds_max: float) -> tuple[int, float, int, bytes]:
     """@return status (negative: a signal), seconds, resident kB at most, standard error."""
     with tempfile.TemporaryFile() as err:
         start = time.monotonic()
@@ -64,7 +63,7 @@ def execute(command: list[str]) -> tuple[int, float, int, bytes]:
             pid, status, usage = os.wait4(process.pid, os.WNOHANG)
             if pid:
                 break
-            if time.monotonic() - start > TIME_MAX_S:
+            if time.monotonic() - start > seconds_max:
                 process.kill()
             time.sleep(0.002)
         process.returncode = os.waitstatus_to_exitcode(status)  # it was waited for here
@@ -77,12 +76,14 @@ def one(reader: Reader, trial: int, seed: int, folder: pathlib.Path, keep: pathl
     work = pathlib.Path(tempfile.mkdtemp(dir=folder))
     try:
         place = sequence_with(work, reader.place)
-        file = place or work / ("recording-1-000001.rec" if reader.name == "recording" else "input")
+        for name, octets in reader.beside.items():
+            (work / name).write_bytes(octets)
+        file = place or work / reader.file_name
         file.write_bytes(data)
         places = {"file": file, "folder": work, "sequence": work / "sequence", "out": work / "out"}
-        status, seconds, memory_kb, err = execute([str(PROGRAM), *(part.format(**places) for part in reader.arguments)])
+        status, seconds, memory_kb, err = execute([*reader.command, *(part.format(**places) for part in reader.arguments)], reader.seconds_max)
         names = [file.name, str(work)]
-        fault = fault_of(status, seconds, memory_kb, err, names)
+        fault = fault_of(status, seconds, memory_kb, err, names, reader.who, reader.seconds_max)
         if fault and keep:
             keep.mkdir(parents=True, exist_ok=True)
             (keep / f"{trial}.{reader.name.replace(' ', '_')}").write_bytes(data)

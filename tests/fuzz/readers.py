@@ -1,4 +1,4 @@
-"""Every reader of the program with a good input of its own: what is spoilt, and how it is read."""
+"""Every reader of the program, and those of the tools that read its clouds, with a good input: what is spoilt, and how it is read."""
 
 import dataclasses
 import io
@@ -7,10 +7,12 @@ import shutil
 import subprocess
 import sys
 
+import numpy
 from PIL import Image
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parent / "replay"), str(HERE.parent / "network")]
+REPOSITORY = HERE.parents[1]
+sys.path[:0] = [str(HERE.parent / "replay"), str(HERE.parent / "network"), str(HERE.parent / "judge"), str(REPOSITORY / "hil")]
 from mutations import checkpoint_sums, recording_sums  # noqa: E402
 from replay_files import DEFAULTS, PROGRAM  # noqa: E402
 from sequence_writer import SequenceWriter, textured  # noqa: E402
@@ -20,13 +22,21 @@ FRAMES = 3
 
 @dataclasses.dataclass
 class Reader:
-    """`arguments` has {file} and {sequence} and {out}; where `place` is named, the spoilt file is put there in the sequence."""
+    """`arguments` has {file} and {sequence} and {out}; where `place` is named, the spoilt file is put there in the sequence.
+
+    `beside` are good files of the same folder by name, `file_name` is the spoilt one's where it has to have one.
+    """
 
     name: str
     good: bytes
     arguments: list[str]
     place: str = ""
     sums: object = None
+    command: tuple = (str(PROGRAM),)
+    who: str = "polhode"  # a refusal begins with it
+    beside: dict = dataclasses.field(default_factory=dict)
+    file_name: str = "input"
+    seconds_max: float = 20.0
 
 
 def picture(kind: str) -> bytes:
@@ -61,6 +71,31 @@ def live_run(folder: pathlib.Path) -> tuple[bytes, bytes, bytes]:
     return (folder / "checkpoint").read_bytes(), recording.read_bytes(), (folder / "run/bus.ccsds").read_bytes()
 
 
+def ply(count: int, columns: dict) -> bytes:
+    """Points as the program writes them; columns: name -> array [count] of float32, uint8 or int32."""
+    kinds = {"float32": "float", "uint8": "uchar", "int32": "int"}
+    names = [f"property {kinds[str(values.dtype)]} {name}" for name, values in columns.items()]
+    rows = numpy.rec.fromarrays(list(columns.values()), dtype=[(name, values.dtype) for name, values in columns.items()])
+    return "\n".join(["ply", "format binary_little_endian 1.0", f"element vertex {count}", *names, "end_header", ""]).encode() + rows.tobytes()
+
+
+def surface_readers(folder: pathlib.Path) -> list[Reader]:
+    """tools/surface.py on the clouds of a run; none where pycolmap is not installed, which it would fetch."""
+    if not (REPOSITORY / ".venv-colmap/bin/python3").exists():
+        return []
+    from synthetic import Errors, tumbling_body, write_run
+    run = write_run(folder / "judged", tumbling_body(frames=6), Errors())
+    count = 300
+    normals = numpy.random.default_rng(1).normal(size=(count, 3)).astype(numpy.float32)
+    normals /= numpy.linalg.norm(normals, axis=1, keepdims=True)
+    places = {name: normals[:, i] for i, name in enumerate("xyz")}
+    clouds = {"cloud.ply": ply(count, places | {f"n{name}": normals[:, i] for i, name in enumerate("xyz")} | {"added": numpy.zeros(count, numpy.uint8)}),
+              "cloud_raw.ply": ply(count, places | {"landmark": numpy.arange(count, dtype=numpy.int32)})}
+    others = {name: (run / name).read_bytes() for name in ("motion_smoothed.csv", "observations.csv")}
+    return [Reader(f"surface of {name}", clouds[name], ["{folder}"], command=(sys.executable, str(REPOSITORY / "tools/surface.py")), who="surface",
+                   beside=others | clouds, file_name=name, seconds_max=60.0) for name in clouds]
+
+
 def all_readers(folder: pathlib.Path) -> list[Reader]:
     """Inputs are made in this folder."""
     writer = sequence(folder / "good")
@@ -78,7 +113,7 @@ def all_readers(folder: pathlib.Path) -> list[Reader]:
     pictures = [Reader(kind, picture(kind), replay, camera + f"data/{writer.rows[0][1]}")
                 for kind in ("png", "png colour", "png palette", "png 16", "jpeg", "jpeg colour", "jpeg progressive", "pgm")]
     states = [Reader("checkpoint", checkpoint, [*replay, "--checkpoint", "{file}"], sums=checkpoint_sums),
-              Reader("recording", recording, ["recording", "export", "{folder}", "--out", "{out}"], sums=recording_sums),
+              Reader("recording", recording, ["recording", "export", "{folder}", "--out", "{out}"], sums=recording_sums, file_name="recording-1-000001.rec"),
               Reader("packets", packets, ["bus", "dump", "{file}"]), Reader("packets as JSON", packets, ["bus", "dump", "{file}", "--json"])]
     shutil.rmtree(folder / "played")
-    return tables + pictures + states
+    return tables + pictures + states + surface_readers(folder)

@@ -8,16 +8,18 @@ import pytest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 from drive import drive, fault_of, report  # noqa: E402
-from readers import PROGRAM  # noqa: E402
+from readers import PROGRAM, REPOSITORY  # noqa: E402
 
-TRIALS = 54  # three of each reader
+COLMAP = REPOSITORY / ".venv-colmap/bin/python3"
+
+TRIALS = 60  # three of each reader, and of the two of tools/surface.py where pycolmap is installed
 
 
 # verifies: PRG-06
 @pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
 def test_no_reader_fails(tmp_path):
     outcomes = drive(TRIALS, 7, tmp_path)
-    assert len({outcome.reader for outcome in outcomes}) == 18
+    assert len({outcome.reader for outcome in outcomes}) == (20 if COLMAP.exists() else 18)
     assert any(outcome.status == 2 for outcome in outcomes) and any(outcome.status == 0 for outcome in outcomes)
     assert not any(outcome.fault for outcome in outcomes), report(outcomes)
 
@@ -31,3 +33,5 @@ def test_what_a_fault_is():
     assert fault_of(0, 0.1, 2_000_000, b"", ["input"]) == "2000000 kB"
     assert fault_of(2, 0.1, 1000, b"polhode: no number\n", ["input"]) == "a refusal names the file"
     assert fault_of(2, 0.1, 1000, good + good, ["input"]) == "a refusal is one line"
+    assert fault_of(2, 0.1, 1000, b"surface: /x/cloud.ply: no PLY\n", ["cloud.ply"], "surface") == ""
+    assert fault_of(2, 0.1, 1000, b"Traceback (most recent call last):\nsurface: cloud.ply\n", ["cloud.ply"], "surface") == "a refusal is one line"

@@ -211,6 +211,12 @@ def test_what_is_no_source_is_refused_in_one_line(refused, tmp_path, name, conte
     assert says in refused(tmp_path / name, "--intrinsics", INTRINSICS)
 
 
+@pytest.mark.parametrize("name", ["one.jpg", "one.png"])
+def test_a_single_picture_is_no_source(refused, frames, tmp_path, name):
+    Image.fromarray(frames[0]).save(tmp_path / name)
+    assert "found a single picture; expected a video, a folder of pictures" in refused(tmp_path / name, "--intrinsics", INTRINSICS)
+
+
 def test_folders_without_pictures_are_told_by_their_contents(refused, tmp_path):
     (tmp_path / "docs").mkdir()
     assert "an empty folder; expected a video, a folder of pictures" in refused(tmp_path / "docs")

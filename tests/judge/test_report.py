@@ -88,8 +88,11 @@ def test_sigmas_that_promise_too_much_are_told(made, run):
 def test_a_run_that_never_acquired(made, tmp_path):
     write_run(tmp_path / "lost", tumbling_body(frames=40), Errors(first_frame=999), sequence=made[0])
     (tmp_path / "lost/cloud.ply").unlink()
+    (tmp_path / "lost/shape.json").write_text(json.dumps({"scale": {"known": False}, "unit": "map_units"}))
+    (tmp_path / "lost/motion_model.json").write_text(json.dumps({"fit": {"status": "refused: too few poses"}}))
     text = made_of(tmp_path / "lost")
     assert "The target was never acquired" in text and "0 of 40" in text and "There is nothing to draw" in text
+    assert "The scale is not known" not in text and "torque-free motion was not accepted" not in text and "Drag to turn" not in text
     assert "no pose" in text and "What each frame gave" in text and "nan" not in text.lower().split()
 
 
@@ -105,6 +108,14 @@ def test_a_run_whose_sequence_is_gone(run):
     (run / "summary.json").write_text(json.dumps(summary | {"sequence": "gone"}))
     text = made_of(run)
     assert "can't be read, so no frames are shown" in text and "What the camera saw" not in text
+
+
+def test_long_times_are_whole_numbers(run):
+    summary = json.loads((run / "summary.json").read_text())
+    summary["timings"]["step"]["max_us"] = 9_214_000
+    (run / "summary.json").write_text(json.dumps(summary))
+    text = made_of(run)
+    assert "time of a step, longest 9 214 ms" in text and "e+0" not in text
 
 
 def test_a_run_that_fell_into_two_frames_T(run):

@@ -8,6 +8,7 @@ import pytest
 from judge.run import read_run
 from judge.tables import read_motion
 from plots import series
+from scipy.spatial.transform import Rotation
 from synthetic import Errors, tumbling_body, write_run, write_sequence
 
 
@@ -39,6 +40,18 @@ def test_the_truth_of_a_velocity_is_that_of_the_estimates_own_origin(tmp_path):
     assert np.abs(found.value - found.truth).max() < 0.02  # mm/s; each error is 0.01 long, poses are exact
     centre = 1e3 * truth.v_C
     assert np.abs(centre - found.truth).max() > 0.5  # the origin circles the mass centre at 62 mm and 2 deg/s
+
+
+def test_without_truth_both_motions_are_drawn_in_the_same_axes_and_of_the_same_origin(tmp_path):
+    causal = Errors(velocity_rms_m_s=1e-5, scale=2.0, scale_known=False)
+    smoothed = Errors(velocity_rms_m_s=1e-5, R_ET=Rotation.from_rotvec([-0.2, 0.4, 1.3]), offset_E_m=(-0.1, 0.06, 0.02), scale=0.5, scale_known=False)
+    run = read_run(write_run(tmp_path / "run", tumbling_body(frames=30), causal, smoothed))
+    for made, tolerance in ((series.rate_series, 1e-6), (series.velocity_series, 0.02)):  # deg/s; thousandths of a map unit/s, two errors of 0.005 in it
+        early, late = made(run, "causal", None), made(run, "smoothed", None)
+        assert np.abs(early.value - late.value).max() < tolerance
+    assert np.abs(run.motions["causal"].w_T - run.motions["smoothed"].w_T).max() > 0.01  # rad/s: as they stand in the files
+    sigma = run.motions["causal"].columns["sigma_vel"]
+    assert series.velocity_series(run, "causal", None).sigma == pytest.approx(1e3 * sigma / 4, rel=1e-3)  # the smoothed poses' unit is four times as large
 
 
 def test_lines_and_bands_break_at_a_loss_and_at_a_new_frame_T(made):

@@ -151,9 +151,9 @@ TEST(MemoryPlan, RefusesMoreReadersThanTheGeneralPoolHasRoomFor) {
   p.budget.general_mb = 4;
   TransportOptions options;
   options.transport.send = {"unix:/tmp/a", "udp:10015"};
-  EXPECT_EQ(plan_memory(p, transport_needs(options)).problem, "");
+  EXPECT_EQ(plan_memory(p, transport_needs(options, p.camera)).problem, "");
   options.transport.send.insert(options.transport.send.end(), 2, "udp:10016");
-  EXPECT_NE(plan_memory(p, transport_needs(options)).problem.find("budget.general_mb"),
+  EXPECT_NE(plan_memory(p, transport_needs(options, p.camera)).problem.find("budget.general_mb"),
             std::string::npos);
 }
 

@@ -16,6 +16,8 @@ def open_video(path: pathlib.Path, options: Options) -> Source:
             stream = next((one for one in container.streams.video), None)
             if stream is None:
                 raise BadInput(f"{path}: a media file without a video stream")
+            if container.format.name == "image2" or container.format.name.endswith("_pipe"):  # FFmpeg's readers of pictures
+                raise BadInput(f"{path}: found a single picture")
             rate, count = stream.average_rate, stream.frames or None
             words = f"video, {stream.codec_context.name}, {stream.width}x{stream.height}, {float(rate):.4g} frames/s" if rate else "video"
     except (av.FFmpegError, OSError) as problem:

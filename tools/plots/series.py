@@ -51,6 +51,11 @@ def start_ns(run: Run) -> int:
     return min(int(motion.timestamp_ns[0]) for motion in run.motions.values())
 
 
+def reference_of(run: Run, kind: str, truth: Motion | None) -> Motion | None:
+    """What a series takes its axes and origin from. Without truth the smoothed poses, for the causal ones: each has a T of its own."""
+    return truth if truth is not None or kind == "smoothed" else run.motions.get("smoothed")
+
+
 def parts_of(run: Run, kind: str, truth: Motion | None) -> list[Aligned]:
     """Alignments of one motion file's target frames with the truth, or that of the run's other file, or none."""
     if truth is None:
@@ -84,15 +89,22 @@ def _series(run: Run, kind: str, valid: np.ndarray, value, sigma, truth) -> Seri
     return Series(kind, seconds, columns[0], columns[1], columns[2] if truth is not None else None)
 
 
+def common_rates(run: Run, kind: str, truth: Motion | None) -> np.ndarray:
+    """w [N,3] rad/s in the truth's axes, of each T by its own alignment; in the smoothed poses' axes without truth."""
+    w = run.motions[kind].w_T.copy()
+    for part in parts_of(run, kind, reference_of(run, kind, truth)):
+        here = part.estimate.rate_valid
+        w[here] = part.R_ET.inv().apply(w[here]) if here.any() else w[here]
+    return w
+
+
 def rate_series(run: Run, kind: str, truth: Motion | None) -> Series | None:
-    """w [deg/s] in the truth's axes, of each T by its own alignment; in the estimate's axes without truth."""
+    """common_rates() [deg/s]."""
     motion = run.motions[kind]
     if not motion.rate_valid.any():
         return None
-    w, true = motion.w_T.copy(), np.full_like(motion.w_T, np.nan)
+    w, true = common_rates(run, kind, truth), np.full_like(motion.w_T, np.nan)
     for part in parts_of(run, kind, truth):
-        here = part.estimate.rate_valid
-        w[here] = part.R_ET.inv().apply(w[here]) if here.any() else w[here]
         rows, _, w_true = metrics.rate_pairs(part)
         true[rows] = w_true
     sigma = motion.columns["sigma_rate_rad_s"]
@@ -102,26 +114,43 @@ def rate_series(run: Run, kind: str, truth: Motion | None) -> Series | None:
 def velocity_series(run: Run, kind: str, truth: Motion | None) -> Series | None:
     """v_C [mm/s] of the estimate's origin, and the truth of that same origin: it circles the mass centre.
 
-    A run without a scale takes it from the alignment.
+    A run without a scale takes it from the alignment. Without truth, causal velocities are those of the smoothed poses' origin.
     """
     motion = run.motions[kind]
     valid = motion.velocity_valid
     if not valid.any():
         return None
+    if truth is None:
+        return _untrue_velocity_series(run, kind)
     scale, true = np.ones(len(valid)), np.full_like(motion.v_C, np.nan)
-    for part in parts_of(run, kind, truth) if truth is not None else []:
+    for part in parts_of(run, kind, truth):
         if part.estimate.path != motion.path:
             continue  # the other file's origin is not this one's
         scale[part.estimate.velocity_valid] = 1.0 if part.metric else part.similarity.scale
         rows, published, moved, v_true = metrics.velocity_pairs(part)
         true[rows] = v_true + published - moved
-    known = truth is not None and np.isfinite(true).any()
+    known = np.isfinite(true).any()
     return _series(run, kind, valid, 1e3 * scale[:, None] * motion.v_C, 1e3 * scale * motion.columns["sigma_vel"], 1e3 * true if known else None)
 
 
+def _untrue_velocity_series(run: Run, kind: str) -> Series:
+    """Without truth. Causal rows that smoothed ones do not reach, or of another unit, are left out where there are others."""
+    motion = run.motions[kind]
+    valid, value, sigma = motion.velocity_valid, motion.v_C.copy(), motion.columns["sigma_vel"].copy()
+    reached = np.zeros(len(valid), dtype=bool)
+    for part in parts_of(run, kind, reference_of(run, kind, None)):
+        if part.estimate.path != motion.path:
+            continue  # the other file's origin is not this one's
+        rows, _, moved, _ = metrics.velocity_pairs(part)
+        value[rows], reached[rows] = moved, True
+        sigma[rows] *= 1.0 if part.metric else part.similarity.scale
+    return _series(run, kind, valid & reached if reached.any() else valid, 1e3 * value, 1e3 * sigma, None)
+
+
 def velocity_in_metres(run: Run) -> bool:
-    """Whether the run itself knows the unit of all its velocities."""
-    return all(motion.scale_known[motion.velocity_valid].all() for motion in run.motions.values())
+    """Whether the run itself knows the unit of the velocities that are drawn."""
+    drawn = [run.motions["smoothed"]] if "smoothed" in run.motions and run.motions["smoothed"].velocity_valid.any() else run.motions.values()
+    return all(motion.scale_known[motion.velocity_valid].all() for motion in drawn)
 
 
 def events_of(folder: pathlib.Path) -> list:

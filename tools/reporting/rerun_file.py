@@ -1,7 +1,8 @@
 """A Rerun recording of a run: camera, pictures, cloud, surface, axes, rates, modes and events on the sequence's own time.
 
 The root is the camera's frame C. `target/causal` and `target/smoothed` are the frames T of motion.csv and
-motion_smoothed.csv, as transforms that take T to C. The cloud is in the last T of motion_smoothed.csv alone.
+motion_smoothed.csv, as transforms that take T to C. The cloud is in the last T of motion_smoothed.csv alone. Rates are
+drawn in one frame T, that of the smoothed poses: lines of the same motion lie on each other.
 """
 
 import pathlib
@@ -10,11 +11,14 @@ import cv2
 import numpy as np
 from judge.errors import BadInput
 from judge.shape import load_ply, property_of
+from judge.run import Run
 from judge.tables import Motion, in_frame, target_frames
-from plots.series import time_ns_of
+from plots.series import common_rates, time_ns_of
 from reporting.gather import Material
 
 AXIS_RGB = ((214, 39, 40), (44, 160, 44), (31, 119, 180))
+PALE_RGB = ((240, 160, 160), (160, 215, 160), (155, 195, 230))  # of the same axes, as known at each frame
+CLOUD_POINTS = 1.2  # radius on the screen; as a negative number Rerun takes it for that. The picture shows between them.
 MEDIA_TYPES = {".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
 
 
@@ -55,7 +59,7 @@ def _log_body(rr, recording, entity: str, folder: pathlib.Path) -> None:
     if len(points):
         added = property_of(cloud, "added", len(points))
         colours = np.where((np.zeros(len(points)) if added is None else added)[:, None] > 0, (240, 140, 40), (200, 200, 200))
-        recording.log(f"{entity}/cloud", rr.Points3D(points, colors=colours.astype(np.uint8)))
+        recording.log(f"{entity}/cloud", rr.Points3D(points, colors=colours.astype(np.uint8), radii=-CLOUD_POINTS))
     surface = load_ply(folder / "surface.ply") if (folder / "surface.ply").exists() else None
     if len(getattr(surface, "faces", ())):
         added = property_of(surface, "added", len(surface.vertices))
@@ -83,11 +87,14 @@ def _log_poses(rr, recording, kind: str, motion: Motion, length: float, folder: 
     return int(motion.pose_valid.sum())
 
 
-def _log_rates(rr, recording, kind: str, motion: Motion) -> None:
-    recording.log(f"rates/{kind}", rr.SeriesLines(names=[f"w_{axis} {kind} [deg/s]" for axis in "xyz"], colors=AXIS_RGB), static=True)
+def _log_rates(rr, recording, kind: str, run: Run) -> None:
+    motion, w = run.motions[kind], np.degrees(common_rates(run, kind, None))
+    colours = PALE_RGB if kind == "causal" else AXIS_RGB
+    recording.log(f"rates/{kind}", rr.SeriesLines(names=[f"w_{axis} {kind} [deg/s]" for axis in "xyz"], colors=colours), static=True)
+    recording.log(f"rates/{kind}_sigma", rr.SeriesLines(names=f"sigma {kind} [deg/s]", colors=(190, 190, 90)), static=True)
     for row in np.flatnonzero(motion.rate_valid):
         _at(recording, int(motion.timestamp_ns[row]))
-        recording.log(f"rates/{kind}", rr.Scalars(np.degrees(motion.w_T[row])))
+        recording.log(f"rates/{kind}", rr.Scalars(w[row]))
         sigma = motion.columns["sigma_rate_rad_s"][row]
         if np.isfinite(sigma):
             recording.log(f"rates/{kind}_sigma", rr.Scalars(np.degrees(sigma)))
@@ -107,9 +114,10 @@ def _log_words(rr, recording, material: Material) -> None:
 
 
 def _blueprint():
+    """The surface is in the scene alone: over the picture it would hide what the camera saw."""
     import rerun.blueprint as rrb
     return rrb.Blueprint(rrb.Horizontal(
-        rrb.Vertical(rrb.Spatial3DView(origin="/", name="target before the camera"), rrb.Spatial2DView(origin="camera", contents="/**", name="picture")),
+        rrb.Vertical(rrb.Spatial3DView(origin="/", name="target before the camera"), rrb.Spatial2DView(origin="camera", contents=["/**", "- /target/smoothed/surface"], name="picture")),
         rrb.Vertical(rrb.TimeSeriesView(origin="rates", name="angular velocity"), rrb.TextLogView(origin="/", name="modes and events"))))
 
 
@@ -138,7 +146,7 @@ def write_rrd(material: Material, path: pathlib.Path) -> int:
     for kind, motion in material.run.motions.items():
         last = in_frame(motion, target_frames(motion)[-1]) if kind == "smoothed" and motion.pose_valid.any() else motion
         poses += _log_poses(rr, recording, kind, last, length, material.run.folder if kind == "smoothed" else None)
-        _log_rates(rr, recording, kind, motion)
+        _log_rates(rr, recording, kind, material.run)
     _log_words(rr, recording, material)
     recording.disconnect()
     return poses

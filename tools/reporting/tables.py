@@ -87,8 +87,13 @@ def machine_rows(material: Material) -> list[tuple[str, str, str]]:
             ("memory allowed", "memory.budget_octets", 1e-6, "MB"), ("telemetry", "bus.octets", 1e-3, "kB")):
         value = lookup(summary, path)
         if value is not None:
-            rows.append((title, f"{factor * value:.3g} {unit}", ""))
+            rows.append((title, _quantity(factor * value, unit), ""))
     return rows
+
+
+def _quantity(value: float, unit: str) -> str:
+    """Three digits, and whole where there are more before the point."""
+    return f"{value:.3g} {unit}" if abs(value) < 999.5 else f"{value:,.0f} {unit}".replace(",", " ")
 
 
 def counter_rows(material: Material) -> list[tuple[str, str]]:

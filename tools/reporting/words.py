@@ -18,8 +18,13 @@ def result(material: Material) -> str:
 
 def warnings(material: Material) -> list[str]:
     """The most serious first; empty where there is nothing to say."""
-    return [*_of_the_start(material), *_of_acquisition(material), *_of_truth(material), *_of_lengths(material), *_of_input(material), *_of_the_model(material),
-            *_of_the_machine(material), *material.remarks]
+    found = [*_of_lengths(material), *_of_the_model(material)] if acquired(material) else []  # nothing else needs to be said of what was not found
+    return [*_of_the_start(material), *_of_acquisition(material), *_of_truth(material), *found, *_of_input(material), *_of_the_machine(material),
+            *material.remarks]
+
+
+def acquired(material: Material) -> bool:
+    return bool(next(iter(material.run.motions.values())).pose_valid.any())
 
 
 def _of_the_start(material: Material) -> list[str]:
@@ -30,7 +35,7 @@ def _of_the_start(material: Material) -> list[str]:
 
 def _of_acquisition(material: Material) -> list[str]:
     summary, motion = material.run.summary, next(iter(material.run.motions.values()))
-    if not motion.pose_valid.any():
+    if not acquired(material):
         return ["The target was never acquired: there is no attitude, rate or shape. The counts below tell whether enough of it was seen; "
                 "a target must fill some 60 pixels, show texture and turn."]
     told, first = [], int(np.argmax(motion.pose_valid))
