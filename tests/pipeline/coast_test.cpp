@@ -38,6 +38,7 @@ Eigen::Matrix3d rotation_of(const MotionState& m) {
   return Eigen::Quaterniond(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]).toRotationMatrix();
 }
 
+// verifies: CMP-10
 TEST(Coast, TellsTheMotionsPrediction_WithASigmaThatGrows) {
   Bench b;
   show_first(kShown - 1, &b);
@@ -63,6 +64,7 @@ TEST(Coast, TellsTheMotionsPrediction_WithASigmaThatGrows) {
   EXPECT_EQ(b.component->counters().lost, 0U);
 }
 
+// verifies: CMP-10
 TEST(Coast, EndsInALoss_BeforeThePredictionIsThreeDegreesOff) {
   Bench b;
   show_first(kShown, &b);
