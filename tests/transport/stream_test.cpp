@@ -56,12 +56,12 @@ TEST(FlatFile, HoldsWhatWasSent_AndIsAppendedTo) {
 TEST(FlatFile, IsOfOneRun_AndOfItsUserAlone) {
   const Folder folder;
   const std::string file = folder / "flight.ccsds";
-  const auto refused = [&] {
-    return refusal_of<UnusableInput>([&] { FlatFile(parse_address("file:" + file)); });
-  };
+  const auto open = [&] { FlatFile(parse_address("file:" + file)); };
+  const auto refused = [&] { return refusal_of<UnusableInput>(open); };
   {
     const FlatFile held(parse_address("file:" + file));
-    EXPECT_EQ(refused(), "file:" + file + ": process " + std::to_string(::getpid()) + " has it");
+    EXPECT_EQ(refusal_of<RunFailure>(open),
+              "file:" + file + ": process " + std::to_string(::getpid()) + " has it");
   }
   EXPECT_EQ(refused(), "");
   ASSERT_EQ(::chmod(file.c_str(), 0622), 0);
