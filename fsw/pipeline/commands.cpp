@@ -167,9 +167,7 @@ std::string_view objection(const bus::TableActivateCommand& commanded, const Con
   if (check(table.parameters)) {
     return "values that do not go together";
   }
-  const bool unplanned = table.parameters.mask.separates_background() && !c.background_planned;
-  return unplanned || memory_needed(table.parameters).total > c.memory_octets ? "needs more memory"
-                                                                              : "";
+  return needs_more_memory(table.parameters, c) ? "needs more memory" : "";
 }
 
 Outcome table_activate(const Command& command, Component::State* s) {
