@@ -88,6 +88,22 @@ TEST(FlatFile, IsFollowedAsItGrows) {
   EXPECT_EQ(reader.next(), packet);
 }
 
+TEST(FlatFile, IsReadFromItsEnd_WhereWhatIsThereIsPassedOver) {
+  const Folder folder;
+  const std::string address = "file:" + folder / "flight.ccsds";
+  FlatFile file(parse_address(address));
+  file.send(motion_packet(1));
+  file.send(motion_packet(2));
+  Reader reader(address);
+  EXPECT_EQ(reader.next(), motion_packet(1));
+  EXPECT_EQ(reader.to_end(), 0);
+  EXPECT_TRUE(reader.next().empty());
+  file.send(motion_packet(7));
+  EXPECT_EQ(reader.next(), motion_packet(7));
+  EXPECT_EQ(reader.bus().missing, 0U);
+  EXPECT_EQ(reader.bus().damaged_octets, 0U);
+}
+
 TEST(DamagedStream, LosesOnlyThePacketsThatTheDamageTouched) {
   Rng rng(11, 5);
   for (int round = 0; round < 40; ++round) {
