@@ -1,7 +1,7 @@
 #include "pipeline/mend_parameters.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <tuple>
 
 #include "base/assert.hpp"
 #include "base/fixed_vector.hpp"
@@ -53,10 +53,14 @@ bool choose_by_crc(Configuration* c) {
   return false;
 }
 
+auto members_of(const CameraModel& m) {
+  return std::tie(
+      m.width_px, m.height_px, m.fu_px, m.fv_px, m.cu_px, m.cv_px, m.k1, m.k2, m.p1, m.p2);
+}
+
 bool tells_model(const CameraParameters& camera, const CameraModel& model) {
   const CameraModel told = to_model(camera);
-  static_assert(sizeof told == 2 * sizeof(int) + 8 * sizeof(double), "no gaps");
-  return std::memcmp(&told, &model, sizeof told) == 0;
+  return members_of(told) == members_of(model);
 }
 
 bool is_of_camera(const ParameterRow& row) { return row.key.starts_with("camera."); }
