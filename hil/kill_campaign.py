@@ -13,7 +13,6 @@ Examples:
 
 import argparse
 import json
-import os
 import pathlib
 import random
 import signal
@@ -22,12 +21,11 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from judge.errors import BadInput  # noqa: E402
+from judge.program import PROGRAM, check_program, new_folder  # noqa: E402
 from judge.ranges import number, whole  # noqa: E402
 from judge.venv import REPOSITORY, enter_venv, run_main  # noqa: E402
 
 sys.path.append(str(REPOSITORY / "hil/v4l2"))  # last: it has a judge of its own
-PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
 
 FRAMES_TO_POSE_MAX = 3
 
@@ -151,21 +149,15 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--interval-s", type=number(0.001, 3600.0), default=0.25, help="from frame to frame")
     asked = parser.parse_args()
-    if asked.folder.exists():
-        raise BadInput(f"{asked.folder}: is there already")
-    if not os.access(PROGRAM, os.X_OK):
-        raise BadInput(f"{PROGRAM}: not there or not a program; build it first")
+    check_program()
+    folder = new_folder(asked.folder)
     try:
-        asked.folder.mkdir(parents=True)
-    except OSError as problem:
-        raise BadInput(f"{asked.folder}: {problem.strerror}") from None
-    try:
-        accounts = campaign(asked.folder, asked.kills, asked.seed, asked.interval_s)
+        accounts = campaign(folder, asked.kills, asked.seed, asked.interval_s)
     except NoPacket as problem:
         print(f"kill_campaign: {problem}", file=sys.stderr)
         return 1
     verdict = judge(accounts)
-    (asked.folder / "campaign.json").write_text(json.dumps({"verdict": verdict, "starts": accounts}, indent=1))
+    (folder / "campaign.json").write_text(json.dumps({"verdict": verdict, "starts": accounts}, indent=1))
     print(json.dumps(verdict))
     return 1 if verdict["cold_starts"] or verdict["later_than_third_frame"] else 0
 

@@ -24,7 +24,6 @@ examples:
 
 import argparse
 import json
-import os
 import pathlib
 import random
 import shutil
@@ -33,11 +32,10 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from judge.errors import BadInput  # noqa: E402
+from judge.program import PROGRAM, check_program, new_folder  # noqa: E402
 from judge.ranges import number, whole  # noqa: E402
 from judge.venv import REPOSITORY, enter_venv, run_main  # noqa: E402
 
-PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
 SAMPLE = REPOSITORY / "hil/data/sample"
 FLIPS_MAX = 4096
 # The map begins with the fifth frame. Behind the last drawn frame a cold start still has frames enough for a map.
@@ -144,18 +142,11 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--watchdog-s", type=number(1.0, 3600.0), default=10.0, help="as in polhode.service; more on a busy machine")
     asked = parser.parse_args()
-    if asked.folder.exists():
-        raise BadInput(f"{asked.folder}: is there already")
-    if not os.access(PROGRAM, os.X_OK):
-        raise BadInput(f"{PROGRAM}: not there or not a program; build it first")
+    check_program()
     from bit_flips.tables import symbol_address
     from bit_flips.verdict import summary, text_of
     symbol_address(PROGRAM)
-    try:
-        asked.folder.mkdir(parents=True)
-    except OSError as problem:
-        raise BadInput(f"{asked.folder}: {problem.strerror}") from None
-    accounts = campaign(asked.folder.resolve(), asked.runs, asked.flips, asked.seed, asked.watchdog_s)
+    accounts = campaign(new_folder(asked.folder), asked.runs, asked.flips, asked.seed, asked.watchdog_s)
     by_flips = summary(accounts)
     file = asked.folder / "campaign.json"
     file.write_text(json.dumps({**json.loads(file.read_text()), "by_flips": by_flips}, indent=1))

@@ -17,9 +17,9 @@ import sys
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY / "hil"))
 from judge.errors import BadInput  # noqa: E402
+from judge.program import PROGRAM  # noqa: E402
 from judge.venv import run_main  # noqa: E402
 
-PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
 COMMAND = [*shlex.split(os.environ.get("POLHODE_RUNNER", "")), PROGRAM]  # an emulator before a program of another architecture
 
 

@@ -10,7 +10,6 @@ record can follow.
 
 import argparse
 import json
-import os
 import platform
 import re
 import shutil
@@ -20,7 +19,9 @@ import tempfile
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[1]
-PROGRAM = Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
+sys.path.insert(0, str(REPOSITORY / "hil"))
+from judge.program import PROGRAM  # noqa: E402
+
 SAMPLE = REPOSITORY / "hil/data/sample"
 RECORD = REPOSITORY / "tests/budget/instructions.json"
 FRAMES = 14

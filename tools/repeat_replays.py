@@ -20,10 +20,9 @@ from pathlib import Path
 REPOSITORY = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY / "hil"))
 from judge.errors import BadInput  # noqa: E402
+from judge.program import PROGRAM  # noqa: E402
 from judge.ranges import whole  # noqa: E402
 from judge.venv import run_main  # noqa: E402
-
-PROGRAM = Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
 
 
 def busy() -> None:

@@ -14,9 +14,9 @@ inline constexpr std::size_t kStepCommands = 8;
 // Commands that are recognised when they come again. Chosen: one step's and half as many before.
 inline constexpr std::size_t kCommandsRemembered = 12;
 
-// Frames after the last command in which that holds. Chosen: a minute at 10 frames/s, many times
-// the wait for an answer, and less than a ground station takes to start and count anew.
-inline constexpr std::uint32_t kRepeatFrames = 600;
+// Seconds after the last command in which that holds, by the time of frames. Chosen: many times the
+// wait for an answer, and less than a ground station takes to start and count anew.
+inline constexpr std::uint32_t kRepeat_s = 60;
 
 // Events of one step: two for each command (a refused table entry has one of its own) and eight of
 // the component's own.

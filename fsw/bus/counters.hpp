@@ -14,7 +14,7 @@ struct Counters {
   std::uint32_t frames_unreadable = 0;  ///< frames that the camera could not deliver whole
   std::uint32_t frames_dark = 0;  ///< frames too dark to be used
   std::uint32_t frames_wrong_size = 0;  ///< frames whose size is not the camera's
-  std::uint32_t frames_time_not_increasing = 0;  ///< frames not later than the one before
+  std::uint32_t frames_time_not_increasing = 0;  ///< frames not later than the one before, or by more than 30 years
   std::uint32_t frames_held = 0;  ///< frames skipped after HOLD
   std::uint32_t frames_missing = 0;  ///< frames that never came, judged by gaps in time
   std::uint32_t frames_flat = 0;  ///< frames without contrast; this kind and the next five are skipped, or used as degraded frames

@@ -93,7 +93,7 @@ inline constexpr std::array<EventRow, kEventKinds> kEvents{{
     {EventId::kFrameUnreadable, Severity::kWarning, 4, "frame_unreadable", "frame {0} unreadable", {{{}, {}}}},
     {EventId::kFrameDark, Severity::kWarning, 4, "frame_dark", "frame {0} too dark", {{{}, {}}}},
     {EventId::kFrameWrongSize, Severity::kError, 4, "frame_wrong_size", "frame {0} has the wrong size", {{{}, {}}}},
-    {EventId::kFrameTimeNotIncreasing, Severity::kError, 4, "frame_time_not_increasing", "frame {0}: time does not increase", {{{}, {}}}},
+    {EventId::kFrameTimeNotIncreasing, Severity::kError, 4, "frame_time_not_increasing", "frame {0}: time does not increase, or by 30 years", {{{}, {}}}},
     {EventId::kFrameFlat, Severity::kWarning, 4, "frame_flat", "frame {0} without contrast", {{{}, {}}}},
     {EventId::kFrameSaturated, Severity::kWarning, 4, "frame_saturated", "frame {0} skipped: {1} of it saturated", {{{}, {}}}},
     {EventId::kFrameFrozen, Severity::kWarning, 4, "frame_frozen", "frame {0} is the one before", {{{}, {}}}},

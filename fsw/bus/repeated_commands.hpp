@@ -13,7 +13,7 @@ namespace polhode::bus {
 /// Plain data.
 struct CommandsDone {
   std::array<std::uint32_t, limits::kCommandsRemembered> crc{};  ///< of the latest first; 0: none
-  std::uint32_t frame = 0;                                       ///< of the latest
+  std::uint32_t time_s = 0;                                      ///< of the latest; modulo 2^32
 };
 
 /// The sequence count of a command's header, 0 .. 16383. 0: the sender does not count.
@@ -23,11 +23,17 @@ std::uint16_t command_sequence(std::span<const std::uint8_t> octets);
 /// The count after this one, 1 .. 16383.
 std::uint16_t next_command_sequence(std::uint16_t sequence);
 
+/// The sequence count that a command's answers bear; 0 where the octets are not as they were sent.
+/// @param octets  of any length.
+std::uint16_t answered_sequence(std::span<const std::uint8_t> octets);
+
 /// True for a command with a sequence count that was remembered with all its octets. Commands that
-/// are older than limits::kRepeatFrames are forgotten: by then a sender may count from 1 again.
-bool was_done(std::span<const std::uint8_t> octets, std::uint32_t frame, const CommandsDone& done);
+/// are older than limits::kRepeat_s are forgotten: by then a sender may count from 1 again.
+/// @param time_ns  of the last frame, so that neither its rate nor a pause matters. Where a clock
+/// was set back, by no more than that period, they are remembered for so much longer.
+bool was_done(std::span<const std::uint8_t> octets, std::int64_t time_ns, const CommandsDone& done);
 
 /// Remembers a command with a sequence count. The oldest one leaves.
-void remember(std::span<const std::uint8_t> octets, std::uint32_t frame, CommandsDone* done);
+void remember(std::span<const std::uint8_t> octets, std::int64_t time_ns, CommandsDone* done);
 
 }  // namespace polhode::bus

@@ -167,9 +167,7 @@ std::string_view objection(const bus::TableActivateCommand& commanded, const Con
   if (check(table.parameters)) {
     return "values that do not go together";
   }
-  const bool unplanned = table.parameters.mask.separates_background() && !c.background_planned;
-  return unplanned || memory_needed(table.parameters).total > c.memory_octets ? "needs more memory"
-                                                                              : "";
+  return needs_more_memory(table.parameters, c) ? "needs more memory" : "";
 }
 
 Outcome table_activate(const Command& command, Component::State* s) {
@@ -297,7 +295,7 @@ void execute(std::span<const std::uint8_t> octets, Component::State* s) {
     reject(refusal.reason, refusal.details, s);
     return;
   }
-  if (bus::was_done(octets, s->clock.frame, s->bus.commands_done)) {
+  if (bus::was_done(octets, s->clock.timestamp_ns, s->bus.commands_done)) {
     answer_again(command, s);
     return;
   }
@@ -308,7 +306,7 @@ void execute(std::span<const std::uint8_t> octets, Component::State* s) {
     return;
   }
   if (command.code != bus::CommandCode::kServicerAttitude) {  // refuses a repeated time by itself
-    bus::remember(octets, s->clock.frame, &s->bus.commands_done);
+    bus::remember(octets, s->clock.timestamp_ns, &s->bus.commands_done);
   }
   ++s->bus.commands.accepted;
   if (!answers_by_itself(command.code)) {
@@ -318,20 +316,13 @@ void execute(std::span<const std::uint8_t> octets, Component::State* s) {
   }
 }
 
-/// The sequence count that its answers bear; 0 where the octets are not as they were sent.
-std::uint16_t counted(std::span<const std::uint8_t> octets) {
-  return octets.size() >= bus::kCommandHeaderOctets + bus::kCrcOctets && bus::crc_is_right(octets)
-             ? bus::command_sequence(octets)
-             : 0;
-}
-
 }  // namespace
 
 void execute_commands(std::span<const std::span<const std::uint8_t>> commands,
                       Component::State* s) {
   const std::size_t read = std::min(commands.size(), limits::kStepCommands);
   for (const std::span<const std::uint8_t> octets : commands.first(read)) {
-    s->bus.events.command_sequence = counted(octets);
+    s->bus.events.command_sequence = bus::answered_sequence(octets);
     execute(octets, s);
   }
   s->bus.events.command_sequence = 0;

@@ -6,7 +6,7 @@
 #include "map/soundness.hpp"
 #include "motion/mend.hpp"
 #include "motion/soundness.hpp"
-#include "pipeline/parameter_image.hpp"
+#include "pipeline/mend_parameters.hpp"
 #include "pipeline/reset.hpp"
 #include "pipeline/state.hpp"
 #include "shape/soundness.hpp"
@@ -22,16 +22,14 @@ void tell(std::string_view table, const Mended& mended, Component::State* s) {
       &s->bus.events);
 }
 
-/// The table, its copy from the step before and its CRC: two of them agree.
 void scrub_configuration(Component::State* s) {
   Configuration& c = s->configuration;
-  if (c.table_crc != table_crc(c.parameters)) {
-    if (table_crc(c.spare) == c.table_crc) {
-      c.parameters = c.spare;
-    } else {
-      c.table_crc = table_crc(c.parameters);
-    }
-    tell("parameter table", {.entries = 1}, s);
+  const Mended mended = mend_parameters(&c);
+  if (mended.reset) {
+    reset_target(s);
+  }
+  if (mended.any()) {
+    tell("parameter table", mended, s);
   }
   c.spare = c.parameters;
   c.camera = to_model(c.parameters.camera);
@@ -39,8 +37,8 @@ void scrub_configuration(Component::State* s) {
 
 void scrub_mode(Component::State* s) {
   const bool known = sound::is_enum(s->mode.now, kLastMode);
-  const bool held_mended = sound::mend(&s->mode.held);
-  const bool mended = sound::mend(&s->clock.time_known) || held_mended;
+  const bool held = sound::mend(&s->mode.held);
+  const bool mended = sound::mend(&s->clock.time_known) || held;
   if (!known) {
     s->mode.now = Mode::kIdle;
     reset_target(s);

@@ -6,6 +6,12 @@
 
 namespace polhode {
 
+bool needs_more_memory(const Parameters& parameters, const Configuration& configuration) {
+  const bool unplanned =
+      parameters.mask.separates_background() && !configuration.background_planned;
+  return unplanned || memory_needed(parameters).total > configuration.memory_octets;
+}
+
 MapInput map_input(const Component::State& s) {
   const Parameters& parameters = s.configuration.parameters;
   return {.frame = s.clock.frame,

@@ -43,6 +43,9 @@ struct Configuration {
   InactiveTable inactive;
 };
 
+/// More than the component was given, or than was planned for the libraries.
+bool needs_more_memory(const Parameters& parameters, const Configuration& configuration);
+
 /// Told where each stage ends, so that the caller can time it.
 struct StageTimer {
   StageHook hook = nullptr;

@@ -99,15 +99,17 @@ def run(command: list, folder: pathlib.Path, watchdog_s: float, on_frames=None) 
     @param on_frames  called with the process and the number of answered frames; True: not called again."""
     folder.mkdir()
     said = folder / "stderr.txt"
-    progress, bus, packets = _Progress(watchdog_s), [], []
+    progress, bus, packets, frames = _Progress(watchdog_s), [], [], 0
     begun_s = time.monotonic()
     try:
         with open(said, "w") as stderr:
             process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=stderr, env=progress.environment())
         try:
             while (end := _end(process, progress, begun_s)) is None:
-                packets += _new_packets(folder / "bus.ccsds", bus)
-                if on_frames and on_frames(process, sum(packet.name == "motion" for packet in packets)):
+                new = _new_packets(folder / "bus.ccsds", bus)
+                packets += new
+                frames += sum(packet.name == "motion" for packet in new)
+                if on_frames and on_frames(process, frames):
                     on_frames = None
                 time.sleep(POLL_S)
         finally:

@@ -42,18 +42,22 @@ Clock::time_point after(double seconds) {
          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
-bool answers_one_of(const BusAnswers::Commands& commands, int sequence) {
-  constexpr int kCounts = bus::kSequenceModulus - 1;  // 0 is none
-  const auto behind = static_cast<std::size_t>((sequence - commands.sequence + kCounts) % kCounts);
-  return commands.sequence == 0 || (sequence != 0 && behind < commands.count);
+/// @return how many there were, `count` at most.
+std::size_t take(std::uint16_t sequence, std::size_t count, BusAnswers::Sequences* waiting) {
+  std::size_t taken = 0;
+  while (taken < count) {
+    const auto at = std::find(waiting->begin(), waiting->end(), sequence);
+    if (at == waiting->end()) {
+      break;
+    }
+    waiting->erase(at);
+    ++taken;
+  }
+  return taken;
 }
 
 BusReader open_to_wait(const std::string& address) {
-  try {
-    return open_bus_reader(address);
-  } catch (const UnusableInput& problem) {
-    throw UnusableInput(fmt::format("--wait {}", problem.what()));
-  }
+  return named("--wait", [&] { return open_bus_reader(address); });
 }
 
 }  // namespace
@@ -61,8 +65,7 @@ BusReader open_to_wait(const std::string& address) {
 BusAnswers::BusAnswers(const std::string& address, int apid_first)
     : address_(address), apid_first_(apid_first), bus_(open_to_wait(address)) {}
 
-BusAnswers::Answer BusAnswers::read(std::span<const std::uint8_t> octets,
-                                    const Commands& commands) {
+std::size_t BusAnswers::read(std::span<const std::uint8_t> octets, Sequences* waiting) {
   bus::PacketHeader header;
   (void)bus::read_header(octets, header);
   const bus::Layout* layout = bus::find_packet(header.apid, apid_first_);
@@ -72,16 +75,20 @@ BusAnswers::Answer BusAnswers::read(std::span<const std::uint8_t> octets,
   }
   bus::EventPacket event;
   if (layout != &bus::EventPacket::layout() || !bus::decode(*layout, octets, &event) ||
-      !closes_a_command(bus::EventId{event.id}) ||
-      !answers_one_of(commands, event.command_sequence)) {
-    return {};
+      !closes_a_command(bus::EventId{event.id})) {
+    return 0;
+  }
+  const bool many = bus::EventId{event.id} == bus::EventId::kCommandTooMany;
+  const std::size_t answered =
+      take(event.command_sequence,
+           many ? static_cast<std::size_t>(std::max(1.0, event.value[0])) : 1,
+           waiting);
+  if (answered > 0) {
+    const std::size_t text_octets = std::min<std::size_t>(event.text_octets, event.text.size());
+    fmt::print("frame {}: {}\n", event.frame, std::string_view(event.text.data(), text_octets));
   }
   const bool refused = event.severity >= static_cast<std::uint8_t>(bus::Severity::kError);
-  const std::size_t text_octets = std::min<std::size_t>(event.text_octets, event.text.size());
-  fmt::print("frame {}: {}\n", event.frame, std::string_view(event.text.data(), text_octets));
-  const bool many = bus::EventId{event.id} == bus::EventId::kCommandTooMany;
-  return {.commands = many ? static_cast<std::size_t>(std::max(1.0, event.value[0])) : 1,
-          .refused = refused};
+  return refused ? answered : 0;
 }
 
 std::span<const std::uint8_t> BusAnswers::next(Clock::time_point end) {
@@ -99,6 +106,8 @@ std::span<const std::uint8_t> BusAnswers::next(Clock::time_point end) {
 
 void BusAnswers::begin(double timeout_s) {
   constexpr double kPeriod_s = 1.5;  // of the packet it is one, and a frame more
+  polhode_bus_to_end(bus_.get());
+  Sequences none;
   const Clock::time_point end = after(std::min(timeout_s, kPeriod_s));
   while (!before_) {
     const std::span<const std::uint8_t> packet = next(end);
@@ -108,7 +117,7 @@ void BusAnswers::begin(double timeout_s) {
     bus::PacketHeader header;
     (void)bus::read_header(packet, header);
     if (bus::find_packet(header.apid, apid_first_) == &bus::CommandLinkPacket::layout()) {
-      (void)read(packet, {});
+      (void)read(packet, &none);
     }
   }
 }
@@ -137,28 +146,26 @@ bool BusAnswers::all_refused(std::size_t commands) const {
          last_->passed == before_->passed;
 }
 
-std::size_t BusAnswers::wait(const Commands& commands, double timeout_s) {
+std::size_t BusAnswers::wait(const Sequences& commands, double timeout_s) {
   const Clock::time_point end = after(timeout_s);
-  std::size_t answered = 0;
+  Sequences waiting = commands;
   std::size_t refused = 0;
-  while (answered < commands.count) {
+  while (!waiting.empty()) {
     const std::span<const std::uint8_t> packet = next(end);
-    const Answer answer = packet.empty() ? Answer{} : read(packet, commands);
-    answered += answer.commands;
-    refused += answer.refused ? answer.commands : 0;
-    if (all_refused(commands.count)) {
+    refused += packet.empty() ? 0 : read(packet, &waiting);
+    if (all_refused(commands.size())) {
       throw RunFailure(fmt::format("{}: {} of {} commands were refused at the port: {}",
                                    address_,
-                                   commands.count,
-                                   commands.count,
+                                   commands.size(),
+                                   commands.size(),
                                    refused_at_ports()));
     }
     if (packet.empty() && Clock::now() >= end) {
       const std::string words = refused_at_ports();
       throw RunFailure(fmt::format("{}: {} of {} commands were answered within {} s{}{}",
                                    address_,
-                                   answered,
-                                   commands.count,
+                                   commands.size() - waiting.size(),
+                                   commands.size(),
                                    timeout_s,
                                    words.empty() ? "" : "; refused at the ports meanwhile: ",
                                    words));

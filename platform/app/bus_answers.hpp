@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "app/bus_reader.hpp"
 #include "bus/packets.hpp"
@@ -24,26 +25,24 @@ class BusAnswers {
   /// @throws UnusableInput: it cannot be opened.
   BusAnswers(const std::string& address, int apid_first);
 
-  struct Commands {
-    std::size_t count = 0;
-    int sequence = 0;  ///< sequence count of the first; 0: they have none
-  };
+  /// What the answer of each command bears, as bus::answered_sequence() has it; 0: no count.
+  using Sequences = std::vector<std::uint16_t>;
 
-  /// Before the commands are sent: reads what the ports have counted so far, which comes once a
-  /// second. What they refuse afterwards can then be told from that.
+  /// Before the commands are sent: passes over what is there already, as in a file, and reads what
+  /// the ports have counted so far, which comes once a second. What they refuse afterwards can then
+  /// be told from that.
   void begin(double timeout_s);
 
   /// Prints each answer as it comes.
+  /// @param commands  one entry for each.
   /// @return commands refused, of those.
   /// @throws RunFailure: the ports refused them, and why; or no answer to one within the time.
-  std::size_t wait(const Commands& commands, double timeout_s);
+  std::size_t wait(const Sequences& commands, double timeout_s);
 
  private:
-  struct Answer {
-    std::size_t commands = 0;  ///< that it answers; 0: another packet
-    bool refused = false;
-  };
-  [[nodiscard]] Answer read(std::span<const std::uint8_t> octets, const Commands& commands);
+  /// Takes from `waiting` what the packet answers.
+  /// @return commands that it refuses, of those.
+  std::size_t read(std::span<const std::uint8_t> octets, Sequences* waiting);
   /// Reads on until the time is over. @return the next packet; empty: none came.
   std::span<const std::uint8_t> next(std::chrono::steady_clock::time_point end);
   /// Since begin(), as words: how many by which reason; empty: none, or it was not told.

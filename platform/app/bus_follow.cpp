@@ -14,6 +14,7 @@
 #include "app/bus_reader.hpp"
 #include "app/command_check.hpp"
 #include "app/packet_printer.hpp"
+#include "bus/repeated_commands.hpp"
 #include "errors.hpp"
 #include "tell.hpp"
 #include "transport/client/c/polhode_bus.h"
@@ -118,16 +119,21 @@ std::vector<std::vector<std::uint8_t>> command_packets(const BusSendArguments& a
     }
   }
   end_line();
+  return packets;
+}
+
+/// Signed where there is a key; none too long for the way.
+void finish_packets(const BusSendArguments& arguments,
+                    std::vector<std::vector<std::uint8_t>>* packets) {
   if (!arguments.key.empty()) {
-    sign(read_key(arguments.key), arguments.number, packets);
+    sign(read_key(arguments.key), arguments.number, *packets);
   }
-  for (const auto& packet : packets) {
+  for (const auto& packet : *packets) {
     if (packet.size() > limits::kPacketOctets) {
       throw UnusableInput(fmt::format(
           "a command of {} octets: allowed are {}", packet.size(), limits::kPacketOctets));
     }
   }
-  return packets;
 }
 
 /// @throws RunFailure: nobody takes them, or the receiver's queue stays full.
@@ -169,7 +175,12 @@ void send_command(const BusSendArguments& arguments) {
   if (address.kind != AddressKind::kUnix && address.kind != AddressKind::kUdp) {
     throw UnusableInput(fmt::format("{}: allowed are unix: and udp:", arguments.address));
   }
-  const auto packets = command_packets(arguments);
+  auto packets = command_packets(arguments);
+  BusAnswers::Sequences sequences;
+  for (const auto& packet : packets) {
+    sequences.push_back(bus::answered_sequence(packet));
+  }
+  finish_packets(arguments, &packets);
   std::optional<BusAnswers> answers;
   if (!arguments.wait.empty()) {
     answers.emplace(parse_address(arguments.wait).text, arguments.apid_first);
@@ -177,8 +188,7 @@ void send_command(const BusSendArguments& arguments) {
   }
   send_packets(address, packets);
   if (answers) {
-    const std::size_t refused = answers->wait(
-        {.count = packets.size(), .sequence = arguments.sequence}, arguments.timeout_s);
+    const std::size_t refused = answers->wait(sequences, arguments.timeout_s);
     if (refused > 0) {
       throw RunFailure(fmt::format(
           "{}: {} of {} commands were refused", arguments.address, refused, packets.size()));

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "errors.hpp"
+#include "os/linux/file_faults.hpp"
 #include "transport/client/c/polhode_bus.h"
 
 namespace polhode::platform {
@@ -24,8 +25,7 @@ BusReader open_bus_reader(const std::string& address) {
         address));
   }
   if (failed != 0) {
-    throw UnusableInput(
-        fmt::format("{}: cannot be opened: {}", address, std::generic_category().message(-failed)));
+    fail_at_start(address + ": cannot be opened", -failed);
   }
   return bus;
 }

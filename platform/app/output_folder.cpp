@@ -2,11 +2,14 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cerrno>
+#include <string>
 #include <system_error>
 
 #include "errors.hpp"
+#include "os/linux/file_faults.hpp"
 #include "os/linux/file_lock.hpp"
 #include "output_file.hpp"
 
@@ -43,31 +46,36 @@ constexpr const char* kOwnFiles[] = {
 }  // namespace
 
 Descriptor prepare_output_folder(const fs::path& folder) {
+  const std::string place = "--out " + folder.string();
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
     fail(folder, "exists and is not a folder");
   }
   fs::create_directories(folder, error);
   if (error) {
-    fail(folder, "cannot be created: " + error.message());
+    fail_at_start(place + ": cannot be created", error.value());
   }
   Descriptor lock(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (lock.get() < 0) {
-    fail(folder, "cannot be read: " + std::generic_category().message(errno));
+    fail_at_start(place + ": cannot be read", errno);
   }
-  lock_file(lock.get(), "--out " + folder.string());
+  lock_file(lock.get(), place);
   const bool empty = fs::is_empty(folder, error);
   if (error) {
-    fail(folder, "cannot be read: " + error.message());
+    fail_at_start(place + ": cannot be read", error.value());
   }
   if (!empty && !fs::exists(folder / kMarker, error)) {
     fail(folder,
          "holds files that no replay wrote; allowed is a new, an empty or an earlier run's folder");
   }
-  try {
-    write_file(folder / kMarker, "A polhode replay writes here and may overwrite its own files.\n");
-  } catch (const RunFailure& problem) {
-    throw UnusableInput(fmt::format("--out {}", problem.what()));
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    fail_at_start(place + ": cannot be written to", errno);
+  }
+  if (empty) {
+    named("--out", [&] {
+      write_file(folder / kMarker,
+                 "A polhode replay writes here and may overwrite its own files.\n");
+    });
   }
   for (const char* name : kOwnFiles) {
     fs::remove(folder / name, error);

@@ -10,8 +10,8 @@ namespace polhode::platform {
 /// Creates the folder if it is absent, and marks it as a replay's. In a folder of an earlier replay
 /// the files that a replay writes are removed; others stay.
 /// @return its lock: no other replay has the folder while it lives.
-/// @throws UnusableInput: it cannot be created or written, another process has it, or it holds
-/// files and no replay wrote it.
+/// @throws UnusableInput: it cannot be created or written, or it holds files and no replay wrote
+/// it; RunFailure where that may pass: the disk is full, another process has it.
 [[nodiscard]] Descriptor prepare_output_folder(const std::filesystem::path& folder);
 
 }  // namespace polhode::platform

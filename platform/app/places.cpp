@@ -34,12 +34,7 @@ struct Place {
 /// What the call throws, with the place's key.
 template <typename Call>
 auto of_place(const Place& place, Call call) {
-  try {
-    return call();
-  } catch (const UnusableInput& problem) {
-    throw UnusableInput(
-        fmt::format("{}: {}: {}", place.config.string(), place.key, problem.what()));
-  }
+  return named(fmt::format("{}: {}", place.config.string(), place.key), call);
 }
 
 void prepare_folder(const Place& place, const fs::path& folder) {
@@ -74,7 +69,8 @@ bool is_same(int a, int b) {
 void lock_folder(const Place& place, std::vector<Descriptor>* locks) {
   Descriptor folder(::open(place.path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder.get() < 0) {
-    refuse(place, std::generic_category().message(errno));
+    const int error = errno;
+    of_place(place, [&] { fail_at_start(place.path.string() + ": cannot be opened", error); });
   }
   const bool locked = std::any_of(locks->begin(), locks->end(), [&](const Descriptor& other) {
     return is_same(folder.get(), other.get());

@@ -17,8 +17,8 @@ void check_places(const std::filesystem::path& config, const MachineOptions& mac
 /// Makes the folders of run.folder, run.checkpoint and recording.folder where they are missing,
 /// after check_places(), and locks what is written to: both folders and the checkpoint.
 /// @return the locks: no other run has these places while it lives.
-/// @throws UnusableInput naming the configuration, the key, the place and why it cannot be written,
-/// or which process has it.
+/// @throws UnusableInput naming the configuration, the key, the place and why it cannot be written;
+/// RunFailure where that may pass: the machine is short of something, or another process has it.
 [[nodiscard]] std::vector<Descriptor> prepare_places(const std::filesystem::path& config,
                                                      const MachineOptions& machine);
 

@@ -71,9 +71,7 @@ LoadedNetwork::LoadedNetwork(const std::filesystem::path& file) {
     return;
   }
   std::vector<std::uint8_t> octets;
-  if (const auto unreadable = read_file(file, octets)) {
-    throw UnusableInput(fmt::format("network.file: {}: {}", file.string(), *unreadable));
-  }
+  read_file_at_start(file, "network.file: " + file.string(), octets);
   const PoolScope scope(Pool::kGeneral);
   auto network = std::make_unique<Network>();
   try {

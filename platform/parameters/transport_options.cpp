@@ -35,11 +35,7 @@ std::string text_of(const toml::node& node, const Place& place) {
 
 std::string address_of(const toml::node& node, const Place& place) {
   std::string text = text_of(node, place);
-  try {
-    (void)parse_address(text);
-  } catch (const UnusableInput& problem) {
-    throw UnusableInput(fmt::format("{}: {}: {}", place.source, place.key, problem.what()));
-  }
+  named(fmt::format("{}: {}", place.source, place.key), [&] { (void)parse_address(text); });
   return text;
 }
 

@@ -33,7 +33,7 @@ polhode_key read_key(const std::filesystem::path& file) {
         "{}: a key is a file of its own user's or root's, of mode 0600 or 0400", file.string()));
   }
   if (failed != 0) {
-    fail_at_start(file.string() + ": cannot be read", -failed);
+    fail_to_open(file, file.string() + ": cannot be read", -failed);
   }
   return key;
 }
@@ -42,11 +42,7 @@ std::optional<polhode_key> key_of(const CommandSettings& settings) {
   if (settings.key.empty()) {
     return std::nullopt;
   }
-  try {
-    return read_key(settings.key);
-  } catch (const UnusableInput& problem) {
-    throw UnusableInput(fmt::format("commands.key: {}", problem.what()));
-  }
+  return named("commands.key", [&] { return read_key(settings.key); });
 }
 
 std::string problem_of(const std::vector<std::string>& receive, const CommandSettings& settings) {
@@ -80,13 +76,8 @@ CommandGuard::CommandGuard(const CommandSettings& settings, std::uint64_t utc_ns
   if (!key_) {
     return;
   }
-  try {
-    numbers_ = std::make_unique<NumberFile>(settings.window, *key_, utc_ns);
-  } catch (const UnusableInput& problem) {
-    throw UnusableInput(fmt::format("commands.window: {}", problem.what()));
-  } catch (const RunFailure& problem) {
-    throw RunFailure(fmt::format("commands.window: {}", problem.what()));
-  }
+  named("commands.window",
+        [&] { numbers_ = std::make_unique<NumberFile>(settings.window, *key_, utc_ns); });
   window_ = CommandWindow(numbers_->number());
 }
 

@@ -21,11 +21,8 @@ CommandPorts::CommandPorts(const std::vector<std::string>& addresses,
   }
   ports_.reserve(addresses.size());
   for (const std::string& text : addresses) {
-    try {
-      ports_.push_back({.from = DatagramReceiver(parse_address(text))});
-    } catch (const UnusableInput& refused) {
-      throw UnusableInput(fmt::format("transport.receive: {}", refused.what()));
-    }
+    named("transport.receive",
+          [&] { ports_.push_back({.from = DatagramReceiver(parse_address(text))}); });
   }
   if (!ports_.empty()) {
     guard_ = CommandGuard(settings, utc_ns);

@@ -12,7 +12,6 @@
 #include <optional>
 #include <span>
 #include <string_view>
-#include <system_error>
 
 #include "base/crc.hpp"
 #include "errors.hpp"
@@ -57,7 +56,7 @@ Descriptor open_numbers(const std::filesystem::path& file) {
   Descriptor opened(::open(
       file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, S_IRUSR | S_IWUSR));
   if (opened.get() < 0) {
-    fail_at_start(file.string() + ": cannot be written", errno);
+    fail_to_open(file, file.string() + ": cannot be written", errno);
   }
   return opened;
 }
@@ -96,8 +95,7 @@ void NumberFile::begin(const std::filesystem::path& file, std::uint64_t utc_ns) 
   std::array<Place, 2 * kKeys> places;
   const ssize_t octets = ::pread(file_.get(), places.data(), sizeof places, 0);
   if (octets < 0) {
-    throw RunFailure(fmt::format(
-        "{}: cannot be read: {}", file.string(), std::generic_category().message(errno)));
+    fail_at_start(file.string() + ": cannot be read", errno);
   }
   constexpr std::size_t kPairOctets = 2 * sizeof(Place);
   const std::size_t pairs = (static_cast<std::size_t>(octets) + kPairOctets - 1) / kPairOctets;
@@ -141,7 +139,9 @@ bool NumberFile::put(std::uint64_t number) {
   place.number = number;
   place.crc32 = place.sum();
   const auto at = static_cast<off_t>((2 * pair_ + next_) * sizeof place);
-  if (write_(file_.get(), &place, sizeof place, at) != sizeof place) {
+  const ssize_t written = write_(file_.get(), &place, sizeof place, at);
+  if (written != sizeof place) {
+    errno = written < 0 ? errno : ENOSPC;  // a part of it: the call itself leaves an old error
     return false;
   }
   // Begins the writing and returns; without it the disk has it within half a minute.

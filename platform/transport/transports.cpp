@@ -11,11 +11,7 @@ Transports::Transports(const TransportSettings& settings, std::int64_t utc_ns)
     : ports_(settings.receive, settings.commands, static_cast<std::uint64_t>(utc_ns)) {
   senders_.reserve(settings.send.size());
   for (const std::string& text : settings.send) {
-    try {
-      add_sender(text);
-    } catch (const UnusableInput& problem) {
-      throw UnusableInput(fmt::format("transport.send: {}", problem.what()));
-    }
+    named("transport.send", [&] { add_sender(text); });
   }
 }
 

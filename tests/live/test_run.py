@@ -7,10 +7,14 @@ import re
 import signal
 import socket
 import subprocess
+import sys
 import time
 
 import pytest
 from replay_files import PROGRAM
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "platform/transport/client/python"))
+import polhode_bus  # noqa: E402
 
 
 def bus(run):
@@ -260,3 +264,27 @@ def test_commands_are_answered_to_whoever_waits(live, played, until, tmp_path):
         assert done.returncode == 1 and done.stderr.endswith(f"shm:{ring}: 0 of 1 commands were answered within 0.5 s\n")
     finally:
         pathlib.Path(f"/dev/shm{ring}").unlink(missing_ok=True)
+
+
+def test_old_answers_in_a_file_are_no_answers_and_octets_have_their_own_count(live, played, until, tmp_path):
+    commands, link = f"unix:{tmp_path}/commands", f"file:{tmp_path}/flight.ccsds"
+
+    def send(*words, to=commands, timeout="20"):
+        return subprocess.run([PROGRAM, "bus", "send", to, *words, "--wait", link, "--timeout", timeout], capture_output=True, text=True, timeout=60)
+
+    run = live(played.path, device__sequence_passes=100000, device__sequence_speed=1.0,
+               settings=[f'transport.send=["{link}"]', f'transport.receive="{commands}"'])
+    until(lambda: (tmp_path / "commands").exists() and (tmp_path / "flight.ccsds").exists())
+    assert send("noop").returncode == 0
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as deaf:
+        deaf.bind(str(tmp_path / "deaf"))
+        done = send("noop", to=f"unix:{tmp_path}/deaf", timeout="3")
+    assert done.returncode == 1 and done.stdout == "" and "0 of 1 commands were answered" in done.stderr  # that of the first is in the file
+    hold = polhode_bus.make_command("hold", sequence=812)
+    done = send("hex", hold.hex(), "+", "resume", "--sequence", "70")
+    assert done.returncode == 0 and done.stdout.count("accepted") == 2, done.stderr
+    spoilt = hold[:-1] + bytes([hold[-1] ^ 1])
+    done = send("hex", spoilt.hex(), "--sequence", "70")
+    assert done.returncode == 1 and "1 of 1 commands were refused" in done.stderr
+    run.process.send_signal(signal.SIGTERM)
+    assert run.finish().status == 0

@@ -42,6 +42,22 @@ TEST(FrameClock, FramesThatNeverCameAreCounted) {
   EXPECT_EQ(missing, 3U);
 }
 
+/// One bit of a time stamp is 36 years: no gap in the pictures, and no damaged memory.
+TEST(FrameClock, AFrameThatIsLaterThanARunLastsIsPassedBy_UnlessTenAgree) {
+  FrameClock clock = after_seconds(1, 5);
+  std::uint32_t missing = 0;
+  constexpr std::int64_t kYears36_ns = std::int64_t{1} << 60U;
+  EXPECT_EQ(admit(6 * kSecond_ns + kYears36_ns, &clock, &missing), Admission::kNotLater);
+  EXPECT_EQ(missing, 0U);
+  EXPECT_EQ(clock.timestamp_ns, 5 * kSecond_ns);
+  EXPECT_EQ(admit(7 * kSecond_ns, &clock, &missing), Admission::kLater);
+  for (int second = 8; second < 17; ++second) {
+    ASSERT_EQ(admit(second * kSecond_ns + kYears36_ns, &clock, &missing), Admission::kNotLater);
+  }
+  EXPECT_EQ(admit(17 * kSecond_ns + kYears36_ns, &clock, &missing), Admission::kTimeWasWrong);
+  EXPECT_EQ(clock.timestamp_ns, 17 * kSecond_ns + kYears36_ns);
+}
+
 // verifies: IMG-07
 TEST(FrameClock, TenLaterAndLaterFramesOutvoteAWrongTime) {
   FrameClock clock = after_seconds(1, 3);

@@ -10,8 +10,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+template <typename Problem = UnusableInput>
 std::string refusal(const fs::path& folder) {
-  return refusal_of<UnusableInput>([&] { (void)prepare_output_folder(folder); });
+  return refusal_of<Problem>([&] { (void)prepare_output_folder(folder); });
 }
 
 TEST(OutputFolder, IsCreatedWithItsParents) {
@@ -46,7 +47,7 @@ TEST(OutputFolder, OfAReplayThatRuns_IsRefusedAndKept) {
     const Descriptor lock = prepare_output_folder(folder.path());
     folder.write("motion.csv", "new");
     EXPECT_EQ(
-        refusal(folder.path()),
+        refusal<RunFailure>(folder.path()),
         "--out " + folder.path().string() + ": process " + std::to_string(::getpid()) + " has it");
     EXPECT_TRUE(fs::exists(folder.path() / "motion.csv"));
   }

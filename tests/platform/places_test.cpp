@@ -1,9 +1,11 @@
 #include "app/places.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <fstream>
 
+#include "../transport/small_files.hpp"
 #include "errors.hpp"
 #include "temporary_folder.hpp"
 
@@ -14,13 +16,9 @@ namespace fs = std::filesystem;
 
 class Places : public testing::Test {
  protected:
+  template <typename Problem = UnusableInput>
   [[nodiscard]] std::string refusal() const {
-    try {
-      (void)prepare_places("live.toml", machine_);
-    } catch (const UnusableInput& problem) {
-      return problem.what();
-    }
-    return {};
+    return refusal_of<Problem>([&] { (void)prepare_places("live.toml", machine_); });
   }
   [[nodiscard]] std::string place(const char* name) const { return folder_.path() / name; }
 
@@ -79,12 +77,13 @@ TEST_F(Places, EachIsOfOneRun) {
   MachineOptions& other = machine_;
   other.recording.folder.clear();
   other.run.checkpoint.clear();
-  EXPECT_EQ(refusal(), "live.toml: run.folder: " + taken(place("run")));
+  EXPECT_EQ(refusal<RunFailure>(), "live.toml: run.folder: " + taken(place("run")));
   std::swap(other.run.folder, other.recording.folder);
-  EXPECT_EQ(refusal(), "live.toml: recording.folder: " + taken(place("run")));
+  EXPECT_EQ(refusal<RunFailure>(), "live.toml: recording.folder: " + taken(place("run")));
   other.recording.folder.clear();
   other.run.checkpoint = place("state/checkpoint");
-  EXPECT_EQ(refusal(), "live.toml: run.checkpoint: " + taken(place("state/checkpoint")));
+  EXPECT_EQ(refusal<RunFailure>(),
+            "live.toml: run.checkpoint: " + taken(place("state/checkpoint")));
   other.run.checkpoint = place("state/other");
   EXPECT_EQ(refusal(), "");
 }
@@ -94,6 +93,31 @@ TEST_F(Places, AreFreeAgainWhenTheRunIsOver) {
   machine_.run.checkpoint = place("checkpoint");
   EXPECT_EQ(refusal(), "");
   EXPECT_EQ(refusal(), "");
+}
+
+/// As a run by hand as root leaves them to a service that runs as a user of its own.
+TEST_F(Places, ALockThatRootLeftBehindIsNamedWithItsOwner) {
+  if (::geteuid() != 0) {
+    GTEST_SKIP() << "only root can leave a file to another user";
+  }
+  constexpr uid_t kService = 65534;
+  machine_.run.checkpoint = place("checkpoint");
+  EXPECT_EQ(refusal(), "");
+  fs::permissions(folder_.path(), fs::perms::all);
+  ASSERT_EQ(::seteuid(kService), 0);
+  const std::string refused = refusal();
+  ASSERT_EQ(::seteuid(0), 0);
+  EXPECT_EQ(
+      refused,
+      "live.toml: run.checkpoint: " + place("checkpoint.lock") +
+          ": cannot be made: belongs to user 0, not to 65534; give it to that user, or remove it");
+}
+
+TEST_F(Places, WithoutAFreeDescriptorAreNoFaultOfTheSettings) {
+  machine_.run.folder = place("run");
+  const FewFiles none(0);
+  EXPECT_EQ(refusal<RunFailure>(),
+            "live.toml: run.folder: " + place("run") + ": cannot be opened: Too many open files");
 }
 
 TEST_F(Places, AFolderInPlaceOfTheCheckpointIsRefused) {

@@ -133,7 +133,7 @@ TEST(CommandGuard, RemembersOverARestart_AndBeginsAnewWithANewKey) {
     EXPECT_TRUE(guard.pass(first, {}));
     guard.keep_numbers();
     EXPECT_NE(guard.remark(), "");
-    EXPECT_THROW(CommandGuard(settings, SignedCommands::kUtc_ns), UnusableInput) << "in use";
+    EXPECT_THROW(CommandGuard(settings, SignedCommands::kUtc_ns), RunFailure) << "in use";
   }
   {
     CommandGuard again(settings, 0);  // a clock that was set back makes no difference

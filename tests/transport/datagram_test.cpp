@@ -72,7 +72,7 @@ TEST(UnixDatagram, TakesThePlaceOfADeadReadersFile_ButNotOfALivingOnesNorOfAnoth
   {
     const Reader living("unix:" + path);
     EXPECT_EQ(Reader("unix:" + path).opened(), -EADDRINUSE);
-    EXPECT_THROW(DatagramReceiver(parse_address("unix:" + path)), UnusableInput);
+    EXPECT_THROW(DatagramReceiver(parse_address("unix:" + path)), RunFailure);
   }
   // A reader that is killed leaves its file behind.
   const int fd = ::socket(AF_UNIX, SOCK_DGRAM, 0);

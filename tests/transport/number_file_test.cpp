@@ -2,12 +2,12 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <fstream>
 #include <thread>
@@ -162,13 +162,22 @@ TEST_F(NumberFileTest, FaultsOfTheDiskAreNoFaultOfTheSettings) {
     EXPECT_NE(refusal_of<RunFailure>([&] { (void)open(7); }).find("File too large"),
               std::string::npos);
   }
-  rlimit before{};
-  ::getrlimit(RLIMIT_NOFILE, &before);
-  const rlimit none{.rlim_cur = 0, .rlim_max = before.rlim_max};
-  ::setrlimit(RLIMIT_NOFILE, &none);
+  const FewFiles none(0);
   const std::string refused = refusal_of<RunFailure>([&] { (void)open(7); });
-  ::setrlimit(RLIMIT_NOFILE, &before);
   EXPECT_NE(refused.find("Too many open files"), std::string::npos) << refused;
+}
+
+/// Of a write that was cut short the call tells no error: what an earlier one left does not count.
+ssize_t write_a_part(int file, const void* data, std::size_t octets, off_t at) {
+  const ssize_t written = ::pwrite(file, data, octets / 2, at);
+  errno = EACCES;
+  return written;
+}
+
+TEST_F(NumberFileTest, AWriteThatIsCutShortIsAFullDisk) {
+  const std::string refused =
+      refusal_of<RunFailure>([&] { NumberFile(file_, key_of('a'), 7, write_a_part); });
+  EXPECT_NE(refused.find("No space left on device"), std::string::npos) << refused;
 }
 
 std::atomic<bool> g_hangs = false;

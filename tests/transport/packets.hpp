@@ -46,6 +46,7 @@ class Reader {
     EXPECT_GE(octets, 0);
     return {packet.begin(), packet.begin() + std::max(octets, 0)};
   }
+  int to_end() { return polhode_bus_to_end(bus_.get()); }
   [[nodiscard]] const polhode_bus& bus() const { return *bus_; }
 
  private:

@@ -10,6 +10,7 @@
 
 #include "errors.hpp"
 #include "packets.hpp"
+#include "small_files.hpp"
 #include "transport/shm/ring_layout.hpp"
 #include "transport/shm/ring_writer.hpp"
 
@@ -37,8 +38,9 @@ struct stat status_of(const Name& name) {
 }
 
 /// What a writer says that does not take the name.
+template <typename Problem = UnusableInput>
 std::string refused(const Name& name) {
-  return refusal_of<UnusableInput>([&] { RingWriter(parse_address(name.address())); });
+  return refusal_of<Problem>([&] { RingWriter(parse_address(name.address())); });
 }
 
 TEST(Ring, GivesEveryReaderEveryPacket) {
@@ -66,7 +68,15 @@ TEST(Ring, IsForItsOwnerAlone) {
 TEST(Ring, TakesOneWriter_AndNamesTheOneThatHasIt) {
   const Name name("one");
   const RingWriter writer(parse_address(name.address()));
-  EXPECT_EQ(refused(name), name.address() + ": process " + std::to_string(::getpid()) + " has it");
+  EXPECT_EQ(refused<RunFailure>(name),
+            name.address() + ": process " + std::to_string(::getpid()) + " has it");
+}
+
+/// A unit whose start ends with status 2 is not started again.
+TEST(Ring, WithoutAFreeDescriptorIsNoFaultOfTheSettings) {
+  const Name name("descriptors");
+  const FewFiles none(0);
+  EXPECT_NE(refused<RunFailure>(name).find("Too many open files"), std::string::npos);
 }
 
 /// One packet in a whole ring, made beforehand by somebody.

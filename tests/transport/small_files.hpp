@@ -1,4 +1,4 @@
-// A disk that takes no more.
+// What the machine has no more of.
 #pragma once
 
 #include <sys/resource.h>
@@ -27,6 +27,22 @@ class SmallFiles {
  private:
   rlimit before_{};
   void (*before_signal_)(int) = nullptr;
+};
+
+/// While it lives, this process may open no descriptor of this number or above (EMFILE).
+class FewFiles {
+ public:
+  explicit FewFiles(rlim_t files) {
+    ::getrlimit(RLIMIT_NOFILE, &before_);
+    const rlimit few{.rlim_cur = files, .rlim_max = before_.rlim_max};
+    ::setrlimit(RLIMIT_NOFILE, &few);
+  }
+  FewFiles(const FewFiles&) = delete;
+  FewFiles& operator=(const FewFiles&) = delete;
+  ~FewFiles() { ::setrlimit(RLIMIT_NOFILE, &before_); }
+
+ private:
+  rlimit before_{};
 };
 
 }  // namespace polhode::platform

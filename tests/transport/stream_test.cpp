@@ -56,12 +56,12 @@ TEST(FlatFile, HoldsWhatWasSent_AndIsAppendedTo) {
 TEST(FlatFile, IsOfOneRun_AndOfItsUserAlone) {
   const Folder folder;
   const std::string file = folder / "flight.ccsds";
-  const auto refused = [&] {
-    return refusal_of<UnusableInput>([&] { FlatFile(parse_address("file:" + file)); });
-  };
+  const auto open = [&] { FlatFile(parse_address("file:" + file)); };
+  const auto refused = [&] { return refusal_of<UnusableInput>(open); };
   {
     const FlatFile held(parse_address("file:" + file));
-    EXPECT_EQ(refused(), "file:" + file + ": process " + std::to_string(::getpid()) + " has it");
+    EXPECT_EQ(refusal_of<RunFailure>(open),
+              "file:" + file + ": process " + std::to_string(::getpid()) + " has it");
   }
   EXPECT_EQ(refused(), "");
   ASSERT_EQ(::chmod(file.c_str(), 0622), 0);
@@ -86,6 +86,22 @@ TEST(FlatFile, IsFollowedAsItGrows) {
   EXPECT_TRUE(reader.next().empty());
   file.send(std::span(packet).subspan(100));
   EXPECT_EQ(reader.next(), packet);
+}
+
+TEST(FlatFile, IsReadFromItsEnd_WhereWhatIsThereIsPassedOver) {
+  const Folder folder;
+  const std::string address = "file:" + folder / "flight.ccsds";
+  FlatFile file(parse_address(address));
+  file.send(motion_packet(1));
+  file.send(motion_packet(2));
+  Reader reader(address);
+  EXPECT_EQ(reader.next(), motion_packet(1));
+  EXPECT_EQ(reader.to_end(), 0);
+  EXPECT_TRUE(reader.next().empty());
+  file.send(motion_packet(7));
+  EXPECT_EQ(reader.next(), motion_packet(7));
+  EXPECT_EQ(reader.bus().missing, 0U);
+  EXPECT_EQ(reader.bus().damaged_octets, 0U);
 }
 
 TEST(DamagedStream, LosesOnlyThePacketsThatTheDamageTouched) {

@@ -7,19 +7,25 @@
 #include <cerrno>
 #include <cstddef>
 #include <system_error>
+#include <utility>
 
+#include "errors.hpp"
 #include "os/linux/descriptor.hpp"
+#include "os/linux/file_faults.hpp"
 
 namespace polhode::platform {
 namespace {
 
-std::string last_error() { return "cannot be read: " + std::generic_category().message(errno); }
+struct Fault {
+  std::string words;
+  int error = 0;  ///< errno; 0: the file itself is at fault
+};
 
-}  // namespace
+Fault last_error() { return {"cannot be read: " + std::generic_category().message(errno), errno}; }
 
-std::optional<std::string> read_file(const std::filesystem::path& file,
-                                     std::vector<std::uint8_t>& octets,
-                                     std::size_t octets_max) {
+std::optional<Fault> read(const std::filesystem::path& file,
+                          std::vector<std::uint8_t>& octets,
+                          std::size_t octets_max) {
   octets.clear();
   const Descriptor in(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   struct stat status {};
@@ -27,12 +33,12 @@ std::optional<std::string> read_file(const std::filesystem::path& file,
     return last_error();
   }
   if (!S_ISREG(status.st_mode)) {
-    return "not a regular file";
+    return Fault{"not a regular file"};
   }
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size > octets_max) {
-    return "the file has " + std::to_string(size) + " octets; there is room for " +
-           std::to_string(octets_max);
+    return Fault{"the file has " + std::to_string(size) + " octets; there is room for " +
+                 std::to_string(octets_max)};
   }
   octets.resize(size);
   std::size_t done = 0;
@@ -42,11 +48,33 @@ std::optional<std::string> read_file(const std::filesystem::path& file,
       continue;
     }
     if (count <= 0) {
-      return count < 0 ? last_error() : "the file shrank while it was read";
+      return count < 0 ? last_error() : Fault{"the file shrank while it was read"};
     }
     done += static_cast<std::size_t>(count);
   }
   return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> read_file(const std::filesystem::path& file,
+                                     std::vector<std::uint8_t>& octets,
+                                     std::size_t octets_max) {
+  std::optional<Fault> fault = read(file, octets, octets_max);
+  return fault ? std::optional(std::move(fault->words)) : std::nullopt;
+}
+
+void read_file_at_start(const std::filesystem::path& file,
+                        const std::string& what,
+                        std::vector<std::uint8_t>& octets,
+                        std::size_t octets_max) {
+  const std::optional<Fault> fault = read(file, octets, octets_max);
+  if (fault && fault->error != 0) {
+    fail_at_start(what + ": cannot be read", fault->error);
+  }
+  if (fault) {
+    throw UnusableInput(what + ": " + fault->words);
+  }
 }
 
 }  // namespace polhode::platform

@@ -20,4 +20,12 @@ std::optional<std::string> read_file(const std::filesystem::path& file,
                                      std::vector<std::uint8_t>& octets,
                                      std::size_t octets_max = kFileOctetsMax);
 
+/// The same at a start, without which nothing begins.
+/// @param what  names the file in what is thrown.
+/// @throws UnusableInput, or RunFailure for what may pass, as fail_at_start() has it.
+void read_file_at_start(const std::filesystem::path& file,
+                        const std::string& what,
+                        std::vector<std::uint8_t>& octets,
+                        std::size_t octets_max = kFileOctetsMax);
+
 }  // namespace polhode::platform

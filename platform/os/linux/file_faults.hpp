@@ -1,16 +1,23 @@
 // Which faults of a file are the settings', and which the machine's.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 namespace polhode::platform {
 
-/// For a file that cannot be opened, made or written at a start.
+/// For a file or socket that cannot be opened, made or written at a start.
 /// @param what   for people, the file's name first.
 /// @param error  errno.
 /// @throws RunFailure where disk or machine is at fault, which may pass: no space, a read error, a
-/// file system that has become read-only, too many files. Else UnusableInput: starting again
-/// changes nothing.
+/// file system that has become read-only, too many files, no memory, a port that another process
+/// has. Else UnusableInput: starting again changes nothing.
 [[noreturn]] void fail_at_start(const std::string& what, int error);
+
+/// The same for an open() that failed. Where the file is another user's, that is said, too: one
+/// that root left behind is in the way of a service that runs as a user of its own.
+[[noreturn]] void fail_to_open(const std::filesystem::path& file,
+                               const std::string& what,
+                               int error);
 
 }  // namespace polhode::platform

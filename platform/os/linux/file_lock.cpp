@@ -53,8 +53,8 @@ void lock_file(int descriptor, const std::string& what) {
     throw RunFailure(what + ": cannot be locked: " + std::generic_category().message(errno));
   }
   const int pid = holder_of(descriptor);
-  throw UnusableInput(what + ": " +
-                      (pid > 0 ? "process " + std::to_string(pid) : "another process") + " has it");
+  throw RunFailure(what + ": " + (pid > 0 ? "process " + std::to_string(pid) : "another process") +
+                   " has it");
 }
 
 Descriptor lock_beside(const std::filesystem::path& file) {
@@ -62,7 +62,7 @@ Descriptor lock_beside(const std::filesystem::path& file) {
   Descriptor lock(::open(
       name.c_str(), O_RDONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, S_IRUSR | S_IWUSR));
   if (lock.get() < 0) {
-    fail_at_start(name + ": cannot be made", errno);
+    fail_to_open(name, name + ": cannot be made", errno);
   }
   lock_file(lock.get(), file.string());
   return lock;

@@ -11,8 +11,8 @@ namespace polhode::platform {
 /// Takes the lock on an open file or folder, which goes with its descriptor, however the process
 /// ends. Never waits.
 /// @param what  names it in what is thrown.
-/// @throws UnusableInput: another process has it, with that one's pid where the kernel tells;
-/// RunFailure: the system cannot lock it.
+/// @throws RunFailure: another process has it, with that one's pid where the kernel tells, or the
+/// system cannot lock it. Both may pass: the other process ends one day.
 void lock_file(int descriptor, const std::string& what);
 
 /// Locks a file that is replaced by others of its name, by one beside it, NAME.lock, which stays.

@@ -9,6 +9,13 @@
 #include <system_error>
 
 namespace polhode::platform {
+namespace {
+
+std::string of_another(uid_t owner) {
+  return "belongs to user " + std::to_string(owner) + ", not to " + std::to_string(::geteuid());
+}
+
+}  // namespace
 
 std::string problem_of_owner(int descriptor, mode_t forbidden) {
   struct stat status {};
@@ -19,8 +26,7 @@ std::string problem_of_owner(int descriptor, mode_t forbidden) {
     return "is no regular file";
   }
   if (status.st_uid != ::geteuid()) {
-    return "belongs to user " + std::to_string(status.st_uid) + ", not to " +
-           std::to_string(::geteuid());
+    return of_another(status.st_uid);
   }
   if ((status.st_mode & forbidden) != 0) {
     std::array<char, 8> mode{};
@@ -28,6 +34,12 @@ std::string problem_of_owner(int descriptor, mode_t forbidden) {
     return std::string("is open to others: mode ") + mode.data();
   }
   return {};
+}
+
+std::string stranger_at(const std::filesystem::path& file) {
+  struct stat status {};
+  const bool known = ::lstat(file.c_str(), &status) == 0;
+  return known && status.st_uid != ::geteuid() ? of_another(status.st_uid) : "";
 }
 
 }  // namespace polhode::platform

@@ -1,10 +1,11 @@
-// What third-party libraries would do to the machine on their own, switched off before anything
-// else runs.
+// What third-party libraries would do on their own, by the machine that they find, switched off
+// before anything else runs.
 #pragma once
 
 namespace polhode::platform {
 
-/// One thread in the vision library, no graphics-card runtime.
+/// One thread in the vision library, no graphics-card runtime; matrices are multiplied alike on all
+/// machines.
 void pin_libraries();
 
 }  // namespace polhode::platform

@@ -14,17 +14,16 @@
 
 #include "base/assert.hpp"
 #include "errors.hpp"
+#include "os/linux/file_faults.hpp"
 
 namespace polhode::platform {
 namespace {
-
-std::string reason() { return std::generic_category().message(errno); }
 
 int open_socket(AddressKind kind) {
   const int family = kind == AddressKind::kUnix ? AF_UNIX : AF_INET;
   const int fd = ::socket(family, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (fd < 0) {
-    throw RunFailure(fmt::format("no socket is to be had: {}", reason()));
+    fail_at_start("no socket is to be had", errno);
   }
   return fd;
 }
@@ -52,7 +51,7 @@ void remove_if_dead(const Address& address, const sockaddr_un& to) {
   }
   const Descriptor probe(open_socket(AddressKind::kUnix));
   if (::connect(probe.get(), as_socket_address(&to), sizeof to) == 0) {
-    throw UnusableInput(fmt::format("{}: another process listens there", address.text));
+    throw RunFailure(fmt::format("{}: another process listens there", address.text));
   }
   if (errno == ECONNREFUSED) {
     ::unlink(address.path.c_str());
@@ -67,8 +66,7 @@ void bind_unix(int fd, const Address& address) {
   const int error = errno;
   ::umask(before);
   if (failed != 0) {
-    throw UnusableInput(fmt::format(
-        "{}: cannot be bound: {}", address.text, std::generic_category().message(error)));
+    fail_at_start(address.text + ": cannot be bound", error);
   }
 }
 
@@ -86,6 +84,8 @@ SocketFile bind_beside(int fd, const Address& reader) {
   try {
     bind_unix(fd, own);
   } catch (const UnusableInput&) {
+    return SocketFile();
+  } catch (const RunFailure&) {
     return SocketFile();
   }
   return SocketFile(own.path);
@@ -188,7 +188,7 @@ DatagramReceiver::DatagramReceiver(const Address& address)
   if (is_unix_) {
     // With each datagram, who sent it. Before the address is there: none comes without.
     if (::setsockopt(socket_.get(), SOL_SOCKET, SO_PASSCRED, &tell, sizeof tell) != 0) {
-      throw UnusableInput(fmt::format("{}: senders stay unknown: {}", address.text, reason()));
+      fail_at_start(address.text + ": senders stay unknown", errno);
     }
     bind_unix(socket_.get(), address);
     file_ = SocketFile(address.path);
@@ -197,7 +197,7 @@ DatagramReceiver::DatagramReceiver(const Address& address)
   // With each datagram, how many the system has dropped before it.
   (void)::setsockopt(socket_.get(), SOL_SOCKET, SO_RXQ_OVFL, &tell, sizeof tell);
   if (::bind(socket_.get(), as_socket_address(&address.udp), sizeof address.udp) != 0) {
-    throw UnusableInput(fmt::format("{}: cannot be bound: {}", address.text, reason()));
+    fail_at_start(address.text + ": cannot be bound", errno);
   }
 }
 

@@ -21,7 +21,7 @@ FlatFile::FlatFile(const Address& address)
                  O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK,  // the last is for a pipe
                  S_IRUSR | S_IWUSR)) {
   if (file_.get() < 0) {
-    fail_at_start(address.text + ": cannot be opened", errno);
+    fail_to_open(address.path, address.text + ": cannot be opened", errno);
   }
   struct stat status {};
   const bool known = ::fstat(file_.get(), &status) == 0;

@@ -1,21 +1,18 @@
 #include "transport/file/packet_log.hpp"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <system_error>
 
-#include "errors.hpp"
+#include "os/linux/file_faults.hpp"
 
 namespace polhode::platform {
 
 PacketLog::PacketLog(const std::filesystem::path& file)
     : file_(::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0640)) {
   if (file_ < 0) {
-    throw RunFailure(fmt::format(
-        "{}: cannot be written: {}", file.string(), std::generic_category().message(errno)));
+    fail_to_open(file, file.string() + ": cannot be written", errno);
   }
 }
 

@@ -11,10 +11,10 @@
 #include <cerrno>
 #include <climits>
 #include <cstring>
-#include <system_error>
 
 #include "base/assert.hpp"
 #include "errors.hpp"
+#include "os/linux/file_faults.hpp"
 #include "os/linux/file_lock.hpp"
 #include "os/linux/file_owner.hpp"
 #include "transport/shm/ring_layout.hpp"
@@ -28,8 +28,7 @@ constexpr mode_t kMode = S_IRUSR | S_IWUSR;
 constexpr mode_t kOthers = S_IRWXG | S_IRWXO;
 
 [[noreturn]] void refuse(const Address& address, const char* what) {
-  throw UnusableInput(
-      fmt::format("{}: {}: {}", address.text, what, std::generic_category().message(errno)));
+  fail_at_start(address.text + ": " + what, errno);
 }
 
 /// Does the name still stand for what was opened, or has another process put its own there?
@@ -50,22 +49,11 @@ Descriptor make_new(const Address& address) {
   return made;
 }
 
-/// Who has the name, where it may not be opened.
-std::string stranger_at(const Address& address) {
-  struct stat status {};
-  const bool known = ::lstat(("/dev/shm" + address.path).c_str(), &status) == 0;
-  return known ? fmt::format("belongs to user {}, not to {}", status.st_uid, ::geteuid())
-               : "cannot be opened";
-}
-
 /// What stands there already; nothing: it has just gone. Another user's is not touched.
 Descriptor open_present(const Address& address) {
   Descriptor present(::shm_open(address.path.c_str(), O_RDWR, 0));
-  if (present.get() < 0 && errno == EACCES) {
-    throw UnusableInput(fmt::format("{}: {}", address.text, stranger_at(address)));
-  }
   if (present.get() < 0 && errno != ENOENT) {
-    refuse(address, "cannot be opened");
+    fail_to_open("/dev/shm" + address.path, address.text + ": cannot be opened", errno);
   }
   const std::string problem = present.get() < 0 ? "" : problem_of_owner(present.get(), 0);
   if (!problem.empty()) {

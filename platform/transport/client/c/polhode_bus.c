@@ -365,6 +365,21 @@ int polhode_bus_next(struct polhode_bus *bus, uint8_t *packet, size_t capacity, 
   return octets;
 }
 
+int polhode_bus_to_end(struct polhode_bus *bus) {
+  bus->held = 0;
+  memset(bus->last, 0xFF, sizeof bus->last);
+  if (bus->kind == KIND_RING) {
+    bus->next = atomic_load_explicit(&((const struct ring *)bus->ring)->head, memory_order_acquire);
+  } else if (bus->kind == KIND_FILE) {
+    return lseek(bus->fd, 0, SEEK_END) < 0 ? -errno : 0;
+  } else {
+    uint8_t octet;
+    while (recv(bus->fd, &octet, sizeof octet, MSG_DONTWAIT) >= 0) {
+    }
+  }
+  return 0;
+}
+
 void polhode_bus_close(struct polhode_bus *bus) {
   if (bus->ring != NULL) munmap((void *)bus->ring, ring_octets(bus->ring));
   if (bus->fd >= 0) close(bus->fd);

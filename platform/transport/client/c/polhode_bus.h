@@ -57,6 +57,10 @@ int polhode_bus_open(struct polhode_bus *bus, const char *address);
  * now); a negative errno. */
 int polhode_bus_next(struct polhode_bus *bus, uint8_t *packet, size_t capacity, int timeout_ms);
 
+/* Passes over what is there already and was not read: of a file all of it, so that only what is written from now on
+ * comes. Nothing of it is counted. 0, or a negative errno. */
+int polhode_bus_to_end(struct polhode_bus *bus);
+
 void polhode_bus_close(struct polhode_bus *bus);
 
 /* Which packet of the field table: POLHODE_MOTION, ...; -1: none of them. For APIDs that begin at POLHODE_APID_FIRST. */

@@ -235,7 +235,7 @@ struct polhode_housekeeping {
   uint32_t frames_unreadable; /* frames that the camera could not deliver whole */
   uint32_t frames_dark; /* frames too dark to be used */
   uint32_t frames_wrong_size; /* frames whose size is not the camera's */
-  uint32_t frames_time_not_increasing; /* frames not later than the one before */
+  uint32_t frames_time_not_increasing; /* frames not later than the one before, or by more than 30 years */
   uint32_t frames_held; /* frames skipped after HOLD */
   uint32_t frames_missing; /* frames that never came, judged by gaps in time */
   uint32_t frames_flat; /* frames without contrast; this kind and the next five are skipped, or used as degraded frames */
