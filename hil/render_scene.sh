@@ -2,6 +2,12 @@
 # Renders one scene: ./hil/render_scene.sh SCENE.toml OUT [--variant NAME] [--threads N] [--check]
 # Needs Debian's blender (3.4) and python3-numpy, and installs them where they are missing.
 # Exit status: 0 done, 1 failed, 2 refused before rendering.
+case ${1:-} in
+  -h | --help)
+    sed -n '2,4s/^# //p' "$0"
+    echo "Example: ./hil/render_scene.sh hil/scenes/paper_3d.toml OUT --variant small"
+    exit 0 ;;
+esac
 here=$(cd "$(dirname "$0")" && pwd)
 if ! command -v blender >/dev/null 2>&1; then
   echo "render_scene: blender is not installed; calling tools/setup.sh renderer" >&2
