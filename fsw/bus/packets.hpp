@@ -73,7 +73,7 @@ struct MotionPacket {
   std::uint16_t inliers = 0;  ///< matches that agree with the pose
   std::uint16_t landmarks = 0;  ///< landmarks in the map
   std::uint16_t keyframes = 0;  ///< keyframes in the map
-  std::uint8_t mode = 0;  ///< what the component is doing
+  std::uint8_t mode = 0;  ///< what the component is doing; COASTING: the frame could not be looked at, its pose is the motion's prediction
   std::uint8_t flags = 0;
 
   static const Layout& layout();  ///< 310 octets
@@ -221,7 +221,7 @@ struct HousekeepingPacket {
   std::uint16_t cloud_chunks_left = 0;  ///< packets of a requested cloud still to be sent
   std::uint8_t last_command = 0;  ///< function code of the last command, accepted or not; 255: none yet
   std::uint8_t last_rejection = 0;  ///< why the last rejected command was refused
-  std::uint8_t mode = 0;  ///< what the component is doing
+  std::uint8_t mode = 0;  ///< what the component is doing; COASTING: the frame could not be looked at, its pose is the motion's prediction
   std::array<std::uint8_t, 3> version{};  ///< of the component
   std::uint8_t flags = 0;
   std::uint8_t tables_damaged = 0;  ///< tables found damaged in memory, and reset or rebuilt; 255: so many or more

@@ -94,6 +94,7 @@ typedef struct polhode_input {
   size_t command_count;
 } polhode_input;
 
+/* COASTING: the frame could not be looked at, its pose is predicted and has no rates. */
 enum { POLHODE_IDLE = 0, POLHODE_ACQUIRING = 1, POLHODE_TRACKING = 2, POLHODE_LOST = 3, POLHODE_COASTING = 4 };
 
 /* A value has a meaning only where its flag is 1. */

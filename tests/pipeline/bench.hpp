@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -193,6 +194,10 @@ inline std::vector<Picture> pictures_of_turning(int frames) {
     pictures.push_back(ball.seen_from(turning(i)));
   }
   return pictures;
+}
+
+inline Eigen::Matrix3d rotation_of(const MotionState& m) {
+  return Eigen::Quaterniond(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]).toRotationMatrix();
 }
 
 }  // namespace polhode::bench

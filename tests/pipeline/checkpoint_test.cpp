@@ -48,10 +48,6 @@ const Before& before_the_end() {
   return run;
 }
 
-Eigen::Matrix3d rotation_of(const MotionState& m) {
-  return Eigen::Quaterniond(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]).toRotationMatrix();
-}
-
 // verifies: CMP-08
 TEST(Checkpoint, AfterIt_TheTargetIsFoundAtOnce_InTheSameFrame) {
   const Before& run = before_the_end();

@@ -34,10 +34,6 @@ const StepOutput& step_blindly(Bench* b) {
   return b->component->step({.frame = unreadable(++b->time_s * Bench::kSecond_ns)});
 }
 
-Eigen::Matrix3d rotation_of(const MotionState& m) {
-  return Eigen::Quaterniond(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]).toRotationMatrix();
-}
-
 // verifies: CMP-10
 TEST(Coast, TellsTheMotionsPrediction_WithASigmaThatGrows) {
   Bench b;

@@ -59,10 +59,6 @@ const Passage& passage() {
   return r;
 }
 
-Eigen::Matrix3d rotation_of(const MotionState& m) {
-  return Eigen::Quaterniond(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]).toRotationMatrix();
-}
-
 int first_pose(int from) {
   int i = from;
   while (i < kFrames && !is_measured(passage().motion[static_cast<std::size_t>(i)])) {

@@ -27,10 +27,6 @@ void show_first(int frames, Bench* b) {
   }
 }
 
-Eigen::Matrix3d rotation_of(const MotionState& m) {
-  return Eigen::Quaterniond(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]).toRotationMatrix();
-}
-
 struct Passage {
   std::vector<MotionState> motion;
   std::vector<std::uint8_t> bytes;

@@ -38,7 +38,7 @@ struct polhode_motion {
   uint16_t inliers; /* matches that agree with the pose */
   uint16_t landmarks; /* landmarks in the map */
   uint16_t keyframes; /* keyframes in the map */
-  uint8_t mode; /* what the component is doing */
+  uint8_t mode; /* what the component is doing; COASTING: the frame could not be looked at, its pose is the motion's prediction */
   uint8_t flags;
 };
 
@@ -274,7 +274,7 @@ struct polhode_housekeeping {
   uint16_t cloud_chunks_left; /* packets of a requested cloud still to be sent */
   uint8_t last_command; /* function code of the last command, accepted or not; 255: none yet */
   uint8_t last_rejection; /* why the last rejected command was refused */
-  uint8_t mode; /* what the component is doing */
+  uint8_t mode; /* what the component is doing; COASTING: the frame could not be looked at, its pose is the motion's prediction */
   uint8_t version[3]; /* of the component */
   uint8_t flags;
   uint8_t tables_damaged; /* tables found damaged in memory, and reset or rebuilt; 255: so many or more */
