@@ -111,6 +111,19 @@ std::optional<PosePrediction> tried_prior(const ExpectedPose& expected) {
 
 }  // namespace
 
+void prepare_flow(const cv::Mat& gray, MapState* s) {
+  if (!s->pyramid.levels.empty()) {
+    return;
+  }
+  build_pyramid(gray, &s->pyramid);
+  build_pyramid(gray, &s->reference.pyramid);
+  const FlowPoint middle{.u_px = 0.5F * static_cast<float>(gray.cols),
+                         .v_px = 0.5F * static_cast<float>(gray.rows)};
+  FlowPoint found = middle;
+  follow_points(s->pyramid, s->reference.pyramid, std::span(&middle, 1), {}, std::span(&found, 1));
+  s->pyramid.built = s->reference.pyramid.built = false;
+}
+
 bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapState* s) {
   // Edges slide along themselves; glints and what is behind the silhouette stay in place while the
   // body turns. From a patch that was taken more than a degree ago flow finds poses that lag, by up

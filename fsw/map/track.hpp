@@ -16,6 +16,10 @@ struct ExpectedPose {
       0;  ///< found one by one; those of an initialisation are right or wrong together
 };
 
+/// Draws the memory of optical flow with the first picture, and follows a point once: a target that
+/// first moves slowly later than that then asks for no memory, and misses no page.
+void prepare_flow(const cv::Mat& gray, MapState* state);
+
 /// By optical flow, where the picture is expected to move and the body to turn by little.
 /// @return false where that is not so, or where what it finds contradicts the motion so far.
 bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapState* state);

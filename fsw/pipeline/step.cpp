@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "bus/frame_uses.hpp"
+#include "map/track.hpp"
 #include "pipeline/acquire.hpp"
 #include "pipeline/coast.hpp"
 #include "pipeline/commands.hpp"
@@ -79,6 +80,7 @@ void find_target_now(const std::optional<PosePrediction>& predicted, Component::
 }
 
 void locate_target(const std::optional<PosePrediction>& predicted, Component::State* s) {
+  prepare_flow(s->picture.gray, &s->mapping);
   if (s->mode.now == Mode::kAcquiring) {
     collect(s);
   } else {
