@@ -207,7 +207,7 @@ void refine_finalists(const Selection& c) {
 void compare_with_reversed(const Selection& c) {
   for (int round = 0; round < kReversalRounds && !c.w.refined.empty(); ++round) {
     StartHypothesis reversed = depth_reversed(c.w.refined[0]);
-    if (!refine(c, c.w.set.observations.view(), kReversedIterations, &reversed)) {
+    if (!refine_to_minimum(c, c.w.set.observations.view(), &reversed)) {
       return;
     }
     const bool wins = reversed.fit.cost < c.w.refined[0].fit.cost;
@@ -269,6 +269,12 @@ void prefer_convex(const Selection& c) {
 }
 
 }  // namespace
+
+bool refine_to_minimum(const Selection& c,
+                       std::span<const TrackObservation> observations,
+                       StartHypothesis* h) {
+  return refine(c, observations, kReversedIterations, h);
+}
 
 StartAdjustmentOptions selection_loss(const Selection& c, int iterations_max) {
   return {.iterations_max = iterations_max,

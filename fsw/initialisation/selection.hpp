@@ -31,6 +31,13 @@ StartAdjustmentOptions selection_loss(const Selection& selection, int iterations
 /// winner first; none when all failed.
 void select_hypotheses(Selection* selection);
 
+/// Adjusts a hypothesis that may be far from it to its own minimum, as far as the comparison needs
+/// it.
+/// @return false where there is none.
+bool refine_to_minimum(const Selection& selection,
+                       std::span<const TrackObservation> observations,
+                       StartHypothesis* hypothesis);
+
 /// Cost margin of the winner to the best rival of different geometry, in chi-square of the true
 /// noise.
 double cost_margin_of(const Selection& selection);

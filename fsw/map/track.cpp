@@ -97,13 +97,13 @@ bool outnumbers(int inliers, int others) {
 /// The prediction with what the map's depth error makes of the step, where it says enough of which
 /// feature is which.
 std::optional<PosePrediction> tried_prior(const ExpectedPose& expected) {
-  constexpr double kSigmaMost_rad = 0.05;  // 3 deg
   PosePrediction prior = expected.prediction;
   // A map's depth is known to some percent, which falsifies a step by as much (plausible()).
   const double of_step_rad = kDepthError * expected.step_rad;
   prior.covariance.topLeftCorner<3, 3>().diagonal().array() += of_step_rad * of_step_rad;
   const double variance = prior.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff();
-  if (is_young(expected, false) || !(variance < kSigmaMost_rad * kSigmaMost_rad)) {
+  if (is_young(expected, false) ||
+      !(variance < kPredictionSigmaMost_rad * kPredictionSigmaMost_rad)) {
     return std::nullopt;
   }
   return prior;

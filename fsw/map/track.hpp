@@ -8,6 +8,10 @@
 
 namespace polhode {
 
+/// 3 deg. A prediction whose attitude is less known says too little of which feature is which, and
+/// stands in for no pose.
+inline constexpr double kPredictionSigmaMost_rad = 0.05;
+
 /// The pose that the motion so far gives this frame, and how far that motion has been checked.
 struct ExpectedPose {
   PosePrediction prediction;

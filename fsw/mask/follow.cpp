@@ -259,6 +259,20 @@ void open_lit_cells(MaskState* s, TargetMask* mask) {
   measure_cells(mask->region_px, mask);
 }
 
+/// Before a lit background: does the outline cover so much of the picture's border that it has
+/// taken the background in?
+bool covers_border(const MaskState& s) {
+  // Chosen: two fifths of a side. A body that enters the picture covers less.
+  constexpr double kShareMax = 0.1;
+  if (!s.behind || !s.found || s.outline.empty()) {
+    return false;
+  }
+  const cv::Mat& o = s.outline;
+  const int covered = cv::countNonZero(o.row(0)) + cv::countNonZero(o.row(o.rows - 1)) +
+                      cv::countNonZero(o.col(0)) + cv::countNonZero(o.col(o.cols - 1));
+  return covered > kShareMax * 2.0 * (o.rows + o.cols);
+}
+
 }  // namespace
 
 void follow_target(const cv::Mat& gray,
@@ -289,20 +303,6 @@ void follow_target(const cv::Mat& gray,
 
 bool is_open(const MaskState& s) {
   return s.behind && !s.found && s.unexplained >= kUnexplainedMax && s.points.stored > 1;
-}
-
-/// Before a lit background: does the outline cover so much of the picture's border that it has
-/// taken the background in?
-bool covers_border(const MaskState& s) {
-  // Chosen: two fifths of a side. A body that enters the picture covers less.
-  constexpr double kShareMax = 0.1;
-  if (!s.behind || !s.found || s.outline.empty()) {
-    return false;
-  }
-  const cv::Mat& o = s.outline;
-  const int covered = cv::countNonZero(o.row(0)) + cv::countNonZero(o.row(o.rows - 1)) +
-                      cv::countNonZero(o.col(0)) + cv::countNonZero(o.col(o.cols - 1));
-  return covered > kShareMax * 2.0 * (o.rows + o.cols);
 }
 
 bool may_be_background(const MaskState& s) {

@@ -1,5 +1,6 @@
 #include "pipeline/coast.hpp"
 
+#include "map/track.hpp"
 #include "motion/stamp_doubt.hpp"
 #include "pipeline/state.hpp"
 #include "pipeline/track.hpp"
@@ -7,8 +8,6 @@
 namespace polhode {
 
 std::optional<PosePrediction> coasted_pose(std::int64_t timestamp_ns, const Component::State& s) {
-  // As far as a prediction holds a pose that few landmarks bear out (hold_about): 3 deg.
-  constexpr double kSigmaMost_rad = 0.05;
   const MotionEstimate& motion = s.motion;
   if (motion.recent.empty() || timestamp_ns <= motion.recent.back().timestamp_ns ||
       motion.departures > 0 || doubt_of_stamps(motion.recent.view()).contradicted) {
@@ -21,8 +20,9 @@ std::optional<PosePrediction> coasted_pose(std::int64_t timestamp_ns, const Comp
   }
   PosePrediction& coasted = predicted.value();
   coasted.covariance += covariance(s.mapping.drift);
-  const bool known = worst_sigma(coasted.covariance.topLeftCorner<3, 3>()) < kSigmaMost_rad &&
-                     coasted.pose.p_CT.z() > 0.0;
+  const bool known =
+      worst_sigma(coasted.covariance.topLeftCorner<3, 3>()) < kPredictionSigmaMost_rad &&
+      coasted.pose.p_CT.z() > 0.0;
   return known ? std::optional(coasted) : std::nullopt;
 }
 

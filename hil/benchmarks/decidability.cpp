@@ -12,12 +12,6 @@
 namespace polhode::benchmark {
 namespace {
 
-// As the selection's last refinement of a depth-reversed solution.
-constexpr int kWideIterations = 8;
-constexpr int kNarrowIterations = 12;
-constexpr int kLastIterations = 60;
-constexpr double kNarrow_sigmas = 3.0;
-constexpr double kWideMax_sigmas = 300.0;
 // As many as an affine shape needs to be checked by.
 constexpr int kTracksMin = 12;
 
@@ -50,24 +44,6 @@ StartHypothesis true_geometry(const StartProblem& problem,
   }
   add_points(set.observations.view(), &h);
   return h;
-}
-
-StartFit adjust(std::span<const TrackObservation> observations,
-                const StartAdjustmentOptions& last,
-                StartHypothesis* h,
-                StartAdjustmentWorkspace* workspace) {
-  StartAdjustmentOptions options = last;
-  options.loss = StartLoss::kCauchy;
-  options.width_sigma = kNarrow_sigmas;
-  const StartFit before = evaluate_start(observations, h->view(), options, workspace);
-  options.iterations_max = kWideIterations;
-  options.width_sigma =
-      std::clamp(kNarrow_sigmas * std::sqrt(before.median), kNarrow_sigmas, kWideMax_sigmas);
-  (void)adjust_start(observations, h->view(), options, workspace);
-  options.iterations_max = kNarrowIterations;
-  options.width_sigma = kNarrow_sigmas;
-  (void)adjust_start(observations, h->view(), options, workspace);
-  return adjust_start(observations, h->view(), last, workspace);
 }
 
 /// The images of the tracks that agree with a geometry, as it makes them.
@@ -107,18 +83,20 @@ Decidability decide_by_truth(const StartProblem& problem,
   if (!choose_selection_set(problem, &set)) {
     return out;
   }
-  StartAdjustmentWorkspace* const w = &workspace->adjustment;
   StartHypothesis truth = true_geometry(problem, true_poses, set);
   if (!normalise_gauge(truth.view())) {
     return out;
   }
-  StartAdjustmentOptions options{.iterations_max = kLastIterations};
+  const StartOptions options;  // no refinement asks for them
+  Selection selection{.problem = problem, .options = options, .w = *workspace};
   // The poses are true; a track's place rests on its noisy images, and settles with them.
   StartHypothesis settled = truth;
-  out.noise = adjust(set.observations.view(), options, &settled, w).noise_scale;
-  options.sigma_scale = std::clamp(out.noise, 1.0, kNoiseScaleMax);
+  (void)refine_to_minimum(selection, set.observations.view(), &settled);
+  out.noise = settled.fit.noise_scale;
+  selection.sigma_scale = std::clamp(out.noise, 1.0, kNoiseScaleMax);
+  const StartAdjustmentOptions loss = selection_loss(selection, 0);
   const std::vector<TrackObservation> images =
-      without_noise(set.observations.view(), options, &truth, &out.tracks);
+      without_noise(set.observations.view(), loss, &truth, &out.tracks);
   out.agreeing = static_cast<double>(out.tracks) / static_cast<double>(set.tracks.size());
   if (out.tracks < kTracksMin || !normalise_gauge(truth.view())) {
     return out;
@@ -128,8 +106,9 @@ Decidability decide_by_truth(const StartProblem& problem,
   if (!normalise_gauge(reversed.view())) {
     return out;
   }
-  const double truth_cost = evaluate_start(images, truth.view(), options, w).cost;
-  out.margin = adjust(images, options, &reversed, w).cost - truth_cost;
+  const double truth_cost = evaluate_start(images, truth.view(), loss, &workspace->adjustment).cost;
+  (void)refine_to_minimum(selection, images, &reversed);
+  out.margin = reversed.fit.cost - truth_cost;
   out.known = true;
   return out;
 }
