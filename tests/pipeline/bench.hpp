@@ -196,6 +196,13 @@ inline std::vector<Picture> pictures_of_turning(int frames) {
   return pictures;
 }
 
+/// The first of them, one step each.
+inline void show_first(const std::vector<Picture>& pictures, int frames, Bench* b) {
+  for (int i = 0; i < frames; ++i) {
+    (void)b->show(pictures[static_cast<std::size_t>(i)]);
+  }
+}
+
 inline Eigen::Matrix3d rotation_of(const MotionState& m) {
   return Eigen::Quaterniond(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]).toRotationMatrix();
 }

@@ -24,12 +24,6 @@ const std::vector<Picture>& pictures() {
   return rendered;
 }
 
-void show_first(int frames, Bench* b) {
-  for (int i = 0; i < frames; ++i) {
-    (void)b->show(pictures()[static_cast<std::size_t>(i)]);
-  }
-}
-
 const StepOutput& step_blindly(Bench* b) {
   return b->component->step({.frame = unreadable(++b->time_s * Bench::kSecond_ns)});
 }
@@ -37,7 +31,7 @@ const StepOutput& step_blindly(Bench* b) {
 // verifies: CMP-10
 TEST(Coast, TellsTheMotionsPrediction_WithASigmaThatGrows) {
   Bench b;
-  show_first(kShown - 1, &b);
+  show_first(pictures(), kShown - 1, &b);
   const MotionState last = b.show(pictures()[kShown - 1]).motion;
   ASSERT_EQ(last.mode, Mode::kTracking);
   double sigma_rad = 0.0;
@@ -63,7 +57,7 @@ TEST(Coast, TellsTheMotionsPrediction_WithASigmaThatGrows) {
 // verifies: CMP-10
 TEST(Coast, EndsInALoss_BeforeThePredictionIsThreeDegreesOff) {
   Bench b;
-  show_first(kShown, &b);
+  show_first(pictures(), kShown, &b);
   int coasted = 0;
   MotionState m = step_blindly(&b).motion;
   for (; m.mode == Mode::kCoasting && coasted < 2000; ++coasted) {
@@ -78,7 +72,7 @@ TEST(Coast, EndsInALoss_BeforeThePredictionIsThreeDegreesOff) {
 
 TEST(Coast, DoesNothing_BeforeThereIsAPose) {
   Bench b;
-  show_first(3, &b);
+  show_first(pictures(), 3, &b);
   const MotionState m = step_blindly(&b).motion;
   EXPECT_EQ(m.mode, Mode::kAcquiring);
   EXPECT_FALSE(m.pose_valid);
@@ -86,7 +80,7 @@ TEST(Coast, DoesNothing_BeforeThereIsAPose) {
 
 TEST(Coast, TellsNothing_OfATimeThatIsOver) {
   Bench b;
-  show_first(kShown, &b);
+  show_first(pictures(), kShown, &b);
   const MotionState m =
       b.component->step({.frame = unreadable(b.time_s * Bench::kSecond_ns)}).motion;
   EXPECT_FALSE(m.pose_valid);
@@ -95,7 +89,7 @@ TEST(Coast, TellsNothing_OfATimeThatIsOver) {
 
 TEST(Coast, TellsNothing_WhileAPoseDepartsFromTheMotion) {
   Bench b;
-  show_first(kShown, &b);
+  show_first(pictures(), kShown, &b);
   const std::int64_t next_ns = (b.time_s + 1) * Bench::kSecond_ns;
   Component::State& s = state_of(*b.component);
   ASSERT_TRUE(coasted_pose(next_ns, s));

@@ -21,12 +21,6 @@ const std::vector<Picture>& pictures() {
   return rendered;
 }
 
-void show_first(int frames, Bench* b) {
-  for (int i = 0; i < frames; ++i) {
-    (void)b->show(pictures()[static_cast<std::size_t>(i)]);
-  }
-}
-
 struct Passage {
   std::vector<MotionState> motion;
   std::vector<std::uint8_t> bytes;
@@ -166,7 +160,7 @@ TEST(TurningBody, IsFoundAgain_AfterFramesThatCouldNotBeRead) {
 // verifies: MAP-03
 TEST(TurningBody, IsLost_WhenItIsGone_AndFoundAgain_WhenItReturns) {
   Bench b;
-  show_first(16, &b);
+  show_first(pictures(), 16, &b);
   ASSERT_EQ(b.component->step({.frame = frame_of(++b.time_s * Bench::kSecond_ns, pictures()[16])})
                 .motion.mode,
             Mode::kTracking);
@@ -183,7 +177,7 @@ TEST(TurningBody, IsLost_WhenItIsGone_AndFoundAgain_WhenItReturns) {
 
 TEST(TurningBody, IsNotLost_ByFramesThatAreSkipped) {
   Bench b;
-  show_first(16, &b);
+  show_first(pictures(), 16, &b);
   const StepOutput& bad = b.show(noise(1));  // random octets are no picture of anything
   EXPECT_EQ(bad.use, FrameUse::kBitErrors);
   EXPECT_EQ(bad.motion.mode, Mode::kCoasting);
@@ -195,7 +189,7 @@ TEST(TurningBody, IsNotLost_ByFramesThatAreSkipped) {
 
 TEST(TurningBody, IsFollowedByFlow_OverADegreeAndNoFarther) {
   Bench b;
-  show_first(16, &b);
+  show_first(pictures(), 16, &b);
   const Component::State& s = state_of(*b.component);
   ASSERT_EQ(s.mapping.reference.frame, 15U) << "the last keyframe";
   const Ball ball(3);
@@ -212,7 +206,7 @@ TEST(TurningBody, IsFollowedByFlow_OverADegreeAndNoFarther) {
 // verifies: IMG-03
 TEST(TurningBody, AFrameUsedWithCareTeachesTheMapNothing) {
   Bench b;
-  show_first(16, &b);
+  show_first(pictures(), 16, &b);
   const auto observations = [&] {
     std::vector<std::pair<std::int32_t, std::int32_t>> all;
     for (const Landmark& landmark : state_of(*b.component).mapping.map.landmarks) {
