@@ -48,6 +48,7 @@ STARTS_MAX = 6
 CONFIG = """\
 [jobs]
 delay_frames = 0
+delay_of_all_frames = 0
 [device]
 source = "{sequence}"
 sequence_speed = 0.0

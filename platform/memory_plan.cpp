@@ -46,6 +46,19 @@ std::size_t mask_octets(const Parameters& p) {
   return kPerPixel * (pixels(p) / (decimation * decimation));
 }
 
+std::size_t adjustment_worst_case(const Parameters& p, int keyframes_max) {
+  return adjustment_octets_max(static_cast<std::size_t>(p.map.adjustment_observations_max),
+                               static_cast<std::size_t>(keyframes_max));
+}
+
+/// Within a step: of a window of the map, with as many keyframes again, twice, that are held.
+std::size_t window_worst_case(const Parameters& p) {
+  const bool within = has_work_beside(p.jobs) && p.jobs.delay_frames == 0;
+  return within
+             ? adjustment_worst_case(p, std::min(p.map.keyframes_max, 3 * p.map.window_keyframes))
+             : 0;
+}
+
 std::vector<CallCost> calls(const Parameters& p, const MachineNeeds& machine) {
   // A pyramid of three levels is 4/3 of the picture, with a border; its gradients are two 16-bit
   // pictures of a level.
@@ -56,8 +69,9 @@ std::vector<CallCost> calls(const Parameters& p, const MachineNeeds& machine) {
       {"frame before, and the mask against a background", Pool::kStep, pixels(p) + mask_octets(p)},
       {"absolute pose: hypotheses of three points", Pool::kStep, kPoseOctets},
       {"the largest job: an adjustment, or hypotheses",
-       p.jobs.delay_frames == 0 ? Pool::kStep : Pool::kJobs,
+       has_work_beside(p.jobs) ? Pool::kJobs : Pool::kStep,
        job_worst_case(p)},
+      {"adjustment of a window of the map", Pool::kStep, window_worst_case(p)},
       {"files and texts of the program", Pool::kGeneral, kGeneralOctets},
       {"packets that wait for their readers", Pool::kGeneral, machine.general_octets},
       {"decoding of a frame's file", Pool::kGeneral, machine.decoder_octets}};
@@ -98,10 +112,8 @@ std::string misfit(const MemoryPlan& plan) {
 }  // namespace
 
 std::size_t job_worst_case(const Parameters& p) {
-  const auto observations = static_cast<std::size_t>(p.map.adjustment_observations_max);
-  const std::size_t adjustment =
-      adjustment_octets_max(observations, static_cast<std::size_t>(p.map.keyframes_max));
-  return kOtherJobsOctets + std::max(kHypothesesOctets, adjustment);
+  return kOtherJobsOctets +
+         std::max(kHypothesesOctets, adjustment_worst_case(p, p.map.keyframes_max));
 }
 
 MemoryPlan plan_memory(const Parameters& p, const MachineNeeds& machine) {
@@ -117,13 +129,13 @@ MemoryPlan plan_memory(const Parameters& p, const MachineNeeds& machine) {
                 mib(p.budget.step_mb),
                 mib(p.budget.jobs_mb),
                 mib(p.budget.reserve_mb)};
-  if (p.jobs.delay_frames == 0) {  // jobs are then done within the step, from its pool
+  if (!has_work_beside(p.jobs)) {  // jobs are then done within the step, from its pool
     plan.pools[static_cast<std::size_t>(Pool::kStep)] +=
         std::exchange(plan.pools[static_cast<std::size_t>(Pool::kJobs)], std::size_t{0});
   }
   plan.others = {{"pictures", kPictures * pixels(p)},
                  {"stack of the steps", kMainStackOctets},
-                 {"stack of the jobs", p.jobs.delay_frames > 0 ? WorkerOptions{}.stack_octets : 0},
+                 {"stack of the jobs", has_work_beside(p.jobs) ? WorkerOptions{}.stack_octets : 0},
                  {"program and libraries", kProgramOctets}};
   plan.others.insert(plan.others.end(), machine.rows.begin(), machine.rows.end());
   plan.total_octets = plan.tables_octets;

@@ -80,7 +80,7 @@ def main() -> int:
     parser.add_argument("--draws", type=int, default=1, help="seed of what is drawn")
     arguments = parser.parse_args()
     arguments.sequence, arguments.config = arguments.sequence.resolve(), arguments.config.resolve()
-    delayed = any(s.startswith("jobs.delay_frames=") and not s.endswith("=0") for s in arguments.set)
+    delayed = "jobs.delay_of_all_frames=0" not in arguments.set
     chance = random.Random(arguments.draws)
     streams = set()
     for number in range(arguments.replays):

@@ -56,7 +56,7 @@ void ask_for(AdjustmentReason reason,
              JobQueue* queue) {
   AdjustmentJob& job = queue->adjustment;
   JobTimes times = view.times;
-  times.delay = job.of_all ? delay_of_all(times, map) : times.delay;
+  times.delay = job.of_all ? delay_of_all(times, map) : times.delay_of_window;
   job.reason = reason;
   job.closed = closed;
   job.rounds.clear();
@@ -125,6 +125,9 @@ void ask_for_adjustment_of_all(AdjustmentReason reason,
                                MapState* mapping,
                                JobQueue* queue) {
   prepare_adjustment_of_all(view, mapping, &queue->adjustment);
+  // It is done within the step (take_due_jobs), where the first fit of a free body, which tries
+  // many motions, would take ten times as long as the adjustment. The next one brings it.
+  queue->adjustment.as_free_body = false;
   ask_for(reason, false, view, mapping->map, queue);
 }
 

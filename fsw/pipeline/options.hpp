@@ -6,9 +6,12 @@ namespace polhode {
 
 struct JobOptions {
   // docs/resources.md: a delay of 1 costs little accuracy, 2 doubles the causal error, 4 may lose the target.
-  int delay_frames = 0;  ///< frames from a job's issue to the step that takes its result; 0: within the step, 0 .. 60
-  int delay_of_all_frames = 1;  ///< the same at most of an adjustment of the whole map, where keyframes are as far apart; 1 .. 60
+  int delay_frames = 0;  ///< frames from a job's issue to the step that takes its result; 0: windows of the map are adjusted within the step, 0 .. 60
+  int delay_of_all_frames = 1;  ///< the same at most of an adjustment of the whole map, where keyframes are as far apart; 0, beside delay_frames = 0: no job leaves its step, 0 .. 60
 };
+
+/// Is there work for a second thread?
+[[nodiscard]] constexpr bool has_work_beside(const JobOptions& jobs) { return jobs.delay_frames > 0 || jobs.delay_of_all_frames > 0; }
 
 /// What the machine provides. It is decided before start and never exceeded. The component itself needs none of it.
 /// The pools are chosen with room to spare; docs/resources.md has what they use.

@@ -143,9 +143,9 @@ constexpr ParameterRow kRows[] = {
    "packets of a requested cloud in one frame"},
 
   {"jobs.delay_frames", POLHODE_FIELD(jobs.delay_frames), 0, 60, "frames",
-   "from the issue of a job for the second core to the step that takes its result; 0: within the step"},
-  {"jobs.delay_of_all_frames", POLHODE_FIELD(jobs.delay_of_all_frames), 1, 60, "frames",
-   "the same at most of an adjustment of the whole map, where keyframes are as far apart"},
+   "from the issue of a job for the second core to the step that takes its result; 0: one frame, but windows of the map are adjusted within the step"},
+  {"jobs.delay_of_all_frames", POLHODE_FIELD(jobs.delay_of_all_frames), 0, 60, "frames",
+   "the same at most of an adjustment of the whole map, where keyframes are as far apart; 0, beside delay_frames = 0: no job leaves its step"},
 
   {"budget.frame_ms", POLHODE_FIELD(budget.frame_ms), 0.0, 10000.0, "ms",
    "time allowed for a step; longer ones are counted; 0: no limit"},

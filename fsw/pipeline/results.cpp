@@ -84,13 +84,18 @@ void take_if_due(Job* job, const Jobs& finished, Component::State* s) {
   }
 }
 
-void close_job(Job* job, Component::State* s) {
-  for (int i = 0; i < kJobsInARowMax && is_out(*job); ++i) {
+/// @param due_step_max  a job that is due later stays out.
+void run_and_take(std::uint32_t due_step_max, Job* job, Component::State* s) {
+  for (int i = 0; i < kJobsInARowMax && is_out(*job) && job->due_step <= due_step_max; ++i) {
     if (!job->done) {
       run_job(*job);
     }
     take_result(job, s);
   }
+}
+
+void close_job(Job* job, Component::State* s) {
+  run_and_take(UINT32_MAX, job, s);
   POLHODE_ASSERT(!is_out(*job), job->due_step);
 }
 
@@ -109,13 +114,10 @@ void take_due_jobs(const Jobs& finished, Component::State* s) {
   if (begins) {
     close_job(&jobs.map, s);
   }
+  run_undelayed(&jobs.map, s);  // a window, after an adjustment of the whole map
 }
 
-void run_undelayed(Job* job, Component::State* s) {
-  if (s->configuration.parameters.jobs.delay_frames == 0) {
-    close_job(job, s);
-  }
-}
+void run_undelayed(Job* job, Component::State* s) { run_and_take(s->clock.frame, job, s); }
 
 void close_jobs(Component::State* s) {
   close_job(&s->jobs.map, s);

@@ -8,8 +8,8 @@ namespace polhode {
 /// Takes the results in whose step has come; may issue the next jobs.
 void take_due_jobs(const Jobs& finished, Component::State* state);
 
-/// With a delay of 0 frames: runs a job that is out here, and those that follow from it. Else
-/// nothing.
+/// Runs a job here that is to be done within the step, and those of its kind that follow from it.
+/// Else nothing.
 void run_undelayed(Job* job, Component::State* state);
 
 /// At the end of a run: what is still out is run, unless that is done, and taken in.

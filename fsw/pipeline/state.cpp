@@ -33,11 +33,11 @@ ScaleInput scale_input(const Component::State& s) {
 
 JobTimes job_times(const Component::State& s) {
   const JobOptions& jobs = s.configuration.parameters.jobs;
-  const int of_all =
-      jobs.delay_frames > 0 ? std::max(jobs.delay_frames, jobs.delay_of_all_frames) : 0;
+  const auto window = static_cast<std::uint32_t>(jobs.delay_frames);
   return {.step = s.clock.frame,
-          .delay = static_cast<std::uint32_t>(jobs.delay_frames),
-          .delay_of_all = static_cast<std::uint32_t>(of_all)};
+          .delay = has_work_beside(jobs) ? std::max(1U, window) : 0U,
+          .delay_of_window = window,
+          .delay_of_all = std::max(window, static_cast<std::uint32_t>(jobs.delay_of_all_frames))};
 }
 
 void forget_frame(Component::State* s) {

@@ -44,7 +44,10 @@ void flow(const Pyramid& before,
 }  // namespace
 
 void build_pyramid(const cv::Mat& gray, Pyramid* pyramid) {
-  cv::buildOpticalFlowPyramid(gray, pyramid->levels, cv::Size(kPatch_px, kPatch_px), kLevels);
+  // Gradients that are kept beside the levels take four times their memory, in both pyramids.
+  constexpr bool kWithGradients = false;
+  cv::buildOpticalFlowPyramid(
+      gray, pyramid->levels, cv::Size(kPatch_px, kPatch_px), kLevels, kWithGradients);
   pyramid->built = true;
 }
 

@@ -164,7 +164,7 @@ class Bench {
   Times run(Transports& transports) {
     Result<Component*> made = Component::create(memory_.span(), parameters_);
     Component& component = *made.value();
-    Worker worker({.own_thread = parameters_.jobs.delay_frames > 0});
+    Worker worker({.own_thread = has_work_beside(parameters_.jobs)});
     Times times;
     const auto frames =
         static_cast<std::size_t>(arguments_.seconds * arguments_.fps / arguments_.turns);

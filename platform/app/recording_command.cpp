@@ -44,10 +44,13 @@ void export_recording(const ExportArguments& arguments) {
              report.unreadable,
              report.commands,
              report.dropped);
+  const std::string losses = losses_of(report);
+  if (!losses.empty()) {
+    fmt::print("not complete: {}\n", losses);
+  }
   fmt::print("{}\n",
-             replays_to_the_same_bytes(report)
-                 ? "a replay gives the bytes of the live run"
-                 : "not complete: a replay will differ from the live run");
+             replays_to_the_same_bytes(report) ? "a replay gives the bytes of the live run"
+                                               : "a replay will differ from the live run");
   if (!report.network_sha256.empty()) {
     fmt::print(
         "the run asked a network (SHA-256 {}): name its file under [network] of the "

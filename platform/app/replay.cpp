@@ -346,7 +346,7 @@ void replay(const ReplayArguments& arguments) {
           .camera = FileCamera(sequence),
           .commands = std::move(commands),
           .transports = std::move(transports),
-          .worker = Worker({.own_thread = !arguments.one_core && parameters.jobs.delay_frames > 0,
+          .worker = Worker({.own_thread = !arguments.one_core && has_work_beside(parameters.jobs),
                             .latency_ms_max = arguments.job_latency_ms,
                             .job_octets = job_worst_case(parameters)}),
           .deadline = DeadlineMonitor(parameters.budget.frame_ms),

@@ -122,7 +122,7 @@ PlatformFacts settle_in(const RunOptions& wish,
 }
 
 WorkerOptions worker_options(const Parameters& parameters, const RunOptions& wish) {
-  return {.own_thread = parameters.jobs.delay_frames > 0,
+  return {.own_thread = has_work_beside(parameters.jobs),
           .priority = std::max(0, wish.priority - 1),
           .job_octets = job_worst_case(parameters)};
 }

@@ -133,7 +133,8 @@ void polhode_destroy(polhode_component* component);
 polhode_status polhode_step(polhode_component* component, const polhode_input* input, polhode_output* output);
 uint32_t polhode_next_step(const polhode_component* component); /* number of the step to come */
 
-/* Work that takes longer than a frame has time. With jobs.delay_frames = 0, the default, there is none. */
+/* Work that takes longer than a frame has time. There is none where both jobs.delay_frames and jobs.delay_of_all_frames are 0: a step
+ * then takes up to a second. */
 polhode_status polhode_run_job(polhode_job* job);
 void polhode_skip_job(polhode_job* job); /* instead: it comes back without a result, which the component counts */
 uint32_t polhode_due_step(const polhode_job* job);

@@ -210,6 +210,23 @@ bool replays_to_the_same_bytes(const ExportReport& report) {
          report.own_structure_sha256.empty();
 }
 
+std::string losses_of(const ExportReport& report) {
+  std::vector<std::string> losses;
+  const auto add = [&](std::uint64_t count, std::string_view what) {
+    if (count > 0) {
+      losses.push_back(fmt::format("{} {}", count, what));
+    }
+  };
+  if (!report.has_begin) {
+    losses.emplace_back("its beginning has been removed");
+  }
+  add(report.octets_lost, "octets damaged");
+  add(report.files_lost, "files missing or not to be read");
+  add(report.not_recorded, "frames not recorded");
+  add(report.out_of_time, "frames out of time");
+  return fmt::format("{}", fmt::join(losses, ", "));
+}
+
 ExportReport export_run(const RecordedRun& run, const fs::path& folder) {
   prepare(folder);
   Exporter exporter(folder);

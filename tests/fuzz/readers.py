@@ -4,8 +4,10 @@ import dataclasses
 import io
 import pathlib
 import shutil
+import struct
 import subprocess
 import sys
+import zlib
 
 import numpy
 from PIL import Image
@@ -15,7 +17,7 @@ REPOSITORY = HERE.parents[1]
 sys.path[:0] = [str(HERE.parent / "replay"), str(HERE.parent / "network"), str(HERE.parent / "judge"), str(REPOSITORY / "hil")]
 from mutations import checkpoint_sums, recording_sums  # noqa: E402
 from replay_files import DEFAULTS, PROGRAM  # noqa: E402
-from sequence_writer import SequenceWriter, textured  # noqa: E402
+from sequence_writer import HEIGHT, WIDTH, SequenceWriter, textured  # noqa: E402
 
 FRAMES = 3
 
@@ -96,6 +98,30 @@ def surface_readers(folder: pathlib.Path) -> list[Reader]:
                    beside=others | clouds, file_name=name, seconds_max=60.0) for name in clouds]
 
 
+def live_readers(checkpoint: bytes) -> list[Reader]:
+    """What a live run finds beside its configuration: its key, numbers of commands, checkpoint and mark of a crash, and the picture of the servicer."""
+    key = b"0123456789abcdef" * 4 + b"\n"
+    config = (b'[device]\nsequence_speed = 0.0\n[run]\nlock_memory = false\ncore = -1\npriority = 0\n')
+    beside = {"live.toml": config, "key": key}
+    run = ["run", "--config", "{folder}/live.toml", "--set", 'device.source="{sequence}"', "--set", 'run.folder="{out}"']
+    guarded = [*run, "--set", 'transport.receive="unix:{folder}/port"', "--set", 'commands.key="{folder}/key"', "--set", 'commands.window="{folder}/window"']
+    restarted = [*run, "--set", 'run.checkpoint="{folder}/checkpoint"']
+    place = struct.pack("<8sQQ", b"PLHNUM01", 5, 7)  # platform/transport/number_file.cpp
+    mark = struct.pack("<4sIII", b"PLCM", 1, zlib.crc32(checkpoint[:156]), 0)  # platform/app/crash_mark.cpp
+    own = Image.new("L", (WIDTH, HEIGHT))
+    own.paste(255, (0, 0, WIDTH // 4, HEIGHT))
+    drawn = io.BytesIO()
+    own.save(drawn, "PNG")
+    replay = ["replay", "--config", str(DEFAULTS), "--sequence", "{sequence}", "--out", "{out}"]
+    return [Reader("picture of the servicer", drawn.getvalue(), [*replay, "--set", 'mask.file="{file}"']),
+            Reader("key of a run", key, guarded, beside=beside, file_name="key"),
+            Reader("numbers of commands", 2 * (place + struct.pack("<II", zlib.crc32(place), 0)), guarded, beside=beside, file_name="window"),
+            Reader("checkpoint of a run", checkpoint, restarted, sums=checkpoint_sums, beside=beside, file_name="checkpoint"),
+            Reader("mark of a crash", mark + struct.pack("<I", zlib.crc32(mark)), restarted, beside={**beside, "checkpoint": checkpoint},
+                   file_name="checkpoint.crashed"),
+            Reader("key of a sender", key, ["bus", "send", "unix:{folder}/port", "noop", "--key", "{file}"])]
+
+
 def all_readers(folder: pathlib.Path) -> list[Reader]:
     """Inputs are made in this folder."""
     writer = sequence(folder / "good")
@@ -114,6 +140,7 @@ def all_readers(folder: pathlib.Path) -> list[Reader]:
                 for kind in ("png", "png colour", "png palette", "png 16", "jpeg", "jpeg colour", "jpeg progressive", "pgm")]
     states = [Reader("checkpoint", checkpoint, [*replay, "--checkpoint", "{file}"], sums=checkpoint_sums),
               Reader("recording", recording, ["recording", "export", "{folder}", "--out", "{out}"], sums=recording_sums, file_name="recording-1-000001.rec"),
-              Reader("packets", packets, ["bus", "dump", "{file}"]), Reader("packets as JSON", packets, ["bus", "dump", "{file}", "--json"])]
+              Reader("packets", packets, ["bus", "dump", "{file}"]), Reader("packets as JSON", packets, ["bus", "dump", "{file}", "--json"]),
+              Reader("packets followed", packets, ["bus", "follow", "file:{file}", "--json", "--timeout", "0.05"])]
     shutil.rmtree(folder / "played")
-    return tables + pictures + states + surface_readers(folder)
+    return tables + pictures + states + live_readers(checkpoint) + surface_readers(folder)

@@ -7,19 +7,19 @@ import pytest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
-from drive import drive, fault_of, report  # noqa: E402
+from drive import drive, execute, fault_of, form_of, report  # noqa: E402
 from readers import PROGRAM, REPOSITORY  # noqa: E402
 
 COLMAP = REPOSITORY / ".venv-colmap/bin/python3"
 
-TRIALS = 60  # three of each reader, and of the two of tools/surface.py where pycolmap is installed
+TRIALS = 81  # three of each reader, and of the two of tools/surface.py where pycolmap is installed
 
 
 # verifies: PRG-06
 @pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
 def test_no_reader_fails(tmp_path):
     outcomes = drive(TRIALS, 7, tmp_path)
-    assert len({outcome.reader for outcome in outcomes}) == (20 if COLMAP.exists() else 18)
+    assert len({outcome.reader for outcome in outcomes}) == (27 if COLMAP.exists() else 25)
     assert any(outcome.status == 2 for outcome in outcomes) and any(outcome.status == 0 for outcome in outcomes)
     assert not any(outcome.fault for outcome in outcomes), report(outcomes)
 
@@ -35,3 +35,13 @@ def test_what_a_fault_is():
     assert fault_of(2, 0.1, 1000, good + good, ["input"]) == "a refusal is one line"
     assert fault_of(2, 0.1, 1000, b"surface: /x/cloud.ply: no PLY\n", ["cloud.ply"], "surface") == ""
     assert fault_of(2, 0.1, 1000, b"Traceback (most recent call last):\nsurface: cloud.ply\n", ["cloud.ply"], "surface") == "a refusal is one line"
+
+
+def test_a_run_that_waits_for_ever_is_ended():
+    status, processor_s, _, _ = execute([sys.executable, "-c", "import time; time.sleep(60)"], 1.0)
+    assert status == -9 and processor_s < 1.0
+
+
+def test_the_form_of_a_refusal_is_without_places_and_values():
+    first, second = (form_of(f"polhode: /x/tmp{name}/data.csv:{line}: no number: '{text}'", "/x") for name, line, text in (("ab_1", 3, "1e"), ("q", 17, "")))
+    assert first == second == "polhode: data.csv:0: no number: '...'"

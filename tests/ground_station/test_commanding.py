@@ -2,6 +2,7 @@
 
 import binascii
 import collections
+import resource
 import signal
 import struct
 import subprocess
@@ -180,6 +181,17 @@ def test_every_other_command_is_taken_once(ground):
     assert ground.issue("hold").is_failure()
     good(ground.issue("resume"))
     wait_until(lambda: ground.value("motion_mode") != "IDLE", 30, "resumed")
+
+
+def test_a_disk_that_takes_no_more_is_told(run, ground):
+    limits = resource.prlimit(run.process.pid, resource.RLIMIT_FSIZE)
+    resource.prlimit(run.process.pid, resource.RLIMIT_FSIZE, (100, limits[1]))
+    try:
+        wait_until(lambda: ground.value("platform_event_id") == 1, 60, "the event")
+    finally:
+        resource.prlimit(run.process.pid, resource.RLIMIT_FSIZE, limits)
+    assert ground.value("platform_event_severity") == "ERROR"
+    assert ground.value("platform_event_text").startswith("disk: not written: packets of ")
 
 
 def test_every_parameter_of_the_telemetry_has_had_a_value(server, ground):

@@ -81,5 +81,36 @@ TEST(MayBeBackground, WhereTheOutlineCoversMuchOfTheBorder) {
   EXPECT_FALSE(may_be_background(*mask.state)) << "before black space it is the target";
 }
 
+TEST(MayBeBackground, WhereAnOpenMaskIsFollowedAtTheBorder) {
+  Mask mask;
+  for (std::uint64_t seed = 10; seed < 30 && !is_open(*mask.state); ++seed) {
+    Scene scene{.target = false};
+    scene.behind = moving::texture(900, seed);
+    mask.show(scene.picture(0));
+  }
+  ASSERT_TRUE(is_open(*mask.state));
+  const cv::Rect whole = mask.state->points.whole();
+  auto& tracks = mask.state->points.tracks;
+  const auto follow = [&](std::size_t count, float u_share, std::size_t images) {
+    tracks.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+      MaskTrack track;
+      track.places[0] = {u_share * static_cast<float>(whole.width),
+                         0.5F * static_cast<float>(whole.height)};
+      track.count = images;
+      ASSERT_TRUE(tracks.push_back(track));
+    }
+  };
+  constexpr std::size_t kEnough = BackgroundMotion::kLayerTracksMin;
+  follow(kEnough, 0.05F, 2);
+  EXPECT_TRUE(may_be_background(*mask.state));
+  follow(kEnough - 1, 0.05F, 2);
+  EXPECT_FALSE(may_be_background(*mask.state)) << "a boom that crosses the border";
+  follow(kEnough, 0.05F, 1);
+  EXPECT_FALSE(may_be_background(*mask.state)) << "seen once: not followed";
+  follow(kEnough, 0.5F, 2);
+  EXPECT_FALSE(may_be_background(*mask.state)) << "in the middle";
+}
+
 }  // namespace
 }  // namespace polhode

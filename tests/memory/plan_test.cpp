@@ -104,6 +104,7 @@ TEST(MemoryPlan, RefusesAPoolThatTheWorstCallsOverflow) {
 
 TEST(MemoryPlan, WithoutDelayTheJobsDrawFromTheStepsPool) {
   Parameters p = at(640, 480);
+  p.jobs = {.delay_frames = 0, .delay_of_all_frames = 0};
   const MemoryPlan within = plan_memory(p);
   p.jobs.delay_frames = 2;
   const MemoryPlan beside = plan_memory(p);
@@ -111,6 +112,25 @@ TEST(MemoryPlan, WithoutDelayTheJobsDrawFromTheStepsPool) {
   EXPECT_GT(beside.pools[static_cast<std::size_t>(Pool::kJobs)], 0U);
   EXPECT_EQ(within.total_octets + WorkerOptions{}.stack_octets, beside.total_octets)
       << "no thread, no stack";
+}
+
+TEST(MemoryPlan, AWindowThatIsAdjustedWithinTheStepIsInTheStepsPool) {
+  Parameters p = at(640, 480);
+  const MemoryPlan within = plan_memory(p);
+  p.jobs.delay_frames = 1;
+  const MemoryPlan beside = plan_memory(p);
+  const auto octets = [](const MemoryPlan& plan) {
+    for (const CallCost& call : plan.calls) {
+      if (call.name == "adjustment of a window of the map") {
+        EXPECT_EQ(call.pool, Pool::kStep);
+        return call.octets;
+      }
+    }
+    return std::size_t{0};
+  };
+  EXPECT_GT(octets(within), 8'000'000U) << "of 10000 observations";
+  EXPECT_EQ(octets(beside), 0U);
+  EXPECT_EQ(within.pools, beside.pools);
 }
 
 TEST(MemoryPlan, AJobsPoolThatIsAllowedLetsAJobBegin) {

@@ -98,7 +98,7 @@ class Soak {
         parameters_(parameters),
         frames_(sequence),
         memory_(parameters, arguments.config, {}),
-        worker_({.own_thread = parameters.jobs.delay_frames > 0}) {
+        worker_({.own_thread = has_work_beside(parameters.jobs)}) {
     Result<Component*> made = Component::create(memory_.span(), parameters);
     if (!made) {
       throw UnusableInput(made.error().message);

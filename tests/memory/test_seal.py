@@ -9,10 +9,13 @@ TRAPPED = 5
 FRAMES = int(os.environ.get("POLHODE_SOAK_FRAMES", "500"))
 
 
-@pytest.fixture(scope="module", params=["within the step", "on a second thread"])
+JOBS = {"within the step": (0, 0), "but windows on a second thread": (0, 1), "on a second thread": (1, 1)}
+
+
+@pytest.fixture(scope="module", params=JOBS)
 def run(request, soak):
-    delay = 0 if request.param == "within the step" else 1
-    return soak(FRAMES, "--set", f"jobs.delay_frames={delay}")
+    delay, delay_of_all = JOBS[request.param]
+    return soak(FRAMES, "--set", f"jobs.delay_frames={delay}", "--set", f"jobs.delay_of_all_frames={delay_of_all}")
 
 
 # verifies: RES-01

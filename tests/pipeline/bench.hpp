@@ -35,6 +35,9 @@ inline Parameters parameters() {
               .fv_px = kFocal_px,
               .cu_px = 160.0,
               .cv_px = 120.0};
+  p.jobs = {
+      .delay_frames = 0,
+      .delay_of_all_frames = 0};  // all within the step: a test shows frames, and runs no jobs
   return p;
 }
 

@@ -28,21 +28,21 @@ class FitJobsOut : public ::testing::TestWithParam<int> {};
 
 // verifies: CMP-02
 TEST_P(FitJobs, PacketsDoNotShowWhenAFitWasRun) {
-  Caller& early = shown(GetParam(), Run::kAtOnce);
-  EXPECT_EQ(early.packets(), shown(GetParam(), Run::kWhenDue).packets());
-  EXPECT_EQ(early.packets(), shown(GetParam(), Run::kAtRandom).packets());
+  Caller& early = shown(delayed(GetParam()), Run::kAtOnce);
+  EXPECT_EQ(early.packets(), shown(delayed(GetParam()), Run::kWhenDue).packets());
+  EXPECT_EQ(early.packets(), shown(delayed(GetParam()), Run::kAtRandom).packets());
   EXPECT_GT(early.fits(), GetParam() > 0 ? 1 : -1);
 }
 
 TEST_P(FitJobs, TheMotionIsFoundWhateverTheDelay) {
-  Caller& caller = shown(GetParam(), Run::kWhenDue);
+  Caller& caller = shown(delayed(GetParam()), Run::kWhenDue);
   const MotionEstimate& m = caller.state().motion;
   EXPECT_TRUE(m.model.accepted());
   EXPECT_LT(m.poses_since_fit, m.past.size());
 }
 
 TEST_P(FitJobs, PosesFoundMeanwhileAreKept) {
-  Caller caller(parameters(), GetParam(), Run::kWhenDue);
+  Caller caller(parameters(), delayed(GetParam()), Run::kWhenDue);
   std::size_t poses = 0;
   for (const Picture& picture : turning_ball()) {
     const bool found = caller.show(picture).motion.pose_valid;
@@ -56,7 +56,7 @@ TEST_P(FitJobs, PosesFoundMeanwhileAreKept) {
 }
 
 TEST_P(FitJobsOut, AFitOfAForgottenTargetIsNotTaken) {
-  Caller caller(parameters(), GetParam(), Run::kWhenDue);
+  Caller caller(parameters(), delayed(GetParam()), Run::kWhenDue);
   std::size_t i = show_until_fit(caller);
   ASSERT_NE(caller.out<FitJob>(), nullptr);
   const std::vector<std::uint8_t> reset = bus::command(bus::CommandCode::kResetMap);
@@ -70,7 +70,7 @@ TEST_P(FitJobsOut, AFitOfAForgottenTargetIsNotTaken) {
 }
 
 TEST_P(FitJobsOut, AFitInOldAxesIsNotTaken) {
-  Caller caller(parameters(), GetParam(), Run::kWhenDue);
+  Caller caller(parameters(), delayed(GetParam()), Run::kWhenDue);
   (void)show_until_fit(caller);
   ASSERT_NE(caller.out<FitJob>(), nullptr);
   set_observer({.frame = {}, .q_IC = std::array<double, 4>{0.0, 1.0, 0.0, 0.0}},
@@ -80,7 +80,7 @@ TEST_P(FitJobsOut, AFitInOldAxesIsNotTaken) {
 }
 
 TEST(FitJob, PosesSinceItWasAskedForJudgeIt) {
-  Caller caller(parameters(), 4, Run::kAtOnce);
+  Caller caller(parameters(), delayed(4), Run::kAtOnce);
   MotionEstimate& m = state_of(caller.component()).motion;
   const JobQueue& jobs = state_of(caller.component()).jobs;
   // A fit beside an accepted model that has been out for three poses, and that no joint fit has
@@ -107,12 +107,12 @@ TEST(FitJob, PosesSinceItWasAskedForJudgeIt) {
 }
 
 TEST_P(FitJobsOut, AfterACheckpointAFitThatWasOutIsAskedForAgain) {
-  Caller caller(parameters(), GetParam(), Run::kWhenDue);
+  Caller caller(parameters(), delayed(GetParam()), Run::kWhenDue);
   const std::size_t i = show_until_fit(caller);
   ASSERT_NE(caller.out<FitJob>(), nullptr);
   std::vector<std::uint8_t> octets(checkpoint_octets_max());
   octets.resize(save_checkpoint(caller.component(), octets));
-  Caller restored(parameters(), GetParam(), Run::kWhenDue);
+  Caller restored(parameters(), delayed(GetParam()), Run::kWhenDue);
   ASSERT_TRUE(restore_checkpoint(octets, &restored.component()));
   ASSERT_EQ(restored.out<FitJob>(), nullptr);
   for (std::size_t n = i - 1; n + 1 < turning_ball().size() && restored.fits() == 0; ++n) {
@@ -122,7 +122,7 @@ TEST_P(FitJobsOut, AfterACheckpointAFitThatWasOutIsAskedForAgain) {
 }
 
 TEST_P(FitJobs, AFitWithoutMemoryLeavesTheModelAsItWas) {
-  Caller caller(parameters(), GetParam(), Run::kWhenDue);
+  Caller caller(parameters(), delayed(GetParam()), Run::kWhenDue);
   (void)show_until_fit(caller);
   Component::State& s = state_of(caller.component());
   close_jobs(&s);
@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(Delays, FitJobs, ::testing::Values(0, 1, 4));
 INSTANTIATE_TEST_SUITE_P(Delays, FitJobsOut, ::testing::Values(1, 4));
 
 TEST(JobsAndCommands, ResetCountersDoNotMakeTheCallerMissAJob) {
-  Caller caller(parameters(), 4, Run::kWhenDue);
+  Caller caller(parameters(), delayed(4), Run::kWhenDue);
   std::size_t i = 0;
   while (i < turning_ball().size() && caller.map_job_out() == nullptr) {
     (void)caller.show(turning_ball()[i++]);

@@ -5,7 +5,7 @@
 
 #include <map>
 #include <memory>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "base/rng.hpp"
@@ -15,13 +15,17 @@
 
 namespace polhode::bench {
 
+/// Every job so many frames later; none leaves its step with 0.
+inline JobOptions delayed(int frames) {
+  return {.delay_frames = frames, .delay_of_all_frames = frames};
+}
+
 /// When the caller gets round to running a job: the packets must not show it.
 enum class Run : std::uint8_t { kAtOnce, kWhenDue, kAtRandom };
 
 class Caller {
  public:
-  Caller(Parameters p, int delay_frames, Run run)
-      : run_(run), bench_(with_delay(p, delay_frames)) {}
+  Caller(Parameters p, JobOptions jobs, Run run) : run_(run), bench_(with_jobs(p, jobs)) {}
 
   const StepOutput& show(const Picture& picture,
                          std::span<const std::span<const std::uint8_t>> commands = {}) {
@@ -75,8 +79,8 @@ class Caller {
   [[nodiscard]] const std::vector<std::uint8_t>& packets() const { return packets_; }
 
  private:
-  static Parameters with_delay(Parameters p, int delay_frames) {
-    p.jobs.delay_frames = delay_frames;
+  static Parameters with_jobs(Parameters p, JobOptions jobs) {
+    p.jobs = jobs;
     return p;
   }
   Run run_;
@@ -103,11 +107,11 @@ inline const std::vector<Picture>& turning_ball() {
 }
 
 /// After all of turning_ball(); made once for each way of running it.
-inline Caller& shown(int delay_frames, Run run) {
-  static std::map<std::pair<int, Run>, std::unique_ptr<Caller>> made;
-  std::unique_ptr<Caller>& caller = made[{delay_frames, run}];
+inline Caller& shown(JobOptions jobs, Run run) {
+  static std::map<std::tuple<int, int, Run>, std::unique_ptr<Caller>> made;
+  std::unique_ptr<Caller>& caller = made[{jobs.delay_frames, jobs.delay_of_all_frames, run}];
   if (caller == nullptr) {
-    caller = std::make_unique<Caller>(parameters(), delay_frames, run);
+    caller = std::make_unique<Caller>(parameters(), jobs, run);
     for (const Picture& picture : turning_ball()) {
       (void)caller->show(picture);
     }

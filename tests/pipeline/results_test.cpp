@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "job_caller.hpp"
 
 namespace polhode {
@@ -9,14 +11,16 @@ namespace {
 
 using namespace bench;
 
+constexpr JobOptions kLongOnesBeside{.delay_frames = 0, .delay_of_all_frames = 1};
+
 TEST(Jobs, WithoutDelay_AreDoneWithinTheStep) {
-  Caller& caller = shown(0, Run::kWhenDue);
+  Caller& caller = shown(delayed(0), Run::kWhenDue);
   EXPECT_EQ(caller.jobs(), 0);
   EXPECT_GT(caller.component().counters().jobs_issued, 3U);
   EXPECT_EQ(state_of(caller.component()).mode.now, Mode::kTracking);
 }
 
-class JobsWithDelay : public ::testing::TestWithParam<int> {};
+class JobsWithDelay : public ::testing::TestWithParam<JobOptions> {};
 
 // verifies: CMP-02
 TEST_P(JobsWithDelay, PacketsDoNotShowWhenAJobWasRun) {
@@ -42,7 +46,8 @@ TEST_P(JobsWithDelay, AJobNamesTheStepThatTakesItsResult) {
   for (const Picture& picture : turning_ball()) {
     const StepOutput& out = caller.show(picture);
     for (const Job* job : out.jobs) {
-      EXPECT_EQ(due_step(*job), step + static_cast<std::uint32_t>(GetParam()));
+      EXPECT_EQ(due_step(*job),
+                step + static_cast<std::uint32_t>(std::max(1, GetParam().delay_frames)));
     }
     ++step;
   }
@@ -61,10 +66,43 @@ TEST_P(JobsWithDelay, TheEndOfARunTakesInWhatIsStillOut) {
   EXPECT_FALSE(is_out(state_of(caller.component()).jobs.map));
 }
 
-INSTANTIATE_TEST_SUITE_P(Delays, JobsWithDelay, ::testing::Values(1, 3));
+INSTANTIATE_TEST_SUITE_P(Delays,
+                         JobsWithDelay,
+                         ::testing::Values(delayed(1), delayed(3), kLongOnesBeside));
+
+TEST(Jobs, WindowsAreAdjustedWithinTheStepWhileLongWorkIsBesideIt) {
+  Caller caller(parameters(), kLongOnesBeside, Run::kWhenDue);
+  int windows = 0;
+  int long_ones = 0;
+  for (const Picture& picture : turning_ball()) {
+    const std::uint32_t issued = caller.state().counters.jobs_issued;
+    const int handed_out = caller.jobs();
+    (void)caller.show(picture);
+    const int here = static_cast<int>(caller.state().counters.jobs_issued - issued) -
+                     (caller.jobs() - handed_out);
+    EXPECT_TRUE(caller.out<AdjustmentJob>() == nullptr || caller.state().jobs.adjustment.of_all);
+    windows += here;
+    long_ones += caller.jobs() - handed_out;
+  }
+  EXPECT_GT(windows, 10);
+  EXPECT_GT(long_ones, 3);
+}
+
+TEST(Jobs, AMapThatBeginsIsNotFittedAsAFreeBodyWithinTheStep) {
+  Caller caller(parameters(), delayed(1), Run::kWhenDue);
+  for (const Picture& picture : turning_ball()) {
+    (void)caller.show(picture);
+    if (caller.state().mapping.map.keyframe_count > 0) {
+      break;
+    }
+  }
+  ASSERT_GT(caller.state().mapping.map.keyframe_count, 0);
+  EXPECT_EQ(caller.state().jobs.adjustment.marginal_fits, 0U);
+  EXPECT_FALSE(caller.state().jobs.adjustment.as_free_body);
+}
 
 TEST(Jobs, ADueJobThatIsNotHandedInIsAMistakeOfTheCaller) {
-  Caller caller(parameters(), 1, Run::kAtOnce);
+  Caller caller(parameters(), delayed(1), Run::kAtOnce);
   std::size_t i = 0;
   while (i < turning_ball().size() && caller.out<StartJob>() == nullptr) {
     (void)caller.show(turning_ball()[i++]);
@@ -75,7 +113,7 @@ TEST(Jobs, ADueJobThatIsNotHandedInIsAMistakeOfTheCaller) {
 }
 
 TEST(Jobs, AMapGoesOnGrowingWhileItIsAdjusted_NotWhileAStartIsSought) {
-  Caller caller(parameters(), 8, Run::kWhenDue);
+  Caller caller(parameters(), delayed(8), Run::kWhenDue);
   std::int32_t keyframes = 0;
   int grown = 0;
   for (const Picture& picture : turning_ball()) {
@@ -94,7 +132,7 @@ TEST(Jobs, AMapGoesOnGrowingWhileItIsAdjusted_NotWhileAStartIsSought) {
 }
 
 TEST(Jobs, WhatGrewMeanwhileIsAdjustedNext) {
-  Caller caller(parameters(), 6, Run::kWhenDue);
+  Caller caller(parameters(), delayed(6), Run::kWhenDue);
   int waited = 0;
   for (const Picture& picture : turning_ball()) {
     const bool waiting = caller.state().mapping.growth.any;
@@ -112,8 +150,8 @@ TEST(Jobs, WhatGrewMeanwhileIsAdjustedNext) {
 TEST(Jobs, AMapThatGrowsWhileItIsAdjustedKeepsItsShape) {
   // The ball turns by 3 deg a frame: with a delay of six frames that is 18 deg from result to
   // result.
-  Caller& at_once = shown(0, Run::kWhenDue);
-  Caller& late = shown(6, Run::kWhenDue);
+  Caller& at_once = shown(delayed(0), Run::kWhenDue);
+  Caller& late = shown(delayed(6), Run::kWhenDue);
   for (Caller* caller : {&at_once, &late}) {
     const Component::State& s = state_of(caller->component());
     EXPECT_EQ(s.counters.lost, 0U);
@@ -135,7 +173,7 @@ class Trouble : public ::testing::Test {
   }
   static Parameters with_delay() {
     Parameters p = parameters();
-    p.jobs.delay_frames = 1;
+    p.jobs = delayed(1);
     return p;
   }
   const StepOutput& step(const Jobs& finished, bool memory_short = false) {

@@ -1,5 +1,6 @@
 """The site: made without a warning, with all that it is for, and without a link that leads nowhere."""
 
+import fnmatch
 import importlib.util
 import pathlib
 import shutil
@@ -67,6 +68,13 @@ def test_every_document_is_copied():
     names = {document.as_posix() for document in documents_of(REPOSITORY)}
     written = {file.relative_to(REPOSITORY).as_posix() for root in ("fsw", "platform", "docs") for file in (REPOSITORY / root).rglob("*.md")}
     assert {name for name in written if not name.startswith("docs/site/")} <= names
+
+
+def test_every_document_is_named_in_the_sites_contents():
+    contents = [line for line in (REPOSITORY / "docs/site/index.md").read_text().splitlines() if line and line[0] not in "`:#"]
+    left_out = [document.as_posix() for document in documents_of(REPOSITORY)
+                if not any(fnmatch.fnmatchcase(document.with_suffix("").as_posix(), entry) for entry in contents)]
+    assert left_out == []
 
 
 def test_a_folder_of_something_else_is_left_alone(tmp_path):

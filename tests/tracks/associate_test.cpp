@@ -242,6 +242,24 @@ TEST(Associate, LeavesFewMatchesAsTheyAre) {
   EXPECT_EQ(partner_of(7, associated(enough)), -1);
 }
 
+TEST(Associate, LeavesMatchesAsTheyAre_WhereNeighboursHaveNoMotionInCommon) {
+  TwoFrames f;
+  Rng rng(45, 0);
+  for (int i = 0; i < kSpots; ++i) {  // by as much as the body is large
+    f.shift_in_b(
+        i, 150.0F * static_cast<float>(rng.normal()), 150.0F * static_cast<float>(rng.normal()));
+  }
+  f.make_alike(20, 140);  // not looked for either: no neighbour says where
+  const FeatureMatches mutual = by_looks(f);
+  const FeatureMatches kept = associated(f);
+  ASSERT_EQ(kept.size(), static_cast<std::size_t>(kSpots) - 2U);
+  ASSERT_EQ(kept.size(), mutual.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    EXPECT_EQ(kept[i].a, mutual[i].a);
+    EXPECT_EQ(kept[i].b, mutual[i].b);
+  }
+}
+
 TEST(Associate, FindsNothing_InEmptyFrames) {
   FeatureMatches matches;
   associate({}, {}, kRatioMax, &matches);

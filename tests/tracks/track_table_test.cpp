@@ -8,6 +8,7 @@
 #include <memory>
 #include <numeric>
 #include <set>
+#include <type_traits>
 #include <vector>
 
 #include "base/rng.hpp"
@@ -367,6 +368,32 @@ TEST(TrackTable, IsEmptyAgain_AfterClear) {
   f.add(range(0, 10));
   EXPECT_EQ(f.table->tracks.size(), 10U);
   f.expect_consistent();
+}
+
+TEST(TrackTable, IsSound_UntilAnIndexOrAPlaceIsDamaged) {
+  Fixture f;
+  EXPECT_TRUE(is_sound(*f.table)) << "empty";
+  f.add(range(0, 12));
+  f.add(range(0, 10));
+  TrackTable& table = *f.table;
+  ASSERT_EQ(table.tracks.size(), 10U);
+  EXPECT_TRUE(is_sound(table));
+  const auto expect_refused = [&](auto* value, double spoilt) {
+    const auto good = *value;
+    *value = static_cast<std::remove_const_t<decltype(good)>>(spoilt);
+    EXPECT_FALSE(is_sound(table)) << spoilt;
+    *value = good;
+  };
+  for (const double index : {-2.0, 12.0}) {
+    expect_refused(&table.track_of[1][3], index);
+    expect_refused(&table.tracks[9].points[1].frame, index);
+    expect_refused(&table.tracks[9].points[1].feature, index);
+  }
+  for (const double place : {2e12, std::nan("")}) {
+    expect_refused(&table.frames[0].features[11].normalised.x(), place);
+  }
+  table.track_of[1][10] = 77;  // of a feature that the frame does not have: never read
+  EXPECT_TRUE(is_sound(table));
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
  *
  * The loop of a C host: a frame, a step, its packets, its jobs.
  *   polhode_c_example SEQ OUT.ccsds [key=value]...
- * With jobs.delay_frames=1 jobs are run between the steps, where a flight host has its background task. */
+ * Jobs are run between the steps, where a flight host has its background task. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

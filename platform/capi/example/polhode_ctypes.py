@@ -57,7 +57,7 @@ class Component:
     """Memory for the parameters and the tables, and what lives in it."""
 
     def __init__(self, library, camera: Camera, **settings: float):
-        self.library, self.handle, self.parameters = library, c.c_void_p(), c.c_void_p()
+        self.library, self.handle, self.parameters, self.out = library, c.c_void_p(), c.c_void_p(), []
         self.table = c.create_string_buffer(library.polhode_parameters_octets())
         library.polhode_parameters_create(self.table, c.c_size_t(len(self.table)), c.byref(self.parameters))
         library.polhode_set_camera(self.parameters, c.byref(camera))
@@ -72,12 +72,20 @@ class Component:
             raise ValueError(problem.value.decode())
 
     def step(self, timestamp_ns: int, picture: numpy.ndarray | None, **more) -> Output:
-        frame, output = Input(timestamp_ns=timestamp_ns, pixel_bits=8, **more), Output()
+        due, step = [], self.library.polhode_next_step(self.handle)
+        while self.out and self.library.polhode_due_step(self.out[0]) <= step:
+            due.append(self.out.pop(0))
+        jobs = (c.c_void_p * 3)(*due)
+        frame = Input(**{"timestamp_ns": timestamp_ns, "pixel_bits": 8, "finished": jobs, "finished_count": len(due)} | more)
+        output = Output()
         if picture is not None:
             frame.pixels, (frame.height_px, frame.width_px), frame.stride_octets = picture.ctypes.data, picture.shape, picture.strides[0]
         status = self.library.polhode_step(self.handle, c.byref(frame), c.byref(output))
         if status:
             raise RuntimeError(status)
+        for job in map(c.c_void_p, output.jobs[:output.job_count]):  # a flight host has a second core for them
+            self.library.polhode_run_job(job)
+            self.out = sorted([*self.out, job], key=self.library.polhode_due_step)
         return output
 
 

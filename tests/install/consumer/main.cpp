@@ -7,6 +7,7 @@
 int main() {
   polhode::Parameters parameters;  // the defaults work on any target
   parameters.camera = {.width_px = 640, .height_px = 480, .fu_px = 900, .fv_px = 900, .cu_px = 319.5, .cv_px = 239.5};
+  parameters.jobs = {.delay_frames = 0, .delay_of_all_frames = 0};  // no second thread: a step does all its work
   struct alignas(64) Line { std::byte octets[64]; };
   std::vector<Line> memory(polhode::memory_needed(parameters).total / 64 + 1);  // acquired once
   auto made = polhode::Component::create(std::as_writable_bytes(std::span(memory)), parameters);

@@ -17,6 +17,7 @@ Parameters small_parameters() {
   p.map.adjustment_observations_max =
       file["map"]["adjustment_observations_max"].value<int>().value();
   p.mask.background = file["mask"]["background"].value<bool>().value();
+  p.jobs.delay_of_all_frames = file["jobs"]["delay_of_all_frames"].value<int>().value();
   p.budget.total_mb = budget("total_mb");
   p.budget.general_mb = budget("general_mb");
   p.budget.step_mb = budget("step_mb");
