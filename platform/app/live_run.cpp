@@ -44,9 +44,10 @@ const StepOutput& step_from_pool(Component& component, const StepInput& input) {
   return component.step(input);
 }
 
-/// The frame that finds the work for it unfinished is dropped; the next one is tried.
+/// The frame that finds the work for it unfinished is dropped; the next one is tried. Frames that
+/// wait, of a sequence as fast as the steps, wait for the work, too.
 bool dropped_for_job(LiveParts& parts) {
-  if (!parts.worker.late_for(parts.component.next_step())) {
+  if (parts.camera.frames_wait() || !parts.worker.late_for(parts.component.next_step())) {
     return false;
   }
   ++parts.counts.frames_dropped_for_job;

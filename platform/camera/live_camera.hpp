@@ -51,6 +51,9 @@ class LiveCamera {
   /// Monotonic time at which the frame handed out last was there to be taken.
   [[nodiscard]] virtual std::int64_t available_ns() const = 0;
 
+  /// Does a frame stay until it is asked for? Then none needs to be dropped for unfinished work.
+  [[nodiscard]] virtual bool frames_wait() const { return false; }
+
   [[nodiscard]] virtual const CameraCounters& counters() const = 0;
   /// One line: what state the camera is in, and why.
   [[nodiscard]] virtual std::string_view state() const = 0;

@@ -57,6 +57,7 @@ TEST(PlayedSequence, WithoutASpeedHandsOutEveryFrame) {
   }
   EXPECT_EQ(camera.next(1, &frame), Arrival::kEnded);
   EXPECT_EQ(camera.counters().frames, 9U);
+  EXPECT_TRUE(camera.frames_wait());
 }
 
 TEST(PlayedSequence, PassesOverFramesThatAreLongDue) {
@@ -68,6 +69,7 @@ TEST(PlayedSequence, PassesOverFramesThatAreLongDue) {
   ASSERT_EQ(camera.next(1, &frame), Arrival::kFrame);
   EXPECT_EQ(frame.image.data[0], 13);
   EXPECT_EQ(camera.counters().frames_late, 3U);
+  EXPECT_FALSE(camera.frames_wait());
   ASSERT_EQ(camera.next(1, &frame), Arrival::kFrame);
   EXPECT_EQ(camera.next(1, &frame), Arrival::kEnded);
 }

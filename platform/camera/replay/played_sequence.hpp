@@ -35,6 +35,7 @@ class PlayedSequence final : public LiveCamera {
 
   Arrival next(int timeout_ms, Frame* frame) override;
   [[nodiscard]] std::int64_t available_ns() const override { return available_ns_; }
+  [[nodiscard]] bool frames_wait() const override { return options_.speed == 0.0; }
   [[nodiscard]] const CameraCounters& counters() const override { return counters_; }
   [[nodiscard]] std::string_view state() const override { return "playing"; }
   void set_exposure(std::int64_t /*exposure_ns*/, double /*gain*/) override {}
