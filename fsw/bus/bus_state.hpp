@@ -15,6 +15,7 @@
 #include "bus/telemetry.hpp"
 #include "motion/look_ahead.hpp"
 #include "motion/motion_state.hpp"
+#include "shape/scale_number.hpp"
 
 namespace polhode {
 
@@ -60,8 +61,9 @@ struct Reported {
   Mode mode = Mode::kIdle;
   bool stamps_doubted = false;
   bool rate_implausible = false;
-  std::uint8_t dynamics = 0;   ///< a value of the model packet's field
-  double metres_per_mu = 0.0;  ///< 0: lengths were in map units
+  std::uint8_t dynamics = 0;  ///< a value of the model packet's field
+  ScaleNumber scale{};
+  std::uint32_t scale_not_improved = 0;
   std::uint32_t frame_of_loss = 0;
   std::uint32_t target_frame = 0;  ///< that the last poses were reported in
 };
@@ -84,6 +86,7 @@ struct BusState {
   ServicerAttitude servicer;
   PredictionsUnderWay predictions;
   Reported reported;
+  ScaleNumber scale{};                                  ///< that lengths are published under
   std::array<double, 4> q_CT_last{1.0, 0.0, 0.0, 0.0};  ///< published last: signs go on from it
   std::uint32_t tables_damaged = 0;                     ///< found so in memory
 };

@@ -42,6 +42,8 @@ inline constexpr CodeName kEventsNames[] = {
     {15, "table_damaged"},
     {5, "loop_closed"},
     {6, "scale_known"},
+    {16, "scale_unknown"},
+    {17, "scale_not_improved"},
     {7, "table_full"},
     {8, "shape_known"},
     {10, "counters_reset"},

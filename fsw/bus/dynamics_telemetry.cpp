@@ -170,6 +170,13 @@ PoseCovariance in_unit(const PoseCovariance& covariance_I,
   return by * covariance_I * by.transpose();
 }
 
+/// Of a prediction packet: the unit of its lengths.
+std::uint8_t scale_flags(const LengthUnit& unit) {
+  namespace flag = prediction_layout;
+  const unsigned number = unit.number % flag::kScaleNumbers << flag::kScaleNumberShift;
+  return static_cast<std::uint8_t>(number | (unit.known ? flag::kFlagScaleKnown : 0U));
+}
+
 }  // namespace
 
 std::uint8_t dynamics_of(const RigidModel& model) {
@@ -214,8 +221,7 @@ PredictionPacket to_packet(const MotionPrediction& prediction,
   packet.predicted_timestamp_ns = prediction.timestamp_ns;
   packet.dynamics = dynamics_of(model);
   packet.poses = clipped(model.poses);
-  packet.flags = prediction_layout::kFlagRate;
-  packet.flags |= unit.known ? prediction_layout::kFlagScaleKnown : std::uint8_t{0};
+  packet.flags = prediction_layout::kFlagRate | scale_flags(unit);
   packet.w_T_rad_s = to_array(prediction.w_T_rad_s);
   put_upper_triangle(prediction.covariance_w_T, &packet.cov_w);
   const Pose pose_C{.R_CT = R_CI * prediction.pose.R_CT, .p_CT = R_CI * prediction.pose.p_CT};
@@ -231,7 +237,7 @@ PredictionPacket to_packet(const PosePrediction& prediction, const LengthUnit& u
   PredictionPacket packet;
   packet.dynamics = kDynamicsLocal;
   packet.poses = clipped(prediction.rotation_poses);
-  packet.flags = unit.known ? prediction_layout::kFlagScaleKnown : std::uint8_t{0};
+  packet.flags = scale_flags(unit);
   put_pose(in_unit(prediction.pose, unit.metres_per_mu),
            in_unit(prediction.covariance, Eigen::Matrix3d::Identity(), unit.metres_per_mu),
            unit,

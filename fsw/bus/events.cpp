@@ -57,7 +57,7 @@ EventPacket packet_of(std::size_t index,
   packet.id = static_cast<std::uint16_t>(row.id);
   packet.severity = static_cast<std::uint8_t>(row.severity);
   packet.text_octets = static_cast<std::uint8_t>(
-      event_text(row, {.values = packet.value, .word = details.word}, packet.text));
+      event_text(row.text, {.values = packet.value, .word = details.word}, packet.text));
   return packet;
 }
 
@@ -79,9 +79,9 @@ void end_window(std::uint32_t frame, EventLog* log) {
 
 }  // namespace
 
-std::size_t event_text(const EventRow& row, const EventDetails& details, std::span<char> out) {
+std::size_t event_text(std::string_view pattern, const EventDetails& details, std::span<char> out) {
   Line line(out);
-  std::string_view rest = row.text;
+  std::string_view rest = pattern;
   while (!rest.empty()) {
     const std::size_t open = rest.find('{');
     line.add(rest.substr(0, open));

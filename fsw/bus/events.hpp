@@ -49,8 +49,8 @@ void send_events(std::uint32_t frame,
                  EventLog* log,
                  PacketStream* stream);
 
-/// Fills `out` with the text of an event: numbers with six digits, whole ones in full and without a
-/// point. @return octets written; what does not fit is cut.
-std::size_t event_text(const EventRow& row, const EventDetails& details, std::span<char> out);
+/// Fills `out` with the text of an event, by its row's pattern: numbers with six digits, whole ones
+/// in full and without a point. @return octets written; what does not fit is cut.
+std::size_t event_text(std::string_view pattern, const EventDetails& details, std::span<char> out);
 
 }  // namespace polhode::bus

@@ -44,6 +44,8 @@ struct Layout {
   std::span<const Field> fields;
   std::size_t flags_member;     ///< offset of the flags in the struct, or kNoFlags
   std::string_view flag_names;  ///< "pose rate", bit 0 first
+  std::string_view
+      number_name;  ///< of a number in the flags' upper four bits; empty: there is none
 };
 
 /// All telemetry packets, and all commands by their codes.

@@ -20,7 +20,7 @@ Mended mend(BusState* bus) {
   };
   if (!is_sound(bus->cloud)) {
     bus->cloud.points_T.clear();
-    put_right(&bus->cloud.next, 0);
+    put_right(&bus->cloud.next, std::size_t{0});
   }
   LookAhead& walk = bus->predictions.walk;
   if (!sound::is_bool(walk.under_way) ||
@@ -36,6 +36,9 @@ Mended mend(BusState* bus) {
   if (!is_sound(bus->reported)) {
     const Counters counters = bus->reported.counters;
     put_right(&bus->reported, Reported{.started = true, .counters = counters});
+  }
+  if (!is_sound(bus->scale)) {
+    put_right(&bus->scale, ScaleNumber{.number = bus->scale.number});
   }
   if (!is_sound(*bus)) {
     for (std::uint16_t& count : bus->stream.sequence) {

@@ -38,6 +38,8 @@ inline constexpr std::uint8_t kFlagRate = 0x02;
 inline constexpr std::uint8_t kFlagVelocity = 0x04;
 inline constexpr std::uint8_t kFlagScaleKnown = 0x08;
 inline constexpr std::uint8_t kFlagsUsed = 0x0F;
+inline constexpr unsigned kScaleNumberShift = 4;  ///< its place in the flags
+inline constexpr std::uint32_t kScaleNumbers = 16;  ///< it counts modulo this
 }  // namespace motion_layout
 
 namespace model_layout {
@@ -103,6 +105,8 @@ inline constexpr std::uint8_t kFlagRate = 0x02;
 inline constexpr std::uint8_t kFlagPosition = 0x04;
 inline constexpr std::uint8_t kFlagScaleKnown = 0x08;
 inline constexpr std::uint8_t kFlagsUsed = 0x0F;
+inline constexpr unsigned kScaleNumberShift = 4;  ///< its place in the flags
+inline constexpr std::uint32_t kScaleNumbers = 16;  ///< it counts modulo this
 }  // namespace prediction_layout
 
 namespace shape_layout {

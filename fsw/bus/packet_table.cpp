@@ -27,9 +27,9 @@ constexpr Field kMotionPacket[] = {
     {"landmarks", FieldType::kU16, 1, false, 302, offsetof(MotionPacket, landmarks), -1, -kNoLimit, kNoLimit, "", "", "", {}},
     {"keyframes", FieldType::kU16, 1, false, 304, offsetof(MotionPacket, keyframes), -1, -kNoLimit, kNoLimit, "", "", "", {}},
     {"mode", FieldType::kU8, 1, false, 306, offsetof(MotionPacket, mode), -1, 0.0, 4.0, "", "", "IDLE ACQUIRING TRACKING LOST COASTING", {}},
-    {"flags", FieldType::kU8, 1, false, 307, offsetof(MotionPacket, flags), -1, 0.0, 15.0, "", "", "", {}},
+    {"flags", FieldType::kU8, 1, false, 307, offsetof(MotionPacket, flags), -1, 0.0, 255.0, "", "", "", {}},
 };
-constexpr Layout kMotionPacketLayout{"motion", 0, 310, kMotionPacket, offsetof(MotionPacket, flags), "pose rate velocity scale_known"};
+constexpr Layout kMotionPacketLayout{"motion", 0, 310, kMotionPacket, offsetof(MotionPacket, flags), "pose rate velocity scale_known", "scale_number"};
 static_assert(sizeof(MotionPacket) <= kStructOctetsMax);
 
 constexpr Field kModelPacket[] = {
@@ -64,7 +64,7 @@ constexpr Field kModelPacket[] = {
     {"class_mass_centre", FieldType::kU8, 3, true, 318, offsetof(ModelPacket, class_mass_centre), -1, 0.0, 2.0, "best middle worst", "", "UNOBSERVED WEAK OBSERVED", {}},
     {"flags", FieldType::kU8, 1, false, 321, offsetof(ModelPacket, flags), -1, 0.0, 255.0, "", "", "", {}},
 };
-constexpr Layout kModelPacketLayout{"model", 1, 324, kModelPacket, offsetof(ModelPacket, flags), "rate axes inertia spin precession velocity mass_centre scale_known"};
+constexpr Layout kModelPacketLayout{"model", 1, 324, kModelPacket, offsetof(ModelPacket, flags), "rate axes inertia spin precession velocity mass_centre scale_known", ""};
 static_assert(sizeof(ModelPacket) <= kStructOctetsMax);
 
 constexpr Field kPredictionPacket[] = {
@@ -78,9 +78,9 @@ constexpr Field kPredictionPacket[] = {
     {"frame", FieldType::kU32, 1, false, 220, offsetof(PredictionPacket, frame), -1, -kNoLimit, kNoLimit, "", "", "", {}},
     {"poses", FieldType::kU16, 1, false, 224, offsetof(PredictionPacket, poses), -1, -kNoLimit, kNoLimit, "", "", "", {}},
     {"dynamics", FieldType::kU8, 1, false, 226, offsetof(PredictionPacket, dynamics), -1, 0.0, 3.0, "", "", "NONE LOCAL TORQUE_FREE ORBIT", {}},
-    {"flags", FieldType::kU8, 1, false, 227, offsetof(PredictionPacket, flags), -1, 0.0, 15.0, "", "", "", {}},
+    {"flags", FieldType::kU8, 1, false, 227, offsetof(PredictionPacket, flags), -1, 0.0, 255.0, "", "", "", {}},
 };
-constexpr Layout kPredictionPacketLayout{"prediction", 2, 230, kPredictionPacket, offsetof(PredictionPacket, flags), "attitude rate position scale_known"};
+constexpr Layout kPredictionPacketLayout{"prediction", 2, 230, kPredictionPacket, offsetof(PredictionPacket, flags), "attitude rate position scale_known", "scale_number"};
 static_assert(sizeof(PredictionPacket) <= kStructOctetsMax);
 
 constexpr Field kShapePacket[] = {
@@ -119,7 +119,7 @@ constexpr Field kShapePacket[] = {
     {"flags", FieldType::kU8, 1, false, 836, offsetof(ShapePacket, flags), -1, 0.0, 63.0, "", "", "", {}},
     {"spare", FieldType::kU8, 1, false, 837, offsetof(ShapePacket, spare), -1, -kNoLimit, kNoLimit, "", "", "", {}},
 };
-constexpr Layout kShapePacketLayout{"shape", 3, 840, kShapePacket, offsetof(ShapePacket, flags), "shape cylinder scale_known axis_x axis_y axis_z"};
+constexpr Layout kShapePacketLayout{"shape", 3, 840, kShapePacket, offsetof(ShapePacket, flags), "shape cylinder scale_known axis_x axis_y axis_z", ""};
 static_assert(sizeof(ShapePacket) <= kStructOctetsMax);
 
 constexpr Field kHousekeepingPacket[] = {
@@ -175,7 +175,7 @@ constexpr Field kHousekeepingPacket[] = {
     {"flags", FieldType::kU8, 1, false, 202, offsetof(HousekeepingPacket, flags), -1, 0.0, 15.0, "", "", "", {}},
     {"tables_damaged", FieldType::kU8, 1, false, 203, offsetof(HousekeepingPacket, tables_damaged), -1, -kNoLimit, kNoLimit, "", "", "", {}},
 };
-constexpr Layout kHousekeepingPacketLayout{"housekeeping", 4, 206, kHousekeepingPacket, offsetof(HousekeepingPacket, flags), "held scale_known table_loaded servicer_attitude"};
+constexpr Layout kHousekeepingPacketLayout{"housekeeping", 4, 206, kHousekeepingPacket, offsetof(HousekeepingPacket, flags), "held scale_known table_loaded servicer_attitude", ""};
 static_assert(sizeof(HousekeepingPacket) <= kStructOctetsMax);
 
 constexpr Field kEventPacket[] = {
@@ -190,7 +190,7 @@ constexpr Field kEventPacket[] = {
     {"text", FieldType::kText, 122, true, 56, offsetof(EventPacket, text), -1, -kNoLimit, kNoLimit, "", "", "", {}},
     {"command_sequence", FieldType::kU16, 1, false, 178, offsetof(EventPacket, command_sequence), -1, 0.0, 16383.0, "", "", "", {}},
 };
-constexpr Layout kEventPacketLayout{"event", 5, 182, kEventPacket, kNoFlags, ""};
+constexpr Layout kEventPacketLayout{"event", 5, 182, kEventPacket, kNoFlags, "", ""};
 static_assert(sizeof(EventPacket) <= kStructOctetsMax);
 
 constexpr Field kCloudPacket[] = {
@@ -205,7 +205,7 @@ constexpr Field kCloudPacket[] = {
     {"flags", FieldType::kU8, 1, false, 47, offsetof(CloudPacket, flags), -1, 0.0, 1.0, "", "", "", {}},
     {"p_T", FieldType::kF32, 330, true, 48, offsetof(CloudPacket, p_T), -1, -kNoLimit, kNoLimit, "x y z", "length", "", {}},
 };
-constexpr Layout kCloudPacketLayout{"cloud", 6, 1370, kCloudPacket, offsetof(CloudPacket, flags), "scale_known"};
+constexpr Layout kCloudPacketLayout{"cloud", 6, 1370, kCloudPacket, offsetof(CloudPacket, flags), "scale_known", ""};
 static_assert(sizeof(CloudPacket) <= kStructOctetsMax);
 
 constexpr Field kPlatformPacket[] = {
@@ -228,7 +228,7 @@ constexpr Field kPlatformPacket[] = {
     {"flags", FieldType::kU8, 1, false, 90, offsetof(PlatformPacket, flags), -1, 0.0, 7.0, "", "", "", {}},
     {"spare", FieldType::kU8, 1, false, 91, offsetof(PlatformPacket, spare), -1, -kNoLimit, kNoLimit, "", "", "", {}},
 };
-constexpr Layout kPlatformPacketLayout{"platform", 7, 94, kPlatformPacket, offsetof(PlatformPacket, flags), "watchdog locked_memory real_time"};
+constexpr Layout kPlatformPacketLayout{"platform", 7, 94, kPlatformPacket, offsetof(PlatformPacket, flags), "watchdog locked_memory real_time", ""};
 static_assert(sizeof(PlatformPacket) <= kStructOctetsMax);
 
 constexpr Field kCommandLinkPacket[] = {
@@ -246,7 +246,7 @@ constexpr Field kCommandLinkPacket[] = {
     {"flags", FieldType::kU8, 1, false, 65, offsetof(CommandLinkPacket, flags), -1, 0.0, 7.0, "", "", "", {}},
     {"spare", FieldType::kU8, 2, true, 66, offsetof(CommandLinkPacket, spare), -1, -kNoLimit, kNoLimit, "", "", "", {}},
 };
-constexpr Layout kCommandLinkPacketLayout{"command_link", 8, 70, kCommandLinkPacket, offsetof(CommandLinkPacket, flags), "key unauthenticated number_not_kept"};
+constexpr Layout kCommandLinkPacketLayout{"command_link", 8, 70, kCommandLinkPacket, offsetof(CommandLinkPacket, flags), "key unauthenticated number_not_kept", ""};
 static_assert(sizeof(CommandLinkPacket) <= kStructOctetsMax);
 
 constexpr Field kPlatformEventPacket[] = {
@@ -258,18 +258,18 @@ constexpr Field kPlatformEventPacket[] = {
     {"text", FieldType::kText, 122, true, 60, offsetof(PlatformEventPacket, text), -1, -kNoLimit, kNoLimit, "", "", "", {}},
     {"spare", FieldType::kU8, 2, true, 182, offsetof(PlatformEventPacket, spare), -1, -kNoLimit, kNoLimit, "", "", "", {}},
 };
-constexpr Layout kPlatformEventPacketLayout{"platform_event", 9, 186, kPlatformEventPacket, kNoFlags, ""};
+constexpr Layout kPlatformEventPacketLayout{"platform_event", 9, 186, kPlatformEventPacket, kNoFlags, "", ""};
 static_assert(sizeof(PlatformEventPacket) <= kStructOctetsMax);
 
-constexpr Layout kNoopCommandLayout{"noop", 0, 10, {}, kNoFlags, ""};
+constexpr Layout kNoopCommandLayout{"noop", 0, 10, {}, kNoFlags, "", ""};
 
-constexpr Layout kResetCountersCommandLayout{"reset_counters", 1, 10, {}, kNoFlags, ""};
+constexpr Layout kResetCountersCommandLayout{"reset_counters", 1, 10, {}, kNoFlags, "", ""};
 
-constexpr Layout kResetMapCommandLayout{"reset_map", 2, 10, {}, kNoFlags, ""};
+constexpr Layout kResetMapCommandLayout{"reset_map", 2, 10, {}, kNoFlags, "", ""};
 
-constexpr Layout kHoldCommandLayout{"hold", 3, 10, {}, kNoFlags, ""};
+constexpr Layout kHoldCommandLayout{"hold", 3, 10, {}, kNoFlags, "", ""};
 
-constexpr Layout kResumeCommandLayout{"resume", 4, 10, {}, kNoFlags, ""};
+constexpr Layout kResumeCommandLayout{"resume", 4, 10, {}, kNoFlags, "", ""};
 
 constexpr Field kSetKnownLengthCommand[] = {
     {"frame_timestamp_ns", FieldType::kI64, 1, false, 8, offsetof(SetKnownLengthCommand, frame_timestamp_ns), -1, 0.0, 9.2e+18, "", "ns", "", {}},
@@ -277,14 +277,14 @@ constexpr Field kSetKnownLengthCommand[] = {
     {"first_px", FieldType::kF64, 2, true, 24, offsetof(SetKnownLengthCommand, first_px), -1, -0.5, 16384.0, "u v", "px", "", {}},
     {"second_px", FieldType::kF64, 2, true, 40, offsetof(SetKnownLengthCommand, second_px), -1, -0.5, 16384.0, "u v", "px", "", {}},
 };
-constexpr Layout kSetKnownLengthCommandLayout{"set_known_length", 5, 58, kSetKnownLengthCommand, kNoFlags, ""};
+constexpr Layout kSetKnownLengthCommandLayout{"set_known_length", 5, 58, kSetKnownLengthCommand, kNoFlags, "", ""};
 static_assert(sizeof(SetKnownLengthCommand) <= kStructOctetsMax);
 
 constexpr Field kSetRangeCommand[] = {
     {"frame_timestamp_ns", FieldType::kI64, 1, false, 8, offsetof(SetRangeCommand, frame_timestamp_ns), -1, 0.0, 9.2e+18, "", "ns", "", {}},
     {"range_m", FieldType::kF64, 1, false, 16, offsetof(SetRangeCommand, range_m), -1, 0.01, 100000.0, "", "m", "", {}},
 };
-constexpr Layout kSetRangeCommandLayout{"set_range", 6, 26, kSetRangeCommand, kNoFlags, ""};
+constexpr Layout kSetRangeCommandLayout{"set_range", 6, 26, kSetRangeCommand, kNoFlags, "", ""};
 static_assert(sizeof(SetRangeCommand) <= kStructOctetsMax);
 
 constexpr Field kServicerAttitudeCommand[] = {
@@ -292,20 +292,20 @@ constexpr Field kServicerAttitudeCommand[] = {
     {"q_IC", FieldType::kF64, 4, true, 16, offsetof(ServicerAttitudeCommand, q_IC), -1, -1.0, 1.0, "w x y z", "", "", {}},
     {"w_C_rad_s", FieldType::kF64, 3, true, 48, offsetof(ServicerAttitudeCommand, w_C_rad_s), -1, -10.0, 10.0, "x y z", "rad/s", "", {}},
 };
-constexpr Layout kServicerAttitudeCommandLayout{"servicer_attitude", 7, 74, kServicerAttitudeCommand, kNoFlags, ""};
+constexpr Layout kServicerAttitudeCommandLayout{"servicer_attitude", 7, 74, kServicerAttitudeCommand, kNoFlags, "", ""};
 static_assert(sizeof(ServicerAttitudeCommand) <= kStructOctetsMax);
 
 constexpr Field kRequestCloudCommand[] = {
     {"points_max", FieldType::kU32, 1, false, 8, offsetof(RequestCloudCommand, points_max), -1, 1.0, 100000.0, "", "", "", {}},
 };
-constexpr Layout kRequestCloudCommandLayout{"request_cloud", 8, 14, kRequestCloudCommand, kNoFlags, ""};
+constexpr Layout kRequestCloudCommandLayout{"request_cloud", 8, 14, kRequestCloudCommand, kNoFlags, "", ""};
 static_assert(sizeof(RequestCloudCommand) <= kStructOctetsMax);
 
 constexpr Field kTableLoadCommand[] = {
     {"entries", FieldType::kU16, 1, false, 8, offsetof(TableLoadCommand, entries), -1, 1.0, 64.0, "", "", "", {}},
     {"spare", FieldType::kU16, 3, true, 10, offsetof(TableLoadCommand, spare), -1, 0.0, 0.0, "", "", "", {}},
 };
-constexpr Layout kTableLoadCommandLayout{"table_load", 9, 18, kTableLoadCommand, kNoFlags, ""};
+constexpr Layout kTableLoadCommandLayout{"table_load", 9, 18, kTableLoadCommand, kNoFlags, "", ""};
 static_assert(sizeof(TableLoadCommand) <= kStructOctetsMax);
 
 constexpr Field kTableLoadEntry[] = {
@@ -314,19 +314,19 @@ constexpr Field kTableLoadEntry[] = {
     {"spare", FieldType::kU16, 1, false, 6, offsetof(TableLoadEntry, spare), -1, 0.0, 0.0, "", "", "", {}},
     {"value", FieldType::kU64, 1, false, 8, offsetof(TableLoadEntry, value), -1, -kNoLimit, kNoLimit, "", "", "", {}},
 };
-constexpr Layout kTableLoadEntryLayout{"table_load_entry", 9, 16, kTableLoadEntry, kNoFlags, ""};
+constexpr Layout kTableLoadEntryLayout{"table_load_entry", 9, 16, kTableLoadEntry, kNoFlags, "", ""};
 static_assert(sizeof(TableLoadEntry) <= kStructOctetsMax);
 
 constexpr Field kTableActivateCommand[] = {
     {"crc32", FieldType::kU32, 1, false, 8, offsetof(TableActivateCommand, crc32), -1, -kNoLimit, kNoLimit, "", "", "", {}},
     {"entries", FieldType::kU32, 1, false, 12, offsetof(TableActivateCommand, entries), -1, 1.0, 4096.0, "", "", "", {}},
 };
-constexpr Layout kTableActivateCommandLayout{"table_activate", 10, 18, kTableActivateCommand, kNoFlags, ""};
+constexpr Layout kTableActivateCommandLayout{"table_activate", 10, 18, kTableActivateCommand, kNoFlags, "", ""};
 static_assert(sizeof(TableActivateCommand) <= kStructOctetsMax);
 
-constexpr Layout kTableDiscardCommandLayout{"table_discard", 11, 10, {}, kNoFlags, ""};
+constexpr Layout kTableDiscardCommandLayout{"table_discard", 11, 10, {}, kNoFlags, "", ""};
 
-constexpr Layout kCheckpointCommandLayout{"checkpoint", 12, 10, {}, kNoFlags, ""};
+constexpr Layout kCheckpointCommandLayout{"checkpoint", 12, 10, {}, kNoFlags, "", ""};
 
 constexpr const Layout* kPackets[] = {&kMotionPacketLayout, &kModelPacketLayout, &kPredictionPacketLayout, &kShapePacketLayout, &kHousekeepingPacketLayout, &kEventPacketLayout, &kCloudPacketLayout, &kPlatformPacketLayout, &kCommandLinkPacketLayout, &kPlatformEventPacketLayout};
 constexpr const Layout* kCommands[] = {&kNoopCommandLayout, &kResetCountersCommandLayout, &kResetMapCommandLayout, &kHoldCommandLayout, &kResumeCommandLayout, &kSetKnownLengthCommandLayout, &kSetRangeCommandLayout, &kServicerAttitudeCommandLayout, &kRequestCloudCommandLayout, &kTableLoadCommandLayout, &kTableActivateCommandLayout, &kTableDiscardCommandLayout, &kCheckpointCommandLayout};

@@ -1,6 +1,8 @@
 #include "bus/report_changes.hpp"
 
+#include <array>
 #include <numbers>
+#include <string_view>
 
 #include "bus/bus_state.hpp"
 #include "bus/dynamics_telemetry.hpp"
@@ -10,6 +12,9 @@
 
 namespace polhode::bus {
 namespace {
+
+// Two numbers of six digits with a sign and an exponent, and what is between them.
+constexpr std::size_t kWordsOctetsMax = 64;
 
 void tell(EventId id, double first, double second, BusState* bus) {
   report(id, {.values = {first, second}}, &bus->events);
@@ -87,6 +92,33 @@ void report_times(const View& view, BusState* bus) {
   reported.rate_implausible = rate_deg_s > kImplausible_deg_s;
 }
 
+/// What the scale was, and what it is. That a first map has a unit of its own is no news.
+void report_scale(const ScaleState& scale, BusState* bus) {
+  const ScaleNumber before = bus->reported.scale;
+  const double number = bus->scale.number;
+  if (scale.not_improved > bus->reported.scale_not_improved) {
+    tell(EventId::kScaleNotImproved, scale.relative_sigma, scale.keyframes_at_reading, bus);
+  }
+  bus->reported.scale_not_improved = scale.not_improved;
+  bus->reported.scale = bus->scale;
+  if (bus->scale.number == before.number || !(scale.known || before.unit.known)) {
+    return;
+  }
+  if (!scale.known) {
+    tell(EventId::kScaleUnknown, before.unit.metres_per_mu, number, bus);
+    return;
+  }
+  std::array<char, kWordsOctetsMax> words{};
+  const std::string_view pattern =
+      before.unit.known ? "number {0}, before: {1}" : "number {0}, before: map units";
+  const std::size_t octets =
+      event_text(pattern, {.values = {number, before.unit.metres_per_mu}}, words);
+  report(EventId::kScaleKnown,
+         {.values = {scale.metres_per_mu, scale.relative_sigma},
+          .word = std::string_view(words.data(), octets)},
+         &bus->events);
+}
+
 }  // namespace
 
 void report_changes(const View& view, BusState* bus) {
@@ -109,16 +141,13 @@ void report_changes(const View& view, BusState* bus) {
   if (now.tables_full != reported.counters.tables_full) {
     tell(EventId::kTableFull, now.tables_full - reported.counters.tables_full, 0.0, bus);
   }
-  if (scale.known && reported.metres_per_mu != scale.metres_per_mu) {
-    tell(EventId::kScaleKnown, scale.metres_per_mu, scale.relative_sigma, bus);
-  }
+  report_scale(scale, bus);
   reported.started = true;
   reported.counters = now;
   reported.mode = motion.mode;
   // A map may begin and be lost within a step: nobody has heard of its frame then.
   reported.target_frame =
       motion.mode == Mode::kTracking ? motion.target_frame : reported.target_frame;
-  reported.metres_per_mu = scale.known ? scale.metres_per_mu : 0.0;
 }
 
 }  // namespace polhode::bus

@@ -11,6 +11,7 @@ struct LengthUnit {
   bool known = false;
   double metres_per_mu = 1.0;
   double relative_sigma = 0.0;
+  std::uint32_t number = 0;  ///< of the scale in force
 };
 
 /// All lengths in the unit. The caller sets time stamp and frame.

@@ -13,6 +13,10 @@ using sound::is_bounded;
 using sound::is_enum;
 }  // namespace
 
+bool is_sound(const ScaleNumber& scale) {
+  return is_bool(scale.unit.known) && is_at_least(scale.unit.metres_per_mu, 0.0);
+}
+
 bool is_sound(const ServicerAttitude& servicer) {
   // Commands carry a quaternion to single precision.
   constexpr double kNormError = 1e-3;
@@ -23,7 +27,7 @@ bool is_sound(const ServicerAttitude& servicer) {
 bool is_sound(const Reported& reported) {
   return is_bool(reported.started) && is_bool(reported.stamps_doubted) &&
          is_bool(reported.rate_implausible) && is_enum(reported.mode, kLastMode) &&
-         reported.dynamics <= bus::kDynamicsOrbit && is_at_least(reported.metres_per_mu, 0.0);
+         reported.dynamics <= bus::kDynamicsOrbit && is_sound(reported.scale);
 }
 
 bool is_sound(const BusState& bus) {
@@ -32,7 +36,7 @@ bool is_sound(const BusState& bus) {
                      bus.stream.sequence.end(),
                      [](std::uint16_t count) { return count < bus::kSequenceModulus; }) &&
          is_enum(bus.commands.last_rejection, bus::Rejection::kTooMany) && is_sound(bus.servicer) &&
-         is_sound(bus.reported) &&
+         is_sound(bus.reported) && is_sound(bus.scale) &&
          std::all_of(q.begin(), q.end(), [](double value) { return is_bounded(value); });
 }
 

@@ -12,5 +12,6 @@ bool is_sound(const BusState& bus);
 /// Parts of it:
 bool is_sound(const ServicerAttitude& servicer);
 bool is_sound(const Reported& reported);
+bool is_sound(const ScaleNumber& scale);
 
 }  // namespace polhode

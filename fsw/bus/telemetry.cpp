@@ -95,6 +95,7 @@ MotionPacket to_packet(const MotionState& state) {
   flags |= state.rate_valid ? flag::kFlagRate : 0U;
   flags |= state.velocity_valid ? flag::kFlagVelocity : 0U;
   flags |= state.scale_known ? flag::kFlagScaleKnown : 0U;
+  flags |= state.scale_number % flag::kScaleNumbers << flag::kScaleNumberShift;
   return {.timestamp_ns = state.timestamp_ns,
           .q_CT = state.q_CT,
           .p_CT = state.p_CT,
@@ -124,6 +125,7 @@ MotionState from_packet(const MotionPacket& packet) {
   state.timestamp_ns = packet.timestamp_ns;
   state.mode = static_cast<Mode>(packet.mode);
   state.scale_known = has(packet.flags, flag::kFlagScaleKnown);
+  state.scale_number = static_cast<std::uint32_t>(packet.flags) >> flag::kScaleNumberShift;
   state.features = packet.features;
   state.matches = packet.matches;
   state.inliers = packet.inliers;

@@ -70,7 +70,7 @@ bool append(Packet& packet, const BusOptions& options, PacketStream* stream) {
 }
 
 /// The motion state as a packet, and back. Fields whose flag is down come back with MotionState's
-/// defaults.
+/// defaults. The scale's number comes back modulo 16.
 MotionPacket to_packet(const MotionState& state);
 MotionState from_packet(const MotionPacket& packet);
 

@@ -334,15 +334,4 @@ void renew_reference(std::uint32_t frame, MapState* s) {
   }
 }
 
-FixedVector<Eigen::Vector3d, limits::kFeatures> seen_landmarks_T(const MapState& s) {
-  FixedVector<Eigen::Vector3d, limits::kFeatures> seen;
-  for (const LandmarkMatch& match : s.localised.matches) {
-    const Landmark& landmark = s.map.landmarks[match.landmark.index()];
-    if (match.inlier && landmark.used) {
-      (void)seen.push_back(landmark.p_T);
-    }
-  }
-  return seen;
-}
-
 }  // namespace polhode

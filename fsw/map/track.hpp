@@ -93,7 +93,4 @@ void count_observations(const CameraModel& camera, bool by_flow, MapState* state
 /// Flow follows this frame from here on.
 void renew_reference(std::uint32_t frame, MapState* state);
 
-/// The landmarks that are seen in this frame, as inliers of its pose.
-FixedVector<Eigen::Vector3d, limits::kFeatures> seen_landmarks_T(const MapState& state);
-
 }  // namespace polhode

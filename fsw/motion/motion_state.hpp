@@ -24,6 +24,9 @@ struct MotionState {
   bool rate_valid = false;
   bool velocity_valid = false;
   bool scale_known = false;  ///< lengths are metres; else map units
+  std::uint32_t scale_number =
+      0;  ///< of the scale in force: lengths of one number have one unit; in the packet modulo 16
+  double metres_per_mu = 1.0;  ///< that scale; not in the packet
   std::uint32_t target_frame =
       0;  ///< number of the frame T that the pose is in; not in the packet (event target_frame_new)
   bool contested = false;  ///< the pose departs from the motion, or repeats; sigmas say by how

@@ -85,7 +85,7 @@ bool has_room(const StartOutcome& start, const MapOptions& options, const Map& m
 /// The first map, or another one with a T and a unit of its own.
 void begin(Component::State* s) {
   reset_map_and_motion(s);
-  reset_scale(&s->scale);
+  s->scale = {};
   ++s->mapping.target_frame;
   take_over_start({}, s);
 }

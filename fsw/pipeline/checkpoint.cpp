@@ -133,6 +133,7 @@ void visit_persistent(Visitor&& visit, State& s) {
   visit(s.bus.cloud.number);
   visit(s.bus.servicer);
   visit(s.bus.reported);
+  visit(s.bus.scale);
   visit(s.bus.q_CT_last);
 }
 
@@ -150,7 +151,7 @@ WorkLost work_lost(const JobQueue& jobs, const GrowthWaiting& growth) {
 
 /// Sizes of everything, which show when a table's entry has changed.
 struct Fingerprint {
-  std::uint64_t version = 6;  ///< changes when the order or the meaning of the content does
+  std::uint64_t version = 7;  ///< changes when the order or the meaning of the content does
   std::uint64_t keyframe = sizeof(Keyframe);
   std::uint64_t landmark = sizeof(Landmark);
   std::uint64_t values = 0;  ///< octets of all values together

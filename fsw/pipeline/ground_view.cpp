@@ -30,6 +30,7 @@ GroundView view_of(const Component::State& s) {
           .model = s.motion.model,
           .moves_so_since_ns = s.motion.moves_so_since_ns,
           .scale = s.scale,
+          .scale_number = number_of(lengths_unit(s), s.bus.scale),
           .target_frame = s.mapping.target_frame};
 }
 

@@ -33,6 +33,7 @@ struct GroundView {
   const RigidModel& model;                     ///< of the motion so far
   std::int64_t moves_so_since_ns = INT64_MIN;  ///< the body was disturbed then, the last time
   const ScaleState& scale;
+  std::uint32_t scale_number = 0;  ///< that lengths in it go under
   std::uint32_t target_frame = 0;  ///< number of the frame T that the map is in
 };
 

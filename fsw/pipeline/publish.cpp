@@ -97,6 +97,8 @@ MotionState motion_state(std::int64_t timestamp_ns,
   m.timestamp_ns = timestamp_ns;
   m.mode = s->mode.now;
   m.scale_known = s->scale.known;
+  m.scale_number = unit.number;
+  m.metres_per_mu = unit.metres_per_mu;
   m.target_frame = mapping.target_frame;
   m.features = bus::clipped(std::max(s->features.features.size(), matches.size()));
   m.matches = bus::clipped(matches.size());
@@ -153,9 +155,11 @@ bus::View bus_view(FrameUse use,
 }  // namespace
 
 void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
+  change_unit(lengths_unit(*s), &s->bus.scale);
   const bus::LengthUnit unit{.known = s->scale.known,
                              .metres_per_mu = s->scale.metres_per_mu,
-                             .relative_sigma = length_sigma(s->scale, s->mapping.drift)};
+                             .relative_sigma = length_sigma(s->scale, s->mapping.drift),
+                             .number = s->bus.scale.number};
   const StampDoubt stamps =
       s->mapping.pose_valid ? doubt_of_stamps(s->motion.recent.view()) : StampDoubt{};
   StepOutput& output = s->answer.output;

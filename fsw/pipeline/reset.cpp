@@ -15,7 +15,7 @@ void reset_map_and_motion(Component::State* s) {
 void reset_target(Component::State* s) {
   reset_map_and_motion(s);
   clear(&s->initialisation);
-  reset_scale(&s->scale);
+  s->scale = {};
   reset_pictures(&s->picture);
   s->bus.cloud.points_T.clear();
   s->bus.cloud.next = 0;

@@ -188,7 +188,7 @@ SmoothedPose MapAtRest::from_image(const Frame& frame) {
 
 bool read_scale_in_keyframe(Component* component) {
   Component::State* s = ComponentAccess::state(*component);
-  return count(read_scale_in_keyframe(s->mapping.map, scale_input(*s), &s->scale), &s->counters);
+  return count(read_scale_in_keyframe(s->mapping, scale_input(*s), &s->scale), &s->counters);
 }
 
 bool read_scale_in_image(Component* component) {

@@ -90,6 +90,13 @@ inline double length_sigma(const ScaleState& scale, const MapDrift& drift) {
   return std::hypot(scale.relative_sigma, unit_sigma(drift));
 }
 
+/// The unit of lengths as they are now.
+inline LengthsUnit lengths_unit(const Component::State& state) {
+  return {.known = state.scale.known,
+          .metres_per_mu = state.scale.metres_per_mu,
+          .target_frame = state.mapping.target_frame};
+}
+
 /// Tells the caller's hook that a stage has ended.
 inline void stage_done(Stage stage, const StageTimer& timer) {
   if (timer.hook != nullptr) {

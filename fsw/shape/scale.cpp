@@ -1,291 +1,57 @@
 #include "shape/scale.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
-
-#include "base/fixed_vector.hpp"
-#include "config/limits.hpp"
+#include <numbers>
 
 namespace polhode {
 namespace {
 
-// Landmarks around the ray among which a plane is sought. Chosen for its cost: all 2024 triples are
-// tried, three times.
-constexpr std::size_t kNearest = 24;
-// A ray whose nearest landmark is farther than this many typical distances misses the target.
-// Chosen; smaller refuses bare parts of a surface, larger takes rays beside the body.
-constexpr double kMissDistances = 6.0;
-// A landmark belongs to a plane within this many typical distances along the ray: three sigma of a
-// cloud whose noise is a third of its spacing.
-constexpr double kBandDistances = 1.0;
-// Refinement does not narrow the band below this part: a few landmarks may agree by chance. Chosen.
-constexpr double kBandPartMin = 0.1;
-constexpr double kBand_sigmas = 3.0;
-// At an edge two sides share the landmarks around the ray. The nearer side is taken when it has
-// this part of the other's support. Chosen; smaller takes a few stray points in front for a side,
-// larger misses the nearer side.
-constexpr double kFrontPart = 0.5;
-// Cosine of 78 deg: a side seen more obliquely shows next to no landmarks. A plane that leans so
-// far joins points of two sides.
-constexpr double kFacingCosineMin = 0.2;
-// A plane that crosses the ray holds two of the four landmarks nearest to it. A large side with
-// only farther landmarks would be extrapolated over a panel behind or beside the body.
-constexpr std::size_t kWitnesses = 4;
-constexpr std::size_t kWitnessesMin = 2;
-// Three points fix a plane, two are left to judge it by.
-constexpr std::size_t kPlaneSupportMin = 5;
-// Chosen: least-squares passes until the set of inliers has settled.
-constexpr int kRefinements = 5;
-// Least triangle of a triple, in parts of the neighbourhood's radius squared. Smaller ones
-// extrapolate noise. Chosen.
-constexpr double kTriangleMin = 0.01;
-// Landmarks whose scatter in depth gives the sigma where no plane is found: a triangle's three
-// corners.
-constexpr std::size_t kNearestDepths = 3;
-
-struct Seen {
-  Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // in the image, from the ray
-  double distance2 = 0.0;
-  double depth = 0.0;
-  double weight = 1.0;  // how much it says of the surface at the ray
+/// An end of a length.
+struct End {
+  Eigen::Vector2d ray;
+  SurfaceHit hit;
 };
 
-using SeenTable = FixedVector<Seen, limits::kLandmarks>;
+/// Variance of a length by an error of its end along its ray: by the component along the length,
+/// and by the one across, which makes every length longer.
+double variance_along(const End& end, const Eigen::Vector3d& direction, double length_mu) {
+  const double cosine = direction.dot(end.ray.homogeneous().normalized());
+  const double along = cosine * end.hit.sigma_mu;
+  const double across2 = (1.0 - cosine * cosine) * end.hit.sigma_mu * end.hit.sigma_mu;
+  const double longer = across2 / (2.0 * length_mu);
+  return along * along + longer * longer;
+}
 
-bool nearer(const Seen& a, const Seen& b) { return a.distance2 < b.distance2; }
-
-void collect(const ScaleView& view, const Eigen::Vector2d& ray, SeenTable& seen) {
-  for (const Eigen::Vector3d& landmark_T : view.landmarks_T) {
-    const Eigen::Vector3d p_C = view.pose.to_camera(landmark_T);
-    if (p_C.allFinite() && p_C.z() > 0.0) {
-      const Eigen::Vector2d offset = p_C.hnormalized() - ray;
-      if (!seen.push_back(
-              {.offset = offset, .distance2 = offset.squaredNorm(), .depth = p_C.z()})) {
-        return;
-      }
+/// Variance of a length by where its end was picked: the point moves across its ray, and with it
+/// the surface that the ray meets. At an edge that is another one. A place that meets none says
+/// nothing.
+double variance_by_pick(const ScaleView& view,
+                        const End& end,
+                        const SurfaceHit& other,
+                        double sigma_ray) {
+  constexpr int kAround = 8;  // chosen: every 45 deg finds any straight edge
+  // On this circle the mean square of a linear change is its variance.
+  const double radius = std::numbers::sqrt2 * sigma_ray;
+  const double length_mu = (end.hit.p_C - other.p_C).norm();
+  double square = 0.0;
+  int hits = 0;
+  for (int i = 0; i < kAround && sigma_ray > 0.0; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kAround;
+    const Result<SurfaceHit> hit =
+        hit_surface(view, end.ray + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    if (hit) {
+      const double change = (hit.value().p_C - other.p_C).norm() - length_mu;
+      square += change * change;
+      ++hits;
     }
   }
-}
-
-/// Distance in the image between neighbours of landmarks spread evenly over their bounding box.
-double typical_distance(const SeenTable& seen) {
-  Eigen::Vector2d least = seen[0].offset;
-  Eigen::Vector2d most = seen[0].offset;
-  for (const Seen& one : seen) {
-    least = least.cwiseMin(one.offset);
-    most = most.cwiseMax(one.offset);
-  }
-  return (most - least).norm() / std::sqrt(static_cast<double>(seen.size()));
-}
-
-using NearTable = FixedVector<Seen, kNearest>;
-
-/// The landmarks nearest to the ray in the image.
-void take_near(SeenTable& seen, double reach2, NearTable& near) {
-  const std::size_t around = std::min<std::size_t>(seen.size(), kNearest);
-  std::partial_sort(seen.begin(), seen.begin() + around, seen.end(), nearer);
-  for (std::size_t i = 0; i < around && seen[i].distance2 <= reach2; ++i) {
-    POLHODE_ASSERT(near.push_back(seen[i]), i);
-  }
-  // The weight is a quarter at the last witness. Landmarks far from the ray are many, and more
-  // often on another side.
-  const double close2 = near.empty() ? 0.0 : near[std::min(kWitnesses, near.size()) - 1].distance2;
-  for (Seen& one : near) {
-    const double ratio = close2 > 0.0 ? one.distance2 / close2 : 0.0;
-    one.weight = 1.0 / ((1.0 + ratio) * (1.0 + ratio));
-  }
-}
-
-/// Inverse depth over the image: a + b . offset. A plane in space is linear there.
-struct InversePlane {
-  Eigen::Vector3d coefficients = Eigen::Vector3d::Zero();
-  std::size_t support = 0;
-
-  [[nodiscard]] double at(const Seen& seen) const {
-    return coefficients(0) + coefficients.tail<2>().dot(seen.offset);
-  }
-  /// Of the angle between the plane's normal and the ray.
-  [[nodiscard]] double facing(const Eigen::Vector2d& ray) const {
-    const Eigen::Vector2d slope = coefficients.tail<2>();
-    const Eigen::Vector3d normal_C(slope.x(), slope.y(), coefficients(0) - slope.dot(ray));
-    return coefficients(0) / (normal_C.norm() * ray.homogeneous().norm());
-  }
-  [[nodiscard]] bool holds(const Seen& seen, double band) const {
-    const double inverse = at(seen);
-    return inverse > 0.0 && std::abs(1.0 / inverse - seen.depth) <= band;
-  }
-};
-
-std::size_t support_of(const InversePlane& plane, const NearTable& near, double band) {
-  std::size_t count = 0;
-  for (const Seen& seen : near) {
-    count += plane.holds(seen, band) ? 1U : 0U;
-  }
-  return count;
-}
-
-bool through(const Seen& a, const Seen& b, const Seen& c, double spread2, InversePlane* plane) {
-  Eigen::Matrix2d A;
-  A.row(0) = (b.offset - a.offset).transpose();
-  A.row(1) = (c.offset - a.offset).transpose();
-  if (!(std::abs(A.determinant()) > kTriangleMin * spread2)) {
-    return false;
-  }
-  const Eigen::Vector2d slope =
-      A.inverse() * Eigen::Vector2d(1.0 / b.depth - 1.0 / a.depth, 1.0 / c.depth - 1.0 / a.depth);
-  plane->coefficients << 1.0 / a.depth - slope.dot(a.offset), slope;
-  return true;
-}
-
-bool witnessed(const InversePlane& plane, const NearTable& near, double band) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < std::min(kWitnesses, near.size()); ++i) {
-    count += plane.holds(near[i], band) ? 1U : 0U;
-  }
-  return count >= kWitnessesMin;
-}
-
-/// Calls visit(plane) for the planes through all triples that pass the ray no nearer than the
-/// nearest landmark, face it and hold landmarks next to it.
-template <typename Visit>
-void for_planes(const NearTable& near,
-                const Eigen::Vector2d& ray,
-                double band,
-                const Visit& visit) {
-  double front = near[0].depth;
-  double spread2 = 0.0;
-  for (const Seen& seen : near) {
-    front = std::min(front, seen.depth);
-    spread2 = std::max(spread2, (seen.offset - near[0].offset).squaredNorm());
-  }
-  for (std::size_t i = 0; i < near.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      for (std::size_t k = 0; k < j; ++k) {
-        InversePlane plane;
-        if (through(near[i], near[j], near[k], spread2, &plane) && plane.coefficients(0) > 0.0 &&
-            1.0 / plane.coefficients(0) > front - band && plane.facing(ray) >= kFacingCosineMin &&
-            witnessed(plane, near, band)) {
-          plane.support = support_of(plane, near, band);
-          visit(plane);
-        }
-      }
-    }
-  }
-}
-
-/// The nearest plane on the ray that enough landmarks support.
-InversePlane front_plane(const NearTable& near, const Eigen::Vector2d& ray, double band) {
-  std::size_t most = 0;
-  for_planes(near, ray, band, [&most](const InversePlane& plane) {
-    most = std::max(most, plane.support);
-  });
-  const auto enough =
-      std::max(kPlaneSupportMin,
-               static_cast<std::size_t>(std::ceil(kFrontPart * static_cast<double>(most))));
-  double depth_least = 0.0;
-  for_planes(near, ray, band, [&](const InversePlane& plane) {
-    const double depth = 1.0 / plane.coefficients(0);
-    depth_least = plane.support >= enough && (depth_least == 0.0 || depth < depth_least)
-                      ? depth
-                      : depth_least;
-  });
-  // Within two bands, one for the noise of each plane, the best supported plane is taken. The very
-  // nearest one is selected by its noise.
-  InversePlane best;
-  for_planes(near, ray, band, [&](const InversePlane& plane) {
-    if (plane.support >= enough && 1.0 / plane.coefficients(0) <= depth_least + 2.0 * band &&
-        plane.support > best.support) {
-      best = plane;
-    }
-  });
-  return best;
-}
-
-struct InverseDepth {
-  double value = 0.0;
-  double sigma = 0.0;
-};
-
-/// Least squares over the plane's landmarks, selected again after each step within three sigma. So
-/// landmarks of another side next to an edge drop out. Gives inverse depth and its sigma at the
-/// ray.
-bool refine(const NearTable& near, double band_max, InversePlane plane, InverseDepth* at_ray) {
-  double band = band_max;
-  for (int pass = 0; pass < kRefinements; ++pass) {
-    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
-    Eigen::Matrix3d H2 = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d g = Eigen::Vector3d::Zero();
-    double square = 0.0;
-    std::size_t count = 0;
-    for (const Seen& seen : near) {
-      if (plane.holds(seen, band)) {
-        const Eigen::Vector3d J(1.0, seen.offset.x(), seen.offset.y());
-        const double residual = 1.0 / seen.depth - plane.at(seen);
-        H += seen.weight * J * J.transpose();
-        H2 += seen.weight * seen.weight * J * J.transpose();
-        g += seen.weight * J * residual;
-        square += residual * residual;
-        ++count;
-      }
-    }
-    const Eigen::LDLT<Eigen::Matrix3d> ldlt(H);
-    if (count < kPlaneSupportMin || !(ldlt.vectorD().minCoeff() > 0.0)) {
-      return false;
-    }
-    plane.coefficients += ldlt.solve(g);
-    const double variance = square / static_cast<double>(count - 3);
-    band = std::clamp(kBand_sigmas * near[0].depth * near[0].depth * std::sqrt(variance),
-                      kBandPartMin * band_max,
-                      band_max);
-    at_ray->value = plane.coefficients(0);
-    const Eigen::Vector3d at_zero = ldlt.solve(Eigen::Vector3d::UnitX());
-    at_ray->sigma = std::sqrt(variance * at_zero.dot(H2 * at_zero));
-  }
-  return at_ray->value > 0.0 && std::isfinite(at_ray->sigma);
-}
-
-/// Where no plane is found: the nearest landmark's depth. Its sigma is the scatter of those around
-/// it.
-InverseDepth nearest_depth(const NearTable& near) {
-  double deviation = near[0].depth * std::sqrt(near[0].distance2);
-  for (std::size_t i = 1; i < std::min(kNearestDepths, near.size()); ++i) {
-    deviation = std::max(deviation, std::abs(near[i].depth - near[0].depth));
-  }
-  return {.value = 1.0 / near[0].depth, .sigma = deviation / (near[0].depth * near[0].depth)};
+  const double flat = sigma_ray * end.hit.depth_mu;  // where nothing else is met
+  return std::max(flat * flat, hits > 0 ? square / hits : 0.0);
 }
 
 }  // namespace
-
-Result<SurfaceHit> hit_surface(const ScaleView& view, const Eigen::Vector2d& ray) {
-  SeenTable seen;
-  collect(view, ray, seen);
-  if (seen.size() < 3) {
-    return ErrorCode::kTooFewObservations;
-  }
-  const double typical = typical_distance(seen);
-  const double reach = kMissDistances * typical;
-  NearTable near;
-  take_near(seen, reach * reach, near);
-  if (near.empty() || !(reach > 0.0)) {
-    return ErrorCode::kDegenerate;
-  }
-  const double band = kBandDistances * typical * near[0].depth;
-  const InversePlane plane = front_plane(near, ray, band);
-  InverseDepth at_ray;
-  if (plane.support < kPlaneSupportMin || !refine(near, band, plane, &at_ray)) {
-    at_ray = nearest_depth(near);
-  }
-  SurfaceHit hit;
-  hit.depth_mu = 1.0 / at_ray.value;
-  const double along = ray.homogeneous().norm();
-  hit.sigma_mu = along * hit.depth_mu * hit.depth_mu * at_ray.sigma;
-  hit.p_C = hit.depth_mu * ray.homogeneous();
-  return hit;
-}
 
 Result<ScaleEstimate> scale_from_length(const ScaleView& view,
                                         const Eigen::Vector2d& end_a,
@@ -305,13 +71,14 @@ Result<ScaleEstimate> scale_from_length(const ScaleView& view,
   if (!(length_mu > 0.0)) {
     return ErrorCode::kDegenerate;
   }
-  // Errors along the two rays count by their component along the length. An error of a picked point
-  // moves its end across the ray.
   const Eigen::Vector3d direction = apart / length_mu;
-  const double by_a = direction.dot(end_a.homogeneous().normalized()) * a.value().sigma_mu;
-  const double by_b = direction.dot(end_b.homogeneous().normalized()) * b.value().sigma_mu;
-  const double by_pick = sigma_ray * std::hypot(a.value().depth_mu, b.value().depth_mu);
-  const double sigma_mu = std::sqrt(by_a * by_a + by_b * by_b + by_pick * by_pick);
+  const double by_relief = view.relief_sigma * apart.z() * apart.z() / length_mu;
+  const double sigma_mu =
+      std::sqrt(variance_along({.ray = end_a, .hit = a.value()}, direction, length_mu) +
+                variance_along({.ray = end_b, .hit = b.value()}, direction, length_mu) +
+                variance_by_pick(view, {.ray = end_a, .hit = a.value()}, b.value(), sigma_ray) +
+                variance_by_pick(view, {.ray = end_b, .hit = b.value()}, a.value(), sigma_ray) +
+                by_relief * by_relief);
   if (length_mu < kLengthSigmasMin * sigma_mu) {
     return ErrorCode::kDegenerate;
   }

@@ -1,41 +1,122 @@
 #include "shape/scale_reading.hpp"
 
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "geometry/reprojection.hpp"
 #include "map/track.hpp"
 
 namespace polhode {
 namespace {
 
-FixedVector<Eigen::Vector3d, limits::kFeatures> seen_in(const Keyframe& keyframe, const Map& map) {
-  FixedVector<Eigen::Vector3d, limits::kFeatures> seen;
-  for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
-    if (keyframe.landmark_of[i].valid()) {
-      (void)seen.push_back(map.landmarks[keyframe.landmark_of[i].index()].p_T);
-    }
+/// Landmarks that a frame sees, and how well each is known along its ray.
+struct SeenLandmarks {
+  FixedVector<LandmarkId, limits::kFeatures> ids;
+  FixedVector<Eigen::Vector3d, limits::kFeatures> points_T;
+  FixedVector<double, limits::kFeatures> sigmas_mu;
+};
+
+void add(LandmarkId id, const Map& map, SeenLandmarks* seen) {
+  if (seen->ids.push_back(id)) {
+    (void)seen->points_T.push_back(map.landmarks[id.index()].p_T);
   }
-  return seen;
 }
 
-ScaleChange read_in(const ScaleView& view,
+using InformationTable = FixedVector<Eigen::Matrix3d, limits::kFeatures>;
+
+/// Of each landmark seen, by all its image points in keyframes.
+void collect_information(const Map& map,
+                         const CameraModel& camera,
+                         const SeenLandmarks& seen,
+                         InformationTable* information) {
+  constexpr std::int32_t kNotSeen = -1;  // no place in the table
+  std::array<std::int32_t, limits::kLandmarks> place_of{};
+  place_of.fill(kNotSeen);
+  for (std::size_t i = 0; i < seen.ids.size(); ++i) {
+    place_of[seen.ids[i].index()] = static_cast<std::int32_t>(i);
+    (void)information->push_back(Eigen::Matrix3d::Zero());
+  }
+  for (const Keyframe& keyframe : map.keyframes) {
+    for (std::size_t i = 0; keyframe.used && i < keyframe.features.size(); ++i) {
+      const LandmarkId id = keyframe.landmark_of[i];
+      const std::int32_t place = id.valid() ? place_of[id.index()] : kNotSeen;
+      if (place == kNotSeen) {
+        continue;
+      }
+      const double w = camera.focal_px() / static_cast<double>(keyframe.features[i].sigma_px);
+      const Eigen::Matrix<double, 2, 3> J =
+          w * projection_jacobian(keyframe.pose, map.landmarks[id.index()].p_T).rightCols<3>() *
+          keyframe.pose.R_CT;
+      (*information)[static_cast<std::size_t>(place)] += J.transpose() * J;
+    }
+  }
+}
+
+/// A landmark that keyframes do not fix along the ray is as uncertain as the map is large.
+void collect_sigmas(const Pose& pose,
                     const Map& map,
+                    const CameraModel& camera,
+                    SeenLandmarks* seen) {
+  InformationTable information;
+  collect_information(map, camera, *seen, &information);
+  for (std::size_t i = 0; i < information.size(); ++i) {
+    const Eigen::Vector3d ray_T =
+        pose.R_CT.transpose() * pose.to_camera(seen->points_T[i]).normalized();
+    const Eigen::LDLT<Eigen::Matrix3d> ldlt(information[i]);
+    const double variance = ray_T.dot(ldlt.solve(ray_T));
+    const bool fixed = ldlt.info() == Eigen::Success && variance >= 0.0 &&
+                       variance < map.radius_mu * map.radius_mu;
+    (void)seen->sigmas_mu.push_back(fixed ? std::sqrt(variance) : map.radius_mu);
+  }
+}
+
+ScaleChange read_in(const Pose& pose,
+                    const MapState& state,
                     const ScaleInput& input,
+                    SeenLandmarks* seen,
                     ScaleState* scale) {
-  return read_scale_in(view, *input.options, *input.camera, map.next_keyframe_number, scale);
+  collect_sigmas(pose, state.map, *input.camera, seen);
+  return read_scale_in({.pose = pose,
+                        .landmarks_T = seen->points_T.view(),
+                        .sigmas_mu = seen->sigmas_mu.view(),
+                        .relief_sigma = turn_sigma(state.drift)},
+                       *input.options,
+                       *input.camera,
+                       state.map.next_keyframe_number,
+                       scale);
+}
+
+/// Whether metres are known by an earlier reading, and the map has grown since.
+bool is_anew(std::uint32_t next_keyframe, const ScaleState& scale) {
+  return scale.known && scale.keyframes_at_reading > 0 && has_grown(next_keyframe, scale);
 }
 
 }  // namespace
 
 ScaleChange read_scale_in_frame(const MapState& map, const ScaleInput& input, ScaleState* scale) {
-  return read_in({.pose = map.localised.absolute.pose, .landmarks_T = seen_landmarks_T(map).view()},
-                 map.map,
-                 input,
-                 scale);
+  SeenLandmarks seen;
+  for (const LandmarkMatch& match : map.localised.matches) {
+    if (match.inlier && map.map.landmarks[match.landmark.index()].used) {
+      add(match.landmark, map.map, &seen);
+    }
+  }
+  return read_in(map.localised.absolute.pose, map, input, &seen, scale);
 }
 
-ScaleChange read_scale_in_keyframe(const Map& map, const ScaleInput& input, ScaleState* scale) {
-  for (const Keyframe& keyframe : map.keyframes) {
+ScaleChange read_scale_in_keyframe(const MapState& map,
+                                   const ScaleInput& input,
+                                   ScaleState* scale) {
+  for (const Keyframe& keyframe : map.map.keyframes) {
     if (keyframe.used && keyframe.timestamp_ns == input.options->frame_timestamp_ns) {
-      return read_in(
-          {.pose = keyframe.pose, .landmarks_T = seen_in(keyframe, map).view()}, map, input, scale);
+      SeenLandmarks seen;
+      for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
+        if (keyframe.landmark_of[i].valid()) {
+          add(keyframe.landmark_of[i], map.map, &seen);
+        }
+      }
+      return read_in(keyframe.pose, map, input, &seen, scale);
     }
   }
   return {};
@@ -49,9 +130,16 @@ ScaleChange read_scale(std::int64_t timestamp_ns,
       !frame_reading_is_due(*input.options, map.map.next_keyframe_number, *scale)) {
     return {};
   }
-  return timestamp_ns == input.options->frame_timestamp_ns
-             ? read_scale_in_frame(map, input, scale)
-             : read_scale_in_keyframe(map.map, input, scale);
+  const bool anew = is_anew(map.map.next_keyframe_number, *scale);
+  const double sigma_before = scale->relative_sigma;
+  const ScaleChange change = timestamp_ns == input.options->frame_timestamp_ns
+                                 ? read_scale_in_frame(map, input, scale)
+                                 : read_scale_in_keyframe(map, input, scale);
+  if (anew && !(change.read && scale->relative_sigma < sigma_before)) {
+    ++scale->not_improved;
+    scale->keyframes_at_reading = map.map.next_keyframe_number;
+  }
+  return change;
 }
 
 }  // namespace polhode

@@ -28,8 +28,6 @@ ScaleChange settle(ScaleState* scale) {
   scale->known = fused.known;
   scale->metres_per_mu = fused.known ? fused.metres_per_mu : 1.0;
   scale->relative_sigma = fused.known ? fused.sigma / fused.metres_per_mu : 0.0;
-  scale->metres_per_mu_published =
-      fused.known ? fused.metres_per_mu : scale->metres_per_mu_published;
   return change;
 }
 
@@ -49,6 +47,10 @@ bool names_frame(const ScaleOptions& options) {
   return options.known_length_m != 0.0 || options.range_m != 0.0;
 }
 
+bool has_grown(std::uint32_t next_keyframe, const ScaleState& scale) {
+  return 2 * next_keyframe >= 3 * scale.keyframes_at_reading;  // by half (docs/decisions/0057)
+}
+
 bool frame_reading_is_due(const ScaleOptions& options,
                           std::uint32_t next_keyframe,
                           const ScaleState& scale) {
@@ -58,9 +60,7 @@ bool frame_reading_is_due(const ScaleOptions& options,
                         [source](const ScaleReading& reading) { return reading.source == source; });
   };
   return (options.known_length_m != 0.0 && lacks(ScaleSource::kKnownLength)) ||
-         (options.range_m != 0.0 && lacks(ScaleSource::kRange)) ||
-         // Grown by half (docs/decisions/0057).
-         2 * next_keyframe >= 3 * scale.keyframes_at_reading;
+         (options.range_m != 0.0 && lacks(ScaleSource::kRange)) || has_grown(next_keyframe, scale);
 }
 
 ScaleChange read_scale_in(const ScaleView& view,
@@ -116,12 +116,6 @@ ScaleChange read_scale_of(const Shape& shape, const ScaleOptions& options, Scale
              scale->readings);
   }
   return taken ? settle(scale) : ScaleChange{};
-}
-
-void reset_scale(ScaleState* scale) {
-  const double published = scale->metres_per_mu_published;
-  *scale = {};
-  scale->metres_per_mu_published = published;
 }
 
 }  // namespace polhode

@@ -17,11 +17,11 @@ struct ScaleState {
   bool known = false;
   double metres_per_mu = 1.0;
   double relative_sigma = 0.0;
-  double metres_per_mu_published = 1.0;    ///< of the last frame that was published in metres
   std::uint32_t keyframes_at_reading = 0;  ///< number of the map's next one at the last reading
   ScaleReadings readings;
   std::array<bool, kScaleSources> used{};  ///< readings that the scale comes from
   bool contradiction = false;
+  std::uint32_t not_improved = 0;  ///< readings anew that failed, or were no better than the last
 };
 
 /// What came of a reading.
@@ -32,6 +32,9 @@ struct ScaleChange {
 
 /// Whether a length or a range is named in a frame.
 [[nodiscard]] bool names_frame(const ScaleOptions& options);
+
+/// Whether the map has grown by half since the last reading.
+[[nodiscard]] bool has_grown(std::uint32_t next_keyframe, const ScaleState& scale);
 
 /// Is the named length or range still to be read, or has the map grown by half since it was? A map
 /// of a few frames is bent, and its lengths are off by percents.
@@ -48,8 +51,5 @@ ScaleChange read_scale_in(const ScaleView& view,
 
 /// Reads the named diameter and edge in a found shape, in map units.
 ScaleChange read_scale_of(const Shape& shape, const ScaleOptions& options, ScaleState* scale);
-
-/// Resets the scale and its readings. Keeps the scale that was last published.
-void reset_scale(ScaleState* scale);
 
 }  // namespace polhode

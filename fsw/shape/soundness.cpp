@@ -82,7 +82,6 @@ bool is_sound(const ScaleState& scale) {
   constexpr double kMetresMin = 1e-12;  // its reciprocal is as bounded as it is
   return is_bool(scale.known) && is_at_least(scale.metres_per_mu, kMetresMin) &&
          is_at_least(scale.relative_sigma, 0.0) &&
-         is_at_least(scale.metres_per_mu_published, kMetresMin) &&
          scale.readings.size() <= scale.readings.capacity() &&
          std::all_of(scale.readings.begin(),
                      scale.readings.end(),

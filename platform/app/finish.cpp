@@ -26,11 +26,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Pose causal_pose(const MotionState& m, double metres_per_mu) {
+Pose causal_pose(const MotionState& m) {
   const Eigen::Quaterniond q(m.q_CT[0], m.q_CT[1], m.q_CT[2], m.q_CT[3]);
   return {.R_CT = q.toRotationMatrix(),
-          .p_CT = Eigen::Vector3d(m.p_CT[0], m.p_CT[1], m.p_CT[2]) /
-                  (m.scale_known ? metres_per_mu : 1.0)};
+          .p_CT = Eigen::Vector3d(m.p_CT[0], m.p_CT[1], m.p_CT[2]) / m.metres_per_mu};
 }
 
 /// Every frame's pose from the map at rest. Frames that had none at their time are looked at again.
@@ -49,7 +48,7 @@ std::vector<SmoothedPose> smooth_frames(Component& component,
       poses.push_back({});
       continue;
     }
-    const Pose hint = causal_pose(m, view.scale.metres_per_mu_published);
+    const Pose hint = causal_pose(m);
     SmoothedPose pose = at_rest.from_log(m.frame, hint, log.observations.of_frame(i));
     Frame frame;
     if (!pose.valid && log.uses[i] == FrameUse::kUsed && view.map.keyframe_count > 0) {
@@ -131,7 +130,8 @@ void tell_scale_that_was_not_read(const GroundView& view) {
     return;
   }
   if (o.known_length_m != 0.0) {
-    tell("scale.known_length_m", "its frame has no pose, or its points are not on the target");
+    tell("scale.known_length_m",
+         "its frame has no pose, its points are not on the target, or where they lie is in doubt");
   }
   if (o.range_m != 0.0) {
     tell("scale.range_m", "its frame has no pose, or the boresight does not meet the target");

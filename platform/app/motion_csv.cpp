@@ -51,7 +51,7 @@ std::string motion_csv_header() {
   return "frame,timestamp_ns,mode,pose_valid,rate_valid,velocity_valid,scale_known,"
          "q_CT_w,q_CT_x,q_CT_y,q_CT_z,p_CT_x,p_CT_y,p_CT_z,v_C_x,v_C_y,v_C_z,w_T_x,w_T_y,w_T_z,"
          "sigma_att_rad,sigma_pos,sigma_vel,sigma_rate_rad_s,"
-         "features,matches,inliers,landmarks,keyframes,step_us,target_frame\n";
+         "features,matches,inliers,landmarks,keyframes,step_us,target_frame,scale_number\n";
 }
 
 std::string motion_csv_row(const MotionRow& row, const MotionState& motion) {
@@ -81,6 +81,7 @@ std::string motion_csv_row(const MotionRow& row, const MotionState& motion) {
     fmt::format_to(std::back_inserter(line), "{}", *row.step_us);
   }
   count(line, motion.pose_valid, motion.target_frame);
+  count(line, motion.pose_valid, motion.scale_number);
   line += '\n';
   return line;
 }

@@ -16,6 +16,10 @@ bool is_up(const bus::Layout& layout, const void* packet, int bit) {
   return bit < 0 || (bus::flags_of(layout, packet) >> static_cast<unsigned>(bit) & 1U) != 0;
 }
 
+unsigned number_in_flags(const bus::Layout& layout, const void* packet) {
+  return static_cast<unsigned>(bus::flags_of(layout, packet)) >> 4U;
+}
+
 bool is_flags(const bus::Field& field) { return field.name == "flags"; }
 bool is_spare(const bus::Field& field) { return field.name == "spare"; }
 
@@ -118,6 +122,9 @@ Json fields_json(const bus::Layout& layout, const void* packet) {
       for (std::size_t bit = 0; !bus::word_of(layout.flag_names, bit).empty(); ++bit) {
         out[flag_key(layout, bit)] = is_up(layout, packet, static_cast<int>(bit));
       }
+      if (!layout.number_name.empty()) {
+        out[std::string(layout.number_name)] = number_in_flags(layout, packet);
+      }
     } else if (!is_spare(field)) {
       const bool valid = is_up(layout, packet, field.valid_by);
       out[std::string(field.name)] = valid ? field_json(field, packet) : Json();
@@ -141,6 +148,9 @@ std::string fields_text(const bus::Layout& layout, const void* packet) {
                     ? fmt::format(" +{}", bus::word_of(layout.flag_names, bit))
                     : "";
       }
+      line += layout.number_name.empty()
+                  ? ""
+                  : fmt::format(" {}={}", layout.number_name, number_in_flags(layout, packet));
     } else if (is_up(layout, packet, field.valid_by)) {
       line += fmt::format(" {}={}", field.name, value_text(field, packet));
     }

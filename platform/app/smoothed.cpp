@@ -146,6 +146,8 @@ MotionState row_of(const MotionState& published, const SmoothedPose& pose, const
   m.frame = published.frame;
   m.timestamp_ns = published.timestamp_ns;
   m.scale_known = view.scale.known;
+  m.scale_number = view.scale_number;
+  m.metres_per_mu = view.scale.metres_per_mu;
   m.target_frame = view.target_frame;
   // A predicted pose is none of the smoothed ones.
   const bool tracks = pose.valid || published.mode == Mode::kCoasting;

@@ -10,6 +10,7 @@
 
 #include "bus/capacities.hpp"
 #include "bus/counter_table.hpp"
+#include "bus/packet_layout.hpp"
 #include "capi/parameters.hpp"
 #include "capi/polhode.h"
 #include "capi/problem.hpp"
@@ -114,6 +115,8 @@ void copy_motion(const polhode::MotionState& from, polhode_motion* to) {
          .rate_valid = from.rate_valid,
          .velocity_valid = from.velocity_valid,
          .scale_known = from.scale_known,
+         .scale_number = static_cast<std::uint8_t>(from.scale_number %
+                                                   polhode::bus::motion_layout::kScaleNumbers),
          .spare = {},
          .features = from.features,
          .matches = from.matches,

@@ -103,7 +103,8 @@ typedef struct polhode_motion {
   uint32_t frame;
   uint32_t target_frame; /* number of the frame T that the pose is in */
   uint8_t mode, pose_valid, rate_valid, velocity_valid, scale_known;
-  uint8_t spare[3];
+  uint8_t scale_number; /* of the scale in force, modulo 16: lengths of one number have one unit */
+  uint8_t spare[2];
   uint16_t features, matches, inliers, landmarks, keyframes, spare_count;
   double q_CT[4], p_CT[3], v_C[3], w_T_rad_s[3];
   double sigma_att_rad, sigma_pos, sigma_vel, sigma_rate_rad_s;

@@ -15,7 +15,7 @@
 namespace polhode::bus {
 namespace {
 
-const LengthUnit kMetres{.known = true, .metres_per_mu = 2.0};
+const LengthUnit kMetres{.known = true, .metres_per_mu = 2.0, .number = 18};
 const Eigen::Matrix3d kR_CI = so3_exp({0.3, -0.2, 0.5});
 
 /// A body that tumbles, known as well as `sigma` says of every unknown.
@@ -142,7 +142,8 @@ TEST(PredictionPacketOf, IsSeenFromAxesThatKeepTheirAttitude) {
   const MotionPrediction prediction = ahead(0.1, 0.5);
   const PredictionPacket packet =
       through_the_bus(to_packet(prediction, tumbling(1e-4), kR_CI, kMetres));
-  EXPECT_EQ(packet.flags, prediction_layout::kFlagsUsed);
+  EXPECT_EQ(packet.flags,
+            prediction_layout::kFlagsUsed | 2U << prediction_layout::kScaleNumberShift);
   EXPECT_EQ(packet.predicted_timestamp_ns, prediction.timestamp_ns);
   const Eigen::Quaterniond q(packet.q_CT[0], packet.q_CT[1], packet.q_CT[2], packet.q_CT[3]);
   EXPECT_GE(packet.q_CT[0], 0.0);

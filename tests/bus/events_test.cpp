@@ -44,7 +44,8 @@ TEST(EventTable, HasIdsThatDiffer_AndTextsThatFit) {
     std::array<char, 256> out{};
     const double widest = -std::numeric_limits<double>::min() / 3.0;
     EXPECT_LE(
-        event_text(row, {.values = {widest, widest}, .word = "a.parameter.with.a.long.name"}, out),
+        event_text(
+            row.text, {.values = {widest, widest}, .word = "a.parameter.with.a.long.name"}, out),
         122U)
         << row.name;
   }
@@ -53,11 +54,12 @@ TEST(EventTable, HasIdsThatDiffer_AndTextsThatFit) {
 TEST(EventText, PutsNumbersAndTheWordWhereTheTableSays) {
   EventLog log;
   report(EventId::kCommandRange, {.values = {5.0, 0.0}, .word = "length_m"}, &log);
-  report(EventId::kScaleKnown, {.values = {0.123456789, 1e-3}}, &log);
+  report(EventId::kScaleKnown, {.values = {0.123456789, 1e-3}, .word = "number 2"}, &log);
   const auto packets = sent_at(3, &log);
   ASSERT_EQ(packets.size(), 2U);
   EXPECT_EQ(text_of(packets[0]), "command 5 refused: length_m out of range");
-  EXPECT_EQ(text_of(packets[1]), "scale known: 0.123457 m per map unit, relative sigma 0.001");
+  EXPECT_EQ(text_of(packets[1]),
+            "scale known: 0.123457 m per map unit, relative sigma 0.001; number 2");
   EXPECT_EQ(packets[0].severity, static_cast<std::uint8_t>(Severity::kError));
   EXPECT_EQ(packets[0].frame, 3U);
   EXPECT_EQ(packets[0].timestamp_ns, 3000);

@@ -18,6 +18,7 @@ inline MotionState random_motion_state(std::uint64_t number) {
   state.rate_valid = rng.below(2) == 1;
   state.velocity_valid = rng.below(2) == 1;
   state.scale_known = rng.below(2) == 1;
+  state.scale_number = static_cast<std::uint32_t>(rng.below(16));
   if (state.pose_valid) {
     for (double& value : state.q_CT) value = 2.0 * rng.uniform() - 1.0;
     for (double& value : state.cov_pose) value = static_cast<float>(rng.normal());

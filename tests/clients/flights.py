@@ -101,6 +101,7 @@ def expect_rows(found: list[dict], rows: list[dict]) -> None:
     assert len(found) == len(rows)
     for values, row in zip(found, rows):
         assert int(values["frame"]) == int(row["frame"]) and int(values["timestamp_ns"]) == int(row["timestamp_ns"])
+        assert row["pose_valid"] == "0" or int(values["scale_number"]) == int(row["scale_number"]) % 16
         for field, (column, flag) in compared_columns().items():
             if row[flag] == "1":
                 assert float(values[field]) == pytest.approx(float(row[column]), rel=1e-8, abs=1e-12), (row["frame"], field)
@@ -115,6 +116,8 @@ def flat(packet) -> dict:
     layout = read_table(REPOSITORY / "config/bus").packet(packet.name)
     values = {}
     for field in layout.fields:
+        if field.is_flags and layout.flags_number:
+            values[layout.flags_number] = packet.values[layout.flags_number]
         if field.is_flags or field.name == "spare":
             continue
         value = packet.values[field.name]

@@ -85,6 +85,7 @@ inline const std::vector<Damage>& damages() {
       {"a flag", [](auto& s) { std::memset(&s.scale.known, 0x40, 1); }},
       {"a parameter", [](auto& s) { s.configuration.parameters.features.count_max ^= 1; }},
       {"a sequence count", [](auto& s) { s.bus.stream.sequence[0] = 0x4000; }},
+      {"the scale's number", [](auto& s) { s.bus.scale.unit.metres_per_mu = -1.0; }},
       {"the servicer's attitude", [](auto& s) { s.bus.servicer.q_IC.w() = 3.0; }},
       {"the reported mode", [](auto& s) { s.bus.reported.mode = static_cast<Mode>(200); }}};
   return list;

@@ -13,9 +13,9 @@ std::ptrdiff_t commas(const std::string& line) { return std::count(line.begin(),
 TEST(MotionCsv, UnknownValuesAreEmptyCells) {
   const MotionState unknown{.mode = Mode::kAcquiring, .features = 12};
   EXPECT_EQ(motion_csv_row({.frame = 3, .timestamp_ns = 50, .step_us = 9}, unknown),
-            "3,50,ACQUIRING,0,0,0,0,,,,,,,,,,,,,,,,,,12,0,0,0,0,9,\n");
+            "3,50,ACQUIRING,0,0,0,0,,,,,,,,,,,,,,,,,,12,0,0,0,0,9,,\n");
   EXPECT_EQ(motion_csv_row({.frame = 3, .timestamp_ns = 50, .used = false}, unknown),
-            "3,50,ACQUIRING,0,0,0,0,,,,,,,,,,,,,,,,,,,,,0,0,,\n");
+            "3,50,ACQUIRING,0,0,0,0,,,,,,,,,,,,,,,,,,,,,0,0,,,\n");
 }
 
 TEST(MotionCsv, KnownValuesFollowTheHeader) {
@@ -24,6 +24,7 @@ TEST(MotionCsv, KnownValuesFollowTheHeader) {
                           .rate_valid = true,
                           .velocity_valid = true,
                           .scale_known = true,
+                          .scale_number = 17,
                           .target_frame = 2,
                           .q_CT = {0.5, -0.5, 0.5, -0.5},
                           .p_CT = {1, 2, 3},
@@ -41,7 +42,7 @@ TEST(MotionCsv, KnownValuesFollowTheHeader) {
   const std::string row = motion_csv_row({.frame = 0, .timestamp_ns = 1, .step_us = 6}, known);
   EXPECT_EQ(row,
             "0,1,TRACKING,1,1,1,1,0.5,-0.5,0.5,-0.5,1,2,3,4,5,6,7,8,9.25,0.1,0.2,0.3,0.4,1,2,3,4,5,"
-            "6,2\n");
+            "6,2,17\n");
   EXPECT_EQ(commas(row), commas(motion_csv_header()));
 }
 

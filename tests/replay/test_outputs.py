@@ -15,7 +15,7 @@ from sequence_writer import SequenceWriter, textured
 HEADER = (
     "frame,timestamp_ns,mode,pose_valid,rate_valid,velocity_valid,scale_known,"
     "q_CT_w,q_CT_x,q_CT_y,q_CT_z,p_CT_x,p_CT_y,p_CT_z,v_C_x,v_C_y,v_C_z,w_T_x,w_T_y,w_T_z,"
-    "sigma_att_rad,sigma_pos,sigma_vel,sigma_rate_rad_s,features,matches,inliers,landmarks,keyframes,step_us,target_frame"
+    "sigma_att_rad,sigma_pos,sigma_vel,sigma_rate_rad_s,features,matches,inliers,landmarks,keyframes,step_us,target_frame,scale_number"
 )
 FILES = {
     "motion.csv", "motion_smoothed.csv", "trajectory.tum", "causal.tum", "smoothed.tum", "cloud_raw.ply", "cloud.ply", "surface.ply", "shape.json",
@@ -23,7 +23,7 @@ FILES = {
 }
 GROUPS = {
     "pose_valid": ["q_CT_w", "q_CT_x", "q_CT_y", "q_CT_z", "p_CT_x", "p_CT_y", "p_CT_z", "sigma_att_rad", "sigma_pos",
-                   "target_frame"],
+                   "target_frame", "scale_number"],
     "rate_valid": ["w_T_x", "w_T_y", "w_T_z", "sigma_rate_rad_s"],
     "velocity_valid": ["v_C_x", "v_C_y", "v_C_z", "sigma_vel"],
 }

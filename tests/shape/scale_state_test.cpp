@@ -43,7 +43,6 @@ TEST_F(ScaleReadingsOfAWall, ALengthGivesMetres) {
   EXPECT_TRUE(read().read);
   EXPECT_TRUE(scale_.known);
   EXPECT_NEAR(scale_.metres_per_mu, 5.0, 0.05);
-  EXPECT_EQ(scale_.metres_per_mu_published, scale_.metres_per_mu);
 }
 
 TEST_F(ScaleReadingsOfAWall, ItIsDueAgainOnceTheMapHasGrownByHalf) {
@@ -75,16 +74,6 @@ TEST_F(ScaleReadingsOfAWall, WhatIsNoLongerNamedIsReplaced) {
   EXPECT_FALSE(scale_.contradiction);
   EXPECT_NEAR(scale_.metres_per_mu, 2.0, 0.05);
   EXPECT_EQ(scale_.readings.size(), 1U);
-}
-
-TEST_F(ScaleReadingsOfAWall, ForgettingKeepsWhatWasPublished) {
-  options_.known_length_m = 1.0;
-  (void)read();
-  const double published = scale_.metres_per_mu_published;
-  reset_scale(&scale_);
-  EXPECT_FALSE(scale_.known);
-  EXPECT_TRUE(scale_.readings.empty());
-  EXPECT_EQ(scale_.metres_per_mu_published, published);
 }
 
 TEST_F(ScaleReadingsOfAWall, AShapeWithoutTheNamedPartTellsNothing) {

@@ -1,6 +1,6 @@
 """C: the structs of all telemetry packets and the tables by which the client library fills them."""
 
-from .table import Field, Layout, Table
+from .table import FLAGS_NUMBER_BITS, Field, Layout, Table
 
 NOTE = "/* Written by tools/generate_bus.py from the files in config/bus: change those. */\n"
 TYPES = {"u8": "uint8_t", "u16": "uint16_t", "u32": "uint32_t", "u64": "uint64_t", "i64": "int64_t", "f32": "float", "f64": "double",
@@ -23,6 +23,9 @@ def header(table: Table) -> str:
         text += f"#define POLHODE_{name}_OCTETS {packet.octets}\n"
         for bit, flag in enumerate(packet.flags):
             text += f"#define POLHODE_{name}_{flag.upper()} 0x{1 << bit:02X}\n"
+        if packet.flags_number:
+            text += f"/* {packet.flags_number_help} */\n"
+            text += f"#define POLHODE_{name}_{packet.flags_number.upper()}(flags) ((uint8_t)((flags) >> {8 - FLAGS_NUMBER_BITS}))\n"
         text += "".join(f"#define POLHODE_{name}_{field.name.upper()}_{label} {value}\n"
                         for field in packet.fields for value, label in enumerate(field.enum))
         text += "".join(f"#define POLHODE_{name}_{field.name.upper()}_{code_name.upper()} {code}\n"

@@ -1,6 +1,6 @@
 """CSV definitions for ccsdspy: one file a packet, all that follows the primary header, flat."""
 
-from .table import SIZES, Table
+from .table import FLAGS_NUMBER_BITS, SIZES, Table
 from .xtce import HEADER
 
 KINDS = {"u": "uint", "i": "int", "f": "float", "t": "str"}
@@ -17,6 +17,9 @@ def files(table: Table) -> dict[str, str]:
     for packet in table.packets:
         rows = ["name,data_type,bit_length", *head]
         for field in packet.fields:
+            if field.is_flags and packet.flags_number:
+                rows += [f"{packet.flags_number},uint,{FLAGS_NUMBER_BITS}", f"{field.name},uint,{8 - FLAGS_NUMBER_BITS}"]
+                continue
             bits = 8 * (field.count if field.type == "text" else SIZES[field.type])
             rows += [f"{name},{KINDS[field.type[0]]},{bits}" for name in field.element_names()]
         written[f"config/bus/ccsdspy/{packet.name}.csv"] = "\n".join([*rows, "CRC,uint,16"]) + "\n"

@@ -1,6 +1,6 @@
 """C++: plain structs, offsets, and the tables by which they are packed, unpacked and printed."""
 
-from .table import Event, Field, Layout, Table
+from .table import FLAGS_NUMBER_BITS, Event, Field, Layout, Table
 
 NOTE = "// Written by tools/generate_bus.py from config/bus/*.toml: change those.\n"
 TYPES = {"u8": "std::uint8_t", "u16": "std::uint16_t", "u32": "std::uint32_t", "u64": "std::uint64_t", "i64": "std::int64_t",
@@ -86,6 +86,10 @@ def layout_header(table: Table) -> str:
             text += f"inline constexpr std::uint8_t kFlag{camel(flag)} = 0x{1 << bit:02X};\n"
         if layout.flags:
             text += f"inline constexpr std::uint8_t kFlagsUsed = 0x{(1 << len(layout.flags)) - 1:02X};\n"
+        if layout.flags_number:
+            name = camel(layout.flags_number)
+            text += f"inline constexpr unsigned k{name}Shift = {8 - FLAGS_NUMBER_BITS};  ///< its place in the flags\n"
+            text += f"inline constexpr std::uint32_t k{name}s = {1 << FLAGS_NUMBER_BITS};  ///< it counts modulo this\n"
         text += f"}}  // namespace {layout.name}_layout\n"
     return text + "// clang-format on\n\n}  // namespace polhode::bus\n"
 
@@ -101,12 +105,13 @@ def names_of(codes: str) -> str:
     return f"k{camel(codes.replace('.', '_'))}Names" if codes else "{}"
 
 
-def field_row(field: Field, owner: str, flags: tuple[str, ...]) -> str:
+def field_row(field: Field, owner: str, layout: Layout) -> str:
+    flags = layout.flags
     low, high = field.range or (float("-inf"), float("inf"))
     if field.enum:
         low, high = 0, len(field.enum) - 1
     if field.is_flags:
-        low, high = 0, (1 << len(flags)) - 1
+        low, high = 0, (1 << len(flags) + (FLAGS_NUMBER_BITS if layout.flags_number else 0)) - 1
     valid = flags.index(field.valid) if field.valid else -1
     return (f'    {{"{field.name}", FieldType::k{field.type.capitalize()}, {field.count}, {str(field.is_array).lower()}, {field.offset}, '
             f'offsetof({owner}, {field.name}), {valid}, {number(low)}, {number(high)}, '
@@ -117,9 +122,9 @@ def layout_rows(layout: Layout, kind: str, where: str) -> str:
     owner = struct_name(layout, kind)
     flags = next((f"offsetof({owner}, flags)" for field in layout.fields if field.is_flags), "kNoFlags")
     octets = layout.octets if kind else layout.end
-    return (f"constexpr Field {where}[] = {{\n" + "".join(field_row(field, owner, layout.flags) for field in layout.fields)
+    return (f"constexpr Field {where}[] = {{\n" + "".join(field_row(field, owner, layout) for field in layout.fields)
             + f"}};\nconstexpr Layout {where}Layout{{\"{layout.name}\", {layout.number}, {octets}, {where}, {flags}, "
-            f"\"{' '.join(layout.flags)}\"}};\nstatic_assert(sizeof({owner}) <= kStructOctetsMax);\n\n")
+            f"\"{' '.join(layout.flags)}\", \"{layout.flags_number}\"}};\nstatic_assert(sizeof({owner}) <= kStructOctetsMax);\n\n")
 
 
 def packet_table(table: Table) -> str:
@@ -136,7 +141,7 @@ def packet_table(table: Table) -> str:
             text += layout_rows(command, "Command", where)
             ends += f"const Layout& {camel(command.name)}Command::layout() {{ return {where}Layout; }}\n"
         else:
-            text += f'constexpr Layout {where}Layout{{"{command.name}", {command.number}, {command.octets}, {{}}, kNoFlags, ""}};\n\n'
+            text += f'constexpr Layout {where}Layout{{"{command.name}", {command.number}, {command.octets}, {{}}, kNoFlags, "", ""}};\n\n'
         commands.append(f"&{where}Layout")
         if command.entry:
             text += layout_rows(command.entry, "", f"k{camel(command.entry.name)}")

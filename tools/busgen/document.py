@@ -70,7 +70,8 @@ def field_rows(layout: Layout) -> str:
     for field in layout.fields:
         help = field.help
         if field.is_flags and layout.flags:
-            help = "; ".join(f"bit {bit}: {flag}" for bit, flag in enumerate(layout.flags)) + "; the rest 0 (bit 0 is the least)"
+            rest = f"bits 4 to 7: {layout.flags_number}, {layout.flags_number_help}" if layout.flags_number else "the rest 0"
+            help = "; ".join(f"bit {bit}: {flag}" for bit, flag in enumerate(layout.flags)) + f"; {rest} (bit 0 is the least)"
         text += f"| {field.offset} | {type_text(field)} | {field.name} | {field.unit} | {range_text(field)} | {field.valid or ''} | {help}{alarm_text(field)} |\n"
     return text
 

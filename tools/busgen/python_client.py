@@ -14,10 +14,10 @@ def field_row(field: Field, layout: Layout) -> str:
     return f'        ("{field.name}", "{CODES[field.type]}", {field.count}, {field.offset}, {shape}, {valid}, {field.enum}),\n'
 
 
-def layout_text(layout: Layout) -> str:
+def layout_text(layout: Layout, rest: str = "") -> str:
     octets = layout.octets
     return (f'    {layout.number}: ("{layout.name}", {octets}, {layout.flags}, [\n'
-            + "".join(field_row(field, layout) for field in layout.fields) + "    ]),\n")
+            + "".join(field_row(field, layout) for field in layout.fields) + f"    ]{rest}),\n")
 
 
 def as_tuple(parameter: Parameter) -> Parameter:
@@ -28,8 +28,10 @@ def as_tuple(parameter: Parameter) -> Parameter:
 def files(table: Table) -> dict[str, str]:
     text = NOTE + f"LAYOUT_VERSION = {table.layout_version}\nAPID_FIRST = {table.apid_first}\nAPID_COMMAND = {table.apid_command}\n\n"
     text += "# Number of the packet (its APID less the first one): name, octets, flags, fields as (name, code of struct, values,\n"
-    text += "# octet, shape, bit of the flag that has to be up, names of the values 0, 1, ...).\nPACKETS = {\n"
-    text += "".join(map(layout_text, table.packets)) + "}\n\n# Function code: the same.\nCOMMANDS = {\n"
+    text += "# octet, shape, bit of the flag that has to be up, names of the values 0, 1, ...), name of the number in the upper four\n"
+    text += "# bits of the flags, or nothing.\nPACKETS = {\n"
+    text += "".join(layout_text(packet, f', "{packet.flags_number}"') for packet in table.packets)
+    text += "}\n\n# Function code: the same, without such a number.\nCOMMANDS = {\n"
     text += "".join(map(layout_text, table.commands)) + "}\n\n# Entries of commands that repeat them.\nENTRIES = {\n"
     text += "".join(f'    "{command.name}": {[(f.name, CODES[f.type]) for f in command.entry.fields]},\n'
                     for command in table.commands if command.entry) + "}\n\n"

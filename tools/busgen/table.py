@@ -9,6 +9,7 @@ import tomllib
 HEADER_OCTETS = 16
 COMMAND_HEADER_OCTETS = 8
 CRC_OCTETS = 2
+FLAGS_NUMBER_BITS = 4  # the upper half of the octet of flags, in a packet that has a number there
 PACKET_OCTETS_MAX = 1400
 TEXT_OCTETS_MAX = 122
 COMMAND_EVENTS = range(40, 80)  # ids of answers to commands
@@ -71,6 +72,8 @@ class Layout:
     fields: list[Field]
     begin: int
     flags: tuple[str, ...] = ()
+    flags_number: str = ""  # name of the number in the upper four bits of the flags; "": there is none
+    flags_number_help: str = ""
     help: str = ""
     when: str = ""
     number: int = 0  # APID above the first one, or function code
@@ -172,8 +175,9 @@ def read_layout(raw: dict, begin: int, where: str, key: str) -> Layout:
     for entry in raw[key]:
         fields.append(read_field(entry, offset, where))
         offset = fields[-1].offset + fields[-1].octets
-    layout = Layout(name=raw["name"], fields=fields, begin=begin, flags=tuple(raw.get("flags", ())), help=raw["help"],
-                    when=raw.get("when", ""), number=raw.get("apid", raw.get("code", 0)))
+    number = raw.get("flags_number", {"name": "", "help": ""})
+    layout = Layout(name=raw["name"], fields=fields, begin=begin, flags=tuple(raw.get("flags", ())), flags_number=number["name"],
+                    flags_number_help=number["help"], help=raw["help"], when=raw.get("when", ""), number=raw.get("apid", raw.get("code", 0)))
     names = [name for field in fields for name in field.element_names()]
     if len(set(names)) != len(names):
         raise TableError(f"{where}: a name stands twice")
@@ -182,6 +186,8 @@ def read_layout(raw: dict, begin: int, where: str, key: str) -> Layout:
             raise TableError(f"{where}: {field.name} is valid by {field.valid}, which is no flag of the packet")
     if layout.flags and not any(field.is_flags for field in fields):
         raise TableError(f"{where}: has flags but no field for them")
+    if layout.flags_number and (len(layout.flags) != 8 - FLAGS_NUMBER_BITS or layout.flags_number in names):
+        raise TableError(f"{where}: {layout.flags_number} in the flags: beside four flags, by a name that no field has")
     return layout
 
 

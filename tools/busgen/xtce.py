@@ -3,7 +3,7 @@
 import re
 from xml.sax.saxutils import escape, quoteattr
 
-from .table import Field, Layout, Table
+from .table import FLAGS_NUMBER_BITS, Field, Layout, Table
 
 NAMESPACE = "http://www.omg.org/spec/XTCE/20180204"
 SCHEMA = "https://www.omg.org/spec/XTCE/20180204/SpaceSystem.xsd"
@@ -89,7 +89,7 @@ def data_type(field: Field, packet: Layout, table: Table) -> str:
 
 
 def header_types() -> dict[str, str]:
-    bits = sorted({bits for _, bits, _ in HEADER} | {1})
+    bits = sorted({bits for _, bits, _ in HEADER} | {1, FLAGS_NUMBER_BITS})
     types = {f"bits{n}": f'<IntegerParameterType name="bits{n}" sizeInBits="{max(n, 8)}" signed="false"><UnitSet/>'
                          f"{integer_encoding(n, False)}</IntegerParameterType>" for n in bits}
     types["flag"] = ('<BooleanParameterType name="flag" oneStringValue="yes" zeroStringValue="no"><UnitSet/>'
@@ -100,7 +100,10 @@ def header_types() -> dict[str, str]:
 def flag_parameters(packet: Layout) -> list[tuple[str, str, str]]:
     """Name, type, help of the flags' bits, greatest first as they stand in the octet."""
     spare = 8 - len(packet.flags)
-    rows = [(f"{packet.name}_flag_spare_{bit}", "bits1", "0") for bit in range(spare)]
+    if packet.flags_number:
+        rows = [(f"{packet.name}_{packet.flags_number}", f"bits{FLAGS_NUMBER_BITS}", packet.flags_number_help)]
+    else:
+        rows = [(f"{packet.name}_flag_spare_{bit}", "bits1", "0") for bit in range(spare)]
     return rows + [(f"{packet.name}_flag_{flag}", "flag", "") for flag in reversed(packet.flags)]
 
 

@@ -22,7 +22,8 @@ function motionTable(now) {
     ["velocity, " + unit + "/s", if_("motion_flag_velocity", () => triple(three(now, "motion_v_C_"), 5))],
     ["sigma of attitude", if_("motion_flag_pose", () => (now.motion_sigma_att_rad * degrees).toFixed(3) + " deg")],
     ["sigma of rate", if_("motion_flag_rate", () => (now.motion_sigma_rate_rad_s * degrees).toFixed(4) + " deg/s")],
-    ["sigma of position", if_("motion_flag_pose", () => now.motion_sigma_pos.toFixed(4) + " " + unit)]]);
+    ["sigma of position", if_("motion_flag_pose", () => now.motion_sigma_pos.toFixed(4) + " " + unit)],
+    ["number of the scale", now.motion_scale_number]]);
 }
 
 // The measured body, or null.

@@ -31,7 +31,7 @@ class Input(c.Structure):
 
 class Motion(c.Structure):
     _fields_ = [("timestamp_ns", c.c_int64), ("frame", c.c_uint32), ("target_frame", c.c_uint32)] + \
-        [(n, c.c_uint8) for n in ("mode", "pose_valid", "rate_valid", "velocity_valid", "scale_known")] + [("spare", c.c_uint8 * 3)] + \
+        [(n, c.c_uint8) for n in ("mode", "pose_valid", "rate_valid", "velocity_valid", "scale_known", "scale_number")] + [("spare", c.c_uint8 * 2)] + \
         [(n, c.c_uint16) for n in ("features", "matches", "inliers", "landmarks", "keyframes", "spare_count")] + \
         [("q_CT", c.c_double * 4), ("p_CT", c.c_double * 3), ("v_C", c.c_double * 3), ("w_T_rad_s", c.c_double * 3)] + \
         [(n, c.c_double) for n in ("sigma_att_rad", "sigma_pos", "sigma_vel", "sigma_rate_rad_s")]

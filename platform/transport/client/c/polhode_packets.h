@@ -13,6 +13,8 @@
 #define POLHODE_MOTION_RATE 0x02
 #define POLHODE_MOTION_VELOCITY 0x04
 #define POLHODE_MOTION_SCALE_KNOWN 0x08
+/* number of the scale in force, modulo 16: lengths of one number have one unit; it rises by one at each change of the scale, and with a map begun anew */
+#define POLHODE_MOTION_SCALE_NUMBER(flags) ((uint8_t)((flags) >> 4))
 #define POLHODE_MOTION_MODE_IDLE 0
 #define POLHODE_MOTION_MODE_ACQUIRING 1
 #define POLHODE_MOTION_MODE_TRACKING 2
@@ -118,6 +120,8 @@ struct polhode_model {
 #define POLHODE_PREDICTION_RATE 0x02
 #define POLHODE_PREDICTION_POSITION 0x04
 #define POLHODE_PREDICTION_SCALE_KNOWN 0x08
+/* as in the motion packet */
+#define POLHODE_PREDICTION_SCALE_NUMBER(flags) ((uint8_t)((flags) >> 4))
 #define POLHODE_PREDICTION_DYNAMICS_NONE 0
 #define POLHODE_PREDICTION_DYNAMICS_LOCAL 1
 #define POLHODE_PREDICTION_DYNAMICS_TORQUE_FREE 2
@@ -298,6 +302,8 @@ struct polhode_housekeeping {
 #define POLHODE_EVENT_ID_TABLE_DAMAGED 15
 #define POLHODE_EVENT_ID_LOOP_CLOSED 5
 #define POLHODE_EVENT_ID_SCALE_KNOWN 6
+#define POLHODE_EVENT_ID_SCALE_UNKNOWN 16
+#define POLHODE_EVENT_ID_SCALE_NOT_IMPROVED 17
 #define POLHODE_EVENT_ID_TABLE_FULL 7
 #define POLHODE_EVENT_ID_SHAPE_KNOWN 8
 #define POLHODE_EVENT_ID_COUNTERS_RESET 10

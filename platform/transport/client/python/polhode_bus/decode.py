@@ -93,9 +93,11 @@ def decode(octets: bytes, apid_first: int = APID_FIRST) -> Packet | None:
     known = PACKETS.get(header.apid - apid_first)
     if known is None or known[1] != len(octets):
         return None
-    name, _, flags, rows = known
+    name, _, flags, rows, number = known
     raised = next((octets[row[3]] for row in rows if row[0] == "flags"), 0)
     values = {flag_name(flag, rows, bit): bool(raised >> bit & 1) for bit, flag in enumerate(flags)}
+    if number:
+        values[number] = raised >> 4
     for row in rows:
         if row[0] in ("flags", "spare"):
             continue

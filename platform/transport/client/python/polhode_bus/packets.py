@@ -5,7 +5,8 @@ APID_FIRST = 416
 APID_COMMAND = 15
 
 # Number of the packet (its APID less the first one): name, octets, flags, fields as (name, code of struct, values,
-# octet, shape, bit of the flag that has to be up, names of the values 0, 1, ...).
+# octet, shape, bit of the flag that has to be up, names of the values 0, 1, ...), name of the number in the upper four
+# bits of the flags, or nothing.
 PACKETS = {
     0: ("motion", 310, ('pose', 'rate', 'velocity', 'scale_known'), [
         ("timestamp_ns", "q", 1, 16, None, None, ()),
@@ -28,7 +29,7 @@ PACKETS = {
         ("keyframes", "H", 1, 304, None, None, ()),
         ("mode", "B", 1, 306, None, None, ('IDLE', 'ACQUIRING', 'TRACKING', 'LOST', 'COASTING')),
         ("flags", "B", 1, 307, None, None, ()),
-    ]),
+    ], "scale_number"),
     1: ("model", 324, ('rate', 'axes', 'inertia', 'spin', 'precession', 'velocity', 'mass_centre', 'scale_known'), [
         ("timestamp_ns", "q", 1, 16, None, None, ()),
         ("w_T_rad_s", "d", 3, 24, (3,), 0, ()),
@@ -60,7 +61,7 @@ PACKETS = {
         ("class_momentum", "B", 1, 317, None, None, ('UNOBSERVED', 'WEAK', 'OBSERVED')),
         ("class_mass_centre", "B", 3, 318, (3,), None, ('UNOBSERVED', 'WEAK', 'OBSERVED')),
         ("flags", "B", 1, 321, None, None, ()),
-    ]),
+    ], ""),
     2: ("prediction", 230, ('attitude', 'rate', 'position', 'scale_known'), [
         ("timestamp_ns", "q", 1, 16, None, None, ()),
         ("predicted_timestamp_ns", "q", 1, 24, None, None, ()),
@@ -73,7 +74,7 @@ PACKETS = {
         ("poses", "H", 1, 224, None, None, ()),
         ("dynamics", "B", 1, 226, None, None, ('NONE', 'LOCAL', 'TORQUE_FREE', 'ORBIT')),
         ("flags", "B", 1, 227, None, None, ()),
-    ]),
+    ], "scale_number"),
     3: ("shape", 840, ('shape', 'cylinder', 'scale_known', 'axis_x', 'axis_y', 'axis_z'), [
         ("timestamp_ns", "q", 1, 16, None, None, ()),
         ("q_TB", "d", 4, 24, (4,), 0, ()),
@@ -109,7 +110,7 @@ PACKETS = {
         ("dimension_basis", "B", 3, 833, (3,), 0, ('NOTHING', 'POINTS', 'SURFACES')),
         ("flags", "B", 1, 836, None, None, ()),
         ("spare", "B", 1, 837, None, None, ()),
-    ]),
+    ], ""),
     4: ("housekeeping", 206, ('held', 'scale_known', 'table_loaded', 'servicer_attitude'), [
         ("timestamp_ns", "q", 1, 16, None, None, ()),
         ("memory_octets", "Q", 1, 24, None, None, ()),
@@ -162,7 +163,7 @@ PACKETS = {
         ("version", "B", 3, 199, (3,), None, ()),
         ("flags", "B", 1, 202, None, None, ()),
         ("tables_damaged", "B", 1, 203, None, None, ()),
-    ]),
+    ], ""),
     5: ("event", 182, (), [
         ("timestamp_ns", "q", 1, 16, None, None, ()),
         ("value", "d", 2, 24, (2,), None, ()),
@@ -174,7 +175,7 @@ PACKETS = {
         ("text_octets", "B", 1, 55, None, None, ()),
         ("text", "s", 122, 56, (122,), None, ()),
         ("command_sequence", "H", 1, 178, None, None, ()),
-    ]),
+    ], ""),
     6: ("cloud", 1370, ('scale_known',), [
         ("timestamp_ns", "q", 1, 16, None, None, ()),
         ("metres_per_mu", "d", 1, 24, None, 0, ()),
@@ -186,7 +187,7 @@ PACKETS = {
         ("points", "B", 1, 46, None, None, ()),
         ("flags", "B", 1, 47, None, None, ()),
         ("p_T", "f", 330, 48, (110, 3), None, ()),
-    ]),
+    ], ""),
     7: ("platform", 94, ('watchdog', 'locked_memory', 'real_time'), [
         ("timestamp_ns", "q", 1, 16, None, None, ()),
         ("resident_octets", "Q", 1, 24, None, None, ()),
@@ -206,7 +207,7 @@ PACKETS = {
         ("restarts", "H", 1, 88, None, None, ()),
         ("flags", "B", 1, 90, None, None, ()),
         ("spare", "B", 1, 91, None, None, ()),
-    ]),
+    ], ""),
     8: ("command_link", 70, ('key', 'unauthenticated', 'number_not_kept'), [
         ("timestamp_ns", "q", 1, 16, None, None, ()),
         ("highest_number", "Q", 1, 24, None, None, ()),
@@ -221,7 +222,7 @@ PACKETS = {
         ("ports", "B", 1, 64, None, None, ()),
         ("flags", "B", 1, 65, None, None, ()),
         ("spare", "B", 2, 66, (2,), None, ()),
-    ]),
+    ], ""),
     9: ("platform_event", 186, (), [
         ("timestamp_ns", "q", 1, 16, None, None, ()),
         ("value", "d", 4, 24, (4,), None, ()),
@@ -230,10 +231,10 @@ PACKETS = {
         ("text_octets", "B", 1, 59, None, None, ()),
         ("text", "s", 122, 60, (122,), None, ()),
         ("spare", "B", 2, 182, (2,), None, ()),
-    ]),
+    ], ""),
 }
 
-# Function code: the same.
+# Function code: the same, without such a number.
 COMMANDS = {
     0: ("noop", 10, (), [
     ]),
@@ -295,6 +296,8 @@ EVENTS = {
     15: ("table_damaged", "WARNING", ('', '')),
     5: ("loop_closed", "INFO", ('', '')),
     6: ("scale_known", "INFO", ('', '')),
+    16: ("scale_unknown", "WARNING", ('', '')),
+    17: ("scale_not_improved", "INFO", ('', '')),
     7: ("table_full", "WARNING", ('', '')),
     8: ("shape_known", "INFO", ('', '')),
     10: ("counters_reset", "INFO", ('', '')),
@@ -330,7 +333,7 @@ EVENTS = {
 # Names of codes.
 CODES = {
     "commands": {0: 'noop', 1: 'reset_counters', 2: 'reset_map', 3: 'hold', 4: 'resume', 5: 'set_known_length', 6: 'set_range', 7: 'servicer_attitude', 8: 'request_cloud', 9: 'table_load', 10: 'table_activate', 11: 'table_discard', 12: 'checkpoint', 255: 'none'},
-    "events": {1: 'started', 2: 'target_acquired', 3: 'target_lost', 4: 'target_found_again', 11: 'target_frame_new', 12: 'motion_changed', 13: 'stamps_doubted', 14: 'rate_implausible', 15: 'table_damaged', 5: 'loop_closed', 6: 'scale_known', 7: 'table_full', 8: 'shape_known', 10: 'counters_reset', 9: 'mode_changed', 20: 'frame_unreadable', 21: 'frame_dark', 22: 'frame_wrong_size', 23: 'frame_time_not_increasing', 24: 'frame_flat', 25: 'frame_saturated', 26: 'frame_frozen', 27: 'frame_torn', 28: 'frame_bit_errors', 29: 'frame_with_care', 40: 'noop', 41: 'command_accepted', 42: 'command_length', 43: 'command_header', 44: 'command_crc', 45: 'command_unknown', 46: 'command_range', 47: 'command_state', 48: 'command_too_many', 49: 'command_repeated', 60: 'table_loaded', 61: 'table_refused', 62: 'table_activated', 63: 'table_not_activated', 70: 'cloud_begun', 71: 'checkpoint_asked'},
+    "events": {1: 'started', 2: 'target_acquired', 3: 'target_lost', 4: 'target_found_again', 11: 'target_frame_new', 12: 'motion_changed', 13: 'stamps_doubted', 14: 'rate_implausible', 15: 'table_damaged', 5: 'loop_closed', 6: 'scale_known', 16: 'scale_unknown', 17: 'scale_not_improved', 7: 'table_full', 8: 'shape_known', 10: 'counters_reset', 9: 'mode_changed', 20: 'frame_unreadable', 21: 'frame_dark', 22: 'frame_wrong_size', 23: 'frame_time_not_increasing', 24: 'frame_flat', 25: 'frame_saturated', 26: 'frame_frozen', 27: 'frame_torn', 28: 'frame_bit_errors', 29: 'frame_with_care', 40: 'noop', 41: 'command_accepted', 42: 'command_length', 43: 'command_header', 44: 'command_crc', 45: 'command_unknown', 46: 'command_range', 47: 'command_state', 48: 'command_too_many', 49: 'command_repeated', 60: 'table_loaded', 61: 'table_refused', 62: 'table_activated', 63: 'table_not_activated', 70: 'cloud_begun', 71: 'checkpoint_asked'},
     "faults": {0: 'none', 1: 'dark', 2: 'flat', 3: 'saturated', 4: 'frozen', 5: 'torn', 6: 'bit errors', 7: 'blurred'},
     "model.dynamics": {0: 'NONE', 1: 'LOCAL', 2: 'TORQUE_FREE', 3: 'ORBIT'},
     "motion.mode": {0: 'IDLE', 1: 'ACQUIRING', 2: 'TRACKING', 3: 'LOST', 4: 'COASTING'},
