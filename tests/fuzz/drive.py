@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 """Gives spoilt inputs to every reader of the program, and to the tool that reads its clouds.
 
-usage: .venv/bin/python tests/fuzz/drive.py [--trials 20000] [--seed 1] [--keep FOLDER] [--refusals FILE] [--processes 1] [--wait 1]
+usage: .venv/bin/python tests/fuzz/drive.py [--trials 20000] [--seed 1] [--keep FOLDER] [--refusals FILE] [--processes 1] [--wait 1] [--memory-mb 1000]
 
 A trial fails by a signal, a status outside 0 to 3, more than 20 s (60 s of a tool) or 1 GB, a refusal of more than one line, or one that does not name the
 file. Failing inputs are kept; the same trial of the same seed is the same input. Status 1 when a trial failed.
 
 On a busy machine a program waits for its turn: --wait 10 allows ten times as long by the clock, and the same processor time.
+
+POLHODE_PROGRAM=build/asan-ubsan/bin/polhode tries the program of the preset asan-ubsan. What its sanitizers find ends it with status 86, a fault.
+They take memory of their own: --memory-mb 2000.
 """
 
 import argparse
@@ -29,6 +32,8 @@ from readers import Reader, all_readers, sequence  # noqa: E402
 
 MEMORY_MAX_KB = 1_000_000
 STATUS_MAX = 3
+# Sanitizers end a program with 1, which is a status of ours. Freed memory is kept for them to find a late use: 16 MB instead of 256.
+SANITIZERS = {"ASAN_OPTIONS": "exitcode=86:quarantine_size_mb=16", "UBSAN_OPTIONS": "exitcode=86:print_stacktrace=1"}
 
 
 @dataclasses.dataclass
@@ -42,12 +47,13 @@ class Outcome:
     refusal: str  # empty: none
 
 
-def fault_of(status: int, seconds: float, memory_kb: int, err: bytes, names: list[str], who: str = "polhode", seconds_max: float = 20.0) -> str:
+def fault_of(status: int, seconds: float, memory_kb: int, err: bytes, names: list[str], who: str = "polhode", seconds_max: float = 20.0,
+             memory_max_kb: int = MEMORY_MAX_KB) -> str:
     if not 0 <= status <= STATUS_MAX:
         return f"status {status}"
     if seconds > seconds_max:
         return f"{seconds:.0f} s"
-    if memory_kb > MEMORY_MAX_KB:
+    if memory_kb > memory_max_kb:
         return f"{memory_kb} kB"
     if status != 2:
         return ""
@@ -71,7 +77,7 @@ def execute(command: list[str], seconds_max: float) -> tuple[int, float, int, by
     """Ended after so long by the clock. @return status (negative: a signal), processor's seconds, resident kB at most, standard error."""
     with tempfile.TemporaryFile() as err:
         start = time.monotonic()
-        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=err)
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=err, env=os.environ | SANITIZERS)
         while True:
             pid, status, usage = os.wait4(process.pid, os.WNOHANG)
             if pid:
@@ -84,7 +90,8 @@ def execute(command: list[str], seconds_max: float) -> tuple[int, float, int, by
         return process.returncode, usage.ru_utime + usage.ru_stime, usage.ru_maxrss, err.read(100_000)
 
 
-def one(reader: Reader, trial: int, seed: int, folder: pathlib.Path, keep: pathlib.Path | None, wait: float) -> Outcome:
+def one(reader: Reader, trial: int, seed: int, folder: pathlib.Path, keep: pathlib.Path | None, wait: float,
+        memory_max_kb: int = MEMORY_MAX_KB) -> Outcome:
     data = spoilt(reader.good, random.Random(f"{seed}/{trial}"), reader.sums)
     work = pathlib.Path(tempfile.mkdtemp(dir=folder))
     try:
@@ -98,7 +105,7 @@ def one(reader: Reader, trial: int, seed: int, folder: pathlib.Path, keep: pathl
         places = {"file": file, "folder": work, "sequence": work / "sequence", "out": work / "out"}
         status, seconds, memory_kb, err = execute([*reader.command, *(part.format(**places) for part in reader.arguments)], reader.seconds_max * wait)
         names = [file.name, str(work)]
-        fault = fault_of(status, seconds, memory_kb, err, names, reader.who, reader.seconds_max)
+        fault = fault_of(status, seconds, memory_kb, err, names, reader.who, reader.seconds_max, memory_max_kb)
         if fault and keep:
             keep.mkdir(parents=True, exist_ok=True)
             (keep / f"{trial}.{reader.name.replace(' ', '_')}").write_bytes(data)
@@ -115,9 +122,10 @@ def sequence_with(work: pathlib.Path, place: str) -> pathlib.Path | None:
     return work / "sequence" / place if place else None
 
 
-def drive(trials: int, seed: int, folder: pathlib.Path, keep: pathlib.Path | None = None, processes: int = 1, wait: float = 1.0) -> list[Outcome]:
+def drive(trials: int, seed: int, folder: pathlib.Path, keep: pathlib.Path | None = None, processes: int = 1, wait: float = 1.0,
+          memory_max_kb: int = MEMORY_MAX_KB) -> list[Outcome]:
     readers = all_readers(folder)
-    calls = [(readers[trial % len(readers)], trial, seed, folder, keep, wait) for trial in range(trials)]
+    calls = [(readers[trial % len(readers)], trial, seed, folder, keep, wait, memory_max_kb) for trial in range(trials)]
     if processes == 1:
         return [one(*call) for call in calls]
     with ProcessPoolExecutor(processes) as pool:
@@ -144,9 +152,10 @@ def main() -> int:
     parser.add_argument("--refusals", type=pathlib.Path, help="file for the forms of refusals, with their number of each reader")
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--wait", type=float, default=1.0, help="times as long by the clock, on a busy machine")
+    parser.add_argument("--memory-mb", type=int, default=MEMORY_MAX_KB // 1000, help="resident memory that a trial may take")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        outcomes = drive(asked.trials, asked.seed, pathlib.Path(folder), asked.keep, asked.processes, asked.wait)
+        outcomes = drive(asked.trials, asked.seed, pathlib.Path(folder), asked.keep, asked.processes, asked.wait, asked.memory_mb * 1000)
     print(report(outcomes))
     if asked.refusals:
         forms = collections.Counter((o.reader, o.refusal) for o in outcomes if o.refusal)

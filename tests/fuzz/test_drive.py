@@ -1,6 +1,7 @@
 """Spoilt inputs to every reader, a few of each; tests/fuzz/drive.py gives as many as are asked for."""
 
 import pathlib
+import subprocess
 import sys
 
 import pytest
@@ -35,6 +36,17 @@ def test_what_a_fault_is():
     assert fault_of(2, 0.1, 1000, good + good, ["input"]) == "a refusal is one line"
     assert fault_of(2, 0.1, 1000, b"surface: /x/cloud.ply: no PLY\n", ["cloud.ply"], "surface") == ""
     assert fault_of(2, 0.1, 1000, b"Traceback (most recent call last):\nsurface: cloud.ply\n", ["cloud.ply"], "surface") == "a refusal is one line"
+
+
+def test_what_sanitizers_find_is_a_fault(tmp_path):
+    """A program of one line that reads behind its memory, or adds past the largest number: its status would be 1 by itself."""
+    for name, line in {"address": "volatile char *a = (char *)malloc(4); int i = argc + 3; return a[i];",
+                       "undefined": "volatile int most = 2147483647; return most + argc > 0;"}.items():
+        source = tmp_path / f"{name}.c"
+        source.write_text(f"#include <stdlib.h>\nint main(int argc, char **argv) {{ (void)argv; {line} }}\n")
+        subprocess.run(["cc", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined", source, "-o", tmp_path / name], check=True)
+        status, seconds, memory_kb, err = execute([str(tmp_path / name)], 20.0)
+        assert fault_of(status, seconds, memory_kb, err, ["input"]) == "status 86", err
 
 
 def test_a_run_that_waits_for_ever_is_ended():
