@@ -69,6 +69,16 @@ def missing(footage: Footage, options: dict, seed: int) -> Footage:
                            [LogEntry(frame, footage.shots[frame].timestamp_ns, "missing", "never came") for frame in gone])
 
 
+def excerpt(footage: Footage, options: dict, seed: int) -> Footage:
+    """Some frames in a row, as if the camera had been turned on later: another start at the same target."""
+    first, frames = options["first_frame"], options["frames"]
+    if first + 2 > len(footage.shots):
+        raise BadInput(f"excerpt: first_frame = {first}: the sequence has {len(footage.shots)} frames only, and two are the least")
+    kept = range(first, first + frames)
+    return footage.changed(footage.shots[first:first + frames],
+                           [LogEntry(frame, shot.timestamp_ns, "excerpt", "left out") for frame, shot in enumerate(footage.shots) if frame not in kept])
+
+
 def _foreign_picture(shape, rng) -> np.ndarray:
     """Another scene altogether: discs and bars of all sizes on an uneven ground."""
     height, width = shape

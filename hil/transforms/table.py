@@ -42,6 +42,7 @@ KINDS: dict[str, Kind] = {
     "near_repeated": Kind(delivery.near_repeated, {"fraction": FRACTION, "sigma_gray": Option(1.0, 0.0, 50.0, "noise, gray levels")}),
     "stale": Kind(delivery.stale, {"fraction": FRACTION, "age_frames": Option(20, 2, 10000, "how old the picture is")}),
     "missing": Kind(delivery.missing, {"fraction": FRACTION, "run_frames": RUN}),
+    "excerpt": Kind(delivery.excerpt, {"first_frame": Option(0, 0, 1_000_000, "it begins with"), "frames": Option(20, 2, 1_000_000, "at most")}),
     "foreign": Kind(delivery.foreign, {"fraction": FRACTION, "run_frames": RUN}),
     "torn": Kind(delivery.torn, {"fraction": FRACTION}),
     "shuffled": Kind(delivery.shuffled, {}),

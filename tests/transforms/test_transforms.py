@@ -143,6 +143,19 @@ def test_missing_frames_come_in_runs_and_are_gone_from_the_list(source, tmp_path
     assert set(np.rint(gaps).astype(int)) <= {1, 6, 11}
 
 
+def test_an_excerpt_is_the_same_frames_from_a_later_one_on(source, tmp_path):
+    good, (now, _, log) = read_sequence(source), motion_of(made(source, tmp_path, "excerpt", first_frame=7, frames=12))
+    assert list(now.timestamp_ns) == list(good.timestamp_ns[7:19]) and len(log) == dotted.FRAMES - 12
+    assert all(now.frame_path(k).read_bytes() == good.frame_path(7 + k).read_bytes() for k in range(12))
+
+
+def test_an_excerpt_ends_with_the_sequence_and_has_two_frames_at_least(source, tmp_path):
+    now, _, _ = motion_of(made(source, tmp_path, "excerpt", first_frame=dotted.FRAMES - 2, frames=12))
+    assert len(now.timestamp_ns) == 2
+    with pytest.raises(BadInput, match=f"first_frame = {dotted.FRAMES - 1}: the sequence has {dotted.FRAMES} frames only"):
+        made(source, tmp_path / "short", "excerpt", first_frame=dotted.FRAMES - 1)
+
+
 def test_stale_and_repeated_pictures_are_old_ones(source, tmp_path):
     for kind, age in (("repeated", None), ("stale", 7)):
         folder = made(source, tmp_path, kind, **({"age_frames": age} if age else {}))
