@@ -138,6 +138,15 @@ Result<bool> localise_matched(const LocaliseInput& input,
 /// @errors as above.
 Result<bool> relocalise(const LocaliseInput& input, LocaliseScratch* scratch, LocalisedFrame* out);
 
+/// As relocalise, where the features are matched only to landmarks that `found` does not show. On a
+/// body with alike faces this is the pose that would have been found, had the other face not been
+/// mapped.
+/// @errors as above.
+Result<bool> relocalise_elsewhere(const LocaliseInput& input,
+                                  const Pose& found,
+                                  LocaliseScratch* scratch,
+                                  LocalisedFrame* out);
+
 /// Goes back to a frame that was solved before others.
 void take_matches(const LocaliseInput& input,
                   const LocalisedFrame& frame,

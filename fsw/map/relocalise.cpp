@@ -12,19 +12,20 @@ struct DescriptorTable {
   std::vector<std::int32_t> landmark;  ///< slot, per row
 };
 
-/// Views of the landmarks, at most kRowsMax: of a larger map every second landmark, or every third,
-/// stands for the rest.
-DescriptorTable all_views(const Map& map) {
+/// Views of the landmarks that take part, at most kRowsMax: of more every second landmark, or every
+/// third, stands for the rest.
+template <typename TakesPart>
+DescriptorTable views_of(const Map& map, const TakesPart& takes_part) {
   constexpr std::size_t kRowsMax = 4000;  // 600 x 3200 distances take 7 ms
   std::size_t rows = 0;
   for (const Landmark& landmark : map.landmarks) {
-    rows += landmark.used ? landmark.views.size() : 0;
+    rows += landmark.used && takes_part(landmark) ? landmark.views.size() : 0;
   }
   const std::size_t stride = rows / kRowsMax + 1;
   DescriptorTable table;
   std::size_t counted = 0;
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
-    if (!map.landmarks[i].used || counted++ % stride != 0) {
+    if (!map.landmarks[i].used || !takes_part(map.landmarks[i]) || counted++ % stride != 0) {
       continue;
     }
     for (const LandmarkView& view : map.landmarks[i].views) {
@@ -35,10 +36,11 @@ DescriptorTable all_views(const Map& map) {
   return table;
 }
 
-}  // namespace
-
-Result<bool> relocalise(const LocaliseInput& input, LocaliseScratch* scratch, LocalisedFrame* out) {
-  const DescriptorTable table = all_views(*input.map);
+/// Features and the landmarks of `table` that look most alike, then a pose from them.
+Result<bool> relocalise_among(const DescriptorTable& table,
+                              const LocaliseInput& input,
+                              LocaliseScratch* scratch,
+                              LocalisedFrame* out) {
   if (table.landmark.empty()) {
     return ErrorCode::kTooFewObservations;
   }
@@ -72,6 +74,24 @@ Result<bool> relocalise(const LocaliseInput& input, LocaliseScratch* scratch, Lo
     }
   }
   return localise_matched(input, scratch, out);
+}
+
+}  // namespace
+
+Result<bool> relocalise(const LocaliseInput& input, LocaliseScratch* scratch, LocalisedFrame* out) {
+  const auto all = [](const Landmark&) { return true; };
+  return relocalise_among(views_of(*input.map, all), input, scratch, out);
+}
+
+Result<bool> relocalise_elsewhere(const LocaliseInput& input,
+                                  const Pose& found,
+                                  LocaliseScratch* scratch,
+                                  LocalisedFrame* out) {
+  const auto hidden = [&](const Landmark& landmark) {
+    Eigen::Vector2d pixel;
+    return !should_be_seen(landmark, found, *input.camera, &pixel);
+  };
+  return relocalise_among(views_of(*input.map, hidden), input, scratch, out);
 }
 
 }  // namespace polhode

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -63,9 +64,9 @@ bool is_thin(const LocalisedFrame& localised, const MapState& s) {
 }
 
 /// 1-sigma of the angle between two attitudes, worst axis.
-double sigma_between(const PosePrediction& predicted, const AbsolutePose& found) {
-  return std::sqrt(predicted.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff() +
-                   found.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff());
+double sigma_between(const PoseCovariance& one, const PoseCovariance& other) {
+  return std::sqrt(one.topLeftCorner<3, 3>().diagonal().maxCoeff() +
+                   other.topLeftCorner<3, 3>().diagonal().maxCoeff());
 }
 
 /// Is it within what a contact makes of one step? It changes a body's rate, not its attitude: one
@@ -74,7 +75,8 @@ double sigma_between(const PosePrediction& predicted, const AbsolutePose& found)
 bool within_steps(const ExpectedPose& expected, const AbsolutePose& found, double moved_rad) {
   constexpr double kSteps = 2.0;  // from one step on to one step back
   const double bound_rad = (kSteps + kDepthError) * expected.step_rad +
-                           4.0 * sigma_between(expected.prediction, found) + moved_rad;
+                           4.0 * sigma_between(expected.prediction.covariance, found.covariance) +
+                           moved_rad;
   return is_young(expected, false) ||
          rotation_angle_rad(found.pose.R_CT, expected.prediction.pose.R_CT) < bound_rad;
 }
@@ -221,6 +223,22 @@ bool relocalise_frame(const MapInput& input, MapState* s) {
          2 * s->localised.absolute.inliers >= static_cast<int>(s->localised.matches.size());
 }
 
+bool is_ambiguous(const MapInput& input, const std::optional<ExpectedPose>& expected, MapState* s) {
+  if (expected && !is_young(*expected, false) && plausible(*expected, false, *s)) {
+    return false;
+  }
+  const auto other = std::make_unique<LocalisedFrame>();
+  const LocaliseInput localise = localise_input(input, s->map);
+  const AbsolutePose& found = s->localised.absolute;
+  const Result<bool> done =
+      relocalise_elsewhere(localise, found.pose, &s->scratch.localise, other.get());
+  const bool rival = done && agrees(*other, input.localise->inliers_min) &&
+                     rotation_angle_rad(found.pose.R_CT, other->absolute.pose.R_CT) >
+                         4.0 * sigma_between(found.covariance, other->absolute.covariance);
+  take_matches(localise, s->localised, &s->scratch.localise, other.get());  // for what follows
+  return rival;
+}
+
 bool comes_back(const MapState& s) {
   int old = 0;
   int old_inliers = 0;
@@ -247,7 +265,7 @@ bool plausible(const ExpectedPose& expected, bool start_checks, const MapState& 
   constexpr double kAllowance_rad = 0.0175;  // 1 deg
   const AbsolutePose& found = s.localised.absolute;
   const double step_rad = expected.step_rad;
-  const double sigma_rad = sigma_between(predicted, found);
+  const double sigma_rad = sigma_between(predicted.covariance, found.covariance);
   const double bound_rad = is_young(expected, start_checks)
                                ? step_rad * step_rad + 3.0 * sigma_rad + kAllowance_rad
                                : kDepthError * step_rad + 4.0 * sigma_rad;

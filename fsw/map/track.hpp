@@ -50,6 +50,14 @@ bool overrule_motion(const MapInput& input,
 /// By descriptors alone, over all keyframes.
 bool relocalise_frame(const MapInput& input, MapState* state);
 
+/// Does another side of the body explain the picture, too, as well as a pose needs, and no motion
+/// that has been checked tell which side it is? With alike faces one pose is as good as the other.
+/// How many inliers each has says nothing: the face that is seen may be the one that is hardly
+/// mapped. Only after relocalise_frame() has found a pose, which stays as it is.
+bool is_ambiguous(const MapInput& input,
+                  const std::optional<ExpectedPose>& expected,
+                  MapState* state);
+
 /// Does this frame's pose agree with the motion so far? The prediction knows its own error. A map's
 /// depth is known to some percent, which falsifies a step by as much. A young motion has hardly
 /// been checked: there the bound is what Euler's equation allows (the rate changes by at most |w|^2

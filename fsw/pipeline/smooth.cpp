@@ -178,7 +178,8 @@ SmoothedPose MapAtRest::from_image(const Frame& frame) {
                                             .poses_since_start = s->motion.poses_since_start})
                : std::nullopt;
   if ((told && find_about(input, *told, &s->mapping)) ||
-      (relocalise_frame(input, &s->mapping) && (!told || plausible(*told, true, s->mapping)))) {
+      (relocalise_frame(input, &s->mapping) && (!told || plausible(*told, true, s->mapping)) &&
+       !is_ambiguous(input, told, &s->mapping))) {
     smoothed.valid = true;
     smoothed.absolute = s->mapping.localised.absolute;
     smoothed.matches = static_cast<int>(s->mapping.localised.matches.size());
