@@ -2,6 +2,7 @@
 """Gives spoilt inputs to every reader of the program, and to the tool that reads its clouds.
 
 usage: .venv/bin/python tests/fuzz/drive.py [--trials 20000] [--seed 1] [--keep FOLDER] [--refusals FILE] [--processes 1] [--wait 1] [--memory-mb 1000]
+       [--leave-out READER]...
 
 A trial fails by a signal, a status outside 0 to 3, more than 20 s (60 s of a tool) or 1 GB, a refusal of more than one line, or one that does not name the
 file. Failing inputs are kept; the same trial of the same seed is the same input. Status 1 when a trial failed.
@@ -9,7 +10,7 @@ file. Failing inputs are kept; the same trial of the same seed is the same input
 On a busy machine a program waits for its turn: --wait 10 allows ten times as long by the clock, and the same processor time.
 
 POLHODE_PROGRAM=build/asan-ubsan/bin/polhode tries the program of the preset asan-ubsan. What its sanitizers find ends it with status 86, a fault.
-They take memory of their own: --memory-mb 2000.
+They take memory of their own: --memory-mb 2000. A live run warms up for 10 s there: --leave-out spares the trials of a reader, all others are the same.
 """
 
 import argparse
@@ -28,12 +29,10 @@ from concurrent.futures import ProcessPoolExecutor
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from mutations import spoilt  # noqa: E402
-from readers import Reader, all_readers, sequence  # noqa: E402
+from readers import SANITIZERS, Reader, all_readers, sequence  # noqa: E402
 
 MEMORY_MAX_KB = 1_000_000
 STATUS_MAX = 3
-# Sanitizers end a program with 1, which is a status of ours. Freed memory is kept for them to find a late use: 16 MB instead of 256.
-SANITIZERS = {"ASAN_OPTIONS": "exitcode=86:quarantine_size_mb=16", "UBSAN_OPTIONS": "exitcode=86:print_stacktrace=1"}
 
 
 @dataclasses.dataclass
@@ -123,9 +122,10 @@ def sequence_with(work: pathlib.Path, place: str) -> pathlib.Path | None:
 
 
 def drive(trials: int, seed: int, folder: pathlib.Path, keep: pathlib.Path | None = None, processes: int = 1, wait: float = 1.0,
-          memory_max_kb: int = MEMORY_MAX_KB) -> list[Outcome]:
+          memory_max_kb: int = MEMORY_MAX_KB, leave_out: list[str] | None = None) -> list[Outcome]:
     readers = all_readers(folder)
     calls = [(readers[trial % len(readers)], trial, seed, folder, keep, wait, memory_max_kb) for trial in range(trials)]
+    calls = [call for call in calls if call[0].name not in (leave_out or [])]
     if processes == 1:
         return [one(*call) for call in calls]
     with ProcessPoolExecutor(processes) as pool:
@@ -153,9 +153,11 @@ def main() -> int:
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--wait", type=float, default=1.0, help="times as long by the clock, on a busy machine")
     parser.add_argument("--memory-mb", type=int, default=MEMORY_MAX_KB // 1000, help="resident memory that a trial may take")
+    parser.add_argument("--leave-out", action="append", default=[], metavar="READER", help="no trial of this reader")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        outcomes = drive(asked.trials, asked.seed, pathlib.Path(folder), asked.keep, asked.processes, asked.wait, asked.memory_mb * 1000)
+        outcomes = drive(asked.trials, asked.seed, pathlib.Path(folder), asked.keep, asked.processes, asked.wait, asked.memory_mb * 1000,
+                         asked.leave_out)
     print(report(outcomes))
     if asked.refusals:
         forms = collections.Counter((o.reader, o.refusal) for o in outcomes if o.refusal)
