@@ -1,8 +1,8 @@
 # Tests against stages whose branches are counted (tools/coverage.sh). Only those stages are compiled anew, without optimisation; their objects
 # stand before their libraries, so that nothing is taken from there. All else is what the build has. No part of the build by itself.
 set(counted_stages base geometry solve image mask features tracks initialisation map shape motion bus pipeline)
-# With these without optimisation the pipeline's tests would take hours: pixels and solvers.
-set(slow_stages solve image mask features)
+# With these without optimisation the pipeline's tests would take hours: pixels, solvers and the selection of a start.
+set(slow_stages solve image mask features initialisation)
 
 foreach(stage ${counted_stages})
   get_target_property(names polhode_${stage} SOURCES)
