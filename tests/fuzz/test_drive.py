@@ -25,6 +25,13 @@ def test_no_reader_fails(tmp_path):
     assert not any(outcome.fault for outcome in outcomes), report(outcomes)
 
 
+@pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
+def test_a_reader_can_be_left_out_and_the_trials_of_the_others_stay(tmp_path):
+    every = drive(4, 7, tmp_path / "a")
+    fewer = drive(4, 7, tmp_path, leave_out=[every[1].reader])
+    assert [(one.trial, one.reader, one.status) for one in fewer] == [(one.trial, one.reader, one.status) for one in every if one.trial != 1]
+
+
 def test_what_a_fault_is():
     good = b"polhode: /x/input:3: no number\n"
     assert fault_of(2, 0.1, 1000, good, ["input"]) == ""
