@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # How much of fsw its tests in C++ take: lines and branches of its units by stage, by the stage's own tests and then by the pipeline's, too.
-#   tools/coverage.sh [STAGE]...     only of these stages, by their own tests; without, of all of them: half an hour on two cores
+#   tools/coverage.sh [STAGE]...     only of these stages, by their own tests; without, of all of them: more than an hour on two cores
 # Only the stages are compiled for counting, without optimisation (tests/coverage.cmake). Set up once by tools/setup.sh extras.
 set -euo pipefail
 cd "$(dirname "$0")/.."

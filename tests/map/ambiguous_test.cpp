@@ -6,8 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "map/track.hpp"
-#include "synthetic_map.hpp"
+#include "seen_frame.hpp"
 
 namespace polhode {
 namespace {
@@ -46,14 +45,7 @@ std::vector<Pose> views_of_both_faces() {
   return views;
 }
 
-struct Look {
-  std::unique_ptr<MapState> state = std::make_unique<MapState>();
-  CameraModel model = camera();
-  LocaliseOptions localise;
-  TrackOptions tracks;
-  MapOptions options;
-  cv::Mat gray;
-  Picture picture;
+struct Look : SeenFrame {
   bool found = false;
   double error_rad = 0.0;
 
@@ -70,16 +62,6 @@ struct Look {
     error_rad = found ? rotation_angle_rad(state->localised.absolute.pose.R_CT, truth.R_CT) : 0.0;
   }
 
-  [[nodiscard]] MapInput input() const {
-    return {.gray = &gray,
-            .features = picture.features.get(),
-            .camera = &model,
-            .localise = &localise,
-            .tracks = &tracks,
-            .options = &options,
-            .features_max = limits::kFeatures,
-            .seed = 1};
-  }
   [[nodiscard]] bool ambiguous(const std::optional<ExpectedPose>& expected = std::nullopt) const {
     return is_ambiguous(input(), expected, state.get());
   }

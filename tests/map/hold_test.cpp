@@ -8,8 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "map/track.hpp"
-#include "synthetic_map.hpp"
+#include "seen_frame.hpp"
 
 namespace polhode {
 namespace {
@@ -21,15 +20,8 @@ constexpr double kTurnSigma_rad = 0.01;
 constexpr double kShiftSigma_mu = 0.02;
 
 /// A mapped body, and a picture in which few of its spots are left.
-struct Bench {
+struct Bench : SeenFrame {
   std::vector<Spot> body = ball(400, 11);
-  std::unique_ptr<MapState> state = std::make_unique<MapState>();
-  CameraModel model = camera();
-  LocaliseOptions localise;
-  TrackOptions tracks;
-  MapOptions options;
-  cv::Mat gray;
-  Picture picture;
   Pose truth = turned(0.3);
 
   /// @param left  mapped spots that are seen.
@@ -50,17 +42,6 @@ struct Bench {
     for (const Feature& feature : *nothing.features) {
       EXPECT_TRUE(picture.features->push_back(feature));
     }
-  }
-
-  [[nodiscard]] MapInput input() const {
-    return {.gray = &gray,
-            .features = picture.features.get(),
-            .camera = &model,
-            .localise = &localise,
-            .tracks = &tracks,
-            .options = &options,
-            .features_max = limits::kFeatures,
-            .seed = 1};
   }
 
   /// A tried motion's prediction that is off by so much about the vertical and to the side.
