@@ -20,7 +20,7 @@ struct FocalJob {
   static constexpr std::size_t kObservations = 3000;
   FixedVector<InverseDepthPose, kPoses> poses;
   FixedVector<std::uint8_t, kPoses> pose_fixed;
-  FixedVector<Eigen::Vector3d, kObservations> points_T;
+  FixedVector<Eigen::Vector3d, kObservations / 3> points_T;  ///< as few (choose_points)
   FixedVector<BundleObservation, kObservations> observations;
   FocalReport report;  ///< the result
 };

@@ -27,7 +27,8 @@ def doubts(program, folder) -> list[str]:
     """The event's lines of a replay's packets."""
     listed = program("bus", "dump", folder / "bus.ccsds")
     assert listed.status == 0, listed.err
-    return [line for line in listed.out.splitlines() if "focal_length_doubted" in line or "px contradicted" in line]
+    assert ("+focal_length_doubted" in listed.out) == ("id=focal_length_doubted" in listed.out), "housekeeping's flag"
+    return [line for line in listed.out.splitlines() if "id=focal_length_doubted" in line]
 
 
 # verifies: MAP-11
