@@ -61,6 +61,7 @@ struct Reported {
   Mode mode = Mode::kIdle;
   bool stamps_doubted = false;
   bool rate_implausible = false;
+  bool focal_length_doubted = false;
   std::uint8_t dynamics = 0;  ///< a value of the model packet's field
   ScaleNumber scale{};
   std::uint32_t scale_not_improved = 0;

@@ -3,6 +3,7 @@
 #include <array>
 #include <numbers>
 #include <string_view>
+#include <utility>
 
 #include "bus/bus_state.hpp"
 #include "bus/dynamics_telemetry.hpp"
@@ -92,6 +93,21 @@ void report_times(const View& view, BusState* bus) {
   reported.rate_implausible = rate_deg_s > kImplausible_deg_s;
 }
 
+/// Said when a test refutes the given one, and again after it was borne out.
+void report_focal(const FocalDoubt& focal, BusState* bus) {
+  const bool reported = std::exchange(bus->reported.focal_length_doubted, focal.refuted);
+  if (!focal.refuted || reported) {
+    return;
+  }
+  std::array<char, kWordsOctetsMax> words{};
+  const std::size_t octets =
+      event_text("relative sigma {0}", {.values = {focal.relative_sigma}}, words);
+  report(
+      EventId::kFocalLengthDoubted,
+      {.values = {focal.given_px, focal.found_px}, .word = std::string_view(words.data(), octets)},
+      &bus->events);
+}
+
 /// What the scale was, and what it is. That a first map has a unit of its own is no news.
 void report_scale(const ScaleState& scale, BusState* bus) {
   const ScaleNumber before = bus->reported.scale;
@@ -134,6 +150,7 @@ void report_changes(const View& view, BusState* bus) {
   report_mode(view, bus);
   report_motion(view, bus);
   report_times(view, bus);
+  report_focal(view.focal, bus);
   const Counters& now = *view.counters;
   if (now.closures != reported.counters.closures) {
     tell(EventId::kLoopClosed, now.closures - reported.counters.closures, 0.0, bus);

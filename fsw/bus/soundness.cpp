@@ -26,8 +26,9 @@ bool is_sound(const ServicerAttitude& servicer) {
 
 bool is_sound(const Reported& reported) {
   return is_bool(reported.started) && is_bool(reported.stamps_doubted) &&
-         is_bool(reported.rate_implausible) && is_enum(reported.mode, kLastMode) &&
-         reported.dynamics <= bus::kDynamicsOrbit && is_sound(reported.scale);
+         is_bool(reported.rate_implausible) && is_bool(reported.focal_length_doubted) &&
+         is_enum(reported.mode, kLastMode) && reported.dynamics <= bus::kDynamicsOrbit &&
+         is_sound(reported.scale);
 }
 
 bool is_sound(const BusState& bus) {

@@ -34,6 +34,15 @@ struct TableStatus {
   std::size_t memory_octets = 0;  ///< that the component was given
 };
 
+/// The focal length, where a test has refuted it.
+struct FocalDoubt {
+  bool refuted = false;
+  double given_px = 0.0;
+  double found_px = 0.0;
+  double relative_sigma = 0.0;  ///< of the found one
+  double turn_rad = 0.0;        ///< 1-sigma that attitudes have by it
+};
+
 /// What a step has found, room by room. Pointers are never null.
 struct View {
   FrameUse use = FrameUse::kUsed;
@@ -46,6 +55,7 @@ struct View {
   StampDoubt stamps;           ///< of the last poses, where this frame has one
   const ShapeState* shape = nullptr;
   const ScaleState* scale = nullptr;
+  FocalDoubt focal;
   LengthUnit unit;
   bool has_map = false;
   bool held = false;

@@ -121,6 +121,7 @@ void visit_persistent(Visitor&& visit, State& s) {
   visit(s.motion);
   visit(s.shape);
   visit(s.scale);
+  visit(s.focal);
   visit(s.mapping.last_adjustment_of_all);
   visit(s.bus.stream.sequence);
   visit(s.bus.stream.not_sent);
@@ -146,7 +147,7 @@ struct WorkLost {
 WorkLost work_lost(const JobQueue& jobs, const GrowthWaiting& growth) {
   const bool adjusts = is_out_with<AdjustmentJob>(jobs.map) && !jobs.map.unwanted;
   return {.loop_open = growth.closed || (adjusts && jobs.adjustment.closed),
-          .shape_asked = is_out(jobs.shape)};
+          .shape_asked = is_out_with<ShapeJob>(jobs.shape)};
 }
 
 /// Sizes of everything, which show when a table's entry has changed.
@@ -208,6 +209,7 @@ bool take_values(Reader reader, Component::State* s) {
     return false;
   }
   s->mapping.growth.closed = lost.loop_open;
+  s->focal.waits = false;  // what was prepared is lost; it comes with twice as many keyframes
   if (lost.shape_asked) {
     ask_shape_again(&s->shape);
   }
@@ -219,11 +221,11 @@ bool take_values(Reader reader, Component::State* s) {
 std::size_t checkpoint_octets_max() {
   constexpr std::size_t kPlace = sizeof(std::uint32_t);
   // The structs of visit_persistent(), and room for its single numbers and short arrays.
-  constexpr std::size_t kValuesMax = sizeof(Parameters) + sizeof(Counters) + sizeof(MapDrift) +
-                                     sizeof(MotionEstimate) + sizeof(ShapeState) +
-                                     sizeof(ScaleState) + sizeof(bus::EventLog::counts) +
-                                     sizeof(CommandCounts) + sizeof(bus::CommandsDone) +
-                                     sizeof(ServicerAttitude) + sizeof(Reported) + 1024;
+  constexpr std::size_t kValuesMax =
+      sizeof(Parameters) + sizeof(Counters) + sizeof(MapDrift) + sizeof(MotionEstimate) +
+      sizeof(ShapeState) + sizeof(ScaleState) + sizeof(FocalState) + sizeof(bus::EventLog::counts) +
+      sizeof(CommandCounts) + sizeof(bus::CommandsDone) + sizeof(ServicerAttitude) +
+      sizeof(Reported) + 1024;
   return sizeof(Fingerprint) + kValuesMax + sizeof(WorkLost) + 2 * kPlace +
          limits::kKeyframes * (kPlace + sizeof(Keyframe)) +
          limits::kLandmarks * (kPlace + sizeof(Landmark));

@@ -1,10 +1,10 @@
 // The long work of a component: plain snapshots that pure functions turn into results, on whichever
 // thread the caller likes.
 //
-// One job of the map, one fit of the dynamics and one estimate of the shape are out at a time; none
-// waits for another, as the last two change nothing of the map. A result is taken in at a step that
-// is named when the job is issued (logical execution time), so the packets do not depend on how
-// long the work took.
+// One job of the map, one fit of the dynamics and one estimate of the shape, or test of the focal
+// length, are out at a time; none waits for another, as the others change nothing of the map. A
+// result is taken in at a step that is named when the job is issued (logical execution time), so
+// the packets do not depend on how long the work took.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,15 @@
 #include "motion/fit_job.hpp"
 #include "pipeline/adjustment_job.hpp"
 #include "pipeline/component.hpp"
+#include "pipeline/focal_job.hpp"
 #include "pipeline/job_times.hpp"
 #include "shape/shape_job.hpp"
 
 namespace polhode {
 
 /// What is to be done; nothing while the job is not out.
-using JobWork = std::variant<std::monostate, StartJob*, AdjustmentJob*, FitJob*, ShapeJob*>;
+using JobWork =
+    std::variant<std::monostate, StartJob*, AdjustmentJob*, FitJob*, ShapeJob*, FocalJob*>;
 
 struct Job {
   JobWork work;
@@ -49,12 +51,13 @@ struct JobCounts {
 struct JobQueue {
   Job map;  ///< an initialisation or an adjustment
   Job fit;
-  Job shape;
+  Job shape;  ///< an estimate of the shape, or a test of the focal length
   JobCounts counts;
   StartJob start;
   AdjustmentJob adjustment;
   FitJob fit_work;
   ShapeJob shape_work;
+  FocalJob focal;
 };
 
 /// Sends off what has been prepared: to the caller with this step's output, or, with a delay of 0,

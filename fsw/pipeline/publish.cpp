@@ -1,6 +1,7 @@
 #include "pipeline/publish.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "bus/narrow.hpp"
 #include "bus/publish.hpp"
@@ -16,39 +17,60 @@ std::uint16_t inliers(const LandmarkMatches& matches) {
       matches.begin(), matches.end(), [](const LandmarkMatch& m) { return m.inlier; })));
 }
 
-/// Pose and rates, with what the map's drift, a contest and the scale add to their errors. No rates
-/// where the turns contradict the times.
+/// 1-sigma that a refuted focal length adds to attitudes at this frame (part_off). What it adds to
+/// ranges is in the unit's error.
+double turn_by_focal(const Component::State& s) {
+  const PoseHistory& recent = s.motion.recent;
+  if (!s.mapping.pose_valid && recent.empty()) {
+    return 0.0;  // there is no attitude
+  }
+  const Pose& pose = s.mapping.pose_valid ? s.mapping.localised.absolute.pose : recent.back().pose;
+  return part_off(s.focal.found) * s.mapping.map.radius_mu / pose.p_CT.norm();
+}
+
+PoseCovariance of_attitude(double sigma_rad) {
+  PoseCovariance covariance = PoseCovariance::Zero();
+  covariance.topLeftCorner<3, 3>().diagonal().setConstant(sigma_rad * sigma_rad);
+  return covariance;
+}
+
+/// Pose and rates, with what the map's drift, a contest, the scale and a refuted focal length add
+/// to their errors. No rates where the turns contradict the times.
 /// @param q_last  quaternion published last; becomes this one.
 void fill_motion(const MapState& mapping,
                  const MotionEstimate& motion,
                  const MotionOptions& options,
                  const StampDoubt& stamps,
+                 double turn_by_focal_rad,
                  const bus::LengthUnit& unit,
                  std::array<double, 4>* q_last,
                  MotionState* m) {
   const AbsolutePose& found = mapping.localised.absolute;
   const Pose pose = scaled(found.pose, unit.metres_per_mu);
-  fill_pose(
-      pose,
-      scaled(found.covariance + covariance(mapping.drift) + mapping.contested, unit.metres_per_mu) +
-          by_scale(pose, unit.relative_sigma),
-      q_last,
-      m);
+  fill_pose(pose,
+            scaled(found.covariance + covariance(mapping.drift) + mapping.contested +
+                       of_attitude(turn_by_focal_rad),
+                   unit.metres_per_mu) +
+                by_scale(pose, unit.relative_sigma),
+            q_last,
+            m);
   const Result<RateEstimate> rates = rates_now(motion, mapping.drift, options);
   if (rates && !stamps.contradicted) {
     fill_rates(rates.value(), unit.metres_per_mu, unit.relative_sigma, m);
   }
 }
 
-/// A predicted pose, with what the scale adds to its error; no rates.
+/// A predicted pose, with what scale and focal length add to its error; no rates.
 void fill_coasted(const std::optional<PosePrediction>& coasted,
+                  double turn_by_focal_rad,
                   const bus::LengthUnit& unit,
                   std::array<double, 4>* q_last,
                   MotionState* m) {
   if (coasted) {
     const Pose pose = scaled(coasted->pose, unit.metres_per_mu);
     fill_pose(pose,
-              scaled(coasted->covariance, unit.metres_per_mu) + by_scale(pose, unit.relative_sigma),
+              scaled(coasted->covariance + of_attitude(turn_by_focal_rad), unit.metres_per_mu) +
+                  by_scale(pose, unit.relative_sigma),
               q_last,
               m);
   }
@@ -111,11 +133,12 @@ MotionState motion_state(std::int64_t timestamp_ns,
                 s->motion,
                 s->configuration.parameters.motion,
                 stamps,
+                turn_by_focal(*s),
                 unit,
                 &s->bus.q_CT_last,
                 &m);
   } else if (m.mode == Mode::kCoasting) {
-    fill_coasted(coasted_pose(timestamp_ns, *s), unit, &s->bus.q_CT_last, &m);
+    fill_coasted(coasted_pose(timestamp_ns, *s), turn_by_focal(*s), unit, &s->bus.q_CT_last, &m);
   }
   return m;
 }
@@ -143,6 +166,11 @@ bus::View bus_view(FrameUse use,
           .stamps = stamps,
           .shape = &s.shape,
           .scale = &s.scale,
+          .focal = {.refuted = refutes_focal(s.focal.found),
+                    .given_px = c.camera.focal_px(),
+                    .found_px = s.focal.found.factor * c.camera.focal_px(),
+                    .relative_sigma = s.focal.found.relative_sigma,
+                    .turn_rad = turn_by_focal(s)},
           .unit = unit,
           .has_map = s.mapping.map.landmark_count > 0,
           .held = s.mode.held,
@@ -158,7 +186,8 @@ void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   change_unit(lengths_unit(*s), &s->bus.scale);
   const bus::LengthUnit unit{.known = s->scale.known,
                              .metres_per_mu = s->scale.metres_per_mu,
-                             .relative_sigma = length_sigma(s->scale, s->mapping.drift),
+                             .relative_sigma = std::hypot(length_sigma(s->scale, s->mapping.drift),
+                                                          part_off(s->focal.found)),
                              .number = s->bus.scale.number};
   const StampDoubt stamps =
       s->mapping.pose_valid ? doubt_of_stamps(s->motion.recent.view()) : StampDoubt{};

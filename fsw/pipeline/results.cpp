@@ -50,6 +50,12 @@ void take_shape_result(const Job& job, Component::State* s) {
   }
 }
 
+void take_focal_result(bool skipped, Component::State* s) {
+  if (!skipped) {
+    take_focal(s->jobs.focal.report, &s->focal);
+  }
+}
+
 /// Skipped, or the solver found no usable solution.
 bool is_without_result(const Job& job, const JobQueue& jobs) {
   return job.skipped || (is_out_with<AdjustmentJob>(job) && !jobs.adjustment.usable);
@@ -68,6 +74,8 @@ void take_result(Job* job, Component::State* s) {
     take_adjustment(s);
   } else if (std::holds_alternative<FitJob*>(work)) {
     take_fit_result(job->skipped, s);
+  } else if (std::holds_alternative<FocalJob*>(work)) {
+    take_focal_result(job->skipped, s);
   } else {
     take_shape_result(*job, s);
   }

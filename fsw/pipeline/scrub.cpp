@@ -91,6 +91,10 @@ void scrub_rest(Component::State* s) {
     s->scale = {};
     tell("scale", {.reset = true}, s);
   }
+  if (!is_sound(s->focal)) {
+    s->focal = {};
+    tell("focal length", {.reset = true}, s);
+  }
   if (const Mended bus = mend(&s->bus); bus.any()) {
     tell("bus", bus, s);
   }

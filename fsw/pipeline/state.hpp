@@ -71,6 +71,7 @@ struct Component::State {
   MotionEstimate motion;
   ShapeState shape;
   ScaleState scale;
+  FocalState focal;
   JobQueue jobs;
   BusState bus;
   Answer answer;

@@ -131,6 +131,11 @@ class FocalBundle {
   ceres::Problem ceres_;
 };
 
+// Off by less than this nothing is refuted. Measured: right intrinsics are off by up to 1.2 % where
+// the sigma is under 2 % (decision 0083).
+constexpr double kPartMin = 0.08;
+constexpr double kSigmas = 4.0;  // a right one fails one test in 16,000
+
 /// From how the least cost rises a step aside.
 double sigma_of(double step, double cost_best, double cost_aside, std::size_t observations) {
   // Errors along one track are alike: decision 0085 has two to three times the residual.
@@ -165,6 +170,19 @@ FocalReport adjust_focal(const BundleProblem& problem, const BundleOptions& opti
           .cost_as_given = as_given.cost_after,
           .cost_at_factor = best.cost_after,
           .observations = observations};
+}
+
+bool refutes_focal(const FocalReport& found) {
+  const double off = std::abs(std::log(found.factor));
+  return found.usable && off > kPartMin && off > kSigmas * found.relative_sigma;
+}
+
+bool bears_focal_out(const FocalReport& found) {
+  return found.usable && kSigmas * found.relative_sigma < kPartMin && !refutes_focal(found);
+}
+
+double part_off(const FocalReport& found) {
+  return refutes_focal(found) ? std::abs(std::log(found.factor)) : 0.0;
 }
 
 }  // namespace polhode

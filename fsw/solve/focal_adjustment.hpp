@@ -23,4 +23,17 @@ struct FocalReport {
 /// @param options  observations_max bounds the work
 FocalReport adjust_focal(const BundleProblem& problem, const BundleOptions& options);
 
+/// Is the given focal length refuted? Beyond what the sigma, a bent map or a lens whose distortion
+/// is left out explain.
+[[nodiscard]] bool refutes_focal(const FocalReport& found);
+
+/// Would a focal length that is off by what refutes one have been found? Else nothing is decided.
+[[nodiscard]] bool bears_focal_out(const FocalReport& found);
+
+/// By what part of itself a refuted focal length is off at least, 0 where it is not refuted. A
+/// range is off by the same part: an image tells size over range, times the focal length. So is the
+/// perspective of a body of radius r at distance d. That moves image points by r / d of their
+/// offsets, as a turn by r / d does, so attitudes are off by up to that part of r / d.
+[[nodiscard]] double part_off(const FocalReport& found);
+
 }  // namespace polhode

@@ -6,14 +6,6 @@
 
 namespace polhode::platform {
 
-bool refutes_focal(const FocalReport& found) {
-  constexpr double kSigmas = 4.0;
-  // Measured: right intrinsics are off by up to 1.2 % where the sigma is under 2 % (decision 0083).
-  constexpr double kPartMin = 0.08;
-  const double off = std::abs(std::log(found.factor));
-  return found.usable && off > kPartMin && off > kSigmas * found.relative_sigma;
-}
-
 std::string focal_sentence(const FocalReport& found, const CameraParameters& camera) {
   if (!refutes_focal(found)) {
     return "";

@@ -8,10 +8,6 @@
 
 namespace polhode::platform {
 
-/// Is the given focal length refuted? Beyond what the sigma, a bent map or a lens whose distortion
-/// is left out explain.
-bool refutes_focal(const FocalReport& found);
-
 /// One sentence on a refuted focal length; empty where it is not.
 std::string focal_sentence(const FocalReport& found, const CameraParameters& camera);
 

@@ -1,4 +1,4 @@
-"""The map at the end of a replay tests the focal length; its value is told and not used."""
+"""The focal length is tested in flight and at the end of a replay; its value is told and not used."""
 
 import os
 import re
@@ -23,7 +23,16 @@ def with_focal(folder, part: float):
     return folder
 
 
-def test_the_right_one_is_borne_out(replay, sample):
+def doubts(program, folder) -> list[str]:
+    """The event's lines of a replay's packets."""
+    listed = program("bus", "dump", folder / "bus.ccsds")
+    assert listed.status == 0, listed.err
+    assert ("+focal_length_doubted" in listed.out) == ("id=focal_length_doubted" in listed.out), "housekeeping's flag"
+    return [line for line in listed.out.splitlines() if "id=focal_length_doubted" in line]
+
+
+# verifies: MAP-11
+def test_the_right_one_is_borne_out(replay, sample, program):
     result = replay(sample)
     assert result.status == 0, result.err
     told = summary(result.folder)
@@ -31,10 +40,12 @@ def test_the_right_one_is_borne_out(replay, sample):
     assert not focal["refuted"] and told["warnings"] == [] and CONTRADICTED not in told["result"]
     assert abs(focal["found_px"] - FOCAL_PX) < 3 * focal["sigma_px"]
     assert focal["sigma_px"] < 0.02 * FOCAL_PX
+    assert doubts(program, result.folder) == []
 
 
+# verifies: MAP-11
 @pytest.mark.parametrize(("part", "word"), [(0.85, "more"), (1.15, "less")])
-def test_a_wrong_one_is_refuted(replay, sample, tmp_path, part, word):
+def test_a_wrong_one_is_refuted(replay, sample, program, tmp_path, part, word):
     result = replay(with_focal(tmp_path / "seq", part))
     assert result.status == 0, result.err
     told = summary(result.folder)
@@ -45,3 +56,7 @@ def test_a_wrong_one_is_refuted(replay, sample, tmp_path, part, word):
     sentence = re.search(rf"{CONTRADICTED}: .* px or {word} fits them", told["result"])
     assert sentence and len(told["warnings"]) == 1 and CONTRADICTED in told["warnings"][0]
     assert CONTRADICTED in result.out
+    told_in_flight = doubts(program, result.folder)
+    assert len(told_in_flight) == 1
+    given, found = (float(number) for number in re.search(r"length ([\d.]+) px contradicted: .* for ([\d.]+) px", told_in_flight[0]).groups())
+    assert abs(given - part * FOCAL_PX) < 0.01 and (found > given) == (word == "more")

@@ -4,41 +4,19 @@
 
 #include <cmath>
 
-#include "bundle_scene.hpp"
+#include "focal_scene.hpp"
 
 namespace polhode {
 namespace {
 
-using testing::disturbed;
-using testing::make_scene;
+using testing::focal_scene;
 using Scene = testing::BundleScene;
 
 constexpr BundleOptions kOptions{.iterations_max = 60, .cauchy_sigma = 2.0};
 
-/// A body three radii away, seen by a camera whose focal length is taken for `part` of what it is.
-Scene scene(double part, std::uint64_t seed, double distance = 3.0) {
-  Scene s = make_scene(12, 60, 0.0, seed);
-  Rng rng(seed, 91);
-  for (InverseDepthPose& pose : s.poses) {
-    pose.uvs.z() = 1.0 / distance;
-  }
-  for (BundleObservation& o : s.observations) {
-    Eigen::Vector2d image = Eigen::Vector2d::Zero();
-    const bool seen = reproject(s.poses[static_cast<std::size_t>(o.pose)],
-                                s.points_T[static_cast<std::size_t>(o.point)],
-                                &image);
-    POLHODE_ASSERT(seen, o.point);
-    image += testing::kBundleSigma * Eigen::Vector2d(rng.normal(), rng.normal());
-    o.normalised = image / part;
-    o.sigma_normalised = testing::kBundleSigma / part;
-  }
-  std::fill(s.pose_fixed.begin() + 1, s.pose_fixed.end(), std::uint8_t{0});
-  return disturbed(s, seed, 0.2);
-}
-
 TEST(AdjustFocal, FindsTheTrueOne_WithinItsSigma) {
   for (const double part : {0.7, 0.85, 1.0, 1.15, 1.3}) {
-    Scene s = scene(part, 5);
+    Scene s = focal_scene(part, 5);
     const FocalReport found = adjust_focal(s.problem(), kOptions);
     ASSERT_TRUE(found.usable) << part;
     const double error = std::log(found.factor * part);
@@ -51,17 +29,40 @@ TEST(AdjustFocal, FindsTheTrueOne_WithinItsSigma) {
   }
 }
 
+FocalReport report(double factor, double sigma) {
+  return {.usable = true, .factor = factor, .relative_sigma = sigma};
+}
+
+TEST(FocalVerdict, RefutesBearsOutOrLeavesOpen) {
+  for (const double factor : {0.9, 1.0 / 0.9}) {
+    EXPECT_TRUE(refutes_focal(report(factor, 0.02)));
+    EXPECT_FALSE(refutes_focal(report(factor, 0.03))) << "four sigma are more than that";
+  }
+  EXPECT_FALSE(refutes_focal(report(1.07, 0.001)));
+  EXPECT_FALSE(refutes_focal({}));
+  EXPECT_TRUE(bears_focal_out(report(1.02, 0.01)));
+  EXPECT_FALSE(bears_focal_out(report(1.02, 0.03))) << "8 % would not have been found";
+  EXPECT_FALSE(bears_focal_out(report(0.9, 0.01)));
+  EXPECT_FALSE(bears_focal_out({}));
+}
+
+TEST(FocalVerdict, OnlyARefutedOneIsOff) {
+  EXPECT_NEAR(part_off(report(0.9, 0.01)), 0.105, 0.001);  // the logarithm of 0.9
+  EXPECT_EQ(part_off(report(0.95, 0.01)), 0.0);
+  EXPECT_EQ(part_off({}), 0.0);
+}
+
 TEST(AdjustFocal, OfAFarBodyTheSigmaIsWide) {
   // At a hundred radii the perspective is 1 % of the images: a tenth of the focal length is 0.5 px.
-  Scene s = scene(1.0, 6, 100.0);
+  Scene s = focal_scene(1.0, 6, 100.0);
   const FocalReport found = adjust_focal(s.problem(), kOptions);
   ASSERT_TRUE(found.usable);
-  Scene near = scene(1.0, 6);
+  Scene near = focal_scene(1.0, 6);
   EXPECT_GT(found.relative_sigma, 10.0 * adjust_focal(near.problem(), kOptions).relative_sigma);
 }
 
 TEST(AdjustFocal, ChangesNothing_AndBoundsItsWork) {
-  Scene s = scene(0.85, 7);
+  Scene s = focal_scene(0.85, 7);
   const Scene before = s;
   const FocalReport all = adjust_focal(s.problem(), kOptions);
   EXPECT_EQ(all.observations, s.observations.size());
