@@ -2,6 +2,7 @@
 #pragma once
 
 #include "features/feature.hpp"
+#include "features/resting.hpp"
 #include "features/workspace.hpp"
 
 namespace polhode {
@@ -10,6 +11,7 @@ namespace polhode {
 struct FeatureState {
   Features features;
   bool ready = false;  ///< they have been looked for in this frame
+  RestingPlaces resting;
   FeatureWorkspace workspace;
 };
 

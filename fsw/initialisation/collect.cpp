@@ -122,7 +122,8 @@ bool is_sound(const InitialisationState& state) {
 
 Collected collect_frame(const CollectibleFrame& frame,
                         double ratio_max,
-                        InitialisationState* state) {
+                        InitialisationState* state,
+                        RestingPlaces* resting) {
   constexpr std::size_t kFeaturesMin = 12;  // fewer cannot carry a pose
   if (frame.features->size() < kFeaturesMin ||
       !worth_collecting(*frame.features, ratio_max, &state->tracks)) {
@@ -130,7 +131,7 @@ Collected collect_frame(const CollectibleFrame& frame,
   }
   add_frame(
       frame.frame, frame.timestamp_ns, frame.R_IC, *frame.features, ratio_max, &state->tracks);
-  drop_resting_tracks(&state->tracks);
+  drop_resting_tracks(&state->tracks, resting);
   constexpr std::size_t kConnectingMin = 8;  // fewer cannot carry a start
   drop_unconnected_frames(kConnectingMin, &state->tracks);
   const Collected collected{.kept = true, .tables_full = state->tracks.full_count};

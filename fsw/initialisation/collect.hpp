@@ -42,9 +42,11 @@ struct Collected {
 /// Keeps a frame that tells something about depth beyond the last one kept; drops older ones that
 /// it is not connected to.
 /// @param ratio_max  of descriptors' distances, best to second best.
+/// @param resting  takes the places of what stays in the picture while the body turns.
 Collected collect_frame(const CollectibleFrame& frame,
                         double ratio_max,
-                        InitialisationState* state);
+                        InitialisationState* state,
+                        RestingPlaces* resting);
 
 /// Is there enough that the last problem did not hold?
 bool wants_selection(const StartOptions& options, const InitialisationState& state);

@@ -27,7 +27,8 @@ void collect(Component::State* s) {
                                              .R_IC = s->motion.R_IC,
                                              .features = &s->features.features},
                                             parameters.tracks.descriptor_ratio_max,
-                                            &s->initialisation);
+                                            &s->initialisation,
+                                            &s->features.resting);
   s->counters.tables_full += collected.tables_full;
   if (!collected.kept || !wants_selection(parameters.start, s->initialisation)) {
     return;

@@ -122,6 +122,7 @@ void visit_persistent(Visitor&& visit, State& s) {
   visit(s.shape);
   visit(s.scale);
   visit(s.focal);
+  visit(s.features.resting);
   visit(s.mapping.last_adjustment_of_all);
   visit(s.bus.stream.sequence);
   visit(s.bus.stream.not_sent);
@@ -223,9 +224,9 @@ std::size_t checkpoint_octets_max() {
   // The structs of visit_persistent(), and room for its single numbers and short arrays.
   constexpr std::size_t kValuesMax =
       sizeof(Parameters) + sizeof(Counters) + sizeof(MapDrift) + sizeof(MotionEstimate) +
-      sizeof(ShapeState) + sizeof(ScaleState) + sizeof(FocalState) + sizeof(bus::EventLog::counts) +
-      sizeof(CommandCounts) + sizeof(bus::CommandsDone) + sizeof(ServicerAttitude) +
-      sizeof(Reported) + 1024;
+      sizeof(ShapeState) + sizeof(ScaleState) + sizeof(FocalState) + sizeof(RestingPlaces) +
+      sizeof(bus::EventLog::counts) + sizeof(CommandCounts) + sizeof(bus::CommandsDone) +
+      sizeof(ServicerAttitude) + sizeof(Reported) + 1024;
   return sizeof(Fingerprint) + kValuesMax + sizeof(WorkLost) + 2 * kPlace +
          limits::kKeyframes * (kPlace + sizeof(Keyframe)) +
          limits::kLandmarks * (kPlace + sizeof(Landmark));

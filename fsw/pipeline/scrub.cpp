@@ -83,6 +83,10 @@ void scrub_rest(Component::State* s) {
     invalidate_start(&s->jobs);
     tell("tracks", {.reset = true}, s);
   }
+  if (!is_sound(s->features.resting)) {
+    s->features.resting.places.clear();
+    tell("resting places", {.reset = true}, s);
+  }
   if (!is_sound(s->shape)) {
     s->shape = {};
     tell("shape", {.reset = true}, s);

@@ -63,6 +63,7 @@ void detect_once(Component::State* s) {
                   options,
                   &s->features.workspace,
                   &s->features.features);
+  leave_out_resting(&s->features.resting, &s->features.features);
   s->features.ready = true;
   stage_done(Stage::kFeatures, s->timer);
 }

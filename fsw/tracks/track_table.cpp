@@ -110,11 +110,15 @@ void join(std::size_t earlier,
   }
 }
 
+const Feature& feature_of(const TrackPoint& point, const TrackTable& table) {
+  return table.frames[static_cast<std::size_t>(point.frame)]
+      .features[static_cast<std::size_t>(point.feature)];
+}
+
 /// How far a track's points are from its first one, the farthest of them.
 double spread_px(const Track& track, const TrackTable& table) {
   const auto place = [&](const TrackPoint& point) {
-    const Feature& f = table.frames[static_cast<std::size_t>(point.frame)]
-                           .features[static_cast<std::size_t>(point.feature)];
+    const Feature& f = feature_of(point, table);
     return Eigen::Vector2d(f.u_px, f.v_px);
   };
   double farthest_px = 0.0;
@@ -165,7 +169,7 @@ void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table) {
   }
 }
 
-void drop_resting_tracks(TrackTable* table) {
+void drop_resting_tracks(TrackTable* table, RestingPlaces* resting) {
   constexpr std::size_t kPoints = 3;  // two coincide by chance
   // Three sigma of a strong feature that is detected again in the same place. On a body, where its
   // axis meets the picture, tracks move by 0.2 to 1 px.
@@ -173,26 +177,40 @@ void drop_resting_tracks(TrackTable* table) {
   // So many move, by as much in the middle, that the body turns. Chosen: as many as span a window
   // that is searched, and more than what a slow body's tracks differ by.
   constexpr std::size_t kMovingMin = 40;
-  // Fewer carry no start of their own.
+  // Fewer carry no start of their own, unless more are known to rest.
   constexpr std::size_t kRestingMin = 12;
   constexpr double kMoves_px = 6.0;
   const auto rests = [&](const Track& track) {
     return track.points.size() >= kPoints && spread_px(track, *table) < kRest_px;
   };
-  std::size_t resting = 0;
+  std::size_t at_rest = 0;
   FixedVector<double, limits::kStartTracks> moves_px;
   for (const Track& track : table->tracks) {
     if (rests(track)) {
-      ++resting;
+      ++at_rest;
     } else if (track.points.size() >= kPoints) {
       (void)moves_px.push_back(spread_px(track, *table));
     }
   }
-  if (resting < kRestingMin || moves_px.size() < kMovingMin ||
+  if (at_rest + resting->places.size() < kRestingMin || moves_px.size() < kMovingMin ||
       median(std::span(moves_px.begin(), moves_px.size())) < kMoves_px) {
     return;
   }
-  keep_tracks([&](const Track& track) { return !rests(track); }, table);
+  for (const Track& track : table->tracks) {
+    if (rests(track)) {
+      const Feature& latest = feature_of(track.points.back(), *table);
+      add_place(latest.u_px, latest.v_px, resting);
+    }
+  }
+  // Shorter tracks at these places rest, too.
+  keep_tracks(
+      [&](const Track& track) {
+        return !std::all_of(track.points.begin(), track.points.end(), [&](const TrackPoint& point) {
+          const Feature& f = feature_of(point, *table);
+          return is_resting(f.u_px, f.v_px, *resting);
+        });
+      },
+      table);
 }
 
 void add_frame(std::uint32_t frame,

@@ -9,6 +9,7 @@
 #include "base/fixed_vector.hpp"
 #include "config/limits.hpp"
 #include "features/match.hpp"
+#include "features/resting.hpp"
 #include "tracks/optical_flow.hpp"
 
 namespace polhode {
@@ -58,9 +59,9 @@ void drop_oldest_frame(TrackTable* table);
 /// these. They show something else: no initialisation can use both.
 void drop_unconnected_frames(std::size_t tracks_min, TrackTable* table);
 
-/// Drops the tracks that stay where they are in the picture while others move: a word in a corner,
-/// a piece of the servicer, dirt on the lens. Where nothing moves they stay.
-void drop_resting_tracks(TrackTable* table);
+/// Drops the tracks that stay where they are in the picture while others move, and remembers their
+/// places. Where nothing moves they stay.
+void drop_resting_tracks(TrackTable* table, RestingPlaces* resting);
 
 void clear(TrackTable* table);
 

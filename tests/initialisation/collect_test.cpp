@@ -44,9 +44,11 @@ class CollectFrame : public ::testing::Test {
     return collect_frame(
         {.frame = second_, .timestamp_ns = second_ * 1'000'000'000LL, .features = &features},
         kRatioMax,
-        state_.get());
+        state_.get(),
+        &resting_);
   }
   std::unique_ptr<InitialisationState> state_ = std::make_unique<InitialisationState>();
+  RestingPlaces resting_;
   std::uint32_t second_ = 0;
 };
 

@@ -83,6 +83,8 @@ inline const std::vector<Damage>& damages() {
       {"the model's kind", [](auto& s) { s.motion.model.status = static_cast<ModelStatus>(9); }},
       {"the scale", [](auto& s) { s.scale.metres_per_mu = 0.0; }},
       {"the focal length that was found", [](auto& s) { s.focal.found.factor = kNan; }},
+      {"resting places",
+       [](auto& s) { (void)s.features.resting.places.push_back({.credit = 1 << 20}); }},
       {"a flag", [](auto& s) { std::memset(&s.scale.known, 0x40, 1); }},
       {"a parameter", [](auto& s) { s.configuration.parameters.features.count_max ^= 1; }},
       {"a sequence count", [](auto& s) { s.bus.stream.sequence[0] = 0x4000; }},

@@ -11,105 +11,13 @@
 #include <type_traits>
 #include <vector>
 
-#include "base/rng.hpp"
+#include "spots.hpp"
 
 namespace polhode {
 namespace {
 
-/// The look of spot `spot`: distinct octets that any other spot's are far from.
-Descriptor look_of(int spot) {
-  Rng rng(41, static_cast<std::uint64_t>(spot));
-  Descriptor d;
-  for (std::uint8_t& octet : d) {
-    octet =
-        static_cast<std::uint8_t>(rng.below(2) * 90);  // norm near 720, two spots near 720 apart
-  }
-  return d;
-}
-
-struct Fixture {
-  std::unique_ptr<TrackTable> table = std::make_unique<TrackTable>();
-  std::unique_ptr<Features> features = std::make_unique<Features>();
-  std::uint32_t next_frame = 100;
-  float moved_px = 0.0F;  ///< of the spots below kMoving, in the next frame
-  static constexpr int kMoving = 60;
-
-  /// A frame in which these spots are seen, in this order. @param change  of each look's first
-  /// octet.
-  void add(const std::vector<int>& spots, int change = 0) {
-    features->clear();
-    for (const int spot : spots) {
-      Feature f;
-      f.u_px = 10.0F * static_cast<float>(spot % 60) + 0.25F;
-      f.v_px = 10.0F * static_cast<float>(spot / 60) + 0.75F + (spot < kMoving ? moved_px : 0.0F);
-      f.scale_px = static_cast<float>(spot);
-      f.descriptor = look_of(spot);
-      f.descriptor[0] = static_cast<std::uint8_t>(f.descriptor[0] + change);
-      ASSERT_TRUE(features->push_back(f));
-    }
-    add_frame(next_frame,
-              1000 * static_cast<std::int64_t>(next_frame),
-              Eigen::Matrix3d::Identity(),
-              *features,
-              0.8,
-              table.get());
-    ++next_frame;
-  }
-
-  int spot_of(const TrackPoint& point) const {
-    const auto& collected = table->frames[static_cast<std::size_t>(point.frame)];
-    return static_cast<int>(collected.features[static_cast<std::size_t>(point.feature)].scale_px);
-  }
-
-  /// What holds at any time: ascending frames, one spot a track, and track_of as the tracks'
-  /// inverse.
-  void expect_consistent() const {
-    std::map<std::pair<int, int>, int> owner;
-    for (std::size_t t = 0; t < table->tracks.size(); ++t) {
-      const Track& track = table->tracks[t];
-      ASSERT_GE(track.points.size(), 1U);
-      for (std::size_t i = 0; i < track.points.size(); ++i) {
-        ASSERT_GE(track.points[i].frame, 0);
-        ASSERT_LT(track.points[i].frame, static_cast<std::int32_t>(table->frames.size()));
-        if (i > 0) {
-          ASSERT_GT(track.points[i].frame, track.points[i - 1].frame);
-        }
-        ASSERT_EQ(spot_of(track.points[i]), spot_of(track.points[0]));
-        const auto inserted = owner.emplace(
-            std::pair{track.points[i].frame, track.points[i].feature}, static_cast<int>(t));
-        ASSERT_TRUE(inserted.second) << "one feature in two tracks";
-      }
-    }
-    for (std::size_t f = 0; f < table->frames.size(); ++f) {
-      for (std::size_t i = 0; i < table->frames[f].features.size(); ++i) {
-        const auto found = owner.find({static_cast<int>(f), static_cast<int>(i)});
-        ASSERT_EQ(table->track_of[f][i], found == owner.end() ? -1 : found->second);
-      }
-    }
-  }
-
-  /// Frames (as numbered by the caller) in which the track of each spot has a point.
-  std::map<int, std::set<std::uint32_t>> observations() const {
-    std::map<int, std::set<std::uint32_t>> out;
-    for (const Track& track : table->tracks) {
-      for (const TrackPoint& point : track.points) {
-        out[spot_of(point)].insert(table->frames[static_cast<std::size_t>(point.frame)].frame);
-      }
-    }
-    return out;
-  }
-};
-
-std::vector<int> range(int first, int last) {
-  std::vector<int> spots;
-  for (int i = first; i < last; ++i) {
-    spots.push_back(i);
-  }
-  return spots;
-}
-
 TEST(TrackTable, HasNoTracks_AfterOneFrame) {
-  Fixture f;
+  TrackedSpots f;
   f.add(range(0, 20));
   EXPECT_EQ(f.table->frames.size(), 1U);
   EXPECT_EQ(f.table->frames[0].frame, 100U);
@@ -120,7 +28,7 @@ TEST(TrackTable, HasNoTracks_AfterOneFrame) {
 }
 
 TEST(TrackTable, ChainsASpotOverAllFrames_WhateverItsPlaceInTheList) {
-  Fixture f;
+  TrackedSpots f;
   f.add({0, 1, 2, 3, 4});
   f.add({4, 3, 2, 1, 0});
   f.add({2, 0, 4, 1, 3});
@@ -133,7 +41,7 @@ TEST(TrackTable, ChainsASpotOverAllFrames_WhateverItsPlaceInTheList) {
 
 // verifies: TRK-04
 TEST(TrackTable, BridgesFiveMissedFrames_ButNotSix) {
-  Fixture f;
+  TrackedSpots f;
   f.add(range(0, 10));
   f.add(range(1, 10));
   for (int i = 0; i < 4; ++i) {
@@ -144,7 +52,7 @@ TEST(TrackTable, BridgesFiveMissedFrames_ButNotSix) {
   EXPECT_EQ(bridged.at(0), (std::set<std::uint32_t>{100, 106}));
   EXPECT_EQ(bridged.at(1), (std::set<std::uint32_t>{100, 101, 106}));
   f.expect_consistent();
-  Fixture g;
+  TrackedSpots g;
   g.add(range(0, 10));
   for (int i = 0; i < 6; ++i) {
     g.add(range(1, 10));
@@ -155,7 +63,7 @@ TEST(TrackTable, BridgesFiveMissedFrames_ButNotSix) {
 }
 
 TEST(TrackTable, TiesNothing_BetweenFramesWithoutCommonSpots) {
-  Fixture f;
+  TrackedSpots f;
   f.add(range(0, 20));
   f.add(range(20, 40));
   EXPECT_TRUE(f.table->tracks.empty());
@@ -165,7 +73,7 @@ TEST(TrackTable, TiesNothing_BetweenFramesWithoutCommonSpots) {
 }
 
 TEST(TrackTable, ForgetsTheOldestFrame_AndTheTracksOfItAlone) {
-  Fixture f;
+  TrackedSpots f;
   f.add(range(0, 10));
   f.add(range(0, 8));
   f.add(range(0, 5));
@@ -183,7 +91,7 @@ TEST(TrackTable, ForgetsTheOldestFrame_AndTheTracksOfItAlone) {
 }
 
 TEST(TrackTable, ForgetsWhatLeadsNowhere_WhenThePictureHasChanged) {
-  Fixture f;
+  TrackedSpots f;
   for (int i = 0; i < 6; ++i) {
     f.add(range(0, 20));  // one thing
   }
@@ -201,7 +109,7 @@ TEST(TrackTable, ForgetsWhatLeadsNowhere_WhenThePictureHasChanged) {
 }
 
 TEST(TrackTable, KeepsWhatLeadsOn_OverTwoStrangeFrames) {
-  Fixture f;
+  TrackedSpots f;
   f.add(range(0, 20));
   f.add(range(0, 20));
   f.add(range(100, 120));
@@ -213,7 +121,7 @@ TEST(TrackTable, KeepsWhatLeadsOn_OverTwoStrangeFrames) {
 }
 
 TEST(TrackTable, KeepsTheLastFrames_WhenMoreComeThanItHolds) {
-  Fixture f;
+  TrackedSpots f;
   constexpr int kFrames = static_cast<int>(limits::kStartFrames) + 7;
   for (int i = 0; i < kFrames; ++i) {
     f.add(range(i, i + 20));  // each spot is seen in 20 frames
@@ -230,7 +138,7 @@ TEST(TrackTable, KeepsTheLastFrames_WhenMoreComeThanItHolds) {
 }
 
 TEST(TrackTable, StaysConsistent_UnderRandomObservations) {
-  Fixture f;
+  TrackedSpots f;
   Rng rng(42, 0);
   for (int i = 0; i < 60; ++i) {
     std::vector<int> spots;
@@ -248,7 +156,7 @@ TEST(TrackTable, StaysConsistent_UnderRandomObservations) {
 }
 
 TEST(TrackTable, MakesRoomForANewFrame_ByTheTracksThatEnded_TheShortestFirst) {
-  Fixture f;
+  TrackedSpots f;
   constexpr int kSpots = static_cast<int>(limits::kStartTracks) / 5;
   const auto show = [&](int group) { f.add(range(group * kSpots, (group + 1) * kSpots)); };
   show(0);
@@ -274,7 +182,7 @@ TEST(TrackTable, MakesRoomForANewFrame_ByTheTracksThatEnded_TheShortestFirst) {
 }
 
 TEST(TrackTable, LosesNoTrackThatEnded_WhileThereIsRoom) {
-  Fixture f;
+  TrackedSpots f;
   constexpr int kSpots = static_cast<int>(limits::kStartTracks) / 5;
   for (int group = 0; group < 5; ++group) {
     f.add(range(group * kSpots, (group + 1) * kSpots));
@@ -285,7 +193,7 @@ TEST(TrackTable, LosesNoTrackThatEnded_WhileThereIsRoom) {
 }
 
 TEST(TrackTable, CountsTracksThatFindNoPlace_WhenItIsFullOfTracksThatMayGoOn) {
-  Fixture f;
+  TrackedSpots f;
   constexpr int kSpots = static_cast<int>(limits::kFeatures);
   constexpr auto kMade = static_cast<std::uint32_t>(2 * kSpots);
   static_assert(kMade > limits::kStartTracks);
@@ -299,7 +207,7 @@ TEST(TrackTable, CountsTracksThatFindNoPlace_WhenItIsFullOfTracksThatMayGoOn) {
 }
 
 TEST(TrackTable, APointKnowsTheNearerLookOfThoseBesideIt) {
-  Fixture f;
+  TrackedSpots f;
   f.add(range(0, 4));
   f.add(range(0, 4), 4);
   f.add(range(0, 4), 10);
@@ -314,51 +222,8 @@ TEST(TrackTable, APointKnowsTheNearerLookOfThoseBesideIt) {
   }
 }
 
-/// Frames in which 60 spots move by so much from each to the next, and 20 stay where they are.
-void add_resting_and_moving(float step_px, int frames, Fixture* f) {
-  std::vector<int> spots(80);
-  std::iota(spots.begin(), spots.end(), 0);
-  for (int frame = 0; frame < frames; ++frame) {
-    f->add(spots);
-    f->moved_px += step_px;
-  }
-}
-
-std::size_t resting_tracks(const Fixture& f) {
-  return static_cast<std::size_t>(
-      std::count_if(f.table->tracks.begin(), f.table->tracks.end(), [&](const Track& track) {
-        return f.spot_of(track.points[0]) >= Fixture::kMoving;
-      }));
-}
-
-TEST(DropRestingTracks, DropsWhatStays_WhereOthersMove) {
-  Fixture f;
-  add_resting_and_moving(4.0F, 3, &f);
-  ASSERT_EQ(resting_tracks(f), 20U);
-  drop_resting_tracks(f.table.get());
-  EXPECT_EQ(resting_tracks(f), 0U);
-  EXPECT_EQ(f.table->tracks.size(), 60U);
-  f.expect_consistent();
-  add_resting_and_moving(4.0F, 1, &f);
-  f.expect_consistent();
-}
-
-TEST(DropRestingTracks, KeepsThem_WhereHardlyAnythingMoves) {
-  Fixture f;
-  add_resting_and_moving(0.5F, 5, &f);  // a slow body
-  drop_resting_tracks(f.table.get());
-  EXPECT_EQ(f.table->tracks.size(), 80U);
-}
-
-TEST(DropRestingTracks, KeepsThem_UntilThreePointsTell) {
-  Fixture f;
-  add_resting_and_moving(9.0F, 2, &f);
-  drop_resting_tracks(f.table.get());
-  EXPECT_EQ(f.table->tracks.size(), 80U);
-}
-
 TEST(TrackTable, IsEmptyAgain_AfterClear) {
-  Fixture f;
+  TrackedSpots f;
   f.add(range(0, 10));
   f.add(range(0, 10));
   clear(f.table.get());
@@ -371,7 +236,7 @@ TEST(TrackTable, IsEmptyAgain_AfterClear) {
 }
 
 TEST(TrackTable, IsSound_UntilAnIndexOrAPlaceIsDamaged) {
-  Fixture f;
+  TrackedSpots f;
   EXPECT_TRUE(is_sound(*f.table)) << "empty";
   f.add(range(0, 12));
   f.add(range(0, 10));
