@@ -306,7 +306,9 @@ bool is_open(const MaskState& s) {
 }
 
 bool may_be_background(const MaskState& s) {
-  if (covers_border(s)) {
+  // An image whose background has no motion tells nothing: the outline is the last one's, carried
+  // along with whatever it holds.
+  if (covers_border(s) || (s.behind && s.found && s.unexplained > 0)) {
     return true;
   }
   // Fewer than a layer of a background needs are a boom's that crosses the border, or a

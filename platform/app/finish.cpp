@@ -34,17 +34,18 @@ Pose causal_pose(const MotionState& m) {
 
 /// Every frame's pose from the map at rest. Frames that had none at their time are looked at again.
 /// A picture whose pose departs from the motion is of another time, or of the first moment after a
-/// contact: it gives none.
+/// contact: it gives none. Nor does a map that was not borne out.
 std::vector<SmoothedPose> smooth_frames(Component& component,
                                         const Sequence& sequence,
                                         const ReplayLog& log) {
   MapAtRest at_rest(&component);
   const GroundView view = view_of(component);
   FileCamera camera(sequence);
+  const bool borne_out = is_borne_out(log.published);
   std::vector<SmoothedPose> poses;
   for (std::size_t i = 0; i < log.published.size(); ++i) {
     const MotionState& m = log.published[i];
-    if (m.contested) {
+    if (m.contested || !borne_out) {
       poses.push_back({});
       continue;
     }

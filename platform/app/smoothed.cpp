@@ -176,6 +176,19 @@ void write_motion(const AtFrame& at,
 
 }  // namespace
 
+bool is_borne_out(std::span<const MotionState> published) {
+  constexpr std::ptrdiff_t kPosesMin = 6;  // as is_young() in fsw/map/track.cpp has it
+  if (published.empty() || published.back().mode != Mode::kLost) {
+    return true;
+  }
+  const auto last = std::find_if(
+      published.rbegin(), published.rend(), [](const MotionState& m) { return m.pose_valid; });
+  return last != published.rend() &&
+         std::count_if(published.begin(), published.end(), [&](const MotionState& m) {
+           return m.pose_valid && m.target_frame == last->target_frame;
+         }) >= kPosesMin;
+}
+
 std::vector<PoseSample> samples_in_body(const std::vector<SmoothedPose>& poses,
                                         std::span<const MotionState> published,
                                         const BodyFrame& body,

@@ -22,6 +22,10 @@ struct BodyFrame {
   Eigen::Vector3d centroid_T = Eigen::Vector3d::Zero();
 };
 
+/// Whether the last map was followed as far as bears it out: one that was lost after fewer poses
+/// than check a motion did not hold the body, and poses from it would be as wrong.
+[[nodiscard]] bool is_borne_out(std::span<const MotionState> published);
+
 /// The valid poses, of B seen from the servicer in axes that do not turn, with lengths in the
 /// published unit.
 std::vector<PoseSample> samples_in_body(const std::vector<SmoothedPose>& poses,

@@ -81,6 +81,19 @@ TEST(MayBeBackground, WhereTheOutlineCoversMuchOfTheBorder) {
   EXPECT_FALSE(may_be_background(*mask.state)) << "before black space it is the target";
 }
 
+TEST(MayBeBackground, WhereNoMotionOfWhatIsBehindWasFound_AndTheOutlineIsTheLastOnes) {
+  Mask mask;
+  const Scene scene{.background_px = {3.0, 1.0}, .target_turn_deg = 3.0};
+  mask.show(scene, 0, kFrames);
+  ASSERT_TRUE(mask.state->found);
+  ASSERT_EQ(mask.state->unexplained, 0);
+  EXPECT_FALSE(may_be_background(*mask.state));
+  mask.state->unexplained = 1;
+  EXPECT_TRUE(may_be_background(*mask.state));
+  mask.show(scene, kFrames, 2);
+  EXPECT_FALSE(may_be_background(*mask.state)) << "a motion explains it again";
+}
+
 TEST(MayBeBackground, WhereAnOpenMaskIsFollowedAtTheBorder) {
   Mask mask;
   for (std::uint64_t seed = 10; seed < 30 && !is_open(*mask.state); ++seed) {

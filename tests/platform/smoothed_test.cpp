@@ -172,5 +172,28 @@ TEST_F(Smoothed, TheMapsOwnModelStands_WhereTheSamplesLieOnIt) {
   EXPECT_FALSE(model_of_map(in_body, body, view_of(*state_))) << "other axes than the model's";
 }
 
+/// A run of so many poses in each T that ends in a mode.
+std::vector<MotionState> run_of(std::initializer_list<int> poses_in_each_T, Mode at_end) {
+  std::vector<MotionState> published;
+  std::uint8_t target_frame = 0;
+  for (const int poses : poses_in_each_T) {
+    ++target_frame;
+    for (int i = 0; i < poses; ++i) {
+      published.push_back(
+          {.mode = Mode::kTracking, .pose_valid = true, .target_frame = target_frame});
+    }
+    published.push_back({.mode = at_end, .target_frame = target_frame});
+  }
+  return published;
+}
+
+TEST(IsBorneOut, NotAMapThatWasLostBeforeSixPoses) {
+  EXPECT_FALSE(is_borne_out(run_of({5}, Mode::kLost)));
+  EXPECT_TRUE(is_borne_out(run_of({6}, Mode::kLost)));
+  EXPECT_FALSE(is_borne_out(run_of({40, 5}, Mode::kLost))) << "of the last T";
+  EXPECT_TRUE(is_borne_out(run_of({1}, Mode::kTracking))) << "it is held to the end";
+  EXPECT_TRUE(is_borne_out({})) << "there is nothing to doubt";
+}
+
 }  // namespace
 }  // namespace polhode::platform
