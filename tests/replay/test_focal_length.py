@@ -58,5 +58,5 @@ def test_a_wrong_one_is_refuted(replay, sample, program, tmp_path, part, word):
     assert CONTRADICTED in result.out
     told_in_flight = doubts(program, result.folder)
     assert len(told_in_flight) == 1
-    given, found = (float(number) for number in re.search(r"length ([\d.]+) px contradicted: .* for ([\d.]+) px", told_in_flight[0]).groups())
+    given, found = (float(number) for number in re.search(r"length ([\d.]+) px contradicted: ([\d.]+) px fits", told_in_flight[0]).groups())
     assert abs(given - part * FOCAL_PX) < 0.01 and (found > given) == (word == "more")
