@@ -21,8 +21,7 @@ Vector6 difference(const Pose& to, const Pose& from) {
   return apart;
 }
 
-constexpr std::size_t kPosesTried = 6;  // that many poses have checked a motion
-constexpr double kDepthError = 0.05;    // of a map's depths: some percent
+constexpr double kDepthError = 0.05;  // of a map's depths: some percent
 
 /// Fewer poses than that have checked the motion. @param start_checks  the initialisation's poses
 /// among them.

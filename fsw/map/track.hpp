@@ -1,12 +1,15 @@
 // The pose of each frame from the map, with what the motion so far says of it.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include "geometry/pose_prediction.hpp"
 #include "map/map_state.hpp"
 
 namespace polhode {
+
+inline constexpr std::size_t kPosesTried = 6;  ///< that many poses have checked a motion
 
 /// 3 deg. A prediction whose attitude is less known says too little of which feature is which, and
 /// stands in for no pose.

@@ -7,6 +7,7 @@
 #include "geometry/so3.hpp"
 #include "map/drift.hpp"
 #include "map/map.hpp"
+#include "map/track.hpp"
 #include "motion/joint_fit.hpp"
 #include "motion/published.hpp"
 #include "motion/stamp_doubt.hpp"
@@ -177,7 +178,6 @@ void write_motion(const AtFrame& at,
 }  // namespace
 
 bool is_borne_out(std::span<const MotionState> published) {
-  constexpr std::ptrdiff_t kPosesMin = 6;  // as is_young() in fsw/map/track.cpp has it
   if (published.empty() || published.back().mode != Mode::kLost) {
     return true;
   }
@@ -186,7 +186,7 @@ bool is_borne_out(std::span<const MotionState> published) {
   return last != published.rend() &&
          std::count_if(published.begin(), published.end(), [&](const MotionState& m) {
            return m.pose_valid && m.target_frame == last->target_frame;
-         }) >= kPosesMin;
+         }) >= static_cast<std::ptrdiff_t>(kPosesTried);
 }
 
 std::vector<PoseSample> samples_in_body(const std::vector<SmoothedPose>& poses,
