@@ -194,6 +194,10 @@ bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* s
   return best_believable;
 }
 
+bool find_about_departed(const MapInput& input, const ExpectedPose& expected, MapState* s) {
+  return find_about(input, expected, s) && !is_thin(s->localised, *s);
+}
+
 bool overrule_motion(const MapInput& input, const ExpectedPose& expected, bool held, MapState* s) {
   const LocalisedFrame& best = s->scratch.other;
   if (best.absolute.inliers < kInliersAlone || is_thin(best, *s) || !tried_prior(expected) ||

@@ -36,6 +36,10 @@ bool follow_by_flow(const MapInput& input, const ExpectedPose& expected, MapStat
 /// overrule_motion().
 bool find_about(const MapInput& input, const ExpectedPose& expected, MapState* state);
 
+/// The same about poses that departed from the motion: they have led to none yet, so that a pose
+/// with under half of the last one's inliers does not bear them out.
+bool find_about_departed(const MapInput& input, const ExpectedPose& expected, MapState* state);
+
 /// By the few landmarks that agree with the expected pose, and by it: for a view that shows too few
 /// for a pose of its own. Only where the motion behind it has been checked.
 bool hold_about(const MapInput& input, const ExpectedPose& expected, MapState* state);

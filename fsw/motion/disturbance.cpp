@@ -20,8 +20,6 @@ constexpr std::uint32_t kDeparturesMax = 2;
 // So often in succession is the same picture believed to be a repeat; then the body has stopped.
 // Chosen: a transfer that is retried gives two or three.
 constexpr std::uint32_t kRepeatsMax = 5;
-// That a step is told from none: ten times what is taken for none.
-constexpr double kChi2MovedMin = 10.0 * kChi2Max;
 // A motion that led to as many poses as its rotation has unknowns was right.
 constexpr std::uint32_t kLedToMin = kRotationUnknowns;
 
@@ -89,7 +87,8 @@ void begin_anew(MotionEstimate* m) {
 }  // namespace
 
 bool repeats_last(const PoseSample& seen_C, MotionEstimate* m) {
-  // Of what the last step lets expect. The noise of a pose that sees less may hide a whole step.
+  // Of what the last step lets expect. Noise hides nine tenths of a step that stood out from it
+  // (kChi2Max) hardly ever.
   constexpr double kPart = 0.1;
   double chi2 = 0.0;
   double step_rad = 0.0;
@@ -104,7 +103,7 @@ bool repeats_last(const PoseSample& seen_C, MotionEstimate* m) {
     ++m->repeats;
     return true;
   }
-  m->moved_rad_s = chi2 > kChi2MovedMin && interval_s > 0.0 ? step_rad / interval_s : 0.0;
+  m->moved_rad_s = chi2 > kChi2Max && interval_s > 0.0 ? step_rad / interval_s : 0.0;
   m->repeats = 0;
   m->any_seen = true;
   m->seen_C = seen_C;
@@ -122,6 +121,10 @@ void judge_place(const PoseSample& sample, const PoseCovariance& drift_I, Motion
 }
 
 void pass_over_pose(MotionEstimate* m) { m->departures = 0; }
+
+void move_seen(const MapCorrection& correction, MotionEstimate* m) {
+  m->seen_C.pose = correction.moved(m->seen_C.pose);
+}
 
 void forget_seen(MotionEstimate* m) {
   m->any_seen = false;

@@ -32,7 +32,7 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
   const std::optional<ExpectedPose> from_departed = expected_from_departed(
       s->motion, mapping->drift, s->configuration.parameters.motion, s->clock.timestamp_ns);
   if ((expected && find_about(input, *expected, mapping)) ||
-      (from_departed && find_about(input, *from_departed, mapping)) ||
+      (from_departed && find_about_departed(input, *from_departed, mapping)) ||
       (relocalise_frame(input, mapping) && (!expected || believable(*expected, false, *mapping)) &&
        !is_ambiguous(input, expected, mapping))) {
     return FoundBy::kFeatures;

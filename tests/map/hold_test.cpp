@@ -176,6 +176,16 @@ void displace_half(Bench* b) {
   }
 }
 
+TEST(FindAboutDeparted, IsBorneOutByHalfOfTheLastInliers) {
+  for (const auto& [inliers_last, found] : {std::pair(30, true), std::pair(90, false)}) {
+    Bench b(30, 1, 0, 3);
+    b.state->inliers_last = inliers_last;
+    const ExpectedPose e = b.expected(0.01);
+    EXPECT_TRUE(find_about(b.input(), e, b.state.get())) << inliers_last;
+    EXPECT_EQ(find_about_departed(b.input(), e, b.state.get()), found) << inliers_last;
+  }
+}
+
 // Off the motion by what a contact can do: twice a step.
 constexpr double kTouched_rad = 0.12;
 

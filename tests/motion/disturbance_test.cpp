@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <utility>
 
 #include "geometry/so3.hpp"
 #include "motion/disturbance.hpp"
@@ -151,6 +152,28 @@ TEST(Disturbance, IsNoPictureThatComesTwice_WhileTheServicerTurns) {
     b.motion->R_IC = R_IC;
     (void)b.show(0.0);
     EXPECT_TRUE(b.repeated) << repeat;
+  }
+}
+
+TEST(Disturbance, IsNoPictureThatComesTwice_WhereTheMapHasMovedBetween) {
+  Bench b(16);
+  const Pose before = pose_at(b.angle_rad);
+  MapCorrection correction;
+  correction.before = before;
+  correction.after = pose_at(b.angle_rad + 0.05);
+  move_seen(correction, b.motion.get());
+  EXPECT_TRUE(repeats_last(
+      {.timestamp_ns = b.now_ns + kSecond_ns, .pose = correction.after, .covariance = kCovariance},
+      b.motion.get()));
+}
+
+TEST(Disturbance, ARepeatIsToldWhereAStepIs) {
+  for (const auto& [step_sigmas, told] : {std::pair(15.0, true), std::pair(12.0, false)}) {
+    Bench b(16);
+    (void)b.show(step_sigmas * kSigma_rad);
+    EXPECT_FALSE(b.repeated) << step_sigmas;
+    (void)b.show(0.0);
+    EXPECT_EQ(b.repeated, told) << step_sigmas;
   }
 }
 
