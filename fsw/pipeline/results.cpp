@@ -92,6 +92,17 @@ void take_if_due(Job* job, const Jobs& finished, Component::State* s) {
   }
 }
 
+/// What a map begins with is adjusted within the step, once: put off, it is tracked on while it is
+/// still bent, and a body that turns by 10 deg a frame is lost before its other aspects have
+/// landmarks. A start that took more frames than these is of a body that shows the same aspect for
+/// longer. Its adjustments take several times as long as a step, and are done beside the steps.
+bool begins_within_step(const Component::State& s) {
+  constexpr std::uint32_t kKeyframesMost = 12;  // 30 ms, as long as a step. Chosen
+  const AdjustmentJob& job = s.jobs.adjustment;
+  return is_out_with<AdjustmentJob>(s.jobs.map) && job.reason != AdjustmentReason::kMapGrown &&
+         s.mapping.map.next_keyframe_number - job.first_keyframe <= kKeyframesMost;
+}
+
 /// @param due_step_max  a job that is due later stays out.
 void run_and_take(std::uint32_t due_step_max, Job* job, Component::State* s) {
   for (int i = 0; i < kJobsInARowMax && is_out(*job) && job->due_step <= due_step_max; ++i) {
@@ -114,12 +125,7 @@ void take_due_jobs(const Jobs& finished, Component::State* s) {
   take_if_due(&jobs.map, finished, s);
   take_if_due(&jobs.fit, finished, s);
   take_if_due(&jobs.shape, finished, s);
-  // What a map begins with is adjusted within the step, once: put off, it is tracked on while it is
-  // still bent, and a body that turns by 10 deg a frame is lost before its other aspects have
-  // landmarks.
-  const bool begins =
-      is_out_with<AdjustmentJob>(jobs.map) && jobs.adjustment.reason != AdjustmentReason::kMapGrown;
-  if (begins) {
+  if (begins_within_step(*s)) {
     close_job(&jobs.map, s);
   }
   run_undelayed(&jobs.map, s);  // a window, after an adjustment of the whole map

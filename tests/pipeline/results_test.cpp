@@ -101,6 +101,24 @@ TEST(Jobs, AMapThatBeginsIsNotFittedAsAFreeBodyWithinTheStep) {
   EXPECT_FALSE(caller.state().jobs.adjustment.as_free_body);
 }
 
+TEST(Jobs, AMapThatBeginsWithManyKeyframesIsAdjustedBesideTheSteps) {
+  const Ball ball(61);
+  Caller caller(parameters(), delayed(1), Run::kWhenDue);
+  int put_off = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Eigen::Matrix3d R_CT = so3_exp(Eigen::Vector3d(0.0007, 0.003, 0.0003) * i);
+    (void)caller.show(ball.seen_from({.R_CT = R_CT, .p_CT = {0.0, 0.0, 6.0}}));
+    put_off += caller.out<AdjustmentJob>() != nullptr &&
+                       caller.state().jobs.adjustment.reason != AdjustmentReason::kMapGrown
+                   ? 1
+                   : 0;
+  }
+  EXPECT_EQ(put_off, 2) << "of the start's landmarks, and of what completes the map";
+  EXPECT_EQ(caller.state().mode.now, Mode::kTracking);
+  EXPECT_EQ(caller.component().counters().lost, 0U);
+  EXPECT_GT(caller.state().mapping.map.keyframe_count, 12);
+}
+
 TEST(Jobs, ADueJobThatIsNotHandedInIsAMistakeOfTheCaller) {
   Caller caller(parameters(), delayed(1), Run::kAtOnce);
   std::size_t i = 0;
