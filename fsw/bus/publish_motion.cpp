@@ -36,11 +36,6 @@ void put_local_rate(const MotionState& motion, const PoseHistory& poses, ModelPa
   }
 }
 
-/// What a refuted focal length adds to a predicted attitude.
-void widen_by_focal(const FocalDoubt& focal, PoseCovariance* covariance) {
-  covariance->topLeftCorner<3, 3>().diagonal().array() += focal.turn_rad * focal.turn_rad;
-}
-
 /// What the map's drift adds to a pose that the last ones predict: its own now, and by the turn
 /// until then what it does to their rates.
 PoseCovariance drift_until(const Pose& predicted, const View& view) {
@@ -49,8 +44,7 @@ PoseCovariance drift_until(const Pose& predicted, const View& view) {
   const double turn_rad = rotation_angle_rad(last.R_CT, predicted.R_CT);
   const double sides = turn_rad / kFaceAngle_rad;
   PoseCovariance sum = (1.0 + sides * sides) * now;
-  const double by_rate_rad = turn_rad * turn_sigma(*view.drift);
-  sum.topLeftCorner<3, 3>().diagonal().array() += by_rate_rad * by_rate_rad;
+  widen_attitude(turn_rad * turn_sigma(*view.drift), &sum);
   return sum;
 }
 
@@ -64,7 +58,7 @@ void send_local_prediction(const View& view, BusState* bus) {
     return;
   }
   predicted.value().covariance += drift_until(predicted.value().pose, view);
-  widen_by_focal(view.focal, &predicted.value().covariance);
+  widen_attitude(view.focal.turn_rad, &predicted.value().covariance);
   PredictionPacket packet = to_packet(predicted.value(), view.unit);
   packet.timestamp_ns = motion.timestamp_ns;
   packet.predicted_timestamp_ns = ahead_ns;
@@ -116,7 +110,7 @@ void send_prediction(const View& view, bool due, BusState* bus) {
     return;
   }
   reached->covariance += turned(ahead.R_IC, view.drift->reanchoring);
-  widen_by_focal(view.focal, &reached->covariance);
+  widen_attitude(view.focal.turn_rad, &reached->covariance);
   PredictionPacket packet =
       to_packet(*reached, ahead.walk.model, ahead.R_IC.transpose(), view.unit);
   packet.timestamp_ns = ahead.timestamp_ns;

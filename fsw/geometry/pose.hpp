@@ -21,6 +21,16 @@ struct Pose {
 /// units, in C.
 using PoseCovariance = Eigen::Matrix<double, 6, 6>;
 
+/// Adds an independent error of the attitude, alike about all axes. @param sigma_rad  about each.
+inline void widen_attitude(double sigma_rad, PoseCovariance* covariance) {
+  covariance->topLeftCorner<3, 3>().diagonal().array() += sigma_rad * sigma_rad;
+}
+
+/// The same of the position. @param sigma  in each direction, in the pose's unit.
+inline void widen_position(double sigma, PoseCovariance* covariance) {
+  covariance->bottomRightCorner<3, 3>().diagonal().array() += sigma * sigma;
+}
+
 /// The same pose in the axes of another frame X instead of C's.
 inline Pose turned(const Eigen::Matrix3d& R_XC, const Pose& pose) {
   return {.R_CT = R_XC * pose.R_CT, .p_CT = R_XC * pose.p_CT};

@@ -56,10 +56,8 @@ void add_reanchoring(double attitude_sigma_rad,
                      double position_sigma_mu,
                      std::uint32_t next_keyframe,
                      MapDrift* drift) {
-  drift->reanchoring.topLeftCorner<3, 3>().diagonal().array() +=
-      attitude_sigma_rad * attitude_sigma_rad;
-  drift->reanchoring.bottomRightCorner<3, 3>().diagonal().array() +=
-      position_sigma_mu * position_sigma_mu;
+  widen_attitude(attitude_sigma_rad, &drift->reanchoring);
+  widen_position(position_sigma_mu, &drift->reanchoring);
   drift->reanchored_keyframe = next_keyframe;
 }
 
@@ -77,11 +75,8 @@ void replace_random_walk(const PoseCovariance& covariance, MapDrift* drift) {
 PoseCovariance covariance(const MapDrift& drift) {
   PoseCovariance sum = drift.walk + drift.reanchoring;
   if (drift.turn_rad > 0.0) {
-    const double turn_rad =
-        unit_sigma(drift);  // the same part: lateral by depth is the turn's tangent
-    const double depth_mu = drift.start_sigma_mu * drift.start_turn_rad / drift.turn_rad;
-    sum.topLeftCorner<3, 3>().diagonal().array() += turn_rad * turn_rad;
-    sum.bottomRightCorner<3, 3>().diagonal().array() += depth_mu * depth_mu;
+    widen_attitude(unit_sigma(drift), &sum);  // lateral by depth is the turn's tangent
+    widen_position(drift.start_sigma_mu * drift.start_turn_rad / drift.turn_rad, &sum);
   }
   return sum;
 }

@@ -100,8 +100,7 @@ bool outnumbers(int inliers, int others) {
 std::optional<PosePrediction> tried_prior(const ExpectedPose& expected) {
   PosePrediction prior = expected.prediction;
   // A map's depth is known to some percent, which falsifies a step by as much (plausible()).
-  const double of_step_rad = kDepthError * expected.step_rad;
-  prior.covariance.topLeftCorner<3, 3>().diagonal().array() += of_step_rad * of_step_rad;
+  widen_attitude(kDepthError * expected.step_rad, &prior.covariance);
   const double variance = prior.covariance.topLeftCorner<3, 3>().diagonal().maxCoeff();
   if (is_young(expected, false) ||
       !(variance < kPredictionSigmaMost_rad * kPredictionSigmaMost_rad)) {

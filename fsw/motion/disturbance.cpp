@@ -122,9 +122,7 @@ void judge_place(const PoseSample& sample, const PoseCovariance& drift_I, Motion
 
 void pass_over_pose(MotionEstimate* m) { m->departures = 0; }
 
-void move_seen(const MapCorrection& correction, MotionEstimate* m) {
-  m->seen_C.pose = correction.moved(m->seen_C.pose);
-}
+void move_seen(const Pose& pose_C, MotionEstimate* m) { m->seen_C.pose = pose_C; }
 
 void forget_seen(MotionEstimate* m) {
   m->any_seen = false;

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "geometry/pose.hpp"
-#include "map/window.hpp"
 #include "motion/motion_estimate.hpp"
 
 namespace polhode {
@@ -33,8 +32,8 @@ struct PoseJudgement {
 /// A pose that says nothing of the motion: the map has moved under it.
 void pass_over_pose(MotionEstimate* motion);
 
-/// The map has moved under the last pose: the same picture shows the same pose still.
-void move_seen(const MapCorrection& correction, MotionEstimate* motion);
+/// The map has moved, and the last pose seen is this one in it: the same picture shows it again.
+void move_seen(const Pose& pose_C, MotionEstimate* motion);
 
 /// As if no pose had been seen yet: none repeats the last one.
 void forget_seen(MotionEstimate* motion);

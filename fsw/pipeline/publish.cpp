@@ -28,12 +28,6 @@ double turn_by_focal(const Component::State& s) {
   return part_off(s.focal.found) * s.mapping.map.radius_mu / pose.p_CT.norm();
 }
 
-PoseCovariance of_attitude(double sigma_rad) {
-  PoseCovariance covariance = PoseCovariance::Zero();
-  covariance.topLeftCorner<3, 3>().diagonal().setConstant(sigma_rad * sigma_rad);
-  return covariance;
-}
-
 /// Pose and rates, with what the map's drift, a contest, the scale and a refuted focal length add
 /// to their errors. No rates where the turns contradict the times.
 /// @param q_last  quaternion published last; becomes this one.
@@ -47,13 +41,9 @@ void fill_motion(const MapState& mapping,
                  MotionState* m) {
   const AbsolutePose& found = mapping.localised.absolute;
   const Pose pose = scaled(found.pose, unit.metres_per_mu);
-  fill_pose(pose,
-            scaled(found.covariance + covariance(mapping.drift) + mapping.contested +
-                       of_attitude(turn_by_focal_rad),
-                   unit.metres_per_mu) +
-                by_scale(pose, unit.relative_sigma),
-            q_last,
-            m);
+  PoseCovariance sum = found.covariance + covariance(mapping.drift) + mapping.contested;
+  widen_attitude(turn_by_focal_rad, &sum);
+  fill_pose(pose, scaled(sum, unit.metres_per_mu) + by_scale(pose, unit.relative_sigma), q_last, m);
   const Result<RateEstimate> rates = rates_now(motion, mapping.drift, options);
   if (rates && !stamps.contradicted) {
     fill_rates(rates.value(), unit.metres_per_mu, unit.relative_sigma, m);
@@ -68,11 +58,10 @@ void fill_coasted(const std::optional<PosePrediction>& coasted,
                   MotionState* m) {
   if (coasted) {
     const Pose pose = scaled(coasted->pose, unit.metres_per_mu);
-    fill_pose(pose,
-              scaled(coasted->covariance + of_attitude(turn_by_focal_rad), unit.metres_per_mu) +
-                  by_scale(pose, unit.relative_sigma),
-              q_last,
-              m);
+    PoseCovariance sum = coasted->covariance;
+    widen_attitude(turn_by_focal_rad, &sum);
+    fill_pose(
+        pose, scaled(sum, unit.metres_per_mu) + by_scale(pose, unit.relative_sigma), q_last, m);
   }
 }
 

@@ -180,27 +180,22 @@ void drop_resting_tracks(TrackTable* table, RestingPlaces* resting) {
   // Fewer carry no start of their own, unless more are known to rest.
   constexpr std::size_t kRestingMin = 12;
   constexpr double kMoves_px = 6.0;
-  const auto rests = [&](const Track& track) {
-    return track.points.size() >= kPoints && spread_px(track, *table) < kRest_px;
-  };
-  std::size_t at_rest = 0;
+  FixedVector<std::size_t, limits::kStartTracks> at_rest;  // which of the tracks
   FixedVector<double, limits::kStartTracks> moves_px;
-  for (const Track& track : table->tracks) {
-    if (rests(track)) {
-      ++at_rest;
-    } else if (track.points.size() >= kPoints) {
-      (void)moves_px.push_back(spread_px(track, *table));
+  for (std::size_t t = 0; t < table->tracks.size(); ++t) {
+    if (table->tracks[t].points.size() < kPoints) {
+      continue;
     }
+    const double spread = spread_px(table->tracks[t], *table);
+    (void)(spread < kRest_px ? at_rest.push_back(t) : moves_px.push_back(spread));
   }
-  if (at_rest + resting->places.size() < kRestingMin || moves_px.size() < kMovingMin ||
+  if (at_rest.size() + resting->places.size() < kRestingMin || moves_px.size() < kMovingMin ||
       median(std::span(moves_px.begin(), moves_px.size())) < kMoves_px) {
     return;
   }
-  for (const Track& track : table->tracks) {
-    if (rests(track)) {
-      const Feature& latest = feature_of(track.points.back(), *table);
-      add_place(latest.u_px, latest.v_px, resting);
-    }
+  for (const std::size_t t : at_rest) {
+    const Feature& latest = feature_of(table->tracks[t].points.back(), *table);
+    add_place(latest.u_px, latest.v_px, resting);
   }
   // Shorter tracks at these places rest, too.
   keep_tracks(

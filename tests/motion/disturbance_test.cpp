@@ -157,13 +157,10 @@ TEST(Disturbance, IsNoPictureThatComesTwice_WhileTheServicerTurns) {
 
 TEST(Disturbance, IsNoPictureThatComesTwice_WhereTheMapHasMovedBetween) {
   Bench b(16);
-  const Pose before = pose_at(b.angle_rad);
-  MapCorrection correction;
-  correction.before = before;
-  correction.after = pose_at(b.angle_rad + 0.05);
-  move_seen(correction, b.motion.get());
+  const Pose moved = pose_at(b.angle_rad + 0.05);
+  move_seen(moved, b.motion.get());
   EXPECT_TRUE(repeats_last(
-      {.timestamp_ns = b.now_ns + kSecond_ns, .pose = correction.after, .covariance = kCovariance},
+      {.timestamp_ns = b.now_ns + kSecond_ns, .pose = moved, .covariance = kCovariance},
       b.motion.get()));
 }
 
