@@ -17,7 +17,7 @@ void begin_frame(MapState* state) {
   state->localised.matches.clear();
   state->pose_valid = false;
   state->pose_teaches = true;
-  state->contested = PoseCovariance::Zero();
+  state->doubted = PoseCovariance::Zero();
   state->moved_rad = 0.0;
 }
 
@@ -33,7 +33,7 @@ void reset_map(MapState* state) {
   state->localised.matches.clear();
   state->pose_valid = false;
   state->pose_teaches = true;
-  state->contested = PoseCovariance::Zero();
+  state->doubted = PoseCovariance::Zero();
   state->inliers_last = 0;
 }
 

@@ -53,7 +53,7 @@ struct MapState {
   LocalisedFrame localised;        ///< this frame's pose and matches
   bool pose_valid = false;         ///< this frame has a pose
   bool pose_teaches = true;        ///< not mostly what the motion expects, nor the last one again
-  PoseCovariance contested =
+  PoseCovariance doubted =
       PoseCovariance::Zero();  ///< of a pose that departs from the motion, or repeats: by how much
   int inliers_last = 0;        ///< of the last pose that features gave
   GrowthWaiting growth;

@@ -299,9 +299,9 @@ void fuse_with_prior(const PosePrediction& prior, MapState* s) {
       &s->localised);
 }
 
-void contest_pose(const PosePrediction& predicted, MapState* s) {
+void doubt_pose(const PosePrediction& predicted, MapState* s) {
   const Vector6 apart = difference(s->localised.absolute.pose, predicted.pose);
-  s->contested = apart * apart.transpose();
+  s->doubted = apart * apart.transpose();
 }
 
 bool match_features(const MapInput& input,

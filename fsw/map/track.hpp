@@ -92,7 +92,7 @@ void fuse_with_prior(const PosePrediction& prior, MapState* state);
 
 /// This frame's pose departs from the motion so far, which has led to others, and nobody knows yet
 /// which of the two is wrong: the pose is as uncertain as they differ.
-void contest_pose(const PosePrediction& predicted, MapState* state);
+void doubt_pose(const PosePrediction& predicted, MapState* state);
 
 /// Gives a pose that was found by flow matches to this frame's features, so that it can become a
 /// keyframe.

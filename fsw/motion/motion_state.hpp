@@ -29,8 +29,8 @@ struct MotionState {
   double metres_per_mu = 1.0;  ///< that scale; not in the packet
   std::uint32_t target_frame =
       0;  ///< number of the frame T that the pose is in; not in the packet (event target_frame_new)
-  bool contested = false;  ///< the pose departs from the motion, or repeats; sigmas say by how
-                           ///< much; not in the packet
+  bool doubted = false;  ///< the pose departs from the motion, or repeats; sigmas say by how
+                         ///< much; not in the packet
   std::array<double, 4> q_CT{1.0, 0.0, 0.0, 0.0};  ///< w, x, y, z; sign continuous in time
   std::array<double, 3> p_CT{};                    ///< T's origin in C
   std::array<double, 3> v_C{};        ///< its velocity relative to C's origin, in C, per second

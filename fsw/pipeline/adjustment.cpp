@@ -125,8 +125,8 @@ void ask_for_adjustment_of_all(AdjustmentReason reason,
                                MapState* mapping,
                                JobQueue* queue) {
   prepare_adjustment_of_all(view, mapping, &queue->adjustment);
-  // It is done within the step (take_due_jobs), where the first fit of a free body, which tries
-  // many motions, would take ten times as long as the adjustment. The next one brings it.
+  // It may be done within the step (begins_within_step), where the first fit of a free body, which
+  // tries many motions, would take ten times as long as the adjustment. The next one brings it.
   queue->adjustment.as_free_body = false;
   ask_for(reason, false, view, mapping->map, queue);
 }

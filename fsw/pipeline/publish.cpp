@@ -28,8 +28,25 @@ double turn_by_focal(const Component::State& s) {
   return part_off(s.focal.found) * s.mapping.map.radius_mu / pose.p_CT.norm();
 }
 
-/// Pose and rates, with what the map's drift, a contest, the scale and a refuted focal length add
-/// to their errors. No rates where the turns contradict the times.
+/// A pose in the unit published, with what scale and focal length add to its error.
+/// @param covariance  of the pose in map units, the map's own error included.
+/// @param q_last  quaternion published last; becomes this one.
+void fill_pose_in_unit(const Pose& pose_mu,
+                       PoseCovariance covariance,
+                       double turn_by_focal_rad,
+                       const bus::LengthUnit& unit,
+                       std::array<double, 4>* q_last,
+                       MotionState* m) {
+  const Pose pose = scaled(pose_mu, unit.metres_per_mu);
+  widen_attitude(turn_by_focal_rad, &covariance);
+  fill_pose(pose,
+            scaled(covariance, unit.metres_per_mu) + by_scale(pose, unit.relative_sigma),
+            q_last,
+            m);
+}
+
+/// Pose and rates, with what the map's drift, a doubt, the scale and a refuted focal length add to
+/// their errors. No rates where the turns contradict the times.
 /// @param q_last  quaternion published last; becomes this one.
 void fill_motion(const MapState& mapping,
                  const MotionEstimate& motion,
@@ -40,10 +57,12 @@ void fill_motion(const MapState& mapping,
                  std::array<double, 4>* q_last,
                  MotionState* m) {
   const AbsolutePose& found = mapping.localised.absolute;
-  const Pose pose = scaled(found.pose, unit.metres_per_mu);
-  PoseCovariance sum = found.covariance + covariance(mapping.drift) + mapping.contested;
-  widen_attitude(turn_by_focal_rad, &sum);
-  fill_pose(pose, scaled(sum, unit.metres_per_mu) + by_scale(pose, unit.relative_sigma), q_last, m);
+  fill_pose_in_unit(found.pose,
+                    found.covariance + covariance(mapping.drift) + mapping.doubted,
+                    turn_by_focal_rad,
+                    unit,
+                    q_last,
+                    m);
   const Result<RateEstimate> rates = rates_now(motion, mapping.drift, options);
   if (rates && !stamps.contradicted) {
     fill_rates(rates.value(), unit.metres_per_mu, unit.relative_sigma, m);
@@ -57,11 +76,7 @@ void fill_coasted(const std::optional<PosePrediction>& coasted,
                   std::array<double, 4>* q_last,
                   MotionState* m) {
   if (coasted) {
-    const Pose pose = scaled(coasted->pose, unit.metres_per_mu);
-    PoseCovariance sum = coasted->covariance;
-    widen_attitude(turn_by_focal_rad, &sum);
-    fill_pose(
-        pose, scaled(sum, unit.metres_per_mu) + by_scale(pose, unit.relative_sigma), q_last, m);
+    fill_pose_in_unit(coasted->pose, coasted->covariance, turn_by_focal_rad, unit, q_last, m);
   }
 }
 
@@ -117,7 +132,7 @@ MotionState motion_state(std::int64_t timestamp_ns,
   m.landmarks = bus::clipped(static_cast<std::size_t>(mapping.map.landmark_count));
   m.keyframes = bus::clipped(static_cast<std::size_t>(mapping.map.keyframe_count));
   if (mapping.pose_valid) {
-    m.contested = !mapping.contested.isZero(0.0);
+    m.doubted = !mapping.doubted.isZero(0.0);
     fill_motion(mapping,
                 s->motion,
                 s->configuration.parameters.motion,

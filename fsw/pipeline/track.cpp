@@ -90,7 +90,7 @@ std::optional<std::int64_t> judge(const std::optional<ExpectedPose>& expected,
   if (repeated) {
     mapping->pose_teaches = false;
     if (expected) {
-      contest_pose(expected->prediction, mapping);
+      doubt_pose(expected->prediction, mapping);
     }
     return std::nullopt;
   }
@@ -107,7 +107,7 @@ std::optional<std::int64_t> judge(const std::optional<ExpectedPose>& expected,
     invalidate_fits(&s->jobs);
   }
   if (expected && s->motion.departures > 0) {
-    contest_pose(expected->prediction, mapping);
+    doubt_pose(expected->prediction, mapping);
   }
   return judgement.withdrawn_ns;
 }

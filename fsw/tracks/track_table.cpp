@@ -187,7 +187,11 @@ void drop_resting_tracks(TrackTable* table, RestingPlaces* resting) {
       continue;
     }
     const double spread = spread_px(table->tracks[t], *table);
-    (void)(spread < kRest_px ? at_rest.push_back(t) : moves_px.push_back(spread));
+    if (spread < kRest_px) {
+      (void)at_rest.push_back(t);
+    } else {
+      (void)moves_px.push_back(spread);
+    }
   }
   if (at_rest.size() + resting->places.size() < kRestingMin || moves_px.size() < kMovingMin ||
       median(std::span(moves_px.begin(), moves_px.size())) < kMoves_px) {

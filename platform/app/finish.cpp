@@ -45,7 +45,7 @@ std::vector<SmoothedPose> smooth_frames(Component& component,
   std::vector<SmoothedPose> poses;
   for (std::size_t i = 0; i < log.published.size(); ++i) {
     const MotionState& m = log.published[i];
-    if (m.contested || !borne_out) {
+    if (m.doubted || !borne_out) {
       poses.push_back({});
       continue;
     }

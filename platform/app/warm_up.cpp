@@ -18,7 +18,7 @@ namespace {
 // A map is begun with the first hypothesis selection or soon after, and flow, matching and
 // adjustments follow it; not with every camera: under very wide lenses and in small pictures none
 // is, and the first map of the run itself takes longer.
-constexpr int kFramesAfterContest = 3;
+constexpr int kFramesAfterSelection = 3;
 constexpr double kTurn_rad = 0.05;
 constexpr double kPart = 0.35;  ///< of the picture's lesser side, the ball's radius
 constexpr std::int64_t kInterval_ns = 100'000'000;
@@ -94,7 +94,7 @@ int warm_up(const ComponentMemory& memory, const Parameters& parameters) {
   PatchedBall ball(parameters.camera);
   Worker worker({.own_thread = false});
   int poses = 0;
-  const int frames = parameters.start.frames_min + kFramesAfterContest;
+  const int frames = parameters.start.frames_min + kFramesAfterSelection;
   for (int i = 0; i < frames; ++i) {
     const Frame frame{.timestamp_ns = (i + 1) * kInterval_ns,
                       .image = ball.turned_by(i * kTurn_rad)};

@@ -265,17 +265,17 @@ TEST(Believable, IsWhatAContactCanDo_AndNoFaceThatLooksAlike) {
   EXPECT_TRUE(believed(kHalfTurn_rad, 4)) << "a young motion rules out nothing";
 }
 
-TEST(ContestPose, MakesThePoseAsUncertainAsItDepartsFromTheMotion) {
+TEST(DoubtPose, MakesThePoseAsUncertainAsItDepartsFromTheMotion) {
   const auto state = std::make_unique<MapState>();
   PosePrediction predicted;
   predicted.pose.p_CT = {0.0, 0.0, 8.0};
   state->localised.absolute.pose = {.R_CT = so3_exp(0.3 * Eigen::Vector3d::UnitX()),
                                     .p_CT = {0.0, 0.5, 8.0}};
-  contest_pose(predicted, state.get());
-  EXPECT_NEAR(std::sqrt(state->contested(0, 0)), 0.3, 1e-12);
-  EXPECT_NEAR(std::sqrt(state->contested(4, 4)), 0.5, 1e-12);
+  doubt_pose(predicted, state.get());
+  EXPECT_NEAR(std::sqrt(state->doubted(0, 0)), 0.3, 1e-12);
+  EXPECT_NEAR(std::sqrt(state->doubted(4, 4)), 0.5, 1e-12);
   begin_frame(state.get());
-  EXPECT_TRUE(state->contested.isZero(0.0)) << "of one frame";
+  EXPECT_TRUE(state->doubted.isZero(0.0)) << "of one frame";
 }
 
 TEST(LocaliseWithPrior, LooksAsFarAsThePriorsErrorReaches) {
