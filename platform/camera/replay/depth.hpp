@@ -4,14 +4,16 @@
 #include <string>
 
 #include "camera/replay/decode.hpp"
-#include "camera/replay/sequence.hpp"
 
 namespace polhode::platform {
 
-/// Bits of the largest level in 16-bit pictures: 10, 12, 14 or 16. By a few pictures of the
-/// sequence: where they say their bits, levels are of so many only if none is larger, as PNG asks
-/// writers to shift them up. 16 for other pictures.
-int depth_of(const Sequence& sequence);
+constexpr int kFullDepth_bits = 16;  ///< of the levels in a 16-bit picture
+
+/// Smallest depth of a camera that has this level: 10, 12, 14 or 16 bits.
+int depth_for(unsigned level);
+
+/// Of a 16-bit picture.
+unsigned largest_level(const DecodedImage& image);
 
 /// For people: what the levels were taken for; empty where nothing is changed.
 std::string depth_remark(int depth_bits);

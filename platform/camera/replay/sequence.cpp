@@ -141,6 +141,41 @@ ImageHeader check_first_image(const Sequence& sequence) {
                                   first_refusal.value_or("")));
 }
 
+/// Bits of the largest level in 16-bit pictures: 10, 12, 14 or 16. By a few pictures of the
+/// sequence: where they say their bits, levels are of so many only if none is larger, as PNG asks
+/// writers to shift them up. 16 for other pictures.
+int depth_of(const Sequence& sequence) {
+  constexpr std::size_t kLookedAt = 5;  // evenly over the sequence: the first ones may be dark
+  const std::size_t step = std::max<std::size_t>(1, sequence.frames.size() / kLookedAt);
+  std::vector<std::uint8_t> octets;
+  DecodedImage image;
+  unsigned largest = 0;
+  int said = 0;
+  for (std::size_t i = 0; i < sequence.frames.size(); i += step) {
+    ImageHeader header;
+    if (read_file(sequence.image_folder / sequence.frames[i].file,
+                  octets,
+                  frame_octets_max(sequence.camera)) ||
+        read_header(octets, header) || header.width_px != sequence.camera.width_px ||
+        header.height_px != sequence.camera.height_px) {
+      continue;
+    }
+    if (header.format != PixelFormat::kGray16 || header.significant_bits == kFullDepth_bits) {
+      return kFullDepth_bits;
+    }
+    if (!decode(octets, image)) {
+      largest = std::max(largest, largest_level(image));
+      said = std::max(said, header.significant_bits);
+    }
+  }
+  if (largest == 0) {
+    return kFullDepth_bits;  // black, or none could be read
+  }
+  said = std::min(said, kFullDepth_bits);  // of a damaged file, it may be any octet
+  const int found = depth_for(largest);
+  return said == 0 || found == kFullDepth_bits ? found : std::max(found, said);
+}
+
 std::vector<std::int64_t> stamps_of(const Sequence& sequence) {
   std::vector<std::int64_t> stamps_ns;
   for (const SequenceFrame& frame : sequence.frames) {
