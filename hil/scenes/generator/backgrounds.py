@@ -8,25 +8,13 @@ import numpy as np
 
 from . import camera as camera_model
 from . import noise
+from .black_space import Empty
+from .laboratory import Laboratory
 from .rotations import quat_to_matrix
 
 EARTH_RADIUS_KM = 6371.0
 # Height over which the glow of the limb falls by e. Real air falls faster, but its bright layer starts higher up.
 GLOW_SCALE_KM = 14.0
-
-
-class Empty:
-    """Black space."""
-
-    own_light = False
-
-    def prepare(self, motion, row):
-        """Called before the target is rendered at a row of the motion."""
-
-    def radiance(self, motion, row):
-        """None: nothing is added. Called after the target was rendered at that row."""
-        del motion, row
-        return None
 
 
 class Stars(Empty):
@@ -152,8 +140,6 @@ def make(plan, resampler, blender, scratch_path, vertices_T):
     if kind == "none":
         return Empty()
     if kind == "laboratory":
-        from .laboratory import Laboratory
-
         return Laboratory(plan, resampler, blender, scratch_path, vertices_T)
     stars = Stars(plan)
     return stars if kind == "stars" else Earth(plan, stars)

@@ -9,7 +9,7 @@ so the shadow is soft. Two soft lamps overhead and an even ambient light serve b
 import numpy as np
 
 from . import mesh, noise, surfaces
-from .backgrounds import Empty
+from .black_space import Empty
 from .materials import Material
 from .rotations import quat_to_matrix
 
