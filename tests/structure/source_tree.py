@@ -1,12 +1,14 @@
 """What the tests of the house look at: source files, their includes, the length of their functions."""
 
 import ast
+import functools
 import pathlib
 import re
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 ROOTS = ("fsw", "platform", "config", "tests", "hil", "tools")
 SUFFIXES = (".cpp", ".hpp", ".py", ".sh")
+WRITTEN_BY = "// Written by tools/generate_bus.py"
 
 COMMENT_OR_TEXT = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'', re.DOTALL)
 
@@ -23,6 +25,11 @@ def name_of(file: pathlib.Path) -> str:
     return str(file.relative_to(REPOSITORY))
 
 
+def is_generated(file: pathlib.Path) -> bool:
+    return file.read_text().startswith(WRITTEN_BY)
+
+
+@functools.cache
 def code_of(file: pathlib.Path) -> str:
     """C++ without comments; texts are emptied; lines keep their numbers."""
 
@@ -46,14 +53,14 @@ NOT_A_FUNCTION = re.compile(r"^\s*(?:if|for|while|switch|catch|do|else|return|na
 HOLDS_FUNCTIONS = re.compile(r'\b(?:namespace|class|struct|union|extern)\b[^;(){}=]*$')
 
 
-def cpp_functions(file: pathlib.Path) -> list[tuple[int, int]]:
-    """First line and number of lines of each function, by its outermost braces."""
-    code = re.sub(r"^\s*#[^\n]*(?:\\\n[^\n]*)*", lambda m: "\n" * m.group().count("\n"), code_of(file), flags=re.MULTILINE)
+def cpp_definitions(file: pathlib.Path) -> list[tuple[int, int, str]]:
+    """First line, number of lines and head of each function, by its outermost braces."""
+    code = re.sub(r"^\s*#(?:\\\n|[^\n])*", lambda m: "\n" * m.group().count("\n"), code_of(file), flags=re.MULTILINE)
     functions, stack, start_of_statement = [], [], 0
     for position, character in enumerate(code):
         if character == "{":
             before = code[start_of_statement:position]
-            inside_function = any(kind == "function" for kind, _ in stack)
+            inside_function = any(kind == "function" for kind, *_ in stack)
             if HOLDS_FUNCTIONS.search(before.split("template", 1)[-1]) and not inside_function:
                 kind = "scope"
             elif not inside_function and "(" in before and "=" not in before.split("(", 1)[0].replace("operator=", "") \
@@ -62,17 +69,22 @@ def cpp_functions(file: pathlib.Path) -> list[tuple[int, int]]:
             else:
                 kind = "block"
             first = start_of_statement + len(before) - len(before.lstrip())
-            stack.append((kind, first))
+            stack.append((kind, first, before.strip()))
             start_of_statement = position + 1
         elif character == "}":
-            kind, first = stack.pop() if stack else ("block", 0)
+            kind, first, head = stack.pop() if stack else ("block", 0, "")
             if kind == "function":
                 line = code.count("\n", 0, first) + 1
-                functions.append((line, code.count("\n", 0, position) + 2 - line))
+                functions.append((line, code.count("\n", 0, position) + 2 - line, head))
             start_of_statement = position + 1
         elif character == ";":
             start_of_statement = position + 1
     return functions
+
+
+def cpp_functions(file: pathlib.Path) -> list[tuple[int, int]]:
+    """First line and number of lines of each function."""
+    return [(line, lines) for line, lines, _ in cpp_definitions(file)]
 
 
 def python_functions(file: pathlib.Path) -> list[tuple[int, int]]:

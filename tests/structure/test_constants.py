@@ -1,43 +1,14 @@
 """Every named number says where it comes from."""
 
-import bisect
 import re
 
-from source_tree import COMMENT_OR_TEXT, REPOSITORY, name_of, source_files
-
-WRITTEN_BY = "// Written by tools/generate_bus.py"
+from cpp_parts import constants
+from source_tree import REPOSITORY, WRITTEN_BY, is_generated, name_of, source_files
 
 # Numbers that explain themselves: "file:name", and why.
 ALLOWED: dict[str, str] = {}
 
-DECLARATION = re.compile(r"^[ \t]*(?:(?:static|inline) )*constexpr\b[^=;(){}]*?\b(k[A-Z]\w*)(?:\[[^\]]*\])*\s*(?:=|(?=\{))", re.MULTILINE)
 TEMPLATE_LINE = re.compile(r"\s*template <[^;{]*>\s*")
-NUMBER = re.compile(r"(?<![\w.])\.?\d")
-TABLE = re.compile(r'"|[{,]\s*\{|^\s*\[')  # texts, braces in braces, a function
-
-
-def blanked(text: str) -> str:
-    """Without comments and texts; every character that stays keeps its place."""
-
-    def blank(match: re.Match) -> str:
-        inner = re.sub(r"[^\n]", " ", match.group())
-        return f'"{inner[1:-1]}"' if match.group()[0] == '"' else inner
-
-    return COMMENT_OR_TEXT.sub(blank, re.sub(r"(?<=\d)'(?=\d)", "0", text))
-
-
-def constants(text: str) -> list[tuple[str, int, int, bool]]:
-    """Name, first and last line (from 0) of each constexpr kName, and whether its value is spelled as a number."""
-    code = blanked(text)
-    line_ends = [match.start() for match in re.finditer("\n", code)]
-    found = []
-    for match in DECLARATION.finditer(code):
-        end = code.index(";", match.end())
-        value = code[match.end():end]
-        first, last = (bisect.bisect_left(line_ends, at) for at in (match.start(1), end))
-        first -= code[match.start():match.start(1)].count("\n")
-        found.append((match.group(1), first, last, bool(NUMBER.search(value)) and not TABLE.search(value)))
-    return found
 
 
 def has_comment(lines: list[str], first: int, last: int, block_starts: dict[int, int]) -> bool:
@@ -58,9 +29,9 @@ def has_comment(lines: list[str], first: int, last: int, block_starts: dict[int,
 
 def constants_without_comment(file) -> list[tuple[str, int]]:
     """Name and line of each."""
-    text = file.read_text()
-    if text.startswith(WRITTEN_BY):
+    if is_generated(file):
         return []
+    text = file.read_text()
     lines = text.splitlines()
     found = constants(text)
     block_starts = {last: first for _, first, last, _ in found}

@@ -5,10 +5,9 @@ import shutil
 import subprocess
 
 import pytest
-from source_tree import REPOSITORY, name_of, source_files
+from source_tree import REPOSITORY, is_generated, name_of, source_files
 
-WRITTEN_BY = "// Written by tools/generate_bus.py"
-FILES = [file for file in source_files(suffixes=(".cpp", ".hpp")) if not file.read_text().startswith(WRITTEN_BY)]
+FILES = [file for file in source_files(suffixes=(".cpp", ".hpp")) if not is_generated(file)]
 
 
 @pytest.mark.skipif(not shutil.which("clang-format"), reason="clang-format is not installed (tools/setup.sh)")

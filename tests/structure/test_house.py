@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from cpp_parts import MEMBERS_MAX, structs_of
 from source_tree import (ROOTS, code_of, cpp_functions, name_of, own_includes, python_functions, source_files,
                          system_includes, REPOSITORY)
 
@@ -18,8 +19,7 @@ COMPOSED = {
     "pipeline/job.hpp": "the tables of all long work",
 }
 
-MEMBERS_MAX = 15  # of a struct that a function outside its room may change
-# Passed to be changed by functions of other rooms than their own, though larger.
+# Passed to be changed by functions of other rooms than their own, though wide.
 WIDE_BY_NATURE = {
     "MotionState": "the published row: pipeline fills it for the caller",
     "Counters": "changed by pipeline alone, which counts for all rooms",
@@ -165,38 +165,12 @@ def test_the_state_is_for_the_pipeline_and_tests():
     assert not wrong, f"{', '.join(wrong)} include pipeline/state.hpp: pipeline/ground_view.hpp is for them"
 
 
-STRUCT = re.compile(r"\bstruct (\w+) \{(.*?)\n\};", re.DOTALL)
-
-
-def members_of(body: str) -> int:
-    """Data members of a struct: declarations at its own depth that are no functions."""
-    depth, flat = 0, []
-    for character in body:
-        depth += {"{": 1, "(": 1}.get(character, 0)
-        if depth == 0:
-            flat.append(character)
-        elif character in "({":
-            flat.append("~" if character == "(" else "")
-        depth -= {"}": 1, ")": 1}.get(character, 0)
-    statements = [s.strip() for s in "".join(flat).split(";")]
-    return sum(len(s.split(",")) if "<" not in s else 1 for s in statements
-               if s and "~" not in s.split("=")[0] and not re.match(r"(?:static|using|enum|struct|friend|template|\[\[)", s))
-
-
-def test_members_are_counted():
-    assert members_of("""
-      int a = 0;  double b{1.0};
-      std::array<double, 3> c{};
-      bool f(int x) const { return a; }
-      static constexpr int kD = 1;""") == 3
-
-
 def test_no_room_changes_a_wide_struct_of_another():
     wide = {}
     for file in source_files("fsw", suffixes=(".hpp",)):
-        for name, body in STRUCT.findall(code_of(file)):
-            if members_of(body) > MEMBERS_MAX:
-                wide[name] = (stage_of(file), members_of(body))
+        for name, _, members in structs_of(file):
+            if members > MEMBERS_MAX:
+                wide[name] = (stage_of(file), members)
     wrong = []
     for file in source_files("fsw", suffixes=(".cpp", ".hpp")):
         for name in set(re.findall(r"(?<!const )\b(\w+)\* \w+[,)]", code_of(file))) & set(wide):
