@@ -8,7 +8,7 @@ import re
 import statistics
 
 import pytest
-from source_tree import REPOSITORY, name_of
+from source_tree import REPOSITORY, code_of, name_of
 
 MEDIAN_WORDS_MAX = 20
 SENTENCE_WORDS_MAX = 40
@@ -28,6 +28,8 @@ SENTENCE_END = re.compile(r"(?<=[.!?;])[)*_\"'\]]*\s+")
 
 CODE = re.compile(r"`([^`\n]+)`")
 REPOSITORY_PATH = re.compile(r"(?:fsw|platform|hil|tools|tests|config|docs)/[\w./-]*")
+FLIGHT_PATH = re.compile(r"(?:fsw|platform)/[\w./-]*")
+NAME = re.compile(r"(?:\w+::)*([A-Za-z_]\w*)(?:\(\))?")  # of a function, type or constant
 PLACEHOLDER = re.compile(r"\b(?!README\b|CONTRIBUTING\b)[A-Z]+\b")  # SEQ, NAME, NNNN: to be filled in by the reader
 ADDRESS = re.compile(r"[a-z]+:|#")  # a link to another site or within the page
 
@@ -68,6 +70,19 @@ def missing_from(folder: pathlib.Path, text: str, repository: pathlib.Path = REP
     """What a page in a folder names and is not there."""
     wrong = [f"link to {link}" for link in links_of(text) if not (folder / link).exists()]
     return wrong + [f"path {path}" for path in paths_of(text) if not (repository / path).exists()]
+
+
+def misplaced_in(text: str, repository: pathlib.Path = REPOSITORY) -> list[str]:
+    """Names in code font that stand in none of the files of fsw and platform which their sentence names."""
+    wrong = []
+    for sentence in sentences_of(text):
+        codes = CODE.findall(sentence)
+        paths = [repository / code for code in codes if FLIGHT_PATH.fullmatch(code)]
+        files = [file for path in paths for file in ([path] if path.is_file() else path.rglob("*")) if file.suffix in (".cpp", ".hpp")]
+        words = {word for file in files for word in re.findall(r"\w+", code_of(file))}
+        wrong += [f"{code} is not in {', '.join(str(path.relative_to(repository)) for path in paths)}" for code in codes
+                  if words and (name := NAME.fullmatch(code)) and name.group(1) not in words]
+    return wrong
 
 
 def index_errors(index: str, files: set[str]) -> list[str]:
@@ -121,6 +136,13 @@ def test_paths_and_links_that_lead_nowhere_are_found(tmp_path):
     assert missing_from(tmp_path / "docs", text, tmp_path) == ["link to gone.md", "path docs/gone.md", "path docs/README.md"]
 
 
+def test_a_name_that_stands_elsewhere_is_found(tmp_path):
+    (tmp_path / "fsw/map").mkdir(parents=True)
+    (tmp_path / "fsw/map/one.cpp").write_text("namespace map { int first() { return 1; } }  // second\n")
+    text = "`map::first()` in `fsw/map/one.cpp`. `first` and `second` in `fsw/map/`. `second` alone; `--third` of `fsw/map/one.cpp`."
+    assert misplaced_in(text, tmp_path) == ["second is not in fsw/map"]
+
+
 def test_an_index_that_differs_from_its_folder_is_found():
     index = "[One](0001-one.md), `0002-two.md`, [gone](0003-gone.md#x), [another page](../results.md), [itself](README.md)"
     assert index_errors(index, {"0001-one.md", "0002-two.md"}) == ["0003-gone.md is in the index only"]
@@ -143,6 +165,12 @@ def test_sentences_are_short(file):
 @pytest.mark.parametrize("file", DOCUMENTS, ids=name_of)
 def test_links_and_paths_lead_somewhere(file):
     wrong = missing_from(file.parent, file.read_text())
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize("file", DOCUMENTS, ids=name_of)
+def test_what_a_sentence_names_stands_in_the_files_that_it_names(file):
+    wrong = misplaced_in(file.read_text())
     assert not wrong, "\n".join(wrong)
 
 
