@@ -3,10 +3,7 @@
 import re
 
 from cpp_parts import constants
-from source_tree import REPOSITORY, WRITTEN_BY, is_generated, name_of, source_files
-
-# Numbers that explain themselves: "file:name", and why.
-ALLOWED: dict[str, str] = {}
+from source_tree import is_generated, name_of, source_files
 
 TEMPLATE_LINE = re.compile(r"\s*template <[^;{]*>\s*")
 
@@ -39,29 +36,10 @@ def constants_without_comment(file) -> list[tuple[str, int]]:
             if number and not has_comment(lines, first, last, block_starts)]
 
 
-def complaints(constants_found: list[tuple[str, int, str]], allowed: dict[str, str]) -> list[str]:
-    """File, line and name of each constant without a comment that is not allowed; what is allowed and does not occur."""
-    wrong = [f"{file}:{line}: {name}" for file, line, name in constants_found if f"{file}:{name}" not in allowed]
-    idle = set(allowed) - {f"{file}:{name}" for file, _, name in constants_found}
-    return wrong + [f"{key} is allowed, but does not occur without a comment" for key in sorted(idle)]
-
-
 def test_every_constant_says_where_it_comes_from():
-    found = [(name_of(file), line, name) for file in source_files("fsw", suffixes=(".cpp", ".hpp"))
+    wrong = [f"{name_of(file)}:{line}: {name}" for file in source_files("fsw", suffixes=(".cpp", ".hpp"))
              for name, line in constants_without_comment(file)]
-    wrong = complaints(found, ALLOWED)
     assert not wrong, "\n".join(wrong)
-
-
-def test_an_exception_that_does_not_occur_is_found():
-    found = [("fsw/base/one.hpp", 3, "kOne"), ("fsw/base/two.hpp", 4, "kTwo")]
-    allowed = {"fsw/base/one.hpp:kOne": "of the format", "fsw/base/one.hpp:kGone": "of the format"}
-    assert complaints(found, allowed) == [
-        "fsw/base/two.hpp:4: kTwo", "fsw/base/one.hpp:kGone is allowed, but does not occur without a comment"]
-
-
-def test_every_exception_has_a_reason():
-    assert all(reason.strip() for reason in ALLOWED.values())
 
 
 SAMPLE = """\
@@ -98,15 +76,3 @@ def test_a_constant_without_a_comment_is_found(tmp_path):
     file.write_text(SAMPLE)
     assert constants_without_comment(file) == [
         ("kBare", 2), ("kBlockWithoutComment", 12), ("kMember", 14), ("kRow", 18), ("kList", 21), ("kBraced", 23)]
-
-
-def test_written_files_are_not_asked(tmp_path):
-    file = tmp_path / "written.hpp"
-    file.write_text(WRITTEN_BY + "\nconstexpr int kBare = 3;\n")
-    assert constants_without_comment(file) == []
-
-
-def test_constants_are_found_at_all():
-    """The measure would pass on anything if it found nothing."""
-    found = constants((REPOSITORY / "fsw/base/time_doubt.hpp").read_text())
-    assert [name for name, *_ in found] == ["kInARow"]

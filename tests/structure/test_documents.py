@@ -93,61 +93,31 @@ def index_errors(index: str, files: set[str]) -> list[str]:
            [f"{name} is in the index only" for name in sorted(listed - files)]
 
 
-MADE_UP = """# A heading of the page is no sentence. Never.
+PAGE = """# A heading of the page is no sentence. Never.
 One fact, one sentence! A second one goes
 over two lines; a third follows. Version 2.5 of `a.b` is one piece?
 | a table. | is no prose. |
-| --- | --- |
 - **In:** a bullet ends the sentence before it
-- (Closed within its bracket.) [A link](far/away.md) counts by its text.
-1. A numbered entry
-   goes on below.
-
+- (Closed within its bracket.) [A link](there.md#place) counts by its text, [to nowhere](gone.md), [elsewhere](https://example.org/gone.md).
 ```
-Code is left out. All of it.
+Code is left out. All of it, `docs/fenced.md` and [this](fenced.md).
 ```
-- [ ] **Last.** Nothing -> ends here
+`docs/there.md` `docs/` `docs/gone.md` `docs/*.md` `docs/NAME.md` `other/gone.md` `[e](code.md)`.
+`map::first()` in `fsw/map/one.cpp`. `first` and `second` in `fsw/map/`. `second` alone; `--third` of `fsw/map/one.cpp`.
 """
 
 
-def test_sentences_are_split_as_the_rules_say():
-    assert sentences_of(MADE_UP) == [
-        "One fact, one sentence!", "A second one goes over two lines;", "a third follows.", "Version 2.5 of `a.b` is one piece?",
-        "**In:** a bullet ends the sentence before it", "(Closed within its bracket.", "A link counts by its text.",
-        "A numbered entry goes on below.", "**Last.", "Nothing -> ends here"]
-    assert [words_of(sentence) for sentence in sentences_of(MADE_UP)] == [4, 7, 3, 7, 8, 4, 6, 6, 1, 3]
-
-
-def test_the_limits_can_be_exceeded():
-    at_limit = " ".join(["word"] * SENTENCE_WORDS_MAX) + ". "
-    short = "Two words. "
-    assert too_long(at_limit + short * 2) == []
-    assert too_long("more " + at_limit + short * 2) == ["41 words: more " + at_limit.strip()]
-    assert too_long(at_limit + short + at_limit) == ["the median is 40 words"]
-    assert too_long("") == []
-
-
-def test_paths_and_links_that_lead_nowhere_are_found(tmp_path):
-    (tmp_path / "docs").mkdir()
-    (tmp_path / "docs/there.md").write_text("")
-    text = ("`docs/there.md` `docs/` `docs/gone.md` `docs/*.md` `docs/{a,b}.md` `docs/NAME.md` `docs/a b` `other/gone.md` "
-            "`docs/README.md` [a](there.md#place) [b](gone.md) [c](https://example.org/gone.md) [d](#place) `[e](code.md)`\n"
-            "```\n`docs/fenced.md` [f](fenced.md)\n```\n")
-    assert missing_from(tmp_path / "docs", text, tmp_path) == ["link to gone.md", "path docs/gone.md", "path docs/README.md"]
-
-
-def test_a_name_that_stands_elsewhere_is_found(tmp_path):
-    (tmp_path / "fsw/map").mkdir(parents=True)
-    (tmp_path / "fsw/map/one.cpp").write_text("namespace map { int first() { return 1; } }  // second\n")
-    text = "`map::first()` in `fsw/map/one.cpp`. `first` and `second` in `fsw/map/`. `second` alone; `--third` of `fsw/map/one.cpp`."
-    assert misplaced_in(text, tmp_path) == ["second is not in fsw/map"]
-
-
-def test_an_index_that_differs_from_its_folder_is_found():
+def test_what_is_wrong_with_a_page_is_found(tmp_path):
+    for name, text in (("docs/there.md", ""), ("fsw/map/one.cpp", "namespace map { int first() { return 1; } }  // second\n")):
+        (tmp_path / name).parent.mkdir(parents=True)
+        (tmp_path / name).write_text(text)
+    assert [words_of(sentence) for sentence in sentences_of(PAGE)][:8] == [4, 7, 3, 7, 8, 4, 9, 7]
+    assert too_long("word " * SENTENCE_WORDS_MAX + ". Two words. Two words.") == []
+    assert too_long("word " * (SENTENCE_WORDS_MAX + 1)) == [f"41 words: {'word ' * 41}".strip(), "the median is 41 words"]
+    assert missing_from(tmp_path / "docs", PAGE, tmp_path) == ["link to gone.md", "path docs/gone.md"]
+    assert misplaced_in(PAGE, tmp_path) == ["second is not in fsw/map"]
     index = "[One](0001-one.md), `0002-two.md`, [gone](0003-gone.md#x), [another page](../results.md), [itself](README.md)"
-    assert index_errors(index, {"0001-one.md", "0002-two.md"}) == ["0003-gone.md is in the index only"]
-    assert index_errors(index, {"0001-one.md", "0002-two.md", "0003-gone.md"}) == []
-    assert index_errors("", {"0001-one.md"}) == ["0001-one.md is not in the index"]
+    assert index_errors(index, {"0001-one.md", "0002-two.md", "0004-new.md"}) == ["0004-new.md is not in the index", "0003-gone.md is in the index only"]
 
 
 def test_documents_are_found_at_all():
