@@ -340,7 +340,6 @@ void sharpen_outline(MaskState* s) {
     const cv::Mat& matches = s->background_model.matches;
     add_appearance(picture, s->outline, matches, box, step, &scratch.appearance, &unary_cost);
   }
-  refine_unary_cost(picture, s->outline, s->network, step, &scratch.refine, &unary_cost);
   measure_edges(picture, box_of_edges(*s), &scratch.edges);
   s->outline.copyTo(scratch.added);
   const int far_px = far_reach_px(*s);

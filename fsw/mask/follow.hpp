@@ -42,7 +42,7 @@ void sharpen_outline(MaskState* state);
 /// much of the silhouette, where initialisation sees depth.
 void open_outline(const cv::Size& image_px, MaskState* state, TargetMask* mask);
 
-/// As if no image had been seen. The network stays.
+/// As if no image had been seen.
 void clear(MaskState* state);
 
 /// Does the sharpened outline rule out a new landmark at this pixel of the image? Only farther from

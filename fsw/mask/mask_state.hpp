@@ -10,10 +10,8 @@
 #include "mask/background_model.hpp"
 #include "mask/edge_cut.hpp"
 #include "mask/foreground.hpp"
-#include "mask/network.hpp"
 #include "mask/outline.hpp"
 #include "mask/points.hpp"
-#include "mask/refine.hpp"
 #include "mask/target_mask.hpp"
 
 namespace polhode {
@@ -39,7 +37,6 @@ struct MapRegions {
 struct MaskScratch {
   OutlineScratch outline;
   AppearanceScratch appearance;
-  RefineScratch refine;
   PictureEdges edges;
   cv::Mat enclosed;     ///< CV_8UC1, size of the log-odds: what they enclose
   cv::Mat cell_values;  ///< CV_32FC1, size of the log-odds: distance to gaps while the prior is
@@ -62,7 +59,6 @@ struct MaskState {
   int unexplained = 1000;
   cv::Mat outline;  ///< CV_8UC1 of the working size, 255 on the target; not grown
   MapRegions map;
-  MaskNetwork network;  ///< adds to the unary cost of keyframes, where there is one
   MaskScratch scratch;
 };
 

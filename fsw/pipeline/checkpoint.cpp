@@ -185,14 +185,12 @@ bool is_whole(Reader in, const Component::State& s) {
 void begin_anew(const Parameters& parameters, Component* component) {
   Component::State* s = ComponentAccess::state(*component);
   const StageTimer timer = s->timer;
-  const MaskNetwork network = s->picture.mask_state.network;
   const OwnStructure* const own = s->picture.own;
   auto* memory = reinterpret_cast<std::byte*>(s);  // the state lies first in its storage
   Component::destroy(component);
   const Result<Component*> made = Component::create({memory, sizeof(Storage)}, parameters);
   POLHODE_ASSERT(made.ok(), 0.0);
   made.value()->set_stage_hook(timer.hook, timer.context);
-  made.value()->set_mask_network(network);
   s->picture.own = own;
 }
 

@@ -17,7 +17,6 @@
 #include "bus/counters.hpp"
 #include "image/frame_use.hpp"
 #include "image/verdict.hpp"
-#include "mask/network.hpp"
 #include "motion/motion_state.hpp"
 #include "pipeline/parameters.hpp"
 
@@ -137,8 +136,6 @@ class Component {
   const StepOutput& step(const StepInput& input);
 
   void set_stage_hook(StageHook hook, void* context);
-  /// Before the first step. The packets are then a function of the network, too.
-  void set_mask_network(const MaskNetwork& network);
   [[nodiscard]] const Counters& counters() const;
   /// Number of the step to come, by which jobs name theirs. It goes on after a restart, and no
   /// command resets it.

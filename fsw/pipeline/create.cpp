@@ -51,10 +51,6 @@ void Component::set_stage_hook(StageHook hook, void* context) {
   state_->timer = {.hook = hook, .context = context};
 }
 
-void Component::set_mask_network(const MaskNetwork& network) {
-  state_->picture.mask_state.network = network;
-}
-
 const Counters& Component::counters() const { return state_->counters; }
 
 std::uint32_t Component::next_step() const { return state_->clock.next_frame; }

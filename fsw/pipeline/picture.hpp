@@ -27,7 +27,7 @@ struct PictureState {
   FrameVerdict verdict;
   TargetMask mask;
   MaskState mask_state;
-  const OwnStructure* own = nullptr;  ///< the caller's, as the network; null: nothing is
+  const OwnStructure* own = nullptr;                          ///< the caller's; null: nothing is
   FixedVector<cv::Point2f, limits::kLandmarks> landmarks_px;  ///< where the map has them
 };
 

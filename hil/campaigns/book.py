@@ -74,13 +74,10 @@ def model_files(scene: Scene) -> list[pathlib.Path]:
 
 
 def _named_files(config: pathlib.Path, settings: tuple[str, ...]) -> list[pathlib.Path]:
-    """The files that a configuration names and whose content decides what the program does: a network, the servicer's own in the view."""
-    raw, found = tomllib.loads(config.read_text()), []
-    for section in ("network", "mask"):
-        named = [setting.split("=", 1)[1].strip(" \"'") for setting in settings if setting.startswith(f"{section}.file=")]
-        name = named[-1] if named else raw.get(section, {}).get("file", "")
-        found += [place for place in (config.parent / name, pathlib.Path(name)) if name and place.is_file()][:1]
-    return found
+    """The files that a configuration names and whose content decides what the program does: the servicer's own in the view."""
+    named = [setting.split("=", 1)[1].strip(" \"'") for setting in settings if setting.startswith("mask.file=")]
+    name = named[-1] if named else tomllib.loads(config.read_text()).get("mask", {}).get("file", "")
+    return [place for place in (config.parent / name, pathlib.Path(name)) if name and place.is_file()][:1]
 
 
 class _Maker:

@@ -12,7 +12,6 @@
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
 #include "memory_plan.hpp"
-#include "network/loaded_network.hpp"
 #include "parameters/bus_parameters.hpp"
 #include "parameters/load.hpp"
 #include "parameters/machine_options.hpp"
@@ -69,7 +68,6 @@ void check_files(const CheckArguments& arguments,
                  const TransportOptions& transport,
                  const Parameters& parameters) {
   check_places(arguments.config, machine);
-  const LoadedNetwork network(transport.network_file);
   (void)key_of(transport.transport.commands);
   if (!transport.commands_file.empty()) {
     const CommandFile commands(transport.commands_file, parameters.bus.apid_first);

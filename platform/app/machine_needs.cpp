@@ -6,7 +6,6 @@
 
 #include "app/own_structure_file.hpp"
 #include "camera/v4l2/formats.hpp"
-#include "network/loaded_network.hpp"
 #include "pipeline/checkpoint.hpp"
 #include "recording/recorder.hpp"
 #include "transport/address.hpp"
@@ -37,8 +36,7 @@ std::size_t buffer_octets_per_pixel(std::string_view pixel_format) {
 
 MachineNeeds transport_needs(const TransportOptions& options, const CameraParameters& camera) {
   MachineNeeds needs{.rows = {},
-                     .general_octets = network_octets(options.network_file) +
-                                       own_structure_octets(options.own_structure_file, camera)};
+                     .general_octets = own_structure_octets(options.own_structure_file, camera)};
   if (!options.transport.commands.key.empty()) {
     // OpenSSL's contexts of one MAC, given back after each; 3 kB with OpenSSL 3.0.
     constexpr std::size_t kMac_octets = std::size_t{16} << 10U;

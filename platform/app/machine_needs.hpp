@@ -9,7 +9,7 @@
 
 namespace polhode::platform {
 
-/// Of packets that wait for a reader, of the network, and of the picture of the servicer's own.
+/// Of packets that wait for a reader, and of the picture of the servicer's own.
 MachineNeeds transport_needs(const TransportOptions& options, const CameraParameters& camera);
 
 /// Adds what frames from files take.

@@ -51,12 +51,6 @@ void export_recording(const ExportArguments& arguments) {
   fmt::print("{}\n",
              replays_to_the_same_bytes(report) ? "a replay gives the bytes of the live run"
                                                : "a replay will differ from the live run");
-  if (!report.network_sha256.empty()) {
-    fmt::print(
-        "the run asked a network (SHA-256 {}): name its file under [network] of the "
-        "configuration\n",
-        report.network_sha256);
-  }
   if (!report.own_structure_sha256.empty()) {
     fmt::print(
         "the run had a picture of the servicer's own (SHA-256 {}): name it as mask.file of the "

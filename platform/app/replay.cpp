@@ -33,7 +33,6 @@
 #include "camera/replay/file_camera.hpp"
 #include "camera/replay/sequence.hpp"
 #include "errors.hpp"
-#include "network/loaded_network.hpp"
 #include "os/linux/deadline.hpp"
 #include "os/linux/memory/region.hpp"
 #include "os/linux/worker.hpp"
@@ -239,14 +238,12 @@ void restore(const fs::path& checkpoint, const Parameters& configured, Component
 
 Component& make_component(const ComponentMemory& memory,
                           const Parameters& parameters,
-                          const MaskNetwork& network,
                           const OwnStructureFile& own,
                           const ReplayArguments& arguments) {
   Result<Component*> made = Component::create(memory.span(), parameters);
   if (!made) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));
   }
-  made.value()->set_mask_network(network);
   set_own_structure(own.hook(), made.value());
   restore(arguments.checkpoint, parameters, *made.value());
   return *made.value();
@@ -333,9 +330,8 @@ void replay(const ReplayArguments& arguments) {
   CommandFile commands = commands_of(
       arguments.commands.empty() ? options.commands_file : arguments.commands, parameters);
   const ComponentMemory memory(parameters, arguments.config.string(), needs_of(options, sequence));
-  LoadedNetwork network(options.network_file);
   const OwnStructureFile own(options.own_structure_file, parameters.camera);
-  Component& component = make_component(memory, parameters, network.hook(), own, arguments);
+  Component& component = make_component(memory, parameters, own, arguments);
   const std::string config_hash = sha256_of(canonical_text(view_of(component).parameters));
   Transports transports({.send = options.transport.send, .receive = {}});
   const Descriptor lock = prepare_output_folder(arguments.out);  // last: an earlier run's files go
@@ -373,7 +369,6 @@ void replay(const ReplayArguments& arguments) {
                  .config_hash = config_hash,
                  .bus_sha256 = bus_sha256,
                  .bus_octets = run.files.bus.octets(),
-                 .network = network,
                  .own = own,
                  .plan = memory.plan(),
                  .pools = cost.pools,

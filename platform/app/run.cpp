@@ -21,7 +21,6 @@
 #include "app/run_json.hpp"
 #include "app/warm_up.hpp"
 #include "errors.hpp"
-#include "network/loaded_network.hpp"
 #include "os/linux/memory/lock.hpp"
 #include "os/linux/memory/region.hpp"
 #include "os/linux/priority.hpp"
@@ -40,7 +39,6 @@ namespace fs = std::filesystem;
 
 std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
                                         const Parameters& parameters,
-                                        const LoadedNetwork& network,
                                         const OwnStructureFile& own,
                                         std::span<const std::uint8_t> checkpoint) {
   const RecordingOptions& wish = machine.recording;
@@ -59,7 +57,7 @@ std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
           .limits = {.segment_octets_max = segment_octets, .folder_octets_max = folder_octets},
           .slots = static_cast<std::size_t>(wish.slots),
           .complete = wish.complete},
-      begin_text(kVersion, network.sha256(), own.sha256(), canonical_text(parameters)),
+      begin_text(kVersion, own.sha256(), canonical_text(parameters)),
       recorded_frame_octets(parameters.camera));
   if (!checkpoint.empty()) {
     recorder->checkpoint(checkpoint);
@@ -69,14 +67,12 @@ std::unique_ptr<Recorder> make_recorder(const MachineOptions& machine,
 
 Component& make_component(const ComponentMemory& memory,
                           const Parameters& parameters,
-                          const MaskNetwork& network,
                           const OwnStructureFile& own,
                           const RunArguments& arguments) {
   Result<Component*> made = Component::create(memory.span(), parameters);
   if (!made) {
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));
   }
-  made.value()->set_mask_network(network);
   set_own_structure(own.hook(), made.value());
   return *made.value();
 }
@@ -221,17 +217,16 @@ void run_command(const RunArguments& arguments) {
   const ComponentMemory memory(parameters,
                                arguments.config.string(),
                                needs_of(machine, transport, parameters.camera, chosen));
-  LoadedNetwork network(transport.network_file);
   const OwnStructureFile own(transport.own_structure_file, parameters.camera);
   say("warmed up: %d poses of a made-up body", warm_up(memory, parameters));
-  Component& component = make_component(memory, parameters, network.hook(), own, arguments);
+  Component& component = make_component(memory, parameters, own, arguments);
   const std::string config_hash = sha256_of(canonical_text(parameters));
   Beginning beginning(machine, config_hash);
   beginning.restore(component);
   say("start %s", beginning.how().c_str());
   std::optional<PacketLog> packets;
   open_packet_log(machine.run.folder, &packets);
-  const auto recorder = make_recorder(machine, parameters, network, own, beginning.octets());
+  const auto recorder = make_recorder(machine, parameters, own, beginning.octets());
   beginning.forget_octets();
   std::optional<CheckpointWriter> checkpoint;
   std::optional<CheckpointOnExhaustion> last_words;

@@ -119,12 +119,6 @@ Json warnings(const SummaryInput& input) {
 }
 
 /// What else the packets depend on.
-Json network(const LoadedNetwork& network) {
-  return network.present()
-             ? Json{{"sha256", network.sha256()}, {"times_asked", network.times_asked()}}
-             : Json();
-}
-
 Json own_structure(const OwnStructureFile& own) {
   return own.present() ? Json{{"sha256", own.sha256()}, {"part_of_picture", own.part()}} : Json();
 }
@@ -203,7 +197,6 @@ void write_summary(const std::filesystem::path& file, const SummaryInput& input)
                      {"mode_at_end", mode_name(record.last.mode)},
                      {"sequence", input.sequence.path.string()},
                      {"config_hash", input.config_hash},
-                     {"network", network(input.network)},
                      {"own_structure", own_structure(input.own)},
                      {"frames", frames},
                      {"mode_changes", record.mode_changes_total},

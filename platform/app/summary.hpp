@@ -11,7 +11,6 @@
 #include "app/timings.hpp"
 #include "camera/replay/sequence.hpp"
 #include "memory_plan.hpp"
-#include "network/loaded_network.hpp"
 #include "os/linux/deadline.hpp"
 #include "pipeline/component.hpp"
 
@@ -27,7 +26,6 @@ struct SummaryInput {
   std::string config_hash;
   std::string bus_sha256;
   std::uint64_t bus_octets = 0;
-  const LoadedNetwork& network;
   const OwnStructureFile& own;
   const MemoryPlan& plan;
   PoolReport pools;  ///< over the frames

@@ -73,14 +73,12 @@ void take_value(const toml::node& node, const Place& place, TransportOptions& op
     commands.unauthenticated = *value;
   } else if (place.key == "commands.file") {
     options.commands_file = text_of(node, place);
-  } else if (place.key == "network.file") {
-    options.network_file = text_of(node, place);
   } else if (place.key == kOwnStructureKey) {
     options.own_structure_file = text_of(node, place);
   } else {
     throw UnusableInput(fmt::format(
         "{}: {}: unknown key; known are transport.send, transport.receive, commands.file, "
-        "commands.key, commands.window, commands.unauthenticated, network.file",
+        "commands.key, commands.window, commands.unauthenticated",
         place.source,
         place.key));
   }
@@ -109,7 +107,7 @@ void take_table(const toml::table& table, const std::string& source, TransportOp
 }  // namespace
 
 bool is_transport_section(std::string_view section) {
-  return section == "transport" || section == "commands" || section == "network";
+  return section == "transport" || section == "commands";
 }
 
 bool is_transport_key(std::string_view key) { return key == kOwnStructureKey; }
@@ -149,7 +147,6 @@ std::string transport_table(const TransportOptions& options) {
       {"commands.key", transport.commands.key.string()},
       {"commands.window", transport.commands.window.string()},
       {"commands.unauthenticated", fmt::format("{}", transport.commands.unauthenticated)},
-      {"network.file", options.network_file.string()},
       {kOwnStructureKey.data(), options.own_structure_file.string()}};
   std::string out;
   for (const auto& [key, value] : rows) {

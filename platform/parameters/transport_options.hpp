@@ -1,6 +1,5 @@
-// What a configuration says of where packets go and commands come from, which network is asked, and
-// what in the view is the servicer's own. It belongs to the machine, not to the estimator's
-// parameters.
+// What a configuration says of where packets go and commands come from, and what in the view is the
+// servicer's own. It belongs to the machine, not to the estimator's parameters.
 #pragma once
 
 #include <filesystem>
@@ -16,12 +15,11 @@ struct TransportOptions {
   TransportSettings transport;          ///< [transport] send, receive; [commands] key, window,
                                         ///< unauthenticated
   std::filesystem::path commands_file;  ///< [commands] file: of a replay; empty: none
-  std::filesystem::path network_file;   ///< [network] file: ONNX, for outlines; empty: none
   std::filesystem::path
       own_structure_file;  ///< [mask] file: picture of the servicer's own; empty: none
 };
 
-/// True for `transport`, `commands` and `network`.
+/// True for `transport` and `commands`.
 bool is_transport_section(std::string_view section);
 
 /// True for a dotted key that is read here though its section is the estimator's: `mask.file`.

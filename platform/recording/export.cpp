@@ -41,7 +41,6 @@ std::map<std::string, std::string> values_of(std::string_view text) {
   return values;
 }
 
-constexpr std::string_view kNetwork = "network";
 constexpr std::string_view kOwnStructure = "mask.file";
 
 /// Of the comment that begin_text() leaves for a file; empty where the run had none.
@@ -123,13 +122,12 @@ class Exporter {
     report_.has_begin = run.begins;
     report_.octets_lost = reader.octets_lost();
     report_.files_lost = reader.files_lost();
-    report_.network_sha256 = digest_of(kNetwork, begin_);
     report_.own_structure_sha256 = digest_of(kOwnStructure, begin_);
     write_file(folder_ / "recording.json",
                fmt::format("{{\n  \"frames\": {},\n  \"unreadable\": {},\n  \"dropped\": {},\n"
                            "  \"not_recorded\": {},\n  \"out_of_time\": {},\n  \"commands\": {},\n "
                            " \"octets_lost\": {},\n"
-                           "  \"files_lost\": {},\n  \"network_sha256\": \"{}\",\n"
+                           "  \"files_lost\": {},\n"
                            "  \"own_structure_sha256\": \"{}\",\n"
                            "  \"starts_from_checkpoint\": {},\n  \"has_begin\": {},\n"
                            "  \"same_bytes\": {}\n}}\n",
@@ -141,7 +139,6 @@ class Exporter {
                            report_.commands,
                            report_.octets_lost,
                            report_.files_lost,
-                           report_.network_sha256,
                            report_.own_structure_sha256,
                            report_.has_checkpoint,
                            report_.has_begin,
@@ -191,23 +188,18 @@ class Exporter {
 }  // namespace
 
 std::string begin_text(std::string_view version,
-                       const std::string& network_sha256,
                        const std::string& own_structure_sha256,
                        const std::string& parameters) {
   const auto comment = [](std::string_view name, const std::string& digest) {
     return digest.empty() ? std::string() : fmt::format("# {} {}\n", name, digest);
   };
-  return fmt::format("# polhode {}\n{}{}{}",
-                     version,
-                     comment(kNetwork, network_sha256),
-                     comment(kOwnStructure, own_structure_sha256),
-                     parameters);
+  return fmt::format(
+      "# polhode {}\n{}{}", version, comment(kOwnStructure, own_structure_sha256), parameters);
 }
 
 bool replays_to_the_same_bytes(const ExportReport& report) {
   return report.has_begin && report.not_recorded == 0 && report.out_of_time == 0 &&
-         report.octets_lost == 0 && report.files_lost == 0 && report.network_sha256.empty() &&
-         report.own_structure_sha256.empty();
+         report.octets_lost == 0 && report.files_lost == 0 && report.own_structure_sha256.empty();
 }
 
 std::string losses_of(const ExportReport& report) {

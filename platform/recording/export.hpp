@@ -20,8 +20,6 @@ struct ExportReport {
       0;  ///< frames whose times do not increase: left out, as no sequence has such
   std::uint64_t octets_lost = 0;
   std::uint32_t files_lost = 0;
-  std::string network_sha256 =
-      {};  ///< of the network that the run asked; it is not in the recording
   std::string own_structure_sha256 =
       {};  ///< of the picture that mask.file named; it is not in the recording
   bool has_checkpoint = false;
@@ -31,7 +29,6 @@ struct ExportReport {
 /// What a recording says of its run: TOML that a replay takes, and in comments what is not the
 /// estimator's.
 std::string begin_text(std::string_view version,
-                       const std::string& network_sha256,
                        const std::string& own_structure_sha256,
                        const std::string& parameters);
 

@@ -15,7 +15,7 @@ from PIL import Image
 
 HERE = pathlib.Path(__file__).resolve().parent
 REPOSITORY = HERE.parents[1]
-sys.path[:0] = [str(HERE.parent / "replay"), str(HERE.parent / "network"), str(HERE.parent / "judge"), str(REPOSITORY / "hil")]
+sys.path[:0] = [str(HERE.parent / "replay"), str(HERE.parent / "judge"), str(REPOSITORY / "hil")]
 from mutations import checkpoint_sums, recording_sums  # noqa: E402
 from replay_files import DEFAULTS, PROGRAM  # noqa: E402
 from sequence_writer import HEIGHT, WIDTH, SequenceWriter, textured  # noqa: E402

@@ -85,7 +85,7 @@ def test_each_package_has_what_it_is_for():
 
 # verifies: DEL-04
 @BUILT
-def test_what_flies_is_stripped_and_links_no_windows_codecs_or_networks(tmp_path):
+def test_what_flies_is_stripped_and_links_no_windows_or_codecs(tmp_path):
     for name in ("polhode", "libpolhode1"):
         assert run("dpkg-deb", "-x", FILES[name], tmp_path).returncode == 0
     flown = [tmp_path / "usr/bin/polhode", *tmp_path.rglob("libpolhode.so.1.*")]
@@ -93,11 +93,9 @@ def test_what_flies_is_stripped_and_links_no_windows_codecs_or_networks(tmp_path
     for file in flown:
         assert file.stat().st_size < 8e6 and ".debug_info" not in run("readelf", "-SW", file).stdout
         needed = run("readelf", "-d", file).stdout
-        assert "opencv_core" in needed and not re.search(r"opencv_(?:dnn|imgcodecs|highgui|videoio)|libgtk|libQt", needed)
+        assert "opencv_core" in needed and not re.search(r"opencv_(?:imgcodecs|highgui|videoio)|libgtk|libQt", needed)
         assert re.search(r"Build ID: [0-9a-f]{40}", run("readelf", "-n", file).stdout)
     assert all(list(PACKAGES.glob(f"{name}-dbgsym_*.ddeb")) for name in ("polhode", "libpolhode1"))
-    asked = run(flown[0], "check", "--config", REPOSITORY / "config/default.toml", "--set", 'network.file="outline.onnx"')
-    assert asked.returncode == 2 and asked.stderr.count("\n") == 1 and "this build has no networks" in asked.stderr
 
 
 # verifies: DEL-07

@@ -208,4 +208,4 @@ def test_check_prints_the_machines_keys_too(program, tmp_path):
     assert rows["device.buffers"].split() == ["8", "2", "..", "32"]
     assert rows["run.core"].split()[0] == "1" and rows["recording.slots"].split()[0] == "9"
     assert rows["transport.send"] == "udp:10015, shm:/a"
-    assert rows["transport.receive"] == rows["commands.file"] == rows["network.file"] == "-"
+    assert rows["transport.receive"] == rows["commands.file"] == "-"
