@@ -80,5 +80,8 @@ install(DIRECTORY platform/transport/client/c DESTINATION share/polhode/client C
 install(FILES platform/transport/client/python/example.py DESTINATION share/polhode/client/python COMPONENT ground)
 install(DIRECTORY platform/transport/client/python/polhode_bus DESTINATION lib/python3/dist-packages COMPONENT ground
   FILES_MATCHING PATTERN "*.py" PATTERN __pycache__ EXCLUDE)
-install(FILES docs/interface_control.md docs/bus.md docs/security.md DESTINATION share/doc/polhode-ground COMPONENT ground)
+set(interface_control ${CMAKE_BINARY_DIR}/packaging/interface_control.md)
+execute_process(COMMAND python3 ${PROJECT_SOURCE_DIR}/tools/generate_bus.py --document ${interface_control} COMMAND_ERROR_IS_FATAL ANY)
+install(FILES ${interface_control} DESTINATION share/doc/polhode COMPONENT program)
+install(FILES ${interface_control} docs/bus.md docs/security.md DESTINATION share/doc/polhode-ground COMPONENT ground)
 include(CPack)

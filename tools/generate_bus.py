@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Writes everything that follows from the bus's field table (config/bus/*.toml): C++ structs and layout, the C and Python
-clients' tables, the XTCE, the CSV files for ccsdspy and the interface control document.
+clients' tables, the XTCE and the CSV files for ccsdspy. The interface control document is written where it is wanted.
 
-  tools/generate_bus.py            writes what differs
-  tools/generate_bus.py --check    writes nothing; exit status 1 names the files that are out of date
+  tools/generate_bus.py                             writes what differs
+  tools/generate_bus.py --check                     writes nothing; exit status 1 names the files that are out of date
+  tools/generate_bus.py --document interface.md     writes the interface control document alone: packets and commands, octet by octet
 """
 
 import argparse
@@ -19,7 +20,7 @@ from busgen.table import TableError, read_table  # noqa: E402
 def generated(table) -> dict[str, str]:
     """Path in the repository -> text."""
     files = {}
-    for part in (cpp, c_client, python_client, xtce, xtce_commands, ccsdspy_csv, display, document):
+    for part in (cpp, c_client, python_client, xtce, xtce_commands, ccsdspy_csv, display):
         files.update(part.files(table))
     return files
 
@@ -27,9 +28,17 @@ def generated(table) -> dict[str, str]:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="write nothing, tell what is out of date")
+    parser.add_argument("--document", type=pathlib.Path, metavar="FILE.md", help="write the interface control document alone")
     arguments = parser.parse_args()
     try:
-        files = generated(read_table(REPOSITORY / "config/bus"))
+        table = read_table(REPOSITORY / "config/bus")
+        files = generated(table)
+        if arguments.document:
+            arguments.document.write_text(document.interface_control(table))
+            return 0
+    except OSError as problem:
+        print(f"generate_bus: --document: {problem}", file=sys.stderr)
+        return 2
     except TableError as problem:
         print(f"generate_bus: {problem}", file=sys.stderr)
         return 2

@@ -36,6 +36,7 @@ def write_source(source: pathlib.Path) -> None:
     shutil.rmtree(source, ignore_errors=True)
     source.mkdir(parents=True)
     copy_pages(REPOSITORY, source)
+    subprocess.run([sys.executable, REPOSITORY / "tools/generate_bus.py", "--document", source / "docs/interface_control.md"], check=True)
     stages = read_stages(REPOSITORY)
     write_pages(source / "docs/requirements", stages, rows_of(stages, read_tests(REPOSITORY)[0], {}))
     settings = (REPOSITORY / "docs/site/Doxyfile").read_text() + f'OUTPUT_DIRECTORY = "{source}/doxygen"\n'

@@ -15,6 +15,18 @@ def test_generated_files_are_up_to_date():
     assert done.returncode == 0, done.stderr
 
 
+# verifies: BUS-07
+def test_the_interface_control_document_names_every_packet_and_command(tmp_path):
+    command = [sys.executable, REPOSITORY / "tools/generate_bus.py", "--document"]
+    done = subprocess.run([*command, tmp_path / "interface.md"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    text, table = (tmp_path / "interface.md").read_text(), read_table(REPOSITORY / "config/bus")
+    assert all(f"| {field.name} |" in text for packet in table.packets for field in packet.fields)
+    assert all(f" {command.name.upper()}, " in text for command in table.commands)
+    done = subprocess.run([*command, tmp_path / "absent/interface.md"], capture_output=True, text=True)
+    assert done.returncode == 2 and "absent" in done.stderr and done.stderr.count("\n") == 1
+
+
 @pytest.mark.parametrize(
     ("old", "new"),
     [('name = "frame", type = "u32"', 'name = "frame", type = "u33"'),

@@ -132,10 +132,10 @@ def parameters_text(table: Table) -> str:
 
 
 
-def files(table: Table) -> dict[str, str]:
+def interface_control(table: Table) -> str:
+    """The interface control document: every packet and command, octet by octet."""
     text = HEAD.format(version=table.layout_version, header=HEADER_OCTETS, apid=table.apid_first)
     text += "".join(packet_text(packet, table) for packet in table.packets)
     apid = f"{table.apid_first + table.apid_command} (0x{table.apid_first + table.apid_command:X})"
     text += COMMAND_HEAD.format(apid=apid, header=COMMAND_HEADER_OCTETS, version=table.layout_version)
-    text += "".join(map(command_text, table.commands)) + parameters_text(table) + events_text(table)
-    return {"docs/interface_control.md": text}
+    return text + "".join(map(command_text, table.commands)) + parameters_text(table) + events_text(table)

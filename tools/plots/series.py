@@ -17,7 +17,7 @@ from judge.venv import REPOSITORY
 
 sys.path.insert(0, str(REPOSITORY / "platform/transport/client/python"))
 
-SCALE_KNOWN_EVENT = 6  # its values: metres per map unit, relative sigma (docs/interface_control.md)
+SCALE_KNOWN_EVENT = 6  # its values: metres per map unit, relative sigma (config/bus/events.toml)
 
 
 @dataclass

@@ -1,4 +1,4 @@
-// Counts what YAMCS sends as Polhode wants it (docs/interface_control.md): 1 .. 16383, as 0 stands for none. The count begins at the
+// Counts what YAMCS sends as Polhode wants it (config/bus/commands.toml): 1 .. 16383, as 0 stands for none. The count begins at the
 // time of the server's start, so that the commands of a server that was started anew are not taken for those of the one before.
 import java.nio.ByteBuffer;
 import java.time.Instant;
