@@ -29,11 +29,6 @@ class FixedVector {
     POLHODE_ASSERT(size_ > 0, size_);
     --size_;
   }
-  /// Puts the last element in its place: constant time, order not kept.
-  void swap_remove(std::size_t index) {
-    POLHODE_ASSERT(index < size_, index);
-    items_[index] = items_[--size_];
-  }
   /// Removes and keeps the order of the rest.
   void erase(std::size_t index) {
     POLHODE_ASSERT(index < size_, index);

@@ -96,13 +96,6 @@ void put_u16(std::span<std::uint8_t> out, std::size_t offset, std::uint16_t valu
 void put_u32(std::span<std::uint8_t> out, std::size_t offset, std::uint32_t value) {
   put_unsigned(out, offset, value, 4);
 }
-void put_i64(std::span<std::uint8_t> out, std::size_t offset, std::int64_t value) {
-  put_unsigned(out, offset, static_cast<std::uint64_t>(value), 8);
-}
-void put_f64(std::span<std::uint8_t> out, std::size_t offset, double value) {
-  POLHODE_ASSERT(std::isfinite(value), value);
-  put_unsigned(out, offset, std::bit_cast<std::uint64_t>(value), 8);
-}
 std::uint8_t get_u8(std::span<const std::uint8_t> in, std::size_t offset) {
   return static_cast<std::uint8_t>(get_unsigned(in, offset, 1));
 }
@@ -111,12 +104,6 @@ std::uint16_t get_u16(std::span<const std::uint8_t> in, std::size_t offset) {
 }
 std::uint32_t get_u32(std::span<const std::uint8_t> in, std::size_t offset) {
   return static_cast<std::uint32_t>(get_unsigned(in, offset, 4));
-}
-std::int64_t get_i64(std::span<const std::uint8_t> in, std::size_t offset) {
-  return static_cast<std::int64_t>(get_unsigned(in, offset, 8));
-}
-double get_f64(std::span<const std::uint8_t> in, std::size_t offset) {
-  return std::bit_cast<double>(get_unsigned(in, offset, 8));
 }
 
 }  // namespace polhode::bus

@@ -69,14 +69,8 @@ void write_crc(std::span<std::uint8_t> packet);
 void put_u8(std::span<std::uint8_t> out, std::size_t offset, std::uint8_t value);
 void put_u16(std::span<std::uint8_t> out, std::size_t offset, std::uint16_t value);
 void put_u32(std::span<std::uint8_t> out, std::size_t offset, std::uint32_t value);
-void put_i64(std::span<std::uint8_t> out, std::size_t offset, std::int64_t value);
-void put_f64(std::span<std::uint8_t> out,
-             std::size_t offset,
-             double value);  ///< value must be finite
 [[nodiscard]] std::uint8_t get_u8(std::span<const std::uint8_t> in, std::size_t offset);
 [[nodiscard]] std::uint16_t get_u16(std::span<const std::uint8_t> in, std::size_t offset);
 [[nodiscard]] std::uint32_t get_u32(std::span<const std::uint8_t> in, std::size_t offset);
-[[nodiscard]] std::int64_t get_i64(std::span<const std::uint8_t> in, std::size_t offset);
-[[nodiscard]] double get_f64(std::span<const std::uint8_t> in, std::size_t offset);
 
 }  // namespace polhode::bus

@@ -69,22 +69,10 @@ bool append(Packet& packet, const BusOptions& options, PacketStream* stream) {
   return append(Packet::layout(), &packet, packet.timestamp_ns, options, stream);
 }
 
-/// The motion state as a packet, and back. Fields whose flag is down come back with MotionState's
-/// defaults. The scale's number comes back modulo 16.
+/// The motion state as a packet. Values whose flag is down are sent as zeros (scale_known only
+/// names the unit of lengths). The flag of a value that is not finite goes down.
 MotionPacket to_packet(const MotionState& state);
-MotionState from_packet(const MotionPacket& packet);
 
 }  // namespace bus
-
-/// One motion packet by itself. Values whose flag is down are sent as zeros (scale_known only names
-/// the unit of lengths). The flag of a value that is not finite goes down.
-/// @return octets written, or 0 (nothing written) when `out` is shorter than kMotionPacketOctets.
-std::size_t encode_motion(const MotionState& state,
-                          const BusOptions& options,
-                          std::uint16_t sequence,
-                          std::span<std::uint8_t> out);
-
-/// Reads exactly one motion packet. @errors as decode().
-Result<MotionState> decode_motion(std::span<const std::uint8_t> packet);
 
 }  // namespace polhode

@@ -5,11 +5,6 @@
 
 namespace polhode {
 
-inline double cauchy_loss(double error2, double width) {
-  const double width2 = width * width;
-  return width2 * std::log1p(error2 / width2);
-}
-
 /// Derivative of the loss by the squared residual.
 inline double cauchy_weight(double error2, double width) {
   return 1.0 / (1.0 + error2 / (width * width));

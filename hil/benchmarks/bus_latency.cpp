@@ -31,6 +31,7 @@
 #include "os/linux/clock.hpp"
 #include "platform/temporary_folder.hpp"
 #include "processes.hpp"
+#include "tests/bus/motion_packet.hpp"
 #include "transport/client/c/polhode_bus.h"
 #include "transport/transports.hpp"
 

@@ -34,6 +34,7 @@
 #include "platform/decoded_sequence.hpp"
 #include "platform/temporary_folder.hpp"
 #include "processes.hpp"
+#include "tests/bus/motion_packet.hpp"
 #include "transport/client/c/polhode_bus.h"
 #include "transport/transports.hpp"
 

@@ -9,6 +9,7 @@
 #include "base/rng.hpp"
 #include "bus/telemetry.hpp"
 #include "motion_state_samples.hpp"
+#include "tests/bus/motion_packet.hpp"
 
 namespace polhode::bus {
 namespace {

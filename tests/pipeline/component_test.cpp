@@ -6,6 +6,7 @@
 
 #include "bench.hpp"
 #include "bus/telemetry.hpp"
+#include "tests/bus/motion_packet.hpp"
 
 namespace polhode {
 namespace {

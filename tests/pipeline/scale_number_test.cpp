@@ -8,6 +8,7 @@
 #include "bench.hpp"
 #include "packets_of.hpp"
 #include "state_of.hpp"
+#include "tests/bus/motion_packet.hpp"
 
 namespace polhode {
 namespace {

@@ -13,6 +13,11 @@
 namespace polhode {
 namespace {
 
+/// Cauchy's loss of a squared residual.
+double cauchy_loss(double error2, double width) {
+  return width * width * std::log1p(error2 / (width * width));
+}
+
 // Of images a tenth of a radian wide.
 constexpr double kSigma = 1e-3;
 // The default of BundleOptions.

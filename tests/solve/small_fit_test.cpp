@@ -14,6 +14,11 @@
 namespace polhode {
 namespace {
 
+/// Cauchy's loss of a squared residual.
+double cauchy_loss(double error2, double width) {
+  return width * width * std::log1p(error2 / (width * width));
+}
+
 constexpr int kSamples = 40;
 constexpr double kSigma = 0.01;
 constexpr double kWidth = 2.0;  // of the Cauchy loss, in sigma

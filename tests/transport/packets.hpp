@@ -11,6 +11,7 @@
 
 #include "../platform/temporary_folder.hpp"
 #include "bus/telemetry.hpp"
+#include "tests/bus/motion_packet.hpp"
 #include "transport/client/c/polhode_bus.h"
 
 namespace polhode::platform {

@@ -8,6 +8,7 @@
 #include "base/rng.hpp"
 #include "errors.hpp"
 #include "packets.hpp"
+#include "tests/bus/motion_packet.hpp"
 #include "transport/file/flat_file.hpp"
 #include "transport/transports.hpp"
 
