@@ -6,7 +6,7 @@
 namespace polhode {
 namespace {
 
-constexpr std::array<std::uint16_t, 256> make_table() {
+constexpr std::array<std::uint16_t, 256> make_crc16_table() {
   std::array<std::uint16_t, 256> table{};
   for (unsigned octet = 0; octet < 256; ++octet) {
     unsigned remainder = octet << 8U;
@@ -18,7 +18,7 @@ constexpr std::array<std::uint16_t, 256> make_table() {
   return table;
 }
 
-constexpr auto kTable = make_table();
+constexpr auto kCrc16Table = make_crc16_table();
 
 }  // namespace
 
@@ -26,7 +26,7 @@ std::uint16_t crc16_ccitt_false(std::span<const std::uint8_t> octets) {
   unsigned crc = 0xFFFFU;
   for (const std::uint8_t octet : octets) {
     const std::size_t index = ((crc >> 8U) ^ octet) & 0xFFU;
-    crc = ((crc << 8U) ^ kTable[index]) & 0xFFFFU;
+    crc = ((crc << 8U) ^ kCrc16Table[index]) & 0xFFFFU;
   }
   return static_cast<std::uint16_t>(crc);
 }

@@ -7,7 +7,7 @@ namespace polhode {
 namespace {
 
 /// 0xEDB88320 is the polynomial 0x04C11DB7 with its bits reversed.
-constexpr std::array<std::uint32_t, 256> make_table() {
+constexpr std::array<std::uint32_t, 256> make_crc32_table() {
   std::array<std::uint32_t, 256> table{};
   for (std::uint32_t octet = 0; octet < 256; ++octet) {
     std::uint32_t remainder = octet;
@@ -19,14 +19,14 @@ constexpr std::array<std::uint32_t, 256> make_table() {
   return table;
 }
 
-constexpr auto kTable = make_table();
+constexpr auto kCrc32Table = make_crc32_table();
 
 }  // namespace
 
 std::uint32_t crc32_iso_hdlc(std::span<const std::uint8_t> octets, std::uint32_t before) {
   std::uint32_t crc = ~before;
   for (const std::uint8_t octet : octets) {
-    crc = (crc >> 8U) ^ kTable[(crc ^ octet) & 0xFFU];
+    crc = (crc >> 8U) ^ kCrc32Table[(crc ^ octet) & 0xFFU];
   }
   return ~crc;
 }

@@ -16,8 +16,6 @@ constexpr double kAttitudeSigmaMax_rad = 0.5;
 // Chosen, of the distance, for the same two reasons.
 constexpr double kPositionSigmaMax = 0.5;
 
-std::array<double, 3> to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
 /// Rows of the upper triangle, one after the other.
 template <std::size_t kCount, typename Matrix>
 void put_upper_triangle(const Matrix& m, std::array<float, kCount>* out) {

@@ -1,6 +1,7 @@
 // Conversions to the number types of a packet.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -16,6 +17,8 @@ inline std::uint16_t clipped(std::size_t count) {
 inline std::uint8_t clipped_to_octet(std::size_t count) {
   return static_cast<std::uint8_t>(std::min<std::size_t>(count, 0xFF));
 }
+
+inline std::array<double, 3> to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 /// Rounded to binary32.
 template <std::size_t kCount>

@@ -12,8 +12,6 @@ namespace {
 
 static_assert(std::tuple_size_v<decltype(ShapePacket::plane_offset)> == limits::kPlanes);
 
-std::array<double, 3> to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
 template <std::size_t kCount, typename Vector>
 void put_row(const Vector& v, std::size_t row, std::array<float, kCount>* out) {
   const auto width = static_cast<std::size_t>(v.size());

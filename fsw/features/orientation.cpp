@@ -12,32 +12,33 @@ namespace {
 
 // Lowe, section 5: bins of 10 deg, weighted by a Gaussian of 1.5 times the blob's sigma.
 constexpr int kBins = 36;
-constexpr float kWindow = 1.5F;
+constexpr float kOrientationWindow = 1.5F;
 // Half side of the patch, in the blob's sigma: three sigma of the weights.
-constexpr float kReach = 3.0F * kWindow;
+constexpr float kReach = 3.0F * kOrientationWindow;
 // Samples along a side of the patch: one for each 0.75 sigma. Chosen; a multiple of four lanes.
-constexpr int kSide = 12;
+constexpr int kOrientationSide = 12;
 
-using Histogram = std::array<float, kBins>;
+using AngleHistogram = std::array<float, kBins>;
 
 /// Weights along one axis of the patch. A sample's weight is that of its row times its column's.
-std::array<float, kSide> window() {
-  std::array<float, kSide> weight{};
-  for (int i = 0; i < kSide; ++i) {
-    const double off = (i - 0.5 * (kSide - 1)) * 2.0 * static_cast<double>(kReach) / kSide;
-    weight[static_cast<std::size_t>(i)] =
-        static_cast<float>(std::exp(-0.5 * off * off / static_cast<double>(kWindow * kWindow)));
+std::array<float, kOrientationSide> window() {
+  std::array<float, kOrientationSide> weight{};
+  for (int i = 0; i < kOrientationSide; ++i) {
+    const double off =
+        (i - 0.5 * (kOrientationSide - 1)) * 2.0 * static_cast<double>(kReach) / kOrientationSide;
+    weight[static_cast<std::size_t>(i)] = static_cast<float>(
+        std::exp(-0.5 * off * off / static_cast<double>(kOrientationWindow * kOrientationWindow)));
   }
   return weight;
 }
 
-void accumulate(const Gradients<kSide>& gradients, Histogram* histogram) {
-  static const std::array<float, kSide> kWeight = window();
+void accumulate_angles(const Gradients<kOrientationSide>& gradients, AngleHistogram* histogram) {
+  static const std::array<float, kOrientationSide> kWeight = window();
   constexpr float kBinsPerRad = 0.5F * kBins / std::numbers::pi_v<float>;  // 36 bins a circle
   std::array<float, kBins + 2> sum{};
-  for (std::size_t j = 0; j < kSide; ++j) {
-    for (std::size_t i = 0; i < kSide; ++i) {
-      const std::size_t k = j * kSide + i;
+  for (std::size_t j = 0; j < kOrientationSide; ++j) {
+    for (std::size_t i = 0; i < kOrientationSide; ++i) {
+      const std::size_t k = j * kOrientationSide + i;
       const float weight = kWeight[i] * kWeight[j] * gradients.length[k];
       const float at = gradients.angle_rad[k] * kBinsPerRad;
       const auto bin = static_cast<std::size_t>(at);  // up to kBins, by rounding of 2 pi
@@ -52,9 +53,9 @@ void accumulate(const Gradients<kSide>& gradients, Histogram* histogram) {
 }
 
 /// Binomial weights, as OpenCV's SIFT.
-Histogram smoothed(const Histogram& h) {
+AngleHistogram smoothed(const AngleHistogram& h) {
   const auto at = [&](std::size_t i) { return h[i % kBins]; };
-  Histogram out{};
+  AngleHistogram out{};
   for (std::size_t i = 0; i < kBins; ++i) {
     out[i] = (at(i + kBins - 2) + at(i + 2)) * (1.0F / 16.0F) +
              (at(i + kBins - 1) + at(i + 1)) * (4.0F / 16.0F) + h[i] * (6.0F / 16.0F);
@@ -65,11 +66,12 @@ Histogram smoothed(const Histogram& h) {
 }  // namespace
 
 void find_orientations(const Plane& level, float x, float y, float sigma_px, Orientations* out) {
-  Gradients<kSide> gradients;
-  sample_gradients(level, {.x = x, .y = y, .step_x = 2.0F * kReach / kSide * sigma_px}, &gradients);
-  Histogram raw{};
-  accumulate(gradients, &raw);
-  const Histogram h = smoothed(raw);
+  Gradients<kOrientationSide> gradients;
+  sample_gradients(
+      level, {.x = x, .y = y, .step_x = 2.0F * kReach / kOrientationSide * sigma_px}, &gradients);
+  AngleHistogram raw{};
+  accumulate_angles(gradients, &raw);
+  const AngleHistogram h = smoothed(raw);
   constexpr float kPeakRatio = 0.8F;  // Lowe, section 5
   const float threshold = kPeakRatio * *std::max_element(h.begin(), h.end());
   out->clear();

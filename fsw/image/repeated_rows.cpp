@@ -21,10 +21,10 @@ bool recognisable(const std::uint8_t* row, int columns) {
 
 /// Mean level of a row.
 int mean_level(const std::uint8_t* row, int columns) {
-  constexpr int kStep = 16;  // 40 pixels in a row of 640: enough for a blank row
+  constexpr int kRowStep = 16;  // 40 pixels in a row of 640: enough for a blank row
   int sum = 0;
   int count = 0;
-  for (int column = 0; column < columns; column += kStep) {
+  for (int column = 0; column < columns; column += kRowStep) {
     sum += row[column];
     ++count;
   }

@@ -10,9 +10,9 @@ namespace polhode {
 namespace {
 
 // Points farther from the origin, in RMS extents of the body, are wrong tracks. Chosen.
-constexpr double kReachMax = 4.0;
+constexpr double kHullReachMax = 4.0;
 // Twice the four coefficients of the fit.
-constexpr int kPointsMin = 8;
+constexpr int kHullPointsMin = 8;
 // A thousandth of the extent, squared: depths are never known better. It bounds the cue on an exact
 // plane, whose residuals vanish.
 constexpr double kVarianceMin = 1e-6;
@@ -33,7 +33,7 @@ double convexity_cue(std::span<const TrackObservation> observations,
   for (const TrackObservation& s : observations) {
     const auto track = static_cast<std::size_t>(s.track);
     if (s.frame != frame || geometry.known[track] == 0 ||
-        geometry.points_T[track].norm() > kReachMax) {
+        geometry.points_T[track].norm() > kHullReachMax) {
       continue;
     }
     const Eigen::Vector3d q = pose.R_CT * geometry.points_T[track];
@@ -43,7 +43,7 @@ double convexity_cue(std::span<const TrackObservation> observations,
     zz += q.z() * q.z();
     ++count;
   }
-  if (count < kPointsMin) {
+  if (count < kHullPointsMin) {
     return 0.0;
   }
   const Eigen::Vector4d fit = H.ldlt().solve(g);

@@ -14,7 +14,7 @@ namespace {
 using FrameObservations = FixedVector<TrackObservation, limits::kSelectionTracks>;
 
 // Twice the three points that a pose needs without noise.
-constexpr int kPointsMin = 6;
+constexpr int kSeenPointsMin = 6;
 // Widths of the Cauchy loss. An initial pose may be off by a frame's rotation, tens of pixels; the
 // second pass rejects outliers at the noise.
 constexpr double kWideSigma = 30.0;
@@ -24,8 +24,8 @@ constexpr int kPoseIterations = 10;
 // Steps of the last interval over which the depth is continued at most. Chosen: a ratio of noisy
 // depths grows as a power.
 constexpr double kDepthStepsMax = 2.0;
-// In RMS extents: a point farther away is not of the body. Chosen; wider than the cue's kReachMax,
-// as the adjustment may still bring it back.
+// In RMS extents: a point farther away is not of the body. Chosen; wider than the cue's
+// kHullReachMax, as the adjustment may still bring it back.
 constexpr double kReachMax = 5.0;
 
 /// (u, v) for a given attitude and inverse depth: the median over the points.
@@ -91,7 +91,7 @@ bool pose_frame(std::span<const TrackObservation> observations,
     }
   }
   const auto [near, far] = neighbours(h, frame);
-  if (seen.size() < static_cast<std::size_t>(kPointsMin) || near < 0) {
+  if (seen.size() < static_cast<std::size_t>(kSeenPointsMin) || near < 0) {
     return false;
   }
   const InverseDepthPose& near_pose = h.poses[static_cast<std::size_t>(near)];

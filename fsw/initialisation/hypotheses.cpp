@@ -22,7 +22,7 @@ namespace {
 constexpr std::array<double, 3> kIsotropies{0.0, 0.03, 0.3};
 // As many points as a hypothesis from two views must place, and as two geometries must share.
 // Chosen; fewer make a comparison by the median a matter of chance.
-constexpr std::size_t kPointsMin = 8;
+constexpr std::size_t kPositivePointsMin = 8;
 // Depths within a factor of two of their median: a body that is seen whole reaches no farther.
 constexpr double kDepthFactorMax = 2.0;
 // Rotations under a degree are compared by this: their ratio is noise.
@@ -191,7 +191,7 @@ void push_two_view(const SeedProblem& problem,
       (void)positive.push_back(depths.depth_a[i]);
     }
   }
-  if (positive.size() < kPointsMin || 2 * positive.size() < core.tracks.size()) {
+  if (positive.size() < kPositivePointsMin || 2 * positive.size() < core.tracks.size()) {
     return;
   }
   const double middle = median(positive.view());
@@ -278,7 +278,7 @@ bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double to
     }
   }
   // Hypotheses of different cores may share no points.
-  if (apart.size() < kPointsMin) {
+  if (apart.size() < kPositivePointsMin) {
     return false;
   }
   // Not the mean: the point of a wrong track may be anywhere (docs/decisions/0029).

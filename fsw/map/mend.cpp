@@ -24,7 +24,7 @@ std::uint32_t mend_flags(Table* table) {
 }
 
 template <typename Table>
-bool counts_are(const Table& table, std::int32_t count) {
+bool used_are_counted(const Table& table, std::int32_t count) {
   return std::count_if(table.begin(), table.end(), [](const auto& slot) { return slot.used; }) ==
          count;
 }
@@ -123,8 +123,8 @@ Mended mend(const CameraModel& camera, std::int64_t now_ns, Map* map) {
     return {};
   }
   Mended mended{.entries = mend_flags(&map->keyframes) + mend_flags(&map->landmarks)};
-  const bool counted = counts_are(map->keyframes, map->keyframe_count) &&
-                       counts_are(map->landmarks, map->landmark_count);
+  const bool counted = used_are_counted(map->keyframes, map->keyframe_count) &&
+                       used_are_counted(map->landmarks, map->landmark_count);
   if (counted) {
     mended.entries += drop_keyframes(now_ns, map) + drop_landmarks(map);
     mended.entries += blank_features(camera, map) + drop_ties(map);

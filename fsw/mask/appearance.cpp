@@ -22,7 +22,7 @@ using Shares = std::array<double, kAppearances>;
 
 // What an appearance counts that is e times as frequent on the target: as much as the outline. With
 // 0.15 and 0.2 overlap is up to 0.01 lower before the Earth (record 0008).
-constexpr double kShare = 0.3;
+constexpr double kCostShare = 0.3;
 // Share of pixels at which an appearance starts to count: a fifth of an even spread over the 64.
 // Chosen; smaller lets single pixels decide.
 constexpr double kRare = 0.003;
@@ -95,7 +95,7 @@ std::array<Counts, 3> count_appearances(const cv::Mat& appearances,
 
 /// Unary cost of an appearance that is so many times as frequent on the target as beside it.
 float cost_of_ratio(double ratio) {
-  return static_cast<float>(kShare * std::clamp(std::log(ratio), -kLogMost, kLogMost));
+  return static_cast<float>(kCostShare * std::clamp(std::log(ratio), -kLogMost, kLogMost));
 }
 
 /// The outline's box and a third of its width around, at least kMarginMin_px. Empty without an

@@ -129,9 +129,9 @@ void form_unary_cost(const cv::Rect& box, MaskState* s) {
   // Distance at which a landmark counts nothing, in the body's radius, and its least in px. Chosen:
   // larger draws the outline beyond the silhouette, smaller leaves gaps between landmarks.
   constexpr double kNearPart = 0.1;
-  constexpr double kNearMin_px = 3.0;
+  constexpr double kNearDistanceMin_px = 3.0;
   const bool by_map = has_map(*s);
-  const auto near = static_cast<float>(std::max(kNearMin_px, kNearPart * s->map.radius_px));
+  const auto near = static_cast<float>(std::max(kNearDistanceMin_px, kNearPart * s->map.radius_px));
   cv::Mat& unary_cost = s->scratch.cell_values;
   cv::Mat& outline_cells = s->scratch.cells;
   unary_cost.create(s->foreground.log_odds.size(), CV_32FC1);

@@ -17,7 +17,7 @@ namespace {
 constexpr int kCell_px = 8;
 // Side of the window over which differences are summed. With 3, overlap rises by 0.01 and attitudes
 // before the Earth get 6 % worse (record 0006).
-constexpr int kWindow_px = 5;
+constexpr int kDifferenceWindow_px = 5;
 // A place that disagrees by more counts as this. Chosen: one pixel at the limit counts 8 / 25 in
 // its window, as much as kTargetLogOdds; larger lets single pixels decide.
 constexpr double kCapSigma = 8;
@@ -45,15 +45,15 @@ double measure_noise(const cv::Mat& now,
                      const cv::Mat& before,
                      const cv::Matx33d& motion,
                      const cv::Rect& region) {
-  constexpr int kStep = 6;             // one pixel of 36: the median is of thousands still
+  constexpr int kSampleStep = 6;       // one pixel of 36: the median is of thousands still
   constexpr int kBlack = 8;            // black pixels have no noise: it is cut off at zero
   constexpr double kNoiseLeast = 1.0;  // medians are whole levels, and sums are divided by it
   const cv::Matx33d back = motion.inv();
   std::array<int, 256> counts{};
   int total = 0;
-  for (int row = region.y + 1; row < region.br().y; row += kStep) {
+  for (int row = region.y + 1; row < region.br().y; row += kSampleStep) {
     const auto* levels = now.ptr<std::uint8_t>(row);
-    for (int column = region.x + 1; column < region.br().x; column += kStep) {
+    for (int column = region.x + 1; column < region.br().x; column += kSampleStep) {
       if (levels[column] <= kBlack) {
         continue;
       }
@@ -240,8 +240,12 @@ void sum_over_window(ForegroundState* s) {
           static_cast<std::uint8_t>(kNoDifference + background[column] - target[column]);
     }
   }
-  cv::boxFilter(
-      s->difference, s->sum, CV_16U, cv::Size(kWindow_px, kWindow_px), cv::Point(-1, -1), false);
+  cv::boxFilter(s->difference,
+                s->sum,
+                CV_16U,
+                cv::Size(kDifferenceWindow_px, kDifferenceWindow_px),
+                cv::Point(-1, -1),
+                false);
 }
 
 /// Moves positive log-odds along with the target and lets part of them stay. Adds this image's
@@ -254,7 +258,7 @@ void carry_and_add(std::size_t compared_age, const cv::Rect& region, ForegroundS
   // The most that one image adds. Chosen: with this, three images without support bring a full sum
   // of 4.4 to 0.7; larger makes single images decide.
   constexpr float kAddedMost = 2.0F;
-  constexpr int kPixels = kWindow_px * kWindow_px;
+  constexpr int kPixels = kDifferenceWindow_px * kDifferenceWindow_px;
   const auto scale = static_cast<float>(1.0 / (kPixels * s->noise));
   s->flow *= 1.0 / static_cast<double>(compared_age);
   carry(s->flow, kCell_px, region, s->step, s->log_odds, &s->from, &s->carried);

@@ -33,7 +33,7 @@ struct Piece {
 
 // Pieces are summed over every second row and column: a quarter of the time, and a piece has many
 // pixels.
-constexpr int kStep = 2;
+constexpr int kOutlineStep = 2;
 
 /// Sum of positive log-odds and extent by piece; the first is what lies in none.
 std::vector<Piece> weigh_pieces(const cv::Mat& log_odds,
@@ -41,17 +41,17 @@ std::vector<Piece> weigh_pieces(const cv::Mat& log_odds,
                                 const cv::Mat& labels,
                                 int count) {
   std::vector<Piece> pieces(static_cast<std::size_t>(count));
-  for (int row = 0; row < log_odds.rows; row += kStep) {
+  for (int row = 0; row < log_odds.rows; row += kOutlineStep) {
     const auto* of_row = log_odds.ptr<float>(row);
     const auto* label = labels.ptr<int>(row);
     const std::uint8_t* seed = seeds.empty() ? nullptr : seeds.ptr<std::uint8_t>(row);
-    for (int column = 0; column < log_odds.cols; column += kStep) {
+    for (int column = 0; column < log_odds.cols; column += kOutlineStep) {
       if (label[column] == 0) {
         continue;
       }
       Piece& piece = pieces[static_cast<std::size_t>(label[column])];
       const float weight = seed != nullptr && seed[column] != 0 ? kSeedLogOdds : of_row[column];
-      piece.log_odds += kStep * kStep * static_cast<double>(std::max(0.0F, weight));
+      piece.log_odds += kOutlineStep * kOutlineStep * static_cast<double>(std::max(0.0F, weight));
       piece.left = std::min(piece.left, column);
       piece.right = std::max(piece.right, column);
       piece.top = std::min(piece.top, row);

@@ -9,7 +9,7 @@ namespace {
 
 // As far as find_target opens cells beyond what is lit. Fewer leave features on the silhouette,
 // more lose the target's beside it.
-constexpr int kGrowCells = 2;
+constexpr int kOwnGrowCells = 2;
 // Half of the window that points are followed with, 9 px, and the pixel of rounding.
 constexpr int kGrowWorking_px = 5;
 
@@ -37,7 +37,7 @@ OwnStructure own_structure(const cv::Mat& pixels) {
   const int decimation = decimation_of(pixels.cols, pixels.rows);
   const cv::Size working(pixels.cols / decimation, pixels.rows / decimation);
   return {.pixels = pixels,
-          .cells = reduced(pixels, cells, kCell_px, kGrowCells),
+          .cells = reduced(pixels, cells, kCell_px, kOwnGrowCells),
           .working = reduced(pixels, working, decimation, kGrowWorking_px)};
 }
 

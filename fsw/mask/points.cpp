@@ -15,9 +15,9 @@ namespace {
 
 // Window of the optical flow. 11 px take 0.6 ms more and give similar poses; 7 px are no cheaper by
 // a tenth (record 0013).
-constexpr int kWindow_px = 9;
+constexpr int kFlowWindow_px = 9;
 // Three halvings: a point is found within about 8 half windows, 36 px.
-constexpr int kLevels = 3;
+constexpr int kFlowLevels = 3;
 // The search for a point with a known motion starts at the prediction: within half a window, on one
 // level.
 constexpr int kLevelsPredicted = 0;
@@ -60,7 +60,7 @@ void flow(const FlowPyramid& before,
       part(&s->to),
       part(&s->found),
       part(&s->error),
-      cv::Size(kWindow_px, kWindow_px),
+      cv::Size(kFlowWindow_px, kFlowWindow_px),
       levels,
       cv::TermCriteria(
           cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kIterationsMax, kSettled_px),
@@ -95,7 +95,7 @@ void flow_with_prediction(int known, PointsState* s) {
     done = 0;
     s->to = s->from;
   }
-  flow(s->pyramid_before, s->pyramid, {done, all}, kLevels, s);
+  flow(s->pyramid_before, s->pyramid, {done, all}, kFlowLevels, s);
   s->error_before = done == 0 ? typical_error(known, s) : error;
 }
 
@@ -180,7 +180,7 @@ bool add_picture(const cv::Mat& gray, const cv::Mat& reduced, PointsState* s) {
   }
   std::swap(s->pyramid, s->pyramid_before);
   cv::buildOpticalFlowPyramid(
-      s->picture(0), s->pyramid, cv::Size(kWindow_px, kWindow_px), kLevels, true);
+      s->picture(0), s->pyramid, cv::Size(kFlowWindow_px, kFlowWindow_px), kFlowLevels, true);
   return s->stored == 1;
 }
 
@@ -219,7 +219,7 @@ void drop_stray_points(TrackClass kind, PointsState* s) {
     }
   }
   const cv::Range all(0, static_cast<int>(s->from.size()));
-  flow(s->pyramid, s->pyramid_before, all, s->predicted ? kLevelsPredicted : kLevels, s);
+  flow(s->pyramid, s->pyramid_before, all, s->predicted ? kLevelsPredicted : kFlowLevels, s);
   std::size_t kept = 0;
   std::size_t asked = 0;
   for (std::size_t i = 0; i < s->tracks.size(); ++i) {

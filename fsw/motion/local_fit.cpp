@@ -13,8 +13,8 @@ namespace {
 
 // At 1.5 rad from the reference the first missing term is A 1.5^7 / 7!, 0.3 % of A.
 constexpr int kDegree = 6;
-constexpr int kRotationUnknowns = 3 * (kDegree + 1);
-constexpr int kTranslationUnknowns = 12;  // g, v, a, c
+constexpr int kLocalRotationUnknowns = 3 * (kDegree + 1);
+constexpr int kLocalTranslationUnknowns = 12;  // g, v, a, c
 
 // Departures from a constant rate, in parts of the rate: from none to the largest of a free body.
 // There |dw/dt| <= |w|^2 / sqrt(3), because (I_j - I_k) / I_i <= 1. The steps of a list are coarse:
@@ -22,7 +22,7 @@ constexpr int kTranslationUnknowns = 12;  // g, v, a, c
 constexpr std::array<double, 6> kBends{1e-4, 0.01, 0.03, 0.1, 0.3, 1.0};
 // Keeps the prior proper for a body at rest: a bend of less than a milliradian over the series is
 // below the noise of poses.
-constexpr double kRotationMin_rad = 1e-3;
+constexpr double kArcMin_rad = 1e-3;
 // Centre-of-mass offsets from T's origin in parts of the range: of a distant body or a well centred
 // one, a typical one, and one that fills the view and is lopsided. Chosen a decade apart.
 constexpr std::array<double, 3> kCentreOffsets{3e-4, 3e-3, 3e-2};
@@ -41,7 +41,7 @@ double span_of(std::span<const Point> points) {
 
 /// Prior information of the coefficients of (tau / scale)^k.
 ModelVector rotation_prior(double bend, double rotation_rad) {
-  ModelVector information = ModelVector::Zero(kRotationUnknowns);
+  ModelVector information = ModelVector::Zero(kLocalRotationUnknowns);
   double sigma = bend * rotation_rad;
   for (int k = 2; k <= kDegree; ++k) {
     sigma *= rotation_rad / k;
@@ -52,7 +52,7 @@ ModelVector rotation_prior(double bend, double rotation_rad) {
 
 /// Rows [P_0 I, P_1 I, ...] of powers of the time, or of their derivatives.
 ModelRows powers(const LocalTarget& at, double scale_s) {
-  ModelRows rows = ModelRows::Zero(3, kRotationUnknowns);
+  ModelRows rows = ModelRows::Zero(3, kLocalRotationUnknowns);
   double power = 1.0;  // (tau / scale)^(k - derivative)
   for (int k = at.derivative; k <= kDegree; ++k) {
     const double factor = at.derivative == 0 ? power : k * power / scale_s;
@@ -63,7 +63,7 @@ ModelRows powers(const LocalTarget& at, double scale_s) {
 }
 
 ModelRows path_rows(double time, const Eigen::Matrix3d& R_from_reference) {
-  ModelRows rows = ModelRows::Zero(3, kTranslationUnknowns);
+  ModelRows rows = ModelRows::Zero(3, kLocalTranslationUnknowns);
   rows.block<3, 3>(0, 0) = Eigen::Matrix3d::Identity();
   rows.block<3, 3>(0, 3) = time * Eigen::Matrix3d::Identity();
   rows.block<3, 3>(0, 6) = time * time * Eigen::Matrix3d::Identity();
@@ -75,7 +75,7 @@ ModelRows path_rate_rows(double time,
                          double scale_s,
                          const Eigen::Matrix3d& R_CT,
                          const Eigen::Vector3d& w_T_rad_s) {
-  ModelRows rows = ModelRows::Zero(3, kTranslationUnknowns);
+  ModelRows rows = ModelRows::Zero(3, kLocalTranslationUnknowns);
   rows.block<3, 3>(0, 3) = Eigen::Matrix3d::Identity() / scale_s;
   rows.block<3, 3>(0, 6) = 2.0 * time / scale_s * Eigen::Matrix3d::Identity();
   rows.block<3, 3>(0, 9) = -(R_CT * hat(w_T_rad_s));
@@ -103,13 +103,13 @@ Result<LocalFit> fit_rotation(std::span<const RotationPoint> points,
   if (!(scale_s > 0.0) || !std::isfinite(scale_s)) {
     return ErrorCode::kDegenerate;
   }
-  ModelData data(kRotationUnknowns);
+  ModelData data(kLocalRotationUnknowns);
   for (const RotationPoint& point : points) {
     data.add(
         powers({.tau_s = point.tau_s, .derivative = 0}, scale_s), point.psi_rad, point.information);
   }
   std::array<ModelVector, kBends.size()> priors;
-  const double rotation_rad = std::max(kRotationMin_rad, rotation_rad_s * scale_s);
+  const double rotation_rad = std::max(kArcMin_rad, rotation_rad_s * scale_s);
   for (std::size_t i = 0; i < kBends.size(); ++i) {
     priors[i] = rotation_prior(kBends[i], rotation_rad);
   }
@@ -134,7 +134,7 @@ Result<LocalFit> fit_translation(std::span<const TranslationPoint> points,
   }
   // Relative to the first position and attitude: small numbers, and the offset drops out where
   // nothing rotates.
-  ModelData data(kTranslationUnknowns);
+  ModelData data(kLocalTranslationUnknowns);
   for (const TranslationPoint& point : points) {
     data.add(path_rows(point.tau_s / scale_s, point.R_CT - points[0].R_CT),
              point.p_CT - points[0].p_CT,
@@ -143,7 +143,7 @@ Result<LocalFit> fit_translation(std::span<const TranslationPoint> points,
   FixedVector<ModelVector, kCentreOffsets.size() * kDepartures.size()> priors;
   for (const double offset : kCentreOffsets) {
     for (const double departure : kDepartures) {
-      ModelVector prior = ModelVector::Zero(kTranslationUnknowns);
+      ModelVector prior = ModelVector::Zero(kLocalTranslationUnknowns);
       prior.segment<3>(6).setConstant(1.0 / (departure * range * departure * range));
       prior.segment<3>(9).setConstant(1.0 / (offset * range * offset * range));
       POLHODE_ASSERT(priors.push_back(prior), priors.size());

@@ -22,7 +22,7 @@ using bus::Rejection;
 using Outcome = std::string_view;
 constexpr Outcome kDone{};
 
-Outcome hold(Component::State* s) {
+Outcome command_hold(Component::State* s) {
   if (s->mode.held) {
     return "held already";
   }
@@ -241,7 +241,7 @@ Outcome carry_out(const Command& command, Component::State* s) {
     case bus::CommandCode::kResetMap:
       return reset_map(s);
     case bus::CommandCode::kHold:
-      return hold(s);
+      return command_hold(s);
     case bus::CommandCode::kResume:
       return resume(s);
     case bus::CommandCode::kSetKnownLength:

@@ -10,9 +10,6 @@
 namespace polhode {
 namespace {
 
-/// The members are reached through a mutable reference only; reading writes nothing.
-Parameters& readable(const Parameters& parameters) { return const_cast<Parameters&>(parameters); }
-
 /// One value of a row, as a number to check and as a place to write.
 struct WriteBits {
   std::uint64_t bits;
@@ -79,10 +76,6 @@ struct ReadBits {
   }
 };
 
-bool starts_with(std::string_view key, std::string_view section) {
-  return key.substr(0, section.size()) == section;
-}
-
 bool is_in_range(const ParameterRow& row, const Parameters& parameters) {
   Parameters copy = parameters;
   for (std::size_t i = 0; i < value_count(row); ++i) {
@@ -109,9 +102,8 @@ const ParameterRow* find_parameter_by_crc(std::uint32_t crc) {
 }
 
 bool may_change_in_flight(std::string_view key) {
-  return !starts_with(key, "camera.") && !starts_with(key, "scale.") &&
-         !starts_with(key, "jobs.") && !starts_with(key, "budget.") && key != "seed" &&
-         key != "bus.apid_first";
+  return !key.starts_with("camera.") && !key.starts_with("scale.") && !key.starts_with("jobs.") &&
+         !key.starts_with("budget.") && key != "seed" && key != "bus.apid_first";
 }
 
 std::size_t value_count(const ParameterRow& row) {
@@ -146,7 +138,7 @@ std::uint32_t table_crc(const Parameters& parameters) {
 
 std::string_view first_bad_key(const Parameters& parameters) {
   for (const ParameterRow& row : parameter_table()) {
-    const bool elsewhere = starts_with(row.key, "camera.") || starts_with(row.key, "scale.");
+    const bool elsewhere = row.key.starts_with("camera.") || row.key.starts_with("scale.");
     if (!elsewhere && !is_in_range(row, parameters)) {
       return row.key;
     }

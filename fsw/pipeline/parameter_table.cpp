@@ -240,14 +240,7 @@ bool in_range(const ParameterRow& row, const PointPair& pair) {
          in_range(row, pair[1][1]);
 }
 
-/// The members are reached through a mutable reference only; nothing is written here.
-Parameters& readable(const Parameters& parameters) { return const_cast<Parameters&>(parameters); }
-
 Error bad(std::string message) { return Error{ErrorCode::kBadParameter, std::move(message)}; }
-
-bool starts_with(std::string_view key, std::string_view section) {
-  return key.substr(0, section.size()) == section;
-}
 
 std::optional<Error> check_points(const Parameters& parameters) {
   const ScaleOptions& scale = parameters.scale;
@@ -304,7 +297,7 @@ std::optional<Error> check_orbit(const MotionOptions& motion) {
 
 std::optional<Error> check_section(const Parameters& parameters, bool camera) {
   for (const ParameterRow& row : kRows) {
-    if (starts_with(row.key, "scale.") || starts_with(row.key, "camera.") != camera) {
+    if (row.key.starts_with("scale.") || row.key.starts_with("camera.") != camera) {
       continue;
     }
     if (auto problem = check_row(row, parameters)) {
@@ -328,7 +321,7 @@ const ParameterRow* find_parameter(std::string_view key) {
 }
 
 bool has_no_default(std::string_view key) {
-  return starts_with(key, "camera.") || starts_with(key, "scale.");
+  return key.starts_with("camera.") || key.starts_with("scale.");
 }
 
 std::string value_text(const ParameterRow& row, const Parameters& parameters) {

@@ -47,6 +47,11 @@ struct ParameterRow {
   std::string_view help;  ///< one line: what it does
 };
 
+/// The members are reached through a mutable reference only; a reader writes nothing.
+inline Parameters& readable(const Parameters& parameters) {
+  return const_cast<Parameters&>(parameters);
+}
+
 /// All parameters, in the order of the sections.
 std::span<const ParameterRow> parameter_table();
 

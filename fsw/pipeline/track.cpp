@@ -48,7 +48,7 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
 }
 
 /// A frame with a pose.
-void hold(Component::State* s) {
+void accept_pose(Component::State* s) {
   s->mapping.pose_valid = true;
   s->counters.relocalised += s->mode.now == Mode::kLost ? 1 : 0;
   change_mode(ModeEvent::kPoseFound, &s->mode);
@@ -131,7 +131,7 @@ void keep_hold(Component::State* s) {
     grow(s);
     renew_reference(s->clock.frame, mapping);
   }
-  hold(s);
+  accept_pose(s);
 }
 
 }  // namespace
@@ -193,7 +193,7 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
   } else if (!mapping->reference.valid) {
     renew_reference(s->clock.frame, mapping);
   }
-  hold(s);
+  accept_pose(s);
 }
 
 }  // namespace polhode

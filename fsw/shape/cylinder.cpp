@@ -20,7 +20,7 @@ namespace {
 constexpr double kRadialCosineMin = 0.866;
 // Two directions less than 17 deg apart do not fix an axis: their noise is 5 to 7 deg
 // (docs/decisions/0053).
-constexpr double kSampleSineMin = 0.3;
+constexpr double kAxisSineMin = 0.3;
 // One axis from all normals, three from the spread of the points (docs/decisions/0053). An axis
 // from two noisy normals leaves the surface within the length. Every other hypothesis takes one of
 // these, in turn.
@@ -34,15 +34,15 @@ constexpr double kVoteSoftness = 0.1;
 constexpr double kPromising = 0.7;
 // Chosen: Gauss-Newton steps of a hypothesis, and of the best one until its band has settled.
 constexpr int kRefinementsEach = 3;
-constexpr int kRefinements = 10;
+constexpr int kCylinderRefinements = 10;
 // Sectors of 10 deg. Points over less than a quarter turn are explained by a plane as well.
 constexpr std::size_t kSectors = 36;
 constexpr std::size_t kSectorsMin = kSectors / 4;
 // Refinement narrows the band to three sigma of its inliers, but not below this part of the search
 // band. Chosen: the search band may be 2.5 sigma, and this keeps most inliers of a fit too good by
 // chance.
-constexpr double kBandPartMin = 0.3;
-constexpr double kBand_sigmas = 3.0;
+constexpr double kCylinderBandPartMin = 0.3;
+constexpr double kCylinderBand_sigmas = 3.0;
 // Five unknowns, and one point to judge them by.
 constexpr std::size_t kFitPointsMin = 6;
 // Planes draw from the streams below limits::kPlanes; this one differs from all of them.
@@ -51,7 +51,7 @@ constexpr std::uint64_t kRngStream = 100;
 using Normal5 = Eigen::Matrix<double, 5, 5>;
 using Vector5 = Eigen::Matrix<double, 5, 1>;
 
-struct Support {
+struct CylinderSupport {
   std::span<const Eigen::Vector3d> points_T;
   const SurfaceNormals& normals;
 
@@ -92,7 +92,7 @@ Eigen::Vector3d axis_of_directions(const SurfaceNormals& normals, const CloudInd
 using Axes = std::array<Eigen::Vector3d, kVotedAxes>;
 
 /// Axes that the whole cloud suggests: across its surface directions, and along its spread.
-Axes voted_axes(const Support& support, const CloudIndices& directed) {
+Axes voted_axes(const CylinderSupport& support, const CloudIndices& directed) {
   const Eigen::Vector3d mean_T = centroid_T(support.points_T);
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3d& point_T : support.points_T) {
@@ -116,7 +116,7 @@ std::optional<Cylinder> circle_through(const Eigen::Vector3d& axis_T,
   const Eigen::Vector3d a = across(q - p);
   const Eigen::Vector3d b = across(r - p);
   const double area = a.cross(b).dot(axis_T);
-  if (!(std::abs(area) >= kSampleSineMin * a.norm() * b.norm()) || !(std::abs(area) > 0.0)) {
+  if (!(std::abs(area) >= kAxisSineMin * a.norm() * b.norm()) || !(std::abs(area) > 0.0)) {
     return std::nullopt;
   }
   const Eigen::Vector3d to_centre =
@@ -125,7 +125,7 @@ std::optional<Cylinder> circle_through(const Eigen::Vector3d& axis_T,
 }
 
 /// Axis: one of the voted ones, or across two points' directions. Circle: through three points.
-std::optional<Cylinder> hypothesis(const Support& support,
+std::optional<Cylinder> hypothesis(const CylinderSupport& support,
                                    const CloudIndices& directed,
                                    const Axes& axes,
                                    const Sample<3>& sample,
@@ -136,7 +136,7 @@ std::optional<Cylinder> hypothesis(const Support& support,
   Eigen::Vector3d axis_T = axes[number / 2 % kVotedAxes];
   if (number % 2 == 1) {
     axis_T = support.normals[a].normal_T.cross(support.normals[b].normal_T);
-    if (!(axis_T.norm() >= kSampleSineMin)) {
+    if (!(axis_T.norm() >= kAxisSineMin)) {
       return std::nullopt;
     }
     axis_T.normalize();
@@ -173,7 +173,7 @@ double weight_of(double residual, double band) {
 
 /// One Gauss-Newton step on the distances of the points that support it; unknowns: tilts, shifts
 /// across the axis, radius.
-bool refine(const Support& support, double band, Cylinder& c, Normal5* information) {
+bool refine(const CylinderSupport& support, double band, Cylinder& c, Normal5* information) {
   const Eigen::Vector3d e1 = c.axis_T.unitOrthogonal();
   const Eigen::Vector3d e2 = c.axis_T.cross(e1);
   Normal5 H = Normal5::Zero();
@@ -209,7 +209,7 @@ bool refine(const Support& support, double band, Cylinder& c, Normal5* informati
 }
 
 /// Of the five unknowns, from the scatter of patches. Not less than white noise would give.
-Normal5 covariance_of(const Support& support,
+Normal5 covariance_of(const CylinderSupport& support,
                       double band,
                       const Normal5& information,
                       const Cylinder& c) {
@@ -237,7 +237,7 @@ Normal5 covariance_of(const Support& support,
 }
 
 /// Length, middle, coverage and sigmas of a refined cylinder.
-void describe(const Support& support,
+void describe(const CylinderSupport& support,
               double band,
               double search_band,
               const Normal5& information,
@@ -273,7 +273,7 @@ void describe(const Support& support,
 }
 
 /// Support, negative, for the least is the best. Promising hypotheses are refined first.
-double score(const Support& support, double band, double enough, Cylinder* c) {
+double score(const CylinderSupport& support, double band, double enough, Cylinder* c) {
   c->inliers = support.count(*c, band);
   if (static_cast<double>(c->inliers) < kPromising * -enough) {
     return enough;
@@ -289,7 +289,7 @@ double score(const Support& support, double band, double enough, Cylinder* c) {
 }
 
 /// The hypothesis with most support; without inliers when there is none.
-Cylinder best_hypothesis(const Support& support,
+Cylinder best_hypothesis(const CylinderSupport& support,
                          const CloudIndices& directed,
                          const CylinderSearch& search) {
   const Axes axes = voted_axes(support, directed);
@@ -321,19 +321,20 @@ Result<Cylinder> find_cylinder(std::span<const Eigen::Vector3d> points_T,
   if (points_T.size() < search.inliers_min || directed.size() < 3) {
     return ErrorCode::kTooFewObservations;
   }
-  const Support support{.points_T = points_T, .normals = normals};
+  const CylinderSupport support{.points_T = points_T, .normals = normals};
   Normal5 information = Normal5::Identity();
   Cylinder best = best_hypothesis(support, directed, search);
   if (best.inliers < search.inliers_min) {
     return ErrorCode::kNoConsensus;
   }
   double band = 2.0 * search.distance_max;  // wide at first: the axis is still rough
-  for (int i = 0; i < kRefinements; ++i) {
+  for (int i = 0; i < kCylinderRefinements; ++i) {
     if (!refine(support, band, best, &information)) {
       return ErrorCode::kNoConsensus;
     }
-    band = std::clamp(
-        kBand_sigmas * best.rms, kBandPartMin * search.distance_max, search.distance_max);
+    band = std::clamp(kCylinderBand_sigmas * best.rms,
+                      kCylinderBandPartMin * search.distance_max,
+                      search.distance_max);
   }
   describe(support, band, search.distance_max, information, best);
   // Less a margin for rounding.

@@ -23,8 +23,8 @@ constexpr double kMissDistances = 6.0;
 // cloud whose noise is a third of its spacing.
 constexpr double kBandDistances = 1.0;
 // Refinement does not narrow the band below this part: a few landmarks may agree by chance. Chosen.
-constexpr double kBandPartMin = 0.1;
-constexpr double kBand_sigmas = 3.0;
+constexpr double kHitBandPartMin = 0.1;
+constexpr double kHitBand_sigmas = 3.0;
 // At an edge two sides share the landmarks around the ray. The nearer side is taken when it has
 // this part of the other's support. Chosen; smaller takes a few stray points in front for a side,
 // larger misses the nearer side.
@@ -39,7 +39,7 @@ constexpr std::size_t kWitnessesMin = 2;
 // Three points fix a plane, two are left to judge it by.
 constexpr std::size_t kPlaneSupportMin = 5;
 // Chosen: least-squares passes until the set of inliers has settled.
-constexpr int kRefinements = 5;
+constexpr int kHitRefinements = 5;
 // Least triangle of a triple, in parts of the neighbourhood's radius squared. Smaller ones
 // extrapolate noise. Chosen.
 constexpr double kTriangleMin = 0.01;
@@ -228,7 +228,7 @@ bool refine(const NearTable& near, Surface* surface, InverseDepth* at_ray) {
   const double band_max = surface->band;
   InversePlane& plane = surface->plane;
   double& band = surface->band;
-  for (int pass = 0; pass < kRefinements; ++pass) {
+  for (int pass = 0; pass < kHitRefinements; ++pass) {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Matrix3d H2 = Eigen::Matrix3d::Zero();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
@@ -251,8 +251,8 @@ bool refine(const NearTable& near, Surface* surface, InverseDepth* at_ray) {
     }
     plane.coefficients += ldlt.solve(g);
     const double variance = square / static_cast<double>(count - 3);
-    band = std::clamp(kBand_sigmas * near[0].depth * near[0].depth * std::sqrt(variance),
-                      kBandPartMin * band_max,
+    band = std::clamp(kHitBand_sigmas * near[0].depth * near[0].depth * std::sqrt(variance),
+                      kHitBandPartMin * band_max,
                       band_max);
     at_ray->value = plane.coefficients(0);
     const Eigen::Vector3d at_zero = ldlt.solve(Eigen::Vector3d::UnitX());

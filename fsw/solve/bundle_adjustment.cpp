@@ -1,4 +1,5 @@
 #include "solve/bundle_adjustment.hpp"
+#include "base/index.hpp"
 
 #include <ceres/loss_function.h>
 
@@ -21,8 +22,6 @@ constexpr double kPriorCauchySigma = 4.0;
 // Ceres eliminates its groups in order.
 constexpr int kPointGroup = 0;
 constexpr int kPoseGroup = 1;
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 bool fits(const BundleProblem& problem) {
   return problem.poses.size() <= BundleLimits::kPoses &&

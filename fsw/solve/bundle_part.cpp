@@ -1,4 +1,5 @@
 #include "solve/bundle_part.hpp"
+#include "base/index.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -13,8 +14,6 @@ namespace {
 constexpr std::size_t kViewsMean = 3;
 // Steps of a point that was left out. Chosen: it follows poses that have moved a little.
 constexpr int kFollowingSteps = 5;
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 bool fits(const BundleProblem& problem, std::size_t observations_max) {
   return problem.observations.size() <= observations_max &&

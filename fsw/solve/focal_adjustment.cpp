@@ -19,8 +19,8 @@ namespace polhode {
 namespace {
 
 // Ceres eliminates its groups in order.
-constexpr int kPointGroup = 0;
-constexpr int kPoseGroup = 1;
+constexpr int kFocalPointGroup = 0;
+constexpr int kFocalPoseGroup = 1;
 
 /// As ReprojectionCost, in a picture of another focal length: by (pose, p_T, log of the factor).
 class FocalCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 3, 1> {
@@ -108,12 +108,12 @@ class FocalBundle {
     options.function_tolerance = 1e-7;
     options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
     for (Eigen::Vector3d& point : points_) {
-      options.linear_solver_ordering->AddElementToGroup(point.data(), kPointGroup);
+      options.linear_solver_ordering->AddElementToGroup(point.data(), kFocalPointGroup);
     }
     for (std::size_t k = 0; k < pose_count_; ++k) {
-      options.linear_solver_ordering->AddElementToGroup(poses_.numbers(k), kPoseGroup);
+      options.linear_solver_ordering->AddElementToGroup(poses_.numbers(k), kFocalPoseGroup);
     }
-    options.linear_solver_ordering->AddElementToGroup(&log_factor_, kPoseGroup);
+    options.linear_solver_ordering->AddElementToGroup(&log_factor_, kFocalPoseGroup);
     ceres::Solver::Summary summary;
     ceres::Solve(options, &ceres_, &summary);
     return report_of(summary);

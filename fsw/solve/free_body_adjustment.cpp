@@ -1,4 +1,5 @@
 #include "solve/free_body_adjustment.hpp"
+#include "base/index.hpp"
 
 #include <ceres/evaluation_callback.h>
 #include <ceres/loss_function.h>
@@ -27,7 +28,7 @@ using PointByUnknowns = Eigen::Matrix<double, 3, kFreeBodyUnknowns>;
 constexpr int kGaugeRows = 7;
 using GaugeRows = Eigen::Matrix<double, kGaugeRows, kFreeBodyUnknowns>;
 template <int kRows>
-using RowMajorMap = Eigen::Map<Eigen::Matrix<double, kRows, kFreeBodyUnknowns, Eigen::RowMajor>>;
+using JacobianMap = Eigen::Map<Eigen::Matrix<double, kRows, kFreeBodyUnknowns, Eigen::RowMajor>>;
 
 // Those of shape and mass centre, which have a prior.
 constexpr int kPriorNumbers = 8;
@@ -36,8 +37,6 @@ constexpr int kPriorNumbers = 8;
 constexpr int kSettlingSteps = 2;
 // The first motion may be further off. Chosen: points follow it by small steps.
 constexpr int kFirstSettlingSteps = 5;
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Position of T's origin in I, and its derivatives by the unknowns.
 struct Place {
@@ -305,7 +304,7 @@ class FollowedPointCost final : public ceres::SizedCostFunction<2, kFreeBodyUnkn
     }
     Eigen::Map<Eigen::Vector2d>{residuals} = l.residual;
     if (jacobian != nullptr) {
-      RowMajorMap<2> J(jacobian);
+      JacobianMap<2> J(jacobian);
       J.noalias() = l.by_pose * at_.pose_by_unknowns(o_);
       J.noalias() += l.by_point * at_.point_by_unknowns(o_);
     }
@@ -333,7 +332,7 @@ class MotionPriorCost final : public ceres::SizedCostFunction<kPriorNumbers, kFr
     Eigen::Map<Eigen::Matrix<double, kPriorNumbers, 1>>{residuals} =
         J_ * Eigen::Map<const FreeBodyVector>(parameters[0]);
     if (jacobians != nullptr && jacobians[0] != nullptr) {
-      RowMajorMap<kPriorNumbers>{jacobians[0]} = J_;
+      JacobianMap<kPriorNumbers>{jacobians[0]} = J_;
     }
     return true;
   }

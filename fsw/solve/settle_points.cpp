@@ -1,4 +1,5 @@
 #include "solve/settle_points.hpp"
+#include "base/index.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -14,8 +15,6 @@ constexpr double kDiagonalMin = 1e-12;
 
 // Damping of a point's own steps: for a point that is seen with next to no parallax.
 constexpr double kSettlingDamping = 1e-6;
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// @return half the robust sum of squares.
 double settled(std::span<const BundleObservation> observations,

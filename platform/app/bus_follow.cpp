@@ -25,7 +25,7 @@
 namespace polhode::platform {
 namespace {
 
-constexpr int kWait_ms = 200;  // after which an interruption is seen
+constexpr int kPacketWait_ms = 200;  // after which an interruption is seen
 
 volatile std::sig_atomic_t interrupted = 0;
 
@@ -73,13 +73,13 @@ void follow_bus(const BusFollowArguments& arguments) {
   std::uint64_t overrun = 0;
   double waited_s = 0.0;
   while (interrupted == 0) {
-    const int octets = polhode_bus_next(bus.get(), packet.data(), packet.size(), kWait_ms);
+    const int octets = polhode_bus_next(bus.get(), packet.data(), packet.size(), kPacketWait_ms);
     tell_loss(*bus, damaged, overrun);
     if (octets < 0) {
       throw RunFailure(
           fmt::format("{}: {}", address.text, std::generic_category().message(-octets)));
     }
-    waited_s = octets == 0 ? waited_s + 1e-3 * kWait_ms : 0.0;
+    waited_s = octets == 0 ? waited_s + 1e-3 * kPacketWait_ms : 0.0;
     if (octets > 0) {
       const auto view = std::span(packet).first(static_cast<std::size_t>(octets));
       bus::PacketHeader header;

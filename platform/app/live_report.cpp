@@ -13,7 +13,7 @@
 namespace polhode::platform {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kReportSecond_ns = 1'000'000'000;
 
 /// Trouble that is worth a line at once.
 std::uint32_t trouble(const CameraCounters& c) {
@@ -40,7 +40,7 @@ std::uint32_t frames_passed_over(const CameraCounters& camera, const LiveCounts&
 }
 
 LiveReport::LiveReport(ServiceManager& manager, int period_s)
-    : manager_(manager), period_ns_(period_s * kSecond_ns) {}
+    : manager_(manager), period_ns_(period_s * kReportSecond_ns) {}
 
 void LiveReport::passed(const LiveCamera& camera, const LiveCounts& counts, std::int64_t now_ns) {
   const CameraCounters& c = camera.counters();
@@ -48,7 +48,7 @@ void LiveReport::passed(const LiveCamera& camera, const LiveCounts& counts, std:
   const std::string_view state_begins = state.substr(0, told_state_.size() - 1);
   const bool news = trouble(c) != trouble(told_) || state_begins != told_state_.data();
   if (news && now_ns >= trouble_due_ns_) {
-    trouble_due_ns_ = now_ns + kSecond_ns;
+    trouble_due_ns_ = now_ns + kReportSecond_ns;
     told_ = c;
     told_state_.fill('\0');
     std::copy(state_begins.begin(), state_begins.end(), told_state_.begin());
@@ -72,7 +72,7 @@ bool LiveReport::written(const WriteFailures& failures, std::int64_t now_ns) {
   if (failures == told_failures_ || now_ns < failures_due_ns_) {
     return false;
   }
-  failures_due_ns_ = now_ns + kSecond_ns;
+  failures_due_ns_ = now_ns + kReportSecond_ns;
   told_failures_ = failures;
   say("disk: not written since the start: packets of %llu steps, %llu checkpoints, %llu records, "
       "%llu packets of files",

@@ -9,7 +9,7 @@
 namespace polhode::platform {
 namespace {
 
-constexpr const char* kHead =
+constexpr const char* kBusHead =
     "# The one field table of the bus: parameters that commands may change. See telemetry.toml.\n"
     "# Written by `polhode check --bus-parameters` from fsw/pipeline/parameter_table.cpp; a test "
     "keeps it so.\n"
@@ -34,7 +34,7 @@ std::string allowed_line(const ParameterRow& row) {
 
 std::string bus_parameters() {
   const Parameters defaults;
-  std::string out = kHead;
+  std::string out = kBusHead;
   for (const ParameterRow& row : parameter_table()) {
     if (!may_change_in_flight(row.key)) {
       continue;

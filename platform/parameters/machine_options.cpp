@@ -80,7 +80,7 @@ std::string range_text(const Row& row) {
 }
 
 /// Writes a TOML value into an option. @return what would have been allowed, or nothing.
-struct Assign {
+struct AssignOption {
   const toml::node& node;
   const Row& row;
   MachineOptions& options;
@@ -117,7 +117,7 @@ struct Assign {
   }
 };
 
-std::string toml_text(const toml::node& node) {
+std::string option_text(const toml::node& node) {
   std::ostringstream out;
   node.visit([&](const auto& value) { out << value; });
   return out.str();
@@ -139,10 +139,10 @@ void take_table(const toml::table& table, const std::string& source, MachineOpti
         throw UnusableInput(fmt::format("{}: {}: unknown key", where, key));
       }
       const std::string allowed =
-          std::visit(Assign{.node = value, .row = *row, .options = *options}, row->where);
+          std::visit(AssignOption{.node = value, .row = *row, .options = *options}, row->where);
       if (!allowed.empty()) {
         throw UnusableInput(
-            fmt::format("{}: {} = {}: allowed is {}", where, key, toml_text(value), allowed));
+            fmt::format("{}: {} = {}: allowed is {}", where, key, option_text(value), allowed));
       }
     }
   }
