@@ -7,8 +7,6 @@ case ${1:-} in -h | --help) sed -n '2,4s/^# //p' "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
 
 hil/ground_station.sh --install
-if ! command -v chromium >/dev/null; then
-  apt-get update -q
-  DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends chromium fonts-dejavu-core
-fi
+tools/setup.sh tests
+tools/setup.sh browser
 POLHODE_GROUND_STATION=1 exec unshare -n sh -c 'ip link set lo up && exec .venv/bin/python -m pytest tests/ground_station "$@"' sh "$@"

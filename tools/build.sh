@@ -19,6 +19,6 @@ cache=()
 if command -v ccache >/dev/null; then
   cache=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 fi
-printf '== build: %s\n' "$PRESET"
+printf '== build: %s%s\n' "$PRESET" "${targets:+ ${targets[*]}}"
 log=$(cmake --preset "$PRESET" "${cache[@]}" 2>&1) || { printf "%s\n" "$log" >&2; exit 1; }
 cmake --build --preset "$PRESET" -j "$(jobs)" ${targets:+--target "${targets[@]}"}

@@ -15,7 +15,7 @@ sys.path.insert(0, str(REPOSITORY / "hil"))
 from judge.errors import BadInput  # noqa: E402
 from judge.venv import run_main  # noqa: E402
 from verification.catalogue import Requirement, Stage, faults_of, read_stages  # noqa: E402
-from verification.tests import read_results, read_tests, result_of  # noqa: E402
+from verification.tests import further_tests, read_results, read_tests, result_of  # noqa: E402
 
 EPILOG = """Exit status 0: all is as it should be; 1: something is wrong, or a requirement's tests have failed or were not run; 2: unusable input.
 A requirement is verified when one of its tests has passed, none has failed, and the others were skipped with a reason. Where no report is, nothing is said of results.
@@ -66,13 +66,13 @@ def outcome(results: list[str]) -> str:
     return next((result for result in ("failed", "not run", "passed", "skipped") if result in results), "not run")
 
 
-def rows_of(stages: list[Stage], tests: dict[str, list[str]], results: dict[str, str]) -> list[tuple[Requirement, str, list[tuple[str, str]]]]:
+def rows_of(stages: list[Stage], tests: dict[str, list[str]], results: dict[str, str], further: frozenset[str] | set[str] = frozenset()) -> list[tuple[Requirement, str, list[tuple[str, str]]]]:
     """@return for each requirement its outcome, and its tests with their results."""
     tagged = verified_by(tests)
     rows = []
     for stage in stages:
         for one in stage.requirements:
-            with_results = [(test, result_of(test, results)) for test in tagged.get(one.identifier, [])]
+            with_results = [(test, result_of(test, results, further)) for test in tagged.get(one.identifier, [])]
             rows.append((one, outcome([result for _, result in with_results]), with_results))
     return rows
 
@@ -124,7 +124,7 @@ def main() -> int:
         return 0
     stages, (tests, _) = read_stages(REPOSITORY), read_tests(REPOSITORY)
     results = read_results(arguments.results or REPOSITORY / "build/test-reports")
-    rows = rows_of(stages, tests, results)
+    rows = rows_of(stages, tests, results, further_tests(REPOSITORY))
     if arguments.pages:
         write_pages(arguments.pages, stages, rows)
         return 0

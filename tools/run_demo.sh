@@ -7,20 +7,25 @@ cd "$(dirname "$0")/.."
 SEQUENCE=hil/data/sample
 OUT=build/demo
 
-say() { printf '== %s\n' "$*"; }
+STARTED=$SECONDS
 
+# say TEXT: with the time since the start.
+say() { printf '== %d:%02d  %s\n' $(((SECONDS - STARTED) / 60)) $(((SECONDS - STARTED) % 60)) "$*"; }
+
+say "1 of 5: packages (two minutes on a bare machine, a second where they are installed)"
 tools/setup.sh
-tools/build.sh release
+say "2 of 5: the program (four to eight minutes on two cores, seconds where it is built)"
+tools/build.sh release polhode
 
 # One known edge of the target gives metres; without it the results are in map units.
 mapfile -t scale < <(.venv/bin/python hil/judge/paper.py scale "$SEQUENCE")
-say "replay: $SEQUENCE" "${scale[@]}"
+say "3 of 5: replay of $SEQUENCE ${scale[*]} (ten seconds)"
 build/release/bin/polhode replay --config config/default.toml --sequence "$SEQUENCE" --out "$OUT" "${scale[@]}"
 
-say "judgement against the truth"
+say "4 of 5: judgement against the truth"
 .venv/bin/python hil/evaluate.py "$OUT" "$SEQUENCE"
 
-say "pictures"
+say "5 of 5: pictures"
 .venv/bin/python tools/plot_replay.py "$OUT" --sequence "$SEQUENCE" --truth "$SEQUENCE/truth.csv"
 .venv/bin/python tools/report.py "$OUT" --sequence "$SEQUENCE"
 

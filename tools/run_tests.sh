@@ -19,29 +19,29 @@ while [ $# -gt 0 ]; do
 done
 
 ctest_arguments=(--test-dir "$BUILD" --output-on-failure --no-tests=ignore -j "$(nproc)")
-pytest_arguments=(-ra --durations=5)
+pytest_arguments=(-ra --durations=30 -n "$(nproc)" --dist loadgroup)
+marks="not further"
 if [ -n "$filter" ]; then
   ctest_arguments+=(-R "$filter")
   pytest_arguments+=(-k "$filter")
 fi
 if $quick; then
   ctest_arguments+=(-LE slow)
-  pytest_arguments+=(-m "not slow")
+  marks="$marks and not slow"
 fi
 
-tools/setup.sh
-tools/setup.sh campaign
+tools/setup.sh tests
 tools/setup.sh renderer
 tools/build.sh release
 
 mkdir -p "$REPORTS"
-rm -f "$REPORTS"/*.xml
+rm -f "$REPORTS"/ctest.xml "$REPORTS"/pytest.xml
 status=0
 printf '== tests in C++\n'
 ctest "${ctest_arguments[@]}" --output-junit "$PWD/$REPORTS/ctest.xml" || status=1
 printf '== tests in Python\n'
 # 5: the filter leaves no test on this side
-.venv/bin/python -m pytest tests "${pytest_arguments[@]}" --junitxml "$REPORTS/pytest.xml" || [ $? -eq 5 ] || status=1
+.venv/bin/python -m pytest tests -m "$marks" "${pytest_arguments[@]}" --junitxml "$REPORTS/pytest.xml" || [ $? -eq 5 ] || status=1
 
 if [ -z "$filter" ] && ! $quick; then
   printf '== requirements that are not verified\n'
@@ -49,5 +49,5 @@ if [ -z "$filter" ] && ! $quick; then
 fi
 
 printf '== totals\n'
-.venv/bin/python tools/junit_totals.py "$REPORTS"/*.xml || status=1
+.venv/bin/python tools/junit_totals.py "$REPORTS"/ctest.xml "$REPORTS"/pytest.xml || status=1
 exit $status

@@ -12,6 +12,7 @@ Examples:
 """
 
 import argparse
+import importlib.util
 import pathlib
 import re
 import sys
@@ -25,6 +26,8 @@ PROGRAM = REPOSITORY / "build/release/bin/polhode"
 
 
 def bill_of(program: pathlib.Path) -> str:
+    if not importlib.util.find_spec("cyclonedx"):
+        raise BadInput("cyclonedx-python-lib is not installed; tools/setup.sh tests installs it")
     from materials.bill import write_bill
     from materials.debian import compiled_in, loaded_by
     from materials.python import requirements

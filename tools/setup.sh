@@ -1,29 +1,32 @@
 #!/usr/bin/env bash
 # Sets up a bare Debian 12 machine. Does only what is missing, so that a second call takes a second.
-#   tools/setup.sh            the distribution's packages that the build needs, and the Python side of the tools in .venv
+#   tools/setup.sh            what building and running the program takes, and the Python side of the tools in .venv
+#   tools/setup.sh tests      also what tools/run_tests.sh needs, which calls this by itself: GoogleTest, clang's tools, Valgrind, clients of the bus
 #   tools/setup.sh renderer   only Blender, for hil/render_scene.sh, which calls this by itself
 #   tools/setup.sh colmap     only COLMAP in .venv-colmap, for hil/compare_colmap.py, which calls this by itself
 #   tools/setup.sh extras     only what single tests and exports need beyond that (tools/requirements-extras.txt), into .venv
 #   tools/setup.sh campaign   only what hil/campaign.py needs, into .venv, which calls this by itself
 #   tools/setup.sh site       only what makes the site, for tools/make_site.py: Doxygen, and tools/requirements-site.txt into .venv
+#   tools/setup.sh browser    only a browser, for the tests of pages
 #   tools/setup.sh packages   only what builds and checks Debian packages, for tools/package.sh, which calls this by itself
 #   tools/setup.sh arm64      only what builds and runs arm64 programs here, for tools/check_arm64.sh, which calls this by itself
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-# The one list of packages for the build and the tests.
-TOOLS=(clang-format clang-tidy cmake g++ ninja-build pkg-config python3 python3-venv valgrind)
+# The one list of packages for the build.
+TOOLS=(cmake g++ ninja-build pkg-config python3 python3-venv)
 LIBRARIES=(
   # estimation: linear algebra, least squares, minimal solvers, image operations, nearest neighbours
   libceres-dev libeigen3-dev libflann-dev liblz4-dev libopencv-dev libopengv-dev
   # platform: images, configuration, command line, text, JSON, SHA-256
   libcli11-dev libfmt-dev libgoogle-glog-dev libjpeg62-turbo-dev libpng-dev libssl-dev libtomlplusplus-dev libturbojpeg0-dev libyaml-cpp-dev nlohmann-json3-dev
-  # tests
-  libgtest-dev
 )
+TEST_TOOLS=(clang-format clang-tidy strace systemd valgrind)
+TEST_LIBRARIES=(libgtest-dev)
 # Kept apart from the build: Blender is large, and COLMAP is only there to be compared with.
 RENDERER_PACKAGES=(blender python3-numpy)
 COLMAP_PACKAGES=(python3 python3-venv)
+BROWSER_PACKAGES=(chromium fonts-dejavu-core)
 SITE_PACKAGES=(doxygen python3 python3-venv)
 DEBIAN_PACKAGES=(dpkg-dev fakeroot lintian mmdebstrap)
 ARM64_PACKAGES=(cmake g++-aarch64-linux-gnu ninja-build pkg-config python3 python3-venv qemu-user-static)
@@ -114,7 +117,7 @@ unpack() {
 # The libraries for arm64, unpacked and not installed: the machine's own packages stay as they are.
 make_sysroot() {
   local new=$ARM64_SYSROOT.new package
-  if [ "$(cat "$ARM64_SYSROOT/packages" 2>/dev/null)" = "${LIBRARIES[*]}" ] && [ -s "$ARM64_SYSROOT/var/lib/dpkg/status" ]; then
+  if [ "$(cat "$ARM64_SYSROOT/packages" 2>/dev/null)" = "${LIBRARIES[*]} ${TEST_LIBRARIES[*]}" ] && [ -s "$ARM64_SYSROOT/var/lib/dpkg/status" ]; then
     say "sysroot: $ARM64_SYSROOT is up to date"
     return
   fi
@@ -122,7 +125,7 @@ make_sysroot() {
   rm -rf "$new"
   mkdir -p "$new/tree"
   apt_arm64 "$new" update
-  apt_arm64 "$new" install -y --no-install-recommends --download-only "${LIBRARIES[@]}" libc6-dev
+  apt_arm64 "$new" install -y --no-install-recommends --download-only "${LIBRARIES[@]}" "${TEST_LIBRARIES[@]}" libc6-dev
   say "sysroot: unpacking into $ARM64_SYSROOT (about 1.1 GB)"
   for package in "$new"/archives/*.deb; do
     unpack "$package" "$new/tree"
@@ -130,7 +133,7 @@ make_sysroot() {
   printf '%s\n' "$(dpkg --print-architecture)" arm64 > "$new/tree/var/lib/dpkg/arch"
   echo 1 > "$new/tree/var/lib/dpkg/info/format"
   settle_sysroot "$new/tree"
-  echo "${LIBRARIES[*]}" > "$new/tree/packages"
+  echo "${LIBRARIES[*]} ${TEST_LIBRARIES[*]}" > "$new/tree/packages"
   [ ! -e "$ARM64_SYSROOT" ] || mv "$ARM64_SYSROOT" "$new/before"  # at once: a build may be reading it
   mv "$new/tree" "$ARM64_SYSROOT"
   rm -rf "$new"
@@ -140,6 +143,11 @@ case ${1:-} in
   "")
     install_packages "${TOOLS[@]}" "${LIBRARIES[@]}"
     install_python_side .venv tools/requirements.txt ;;
+  tests)
+    install_packages "${TOOLS[@]}" "${LIBRARIES[@]}" "${TEST_TOOLS[@]}" "${TEST_LIBRARIES[@]}"
+    install_python_side .venv tools/requirements.txt
+    install_python_side .venv tools/requirements-tests.txt
+    install_python_side .venv tools/requirements-campaign.txt ;;
   renderer)
     install_packages "${RENDERER_PACKAGES[@]}" ;;
   campaign)
@@ -154,6 +162,8 @@ case ${1:-} in
     install_packages "${SITE_PACKAGES[@]}"
     install_python_side .venv tools/requirements.txt
     install_python_side .venv tools/requirements-site.txt ;;
+  browser)
+    install_packages "${BROWSER_PACKAGES[@]}" ;;
   packages)
     install_packages "${DEBIAN_PACKAGES[@]}" ;;
   colmap)
@@ -163,8 +173,8 @@ case ${1:-} in
     install_packages "${ARM64_PACKAGES[@]}"
     make_sysroot ;;
   -h | --help)
-    sed -n '2,10s/^# //p' "$0" ;;
+    sed -n '2,12s/^# //p' "$0" ;;
   *)
-    echo "setup: unknown part '$1'; allowed: renderer, colmap, extras, campaign, site, packages, arm64, or nothing" >&2
+    echo "setup: unknown part '$1'; allowed: tests, browser, renderer, colmap, extras, campaign, site, packages, arm64, or nothing" >&2
     exit 2 ;;
 esac

@@ -14,6 +14,8 @@ import pytest
 from conftest import HTTP, PAGE, REPOSITORY, TC, TM, wait_until
 from browser import open_page
 
+pytestmark = pytest.mark.further
+
 PROGRAM = REPOSITORY / "build/release/bin/polhode"
 PARAMETERS = tomllib.loads((REPOSITORY / "config/bus/parameters.toml").read_text())["parameter"]
 # Of one id 16 answers are sent in a window of frames, here 2.5 s; the others are counted but not sent, and verify nothing.

@@ -9,6 +9,8 @@ from browser import open_page
 from conftest import HTTP, PAGE, TC, wait_until
 from flights import expect_rows
 
+pytestmark = pytest.mark.further
+
 PACE_S = 0.02  # a server that has just started loses what comes faster than about 100 a second
 
 

@@ -8,7 +8,8 @@ import shutil
 import pytest
 from made_sources import REPOSITORY, SAMPLE
 
-pytestmark = pytest.mark.skipif(not (REPOSITORY / ".venv-colmap/bin/python3").exists(), reason="COLMAP is not set up: tools/setup.sh colmap")
+pytestmark = [pytest.mark.further,
+              pytest.mark.skipif(not (REPOSITORY / ".venv-colmap/bin/python3").exists(), reason="COLMAP is not set up: tools/setup.sh colmap")]
 TEMPLE = pathlib.Path(os.environ.get("POLHODE_TEMPLE_RING", REPOSITORY.parent / "shared/data/temple_ring"))
 
 

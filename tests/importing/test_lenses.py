@@ -132,6 +132,7 @@ def test_cameras_of_colmap(model, params, native, expected):
         assert lens.coefficients[0] == -0.1
 
 
+@pytest.mark.further
 @pytest.mark.skipif(not (REPOSITORY / ".venv-colmap/bin/python3").exists(), reason="COLMAP is not set up: tools/setup.sh colmap")
 @pytest.mark.parametrize("binary", [True, False], ids=["binary", "text"])
 def test_a_project_of_colmap(imported, sample, tmp_path, binary):

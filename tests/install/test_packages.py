@@ -68,6 +68,7 @@ def listing(name: str) -> dict[str, str]:
 
 
 # verifies: DEL-03, DEL-08
+@pytest.mark.further
 @BUILT
 def test_each_package_has_what_it_is_for():
     program, library, development, ground = (set(listing(name)) for name in NAMES)
@@ -84,6 +85,7 @@ def test_each_package_has_what_it_is_for():
 
 
 # verifies: DEL-04
+@pytest.mark.further
 @BUILT
 def test_what_flies_is_stripped_and_links_no_windows_or_codecs(tmp_path):
     for name in ("polhode", "libpolhode1"):
@@ -99,6 +101,7 @@ def test_what_flies_is_stripped_and_links_no_windows_or_codecs(tmp_path):
 
 
 # verifies: DEL-07
+@pytest.mark.further
 @pytest.mark.parametrize("folder", ["packages", "packages-arm64"])
 def test_contents_and_dependencies_are_whole(folder):
     if not any((REPOSITORY / "build" / folder).glob("*.deb")) or None in FILES.values():
@@ -110,6 +113,7 @@ def test_contents_and_dependencies_are_whole(folder):
     assert [line.split()[0] for line in done.stdout.splitlines()] == ["libpolhode-dev", "libpolhode1", "polhode"]
 
 
+@pytest.mark.further
 @BUILT
 @pytest.mark.slow
 def test_lintian_finds_no_errors():
@@ -120,6 +124,7 @@ def test_lintian_finds_no_errors():
 
 
 # verifies: DEL-03
+@pytest.mark.further
 @BUILT
 @pytest.mark.slow
 def test_they_install_run_the_sample_and_leave_nothing_in_a_bare_root():
@@ -133,6 +138,7 @@ def test_they_install_run_the_sample_and_leave_nothing_in_a_bare_root():
         assert f"sha256 of the sample's stream: {recorded}" in done.stdout
 
 
+@pytest.mark.further
 @BUILT
 def test_the_contact_is_one_and_the_same():
     contacts = {run("dpkg-deb", "-f", file, "Maintainer").stdout.strip() for file in FILES.values()}
@@ -150,6 +156,7 @@ def test_a_contact_without_an_address_is_refused(tmp_path):
 CONTAINER = (DEBIAN / "Containerfile").read_text()
 
 
+@pytest.mark.further
 @BUILT
 def test_the_container_starts_what_the_ground_package_holds():
     assert re.search(r"^FROM debian:bookworm-slim$", CONTAINER, re.MULTILINE)
@@ -159,6 +166,7 @@ def test_the_container_starts_what_the_ground_package_holds():
     assert list(PACKAGES.glob(copied)) == [FILES["polhode-ground"]]
 
 
+@pytest.mark.further
 @BUILT
 @pytest.mark.parametrize("able", ["podman", "docker", None])
 def test_the_container_is_built_by_the_builder_that_works(tmp_path, able):

@@ -150,6 +150,7 @@ def test_bad_arguments_get_one_line(run, arguments, says):
     assert status == 2 and says in err and err.count("\n") == 1, err
 
 
+@pytest.mark.further
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="chromium is not installed")
 @pytest.mark.parametrize("width_px", [1280, 390])
 def test_a_browser_shows_it_without_errors(run, tmp_path, width_px):

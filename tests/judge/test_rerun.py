@@ -47,6 +47,7 @@ def rows_of(path: pathlib.Path, entity: str, component: str) -> dict[int, np.nda
     return found
 
 
+@pytest.mark.further
 @NEEDS_RERUN
 def test_holds_the_poses_pictures_cloud_and_rates_of_the_run(made, run, tmp_path):
     motion = read_motion(run / "motion.csv")
@@ -75,6 +76,7 @@ def test_holds_the_poses_pictures_cloud_and_rates_of_the_run(made, run, tmp_path
     assert len(rows_of(tmp_path / "run.rrd", "camera", "Pinhole:image_from_camera")) == 1
 
 
+@pytest.mark.further
 @NEEDS_RERUN
 def test_rates_of_both_motions_are_in_the_same_axes(tmp_path):
     """Each motion has a T of its own, 60 deg apart here."""
@@ -84,6 +86,7 @@ def test_rates_of_both_motions_are_in_the_same_axes(tmp_path):
     assert len(causal) == 20 and all(np.allclose(causal[time_ns], smoothed[time_ns], atol=1e-5) for time_ns in causal)
 
 
+@pytest.mark.further
 @NEEDS_RERUN
 def test_a_target_that_is_lost_is_taken_away_and_comes_back(run, tmp_path):
     lines = (run / "motion.csv").read_text().splitlines()
@@ -101,6 +104,7 @@ def test_a_target_that_is_lost_is_taken_away_and_comes_back(run, tmp_path):
     assert [modes[time_ns][0] for time_ns in sorted(modes)] == ["ACQUIRING", "TRACKING", "LOST", "TRACKING"]
 
 
+@pytest.mark.further
 @NEEDS_RERUN
 def test_events_are_words_at_their_time(made, run, tmp_path):
     from reporting.gather import gather
@@ -111,6 +115,7 @@ def test_events_are_words_at_their_time(made, run, tmp_path):
     assert rows_of(tmp_path / "run.rrd", "events", "TextLog:text") == {START_NS + 4_500_000_000: ["the scale is known"]}
 
 
+@pytest.mark.further
 @NEEDS_RERUN
 def test_a_run_that_never_acquired_and_has_no_sequence(run, tmp_path):
     lines = (run / "motion.csv").read_text().splitlines()

@@ -64,6 +64,7 @@ def test_what_sticks_out_of_the_hull_is_moved_onto_it():
     assert (np.abs(moved) <= BOX_M / 2 + 1e-3).all() and np.allclose(moved[0], [BOX_M[0] / 2, 0, 0], atol=0.02)
 
 
+@pytest.mark.further
 @NEEDS_COLMAP
 def test_it_follows_a_notch_that_a_hull_closes():
     points, normals = stairs()
@@ -109,6 +110,7 @@ def test_lines_of_sight_end_at_the_camera(tmp_path):
     assert np.allclose(p_C, 0, atol=1e-9)
 
 
+@pytest.mark.further
 @NEEDS_COLMAP
 @pytest.mark.parametrize("scale", [1.0, 0.03])
 def test_the_unseen_side_is_marked(tmp_path, scale):

@@ -50,6 +50,7 @@ def test_rows_without_a_pose_are_left_out(made, tmp_path):
 
 
 # verifies: PRG-07
+@pytest.mark.further
 def test_evo_says_the_same_error_of_the_path_as_the_judge(made):
     pytest.importorskip("evo", reason="evo is not installed: tools/setup.sh extras")
     from evo.core import metrics, sync

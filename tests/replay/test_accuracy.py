@@ -41,6 +41,7 @@ def test_sample(replay):
     assert found["causal"]["twin"]["verdict"] == "truth"
 
 
+@pytest.mark.further
 @pytest.mark.skipif(not PHOTOGRAPHS, reason="POLHODE_TEMPLE_RING names no folder (CONTRIBUTING.md)")
 def test_photographs(replay):
     sequence = pathlib.Path(PHOTOGRAPHS).resolve()

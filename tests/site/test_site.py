@@ -24,6 +24,7 @@ def make(out: pathlib.Path) -> subprocess.CompletedProcess:
 
 
 @pytest.mark.slow
+@pytest.mark.further
 @pytest.mark.skipif(bool(MISSING), reason=f"not installed: {', '.join(MISSING)}: tools/setup.sh site")
 def test_it_is_made_without_a_warning_or_a_dead_link(tmp_path):
     done = make(tmp_path / "site")

@@ -19,6 +19,7 @@ def test_some_files_name_an_architecture():
 
 
 # verifies: RES-06
+@pytest.mark.further
 @pytest.mark.skipif(not shutil.which(COMPILER), reason=f"{COMPILER} is not installed (tools/setup.sh arm64)")
 @pytest.mark.parametrize("file", FILES, ids=name_of)
 def test_it_compiles_for_arm64(file):

@@ -19,6 +19,9 @@ BROUGHT = {"bpy": "hil/scenes/", "mathutils": "hil/scenes/",
 # What these import of tools/requirements-extras.txt may be absent: they skip, or say what to install.
 EXTRAS_USERS = ("tests/judge/test_trajectories.py", "tests/judge/test_rerun.py", "tools/reporting/rerun_file.py")
 
+# These import of tools/requirements-tests.txt.
+TESTS_USERS = ("tests/", "tools/materials/", "hil/ground_station/")
+
 
 def modules_of(file):
     for node in ast.walk(ast.parse(file.read_text())):
@@ -34,7 +37,7 @@ def packages_of(requirements: str) -> set[str]:
 
 
 def test_every_imported_package_is_installed_by_the_set_up():
-    everywhere, for_campaigns, extras = (packages_of(f"requirements{part}.txt") for part in ("", "-campaign", "-extras"))
+    everywhere, for_tests, for_campaigns, extras = (packages_of(f"requirements{part}.txt") for part in ("", "-tests", "-campaign", "-extras"))
     files = source_files(suffixes=(".py",))
     own = {file.stem for file in files} | {file.parent.name for file in files}
     for file in files:
@@ -43,5 +46,6 @@ def test_every_imported_package_is_installed_by_the_set_up():
             if module in sys.stdlib_module_names or module in own or brought:
                 continue
             named = everywhere | (for_campaigns if name_of(file).startswith(("hil/campaign", "tests/campaigns/")) else set())
+            named |= for_tests if name_of(file).startswith(TESTS_USERS) else set()
             named |= extras if name_of(file).startswith(EXTRAS_USERS) else set()
             assert PACKAGE_OF.get(module, module).lower() in named, f"{name_of(file)} imports {module}"

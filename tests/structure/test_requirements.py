@@ -122,6 +122,7 @@ def test_results_are_those_of_the_reports(tree, capsys):
     results = read_results(reports)
     assert results == {"Pose.IsFound": "passed", "Pose.IsOther": "failed", "tests/live/test_pose.py::test_it": "skipped"}
     assert result_of("tests/map/other_test.cpp::Other.Test", results) == "not run"
+    assert result_of("tests/site/test_site.py::test_it", results, {"tests/site/test_site.py::test_it"}) == "skipped"
     rows = rows_of(read_stages(tree), read_tests(tree)[0], results)
     assert [(one.identifier, result) for one, result, _ in rows] == [("MAP-01", "passed"), ("MAP-02", "skipped")]
     assert print_matrix(rows, results, only_open=True)

@@ -26,6 +26,21 @@ def tests_of_python(text: str) -> dict[int, str]:
             for node in ast.parse(text).body if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")}
 
 
+def is_further(node: ast.AST) -> bool:
+    return any(isinstance(part, ast.Attribute) and part.attr == "further" for part in ast.walk(node))
+
+
+def further_tests(repository: pathlib.Path) -> set[str]:
+    """Tests that tools/run_further_tests.sh runs alone: with the mark `further`, their own or their file's."""
+    found = set()
+    for file in sorted((repository / "tests").rglob("test_*.py")):
+        body = ast.parse(file.read_text()).body
+        all_are = any(isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "pytestmark" and is_further(node) for node in body)
+        found |= {f"{file.relative_to(repository).as_posix()}::{node.name}" for node in body
+                  if isinstance(node, ast.FunctionDef) and (all_are or any(map(is_further, node.decorator_list)))}
+    return found
+
+
 def read_tests(repository: pathlib.Path) -> tuple[dict[str, list[str]], list[str]]:
     """@return ids by test, for all tests; what is wrong with the tags."""
     found, faults = {}, []
@@ -72,6 +87,6 @@ def read_results(folder: pathlib.Path) -> dict[str, str]:
     return results
 
 
-def result_of(test: str, results: dict[str, str]) -> str:
+def result_of(test: str, results: dict[str, str], further: frozenset[str] | set[str] = frozenset()) -> str:
     file, _, name = test.partition("::")
-    return results.get(test if file.endswith(".py") else name, "not run")
+    return results.get(test if file.endswith(".py") else name, "skipped" if test in further else "not run")

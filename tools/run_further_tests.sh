@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# The tests that tools/run_tests.sh leaves out, since they need what takes long to install or to build: COLMAP, Rerun, evo, Doxygen and Sphinx,
+# a browser, Debian packages of this tree, the arm64 compiler, a YAMCS server. About an hour on two cores. Ends with one line of totals.
+#   tools/run_further_tests.sh [-k FILTER]
+# With POLHODE_TEMPLE_RING=SEQ the photographs that may not be redistributed are tried, too (CONTRIBUTING.md).
+set -euo pipefail
+case ${1:-} in -h | --help) sed -n '2,5s/^# //p' "$0"; exit 0 ;; esac
+cd "$(dirname "$0")/.."
+REPORTS=build/test-reports
+
+pytest_arguments=(-ra --durations=5 -m further -n 2 --dist loadgroup --junitxml "$REPORTS/further.xml")
+if [ $# -gt 0 ]; then
+  [ "$1" = -k ] && [ $# -eq 2 ] || { echo "run_further_tests: unknown argument '$1'; allowed: -k FILTER" >&2; exit 2; }
+  pytest_arguments+=(-k "$2")
+fi
+
+for part in tests extras colmap site packages arm64 browser; do
+  tools/setup.sh "$part"
+done
+tools/build.sh release
+mkdir -p "$REPORTS"
+rm -f "$REPORTS/further.xml" "$REPORTS/ground_station.xml"
+status=0
+if [ $# -eq 0 ]; then
+  printf '== packages for the tests of packages\n'
+  tools/package.sh
+fi
+printf '== tests in Python\n'
+.venv/bin/python -m pytest tests "${pytest_arguments[@]}" || [ $? -eq 5 ] || status=1
+if [ $# -eq 0 ]; then
+  printf '== ground station\n'
+  hil/test_ground_station.sh --junitxml "$REPORTS/ground_station.xml" || status=1
+fi
+printf '== totals\n'
+.venv/bin/python tools/junit_totals.py "$REPORTS/further.xml" $([ $# -gt 0 ] || echo "$REPORTS/ground_station.xml") || status=1
+exit $status
