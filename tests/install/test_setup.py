@@ -31,7 +31,8 @@ def machine(tmp_path):
         (tmp_path / "bin" / name).symlink_to(shutil.which(name))
     for name, text in (("dpkg-query", DPKG), ("apt-get", APT), ("id", "#!/bin/sh\necho 0\n")):
         write_program(tmp_path / "bin" / name, text)
-    for name in ("tools/setup.sh", "tools/requirements.txt", "tools/requirements-colmap.txt", "hil/render_scene.sh"):
+    for name in ("tools/setup.sh", "tools/requirements.txt", "tools/requirements-tests.txt", "tools/requirements-campaign.txt",
+                 "tools/requirements-colmap.txt", "hil/render_scene.sh"):
         (tmp_path / "house" / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(REPOSITORY / name, tmp_path / "house" / name)
     return tmp_path
@@ -90,12 +91,31 @@ def test_an_unknown_part_is_refused_in_one_line(machine):
     assert calls(machine) == []
 
 
+def stand_in_environment(machine, name):
+    venv = machine / "house" / name
+    (venv / "bin").mkdir(parents=True)
+    for program in ("python", "pip"):
+        write_program(venv / "bin" / program, f'#!/bin/sh\necho "{program} $*" >> "$MACHINE/calls"\n')
+    return venv
+
+
+def test_the_program_needs_less_than_its_tests(machine):
+    stand_in_environment(machine, ".venv")
+    assert call(machine, "tools/setup.sh").returncode == 0
+    asked = " ".join(calls(machine))
+    assert " libceres-dev " in asked and " cmake " in asked and "-r tools/requirements.txt" in asked
+    for word in ("clang-tidy", "valgrind", "libgtest-dev", "requirements-tests", "requirements-campaign"):
+        assert word not in asked, word
+    assert call(machine, "tools/setup.sh", "tests").returncode == 0
+    asked = " ".join(calls(machine)[-3:])
+    for word in ("clang-tidy", "valgrind", "libgtest-dev", "requirements-tests", "requirements-campaign"):
+        assert word in asked, word
+    assert " libceres-dev " not in asked
+
+
 def test_an_environment_that_is_up_to_date_is_left_alone(machine):
     (machine / "installed").write_text("python3\npython3-venv\n")
-    venv = machine / "house/.venv-colmap"
-    (venv / "bin").mkdir(parents=True)
-    for name in ("python", "pip"):
-        write_program(venv / "bin" / name, f'#!/bin/sh\necho "{name} $*" >> "$MACHINE/calls"\n')
+    stand_in_environment(machine, ".venv-colmap")
     assert call(machine, "tools/setup.sh", "colmap").returncode == 0
     assert calls(machine) == ["python -m pip install --disable-pip-version-check --progress-bar off -r tools/requirements-colmap.txt"]
     again = call(machine, "tools/setup.sh", "colmap")
