@@ -17,6 +17,12 @@ struct Pose {
   [[nodiscard]] Eigen::Vector3d camera_T() const { return -(R_CT.transpose() * p_CT); }
 };
 
+/// Is T's origin in front of the camera? An estimate that went wrong may put it behind: such a pose
+/// has no inverse depth, and is none to keep.
+inline bool is_before_camera(const Pose& pose) {
+  return pose.p_CT.allFinite() && pose.p_CT.z() > 0.0;
+}
+
 /// Covariance of a pose's error (phi, dp): R_true = exp(phi) R_CT, p_true = p_CT + dp; rad and map
 /// units, in C.
 using PoseCovariance = Eigen::Matrix<double, 6, 6>;

@@ -4,13 +4,12 @@
 
 namespace polhode {
 InverseDepthPose to_inverse_depth(const Pose& pose) {
-  POLHODE_ASSERT(pose.p_CT.z() > 0.0, pose.p_CT.z());
+  POLHODE_ASSERT(is_before_camera(pose), pose.p_CT.z());
   const double s = 1.0 / pose.p_CT.z();
   return {.R_CT = pose.R_CT, .uvs = {pose.p_CT.x() * s, pose.p_CT.y() * s, s}};
 }
 
 Pose from_inverse_depth(const InverseDepthPose& pose) {
-  POLHODE_ASSERT(pose.uvs.z() > 0.0, pose.uvs.z());
   const double depth = 1.0 / pose.uvs.z();
   return {.R_CT = pose.R_CT, .p_CT = {pose.uvs.x() * depth, pose.uvs.y() * depth, depth}};
 }

@@ -16,7 +16,10 @@ struct InverseDepthPose {
   Eigen::Vector3d uvs = Eigen::Vector3d(0.0, 0.0, 1.0);  ///< p_x / p_z, p_y / p_z, 1 / p_z
 };
 
+/// @pre is_before_camera(pose)
 InverseDepthPose to_inverse_depth(const Pose& pose);
+/// @return a pose that is_before_camera() where s > 0. An adjustment that went wrong leaves another
+/// s.
 Pose from_inverse_depth(const InverseDepthPose& pose);
 
 /// Derivative of uvs by the position p_CT.

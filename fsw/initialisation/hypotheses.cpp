@@ -117,8 +117,12 @@ void push_weak_perspective(const SeedProblem& problem,
     const auto frame = static_cast<std::size_t>(core.frames[k]);
     const double depth = 1.0 / (motion.scale[k] * extent);
     const Eigen::Vector3d p_S(means(f) * depth, means(F + f) * depth, depth);
-    h.poses[frame] = to_inverse_depth({.R_CT = images.R_SC[k].transpose() * motion.R_CT[k],
-                                       .p_CT = images.R_SC[k].transpose() * p_S});
+    const Pose pose{.R_CT = images.R_SC[k].transpose() * motion.R_CT[k],
+                    .p_CT = images.R_SC[k].transpose() * p_S};
+    if (!is_before_camera(pose)) {
+      return;
+    }
+    h.poses[frame] = to_inverse_depth(pose);
     h.posed[frame] = 1;
   }
   for (std::size_t i = 0; i < core.tracks.size(); ++i) {

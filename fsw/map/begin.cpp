@@ -12,7 +12,9 @@ void begin_map(const StartOutcome& outcome,
                Map* map) {
   std::array<KeyframeId, limits::kStartFrames> keyframe_of{};
   for (std::size_t f = 0; f < outcome.frames.size(); ++f) {
-    if (!outcome.frames[f].valid || map->keyframe_count >= options.keyframes_max) {
+    const Pose pose = transformed(outcome.frames[f].pose, to_T);
+    if (!outcome.frames[f].valid || !is_before_camera(pose) ||
+        map->keyframe_count >= options.keyframes_max) {
       continue;
     }
     const KeyframeId id = add_keyframe(map);
@@ -24,7 +26,7 @@ void begin_map(const StartOutcome& outcome,
     keyframe.frame = frame.frame;
     keyframe.timestamp_ns = frame.timestamp_ns;
     keyframe.R_IC = frame.R_IC;
-    keyframe.pose = transformed(outcome.frames[f].pose, to_T);
+    keyframe.pose = pose;
     keyframe.features = frame.features;
     keyframe_of[first_frame + f] = id;
   }

@@ -72,7 +72,7 @@ Growth grow_map(const MapInput& input, MapState* s) {
   const std::int32_t count_without = s->map.keyframe_count - (id.valid() ? 1 : 0);
   s->counts.keyframes_culled += static_cast<std::uint32_t>(count_before - count_without);
   if (!id.valid()) {
-    ++s->counts.tables_full;
+    s->counts.tables_full += is_before_camera(s->localised.absolute.pose) ? 1 : 0;
     return {};
   }
   s->map.keyframes[id.index()].R_IC = input.R_IC;

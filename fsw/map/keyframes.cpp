@@ -118,6 +118,9 @@ KeyframeId insert_keyframe(std::uint32_t frame,
                            const LocalisedFrame& localised,
                            const MapOptions& options,
                            Map* map) {
+  if (!is_before_camera(localised.absolute.pose)) {
+    return {};
+  }
   (void)make_room(1, options, map);
   if (map->keyframe_count >= options.keyframes_max) {
     return {};

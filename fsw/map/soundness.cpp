@@ -93,7 +93,7 @@ bool tie_is_sound(LandmarkId landmark, const Map& map) {
 
 bool head_is_sound(const Keyframe& keyframe, const Map& map, std::int64_t now_ns) {
   return keyframe.number < map.next_keyframe_number && is_past(keyframe.timestamp_ns, now_ns) &&
-         is_rotation(keyframe.R_IC) && is_sound(keyframe.pose) &&
+         is_rotation(keyframe.R_IC) && is_sound(keyframe.pose) && is_before_camera(keyframe.pose) &&
          is_sound(keyframe.refreshed_pose) &&
          keyframe.features.size() <= keyframe.features.capacity();
 }

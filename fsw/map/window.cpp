@@ -208,15 +208,14 @@ MapCorrection correction_of(const AdjustmentSnapshot& s, const Map& map) {
 
 /// Does every keyframe see the body before it, those of the snapshot and those that come along?
 bool all_in_front(const AdjustmentSnapshot& s, const MapCorrection& correction, const Map& map) {
-  const auto in_front = [](const Pose& pose) { return pose.p_CT.z() > 0.0; };
   const bool adjusted =
       std::all_of(s.poses.begin(), s.poses.end(), [&](const InverseDepthPose& pose) {
-        return in_front(transformed(from_inverse_depth(pose), correction.back));
+        return is_before_camera(transformed(from_inverse_depth(pose), correction.back));
       });
   return adjusted &&
          std::all_of(map.keyframes.begin(), map.keyframes.end(), [&](const Keyframe& k) {
            return !k.used || k.number < s.next_keyframe_number ||
-                  in_front(correction.moved(k.pose));
+                  is_before_camera(correction.moved(k.pose));
          });
 }
 

@@ -81,7 +81,7 @@ void add_priors(const AdjustmentView& view, AdjustmentSnapshot* snapshot) {
     }
     const auto prior = pose_by_joint_model(
         *view.motion, view.parameters->motion, snapshot->timestamps_ns[k], snapshot->R_IC[k]);
-    if (!prior || !(prior->pose.p_CT.z() > 0.0)) {
+    if (!prior || !is_before_camera(prior->pose)) {
       return;
     }
     Eigen::Matrix<double, 6, 6> by = Eigen::Matrix<double, 6, 6>::Identity();

@@ -192,7 +192,8 @@ Result<AbsolutePose> fit(std::span<const PoseObservation> observations,
   const double reduced = n.chi2 / std::max(1.0, 2.0 * n.used - 6.0);
   const PoseCovariance counted = n.H - (1.0 - prior.part) * prior.information;
   out.covariance = counted.inverse() * std::max(1.0, reduced);
-  if (!out.covariance.allFinite() || (out.covariance.diagonal().array() <= 0.0).any()) {
+  if (!is_before_camera(out.pose) || !out.covariance.allFinite() ||
+      (out.covariance.diagonal().array() <= 0.0).any()) {
     return ErrorCode::kDegenerate;
   }
   return out;

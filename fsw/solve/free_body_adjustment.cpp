@@ -116,7 +116,7 @@ class MotionAndPoints final : public ceres::EvaluationCallback {
           const auto R_CI = p_.times[k].R_IC.transpose();
           const Pose pose{.R_CT = R_CI * state.R_IT,
                           .p_CT = R_CI * place_of(m, state, RotationJacobian::Zero()).p_I};
-          const bool in_front = pose.p_CT.allFinite() && pose.p_CT.z() > 0.0;
+          const bool in_front = is_before_camera(pose);
           if (in_front) {
             p_.bundle.poses[k] = to_inverse_depth(pose);
           }

@@ -76,6 +76,14 @@ TEST(BeginMap, MakesALandmarkOfEachTrackWithAPoint_SeenWhereItsFeaturesAre) {
   }
 }
 
+TEST(BeginMap, LeavesOutAFrame_WhoseBodyLiesBehindTheCamera) {
+  Bench b;
+  b.outcome->frames[2].pose.p_CT.z() = -0.1;
+  begin_map(*b.outcome, 0, *b.tracks, {}, {}, b.map.get());
+  EXPECT_EQ(b.map->keyframe_count, 2);
+  EXPECT_EQ(broken_promise(*b.map), "");
+}
+
 TEST(BeginMap, TakesNoMoreKeyframesThanAllowed) {
   Bench b;
   begin_map(*b.outcome, 0, *b.tracks, {}, {.keyframes_max = 2}, b.map.get());

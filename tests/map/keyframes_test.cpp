@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "synthetic_map.hpp"
 
 namespace polhode {
@@ -120,6 +122,17 @@ TEST(InsertKeyframe, KeepsTheLimit_AndLosesAnOldOne) {
     EXPECT_EQ(s.map->keyframes[newest[i].index()].number, numbers[i]) << "the newest two never go";
   }
   EXPECT_EQ(broken_promise(*s.map), "");
+}
+
+TEST(InsertKeyframe, TakesNone_WhoseBodyLiesBehindTheCamera) {
+  const auto body = ball(300, 35);
+  const auto s = make_map(body, turn_by(0.2, 3), kNoise_px, 35);
+  const Frame frame = frame_of(body, s, turned(0.5), 0);
+  for (const double z : {0.0, -0.1, std::numeric_limits<double>::quiet_NaN()}) {
+    frame.localised->absolute.pose.p_CT.z() = z;
+    EXPECT_FALSE(insert(frame, {.keyframes_max = 3}, s.map.get()).valid()) << z;
+    EXPECT_EQ(s.map->keyframe_count, 3) << "and none makes room for it";
+  }
 }
 
 TEST(MostRedundant, IsNone_WhenEachKeyframeIsAloneOnItsSide) {

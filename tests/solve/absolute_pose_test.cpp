@@ -185,6 +185,18 @@ TEST(AbsolutePose, GivesAnError_WhenAllPointsCoincide) {
   EXPECT_FALSE(absolute_pose(s.observations, nullptr, {}, s.inlier).ok());
 }
 
+TEST(AbsolutePose, IsDegenerate_WhereTsOriginLiesBehindTheCamera) {
+  Scene s = make_scene(13, 60, 0, 1.0);
+  // The same images by points far from T's origin: all are before the camera, the origin is not.
+  const Eigen::Vector3d shift_T = s.truth.R_CT.transpose() * Eigen::Vector3d(0.0, 0.0, 15.0);
+  for (PoseObservation& o : s.observations) {
+    o.p_T += shift_T;
+  }
+  const auto found = absolute_pose(s.observations, nullptr, {}, s.inlier);
+  ASSERT_FALSE(found.ok());
+  EXPECT_EQ(found.error().code, ErrorCode::kDegenerate);
+}
+
 TEST(AbsolutePose, GivesTheSameBytes_ForTheSameSeed_AfterOtherCalls) {
   Scene s = make_scene(12, 100, 40, 1.0);
   const AbsolutePoseOptions options{.seed = 5, .stream = 77};
