@@ -170,6 +170,7 @@ def count(folder, pattern="*") -> int:
     return len([path for path in folder.glob(pattern) if not path.name.startswith(".")]) if folder.is_dir() else 0
 
 
+@pytest.mark.further
 def test_kills_change_no_table(undisturbed, tmp_path):
     """A worker while it renders, later another while it replays, then scheduler and workers at once; then to the end."""
     plan, whole, _ = undisturbed

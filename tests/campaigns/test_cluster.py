@@ -16,7 +16,7 @@ PLAN = 'sequences = ["hil/data/sample"]\nuntransformed = false\n[judge]\nshape =
     f'[[transforms]]\nname = "few_{seed}"\nseed = {seed}\nsteps = [{{ kind = "missing", fraction = 0.8 }}]\n' for seed in range(RUNS))
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(REPOSITORY / "hil")}
 
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")]
+pytestmark = [pytest.mark.slow, pytest.mark.further, pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")]
 
 
 def campaign(tmp_path, *more) -> list[str]:

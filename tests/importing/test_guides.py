@@ -106,6 +106,7 @@ def test_my_servicer(desk, original):
     assert topics["/target/cloud"] == 1 and topics["/target/events"] > 0 and topics["/bus/packet"] > 90
 
 
+@pytest.mark.further
 def test_my_cluster(desk, monkeypatch):
     """SLURM's side is played by two scripts that run and end job scripts here; the sample is the sequence with truth."""
     pytest.importorskip("distributed", reason="distributed is not installed: tools/setup.sh campaign")

@@ -16,7 +16,16 @@ sys.path.insert(0, str(REPOSITORY / "platform/transport/client/python"))
 
 import polhode_bus  # noqa: E402
 
-UDP = "udp:40126"
+
+def free_port() -> int:
+    """Other tests run beside this one: a port of ours alone would still be one that the system gives to somebody."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+PORT = free_port()
+UDP = f"udp:{PORT}"
 
 
 @pytest.fixture
@@ -46,7 +55,13 @@ def packets(file, name):
 
 def wait_until_it_takes(run, until):
     """Its port is bound before the first frame is stepped."""
-    until(lambda: (run.folder / "bus.ccsds").exists() and (run.folder / "bus.ccsds").stat().st_size > 0)
+    def takes() -> bool:
+        file = run.folder / "bus.ccsds"
+        there = file.exists() and file.stat().st_size > 0
+        assert there or run.process.poll() is None, run.process.stderr.read()
+        return there
+
+    until(takes)
 
 
 # verifies: CMD-05
@@ -59,7 +74,7 @@ def test_a_captured_command_is_not_taken_again_after_a_restart_either(signed, un
         # Signed once the first run is there: without kept numbers they begin at the time of its start.
         octets = octets or polhode_bus.sign(polhode_bus.read_key(key), time.time_ns(), polhode_bus.make_command("reset_counters"))
         for datagram in (octets, octets, polhode_bus.make_command("hold"), octets[:-1] + bytes([octets[-1] ^ 1]), b"x"):
-            sender.sendto(datagram, ("127.0.0.1", 40126))
+            sender.sendto(datagram, ("127.0.0.1", PORT))
         ended = run.finish()
         assert ended.status == 0, ended.err
         counts = json.loads((run.folder / "run.json").read_text())["transport"]
@@ -103,7 +118,7 @@ def test_without_a_key_udp_takes_commands_only_where_the_configuration_says_so(l
                settings=[f'transport.send=["file:{tmp_path}/open.ccsds"]'])
     wait_until_it_takes(run, until)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        sender.sendto(polhode_bus.make_command("noop"), ("127.0.0.1", 40126))
+        sender.sendto(polhode_bus.make_command("noop"), ("127.0.0.1", PORT))
     ended = run.finish()
     assert ended.status == 0 and "commands are unauthenticated" in ended.err
     counts = json.loads((run.folder / "run.json").read_text())["transport"]
@@ -171,7 +186,7 @@ def test_a_flood_at_one_port_keeps_neither_frames_nor_the_commands_of_another(li
         until_s = time.monotonic() + 2.0
         while time.monotonic() < until_s:
             for _ in range(200):
-                sender.sendto(forged, ("127.0.0.1", 40126))
+                sender.sendto(forged, ("127.0.0.1", PORT))
             if sent < 5:
                 good.send(polhode_bus.make_command("noop"))
                 sent += 1
