@@ -141,11 +141,12 @@ def spoil(kind, file):
         file.mkdir()
 
 
-@pytest.mark.parametrize("suffix", [".png", ".jpg", ".pgm"])
-@pytest.mark.parametrize("kind", ["missing", "empty", "truncated", "damaged", "other size", "text", "huge", "folder"])
+KINDS = ["missing", "empty", "truncated", "damaged", "other size", "text", "huge", "folder"]
+
+
+# Only PNG has a checksum that tells of damage.
+@pytest.mark.parametrize(("suffix", "kind"), [(suffix, kind) for suffix in (".png", ".jpg", ".pgm") for kind in KINDS if suffix == ".png" or kind != "damaged"])
 def test_a_single_bad_frame_is_counted_and_the_run_goes_on(replay, tmp_path, suffix, kind):
-    if (suffix, kind) in ((".pgm", "damaged"), (".jpg", "damaged")):
-        pytest.skip("the format has no checksum that would tell")
     from sequence_writer import SequenceWriter, textured
 
     writer = SequenceWriter(tmp_path / "spoiled", suffix)

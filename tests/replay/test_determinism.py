@@ -8,7 +8,7 @@ import subprocess
 import time
 
 import pytest
-from replay_files import DEFAULTS, PROGRAM, SAMPLE, summary
+from replay_files import DEFAULTS, PROGRAM, summary
 from sequence_writer import SequenceWriter, textured
 
 
@@ -55,9 +55,8 @@ def test_on_a_loaded_machine(replay, subject, tmp_path):
             process.kill()
 
 
+@pytest.mark.parametrize("subject", ["short"], indirect=True)
 def test_at_the_pace_of_the_time_stamps(replay, subject, tmp_path):
-    if subject == SAMPLE:
-        pytest.skip("the short sequence shows it, in less time")
     fast = replay(subject, out=tmp_path / "fast")
     before = time.monotonic()
     paced = replay(subject, "--realtime", out=tmp_path / "paced")
