@@ -8,7 +8,7 @@ case ${1:-} in -h | --help) sed -n '2,5s/^# //p' "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
 REPORTS=build/test-reports
 
-pytest_arguments=(-ra --durations=5 -m further -n 2 --dist loadgroup --junitxml "$REPORTS/further.xml")
+pytest_arguments=(-ra --durations=5 -m further -n 2 --dist loadfile --junitxml "$REPORTS/further.xml")
 if [ $# -gt 0 ]; then
   [ "$1" = -k ] && [ $# -eq 2 ] || { echo "run_further_tests: unknown argument '$1'; allowed: -k FILTER" >&2; exit 2; }
   pytest_arguments+=(-k "$2")

@@ -19,7 +19,8 @@ while [ $# -gt 0 ]; do
 done
 
 ctest_arguments=(--test-dir "$BUILD" --output-on-failure --no-tests=ignore -j "$(nproc)")
-pytest_arguments=(-ra --durations=30 -n "$(nproc)" --dist loadgroup)
+# The tests of a file run one after another: they share what they have made, and its ports are theirs.
+pytest_arguments=(-ra --durations=30 -n "$(nproc)" --dist loadfile)
 marks="not further"
 if [ -n "$filter" ]; then
   ctest_arguments+=(-R "$filter")
