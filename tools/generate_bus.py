@@ -32,16 +32,17 @@ def main() -> int:
     arguments = parser.parse_args()
     try:
         table = read_table(REPOSITORY / "config/bus")
-        files = generated(table)
-        if arguments.document:
-            arguments.document.write_text(document.interface_control(table))
-            return 0
-    except OSError as problem:
-        print(f"generate_bus: --document: {problem}", file=sys.stderr)
-        return 2
     except TableError as problem:
         print(f"generate_bus: {problem}", file=sys.stderr)
         return 2
+    if arguments.document:
+        try:
+            arguments.document.write_text(document.interface_control(table))
+        except OSError as problem:
+            print(f"generate_bus: --document: {problem}", file=sys.stderr)
+            return 2
+        return 0
+    files = generated(table)
     old = [name for name, text in files.items()
            if not (REPOSITORY / name).exists() or (REPOSITORY / name).read_text() != text]
     for name in old:

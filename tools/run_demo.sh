@@ -7,10 +7,8 @@ cd "$(dirname "$0")/.."
 SEQUENCE=hil/data/sample
 OUT=build/demo
 
-STARTED=$SECONDS
-
 # say TEXT: with the time since the start.
-say() { printf '== %d:%02d  %s\n' $(((SECONDS - STARTED) / 60)) $(((SECONDS - STARTED) % 60)) "$*"; }
+say() { printf '== %d:%02d  %s\n' $((SECONDS / 60)) $((SECONDS % 60)) "$*"; }
 
 say "1 of 5: packages (two minutes on a bare machine, a second where they are installed)"
 tools/setup.sh

@@ -8,7 +8,8 @@ case ${1:-} in -h | --help) sed -n '2,5s/^# //p' "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
 REPORTS=build/test-reports
 
-pytest_arguments=(-ra --durations=5 -m further -n 2 --dist loadfile --junitxml "$REPORTS/further.xml")
+reports=("$REPORTS/further.xml")
+pytest_arguments=(-ra --durations=5 -m further -n "$(nproc)" --dist loadfile --junitxml "$REPORTS/further.xml")
 if [ $# -gt 0 ]; then
   [ "$1" = -k ] && [ $# -eq 2 ] || { echo "run_further_tests: unknown argument '$1'; allowed: -k FILTER" >&2; exit 2; }
   pytest_arguments+=(-k "$2")
@@ -30,7 +31,8 @@ printf '== tests in Python\n'
 if [ $# -eq 0 ]; then
   printf '== ground station\n'
   hil/test_ground_station.sh --junitxml "$REPORTS/ground_station.xml" || status=1
+  reports+=("$REPORTS/ground_station.xml")
 fi
 printf '== totals\n'
-.venv/bin/python tools/junit_totals.py "$REPORTS/further.xml" $([ $# -gt 0 ] || echo "$REPORTS/ground_station.xml") || status=1
+.venv/bin/python tools/junit_totals.py "${reports[@]}" || status=1
 exit $status

@@ -116,8 +116,8 @@ unpack() {
 
 # The libraries for arm64, unpacked and not installed: the machine's own packages stay as they are.
 make_sysroot() {
-  local new=$ARM64_SYSROOT.new package
-  if [ "$(cat "$ARM64_SYSROOT/packages" 2>/dev/null)" = "${LIBRARIES[*]} ${TEST_LIBRARIES[*]}" ] && [ -s "$ARM64_SYSROOT/var/lib/dpkg/status" ]; then
+  local new=$ARM64_SYSROOT.new wanted=("${LIBRARIES[@]}" "${TEST_LIBRARIES[@]}") package
+  if [ "$(cat "$ARM64_SYSROOT/packages" 2>/dev/null)" = "${wanted[*]}" ] && [ -s "$ARM64_SYSROOT/var/lib/dpkg/status" ]; then
     say "sysroot: $ARM64_SYSROOT is up to date"
     return
   fi
@@ -125,7 +125,7 @@ make_sysroot() {
   rm -rf "$new"
   mkdir -p "$new/tree"
   apt_arm64 "$new" update
-  apt_arm64 "$new" install -y --no-install-recommends --download-only "${LIBRARIES[@]}" "${TEST_LIBRARIES[@]}" libc6-dev
+  apt_arm64 "$new" install -y --no-install-recommends --download-only "${wanted[@]}" libc6-dev
   say "sysroot: unpacking into $ARM64_SYSROOT (about 1.1 GB)"
   for package in "$new"/archives/*.deb; do
     unpack "$package" "$new/tree"
@@ -133,7 +133,7 @@ make_sysroot() {
   printf '%s\n' "$(dpkg --print-architecture)" arm64 > "$new/tree/var/lib/dpkg/arch"
   echo 1 > "$new/tree/var/lib/dpkg/info/format"
   settle_sysroot "$new/tree"
-  echo "${LIBRARIES[*]} ${TEST_LIBRARIES[*]}" > "$new/tree/packages"
+  echo "${wanted[*]}" > "$new/tree/packages"
   [ ! -e "$ARM64_SYSROOT" ] || mv "$ARM64_SYSROOT" "$new/before"  # at once: a build may be reading it
   mv "$new/tree" "$ARM64_SYSROOT"
   rm -rf "$new"

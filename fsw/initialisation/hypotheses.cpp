@@ -22,7 +22,7 @@ namespace {
 constexpr std::array<double, 3> kIsotropies{0.0, 0.03, 0.3};
 // As many points as a hypothesis from two views must place, and as two geometries must share.
 // Chosen; fewer make a comparison by the median a matter of chance.
-constexpr std::size_t kPositivePointsMin = 8;
+constexpr std::size_t kHypothesisPointsMin = 8;
 // Depths within a factor of two of their median: a body that is seen whole reaches no farther.
 constexpr double kDepthFactorMax = 2.0;
 // Rotations under a degree are compared by this: their ratio is noise.
@@ -195,7 +195,7 @@ void push_two_view(const SeedProblem& problem,
       (void)positive.push_back(depths.depth_a[i]);
     }
   }
-  if (positive.size() < kPositivePointsMin || 2 * positive.size() < core.tracks.size()) {
+  if (positive.size() < kHypothesisPointsMin || 2 * positive.size() < core.tracks.size()) {
     return;
   }
   const double middle = median(positive.view());
@@ -282,7 +282,7 @@ bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double to
     }
   }
   // Hypotheses of different cores may share no points.
-  if (apart.size() < kPositivePointsMin) {
+  if (apart.size() < kHypothesisPointsMin) {
     return false;
   }
   // Not the mean: the point of a wrong track may be anywhere (docs/decisions/0029).

@@ -1,5 +1,4 @@
 #include "solve/bundle_adjustment.hpp"
-#include "base/index.hpp"
 
 #include <ceres/loss_function.h>
 
@@ -8,6 +7,7 @@
 #include <memory>
 
 #include "base/assert.hpp"
+#include "base/index.hpp"
 #include "solve/bundle_costs.hpp"
 #include "solve/bundle_part.hpp"
 #include "solve/ceres_solver.hpp"

@@ -1,9 +1,9 @@
 #include "solve/bundle_part.hpp"
-#include "base/index.hpp"
 
 #include <algorithm>
 #include <numeric>
 
+#include "base/index.hpp"
 #include "solve/settle_points.hpp"
 
 namespace polhode {

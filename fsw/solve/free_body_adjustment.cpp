@@ -1,5 +1,4 @@
 #include "solve/free_body_adjustment.hpp"
-#include "base/index.hpp"
 
 #include <ceres/evaluation_callback.h>
 #include <ceres/loss_function.h>
@@ -14,6 +13,7 @@
 
 #include "base/assert.hpp"
 #include "base/avx2_dispatch.hpp"
+#include "base/index.hpp"
 #include "geometry/so3.hpp"
 #include "solve/bundle_part.hpp"
 #include "solve/ceres_solver.hpp"

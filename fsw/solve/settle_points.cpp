@@ -1,10 +1,10 @@
 #include "solve/settle_points.hpp"
-#include "base/index.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
 
 #include "base/avx2_dispatch.hpp"
+#include "base/index.hpp"
 
 namespace polhode {
 namespace {

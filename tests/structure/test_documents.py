@@ -16,7 +16,7 @@ DECISIONS = REPOSITORY / "docs/decisions"
 
 DOCUMENTS = [REPOSITORY / "README.md", REPOSITORY / "CONTRIBUTING.md"]
 DOCUMENTS += [file for root in ("fsw", "platform", "hil") for file in sorted((REPOSITORY / root).rglob("README.md"))]
-DOCUMENTS += [file for file in sorted((REPOSITORY / "docs").glob("*.md"))]
+DOCUMENTS += sorted((REPOSITORY / "docs").glob("*.md"))
 DOCUMENTS += sorted(DECISIONS.glob("*.md")) + [REPOSITORY / "docs/requirements/README.md"]
 
 FENCED = re.compile(r"^[ \t]*```.*?^[ \t]*```[ \t]*$", re.DOTALL | re.MULTILINE)
