@@ -380,7 +380,7 @@ FreeBodyReport adjust_free_body(const FreeBodyProblem& problem, const BundleOpti
   const BundlePart part(problem.bundle, options.observations_max);
   FreeBodyProblem of_part = problem;
   of_part.bundle = part.problem();
-  const FreeBodyReport report = solve(of_part, options);
+  FreeBodyReport report = solve(of_part, options);
   if (report.bundle.usable) {
     part.put_back(options.cauchy_sigma);
   }
