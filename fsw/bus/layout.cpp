@@ -1,7 +1,5 @@
 #include "bus/layout.hpp"
 
-#include <bit>
-#include <cmath>
 #include <limits>
 
 #include "base/assert.hpp"

@@ -21,8 +21,7 @@ inline std::array<double, kCount> widened(const std::array<float, kCount>& value
 
 inline bool has(std::uint8_t flags, std::uint8_t flag) { return (flags & flag) != 0; }
 
-/// Fields whose flag is down come back with MotionState's defaults. The scale's number comes back
-/// modulo 16.
+/// @return MotionState's defaults for fields whose flag is down, the scale's number modulo 16.
 inline MotionState from_packet(const MotionPacket& packet) {
   namespace flag = motion_layout;
   MotionState state;
