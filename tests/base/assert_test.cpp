@@ -5,7 +5,7 @@
 #include <csignal>
 #include <cstdio>
 
-namespace polhode {
+namespace polhode::assert_test {
 namespace {
 
 void report_to_stderr(const AssertionReport& report) {
@@ -57,4 +57,4 @@ TEST(Assert, ThatHoldsCallsNothingAndDoesNotEvaluateTheValue) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::assert_test

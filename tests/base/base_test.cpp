@@ -12,7 +12,7 @@
 #include "base/result.hpp"
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::base_test {
 namespace {
 
 /// The checksum bit by bit, as the polynomial's definition reads.
@@ -179,4 +179,4 @@ TEST(Rng, UniformAndNormalHaveTheirMoments) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::base_test

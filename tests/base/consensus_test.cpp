@@ -11,7 +11,7 @@
 
 #include "base/fixed_vector.hpp"
 
-namespace polhode {
+namespace polhode::consensus_test {
 namespace {
 
 TEST(DrawsNeeded, LeaveNoMoreThanTheChanceThatIsAskedFor) {
@@ -261,4 +261,4 @@ TEST(FindConsensus, LetsTheCallerKeepSeveral) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::consensus_test

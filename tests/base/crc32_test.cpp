@@ -7,7 +7,7 @@
 #include "base/crc.hpp"
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::crc32_test {
 namespace {
 
 std::vector<std::uint8_t> octets_of(const std::string& text) { return {text.begin(), text.end()}; }
@@ -62,4 +62,4 @@ TEST(Crc32, ChangesWithEveryBit) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::crc32_test

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace polhode {
+namespace polhode::median_test {
 namespace {
 
 TEST(Median, IsTheMiddleOfAnOddNumber_AndTheUpperOfTwo) {
@@ -27,4 +27,4 @@ TEST(Ranked, AgreesWithSorting_AndKeepsTheValues) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::median_test

@@ -8,7 +8,7 @@
 #include "base/rng.hpp"
 #include "command_packets.hpp"
 
-namespace polhode::bus {
+namespace polhode::bus::commands_test {
 namespace {
 
 constexpr int kApidFirst = 0x1A0;
@@ -168,4 +168,4 @@ TEST(Command, RandomAndMutatedOctetsAreNeverTakenForOne) {
 }
 
 }  // namespace
-}  // namespace polhode::bus
+}  // namespace polhode::bus::commands_test

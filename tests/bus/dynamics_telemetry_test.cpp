@@ -12,7 +12,7 @@
 #include "geometry/so3.hpp"
 #include "motion/body_dynamics.hpp"
 
-namespace polhode::bus {
+namespace polhode::bus::dynamics_telemetry_test {
 namespace {
 
 const LengthUnit kMetres{.known = true, .metres_per_mu = 2.0, .number = 18};
@@ -184,4 +184,4 @@ TEST(PredictionPacketOf, TheLastPosesAloneHasNoRate) {
 }
 
 }  // namespace
-}  // namespace polhode::bus
+}  // namespace polhode::bus::dynamics_telemetry_test

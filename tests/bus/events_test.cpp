@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace polhode::bus {
+namespace polhode::bus::events_test {
 namespace {
 
 const BusOptions kOptions{.event_window_frames = 10};
@@ -148,4 +148,4 @@ TEST(EventThrottle, AStepsFullListLosesPacketsButNoCount) {
 }
 
 }  // namespace
-}  // namespace polhode::bus
+}  // namespace polhode::bus::events_test

@@ -12,7 +12,7 @@
 #include "bus/packet_layout.hpp"
 #include "bus/telemetry.hpp"
 
-namespace polhode::bus {
+namespace polhode::bus::fields_test {
 namespace {
 
 using Storage = std::array<std::byte, kStructOctetsMax>;
@@ -210,4 +210,4 @@ TEST(Words, AreTakenByNumber) {
 }
 
 }  // namespace
-}  // namespace polhode::bus
+}  // namespace polhode::bus::fields_test

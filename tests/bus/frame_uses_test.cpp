@@ -6,7 +6,7 @@
 
 #include "bus/counter_table.hpp"
 
-namespace polhode {
+namespace polhode::frame_uses_test {
 namespace {
 
 constexpr int kUses = static_cast<int>(FrameUse::kBitErrors) + 1;
@@ -76,4 +76,4 @@ TEST(Counters, EveryOneIsPublishedUnderItsOwnName) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::frame_uses_test

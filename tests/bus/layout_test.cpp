@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace polhode::bus {
+namespace polhode::bus::layout_test {
 namespace {
 
 TEST(Sequence, WrapsAtFourteenBits) {
@@ -133,4 +133,4 @@ TEST(Crc, IsZeroOverAWholePacketAndFindsEverySingleFlippedBit) {
 }
 
 }  // namespace
-}  // namespace polhode::bus
+}  // namespace polhode::bus::layout_test

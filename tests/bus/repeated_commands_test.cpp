@@ -4,7 +4,7 @@
 
 #include "command_packets.hpp"
 
-namespace polhode::bus {
+namespace polhode::bus::repeated_commands_test {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
@@ -82,4 +82,4 @@ TEST(CommandSequence, CountsFromOneAndWrapsPastZero) {
 }
 
 }  // namespace
-}  // namespace polhode::bus
+}  // namespace polhode::bus::repeated_commands_test

@@ -9,7 +9,7 @@
 #include "bus/packet_layout.hpp"
 #include "bus/telemetry.hpp"
 
-namespace polhode::bus {
+namespace polhode::bus::shape_telemetry_test {
 namespace {
 
 Shape boxed() {
@@ -75,4 +75,4 @@ TEST(ShapePacketOf, SaysNothingOfACylinderThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace polhode::bus
+}  // namespace polhode::bus::shape_telemetry_test

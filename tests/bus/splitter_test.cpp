@@ -11,7 +11,7 @@
 #include "motion_state_samples.hpp"
 #include "tests/bus/motion_packet.hpp"
 
-namespace polhode::bus {
+namespace polhode::bus::splitter_test {
 namespace {
 
 std::vector<std::uint8_t> stream_of(std::uint16_t packets) {
@@ -168,4 +168,4 @@ TEST(Splitter, FindsNothingInNoise) {
 }
 
 }  // namespace
-}  // namespace polhode::bus
+}  // namespace polhode::bus::splitter_test

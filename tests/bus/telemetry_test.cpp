@@ -9,7 +9,7 @@
 #include "motion_state_samples.hpp"
 #include "tests/bus/motion_packet.hpp"
 
-namespace polhode {
+namespace polhode::telemetry_test {
 namespace {
 
 using Packet = std::array<std::uint8_t, kMotionPacketOctets>;
@@ -181,4 +181,4 @@ TEST(MotionPacket, IsRefusedWhenAValidFieldIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::telemetry_test

@@ -10,7 +10,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode::sift {
+namespace polhode::sift::blobs_test {
 namespace {
 
 /// Finds blobs in a picture that is given by a formula of the place, everything being on the
@@ -117,4 +117,4 @@ TEST(FindBlobs, FindsNothing_OnAPlainPicture_AndInOneTooSmall) {
 }
 
 }  // namespace
-}  // namespace polhode::sift
+}  // namespace polhode::sift::blobs_test

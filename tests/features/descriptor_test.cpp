@@ -11,7 +11,7 @@
 #include "features/orientation.hpp"
 #include "features/patch.hpp"
 
-namespace polhode::sift {
+namespace polhode::sift::descriptor_test {
 namespace {
 
 constexpr int kSide = 121;
@@ -163,4 +163,4 @@ TEST(Describe, HasNorm512) {
 }
 
 }  // namespace
-}  // namespace polhode::sift
+}  // namespace polhode::sift::descriptor_test

@@ -14,7 +14,7 @@
 #include "features/match.hpp"
 #include "features/workspace.hpp"
 
-namespace polhode {
+namespace polhode::detect_test {
 namespace {
 
 struct Blob {
@@ -365,4 +365,4 @@ TEST(DetectFeatures, MatchesAPictureTurnedByAnyAngle) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::detect_test

@@ -9,7 +9,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::match_test {
 namespace {
 
 // As RootSIFT makes them: octets of norm 512, unrelated ones some 500 to 600 apart.
@@ -229,4 +229,4 @@ TEST(MatchMutual, FindsNothing_WhereNothingIsAlike) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::match_test

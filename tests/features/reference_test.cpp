@@ -30,7 +30,7 @@ void* operator new(std::size_t size) {
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
-namespace polhode {
+namespace polhode::reference_test {
 namespace {
 
 constexpr int kSide = 260;
@@ -136,4 +136,4 @@ TEST(DetectFeatures, IsNoWorseThanOpenCvs) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::reference_test

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-namespace polhode {
+namespace polhode::resting_test {
 namespace {
 
 constexpr float kWord_px = 100.0F;  // u and v of what rests
@@ -82,4 +82,4 @@ TEST(LeaveOutResting, ForgetsAPlaceAtWhichMostPicturesShowNothing) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::resting_test

@@ -10,7 +10,7 @@
 #include "base/rng.hpp"
 #include "features/resample.hpp"
 
-namespace polhode::sift {
+namespace polhode::sift::scale_space_test {
 namespace {
 
 /// A plane with memory of its own.
@@ -226,4 +226,4 @@ TEST(ScaleSpace, FitsIntoItsMemory_AtTheLimits) {
 }
 
 }  // namespace
-}  // namespace polhode::sift
+}  // namespace polhode::sift::scale_space_test

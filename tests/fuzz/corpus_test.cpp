@@ -12,7 +12,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
-namespace polhode {
+namespace polhode::corpus_test {
 namespace {
 
 using Octets = std::vector<std::uint8_t>;
@@ -80,4 +80,4 @@ TEST(FuzzCorpus, AMillionMutationsAreEachTakenOrRefused) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::corpus_test

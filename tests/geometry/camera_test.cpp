@@ -10,7 +10,7 @@
 #include "geometry/so3.hpp"
 #include "numeric_jacobian.hpp"
 
-namespace polhode {
+namespace polhode::camera_test {
 namespace {
 
 CameraModel camera() {
@@ -156,4 +156,4 @@ TEST(Reprojection, PoseErrorJacobianIsThatOfTheProjection) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::camera_test

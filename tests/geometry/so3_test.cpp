@@ -9,7 +9,7 @@
 #include "base/rng.hpp"
 #include "numeric_jacobian.hpp"
 
-namespace polhode {
+namespace polhode::so3_test {
 namespace {
 
 Eigen::Vector3d direction(Rng& rng) {
@@ -99,4 +99,4 @@ TEST(So3, AngleIsThatOfTheRotationBetween) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::so3_test

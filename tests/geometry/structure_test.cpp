@@ -10,7 +10,7 @@
 #include "geometry/epipolar.hpp"
 #include "geometry/so3.hpp"
 
-namespace polhode {
+namespace polhode::structure_test {
 namespace {
 
 Eigen::Vector3d random_vector(Rng& rng, double size) {
@@ -123,4 +123,4 @@ TEST(Alignment, RefusesWhatHasNoExtentOrNoWeight_AndAMirroredTurn) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::structure_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace polhode {
+namespace polhode::arrival_test {
 namespace {
 
 constexpr std::int64_t kPeriod_ns = 33'333'333;
@@ -60,4 +60,4 @@ TEST(MissingFrames, TimesDeliveredAgainCountNothing) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::arrival_test

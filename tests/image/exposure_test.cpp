@@ -8,7 +8,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::exposure_test {
 namespace {
 
 /// A target's radiances: most between a tenth and one, a few glints of up to five.
@@ -119,4 +119,4 @@ TEST(NextExposure, StaysAsItIs_WithoutATarget) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::exposure_test

@@ -8,7 +8,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::image_test {
 namespace {
 
 TEST(ImportFrame, CopiesEveryPixel_WhenRowsAreLongerThanThePicture) {
@@ -72,4 +72,4 @@ TEST(ImportFrame, OwnsItsPixels_SoThatTheCameraMayReuseTheMemory) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::image_test

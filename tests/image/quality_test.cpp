@@ -9,7 +9,7 @@
 #include "base/rng.hpp"
 #include "pictures.hpp"
 
-namespace polhode {
+namespace polhode::quality_test {
 namespace {
 
 using namespace pictures;
@@ -236,4 +236,4 @@ TEST(CompareRows, CountsTheRestOfAWhiteOrBlackFrame_WhereThereWasSomethingElse) 
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::quality_test

@@ -6,7 +6,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::collect_test {
 namespace {
 
 constexpr double kRatioMax = 0.8;
@@ -270,4 +270,4 @@ TEST_F(PoseProblem, BeginsAfreshAfterClear) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::collect_test

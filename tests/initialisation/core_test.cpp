@@ -10,7 +10,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::core_test {
 namespace {
 
 /// Tracks in the frames first .. first + length - 1.
@@ -153,4 +153,4 @@ TEST(SelectionSet, IsNotCrowded_WhereTracksLiveLong) { EXPECT_FALSE(crowded(32, 
 TEST(SelectionSet, IsNotCrowded_WhereThereAreNoMoreTracks) { EXPECT_FALSE(crowded(16, 7, 4)); }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::core_test

@@ -8,7 +8,7 @@
 #include "initialisation/initialise.hpp"
 #include "synthetic/start_scenarios.hpp"
 
-namespace polhode {
+namespace polhode::decidability_test {
 namespace {
 
 using benchmark::Decidability;
@@ -125,4 +125,4 @@ TEST(Decidability, TellsWhereASelectionCommits) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::decidability_test

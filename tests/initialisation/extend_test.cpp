@@ -7,7 +7,7 @@
 #include "geometry/so3.hpp"
 #include "solve/start_geometry.hpp"
 
-namespace polhode {
+namespace polhode::extend_test {
 namespace {
 
 using testing::make_start_geometry;
@@ -174,4 +174,4 @@ TEST(Extend, AddsPointsButNoFrameInNoRounds) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::extend_test

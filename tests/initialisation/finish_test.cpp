@@ -11,7 +11,7 @@
 #include "solve/start_adjustment.hpp"
 #include "synthetic/start_problem.hpp"
 
-namespace polhode {
+namespace polhode::finish_test {
 namespace {
 
 constexpr double kFocal_px = 2667.0;
@@ -189,4 +189,4 @@ TEST(AdjustAllTracks, OfAWinnerWithoutPosesSaysNothing) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::finish_test

@@ -13,7 +13,7 @@
 #include "solve/start_adjustment.hpp"
 #include "solve/start_geometry.hpp"
 
-namespace polhode {
+namespace polhode::hypotheses_test {
 namespace {
 
 using testing::make_start_geometry;
@@ -201,4 +201,4 @@ TEST(SameGeometry, ComparesRotationsFromTheFirstFrameThatBothPose) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::hypotheses_test

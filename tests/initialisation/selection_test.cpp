@@ -9,7 +9,7 @@
 #include "initialisation/initialise.hpp"
 #include "synthetic/start_scenarios.hpp"
 
-namespace polhode {
+namespace polhode::selection_test {
 namespace {
 
 using synthetic::compare_start;
@@ -325,4 +325,4 @@ TEST(SameGeometry, LooksPastWrongTracks_ButNotPastATwinOrAnotherTurn) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::selection_test

@@ -8,7 +8,7 @@
 
 #include "seen_frame.hpp"
 
-namespace polhode {
+namespace polhode::ambiguous_test {
 namespace {
 
 using namespace synthetic;
@@ -119,4 +119,4 @@ TEST(IsAmbiguous, IsFalse_OnABodyWithoutAlikeFaces_AndLeavesThePoseAsItIs) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::ambiguous_test

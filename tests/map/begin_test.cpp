@@ -4,7 +4,7 @@
 
 #include "synthetic_map.hpp"
 
-namespace polhode {
+namespace polhode::begin_test {
 namespace {
 
 using namespace synthetic;
@@ -117,4 +117,4 @@ TEST(BeginMap, OfTheNewestFrames_LeavesOutTheFramesBefore) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::begin_test

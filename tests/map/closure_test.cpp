@@ -7,7 +7,7 @@
 #include "map/window.hpp"
 #include "synthetic_map.hpp"
 
-namespace polhode {
+namespace polhode::closure_test {
 namespace {
 
 using namespace synthetic;
@@ -149,4 +149,4 @@ TEST(CloseLoop, RefusesATurnThatDriftCannotExplain) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::closure_test

@@ -7,7 +7,7 @@
 
 #include "geometry/so3.hpp"
 
-namespace polhode {
+namespace polhode::drift_test {
 namespace {
 
 constexpr double kDepthSigma = 0.06;  // of an extent, in which depth is one of three directions
@@ -139,4 +139,4 @@ TEST(MapDrift, WhatABridgeLeavesOpenStays_UntilBothSidesOfItAreOneMap) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::drift_test

@@ -6,7 +6,7 @@
 
 #include "synthetic_map.hpp"
 
-namespace polhode {
+namespace polhode::follow_test {
 namespace {
 
 using namespace synthetic;
@@ -148,4 +148,4 @@ TEST(LocaliseByFlow, PassesOverLandmarksThatAreGone) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::follow_test

@@ -10,7 +10,7 @@
 
 #include "seen_frame.hpp"
 
-namespace polhode {
+namespace polhode::hold_test {
 namespace {
 
 using namespace synthetic;
@@ -303,4 +303,4 @@ TEST(LocaliseWithPrior, ReturnsTooFewObservations_WithoutFeatures) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::hold_test

@@ -6,7 +6,7 @@
 
 #include "synthetic_map.hpp"
 
-namespace polhode {
+namespace polhode::keyframes_test {
 namespace {
 
 using namespace synthetic;
@@ -166,4 +166,4 @@ TEST(MostRedundant, NeverTakesTheOnlyViewOfASide) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::keyframes_test

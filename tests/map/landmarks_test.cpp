@@ -6,7 +6,7 @@
 
 #include "synthetic_map.hpp"
 
-namespace polhode {
+namespace polhode::landmarks_test {
 namespace {
 
 using namespace synthetic;
@@ -195,4 +195,4 @@ TEST(ResidualScale, IsOne_WhenThereIsTooLittleToTell) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::landmarks_test

@@ -8,7 +8,7 @@
 
 #include "synthetic_map.hpp"
 
-namespace polhode {
+namespace polhode::localise_test {
 namespace {
 
 using namespace synthetic;
@@ -277,4 +277,4 @@ TEST(OldSide, StaysOut_WhereItHasDrifted) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::localise_test

@@ -7,7 +7,7 @@
 
 #include "synthetic_map.hpp"
 
-namespace polhode {
+namespace polhode::map_test {
 namespace {
 
 using synthetic::broken_promise;
@@ -350,4 +350,4 @@ TEST(RefreshLandmarks, KeepsViewsOfDifferentSides_AndTheNewestOfOneSide) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::map_test

@@ -7,7 +7,7 @@
 
 #include "geometry/so3.hpp"
 
-namespace polhode {
+namespace polhode::reanchor_test {
 namespace {
 
 /// T' against T: axes, origin and unit are all different.
@@ -115,4 +115,4 @@ TEST(Reanchoring, RefusesWhatItCannotUse) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::reanchor_test

@@ -7,7 +7,7 @@
 
 #include "synthetic_map.hpp"
 
-namespace polhode {
+namespace polhode::room_test {
 namespace {
 
 using namespace synthetic;
@@ -69,4 +69,4 @@ TEST(MakeLandmarkRoom, KeepsWhatTheNewestKeyframesSee) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::room_test

@@ -9,7 +9,7 @@
 #include "geometry/so3.hpp"
 #include "synthetic_map.hpp"
 
-namespace polhode {
+namespace polhode::window_test {
 namespace {
 
 using namespace synthetic;
@@ -361,4 +361,4 @@ TEST(Apply, GivesBackTheSameMap_WhenTheSolutionDiffersByASimilarity) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::window_test

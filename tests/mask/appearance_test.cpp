@@ -4,7 +4,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace polhode {
+namespace polhode::appearance_test {
 namespace {
 
 const cv::Size kSize(200, 160);
@@ -125,4 +125,4 @@ TEST(AddAppearance, AddsByCells_WhatItAddsByTheirFirstPixels) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::appearance_test

@@ -8,7 +8,7 @@
 #include "base/rng.hpp"
 #include "mask/outline.hpp"
 
-namespace polhode {
+namespace polhode::background_model_test {
 namespace {
 
 constexpr double kNoise = 2.0;
@@ -107,4 +107,4 @@ TEST(StandsStill, OnlyWhereAMotionLeavesThePictureWhereItWas) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::background_model_test

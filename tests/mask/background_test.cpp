@@ -5,7 +5,7 @@
 
 #include "moving_scene.hpp"
 
-namespace polhode {
+namespace polhode::background_test {
 namespace {
 
 using moving::Scene;
@@ -63,4 +63,4 @@ TEST(ChooseAge, IsTheSame_ByWhicheverAgeIsFitted) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::background_test

@@ -4,7 +4,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::behind_test {
 namespace {
 
 constexpr int kColumns = 80;
@@ -53,4 +53,4 @@ TEST(IsBehind, DoesNotCountABodyThatTheMapKnows) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::behind_test

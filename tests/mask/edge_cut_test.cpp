@@ -9,7 +9,7 @@
 #include "mask/grown.hpp"
 #include "moving_scene.hpp"
 
-namespace polhode {
+namespace polhode::edge_cut_test {
 namespace {
 
 using moving::overlap;
@@ -158,4 +158,4 @@ TEST(CutAtEdges, LeavesWhatIsOutsideOfTheEdgesAlone) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::edge_cut_test

@@ -8,7 +8,7 @@
 
 #include "moving_scene.hpp"
 
-namespace polhode {
+namespace polhode::follow_test {
 namespace {
 
 using moving::overlap;
@@ -394,4 +394,4 @@ TEST(FollowTarget, IgnoresLandmarksThatTheImagesContradictEverywhere) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::follow_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace polhode {
+namespace polhode::foreground_test {
 namespace {
 
 const cv::Size kSize(160, 120);
@@ -73,4 +73,4 @@ TEST(RememberOutline, TakesWhatItHoldsAlong_AndResetsWhatItLeavesOut) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::foreground_test

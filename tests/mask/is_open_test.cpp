@@ -6,7 +6,7 @@
 #include "mask/follow.hpp"
 #include "moving_scene.hpp"
 
-namespace polhode {
+namespace polhode::is_open_test {
 namespace {
 
 using moving::Scene;
@@ -126,4 +126,4 @@ TEST(MayBeBackground, WhereAnOpenMaskIsFollowedAtTheBorder) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::is_open_test

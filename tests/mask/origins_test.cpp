@@ -7,7 +7,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-namespace polhode {
+namespace polhode::origins_test {
 namespace {
 
 const cv::Size kSize(160, 120);
@@ -107,4 +107,4 @@ TEST(Carry, RepeatsTheBorder_OutsideOfWhatIsKnown) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::origins_test

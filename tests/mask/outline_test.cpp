@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace polhode {
+namespace polhode::outline_test {
 namespace {
 
 const cv::Size kSize(160, 120);
@@ -41,4 +41,4 @@ TEST(FindOutline, FindsNothing_WithoutLogOdds) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::outline_test

@@ -7,7 +7,7 @@
 #include "mask/mask_state.hpp"
 #include "mask/target_mask.hpp"
 
-namespace polhode {
+namespace polhode::own_structure_test {
 namespace {
 
 constexpr int kWidth = 200;
@@ -98,4 +98,4 @@ TEST(OwnStructure, IsReducedAsPicturesAre) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::own_structure_test

@@ -6,7 +6,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::plane_motion_test {
 namespace {
 
 const cv::Matx33d kMotion(1.02, -0.03, 4.0, 0.02, 0.99, -7.0, 3E-5, -2E-5, 1.0);
@@ -79,4 +79,4 @@ TEST(FitPlaneMotion, FindsNone_AmongStrays_OrTooFew_OrPointsInOnePlace) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::plane_motion_test

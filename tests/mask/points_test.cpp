@@ -10,7 +10,7 @@
 #include "base/rng.hpp"
 #include "moving_scene.hpp"
 
-namespace polhode {
+namespace polhode::points_test {
 namespace {
 
 const cv::Size kSize(320, 240);
@@ -170,4 +170,4 @@ TEST(RefillPoints, AnyPlaceHasBeenLookedAt_AfterFourPictures_OrEightByTurns) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::points_test

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-namespace polhode {
+namespace polhode::prior_test {
 namespace {
 
 constexpr double kRadius_px = 40.0;
@@ -131,4 +131,4 @@ TEST(PlacePrior, IsNoneWhereTheImagesContradictAllOfIt_OrThereIsNoMap) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::prior_test

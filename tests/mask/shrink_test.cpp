@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace polhode {
+namespace polhode::shrink_test {
 namespace {
 
 /// Each pixel differs from its neighbours.
@@ -123,4 +123,4 @@ TEST(FillFromCells, OfAnEmptyBoxWritesNothing) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::shrink_test

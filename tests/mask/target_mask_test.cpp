@@ -7,7 +7,7 @@
 #include "base/rng.hpp"
 #include "mask/target_levels.hpp"
 
-namespace polhode {
+namespace polhode::target_mask_test {
 namespace {
 
 constexpr int kWidth = 200;
@@ -190,4 +190,4 @@ TEST(TargetMask, ContainsNothing_BeforeThereWasAPicture) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::target_mask_test

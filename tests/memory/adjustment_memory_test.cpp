@@ -10,7 +10,7 @@
 #include "solve/bundle_adjustment.hpp"
 #include "solve/free_body_adjustment.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::adjustment_memory_test {
 namespace {
 
 constexpr std::size_t kMiB = std::size_t{1} << 20;
@@ -113,4 +113,4 @@ TEST_P(AdjustmentMemory, IsWhatThePlanCountsWith) {
 INSTANTIATE_TEST_SUITE_P(Views, AdjustmentMemory, ::testing::Values(2, 6, 20));
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::adjustment_memory_test

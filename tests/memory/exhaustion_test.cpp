@@ -14,7 +14,7 @@
 #include "../pipeline/bench.hpp"
 #include "os/linux/memory/region.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::exhaustion_test {
 namespace {
 
 constexpr std::size_t kMiB = std::size_t{1} << 20;
@@ -88,4 +88,4 @@ TEST_F(Exhaustion, OnAnotherThreadLeavesTheLastCheckpointAlone) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::exhaustion_test

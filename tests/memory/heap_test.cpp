@@ -9,7 +9,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::heap_test {
 namespace {
 
 constexpr std::size_t kMemory = std::size_t{1} << 20;
@@ -170,4 +170,4 @@ TEST_F(HeapTest, AReleaseTwiceEndsTheProgram) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::heap_test

@@ -12,7 +12,7 @@
 #include "os/linux/worker.hpp"
 #include "pipeline/checkpoint.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::plan_test {
 namespace {
 
 Parameters at(int width_px, int height_px) {
@@ -215,4 +215,4 @@ TEST(DeadlineMonitor, WithoutADeadlineNothingIsLate) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::plan_test

@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-namespace polhode::platform {
+namespace polhode::platform::region_test {
 namespace {
 
 constexpr std::size_t kMiB = std::size_t{1} << 20;
@@ -192,4 +192,4 @@ TEST_F(RegionTest, MemoryFromElsewhereCannotBeReleasedHere) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::region_test

@@ -9,7 +9,7 @@
 #include "os/linux/priority.hpp"
 #include "pipeline/job.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::worker_test {
 namespace {
 
 /// A hypothesis selection without frames: it ends at once, undecided.
@@ -121,4 +121,4 @@ TEST(Worker, TakesItsPriorityWhereItIsGranted) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::worker_test

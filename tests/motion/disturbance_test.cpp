@@ -8,7 +8,7 @@
 #include "motion/disturbance.hpp"
 #include "motion/estimator.hpp"
 
-namespace polhode {
+namespace polhode::disturbance_test {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
@@ -258,4 +258,4 @@ TEST(Disturbance, InTheNewestPosesIsNotFittedOver) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::disturbance_test

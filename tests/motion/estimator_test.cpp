@@ -6,7 +6,7 @@
 
 #include "geometry/so3.hpp"
 
-namespace polhode {
+namespace polhode::estimator_test {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
@@ -129,4 +129,4 @@ TEST(MotionEstimate, RatesAreThoseOfTheTurn) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::estimator_test

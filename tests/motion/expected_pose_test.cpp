@@ -7,7 +7,7 @@
 #include "map/track.hpp"
 #include "motion/estimator.hpp"
 
-namespace polhode {
+namespace polhode::expected_pose_test {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
@@ -77,4 +77,4 @@ TEST(Plausible, AMapThatHasMovedUnderItsPosesAllowsForAsMuch) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::expected_pose_test

@@ -10,7 +10,7 @@
 #include "free_body.hpp"
 #include "solve/bundle_adjustment.hpp"
 
-namespace polhode {
+namespace polhode::joint_fit_test {
 namespace {
 
 constexpr double kFocal_px = 1000.0;
@@ -333,4 +333,4 @@ TEST(JointFit, GivesTheSameBytes) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::joint_fit_test

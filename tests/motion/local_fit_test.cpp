@@ -8,7 +8,7 @@
 
 #include "geometry/so3.hpp"
 
-namespace polhode {
+namespace polhode::local_fit_test {
 namespace {
 
 constexpr double kSigma = 1e-4;
@@ -149,4 +149,4 @@ TEST(TranslationFit, NeedsTwoPointsAtDifferentTimesAndARange) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::local_fit_test

@@ -11,7 +11,7 @@
 #include "motion/body_dynamics.hpp"
 #include "motion/fit_poses.hpp"
 
-namespace polhode {
+namespace polhode::look_ahead_test {
 namespace {
 
 constexpr double kDegree_rad = std::numbers::pi / 180.0;
@@ -140,4 +140,4 @@ TEST(PrecessionPeriod, IsThatOfTheIntegratedMotion_AboutEitherAxis) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::look_ahead_test

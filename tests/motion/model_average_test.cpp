@@ -8,7 +8,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::model_average_test {
 namespace {
 
 const Eigen::Matrix3d kIdentity = Eigen::Matrix3d::Identity();
@@ -133,4 +133,4 @@ TEST(ModelAverage, OfASingularSystemIsAnError) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::model_average_test

@@ -8,7 +8,7 @@
 #include "geometry/so3.hpp"
 #include "motion/rigid_model.hpp"
 
-namespace polhode {
+namespace polhode::model_prediction_test {
 namespace {
 
 constexpr std::int64_t kReference_ns = 1'700'000'000'000'000'000;
@@ -161,4 +161,4 @@ TEST(Chi2Against, CountsAttitudeAndPositionBySigmas) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::model_prediction_test

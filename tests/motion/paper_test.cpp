@@ -8,7 +8,7 @@
 #include "free_body.hpp"
 #include "motion/trajectory.hpp"
 
-namespace polhode {
+namespace polhode::paper_test {
 namespace {
 
 constexpr double kTau = 2.0 * std::numbers::pi;
@@ -160,4 +160,4 @@ TEST(PaperModel, NeedsPosesAndRoom) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::paper_test

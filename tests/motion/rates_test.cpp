@@ -10,7 +10,7 @@
 
 #include "free_body.hpp"
 
-namespace polhode {
+namespace polhode::rates_test {
 namespace {
 
 double chi2(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
@@ -322,4 +322,4 @@ TEST(Rates, OfLostFramesAreToldWhileTheTurnIsPlain) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::rates_test

@@ -8,7 +8,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::residual_level_test {
 namespace {
 
 using Residuals = std::vector<Eigen::Vector3d>;
@@ -116,4 +116,4 @@ TEST(Widening, IsTheProductOfNoiseAndCorrelation) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::residual_level_test

@@ -7,7 +7,7 @@
 #include "model_statistics.hpp"
 #include "motion/fit_poses.hpp"
 
-namespace polhode {
+namespace polhode::rigid_model_test {
 namespace {
 
 /// The paper's body with its transverse moments a little apart, so that every axis can be told, and
@@ -381,4 +381,4 @@ TEST(FitPoses, ForgetWhatIsTooOld) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::rigid_model_test

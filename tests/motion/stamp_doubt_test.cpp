@@ -6,7 +6,7 @@
 
 #include "free_body.hpp"
 
-namespace polhode {
+namespace polhode::stamp_doubt_test {
 namespace {
 
 constexpr double kTurn_rad = 0.064;    // 3.7 deg a frame
@@ -96,4 +96,4 @@ TEST(StampDoubt, ABodyThatHardlyTurnsTellsNothing) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::stamp_doubt_test

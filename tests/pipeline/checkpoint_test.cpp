@@ -9,7 +9,7 @@
 #include "geometry/so3.hpp"
 #include "state_of.hpp"
 
-namespace polhode {
+namespace polhode::checkpoint_test {
 namespace {
 
 using namespace bench;
@@ -142,4 +142,4 @@ TEST(Checkpoint, CutOffOrTooLongOrOfAnotherBuild_ChangesNothing) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::checkpoint_test

@@ -11,7 +11,7 @@
 #include "geometry/so3.hpp"
 #include "state_of.hpp"
 
-namespace polhode {
+namespace polhode::coast_test {
 namespace {
 
 using namespace bench;
@@ -98,4 +98,4 @@ TEST(Coast, TellsNothing_WhileAPoseDepartsFromTheMotion) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::coast_test

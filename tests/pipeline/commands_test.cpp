@@ -12,7 +12,7 @@
 #include "pipeline/parameter_image.hpp"
 #include "state_of.hpp"
 
-namespace polhode {
+namespace polhode::commands_test {
 namespace {
 
 using namespace bench;
@@ -316,4 +316,4 @@ TEST(Commands, RandomOnesNeverHarmAndAreAllCounted) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::commands_test

@@ -8,7 +8,7 @@
 #include "bus/telemetry.hpp"
 #include "tests/bus/motion_packet.hpp"
 
-namespace polhode {
+namespace polhode::component_test {
 namespace {
 
 using namespace bench;
@@ -247,4 +247,4 @@ TEST(Step, TakesPicturesOf16Bits_AsTheirUpperOctets) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::component_test

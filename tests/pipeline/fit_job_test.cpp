@@ -7,7 +7,7 @@
 #include "pipeline/observer.hpp"
 #include "pipeline/results.hpp"
 
-namespace polhode {
+namespace polhode::fit_job_test {
 namespace {
 
 using namespace bench;
@@ -160,4 +160,4 @@ TEST(JobsAndCommands, ResetCountersDoNotMakeTheCallerMissAJob) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::fit_job_test

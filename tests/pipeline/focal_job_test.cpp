@@ -8,7 +8,7 @@
 #include "packets_of.hpp"
 #include "pipeline/checkpoint.hpp"
 
-namespace polhode {
+namespace polhode::focal_job_test {
 namespace {
 
 using namespace bench;
@@ -150,4 +150,4 @@ TEST(FocalDoubt, OutlivesARestart) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::focal_job_test

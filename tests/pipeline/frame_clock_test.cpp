@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace polhode {
+namespace polhode::frame_clock_test {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
@@ -73,4 +73,4 @@ TEST(FrameClock, TenLaterAndLaterFramesOutvoteAWrongTime) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::frame_clock_test

@@ -9,7 +9,7 @@
 #include "geometry/so3.hpp"
 #include "state_of.hpp"
 
-namespace polhode {
+namespace polhode::full_tables_test {
 namespace {
 
 using namespace bench;
@@ -184,4 +184,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::full_tables_test

@@ -8,7 +8,7 @@
 #include "pipeline/parameter_image.hpp"
 #include "pipeline/scrub.hpp"
 
-namespace polhode {
+namespace polhode::mend_parameters_test {
 namespace {
 
 using namespace bench;
@@ -97,4 +97,4 @@ TEST_F(MendParameters, AStepCountsAndTellsIt_AndLosesATargetOfOtherParameters) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::mend_parameters_test

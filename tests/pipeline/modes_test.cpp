@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace polhode {
+namespace polhode::modes_test {
 namespace {
 
 constexpr Mode kModes[] = {
@@ -72,4 +72,4 @@ TEST(Modes, AWarmStartLooksForTheTargetThatItKnows) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::modes_test

@@ -8,7 +8,7 @@
 #include "bench.hpp"
 #include "geometry/so3.hpp"
 
-namespace polhode {
+namespace polhode::observer_test {
 namespace {
 
 using namespace bench;
@@ -82,4 +82,4 @@ TEST(Observer, ToldBothWays_IsCountedOnce) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::observer_test

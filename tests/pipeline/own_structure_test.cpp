@@ -10,7 +10,7 @@
 #include "bench.hpp"
 #include "pipeline/checkpoint.hpp"
 
-namespace polhode {
+namespace polhode::own_structure_test {
 namespace {
 
 using namespace bench;
@@ -94,4 +94,4 @@ TEST(SetOwnStructure, StaysAcrossARestart) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::own_structure_test

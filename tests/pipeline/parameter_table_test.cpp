@@ -10,7 +10,7 @@
 #include "pipeline/parameter_image.hpp"
 #include "state_of.hpp"
 
-namespace polhode {
+namespace polhode::parameter_table_test {
 namespace {
 
 using namespace bench;
@@ -154,4 +154,4 @@ TEST(ParameterTable, TakesBackTheBitsOfItsOwnDefaults) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::parameter_table_test

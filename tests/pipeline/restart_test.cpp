@@ -11,7 +11,7 @@
 #include "geometry/so3.hpp"
 #include "packets_of.hpp"
 
-namespace polhode {
+namespace polhode::restart_test {
 namespace {
 
 using namespace bench;
@@ -145,4 +145,4 @@ TEST(Restart, ThatContradictsTheMotionBeforeIsInAnotherT) {
 TEST(Restart, GivesTheSameBytes) { EXPECT_EQ(run().bytes, passage().bytes); }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::restart_test

@@ -6,7 +6,7 @@
 
 #include "job_caller.hpp"
 
-namespace polhode {
+namespace polhode::results_test {
 namespace {
 
 using namespace bench;
@@ -243,4 +243,4 @@ TEST_F(Trouble, WhenMemoryIsShortLessIsAsked_ForAWhile) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::results_test

@@ -10,7 +10,7 @@
 #include "state_of.hpp"
 #include "tests/bus/motion_packet.hpp"
 
-namespace polhode {
+namespace polhode::scale_number_test {
 namespace {
 
 using namespace bench;
@@ -111,4 +111,4 @@ TEST_F(ScaleNumberOfRows, ThatMetresEnd_IsAnEventToo) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::scale_number_test

@@ -12,7 +12,7 @@
 #include "pipeline/smooth.hpp"
 #include "state_of.hpp"
 
-namespace polhode {
+namespace polhode::scale_test {
 namespace {
 
 using namespace bench;
@@ -143,4 +143,4 @@ TEST(KnownEdge, IsNotConfirmedByItsOwnEarlierReading) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::scale_test

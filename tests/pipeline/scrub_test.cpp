@@ -10,7 +10,7 @@
 #include "damages.hpp"
 #include "packets_of.hpp"
 
-namespace polhode {
+namespace polhode::scrub_test {
 namespace {
 
 using namespace bench;
@@ -117,4 +117,4 @@ TEST(Scrub, WithFlippedBitsInItsTablesTheStepsGoOn) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::scrub_test

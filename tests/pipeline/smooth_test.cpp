@@ -9,7 +9,7 @@
 #include "../map/synthetic_map.hpp"
 #include "solve/triangulate.hpp"
 
-namespace polhode {
+namespace polhode::smooth_test {
 namespace {
 
 using namespace synthetic;
@@ -68,4 +68,4 @@ TEST(ConfirmedLandmarks, HaveALargerSigmaWhereTheImagePointsAreWorseThanTheySay)
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::smooth_test

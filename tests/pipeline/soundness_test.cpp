@@ -8,7 +8,7 @@
 #include "base/rng.hpp"
 #include "damages.hpp"
 
-namespace polhode {
+namespace polhode::soundness_test {
 namespace {
 
 using namespace bench;
@@ -55,4 +55,4 @@ TEST(Soundness, WithFlippedBitsItIsRefusedOrTheStepsGoOn) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::soundness_test

@@ -13,7 +13,7 @@
 #include "pipeline/checkpoint.hpp"
 #include "state_of.hpp"
 
-namespace polhode {
+namespace polhode::told_test {
 namespace {
 
 using namespace bench;
@@ -184,4 +184,4 @@ TEST(PredictionsTold, AreOneAFrame_AndWhereTheBodyThenIs) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::told_test

@@ -9,7 +9,7 @@
 #include "geometry/so3.hpp"
 #include "state_of.hpp"
 
-namespace polhode {
+namespace polhode::turning_body_test {
 namespace {
 
 using namespace bench;
@@ -308,4 +308,4 @@ TEST(TurningBody, GivesTheSameBytes_WhenItWasLost) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::turning_body_test

@@ -4,7 +4,7 @@
 
 #include "base/assert.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::assertion_test {
 namespace {
 
 void fail() {
@@ -19,4 +19,4 @@ TEST(AssertionDeathTest, TellsPlaceExpressionAndValue) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::assertion_test

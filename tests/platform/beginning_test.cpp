@@ -15,7 +15,7 @@
 #include "pipeline/checkpoint.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::beginning_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -112,4 +112,4 @@ TEST_F(BeginningTest, TwoGenerationsThatCrashOnTheWayAreFollowedByACold) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::beginning_test

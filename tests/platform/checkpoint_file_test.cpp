@@ -9,7 +9,7 @@
 
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::checkpoint_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -144,4 +144,4 @@ TEST_F(CheckpointFile, ThatOthersMayHaveWrittenStartsNoRun) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::checkpoint_file_test

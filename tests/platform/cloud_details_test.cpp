@@ -6,7 +6,7 @@
 
 #include "../shape/surfaces.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::cloud_details_test {
 namespace {
 
 constexpr double kEdge_spacings = 1.0;  // ShapeOptions::voxel_spacings
@@ -101,4 +101,4 @@ TEST(CloudDetails, OfACylinder_AreRadialAndAlongItsAxis) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::cloud_details_test

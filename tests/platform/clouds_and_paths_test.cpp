@@ -10,7 +10,7 @@
 #include "app/trajectory.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::clouds_and_paths_test {
 namespace {
 
 std::string content(const std::filesystem::path& file) {
@@ -143,4 +143,4 @@ TEST(Ply, MayBeEmpty) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::clouds_and_paths_test

@@ -11,7 +11,7 @@
 
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::crash_mark_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -95,4 +95,4 @@ TEST_F(CrashMarks, ADamagedOneIsNone) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::crash_mark_test

@@ -6,7 +6,7 @@
 
 #include "encode.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::decode_test {
 namespace {
 
 constexpr int kWidth = 37;
@@ -253,4 +253,4 @@ TEST(Decode, BuffersAreUsedAgain) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::decode_test

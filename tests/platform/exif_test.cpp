@@ -8,7 +8,7 @@
 #include "base/rng.hpp"
 #include "encode.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::exif_test {
 namespace {
 
 /// A segment as cameras write it: one entry before, then the orientation.
@@ -81,4 +81,4 @@ TEST(Exif, DamageIsNoFault) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::exif_test

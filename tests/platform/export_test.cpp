@@ -9,7 +9,7 @@
 #include "recordings.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::export_test {
 namespace {
 
 using namespace recordings;
@@ -112,4 +112,4 @@ TEST(Export, NamesWhatARecordingHasLost) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::export_test

@@ -8,7 +8,7 @@
 
 #include "pipeline/state.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::exposure_control_test {
 namespace {
 
 constexpr double kGainFactor = 16.0;
@@ -177,4 +177,4 @@ TEST(ExposureControl, WaitsForASettingToTakeEffect_AndMayBeSwitchedOff) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::exposure_control_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace polhode::platform {
+namespace polhode::platform::lens_doubts_test {
 namespace {
 
 CameraParameters camera(double fu, double fv, double cu, double cv) {
@@ -63,4 +63,4 @@ TEST(LensDoubts, AnotherOrderIsRefused_ACutOutPictureIsNot) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::lens_doubts_test

@@ -8,7 +8,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::libraries_test {
 namespace {
 
 /// So long that a small cache has it cut into parts.
@@ -36,4 +36,4 @@ TEST(Libraries, ProductsOfMatricesDoNotDependOnTheCachesOfTheMachine) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::libraries_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace polhode::platform {
+namespace polhode::platform::live_counts_test {
 namespace {
 
 TEST(DurationHistogram, KnowsPercentilesToFivePerCent) {
@@ -44,4 +44,4 @@ TEST(FramesPassedOver, CountAllThatTheComponentNeverSaw) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::live_counts_test

@@ -11,7 +11,7 @@
 #include "pipeline/job.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::live_run_test {
 namespace {
 
 /// Hands out dark frames one after the other, and ends.
@@ -104,4 +104,4 @@ TEST_F(LiveRun, FramesDroppedForAJobThatDoesNotEndAreNoProgress) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::live_run_test

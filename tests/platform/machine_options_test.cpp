@@ -6,7 +6,7 @@
 #include "parameters/load.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::machine_options_test {
 namespace {
 
 using Settings = std::vector<std::string>;
@@ -66,4 +66,4 @@ TEST(MachineOptions, AreAllInTheExample) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::machine_options_test

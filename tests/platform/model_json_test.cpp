@@ -10,7 +10,7 @@
 #include "errors.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::model_json_test {
 namespace {
 
 nlohmann::json written(const RigidModel& model,
@@ -164,4 +164,4 @@ TEST(ServicerAttitude, ThatCannotBeReadIsRefusedWithItsLine) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::model_json_test

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace polhode::platform {
+namespace polhode::platform::motion_csv_test {
 namespace {
 
 std::ptrdiff_t commas(const std::string& line) { return std::count(line.begin(), line.end(), ','); }
@@ -53,4 +53,4 @@ TEST(MotionCsv, NotANumberIsAnEmptyCell) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::motion_csv_test

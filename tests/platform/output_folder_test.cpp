@@ -5,7 +5,7 @@
 #include "errors.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::output_folder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,4 +62,4 @@ TEST(OutputFolder, ThatIsAFile_IsRefused) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::output_folder_test

@@ -11,7 +11,7 @@
 #include "pipeline/parameter_table.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::parameters_test {
 namespace {
 
 using Settings = std::vector<std::string>;
@@ -231,4 +231,4 @@ TEST(Sha256, GivesTheStandardsValue) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::parameters_test

@@ -9,7 +9,7 @@
 #include "errors.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::places_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -126,4 +126,4 @@ TEST_F(Places, AFolderInPlaceOfTheCheckpointIsRefused) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::places_test

@@ -9,7 +9,7 @@
 #include "bus/telemetry.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::platform_telemetry_test {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
@@ -124,4 +124,4 @@ TEST_F(PlatformTelemetryTest, ADiskThatRefusesIsAnEvent_WithACountOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::platform_telemetry_test

@@ -7,7 +7,7 @@
 #include "encode.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::played_sequence_test {
 namespace {
 
 constexpr std::int64_t kMillisecond_ns = 1'000'000;
@@ -103,4 +103,4 @@ TEST(PlayedSequence, HasReadAFrameBeforeItIsDue) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::played_sequence_test

@@ -10,7 +10,7 @@
 #include "recordings.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::recording_test {
 namespace {
 
 using namespace recordings;
@@ -349,4 +349,4 @@ TEST(Recording, AFileThatIsMissingIsFound) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::recording_test

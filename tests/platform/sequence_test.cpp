@@ -9,7 +9,7 @@
 #include "errors.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::sequence_test {
 namespace {
 
 constexpr int kWidth = 64;
@@ -241,4 +241,4 @@ TEST(FileCamera, KeepsItsBuffer) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::sequence_test

@@ -6,7 +6,7 @@
 #include "listener.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::service_manager_test {
 namespace {
 
 class ServiceManagerTest : public testing::Test {
@@ -74,4 +74,4 @@ TEST(ServiceManagerAlone, WithoutAManagerNothingHappens) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::service_manager_test

@@ -7,7 +7,7 @@
 
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::shape_json_test {
 namespace {
 
 nlohmann::json written(const ShapeReport& report) {
@@ -99,4 +99,4 @@ TEST(ShapeJson, WithoutAShape_SaysWhy) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::shape_json_test

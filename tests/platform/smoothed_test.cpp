@@ -8,7 +8,7 @@
 #include "../motion/free_body.hpp"
 #include "pipeline/state.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::smoothed_test {
 namespace {
 
 constexpr std::size_t kFrames = 60;
@@ -196,4 +196,4 @@ TEST(IsBorneOut, NotAMapThatWasLostBeforeSixPoses) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::smoothed_test

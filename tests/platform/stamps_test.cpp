@@ -5,7 +5,7 @@
 #include "errors.hpp"
 #include "temporary_folder.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::stamps_test {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
@@ -83,4 +83,4 @@ TEST(Stamps, StampsOfArrivalAreTold_SinglePausesAndLostFramesAreNot) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::stamps_test

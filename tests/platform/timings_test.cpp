@@ -4,7 +4,7 @@
 
 #include <thread>
 
-namespace polhode::platform {
+namespace polhode::platform::timings_test {
 namespace {
 
 TEST(Durations, PercentilesAreNearestRanks) {
@@ -64,4 +64,4 @@ TEST(Timings, WaitingCostsTimeAndNoProcessorTime) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::timings_test

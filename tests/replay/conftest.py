@@ -17,7 +17,7 @@ def pytest_collection_modifyitems(config, items):
                 item.add_marker(pytest.mark.skip(reason=f"{PROGRAM} is not built"))
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def program():
     """Calls the program. @return status, out (text), err (text)."""
 
@@ -50,8 +50,19 @@ def sequence(tmp_path):
     return writer
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def sample():
     if not (SAMPLE / "mav0/cam0/data.csv").exists():
         pytest.skip("hil/data/sample is not there")
     return SAMPLE
+
+
+@pytest.fixture(scope="session")
+def sample_run(program, sample, tmp_path_factory):
+    """The sample as the shipped configuration replays it, made once for all who only read it. @return as replay, with `sequence`."""
+    folder = tmp_path_factory.mktemp("sample") / "out"
+    result = program("replay", "--config", DEFAULTS, "--sequence", sample, "--out", folder)
+    assert result.status == 0, result.err
+    result.folder = folder
+    result.sequence = sample
+    return result

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from replay_files import REPOSITORY, SAMPLE
+from replay_files import REPOSITORY
 
 # The photographs may not be passed on: who has them says where they are (CONTRIBUTING.md).
 PHOTOGRAPHS = os.environ.get("POLHODE_TEMPLE_RING")
@@ -23,12 +23,8 @@ def judge(run, sequence):
 
 
 # verifies: MOT-01, MOT-11
-def test_sample(replay):
-    if not SAMPLE.exists():
-        pytest.skip(f"{SAMPLE} is not there")
-    result = replay(SAMPLE)
-    assert result.status == 0, result.err
-    found = judge(result.folder, SAMPLE)
+def test_sample(sample_run):
+    found = judge(sample_run.folder, sample_run.sequence)
     assert found["causal"]["coverage"]["coverage_after_first_pose"] >= 0.95
     assert found["causal"]["attitude"]["rmse_deg"] <= 0.5
     assert max(found["causal"]["rates"]["rmse_deg_s"].values()) <= 0.1

@@ -32,15 +32,13 @@ def doubts(program, folder) -> list[str]:
 
 
 # verifies: MAP-11
-def test_the_right_one_is_borne_out(replay, sample, program):
-    result = replay(sample)
-    assert result.status == 0, result.err
-    told = summary(result.folder)
+def test_the_right_one_is_borne_out(sample_run, program):
+    told = summary(sample_run.folder)
     focal = told["focal_length"]
     assert not focal["refuted"] and told["warnings"] == [] and CONTRADICTED not in told["result"]
     assert abs(focal["found_px"] - FOCAL_PX) < 3 * focal["sigma_px"]
     assert focal["sigma_px"] < 0.02 * FOCAL_PX
-    assert doubts(program, result.folder) == []
+    assert doubts(program, sample_run.folder) == []
 
 
 # verifies: MAP-11

@@ -30,11 +30,13 @@ GROUPS = {
 
 
 @pytest.fixture(params=["short", "sample"])
-def run(request, replay, sequence):
-    path = sequence.path if request.param == "short" else request.getfixturevalue("sample")
-    result = replay(path)
+def run(request):
+    if request.param == "sample":
+        return request.getfixturevalue("sample_run")
+    sequence = request.getfixturevalue("sequence").path
+    result = request.getfixturevalue("replay")(sequence)
     assert result.status == 0, result.err
-    result.sequence = path
+    result.sequence = sequence
     return result
 
 

@@ -7,7 +7,7 @@
 
 #include "surfaces.hpp"
 
-namespace polhode {
+namespace polhode::cloud_test {
 namespace {
 
 Cloud cloud_of(const Points& points) {
@@ -146,4 +146,4 @@ TEST(Denoise, IsAnErrorWithoutPoints) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::cloud_test

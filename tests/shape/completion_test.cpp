@@ -8,7 +8,7 @@
 
 #include "surfaces.hpp"
 
-namespace polhode {
+namespace polhode::completion_test {
 namespace {
 
 const Placement kAtOrigin{.R_TB = Eigen::Matrix3d::Identity(), .centre_T = Eigen::Vector3d::Zero()};
@@ -217,4 +217,4 @@ TEST(ExplainedBy, CountsRoundAndEndsWithinTheTolerance) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::completion_test

@@ -6,7 +6,7 @@
 
 #include "surfaces.hpp"
 
-namespace polhode {
+namespace polhode::hull_test {
 namespace {
 
 Result<Hull> hull_of(const Points& points, double tolerance) {
@@ -132,4 +132,4 @@ TEST(Hull, OfPointsThatEncloseNothingIsAnError) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::hull_test

@@ -8,7 +8,7 @@
 
 #include "surfaces.hpp"
 
-namespace polhode {
+namespace polhode::normals_test {
 namespace {
 
 struct Estimated {
@@ -110,4 +110,4 @@ TEST(Normals, OfTooFewNeighboursAreNotReliable) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::normals_test

@@ -4,7 +4,7 @@
 
 #include "surfaces.hpp"
 
-namespace polhode {
+namespace polhode::rounded_test {
 namespace {
 
 /// Evenly over the directions, at `radius(direction)` from the middle.
@@ -106,4 +106,4 @@ TEST(Rounded, ABoxStaysABox) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::rounded_test

@@ -10,7 +10,7 @@
 #include "shape/scale.hpp"
 #include "surfaces.hpp"
 
-namespace polhode {
+namespace polhode::scale_doubt_test {
 namespace {
 
 constexpr double kMetresPerMu = 0.37;
@@ -193,4 +193,4 @@ TEST(LengthDoubt, IsNoLargerOnAPlainSurface) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::scale_doubt_test

@@ -7,7 +7,7 @@
 #include "shape/scale_of_shape.hpp"
 #include "surfaces.hpp"
 
-namespace polhode {
+namespace polhode::scale_fusion_test {
 namespace {
 
 ScaleReadings readings_of(std::initializer_list<ScaleReading> list) {
@@ -133,4 +133,4 @@ TEST(ScaleOfShape, IsAnErrorWhereTheShapeHasNoSuchThing) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::scale_fusion_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace polhode {
+namespace polhode::scale_number_test {
 namespace {
 
 TEST(ScaleNumber, RisesByOneAtEachChange_AndNotBetween) {
@@ -27,4 +27,4 @@ TEST(ScaleNumber, MapUnitsOfAnotherMapAreAnotherUnit) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::scale_number_test

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace polhode {
+namespace polhode::scale_state_test {
 namespace {
 
 const CameraModel kCamera{
@@ -83,4 +83,4 @@ TEST_F(ScaleReadingsOfAWall, AShapeWithoutTheNamedPartTellsNothing) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::scale_state_test

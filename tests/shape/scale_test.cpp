@@ -6,7 +6,7 @@
 
 #include "surfaces.hpp"
 
-namespace polhode {
+namespace polhode::scale_test {
 namespace {
 
 constexpr double kMetresPerMu = 0.37;
@@ -128,4 +128,4 @@ TEST(ScaleFromRange, IsAnErrorWhenTheBoresightMissesOrTheReadingIsNone) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::scale_test

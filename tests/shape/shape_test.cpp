@@ -6,7 +6,7 @@
 
 #include "surfaces.hpp"
 
-namespace polhode {
+namespace polhode::shape_test {
 namespace {
 
 const Eigen::Vector3d kDimensions(1.0, 0.8, 0.6);
@@ -308,4 +308,4 @@ TEST(Shape, TakesAtMostTheTablesCapacity) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::shape_test

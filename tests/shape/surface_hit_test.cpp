@@ -8,7 +8,7 @@
 
 #include "surfaces.hpp"
 
-namespace polhode {
+namespace polhode::surface_hit_test {
 namespace {
 
 /// Landmarks at picture offsets from a ray, at the given depths, in a camera whose axes are T's.
@@ -101,4 +101,4 @@ TEST(HitSurface, DoubtsWhereTwoSurfacesMeet) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::surface_hit_test

@@ -7,7 +7,7 @@
 #include "shape/rectangle.hpp"
 #include "surfaces.hpp"
 
-namespace polhode {
+namespace polhode::surfaces_test {
 namespace {
 
 struct Found {
@@ -253,4 +253,4 @@ TEST(GroupedCovariance, IsNotSurerThanWhiteNoiseOfAnyUnknownWhateverItsUnit) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::surfaces_test

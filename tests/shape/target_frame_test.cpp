@@ -8,7 +8,7 @@
 
 #include "geometry/so3.hpp"
 
-namespace polhode {
+namespace polhode::target_frame_test {
 namespace {
 
 const Eigen::Vector3d kX = Eigen::Vector3d::UnitX();
@@ -190,4 +190,4 @@ TEST(RelabelLike, KeepsTheNameThatTheAxisHadInABox) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::target_frame_test

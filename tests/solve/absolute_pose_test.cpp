@@ -11,7 +11,7 @@
 #include "base/rng.hpp"
 #include "geometry/so3.hpp"
 
-namespace polhode {
+namespace polhode::absolute_pose_test {
 namespace {
 
 constexpr double kSigma = 5e-4;  // half a pixel at a focal length of 1000 px
@@ -234,4 +234,4 @@ TEST(RefinePose, ReturnsAnError_UnderFourObservations) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::absolute_pose_test

@@ -14,7 +14,7 @@
 #include "geometry/so3.hpp"
 #include "solve/settle_points.hpp"
 
-namespace polhode {
+namespace polhode::bundle_adjustment_test {
 namespace {
 
 using testing::disturbed;
@@ -369,4 +369,4 @@ TEST(BundleAdjustment, APriorThatIsFarOffLosesItsPull) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::bundle_adjustment_test

@@ -9,7 +9,7 @@
 #include "base/rng.hpp"
 #include "geometry/so3.hpp"
 
-namespace polhode {
+namespace polhode::bundle_costs_test {
 namespace {
 
 // Of images a tenth of a radian wide: residuals of a few sigma are far above rounding.
@@ -291,4 +291,4 @@ TEST(PosePriorCost, NeedsNoJacobian) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::bundle_costs_test

@@ -12,7 +12,7 @@
 #include "solve/bundle_adjustment.hpp"
 #include "solve/settle_points.hpp"
 
-namespace polhode {
+namespace polhode::bundle_part_test {
 namespace {
 
 using testing::disturbed;
@@ -264,4 +264,4 @@ TEST(AdjustBundle, EndsNearTheWhole_WhereOnlyAPartIsAdjusted) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::bundle_part_test

@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-namespace polhode {
+namespace polhode::ceres_solver_test {
 namespace {
 
 ceres::Solver::Summary summary_of(ceres::TerminationType termination, double final_cost) {
@@ -50,4 +50,4 @@ TEST(CeresSolver, LetsNeitherClockNorThreadsDecide) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::ceres_solver_test

@@ -6,7 +6,7 @@
 
 #include "focal_scene.hpp"
 
-namespace polhode {
+namespace polhode::focal_adjustment_test {
 namespace {
 
 using testing::focal_scene;
@@ -80,4 +80,4 @@ TEST(AdjustFocal, WithoutObservationsThereIsNone) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::focal_adjustment_test

@@ -11,7 +11,7 @@
 #include "base/rng.hpp"
 #include "geometry/so3.hpp"
 
-namespace polhode {
+namespace polhode::free_body_adjustment_test {
 namespace {
 
 constexpr double kSigma = 2e-4;
@@ -164,4 +164,4 @@ TEST(FreeBodyAdjustment, HasNoAnswerWithoutImagesBehindTheCameraOrOfARunaway) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::free_body_adjustment_test

@@ -11,7 +11,7 @@
 #include "base/rng.hpp"
 #include "geometry/so3.hpp"
 
-namespace polhode {
+namespace polhode::mass_centre_fit_test {
 namespace {
 
 constexpr double kSigma = 1e-3;
@@ -178,4 +178,4 @@ TEST(TranslationFit, NeedsFourSamplesTimeThatPassesAndAPrior) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::mass_centre_fit_test

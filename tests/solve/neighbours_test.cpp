@@ -9,7 +9,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::neighbours_test {
 namespace {
 
 using Octets = std::vector<std::uint8_t>;
@@ -146,4 +146,4 @@ TEST(NearestDescriptors, FindsNothing_AmongNoReferences_AndForNoQueries) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::neighbours_test

@@ -9,7 +9,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::point_tree_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
@@ -102,4 +102,4 @@ TEST(PointTree, OfNoPointsFindsNone) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::point_tree_test

@@ -13,7 +13,7 @@
 #include "geometry/so3.hpp"
 #include "solve/absolute_pose.hpp"
 
-namespace polhode {
+namespace polhode::pose_with_prior_test {
 namespace {
 
 constexpr double kSigma = 5e-4;  // half a pixel at a focal length of 1000 px
@@ -277,4 +277,4 @@ TEST(PoseWithPrior, GivesTheSameBytes_EachTime) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::pose_with_prior_test

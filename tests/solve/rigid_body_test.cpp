@@ -10,7 +10,7 @@
 #include "geometry/so3.hpp"
 #include "solve/mass_centre_fit.hpp"
 
-namespace polhode {
+namespace polhode::rigid_body_test {
 namespace {
 
 InertiaShape random_shape(Rng& rng, double size) {
@@ -187,4 +187,4 @@ TEST(Path, OfHillsEquationsFulfilsThem) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::rigid_body_test

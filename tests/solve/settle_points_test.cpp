@@ -10,7 +10,7 @@
 #include "base/rng.hpp"
 #include "geometry/so3.hpp"
 
-namespace polhode {
+namespace polhode::settle_points_test {
 namespace {
 
 /// Cauchy's loss of a squared residual.
@@ -289,4 +289,4 @@ TEST(SettlePoints, LeavesAPointBehindACameraAsItWas) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::settle_points_test

@@ -8,7 +8,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::sine_fit_test {
 namespace {
 
 constexpr double kTau = 2.0 * std::numbers::pi;
@@ -83,4 +83,4 @@ TEST(Sine, OfTooFewOrUnusableSamplesIsAnError) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::sine_fit_test

@@ -11,7 +11,7 @@
 #include "base/rng.hpp"
 #include "solve/cauchy_loss.hpp"
 
-namespace polhode {
+namespace polhode::small_fit_test {
 namespace {
 
 /// Cauchy's loss of a squared residual.
@@ -222,4 +222,4 @@ TEST(SmallFit, ReportsTheEquationsOfTheBestPlace_WhenTheLastStepFailed) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::small_fit_test

@@ -8,7 +8,7 @@
 
 #include "solve/start_geometry.hpp"
 
-namespace polhode {
+namespace polhode::start_adjustment_test {
 namespace {
 
 using testing::disturb;
@@ -217,4 +217,4 @@ TEST(StartAdjustment, PointCovariances_EqualTheDenseOnesUnderTheSameGauge) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::start_adjustment_test

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-namespace polhode {
+namespace polhode::start_residuals_test {
 namespace {
 
 constexpr double kSigma = 1e-3;
@@ -203,4 +203,4 @@ TEST(TrackCosts, AreGivenByTrackAndZeroWithoutObservations) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::start_residuals_test

@@ -8,7 +8,7 @@
 #include "solve/relative_pose.hpp"
 #include "solve/start_geometry.hpp"
 
-namespace polhode {
+namespace polhode::start_seeds_test {
 namespace {
 
 using testing::make_start_geometry;
@@ -162,4 +162,4 @@ TEST(WeakPerspective, PointsAreThoseOfTheMotion) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::start_seeds_test

@@ -8,7 +8,7 @@
 #include "config/limits.hpp"
 #include "tumbling_attitudes.hpp"
 
-namespace polhode {
+namespace polhode::torque_free_fit_test {
 namespace {
 
 using testing::tumbling_attitudes;
@@ -123,4 +123,4 @@ TEST(Chi2PerDof, LeavesOutTheElevenUnknowns_AndIsZeroWhereNoneIsFree) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::torque_free_fit_test

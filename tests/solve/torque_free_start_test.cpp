@@ -7,7 +7,7 @@
 #include "solve/torque_free_fit.hpp"
 #include "tumbling_attitudes.hpp"
 
-namespace polhode {
+namespace polhode::torque_free_start_test {
 namespace {
 
 using testing::tumbling_attitudes;
@@ -112,4 +112,4 @@ TEST(RotationStart, NeedsFourSamplesAndAReferenceAmongThem) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::torque_free_start_test

@@ -9,7 +9,7 @@
 #include "base/rng.hpp"
 #include "geometry/so3.hpp"
 
-namespace polhode {
+namespace polhode::triangulate_test {
 namespace {
 
 Eigen::Vector3d random_vector(Rng& rng, double size) {
@@ -90,4 +90,4 @@ TEST(Triangulate, RefusesParallelRays) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::triangulate_test

@@ -10,7 +10,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::associate_test {
 namespace {
 
 constexpr double kRatioMax = 0.8;
@@ -319,4 +319,4 @@ TEST(Associate, GivesTheSame_EachTime) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::associate_test

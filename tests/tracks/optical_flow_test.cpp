@@ -10,7 +10,7 @@
 
 #include "base/rng.hpp"
 
-namespace polhode {
+namespace polhode::optical_flow_test {
 namespace {
 
 constexpr int kWidth = 320;
@@ -169,4 +169,4 @@ TEST(FollowPoints, KeepsFewerPoints_WhenTheWayBackHasToBeCloser) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::optical_flow_test

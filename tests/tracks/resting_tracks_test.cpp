@@ -8,7 +8,7 @@
 #include "spots.hpp"
 #include "tracks/track_table.hpp"
 
-namespace polhode {
+namespace polhode::resting_tracks_test {
 namespace {
 
 /// Frames in which 60 spots move by so much from each to the next, and 20 stay where they are.
@@ -74,4 +74,4 @@ TEST(DropRestingTracks, DropsFewAndShortOnes_OnceMuchIsKnownToRest) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::resting_tracks_test

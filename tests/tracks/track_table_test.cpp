@@ -13,7 +13,7 @@
 
 #include "spots.hpp"
 
-namespace polhode {
+namespace polhode::track_table_test {
 namespace {
 
 TEST(TrackTable, HasNoTracks_AfterOneFrame) {
@@ -262,4 +262,4 @@ TEST(TrackTable, IsSound_UntilAnIndexOrAPlaceIsDamaged) {
 }
 
 }  // namespace
-}  // namespace polhode
+}  // namespace polhode::track_table_test

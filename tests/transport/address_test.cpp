@@ -4,7 +4,7 @@
 
 #include "errors.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::address_test {
 namespace {
 
 TEST(Address, OfUdpIsLoopbackUnlessAHostIsGiven) {
@@ -40,4 +40,4 @@ TEST(Address, ThatIsNoneIsRefused) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::address_test

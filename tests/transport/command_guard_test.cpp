@@ -17,7 +17,7 @@
 #include "signed_commands.hpp"
 #include "small_files.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::command_guard_test {
 namespace {
 
 const Octets kNoop = bus::command(bus::CommandCode::kNoop);
@@ -236,4 +236,4 @@ TEST_F(CommandGuardTest, TakesNoneOfRandomAndRepeatedOnes) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::command_guard_test

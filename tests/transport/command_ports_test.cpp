@@ -18,7 +18,7 @@
 #include "signed_commands.hpp"
 #include "transport/transports.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::command_ports_test {
 namespace {
 
 Octets cloud_request(std::uint32_t points) {
@@ -169,4 +169,4 @@ TEST_F(CommandPortsTest, WithoutAKeyAFloodLeavesOtherPortsTheirTurn) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::command_ports_test

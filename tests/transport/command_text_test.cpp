@@ -11,7 +11,7 @@
 #include "pipeline/parameter_image.hpp"
 #include "transport/command_file.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::command_text_test {
 namespace {
 
 constexpr int kApidFirst = 0x1A0;
@@ -141,4 +141,4 @@ TEST(CommandFile, ThatIsWrongIsRefusedByItsLine) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::command_text_test

@@ -12,7 +12,7 @@
 #include "packets.hpp"
 #include "transport/transports.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::datagram_test {
 namespace {
 
 TEST(UnixDatagram, CarriesOnePacketEach_InOrder) {
@@ -211,4 +211,4 @@ TEST(Udp, CarriesPacketsOverLoopback) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::datagram_test

@@ -17,7 +17,7 @@
 #include "transport/datagram/datagram.hpp"
 #include "transport/transports.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::never_waits_test {
 namespace {
 
 /// How often this thread has waited so far.
@@ -169,4 +169,4 @@ TEST(FlatFile, InAPipeIsWholePackets_AndRefusedWithoutAReader) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::never_waits_test

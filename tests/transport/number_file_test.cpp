@@ -17,7 +17,7 @@
 #include "signed_commands.hpp"
 #include "small_files.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::number_file_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -215,4 +215,4 @@ TEST_F(NumberFileTest, ADiskThatHangsHoldsNobodyUp_AndTheNumberGetsThereInTheEnd
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::number_file_test

@@ -14,7 +14,7 @@
 #include "transport/shm/ring_layout.hpp"
 #include "transport/shm/ring_writer.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::ring_test {
 namespace {
 
 /// A name of its own; the shared memory goes with the test.
@@ -235,4 +235,4 @@ TEST(Ring, OfAnotherLayoutIsRefusedByReaders) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::ring_test

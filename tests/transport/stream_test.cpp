@@ -12,7 +12,7 @@
 #include "transport/file/flat_file.hpp"
 #include "transport/transports.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::stream_test {
 namespace {
 
 Octets stream_of(std::uint32_t packets) {
@@ -164,4 +164,4 @@ TEST(Client, DecodesWhatWasPacked) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::stream_test

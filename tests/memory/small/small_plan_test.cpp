@@ -3,7 +3,7 @@
 
 #include "memory_plan.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::small_plan_test {
 namespace {
 
 /// What the plan depends on, as config/small.toml has it, with a camera of 640x480.
@@ -47,4 +47,4 @@ TEST(SmallPlan, KeepsALargerCameraOut) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::small_plan_test

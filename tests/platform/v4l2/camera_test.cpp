@@ -3,7 +3,7 @@
 #include "camera/v4l2/v4l2_camera.hpp"
 #include "fake_device.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::camera_test {
 namespace {
 
 constexpr int kWait_ms = 20;
@@ -366,4 +366,4 @@ TEST_F(V4l2CameraTest, ABufferFilledBeforeAChangeHasTheExposureFromBeforeIt) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::camera_test

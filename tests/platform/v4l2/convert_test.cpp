@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 
-namespace polhode::platform {
+namespace polhode::platform::convert_test {
 namespace {
 
 constexpr int kWidth = 5;
@@ -185,4 +185,4 @@ TEST_F(Jpeg, TruncatedOrOfAnotherSizeOrNoJpegAtAll_IsRefused) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::convert_test

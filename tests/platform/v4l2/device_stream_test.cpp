@@ -4,7 +4,7 @@
 
 #include "fake_device.hpp"
 
-namespace polhode::platform {
+namespace polhode::platform::device_stream_test {
 namespace {
 
 DeviceWish wish() {
@@ -207,4 +207,4 @@ TEST(Controls, TakeTheNearestSettingWithinTheirRange) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::device_stream_test

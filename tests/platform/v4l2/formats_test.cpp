@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace polhode::platform {
+namespace polhode::platform::formats_test {
 namespace {
 
 OfferedFormat offer(std::uint32_t fourcc,
@@ -94,4 +94,4 @@ TEST(Fourcc, IsReadable_WithBigEndianMarked) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::formats_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace polhode::platform {
+namespace polhode::platform::frame_time_test {
 namespace {
 
 // verifies: LIV-11
@@ -63,4 +63,4 @@ TEST(Backoff, DoublesUpToItsBound_AndBeginsAnewAfterSuccess) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::frame_time_test

@@ -22,7 +22,7 @@ extern "C" void* malloc(std::size_t octets) {
 }
 #endif
 
-namespace polhode::platform {
+namespace polhode::platform::jpeg_decoder_test {
 namespace {
 
 using Octets = std::vector<std::uint8_t>;
@@ -163,4 +163,4 @@ TEST(JpegDecoder, OfDamagedImagesWritesNowhereElse) {
 }
 
 }  // namespace
-}  // namespace polhode::platform
+}  // namespace polhode::platform::jpeg_decoder_test
