@@ -38,9 +38,9 @@ def arguments() -> argparse.Namespace:
 
 def write_json(path: pathlib.Path, reports: list[dict]) -> None:
     from judge.errors import BadInput
+    from judge.whole_file import write_whole
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps({"runs": reports}, indent=2, default=lambda value: value.item()) + "\n")
+        write_whole(path, json.dumps({"runs": reports}, indent=2, default=lambda value: value.item()) + "\n")
     except OSError as problem:
         raise BadInput(f"{path}: {problem.strerror}") from None
 

@@ -9,8 +9,10 @@
 
 namespace polhode::platform {
 
-OutputFile::OutputFile(const std::filesystem::path& file)
-    : name_(file.string()), stream_(std::fopen(file.c_str(), "wbe")) {
+OutputFile::OutputFile(const std::filesystem::path& file,
+                       const char* mode,
+                       const std::filesystem::path& named)
+    : name_(named.string()), stream_(std::fopen(file.c_str(), mode)) {
   if (!stream_) {
     fail();
   }
@@ -35,9 +37,22 @@ void OutputFile::fail() const {
 }
 
 void write_file(const std::filesystem::path& file, std::string_view text) {
-  OutputFile out(file);
-  out.write(text);
-  out.close();
+  const std::filesystem::path beside = file.string() + ".new";
+  std::error_code problem;
+  std::filesystem::remove(beside, problem);
+  OutputFile out(beside, "wbxe", file);  // made here: nobody's link is followed
+  try {
+    out.write(text);
+    out.close();
+    std::filesystem::rename(beside, file, problem);
+    if (problem) {
+      errno = problem.value();
+      out.fail();
+    }
+  } catch (...) {
+    std::filesystem::remove(beside, problem);
+    throw;
+  }
 }
 
 }  // namespace polhode::platform

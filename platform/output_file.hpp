@@ -13,7 +13,7 @@ namespace polhode::platform {
 class OutputFile {
  public:
   /// Creates or empties the file. @throws RunFailure naming it, here and in every call below.
-  explicit OutputFile(const std::filesystem::path& file);
+  explicit OutputFile(const std::filesystem::path& file) : OutputFile(file, "wbe", file) {}
 
   void write(const void* data, std::size_t octets);
   void write(std::string_view text) { write(text.data(), text.size()); }
@@ -23,6 +23,12 @@ class OutputFile {
   void close();
 
  private:
+  friend void write_file(const std::filesystem::path& file, std::string_view text);
+  /// @param named  in what it throws, instead of the file.
+  OutputFile(const std::filesystem::path& file,
+             const char* mode,
+             const std::filesystem::path& named);
+
   [[noreturn]] void fail() const;
 
   struct Close {
@@ -32,7 +38,8 @@ class OutputFile {
   std::unique_ptr<std::FILE, Close> stream_;
 };
 
-/// The whole of a small file at once.
+/// The whole of a small file: written beside it and moved to its place, so that it is whole, or as
+/// it was before. What stood there is replaced, a symbolic link, too.
 void write_file(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace polhode::platform

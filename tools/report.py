@@ -38,6 +38,7 @@ def arguments() -> argparse.Namespace:
 def main() -> int:
     options = arguments()
     from judge.errors import BadInput
+    from judge.whole_file import write_whole
     from reporting.gather import gather
     from reporting.page import page
     if options.set and options.replay is None:
@@ -50,7 +51,7 @@ def main() -> int:
     text = page(material)
     out = options.out or options.run / "report.html"
     try:
-        out.write_text(text, encoding="utf-8")
+        write_whole(out, text)
     except OSError as problem:
         raise BadInput(f"{out}: {problem.strerror}") from None
     print(out)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The long memory test: 20,000 frames after the seal (the everyday suite takes 500).
+# The long memory test: 20,000 frames after the seal (the everyday suite takes 300).
 #   tools/soak.sh [FRAMES]
 set -euo pipefail
 case ${1:-} in -h | --help) sed -n '2,3s/^# //p' "$0"; exit 0 ;; esac

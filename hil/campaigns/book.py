@@ -10,27 +10,30 @@ import tomllib
 from dataclasses import dataclass
 
 from campaigns.plan import Plan, Run, Scene
-from campaigns.store import Store, digest, file_digest, folder_digest, is_whole, keep_copy, source_digest, write_whole
+from campaigns.store import Store, digest, file_digest, folder_digest, is_whole, keep_copy, source_digest
 from campaigns.tasks import Task
 from judge.errors import BadInput
 from judge.venv import REPOSITORY
+from judge.whole_file import write_whole
 
 BOOK_FILE = "campaign.json"
 # Built beside the program from the same sources.
 LIMIT_PROGRAM = REPOSITORY / "build/release/bin/bench_start_limit"
 
-
+TRANSFORM_SOURCES = ("hil/transforms/*.py", "hil/judge/sequence.py", "hil/judge/tables.py", "hil/judge/align.py", "hil/judge/fault_log.py")
 # The code behind each kind of task.
 SOURCES = {
     "render": ("hil/scenes/generator/**/*.py", "hil/render_scene.sh"),
-    "transform": ("hil/transforms/*.py", "hil/judge/sequence.py", "hil/judge/tables.py", "hil/judge/align.py", "hil/judge/fault_log.py"),
+    "draw": ("hil/paths/*.py", *TRANSFORM_SOURCES),
+    "transform": TRANSFORM_SOURCES,
     "judge": ("hil/judge/*.py", "hil/campaigns/measures.py", "platform/transport/client/python/polhode_bus/*.py"),
 }
 
 
 @dataclass(frozen=True)
 class Chain:
-    """One run and its tasks in the order in which they need each other; those of a folder that is there have no render."""
+    """One run and its tasks in the order in which they need each other; those of a folder that is there have no render, those of a
+    path are drawn instead."""
 
     run: Run
     sequence_key: str
@@ -58,10 +61,12 @@ class Chain:
         return [*self.missing_sequence, *([] if is_whole(replay.place) else [replay]), judge, *limit]
 
 
-def _scene_key(scene: Scene, generator: str) -> str:
+def _scene_key(scene: Scene, sources: dict[str, str]) -> str:
     if scene.folder is not None:
         return digest("folder", folder_digest(scene.folder))
-    return digest("scene", scene.text, scene.variant, [file_digest(path) for path in model_files(scene)], generator)
+    if scene.path is not None:
+        return digest("path", scene.path, sources["draw"])
+    return digest("scene", scene.text, scene.variant, [file_digest(path) for path in model_files(scene)], sources["render"])
 
 
 def model_files(scene: Scene) -> list[pathlib.Path]:
@@ -90,7 +95,7 @@ class _Maker:
         keep_copy(program, self.program)
         self.limit_key = self._limit_key()
         self.sources = {kind: source_digest(*patterns) for kind, patterns in SOURCES.items()}
-        self.scene_keys = {scene.name: _scene_key(scene, self.sources["render"]) for scene in plan.scenes}
+        self.scene_keys = {scene.name: _scene_key(scene, self.sources) for scene in plan.scenes}
         self.configs = {setting.config: self._config(setting) for setting in plan.settings}
 
     def _limit_key(self) -> str | None:
@@ -128,7 +133,10 @@ class _Maker:
         """(tasks, key, folder) of a run's sequence."""
         scene, key, tasks = run.scene, self.scene_keys[run.scene.name], []
         folder = scene.folder
-        if folder is None:
+        if scene.path is not None:
+            tasks.append(self.task("draw", key, scene.name, self.store.rendered(key), **scene.path))
+            folder = tasks[-1].place
+        elif folder is None:
             file = self._scene_file(scene, key)
             tasks.append(self.task("render", key, scene.name, self.store.rendered(key), file=str(file), variant=scene.variant))
             folder = tasks[-1].place
@@ -169,7 +177,7 @@ def open_book(plan: Plan, store: Store, program: pathlib.Path) -> list[Chain]:
         raise BadInput(f"{program}: not there or not a program; build it first")
     store.out.mkdir(parents=True, exist_ok=True)
     for scene in plan.scenes:
-        if scene.folder is None and scene.file is None:
+        if scene.text and scene.file is None:
             write_whole(store.out / "scenes" / f"{scene.name}.toml", scene.text)
     maker = _Maker(plan, store, program.resolve())
     chains = [maker.chain(run) for run in plan.runs]

@@ -13,8 +13,9 @@ from distributed.client import FutureCancelledError
 from distributed.scheduler import KilledWorker
 
 from campaigns.book import Chain
-from campaigns.store import is_whole, write_whole
+from campaigns.store import is_whole
 from campaigns.tasks import KINDS, Outcome, perform
+from judge.whole_file import write_whole
 
 LINE_EVERY_S = 20.0  # without a terminal
 FAILURES_FILE = "failures.json"

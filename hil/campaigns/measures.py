@@ -27,8 +27,9 @@ from judge.venv import REPOSITORY
 WRONG_DEG, CONFIDENT_DEG = 5.0, 2.0
 PROBABILITIES = (0.95, 0.99)
 FRAME_COLUMNS = ("frame", "timestamp_ns", "turn_deg", "pose_valid", "target_frame", "attitude_error_deg", "attitude_sigma_deg",
-                 "attitude_nees", "position_error_percent", "rate_error_deg_s", "rate_sigma_deg_s", "smoothed_attitude_error_deg",
-                 "smoothed_attitude_sigma_deg", "features", "matches", "inliers", "fault")
+                 "attitude_nees", "position_error_percent", "position_error_m", "position_sigma_m", "rate_error_deg_s",
+                 "rate_sigma_deg_s", "smoothed_attitude_error_deg", "smoothed_attitude_sigma_deg", "smoothed_position_error_m",
+                 "smoothed_position_sigma_m", "features", "matches", "inliers", "fault")
 
 
 def turned_deg(truth: Motion) -> np.ndarray:
@@ -75,8 +76,13 @@ def attitude_nees(part, covariances: dict[int, np.ndarray]) -> np.ndarray:
 
 
 def _errors(estimate: Motion, truth: Motion, covariances: dict) -> dict[str, np.ndarray]:
-    """Per row of the estimate [N], NaN where unknown: attitude, its sigma, NEES, position, rate, its sigma."""
-    names = ("attitude_error_deg", "attitude_sigma_deg", "attitude_nees", "position_error_percent", "rate_error_deg_s", "rate_sigma_deg_s")
+    """Per row of the estimate [N], NaN where unknown: attitude, its sigma, NEES, position, its sigma, rate, its sigma.
+
+    Positions are laid over the truth by one similarity a target frame T: in percent by a fitted scale, in metres by the run's
+    own where it claims one, since its sigma holds the error of that.
+    """
+    names = ("attitude_error_deg", "attitude_sigma_deg", "attitude_nees", "position_error_percent", "position_error_m", "position_sigma_m",
+             "rate_error_deg_s", "rate_sigma_deg_s")
     found = {name: np.full(len(estimate.timestamp_ns), np.nan) for name in names}
     for part in align_each(estimate, truth):
         rows = part.rows_E
@@ -84,6 +90,8 @@ def _errors(estimate: Motion, truth: Motion, covariances: dict) -> dict[str, np.
         found["attitude_sigma_deg"][rows] = np.degrees(estimate.columns["sigma_att_rad"][rows])
         found["attitude_nees"][rows] = attitude_nees(part, covariances)
         found["position_error_percent"][rows] = 100 * part.position_error_m / part.range_m
+        found["position_error_m"][rows] = part.own_position_error_m
+        found["position_sigma_m"][rows] = part.own_similarity.scale * estimate.columns["sigma_pos"][rows]
         rows_w, w_E, w_T = metrics.rate_pairs(part)
         found["rate_error_deg_s"][rows_w] = np.degrees(np.linalg.norm(w_E - w_T, axis=1))
         found["rate_sigma_deg_s"][rows_w] = np.degrees(estimate.columns["sigma_rate_rad_s"][rows_w])
@@ -128,12 +136,15 @@ def _accuracy(prefix: str, found: dict[str, np.ndarray], motion: dict) -> dict:
            "depth_reversed": lookup(motion, "twin.verdict") == "twin", "verdict": lookup(motion, "twin.verdict"),
            "target_frames": lookup(motion, "target_frames.count") or 0}
     row["begun_anew"] = row["target_frames"] > 1
-    rate_known = np.isfinite(found["rate_error_deg_s"]) & np.isfinite(found["rate_sigma_deg_s"])
-    for probability in PROBABILITIES:
-        # Published sigmas are of the worst axis: at least this share of the norms lies inside.
-        bound, percent = np.sqrt(chi2.ppf(probability, 3)), round(100 * probability)
-        row[f"attitude_in_{percent}"] = _share(error <= bound * sigma, known)
-        row[f"rate_in_{percent}"] = _share(found["rate_error_deg_s"] <= bound * found["rate_sigma_deg_s"], rate_known)
+    for what, unit in (("attitude", "deg"), ("position", "m"), ("rate", "deg_s")):
+        norms, sigmas = found[f"{what}_error_{unit}"], found[f"{what}_sigma_{unit}"]
+        both = np.isfinite(norms) & np.isfinite(sigmas)
+        row[f"{what}_judged_frames"] = int(both.sum())
+        for probability in PROBABILITIES:
+            # Published sigmas are of the worst axis: at least this share of the norms lies inside.
+            inside, percent = norms <= np.sqrt(chi2.ppf(probability, 3)) * sigmas, round(100 * probability)
+            row[f"{what}_in_{percent}"] = _share(inside, both)
+            row[f"{what}_beyond_{percent}_frames"] = int(np.sum(both & ~inside))
     return {f"{prefix}_{name}": value for name, value in row.items()}
 
 
@@ -174,6 +185,7 @@ def measure(run_folder: pathlib.Path, sequence_folder: pathlib.Path, shape: bool
         "frame": np.arange(frames), "timestamp_ns": causal.timestamp_ns, "turn_deg": turn_deg, "pose_valid": causal.pose_valid,
         "target_frame": causal.target_frame, "smoothed_attitude_error_deg": found_smoothed["attitude_error_deg"],
         "smoothed_attitude_sigma_deg": found_smoothed["attitude_sigma_deg"],
+        "smoothed_position_error_m": found_smoothed["position_error_m"], "smoothed_position_sigma_m": found_smoothed["position_sigma_m"],
         "fault": [kinds.get(int(stamp), "") for stamp in causal.timestamp_ns],
         **{name: causal.columns[name] for name in ("features", "matches", "inliers")}}
     return row, {name: columns[name] for name in FRAME_COLUMNS}

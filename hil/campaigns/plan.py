@@ -16,8 +16,9 @@ from transforms.table import check_order, options_of
 
 UNTRANSFORMED = "plain"
 TABLES = {
-    "": {"name", "scenes", "scene_files", "sequences", "configurations", "sweep", "transforms", "untransformed", "judge"},
+    "": {"name", "scenes", "paths", "scene_files", "sequences", "configurations", "sweep", "transforms", "untransformed", "judge"},
     "scenes": {"draws", "seed", "frames", "resolution", "texture_px", "samples", "space"},
+    "paths": {"draws", "seed", "frames", "resolution"},
     "scene_files": {"file", "variant"},
     "configurations": {"name", "file", "set"},
     "transforms": {"name", "steps", "seed"},
@@ -27,13 +28,15 @@ TABLES = {
 
 @dataclass(frozen=True)
 class Scene:
-    """Where a sequence comes from: a scene that is rendered (text of its TOML, its file where it has one, variant), or a folder."""
+    """Where a sequence comes from: a scene that is rendered (text of its TOML, its file where it has one, variant), a path that is
+    drawn (arguments of paths.draw), or a folder."""
 
     name: str
     text: str = ""
     file: pathlib.Path | None = None
     variant: str = ""
     folder: pathlib.Path | None = None
+    path: dict | None = None
 
 
 @dataclass(frozen=True)
@@ -159,11 +162,16 @@ class _Reader:
         self.refuse(where, f"{text} is neither beside the plan nor in the project")
 
 
-def _picture(reader: _Reader, table: dict) -> Picture:
-    resolution = reader.value("scenes", table, "resolution", list, [640, 480])
+def _resolution(reader: _Reader, where: str, table: dict, default: list[int]) -> list[int]:
+    resolution = reader.value(where, table, "resolution", list, default)
     if len(resolution) != 2 or not all(isinstance(n, int) and 32 <= n <= 4096 for n in resolution):
-        reader.refuse("scenes.resolution", "two whole numbers in 32 .. 4096 are needed")
-    return Picture(frames=reader.value("scenes", table, "frames", int, 80, 3, 100000), resolution=tuple(resolution),
+        reader.refuse(f"{where}.resolution", "two whole numbers in 32 .. 4096 are needed")
+    return resolution
+
+
+def _picture(reader: _Reader, table: dict) -> Picture:
+    return Picture(frames=reader.value("scenes", table, "frames", int, 80, 3, 100000),
+                   resolution=tuple(_resolution(reader, "scenes", table, [640, 480])),
                    texture_px=reader.value("scenes", table, "texture_px", int, 1024, 64, 8192),
                    samples=reader.value("scenes", table, "samples", int, 16, 1, 4096))
 
@@ -182,6 +190,18 @@ def _drawn(reader: _Reader) -> tuple[list[Scene], list[dict]]:
         name = f"draw_{number:03d}"
         scenes.append(Scene(name, scene_toml(scene_of(point, picture, name, seed=1000 * seed % 2**31 + number))))
     return scenes, found
+
+
+def _paths(reader: _Reader) -> list[Scene]:
+    """Random paths; more draws of the same seed begin with the same ones."""
+    if "paths" not in reader.raw:
+        return []
+    table = reader.raw["paths"]
+    reader.keys("paths", table)
+    draws, seed = (reader.value("paths", table, key, int, None, least, most) for key, least, most in (("draws", 1, 100000), ("seed", 0, 2**31)))
+    common = {"frames": reader.value("paths", table, "frames", int, 60, 8, 10000),
+              "resolution": _resolution(reader, "paths", table, [240, 180])}
+    return [Scene(f"path_{number:05d}", path=common | {"seed": seed, "number": number}) for number in range(draws)]
 
 
 def _given(reader: _Reader) -> list[Scene]:
@@ -248,9 +268,9 @@ def read_plan(path: pathlib.Path) -> Plan:
     """A checked plan; BadInput with file, key and what is allowed."""
     reader = _Reader(pathlib.Path(path))
     scenes, draws = _drawn(reader)
-    scenes += _given(reader)
+    scenes += _paths(reader) + _given(reader)
     if not scenes:
-        reader.refuse("scenes", "neither [scenes], [[scene_files]] nor sequences: there is nothing to run")
+        reader.refuse("scenes", "neither [scenes], [paths], [[scene_files]] nor sequences: there is nothing to run")
     transforms, settings = _transforms(reader), _settings(reader)
     if not transforms:
         reader.refuse("transforms", "none, and untransformed is false: there is nothing to run")

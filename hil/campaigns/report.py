@@ -8,8 +8,8 @@ import jinja2
 
 from campaigns import figures, results, summaries
 from campaigns.execution import FAILURES_FILE, SESSIONS_FILE
-from campaigns.store import write_whole
 from judge.errors import BadInput
+from judge.whole_file import beside, write_whole
 
 TEMPLATE = "report.html.jinja"
 WORST = 10
@@ -122,7 +122,7 @@ def _sessions(out: pathlib.Path) -> list[dict]:
 
 def _write_csv(path: pathlib.Path, columns, table: list[dict]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    with open(path, "w", newline="") as stream:
+    with beside(path) as part, open(part, "w", newline="") as stream:
         writer = csv.DictWriter(stream, columns, lineterminator="\n", extrasaction="ignore")
         writer.writeheader()
         writer.writerows(table)

@@ -105,17 +105,6 @@ def appearing(place: pathlib.Path):
         shutil.rmtree(part, ignore_errors=True)
 
 
-def write_whole(path: pathlib.Path, text: str) -> None:
-    """A file that is whole or as it was before."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f"{path.name}.part-{uuid.uuid4().hex[:8]}")
-    try:
-        part.write_text(text)
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
-
-
 def keep_copy(source: pathlib.Path, place: pathlib.Path) -> None:
     """What is run is what was hashed, whatever becomes of the source meanwhile."""
     if not place.is_file():

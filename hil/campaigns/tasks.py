@@ -1,4 +1,4 @@
-"""What workers do: render a scene, transform a sequence, replay it, judge the run, ask for its limit, time a run alone.
+"""What workers do: render a scene, draw a path, transform a sequence, replay it, judge the run, ask for its limit, time a run alone.
 
 A task is plain data; its result is a folder, which is there whole or not at all, so a task that is done is done for good.
 A task never raises: what went wrong is told in its outcome, with a log, and whatever needs its result is not tried.
@@ -82,6 +82,12 @@ def _render(task: Task, lock: int) -> None:
     run_program(words, task.log, RENDER_TIMEOUT_S, lock)
 
 
+def _draw(task: Task, lock: int) -> None:
+    from paths.draw import draw_path
+    shutil.rmtree(task.place, ignore_errors=True)  # what an interrupted worker left
+    draw_path([task.options["seed"], task.options["number"]], task.options["frames"], tuple(task.options["resolution"]), task.place)
+
+
 def _transform(task: Task, lock: int) -> None:
     from transforms.table import transform
     with store.appearing(task.place) as part:
@@ -136,7 +142,7 @@ def _same_sources(task: Task) -> None:
         raise Failed("the project's own sources have changed since the campaign began: run it again")
 
 
-MAKERS = {"render": _render, "transform": _transform, "replay": _replay, "judge": _judge, "limit": _limit, "time": _time}
+MAKERS = {"render": _render, "draw": _draw, "transform": _transform, "replay": _replay, "judge": _judge, "limit": _limit, "time": _time}
 KINDS = tuple(MAKERS)  # in the order in which they follow each other
 
 

@@ -9,12 +9,12 @@ import pathlib
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.spatial import ConvexHull, QhullError, cKDTree
+from scipy.spatial import ConvexHull, QhullError
 
 from judge.align import axis_angle_deg
 from judge.errors import BadInput
 from judge.aligned import Aligned
-from judge.shape import SURFACE_SAMPLES, cloud_in_truth, load_ply, property_of, read_cloud, sample_mesh, seen_samples
+from judge.shape import SURFACE_SAMPLES, cloud_in_truth, load_ply, nearest_m, property_of, read_cloud, sample_mesh, seen_samples
 
 # The mesh belongs to a found side where it runs this near, in parts of the body's size, and this parallel.
 NEAR_SIZES = 0.025
@@ -188,8 +188,7 @@ def judge_surface(path: pathlib.Path, truth: Truth) -> dict | None:
         mesh = trimesh.Trimesh(hull.points, hull.simplices, process=False)
         return np.asarray(trimesh.sample.sample_surface(mesh, HULL_SAMPLES, seed=1)[0])
     found_points, true_points = samples(found), samples(true)
-    outward = cKDTree(true_points).query(found_points)[0]
-    inward = cKDTree(found_points).query(true_points)[0]
+    outward, inward = nearest_m(found_points, true_points), nearest_m(true_points, found_points)
     # The spacing of the samples is left in: about 0.4 % of the size.
     return {"volume_error_percent": 100 * (found.volume / true.volume - 1),
             "distance_rmse_percent": 100 * float(np.sqrt(np.mean(outward**2))) / truth.size_m,
@@ -210,10 +209,10 @@ def judge_faces(path: pathlib.Path, truth: Truth) -> dict | None:
         return np.asarray(trimesh.sample.sample_surface(trimesh.Trimesh(vertices_T, faces, process=False), FACE_SAMPLES, seed=1)[0])
     result = {"faces": len(found.faces), "measured_rmse_percent": None, "seen_rmse_percent": None}
     if measured.any():
-        result["measured_rmse_percent"] = 100 * float(np.sqrt(np.mean(cKDTree(truth.points_T).query(samples(found.faces[measured]))[0]**2))) / truth.size_m
+        result["measured_rmse_percent"] = 100 * float(np.sqrt(np.mean(nearest_m(samples(found.faces[measured]), truth.points_T)**2))) / truth.size_m
     seen = seen_samples(truth.points_T, truth.normals_T, truth.aligned.R_CT, truth.aligned.truth.p_CT[truth.aligned.rows_T])
     if seen.any():
-        result["seen_rmse_percent"] = 100 * float(np.sqrt(np.mean(cKDTree(samples(found.faces)).query(truth.points_T[seen])[0]**2))) / truth.size_m
+        result["seen_rmse_percent"] = 100 * float(np.sqrt(np.mean(nearest_m(truth.points_T[seen], samples(found.faces))**2))) / truth.size_m
     return result
 
 

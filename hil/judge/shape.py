@@ -13,6 +13,8 @@ from judge.aligned import Aligned
 SURFACE_SAMPLES = 200_000
 # A place of the surface counts as covered when a cloud point is this near, in % of the body's size.
 COVERED_PERCENT = (2.0, 5.0)
+# Cells across a set of points within which they are kept together: a tree answers neighbours four times as fast as points at random.
+SORTING_CELLS = 16
 # Views that decide what was seen, spread over the run, and the grid of their depth test in cells across the body.
 VIEWS = 40
 DEPTH_CELLS = 220
@@ -67,6 +69,19 @@ def sample_mesh(path: pathlib.Path) -> tuple[np.ndarray, np.ndarray, float]:
     return np.asarray(points), np.asarray(mesh.face_normals)[faces], float(np.linalg.norm(mesh.extents))
 
 
+def _cell_by_cell(points: np.ndarray) -> np.ndarray:
+    """An order [N] of points [N,3] in which neighbours follow each other."""
+    low, extent = points.min(axis=0), max(float(np.ptp(points, axis=0).max()), 1e-12)
+    return np.lexsort(np.floor((points - low) / extent * SORTING_CELLS).T)
+
+
+def nearest_m(points: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """[N] distance of each of the points [N,3] to the nearest of the others [M,3]."""
+    order, result = _cell_by_cell(points), np.empty(len(points))
+    result[order] = cKDTree(others[_cell_by_cell(others)]).query(points[order])[0]
+    return result
+
+
 def seen_samples(points_T: np.ndarray, normals_T: np.ndarray, R_CT: Rotation, p_CT: np.ndarray) -> np.ndarray:
     """Mask [S] of the surface samples that face the camera and are not hidden in at least one view.
 
@@ -106,9 +121,9 @@ def judge_shape(cloud_path: pathlib.Path, model_path: pathlib.Path, aligned: Ali
         return {"points": 0}
     surface_T, normals_T, size_m = sample_mesh(model_path)
     points_T = cloud_in_truth(points_E, aligned)
-    distance = 100 * cKDTree(surface_T).query(points_T)[0] / size_m
+    distance = 100 * nearest_m(points_T, surface_T) / size_m
     seen = seen_samples(surface_T, normals_T, aligned.R_CT, aligned.truth.p_CT[aligned.rows_T])
-    to_cloud = 100 * cKDTree(points_T).query(surface_T)[0] / size_m
+    to_cloud = 100 * nearest_m(surface_T, points_T) / size_m
     result = {"points": len(points_T), "body_size_m": size_m,
               "distance_rmse_percent": float(np.sqrt(np.mean(distance**2))),
               "distance_median_percent": float(np.median(distance)),

@@ -1,5 +1,6 @@
 """Entry of every Python script: run inside the repository's own virtual environment, end with one line on bad input."""
 
+import errno
 import os
 import pathlib
 import sys
@@ -18,7 +19,7 @@ def enter_venv(name: str = ".venv") -> None:
 
 
 def run_main(main, program: str) -> None:
-    """Calls main(); bad input becomes one line on stderr and exit status 2, a closed pipe a quiet end."""
+    """Calls main(); bad input becomes one line on stderr and exit status 2, a full disk one line and 1, a closed pipe a quiet end."""
     try:
         from judge.errors import BadInput
         sys.exit(main())
@@ -30,3 +31,8 @@ def run_main(main, program: str) -> None:
     except BadInput as problem:
         print(f"{program}: {problem}", file=sys.stderr)
         sys.exit(2)
+    except OSError as problem:
+        if problem.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+            raise
+        place = f"{problem.filename}: " if problem.filename else ""
+        sys.exit(f"{program}: {place}{problem.strerror}")

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <system_error>
 
-#include "app/checkpoint_writer.hpp"
 #include "input_text.hpp"
 #include "pipeline/checkpoint.hpp"
 
@@ -24,8 +23,10 @@ void put_aside(const fs::path& checkpoint) {
 
 }  // namespace
 
-Beginning::Beginning(const MachineOptions& machine, const std::string& config_hash)
-    : machine_(machine) {
+Beginning::Beginning(const MachineOptions& machine,
+                     const std::string& config_hash,
+                     const std::optional<polhode_key>& key)
+    : machine_(machine), key_(key) {
   std::memcpy(identity_.config_hash.data(),
               config_hash.data(),
               std::min(config_hash.size(), identity_.config_hash.size()));
@@ -36,7 +37,8 @@ Beginning::Beginning(const MachineOptions& machine, const std::string& config_ha
 }
 
 std::string Beginning::take(const fs::path& file, Component& component) {
-  loaded_ = load_checkpoint_file(file, identity_, utc_now_ns(), machine_.run.checkpoint_age_s_max);
+  loaded_ = load_checkpoint_file(
+      file, identity_, moment_now(), machine_.run.checkpoint_age_s_max, key_ ? &*key_ : nullptr);
   if (loaded_.refusal.empty() && crashes_.was_tried(loaded_.checksum)) {
     loaded_.refusal = "a run that began from it crashed";
   }
@@ -47,7 +49,7 @@ std::string Beginning::take(const fs::path& file, Component& component) {
       watch_->begins_from(0);
     }
   }
-  const std::string refusal = loaded_.refusal;
+  std::string refusal = loaded_.refusal;
   if (!refusal.empty()) {
     loaded_ = {};
   }

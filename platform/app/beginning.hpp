@@ -19,12 +19,16 @@ namespace polhode::platform {
 class Beginning {
  public:
   /// @param config_hash  64 hexadecimal digits
-  Beginning(const MachineOptions& machine, const std::string& config_hash);
+  /// @param key  that checkpoints are signed by; empty: they need no signature
+  Beginning(const MachineOptions& machine,
+            const std::string& config_hash,
+            const std::optional<polhode_key>& key = {});
 
   /// Into a component that has just been created. What it throws is a crash to the next start.
   void restore(Component& component);
 
   [[nodiscard]] const CheckpointIdentity& identity() const { return identity_; }
+  [[nodiscard]] const std::optional<polhode_key>& key() const { return key_; }
   /// Cold or warm, and why.
   [[nodiscard]] const std::string& how() const { return how_; }
   /// Of the program, this start included, since a cold one.
@@ -43,6 +47,7 @@ class Beginning {
   std::string take(const std::filesystem::path& file, Component& component);
 
   const MachineOptions& machine_;
+  std::optional<polhode_key> key_;
   CheckpointIdentity identity_;
   LoadedCheckpoint loaded_;
   CrashMark crashes_;

@@ -2,10 +2,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <openssl/crypto.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstddef>
 #include <cstring>
 #include <fstream>
 #include <system_error>
@@ -20,22 +22,46 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using Mac = std::array<std::uint8_t, POLHODE_MAC_OCTETS>;
+
 /// Read by the same build on the same machine only: as it lies in memory.
 struct FileHeader {
-  std::array<char, 8> magic{'P', 'L', 'H', 'C', 'H', 'K', '0', '2'};
+  std::array<char, 8> magic{'P', 'L', 'H', 'C', 'H', 'K', '0', '3'};
   CheckpointIdentity identity;
   std::uint32_t content_crc32 = 0;
   std::uint32_t restarts = 0;
-  std::int64_t utc_ns = 0;
+  Moment stepped;
+  std::array<char, 36> boot_id{};  ///< of the machine, when it was written
+  std::uint32_t is_signed = 0;
   std::uint64_t content_octets = 0;
+  Mac content_mac{};  ///< zeros where it is not signed
+  Mac mac{};          ///< over all before it
   std::uint32_t spare = 0;
   std::uint32_t header_crc32 = 0;
 };
-static_assert(sizeof(FileHeader) == 160, "no gaps: the checksum goes over all octets");
+static_assert(sizeof(FileHeader) == 240, "no gaps: checksum and MAC go over all octets");
 
 std::uint32_t crc_of(const FileHeader& header) {
   return crc32_iso_hdlc(
       {reinterpret_cast<const std::uint8_t*>(&header), sizeof header - sizeof header.header_crc32});
+}
+
+/// @return false: OpenSSL failed.
+bool sign(const polhode_key& key, std::span<const std::uint8_t> content, FileHeader* header) {
+  header->is_signed = 1;
+  return polhode_mac(&key, content.data(), content.size(), header->content_mac.data()) == 0 &&
+         polhode_mac(&key,
+                     reinterpret_cast<const std::uint8_t*>(header),
+                     offsetof(FileHeader, mac),
+                     header->mac.data()) == 0;
+}
+
+bool is_signed_by(const polhode_key& key,
+                  const FileHeader& header,
+                  std::span<const std::uint8_t> content) {
+  FileHeader expected = header;
+  return header.is_signed == 1 && sign(key, content, &expected) &&
+         CRYPTO_memcmp(&expected, &header, offsetof(FileHeader, mac) + sizeof header.mac) == 0;
 }
 
 bool write_all(int file, const void* data, std::size_t octets) {
@@ -86,6 +112,15 @@ std::string foreign_in(const FileHeader& header, const CheckpointIdentity& ident
     return "of another configuration";
   }
   return header.identity.boot_id != identity.boot_id ? "from before the machine was started" : "";
+}
+
+/// Another boot tells nothing of this one's clock: there the UTC clock has to do, which may be set.
+double age_s(const FileHeader& header, const Moment& now) {
+  const std::array<char, 36> boot = this_boot();
+  const bool is_same = boot == header.boot_id && boot != std::array<char, 36>{};
+  const std::int64_t age_ns = is_same ? now.since_boot_ns - header.stepped.since_boot_ns
+                                      : now.utc_ns - header.stepped.utc_ns;
+  return 1e-9 * static_cast<double>(age_ns);
 }
 
 bool read_all(int file, void* data, std::size_t octets) {
@@ -166,12 +201,17 @@ CheckpointPlaces::CheckpointPlaces(const fs::path& of)
 
 bool write_checkpoint_file(const CheckpointPlaces& places,
                            const CheckpointStamp& stamp,
-                           std::span<const std::uint8_t> content) {
+                           std::span<const std::uint8_t> content,
+                           const polhode_key* key) {
   FileHeader header{.identity = stamp.identity,
                     .content_crc32 = crc32_iso_hdlc(content),
                     .restarts = stamp.restarts,
-                    .utc_ns = stamp.utc_ns,
+                    .stepped = stamp.stepped,
+                    .boot_id = stamp.boot_id,
                     .content_octets = content.size()};
+  if (key != nullptr && !sign(*key, content, &header)) {
+    return false;
+  }
   header.header_crc32 = crc_of(header);
   const int out =
       ::open(places.beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0640);
@@ -199,14 +239,18 @@ LoadedCheckpoint load_whole_checkpoint(const fs::path& file, const BuildId& buil
 
 LoadedCheckpoint load_checkpoint_file(const fs::path& file,
                                       const CheckpointIdentity& identity,
-                                      std::int64_t utc_ns,
-                                      double age_s_max) {
+                                      const Moment& now,
+                                      double age_s_max,
+                                      const polhode_key* key) {
   FileHeader header;
   LoadedCheckpoint loaded = load(file, identity.build_id, &header);
   if (loaded.refusal.empty()) {
     loaded.refusal = loaded.stranger.empty() ? foreign_in(header, identity) : loaded.stranger;
   }
-  loaded.age_s = 1e-9 * static_cast<double>(utc_ns - header.utc_ns);
+  if (loaded.refusal.empty() && key != nullptr && !is_signed_by(*key, header, loaded.content)) {
+    loaded.refusal = "not signed by the key of commands";
+  }
+  loaded.age_s = age_s(header, now);
   if (loaded.refusal.empty() && !(loaded.age_s >= 0.0 && loaded.age_s <= age_s_max)) {
     loaded.refusal = fmt::format("{:.0f} s old, allowed are 0 .. {:.0f}", loaded.age_s, age_s_max);
   }

@@ -9,7 +9,9 @@
 #include <string>
 
 #include "os/linux/build_id.hpp"
+#include "os/linux/clock.hpp"
 #include "os/linux/memory/table_memory.hpp"
+#include "signing/polhode_sign.h"
 
 namespace polhode::platform {
 
@@ -23,7 +25,8 @@ struct CheckpointIdentity {
 /// What is written with a state.
 struct CheckpointStamp {
   CheckpointIdentity identity;
-  std::int64_t utc_ns = 0;
+  std::array<char, 36> boot_id{};  ///< of this_boot()
+  Moment stepped;                  ///< its last frame: from then on it ages
   std::uint32_t restarts =
       0;  ///< of the program, from checkpoint to checkpoint, since a cold start
 };
@@ -43,11 +46,13 @@ struct CheckpointPlaces {
 };
 
 /// Writes beside the file and has it on the disk. Then the old one becomes the one before, and the
-/// new one takes its place: at no moment is there none, or half of one. Takes no memory.
+/// new one takes its place: at no moment is there none, or half of one.
+/// @param key  signs it; nullptr: it is not signed, and nothing takes memory.
 /// @return false when the disk did not take it; the old one is still there.
 bool write_checkpoint_file(const CheckpointPlaces& places,
                            const CheckpointStamp& stamp,
-                           std::span<const std::uint8_t> content);
+                           std::span<const std::uint8_t> content,
+                           const polhode_key* key = nullptr);
 
 struct LoadedCheckpoint {
   std::unique_ptr<TableMemory> memory;    ///< of the content: goes with it, beside the pools
@@ -64,10 +69,13 @@ struct LoadedCheckpoint {
 LoadedCheckpoint load_whole_checkpoint(const std::filesystem::path& file, const BuildId& build);
 
 /// As a live run asks it: of this configuration and boot, not too old, and a file of this user's
-/// own that nobody else may write to.
+/// own that nobody else may write to. Its age is by the clock that nobody sets, unless the machine
+/// was started since.
+/// @param key  nullptr: signed or not is the same.
 LoadedCheckpoint load_checkpoint_file(const std::filesystem::path& file,
                                       const CheckpointIdentity& identity,
-                                      std::int64_t utc_ns,
-                                      double age_s_max);
+                                      const Moment& now,
+                                      double age_s_max,
+                                      const polhode_key* key = nullptr);
 
 }  // namespace polhode::platform

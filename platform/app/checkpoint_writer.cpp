@@ -8,9 +8,11 @@ std::int64_t utc_now_ns() { return clock_ns(CLOCK_REALTIME); }
 
 CheckpointWriter::CheckpointWriter(const std::filesystem::path& file,
                                    const CheckpointIdentity& identity,
-                                   std::uint32_t restarts)
+                                   std::uint32_t restarts,
+                                   const std::optional<polhode_key>& key)
     : places_(file),
-      stamp_{.identity = identity, .restarts = restarts},
+      key_(key),
+      stamp_{.identity = identity, .boot_id = this_boot(), .stepped = {}, .restarts = restarts},
       memory_(checkpoint_octets_max()),
       buffer_(reinterpret_cast<std::uint8_t*>(memory_.span().data()), memory_.span().size()) {
   thread_.start(&CheckpointWriter::work, this);
@@ -25,7 +27,7 @@ CheckpointWriter::~CheckpointWriter() {
   thread_.join();
 }
 
-void CheckpointWriter::offer(const Component& component, std::int64_t stepped_utc_ns) {
+void CheckpointWriter::offer(const Component& component, const Moment& stepped) {
   const bool sound = may_be_saved(component);
   {
     const std::lock_guard lock(mutex_);
@@ -35,7 +37,7 @@ void CheckpointWriter::offer(const Component& component, std::int64_t stepped_ut
     }
   }
   const std::size_t octets = save_checkpoint(component, buffer_);
-  stamp_.utc_ns = stepped_utc_ns;
+  stamp_.stepped = stepped;
   {
     const std::lock_guard lock(mutex_);
     waiting_ = octets;
@@ -43,14 +45,14 @@ void CheckpointWriter::offer(const Component& component, std::int64_t stepped_ut
   changed_.notify_all();
 }
 
-void CheckpointWriter::write_now(const Component& component, std::int64_t stepped_utc_ns) {
+void CheckpointWriter::write_now(const Component& component, const Moment& stepped) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return waiting_ == 0; });
-  if (stepped_utc_ns == written_utc_ns_) {
+  if (stepped.since_boot_ns == written_since_boot_ns_) {
     return;  // twice the same would push out the one before
   }
   lock.unlock();
-  offer(component, stepped_utc_ns);
+  offer(component, stepped);
   lock.lock();
   changed_.wait(lock, [this] { return waiting_ == 0; });
 }
@@ -71,10 +73,11 @@ void CheckpointWriter::serve() {
     }
     const std::size_t octets = waiting_;
     lock.unlock();
-    const bool written = write_checkpoint_file(places_, stamp_, buffer_.first(octets));
+    const bool written =
+        write_checkpoint_file(places_, stamp_, buffer_.first(octets), key_ ? &*key_ : nullptr);
     lock.lock();
     ++(written ? counters_.written : counters_.failed);
-    written_utc_ns_ = written ? stamp_.utc_ns : written_utc_ns_;
+    written_since_boot_ns_ = written ? stamp_.stepped.since_boot_ns : written_since_boot_ns_;
     counters_.octets = octets;
     waiting_ = 0;
     changed_.notify_all();

@@ -121,9 +121,9 @@ void CrashWatch::stepped() {
   }
 }
 
-void leave_crash_mark() {
+bool leave_crash_mark() {
   if (g_prepared.armed == 0) {
-    return;
+    return false;
   }
   g_prepared.armed = 0;
   const int file =
@@ -134,6 +134,7 @@ void leave_crash_mark() {
     (void)::fsync(file);
     ::close(file);
   }
+  return true;
 }
 
 }  // namespace polhode::platform

@@ -53,6 +53,7 @@ class CrashWatch {
 
 /// The run is about to end by a fault of its own, though without a signal. Nothing without a
 /// CrashWatch.
-void leave_crash_mark();
+/// @return a mark was left: the start had not yet held for kFramesProven frames.
+bool leave_crash_mark();
 
 }  // namespace polhode::platform

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "os/linux/clock.hpp"
 #include "os/linux/deadline.hpp"
 
 namespace polhode::platform {
@@ -79,8 +80,8 @@ struct LiveCounts {
   std::uint32_t frames_with_pose = 0;
   std::uint32_t first_pose_frame = UINT32_MAX;  ///< accepted frames before it
   std::int64_t last_step_us = 0;
-  std::int64_t last_step_utc_ns = 0;  ///< when it ended
-  DeadlineMonitor deadline{0.0};      ///< of the steps
+  Moment last_step;               ///< when it ended
+  DeadlineMonitor deadline{0.0};  ///< of the steps
   DurationHistogram step;
   DurationHistogram publish;  ///< a step's jobs to the worker, its packets to all transports and
                               ///< the run's own file

@@ -88,7 +88,7 @@ std::int64_t take_frame(LiveParts& parts,
   counts.step.add(stepped_ns - before_ns);
   counts.publish.add(published_ns - stepped_ns);
   counts.last_step_us = (stepped_ns - before_ns) / 1000;
-  counts.last_step_utc_ns = utc_now_ns();
+  counts.last_step = moment_now();
   (void)counts.deadline.add(counts.last_step_us);
   counts.latency.add(published_ns - parts.camera.available_ns());
   counts.latency_cpu.add(clock_ns(CLOCK_THREAD_CPUTIME_ID) - cpu_before_ns);
@@ -103,7 +103,7 @@ std::int64_t take_frame(LiveParts& parts,
   const auto every = static_cast<std::uint32_t>(limits.checkpoint_frames);
   const bool due = counts.frames_accepted % every == 0 || out.checkpoint_asked;
   if (parts.checkpoint != nullptr && due) {
-    parts.checkpoint->offer(parts.component, counts.last_step_utc_ns);
+    parts.checkpoint->offer(parts.component, counts.last_step);
   }
   parts.exposure.after(out, view_of(parts.component), parts.camera);
   parts.report.stepped(out);

@@ -10,8 +10,8 @@
 #include "app/beginning.hpp"
 #include "app/checkpoint_writer.hpp"
 #include "app/component_memory.hpp"
-#include "app/exhaustion.hpp"
 #include "app/exposure_control.hpp"
+#include "app/failure.hpp"
 #include "app/frames_trapped.hpp"
 #include "app/live_camera_choice.hpp"
 #include "app/live_run.hpp"
@@ -148,7 +148,7 @@ LiveEnd run_sealed(LiveParts& parts, const RunOptions& wish, bool memory_trap) {
 void leave_behind(const RunJsonInput& input, const fs::path& folder) {
   const LiveParts& parts = input.parts;
   if (parts.checkpoint != nullptr && parts.counts.frames_accepted > 0) {
-    parts.checkpoint->write_now(parts.component, parts.counts.last_step_utc_ns);
+    parts.checkpoint->write_now(parts.component, parts.counts.last_step);
   }
   if (!folder.empty()) {
     write_run_json(folder / "run.json", input);
@@ -173,14 +173,16 @@ void say_end(LiveEnd end,
       frames_passed_over(camera, counts));
 }
 
-/// Where checkpoints are asked for: one now and then, and a last one when memory is exhausted.
+/// Where checkpoints are asked for: one now and then, and a last one when the run ends by a fault
+/// of its own.
 void open_checkpoint(const RunOptions& options,
                      const Beginning& beginning,
                      Component& component,
                      std::optional<CheckpointWriter>* checkpoint,
-                     std::optional<CheckpointOnExhaustion>* last_words) {
+                     std::optional<CheckpointOnFailure>* last_words) {
   if (!options.checkpoint.empty()) {
-    checkpoint->emplace(options.checkpoint, beginning.identity(), beginning.restarts());
+    checkpoint->emplace(
+        options.checkpoint, beginning.identity(), beginning.restarts(), beginning.key());
     last_words->emplace(component, **checkpoint);
   }
 }
@@ -213,7 +215,7 @@ void run_command(const RunArguments& arguments) {
   const Parameters& parameters = configuration.parameters;
   const TransportOptions transport =
       load_live_transport_options(arguments.config, arguments.settings);
-  (void)key_of(transport.transport.commands);  // before anything starts
+  const auto key = key_of(transport.transport.commands);  // before anything starts
   const ComponentMemory memory(parameters,
                                arguments.config.string(),
                                needs_of(machine, transport, parameters.camera, chosen));
@@ -221,7 +223,7 @@ void run_command(const RunArguments& arguments) {
   say("warmed up: %d poses of a made-up body", warm_up(memory, parameters));
   Component& component = make_component(memory, parameters, own, arguments);
   const std::string config_hash = sha256_of(canonical_text(parameters));
-  Beginning beginning(machine, config_hash);
+  Beginning beginning(machine, config_hash, key);
   beginning.restore(component);
   say("start %s", beginning.how().c_str());
   std::optional<PacketLog> packets;
@@ -229,7 +231,7 @@ void run_command(const RunArguments& arguments) {
   const auto recorder = make_recorder(machine, parameters, own, beginning.octets());
   beginning.forget_octets();
   std::optional<CheckpointWriter> checkpoint;
-  std::optional<CheckpointOnExhaustion> last_words;
+  std::optional<CheckpointOnFailure> last_words;
   open_checkpoint(machine.run, beginning, component, &checkpoint, &last_words);
   ServiceManager manager;
   LiveReport report(manager, machine.run.report_s);

@@ -104,7 +104,11 @@ class Loader {
 
   void add_file(const std::filesystem::path& file) {
     try {
-      add(toml::parse(read_text(file, kSettingsOctetsMax), file.string()), file.string());
+      const toml::table table = toml::parse(read_text(file, kSettingsOctetsMax), file.string());
+      if (table.empty()) {  // a full disk leaves such a file, and nobody means to fly by it
+        throw UnusableInput(file.string() + ": is empty: it sets nothing");
+      }
+      add(table, file.string());
     } catch (const toml::parse_error& problem) {
       const toml::source_index line = problem.source().begin.line;
       const std::string where = line > 0 ? fmt::format(":{}", line) : std::string();

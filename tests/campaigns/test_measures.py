@@ -63,6 +63,20 @@ def test_frames_that_are_off_and_sure_of_it_are_counted(tmp_path, scene, body):
     assert row["causal_frames_wrong_confident"] == 120 and row["causal_attitude_in_99"] == 0.0
 
 
+def test_positions_are_held_to_their_sigma(tmp_path, scene, body):
+    row, frames = measured(tmp_path, scene, body, Errors(position_rms_m=0.05))
+    assert frames["position_error_m"] == pytest.approx(0.05, rel=0.1)
+    assert frames["position_sigma_m"] == pytest.approx(0.05 / np.sqrt(3), rel=0.05), "of an axis, in metres"
+    assert row["causal_position_in_95"] == 1.0 and row["causal_position_judged_frames"] == 120 and row["causal_position_beyond_99_frames"] == 0
+    run = tmp_path / "run"
+    lines = (run / "motion.csv").read_text().splitlines()
+    column = lines[0].split(",").index("sigma_pos")
+    spoiled = [",".join(repr(float(cell) / 4) if i == column else cell for i, cell in enumerate(line.split(","))) for line in lines[1:]]
+    (run / "motion.csv").write_text("\n".join([lines[0], *spoiled]) + "\n")
+    row, _ = measure(run, scene, shape=False)
+    assert row["causal_position_in_99"] == 0.0 and row["causal_position_beyond_99_frames"] == 120
+
+
 def test_a_depth_reversed_run_is_told(tmp_path, scene, body):
     row, _ = measured(tmp_path, scene, body, Errors(twin=True))
     assert row["causal_depth_reversed"] and row["causal_verdict"] == "twin"

@@ -134,15 +134,6 @@ def test_a_key_holds_every_part_and_its_place():
     assert store.digest({"x": 1, "y": 2}) == store.digest({"y": 2, "x": 1})
 
 
-def test_a_file_is_whole_or_as_it_was(tmp_path, monkeypatch):
-    path = tmp_path / "file"
-    store.write_whole(path, "old")
-    monkeypatch.setattr(pathlib.Path, "write_text", lambda *_: (_ for _ in ()).throw(OSError("full")))
-    with pytest.raises(OSError):
-        store.write_whole(path, "new")
-    assert path.read_text() == "old" and list(tmp_path.iterdir()) == [path]
-
-
 def test_a_rendering_that_was_hardly_begun_begins_anew(tmp_path, monkeypatch):
     place = tmp_path / "scenes" / "key"
     one = Task("render", "key", "scene", place, tmp_path / "log", {"file": "scene.toml", "variant": ""})

@@ -34,7 +34,8 @@ class BeginningTest : public testing::Test {
     std::vector<std::uint8_t> content(checkpoint_octets_max());
     content.resize(save_checkpoint(*component_, content));
     const CheckpointStamp stamp{.identity = Beginning(machine_, hash_).identity(),
-                                .utc_ns = utc_now_ns()};
+                                .boot_id = this_boot(),
+                                .stepped = moment_now()};
     EXPECT_TRUE(write_checkpoint_file(CheckpointPlaces(machine_.run.checkpoint), stamp, content));
   }
 

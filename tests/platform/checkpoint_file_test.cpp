@@ -4,9 +4,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <fstream>
 #include <iterator>
 
+#include "base/crc.hpp"
 #include "temporary_folder.hpp"
 
 namespace polhode::platform::checkpoint_file_test {
@@ -23,18 +25,39 @@ CheckpointIdentity identity(char config, char boot) {
 
 class CheckpointFile : public testing::Test {
  protected:
-  bool write(std::span<const std::uint8_t> content) {
+  bool write(std::span<const std::uint8_t> content, const polhode_key* key = nullptr) {
     return write_checkpoint_file(
         places_,
-        {.identity = identity('a', 'b'), .utc_ns = 1'000'000'000'000, .restarts = 3},
-        content);
+        {.identity = identity('a', 'b'), .boot_id = boot_, .stepped = kStepped, .restarts = 3},
+        content,
+        key);
   }
   [[nodiscard]] LoadedCheckpoint load(const CheckpointIdentity& who = identity('a', 'b'),
-                                      std::int64_t utc_ns = 1'005'000'000'000) const {
-    return load_checkpoint_file(file_, who, utc_ns, 60.0);
+                                      double later_s = 5.0) const {
+    return load_checkpoint_file(file_, who, {.utc_ns = 0, .since_boot_ns = after(later_s)}, 60.0);
+  }
+  [[nodiscard]] LoadedCheckpoint load_signed_by(const polhode_key& key) const {
+    const Moment now{.since_boot_ns = after(5.0)};
+    return load_checkpoint_file(file_, identity('a', 'b'), now, 60.0, &key);
+  }
+  static std::int64_t after(double later_s) {
+    return kStepped.since_boot_ns + static_cast<std::int64_t>(1e9 * later_s);
   }
   static std::vector<std::uint8_t> content_of(const LoadedCheckpoint& loaded) {
     return {loaded.content.begin(), loaded.content.end()};
+  }
+  /// As somebody makes them who has altered a checkpoint.
+  static std::string with_right_checksums(std::string octets) {
+    constexpr std::size_t kHeader = 240;
+    constexpr std::size_t kContentCrc = 128;
+    const auto put = [&octets](std::size_t at, std::size_t first, std::size_t count) {
+      const auto* data = reinterpret_cast<const std::uint8_t*>(octets.data()) + first;
+      const std::uint32_t crc = crc32_iso_hdlc({data, count});
+      std::memcpy(octets.data() + at, &crc, sizeof crc);
+    };
+    put(kContentCrc, kHeader, octets.size() - kHeader);
+    put(kHeader - 4, 0, kHeader - 4);
+    return octets;
   }
   [[nodiscard]] std::string octets() const {
     std::ifstream in(file_, std::ios::binary);
@@ -44,6 +67,9 @@ class CheckpointFile : public testing::Test {
     std::ofstream(file_, std::ios::binary | std::ios::trunc) << octets;
   }
 
+  static constexpr Moment kStepped{.utc_ns = 1'000'000'000'000, .since_boot_ns = 400'000'000'000};
+
+  std::array<char, 36> boot_ = this_boot();
   TemporaryFolder folder_;
   fs::path file_ = folder_.path() / "checkpoint";
   fs::path beside_ = folder_.path() / "checkpoint.new";
@@ -91,8 +117,66 @@ TEST_F(CheckpointFile, OfAnotherConfigurationBootOrTimeItIsRefused) {
   ASSERT_TRUE(write(content_));
   EXPECT_EQ(load(identity('x', 'b')).refusal, "of another configuration");
   EXPECT_EQ(load(identity('a', 'x')).refusal, "from before the machine was started");
-  EXPECT_NE(load(identity('a', 'b'), 1'061'000'000'000).refusal, "");  // 61 s old
-  EXPECT_NE(load(identity('a', 'b'), 999'000'000'000).refusal, "");    // from the future
+  EXPECT_NE(load(identity('a', 'b'), 61.0).refusal, "");
+  EXPECT_NE(load(identity('a', 'b'), -1.0).refusal, "");  // from the future
+}
+
+TEST_F(CheckpointFile, OfThisBootIsAsOldAsTheClockSaysThatNobodySets) {
+  ASSERT_TRUE(write(content_));
+  for (const double set_s : {-2.0, 2.0, -1e6, 1e6}) {
+    const Moment now{.utc_ns = kStepped.utc_ns + static_cast<std::int64_t>(1e9 * set_s),
+                     .since_boot_ns = after(5.0)};
+    const LoadedCheckpoint loaded = load_checkpoint_file(file_, identity('a', 'b'), now, 60.0);
+    EXPECT_EQ(loaded.refusal, "") << set_s;
+    EXPECT_DOUBLE_EQ(loaded.age_s, 5.0);
+  }
+}
+
+TEST_F(CheckpointFile, OfAnotherBootIsAsOldAsTheUtcClockSays) {
+  boot_.fill('0');
+  ASSERT_TRUE(write(content_));
+  const auto at = [this](double later_s) {
+    return load_checkpoint_file(
+        file_,
+        identity('a', 'b'),
+        {.utc_ns = kStepped.utc_ns + static_cast<std::int64_t>(1e9 * later_s), .since_boot_ns = 3},
+        60.0);
+  };
+  EXPECT_EQ(at(7.0).refusal, "");
+  EXPECT_DOUBLE_EQ(at(7.0).age_s, 7.0);
+  EXPECT_NE(at(61.0).refusal, "");
+  EXPECT_NE(at(-1.0).refusal, "");
+}
+
+/// Checksums are for accidents: who alters a checkpoint on purpose makes them right.
+TEST_F(CheckpointFile, WithAKeyOnlyTheOneThatTheKeySignedIsTaken) {
+  polhode_key key{};
+  key.octets[3] = 7;
+  polhode_key other = key;
+  other.octets[3] = 8;
+  const char* refusal = "not signed by the key of commands";
+  ASSERT_TRUE(write(content_, &key));
+  EXPECT_EQ(load_signed_by(key).refusal, "");
+  EXPECT_EQ(load_signed_by(other).refusal, refusal);
+  EXPECT_TRUE(load_signed_by(other).content.empty());
+  EXPECT_EQ(load().refusal, "") << "who has no key takes it as before";
+  ASSERT_TRUE(write(content_));
+  EXPECT_EQ(load_signed_by(key).refusal, refusal);
+  // The parts of two that were signed, with checksums made right.
+  ASSERT_TRUE(write(content_, &key));
+  const std::string one = octets();
+  ASSERT_TRUE(write(std::vector<std::uint8_t>{9, 9, 9, 4, 5, 6, 7}, &key));
+  const std::string two = octets();
+  for (std::size_t from = 0; from < one.size(); from += 4) {
+    for (std::size_t to = from + 4; to <= one.size(); to += 4) {
+      std::string mixed = one;
+      mixed.replace(from, to - from, two, from, to - from);
+      mixed = with_right_checksums(mixed);
+      replace(mixed);
+      const bool is_one_of_them = mixed == one || mixed == two;
+      EXPECT_EQ(load_signed_by(key).refusal, is_one_of_them ? "" : refusal) << from << ' ' << to;
+    }
+  }
 }
 
 // verifies: LIV-04
@@ -119,8 +203,7 @@ TEST_F(CheckpointFile, AFailedWriteLeavesTheOldOne) {
   ASSERT_TRUE(write(content_));
   CheckpointPlaces full = places_;
   full.beside = folder_.path() / "absent/new";
-  EXPECT_FALSE(
-      write_checkpoint_file(full, {.identity = identity('a', 'b')}, std::vector<std::uint8_t>{9}));
+  EXPECT_FALSE(write_checkpoint_file(full, CheckpointStamp{}, std::vector<std::uint8_t>{9}));
   EXPECT_EQ(content_of(load()), content_);
   // A half-written one beside it, as an end in the middle of writing leaves it, changes nothing.
   std::ofstream(beside_) << "half";

@@ -27,7 +27,8 @@ CameraParameters good_camera() {
 
 Configuration load(std::string_view text, const Settings& settings = {}) {
   const TemporaryFolder folder;
-  return load_configuration(folder.write("own.toml", text), settings);
+  const std::string_view some = text.empty() ? "seed = 1\n" : text;
+  return load_configuration(folder.write("own.toml", some), settings);
 }
 
 std::string refusal(std::string_view text, const Settings& settings = {}) {
@@ -179,6 +180,15 @@ TEST(Configuration, WhatIsNoRegularFileIsRefused) {
   }
 }
 
+TEST(Configuration, AnEmptyFileSaysThatItIsEmpty) {
+  const TemporaryFolder folder;
+  for (const char* text : {"", "\n\n", "# seed = 1\n"}) {
+    const std::filesystem::path file = folder.write("own.toml", text);
+    EXPECT_EQ(refusal_of<UnusableInput>([&] { (void)load_configuration(file, {}); }),
+              file.string() + ": is empty: it sets nothing");
+  }
+}
+
 TEST(Configuration, AKnownLengthChoosesTheScale) {
   const Configuration loaded = load("",
                                     {"scale.known_length_m=0.6",
@@ -200,7 +210,7 @@ TEST(Configuration, DocumentedDefaultsAreTheDefaults) {
 TEST(Configuration, HashDependsOnValues_NotOnHowTheyWereGiven) {
   const auto hash = [](const Configuration& c) { return sha256_of(canonical_text(c.parameters)); };
   EXPECT_EQ(hash(load("[features]\ncount_max = 300\n")),
-            hash(load("# text\n", {"features.count_max=300"})));
+            hash(load("# text\nseed = 1\n", {"features.count_max=300"})));
   EXPECT_EQ(hash(load("[tracks]\nsmall_motion_max_px = 24\n")), hash(load("")));
   EXPECT_NE(hash(load("[features]\ncount_max = 300\n")), hash(load("")));
 }

@@ -13,6 +13,7 @@ from importing.writing import centred, numbers_text
 from judge.colmap import ensure_venv, prepare_images
 from judge.errors import BadInput
 from judge.sequence import Camera, Sequence, read_sequence, yaml_values
+from judge.whole_file import write_whole
 
 WORKER = pathlib.Path(__file__).with_name("focal_worker.py")
 # All pairs of 100 pictures are matched in half a minute on two cores; more pictures hardly tell more.
@@ -109,10 +110,8 @@ def write(sensor: pathlib.Path, camera: Camera, found: dict, pictures: int) -> N
     lines = [line for line in lines if not line.startswith(("# intrinsics:", "# focal length estimated", "sigma_focal_px:"))
              or line is lines[0]]
     text = "\n".join(re.sub(r"^intrinsics:.*$", f"intrinsics: {numbers_text(lens)}  # fu, fv, cu, cv [px]\nsigma_focal_px: {sigma:.4g}", line) for line in lines)
-    beside = sensor.with_name("sensor.yaml.new")
-    beside.write_text(text + "\n")
-    beside.rename(sensor)
+    write_whole(sensor, text + "\n")
     record = sensor.parents[2] / "import.json"
     if record.exists():
-        record.write_text(json.dumps(json.loads(record.read_text()) | {"intrinsics_from": said}, indent=2) + "\n")
+        write_whole(record, json.dumps(json.loads(record.read_text()) | {"intrinsics_from": said}, indent=2) + "\n")
     print(f"{said}; {found['points']} points, residual {found['residual_px']:.2f} px; written to {sensor}")

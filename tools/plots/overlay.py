@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from judge.errors import BadInput
+from judge.whole_file import beside
 
 TARGET, OPEN = 128, 64
 COLOUR_OF = {"target": "#3ddc4b", "background": "#ff5050", "unassigned": "#ffd040"}
@@ -112,6 +113,7 @@ def draw(run_folder, masks: list[Mask], sequence, frames: list[int], out) -> lis
         draw_frame(axes, gray, masks[frame], tracks[frame], seen[frame])
         figure.set_layout_engine("tight", pad=0.2)
         paths.append(out / f"overlay_{frame:06d}.png")
-        figure.savefig(paths[-1])
+        with beside(paths[-1]) as part:
+            figure.savefig(part)
         pyplot.close(figure)
     return paths

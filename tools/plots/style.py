@@ -36,9 +36,11 @@ def prepare(folder: pathlib.Path) -> None:
 
 
 def save(figure, folder: pathlib.Path, name: str) -> pathlib.Path:
+    from judge.whole_file import beside
     path = folder / name
     try:
-        figure.savefig(path)
+        with beside(path) as part:
+            figure.savefig(part)
     except OSError as problem:
         raise BadInput(f"{path}: {problem.strerror}") from None
     finally:

@@ -12,6 +12,7 @@ from judge.colmap import ensure_venv
 from judge.errors import BadInput
 from judge.shape import load_ply, property_of
 from judge.tables import in_frame, read_motion, target_frames
+from judge.whole_file import write_whole
 from reporting.video import observations_by_time
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -134,9 +135,7 @@ def write_surface(path: pathlib.Path, vertices: np.ndarray, faces: np.ndarray, a
     names = [*(f"property float {name}" for name in "xyz"), *(f"property uchar {name}" for name in ("red", "green", "blue", "added"))]
     header = ["ply", "format binary_little_endian 1.0", f"comment {COMMENT}", f"element vertex {len(vertices)}", *names,
               f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
-    beside = path.with_name(path.name + ".new")
-    beside.write_bytes("\n".join(header).encode() + corners.tobytes() + triangles.tobytes())
-    beside.rename(path)
+    write_whole(path, "\n".join(header).encode() + corners.tobytes() + triangles.tobytes())
 
 
 def reconstruct(points: np.ndarray, normals: np.ndarray, pitch: float) -> tuple[np.ndarray, np.ndarray]:

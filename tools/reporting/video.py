@@ -9,6 +9,7 @@ import numpy as np
 from judge import align
 from judge.errors import BadInput
 from judge.tables import in_frame, target_frames
+from judge.whole_file import beside
 from plots.series import cloud_and_path
 from reporting.frames import overlaid
 from reporting.gather import Material
@@ -117,7 +118,7 @@ def write_video(material: Material, path: pathlib.Path) -> int:
         raise BadInput(f"--video {path}: {material.remarks[0] if material.remarks else 'the sequence is needed: give --sequence'}")
     count = 0
     try:
-        with av.open(str(path), "w", format="mp4") as container:
+        with beside(path) as part, av.open(str(part), "w", format="mp4") as container:
             stream = container.add_stream("libx264", rate=RATE_HZ, options={"crf": "20"})
             stream.width, stream.height = (size - size % 2 for size in (material.sequence.camera.width_px, material.sequence.camera.height_px))
             stream.pix_fmt = "yuv420p"  # what every player shows; it needs even sizes

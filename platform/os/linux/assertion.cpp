@@ -1,12 +1,10 @@
 #include "os/linux/assertion.hpp"
 
-#include "base/assert.hpp"
 #include "os/linux/last_words.hpp"
 
 namespace polhode::platform {
-namespace {
 
-void tell(const AssertionReport& report) {
+void tell_assertion(const AssertionReport& report) {
   tell_last("polhode: %s:%d: assertion failed: %s (%.17g); the run ends here\n",
             report.file,
             report.line,
@@ -14,8 +12,6 @@ void tell(const AssertionReport& report) {
             report.value);
 }
 
-}  // namespace
-
-void tell_assertions() { set_assertion_hook(tell); }
+void tell_assertions() { set_assertion_hook(tell_assertion); }
 
 }  // namespace polhode::platform

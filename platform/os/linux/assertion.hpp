@@ -1,10 +1,15 @@
 // What an assertion of the component that fails leaves behind.
 #pragma once
 
+#include "base/assert.hpp"
+
 namespace polhode::platform {
 
 /// From now on the place, the expression and the value go to stderr before the process is aborted.
 /// Takes no memory.
 void tell_assertions();
+
+/// What is then said.
+void tell_assertion(const AssertionReport& report);
 
 }  // namespace polhode::platform

@@ -6,15 +6,15 @@
 #include <filesystem>
 #include <span>
 
+#include "os/linux/descriptor.hpp"
+
 namespace polhode::platform {
 
 class PacketLog {
  public:
-  /// @throws RunFailure when the file cannot be opened.
+  /// A file of this user's own that nobody else may write to; no symbolic link is followed.
+  /// @throws UnusableInput: it is none; RunFailure when it cannot be opened.
   explicit PacketLog(const std::filesystem::path& file);
-  ~PacketLog();
-  PacketLog(const PacketLog&) = delete;
-  PacketLog& operator=(const PacketLog&) = delete;
 
   /// @return false when the disk did not take all of it; counted.
   bool append(std::span<const std::uint8_t> packets);
@@ -23,7 +23,7 @@ class PacketLog {
   [[nodiscard]] std::uint32_t failures() const { return failures_; }
 
  private:
-  int file_ = -1;
+  Descriptor file_;
   std::uint64_t octets_ = 0;
   std::uint32_t failures_ = 0;
 };
