@@ -8,7 +8,7 @@ import zlib
 import pytest
 from replay_files import DEFAULTS
 
-BUILD_ID_AT, HEADER_CRC_AT, HEADER_OCTETS = 108, 156, 160
+BUILD_ID_AT, CONTENT_CRC_AT, HEADER_CRC_AT, HEADER_OCTETS = 108, 128, 236, 240
 
 
 @pytest.fixture
@@ -55,11 +55,16 @@ def test_a_kill_is_no_crash(start, crashed):
         assert "start warm" in err and "is not used" not in err
 
 
+def with_right_checksums(octets: bytearray) -> bytes:
+    octets[CONTENT_CRC_AT:CONTENT_CRC_AT + 4] = struct.pack("<I", zlib.crc32(octets[HEADER_OCTETS:]))
+    octets[HEADER_CRC_AT:HEADER_OCTETS] = struct.pack("<I", zlib.crc32(octets[:HEADER_CRC_AT]))
+    return bytes(octets)
+
+
 def of_another_build(octets: bytes) -> bytes:
     other = bytearray(octets)
     other[BUILD_ID_AT] ^= 1
-    other[HEADER_CRC_AT:HEADER_OCTETS] = struct.pack("<I", zlib.crc32(other[:HEADER_CRC_AT]))
-    return bytes(other)
+    return with_right_checksums(other)
 
 
 def poisoned(octets: bytes) -> bytes:
@@ -67,10 +72,7 @@ def poisoned(octets: bytes) -> bytes:
     other = bytearray(octets)
     for at in range(HEADER_OCTETS + 1000, len(other), 101):
         other[at] ^= 0x40
-    content = struct.pack("<I", zlib.crc32(other[HEADER_OCTETS:]))
-    other[128:132] = content
-    other[HEADER_CRC_AT:HEADER_OCTETS] = struct.pack("<I", zlib.crc32(other[:HEADER_CRC_AT]))
-    return bytes(other)
+    return with_right_checksums(other)
 
 
 @pytest.mark.parametrize(("spoil", "reason"), [(of_another_build, "of another build"), (poisoned, "holds values that no run leaves")])
@@ -82,6 +84,26 @@ def test_with_right_checksums_it_is_refused_all_the_same(start, program_status, 
     assert status == 2 and reason in err
     second = start("second").finish()
     assert second.status == 0 and f"start cold: the checkpoint is not used: {reason}" in second.err
+
+
+def test_where_commands_are_signed_checkpoints_are_too(start, tmp_path):
+    """One octet that a run may well leave, and all checksums right."""
+    key = tmp_path / "commands.key"
+    key.write_text("c4" * 32)
+    key.chmod(0o600)
+    signed = {"commands__key": key, "commands__window": tmp_path / "window"}
+    file = tmp_path / "checkpoint"
+    assert start("first", **signed).finish().status == 0
+    good = file.read_bytes()
+    altered = bytearray(good)
+    altered[HEADER_OCTETS + 16] ^= 1
+    for octets, begun in ((good, "start warm: "), (with_right_checksums(altered), "start cold: the checkpoint is not used: not signed by the key of commands")):
+        for old in tmp_path.glob("checkpoint*"):
+            old.unlink()
+        file.write_bytes(octets)
+        file.chmod(0o600)
+        done = start(begun.split()[1], **signed).finish()
+        assert done.status == 0 and begun in done.err, done.err
 
 
 def test_a_replay_takes_none_that_was_altered(start, program_status, played, tmp_path):

@@ -109,3 +109,5 @@ def test_a_full_disk_is_said_while_the_run_goes_on(live, played, small_disk, tmp
         assert heard(bus, "motion").frame > 0 and run.process.poll() is None
         run.process.terminate()
     assert run.finish().status == (1 if what == "packets" else 0)  # run.json has no room
+    if what == "packets":
+        assert [file.name for file in (small_disk / "run").iterdir()] == ["bus.ccsds"], "no part of it is left"

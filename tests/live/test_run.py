@@ -184,6 +184,27 @@ def test_what_cannot_be_written_is_found_before_the_run_starts(live, played, key
     assert "warmed up" not in ended.err
 
 
+def test_files_of_a_run_follow_no_link_and_are_its_own(live, played, tmp_path):
+    precious = tmp_path / "precious"
+    precious.write_text("mine")
+    folder = tmp_path / "run"
+    folder.mkdir()
+    (folder / "bus.ccsds").symlink_to(precious)
+    ended = live(played.path).finish()
+    assert ended.status == 2 and f"{folder}/bus.ccsds: is a symbolic link" in ended.err
+    (folder / "bus.ccsds").unlink()
+    (folder / "bus.ccsds").write_bytes(b"")
+    (folder / "bus.ccsds").chmod(0o666)
+    ended = live(played.path).finish()
+    assert ended.status == 2 and f"{folder}/bus.ccsds: is open to others: mode 0666" in ended.err
+    (folder / "bus.ccsds").unlink()
+    for name in ("run.json", "run.json.new"):
+        (folder / name).symlink_to(precious)
+    run = live(played.path)
+    assert run.finish().status == 0 and report(run) and not (folder / "run.json").is_symlink()
+    assert precious.read_text() == "mine" and sorted(file.name for file in folder.iterdir()) == ["bus.ccsds", "run.json"]
+
+
 def test_a_camera_that_does_not_come_ends_the_run(live):
     ended = live("/dev/video987", run__start_s_max=1, **CAMERA).finish()
     assert ended.status == 1
