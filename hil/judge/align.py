@@ -63,7 +63,7 @@ def align_rotation(R_CE: Rotation, R_CT: Rotation) -> Rotation:
     samples = R_CE.inv() * R_CT
     # The medoid of a few candidates starts the median inside the largest cluster even where half of the frames are lost.
     candidates = samples[np.unique(np.linspace(0, len(samples) - 1, 25).astype(int))]
-    cost = [angles_rad(Rotation.concatenate([one] * len(samples)), samples).sum() for one in candidates]
+    cost = [angles_rad(one, samples).sum() for one in candidates]
     median = _geodesic_mean(samples, candidates[int(np.argmin(cost))], weights="median")
     error_rad = (median.inv() * samples).magnitude()
     inlier = error_rad <= max(OUTLIER_MEDIANS * np.median(error_rad), ANGLE_FLOOR_RAD)

@@ -13,6 +13,14 @@ HEIGHT_PX = {1: 300, 2: 460, 3: 640}
 AXES = "xyz"
 
 
+def _away(stretch: np.ndarray) -> np.ndarray:
+    """[N] how far the rows of a stretch [N,K] are from its median; NaN where a row is a break, 0 where all are."""
+    finite = np.isfinite(stretch)
+    if finite.all():  # numpy's median that passes over NaN takes ten times as long
+        return np.abs(stretch - np.median(stretch, axis=0)).max(axis=1)
+    return np.abs(stretch - np.nanmedian(stretch, axis=0) if finite.any() else stretch * 0).max(axis=1)
+
+
 def thinned(seconds: np.ndarray, *columns: np.ndarray) -> list[np.ndarray]:
     """At most about 2 * POINTS_MAX rows: of each stretch its first and its most outlying one, and every break (NaN)."""
     count = len(seconds)
@@ -21,8 +29,7 @@ def thinned(seconds: np.ndarray, *columns: np.ndarray) -> list[np.ndarray]:
     first = columns[0].reshape(count, -1)
     kept = []
     for rows in np.array_split(np.arange(count), POINTS_MAX):
-        away = np.abs(first[rows] - np.nanmedian(first[rows], axis=0) if np.isfinite(first[rows]).any() else first[rows] * 0).max(axis=1)
-        kept += [rows[0], rows[int(np.argmax(np.nan_to_num(away)))], *rows[np.isnan(first[rows, 0])][:1]]
+        kept += [rows[0], rows[int(np.argmax(np.nan_to_num(_away(first[rows]))))], *rows[np.isnan(first[rows, 0])][:1]]
     kept = np.unique(kept)
     return [seconds[kept], *(column[kept] for column in columns)]
 
