@@ -20,6 +20,9 @@ inline constexpr double kRotationError = 1e-6;
 /// 30 years. Times farther apart are not of one run, and their differences may overflow.
 inline constexpr std::int64_t kTimeMax_ns = 946'080'000'000'000'000;
 
+/// Before the year 2116: the difference of two such times, of either sign, is a number.
+inline bool is_time(std::int64_t ns) { return ns > INT64_MIN / 2 && ns < INT64_MAX / 2; }
+
 /// A bool is one octet, which is 0 or 1.
 inline bool is_bool(const bool& value) {
   std::uint8_t octet = 0;

@@ -200,13 +200,13 @@ void push_two_view(const SeedProblem& problem,
   }
   const double middle = median(positive.view());
   const Eigen::Vector3d origin = middle * images.R_SC[pair[0]].transpose().col(2);
-  const Eigen::Vector3d origin_b = motion.R_ba * origin + motion.p_ba;
-  if (!(origin.z() > 0.0) || !(origin_b.z() > 0.0)) {
+  const Pose pose_a{.p_CT = origin};
+  const Pose pose_b{.R_CT = motion.R_ba, .p_CT = motion.R_ba * origin + motion.p_ba};
+  if (!is_before_camera(pose_a) || !is_before_camera(pose_b)) {
     return;
   }
-  h.poses[static_cast<std::size_t>(core.frames[pair[0]])] = to_inverse_depth({.p_CT = origin});
-  h.poses[static_cast<std::size_t>(core.frames[pair[1]])] =
-      to_inverse_depth({.R_CT = motion.R_ba, .p_CT = origin_b});
+  h.poses[static_cast<std::size_t>(core.frames[pair[0]])] = to_inverse_depth(pose_a);
+  h.poses[static_cast<std::size_t>(core.frames[pair[1]])] = to_inverse_depth(pose_b);
   h.posed[static_cast<std::size_t>(core.frames[pair[0]])] = 1;
   h.posed[static_cast<std::size_t>(core.frames[pair[1]])] = 1;
   for (std::size_t i = 0; i < core.tracks.size(); ++i) {

@@ -71,7 +71,7 @@ inline constexpr std::uint32_t kRecentKeyframes = 15;
 /// Drift has come between such a landmark and the newest keyframes: only as part of a side that
 /// agrees as a whole does it say anything.
 inline bool is_old(const Landmark& landmark, const Map& map) {
-  return landmark.seen_keyframe + kRecentKeyframes < map.next_keyframe_number;
+  return map.next_keyframe_number - landmark.seen_keyframe > kRecentKeyframes;
 }
 
 struct LocaliseInput {

@@ -132,9 +132,11 @@ std::array<int, 256> smoothness_costs(double mean_square_step) {
 
 /// Adds the edges between neighbours. What lies beyond the band stays as it is: a boundary to it is
 /// a unary cost of the cell beside it.
-void add_smoothness(const Cells& cells, const Band& band, double mean_square_step, Graph* graph) {
+/// @return false: there is none.
+bool add_smoothness(const Cells& cells, const Band& band, double mean_square_step, Graph* graph) {
   const std::array<int, 256> costs = smoothness_costs(mean_square_step);
   int node = 0;
+  bool any = false;
   const auto connect = [&](const cv::Point& neighbour, std::uint8_t step, bool is_before) {
     const int cost = costs[step];
     const int other = band.nodes.at<int>(neighbour);
@@ -143,6 +145,7 @@ void add_smoothness(const Cells& cells, const Band& band, double mean_square_ste
       add_unary(node, target ? cost : -cost, graph);
     } else if (is_before && cost > 0) {  // once for two of the band
       graph->addEdges(node, other, cost, cost);
+      any = true;
     }
   };
   for (const cv::Point& at : band.cells) {
@@ -162,20 +165,21 @@ void add_smoothness(const Cells& cells, const Band& band, double mean_square_ste
     }
     ++node;
   }
+  return any;
 }
 
-/// @return false where nothing may be moved: OpenCV takes no empty graph.
+/// @return false where nothing may be moved: OpenCV takes no graph without edges. Steps in a
+/// pattern of single pixels cost nothing to cut, all of them.
 bool graph_cut(int reach, double mean_square_step, Cells* cells) {
   const Band band = band_about(cells->outline, reach);
   const std::size_t count = band.cells.size();
-  if (count == 0) {
-    return false;
-  }
   Graph graph(static_cast<unsigned>(count), static_cast<unsigned>(4 * count));
   for (const cv::Point& at : band.cells) {
     add_unary(graph.addVtx(), unary_at(*cells, at), &graph);
   }
-  add_smoothness(*cells, band, mean_square_step, &graph);
+  if (!add_smoothness(*cells, band, mean_square_step, &graph)) {
+    return false;
+  }
   graph.maxFlow();
   int node = 0;
   for (const cv::Point& at : band.cells) {

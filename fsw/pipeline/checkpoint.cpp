@@ -101,42 +101,19 @@ void take_used(Reader* in, Table* table) {
 /// @param visit  called with each value.
 template <typename Visitor, typename State>
 void visit_persistent(Visitor&& visit, State& s) {
-  visit(s.configuration.parameters);  // as activated by command
-  visit(s.configuration.table_crc);
-  visit(s.counters);
-  visit(s.mapping.counts);  // a checkpoint may be written within a step
-  visit(s.jobs.counts);
-  visit(s.mode.held);
-  visit(s.clock.next_frame);
-  visit(s.clock.timestamp_ns);
-  visit(s.clock.time_known);
-  visit(s.mapping.drift);
-  visit(s.mapping.target_frame);
-  visit(s.mapping.map.next_keyframe_number);
-  visit(s.mapping.map.next_landmark_number);
-  visit(s.mapping.map.keyframe_count);
-  visit(s.mapping.map.landmark_count);
-  visit(s.mapping.map.centre_T);
-  visit(s.mapping.map.radius_mu);
-  visit(s.motion);
-  visit(s.shape);
-  visit(s.scale);
-  visit(s.focal);
-  visit(s.features.resting);
-  visit(s.mapping.last_adjustment_of_all);
-  visit(s.bus.stream.sequence);
-  visit(s.bus.stream.not_sent);
-  visit(s.bus.events.counts);
-  visit(s.bus.events.window_begin);
-  visit(s.bus.events.sent);
-  visit(s.bus.events.suppressed);
-  visit(s.bus.commands);
-  visit(s.bus.commands_done);
-  visit(s.bus.cloud.number);
-  visit(s.bus.servicer);
-  visit(s.bus.reported);
-  visit(s.bus.scale);
-  visit(s.bus.q_CT_last);
+  const auto all = [&](auto&... values) { (visit(values), ...); };
+  auto& map = s.mapping.map;
+  auto& events = s.bus.events;
+  all(s.configuration.parameters, s.configuration.table_crc);  // as activated by command
+  all(s.counters, s.mapping.counts, s.jobs.counts);  // a checkpoint may be written within a step
+  all(s.mode.held, s.clock.next_frame, s.clock.timestamp_ns, s.clock.time_known);
+  all(s.mapping.drift, s.mapping.target_frame, map.next_keyframe_number, map.next_landmark_number);
+  all(map.keyframe_count, map.landmark_count, map.centre_T, map.radius_mu);
+  all(s.motion, s.shape, s.scale, s.focal, s.features.resting, s.mapping.last_adjustment_of_all);
+  all(s.bus.stream.sequence, s.bus.stream.not_sent);
+  all(events.counts, events.window_begin, events.sent, events.suppressed);
+  all(s.bus.commands, s.bus.commands_done, s.bus.cloud.number, s.bus.servicer, s.bus.reported);
+  all(s.bus.scale, s.bus.q_CT_last);
 }
 
 /// Jobs that are out are lost with the process: what they were for is still to be done.

@@ -20,7 +20,7 @@ struct FrameClock {
 
 enum class Admission : std::uint8_t {
   kLater,         ///< than the last one
-  kNotLater,      ///< or later than a run lasts: it is passed by
+  kNotLater,      ///< or later than a run lasts, or beyond the ends of time: it is passed by
   kTimeWasWrong,  ///< the time before it was: nothing that has a time can stay
 };
 

@@ -175,8 +175,8 @@ constexpr ParameterRow kRows[] = {
   {"scale.known_edge_m", POLHODE_FIELD(scale.known_edge_m), 0.001, 1000.0, "m",
    "longest edge of the flat faces, which the program finds by itself; with another reading at hand, the edge that fits it"},
 
-  {"camera.width_px", POLHODE_FIELD(camera.width_px), 32, 8192, "px", "image width"},
-  {"camera.height_px", POLHODE_FIELD(camera.height_px), 32, 8192, "px", "image height"},
+  {"camera.width_px", POLHODE_FIELD(camera.width_px), 32, limits::kImageSide, "px", "image width"},
+  {"camera.height_px", POLHODE_FIELD(camera.height_px), 32, limits::kImageSide, "px", "image height"},
   {"camera.fu_px", POLHODE_FIELD(camera.fu_px), 10.0, 1000000.0, "px",
    "focal length along u (to the right)"},
   {"camera.fv_px", POLHODE_FIELD(camera.fv_px), 10.0, 1000000.0, "px",
@@ -217,7 +217,9 @@ std::string text_of(std::uint64_t value) { return number_text(value); }
 std::string text_of(double value) { return number_text(value); }
 template <typename Choice>
 requires std::is_enum_v<Choice> std::string text_of(Choice choice) {
-  return "\"" + std::string(choices_of(choice)[static_cast<std::size_t>(choice)]) + "\"";
+  const auto& words = choices_of(choice);
+  const auto at = static_cast<std::size_t>(choice);  // any number in a damaged table
+  return at < words.size() ? "\"" + std::string(words[at]) + "\"" : std::to_string(at);
 }
 std::string text_of(const PointPair& pair) {
   return "[[" + text_of(pair[0][0]) + ", " + text_of(pair[0][1]) + "], [" + text_of(pair[1][0]) +

@@ -1,5 +1,6 @@
 #include "pipeline/picture.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "bus/frame_uses.hpp"
@@ -38,8 +39,10 @@ MaskPrior mask_prior(const Pose& pose,
       break;
     }
   }
+  // A body that is passed closely fills the picture, and no more.
+  const double radius_px = map.radius_mu * camera.focal_px() / pose.p_CT.z();
   return {.points_px = picture->landmarks_px.view(),
-          .radius_px = map.radius_mu * camera.focal_px() / pose.p_CT.z()};
+          .radius_px = std::min(radius_px, static_cast<double>(limits::kImageSide))};
 }
 
 }  // namespace
@@ -56,7 +59,9 @@ FrameUse bring_picture(const Frame& frame,
   if (!frame.readable || frame.image.data == nullptr) {
     return FrameUse::kUnreadable;
   }
-  if (frame.image.width_px != camera.width_px || frame.image.height_px != camera.height_px) {
+  const cv::Size size(frame.image.width_px, frame.image.height_px);
+  if (size != cv::Size(camera.width_px, camera.height_px) ||
+      (picture->own != nullptr && size != picture->own->pixels.size())) {
     return FrameUse::kWrongSize;
   }
   if (std::exchange(reference->gray_to_come, false)) {

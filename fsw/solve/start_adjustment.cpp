@@ -316,7 +316,7 @@ double adjust_single_pose(std::span<const TrackObservation> observations,
   const InverseDepthPose start = *pose;
   PoseEquations::Vector by = PoseEquations::Vector::Zero();
   PoseEquations at_minimum;
-  (void)minimise(
+  const int steps = minimise(
       [&](const PoseEquations::Vector& by_trial, PoseEquations* at) {
         const InverseDepthPose trial = moved(start, by_trial);
         *at = linearise_pose(observations, geometry, options, trial);
@@ -326,7 +326,7 @@ double adjust_single_pose(std::span<const TrackObservation> observations,
       &by,
       &at_minimum);
   *pose = moved(start, by);
-  return at_minimum.cost;
+  return steps < 0 ? -1.0 : at_minimum.cost;  // as without known points: it cannot be evaluated
 }
 
 }  // namespace polhode

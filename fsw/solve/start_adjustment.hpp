@@ -23,7 +23,8 @@ StartFit adjust_start(std::span<const TrackObservation> observations,
 /// Pose of one frame from the known points, by at most `iterations_max` damped steps with Cauchy
 /// loss.
 /// @param observations  of this frame only.
-/// @return robust cost, or a negative number when fewer than four points are known.
+/// @return robust cost, or a negative number when fewer than four points are known, or the pose is
+/// none that images can be told by.
 double adjust_single_pose(std::span<const TrackObservation> observations,
                           const StartGeometryView& geometry,
                           const StartAdjustmentOptions& options,

@@ -235,21 +235,20 @@ bool normalise_gauge(const StartGeometryView& g) {
   const Eigen::Matrix3d R_NT = nearest_rotation(g.poses[first].R_CT);  // N: the new axes
   const Eigen::Vector3d centre = median_point(g, R_NT);
   const double extent = robust_extent(g, centre);
-  for (std::size_t f = 0; f < g.poses.size(); ++f) {
-    if (g.posed[f] != 0 && !(from_inverse_depth(g.poses[f]).to_camera(centre).z() > 0.0)) {
-      return false;
-    }
-  }
   if (!(extent > 0.0) || !std::isfinite(extent)) {
     return false;
   }
+  FixedVector<InverseDepthPose, limits::kStartFrames> poses;
   for (std::size_t f = 0; f < g.poses.size(); ++f) {
-    if (g.posed[f] != 0) {
-      const Pose pose = from_inverse_depth(g.poses[f]);
-      g.poses[f] = to_inverse_depth({.R_CT = nearest_rotation(pose.R_CT * R_NT.transpose()),
-                                     .p_CT = pose.to_camera(centre) / extent});
+    const Pose pose = from_inverse_depth(g.poses[f]);
+    const Pose moved{.R_CT = nearest_rotation(pose.R_CT * R_NT.transpose()),
+                     .p_CT = pose.to_camera(centre) / extent};
+    if (g.posed[f] != 0 && !is_before_camera(moved)) {
+      return false;
     }
+    (void)poses.push_back(g.posed[f] != 0 ? to_inverse_depth(moved) : g.poses[f]);
   }
+  std::copy(poses.begin(), poses.end(), g.poses.begin());
   for (std::size_t i = 0; i < g.points_T.size(); ++i) {
     g.points_T[i] = R_NT * (g.points_T[i] - centre) / extent;
   }

@@ -87,7 +87,8 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
       ->add_option("--job-latency-ms",
                    arguments.job_latency_ms,
                    "for tests: hold each job back by a random time up to this")
-      ->type_name("MS");
+      ->type_name("MS")
+      ->check(CLI::Range(0, 60000));
   command
       ->add_option("--commands",
                    arguments.commands,

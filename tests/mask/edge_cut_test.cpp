@@ -83,6 +83,21 @@ TEST(CutAtEdges, LeavesAnOutlineThatFillsThePictureAlone) {
   EXPECT_EQ(cv::countNonZero(outline), kSize.area());
 }
 
+/// A mosaic of colours, or printing: each neighbour is a step as large as any, and costs nothing.
+TEST(CutAtEdges, LeavesAnOutlineWithinAPatternOfSinglePixelsAlone) {
+  cv::Mat gray(kSize, CV_8UC1, cv::Scalar(80));
+  for (int v = kBody.y; v < kBody.br().y; ++v) {
+    for (int u = kBody.x; u < kBody.br().x; ++u) {
+      gray.at<std::uint8_t>(v, u) = (u + v) % 2 == 0 ? 220 : 10;
+    }
+  }
+  cv::Mat outline(kSize, CV_8UC1, cv::Scalar(0));
+  outline(cv::Rect(65, 52, 30, 16)).setTo(255);
+  const cv::Mat before = outline.clone();
+  cut(gray, unary_of(outline, 1), {}, 1, {.px = 1}, &outline);
+  EXPECT_EQ(cv::norm(outline, before, cv::NORM_INF), 0.0);
+}
+
 TEST(CutAtEdges, KeepsSeeds_WhateverTheUnaryCost) {
   cv::Mat outline = body();
   cv::Mat seeds(kSize, CV_8UC1, cv::Scalar(0));

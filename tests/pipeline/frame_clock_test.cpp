@@ -27,6 +27,19 @@ TEST(FrameClock, TheFirstFrameMayHaveAnyTime) {
   EXPECT_EQ(missing, 0U);
 }
 
+TEST(FrameClock, ATimeThatNoDifferenceCanBeTakenFromIsPassedBy) {
+  for (const std::int64_t time_ns : {INT64_MIN, INT64_MIN / 2, INT64_MAX / 2, INT64_MAX}) {
+    FrameClock clock;
+    std::uint32_t missing = 0;
+    EXPECT_EQ(admit(time_ns, &clock, &missing), Admission::kNotLater) << time_ns;
+    clock = after_seconds(1, 5);
+    for (int i = 0; i < 20; ++i) {
+      EXPECT_EQ(admit(time_ns, &clock, &missing), Admission::kNotLater) << "ten do not outvote";
+    }
+    EXPECT_EQ(admit(6 * kSecond_ns, &clock, &missing), Admission::kLater);
+  }
+}
+
 TEST(FrameClock, AFrameThatIsNotLaterIsPassedBy) {
   FrameClock clock = after_seconds(1, 5);
   std::uint32_t missing = 0;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "config/limits.hpp"
 #include "errors.hpp"
 #include "parameters/load.hpp"
 #include "parameters/print.hpp"
@@ -73,6 +74,28 @@ TEST(Parameters, EveryRowRefusesWhatIsBeyondItsEnds_NamingKeyAndRange) {
     (*real)(parameters) = row.high;
     EXPECT_FALSE(check_row(row, parameters)) << row.key;
   }
+}
+
+/// As a checkpoint may hold them that somebody has altered.
+TEST(Parameters, AWordThatIsNoneIsRefusedByItsNumber) {
+  for (const ParameterRow& row : parameter_table()) {
+    Parameters parameters;
+    parameters.motion.mode = static_cast<MotionMode>(200);
+    if (row.key == "motion.mode") {
+      const auto problem = check_row(row, parameters);
+      ASSERT_TRUE(problem);
+      EXPECT_HOLDS(problem->message, "motion.mode = 200: out of range");
+    }
+  }
+}
+
+TEST(Parameters, APictureIsAsLargeAsTheTablesAtMost) {
+  Parameters parameters;
+  parameters.camera = good_camera();
+  parameters.camera.width_px = static_cast<int>(limits::kImageSide);
+  EXPECT_FALSE(check(parameters));
+  parameters.camera.width_px += 1;
+  EXPECT_TRUE(check(parameters));
 }
 
 TEST(Parameters, CheckTiesTheTwoGapsOfTheStartTogether) {

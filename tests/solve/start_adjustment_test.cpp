@@ -4,7 +4,9 @@
 
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <limits>
 #include <memory>
+#include <vector>
 
 #include "solve/start_geometry.hpp"
 
@@ -119,6 +121,35 @@ TEST(StartAdjustment, NormaliseGauge_KeepsTheImages) {
   ASSERT_TRUE(normalise_gauge(g.view()));
   EXPECT_LT(worst_image(&g), 1e-7);
   EXPECT_TRUE(g.poses[0].R_CT.isIdentity(1e-12));
+}
+
+TEST(StartAdjustment, NormaliseGauge_ChangesNothing_WhereAPoseIsNone) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& uvs : {Eigen::Vector3d(nan, 0.0, 0.1),
+                                     Eigen::Vector3d(0.0, infinity, 0.1),
+                                     Eigen::Vector3d(0.0, 0.0, 0.0),
+                                     Eigen::Vector3d(0.0, 0.0, -0.1)}) {
+    StartGeometry g = make_start_geometry({}, 11);
+    g.poses[3].uvs = uvs;
+    const StartGeometry before = g;
+    EXPECT_FALSE(normalise_gauge(g.view())) << uvs.transpose();
+    EXPECT_EQ(g.poses[0].uvs, before.poses[0].uvs);
+    EXPECT_EQ(g.points_T, before.points_T);
+  }
+}
+
+TEST(StartAdjustment, SinglePose_ThatCannotBeEvaluatedIsNone) {
+  StartGeometry g = make_start_geometry({}, 11);
+  InverseDepthPose pose = g.poses[1];
+  pose.uvs.z() = -0.1;
+  std::vector<TrackObservation> of_frame;
+  for (const TrackObservation& o : g.observations) {
+    if (o.frame == 1) {
+      of_frame.push_back(o);
+    }
+  }
+  EXPECT_EQ(adjust_single_pose(of_frame, g.view(), {.iterations_max = 5}, &pose), -1.0);
 }
 
 TEST(StartAdjustment, ReverseDepth_ChangesImagesInSecondOrderOnly) {

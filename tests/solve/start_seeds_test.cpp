@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <limits>
+#include <vector>
 
 #include "solve/affine_factorisation.hpp"
 #include "solve/constant_rate_grid.hpp"
@@ -136,6 +138,18 @@ TEST(ConstantRate, RecoversTheRate_OfADistantBody) {
     const WeakPerspectiveMotion motion = to_motion(found[0], g.times_s);
     const Eigen::Matrix3d truth = g.poses[7].R_CT * g.poses[0].R_CT.transpose();
     EXPECT_LT(turn_error_rad(motion.R_CT[7] * motion.R_CT[0].transpose(), truth), 0.02) << seed;
+  }
+}
+
+/// Times of years and of nanoseconds in one start coincide as numbers.
+TEST(ConstantRate, WhereNoTimePassesThereIsNone) {
+  StartGeometry g =
+      make_start_geometry({.points = 50, .frames = 8, .turn_rad = 0.5, .on_axis = true}, 1);
+  const std::vector<std::uint8_t> all(g.points_T.size(), 1);
+  for (const double last_s : {3.0, 2.0, std::numeric_limits<double>::quiet_NaN()}) {
+    std::vector<double> times_s(8, 3.0);
+    times_s.back() = last_s;
+    EXPECT_TRUE(search_constant_rate(centred(images_of(g), all), times_s).empty()) << last_s;
   }
 }
 
