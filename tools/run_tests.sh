@@ -20,7 +20,7 @@ done
 
 ctest_arguments=(--test-dir "$BUILD" --output-on-failure --no-tests=ignore -j "$(nproc)")
 # The tests of a file run one after another: they share what they have made, and its ports are theirs.
-pytest_arguments=(-ra --durations=30 -n "$(nproc)" --dist loadfile)
+pytest_arguments=(-ra --durations=30 -n "$(nproc)" --dist loadfile --no-loadscope-reorder)
 marks="not further"
 if [ -n "$filter" ]; then
   ctest_arguments+=(-R "$filter")
