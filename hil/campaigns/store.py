@@ -15,6 +15,7 @@ import uuid
 from dataclasses import dataclass
 
 from judge.venv import REPOSITORY
+from judge.whole_file import beside
 
 
 def digest(*parts) -> str:
@@ -109,6 +110,5 @@ def keep_copy(source: pathlib.Path, place: pathlib.Path) -> None:
     """What is run is what was hashed, whatever becomes of the source meanwhile."""
     if not place.is_file():
         place.parent.mkdir(parents=True, exist_ok=True)
-        part = place.with_name(f"{place.name}.part-{uuid.uuid4().hex[:8]}")
-        shutil.copy2(source, part)
-        os.replace(part, place)
+        with beside(place) as part:
+            shutil.copy2(source, part)

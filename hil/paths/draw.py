@@ -8,7 +8,7 @@ from judge.sequence import Camera
 from paths.boxes import picture, random_body
 from paths.flight import random_flight
 from transforms.footage import Footage, Shot, noisy, write_footage
-from transforms.table import KINDS, RESTAMPING
+from transforms.table import KINDS, RESTAMPING, applied
 
 FIRST_NS = 1_700_000_000_000_000_000
 # They need a mesh, or give a path another length.
@@ -75,7 +75,4 @@ def random_path(seed: list[int], frames: int, resolution: tuple[int, int]) -> tu
 def draw_path(seed: list[int], frames: int, resolution: tuple[int, int], out: pathlib.Path) -> None:
     """Writes the sequence OUT, which is not there yet; BadInput as a transform says it."""
     footage, steps = random_path(seed, frames, resolution)
-    for number, step in enumerate(steps):
-        options = {name: value for name, value in step.items() if name != "kind"}
-        footage = KINDS[step["kind"]].function(footage, options, seed[-1] + number)
-    write_footage(footage, out)
+    write_footage(applied(footage, steps, seed[-1]), out)

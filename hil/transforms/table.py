@@ -97,13 +97,18 @@ def options_of(where: str, kind: str, given: dict) -> dict:
     return {name: option.default for name, option in table.items()} | given
 
 
-def transform(source: pathlib.Path, out: pathlib.Path, steps: list[dict], seed: int) -> int:
-    """Applies steps {kind, options...} in order; OUT is a new folder. @return lines in its log."""
+def applied(footage: Footage, steps: list[dict], seed: int) -> Footage:
+    """The footage after steps {kind, options...}, in order."""
     check_order("steps", [step["kind"] for step in steps])
-    footage = read_footage(source)
     for number, step in enumerate(steps):
         given = {name: value for name, value in step.items() if name != "kind"}
         options = options_of(f"step {number + 1}", step["kind"], given)
         footage = KINDS[step["kind"]].function(footage, options, seed + number)
+    return footage
+
+
+def transform(source: pathlib.Path, out: pathlib.Path, steps: list[dict], seed: int) -> int:
+    """Applies steps to a sequence; OUT is a new folder. @return lines in its log."""
+    footage = applied(read_footage(source), steps, seed)
     write_footage(footage, out)
     return len(footage.log)
