@@ -59,10 +59,13 @@ def sample():
 
 @pytest.fixture(scope="session")
 def sample_run(program, sample, tmp_path_factory):
-    """The sample as the shipped configuration replays it, made once for all who only read it. @return as replay, with `sequence`."""
+    """The sample as the shipped configuration replays it, made once for all who only read it: an error tells that a test
+    changed it, as the order of tests differs from run to run. @return as replay, with `sequence`."""
     folder = tmp_path_factory.mktemp("sample") / "out"
     result = program("replay", "--config", DEFAULTS, "--sequence", sample, "--out", folder)
     assert result.status == 0, result.err
     result.folder = folder
     result.sequence = sample
-    return result
+    made = {file.name: file.stat().st_mtime_ns for file in folder.iterdir()}
+    yield result
+    assert {file.name: file.stat().st_mtime_ns for file in folder.iterdir()} == made, "a test changed the shared run"
