@@ -16,6 +16,7 @@
 #include "motion/look_ahead.hpp"
 #include "motion/motion_state.hpp"
 #include "shape/scale_number.hpp"
+#include "solve/camera_adjustment.hpp"
 
 namespace polhode {
 
@@ -61,7 +62,7 @@ struct Reported {
   Mode mode = Mode::kIdle;
   bool stamps_doubted = false;
   bool rate_implausible = false;
-  bool focal_length_doubted = false;
+  std::array<std::uint8_t, kDeviations> contradicted{};  ///< of the stated camera
   std::uint8_t dynamics = 0;  ///< a value of the model packet's field
   ScaleNumber scale{};
   std::uint32_t scale_not_improved = 0;

@@ -44,6 +44,7 @@ inline constexpr CodeName kEventsNames[] = {
     {6, "scale_known"},
     {16, "scale_unknown"},
     {18, "focal_length_doubted"},
+    {19, "camera_contradicted"},
     {17, "scale_not_improved"},
     {7, "table_full"},
     {8, "shape_known"},

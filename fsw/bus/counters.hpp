@@ -35,7 +35,7 @@ struct Counters {
   std::uint32_t landmarks_culled = 0;  ///< landmarks removed from the map
   std::uint32_t closures = 0;  ///< loops closed
   std::uint32_t shapes = 0;  ///< estimates of the shape
-  std::uint32_t jobs_issued = 0;  ///< initialisations, adjustments of the map, fits of the dynamics, shape estimates, tests of the focal length
+  std::uint32_t jobs_issued = 0;  ///< initialisations, adjustments of the map, fits of the dynamics, shape estimates, tests of the camera
   std::uint32_t jobs_without_result = 0;  ///< jobs skipped because memory was short, and adjustments without a usable solution
   std::uint32_t steps_short_of_memory = 0;  ///< steps with reduced work because memory was short
   std::uint32_t scale_contradictions = 0;  ///< times that the readings of the scale began to contradict each other

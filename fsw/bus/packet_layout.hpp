@@ -214,7 +214,8 @@ inline constexpr std::uint8_t kFlagScaleKnown = 0x02;
 inline constexpr std::uint8_t kFlagTableLoaded = 0x04;
 inline constexpr std::uint8_t kFlagServicerAttitude = 0x08;
 inline constexpr std::uint8_t kFlagFocalLengthDoubted = 0x10;
-inline constexpr std::uint8_t kFlagsUsed = 0x1F;
+inline constexpr std::uint8_t kFlagCameraContradicted = 0x20;
+inline constexpr std::uint8_t kFlagsUsed = 0x3F;
 }  // namespace housekeeping_layout
 
 namespace event_layout {

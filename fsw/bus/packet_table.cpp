@@ -172,10 +172,10 @@ constexpr Field kHousekeepingPacket[] = {
     {"last_rejection", FieldType::kU8, 1, false, 197, offsetof(HousekeepingPacket, last_rejection), -1, 0.0, 7.0, "", "", "NONE LENGTH HEADER CRC UNKNOWN_CODE RANGE STATE TOO_MANY", {}},
     {"mode", FieldType::kU8, 1, false, 198, offsetof(HousekeepingPacket, mode), -1, 0.0, 4.0, "", "", "IDLE ACQUIRING TRACKING LOST COASTING", {}},
     {"version", FieldType::kU8, 3, true, 199, offsetof(HousekeepingPacket, version), -1, -kNoLimit, kNoLimit, "major minor patch", "", "", {}},
-    {"flags", FieldType::kU8, 1, false, 202, offsetof(HousekeepingPacket, flags), -1, 0.0, 31.0, "", "", "", {}},
+    {"flags", FieldType::kU8, 1, false, 202, offsetof(HousekeepingPacket, flags), -1, 0.0, 63.0, "", "", "", {}},
     {"tables_damaged", FieldType::kU8, 1, false, 203, offsetof(HousekeepingPacket, tables_damaged), -1, -kNoLimit, kNoLimit, "", "", "", {}},
 };
-constexpr Layout kHousekeepingPacketLayout{"housekeeping", 4, 206, kHousekeepingPacket, offsetof(HousekeepingPacket, flags), "held scale_known table_loaded servicer_attitude focal_length_doubted", ""};
+constexpr Layout kHousekeepingPacketLayout{"housekeeping", 4, 206, kHousekeepingPacket, offsetof(HousekeepingPacket, flags), "held scale_known table_loaded servicer_attitude focal_length_doubted camera_contradicted", ""};
 static_assert(sizeof(HousekeepingPacket) <= kStructOctetsMax);
 
 constexpr Field kEventPacket[] = {

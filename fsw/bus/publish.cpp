@@ -69,7 +69,8 @@ void send_housekeeping(const View& view, BusState* bus) {
       flag_if(view.held, flag::kFlagHeld) | flag_if(view.scale->known, flag::kFlagScaleKnown) |
       flag_if(view.table.loaded, flag::kFlagTableLoaded) |
       flag_if(bus->servicer.known, flag::kFlagServicerAttitude) |
-      flag_if(view.focal.refuted, flag::kFlagFocalLengthDoubted));
+      flag_if(view.camera.found->is(Deviation::kFocal), flag::kFlagFocalLengthDoubted) |
+      flag_if(view.camera.found->any(), flag::kFlagCameraContradicted));
   packet.tables_damaged = clipped_to_octet(bus->tables_damaged);
   append(packet, *view.options, &bus->stream);
 }

@@ -58,7 +58,9 @@ void send_local_prediction(const View& view, BusState* bus) {
     return;
   }
   predicted.value().covariance += drift_until(predicted.value().pose, view);
-  widen_attitude(view.focal.turn_rad, &predicted.value().covariance);
+  widen(view.camera.error,
+        predicted.value().pose.p_CT.norm(),
+        &predicted.value().covariance);
   PredictionPacket packet = to_packet(predicted.value(), view.unit);
   packet.timestamp_ns = motion.timestamp_ns;
   packet.predicted_timestamp_ns = ahead_ns;
@@ -110,7 +112,7 @@ void send_prediction(const View& view, bool due, BusState* bus) {
     return;
   }
   reached->covariance += turned(ahead.R_IC, view.drift->reanchoring);
-  widen_attitude(view.focal.turn_rad, &reached->covariance);
+  widen(view.camera.error, reached->pose.p_CT.norm(), &reached->covariance);
   PredictionPacket packet =
       to_packet(*reached, ahead.walk.model, ahead.R_IC.transpose(), view.unit);
   packet.timestamp_ns = ahead.timestamp_ns;

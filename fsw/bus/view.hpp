@@ -12,10 +12,12 @@
 #include "image/verdict.hpp"
 #include "motion/motion_state.hpp"
 #include "motion/stamp_doubt.hpp"
+#include "solve/camera_verdict.hpp"
 
 namespace polhode {
 
 struct BusState;
+struct CameraModel;
 struct MapDrift;
 struct MotionEstimate;
 struct MotionOptions;
@@ -34,13 +36,11 @@ struct TableStatus {
   std::size_t memory_octets = 0;  ///< that the component was given
 };
 
-/// The focal length, where a test has refuted it.
-struct FocalDoubt {
-  bool refuted = false;
-  double given_px = 0.0;
-  double found_px = 0.0;
-  double relative_sigma = 0.0;  ///< of the found one
-  double turn_rad = 0.0;        ///< 1-sigma that attitudes have by it
+/// The stated camera, and what a test has found of it.
+struct CameraDoubt {
+  const CameraModel* stated = nullptr;
+  const CameraFinding* found = nullptr;
+  CameraError error;
 };
 
 /// What a step has found, room by room. Pointers are never null.
@@ -55,7 +55,7 @@ struct View {
   StampDoubt stamps;           ///< of the last poses, where this frame has one
   const ShapeState* shape = nullptr;
   const ScaleState* scale = nullptr;
-  FocalDoubt focal;
+  CameraDoubt camera;
   LengthUnit unit;
   bool has_map = false;
   bool held = false;

@@ -46,13 +46,13 @@ struct Frame {
 };
 
 /// Work that takes longer than a frame has time: the start of a map, adjustments of it, the fit of
-/// the dynamics, the shape, a test of the focal length. The step hands it out, the caller runs it
+/// the dynamics, the shape, a test of the camera. The step hands it out, the caller runs it
 /// where it likes while steps go on, and hands it back to the step that it names, so that the
 /// packets do not depend on how long it took.
 struct Job;
 
 /// In the order in which they are best run. Out at a time: one of the map, one fit, one shape
-/// or test of the focal length.
+/// or test of the camera.
 using Jobs = FixedVector<Job*, 3>;
 
 /// Does the work. Touches nothing but the job.

@@ -31,6 +31,7 @@ GroundView view_of(const Component::State& s) {
           .moves_so_since_ns = s.motion.moves_so_since_ns,
           .scale = s.scale,
           .scale_number = number_of(lengths_unit(s), s.bus.scale),
+          .camera_found = s.camera.found,
           .target_frame = s.mapping.target_frame};
 }
 

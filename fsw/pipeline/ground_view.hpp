@@ -9,6 +9,7 @@
 
 namespace polhode {
 
+struct CameraFinding;
 struct CameraModel;
 struct InitialisationState;
 struct Map;
@@ -34,6 +35,7 @@ struct GroundView {
   std::int64_t moves_so_since_ns = INT64_MIN;  ///< the body was disturbed then, the last time
   const ScaleState& scale;
   std::uint32_t scale_number = 0;  ///< that lengths in it go under
+  const CameraFinding& camera_found;  ///< by tests of the stated camera
   std::uint32_t target_frame = 0;  ///< number of the frame T that the map is in
 };
 

@@ -14,7 +14,7 @@ struct Run {
   void operator()(AdjustmentJob* work) const { run_adjustment(work); }
   void operator()(FitJob* work) const { run_fit(work); }
   void operator()(ShapeJob* work) const { run_shape(work); }
-  void operator()(FocalJob* work) const { run_focal(work); }
+  void operator()(CameraJob* work) const { run_camera_test(work); }
 };
 
 struct Skip {

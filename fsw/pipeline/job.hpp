@@ -1,8 +1,8 @@
 // The long work of a component: plain snapshots that pure functions turn into results, on whichever
 // thread the caller likes.
 //
-// One job of the map, one fit of the dynamics and one estimate of the shape, or test of the focal
-// length, are out at a time; none waits for another, as the others change nothing of the map. A
+// One job of the map, one fit of the dynamics and one estimate of the shape, or test of the
+// camera, are out at a time; none waits for another, as the others change nothing of the map. A
 // result is taken in at a step that is named when the job is issued (logical execution time), so
 // the packets do not depend on how long the work took.
 #pragma once
@@ -14,7 +14,7 @@
 #include "motion/fit_job.hpp"
 #include "pipeline/adjustment_job.hpp"
 #include "pipeline/component.hpp"
-#include "pipeline/focal_job.hpp"
+#include "pipeline/camera_job.hpp"
 #include "pipeline/job_times.hpp"
 #include "shape/shape_job.hpp"
 
@@ -22,7 +22,7 @@ namespace polhode {
 
 /// What is to be done; nothing while the job is not out.
 using JobWork =
-    std::variant<std::monostate, StartJob*, AdjustmentJob*, FitJob*, ShapeJob*, FocalJob*>;
+    std::variant<std::monostate, StartJob*, AdjustmentJob*, FitJob*, ShapeJob*, CameraJob*>;
 
 struct Job {
   JobWork work;
@@ -51,13 +51,13 @@ struct JobCounts {
 struct JobQueue {
   Job map;  ///< an initialisation or an adjustment
   Job fit;
-  Job shape;  ///< an estimate of the shape, or a test of the focal length
+  Job shape;  ///< an estimate of the shape, or a test of the camera
   JobCounts counts;
   StartJob start;
   AdjustmentJob adjustment;
   FitJob fit_work;
   ShapeJob shape_work;
-  FocalJob focal;
+  CameraJob camera;
 };
 
 /// Sends off what has been prepared: to the caller with this step's output, or, with a delay of 0,

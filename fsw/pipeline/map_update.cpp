@@ -104,19 +104,21 @@ void restate(Component::State* s) {
   invalidate_fits(&s->jobs);
 }
 
-/// The map as adjusted just now is copied for a test of the focal length, each time that there have
+/// The map as adjusted just now is copied for a test of the camera, each time that there have
 /// been twice as many keyframes. It is never urgent, and never done within a step.
-void prepare_focal_test(Component::State* s) {
+void prepare_test(Component::State* s) {
   constexpr std::uint32_t kKeyframesMin = 6;  // fewer hold a map of any depth
   AdjustmentJob& job = s->jobs.adjustment;
   const std::uint32_t next = job.snapshot.next_keyframe_number;
-  const bool due = next >= std::max(kKeyframesMin, 2 * s->focal.next_keyframe);
-  if (due && job.of_all && job.usable && !is_out_with<FocalJob>(s->jobs.shape) &&
+  const bool due = next >= std::max(kKeyframesMin, 2 * s->camera.next_keyframe);
+  if (due && job.of_all && job.usable && !is_out_with<CameraJob>(s->jobs.shape) &&
       s->steps_to_shed == 0 && has_work_beside(s->configuration.parameters.jobs) &&
       is_sound(job.snapshot)) {
-    prepare_focal(problem_of(&job.snapshot), &s->jobs.focal);
-    s->focal.next_keyframe = next;
-    s->focal.waits = true;
+    const MapMotions motions = motions_of(job.snapshot);
+    prepare_camera_test(camera_problem_of(motions, s->configuration.camera, &job.snapshot),
+                        &s->jobs.camera);
+    s->camera.next_keyframe = next;
+    s->camera.waits = true;
   }
 }
 
@@ -136,7 +138,7 @@ void take_adjustment(Component::State* s) {
   const AdjustmentJob& job = s->jobs.adjustment;
   const CameraModel& camera = s->configuration.camera;
   move_since(take_over(s), s);
-  prepare_focal_test(s);
+  prepare_test(s);
   if (!s->mapping.growth.closed) {
     // This would untie a loop that is still to be closed: its ends are sigmas apart.
     cull_misfits(camera, &s->mapping);

@@ -17,49 +17,61 @@ std::uint16_t inliers(const LandmarkMatches& matches) {
       matches.begin(), matches.end(), [](const LandmarkMatch& m) { return m.inlier; })));
 }
 
-/// 1-sigma that a refuted focal length adds to attitudes at this frame (part_off). What it adds to
-/// ranges is in the unit's error.
-double turn_by_focal(const Component::State& s) {
-  const PoseHistory& recent = s.motion.recent;
-  if (!s.mapping.pose_valid && recent.empty()) {
-    return 0.0;  // there is no attitude
+/// As the last two poses have it; 0 where there are not as many.
+double turn_rad_s(const PoseHistory& recent) {
+  if (recent.size() < 2) {
+    return 0.0;
   }
-  const Pose& pose = s.mapping.pose_valid ? s.mapping.localised.absolute.pose : recent.back().pose;
-  return part_off(s.focal.found) * s.mapping.map.radius_mu / pose.p_CT.norm();
+  const PoseSample& before = recent[recent.size() - 2];
+  const PoseSample& last = recent.back();
+  return rotation_angle_rad(before.pose.R_CT, last.pose.R_CT) /
+         (1e-9 * static_cast<double>(last.timestamp_ns - before.timestamp_ns));
 }
 
-/// A pose in the unit published, with what scale and focal length add to its error.
+/// What a contradicted camera adds to the errors of this frame.
+CameraError error_by_camera(const Component::State& s) {
+  const PoseHistory& recent = s.motion.recent;
+  if (!s.camera.found.any() || (!s.mapping.pose_valid && recent.empty())) {
+    return {};
+  }
+  const Pose& pose = s.mapping.pose_valid ? s.mapping.localised.absolute.pose : recent.back().pose;
+  return error_by(
+      s.camera.found, s.mapping.map.radius_mu / pose.p_CT.norm(), turn_rad_s(recent));
+}
+
+/// A pose in the unit published, with what scale and camera add to its error.
 /// @param covariance  of the pose in map units, the map's own error included.
 /// @param q_last  quaternion published last; becomes this one.
 void fill_pose_in_unit(const Pose& pose_mu,
                        PoseCovariance covariance,
-                       double turn_by_focal_rad,
+                       const CameraError& camera,
                        const bus::LengthUnit& unit,
                        std::array<double, 4>* q_last,
                        MotionState* m) {
   const Pose pose = scaled(pose_mu, unit.metres_per_mu);
-  widen_attitude(turn_by_focal_rad, &covariance);
+  covariance = scaled(covariance, unit.metres_per_mu);
+  widen(camera, pose.p_CT.norm(), &covariance);
   fill_pose(pose,
-            scaled(covariance, unit.metres_per_mu) + by_scale(pose, unit.relative_sigma),
+            covariance + by_scale(pose, unit.relative_sigma),
             q_last,
             m);
 }
 
-/// Pose and rates, with what the map's drift, a doubt, the scale and a refuted focal length add to
+/// Pose and rates, with what the map's drift, a doubt, the scale and a contradicted camera add to
 /// their errors. No rates where the turns contradict the times.
 /// @param q_last  quaternion published last; becomes this one.
 void fill_motion(const MapState& mapping,
                  const MotionEstimate& motion,
                  const MotionOptions& options,
                  const StampDoubt& stamps,
-                 double turn_by_focal_rad,
+                 const CameraError& camera,
                  const bus::LengthUnit& unit,
                  std::array<double, 4>* q_last,
                  MotionState* m) {
   const AbsolutePose& found = mapping.localised.absolute;
   fill_pose_in_unit(found.pose,
                     found.covariance + covariance(mapping.drift) + mapping.doubted,
-                    turn_by_focal_rad,
+                    camera,
                     unit,
                     q_last,
                     m);
@@ -69,14 +81,14 @@ void fill_motion(const MapState& mapping,
   }
 }
 
-/// A predicted pose, with what scale and focal length add to its error; no rates.
+/// A predicted pose, with what scale and camera add to its error; no rates.
 void fill_coasted(const std::optional<PosePrediction>& coasted,
-                  double turn_by_focal_rad,
+                  const CameraError& camera,
                   const bus::LengthUnit& unit,
                   std::array<double, 4>* q_last,
                   MotionState* m) {
   if (coasted) {
-    fill_pose_in_unit(coasted->pose, coasted->covariance, turn_by_focal_rad, unit, q_last, m);
+    fill_pose_in_unit(coasted->pose, coasted->covariance, camera, unit, q_last, m);
   }
 }
 
@@ -115,6 +127,7 @@ void list_observations(const MapState& mapping,
 MotionState motion_state(std::int64_t timestamp_ns,
                          const StampDoubt& stamps,
                          const bus::LengthUnit& unit,
+                         const CameraError& camera,
                          Component::State* s) {
   const MapState& mapping = s->mapping;
   const LandmarkMatches& matches = mapping.localised.matches;
@@ -137,12 +150,12 @@ MotionState motion_state(std::int64_t timestamp_ns,
                 s->motion,
                 s->configuration.parameters.motion,
                 stamps,
-                turn_by_focal(*s),
+                camera,
                 unit,
                 &s->bus.q_CT_last,
                 &m);
   } else if (m.mode == Mode::kCoasting) {
-    fill_coasted(coasted_pose(timestamp_ns, *s), turn_by_focal(*s), unit, &s->bus.q_CT_last, &m);
+    fill_coasted(coasted_pose(timestamp_ns, *s), camera, unit, &s->bus.q_CT_last, &m);
   }
   return m;
 }
@@ -158,6 +171,7 @@ bus::TableStatus table_status(const Configuration& c) {
 bus::View bus_view(FrameUse use,
                    const StampDoubt& stamps,
                    const bus::LengthUnit& unit,
+                   const CameraError& camera,
                    const Component::State& s) {
   const Configuration& c = s.configuration;
   return {.use = use,
@@ -170,11 +184,7 @@ bus::View bus_view(FrameUse use,
           .stamps = stamps,
           .shape = &s.shape,
           .scale = &s.scale,
-          .focal = {.refuted = refutes_focal(s.focal.found),
-                    .given_px = c.camera.focal_px(),
-                    .found_px = s.focal.found.factor * c.camera.focal_px(),
-                    .relative_sigma = s.focal.found.relative_sigma,
-                    .turn_rad = turn_by_focal(s)},
+          .camera = {.stated = &c.camera, .found = &s.camera.found, .error = camera},
           .unit = unit,
           .has_map = s.mapping.map.landmark_count > 0,
           .held = s.mode.held,
@@ -188,20 +198,21 @@ bus::View bus_view(FrameUse use,
 
 void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   change_unit(lengths_unit(*s), &s->bus.scale);
+  const CameraError camera = error_by_camera(*s);
   const bus::LengthUnit unit{.known = s->scale.known,
                              .metres_per_mu = s->scale.metres_per_mu,
                              .relative_sigma = std::hypot(length_sigma(s->scale, s->mapping.drift),
-                                                          part_off(s->focal.found)),
+                                                          camera.along),
                              .number = s->bus.scale.number};
   const StampDoubt stamps =
       s->mapping.pose_valid ? doubt_of_stamps(s->motion.recent.view()) : StampDoubt{};
   StepOutput& output = s->answer.output;
   output.use = use;
   output.verdict = s->picture.verdict;
-  output.motion = motion_state(timestamp_ns, stamps, unit, s);
+  output.motion = motion_state(timestamp_ns, stamps, unit, camera, s);
   list_observations(s->mapping, s->features.features, s->configuration.camera, &s->answer);
   output.observations = s->answer.observations.view();
-  const bus::View view = bus_view(use, stamps, unit, *s);
+  const bus::View view = bus_view(use, stamps, unit, camera, *s);
   bus::publish(view, &s->bus);
   s->shape.is_new = s->shape.is_new && !view.has_map;  // else it has been sent
   output.packets = s->bus.stream.view();

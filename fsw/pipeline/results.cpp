@@ -50,9 +50,9 @@ void take_shape_result(const Job& job, Component::State* s) {
   }
 }
 
-void take_focal_result(bool skipped, Component::State* s) {
+void take_camera_result(bool skipped, Component::State* s) {
   if (!skipped) {
-    take_focal(s->jobs.focal.report, &s->focal);
+    take_camera_test(s->jobs.camera.fit, &s->camera);
   }
 }
 
@@ -74,8 +74,8 @@ void take_result(Job* job, Component::State* s) {
     take_adjustment(s);
   } else if (std::holds_alternative<FitJob*>(work)) {
     take_fit_result(job->skipped, s);
-  } else if (std::holds_alternative<FocalJob*>(work)) {
-    take_focal_result(job->skipped, s);
+  } else if (std::holds_alternative<CameraJob*>(work)) {
+    take_camera_result(job->skipped, s);
   } else {
     take_shape_result(*job, s);
   }

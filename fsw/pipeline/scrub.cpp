@@ -95,9 +95,9 @@ void scrub_rest(Component::State* s) {
     s->scale = {};
     tell("scale", {.reset = true}, s);
   }
-  if (!is_sound(s->focal)) {
-    s->focal = {};
-    tell("focal length", {.reset = true}, s);
+  if (!is_sound(s->camera)) {
+    s->camera = {};
+    tell("test of the camera", {.reset = true}, s);
   }
   if (const Mended bus = mend(&s->bus); bus.any()) {
     tell("bus", bus, s);

@@ -11,12 +11,12 @@
 #include "map/track.hpp"
 #include "map/window.hpp"
 #include "motion/rates.hpp"
+#include "pipeline/camera_job.hpp"
 #include "pipeline/counting.hpp"
 #include "pipeline/map_update.hpp"
 #include "pipeline/results.hpp"
 #include "pipeline/state.hpp"
 #include "shape/scale_reading.hpp"
-#include "solve/focal_adjustment.hpp"
 
 namespace polhode {
 namespace {
@@ -103,18 +103,22 @@ void bring_to_rest(Component* component) {
   take_counts(&mapping.counts, &s->jobs.counts, &s->counters);
 }
 
-FocalReport focal_of_map(const Component& component) {
+CameraFit test_camera_at_rest(Component* component) {
   // Chosen: a second or two of work, and the sigma of a sweep of a right angle stays at a per cent.
   constexpr BundleOptions kOptions{
       .iterations_max = 100, .cauchy_sigma = 2.0, .observations_max = 6000};
   constexpr int kKeyframesMin = 6;  // fewer hold a map of any depth
-  const Component::State* s = ComponentAccess::state(component);
+  Component::State* s = ComponentAccess::state(*component);
   if (s->mapping.map.keyframe_count < kKeyframesMin) {
     return {};
   }
   const auto snapshot = std::make_unique<AdjustmentSnapshot>();
   snapshot_all(s->mapping.map, s->configuration.camera, snapshot.get());
-  return adjust_focal(problem_of(snapshot.get()), kOptions);
+  const MapMotions motions = motions_of(*snapshot);
+  const CameraFit fit = adjust_camera(
+      camera_problem_of(motions, s->configuration.camera, snapshot.get()), kOptions);
+  take_camera_test(fit, &s->camera);
+  return fit;
 }
 
 MapAtRest::MapAtRest(Component* component)

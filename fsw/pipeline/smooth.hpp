@@ -16,15 +16,15 @@
 
 namespace polhode {
 
-struct FocalReport;
+struct CameraFit;
 
 /// Joint adjustment of all keyframes and landmarks until nothing moves, with observations looked
 /// for anew in every keyframe between the rounds. A job that is still out is ended first: the
 /// caller has it no longer. T keeps its axes, origin and scale.
 void bring_to_rest(Component* component);
 
-/// The focal length that the map at rest speaks for. Changes nothing.
-FocalReport focal_of_map(const Component& component);
+/// Tests the camera by the map at rest, and takes the result in.
+CameraFit test_camera_at_rest(Component* component);
 
 struct SmoothedPose {
   bool valid = false;

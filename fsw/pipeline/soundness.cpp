@@ -24,7 +24,7 @@ bool is_sound(const Component::State& s) {
          sound::is_bool(s.clock.time_known) &&
          is_sound(s.mapping.map, to_model(s.configuration.parameters.camera), now_ns) &&
          is_sound(s.mapping.drift) && is_sound(s.motion, now_ns) && is_sound(s.shape) &&
-         is_sound(s.scale) && is_sound(s.focal) && is_sound(s.features.resting) && is_sound(s.bus);
+         is_sound(s.scale) && is_sound(s.camera) && is_sound(s.features.resting) && is_sound(s.bus);
 }
 
 }  // namespace polhode

@@ -71,7 +71,7 @@ struct Component::State {
   MotionEstimate motion;
   ShapeState shape;
   ScaleState scale;
-  FocalState focal;
+  CameraState camera;
   JobQueue jobs;
   BusState bus;
   Answer answer;

@@ -90,13 +90,13 @@ void locate_target(const std::optional<PosePrediction>& predicted, Component::St
   run_undelayed(&s->jobs.map, s);
 }
 
-/// Sends off a prepared test of the focal length, when no estimate of the shape is out.
-void test_focal(Component::State* s) {
-  if (s->focal.waits && !is_out(s->jobs.shape)) {
+/// Sends off a prepared test of the camera, when no estimate of the shape is out.
+void test_camera(Component::State* s) {
+  if (s->camera.waits && !is_out(s->jobs.shape)) {
     JobTimes times = job_times(*s);
     times.delay = std::max(times.delay, times.delay_of_all);
-    issue_job(&s->jobs.focal, times, &s->jobs.shape, &s->jobs);
-    s->focal.waits = false;
+    issue_job(&s->jobs.camera, times, &s->jobs.shape, &s->jobs);
+    s->camera.waits = false;
   }
 }
 
@@ -125,7 +125,7 @@ void measure_target(Component::State* s) {
     issue_job(&s->jobs.shape_work, job_times(*s), &s->jobs.shape, &s->jobs);
   }
   run_undelayed(&s->jobs.shape, s);
-  test_focal(s);
+  test_camera(s);
   stage_done(Stage::kShape, s->timer);
 }
 

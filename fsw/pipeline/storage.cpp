@@ -16,7 +16,7 @@ MemoryNeed memory_needed(const Parameters& /*parameters*/) {
       {"job: adjustment", sizeof(JobQueue::adjustment)},
       {"job: fit of the dynamics", sizeof(FitJob)},
       {"job: shape", sizeof(ShapeJob)},
-      {"job: test of the focal length", sizeof(FocalJob)},
+      {"job: test of the camera", sizeof(CameraJob)},
       {"poses so far", sizeof(State::motion)},
       {"features of the frame", sizeof(FeatureState::features)},
       {"reference of optical flow", sizeof(MapState::reference)},

@@ -1,4 +1,4 @@
-"""What is said of the pictures and is not so: focal length, principal point, time stamps."""
+"""What is said of the pictures and is not so: focal length, shape of the pixels, principal point, time stamps."""
 
 from dataclasses import replace
 
@@ -18,6 +18,12 @@ def focal_length(footage: Footage, options: dict, seed: int) -> Footage:
     """sensor.yaml states `factor` times the focal length that the pictures were made with."""
     return claimed(footage, "focal_length", f"stated {options['factor']} times too long",
                    footage.camera.intrinsics_px * [options["factor"], options["factor"], 1, 1])
+
+
+def aspect(footage: Footage, options: dict, seed: int) -> Footage:
+    """sensor.yaml states fv / fu `factor` times as large as it is; fu is right."""
+    return claimed(footage, "aspect", f"fv / fu stated {options['factor']} times too large",
+                   footage.camera.intrinsics_px * [1, options["factor"], 1, 1])
 
 
 def principal_point(footage: Footage, options: dict, seed: int) -> Footage:

@@ -115,6 +115,15 @@ def torn(footage: Footage, options: dict, seed: int) -> Footage:
     return _spoiled(footage, _chosen(footage, options, seed), "torn", change)
 
 
+def halves(footage: Footage, options: dict, seed: int) -> Footage:
+    """The upper half of every picture is still the picture before."""
+    def change(frame, shot, _before):
+        row = footage.camera.height_px // 2
+        picture = np.concatenate([footage.shots[frame - 1].pixels()[:row], shot.pixels()[row:]])
+        return replace(shot, pixels=lambda: picture, file=None), f"rows 0 to {row - 1} of the frame before"
+    return _spoiled(footage, list(range(1, len(footage.shots))), "halves", change)
+
+
 def _restamped(shot: Shot, timestamp_ns: int, **fields) -> Shot:
     return replace(shot, timestamp_ns=timestamp_ns, **fields)
 

@@ -118,6 +118,19 @@ def rolling_shutter(footage: Footage, options: dict, seed: int) -> Footage:
     return footage.changed(shots, [LogEntry(0, shots[0].timestamp_ns, "rolling_shutter", f"all frames: read in {readout} of a period")])
 
 
+def zoom(footage: Footage, options: dict, seed: int) -> Footage:
+    """The focal length grows evenly to `factor` times itself over the sequence; sensor.yaml states the first one."""
+    cu_px, cv_px = footage.camera.intrinsics_px[2:]
+
+    def change(gray, factor):
+        v, u = np.mgrid[0:gray.shape[0], 0:gray.shape[1]].astype(np.float64)
+        return _sampled(gray, np.stack([cu_px + (u - cu_px) / factor, cv_px + (v - cv_px) / factor], axis=-1))
+
+    factors = np.geomspace(1.0, options["factor"], len(footage.shots))
+    shots = [shot.redrawn(lambda gray, factor=factor: change(gray, factor)) for shot, factor in zip(footage.shots, factors)]
+    return footage.changed(shots, [LogEntry(0, shots[0].timestamp_ns, "zoom", f"to {options['factor']} times the focal length at the end")])
+
+
 MIRROR = np.array([-1.0, 1.0, 1.0])
 
 

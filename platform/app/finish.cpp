@@ -251,12 +251,12 @@ void write_smoothed(const std::vector<MotionState>& smoothed,
 
 }  // namespace
 
-FocalReport finish_replay(Component& component,
-                          const Sequence& sequence,
-                          const ReplayLog& log,
-                          const fs::path& folder) {
+CameraReport finish_replay(Component& component,
+                           const Sequence& sequence,
+                           const ReplayLog& log,
+                           const fs::path& folder) {
   bring_to_rest(&component);
-  const FocalReport focal = focal_of_map(component);
+  const CameraFit camera = test_camera_at_rest(&component);
   const std::vector<SmoothedPose> poses = smooth_frames(component, sequence, log);
   measure_scale_late(sequence, log, &component);
   measure_scale_by_shape(&component);
@@ -291,7 +291,7 @@ FocalReport finish_replay(Component& component,
        .R_CI = samples.empty()
                    ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
                    : Eigen::Matrix3d(log.servicer.R_IC(samples.back().timestamp_ns).transpose())});
-  return focal;
+  return {.found = view.camera_found, .fit = camera};
 }
 
 }  // namespace polhode::platform

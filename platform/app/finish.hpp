@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <span>
 
+#include "app/camera_check.hpp"
 #include "app/observations.hpp"
 #include "app/servicer_attitude.hpp"
 #include "camera/replay/sequence.hpp"
 #include "pipeline/component.hpp"
-#include "solve/focal_adjustment.hpp"
 
 namespace polhode::platform {
 
@@ -23,10 +23,10 @@ struct ReplayLog {
 /// Writes motion_smoothed.csv, the trajectories (*.tum), the clouds, shape.json and
 /// motion_model.json into `folder`. Lengths and poses in them are in the target's body frame:
 /// origin in the centroid, axes from the shape (T's own where no shape was found).
-/// @return the focal length that the map at rest speaks for.
-FocalReport finish_replay(Component& component,
-                          const Sequence& sequence,
-                          const ReplayLog& log,
-                          const std::filesystem::path& folder);
+/// @return what the map at rest says of the camera.
+CameraReport finish_replay(Component& component,
+                           const Sequence& sequence,
+                           const ReplayLog& log,
+                           const std::filesystem::path& folder);
 
 }  // namespace polhode::platform

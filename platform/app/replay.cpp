@@ -273,7 +273,7 @@ RunCost run_sealed(Run& run, const ReplayArguments& arguments) {
   return cost;
 }
 
-FocalReport finish_files(Run& run, const fs::path& folder) {
+CameraReport finish_files(Run& run, const fs::path& folder) {
   run.files.motion.close();
   run.files.table.close();
   if (run.masks) {
@@ -358,7 +358,7 @@ void replay(const ReplayArguments& arguments) {
   const RunCost cost = run_sealed(run, arguments);
   const std::string bus_sha256 = run.files.bus.finish();
   const Clock::time_point finish_start = Clock::now();
-  run.record.focal = finish_files(run, arguments.out);
+  run.record.camera = finish_files(run, arguments.out);
   write_summary(arguments.out / "summary.json",
                 {.record = run.record,
                  .timings = run.timings,

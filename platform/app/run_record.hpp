@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "app/camera_check.hpp"
 #include "pipeline/component.hpp"
-#include "solve/focal_adjustment.hpp"
 
 namespace polhode::platform {
 
@@ -39,7 +39,7 @@ struct RunRecord {
   std::vector<ModeChange> mode_changes;
   std::vector<BadFrame> bad_frames;
   MotionState last;   ///< of the last frame
-  FocalReport focal;  ///< of the map at rest
+  CameraReport camera;
 };
 
 /// Adds one frame. @param refusal why the camera could not read it; empty when it could.

@@ -12,6 +12,7 @@
 #include "motion/published.hpp"
 #include "motion/stamp_doubt.hpp"
 #include "shape/scale_state.hpp"
+#include "solve/camera_verdict.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -161,16 +162,23 @@ MotionState row_of(const MotionState& published, const SmoothedPose& pose, const
 
 void write_motion(const AtFrame& at,
                   const Eigen::Matrix3d& R_CI,
-                  const ScaleState& scale,
+                  const GroundView& view,
                   std::array<double, 4>* q_last,
                   MotionState* m) {
-  const PoseSample in_C = turned(R_CI, *at.pose);
-  fill_pose(in_C.pose, in_C.covariance + by_scale(in_C.pose, scale.relative_sigma), q_last, m);
+  PoseSample in_C = turned(R_CI, *at.pose);
+  const double range = in_C.pose.p_CT.norm();
+  const CameraError camera =
+      error_by(view.camera_found,
+               view.map.radius_mu * view.scale.metres_per_mu / range,
+               at.rates ? at.rates->w_T_rad_s.norm() : 0.0);
+  widen(camera, range, &in_C.covariance);
+  const double scale_sigma = std::hypot(view.scale.relative_sigma, camera.along);
+  fill_pose(in_C.pose, in_C.covariance + by_scale(in_C.pose, scale_sigma), q_last, m);
   if (at.rates) {
     RateEstimate rates = *at.rates;
     rates.v_C = R_CI * rates.v_C;
     rates.covariance_v_C =
-        R_CI * rates.covariance_v_C * R_CI.transpose() + by_scale(rates.v_C, scale.relative_sigma);
+        R_CI * rates.covariance_v_C * R_CI.transpose() + by_scale(rates.v_C, scale_sigma);
     publish(rates, *m);
   }
 }
@@ -289,7 +297,7 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
       at.rates.reset();
     }
     if (at.pose) {
-      write_motion(at, servicer.R_IC(m.timestamp_ns).transpose(), view.scale, &q_last, &m);
+      write_motion(at, servicer.R_IC(m.timestamp_ns).transpose(), view, &q_last, &m);
       m.mode = Mode::kTracking;  // with a pose from all frames there is nothing to acquire
     }
     smoothed.push_back(m);

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "app/focal_check.hpp"
+#include "app/camera_check.hpp"
 #include "app/motion_csv.hpp"
 #include "bus/counter_table.hpp"
 #include "output_file.hpp"
@@ -111,9 +111,9 @@ Json warnings(const SummaryInput& input) {
   for (const std::string& remark : input.remarks) {
     out.push_back(remark);
   }
-  const std::string focal = focal_sentence(input.record.focal, input.sequence.camera);
-  if (!focal.empty()) {
-    out.push_back(focal);
+  for (const std::string& sentence :
+       camera_sentences(input.record.camera.found, input.sequence.camera)) {
+    out.push_back(sentence);
   }
   return out;
 }
@@ -121,6 +121,27 @@ Json warnings(const SummaryInput& input) {
 /// What else the packets depend on.
 Json own_structure(const OwnStructureFile& own) {
   return own.present() ? Json{{"sha256", own.sha256()}, {"part_of_picture", own.part()}} : Json();
+}
+
+/// Each with what fits beside those that are contradicted; null where there was no test.
+Json deviations(const CameraReport& report) {
+  constexpr std::array<const char*, kDeviations> kNames = {"log_focal_length",
+                                                           "log_zoom",
+                                                           "log_fv_over_fu",
+                                                           "principal_u_over_fu",
+                                                           "principal_v_over_fv",
+                                                           "readout_s",
+                                                           "upper_half_older_s"};
+  Json out = Json::object();
+  for (std::size_t i = 0; i < kDeviations; ++i) {
+    const auto deviation = static_cast<Deviation>(i);
+    const bool known = report.fit.usable || report.found.is(deviation);
+    out[kNames[i]] = known ? Json{{"off_by", report.found.of(deviation)},
+                                  {"sigma", report.found.sigma_of(deviation)},
+                                  {"contradicted", report.found.is(deviation)}}
+                           : Json();
+  }
+  return out;
 }
 
 Json cost(const SummaryInput& input) {
@@ -135,16 +156,18 @@ Json cost(const SummaryInput& input) {
 }
 
 /// As given, and as the map at rest has it; only the first where the map does not tell it.
-Json focal_length(const FocalReport& found, const CameraParameters& camera) {
+Json focal_length(const CameraReport& report, const CameraParameters& camera) {
   const double given_px = std::sqrt(camera.fu_px * camera.fv_px);
   Json out{{"given_px", given_px}, {"found_px", Json()}, {"sigma_px", Json()}};
-  if (found.usable) {
-    out["found_px"] = given_px * found.factor;
-    out["sigma_px"] = given_px * found.factor * found.relative_sigma;
-    out["cost_as_given"] = found.cost_as_given / static_cast<double>(found.observations);
-    out["cost_as_found"] = found.cost_at_factor / static_cast<double>(found.observations);
+  if (report.fit.usable) {
+    const auto observations = static_cast<double>(report.fit.observations);
+    const double found_px = given_px * std::exp(report.found.of(Deviation::kFocal));
+    out["found_px"] = found_px;
+    out["sigma_px"] = found_px * report.found.sigma_of(Deviation::kFocal);
+    out["cost_as_given"] = report.fit.cost_as_given / observations;
+    out["cost_as_found"] = report.fit.cost_as_found / observations;
   }
-  out["refuted"] = refutes_focal(found);
+  out["refuted"] = report.found.is(Deviation::kFocal);
   return out;
 }
 
@@ -178,8 +201,11 @@ std::string result_sentence(const RunRecord& record,
                         norm(record.last.v_C),
                         record.last.scale_known ? "m" : "map units");
   }
-  const std::string doubt = focal_sentence(record.focal, camera);
-  return text + (doubt.empty() ? "." : ". " + doubt);
+  text += ".";
+  for (const std::string& doubt : camera_sentences(record.camera.found, camera)) {
+    text += " " + doubt;
+  }
+  return text;
 }
 
 void write_summary(const std::filesystem::path& file, const SummaryInput& input) {
@@ -193,7 +219,8 @@ void write_summary(const std::filesystem::path& file, const SummaryInput& input)
                      {"result", result_sentence(record, input.counters, input.sequence.camera)},
                      {"acquired", record.first_pose_frame.has_value()},
                      {"warnings", warnings(input)},
-                     {"focal_length", focal_length(record.focal, input.sequence.camera)},
+                     {"focal_length", focal_length(record.camera, input.sequence.camera)},
+                     {"camera", deviations(record.camera)},
                      {"mode_at_end", mode_name(record.last.mode)},
                      {"sequence", input.sequence.path.string()},
                      {"config_hash", input.config_hash},

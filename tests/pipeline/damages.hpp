@@ -82,7 +82,7 @@ inline const std::vector<Damage>& damages() {
       {"the last pose seen", [](auto& s) { s.motion.seen_C.pose.R_CT(0, 0) += 1e-3; }},
       {"the model's kind", [](auto& s) { s.motion.model.status = static_cast<ModelStatus>(9); }},
       {"the scale", [](auto& s) { s.scale.metres_per_mu = 0.0; }},
-      {"the focal length that was found", [](auto& s) { s.focal.found.factor = kNan; }},
+      {"what was found of the camera", [](auto& s) { s.camera.found.value[0] = kNan; }},
       {"resting places",
        [](auto& s) { (void)s.features.resting.places.push_back({.credit = 1 << 20}); }},
       {"a flag", [](auto& s) { std::memset(&s.scale.known, 0x40, 1); }},

@@ -203,6 +203,7 @@ struct polhode_shape {
 #define POLHODE_HOUSEKEEPING_TABLE_LOADED 0x04
 #define POLHODE_HOUSEKEEPING_SERVICER_ATTITUDE 0x08
 #define POLHODE_HOUSEKEEPING_FOCAL_LENGTH_DOUBTED 0x10
+#define POLHODE_HOUSEKEEPING_CAMERA_CONTRADICTED 0x20
 #define POLHODE_HOUSEKEEPING_LAST_REJECTION_NONE 0
 #define POLHODE_HOUSEKEEPING_LAST_REJECTION_LENGTH 1
 #define POLHODE_HOUSEKEEPING_LAST_REJECTION_HEADER 2
@@ -261,7 +262,7 @@ struct polhode_housekeeping {
   uint32_t landmarks_culled; /* landmarks removed from the map */
   uint32_t closures; /* loops closed */
   uint32_t shapes; /* estimates of the shape */
-  uint32_t jobs_issued; /* initialisations, adjustments of the map, fits of the dynamics, shape estimates, tests of the focal length */
+  uint32_t jobs_issued; /* initialisations, adjustments of the map, fits of the dynamics, shape estimates, tests of the camera */
   uint32_t jobs_without_result; /* jobs skipped because memory was short, and adjustments without a usable solution */
   uint32_t steps_short_of_memory; /* steps with reduced work because memory was short */
   uint32_t scale_contradictions; /* times that the readings of the scale began to contradict each other */
@@ -305,6 +306,7 @@ struct polhode_housekeeping {
 #define POLHODE_EVENT_ID_SCALE_KNOWN 6
 #define POLHODE_EVENT_ID_SCALE_UNKNOWN 16
 #define POLHODE_EVENT_ID_FOCAL_LENGTH_DOUBTED 18
+#define POLHODE_EVENT_ID_CAMERA_CONTRADICTED 19
 #define POLHODE_EVENT_ID_SCALE_NOT_IMPROVED 17
 #define POLHODE_EVENT_ID_TABLE_FULL 7
 #define POLHODE_EVENT_ID_SHAPE_KNOWN 8

@@ -1,0 +1,138 @@
+#include "pipeline/camera_job.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "base/sound.hpp"
+#include "geometry/so3.hpp"
+#include "motion/pose_history.hpp"
+#include "solve/bundle_part.hpp"
+
+namespace polhode {
+namespace {
+
+template <typename From, typename To>
+void copy(const From& from, To* to, std::size_t stride = 1) {
+  to->clear();
+  for (std::size_t i = 0; i < from.size(); i += stride) {
+    (void)to->push_back(from[i]);
+  }
+}
+
+/// Sizes and indices are such as they are prepared.
+bool is_sound(const CameraJob& job) {
+  const std::size_t poses = job.poses.size();
+  const std::size_t points = job.points_T.size();
+  const auto in = [](std::int32_t index, std::size_t count) {
+    return index >= 0 && static_cast<std::size_t>(index) < count;
+  };
+  return poses <= job.poses.capacity() && points <= job.points_T.capacity() &&
+         job.pose_fixed.size() == poses && job.motions.size() == poses &&
+         job.observations.size() <= CameraJob::kObservations &&
+         std::all_of(
+             job.observations.begin(), job.observations.end(), [&](const BundleObservation& o) {
+               return in(o.pose, poses) && in(o.point, points);
+             });
+}
+
+}  // namespace
+
+MapMotions motions_of(const AdjustmentSnapshot& map) {
+  // A rate over a longer turn is no longer that of its middle.
+  constexpr double kTurnMax_rad = 1.0;
+  MapMotions motions;
+  const std::size_t count = map.poses.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    PoseMotion motion;
+    const std::size_t a = k == 0 ? 0 : k - 1;
+    const std::size_t b = std::min(k + 1, count - 1);
+    const double dt_s = seconds_between(map.timestamps_ns[a], map.timestamps_ns[b]);
+    const Eigen::Vector3d turn = so3_log(map.poses[b].R_CT * map.poses[a].R_CT.transpose());
+    if (dt_s != 0.0 && turn.norm() < kTurnMax_rad) {
+      motion.rates << turn, map.poses[b].uvs - map.poses[a].uvs;
+      motion.rates /= dt_s;
+    }
+    // Snapshots have the newest keyframe first.
+    const double span_s = seconds_between(map.timestamps_ns[count - 1], map.timestamps_ns[0]);
+    if (span_s > 0.0) {
+      motion.phase =
+          seconds_between(map.timestamps_ns[count - 1], map.timestamps_ns[k]) / span_s - 0.5;
+    }
+    (void)motions.push_back(motion);
+  }
+  return motions;
+}
+
+CameraProblem camera_problem_of(const MapMotions& motions,
+                                const CameraModel& camera,
+                                AdjustmentSnapshot* map) {
+  CameraProblem problem{.bundle = problem_of(map),
+                        .motions = motions.view(),
+                        .height_normalised = static_cast<double>(camera.height_px) / camera.fv_px};
+  for (std::size_t k = 1; k < map->timestamps_ns.size(); ++k) {
+    const double interval_s = seconds_between(map->timestamps_ns[k], map->timestamps_ns[k - 1]);
+    problem.interval_s = k == 1 ? interval_s : std::min(problem.interval_s, interval_s);
+  }
+  return problem;
+}
+
+void prepare_camera_test(const CameraProblem& map, CameraJob* job) {
+  const BundleProblem& whole = map.bundle;
+  const std::size_t stride = (whole.poses.size() + CameraJob::kPoses - 1) / CameraJob::kPoses;
+  copy(whole.poses, &job->poses, stride);
+  copy(whole.pose_fixed, &job->pose_fixed, stride);
+  copy(map.motions, &job->motions, stride);
+  std::vector<BundleObservation> observations;
+  for (BundleObservation o : whole.observations) {
+    if (o.pose % static_cast<std::int32_t>(stride) == 0) {
+      o.pose /= static_cast<std::int32_t>(stride);
+      observations.push_back(o);
+    }
+  }
+  const BundlePart part({.poses = job->poses.view(),
+                         .pose_fixed = job->pose_fixed.view(),
+                         .points_T = whole.points_T,
+                         .point_fixed = whole.point_fixed,
+                         .observations = observations},
+                        CameraJob::kObservations);
+  copy(part.problem().points_T, &job->points_T);
+  copy(part.problem().observations, &job->observations);
+  job->height_normalised = map.height_normalised;
+  job->interval_s = map.interval_s;
+  job->fit = {};
+}
+
+void run_camera_test(CameraJob* job) {
+  // With a right camera half as many settle an adjusted map; a focal length that was 30 % too long
+  // was not settled by 20 on the sample, and the test decided nothing.
+  constexpr BundleOptions kOptions{.iterations_max = 30, .cauchy_sigma = 2.0};
+  job->fit = {};
+  if (is_sound(*job)) {  // else damaged in memory while it waited
+    job->fit = adjust_camera({.bundle = {.poses = job->poses.view(),
+                                         .pose_fixed = job->pose_fixed.view(),
+                                         .points_T = job->points_T.view(),
+                                         .point_fixed = {},
+                                         .observations = job->observations.view()},
+                              .motions = job->motions.view(),
+                              .height_normalised = job->height_normalised,
+                              .interval_s = job->interval_s},
+                             kOptions);
+  }
+}
+
+void take_camera_test(const CameraFit& fit, CameraState* state) {
+  if (fit.usable) {
+    state->found = joined(state->found, find_deviations(fit));
+  }
+}
+
+bool is_sound(const CameraState& state) {
+  const CameraFinding& found = state.found;
+  return sound::is_bool(state.waits) &&
+         std::all_of(found.contradicted.begin(),
+                     found.contradicted.end(),
+                     [](std::uint8_t one) { return one <= 1; }) &&
+         found.value.allFinite() && found.sigma.allFinite() && found.sigma.minCoeff() >= 0.0;
+}
+
+}  // namespace polhode

@@ -1,0 +1,58 @@
+// What a bundle's images say of the camera that they are taken to be of.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "solve/bundle_problem.hpp"
+
+namespace polhode {
+
+/// In what a camera may differ from the one stated. Each is a number that is 0 where it does not.
+enum class Deviation : std::uint8_t {
+  kFocal,       ///< log of true over stated focal length
+  kZoom,        ///< log of the focal length at the last pose over that at the first
+  kAspect,      ///< log of true over stated fv / fu
+  kPrincipalU,  ///< true minus stated principal point to the right, as a part of the focal length,
+  kPrincipalV,  ///< and down
+  kReadout,     ///< time that reading all rows takes [s]; from below: negative
+  kHalf,        ///< by how much the upper half of an image is older than the lower [s]
+};
+inline constexpr std::size_t kDeviations = 7;
+using Deviations = Eigen::Matrix<double, kDeviations, 1>;
+using DeviationInformation = Eigen::Matrix<double, kDeviations, kDeviations>;
+
+/// How a bundle's images move: what rows that are read one after the other, and a zoom, show.
+struct PoseMotion {
+  Eigen::Matrix<double, 6, 1> rates = Eigen::Matrix<double, 6, 1>::Zero();  ///< of (phi, uvs) by s
+  double phase = 0.0;  ///< -0.5 at the first pose's time, 0.5 at the last one's
+};
+
+struct CameraProblem {
+  BundleProblem bundle;
+  std::span<const PoseMotion> motions;  ///< of each pose
+  double height_normalised = 1.0;       ///< of the image: rows over the focal length
+  double interval_s = 1.0;              ///< shortest between two images
+};
+
+struct CameraFit {
+  bool usable = false;
+  Deviations value = Deviations::Zero();  ///< all of them free
+  /// Of the deviations, poses and points free. Residuals along a track are alike, so each counts as
+  /// several times itself (record 0085).
+  DeviationInformation information = DeviationInformation::Zero();
+  double gain = 0.0;             ///< by how much chi-square falls, each residual counted so
+  double cost_as_given = 0.0;    ///< half the robust sum of squares with the camera as stated,
+  double cost_as_found = 0.0;    ///< and with the values, both after an adjustment
+  std::size_t observations = 0;  ///< that were adjusted
+};
+
+/// Adjusts copies of poses and points together with all deviations, by Ceres. The undistorted image
+/// counts as a pinhole's. Priors of poses are left out. A map that was made with the stated camera
+/// holds the result back: it then lies between the two.
+/// @param options  observations_max bounds the work
+CameraFit adjust_camera(const CameraProblem& problem, const BundleOptions& options);
+
+}  // namespace polhode

@@ -1,0 +1,160 @@
+#include "solve/camera_verdict.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace polhode {
+namespace {
+
+using Members = std::array<std::uint8_t, kDeviations>;
+
+/// Deviations that are one statement.
+struct Kind {
+  Deviation first;
+  std::size_t count = 1;
+  double least = 0.0;  ///< off by less nothing is contradicted
+};
+constexpr double kFocalLeast = 0.08;
+constexpr std::array<Kind, 6> kKinds = {{{Deviation::kFocal, 1, kFocalLeast},
+                                         {Deviation::kZoom, 1, kFocalLeast},
+                                         {Deviation::kAspect},
+                                         {Deviation::kPrincipalU, 2},
+                                         {Deviation::kReadout},
+                                         {Deviation::kHalf}}};
+
+constexpr double kSigmas = 4.0;  // a right camera fails one test in 16,000
+/// Chi-square of as many freedoms that is exceeded as seldom as four sigma are.
+constexpr std::array<double, 3> kChi2Max = {0.0, kSigmas* kSigmas, 19.3};
+
+Members with(Members members, const Kind& kind, std::uint8_t free = 1) {
+  std::fill_n(members.begin() + static_cast<std::ptrdiff_t>(kind.first), kind.count, free);
+  return members;
+}
+
+/// The least squares of the fit's quadratic form where only the members are free.
+struct Explained {
+  Deviations value = Deviations::Zero();
+  Deviations sigma = Deviations::Zero();
+  double chi2 = 0.0;  ///< by which it falls
+};
+
+Explained explained_by(const Members& members, const CameraFit& fit) {
+  DeviationInformation A = fit.information;
+  Deviations b = fit.information * fit.value;
+  for (Eigen::Index i = 0; i < b.size(); ++i) {
+    if (members[static_cast<std::size_t>(i)] == 0) {
+      A.row(i).setZero();
+      A.col(i).setZero();
+      A(i, i) = 1.0;
+      b[i] = 0.0;
+    }
+  }
+  const DeviationInformation covariance = A.inverse();
+  Explained found;
+  found.value = covariance * b;
+  found.sigma = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  found.chi2 = b.dot(found.value);
+  return found;
+}
+
+bool has(const Members& members, const Kind& kind) {
+  return members[static_cast<std::size_t>(kind.first)] != 0;
+}
+
+Members all_kinds() {
+  Members all{};
+  all.fill(1);
+  return all;
+}
+
+/// The fewest that explain as much as all: one after the other is held that explains least, until
+/// each explains more than chance would.
+Members fewest(const CameraFit& fit) {
+  Members members = all_kinds();
+  while (true) {
+    const double now = explained_by(members, fit).chi2;
+    const Kind* least = nullptr;
+    double least_part = 1.0;  // of what is more than chance
+    for (const Kind& kind : kKinds) {
+      if (has(members, kind)) {
+        // The form is of the fit's end. What the cost itself did not fall by is not explained.
+        const double loss =
+            std::min(now - explained_by(with(members, kind, 0), fit).chi2, fit.gain);
+        if (loss < least_part * kChi2Max[kind.count]) {
+          least_part = loss / kChi2Max[kind.count];
+          least = &kind;
+        }
+      }
+    }
+    if (least == nullptr) {
+      return members;
+    }
+    members = with(members, *least, 0);
+  }
+}
+
+double part_of(const CameraFinding& found, Deviation deviation) {
+  return found.is(deviation) ? std::abs(found.of(deviation)) : 0.0;
+}
+
+}  // namespace
+
+bool CameraFinding::any() const {
+  return std::any_of(contradicted.begin(), contradicted.end(), [](auto one) { return one != 0; });
+}
+
+CameraFinding find_deviations(const CameraFit& fit) {
+  CameraFinding found;
+  if (!fit.usable) {
+    return found;
+  }
+  const Members members = fewest(fit);
+  for (const Kind& kind : kKinds) {
+    const Explained beside = explained_by(with(members, kind), fit);
+    const auto first = static_cast<Eigen::Index>(kind.first);
+    const auto count = static_cast<Eigen::Index>(kind.count);
+    found.value.segment(first, count) = beside.value.segment(first, count);
+    found.sigma.segment(first, count) = beside.sigma.segment(first, count);
+    if (has(members, kind) && found.value.segment(first, count).norm() > kind.least) {
+      found.contradicted = with(found.contradicted, kind);
+    }
+  }
+  return found;
+}
+
+CameraFinding joined(const CameraFinding& earlier, const CameraFinding& later) {
+  CameraFinding held = later;
+  for (std::size_t i = 0; i < kDeviations; ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    const bool would_have_found =
+        later.sigma[at] > 0.0 && kSigmas * later.sigma[at] < std::abs(earlier.value[at]);
+    if (earlier.contradicted[i] != 0 && later.contradicted[i] == 0 && !would_have_found) {
+      held.contradicted[i] = 1;
+      held.value[at] = earlier.value[at];
+      held.sigma[at] = earlier.sigma[at];
+    }
+  }
+  return held;
+}
+
+CameraError error_by(const CameraFinding& found, double size, double turn_rad_s) {
+  const double focal =
+      part_of(found, Deviation::kFocal) + 0.5 * part_of(found, Deviation::kZoom);
+  const double aspect = part_of(found, Deviation::kAspect);
+  const double point = std::hypot(part_of(found, Deviation::kPrincipalU),
+                                  part_of(found, Deviation::kPrincipalV));
+  // A body is in the middle of the rows or anywhere: half of the time either way.
+  const double late_s =
+      0.5 * (part_of(found, Deviation::kReadout) + part_of(found, Deviation::kHalf));
+  return {.turn_rad = focal * size + aspect + point + late_s * turn_rad_s,
+          .aside = point + aspect * size,
+          .along = focal + 0.5 * aspect};
+}
+
+void widen(const CameraError& error, double range, PoseCovariance* covariance) {
+  widen_attitude(error.turn_rad, covariance);
+  widen_position(error.aside * range, covariance);
+}
+
+}  // namespace polhode
