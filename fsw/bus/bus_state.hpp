@@ -63,7 +63,7 @@ struct Reported {
   bool stamps_doubted = false;
   bool rate_implausible = false;
   std::array<std::uint8_t, kDeviations> contradicted{};  ///< of the stated camera
-  std::uint8_t dynamics = 0;  ///< a value of the model packet's field
+  std::uint8_t dynamics = 0;                             ///< a value of the model packet's field
   ScaleNumber scale{};
   std::uint32_t scale_not_improved = 0;
   std::uint32_t frame_of_loss = 0;

@@ -58,9 +58,7 @@ void send_local_prediction(const View& view, BusState* bus) {
     return;
   }
   predicted.value().covariance += drift_until(predicted.value().pose, view);
-  widen(view.camera.error,
-        predicted.value().pose.p_CT.norm(),
-        &predicted.value().covariance);
+  widen(view.camera.error, predicted.value().pose.p_CT.norm(), &predicted.value().covariance);
   PredictionPacket packet = to_packet(predicted.value(), view.unit);
   packet.timestamp_ns = motion.timestamp_ns;
   packet.predicted_timestamp_ns = ahead_ns;

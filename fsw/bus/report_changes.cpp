@@ -1,7 +1,6 @@
 #include "bus/report_changes.hpp"
 
 #include <array>
-#include <cmath>
 #include <numbers>
 #include <string_view>
 #include <utility>
@@ -10,7 +9,6 @@
 #include "bus/dynamics_telemetry.hpp"
 #include "bus/frame_uses.hpp"
 #include "bus/publish_motion.hpp"
-#include "geometry/camera_model.hpp"
 #include "shape/scale_state.hpp"
 
 namespace polhode::bus {
@@ -95,33 +93,6 @@ void report_times(const View& view, BusState* bus) {
   reported.rate_implausible = rate_deg_s > kImplausible_deg_s;
 }
 
-/// A deviation for people: what fits in its unit, and 1-sigma of that.
-EventDetails details_of(Deviation deviation, const CameraFinding& found, const CameraModel& c) {
-  const double value = found.of(deviation);
-  const double sigma = found.sigma_of(deviation);
-  const auto as_ratio = [&](double stated, std::string_view what) -> EventDetails {
-    const double fits = stated * std::exp(value);
-    return {.values = {fits, fits * sigma}, .word = what};
-  };
-  switch (deviation) {
-    case Deviation::kFocal:
-      return as_ratio(c.focal_px(), "focal length");
-    case Deviation::kZoom:
-      return as_ratio(1.0, "zoom over the map's time");
-    case Deviation::kAspect:
-      return as_ratio(c.fv_px / c.fu_px, "fv over fu");
-    case Deviation::kPrincipalU:
-      return {.values = {c.cu_px + value * c.fu_px, sigma * c.fu_px}, .word = "cu [px]"};
-    case Deviation::kPrincipalV:
-      return {.values = {c.cv_px + value * c.fv_px, sigma * c.fv_px}, .word = "cv [px]"};
-    case Deviation::kReadout:
-      return {.values = {value, sigma}, .word = "time to read all rows [s]"};
-    case Deviation::kHalf:
-      break;
-  }
-  return {.values = {value, sigma}, .word = "upper half older by [s]"};
-}
-
 /// Said when a test contradicts what was stated, and again after it was borne out.
 void report_camera(const CameraDoubt& camera, BusState* bus) {
   const auto before = std::exchange(bus->reported.contradicted, camera.found->contradicted);
@@ -130,17 +101,19 @@ void report_camera(const CameraDoubt& camera, BusState* bus) {
     if (!camera.found->is(deviation) || before[i] != 0) {
       continue;
     }
-    EventDetails details = details_of(deviation, *camera.found, *camera.stated);
+    const DeviationTold is = told(deviation, *camera.found, *camera.stated);
     if (deviation != Deviation::kFocal) {
-      report(EventId::kCameraContradicted, details, &bus->events);
+      report(EventId::kCameraContradicted,
+             {.values = {is.fits, is.sigma}, .word = is.name},
+             &bus->events);
       continue;
     }
     std::array<char, kWordsOctetsMax> words{};
-    const std::size_t octets = event_text(
-        "relative sigma {0}", {.values = {camera.found->sigma_of(deviation)}}, words);
-    details = {.values = {camera.stated->focal_px(), details.values[0]},
-               .word = std::string_view(words.data(), octets)};
-    report(EventId::kFocalLengthDoubted, details, &bus->events);
+    const std::size_t octets =
+        event_text("relative sigma {0}", {.values = {is.sigma / is.fits}}, words);
+    report(EventId::kFocalLengthDoubted,
+           {.values = {is.stated, is.fits}, .word = std::string_view(words.data(), octets)},
+           &bus->events);
   }
 }
 

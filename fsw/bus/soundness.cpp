@@ -26,9 +26,8 @@ bool is_sound(const ServicerAttitude& servicer) {
 
 bool is_sound(const Reported& reported) {
   return is_bool(reported.started) && is_bool(reported.stamps_doubted) &&
-         is_bool(reported.rate_implausible) &&
-         is_enum(reported.mode, kLastMode) && reported.dynamics <= bus::kDynamicsOrbit &&
-         is_sound(reported.scale);
+         is_bool(reported.rate_implausible) && is_enum(reported.mode, kLastMode) &&
+         reported.dynamics <= bus::kDynamicsOrbit && is_sound(reported.scale);
 }
 
 bool is_sound(const BusState& bus) {

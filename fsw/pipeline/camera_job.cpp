@@ -1,6 +1,7 @@
 #include "pipeline/camera_job.hpp"
 
 #include <algorithm>
+#include <numbers>
 #include <vector>
 
 #include "base/sound.hpp"
@@ -38,8 +39,6 @@ bool is_sound(const CameraJob& job) {
 }  // namespace
 
 MapMotions motions_of(const AdjustmentSnapshot& map) {
-  // A rate over a longer turn is no longer that of its middle.
-  constexpr double kTurnMax_rad = 1.0;
   MapMotions motions;
   const std::size_t count = map.poses.size();
   for (std::size_t k = 0; k < count; ++k) {
@@ -48,7 +47,7 @@ MapMotions motions_of(const AdjustmentSnapshot& map) {
     const std::size_t b = std::min(k + 1, count - 1);
     const double dt_s = seconds_between(map.timestamps_ns[a], map.timestamps_ns[b]);
     const Eigen::Vector3d turn = so3_log(map.poses[b].R_CT * map.poses[a].R_CT.transpose());
-    if (dt_s != 0.0 && turn.norm() < kTurnMax_rad) {
+    if (dt_s != 0.0 && turn.norm() < 0.5 * std::numbers::pi) {  // else no rate of its middle
       motion.rates << turn, map.poses[b].uvs - map.poses[a].uvs;
       motion.rates /= dt_s;
     }

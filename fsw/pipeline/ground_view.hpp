@@ -34,9 +34,9 @@ struct GroundView {
   const RigidModel& model;                     ///< of the motion so far
   std::int64_t moves_so_since_ns = INT64_MIN;  ///< the body was disturbed then, the last time
   const ScaleState& scale;
-  std::uint32_t scale_number = 0;  ///< that lengths in it go under
+  std::uint32_t scale_number = 0;     ///< that lengths in it go under
   const CameraFinding& camera_found;  ///< by tests of the stated camera
-  std::uint32_t target_frame = 0;  ///< number of the frame T that the map is in
+  std::uint32_t target_frame = 0;     ///< number of the frame T that the map is in
 };
 
 /// Has the last adjustment of all fitted the motion together with the map? Only while no job is

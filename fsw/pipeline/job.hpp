@@ -13,8 +13,8 @@
 #include "initialisation/start_job.hpp"
 #include "motion/fit_job.hpp"
 #include "pipeline/adjustment_job.hpp"
-#include "pipeline/component.hpp"
 #include "pipeline/camera_job.hpp"
+#include "pipeline/component.hpp"
 #include "pipeline/job_times.hpp"
 #include "shape/shape_job.hpp"
 

@@ -35,8 +35,7 @@ CameraError error_by_camera(const Component::State& s) {
     return {};
   }
   const Pose& pose = s.mapping.pose_valid ? s.mapping.localised.absolute.pose : recent.back().pose;
-  return error_by(
-      s.camera.found, s.mapping.map.radius_mu / pose.p_CT.norm(), turn_rad_s(recent));
+  return error_by(s.camera.found, s.mapping.map.radius_mu / pose.p_CT.norm(), turn_rad_s(recent));
 }
 
 /// A pose in the unit published, with what scale and camera add to its error.
@@ -51,10 +50,7 @@ void fill_pose_in_unit(const Pose& pose_mu,
   const Pose pose = scaled(pose_mu, unit.metres_per_mu);
   covariance = scaled(covariance, unit.metres_per_mu);
   widen(camera, pose.p_CT.norm(), &covariance);
-  fill_pose(pose,
-            covariance + by_scale(pose, unit.relative_sigma),
-            q_last,
-            m);
+  fill_pose(pose, covariance + by_scale(pose, unit.relative_sigma), q_last, m);
 }
 
 /// Pose and rates, with what the map's drift, a doubt, the scale and a contradicted camera add to
@@ -199,11 +195,11 @@ bus::View bus_view(FrameUse use,
 void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   change_unit(lengths_unit(*s), &s->bus.scale);
   const CameraError camera = error_by_camera(*s);
-  const bus::LengthUnit unit{.known = s->scale.known,
-                             .metres_per_mu = s->scale.metres_per_mu,
-                             .relative_sigma = std::hypot(length_sigma(s->scale, s->mapping.drift),
-                                                          camera.along),
-                             .number = s->bus.scale.number};
+  const bus::LengthUnit unit{
+      .known = s->scale.known,
+      .metres_per_mu = s->scale.metres_per_mu,
+      .relative_sigma = std::hypot(length_sigma(s->scale, s->mapping.drift), camera.along),
+      .number = s->bus.scale.number};
   const StampDoubt stamps =
       s->mapping.pose_valid ? doubt_of_stamps(s->motion.recent.view()) : StampDoubt{};
   StepOutput& output = s->answer.output;

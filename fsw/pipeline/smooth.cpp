@@ -115,8 +115,8 @@ CameraFit test_camera_at_rest(Component* component) {
   const auto snapshot = std::make_unique<AdjustmentSnapshot>();
   snapshot_all(s->mapping.map, s->configuration.camera, snapshot.get());
   const MapMotions motions = motions_of(*snapshot);
-  const CameraFit fit = adjust_camera(
-      camera_problem_of(motions, s->configuration.camera, snapshot.get()), kOptions);
+  const CameraFit fit =
+      adjust_camera(camera_problem_of(motions, s->configuration.camera, snapshot.get()), kOptions);
   take_camera_test(fit, &s->camera);
   return fit;
 }

@@ -22,9 +22,7 @@
 namespace polhode {
 namespace {
 
-// Ceres eliminates its groups in order.
-constexpr int kPointGroup = 0;
-constexpr int kPoseGroup = 1;
+enum Group { kPoints, kPoses };  // Ceres eliminates its groups in order
 constexpr int kNumbers = static_cast<int>(kDeviations);
 using ByDeviations = Eigen::Matrix<double, 2, kNumbers, Eigen::RowMajor>;
 
@@ -182,12 +180,12 @@ class DeviatingBundle {
     options.function_tolerance = 1e-7;
     options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
     for (Eigen::Vector3d& point : points_) {
-      options.linear_solver_ordering->AddElementToGroup(point.data(), kPointGroup);
+      options.linear_solver_ordering->AddElementToGroup(point.data(), kPoints);
     }
     for (std::size_t k = 0; k < bundle_.poses.size(); ++k) {
-      options.linear_solver_ordering->AddElementToGroup(poses_.numbers(k), kPoseGroup);
+      options.linear_solver_ordering->AddElementToGroup(poses_.numbers(k), kPoses);
     }
-    options.linear_solver_ordering->AddElementToGroup(deviations_.data(), kPoseGroup);
+    options.linear_solver_ordering->AddElementToGroup(deviations_.data(), kPoses);
     ceres::Solver::Summary summary;
     ceres::Solve(options, &ceres_, &summary);
     return report_of(summary);

@@ -23,9 +23,8 @@ constexpr std::array<Kind, 6> kKinds = {{{Deviation::kFocal, 1, kFocalLeast},
                                          {Deviation::kReadout},
                                          {Deviation::kHalf}}};
 
-constexpr double kSigmas = 4.0;  // a right camera fails one test in 16,000
-/// Chi-square of as many freedoms that is exceeded as seldom as four sigma are.
-constexpr std::array<double, 3> kChi2Max = {0.0, kSigmas* kSigmas, 19.3};
+/// Chi-square of as many freedoms that a right camera exceeds in one test of 16,000: four sigma.
+constexpr std::array<double, 3> kChi2Max = {0.0, 16.0, 19.3};
 
 Members with(Members members, const Kind& kind, std::uint8_t free = 1) {
   std::fill_n(members.begin() + static_cast<std::ptrdiff_t>(kind.first), kind.count, free);
@@ -128,7 +127,7 @@ CameraFinding joined(const CameraFinding& earlier, const CameraFinding& later) {
   for (std::size_t i = 0; i < kDeviations; ++i) {
     const auto at = static_cast<Eigen::Index>(i);
     const bool would_have_found =
-        later.sigma[at] > 0.0 && kSigmas * later.sigma[at] < std::abs(earlier.value[at]);
+        later.sigma[at] > 0.0 && std::pow(earlier.value[at] / later.sigma[at], 2) > kChi2Max[1];
     if (earlier.contradicted[i] != 0 && later.contradicted[i] == 0 && !would_have_found) {
       held.contradicted[i] = 1;
       held.value[at] = earlier.value[at];
@@ -138,12 +137,36 @@ CameraFinding joined(const CameraFinding& earlier, const CameraFinding& later) {
   return held;
 }
 
+DeviationTold told(Deviation deviation, const CameraFinding& found, const CameraModel& c) {
+  const double value = found.of(deviation);
+  const double sigma = found.sigma_of(deviation);
+  const auto of_log = [&](std::string_view name, double stated) -> DeviationTold {
+    return {name, stated, stated * std::exp(value), stated * std::exp(value) * sigma};
+  };
+  switch (deviation) {
+    case Deviation::kFocal:
+      return of_log("focal length [px]", c.focal_px());
+    case Deviation::kZoom:
+      return of_log("zoom (last over first)", 1.0);
+    case Deviation::kAspect:
+      return of_log("ratio fv / fu", c.fv_px / c.fu_px);
+    case Deviation::kPrincipalU:
+      return {"principal point's u [px]", c.cu_px, c.cu_px + value * c.fu_px, sigma * c.fu_px};
+    case Deviation::kPrincipalV:
+      return {"principal point's v [px]", c.cv_px, c.cv_px + value * c.fv_px, sigma * c.fv_px};
+    case Deviation::kReadout:
+      return {"time of all rows [s]", 0.0, value, sigma};
+    case Deviation::kHalf:
+      break;
+  }
+  return {"age of the upper half [s]", 0.0, value, sigma};
+}
+
 CameraError error_by(const CameraFinding& found, double size, double turn_rad_s) {
-  const double focal =
-      part_of(found, Deviation::kFocal) + 0.5 * part_of(found, Deviation::kZoom);
+  const double focal = part_of(found, Deviation::kFocal) + 0.5 * part_of(found, Deviation::kZoom);
   const double aspect = part_of(found, Deviation::kAspect);
-  const double point = std::hypot(part_of(found, Deviation::kPrincipalU),
-                                  part_of(found, Deviation::kPrincipalV));
+  const double point =
+      std::hypot(part_of(found, Deviation::kPrincipalU), part_of(found, Deviation::kPrincipalV));
   // A body is in the middle of the rows or anywhere: half of the time either way.
   const double late_s =
       0.5 * (part_of(found, Deviation::kReadout) + part_of(found, Deviation::kHalf));

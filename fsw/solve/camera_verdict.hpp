@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 
+#include "geometry/camera_model.hpp"
 #include "geometry/pose.hpp"
 #include "solve/camera_adjustment.hpp"
 
@@ -36,6 +38,15 @@ CameraFinding find_deviations(const CameraFit& fit);
 /// What is held of an earlier test and a later one. A contradiction stands until a test that would
 /// have found it does not.
 CameraFinding joined(const CameraFinding& earlier, const CameraFinding& later);
+
+/// A deviation in people's terms.
+struct DeviationTold {
+  std::string_view name;  ///< with its unit
+  double stated = 0.0;
+  double fits = 0.0;
+  double sigma = 0.0;  ///< of what fits
+};
+DeviationTold told(Deviation deviation, const CameraFinding& found, const CameraModel& stated);
 
 /// 1-sigma that contradicted deviations add, where nothing is corrected.
 struct CameraError {

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/parameters.hpp"
 #include "solve/camera_verdict.hpp"
 
 namespace polhode::platform {
@@ -16,7 +15,6 @@ struct CameraReport {
 };
 
 /// One sentence on each contradicted statement.
-std::vector<std::string> camera_sentences(const CameraFinding& found,
-                                          const CameraParameters& camera);
+std::vector<std::string> camera_sentences(const CameraFinding& found, const CameraModel& camera);
 
 }  // namespace polhode::platform

@@ -38,7 +38,7 @@ struct RunRecord {
   std::optional<std::size_t> first_pose_frame;
   std::vector<ModeChange> mode_changes;
   std::vector<BadFrame> bad_frames;
-  MotionState last;   ///< of the last frame
+  MotionState last;  ///< of the last frame
   CameraReport camera;
 };
 

@@ -112,7 +112,7 @@ Json warnings(const SummaryInput& input) {
     out.push_back(remark);
   }
   for (const std::string& sentence :
-       camera_sentences(input.record.camera.found, input.sequence.camera)) {
+       camera_sentences(input.record.camera.found, to_model(input.sequence.camera))) {
     out.push_back(sentence);
   }
   return out;
@@ -202,7 +202,7 @@ std::string result_sentence(const RunRecord& record,
                         record.last.scale_known ? "m" : "map units");
   }
   text += ".";
-  for (const std::string& doubt : camera_sentences(record.camera.found, camera)) {
+  for (const std::string& doubt : camera_sentences(record.camera.found, to_model(camera))) {
     text += " " + doubt;
   }
   return text;

@@ -1,4 +1,5 @@
-// The test of the stated camera: as a job, when it is asked for, and what is told when it contradicts.
+// The test of the stated camera: as a job, when it is asked for, and what is told when it
+// contradicts.
 #include "pipeline/camera_job.hpp"
 
 #include <gtest/gtest.h>
@@ -74,7 +75,7 @@ TEST(MapMotions, AreRatesOfThePosesBeside_AndPhases) {
 TEST(MapMotions, AreUnknownOverALongTurn) {
   auto map = std::make_unique<AdjustmentSnapshot>();
   for (int k = 0; k < 3; ++k) {
-    (void)map->poses.push_back({.R_CT = so3_exp({0.0, 0.6 * k, 0.0})});
+    (void)map->poses.push_back({.R_CT = so3_exp({0.0, 0.9 * k, 0.0})});
     (void)map->timestamps_ns.push_back(-k);
   }
   const MapMotions motions = motions_of(*map);
@@ -229,7 +230,7 @@ TEST(CameraDoubt, EachDeviationIsToldInItsUnit) {
   EXPECT_EQ(events_of(bus::EventId::kCameraContradicted, out), 4) << "its burst";
   EXPECT_EQ(events_of(bus::EventId::kFocalLengthDoubted, out), 0);
   for (const auto& event : packets_of<bus::EventPacket>(out)) {
-    if (std::string_view(event.text.data(), event.text_octets).find("cu [px]") !=
+    if (std::string_view(event.text.data(), event.text_octets).find("point's u [px]") !=
         std::string_view::npos) {
       EXPECT_NEAR(event.value[0], stated.cu_px + 0.05 * stated.fu_px, 1e-3);
     }

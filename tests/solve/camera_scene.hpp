@@ -33,7 +33,9 @@ inline Deviations deviating(Deviation deviation, double value) {
 
 /// A body seen by a camera that deviates; a second from pose to pose. By the equations of the
 /// images, not by the adjustment's.
-inline CameraScene camera_scene(const Deviations& d, std::uint64_t seed, CameraSceneOptions o = {}) {
+inline CameraScene camera_scene(const Deviations& d,
+                                std::uint64_t seed,
+                                CameraSceneOptions o = {}) {
   CameraScene s{.bundle = make_scene(o.poses, o.points, 0.0, seed), .motions = {}};
   Rng rng(seed, 91);
   // The body turns about a second axis, too, so that no two views differ by a turn in the image.
@@ -59,8 +61,7 @@ inline CameraScene camera_scene(const Deviations& d, std::uint64_t seed, CameraS
     const Eigen::Vector3d& p_T = s.bundle.points_T[static_cast<std::size_t>(observation.point)];
     const Eigen::Vector2d at_middle = truth[k].to_camera(p_T).hnormalized();
     // Where the point is when its row is read.
-    const double late_s =
-        d[5] * at_middle.y() / 0.7 + d[6] * (at_middle.y() < 0.0 ? -0.5 : 0.5);
+    const double late_s = d[5] * at_middle.y() / 0.7 + d[6] * (at_middle.y() < 0.0 ? -0.5 : 0.5);
     const PoseMotion& motion = s.motions[k];
     const Eigen::Vector3d uvs = s.bundle.poses[k].uvs + late_s * motion.rates.tail<3>();
     const Pose then = from_inverse_depth(

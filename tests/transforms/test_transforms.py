@@ -21,9 +21,9 @@ from transforms.table import KINDS, options_of, transform
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 # Pictures that do not show the truth of their stamps, in the frames that the log names.
-UNTRUE = {"faults", "repeated", "near_repeated", "stale", "foreign", "torn"}
+UNTRUE = {"faults", "repeated", "near_repeated", "stale", "foreign", "torn", "halves"}
 # Pictures whose pixels stay, while something else is said of them.
-CLAIMS = {"focal_length", "principal_point"}
+CLAIMS = {"focal_length", "aspect", "principal_point"}
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +60,7 @@ def errors_px(folder, frames=None) -> np.ndarray:
     return found[np.isfinite(found).all(axis=1)]
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in CLAIMS | {"rolling_shutter"}])
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in CLAIMS | {"rolling_shutter", "zoom", "halves"}])
 def test_pictures_show_the_truth_of_their_stamps(source, tmp_path, kind):
     options = {"sigma_gray": 1.0} if kind == "noise" else {"quality": 95} if kind == "jpeg" else {}
     found = errors_px(made(source, tmp_path, kind, **options))
@@ -106,6 +106,32 @@ def test_a_claim_moves_projections_and_no_pixel(source, tmp_path, kind, options,
 def test_a_focal_length_is_stated_wrong_by_its_factor(source, tmp_path):
     sequence, _, _ = motion_of(made(source, tmp_path, "focal_length", factor=1.2))
     assert np.allclose(sequence.camera.intrinsics_px, dotted.CAMERA.intrinsics_px * [1.2, 1.2, 1, 1])
+
+
+def test_a_ratio_of_pixels_is_stated_wrong_by_its_factor(source, tmp_path):
+    sequence, _, _ = motion_of(made(source, tmp_path, "aspect", factor=1.2))
+    assert np.allclose(sequence.camera.intrinsics_px, dotted.CAMERA.intrinsics_px * [1, 1.2, 1, 1])
+
+
+def test_a_zoom_shows_each_frame_by_its_own_focal_length(source, tmp_path):
+    folder = made(source, tmp_path, "zoom", factor=1.3)
+    sequence, truth, _ = motion_of(folder)
+    for index in (0, dotted.FRAMES // 2, dotted.FRAMES - 1):
+        factor = 1.3 ** (index / (dotted.FRAMES - 1))
+        stated = dotted.CAMERA.project(align.rotations(truth.q_CT[index]).apply(dotted.DOTS_T) + truth.p_CT[index])
+        middle = dotted.CAMERA.intrinsics_px[2:]
+        expected = middle + factor * (stated - middle)
+        off = dotted.dots_px(sequence.read_gray(index), expected) - expected
+        assert np.nanmedian(np.linalg.norm(off, axis=1)) < 0.1
+
+
+def test_halves_are_the_frame_before_above_and_the_frame_below(source, tmp_path):
+    good, (now, _, log) = read_sequence(source), motion_of(made(source, tmp_path, "halves"))
+    row = dotted.CAMERA.height_px // 2
+    assert len(log) == dotted.FRAMES - 1
+    for index in (1, 2, dotted.FRAMES - 1):
+        assert np.array_equal(now.read_gray(index)[:row], good.read_gray(index - 1)[:row])
+        assert np.array_equal(now.read_gray(index)[row:], good.read_gray(index)[row:])
 
 
 @pytest.mark.parametrize("kind", KINDS)
