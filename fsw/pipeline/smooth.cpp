@@ -115,7 +115,7 @@ CameraFit test_camera_at_rest(Component* component) {
   const auto snapshot = std::make_unique<AdjustmentSnapshot>();
   snapshot_all(s->mapping.map, s->configuration.camera, snapshot.get());
   const MapMotions motions = motions_of(*snapshot);
-  const CameraFit fit =
+  CameraFit fit =
       adjust_camera(camera_problem_of(motions, s->configuration.camera, snapshot.get()), kOptions);
   take_camera_test(fit, &s->camera);
   return fit;

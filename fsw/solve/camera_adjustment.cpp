@@ -113,6 +113,7 @@ class DeviationPrior final : public ceres::SizedCostFunction<kNumbers, kNumbers>
   }
   /// No camera deviates by more: what does is a broken map.
   [[nodiscard]] bool allows(const Deviations& deviations) const {
+    // One right camera in 370 is beyond.
     constexpr double kSigmas = 3.0;
     return inverse_.cwiseProduct(deviations).cwiseAbs().maxCoeff() < kSigmas;
   }

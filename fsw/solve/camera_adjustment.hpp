@@ -20,6 +20,7 @@ enum class Deviation : std::uint8_t {
   kReadout,     ///< time that reading all rows takes [s]; from below: negative
   kHalf,        ///< by how much the upper half of an image is older than the lower [s]
 };
+// As many as there are names above.
 inline constexpr std::size_t kDeviations = 7;
 using Deviations = Eigen::Matrix<double, kDeviations, 1>;
 using DeviationInformation = Eigen::Matrix<double, kDeviations, kDeviations>;

@@ -15,6 +15,7 @@ struct Kind {
   std::size_t count = 1;
   double least = 0.0;  ///< off by less nothing is contradicted
 };
+// Measured: right ones are off by up to 1.2 % where the sigma is under 2 % (decision 0083).
 constexpr double kFocalLeast = 0.08;
 constexpr std::array<Kind, 6> kKinds = {{{Deviation::kFocal, 1, kFocalLeast},
                                          {Deviation::kZoom, 1, kFocalLeast},
