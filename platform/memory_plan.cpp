@@ -7,6 +7,7 @@
 
 #include "mask/points.hpp"
 #include "os/linux/worker.hpp"
+#include "pipeline/camera_job.hpp"
 #include "solve/bundle_problem.hpp"
 
 namespace polhode::platform {
@@ -112,8 +113,11 @@ std::string misfit(const MemoryPlan& plan) {
 }  // namespace
 
 std::size_t job_worst_case(const Parameters& p) {
+  // Where no job leaves its step the camera is not tested.
+  const std::size_t camera =
+      has_work_beside(p.jobs) ? camera_octets_max(CameraJob::kObservations, CameraJob::kPoses) : 0;
   return kOtherJobsOctets +
-         std::max(kHypothesesOctets, adjustment_worst_case(p, p.map.keyframes_max));
+         std::max({kHypothesesOctets, adjustment_worst_case(p, p.map.keyframes_max), camera});
 }
 
 MemoryPlan plan_memory(const Parameters& p, const MachineNeeds& machine) {

@@ -92,7 +92,7 @@ inline constexpr std::array<EventRow, kEventKinds> kEvents{{
     {EventId::kScaleKnown, Severity::kInfo, 4, "scale_known", "scale known: {0} m per map unit, relative sigma {1}; {}", {{{}, {}}}},
     {EventId::kScaleUnknown, Severity::kWarning, 4, "scale_unknown", "scale unknown from here on, lengths in map units, number {1}; before: {0} m per map unit", {{{}, {}}}},
     {EventId::kFocalLengthDoubted, Severity::kWarning, 4, "focal_length_doubted", "focal length {0} px contradicted: {1} px fits, {}; sigmas are widened", {{{}, {}}}},
-    {EventId::kCameraContradicted, Severity::kWarning, 4, "camera_contradicted", "stated camera contradicted: {} {0} fits, 1-sigma {1}; sigmas are widened", {{{}, {}}}},
+    {EventId::kCameraContradicted, Severity::kWarning, 4, "camera_contradicted", "stated camera contradicted: {} {0}, {1} fits; sigmas are widened", {{{}, {}}}},
     {EventId::kScaleNotImproved, Severity::kInfo, 4, "scale_not_improved", "the length read anew in a map of {1} keyframes is no better known: relative sigma {0}", {{{}, {}}}},
     {EventId::kTableFull, Severity::kWarning, 4, "table_full", "a table was full {0} times", {{{}, {}}}},
     {EventId::kShapeKnown, Severity::kInfo, 4, "shape_known", "shape estimated: {0} points, {1} planes", {{{}, {}}}},

@@ -93,26 +93,33 @@ void report_times(const View& view, BusState* bus) {
   reported.rate_implausible = rate_deg_s > kImplausible_deg_s;
 }
 
-/// Said when a test contradicts what was stated, and again after it was borne out.
+/// Said when a test contradicts what was stated, and again after it was borne out. A principal
+/// point is one statement of two numbers; all others are told with their sigma.
 void report_camera(const CameraDoubt& camera, BusState* bus) {
-  const auto before = std::exchange(bus->reported.contradicted, camera.found->contradicted);
+  const CameraFinding& found = *camera.found;
+  const auto before = std::exchange(bus->reported.contradicted, found.contradicted);
   for (std::size_t i = 0; i < before.size(); ++i) {
     const auto deviation = static_cast<Deviation>(i);
-    if (!camera.found->is(deviation) || before[i] != 0) {
+    if (!found.is(deviation) || before[i] != 0 || deviation == Deviation::kPrincipalV) {
       continue;
     }
-    const DeviationTold is = told(deviation, *camera.found, *camera.stated);
-    if (deviation != Deviation::kFocal) {
-      report(EventId::kCameraContradicted,
-             {.values = {is.fits, is.sigma}, .word = is.name},
+    const DeviationText is = describe(deviation, found, *camera.stated);
+    std::array<char, kWordsOctetsMax> words{};
+    if (deviation == Deviation::kFocal) {
+      const std::size_t octets =
+          event_text("relative sigma {0}", {.values = {is.sigma / is.fits}}, words);
+      report(EventId::kFocalLengthDoubted,
+             {.values = {is.stated, is.fits}, .word = std::string_view(words.data(), octets)},
              &bus->events);
       continue;
     }
-    std::array<char, kWordsOctetsMax> words{};
+    const bool is_point = deviation == Deviation::kPrincipalU;
+    const double second =
+        is_point ? describe(Deviation::kPrincipalV, found, *camera.stated).fits : is.sigma;
     const std::size_t octets =
-        event_text("relative sigma {0}", {.values = {is.sigma / is.fits}}, words);
-    report(EventId::kFocalLengthDoubted,
-           {.values = {is.stated, is.fits}, .word = std::string_view(words.data(), octets)},
+        event_text(is_point ? "{}" : "{} and sigma", {.word = is.name}, words);
+    report(EventId::kCameraContradicted,
+           {.values = {is.fits, second}, .word = std::string_view(words.data(), octets)},
            &bus->events);
   }
 }

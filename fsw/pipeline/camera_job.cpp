@@ -13,11 +13,23 @@ namespace polhode {
 namespace {
 
 template <typename From, typename To>
-void copy(const From& from, To* to, std::size_t stride = 1) {
+void copy(const From& from, To* to) {
   to->clear();
-  for (std::size_t i = 0; i < from.size(); i += stride) {
+  for (std::size_t i = 0; i < from.size(); ++i) {
     (void)to->push_back(from[i]);
   }
+}
+
+/// Poses evenly over all of them, the first one among them: its new index, or -1.
+FixedVector<std::int32_t, limits::kKeyframes> places_of(std::size_t poses) {
+  FixedVector<std::int32_t, limits::kKeyframes> places;
+  const std::size_t kept = std::min(poses, CameraJob::kPoses);
+  std::int32_t next = 0;
+  for (std::size_t k = 0; k < poses; ++k) {
+    const bool is_kept = k == 0 || k * kept / poses != (k - 1) * kept / poses;
+    (void)places.push_back(is_kept ? next++ : -1);
+  }
+  return places;
 }
 
 /// Sizes and indices are such as they are prepared.
@@ -65,9 +77,11 @@ MapMotions motions_of(const AdjustmentSnapshot& map) {
 CameraProblem camera_problem_of(const MapMotions& motions,
                                 const CameraModel& camera,
                                 AdjustmentSnapshot* map) {
+  const auto rows = static_cast<double>(camera.height_px);
   CameraProblem problem{.bundle = problem_of(map),
                         .motions = motions.view(),
-                        .height_normalised = static_cast<double>(camera.height_px) / camera.fv_px};
+                        .middle_normalised = (0.5 * (rows - 1.0) - camera.cv_px) / camera.fv_px,
+                        .height_normalised = rows / camera.fv_px};
   for (std::size_t k = 1; k < map->timestamps_ns.size(); ++k) {
     const double interval_s = seconds_between(map->timestamps_ns[k], map->timestamps_ns[k - 1]);
     problem.interval_s = k == 1 ? interval_s : std::min(problem.interval_s, interval_s);
@@ -77,14 +91,21 @@ CameraProblem camera_problem_of(const MapMotions& motions,
 
 void prepare_camera_test(const CameraProblem& map, CameraJob* job) {
   const BundleProblem& whole = map.bundle;
-  const std::size_t stride = (whole.poses.size() + CameraJob::kPoses - 1) / CameraJob::kPoses;
-  copy(whole.poses, &job->poses, stride);
-  copy(whole.pose_fixed, &job->pose_fixed, stride);
-  copy(map.motions, &job->motions, stride);
+  const auto places = places_of(whole.poses.size());
+  job->poses.clear();
+  job->pose_fixed.clear();
+  job->motions.clear();
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    if (places[k] >= 0) {
+      (void)job->poses.push_back(whole.poses[k]);
+      (void)job->pose_fixed.push_back(whole.pose_fixed[k]);
+      (void)job->motions.push_back(map.motions[k]);
+    }
+  }
   std::vector<BundleObservation> observations;
   for (BundleObservation o : whole.observations) {
-    if (o.pose % static_cast<std::int32_t>(stride) == 0) {
-      o.pose /= static_cast<std::int32_t>(stride);
+    o.pose = places[static_cast<std::size_t>(o.pose)];
+    if (o.pose >= 0) {
       observations.push_back(o);
     }
   }
@@ -96,6 +117,7 @@ void prepare_camera_test(const CameraProblem& map, CameraJob* job) {
                         CameraJob::kObservations);
   copy(part.problem().points_T, &job->points_T);
   copy(part.problem().observations, &job->observations);
+  job->middle_normalised = map.middle_normalised;
   job->height_normalised = map.height_normalised;
   job->interval_s = map.interval_s;
   job->fit = {};
@@ -113,6 +135,7 @@ void run_camera_test(CameraJob* job) {
                                          .point_fixed = {},
                                          .observations = job->observations.view()},
                               .motions = job->motions.view(),
+                              .middle_normalised = job->middle_normalised,
                               .height_normalised = job->height_normalised,
                               .interval_s = job->interval_s},
                              kOptions);
@@ -120,18 +143,14 @@ void run_camera_test(CameraJob* job) {
 }
 
 void take_camera_test(const CameraFit& fit, CameraState* state) {
-  if (fit.usable) {
-    state->found = joined(state->found, find_deviations(fit));
+  const CameraFinding found = joined(state->found, find_deviations(fit));
+  if (fit.usable && is_sound(found)) {  // else damaged in memory while it waited
+    state->found = found;
   }
 }
 
 bool is_sound(const CameraState& state) {
-  const CameraFinding& found = state.found;
-  return sound::is_bool(state.waits) &&
-         std::all_of(found.contradicted.begin(),
-                     found.contradicted.end(),
-                     [](std::uint8_t one) { return one <= 1; }) &&
-         found.value.allFinite() && found.sigma.allFinite() && found.sigma.minCoeff() >= 0.0;
+  return sound::is_bool(state.waits) && is_sound(state.found);
 }
 
 }  // namespace polhode

@@ -17,25 +17,14 @@ std::uint16_t inliers(const LandmarkMatches& matches) {
       matches.begin(), matches.end(), [](const LandmarkMatch& m) { return m.inlier; })));
 }
 
-/// As the last two poses have it; 0 where there are not as many.
-double turn_rad_s(const PoseHistory& recent) {
-  if (recent.size() < 2) {
-    return 0.0;
-  }
-  const PoseSample& before = recent[recent.size() - 2];
-  const PoseSample& last = recent.back();
-  return rotation_angle_rad(before.pose.R_CT, last.pose.R_CT) /
-         (1e-9 * static_cast<double>(last.timestamp_ns - before.timestamp_ns));
-}
-
 /// What a contradicted camera adds to the errors of this frame.
 CameraError error_by_camera(const Component::State& s) {
   const PoseHistory& recent = s.motion.recent;
-  if (!s.camera.found.any() || (!s.mapping.pose_valid && recent.empty())) {
-    return {};
+  if (!s.mapping.pose_valid && recent.empty()) {
+    return error_by(s.camera.found, 0.0);  // there are lengths alone
   }
   const Pose& pose = s.mapping.pose_valid ? s.mapping.localised.absolute.pose : recent.back().pose;
-  return error_by(s.camera.found, s.mapping.map.radius_mu / pose.p_CT.norm(), turn_rad_s(recent));
+  return error_by(s.camera.found, s.mapping.map.radius_mu / pose.p_CT.norm());
 }
 
 /// A pose in the unit published, with what scale and camera add to its error.

@@ -38,7 +38,20 @@ Eigen::Vector2d flow_of(const InverseDepthPose& pose,
   return by.rotation * motion.rates.head<3>() + by.uvs * motion.rates.tail<3>();
 }
 
-/// As ReprojectionCost, in an image of a camera that deviates: by (pose, p_T, deviations).
+ImageRates rates_of(std::span<const PoseMotion> motions) {
+  ImageRates squares;
+  for (const PoseMotion& motion : motions) {
+    squares.turn_rad_s += motion.rates.head<3>().squaredNorm();
+    squares.shift_s += motion.rates.segment<2>(3).squaredNorm();
+  }
+  const auto count = static_cast<double>(std::max<std::size_t>(1, motions.size()));
+  return {std::sqrt(squares.turn_rad_s / count), std::sqrt(squares.shift_s / count)};
+}
+
+/// As ReprojectionCost, in an image of a camera that deviates: by (pose, p_T, deviations). With x
+/// the projection, x' its rate, and f, z, a, c, r, h the deviations in their order, the image is
+///   diag(e^(f + z phase - a/2), e^(f + z phase + a/2)) (x + x' (r row + h side)) + c,
+/// row from -0.5 to 0.5 or so over the rows, side -0.5 in the upper half and 0.5 in the lower.
 class DeviatingCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 3, kNumbers> {
  public:
   /// @param flow  of the image point, taken as constant
@@ -46,7 +59,7 @@ class DeviatingCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 3, 
                 const ChartedPose& pose,
                 const Eigen::Vector2d& flow,
                 double phase,
-                double height)
+                const CameraProblem& whole)
       : projection_({.pose = o.pose,
                      .point = o.point,
                      .normalised = Eigen::Vector2d::Zero(),
@@ -55,8 +68,9 @@ class DeviatingCost final : public ceres::SizedCostFunction<2, kPoseNumbers, 3, 
         measured_(o.normalised / o.sigma_normalised),
         inverse_sigma_(1.0 / o.sigma_normalised),
         phase_(phase),
-        by_readout_(flow * (o.normalised.y() / height) / o.sigma_normalised),
-        by_half_(flow * (o.normalised.y() < 0.0 ? -0.5 : 0.5) / o.sigma_normalised) {}
+        by_readout_(flow * (o.normalised.y() / whole.height_normalised) / o.sigma_normalised),
+        by_half_(flow * (o.normalised.y() < whole.middle_normalised ? -0.5 : 0.5) /
+                 o.sigma_normalised) {}
 
   bool Evaluate(double const* const* parameters,
                 double* residuals,
@@ -113,7 +127,7 @@ class DeviationPrior final : public ceres::SizedCostFunction<kNumbers, kNumbers>
   }
   /// No camera deviates by more: what does is a broken map.
   [[nodiscard]] bool allows(const Deviations& deviations) const {
-    // One right camera in 370 is beyond.
+    // Of a normal error one in 370 is beyond.
     constexpr double kSigmas = 3.0;
     return inverse_.cwiseProduct(deviations).cwiseAbs().maxCoeff() < kSigmas;
   }
@@ -157,11 +171,8 @@ class DeviatingBundle {
       const auto k = static_cast<std::size_t>(o.pose);
       Eigen::Vector3d& point = points_[static_cast<std::size_t>(o.point)];
       const PoseMotion& motion = whole.motions[k];
-      costs_.emplace_back(o,
-                          poses_[k],
-                          flow_of(bundle.poses[k], point, motion),
-                          motion.phase,
-                          whole.height_normalised);
+      costs_.emplace_back(
+          o, poses_[k], flow_of(bundle.poses[k], point, motion), motion.phase, whole);
       ceres_.AddResidualBlock(
           &costs_.back(), &loss_, poses_.numbers(k), point.data(), deviations_.data());
     }
@@ -290,18 +301,20 @@ CameraFit adjust_camera(const CameraProblem& problem, const BundleOptions& optio
   const BundleReport as_given = bundle.solve(true, options.iterations_max);
   const BundleReport as_found = bundle.solve(false, options.iterations_max);
   const DeviationInformation information = bundle.information();
+  const DeviationInformation known = DeviationPrior(problem).information();
   if (!as_given.usable || !as_found.usable || !bundle.is_plausible() || !information.allFinite()) {
     return {};
   }
   // Errors along one track are alike: record 0085 has two to three times the residual. A misfit
-  // that the sigmas do not explain counts, too: half a robust square each way at least.
+  // that the sigmas do not explain counts, too: half a square of two residuals is expected to be 1.
   constexpr double kAlike = 3.0;
   const double level =
       kAlike * kAlike * std::max(1.0, as_found.cost_after / static_cast<double>(observations));
   return {.usable = true,
           .value = bundle.deviations(),
-          .information = information / level,
+          .information = (information - known) / level + known,
           .gain = 2.0 * (as_given.cost_after - as_found.cost_after) / level,
+          .rates = rates_of(problem.motions),
           .cost_as_given = as_given.cost_after,
           .cost_as_found = as_found.cost_after,
           .observations = observations};

@@ -31,24 +31,40 @@ struct PoseMotion {
   double phase = 0.0;  ///< -0.5 at the first pose's time, 0.5 at the last one's
 };
 
+/// How fast images move, root mean square over the poses.
+struct ImageRates {
+  double turn_rad_s = 0.0;  ///< of attitudes, in the camera's axes
+  double shift_s = 0.0;  ///< of T's origin across the line of sight, as a part of the range [1/s]
+};
+
 struct CameraProblem {
   BundleProblem bundle;
   std::span<const PoseMotion> motions;  ///< of each pose
-  double height_normalised = 1.0;       ///< of the image: rows over the focal length
-  double interval_s = 1.0;              ///< shortest between two images
+  double middle_normalised = 0.0;       ///< of the rows,
+  double height_normalised = 1.0;       ///< and of all of them, over the focal length
+  double interval_s = 1.0;              ///< shortest between two poses
 };
 
 struct CameraFit {
   bool usable = false;
   Deviations value = Deviations::Zero();  ///< all of them free
-  /// Of the deviations, poses and points free. Residuals along a track are alike, so each counts as
-  /// several times itself (record 0085).
+  /// Of the deviations, poses and points free, with what is known of cameras beforehand. Residuals
+  /// along a track are alike, so each counts as several times itself (record 0085).
   DeviationInformation information = DeviationInformation::Zero();
-  double gain = 0.0;             ///< by how much chi-square falls, each residual counted so
+  double gain = 0.0;  ///< by how much chi-square falls, each residual counted so
+  ImageRates rates;
   double cost_as_given = 0.0;    ///< half the robust sum of squares with the camera as stated,
   double cost_as_found = 0.0;    ///< and with the values, both after an adjustment
   std::size_t observations = 0;  ///< that were adjusted
 };
+
+/// Heap that such an adjustment takes at most: that of the bundle, the deviations' part of the
+/// Jacobian and of the costs, and the system of poses and deviations. tests/memory measures it.
+constexpr std::size_t camera_octets_max(std::size_t observations, std::size_t poses) {
+  const std::size_t unknowns = 6 * poses + kDeviations;
+  return adjustment_octets_max(observations, poses) +
+         sizeof(double) * (6 * kDeviations * observations + 3 * unknowns * unknowns);
+}
 
 /// Adjusts copies of poses and points together with all deviations, by Ceres. The undistorted image
 /// counts as a pinhole's. Priors of poses are left out. A map that was made with the stated camera

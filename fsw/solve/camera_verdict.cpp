@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/sound.hpp"
+
 namespace polhode {
 namespace {
 
@@ -68,9 +70,9 @@ Members all_kinds() {
   return all;
 }
 
-/// The fewest that explain as much as all: one after the other is held that explains least, until
-/// each explains more than chance would.
-Members fewest(const CameraFit& fit) {
+/// One after the other is held that explains least, until each explains more than chance would, and
+/// no more than the cost fell by: the form itself is of the fit's end alone.
+Members backward_elimination(const CameraFit& fit) {
   Members members = all_kinds();
   while (true) {
     const double now = explained_by(members, fit).chi2;
@@ -78,11 +80,10 @@ Members fewest(const CameraFit& fit) {
     double least_part = 1.0;  // of what is more than chance
     for (const Kind& kind : kKinds) {
       if (has(members, kind)) {
-        // The form is of the fit's end. What the cost itself did not fall by is not explained.
-        const double loss =
-            std::min(now - explained_by(with(members, kind, 0), fit).chi2, fit.gain);
-        if (loss < least_part * kChi2Max[kind.count]) {
-          least_part = loss / kChi2Max[kind.count];
+        const double loss = now - explained_by(with(members, kind, 0), fit).chi2;
+        const double part = std::min(loss, fit.gain) / kChi2Max[kind.count];
+        if (!(part > least_part)) {
+          least_part = part;
           least = &kind;
         }
       }
@@ -109,7 +110,8 @@ CameraFinding find_deviations(const CameraFit& fit) {
   if (!fit.usable) {
     return found;
   }
-  const Members members = fewest(fit);
+  found.rates = fit.rates;
+  const Members members = backward_elimination(fit);
   for (const Kind& kind : kKinds) {
     const Explained beside = explained_by(with(members, kind), fit);
     const auto first = static_cast<Eigen::Index>(kind.first);
@@ -125,23 +127,43 @@ CameraFinding find_deviations(const CameraFit& fit) {
 
 CameraFinding joined(const CameraFinding& earlier, const CameraFinding& later) {
   CameraFinding held = later;
-  for (std::size_t i = 0; i < kDeviations; ++i) {
-    const auto at = static_cast<Eigen::Index>(i);
-    const bool would_have_found =
-        later.sigma[at] > 0.0 && std::pow(earlier.value[at] / later.sigma[at], 2) > kChi2Max[1];
-    if (earlier.contradicted[i] != 0 && later.contradicted[i] == 0 && !would_have_found) {
-      held.contradicted[i] = 1;
-      held.value[at] = earlier.value[at];
-      held.sigma[at] = earlier.sigma[at];
+  if (later.any()) {
+    return held;
+  }
+  for (const Kind& kind : kKinds) {
+    const auto first = static_cast<Eigen::Index>(kind.first);
+    const auto count = static_cast<Eigen::Index>(kind.count);
+    const auto before = earlier.value.segment(first, count);
+    const double chi2 = before.cwiseQuotient(later.sigma.segment(first, count)).squaredNorm();
+    const bool would_be_found = chi2 > kChi2Max[kind.count] && std::isfinite(chi2);
+    if (has(earlier.contradicted, kind) && !would_be_found) {
+      held.contradicted = with(held.contradicted, kind);
+      held.value.segment(first, count) = before;
+      held.sigma.segment(first, count) = earlier.sigma.segment(first, count);
+      held.rates = earlier.rates;
     }
   }
   return held;
 }
 
-DeviationTold told(Deviation deviation, const CameraFinding& found, const CameraModel& c) {
+bool is_sound(const CameraFinding& found) {
+  for (const Kind& kind : kKinds) {
+    const auto* first = &found.contradicted[static_cast<std::size_t>(kind.first)];
+    const auto alike = std::count(first, first + kind.count, *first);
+    if (*first > 1 || alike != static_cast<std::ptrdiff_t>(kind.count)) {
+      return false;
+    }
+  }
+  return sound::is_bounded(found.value) && sound::is_bounded(found.sigma) &&
+         sound::is_bounded(std::exp(found.value.head<3>().cwiseAbs().maxCoeff())) &&
+         found.sigma.minCoeff() >= 0.0 && sound::is_at_least(found.rates.turn_rad_s, 0.0) &&
+         sound::is_at_least(found.rates.shift_s, 0.0);
+}
+
+DeviationText describe(Deviation deviation, const CameraFinding& found, const CameraModel& c) {
   const double value = found.of(deviation);
   const double sigma = found.sigma_of(deviation);
-  const auto of_log = [&](std::string_view name, double stated) -> DeviationTold {
+  const auto of_log = [&](std::string_view name, double stated) -> DeviationText {
     return {name, stated, stated * std::exp(value), stated * std::exp(value) * sigma};
   };
   switch (deviation) {
@@ -152,9 +174,9 @@ DeviationTold told(Deviation deviation, const CameraFinding& found, const Camera
     case Deviation::kAspect:
       return of_log("ratio fv / fu", c.fv_px / c.fu_px);
     case Deviation::kPrincipalU:
-      return {"principal point's u [px]", c.cu_px, c.cu_px + value * c.fu_px, sigma * c.fu_px};
+      return {"principal point [px]", c.cu_px, c.cu_px + value * c.fu_px, sigma * c.fu_px};
     case Deviation::kPrincipalV:
-      return {"principal point's v [px]", c.cv_px, c.cv_px + value * c.fv_px, sigma * c.fv_px};
+      return {"principal point [px]", c.cv_px, c.cv_px + value * c.fv_px, sigma * c.fv_px};
     case Deviation::kReadout:
       return {"time of all rows [s]", 0.0, value, sigma};
     case Deviation::kHalf:
@@ -163,22 +185,25 @@ DeviationTold told(Deviation deviation, const CameraFinding& found, const Camera
   return {"age of the upper half [s]", 0.0, value, sigma};
 }
 
-CameraError error_by(const CameraFinding& found, double size, double turn_rad_s) {
-  const double focal = part_of(found, Deviation::kFocal) + 0.5 * part_of(found, Deviation::kZoom);
+CameraError error_by(const CameraFinding& found, double size) {
+  const double zoom = part_of(found, Deviation::kZoom);
+  // A zoom has a middle, too, that is off by less than is told by itself.
+  const double focal = (zoom > 0.0 ? std::abs(found.of(Deviation::kFocal)) + 0.5 * zoom
+                                   : part_of(found, Deviation::kFocal));
   const double aspect = part_of(found, Deviation::kAspect);
   const double point =
       std::hypot(part_of(found, Deviation::kPrincipalU), part_of(found, Deviation::kPrincipalV));
   // A body is in the middle of the rows or anywhere: half of the time either way.
   const double late_s =
       0.5 * (part_of(found, Deviation::kReadout) + part_of(found, Deviation::kHalf));
-  return {.turn_rad = focal * size + aspect + point + late_s * turn_rad_s,
-          .aside = point + aspect * size,
+  return {.attitude_rad = focal * size + aspect + point + late_s * found.rates.turn_rad_s,
+          .across = point + aspect * size + late_s * found.rates.shift_s,
           .along = focal + 0.5 * aspect};
 }
 
 void widen(const CameraError& error, double range, PoseCovariance* covariance) {
-  widen_attitude(error.turn_rad, covariance);
-  widen_position(error.aside * range, covariance);
+  widen_attitude(error.attitude_rad, covariance);
+  widen_position(error.across * range, covariance);
 }
 
 }  // namespace polhode

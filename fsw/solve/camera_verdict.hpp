@@ -17,6 +17,7 @@ struct CameraFinding {
   /// The fewest deviations that explain the images, together; each other one beside those.
   Deviations value = Deviations::Zero();
   Deviations sigma = Deviations::Zero();
+  ImageRates rates;  ///< that times of rows and halves do their harm with
 
   [[nodiscard]] bool any() const;
   [[nodiscard]] bool is(Deviation deviation) const {
@@ -30,34 +31,37 @@ struct CameraFinding {
   }
 };
 
-/// Those that explain more than four sigma would, when all that explain less are held one by one. A
-/// focal length or zoom counts from 8 % on: right ones are off by as much as 1.2 % where the sigma
-/// is under 2 %, and by more in a bent map (record 0083).
+/// Backward elimination: those that explain more than four sigma would, when all that explain less
+/// are held one by one. A focal length or zoom counts from 8 % on: right ones are off by as much as
+/// 1.2 % where the sigma is under 2 %, and by more in a bent map (record 0083).
 CameraFinding find_deviations(const CameraFit& fit);
 
-/// What is held of an earlier test and a later one. A contradiction stands until a test that would
-/// have found it does not.
+/// What is held of an earlier test and a later one. A later one that contradicts something is held
+/// alone: its deviations explain the images together. Else a contradiction stands until a test that
+/// would have found it does not.
 CameraFinding joined(const CameraFinding& earlier, const CameraFinding& later);
 
-/// A deviation in people's terms.
-struct DeviationTold {
+/// Are all numbers such as a test finds? Not where memory was damaged.
+[[nodiscard]] bool is_sound(const CameraFinding& found);
+
+/// A deviation for people.
+struct DeviationText {
   std::string_view name;  ///< with its unit
   double stated = 0.0;
   double fits = 0.0;
   double sigma = 0.0;  ///< of what fits
 };
-DeviationTold told(Deviation deviation, const CameraFinding& found, const CameraModel& stated);
+DeviationText describe(Deviation deviation, const CameraFinding& found, const CameraModel& stated);
 
 /// 1-sigma that contradicted deviations add, where nothing is corrected.
 struct CameraError {
-  double turn_rad = 0.0;  ///< of an attitude, about each axis
-  double aside = 0.0;     ///< of a position, across the line of sight: as a part of the range,
-  double along = 0.0;     ///< and along it; of lengths and velocities, too
+  double attitude_rad = 0.0;  ///< about each axis
+  double across = 0.0;        ///< of a position across the line of sight, as a part of the range
+  double along = 0.0;         ///< the same along it; of lengths and velocities, too
 };
 
 /// @param size  radius of the body over its range
-/// @param turn_rad_s  rate of its attitude in the camera's axes
-CameraError error_by(const CameraFinding& found, double size, double turn_rad_s);
+CameraError error_by(const CameraFinding& found, double size);
 
 /// Adds what the camera does to a pose. What it does to lengths is in their unit's error.
 /// @param range  of the pose, in its unit

@@ -11,8 +11,8 @@ from transforms.footage import Footage, Shot, noisy, write_footage
 from transforms.table import KINDS, RESTAMPING, applied
 
 FIRST_NS = 1_700_000_000_000_000_000
-# They need a mesh, or give a path another length.
-NOT_FOR_PATHS = {"rolling_shutter", "mirrored", "excerpt", "rate_jump"}
+# They need a mesh, give a path another length, or came later: a new one would change what a seed draws.
+NOT_FOR_PATHS = {"rolling_shutter", "mirrored", "excerpt", "rate_jump", "aspect", "zoom", "halves"}
 STEPS_MAX = 2
 
 

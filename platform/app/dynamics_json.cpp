@@ -80,6 +80,14 @@ Json path_json(const BodyDynamics& body,
           {"residuals", level_json(model.position)}};
 }
 
+/// With the errors of what is stated about the camera, alike in all directions.
+MotionPrediction widened(MotionPrediction at, const SharedErrors& errors) {
+  const double range = at.translation_known ? at.pose.p_CT.norm() : 0.0;
+  const double size = range > 0.0 ? errors.body_radius / range : 0.0;
+  widen(error_by(errors.camera, size), range, &at.covariance);
+  return at;
+}
+
 Json row_json(const MotionPrediction& at,
               double ahead_s,
               const Eigen::Matrix3d& R_CI,
@@ -164,7 +172,7 @@ void add_dynamics(const RigidModel& model,
 
 void add_prediction(const RigidModel& model,
                     const Eigen::Matrix3d& R_CI,
-                    double scale_sigma,
+                    const SharedErrors& errors,
                     Json* out) {
   constexpr std::array<double, 10> kAhead_s{
       0.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1200.0, 1800.0};
@@ -176,8 +184,9 @@ void add_prediction(const RigidModel& model,
     if (!at) {
       break;
     }
-    rows.push_back(row_json(at.value(), ahead_s, R_CI, scale_sigma));
-    sure = sure && worst_sigma(at.value().covariance.topLeftCorner<3, 3>()) < kHorizonSigma_rad;
+    const MotionPrediction row = widened(at.value(), errors);
+    rows.push_back(row_json(row, ahead_s, R_CI, errors.scale_sigma));
+    sure = sure && worst_sigma(row.covariance.topLeftCorner<3, 3>()) < kHorizonSigma_rad;
     if (sure && ahead_s > 0.0) {
       horizon = ahead_s;
     }

@@ -5,6 +5,7 @@
 
 #include "motion/rigid_model.hpp"
 #include "motion/trajectory.hpp"
+#include "solve/camera_verdict.hpp"
 
 namespace polhode::platform {
 
@@ -29,12 +30,19 @@ void add_dynamics(const RigidModel& model,
                   double scale_sigma,
                   Json* out);
 
+/// What predicted poses have beside the model's own errors.
+struct SharedErrors {
+  double scale_sigma = 0.0;  ///< 1-sigma of the scale over the scale
+  CameraFinding camera{};
+  double body_radius = 1.0;  ///< unit of the poses
+};
+
 /// Adds `prediction`, rows from now to 30 min ahead with the camera held as it is at the reference,
 /// and `prediction_horizon_s`: the longest of them whose attitude is sure to 5 deg (1 sigma, worst
 /// axis), null where none is.
 void add_prediction(const RigidModel& model,
                     const Eigen::Matrix3d& R_CI,
-                    double scale_sigma,
+                    const SharedErrors& errors,
                     Json* out);
 
 }  // namespace polhode::platform

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -265,12 +266,14 @@ CameraReport finish_replay(Component& component,
   const ConfirmedLandmarks landmarks = landmarks_of(view);
   const FoundShape found = find_shape(view, landmarks.points_T);
   write_clouds(found, landmarks, view.parameters.shape, folder);
+  ScaleState scale = view.scale;
+  scale.relative_sigma = std::hypot(scale.relative_sigma, error_by(view.camera_found, 0.0).along);
   write_shape_json(folder / "shape.json",
                    {.shape = found.shape ? &*found.shape : nullptr,
                     .reason = found.reason,
                     .surface = found.surface ? &*found.surface : nullptr,
                     .scale_options = view.parameters.scale,
-                    .scale = view.scale});
+                    .scale = scale});
   const std::vector<PoseSample> samples =
       samples_in_body(poses, log.published, found.body, view.scale.metres_per_mu, log.servicer);
   const double radius = found.shape ? 0.5 * found.shape->dimensions.maxCoeff()
@@ -287,7 +290,8 @@ CameraReport finish_replay(Component& component,
        .options = view.parameters.motion,
        .body_radius = radius,
        .scale_known = view.scale.known,
-       .scale_sigma = view.scale.relative_sigma,
+       .scale_sigma = scale.relative_sigma,
+       .camera = view.camera_found,
        .R_CI = samples.empty()
                    ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
                    : Eigen::Matrix3d(log.servicer.R_IC(samples.back().timestamp_ns).transpose())});

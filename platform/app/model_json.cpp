@@ -95,7 +95,12 @@ void write_model_json(const std::filesystem::path& file, const ModelInput& input
   out["fit"] = by_pairs ? Json(nullptr) : fit_json(input.model, input.options);
   if (input.model.accepted()) {
     add_dynamics(input.model, input.R_CI, input.scale_sigma, &out);
-    add_prediction(input.model, input.R_CI, input.scale_sigma, &out);
+    add_prediction(input.model,
+                   input.R_CI,
+                   {.scale_sigma = input.scale_sigma,
+                    .camera = input.camera,
+                    .body_radius = input.body_radius},
+                   &out);
   } else {
     // Without dynamics that hold none of these is known.
     for (const char* key : {"principal_axes_T", "inertia_ratios", "prediction_horizon_s"}) {

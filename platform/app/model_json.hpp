@@ -6,6 +6,7 @@
 
 #include "motion/rigid_model.hpp"
 #include "motion/trajectory.hpp"
+#include "solve/camera_verdict.hpp"
 
 namespace polhode::platform {
 
@@ -17,6 +18,7 @@ struct ModelInput {
   bool scale_known = false;
   double scale_sigma =
       0.0;  ///< 1-sigma of the scale over the scale, which all lengths in metres share
+  CameraFinding camera{};
   Eigen::Matrix3d R_CI = Eigen::Matrix3d::Identity();  ///< of the camera at the last sample
 };
 

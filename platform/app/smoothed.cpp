@@ -167,9 +167,8 @@ void write_motion(const AtFrame& at,
                   MotionState* m) {
   PoseSample in_C = turned(R_CI, *at.pose);
   const double range = in_C.pose.p_CT.norm();
-  const CameraError camera = error_by(view.camera_found,
-                                      view.map.radius_mu * view.scale.metres_per_mu / range,
-                                      at.rates ? at.rates->w_T_rad_s.norm() : 0.0);
+  const CameraError camera =
+      error_by(view.camera_found, view.map.radius_mu * view.scale.metres_per_mu / range);
   widen(camera, range, &in_C.covariance);
   const double scale_sigma = std::hypot(view.scale.relative_sigma, camera.along);
   fill_pose(in_C.pose, in_C.covariance + by_scale(in_C.pose, scale_sigma), q_last, m);

@@ -159,11 +159,13 @@ Json cost(const SummaryInput& input) {
 Json focal_length(const CameraReport& report, const CameraParameters& camera) {
   const double given_px = std::sqrt(camera.fu_px * camera.fv_px);
   Json out{{"given_px", given_px}, {"found_px", Json()}, {"sigma_px", Json()}};
-  if (report.fit.usable) {
-    const auto observations = static_cast<double>(report.fit.observations);
+  if (report.fit.usable || report.found.is(Deviation::kFocal)) {
     const double found_px = given_px * std::exp(report.found.of(Deviation::kFocal));
     out["found_px"] = found_px;
     out["sigma_px"] = found_px * report.found.sigma_of(Deviation::kFocal);
+  }
+  if (report.fit.usable) {
+    const auto observations = static_cast<double>(report.fit.observations);
     out["cost_as_given"] = report.fit.cost_as_given / observations;
     out["cost_as_found"] = report.fit.cost_as_found / observations;
   }

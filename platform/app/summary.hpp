@@ -38,7 +38,7 @@ struct SummaryInput {
 };
 
 /// One plain sentence: was the target acquired, on how many frames is there a pose, how does it
-/// turn; and does the map contradict the focal length.
+/// turn; and what the map contradicts of the stated camera.
 std::string result_sentence(const RunRecord& record,
                             const Counters& counters,
                             const CameraParameters& camera);

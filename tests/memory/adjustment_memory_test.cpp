@@ -8,6 +8,7 @@
 #include "geometry/so3.hpp"
 #include "os/linux/memory/region.hpp"
 #include "solve/bundle_adjustment.hpp"
+#include "solve/camera_adjustment.hpp"
 #include "solve/free_body_adjustment.hpp"
 
 namespace polhode::platform::adjustment_memory_test {
@@ -29,10 +30,12 @@ struct Scene {
   std::vector<PoseTime> times;
   FreeBodyMotion motion;
 
-  Scene(std::size_t views, std::size_t observations_count) {
+  Scene(std::size_t views,
+        std::size_t observations_count,
+        std::size_t poses_count = BundleLimits::kPoses) {
     Rng rng(1, 70);
     const Eigen::Vector3d w_T(0.0, 0.05, 0.0);
-    for (std::size_t k = 0; k < BundleLimits::kPoses; ++k) {
+    for (std::size_t k = 0; k < poses_count; ++k) {
       const auto time_s = static_cast<double>(k);
       poses.push_back(to_inverse_depth({.R_CT = so3_exp(time_s * w_T), .p_CT = {0.0, 0.0, 10.0}}));
       times.push_back({.time_s = time_s});
@@ -108,6 +111,22 @@ TEST_P(AdjustmentMemory, IsWhatThePlanCountsWith) {
     // A plan that counts with far more than is taken would be no measurement.
     EXPECT_GT(2 * std::max(by_bundle, by_free_body), planned);
   }
+}
+
+TEST_P(AdjustmentMemory, OfTheCameraIsWhatThePlanCountsWith) {
+  constexpr std::size_t kObservations = 4200;
+  constexpr std::size_t kPoses = 32;
+  Scene s(GetParam(), kObservations, kPoses);
+  const std::vector<PoseMotion> motions(kPoses);
+  bool usable = false;
+  const std::size_t taken = taken_by([&] {
+    usable = adjust_camera({.bundle = s.problem(), .motions = motions},
+                           {.iterations_max = 2, .observations_max = kObservations})
+                 .usable;
+  });
+  EXPECT_TRUE(usable);
+  EXPECT_LE(taken, camera_octets_max(kObservations, kPoses));
+  EXPECT_GT(2 * taken, camera_octets_max(kObservations, kPoses));
 }
 
 INSTANTIATE_TEST_SUITE_P(Views, AdjustmentMemory, ::testing::Values(2, 6, 20));

@@ -101,7 +101,9 @@ TEST(CameraJob, TakesAsManyObservationsAsItHasRoomFor_OfEveryPose) {
       camera_scene(deviating(Deviation::kFocal, -0.15), 5, {.poses = 70, .points = 200});
   ASSERT_GT(s.bundle.observations.size(), 2 * CameraJob::kObservations);
   CameraJob job = prepared(s);
-  EXPECT_EQ(job.poses.size(), 24U) << "every third";
+  EXPECT_EQ(job.poses.size(), CameraJob::kPoses);
+  EXPECT_EQ(job.motions[0].phase, 0.5);
+  EXPECT_LT(job.motions[CameraJob::kPoses - 1].phase, -0.45) << "over all of the time";
   EXPECT_EQ(job.pose_fixed[0], 1);
   EXPECT_GT(job.observations.size(), CameraJob::kObservations * 9 / 10);
   std::vector<int> of_pose(job.poses.size(), 0);
@@ -135,15 +137,18 @@ TEST(CameraState, ATestWithoutAResultChangesNothing) {
   EXPECT_TRUE(state.found.is(Deviation::kAspect));
 }
 
-TEST(CameraState, IsSoundAsItIsMade_AndNotDamaged) {
-  CameraState state;
-  EXPECT_TRUE(is_sound(state));
-  state.found.contradicted[2] = 2;
-  EXPECT_FALSE(is_sound(state));
-  state.found = contradicting(Deviation::kAspect, std::numeric_limits<double>::quiet_NaN(), 0.1);
-  EXPECT_FALSE(is_sound(state));
-  state.found = contradicting(Deviation::kAspect, 0.1, -0.1);
-  EXPECT_FALSE(is_sound(state));
+TEST(CameraState, WhatWasDamagedIsNotTaken) {
+  CameraJob job = prepared(camera_scene(deviating(Deviation::kFocal, -0.15), 5));
+  run_camera_test(&job);
+  for (double* number :
+       {&job.fit.value[2], &job.fit.information(2, 2), &job.fit.rates.turn_rad_s}) {
+    CameraFit damaged = job.fit;
+    const auto offset = reinterpret_cast<char*>(number) - reinterpret_cast<char*>(&job.fit);
+    *reinterpret_cast<double*>(reinterpret_cast<char*>(&damaged) + offset) = 1e200;
+    CameraState state;
+    take_camera_test(damaged, &state);
+    EXPECT_TRUE(is_sound(state)) << offset;
+  }
 }
 
 /// Tests that were issued, by the number of the map's next keyframe.
@@ -221,20 +226,49 @@ TEST(CameraDoubt, EachDeviationIsToldInItsUnit) {
   (void)b.show(pictures[0]);
   const CameraModel& stated = state_of(*b.component).configuration.camera;
   CameraFinding found = contradicting(Deviation::kPrincipalU, 0.05, 0.01);
-  for (const Deviation other :
-       {Deviation::kZoom, Deviation::kAspect, Deviation::kPrincipalV, Deviation::kReadout}) {
-    found = joined(found, contradicting(other, 0.1, 0.02));
-  }
+  found.contradicted.fill(1);
+  found.contradicted[0] = 0;
   state_of(*b.component).camera.found = found;
   const StepOutput& out = b.show(pictures[1]);
   EXPECT_EQ(events_of(bus::EventId::kCameraContradicted, out), 4) << "its burst";
   EXPECT_EQ(events_of(bus::EventId::kFocalLengthDoubted, out), 0);
+  int of_point = 0;
   for (const auto& event : packets_of<bus::EventPacket>(out)) {
-    if (std::string_view(event.text.data(), event.text_octets).find("point's u [px]") !=
-        std::string_view::npos) {
+    const std::string_view text(event.text.data(), event.text_octets);
+    if (text.find("principal point [px]") != std::string_view::npos) {
+      ++of_point;
       EXPECT_NEAR(event.value[0], stated.cu_px + 0.05 * stated.fu_px, 1e-3);
+      EXPECT_NEAR(event.value[1], stated.cv_px, 1e-3);
     }
   }
+  EXPECT_EQ(of_point, 1) << "one statement of two numbers";
+}
+
+/// Worst variance of an attitude that is published as a prediction.
+double predicted_variance(Bench* b, std::size_t from, std::size_t to) {
+  double worst = 0.0;
+  for (std::size_t i = from; i < to; ++i) {
+    for (const auto& packet : packets_of<bus::PredictionPacket>(b->show(turning_ball()[i]))) {
+      worst = std::max(worst, static_cast<double>(packet.cov_pose[0]));
+    }
+  }
+  return worst;
+}
+
+TEST(CameraDoubt, WidensWhatIsPredicted) {
+  Bench sure(parameters());
+  Bench doubting(parameters());
+  constexpr std::size_t kFrames = 14;
+  for (std::size_t i = 0; i < kFrames; ++i) {
+    (void)sure.show(turning_ball()[i]);
+    (void)doubting.show(turning_ball()[i]);
+  }
+  CameraFinding found = contradicting(Deviation::kPrincipalU, 0.05, 0.01);
+  found.contradicted[static_cast<std::size_t>(Deviation::kPrincipalV)] = 1;
+  state_of(*doubting.component).camera.found = found;
+  const double narrow = predicted_variance(&sure, kFrames, kFrames + 12);
+  ASSERT_GT(narrow, 0.0);
+  EXPECT_NEAR(predicted_variance(&doubting, kFrames, kFrames + 12) - narrow, 0.05 * 0.05, 1e-6);
 }
 
 TEST(CameraDoubt, OutlivesARestart) {

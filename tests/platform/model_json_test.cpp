@@ -16,14 +16,16 @@ namespace {
 nlohmann::json written(const RigidModel& model,
                        const MotionOptions& options = {},
                        std::span<const PoseSample> samples = {},
-                       double scale_sigma = 0.0) {
+                       double scale_sigma = 0.0,
+                       const CameraFinding& camera = {}) {
   const TemporaryFolder folder;
   write_model_json(folder.path() / "model.json",
                    {.samples = samples,
                     .model = model,
                     .options = options,
                     .scale_known = scale_sigma > 0.0,
-                    .scale_sigma = scale_sigma});
+                    .scale_sigma = scale_sigma,
+                    .camera = camera});
   std::ifstream in(folder.path() / "model.json");
   return nlohmann::json::parse(in);
 }
@@ -38,6 +40,22 @@ RigidModel accepted(const Eigen::Vector3d& w_T_rad_s) {
   model.mass_centre_sigma = 0.5;
   model.covariance.diagonal().setConstant(1e-10);
   return model;
+}
+
+// verifies: MAP-11
+TEST(ModelJson, PredictionsHoldTheErrorsOfAContradictedCamera) {
+  const RigidModel model = accepted({0.0, 0.0, 0.05});
+  CameraFinding camera;
+  const auto u = static_cast<std::size_t>(Deviation::kPrincipalU);
+  camera.contradicted[u] = 1;
+  camera.value[static_cast<Eigen::Index>(u)] = 0.03;
+  const nlohmann::json sure = written(model)["prediction"][0];
+  const nlohmann::json doubting = written(model, {}, {}, 0.0, camera)["prediction"][0];
+  EXPECT_LT(sure["sigma_att_rad"].get<double>(), 1e-3);
+  EXPECT_NEAR(doubting["sigma_att_rad"].get<double>(), 0.03, 1e-4);
+  const auto p_CT = doubting["p_CT"].get<std::vector<double>>();
+  const double range = std::hypot(p_CT[0], p_CT[1], p_CT[2]);
+  EXPECT_NEAR(doubting["sigma_pos"].get<double>(), 0.03 * range, 1e-4);
 }
 
 TEST(ModelJson, OfARefusedModelHasNoNumbersOfDynamicsAndSaysWhy) {

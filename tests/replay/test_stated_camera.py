@@ -82,7 +82,7 @@ def judged(run, sequence, out):
 # verifies: MAP-11
 @pytest.mark.parametrize(("stated", "name", "off_by", "word"), [
     ([FOCAL_PX, 1.05 * FOCAL_PX, *STATED[2:]], "log_fv_over_fu", -0.0488, "ratio fv / fu"),
-    ([*STATED[:3], STATED[3] + 60], "principal_v_over_fv", -60 / FOCAL_PX, "principal point's v")])
+    ([*STATED[:3], STATED[3] + 60], "principal_v_over_fv", -60 / FOCAL_PX, "principal point")])
 def test_another_wrong_statement_is_contradicted_and_in_the_sigmas(replay, sample, program, tmp_path, stated, name, off_by, word):
     sequence = stating(tmp_path / "seq", stated)
     result = replay(sequence)

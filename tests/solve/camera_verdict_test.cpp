@@ -13,7 +13,8 @@ CameraFit fit_of(const Deviations& value, const Deviations& sigma) {
   return {.usable = true,
           .value = value,
           .information = DeviationInformation(weight.asDiagonal()),
-          .gain = value.dot(weight.cwiseProduct(value))};
+          .gain = value.dot(weight.cwiseProduct(value)),
+          .rates = {.turn_rad_s = 0.5, .shift_s = 0.02}};
 }
 
 CameraFit fit_of(Deviation deviation, double value, double sigma) {
@@ -75,6 +76,21 @@ TEST(CameraVerdict, OneDeviationDoesNotContradictWhatIsAlike) {
   EXPECT_NEAR(found.of(Deviation::kZoom), 0.0, 1e-3) << "beside the focal length";
 }
 
+TEST(CameraVerdict, SeveralAreToldTogether) {
+  Deviations value = Deviations::Zero();
+  value[2] = 0.05;
+  value[5] = 0.041;
+  const CameraFinding found = find_deviations(fit_of(value, Deviations::Constant(0.01)));
+  EXPECT_TRUE(found.is(Deviation::kAspect));
+  EXPECT_TRUE(found.is(Deviation::kReadout));
+}
+
+TEST(CameraVerdict, OfNoNumbersNothingIsTold) {
+  CameraFit fit = fit_of(Deviation::kAspect, 0.1, 0.001);
+  fit.information.setConstant(std::nan(""));
+  EXPECT_FALSE(find_deviations(fit).any());
+}
+
 TEST(CameraVerdict, AContradictionStandsUntilATestWouldHaveFoundIt) {
   const CameraFinding wrong = find_deviations(fit_of(Deviation::kAspect, 0.05, 0.01));
   const auto right = [](double sigma) {
@@ -89,31 +105,112 @@ TEST(CameraVerdict, AContradictionStandsUntilATestWouldHaveFoundIt) {
   EXPECT_TRUE(joined(wrong, {}).any());
 }
 
+TEST(CameraVerdict, APrincipalPointStandsAndFallsAsOne) {
+  Deviations value = Deviations::Zero();
+  value[3] = 0.0225;
+  value[4] = 0.002;
+  const CameraFinding wrong = find_deviations(fit_of(value, Deviations::Constant(0.004)));
+  ASSERT_TRUE(wrong.is(Deviation::kPrincipalU) && wrong.is(Deviation::kPrincipalV));
+  const CameraFit right = fit_of(Deviations::Zero(), Deviations::Constant(0.004));
+  EXPECT_FALSE(joined(wrong, find_deviations(right)).any());
+}
+
+TEST(CameraVerdict, ALaterContradictionIsHeldAlone) {
+  const CameraFinding zoom = find_deviations(fit_of(Deviation::kZoom, 0.25, 0.02));
+  const CameraFinding focal = find_deviations(fit_of(Deviation::kFocal, 0.2, 0.07));
+  ASSERT_FALSE(focal.any());
+  EXPECT_TRUE(joined(zoom, focal).is(Deviation::kZoom));
+  const CameraFinding sure = find_deviations(fit_of(Deviation::kFocal, 0.4, 0.07));
+  EXPECT_TRUE(joined(zoom, sure).is(Deviation::kFocal));
+  EXPECT_FALSE(joined(zoom, sure).is(Deviation::kZoom)) << "they may be one";
+}
+
+TEST(CameraVerdict, IsSoundAsItIsFound_AndNotDamaged) {
+  const CameraFinding found = find_deviations(fit_of(Deviation::kPrincipalU, 0.05, 0.01));
+  ASSERT_TRUE(found.any());
+  EXPECT_TRUE(is_sound(found));
+  EXPECT_TRUE(is_sound(CameraFinding{}));
+  const auto is_sound_after = [&](const auto& damage) {
+    CameraFinding damaged = found;
+    damage(&damaged);
+    return is_sound(damaged);
+  };
+  EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->value[2] = 1e200; }));
+  EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->value[0] = -1000.0; })) << "no factor";
+  EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->value[6] = std::nan(""); }));
+  EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->sigma[0] = -1.0; }));
+  EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->contradicted[4] = 0; })) << "half a point";
+  EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->contradicted[0] = 2; }));
+  EXPECT_FALSE(is_sound_after([](CameraFinding* f) { f->rates.turn_rad_s = 1e99; }));
+}
+
+CameraError error_of(Deviation deviation, double value) {
+  return error_by(find_deviations(fit_of(deviation, value, 0.01)), 0.2);
+}
+
 TEST(CameraErrors, AreOfWhatIsContradictedAlone) {
-  const CameraError none =
-      error_by(find_deviations(fit_of(Deviation::kAspect, 0.03, 0.01)), 0.2, 1.0);
-  EXPECT_EQ(none.turn_rad, 0.0);
-  EXPECT_EQ(none.aside, 0.0);
+  const CameraError none = error_of(Deviation::kAspect, 0.03);
+  EXPECT_EQ(none.attitude_rad, 0.0);
+  EXPECT_EQ(none.across, 0.0);
   EXPECT_EQ(none.along, 0.0);
-  const CameraError by_focal =
-      error_by(find_deviations(fit_of(Deviation::kFocal, -0.1, 0.01)), 0.2, 1.0);
-  EXPECT_NEAR(by_focal.turn_rad, 0.1 * 0.2, 1e-9);
+  const CameraError by_focal = error_of(Deviation::kFocal, -0.1);
+  EXPECT_NEAR(by_focal.attitude_rad, 0.1 * 0.2, 1e-9);
+  EXPECT_EQ(by_focal.across, 0.0);
   EXPECT_NEAR(by_focal.along, 0.1, 1e-9);
-  const CameraError by_point =
-      error_by(find_deviations(fit_of(Deviation::kPrincipalU, 0.03, 0.001)), 0.2, 1.0);
-  EXPECT_NEAR(by_point.turn_rad, 0.03, 1e-9);
-  EXPECT_NEAR(by_point.aside, 0.03, 1e-9);
-  EXPECT_EQ(by_point.along, 0.0);
-  const CameraError by_rows =
-      error_by(find_deviations(fit_of(Deviation::kReadout, 0.1, 0.01)), 0.2, 0.5);
-  EXPECT_NEAR(by_rows.turn_rad, 0.5 * 0.1 * 0.5, 1e-9);
+  const CameraError by_aspect = error_of(Deviation::kAspect, 0.1);
+  EXPECT_NEAR(by_aspect.attitude_rad, 0.1, 1e-9);
+  EXPECT_NEAR(by_aspect.across, 0.1 * 0.2, 1e-9);
+  EXPECT_NEAR(by_aspect.along, 0.05, 1e-9);
+  for (const Deviation one : {Deviation::kReadout, Deviation::kHalf}) {
+    const CameraError by_rows = error_of(one, 0.1);
+    EXPECT_NEAR(by_rows.attitude_rad, 0.5 * 0.1 * 0.5, 1e-9);
+    EXPECT_NEAR(by_rows.across, 0.5 * 0.1 * 0.02, 1e-9);
+    EXPECT_EQ(by_rows.along, 0.0);
+  }
+}
+
+TEST(CameraErrors, OfAPrincipalPointAreOfItsDistance) {
+  Deviations value = Deviations::Zero();
+  value[3] = 0.03;
+  value[4] = -0.04;
+  const CameraError error =
+      error_by(find_deviations(fit_of(value, Deviations::Constant(0.001))), 0.2);
+  EXPECT_NEAR(error.attitude_rad, 0.05, 1e-9);
+  EXPECT_NEAR(error.across, 0.05, 1e-9);
+  EXPECT_EQ(error.along, 0.0);
+}
+
+TEST(CameraErrors, OfAZoomHoldItsMiddleThatIsNotToldByItself) {
+  Deviations value = Deviations::Zero();
+  value[0] = 0.07;
+  value[1] = 0.14;
+  const CameraFinding found = find_deviations(fit_of(value, Deviations::Constant(0.01)));
+  ASSERT_TRUE(found.is(Deviation::kZoom));
+  ASSERT_FALSE(found.is(Deviation::kFocal));
+  EXPECT_NEAR(error_by(found, 0.0).along, 0.14, 1e-9);
 }
 
 TEST(CameraErrors, WidenAPose) {
   PoseCovariance covariance = PoseCovariance::Zero();
-  widen({.turn_rad = 0.1, .aside = 0.02, .along = 0.0}, 5.0, &covariance);
+  widen({.attitude_rad = 0.1, .across = 0.02, .along = 0.0}, 5.0, &covariance);
   EXPECT_NEAR(covariance(0, 0), 0.01, 1e-12);
   EXPECT_NEAR(covariance(4, 4), 0.01, 1e-12);
+}
+
+TEST(CameraTexts, AreInPeoplesUnits) {
+  constexpr CameraModel kCamera{.fu_px = 1000.0, .fv_px = 1000.0, .cu_px = 320.0, .cv_px = 240.0};
+  const auto text = [&](Deviation deviation, double value) {
+    return describe(deviation, find_deviations(fit_of(deviation, value, 0.01)), kCamera);
+  };
+  EXPECT_NEAR(text(Deviation::kFocal, std::log(1.2)).fits, 1200.0, 1e-6);
+  EXPECT_NEAR(text(Deviation::kFocal, std::log(1.2)).sigma, 12.0, 1e-6);
+  EXPECT_EQ(text(Deviation::kFocal, 0.2).stated, 1000.0);
+  EXPECT_NEAR(text(Deviation::kZoom, std::log(1.3)).fits, 1.3, 1e-9);
+  EXPECT_NEAR(text(Deviation::kAspect, std::log(0.9)).fits, 0.9, 1e-9);
+  EXPECT_NEAR(text(Deviation::kPrincipalU, 0.06).fits, 380.0, 1e-6);
+  EXPECT_NEAR(text(Deviation::kPrincipalV, 0.06).fits, 300.0, 1e-6);
+  EXPECT_NEAR(text(Deviation::kReadout, 0.06).fits, 0.06, 1e-9);
+  EXPECT_NEAR(text(Deviation::kHalf, -0.06).fits, -0.06, 1e-9);
 }
 
 }  // namespace
