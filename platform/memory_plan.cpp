@@ -115,7 +115,8 @@ std::string misfit(const MemoryPlan& plan) {
 std::size_t job_worst_case(const Parameters& p) {
   // Where no job leaves its step the camera is not tested.
   const std::size_t camera =
-      has_work_beside(p.jobs) ? camera_octets_max(CameraJob::kObservations, CameraJob::kPoses) : 0;
+      has_work_beside(p.jobs) ? adjustment_octets_max(CameraJob::kObservations, CameraJob::kPoses)
+                              : 0;
   return kOtherJobsOctets +
          std::max({kHypothesesOctets, adjustment_worst_case(p, p.map.keyframes_max), camera});
 }

@@ -58,17 +58,10 @@ struct CameraFit {
   std::size_t observations = 0;  ///< that were adjusted
 };
 
-/// Heap that such an adjustment takes at most: that of the bundle, the deviations' part of the
-/// Jacobian and of the costs, and the system of poses and deviations. tests/memory measures it.
-constexpr std::size_t camera_octets_max(std::size_t observations, std::size_t poses) {
-  const std::size_t unknowns = 6 * poses + kDeviations;
-  return adjustment_octets_max(observations, poses) +
-         sizeof(double) * (6 * kDeviations * observations + 3 * unknowns * unknowns);
-}
-
 /// Adjusts copies of poses and points together with all deviations, by Ceres. The undistorted image
 /// counts as a pinhole's. Priors of poses are left out. A map that was made with the stated camera
 /// holds the result back: it then lies between the two.
+/// The heap is within adjustment_octets_max, as the bundle's is.
 /// @param options  observations_max bounds the work
 CameraFit adjust_camera(const CameraProblem& problem, const BundleOptions& options);
 

@@ -125,8 +125,8 @@ TEST_P(AdjustmentMemory, OfTheCameraIsWhatThePlanCountsWith) {
                  .usable;
   });
   EXPECT_TRUE(usable);
-  EXPECT_LE(taken, camera_octets_max(kObservations, kPoses));
-  EXPECT_GT(2 * taken, camera_octets_max(kObservations, kPoses));
+  EXPECT_LE(taken, adjustment_octets_max(kObservations, kPoses));
+  EXPECT_GT(2 * taken, adjustment_octets_max(kObservations, kPoses));
 }
 
 INSTANTIATE_TEST_SUITE_P(Views, AdjustmentMemory, ::testing::Values(2, 6, 20));
