@@ -1,33 +1,21 @@
 """What a replay reaches against truth: the shipped sample, and real photographs where they are at hand."""
 
-import json
 import os
 import pathlib
 import shutil
-import subprocess
-import sys
 
 import pytest
-from replay_files import REPOSITORY
+from replay_files import judged_motion
 
 # The photographs may not be passed on: who has them says where they are (CONTRIBUTING.md).
 PHOTOGRAPHS = os.environ.get("POLHODE_TEMPLE_RING")
-
-
-def judge(run, sequence):
-    """What hil/evaluate.py finds: {"causal": ..., "smoothed": ...}."""
-    report = run / "judgement.json"
-    subprocess.run(
-        [sys.executable, REPOSITORY / "hil/evaluate.py", run, sequence, "--json", report], check=True, capture_output=True
-    )
-    return json.loads(report.read_text())["runs"][0]["motion"]
 
 
 # verifies: MOT-01, MOT-11
 def test_sample(sample_run, tmp_path):
     # The judge adds files to the folder of a run, and others read this one.
     run = shutil.copytree(sample_run.folder, tmp_path / "run")
-    found = judge(run, sample_run.sequence)
+    found = judged_motion(run, sample_run.sequence, tmp_path / "judgement.json")
     assert found["causal"]["coverage"]["coverage_after_first_pose"] >= 0.95
     assert found["causal"]["attitude"]["rmse_deg"] <= 0.5
     assert max(found["causal"]["rates"]["rmse_deg_s"].values()) <= 0.1
@@ -42,11 +30,11 @@ def test_sample(sample_run, tmp_path):
 
 @pytest.mark.further
 @pytest.mark.skipif(not PHOTOGRAPHS, reason="POLHODE_TEMPLE_RING names no folder (CONTRIBUTING.md)")
-def test_photographs(replay):
+def test_photographs(replay, tmp_path):
     sequence = pathlib.Path(PHOTOGRAPHS).resolve()
     result = replay(sequence)
     assert result.status == 0, result.err
-    found = judge(result.folder, sequence)
+    found = judged_motion(result.folder, sequence, tmp_path / "judgement.json")
     assert found["causal"]["coverage"]["frames_until_first_pose"] <= 10
     assert found["causal"]["coverage"]["coverage_after_first_pose"] == 1.0
     assert found["causal"]["attitude"]["rmse_deg"] <= 1.0

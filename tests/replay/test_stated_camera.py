@@ -1,13 +1,10 @@
 """The stated camera is tested in flight and at the end of a replay: what is found is told, put into the sigmas, and not used."""
 
-import json
 import os
 import re
-import subprocess
-import sys
 
 import pytest
-from replay_files import REPOSITORY, SAMPLE, motion_rows, summary
+from replay_files import SAMPLE, judged_motion, motion_rows, summary
 
 FOCAL_PX = 888.889
 STATED = [FOCAL_PX, FOCAL_PX, 319.5, 239.5]
@@ -74,11 +71,6 @@ def test_a_wrong_focal_length_is_contradicted(replay, sample, program, tmp_path,
     assert abs(given - part * FOCAL_PX) < 0.01 and (found > given) == (word == "more")
 
 
-def judged(run, sequence, out):
-    subprocess.run([sys.executable, REPOSITORY / "hil/evaluate.py", run, sequence, "--json", out], check=True, capture_output=True)
-    return json.loads(out.read_text())["runs"][0]["motion"]
-
-
 # verifies: MAP-11
 @pytest.mark.parametrize(("stated", "name", "off_by", "word"), [
     ([FOCAL_PX, 1.05 * FOCAL_PX, *STATED[2:]], "log_fv_over_fu", -0.0488, "ratio fv / fu"),
@@ -96,7 +88,7 @@ def test_another_wrong_statement_is_contradicted_and_in_the_sigmas(replay, sampl
     first = frame_of(events(program, result.folder, "camera_contradicted")[0])
     sigma = {int(row["frame"]): float(row["sigma_att_rad"]) for row in motion_rows(result.folder, "motion.csv") if row["pose_valid"] == "1"}
     assert sigma[first] > 1.5 * sigma[first - 1]
-    found = judged(result.folder, sequence, tmp_path / "judgement.json")
+    found = judged_motion(result.folder, sequence, tmp_path / "judgement.json")
     assert found["smoothed"]["attitude"]["rmse_deg"] > 1.0, "what is stated wrong costs accuracy"
     for what in ("attitude", "position"):
         assert found["smoothed"]["consistency"][what]["within_95_percent_bound"] >= 0.97
