@@ -66,7 +66,7 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA "${PACKAGING}/library/triggers")
 polhode_package(development libpolhode-dev libdevel "motion of a tumbling object: headers and static libraries"
   "polhode.h for C, the public headers for C++20, static libraries, and files for\nCMake and pkg-config.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "libpolhode1 ${same}, libceres-dev, libeigen3-dev, libflann-dev, liblz4-dev, libopencv-dev, libopengv-dev")
+  "libpolhode1 ${same}, libceres-dev, libeigen3-dev, libflann-dev, liblz4-dev, libopencv-dev, libopengv-dev, libsleef-dev")
 
 polhode_package(ground polhode-ground science "motion of a tumbling object: ground side of the bus"
   "Definitions of packets and commands (XTCE for YAMCS and others, CSV for\nccsdspy), clients in C and Python, and the interface control document.")

@@ -9,6 +9,7 @@
 #   tools/setup.sh site       only what makes the site, for tools/make_site.py: Doxygen, and tools/requirements-site.txt into .venv
 #   tools/setup.sh browser    only a browser, for the tests of pages
 #   tools/setup.sh packages   only what builds and checks Debian packages, for tools/package.sh, which calls this by itself
+#   tools/setup.sh processors only an emulator of other x86-64 processors, for tools/other_processors.py
 #   tools/setup.sh arm64      only what builds and runs arm64 programs here, for tools/check_arm64.sh, which calls this by itself
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -16,8 +17,8 @@ cd "$(dirname "$0")/.."
 # The one list of packages for the build.
 TOOLS=(cmake g++ ninja-build pkg-config python3 python3-venv)
 LIBRARIES=(
-  # estimation: linear algebra, least squares, minimal solvers, image operations, nearest neighbours
-  libceres-dev libeigen3-dev libflann-dev liblz4-dev libopencv-dev libopengv-dev
+  # estimation: linear algebra, least squares, minimal solvers, image operations, nearest neighbours, elementary functions
+  libceres-dev libeigen3-dev libflann-dev liblz4-dev libopencv-dev libopengv-dev libsleef-dev
   # platform: images, configuration, command line, text, JSON, SHA-256
   libcli11-dev libfmt-dev libgoogle-glog-dev libjpeg62-turbo-dev libpng-dev libssl-dev libtomlplusplus-dev libturbojpeg0-dev libyaml-cpp-dev nlohmann-json3-dev
 )
@@ -169,12 +170,14 @@ case ${1:-} in
   colmap)
     install_packages "${COLMAP_PACKAGES[@]}"
     install_python_side .venv-colmap tools/requirements-colmap.txt ;;
+  processors)
+    install_packages qemu-user-static ;;
   arm64)
     install_packages "${ARM64_PACKAGES[@]}"
     make_sysroot ;;
   -h | --help)
-    sed -n '2,12s/^# //p' "$0" ;;
+    sed -n '2,13s/^# //p' "$0" ;;
   *)
-    echo "setup: unknown part '$1'; allowed: tests, browser, renderer, colmap, extras, campaign, site, packages, arm64, or nothing" >&2
+    echo "setup: unknown part '$1'; allowed: tests, browser, renderer, colmap, extras, campaign, site, packages, processors, arm64, or nothing" >&2
     exit 2 ;;
 esac

@@ -9,7 +9,7 @@ from judge.errors import BadInput
 from .material import Material
 
 # Header-only, so that no loader names them: what is included from them is compiled into the program.
-HEADER_PACKAGES = ("libeigen3-dev", "libflann-dev", "nlohmann-json3-dev", "libcli11-dev")
+COMPILED_IN = ("libceres-dev", "libeigen3-dev", "libflann-dev", "nlohmann-json3-dev", "libcli11-dev")
 LOADER = re.compile(r"(?:\S+ => )?(/\S+) \(0x")
 NEEDED = re.compile(r"\(NEEDED\)\s+Shared library: \[(.+?)\]")
 # Debian's short names, where SPDX has another name for the same licence.
@@ -96,4 +96,4 @@ def loaded_by(program: pathlib.Path) -> list[Material]:
 
 
 def compiled_in() -> list[Material]:
-    return [material(package, "compiled in") for package in HEADER_PACKAGES if said("dpkg-query", "-W", "-f", "${Version}", package)]
+    return [material(package, "compiled in") for package in COMPILED_IN if said("dpkg-query", "-W", "-f", "${Version}", package)]
