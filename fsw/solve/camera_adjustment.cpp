@@ -22,7 +22,9 @@
 namespace polhode {
 namespace {
 
-enum Group { kPoints, kPoses };  // Ceres eliminates its groups in order
+// Ceres eliminates its groups in order, and what is in one by address. So what is in another place
+// has a group of its own: else the order would be the allocator's.
+enum Group { kPoints, kPoses, kCamera };
 constexpr int kNumbers = static_cast<int>(kDeviations);
 using ByDeviations = Eigen::Matrix<double, 2, kNumbers, Eigen::RowMajor>;
 
@@ -197,25 +199,25 @@ class DeviatingBundle {
     for (std::size_t k = 0; k < bundle_.poses.size(); ++k) {
       options.linear_solver_ordering->AddElementToGroup(poses_.numbers(k), kPoses);
     }
-    options.linear_solver_ordering->AddElementToGroup(deviations_.data(), kPoses);
+    options.linear_solver_ordering->AddElementToGroup(deviations_.data(), kCamera);
     ceres::Solver::Summary summary;
     ceres::Solve(options, &ceres_, &summary);
     return report_of(summary);
   }
 
   [[nodiscard]] const Deviations& deviations() const { return deviations_; }
+  [[nodiscard]] const DeviationPrior& prior() const { return prior_; }
   [[nodiscard]] bool is_plausible() const {
     return deviations_.allFinite() && prior_.allows(deviations_);
   }
 
-  /// Of the deviations where the bundle is now, points and poses eliminated.
+  /// What the images say of the deviations where the bundle is now, points and poses eliminated.
   DeviationInformation information() {
     constexpr double kGauge = 1e-6;  // of what no image tells: small beside any that one does
     const auto size = static_cast<Eigen::Index>(kPoseNumbers * bundle_.poses.size()) + kNumbers;
     const Eigen::Index others = size - kNumbers;
     Eigen::MatrixXd H = Eigen::MatrixXd::Zero(size, size);
     H.diagonal().head(others).setConstant(kGauge);
-    H.bottomRightCorner<kNumbers, kNumbers>() = prior_.information();
     poses_.PrepareForEvaluation(true, true);
     const std::vector<std::size_t> order = observations_by_point();
     Eigen::Matrix<double, 3, Eigen::Dynamic> W(3, size);
@@ -300,9 +302,8 @@ CameraFit adjust_camera(const CameraProblem& problem, const BundleOptions& optio
   DeviatingBundle bundle(problem, part.problem(), options.cauchy_sigma);
   const BundleReport as_given = bundle.solve(true, options.iterations_max);
   const BundleReport as_found = bundle.solve(false, options.iterations_max);
-  const DeviationInformation information = bundle.information();
-  const DeviationInformation known = DeviationPrior(problem).information();
-  if (!as_given.usable || !as_found.usable || !bundle.is_plausible() || !information.allFinite()) {
+  const DeviationInformation by_images = bundle.information();
+  if (!as_given.usable || !as_found.usable || !bundle.is_plausible() || !by_images.allFinite()) {
     return {};
   }
   // Errors along one track are alike: record 0085 has two to three times the residual. A misfit
@@ -312,7 +313,7 @@ CameraFit adjust_camera(const CameraProblem& problem, const BundleOptions& optio
       kAlike * kAlike * std::max(1.0, as_found.cost_after / static_cast<double>(observations));
   return {.usable = true,
           .value = bundle.deviations(),
-          .information = (information - known) / level + known,
+          .information = by_images / level + bundle.prior().information(),
           .gain = 2.0 * (as_given.cost_after - as_found.cost_after) / level,
           .rates = rates_of(problem.motions),
           .cost_as_given = as_given.cost_after,
