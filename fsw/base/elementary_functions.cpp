@@ -1,7 +1,7 @@
 // The C library's elementary functions, as all of the program has them: ours, Ceres, OpenGV and
 // OpenCV. Those of the C library are written for several kinds of processor and round differently
-// with fused multiply-add; SLEEF's functions `cinz` give the same bits on all (record 0105). A name
-// that the program defines itself comes before the C library's, for shared libraries too.
+// with fused multiply-add; SLEEF's functions `cinz` give the same bits on all (decision 0105). A
+// name that the program defines itself comes before the C library's, for shared libraries too.
 #include <sleef.h>
 
 // Compiled with -fno-builtin: else a function that is made of another one may be taken for it.
@@ -18,7 +18,7 @@ double sinh(double x) noexcept { return Sleef_cinz_sinhd1_u10purec(x); }
 double cosh(double x) noexcept { return Sleef_cinz_coshd1_u10purec(x); }
 double exp(double x) noexcept { return Sleef_cinz_expd1_u10purec(x); }
 // Every residual's loss takes one. This one is off by 2.3 units in the last place at most, where
-// the nearer one costs twice as much (record 0105).
+// the nearer one costs twice as much (decision 0105).
 double log(double x) noexcept { return Sleef_cinz_logd1_u35purec(x); }
 double exp2(double x) noexcept { return Sleef_cinz_exp2d1_u10purec(x); }
 double log2(double x) noexcept { return Sleef_cinz_log2d1_u10purec(x); }

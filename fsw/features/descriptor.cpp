@@ -18,7 +18,7 @@ constexpr float kWindow = 0.5F * kFields;  // sigma, fields
 constexpr float kFieldSide = 3.0F;
 // Fields that the patch spans: half a field more on either side, for interpolation.
 constexpr float kSpan = kFields + 1.0F;
-// Samples along a side of the patch: one for each 0.94 sigma (docs/decisions/0021).
+// Samples along a side of the patch: one for each 0.94 sigma (decision 0021).
 constexpr int kSide = 16;
 
 static_assert(sizeof(Descriptor) == kFields * kFields * kDirections);

@@ -14,7 +14,7 @@ namespace {
 
 /// A small region is enlarged: its finest texture lies under the detector's smallest blob. At twice
 /// the size three times as many features repeat. At three times no more do, but they are placed
-/// better. More adds interpolation, not texture (docs/decisions/0020).
+/// better. More adds interpolation, not texture (decision 0020).
 constexpr double kEnlargeMax = 3.0;
 
 /// Assumed blur of the working picture, in its pixels. An enlarged one has more. Then the finest

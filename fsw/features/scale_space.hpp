@@ -20,7 +20,7 @@ struct ScaleSpace {
   /// Of an octave's picture. Half of it is border (kMargin_px of the search for blobs). Chosen.
   static constexpr int kSideMin = 16;
   /// Of the first level, in pixels of its octave. 0.8 px places features 3 to 27 % worse
-  /// (docs/decisions/0021); Lowe's 1.6 px hardly better, for nearly twice the pixels.
+  /// (decision 0021); Lowe's 1.6 px hardly better, for nearly twice the pixels.
   static constexpr double kSigma_px = 1.2;
 
   /// Octaves of a quarter of the pixels each come to a third more than the first; rows are filled

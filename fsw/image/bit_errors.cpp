@@ -10,12 +10,12 @@ namespace {
 
 // Levels by which a pixel is an outlier: only the flip of the highest bit reaches it. With 24
 // levels clouds have 184 such pixels of 230 400, which hides one flipped bit in 0.2 % of the pixels
-// (record 0003).
+// (decision 0003).
 constexpr int kStep = 80;
 
 /// Counts outlier pixels of a row: over (or under) all eight neighbours by kStep and twice their
 /// range. So edges, lines and grain do not count. The peaks of stars do; each frame has as many. By
-/// four neighbours clouds had three times as many (record 0002).
+/// four neighbours clouds had three times as many (decision 0002).
 int impulses_in_row(const std::uint8_t* above,
                     const std::uint8_t* row,
                     const std::uint8_t* below,

@@ -119,7 +119,7 @@ Finding find_bit_errors(const BitErrorTraces& now, const History& frames) {
   if (frames.size() < kFramesMin) {
     return {};
   }
-  // All 120 good frames of two scenes stay within 6 sigma, most bit errors do not (record 0003).
+  // All 120 good frames of two scenes stay within 6 sigma, most bit errors do not (decision 0003).
   constexpr double kSigmas = 6.0;
   // At least so much of the median: a spread of few frames may be too small by chance. Chosen.
   constexpr double kMedianPart = 0.25;
@@ -193,8 +193,8 @@ void remember(const ImageQuality& q, History* frames) {
 FrameVerdict judge_quality(const ImageQuality& quality,
                            const ImageOptions& options,
                            QualityHistory* history) {
-  // In order of precedence (record 0002): a frozen dark frame is frozen, a torn bright one is torn,
-  // and one that is at full scale all over is saturated, not flat.
+  // In order of precedence (decision 0002): a frozen dark frame is frozen, a torn bright one is
+  // torn, and one that is at full scale all over is saturated, not flat.
   const std::array<std::pair<FrameFault, Finding>, kFrameFaults - 1> findings{
       {{FrameFault::kFrozen, find_frozen(quality.rows)},
        {FrameFault::kDark, find_dark(quality.levels, history->frames, options)},

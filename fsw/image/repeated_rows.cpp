@@ -72,7 +72,7 @@ RepeatedRows compare_rows(const cv::Mat& gray,
       with_blank.add(true);
     }
   }
-  // An eighth of the image (record 0002): the edge of a body moves over fewer rows since the last
+  // An eighth of the image (decision 0002): the edge of a body moves over fewer rows since the last
   // good frame. A frame that is blank all over need not be a repeated one.
   constexpr int kBlankPart = 8;
   const bool torn_off = kBlankPart * blank >= gray.rows && with_blank.rows.fresh > 0;

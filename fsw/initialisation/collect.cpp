@@ -68,7 +68,7 @@ bool worth_collecting(const Features& features, double ratio_max, TrackTable* tr
 }
 
 /// How many times its own sigma a feature is off that stands for a track's point: what changes a
-/// patch moves its centre (docs/decisions/0066).
+/// patch moves its centre (decision 0066).
 double sigma_factor(const TrackPoint& point) {
   constexpr double kLike2 = 200.0 * 200.0;  // as far as the sigma of a feature holds
   return std::max(1.0, static_cast<double>(point.distance2) / kLike2);
@@ -90,7 +90,7 @@ BegunIn count_alive(const TrackTable& table) {
 
 /// The first of the newest frames that enough tracks span from end to end.
 std::size_t first_spanned(const TrackTable& table, int frames_min) {
-  // As many tracks as a comparison is sure with (docs/decisions/0030). Of many, a third: a window
+  // As many tracks as a comparison is sure with (decision 0030). Of many, a third: a window
   // that fewer span is long, and the search in it harder. Chosen.
   constexpr std::size_t kSpanningMin = 40;
   constexpr std::size_t kPart = 3;

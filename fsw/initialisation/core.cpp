@@ -22,7 +22,7 @@ constexpr double kCommonEnough = 60.0;
 // Tracks that each frame should have in the selection, where it has as many. Chosen: half again as
 // many as kFrameTracksEnough.
 constexpr int kFrameQuota = 60;
-// With 40 all runs of docs/decisions/0030 begin well; with 30 some begin wrongly, with 60 one late.
+// With 40 all runs of decision 0030 begin well; with 30 some begin wrongly, with 60 one late.
 constexpr int kFrameTracksEnough = 40;
 // A frame short of its quota outweighs all other frames together.
 constexpr int kShortFrameGain = 100;

@@ -126,7 +126,7 @@ void adjust_all_tracks(const Selection& c, StartOutcome* out) {
   out->depth_sigma = median_depth_sigma(c, all);
   // The cores' tracks are the longest, and decide on the geometry. On a body that rotates fast most
   // other tracks last three or four frames and know little of their own depth
-  // (docs/decisions/0031).
+  // (decision 0031).
   FixedVector<int, 2 * kCoreTracks> in_cores;
   for (const StartCore& core : c.w.set.cores) {
     for (const int track : core.tracks) {

@@ -285,7 +285,7 @@ bool same_geometry(const StartHypothesis& a, const StartHypothesis& b, double to
   if (apart.size() < kHypothesisPointsMin) {
     return false;
   }
-  // Not the mean: the point of a wrong track may be anywhere (docs/decisions/0029).
+  // Not the mean: the point of a wrong track may be anywhere (decision 0029).
   if (median(apart.view()) > tolerance) {
     return false;
   }

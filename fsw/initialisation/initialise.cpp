@@ -9,7 +9,7 @@
 namespace polhode {
 namespace {
 
-// In RMS extents (docs/decisions/0031). Depths spread by some 0.6 extents, so 2 sigma are a fifth
+// In RMS extents (decision 0031). Depths spread by some 0.6 extents, so 2 sigma are a fifth
 // of that. With 0.12 one map of 40 began with a quarter too much turn, and stayed bent.
 constexpr double kDepthSigmaMax = 0.06;
 // Wrong matches take 5 to 25 % of the observations with them. The cost margin, not this, refuses

@@ -5,7 +5,7 @@
 namespace polhode {
 
 struct StartOptions {
-  // docs/decisions/0028: with 4 frames 8 of 64 maps are wrong, with 5 frames 2.
+  // decision 0028: with 4 frames 8 of 64 maps are wrong, with 5 frames 2.
   int frames_min = 5;                 ///< frames collected before the first hypothesis selection, 3 .. limits::kStartFrames
   // 5 sigma, squared.
   double chi2_gap_commit = 25.0;      ///< cost margin (chi-square) to the best rival, such as the depth-reversed solution, 9 .. 1000

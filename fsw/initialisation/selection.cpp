@@ -24,7 +24,7 @@ constexpr int kExtendRounds = 3;
 constexpr int kReversalRounds = 3;
 // Depth and rotation compensate for each other along a valley in which steps are short. A
 // hypothesis of the winner's own valley must settle, else it counts as a rival
-// (docs/decisions/0029). Most settle in a tenth of this.
+// (decision 0029). Most settle in a tenth of this.
 constexpr int kSettleIterations = 60;
 // A track's share of a cost margin. More comes from a wrong track that one hypothesis happens to
 // explain. Chosen.

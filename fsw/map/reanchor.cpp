@@ -44,7 +44,7 @@ void judge_attitudes(std::span<const ReanchorFrame> frames, Reanchoring* reancho
   }
   reanchoring->misfit_rad = std::sqrt(squares / static_cast<double>(frames.size()));
   // Of the start's turn, 1-sigma: a start is committed where its depths, and with them its turn,
-  // are known this well (docs/decisions/0067).
+  // are known this well (decision 0067).
   constexpr double kTurnPart = 0.06;
   // A phase that is off by this is within a half turn to three sigma; by more it says nothing of
   // where T is, however well a rate is known that brought it there.

@@ -13,15 +13,15 @@
 namespace polhode {
 namespace {
 
-// Gray levels and roughnesses of an appearance (record 0008). Chosen; more of them are rarer each,
-// and tell less of a small target.
+// Gray levels and roughnesses of an appearance (decision 0008). Chosen; more of them are rarer
+// each, and tell less of a small target.
 constexpr int kLevels = 16;
 constexpr int kRoughnesses = 4;
 constexpr std::size_t kAppearances = kLevels * kRoughnesses;
 using Shares = std::array<double, kAppearances>;
 
 // What an appearance counts that is e times as frequent on the target: as much as the outline. With
-// 0.15 and 0.2 overlap is up to 0.01 lower before the Earth (record 0008).
+// 0.15 and 0.2 overlap is up to 0.01 lower before the Earth (decision 0008).
 constexpr double kCostShare = 0.3;
 // Share of pixels at which an appearance starts to count: a fifth of an even spread over the 64.
 // Chosen; smaller lets single pixels decide.

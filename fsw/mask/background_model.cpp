@@ -11,7 +11,7 @@
 namespace polhode {
 namespace {
 
-// Votes of a known place. With 8, overlaps are within 0.006 (record 0014).
+// Votes of a known place. With 8, overlaps are within 0.006 (decision 0014).
 constexpr int kVotesKnown = 4;
 // Most votes: 13 images in a row that differ make a long known place unknown. Chosen; larger learns
 // changes of the room later, smaller takes a passing shadow for it.
@@ -25,7 +25,7 @@ int tolerance_of(double noise) {
 }  // namespace
 
 bool stands_still(const BackgroundState& background, const cv::Size& size) {
-  constexpr double kStill_px = 0.5;  // pixels stay the same ones (record 0014)
+  constexpr double kStill_px = 0.5;  // pixels stay the same ones (decision 0014)
   const auto right = static_cast<float>(size.width);
   const auto bottom = static_cast<float>(size.height);
   const std::array<cv::Point2f, 4> corners{

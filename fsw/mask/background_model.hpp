@@ -1,7 +1,7 @@
 // Gray level of the background in each place, where the camera stands still.
 //
 // A running median over time that leaves the target out. A median over all images is the target
-// where that covers a place for half of the time (record 0014).
+// where that covers a place for half of the time (decision 0014).
 #pragma once
 
 #include <opencv2/core.hpp>

@@ -15,10 +15,10 @@ namespace polhode {
 namespace {
 
 // Coarse whole numbers: paths of the flow fill up together, in 0.45 of the time that real numbers
-// take (record 0011).
+// take (decision 0011).
 using Graph = cv::detail::GCGraph<int>;
 
-// Cost of a boundary along a pixel's side in an even place (record 0007): far over a unary cost.
+// Cost of a boundary along a pixel's side in an even place (decision 0007): far over a unary cost.
 constexpr double kEvenCost = 6.0;
 // Whole numbers per unit of cost. Chosen; larger rounds less and takes longer.
 constexpr double kScale = 2.0;
@@ -49,7 +49,7 @@ cv::Mat largest(const cv::Mat& pixels, int cell_px) {
 
 /// A cell's step is the largest in it: the cut by pixels finds the place in the cell. In halved
 /// images edges between two cells are half as high, and outlines in rooms overlap by 0.01 less
-/// (record 0011).
+/// (decision 0011).
 /// @param outline of the edges' box, as far as whole cells fill it.
 Cells to_cells(const PictureEdges& edges,
                const UnaryCost& unary_cost,

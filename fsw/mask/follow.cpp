@@ -21,7 +21,7 @@ constexpr int kUnexplainedMax = 5;
 
 // With a map, log-odds are kept by cells of so many working pixels: their window is wider than
 // that, and outlines are moved to edges afterwards. Not before a map: its first outlines in a room
-// overlapped by 0.5 instead of 0.8 (record 0010).
+// overlapped by 0.5 instead of 0.8 (decision 0010).
 constexpr int kCoarseStep = 2;
 
 /// Half the spacing of a body's texture: 4 px of 640. Chosen; larger closes over the background
@@ -71,7 +71,7 @@ void find_piece(MaskState* s) {
   s->found = cv::countNonZero(s->scratch.enclosed) > 0;
 }
 
-/// Adds what the log-odds enclose when gaps twice as wide are closed (record 0007), except where
+/// Adds what the log-odds enclose when gaps twice as wide are closed (decision 0007), except where
 /// the background is seen. A panel as gray as the ocean behind it shows by its grid alone. Not
 /// bounded by the landmarks' reach: a face that comes into view has none yet.
 void widen_outline(MaskState* s) {
@@ -87,7 +87,7 @@ void widen_outline(MaskState* s) {
 
 /// How far the first cut may move an outline, in working pixels: 1/32 of the width, and no less
 /// than outlines are off. With 1/48 overlaps are 0.007 lower in a room, and no time is saved
-/// (record 0011).
+/// (decision 0011).
 int far_reach_px(const MaskState& s) { return std::max(kOutlineOff_px, s.outline.cols / 32); }
 // The second cut goes by pixels: half a cell is what the first one leaves.
 constexpr int kNearReach_px = kCoarseStep / 2;
@@ -118,13 +118,13 @@ void form_unary_cost(const cv::Rect& box, MaskState* s) {
   // Record 0007. With 0.35 the outline keeps the uncovered strip: overlap 0.88 instead of 0.93.
   constexpr float kLogOddsShare = 0.15F;
   // Places that look like the background agree by chance. With -2, landmarks on the background rose
-  // from 3 of 1411 to 12 of 1363 before the Earth (record 0007).
+  // from 3 of 1411 to 12 of 1363 before the Earth (decision 0007).
   constexpr float kLogOddsMin = -0.5F;
   // Five times kTargetLogOdds. Chosen: larger lets motion alone hold the outline.
   constexpr float kLogOddsMax = 1.5F;
-  // With 0.2 overlaps are within 0.02; 0.4 keeps the uncovered strip (record 0007).
+  // With 0.2 overlaps are within 0.02; 0.4 keeps the uncovered strip (decision 0007).
   constexpr float kOutlineShare = 0.3F;
-  // At a landmark. Chosen (record 0007): under the outline's, as some landmarks are wrong.
+  // At a landmark. Chosen (decision 0007): under the outline's, as some landmarks are wrong.
   constexpr float kMapShare = 0.25F;
   // Distance at which a landmark counts nothing, in the body's radius, and its least in px. Chosen:
   // larger draws the outline beyond the silhouette, smaller leaves gaps between landmarks.
@@ -159,7 +159,7 @@ void form_unary_cost(const cv::Rect& box, MaskState* s) {
 
 /// Where images are compared: around the target where it is known, and now and then everywhere.
 cv::Rect region_of_interest(const MaskState& s) {
-  // Each so many images everywhere (record 0013): rarer saves time and finds missing parts later.
+  // Each so many images everywhere (decision 0013): rarer saves time and finds missing parts later.
   constexpr std::size_t kEverywhereWithMap = 32;
   constexpr std::size_t kEverywhereBefore = 8;
   // Least margin before a map. Chosen: larger costs time, smaller misses parts of a small target.
@@ -192,7 +192,7 @@ bool compare_pictures(const cv::Mat& gray,
     s->compared = 0;
   }
   // Not before a map: with predicted searches, maps before the Earth begin one to three images
-  // later (record 0013).
+  // later (decision 0013).
   s->points.predicted = has_map(*s);
   follow_points(&s->points);
   resize_log_odds(
@@ -224,7 +224,8 @@ void remember_background(bool explained, MaskState* s) {
   }
 }
 
-/// By turns with a map only: before one, outlines before a limb overlap by 0.04 less (record 0013).
+/// By turns with a map only: before one, outlines before a limb overlap by 0.04 less (decision
+/// 0013).
 void refill(MaskState* s) {
   const Refill later = has_map(*s) ? Refill::kByTurns : Refill::kBandAndTarget;
   refill_points(s->found ? cv::boundingRect(s->outline) : cv::Rect(),

@@ -16,7 +16,7 @@ namespace {
 // Chosen: about the points' spacing on a target of 100 px; larger blurs the motion of faces.
 constexpr int kCell_px = 8;
 // Side of the window over which differences are summed. With 3, overlap rises by 0.01 and attitudes
-// before the Earth get 6 % worse (record 0006).
+// before the Earth get 6 % worse (decision 0006).
 constexpr int kDifferenceWindow_px = 5;
 // A place that disagrees by more counts as this. Chosen: one pixel at the limit counts 8 / 25 in
 // its window, as much as kTargetLogOdds; larger lets single pixels decide.
@@ -119,7 +119,7 @@ void spread_motion(const PointsState& points, std::size_t age, ForegroundState* 
 /// The lowest and (in the high octet) the highest level of each pixel of an earlier image and its
 /// four neighbours: origins are whole pixels, half a pixel off at most. With the diagonal
 /// neighbours outlines in a room overlap by 0.01 less, and twice as many landmarks are on the
-/// background (record 0012).
+/// background (decision 0012).
 void find_bounds(const cv::Mat& before, ForegroundState* s) {
   const cv::Mat around = cv::getStructuringElement(cv::MORPH_CROSS, cv::Size(3, 3));
   cv::erode(before, s->low, around);
@@ -253,7 +253,7 @@ void sum_over_window(ForegroundState* s) {
 /// @param compared_age  age of the motion on the grid
 void carry_and_add(std::size_t compared_age, const cv::Rect& region, ForegroundState* s) {
   // Part that stays: 1 / (1 - 0.55) = 2.2 images' worth. With 0.8 panels are filled before the
-  // Earth (overlap 0.85), and shadows stay in a room (0.86; record 0006).
+  // Earth (overlap 0.85), and shadows stay in a room (0.86; decision 0006).
   constexpr float kMemory = 0.55F;
   // The most that one image adds. Chosen: with this, three images without support bring a full sum
   // of 4.4 to 0.7; larger makes single images decide.

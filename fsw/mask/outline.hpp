@@ -10,7 +10,7 @@ namespace polhode {
 inline constexpr float kTargetLogOdds = 0.3F;
 
 /// Outlines are off by so much, in working pixels. With 2, fewer landmarks are on the background,
-/// and attitudes are worse: 0.56 instead of 0.42 deg on small `paper_2d` (record 0015).
+/// and attitudes are worse: 0.56 instead of 0.42 deg on small `paper_2d` (decision 0015).
 inline constexpr int kOutlineOff_px = 4;
 
 /// Working pixels in the box of the smallest target: 10 x 10. Chosen; a smaller one carries no map.

@@ -14,7 +14,7 @@ namespace polhode {
 namespace {
 
 // Window of the optical flow. 11 px take 0.6 ms more and give similar poses; 7 px are no cheaper by
-// a tenth (record 0013).
+// a tenth (decision 0013).
 constexpr int kFlowWindow_px = 9;
 // Three halvings: a point is found within about 8 half windows, 36 px.
 constexpr int kFlowLevels = 3;
@@ -26,7 +26,7 @@ constexpr int kNearest_px = 5;
 // Motions are told apart by 1 px and more. 0.02 px takes 0.3 ms more; 0.1 px saves nothing (record
 // 0013).
 constexpr double kSettled_px = 0.05;
-// Of a point on a level; half as many save nothing (record 0013).
+// Of a point on a level; half as many save nothing (decision 0013).
 constexpr int kIterationsMax = 15;
 
 void clear_flow(PointsState* s) {
@@ -68,7 +68,7 @@ void flow(const FlowPyramid& before,
 }
 
 /// Third quartile of the differences of the first `count` points, levels. The median would miss
-/// that half of them are lost (record 0013). None found: the largest there is.
+/// that half of them are lost (decision 0013). None found: the largest there is.
 float typical_error(int count, PointsState* s) {
   constexpr float kLargest = 255.0F;  // of 8-bit levels
   std::size_t found = 0;
@@ -84,7 +84,7 @@ float typical_error(int count, PointsState* s) {
 /// the image before, the motion has changed: an image is missing, or the camera has been rotated.
 /// Then they are searched for as far as new ones.
 void flow_with_prediction(int known, PointsState* s) {
-  // Twice what it was (record 0013). Larger misses changes of motion, smaller searches in vain.
+  // Twice what it was (decision 0013). Larger misses changes of motion, smaller searches in vain.
   constexpr float kLessAlike = 2.0F;
   constexpr float kLevelsOff = 1.0F;  // images without noise are rounded to levels
   const int all = static_cast<int>(s->from.size());

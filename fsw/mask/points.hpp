@@ -15,7 +15,7 @@
 namespace polhode {
 
 // 480 at 1920: overlaps as with 640, in two thirds of the time. With 240 they are 0.88 and 0.84
-// instead of 0.91 and 0.91 (record 0009).
+// instead of 0.91 and 0.91 (decision 0009).
 inline constexpr int kWorkingSideMax_px = 640;
 
 /// Pixels of an image per working pixel: a power of two, as halving is the cheap way to reduce.

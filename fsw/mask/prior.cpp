@@ -118,7 +118,7 @@ void place_prior(const MaskPrior& prior, MaskState* s) {
   distance_within(s->map.seeds, box, s->foreground.step, &s->scratch.outline, &s->map.distance);
   cv::compare(s->map.distance, reach, s->map.reach, cv::CMP_LE);
   // Motion draws the finer outline: overlap 0.86 and 0.90 on small `earth` and `paper_2d`, with the
-  // landmarks' discs added 0.81 and 0.87 (record 0006).
+  // landmarks' discs added 0.81 and 0.87 (decision 0006).
   s->map.seeds.copyTo(s->map.landmark_discs);
   if (s->background.target_tracks >= kTracksEnough) {
     s->map.seeds.setTo(0);

@@ -72,7 +72,7 @@ Gradient moment_gradient(
   return gradient;
 }
 
-/// A number that follows from rate and shape (docs/decisions/0047). Its relative variance comes
+/// A number that follows from rate and shape (decision 0047). Its relative variance comes
 /// from differences along the axes of their covariance, to the second order, plus the square of the
 /// bias. Where two moments are nearly equal, ratios and periods bend within a sigma, and their
 /// slope at the best fit may vanish. Along an axis that leaves a second moment open to a factor of

@@ -13,7 +13,7 @@ namespace {
 constexpr double kChi2Max = 4.0 * 22.5;
 constexpr std::uint32_t kDisagreementsMax = 3;
 // Twice 99.9 %: over so short a time most errors are common to both poses. On free bodies one pose
-// in a hundred departs (docs/decisions/0070).
+// in a hundred departs (decision 0070).
 constexpr double kChi2DepartsMax = 2.0 * 22.5;
 // One may be a wrong pose. Two in succession are a contact, or a manoeuvre that nobody reported.
 constexpr std::uint32_t kDeparturesMax = 2;

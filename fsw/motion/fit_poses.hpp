@@ -15,7 +15,7 @@
 namespace polhode {
 
 // A fit integrates from pose to pose: 32 rotations by kRotationStepAngle_rad are 4000 steps an
-// iteration. More cost more the longer the run is (docs/decisions/0050). Poses good to a
+// iteration. More cost more the longer the run is (decision 0050). Poses good to a
 // milliradian give a rate to 1e-3 / (32 x 2 pi) = 5e-6 of itself.
 inline constexpr double kFitTurnsMax = 32.0;
 
@@ -72,7 +72,7 @@ inline void thin(PoseHistory& poses) {
     // A quarter more: the map has not grown for long, and the next joint fit is far. Chosen.
     return poses_since_fit > poses / 4;
   }
-  // A twentieth more poses (docs/decisions/0050), or an eighth without a model to start from: then
+  // A twentieth more poses (decision 0050), or an eighth without a model to start from: then
   // a fit costs 40 times as much.
   return poses_since_fit >= (model.accepted() ? 1 + poses / 20 : 2 + poses / 8);
 }

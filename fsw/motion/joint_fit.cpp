@@ -17,24 +17,24 @@ namespace {
 
 // Free poses gain over bound ones by following the noise: a chi-square of 1 for each additional
 // degree of freedom, were errors independent and of the declared size. On rendered scenes free
-// bodies stay under 8, times off by a fifth of a frame give 11 and more (docs/decisions/0044).
+// bodies stay under 8, times off by a fifth of a frame give 11 and more (decision 0044).
 constexpr double kGainPerDofMax = 8.0;
 
 // A fit that no longer agrees with what free poses agree with has refused the pictures, and its
 // gain counts only what it has left. Free bodies keep 0.976 and more of their observations, a
-// camera or a table that moves by hand keeps 0.3 to 0.5 (docs/decisions/0069).
+// camera or a table that moves by hand keeps 0.3 to 0.5 (decision 0069).
 constexpr double kKeptMin = 0.95;
 
 // A map that has grown without the motion has wrong associations that agree with its drift. They
 // contradict the motion until one joint fit has removed them: gains of up to 28, then 2 to 6. So a
 // gain up to 40 is marginally accepted twice. Times that are made up give 60 and more
-// (docs/decisions/0044).
+// (decision 0044).
 constexpr double kMarginalGainMax = 40.0;
 constexpr std::uint32_t kMarginalFitsMax = 2;
 
 // Errors beyond the declared ones come from surfaces, as light slides over a relief, and from
 // drift. Poses of one visible face share them, and the motion follows part of them. Free poses show
-// 0.3 to 0.5 of a drift in their gain, so the gain over one counts twice (docs/decisions/0046).
+// 0.3 to 0.5 of a drift in their gain, so the gain over one counts twice (decision 0046).
 constexpr double kDriftShown = 0.5;
 
 // Drift of the poses that the first fit, to the poses alone, allows for: 1 deg, 1 % of the range.
@@ -46,11 +46,11 @@ constexpr double kPoseSigmaOfRange = 0.01;
 // observations that agree once the poses have moved.
 constexpr double kWide_sigmas = 15.0;
 // Steps of the whole fit, in those of an ordinary adjustment. A fit solves 3 to 4 systems in the
-// mean, more before half a rotation has been seen (docs/decisions/0043).
+// mean, more before half a rotation has been seen (decision 0043).
 constexpr int kIterationsFactor = 4;
-// Two steps reach 0.99 of the gain (docs/decisions/0044); the rest decides nothing.
+// Two steps reach 0.99 of the gain (decision 0044); the rest decides nothing.
 constexpr int kGainIterations = 2;
-// Points that connect two poses: as many as a pose needs (docs/decisions/0045).
+// Points that connect two poses: as many as a pose needs (decision 0045).
 constexpr std::size_t kSharedMin = 12;
 
 std::size_t count_of(const JointFitInput& input) { return input.bundle.poses.size(); }
@@ -219,7 +219,7 @@ PoseCounts shared_points(const JointFitInput& input,
 
 /// Are the poses one part, connected by shared points? Separate parts have axes and a unit each,
 /// and what a motion makes of the distance between them is no measurement. A single pose that has
-/// lost its associations is not a part: the motion constrains it (docs/decisions/0045).
+/// lost its associations is not a part: the motion constrains it (decision 0045).
 bool is_connected(const JointFitInput& input, JointFitWorkspace* w) {
   const std::size_t count = count_of(input);
   PoseFlags reached{};

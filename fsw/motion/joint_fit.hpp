@@ -1,5 +1,5 @@
 // The target as a rigid body in free motion, fitted together with its landmarks to their images.
-// Where the fit is accepted, the map has no drift left (docs/decisions/0042).
+// Where the fit is accepted, the map has no drift left (decision 0042).
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct JointFitInput {
   RigidModel previous;  ///< where accepted, the fit starts from it
   BundleOptions options;
   /// Factor on the covariance, because observations were selected by the poses. So they agree with
-  /// the errors of the poses more than they should (docs/decisions/0046).
+  /// the errors of the poses more than they should (decision 0046).
   double selection = 1.0;
 };
 
@@ -43,7 +43,7 @@ struct JointFitWorkspace {
 };
 
 /// Fits the motion of a free body to the poses, then with the points to the observations. Accepted
-/// where free poses explain these no better than by following the noise (docs/decisions/0044).
+/// where free poses explain these no better than by following the noise (decision 0044).
 /// @param marginal_fits  in, out: how often in a row it was marginally accepted.
 /// The answer's reference is the last pose. Its noise is that found by the comparison.
 /// @return a model that says by its status whether it was accepted; else the bundle is as it was.

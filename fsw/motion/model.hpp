@@ -55,7 +55,7 @@ struct RigidModel {
 inline constexpr std::size_t kModelPosesMin = 8;
 /// Prior of each number of the shape, in logarithms of second moments. Two moments then differ by a
 /// factor of exp(1.5 sqrt(2)) = 8 at one sigma. It keeps short spans in bounds
-/// (docs/decisions/0049).
+/// (decision 0049).
 inline constexpr double kModelShapeSigma = 1.5;
 
 }  // namespace polhode

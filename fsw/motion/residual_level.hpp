@@ -10,7 +10,7 @@
 namespace polhode {
 
 /// Poses of one visible face share their errors: on rendered sequences the correlation falls to 1/e
-/// over 45 to 55 deg of rotation (docs/decisions/0051).
+/// over 45 to 55 deg of rotation (decision 0051).
 inline constexpr double kFaceAngle_rad = 0.8;
 
 /// Number of poses that are worth one independent pose, of `poses` that rotate by

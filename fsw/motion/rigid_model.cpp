@@ -13,7 +13,7 @@ namespace polhode {
 namespace {
 
 // Poses of a free body stay under this chi-square per degree of freedom where their sigmas are
-// right to a fifth: 1.2^2 (docs/decisions/0051).
+// right to a fifth: 1.2^2 (decision 0051).
 constexpr double kChi2PerDofMax = 1.4;
 // Part of the poses. Chosen; with more outliers the rest may be of another motion.
 constexpr double kOutliersMax = 0.3;
@@ -195,7 +195,7 @@ bool take_rotation(const RotationSolution& rotation,
 /// Do the poses know the inertia ratios well, while the prior still moves the shape? So it is with
 /// sheets and thin rods: the prior moves a second moment that is nearly zero by several sigmas.
 bool prior_outlived(const RigidModel& model, double shape_sigma) {
-  // Relative sigma of the ratios, and sigmas of the shape (docs/decisions/0049).
+  // Relative sigma of the ratios, and sigmas of the shape (decision 0049).
   constexpr double kKnown = 0.01;
   constexpr double kMoved = 0.1;
   const InertiaShape pull = model.shape / (shape_sigma * shape_sigma);

@@ -9,7 +9,7 @@
 
 namespace polhode {
 
-/// The motion's prediction where it may stand in for a pose (docs/decisions/0099).
+/// The motion's prediction where it may stand in for a pose (decision 0099).
 std::optional<PosePrediction> coasted_pose(std::int64_t timestamp_ns,
                                            const Component::State& state);
 

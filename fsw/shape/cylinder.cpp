@@ -19,15 +19,15 @@ namespace {
 // cos 30 deg: room for the noise of a normal from a few neighbours, and for curvature among them.
 constexpr double kRadialCosineMin = 0.866;
 // Two directions less than 17 deg apart do not fix an axis: their noise is 5 to 7 deg
-// (docs/decisions/0053).
+// (decision 0053).
 constexpr double kAxisSineMin = 0.3;
-// One axis from all normals, three from the spread of the points (docs/decisions/0053). An axis
+// One axis from all normals, three from the spread of the points (decision 0053). An axis
 // from two noisy normals leaves the surface within the length. Every other hypothesis takes one of
 // these, in turn.
 constexpr std::size_t kVotedAxes = 4;
 // Reweighted eigenvector solutions. Chosen; fewer may stop early, more cost little.
 constexpr int kVoteRounds = 10;
-// Sine of 6 deg, the noise of a normal (5 to 7 deg, docs/decisions/0053).
+// Sine of 6 deg, the noise of a normal (5 to 7 deg, decision 0053).
 constexpr double kVoteSoftness = 0.1;
 // A hypothesis with this part of the best support is refined before the comparison. Chosen; smaller
 // refines more and costs more, larger discards good starts with a noisy axis.

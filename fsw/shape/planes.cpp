@@ -25,7 +25,7 @@ constexpr double kSampleSineMin = 0.1;
 constexpr double kBandPartMin = 0.3;
 constexpr double kBand_sigmas = 3.0;
 // A slab of a thick cloud has about as many points beside it as on it. A surface has few: noise,
-// and the edges of adjoining sides (docs/decisions/0052).
+// and the edges of adjoining sides (decision 0052).
 constexpr double kBesideMax = 0.8;
 // What a point beside a hypothesis costs, in points on it. Chosen: a slab keeps half of its count.
 constexpr double kBesideCost = 0.5;
@@ -158,7 +158,7 @@ Eigen::Matrix3d covariance_of(const Fit& fit,
                               const PlaneOwners& owners,
                               std::int8_t number,
                               const Support& support) {
-  // 4 by 4 parts (docs/decisions/0054). Five filled ones are needed for three unknowns.
+  // 4 by 4 parts (decision 0054). Five filled ones are needed for three unknowns.
   constexpr std::size_t kParts = 4;
   const auto part = [](double along, double extent) {
     const double place = std::clamp(along / extent + 0.5, 0.0, 1.0);

@@ -7,7 +7,7 @@
 namespace polhode {
 namespace {
 
-// Two-sided normal: 1 in 2150 pairs is farther apart by chance (docs/decisions/0055).
+// Two-sided normal: 1 in 2150 pairs is farther apart by chance (decision 0055).
 constexpr double kAgreement_sigmas = 3.5;
 
 /// Sigma of the logarithm: a scale is wrong by a factor.

@@ -28,7 +28,7 @@ constexpr double kCylinderPart = 0.33;
 constexpr double kCylinderOverPlanes = 0.9;
 // The bend of a map moves its surfaces by about this part of the noise, however many points they
 // have. On rendered bodies lengths between surfaces are off by 1 to 2 % at a noise of 3 %
-// (docs/decisions/0054).
+// (decision 0054).
 constexpr double kBent_thicknesses = 0.5;
 // Random points have a pitch (one point per pitch^2) of two spacings. Holes in a surface that was
 // found at all widen it by a factor of two at most.

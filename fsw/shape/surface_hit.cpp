@@ -48,7 +48,7 @@ constexpr double kTriangleMin = 0.01;
 constexpr std::size_t kNearestDepths = 3;
 
 // Errors of landmarks beside what their image points say of them: measured on rendered scenes, see
-// docs/decisions/0074.
+// decision 0074.
 constexpr double kOwnSigmas = 2.0;
 
 struct Seen {

@@ -20,7 +20,7 @@ namespace polhode {
 namespace {
 
 // A residual of 2 sigma has half its weight: takes 9 % of the information of normal data, and
-// stands the heavy tails of feature positions (docs/decisions/0024).
+// stands the heavy tails of feature positions (decision 0024).
 constexpr double kCauchySigma = 2.0;
 // Squared error of a point behind the camera: far beyond any gate.
 constexpr double kBehindError2 = 1e12;

@@ -32,7 +32,7 @@ struct AbsolutePose {
   double chi2 = 0.0;  ///< over the inliers, 2 * inliers - 6 degrees of freedom
 };
 
-/// Gate of inliers, in sigma squared: 4 sigma (docs/decisions/0024). Normal errors of two
+/// Gate of inliers, in sigma squared: 4 sigma (decision 0024). Normal errors of two
 /// coordinates lie beyond with a probability of 3e-4. Feature positions have heavier tails, which
 /// the robust loss weighs down between 2 and 4 sigma.
 inline constexpr double kInlierChi2 = 16.0;

@@ -14,7 +14,7 @@
 namespace polhode {
 
 /// A pose in Ceres's terms: phi of R = exp(phi) R_start, then uvs. A chart about the start: with a
-/// manifold each Jacobian would be multiplied by the manifold's (docs/decisions/0041).
+/// manifold each Jacobian would be multiplied by the manifold's (decision 0041).
 inline constexpr int kPoseNumbers = 6;
 
 struct ChartedPose {

@@ -306,7 +306,7 @@ CameraFit adjust_camera(const CameraProblem& problem, const BundleOptions& optio
   if (!as_given.usable || !as_found.usable || !bundle.is_plausible() || !by_images.allFinite()) {
     return {};
   }
-  // Errors along one track are alike: record 0085 has two to three times the residual. A misfit
+  // Errors along one track are alike: decision 0085 has two to three times the residual. A misfit
   // that the sigmas do not explain counts, too: half a square of two residuals is expected to be 1.
   constexpr double kAlike = 3.0;
   const double level =

@@ -49,7 +49,7 @@ struct CameraFit {
   bool usable = false;
   Deviations value = Deviations::Zero();  ///< all of them free
   /// Of the deviations, poses and points free, with what is known of cameras beforehand. Residuals
-  /// along a track are alike, so each counts as several times itself (record 0085).
+  /// along a track are alike, so each counts as several times itself (decision 0085).
   DeviationInformation information = DeviationInformation::Zero();
   double gain = 0.0;  ///< by how much chi-square falls, each residual counted so
   ImageRates rates;

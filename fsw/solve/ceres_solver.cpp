@@ -28,9 +28,9 @@ ceres::Solver::Options solver_options(int iterations_max) {
   options.dense_linear_algebra_library_type = ceres::EIGEN;  // LAPACK may use threads
   // Damping goes by each unknown's own curvature as it is.
   options.jacobi_scaling = false;
-  // Ceres's own. From 1e4 to 1e10 adjustments took the same steps (docs/decisions/0041).
+  // Ceres's own. From 1e4 to 1e10 adjustments took the same steps (decision 0041).
   options.initial_trust_region_radius = 1e4;
-  // Relative gain. Small, because weak directions settle last (docs/decisions/0041).
+  // Relative gain. Small, because weak directions settle last (decision 0041).
   options.function_tolerance = 5e-5;
   // Only the gain decides: a gradient's or a step's size depends on the units of the map.
   options.gradient_tolerance = 0.0;

@@ -33,7 +33,7 @@ using JacobianMap = Eigen::Map<Eigen::Matrix<double, kRows, kFreeBodyUnknowns, E
 // Those of shape and mass centre, which have a prior.
 constexpr int kPriorNumbers = 8;
 // From where the linear model puts them, two steps settle points after a pose step of several
-// degrees (docs/decisions/0043).
+// degrees (decision 0043).
 constexpr int kSettlingSteps = 2;
 // The first motion may be further off. Chosen: points follow it by small steps.
 constexpr int kFirstSettlingSteps = 5;

@@ -52,7 +52,7 @@ struct FreeBodyReport {
 };
 
 /// Levenberg-Marquardt by Ceres over the twenty unknowns alone, by variable projection: each trial
-/// motion has its points re-solved (docs/decisions/0043).
+/// motion has its points re-solved (decision 0043).
 /// @return not usable where the motion diverges or puts a point behind a camera. The problem's
 /// motion, poses and points then mean nothing.
 /// @cost for each trial a settling of all points, two to three linearisations of all observations;

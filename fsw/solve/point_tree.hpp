@@ -14,7 +14,7 @@ namespace polhode {
 using PointIndices = FixedVector<std::uint16_t, limits::kCloudPoints>;
 static_assert(limits::kCloudPoints <= 65535);
 
-/// A tree over points. It takes heap while it lives (docs/decisions/0062).
+/// A tree over points. It takes heap while it lives (decision 0062).
 class PointTree {
  public:
   /// @param points  finite, at most limits::kCloudPoints, or none; they must outlive the tree

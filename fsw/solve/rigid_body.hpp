@@ -75,12 +75,12 @@ Eigen::Vector3d angular_acceleration(const Inertia& inertia,
                                      const RotationState& state);
 
 /// Bounds the time of one integration: 1000 rad or 160 turns at kRotationStepAngle_rad; a fit spans
-/// 32 (docs/decisions/0050).
+/// 32 (decision 0050).
 inline constexpr int kRotationStepsMax = 20000;
 
 /// Runge-Kutta's phase lags by the step to the fourth over 120: at 0.1 rad 3e-5 rad in
 /// eight turns, near what a long run resolves (5e-5 rad of 300 frames). At 0.05 rad it is a
-/// sixteenth (docs/decisions/0050).
+/// sixteenth (decision 0050).
 inline constexpr double kRotationStepAngle_rad = 0.05;
 
 /// Moves `state` to `time_s`, earlier or later, in steps of at most kRotationStepAngle_rad:

@@ -9,7 +9,7 @@
 namespace polhode {
 namespace {
 
-// A point that is missed in up to five frames is found again (docs/decisions/0097). Each further
+// A point that is missed in up to five frames is found again (decision 0097). Each further
 // frame costs another matching.
 constexpr std::size_t kLookBack = 6;
 // Frames that no track leads to any more show something else. Chosen: a body that is hidden for one

@@ -35,7 +35,7 @@ evidence = "docs/results.md"
 FILES = {
     "README.md": "## Frames and units\n",
     "docs/results.md": "",
-    "docs/decisions/0007-one.md": "",
+    "docs/decisions/map.md": "- **One.** (0007)\n",
     "docs/requirements/06-map.toml": STAGE,
     "docs/fmea.md": "| failure | detection | answer | test |\n| --- | --- | --- | --- |\n| gone | mode | sought | `tests/map/pose_test.cpp::Pose.IsFound` |\n",
     "tests/map/pose_test.cpp": f"// {TAG}MAP-01\nTEST(Pose, IsFound) {{}}\n\nTEST_P(Pose,\n       IsOther) {{}}\n",

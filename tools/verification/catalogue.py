@@ -67,7 +67,7 @@ def source_exists(source: str, repository: pathlib.Path) -> bool:
         return False
     kind, place, decision, document = found.groups()
     if decision:
-        return any((repository / "docs/decisions").glob(f"{decision}-*.md"))
+        return any(re.search(rf"\b{decision}\b", note.read_text()) for note in (repository / "docs/decisions").glob("*.md"))
     if document:
         return (repository / document).is_file()
     if kind == "card":  # a heading of the README
