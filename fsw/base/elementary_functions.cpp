@@ -4,6 +4,13 @@
 // name that the program defines itself comes before the C library's, for shared libraries too.
 #include <sleef.h>
 
+namespace {
+
+double wide(float x) { return static_cast<double>(x); }
+float narrow(double x) { return static_cast<float>(x); }
+
+}  // namespace
+
 // Compiled with -fno-builtin: else a function that is made of another one may be taken for it.
 extern "C" {
 
@@ -43,22 +50,22 @@ __complex__ double clog(__complex__ double z) noexcept {
 }
 
 // In single precision: rounded once from the double, which is nearer than the C library's.
-float sinf(float x) noexcept { return static_cast<float>(sin(x)); }
-float cosf(float x) noexcept { return static_cast<float>(cos(x)); }
-float asinf(float x) noexcept { return static_cast<float>(asin(x)); }
-float acosf(float x) noexcept { return static_cast<float>(acos(x)); }
-float atanf(float x) noexcept { return static_cast<float>(atan(x)); }
-float atan2f(float y, float x) noexcept { return static_cast<float>(atan2(y, x)); }
-float expf(float x) noexcept { return static_cast<float>(exp(x)); }
-float exp2f(float x) noexcept { return static_cast<float>(exp2(x)); }
-float log2f(float x) noexcept { return static_cast<float>(log2(x)); }
-float logf(float x) noexcept { return static_cast<float>(log(x)); }
-float powf(float x, float y) noexcept { return static_cast<float>(pow(x, y)); }
+float sinf(float x) noexcept { return narrow(sin(wide(x))); }
+float cosf(float x) noexcept { return narrow(cos(wide(x))); }
+float asinf(float x) noexcept { return narrow(asin(wide(x))); }
+float acosf(float x) noexcept { return narrow(acos(wide(x))); }
+float atanf(float x) noexcept { return narrow(atan(wide(x))); }
+float atan2f(float y, float x) noexcept { return narrow(atan2(wide(y), wide(x))); }
+float expf(float x) noexcept { return narrow(exp(wide(x))); }
+float exp2f(float x) noexcept { return narrow(exp2(wide(x))); }
+float log2f(float x) noexcept { return narrow(log2(wide(x))); }
+float logf(float x) noexcept { return narrow(log(wide(x))); }
+float powf(float x, float y) noexcept { return narrow(pow(wide(x), wide(y))); }
 
 void sincosf(float x, float* sine, float* cosine) noexcept {
-  const Sleef_double_2 both = Sleef_cinz_sincosd1_u10purec(x);
-  *sine = static_cast<float>(both.x);
-  *cosine = static_cast<float>(both.y);
+  const Sleef_double_2 both = Sleef_cinz_sincosd1_u10purec(wide(x));
+  *sine = narrow(both.x);
+  *cosine = narrow(both.y);
 }
 
 }  // extern "C"

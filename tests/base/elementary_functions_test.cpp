@@ -39,10 +39,12 @@ std::uint32_t added(double result, std::uint32_t digest) {
   return crc32_iso_hdlc(octets, digest);
 }
 
+long double precise(double x) { return static_cast<long double>(x); }
+
 double ulps_off(double found, long double exact) {
   const double nearest = std::abs(static_cast<double>(exact));
   const double ulp = std::nextafter(nearest, std::numeric_limits<double>::infinity()) - nearest;
-  return std::abs(static_cast<double>((static_cast<long double>(found) - exact) / ulp));
+  return std::abs(static_cast<double>((precise(found) - exact) / precise(ulp)));
 }
 
 class ElementaryFunction : public testing::TestWithParam<Case> {};
@@ -63,7 +65,7 @@ TEST_P(ElementaryFunction, IsAsNearAsItsLibrarySays) {
   double worst = 0.0;
   for (int i = 0; i < kDraws; ++i) {
     const double x = drawn(&rng, c);
-    worst = std::max(worst, ulps_off(c.function(x), c.reference(x)));
+    worst = std::max(worst, ulps_off(c.function(x), c.reference(precise(x))));
   }
   EXPECT_LE(worst, c.ulps_max);
 }
@@ -97,9 +99,10 @@ TEST(ElementaryFunctions, OfTwoArgumentsGiveTheSameBitsOnAllProcessors) {
     digest = added(std::pow(x, y), digest);
     digest = added(std::atan2(y, x), digest);
     digest = added(std::hypot(x, y), digest);
-    EXPECT_LE(ulps_off(std::pow(x, y), std::pow<long double>(x, y)), 1.0) << x << ' ' << y;
-    EXPECT_LE(ulps_off(std::atan2(y, x), std::atan2<long double>(y, x)), 1.0) << y << ' ' << x;
-    EXPECT_LE(ulps_off(std::hypot(x, y), std::hypot<long double>(x, y)), 0.51) << x << ' ' << y;
+    EXPECT_LE(ulps_off(std::pow(x, y), std::pow(precise(x), precise(y))), 1.0) << x << ' ' << y;
+    EXPECT_LE(ulps_off(std::atan2(y, x), std::atan2(precise(y), precise(x))), 1.0) << y << ' ' << x;
+    EXPECT_LE(ulps_off(std::hypot(x, y), std::hypot(precise(x), precise(y))), 0.51)
+        << x << ' ' << y;
   }
   EXPECT_EQ(digest, 0x63104E8AU) << std::hex << "0x" << digest;
 }
@@ -108,7 +111,7 @@ TEST(ElementaryFunctions, OfSinglePrecisionAreTheDoublesRounded) {
   Rng rng(65, 4);
   for (int i = 0; i < kDraws; ++i) {
     const auto x = static_cast<float>(rng.uniform());
-    const double wide = x;
+    const auto wide = static_cast<double>(x);
     EXPECT_EQ(std::sin(x), static_cast<float>(std::sin(wide)));
     EXPECT_EQ(std::cos(x), static_cast<float>(std::cos(wide)));
     EXPECT_EQ(std::exp(x), static_cast<float>(std::exp(wide)));
@@ -126,8 +129,8 @@ TEST(ElementaryFunctions, SineAndCosineTogetherAreEachAlone) {
     double sine = 0.0;
     double cosine = 0.0;
     sincos(x, &sine, &cosine);
-    ASSERT_LE(ulps_off(sine, std::sin(static_cast<long double>(x))), 1.0) << x;
-    ASSERT_LE(ulps_off(cosine, std::cos(static_cast<long double>(x))), 1.0) << x;
+    ASSERT_LE(ulps_off(sine, std::sin(precise(x))), 1.0) << x;
+    ASSERT_LE(ulps_off(cosine, std::cos(precise(x))), 1.0) << x;
   }
 }
 
