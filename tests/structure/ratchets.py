@@ -11,7 +11,7 @@ import sys
 import tomllib
 
 from cpp_parts import MEMBERS_MAX, comments_of, constants, head_parts, structs_of
-from source_tree import REPOSITORY, code_of, cpp_definitions, is_generated, name_of, own_includes, source_files
+from source_tree import REPOSITORY, ROOTS, code_of, cpp_definitions, is_generated, name_of, own_includes, source_files
 
 HELD = pathlib.Path(__file__).with_name("ratchets.toml")
 PARAMETERS_MAX = 5
@@ -82,6 +82,16 @@ def comments_with_chosen(files: list[pathlib.Path]) -> Figure:
 def code_lines(files: list[pathlib.Path]) -> Figure:
     lines = [(sum(bool(line.strip()) for line in code_of(file).splitlines()), name_of(file)) for file in files]
     return Figure(sum(number for number, _ in lines), [f"{name}: {number} lines" for number, name in sorted(lines, reverse=True)])
+
+
+def documents() -> list[pathlib.Path]:
+    return sorted([*REPOSITORY.glob("*.md"), *source_files(*ROOTS, "docs", suffixes=(".md",))])
+
+
+def hundreds_of_words(files: list[pathlib.Path]) -> Figure:
+    """Begun ones: a sentence more or less is none of this figure's business."""
+    numbers = {name_of(file): len(file.read_text().split()) for file in files}
+    return Figure(-(-sum(numbers.values()) // 100), [f"{name}: {number} words" for name, number in sorted(numbers.items(), key=lambda one: -one[1])])
 
 
 def matching_lines(pattern: re.Pattern, files: list[pathlib.Path]) -> Figure:
@@ -168,6 +178,8 @@ def all_figures() -> dict[str, Figure]:
         "include_cycles": cycles(include_graph(source_files("fsw", "platform", suffixes=(".cpp", ".hpp")))),
         "import_cycles": cycles(import_graph(python)),
         "search_path_lines": matching_lines(PATH_LINE, python),
+        "documents": counted([name_of(file) for file in documents()]),
+        "hundreds_of_words": hundreds_of_words(documents()),
         "silenced_lines": matching_lines(SILENCED_LINE, python),
     }
     figures |= {f"wide_structs.{name}": figure for name, figure in wide_structs(fsw).items()}

@@ -49,6 +49,7 @@ TREE = {
     "fsw/map/generated.hpp": f"{source_tree.WRITTEN_BY}\nconstexpr int kChosen = 1;  // chosen\n",
     "hil/judge/run.py": "import json\n\ndef f():\n    from . import row\n",
     "hil/judge/row.py": "from judge import run  # no" + "qa\nimport sys\nsys" + ".path[:0] = []\n",
+    "docs/one.md": "# Three words\n\n- more\n",
     "tools/run.py": "from judge import run\n",
 }
 
@@ -63,7 +64,7 @@ def test_each_figure_is_counted(tmp_path, monkeypatch):
     figures = ratchets.all_figures()
     assert {name: figure.number for name, figure in figures.items()} == {
         "whole_state_functions": 2, "many_parameter_functions": 1, "chosen_comments": 2, "fsw_code_lines": 15, "include_cycles": 1,
-        "import_cycles": 1, "search_path_lines": 1, "silenced_lines": 1, "wide_structs.Wide": 16, "constants.map": 1}
+        "import_cycles": 1, "search_path_lines": 1, "silenced_lines": 1, "documents": 1, "hundreds_of_words": 1, "wide_structs.Wide": 16, "constants.map": 1}
     assert ratchets.complaint("constants.map", figures["constants.map"], 1) == ""
     assert ratchets.complaint("constants.map", figures["constants.map"], 0) == "constants.map is 1, held at 0:\nfsw/map/one.hpp:8: kHere"
     assert ratchets.complaint("constants.map", figures["constants.map"], 2).endswith("lower the figure in ratchets.toml to 1, now 2")
