@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The sample's bus stream on processors that this machine has not: replayed under QEMU and compared with what is recorded.
 
-    tools/other_processors.py                            six models, `default` and `full`: some 100 minutes on two cores
+    tools/other_processors.py                            six models, `default` and `full`: some 50 minutes on two cores
     tools/other_processors.py --models Nehalem Haswell --configurations default
 
 The models differ in what the libraries choose by: vector units, fused multiply-add, sizes of caches. One line a replay; status 1
@@ -45,7 +45,7 @@ def main() -> int:
     if not shutil.which(EMULATOR):
         raise BadInput(f"{EMULATOR} is not installed: tools/setup.sh processors")
     wanted = [(model, name) for name in asked.configurations for model in asked.models]
-    print(f"{len(wanted)} replays, {asked.jobs} at a time, some 15 min each", flush=True)
+    print(f"{len(wanted)} replays, {asked.jobs} at a time, 5 to 10 min each", flush=True)
     with tempfile.TemporaryDirectory() as scratch, concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
         same = list(pool.map(lambda one: replay(*one, pathlib.Path(scratch)), wanted))
     print(f"{sum(same)} of {len(same)} as recorded")

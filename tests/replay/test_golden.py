@@ -21,7 +21,7 @@ def test_the_stream_is_the_recorded_one(name, tmp_path):
     assert same, f"{line}\nIf the estimator was meant to change, record anew and say why: tools/golden.py record"
 
 
-# Six models take 100 minutes: tools/other_processors.py.
+# Six models take 50 minutes: tools/other_processors.py.
 @pytest.mark.further
 def test_a_processor_with_other_caches_and_without_vector_units_gives_it():
     if not shutil.which("qemu-x86_64-static"):
