@@ -33,6 +33,10 @@ inline constexpr std::size_t kLandmarks = 6000;
 // soonest, so they span 62 deg or more. Hypothesis selection keeps sets of them in 32 bits.
 inline constexpr std::size_t kStartFrames = 32;
 
+// Pixels of the target's part of a kept frame: 128 x 128, which the budgets have room for. A larger
+// part is kept at a fraction of its resolution.
+inline constexpr std::size_t kCropPixels = 16384;
+
 // Tracks before there is a map. Chosen: nearly twice the default's 800 features of a frame, as
 // tracks end and others begin. Larger: memory and longer selections.
 inline constexpr std::size_t kStartTracks = 1500;

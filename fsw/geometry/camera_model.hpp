@@ -16,6 +16,7 @@ struct CameraModel {
   double k2 = 0.0;
   double p1 = 0.0;
   double p2 = 0.0;
+  double line_time_s = 0.0;  ///< from one row to the next below it; 0: all rows are of one time
 
   /// Geometric mean of the focal lengths: pixels a radian near the axis.
   [[nodiscard]] double focal_px() const;

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/sound.hpp"
+#include "initialisation/row_times.hpp"
 
 namespace polhode {
 namespace {
@@ -121,6 +122,7 @@ bool is_sound(const InitialisationState& state) {
 }
 
 Collected collect_frame(const CollectibleFrame& frame,
+                        const CameraModel& camera,
                         double ratio_max,
                         InitialisationState* state,
                         RestingPlaces* resting) {
@@ -132,6 +134,7 @@ Collected collect_frame(const CollectibleFrame& frame,
   add_frame(
       frame.frame, frame.timestamp_ns, frame.R_IC, *frame.features, ratio_max, &state->tracks);
   drop_resting_tracks(&state->tracks, resting);
+  to_frame_time(camera, &state->tracks);
   constexpr std::size_t kConnectingMin = 8;  // fewer cannot carry a start
   drop_unconnected_frames(kConnectingMin, &state->tracks);
   const Collected collected{.kept = true, .tables_full = state->tracks.full_count};
@@ -162,22 +165,29 @@ void pose_problem(const CameraModel& camera,
   job->frame_count = table.frames.size() - job->first_frame;
   job->track_count = table.tracks.size();
   job->seed = seed;
+  job->pictures.camera = camera;
   job->options = options;
   for (std::size_t i = 0; i < job->frame_count; ++i) {
     const std::int64_t since_ns = table.frames[job->first_frame + i].timestamp_ns -
                                   table.frames[job->first_frame].timestamp_ns;
     job->times_s[i] = static_cast<double>(since_ns) * 1e-9;
+    job->R_IC[i] = table.frames[job->first_frame + i].R_IC;
+    job->pictures.crop_of[i] = static_cast<std::int8_t>(
+        find_crop(table.frames[job->first_frame + i].frame, job->pictures.crops));
   }
   for (std::size_t t = 0; t < job->track_count; ++t) {
     StartTrack& track = job->tracks[t];
     track.observations.clear();
+    TrackPlaces& places = job->pictures.places[t];
+    places.frames = 0;
     for (const TrackPoint& point : table.tracks[t].points) {
       const int frame = point.frame - static_cast<int>(job->first_frame);
       if (frame < 0) {
         continue;
       }
-      const Feature& f = table.frames[static_cast<std::size_t>(point.frame)]
-                             .features[static_cast<std::size_t>(point.feature)];
+      const Feature& f = feature_of(point, table);
+      places.frames |= 1U << static_cast<unsigned>(frame);
+      places.px[static_cast<std::size_t>(frame)] = {f.u_px, f.v_px};
       (void)track.observations.push_back(
           {.frame = frame,
            .normalised = f.normalised,

@@ -44,6 +44,7 @@ struct Collected {
 /// @param ratio_max  of descriptors' distances, best to second best.
 /// @param resting  takes the places of what stays in the picture while the body turns.
 Collected collect_frame(const CollectibleFrame& frame,
+                        const CameraModel& camera,
                         double ratio_max,
                         InitialisationState* state,
                         RestingPlaces* resting);

@@ -124,14 +124,6 @@ Run best_run(const StartProblem& problem, const Score& score) {
   return best;
 }
 
-const StartObservation* find_frame(const StartTrack& track, int frame) {
-  const auto* const at = std::find_if(
-      track.observations.begin(), track.observations.end(), [frame](const StartObservation& o) {
-        return o.frame == frame;
-      });
-  return at == track.observations.end() ? nullptr : at;
-}
-
 using Distances = FixedVector<double, limits::kStartTracks>;
 
 /// Takes the eligible track that lies farthest from those taken.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "initialisation/at_rest.hpp"
 #include "initialisation/core.hpp"
 #include "initialisation/selection.hpp"
 
@@ -16,6 +17,17 @@ constexpr double kDepthSigmaMax = 0.06;
 // wrong hypotheses that explain half of the observations.
 constexpr double kInlierRatioMin = 0.5;
 
+/// Most bodies are convex: the cue is evidence for one that is, and as much against one that is
+/// hollow. What it may add is bounded by what is known of bodies (decision 0107).
+double margin_needed(double convexity, const StartOptions& options) {
+  if (convexity >= kConvexityMin) {
+    return options.chi2_gap_convexity;
+  }
+  const bool is_hollow = convexity <= -kConvexityMin;
+  return options.chi2_gap_commit +
+         (is_hollow ? options.chi2_gap_commit - options.chi2_gap_convexity : 0.0);
+}
+
 StartDecision decide(const StartOutcome& out, const StartOptions& options, double noise_scale) {
   if (out.inlier_ratio < kInlierRatioMin || noise_scale > kNoiseScaleMax) {
     return StartDecision::kNoHypothesis;
@@ -23,9 +35,8 @@ StartDecision decide(const StartOutcome& out, const StartOptions& options, doubl
   if (!(out.selection_depth_sigma < kDepthSigmaMax)) {
     return StartDecision::kTooLittleMotion;
   }
-  const bool clear = out.chi2_gap >= options.chi2_gap_commit;
-  const bool likely = out.chi2_gap >= options.chi2_gap_convexity && out.convexity >= kConvexityMin;
-  return clear || likely ? StartDecision::kCommit : StartDecision::kMarginTooSmall;
+  return out.chi2_gap >= margin_needed(out.convexity, options) ? StartDecision::kCommit
+                                                               : StartDecision::kMarginTooSmall;
 }
 
 }  // namespace
@@ -52,6 +63,10 @@ StartOutcome select_hypothesis(const StartProblem& problem,
   out.reduced_chi2 = noise * noise;
   out.inlier_ratio = static_cast<double>(winner.fit.agreeing) / std::max(1, winner.fit.telling);
   out.chi2_gap = cost_margin_of(selection);
+  const double for_rest = compare_at_rest(&selection);
+  if (for_rest > 0.0) {
+    out.chi2_gap = for_rest;
+  }
   out.convexity = convexity_of(selection, &winner);
   adjust_all_tracks(selection, &out);
   out.decision = decide(out, options, noise);

@@ -9,8 +9,8 @@ struct StartOptions {
   int frames_min = 5;                 ///< frames collected before the first hypothesis selection, 3 .. limits::kStartFrames
   // 5 sigma, squared.
   double chi2_gap_commit = 25.0;      ///< cost margin (chi-square) to the best rival, such as the depth-reversed solution, 9 .. 1000
-  // 3.5 sigma, squared and rounded. Chosen; the convexity cue adds evidence of its own.
-  double chi2_gap_convexity = 12.0;   ///< smaller cost margin, accepted when the convexity cue agrees, 4 .. chi2_gap_commit
+  // Seven less: one dish in thirty bodies, so what convexity may add (decision 0107).
+  double chi2_gap_convexity = 18.0;   ///< smaller cost margin, accepted when the convexity cue agrees, 4 .. chi2_gap_commit
 };
 
 }  // namespace polhode

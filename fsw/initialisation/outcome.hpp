@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -15,9 +16,9 @@
 namespace polhode {
 
 struct StartObservation {
-  int frame = 0;                                         ///< index into times_s
-  Eigen::Vector2d normalised = Eigen::Vector2d::Zero();  ///< undistorted, on the plane z = 1
-  double sigma_normalised = 1.0;                         ///< 1-sigma of each coordinate
+  int frame = 0;                                       ///< index into times_s
+  PackedVector2d normalised = PackedVector2d::Zero();  ///< undistorted, on the plane z = 1
+  double sigma_normalised = 1.0;                       ///< 1-sigma of each coordinate
 };
 
 struct StartTrack {
@@ -25,8 +26,19 @@ struct StartTrack {
       observations;  ///< ordered by frame, one per frame
 };
 
+/// nullptr where there is none.
+inline const StartObservation* find_frame(const StartTrack& track, int frame) {
+  const auto* const at = std::find_if(
+      track.observations.begin(), track.observations.end(), [frame](const StartObservation& o) {
+        return o.frame == frame;
+      });
+  return at == track.observations.end() ? nullptr : at;
+}
+
 struct StartProblem {
-  std::span<const double> times_s;     ///< of F <= kStartFrames frames, ascending
+  std::span<const double> times_s;  ///< of F <= kStartFrames frames, ascending
+  std::span<const Eigen::Matrix3d> R_IC =
+      {};                              ///< the observer's attitudes; empty: it does not rotate
   std::span<const StartTrack> tracks;  ///< at most kStartTracks
   std::uint64_t seed = 0;
   std::uint32_t kinds = kAllKinds;  ///< kinds of hypotheses that are made
@@ -92,6 +104,7 @@ struct StartWorkspace {
   SelectionSet set;
   StartHypotheses seeds;
   StartHypotheses refined;
+  StartHypothesis at_rest;
   FixedVector<StartHypothesis, kFinalists> finalists;
   FixedVector<TrackObservation, kCoreTracks * kCoreFrames> core_observations;
   FixedVector<TrackObservation, StartAdjustmentWorkspace::kStartObservations> observations;

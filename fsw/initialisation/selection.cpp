@@ -64,8 +64,10 @@ bool refine(const Selection& c,
             const Iterations& iterations,
             StartHypothesis* h) {
   const StartGeometryView view = h->view();
-  StartAdjustmentOptions options{
-      .loss = StartLoss::kCauchy, .width_sigma = kNarrow_sigmas, .sigma_scale = c.sigma_scale};
+  StartAdjustmentOptions options{.loss = StartLoss::kCauchy,
+                                 .width_sigma = kNarrow_sigmas,
+                                 .sigma_scale = c.sigma_scale,
+                                 .rotations_held = c.rotations_held};
   const StartFit before = evaluate_start(observations, view, options, &c.w.adjustment);
   options.iterations_max = iterations.wide;
   options.width_sigma =
@@ -280,7 +282,8 @@ StartAdjustmentOptions selection_loss(const Selection& c, int iterations_max) {
   return {.iterations_max = iterations_max,
           .loss = StartLoss::kTruncated,
           .width_sigma = kTruncation_sigmas,
-          .sigma_scale = c.sigma_scale};
+          .sigma_scale = c.sigma_scale,
+          .rotations_held = c.rotations_held};
 }
 
 double convexity_of(const Selection& c, StartHypothesis* h) {

@@ -11,6 +11,7 @@ struct Selection {
   const StartProblem& problem;
   const StartOptions& options;
   StartWorkspace& w;
+  bool rotations_held = false;  ///< attitudes are those of a body that does not rotate
   double sigma_scale = 1.0;  ///< noise over the caller's sigma by the best hypothesis so far, >= 1
 };
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "config/limits.hpp"
+#include "initialisation/align.hpp"
 #include "initialisation/initialise.hpp"
 
 namespace polhode {
@@ -15,9 +16,12 @@ struct StartJob {
   std::size_t frame_count = 0;
   std::size_t track_count = 0;
   std::array<double, limits::kStartFrames> times_s{};
+  std::array<Eigen::Matrix3d, limits::kStartFrames> R_IC;
   std::array<StartTrack, limits::kStartTracks> tracks;
   std::uint64_t seed = 0;
   StartOptions options;
+  StartPictures pictures;
+  AlignmentWorkspace alignment;
   StartWorkspace workspace;
   StartOutcome outcome;  ///< the result
 };

@@ -76,8 +76,10 @@ Result<bool> localise_by_flow(const LocaliseInput& input,
     match.feature = -1;
     match.u_px = to[i].u_px;
     match.v_px = to[i].v_px;
-    match.normalised = undistort(
-        *input.camera, {static_cast<double>(match.u_px), static_cast<double>(match.v_px)});
+    match.normalised =
+        at_frame_time(*input.camera,
+                      input.image_motion,
+                      {static_cast<double>(match.u_px), static_cast<double>(match.v_px)});
     out->matches[kept++] = match;
   }
   out->matches.resize(kept);

@@ -7,6 +7,7 @@
 #include "base/result.hpp"
 #include "features/match.hpp"
 #include "geometry/camera_model.hpp"
+#include "geometry/image_motion.hpp"
 #include "geometry/pose_prediction.hpp"
 #include "map/map.hpp"
 #include "map/options.hpp"
@@ -78,6 +79,7 @@ struct LocaliseInput {
   const Map* map = nullptr;
   const Features* features = nullptr;
   const CameraModel* camera = nullptr;
+  ImageMotion image_motion = {};  ///< expected in this frame
   const LocaliseOptions* options = nullptr;
   double ratio_max = 0.8;
   LandmarkAge age = LandmarkAge::kAny;

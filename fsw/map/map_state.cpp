@@ -6,6 +6,7 @@ LocaliseInput localise_input(const MapInput& input, const Map& map) {
   return {.map = &map,
           .features = input.features,
           .camera = input.camera,
+          .image_motion = input.image_motion,
           .options = input.localise,
           .ratio_max = input.tracks->descriptor_ratio_max,
           .seed = input.seed,

@@ -71,6 +71,7 @@ struct MapInput {
   const cv::Mat* gray = nullptr;
   const Features* features = nullptr;  ///< empty until they are detected
   const CameraModel* camera = nullptr;
+  ImageMotion image_motion = {};  ///< expected in this frame
   const LocaliseOptions* localise = nullptr;
   const TrackOptions* tracks = nullptr;
   const MapOptions* options = nullptr;

@@ -26,10 +26,16 @@ void collect(Component::State* s) {
                                              .timestamp_ns = s->clock.timestamp_ns,
                                              .R_IC = s->motion.R_IC,
                                              .features = &s->features.features},
+                                            s->configuration.camera,
                                             parameters.tracks.descriptor_ratio_max,
                                             &s->initialisation,
                                             &s->features.resting);
   s->counters.tables_full += collected.tables_full;
+  if (collected.kept) {
+    // No job is out, so nobody reads them.
+    keep_crop(
+        picture.gray, s->clock.frame, s->features.features.view(), &s->jobs.start.pictures.crops);
+  }
   if (!collected.kept || !wants_selection(parameters.start, s->initialisation)) {
     return;
   }

@@ -86,6 +86,8 @@ struct Observation {
       -1;  ///< number of the landmark, never used twice in a run; -1: not (yet) a landmark
   float u_px = 0.0F;  ///< distorted pixel
   float v_px = 0.0F;
+  /// Undistorted, on the plane z = 1, where it was at the frame's time.
+  std::array<double, 2> normalised = {};
   float sigma_px = 0.0F;
   float predicted_u_px =
       0.0F;  ///< where the landmark reprojects with the frame's pose; meaningful with `landmark`

@@ -19,7 +19,8 @@ CameraModel to_model(const CameraParameters& c) {
           .k1 = c.k1,
           .k2 = c.k2,
           .p1 = c.p1,
-          .p2 = c.p2};
+          .p2 = c.p2,
+          .line_time_s = 1e-9 * c.line_time_ns};
 }
 
 Result<Component*> Component::create(std::span<std::byte> memory, const Parameters& parameters) {

@@ -54,8 +54,17 @@ bool choose_by_crc(Configuration* c) {
 }
 
 auto members_of(const CameraModel& m) {
-  return std::tie(
-      m.width_px, m.height_px, m.fu_px, m.fv_px, m.cu_px, m.cv_px, m.k1, m.k2, m.p1, m.p2);
+  return std::tie(m.width_px,
+                  m.height_px,
+                  m.fu_px,
+                  m.fv_px,
+                  m.cu_px,
+                  m.cv_px,
+                  m.k1,
+                  m.k2,
+                  m.p1,
+                  m.p2,
+                  m.line_time_s);
 }
 
 bool tells_model(const CameraParameters& camera, const CameraModel& model) {

@@ -188,6 +188,8 @@ constexpr ParameterRow kRows[] = {
   {"camera.k2", POLHODE_FIELD(camera.k2), -100.0, 100.0, "", "radial distortion, r^4"},
   {"camera.p1", POLHODE_FIELD(camera.p1), -1.0, 1.0, "", "tangential distortion, as OpenCV's p1"},
   {"camera.p2", POLHODE_FIELD(camera.p2), -1.0, 1.0, "", "tangential distortion, as OpenCV's p2"},
+  {"camera.line_time_ns", POLHODE_FIELD(camera.line_time_ns), -10000000.0, 10000000.0, "ns",
+   "rolling shutter: time from one row to the next below it, negative where it reads upwards; the stamp is the middle row's; 0: global shutter"},
 };
 // clang-format on
 #undef POLHODE_FIELD

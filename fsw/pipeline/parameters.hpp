@@ -31,6 +31,7 @@ struct CameraParameters {
   double k2 = 0.0;
   double p1 = 0.0;
   double p2 = 0.0;
+  double line_time_ns = 0.0;  ///< from one row to the next below it; 0: a global shutter
 };
 
 struct CameraModel;  // geometry/camera_model.hpp

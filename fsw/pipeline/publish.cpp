@@ -77,6 +77,14 @@ void fill_coasted(const std::optional<PosePrediction>& coasted,
   }
 }
 
+/// From where a match was at the frame's time to where its row saw it.
+Eigen::Vector2d row_shift_px(const CameraModel& camera, const LandmarkMatch& match) {
+  if (camera.line_time_s == 0.0) {
+    return Eigen::Vector2d::Zero();
+  }
+  return Eigen::Vector2d(match.u_px, match.v_px) - project_px(camera, match.normalised);
+}
+
 /// Matches with where their landmarks reproject; of a frame without a pose its features.
 void list_observations(const MapState& mapping,
                        const Features& features,
@@ -91,11 +99,12 @@ void list_observations(const MapState& mapping,
     Observation o{.landmark = landmark.number,
                   .u_px = match.u_px,
                   .v_px = match.v_px,
+                  .normalised = {match.normalised.x(), match.normalised.y()},
                   .sigma_px = static_cast<float>(match.sigma_px),
                   .inlier = match.inlier};
     const Eigen::Vector3d p_C = mapping.localised.absolute.pose.to_camera(landmark.p_T);
     if (p_C.z() > 0.0) {
-      const Eigen::Vector2d pixel = project_px(camera, p_C);
+      const Eigen::Vector2d pixel = project_px(camera, p_C) + row_shift_px(camera, match);
       o.predicted_u_px = static_cast<float>(pixel.x());
       o.predicted_v_px = static_cast<float>(pixel.y());
     }
@@ -105,7 +114,10 @@ void list_observations(const MapState& mapping,
     if (mapping.pose_valid || answer->observations.full()) {
       break;
     }
-    (void)answer->observations.push_back({.u_px = f.u_px, .v_px = f.v_px, .sigma_px = f.sigma_px});
+    (void)answer->observations.push_back({.u_px = f.u_px,
+                                          .v_px = f.v_px,
+                                          .normalised = {f.normalised.x(), f.normalised.y()},
+                                          .sigma_px = f.sigma_px});
   }
 }
 

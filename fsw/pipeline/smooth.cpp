@@ -15,6 +15,7 @@
 #include "pipeline/counting.hpp"
 #include "pipeline/map_update.hpp"
 #include "pipeline/results.hpp"
+#include "pipeline/row_times.hpp"
 #include "pipeline/state.hpp"
 #include "shape/scale_reading.hpp"
 
@@ -151,8 +152,7 @@ SmoothedPose MapAtRest::from_log(std::uint32_t frame,
     if (slot >= 0) {
       observations.push_back(
           {.p_T = map.landmarks[static_cast<std::size_t>(slot)].p_T,
-           .normalised =
-               undistort(camera, {static_cast<double>(o.u_px), static_cast<double>(o.v_px)}),
+           .normalised = Eigen::Vector2d(o.normalised[0], o.normalised[1]),
            .sigma_normalised = static_cast<double>(o.sigma_px) / camera.focal_px()});
     }
   }
@@ -167,6 +167,7 @@ SmoothedPose MapAtRest::from_image(const Frame& frame) {
     return {};
   }
   find_target(s->picture.gray, c.parameters.mask, &s->picture.mask);
+  s->features.image_motion = expected_image_motion(frame.timestamp_ns, *s);
   detect_once(s);
   // A busy background leaves the target too few features to be found among all: the motion knows
   // where it was, as seen by an observer who stands still.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "features/detect.hpp"
+#include "features/row_times.hpp"
 
 namespace polhode {
 
@@ -20,6 +21,7 @@ MapInput map_input(const Component::State& s) {
           .gray = &s.picture.gray,
           .features = &s.features.features,
           .camera = &s.configuration.camera,
+          .image_motion = s.features.image_motion,
           .localise = &parameters.localise,
           .tracks = &parameters.tracks,
           .options = &parameters.map,
@@ -44,6 +46,7 @@ void forget_frame(Component::State* s) {
   begin_frame(&s->mapping);
   s->picture.verdict = {};
   s->features.ready = false;
+  s->features.image_motion = {};
   s->features.features.clear();
 }
 
@@ -63,6 +66,7 @@ void detect_once(Component::State* s) {
                   options,
                   &s->features.workspace,
                   &s->features.features);
+  to_frame_time(s->configuration.camera, s->features.image_motion, &s->features.features);
   leave_out_resting(&s->features.resting, &s->features.features);
   s->features.ready = true;
   stage_done(Stage::kFeatures, s->timer);

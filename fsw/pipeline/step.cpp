@@ -13,6 +13,7 @@
 #include "pipeline/publish.hpp"
 #include "pipeline/reset.hpp"
 #include "pipeline/results.hpp"
+#include "pipeline/row_times.hpp"
 #include "pipeline/scrub.hpp"
 #include "pipeline/state.hpp"
 #include "pipeline/track.hpp"
@@ -169,6 +170,7 @@ const StepOutput& Component::step(const StepInput& input) {
                         s->clock.timestamp_ns,
                         s->motion.R_IC);
     find_target_now(predicted, s);
+    s->features.image_motion = expected_image_motion(s->clock.timestamp_ns, *s);
     locate_target(predicted, s);
     measure_target(s);
     estimate_motion(s);

@@ -33,7 +33,7 @@ struct CameraFinding {
 
 /// Backward elimination: those that explain more than four sigma would, when all that explain less
 /// are held one by one. A focal length or zoom counts from 8 % on: right ones are off by as much as
-/// 1.2 % where the sigma is under 2 %, and by more in a bent map (decision 0083).
+/// 1.9 % where the sigma is under 2 %, and by more in a bent map (decision 0083).
 CameraFinding find_deviations(const CameraFit& fit);
 
 /// What is held of an earlier test and a later one. A later one that contradicts something is held

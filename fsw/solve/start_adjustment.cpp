@@ -56,6 +56,9 @@ void add_observation(const TrackObservation& s,
   if (wrong) {
     return;
   }
+  if (options.rotations_held) {
+    J.rotation.setZero();
+  }
   Eigen::Matrix<double, 2, 6> A;
   A << inverse_sigma * J.rotation, inverse_sigma * J.uvs;
   const Eigen::Matrix<double, 6, 2> weighted = weight * A.transpose();
@@ -63,6 +66,16 @@ void add_observation(const TrackObservation& s,
   block->W.noalias() = weighted * B;
   w->camera_blocks[frame].noalias() += weighted * A;
   w->camera_gradient.segment<6>(6 * s.frame).noalias() += weighted * residual;
+}
+
+/// As if they were known a thousand times better than translations are.
+void hold_rotations(std::size_t frames, Workspace* w) {
+  // In variance.
+  constexpr double kKnown = 1e6;
+  for (std::size_t f = 0; f < frames; ++f) {
+    auto& U = w->camera_blocks[f];
+    U.diagonal().head<3>().setConstant(kKnown * U.trace());
+  }
 }
 
 /// Fills the camera, point and mixed blocks of the normal equations.
@@ -90,6 +103,9 @@ void linearise(std::span<const TrackObservation> observations,
       add_observation(observations[i], wrong, geometry, options, &w->blocks[i], w);
     }
     begin = end;
+  }
+  if (options.rotations_held) {
+    hold_rotations(frames, w);
   }
 }
 

@@ -13,11 +13,14 @@
 
 namespace polhode {
 
+/// Takes no more room than its numbers: there are tens of thousands of them.
+using PackedVector2d = Eigen::Matrix<double, 2, 1, Eigen::DontAlign>;
+
 /// One image of one track. Lists of these are ordered by track, then by frame.
 struct TrackObservation {
   int frame = 0;
   int track = 0;
-  Eigen::Vector2d normalised = Eigen::Vector2d::Zero();
+  PackedVector2d normalised = PackedVector2d::Zero();
   double sigma_normalised = 1.0;
 };
 
@@ -39,9 +42,10 @@ enum class StartLoss {
 struct StartAdjustmentOptions {
   int iterations_max = 20;  ///< a bound: it ends when a step gains less than `settled`
   StartLoss loss = StartLoss::kTruncated;
-  double width_sigma = 4.0;  ///< 3e-4 of normal residuals of two coordinates lie beyond
-  double sigma_scale = 1.0;  ///< every sigma is multiplied by this
-  double settled = 1e-3;     ///< stops when a step gains less chi-square: a 30th of a sigma
+  double width_sigma = 4.0;     ///< 3e-4 of normal residuals of two coordinates lie beyond
+  double sigma_scale = 1.0;     ///< every sigma is multiplied by this
+  bool rotations_held = false;  ///< attitudes stay, translations and points move
+  double settled = 1e-3;        ///< stops when a step gains less chi-square: a 30th of a sigma
 };
 
 /// Residuals in units of the scaled sigma. Observations in unknown frames or tracks count as

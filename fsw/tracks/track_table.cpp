@@ -110,11 +110,6 @@ void join(std::size_t earlier,
   }
 }
 
-const Feature& feature_of(const TrackPoint& point, const TrackTable& table) {
-  return table.frames[static_cast<std::size_t>(point.frame)]
-      .features[static_cast<std::size_t>(point.feature)];
-}
-
 /// How far a track's points are from its first one, the farthest of them.
 double spread_px(const Track& track, const TrackTable& table) {
   const auto place = [&](const TrackPoint& point) {

@@ -42,6 +42,11 @@ struct TrackTable {
   std::uint32_t full_count = 0;  ///< tracks that found no place
 };
 
+inline const Feature& feature_of(const TrackPoint& point, const TrackTable& table) {
+  return table.frames[static_cast<std::size_t>(point.frame)]
+      .features[static_cast<std::size_t>(point.feature)];
+}
+
 /// Appends a frame (its features are copied). Associates its features with the tracks of the last
 /// six frames by mutual best descriptors, nearest frame first. A full table drops its oldest
 /// frame.

@@ -115,7 +115,8 @@ polhode_status polhode_set_camera(polhode_parameters* parameters, const polhode_
                                .k1 = camera->k1,
                                .k2 = camera->k2,
                                .p1 = camera->p1,
-                               .p2 = camera->p2};
+                               .p2 = camera->p2,
+                               .line_time_ns = parameters->values.camera.line_time_ns};
   return POLHODE_OK;
 }
 

@@ -56,6 +56,7 @@ size_t polhode_parameters_octets(void);
 /* The defaults, in the caller's memory, aligned as malloc aligns. No end is needed. */
 polhode_status polhode_parameters_create(void* memory, size_t octets, polhode_parameters** out);
 
+/* Row times of a rolling shutter stay as they are: "camera.line_time_ns" by polhode_set_real(). */
 polhode_status polhode_set_camera(polhode_parameters* parameters, const polhode_camera* camera);
 
 /* One value by its key of config/default.toml, as in "features.count_max". A switch is 0 or 1, a choice its number from 0, in

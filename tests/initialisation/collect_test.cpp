@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/rng.hpp"
+#include "geometry/image_motion.hpp"
 
 namespace polhode::collect_test {
 namespace {
@@ -39,10 +40,11 @@ std::unique_ptr<Features> ball(double turn_rad, double shift_px = 0.0, int point
 
 class CollectFrame : public ::testing::Test {
  protected:
-  Collected show(const Features& features) {
+  Collected show(const Features& features, const CameraModel& camera = kCamera) {
     ++second_;
     return collect_frame(
         {.frame = second_, .timestamp_ns = second_ * 1'000'000'000LL, .features = &features},
+        camera,
         kRatioMax,
         state_.get(),
         &resting_);
@@ -96,6 +98,55 @@ TEST_F(CollectFrame, TheProblemHasEveryFrameWithItsTimeAndEveryTrack) {
   for (std::size_t t = 0; t < job->track_count; ++t) {
     for (const auto& observation : job->tracks[t].observations) {
       EXPECT_DOUBLE_EQ(observation.sigma_normalised, 0.5 / kCamera.focal_px());
+    }
+  }
+}
+
+TEST_F(CollectFrame, TheProblemHasThePictureOfEachFrameAboutItsFeatures) {
+  const auto job = std::make_unique<StartJob>();
+  for (int frame = 0; frame < 3; ++frame) {
+    const auto seen = ball(0.2 * frame);
+    (void)show(*seen);
+    const cv::Mat gray(
+        kCamera.height_px, kCamera.width_px, CV_8UC1, cv::Scalar(10.0 * (frame + 1)));
+    keep_crop(gray, second_, seen->view(), &job->pictures.crops);
+  }
+  pose_problem(kCamera, {}, 7, state_.get(), job.get());
+  for (int frame = 0; frame < 3; ++frame) {
+    const Crop* const crop = job->pictures.crop(static_cast<std::size_t>(frame));
+    ASSERT_NE(crop, nullptr);
+    EXPECT_GT(crop->width, 80);
+    EXPECT_LT(crop->width, 120);
+    EXPECT_EQ(crop->levels[0], 10 * (frame + 1));
+  }
+  for (std::size_t t = 0; t < job->track_count; ++t) {
+    for (const StartObservation& o : job->tracks[t].observations) {
+      const auto frame = static_cast<std::size_t>(o.frame);
+      ASSERT_TRUE(job->pictures.places[t].has(frame));
+      const Eigen::Vector2d px = job->pictures.places[t].px[frame].cast<double>();
+      EXPECT_LT((undistort(kCamera, px) - o.normalised).norm() * kCamera.focal_px(), 1e-4);
+    }
+  }
+}
+
+TEST_F(CollectFrame, BringsRowsOfARollingShutterToTheFramesTime) {
+  constexpr double kSpeed_px_s = 40.0;
+  CameraModel rolling = kCamera;
+  rolling.line_time_s = 2e-3;  // the picture in half of the time between frames
+  for (int frame = 0; frame < 3; ++frame) {
+    auto seen = ball(0.0, kSpeed_px_s * frame);
+    for (Feature& f : *seen) {
+      f.u_px += static_cast<float>(kSpeed_px_s * row_delay_s(rolling, f.v_px));
+      f.normalised = undistort(rolling, {f.u_px, f.v_px});
+    }
+    ASSERT_TRUE(show(*seen, rolling).kept);
+  }
+  for (int frame = 0; frame < 3; ++frame) {
+    const auto right = ball(0.0, kSpeed_px_s * frame);
+    const Features& kept = state_->tracks.frames[static_cast<std::size_t>(frame)].features;
+    ASSERT_EQ(kept.size(), right->size());
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      EXPECT_LT((kept[i].normalised - (*right)[i].normalised).norm() * rolling.focal_px(), 1e-3);
     }
   }
 }

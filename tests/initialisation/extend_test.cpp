@@ -131,8 +131,10 @@ TEST(AddPoints, TakesNoPointBeyondAFewExtents) {
   for (TrackObservation& s : k.g.observations) {
     const InverseDepthPose& pose = k.g.poses[static_cast<std::size_t>(s.frame)];
     if (s.track == 39) {
-      ASSERT_TRUE(reproject(
-          pose, k.g.poses[0].R_CT.transpose() * Eigen::Vector3d(0.0, 0.0, 8.0), &s.normalised));
+      Eigen::Vector2d seen;
+      ASSERT_TRUE(
+          reproject(pose, k.g.poses[0].R_CT.transpose() * Eigen::Vector3d(0.0, 0.0, 8.0), &seen));
+      s.normalised = seen;
     }
   }
   add_points(k.g.observations, &k.h);

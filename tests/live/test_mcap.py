@@ -46,7 +46,7 @@ def test_what_is_no_packet_is_passed_over_and_told(played, replayed, tmp_path):
 
 
 def test_a_file_that_is_there_stays_where_the_packets_cannot_be_read(played, tmp_path):
-    (tmp_path / "run.mcap").write_text("earlier")
+    (tmp_path / "run.mcap").write_text("Made by Polhode, earlier")
     done = subprocess.run([*TOOL, played.path, "--bus", tmp_path / "none", "--out", tmp_path / "run.mcap"], capture_output=True, text=True)
     assert done.returncode == 2 and "none" in done.stderr
-    assert (tmp_path / "run.mcap").read_text() == "earlier"
+    assert (tmp_path / "run.mcap").read_text() == "Made by Polhode, earlier"

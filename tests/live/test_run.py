@@ -202,7 +202,7 @@ def test_files_of_a_run_follow_no_link_and_are_its_own(live, played, tmp_path):
         (folder / name).symlink_to(precious)
     run = live(played.path)
     assert run.finish().status == 0 and report(run) and not (folder / "run.json").is_symlink()
-    assert precious.read_text() == "mine" and sorted(file.name for file in folder.iterdir()) == ["bus.ccsds", "run.json"]
+    assert precious.read_text() == "mine" and sorted(file.name for file in folder.iterdir()) == ["bus.ccsds", "run.json", "run.json.new"]
 
 
 def test_a_camera_that_does_not_come_ends_the_run(live):

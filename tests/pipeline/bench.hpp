@@ -146,8 +146,15 @@ class Ball {
   }
 
   [[nodiscard]] Picture seen_from(const Pose& pose) const {
+    return seen_by_rows([&](int) { return pose; });
+  }
+
+  /// Each row sees the pose of its own time.
+  template <typename PoseOfRow>
+  [[nodiscard]] Picture seen_by_rows(const PoseOfRow& pose_of_row) const {
     Picture picture(kWidth * kHeight, 0);
     for (int v = 0; v < kHeight; ++v) {
+      const Pose pose = pose_of_row(v);
       for (int u = 0; u < kWidth; ++u) {
         const Eigen::Vector3d ray =
             Eigen::Vector3d((u - 160.0) / kFocal_px, (v - 120.0) / kFocal_px, 1.0).normalized();

@@ -103,7 +103,9 @@ TEST(Jobs, AMapThatBeginsIsNotFittedAsAFreeBodyWithinTheStep) {
 
 TEST(Jobs, AMapThatBeginsWithManyKeyframesIsAdjustedBesideTheSteps) {
   const Ball ball(61);
-  Caller caller(parameters(), delayed(1), Run::kWhenDue);
+  Parameters late = parameters();
+  late.start.frames_min = 16;
+  Caller caller(late, delayed(1), Run::kWhenDue);
   int put_off = 0;
   for (int i = 0; i < 60; ++i) {
     const Eigen::Matrix3d R_CT = so3_exp(Eigen::Vector3d(0.0007, 0.003, 0.0003) * i);

@@ -45,7 +45,7 @@ def test_stamps_in_another_unit_are_refused(replay, sequence, unit_ns, says):
     [
         ("rate_hz: 10", "rate_hz: 30", "data.csv: timestamp [ns]: the pictures are 0.1 s apart in the median, but sensor.yaml says rate_hz: 30"),
         ("rate_hz: 10", "rate_hz: fast", "sensor.yaml: rate_hz: 'fast' is not a number above 0"),
-        ("rate_hz: 10", "rate_hz: 10\nline_time_ns: 15000", "sensor.yaml: line_time_ns: a rolling shutter"),
+        ("rate_hz: 10", "rate_hz: 10\nreadout_time: 0.015", "sensor.yaml: readout_time: a rolling shutter"),
         ("rate_hz: 10", "rate_hz: 10\nshutter: rolling", "sensor.yaml: shutter: a rolling shutter"),
         ("200.0, 200.0, 79.5, 59.5", "400.0, 400.0, 159.5, 119.5", "sensor.yaml: intrinsics: the principal point (159.5, 119.5)"),
     ],
@@ -58,8 +58,8 @@ def test_what_is_doubtful_is_told_and_kept(replay, sequence, before, after, says
     assert json.loads((result.folder / "summary.json").read_text())["warnings"] == [line]
 
 
-@pytest.mark.parametrize("line", ["line_time_ns: 0", "rolling_shutter: false", "shutter: global"])
-def test_a_global_shutter_is_not_remarked_on(replay, sequence, line):
+@pytest.mark.parametrize("line", ["line_time_ns: 0", "rolling_shutter: false", "shutter: global", "shutter: rolling\nline_time_ns: 15000"])
+def test_a_shutter_that_is_known_is_not_remarked_on(replay, sequence, line):
     changed(sequence, "rate_hz: 10", f"rate_hz: 10\n{line}")
     assert told(replay(sequence.path)) == []
 

@@ -1,5 +1,6 @@
-"""Levels of 10, 12 and 14 bits in 16-bit pictures are shifted up, and the program says so."""
+"""Levels of 8, 10, 12 and 14 bits in 16-bit pictures are shifted up, and the program says so."""
 
+import json
 import struct
 import zlib
 
@@ -37,7 +38,7 @@ def full(replay, tmp_path) -> bytes:
     return bus(result)
 
 
-@pytest.mark.parametrize(("factor", "bits", "sbit", "suffix"), [(4, 10, 0, ".png"), (16, 12, 0, ".png"), (64, 14, 0, ".png"), (16, 12, 12, ".png"), (16, 12, 0, ".pgm")])
+@pytest.mark.parametrize(("factor", "bits", "sbit", "suffix"), [(1, 8, 0, ".png"), (4, 10, 0, ".png"), (16, 12, 0, ".png"), (64, 14, 0, ".png"), (16, 12, 12, ".png"), (16, 12, 0, ".pgm")])
 def test_unshifted_levels_are_found(replay, tmp_path, full, factor, bits, sbit, suffix):
     result = replay(sequence(tmp_path / "low", factor, sbit, suffix).path)
     assert bus(result) == full
@@ -62,3 +63,13 @@ def test_dark_pictures_that_say_16_bits_stay(replay, tmp_path):
     dark = replay(sequence(tmp_path / "dark", 16, 16).path)
     assert "taken for" not in dark.err
     assert bus(dark) == bus(replay(sequence(tmp_path / "unsaid", 16).path, "--depth-bits", "16", out=tmp_path / "other"))
+
+
+def test_levels_beyond_the_depth_are_counted(replay, tmp_path):
+    """Five pictures tell the depth: the sixth of eleven is not among them."""
+    writer = SequenceWriter(tmp_path / "low")
+    for seed in range(11):
+        writer.add(textured(seed).astype(numpy.uint16) * (64 if seed == 5 else 16))
+    result = replay(writer.path)
+    summary = json.loads((result.folder / "summary.json").read_text())
+    assert summary["depth_bits"] == 12 and any("1 of 11 pictures hold levels beyond the 12 bits" in warning for warning in summary["warnings"])

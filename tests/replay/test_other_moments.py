@@ -35,9 +35,10 @@ def changed(replay, sample, tmp_path):
 
 
 def expect_right(rows, truth, faults=()):
-    """Each attitude within three of its own sigmas, in one T, which the good frames tell."""
+    """Each attitude within three of its own sigmas, in one T, which the good frames tell, each as well as its sigma says."""
     assert {row["target_frame"] for row in rows} == {"1"}
-    R_TT = mean_rotation([rotation(truth[row["timestamp_ns"]]).T @ rotation(row) for row in rows if int(row["frame"]) not in faults])
+    R_TT = mean_rotation([rotation(truth[row["timestamp_ns"]]).T @ rotation(row) / float(row["sigma_att_rad"]) ** 2
+                          for row in rows if int(row["frame"]) not in faults])
     for row in rows:
         assert off_deg(row, truth, R_TT) < 3.0 * math.degrees(float(row["sigma_att_rad"])), row["frame"]
 

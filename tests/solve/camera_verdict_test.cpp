@@ -211,6 +211,12 @@ TEST(CameraTexts, AreInPeoplesUnits) {
   EXPECT_NEAR(text(Deviation::kPrincipalV, 0.06).fits, 300.0, 1e-6);
   EXPECT_NEAR(text(Deviation::kReadout, 0.06).fits, 0.06, 1e-9);
   EXPECT_NEAR(text(Deviation::kHalf, -0.06).fits, -0.06, 1e-9);
+  CameraModel rolling = kCamera;
+  rolling.height_px = 480;
+  rolling.line_time_s = 1e-4;
+  const auto found = find_deviations(fit_of(Deviation::kReadout, 0.06, 0.01));
+  EXPECT_NEAR(describe(Deviation::kReadout, found, rolling).stated, 0.048, 1e-9);
+  EXPECT_NEAR(describe(Deviation::kReadout, found, rolling).fits, 0.108, 1e-9);
 }
 
 }  // namespace

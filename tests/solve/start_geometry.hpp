@@ -59,8 +59,10 @@ inline StartGeometry make_start_geometry(const StartGeometryOptions& options, st
     g.known.push_back(1);
     for (int f = 0; f < options.frames; ++f) {
       TrackObservation s{.frame = f, .track = i, .sigma_normalised = options.sigma};
-      (void)reproject(g.poses[static_cast<std::size_t>(f)], g.points_T.back(), &s.normalised);
-      s.normalised += options.sigma * options.noise * Eigen::Vector2d(rng.normal(), rng.normal());
+      Eigen::Vector2d seen = Eigen::Vector2d::Zero();
+      (void)reproject(g.poses[static_cast<std::size_t>(f)], g.points_T.back(), &seen);
+      s.normalised =
+          seen + options.sigma * options.noise * Eigen::Vector2d(rng.normal(), rng.normal());
       g.observations.push_back(s);
     }
   }

@@ -34,7 +34,9 @@ struct Geometry {
         posed.push_back(1);
       }
       TrackObservation s{.frame = static_cast<int>(f), .track = track, .sigma_normalised = kSigma};
-      EXPECT_TRUE(reproject(poses[f], points_T.back(), &s.normalised));
+      Eigen::Vector2d seen;
+      EXPECT_TRUE(reproject(poses[f], points_T.back(), &seen));
+      s.normalised = seen;
       s.normalised.x() += off_sigmas[f] * kSigma;
       observations.push_back(s);
     }

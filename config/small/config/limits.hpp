@@ -30,6 +30,9 @@ inline constexpr std::size_t kLandmarks = 2500;
 // soonest, so they span 30 deg or more.
 inline constexpr std::size_t kStartFrames = 16;
 
+// Pixels of the target's part of a kept frame: 110 x 110.
+inline constexpr std::size_t kCropPixels = 12100;
+
 // Tracks before there is a map. Chosen: 1.5 times the 400 features of a frame (config/small.toml).
 inline constexpr std::size_t kStartTracks = 600;
 

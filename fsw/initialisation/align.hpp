@@ -1,0 +1,47 @@
+// Observations of a start's tracks, registered to their track's middle view.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "geometry/camera_model.hpp"
+#include "initialisation/crop.hpp"
+#include "initialisation/local_motion.hpp"
+#include "initialisation/outcome.hpp"
+#include "initialisation/registration.hpp"
+
+namespace polhode {
+
+/// Pictures of a problem's frames, and where its tracks were detected in them.
+struct StartPictures {
+  CameraModel camera;
+  Crops crops;  ///< kept from problem to problem: copies of them would not fit
+  std::array<std::int8_t, limits::kStartFrames> crop_of{};  ///< by frame; -1: there is none
+  std::array<TrackPlaces, limits::kStartTracks> places;
+
+  /// nullptr where there is none.
+  [[nodiscard]] const Crop* crop(std::size_t frame) const {
+    return crop_of[frame] < 0 ? nullptr : &crops.held[static_cast<std::size_t>(crop_of[frame])];
+  }
+};
+
+/// Holds nothing between calls.
+struct AlignmentWorkspace {
+  enum class Turn : std::uint8_t { kWaits, kAligned, kSame };  ///< kSame: another has its spot
+
+  PatchTemplate patch;
+  std::array<Turn, limits::kStartTracks> turns{};
+};
+
+/// Moves each observation to where the track's middle view is found again: what is aligned to one
+/// view does not drift. Follows tracks into frames that missed them, joins those that show the same
+/// spot, and drops observations that do not look alike. Observations without a picture stay.
+/// @cost  at most one registration for each track and frame.
+void align_tracks(const StartPictures& pictures,
+                  std::size_t frames,
+                  std::span<StartTrack> tracks,
+                  AlignmentWorkspace* workspace);
+
+}  // namespace polhode

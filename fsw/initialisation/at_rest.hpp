@@ -1,0 +1,15 @@
+// The hypothesis that the body does not rotate: what moves is its bearing and range.
+#pragma once
+
+#include "initialisation/selection.hpp"
+
+namespace polhode {
+
+/// Fits the winner's geometry with attitudes that are constant in inertial axes. Where it explains
+/// the images as well for the unknowns that it saves, it becomes the winner.
+/// @return the evidence for it against free rotation, in chi-square; negative where the body
+/// rotates.
+/// @source Schwarz, Annals of Statistics 1978: 2 k unknowns fewer weigh k ln(n).
+double compare_at_rest(Selection* selection);
+
+}  // namespace polhode

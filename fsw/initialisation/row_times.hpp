@@ -1,0 +1,14 @@
+// Rows of a rolling shutter before there is a map: the image motion is that of the tracks.
+#pragma once
+
+#include "geometry/camera_model.hpp"
+#include "tracks/track_table.hpp"
+
+namespace polhode {
+
+/// Brings the newest frame's features to the frame's time, by the motion of the tracks that end in
+/// it since they were seen before. The first frame goes along with the second. Nothing where all
+/// rows are of one time.
+void to_frame_time(const CameraModel& camera, TrackTable* table);
+
+}  // namespace polhode
