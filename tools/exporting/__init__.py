@@ -1,0 +1,1 @@
+"""Poses of a run in the formats of flight dynamics and of robotics: poses reads, each other file writes one kind of files."""
