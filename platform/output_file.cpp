@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <cerrno>
+#include <string>
 #include <system_error>
 
 #include "errors.hpp"
@@ -36,10 +39,21 @@ void OutputFile::fail() const {
       fmt::format("{}: cannot be written: {}", name_, std::generic_category().message(errno)));
 }
 
-void write_file(const std::filesystem::path& file, std::string_view text) {
-  const std::filesystem::path beside = file.string() + ".new";
+std::filesystem::path fresh_beside(const std::filesystem::path& file) {
+  namespace fs = std::filesystem;
   std::error_code problem;
-  std::filesystem::remove(beside, problem);
+  for (long number = ::getpid();; ++number) {
+    fs::path beside = fmt::format("{}.{}.new", file.string(), number);
+    const fs::file_type type = fs::symlink_status(beside, problem).type();
+    if (type == fs::file_type::not_found || type == fs::file_type::none) {
+      return beside;
+    }
+  }
+}
+
+void write_file(const std::filesystem::path& file, std::string_view text) {
+  const std::filesystem::path beside = fresh_beside(file);
+  std::error_code problem;
   OutputFile out(beside, "wbxe", file);  // made here: nobody's link is followed
   try {
     out.write(text);

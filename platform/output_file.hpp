@@ -38,6 +38,9 @@ class OutputFile {
   std::unique_ptr<std::FILE, Close> stream_;
 };
 
+/// A name beside the file's that nobody has: what stands there is somebody's.
+std::filesystem::path fresh_beside(const std::filesystem::path& file);
+
 /// The whole of a small file: written beside it and moved to its place, so that it is whole, or as
 /// it was before. What stood there is replaced, a symbolic link, too.
 void write_file(const std::filesystem::path& file, std::string_view text);

@@ -56,6 +56,26 @@ inline std::string cited(std::string_view text, std::size_t octets_max = kQuoteM
   return out;
 }
 
+/// As a string of JSON. An octet that is not UTF-8 is the surrogate U+DC80 .. U+DCFF, as Python
+/// names files, so that a path from there is the path again.
+inline std::string json_text(std::string_view text) {
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string out = "\"";
+  while (!text.empty()) {
+    const std::size_t good = printable_octets(text);
+    const auto octet = static_cast<std::uint8_t>(text.front());
+    if (good == 0) {
+      out += octet < 0x80 ? "\\u00" : "\\udc";
+      out += {kDigits[octet >> 4U], kDigits[octet & 15U]};
+    } else {
+      out += octet == '"' || octet == '\\' ? "\\" : "";
+      out += text.substr(0, good);
+    }
+    text.remove_prefix(good == 0 ? 1 : good);
+  }
+  return out + '"';
+}
+
 /// A whole message: as cited(), but what is cut is its middle, as its end says what is allowed.
 inline std::string legible(std::string_view message) {
   constexpr std::size_t kEnd = 200;  // octets that stay of it

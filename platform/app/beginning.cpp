@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <fstream>
+#include <string_view>
 #include <system_error>
 
 #include "input_text.hpp"
@@ -19,6 +22,27 @@ void put_aside(const fs::path& checkpoint) {
   std::error_code problem;
   fs::rename(checkpoint, checkpoint.string() + ".suspect", problem);
   fs::remove(checkpoint_before(checkpoint), problem);
+}
+
+/// A file that no run left is somebody's: it gets a name that nothing has, and the run goes on.
+/// @return that name; empty: it may be replaced.
+std::string keep_of_others(const fs::path& file) {
+  constexpr std::string_view kMagic = "PLHCHK";  // of all versions
+  std::array<char, kMagic.size()> begin{};
+  std::error_code problem;
+  if (!fs::is_regular_file(file, problem) || fs::file_size(file, problem) == 0) {
+    return "";
+  }
+  std::ifstream(file, std::ios::binary).read(begin.data(), begin.size());
+  if (std::string_view(begin.data(), begin.size()) == kMagic) {
+    return "";
+  }
+  std::string kept = file.string() + ".found";
+  for (int i = 2; fs::exists(fs::symlink_status(kept, problem)); ++i) {
+    kept = fmt::format("{}.found{}", file.string(), i);
+  }
+  fs::rename(file, kept, problem);
+  return problem ? "" : kept;
 }
 
 }  // namespace
@@ -93,7 +117,10 @@ void Beginning::restore_last(Component& component) {
                          refused.empty() ? "" : "; the last checkpoint is not used: " + refused);
       return;
     }
-    refused = refused.empty() ? refusal : refused;
+    const std::string kept = keep_of_others(file);
+    refused = !refused.empty() ? refused
+              : kept.empty()   ? refusal
+                               : fmt::format("{}; what was there is kept as {}", refusal, kept);
     how_ = fmt::format("cold: the checkpoint is not used: {}", refused);
   }
 }

@@ -78,6 +78,12 @@ void probe_camera(const ProbeArguments& arguments) {
   }
   print_control("exposure", " x 100 us", report.exposure);
   print_control("gain", "", report.gain);
+  if (!report.would_use && !report.interlacing.empty()) {
+    throw UnusableInput(
+        fmt::format("{}: gives {}; allowed are progressive frames, all rows of one moment",
+                    report.path,
+                    report.interlacing));
+  }
   if (!report.would_use) {
     throw UnusableInput(fmt::format("{}: nothing that Polhode reads at that size", report.path));
   }

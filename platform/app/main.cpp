@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <exception>
+#include <map>
+#include <string>
 #include <system_error>
 
 #include "app/bus_dump.hpp"
@@ -16,6 +18,7 @@
 #include "app/recording_command.hpp"
 #include "app/replay.hpp"
 #include "app/run.hpp"
+#include "app/sequence_command.hpp"
 #include "errors.hpp"
 #include "os/linux/assertion.hpp"
 #include "os/linux/last_words.hpp"
@@ -34,6 +37,7 @@ using polhode::platform::ExportArguments;
 using polhode::platform::ProbeArguments;
 using polhode::platform::ReplayArguments;
 using polhode::platform::RunArguments;
+using polhode::platform::SequenceArguments;
 
 constexpr int kRunFailed = 1;
 constexpr int kUnusable = 2;
@@ -74,11 +78,21 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
       ->type_name("FILE");
   command
       ->add_option("--depth-bits",
-                   arguments.depth_bits,
-                   "of levels that 16-bit pictures hold unshifted: 10, 12, 14 or 16; else by sBIT, "
-                   "maxval or the levels themselves")
+                   arguments.pixels.depth_bits,
+                   "of levels that 16-bit pictures hold unshifted: 8, 10, 12, 14 or 16; else by "
+                   "sBIT, maxval or the levels themselves")
       ->type_name("BITS")
-      ->check(CLI::IsMember({10, 12, 14, 16}));
+      ->check(CLI::IsMember({8, 10, 12, 14, 16}));
+  command
+      ->add_option("--mosaic",
+                   arguments.pixels.mosaic,
+                   "of a colour sensor, in gray pictures: level (each pixel becomes the mean "
+                   "around it) or keep; else levelled where all pictures show one")
+      ->type_name("level|keep")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, polhode::platform::MosaicChoice>{
+                                              {"level", polhode::platform::MosaicChoice::kLevel},
+                                              {"keep", polhode::platform::MosaicChoice::kKeep}})
+                      .description(""));
   command->add_flag(
       "--realtime", arguments.realtime, "hand frames over at the pace of their time stamps");
   command->add_flag(
@@ -241,6 +255,15 @@ void add_recording(CLI::App& app, ExportArguments& arguments) {
   to->callback([&arguments] { polhode::platform::export_recording(arguments); });
 }
 
+void add_sequence(CLI::App& app, SequenceArguments& arguments) {
+  CLI::App* command =
+      app.add_subcommand("sequence", "what is read of a sequence's tables, as JSON");
+  command->add_option("SEQ", arguments.sequence, "folder of an image sequence in the ASL layout")
+      ->required();
+  command->add_flag("--any-lens", arguments.any_lens, "take `intrinsics: auto`, too, with a guess");
+  command->callback([&arguments] { polhode::platform::print_sequence(arguments); });
+}
+
 /// The commands that lead the arguments, as far as there are such.
 struct NamedCommand {
   std::string path = "polhode";
@@ -291,12 +314,14 @@ int run(int argc, char** argv) {
   BusArguments bus;
   ProbeArguments probe;
   ExportArguments recording;
+  SequenceArguments sequence;
   add_replay(app, replay);
   add_run(app, run);
   add_check(app, check);
   add_bus(app, bus);
   add_camera(app, probe);
   add_recording(app, recording);
+  add_sequence(app, sequence);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help and --version

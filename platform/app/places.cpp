@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -81,6 +82,22 @@ void lock_folder(const Place& place, std::vector<Descriptor>* locks) {
   }
 }
 
+/// A run's own bears these fields since the first version; an empty file is no loss. A link is
+/// replaced, which leaves the file it names as it is.
+bool is_of_others(const fs::path& run_json) {
+  std::error_code absent;
+  if (fs::symlink_status(run_json, absent).type() != fs::file_type::regular) {
+    return false;
+  }
+  constexpr std::size_t kOctetsMax = std::size_t{1} << 20U;
+  std::ifstream in(run_json, std::ios::binary);
+  std::string text(kOctetsMax, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, in.gcount())));
+  return !text.empty() && (text.find("\"config_hash\"") == std::string::npos ||
+                           text.find("\"frames_accepted\"") == std::string::npos);
+}
+
 }  // namespace
 
 void check_places(const fs::path& config, const MachineOptions& machine) {
@@ -92,6 +109,10 @@ void check_places(const fs::path& config, const MachineOptions& machine) {
     }
   }
   std::error_code problem;
+  if (!machine.run.folder.empty() && is_of_others(fs::path(machine.run.folder) / "run.json")) {
+    refuse({config, "run.folder", machine.run.folder},
+           "holds a run.json that no run wrote; move it away or name another folder");
+  }
   if (fs::is_directory(machine.run.checkpoint, problem)) {
     refuse({config, "run.checkpoint", machine.run.checkpoint},
            "is a folder; allowed is a file's name");

@@ -290,12 +290,15 @@ CameraReport finish_files(Run& run, const fs::path& folder) {
 
 /// @return what was said.
 std::vector<std::string> tell_remarks(const FileCamera& camera) {
-  const std::string remark = camera.orientation_remark();
-  if (remark.empty()) {
-    return {};
+  std::vector<std::string> remarks;
+  for (const std::string& remark :
+       {camera.orientation_remark(), camera.depth_remark(), camera.mixed_remark()}) {
+    if (!remark.empty()) {
+      tell("polhode: {}\n", remark);
+      remarks.push_back(remark);
+    }
   }
-  tell("polhode: {}\n", remark);
-  return {remark};
+  return remarks;
 }
 
 void tell_result(const Run& run, const fs::path& out) {
@@ -311,8 +314,9 @@ void tell_result(const Run& run, const fs::path& out) {
 
 /// Says what is doubtful, and what levels of few bits were taken for where the arguments do not.
 Sequence open_and_tell(const ReplayArguments& arguments) {
-  Sequence sequence = open_sequence(arguments.sequence, arguments.depth_bits);
-  const std::string remark = arguments.depth_bits == 0 ? depth_remark(sequence.depth_bits) : "";
+  Sequence sequence = open_sequence(arguments.sequence, arguments.pixels);
+  const std::string remark =
+      arguments.pixels.depth_bits == 0 ? depth_remark(sequence.depth_bits) : "";
   if (!remark.empty()) {
     tell("polhode: {}: {}\n", sequence.image_folder.string(), remark);
   }

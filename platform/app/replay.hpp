@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "camera/replay/sequence.hpp"
+
 namespace polhode::platform {
 
 struct ReplayArguments {
@@ -13,7 +15,7 @@ struct ReplayArguments {
   std::filesystem::path sequence;
   std::filesystem::path out;
   std::filesystem::path checkpoint;  ///< content of one; empty: cold
-  int depth_bits = 0;                ///< of levels in 16-bit pictures; 0: as they are found
+  PixelChoices pixels;
   bool realtime = false;
   bool one_core = false;             ///< jobs run between the steps, on the same thread
   std::uint32_t job_latency_ms = 0;  ///< for tests: jobs are held back by a random time up to this

@@ -11,6 +11,7 @@
 #include "app/motion_csv.hpp"
 #include "bus/counter_table.hpp"
 #include "output_file.hpp"
+#include "quote.hpp"
 
 namespace polhode::platform {
 namespace {
@@ -173,6 +174,8 @@ Json focal_length(const CameraReport& report, const CameraParameters& camera) {
   return out;
 }
 
+constexpr const char* kPathHere = "PATH";
+
 double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
 
 }  // namespace
@@ -224,7 +227,9 @@ void write_summary(const std::filesystem::path& file, const SummaryInput& input)
                      {"focal_length", focal_length(record.camera, input.sequence.camera)},
                      {"camera", deviations(record.camera)},
                      {"mode_at_end", mode_name(record.last.mode)},
-                     {"sequence", input.sequence.path.string()},
+                     {"sequence", kPathHere},
+                     {"depth_bits", input.sequence.depth_bits},
+                     {"mosaic", input.sequence.mosaic},
                      {"config_hash", input.config_hash},
                      {"own_structure", own_structure(input.own)},
                      {"frames", frames},
@@ -242,8 +247,13 @@ void write_summary(const std::filesystem::path& file, const SummaryInput& input)
                        {"worst_us", input.deadline.worst_us()}}},
                      {"bus", {{"octets", input.bus_octets}, {"sha256", input.bus_sha256}}},
                      {"bus_sha256", input.bus_sha256}};
-  // Paths may hold any octets; what is not UTF-8 is replaced rather than refused.
-  write_file(file, summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  // Texts may cite any octets; what is not UTF-8 is replaced rather than refused. The path alone is
+  // to be found again by it.
+  std::string text = summary.dump(2, ' ', false, Json::error_handler_t::replace);
+  const std::string place = fmt::format("\"sequence\": \"{}\"", kPathHere);
+  text.replace(
+      text.find(place), place.size(), "\"sequence\": " + json_text(input.sequence.path.string()));
+  write_file(file, text + "\n");
 }
 
 }  // namespace polhode::platform

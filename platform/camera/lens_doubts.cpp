@@ -83,16 +83,17 @@ std::string principal_point(const CameraParameters& c) {
       hint);
 }
 
-std::string focal_lengths(const CameraParameters& c) {
-  if (ratio(c.fu_px, c.fv_px) < kPixelRatioMax) {
+std::string focal_lengths(const CameraParameters& c, double pixel_aspect) {
+  if (ratio(pixel_aspect * c.fu_px, c.fv_px) < kPixelRatioMax) {
     return "";
   }
   return fmt::format(
-      "intrinsics: fu {:g} and fv {:g} differ by a factor of {:.2f}, usual are up to "
+      "intrinsics: fu {:g} and fv {:g} differ by a factor of {:.2f}{}, usual are up to "
       "{:g}; the order is fu, fv, cu, cv",
       c.fu_px,
       c.fv_px,
-      ratio(c.fu_px, c.fv_px),
+      ratio(pixel_aspect * c.fu_px, c.fv_px),
+      pixel_aspect == 1.0 ? "" : fmt::format(" beside pixel_aspect {:g}", pixel_aspect),
       kPixelRatioMax);
 }
 
@@ -137,13 +138,14 @@ std::string distortion(const CameraParameters& c) {
 
 }  // namespace
 
-std::vector<std::string> doubts_about_lens(const CameraParameters& camera) {
+std::vector<std::string> doubts_about_lens(const CameraParameters& camera, double pixel_aspect) {
   std::vector<std::string> doubts;
-  for (std::string (*judge)(const CameraParameters&) :
-       {principal_point, focal_lengths, field_of_view, distortion}) {
-    std::string doubt = judge(camera);
+  for (const std::string& doubt : {principal_point(camera),
+                                   focal_lengths(camera, pixel_aspect),
+                                   field_of_view(camera),
+                                   distortion(camera)}) {
     if (!doubt.empty()) {
-      doubts.push_back(std::move(doubt));
+      doubts.push_back(doubt);
     }
   }
   return doubts;

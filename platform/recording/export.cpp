@@ -62,7 +62,7 @@ std::string sensor_yaml(const std::map<std::string, std::string>& values, double
   return fmt::format(
       "sensor_type: camera\nrate_hz: {:.6g}\nresolution: [{}, {}]\ncamera_model: pinhole\n"
       "intrinsics: [{}, {}, {}, {}]\ndistortion_model: radial-tangential\n"
-      "distortion_coefficients: [{}, {}, {}, {}]\n",
+      "distortion_coefficients: [{}, {}, {}, {}]\nline_time_ns: {}\n",
       rate_hz,
       value("camera.width_px"),
       value("camera.height_px"),
@@ -73,7 +73,8 @@ std::string sensor_yaml(const std::map<std::string, std::string>& values, double
       value("camera.k1"),
       value("camera.k2"),
       value("camera.p1"),
-      value("camera.p2"));
+      value("camera.p2"),
+      value("camera.line_time_ns"));
 }
 
 class Exporter {

@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <string>
+#include <string_view>
 #include <system_error>
 
 #include "errors.hpp"
@@ -15,6 +17,27 @@
 namespace polhode::platform {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+bool is_number(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+/// recording-TIME-NUMBER.rec. A file of another name is somebody's; the oldest segments are
+/// removed.
+bool is_segment(std::string_view name) {
+  constexpr std::string_view kBegin = "recording-";
+  constexpr std::string_view kEnd = ".rec";
+  if (!name.starts_with(kBegin) || !name.ends_with(kEnd)) {
+    return false;
+  }
+  name = name.substr(kBegin.size(), name.size() - kBegin.size() - kEnd.size());
+  const std::size_t dash = std::min(name.find('-'), name.size() - 1);
+  return is_number(name.substr(0, dash)) && is_number(name.substr(dash + 1));
+}
+
+}  // namespace
 
 std::vector<fs::path> segment_files(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -24,8 +47,7 @@ std::vector<fs::path> segment_files(const fs::path& folder) {
     throw UnusableInput(fmt::format("{}: cannot be read: {}", folder.string(), problem.message()));
   }
   for (const auto& entry : entries) {
-    const std::string name = entry.path().filename();
-    if (name.rfind("recording-", 0) == 0 && entry.path().extension() == ".rec") {
+    if (is_segment(entry.path().filename().string())) {
       files.push_back(entry.path());
     }
   }

@@ -79,6 +79,10 @@ Refusal pgm_decode(Octets file, DecodedImage& image) {
   if (raw.size() < image.pixels.size()) {
     return "PGM: the file ends early";
   }
+  const Octets rest = raw.subspan(image.pixels.size());
+  if (rest.size() > 2 && rest[0] == 'P' && rest[1] == '5' && is_space(rest[2])) {
+    return "PGM: several pictures in one file; tools/import_sequence.py takes them apart";
+  }
   // Brightness counts as a fraction of full scale later on, so a 10- or 12-bit camera's maxval
   // becomes full scale.
   const auto maxval = static_cast<std::uint32_t>(pgm.maxval);

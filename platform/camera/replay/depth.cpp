@@ -9,7 +9,7 @@
 namespace polhode::platform {
 
 int depth_for(unsigned level) {
-  for (const int bits : {10, 12, 14}) {
+  for (const int bits : {8, 10, 12, 14}) {
     if (level < 1U << static_cast<unsigned>(bits)) {
       return bits;
     }
@@ -37,18 +37,21 @@ std::string depth_remark(int depth_bits) {
       depth_bits);
 }
 
-void scale_up(int depth_bits, DecodedImage* image) {
+bool scale_up(int depth_bits, DecodedImage* image) {
   if (depth_bits >= kFullDepth_bits || image->header.format != PixelFormat::kGray16) {
-    return;
+    return true;
   }
   const auto shift = static_cast<unsigned>(kFullDepth_bits - depth_bits);
+  unsigned largest = 0;
   for (std::size_t i = 0; i + 1 < image->pixels.size(); i += 2) {
     std::uint16_t level = 0;
     std::memcpy(&level, &image->pixels[i], sizeof level);
+    largest = std::max<unsigned>(largest, level);
     const unsigned scaled = std::min(static_cast<unsigned>(level) << shift, 0xFFFFU);
     level = static_cast<std::uint16_t>(scaled);
     std::memcpy(&image->pixels[i], &level, sizeof level);
   }
+  return largest <= 0xFFFFU >> shift;
 }
 
 }  // namespace polhode::platform

@@ -1,4 +1,4 @@
-// Cameras of 10, 12 and 14 bits, whose levels stand in 16-bit pictures as they came.
+// Cameras of 8, 10, 12 and 14 bits, whose levels stand in 16-bit pictures as they came.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace polhode::platform {
 
 constexpr int kFullDepth_bits = 16;  ///< of the levels in a 16-bit picture
 
-/// Smallest depth of a camera that has this level: 10, 12, 14 or 16 bits.
+/// Smallest depth of a camera that has this level: 8, 10, 12, 14 or 16 bits.
 int depth_for(unsigned level);
 
 /// Of a 16-bit picture.
@@ -19,6 +19,7 @@ unsigned largest_level(const DecodedImage& image);
 std::string depth_remark(int depth_bits);
 
 /// Shifts the levels up, so that the largest one is nearly full scale. Nothing for 8-bit pictures.
-void scale_up(int depth_bits, DecodedImage* image);
+/// @return false: some were larger than such a camera's, and were cut
+bool scale_up(int depth_bits, DecodedImage* image);
 
 }  // namespace polhode::platform

@@ -22,6 +22,7 @@ FileCamera::FileCamera(const Sequence& sequence) : sequence_(sequence) {
   image_.pixels.reserve(2 * width * height);  // 16 bits: no frame of this camera needs more
   image_.scratch.reserve(kRowOctets * width);
   octets_.reserve(sequence.file_octets_max);
+  mosaic_ = MosaicFilter(sequence.mosaic ? sequence.camera.width_px : 0);
 }
 
 Refusal FileCamera::load(const SequenceFrame& frame) {
@@ -47,12 +48,20 @@ Refusal FileCamera::load(const SequenceFrame& frame) {
   if (Refusal refusal = decode(octets_, image_)) {
     return refusal;
   }
+  const bool mixed_before = shallow_ > 0 && deep_ > 0;
+  ++(header.format == PixelFormat::kGray16 ? deep_ : shallow_);
+  if (!mixed_before && shallow_ > 0 && deep_ > 0) {
+    first_other_ = index();
+  }
   const int orientation = exif_orientation(octets_);
   if (orientation != 1 && ++turned_ == 1) {
     first_turned_ = index();
     orientation_ = orientation;
   }
-  scale_up(sequence_.depth_bits, &image_);
+  cut_ += scale_up(sequence_.depth_bits, &image_) ? 0 : 1;
+  if (sequence_.mosaic) {
+    mosaic_.level(&image_);
+  }
   return std::nullopt;
 }
 
@@ -69,6 +78,33 @@ std::string FileCamera::orientation_remark() const {
       sequence_.frames.size(),
       cited(sequence_.frames[first_turned_].file),
       orientation_);
+}
+
+std::string FileCamera::depth_remark() const {
+  if (cut_ == 0) {
+    return {};
+  }
+  return fmt::format(
+      "{}: {} of {} pictures hold levels beyond the {} bits that were taken for their depth; "
+      "these "
+      "are cut (--depth-bits says other)",
+      sequence_.image_folder.string(),
+      cut_,
+      sequence_.frames.size(),
+      sequence_.depth_bits);
+}
+
+std::string FileCamera::mixed_remark() const {
+  if (shallow_ == 0 || deep_ == 0) {
+    return {};
+  }
+  return fmt::format(
+      "{}: {} pictures have 8 bits a level, {} have 16 (the first that differs: {}); each kind is "
+      "taken to fill its own scale, which changes the brightness where that is wrong",
+      sequence_.image_folder.string(),
+      shallow_,
+      deep_,
+      cited(sequence_.frames[first_other_].file));
 }
 
 bool FileCamera::next(Frame& frame) {

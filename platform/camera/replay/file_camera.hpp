@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "camera/replay/decode.hpp"
+#include "camera/replay/mosaic.hpp"
 #include "camera/replay/sequence.hpp"
 #include "pipeline/component.hpp"
 
@@ -34,6 +35,12 @@ class FileCamera {
   /// For people: how many pictures EXIF would turn, which is not done; empty: none.
   [[nodiscard]] std::string orientation_remark() const;
 
+  /// For people: how many pictures hold levels beyond the depth, which are cut; empty: none.
+  [[nodiscard]] std::string depth_remark() const;
+
+  /// For people: how many pictures have 8 bits a level where others have 16; empty: all are alike.
+  [[nodiscard]] std::string mixed_remark() const;
+
  private:
   Refusal load(const SequenceFrame& frame);
 
@@ -41,10 +48,15 @@ class FileCamera {
   std::size_t next_ = 0;
   std::vector<std::uint8_t> octets_;
   DecodedImage image_;
+  MosaicFilter mosaic_{0};
   std::string refusal_;
   std::size_t turned_ = 0;        ///< pictures with an orientation other than 1
   std::size_t first_turned_ = 0;  ///< the frame
   int orientation_ = 1;           ///< of that one
+  std::size_t cut_ = 0;           ///< pictures with levels beyond the depth
+  std::size_t shallow_ = 0;       ///< pictures of 8 bits a level
+  std::size_t deep_ = 0;          ///< of 16
+  std::size_t first_other_ = 0;   ///< the first frame of the second kind
 };
 
 }  // namespace polhode::platform

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -27,6 +30,9 @@ class SensorFile {
     }
     if (!root_.IsMap()) {
       fail("not a table of fields");
+    }
+    if (root_["<<"]) {
+      fail("<<: merge keys are not read; write out the fields that they stand for");
     }
     std::set<std::string> fields;
     for (const auto& field : root_) {
@@ -67,6 +73,15 @@ class SensorFile {
     return values;
   }
 
+  [[nodiscard]] double number(const char* field) const {
+    const YAML::Node node = required(field);
+    double value = 0.0;
+    if (!YAML::convert<double>::decode(node, value)) {
+      fail(fmt::format("{}: '{}' is not a number", field, text(node)));
+    }
+    return value;
+  }
+
   /// A number above zero; none where the field is missing.
   /// @param problem  what else stands there, in one line; empty where nothing does
   [[nodiscard]] std::optional<double> positive(const char* field, std::string* problem) const {
@@ -83,12 +98,33 @@ class SensorFile {
   }
 
   /// Is there such a field, other than 0, false and what else says no?
-  [[nodiscard]] bool says(const char* field) const {
+  [[nodiscard]] bool says(const std::string& field) const {
     const YAML::Node node = root_[field];
     bool yes = true;
     double number = 1.0;
     return node && !node.IsNull() && !(YAML::convert<bool>::decode(node, yes) && !yes) &&
            !(YAML::convert<double>::decode(node, number) && number == 0.0);
+  }
+
+  /// Names of the fields as they stand.
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> names;
+    for (const auto& field : root_) {
+      if (field.first.IsScalar()) {
+        names.push_back(field.first.Scalar());
+      }
+    }
+    return names;
+  }
+
+  [[nodiscard]] std::map<std::string, std::string> single_values() const {
+    std::map<std::string, std::string> values;
+    for (const auto& field : root_) {
+      if (field.first.IsScalar() && field.second.IsScalar()) {
+        values.emplace(field.first.Scalar(), field.second.Scalar());
+      }
+    }
+    return values;
   }
 
   [[nodiscard]] std::string named(const std::string& what) const {
@@ -145,32 +181,65 @@ void check_all(const SensorFile& file, const CameraParameters& camera) {
   file.check("distortion_coefficients[1]", "camera.k2", camera);
   file.check("distortion_coefficients[2]", "camera.p1", camera);
   file.check("distortion_coefficients[3]", "camera.p2", camera);
+  file.check("line_time_ns", "camera.line_time_ns", camera);
 }
 
-/// How cameras' drivers and calibrations name a shutter that reads row after row.
+/// Time from row to row; 0 where nothing is said.
+double line_time_ns(const SensorFile& file) {
+  return file.says("line_time_ns") ? file.number("line_time_ns") : 0.0;
+}
+
+/// Letters and digits alone, small ones: how a name is compared that somebody else chose.
+std::string plain(const std::string& name) {
+  std::string letters;
+  for (const char c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
+      letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+  }
+  return letters;
+}
+
+/// How cameras' drivers and calibrations name the time from row to row, or a shutter that has one.
+bool tells_row_times(const SensorFile& file, const std::string& field) {
+  const std::string name = plain(field);
+  const auto begins = [&](const char* word) { return name.rfind(word, 0) == 0; };
+  const auto holds = [&](const char* word) { return name.find(word) != std::string::npos; };
+  if (name == "shutter" || begins("shuttertype") || begins("shuttermode")) {
+    const auto values = file.single_values();
+    const auto value = values.find(field);
+    return value != values.end() && plain(value->second).find("rolling") != std::string::npos;
+  }
+  return file.says(field) &&
+         (holds("rollingshutter") || holds("readouttime") || begins("linetime") ||
+          begins("linedelay") || begins("lineperiod") || begins("rowtime") || begins("rowdelay"));
+}
+
+/// A shutter that reads row after row, whose time from row to row is not known.
 std::string rolling_shutter(const SensorFile& file) {
   constexpr const char* kLimit =
       "a rolling shutter: rows are taken as of one time, so that a fast body is sheared and poses "
-      "are off by more than their sigma (docs/known_limits.md)";
-  for (const char* field : {"rolling_shutter", "line_time_ns", "line_delay", "readout_time"}) {
-    if (file.says(field)) {
-      return fmt::format("{}: {}", field, kLimit);
-    }
+      "are off by more than their sigma; line_time_ns, from one row to the next, gives them their "
+      "times (docs/known_limits.md)";
+  if (line_time_ns(file) != 0.0) {
+    return "";
   }
-  for (const char* field : {"shutter", "shutter_type"}) {
-    if (file.holds_word(field, "rolling")) {
-      return fmt::format("{}: {}", field, kLimit);
-    }
-  }
-  return "";
+  const std::vector<std::string> names = file.names();
+  const auto found = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
+    return tells_row_times(file, name);
+  });
+  return found == names.end() ? "" : fmt::format("{}: {}", cited(*found), kLimit);
 }
 
 /// What the program can go by, and is likely to be wrong.
 void add_doubts(const SensorFile& file, Sensor* sensor) {
   std::string problem;
   sensor->rate_hz = file.positive("rate_hz", &problem);
-  std::vector<std::string> doubts = doubts_about_lens(sensor->camera);
+  std::string shape_problem;
+  const double pixel_aspect = file.positive("pixel_aspect", &shape_problem).value_or(1.0);
+  std::vector<std::string> doubts = doubts_about_lens(sensor->camera, pixel_aspect);
   doubts.push_back(problem);
+  doubts.push_back(shape_problem);
   doubts.push_back(rolling_shutter(file));
   for (const std::string& doubt : doubts) {
     if (!doubt.empty()) {
@@ -179,20 +248,33 @@ void add_doubts(const SensorFile& file, Sensor* sensor) {
   }
 }
 
-}  // namespace
-
-Sensor read_sensor_yaml(const std::filesystem::path& path) {
-  const SensorFile file(path);
-  file.expect_word("camera_model", "pinhole");
-  file.expect_word("distortion_model", "radial-tangential");
-  const std::vector<double> size = file.numbers("resolution", 2);
-  if (file.holds_word("intrinsics", "auto")) {
+/// fu, fv, cu, cv; where the file leaves them to be estimated, a guess that an estimate begins
+/// with.
+std::vector<double> pinhole_of(const SensorFile& file,
+                               const std::vector<double>& size,
+                               const std::filesystem::path& path,
+                               LensNeed need) {
+  if (!file.holds_word("intrinsics", "auto")) {
+    return file.numbers("intrinsics", 4);
+  }
+  if (need == LensNeed::kNumbers) {
     file.fail(
         fmt::format("intrinsics: 'auto', allowed are 4 numbers; estimate them on the ground by "
                     "tools/import_sequence.py {} --intrinsics auto",
                     path.parent_path().parent_path().parent_path().string()));
   }
-  const std::vector<double> pinhole = file.numbers("intrinsics", 4);
+  const double focal_px = std::max(size[0], size[1]);
+  return {focal_px, focal_px, 0.5 * (size[0] - 1.0), 0.5 * (size[1] - 1.0)};
+}
+
+}  // namespace
+
+Sensor read_sensor_yaml(const std::filesystem::path& path, LensNeed need) {
+  const SensorFile file(path);
+  file.expect_word("camera_model", "pinhole");
+  file.expect_word("distortion_model", "radial-tangential");
+  const std::vector<double> size = file.numbers("resolution", 2);
+  const std::vector<double> pinhole = pinhole_of(file, size, path, need);
   const std::vector<double> distortion = file.numbers("distortion_coefficients", 4);
   const CameraParameters camera{.width_px = file.whole("resolution[0]", size[0]),
                                 .height_px = file.whole("resolution[1]", size[1]),
@@ -203,13 +285,18 @@ Sensor read_sensor_yaml(const std::filesystem::path& path) {
                                 .k1 = distortion[0],
                                 .k2 = distortion[1],
                                 .p1 = distortion[2],
-                                .p2 = distortion[3]};
+                                .p2 = distortion[3],
+                                .line_time_ns = line_time_ns(file)};
   check_all(file, camera);
   const std::string disorder = wrong_order(camera);
   if (!disorder.empty()) {
     file.fail(disorder);
   }
-  Sensor sensor{.camera = camera, .rate_hz = std::nullopt, .warnings = {}};
+  Sensor sensor{.camera = camera,
+                .intrinsics_known = !file.holds_word("intrinsics", "auto"),
+                .rate_hz = std::nullopt,
+                .fields = file.single_values(),
+                .warnings = {}};
   add_doubts(file, &sensor);
   return sensor;
 }

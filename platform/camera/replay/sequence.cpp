@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <functional>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -95,7 +96,9 @@ class FrameTable {
     const std::int64_t now = frames.back().timestamp_ns;
     if (now <= before) {
       fail(fmt::format(
-          "timestamp [ns]: {} {} (the frame before has {}), allowed are increasing ones",
+          "timestamp [ns]: {} {} (the frame before has {}), allowed are increasing ones; "
+          "tools/import_sequence.py SEQ NEW judges all stamps together: it leaves single ones out "
+          "and tells a clock that was set or wrapped",
           now,
           now == before ? "repeats" : "runs back",
           before));
@@ -141,16 +144,40 @@ ImageHeader check_first_image(const Sequence& sequence) {
                                   first_refusal.value_or("")));
 }
 
-/// Bits of the largest level in 16-bit pictures: 10, 12, 14 or 16. By a few pictures of the
-/// sequence: where they say their bits, levels are of so many only if none is larger, as PNG asks
-/// writers to shift them up. 16 for other pictures.
-int depth_of(const Sequence& sequence) {
+/// What a few pictures of a sequence tell of its levels.
+struct LevelsSeen {
+  unsigned largest = 0;     ///< in 16-bit pictures
+  int said = 0;             ///< bits, as those files say; 0: they do not
+  bool full_depth = false;  ///< one says that it uses all 16
+  std::size_t lit = 0;      ///< pictures that are not black
+  std::size_t with_mosaic = 0;
+  MosaicCells cells{};  ///< summed over these
+};
+
+void look_at(const DecodedImage& image, LevelsSeen* seen) {
+  const bool is_deep = image.header.format == PixelFormat::kGray16;
+  if (is_deep && image.header.significant_bits == kFullDepth_bits) {
+    seen->full_depth = true;
+  } else if (is_deep) {  // one of 8 bits says nothing of the others
+    seen->largest = std::max(seen->largest, largest_level(image));
+    seen->said = std::max(seen->said, image.header.significant_bits);
+  }
+  const bool lit = std::any_of(
+      image.pixels.begin(), image.pixels.end(), [](std::uint8_t octet) { return octet != 0; });
+  seen->lit += lit ? 1 : 0;
+  if (const auto cells = mosaic_of(image)) {
+    ++seen->with_mosaic;
+    std::transform(
+        cells->begin(), cells->end(), seen->cells.begin(), seen->cells.begin(), std::plus<>());
+  }
+}
+
+LevelsSeen levels_seen(const Sequence& sequence) {
   constexpr std::size_t kLookedAt = 5;  // evenly over the sequence: the first ones may be dark
   const std::size_t step = std::max<std::size_t>(1, sequence.frames.size() / kLookedAt);
   std::vector<std::uint8_t> octets;
   DecodedImage image;
-  unsigned largest = 0;
-  int said = 0;
+  LevelsSeen seen;
   for (std::size_t i = 0; i < sequence.frames.size(); i += step) {
     ImageHeader header;
     if (read_file(sequence.image_folder / sequence.frames[i].file,
@@ -160,25 +187,43 @@ int depth_of(const Sequence& sequence) {
         header.height_px != sequence.camera.height_px) {
       continue;
     }
-    if (header.format != PixelFormat::kGray16 || header.significant_bits == kFullDepth_bits) {
-      return kFullDepth_bits;
-    }
     if (!decode(octets, image)) {
-      largest = std::max(largest, largest_level(image));
-      said = std::max(said, header.significant_bits);
+      look_at(image, &seen);
     }
   }
-  if (largest == 0) {
-    return kFullDepth_bits;  // black, or none could be read
+  return seen;
+}
+
+/// Bits of the largest level in 16-bit pictures: 8, 10, 12, 14 or 16; 16 for other pictures. Where
+/// files say their bits, levels are of so many only if none is larger, as PNG asks writers to shift
+/// them up.
+int depth_of(const LevelsSeen& seen) {
+  if (seen.full_depth || seen.largest == 0) {
+    return kFullDepth_bits;
   }
-  said = std::min(said, kFullDepth_bits);  // of a damaged file, it may be any octet
-  const int found = depth_for(largest);
+  const int said = std::min(seen.said, kFullDepth_bits);  // of a damaged file, it may be any octet
+  const int found = depth_for(seen.largest);
   return said == 0 || found == kFullDepth_bits ? found : std::max(found, said);
 }
 
-std::vector<std::int64_t> stamps_of(const Sequence& sequence) {
+void choose_levels(const PixelChoices& choices, Sequence* sequence) {
+  const LevelsSeen seen = levels_seen(*sequence);
+  sequence->depth_bits = choices.depth_bits == 0 ? depth_of(seen) : choices.depth_bits;
+  const double contrast =
+      contrast_of(seen.cells) / static_cast<double>(std::max<std::size_t>(1, seen.with_mosaic));
+  const bool found = seen.with_mosaic > 0 && seen.with_mosaic == seen.lit &&
+                     contrast >= kMosaicContrastMin;  // the same pattern in all
+  sequence->mosaic =
+      choices.mosaic == MosaicChoice::kLevel || (choices.mosaic == MosaicChoice::kFind && found);
+  if (found) {
+    sequence->warnings.push_back(sequence->image_folder.string() + ": " +
+                                 mosaic_remark(contrast, choices.mosaic));
+  }
+}
+
+std::vector<std::int64_t> stamps_of(const std::vector<SequenceFrame>& frames) {
   std::vector<std::int64_t> stamps_ns;
-  for (const SequenceFrame& frame : sequence.frames) {
+  for (const SequenceFrame& frame : frames) {
     stamps_ns.push_back(frame.timestamp_ns);
   }
   return stamps_ns;
@@ -207,32 +252,52 @@ std::size_t frame_octets_max(const CameraParameters& camera) {
          kBeside;
 }
 
-Sequence open_sequence(const fs::path& path, int depth_bits) {
+SequenceTables read_tables(const fs::path& path, LensNeed need) {
   const fs::path camera = path / "mav0" / "cam0";
   std::error_code problem;
   if (!fs::is_directory(path, problem)) {
     const bool absent = !problem || problem == std::errc::no_such_file_or_directory;
     const bool file = fs::is_regular_file(path, problem);
     throw UnusableInput(
-        file ? fmt::format("{}: a file, no such folder; {}", path.string(), kImport)
-             : fmt::format("{}: {}", path.string(), absent ? "no such folder" : problem.message()));
+        fs::is_symlink(path, problem) && absent
+            ? fmt::format("{}: a link to {}, which is not there",
+                          path.string(),
+                          fs::read_symlink(path, problem).string())
+        : file
+            ? fmt::format("{}: a file, no such folder; {}", path.string(), kImport)
+            : fmt::format("{}: {}", path.string(), absent ? "no such folder" : problem.message()));
   }
   if (is_absent(camera / "data.csv")) {
     throw UnusableInput(fmt::format(
         "{}: not an image sequence: mav0/cam0/data.csv is missing; {}", path.string(), kImport));
   }
-  Sensor sensor = read_sensor_yaml(camera / "sensor.yaml");
-  Sequence sequence{.path = path,
-                    .image_folder = camera / "data",
-                    .camera = sensor.camera,
-                    .frames = FrameTable(camera / "data.csv").read(),
-                    .warnings = std::move(sensor.warnings)};
-  sequence.decoder_octets = check_first_image(sequence).decoder_octets;
-  sequence.depth_bits = depth_bits == 0 ? depth_of(sequence) : depth_bits;
-  sequence.file_octets_max = largest_file(sequence);
+  SequenceTables tables{.sensor = read_sensor_yaml(camera / "sensor.yaml", need),
+                        .frames = FrameTable(camera / "data.csv").read(),
+                        .warnings = {}};
+  tables.warnings = tables.sensor.warnings;
   const std::vector<std::string> doubts =
-      doubts_about_stamps(stamps_of(sequence), sensor.rate_hz, camera / "data.csv");
-  sequence.warnings.insert(sequence.warnings.end(), doubts.begin(), doubts.end());
+      doubts_about_stamps(stamps_of(tables.frames), tables.sensor.rate_hz, camera / "data.csv");
+  tables.warnings.insert(tables.warnings.end(), doubts.begin(), doubts.end());
+  const std::string readout =
+      doubt_about_readout(stamps_of(tables.frames),
+                          tables.sensor.camera.line_time_ns * (tables.sensor.camera.height_px - 1));
+  if (!readout.empty()) {
+    tables.warnings.push_back(
+        fmt::format("{}: line_time_ns: {}", (camera / "sensor.yaml").string(), readout));
+  }
+  return tables;
+}
+
+Sequence open_sequence(const fs::path& path, const PixelChoices& choices) {
+  SequenceTables tables = read_tables(path);
+  Sequence sequence{.path = path,
+                    .image_folder = path / "mav0" / "cam0" / "data",
+                    .camera = tables.sensor.camera,
+                    .frames = std::move(tables.frames),
+                    .warnings = std::move(tables.warnings)};
+  sequence.decoder_octets = check_first_image(sequence).decoder_octets;
+  choose_levels(choices, &sequence);
+  sequence.file_octets_max = largest_file(sequence);
   return sequence;
 }
 

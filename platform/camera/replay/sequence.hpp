@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "camera/replay/mosaic.hpp"
+#include "camera/replay/sensor_yaml.hpp"
 #include "pipeline/parameters.hpp"
 
 namespace polhode::platform {
@@ -16,12 +18,19 @@ struct SequenceFrame {
   std::string file;  ///< inside SEQ/mav0/cam0/data
 };
 
+/// What the user says of the pixels.
+struct PixelChoices {
+  int depth_bits = 0;  ///< of 16-bit pictures, 8, 10, 12, 14 or 16; 0: as they are found
+  MosaicChoice mosaic = MosaicChoice::kFind;
+};
+
 struct Sequence {
   std::filesystem::path path;
   std::filesystem::path image_folder;
   CameraParameters camera;
   std::vector<SequenceFrame> frames;  ///< at least one; time stamps strictly increasing
   int depth_bits = 16;                ///< of the levels in 16-bit pictures (depth.hpp)
+  bool mosaic = false;                ///< one is to be taken out of the pictures (mosaic.hpp)
   std::size_t file_octets_max = 0;  ///< of the frames' files, those beyond frame_octets_max() aside
   std::size_t decoder_octets = 0;   ///< as ImageHeader's, of the first image
   std::vector<std::string> warnings;  ///< what is likely to be wrong, one line each with its file
@@ -31,12 +40,22 @@ struct Sequence {
 /// a pixel; one more for what a compressor adds to noise, and 1 MiB for profiles and remarks.
 std::size_t frame_octets_max(const CameraParameters& camera);
 
+/// What the tables say, whatever the pictures are.
+struct SequenceTables {
+  Sensor sensor;
+  std::vector<SequenceFrame> frames;  ///< as Sequence's
+  std::vector<std::string> warnings;
+};
+
+/// Reads data.csv and sensor.yaml.
+/// @throws UnusableInput as open_sequence() does for these.
+SequenceTables read_tables(const std::filesystem::path& path, LensNeed need = LensNeed::kNumbers);
+
 /// Reads data.csv and sensor.yaml, looks at the first image that has a readable header and asks for
 /// the size of all files: memory for them is planned.
 /// @throws UnusableInput naming the file and, where there is one, line and field: not a sequence,
 /// no frames, a time stamp that repeats or runs back, stamps of another unit, an unusable camera,
 /// images of another size.
-/// @param depth_bits  of 16-bit pictures, 10, 12, 14 or 16; 0: as they are found
-Sequence open_sequence(const std::filesystem::path& path, int depth_bits = 0);
+Sequence open_sequence(const std::filesystem::path& path, const PixelChoices& choices = {});
 
 }  // namespace polhode::platform

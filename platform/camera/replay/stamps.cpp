@@ -94,6 +94,44 @@ std::string bursts(std::span<const std::int64_t> intervals, double median_ns) {
       1e-9 * median_ns);
 }
 
+/// Frames that are missing among regular intervals, where they are a tenth or leave a long gap.
+std::string gaps(std::span<const std::int64_t> stamps_ns,
+                 std::span<const std::int64_t> intervals,
+                 double median_ns) {
+  // Chosen as in tools/importing/stamps.py: fewer intervals, or such that vary, count no frames.
+  constexpr std::size_t kIntervalsMin = 9;
+  constexpr double kRegularWidth = 0.25;
+  constexpr double kRegularShare = 0.8;
+  constexpr double kGap = 1.75;
+  // Chosen: a tenth of the frames, or ten at once, over which a target is easily lost.
+  constexpr double kMissingShareMin = 0.1;
+  constexpr double kLongGap = 10.0;
+  std::size_t regular = 0;
+  double missing = 0.0;
+  std::size_t longest = 0;
+  for (std::size_t i = 0; i < intervals.size(); ++i) {
+    const double times = static_cast<double>(intervals[i]) / median_ns;
+    regular += std::abs(times - 1.0) <= kRegularWidth ? 1 : 0;
+    missing += times > kGap ? std::round(times) - 1.0 : 0.0;
+    longest = intervals[i] > intervals[longest] ? i : longest;
+  }
+  const auto count = static_cast<double>(intervals.size());
+  const double longest_ns = static_cast<double>(intervals[longest]);
+  const bool is_regular =
+      intervals.size() >= kIntervalsMin && static_cast<double>(regular) >= kRegularShare * count;
+  if (!is_regular ||
+      (missing < kMissingShareMin * (count + missing) && longest_ns < kLongGap * median_ns)) {
+    return "";
+  }
+  return fmt::format(
+      "about {:.0f} frames are missing between the {} that are there, most of them in the {:g} s "
+      "after {}: lost, a pause, or a clock that was set ahead",
+      missing,
+      stamps_ns.size(),
+      1e-9 * longest_ns,
+      stamps_ns[longest]);
+}
+
 bool is_rate(double interval_ns, double rate_hz) {
   const double factor = 1e-9 * interval_ns * rate_hz;
   return factor < kRateFactorMax && factor > 1.0 / kRateFactorMax;
@@ -126,13 +164,32 @@ std::vector<std::string> doubts_about_stamps(std::span<const std::int64_t> stamp
   std::vector<std::string> doubts;
   const double mean_ns = static_cast<double>(stamps_ns.back() - stamps_ns.front()) /
                          static_cast<double>(intervals.size());
+  const std::string in_bursts = bursts(intervals, median_ns);
   for (const std::string& doubt :
-       {other_rate(median_ns, mean_ns, rate_hz), bursts(intervals, median_ns)}) {
+       {other_rate(median_ns, mean_ns, rate_hz),
+        in_bursts,
+        in_bursts.empty() ? gaps(stamps_ns, intervals, median_ns) : std::string()}) {
     if (!doubt.empty()) {
       doubts.push_back(fmt::format("{}: timestamp [ns]: {}", table.string(), doubt));
     }
   }
   return doubts;
+}
+
+std::string doubt_about_readout(std::span<const std::int64_t> stamps_ns, double readout_ns) {
+  std::vector<std::int64_t> intervals = intervals_of(stamps_ns);
+  if (intervals.empty()) {
+    return "";
+  }
+  const auto median_ns = static_cast<double>(median(std::span(intervals)));
+  if (std::abs(readout_ns) <= median_ns) {
+    return "";
+  }
+  return fmt::format(
+      "all rows of a picture take {:g} s, but the pictures are {:g} s apart in the median; usual "
+      "is less, in nanoseconds from one row to the next",
+      1e-9 * std::abs(readout_ns),
+      1e-9 * median_ns);
 }
 
 }  // namespace polhode::platform

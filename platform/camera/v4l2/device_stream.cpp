@@ -11,11 +11,18 @@
 namespace polhode::platform {
 namespace {
 
-constexpr std::uint32_t kCapture = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+bool has_planes(std::uint32_t type) { return type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE; }
 
-v4l2_format wished_format(std::uint32_t fourcc, int width_px, int height_px) {
+v4l2_format wished_format(std::uint32_t type, std::uint32_t fourcc, int width_px, int height_px) {
   v4l2_format format{};
-  format.type = kCapture;
+  format.type = type;
+  if (has_planes(type)) {
+    format.fmt.pix_mp.width = static_cast<std::uint32_t>(width_px);
+    format.fmt.pix_mp.height = static_cast<std::uint32_t>(height_px);
+    format.fmt.pix_mp.pixelformat = fourcc;
+    format.fmt.pix_mp.field = V4L2_FIELD_NONE;
+    return format;
+  }
   format.fmt.pix.width = static_cast<std::uint32_t>(width_px);
   format.fmt.pix.height = static_cast<std::uint32_t>(height_px);
   format.fmt.pix.pixelformat = fourcc;
@@ -23,21 +30,56 @@ v4l2_format wished_format(std::uint32_t fourcc, int width_px, int height_px) {
   return format;
 }
 
+/// Of several planes the first has the luminance.
 OfferedFormat offered(const v4l2_format& format) {
+  if (has_planes(format.type)) {
+    const v4l2_pix_format_mplane& planes = format.fmt.pix_mp;
+    return {.fourcc = planes.pixelformat,
+            .width_px = static_cast<int>(planes.width),
+            .height_px = static_cast<int>(planes.height),
+            .row_octets = planes.plane_fmt[0].bytesperline,
+            .image_octets = planes.plane_fmt[0].sizeimage,
+            .field = planes.field};
+  }
   return {.fourcc = format.fmt.pix.pixelformat,
           .width_px = static_cast<int>(format.fmt.pix.width),
           .height_px = static_cast<int>(format.fmt.pix.height),
           .row_octets = format.fmt.pix.bytesperline,
-          .image_octets = format.fmt.pix.sizeimage};
+          .image_octets = format.fmt.pix.sizeimage,
+          .field = format.fmt.pix.field};
 }
 
-v4l2_buffer mapped_buffer(std::uint32_t index) {
+/// A buffer as it is named in a call, with its planes where the device has such.
+struct NamedBuffer {
+  NamedBuffer(std::uint32_t type, std::uint32_t index, std::uint32_t plane_count)
+      : in_planes(has_planes(type)) {
+    buffer.type = type;
+    buffer.memory = V4L2_MEMORY_MMAP;
+    buffer.index = index;
+    if (in_planes) {
+      buffer.m.planes = planes.data();
+      buffer.length = plane_count;
+    }
+  }
+  NamedBuffer(const NamedBuffer&) = delete;
+  NamedBuffer& operator=(const NamedBuffer&) = delete;
+
+  [[nodiscard]] std::uint32_t length() const {
+    return in_planes ? planes[0].length : buffer.length;
+  }
+  [[nodiscard]] std::uint32_t map_offset() const {
+    return in_planes ? planes[0].m.mem_offset : buffer.m.offset;
+  }
+  /// Where the content begins, and ends.
+  [[nodiscard]] std::uint32_t begin() const { return in_planes ? planes[0].data_offset : 0; }
+  [[nodiscard]] std::uint32_t end() const {
+    return in_planes ? planes[0].bytesused : buffer.bytesused;
+  }
+
+  bool in_planes;
   v4l2_buffer buffer{};
-  buffer.type = kCapture;
-  buffer.memory = V4L2_MEMORY_MMAP;
-  buffer.index = index;
-  return buffer;
-}
+  std::array<v4l2_plane, VIDEO_MAX_PLANES> planes{};
+};
 
 template <std::size_t kSize>
 void copy_text(const std::uint8_t (&from)[kSize], std::array<char, kSize>* to) {
@@ -120,10 +162,8 @@ OpenResult DeviceStream::check_capabilities() {
     std::snprintf(trouble_.data(), trouble_.size(), "%s is not the one before", path());
     return OpenResult::kOther;
   }
-  const std::uint32_t can = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0
-                                ? capability.device_caps
-                                : capability.capabilities;
-  if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0 || (can & V4L2_CAP_STREAMING) == 0) {
+  type_ = capture_type(capability);
+  if (type_ == 0) {
     (void)failed("does not capture by streaming", -ENOTSUP);
     return OpenResult::kUnsuitable;
   }
@@ -131,9 +171,22 @@ OpenResult DeviceStream::check_capabilities() {
 }
 
 OpenResult DeviceStream::set_format() {
-  const auto formats = ask_formats(calls_, device_, wish_.format.width_px, wish_.format.height_px);
+  const auto formats =
+      ask_formats(calls_, device_, type_, wish_.format.width_px, wish_.format.height_px);
   const auto choice = choose_format(formats.view(), wish_.format);
   if (!choice) {
+    const auto field = std::find_if(formats.begin(), formats.end(), [&](const OfferedFormat& f) {
+      return !interlacing(f.field).empty() &&
+             (wish_.format.fourcc == 0 || f.fourcc == wish_.format.fourcc);
+    });
+    if (field != formats.end()) {
+      std::snprintf(trouble_.data(),
+                    trouble_.size(),
+                    "%s: gives %s; allowed are progressive frames, all rows of one moment",
+                    path(),
+                    interlacing(field->field).data());
+      return OpenResult::kUnsuitable;
+    }
     std::snprintf(trouble_.data(),
                   trouble_.size(),
                   "%s: no readable format of %dx%d",
@@ -143,12 +196,16 @@ OpenResult DeviceStream::set_format() {
     return OpenResult::kUnsuitable;
   }
   v4l2_format format =
-      wished_format(formats[*choice].fourcc, wish_.format.width_px, wish_.format.height_px);
+      wished_format(type_, formats[*choice].fourcc, wish_.format.width_px, wish_.format.height_px);
   const int answer = calls_.ioctl(device_, VIDIOC_S_FMT, &format);
   if (answer < 0) {
     return failed("S_FMT", answer);
   }
   format_ = offered(format);
+  planes_ = has_planes(type_) ? format.fmt.pix_mp.num_planes : 1;
+  if (planes_ < 1 || planes_ > VIDEO_MAX_PLANES) {
+    return failed("S_FMT gave no planes", -EPROTO);
+  }
   // What was only asked for may differ from what is in force.
   if (!choose_format(std::span(&format_, 1), wish_.format)) {
     return failed("S_FMT gave another format", -EPROTO);
@@ -159,7 +216,7 @@ OpenResult DeviceStream::set_format() {
 /// A device without a settable rate is taken as it runs.
 void DeviceStream::set_interval() {
   v4l2_streamparm parameters{};
-  parameters.type = kCapture;
+  parameters.type = type_;
   const Interval wished = interval_of(wish_.rate_hz);
   parameters.parm.capture.timeperframe = {wished.numerator, wished.denominator};
   const bool known = calls_.ioctl(device_, VIDIOC_S_PARM, &parameters) >= 0 &&
@@ -171,7 +228,7 @@ void DeviceStream::set_interval() {
 OpenResult DeviceStream::map_ring() {
   v4l2_requestbuffers request{};
   request.count = static_cast<std::uint32_t>(wish_.buffers);
-  request.type = kCapture;
+  request.type = type_;
   request.memory = V4L2_MEMORY_MMAP;
   if (const int answer = calls_.ioctl(device_, VIDIOC_REQBUFS, &request); answer < 0) {
     return failed("REQBUFS", answer);
@@ -181,27 +238,27 @@ OpenResult DeviceStream::map_ring() {
     return failed("REQBUFS gave another number of buffers", -ENOBUFS);
   }
   for (std::uint32_t i = 0; i < request.count; ++i) {
-    v4l2_buffer buffer = mapped_buffer(i);
-    if (const int answer = calls_.ioctl(device_, VIDIOC_QUERYBUF, &buffer); answer < 0) {
+    NamedBuffer named(type_, i, planes_);
+    if (const int answer = calls_.ioctl(device_, VIDIOC_QUERYBUF, &named.buffer); answer < 0) {
       return failed("QUERYBUF", answer);
     }
-    std::uint8_t* block = calls_.map(device_, buffer.length, buffer.m.offset);
+    std::uint8_t* block = calls_.map(device_, named.length(), named.map_offset());
     if (block == nullptr) {
       return failed("mmap", -ENOMEM);
     }
-    (void)ring_.push_back({.block = block, .octets = buffer.length});
+    (void)ring_.push_back({.block = block, .octets = named.length()});
   }
   return OpenResult::kStreaming;
 }
 
 OpenResult DeviceStream::start() {
   for (std::uint32_t i = 0; i < ring_.size(); ++i) {
-    v4l2_buffer buffer = mapped_buffer(i);
-    if (const int answer = calls_.ioctl(device_, VIDIOC_QBUF, &buffer); answer < 0) {
+    NamedBuffer named(type_, i, planes_);
+    if (const int answer = calls_.ioctl(device_, VIDIOC_QBUF, &named.buffer); answer < 0) {
       return failed("QBUF", answer);
     }
   }
-  int type = kCapture;
+  std::uint32_t type = type_;
   if (const int answer = calls_.ioctl(device_, VIDIOC_STREAMON, &type); answer < 0) {
     return failed("STREAMON", answer);
   }
@@ -214,7 +271,7 @@ void DeviceStream::close() {
     return;
   }
   if (streaming_) {
-    int type = kCapture;
+    std::uint32_t type = type_;
     (void)calls_.ioctl(device_, VIDIOC_STREAMOFF, &type);  // fails on a device that has gone
     streaming_ = false;
   }
@@ -241,8 +298,9 @@ TakeResult DeviceStream::take(int timeout_ms, TakenBuffer* taken) {
     }
     // An error or a hang-up is told by the next call, too, and there with its reason.
   }
-  v4l2_buffer buffer = mapped_buffer(0);
-  const int answer = calls_.ioctl(device_, VIDIOC_DQBUF, &buffer);
+  NamedBuffer named(type_, 0, planes_);
+  const v4l2_buffer& buffer = named.buffer;
+  const int answer = calls_.ioctl(device_, VIDIOC_DQBUF, &named.buffer);
   if (answer == -EAGAIN) {
     return TakeResult::kNothing;
   }
@@ -255,6 +313,8 @@ TakeResult DeviceStream::take(int timeout_ms, TakenBuffer* taken) {
   const bool at_start =
       (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
   const Mapped& mapped = ring_[buffer.index];
+  const std::size_t end = std::min<std::size_t>(named.end(), mapped.octets);
+  const std::size_t begin = std::min<std::size_t>(named.begin(), end);
   const std::int64_t now_ns = calls_.now_ns();
   *taken = {
       .index = buffer.index,
@@ -265,28 +325,39 @@ TakeResult DeviceStream::take(int timeout_ms, TakenBuffer* taken) {
       .stamped_at = stamped && at_start ? StampedAt::kStartOfExposure : StampedAt::kEndOfFrame,
       .taken_ns = now_ns,
       .damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0,
-      .octets = {mapped.block, std::min<std::size_t>(buffer.bytesused, mapped.octets)}};
+      .octets = {mapped.block + begin, end - begin}};
   return TakeResult::kBuffer;
 }
 
 bool DeviceStream::give_back(std::uint32_t index) {
-  v4l2_buffer buffer = mapped_buffer(index);
-  const int answer = is_open() ? calls_.ioctl(device_, VIDIOC_QBUF, &buffer) : -ENODEV;
+  NamedBuffer named(type_, index, planes_);
+  const int answer = is_open() ? calls_.ioctl(device_, VIDIOC_QBUF, &named.buffer) : -ENODEV;
   if (answer < 0) {
     (void)failed("QBUF", answer);
   }
   return answer >= 0;
 }
 
-FixedVector<OfferedFormat, 16> ask_formats(DeviceCalls& calls,
-                                           int device,
-                                           int width_px,
-                                           int height_px) {
-  FixedVector<OfferedFormat, 16> answers;
+std::uint32_t capture_type(const v4l2_capability& capability) {
+  const std::uint32_t can = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0
+                                ? capability.device_caps
+                                : capability.capabilities;
+  if ((can & V4L2_CAP_STREAMING) == 0) {
+    return 0;
+  }
+  if ((can & V4L2_CAP_VIDEO_CAPTURE) != 0) {
+    return V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  }
+  return (can & V4L2_CAP_VIDEO_CAPTURE_MPLANE) != 0 ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : 0;
+}
+
+FixedVector<OfferedFormat, kAskedFormats> ask_formats(
+    DeviceCalls& calls, int device, std::uint32_t type, int width_px, int height_px) {
+  FixedVector<OfferedFormat, kAskedFormats> answers;
   for (const PixelPacking& packing : pixel_packings()) {
-    v4l2_format format = wished_format(packing.fourcc, width_px, height_px);
+    v4l2_format format = wished_format(type, packing.fourcc, width_px, height_px);
     if (calls.ioctl(device, VIDIOC_TRY_FMT, &format) >= 0 &&
-        format.fmt.pix.pixelformat == packing.fourcc) {
+        offered(format).fourcc == packing.fourcc) {
       (void)answers.push_back(offered(format));
     }
   }

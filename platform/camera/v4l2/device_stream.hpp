@@ -15,6 +15,8 @@
 #include "camera/v4l2/formats.hpp"
 #include "camera/v4l2/frame_time.hpp"
 
+struct v4l2_capability;
+
 namespace polhode::platform {
 
 /// As much as a driver gives (V4L2 itself allows 32).
@@ -120,6 +122,8 @@ class DeviceStream {
   std::optional<DeviceIdentity> only_;
   DeviceIdentity identity_;
   int device_ = -1;
+  std::uint32_t type_ = 0;  ///< capture_type()
+  std::uint32_t planes_ = 1;
   bool streaming_ = false;
   OfferedFormat format_;
   double rate_hz_ = 0.0;
@@ -128,10 +132,15 @@ class DeviceStream {
   std::array<char, 200> trouble_{};
 };
 
+/// The kind of buffers that the device captures into, of one or of several planes; 0: it does not
+/// capture by streaming.
+std::uint32_t capture_type(const v4l2_capability& capability);
+
+inline constexpr std::size_t kAskedFormats = 32;
+
 /// Asks the device (TRY_FMT) what it would give in each format that the driver can read.
-FixedVector<OfferedFormat, 16> ask_formats(DeviceCalls& calls,
-                                           int device,
-                                           int width_px,
-                                           int height_px);
+/// @param type capture_type().
+FixedVector<OfferedFormat, kAskedFormats> ask_formats(
+    DeviceCalls& calls, int device, std::uint32_t type, int width_px, int height_px);
 
 }  // namespace polhode::platform

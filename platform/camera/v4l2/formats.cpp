@@ -8,13 +8,33 @@
 namespace polhode::platform {
 namespace {
 
-constexpr std::array<PixelPacking, 8> kPackings{{
+// Of kernels after the one whose header this may be built with.
+constexpr std::uint32_t kY12P = v4l2_fourcc('Y', '1', '2', 'P');
+constexpr std::uint32_t kY14P = v4l2_fourcc('Y', '1', '4', 'P');
+
+// An M at the end: chroma in a buffer of its own, which is not mapped.
+constexpr std::array<PixelPacking, 23> kPackings{{
     {V4L2_PIX_FMT_GREY, Packing::kGray8, 8, 1, "GREY"},
-    {V4L2_PIX_FMT_Y16, Packing::kGray16, 16, 2, "Y16"},
-    {V4L2_PIX_FMT_Y12, Packing::kGray16, 12, 2, "Y12"},
-    {V4L2_PIX_FMT_Y10, Packing::kGray16, 10, 2, "Y10"},
-    {V4L2_PIX_FMT_YUYV, Packing::kLumaChroma, 8, 2, "YUYV"},
-    {V4L2_PIX_FMT_RGB24, Packing::kRgb, 8, 3, "RGB24"},
+    {V4L2_PIX_FMT_Y16, Packing::kGray16, 16, 2, "Y16", 1, 2},
+    {kY14P, Packing::kGroups, 14, 2, "Y14P", 4, 7},
+    {V4L2_PIX_FMT_Y12, Packing::kGray16, 12, 2, "Y12", 1, 2},
+    {kY12P, Packing::kGroups, 12, 2, "Y12P", 2, 3},
+    {V4L2_PIX_FMT_Y10, Packing::kGray16, 10, 2, "Y10", 1, 2},
+    {V4L2_PIX_FMT_Y10P, Packing::kGroups, 10, 2, "Y10P", 4, 5},
+    {V4L2_PIX_FMT_NV12, Packing::kGray8, 8, 2, "NV12"},
+    {V4L2_PIX_FMT_NV12M, Packing::kGray8, 8, 1, "NV12M"},
+    {V4L2_PIX_FMT_NV21, Packing::kGray8, 8, 2, "NV21"},
+    {V4L2_PIX_FMT_NV21M, Packing::kGray8, 8, 1, "NV21M"},
+    {V4L2_PIX_FMT_NV16, Packing::kGray8, 8, 2, "NV16"},
+    {V4L2_PIX_FMT_NV16M, Packing::kGray8, 8, 1, "NV16M"},
+    {V4L2_PIX_FMT_YUV420, Packing::kGray8, 8, 2, "YUV420"},
+    {V4L2_PIX_FMT_YUV420M, Packing::kGray8, 8, 1, "YUV420M"},
+    {V4L2_PIX_FMT_YUYV, Packing::kLumaChroma, 8, 2, "YUYV", 1, 2},
+    {V4L2_PIX_FMT_UYVY, Packing::kChromaLuma, 8, 2, "UYVY", 1, 2},
+    {V4L2_PIX_FMT_YVYU, Packing::kLumaChroma, 8, 2, "YVYU", 1, 2},
+    {V4L2_PIX_FMT_VYUY, Packing::kChromaLuma, 8, 2, "VYUY", 1, 2},
+    {V4L2_PIX_FMT_RGB24, Packing::kRgb, 8, 3, "RGB24", 1, 3},
+    {V4L2_PIX_FMT_BGR24, Packing::kBgr, 8, 3, "BGR24", 1, 3},
     {V4L2_PIX_FMT_MJPEG, Packing::kCompressed, 8, 0, "MJPEG"},
     {V4L2_PIX_FMT_JPEG, Packing::kCompressed, 8, 0, "JPEG"},
 }};
@@ -42,6 +62,34 @@ const PixelPacking* find_packing(std::string_view name) {
   return found == kPackings.end() ? nullptr : found;
 }
 
+std::uint32_t row_octets_of(const PixelPacking& packing, int width_px) {
+  const int groups = (width_px + packing.group_pixels - 1) / packing.group_pixels;
+  return static_cast<std::uint32_t>(groups) * static_cast<std::uint32_t>(packing.group_octets);
+}
+
+std::string_view interlacing(std::uint32_t field) {
+  switch (field) {
+    case V4L2_FIELD_ANY:  // of drivers that leave it open
+    case V4L2_FIELD_NONE:
+      return "";
+    case V4L2_FIELD_TOP:
+      return "top fields";
+    case V4L2_FIELD_BOTTOM:
+      return "bottom fields";
+    case V4L2_FIELD_INTERLACED:
+    case V4L2_FIELD_INTERLACED_TB:
+    case V4L2_FIELD_INTERLACED_BT:
+      return "interlaced";
+    case V4L2_FIELD_SEQ_TB:
+    case V4L2_FIELD_SEQ_BT:
+      return "both fields, one after the other";
+    case V4L2_FIELD_ALTERNATE:
+      return "top and bottom fields in turn";
+    default:
+      return "fields of an unknown order";
+  }
+}
+
 std::string fourcc_text(std::uint32_t fourcc) {
   constexpr std::uint32_t kBigEndian = 1U << 31U;
   std::string text;
@@ -56,14 +104,14 @@ std::string fourcc_text(std::uint32_t fourcc) {
 bool consistent(const OfferedFormat& offered) {
   const PixelPacking* packing = find_packing(offered.fourcc);
   if (packing == nullptr || offered.width_px <= 0 || offered.height_px <= 0 ||
-      offered.image_octets == 0 || offered.image_octets > kImageOctetsMax) {
+      offered.image_octets == 0 || offered.image_octets > kImageOctetsMax ||
+      !interlacing(offered.field).empty()) {
     return false;
   }
   if (packing->packing == Packing::kCompressed) {
     return true;
   }
-  const auto row = static_cast<std::uint64_t>(offered.width_px) *
-                   static_cast<std::uint64_t>(packing->octets_per_pixel);
+  const std::uint64_t row = row_octets_of(*packing, offered.width_px);
   const auto rows = static_cast<std::uint64_t>(offered.height_px);
   return offered.row_octets >= row && offered.image_octets >= offered.row_octets * (rows - 1) + row;
 }

@@ -68,12 +68,12 @@ std::vector<SizeReport> sizes_of(DeviceCalls& calls, int device, std::uint32_t f
   return sizes;
 }
 
-std::vector<FormatReport> formats_of(DeviceCalls& calls, int device) {
+std::vector<FormatReport> formats_of(DeviceCalls& calls, int device, std::uint32_t type) {
   std::vector<FormatReport> formats;
   for (std::uint32_t i = 0; i < kEntriesMax; ++i) {
     v4l2_fmtdesc entry{};
     entry.index = i;
-    entry.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    entry.type = type;
     if (calls.ioctl(device, VIDIOC_ENUM_FMT, &entry) < 0) {
       break;
     }
@@ -93,17 +93,15 @@ void ask(DeviceCalls& calls, int device, DeviceReport* report) {
   report->card = text_of(capability.card);
   report->driver = text_of(capability.driver);
   report->bus = text_of(capability.bus_info);
-  const std::uint32_t can = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0
-                                ? capability.device_caps
-                                : capability.capabilities;
-  report->captures = (can & V4L2_CAP_VIDEO_CAPTURE) != 0 && (can & V4L2_CAP_STREAMING) != 0;
+  report->capture_type = capture_type(capability);
+  report->captures = report->capture_type != 0;
   if (!report->captures) {
     return;
   }
-  report->formats = formats_of(calls, device);
+  report->formats = formats_of(calls, device, report->capture_type);
   v4l2_format now{};
-  now.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  if (calls.ioctl(device, VIDIOC_G_FMT, &now) >= 0) {
+  now.type = report->capture_type;
+  if (calls.ioctl(device, VIDIOC_G_FMT, &now) >= 0) {  // both structs begin with the size
     report->width_px = static_cast<int>(now.fmt.pix.width);
     report->height_px = static_cast<int>(now.fmt.pix.height);
   }
@@ -128,7 +126,11 @@ DeviceReport probe_device(DeviceCalls& calls,
   if (report.captures) {
     const FormatWish wish{.width_px = width_px > 0 ? width_px : report.width_px,
                           .height_px = height_px > 0 ? height_px : report.height_px};
-    const auto offered = ask_formats(calls, device, wish.width_px, wish.height_px);
+    const auto offered =
+        ask_formats(calls, device, report.capture_type, wish.width_px, wish.height_px);
+    for (const OfferedFormat& format : offered.view()) {
+      report.interlacing = interlacing(format.field);
+    }
     if (const auto choice = choose_format(offered.view(), wish)) {
       report.would_use = offered[*choice];
     }

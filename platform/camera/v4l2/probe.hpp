@@ -31,6 +31,8 @@ struct DeviceReport {
   std::string driver;
   std::string bus;
   bool captures = false;  ///< by streaming
+  std::uint32_t capture_type = 0;
+  std::string_view interlacing;  ///< interlacing() of what it gives at the asked size
   std::vector<FormatReport> formats;
   int width_px = 0;  ///< as it is set now
   int height_px = 0;
