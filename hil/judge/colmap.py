@@ -9,6 +9,7 @@ import subprocess
 import sys
 
 from judge.errors import BadInput
+from judge.levels import read_octets, viewable
 from judge.aligned import align_each
 from judge.metrics import attitude
 from judge.replay import APART
@@ -16,6 +17,7 @@ from judge.run import Run
 from judge.sequence import Camera, Sequence, read_json
 from judge.tables import POSITION, QUATERNION, Motion, where_also
 from judge.venv import REPOSITORY
+from judge.whole_file import claim_folder
 
 COLMAP_VENV = REPOSITORY / ".venv-colmap"
 SET_UP = REPOSITORY / "tools" / "setup.sh"
@@ -46,11 +48,7 @@ def prepare_images(sequence: Sequence, folder: pathlib.Path) -> list[str]:
     for index, filename in enumerate(sequence.filenames):
         source = sequence.frame_path(index)
         suffix = pathlib.Path(filename).suffix.lower()
-        try:
-            with Image.open(source) as picture:
-                plain = picture.mode in ("L", "RGB") and suffix in (".png", ".jpg", ".jpeg")
-        except OSError as problem:
-            raise BadInput(f"{source}: {problem}") from None
+        plain = viewable(read_octets(source)) is not None and suffix in (".png", ".jpg", ".jpeg") and not sequence.mosaic
         name = f"{index:06d}{suffix if plain else '.png'}"
         if plain:
             (folder / name).symlink_to(source.resolve())
@@ -127,7 +125,7 @@ def fingerprint(sequence: Sequence) -> str:
 
 def colmap_output(sequence: Sequence, out: pathlib.Path, again: bool = False) -> pathlib.Path:
     """COLMAP's output folder out, reused where it is there for these very frames, unless again."""
-    out.mkdir(parents=True, exist_ok=True)
+    claim_folder(out, ".polhode-colmap", "fingerprint")
     mark, wanted = out / "fingerprint", fingerprint(sequence)
     if again or not mark.exists() or mark.read_text() != wanted:
         mark.unlink(missing_ok=True)

@@ -207,7 +207,7 @@ def judge_frames(parts: list[Aligned], estimate: Motion) -> dict:
     """How many target frames T the poses are in, and each by itself; poses in a T of a single frame can't be judged."""
     judged = [{"target_frame": part.target_frame, "frames": len(part.rows_E), "attitude_rmse_deg": rms(np.degrees(part.attitude_error_rad)),
                "twin": twin.judge_twin(part.R_CE, part.R_CT, part.truth.p_CT[part.rows_T])} for part in parts]
-    return {"count": len(target_frames(estimate)), "poses_not_judged": int(estimate.pose_valid.sum()) - sum(one["frames"] for one in judged),
+    return {"count": len(target_frames(estimate)), "poses_judged": sum(one["frames"] for one in judged), "poses_not_judged": int(estimate.pose_valid.sum()) - sum(one["frames"] for one in judged),
             "each": judged}
 
 

@@ -8,6 +8,8 @@ from judge.venv import REPOSITORY
 
 # That of the release build, unless POLHODE_PROGRAM names another.
 PROGRAM = pathlib.Path(os.environ.get("POLHODE_PROGRAM", REPOSITORY / "build/release/bin/polhode"))
+# What runs it where it is of another architecture.
+RUNNER = os.environ.get("POLHODE_RUNNER", "").split()
 
 
 def check_program() -> None:

@@ -29,7 +29,7 @@ def replay(sequence: pathlib.Path, out: pathlib.Path, settings=(), config: pathl
     if not os.access(program, os.X_OK):
         raise BadInput(f"{program}: not there or not a program; build it first")
     done = subprocess.run([*APART, program, "replay", "--config", config, "--sequence", sequence, "--out", out, *words],
-                          capture_output=True, text=True)
+                          capture_output=True, text=True, errors="backslashreplace")
     if done.returncode != 0:
         last = " ".join(done.stderr.strip().splitlines()[-1:])
         raise BadInput(f"{sequence}: the replay ended with {done.returncode}: {last}")

@@ -7,6 +7,7 @@ MOTION_ROWS = (
     ("coverage [%]", "coverage.coverage", "percent"),
     ("coverage from the first pose on [%]", "coverage.coverage_after_first_pose", "percent"),
     ("frames until the first pose", "coverage.frames_until_first_pose", "{:d}"),
+    ("poses judged", "target_frames.poses_judged", "{:d}"),
     ("attitude RMSE [deg]", "attitude.rmse_deg", "{:.3f}"),
     ("attitude maximum [deg]", "attitude.max_deg", "{:.3f}"),
     ("position RMSE [% of range]", "position.rmse_percent_of_range", "{:.3f}"),
@@ -125,7 +126,8 @@ def motion_table(reports: list[dict]) -> str:
 
 def notes(reports: list[dict]) -> list[str]:
     """Sentences that a reader must not miss."""
-    lines = []
+    remarks = dict.fromkeys(report.get("truth") for report in reports)
+    lines = [f"truth: {remark}" for remark in remarks if remark]
     digests = {}
     for label, report in zip(_labels(reports), reports):
         for kind, motion in report["motion"].items():
@@ -141,6 +143,9 @@ def notes(reports: list[dict]) -> list[str]:
                 lines.append(f"{who}: follows neither the truth ({twin['rmse_to_truth_deg']:.1f} deg) "
                              f"nor its depth-reversed twin ({twin['rmse_to_twin_deg']:.1f} deg)")
             frames = motion["target_frames"]
+            if frames["poses_not_judged"]:
+                lines.append(f"{who}: {frames['poses_judged']} of {frames['poses_judged'] + frames['poses_not_judged']} poses are judged, the others have no truth "
+                             "or stand alone in their target frame T")
             if frames["count"] > 1:
                 each = ", ".join(f"T{one['target_frame']}: {one['frames']} frames, {one['attitude_rmse_deg']:.3f} deg" for one in frames["each"])
                 lines.append(f"{who}: poses are in {frames['count']} target frames T, each aligned by itself ({each})")

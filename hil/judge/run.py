@@ -16,6 +16,7 @@ from judge.report import lookup
 from judge.sequence import Sequence, read_json
 from judge.shape import judge_shape
 from judge.tables import Motion, read_motion
+from judge.truth import Matching, at_frames, estimated_offset
 
 MOTION_FILES = {"causal": "motion.csv", "smoothed": "motion_smoothed.csv"}
 
@@ -44,9 +45,22 @@ def read_run(folder: pathlib.Path) -> Run:
     return Run(folder, motions, read_json(folder / "summary.json"))
 
 
-def read_truth(sequence: Sequence, path: pathlib.Path | None = None) -> Motion:
-    """The truth of a sequence, or of another file."""
-    path = pathlib.Path(path) if path else sequence.truth_path
+def read_truth(sequence: Sequence, path: pathlib.Path | None = None, matching: Matching = Matching()) -> Motion:
+    """The truth of a sequence at its frames, or that of another file."""
+    return at_frames(_read_own(path or sequence.truth_path), sequence.timestamp_ns, matching)
+
+
+def read_truth_for(run: Run, frames_ns: np.ndarray, path: pathlib.Path, asked: Matching) -> Motion:
+    """The truth at the frames; its clock's offset is estimated from the run where it is asked for."""
+    own = _read_own(path)
+    if asked.offset_s is None:
+        asked = estimated_offset(run.motions.get("smoothed") or run.motions["causal"], own, asked.gap_max_s)
+    return at_frames(own, frames_ns, asked)
+
+
+def _read_own(path: pathlib.Path) -> Motion:
+    """With the rows that its file has."""
+    path = pathlib.Path(path)
     if not path.exists():
         raise BadInput(f"{path}: no truth to judge by")
     return read_motion(path)
@@ -106,7 +120,7 @@ def determinism(run: Run) -> dict | None:
 def judge_run(run: Run, sequence: Sequence, truth: Motion) -> dict:
     """The whole report of one run as plain data, ready for JSON."""
     frames_in = len(sequence.timestamp_ns)
-    report = {"run": str(run.folder), "sequence": sequence.name,
+    report = {"run": str(run.folder), "sequence": sequence.name, "truth": truth.remark,
               "motion": {kind: judge_motion(motion, truth, frames_in) for kind, motion in run.motions.items()}}
     aligned = best_alignment(run, truth)
     report["shape"] = judge_shape(run.folder / "cloud.ply", sequence.model_path, aligned) if aligned else None

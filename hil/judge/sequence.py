@@ -1,14 +1,16 @@
 """Reads an image sequence in the ASL layout: its camera, its list of frames, its pixels."""
 
-import ast
 import json
 import pathlib
-from dataclasses import dataclass
+import subprocess
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from judge.errors import BadInput
-from judge.tables import read_cells, timestamps
+from judge.levels import depth_of, eight_bits, read_levels
+from judge.mosaic import without_mosaic
+from judge.program import PROGRAM, RUNNER, check_program
 
 
 @dataclass
@@ -19,6 +21,7 @@ class Camera:
     height_px: int
     intrinsics_px: np.ndarray  # fu, fv, cu, cv
     distortion: np.ndarray  # k1, k2, p1, p2
+    line_time_ns: float = 0.0  # from one row to the next below it; 0: a global shutter
 
     def project(self, p_C: np.ndarray) -> np.ndarray:
         """Distorted pixel coordinates [N,2] of points p_C [N,3] in the camera frame; NaN behind the camera."""
@@ -41,6 +44,11 @@ class Sequence:
     camera: Camera
     timestamp_ns: np.ndarray
     filenames: list[str]
+    rate_hz: float | None = None  # of the camera, where sensor.yaml names it
+    intrinsics_known: bool = True
+    fields: dict[str, str] = field(default_factory=dict)  # of sensor.yaml, those of one value
+    depth_bits: int | None = None  # of levels in 16-bit pictures, as a replay found them or was told; None: to be found
+    mosaic: bool = False  # a replay took one out of the pictures
 
     @property
     def name(self) -> str:
@@ -57,67 +65,44 @@ class Sequence:
     def frame_path(self, index: int) -> pathlib.Path:
         return self.folder / "mav0" / "cam0" / "data" / self.filenames[index]
 
+    def see_as(self, summary: dict) -> None:
+        """As the replay did that wrote this summary.json."""
+        self.depth_bits, self.mosaic = summary.get("depth_bits"), bool(summary.get("mosaic"))
+
     def read_gray(self, index: int) -> np.ndarray:
-        """Frame as uint8 [H,W]; 16-bit pictures are scaled by their depth, colours to luminance."""
-        from PIL import Image
-        try:
-            with Image.open(self.frame_path(index)) as picture:
-                if picture.mode.startswith("I"):
-                    return (np.asarray(picture).astype(np.uint32) >> 8).astype(np.uint8)
-                return np.asarray(picture.convert("L"))
-        except OSError as problem:
-            raise BadInput(f"{self.frame_path(index)}: {problem}") from None
+        """Frame as uint8 [H,W], as bright as the replay sees it; colours become luminance."""
+        levels, _ = read_levels(self.frame_path(index))
+        if levels.dtype != np.uint8 and self.depth_bits is None:
+            self.depth_bits = depth_of([self.frame_path(i) for i in range(len(self.filenames))])
+        gray = eight_bits(levels, self.depth_bits or 8)
+        return without_mosaic(gray) if self.mosaic else gray
 
 
-def yaml_values(path: pathlib.Path) -> dict[str, str]:
-    """Top-level `key: value` lines; sensor.yaml needs no more of YAML than this."""
-    try:
-        lines = path.read_text().splitlines()
-    except OSError as problem:
-        raise BadInput(f"{path}: {problem.strerror}") from None
-    values = {}
-    for line in lines:
-        line = line.split("#", 1)[0].rstrip()
-        if ":" in line and not line.startswith((" ", "\t", "-")):
-            key, value = line.split(":", 1)
-            values[key.strip()] = value.strip()
-    return values
+def read_tables(folder: pathlib.Path, any_lens: bool) -> dict:
+    """data.csv and sensor.yaml as the program reads them: what replays is what is judged and shown."""
+    check_program()
+    words = [*RUNNER, PROGRAM, "sequence", *(["--any-lens"] if any_lens else []), "--", folder]
+    done = subprocess.run(words, capture_output=True)
+    if done.returncode != 0:
+        said = done.stderr.decode(errors="backslashreplace").strip().splitlines()[-1:]
+        raise BadInput(" ".join(said).removeprefix("polhode: ") or f"{folder}: {PROGRAM} ended with {done.returncode}")
+    return json.loads(done.stdout)
 
 
-def _floats(path: pathlib.Path, values: dict[str, str], key: str, count: int) -> np.ndarray:
-    if key not in values:
-        raise BadInput(f"{path}: {key} is missing")
-    try:
-        numbers = np.array(ast.literal_eval(values[key]), dtype=float)
-    except (ValueError, SyntaxError, TypeError):
-        raise BadInput(f"{path}: {key} is '{values[key]}', not a list of numbers") from None
-    if numbers.shape != (count,):
-        raise BadInput(f"{path}: {key} needs {count} numbers, has {numbers.size}")
-    return numbers
+def read_sequence(folder: pathlib.Path, any_lens: bool = False) -> Sequence:
+    """Opens the folder SEQ; frames themselves are read on demand.
 
-
-def read_camera(path: pathlib.Path) -> Camera:
-    """Camera of a sensor.yaml: pinhole, radial-tangential."""
-    values = yaml_values(path)
-    for key, allowed in (("camera_model", "pinhole"), ("distortion_model", "radial-tangential")):
-        if values.get(key, allowed).strip("\"'") != allowed:
-            raise BadInput(f"{path}: {key} is '{values[key]}', only '{allowed}' is known")
-    width_px, height_px = _floats(path, values, "resolution", 2).astype(int)
-    return Camera(int(width_px), int(height_px), _floats(path, values, "intrinsics", 4),
-                  _floats(path, values, "distortion_coefficients", 4))
-
-
-def read_sequence(folder: pathlib.Path) -> Sequence:
-    """Opens the folder SEQ; frames themselves are read on demand."""
+    @param any_lens  `intrinsics: auto` is taken, too; the camera's intrinsics are a guess then
+    """
     folder = pathlib.Path(folder)
     if not folder.is_dir():
         raise BadInput(f"{folder}: no such sequence folder")
-    cam0 = folder / "mav0" / "cam0"
-    _, rows = read_cells(cam0 / "data.csv")
-    if not rows or len(rows[0]) < 2:
-        raise BadInput(f"{cam0 / 'data.csv'}: no rows 'timestamp,filename'")
-    return Sequence(folder, read_camera(cam0 / "sensor.yaml"),
-                    timestamps(cam0 / "data.csv", [row[0] for row in rows]), [row[1] for row in rows])
+    tables = read_tables(folder, any_lens)
+    camera = Camera(*tables["resolution"], np.array(tables["intrinsics"], dtype=float), np.array(tables["distortion_coefficients"], dtype=float),
+                    tables["line_time_ns"])
+    frames = tables["frames"]
+    return Sequence(folder, camera, np.array([time_ns for time_ns, _ in frames], dtype=np.int64), [name for _, name in frames],
+                    tables["rate_hz"], tables["intrinsics_known"], tables["fields"])
 
 
 def read_json(path: pathlib.Path) -> dict:

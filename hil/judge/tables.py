@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from judge.delimited import rows_of, separator_of, text_of
 from judge.errors import BadInput
 
 QUATERNION = ("q_CT_w", "q_CT_x", "q_CT_y", "q_CT_z")
@@ -40,6 +41,7 @@ class Motion:
     scale_known: np.ndarray
     mode: list[str] = field(default_factory=list)
     columns: dict[str, np.ndarray] = field(default_factory=dict)
+    remark: str = ""  # of a truth: how its rows became those of frames
     target_frame: np.ndarray | None = None  # [N] number of the frame T that a row's pose is in; None: all are in one
 
     @property
@@ -51,19 +53,18 @@ class Motion:
 def read_cells(path: pathlib.Path) -> tuple[list[str], list[list[str]]]:
     """Header and rows of a CSV file, white space and a leading '#' taken off; every row as long as the header."""
     try:
-        with open(path, newline="") as stream:
-            rows = [row for row in csv.reader(stream) if any(cell.strip() for cell in row)]
-    except OSError as problem:
-        raise BadInput(f"{path}: {problem.strerror}") from None
-    except (UnicodeDecodeError, csv.Error) as problem:
+        text = text_of(path)
+        rows = rows_of(text, "," if separator_of(text) == " " else separator_of(text))
+    except csv.Error as problem:
         raise BadInput(f"{path}: not a CSV text file ({problem})") from None
     if not rows:
         raise BadInput(f"{path}: empty, a header line is needed")
-    header = [name.strip().lstrip("#").strip() for name in rows[0]]
-    for number, row in enumerate(rows[1:], start=2):
+    header = [name.lstrip("#").strip() for name in rows[0][1]]
+    body = [(number, row) for number, row in rows[1:] if not row[0].startswith("#")]
+    for number, row in body:
         if len(row) != len(header):
             raise BadInput(f"{path}:{number}: {len(row)} cells where the header has {len(header)}")
-    return header, [[cell.strip() for cell in row] for row in rows[1:]]
+    return header, [row for _, row in body]
 
 
 def numbers(path: pathlib.Path, name: str, cells: list[str]) -> np.ndarray:

@@ -12,11 +12,11 @@ INTRINSICS = "888.8888888888889,888.8888888888889,319.5,239.5"
 NS = 1_000_000_000
 
 
-def write_video(path: pathlib.Path, frames, times_s, rotation_deg: int = 0) -> None:
+def write_video(path: pathlib.Path, frames, times_s, rotation_deg: int = 0, preset: str = "ultrafast") -> None:
     """H.264 with the times as they are, in ticks of a millisecond; nearly without loss."""
     import av
     with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264", rate=30, options={"crf": "4", "preset": "ultrafast"})
+        stream = container.add_stream("libx264", rate=30, options={"crf": "4", "preset": preset})
         stream.height, stream.width = frames[0].shape
         stream.pix_fmt = "yuv420p"
         stream.time_base = stream.codec_context.time_base = fractions.Fraction(1, 1000)
@@ -96,7 +96,10 @@ def _header(Header, Time, time_ns: int):
 
 def write_bag(path: pathlib.Path, version: int, messages, storage: str = "SQLITE3") -> None:
     """messages: (topic, time received [ns], message) in order. @param version  of ROS: 1 or 2"""
-    store = ros_types(version)
+    write_messages(path, ros_types(version), messages, version, storage)
+
+
+def write_messages(path: pathlib.Path, store, messages, version: int = 2, storage: str = "SQLITE3") -> None:
     if version == 1:
         from rosbags.rosbag1 import Writer
         writer, serialise = Writer(path), store.serialize_ros1

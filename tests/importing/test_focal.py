@@ -26,11 +26,12 @@ def without_focal_length(source: pathlib.Path, folder: pathlib.Path, frames: int
 
 def estimated(run, folder):
     """(focal length, sigma) as they were written."""
-    from judge.sequence import read_sequence, yaml_values
+    from judge.sequence import read_sequence
     done = run(folder, "--intrinsics", "auto")
     assert done.returncode == 0, done.stderr
     assert "1 sigma" in done.stdout
-    return read_sequence(folder).camera.intrinsics_px[0], float(yaml_values(folder / "mav0/cam0/sensor.yaml")["sigma_focal_px"])
+    sequence = read_sequence(folder)
+    return sequence.camera.intrinsics_px[0], float(sequence.fields["sigma_focal_px"])
 
 
 @pytest.mark.slow
@@ -63,10 +64,11 @@ def test_too_few_frames_are_refused(run, tmp_path):
 
 
 def test_estimating_again_replaces_what_was_written(tmp_path):
-    from importing.focal import open_without_focal_length, write
+    from importing.focal import write
+    from judge.sequence import read_sequence
     folder = without_focal_length(SAMPLE, tmp_path / "SEQ")
     shutil.copy(folder / "mav0/cam0/sensor.yaml", tmp_path / "before")
-    sensor, camera = folder / "mav0/cam0/sensor.yaml", open_without_focal_length(folder).camera
+    sensor, camera = folder / "mav0/cam0/sensor.yaml", read_sequence(folder, any_lens=True).camera
     for focal_px in (800.0, 900.0):
         write(sensor, camera, {"placed": 9, "points": 5, "focal_px": focal_px, "sigma_px": 4.0, "residual_px": 0.4}, 10)
     text = sensor.read_text()

@@ -29,7 +29,7 @@ KALIBR = """cam0:
   intrinsics: [500.0, 505.0, 310.0, 230.0]
   resolution: [640, 480]
   rostopic: /cam0
-cam1: {camera_model: omni, intrinsics: [1, 2, 3, 4, 5]}
+cam1: {camera_model: cylinder, intrinsics: [1, 2, 3, 4, 5]}
 """
 ROS = """image_width: 640
 image_height: 480
@@ -40,24 +40,47 @@ distortion_coefficients: {rows: 1, cols: 5, data: [-0.2, 0.08, 0.001, -0.0005, 0
 """
 
 
-@pytest.mark.parametrize("name", ["calib.xml", "calib.yml", "calib.json", "kalibr.yaml", "ros.yaml"])
+PRINTED = """width: 640
+height: 480
+distortion_model: plumb_bob
+D: [-0.2, 0.08, 0.001, -0.0005, 0.0]
+K: [500, 0, 310, 0, 505, 230, 0, 0, 1]
+---
+"""
+WRITTEN = {"kalibr.yaml": KALIBR, "ros.yaml": ROS, "printed.yaml": PRINTED}
+
+
+@pytest.mark.parametrize("name", ["calib.xml", "calib.yml", "calib.json", *WRITTEN])
 def test_files_of_all_kinds_say_the_same(tmp_path, name):
     from importing.calibration_files import read_lens
     if name.startswith("calib"):
         write_opencv(tmp_path / name)
     else:
-        (tmp_path / name).write_text(KALIBR if "kalibr" in name else ROS)
+        (tmp_path / name).write_text(WRITTEN[name])
     lens = read_lens(tmp_path / name)
     assert lens.intrinsics_px == (500, 505, 310, 230) and lens.native
     assert (lens.width_px, lens.height_px) == (640, 480) and lens.coefficients[:4] == tuple(RADTAN5[:4])
 
 
+def test_a_file_without_size_or_model_says_what_it_is_taken_for(tmp_path):
+    from importing.calibration_files import read_lens
+    np.savez(tmp_path / "calib.npz", mtx=MATRIX, dist=np.array([RADTAN5[:4]]))
+    lens = read_lens(tmp_path / "calib.npz")
+    assert lens.intrinsics_px == (500, 505, 310, 230) and lens.width_px == 0
+    assert "names no distortion model" in lens.notes[0] and "tells no size of pictures" in lens.notes[1]
+
+
 @pytest.mark.parametrize(("text", "camera", "says"), [
-    (KALIBR, "cam1", "camera_model 'omni', allowed is pinhole"),
+    (KALIBR, "cam1", "camera_model 'cylinder', allowed are pinhole, omni, ds, eucm"),
     (KALIBR, "cam7", "camera 'cam7' is not in it, it has cam0, cam1"),
     ("a: 1\n", "cam0", "holds neither intrinsics (Kalibr, EuRoC) nor a camera matrix"),
     ("[", "cam0", "not YAML"),
-    (KALIBR.replace("radtan", "fov"), "cam0", "distortion model 'fov', allowed are"),
+    (KALIBR.replace("radtan", "mirror"), "cam0", "distortion model 'mirror', allowed are"),
+    (KALIBR.replace("radtan", "fov"), "cam0", "4 distortion coefficients for 'fov', allowed are 1"),
+    (KALIBR.replace("radtan", "none"), "cam0", "distortion model 'none', but coefficients -0.2, 0.08"),
+    (KALIBR.replace("pinhole", "omni").replace("radtan", "equidistant"), "cam0", "'omni' with distortion_model 'equidistant', allowed is radtan or none"),
+    ("camera_matrix: [[500, 0, 0], [0, 505, 0], [310, 230, 1]]\n", "cam0", "as in MATLAB"),
+    ("camera_matrix: [[500, 3, 310], [0, 505, 230], [0, 0, 1]]\n", "cam0", "a skew of 3 px, allowed is up to 0.5"),
     (KALIBR.replace("[500.0, 505.0", "[-500.0, 505.0"), "cam0", "focal lengths must be positive"),
     (KALIBR.replace("0.001, -0.0005", "0.001"), "cam0", "3 distortion coefficients"),
 ])
@@ -68,6 +91,12 @@ def test_files_that_cannot_be_used(tmp_path, text, camera, says):
     with pytest.raises(BadInput, match="calibration.yaml") as caught:
         read_lens(tmp_path / "calibration.yaml", camera)
     assert says in str(caught.value)
+
+
+def test_a_lens_beyond_the_programs_range_is_none_of_its_own():
+    from importing.lens import lens_of
+    assert lens_of(640, 480, (5e4, 5e4, 320, 240), "radtan", (-9, 0, 0, 0), "file").native
+    assert not lens_of(640, 480, (5e4, 5e4, 320, 240), "radtan", (-300, 0, 0, 0), "file").native
 
 
 def test_a_calibration_of_another_size_is_scaled_and_one_of_another_shape_refused(imported, refused, tmp_path):
@@ -125,11 +154,25 @@ def test_other_distortions_are_taken_out_of_the_pictures(imported, tmp_path, mod
     ("RADIAL_FISHEYE", [500, 320, 240, -0.1, 0.02], False, (500, 500, 319.5, 239.5)),
 ])
 def test_cameras_of_colmap(model, params, native, expected):
-    from importing.colmap_project import lens_of_camera
+    from importing.colmap_lens import lens_of_camera
     lens = lens_of_camera({"model": model, "width": 640, "height": 480, "params": params}, "project")
     assert lens.native is native and lens.intrinsics_px == expected
     if "RADIAL" in model or "OPENCV" in model:
         assert lens.coefficients[0] == -0.1
+
+
+def test_a_camera_for_each_picture_becomes_one():
+    from importing.colmap_lens import with_one_camera
+    from importing.source import Account
+    cameras = {str(i): {"model": "SIMPLE_RADIAL", "width": 640, "height": 480, "params": [f, 320, 240, 0.01]} for i, f in enumerate((890, 900, 905))}
+    images = [{"name": f"{i}.png", "camera": str(i)} for i in range(3)]
+    account = Account()
+    joined = with_one_camera({"cameras": cameras, "images": images}, account)
+    number, = {image["camera"] for image in joined["images"]}
+    assert joined["cameras"][number]["params"] == [900, 320, 240, 0.01]
+    assert "3 cameras for 3 pictures" in account.assumed[0] and "up to 1.1 %" in account.assumed[0]
+    two = {"cameras": cameras, "images": [{"name": f"{i}.png", "camera": str(i // 4)} for i in range(8)]}
+    assert with_one_camera(two, Account()) is two  # a pair of cameras stays a pair
 
 
 @pytest.mark.further

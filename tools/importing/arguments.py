@@ -2,8 +2,12 @@
 
 import argparse
 import math
+import re
 
 from importing.lens import Lens, lens_of
+from judge.errors import BadInput
+
+NUMBERS = re.compile(r"[-+\d.eE,;\s]+")
 
 
 def _number(text: str) -> float:
@@ -38,7 +42,9 @@ def at_least_one(text: str) -> int:
 
 def lens_of_numbers(text: str) -> Lens | None:
     """'fu,fv,cu,cv' in pixels, without distortion, for pictures of any size; None where the text is no such list."""
-    parts = text.split(",")
-    if len(parts) != 4:
+    parts = re.split(r"\s*[,;]\s*|\s+", text.strip())
+    if len(parts) != 4 and len(parts) > 1 and NUMBERS.fullmatch(text):
+        raise BadInput(f"--intrinsics {text}: {len(parts)} numbers, needed are 4 with decimal points: fu,fv,cu,cv")
+    if len(parts) != 4 or not ("," in text or NUMBERS.fullmatch(text)):
         return None
     return lens_of(0, 0, parts, "none", (), f"--intrinsics {text}")

@@ -2,17 +2,18 @@
 
 import json
 import pathlib
-import re
 import subprocess
 import sys
 import tempfile
 
 from importing.lens import Lens
-from importing.writing import centred, numbers_text
+from importing.pixel_shape import aspect_of, stretch, stretch_of
+from importing.sensor_text import with_intrinsics
+from importing.writing import numbers_text
 
 from judge.colmap import ensure_venv, prepare_images
 from judge.errors import BadInput
-from judge.sequence import Camera, Sequence, read_sequence, yaml_values
+from judge.sequence import Camera, Sequence, read_sequence
 from judge.whole_file import write_whole
 
 WORKER = pathlib.Path(__file__).with_name("focal_worker.py")
@@ -30,7 +31,8 @@ START_FACTORS = (1.2, 2.4)
 def estimate_and_write(folder: pathlib.Path) -> int:
     """Replaces the intrinsics in the sequence's sensor.yaml. @return 0, or 1 where the pictures do not tell."""
     sensor = folder / "mav0/cam0/sensor.yaml"
-    sequence = open_without_focal_length(folder)
+    sequence = read_sequence(folder, any_lens=True)
+    exchanged(sensor, "", "[1, 1, 1, 1]", 1.0)  # what can't be written must not be estimated for minutes
     why, python = "no try was made", ensure_venv()
     for names, words in selections(sequence):
         for factor in START_FACTORS:
@@ -45,25 +47,6 @@ def estimate_and_write(folder: pathlib.Path) -> int:
     return 1
 
 
-def open_without_focal_length(folder: pathlib.Path) -> Sequence:
-    """As read_sequence, but `intrinsics: auto` is allowed."""
-    sensor = folder / "mav0/cam0/sensor.yaml"
-    values = yaml_values(sensor)
-    if values.get("intrinsics") != "auto":
-        return read_sequence(folder)
-    size = [int(part) for part in re.findall(r"\d+", values.get("resolution", ""))]
-    if len(size) != 2:
-        raise BadInput(f"{sensor}: resolution is '{values.get('resolution', '')}', not two numbers")
-    with tempfile.TemporaryDirectory() as place:
-        copy = pathlib.Path(place) / "mav0/cam0"
-        copy.mkdir(parents=True)
-        (copy / "sensor.yaml").write_text(re.sub(r"(?m)^intrinsics:.*$", f"intrinsics: {numbers_text(centred(*size))}", sensor.read_text()))
-        (copy / "data.csv").write_bytes((folder / "mav0/cam0/data.csv").read_bytes())
-        sequence = read_sequence(pathlib.Path(place))
-    sequence.folder = folder
-    return sequence
-
-
 def selections(sequence: Sequence) -> list[tuple[list[int], str]]:
     """Which frames to try: spread over the sequence; then its beginning, where neighbours in the first are too far apart."""
     count = len(sequence.filenames)
@@ -75,21 +58,24 @@ def selections(sequence: Sequence) -> list[tuple[list[int], str]]:
 
 
 def run_worker(python: pathlib.Path, sequence: Sequence, indices: list[int], factor: float) -> dict:
-    """The worker's answer: {"placed", "points", "focal_px", "sigma_px", "residual_px"} or {"placed": 0}."""
-    camera = sequence.camera
+    """The worker's answer: {"placed", "points", "focal_px", "sigma_px", "residual_px"} or {"placed": 0}; the focal length is fu."""
+    camera, by = sequence.camera, stretch_of(aspect_of(sequence.folder / "mav0/cam0/sensor.yaml"))
     with tempfile.TemporaryDirectory() as place:
         work = pathlib.Path(place)
         part = Sequence(sequence.folder, camera, sequence.timestamp_ns[indices], [sequence.filenames[i] for i in indices])
         names = prepare_images(part, work / "images")
+        stretch(work / "images", names, by)
+        centre_px = [factor * (float(place) + 0.5) - 0.5 for factor, place in zip(by, camera.intrinsics_px[2:])]
         job = {"images": str(work / "images"), "names": names, "work": str(work / "colmap"), "result": str(work / "result.json"),
-               "focal_px": factor * max(camera.width_px, camera.height_px), "centre_px": [float(value) for value in camera.intrinsics_px[2:]],
+               "focal_px": factor * max(camera.width_px * by[0], camera.height_px * by[1]), "centre_px": centre_px,
                "k1_k2": [float(value) for value in camera.distortion[:2]]}
         (work / "job.json").write_text(json.dumps(job))
         print(f"estimating the focal length from {len(names)} frames, a minute or so", file=sys.stderr)
-        done = subprocess.run([python, WORKER, work / "job.json"], capture_output=True, text=True)
+        done = subprocess.run([python, WORKER, work / "job.json"], capture_output=True, text=True, errors="backslashreplace")
         if done.returncode != 0:
             raise BadInput(f"{sequence.folder}: COLMAP ended with {done.returncode}: {' '.join(done.stderr.strip().splitlines()[-1:])}")
-        return json.loads((work / "result.json").read_text())
+        found = json.loads((work / "result.json").read_text())
+    return found | {key: found[key] / by[0] for key in ("focal_px", "sigma_px") if found.get(key)}
 
 
 def refusal(found: dict, pictures: int) -> str:
@@ -102,16 +88,22 @@ def refusal(found: dict, pictures: int) -> str:
     return ""
 
 
+def exchanged(sensor: pathlib.Path, said: str, intrinsics: str, sigma_px: float) -> str:
+    """The new text. @errors BadInput where it can't be made without a change of other fields"""
+    text = sensor.read_bytes().decode("utf-8-sig", errors="surrogateescape")  # with its own line ends
+    try:
+        return with_intrinsics(text, said, intrinsics, sigma_px)
+    except BadInput as problem:
+        raise BadInput(f"{sensor}: {problem}") from None
+
+
 def write(sensor: pathlib.Path, camera: Camera, found: dict, pictures: int) -> None:
     focal, sigma = found["focal_px"], found["sigma_px"]
-    lens = Lens(camera.width_px, camera.height_px, (focal, focal, *camera.intrinsics_px[2:]))
+    lens = Lens(camera.width_px, camera.height_px, (focal, focal * aspect_of(sensor), *camera.intrinsics_px[2:]))
     said = f"focal length estimated from {found['placed']} of {pictures} frames: {focal:.2f} px, 1 sigma {sigma:.2f} px ({100 * sigma / focal:.2f} %)"
-    lines = [f"# {said}; pixels are taken to be square, principal point and distortion as they stood", *sensor.read_text().splitlines()]
-    lines = [line for line in lines if not line.startswith(("# intrinsics:", "# focal length estimated", "sigma_focal_px:"))
-             or line is lines[0]]
-    text = "\n".join(re.sub(r"^intrinsics:.*$", f"intrinsics: {numbers_text(lens)}  # fu, fv, cu, cv [px]\nsigma_focal_px: {sigma:.4g}", line) for line in lines)
-    write_whole(sensor, text + "\n")
+    new = exchanged(sensor, said, numbers_text(lens), sigma)
+    write_whole(sensor, new, ours=True)  # the user has asked for it
     record = sensor.parents[2] / "import.json"
     if record.exists():
-        write_whole(record, json.dumps(json.loads(record.read_text()) | {"intrinsics_from": said}, indent=2) + "\n")
+        write_whole(record, json.dumps(json.loads(record.read_text()) | {"intrinsics_from": said}, indent=2) + "\n", ours=True)
     print(f"{said}; {found['points']} points, residual {found['residual_px']:.2f} px; written to {sensor}")

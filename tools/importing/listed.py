@@ -1,12 +1,13 @@
 """Folders with a list of pictures and times: TUM's rgb.txt, and the ASL/EuRoC layout as it is found in the wild."""
 
-import csv
 import pathlib
 from collections.abc import Iterator
-from decimal import Decimal, InvalidOperation
 
 from importing.calibration_files import read_lens
-from importing.source import NS, Account, Frame, Options, Source
+from importing.calibration_text import yaml_values
+from importing.picture_list import in_ns, read_list
+from importing.row_times import row_time_of
+from importing.source import Account, Frame, Options, Source, lens_if_any
 
 from judge.errors import BadInput
 
@@ -23,21 +24,18 @@ def tum_list(path: pathlib.Path) -> pathlib.Path | None:
 
 
 def open_tum(path: pathlib.Path, options: Options) -> Source:
-    account, rows = Account(), []
-    listed = tum_list(path)
-    for number, line in enumerate(listed.read_text(errors="replace").splitlines(), 1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        parts = line.split()
-        try:
-            rows.append((int(Decimal(parts[0]) * NS), path / parts[1]))
-        except (IndexError, InvalidOperation):
-            raise BadInput(f"{listed}:{number}: '{line.strip()}' is not 'seconds file'") from None
-    if not rows:
-        raise BadInput(f"{listed}: lists no pictures")
+    account, listed = Account(), tum_list(path)
+    rows = _timed(listed, path, "'seconds file'", "s", options, account)
     if (path / "groundtruth.txt").exists():
         account.assumed.append("groundtruth.txt is left out: it is the camera's path in a room, not a target's")
-    return Source(f"TUM sequence of {len(rows)} pictures", _existing(rows, account), account, len(rows))
+    return Source(f"TUM sequence of {len(rows)} pictures", _existing(rows, account), account, [time for time, _ in rows], len(rows))
+
+
+def _timed(table: pathlib.Path, folder: pathlib.Path, wanted: str, unit: str, options: Options, account: Account) -> list[tuple[int, pathlib.Path]]:
+    """(time, file) of a list's rows. @param unit  that such lists have where they tell none"""
+    listed = read_list(table, wanted)
+    times = in_ns([time for time, _ in listed.rows], listed.unit or unit, options.stamp_unit, str(table), account)
+    return [(time, folder / name) for time, (_, name) in zip(times, listed.rows)]
 
 
 def camera_folder(path: pathlib.Path, camera: str) -> pathlib.Path | None:
@@ -50,40 +48,52 @@ def camera_folder(path: pathlib.Path, camera: str) -> pathlib.Path | None:
 
 def open_euroc(path: pathlib.Path, options: Options) -> Source:
     folder, account = camera_folder(path, options.camera), Account()
-    rows = _euroc_rows(folder, account)
-    lens, lens_from = None, ""
+    rows = _euroc_rows(folder, options, account)
+    lens, lens_from, line_time_ns = None, "", 0.0
     if (folder / "sensor.yaml").is_file():
-        lens, lens_from = read_lens(folder / "sensor.yaml", options.camera), "sensor.yaml of the source"
+        line_time_ns = _row_time(folder / "sensor.yaml", account)
+        lens, lens_from = lens_if_any(lambda: (read_lens(folder / "sensor.yaml", options.camera), "sensor.yaml of the source"), account)
     listed = {file.name for _, file in rows}
     beside = sum(file.name not in listed for file in (folder / "data").iterdir()) if (folder / "data").is_dir() else 0
     if beside:
         account.assumed.append(f"{beside} files in {folder / 'data'} are not in data.csv and are left out")
-    return Source(f"ASL/EuRoC sequence, {folder.name}, {len(rows)} pictures", _existing(sorted(rows), account), account, len(rows), lens, lens_from)
+    return Source(f"ASL/EuRoC sequence, {folder.name}, {len(rows)} pictures", _existing(rows, account), account, [time for time, _ in rows],
+                  len(rows), lens, lens_from, beside=_beside(folder, account), line_time_ns=line_time_ns)
 
 
-def _euroc_rows(folder: pathlib.Path, account: Account) -> list[tuple[int, pathlib.Path]]:
+def _row_time(sensor: pathlib.Path, account: Account) -> float:
+    try:
+        time_ns, said = row_time_of(yaml_values(sensor), str(sensor))
+    except BadInput as problem:
+        time_ns, said = 0.0, f"{problem}: times of its rows are not known"
+    account.note(said)
+    return time_ns
+
+
+def _beside(folder: pathlib.Path, account: Account) -> tuple[pathlib.Path, ...]:
+    """The truth and the model of a sequence of this layout's own; what EuRoC has beside the pictures is told."""
+    account.assumed += [f"{file.parent.name} is left out: it is the path of the camera's carrier in a room, not a target's"
+                        for file in sorted(folder.parent.glob("state_groundtruth*/data.csv"))]
+    root = folder.parent.parent if folder.parent.name == "mav0" else folder.parent
+    return tuple(root / name for name in ("truth.csv", "model.ply") if folder.name == "cam0" and (root / name).is_file())
+
+
+def _euroc_rows(folder: pathlib.Path, options: Options, account: Account) -> list[tuple[int, pathlib.Path]]:
     table = folder / "data.csv"
     if not table.is_file():
         account.assumed.append("data.csv is missing: times are those in the pictures' names")
-        files = [file for file in (folder / "data").iterdir() if file.stem.isdigit()]
-        return [(int(file.stem), file) for file in files]
-    rows = []
-    with open(table, newline="", errors="replace") as stream:
-        for number, row in enumerate(csv.reader(stream, delimiter=","), 1):
-            cells = [cell.strip() for cell in row]
-            if not any(cells) or cells[0].startswith(("#", "\ufeff#", "timestamp")):
-                continue
-            try:
-                time_ns = int(Decimal(cells[0]))
-            except InvalidOperation:
-                raise BadInput(f"{table}:{number}: '{cells[0]}' is not a time in nanoseconds") from None
-            name = cells[1] if len(cells) > 1 and cells[1] else f"{cells[0]}.png"
-            rows.append((time_ns, folder / "data" / name))
-    if not rows:
-        raise BadInput(f"{table}: lists no pictures")
-    if any(b[0] < a[0] for a, b in zip(rows, rows[1:])):
-        account.assumed.append("data.csv is not in order of time: sorted")
-    return rows
+        files = sorted((int(file.stem), file) for file in (folder / "data").iterdir() if file.stem.isdecimal())
+        if not files:
+            raise BadInput(f"{folder}: no data.csv, and in data no pictures whose names are times")
+        return list(zip(in_ns([time for time, _ in files], "ns", options.stamp_unit, str(folder / "data"), account), [file for _, file in files]))
+    rows = _timed(table, folder / "data", "a time in nanoseconds and a name", "ns", options, account)
+    return [(time, _found(file, folder)) for time, file in rows]
+
+
+def _found(file: pathlib.Path, folder: pathlib.Path) -> pathlib.Path:
+    """Some lists write the folder, too, or Windows' separators."""
+    name = pathlib.PureWindowsPath(str(file.relative_to(folder / "data"))).name.split(" #")[0].rstrip()
+    return file if file.is_file() or not (folder / "data" / name).is_file() else folder / "data" / name
 
 
 def _existing(rows: list[tuple[int, pathlib.Path]], account: Account) -> Iterator[Frame]:

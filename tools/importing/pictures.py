@@ -2,10 +2,16 @@
 
 import datetime
 import pathlib
+import struct
+import zlib
+from collections import Counter
 
 import numpy as np
+from importing import netpbm
+from importing.decoding import register_heif
+from importing.formats import RAW_SUFFIXES, READ_BY_REPLAY, kind_of_file
 from importing.lens import Lens
-from importing.source import NS, PICTURES
+from importing.source import BROKEN_LINK, NS, PICTURES, Account
 
 from judge.errors import BadInput
 
@@ -15,14 +21,21 @@ TIME_ORIGINAL, SUBSECONDS, OFFSET = 0x9003, 0x9291, 0x9011
 FOCAL_MM, FOCAL_35MM = 0x920A, 0xA405
 PLANE_X, PLANE_UNIT = 0xA20E, 0xA210
 MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0}
+ASPECT_SAME = 0.005  # densities are rounded
+# What Pillow raises of damaged files of one format or another.
+PICTURE_ERRORS = (OSError, SyntaxError, ValueError, EOFError, IndexError, KeyError, TypeError, struct.error, zlib.error)
 DIAGONAL_35MM = 43.27  # of a frame of 36 mm x 24 mm, which "35 mm equivalent" refers to (CIPA DCG-001)
 
 
 def open_picture(path: pathlib.Path):
     from PIL import Image
     try:
+        if kind_of_file(path) == "heic":
+            register_heif()
         return Image.open(path)
-    except OSError:
+    except Image.DecompressionBombError as problem:
+        raise BadInput(f"{path}: {problem}") from None
+    except PICTURE_ERRORS:
         raise BadInput(f"{path}: not a picture that can be read") from None
 
 
@@ -34,31 +47,74 @@ def size_of(path: pathlib.Path) -> tuple[int, int]:
 
 
 def turned(picture) -> int:
-    """EXIF's orientation: 1 as stored, 5 to 8 with width and height exchanged."""
-    return int(picture.getexif().get(ORIENTATION, 1) or 1)
+    """EXIF's orientation: 1 as stored, 5 to 8 with width and height exchanged. A PNG is read to its end for it: BadInput of a torn one."""
+    try:
+        return int(picture.getexif().get(ORIENTATION, 1) or 1)
+    except PICTURE_ERRORS as problem:
+        raise BadInput(f"{getattr(picture, 'filename', 'picture')}: not all of it can be read ({problem})") from None
 
 
-def read_pixels(path: pathlib.Path) -> np.ndarray:
-    """Gray [H,W], uint8 or uint16, turned as EXIF says."""
-    from PIL import ImageOps
+def may_be_copied(path: pathlib.Path) -> bool:
+    """The replay reads the file as it is, and sees what a viewer shows."""
+    if kind_of_file(path) not in READ_BY_REPLAY or kind_of_file(path) == "pgm" and len(netpbm.pages_of(path)) > 1:
+        return False
     with open_picture(path) as picture:
-        try:
-            picture = ImageOps.exif_transpose(picture)
-            if picture.mode.startswith("I") or picture.mode == "F":
-                return np.clip(np.asarray(picture), 0, 65535).astype(np.uint16)
-            return np.asarray(picture.convert("L"))
-        except OSError as problem:
-            raise BadInput(f"{path}: {problem}") from None
+        return (picture.mode in ("L", "RGB") or picture.mode.startswith("I")) and turned(picture) == 1
 
 
-def in_folder(folder: pathlib.Path) -> list[pathlib.Path]:
-    """Pictures of a folder, numbers in names in their own order: 9 before 10."""
-    return sorted((path for path in folder.iterdir() if path.suffix.lower() in PICTURES and not path.name.startswith(".")), key=natural_order)
+def pages_in_copy(path: pathlib.Path) -> int:
+    """Of a file that may be copied: an animated PNG has several, of which the replay reads one."""
+    if kind_of_file(path) != "png":
+        return 1
+    with open_picture(path) as picture:
+        return getattr(picture, "n_frames", 1)
+
+
+def pixel_aspect(picture) -> float:
+    """Width by height of what a pixel shows, as JPEG's or PNG's density tells it; 1 where it does not."""
+    across, down = picture.info.get("jfif_density") or picture.info.get("aspect") or picture.info.get("dpi") or (1, 1)
+    if not (across and down and across > 0 and down > 0):
+        return 1.0
+    aspect = float(down) / float(across)
+    if abs(aspect - 1) < ASPECT_SAME:
+        return 1.0
+    return 1 / aspect if turned(picture) >= 5 else aspect
+
+
+def in_folder(folder: pathlib.Path, account: Account | None = None) -> list[pathlib.Path]:
+    """Pictures of a folder by their content or their suffix, numbers in names in their own order: 9 before 10."""
+    entries = [path for path in folder.iterdir() if not path.name.startswith(".")]
+    files = [path for path in entries if path.is_file()]
+    pictures = [path for path in files if path.suffix.lower() in PICTURES or kind_of_file(path)]
+    developed = {path.stem for path in pictures if not _is_raw(path)}
+    twice = [path for path in pictures if _is_raw(path) and path.stem in developed]
+    if account is not None:
+        _tell_others(entries, account)
+        account.assumed += [f"{len(twice)} raw files are left out: pictures of the same names are there"] if twice else []
+        others = sorted(path.name for path in set(files) - set(pictures))
+        account.assumed += [f"{len(others)} files are no pictures: {', '.join(others[:3])}{', ...' if others[3:] else ''}"] if others else []
+    return sorted(set(pictures) - set(twice), key=natural_order)
+
+
+def _tell_others(entries: list[pathlib.Path], account: Account) -> None:
+    """Links to nothing are lost pictures; pictures in folders below are not asked for."""
+    broken = sum(path.is_symlink() and not path.exists() and path.suffix.lower() in PICTURES for path in entries)
+    account.dropped += Counter({BROKEN_LINK: broken} if broken else {})
+    folders = sorted(path.name for path in entries if path.is_dir() and any(file.suffix.lower() in PICTURES for file in path.iterdir()))
+    if folders:
+        account.assumed.append(f"{len(folders)} folders with pictures below this one are left out: {', '.join(folders[:3])}{', ...' if folders[3:] else ''}")
+
+
+def _is_raw(path: pathlib.Path) -> bool:
+    return path.suffix.lower() in RAW_SUFFIXES or kind_of_file(path) == "raw"
 
 
 def natural_order(path: pathlib.Path) -> list:
+    """Numbers by their value; img.png before img (1).png."""
     import re
-    return [(1, int(part), "") if part.isdigit() else (0, 0, part) for part in re.split(r"(\d+)", path.name) if part]
+    stem, suffix = (path.stem, path.suffix) if re.search("[^\\W\\d]", path.suffix) else (path.name, "")
+    parts = [(1, int(part), "") if part.isdecimal() else (0, 0, part) for part in re.split(r"(\d+)", stem) if part]
+    return [*parts, (-1, 0, suffix)]
 
 
 def exif_time_ns(path: pathlib.Path) -> int | None:
@@ -70,7 +126,7 @@ def exif_time_ns(path: pathlib.Path) -> int | None:
         when = datetime.datetime.strptime(f"{str(fields[TIME_ORIGINAL]).strip()} {zone}", "%Y:%m:%d %H:%M:%S %z")
         fraction = str(fields.get(SUBSECONDS, "")).strip() or "0"
         return int(when.timestamp()) * NS + int(fraction[:9].ljust(9, "0"))
-    except (BadInput, KeyError, ValueError):
+    except (BadInput, *PICTURE_ERRORS):
         return None
 
 
@@ -81,7 +137,7 @@ def exif_lens(path: pathlib.Path) -> tuple[Lens, str] | None:
             fields, camera = picture.getexif().get_ifd(EXIF_FOLDER), picture.getexif()
             name = " ".join(str(camera.get(tag, "")).strip("\0 ") for tag in (MAKE, MODEL)).strip() or "camera unknown"
         width, height = size_of(path)
-    except BadInput:
+    except (BadInput, *PICTURE_ERRORS):
         return None
     focal_px, how = None, ""
     try:

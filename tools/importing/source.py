@@ -2,17 +2,24 @@
 
 import pathlib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 from importing.lens import Lens
 
+from judge.errors import BadInput
+
 NS = 1_000_000_000
-# What `polhode replay` reads. Other pictures are decoded and written as PNG.
-READ_BY_REPLAY = (".png", ".jpg", ".jpeg", ".pgm")
-# What Pillow opens beside these and people have.
-PICTURES = (*READ_BY_REPLAY, ".tif", ".tiff", ".bmp", ".webp", ".ppm")
+# Files of these names are pictures even where their content is damaged.
+PICTURES = (".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp", ".webp", ".ppm", ".avif", ".heic", ".heif", ".jp2", ".exr", ".dpx", ".dng", ".fits", ".fit", ".fts")
+# Left out on purpose: no loss.
+BEFORE_FROM, BY_STEP, OTHER_CAMERA = "before --from", "by --step", "taken by another camera"
+RECORDED_TWICE = "recorded twice: the same picture with the same stamp"
+EDITED_OUT = "left out by the video's edit list"
+CHOSEN_AWAY = (BEFORE_FROM, BY_STEP, OTHER_CAMERA, RECORDED_TWICE, EDITED_OUT)
+# Lost before anything was read: what is read does not count it.
+BROKEN_LINK = "a link to a file that is not there"
 
 
 @dataclass
@@ -21,16 +28,23 @@ class Options:
 
     rate_hz: float | None = None  # for pictures without a time
     topic: str | None = None  # bags
-    camera: str = "cam0"  # EuRoC and Kalibr: which of several cameras
+    camera: str = "cam0"  # which of several: of EuRoC and Kalibr, a bag's frame_id, a word in the names of pictures
+    stamp_unit: str | None = None  # of lists: s, ms, us or ns
 
 
 @dataclass
 class Frame:
-    """One picture: a file that may be copied as it is, or pixels [H,W] uint8 or uint16."""
+    """One picture: a file, or pixels [H,W] of any number type (importing/levels.py makes them uint8 or uint16).
+
+    Its time is one of the source's times_ns.
+    """
 
     timestamp_ns: int
     file: pathlib.Path | None = None
     pixels: np.ndarray | None = None
+    bits: int = 0  # that 16-bit levels are known to use; 0: not known
+    problem: str = ""  # why the file can't be read
+    pixel_aspect: float = 1.0  # width by height of what a pixel shows, as the container tells it; of pixels only
 
 
 @dataclass
@@ -39,6 +53,12 @@ class Account:
 
     assumed: list[str] = field(default_factory=list)
     dropped: Counter = field(default_factory=Counter)
+    no_lens: str = ""  # why the source's own lens can't be used
+
+    def note(self, sentence: str) -> None:
+        """Says it once, of however many frames it holds."""
+        if sentence and sentence not in self.assumed:
+            self.assumed.append(sentence)
 
 
 @dataclass
@@ -48,36 +68,20 @@ class Source:
     kind: str  # in words
     frames: Iterator[Frame]
     account: Account
+    times_ns: list[int | None]  # of all its frames in its own order, as found: they are judged together before frames are read
     count: int | None = None  # of frames that are expected, for the progress; None: not known
     lens: Lens | None = None
     lens_from: str = ""
     nominal_time: bool = False  # the times are made up: rates per second mean nothing
+    line_time_ns: float = 0.0  # from one row to the next, where the source's own sensor.yaml tells it
+    received_ns: list[int] | None = None  # when each frame was recorded, by another clock
+    beside: tuple[pathlib.Path, ...] = ()  # files that hold for the pictures at these times: a truth, a model
 
 
-def rising(frames: Iterator[Frame], account: Account) -> Iterator[Frame]:
-    """Leaves out frames whose time does not rise, as `polhode replay` needs it."""
-    last_ns = -1
-    for frame in frames:
-        if frame.timestamp_ns <= last_ns:
-            account.dropped["time not after the frame before"] += 1
-            continue
-        last_ns = frame.timestamp_ns
-        yield frame
-
-
-def cropped(frames: Iterator[Frame], account: Account, from_s: float, to_s: float | None, step: int) -> Iterator[Frame]:
-    """Frames from_s to to_s after the first, every step-th of them."""
-    first_ns, number = None, 0
-    for frame in frames:
-        first_ns = frame.timestamp_ns if first_ns is None else first_ns
-        after_s = (frame.timestamp_ns - first_ns) / NS
-        if to_s is not None and after_s > to_s:
-            return
-        if after_s < from_s:
-            account.dropped["before --from"] += 1
-            continue
-        number += 1
-        if (number - 1) % step:
-            account.dropped["by --step"] += 1
-            continue
-        yield frame
+def lens_if_any(read: Callable[[], tuple[Lens | None, str]], account: Account) -> tuple[Lens | None, str]:
+    """What read() gives. One that can't be used only matters where the user gives no other."""
+    try:
+        return read()
+    except BadInput as problem:
+        account.no_lens = str(problem)
+        return None, ""

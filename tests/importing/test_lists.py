@@ -1,0 +1,144 @@
+"""Lists of pictures as people have them: separators, marks, more columns, and stamps in another unit than such lists have."""
+
+import numpy as np
+import pytest
+from importing.picture_list import in_ns, read_list
+from importing.plan import Part, Plan
+from importing.recognise import open_source
+from importing.source import Account, Options
+from importing.stamps import judge
+from PIL import Image
+
+from judge.errors import BadInput
+
+NS = 1_000_000_000
+STEP = 50_000_000
+TIMES = [1_403_636_579_763_555_584 + i * STEP for i in range(8)]
+SECONDS = [f"{time // NS}.{time % NS:09d}" for time in TIMES]
+
+
+def euroc(folder, head, rows, coding="utf-8", names=None):
+    data = folder / "mav0/cam0/data"
+    data.mkdir(parents=True)
+    for time, name in zip(TIMES, names or [f"{time}.png" for time in TIMES]):
+        Image.fromarray(np.zeros((32, 32), np.uint8)).save(data / name)
+    (folder / "mav0/cam0/data.csv").write_bytes("\n".join([*([head] if head else []), *rows, ""]).encode(coding))
+    return folder
+
+
+def taken(folder, **options):
+    source = open_source(folder, Options(**options))
+    return [frame.timestamp_ns for frame in Plan(source, Part()).frames()], " ".join(source.account.assumed)
+
+
+# verifies: GND-03
+@pytest.mark.parametrize(("head", "row", "coding"), [
+    ("#timestamp [ns];filename", "{t};{t}.png", "utf-8"), ("timestamp,filename", "{t},{t}.png", "utf-8-sig"), (None, "{t}\t{t}.png", "utf-8"),
+    ("#timestamp [ns],filename", "{t},{t}.png", "utf-16"), ("#timestamp [ns],filename", "{t},{t}.png", "utf-16-le"), ("#filename,timestamp", "{t}.png,{t}", "utf-8"),
+    ("id,timestamp,filename", "{i},{t},{t}.png", "utf-8"), (None, "{i},{t},{t}.png", "utf-8"), ("#timestamp,filename,exposure", "{t},{t}.png,7", "utf-8"),
+    ("exposure_time,timestamp [ns],file", "7,{t},{t}.png", "utf-8"), ("timestamp (s);file", "{c};{t}.png", "utf-8"), ("time_us,file", "{us},{t}.png", "utf-8"),
+    ("#timestamp [ns],filename", "{t},mav0\\cam0\\data\\{t}.png", "utf-8"), ("#timestamp [ns],filename", "{t},{t}.png # bright", "utf-8"), (None, "{t}", "utf-8")])
+def test_every_form_of_a_list(tmp_path, head, row, coding):
+    rows = [row.format(i=i, t=time, c=second.replace(".", ","), us=time // 1000) for i, (time, second) in enumerate(zip(TIMES, SECONDS))]
+    times, said = taken(euroc(tmp_path / "seq", head, rows, coding))
+    assert times == [time // 1000 * 1000 if "{us}" in row else time for time in TIMES] and not said
+
+
+def tum(folder, row, name="rgb/{i}.png", values=SECONDS):
+    (folder / "rgb").mkdir(parents=True)
+    for i in range(len(TIMES)):
+        Image.fromarray(np.zeros((4, 4), np.uint8)).save(folder / name.format(i=i))
+    (folder / "rgb.txt").write_text("# color images\n# timestamp filename\n" + "".join(f"{row.format(i=i, s=value)}\n" for i, value in enumerate(values)))
+    return folder
+
+
+@pytest.mark.parametrize(("row", "name"), [
+    ("{s} rgb/{i}.png", "rgb/{i}.png"), ("{s} rgb/{i}.png 17.5 depth/{i}.png", "rgb/{i}.png"), ("17.5 depth/{i}.png {s} rgb/{i}.png", "rgb/{i}.png"),
+    ("{s},rgb/{i}.png", "rgb/{i}.png"), ("{s} rgb/my cam {i}.png", "rgb/my cam {i}.png")])
+def test_lists_of_tum_and_associated_ones(tmp_path, row, name):
+    times, said = taken(tum(tmp_path / "tum", row, name))
+    assert times == TIMES and not said
+
+
+# verifies: GND-03
+@pytest.mark.parametrize(("stated", "scale", "says"), [("ns", NS, "seconds"), ("ns", 10**6, "milliseconds"), ("ns", 10**3, "microseconds"), ("s", 1, "nanoseconds"),
+                                                       ("s", 10**6, "milliseconds")])
+@pytest.mark.parametrize("begin", [0, TIMES[0] // 10**6 * 10**6])
+def test_stamps_of_another_unit_are_converted_and_told(stated, scale, says, begin):
+    account = Account()
+    values = [(begin + i * STEP) / scale if scale == NS else (begin + i * STEP) // scale for i in range(8)]
+    if stated == "s" and scale == 10**6 and not begin:  # 50 s from picture to picture may be
+        assert in_ns(values, stated, None, "list", account) == [50 * i * NS for i in range(8)] and "50 s from frame to frame" in account.assumed[0]
+        return
+    found = in_ns(values, stated, None, "list", account)
+    assert np.allclose(np.diff(found), STEP, atol=300) and f"they are taken for {says}" in account.assumed[0]
+
+
+def test_what_is_not_clear_is_refused_and_can_be_said():
+    for step, likely in ((1000, "milliseconds or microseconds"), (1, "seconds or milliseconds")):
+        with pytest.raises(BadInput, match=f"these look like {likely}; --stamp-unit s, ms, us or ns says which"):
+            in_ns([step * i for i in range(8)], "ns", None, "list", Account())
+    assert in_ns([0, 1000, 2000], "ns", "us", "list", Account()) == [0, 10**6, 2 * 10**6]
+    with pytest.raises(BadInput, match="beyond what a sequence can hold"):
+        in_ns([10**17, 2 * 10**17, 3 * 10**17], "ns", "s", "list", Account())
+
+
+@pytest.mark.parametrize("step_ns", [1_000_000, 33_333_333, NS, 20 * NS])
+def test_stamps_of_cameras_are_not_doubted(step_ns):
+    for begin in (0, 1_400_000_000, TIMES[0]):
+        account = Account()
+        values = [begin + i * step_ns for i in range(8)]
+        assert in_ns(values, "ns", None, "list", account) == values and not account.assumed
+
+
+def test_a_decimal_comma_between_commas_is_refused(tmp_path):
+    rows = [f"{second.replace('.', ',')},{time}.png" for time, second in zip(TIMES, SECONDS)]
+    with pytest.raises(BadInput, match="data.csv:2: 3 cells where the head has 2, as with a decimal comma"):
+        taken(euroc(tmp_path / "seq", "#timestamp,filename", rows))
+
+
+def test_names_in_another_unit_without_a_list(tmp_path):
+    folder = euroc(tmp_path / "seq", None, [], names=[f"{time // 1000}.png" for time in TIMES])
+    (folder / "mav0/cam0/data.csv").unlink()
+    (folder / "mav0/cam0/sensor.yaml").write_text("")
+    times, said = taken(folder)
+    assert set(np.diff(times)) == {STEP} and "they are taken for microseconds" in said
+
+
+@pytest.mark.parametrize("begin", [0, TIMES[0]])
+def test_header_stamps_in_microseconds_are_seen_by_the_receipts(begin):
+    stamps, received = [begin + i * 50_000 for i in range(20)], [TIMES[0] + i * STEP + i % 3 * 1_000_000 for i in range(20)]
+    judgement = judge(stamps, received)
+    assert judgement.times_ns == [begin + i * STEP for i in range(20)] and "a unit of 1000 ns" in judgement.assumed[0]
+    assert judge([begin + i * STEP for i in range(20)], [i * NS * 50 for i in range(20)]).assumed == []  # a simulation that is slow
+
+
+# verifies: GND-03
+def test_the_truth_of_a_source_comes_along_and_others_are_told(run, tmp_path):
+    folder = euroc(tmp_path / "seq", "#timestamp [ns],filename", [f"{time},{time}.png" for time in TIMES])
+    (folder / "truth.csv").write_text("timestamp_ns\n")
+    (folder / "mav0/state_groundtruth_estimate0").mkdir()
+    (folder / "mav0/state_groundtruth_estimate0/data.csv").write_text("#timestamp\n")
+    done = run(folder, tmp_path / "SEQ", "--intrinsics", "40,40,15.5,15.5")
+    assert done.returncode == 0 and (tmp_path / "SEQ/truth.csv").read_text() == "timestamp_ns\n"
+    assert "truth.csv of the source is copied" in done.stdout and "state_groundtruth_estimate0 is left out: it is the path of the camera's carrier" in done.stdout
+    assert "7 of 8 pictures repeat the one before" in done.stdout  # all are alike
+
+
+def test_pictures_that_repeat_are_told():
+    from importing.repeats import Repeats
+    rng = np.random.default_rng(2)
+    film = [rng.integers(0, 255, (48, 64), np.uint8) for _ in range(25)]
+    for pictures, says in ((film, ""), ([film[i * 4 // 5] for i in range(25)], "5 of 25 pictures repeat the one before, one of 5 as if made of a lower rate, first picture 2"),
+                           ([film[0] // 2 + film[i] // 8 for i in range(25)], ""), (film[:20] + [film[19]] * 5, "5 of 25 pictures repeat the one before, first picture 21")):
+        repeats, account = Repeats(), Account()
+        for pixels in pictures:
+            repeats.add(pixels)
+        repeats.tell(account)
+        assert bool(account.assumed) == bool(says) and says in " ".join(account.assumed)
+
+
+def test_a_bag_that_is_still_open_is_named(tmp_path):
+    (tmp_path / "rec.bag.active").write_bytes(b"#ROSBAG V2.0\n")
+    with pytest.raises(BadInput, match="a recording that its recorder did not close; .* `rosbag reindex`"):
+        open_source(tmp_path / "rec.bag.active", Options())

@@ -1,0 +1,88 @@
+"""Names of pictures, as cameras, phones and Windows give them: their order, their times, what is missing, and whether they are of one camera."""
+
+import pathlib
+
+import numpy as np
+import pytest
+from importing.folder import times_of
+from importing.numbering import frame_numbers, in_order
+from importing.pictures import natural_order
+from importing.series import of_one_camera
+from importing.source import Account
+
+from judge.errors import BadInput
+
+US = 1_403_636_579_763_555  # in 2014
+STEPS = [US + 50_000 * i for i in range(8)]
+
+
+def files(names) -> list[pathlib.Path]:
+    return sorted(map(pathlib.Path, names), key=natural_order)
+
+
+def numbered(names) -> tuple[list[str], list[int], str]:
+    """(names in order, their frames, what is said)."""
+    ordered, said = in_order(files(names))
+    found = [path.name for path in ordered]
+    frames, more = frame_numbers(found)
+    return found, frames, " ".join([*said, more])
+
+
+# verifies: GND-03
+@pytest.mark.parametrize(("names", "frames", "says"), [
+    ([f"frame_{i:04x}.png" for i in range(8, 40) if i != 27], [*range(19), *range(20, 32)], "hexadecimal the numbers in the pictures' names jump"),
+    ([f"{i:X}.png" for i in range(250, 260 - 4)], range(6), ""),
+    (["img.png", *(f"img ({i}).png" for i in range(1, 12))], range(12), ""),
+    ([f"img ({i}).png" for i in (1, 2, 3, 5)], [0, 1, 2, 4], "1 pictures are missing"),
+    ([f"DSC_{i % 10000:04d}.jpg" for i in range(9990, 10008)], range(18), "DSC_9999.jpg is followed by DSC_0000.jpg"),
+    ([f"IMG_{i:04d}.jpg" for i in (9997, 9998, 9999, 1, 2, 4)], [0, 1, 2, 3, 4, 6], "IMG_9999.jpg is followed by IMG_0001.jpg"),
+    ([f"f_{i:04d}_{5 + 5 * (i % 2)}ms.png" for i in (0, 1, 2, 3, 5, 6)], [0, 1, 2, 3, 5, 6], "1 pictures are missing"),
+    ([f"IMG_20260101_125958_{i:03d}.jpg" for i in (1, 2, 3, 5)], [0, 1, 2, 4], "1 pictures are missing"),
+    ([f"a{i}_{7 * i * i % 19}.png" for i in (1, 4, 5, 9, 23)], range(5), "no count of frames"),
+    (["a1.png", "b1.png", "c1.png"], range(3), "no count of frames"),
+    ([f"{i:04d}.png" for i in (0, 1, 2, 9996)], [0, 1, 2, 9996], "9993 pictures are missing")])
+def test_numbers_of_every_kind(names, frames, says):
+    found, numbers, said = numbered(names)
+    assert found == names and numbers == list(frames) and says in said and bool(says) == bool(said.strip())
+
+
+def test_hashes_are_no_numbers():
+    names = [f"{i * 2654435761 % 2**32:08x}.png" for i in range(9)]
+    assert "hexadecimal" not in numbered(names)[2]
+
+
+@pytest.mark.parametrize(("name", "step_ns"), [
+    ("{us}.png", 50_000_000), ("cam0_{us}000.png", 50_000_000), ("{ms}.png", 50_000_000), ("{s}_{part:06d}.png", 50_000_000), ("{s}.{part:06d}.png", 50_000_000),
+    ("frame-{s}-{part:06d}000.png", 50_000_000), ("PXL_20260101_1259{i:02d}250.jpg", 10**9), ("2026-01-01 12.59.{i:02d}.jpg", 10**9)])
+def test_times_in_names(name, step_ns):
+    names = [name.format(us=us, ms=us // 1000, s=us // 10**6, part=us % 10**6, i=i) for i, us in enumerate(STEPS)]
+    times, nominal, said = times_of(files(names), None)
+    assert not nominal and set(np.diff(times)) == {step_ns} and "in the pictures' names" in said[0]
+    assert times[0] // 10**12 == (1403636 if step_ns != 10**9 else 1767272)
+
+
+@pytest.mark.parametrize("name", ["{i:016d}.png", "20260101{i:05d}.png", "{i:013d}_x.png", "IMG_20261399_1259{i:02d}.jpg"])
+def test_numbers_that_are_no_times(name):
+    names = [name.format(i=i) for i in range(8)]
+    times, _, said = times_of(files(names), 10.0)
+    assert times == [i * 10**8 for i in range(8)] and "--rate-hz" in said[0]
+
+
+# verifies: GND-03
+@pytest.mark.parametrize(("pair", "word"), [
+    (("left_{i:03d}.png", "right_{i:03d}.png"), "left"), (("f_{i:03d}_R.png", "f_{i:03d}_L.png"), "r"), (("cam3_{i:03d}.png", "cam2_{i:03d}.png"), "cam3"),
+    (("{i}_camera-1.png", "{i}_camera-2.png"), "camera1"), (("rgb_{i}.png", "depth_{i}.png"), "rgb"), (("{i}.jpg", "{i}.heic"), "jpg")])
+def test_two_cameras_in_one_folder(pair, word):
+    both = files(name.format(i=i) for i in range(6) for name in pair)
+    with pytest.raises(BadInput, match=r"pictures of 2 cameras or formats in one folder, by their names: .* \(6\); choose by a word"):
+        of_one_camera(both, "cam0", Account())
+    account = Account()
+    assert of_one_camera(both, word, account) == files(pair[0].format(i=i) for i in range(6)) and account.dropped == {"taken by another camera": 6}
+
+
+@pytest.mark.parametrize("names", [
+    [f"{part}_{i}.png" for part in ("a", "b") for i in (range(3) if part == "a" else range(3, 6))], [f"p{part}_{i}.png" for part in (1, 2) for i in range(5)],
+    ["x.png", "y.png", "z.png"], [f"left_{i}.png" for i in range(5)], [f"IMG_{i}{'_edited' if i == 3 else ''}.jpg" for i in range(6)]])
+def test_one_camera_stays_one(names):
+    account = Account()
+    assert of_one_camera(files(names), "cam0", account) == files(names) and not account.dropped and not account.assumed

@@ -1,0 +1,162 @@
+"""Lists of pictures with times, by their columns' names or by what is in them: EuRoC's, TUM's, associated ones, those of spreadsheets."""
+
+import datetime
+import pathlib
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
+
+from importing.source import PICTURES, Account
+
+from judge.delimited import rows_of, separator_of, text_of
+from judge.errors import BadInput
+from judge.units import UNITS, WORDS, doubt, likely_units
+
+TIME_NAME = re.compile(r"\W*(time|stamp|t\b|t_)", re.IGNORECASE)
+UNIT_NAME = re.compile(r"(?:[\[(_ ])(ns|us|µs|ms|s|sec|seconds|nsec|usec|msec)\b", re.IGNORECASE)
+UNIT_OF_NAME = {"µs": "us", "sec": "s", "seconds": "s", "nsec": "ns", "usec": "us", "msec": "ms"}
+DATE = re.compile(r"(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d:\d\d)(?:\.(\d+))?(Z|[+-]\d\d:\d\d)?")
+NO_LIGHT = re.compile(r"depth|disparity|mask|label", re.IGNORECASE)
+ADVICE = "--stamp-unit s, ms, us or ns says which"
+
+
+@dataclass
+class PictureList:
+    """Rows of (time as it is written, name), and the unit that the list's head tells, or ''."""
+
+    rows: list[tuple[Decimal, str]]
+    unit: str = ""
+
+
+def read_times(path: pathlib.Path, files: list[pathlib.Path]) -> tuple[list[Decimal], str, bool]:
+    """(times, their unit or '', whether they are in the order of these files, whose names the list holds; else in that of the list).
+    @errors BadInput where it holds no times"""
+    rows, names = _table(path)
+    place, of_name = _columns(rows, names)
+    if of_name is not None:
+        times = {pathlib.PurePath(name).name: time for time, name in (_row(path, number, cells, place, of_name, "a time") for number, cells in rows)}
+        if all(file.name in times for file in files):
+            return [times[file.name] for file in files], _unit(names, place), True
+    if place == 0 and len(rows[0][1]) > 1 and not TIME_NAME.match((names or [""])[0]) and _counts(rows):
+        place = 1  # DSO's: number, time, exposure
+    return [_row(path, number, cells, place, None, "a time")[0] for number, cells in rows], _unit(names, place), False
+
+
+def _counts(rows: list[tuple[int, list[str]]]) -> bool:
+    """Whether the first column is the number of the row."""
+    first = rows[0][1][0]
+    return first.isdecimal() and all(cells[0] == f"{int(first) + place:0{len(first)}d}" for place, (_, cells) in enumerate(rows)) and _is_number(rows[0][1][1])
+
+
+def read_list(path: pathlib.Path, wanted: str) -> PictureList:
+    """@param wanted  what a row should be, for messages. @errors BadInput with the line"""
+    rows, names = _table(path)
+    place, of_name = _columns(rows, names)
+    return PictureList([_row(path, number, cells, place, of_name, wanted) for number, cells in rows], _unit(names, place))
+
+
+def _table(path: pathlib.Path) -> tuple[list[tuple[int, list[str]]], list[str]]:
+    """(rows with their lines' numbers, the columns' names as far as they are told)."""
+    text = text_of(path, "surrogateescape")
+    separator = separator_of(text)
+    table = rows_of(text, separator)
+    head = next((cells for _, cells in table if not cells[0].startswith("#")), [])
+    has_head = bool(head) and not any(map(_is_number, head))
+    remarks = [cells for _, cells in rows_of("\n".join(line.lstrip("# ") for line in text.splitlines() if line.lstrip().startswith("#")), separator)]
+    names = head if has_head else remarks[-1] if remarks else []
+    rows = [(number, cells) for number, cells in table if not cells[0].startswith("#")][has_head:]
+    if not rows:
+        raise BadInput(f"{path}: lists no pictures")
+    rows = [(number, _with_blanks(cells, path.parent) if separator == " " else cells) for number, cells in rows]
+    _check_decimal_commas(path, names, rows, separator)
+    return rows, names
+
+
+def _is_number(cell: str) -> bool:
+    return _number(cell) is not None
+
+
+def _number(cell: str) -> Decimal | None:
+    """A number, or the seconds since 1970 of a date with a clock, taken for UTC where it names no zone."""
+    try:
+        return Decimal(cell) if Decimal(cell).is_finite() else None
+    except InvalidOperation:
+        return _seconds_of_date(cell)
+
+
+def _seconds_of_date(cell: str) -> Decimal | None:
+    found = DATE.fullmatch(cell)
+    if not found:
+        return None
+    try:
+        when = datetime.datetime.fromisoformat(f"{found[1]}T{found[2]}{(found[4] or 'Z').replace('Z', '+00:00')}")
+    except ValueError:
+        return None
+    return Decimal(int(when.timestamp())) + Decimal(f"0.{found[3] or 0}")
+
+
+def _with_blanks(cells: list[str], folder: pathlib.Path) -> list[str]:
+    """A name may hold white space."""
+    rest = " ".join(cells[1:])
+    return [cells[0], rest] if len(cells) > 2 and (folder / rest).is_file() else cells
+
+
+def _check_decimal_commas(path: pathlib.Path, names: list[str], rows: list[tuple[int, list[str]]], separator: str) -> None:
+    number, cells = rows[0]
+    parts = [row[1] for _, row in rows if len(row) == 2]
+    if separator == "," and not names and len(parts) == len(rows) > 1 and all(map(str.isdecimal, [*cells, *parts])) and \
+            len(set(map(len, parts))) == 1 and any(part.startswith("0") for part in parts):
+        raise BadInput(f"{path}:{number}: '{','.join(cells)}' looks like a number with a decimal comma: write a point")
+    if separator == "," and len(names) > 1 and all(len(row) == len(names) + 1 for _, row in rows) and all(cell.isdecimal() for cell in cells[:2]):
+        raise BadInput(f"{path}:{number}: {len(cells)} cells where the head has {len(names)}, as with a decimal comma: "
+                       "write a point, or separate the cells by semicolons")
+
+
+def _is_picture(cell: str) -> bool:
+    return pathlib.PurePath(cell).suffix.lower() in PICTURES
+
+
+def _columns(rows: list[tuple[int, list[str]]], names: list[str]) -> tuple[int, int | None]:
+    """Places of the time and of the name; None: the time is the name."""
+    cells = rows[0][1]
+    pictures = [place for place, cell in enumerate(cells) if _is_picture(cell)]
+    of_light = [place for place in pictures if not NO_LIGHT.search(cells[place])]
+    of_name = next(iter(of_light or pictures), None)
+    numbers = [place for place, cell in enumerate(cells) if _is_number(cell) and place != of_name]
+    named = [place for place in numbers if place < len(names) and TIME_NAME.match(names[place])]
+    before = [place for place in numbers if of_name is not None and place < of_name]
+    # Associated lists have a time before each name.
+    place = before[-1] if len(pictures) > 1 and before else (named or before[-1:] or numbers or [0])[0]
+    if of_name is None and len(cells) > 1 and cells[1] and not _is_number(cells[1]):
+        of_name = 1
+    return place, of_name
+
+
+def _row(path: pathlib.Path, number: int, cells: list[str], place: int, of_name: int | None, wanted: str) -> tuple[Decimal, str]:
+    if place >= len(cells) or not _is_number(cells[place]) or of_name is not None and of_name >= len(cells):
+        raise BadInput(f"{path}:{number}: '{' '.join(cells)}' is not {wanted}")
+    return _number(cells[place]), cells[of_name] if of_name is not None and cells[of_name] else f"{cells[place]}.png"
+
+
+def _unit(names: list[str], place: int) -> str:
+    found = UNIT_NAME.search(names[place]) if place < len(names) else None
+    name = found.group(1).lower() if found else ""
+    return UNIT_OF_NAME.get(name, name)
+
+
+def in_ns(values: Sequence, stated: str, asked: str | None, where: str, account: Account) -> list[int]:
+    """@param asked  the unit that the user says. @errors BadInput where the stated one can't be, and which it is is not clear"""
+    units = [asked] if asked else likely_units(values, stated)
+    if len(units) != 1:
+        likely = f"these look like {' or '.join(WORDS[unit] for unit in units)}" if units else "no unit of time fits them"
+        raise BadInput(f"{where}: stamps that are no {WORDS[stated]}, so far apart are no pictures of a camera: {likely}; {ADVICE}")
+    unit = units[0]
+    if unit != stated and not asked:
+        account.assumed.append(f"the stamps can't be {WORDS[stated]}: they are taken for {WORDS[unit]}, as their steps are those of a camera; {ADVICE}")
+    elif not asked and doubt(values, unit):
+        account.assumed.append(f"{doubt(values, unit)}; if that is wrong, {ADVICE}")
+    times = [int(value * UNITS[unit]) for value in values]
+    if max(map(abs, times)) >= 2**63:
+        raise BadInput(f"{where}: a stamp of {max(values)} {WORDS[unit]} is beyond what a sequence can hold; {ADVICE}")
+    return times

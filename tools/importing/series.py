@@ -1,0 +1,65 @@
+"""Pictures of several cameras in one folder: left and right, cam0 and cam1, or each picture in two formats."""
+
+import pathlib
+import re
+from collections import defaultdict
+
+from importing.source import OTHER_CAMERA, Account
+
+from judge.errors import BadInput
+
+# Words that name a camera. "L" and "R" are those of stereo rigs.
+CAMERA = re.compile(r"(?<![a-z])(left|right|l|r|cam(?:era)?[-_ ]?\d{1,2})(?![a-z\d])", re.IGNORECASE)
+WORD = re.compile(r"[^\W\d_]+\d*|\d+")
+SAME_NUMBERS_SHARE = 0.8  # of each of two series that show the same moments
+SERIES_MIN, SERIES_MAX = 3, 8
+
+
+def of_one_camera(files: list[pathlib.Path], camera: str, account: Account) -> list[pathlib.Path]:
+    """@errors BadInput where they are of several, and none has this word in its name"""
+    series = _by_camera(files) or _by_words(files)
+    if series is None:
+        return files
+    chosen = [file for file in files if camera.casefold() in _words(file)]
+    found = ", ".join(f"{name} ({len(members)})" for name, members in sorted(series.items()))
+    if not chosen or len(chosen) == len(files):
+        first, *others = (set(WORD.findall(name)) for name in sorted(series))
+        example = min(first - set().union(*others), default="WORD")
+        raise BadInput(f"{files[0].parent}: pictures of {len(series)} cameras or formats in one folder, by their names: {found}; "
+                       f"choose by a word of the names, as --camera {example}, or put those of one into a folder")
+    account.dropped[OTHER_CAMERA] += len(files) - len(chosen)
+    account.assumed.append(f"pictures of {len(series)} cameras or formats in one folder, {found}: those with '{camera}' in their names are taken")
+    return chosen
+
+
+def _words(file: pathlib.Path) -> set[str]:
+    name = file.name.casefold()
+    return {*WORD.findall(name), *(re.sub(r"[-_ ]", "", found) for found in CAMERA.findall(file.stem.casefold()))}
+
+
+def _by_camera(files: list[pathlib.Path]) -> dict | None:
+    """By the words for cameras, where all names have one and they differ."""
+    series = defaultdict(list)
+    for file in files:
+        found = CAMERA.search(file.stem)
+        if found is None:
+            return None
+        series[re.sub(r"[-_ ]", "", found.group(1).casefold())].append(file)
+    return series if 1 < len(series) <= SERIES_MAX else None
+
+
+def _by_words(files: list[pathlib.Path]) -> dict | None:
+    """By all that is no number, where the numbers are the same in each: rgb_001 and depth_001, 001.jpg and 001.heic."""
+    series, numbers = defaultdict(list), defaultdict(set)
+    for file in files:
+        name = re.sub(r"\d+", "#", file.stem) + file.suffix.casefold()
+        series[name].append(file)
+        numbers[name].add(tuple(map(int, re.findall(r"\d+", file.stem))))
+    if not 1 < len(series) <= SERIES_MAX or any(len(members) < SERIES_MIN for members in series.values()) or () in set().union(*numbers.values()):
+        return None
+    shared = set.intersection(*numbers.values())
+    # Names that differ in their suffix alone are formats of one picture, though not each may have both.
+    formats = len({pathlib.PurePath(name).stem for name in series}) == 1
+    if formats and len(shared) >= SAME_NUMBERS_SHARE * min(map(len, numbers.values())):
+        return series
+    return series if all(len(shared) >= SAME_NUMBERS_SHARE * len(one) for one in numbers.values()) else None
