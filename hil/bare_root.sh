@@ -13,6 +13,12 @@ ls "$FOLDER"/polhode_*.deb >/dev/null 2>&1 || { echo "bare_root: $FOLDER: no pol
 command -v mmdebstrap >/dev/null || { echo "bare_root: mmdebstrap is not installed (tools/setup.sh packages)" >&2; exit 2; }
 if [ -n "${2:-}" ]; then
   WORK=$(realpath "$2")
+  if [ -e "$WORK/root" ] && [ ! -e "$WORK/.polhode-root" ]; then
+    echo "bare_root: $WORK/root: is there already and was not made here; give another folder" >&2
+    exit 2
+  fi
+  mkdir -p "$WORK"
+  touch "$WORK/.polhode-root"
 else
   WORK=$(mktemp -d)
   trap 'rm -rf "$WORK"' EXIT

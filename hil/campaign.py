@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Runs a campaign: renders a plan's scenes, transforms and replays them, judges every run, and writes one report.
 
 Whatever is done stays done: the same command after an interruption, or with a new program or judge, does what is missing

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Runs COLMAP on a sequence, with the same intrinsics, and judges it beside a replay.
 
 COLMAP (pycolmap, in a virtual environment of its own: .venv-colmap, made on first use) sees all frames at once and runs
@@ -56,6 +56,9 @@ def print_other_models(out: pathlib.Path, truth) -> None:
 def main() -> int:
     options = arguments()
     from evaluate import write_json
+    from judge.whole_file import check_replaceable
+    if options.json:
+        check_replaceable(options.json)
     from judge import colmap, report
     from judge.replay import cache_folder
     from judge.run import judge_run, read_run, read_truth

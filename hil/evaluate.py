@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Judges replay outputs against a sequence's truth, side by side.
 
 Prints one table: coverage, attitude, position, angular velocity and its periods, linear velocity, shape, consistency of
@@ -22,6 +22,7 @@ from judge.venv import REPOSITORY, enter_venv, run_main  # noqa: E402
 
 
 def arguments() -> argparse.Namespace:
+    from judge.truth_options import add_truth_options
     parser = argparse.ArgumentParser(
         description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog="Sigmas are taken as one sigma of the worst axis: 95 % of the error norms should lie within 2.80.\n"
@@ -30,7 +31,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder with truth.csv")
     parser.add_argument("--vs", metavar="RUN2", type=pathlib.Path, nargs="+", default=[],
                         help="more runs of the same sequence, set beside the first")
-    parser.add_argument("--truth", metavar="FILE", type=pathlib.Path, help="truth instead of SEQ/truth.csv")
+    add_truth_options(parser, "truth instead of SEQ/truth.csv")
     parser.add_argument("--json", metavar="FILE", type=pathlib.Path, help="write the reports of all runs as JSON")
     parser.add_argument("--plots", metavar="DIR", type=pathlib.Path, help="write PNGs of each run's errors into DIR")
     return parser.parse_args()
@@ -38,9 +39,9 @@ def arguments() -> argparse.Namespace:
 
 def write_json(path: pathlib.Path, reports: list[dict]) -> None:
     from judge.errors import BadInput
-    from judge.whole_file import write_whole
+    from judge.whole_file import MARK, write_whole
     try:
-        write_whole(path, json.dumps({"runs": reports}, indent=2, default=lambda value: value.item()) + "\n")
+        write_whole(path, json.dumps({"note": MARK, "runs": reports}, indent=2, default=lambda value: value.item()) + "\n")
     except OSError as problem:
         raise BadInput(f"{path}: {problem.strerror}") from None
 
@@ -56,10 +57,15 @@ def write_plots(folder: pathlib.Path, runs: list, truth) -> None:
 
 
 def write_truth(folder: pathlib.Path, truth) -> None:
-    """RUN/truth.tum beside the run's causal.tum and smoothed.tum; a remark where RUN may not be written to."""
-    from judge.trajectory import write_tum
+    """RUN/truth.tum beside the run's causal.tum and smoothed.tum; a remark where RUN may not be written to, or holds another's."""
+    from judge.trajectory import tum_text
+    from judge.whole_file import REPLAY_MARK, write_whole
+    path, text = folder / "truth.tum", tum_text(truth)
     try:
-        write_tum(folder / "truth.tum", truth)
+        if (folder / REPLAY_MARK).exists() or not path.exists():
+            write_whole(path, text, ours=True)
+        elif path.read_bytes() != text.encode():
+            print(f"evaluate: {path}: is there already, left alone", file=sys.stderr)
     except OSError as problem:
         print(f"evaluate: {folder / 'truth.tum'}: {problem.strerror}, left out", file=sys.stderr)
 
@@ -67,11 +73,15 @@ def write_truth(folder: pathlib.Path, truth) -> None:
 def main() -> int:
     options = arguments()
     from judge import report
-    from judge.run import judge_run, read_run, read_truth
+    from judge.run import judge_run, read_run, read_truth_for
+    from judge.whole_file import check_replaceable
+    if options.json:
+        check_replaceable(options.json)
     from judge.sequence import read_sequence
     sequence = read_sequence(options.sequence)
-    truth = read_truth(sequence, options.truth)
     runs = [read_run(folder) for folder in (options.run, *options.vs)]
+    from judge.truth import Matching
+    truth = read_truth_for(runs[0], sequence.timestamp_ns, options.truth or sequence.truth_path, Matching(options.truth_gap_s, options.clock_offset))
     reports = [judge_run(run, sequence, truth) for run in runs]
     print(report.text_report(reports))
     for run in runs:

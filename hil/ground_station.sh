@@ -9,6 +9,7 @@
 # The server comes from Maven Central once (60 MB), into ~/.cache/polhode. Its telemetry link listens on every interface of the
 # machine, as it knows no other way: on an open network put a firewall before the port.
 set -euo pipefail
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 cd "$(dirname "$0")/.."
 
 VERSION=5.13.2
@@ -53,6 +54,7 @@ fetch_server() {
 }
 
 configure() {
+  if [ -n "$(ls -A "$DATA" 2>/dev/null)" ] && [ ! -e "$DATA/etc/yamcs.polhode.yaml" ]; then fail "--data $DATA: holds other files; allowed is a new, an empty or an earlier archive's folder"; fi
   mkdir -p "$DATA/etc" "$DATA/archive" "$DATA/cache"
   DATA=$(realpath "$DATA")
   local file postprocessor=CountingCommandPostprocessor

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Kills a live run at random moments and starts it anew, as a service manager would.
 
 A turning body is played on and on, on the machine's clock, so that a new start finds it where it would be by then. A checkpoint is

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The paper's two cases with truth: renders them (or reuses them), replays them, and prints the paper's figures beside ours.
 set -euo pipefail
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 here=$(cd "$(dirname "$0")/.." && pwd)
 
 usage() {

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Sets the estimator beside COLMAP over several sequences: a row each, ours as the median over seeds of the random draws.
 
 Replays and COLMAP's results are kept in the cache; COLMAP's are reused for the same frames, replays are made anew. CPU is

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Replays the first frames of a sequence and sets what they predict beside the truth of the rest.
 
 Makes a sequence of the first N frames (its pictures are links), replays it and prints the errors over the horizon.
@@ -33,26 +33,24 @@ def arguments() -> argparse.Namespace:
 MARKER = ".polhode-predict"
 
 
-def shorten(sequence: pathlib.Path, frames: int, out: pathlib.Path) -> pathlib.Path:
+def shorten(sequence, frames: int, out: pathlib.Path) -> pathlib.Path:
     """The sequence with its first frames only; pictures stay where they are."""
     from judge.errors import BadInput
-    source = sequence / "mav0" / "cam0"
+    from judge.whole_file import claim_folder
+    source = sequence.folder / "mav0" / "cam0"
     target = out / "mav0" / "cam0"
     try:
-        rows = (source / "data.csv").read_text().splitlines()
-        if (out / MARKER).exists():
-            shutil.rmtree(out)
+        claim_folder(out, MARKER)
+        shutil.rmtree(out / "mav0", ignore_errors=True)
         target.mkdir(parents=True)
-        (out / MARKER).touch()
-        head = [row for row in rows if row.startswith("#")]
-        body = [row for row in rows if row and not row.startswith("#")]
-        (target / "data.csv").write_text("\n".join(head + body[:frames]) + "\n")
+        rows = [f"{time_ns},{name}" for time_ns, name in zip(sequence.timestamp_ns, sequence.filenames)]
+        (target / "data.csv").write_text("\n".join(["#timestamp [ns],filename", *rows[:frames]]) + "\n", errors="surrogateescape")
         shutil.copy(source / "sensor.yaml", target / "sensor.yaml")
         os.symlink((source / "data").resolve(), target / "data")
-        if (sequence / "servicer_attitude.csv").exists():
-            shutil.copy(sequence / "servicer_attitude.csv", out)
+        if (sequence.folder / "servicer_attitude.csv").exists():
+            shutil.copy(sequence.folder / "servicer_attitude.csv", out)
     except OSError as problem:
-        raise BadInput(f"{sequence}: {problem}") from None
+        raise BadInput(f"{sequence.folder}: {problem}") from None
     return out
 
 
@@ -69,7 +67,7 @@ def main() -> int:
     frames_max = len(sequence.filenames) - 1  # something must be left to be predicted
     if options.frames > frames_max:
         raise BadInput(f"--frames {options.frames}: {options.sequence} has {frames_max + 1} frames, allowed is 1 .. {frames_max}")
-    short = shorten(options.sequence, options.frames, options.out / "sequence")
+    short = shorten(sequence, options.frames, options.out / "sequence")
     replay(short, options.out / "run", options.set, options.config, options.program)
     run = read_run(options.out / "run")
     judged = judge_prediction(run.folder / "motion_model.json", best_alignment(run, truth))

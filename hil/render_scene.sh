@@ -2,6 +2,7 @@
 # Renders one scene: ./hil/render_scene.sh SCENE.toml OUT [--variant NAME] [--threads N] [--check]
 # Needs Debian's blender (3.4) and python3-numpy, and installs them where they are missing.
 # Exit status: 0 done, 1 failed, 2 refused before rendering.
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 case ${1:-} in
   -h | --help)
     sed -n '2,4s/^# //p' "$0"

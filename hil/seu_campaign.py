@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Flips bits in the tables of a live run at drawn frames, as radiation does, and tells what came of it.
 
 usage: seu_campaign.py FOLDER [--runs 20] [--flips 64,1024] [--seed 1] [--watchdog-s 10]

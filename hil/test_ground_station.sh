@@ -3,6 +3,7 @@
 # server's ports are nobody else's. Takes two minutes, and the first time 60 MB from Maven Central and Debian's browser.
 #   hil/test_ground_station.sh [arguments of pytest]
 set -euo pipefail
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 case ${1:-} in -h | --help) sed -n '2,4s/^# //p' "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
 

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Makes a changed copy of a sequence, its truth kept right, and logs in OUT/faults.csv what was done to which frame.
 
 Examples:

@@ -3,6 +3,7 @@
 #   hil/v4l2_vm.sh [JOB]...     one or more of hil/v4l2/jobs/*.sh; without, all of them
 # Sets up what it needs (hil/v4l2/setup_vm.sh). The program under test is the host's own build/release.
 set -uo pipefail
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 case ${1:-} in -h | --help) sed -n '2,4s/^# //p' "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
 RESULTS=build/v4l2_vm/results

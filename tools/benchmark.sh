@@ -2,6 +2,7 @@
 # What a frame costs on this machine: the sample as it is and at 1080p, stage by stage. Worth something on a quiet machine.
 #   tools/benchmark.sh [CONFIG.toml] [--set key=value ...]
 set -euo pipefail
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 case ${1:-} in -h | --help) sed -n '2,3s/^# //p' "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
 CONFIG=config/default.toml

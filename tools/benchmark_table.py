@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """The cost of a replay from its summary.json, as a table.
 
     tools/benchmark_table.py SUMMARY.json

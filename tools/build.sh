@@ -2,6 +2,7 @@
 # Configures and builds one preset (default: release), with a compiler cache where there is one.
 #   tools/build.sh [PRESET [TARGET]...]
 set -euo pipefail
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 case ${1:-} in -h | --help) sed -n '2,3s/^# //p' "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
 PRESET=${1:-release}

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Calibrates a camera from pictures or a video of a chessboard or ChArUco board.
 
 Twenty pictures with the board tilted by 30 to 45 deg in all directions and in all corners of the picture are good, five different
@@ -79,24 +79,38 @@ def parse() -> argparse.Namespace:
     return parsed
 
 
-def pictures_of(files: list[pathlib.Path]):
-    """(name, gray [H,W]) of each picture; of a video one frame in each part of it, as many parts as VIDEO_FRAMES."""
+def picture_of(file: pathlib.Path):
+    """Gray as it is stored; None where it is no picture."""
     import cv2
+    from importing.decoding import read_picture
+    from judge.errors import BadInput
+    gray = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION)
+    if gray is not None:
+        return gray
+    try:
+        return read_picture(file).pixels
+    except BadInput:
+        return None
+
+
+def pictures_of(files: list[pathlib.Path]):
+    """(name, gray [H,W] of 8 bits) of each picture; of a video one frame in each part of it, as many parts as VIDEO_FRAMES."""
+    from calibration.boards import eight_bits
     from calibration.solve import NotCalibrated
     from importing.source import Options
     from importing.video import open_video
     from judge.errors import BadInput
     for file in files:
-        gray = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION)
+        gray = picture_of(file)
         if gray is not None:
-            yield file.name, gray
+            yield file.name, eight_bits(gray)
             continue
         try:
             count = sum(1 for _ in open_video(file, Options()).frames)  # containers do not always tell it
             step = max(1, count // VIDEO_FRAMES)
             for number, frame in enumerate(open_video(file, Options()).frames):
                 if number % step == 0:
-                    yield f"{file.name}, frame {number}", frame.pixels
+                    yield f"{file.name}, frame {number}", eight_bits(frame.pixels)
         except BadInput:
             raise NotCalibrated(f"{file}: not a picture, nor a video") from None
 
@@ -130,6 +144,12 @@ def main() -> int:
     from calibration.boards import Board
     from calibration.solve import NotCalibrated, calibrate, warnings
     from judge.errors import BadInput
+    from judge.whole_file import MARK, beside, check_replaceable, write_whole
+    plot = asked.out.with_suffix(".png")
+    if plot == asked.out:
+        raise BadInput(f"--out {asked.out}: the residuals' picture has this name; allowed is another suffix, as in sensor.yaml")
+    for file in (asked.out, plot):
+        check_replaceable(file)
     cv2.setNumThreads(1)  # sums in another order differ in the last digits: the same pictures give the same file
     if not hasattr(cv2.aruco, asked.dictionary):
         raise BadInput(f"--dictionary {asked.dictionary}: unknown")
@@ -141,9 +161,9 @@ def main() -> int:
         print(f"calibrate_camera: {problem}", file=sys.stderr)
         return 1
     named = values(calibration, asked.rate_hz)
-    asked.out.write_text(SENSOR.format(**named))
-    plot = asked.out.with_suffix(".png")
-    pictures.draw(calibration, plot)
+    write_whole(asked.out, f"{SENSOR.format(**named)}# {MARK}\n")
+    with beside(plot) as part:
+        pictures.draw(calibration, part)
     print(SECTION.format(**named))
     for name in calibration.left_out:
         print(f"left out, does not fit the others: {name}")

@@ -3,6 +3,7 @@
 # the architecture, and the sample on two processors, whose streams are compared with tests/golden/aarch64.
 #   tools/check_arm64.sh [record]     record: the sample's stream anew, after a change of the estimator that was meant
 set -euo pipefail
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 cd "$(dirname "$0")/.."
 TESTS=(base region geometry solve image features tracks bus transport)
 BUILD=build/flight-aarch64

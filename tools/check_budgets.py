@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """The three budgets: builds what they need, replays the sample with each, and sets memory and accuracy beside the default's.
 
     tools/check_budgets.py [--seeds 1 2 3 4 5 6 7]

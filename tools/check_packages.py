@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Checks the Debian packages of a folder without installing them, so those for another architecture, too.
 
 For every package:

@@ -3,6 +3,7 @@
 #   tools/coverage.sh [STAGE]...     only of these stages, by their own tests; without, of all of them: more than an hour on two cores
 # Only the stages are compiled for counting, without optimisation (tests/coverage.cmake). Set up once by tools/setup.sh extras.
 set -euo pipefail
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 cd "$(dirname "$0")/.."
 BUILD=build/release
 OUT=build/coverage

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Prints gcovr's summary of fsw by stage, as a table of Markdown, and the units whose branches are taken least (tools/coverage.sh).
 
 Example:

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """The first packet and field in which two bus streams differ.
 
     tools/first_difference.py EXPECTED.ccsds FOUND.ccsds
@@ -26,7 +26,7 @@ COMMAND = [*shlex.split(os.environ.get("POLHODE_RUNNER", "")), PROGRAM]  # an em
 def packets(file: pathlib.Path) -> list[dict]:
     """@raises BadInput with the program's own words where it finds no packets."""
     try:
-        dump = subprocess.run([*COMMAND, "bus", "dump", file, "--json"], capture_output=True, text=True)
+        dump = subprocess.run([*COMMAND, "bus", "dump", file, "--json"], capture_output=True, text=True, errors="backslashreplace")
     except OSError as problem:
         raise BadInput(f"{COMMAND[0]}: {problem.strerror}") from None
     if dump.returncode != 0:

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Writes everything that follows from the bus's field table (config/bus/*.toml): C++ structs and layout, the C and Python
 clients' tables, the XTCE and the CSV files for ccsdspy. The interface control document is written where it is wanted.
 
@@ -15,6 +15,8 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(REPOSITORY / "tools"))
 from busgen import c_client, ccsdspy_csv, cpp, display, document, python_client, xtce, xtce_commands  # noqa: E402
 from busgen.table import TableError, read_table  # noqa: E402
+
+WRITER = b"tools/generate_bus.py"  # stands in each document
 
 
 def generated(table) -> dict[str, str]:
@@ -37,6 +39,9 @@ def main() -> int:
         return 2
     if arguments.document:
         try:
+            if arguments.document.is_file() and WRITER not in arguments.document.read_bytes():
+                print(f"generate_bus: --document: {arguments.document}: is there already and was not made by this command", file=sys.stderr)
+                return 2
             arguments.document.write_text(document.interface_control(table))
         except OSError as problem:
             print(f"generate_bus: --document: {problem}", file=sys.stderr)

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """The bus stream of the sample as this version is known to give it, for each architecture.
 
     tools/golden.py check     replays the sample; says in which packet and field it differs from what is recorded

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Instructions that a frame costs, stage by stage: a measure of cost that no other load on the machine disturbs.
 
     tools/instruction_counts.py check     first frames of the sample; fails when a stage costs 10 % more than recorded

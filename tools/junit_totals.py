@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Adds up JUnit reports and prints the one closing line of a test run: N passed, N failed, N skipped.
 
 Examples:

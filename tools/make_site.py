@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Makes the site: guides, decisions, interfaces, requirements, known limits and the API, by Sphinx, Doxygen and Breathe.
 
     tools/setup.sh site          once: installs these
@@ -62,8 +62,8 @@ def main() -> int:
     parser.add_argument("--out", type=pathlib.Path, default=REPOSITORY / "build/site", metavar="FOLDER",
                         help="gets html/, and source/ beside it; default: build/site")
     out = parser.parse_args().out.resolve()
-    if out.exists() and any(out.iterdir()) and not (out / "source/conf.py").exists():
-        raise BadInput(f"{out}: holds something else")
+    from judge.whole_file import claim_folder
+    claim_folder(out, ".polhode-site", "source/docs/interface_control.md")
     enter_venv()
     missing = [name for name in ("sphinx", "myst_parser", "breathe") if not importlib.util.find_spec(name)]
     missing += [] if shutil.which("doxygen") else ["doxygen"]

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """The sample's bus stream on processors that this machine has not: replayed under QEMU and compared with what is recorded.
 
     tools/other_processors.py                            six models, `default` and `full`: some 50 minutes on two cores

@@ -5,6 +5,7 @@
 #   tools/package.sh arm64      the same as without, for arm64, into build/packages-arm64; compared with those in build/packages
 #   tools/package.sh container  the image polhode-ground of the packages that are there, by podman or docker
 set -euo pipefail
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 cd "$(dirname "$0")/.."
 
 # build_packages PRESET FOLDER

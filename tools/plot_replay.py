@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Draws what a replay found, as PNG files.
 
 rates.png, velocity.png   against the truth (if known) with one-sigma bands
@@ -22,11 +22,12 @@ from judge.venv import enter_venv, run_main  # noqa: E402
 
 
 def arguments() -> argparse.Namespace:
+    from judge.truth_options import add_truth_options
     parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("run", metavar="DIR", type=pathlib.Path, help="output folder of a replay")
     parser.add_argument("--sequence", metavar="SEQ", type=pathlib.Path,
                         help="sequence folder (default: the one that DIR/summary.json names)")
-    parser.add_argument("--truth", metavar="FILE", type=pathlib.Path, help="truth (default: SEQ/truth.csv if it is there)")
+    add_truth_options(parser, "truth (default: SEQ/truth.csv if it is there)")
     parser.add_argument("--out", metavar="OUT", type=pathlib.Path, help="folder for the pictures (default: DIR/plots)")
     return parser.parse_args()
 
@@ -50,13 +51,14 @@ def find_sequence(run, folder: pathlib.Path | None):
 
 def main() -> int:
     options = arguments()
-    from judge.run import read_run
-    from judge.tables import read_motion
+    from judge.run import read_run, read_truth_for
+    from judge.truth import Matching
     from plots import cloud, counts, errors, motion, sheet, style
     run = read_run(options.run)
     sequence = find_sequence(run, options.sequence)
     truth_path = options.truth or (sequence.truth_path if sequence and sequence.truth_path.exists() else None)
-    truth = read_motion(truth_path) if truth_path else None
+    frames_ns = sequence.timestamp_ns if sequence else next(iter(run.motions.values())).timestamp_ns
+    truth = read_truth_for(run, frames_ns, truth_path, Matching(options.truth_gap_s, options.clock_offset)) if truth_path else None
     out = options.out or options.run / "plots"
     style.prepare(out)
     paths = motion.draw(run, truth, out) + errors.draw(run, truth, out) + counts.draw(run, out)

@@ -4,6 +4,7 @@
 #   tools/record_baselines.sh
 # For the architecture that it is called on; arm64's stream is recorded under QEMU by tools/check_arm64.sh record.
 set -euo pipefail
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 case ${1:-} in -h | --help) sed -n '2,5s/^# //p' "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
 tools/build.sh release

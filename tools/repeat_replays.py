@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """One answer: replays of the same frames give the same bytes, whatever the machine does meanwhile.
 
     tools/repeat_replays.py [--replays 20] [--sequence hil/data/sample] [--config config/default.toml] [--set key=value ...] [--draws 1]

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Makes one page of a run that needs no other file: DIR/report.html.
 
 It says in words what was found, warnings first, and shows modes, rates, velocity, errors where the truth is known, the
@@ -22,11 +22,12 @@ from judge.venv import enter_venv, run_main  # noqa: E402
 
 
 def arguments() -> argparse.Namespace:
+    from judge.truth_options import add_truth_options
     parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter,
                                      epilog="Exit status: 0 made, also of a run that never acquired; 2 unusable input (one line says which).")
     parser.add_argument("run", metavar="DIR", type=pathlib.Path, help="output folder of a replay")
     parser.add_argument("--sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder (default: the one that DIR/summary.json names)")
-    parser.add_argument("--truth", metavar="FILE", type=pathlib.Path, help="truth (default: SEQ/truth.csv if it is there)")
+    add_truth_options(parser, "truth (default: SEQ/truth.csv if it is there)")
     parser.add_argument("--out", metavar="FILE", type=pathlib.Path, help="the page (default: DIR/report.html)")
     parser.add_argument("--replay", metavar="SEQ", type=pathlib.Path, help="replay this sequence into DIR first, as `polhode replay` does with config/default.toml")
     parser.add_argument("--set", metavar="key=value", action="append", default=[], help="a setting for --replay, as in --set scale.known_length_m=0.6")
@@ -38,18 +39,21 @@ def arguments() -> argparse.Namespace:
 def main() -> int:
     options = arguments()
     from judge.errors import BadInput
-    from judge.whole_file import write_whole
+    from judge.truth import Matching
+    from judge.whole_file import check_replaceable, write_whole
     from reporting.gather import gather
     from reporting.page import page
     if options.set and options.replay is None:
         raise BadInput("--set: is for --replay")
+    out = options.out or options.run / "report.html"
+    for file in filter(None, (out, options.video, options.rrd)):
+        check_replaceable(file)  # before the work
     if options.replay is not None:
         from judge.replay import replay
         print(f"replaying {options.replay}", file=sys.stderr)
         replay(options.replay, options.run, options.set)
-    material = gather(options.run, options.sequence, options.truth)
+    material = gather(options.run, options.sequence, options.truth, Matching(options.truth_gap_s, options.clock_offset))
     text = page(material)
-    out = options.out or options.run / "report.html"
     try:
         write_whole(out, text)
     except OSError as problem:

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Requirements beside the tests that verify them: docs/requirements/*.toml and the tags `verifies: ID` above tests.
 
 Prints a line a requirement and a line a test, with the result of the last tools/run_tests.sh. Found wrong are: a requirement without a
@@ -126,6 +126,8 @@ def main() -> int:
     results = read_results(arguments.results or REPOSITORY / "build/test-reports")
     rows = rows_of(stages, tests, results, further_tests(REPOSITORY))
     if arguments.pages:
+        from judge.whole_file import claim_folder
+        claim_folder(arguments.pages, ".polhode-pages")
         write_pages(arguments.pages, stages, rows)
         return 0
     return 0 if print_matrix(rows, results, arguments.open) else 1

@@ -2,6 +2,7 @@
 # From a fresh machine to pictures: set-up, build, replay of the shipped sample, judgement against its truth, plots.
 #   tools/run_demo.sh    results in build/demo
 set -euo pipefail
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 case ${1:-} in -h | --help) sed -n '2,3s/^# //p' "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
 SEQUENCE=hil/data/sample

@@ -5,6 +5,7 @@
 #   tools/run_further_tests.sh [-k FILTER]
 # With POLHODE_TEMPLE_RING=SEQ the photographs that may not be redistributed are tried, too (CONTRIBUTING.md).
 set -euo pipefail
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 case ${1:-} in -h | --help) sed -n '2,6s/^# //p' "$0"; exit 0 ;; esac
 cd "$(dirname "$0")/.."
 REPORTS=build/test-reports

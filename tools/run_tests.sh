@@ -3,6 +3,7 @@
 #   tools/run_tests.sh [-k FILTER] [--quick]
 #   -k FILTER  only tests whose name holds FILTER        --quick  without the tests that are marked slow
 set -euo pipefail
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 cd "$(dirname "$0")/.."
 BUILD=build/release
 REPORTS=build/test-reports

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Writes the bill of materials of a built program: CycloneDX 1.6, JSON.
 
 Listed with version and licence, from this machine's own records:
@@ -46,8 +46,10 @@ def main() -> None:
         raise BadInput(f"{arguments.program}: no such program; tools/build.sh makes it")
     if not arguments.out.parent.is_dir():
         raise BadInput(f"--out: {arguments.out.parent}: no such folder")
+    from judge.whole_file import check_replaceable, write_whole
+    check_replaceable(arguments.out)
     enter_venv()
-    arguments.out.write_text(bill_of(arguments.program.resolve()))
+    write_whole(arguments.out, bill_of(arguments.program.resolve()))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """A sequence at another size, for measurements of cost: pictures are resampled and set in the middle of black.
 
     tools/scale_sequence.py SEQUENCE OUT --width 1920 --height 1080
@@ -39,6 +39,7 @@ def scale(sequence: pathlib.Path, out: pathlib.Path, width: int, height: int) ->
     """@return the number of pictures."""
     import yaml
     from PIL import Image
+    from judge.levels import depth_of, eight_bits, read_levels
     source, target = sequence / "mav0/cam0", out / "mav0/cam0"
     sensor = yaml.safe_load((source / "sensor.yaml").read_text())
     (target / "data").mkdir(parents=True)
@@ -46,9 +47,10 @@ def scale(sequence: pathlib.Path, out: pathlib.Path, width: int, height: int) ->
     size = [round(factor * n) for n in sensor["resolution"]]
     left, top = (width - size[0]) // 2, (height - size[1]) // 2
     pictures = sorted(p for p in (source / "data").iterdir() if p.is_file())
+    depth_bits = depth_of(pictures)
     for picture in pictures:
         canvas = Image.new("L", (width, height))
-        canvas.paste(Image.open(picture).convert("L").resize(size, Image.Resampling.BICUBIC), (left, top))
+        canvas.paste(Image.fromarray(eight_bits(read_levels(picture)[0], depth_bits)).resize(size, Image.Resampling.BICUBIC), (left, top))
         canvas.save(target / "data" / picture.name)
     sensor["resolution"] = [width, height]
     sensor["intrinsics"] = scaled_intrinsics(sensor["intrinsics"], factor, left, top)

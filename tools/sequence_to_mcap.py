@@ -1,8 +1,9 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Puts a sequence, the packets that belong to it and what a replay found into one MCAP file, as Foxglove reads it.
 
 SEQ is a sequence as `polhode recording export` or tools/import_sequence.py write it.
-  /camera/image        foxglove.CompressedImage (JSON): the files as they are, at their time of mid-exposure
+  /camera/image        foxglove.CompressedImage (JSON), at their time of mid-exposure: JPEG files and PNG files of 8 bits as
+                       they are; others, which viewers do not show, as PNG of 8 bits as bright as the replay sees them
   /bus/packet          the packets as they were published, one a message, at their own time
 With --run also, as Protobuf:
   /camera/calibration  foxglove.CameraCalibration
@@ -20,15 +21,12 @@ Examples:
 
 import argparse
 import base64
-import csv
 import json
 import pathlib
 import sys
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(REPOSITORY / "hil"), str(REPOSITORY / "tools")]
-sys.path.insert(0, str(REPOSITORY / "platform/transport/client/python"))
-from polhode_bus import open_bus  # noqa: E402
+sys.path[:0] = [str(REPOSITORY / folder) for folder in ("hil", "tools", "platform/transport/client/python")]
 from judge.venv import enter_venv, run_main  # noqa: E402
 
 IMAGE_SCHEMA = {
@@ -46,12 +44,9 @@ ATTACHMENTS = ("config.toml", "recording.json", "commands.csv", "mav0/cam0/senso
 CUC_AT = 6  # P-field, four octets of seconds, three of their fraction (docs/bus.md)
 
 
-class Unreadable(Exception):
-    pass
-
-
 def packets_of(bus: pathlib.Path):
     """Packet by packet, passing over what is none, as a run that was cut off leaves it."""
+    from polhode_bus import open_bus
     with open_bus(f"file:{bus}") as source:
         while (packet := source.next_octets(timeout_s=0.0)) is not None:
             yield packet
@@ -64,27 +59,37 @@ def time_of(packet: bytes) -> int:
     return whole * 1_000_000_000 + round(fraction * 1e9 / 2**24)
 
 
-def frames_of(sequence: pathlib.Path) -> list[tuple[int, pathlib.Path]]:
-    camera = sequence / "mav0" / "cam0"
-    try:
-        with open(camera / "data.csv", newline="") as file:
-            return [(int(row[0]), camera / "data" / row[1].strip()) for row in csv.reader(file) if row and not row[0].startswith("#")]
-    except (OSError, ValueError, IndexError) as problem:
-        raise Unreadable(f"{camera / 'data.csv'}: {problem}") from problem
+def image_of(sequence, index: int) -> tuple[bytes, str, bool]:
+    """@return octets that viewers show, their format, and whether they are another picture than the file."""
+    import cv2
+    from judge.levels import read_octets, viewable
+    octets = read_octets(sequence.frame_path(index))
+    kind = viewable(octets)
+    if kind is not None and not sequence.mosaic:
+        return octets, kind, False
+    return cv2.imencode(".png", sequence.read_gray(index))[1].tobytes(), "png", True
 
 
-def write_images(writer, frames: list[tuple[int, pathlib.Path]]) -> int:
+def write_images(writer, sequence) -> tuple[int, int, int]:
+    """@return images; of them converted ones; files that can't be read."""
+    from judge.errors import BadInput
     schema = writer.register_schema("foxglove.CompressedImage", "jsonschema", json.dumps(IMAGE_SCHEMA).encode())
     channel = writer.register_channel("/camera/image", "json", schema)
-    count = 0
-    for stamp, file in frames:
-        if not file.exists():
+    count, converted, unreadable = 0, 0, 0
+    for index, stamp in enumerate(sequence.timestamp_ns.tolist()):
+        if not sequence.frame_path(index).exists():
             continue  # a frame that the camera could not deliver whole
+        try:
+            octets, kind, other = image_of(sequence, index)
+        except BadInput:
+            unreadable += 1
+            continue
+        converted += other
         message = {"timestamp": {"sec": stamp // 1_000_000_000, "nsec": stamp % 1_000_000_000}, "frame_id": "C",
-                   "data": base64.b64encode(file.read_bytes()).decode(), "format": file.suffix[1:].replace("jpg", "jpeg")}
+                   "data": base64.b64encode(octets).decode(), "format": kind}
         writer.add_message(channel, stamp, json.dumps(message).encode(), stamp, count)
         count += 1
-    return count
+    return count, converted, unreadable
 
 
 def write_packets(writer, bus: pathlib.Path) -> tuple[int, int]:
@@ -115,26 +120,25 @@ def write_run(writer, run: pathlib.Path, sequence: pathlib.Path) -> int:
     return count
 
 
-def convert(sequence: pathlib.Path, bus: pathlib.Path | None, run: pathlib.Path | None, out: pathlib.Path) -> tuple[int, int, int, int]:
-    """@return images, packets, octets among the packets that were none, messages of the run."""
+def convert(folder: pathlib.Path, bus: pathlib.Path | None, run: pathlib.Path | None, out: pathlib.Path) -> tuple[tuple[int, int, int], int, int, int]:
+    """@return images as write_images() counts them, packets, octets among the packets that were none, messages of the run."""
+    from judge.sequence import read_json, read_sequence
+    from judge.whole_file import MARK, beside
     from mcap.writer import Writer
-    frames = frames_of(sequence)
+    sequence = read_sequence(folder)
+    sequence.see_as(read_json(run / "summary.json") if run is not None else {})
     if bus is None and run is not None:
         bus = run / "bus.ccsds"
-    beside = out.with_name(out.name + ".new")
-    try:
-        with open(beside, "wb") as file:
-            writer = Writer(file)
-            writer.start(library="polhode")
-            counts = write_images(writer, frames), *((0, 0) if bus is None else write_packets(writer, bus)), 0 if run is None else write_run(writer, run, sequence)
-            for name in ATTACHMENTS:
-                if (sequence / name).exists():
-                    stamp = frames[0][0] if frames else 0
-                    writer.add_attachment(stamp, stamp, pathlib.Path(name).name, "text/plain", (sequence / name).read_bytes())
-            writer.finish()
-        beside.rename(out)
-    finally:
-        beside.unlink(missing_ok=True)
+    with beside(out) as part, open(part, "wb") as file:
+        writer = Writer(file)
+        writer.start(library=f"polhode ({MARK})")
+        counts = (write_images(writer, sequence), *((0, 0) if bus is None else write_packets(writer, bus)),
+                  0 if run is None else write_run(writer, run, folder))
+        for name in ATTACHMENTS:
+            if (folder / name).exists():
+                stamp = int(sequence.timestamp_ns[0]) if len(sequence.timestamp_ns) else 0
+                writer.add_attachment(stamp, stamp, pathlib.Path(name).name, "text/plain", (folder / name).read_bytes())
+        writer.finish()
     return counts
 
 
@@ -146,11 +150,16 @@ def main() -> int:
     parser.add_argument("--run", type=pathlib.Path, metavar="DIR", help="output folder of a replay of SEQ")
     parser.add_argument("--out", type=pathlib.Path, required=True, metavar="run.mcap")
     asked = parser.parse_args()
+    from judge.errors import BadInput
     try:
-        images, packets, damaged, found = convert(asked.sequence, asked.bus, asked.run, asked.out)
-    except (Unreadable, OSError) as problem:
+        (images, converted, unreadable), packets, damaged, found = convert(asked.sequence, asked.bus, asked.run, asked.out)
+    except (BadInput, OSError) as problem:
         print(f"sequence_to_mcap: {problem}", file=sys.stderr)
         return 2
+    if converted:
+        print(f"sequence_to_mcap: {converted} images were converted to PNG of 8 bits, as bright as a replay sees them: viewers show PNG and JPEG of 8 bits only", file=sys.stderr)
+    if unreadable:
+        print(f"sequence_to_mcap: {unreadable} images can't be read and were left out", file=sys.stderr)
     print(f"{images} images, {packets} packets, {found} messages of the run: {asked.out}")
     if damaged:
         print(f"sequence_to_mcap: {asked.bus or asked.run / 'bus.ccsds'}: {damaged} octets are no packet and were passed over", file=sys.stderr)

@@ -12,6 +12,7 @@
 #   tools/setup.sh processors only an emulator of other x86-64 processors, for tools/other_processors.py
 #   tools/setup.sh arm64      only what builds and runs arm64 programs here, for tools/check_arm64.sh, which calls this by itself
 set -euo pipefail
+unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1  # packages of another Python would hide the project's
 cd "$(dirname "$0")/.."
 
 # The one list of packages for the build.

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Makes a surface that follows the body's cloud, and puts it in the place of the convex hull: DIR/surface.ply.
 
 The program's own surface.ply is the convex hull of cloud.ply, which closes every hollow. This one is a Poisson surface

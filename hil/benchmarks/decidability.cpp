@@ -60,8 +60,9 @@ std::vector<TrackObservation> without_noise(std::span<const TrackObservation> ob
     if (agrees) {
       ++*tracks;
       for (TrackObservation o : run) {
-        if (reproject(
-                h->poses[static_cast<std::size_t>(o.frame)], h->points_T[track], &o.normalised)) {
+        Eigen::Vector2d seen;
+        if (reproject(h->poses[static_cast<std::size_t>(o.frame)], h->points_T[track], &seen)) {
+          o.normalised = seen;
           images.push_back(o);
         }
       }

@@ -14,7 +14,7 @@ from campaigns.store import Store, digest, file_digest, folder_digest, is_whole,
 from campaigns.tasks import Task
 from judge.errors import BadInput
 from judge.venv import REPOSITORY
-from judge.whole_file import write_whole
+from judge.whole_file import claim_folder, write_whole
 
 BOOK_FILE = "campaign.json"
 # Built beside the program from the same sources.
@@ -121,7 +121,7 @@ class _Maker:
             return scene.file
         copy = self.store.input(key, f"{scene.name}.toml")
         if not copy.is_file():
-            write_whole(copy, scene.text)
+            write_whole(copy, scene.text, ours=True)
         return copy
 
     def task(self, kind: str, key: str, name: str, place: pathlib.Path, **options) -> Task:
@@ -175,16 +175,16 @@ def open_book(plan: Plan, store: Store, program: pathlib.Path) -> list[Chain]:
     """The chains of all runs in the plan's order; writes the drawn scenes and the book into the campaign's folder."""
     if not program.is_file():
         raise BadInput(f"{program}: not there or not a program; build it first")
-    store.out.mkdir(parents=True, exist_ok=True)
+    claim_folder(store.out, ".polhode-campaign", BOOK_FILE)
     for scene in plan.scenes:
         if scene.text and scene.file is None:
-            write_whole(store.out / "scenes" / f"{scene.name}.toml", scene.text)
+            write_whole(store.out / "scenes" / f"{scene.name}.toml", scene.text, ours=True)
     maker = _Maker(plan, store, program.resolve())
     chains = [maker.chain(run) for run in plan.runs]
     write_whole(store.out / BOOK_FILE, json.dumps({
         "plan": plan.name, "program": str(program), "program_key": maker.program_key, "judge_key": maker.sources["judge"],
         "cache": str(store.cache),
-        "draws": list(plan.draws), "runs": [_entry(chain, plan) for chain in chains]}, indent=1) + "\n")
+        "draws": list(plan.draws), "runs": [_entry(chain, plan) for chain in chains]}, indent=1) + "\n", ours=True)
     return chains
 
 

@@ -61,7 +61,7 @@ def _slurm(file: pathlib.Path) -> Client:
 @contextlib.contextmanager
 def workers(count: int, scheduler: str | None, slurm: pathlib.Path | None):
     """A client of the workers; they end with it, unless they belong to a scheduler that was there."""
-    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(REPOSITORY / "hil"), os.environ.get("PYTHONPATH")]))
+    os.environ["PYTHONPATH"] = str(REPOSITORY / "hil")
     for name in [name for name in logging.root.manager.loggerDict if name.split(".")[0] == "distributed"]:
         logging.getLogger(name).setLevel(logging.CRITICAL)  # what is lost is told by us, in a line
     with dask.config.set(SETTINGS):

@@ -159,7 +159,7 @@ def execute(client: Client, chains: list[Chain], out: pathlib.Path, time_alone: 
     progress.tell(last=True)
     failures = [{"kind": one.task.kind, "name": one.task.name, "why": one.why, "log": str(one.task.log) if one.task.log.exists() else None}
                 for one in outcomes if not one.ok]
-    write_whole(out / FAILURES_FILE, json.dumps(failures, indent=1) + "\n")
+    write_whole(out / FAILURES_FILE, json.dumps(failures, indent=1) + "\n", ours=True)
     return outcomes
 
 

@@ -122,7 +122,7 @@ def _sessions(out: pathlib.Path) -> list[dict]:
 
 def _write_csv(path: pathlib.Path, columns, table: list[dict]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    with beside(path) as part, open(part, "w", newline="") as stream:
+    with beside(path, ours=True) as part, open(part, "w", newline="") as stream:
         writer = csv.DictWriter(stream, columns, lineterminator="\n", extrasaction="ignore")
         writer.writeheader()
         writer.writerows(table)
@@ -147,7 +147,7 @@ def write_report(out: pathlib.Path, vs: pathlib.Path | None = None, pictures: bo
     if base:
         _write_csv(folder / "paired.csv", PAIRED_COLUMNS, differences)
     if rows:
-        write_whole(folder / "summary.md", markdown(found, rows))
+        write_whole(folder / "summary.md", markdown(found, rows), ours=True)
     failures = out / FAILURES_FILE
     page = jinja2.Environment(loader=jinja2.FileSystemLoader(pathlib.Path(__file__).parent), trim_blocks=True, lstrip_blocks=True,
                               autoescape=True, undefined=jinja2.StrictUndefined).get_template(TEMPLATE).render(
@@ -158,7 +158,7 @@ def write_report(out: pathlib.Path, vs: pathlib.Path | None = None, pictures: bo
         figures=[figures.first_pose(groups), figures.distributions(groups)] if rows else [],
         worst=_worst(out, rows) if pictures else [], sessions=_sessions(out), base_sessions=_sessions(vs) if vs else [],
         failures=json.loads(failures.read_text()) if failures.exists() else [], rows=rows, text=_text)
-    write_whole(folder / "index.html", page)
+    write_whole(folder / "index.html", page, ours=True)
     return folder / "index.html", printed(found)
 
 

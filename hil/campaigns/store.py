@@ -110,5 +110,5 @@ def keep_copy(source: pathlib.Path, place: pathlib.Path) -> None:
     """What is run is what was hashed, whatever becomes of the source meanwhile."""
     if not place.is_file():
         place.parent.mkdir(parents=True, exist_ok=True)
-        with beside(place) as part:
+        with beside(place, ours=True) as part:
             shutil.copy2(source, part)

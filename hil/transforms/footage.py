@@ -15,8 +15,8 @@ import numpy as np
 
 from judge.errors import BadInput
 from judge.fault_log import LOG_FILE, LogEntry, write_log
-from judge.sequence import Camera, read_json, read_sequence, yaml_values
-from judge.tables import POSITION, QUATERNION, RATE, VELOCITY, read_cells, read_motion, timestamps
+from judge.sequence import Camera, read_json, read_sequence
+from judge.tables import POSITION, QUATERNION, RATE, VELOCITY, read_motion
 
 TRUTH_COLUMNS = ("timestamp_ns", *POSITION, *QUATERNION, *VELOCITY, *RATE)
 ATTITUDE_FILE = "servicer_attitude.csv"
@@ -81,9 +81,11 @@ def _attitudes(path: pathlib.Path) -> dict[int, np.ndarray]:
     """q_IC by time stamp; {} where the sequence has no such file."""
     if not path.exists():
         return {}
-    _, rows = read_cells(path)
-    return {int(stamp): np.array(row[1:5], dtype=float)
-            for stamp, row in zip(timestamps(path, [row[0] for row in rows]), rows)}
+    rows = [line.replace(",", " ").split() for line in path.read_text(encoding="utf-8-sig").splitlines() if line and not line.startswith("#")]
+    try:
+        return {int(row[0]): np.array(row[1:5], dtype=float).reshape(4) for row in rows}
+    except (ValueError, IndexError):
+        raise BadInput(f"{path}: allowed are rows timestamp_ns,q_IC_w,q_IC_x,q_IC_y,q_IC_z") from None
 
 
 def read_footage(folder: pathlib.Path) -> Footage:
@@ -98,7 +100,7 @@ def read_footage(folder: pathlib.Path) -> Footage:
         row = row_at.get(stamp)
         known = unknown if row is None else [values[row] for values in (truth.q_CT, truth.p_CT, truth.v_C, truth.w_T)]
         shots.append(Shot(stamp, lambda i=index: sequence.read_gray(i), sequence.frame_path(index), *known, attitude.get(stamp)))
-    return Footage(sequence.camera, float(yaml_values(folder / "mav0/cam0/sensor.yaml").get("rate_hz", 1.0)), shots,
+    return Footage(sequence.camera, sequence.rate_hz or 1.0, shots,
                    sequence.model_path if sequence.model_path.exists() else None, read_json(folder / "scene.json"))
 
 
@@ -122,7 +124,8 @@ def write_sensor_yaml(path: pathlib.Path, camera: Camera, rate_hz: float) -> Non
     path.write_text(
         f"sensor_type: camera\nrate_hz: {rate_hz!r}\nresolution: [{camera.width_px}, {camera.height_px}]\ncamera_model: pinhole\n"
         f"intrinsics: [{intrinsics}]  # fu, fv, cu, cv [px]; pixel centres at integers\n"
-        f"distortion_model: radial-tangential\ndistortion_coefficients: [{distortion}]  # k1, k2, p1, p2\n")
+        f"distortion_model: radial-tangential\ndistortion_coefficients: [{distortion}]  # k1, k2, p1, p2\n"
+        + (f"line_time_ns: {camera.line_time_ns!r}\n" if camera.line_time_ns else ""))
 
 
 def _write_table(path: pathlib.Path, header, rows) -> None:

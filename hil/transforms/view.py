@@ -101,7 +101,10 @@ def _read_by_rows(footage, points_T, shot, later, readout_part, gray):
 
 
 def rolling_shutter(footage: Footage, options: dict, seed: int) -> Footage:
-    """Rows are exposed one after the other; reading all takes `readout_part` of the time between frames."""
+    """Rows are exposed one after the other; reading all takes `readout_part` of the time between frames.
+
+    With `stated` sensor.yaml says so.
+    """
     import trimesh
     if footage.model is None or len(footage.shots) < 2 or not all(np.isfinite(shot.q_CT).all() for shot in footage.shots):
         raise BadInput("rolling_shutter: needs model.ply and the truth of every frame, of two frames or more")
@@ -115,7 +118,11 @@ def rolling_shutter(footage: Footage, options: dict, seed: int) -> Footage:
             back = rotations(shot.q_CT) * rotations(before.q_CT).inv()
             later = replace(shot, q_CT=(back * rotations(shot.q_CT)).as_quat(scalar_first=True), p_CT=2 * shot.p_CT - before.p_CT)
         shots.append(shot.redrawn(lambda gray, a=shot, b=later: _read_by_rows(footage, points_T, a, b, readout, gray)))
-    return footage.changed(shots, [LogEntry(0, shots[0].timestamp_ns, "rolling_shutter", f"all frames: read in {readout} of a period")])
+    camera = footage.camera
+    if options["stated"]:
+        camera = replace(camera, line_time_ns=readout * footage.period_s * 1e9 / camera.height_px)
+    said = f"all frames: read in {readout} of a period"
+    return footage.changed(shots, [LogEntry(0, shots[0].timestamp_ns, "rolling_shutter", said)], camera=camera)
 
 
 def zoom(footage: Footage, options: dict, seed: int) -> Footage:

@@ -83,6 +83,14 @@ def capture(results: pathlib.Path) -> None:
     require(outside["p99"] < 2000, "under 2 ms a frame outside the estimator")
 
 
+def planes(results: pathlib.Path) -> None:
+    for name in ("GREY", "NV12M", "NV12", "UYVY", "YUV420M", "NV16M"):
+        got = exported(results / f"planes_{name}")
+        require(len(got) == 4 and report(results / f"planes_{name}")["camera"]["frames_damaged"] == 0, f"planes {name}")
+        require(float(numpy.std(got[0][1])) > 25, f"planes {name}: no picture")
+    print("vivid of several planes: GREY, NV12M, NV12, UYVY, YUV420M, NV16M captured; interlaced fields refused by name")
+
+
 def run(results: pathlib.Path) -> None:
     live = (results / "live/bus.ccsds").read_bytes()
     truth = replayed(results / "sequences/body", results / "replay")
@@ -186,5 +194,5 @@ def exposure(results: pathlib.Path) -> None:
 
 
 if __name__ == "__main__":
-    jobs = {"compliance": compliance, "capture": capture, "run": run, "faults": faults, "exposure": exposure, "service": service, "package": package}
+    jobs = {"compliance": compliance, "capture": capture, "planes": planes, "run": run, "faults": faults, "exposure": exposure, "service": service, "package": package}
     jobs[sys.argv[1]](pathlib.Path(sys.argv[2]))

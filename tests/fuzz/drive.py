@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Gives spoilt inputs to every reader of the program, and to the tool that reads its clouds.
 
 usage: .venv/bin/python tests/fuzz/drive.py [--trials 20000] [--seed 1] [--keep FOLDER] [--refusals FILE] [--processes 1] [--wait 1] [--memory-mb 1000]

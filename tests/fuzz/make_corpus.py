@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/env -S python3 -Es -X utf8
 """Writes the fixed corpus of the command fuzz target: a good command of each code, and ones that are nearly right."""
 
 import pathlib

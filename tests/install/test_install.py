@@ -41,14 +41,34 @@ def test_a_program_of_twenty_lines_builds_and_runs(prefix, tmp_path):
     assert all(re.fullmatch(r"[1-9]\d* octets for the bus, pose unknown", line) for line in lines), lines
 
 
-def test_a_c_host_builds_by_pkg_config(prefix, tmp_path):
-    library = next(prefix.rglob("libpolhode.so.1")).parent
-    flags = subprocess.run(["pkg-config", f"--define-variable=prefix={prefix}", "--cflags", "--libs", "polhode"], capture_output=True, text=True, check=True,
+def test_a_c_host_builds_by_pkg_config_wherever_the_installation_is_moved(prefix, tmp_path):
+    moved = tmp_path / "moved"
+    shutil.copytree(prefix, moved, symlinks=True, ignore=lambda folder, names: [name for name in names if name == "bin" or name.endswith(".a")])
+    library = next(moved.rglob("libpolhode.so.1")).parent
+    flags = subprocess.run(["pkg-config", "--cflags", "--libs", "polhode"], capture_output=True, text=True, check=True,
                            env={**os.environ, "PKG_CONFIG_PATH": str(library / "pkgconfig")}).stdout.split()
+    assert all(str(moved) in flag for flag in flags if flag.startswith(("-I", "-L"))) and len(flags) == 3
     example = REPOSITORY / "platform/capi/example"
     run("gcc", "-std=c11", example / "main.c", example / "sequence.c", *flags, "-lpng", "-o", tmp_path / "host", f"-Wl,-rpath,{library}")
     done = subprocess.run([tmp_path / "host"], capture_output=True, text=True, check=False)
     assert done.returncode == 2 and "usage" in done.stderr
+
+
+@pytest.mark.parametrize(("libdir", "includedir", "expected"), [
+    ("lib", "include", ["${pcfiledir}/../..", "${prefix}/lib", "${prefix}/include"]),
+    ("lib/x86_64-linux-gnu", "include", ["${pcfiledir}/../../..", "${prefix}/lib/x86_64-linux-gnu", "${prefix}/include"]),
+    ("/opt/a/lib", "/opt/b/include", ["/usr/local", "/opt/a/lib", "/opt/b/include"]),
+])
+def test_pkg_config_finds_folders_that_are_named_otherwise(tmp_path, libdir, includedir, expected):
+    """The part of the build's description that writes the file, by itself: a whole configuration takes long."""
+    lines = (REPOSITORY / "CMakeLists.txt").read_text()
+    part = re.search(r"^if\(IS_ABSOLUTE.*?^configure_file\(config/polhode.pc.in[^\n]*", lines, re.DOTALL | re.MULTILINE)[0]
+    (tmp_path / "config").mkdir()
+    shutil.copy(REPOSITORY / "config/polhode.pc.in", tmp_path / "config")
+    (tmp_path / "CMakeLists.txt").write_text(f"cmake_minimum_required(VERSION 3.25)\nproject(polhode VERSION 1 LANGUAGES NONE)\n{part}\n")
+    run("cmake", "-S", tmp_path, "-B", tmp_path / "build", f"-DCMAKE_INSTALL_LIBDIR={libdir}", f"-DCMAKE_INSTALL_INCLUDEDIR={includedir}")
+    lines = (tmp_path / "build/polhode.pc").read_text().splitlines()
+    assert [line.split("=")[1] for line in lines[:3]] == expected
 
 
 def test_only_the_public_header_and_what_it_includes_is_installed(prefix):

@@ -311,7 +311,7 @@ def test_script_compares_runs_writes_json_and_plots(tmp_path, scene, body):
     (lambda run, seq: (run / "summary.json").write_text("{"), "summary.json"),
     (lambda run, seq: (run / "cloud.ply").write_text("no ply"), "cloud.ply"),
     (lambda run, seq: (seq / "truth.csv").unlink(), "truth.csv"),
-    (lambda run, seq: (seq / "mav0/cam0/sensor.yaml").write_text("resolution: [1, two]\n"), "resolution"),
+    (lambda run, seq: (seq / "mav0/cam0/sensor.yaml").write_text("camera_model: pinhole\ndistortion_model: radial-tangential\nresolution: [1, two]\n"), "resolution"),
     (lambda run, seq: (seq / "mav0/cam0/data.csv").unlink(), "data.csv"),
 ], ids=["empty", "columns", "norm", "json", "ply", "truth", "yaml", "data"])
 def test_bad_input_gets_one_line_and_status_2(tmp_path, damage, expected):

@@ -16,11 +16,11 @@ REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 def test_a_file_is_whole_or_as_it_was(tmp_path):
     path = tmp_path / "folder/file.txt"
     write_whole(path, "old")
-    with contextlib.suppress(ZeroDivisionError), beside(path) as part:
+    with contextlib.suppress(ZeroDivisionError), beside(path, ours=True) as part:
         part.write_text("ne")
         1 / 0
     assert path.read_text() == "old" and list(path.parent.iterdir()) == [path]
-    with beside(path) as part:
+    with beside(path, ours=True) as part:
         assert part.suffix == ".txt"
         part.write_bytes(b"new")
     assert path.read_text() == "new" and list(path.parent.iterdir()) == [path]

@@ -83,6 +83,19 @@ TEST_F(BeginningTest, WithoutACrashItIsWarm_AndLeavesNoMark) {
   EXPECT_EQ(mark().crashes, 0U);
 }
 
+TEST_F(BeginningTest, AFileThatNoRunLeftIsKeptUnderAFreeName) {
+  const std::string mine = machine_.run.checkpoint;
+  const std::string theirs = "notes of somebody's";
+  folder_.write("checkpoint", theirs);
+  folder_.write("checkpoint.found", "an earlier one");
+  Beginning beginning(machine_, hash_);
+  beginning.restore(*component_);
+  EXPECT_FALSE(fs::exists(mine));
+  EXPECT_EQ(fs::file_size(mine + ".found2"), theirs.size());
+  EXPECT_NE(beginning.how().find("kept as " + mine + ".found2"), std::string::npos)
+      << beginning.how();
+}
+
 TEST_F(BeginningTest, ACrashWhileACheckpointIsRestoredIsLaidToIt) {
   EXPECT_EQ(begin([this] { forbid_writing(); }), 128 + SIGSEGV);
   EXPECT_EQ(mark().crashes, 1U);

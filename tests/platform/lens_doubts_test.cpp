@@ -37,6 +37,9 @@ TEST(LensDoubts, PixelsThatAreNoSquares) {
   const auto doubts = doubts_about_lens(camera(889, 500, 319.5, 239.5));
   ASSERT_EQ(doubts.size(), 1U);
   EXPECT_TRUE(holds(doubts[0], "differ by a factor of 1.78")) << doubts[0];
+  EXPECT_TRUE(doubts_about_lens(camera(500, 889, 319.5, 239.5), 16.0 / 9.0).empty());
+  EXPECT_TRUE(holds(doubts_about_lens(camera(889, 889, 319.5, 239.5), 16.0 / 9.0).at(0),
+                    "differ by a factor of 1.78 beside pixel_aspect"));
 }
 
 TEST(LensDoubts, FieldsOfViewThatNoPinholeHas) {

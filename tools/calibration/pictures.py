@@ -12,6 +12,7 @@ from .solve import Calibration, view_rms_px  # noqa: E402
 
 
 def draw(calibration: Calibration, file: pathlib.Path) -> None:
+    from judge.whole_file import MARK
     points = numpy.concatenate([view.image_px for view in calibration.views])
     residuals = numpy.concatenate(calibration.residuals_px)
     figure, ((field, cloud), (bars, radial)) = plt.subplots(2, 2, figsize=(13, 10), layout="constrained")
@@ -42,5 +43,5 @@ def draw(calibration: Calibration, file: pathlib.Path) -> None:
     radial.set(xlabel="distance from the principal point [px]", ylabel="residual outward [px]",
                title="a bend here means that the distortion model does not fit")
     radial.grid(alpha=0.3)
-    figure.savefig(file, dpi=100)
+    figure.savefig(file, dpi=100, metadata={"Software": MARK})
     plt.close(figure)

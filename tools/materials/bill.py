@@ -5,6 +5,7 @@ from cyclonedx.model import Property
 from cyclonedx.model.bom import Bom
 from cyclonedx.model.component import Component, ComponentType
 from cyclonedx.output.json import JsonV1Dot6
+from judge.whole_file import MARK
 from packageurl import PackageURL
 
 from .material import Material
@@ -24,6 +25,7 @@ def write_bill(version: str, *groups: list[Material]) -> str:
                      licenses=[LicenseFactory().make_from_string("Apache-2.0")])
     bill = Bom()
     bill.metadata.component = root
+    bill.metadata.properties.add(Property(name="polhode:note", value=MARK))
     materials = [material for group in groups for material in group]
     components = {material.purl: component_of(material) for material in materials}
     bill.components.update(components.values())

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from judge.errors import BadInput
-from judge.whole_file import beside
+from judge.whole_file import MARK, beside
 
 TARGET, OPEN = 128, 64
 COLOUR_OF = {"target": "#3ddc4b", "background": "#ff5050", "unassigned": "#ffd040"}
@@ -114,6 +114,6 @@ def draw(run_folder, masks: list[Mask], sequence, frames: list[int], out) -> lis
         figure.set_layout_engine("tight", pad=0.2)
         paths.append(out / f"overlay_{frame:06d}.png")
         with beside(paths[-1]) as part:
-            figure.savefig(part)
+            figure.savefig(part, metadata={"Software": MARK})
         pyplot.close(figure)
     return paths

@@ -36,11 +36,11 @@ def prepare(folder: pathlib.Path) -> None:
 
 
 def save(figure, folder: pathlib.Path, name: str) -> pathlib.Path:
-    from judge.whole_file import beside
+    from judge.whole_file import MARK, beside
     path = folder / name
     try:
         with beside(path) as part:
-            figure.savefig(part)
+            figure.savefig(part, metadata={"Software": MARK})
     except OSError as problem:
         raise BadInput(f"{path}: {problem.strerror}") from None
     finally:

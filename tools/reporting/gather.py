@@ -4,9 +4,10 @@ import pathlib
 from dataclasses import dataclass, field
 
 from judge.errors import BadInput
-from judge.run import Run, judge_run, read_run
-from judge.sequence import Sequence, read_json, read_sequence, yaml_values
-from judge.tables import Motion, join, read_motion
+from judge.run import Run, judge_run, read_run, read_truth_for
+from judge.sequence import Sequence, read_json, read_sequence
+from judge.tables import Motion, join
+from judge.truth import Matching
 from plots import series
 
 
@@ -37,12 +38,13 @@ def _sequence_of(run: Run, asked: pathlib.Path | None, remarks: list[str]) -> Se
     return None
 
 
-def _truth_of(run: Run, sequence: Sequence | None, asked: pathlib.Path | None, remarks: list[str]) -> Motion | None:
+def _truth_of(run: Run, sequence: Sequence | None, asked: pathlib.Path | None, matching: Matching, remarks: list[str]) -> Motion | None:
     path = asked or (sequence.truth_path if sequence and sequence.truth_path.exists() else None)
     if path is None:
         return None
-    truth = read_motion(path)
+    frames_ns = sequence.timestamp_ns if sequence else next(iter(run.motions.values())).timestamp_ns
     try:
+        truth = read_truth_for(run, frames_ns, path, matching)
         for motion in run.motions.values():
             join(motion, truth)
         return truth
@@ -53,13 +55,15 @@ def _truth_of(run: Run, sequence: Sequence | None, asked: pathlib.Path | None, r
         return None
 
 
-def gather(folder: pathlib.Path, sequence: pathlib.Path | None = None, truth: pathlib.Path | None = None) -> Material:
+def gather(folder: pathlib.Path, sequence: pathlib.Path | None = None, truth: pathlib.Path | None = None,
+           matching: Matching = Matching()) -> Material:
     run, remarks = read_run(folder), []
     found = _sequence_of(run, sequence, remarks)
     material = Material(run, read_json(folder / "motion_model.json"), read_json(folder / "shape.json"), series.events_of(folder), found,
-                        _truth_of(run, found, truth, remarks), remarks=remarks)
+                        _truth_of(run, found, truth, matching, remarks), remarks=remarks)
     if found is not None:
-        material.sensor = yaml_values(found.folder / "mav0/cam0/sensor.yaml")
+        found.see_as(run.summary)
+        material.sensor = found.fields
         material.imported = read_json(found.folder / "import.json")
     if material.truth is not None and found is not None:
         material.judged = judge_run(run, found, material.truth)

@@ -5,6 +5,7 @@ import pathlib
 
 import jinja2
 from judge.report import lookup
+from judge.whole_file import MARK
 from plotly.offline import get_plotlyjs
 from reporting import figures, frames, scene, tables, words
 from reporting.gather import Material
@@ -66,7 +67,7 @@ def page(material: Material) -> str:
     header, truth_rows = tables.truth_rows(material)
     sequence = material.run.summary.get("sequence") or material.run.name
     return environment.get_template(TEMPLATE).render(
-        title=pathlib.Path(str(sequence)).name, warnings=words.warnings(material), acquired=words.acquired(material), result=words.result(material), tiles=tiles(material), frames=frames.picked(material),
+        mark=MARK, title=pathlib.Path(str(sequence)).name, warnings=words.warnings(material), acquired=words.acquired(material), result=words.result(material), tiles=tiles(material), frames=frames.picked(material),
         sections=made, has_figures=any(one["figure"] for one in made), plotly=get_plotlyjs(), truth_header=header, truth_rows=truth_rows,
         counters=tables.counter_rows(material), folder=str(material.run.folder), version=material.run.summary.get("version", "unknown"),
         bus=str(lookup(material.run.summary, "bus.sha256") or ""))

@@ -10,16 +10,17 @@ import pathlib
 import cv2
 import numpy as np
 from judge.errors import BadInput
+from judge.levels import read_octets, viewable
 from judge.shape import load_ply, property_of
 from judge.run import Run
 from judge.tables import Motion, in_frame, target_frames
+from judge.whole_file import MARK, beside
 from plots.series import common_rates, time_ns_of
 from reporting.gather import Material
 
 AXIS_RGB = ((214, 39, 40), (44, 160, 44), (31, 119, 180))
 PALE_RGB = ((240, 160, 160), (160, 215, 160), (155, 195, 230))  # of the same axes, as known at each frame
 CLOUD_POINTS = 1.2  # radius on the screen; as a negative number Rerun takes it for that. The picture shows between them.
-MEDIA_TYPES = {".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
 
 
 def _at(recording, time_ns: int) -> None:
@@ -35,17 +36,15 @@ def _log_camera(rr, recording, sequence) -> None:
 
 def _log_pictures(rr, recording, sequence) -> None:
     for index, time_ns in enumerate(sequence.timestamp_ns.tolist()):
-        path = sequence.frame_path(index)
         _at(recording, time_ns)
         try:
-            picture = sequence.read_gray(index)
+            octets = read_octets(sequence.frame_path(index))
+            kind = None if sequence.mosaic else viewable(octets)
+            if kind is None:
+                octets = cv2.imencode(".png", sequence.read_gray(index))[1].tobytes()
         except BadInput:
             continue  # a frame that can't be read: Rerun goes on showing the one before
-        if path.suffix.lower() in MEDIA_TYPES and cv2.imread(str(path), cv2.IMREAD_UNCHANGED).dtype == np.uint8:
-            image = rr.EncodedImage(contents=path.read_bytes(), media_type=MEDIA_TYPES[path.suffix.lower()])
-        else:
-            image = rr.EncodedImage(contents=cv2.imencode(".png", picture)[1].tobytes(), media_type="image/png")
-        recording.log("camera/image", image)
+        recording.log("camera/image", rr.EncodedImage(contents=octets, media_type=f"image/{kind or 'png'}"))
 
 
 def _log_axes(rr, recording, entity: str, length: float) -> None:
@@ -129,13 +128,19 @@ def write_rrd(material: Material, path: pathlib.Path) -> int:
         raise BadInput(f"--rrd {path}: rerun-sdk is not installed; run tools/setup.sh extras") from None
     if not path.parent.is_dir():
         raise BadInput(f"--rrd {path}: {path.parent}: no such folder")
+    with beside(path) as part:
+        return _write(rr, material, path, part)
+
+
+def _write(rr, material: Material, path: pathlib.Path, part: pathlib.Path) -> int:
     recording = rr.RecordingStream("polhode", recording_id=material.run.name)
     recording.set_log_time_enabled(False)
     recording.set_log_tick_enabled(False)
     try:
-        recording.save(path, default_blueprint=_blueprint())
+        recording.save(part, default_blueprint=_blueprint())
     except (OSError, RuntimeError) as problem:
         raise BadInput(f"--rrd {path}: {problem}") from None
+    recording.log("made_by", rr.TextDocument(MARK), static=True)
     recording.log("/", rr.ViewCoordinates.RDF, static=True)
     if material.sequence is not None:
         _log_camera(rr, recording, material.sequence)

@@ -12,7 +12,7 @@ from judge.colmap import ensure_venv
 from judge.errors import BadInput
 from judge.shape import load_ply, property_of
 from judge.tables import in_frame, read_motion, target_frames
-from judge.whole_file import write_whole
+from judge.whole_file import MARK, REPLAY_MARK, check_replaceable, write_whole
 from reporting.video import observations_by_time
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -127,15 +127,15 @@ def write_points(path: pathlib.Path, points: np.ndarray, normals: np.ndarray) ->
 
 
 def write_surface(path: pathlib.Path, vertices: np.ndarray, faces: np.ndarray, added: np.ndarray) -> None:
-    """surface.ply with its mark on each vertex, put in place whole."""
+    """surface.ply with its mark on each vertex, put in place whole, whatever stood there."""
     corners = np.zeros(len(vertices), dtype=[("place", "<f4", 3), ("rgb", "u1", 3), ("added", "u1")])
     corners["place"], corners["rgb"], corners["added"] = vertices, np.where(added[:, None], ADDED_RGB, MEASURED_RGB), added
     triangles = np.zeros(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
     triangles["count"], triangles["corners"] = 3, faces
     names = [*(f"property float {name}" for name in "xyz"), *(f"property uchar {name}" for name in ("red", "green", "blue", "added"))]
-    header = ["ply", "format binary_little_endian 1.0", f"comment {COMMENT}", f"element vertex {len(vertices)}", *names,
+    header = ["ply", "format binary_little_endian 1.0", f"comment {COMMENT}", f"comment {MARK}", f"element vertex {len(vertices)}", *names,
               f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
-    write_whole(path, "\n".join(header).encode() + corners.tobytes() + triangles.tobytes())
+    write_whole(path, "\n".join(header).encode() + corners.tobytes() + triangles.tobytes(), ours=True)
 
 
 def reconstruct(points: np.ndarray, normals: np.ndarray, pitch: float) -> tuple[np.ndarray, np.ndarray]:
@@ -145,7 +145,7 @@ def reconstruct(points: np.ndarray, normals: np.ndarray, pitch: float) -> tuple[
     with tempfile.TemporaryDirectory() as place:
         work = pathlib.Path(place)
         write_points(work / "points.ply", points, normals)
-        done = subprocess.run([ensure_venv(), WORKER, work / "points.ply", work / "surface.ply", str(depth), str(FACES_MAX)], capture_output=True, text=True)
+        done = subprocess.run([ensure_venv(), WORKER, work / "points.ply", work / "surface.ply", str(depth), str(FACES_MAX)], capture_output=True, text=True, errors="backslashreplace")
         if done.returncode != 0:
             raise BadInput(f"the surface can't be made: pycolmap ended with {done.returncode}: {' '.join(done.stderr.strip().splitlines()[-1:])}")
         mesh = load_ply(work / "surface.ply")
@@ -155,8 +155,10 @@ def reconstruct(points: np.ndarray, normals: np.ndarray, pitch: float) -> tuple[
 
 
 def make_surface(folder: pathlib.Path) -> tuple[int, float]:
-    """Replaces folder/surface.ply. @return (faces, part of the area that was measured)."""
+    """Writes folder/surface.ply, or replaces the one of an earlier call. @return (faces, part of the area that was measured)."""
     points, normals, added = read_points(folder / "cloud.ply")
+    if not (folder / REPLAY_MARK).exists():  # a replay leaves a convex hull under this name
+        check_replaceable(folder / "surface.ply")
     measured = points[~added]
     pitch = pitch_of(measured)
     try:

@@ -9,7 +9,7 @@ import numpy as np
 from judge import align
 from judge.errors import BadInput
 from judge.tables import in_frame, target_frames
-from judge.whole_file import beside
+from judge.whole_file import MARK, beside
 from plots.series import cloud_and_path
 from reporting.frames import overlaid
 from reporting.gather import Material
@@ -119,6 +119,7 @@ def write_video(material: Material, path: pathlib.Path) -> int:
     count = 0
     try:
         with beside(path) as part, av.open(str(part), "w", format="mp4") as container:
+            container.metadata["comment"] = MARK
             stream = container.add_stream("libx264", rate=RATE_HZ, options={"crf": "20"})
             stream.width, stream.height = (size - size % 2 for size in (material.sequence.camera.width_px, material.sequence.camera.height_px))
             stream.pix_fmt = "yuv420p"  # what every player shows; it needs even sizes

@@ -79,12 +79,14 @@ def _of_input(material: Material) -> list[str]:
     told, counters = [], material.run.summary.get("counters") or {}
     if material.imported.get("nominal_time"):
         told.append("The pictures tell no time; one a second was assumed. Rates, periods and velocity are per picture, not per second.")
+    if material.imported.get("lost"):
+        told.append(f"Of what was imported, {material.imported['lost']}: import.json of the sequence says why.")
     where = str(material.imported.get("intrinsics_from", ""))
     if where.startswith("EXIF"):
         told.append(f"The focal length is from {where}: it may be wrong by some per cent, and all distances with it.")
     if "sigma_focal_px" in material.sensor:
         told.append("The focal length was estimated from the pictures, with a sigma of "
-                    f"{material.sensor['sigma_focal_px']} px. The sigmas on this page take it as exact.")
+                    f"{material.sensor['sigma_focal_px']} px. The sigmas on this page hold it as far as the pictures could test it.")
     bad = {name.removeprefix("frames_").replace("_", " "): count for name, count in counters.items()
            if name.startswith("frames_") and name not in ("frames_in", "frames_used") and count}
     if bad:

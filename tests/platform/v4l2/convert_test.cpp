@@ -13,10 +13,8 @@ namespace {
 constexpr int kWidth = 5;
 constexpr int kHeight = 3;
 
-OfferedFormat format_of(std::uint32_t fourcc,
-                        std::uint32_t octets_per_pixel,
-                        std::uint32_t padding) {
-  const std::uint32_t row = octets_per_pixel * kWidth + padding;
+OfferedFormat format_of(std::uint32_t fourcc, std::uint32_t padding) {
+  const std::uint32_t row = row_octets_of(*find_packing(fourcc), kWidth) + padding;
   return {.fourcc = fourcc,
           .width_px = kWidth,
           .height_px = kHeight,
@@ -40,7 +38,7 @@ std::uint16_t pixel16(const ImageView& view, int u, int v) {
 }
 
 TEST(Convert, GrayIsReadWhereItLies_PaddingAndAll) {
-  const OfferedFormat format = format_of(V4L2_PIX_FMT_GREY, 1, 3);
+  const OfferedFormat format = format_of(V4L2_PIX_FMT_GREY, 3);
   const auto buffer = ramp(format);
   ImageView view;
   ASSERT_TRUE(GrayConverter(format).convert(buffer, &view));
@@ -50,7 +48,7 @@ TEST(Convert, GrayIsReadWhereItLies_PaddingAndAll) {
 }
 
 TEST(Convert, SixteenBitsAreReadWhereTheyLie) {
-  const OfferedFormat format = format_of(V4L2_PIX_FMT_Y16, 2, 2);
+  const OfferedFormat format = format_of(V4L2_PIX_FMT_Y16, 2);
   const auto buffer = ramp(format);
   ImageView view;
   ASSERT_TRUE(GrayConverter(format).convert(buffer, &view));
@@ -62,7 +60,7 @@ TEST(Convert, SixteenBitsAreReadWhereTheyLie) {
 TEST(Convert, TenAndTwelveBitsFillTheUpperEnd) {
   for (const auto& [fourcc, bits] :
        {std::pair{V4L2_PIX_FMT_Y10, 10}, std::pair{V4L2_PIX_FMT_Y12, 12}}) {
-    const OfferedFormat format = format_of(fourcc, 2, 4);
+    const OfferedFormat format = format_of(fourcc, 4);
     std::vector<std::uint8_t> buffer(format.image_octets, 0xEE);  // padding that must not be seen
     const auto full = static_cast<std::uint16_t>((1 << bits) - 1);
     for (int v = 0; v < kHeight; ++v) {
@@ -87,7 +85,7 @@ TEST(Convert, TenAndTwelveBitsFillTheUpperEnd) {
 }
 
 TEST(Convert, LumaIsEveryOtherOctet) {
-  const OfferedFormat format = format_of(V4L2_PIX_FMT_YUYV, 2, 1);
+  const OfferedFormat format = format_of(V4L2_PIX_FMT_YUYV, 1);
   const auto buffer = ramp(format);
   GrayConverter converter(format);
   ImageView view;
@@ -101,7 +99,7 @@ TEST(Convert, LumaIsEveryOtherOctet) {
 }
 
 TEST(Convert, ColourBecomesLuminance) {
-  const OfferedFormat format = format_of(V4L2_PIX_FMT_RGB24, 3, 0);
+  const OfferedFormat format = format_of(V4L2_PIX_FMT_RGB24, 0);
   std::vector<std::uint8_t> buffer(format.image_octets, 0);
   const std::uint8_t colours[5][3] = {
       {255, 255, 255}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {10, 20, 30}};
@@ -120,8 +118,7 @@ TEST(Convert, ABufferThatEndsEarlyIsRefused_OneOctetDecides) {
     if (packing.packing == Packing::kCompressed) {
       continue;
     }
-    const OfferedFormat format =
-        format_of(packing.fourcc, static_cast<std::uint32_t>(packing.octets_per_pixel), 0);
+    const OfferedFormat format = format_of(packing.fourcc, 0);
     const auto buffer = ramp(format);
     GrayConverter converter(format);
     ImageView view;
@@ -130,6 +127,96 @@ TEST(Convert, ABufferThatEndsEarlyIsRefused_OneOctetDecides) {
         << packing.name;
     EXPECT_FALSE(converter.convert({}, &view)) << packing.name;
   }
+}
+
+TEST(Convert, LumaMayComeAfterItsChroma_AndBlueBeforeRed) {
+  const OfferedFormat format = format_of(V4L2_PIX_FMT_UYVY, 3);
+  const auto buffer = ramp(format);
+  GrayConverter converter(format);
+  ImageView view;
+  ASSERT_TRUE(converter.convert(buffer, &view));
+  EXPECT_EQ(view.data[2 * view.stride_octets + 4], buffer[2 * 13 + 2 * 4 + 1]);
+  const OfferedFormat colour = format_of(V4L2_PIX_FMT_BGR24, 0);
+  std::vector<std::uint8_t> red(colour.image_octets, 0);
+  red[2] = 255;
+  GrayConverter of_colour(colour);
+  ASSERT_TRUE(of_colour.convert(red, &view));
+  EXPECT_EQ(view.data[0], 76);
+  EXPECT_EQ(view.data[1], 0);
+}
+
+TEST(Convert, APlaneOfLumaIsReadWhereItLies_ChromaBehindItOrNot) {
+  for (const std::uint32_t fourcc : {V4L2_PIX_FMT_NV12,
+                                     V4L2_PIX_FMT_NV12M,
+                                     V4L2_PIX_FMT_NV21,
+                                     V4L2_PIX_FMT_NV16M,
+                                     V4L2_PIX_FMT_YUV420}) {
+    const OfferedFormat format = format_of(fourcc, 3);
+    auto buffer = ramp(format);
+    buffer.resize(buffer.size() * 3 / 2, 0x80);
+    ImageView view;
+    ASSERT_TRUE(GrayConverter(format).convert(buffer, &view));
+    EXPECT_EQ(view.data, buffer.data());
+    EXPECT_EQ(view.stride_octets, kWidth + 3);
+    EXPECT_EQ(view.format, PixelFormat::kGray8);
+  }
+}
+
+/// Packs by the definition: upper eight bits of each pixel of a group, then the lower bits of all,
+/// the first pixel's at the lowest place.
+std::vector<std::uint8_t> packed(const std::vector<unsigned>& values, const PixelPacking& packing) {
+  std::vector<std::uint8_t> octets;
+  const auto low_bits = static_cast<unsigned>(packing.bits) - 8U;
+  for (std::size_t first = 0; first < values.size();
+       first += static_cast<std::size_t>(packing.group_pixels)) {
+    std::uint64_t lows = 0;
+    for (unsigned i = 0; i < static_cast<unsigned>(packing.group_pixels); ++i) {
+      const unsigned value = first + i < values.size() ? values[first + i] : 0U;
+      octets.push_back(static_cast<std::uint8_t>(value >> low_bits));
+      lows |= std::uint64_t{value & ((1U << low_bits) - 1U)} << (low_bits * i);
+    }
+    for (int k = packing.group_pixels; k < packing.group_octets; ++k, lows >>= 8U) {
+      octets.push_back(static_cast<std::uint8_t>(lows));
+    }
+  }
+  return octets;
+}
+
+TEST(Convert, PackedBitsFillTheUpperEnd) {
+  for (const char* name : {"Y10P", "Y12P", "Y14P"}) {
+    const PixelPacking& packing = *find_packing(name);
+    const OfferedFormat format = format_of(packing.fourcc, 2);
+    const auto full = (1U << static_cast<unsigned>(packing.bits)) - 1U;
+    std::vector<std::uint8_t> buffer;
+    for (unsigned v = 0; v < kHeight; ++v) {
+      std::vector<unsigned> values;
+      for (unsigned u = 0; u < kWidth; ++u) {
+        values.push_back((full - 1237U * u - 311U * v) & full);
+      }
+      const std::vector<std::uint8_t> row = packed(values, packing);
+      buffer.insert(buffer.end(), row.begin(), row.end());
+      buffer.resize((v + 1) * format.row_octets, 0xEE);  // padding that must not be seen
+    }
+    GrayConverter converter(format);
+    ImageView view;
+    ASSERT_TRUE(converter.convert(buffer, &view)) << name;
+    EXPECT_EQ(view.format, PixelFormat::kGray16);
+    for (unsigned v = 0; v < kHeight; ++v) {
+      for (unsigned u = 0; u < kWidth; ++u) {
+        EXPECT_EQ(pixel16(view, static_cast<int>(u), static_cast<int>(v)),
+                  ((full - 1237U * u - 311U * v) & full) << (16 - packing.bits))
+            << name << " " << u << "," << v;
+      }
+    }
+  }
+  // A row of MIPI RAW10, by hand: 0x3FF, 0x001, 0x200, 0x155.
+  const std::uint8_t row[] = {0xFF, 0x00, 0x80, 0x55, 0b01'00'01'11};
+  std::uint16_t wide[4];
+  group_row(row, 4, *find_packing("Y10P"), reinterpret_cast<std::uint8_t*>(wide));
+  EXPECT_EQ(wide[0], 0x3FF << 6);
+  EXPECT_EQ(wide[1], 0x001 << 6);
+  EXPECT_EQ(wide[2], 0x200 << 6);
+  EXPECT_EQ(wide[3], 0x155 << 6);
 }
 
 class Jpeg : public testing::Test {

@@ -35,7 +35,15 @@ const Opening kOpenings[] = {
      OpenResult::kUnsuitable},
     {"another size", [](FakeDevice& d) { d.width = 80; }, OpenResult::kUnsuitable},
     {"a format that nobody reads",
-     [](FakeDevice& d) { d.formats = {V4L2_PIX_FMT_NV12}; },
+     [](FakeDevice& d) { d.formats = {V4L2_PIX_FMT_SBGGR8}; },
+     OpenResult::kUnsuitable},
+    {"interlaced", [](FakeDevice& d) { d.field = V4L2_FIELD_INTERLACED; }, OpenResult::kUnsuitable},
+    {"interlaced, in planes",
+     [](FakeDevice& d) {
+       d.capabilities = V4L2_CAP_VIDEO_CAPTURE_MPLANE | V4L2_CAP_STREAMING;
+       d.planes = 1;
+       d.field = V4L2_FIELD_ALTERNATE;
+     },
      OpenResult::kUnsuitable},
     {"taken by another, told at the format",
      [](FakeDevice& d) { d.answers[VIDIOC_S_FMT] = -EBUSY; },
@@ -175,6 +183,43 @@ TEST(DeviceStream, MoreOctetsThanTheBufferHasAreCutOff) {
   TakenBuffer taken;
   ASSERT_EQ(stream.take(10, &taken), TakeResult::kBuffer);
   EXPECT_EQ(taken.octets.size(), 64U * 48U);
+}
+
+TEST(DeviceStream, TakesTheLuminanceOfADeviceWithSeveralPlanes) {
+  FakeDevice device;
+  device.capabilities = V4L2_CAP_VIDEO_CAPTURE_MPLANE | V4L2_CAP_STREAMING;
+  device.planes = 2;
+  device.octets_before = 16;
+  device.formats = {V4L2_PIX_FMT_NV12M};
+  DeviceStream stream(device, wish());
+  ASSERT_EQ(stream.open(), OpenResult::kStreaming) << stream.trouble();
+  EXPECT_EQ(stream.format().fourcc, V4L2_PIX_FMT_NV12M);
+  EXPECT_EQ(device.mapped_now, 4U);
+  for (int i = 0; i < 6; ++i) {  // each buffer comes and goes back
+    ASSERT_TRUE(device.take_frame(9));
+    TakenBuffer taken;
+    ASSERT_EQ(stream.take(10, &taken), TakeResult::kBuffer);
+    EXPECT_EQ(taken.octets.size(), 64U * 48U);
+    EXPECT_TRUE(stream.give_back(taken.index));
+  }
+  stream.close();
+  EXPECT_EQ(device.mapped_now, 0U);
+}
+
+TEST(DeviceStream, NamesTheFieldsThatItRefuses) {
+  FakeDevice device;
+  DeviceStream stream(device, wish());
+  for (const auto& [field, name] :
+       {std::pair{V4L2_FIELD_INTERLACED_TB, "gives interlaced;"},
+        std::pair{V4L2_FIELD_ALTERNATE, "top and bottom fields in turn"},
+        std::pair{V4L2_FIELD_SEQ_BT, "one after the other"},
+        std::pair{V4L2_FIELD_TOP, "top fields"}}) {
+    device.field = field;
+    EXPECT_EQ(stream.open(), OpenResult::kUnsuitable);
+    EXPECT_NE(stream.trouble().find(name), std::string_view::npos) << stream.trouble();
+  }
+  device.field = V4L2_FIELD_ANY;
+  EXPECT_EQ(stream.open(), OpenResult::kStreaming);
 }
 
 TEST(DeviceStream, KnowsWhatTheTimeStampMarks) {

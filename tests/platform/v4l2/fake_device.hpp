@@ -28,6 +28,9 @@ class FakeDevice final : public DeviceCalls {
   std::uint32_t width = 64;
   std::uint32_t height = 48;
   std::uint32_t row_padding = 0;
+  std::uint32_t planes = 0;  ///< of its buffers; 0: none, as most devices
+  std::uint32_t field = V4L2_FIELD_NONE;
+  std::uint32_t octets_before = 0;  ///< of a plane's content
   std::uint32_t buffers_given = 0;  ///< 0: as many as are asked for
   std::uint32_t stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_EOF;
   bool has_exposure = true;
@@ -180,10 +183,16 @@ class FakeDevice final : public DeviceCalls {
         return 0;
       }
       case VIDIOC_QUERYBUF:
-        buffer->length = image_octets();
-        buffer->m.offset = buffer->index;
+        if (!names_planes(*buffer)) {
+          return -EINVAL;
+        }
+        (planes > 0 ? buffer->m.planes[0].length : buffer->length) = image_octets();
+        (planes > 0 ? buffer->m.planes[0].m.mem_offset : buffer->m.offset) = buffer->index;
         return 0;
       case VIDIOC_QBUF:
+        if (!names_planes(*buffer)) {
+          return -EINVAL;
+        }
         queued_.push_back(buffer->index);
         return 0;
       case VIDIOC_DQBUF:
@@ -207,18 +216,54 @@ class FakeDevice final : public DeviceCalls {
     if (filled_.empty()) {
       return -EAGAIN;
     }
+    if (!names_planes(*buffer)) {
+      return -EINVAL;
+    }
+    v4l2_plane* const theirs = buffer->m.planes;
     *buffer = filled_.front();
+    if (planes > 0) {
+      buffer->m.planes = theirs;
+      theirs[0].bytesused = buffer->bytesused;
+      theirs[0].data_offset = octets_before;
+    }
     buffer->index += lie_about_index;
     filled_.pop_front();
     return 0;
   }
 
+  [[nodiscard]] bool names_planes(const v4l2_buffer& buffer) const {
+    return planes == 0 ? buffer.type == V4L2_BUF_TYPE_VIDEO_CAPTURE
+                       : buffer.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE &&
+                             buffer.length == planes && buffer.m.planes != nullptr;
+  }
+
+  int set_planes(v4l2_pix_format_mplane* pix) const {
+    for (const std::uint32_t known : formats) {
+      if (pix->pixelformat == known) {
+        pix->width = width;
+        pix->height = height;
+        pix->field = static_cast<std::uint8_t>(field);
+        pix->num_planes = static_cast<std::uint8_t>(planes);
+        pix->plane_fmt[0].bytesperline = width + row_padding;
+        pix->plane_fmt[0].sizeimage = image_octets();
+        return 0;
+      }
+    }
+    pix->pixelformat = formats.front();
+    return 0;
+  }
+
   int set_format(v4l2_format* format) const {
+    if (planes > 0) {
+      return format->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE ? set_planes(&format->fmt.pix_mp)
+                                                                : -EINVAL;
+    }
     v4l2_pix_format& pix = format->fmt.pix;
     for (const std::uint32_t known : formats) {
       if (pix.pixelformat == known) {
         pix.width = width;
         pix.height = height;
+        pix.field = field;
         pix.bytesperline = width + row_padding;
         pix.sizeimage = image_octets();
         return 0;
@@ -238,7 +283,9 @@ class FakeDevice final : public DeviceCalls {
     return 0;
   }
 
-  [[nodiscard]] std::uint32_t image_octets() const { return (width + row_padding) * height; }
+  [[nodiscard]] std::uint32_t image_octets() const {
+    return octets_before + (width + row_padding) * height;
+  }
 
   std::vector<std::vector<std::uint8_t>> memory_;
   std::deque<std::uint32_t> queued_;

@@ -65,7 +65,18 @@ TEST(ChooseFormat, RefusesRowsOrImagesThatAreTooShortForTheirSize) {
   format = offer(V4L2_PIX_FMT_GREY, 1);
   format.width_px = -640;
   EXPECT_FALSE(consistent(format));
-  EXPECT_FALSE(consistent(offer(V4L2_PIX_FMT_NV12, 2)));
+  EXPECT_FALSE(consistent(offer(V4L2_PIX_FMT_SBGGR8, 1)));
+  format = offer(V4L2_PIX_FMT_GREY, 1);
+  format.field = V4L2_FIELD_INTERLACED;
+  EXPECT_FALSE(consistent(format));
+}
+
+TEST(ChooseFormat, RowsOfPackedBitsEndWithAWholeGroup) {
+  EXPECT_EQ(row_octets_of(*find_packing("Y10P"), 640), 800U);
+  EXPECT_EQ(row_octets_of(*find_packing("Y10P"), 5), 10U);
+  EXPECT_EQ(row_octets_of(*find_packing("Y12P"), 640), 960U);
+  EXPECT_EQ(row_octets_of(*find_packing("NV12"), 640), 640U);
+  EXPECT_EQ(row_octets_of(*find_packing("BGR24"), 640), 1920U);
 }
 
 TEST(ChooseFormat, NothingOnOfferIsNothing) { EXPECT_FALSE(choose_format({}, kWish)); }
