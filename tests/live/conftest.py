@@ -10,7 +10,8 @@ import types
 
 import pytest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "replay"))
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(REPOSITORY / folder) for folder in ("tests/replay", "tests/ground_station", "hil", "tools", "platform/transport/client/python")]
 
 from replay_files import DEFAULTS, PROGRAM  # noqa: E402
 from sequence_writer import SequenceWriter, textured  # noqa: E402

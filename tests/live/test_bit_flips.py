@@ -7,14 +7,11 @@ import sys
 
 import numpy
 import pytest
+from bit_flips import service, verdict
+from bit_flips.tables import symbol_address
+from judge.errors import BadInput
+from judge.tables import read_motion
 from replay_files import PROGRAM, REPOSITORY
-
-sys.path.insert(0, str(REPOSITORY / "hil"))
-
-from bit_flips import service, verdict  # noqa: E402
-from bit_flips.tables import symbol_address  # noqa: E402
-from judge.errors import BadInput  # noqa: E402
-from judge.tables import read_motion  # noqa: E402
 
 TRUTH = REPOSITORY / "hil/data/sample/truth.csv"
 

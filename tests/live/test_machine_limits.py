@@ -3,14 +3,10 @@
 import os
 import resource
 import subprocess
-import sys
 
+import polhode_bus
 import pytest
-from replay_files import DEFAULTS, PROGRAM, REPOSITORY
-
-sys.path.insert(0, str(REPOSITORY / "platform/transport/client/python"))
-
-import polhode_bus  # noqa: E402
+from replay_files import DEFAULTS, PROGRAM
 
 
 def call(*arguments, close=(), limits=(), out=subprocess.PIPE, err=subprocess.PIPE):

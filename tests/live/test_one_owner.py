@@ -3,14 +3,11 @@
 import json
 import os
 import pathlib
-import sys
 
+import polhode_bus
 import pytest
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPOSITORY / "platform/transport/client/python"))
-
-import polhode_bus  # noqa: E402
 
 NOBODY = 65534  # a user that is not root
 

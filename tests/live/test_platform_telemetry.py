@@ -1,12 +1,8 @@
 """What the machine does is told once a second, and stands in no stream that a replay has to give."""
 
 import signal
-import sys
 
-from replay_files import REPOSITORY
-
-sys.path.insert(0, str(REPOSITORY / "platform/transport/client/python"))
-from polhode_bus import open_bus  # noqa: E402
+from polhode_bus import open_bus
 
 
 def packets_of(file) -> list:

@@ -4,15 +4,10 @@ import contextlib
 import json
 import os
 import pathlib
-import sys
 import threading
 
+import polhode_bus
 import pytest
-
-REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPOSITORY / "platform/transport/client/python"))
-
-import polhode_bus  # noqa: E402
 
 PASSES = 25  # 300 frames: with housekeeping in each, packets enough for a stopped reader's queue (some 10) and the sender's (512) to be full
 

@@ -7,14 +7,11 @@ import re
 import signal
 import socket
 import subprocess
-import sys
 import time
 
+import polhode_bus
 import pytest
 from replay_files import PROGRAM
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "platform/transport/client/python"))
-import polhode_bus  # noqa: E402
 
 
 def bus(run):

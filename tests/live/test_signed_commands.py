@@ -5,16 +5,11 @@ import os
 import pathlib
 import socket
 import subprocess
-import sys
 import time
 
+import polhode_bus
 import pytest
 from replay_files import PROGRAM
-
-REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPOSITORY / "platform/transport/client/python"))
-
-import polhode_bus  # noqa: E402
 
 
 def free_port() -> int:
