@@ -8,18 +8,11 @@ from judge import align
 from judge.errors import BadInput
 from judge.tables import in_frame, target_frames
 from plots.series import cloud_and_path
+from reporting.drawing import draw_target
 from reporting.gather import Material
 
 COUNT = 8
 WIDTH_PX = 560
-AXIS_BGR = ((39, 39, 214), (44, 160, 44), (180, 119, 31))
-OUTLINE_BGR = (0, 200, 255)
-
-
-def project_points(sequence, R_CT, p_CT, points_T: np.ndarray) -> np.ndarray:
-    """[N,2] pixels of those of the points that are before the camera."""
-    pixels = sequence.camera.project(R_CT.apply(points_T) + p_CT)
-    return pixels[np.isfinite(pixels).all(axis=1)]
 
 
 def overlaid(material: Material, index: int, points_T: np.ndarray | None, shape: dict) -> tuple[np.ndarray, bool]:
@@ -34,18 +27,10 @@ def overlaid(material: Material, index: int, points_T: np.ndarray | None, shape:
     if len(rows) == 0:
         return picture, False
     R_CT, p_CT = align.rotations(motion.q_CT[rows])[0], motion.p_CT[rows[0]]
-    thick = max(1, round(sequence.camera.width_px / 500))
-    pixels = project_points(sequence, R_CT, p_CT, points_T)
-    if len(pixels) >= 3:
-        cv2.polylines(picture, [cv2.convexHull(pixels.round().astype(np.int32))], True, OUTLINE_BGR, thick, cv2.LINE_AA)
     origin = np.array(shape.get("centroid_T") or np.median(points_T, axis=0), dtype=float)
     size = float(np.percentile(np.linalg.norm(points_T - origin, axis=1), 90))
     axes = shape.get("axes") or {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}
-    for direction, colour in zip(axes.values(), AXIS_BGR):
-        ends = project_points(sequence, R_CT, p_CT, np.array([origin, origin + size * np.array(direction)]))
-        if len(ends) == 2:
-            a, b = (tuple(int(value) for value in end.round().clip(-10000, 10000)) for end in ends)
-            cv2.arrowedLine(picture, a, b, colour, 2 * thick, cv2.LINE_AA, tipLength=0.12)
+    draw_target(picture, sequence.camera, R_CT, p_CT, points_T, origin, size * np.array(list(axes.values()), dtype=float))
     return picture, True
 
 
