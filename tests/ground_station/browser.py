@@ -47,8 +47,9 @@ class Page:
         """A window is not made narrower than 500 px; a page may be."""
         self._ask("Emulation.setDeviceMetricsOverride", width=width_px, height=height_px, deviceScaleFactor=1, mobile=width_px < 500)
 
-    def screenshot(self, file: pathlib.Path) -> None:
-        file.write_bytes(base64.b64decode(self._ask("Page.captureScreenshot", format="png", captureBeyondViewport=True)["data"]))
+    def screenshot(self, file: pathlib.Path, whole: bool = True) -> None:
+        """@param whole  what stands below the window, too: the page is laid out anew for it."""
+        file.write_bytes(base64.b64decode(self._ask("Page.captureScreenshot", format="png", captureBeyondViewport=whole)["data"]))
 
 
 def _debugger(folder: pathlib.Path, url: str) -> str:

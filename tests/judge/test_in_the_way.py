@@ -53,7 +53,7 @@ WRITING = [
 # What writes nothing, or only into the repository's own tree or a temporary folder, as its help says.
 READING = {"tools/benchmark_table.py", "tools/check_budgets.py", "tools/check_packages.py", "tools/coverage_table.py", "tools/first_difference.py",
            "tools/golden.py", "tools/instruction_counts.py", "tools/junit_totals.py", "tools/other_processors.py", "tools/repeat_replays.py",
-           "hil/peer_table.py"}
+           "hil/peer_table.py", "tools/watch.py"}
 
 
 @pytest.fixture(scope="module")
