@@ -28,6 +28,7 @@ inline constexpr CodeName kCommandsNames[] = {
     {10, "table_activate"},
     {11, "table_discard"},
     {12, "checkpoint"},
+    {13, "predict_point"},
     {255, "none"},
 };
 inline constexpr CodeName kEventsNames[] = {

@@ -10,12 +10,6 @@
 namespace polhode::bus {
 namespace {
 
-// Chosen: 30 deg. A worse attitude is of no use, and there a first-order covariance is no longer
-// valid: the sine of 0.5 rad is 4 % less than the angle.
-constexpr double kAttitudeSigmaMax_rad = 0.5;
-// Chosen, of the distance, for the same two reasons.
-constexpr double kPositionSigmaMax = 0.5;
-
 /// Rows of the upper triangle, one after the other.
 template <std::size_t kCount, typename Matrix>
 void put_upper_triangle(const Matrix& m, std::array<float, kCount>* out) {
@@ -168,11 +162,12 @@ PoseCovariance in_unit(const PoseCovariance& covariance_I,
   return by * covariance_I * by.transpose();
 }
 
-/// Of a prediction packet: the unit of its lengths.
-std::uint8_t scale_flags(const LengthUnit& unit) {
+/// The unit of the lengths of a prediction or of a point, in its packet's flags.
+std::uint8_t scale_flags(bool known, std::uint32_t scale_number) {
   namespace flag = prediction_layout;
-  const unsigned number = unit.number % flag::kScaleNumbers << flag::kScaleNumberShift;
-  return static_cast<std::uint8_t>(number | (unit.known ? flag::kFlagScaleKnown : 0U));
+  static_assert(flag::kFlagScaleKnown == point_layout::kFlagScaleKnown);
+  const unsigned number = scale_number % flag::kScaleNumbers << flag::kScaleNumberShift;
+  return static_cast<std::uint8_t>(number | (known ? flag::kFlagScaleKnown : 0U));
 }
 
 }  // namespace
@@ -219,7 +214,7 @@ PredictionPacket to_packet(const MotionPrediction& prediction,
   packet.predicted_timestamp_ns = prediction.timestamp_ns;
   packet.dynamics = dynamics_of(model);
   packet.poses = clipped(model.poses);
-  packet.flags = prediction_layout::kFlagRate | scale_flags(unit);
+  packet.flags = prediction_layout::kFlagRate | scale_flags(unit.known, unit.number);
   packet.w_T_rad_s = to_array(prediction.w_T_rad_s);
   put_upper_triangle(prediction.covariance_w_T, &packet.cov_w);
   const Pose pose_C{.R_CT = R_CI * prediction.pose.R_CT, .p_CT = R_CI * prediction.pose.p_CT};
@@ -231,11 +226,30 @@ PredictionPacket to_packet(const MotionPrediction& prediction,
   return packet;
 }
 
+PointPacket to_packet(const PointState& point) {
+  namespace flag = point_layout;
+  PointPacket packet;
+  packet.timestamp_ns = point.from_timestamp_ns;
+  packet.predicted_timestamp_ns = point.timestamp_ns;
+  packet.dynamics = point.dynamics;
+  packet.flags = static_cast<std::uint8_t>(scale_flags(point.scale_known, point.scale_number) |
+                                           (point.position_valid ? flag::kFlagPosition : 0U) |
+                                           (point.velocity_valid ? flag::kFlagVelocity : 0U) |
+                                           (point.normal_valid ? flag::kFlagNormal : 0U));
+  packet.p_C = point.p_C;
+  packet.v_C = point.v_C;
+  packet.normal_C = point.normal_C;
+  packet.cov_p = narrowed(point.cov_p);
+  packet.cov_v = narrowed(point.cov_v);
+  packet.sigma_normal_rad = static_cast<float>(point.sigma_normal_rad);
+  return packet;
+}
+
 PredictionPacket to_packet(const PosePrediction& prediction, const LengthUnit& unit) {
   PredictionPacket packet;
   packet.dynamics = kDynamicsLocal;
   packet.poses = clipped(prediction.rotation_poses);
-  packet.flags = scale_flags(unit);
+  packet.flags = scale_flags(unit.known, unit.number);
   put_pose(in_unit(prediction.pose, unit.metres_per_mu),
            in_unit(prediction.covariance, Eigen::Matrix3d::Identity(), unit.metres_per_mu),
            unit,

@@ -5,6 +5,7 @@
 
 #include "bus/packets.hpp"
 #include "bus/shape_telemetry.hpp"
+#include "motion/point_state.hpp"
 #include "motion/rates.hpp"
 #include "motion/rigid_model.hpp"
 
@@ -15,6 +16,12 @@ inline constexpr std::uint8_t kDynamicsNone = 0;
 inline constexpr std::uint8_t kDynamicsLocal = 1;
 inline constexpr std::uint8_t kDynamicsTorqueFree = 2;
 inline constexpr std::uint8_t kDynamicsOrbit = 3;  ///< the last
+
+// Chosen: 30 deg. A worse attitude is of no use, and there a first-order covariance is no longer
+// valid: the sine of 0.5 rad is 4 % less than the angle.
+inline constexpr double kAttitudeSigmaMax_rad = 0.5;
+// Chosen, of the distance, for the same two reasons.
+inline constexpr double kPositionSigmaMax = 0.5;
 
 /// What an accepted fit assumes, as a value of that field.
 std::uint8_t dynamics_of(const RigidModel& model);
@@ -29,6 +36,9 @@ PredictionPacket to_packet(const MotionPrediction& prediction,
                            const RigidModel& model,
                            const Eigen::Matrix3d& R_CI,
                            const LengthUnit& unit);
+
+/// Where a point will be. The caller sets the number of the question and that of T.
+PointPacket to_packet(const PointState& point);
 
 /// A prediction from the last poses alone, in C.
 PredictionPacket to_packet(const PosePrediction& prediction, const LengthUnit& unit);

@@ -311,6 +311,31 @@ inline constexpr std::size_t kCrc = 184;  ///< u16 over all octets before it
 inline constexpr std::size_t kPacketOctets = 186;
 }  // namespace platform_event_layout
 
+namespace point_layout {
+inline constexpr std::size_t kTimestamp_ns = 16;  ///< i64
+inline constexpr std::size_t kPredicted_timestamp_ns = 24;  ///< i64
+inline constexpr std::size_t kP_C = 32;  ///< 3 x f64
+inline constexpr std::size_t kV_C = 56;  ///< 3 x f64
+inline constexpr std::size_t kNormal_C = 80;  ///< 3 x f64
+inline constexpr std::size_t kCov_p = 104;  ///< 6 x f32
+inline constexpr std::size_t kCov_v = 128;  ///< 6 x f32
+inline constexpr std::size_t kSigma_normal_rad = 152;  ///< f32
+inline constexpr std::size_t kNumber = 156;  ///< u32
+inline constexpr std::size_t kTarget_frame = 160;  ///< u32
+inline constexpr std::size_t kDynamics = 164;  ///< u8
+inline constexpr std::size_t kFlags = 165;  ///< u8
+inline constexpr std::size_t kSpare = 166;  ///< 2 x u8
+inline constexpr std::size_t kCrc = 168;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 170;
+inline constexpr std::uint8_t kFlagPosition = 0x01;
+inline constexpr std::uint8_t kFlagVelocity = 0x02;
+inline constexpr std::uint8_t kFlagNormal = 0x04;
+inline constexpr std::uint8_t kFlagScaleKnown = 0x08;
+inline constexpr std::uint8_t kFlagsUsed = 0x0F;
+inline constexpr unsigned kScaleNumberShift = 4;  ///< its place in the flags
+inline constexpr std::uint32_t kScaleNumbers = 16;  ///< it counts modulo this
+}  // namespace point_layout
+
 namespace set_known_length_layout {
 inline constexpr std::size_t kFrame_timestamp_ns = 8;  ///< i64
 inline constexpr std::size_t kLength_m = 16;  ///< f64
@@ -353,6 +378,16 @@ inline constexpr std::size_t kEntries = 12;  ///< u32
 inline constexpr std::size_t kCrc = 16;  ///< u16 over all octets before it
 inline constexpr std::size_t kPacketOctets = 18;
 }  // namespace table_activate_layout
+
+namespace predict_point_layout {
+inline constexpr std::size_t kPredicted_timestamp_ns = 8;  ///< i64
+inline constexpr std::size_t kP_T = 16;  ///< 3 x f64
+inline constexpr std::size_t kNormal_T = 40;  ///< 3 x f64
+inline constexpr std::size_t kTarget_frame = 64;  ///< u32
+inline constexpr std::size_t kNumber = 68;  ///< u32
+inline constexpr std::size_t kCrc = 72;  ///< u16 over all octets before it
+inline constexpr std::size_t kPacketOctets = 74;
+}  // namespace predict_point_layout
 // clang-format on
 
 }  // namespace polhode::bus

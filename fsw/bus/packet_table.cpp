@@ -261,6 +261,24 @@ constexpr Field kPlatformEventPacket[] = {
 constexpr Layout kPlatformEventPacketLayout{"platform_event", 9, 186, kPlatformEventPacket, kNoFlags, "", ""};
 static_assert(sizeof(PlatformEventPacket) <= kStructOctetsMax);
 
+constexpr Field kPointPacket[] = {
+    {"timestamp_ns", FieldType::kI64, 1, false, 16, offsetof(PointPacket, timestamp_ns), -1, -kNoLimit, kNoLimit, "", "ns", "", {}},
+    {"predicted_timestamp_ns", FieldType::kI64, 1, false, 24, offsetof(PointPacket, predicted_timestamp_ns), -1, -kNoLimit, kNoLimit, "", "ns", "", {}},
+    {"p_C", FieldType::kF64, 3, true, 32, offsetof(PointPacket, p_C), 0, -kNoLimit, kNoLimit, "x y z", "length", "", {}},
+    {"v_C", FieldType::kF64, 3, true, 56, offsetof(PointPacket, v_C), 1, -kNoLimit, kNoLimit, "x y z", "length/s", "", {}},
+    {"normal_C", FieldType::kF64, 3, true, 80, offsetof(PointPacket, normal_C), 2, -1.0, 1.0, "x y z", "", "", {}},
+    {"cov_p", FieldType::kF32, 6, true, 104, offsetof(PointPacket, cov_p), 0, -kNoLimit, kNoLimit, "xx xy xz yy yz zz", "length^2", "", {}},
+    {"cov_v", FieldType::kF32, 6, true, 128, offsetof(PointPacket, cov_v), 1, -kNoLimit, kNoLimit, "xx xy xz yy yz zz", "(length/s)^2", "", {}},
+    {"sigma_normal_rad", FieldType::kF32, 1, false, 152, offsetof(PointPacket, sigma_normal_rad), 2, 0.0, kNoLimit, "", "rad", "", {}},
+    {"number", FieldType::kU32, 1, false, 156, offsetof(PointPacket, number), -1, -kNoLimit, kNoLimit, "", "", "", {}},
+    {"target_frame", FieldType::kU32, 1, false, 160, offsetof(PointPacket, target_frame), -1, -kNoLimit, kNoLimit, "", "", "", {}},
+    {"dynamics", FieldType::kU8, 1, false, 164, offsetof(PointPacket, dynamics), -1, 0.0, 3.0, "", "", "NONE LOCAL TORQUE_FREE ORBIT", {}},
+    {"flags", FieldType::kU8, 1, false, 165, offsetof(PointPacket, flags), -1, 0.0, 255.0, "", "", "", {}},
+    {"spare", FieldType::kU8, 2, true, 166, offsetof(PointPacket, spare), -1, -kNoLimit, kNoLimit, "", "", "", {}},
+};
+constexpr Layout kPointPacketLayout{"point", 10, 170, kPointPacket, offsetof(PointPacket, flags), "position velocity normal scale_known", "scale_number"};
+static_assert(sizeof(PointPacket) <= kStructOctetsMax);
+
 constexpr Layout kNoopCommandLayout{"noop", 0, 10, {}, kNoFlags, "", ""};
 
 constexpr Layout kResetCountersCommandLayout{"reset_counters", 1, 10, {}, kNoFlags, "", ""};
@@ -328,8 +346,18 @@ constexpr Layout kTableDiscardCommandLayout{"table_discard", 11, 10, {}, kNoFlag
 
 constexpr Layout kCheckpointCommandLayout{"checkpoint", 12, 10, {}, kNoFlags, "", ""};
 
-constexpr const Layout* kPackets[] = {&kMotionPacketLayout, &kModelPacketLayout, &kPredictionPacketLayout, &kShapePacketLayout, &kHousekeepingPacketLayout, &kEventPacketLayout, &kCloudPacketLayout, &kPlatformPacketLayout, &kCommandLinkPacketLayout, &kPlatformEventPacketLayout};
-constexpr const Layout* kCommands[] = {&kNoopCommandLayout, &kResetCountersCommandLayout, &kResetMapCommandLayout, &kHoldCommandLayout, &kResumeCommandLayout, &kSetKnownLengthCommandLayout, &kSetRangeCommandLayout, &kServicerAttitudeCommandLayout, &kRequestCloudCommandLayout, &kTableLoadCommandLayout, &kTableActivateCommandLayout, &kTableDiscardCommandLayout, &kCheckpointCommandLayout};
+constexpr Field kPredictPointCommand[] = {
+    {"predicted_timestamp_ns", FieldType::kI64, 1, false, 8, offsetof(PredictPointCommand, predicted_timestamp_ns), -1, 0.0, 9.2e+18, "", "ns", "", {}},
+    {"p_T", FieldType::kF64, 3, true, 16, offsetof(PredictPointCommand, p_T), -1, -1000000.0, 1000000.0, "x y z", "length", "", {}},
+    {"normal_T", FieldType::kF64, 3, true, 40, offsetof(PredictPointCommand, normal_T), -1, -1.0, 1.0, "x y z", "", "", {}},
+    {"target_frame", FieldType::kU32, 1, false, 64, offsetof(PredictPointCommand, target_frame), -1, -kNoLimit, kNoLimit, "", "", "", {}},
+    {"number", FieldType::kU32, 1, false, 68, offsetof(PredictPointCommand, number), -1, -kNoLimit, kNoLimit, "", "", "", {}},
+};
+constexpr Layout kPredictPointCommandLayout{"predict_point", 13, 74, kPredictPointCommand, kNoFlags, "", ""};
+static_assert(sizeof(PredictPointCommand) <= kStructOctetsMax);
+
+constexpr const Layout* kPackets[] = {&kMotionPacketLayout, &kModelPacketLayout, &kPredictionPacketLayout, &kShapePacketLayout, &kHousekeepingPacketLayout, &kEventPacketLayout, &kCloudPacketLayout, &kPlatformPacketLayout, &kCommandLinkPacketLayout, &kPlatformEventPacketLayout, &kPointPacketLayout};
+constexpr const Layout* kCommands[] = {&kNoopCommandLayout, &kResetCountersCommandLayout, &kResetMapCommandLayout, &kHoldCommandLayout, &kResumeCommandLayout, &kSetKnownLengthCommandLayout, &kSetRangeCommandLayout, &kServicerAttitudeCommandLayout, &kRequestCloudCommandLayout, &kTableLoadCommandLayout, &kTableActivateCommandLayout, &kTableDiscardCommandLayout, &kCheckpointCommandLayout, &kPredictPointCommandLayout};
 // clang-format on
 
 }  // namespace
@@ -344,6 +372,7 @@ const Layout& CloudPacket::layout() { return kCloudPacketLayout; }
 const Layout& PlatformPacket::layout() { return kPlatformPacketLayout; }
 const Layout& CommandLinkPacket::layout() { return kCommandLinkPacketLayout; }
 const Layout& PlatformEventPacket::layout() { return kPlatformEventPacketLayout; }
+const Layout& PointPacket::layout() { return kPointPacketLayout; }
 const Layout& SetKnownLengthCommand::layout() { return kSetKnownLengthCommandLayout; }
 const Layout& SetRangeCommand::layout() { return kSetRangeCommandLayout; }
 const Layout& ServicerAttitudeCommand::layout() { return kServicerAttitudeCommandLayout; }
@@ -351,6 +380,7 @@ const Layout& RequestCloudCommand::layout() { return kRequestCloudCommandLayout;
 const Layout& TableLoadCommand::layout() { return kTableLoadCommandLayout; }
 const Layout& TableLoadEntry::layout() { return kTableLoadEntryLayout; }
 const Layout& TableActivateCommand::layout() { return kTableActivateCommandLayout; }
+const Layout& PredictPointCommand::layout() { return kPredictPointCommandLayout; }
 
 std::span<const Layout* const> packet_layouts() { return kPackets; }
 std::span<const Layout* const> command_layouts() { return kCommands; }

@@ -21,9 +21,10 @@ enum class PacketId : std::uint8_t {
   kPlatform = 7,
   kCommandLink = 8,
   kPlatformEvent = 9,
+  kPoint = 10,
 };
 
-inline constexpr std::size_t kPacketKinds = 10;
+inline constexpr std::size_t kPacketKinds = 11;
 inline constexpr int kCommandApid = 15;  ///< above the first one
 
 enum class CommandCode : std::uint8_t {
@@ -40,6 +41,7 @@ enum class CommandCode : std::uint8_t {
   kTableActivate = 10,
   kTableDiscard = 11,
   kCheckpoint = 12,
+  kPredictPoint = 13,
 };
 
 enum class Rejection : std::uint8_t {
@@ -317,6 +319,25 @@ struct PlatformEventPacket {
   static const Layout& layout();  ///< 186 octets
 };
 
+/// Where a point of the target will be, and which way its surface will face, if nothing acts on it. Covariances hold what is not known of motion, mass centre, map, scale and camera. The position is valid while its 1-sigma is under half the distance and that of the attitude under 0.5 rad, the normal while the latter is.
+struct PointPacket {
+  std::int64_t timestamp_ns = 0;  ///< time of the last frame that the prediction uses; ns
+  std::int64_t predicted_timestamp_ns = 0;  ///< the time that the values belong to; ns
+  std::array<double, 3> p_C{};  ///< the point seen from C, in C with its orientation at timestamp_ns; length; flag position
+  std::array<double, 3> v_C{};  ///< its velocity relative to C's origin, likewise; by the dynamics alone; length/s; flag velocity
+  std::array<double, 3> normal_C{};  ///< direction that the surface faces there, likewise; flag normal
+  std::array<float, 6> cov_p{};  ///< covariance of p_C; length^2; flag position
+  std::array<float, 6> cov_v{};  ///< covariance of v_C; (length/s)^2; flag velocity
+  float sigma_normal_rad = 0.0F;  ///< 1-sigma of the direction of normal_C, worst way; rad; flag normal
+  std::uint32_t number = 0;  ///< of the command
+  std::uint32_t target_frame = 0;  ///< number of the frame T that the point is in
+  std::uint8_t dynamics = 0;  ///< what was used; LOCAL: a polynomial through the last poses
+  std::uint8_t flags = 0;
+  std::array<std::uint8_t, 2> spare{};  ///< 0
+
+  static const Layout& layout();  ///< 170 octets
+};
+
 /// gives the distance between two image points of a frame; once measured in the map, it replaces any earlier length or range
 struct SetKnownLengthCommand {
   std::int64_t frame_timestamp_ns = 0;  ///< time of the frame in which the points are seen: one that has become a keyframe, or one yet to come; ns
@@ -375,6 +396,17 @@ struct TableActivateCommand {
   std::uint32_t entries = 0;  ///< number of these entries
 
   static const Layout& layout();  ///< 18 octets
+};
+
+/// asks where a point of the target will be: a packet `point` answers in the same step. Refused where no motion is known that reaches the time: 10 s ahead by the last poses alone, 100 rad of rotation by the dynamics
+struct PredictPointCommand {
+  std::int64_t predicted_timestamp_ns = 0;  ///< the time that is asked for; not before the last frame; ns
+  std::array<double, 3> p_T{};  ///< the point, taken as exact, in the unit of lengths that packets now have; length
+  std::array<double, 3> normal_T{};  ///< direction that the surface faces there, norm within 1e-3 of 1; zero: not asked for
+  std::uint32_t target_frame = 0;  ///< number of the frame T that the point is in, the first is 1, later ones are told by event target_frame_new
+  std::uint32_t number = 0;  ///< the asker's own, for the answer
+
+  static const Layout& layout();  ///< 74 octets
 };
 
 // clang-format on

@@ -5,20 +5,13 @@
 #include "bus/bus_state.hpp"
 #include "bus/dynamics_telemetry.hpp"
 #include "bus/narrow.hpp"
-#include "geometry/so3.hpp"
 #include "motion/estimator.hpp"
-#include "motion/residual_level.hpp"
 
 namespace polhode::bus {
 namespace {
 
 bool dynamics_accepted(const View& view) {
   return view.motion_options->mode == MotionMode::kDynamics && view.estimate->model.accepted();
-}
-
-/// Not while a pose departs from them, or pictures come that are of no moment.
-bool dynamics_hold(const View& view) {
-  return dynamics_accepted(view) && view.estimate->departures == 0 && view.estimate->repeats == 0;
 }
 
 /// The rate that the motion packet has.
@@ -36,18 +29,6 @@ void put_local_rate(const MotionState& motion, const PoseHistory& poses, ModelPa
   }
 }
 
-/// What the map's drift adds to a pose that the last ones predict: its own now, and by the turn
-/// until then what it does to their rates.
-PoseCovariance drift_until(const Pose& predicted, const View& view) {
-  const PoseCovariance now = covariance(*view.drift);
-  const Pose& last = *view.pose;
-  const double turn_rad = rotation_angle_rad(last.R_CT, predicted.R_CT);
-  const double sides = turn_rad / kFaceAngle_rad;
-  PoseCovariance sum = (1.0 + sides * sides) * now;
-  widen_attitude(turn_rad * turn_sigma(*view.drift), &sum);
-  return sum;
-}
-
 void send_local_prediction(const View& view, BusState* bus) {
   const MotionState& motion = *view.motion;
   const std::int64_t ahead_ns =
@@ -57,7 +38,7 @@ void send_local_prediction(const View& view, BusState* bus) {
   if (!predicted) {
     return;
   }
-  predicted.value().covariance += drift_until(predicted.value().pose, view);
+  predicted.value().covariance += drift_until(predicted.value().pose, *view.pose, *view.drift);
   widen(view.camera.error, predicted.value().pose.p_CT.norm(), &predicted.value().covariance);
   PredictionPacket packet = to_packet(predicted.value(), view.unit);
   packet.timestamp_ns = motion.timestamp_ns;
@@ -78,7 +59,8 @@ std::uint8_t dynamics_in_force(const View& view) {
 void send_model(const View& view, BusState* bus) {
   const MotionState& motion = *view.motion;
   RigidModel model = view.estimate->model;
-  const bool reached = dynamics_hold(view) && move_reference(motion.timestamp_ns, model);
+  const bool reached = dynamics_hold(*view.estimate, *view.motion_options) &&
+                       move_reference(motion.timestamp_ns, model);
   if (!reached && model.accepted()) {
     model = {};  // its time is out of reach, or the mode asks for pairs of poses
   }
@@ -94,9 +76,10 @@ void send_model(const View& view, BusState* bus) {
 void send_prediction(const View& view, bool due, BusState* bus) {
   const MotionState& motion = *view.motion;
   PredictionsUnderWay& ahead = bus->predictions;
-  ahead.walk.under_way = ahead.walk.under_way && dynamics_hold(view);
+  ahead.walk.under_way =
+      ahead.walk.under_way && dynamics_hold(*view.estimate, *view.motion_options);
   if (due && !ahead.walk.under_way) {
-    const bool begun = dynamics_hold(view) &&
+    const bool begun = dynamics_hold(*view.estimate, *view.motion_options) &&
                        begin_look_ahead(view.estimate->model, motion.timestamp_ns, &ahead.walk);
     if (!begun && is_measured(motion)) {
       send_local_prediction(view, bus);

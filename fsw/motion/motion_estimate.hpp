@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "motion/options.hpp"
 #include "motion/rigid_model.hpp"
 
 namespace polhode {
@@ -32,6 +33,13 @@ struct MotionEstimate {
 /// May one motion be fitted to all poses since then? Not while a pose departs from it.
 inline bool moves_alike_since(std::int64_t timestamp_ns, const MotionEstimate& motion) {
   return motion.departures == 0 && motion.moves_so_since_ns <= timestamp_ns;
+}
+
+/// Do the dynamics tell where the body will be? Not while a pose departs from them, or pictures
+/// come that are of no moment.
+inline bool dynamics_hold(const MotionEstimate& motion, const MotionOptions& options) {
+  return options.mode == MotionMode::kDynamics && motion.model.accepted() &&
+         motion.departures == 0 && motion.repeats == 0;
 }
 
 }  // namespace polhode

@@ -7,19 +7,6 @@ namespace {
 
 std::array<double, 3> to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-/// Rows of the upper triangle, one after the other.
-template <std::size_t kCount, typename Matrix>
-std::array<double, kCount> upper_triangle(const Matrix& m) {
-  std::array<double, kCount> out{};
-  std::size_t i = 0;
-  for (Eigen::Index row = 0; row < m.rows(); ++row) {
-    for (Eigen::Index column = row; column < m.cols(); ++column) {
-      out[i++] = m(row, column);
-    }
-  }
-  return out;
-}
-
 /// Of the two quaternions of one rotation the one nearer to the last published.
 std::array<double, 4> continuous_quaternion(const Eigen::Matrix3d& R_CT,
                                             std::array<double, 4>* last) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 #include "motion/motion_state.hpp"
 #include "motion/rates.hpp"
@@ -19,6 +20,19 @@ void fill_pose(const Pose& pose,
 /// @param unit          of published lengths, per unit of the poses.
 /// @param length_sigma  1-sigma of that unit, as a part of it.
 void fill_rates(RateEstimate rates, double unit, double length_sigma, MotionState* motion);
+
+/// Rows of the upper triangle, one after the other.
+template <std::size_t kCount, typename Matrix>
+std::array<double, kCount> upper_triangle(const Matrix& m) {
+  std::array<double, kCount> out{};
+  std::size_t i = 0;
+  for (Eigen::Index row = 0; row < m.rows(); ++row) {
+    for (Eigen::Index column = row; column < m.cols(); ++column) {
+      out[i++] = m(row, column);
+    }
+  }
+  return out;
+}
 
 /// The same pose with lengths multiplied by `unit`.
 Pose scaled(const Pose& pose, double unit);

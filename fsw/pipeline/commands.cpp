@@ -6,8 +6,10 @@
 #include "base/sound.hpp"
 #include "base/time_doubt.hpp"
 #include "bus/commands.hpp"
+#include "bus/dynamics_telemetry.hpp"
 #include "motion/disturbance.hpp"
 #include "pipeline/parameter_image.hpp"
+#include "pipeline/point_question.hpp"
 #include "pipeline/reset.hpp"
 #include "pipeline/state.hpp"
 
@@ -236,6 +238,25 @@ Outcome reset_map(Component::State* s) {
   return kDone;
 }
 
+Outcome predict_point(const Command& command, Component::State* s) {
+  const auto asked = command.arguments<bus::PredictPointCommand>();
+  PointState point;
+  const std::string_view why = polhode::predict_point({.timestamp_ns = asked.predicted_timestamp_ns,
+                                                       .target_frame = asked.target_frame,
+                                                       .p_T = asked.p_T,
+                                                       .normal_T = asked.normal_T},
+                                                      *s,
+                                                      &point);
+  if (!why.empty()) {
+    return why;
+  }
+  bus::PointPacket packet = bus::to_packet(point);
+  packet.number = asked.number;
+  packet.target_frame = asked.target_frame;
+  bus::append(packet, s->configuration.parameters.bus, &s->bus.stream);
+  return kDone;
+}
+
 Outcome carry_out(const Command& command, Component::State* s) {
   switch (command.code) {
     case bus::CommandCode::kNoop:
@@ -256,6 +277,8 @@ Outcome carry_out(const Command& command, Component::State* s) {
       return servicer_attitude(command, s);
     case bus::CommandCode::kRequestCloud:
       return request_cloud(command, s);
+    case bus::CommandCode::kPredictPoint:
+      return predict_point(command, s);
     case bus::CommandCode::kTableLoad:
       return table_load(command, s);
     case bus::CommandCode::kTableActivate:

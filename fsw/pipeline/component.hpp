@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "base/fixed_vector.hpp"
 #include "base/image_view.hpp"
@@ -18,6 +19,7 @@
 #include "image/frame_use.hpp"
 #include "image/verdict.hpp"
 #include "motion/motion_state.hpp"
+#include "motion/point_state.hpp"
 #include "pipeline/parameters.hpp"
 
 namespace polhode {
@@ -136,6 +138,12 @@ class Component {
 
   /// One frame. Bounded work; the output's spans stay valid until the next call.
   const StepOutput& step(const StepInput& input);
+
+  /// Where a point of the target will be, by what the last step left. Changes nothing; between
+  /// steps.
+  /// @return empty, or why there is no answer; then `answer` is untouched. @cost up to 2 ms.
+  [[nodiscard]] std::string_view predict_point(const PointQuestion& question,
+                                               PointState* answer) const;
 
   void set_stage_hook(StageHook hook, void* context);
   [[nodiscard]] const Counters& counters() const;

@@ -5,6 +5,7 @@
 #include <new>
 
 #include "pipeline/parameter_image.hpp"
+#include "pipeline/point_question.hpp"
 #include "pipeline/storage.hpp"
 
 namespace polhode {
@@ -53,6 +54,11 @@ void Component::set_stage_hook(StageHook hook, void* context) {
 }
 
 const Counters& Component::counters() const { return state_->counters; }
+
+std::string_view Component::predict_point(const PointQuestion& question,
+                                          PointState* answer) const {
+  return polhode::predict_point(question, *state_, answer);
+}
 
 std::uint32_t Component::next_step() const { return state_->clock.next_frame; }
 

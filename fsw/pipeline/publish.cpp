@@ -193,14 +193,19 @@ bus::View bus_view(FrameUse use,
 
 }  // namespace
 
+PublishedErrors published_errors(const Component::State& s) {
+  const CameraError camera = error_by_camera(s);
+  return {
+      .camera = camera,
+      .unit = {.known = s.scale.known,
+               .metres_per_mu = s.scale.metres_per_mu,
+               .relative_sigma = std::hypot(length_sigma(s.scale, s.mapping.drift), camera.along),
+               .number = number_of(lengths_unit(s), s.bus.scale)}};
+}
+
 void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   change_unit(lengths_unit(*s), &s->bus.scale);
-  const CameraError camera = error_by_camera(*s);
-  const bus::LengthUnit unit{
-      .known = s->scale.known,
-      .metres_per_mu = s->scale.metres_per_mu,
-      .relative_sigma = std::hypot(length_sigma(s->scale, s->mapping.drift), camera.along),
-      .number = s->bus.scale.number};
+  const auto [camera, unit] = published_errors(*s);
   const StampDoubt stamps =
       s->mapping.pose_valid ? doubt_of_stamps(s->motion.recent.view()) : StampDoubt{};
   StepOutput& output = s->answer.output;

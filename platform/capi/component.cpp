@@ -7,6 +7,7 @@
 #include <cstring>
 #include <new>
 #include <span>
+#include <string_view>
 
 #include "bus/capacities.hpp"
 #include "bus/counter_table.hpp"
@@ -138,6 +139,37 @@ void copy_motion(const polhode::MotionState& from, polhode_motion* to) {
   std::copy(from.w_T_rad_s.begin(), from.w_T_rad_s.end(), to->w_T_rad_s);
 }
 
+polhode::PointQuestion question_of(const polhode_point_question& from) {
+  polhode::PointQuestion to{.timestamp_ns = from.timestamp_ns, .target_frame = from.target_frame};
+  std::copy_n(from.p_T, to.p_T.size(), to.p_T.begin());
+  std::copy_n(from.normal_T, to.normal_T.size(), to.normal_T.begin());
+  return to;
+}
+
+void copy_point(const polhode::PointState& from, polhode_point* to) {
+  *to = {.timestamp_ns = from.timestamp_ns,
+         .from_timestamp_ns = from.from_timestamp_ns,
+         .p_C = {},
+         .v_C = {},
+         .normal_C = {},
+         .cov_p = {},
+         .cov_v = {},
+         .sigma_normal_rad = from.sigma_normal_rad,
+         .position_valid = from.position_valid,
+         .velocity_valid = from.velocity_valid,
+         .normal_valid = from.normal_valid,
+         .scale_known = from.scale_known,
+         .scale_number = static_cast<std::uint8_t>(from.scale_number %
+                                                   polhode::bus::motion_layout::kScaleNumbers),
+         .dynamics = from.dynamics,
+         .spare = {}};
+  std::copy(from.p_C.begin(), from.p_C.end(), to->p_C);
+  std::copy(from.v_C.begin(), from.v_C.end(), to->v_C);
+  std::copy(from.normal_C.begin(), from.normal_C.end(), to->normal_C);
+  std::copy(from.cov_p.begin(), from.cov_p.end(), to->cov_p);
+  std::copy(from.cov_v.begin(), from.cov_v.end(), to->cov_v);
+}
+
 void copy_jobs(const polhode::Jobs& jobs, Handle* handle, polhode_output* output) {
   for (polhode::Job* work : jobs) {
     auto* free = std::find_if(handle->jobs.begin(), handle->jobs.end(), [](const polhode_job& job) {
@@ -184,7 +216,8 @@ const char* polhode_status_name(polhode_status status) {
                               "memory too small or not aligned",
                               "not a checkpoint of this build",
                               "finished jobs are not those due",
-                              "failed"};
+                              "failed",
+                              "not known"};
   const bool known = status >= 0 && static_cast<std::size_t>(status) < kNames.size();
   return known ? kNames[static_cast<std::size_t>(status)] : "unknown status";
 }
@@ -249,6 +282,31 @@ polhode_status polhode_step(polhode_component* component,
   const polhode_status status = guarded([&] { return step_now(*input, component, output); });
   component->failed = status == POLHODE_FAILED;
   return status;
+}
+
+polhode_status polhode_predict_point(const polhode_component* component,
+                                     const polhode_point_question* question,
+                                     polhode_point* out,
+                                     char* problem,
+                                     size_t problem_octets) {
+  if (component == nullptr || question == nullptr || out == nullptr) {
+    tell("component, question or out: null", problem, problem_octets);
+    return POLHODE_BAD_ARGUMENT;
+  }
+  if (component->failed) {
+    return POLHODE_FAILED;
+  }
+  return guarded([&] {
+    polhode::PointState answer;
+    const std::string_view why =
+        component->component->predict_point(question_of(*question), &answer);
+    if (!why.empty()) {
+      tell(why, problem, problem_octets);
+      return polhode_status{POLHODE_NOT_KNOWN};
+    }
+    copy_point(answer, out);
+    return polhode_status{POLHODE_OK};
+  });
 }
 
 uint32_t polhode_next_step(const polhode_component* component) {

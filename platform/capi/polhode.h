@@ -33,7 +33,8 @@ enum {
   POLHODE_MEMORY_TOO_SMALL = 3, /* or not aligned */
   POLHODE_BAD_CHECKPOINT = 4,   /* of another build, or cut off; nothing changed */
   POLHODE_JOBS_DIFFER = 5,      /* the finished jobs are not those due at this step, or one was not run; nothing changed */
-  POLHODE_FAILED = 6            /* a library failed, for want of memory as a rule: destroy the component, create it anew */
+  POLHODE_FAILED = 6,           /* a library failed, for want of memory as a rule: destroy the component, create it anew */
+  POLHODE_NOT_KNOWN = 7         /* the question has no answer now; the problem's text says why */
 };
 
 const char* polhode_version(void); /* "0.1.0" */
@@ -133,6 +134,35 @@ void polhode_destroy(polhode_component* component);
 /* One frame. Bounded work. On any status but POLHODE_OK the output is untouched. */
 polhode_status polhode_step(polhode_component* component, const polhode_input* input, polhode_output* output);
 uint32_t polhode_next_step(const polhode_component* component); /* number of the step to come */
+
+/* Where a point of the target will be: the question of a planner. Lengths in the unit that is published. */
+typedef struct polhode_point_question {
+  int64_t timestamp_ns;  /* not before the last frame */
+  double p_T[3];         /* taken as exact */
+  double normal_T[3];    /* direction that the surface faces there, a unit vector; zero: not asked for */
+  uint32_t target_frame; /* number of the frame T that the point is in: polhode_motion.target_frame */
+  uint32_t spare;
+} polhode_point_question;
+
+/* In C with its orientation at the last frame. A value has a meaning only where its flag is 1. Covariances hold what is not known of
+ * motion, mass centre, map, scale and camera: xx, xy, xz, yy, yz, zz. */
+typedef struct polhode_point {
+  int64_t timestamp_ns;      /* that was asked for */
+  int64_t from_timestamp_ns; /* of the last frame */
+  double p_C[3], v_C[3], normal_C[3];
+  double cov_p[6], cov_v[6];
+  double sigma_normal_rad; /* 1-sigma of the direction, worst way */
+  uint8_t position_valid, velocity_valid, normal_valid, scale_known;
+  uint8_t scale_number; /* as of polhode_motion */
+  uint8_t dynamics;     /* what was used: 1 the last poses alone, 2 torque-free, 3 in orbit */
+  uint8_t spare[2];
+} polhode_point;
+
+/* By what the last step left; between steps. Changes nothing of the component. Up to 2 ms. POLHODE_NOT_KNOWN, with `out` untouched,
+ * where there is no map, the time is before the last frame, the point is of another frame T, or no motion is known so far ahead: 10 s
+ * by the last poses alone, 100 rad of rotation by the dynamics. `problem` as of polhode_set_real(). */
+polhode_status polhode_predict_point(const polhode_component* component, const polhode_point_question* question, polhode_point* out,
+                                     char* problem, size_t problem_octets);
 
 /* Work that takes longer than a frame has time. There is none where both jobs.delay_frames and jobs.delay_of_all_frames are 0: a step
  * then takes up to a second. */

@@ -72,7 +72,13 @@ inline std::vector<CommandOctets> one_of_each() {
       table_load(std::span(&entry, 1)),
       command(CommandCode::kTableActivate, TableActivateCommand{.crc32 = 1, .entries = 1}),
       command(CommandCode::kTableDiscard),
-      command(CommandCode::kCheckpoint)};
+      command(CommandCode::kCheckpoint),
+      command(CommandCode::kPredictPoint,
+              PredictPointCommand{.predicted_timestamp_ns = 2,
+                                  .p_T = {0.1, 0.2, 0.3},
+                                  .normal_T = {0.0, 0.0, 1.0},
+                                  .target_frame = 1,
+                                  .number = 7})};
 }
 
 }  // namespace polhode::bus

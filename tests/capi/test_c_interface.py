@@ -45,11 +45,12 @@ def run(*command) -> subprocess.CompletedProcess:
 # verifies: DEL-01
 def test_the_library_has_the_symbols_of_the_header_and_no_others():
     declared = set(re.findall(r"^[\w \*]*?\b(polhode_\w+)\([^)]*\);", HEADER.read_text().replace(",\n", ","), re.MULTILINE))
-    mapped = set(re.findall(r"^\s+(polhode_\w+);", (REPOSITORY / "platform/capi/polhode.map").read_text(), re.MULTILINE))
+    nodes = re.findall(r"^(POLHODE_\w+) \{(.*?)^\}", (REPOSITORY / "platform/capi/polhode.map").read_text(), re.MULTILINE | re.DOTALL)
+    mapped = {name: node for node, names in nodes for name in re.findall(r"^\s+(polhode_\w+);", names, re.MULTILINE)}
     lines = run("nm", "-D", "--defined-only", LIBRARY).stdout.splitlines()
     exported = {line.split()[-1] for line in lines}
-    assert len(declared) > 20 and declared == mapped
-    assert exported == {f"{name}@@POLHODE_1" for name in declared} | {"POLHODE_1"}, exported
+    assert len(declared) > 20 and declared == set(mapped)
+    assert exported == {f"{name}@@{node}" for name, node in mapped.items()} | {node for node, _ in nodes}, exported
     assert "libpolhode.so.1" in run("readelf", "-d", LIBRARY).stdout
 
 

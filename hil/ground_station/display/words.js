@@ -49,6 +49,7 @@ const codeNames = {
     "10": "table_activate",
     "11": "table_discard",
     "12": "checkpoint",
+    "13": "predict_point",
     "255": "none"
   },
   "faults": {

@@ -229,6 +229,21 @@ static const struct polhode_field platform_event_fields[] = {
     {offsetof(struct polhode_platform_event, text), 60, 122, POLHODE_TYPE_TEXT},
     {offsetof(struct polhode_platform_event, spare), 182, 2, POLHODE_TYPE_U8},
 };
+static const struct polhode_field point_fields[] = {
+    {offsetof(struct polhode_point, timestamp_ns), 16, 1, POLHODE_TYPE_I64},
+    {offsetof(struct polhode_point, predicted_timestamp_ns), 24, 1, POLHODE_TYPE_I64},
+    {offsetof(struct polhode_point, p_C), 32, 3, POLHODE_TYPE_F64},
+    {offsetof(struct polhode_point, v_C), 56, 3, POLHODE_TYPE_F64},
+    {offsetof(struct polhode_point, normal_C), 80, 3, POLHODE_TYPE_F64},
+    {offsetof(struct polhode_point, cov_p), 104, 6, POLHODE_TYPE_F32},
+    {offsetof(struct polhode_point, cov_v), 128, 6, POLHODE_TYPE_F32},
+    {offsetof(struct polhode_point, sigma_normal_rad), 152, 1, POLHODE_TYPE_F32},
+    {offsetof(struct polhode_point, number), 156, 1, POLHODE_TYPE_U32},
+    {offsetof(struct polhode_point, target_frame), 160, 1, POLHODE_TYPE_U32},
+    {offsetof(struct polhode_point, dynamics), 164, 1, POLHODE_TYPE_U8},
+    {offsetof(struct polhode_point, flags), 165, 1, POLHODE_TYPE_U8},
+    {offsetof(struct polhode_point, spare), 166, 2, POLHODE_TYPE_U8},
+};
 
 const struct polhode_layout polhode_layouts[] = {
     {0, 310, sizeof(struct polhode_motion), motion_fields, sizeof motion_fields / sizeof *motion_fields},
@@ -241,5 +256,6 @@ const struct polhode_layout polhode_layouts[] = {
     {7, 94, sizeof(struct polhode_platform), platform_fields, sizeof platform_fields / sizeof *platform_fields},
     {8, 70, sizeof(struct polhode_command_link), command_link_fields, sizeof command_link_fields / sizeof *command_link_fields},
     {9, 186, sizeof(struct polhode_platform_event), platform_event_fields, sizeof platform_event_fields / sizeof *platform_event_fields},
+    {10, 170, sizeof(struct polhode_point), point_fields, sizeof point_fields / sizeof *point_fields},
 };
 const size_t polhode_layout_count = sizeof polhode_layouts / sizeof *polhode_layouts;

@@ -230,6 +230,7 @@ struct polhode_shape {
 #define POLHODE_HOUSEKEEPING_LAST_COMMAND_TABLE_ACTIVATE 10
 #define POLHODE_HOUSEKEEPING_LAST_COMMAND_TABLE_DISCARD 11
 #define POLHODE_HOUSEKEEPING_LAST_COMMAND_CHECKPOINT 12
+#define POLHODE_HOUSEKEEPING_LAST_COMMAND_PREDICT_POINT 13
 #define POLHODE_HOUSEKEEPING_LAST_COMMAND_NONE 255
 /* Counters and state of the component. Counters start at 0 and wrap at 2^32. RESET_COUNTERS sets them to 0, but not frame. */
 struct polhode_housekeeping {
@@ -433,6 +434,35 @@ struct polhode_platform_event {
   uint8_t severity; /* how serious the event is */
   uint8_t text_octets; /* length of the text */
   char text[123]; /* ASCII without control characters, zero-padded */
+  uint8_t spare[2]; /* 0 */
+};
+
+#define POLHODE_POINT 10 /* number of the packet: its APID less the first one */
+#define POLHODE_POINT_OCTETS 170
+#define POLHODE_POINT_POSITION 0x01
+#define POLHODE_POINT_VELOCITY 0x02
+#define POLHODE_POINT_NORMAL 0x04
+#define POLHODE_POINT_SCALE_KNOWN 0x08
+/* as in the motion packet */
+#define POLHODE_POINT_SCALE_NUMBER(flags) ((uint8_t)((flags) >> 4))
+#define POLHODE_POINT_DYNAMICS_NONE 0
+#define POLHODE_POINT_DYNAMICS_LOCAL 1
+#define POLHODE_POINT_DYNAMICS_TORQUE_FREE 2
+#define POLHODE_POINT_DYNAMICS_ORBIT 3
+/* Where a point of the target will be, and which way its surface will face, if nothing acts on it. Covariances hold what is not known of motion, mass centre, map, scale and camera. The position is valid while its 1-sigma is under half the distance and that of the attitude under 0.5 rad, the normal while the latter is. */
+struct polhode_point {
+  int64_t timestamp_ns; /* time of the last frame that the prediction uses; ns */
+  int64_t predicted_timestamp_ns; /* the time that the values belong to; ns */
+  double p_C[3]; /* the point seen from C, in C with its orientation at timestamp_ns; length; flag position */
+  double v_C[3]; /* its velocity relative to C's origin, likewise; by the dynamics alone; length/s; flag velocity */
+  double normal_C[3]; /* direction that the surface faces there, likewise; flag normal */
+  float cov_p[6]; /* covariance of p_C; length^2; flag position */
+  float cov_v[6]; /* covariance of v_C; (length/s)^2; flag velocity */
+  float sigma_normal_rad; /* 1-sigma of the direction of normal_C, worst way; rad; flag normal */
+  uint32_t number; /* of the command */
+  uint32_t target_frame; /* number of the frame T that the point is in */
+  uint8_t dynamics; /* what was used; LOCAL: a polynomial through the last poses */
+  uint8_t flags;
   uint8_t spare[2]; /* 0 */
 };
 

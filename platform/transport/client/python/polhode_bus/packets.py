@@ -232,6 +232,21 @@ PACKETS = {
         ("text", "s", 122, 60, (122,), None, ()),
         ("spare", "B", 2, 182, (2,), None, ()),
     ], ""),
+    10: ("point", 170, ('position', 'velocity', 'normal', 'scale_known'), [
+        ("timestamp_ns", "q", 1, 16, None, None, ()),
+        ("predicted_timestamp_ns", "q", 1, 24, None, None, ()),
+        ("p_C", "d", 3, 32, (3,), 0, ()),
+        ("v_C", "d", 3, 56, (3,), 1, ()),
+        ("normal_C", "d", 3, 80, (3,), 2, ()),
+        ("cov_p", "f", 6, 104, (6,), 0, ()),
+        ("cov_v", "f", 6, 128, (6,), 1, ()),
+        ("sigma_normal_rad", "f", 1, 152, None, 2, ()),
+        ("number", "I", 1, 156, None, None, ()),
+        ("target_frame", "I", 1, 160, None, None, ()),
+        ("dynamics", "B", 1, 164, None, None, ('NONE', 'LOCAL', 'TORQUE_FREE', 'ORBIT')),
+        ("flags", "B", 1, 165, None, None, ()),
+        ("spare", "B", 2, 166, (2,), None, ()),
+    ], "scale_number"),
 }
 
 # Function code: the same, without such a number.
@@ -275,6 +290,13 @@ COMMANDS = {
     11: ("table_discard", 10, (), [
     ]),
     12: ("checkpoint", 10, (), [
+    ]),
+    13: ("predict_point", 74, (), [
+        ("predicted_timestamp_ns", "q", 1, 8, None, None, ()),
+        ("p_T", "d", 3, 16, (3,), None, ()),
+        ("normal_T", "d", 3, 40, (3,), None, ()),
+        ("target_frame", "I", 1, 64, None, None, ()),
+        ("number", "I", 1, 68, None, None, ()),
     ]),
 }
 
@@ -334,7 +356,7 @@ EVENTS = {
 
 # Names of codes.
 CODES = {
-    "commands": {0: 'noop', 1: 'reset_counters', 2: 'reset_map', 3: 'hold', 4: 'resume', 5: 'set_known_length', 6: 'set_range', 7: 'servicer_attitude', 8: 'request_cloud', 9: 'table_load', 10: 'table_activate', 11: 'table_discard', 12: 'checkpoint', 255: 'none'},
+    "commands": {0: 'noop', 1: 'reset_counters', 2: 'reset_map', 3: 'hold', 4: 'resume', 5: 'set_known_length', 6: 'set_range', 7: 'servicer_attitude', 8: 'request_cloud', 9: 'table_load', 10: 'table_activate', 11: 'table_discard', 12: 'checkpoint', 13: 'predict_point', 255: 'none'},
     "events": {1: 'started', 2: 'target_acquired', 3: 'target_lost', 4: 'target_found_again', 11: 'target_frame_new', 12: 'motion_changed', 13: 'stamps_doubted', 14: 'rate_implausible', 15: 'table_damaged', 5: 'loop_closed', 6: 'scale_known', 16: 'scale_unknown', 18: 'focal_length_doubted', 19: 'camera_contradicted', 17: 'scale_not_improved', 7: 'table_full', 8: 'shape_known', 10: 'counters_reset', 9: 'mode_changed', 20: 'frame_unreadable', 21: 'frame_dark', 22: 'frame_wrong_size', 23: 'frame_time_not_increasing', 24: 'frame_flat', 25: 'frame_saturated', 26: 'frame_frozen', 27: 'frame_torn', 28: 'frame_bit_errors', 29: 'frame_with_care', 40: 'noop', 41: 'command_accepted', 42: 'command_length', 43: 'command_header', 44: 'command_crc', 45: 'command_unknown', 46: 'command_range', 47: 'command_state', 48: 'command_too_many', 49: 'command_repeated', 60: 'table_loaded', 61: 'table_refused', 62: 'table_activated', 63: 'table_not_activated', 70: 'cloud_begun', 71: 'checkpoint_asked'},
     "faults": {0: 'none', 1: 'dark', 2: 'flat', 3: 'saturated', 4: 'frozen', 5: 'torn', 6: 'bit errors', 7: 'blurred'},
     "model.dynamics": {0: 'NONE', 1: 'LOCAL', 2: 'TORQUE_FREE', 3: 'ORBIT'},

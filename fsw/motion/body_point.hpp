@@ -1,0 +1,42 @@
+// Where a point of the body will be, and which way its surface will face: what the planner of a
+// capture asks.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "base/result.hpp"
+#include "geometry/pose.hpp"
+#include "map/drift.hpp"
+#include "motion/motion_estimate.hpp"
+#include "motion/options.hpp"
+
+namespace polhode {
+
+/// Steps of the integration that a question may take: 100 rad, about 2 ms with its derivatives.
+inline constexpr int kPointStepsMax = 2000;
+
+/// A point in I, seen from the observer, and the body's attitude there. Unit of the poses.
+struct PredictedPoint {
+  Eigen::Matrix3d R_IT = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d p_I = Eigen::Vector3d::Zero();
+  Eigen::Vector3d v_I = Eigen::Vector3d::Zero();       ///< of the dynamics; else zero
+  PoseCovariance covariance = PoseCovariance::Zero();  ///< of (phi, p_I) as in pose.hpp
+  Eigen::Matrix3d covariance_v_I = Eigen::Matrix3d::Zero();
+  bool by_dynamics = false;  ///< else by the last poses alone
+};
+
+/// By the dynamics where they hold, else by the last poses, and then kPredictionsAhead_s.front() at
+/// most. Errors of motion, mass centre and map are in it; those of scale and camera are not.
+/// @param p_T           the point, taken as exact.
+/// @param from_ns       time of the last frame.
+/// @param timestamp_ns  not before that.
+/// @errors Degenerate (no motion is known that reaches the time in kPointStepsMax steps).
+Result<PredictedPoint> predict_point(const Eigen::Vector3d& p_T,
+                                     std::int64_t from_ns,
+                                     std::int64_t timestamp_ns,
+                                     const MapDrift& drift,
+                                     const MotionOptions& options,
+                                     const MotionEstimate& motion);
+
+}  // namespace polhode
