@@ -7,7 +7,7 @@ import jinja2
 from judge.report import lookup
 from judge.whole_file import MARK
 from plotly.offline import get_plotlyjs
-from reporting import figures, frames, scene, tables, words
+from reporting import corridor, figures, frames, scene, tables, words
 from reporting.gather import Material
 
 TEMPLATE = "page.html.jinja"
@@ -43,6 +43,7 @@ def _section(title: str, hint: str, figure, rows=(), absent: str = NO_POSE) -> d
 
 def sections(material: Material) -> list[dict]:
     known = material.truth is not None
+    approach = corridor.corridor(material)
     return [
         _section("When what happened", "The mode of the estimator and its own events. ACQUIRING: it looks for the target's motion. TRACKING: poses come from what is seen. "
                  "COASTING: they are predicted. LOST: there are none.", figures.timeline(material)),
@@ -54,6 +55,8 @@ def sections(material: Material) -> list[dict]:
                     "The published sigma of a position holds the scale's; the last panel shows both without it.", figures.errors(material))] if known else []),
         _section("The motion as a law", "What a free body's motion fixes: periods, ratios of the moments of inertia, centre of mass. Below, where it will be: bars and band are one sigma.",
                  figures.prediction(material), tables.motion_rows(material), "No torque-free motion was fitted, so nothing is predicted."),
+        *([_section("Where it may be approached", "The corridor of one face, from corridor.csv. Green: open, as the face looks at the servicer and its normal is known well enough.",
+                    approach)] if approach is not None else []),
         _section("What it looks like", "Drag to turn, scroll to come nearer. Touch a name below the picture to hide or show it; surface and camera's path are hidden at first.", scene.scene(material),
                  tables.shape_rows(material), "No cloud was made."),
         _section("What each frame gave", "Few features: the target is small, dark or smooth. Few inliers: it was seen, but did not fit the map.", figures.counts(material)),
