@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kApidFirst = 0x1A0;
 // By function code, from the interface control document; of TABLE_LOAD without entries.
-constexpr std::size_t kOctets[] = {10, 10, 10, 10, 10, 58, 26, 74, 14, 18, 18, 10, 10};
+constexpr std::size_t kOctets[] = {10, 10, 10, 10, 10, 58, 26, 74, 14, 18, 18, 10, 10, 74};
 
 [[noreturn]] void broken(const char* what) {
   std::fprintf(stderr, "command target: %s\n", what);

@@ -9,7 +9,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1] / "platform/transport/client/python"))
 from polhode_bus import crc16, make_command, make_table_activate, make_table_load  # noqa: E402
 
-LOAD = {"features.count_max": 500, "features.sigma_px": 0.3, "mask.enabled": 1}
+LOAD = {"features.count_max": 500, "features.sigma_px": 0.3, "mask.enabled": True}
 
 
 def sealed(octets: bytes) -> bytes:
@@ -24,6 +24,7 @@ def good() -> dict[str, bytes]:
     commands["set_range"] = make_command("set_range", frame_timestamp_ns=1700000000000000000, range_m=12.5)
     commands["servicer_attitude"] = make_command("servicer_attitude", timestamp_ns=5, q_IC=[0.5, 0.5, 0.5, 0.5], w_C_rad_s=[0.0, 0.01, 0.0])
     commands["request_cloud"] = make_command("request_cloud", points_max=1000)
+    commands["predict_point"] = make_command("predict_point", predicted_timestamp_ns=5, p_T=[0.1, 0.2, 0.3], normal_T=[0.0, 0.0, 1.0], target_frame=1, number=7)
     commands["table_load"] = make_table_load(LOAD)
     commands["table_activate"] = make_table_activate([LOAD])
     return commands

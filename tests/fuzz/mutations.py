@@ -67,11 +67,11 @@ def checkpoint_sums(data: bytearray) -> None:
 
 
 def recording_sums(data: bytearray) -> None:
-    """platform/recording/record.cpp: headers of 40 octets with their CRC at the end; content's length at 28, its CRC at 32."""
+    """platform/recording/record.cpp: headers of 40 octets with their CRC at the end; content's length at 24, its CRC at 28."""
     at = 0
     while at + 40 <= len(data):
-        octets = min(struct.unpack_from("<I", data, at + 28)[0], len(data) - at - 40)
-        struct.pack_into("<II", data, at + 28, octets, zlib.crc32(data[at + 40:at + 40 + octets]))
+        octets = min(struct.unpack_from("<I", data, at + 24)[0], len(data) - at - 40)
+        struct.pack_into("<II", data, at + 24, octets, zlib.crc32(data[at + 40:at + 40 + octets]))
         struct.pack_into("<I", data, at + 36, zlib.crc32(data[at:at + 36]))
         at += 40 + octets
 

@@ -9,7 +9,7 @@ import pytest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 from drive import drive, execute, fault_of, form_of, report  # noqa: E402
-from readers import PROGRAM, REPOSITORY  # noqa: E402
+from readers import PROGRAM, REPOSITORY, all_readers  # noqa: E402
 
 COLMAP = REPOSITORY / ".venv-colmap/bin/python3"
 
@@ -30,6 +30,16 @@ def test_a_reader_can_be_left_out_and_the_trials_of_the_others_stay(tmp_path):
     every = drive(4, 7, tmp_path / "a")
     fewer = drive(4, 7, tmp_path, leave_out=[every[1].reader])
     assert [(one.trial, one.reader, one.status) for one in fewer] == [(one.trial, one.reader, one.status) for one in every if one.trial != 1]
+
+
+@pytest.mark.skipif(not PROGRAM.exists(), reason=f"{PROGRAM} is not built")
+def test_sums_that_are_put_right_are_those_of_the_program(tmp_path):
+    """Else every spoilt file would be refused for its sums, and what is behind them never tried."""
+    for reader in all_readers(tmp_path):
+        if reader.sums is not None:
+            made_right = bytearray(reader.good)
+            reader.sums(made_right)
+            assert made_right == reader.good, reader.name
 
 
 def test_what_a_fault_is():
