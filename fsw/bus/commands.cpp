@@ -9,9 +9,6 @@ constexpr std::size_t kShortest = kCommandHeaderOctets + kCrcOctets;
 constexpr std::size_t kVersionOctet = kPrimaryHeaderOctets;
 constexpr std::size_t kCodeOctet = kVersionOctet + 1;  // as the secondary header has them
 
-// A quaternion that was written with three digits has this norm; it is normalised before use.
-constexpr double kNormTolerance = 1e-3;
-
 bool header_is_right(std::span<const std::uint8_t> octets, int apid_first) {
   // Version 000, type 1 (telecommand), secondary header 1, APID. Segmentation 11: whole.
   const int identification = 0x1800 | (apid_first + kCommandApid);

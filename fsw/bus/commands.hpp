@@ -13,6 +13,10 @@ namespace polhode::bus {
 // The primary header, layout version and function code.
 inline constexpr std::size_t kCommandHeaderOctets = kPrimaryHeaderOctets + 2;
 
+// A quaternion or direction that was written with three digits has its norm within this of 1; it is
+// normalised before use.
+inline constexpr double kNormTolerance = 1e-3;
+
 /// A command whose length, header, CRC, code and ranges have been checked.
 struct Command {
   CommandCode code = CommandCode::kNoop;

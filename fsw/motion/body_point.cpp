@@ -25,7 +25,7 @@ bool within_steps(const RigidModel& model, std::int64_t timestamp_ns) {
 }
 
 /// The point takes the place of T's origin, so that its errors and those of attitude and rate are
-/// taken together.
+/// taken together (decision 0108).
 Result<PredictedPoint> by_dynamics(const Eigen::Vector3d& p_T,
                                    std::int64_t timestamp_ns,
                                    const MapDrift& drift,
@@ -74,7 +74,6 @@ Result<PredictedPoint> by_poses(const Eigen::Vector3d& p_T,
 }  // namespace
 
 Result<PredictedPoint> predict_point(const Eigen::Vector3d& p_T,
-                                     std::int64_t from_ns,
                                      std::int64_t timestamp_ns,
                                      const MapDrift& drift,
                                      const MotionOptions& options,
@@ -83,9 +82,11 @@ Result<PredictedPoint> predict_point(const Eigen::Vector3d& p_T,
   if (dynamics_hold(motion, options)) {
     predicted = by_dynamics(p_T, timestamp_ns, drift, motion);
   }
-  const double ahead_s = seconds_between(from_ns, timestamp_ns);
-  if (predicted || motion.recent.empty() || motion.repeats > 0 ||
-      ahead_s > kPredictionsAhead_s.front()) {
+  if (predicted || motion.recent.empty() || motion.repeats > 0) {
+    return predicted;
+  }
+  const double ahead_s = seconds_between(motion.recent.back().timestamp_ns, timestamp_ns);
+  if (ahead_s > kPredictionsAhead_s.front()) {
     return predicted;
   }
   return by_poses(p_T, timestamp_ns, drift, options, motion);

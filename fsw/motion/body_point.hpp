@@ -26,14 +26,13 @@ struct PredictedPoint {
   bool by_dynamics = false;  ///< else by the last poses alone
 };
 
-/// By the dynamics where they hold, else by the last poses, and then kPredictionsAhead_s.front() at
-/// most. Errors of motion, mass centre and map are in it; those of scale and camera are not.
+/// By the dynamics where they hold, else by the last poses, and then kPredictionsAhead_s.front()
+/// after them at most. Errors of motion, mass centre and map are in it; those of scale and camera
+/// are not.
 /// @param p_T           the point, taken as exact.
-/// @param from_ns       time of the last frame.
-/// @param timestamp_ns  not before that.
+/// @param timestamp_ns  not before the last pose.
 /// @errors Degenerate (no motion is known that reaches the time in kPointStepsMax steps).
 Result<PredictedPoint> predict_point(const Eigen::Vector3d& p_T,
-                                     std::int64_t from_ns,
                                      std::int64_t timestamp_ns,
                                      const MapDrift& drift,
                                      const MotionOptions& options,

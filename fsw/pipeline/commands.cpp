@@ -238,14 +238,16 @@ Outcome reset_map(Component::State* s) {
   return kDone;
 }
 
-Outcome predict_point(const Command& command, Component::State* s) {
+Outcome predict_point(const Command& command,
+                      const Component::State& s,
+                      bus::PacketStream* stream) {
   const auto asked = command.arguments<bus::PredictPointCommand>();
   PointState point;
   const std::string_view why = polhode::predict_point({.timestamp_ns = asked.predicted_timestamp_ns,
                                                        .target_frame = asked.target_frame,
                                                        .p_T = asked.p_T,
                                                        .normal_T = asked.normal_T},
-                                                      *s,
+                                                      s,
                                                       &point);
   if (!why.empty()) {
     return why;
@@ -253,7 +255,7 @@ Outcome predict_point(const Command& command, Component::State* s) {
   bus::PointPacket packet = bus::to_packet(point);
   packet.number = asked.number;
   packet.target_frame = asked.target_frame;
-  bus::append(packet, s->configuration.parameters.bus, &s->bus.stream);
+  bus::append(packet, s.configuration.parameters.bus, stream);
   return kDone;
 }
 
@@ -278,7 +280,7 @@ Outcome carry_out(const Command& command, Component::State* s) {
     case bus::CommandCode::kRequestCloud:
       return request_cloud(command, s);
     case bus::CommandCode::kPredictPoint:
-      return predict_point(command, s);
+      return predict_point(command, *s, &s->bus.stream);
     case bus::CommandCode::kTableLoad:
       return table_load(command, s);
     case bus::CommandCode::kTableActivate:

@@ -55,8 +55,7 @@ void Component::set_stage_hook(StageHook hook, void* context) {
 
 const Counters& Component::counters() const { return state_->counters; }
 
-std::string_view Component::predict_point(const PointQuestion& question,
-                                          PointState* answer) const {
+std::string_view Component::predict_point(const PointQuestion& question, PointState* answer) const {
   return polhode::predict_point(question, *state_, answer);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "bus/commands.hpp"
 #include "config/limits.hpp"
 
 namespace polhode {
@@ -23,9 +24,6 @@ consteval AnyMember member(T& (*where)(Parameters&)) {
 
 // Every double up to here fits into 63 bits: 2^63 is 9.22e18.
 constexpr double kInt64Max = 9.2e18;
-
-// A quaternion that was written with three digits has this norm; it is normalised before use.
-constexpr double kNormTolerance = 1e-3;
 
 // Ranges recommend nothing. Upper limits that are limits::k... are sizes of tables. The others are
 // chosen wide: they refuse wrong units and slips of the decimal point, and they bound the time.
@@ -293,7 +291,7 @@ std::optional<Error> check_scale(const Parameters& parameters) {
 std::optional<Error> check_orbit(const MotionOptions& motion) {
   const double norm = std::hypot(std::hypot(motion.q_IH_w, motion.q_IH_x),
                                  std::hypot(motion.q_IH_y, motion.q_IH_z));
-  if (motion.dynamics != DynamicsKind::kOrbit || std::abs(norm - 1.0) < kNormTolerance) {
+  if (motion.dynamics != DynamicsKind::kOrbit || std::abs(norm - 1.0) < bus::kNormTolerance) {
     return std::nullopt;
   }
   return bad("motion.q_IH_w and its x, y, z: norm " + text_of(norm) + ", allowed 0.999 .. 1.001");

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/sound.hpp"
+#include "bus/commands.hpp"
 #include "bus/dynamics_telemetry.hpp"
 #include "geometry/so3.hpp"
 #include "motion/body_point.hpp"
@@ -13,9 +14,6 @@
 
 namespace polhode {
 namespace {
-
-/// As of attitudes that come by command.
-constexpr double kNormError = 1e-3;
 
 Eigen::Vector3d to_vector(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
 
@@ -30,7 +28,7 @@ std::string_view objection(const PointQuestion& asked, const Component::State& s
     return "point is no number";
   }
   const double norm = to_vector(asked.normal_T).norm();
-  if (norm != 0.0 && !(std::abs(norm - 1.0) < kNormError)) {
+  if (norm != 0.0 && !(std::abs(norm - 1.0) < bus::kNormTolerance)) {
     return "normal is no unit vector";
   }
   if (!sound::is_time(asked.timestamp_ns) || asked.timestamp_ns < s.clock.timestamp_ns) {
@@ -91,12 +89,8 @@ std::string_view predict_point(const PointQuestion& asked,
   }
   const PublishedErrors errors = published_errors(s);
   const Eigen::Vector3d p_T = to_vector(asked.p_T) / errors.unit.metres_per_mu;
-  const Result<PredictedPoint> found = polhode::predict_point(p_T,
-                                                              s.clock.timestamp_ns,
-                                                              asked.timestamp_ns,
-                                                              s.mapping.drift,
-                                                              s.configuration.parameters.motion,
-                                                              s.motion);
+  const Result<PredictedPoint> found = polhode::predict_point(
+      p_T, asked.timestamp_ns, s.mapping.drift, s.configuration.parameters.motion, s.motion);
   if (!found) {
     return "no motion is known so far ahead";
   }

@@ -57,6 +57,7 @@ def aligned(short, tmp_path_factory):
     return align_last(read_motion(folder / "motion.csv"), read_motion(SAMPLE / "truth.csv"))
 
 
+# verifies: MOT-14
 @pytest.mark.parametrize("face", ["0", "1"])
 def test_the_face_is_where_the_corridor_has_it(short, aligned, tmp_path, face):
     centre_E, normal_E, rows = corridor(short, tmp_path / "corridor.csv", face)

@@ -36,7 +36,7 @@ MotionEstimate tumbling(double sigma) {
 Result<PredictedPoint> point_after(double seconds,
                                    const MotionEstimate& motion,
                                    const Eigen::Vector3d& p_T) {
-  return predict_point(p_T, kReference_ns, after(seconds), {}, {}, motion);
+  return predict_point(p_T, after(seconds), {}, {}, motion);
 }
 
 TEST(BodyPoint, MovesWithTheBody) {
@@ -74,6 +74,7 @@ RigidModel drawn(const RigidModel& model, double sigma, Rng* rng) {
   return out;
 }
 
+// verifies: MOT-14
 TEST(BodyPoint, HasTheErrorsThatDrawnModelsHave) {
   constexpr double kSigma = 1e-4;
   constexpr int kDraws = 2000;
@@ -105,7 +106,7 @@ TEST(BodyPoint, HasTheErrorOfAReanchoredMap) {
   const MotionEstimate motion = tumbling(1e-6);
   MapDrift drift;
   drift.reanchoring(2, 2) = 0.01 * 0.01;
-  const auto point = predict_point(kPoint_T, kReference_ns, after(0.0), drift, {}, motion);
+  const auto point = predict_point(kPoint_T, after(0.0), drift, {}, motion);
   ASSERT_TRUE(point.ok());
   // A turn about z of I moves the point by its arm across z.
   const Eigen::Vector3d arm = motion.model.reference.R_IT * kPoint_T;
@@ -133,7 +134,7 @@ TEST(BodyPoint, ByTheLastPosesFollowsThemForTenSeconds) {
   }
   const std::int64_t last_ns = motion.recent.back().timestamp_ns;
   const auto ask = [&](double seconds) {
-    return predict_point(kPoint_T, last_ns, last_ns + std::llround(1e9 * seconds), {}, {}, motion);
+    return predict_point(kPoint_T, last_ns + std::llround(1e9 * seconds), {}, {}, motion);
   };
   const auto now = ask(0.0);
   const auto soon = ask(9.9);

@@ -86,6 +86,7 @@ const Watched* watched() {
   return one.get();
 }
 
+// verifies: MOT-14
 TEST(PointQuestion, IsAnsweredByWhereThePointThenIs) {
   const Watched* w = watched();
   ASSERT_EQ(w->why, "");
