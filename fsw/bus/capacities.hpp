@@ -22,9 +22,9 @@ inline constexpr std::uint32_t kRepeat_s = 60;
 // the component's own.
 inline constexpr std::size_t kStepEvents = 2 * kStepCommands + 8;
 
-// Packets of one step: one of each kind (3.6 kB), all events (4.4 kB), three more packets of a cloud
-// (4.1 kB) and an answer to each command (1.2 kB), 13.3 kB in all (tests/bus/fields_test.cpp);
-// rounded up to 13.5 KiB.
+// Packets of one step: one of each kind (3.6 kB), all events (4.4 kB), three more packets of a
+// cloud (4.1 kB) and an answer to each command (1.2 kB), 13.3 kB in all
+// (tests/bus/fields_test.cpp); rounded up to 13.5 KiB.
 inline constexpr std::size_t kStepOctets = 13824;
 
 }  // namespace polhode::limits

@@ -350,8 +350,8 @@ constexpr Field kPredictPointCommand[] = {
     {"predicted_timestamp_ns", FieldType::kI64, 1, false, 8, offsetof(PredictPointCommand, predicted_timestamp_ns), -1, 0.0, 9.2e+18, "", "ns", "", {}},
     {"p_T", FieldType::kF64, 3, true, 16, offsetof(PredictPointCommand, p_T), -1, -1000000.0, 1000000.0, "x y z", "length", "", {}},
     {"normal_T", FieldType::kF64, 3, true, 40, offsetof(PredictPointCommand, normal_T), -1, -1.0, 1.0, "x y z", "", "", {}},
-    {"target_frame", FieldType::kU32, 1, false, 64, offsetof(PredictPointCommand, target_frame), -1, -kNoLimit, kNoLimit, "", "", "", {}},
-    {"number", FieldType::kU32, 1, false, 68, offsetof(PredictPointCommand, number), -1, -kNoLimit, kNoLimit, "", "", "", {}},
+    {"target_frame", FieldType::kU32, 1, false, 64, offsetof(PredictPointCommand, target_frame), -1, 1.0, 4294967295.0, "", "", "", {}},
+    {"number", FieldType::kU32, 1, false, 68, offsetof(PredictPointCommand, number), -1, 0.0, 4294967295.0, "", "", "", {}},
 };
 constexpr Layout kPredictPointCommandLayout{"predict_point", 13, 74, kPredictPointCommand, kNoFlags, "", ""};
 static_assert(sizeof(PredictPointCommand) <= kStructOctetsMax);

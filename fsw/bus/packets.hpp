@@ -77,7 +77,6 @@ struct MotionPacket {
   std::uint16_t keyframes = 0;  ///< keyframes in the map
   std::uint8_t mode = 0;  ///< what the component is doing; COASTING: the frame could not be looked at, its pose is the motion's prediction
   std::uint8_t flags = 0;
-
   static const Layout& layout();  ///< 310 octets
 };
 
@@ -113,7 +112,6 @@ struct ModelPacket {
   std::uint8_t class_momentum = 0;  ///< how well momentum_axis_C is determined
   std::array<std::uint8_t, 3> class_mass_centre{};  ///< how well c_T is determined along the principal axes of cov_c
   std::uint8_t flags = 0;
-
   static const Layout& layout();  ///< 324 octets
 };
 
@@ -130,7 +128,6 @@ struct PredictionPacket {
   std::uint16_t poses = 0;  ///< poses that the prediction uses
   std::uint8_t dynamics = 0;  ///< what was used; LOCAL: a polynomial through the last poses
   std::uint8_t flags = 0;
-
   static const Layout& layout();  ///< 230 octets
 };
 
@@ -170,7 +167,6 @@ struct ShapePacket {
   std::array<std::uint8_t, 3> dimension_basis{};  ///< what each dimension rests on; NOTHING: the points are flat there; POINTS: where points end, a lower limit; SURFACES: a surface at both ends; flag shape
   std::uint8_t flags = 0;
   std::uint8_t spare = 0;  ///< 0
-
   static const Layout& layout();  ///< 840 octets
 };
 
@@ -227,7 +223,6 @@ struct HousekeepingPacket {
   std::array<std::uint8_t, 3> version{};  ///< of the component
   std::uint8_t flags = 0;
   std::uint8_t tables_damaged = 0;  ///< tables found damaged in memory, and reset or rebuilt; 255: so many or more
-
   static const Layout& layout();  ///< 206 octets
 };
 
@@ -243,7 +238,6 @@ struct EventPacket {
   std::uint8_t text_octets = 0;  ///< length of the text
   std::array<char, 122> text{};  ///< ASCII without control characters, zero-padded
   std::uint16_t command_sequence = 0;  ///< sequence count of the command that this answers; 0: of none, or of one without a count
-
   static const Layout& layout();  ///< 182 octets
 };
 
@@ -259,7 +253,6 @@ struct CloudPacket {
   std::uint8_t points = 0;  ///< points in this packet; the rest is zero
   std::uint8_t flags = 0;
   std::array<float, 330> p_T{};  ///< landmarks, in T; length
-
   static const Layout& layout();  ///< 1370 octets
 };
 
@@ -283,7 +276,6 @@ struct PlatformPacket {
   std::uint16_t restarts = 0;  ///< starts from a checkpoint since the last cold start
   std::uint8_t flags = 0;
   std::uint8_t spare = 0;  ///< 0
-
   static const Layout& layout();  ///< 94 octets
 };
 
@@ -302,7 +294,6 @@ struct CommandLinkPacket {
   std::uint8_t ports = 0;  ///< command ports
   std::uint8_t flags = 0;  ///< key: commands are signed; unauthenticated: anybody who reaches a UDP port may give them; number_not_kept: numbers_not_kept is not 0
   std::array<std::uint8_t, 2> spare{};  ///< 0
-
   static const Layout& layout();  ///< 70 octets
 };
 
@@ -315,7 +306,6 @@ struct PlatformEventPacket {
   std::uint8_t text_octets = 0;  ///< length of the text
   std::array<char, 122> text{};  ///< ASCII without control characters, zero-padded
   std::array<std::uint8_t, 2> spare{};  ///< 0
-
   static const Layout& layout();  ///< 186 octets
 };
 
@@ -334,7 +324,6 @@ struct PointPacket {
   std::uint8_t dynamics = 0;  ///< what was used; LOCAL: a polynomial through the last poses
   std::uint8_t flags = 0;
   std::array<std::uint8_t, 2> spare{};  ///< 0
-
   static const Layout& layout();  ///< 170 octets
 };
 
@@ -344,7 +333,6 @@ struct SetKnownLengthCommand {
   double length_m = 0.0;  ///< distance between the two points; m
   std::array<double, 2> first_px{};  ///< one end; px
   std::array<double, 2> second_px{};  ///< the other end; px
-
   static const Layout& layout();  ///< 58 octets
 };
 
@@ -352,7 +340,6 @@ struct SetKnownLengthCommand {
 struct SetRangeCommand {
   std::int64_t frame_timestamp_ns = 0;  ///< time of the frame at which it was read: one that has become a keyframe, or one yet to come; ns
   double range_m = 0.0;  ///< the reading; m
-
   static const Layout& layout();  ///< 26 octets
 };
 
@@ -361,14 +348,12 @@ struct ServicerAttitudeCommand {
   std::int64_t timestamp_ns = 0;  ///< the time that the values belong to; later than that of the last one; ns
   std::array<double, 4> q_IC{};  ///< takes C components to I components; norm within 1e-3 of 1
   std::array<double, 3> w_C_rad_s{};  ///< angular velocity of C relative to I, in C; rad/s
-
   static const Layout& layout();  ///< 74 octets
 };
 
 /// sends the map's landmarks in cloud packets; a request still being sent is dropped
 struct RequestCloudCommand {
   std::uint32_t points_max = 0;  ///< points at most, taken evenly from the map
-
   static const Layout& layout();  ///< 14 octets
 };
 
@@ -376,7 +361,6 @@ struct RequestCloudCommand {
 struct TableLoadCommand {
   std::uint16_t entries = 0;  ///< entries that follow
   std::array<std::uint16_t, 3> spare{};  ///< 0
-
   static const Layout& layout();  ///< with the CRC and no entries
 };
 
@@ -386,7 +370,6 @@ struct TableLoadEntry {
   std::uint16_t index = 0;  ///< component of a compound value, else 0
   std::uint16_t spare = 0;  ///< 0
   std::uint64_t value = 0;  ///< bits of a binary64, or a whole number in two's complement (a switch: 0 or 1), by the parameter's type
-
   static const Layout& layout();  ///< 16 octets, offsets from its first
 };
 
@@ -394,7 +377,6 @@ struct TableLoadEntry {
 struct TableActivateCommand {
   std::uint32_t crc32 = 0;  ///< CRC-32 (ISO-HDLC) over the octets of all entries loaded since the table was begun
   std::uint32_t entries = 0;  ///< number of these entries
-
   static const Layout& layout();  ///< 18 octets
 };
 
@@ -405,7 +387,6 @@ struct PredictPointCommand {
   std::array<double, 3> normal_T{};  ///< direction that the surface faces there, norm within 1e-3 of 1; zero: not asked for
   std::uint32_t target_frame = 0;  ///< number of the frame T that the point is in, the first is 1, later ones are told by event target_frame_new
   std::uint32_t number = 0;  ///< the asker's own, for the answer
-
   static const Layout& layout();  ///< 74 octets
 };
 

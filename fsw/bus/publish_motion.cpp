@@ -38,7 +38,8 @@ void send_local_prediction(const View& view, BusState* bus) {
   if (!predicted) {
     return;
   }
-  predicted.value().covariance += drift_until(predicted.value().pose, *view.pose, *view.drift);
+  predicted.value().covariance += drift_until(
+      predicted.value().pose, *view.pose, covariance(*view.drift), turn_sigma(*view.drift));
   widen(view.camera.error, predicted.value().pose.p_CT.norm(), &predicted.value().covariance);
   PredictionPacket packet = to_packet(predicted.value(), view.unit);
   packet.timestamp_ns = motion.timestamp_ns;

@@ -63,7 +63,10 @@ Result<PredictedPoint> by_poses(const Eigen::Vector3d& p_T,
   const Pose& pose_C = at.value().pose;
   const PoseCovariance covariance_C =
       at.value().covariance +
-      drift_until(pose_C, turned(motion.R_IC.transpose(), motion.recent.back().pose), drift);
+      drift_until(pose_C,
+                  turned(motion.R_IC.transpose(), motion.recent.back().pose),
+                  covariance(drift),
+                  turn_sigma(drift));
   const Pose pose = turned(motion.R_IC, pose_C);
   const Eigen::Vector3d arm_I = pose.R_CT * p_T;
   return PredictedPoint{.R_IT = pose.R_CT,

@@ -325,14 +325,6 @@ Result<PosePrediction> predict_by_motion(const MotionEstimate& m,
   return predicted;
 }
 
-PoseCovariance drift_until(const Pose& predicted, const Pose& last, const MapDrift& drift) {
-  const double turn_rad = rotation_angle_rad(last.R_CT, predicted.R_CT);
-  const double sides = turn_rad / kFaceAngle_rad;
-  PoseCovariance sum = (1.0 + sides * sides) * covariance(drift);
-  widen_attitude(turn_rad * turn_sigma(drift), &sum);
-  return sum;
-}
-
 std::optional<ExpectedPose> expected_from_departed(const MotionEstimate& m,
                                                    const MapDrift& drift,
                                                    const MotionOptions& options,

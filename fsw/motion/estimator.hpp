@@ -98,10 +98,6 @@ Result<PosePrediction> predict_by_motion(const MotionEstimate& motion,
                                          std::int64_t timestamp_ns,
                                          const Eigen::Matrix3d& R_IC);
 
-/// What the map's drift adds to a pose in C that the last ones predict: its own now, and by the
-/// turn until then what it does to their rates.
-PoseCovariance drift_until(const Pose& predicted, const Pose& last, const MapDrift& drift);
-
 /// As predict_by_motion(), and the last pose where nothing is known of the motion; nothing without
 /// a pose. Never behind the camera: where the motion leads through it the last position stands.
 std::optional<PosePrediction> predict_or_hold(const MotionEstimate& motion,

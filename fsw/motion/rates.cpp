@@ -267,6 +267,17 @@ void widen_by_drift(const PoseCovariance& drift, double turn_sigma, RateEstimate
   rates.covariance_v_C += per_s * per_s * drift.bottomRightCorner<3, 3>();
 }
 
+PoseCovariance drift_until(const Pose& predicted,
+                           const Pose& last,
+                           const PoseCovariance& drift,
+                           double turn_sigma) {
+  const double turn_rad = rotation_angle_rad(last.R_CT, predicted.R_CT);
+  const double sides = turn_rad / kFaceAngle_rad;
+  PoseCovariance sum = (1.0 + sides * sides) * drift;
+  widen_attitude(turn_rad * turn_sigma, &sum);
+  return sum;
+}
+
 Result<PosePrediction> predict_pose(std::span<const PoseSample> history,
                                     std::int64_t timestamp_ns,
                                     const MotionOptions& options) {

@@ -60,6 +60,13 @@ Result<RateEstimate> estimate_rates_at(std::span<const PoseSample> history,
 ///                    the turn about the line of sight, which pictures show as it is.
 void widen_by_drift(const PoseCovariance& drift, double turn_sigma, RateEstimate& rates);
 
+/// What the map's drift adds to a pose that the last ones predict: its own now, and by the turn
+/// until then what it does to their rates. Drift and turn_sigma as above.
+PoseCovariance drift_until(const Pose& predicted,
+                           const Pose& last,
+                           const PoseCovariance& drift,
+                           double turn_sigma);
+
 /// The pose at `timestamp_ns`, at or after the last one of `history`, by the motion so far.
 /// @errors TooFewObservations (under 2 poses: nothing is known of the motion), Degenerate (as
 /// above, or the time is

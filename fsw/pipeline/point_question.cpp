@@ -9,7 +9,7 @@
 #include "geometry/so3.hpp"
 #include "motion/body_point.hpp"
 #include "motion/published.hpp"
-#include "pipeline/publish.hpp"
+#include "pipeline/published_errors.hpp"
 #include "pipeline/state.hpp"
 
 namespace polhode {

@@ -1,12 +1,12 @@
 #include "pipeline/publish.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "bus/narrow.hpp"
 #include "bus/publish.hpp"
 #include "motion/published.hpp"
 #include "pipeline/coast.hpp"
+#include "pipeline/published_errors.hpp"
 #include "pipeline/state.hpp"
 
 namespace polhode {
@@ -15,16 +15,6 @@ namespace {
 std::uint16_t inliers(const LandmarkMatches& matches) {
   return bus::clipped(static_cast<std::size_t>(std::count_if(
       matches.begin(), matches.end(), [](const LandmarkMatch& m) { return m.inlier; })));
-}
-
-/// What a contradicted camera adds to the errors of this frame.
-CameraError error_by_camera(const Component::State& s) {
-  const PoseHistory& recent = s.motion.recent;
-  if (!s.mapping.pose_valid && recent.empty()) {
-    return error_by(s.camera.found, 0.0);  // there are lengths alone
-  }
-  const Pose& pose = s.mapping.pose_valid ? s.mapping.localised.absolute.pose : recent.back().pose;
-  return error_by(s.camera.found, s.mapping.map.radius_mu / pose.p_CT.norm());
 }
 
 /// A pose in the unit published, with what scale and camera add to its error.
@@ -192,16 +182,6 @@ bus::View bus_view(FrameUse use,
 }
 
 }  // namespace
-
-PublishedErrors published_errors(const Component::State& s) {
-  const CameraError camera = error_by_camera(s);
-  return {
-      .camera = camera,
-      .unit = {.known = s.scale.known,
-               .metres_per_mu = s.scale.metres_per_mu,
-               .relative_sigma = std::hypot(length_sigma(s.scale, s.mapping.drift), camera.along),
-               .number = number_of(lengths_unit(s), s.bus.scale)}};
-}
 
 void publish(FrameUse use, std::int64_t timestamp_ns, Component::State* s) {
   change_unit(lengths_unit(*s), &s->bus.scale);

@@ -41,7 +41,7 @@ def struct(layout: Layout, kind: str, table_name: str) -> str:
     name = struct_name(layout, kind)
     text = f"/// {layout.help}\nstruct {name} {{\n" if layout.help else f"struct {name} {{\n"
     text += "".join(member(field) for field in layout.fields)
-    text += f"\n  static const Layout& layout();  ///< {table_name}\n}};\n\n"
+    text += f"  static const Layout& layout();  ///< {table_name}\n}};\n\n"
     return text
 
 

@@ -39,7 +39,8 @@ def files(table: Table) -> dict[str, str]:
     text += "".join(f'    {event.id}: ("{event.name}", "{event.severity}", {tuple(event.words)}),\n' for event in table.events) + "}\n\n"
     text += "# Names of codes.\nCODES = {\n" + "".join(f'    "{name}": {table.codes[name]},\n' for name in table.codes_in_use) + "}\n\n"
     named = [(packet.name, field) for packet in table.packets for field in packet.fields if field.names]
-    text += "# Fields whose value is a code: its names.\nNAMED = {\n" + "".join(f'    ("{packet}", "{field.name}"): "{field.names}",\n' for packet, field in named) + "}\n\n"
-    text += "# Parameters that make_table_load() may change: type, least and greatest value, words for the values 0, 1, ...\nPARAMETERS = {\n"
-    text += "".join(f'    "{row.key}": ("{row.type}", {row.range}, {tuple(row.words)}),\n' for row in map(as_tuple, table.parameters)) + "}\n"
-    return {"platform/transport/client/python/polhode_bus/packets.py": text}
+    text += "# Fields whose value is a code: its names.\nNAMED = {\n" + "".join(f'    ("{packet}", "{field.name}"): "{field.names}",\n' for packet, field in named) + "}\n"
+    parameters = NOTE + "# What make_table_load() may change: type, least and greatest value, words for the values 0, 1, ...\nPARAMETERS = {\n"
+    parameters += "".join(f'    "{row.key}": ("{row.type}", {row.range}, {tuple(row.words)}),\n' for row in map(as_tuple, table.parameters)) + "}\n"
+    folder = "platform/transport/client/python/polhode_bus"
+    return {f"{folder}/packets.py": text, f"{folder}/parameters.py": parameters}

@@ -5,7 +5,8 @@ import socket
 import struct
 
 from .decode import crc16
-from .packets import APID_COMMAND, APID_FIRST, COMMANDS, LAYOUT_VERSION, PARAMETERS
+from .packets import APID_COMMAND, APID_FIRST, COMMANDS, LAYOUT_VERSION
+from .parameters import PARAMETERS
 from .signing import next_number, read_key, sign
 
 _BY_NAME = {row[0]: (code, row) for code, row in COMMANDS.items()}
