@@ -7,6 +7,7 @@
 #include "bus/narrow.hpp"
 #include "bus/publish_motion.hpp"
 #include "bus/report_changes.hpp"
+#include "bus/shape_telemetry.hpp"
 #include "shape/scale_state.hpp"
 #include "shape/shape_state.hpp"
 

@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "bus/counters.hpp"
+#include "bus/length_unit.hpp"
 #include "bus/options.hpp"
-#include "bus/shape_telemetry.hpp"
 #include "image/frame_use.hpp"
 #include "image/verdict.hpp"
 #include "motion/motion_state.hpp"

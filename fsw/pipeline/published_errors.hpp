@@ -1,7 +1,7 @@
 // What everything that is published has in common.
 #pragma once
 
-#include "bus/shape_telemetry.hpp"
+#include "bus/length_unit.hpp"
 #include "pipeline/component.hpp"
 #include "solve/camera_verdict.hpp"
 
