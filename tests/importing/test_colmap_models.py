@@ -75,6 +75,7 @@ def project(tmp_path):
 NAMES = [f"my picture \udcfc{i}.png" for i in (1, 2, 3)]
 
 
+@pytest.mark.further
 @with_colmap
 def test_names_with_blanks_and_of_any_encoding(project, tmp_path_factory):
     from importing.colmap_library import read_project
@@ -86,6 +87,7 @@ def test_names_with_blanks_and_of_any_encoding(project, tmp_path_factory):
     assert [image["name"] for image in read_project(text)["images"]] == NAMES
 
 
+@pytest.mark.further
 @with_colmap
 @pytest.mark.parametrize(("name", "octets", "says"), [("cameras", -12, "cameras.bin is cut: it has 52 octets, its cameras need 64"), ("cameras", 20, "cut"),
                                                       ("images", -8, "images.bin is cut or damaged"), ("images", 100, "cut or damaged"), ("images", 3, "cut or")])

@@ -83,10 +83,9 @@ def test_a_focal_length_to_be_estimated_is_a_guess_where_that_is_asked_for(tmp_p
     assert sequence.fields["sigma_focal_px"] == "0.5"
 
 
-@pytest.mark.parametrize("name", NAMES, ids=ascii)
+@pytest.mark.parametrize("name", [name for name in NAMES if b"," not in name and b"\n" not in name], ids=ascii)
 def test_pictures_of_any_name_are_found(tmp_path, name):
-    if b"," in name or b"\n" in name:
-        pytest.skip("a table of commas and lines cannot hold it")
+    """But for those that a table of commas and lines cannot hold."""
     folder = written(tmp_path / os.fsdecode(name), table=b"5," + name + b".png\n")
     Image.new("L", (64, 48), 7).save(folder / "mav0/cam0/data" / (os.fsdecode(name) + ".png"))
     assert read_sequence(folder).read_gray(0)[0, 0] == 7
