@@ -6,7 +6,6 @@ error, and all else: its coverage is 0, its silence is the whole sequence, its f
 
 import json
 import pathlib
-import sys
 
 import numpy as np
 import pyarrow
@@ -14,6 +13,8 @@ import pyarrow.parquet
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
+from campaigns.bus_file import packets_of, pose_covariance
+from campaigns.predictions import judge_points
 from judge import align, metrics
 from judge.aligned import align_each
 from judge.fault_log import LOG_FILE, read_log
@@ -21,7 +22,6 @@ from judge.report import lookup
 from judge.run import judge_run, read_run, read_truth
 from judge.sequence import read_sequence
 from judge.tables import Motion, join
-from judge.venv import REPOSITORY
 
 # A frame is confidently wrong when it is farther off than the one and says that it is not farther off than the other.
 WRONG_DEG, CONFIDENT_DEG = 5.0, 2.0
@@ -50,18 +50,7 @@ def longest_run(flags: np.ndarray) -> tuple[int, int]:
 
 def attitude_covariances(bus_file: pathlib.Path) -> dict[int, np.ndarray]:
     """Covariance [3,3] of the attitude error by frame index, in C, from the motion packets; {} where there is no bus file."""
-    if not bus_file.exists():
-        return {}
-    sys.path.insert(0, str(REPOSITORY / "platform/transport/client/python"))
-    from polhode_bus import open_bus
-    upper, found = np.triu_indices(6), {}
-    with open_bus(f"file:{bus_file}") as bus:
-        for packet in bus.packets(timeout_s=0.0):
-            if packet.name == "motion" and packet.cov_pose is not None:
-                full = np.zeros((6, 6))
-                full[upper] = packet.cov_pose
-                found[packet.frame] = (full + full.T - np.diag(np.diag(full)))[:3, :3]
-    return found
+    return {packet.frame: pose_covariance(packet.cov_pose)[:3, :3] for packet in packets_of(bus_file, "motion") if packet.cov_pose is not None}
 
 
 def attitude_nees(part, covariances: dict[int, np.ndarray]) -> np.ndarray:
@@ -174,6 +163,7 @@ def measure(run_folder: pathlib.Path, sequence_folder: pathlib.Path, shape: bool
     row = _availability(causal, frames, causal.seconds, turn_deg)
     row |= _accuracy("causal", found, judged["motion"]["causal"]) | _accuracy("smoothed", found_smoothed, judged["motion"]["smoothed"])
     row |= _nees(found["attitude_nees"])
+    row |= judge_points(run_folder / "bus.ccsds", sequence.folder, truth, align_each(causal, truth))
     row |= {"cloud_rmse_percent": lookup(judged, "shape.distance_rmse_percent"),
             "inertia_middle_error_percent": lookup(judged, "dynamics.inertia_ratios.middle_over_least.error_percent"),
             "inertia_largest_error_percent": lookup(judged, "dynamics.inertia_ratios.largest_over_least.error_percent"),

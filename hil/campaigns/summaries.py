@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import CensoredData, binomtest, ecdf, wilcoxon
 
+from campaigns.predictions import AHEAD_S
+
 RESAMPLES = 2000
 SEED = 1
 INTERVAL = (2.5, 97.5)
@@ -70,6 +72,8 @@ MEASURES = (
     Measure("rate inside its 95 % bound, smoothed [%]", "smoothed_rate_in_95", "mean", 1, 100, "{:.1f}"),
     Measure("NEES of attitude over 3, causal (1 is right)", "causal_nees", "median", 0),
     Measure("inside the 95 % ellipsoid, causal [%]", "causal_nees_in_95", "mean", 0, 100, "{:.1f}"),
+    *(Measure(f"NEES of points predicted {seconds} s ahead over 3 (1 is right)", f"predicted_nees_{seconds}_s", "median", 0) for seconds in AHEAD_S),
+    *(Measure(f"points predicted {seconds} s ahead beyond 99 % [%]", f"predicted_beyond_99_{seconds}_s", "mean", -1, 100, "{:.1f}") for seconds in AHEAD_S),
     Measure("depth-reversed, causal [runs]", "causal_depth_reversed", "sum", -1, 1, "{:.0f}"),
     Measure("depth-reversed, smoothed [runs]", "smoothed_depth_reversed", "sum", -1, 1, "{:.0f}"),
     Measure("over 5 deg off with 2 deg reported, causal [frames]", "causal_frames_wrong_confident", "sum", -1, 1, "{:.0f}"),
