@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from importing import fits
 from importing.formats import kind_of_file
 from importing.numbering import DATE_AND_CLOCK, frame_numbers, in_order
+from importing.outsiders import of_the_series
 from importing.pictures import exif_lens, exif_time_ns, in_folder
 from importing.series import of_one_camera
 from importing.source import NS, Account, Frame, Options, Source
@@ -31,7 +32,8 @@ def open_folder(path: pathlib.Path, options: Options) -> Source:
     files = in_folder(path, account)
     if not files:
         raise BadInput(f"{path}: no pictures in it; expected are a folder of pictures, a sequence, a COLMAP project or a bag")
-    files, ordered_by = in_order(of_one_camera(files, options.camera, account))
+    files = of_the_series(of_one_camera(files, options.camera, account), options.camera, account)
+    files, ordered_by = in_order(files)
     account.assumed += ordered_by
     times_ns, nominal, said = times_of(files, options.rate_hz)
     beside = times_beside(path, files, options, account) if nominal else None

@@ -2,6 +2,7 @@
 
 import pathlib
 import tempfile
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from itertools import chain
@@ -119,20 +120,33 @@ class Levels:
 
     account: Account
     seen: dict[np.dtype, Seen] = field(default_factory=dict)
+    frames: int = 0
+    remarks: Counter = field(default_factory=Counter)  # of pictures, what was done to them
     pages_beyond: int = 0  # the first, of files that have several
 
     def of(self, frames: Iterator[Frame]) -> Iterator[Frame]:
         frames = map(self._with_pixels, frames)
+        try:
+            yield from self._scaled(frames)
+        finally:  # also where the last are not asked for
+            self._tell()
+
+    def _scaled(self, frames: Iterator[Frame]) -> Iterator[Frame]:
         for frame in frames:
             if frame.pixels is not None and not is_native(frame.pixels):
                 yield from self._when_all_are_seen(chain([frame], frames))
                 break
             yield frame
+
+    def _tell(self) -> None:
+        for remark, count in self.remarks.items():
+            self.account.note(remark if count == self.frames else remark and f"{remark} (of {count} of {self.frames} pictures)")
         if self.pages_beyond:
             self.account.note(f"{self.pages_beyond} further pages of files are left out: a file of a folder is one frame")
 
     def _with_pixels(self, frame: Frame) -> Frame:
         """Without pixels where the file may be copied, or can't be read."""
+        self.frames += 1
         if frame.pixels is not None:
             return frame
         try:
@@ -147,7 +161,7 @@ class Levels:
 
     def _note(self, decoded: Decoded) -> None:
         self.pages_beyond += decoded.pages - 1
-        self.account.note(decoded.remark)
+        self.remarks[decoded.remark] += bool(decoded.remark)
 
     def _when_all_are_seen(self, frames: Iterator[Frame]) -> Iterator[Frame]:
         with tempfile.TemporaryDirectory(prefix="polhode_levels_") as folder:

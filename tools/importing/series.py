@@ -20,16 +20,32 @@ def of_one_camera(files: list[pathlib.Path], camera: str, account: Account) -> l
     series = _by_camera(files) or _by_words(files)
     if series is None:
         return files
-    chosen = [file for file in files if camera.casefold() in _words(file)]
-    found = ", ".join(f"{name} ({len(members)})" for name, members in sorted(series.items()))
-    if not chosen or len(chosen) == len(files):
-        first, *others = (set(WORD.findall(name)) for name in sorted(series))
-        example = min(first - set().union(*others), default="WORD")
-        raise BadInput(f"{files[0].parent}: pictures of {len(series)} cameras or formats in one folder, by their names: {found}; "
-                       f"choose by a word of the names, as --camera {example}, or put those of one into a folder")
-    account.dropped[OTHER_CAMERA] += len(files) - len(chosen)
-    account.assumed.append(f"pictures of {len(series)} cameras or formats in one folder, {found}: those with '{camera}' in their names are taken")
+    if not has_word(files, camera) or all(camera.casefold() in _words(file) for file in files):
+        raise BadInput(f"{files[0].parent}: pictures of {len(series)} cameras or formats in one folder, by their names: {words_of_choice(series)}, "
+                       "or put those of one into a folder")
+    return choose(files, camera, OTHER_CAMERA, account, f"pictures of {len(series)} cameras or formats in one folder, {_found(series)}")
+
+
+def has_word(files: list[pathlib.Path], word: str) -> bool:
+    return any(word.casefold() in _words(file) for file in files)
+
+
+def choose(files: list[pathlib.Path], word: str, reason: str, account: Account, what: str) -> list[pathlib.Path]:
+    """Those with the word in their names. @param reason  why the others are left out"""
+    chosen = [file for file in files if word.casefold() in _words(file)]
+    account.dropped[reason] += len(files) - len(chosen)
+    account.assumed.append(f"{what}: those with '{word}' in their names are taken")
     return chosen
+
+
+def words_of_choice(series: dict[str, list[pathlib.Path]]) -> str:
+    """What is there, and how one of it is chosen."""
+    first, *others = (set(WORD.findall(name)) for name in sorted(series))
+    return f"{_found(series)}; choose by a word of the names, as --camera {min(first - set().union(*others), default='WORD')}"
+
+
+def _found(series: dict[str, list[pathlib.Path]]) -> str:
+    return ", ".join(f"{name} ({len(members)})" for name, members in sorted(series.items()))
 
 
 def _words(file: pathlib.Path) -> set[str]:

@@ -17,7 +17,8 @@ PICTURES = (".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp", ".webp", "
 BEFORE_FROM, BY_STEP, OTHER_CAMERA = "before --from", "by --step", "taken by another camera"
 RECORDED_TWICE = "recorded twice: the same picture with the same stamp"
 EDITED_OUT = "left out by the video's edit list"
-CHOSEN_AWAY = (BEFORE_FROM, BY_STEP, OTHER_CAMERA, RECORDED_TWICE, EDITED_OUT)
+OTHER_SERIES, COPIES = "of another series, by their names", "copies of pictures that are there"
+CHOSEN_AWAY = (BEFORE_FROM, BY_STEP, OTHER_CAMERA, RECORDED_TWICE, EDITED_OUT, OTHER_SERIES, COPIES)
 # Lost before anything was read: what is read does not count it.
 BROKEN_LINK = "a link to a file that is not there"
 
