@@ -103,7 +103,7 @@ def test_a_calibration_of_another_size_is_scaled_and_one_of_another_shape_refuse
     sources.write_pictures(tmp_path / "small", [np.full((240, 320), 90, np.uint8)] * 2, ["1.png", "2.png"])
     sources.write_pictures(tmp_path / "upright", [np.full((640, 480), 90, np.uint8)] * 2, ["1.png", "2.png"])
     (tmp_path / "kalibr.yaml").write_text(KALIBR)
-    assert "turned by 90 deg" in refused(tmp_path / "upright", "--intrinsics", tmp_path / "kalibr.yaml")
+    assert "width and height are exchanged: in the calibration, or by pictures that are turned by 90 deg" in refused(tmp_path / "upright", "--intrinsics", tmp_path / "kalibr.yaml")
     sequence, out = imported(tmp_path / "small", "--intrinsics", tmp_path / "kalibr.yaml")
     assert sequence.camera.intrinsics_px.tolist() == [250, 252.5, 154.75, 114.75]
     assert "calibrated for 640x480, but the pictures are 320x240: intrinsics scaled by 0.5" in out

@@ -142,3 +142,47 @@ def test_a_bag_that_is_still_open_is_named(tmp_path):
     (tmp_path / "rec.bag.active").write_bytes(b"#ROSBAG V2.0\n")
     with pytest.raises(BadInput, match="a recording that its recorder did not close; .* `rosbag reindex`"):
         open_source(tmp_path / "rec.bag.active", Options())
+
+
+# verifies: GND-03
+@pytest.mark.parametrize("stamp", ["nan", "-inf", "---", "00:00:59;20", "17000.5.3", "?"])
+def test_a_first_row_without_a_time_is_no_head(tmp_path, stamp):
+    with pytest.raises(BadInput, match="rgb.txt:3: '.* rgb/0.png' is not 'seconds file'"):
+        taken(tum(tmp_path / "tum", "{s} rgb/{i}.png", values=[stamp, *SECONDS[1:]]))
+    with pytest.raises(BadInput, match="data.csv:1: '.*png' is not a time"):
+        taken(euroc(tmp_path / "seq", None, [f"{stamp.replace(';', ':')},{TIMES[0]}.png", *[f"{time},{time}.png" for time in TIMES[1:]]]))
+
+
+def kitti(folder, lines):
+    (folder / "data").mkdir(parents=True)
+    for i in range(len(TIMES)):
+        Image.fromarray(np.full((4, 4), i, np.uint8)).save(folder / f"data/{i:010d}.png")
+    (folder / "timestamps.txt").write_text("".join(f"{line}\n" for line in lines))
+    return folder / "data"
+
+
+# verifies: GND-03
+def test_dates_and_clocks_beside_pictures_are_their_times(tmp_path):
+    lines = [f"2011-09-26 13:02:5{i}.{100_000_001 + 1000 * i}" for i in range(8)]
+    times, said = taken(kitti(tmp_path / "raw", lines))
+    assert times == [1_317_042_170_100_000_001 + i * (NS + 1000) for i in range(8)] and "times are those of" in said
+    times, said = taken(kitti(tmp_path / "bad", ["nan", *lines[1:]]))
+    assert times == [i * NS for i in range(8)] and "timestamps.txt is left out: 1: 'nan' is not a time" in said
+
+
+# verifies: GND-03
+@pytest.mark.parametrize("made", [lambda path, rows: euroc(path, "#timestamp [ns],filename", rows), lambda path, rows: euroc(path, None, rows)])
+def test_numbers_of_frames_become_times_by_the_rate(tmp_path, made):
+    rows = [f"{i + (i > 3)},{time}.png" for i, time in enumerate(TIMES)]
+    with pytest.raises(BadInput, match="--stamp-unit s, ms, us or ns says which; if they are numbers of frames, --rate-hz says how many there are a second"):
+        taken(made(tmp_path / "seq", rows))
+    times, said = taken(tmp_path / "seq", rate_hz=25.0)
+    assert times == [i * NS // 25 for i in (0, 1, 2, 3, 5, 6, 7, 8)] and "numbers of frames in place of times: 0.04 s from one to the next" in said
+
+
+def test_a_rate_beside_times_is_told_to_have_no_effect(tmp_path):
+    times, said = taken(tum(tmp_path / "tum", "{s} rgb/{i}.png"), rate_hz=25.0)
+    assert times == TIMES and said == "--rate-hz is left out: the list tells its times"
+    seconds = euroc(tmp_path / "seq", None, [f"{1_700_000_000 + i},{time}.png" for i, time in enumerate(TIMES)])
+    times, _ = taken(seconds, rate_hz=25.0)
+    assert set(np.diff(times)) == {NS}

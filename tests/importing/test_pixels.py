@@ -324,11 +324,11 @@ def test_an_undistorted_edge_is_no_new_level_of_the_camera(imported, tmp_path):
 def test_transparency_is_told_whatever_holds_it():
     wide = np.zeros((8, 8, 4), np.uint16)
     wide[..., :3] = 3000
-    assert decode(cv2.imencode(".png", wide)[1].tobytes(), "wide").remark == "transparency is left out"
+    assert decode(cv2.imencode(".png", wide)[1].tobytes(), "wide").remark == "transparency is left out: transparent pixels show the colour that the file has below them"
     palette, octets = Image.new("P", (8, 8)), io.BytesIO()
     palette.putpalette([255, 0, 255] + [0] * 765)
     palette.save(octets, "PNG", transparency=0)
-    assert decode(octets.getvalue(), "palette").remark == "transparency is left out"
+    assert decode(octets.getvalue(), "palette").remark == "transparency is left out: transparent pixels show the colour that the file has below them"
 
 
 def test_names_that_are_not_utf_8_and_digits_of_other_scripts_are_taken(tmp_path):
@@ -353,3 +353,11 @@ def test_what_a_folder_holds_beside_its_pictures_is_told(tmp_path):
     assert [path.name for path in in_folder(folder, account)] == ["0.png"]
     assert account.dropped == {"a link to a file that is not there": 1}
     assert account.assumed == ["1 folders with pictures below this one are left out: below"]
+
+
+def test_true_is_as_bright_in_an_array_as_in_a_picture_of_one_bit():
+    mask, octets, picture = np.eye(8, dtype=bool), io.BytesIO(), io.BytesIO()
+    np.save(octets, mask)
+    Image.fromarray(mask).save(picture, "PNG")
+    found, same = decode(octets.getvalue(), "array"), decode(picture.getvalue(), "picture")
+    assert np.array_equal(found.pixels, np.where(mask, 255, 0)) and np.array_equal(found.pixels, same.pixels) and found.remark == same.remark != ""

@@ -19,7 +19,8 @@ from importing.formats import RAW_SUFFIXES, kind_of
 from judge.errors import BadInput
 from judge.levels import FULL_BITS, luminance, png_bits, significant_bits
 
-TRANSPARENT = "transparency is left out"
+TRANSPARENT = "transparency is left out: transparent pixels show the colour that the file has below them"
+ONE_BIT = "the pictures have one bit: black and white alone"
 BY_FFMPEG = {"exr": "exr", "dpx": "dpx", "pam": "pam"}
 DEEP = ("tiff", "jpeg 2000", "avif", "hdr")  # may hold more than 8 bits, which Pillow cuts
 COLOUR_NETPBM = (b"P3", b"P6")
@@ -149,7 +150,7 @@ def _by_pillow(octets: bytes, kind: str) -> Decoded:
                 return Decoded(pixels.astype(np.uint16), FULL_BITS if kind == "pnm" else significant_bits(octets))
             return Decoded(pixels, pages=pages)
         gray = np.asarray((picture.convert("RGB") if picture.mode in ("LAB", "HSV") else picture).convert("L"))
-        remark = TRANSPARENT if alpha else "the pictures have one bit: black and white alone" if picture.mode == "1" else ""
+        remark = TRANSPARENT if alpha else ONE_BIT if picture.mode == "1" else ""
         return Decoded(gray, 8, remark, pages)
 
 
@@ -182,6 +183,8 @@ def _numpy(octets: bytes) -> Decoded:
     pixels = np.load(io.BytesIO(octets), allow_pickle=False)
     if pixels.ndim not in (2, 3) or pixels.ndim == 3 and pixels.shape[2] not in (1, 3, 4):
         raise BadInput(f"a NumPy array of {'x'.join(map(str, pixels.shape))}, needed are rows, columns and up to 4 colours")
+    if pixels.dtype == bool:
+        return Decoded(luminance(np.where(pixels, np.uint8(255), np.uint8(0))), 8, ONE_BIT)
     return Decoded(luminance(pixels), 0, "colours of NumPy arrays are taken to be red, green, blue" if pixels.ndim == 3 and pixels.shape[2] > 1 else "")
 
 

@@ -11,7 +11,7 @@ from importing.numbering import DATE_AND_CLOCK, frame_numbers, in_order
 from importing.outsiders import of_the_series
 from importing.pictures import exif_lens, exif_time_ns, in_folder
 from importing.series import of_one_camera
-from importing.source import NS, Account, Frame, Options, Source
+from importing.source import NS, Account, Frame, Options, Source, lens_if_any
 from importing.times_beside import times_beside
 
 from judge.errors import BadInput
@@ -42,7 +42,7 @@ def open_folder(path: pathlib.Path, options: Options) -> Source:
     if options.stamp_unit and not beside:
         account.assumed.append("--stamp-unit is left out: it is for lists, and these times are of none")
     # The first may be damaged, or by another tool than the others.
-    lens, lens_from = next(filter(None, map(exif_lens, files[:EXIF_TRIES])), (None, ""))
+    lens, lens_from = lens_if_any(lambda: next(filter(None, map(exif_lens, files[:EXIF_TRIES])), (None, "")), account)
     return Source(f"folder of {len(files)} pictures", frames_of(files, times_ns), account, times_ns, len(files), lens, lens_from, nominal)
 
 

@@ -87,7 +87,7 @@ def scaled_to(lens: Lens, width_px: int, height_px: int, where: str, aspect: flo
     stretched = aspect != 1 and abs(factors[1] * lens.width_px - width_px * aspect) <= SIZE_PX * aspect
     if abs(factors[0] * lens.height_px - height_px) > SIZE_PX and not stretched:
         turned = (lens.height_px, lens.width_px) == (width_px, height_px)
-        raise BadInput(f"{found}: {'the pictures are turned by 90 deg' if turned else 'not the same shape, cropped?'}")
+        raise BadInput(f"{found}: {'width and height are exchanged: in the calibration, or by pictures that are turned by 90 deg' if turned else 'not the same shape, cropped?'}")
     fu, fv, cu, cv = lens.intrinsics_px
     centre = tuple(factor * (place + 0.5) - 0.5 for factor, place in zip(factors, (cu, cv)))
     by = f"{factors[0]:.4g}" if not stretched else f"{factors[0]:.4g} and {factors[1]:.4g}, by the shape of the pixels"

@@ -34,7 +34,7 @@ def open_tum(path: pathlib.Path, options: Options) -> Source:
 def _timed(table: pathlib.Path, folder: pathlib.Path, wanted: str, unit: str, options: Options, account: Account) -> list[tuple[int, pathlib.Path]]:
     """(time, file) of a list's rows. @param unit  that such lists have where they tell none"""
     listed = read_list(table, wanted)
-    times = in_ns([time for time, _ in listed.rows], listed.unit or unit, options.stamp_unit, str(table), account)
+    times = in_ns([time for time, _ in listed.rows], listed.unit or unit, options.stamp_unit, str(table), account, options.rate_hz)
     return [(time, folder / name) for time, (_, name) in zip(times, listed.rows)]
 
 
@@ -85,7 +85,7 @@ def _euroc_rows(folder: pathlib.Path, options: Options, account: Account) -> lis
         files = sorted((int(file.stem), file) for file in (folder / "data").iterdir() if file.stem.isdecimal())
         if not files:
             raise BadInput(f"{folder}: no data.csv, and in data no pictures whose names are times")
-        return list(zip(in_ns([time for time, _ in files], "ns", options.stamp_unit, str(folder / "data"), account), [file for _, file in files]))
+        return list(zip(in_ns([time for time, _ in files], "ns", options.stamp_unit, str(folder / "data"), account, options.rate_hz), [file for _, file in files]))
     rows = _timed(table, folder / "data", "a time in nanoseconds and a name", "ns", options, account)
     return [(time, _found(file, folder)) for time, file in rows]
 

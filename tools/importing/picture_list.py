@@ -7,16 +7,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 
-from importing.source import PICTURES, Account
+from importing.source import NS, PICTURES, Account
 
 from judge.delimited import rows_of, separator_of, text_of
 from judge.errors import BadInput
-from judge.units import UNITS, WORDS, doubt, likely_units
+from judge.units import SINCE_1970_NS, UNITS, WORDS, doubt, likely_units, median_step
 
 TIME_NAME = re.compile(r"\W*(time|stamp|t\b|t_)", re.IGNORECASE)
 UNIT_NAME = re.compile(r"(?:[\[(_ ])(ns|us|µs|ms|s|sec|seconds|nsec|usec|msec)\b", re.IGNORECASE)
 UNIT_OF_NAME = {"µs": "us", "sec": "s", "seconds": "s", "nsec": "ns", "usec": "us", "msec": "ms"}
 DATE = re.compile(r"(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d:\d\d)(?:\.(\d+))?(Z|[+-]\d\d:\d\d)?")
+DAY, CLOCK = re.compile(r"\d{4}-\d\d-\d\d"), re.compile(r"\d\d:\d\d:\d\d.*")
+# What stands where times do, and is none, nor a column's name.
+BAD_STAMP = re.compile(r"[-+]?\.?\d.*|[-+]?(nan|inf|infinity)", re.IGNORECASE)
 NO_LIGHT = re.compile(r"depth|disparity|mask|label", re.IGNORECASE)
 ADVICE = "--stamp-unit s, ms, us or ns says which"
 
@@ -60,9 +63,9 @@ def _table(path: pathlib.Path) -> tuple[list[tuple[int, list[str]]], list[str]]:
     """(rows with their lines' numbers, the columns' names as far as they are told)."""
     text = text_of(path, "surrogateescape")
     separator = separator_of(text)
-    table = rows_of(text, separator)
+    table = [(number, _with_dates(cells)) for number, cells in rows_of(text, separator)]
     head = next((cells for _, cells in table if not cells[0].startswith("#")), [])
-    has_head = bool(head) and not any(map(_is_number, head))
+    has_head = bool(head) and not _is_row(head)
     remarks = [cells for _, cells in rows_of("\n".join(line.lstrip("# ") for line in text.splitlines() if line.lstrip().startswith("#")), separator)]
     names = head if has_head else remarks[-1] if remarks else []
     rows = [(number, cells) for number, cells in table if not cells[0].startswith("#")][has_head:]
@@ -71,6 +74,17 @@ def _table(path: pathlib.Path) -> tuple[list[tuple[int, list[str]]], list[str]]:
     rows = [(number, _with_blanks(cells, path.parent) if separator == " " else cells) for number, cells in rows]
     _check_decimal_commas(path, names, rows, separator)
     return rows, names
+
+
+def _with_dates(cells: list[str]) -> list[str]:
+    """A date and a clock with a blank between them are one time."""
+    place = next((place for place, (day, clock) in enumerate(zip(cells, cells[1:])) if DAY.fullmatch(day) and CLOCK.fullmatch(clock)), None)
+    return cells if place is None else [*cells[:place], " ".join(cells[place:place + 2]), *cells[place + 2:]]
+
+
+def _is_row(cells: list[str]) -> bool:
+    """Not the names of columns: also a row whose time is none, which must be told and not passed over."""
+    return any(_is_number(cell) or _is_picture(cell) or BAD_STAMP.fullmatch(cell) for cell in cells) or not any(map(str.isalpha, "".join(cells)))
 
 
 def _is_number(cell: str) -> bool:
@@ -145,18 +159,33 @@ def _unit(names: list[str], place: int) -> str:
     return UNIT_OF_NAME.get(name, name)
 
 
-def in_ns(values: Sequence, stated: str, asked: str | None, where: str, account: Account) -> list[int]:
-    """@param asked  the unit that the user says. @errors BadInput where the stated one can't be, and which it is is not clear"""
+def in_ns(values: Sequence, stated: str, asked: str | None, where: str, account: Account, rate_hz: float | None = None) -> list[int]:
+    """@param asked  the unit that the user says. @param rate_hz  of the frames, where the values are their numbers.
+    @errors BadInput where the stated unit can't be, and which it is is not clear"""
+    are_counts = not asked and _count_frames(values)
+    if are_counts and rate_hz:
+        account.assumed.append(f"the list has numbers of frames in place of times: {1 / rate_hz:g} s from one to the next, as --rate-hz says")
+        return [round(value * NS / Decimal(rate_hz)) for value in map(Decimal, values)]
+    if rate_hz:
+        account.assumed.append("--rate-hz is left out: the list tells its times")
     units = [asked] if asked else likely_units(values, stated)
+    advice = f"{ADVICE}; if they are numbers of frames, --rate-hz says how many there are a second" if are_counts else ADVICE
     if len(units) != 1:
         likely = f"these look like {' or '.join(WORDS[unit] for unit in units)}" if units else "no unit of time fits them"
-        raise BadInput(f"{where}: stamps that are no {WORDS[stated]}, so far apart are no pictures of a camera: {likely}; {ADVICE}")
+        raise BadInput(f"{where}: stamps that are no {WORDS[stated]}, so far apart are no pictures of a camera: {likely}; {advice}")
     unit = units[0]
     if unit != stated and not asked:
-        account.assumed.append(f"the stamps can't be {WORDS[stated]}: they are taken for {WORDS[unit]}, as their steps are those of a camera; {ADVICE}")
+        account.assumed.append(f"the stamps can't be {WORDS[stated]}: they are taken for {WORDS[unit]}, as their steps are those of a camera; {advice}")
     elif not asked and doubt(values, unit):
-        account.assumed.append(f"{doubt(values, unit)}; if that is wrong, {ADVICE}")
+        account.assumed.append(f"{doubt(values, unit)}; if that is wrong, {advice}")
+    elif are_counts:
+        account.assumed.append(f"the times are whole {WORDS[unit]}, one after the other; {advice.removeprefix(ADVICE).lstrip('; ')}")
     times = [int(value * UNITS[unit]) for value in values]
     if max(map(abs, times)) >= 2**63:
         raise BadInput(f"{where}: a stamp of {max(values)} {WORDS[unit]} is beyond what a sequence can hold; {ADVICE}")
     return times
+
+
+def _count_frames(values: Sequence) -> bool:
+    """Whether they may be numbers of frames: whole, one after the other, and of no clock."""
+    return len(values) > 2 and all(value == int(value) and value < SINCE_1970_NS[0] // NS for value in values) and median_step(values) == 1

@@ -19,9 +19,11 @@ from judge.errors import BadInput
 ORIENTATION, EXIF_FOLDER, MAKE, MODEL = 0x0112, 0x8769, 0x010F, 0x0110
 TIME_ORIGINAL, SUBSECONDS, OFFSET = 0x9003, 0x9291, 0x9011
 FOCAL_MM, FOCAL_35MM = 0x920A, 0xA405
+WIDTH_TAKEN, HEIGHT_TAKEN = 0xA002, 0xA003
 PLANE_X, PLANE_UNIT = 0xA20E, 0xA210
 MM_PER_UNIT = {2: 25.4, 3: 10.0, 4: 1.0}
 ASPECT_SAME = 0.005  # densities are rounded
+SHAPE_SAME = 0.01  # a focal length of EXIF is no better than this; sizes are rounded
 # What Pillow raises of damaged files of one format or another.
 PICTURE_ERRORS = (OSError, SyntaxError, ValueError, EOFError, IndexError, KeyError, TypeError, struct.error, zlib.error)
 DIAGONAL_35MM = 43.27  # of a frame of 36 mm x 24 mm, which "35 mm equivalent" refers to (CIPA DCG-001)
@@ -131,24 +133,45 @@ def exif_time_ns(path: pathlib.Path) -> int | None:
 
 
 def exif_lens(path: pathlib.Path) -> tuple[Lens, str] | None:
-    """A lens from the focal length in EXIF, and how it was found; None where EXIF has none. No better than some per cent."""
+    """A lens from the focal length in EXIF, and how it was found; None where EXIF has none. No better than some per cent.
+
+    @errors BadInput where EXIF was written for a picture of another shape
+    """
     try:
         with open_picture(path) as picture:
-            fields, camera = picture.getexif().get_ifd(EXIF_FOLDER), picture.getexif()
+            fields, camera, stored = picture.getexif().get_ifd(EXIF_FOLDER), picture.getexif(), picture.size
             name = " ".join(str(camera.get(tag, "")).strip("\0 ") for tag in (MAKE, MODEL)).strip() or "camera unknown"
         width, height = size_of(path)
-    except (BadInput, *PICTURE_ERRORS):
+        found = _focal(fields, width, height)
+        taken = int(fields.get(WIDTH_TAKEN) or 0), int(fields.get(HEIGHT_TAKEN) or 0)
+    except (BadInput, *PICTURE_ERRORS, ZeroDivisionError):
         return None
-    focal_px, how = None, ""
-    try:
-        if float(fields.get(FOCAL_35MM) or 0) > 0:
-            equivalent = float(fields[FOCAL_35MM])
-            focal_px, how = equivalent / DIAGONAL_35MM * float(np.hypot(width, height)), f"{equivalent:g} mm equivalent"
-        elif float(fields.get(FOCAL_MM) or 0) > 0 and float(fields.get(PLANE_X) or 0) > 0:
-            per_mm = float(fields[PLANE_X]) / MM_PER_UNIT[int(fields.get(PLANE_UNIT, 2))]
-            focal_px, how = float(fields[FOCAL_MM]) * per_mm, f"{float(fields[FOCAL_MM]):g} mm, {per_mm:.4g} pixels per mm"
-    except (ValueError, KeyError, ZeroDivisionError):
+    if found is None:
         return None
-    if focal_px is None:
-        return None
+    focal_px, how, of_plane = found
+    if min(taken) > 0 and taken != stored:
+        by = _resized_by(stored, taken, path)
+        focal_px *= by if of_plane else 1.0  # an angle holds at any size
+        how += f"; EXIF is of a picture of {taken[0]}x{taken[1]}, which was resized by {by:.4g}" if abs(by - 1) > SHAPE_SAME else ""
     return Lens(width, height, (focal_px, focal_px, (width - 1) / 2, (height - 1) / 2)), f"EXIF of {path.name} ({name}: {how})"
+
+
+def _focal(fields, width: int, height: int) -> tuple[float, str, bool] | None:
+    """(focal length [px], how it was found, whether by pixels of the focal plane). @errors those of fields that are no numbers"""
+    if float(fields.get(FOCAL_35MM) or 0) > 0:
+        equivalent = float(fields[FOCAL_35MM])
+        return equivalent / DIAGONAL_35MM * float(np.hypot(width, height)), f"{equivalent:g} mm equivalent", False
+    if float(fields.get(FOCAL_MM) or 0) > 0 and float(fields.get(PLANE_X) or 0) > 0:
+        per_mm = float(fields[PLANE_X]) / MM_PER_UNIT[int(fields.get(PLANE_UNIT, 2))]
+        return float(fields[FOCAL_MM]) * per_mm, f"{float(fields[FOCAL_MM]):g} mm, {per_mm:.4g} pixels per mm", True
+    return None
+
+
+def _resized_by(stored: tuple[int, int], taken: tuple[int, int], path: pathlib.Path) -> float:
+    """The picture's size by the one that EXIF tells; the picture may have been turned meanwhile. @errors BadInput where the shapes differ"""
+    for width, height in (taken, taken[::-1]):
+        across, down = stored[0] / width, stored[1] / height
+        if abs(across / down - 1) <= SHAPE_SAME:
+            return across
+    raise BadInput(f"EXIF of {path.name} is of a picture of {taken[0]}x{taken[1]}, but this one has {stored[0]}x{stored[1]}, another shape: "
+                   "it was cropped, and its focal length in pixels is not known; give --intrinsics FILE, 'fu,fv,cu,cv' or auto")
