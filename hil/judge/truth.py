@@ -34,22 +34,34 @@ class Matching:
 
 def at_frames(truth: Motion, frames_ns: np.ndarray, matching: Matching) -> Motion:
     """The truth with a row at each of the frames that it covers. Its rows before the first and after the last frame stay."""
+    half_filled = _half_filled(truth)
     own_ns = truth.timestamp_ns - np.int64(round(matching.offset_s * 1e9))
     shifted = replace(truth, timestamp_ns=own_ns)
     exact = int(np.isin(frames_ns, own_ns).sum())
     if exact >= OF_THE_FRAMES * len(frames_ns):  # made for them: a frame without truth has none on purpose
-        return replace(shifted, remark=_remark(matching, len(frames_ns), 0, len(frames_ns) - exact))
+        return replace(shifted, remark=_remark(matching, len(frames_ns), 0, len(frames_ns) - exact, half_filled))
     _check_unit(truth)
     at = _interpolated(shifted, frames_ns, round(matching.gap_max_s * 1e9))
     covered = at.pose_valid
     if not covered.any():
         raise BadInput(_no_overlap(truth, own_ns, frames_ns, matching))
     beside = _rows(shifted, (own_ns < frames_ns[0]) | (own_ns > frames_ns[-1]))
-    return replace(_together(beside, _rows(at, covered)), remark=_remark(matching, len(frames_ns), int(covered.sum()) - exact, int((~covered).sum())))
+    remark = _remark(matching, len(frames_ns), int(covered.sum()) - exact, int((~covered).sum()), half_filled)
+    return replace(_together(beside, _rows(at, covered)), remark=remark)
 
 
-def _remark(matching: Matching, frames: int, interpolated: int, without: int) -> str:
-    parts = []
+def _half_filled(truth: Motion) -> str:
+    """What is to be said of rows with a part of a pose; those without any have none on purpose. @errors BadInput where no row has a whole one"""
+    known = np.column_stack([np.isfinite(values).all(axis=1) for values in (truth.q_CT, truth.p_CT)])  # a part of a quaternion is none
+    bad = np.flatnonzero(~known.all(axis=1) & known.any(axis=1))
+    if not known.all(axis=1).any():
+        missing = " and ".join(name for name, column in zip(("the quaternion q_CT", "the position p_CT"), known.T) if not column.any())
+        raise BadInput(f"{truth.path}:2: no row of {len(known)} has a whole pose: {missing or 'one part of it'} has empty or nan cells from this line on")
+    return f"{len(bad)} of its {len(known)} rows have a part of a pose and are not used, the first in line {bad[0] + 2}" if len(bad) else ""
+
+
+def _remark(matching: Matching, frames: int, interpolated: int, without: int, half_filled: str) -> str:
+    parts = [half_filled] if half_filled else []
     if interpolated:
         parts.append(f"interpolated at {interpolated} of {frames} frames, between rows at most {matching.gap_max_s:g} s apart")
     if without:

@@ -8,13 +8,13 @@ from PIL import Image
 FOCAL_PX = 888.89  # 8.8889 mm at 100 pixels per mm, of 640x480
 
 
-def write(folder, width, height, orientation=None, **fields):
+def write(folder, wide, high, orientation=None, **fields):
     numbers = {"focal_mm": 0x920A, "plane_x": 0xA20E, "plane_unit": 0xA210, "focal_35mm": 0xA405, "width": 0xA002, "height": 0xA003}
     exif = Image.Exif()
     exif.get_ifd(0x8769).update({numbers[name]: value for name, value in fields.items()})
     if orientation:
         exif[0x0112] = orientation
-    rows = np.add.outer(np.arange(height), np.arange(width))
+    rows = np.add.outer(np.arange(high), np.arange(wide))
     sources.write_pictures(folder, [np.uint8((rows + 9 * i) // 8 % 251) for i in range(3)], [f"{i}.jpg" for i in range(3)], lambda _: exif)
     return folder
 

@@ -140,3 +140,21 @@ def test_evaluate_and_report_take_it_and_its_options(made, tmp_path):
         assert done.returncode == 0, done.stderr
     refused = subprocess.run([sys.executable, REPOSITORY / "hil/evaluate.py", run.folder, sequence.folder, "--truth-gap-s", "0"], capture_output=True, text=True)
     assert refused.returncode == 2 and "--truth-gap-s" in refused.stderr
+
+
+# verifies: GND-02
+def test_rows_of_a_truth_that_are_no_numbers_are_named(made, tmp_path):
+    sequence, run = made
+    path = write_truth(tmp_path / "truth.csv")
+    head, *rows = path.read_text().splitlines()
+    column = head.split(",").index("q_CT_w")
+
+    def with_nan(row, text="nan"):
+        cells = row.split(",")
+        return ",".join([*cells[:column], text, *cells[column + 1:]])
+    path.write_text("\n".join([head, *map(with_nan, rows)]) + "\n")
+    done = subprocess.run([sys.executable, REPOSITORY / "hil/evaluate.py", run.folder, sequence.folder, "--truth", path], capture_output=True, text=True)
+    assert done.returncode == 2 and f"truth.csv:2: no row of {len(rows)} has a whole pose: the quaternion q_CT has empty or nan cells" in done.stderr
+    path.write_text("\n".join([head, *rows[:7], *(with_nan(row, "") for row in rows[7:10]), *rows[10:]]) + "\n")
+    truth = read_truth(sequence, path)
+    assert f"3 of its {len(rows)} rows have a part of a pose and are not used, the first in line 9" in text_report([judge_run(run, sequence, truth)])
