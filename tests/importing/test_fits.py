@@ -53,3 +53,10 @@ def test_a_file_without_a_picture_or_cut(tmp_path):
     (tmp_path / "cut.fits").write_bytes(octets[:6000])
     with pytest.raises(BadInput, match="cut.fits: a fits file that can't be read"):
         read_picture(tmp_path / "cut.fits")
+
+
+def test_dates_in_whole_seconds_are_named_as_what_repeats(tmp_path):
+    for i in range(6):
+        write(tmp_path / f"o_{i:03d}.fits", DATE_OBS=f"2026-03-01T12:00:{i // 2:02d}")
+    source = open_source(tmp_path, Options())
+    assert source.nominal_time and source.account.assumed[0].startswith("the times of FITS' DATE-OBS repeat, run back or are missing: one picture a second")

@@ -177,13 +177,48 @@ def test_pictures_that_colmap_did_not_register_leave_gaps(tmp_path):
     assert [frame.timestamp_ns for frame in frames] == [0, 2, 3, 4] and account.dropped == {"not registered in the COLMAP model": 1}
 
 
-def test_links_to_nothing_are_parts_of_the_whole(tmp_path):
-    sources.write_pictures(tmp_path / "seq", [np.zeros((8, 8), np.uint8)] * 9, [f"{i:03d}.png" for i in range(9)])
-    for number in range(9, 12):
-        (tmp_path / f"seq/{number:03d}.png").symlink_to(tmp_path / "gone.png")
-    plan = Plan(open_source(tmp_path / "seq", Options(rate_hz=10.0)), Part())
-    list(plan.frames())
-    assert (plan.loss().frames, plan.loss().of) == (3, 12)
+# verifies: GND-03
+@pytest.mark.parametrize("broken", [[9, 10, 11], [4, 5], [0, 4, 5, 11]])
+@pytest.mark.parametrize("exif", [None, lambda i: sources.exif_of(f"2024:05:01 10:00:{i:02d}.0")])
+def test_links_to_nothing_are_lost_once(tmp_path, run, broken, exif):
+    sources.write_pictures(tmp_path / "seq", [np.full((48, 64), 20 * i, np.uint8) for i in range(12)], [f"{i:03d}.jpg" for i in range(12)], exif)
+    for number in broken:
+        (tmp_path / f"seq/{number:03d}.jpg").unlink()
+        (tmp_path / f"seq/{number:03d}.jpg").symlink_to(tmp_path / "gone.jpg")
+    done = run(tmp_path / "seq", tmp_path / "SEQ", "--intrinsics", "100,100,15.5,11.5", *([] if exif else ["--rate-hz", 1]))
+    assert f"dropped: {len(broken)} frames: a link to a file that is not there" in done.stdout and "missing:" not in done.stdout
+    assert f"warning: {len(broken)} of 12 frames" in done.stderr
+    rows = (tmp_path / "SEQ/mav0/cam0/data.csv").read_text().splitlines()[1:]
+    begin = int(rows[0].split(",")[0])
+    first = min(set(range(12)) - set(broken))
+    assert [first + (int(row.split(",")[0]) - begin) // NS for row in rows] == [i for i in range(12) if i not in broken]
+
+
+def write_avi(path, shown):
+    """MJPEG whose other places are empty, as a recorder leaves them that dropped frames."""
+    import av
+    import fractions
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("mjpeg", rate=10)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "yuvj420p"
+        stream.codec_context.time_base = fractions.Fraction(1, 10)
+        for place in shown:
+            frame = av.VideoFrame.from_ndarray(np.full((48, 64, 3), 5 * place, np.uint8), format="rgb24")
+            frame.pts, frame.time_base = place, fractions.Fraction(1, 10)
+            container.mux(stream.encode(frame))
+        container.mux(stream.encode(None))
+
+
+# verifies: GND-03
+@pytest.mark.parametrize("dropped", [[5, 6, 13], [*range(4, 10), 18, 19, 20], [1, 3, 5, 7, 9, 11, 13]])
+def test_empty_places_of_an_avi_are_lost_once(tmp_path, dropped):
+    shown = [place for place in range(25) if place not in dropped]
+    write_avi(tmp_path / "clip.avi", shown)
+    source = video.open_video(tmp_path / "clip.avi", Options())
+    times, plan = read(source)
+    assert times == [place * NS // 10 for place in shown]
+    assert plan.account.dropped == {"an empty place in the file: the recorder dropped it": len(dropped)} and not plan.gaps.said
+    assert (plan.loss().frames, plan.loss().of) == (len(dropped), 25)
 
 
 def test_a_bad_stamp_of_an_unsorted_list_is_lost_once():

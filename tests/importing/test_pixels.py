@@ -350,8 +350,7 @@ def test_what_a_folder_holds_beside_its_pictures_is_told(tmp_path):
         Image.fromarray(np.zeros((8, 8), np.uint8)).save(folder / name)
     (folder / "1.png").symlink_to(folder / "not_there.png")
     account = Account()
-    assert [path.name for path in in_folder(folder, account)] == ["0.png"]
-    assert account.dropped == {"a link to a file that is not there": 1}
+    assert [path.name for path in in_folder(folder, account)] == ["0.png", "1.png"]  # a link to nothing has a place in the series
     assert account.assumed == ["1 folders with pictures below this one are left out: below"]
 
 
@@ -361,3 +360,23 @@ def test_true_is_as_bright_in_an_array_as_in_a_picture_of_one_bit():
     Image.fromarray(mask).save(picture, "PNG")
     found, same = decode(octets.getvalue(), "array"), decode(picture.getvalue(), "picture")
     assert np.array_equal(found.pixels, np.where(mask, 255, 0)) and np.array_equal(found.pixels, same.pixels) and found.remark == same.remark != ""
+
+
+OME_TEXT = '<OME><Image><Pixels DimensionOrder="XYZCT" SizeT="{frames}" SizeZ="1" TimeIncrement="250" TimeIncrementUnit="ms"/></Image></OME>'
+
+
+# verifies: GND-03
+@pytest.mark.parametrize(("text", "step_s", "says"), [
+    ("ImageJ=1.54\nimages=4\nframes=4\nfinterval=0.25\n", 0.25, "as ImageJ's finterval says"), ("ImageJ=1.54\nfinterval=2\ntunit=min\n", 120, "ImageJ's finterval"),
+    (OME_TEXT.format(frames=4), 0.25, "as OME's TimeIncrement says"), (OME_TEXT.format(frames=1), 1, "pages tell no time"),
+    ("ImageJ=1.54\nimages=4\nslices=4\n", 1, "pages tell no time"), ("ImageJ=1.54\nframes=2\nslices=2\nfinterval=0.25\n", 1, "pages tell no time"),
+    ("ImageJ=1.54\nfinterval=0.0\n", 1, "pages tell no time"), ("finterval=0.25", 1, "pages tell no time")])
+def test_the_interval_of_a_stack_is_read(tmp_path, text, step_s, says):
+    from importing.recognise import open_source
+    from importing.source import Options
+    pages = [Image.fromarray(np.roll(GRAY, i)) for i in range(4)]
+    pages[0].save(tmp_path / "stack.tif", save_all=True, append_images=pages[1:], tiffinfo={270: text})
+    source = open_source(tmp_path / "stack.tif", Options())
+    assert source.times_ns == [round(i * step_s * 1e9) for i in range(4)] and says in source.account.assumed[0] and source.nominal_time == ("no time" in says)
+    asked = open_source(tmp_path / "stack.tif", Options(rate_hz=8.0))
+    assert asked.times_ns[1] == 125_000_000 and ("says 0.25 s" in asked.account.assumed[0]) == (step_s == 0.25)

@@ -108,6 +108,15 @@ def test_lists_out_of_order_are_sorted_and_recordings_of_a_set_clock_are_not():
     assert not any("sorted" in one for one in judge(set_clock(-HOUR, at=45)).assumed)
 
 
+# verifies: GND-03
+@pytest.mark.parametrize("count", [3, 5, 9, 10, 12, COUNT])
+def test_a_list_from_the_newest_to_the_oldest_is_reversed_without_a_loss(count):
+    for stamps in (GOOD[:count][::-1], [*GOOD[count // 2:count][::-1], None, *GOOD[:count // 2][::-1]]):
+        judgement = judge(stamps)
+        assert judgement.times_ns == stamps and "runs from the newest to the oldest: reversed" in judgement.assumed[0]
+        assert set(judgement.reasons.values()) <= {NO_TIME}
+
+
 def test_repeats_missing_and_negative_times():
     judgement = judge(with_bad(GOOD, {7: None, 41: GOOD[40]}))
     assert judgement.reasons == {7: NO_TIME, 41: REPEATS}

@@ -9,9 +9,9 @@ from importing import fits
 from importing.formats import kind_of_file
 from importing.numbering import DATE_AND_CLOCK, frame_numbers, in_order
 from importing.outsiders import of_the_series
-from importing.pictures import exif_lens, exif_time_ns, in_folder
+from importing.pictures import exif_lens, exif_time_ns, in_folder, is_broken
 from importing.series import of_one_camera
-from importing.source import NS, Account, Frame, Options, Source, lens_if_any
+from importing.source import BROKEN_LINK, NS, Account, Frame, Options, Source, lens_if_any
 from importing.times_beside import times_beside
 
 from judge.errors import BadInput
@@ -30,8 +30,8 @@ SECONDS_AND_PART = re.compile(r"(?<!\d)([12]\d{9})[-_.](\d{9}|\d{6})(?!\d)")
 def open_folder(path: pathlib.Path, options: Options) -> Source:
     account = Account()
     files = in_folder(path, account)
-    if not files:
-        raise BadInput(f"{path}: no pictures in it; expected are a folder of pictures, a sequence, a COLMAP project or a bag")
+    if all(map(is_broken, files)):
+        raise BadInput(f"{path}: {'only links to files that are not there' if files else 'no pictures'} in it; expected are a folder of pictures, a sequence, a COLMAP project or a bag")
     files = of_the_series(of_one_camera(files, options.camera, account), options.camera, account)
     files, ordered_by = in_order(files)
     account.assumed += ordered_by
@@ -43,7 +43,10 @@ def open_folder(path: pathlib.Path, options: Options) -> Source:
         account.assumed.append("--stamp-unit is left out: it is for lists, and these times are of none")
     # The first may be damaged, or by another tool than the others.
     lens, lens_from = lens_if_any(lambda: next(filter(None, map(exif_lens, files[:EXIF_TRIES])), (None, "")), account)
-    return Source(f"folder of {len(files)} pictures", frames_of(files, times_ns), account, times_ns, len(files), lens, lens_from, nominal)
+    lost = {place: BROKEN_LINK for place, file in enumerate(files) if is_broken(file)}
+    times_ns = [None if place in lost else time for place, time in enumerate(times_ns)]
+    count = len(files) - len(lost)
+    return Source(f"folder of {count} pictures", frames_of(files, times_ns), account, times_ns, count, lens, lens_from, nominal, lost=lost)
 
 
 def times_of(files: list[pathlib.Path], rate_hz: float | None, root: pathlib.Path | None = None) -> tuple[list[int | None], bool, list[str]]:
@@ -55,19 +58,13 @@ def times_of(files: list[pathlib.Path], rate_hz: float | None, root: pathlib.Pat
     if rate_hz is not None:
         times_ns, said = _steady(relative, rate_hz)
         return times_ns, False, [f"pictures are {1 / rate_hz:g} s apart, as --rate-hz says", *said]
-    names = [_time_of_name(path.stem) for path in files]
-    if _tell(names):
-        return names, False, ["times are those in the pictures' names"]
-    observed = [fits.time_ns(path) if kind_of_file(path) == "fits" else None for path in files]
-    if _tell(observed):
-        return observed, False, ["times are FITS' DATE-OBS: when the exposures began"]
-    taken = [exif_time_ns(path) for path in files]
-    if _tell(taken):
-        return taken, False, ["times are EXIF's; they tell when the shutter was pressed, not the middle of the exposure"]
-    clocks = [_clock_of_name(path.stem) for path in files]
-    if _tell(clocks):
-        return clocks, False, ["times are the dates and clocks in the pictures' names, taken for UTC"]
-    why = "EXIF's times repeat, run back or are missing" if any(taken) else "the pictures tell no time"
+    told = []
+    for what, said, read in TIME_TELLERS:
+        times = [read(path) for path in files]
+        if _tell([time for path, time in zip(files, times) if not is_broken(path)]):
+            return times, False, [said]
+        told += [what] if any(time is not None for time in times) else []
+    why = f"{' and '.join(told)} repeat, run back or are missing" if told else "the pictures tell no time"
     times_ns, said = _steady(relative, 1.0)
     return times_ns, True, [f"{why}: one picture a second is assumed, so rates and velocity are per picture; give --rate-hz", *said]
 
@@ -114,6 +111,15 @@ def _clock_of_name(stem: str) -> int | None:
     except ValueError:
         return None
     return int(when.timestamp()) * NS + int((fraction or "0").ljust(9, "0"))
+
+
+# (what tells times, what is said of them, the time of a file or None), the best first.
+TIME_TELLERS = (
+    ("the times in the pictures' names", "times are those in the pictures' names", lambda path: _time_of_name(path.stem)),
+    ("the times of FITS' DATE-OBS", "times are FITS' DATE-OBS: when the exposures began", lambda path: fits.time_ns(path) if kind_of_file(path) == "fits" else None),
+    ("EXIF's times", "times are EXIF's; they tell when the shutter was pressed, not the middle of the exposure", exif_time_ns),
+    ("the clocks in the pictures' names", "times are the dates and clocks in the pictures' names, taken for UTC", lambda path: _clock_of_name(path.stem)),
+)
 
 
 def frames_of(files: list[pathlib.Path], times_ns: list[int | None]) -> Iterator[Frame]:

@@ -4,14 +4,13 @@ import datetime
 import pathlib
 import struct
 import zlib
-from collections import Counter
 
 import numpy as np
 from importing import netpbm
 from importing.decoding import register_heif
 from importing.formats import RAW_SUFFIXES, READ_BY_REPLAY, kind_of_file
 from importing.lens import Lens
-from importing.source import BROKEN_LINK, NS, PICTURES, Account
+from importing.source import NS, PICTURES, Account
 
 from judge.errors import BadInput
 
@@ -84,9 +83,9 @@ def pixel_aspect(picture) -> float:
 
 
 def in_folder(folder: pathlib.Path, account: Account | None = None) -> list[pathlib.Path]:
-    """Pictures of a folder by their content or their suffix, numbers in names in their own order: 9 before 10."""
+    """Pictures of a folder by their content or their suffix, numbers in names in their own order: 9 before 10. Links to nothing are lost pictures."""
     entries = [path for path in folder.iterdir() if not path.name.startswith(".")]
-    files = [path for path in entries if path.is_file()]
+    files = [path for path in entries if path.is_file() or is_broken(path)]
     pictures = [path for path in files if path.suffix.lower() in PICTURES or kind_of_file(path)]
     developed = {path.stem for path in pictures if not _is_raw(path)}
     twice = [path for path in pictures if _is_raw(path) and path.stem in developed]
@@ -98,10 +97,13 @@ def in_folder(folder: pathlib.Path, account: Account | None = None) -> list[path
     return sorted(set(pictures) - set(twice), key=natural_order)
 
 
+def is_broken(path: pathlib.Path) -> bool:
+    """A link to what is not there."""
+    return path.is_symlink() and not path.exists()
+
+
 def _tell_others(entries: list[pathlib.Path], account: Account) -> None:
-    """Links to nothing are lost pictures; pictures in folders below are not asked for."""
-    broken = sum(path.is_symlink() and not path.exists() and path.suffix.lower() in PICTURES for path in entries)
-    account.dropped += Counter({BROKEN_LINK: broken} if broken else {})
+    """Pictures in folders below are not asked for."""
     folders = sorted(path.name for path in entries if path.is_dir() and any(file.suffix.lower() in PICTURES for file in path.iterdir()))
     if folders:
         account.assumed.append(f"{len(folders)} folders with pictures below this one are left out: {', '.join(folders[:3])}{', ...' if folders[3:] else ''}")

@@ -7,7 +7,7 @@ from collections import Counter, defaultdict, deque
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from importing.source import BEFORE_FROM, BROKEN_LINK, BY_STEP, CHOSEN_AWAY, NS, Frame, Source
+from importing.source import BEFORE_FROM, BY_STEP, CHOSEN_AWAY, NS, Frame, Source
 from importing.stamps import find_gaps, judge
 
 from judge.errors import BadInput
@@ -59,6 +59,7 @@ class Plan:
         """@errors BadInput where a counter wrapped and nobody said that it may"""
         self.source, self.account = source, source.account
         self.judgement = judge(source.times_ns, source.received_ns)
+        self.judgement.reasons |= source.lost
         if self.judgement.wraps and not part.unwrap:
             raise BadInput(f"{source.kind}: {self.judgement.wraps[0]}; --unwrap counts on from there")
         self.account.assumed += self.judgement.assumed
@@ -145,10 +146,7 @@ class Plan:
 
     def loss(self) -> Loss:
         """After the last frame."""
-        unread = self.account.dropped[BROKEN_LINK]
-        faults = sum(count for reason, count in self.account.dropped.items() if reason not in CHOSEN_AWAY) - unread
+        faults = sum(count for reason, count in self.account.dropped.items() if reason not in CHOSEN_AWAY)
         kept = (1 - self.bad_stamps / max(1, self.held)) * (1 - (faults - self.bad_stamps) / max(1, len(self.chosen)))
-        kept *= self.held / max(1, self.held + unread)
-        of = self.held + unread
-        lost = round((1 - kept) * of) + self.gaps.frames
-        return Loss(lost, of + self.gaps.frames, lost * self.gaps.interval_ns / NS, 1 - kept)
+        lost = round((1 - kept) * self.held) + self.gaps.frames
+        return Loss(lost, self.held + self.gaps.frames, lost * self.gaps.interval_ns / NS, 1 - kept)

@@ -19,7 +19,6 @@ RECORDED_TWICE = "recorded twice: the same picture with the same stamp"
 EDITED_OUT = "left out by the video's edit list"
 OTHER_SERIES, COPIES = "of another series, by their names", "copies of pictures that are there"
 CHOSEN_AWAY = (BEFORE_FROM, BY_STEP, OTHER_CAMERA, RECORDED_TWICE, EDITED_OUT, OTHER_SERIES, COPIES)
-# Lost before anything was read: what is read does not count it.
 BROKEN_LINK = "a link to a file that is not there"
 
 
@@ -76,6 +75,7 @@ class Source:
     nominal_time: bool = False  # the times are made up: rates per second mean nothing
     line_time_ns: float = 0.0  # from one row to the next, where the source's own sensor.yaml tells it
     received_ns: list[int] | None = None  # when each frame was recorded, by another clock
+    lost: dict[int, str] = field(default_factory=dict)  # places whose frames are known to be lost before any is read, and why; their times are None
     beside: tuple[pathlib.Path, ...] = ()  # files that hold for the pictures at these times: a truth, a model
 
 

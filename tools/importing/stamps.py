@@ -141,11 +141,14 @@ class _Line:
         self.interval = self._interval(places)
         self._judge_receipts(places)
         if self._is_a_list_out_of_order(places):
-            self.judgement.assumed.append("the list of pictures is not in order of time: sorted")
+            is_backward = all(step < 0 for step in self._steps(places))
+            self.judgement.assumed.append("the list of pictures runs from the newest to the oldest: reversed" if is_backward else
+                                          "the list of pictures is not in order of time: sorted")
             places = sorted(places, key=self._time)
             repeats = {b for a, b in zip(places, places[1:]) if self._step(a, b) == 0}
             self.judgement.reasons |= dict.fromkeys(repeats, REPEATS)
             places = [place for place in places if place not in repeats]
+            self.interval = self._interval(places)  # that of a list that ran back was of its few steps ahead, or of none
         return self._without_lone_ends(self._longest(self._parts(places)))
 
     def _time(self, place: int) -> int:

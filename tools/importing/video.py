@@ -1,5 +1,6 @@
 """A video by PyAV: true presentation times, turned as its rotation flag says, damage counted."""
 
+import bisect
 import pathlib
 from collections.abc import Iterator
 
@@ -16,6 +17,7 @@ from judge.errors import BadInput
 ROLLING = "a rolling shutter is not undone: state line_time_ns in sensor.yaml, from one row to the next"
 MISSING = "missing in the file, whose header promises them"
 SER = "ser"
+EMPTY = "an empty place in the file: the recorder dropped it"
 # Decoders that complain where a frame is missing that others are built on.
 TELL_GAPS = ("h264", "hevc")
 # A file of pictures without compression, Y4M: one that is cut has a beginning, and no number of frames.
@@ -43,8 +45,8 @@ def open_video(path: pathlib.Path, options: Options) -> Source:
         raise BadInput(f"{path}: not a video that can be read ({_reason(path, problem, logs)})") from None
     account.assumed.append(ROLLING)
     clock = read_clock(path, rate_hz, account, slowed)
-    times_ns = clock.all_ns()
-    return Source(words, _frames(path, account, clock), account, count=len(times_ns), nominal_time=nominal, times_ns=times_ns)
+    times_ns, lost = clock.all_ns()
+    return Source(words, _frames(path, account, clock), account, count=len(times_ns) - len(lost), nominal_time=nominal, times_ns=times_ns, lost=lost)
 
 
 def _reason(path: pathlib.Path, problem, logs: list[tuple[int, str, str]]) -> str:
@@ -150,7 +152,10 @@ def read_clock(path: pathlib.Path, rate_hz: float | None, account: Account, slow
             clock.shown_ns = (times_of_ser(path) or [])[:packets.count]
         clock.settle(account)
         clock.missing = missing_at_end(path, container, stream, packets, clock)
+        if container.format.name == "avi":
+            clock.find_empty()
         clock.shown_ns = [None if time is None else round(time / slowed) for time in clock.shown_ns] if slowed != 1 else clock.shown_ns
+        clock.empty_ns = [round(time / slowed) for time in clock.empty_ns]
     return clock
 
 
@@ -202,6 +207,8 @@ class Clock:
         self.begins: list[int] = [0]  # packets with which the container's clock begins again
         self._last_dts: int | None = None
         self.missing = 0  # frames that are promised, after the last packet
+        self.empty_ns: list[int] = []  # places without a frame, between those of packets
+        self._tick_ns = 0.0
 
     def add(self, packet) -> None:
         ticks = packet.dts if self.by_place else packet.pts
@@ -215,6 +222,7 @@ class Clock:
             self.shown_ns.append(None)
         else:  # whole nanoseconds, without the rounding of float
             self.shown_ns.append(None if ticks is None else round(ticks * packet.time_base * NS))
+            self._tick_ns = float(packet.time_base * NS)
 
     def settle(self, account: Account) -> None:
         """No time is before 0."""
@@ -228,16 +236,28 @@ class Clock:
             return round(picture.place * NS / self.rate_hz)
         return self.shown_ns[picture.place if self.by_place else picture.packet]
 
-    def all_ns(self) -> list[int]:
-        """Of all frames in order of display, those too that are missing at the end."""
+    def find_empty(self) -> None:
+        """Of a container that numbers its places: those that it counts as frames, and that have none."""
+        known = sorted(time for time in self.shown_ns if time is not None)
+        empty = [round(before + self._tick_ns * number) for before, after in zip(known, known[1:])
+                 for number in range(1, min(round((after - before) / self._tick_ns), self.missing + 2))]
+        if len(empty) <= self.missing:
+            self.empty_ns, self.missing = empty, self.missing - len(empty)
+
+    def all_ns(self) -> tuple[list[int | None], dict[int, str]]:
+        """(times of all frames in order of display, those too that are missing at the end; places without a frame, and why)."""
         count = self.dropped.count(False)
         if self.rate_hz:
-            return [round(number * NS / self.rate_hz) for number in range(count)]
+            return [round(number * NS / self.rate_hz) for number in range(count)], {}
         known = []
         for begin, end in zip(self.begins, [*self.begins[1:], len(self.shown_ns)]):
             known += sorted(time for time, out in zip(self.shown_ns[begin:end], self.dropped[begin:end]) if time is not None and not out)
+        if self.empty_ns:  # they lie between the others, in a container whose clock does not begin again
+            known = sorted([*known, *self.empty_ns])
+        lost = dict.fromkeys((bisect.bisect_left(known, time) for time in self.empty_ns), EMPTY)
         step_ns = (known[-1] - known[0]) / (len(known) - 1) if len(known) > 1 else NS
-        return known + [round(known[-1] + step_ns * number) for number in range(1, self.missing + 1)] if known else []
+        times = known + [round(known[-1] + step_ns * number) for number in range(1, self.missing + 1)] if known else []
+        return [None if place in lost else time for place, time in enumerate(times)], lost
 
     def span_s(self) -> tuple[float, float]:
         """First time, and the end of the last frame."""
