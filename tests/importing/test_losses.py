@@ -56,6 +56,18 @@ def test_what_the_source_counts_itself_is_not_counted_twice():
     assert len(times) == COUNT - 2 and plan.account.dropped == {"torn": 2} and plan.loss().frames == 2
 
 
+def test_frames_that_a_source_counts_without_a_time_are_the_gap_that_they_leave():
+    for told, lost, of in ((10, 10, 40), (4, 10, 40), (14, 14, 44)):
+        source = source_of([time for time in SECONDS if not 10 <= time // NS < 20])
+
+        def frames(source=source, told=told):
+            yield from map(Frame, source.times_ns)
+            source.account.dropped["missing in the recording"] += told
+        source.frames = frames()
+        _, plan = read(source)
+        assert plan.gaps.frames == 10 and (plan.loss().frames, plan.loss().of) == (lost, of)
+
+
 def test_packets_that_no_frame_is_made_of_are_no_loss():
     hidden = [time for second in SECONDS for time in (second, second + NS // 2)]  # as VP8's second packets, or the second fields
     times, plan = read(source_of(hidden, lambda place: place % 2 == 0))

@@ -68,6 +68,7 @@ class Plan:
         self.chosen = self._choose(part)
         self.ends_early = part.to_s is not None
         self.seen: set[int] = set()
+        self.without_place = 0  # frames that the source counts as lost, at no time that it lists
         first, last = (min(self.chosen), max(self.chosen)) if self.chosen else (0, 0)
         held = range(first if part.from_s > 0 else 0, last + 1 if part.to_s is not None else len(source.times_ns))
         self.held = len(held)
@@ -106,7 +107,9 @@ class Plan:
             # Without an end that was asked for it is read to its own: a reader tells there what is damaged or missing.
             if self.ends_early and (place > last + REORDERED_MAX or len(self.seen) == len(self.chosen)):
                 break
-        not_told = self._not_come() - self.told_by_source
+        not_come = self._not_come()
+        self.without_place = max(0, self.faults_told - not_come)
+        not_told = not_come - self.told_by_source
         if not_told > 0:
             self.account.dropped[NOT_DECODED] += not_told
 
@@ -120,15 +123,19 @@ class Plan:
 
     def _read(self) -> Iterator[Frame]:
         """The source's frames; counts what it drops itself."""
-        self.told_by_source = 0
+        self.told_by_source = self.faults_told = 0
         frames = iter(self.source.frames)
         while True:
-            before = self.account.dropped.total()
+            before, faults = self.account.dropped.total(), self._faults()
             frame = next(frames, None)
             self.told_by_source += self.account.dropped.total() - before
+            self.faults_told += self._faults() - faults
             if frame is None:
                 return
             yield frame
+
+    def _faults(self) -> int:
+        return sum(count for reason, count in self.account.dropped.items() if reason not in CHOSEN_AWAY)
 
     def _not_come(self) -> int:
         """Chosen places that leave a hole. Some codecs have packets that no frame is made of: these leave none."""
@@ -146,7 +153,8 @@ class Plan:
 
     def loss(self) -> Loss:
         """After the last frame."""
-        faults = sum(count for reason, count in self.account.dropped.items() if reason not in CHOSEN_AWAY)
-        kept = (1 - self.bad_stamps / max(1, self.held)) * (1 - (faults - self.bad_stamps) / max(1, len(self.chosen)))
-        lost = round((1 - kept) * self.held) + self.gaps.frames
-        return Loss(lost, self.held + self.gaps.frames, lost * self.gaps.interval_ns / NS, 1 - kept)
+        of = self.held + self.without_place
+        kept = (1 - self.bad_stamps / max(1, of)) * (1 - (self._faults() - self.bad_stamps) / max(1, len(self.chosen) + self.without_place))
+        between = max(0, self.gaps.frames - self.without_place)  # a frame that the source counts, without a time, leaves a gap where it was
+        lost = round((1 - kept) * of) + between
+        return Loss(lost, of + between, lost * self.gaps.interval_ns / NS, 1 - kept)
