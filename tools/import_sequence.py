@@ -36,10 +36,10 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--intrinsics", metavar="HOW", help="a calibration file (Kalibr, OpenCV, NumPy, ROS, EuRoC, COLMAP), 'fu,fv,cu,cv' in px, or 'auto': "
                         "the focal length is estimated from the pictures (default: the source's own, else EXIF's)")
     parser.add_argument("--camera", default="cam0", help="which camera of an EuRoC sequence, a Kalibr file or COLMAP's cameras, the frame_id "
-                        "in a bag's topic, the word in the names of pictures (default: cam0)")
+                        "in a bag's topic, the word in the names of pictures, the number, title or language of a video's track (default: cam0)")
     parser.add_argument("--topic", help="of a bag's pictures, where it has several")
     parser.add_argument("--rate-hz", type=positive, metavar="HZ", help="of pictures and bare video streams, which tell no time")
-    parser.add_argument("--stamp-unit", choices=("s", "ms", "us", "ns"), help="of the times in a list of pictures (default: as the kind of list has it; another "
+    parser.add_argument("--stamp-unit", choices=("s", "ms", "us", "ns"), help="of the times in a list of pictures, or of the numbers in their names (default: as the kind of list has it; another "
                         "is taken where that can't be)")
     parser.add_argument("--from", dest="from_s", type=seconds, default=0.0, metavar="S", help="leave out what is earlier than S seconds after the first frame")
     parser.add_argument("--to", dest="to_s", type=seconds, metavar="S", help="leave out what is later")
@@ -133,6 +133,8 @@ def import_source(asked: argparse.Namespace):
 def main() -> int:
     asked = parse()
     from judge.errors import BadInput
+    if asked.to_s is not None and asked.to_s < asked.from_s:
+        raise BadInput(f"--from {asked.from_s:g} --to {asked.to_s:g}: --to is before --from, allowed is at least that")
     if asked.sequence is None and asked.intrinsics != "auto":
         raise BadInput("SEQ is needed, or --intrinsics auto for a sequence that is there")
     loss = import_source(asked) if asked.sequence is not None else None

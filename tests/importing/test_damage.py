@@ -214,18 +214,49 @@ def test_a_display_matrix_that_mirrors_is_obeyed_and_told(tmp_path, matrix, show
     assert np.array_equal(found[0], shown(plain[0])) and "mirrored, as the video's display matrix says" in said
 
 
-def test_the_largest_of_several_videos_is_taken(tmp_path):
+def write_tracks(path, sizes, **tags):
+    """Of one picture each, of levels 0, 100, 200. @param tags  a list for the tracks each"""
     import av
-    with av.open(str(tmp_path / "two.mkv"), "w") as container:
-        streams = [container.add_stream("mpeg4", rate=RATE) for _ in range(2)]
-        for stream, size in zip(streams, (48, 96)):
+    with av.open(str(path), "w") as container:
+        streams = [container.add_stream("mpeg4", rate=RATE) for _ in sizes]
+        for number, (stream, size) in enumerate(zip(streams, sizes)):
             stream.width, stream.height, stream.pix_fmt = size, size, "yuv420p"
-        for stream in streams:
-            frame = av.VideoFrame.from_ndarray(np.zeros((stream.height, stream.width), np.uint8), format="gray").reformat(format="yuv420p")
+            stream.metadata.update({name: values[number] for name, values in tags.items()})
+        for number, stream in enumerate(streams):
+            frame = av.VideoFrame.from_ndarray(np.full((stream.height, stream.width), 100 * number, np.uint8), format="gray").reformat(format="yuv420p")
             for packet in [*stream.encode(frame), *stream.encode(None)]:
                 container.mux(packet)
+
+
+def test_the_largest_of_several_videos_is_taken(tmp_path):
+    write_tracks(tmp_path / "two.mkv", (48, 96))
     found, _, said = read(tmp_path / "two.mkv")
-    assert found[0].shape == (96, 96) and "2 videos in one file: number 1, 96x96, is taken" in said
+    assert found[0].shape == (96, 96) and "2 videos in one file: number 0, 48x48, number 1, 96x96; number 1 is taken, --camera 0 takes number 0" in said
+
+
+# verifies: GND-03
+def test_another_track_of_a_video_is_taken_where_the_user_says_so(tmp_path, imported, refused):
+    write_tracks(tmp_path / "two.mkv", (64, 64, 64), title=["left", "right", "right"], language=["eng", "fra", "deu"])
+    for camera, number in (("1", 1), ("cam2", 2), ("left", 0), ("LEFT", 0), ("fra", 1)):
+        sequence, out = imported(tmp_path / "two.mkv", "--intrinsics", "80,80,31.5,31.5", "--camera", camera, name=f"SEQ_{camera}")
+        assert abs(float(sequence.read_gray(0).mean()) - 100 * number) < 8 and f"number {number} is taken" in out
+    for camera, count in (("3", 0), ("middle", 0), ("right", 2)):
+        line = refused(tmp_path / "two.mkv", "--intrinsics", "80,80,31.5,31.5", "--camera", camera)
+        assert f"number 2, 64x64 (right deu); {count} of them are called '{camera}': --camera takes a number, a title or a language" in line
+
+
+def test_the_rate_that_is_told_is_that_of_the_times(tmp_path):
+    import av
+    with av.open(str(tmp_path / "clip.dv"), "w") as container:  # its header says 60000 frames a second
+        stream = container.add_stream("dvvideo", rate=25)
+        stream.width, stream.height, stream.pix_fmt = 720, 576, "yuv420p"
+        for number in range(6):
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(np.full((576, 720), 30 * number, np.uint8), format="gray").reformat(format="yuv420p")))
+        container.mux(stream.encode(None))
+    from importing.recognise import open_source
+    from importing.source import Options
+    source = open_source(tmp_path / "clip.dv", Options())
+    assert source.kind == "video, dvvideo, 720x576, 25 frames/s" and np.diff(source.times_ns).tolist() == [40_000_000] * 5
 
 
 @pytest.mark.parametrize("name", ["clip.webp", "clip.gif", "clip.png"])

@@ -2,6 +2,7 @@
 
 import pathlib
 
+import made_sources as sources
 import numpy as np
 import pytest
 from importing.folder import times_of
@@ -12,6 +13,7 @@ from importing.source import Account
 
 from judge.errors import BadInput
 
+US_STEP_UNKNOWN = 10**9  # a picture a second
 US = 1_403_636_579_763_555  # in 2014
 STEPS = [US + 50_000 * i for i in range(8)]
 
@@ -40,6 +42,9 @@ def numbered(names) -> tuple[list[str], list[int], str]:
     ([f"IMG_20260101_125958_{i:03d}.jpg" for i in (1, 2, 3, 5)], [0, 1, 2, 4], "1 pictures are missing"),
     ([f"a{i}_{7 * i * i % 19}.png" for i in (1, 4, 5, 9, 23)], range(5), "no count of frames"),
     (["a1.png", "b1.png", "c1.png"], range(3), "no count of frames"),
+    ([f"f_{(2**32 + i * 40000) % 2**32:010d}.png" for i in (-3, -2, 0, 1, 2, 4)], [0, 1, 3, 4, 5, 7], "f_4294887296.png is followed by f_0000000000.png"),
+    ([f"f_{(2**16 + 17 + i * 40) % 2**16}.png" for i in range(-4, 6)], range(10), "f_65513.png is followed by f_17.png"),
+    ([f"f_{i}.png" for i in (0, 1, 2, 65000)], [0, 1, 2, 65000], "64997 pictures are missing"),
     ([f"{i:04d}.png" for i in (0, 1, 2, 9996)], [0, 1, 2, 9996], "9993 pictures are missing")])
 def test_numbers_of_every_kind(names, frames, says):
     found, numbers, said = numbered(names)
@@ -86,3 +91,17 @@ def test_two_cameras_in_one_folder(pair, word):
 def test_one_camera_stays_one(names):
     account = Account()
     assert of_one_camera(files(names), "cam0", account) == files(names) and not account.dropped and not account.assumed
+
+
+# verifies: GND-03
+def test_a_counter_of_time_in_names_is_counted_on_and_has_the_unit_that_is_said(tmp_path, imported):
+    places = [i for i in range(-6, 9) if i != 3]
+    rows = np.add.outer(np.arange(48), np.arange(64))
+    names = [f"frame_{(2**32 + 40_000 * i) % 2**32:010d}.png" for i in places]
+    sources.write_pictures(tmp_path / "in", [np.uint8((rows + 7 * i) % 251) for i in range(len(names))], names)
+    for arguments, step_ns in (([], US_STEP_UNKNOWN), (["--stamp-unit", "us"], 40_000_000)):
+        sequence, out = imported(tmp_path / "in", "--intrinsics", "80,80,31.5,23.5", "--unwrap", *arguments, name=f"SEQ{step_ns}")
+        assert [time // step_ns for time in (sequence.timestamp_ns - sequence.timestamp_ns[0]).tolist()] == [place + 6 for place in places]
+        assert [int(sequence.read_gray(i)[0, 0]) for i in range(len(names))] == [7 * i for i in range(len(names))]
+        assert "frame_4294927296.png is followed by frame_0000000000.png" in out and "--unwrap is left out" not in out
+    assert "times are the numbers in the pictures' names, microseconds, as --stamp-unit says" in out

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from importing import fits
 from importing.formats import kind_of_file
-from importing.numbering import DATE_AND_CLOCK, frame_numbers, in_order
+from importing.numbering import BEGINS_AGAIN, DATE_AND_CLOCK, frame_numbers, in_order, numbers_of
 from importing.outsiders import of_the_series
 from importing.pictures import exif_lens, exif_time_ns, in_folder, is_broken
 from importing.series import of_one_camera
@@ -15,6 +15,7 @@ from importing.source import BROKEN_LINK, NS, Account, Frame, Options, Source, l
 from importing.times_beside import times_beside
 
 from judge.errors import BadInput
+from judge.units import UNITS, WORDS
 
 # A name of 16 digits is taken for microseconds since 1970, of more for nanoseconds since then or since start, as EuRoC and ROS tools write them.
 MICROSECONDS_DIGITS = 16
@@ -35,18 +36,30 @@ def open_folder(path: pathlib.Path, options: Options) -> Source:
     files = of_the_series(of_one_camera(files, options.camera, account), options.camera, account)
     files, ordered_by = in_order(files)
     account.assumed += ordered_by
-    times_ns, nominal, said = times_of(files, options.rate_hz)
-    beside = times_beside(path, files, options, account) if nominal else None
-    times_ns, nominal, said = (beside, False, []) if beside else (times_ns, nominal, said)
-    account.assumed += said
-    if options.stamp_unit and not beside:
-        account.assumed.append("--stamp-unit is left out: it is for lists, and these times are of none")
+    times_ns, nominal = _times(path, files, options, account)
     # The first may be damaged, or by another tool than the others.
     lens, lens_from = lens_if_any(lambda: next(filter(None, map(exif_lens, files[:EXIF_TRIES])), (None, "")), account)
     lost = {place: BROKEN_LINK for place, file in enumerate(files) if is_broken(file)}
     times_ns = [None if place in lost else time for place, time in enumerate(times_ns)]
     count = len(files) - len(lost)
-    return Source(f"folder of {count} pictures", frames_of(files, times_ns), account, times_ns, count, lens, lens_from, nominal, lost=lost)
+    return Source(f"folder of {count} pictures", frames_of(files, times_ns), account, times_ns, count, lens, lens_from, nominal, lost=lost,
+                  unwrapped=any(text.startswith(BEGINS_AGAIN) for text in ordered_by))
+
+
+def _times(path: pathlib.Path, files: list[pathlib.Path], options: Options, account: Account) -> tuple[list[int | None], bool]:
+    """(times, whether they are made up)."""
+    times_ns, nominal, said = times_of(files, options.rate_hz)
+    beside = times_beside(path, files, options, account) if nominal else None
+    if beside:
+        return beside, False
+    numbers = numbers_of([file.name for file in files]) if nominal and options.stamp_unit else None
+    if numbers:
+        account.assumed.append(f"times are the numbers in the pictures' names, {WORDS[options.stamp_unit]}, as --stamp-unit says")
+        return [number * UNITS[options.stamp_unit] for number in numbers], False
+    account.assumed += said
+    if options.stamp_unit:
+        account.assumed.append("--stamp-unit is left out: it is for lists and for numbers in names, and these times are of none")
+    return times_ns, nominal
 
 
 def times_of(files: list[pathlib.Path], rate_hz: float | None, root: pathlib.Path | None = None) -> tuple[list[int | None], bool, list[str]]:

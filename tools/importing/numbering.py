@@ -7,11 +7,14 @@ import re
 import statistics
 from collections import Counter
 
+from importing.stamps import COUNTER_BITS
+
 # Chosen: so many steps between numbers are alike where they count frames.
 ALIKE_SHARE = 0.5
 HEX_ALIKE_SHARE = 0.8  # letters may stand for much else
 DATE_AND_CLOCK = re.compile(r"(?<!\d)((?:19|20)\d\d)[-_.]?([01]\d)[-_.]?([0-3]\d)(?:[-_T. ]| at )?([0-2]\d)[-_.:h]?([0-5]\d)[-_.:m]?([0-5]\d)(?:\.?(\d{3}|\d{6}))?(?!\d)")
 NO_COUNT = "the numbers in the pictures' names are no count of frames: they are taken for an order only"
+BEGINS_AGAIN = "the counter in the pictures' names begins again at its end"
 HEX = re.compile(r"[0-9a-f]+|[0-9A-F]+")
 ROLL_DIGITS_MIN, ROLL_NEAR = 3, 3  # counters of cameras begin again at 0 or 1; so many pictures may be missing there
 
@@ -24,7 +27,7 @@ def in_order(files: list[pathlib.Path]) -> tuple[list[pathlib.Path], list[str]]:
     place = _rolls_over(_digits([file.stem for file in files]))
     if not place:
         return files, []
-    said = f"the counter in the pictures' names begins again at its end: {files[-1].name} is followed by {files[0].name}"
+    said = f"{BEGINS_AGAIN}: {files[-1].name} is followed by {files[0].name}"
     return files[place:] + files[:place], [said]
 
 
@@ -42,12 +45,21 @@ def _hexadecimal(stems: list[str]) -> list[int] | None:
 
 def _rolls_over(digits: list[list[str]] | None) -> int:
     """Place of the first picture before a counter's end, where those after it come first in the names' order; 0 where it did not roll over."""
-    if digits is None or len(digits) != 1 or len({len(one) for one in digits[0]}) != 1 or len(digits[0][0]) < ROLL_DIGITS_MIN:
+    if digits is None or len(digits) != 1:
         return 0
-    numbers, end = [int(one) for one in digits[0]], 10 ** len(digits[0][0])
+    numbers = [int(one) for one in digits[0]]
     steps = [b - a for a, b in zip(numbers, numbers[1:])]
-    near = numbers[0] <= ROLL_NEAR and end - numbers[-1] <= ROLL_NEAR
-    return steps.index(max(steps)) + 1 if near and max(steps) > end // 2 else 0
+    rolls = any(numbers[0] <= near and 0 < end - numbers[-1] <= near and max(steps) > end // 2 for end, near in _ends(digits[0]))
+    return steps.index(max(steps)) + 1 if rolls else 0
+
+
+def _ends(column: list[str]) -> list[tuple[int, float]]:
+    """(a counter's end, how near to it the last number before it and the first after it are): of so many digits, or of so many bits."""
+    numbers = [int(one) for one in column]
+    step = statistics.median([abs(b - a) for a, b in zip(numbers, numbers[1:])])
+    width = len(column[0])
+    decimal = [(10**width, ROLL_NEAR)] if width >= ROLL_DIGITS_MIN and {len(one) for one in column} == {width} else []
+    return decimal + [(2**bits, ROLL_NEAR * step) for bits in COUNTER_BITS if max(numbers) < 2**bits]
 
 
 def frame_numbers(names: list[str]) -> tuple[list[int], str]:
@@ -57,7 +69,7 @@ def frame_numbers(names: list[str]) -> tuple[list[int], str]:
     """
     frames, jumps, next_frame = [], [], 0
     for folder in _that_count_alike(names):
-        numbers = _numbers(folder)
+        numbers = numbers_of(folder)
         found = _counted(numbers) if numbers else list(range(len(folder)))
         if found is None or numbers is None and _hold_numbers(folder):
             return list(range(len(names))), NO_COUNT
@@ -73,7 +85,7 @@ def _that_count_alike(names: list[str]) -> list[list[str]]:
     groups = []
     for folder in folders:
         parts = [list(group) for _, group in itertools.groupby(folder, lambda name: re.sub(r"\d+(?=\D*$)", "", pathlib.PurePath(name).stem))]
-        groups += parts if _numbers(folder) is None and 3 * len(parts) <= len(folder) else [folder]
+        groups += parts if numbers_of(folder) is None and 3 * len(parts) <= len(folder) else [folder]
     return groups
 
 
@@ -99,11 +111,11 @@ def _digits(stems: list[str]) -> list[list[str]] | None:
     return [list(column) for column in list(zip(*parts))[1::2] if len(set(column)) > 1]
 
 
-def _numbers(names: list[str]) -> list[int] | None:
+def numbers_of(names: list[str]) -> list[int] | None:
     """The number that counts in each name; None where the names differ in something else, too, or several numbers differ and none or more of them count."""
     stems = [pathlib.PurePath(name).stem for name in names]
     if len(stems) > 3 and not stems[0][-1:].isdecimal() and stems[1].startswith(stems[0]):  # a copy without a number: img, img (1)
-        rest = _numbers(names[1:])
+        rest = numbers_of(names[1:])
         return [rest[0] - 1, *rest] if rest else None
     hexadecimal = _hexadecimal(stems)
     if hexadecimal is not None:
@@ -116,12 +128,12 @@ def _numbers(names: list[str]) -> list[int] | None:
 
 
 def _over_the_end(column: list[str]) -> list[int]:
-    """Numbers that go on where a counter of fixed width began again."""
-    numbers, end = [int(one) for one in column], 10 ** len(column[0])
+    """Numbers that go on where a counter began again."""
+    numbers = [int(one) for one in column]
     place = next((place for place, (a, b) in enumerate(zip(numbers, numbers[1:]), 1) if b < a), 0)
-    rolls = place and len({len(one) for one in column}) == 1 and end - numbers[place - 1] <= ROLL_NEAR and numbers[place] <= ROLL_NEAR
-    end -= rolls and numbers[place] == 1  # cameras' counters have no 0 (DCF)
-    return numbers[:place] + [number + end for number in numbers[place:]] if rolls and len(column[0]) >= ROLL_DIGITS_MIN else numbers
+    end = next((end for end, near in _ends(column) if end - numbers[place - 1] <= near and numbers[place] <= near), 0) if place else 0
+    end -= bool(end) and end == 10 ** len(column[0]) and numbers[place] == 1  # cameras' counters have no 0 (DCF)
+    return numbers[:place] + [number + end for number in numbers[place:]]
 
 
 def _counted(numbers: list[int], alike_share: float = ALIKE_SHARE) -> list[int] | None:

@@ -63,7 +63,7 @@ class Plan:
         if self.judgement.wraps and not part.unwrap:
             raise BadInput(f"{source.kind}: {self.judgement.wraps[0]}; --unwrap counts on from there")
         self.account.assumed += self.judgement.assumed
-        if part.unwrap and not self.judgement.wraps:
+        if part.unwrap and not self.judgement.wraps and not source.unwrapped:
             self.account.assumed.append("--unwrap is left out: no counter wraps in these times")
         self.chosen = self._choose(part)
         self.ends_early = part.to_s is not None

@@ -75,6 +75,7 @@ class Source:
     nominal_time: bool = False  # the times are made up: rates per second mean nothing
     line_time_ns: float = 0.0  # from one row to the next, where the source's own sensor.yaml tells it
     received_ns: list[int] | None = None  # when each frame was recorded, by another clock
+    unwrapped: bool = False  # a counter in the pictures' names began again, and was counted on
     lost: dict[int, str] = field(default_factory=dict)  # places whose frames are known to be lost before any is read, and why; their times are None
     beside: tuple[pathlib.Path, ...] = ()  # files that hold for the pictures at these times: a truth, a model
 

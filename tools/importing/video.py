@@ -2,6 +2,7 @@
 
 import bisect
 import pathlib
+import statistics
 from collections.abc import Iterator
 
 import numpy as np
@@ -18,6 +19,8 @@ ROLLING = "a rolling shutter is not undone: state line_time_ns in sensor.yaml, f
 MISSING = "missing in the file, whose header promises them"
 SER = "ser"
 EMPTY = "an empty place in the file: the recorder dropped it"
+ANY_CAMERA = Options().camera
+NO_NAMES = ("", "und", "VideoHandler")  # what FFmpeg writes where nobody named a track
 # Decoders that complain where a frame is missing that others are built on.
 TELL_GAPS = ("h264", "hevc")
 # A file of pictures without compression, Y4M: one that is cut has a beginning, and no number of frames.
@@ -32,21 +35,30 @@ def open_video(path: pathlib.Path, options: Options) -> Source:
     account, logs = Account(), []
     try:
         with heard(av.logging.ERROR) as logs, av.open(str(path)) as container:
-            stream = chosen_stream(container, path, account)
+            stream = chosen_stream(container, path, account, options.camera)
             if container.format.name == "image2" or container.format.name.endswith("_pipe"):  # FFmpeg's readers of pictures
                 raise BadInput(f"{path}: found a single picture")
             check_is_one(path, container.format.name)
             rate_hz, nominal = rate_of(path, container, stream, options, account)
             slowed = 1.0 if rate_hz else slowed_by(path, container, stream, account)
             tell_mode(container, account)
-            rate = rate_hz or float(stream.average_rate or 0)
-            words = f"video, {stream.codec_context.name}, {stream.width}x{stream.height}{f', {rate:.4g} frames/s' if rate else ''}"
+            number = stream.index
+            words = f"video, {stream.codec_context.name}, {stream.width}x{stream.height}"
     except (av.FFmpegError, OSError) as problem:
         raise BadInput(f"{path}: not a video that can be read ({_reason(path, problem, logs)})") from None
     account.assumed.append(ROLLING)
-    clock = read_clock(path, rate_hz, account, slowed)
+    clock = read_clock(path, number, rate_hz, account, slowed)
     times_ns, lost = clock.all_ns()
-    return Source(words, _frames(path, account, clock), account, count=len(times_ns) - len(lost), nominal_time=nominal, times_ns=times_ns, lost=lost)
+    rate = rate_hz or slowed * _rate_of(times_ns)
+    words += f", {rate:.4g} frames/s" if rate else ""
+    return Source(words, _frames(path, number, account, clock), account, count=len(times_ns) - len(lost), nominal_time=nominal, times_ns=times_ns, lost=lost)
+
+
+def _rate_of(times_ns: list[int | None]) -> float:
+    """By the times that are taken: what a header says of it may be anything. 0 of a single frame."""
+    known = sorted(time for time in times_ns if time is not None)
+    step_ns = statistics.median([after - before for before, after in zip(known, known[1:])] or [0])
+    return NS / step_ns if step_ns else 0.0
 
 
 def _reason(path: pathlib.Path, problem, logs: list[tuple[int, str, str]]) -> str:
@@ -59,16 +71,42 @@ def _reason(path: pathlib.Path, problem, logs: list[tuple[int, str, str]]) -> st
     return "its content is not what its name says"
 
 
-def chosen_stream(container, path: pathlib.Path, account: Account):
-    """The largest video; a cover picture is none."""
+def chosen_stream(container, path: pathlib.Path, account: Account, camera: str = ANY_CAMERA):
+    """The largest video, or that with the number, title or language that `camera` says; a cover picture is none.
+
+    @errors BadInput where there are several, and none is called so
+    """
     import av
     streams = [one for one in container.streams.video if not one.disposition & av.stream.Disposition.attached_pic]
     if not streams:
         raise BadInput(f"{path}: a media file without a video stream")
     best = max(streams, key=lambda one: one.width * one.height)  # the first of equals
-    if len(streams) > 1:
-        account.assumed.append(f"{len(streams)} videos in one file: number {streams.index(best)}, {best.width}x{best.height}, is taken")
+    if len(streams) == 1:
+        return best
+    found = ", ".join(_words_of(number, one) for number, one in enumerate(streams))
+    asked = [one for number, one in enumerate(streams) if camera.casefold() in _names_of(number, one)]
+    if camera != ANY_CAMERA and len(asked) != 1:
+        raise BadInput(f"{path}: {len(streams)} videos in one file: {found}; {len(asked)} of them are called '{camera}': --camera takes a number, a title or a language")
+    best = asked[0] if len(asked) == 1 else best
+    number = streams.index(best)
+    other = (number + 1) % len(streams)
+    account.assumed.append(f"{len(streams)} videos in one file: {found}; number {number} is taken, --camera {other} takes number {other}")
     return best
+
+
+def _names_of(number: int, stream) -> set[str]:
+    numbers = {str(number), f"cam{number}"} - {ANY_CAMERA}
+    return numbers | {text.casefold() for text in _tags_of(stream)}
+
+
+def _tags_of(stream) -> list[str]:
+    tags = (stream.metadata.get(name, "") for name in ("title", "handler_name", "language"))
+    return list(dict.fromkeys(text for text in tags if text not in NO_NAMES))
+
+
+def _words_of(number: int, stream) -> str:
+    said = " ".join(_tags_of(stream))
+    return f"number {number}, {stream.width}x{stream.height}{f' ({said})' if said else ''}"
 
 
 def rate_of(path: pathlib.Path, container, stream, options: Options, account: Account) -> tuple[float | None, bool]:
@@ -139,11 +177,11 @@ class Packets:
             self._account.dropped[EDITED_OUT] += self.edited
 
 
-def read_clock(path: pathlib.Path, rate_hz: float | None, account: Account, slowed: float = 1.0) -> "Clock":
-    """Reads all packets, and decodes none. @param slowed  by how much the video is slower than the world"""
+def read_clock(path: pathlib.Path, number: int, rate_hz: float | None, account: Account, slowed: float = 1.0) -> "Clock":
+    """Reads all packets, and decodes none. @param number  of the stream in its container. @param slowed  by how much the video is slower than the world"""
     import av
     with av.open(str(path)) as container:
-        stream = chosen_stream(container, path, Account())
+        stream = container.streams[number]
         packets = Packets(container, stream, account)
         clock = Clock(rate_hz, container.format.name == "avi")
         for packet in packets:
@@ -178,14 +216,14 @@ def missing_at_end(path: pathlib.Path, container, stream, packets: Packets, cloc
     return round(short) if short > 1.5 and container.duration / 1e6 > end_s - first_s else 0
 
 
-def _frames(path: pathlib.Path, account: Account, clock: "Clock") -> Iterator[Frame]:
+def _frames(path: pathlib.Path, number: int, account: Account, clock: "Clock") -> Iterator[Frame]:
     import av
     with av.open(str(path)) as container:
-        stream = chosen_stream(container, path, Account())
+        stream = container.streams[number]
         decoder = Decoder(stream.codec_context, account)
         try:
-            for number, packet in enumerate(Packets(container, stream, Account())):
-                yield from _pictures(decoder.feed(packet, clock.shown_ns[number]), stream, clock, account)
+            for place, packet in enumerate(Packets(container, stream, Account())):
+                yield from _pictures(decoder.feed(packet, clock.shown_ns[place]), stream, clock, account)
             yield from _pictures(decoder.feed(None), stream, clock, account)
             if clock.missing:
                 account.dropped[MISSING] += clock.missing
