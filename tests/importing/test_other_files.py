@@ -108,3 +108,15 @@ def test_two_pictures_in_one_are_told(imported, tmp_path):
     sources.write_pictures(tmp_path / "pairs", [np.full((40, 160), 20 * i, np.uint8) for i in range(4)], [f"{i}.png" for i in range(4)])
     _, out = imported(tmp_path / "pairs", "--intrinsics", "60,60,79.5,19.5")
     assert "pictures of 160x40: if they show two cameras in one" in out
+
+
+def test_several_jpegs_in_one_file_are_no_single_picture(tmp_path, refused):
+    pages = [Image.fromarray(np.full((48, 64), 20 * i, np.uint8)) for i in range(5)]
+    pages[0].save(tmp_path / "five.mpo", save_all=True, append_images=pages[1:])
+    pages[0].save(tmp_path / "one.jpg")
+    assert "found 5 JPEGs in one file (MPO): write those of one camera into a folder" in refused(tmp_path / "five.mpo", "--intrinsics", "60,60,31.5,23.5")
+    assert "found a single picture" in refused(tmp_path / "one.jpg", "--intrinsics", "60,60,31.5,23.5")
+
+
+def test_an_end_before_the_begin_is_told_as_such(tmp_path, refused):
+    assert "--from 2 --to 1: --to is before --from" in refused(tmp_path, "--from", 2, "--to", 1)

@@ -15,7 +15,7 @@ from importing.source import BROKEN_LINK, NS, Account, Frame, Options, Source, l
 from importing.times_beside import times_beside
 
 from judge.errors import BadInput
-from judge.units import UNITS, WORDS
+from judge.units import UNITS, WORDS, is_impossible, median_step
 
 # A name of 16 digits is taken for microseconds since 1970, of more for nanoseconds since then or since start, as EuRoC and ROS tools write them.
 MICROSECONDS_DIGITS = 16
@@ -53,7 +53,7 @@ def _times(path: pathlib.Path, files: list[pathlib.Path], options: Options, acco
     if beside:
         return beside, False
     numbers = numbers_of([file.name for file in files]) if nominal and options.stamp_unit else None
-    if numbers:
+    if numbers and not is_impossible(median_step(numbers) * UNITS[options.stamp_unit]):
         account.assumed.append(f"times are the numbers in the pictures' names, {WORDS[options.stamp_unit]}, as --stamp-unit says")
         return [number * UNITS[options.stamp_unit] for number in numbers], False
     account.assumed += said

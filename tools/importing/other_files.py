@@ -2,6 +2,8 @@
 
 import pathlib
 
+from importing.formats import kind_of_file
+from importing.pictures import open_picture
 from importing.source import PICTURES
 
 UNPACK = "unpack it first"
@@ -23,7 +25,16 @@ def told_by_content(path: pathlib.Path) -> str:
         begin = file.read(TAR_AT + len(TAR))
     if begin[TAR_AT:] == TAR:
         return f"a tar archive: {UNPACK}"
-    return next((f"{what}: {advice}" for octets, what, advice in BEGINNINGS if begin.startswith(octets)), "")
+    return next((f"{what}: {advice}" for octets, what, advice in BEGINNINGS if begin.startswith(octets)), "") or _several_jpegs(path)
+
+
+def _several_jpegs(path: pathlib.Path) -> str:
+    """MPO, as stereo cameras and Pillow write it. Its index is often wrong: what lies where is not taken from it."""
+    if kind_of_file(path) != "jpeg":
+        return ""
+    with open_picture(path) as picture:
+        count = getattr(picture, "n_frames", 1)
+    return f"{count} JPEGs in one file (MPO): write those of one camera into a folder, and give --rate-hz" if count > 1 else ""
 
 
 def told_by_entries(folder: pathlib.Path) -> str:
