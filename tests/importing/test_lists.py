@@ -180,6 +180,14 @@ def test_numbers_of_frames_become_times_by_the_rate(tmp_path, made):
     assert times == [i * NS // 25 for i in (0, 1, 2, 3, 5, 6, 7, 8)] and "numbers of frames in place of times: 0.04 s from one to the next" in said
 
 
+def test_whole_seconds_that_the_user_asks_for_are_doubted(tmp_path):
+    rows = [f"{i},{time}.png" for i, time in enumerate(TIMES)]
+    times, said = taken(euroc(tmp_path / "seq", None, rows), stamp_unit="s", rate_hz=25.0)
+    assert times == [i * NS for i in range(8)]
+    assert said == ("--rate-hz is left out: the list tells its times the times are whole seconds, one after the other; "
+                    "if they are numbers of frames, --rate-hz without --stamp-unit says how many there are a second")
+
+
 def test_a_rate_beside_times_is_told_to_have_no_effect(tmp_path):
     times, said = taken(tum(tmp_path / "tum", "{s} rgb/{i}.png"), rate_hz=25.0)
     assert times == TIMES and said == "--rate-hz is left out: the list tells its times"

@@ -162,14 +162,15 @@ def _unit(names: list[str], place: int) -> str:
 def in_ns(values: Sequence, stated: str, asked: str | None, where: str, account: Account, rate_hz: float | None = None) -> list[int]:
     """@param asked  the unit that the user says. @param rate_hz  of the frames, where the values are their numbers.
     @errors BadInput where the stated unit can't be, and which it is is not clear"""
-    are_counts = not asked and _count_frames(values)
-    if are_counts and rate_hz:
+    are_counts = _count_frames(values)
+    if are_counts and rate_hz and not asked:
         account.assumed.append(f"the list has numbers of frames in place of times: {1 / rate_hz:g} s from one to the next, as --rate-hz says")
         return [round(value * NS / Decimal(rate_hz)) for value in map(Decimal, values)]
     if rate_hz:
         account.assumed.append("--rate-hz is left out: the list tells its times")
     units = [asked] if asked else likely_units(values, stated)
-    advice = f"{ADVICE}; if they are numbers of frames, --rate-hz says how many there are a second" if are_counts else ADVICE
+    counted = f"if they are numbers of frames, --rate-hz{' without --stamp-unit' if asked else ''} says how many there are a second"
+    advice = f"{ADVICE}; {counted}" if are_counts else ADVICE
     if len(units) != 1:
         likely = f"these look like {' or '.join(WORDS[unit] for unit in units)}" if units else "no unit of time fits them"
         raise BadInput(f"{where}: stamps that are no {WORDS[stated]}, so far apart are no pictures of a camera: {likely}; {advice}")
@@ -179,7 +180,7 @@ def in_ns(values: Sequence, stated: str, asked: str | None, where: str, account:
     elif not asked and doubt(values, unit):
         account.assumed.append(f"{doubt(values, unit)}; if that is wrong, {advice}")
     elif are_counts:
-        account.assumed.append(f"the times are whole {WORDS[unit]}, one after the other; {advice.removeprefix(ADVICE).lstrip('; ')}")
+        account.assumed.append(f"the times are whole {WORDS[unit]}, one after the other; {counted}")
     times = [int(value * UNITS[unit]) for value in values]
     if max(map(abs, times)) >= 2**63:
         raise BadInput(f"{where}: a stamp of {max(values)} {WORDS[unit]} is beyond what a sequence can hold; {ADVICE}")
