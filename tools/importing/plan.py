@@ -94,13 +94,14 @@ class Plan:
         places = defaultdict(deque)
         for place, time in enumerate(self.source.times_ns):
             places[time].append(place)
-        last = max(self.chosen, default=-1)
+        last, delivered = max(self.chosen, default=-1), 0
         for frame in self._read():
             known = places[frame.timestamp_ns]
             if not known:
                 self.account.dropped[UNLISTED] += 1
                 continue
             place = known.popleft()
+            delivered += 1
             if place in self.chosen:
                 self.seen.add(place)
                 yield replace(frame, timestamp_ns=self.chosen[place])
@@ -108,7 +109,8 @@ class Plan:
             if self.ends_early and (place > last + REORDERED_MAX or len(self.seen) == len(self.chosen)):
                 break
         not_come = self._not_come()
-        self.without_place = max(0, self.faults_told - not_come)
+        unseen = len(self.source.times_ns) - len(self.source.lost) - delivered  # also those that are left out for their stamps
+        self.without_place = max(0, self.faults_told - max(not_come, unseen))
         not_told = not_come - self.told_by_source
         if not_told > 0:
             self.account.dropped[NOT_DECODED] += not_told
