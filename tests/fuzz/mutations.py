@@ -59,11 +59,11 @@ KINDS = [flip, flip, overwrite, overwrite, cut, remove, repeat, insert, renumber
 
 
 def checkpoint_sums(data: bytearray) -> None:
-    """platform/app/checkpoint_file.cpp: header of 160 octets, content's CRC at 128, its length at 144, the header's CRC at its end."""
-    if len(data) > 160:
-        struct.pack_into("<I", data, 128, zlib.crc32(data[160:]))
-        struct.pack_into("<Q", data, 144, len(data) - 160)
-        struct.pack_into("<I", data, 156, zlib.crc32(data[:156]))
+    """platform/app/checkpoint_file.cpp: header of 240 octets, content's CRC at 128, its length at 192, the header's CRC at its end."""
+    if len(data) > 240:
+        struct.pack_into("<I", data, 128, zlib.crc32(data[240:]))
+        struct.pack_into("<Q", data, 192, len(data) - 240)
+        struct.pack_into("<I", data, 236, zlib.crc32(data[:236]))
 
 
 def recording_sums(data: bytearray) -> None:

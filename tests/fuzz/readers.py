@@ -112,7 +112,7 @@ def live_readers(checkpoint: bytes) -> list[Reader]:
     guarded = [*run, "--set", 'transport.receive="unix:{folder}/port"', "--set", 'commands.key="{folder}/key"', "--set", 'commands.window="{folder}/window"']
     restarted = [*run, "--set", 'run.checkpoint="{folder}/checkpoint"']
     place = struct.pack("<8sQQ", b"PLHNUM01", 5, 7)  # platform/transport/number_file.cpp
-    mark = struct.pack("<4sIII", b"PLCM", 1, zlib.crc32(checkpoint[:156]), 0)  # platform/app/crash_mark.cpp
+    mark = struct.pack("<4sIII", b"PLCM", 1, zlib.crc32(checkpoint[:236]), 0)  # platform/app/crash_mark.cpp
     own = Image.new("L", (WIDTH, HEIGHT))
     own.paste(255, (0, 0, WIDTH // 4, HEIGHT))
     drawn = io.BytesIO()
