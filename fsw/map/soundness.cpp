@@ -166,8 +166,8 @@ bool is_sound(const AdjustmentSnapshot& snapshot) {
          snapshot.keyframes.size() == poses && snapshot.keyframe_numbers.size() == poses &&
          snapshot.pose_fixed.size() == poses && snapshot.timestamps_ns.size() == poses &&
          snapshot.R_IC.size() == poses && snapshot.priors.size() <= poses &&
-         snapshot.landmarks.size() == points && snapshot.landmark_numbers.size() == points &&
-         snapshot.point_fixed.size() == points &&
+         snapshot.links.size() <= poses && snapshot.landmarks.size() == points &&
+         snapshot.landmark_numbers.size() == points && snapshot.point_fixed.size() == points &&
          snapshot.observations.size() <= snapshot.observations.capacity() &&
          std::all_of(snapshot.keyframes.begin(),
                      snapshot.keyframes.end(),
@@ -178,6 +178,14 @@ bool is_sound(const AdjustmentSnapshot& snapshot) {
          std::all_of(snapshot.priors.begin(),
                      snapshot.priors.end(),
                      [&](const PosePrior& prior) { return in(prior.pose, poses); }) &&
+         std::all_of(snapshot.links.begin(),
+                     snapshot.links.end(),
+                     [&](const RateLink& link) {
+                       return link.poses.size() <= RateLink::kPoses &&
+                              std::all_of(link.poses.begin(),
+                                          link.poses.end(),
+                                          [&](std::int32_t k) { return in(k, poses); });
+                     }) &&
          std::all_of(
              snapshot.observations.begin(),
              snapshot.observations.end(),

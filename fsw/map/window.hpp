@@ -20,6 +20,7 @@ struct AdjustmentSnapshot {
   FixedVector<std::int64_t, limits::kKeyframes> timestamps_ns;  ///< of the keyframes,
   FixedVector<Eigen::Matrix3d, limits::kKeyframes> R_IC;  ///< and the observer's attitude then
   FixedVector<PosePrior, limits::kKeyframes> priors;
+  FixedVector<RateLink, limits::kKeyframes> links;
   FixedVector<LandmarkId, limits::kLandmarks> landmarks;
   FixedVector<std::int32_t, limits::kLandmarks> landmark_numbers;
   FixedVector<Eigen::Vector3d, limits::kLandmarks> points_T;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "map/map_state.hpp"
+#include "map/rate_links.hpp"
 #include "map/soundness.hpp"
 #include "motion/estimator.hpp"
 #include "pipeline/job.hpp"
@@ -102,6 +103,7 @@ void add_priors(const AdjustmentView& view, AdjustmentSnapshot* snapshot) {
 void prepare_adjustment_of_all(const AdjustmentView& view, MapState* mapping, AdjustmentJob* job) {
   const Map& map = mapping->map;
   snapshot_all(map, *view.camera, &job->snapshot);
+  add_rate_links(&job->snapshot);
   mapping->last_adjustment_of_all = {.keyframes = static_cast<std::uint32_t>(map.keyframe_count),
                                      .next_keyframe_number = map.next_keyframe_number};
   job->motion = view.parameters->motion;
@@ -151,6 +153,7 @@ void ask_for_adjustment_after_growth(const AdjustmentView& view,
     const int window = view.parameters->map.window_keyframes / (view.short_of_memory ? 2 : 1);
     snapshot_window(map, *view.camera, std::max(kWindowLeast, window), &job.snapshot);
     add_priors(view, &job.snapshot);
+    add_rate_links(&job.snapshot);
     job.of_all = false;
     job.as_free_body = false;
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <deque>
 #include <memory>
+#include <vector>
 
 #include "base/assert.hpp"
 #include "base/index.hpp"
@@ -19,6 +20,8 @@ namespace {
 // A prior that is off by more sigmas is weighed down: 1.4 % of normal errors in six numbers are
 // (chi-square).
 constexpr double kPriorCauchySigma = 4.0;
+// 1 % of normal errors in three numbers lie beyond (chi-square). A contact lies tens beyond.
+constexpr double kLinkCauchySigma = 3.4;
 // Ceres eliminates its groups in order.
 constexpr int kPointGroup = 0;
 constexpr int kPoseGroup = 1;
@@ -38,6 +41,7 @@ class CeresBundle {
         poses_(problem.poses),
         loss_(cauchy_sigma),
         prior_loss_(kPriorCauchySigma),
+        link_loss_(kLinkCauchySigma),
         ceres_(problem_options(&poses_)) {
     add_blocks();
     add_residuals();
@@ -92,14 +96,24 @@ class CeresBundle {
       priors_.emplace_back(prior, poses_[index(prior.pose)]);
       ceres_.AddResidualBlock(&priors_.back(), &prior_loss_, poses_.numbers(index(prior.pose)));
     }
+    for (const RateLink& link : p_.links) {
+      links_.emplace_back(link, p_.R_IC, poses_);
+      std::vector<double*> blocks;
+      for (const std::int32_t pose : link.poses) {
+        blocks.push_back(poses_.numbers(index(pose)));
+      }
+      ceres_.AddResidualBlock(&links_.back(), &link_loss_, blocks);
+    }
   }
 
   const BundleProblem& p_;
   ChartedPoses poses_;
   std::deque<ReprojectionCost> costs_;
   std::deque<PosePriorCost> priors_;
+  std::deque<RateLinkCost> links_;
   ceres::CauchyLoss loss_;
   ceres::CauchyLoss prior_loss_;
+  ceres::CauchyLoss link_loss_;
   ceres::Problem ceres_;
 };
 

@@ -2,7 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <cmath>
 
+#include "base/index.hpp"
 #include "geometry/so3.hpp"
 
 namespace polhode {
@@ -78,6 +80,55 @@ bool PosePriorCost::Evaluate(double const* const* /*parameters*/,
     by_pose.leftCols<3>() =
         root_.leftCols<3>() * so3_left_jacobian(departure.head<3>()).inverse() * pose_.turn_by_phi;
     by_pose.rightCols<3>() = root_.rightCols<3>();
+  }
+  return true;
+}
+
+RateLinkCost::RateLinkCost(const RateLink& link,
+                           std::span<const Eigen::Matrix3d> R_IC,
+                           const ChartedPoses& poses)
+    : link_(link), R_IC_(R_IC), poses_(poses) {
+  mutable_parameter_block_sizes()->assign(link.poses.size(), kPoseNumbers);
+  set_num_residuals(3);
+}
+
+bool RateLinkCost::Evaluate(double const* const* /*parameters*/,
+                            double* residuals,
+                            double** jacobians) const {
+  std::array<Eigen::Matrix3d, RateLink::kPoses> change_by;  // derivatives by poses' turns in C
+  std::array<Eigen::Matrix3d, RateLink::kPoses> whole_by;
+  change_by.fill(Eigen::Matrix3d::Zero());
+  whole_by.fill(Eigen::Matrix3d::Zero());
+  Eigen::Vector3d change_I = Eigen::Vector3d::Zero();
+  Eigen::Vector3d whole_I = Eigen::Vector3d::Zero();
+  for (std::size_t m = 0; m + 1 < link_.poses.size(); ++m) {
+    const std::size_t from = index(link_.poses[m]);
+    const std::size_t to = index(link_.poses[m + 1]);
+    const Eigen::Vector3d turn_I = so3_log(R_IC_[to] * poses_[to].pose.R_CT *
+                                           (R_IC_[from] * poses_[from].pose.R_CT).transpose());
+    const Eigen::Matrix3d by_from = -so3_left_jacobian(-turn_I).inverse() * R_IC_[from];
+    const Eigen::Matrix3d by_to = so3_left_jacobian(turn_I).inverse() * R_IC_[to];
+    const double factor = link_.factors_1_rad[m];
+    change_I += factor * turn_I;
+    whole_I += turn_I;
+    change_by[m] += factor * by_from;
+    change_by[m + 1] += factor * by_to;
+    whole_by[m] += by_from;
+    whole_by[m + 1] += by_to;
+  }
+  const double squared =
+      whole_I.squaredNorm() + RateLink::kTurnLeast_rad * RateLink::kTurnLeast_rad;
+  const double in_proportion = link_.turn_rad / std::sqrt(squared);
+  const Eigen::Vector3d r = in_proportion * change_I;
+  Eigen::Map<Eigen::Vector3d>{residuals} = r;
+  for (std::size_t m = 0; jacobians != nullptr && m < link_.poses.size(); ++m) {
+    if (jacobians[m] != nullptr) {
+      RowMajorMap<3, kPoseNumbers> by_pose(jacobians[m]);
+      by_pose.leftCols<3>() =
+          (in_proportion * change_by[m] - r / squared * (whole_I.transpose() * whole_by[m])) *
+          poses_[index(link_.poses[m])].turn_by_phi;
+      by_pose.rightCols<3>().setZero();
+    }
   }
   return true;
 }

@@ -69,4 +69,22 @@ class PosePriorCost final : public ceres::SizedCostFunction<kPoseNumbers, kPoseN
   Eigen::Matrix<double, kPoseNumbers, kPoseNumbers> root_;  ///< root' root is the information
 };
 
+/// Change of the rate of rotation over the poses of a link, in sigma, by their (phi, uvs).
+class RateLinkCost final : public ceres::CostFunction {
+ public:
+  /// @param R_IC  the camera's attitude at each pose of the bundle; it and `poses` outlive the
+  /// cost.
+  RateLinkCost(const RateLink& link,
+               std::span<const Eigen::Matrix3d> R_IC,
+               const ChartedPoses& poses);
+  bool Evaluate(double const* const* parameters,
+                double* residuals,
+                double** jacobians) const override;
+
+ private:
+  RateLink link_;
+  std::span<const Eigen::Matrix3d> R_IC_;
+  const ChartedPoses& poses_;
+};
+
 }  // namespace polhode

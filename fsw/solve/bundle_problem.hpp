@@ -2,10 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "base/fixed_vector.hpp"
 #include "config/limits.hpp"
 #include "geometry/reprojection.hpp"
 
@@ -23,6 +25,20 @@ struct PosePrior {
   std::int32_t pose = 0;
   InverseDepthPose mean;
   Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
+};
+
+/// Three or four poses in the order of time, whose rate of rotation changes as a free body's. With
+/// Q = R_IC R_CT, the sum of factors[m] log(Q_(m+1) Q_m^T) is zero with a sigma an axis of the
+/// whole turn over turn_rad: in proportion, so that a map whose depths and turns are all too small
+/// costs the same.
+struct RateLink {
+  static constexpr std::size_t kPoses = 4;
+  // Of poses' own noise, added to the whole turn in squares: a body at rest is not held the more
+  // for it. 0.6 deg.
+  static constexpr double kTurnLeast_rad = 0.01;
+  FixedVector<std::int32_t, kPoses> poses;         ///< indices
+  std::array<double, kPoses - 1> factors_1_rad{};  ///< of the turn from each pose to the next
+  double turn_rad = 1.0;                           ///< the whole one when the link was made
 };
 
 /// The most that an adjustment can hold.
@@ -52,6 +68,8 @@ struct BundleProblem {
   std::span<const std::uint8_t> point_fixed;
   std::span<const BundleObservation> observations;
   std::span<const PosePrior> priors = {};
+  std::span<const Eigen::Matrix3d> R_IC = {};  ///< the camera's attitude at each pose, for links
+  std::span<const RateLink> links = {};
 };
 
 struct BundleOptions {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "base/rng.hpp"
@@ -288,6 +289,96 @@ TEST(PosePriorCost, NeedsNoJacobian) {
   EXPECT_EQ(p.value(trials()[2]), with);
   std::array<double*, 1> none{nullptr};
   EXPECT_EQ(p.value(trials()[2], none.data()), with);
+}
+
+/// A link over four poses that turn by some tenths of a radian, each seen by a camera that turns.
+struct Linked {
+  static constexpr std::size_t kPoses = RateLink::kPoses;
+  std::vector<Eigen::Matrix3d> R_IC;
+  ChartedPoses poses;
+  RateLink link;
+  Eigen::Vector3d residual = Eigen::Vector3d::Zero();
+  std::array<RowMajor<3, kPoseNumbers>, kPoses> J;
+
+  /// @param part  of all turns of the body
+  explicit Linked(double part = 1.0) : poses(start_poses(part)) {
+    link.factors_1_rad = {5.0, -12.0, 7.0};
+    link.turn_rad = 0.5;
+    for (std::size_t k = 0; k < kPoses; ++k) {
+      R_IC.push_back(camera_attitude(k));
+      (void)link.poses.push_back(static_cast<std::int32_t>(k));
+    }
+  }
+
+  static Eigen::Matrix3d camera_attitude(std::size_t k) {
+    return so3_exp(0.3 * static_cast<double>(k) * Eigen::Vector3d(0.5, 1.0, -0.4));
+  }
+  static std::vector<InverseDepthPose> start_poses(double part) {
+    std::vector<InverseDepthPose> all;
+    for (const double angle_rad : {0.0, 0.16, 0.30, 0.55}) {
+      const Eigen::Matrix3d R_IT =
+          so3_exp(part * angle_rad * Eigen::Vector3d(0.6, -0.8, 0.0)) * so3_exp({0.4, -0.3, 0.2});
+      all.push_back({.R_CT = camera_attitude(all.size()).transpose() * R_IT,
+                     .uvs = Eigen::Vector3d(0.03, -0.02, 0.1)});
+    }
+    return all;
+  }
+
+  Eigen::Vector3d value(double** jacobians = nullptr) {
+    poses.PrepareForEvaluation(true, true);
+    const RateLinkCost cost(link, R_IC, poses);
+    EXPECT_TRUE(cost.Evaluate(nullptr, residual.data(), jacobians));
+    return residual;
+  }
+};
+
+TEST(RateLinkCost, IsTheChangeOfTheRate_InProportionToTheWholeTurn) {
+  Linked all;
+  // 5 x 0.16 - 12 x 0.14 + 7 x 0.25 about the axis, by 0.5 over the whole turn.
+  const double least_rad = RateLink::kTurnLeast_rad;
+  const double in_proportion = 0.5 / std::hypot(0.55, least_rad);
+  const Eigen::Vector3d expected = 0.87 * in_proportion * Eigen::Vector3d(0.6, -0.8, 0.0);
+  EXPECT_LT((all.value() - expected).norm(), 1e-9);
+  Linked half(0.5);
+  const double half_in_proportion = 0.5 / std::hypot(0.275, least_rad);
+  EXPECT_LT((half.value() - 0.5 * half_in_proportion / in_proportion * expected).norm(), 1e-9);
+  EXPECT_LT((half.value() - all.value()).norm(), 1e-3);
+}
+
+TEST(RateLinkCost, DerivativeIsTheResiduals) {
+  for (const Eigen::Vector3d& phi :
+       {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(0.05, -0.1, 0.08)}) {
+    Linked l;
+    for (std::size_t k = 0; k < Linked::kPoses; ++k) {
+      Eigen::Map<Eigen::Vector3d>{l.poses.numbers(k)} = static_cast<double>(k) * phi;
+    }
+    std::array<double*, Linked::kPoses> jacobians;
+    for (std::size_t k = 0; k < Linked::kPoses; ++k) {
+      jacobians[k] = l.J[k].data();
+    }
+    (void)l.value(jacobians.data());
+    for (std::size_t k = 0; k < Linked::kPoses; ++k) {
+      for (int n = 0; n < kPoseNumbers; ++n) {
+        double* const number = &l.poses.numbers(k)[n];
+        const double at = *number;
+        *number = at + kStep;
+        const Eigen::Vector3d above = l.value();
+        *number = at - kStep;
+        const Eigen::Vector3d slope = 0.5 / kStep * (above - l.value());
+        *number = at;
+        EXPECT_LT((l.J[k].col(n) - slope).norm(), kDifferenceError * (1.0 + l.J[k].norm()))
+            << k << ", " << n;
+      }
+    }
+  }
+}
+
+TEST(RateLinkCost, GivesTheJacobiansItIsAskedFor) {
+  Linked l;
+  l.J[2].setZero();
+  std::array<double*, Linked::kPoses> jacobians{nullptr, nullptr, l.J[2].data(), nullptr};
+  (void)l.value(jacobians.data());
+  EXPECT_GT(l.J[2].norm(), 1.0);
 }
 
 }  // namespace

@@ -1,0 +1,98 @@
+#include "map/rate_links.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "geometry/so3.hpp"
+
+namespace polhode {
+namespace {
+
+// dw/dt over w^2, RMS of an axis, of free bodies at random: logarithms of their second moments are
+// 1.5 apart, as in rigid_model, and rates have any direction (decision 0109).
+constexpr double kChange = 0.17;
+// Over so much turn it forgets itself; of those bodies half is left after it. One that forgot at
+// once could bend an arc, one that never did could not be disturbed.
+constexpr double kForgets_rad = 1.0;
+// Over longer turns the mean rate is none of the middle.
+constexpr double kTurnMax_rad = 0.3;
+
+struct Turn {
+  double duration_s = 0.0;
+  Eigen::Vector3d turn_I = Eigen::Vector3d::Zero();
+};
+
+/// From one of the snapshot's keyframes to another.
+Turn turn_between(const AdjustmentSnapshot& s, std::size_t from, std::size_t to) {
+  return {.duration_s = 1e-9 * static_cast<double>(s.timestamps_ns[to] - s.timestamps_ns[from]),
+          .turn_I = so3_log(s.R_IC[to] * s.poses[to].R_CT *
+                            (s.R_IC[from] * s.poses[from].R_CT).transpose())};
+}
+
+using Indices = FixedVector<std::size_t, limits::kKeyframes>;
+
+Indices by_time(const AdjustmentSnapshot& s) {
+  Indices order;
+  order.resize(s.poses.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return s.keyframe_numbers[a] < s.keyframe_numbers[b];
+  });
+  return order;
+}
+
+bool can_link(const Turn& turn) {
+  return turn.duration_s > 0.0 && turn.turn_I.norm() < kTurnMax_rad;
+}
+
+/// dw/dt over the last two turns is what it was over the two before, less what it forgets; where
+/// there are but two, or the first of three is too long, it is about zero.
+RateLink link_of(const Turn* before, const Turn& first, const Turn& second) {
+  const double span_s = first.duration_s + second.duration_s;
+  const double rate_rad_s =
+      std::hypot((first.turn_I + second.turn_I).norm(), RateLink::kTurnLeast_rad) / span_s;
+  double sigma = kChange * rate_rad_s * rate_rad_s;
+  RateLink link;
+  Eigen::Vector3d whole_I = first.turn_I + second.turn_I;
+  if (before != nullptr) {
+    const double kept = std::exp(-rate_rad_s * first.duration_s / kForgets_rad);
+    sigma *= std::sqrt(1.0 - kept * kept);
+    const double by_earlier = 2.0 * kept / ((before->duration_s + first.duration_s) * sigma);
+    link.factors_1_rad[0] = by_earlier / before->duration_s;
+    link.factors_1_rad[1] = -by_earlier / first.duration_s;
+    whole_I += before->turn_I;
+  }
+  const std::size_t m = before != nullptr ? 1 : 0;
+  const double by_change = 2.0 / (span_s * sigma);
+  link.factors_1_rad[m] -= by_change / first.duration_s;
+  link.factors_1_rad[m + 1] = by_change / second.duration_s;
+  link.turn_rad = std::hypot(whole_I.norm(), RateLink::kTurnLeast_rad);
+  return link;
+}
+
+}  // namespace
+
+void add_rate_links(AdjustmentSnapshot* s) {
+  const Indices order = by_time(*s);
+  for (std::size_t n = 2; n < order.size(); ++n) {
+    const Turn first = turn_between(*s, order[n - 2], order[n - 1]);
+    const Turn second = turn_between(*s, order[n - 1], order[n]);
+    if (!can_link(first) || !can_link(second)) {
+      continue;
+    }
+    const Turn before = n > 2 ? turn_between(*s, order[n - 3], order[n - 2]) : Turn{};
+    const bool goes_on = can_link(before);
+    RateLink link = link_of(goes_on ? &before : nullptr, first, second);
+    bool any_free = false;
+    for (std::size_t k = goes_on ? n - 3 : n - 2; k <= n; ++k) {
+      (void)link.poses.push_back(static_cast<std::int32_t>(order[k]));
+      any_free = any_free || s->pose_fixed[order[k]] == 0;
+    }
+    if (any_free) {
+      (void)s->links.push_back(link);
+    }
+  }
+}
+
+}  // namespace polhode
