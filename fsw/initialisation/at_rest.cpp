@@ -1,8 +1,11 @@
 #include "initialisation/at_rest.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "geometry/so3.hpp"
 
 namespace polhode {
 namespace {
@@ -11,16 +14,93 @@ Eigen::Matrix3d attitude_of_camera(const StartProblem& problem, std::size_t fram
   return problem.R_IC.empty() ? Eigen::Matrix3d::Identity() : problem.R_IC[frame];
 }
 
-/// All attitudes are the one in the middle of the hypothesis' frames.
-void hold_attitude(const StartProblem& problem, StartHypothesis* h) {
-  std::size_t middle = h->frames / 2;
-  while (middle > 0 && h->posed[middle] == 0) {
+std::size_t middle_of(const StartHypothesis& h) {
+  std::size_t middle = h.frames / 2;
+  while (middle > 0 && h.posed[middle] == 0) {
     --middle;
   }
+  return middle;
+}
+
+/// All attitudes follow from the one in the middle of the hypothesis' frames by a steady rate.
+void hold_attitude(const StartProblem& problem,
+                   const Eigen::Vector3d& rate_I_rad_s,
+                   StartHypothesis* h) {
+  const std::size_t middle = middle_of(*h);
   const Eigen::Matrix3d R_IT = attitude_of_camera(problem, middle) * h->poses[middle].R_CT;
   for (std::size_t f = 0; f < h->frames; ++f) {
-    h->poses[f].R_CT = attitude_of_camera(problem, f).transpose() * R_IT;
+    const double time_s = problem.times_s[f] - problem.times_s[middle];
+    h->poses[f].R_CT =
+        attitude_of_camera(problem, f).transpose() * so3_exp(time_s * rate_I_rad_s) * R_IT;
   }
+}
+
+// Rate, and (u, v, s) of each frame.
+constexpr int kSteadyUnknowns = 3 + 3 * static_cast<int>(limits::kStartFrames);
+using SteadyVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kSteadyUnknowns, 1>;
+using SteadyMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kSteadyUnknowns, kSteadyUnknowns>;
+
+/// Newton's step of the rate [rad/s], with positions and points where they fit it best; zero where
+/// there is none.
+Eigen::Vector3d step_of_rate(const Selection& c,
+                             const Eigen::Vector3d& rate_I_rad_s,
+                             StartHypothesis* h) {
+  constexpr double kDamping = 1e-6;  // relative; it holds the gauge
+  StartAdjustmentWorkspace& w = c.w.adjustment;
+  if (!reduced_camera_system(c.w.set.observations.view(), h->view(), selection_loss(c, 0), &w)) {
+    return Eigen::Vector3d::Zero();
+  }
+  const double middle_s = c.problem.times_s[middle_of(*h)];
+  const auto turn_by_rate = [&](std::size_t f) -> Eigen::Matrix3d {
+    const double time_s = c.problem.times_s[f] - middle_s;
+    return time_s * attitude_of_camera(c.problem, f).transpose() *
+           so3_left_jacobian(time_s * rate_I_rad_s);
+  };
+  const auto unknowns = static_cast<Eigen::Index>(3 + 3 * h->frames);
+  SteadyMatrix N = SteadyMatrix::Zero(unknowns, unknowns);
+  SteadyVector g = SteadyVector::Zero(unknowns);
+  for (std::size_t f = 0; f < h->frames; ++f) {
+    const auto row = static_cast<Eigen::Index>(3 * f);
+    const Eigen::Matrix3d A = turn_by_rate(f);
+    g.head<3>() += A.transpose() * w.camera_step.segment<3>(2 * row);
+    g.segment<3>(3 + row) = w.camera_step.segment<3>(2 * row + 3);
+    for (std::size_t other = 0; other <= f; ++other) {
+      const auto col = static_cast<Eigen::Index>(3 * other);
+      const Eigen::Matrix<double, 6, 6> S = w.reduced.block<6, 6>(2 * row, 2 * col);
+      const Eigen::Matrix3d B = turn_by_rate(other);
+      const Eigen::Matrix3d of_rate = A.transpose() * S.topLeftCorner<3, 3>() * B;
+      N.block<3, 3>(3 + row, 3 + col) = S.bottomRightCorner<3, 3>();
+      N.block<3, 3>(3 + row, 0) += S.bottomLeftCorner<3, 3>() * B;
+      N.topLeftCorner<3, 3>() += of_rate;
+      if (other != f) {
+        N.block<3, 3>(3 + col, 0) += S.topRightCorner<3, 3>().transpose() * A;
+        N.topLeftCorner<3, 3>() += of_rate.transpose();
+      }
+    }
+  }
+  N.diagonal() *= 1.0 + kDamping;
+  const SteadyVector step = N.ldlt().solve(g);  // of its lower triangle
+  return step.allFinite() ? Eigen::Vector3d(-step.head<3>()) : Eigen::Vector3d::Zero();
+}
+
+/// Lowest cost of a body that rotates steadily; `steady` comes at rest, and becomes it.
+double cost_of_steady(const Selection& free, const Selection& held, StartHypothesis* steady) {
+  constexpr int kSteps = 4;  // each is followed by a whole adjustment; two or three settle
+  StartHypothesis& trial = free.w.finalists[0];
+  Eigen::Vector3d rate_I_rad_s = Eigen::Vector3d::Zero();
+  for (int i = 0; i < kSteps; ++i) {
+    trial = *steady;
+    const Eigen::Vector3d next = rate_I_rad_s + step_of_rate(free, rate_I_rad_s, &trial);
+    hold_attitude(free.problem, next, &trial);
+    if (!refine_to_minimum(held, free.w.set.observations.view(), &trial) ||
+        !(trial.fit.cost < steady->fit.cost)) {
+      break;
+    }
+    *steady = trial;
+    rate_I_rad_s = next;
+  }
+  return steady->fit.cost;
 }
 
 }  // namespace
@@ -31,19 +111,30 @@ double compare_at_rest(Selection* c) {
   Selection held = *c;
   held.rotations_held = true;
   at_rest = winner;
-  hold_attitude(c->problem, &at_rest);
+  hold_attitude(c->problem, Eigen::Vector3d::Zero(), &at_rest);
   if (!refine_to_minimum(held, c->w.set.observations.view(), &at_rest)) {
     return -std::numeric_limits<double>::infinity();
   }
   constexpr int kRotation = 3;  // unknowns
-  const double saved = kRotation * (winner.fit.frames - 1) *
-                       std::log(2.0 * static_cast<double>(winner.fit.observations));
+  const double of_unknown = std::log(2.0 * static_cast<double>(winner.fit.observations));
   const double noise = std::max(1.0, winner.fit.noise_scale);
-  const double evidence = saved - (at_rest.fit.cost - winner.fit.cost) / (noise * noise);
-  if (evidence > 0.0) {
-    winner = at_rest;
-    c->rotations_held = true;
+  const double evidence = kRotation * (winner.fit.frames - 1) * of_unknown -
+                          (at_rest.fit.cost - winner.fit.cost) / (noise * noise);
+  if (!(evidence > 0.0)) {
+    return evidence;
   }
+  // Free rotation has so many unknowns that much is forgiven to rest. A steady one has three.
+  c->w.finalists.resize(2);
+  StartHypothesis& steady = c->w.finalists[1];
+  steady = at_rest;
+  const double against_steady =
+      kRotation * of_unknown -
+      (at_rest.fit.cost - cost_of_steady(*c, held, &steady)) / (noise * noise);
+  if (!(against_steady > 0.0)) {
+    return against_steady;
+  }
+  winner = at_rest;
+  c->rotations_held = true;
   return evidence;
 }
 

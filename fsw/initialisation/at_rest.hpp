@@ -6,7 +6,8 @@
 namespace polhode {
 
 /// Fits the winner's geometry with attitudes that are constant in inertial axes. Where it explains
-/// the images as well for the unknowns that it saves, it becomes the winner.
+/// the images as well for the unknowns that it saves, against free rotation and against a steady
+/// one, it becomes the winner. Uses the workspace's finalists.
 /// @return the evidence for it against free rotation, in chi-square; negative where the body
 /// rotates.
 /// @source Schwarz, Annals of Statistics 1978: 2 k unknowns fewer weigh k ln(n).
