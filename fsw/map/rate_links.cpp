@@ -12,9 +12,6 @@ namespace {
 // dw/dt over w^2, RMS of an axis, of free bodies at random: logarithms of their second moments are
 // 1.5 apart, as in rigid_model, and rates have any direction (decision 0109).
 constexpr double kChange = 0.17;
-// Over so much turn it forgets itself; of those bodies half is left after it. One that forgot at
-// once could bend an arc, one that never did could not be disturbed.
-constexpr double kForgets_rad = 1.0;
 // Over longer turns the mean rate is none of the middle.
 constexpr double kTurnMax_rad = 0.3;
 
@@ -46,8 +43,10 @@ bool can_link(const Turn& turn) {
   return turn.duration_s > 0.0 && turn.turn_I.norm() < kTurnMax_rad;
 }
 
-/// dw/dt over the last two turns is what it was over the two before, less what it forgets; where
-/// there are but two, or the first of three is too long, it is about zero.
+/// dw/dt over the last two turns is what it was over the two before, less what it forgets: by a
+/// factor of e over a radian. Of free bodies at random half is left after it; one that forgot at
+/// once could bend an arc, and one that never did could not be disturbed. Without two before, it is
+/// about zero.
 RateLink link_of(const Turn* before, const Turn& first, const Turn& second) {
   const double span_s = first.duration_s + second.duration_s;
   const double rate_rad_s =
@@ -56,7 +55,7 @@ RateLink link_of(const Turn* before, const Turn& first, const Turn& second) {
   RateLink link;
   Eigen::Vector3d whole_I = first.turn_I + second.turn_I;
   if (before != nullptr) {
-    const double kept = std::exp(-rate_rad_s * first.duration_s / kForgets_rad);
+    const double kept = std::exp(-rate_rad_s * first.duration_s);
     sigma *= std::sqrt(1.0 - kept * kept);
     const double by_earlier = 2.0 * kept / ((before->duration_s + first.duration_s) * sigma);
     link.factors_1_rad[0] = by_earlier / before->duration_s;
@@ -90,7 +89,7 @@ void add_rate_links(AdjustmentSnapshot* s) {
       any_free = any_free || s->pose_fixed[order[k]] == 0;
     }
     if (any_free) {
-      (void)s->links.push_back(link);
+      (void)s->motion.links.push_back(link);
     }
   }
 }

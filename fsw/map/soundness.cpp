@@ -165,8 +165,8 @@ bool is_sound(const AdjustmentSnapshot& snapshot) {
   return poses <= snapshot.poses.capacity() && points <= snapshot.points_T.capacity() &&
          snapshot.keyframes.size() == poses && snapshot.keyframe_numbers.size() == poses &&
          snapshot.pose_fixed.size() == poses && snapshot.timestamps_ns.size() == poses &&
-         snapshot.R_IC.size() == poses && snapshot.priors.size() <= poses &&
-         snapshot.links.size() <= poses && snapshot.landmarks.size() == points &&
+         snapshot.R_IC.size() == poses && snapshot.motion.priors.size() <= poses &&
+         snapshot.motion.links.size() <= poses && snapshot.landmarks.size() == points &&
          snapshot.landmark_numbers.size() == points && snapshot.point_fixed.size() == points &&
          snapshot.observations.size() <= snapshot.observations.capacity() &&
          std::all_of(snapshot.keyframes.begin(),
@@ -175,11 +175,11 @@ bool is_sound(const AdjustmentSnapshot& snapshot) {
          std::all_of(snapshot.landmarks.begin(),
                      snapshot.landmarks.end(),
                      [&](LandmarkId id) { return in(id.slot, limits::kLandmarks); }) &&
-         std::all_of(snapshot.priors.begin(),
-                     snapshot.priors.end(),
+         std::all_of(snapshot.motion.priors.begin(),
+                     snapshot.motion.priors.end(),
                      [&](const PosePrior& prior) { return in(prior.pose, poses); }) &&
-         std::all_of(snapshot.links.begin(),
-                     snapshot.links.end(),
+         std::all_of(snapshot.motion.links.begin(),
+                     snapshot.motion.links.end(),
                      [&](const RateLink& link) {
                        return link.poses.size() <= RateLink::kPoses &&
                               std::all_of(link.poses.begin(),

@@ -69,8 +69,8 @@ void begin(const Map& map, AdjustmentSnapshot* s) {
   s->pose_fixed.clear();
   s->timestamps_ns.clear();
   s->R_IC.clear();
-  s->priors.clear();
-  s->links.clear();
+  s->motion.priors.clear();
+  s->motion.links.clear();
   s->landmarks.clear();
   s->landmark_numbers.clear();
   s->points_T.clear();
@@ -285,9 +285,9 @@ BundleProblem problem_of(AdjustmentSnapshot* s) {
           .points_T = s->points_T.view(),
           .point_fixed = s->point_fixed.view(),
           .observations = s->observations.view(),
-          .priors = s->priors.view(),
+          .priors = s->motion.priors.view(),
           .R_IC = s->R_IC.view(),
-          .links = s->links.view()};
+          .links = s->motion.links.view()};
 }
 
 BundleReport adjust(AdjustmentSnapshot* s, const BundleOptions& options) {

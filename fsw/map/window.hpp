@@ -10,6 +10,12 @@
 
 namespace polhode {
 
+/// What the body's motion says of an adjustment's keyframes.
+struct MotionTerms {
+  FixedVector<PosePrior, limits::kKeyframes> priors;
+  FixedVector<RateLink, limits::kKeyframes> links;
+};
+
 /// Copy of the part of the map that an adjustment works on; the adjustment itself needs nothing
 /// else. Some 3 MB: not for the stack.
 struct AdjustmentSnapshot {
@@ -19,8 +25,7 @@ struct AdjustmentSnapshot {
   FixedVector<std::uint8_t, limits::kKeyframes> pose_fixed;
   FixedVector<std::int64_t, limits::kKeyframes> timestamps_ns;  ///< of the keyframes,
   FixedVector<Eigen::Matrix3d, limits::kKeyframes> R_IC;  ///< and the observer's attitude then
-  FixedVector<PosePrior, limits::kKeyframes> priors;
-  FixedVector<RateLink, limits::kKeyframes> links;
+  MotionTerms motion;
   FixedVector<LandmarkId, limits::kLandmarks> landmarks;
   FixedVector<std::int32_t, limits::kLandmarks> landmark_numbers;
   FixedVector<Eigen::Vector3d, limits::kLandmarks> points_T;

@@ -90,7 +90,7 @@ void add_priors(const AdjustmentView& view, AdjustmentSnapshot* snapshot) {
     const Eigen::Matrix<double, 6, 6> covariance = by * prior->covariance * by.transpose();
     const Eigen::LLT<Eigen::Matrix<double, 6, 6>> factor(covariance);
     if (factor.info() == Eigen::Success) {
-      (void)snapshot->priors.push_back(
+      (void)snapshot->motion.priors.push_back(
           {.pose = static_cast<std::int32_t>(k),
            .mean = to_inverse_depth(prior->pose),
            .information = factor.solve(Eigen::Matrix<double, 6, 6>::Identity())});

@@ -42,8 +42,8 @@ std::uint32_t number(const AdjustmentSnapshot& s, std::int32_t pose) {
 
 TEST(RateLinks, FollowTheKeyframesInTime_ThreeOrFourEach) {
   const auto s = linked(map_of(turn_by(0.05, 6), 0.0, 1));
-  ASSERT_EQ(s->links.size(), 4U);
-  for (const RateLink& link : s->links) {
+  ASSERT_EQ(s->motion.links.size(), 4U);
+  for (const RateLink& link : s->motion.links) {
     for (std::size_t m = 1; m < link.poses.size(); ++m) {
       EXPECT_EQ(number(*s, link.poses[m]), number(*s, link.poses[m - 1]) + 1);
     }
@@ -58,8 +58,8 @@ TEST(RateLinks, AreZeroAtASteadyRate_WhateverTheIntervals) {
     map.keyframes[k].timestamp_ns = 100'000'000 * steps[k];
   }
   const auto s = linked(map);
-  ASSERT_EQ(s->links.size(), 3U);
-  for (const RateLink& link : s->links) {
+  ASSERT_EQ(s->motion.links.size(), 3U);
+  for (const RateLink& link : s->motion.links) {
     EXPECT_LT(residual(*s, link).norm(), 1e-9);
   }
 }
@@ -73,21 +73,21 @@ TEST(RateLinks, AreInTheObserversInertialAxes) {
     map.keyframes[k].R_IC = turn;
     map.keyframes[k].pose.R_CT = turn.transpose() * turned(0.05 * static_cast<double>(k)).R_CT;
   }
-  for (const RateLink& link : linked(map)->links) {
+  for (const RateLink& link : linked(map)->motion.links) {
     EXPECT_LT(residual(*linked(map), link).norm(), 1e-9);
   }
 }
 
 TEST(RateLinks, ReachOverNoLongTurn) {
-  EXPECT_TRUE(linked(map_of(turn_by(0.31, 4), 0.0, 1))->links.empty());
+  EXPECT_TRUE(linked(map_of(turn_by(0.31, 4), 0.0, 1))->motion.links.empty());
   std::vector<Pose> poses = turn_by(0.05, 3);
   for (const double angle_rad : {0.50, 0.55, 0.60}) {
     poses.push_back(turned(angle_rad));
   }
   const auto s = linked(map_of(poses, 0.0, 1));
-  ASSERT_EQ(s->links.size(), 2U);
-  EXPECT_EQ(s->links[0].poses.size(), 3U);
-  EXPECT_EQ(s->links[1].poses.size(), 3U);
+  ASSERT_EQ(s->motion.links.size(), 2U);
+  EXPECT_EQ(s->motion.links[0].poses.size(), 3U);
+  EXPECT_EQ(s->motion.links[1].poses.size(), 3U);
 }
 
 TEST(RateLinks, HoldNothingThatIsHeld) {
@@ -97,7 +97,7 @@ TEST(RateLinks, HoldNothingThatIsHeld) {
     fixed = 1;
   }
   add_rate_links(s.get());
-  EXPECT_TRUE(s->links.empty());
+  EXPECT_TRUE(s->motion.links.empty());
 }
 
 /// Attitudes of a body without a torque, by small steps of Euler's equation.
@@ -140,7 +140,7 @@ TEST(RateLinks, OfFreeBodiesAreOneSigmaFirst_AndLessThen) {
       (void)s.R_IC.push_back(Eigen::Matrix3d::Identity());
     }
     add_rate_links(&s);
-    for (const RateLink& link : s.links) {
+    for (const RateLink& link : s.motion.links) {
       const bool is_first = link.poses.size() == 3;
       (is_first ? first : later) += residual(s, link).squaredNorm();
       (is_first ? firsts : laters) += 3;
