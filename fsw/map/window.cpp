@@ -129,22 +129,38 @@ bool is_there(const AdjustmentSnapshot& s, std::size_t i, const Map& map) {
   return landmark.used && landmark.number == s.landmark_numbers[i];
 }
 
-double moved_by(const AdjustmentSnapshot& s, std::size_t i, const Map& map) {
-  return (s.points_T[i] - map.landmarks[s.landmarks[i].index()].p_T).norm();
-}
-
-/// How far a landmark that belongs to the adjusted map may have moved. One that two observations
-/// hold may run away by any distance, and would carry a least-squares fit with it.
-double moved_max(const AdjustmentSnapshot& s, const Map& map) {
-  constexpr double kMedians =
-      5.0;  // by a turn or a change of scale the farthest moves two or three times as far
-  FixedVector<double, limits::kLandmarks> distances;
+/// Median over the landmarks that are still there.
+template <typename ValueOf>
+double median_of(const AdjustmentSnapshot& s, const Map& map, const ValueOf& value_of) {
+  FixedVector<double, limits::kLandmarks> values;
   for (std::size_t i = 0; i < s.landmarks.size(); ++i) {
     if (is_there(s, i, map)) {
-      (void)distances.push_back(moved_by(s, i, map));
+      (void)values.push_back(value_of(i));
     }
   }
-  return kMedians * median(distances.view());
+  return median(values.view());
+}
+
+/// From the adjusted map onto the one that it came from, by medians: an adjustment leaves scale and
+/// origin free, and they run away by any factor; so does a landmark that two observations hold,
+/// which would carry a least-squares fit with it.
+Similarity back_by_medians(const AdjustmentSnapshot& s,
+                           const Map& map,
+                           const Eigen::Matrix3d& R_back) {
+  const auto before = [&](std::size_t i) { return map.landmarks[s.landmarks[i].index()].p_T; };
+  const auto adjusted = [&](std::size_t i) -> Eigen::Vector3d { return R_back * s.points_T[i]; };
+  Eigen::Vector3d middle_before;
+  Eigen::Vector3d middle_adjusted;
+  for (int axis = 0; axis < 3; ++axis) {
+    middle_before[axis] = median_of(s, map, [&](std::size_t i) { return before(i)[axis]; });
+    middle_adjusted[axis] = median_of(s, map, [&](std::size_t i) { return adjusted(i)[axis]; });
+  }
+  const double size_before =
+      median_of(s, map, [&](std::size_t i) { return (before(i) - middle_before).norm(); });
+  const double size_adjusted =
+      median_of(s, map, [&](std::size_t i) { return (adjusted(i) - middle_adjusted).norm(); });
+  const double scale = size_adjusted > 0.0 ? size_before / size_adjusted : 1.0;
+  return {.scale = scale, .R_ba = R_back, .t_ba = middle_before - scale * middle_adjusted};
 }
 
 bool is_there(const AdjustmentSnapshot& s, std::size_t k, const Keyframe& keyframe) {
@@ -171,12 +187,18 @@ Similarity back_onto(const AdjustmentSnapshot& s, const Map& map) {
   if (std::count(s.pose_fixed.begin(), s.pose_fixed.end(), std::uint8_t{1}) > 1) {
     return {};
   }
+  // Of landmarks that belong to the adjusted map the farthest moves two or three medians.
+  constexpr double kMedians = 5.0;
+  const Similarity rough = back_by_medians(s, map, attitudes_back(s, map));
+  const auto off_by = [&](std::size_t i) {
+    return (rough.apply(s.points_T[i]) - map.landmarks[s.landmarks[i].index()].p_T).norm();
+  };
+  const double limit = kMedians * median_of(s, map, off_by);
   FixedVector<Eigen::Vector3d, limits::kLandmarks> adjusted;
   FixedVector<Eigen::Vector3d, limits::kLandmarks> before;
   FixedVector<double, limits::kLandmarks> weights;
-  const double limit = moved_max(s, map);
   for (std::size_t i = 0; i < s.landmarks.size(); ++i) {
-    if (is_there(s, i, map) && moved_by(s, i, map) <= limit) {
+    if (is_there(s, i, map) && off_by(i) <= limit) {
       const Landmark& landmark = map.landmarks[s.landmarks[i].index()];
       (void)adjusted.push_back(s.points_T[i]);
       (void)before.push_back(landmark.p_T);
@@ -184,7 +206,7 @@ Similarity back_onto(const AdjustmentSnapshot& s, const Map& map) {
     }
   }
   const Result<Similarity> aligned =
-      align_rotated(adjusted.view(), before.view(), weights.view(), attitudes_back(s, map));
+      align_rotated(adjusted.view(), before.view(), weights.view(), rough.R_ba);
   return aligned ? aligned.value() : Similarity{};
 }
 

@@ -360,5 +360,29 @@ TEST(Apply, GivesBackTheSameMap_WhenTheSolutionDiffersByASimilarity) {
   }
 }
 
+TEST(Apply, KeepsT_WhenScaleAndOriginRanAway_AndSomeLandmarks) {
+  for (const double scale : {0.02, 0.5, 1.0, 2.0, 40.0}) {
+    SyntheticMap synthetic = make_map(ball(300, 3), turn_by(0.1, 10), kNoise_px, 3);
+    Map& map = *synthetic.map;
+    const auto before = std::make_unique<Map>(map);
+    const auto s = all_of(map);
+    const Similarity away{.scale = scale, .t_ba = scale * Eigen::Vector3d(0.3, -2.0, 4.0)};
+    for (InverseDepthPose& pose : s->poses) {
+      pose = to_inverse_depth(transformed(from_inverse_depth(pose), away));
+    }
+    for (std::size_t i = 0; i < s->points_T.size(); ++i) {
+      s->points_T[i] = away.apply((i % 50 == 7 ? 30.0 : 1.0) * s->points_T[i]);
+    }
+    const MapCorrection correction = apply(*s, &map);
+    EXPECT_NEAR(correction.back.scale, 1.0 / scale, 1e-6 / scale);
+    for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+      if (map.keyframes[k].used) {
+        EXPECT_LT((map.keyframes[k].pose.p_CT - before->keyframes[k].pose.p_CT).norm(), 1e-6)
+            << scale;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace polhode::window_test
