@@ -131,7 +131,7 @@ double compare_at_rest(Selection* c) {
       kRotation * of_unknown -
       (at_rest.fit.cost - cost_of_steady(*c, held, &steady)) / (noise * noise);
   if (!(against_steady > 0.0)) {
-    return against_steady;
+    return 0.0;
   }
   winner = at_rest;
   c->rotations_held = true;

@@ -9,7 +9,8 @@ namespace polhode {
 /// the images as well for the unknowns that it saves, against free rotation and against a steady
 /// one, it becomes the winner. Uses the workspace's finalists.
 /// @return the evidence for it against free rotation, in chi-square; negative where the body
-/// rotates.
+/// rotates, and zero where it is undecided whether it does: a steady rotation explains more than
+/// rest, and free rotation not enough more for its unknowns.
 /// @source Schwarz, Annals of Statistics 1978: 2 k unknowns fewer weigh k ln(n).
 double compare_at_rest(Selection* selection);
 

@@ -64,7 +64,7 @@ StartOutcome select_hypothesis(const StartProblem& problem,
   out.inlier_ratio = static_cast<double>(winner.fit.agreeing) / std::max(1, winner.fit.telling);
   out.chi2_gap = cost_margin_of(selection);
   const double for_rest = compare_at_rest(&selection);
-  if (for_rest > 0.0) {
+  if (for_rest >= 0.0) {
     out.chi2_gap = for_rest;
   }
   out.convexity = convexity_of(selection, &winner);

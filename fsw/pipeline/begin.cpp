@@ -20,12 +20,15 @@ std::int64_t frames_with_pose(const StartOutcome& start) {
       start.frames.begin(), start.frames.end(), [](const StartFramePose& f) { return f.valid; });
 }
 
+// Residuals along a track are alike, so each counts three times (decision 0083).
+constexpr double kAlike = 3.0;
+
 void start_drift(const StartOutcome& start, const Similarity& to_T, MapDrift* drift) {
   const auto first = std::find_if(
       start.frames.begin(), start.frames.end(), [](const StartFramePose& f) { return f.valid; });
   begin_drift(transformed(first->pose, to_T).R_CT,
               start.rotation_rad,
-              start.depth_sigma,
+              std::sqrt(kAlike) * start.depth_sigma,
               to_T.scale,
               drift);
 }
