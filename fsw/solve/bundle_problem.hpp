@@ -32,6 +32,7 @@ struct PosePrior {
 /// whole turn over turn_rad: in proportion, so that a map whose depths and turns are all too small
 /// costs the same.
 struct RateLink {
+  // Of three rates, which have two changes.
   static constexpr std::size_t kPoses = 4;
   // Of poses' own noise, added to the whole turn in squares: a body at rest is not held the more
   // for it. 0.6 deg.
