@@ -72,10 +72,10 @@ def test_a_wrong_focal_length_is_contradicted(replay, sample, program, tmp_path,
 
 
 # verifies: MAP-11
-@pytest.mark.parametrize(("stated", "name", "off_by", "word"), [
-    ([FOCAL_PX, 1.05 * FOCAL_PX, *STATED[2:]], "log_fv_over_fu", -0.0488, "ratio fv / fu"),
-    ([*STATED[:3], STATED[3] + 60], "principal_v_over_fv", -60 / FOCAL_PX, "principal point")])
-def test_another_wrong_statement_is_contradicted_and_in_the_sigmas(replay, sample, program, tmp_path, stated, name, off_by, word):
+@pytest.mark.parametrize(("stated", "name", "off_by", "word", "in_flight"), [
+    ([FOCAL_PX, 1.05 * FOCAL_PX, *STATED[2:]], "log_fv_over_fu", -0.0488, "ratio fv / fu", True),
+    ([*STATED[:3], STATED[3] + 60], "principal_v_over_fv", -60 / FOCAL_PX, "principal point", False)])
+def test_another_wrong_statement_is_contradicted_and_in_the_sigmas(replay, sample, program, tmp_path, stated, name, off_by, word, in_flight):
     sequence = stating(tmp_path / "seq", stated)
     result = replay(sequence)
     assert result.status == 0, result.err
@@ -85,9 +85,11 @@ def test_another_wrong_statement_is_contradicted_and_in_the_sigmas(replay, sampl
     assert found["contradicted"] and 0.3 < found["off_by"] / off_by < 1.2
     assert CONTRADICTED in told["result"] and any(f"{CONTRADICTED} {word}" in one for one in told["warnings"])
     assert not told["focal_length"]["refuted"]
-    first = frame_of(events(program, result.folder, "camera_contradicted")[0])
-    sigma = {int(row["frame"]): float(row["sigma_att_rad"]) for row in motion_rows(result.folder, "motion.csv") if row["pose_valid"] == "1"}
-    assert sigma[first] > 1.5 * sigma[first - 1]
+    # The test at the end takes four times as many observations as those in flight.
+    if in_flight:
+        first = frame_of(events(program, result.folder, "camera_contradicted")[0])
+        sigma = {int(row["frame"]): float(row["sigma_att_rad"]) for row in motion_rows(result.folder, "motion.csv") if row["pose_valid"] == "1"}
+        assert sigma[first] > 1.5 * sigma[first - 1]
     found = judged_motion(result.folder, sequence, tmp_path / "judgement.json")
     assert found["smoothed"]["attitude"]["rmse_deg"] > 1.0, "what is stated wrong costs accuracy"
     for what in ("attitude", "position"):
