@@ -85,7 +85,7 @@ def test_another_wrong_statement_is_contradicted_and_in_the_sigmas(replay, sampl
     assert found["contradicted"] and 0.3 < found["off_by"] / off_by < 1.2
     assert CONTRADICTED in told["result"] and any(f"{CONTRADICTED} {word}" in one for one in told["warnings"])
     assert not told["focal_length"]["refuted"]
-    # The test at the end takes four times as many observations as those in flight.
+    # The test at the end takes all keyframes, those in flight 32.
     if in_flight:
         first = frame_of(events(program, result.folder, "camera_contradicted")[0])
         sigma = {int(row["frame"]): float(row["sigma_att_rad"]) for row in motion_rows(result.folder, "motion.csv") if row["pose_valid"] == "1"}
