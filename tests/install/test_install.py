@@ -49,7 +49,7 @@ def test_a_c_host_builds_by_pkg_config_wherever_the_installation_is_moved(prefix
                            env={**os.environ, "PKG_CONFIG_PATH": str(library / "pkgconfig")}).stdout.split()
     assert all(str(moved) in flag for flag in flags if flag.startswith(("-I", "-L"))) and len(flags) == 3
     example = REPOSITORY / "platform/capi/example"
-    run("gcc", "-std=c11", example / "main.c", example / "host.c", example / "sequence.c", *flags, "-lpng", "-o", tmp_path / "host", f"-Wl,-rpath,{library}")
+    run("gcc", "-std=c11", example / "main.c", example / "sequence.c", *flags, "-lpng", "-o", tmp_path / "host", f"-Wl,-rpath,{library}")
     done = subprocess.run([tmp_path / "host"], capture_output=True, text=True, check=False)
     assert done.returncode == 2 and "usage" in done.stderr
 

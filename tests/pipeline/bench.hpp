@@ -142,6 +142,12 @@ class Ball {
       const double reach = 0.04 + 0.12 * rng.uniform() * rng.uniform();
       patches_.push_back(
           {n, std::cos(reach), (rng.uniform() < 0.5 ? -1.0 : 1.0) * (30.0 + 40.0 * rng.uniform())});
+      for (std::size_t cell = 0; cell < near_.size(); ++cell) {
+        const double chord = 2.0 * std::sin(0.5 * reach);
+        if ((middle_of(cell) - n).norm() <= chord + kHalfDiagonal) {
+          near_[cell].push_back(patches_.size() - 1);
+        }
+      }
     }
   }
 
@@ -177,15 +183,34 @@ class Ball {
     double height;
   };
 
+  /// Cells of a grid over the cube about the ball: of 500 patches only those near a cell reach it.
+  static constexpr int kCells = 16;
+  static constexpr double kSide = 2.0 / kCells;
+  static constexpr double kHalfDiagonal = 0.87 * kSide;  // half of sqrt(3), rounded up
+
+  [[nodiscard]] static std::size_t cell_of(const Eigen::Vector3d& n) {
+    const auto along = [](double x) {
+      return static_cast<std::size_t>(std::clamp(static_cast<int>((x + 1.0) / kSide), 0, kCells - 1));
+    };
+    return (along(n.x()) * kCells + along(n.y())) * kCells + along(n.z());
+  }
+  [[nodiscard]] static Eigen::Vector3d middle_of(std::size_t cell) {
+    const auto along = [](std::size_t i) { return (static_cast<double>(i % kCells) + 0.5) * kSide - 1.0; };
+    return {along(cell / (kCells * kCells)), along(cell / kCells), along(cell)};
+  }
+
   [[nodiscard]] std::uint8_t level_at(const Eigen::Vector3d& n) const {
     double level = 120.0;
-    for (const Patch& patch : patches_) {
+    for (const std::size_t near : near_[cell_of(n)]) {
+      const Patch& patch = patches_[near];
       const double inside = (n.dot(patch.middle) - patch.cosine_edge) / (1.0 - patch.cosine_edge);
       level += inside > 0.0 ? patch.height * inside * inside * (3.0 - 2.0 * inside) : 0.0;
     }
     return static_cast<std::uint8_t>(std::clamp(level, 40.0, 250.0));
   }
   std::vector<Patch> patches_;
+  std::vector<std::vector<std::size_t>> near_ =
+      std::vector<std::vector<std::size_t>>(kCells * kCells * kCells);
 };
 
 inline constexpr double kTurn_rad = 0.07;  ///< of the turning ball from frame to frame, 4 deg
