@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "geometry/so3.hpp"
@@ -44,13 +46,30 @@ struct ModelOfRun {
   std::int64_t to_ns = 0;
 };
 
-/// @param moves_so_since_ns  before that the body moved otherwise.
-ModelOfRun of_run(const RigidModel& model, std::int64_t moves_so_since_ns) {
+/// When a map before this one, in another frame T, gave its last pose: nothing tells that the motion
+/// of now leads back over the break between them.
+std::int64_t end_of_map_before(std::span<const MotionState> published,
+                               std::uint32_t target_frame,
+                               std::int64_t first_pose_ns) {
+  const auto last =
+      std::find_if(published.rbegin(), published.rend(), [&](const MotionState& m) {
+        return m.pose_valid && m.target_frame != target_frame && m.timestamp_ns < first_pose_ns;
+      });
+  return last == published.rend() ? std::numeric_limits<std::int64_t>::min() : last->timestamp_ns;
+}
+
+ModelOfRun of_run(const RigidModel& model,
+                  std::span<const MotionState> published,
+                  const GroundView& view) {
   const auto span_ns = static_cast<std::int64_t>(1e9 * model.span_s);
+  const std::int64_t first_pose_ns = model.reference_ns - span_ns;
   const auto beyond_ns = static_cast<std::int64_t>(kBeyond * 1e9 * model.span_s);
   return {.model = model,
           .with_poses = goes_through_poses(model),
-          .from_ns = std::max(model.reference_ns - span_ns - beyond_ns, moves_so_since_ns),
+          .from_ns =
+              std::max({first_pose_ns - beyond_ns,
+                        view.moves_so_since_ns,  // before that the body moved otherwise
+                        end_of_map_before(published, view.target_frame, first_pose_ns) + 1}),
           .to_ns = model.reference_ns + beyond_ns};
 }
 
@@ -273,7 +292,7 @@ std::vector<MotionState> smoothed_motion(const std::vector<SmoothedPose>& poses,
   std::vector<MotionState> smoothed;
   std::array<double, 4> q_last{1.0, 0.0, 0.0, 0.0};
   std::size_t next = 0;
-  ModelOfRun run = of_run(model, view.moves_so_since_ns);
+  ModelOfRun run = of_run(model, published, view);
   const PoseCovariance drift = drift_at_rest(view);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     MotionState m = row_of(published[i], poses[i], view);

@@ -108,6 +108,21 @@ TEST_F(Smoothed, AModelOfTheLaterPosesDoesNotSpeakOfMuchEarlierFrames) {
   EXPECT_NE(all[39].p_CT[2], samples_[39 - 8].pose.p_CT.z());
 }
 
+TEST_F(Smoothed, AModelDoesNotLeadBackOverTheEndOfAnEarlierMap) {
+  for (std::size_t i : {0, 1}) {
+    published_[i].pose_valid = true;
+    published_[i].target_frame = view_of(*state_).target_frame + 1;
+  }
+  const std::vector<MotionState> all = rows(model());
+  EXPECT_FALSE(all[0].pose_valid || all[1].pose_valid);
+  EXPECT_TRUE(all[2].pose_valid);
+
+  // Poses found with the map of now on the other side show that there is no break.
+  published_[31].pose_valid = true;
+  published_[31].target_frame = view_of(*state_).target_frame + 1;
+  EXPECT_TRUE(rows(model())[31].pose_valid);
+}
+
 TEST_F(Smoothed, AModelThatManyPosesContradictGivesRatesOnly) {
   RigidModel contradicted = model();
   ASSERT_TRUE(contradicted.accepted());
