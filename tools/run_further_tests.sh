@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The tests that tools/run_tests.sh leaves out, since they need what takes long to install or to build: COLMAP, Rerun, evo, Doxygen and Sphinx,
-# a browser, Debian packages of this tree, the arm64 compiler, a YAMCS server; and campaigns on schedulers, which take minutes. Ends with one
-# line of totals.
+# a browser, Debian packages of this tree, the arm64 compiler, a YAMCS server; campaigns on schedulers, which take minutes; and long cases of
+# everyday tests. Ends with one line of totals.
 #   tools/run_further_tests.sh [-k FILTER]
 # With POLHODE_TEMPLE_RING=SEQ the photographs that may not be redistributed are tried, too (CONTRIBUTING.md).
 set -euo pipefail

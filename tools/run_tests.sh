@@ -21,7 +21,8 @@ done
 
 ctest_arguments=(--test-dir "$BUILD" --output-on-failure --no-tests=ignore -j "$(nproc)")
 # The tests of a file run one after another: they share what they have made, and its ports are theirs.
-pytest_arguments=(-ra --durations=30 -n "$(nproc)" --dist loadfile --no-loadscope-reorder)
+# One more than cores: tests of live runs wait for most of their time.
+pytest_arguments=(-ra --durations=30 -n "$(($(nproc) + 1))" --dist loadfile --no-loadscope-reorder)
 marks="not further"
 if [ -n "$filter" ]; then
   ctest_arguments+=(-R "$filter")
@@ -32,11 +33,14 @@ if $quick; then
   marks="$marks and not slow"
 fi
 
-tools/setup.sh tests
-tools/setup.sh renderer
-tools/build.sh release
-
 mkdir -p "$REPORTS"
+tools/setup.sh tests
+tools/setup.sh renderer > "$REPORTS/renderer.log" 2>&1 &  # the build needs none of it
+renderer=$!
+trap 'kill "$renderer" 2>/dev/null || true' EXIT
+tools/build.sh release
+wait "$renderer" || { cat "$REPORTS/renderer.log" >&2; exit 1; }
+
 rm -f "$REPORTS"/ctest.xml "$REPORTS"/pytest.xml
 status=0
 printf '== tests in C++\n'

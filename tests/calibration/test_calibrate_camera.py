@@ -55,7 +55,7 @@ def pixel_error(intrinsics: numpy.ndarray, distortion: numpy.ndarray) -> float:
 
 
 # verifies: GND-04
-@pytest.mark.parametrize("kind", ["chessboard", "charuco"])
+@pytest.mark.parametrize("kind", ["chessboard", pytest.param("charuco", marks=pytest.mark.further)])
 def test_finds_the_camera_that_took_the_pictures(tmp_path, kind):
     files = take_pictures(tmp_path, kind)
     extra = ["--marker-m", "0.022"] if kind == "charuco" else []
@@ -112,6 +112,7 @@ def test_unusable_arguments(arguments):
     assert run(*arguments).returncode == 2
 
 
+@pytest.mark.further
 def test_a_video_of_the_board_does_as_well(tmp_path):
     """Each picture for two frames: of 18 frames all are looked at, and the codec moves corners by little."""
     sys.path.insert(0, str(REPOSITORY / "tests/importing"))
@@ -152,6 +153,7 @@ def test_one_view_many_times_is_one(tmp_path):
     assert done.returncode == 1 and "8 pictures, 4 of them from where another was taken; at least 5" in done.stderr
 
 
+@pytest.mark.further
 def test_orientation_tags_change_nothing(tmp_path):
     from PIL import Image
 

@@ -113,6 +113,7 @@ def test_the_page_and_its_tables_can_be_read(undisturbed):
     assert len(acquired) == 2 and all(row["of"] == "2" and 0 <= float(row["centre"]) <= 100 for row in acquired)
 
 
+@pytest.mark.further
 def test_a_rerun_does_nothing_and_a_new_question_only_what_is_missing(undisturbed, tmp_path):
     plan, out, cache = undisturbed
     before = made(out)
@@ -132,6 +133,7 @@ def paired(out) -> list[dict]:
         return list(csv.DictReader(stream))
 
 
+@pytest.mark.further
 def test_two_campaigns_are_set_side_by_side(undisturbed, tmp_path):
     plan, out, cache = undisturbed
     done = subprocess.run([sys.executable, REPOSITORY / "hil/campaign.py", "--report", out, "--vs", out], capture_output=True, text=True, timeout=120)
@@ -192,6 +194,7 @@ def test_kills_change_no_table(undisturbed, tmp_path):
     assert not list((out / "runs").glob("*.part-*"))
 
 
+@pytest.mark.further
 def test_a_task_that_fails_stops_nothing_else(undisturbed, tmp_path):
     _, _, cache = undisturbed
     plan = write_plan(tmp_path, PLAN + '[[configurations]]\nname = "refused"\nfile = "config/full.toml"\nset = ["mask.no_such_key=1"]\n'

@@ -67,6 +67,7 @@ def agrees(run: pathlib.Path, original) -> None:
     assert abs(float(found.group(1)) - np.degrees(true_speed.mean())) < 0.01 + BOUND * np.degrees(np.hypot(sigma, true_sigma)).mean()
 
 
+@pytest.mark.further
 def test_my_video_and_my_photographs(desk, sample, original):
     frames = [sample.read_gray(index) for index in range(len(sample.filenames))]
     sources.write_video(desk / "clip.mp4", frames, range(len(frames)))
@@ -92,6 +93,7 @@ def test_my_laboratory(desk, sample, original):
     agrees(desk / "DIR", original)
 
 
+@pytest.mark.further
 def test_my_servicer(desk, original):
     (desk / "pictures").symlink_to(SAMPLE / "mav0/cam0/data")
     follow(desk, "guide_servicer.md")

@@ -56,6 +56,7 @@ def call(house, *arguments, **extra):
 
 
 # verifies: MOT-12
+@pytest.mark.further
 def test_both_cases_are_rendered_replayed_judged_drawn_and_tabled(house):
     done = call(house, "--small", "--set", "seed=3")
     assert done.returncode == 0, done.stderr

@@ -9,7 +9,7 @@ from replay_files import REPOSITORY
 
 
 # verifies: LIV-03
-@pytest.mark.slow
+@pytest.mark.further
 def test_killed_three_times_and_found_again(tmp_path):
     done = subprocess.run([sys.executable, REPOSITORY / "hil/kill_campaign.py", tmp_path / "runs", "--kills", "3", "--interval-s", "0.5"],
                           capture_output=True, text=True)

@@ -24,7 +24,7 @@ def run_of(soak):
     return call
 
 
-@pytest.fixture(params=JOBS)
+@pytest.fixture(params=[pytest.param(name, marks=pytest.mark.further if name != "but windows on a second thread" else ()) for name in JOBS])
 def run(request, run_of):
     return run_of(*JOBS[request.param])
 

@@ -24,7 +24,7 @@ def excerpt(sample, tmp_path_factory):
     return folder
 
 
-@pytest.fixture(params=["short", pytest.param("excerpt", marks=pytest.mark.slow)])
+@pytest.fixture(params=["short", pytest.param("excerpt", marks=pytest.mark.further)])
 def subject(request, tmp_path):
     if request.param == "excerpt":
         return request.getfixturevalue("excerpt")

@@ -43,7 +43,7 @@ def expect_right(rows, truth, faults=()):
         assert off_deg(row, truth, R_TT) < 3.0 * math.degrees(float(row["sigma_att_rad"])), row["frame"]
 
 
-@pytest.mark.parametrize(("kind", "settings"), [("near_repeated", ["fraction=0.2"]), ("stale", ["fraction=0.07", "age_frames=5"])])
+@pytest.mark.parametrize(("kind", "settings"), [pytest.param("near_repeated", ["fraction=0.2"], marks=pytest.mark.further), ("stale", ["fraction=0.07", "age_frames=5"])])
 def test_a_picture_of_another_moment_moves_neither_poses_nor_t(changed, kind, settings):
     causal, smoothed, truth, faults, counters = changed(kind, *settings)
     good = [row for row in causal if int(row["frame"]) not in faults]
@@ -53,7 +53,7 @@ def test_a_picture_of_another_moment_moves_neither_poses_nor_t(changed, kind, se
     assert counters["restarts"] == 0
 
 
-@pytest.mark.parametrize("kind", ["caption", "own_structure"])
+@pytest.mark.parametrize("kind", ["caption", pytest.param("own_structure", marks=pytest.mark.further)])
 def test_what_rests_in_the_picture_keeps_no_target_from_being_acquired(changed, kind):
     causal, _, truth, _, counters = changed(kind)
     assert int(causal[0]["frame"]) <= 10 and len(causal) > 0.85 * len(truth)

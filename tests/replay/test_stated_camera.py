@@ -53,7 +53,7 @@ def test_the_right_one_is_borne_out(sample_run, program):
 
 
 # verifies: MAP-11
-@pytest.mark.parametrize(("part", "word"), [(0.85, "more"), (1.15, "less")])
+@pytest.mark.parametrize(("part", "word"), [(0.85, "more"), pytest.param(1.15, "less", marks=pytest.mark.further)])
 def test_a_wrong_focal_length_is_contradicted(replay, sample, program, tmp_path, part, word):
     result = replay(stating(tmp_path / "seq", [part * FOCAL_PX, part * FOCAL_PX, *STATED[2:]]))
     assert result.status == 0, result.err

@@ -193,6 +193,7 @@ samples = 4
 """
 
 
+@pytest.mark.further
 def test_a_body_in_the_laboratory_throws_its_shadow_on_the_table_and_changes_nothing_else(tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(LABORATORY)
