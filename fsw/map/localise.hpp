@@ -2,6 +2,7 @@
 // alone.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "base/result.hpp"
@@ -39,6 +40,12 @@ struct LocalisedFrame {
 /// there is, some of which falls within the gate and pulls. As many times larger as there are
 /// matches to an inlier.
 [[nodiscard]] PoseCovariance with_clutter(const LocalisedFrame& frame);
+
+/// More inliers, beyond chance.
+[[nodiscard]] inline bool outnumbers(int inliers, int others) {
+  constexpr double kApart_sigmas = 3.0;  // 99.7 %, of a count as Poisson has it
+  return inliers - others >= kApart_sigmas * std::sqrt(static_cast<double>(inliers));
+}
 
 /// Working memory of the functions below; contents mean nothing between calls.
 struct LocaliseScratch {

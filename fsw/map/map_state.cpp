@@ -35,7 +35,7 @@ void reset_map(MapState* state) {
   state->pose_valid = false;
   state->pose_teaches = true;
   state->doubted = PoseCovariance::Zero();
-  state->inliers_last = 0;
+  state->before = {};
 }
 
 }  // namespace polhode

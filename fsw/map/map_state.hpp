@@ -36,6 +36,19 @@ struct LastAdjustment {
   std::uint32_t next_keyframe_number = 0;
 };
 
+/// What recognise_frame() has found so far.
+struct RecognisedPose {
+  int frames = 0;           ///< in succession that show the same side; 0: none
+  std::uint32_t frame = 0;  ///< the last of them
+  Pose pose;                ///< in it
+};
+
+/// Of the frames before this one.
+struct PosesBefore {
+  int inliers = 0;  ///< of the last pose that features gave
+  RecognisedPose recognised;
+};
+
 /// Working memory; contents mean nothing between calls.
 struct MapScratch {
   LocaliseScratch localise;
@@ -55,7 +68,7 @@ struct MapState {
   bool pose_teaches = true;        ///< not mostly what the motion expects, nor the last one again
   PoseCovariance doubted =
       PoseCovariance::Zero();  ///< of a pose that departs from the motion, or repeats: by how much
-  int inliers_last = 0;        ///< of the last pose that features gave
+  PosesBefore before;
   GrowthWaiting growth;
   LastAdjustment last_adjustment_of_all;
   double moved_rad = 0.0;  ///< by an adjustment taken in this step, under poses given before it

@@ -43,6 +43,16 @@ bool can_link(const Turn& turn) {
   return turn.duration_s > 0.0 && turn.turn_I.norm() < kTurnMax_rad;
 }
 
+/// Are both of one motion? By the other's rate neither is longer than a right angle: else nobody
+/// counted how often it turned, as over an hour between two passes.
+bool go_on(const Turn& a, const Turn& b) {
+  constexpr double kMost_rad = 1.57;
+  const auto by_rate_of = [](const Turn& rate, const Turn& over) {
+    return rate.turn_I.norm() / rate.duration_s * over.duration_s;
+  };
+  return by_rate_of(a, b) < kMost_rad && by_rate_of(b, a) < kMost_rad;
+}
+
 /// dw/dt over the last two turns is what it was over the two before, less what it forgets: by a
 /// factor of e over a radian. Of free bodies at random half is left after it; one that forgot at
 /// once could bend an arc, and one that never did could not be disturbed. Without two before, it is
@@ -77,11 +87,11 @@ void add_rate_links(AdjustmentSnapshot* s) {
   for (std::size_t n = 2; n < order.size(); ++n) {
     const Turn first = turn_between(*s, order[n - 2], order[n - 1]);
     const Turn second = turn_between(*s, order[n - 1], order[n]);
-    if (!can_link(first) || !can_link(second)) {
+    if (!can_link(first) || !can_link(second) || !go_on(first, second)) {
       continue;
     }
     const Turn before = n > 2 ? turn_between(*s, order[n - 3], order[n - 2]) : Turn{};
-    const bool goes_on = can_link(before);
+    const bool goes_on = can_link(before) && go_on(before, first);
     RateLink link = link_of(goes_on ? &before : nullptr, first, second);
     bool any_free = false;
     for (std::size_t k = goes_on ? n - 3 : n - 2; k <= n; ++k) {

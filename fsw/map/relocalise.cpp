@@ -1,40 +1,11 @@
 #include <vector>
 
+#include "map/descriptor_table.hpp"
 #include "map/localise.hpp"
-#include "solve/neighbours.hpp"
 
 namespace polhode {
 
 namespace {
-
-struct DescriptorTable {
-  std::vector<std::uint8_t> octets;
-  std::vector<std::int32_t> landmark;  ///< slot, per row
-};
-
-/// Views of the landmarks that take part, at most kRowsMax: of more every second landmark, or every
-/// third, stands for the rest.
-template <typename TakesPart>
-DescriptorTable views_of(const Map& map, const TakesPart& takes_part) {
-  constexpr std::size_t kRowsMax = 4000;  // 600 x 3200 distances take 7 ms
-  std::size_t rows = 0;
-  for (const Landmark& landmark : map.landmarks) {
-    rows += landmark.used && takes_part(landmark) ? landmark.views.size() : 0;
-  }
-  const std::size_t stride = rows / kRowsMax + 1;
-  DescriptorTable table;
-  std::size_t counted = 0;
-  for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
-    if (!map.landmarks[i].used || !takes_part(map.landmarks[i]) || counted++ % stride != 0) {
-      continue;
-    }
-    for (const LandmarkView& view : map.landmarks[i].views) {
-      table.octets.insert(table.octets.end(), view.descriptor.begin(), view.descriptor.end());
-      table.landmark.push_back(static_cast<std::int32_t>(i));
-    }
-  }
-  return table;
-}
 
 /// Features and the landmarks of `table` that look most alike, then a pose from them.
 Result<bool> relocalise_among(const DescriptorTable& table,
@@ -44,12 +15,7 @@ Result<bool> relocalise_among(const DescriptorTable& table,
   if (table.landmark.empty()) {
     return ErrorCode::kTooFewObservations;
   }
-  std::vector<std::uint8_t> queries;
-  for (const Feature& feature : *input.features) {
-    queries.insert(queries.end(), feature.descriptor.begin(), feature.descriptor.end());
-  }
-  std::vector<Neighbours> found(input.features->size());
-  nearest_descriptors(table.octets, queries, found);
+  const std::vector<Neighbours> found = nearest_rows(table, *input.features);
   out->matches.clear();
   const double ratio2 = input.ratio_max * input.ratio_max;
   for (std::size_t f = 0; f < found.size(); ++f) {
@@ -80,7 +46,7 @@ Result<bool> relocalise_among(const DescriptorTable& table,
 
 Result<bool> relocalise(const LocaliseInput& input, LocaliseScratch* scratch, LocalisedFrame* out) {
   const auto all = [](const Landmark&) { return true; };
-  return relocalise_among(views_of(*input.map, all), input, scratch, out);
+  return relocalise_among(views_of(*input.map, 0, all), input, scratch, out);
 }
 
 Result<bool> relocalise_elsewhere(const LocaliseInput& input,
@@ -91,7 +57,7 @@ Result<bool> relocalise_elsewhere(const LocaliseInput& input,
     Eigen::Vector2d pixel;
     return !should_be_seen(landmark, found, *input.camera, &pixel);
   };
-  return relocalise_among(views_of(*input.map, hidden), input, scratch, out);
+  return relocalise_among(views_of(*input.map, 0, hidden), input, scratch, out);
 }
 
 }  // namespace polhode

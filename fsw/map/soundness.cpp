@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "base/sound.hpp"
 
@@ -76,12 +77,13 @@ bool counts_are(const Table& table, std::int32_t count) {
 }  // namespace
 
 bool is_sound(const Feature& feature, const CameraModel& camera) {
-  // Refinement moves a feature by less than a pixel: no farther out of the image.
-  constexpr float kBeside_px = 1.0F;
-  const bool inside = feature.u_px >= -kBeside_px && feature.v_px >= -kBeside_px &&
-                      feature.u_px <= static_cast<float>(camera.width_px) + kBeside_px &&
-                      feature.v_px <= static_cast<float>(camera.height_px) + kBeside_px;
-  return inside && is_bounded(feature.normalised) && feature.sigma_px > 0.0F &&
+  // Of a model from a nearer pass a keyframe lies beside the image, by as much as ranges differ.
+  constexpr float kImages = 16.0F;
+  const auto near = [](float pixel, int side_px) {
+    return std::abs(pixel) <= kImages * static_cast<float>(side_px);
+  };
+  return near(feature.u_px, camera.width_px) && near(feature.v_px, camera.height_px) &&
+         is_bounded(feature.normalised) && feature.sigma_px > 0.0F &&
          is_bounded(feature.sigma_px) && feature.scale_px > 0.0F && is_bounded(feature.scale_px) &&
          is_bounded(feature.angle_rad);
 }

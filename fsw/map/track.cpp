@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "geometry/so3.hpp"
+#include "map/recognise.hpp"
 
 namespace polhode {
 namespace {
@@ -59,7 +60,7 @@ bool certain(const LocalisedFrame& localised) {
 /// A pose with under half the inliers of the last one. About a wrong prediction some agree with a
 /// pose that lags behind the body, and where the light has changed it is all that there is.
 bool is_thin(const LocalisedFrame& localised, const MapState& s) {
-  return 2 * localised.absolute.inliers < s.inliers_last;
+  return 2 * localised.absolute.inliers < s.before.inliers;
 }
 
 /// 1-sigma of the angle between two attitudes, worst axis.
@@ -87,12 +88,6 @@ bool within_reach(const ExpectedPose& expected, const AbsolutePose& found, doubl
   constexpr double kPushed_rad = 0.17;  // 10 deg from one frame to the next. Chosen
   return within_steps(expected, found, moved_rad) ||
          rotation_angle_rad(found.pose.R_CT, expected.prediction.pose.R_CT) < kPushed_rad;
-}
-
-/// More inliers, beyond chance.
-bool outnumbers(int inliers, int others) {
-  constexpr double kApart_sigmas = 3.0;  // 99.7 %, of a count as Poisson has it
-  return inliers - others >= kApart_sigmas * std::sqrt(static_cast<double>(inliers));
 }
 
 /// The prediction with what the map's depth error makes of the step, where it says enough of which
@@ -223,6 +218,28 @@ bool relocalise_frame(const MapInput& input, MapState* s) {
       relocalise(localise_input(input, s->map), &s->scratch.localise, &s->localised);
   return done && s->localised.absolute.inliers >= kInliersAlone &&
          2 * s->localised.absolute.inliers >= static_cast<int>(s->localised.matches.size());
+}
+
+bool recognise_frame(const MapInput& input, MapState* s) {
+  constexpr int kFramesMin = 3;         // that show the same side
+  constexpr std::uint32_t kGapMax = 3;  // frames: after them it has turned too far
+  const LocaliseInput localise = localise_input(input, s->map);
+  RecognisedPose& last = s->before.recognised;
+  const auto agreed = [&](const Result<bool>& done) {
+    return done && agrees(s->localised, input.localise->inliers_min);
+  };
+  const bool goes_on = last.frames > 0 && input.frame - last.frame <= kGapMax;
+  const bool anew = agreed(recognise(localise, &s->scratch.localise, &s->localised));
+  if (!anew && !(goes_on && agreed(localise_roughly(
+                                localise, last.pose, &s->scratch.localise, &s->localised)))) {
+    return false;
+  }
+  const bool same = goes_on && is_same_side(s->localised.absolute.pose, last.pose);
+  last = {.frames = same ? last.frames + 1 : 1,
+          .frame = input.frame,
+          .pose = s->localised.absolute.pose};
+  s->localised.absolute.covariance = with_clutter(s->localised);
+  return last.frames >= kFramesMin;
 }
 
 bool is_ambiguous(const MapInput& input, const std::optional<ExpectedPose>& expected, MapState* s) {

@@ -57,6 +57,10 @@ bool overrule_motion(const MapInput& input,
 /// By descriptors alone, over all keyframes.
 bool relocalise_frame(const MapInput& input, MapState* state);
 
+/// By appearance where hardly any feature is the one that it is taken for, as in other light. A
+/// pose that is found so is looked for again in the next frames, and is one when it is found there.
+bool recognise_frame(const MapInput& input, MapState* state);
+
 /// Does another side of the body explain the picture, too, as well as a pose needs, and no motion
 /// that has been checked tell which side it is? With alike faces one pose is as good as the other.
 /// How many inliers each has says nothing: the face that is seen may be the one that is hardly

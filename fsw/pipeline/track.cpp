@@ -37,6 +37,15 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
        !is_ambiguous(input, expected, mapping))) {
     return FoundBy::kFeatures;
   }
+  if (!expected && recognise_frame(input, mapping) && !is_ambiguous(input, expected, mapping)) {
+    // What it leaves open all poses share from here on, as the map goes on by it.
+    const PoseCovariance& open = mapping->localised.absolute.covariance;
+    add_reanchoring(worst_sigma(open.topLeftCorner<3, 3>()),
+                    worst_sigma(open.bottomRightCorner<3, 3>()),
+                    mapping->map.next_keyframe_number,
+                    &mapping->drift);
+    return FoundBy::kFeatures;
+  }
   if (!has_target(s->mode) || !expected) {
     return FoundBy::kNothing;
   }
@@ -174,7 +183,7 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
     withdraw(*wrong_ns, mapping);
   }
   if (found_by == FoundBy::kFeatures) {
-    mapping->inliers_last = found.inliers;
+    mapping->before.inliers = found.inliers;
   }
   const bool may_teach =
       s->picture.verdict.decision == FrameDecision::kUse && mapping->pose_teaches;

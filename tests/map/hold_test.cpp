@@ -179,7 +179,7 @@ void displace_half(Bench* b) {
 TEST(FindAboutDeparted, IsBorneOutByHalfOfTheLastInliers) {
   for (const auto& [inliers_last, found] : {std::pair(30, true), std::pair(90, false)}) {
     Bench b(30, 1, 0, 3);
-    b.state->inliers_last = inliers_last;
+    b.state->before.inliers = inliers_last;
     const ExpectedPose e = b.expected(0.01);
     EXPECT_TRUE(find_about(b.input(), e, b.state.get())) << inliers_last;
     EXPECT_EQ(find_about_departed(b.input(), e, b.state.get()), found) << inliers_last;
@@ -198,7 +198,7 @@ bool overruled(const ExpectedPose& e, Bench* b) {
 
 TEST(OverruleMotion, TakesThePoseOfManyLandmarks_WhereTheBodyWasTouched) {
   Bench b(100, 1, 0, 1);
-  b.state->inliers_last = 55;
+  b.state->before.inliers = 55;
   EXPECT_TRUE(overruled(b.expected(kTouched_rad), &b));
   EXPECT_LT(b.error_rad(), 0.01);
   EXPECT_GT(b.state->localised.absolute.inliers, 40);
@@ -208,7 +208,7 @@ TEST(OverruleMotion, KeepsTheMotion_WhereNoContactBringsTheBodyThere) {
   constexpr double kOff_rad = 0.55;
   for (const auto& [step_rad, reached] : {std::pair(0.3, true), std::pair(0.05, false)}) {
     Bench b(100, 1, 0, 1);
-    b.state->inliers_last = 55;
+    b.state->before.inliers = 55;
     ExpectedPose e = b.expected(kOff_rad);
     e.step_rad = step_rad;
     EXPECT_EQ(overruled(e, &b), reached) << step_rad;
@@ -217,19 +217,19 @@ TEST(OverruleMotion, KeepsTheMotion_WhereNoContactBringsTheBodyThere) {
 
 TEST(OverruleMotion, KeepsTheMotion_WhereLessIsSeenThanBefore) {
   Bench b(100, 1, 0, 1);
-  b.state->inliers_last = 150;
+  b.state->before.inliers = 150;
   EXPECT_FALSE(overruled(b.expected(kTouched_rad), &b));
 }
 
 TEST(OverruleMotion, KeepsTheMotion_WhereFewLandmarksContradictIt) {
   Bench b(50, 1, 0, 1);
-  b.state->inliers_last = 25;
+  b.state->before.inliers = 25;
   EXPECT_FALSE(overruled(b.expected(kTouched_rad), &b));
 }
 
 TEST(OverruleMotion, KeepsTheMotion_WhereItHoldsNearlyAsMany) {
   Bench b(100, 1, 0, 1);
-  b.state->inliers_last = 55;
+  b.state->before.inliers = 55;
   const ExpectedPose e = b.expected(kTouched_rad);
   displace_half(&b);
   EXPECT_FALSE(find_about(b.input(), e, b.state.get()));

@@ -51,6 +51,19 @@ TEST(RateLinks, FollowTheKeyframesInTime_ThreeOrFourEach) {
   }
 }
 
+TEST(RateLinks, DoNotReachOverATimeInWhichNobodyCountedTheTurns) {
+  Map& map = map_of(turn_by(0.05, 8), 0.0, 1);
+  for (std::size_t k = 0; k < 4; ++k) {
+    map.keyframes[k].timestamp_ns -= 3'600'000'000'000;  // of a pass an hour before
+  }
+  const auto s = linked(map);
+  EXPECT_EQ(s->motion.links.size(), 4U);  // two in each part
+  for (const RateLink& link : s->motion.links) {
+    const std::uint32_t last = number(*s, link.poses.back());
+    EXPECT_TRUE(last < 4 || number(*s, link.poses[0]) >= 4) << last;
+  }
+}
+
 TEST(RateLinks, AreZeroAtASteadyRate_WhateverTheIntervals) {
   Map& map = map_of({turned(0.0), turned(0.02), turned(0.10), turned(0.13), turned(0.20)}, 0.0, 1);
   const std::array<std::int64_t, 5> steps{0, 2, 10, 13, 20};

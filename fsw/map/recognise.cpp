@@ -1,0 +1,250 @@
+#include "map/recognise.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "geometry/so3.hpp"
+#include "map/descriptor_table.hpp"
+
+namespace polhode {
+namespace {
+
+/// Within so much of where a pose that is roughly known has its landmark a feature is looked for,
+/// in the image plane z = 1.
+double reach_of(const LocaliseInput& input, double depth) {
+  constexpr double kPart = 0.15;  // of the radius: a side seen 20 deg from where it was
+  return std::max(input.options->search_floor_px / input.camera->focal_px(),
+                  kPart * input.map->radius_mu / depth);
+}
+
+/// What a feature and a view that look alike say of the pose.
+struct Vote {
+  std::int32_t feature = -1;
+  Eigen::Quaterniond q_CT = Eigen::Quaterniond::Identity();
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< normalised, where it has the map's
+  double log_depth = 0.0;                            ///< of that
+  Eigen::Vector3d p_CT = Eigen::Vector3d::Zero();
+  // What it rests on:
+  std::int32_t landmark = -1;                      ///< slot
+  Eigen::Vector2d seen = Eigen::Vector2d::Zero();  ///< the feature's image point, normalised
+  double log_size = 0.0;                           ///< blob in the image over blob on the body
+};
+
+/// The view as it was, turned in the image and moved along the line of sight until its blob is the
+/// feature.
+Pose pose_by(const Feature& feature,
+             const Landmark& landmark,
+             const Feature& seen,
+             const Pose& pose_seen) {
+  const Eigen::Vector3d to = feature.normalised.homogeneous().normalized();
+  const Eigen::Vector3d from = seen.normalised.homogeneous().normalized();
+  const Eigen::AngleAxisd roll(static_cast<double>(feature.angle_rad - seen.angle_rad), to);
+  const double depth = pose_seen.to_camera(landmark.p_T).z() * static_cast<double>(seen.scale_px) /
+                       static_cast<double>(feature.scale_px);
+  Pose pose;
+  pose.R_CT = (roll * Eigen::Quaterniond::FromTwoVectors(from, to)) * pose_seen.R_CT;
+  pose.p_CT = depth * feature.normalised.homogeneous() - pose.R_CT * landmark.p_T;
+  return pose;
+}
+
+void add_vote(const LocaliseInput& input,
+              std::int32_t feature,
+              std::int32_t landmark_slot,
+              std::int32_t view_index,
+              std::vector<Vote>* votes) {
+  const Map& map = *input.map;
+  const Landmark& landmark = map.landmarks[static_cast<std::size_t>(landmark_slot)];
+  const LandmarkView& view = landmark.views[static_cast<std::size_t>(view_index)];
+  const Keyframe& keyframe = map.keyframes[view.keyframe.index()];
+  if (!keyframe.used || static_cast<std::size_t>(view.feature) >= keyframe.features.size()) {
+    return;  // gone since the views were refreshed
+  }
+  const Feature& seen = (*input.features)[static_cast<std::size_t>(feature)];
+  const Pose pose = pose_by(
+      seen, landmark, keyframe.features[static_cast<std::size_t>(view.feature)], keyframe.pose);
+  const Eigen::Vector3d centre_C = pose.to_camera(map.centre_T);
+  if (centre_C.z() > 0.0) {
+    votes->push_back({.feature = feature,
+                      .q_CT = Eigen::Quaterniond(pose.R_CT),
+                      .centre = centre_C.hnormalized(),
+                      .log_depth = std::log(centre_C.z()),
+                      .p_CT = pose.p_CT,
+                      .landmark = landmark_slot,
+                      .seen = seen.normalised,
+                      .log_size = std::log(static_cast<double>(seen.scale_px) /
+                                           (landmark.size_mu * input.camera->focal_px()))});
+  }
+}
+
+std::vector<Vote> votes_of(const LocaliseInput& input, const DescriptorTable& table) {
+  const std::vector<Neighbours> found = nearest_rows(table, *input.features);
+  std::vector<Vote> votes;
+  votes.reserve(2 * found.size());
+  const auto add = [&](std::size_t feature, std::int32_t row) {
+    if (row >= 0) {
+      add_vote(input,
+               static_cast<std::int32_t>(feature),
+               table.landmark[static_cast<std::size_t>(row)],
+               table.view[static_cast<std::size_t>(row)],
+               &votes);
+    }
+  };
+  for (std::size_t f = 0; f < found.size(); ++f) {
+    add(f, found[f].nearest);
+    add(f, found[f].second);
+  }
+  return votes;
+}
+
+/// Do two votes mean one pose? A blob's orientation is good to 10 or 20 deg where the light is
+/// another one, its size to a quarter, and the side that is seen differs from the keyframe's.
+bool agree(const Vote& a, const Vote& b, double radius) {
+  constexpr double kHalfCosine = 0.966;  // 30 deg
+  constexpr double kLogDepth = 0.4;      // a factor of 1.5
+  constexpr double kCentre = 0.35;       // of the radius: 30 deg about a blob halfway out, and more
+  return std::abs(a.q_CT.dot(b.q_CT)) > kHalfCosine &&
+         std::abs(a.log_depth - b.log_depth) < kLogDepth &&
+         (a.centre - b.centre).squaredNorm() <
+             kCentre * kCentre * radius * radius * std::exp(-2.0 * a.log_depth);
+}
+
+Pose pose_of(const Vote& vote) { return {.R_CT = vote.q_CT.toRotationMatrix(), .p_CT = vote.p_CT}; }
+
+/// Does a vote's feature lie roughly where a pose has its landmark, as large as it has it?
+bool bears_out(const Vote& vote, const Map& map, const Pose& pose, double reach) {
+  constexpr double kLogSize = 0.5;  // a factor of 1.7
+  const Landmark& landmark = map.landmarks[static_cast<std::size_t>(vote.landmark)];
+  const Eigen::Vector3d p_C = pose.to_camera(landmark.p_T);
+  return p_C.z() > 0.0 && (pose.R_CT * landmark.normal_T).dot(p_C) < 0.0 &&
+         (p_C.hnormalized() - vote.seen).squaredNorm() < reach * reach &&
+         std::abs(vote.log_size + std::log(p_C.z())) < kLogSize;
+}
+
+/// How many votes' features `counts` is true of.
+template <typename Counts>
+int features_of(const std::vector<Vote>& votes, const Counts& counts) {
+  int features = 0;
+  std::int32_t last = -1;
+  for (const Vote& vote : votes) {  // in the order of features
+    if (vote.feature != last && counts(vote)) {
+      ++features;
+      last = vote.feature;
+    }
+  }
+  return features;
+}
+
+/// The best `count` of the votes named, best first.
+template <typename Score>
+std::vector<std::size_t> best_of(const std::vector<std::size_t>& named,
+                                 std::size_t count,
+                                 const Score& score) {
+  std::vector<std::pair<int, std::size_t>> scores;
+  scores.reserve(named.size());
+  for (const std::size_t i : named) {
+    scores.emplace_back(-score(i), i);
+  }
+  std::sort(scores.begin(), scores.end());
+  scores.resize(std::min(count, scores.size()));
+  std::vector<std::size_t> order;
+  order.reserve(scores.size());
+  for (const auto& [minus_score, i] : scores) {
+    order.push_back(i);
+  }
+  return order;
+}
+
+/// The first of the votes named, at most kAlike of one side: so that a body's other sides are
+/// tried, too, which may look the same.
+std::vector<std::size_t> of_different_sides(const std::vector<std::size_t>& named,
+                                            const std::vector<Vote>& votes,
+                                            std::size_t count) {
+  constexpr int kAlike = 3;
+  constexpr double kHalfCosine = 0.985;  // 20 deg
+  std::vector<std::size_t> chosen;
+  for (const std::size_t i : named) {
+    const auto alike = std::count_if(chosen.begin(), chosen.end(), [&](std::size_t k) {
+      return std::abs(votes[i].q_CT.dot(votes[k].q_CT)) > kHalfCosine;
+    });
+    if (chosen.size() < count && alike < kAlike) {
+      chosen.push_back(i);
+    }
+  }
+  return chosen;
+}
+
+/// Poses that many votes mean, those first that most features bear out.
+std::vector<Pose> poses_to_try(const LocaliseInput& input, const DescriptorTable& table) {
+  // Of 1600 votes so many are held against all others, and so many tried: 15 ms in all. With five
+  // times as many hardly more frames are recognised.
+  constexpr std::size_t kLooked = 150;
+  constexpr std::size_t kTried = 12;
+  const std::vector<Vote> votes = votes_of(input, table);
+  std::vector<std::size_t> order(votes.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  order = best_of(order, kLooked, [&](std::size_t i) {
+    return features_of(votes,
+                       [&](const Vote& v) { return agree(votes[i], v, input.map->radius_mu); });
+  });
+  order = best_of(order, kLooked, [&](std::size_t i) {
+    const Pose pose = pose_of(votes[i]);
+    const double reach = reach_of(input, std::exp(votes[i].log_depth));
+    return features_of(votes, [&](const Vote& v) { return bears_out(v, *input.map, pose, reach); });
+  });
+  std::vector<Pose> poses;
+  for (const std::size_t i : of_different_sides(order, votes, kTried)) {
+    poses.push_back(pose_of(votes[i]));
+  }
+  return poses;
+}
+
+}  // namespace
+
+bool is_same_side(const Pose& a, const Pose& b) {
+  constexpr double kApart_rad = 0.52;  // 30 deg
+  return rotation_angle_rad(a.R_CT, b.R_CT) < kApart_rad;
+}
+
+Result<bool> localise_roughly(const LocaliseInput& input,
+                              const Pose& pose,
+                              LocaliseScratch* scratch,
+                              LocalisedFrame* out) {
+  const double depth = pose.to_camera(input.map->centre_T).z();
+  const double reach_px = reach_of(input, depth) * input.camera->focal_px();
+  return localise_guided(input, pose, reach_px, scratch, out);
+}
+
+Result<bool> recognise(const LocaliseInput& input, LocaliseScratch* scratch, LocalisedFrame* out) {
+  const auto all = [](const Landmark&) { return true; };
+  const DescriptorTable table = views_of(*input.map, input.stream, all);
+  if (table.landmark.empty() || input.features->empty()) {
+    return ErrorCode::kTooFewObservations;
+  }
+  const auto best = std::make_unique<LocalisedFrame>();
+  int rival = 0;  // inliers of the best one elsewhere
+  for (const Pose& pose : poses_to_try(input, table)) {
+    if (!localise_roughly(input, pose, scratch, out)) {
+      continue;
+    }
+    const bool any = best->absolute.inliers > 0;
+    const bool same = any && is_same_side(best->absolute.pose, out->absolute.pose);
+    if (out->absolute.inliers > best->absolute.inliers) {
+      rival = same ? rival : std::max(rival, best->absolute.inliers);
+      *best = *out;
+    } else if (!same) {
+      rival = std::max(rival, out->absolute.inliers);
+    }
+  }
+  if (best->absolute.inliers == 0 || !outnumbers(best->absolute.inliers, rival)) {
+    return ErrorCode::kNoConsensus;
+  }
+  take_matches(input, *best, scratch, out);
+  return true;
+}
+
+}  // namespace polhode
