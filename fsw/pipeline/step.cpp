@@ -16,6 +16,7 @@
 #include "pipeline/row_times.hpp"
 #include "pipeline/scrub.hpp"
 #include "pipeline/state.hpp"
+#include "pipeline/target_model.hpp"
 #include "pipeline/track.hpp"
 #include "shape/scale_reading.hpp"
 
@@ -63,6 +64,9 @@ FrameUse take_frame(const Frame& frame, Component::State* s) {
     stage_done(Stage::kImage, s->timer);
   }
   if (row_of(use).looked_at) {
+    if (!s->clock.time_known && s->mapping.map.keyframe_count > 0) {
+      date_target_model(frame.timestamp_ns, &s->mapping.map, &s->motion);
+    }
     s->clock.timestamp_ns = frame.timestamp_ns;
     s->clock.time_known = true;
   }

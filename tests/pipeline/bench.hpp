@@ -190,12 +190,15 @@ class Ball {
 
   [[nodiscard]] static std::size_t cell_of(const Eigen::Vector3d& n) {
     const auto along = [](double x) {
-      return static_cast<std::size_t>(std::clamp(static_cast<int>((x + 1.0) / kSide), 0, kCells - 1));
+      return static_cast<std::size_t>(
+          std::clamp(static_cast<int>((x + 1.0) / kSide), 0, kCells - 1));
     };
     return (along(n.x()) * kCells + along(n.y())) * kCells + along(n.z());
   }
   [[nodiscard]] static Eigen::Vector3d middle_of(std::size_t cell) {
-    const auto along = [](std::size_t i) { return (static_cast<double>(i % kCells) + 0.5) * kSide - 1.0; };
+    const auto along = [](std::size_t i) {
+      return (static_cast<double>(i % kCells) + 0.5) * kSide - 1.0;
+    };
     return {along(cell / (kCells * kCells)), along(cell / kCells), along(cell)};
   }
 
