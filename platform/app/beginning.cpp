@@ -9,6 +9,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "app/model_file.hpp"
 #include "input_text.hpp"
 #include "pipeline/checkpoint.hpp"
 
@@ -83,15 +84,35 @@ std::string Beginning::take(const fs::path& file, Component& component) {
 void Beginning::restore(Component& component) {
   const fs::path& last = machine_.run.checkpoint;
   if (last.empty()) {
+    take_model(component);
     return;
   }
   crashes_ = read_crash_mark(crash_mark_file(last));
   watch_.emplace(last, crashes_);
   try {
     restore_last(component);
+    if (loaded_.octets.empty()) {
+      take_model(component);
+    }
   } catch (...) {
     leave_crash_mark();
     throw;
+  }
+}
+
+void Beginning::take_model(Component& component) {
+  const fs::path& file = machine_.run.model;
+  if (file.empty()) {
+    return;
+  }
+  TargetModelFacts facts;
+  const std::string refusal = load_model_file(file, &component, &facts);
+  how_ += refusal.empty()
+              ? fmt::format("; with the model {}, {} landmarks", file.string(), facts.landmarks)
+              : fmt::format("; the model is not used: {}: {}", file.string(), refusal);
+  if (refusal.empty()) {
+    loaded_ = checkpoint_in_memory(
+        component, {.identity = identity_, .boot_id = this_boot(), .stepped = moment_now()});
   }
 }
 

@@ -1,4 +1,4 @@
-// Where a live run begins: anew, or where a checkpoint says.
+// Where a live run begins: anew, with a model of the target, or where a checkpoint says.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,8 @@ class Beginning {
   [[nodiscard]] const std::string& how() const { return how_; }
   /// Of the program, this start included, since a cold one.
   [[nodiscard]] std::uint32_t restarts() const { return restarts_; }
-  /// The file that the run begins from; empty when it begins cold.
+  /// The file that the run begins from, or the state that a model gives; empty when it begins with
+  /// neither.
   [[nodiscard]] std::span<const std::uint8_t> octets() const { return loaded_.octets; }
   /// Its memory goes back; how it was stays known.
   void forget_octets() { loaded_ = {}; }
@@ -43,6 +44,8 @@ class Beginning {
  private:
   /// From the last checkpoint that will do.
   void restore_last(Component& component);
+  /// A model that will not do is no reason not to run either.
+  void take_model(Component& component);
   /// @return why this file is not used; empty when the component has it.
   std::string take(const std::filesystem::path& file, Component& component);
 

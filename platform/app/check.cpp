@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "app/machine_needs.hpp"
+#include "app/model_command.hpp"
 #include "app/own_structure_file.hpp"
 #include "app/places.hpp"
 #include "app/scale_frame.hpp"
@@ -68,6 +69,9 @@ void check_files(const CheckArguments& arguments,
                  const TransportOptions& transport,
                  const Parameters& parameters) {
   check_places(arguments.config, machine);
+  if (!machine.run.model.empty()) {
+    named("run.model", [&] { (void)describe_model(machine.run.model); });
+  }
   (void)key_of(transport.transport.commands);
   if (!transport.commands_file.empty()) {
     const CommandFile commands(transport.commands_file, parameters.bus.apid_first);

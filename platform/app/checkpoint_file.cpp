@@ -46,6 +46,16 @@ std::uint32_t crc_of(const FileHeader& header) {
       {reinterpret_cast<const std::uint8_t*>(&header), sizeof header - sizeof header.header_crc32});
 }
 
+/// Not signed, and without its own sum.
+FileHeader header_of(const CheckpointStamp& stamp, std::span<const std::uint8_t> content) {
+  return {.identity = stamp.identity,
+          .content_crc32 = crc32_iso_hdlc(content),
+          .restarts = stamp.restarts,
+          .stepped = stamp.stepped,
+          .boot_id = stamp.boot_id,
+          .content_octets = content.size()};
+}
+
 /// @return false: OpenSSL failed.
 bool sign(const polhode_key& key, std::span<const std::uint8_t> content, FileHeader* header) {
   header->is_signed = 1;
@@ -203,12 +213,7 @@ bool write_checkpoint_file(const CheckpointPlaces& places,
                            const CheckpointStamp& stamp,
                            std::span<const std::uint8_t> content,
                            const polhode_key* key) {
-  FileHeader header{.identity = stamp.identity,
-                    .content_crc32 = crc32_iso_hdlc(content),
-                    .restarts = stamp.restarts,
-                    .stepped = stamp.stepped,
-                    .boot_id = stamp.boot_id,
-                    .content_octets = content.size()};
+  FileHeader header = header_of(stamp, content);
   if (key != nullptr && !sign(*key, content, &header)) {
     return false;
   }
@@ -230,6 +235,20 @@ bool write_checkpoint_file(const CheckpointPlaces& places,
   }
   sync_folder_of(places.file);
   return true;
+}
+
+LoadedCheckpoint checkpoint_in_memory(const Component& component, const CheckpointStamp& stamp) {
+  LoadedCheckpoint made;
+  made.memory = std::make_unique<TableMemory>(sizeof(FileHeader) + checkpoint_octets_max());
+  const std::span<std::uint8_t> whole{reinterpret_cast<std::uint8_t*>(made.memory->span().data()),
+                                      made.memory->span().size()};
+  const std::size_t octets = save_checkpoint(component, whole.subspan(sizeof(FileHeader)));
+  made.content = whole.subspan(sizeof(FileHeader), octets);
+  FileHeader header = header_of(stamp, made.content);
+  header.header_crc32 = crc_of(header);
+  std::memcpy(whole.data(), &header, sizeof header);
+  made.octets = whole.first(sizeof header + octets);
+  return made;
 }
 
 LoadedCheckpoint load_whole_checkpoint(const fs::path& file, const BuildId& build) {

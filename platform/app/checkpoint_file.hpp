@@ -11,6 +11,7 @@
 #include "os/linux/build_id.hpp"
 #include "os/linux/clock.hpp"
 #include "os/linux/memory/table_memory.hpp"
+#include "pipeline/component.hpp"
 #include "signing/polhode_sign.h"
 
 namespace polhode::platform {
@@ -64,6 +65,9 @@ struct LoadedCheckpoint {
   double age_s = 0.0;
   std::uint32_t restarts = 0;
 };
+
+/// A component's state as a file would have it, in memory.
+LoadedCheckpoint checkpoint_in_memory(const Component& component, const CheckpointStamp& stamp);
 
 /// Whole and of this build, as a replay asks it: of any configuration, boot and age.
 LoadedCheckpoint load_whole_checkpoint(const std::filesystem::path& file, const BuildId& build);

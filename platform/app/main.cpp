@@ -15,6 +15,7 @@
 #include "app/bus_follow.hpp"
 #include "app/camera_command.hpp"
 #include "app/check.hpp"
+#include "app/model_command.hpp"
 #include "app/recording_command.hpp"
 #include "app/replay.hpp"
 #include "app/run.hpp"
@@ -34,6 +35,7 @@ using polhode::platform::BusFollowArguments;
 using polhode::platform::BusSendArguments;
 using polhode::platform::CheckArguments;
 using polhode::platform::ExportArguments;
+using polhode::platform::ModelSaveArguments;
 using polhode::platform::ProbeArguments;
 using polhode::platform::ReplayArguments;
 using polhode::platform::RunArguments;
@@ -75,6 +77,17 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
   command
       ->add_option(
           "--checkpoint", arguments.checkpoint, "state to start from, as exported with a recording")
+      ->type_name("FILE");
+  CLI::Option* checkpoint = command->get_option("--checkpoint");
+  command
+      ->add_option(
+          "--model", arguments.model, "of the target, from another pass: to be recognised by it")
+      ->type_name("FILE")
+      ->excludes(checkpoint);
+  command
+      ->add_option("--save-model",
+                   arguments.save_model,
+                   "leave what was learnt of the target for another pass")
       ->type_name("FILE");
   command
       ->add_option("--depth-bits",
@@ -255,6 +268,29 @@ void add_recording(CLI::App& app, ExportArguments& arguments) {
   to->callback([&arguments] { polhode::platform::export_recording(arguments); });
 }
 
+struct ModelArguments {
+  ModelSaveArguments save;
+  std::filesystem::path checked;
+};
+
+void add_model(CLI::App& app, ModelArguments& arguments) {
+  CLI::App* model =
+      app.add_subcommand("model", "what is known of a target, to recognise it by in another pass");
+  model->require_subcommand(1);
+  CLI::App* save = model->add_subcommand("save", "the model of a run's checkpoint");
+  save->add_option("CHECKPOINT", arguments.save.checkpoint, "as in run.checkpoint")->required();
+  save->add_option("FILE", arguments.save.out, "new, or a model to be replaced")->required();
+  save->add_option("--config", arguments.save.config, "of that run, with its [camera]")
+      ->type_name("CONFIG.toml")
+      ->required();
+  add_settings(*save, arguments.save.settings);
+  save->callback([&arguments] { polhode::platform::save_model(arguments.save); });
+  CLI::App* check = model->add_subcommand("check", "is a model whole, and what is in it");
+  check->add_option("FILE", arguments.checked, "as left by replay --save-model or model save")
+      ->required();
+  check->callback([&arguments] { polhode::platform::check_model(arguments.checked); });
+}
+
 void add_sequence(CLI::App& app, SequenceArguments& arguments) {
   CLI::App* command =
       app.add_subcommand("sequence", "what is read of a sequence's tables, as JSON");
@@ -315,6 +351,7 @@ int run(int argc, char** argv) {
   ProbeArguments probe;
   ExportArguments recording;
   SequenceArguments sequence;
+  ModelArguments model;
   add_replay(app, replay);
   add_run(app, run);
   add_check(app, check);
@@ -322,6 +359,7 @@ int run(int argc, char** argv) {
   add_camera(app, probe);
   add_recording(app, recording);
   add_sequence(app, sequence);
+  add_model(app, model);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help and --version

@@ -1,22 +1,21 @@
 #include "app/replay.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <chrono>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "app/checkpoint_file.hpp"
+#include "app/checkpoint_start.hpp"
 #include "app/component_memory.hpp"
 #include "app/finish.hpp"
 #include "app/frames_trapped.hpp"
 #include "app/machine.hpp"
 #include "app/machine_needs.hpp"
 #include "app/mask_log.hpp"
+#include "app/model_file.hpp"
 #include "app/motion_csv.hpp"
 #include "app/next_input.hpp"
 #include "app/observations.hpp"
@@ -40,7 +39,6 @@
 #include "parameters/machine_options.hpp"
 #include "parameters/sha256.hpp"
 #include "parameters/transport_options.hpp"
-#include "pipeline/checkpoint.hpp"
 #include "pipeline/component.hpp"
 #include "pipeline/ground_view.hpp"
 #include "pipeline/own_structure.hpp"
@@ -188,52 +186,12 @@ Parameters parameters_for(const ReplayArguments& arguments, const Sequence& sequ
   return configuration.parameters;
 }
 
-/// Keys of the parameters that are not the same.
-std::vector<std::string> differing_keys(const Parameters& a, const Parameters& b) {
-  std::istringstream of_a(canonical_text(a));
-  std::istringstream of_b(canonical_text(b));
-  std::vector<std::string> keys;
-  std::string row_a;
-  std::string row_b;
-  while (std::getline(of_a, row_a) && std::getline(of_b, row_b)) {
-    if (row_a != row_b) {
-      keys.push_back(row_a.substr(0, row_a.find(' ')));
-    }
+void take_model(const fs::path& file, Component& component) {
+  TargetModelFacts facts;
+  const std::string refusal = file.empty() ? "" : load_model_file(file, &component, &facts);
+  if (!refusal.empty()) {
+    throw UnusableInput(fmt::format("--model {}: {}", file.string(), refusal));
   }
-  return keys;
-}
-
-/// A checkpoint brings its run's parameters, as commands have left them.
-void tell_other_parameters(const fs::path& checkpoint,
-                           const Parameters& configured,
-                           const Parameters& restored) {
-  const std::vector<std::string> keys = differing_keys(configured, restored);
-  for (const std::string& key : keys) {
-    if (key.starts_with("camera.")) {
-      throw UnusableInput(fmt::format(
-          "--checkpoint {}: was left by a run with another camera ({})", checkpoint.string(), key));
-    }
-  }
-  if (!keys.empty()) {
-    tell("polhode: --checkpoint {}: its parameters take the configuration's place: {}\n",
-         checkpoint.string(),
-         fmt::join(keys, ", "));
-  }
-}
-
-/// The state that a recorded run started from.
-void restore(const fs::path& checkpoint, const Parameters& configured, Component& component) {
-  if (checkpoint.empty()) {
-    return;
-  }
-  LoadedCheckpoint loaded = load_whole_checkpoint(checkpoint, this_build());
-  if (loaded.refusal.empty() && !restore_checkpoint(loaded.content, &component)) {
-    loaded.refusal = "holds values that no run leaves";
-  }
-  if (!loaded.refusal.empty()) {
-    throw UnusableInput(fmt::format("--checkpoint {}: {}", checkpoint.string(), loaded.refusal));
-  }
-  tell_other_parameters(checkpoint, configured, view_of(component).parameters);
 }
 
 Component& make_component(const ComponentMemory& memory,
@@ -245,7 +203,13 @@ Component& make_component(const ComponentMemory& memory,
     throw UnusableInput(fmt::format("{}: {}", arguments.config.string(), made.error().message));
   }
   set_own_structure(own.hook(), made.value());
-  restore(arguments.checkpoint, parameters, *made.value());
+  if (!arguments.checkpoint.empty()) {
+    start_from_checkpoint(arguments.checkpoint,
+                          "--checkpoint " + arguments.checkpoint.string(),
+                          parameters,
+                          *made.value());
+  }
+  take_model(arguments.model, *made.value());
   return *made.value();
 }
 
@@ -337,6 +301,9 @@ void replay(const ReplayArguments& arguments) {
   const OwnStructureFile own(options.own_structure_file, parameters.camera);
   Component& component = make_component(memory, parameters, own, arguments);
   const std::string config_hash = sha256_of(canonical_text(view_of(component).parameters));
+  if (!arguments.save_model.empty()) {
+    check_model_place(arguments.save_model);
+  }
   Transports transports({.send = options.transport.send, .receive = {}});
   const Descriptor lock = prepare_output_folder(arguments.out);  // last: an earlier run's files go
   const std::size_t frames = sequence.frames.size();
@@ -383,6 +350,9 @@ void replay(const ReplayArguments& arguments) {
                  .wall_s = cost.wall_s,
                  .finish_s = seconds_since(finish_start)});
   tell_result(run, arguments.out);
+  if (!arguments.save_model.empty()) {
+    write_model_file(arguments.save_model, component);
+  }
 }
 
 }  // namespace polhode::platform

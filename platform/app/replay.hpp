@@ -15,6 +15,8 @@ struct ReplayArguments {
   std::filesystem::path sequence;
   std::filesystem::path out;
   std::filesystem::path checkpoint;  ///< content of one; empty: cold
+  std::filesystem::path model;       ///< of the target, from another pass; empty: none
+  std::filesystem::path save_model;  ///< where the map's is left; empty: nowhere
   PixelChoices pixels;
   bool realtime = false;
   bool one_core = false;             ///< jobs run between the steps, on the same thread

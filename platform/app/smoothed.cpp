@@ -46,15 +46,14 @@ struct ModelOfRun {
   std::int64_t to_ns = 0;
 };
 
-/// When a map before this one, in another frame T, gave its last pose: nothing tells that the motion
-/// of now leads back over the break between them.
+/// When a map before this one, in another frame T, gave its last pose: nothing tells that the
+/// motion of now leads back over the break between them.
 std::int64_t end_of_map_before(std::span<const MotionState> published,
                                std::uint32_t target_frame,
                                std::int64_t first_pose_ns) {
-  const auto last =
-      std::find_if(published.rbegin(), published.rend(), [&](const MotionState& m) {
-        return m.pose_valid && m.target_frame != target_frame && m.timestamp_ns < first_pose_ns;
-      });
+  const auto last = std::find_if(published.rbegin(), published.rend(), [&](const MotionState& m) {
+    return m.pose_valid && m.target_frame != target_frame && m.timestamp_ns < first_pose_ns;
+  });
   return last == published.rend() ? std::numeric_limits<std::int64_t>::min() : last->timestamp_ns;
 }
 
@@ -66,10 +65,9 @@ ModelOfRun of_run(const RigidModel& model,
   const auto beyond_ns = static_cast<std::int64_t>(kBeyond * 1e9 * model.span_s);
   return {.model = model,
           .with_poses = goes_through_poses(model),
-          .from_ns =
-              std::max({first_pose_ns - beyond_ns,
-                        view.moves_so_since_ns,  // before that the body moved otherwise
-                        end_of_map_before(published, view.target_frame, first_pose_ns) + 1}),
+          .from_ns = std::max({first_pose_ns - beyond_ns,
+                               view.moves_so_since_ns,  // before that the body moved otherwise
+                               end_of_map_before(published, view.target_frame, first_pose_ns) + 1}),
           .to_ns = model.reference_ns + beyond_ns};
 }
 

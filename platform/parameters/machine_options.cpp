@@ -52,6 +52,7 @@ const Row kRows[] = {
   {"device.sequence_start_ns", POLHODE_OPTION(device.sequence_start_ns), 0, 4e18},
   {"run.folder", POLHODE_OPTION(run.folder)},
   {"run.checkpoint", POLHODE_OPTION(run.checkpoint)},
+  {"run.model", POLHODE_OPTION(run.model)},
   {"run.checkpoint_frames", POLHODE_OPTION(run.checkpoint_frames), 1, 1000000},
   {"run.checkpoint_age_s_max", POLHODE_OPTION(run.checkpoint_age_s_max), 1, 1000000},
   {"run.start_s_max", POLHODE_OPTION(run.start_s_max), 0, 1000000},

@@ -34,6 +34,7 @@ struct DeviceOptions {
 struct RunOptions {
   std::string folder;                   ///< of bus.ccsds (continued) and run.json; empty: none
   std::string checkpoint;               ///< file of the state that a run starts from and leaves; empty: none
+  std::string model;                    ///< of the target, from another pass, for a start without a checkpoint; empty: none
   int checkpoint_frames = 50;           ///< frames from one to the next, 1 .. 1000000
   int checkpoint_age_s_max = 600;       ///< an older one is not used: the motion model no longer holds, 1 .. 1000000
   int start_s_max = 10;                 ///< a camera that brings no stream within so long ends the run; 0: wait for ever, 0 .. 1000000
