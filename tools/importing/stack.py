@@ -1,14 +1,15 @@
 """A file of several pictures: pages of a TIFF, a cube of FITS, Netpbm pictures one behind the other."""
 
 import pathlib
+from collections import Counter
 from collections.abc import Iterator
 from itertools import islice
 
 from importing import fits, netpbm
 from importing.decoding import black_is_zero, decode, name_in_utf8, pages_of_tiff, tags_of_pages, tiff_tags
 from importing.formats import kind_of_file
-from importing.page_interval import interval_s
-from importing.source import NS, Account, Frame, Options, Source
+from importing.page_interval import frames_in, header_of
+from importing.source import NS, OTHER_CAMERA, Account, Frame, Options, Source
 
 from judge.errors import BadInput
 from judge.levels import luminance
@@ -31,18 +32,21 @@ def _pages_of(path: pathlib.Path) -> int:
 
 
 def open_stack(path: pathlib.Path, options: Options) -> Source:
-    account, count = Account(), _pages_of(path)
-    interval, is_told = _interval_s(path, count, options.rate_hz, account)
-    times_ns = [round(index * NS * interval) for index in range(count)]
-    kind = kind_of_file(path)
+    account, count, kind = Account(), _pages_of(path), kind_of_file(path)
+    header = header_of(tiff_tags(path)) if kind == "tiff" else None
+    places, told_s, chosen = frames_in(header, count, options.camera, str(path))
+    interval, is_told = _interval_s(told_s, header.who_tells_time if header else "", options.rate_hz, account)
+    account.note(chosen)
+    account.dropped += Counter({OTHER_CAMERA: count - len(places)})
+    times_ns = [round(index * NS * interval) for index in range(len(places))]
+    of_pages = dict(zip(places, times_ns))
     words, frames = {"tiff": (f"TIFF of {count} pages", _pages_of_tiff), "fits": (f"FITS of {count} pages", _cube)}.get(
         kind, (f"{count} Netpbm pictures in one file", _pages_of_netpbm))
-    return Source(words, frames(path, times_ns, account), account, times_ns, count, nominal_time=not is_told)
+    return Source(words, frames(path, [of_pages.get(page) for page in range(count)], account), account, times_ns, len(places), nominal_time=not is_told)
 
 
-def _interval_s(path: pathlib.Path, count: int, rate_hz: float | None, account: Account) -> tuple[float, bool]:
-    """(seconds from page to page, whether anybody tells them)."""
-    told_s, who = interval_s(tiff_tags(path), count) if kind_of_file(path) == "tiff" else (0.0, "")
+def _interval_s(told_s: float, who: str, rate_hz: float | None, account: Account) -> tuple[float, bool]:
+    """(seconds from page to page, whether anybody tells them). @param told_s  as who says; 0: nobody does"""
     if rate_hz:
         other = f"; {who} says {told_s:g} s" if told_s and abs(told_s * rate_hz - 1) > SAME_INTERVAL else ""
         account.assumed.append(f"pages are {1 / rate_hz:g} s apart, as --rate-hz says{other}")
@@ -71,7 +75,8 @@ def _pages_of_netpbm(path: pathlib.Path, times_ns: list[int], account: Account) 
             yield Frame(time_ns, pixels=page.pixels, bits=page.bits)
 
 
-def _pages_of_tiff(path: pathlib.Path, times_ns: list[int], account: Account) -> Iterator[Frame]:
+def _pages_of_tiff(path: pathlib.Path, times_ns: list[int | None], account: Account) -> Iterator[Frame]:
+    """@param times_ns  None of pages that are not taken"""
     import cv2
     tags = tags_of_pages(path)
     for first in range(0, len(times_ns), PAGES_AT_ONCE):
@@ -80,8 +85,10 @@ def _pages_of_tiff(path: pathlib.Path, times_ns: list[int], account: Account) ->
         with name_in_utf8(path) as name:
             _, pages = cv2.imreadmulti(name, first, len(times), flags=cv2.IMREAD_UNCHANGED)
         if len(pages) < len(times):
-            account.dropped[UNREADABLE_PAGE] += len(times) - len(pages)
+            account.dropped[UNREADABLE_PAGE] += sum(time is not None for time in times[len(pages):])
         for time_ns, page, own_tags in zip(times, pages, of_batch):
+            if time_ns is None:
+                continue
             pixels, remark = black_is_zero(luminance(page, "BGR"), own_tags)
             account.note(remark)
             yield Frame(time_ns, pixels=pixels)
