@@ -223,6 +223,26 @@ def test_films_and_phones_formats(tmp_path):
     assert np.allclose(decode((tmp_path / "a.exr").read_bytes(), "a.exr").pixels, GRAY / 255)
 
 
+# verifies: GND-03
+@pytest.mark.parametrize("depth", ["half", "float"])
+@pytest.mark.parametrize("form", ["grayf32le", "gbrpf32le", "gbrapf32le"])
+def test_levels_of_exr_beyond_1_and_nan_are_seen(tmp_path, depth, form):
+    import av
+    light = with_holes(GRAY / np.float32(255) * 4)
+    with av.open(str(tmp_path / "a.exr"), "w", format="image2", options={"update": "1"}) as container:
+        stream = container.add_stream("exr", rate=1, options={"format": depth})
+        stream.width, stream.height, stream.pix_fmt = SHAPE[1], SHAPE[0], form
+        frame = av.VideoFrame(SHAPE[1], SHAPE[0], form)
+        for plane, share in zip(frame.planes, (1, 0.5, 0.25, 1)):  # green, blue, red
+            plane.update(np.pad(light * np.float32(share), ((0, 0), (0, plane.line_size // 4 - SHAPE[1]))).tobytes())
+        container.mux([*stream.encode(frame), *stream.encode(None)])
+    found = decode((tmp_path / "a.exr").read_bytes(), "a.exr").pixels
+    share = 1 if form.startswith("gray") else 0.587 + 0.5 * 0.114 + 0.25 * 0.299
+    assert np.allclose(found, light * share, rtol=1e-3, equal_nan=True)
+    (frame,), said = levelled(found)
+    assert f"found 0 to {4 * share:.3f}".rstrip("0.") in said and "0.065 % of the pixels not finite" in said and frame.pixels.max() == 65535
+
+
 def test_what_is_turned_or_has_pages_is_said():
     exif = Image.Exif()
     exif[0x0112] = 6
@@ -360,23 +380,3 @@ def test_true_is_as_bright_in_an_array_as_in_a_picture_of_one_bit():
     Image.fromarray(mask).save(picture, "PNG")
     found, same = decode(octets.getvalue(), "array"), decode(picture.getvalue(), "picture")
     assert np.array_equal(found.pixels, np.where(mask, 255, 0)) and np.array_equal(found.pixels, same.pixels) and found.remark == same.remark != ""
-
-
-OME_TEXT = '<OME><Image><Pixels DimensionOrder="XYZCT" SizeT="{frames}" SizeZ="1" TimeIncrement="250" TimeIncrementUnit="ms"/></Image></OME>'
-
-
-# verifies: GND-03
-@pytest.mark.parametrize(("text", "step_s", "says"), [
-    ("ImageJ=1.54\nimages=4\nframes=4\nfinterval=0.25\n", 0.25, "as ImageJ's finterval says"), ("ImageJ=1.54\nfinterval=2\ntunit=min\n", 120, "ImageJ's finterval"),
-    (OME_TEXT.format(frames=4), 0.25, "as OME's TimeIncrement says"), (OME_TEXT.format(frames=1), 1, "pages tell no time"),
-    ("ImageJ=1.54\nimages=4\nslices=4\n", 1, "pages tell no time"), ("ImageJ=1.54\nframes=2\nslices=2\nfinterval=0.25\n", 1, "pages tell no time"),
-    ("ImageJ=1.54\nfinterval=0.0\n", 1, "pages tell no time"), ("finterval=0.25", 1, "pages tell no time")])
-def test_the_interval_of_a_stack_is_read(tmp_path, text, step_s, says):
-    from importing.recognise import open_source
-    from importing.source import Options
-    pages = [Image.fromarray(np.roll(GRAY, i)) for i in range(4)]
-    pages[0].save(tmp_path / "stack.tif", save_all=True, append_images=pages[1:], tiffinfo={270: text})
-    source = open_source(tmp_path / "stack.tif", Options())
-    assert source.times_ns == [round(i * step_s * 1e9) for i in range(4)] and says in source.account.assumed[0] and source.nominal_time == ("no time" in says)
-    asked = open_source(tmp_path / "stack.tif", Options(rate_hz=8.0))
-    assert asked.times_ns[1] == 125_000_000 and ("says 0.25 s" in asked.account.assumed[0]) == (step_s == 0.25)

@@ -6,6 +6,7 @@ OpenCV reads what has more than 8 bits, Pillow the others, FFmpeg films' formats
 import contextlib
 import io
 import pathlib
+import re
 import struct
 import tempfile
 import warnings
@@ -23,6 +24,7 @@ TRANSPARENT = "transparency is left out: transparent pixels show the colour that
 ONE_BIT = "the pictures have one bit: black and white alone"
 BY_FFMPEG = {"exr": "exr", "dpx": "dpx", "pam": "pam"}
 DEEP = ("tiff", "jpeg 2000", "avif", "hdr")  # may hold more than 8 bits, which Pillow cuts
+FLOATS = re.compile(r"(gray|ya|gbra?|rgba?)p?f(16|32)(le|be)$")  # FFmpeg's names of formats: planes or packed colours, bits, order of octets
 COLOUR_NETPBM = (b"P3", b"P6")
 PAM_HEADER_MAX = 1024
 ORIENTATION, DNG_VERSION = 0x0112, 50706
@@ -191,15 +193,25 @@ def _numpy(octets: bytes) -> Decoded:
 def frame_levels(frame) -> Decoded:
     """Of a frame of FFmpeg. Levels of more than 8 bits fill 16, but 16-bit gray is as it was: nobody knows how much of it is used."""
     name, bits = frame.format.name, max(part.bits for part in frame.format.components)
-    if name.startswith(("grayf", "gbrpf", "gbrapf", "rgbf")):
-        pixels = frame.to_ndarray(format="grayf32le" if name.startswith("gray") else "gbrpf32le")
-        return Decoded(luminance(pixels))
+    if FLOATS.match(name):
+        return _floats(frame)
     if name.startswith("bayer"):
         colours = frame.to_ndarray(format="rgb48le" if bits > 8 else "rgb24")
         return Decoded(luminance(colours), FULL_BITS if bits > 8 else 8, f"the mosaic {name} became gray")
     if bits <= 8:
         return Decoded(frame.to_ndarray(format="gray"), 8)
     return Decoded(frame.to_ndarray(format="gray16le"), 0 if name.startswith("gray16") else FULL_BITS)
+
+
+def _floats(frame) -> Decoded:
+    """Levels as they are stored: FFmpeg's conversions cut them at 1, and make 0 of NaN."""
+    order, bits, end = FLOATS.match(frame.format.name).groups()
+    order, channels = order.upper(), 1 if frame.format.is_planar or order == "gray" else len(order)
+    kind, planes = np.dtype(f"{'>' if end == 'be' else '<'}f{int(bits) // 8}"), []
+    for plane in frame.planes:
+        rows = np.frombuffer(plane, kind).reshape(plane.height, -1)
+        planes.append(rows[:, :frame.width * channels].reshape(plane.height, frame.width, channels))
+    return Decoded(luminance(np.concatenate(planes, axis=2).astype(np.float32), order))
 
 
 def read_picture(path: pathlib.Path) -> Decoded:
