@@ -1,5 +1,6 @@
 """Names of pictures, as cameras, phones and Windows give them: their order, their times, what is missing, and whether they are of one camera."""
 
+import datetime
 import pathlib
 
 import made_sources as sources
@@ -64,6 +65,36 @@ def test_times_in_names(name, step_ns):
     times, nominal, said = times_of(files(names), None)
     assert not nominal and set(np.diff(times)) == {step_ns} and "in the pictures' names" in said[0]
     assert times[0] // 10**12 == (1403636 if step_ns != 10**9 else 1767272)
+
+
+# verifies: GND-03
+@pytest.mark.parametrize("name", ["{}.png", "left-{}.png", "{}_cam2.png"])
+def test_decimal_seconds_are_one_number(name):
+    ticks = [100 * (US // 10**6) + place for place in (80, 85, 90, 95, 100, 105, 200)]  # 1.8 s to 3 s, in 0.01 s
+    ordered, said = in_order(files(name.format(f"{tick // 100}.{tick % 100:02d}".rstrip("0").rstrip(".")) for tick in ticks))
+    times, nominal, why = times_of(ordered, None)
+    assert times == [tick * 10**7 for tick in ticks] and not nominal and not said and "in the pictures' names" in why[0]
+
+
+def test_decimals_that_are_no_seconds_are_an_order():
+    small = in_order(files(f"{0.05 * i:.4g}.png" for i in range(1, 31)))[0]
+    assert [float(path.stem) for path in small] == [float(f"{0.05 * i:.4g}") for i in range(1, 31)]
+    assert frame_numbers([path.name for path in small if path.stem != "0.2"])[0] == [*range(3), *range(4, 30)]
+    versions = [f"1.{i}.png" for i in range(1, 12)]
+    assert [path.name for path in in_order(files(versions))[0]] == versions
+    unpadded = files(f"1700000000.{i * 50_000_000}.png" for i in range(1, 12))  # 0.05 s is no 0.5 s
+    assert times_of(unpadded, None)[1]
+
+
+# verifies: GND-03
+@pytest.mark.parametrize(("name", "part"), [("cam1_{:%Y%m%d_%H%M%S}_{}.png", 10**6), ("{:%Y-%m-%d-%H-%M-%S}-{}.png", 10**3), ("IMG_{:%Y%m%dT%H%M%S}.{}.jpg", 1)])
+def test_parts_of_a_second_may_stand_behind_the_clock(name, part):
+    begin = datetime.datetime(2024, 5, 1, 23, 59, 58, tzinfo=datetime.UTC)
+    steps_ns = [500_000_000 + i * 250_000_000 + (2_000_000_000 if i > 9 else 0) for i in range(16)]
+    width = len(str(10**9 // part)) - 1
+    names = [name.format(begin + datetime.timedelta(seconds=ns // 10**9), f"{ns % 10**9 // part:0{width}d}") for ns in steps_ns]
+    times, nominal, said = times_of(files(names), None)
+    assert not nominal and [time - int(begin.timestamp()) * 10**9 for time in times] == steps_ns and "dates and clocks" in said[0]
 
 
 @pytest.mark.parametrize("name", ["{i:016d}.png", "20260101{i:05d}.png", "{i:013d}_x.png", "IMG_20261399_1259{i:02d}.jpg"])

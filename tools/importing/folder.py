@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from importing import fits
 from importing.formats import kind_of_file
-from importing.numbering import BEGINS_AGAIN, DATE_AND_CLOCK, frame_numbers, in_order, numbers_of
+from importing.numbering import BEGINS_AGAIN, DATE_AND_CLOCK, decimals_of, frame_numbers, in_order, numbers_of, parts_of_seconds
 from importing.outsiders import of_the_series
 from importing.pictures import exif_lens, exif_time_ns, in_folder, is_broken
 from importing.series import of_one_camera
@@ -15,7 +15,7 @@ from importing.source import BROKEN_LINK, NS, Account, Frame, Options, Source, l
 from importing.times_beside import times_beside
 
 from judge.errors import BadInput
-from judge.units import UNITS, WORDS, is_impossible, median_step
+from judge.units import SINCE_1970_NS, UNITS, WORDS, is_impossible, median_step
 
 # A name of 16 digits is taken for microseconds since 1970, of more for nanoseconds since then or since start, as EuRoC and ROS tools write them.
 MICROSECONDS_DIGITS = 16
@@ -55,7 +55,7 @@ def _times(path: pathlib.Path, files: list[pathlib.Path], options: Options, acco
     numbers = numbers_of([file.name for file in files]) if nominal and options.stamp_unit else None
     if numbers and not is_impossible(median_step(numbers) * UNITS[options.stamp_unit]):
         account.assumed.append(f"times are the numbers in the pictures' names, {WORDS[options.stamp_unit]}, as --stamp-unit says")
-        return [number * UNITS[options.stamp_unit] for number in numbers], False
+        return [int(number * UNITS[options.stamp_unit]) for number in numbers], False
     account.assumed += said
     if options.stamp_unit:
         account.assumed.append("--stamp-unit is left out: it is for lists and for numbers in names, and these times are of none")
@@ -73,7 +73,7 @@ def times_of(files: list[pathlib.Path], rate_hz: float | None, root: pathlib.Pat
         return times_ns, False, [f"pictures are {1 / rate_hz:g} s apart, as --rate-hz says", *said]
     told = []
     for what, said, read in TIME_TELLERS:
-        times = [read(path) for path in files]
+        times = read(files)
         if _tell([time for path, time in zip(files, times) if not is_broken(path)]):
             return times, False, [said]
         told += [what] if any(time is not None for time in times) else []
@@ -92,6 +92,21 @@ def _tell(times: list[int | None]) -> bool:
 def _steady(names: list[str], rate_hz: float) -> tuple[list[int], list[str]]:
     numbers, said = frame_numbers(names)
     return [round(number * NS / rate_hz) for number in numbers], [said] if said else []
+
+
+def _each(read):
+    """Of files, by what is read of one."""
+    return lambda files: list(map(read, files))
+
+
+def _times_of_names(files: list[pathlib.Path]) -> list[int | None]:
+    stems = [file.stem for file in files]
+    seconds = decimals_of(stems)
+    if seconds and all(SINCE_1970_NS[0] <= second * NS < SINCE_1970_NS[1] for second in seconds):
+        return [int(second * NS) for second in seconds]
+    alike = [stem for stem in stems if SECONDS.fullmatch(stem)]
+    unpadded = alike if decimals_of(alike) is None else ()
+    return [None if stem in unpadded else _time_of_name(stem) for stem in stems]
 
 
 def _time_of_name(stem: str) -> int | None:
@@ -114,6 +129,12 @@ def _time_within(stem: str) -> int | None:
     return times[0] if len(times) == 1 and times[0] < 2**63 else None
 
 
+def _clocks_of_names(files: list[pathlib.Path]) -> list[int | None]:
+    stems = [file.stem for file in files]
+    parts = parts_of_seconds(stems) or [""] * len(files)
+    return [None if time is None else time + int(part.ljust(9, "0") or 0) for time, part in zip(map(_clock_of_name, stems), parts)]
+
+
 def _clock_of_name(stem: str) -> int | None:
     found = DATE_AND_CLOCK.search(stem)
     if found is None:
@@ -126,12 +147,12 @@ def _clock_of_name(stem: str) -> int | None:
     return int(when.timestamp()) * NS + int((fraction or "0").ljust(9, "0"))
 
 
-# (what tells times, what is said of them, the time of a file or None), the best first.
+# (what tells times, what is said of them, the times of files or None), the best first.
 TIME_TELLERS = (
-    ("the times in the pictures' names", "times are those in the pictures' names", lambda path: _time_of_name(path.stem)),
-    ("the times of FITS' DATE-OBS", "times are FITS' DATE-OBS: when the exposures began", lambda path: fits.time_ns(path) if kind_of_file(path) == "fits" else None),
-    ("EXIF's times", "times are EXIF's; they tell when the shutter was pressed, not the middle of the exposure", exif_time_ns),
-    ("the clocks in the pictures' names", "times are the dates and clocks in the pictures' names, taken for UTC", lambda path: _clock_of_name(path.stem)),
+    ("the times in the pictures' names", "times are those in the pictures' names", _times_of_names),
+    ("the times of FITS' DATE-OBS", "times are FITS' DATE-OBS: when the exposures began", _each(lambda path: fits.time_ns(path) if kind_of_file(path) == "fits" else None)),
+    ("EXIF's times", "times are EXIF's; they tell when the shutter was pressed, not the middle of the exposure", _each(exif_time_ns)),
+    ("the clocks in the pictures' names", "times are the dates and clocks in the pictures' names, taken for UTC", _clocks_of_names),
 )
 
 

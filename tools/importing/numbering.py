@@ -6,13 +6,20 @@ import pathlib
 import re
 import statistics
 from collections import Counter
+from decimal import Decimal
 
 from importing.stamps import COUNTER_BITS
+
+from judge.units import is_impossible, median_step
 
 # Chosen: so many steps between numbers are alike where they count frames.
 ALIKE_SHARE = 0.5
 HEX_ALIKE_SHARE = 0.8  # letters may stand for much else
-DATE_AND_CLOCK = re.compile(r"(?<!\d)((?:19|20)\d\d)[-_.]?([01]\d)[-_.]?([0-3]\d)(?:[-_T. ]| at )?([0-2]\d)[-_.:h]?([0-5]\d)[-_.:m]?([0-5]\d)(?:\.?(\d{3}|\d{6}))?(?!\d)")
+DATE_AND_CLOCK = re.compile(r"(?<!\d)((?:19|20)\d\d)[-_.]?([01]\d)[-_.]?([0-3]\d)(?:[-_T. ]| at )?([0-2]\d)[-_.:h]?([0-5]\d)[-_.:m]?([0-5]\d)(?:\.?(\d{3}|\d{6}|\d{9}))?(?!\d)")
+# Behind a date and a clock: parts of a second, or a count of what was taken in that second.
+FIELD_AFTER_CLOCK = re.compile(r"[-_.,](\d{3}|\d{6}|\d{9})(?!\d)")
+DECIMAL, FIGURES = re.compile(r"\d+(?:\.(\d+))?"), "0123456789."
+COUNT_STEP_MAX = 5  # chosen: counters that every fifth picture is kept of; few cameras take 200 pictures a second
 NO_COUNT = "the numbers in the pictures' names are no count of frames: they are taken for an order only"
 BEGINS_AGAIN = "the counter in the pictures' names begins again at its end"
 HEX = re.compile(r"[0-9a-f]+|[0-9A-F]+")
@@ -24,11 +31,38 @@ def in_order(files: list[pathlib.Path]) -> tuple[list[pathlib.Path], list[str]]:
     hexadecimal = _hexadecimal([file.stem for file in files])
     if hexadecimal is not None:
         return [file for _, file in sorted(zip(hexadecimal, files))], ["the numbers in the pictures' names are hexadecimal"]
+    decimals = decimals_of([file.stem for file in files])
+    if decimals is not None:
+        return [file for _, file in sorted(zip(decimals, files))], []
     place = _rolls_over(_digits([file.stem for file in files]))
     if not place:
         return files, []
     said = f"{BEGINS_AGAIN}: {files[-1].name} is followed by {files[0].name}"
     return files[place:] + files[:place], [said]
+
+
+def decimals_of(stems: list[str]) -> list[Decimal] | None:
+    """Decimal numbers between words that stay, 0.85 before 0.9; None of other names. Zeros at the ends of figures of unlike length are of
+    no decimal number: 1.9 is followed by 1.10 in versions, and of seconds and unpadded nanoseconds nobody knows."""
+    texts = [DATE_AND_CLOCK.sub("@", stem) for stem in stems]
+    begin = len(os.path.commonprefix(texts).rstrip(FIGURES))
+    end = len(os.path.commonprefix([text[:begin - 1 if begin else None:-1] for text in texts]).rstrip(FIGURES))
+    found = [DECIMAL.fullmatch(text[begin:len(text) - end]) for text in texts]
+    parts = [one[1] for one in found if one and one[1]]
+    if None in found or not parts or len(set(map(len, parts))) > 1 and any(len(part) > 1 and part.endswith("0") for part in parts):
+        return None
+    return [Decimal(one[0]) for one in found]
+
+
+def parts_of_seconds(stems: list[str]) -> list[str] | None:
+    """The figures behind each name's date and clock, where they are parts of a second; None where they count pictures, one after the other."""
+    clocks = [DATE_AND_CLOCK.search(stem) for stem in stems]
+    fields = [clock and FIELD_AFTER_CLOCK.match(stem, clock.end()) for clock, stem in zip(clocks, stems)]
+    if None in fields or len({len(field[1]) for field in fields}) != 1 or any(clock[7] for clock in clocks):
+        return None
+    step = median_step([int(field[1]) for field in fields])
+    is_count = 0 < step <= COUNT_STEP_MAX or is_impossible(step * 10 ** (9 - len(fields[0][1])))
+    return None if is_count else [field[1] for field in fields]
 
 
 def _hexadecimal(stems: list[str]) -> list[int] | None:
@@ -111,15 +145,15 @@ def _digits(stems: list[str]) -> list[list[str]] | None:
     return [list(column) for column in list(zip(*parts))[1::2] if len(set(column)) > 1]
 
 
-def numbers_of(names: list[str]) -> list[int] | None:
+def numbers_of(names: list[str]) -> list[int | Decimal] | None:
     """The number that counts in each name; None where the names differ in something else, too, or several numbers differ and none or more of them count."""
     stems = [pathlib.PurePath(name).stem for name in names]
     if len(stems) > 3 and not stems[0][-1:].isdecimal() and stems[1].startswith(stems[0]):  # a copy without a number: img, img (1)
         rest = numbers_of(names[1:])
         return [rest[0] - 1, *rest] if rest else None
-    hexadecimal = _hexadecimal(stems)
-    if hexadecimal is not None:
-        return hexadecimal
+    alone = _hexadecimal(stems) or (decimals_of(stems) if len(stems) > 2 else None)
+    if alone is not None:
+        return alone
     columns = [_over_the_end(column) for column in _digits(stems) or []]
     if len(columns) == 1:
         return columns[0]
@@ -140,7 +174,7 @@ def _counted(numbers: list[int], alike_share: float = ALIKE_SHARE) -> list[int] 
     """Frames from 0 by the usual step between the numbers; None where they do not count frames."""
     steps = [b - a for a, b in zip(numbers, numbers[1:])]
     usual, count = Counter(steps).most_common(1)[0]
-    usual = min(usual, int(statistics.median(steps)))
-    if usual < 1 or count < alike_share * len(steps) or any(step < 1 or step % usual for step in steps):
+    usual = min(usual, type(usual)(statistics.median(steps)))
+    if usual <= 0 or count < alike_share * len(steps) or any(step <= 0 or step % usual for step in steps):
         return None
-    return [(number - numbers[0]) // usual for number in numbers]
+    return [int((number - numbers[0]) // usual) for number in numbers]

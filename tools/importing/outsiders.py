@@ -40,7 +40,8 @@ def of_the_series(files: list[pathlib.Path], camera: str, account: Account) -> l
 
 
 def _pattern(file: pathlib.Path) -> str:
-    return re.sub(r"\d+", "#", file.stem.casefold())
+    """Seconds since 1970 with a fraction are one number."""
+    return re.sub(r"\d{9,10}\.\d+|\d+", "#", file.stem.casefold())
 
 
 def _by_stem(files: list[pathlib.Path]) -> dict[str, list[pathlib.Path]]:
