@@ -120,3 +120,20 @@ def test_several_jpegs_in_one_file_are_no_single_picture(tmp_path, refused):
 
 def test_an_end_before_the_begin_is_told_as_such(tmp_path, refused):
     assert "--from 2 --to 1: --to is before --from" in refused(tmp_path, "--from", 2, "--to", 1)
+
+
+# verifies: GND-03
+def test_thumbnails_of_videos_are_no_sequence(tmp_path):
+    sources.write_pictures(tmp_path / "card", PICTURES[:3], ["GX010042.jpg", "GX020042.jpg", "GX030042.jpg"])
+    for path, name in zip(sorted((tmp_path / "card").iterdir()), ("GX010042.THM", "GX020042.jpg", "GX990042.thm")):
+        path.rename(path.with_name(name))
+    for name in ("GX010042.MP4", "GX020042.MP4"):
+        (tmp_path / "card" / name).write_bytes(b"video")
+    with pytest.raises(BadInput, match="it holds videos: name one of them, as GX010042.MP4"):
+        open_source(tmp_path / "card", Options())
+    large = np.zeros((480, 640), np.uint8)  # of a phone that takes a video with each photograph
+    for i in range(3):
+        Image.fromarray(large).save(tmp_path / f"card/IMG_{i}.jpg")
+        (tmp_path / f"card/IMG_{i}.MOV").write_bytes(b"video")
+    source = open_source(tmp_path / "card", Options())
+    assert len(source.times_ns) == 3 and "3 pictures are left out: thumbnails of videos" in source.account.assumed

@@ -4,7 +4,7 @@ import pathlib
 
 from importing.formats import kind_of_file
 from importing.pictures import open_picture
-from importing.source import PICTURES
+from importing.source import PICTURES, VIDEOS
 
 UNPACK = "unpack it first"
 BEGINNINGS = (
@@ -16,7 +16,6 @@ BEGINNINGS = (
     (b"\x89HDF\r\n\x1a\n", "an HDF5 file", "write its pictures into a folder"), (b"MATLAB 5.0 MAT", "a file of Matlab", "write its pictures into a folder"),
 )
 TAR_AT, TAR = 257, b"ustar"
-VIDEOS = (".mp4", ".mov", ".avi", ".mkv", ".mts", ".m2ts", ".ts", ".webm", ".wmv", ".flv", ".mpg", ".m4v", ".3gp", ".insv", ".360")
 
 
 def told_by_content(path: pathlib.Path) -> str:

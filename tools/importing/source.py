@@ -13,6 +13,7 @@ from judge.errors import BadInput
 NS = 1_000_000_000
 # Files of these names are pictures even where their content is damaged.
 PICTURES = (".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp", ".webp", ".ppm", ".avif", ".heic", ".heif", ".jp2", ".exr", ".dpx", ".dng", ".fits", ".fit", ".fts")
+VIDEOS = (".mp4", ".mov", ".avi", ".mkv", ".mts", ".m2ts", ".ts", ".webm", ".wmv", ".flv", ".mpg", ".m4v", ".3gp", ".insv", ".360")
 # Left out on purpose: no loss.
 BEFORE_FROM, BY_STEP, OTHER_CAMERA = "before --from", "by --step", "taken by another camera"
 RECORDED_TWICE = "recorded twice: the same picture with the same stamp"
