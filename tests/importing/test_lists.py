@@ -44,6 +44,27 @@ def test_every_form_of_a_list(tmp_path, head, row, coding):
     assert times == [time // 1000 * 1000 if "{us}" in row else time for time in TIMES] and not said
 
 
+# verifies: GND-03
+@pytest.mark.parametrize(("head", "value", "begin_s", "says"), [
+    ("#timestamp [100ns]", lambda ns: ns // 100 + 116_444_736_000_000_000, 1_700_000_000, "the times count 100ns since the year 1601: they are taken since 1970"),
+    ("time_100ns", lambda ns: ns // 100 + 621_355_968_000_000_000, 1_700_000_000, "since the year 1:"), ("timestamp (100 ns)", lambda ns: ns // 100, 5, ""),
+    ("timestamp [10 us]", lambda ns: ns // 10_000, 1_700_000_000, ""), ("t [nanoseconds]", lambda ns: ns, 0, ""), ("timestamp_1_us", lambda ns: ns // 1000, 0, ""),
+    ("timestamp (camera)", lambda ns: ns, 1_700_000_000, ""), ("timestamp [UTC]", lambda ns: ns, 1_700_000_000, ""), ("time [s since start]", lambda ns: ns / NS, 0, "")])
+def test_units_of_heads_and_counts_of_them(tmp_path, head, value, begin_s, says):
+    rows = [f"{value(begin_s * NS + i * STEP)},{time}.png" for i, time in enumerate(TIMES)]
+    times, said = taken(euroc(tmp_path / "seq", f"{head},filename", rows))
+    assert times == [begin_s * NS + i * STEP for i in range(8)] and says in said and bool(says) == bool(said)
+
+
+# verifies: GND-03
+@pytest.mark.parametrize("unit", ["[ticks]", "(cycles)", "[1/90000 s]", "[fortnights]", "_ticks"])
+def test_a_unit_that_is_not_known_is_refused_by_name(tmp_path, unit):
+    folder = euroc(tmp_path / "seq", f"#timestamp{unit},filename", [f"{i * 50_000},{time}.png" for i, time in enumerate(TIMES)])
+    with pytest.raises(BadInput, match=rf"in '{unit.strip('[()]_')}', allowed are \[s\], \[ms\], \[us\], \[ns\] and counts of them, as \[100ns\]; --stamp-unit"):
+        taken(folder)
+    assert taken(folder, stamp_unit="us")[0] == [i * STEP for i in range(8)]
+
+
 def tum(folder, row, name="rgb/{i}.png", values=SECONDS):
     (folder / "rgb").mkdir(parents=True)
     for i in range(len(TIMES)):

@@ -14,8 +14,16 @@ from judge.errors import BadInput
 from judge.units import SINCE_1970_NS, UNITS, WORDS, doubt, likely_units, median_step
 
 TIME_NAME = re.compile(r"\W*(time|stamp|t\b|t_)", re.IGNORECASE)
-UNIT_NAME = re.compile(r"(?:[\[(_ ])(ns|us|µs|ms|s|sec|seconds|nsec|usec|msec)\b", re.IGNORECASE)
-UNIT_OF_NAME = {"µs": "us", "sec": "s", "seconds": "s", "nsec": "ns", "usec": "us", "msec": "ms"}
+UNIT = r"(?P<count>10*|0\.\d+)?\s?(?P<scale>n|u|µ|μ|m|nano|micro|milli)?(?:s|secs?|seconds?)\b"
+IN_BRACKETS, UNIT_IN_BRACKETS, UNIT_AT_END = re.compile(r"([\[(])\s*(.*?)\s*[\])]"), re.compile(UNIT, re.IGNORECASE), re.compile("[_ ]" + UNIT, re.IGNORECASE)
+UNIT_OF_SCALE = {"": "s", "n": "ns", "nano": "ns", "u": "us", "µ": "us", "μ": "us", "micro": "us", "m": "ms", "milli": "ms"}
+# Square brackets hold a unit, or a scale of time; others hold anything.
+NO_UNIT = re.compile(r"|.*(:|yy|\b(utc|gps|tai|unix|epoch|posix|iso.?\d*|local|date|time|stamp|from|since|of)\b).*", re.IGNORECASE)
+OTHER_UNIT = re.compile(r".*[\d/].*|(ticks?|counts?|cycles?|clocks?|jiffies|samples?|min|minutes?|h|hours?|days?)", re.IGNORECASE)
+COUNT_BY_NAME = re.compile(r"_(ticks?|cycles?|jiffies)\b", re.IGNORECASE)
+ALLOWED = "[s], [ms], [us], [ns] and counts of them, as [100ns]"
+# Counts of 100 ns begin in the year 1 (.NET) or 1601 (Windows' FILETIME): 1970 in ns.
+TICKS_BEGIN_NS = {1601: 11_644_473_600 * NS, 1: 62_135_596_800 * NS}
 DATE = re.compile(r"(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d:\d\d)(?:\.(\d+))?(Z|[+-]\d\d:\d\d)?")
 DAY, CLOCK = re.compile(r"\d{4}-\d\d-\d\d"), re.compile(r"\d\d:\d\d:\d\d.*")
 # What stands where times do, and is none, nor a column's name.
@@ -26,7 +34,7 @@ ADVICE = "--stamp-unit s, ms, us or ns says which"
 
 @dataclass
 class PictureList:
-    """Rows of (time as it is written, name), and the unit that the list's head tells, or ''."""
+    """Rows of (time as it is written, name), and the unit that the list's head tells, or ''; also one that is not known."""
 
     rows: list[tuple[Decimal, str]]
     unit: str = ""
@@ -154,14 +162,39 @@ def _row(path: pathlib.Path, number: int, cells: list[str], place: int, of_name:
 
 
 def _unit(names: list[str], place: int) -> str:
-    found = UNIT_NAME.search(names[place]) if place < len(names) else None
-    name = found.group(1).lower() if found else ""
-    return UNIT_OF_NAME.get(name, name)
+    """One of judge.units, with a count before it where the column has one; as it is written where it is another."""
+    name = names[place] if place < len(names) else ""
+    brackets = IN_BRACKETS.search(name)
+    found = UNIT_IN_BRACKETS.match(brackets[2]) if brackets else UNIT_AT_END.search(name)
+    if found:
+        count = found["count"] or ""
+        return f"{count if count != '1' else ''}{UNIT_OF_SCALE[(found['scale'] or '').lower()]}"
+    if brackets:
+        return brackets[2] if OTHER_UNIT.fullmatch(brackets[2]) or brackets[1] == "[" and not NO_UNIT.fullmatch(brackets[2]) else ""
+    by_name = COUNT_BY_NAME.search(name)
+    return by_name[1] if by_name else ""
+
+
+def _counted(values: Sequence, stated: str, where: str, account: Account) -> tuple[Sequence, str]:
+    """Values in a unit of judge.units, of a head that tells so many of one. @errors BadInput of a unit that is not known"""
+    count = re.fullmatch(r"([\d.]+)(s|ms|us|ns)", stated)
+    if not count and stated not in UNITS:
+        raise BadInput(f"{where}: the head says that its times are in '{stated}', allowed are {ALLOWED}; {ADVICE}")
+    if not count:
+        return values, stated
+    times = [Decimal(value) * Decimal(count[1]) for value in values]
+    for year, begin in TICKS_BEGIN_NS.items():
+        since_1970 = [time - Decimal(begin) * UNITS["ns"] / UNITS[count[2]] for time in times]
+        if SINCE_1970_NS[0] <= since_1970[0] * UNITS[count[2]] < SINCE_1970_NS[1]:
+            account.assumed.append(f"the times count {stated} since the year {year}: they are taken since 1970")
+            return since_1970, count[2]
+    return times, count[2]
 
 
 def in_ns(values: Sequence, stated: str, asked: str | None, where: str, account: Account, rate_hz: float | None = None) -> list[int]:
     """@param asked  the unit that the user says. @param rate_hz  of the frames, where the values are their numbers.
     @errors BadInput where the stated unit can't be, and which it is is not clear"""
+    values, stated = (values, asked) if asked else _counted(values, stated, where, account)
     are_counts = _count_frames(values)
     if are_counts and rate_hz and not asked:
         account.assumed.append(f"the list has numbers of frames in place of times: {1 / rate_hz:g} s from one to the next, as --rate-hz says")
