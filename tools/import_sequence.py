@@ -36,7 +36,8 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--intrinsics", metavar="HOW", help="a calibration file (Kalibr, OpenCV, NumPy, ROS, EuRoC, COLMAP), 'fu,fv,cu,cv' in px, or 'auto': "
                         "the focal length is estimated from the pictures (default: the source's own, else EXIF's)")
     parser.add_argument("--camera", default="cam0", help="which camera of an EuRoC sequence, a Kalibr file or COLMAP's cameras, the frame_id "
-                        "in a bag's topic, the word in the names of pictures, the number, title or language of a video's track (default: cam0)")
+                        "in a bag's topic, the word in the names of pictures (no-mask: those without it), the number, title or language of a video's track, "
+                        "the channel and slice of a TIFF's pages, as c2z1 (default: cam0)")
     parser.add_argument("--topic", help="of a bag's pictures, where it has several")
     parser.add_argument("--rate-hz", type=positive, metavar="HZ", help="of pictures and bare video streams, which tell no time")
     parser.add_argument("--stamp-unit", choices=("s", "ms", "us", "ns"), help="of the times in a list of pictures, or of the numbers in their names (default: as the kind of list has it; another "

@@ -215,3 +215,25 @@ def test_a_rate_beside_times_is_told_to_have_no_effect(tmp_path):
     seconds = euroc(tmp_path / "seq", None, [f"{1_700_000_000 + i},{time}.png" for i, time in enumerate(TIMES)])
     times, _ = taken(seconds, rate_hz=25.0)
     assert set(np.diff(times)) == {NS}
+
+
+# verifies: GND-03
+@pytest.mark.parametrize(("listed", "name"), [
+    ("rgb\\{i}.png", "rgb/{i}.png"), ("rgb\\IMG_{i}.PNG", "rgb/img_{i}.png"), ("rgb/gro\u0308\u00dfe{i}.png", "rgb/gr\u00f6\u00dfe{i}.png")])
+def test_names_of_another_system_find_their_files(tmp_path, listed, name):
+    times, said = taken(tum(tmp_path / "tum", f"{{s}} {listed}", name))
+    assert times == TIMES and ("the list has names in other letters than the files have, as" in said) == ("IMG" in listed or "gro" in listed)
+
+
+def test_files_that_are_not_there_are_named(tmp_path):
+    folder = tum(tmp_path / "tum", "{s} rgb/{i}.png")
+    for i in (2, 5):
+        (folder / f"rgb/{i}.png").rename(folder / f"rgb/_{i}.png")
+    source = open_source(folder, Options())
+    list(Plan(source, Part()).frames())
+    assert source.account.dropped == {f"listed, but the file is missing: {folder / 'rgb/2.png'} is the first": 2}
+    folder = tum(tmp_path / "two", "{s} rgb/A{i}.png", "rgb/a{i}.png")
+    (folder / "rgb/a0.PNG").write_bytes(b"")  # which of both is meant is not known
+    source = open_source(folder, Options())
+    list(Plan(source, Part()).frames())
+    assert source.account.dropped == {f"listed, but the file is missing: {folder / 'rgb/A0.png'}": 1}

@@ -116,6 +116,17 @@ def test_two_cameras_in_one_folder(pair, word):
     assert of_one_camera(both, word, account) == files(pair[0].format(i=i) for i in range(6)) and account.dropped == {"taken by another camera": 6}
 
 
+# verifies: GND-03
+def test_pictures_without_a_word_of_their_own_are_chosen_by_what_they_have_not():
+    names = [f"{i:05d}{word}.png" for i in range(6) for word in ("", "_mask", "_depth")]
+    for camera in ("cam0", "png", "no-rgb"):
+        with pytest.raises(BadInput, match="choose by a word of the names, as --camera no-depth-mask for those without"):
+            of_one_camera(files(names), camera, Account())
+    account = Account()
+    assert [file.stem for file in of_one_camera(files(names), "no-depth-mask", account)] == [f"{i:05d}" for i in range(6)]
+    assert account.dropped == {"taken by another camera": 12} and "those without depth and mask in their names are taken" in account.assumed[0]
+
+
 @pytest.mark.parametrize("names", [
     [f"{part}_{i}.png" for part in ("a", "b") for i in (range(3) if part == "a" else range(3, 6))], [f"p{part}_{i}.png" for part in (1, 2) for i in range(5)],
     ["x.png", "y.png", "z.png"], [f"left_{i}.png" for i in range(5)], [f"IMG_{i}{'_edited' if i == 3 else ''}.jpg" for i in range(6)]])

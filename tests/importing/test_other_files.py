@@ -48,6 +48,22 @@ def test_a_list_beside_pictures_holds_by_the_names_in_it(tmp_path, time, first_n
     assert by_time == [(first_ns + place * NS // 8, 20 * place) for place in range(6)]
 
 
+# verifies: GND-03
+@pytest.mark.parametrize(("head", "row", "says"), [
+    ("frame_id,filename,timestamp_us,exposure_us", "{i},{name},{us},{us}7", "times are those of"), ("image;exposure;t [ms]", "{name};7;{ms}", "times are those of"),
+    ("filename,timestamp_us,time_received", "{name},{us},{us}", "timestamp_us and time_received may both be the times"),
+    ("filename,timestamp_us", "other{name},{us}", "it does not list 6 of the 6 pictures, as x0.png"), ("roll,pitch", "{i},{i}", "")])
+def test_a_table_of_any_name_is_read_by_its_head(tmp_path, head, row, says):
+    sources.write_pictures(tmp_path / "seq", PICTURES, [f"x{i}.png" for i in range(6)])
+    rows = [row.format(i=i, name=f"x{5 - i}.png", us=1_700_000_000_000_000 + i * 125_000, ms=i * 125) for i in range(6)]
+    (tmp_path / "seq/frames.csv").write_text("\n".join([head, *rows]) + "\n")
+    source = open_source(tmp_path / "seq", Options())
+    said = " ".join(source.account.assumed[1:])
+    assert says in said and ("frames.csv" in said) == bool(says) and source.nominal_time == ("times are those of" not in said)
+    if not source.nominal_time:
+        assert set(np.diff(source.times_ns)) == {-NS // 8}
+
+
 def test_options_that_nothing_asks_for_are_told(tmp_path):
     sources.write_pictures(tmp_path / "seq", PICTURES, [f"{i:06d}.png" for i in range(6)])
     source = open_source(tmp_path / "seq", Options(stamp_unit="us"))

@@ -1,6 +1,8 @@
 """Folders with a list of pictures and times: TUM's rgb.txt, and the ASL/EuRoC layout as it is found in the wild."""
 
 import pathlib
+import unicodedata
+from collections import defaultdict
 from collections.abc import Iterator
 
 from importing.calibration_files import read_lens
@@ -11,6 +13,7 @@ from importing.source import Account, Frame, Options, Source, lens_if_any
 
 from judge.errors import BadInput
 
+OTHER_LETTERS = "the list has names in other letters than the files have"
 TUM_LISTS = ("rgb.txt", "gray.txt", "images.txt")
 
 
@@ -35,7 +38,37 @@ def _timed(table: pathlib.Path, folder: pathlib.Path, wanted: str, unit: str, op
     """(time, file) of a list's rows. @param unit  that such lists have where they tell none"""
     listed = read_list(table, wanted)
     times = in_ns([time for time, _ in listed.rows], listed.unit or unit, options.stamp_unit, str(table), account, options.rate_hz)
-    return [(time, folder / name) for time, (_, name) in zip(times, listed.rows)]
+    files = _Present(account)
+    return [(time, files.found(folder, name)) for time, (_, name) in zip(times, listed.rows)]
+
+
+class _Present:
+    """Finds files by names that another system wrote: its separators, accents as letters of their own, its small and large letters."""
+
+    def __init__(self, account: Account) -> None:
+        self.account = account
+        self.by_plain_name: dict[pathlib.Path, dict[str, list[pathlib.Path]]] = {}  # of folders
+
+    def found(self, folder: pathlib.Path, name: str) -> pathlib.Path:
+        """The name as it is written where no one file is meant by it."""
+        written, as_windows = folder / name, folder / pathlib.PureWindowsPath(name).as_posix()
+        if written.is_file() or as_windows.is_file():
+            return written if written.is_file() else as_windows
+        if as_windows.parent not in self.by_plain_name:
+            files = as_windows.parent.iterdir() if as_windows.parent.is_dir() else ()
+            self.by_plain_name[as_windows.parent] = defaultdict(list)
+            for file in files:
+                self.by_plain_name[as_windows.parent][_plain(file.name)].append(file)
+        meant = self.by_plain_name[as_windows.parent].get(_plain(as_windows.name), [])
+        if len(meant) != 1:
+            return written
+        if not any(sentence.startswith(OTHER_LETTERS) for sentence in self.account.assumed):
+            self.account.note(f"{OTHER_LETTERS}, as {name}: the one file that differs in small and large letters or in how accents are written is taken, {meant[0].name}")
+        return meant[0]
+
+
+def _plain(name: str) -> str:
+    return unicodedata.normalize("NFC", name).casefold()
 
 
 def camera_folder(path: pathlib.Path, camera: str) -> pathlib.Path | None:
@@ -97,8 +130,10 @@ def _found(file: pathlib.Path, folder: pathlib.Path) -> pathlib.Path:
 
 
 def _existing(rows: list[tuple[int, pathlib.Path]], account: Account) -> Iterator[Frame]:
+    missing = [file for _, file in rows if not file.is_file()]
+    reason = f"listed, but the file is missing: {missing[0]}{' is the first' if len(missing) > 1 else ''}" if missing else ""
     for time_ns, file in rows:
         if not file.is_file():
-            account.dropped["listed, but the file is missing"] += 1
+            account.dropped[reason] += 1
             continue
         yield Frame(time_ns, file=file)

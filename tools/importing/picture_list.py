@@ -14,6 +14,7 @@ from judge.errors import BadInput
 from judge.units import SINCE_1970_NS, UNITS, WORDS, doubt, likely_units, median_step
 
 TIME_NAME = re.compile(r"\W*(time|stamp|t\b|t_)", re.IGNORECASE)
+FILE_NAME = re.compile(r"file|image|picture|frame|name|path|img", re.IGNORECASE)
 UNIT = r"(?P<count>10*|0\.\d+)?\s?(?P<scale>n|u|µ|μ|m|nano|micro|milli)?(?:s|secs?|seconds?)\b"
 IN_BRACKETS, UNIT_IN_BRACKETS, UNIT_AT_END = re.compile(r"([\[(])\s*(.*?)\s*[\])]"), re.compile(UNIT, re.IGNORECASE), re.compile("[_ ]" + UNIT, re.IGNORECASE)
 UNIT_OF_SCALE = {"": "s", "n": "ns", "nano": "ns", "u": "us", "µ": "us", "μ": "us", "micro": "us", "m": "ms", "milli": "ms"}
@@ -40,15 +41,30 @@ class PictureList:
     unit: str = ""
 
 
-def read_times(path: pathlib.Path, files: list[pathlib.Path]) -> tuple[list[Decimal], str, bool]:
+def has_columns(path: pathlib.Path) -> bool:
+    """Whether a table's head names a time and a file."""
+    try:
+        _, names = _table(path)
+    except BadInput:
+        return False
+    return any(map(TIME_NAME.match, names)) and any(map(FILE_NAME.search, names))
+
+
+def read_times(path: pathlib.Path, files: list[pathlib.Path], needs_names: bool = False) -> tuple[list[Decimal], str, bool]:
     """(times, their unit or '', whether they are in the order of these files, whose names the list holds; else in that of the list).
-    @errors BadInput where it holds no times"""
+    @errors BadInput where it holds no times, or not those of all files by their names where these are needed"""
     rows, names = _table(path)
+    of_time = [name for name in names if TIME_NAME.match(name)]
+    if needs_names and len(of_time) > 1:
+        raise BadInput(f"{path}: {' and '.join(of_time)} may both be the times: a file times.csv with one of these columns tells which")
     place, of_name = _columns(rows, names)
     if of_name is not None:
         times = {pathlib.PurePath(name).name: time for time, name in (_row(path, number, cells, place, of_name, "a time") for number, cells in rows)}
         if all(file.name in times for file in files):
             return [times[file.name] for file in files], _unit(names, place), True
+    if needs_names:
+        missing = [file.name for file in files if of_name is None or file.name not in times]
+        raise BadInput(f"{path}: it does not list {len(missing)} of the {len(files)} pictures, as {missing[0]}")
     if place == 0 and len(rows[0][1]) > 1 and not TIME_NAME.match((names or [""])[0]) and _counts(rows):
         place = 1  # DSO's: number, time, exposure
     return [_row(path, number, cells, place, None, "a time")[0] for number, cells in rows], _unit(names, place), False

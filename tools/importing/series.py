@@ -11,6 +11,7 @@ from judge.errors import BadInput
 # Words that name a camera. "L" and "R" are those of stereo rigs.
 CAMERA = re.compile(r"(?<![a-z])(left|right|l|r|cam(?:era)?[-_ ]?\d{1,2})(?![a-z\d])", re.IGNORECASE)
 WORD = re.compile(r"[^\W\d_]+\d*|\d+")
+WITHOUT = "no-"  # before words that names must not have
 SAME_NUMBERS_SHARE = 0.8  # of each of two series that show the same moments
 SERIES_MIN, SERIES_MAX = 3, 8
 
@@ -20,28 +21,37 @@ def of_one_camera(files: list[pathlib.Path], camera: str, account: Account) -> l
     series = _by_camera(files) or _by_words(files)
     if series is None:
         return files
-    if not has_word(files, camera) or all(camera.casefold() in _words(file) for file in files):
+    if not has_word(files, camera) or all(_is_meant(file, camera) for file in files):
         raise BadInput(f"{files[0].parent}: pictures of {len(series)} cameras or formats in one folder, by their names: {words_of_choice(series)}, "
                        "or put those of one into a folder")
     return choose(files, camera, OTHER_CAMERA, account, f"pictures of {len(series)} cameras or formats in one folder, {_found(series)}")
 
 
 def has_word(files: list[pathlib.Path], word: str) -> bool:
-    return any(word.casefold() in _words(file) for file in files)
+    return any(_is_meant(file, word) for file in files)
+
+
+def _is_meant(file: pathlib.Path, word: str) -> bool:
+    """By a word of its name, or by words that it has not: no-mask, no-depth-mask."""
+    without = word.casefold().removeprefix(WITHOUT).split("-") if word.casefold().startswith(WITHOUT) else []
+    return word.casefold() in _words(file) or bool(without) and not _words(file) & set(without)
 
 
 def choose(files: list[pathlib.Path], word: str, reason: str, account: Account, what: str) -> list[pathlib.Path]:
     """Those with the word in their names. @param reason  why the others are left out"""
-    chosen = [file for file in files if word.casefold() in _words(file)]
+    chosen = [file for file in files if _is_meant(file, word)]
     account.dropped[reason] += len(files) - len(chosen)
-    account.assumed.append(f"{what}: those with '{word}' in their names are taken")
+    by = f"without {' and '.join(word[len(WITHOUT):].split('-'))}" if not any(word.casefold() in _words(file) for file in chosen) else f"with '{word}'"
+    account.assumed.append(f"{what}: those {by} in their names are taken")
     return chosen
 
 
 def words_of_choice(series: dict[str, list[pathlib.Path]]) -> str:
     """What is there, and how one of it is chosen."""
     first, *others = (set(WORD.findall(name)) for name in sorted(series))
-    return f"{_found(series)}; choose by a word of the names, as --camera {min(first - set().union(*others), default='WORD')}"
+    own, foreign = first - set().union(*others), set().union(*others) - first
+    word = min(own) if own else f"{WITHOUT}{'-'.join(sorted(foreign))} for those without" if foreign else "WORD"
+    return f"{_found(series)}; choose by a word of the names, as --camera {word}"
 
 
 def _found(series: dict[str, list[pathlib.Path]]) -> str:

@@ -2,21 +2,24 @@
 
 import pathlib
 
-from importing.picture_list import in_ns, read_times
+from importing.picture_list import has_columns, in_ns, read_times
 from importing.source import Account, Options
 
 from judge.errors import BadInput
 
+TABLES = (".csv", ".tsv")  # of any name, where a head says that they have times and pictures' names
 NAMES = ("times.txt", "timestamps.txt", "timestamp.txt", "times.csv", "timestamps.csv", "time.txt", "time.csv")
 
 
 def times_beside(folder: pathlib.Path, files: list[pathlib.Path], options: Options, account: Account) -> list[int] | None:
     """In the folder, or beside it; None where none belongs to the pictures, which is told."""
-    for path in (place / name for place in (folder, folder.parent) for name in NAMES):
-        if not path.is_file():
-            continue
+    named = [path for path in (place / name for place in (folder, folder.parent) for name in NAMES) if path.is_file()]
+    tables = sorted(path for path in folder.iterdir() if path.suffix.lower() in TABLES and path not in named)
+    for path in [*named, *tables]:
         try:
-            values, unit, by_name = read_times(path, files)
+            if path in tables and not has_columns(path):
+                continue
+            values, unit, by_name = read_times(path, files, needs_names=path in tables)
         except BadInput as error:
             account.assumed.append(f"{path} is left out: {_reason(error, path)}")
             continue
