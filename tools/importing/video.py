@@ -9,6 +9,7 @@ import numpy as np
 from importing.capture_rate import slowed_by, tell_mode
 from importing.decoding import frame_levels
 from importing.joined import check_is_one
+from importing.multipart import PartTimes, times_of_parts
 from importing.packets import Decoder, complaint, heard
 from importing.ser import times_of_ser
 from importing.source import EDITED_OUT, NS, Account, Frame, Options, Source
@@ -18,6 +19,7 @@ from judge.errors import BadInput
 ROLLING = "a rolling shutter is not undone: state line_time_ns in sensor.yaml, from one row to the next"
 MISSING = "missing in the file, whose header promises them"
 SER = "ser"
+MULTIPART = ("mpjpeg", "mjpeg")
 EMPTY = "an empty place in the file: the recorder dropped it"
 ANY_CAMERA = Options().camera
 NO_NAMES = ("", "und", "VideoHandler")  # what FFmpeg writes where nobody named a track
@@ -39,7 +41,8 @@ def open_video(path: pathlib.Path, options: Options) -> Source:
             if container.format.name == "image2" or container.format.name.endswith("_pipe"):  # FFmpeg's readers of pictures
                 raise BadInput(f"{path}: found a single picture")
             check_is_one(path, container.format.name)
-            rate_hz, nominal = rate_of(path, container, stream, options, account)
+            parts = times_of_parts(path, options, account) if container.format.name in MULTIPART else None
+            rate_hz, nominal = rate_of(path, container, stream, options, account, parts)
             slowed = 1.0 if rate_hz else slowed_by(path, container, stream, account)
             tell_mode(container, account)
             number = stream.index
@@ -47,7 +50,7 @@ def open_video(path: pathlib.Path, options: Options) -> Source:
     except (av.FFmpegError, OSError) as problem:
         raise BadInput(f"{path}: not a video that can be read ({_reason(path, problem, logs)})") from None
     account.assumed.append(ROLLING)
-    clock = read_clock(path, number, rate_hz, account, slowed)
+    clock = read_clock(path, number, rate_hz, account, slowed, parts)
     times_ns, lost = clock.all_ns()
     rate = rate_hz or slowed * _rate_of(times_ns)
     words += f", {rate:.4g} frames/s" if rate else ""
@@ -109,16 +112,20 @@ def _words_of(number: int, stream) -> str:
     return f"number {number}, {stream.width}x{stream.height}{f' ({said})' if said else ''}"
 
 
-def rate_of(path: pathlib.Path, container, stream, options: Options, account: Account) -> tuple[float | None, bool]:
+def rate_of(path: pathlib.Path, container, stream, options: Options, account: Account, parts: PartTimes | None) -> tuple[float | None, bool]:
     """(frames per second where the file tells no times, else None; whether that is made up)."""
     import av
+    if parts:
+        account.assumed.append(parts.said)
+    if parts and parts.at:
+        _tell_no_rate(options, account)
+        return None, False
     if container.format.name == SER and times_of_ser(path) is not None:
         account.assumed.append("the times are those that the file has behind its pictures")
         return None, False
     if container.format.name != SER and not container.format.flags & av.format.Flags.no_timestamps.value:
         account.assumed.append("the time of a frame is its presentation time")
-        if options.rate_hz:
-            account.assumed.append("--rate-hz is left out: the video tells its times")
+        _tell_no_rate(options, account)
         return None, False
     stated = 0.0 if container.format.name == SER else float(stream.codec_context.framerate or 0)  # FFmpeg's own guess
     rate_hz = options.rate_hz or stated or 1.0
@@ -128,6 +135,11 @@ def rate_of(path: pathlib.Path, container, stream, options: Options, account: Ac
         how += f"; its header says {stated:g}"
     account.assumed.append(f"a bare {container.format.name} stream tells no times: {rate_hz:g} frames a second, {how}")
     return rate_hz, not (options.rate_hz or stated)
+
+
+def _tell_no_rate(options: Options, account: Account) -> None:
+    if options.rate_hz:
+        account.assumed.append("--rate-hz is left out: the video tells its times")
 
 
 class Packets:
@@ -177,13 +189,13 @@ class Packets:
             self._account.dropped[EDITED_OUT] += self.edited
 
 
-def read_clock(path: pathlib.Path, number: int, rate_hz: float | None, account: Account, slowed: float = 1.0) -> "Clock":
+def read_clock(path: pathlib.Path, number: int, rate_hz: float | None, account: Account, slowed: float = 1.0, parts: PartTimes | None = None) -> "Clock":
     """Reads all packets, and decodes none. @param number  of the stream in its container. @param slowed  by how much the video is slower than the world"""
     import av
     with av.open(str(path)) as container:
         stream = container.streams[number]
         packets = Packets(container, stream, account)
-        clock = Clock(rate_hz, container.format.name == "avi")
+        clock = Clock(rate_hz, container.format.name == "avi", parts if parts and parts.at else None)
         for packet in packets:
             clock.add(packet)
         if container.format.name == SER and rate_hz is None:
@@ -237,8 +249,9 @@ def _frames(path: pathlib.Path, number: int, account: Account, clock: "Clock") -
 class Clock:
     """Times of frames. An AVI tells those of packets only: its n-th frame is shown at the n-th of them."""
 
-    def __init__(self, rate_hz: float | None, by_place: bool):
-        self.rate_hz, self.by_place = rate_hz, by_place
+    def __init__(self, rate_hz: float | None, by_place: bool, parts: PartTimes | None):
+        """@param parts  times by the packets' places in the file, where it tells them so"""
+        self.rate_hz, self.by_place, self.parts = rate_hz, by_place, parts
         self.shown_ns: list[int | None] = []  # of the packets
         self.keys: list[bool] = []
         self.dropped: list[bool] = []  # by an edit list
@@ -256,8 +269,8 @@ class Clock:
             if self._last_dts is not None and packet.dts < self._last_dts:
                 self.begins.append(len(self.shown_ns))
             self._last_dts = packet.dts
-        if self.rate_hz:
-            self.shown_ns.append(None)
+        if self.rate_hz or self.parts:
+            self.shown_ns.append(self.parts.of(packet.pos) if self.parts else None)
         else:  # whole nanoseconds, without the rounding of float
             self.shown_ns.append(None if ticks is None else round(ticks * packet.time_base * NS))
             self._tick_ns = float(packet.time_base * NS)
