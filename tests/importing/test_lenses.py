@@ -99,6 +99,24 @@ def test_a_lens_beyond_the_programs_range_is_none_of_its_own():
     assert not lens_of(640, 480, (5e4, 5e4, 320, 240), "radtan", (-300, 0, 0, 0), "file").native
 
 
+# verifies: GND-03
+def test_another_camera_of_the_chain_is_named_where_its_size_fits(tmp_path):
+    from importing.calibration_files import read_lens
+    from importing.lens import scaled_to
+    from judge.errors import BadInput
+    second = KALIBR.split("cam1")[0].replace("cam0", "cam1").replace("[640, 480]", "[752, 480]")
+    (tmp_path / "chain.yaml").write_text(KALIBR.split("cam1")[0] + second)
+    first, other = (read_lens(tmp_path / "chain.yaml", camera) for camera in ("cam0", "cam1"))
+    with pytest.raises(BadInput, match="cam0 is calibrated for 640x480, but the pictures are 752x480: cam1 of the same file is of this size: --camera cam1 takes it"):
+        scaled_to(first, 752, 480, "chain.yaml")
+    with pytest.raises(BadInput, match="cam1 is calibrated for 752x480, but the pictures are 800x800: not the same shape, cropped"):
+        scaled_to(other, 800, 800, "chain.yaml")
+    assert scaled_to(other, 752, 480, "chain.yaml")[1] == ""
+    (tmp_path / "chain.yaml").write_text(KALIBR.split("cam1")[0] + second.replace("752, 480", "320, 240"))
+    lens, said = scaled_to(read_lens(tmp_path / "chain.yaml"), 320, 240, "chain.yaml")
+    assert lens.intrinsics_px[0] == 250 and said.endswith("intrinsics scaled by 0.5; cam1 of the same file is of this size: --camera cam1 takes it")
+
+
 def test_a_calibration_of_another_size_is_scaled_and_one_of_another_shape_refused(imported, refused, tmp_path):
     sources.write_pictures(tmp_path / "small", [np.full((240, 320), 90, np.uint8)] * 2, ["1.png", "2.png"])
     sources.write_pictures(tmp_path / "upright", [np.full((640, 480), 90, np.uint8)] * 2, ["1.png", "2.png"])

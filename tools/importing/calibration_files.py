@@ -40,6 +40,8 @@ def read_lens(path: pathlib.Path, camera: str = "cam0") -> Lens:
     values = _numpy_values(path) if path.suffix == ".npz" else values or yaml_values(path)
     notes = ()
     chain = [key for key, value in values.items() if str(key).startswith("cam") and isinstance(value, dict) and "intrinsics" in value]
+    several = len(chain) > 1 and camera in chain
+    others = tuple((key, tuple(flat(values[key].get("resolution")))) for key in chain if key != camera) if several else ()
     if camera in values and isinstance(values[camera], dict):
         notes = (f"{path}: camera {camera} of {', '.join(chain)}: --camera takes another",) if len(chain) > 1 else ()
         values = values[camera]
@@ -52,7 +54,7 @@ def read_lens(path: pathlib.Path, camera: str = "cam0") -> Lens:
     except BadInput as problem:
         raise BadInput(f"{problem}{'' if path.suffix == '.npz' or 'decimal points' in str(problem) else with_hint(text_of(path))}") from None
     line_time_ns, said = row_time_of(values, str(path))
-    lens, notes = replace(lens, line_time_ns=line_time_ns), notes + ((said,) if said else ())
+    lens, notes = replace(lens, line_time_ns=line_time_ns, camera=camera if several else "", others=others), notes + ((said,) if said else ())
     if not lens.width_px:
         notes += (f"{path} tells no size of pictures: it is taken to be of these",)
     return replace(lens, notes=lens.notes + notes)

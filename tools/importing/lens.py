@@ -26,6 +26,8 @@ class Lens:
     coefficients: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
     notes: tuple[str, ...] = ()  # what was chosen or assumed when it was read
     line_time_ns: float = 0.0  # from one row to the next, as the calibration tells it; 0: it does not
+    camera: str = ""  # its name in a file of several
+    others: tuple[tuple[str, tuple[int, int]], ...] = ()  # the names and sizes of these
     size_from: str = ""  # what fixes the size, so that pictures of another size contradict it; empty: they may be scaled ones
 
     @property
@@ -82,18 +84,21 @@ def scaled_to(lens: Lens, width_px: int, height_px: int, where: str, aspect: flo
     if lens.size_from and off_px > SIZE_PX:
         raise BadInput(f"{where}: {lens.size_from} makes pictures of {lens.width_px}x{lens.height_px}, but they are {width_px}x{height_px}: "
                        "give --intrinsics FILE or 'fu,fv,cu,cv' of these pictures")
-    found = f"{where}: calibrated for {lens.width_px}x{lens.height_px}, but the pictures are {width_px}x{height_px}"
+    found = f"{where}: {lens.camera and f'{lens.camera} is '}calibrated for {lens.width_px}x{lens.height_px}, but the pictures are {width_px}x{height_px}"
+    fitting = [name for name, size in lens.others if size == (width_px, height_px)]
+    choice = f"{' and '.join(fitting)} of the same file {'is' if len(fitting) == 1 else 'are'} of this size: --camera {fitting[0]} takes it" if fitting else ""
     factors = width_px / lens.width_px, height_px / lens.height_px
     stretched = aspect != 1 and abs(factors[1] * lens.width_px - width_px * aspect) <= SIZE_PX * aspect
     if abs(factors[0] * lens.height_px - height_px) > SIZE_PX and not stretched:
         turned = (lens.height_px, lens.width_px) == (width_px, height_px)
-        raise BadInput(f"{found}: {'width and height are exchanged: in the calibration, or by pictures that are turned by 90 deg' if turned else 'not the same shape, cropped?'}")
+        why = "width and height are exchanged: in the calibration, or by pictures that are turned by 90 deg" if turned else "not the same shape, cropped?"
+        raise BadInput(f"{found}: {choice or why}")
     fu, fv, cu, cv = lens.intrinsics_px
     centre = tuple(factor * (place + 0.5) - 0.5 for factor, place in zip(factors, (cu, cv)))
     by = f"{factors[0]:.4g}" if not stretched else f"{factors[0]:.4g} and {factors[1]:.4g}, by the shape of the pixels"
     return (replace(lens, width_px=width_px, height_px=height_px, intrinsics_px=(factors[0] * fu, factors[1] * fv, *centre),
                     line_time_ns=lens.line_time_ns / factors[1]),
-            f"{found}: intrinsics scaled by {by}")
+            f"{found}: intrinsics scaled by {by}{choice and f'; {choice}'}")
 
 
 def has_shape(lens: Lens | None, aspect: float) -> bool:
