@@ -52,7 +52,8 @@ def test_a_cropped_picture_needs_a_calibration(tmp_path, imported, refused, fiel
 
 
 # verifies: GND-03
-@pytest.mark.parametrize(("zoom", "more", "focal_px"), [(2.5, {}, 2.5 * FOCAL_PX), (2.5, {"focal_35mm": 48}, 2.5 * FOCAL_PX), (0.0, {}, FOCAL_PX), (1.0, {"focal_35mm": 48}, 48 / 43.27 * 800)])
+@pytest.mark.parametrize(("zoom", "more", "focal_px"), [
+    (2.5, {}, 2.5 * FOCAL_PX), (2.5, {"focal_35mm": 48}, 2.5 * FOCAL_PX), (0.0, {}, FOCAL_PX), (1.0, {"focal_35mm": 48}, 48 / 43.27 * 800)])
 def test_a_digital_zoom_is_in_the_focal_length(tmp_path, zoom, more, focal_px):
     lens, how = exif_lens(write(tmp_path / "photos", 640, 480, zoom=zoom, **PLANE, **TAKEN, **more) / "0.jpg")
     assert np.allclose(lens.intrinsics_px[:2], focal_px, rtol=2e-3) and (", digital zoom 2.5" in how) == (zoom == 2.5)

@@ -37,7 +37,8 @@ def taken(folder, **options):
     ("#timestamp [ns],filename", "{t},{t}.png", "utf-16"), ("#timestamp [ns],filename", "{t},{t}.png", "utf-16-le"), ("#filename,timestamp", "{t}.png,{t}", "utf-8"),
     ("id,timestamp,filename", "{i},{t},{t}.png", "utf-8"), (None, "{i},{t},{t}.png", "utf-8"), ("#timestamp,filename,exposure", "{t},{t}.png,7", "utf-8"),
     ("exposure_time,timestamp [ns],file", "7,{t},{t}.png", "utf-8"), ("timestamp (s);file", "{c};{t}.png", "utf-8"), ("time_us,file", "{us},{t}.png", "utf-8"),
-    ("#timestamp [ns],filename", "{t},mav0\\cam0\\data\\{t}.png", "utf-8"), ("#timestamp [ns],filename", "{t},{t}.png # bright", "utf-8"), (None, "{t}", "utf-8")])
+    ("#timestamp [ns],filename", "{t},mav0\\cam0\\data\\{t}.png", "utf-8"), ("#timestamp [ns],filename", "{t},/data/run/{t}.png", "utf-8"),
+    ("#timestamp [ns],filename", "{t},{t}.png # bright", "utf-8"), (None, "{t}", "utf-8")])
 def test_every_form_of_a_list(tmp_path, head, row, coding):
     rows = [row.format(i=i, t=time, c=second.replace(".", ","), us=time // 1000) for i, (time, second) in enumerate(zip(TIMES, SECONDS))]
     times, said = taken(euroc(tmp_path / "seq", head, rows, coding))
@@ -215,6 +216,18 @@ def test_a_rate_beside_times_is_told_to_have_no_effect(tmp_path):
     seconds = euroc(tmp_path / "seq", None, [f"{1_700_000_000 + i},{time}.png" for i, time in enumerate(TIMES)])
     times, _ = taken(seconds, rate_hz=25.0)
     assert set(np.diff(times)) == {NS}
+
+
+def test_a_unit_in_a_head_of_blanks_is_found(tmp_path):
+    folder = tum(tmp_path / "tum", "{s} rgb/{i}.png", values=[i * 500_000 for i in range(8)])
+    for head, says in (("# timestamp [100 ns] filename", ""), ("# timestamp [ticks] filename", "in 'ticks', allowed are")):
+        lines = (folder / "rgb.txt").read_text().splitlines()[2:]
+        (folder / "rgb.txt").write_text("\n".join(["# color images", head, *lines]))
+        if says:
+            with pytest.raises(BadInput, match=says):
+                taken(folder)
+        else:
+            assert taken(folder)[0] == [i * STEP for i in range(8)]
 
 
 # verifies: GND-03

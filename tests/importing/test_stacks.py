@@ -23,7 +23,9 @@ OME_TEXT = '<OME><Image><Pixels DimensionOrder="XYZCT" SizeT="{frames}" SizeZ="1
 # verifies: GND-03
 @pytest.mark.parametrize(("text", "step_s", "says"), [
     ("ImageJ=1.54\nimages=4\nframes=4\nfinterval=0.25\n", 0.25, "as ImageJ's finterval says"), ("ImageJ=1.54\nfinterval=2\ntunit=min\n", 120, "ImageJ's finterval"),
-    (OME_TEXT.format(frames=4), 0.25, "as OME's TimeIncrement says"), (OME_TEXT.format(frames=1), 1, "pages tell no time"),
+    (OME_TEXT.format(frames=4), 0.25, "as OME's TimeIncrement says"),
+    (OME_TEXT.replace('250" TimeIncrementUnit="ms', '250000" TimeIncrementUnit="µs').format(frames=4).encode(), 0.25, "OME's"),
+    (OME_TEXT.format(frames=1), 1, "pages tell no time"),
     ("ImageJ=1.54\nimages=4\nslices=4\n", 1, "pages tell no time"),
     ("ImageJ=1.54\nfinterval=0.0\n", 1, "pages tell no time"), ("finterval=0.25", 1, "pages tell no time")])
 def test_the_interval_of_a_stack_is_read(tmp_path, text, step_s, says):
@@ -43,7 +45,8 @@ OME = ('<OME><Image><Pixels DimensionOrder="{}" SizeC="2" SizeT="{}" SizeZ="{}" 
     (IMAGEJ.format("channels=2\nframes=6"), "c2", range(1, 12, 2), "2 channels of 6 moments: choose by --camera c1 ... c2; --camera pages takes all"),
     (IMAGEJ.format("slices=3\nframes=4"), "z3", range(2, 12, 3), "3 slices of 4 moments: choose by --camera z1 ... z3"),
     (IMAGEJ.format("channels=2\nslices=3\nframes=2"), "C2Z3", range(5, 12, 6), "2 channels and 3 slices of 2 moments: choose by --camera c1z1 ... c2z3"),
-    (IMAGEJ.format("channels=12"), "c3", range(2, 3), "12 channels of 1 moments"), (IMAGEJ.format("channels=2\nframes=5"), "pages", range(12), "2 channels of 5 moments: these are 10"),
+    (IMAGEJ.format("channels=12"), "c3", range(2, 3), "12 channels of 1 moments"),
+    (IMAGEJ.format("channels=2\nframes=5"), "pages", range(12), "2 channels of 5 moments: these are 10"),
     (OME.format("XYCZT", 6, 1), "Dark", range(1, 12, 2), r"2 channels of 6 moments \(channels 1: vis, 2: dark\): choose by --camera c1"),
     (OME.format("XYZTC", 6, 1), "c2", range(6, 12), "2 channels of 6 moments"), (OME.format("XYZCT", 3, 2), "c2z1", range(2, 12, 4), "2 channels and 2 slices of 3 moments")])
 def test_pages_of_one_moment_are_chosen_from(tmp_path, text, camera, pages, asks):

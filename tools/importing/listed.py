@@ -125,7 +125,7 @@ def _euroc_rows(folder: pathlib.Path, options: Options, account: Account) -> lis
 
 def _found(file: pathlib.Path, folder: pathlib.Path) -> pathlib.Path:
     """Some lists write the folder, too, or Windows' separators."""
-    name = pathlib.PureWindowsPath(str(file.relative_to(folder / "data"))).name.split(" #")[0].rstrip()
+    name = pathlib.PureWindowsPath(str(file)).name.split(" #")[0].rstrip()
     return file if file.is_file() or not (folder / "data" / name).is_file() else folder / "data" / name
 
 

@@ -17,8 +17,8 @@ ALIKE_SHARE = 0.5
 HEX_ALIKE_SHARE = 0.8  # letters may stand for much else
 DATE_AND_CLOCK = re.compile(r"(?<!\d)((?:19|20)\d\d)[-_.]?([01]\d)[-_.]?([0-3]\d)(?:[-_T. ]| at )?([0-2]\d)[-_.:h]?([0-5]\d)[-_.:m]?([0-5]\d)(?:\.?(\d{3}|\d{6}|\d{9}))?(?!\d)")
 # Behind a date and a clock: parts of a second, or a count of what was taken in that second.
-FIELD_AFTER_CLOCK = re.compile(r"[-_.,](\d{3}|\d{6}|\d{9})(?!\d)")
-DECIMAL, FIGURES = re.compile(r"\d+(?:\.(\d+))?"), "0123456789."
+FIELD_AFTER_CLOCK = re.compile(r"[-_.,s](\d{3}|\d{6}|\d{9})(?!\d)")
+DECIMAL, FIGURES = re.compile(r"\d+(?:[.,](\d+))?"), "0123456789.,"
 COUNT_STEP_MAX = 5  # chosen: counters that every fifth picture is kept of; few cameras take 200 pictures a second
 NO_COUNT = "the numbers in the pictures' names are no count of frames: they are taken for an order only"
 BEGINS_AGAIN = "the counter in the pictures' names begins again at its end"
@@ -51,7 +51,7 @@ def decimals_of(stems: list[str]) -> list[Decimal] | None:
     parts = [one[1] for one in found if one and one[1]]
     if None in found or not parts or len(set(map(len, parts))) > 1 and any(len(part) > 1 and part.endswith("0") for part in parts):
         return None
-    return [Decimal(one[0]) for one in found]
+    return [Decimal(one[0].replace(",", ".")) for one in found]
 
 
 def parts_of_seconds(stems: list[str]) -> list[str] | None:

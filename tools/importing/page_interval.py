@@ -12,7 +12,8 @@ FIRST = "ImageJ="
 LINE = r"^{}=(.+?)\s*$"
 PIXELS, CHANNEL = re.compile(r"<Pixels\b[^>]*>"), re.compile(r"<Channel\b[^>]*>")
 ATTRIBUTE = r'\b{}="([^"]*)"'
-SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "msec": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0}
+SECONDS = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "us": 1e-6, "usec": 1e-6, "µs": 1e-6, "μs": 1e-6, "\\u00b5s": 1e-6,
+           "ns": 1e-9, "min": 60.0, "h": 3600.0}
 IMAGEJ_ORDER = "XYCZT"
 ANY, ALL_PAGES = Options().camera, "pages"
 SHORT, WORDS = {"C": "c", "Z": "z"}, {"C": "channels", "Z": "slices"}
@@ -39,7 +40,7 @@ class Header:
 def header_of(tags: dict) -> Header | None:
     """@param tags  of the first page"""
     text = tags.get(IMAGE_DESCRIPTION) or ""
-    text = text.decode(errors="replace") if isinstance(text, bytes) else str(text)
+    text = (text if isinstance(text, bytes) else str(text).encode("latin-1", errors="replace")).decode(errors="replace")  # Pillow has UTF-8 as Latin-1
     if text.startswith(FIRST):
         def told(name):
             return re.search(LINE.format(name), text, re.MULTILINE)

@@ -90,7 +90,8 @@ def _table(path: pathlib.Path) -> tuple[list[tuple[int, list[str]]], list[str]]:
     table = [(number, _with_dates(cells)) for number, cells in rows_of(text, separator)]
     head = next((cells for _, cells in table if not cells[0].startswith("#")), [])
     has_head = bool(head) and not _is_row(head)
-    remarks = [cells for _, cells in rows_of("\n".join(line.lstrip("# ") for line in text.splitlines() if line.lstrip().startswith("#")), separator)]
+    heads = [line.lstrip("# ") for line in text.splitlines() if line.lstrip().startswith("#")]
+    remarks = [cells for _, cells in rows_of("\n".join(map(_unit_beside, heads) if separator == " " else heads), separator)]
     names = head if has_head else remarks[-1] if remarks else []
     rows = [(number, cells) for number, cells in table if not cells[0].startswith("#")][has_head:]
     if not rows:
@@ -98,6 +99,11 @@ def _table(path: pathlib.Path) -> tuple[list[tuple[int, list[str]]], list[str]]:
     rows = [(number, _with_blanks(cells, path.parent) if separator == " " else cells) for number, cells in rows]
     _check_decimal_commas(path, names, rows, separator)
     return rows, names
+
+
+def _unit_beside(head: str) -> str:
+    """A head whose units stand without a blank beside the names, as cells are told apart by blanks."""
+    return re.sub(r"\s*([\[(].*?[\])])", lambda found: re.sub(r"\s+", "-", re.sub(r"(?<=\d)\s+", "", found[1])), head)
 
 
 def _with_dates(cells: list[str]) -> list[str]:
