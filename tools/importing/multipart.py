@@ -2,6 +2,7 @@
 
 import bisect
 import email.utils
+import functools
 import mmap
 import pathlib
 import re
@@ -31,9 +32,12 @@ class PartTimes:
 
     def of(self, place: int | None) -> int | None:
         """Of a packet there: of the part that it begins, or that follows what FFmpeg takes for its beginning."""
-        begins = list(self.at)
-        after = bisect.bisect_left(begins, place or 0)
-        return self.at[begins[after]] if after < len(begins) else None
+        after = bisect.bisect_left(self._begins, place or 0)
+        return self.at[self._begins[after]] if after < len(self._begins) else None
+
+    @functools.cached_property
+    def _begins(self) -> list[int]:
+        return list(self.at)
 
 
 def times_of_parts(path: pathlib.Path, options: Options, account: Account) -> PartTimes | None:
