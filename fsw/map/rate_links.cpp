@@ -43,9 +43,10 @@ bool can_link(const Turn& turn) {
   return turn.duration_s > 0.0 && turn.turn_I.norm() < kTurnMax_rad;
 }
 
-/// Are both of one motion? By the other's rate neither is longer than a right angle: else nobody
-/// counted how often it turned, as over an hour between two passes.
+/// Are both of one motion? Else nobody counted how often the body turned, as over an hour between
+/// two passes.
 bool go_on(const Turn& a, const Turn& b) {
+  // A right angle, by the other's rate: a half turn back looks like one ahead.
   constexpr double kMost_rad = 1.57;
   const auto by_rate_of = [](const Turn& rate, const Turn& over) {
     return rate.turn_I.norm() / rate.duration_s * over.duration_s;

@@ -159,12 +159,12 @@ std::vector<std::size_t> best_of(const std::vector<std::size_t>& named,
   return order;
 }
 
-/// The first of the votes named, at most kAlike of one side: so that a body's other sides are
-/// tried, too, which may look the same.
+/// The first of the votes named, of each side a few: so that a body's other sides are tried, too,
+/// which may look the same.
 std::vector<std::size_t> of_different_sides(const std::vector<std::size_t>& named,
                                             const std::vector<Vote>& votes,
                                             std::size_t count) {
-  constexpr int kAlike = 3;
+  constexpr int kAlike = 3;  // with two of eight in all, two of ten passes are recognised no more
   constexpr double kHalfCosine = 0.985;  // 20 deg
   std::vector<std::size_t> chosen;
   for (const std::size_t i : named) {

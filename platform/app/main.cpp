@@ -60,6 +60,14 @@ CLI::Option* add_settings(CLI::App& command, std::vector<std::string>& settings)
       ->allow_extra_args(false);
 }
 
+void add_models(CLI::App& command, ReplayArguments& arguments) {
+  command.add_option("--model", arguments.model, "of the target, from another pass")
+      ->type_name("FILE")
+      ->excludes(command.get_option("--checkpoint"));
+  command.add_option("--save-model", arguments.save_model, "leave a model for another pass")
+      ->type_name("FILE");
+}
+
 void add_replay(CLI::App& app, ReplayArguments& arguments) {
   CLI::App* command =
       app.add_subcommand("replay", "estimate motion and shape from a sequence on disk");
@@ -77,17 +85,6 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
   command
       ->add_option(
           "--checkpoint", arguments.checkpoint, "state to start from, as exported with a recording")
-      ->type_name("FILE");
-  CLI::Option* checkpoint = command->get_option("--checkpoint");
-  command
-      ->add_option(
-          "--model", arguments.model, "of the target, from another pass: to be recognised by it")
-      ->type_name("FILE")
-      ->excludes(checkpoint);
-  command
-      ->add_option("--save-model",
-                   arguments.save_model,
-                   "leave what was learnt of the target for another pass")
       ->type_name("FILE");
   command
       ->add_option("--depth-bits",
@@ -124,6 +121,7 @@ void add_replay(CLI::App& app, ReplayArguments& arguments) {
   command->add_flag("--memory-trap", arguments.memory_trap, kTrapHelp);
   command->add_flag(
       "--masks", arguments.masks, "write masks.pgms and mask_tracks.csv, for overlays");
+  add_models(*command, arguments);
   add_settings(*command, arguments.settings);
   command->callback([&arguments] { polhode::platform::replay(arguments); });
 }

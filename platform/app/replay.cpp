@@ -186,11 +186,22 @@ Parameters parameters_for(const ReplayArguments& arguments, const Sequence& sequ
   return configuration.parameters;
 }
 
-void take_model(const fs::path& file, Component& component) {
+/// The model that is given, and the place of the one that is to be left.
+void prepare_models(const ReplayArguments& arguments, Component& component) {
+  if (!arguments.save_model.empty()) {
+    check_model_place(arguments.save_model);
+  }
+  const fs::path& file = arguments.model;
   TargetModelFacts facts;
   const std::string refusal = file.empty() ? "" : load_model_file(file, &component, &facts);
   if (!refusal.empty()) {
     throw UnusableInput(fmt::format("--model {}: {}", file.string(), refusal));
+  }
+}
+
+void leave_model(const fs::path& file, const Component& component) {
+  if (!file.empty()) {
+    write_model_file(file, component);
   }
 }
 
@@ -209,7 +220,7 @@ Component& make_component(const ComponentMemory& memory,
                           parameters,
                           *made.value());
   }
-  take_model(arguments.model, *made.value());
+  prepare_models(arguments, *made.value());
   return *made.value();
 }
 
@@ -301,9 +312,6 @@ void replay(const ReplayArguments& arguments) {
   const OwnStructureFile own(options.own_structure_file, parameters.camera);
   Component& component = make_component(memory, parameters, own, arguments);
   const std::string config_hash = sha256_of(canonical_text(view_of(component).parameters));
-  if (!arguments.save_model.empty()) {
-    check_model_place(arguments.save_model);
-  }
   Transports transports({.send = options.transport.send, .receive = {}});
   const Descriptor lock = prepare_output_folder(arguments.out);  // last: an earlier run's files go
   const std::size_t frames = sequence.frames.size();
@@ -350,9 +358,7 @@ void replay(const ReplayArguments& arguments) {
                  .wall_s = cost.wall_s,
                  .finish_s = seconds_since(finish_start)});
   tell_result(run, arguments.out);
-  if (!arguments.save_model.empty()) {
-    write_model_file(arguments.save_model, component);
-  }
+  leave_model(arguments.save_model, component);
 }
 
 }  // namespace polhode::platform
