@@ -334,6 +334,7 @@ void replay(const ReplayArguments& arguments) {
   run.published.reserve(frames);
   run.uses.reserve(frames);
   component.set_stage_hook(Timings::hook, &run.timings);
+  run.record.with_model = !arguments.model.empty();
   const RunCost cost = run_sealed(run, arguments);
   const std::string bus_sha256 = run.files.bus.finish();
   const Clock::time_point finish_start = Clock::now();

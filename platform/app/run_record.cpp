@@ -61,7 +61,10 @@ void add_frame(RunRecord& record,
   }
   if (is_measured(out.motion)) {
     ++record.frames_with_pose;
-    record.first_pose_frame = record.first_pose_frame.value_or(frame);
+    if (!record.first_pose_frame) {
+      record.first_pose_frame = frame;
+      record.first_target_frame = out.motion.target_frame;
+    }
   }
   ++record.frames_in;
   record.last = out.motion;

@@ -36,6 +36,8 @@ struct RunRecord {
   std::size_t frames_with_pose = 0;
   std::size_t mode_changes_total = 0;
   std::optional<std::size_t> first_pose_frame;
+  std::uint32_t first_target_frame = 0;  ///< of that pose
+  bool with_model = false;               ///< the run began with one, in T number 1
   std::vector<ModeChange> mode_changes;
   std::vector<BadFrame> bad_frames;
   MotionState last;  ///< of the last frame

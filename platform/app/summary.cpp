@@ -178,6 +178,10 @@ constexpr const char* kPathHere = "PATH";
 
 double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
 
+bool is_recognised(const RunRecord& record) {
+  return record.with_model && record.first_pose_frame && record.first_target_frame == 1;
+}
+
 }  // namespace
 
 std::string result_sentence(const RunRecord& record,
@@ -185,14 +189,17 @@ std::string result_sentence(const RunRecord& record,
                             const CameraParameters& camera) {
   if (!record.first_pose_frame) {
     return fmt::format(
-        "The target was never acquired: {} frames, {} of them usable, none with a pose; {} at the "
-        "end.",
+        "The target was never {}: {} frames, {} of them usable, none with a pose; {} at the end.",
+        record.with_model ? "recognised by its model nor acquired anew" : "acquired",
         record.frames_in,
         counters.frames_used,
         mode_name(record.last.mode));
   }
   std::string text = fmt::format(
-      "The target was acquired: poses on {} of {} frames, the first on frame {}; {} at the end",
+      "The target was {}: poses on {} of {} frames, the first on frame {}; {} at the end",
+      !record.with_model      ? "acquired"
+      : is_recognised(record) ? "recognised by its model"
+                              : "not recognised by its model, and acquired anew",
       record.frames_with_pose,
       record.frames_in,
       *record.first_pose_frame,
@@ -223,6 +230,7 @@ void write_summary(const std::filesystem::path& file, const SummaryInput& input)
                      {"version", kVersion},
                      {"result", result_sentence(record, input.counters, input.sequence.camera)},
                      {"acquired", record.first_pose_frame.has_value()},
+                     {"recognised", record.with_model ? Json(is_recognised(record)) : Json()},
                      {"warnings", warnings(input)},
                      {"focal_length", focal_length(record.camera, input.sequence.camera)},
                      {"camera", deviations(record.camera)},

@@ -8,7 +8,7 @@ import pytest
 import yaml
 from attitudes import mean_rotation, off_deg, rotation
 from PIL import Image
-from replay_files import DEFAULTS, motion_rows
+from replay_files import DEFAULTS, motion_rows, summary
 from sequence_writer import SequenceWriter, textured
 
 FIRST, SECOND = range(45), range(30, 44)
@@ -72,6 +72,7 @@ def test_it_is_recognised_in_the_same_t(first, replay, sample, truth, tmp_path):
     R_TT = mean_rotation([rotation(truth[row["timestamp_ns"]]).T @ rotation(row) for row in known])
     result = replay(in_other_light(sample, tmp_path / "second", SECOND), "--model", first.model)
     assert result.status == 0, result.err
+    assert "recognised by its model" in result.out and summary(result.folder)["recognised"] is True
     rows = [row for row in motion_rows(result.folder) if row["pose_valid"] == "1"]
     assert rows and int(rows[0]["frame"]) < 10 and {row["target_frame"] for row in rows} == {"1"}
     for row in rows:
@@ -88,6 +89,7 @@ def test_another_body_is_not_taken_for_it(first, replay, tmp_path):
     result = replay(writer.path, "--model", first.model)
     assert result.status == 0, result.err
     assert not [row for row in motion_rows(result.folder) if row["pose_valid"] == "1" and row["target_frame"] == "1"]
+    assert "recognised by its model nor acquired" in result.out and summary(result.folder)["recognised"] is False
 
 
 def test_a_model_says_what_is_in_it(first, program):
