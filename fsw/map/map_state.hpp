@@ -47,6 +47,7 @@ struct RecognisedPose {
 struct PosesBefore {
   int inliers = 0;  ///< of the last pose that features gave
   RecognisedPose recognised;
+  std::uint32_t looked_for = 0;  ///< frames in which a model's target was, and was not recognised
 };
 
 /// Working memory; contents mean nothing between calls.

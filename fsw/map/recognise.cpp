@@ -180,8 +180,8 @@ std::vector<std::size_t> of_different_sides(const std::vector<std::size_t>& name
 
 /// Poses that many votes mean, those first that most features bear out.
 std::vector<Pose> poses_to_try(const LocaliseInput& input, const DescriptorTable& table) {
-  // Of 1600 votes so many are held against all others, and so many tried: 15 ms in all. With five
-  // times as many hardly more frames are recognised.
+  // Of 1600 votes so many are held against all others, and so many tried: 20 to 50 ms in all. With
+  // five times as many hardly more frames are recognised.
   constexpr std::size_t kLooked = 150;
   constexpr std::size_t kTried = 12;
   const std::vector<Vote> votes = votes_of(input, table);

@@ -78,7 +78,7 @@ bool counts_are(const Table& table, std::int32_t count) {
 
 bool is_sound(const Feature& feature, const CameraModel& camera) {
   // Of a model from a nearer pass a keyframe lies beside the image, by as much as ranges differ.
-  constexpr float kImages = 16.0F;
+  constexpr float kImages = 1024.0F;
   const auto near = [](float pixel, int side_px) {
     return std::abs(pixel) <= kImages * static_cast<float>(side_px);
   };

@@ -36,10 +36,11 @@ void collect(Component::State* s) {
     keep_crop(
         picture.gray, s->clock.frame, s->features.features.view(), &s->jobs.start.pictures.crops);
   }
-  // A target that is known by a model is given ten frames to be recognised: T is then the model's.
+  // A target that is known by a model is given ten frames of it to be recognised: T is then the
+  // model's.
   constexpr std::uint32_t kFramesForModel = 10;
   const bool model_waits = s->mapping.map.keyframe_count > 0 && s->motion.recent.empty();
-  if (model_waits && s->counters.frames_in <= kFramesForModel) {
+  if (model_waits && ++s->mapping.before.looked_for <= kFramesForModel) {
     return;
   }
   if (!collected.kept || !wants_selection(parameters.start, s->initialisation)) {

@@ -109,7 +109,13 @@ void visit_persistent(Visitor&& visit, State& s) {
   all(s.mode.held, s.clock.next_frame, s.clock.timestamp_ns, s.clock.time_known);
   all(s.mapping.drift, s.mapping.target_frame, map.next_keyframe_number, map.next_landmark_number);
   all(map.keyframe_count, map.landmark_count, map.centre_T, map.radius_mu);
-  all(s.motion, s.shape, s.scale, s.camera, s.features.resting, s.mapping.last_adjustment_of_all);
+  all(s.motion,
+      s.known_body,
+      s.shape,
+      s.scale,
+      s.camera,
+      s.features.resting,
+      s.mapping.last_adjustment_of_all);
   all(s.bus.stream.sequence, s.bus.stream.not_sent);
   all(events.counts, events.window_begin, events.sent, events.suppressed);
   all(s.bus.commands, s.bus.commands_done, s.bus.cloud.number, s.bus.servicer, s.bus.reported);
@@ -130,7 +136,7 @@ WorkLost work_lost(const JobQueue& jobs, const GrowthWaiting& growth) {
 
 /// Sizes of everything, which show when a table's entry has changed.
 struct Fingerprint {
-  std::uint64_t version = 7;  ///< changes when the order or the meaning of the content does
+  std::uint64_t version = 8;  ///< changes when the order or the meaning of the content does
   std::uint64_t keyframe = sizeof(Keyframe);
   std::uint64_t landmark = sizeof(Landmark);
   std::uint64_t values = 0;  ///< octets of all values together
@@ -199,9 +205,9 @@ std::size_t checkpoint_octets_max() {
   // The structs of visit_persistent(), and room for its single numbers and short arrays.
   constexpr std::size_t kValuesMax =
       sizeof(Parameters) + sizeof(Counters) + sizeof(MapDrift) + sizeof(MotionEstimate) +
-      sizeof(ShapeState) + sizeof(ScaleState) + sizeof(CameraState) + sizeof(RestingPlaces) +
-      sizeof(bus::EventLog::counts) + sizeof(CommandCounts) + sizeof(bus::CommandsDone) +
-      sizeof(ServicerAttitude) + sizeof(Reported) + 1024;
+      sizeof(KnownBody) + sizeof(ShapeState) + sizeof(ScaleState) + sizeof(CameraState) +
+      sizeof(RestingPlaces) + sizeof(bus::EventLog::counts) + sizeof(CommandCounts) +
+      sizeof(bus::CommandsDone) + sizeof(ServicerAttitude) + sizeof(Reported) + 1024;
   return sizeof(Fingerprint) + kValuesMax + sizeof(WorkLost) + 2 * kPlace +
          limits::kKeyframes * (kPlace + sizeof(Keyframe)) +
          limits::kLandmarks * (kPlace + sizeof(Landmark));

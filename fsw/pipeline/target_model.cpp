@@ -1,7 +1,9 @@
 #include "pipeline/target_model.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <bit>
+#include <bitset>
 #include <cstring>
 #include <type_traits>
 
@@ -84,8 +86,6 @@ void put(Archive* a, Values&... values) {
 /// What stands before the tables.
 struct Head {
   TargetModelFacts facts;
-  std::uint32_t next_keyframe_number = 0;
-  std::int32_t next_landmark_number = 0;
   MapDrift drift;
 };
 
@@ -93,23 +93,23 @@ template <typename Archive, typename H>
 void put_head(Archive* a, H& head) {
   auto& f = head.facts;
   put(a, f.keyframes, f.landmarks, f.radius_mu, f.scale_known, f.metres_per_mu, f.scale_sigma);
-  put(a, f.dynamics_known, f.shape, f.shape_sigma, f.mass_centre_T, f.mass_centre_sigma);
-  put(a, head.next_keyframe_number, head.next_landmark_number);
+  auto& body = f.body;
+  put(a, body.known, body.shape, body.shape_sigma, body.mass_centre_T, body.mass_centre_sigma);
   auto& d = head.drift;
   put(a, d.walk, d.held, d.reanchoring, d.reanchored_keyframe, d.R_first_CT);
   put(a, d.start_turn_sigma, d.start_sigma_mu, d.start_turn_rad, d.turn_rad);
 }
 
-template <typename Archive, typename L>
-void put_landmark(Archive* a, L& landmark) {
-  put(a, landmark.number, landmark.p_T, landmark.found, landmark.predicted);
-  put(a, landmark.created_keyframe, landmark.seen_keyframe);
+/// @param created, seen  keyframes, by their rank in age.
+template <typename Archive, typename L, typename Rank>
+void put_landmark(Archive* a, L& landmark, Rank& created, Rank& seen) {
+  put(a, landmark.p_T, landmark.found, landmark.predicted, created, seen);
 }
 
 /// @param age_ns  before the newest keyframe.
 template <typename Archive, typename K>
 void put_keyframe(Archive* a, K& keyframe, std::int64_t& age_ns, std::uint32_t& features) {
-  put(a, keyframe.number, keyframe.R_IC, keyframe.pose.R_CT, keyframe.pose.p_CT, age_ns, features);
+  put(a, keyframe.R_IC, keyframe.pose.R_CT, keyframe.pose.p_CT, age_ns, features);
 }
 
 /// A feature with a landmark. Lengths in the image plane z = 1, which no camera changes.
@@ -153,27 +153,37 @@ Feature feature_of(const StoredFeature& stored, const CameraModel& camera) {
           .descriptor = stored.descriptor};
 }
 
+KnownBody body_of(const RigidModel& model) {
+  KnownBody body;
+  if (model.accepted() && model.translation_known) {
+    body.known = true;
+    body.shape = model.shape;
+    body.shape_sigma = model.covariance.diagonal()
+                           .segment<kShapeNumbers>(kRotationUnknowns - kShapeNumbers)
+                           .cwiseSqrt();
+    body.mass_centre_T = model.path.tail<3>();
+    body.mass_centre_sigma = model.covariance.diagonal().tail<3>().cwiseSqrt();
+  }
+  return body;
+}
+
+/// The surer one of two of the same body.
+const KnownBody& surer(const KnownBody& a, const KnownBody& b) {
+  const bool b_is_surer =
+      b.known && (!a.known || b.shape_sigma.maxCoeff() < a.shape_sigma.maxCoeff());
+  return b_is_surer ? b : a;
+}
+
 Head head_of(const Component::State& s) {
   const Map& map = s.mapping.map;
-  const RigidModel& model = s.motion.model;
   Head head{.facts = {.keyframes = static_cast<std::uint32_t>(map.keyframe_count),
                       .landmarks = static_cast<std::uint32_t>(map.landmark_count),
                       .radius_mu = map.radius_mu,
                       .scale_known = s.scale.known,
                       .metres_per_mu = s.scale.metres_per_mu,
-                      .scale_sigma = s.scale.relative_sigma},
-            .next_keyframe_number = map.next_keyframe_number,
-            .next_landmark_number = map.next_landmark_number,
+                      .scale_sigma = s.scale.relative_sigma,
+                      .body = surer(s.known_body, body_of(s.motion.model))},
             .drift = s.mapping.drift};
-  if (model.accepted() && model.translation_known) {
-    head.facts.dynamics_known = true;
-    head.facts.shape = model.shape;
-    head.facts.shape_sigma = model.covariance.diagonal()
-                                 .segment<kShapeNumbers>(kRotationUnknowns - kShapeNumbers)
-                                 .cwiseSqrt();
-    head.facts.mass_centre_T = model.path.tail<3>();
-    head.facts.mass_centre_sigma = model.covariance.diagonal().tail<3>().cwiseSqrt();
-  }
   return head;
 }
 
@@ -182,6 +192,16 @@ FixedVector<KeyframeId, limits::kKeyframes> oldest_first(const Map& map) {
   auto order = keyframes_by_age(map);
   std::reverse(order.begin(), order.end());
   return order;
+}
+
+/// Numbers of keyframes, the oldest first.
+using Ages = FixedVector<std::uint32_t, limits::kKeyframes>;
+
+/// Place of the last keyframe that is not younger than a number: numbers grow with a run, places do
+/// not from pass to pass.
+std::uint32_t rank_of(std::uint32_t number, const Ages& numbers) {
+  const auto younger = std::upper_bound(numbers.begin(), numbers.end(), number);
+  return static_cast<std::uint32_t>(std::max<std::ptrdiff_t>(0, younger - numbers.begin() - 1));
 }
 
 using Places = std::array<std::uint32_t, limits::kLandmarks>;
@@ -206,10 +226,30 @@ void write_keyframe(const Keyframe& keyframe,
   }
 }
 
+/// A bound on errors that errors have.
+bool is_error(const PoseCovariance& covariance) {
+  return Eigen::LDLT<PoseCovariance>(covariance).isPositive();
+}
+
+bool is_sound(const KnownBody& body) {
+  using sound::is_bounded;
+  return is_bounded(body.shape) && is_bounded(body.shape_sigma) && is_bounded(body.mass_centre_T) &&
+         is_bounded(body.mass_centre_sigma) && body.shape_sigma.minCoeff() >= 0.0 &&
+         body.mass_centre_sigma.minCoeff() >= 0.0;
+}
+
+bool is_sound(const Head& head) {
+  const MapDrift& d = head.drift;
+  return sound::is_at_least(head.facts.metres_per_mu, 1e-12) &&
+         sound::is_at_least(head.facts.scale_sigma, 0.0) && is_sound(head.facts.body) &&
+         polhode::is_sound(d) && is_error(d.walk) && is_error(d.held) && is_error(d.reanchoring) &&
+         d.reanchored_keyframe < head.facts.keyframes;
+}
+
 bool read_landmarks(std::uint32_t count, Reader* in, Map* map) {
   for (std::uint32_t n = 0; n < count && in->good(); ++n) {
-    const LandmarkId id = add_landmark(map);
-    put_landmark(in, map->landmarks[id.index()]);
+    Landmark& landmark = map->landmarks[add_landmark(map).index()];
+    put_landmark(in, landmark, landmark.created_keyframe, landmark.seen_keyframe);
   }
   return in->good();
 }
@@ -226,12 +266,15 @@ bool read_keyframe(const CameraModel& camera, Reader* in, Map* map) {
       features > keyframe.features.capacity()) {
     return false;
   }
+  std::bitset<limits::kLandmarks> seen;
   for (std::uint32_t i = 0; i < features; ++i) {
     StoredFeature f;
     put_feature(in, f);
-    if (!in->good() || f.landmark >= static_cast<std::uint32_t>(map->landmark_count)) {
+    if (!in->good() || f.landmark >= static_cast<std::uint32_t>(map->landmark_count) ||
+        seen[f.landmark]) {
       return false;
     }
+    seen.set(f.landmark);
     (void)keyframe.features.push_back(feature_of(f, camera));
     add_observation(id, i, LandmarkId::from_index(f.landmark), map);
   }
@@ -253,11 +296,7 @@ const char* read_all(Reader in, const CameraModel& camera, Head* head, Map* map)
   for (std::uint32_t k = 0; k < head->facts.keyframes && good; ++k) {
     good = read_keyframe(camera, &in, map);
   }
-  map->next_keyframe_number = head->next_keyframe_number;
-  map->next_landmark_number = head->next_landmark_number;
-  const TargetModelFacts& f = head->facts;
-  good = good && in.at_end() && f.keyframes > 0 && sound::is_at_least(f.metres_per_mu, 1e-12) &&
-         sound::is_at_least(f.scale_sigma, 0.0) && is_sound(head->drift);
+  good = good && in.at_end() && head->facts.keyframes > 0 && is_sound(*head);
   return good ? nullptr : "cut off, or with values that no run leaves";
 }
 
@@ -277,14 +316,21 @@ std::size_t save_target_model(const Component& component, std::span<std::uint8_t
   }
   Writer writer(out);
   put(&writer, kTargetModelVersion);
-  const Head head = head_of(s);
+  Ages ages;
+  for (const KeyframeId id : order) {
+    (void)ages.push_back(map.keyframes[id.index()].number);
+  }
+  Head head = head_of(s);
+  head.drift.reanchored_keyframe = rank_of(head.drift.reanchored_keyframe, ages);
   put_head(&writer, head);
   Places place{};
   std::uint32_t places = 0;
   for (std::size_t i = 0; i < map.landmarks.size(); ++i) {
     if (map.landmarks[i].used) {
       place[i] = places++;
-      put_landmark(&writer, map.landmarks[i]);
+      const std::uint32_t created = rank_of(map.landmarks[i].created_keyframe, ages);
+      const std::uint32_t seen = rank_of(map.landmarks[i].seen_keyframe, ages);
+      put_landmark(&writer, map.landmarks[i], created, seen);
     }
   }
   const std::int64_t newest_ns = map.keyframes[order.back().index()].timestamp_ns;
@@ -316,6 +362,7 @@ Result<TargetModelFacts> load_target_model(std::span<const std::uint8_t> octets,
     return Error{ErrorCode::kBadParameter, refusal};
   }
   mapping.drift = head.drift;
+  s->known_body = head.facts.body;
   mapping.target_frame = 1;
   s->bus.reported.target_frame = 1;
   s->bus.reported.mode = Mode::kLost;  // so that it is told to be found again

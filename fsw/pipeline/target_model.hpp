@@ -22,6 +22,16 @@ struct MotionEstimate;
 /// Of a content that another version wrote nothing is read.
 inline constexpr std::uint32_t kTargetModelVersion = 1;
 
+/// A target's inertia and mass centre, as a motion that was fitted has them. They are kept from
+/// pass to pass until one knows them better; no fit starts from them.
+struct KnownBody {
+  bool known = false;  ///< else the others are not valid
+  InertiaShape shape = InertiaShape::Zero();
+  InertiaShape shape_sigma = InertiaShape::Zero();
+  Eigen::Vector3d mass_centre_T = Eigen::Vector3d::Zero();  ///< map units
+  Eigen::Vector3d mass_centre_sigma = Eigen::Vector3d::Zero();
+};
+
 /// What a model says of itself.
 struct TargetModelFacts {
   std::uint32_t keyframes = 0;
@@ -29,12 +39,8 @@ struct TargetModelFacts {
   double radius_mu = 0.0;  ///< 90 % of the landmarks are nearer to their middle
   bool scale_known = false;
   double metres_per_mu = 1.0;
-  double scale_sigma = 0.0;     ///< relative
-  bool dynamics_known = false;  ///< a motion was fitted; else what follows is not valid
-  InertiaShape shape = InertiaShape::Zero();
-  InertiaShape shape_sigma = InertiaShape::Zero();
-  Eigen::Vector3d mass_centre_T = Eigen::Vector3d::Zero();  ///< map units
-  Eigen::Vector3d mass_centre_sigma = Eigen::Vector3d::Zero();
+  double scale_sigma = 0.0;  ///< relative
+  KnownBody body;
 };
 
 /// Octets that no model is longer than.

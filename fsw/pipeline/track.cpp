@@ -163,6 +163,7 @@ void track(const std::optional<PosePrediction>& predicted, Component::State* s) 
   }
   const FoundBy found_by = find_pose(expected, s);
   if (found_by == FoundBy::kNothing) {
+    stage_done(Stage::kMap, s->timer);
     lose_target(s);
     collect(s);
     return;

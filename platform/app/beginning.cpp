@@ -106,7 +106,16 @@ void Beginning::take_model(Component& component) {
     return;
   }
   TargetModelFacts facts;
-  const std::string refusal = load_model_file(file, &component, &facts);
+  std::string refusal;
+  if (crashes_.crashes >= CrashMark::kWarmMax) {
+    refusal = "the runs before crashed";  // by it, as far as anybody knows
+  } else {
+    try {
+      refusal = load_model_file(file, &component, &facts);
+    } catch (const RunFailure& failure) {
+      refusal = failure.what();
+    }
+  }
   how_ += refusal.empty()
               ? fmt::format("; with the model {}, {} landmarks", file.string(), facts.landmarks)
               : fmt::format("; the model is not used: {}: {}", file.string(), refusal);

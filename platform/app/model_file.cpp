@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 
+#include <unistd.h>
+
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -56,10 +58,10 @@ constexpr const char* unit_of(const TargetModelFacts& f) {
 
 std::string inertia_line(const TargetModelFacts& f) {
   // Half of the prior's sigma: three quarters of what is known is from the poses.
-  if (!f.dynamics_known || f.shape_sigma.maxCoeff() > 0.5 * kShapeSigma) {
+  if (!f.body.known || !(f.body.shape_sigma.maxCoeff() <= 0.5 * kShapeSigma)) {
     return "inertia ratios: unknown\n";
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(inertia_of(f.shape).J_T);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(inertia_of(f.body.shape).J_T);
   const Eigen::Vector3d ratios = principal.eigenvalues() / principal.eigenvalues()[2];
   return fmt::format("inertia ratios: {:.3f}, {:.3f}, 1\n", ratios[0], ratios[1]);
 }
@@ -67,11 +69,11 @@ std::string inertia_line(const TargetModelFacts& f) {
 std::string mass_centre_line(const TargetModelFacts& f) {
   const double unit = f.scale_known ? f.metres_per_mu : 1.0;
   // Half of the body: the prior's sigma says as much.
-  if (!f.dynamics_known || f.mass_centre_sigma.maxCoeff() > 0.5 * f.radius_mu) {
+  if (!f.body.known || !(f.body.mass_centre_sigma.maxCoeff() <= 0.5 * f.radius_mu)) {
     return "mass centre: unknown\n";
   }
-  const Eigen::Vector3d c = unit * f.mass_centre_T;
-  const Eigen::Vector3d sigma = unit * f.mass_centre_sigma;
+  const Eigen::Vector3d c = unit * f.body.mass_centre_T;
+  const Eigen::Vector3d sigma = unit * f.body.mass_centre_sigma;
   return fmt::format("mass centre in T: {:.4g}, {:.4g}, {:.4g}, sigmas {:.2g}, {:.2g}, {:.2g} {}\n",
                      c[0],
                      c[1],
@@ -87,7 +89,7 @@ std::string mass_centre_line(const TargetModelFacts& f) {
 std::string load_model_file(const fs::path& file, Component* component, TargetModelFacts* facts) {
   std::error_code problem;
   if (!fs::is_regular_file(file, problem)) {
-    return problem ? fmt::format("cannot be read: {}", problem.message()) : "no file";
+    return problem ? fmt::format("cannot be read: {}", problem.message()) : "no regular file";
   }
   const std::uintmax_t octets = fs::file_size(file, problem);
   if (problem || octets < kHeaderOctets || !begins_as_model(file)) {
@@ -117,10 +119,15 @@ std::string load_model_file(const fs::path& file, Component* component, TargetMo
 }
 
 void check_model_place(const fs::path& file) {
+  std::error_code problem;
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, problem) || ::access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw UnusableInput(
+        fmt::format("{}: its folder is not there, or cannot be written to", file.string()));
+  }
   if (is_absent(file)) {
     return;
   }
-  std::error_code problem;
   if (!fs::is_regular_file(fs::symlink_status(file, problem)) || !begins_as_model(file)) {
     throw UnusableInput(fmt::format(
         "{}: is there and no model of a target; allowed is a new name, or a model to be replaced",

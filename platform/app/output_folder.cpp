@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <iterator>
 #include <string>
 #include <system_error>
 
@@ -85,6 +87,14 @@ Descriptor prepare_output_folder(const fs::path& folder) {
     }
   }
   return lock;
+}
+
+bool is_own_file(const fs::path& file, const fs::path& folder) {
+  std::error_code problem;
+  const fs::path of = fs::weakly_canonical(file, problem).parent_path();
+  return of == fs::weakly_canonical(folder, problem) &&
+         std::find(std::begin(kOwnFiles), std::end(kOwnFiles), file.filename()) !=
+             std::end(kOwnFiles);
 }
 
 }  // namespace polhode::platform

@@ -14,4 +14,7 @@ namespace polhode::platform {
 /// it; RunFailure where that may pass: the disk is full, another process has it.
 [[nodiscard]] Descriptor prepare_output_folder(const std::filesystem::path& folder);
 
+/// Is that one of the files that a replay writes into its folder?
+bool is_own_file(const std::filesystem::path& file, const std::filesystem::path& folder);
+
 }  // namespace polhode::platform

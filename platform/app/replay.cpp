@@ -188,8 +188,13 @@ Parameters parameters_for(const ReplayArguments& arguments, const Sequence& sequ
 
 /// The model that is given, and the place of the one that is to be left.
 void prepare_models(const ReplayArguments& arguments, Component& component) {
-  if (!arguments.save_model.empty()) {
-    check_model_place(arguments.save_model);
+  const fs::path& left = arguments.save_model;
+  if (!left.empty()) {
+    check_model_place(left);
+  }
+  if (is_own_file(left, arguments.out)) {
+    throw UnusableInput(
+        fmt::format("--save-model {}: is a file of the results in --out", left.string()));
   }
   const fs::path& file = arguments.model;
   TargetModelFacts facts;
@@ -199,9 +204,17 @@ void prepare_models(const ReplayArguments& arguments, Component& component) {
   }
 }
 
-void leave_model(const fs::path& file, const Component& component) {
+/// A model by which the target was not recognised is of another one, and stays.
+void leave_model(const ReplayArguments& arguments, const Run& run) {
+  const fs::path& file = arguments.save_model;
+  std::error_code problem;
+  if (!file.empty() && !is_recognised(run.record) &&
+      fs::equivalent(file, arguments.model, problem)) {
+    throw RunFailure(
+        fmt::format("{}: stays as it was: the target was not recognised by it", file.string()));
+  }
   if (!file.empty()) {
-    write_model_file(file, component);
+    write_model_file(file, run.component);
   }
 }
 
@@ -334,7 +347,7 @@ void replay(const ReplayArguments& arguments) {
   run.published.reserve(frames);
   run.uses.reserve(frames);
   component.set_stage_hook(Timings::hook, &run.timings);
-  run.record.with_model = !arguments.model.empty();
+  run.record.model = arguments.model.string();
   const RunCost cost = run_sealed(run, arguments);
   const std::string bus_sha256 = run.files.bus.finish();
   const Clock::time_point finish_start = Clock::now();
@@ -359,7 +372,7 @@ void replay(const ReplayArguments& arguments) {
                  .wall_s = cost.wall_s,
                  .finish_s = seconds_since(finish_start)});
   tell_result(run, arguments.out);
-  leave_model(arguments.save_model, component);
+  leave_model(arguments, run);
 }
 
 }  // namespace polhode::platform

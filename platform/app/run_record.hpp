@@ -37,12 +37,17 @@ struct RunRecord {
   std::size_t mode_changes_total = 0;
   std::optional<std::size_t> first_pose_frame;
   std::uint32_t first_target_frame = 0;  ///< of that pose
-  bool with_model = false;               ///< the run began with one, in T number 1
+  std::string model;  ///< file that the run began with, in T number 1; empty: none
   std::vector<ModeChange> mode_changes;
   std::vector<BadFrame> bad_frames;
   MotionState last;  ///< of the last frame
   CameraReport camera;
 };
+
+/// Was the target recognised by the model that the run began with?
+inline bool is_recognised(const RunRecord& record) {
+  return !record.model.empty() && record.first_pose_frame && record.first_target_frame == 1;
+}
 
 /// Adds one frame. @param refusal why the camera could not read it; empty when it could.
 void add_frame(RunRecord& record,

@@ -178,10 +178,6 @@ constexpr const char* kPathHere = "PATH";
 
 double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
 
-bool is_recognised(const RunRecord& record) {
-  return record.with_model && record.first_pose_frame && record.first_target_frame == 1;
-}
-
 }  // namespace
 
 std::string result_sentence(const RunRecord& record,
@@ -190,14 +186,14 @@ std::string result_sentence(const RunRecord& record,
   if (!record.first_pose_frame) {
     return fmt::format(
         "The target was never {}: {} frames, {} of them usable, none with a pose; {} at the end.",
-        record.with_model ? "recognised by its model nor acquired anew" : "acquired",
+        !record.model.empty() ? "recognised by its model nor acquired anew" : "acquired",
         record.frames_in,
         counters.frames_used,
         mode_name(record.last.mode));
   }
   std::string text = fmt::format(
       "The target was {}: poses on {} of {} frames, the first on frame {}; {} at the end",
-      !record.with_model      ? "acquired"
+      record.model.empty()    ? "acquired"
       : is_recognised(record) ? "recognised by its model"
                               : "not recognised by its model, and acquired anew",
       record.frames_with_pose,
@@ -226,35 +222,38 @@ void write_summary(const std::filesystem::path& file, const SummaryInput& input)
               {"processed", input.counters.frames_used},
               {"with_pose", record.frames_with_pose}};
   frames["first_with_pose"] = record.first_pose_frame ? Json(*record.first_pose_frame) : Json();
-  const Json summary{{"program", "polhode"},
-                     {"version", kVersion},
-                     {"result", result_sentence(record, input.counters, input.sequence.camera)},
-                     {"acquired", record.first_pose_frame.has_value()},
-                     {"recognised", record.with_model ? Json(is_recognised(record)) : Json()},
-                     {"warnings", warnings(input)},
-                     {"focal_length", focal_length(record.camera, input.sequence.camera)},
-                     {"camera", deviations(record.camera)},
-                     {"mode_at_end", mode_name(record.last.mode)},
-                     {"sequence", kPathHere},
-                     {"depth_bits", input.sequence.depth_bits},
-                     {"mosaic", input.sequence.mosaic},
-                     {"config_hash", input.config_hash},
-                     {"own_structure", own_structure(input.own)},
-                     {"frames", frames},
-                     {"mode_changes", record.mode_changes_total},
-                     {"mode_history", mode_history(record)},
-                     {"bad_frames", bad_frames(record)},
-                     {"counters", counters(input.counters)},
-                     {"timings", timings(input)},
-                     {"memory", memory(input)},
-                     {"cost", cost(input)},
-                     {"deadline",
-                      {{"frame_us", input.deadline.allowed_us()},
-                       {"missed", input.deadline.missed()},
-                       {"missed_in_a_row", input.deadline.missed_in_a_row_max()},
-                       {"worst_us", input.deadline.worst_us()}}},
-                     {"bus", {{"octets", input.bus_octets}, {"sha256", input.bus_sha256}}},
-                     {"bus_sha256", input.bus_sha256}};
+  const Json summary{
+      {"program", "polhode"},
+      {"version", kVersion},
+      {"result", result_sentence(record, input.counters, input.sequence.camera)},
+      {"acquired", record.first_pose_frame.has_value()},
+      {"model",
+       record.model.empty() ? Json()
+                            : Json{{"file", record.model}, {"recognised", is_recognised(record)}}},
+      {"warnings", warnings(input)},
+      {"focal_length", focal_length(record.camera, input.sequence.camera)},
+      {"camera", deviations(record.camera)},
+      {"mode_at_end", mode_name(record.last.mode)},
+      {"sequence", kPathHere},
+      {"depth_bits", input.sequence.depth_bits},
+      {"mosaic", input.sequence.mosaic},
+      {"config_hash", input.config_hash},
+      {"own_structure", own_structure(input.own)},
+      {"frames", frames},
+      {"mode_changes", record.mode_changes_total},
+      {"mode_history", mode_history(record)},
+      {"bad_frames", bad_frames(record)},
+      {"counters", counters(input.counters)},
+      {"timings", timings(input)},
+      {"memory", memory(input)},
+      {"cost", cost(input)},
+      {"deadline",
+       {{"frame_us", input.deadline.allowed_us()},
+        {"missed", input.deadline.missed()},
+        {"missed_in_a_row", input.deadline.missed_in_a_row_max()},
+        {"worst_us", input.deadline.worst_us()}}},
+      {"bus", {{"octets", input.bus_octets}, {"sha256", input.bus_sha256}}},
+      {"bus_sha256", input.bus_sha256}};
   // Texts may cite any octets; what is not UTF-8 is replaced rather than refused. The path alone is
   // to be found again by it.
   std::string text = summary.dump(2, ' ', false, Json::error_handler_t::replace);

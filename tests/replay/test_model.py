@@ -72,7 +72,7 @@ def test_it_is_recognised_in_the_same_t(first, replay, sample, truth, tmp_path):
     R_TT = mean_rotation([rotation(truth[row["timestamp_ns"]]).T @ rotation(row) for row in known])
     result = replay(in_other_light(sample, tmp_path / "second", SECOND), "--model", first.model)
     assert result.status == 0, result.err
-    assert "recognised by its model" in result.out and summary(result.folder)["recognised"] is True
+    assert "recognised by its model" in result.out and summary(result.folder)["model"] == {"file": str(first.model), "recognised": True}
     rows = [row for row in motion_rows(result.folder) if row["pose_valid"] == "1"]
     assert rows and int(rows[0]["frame"]) < 10 and {row["target_frame"] for row in rows} == {"1"}
     for row in rows:
@@ -89,7 +89,7 @@ def test_another_body_is_not_taken_for_it(first, replay, tmp_path):
     result = replay(writer.path, "--model", first.model)
     assert result.status == 0, result.err
     assert not [row for row in motion_rows(result.folder) if row["pose_valid"] == "1" and row["target_frame"] == "1"]
-    assert "recognised by its model nor acquired" in result.out and summary(result.folder)["recognised"] is False
+    assert "recognised by its model nor acquired" in result.out and summary(result.folder)["model"]["recognised"] is False
 
 
 def test_a_model_says_what_is_in_it(first, program):
@@ -114,6 +114,22 @@ def test_a_file_of_somebody_else_is_not_replaced(replay, sequence, tmp_path):
     notes.write_text("mine\n")
     done = replay(sequence.path, "--save-model", notes)
     assert done.status == 2 and "no model of a target" in done.err and notes.read_text() == "mine\n"
+    for place in (tmp_path / "absent/target.model", tmp_path / "out/summary.json"):
+        (tmp_path / "out").mkdir(exist_ok=True)
+        done = replay(sequence.path, "--save-model", place)
+        assert done.status == 2 and str(place) in done.err, done.err
+
+
+def test_a_model_stays_where_its_target_was_not_recognised(first, program, sample, tmp_path):
+    """Another body's map does not take its place."""
+    kept = tmp_path / "target.model"
+    kept.write_bytes(first.model.read_bytes())
+    backwards = in_other_light(sample, tmp_path / "mirrored", range(14))
+    for file in (backwards / "mav0/cam0/data").iterdir():
+        with Image.open(file) as image:
+            image.transpose(Image.Transpose.FLIP_LEFT_RIGHT).resize((200, 160)).resize(image.size).save(file)
+    done = program("replay", "--config", DEFAULTS, "--sequence", backwards, "--out", tmp_path / "out", "--model", kept, "--save-model", kept)
+    assert done.status == 1 and str(kept) in done.err and kept.read_bytes() == first.model.read_bytes(), done.err
 
 
 def test_without_a_map_the_run_is_whole_and_the_model_is_missed(replay, sequence, tmp_path):
