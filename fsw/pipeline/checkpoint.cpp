@@ -109,13 +109,7 @@ void visit_persistent(Visitor&& visit, State& s) {
   all(s.mode.held, s.clock.next_frame, s.clock.timestamp_ns, s.clock.time_known);
   all(s.mapping.drift, s.mapping.target_frame, map.next_keyframe_number, map.next_landmark_number);
   all(map.keyframe_count, map.landmark_count, map.centre_T, map.radius_mu);
-  all(s.motion,
-      s.known_body,
-      s.shape,
-      s.scale,
-      s.camera,
-      s.features.resting,
-      s.mapping.last_adjustment_of_all);
+  all(s.motion, s.shape, s.scale, s.camera, s.features.resting, s.mapping.last_adjustment_of_all);
   all(s.bus.stream.sequence, s.bus.stream.not_sent);
   all(events.counts, events.window_begin, events.sent, events.suppressed);
   all(s.bus.commands, s.bus.commands_done, s.bus.cloud.number, s.bus.servicer, s.bus.reported);
@@ -205,9 +199,9 @@ std::size_t checkpoint_octets_max() {
   // The structs of visit_persistent(), and room for its single numbers and short arrays.
   constexpr std::size_t kValuesMax =
       sizeof(Parameters) + sizeof(Counters) + sizeof(MapDrift) + sizeof(MotionEstimate) +
-      sizeof(KnownBody) + sizeof(ShapeState) + sizeof(ScaleState) + sizeof(CameraState) +
-      sizeof(RestingPlaces) + sizeof(bus::EventLog::counts) + sizeof(CommandCounts) +
-      sizeof(bus::CommandsDone) + sizeof(ServicerAttitude) + sizeof(Reported) + 1024;
+      sizeof(ShapeState) + sizeof(ScaleState) + sizeof(CameraState) + sizeof(RestingPlaces) +
+      sizeof(bus::EventLog::counts) + sizeof(CommandCounts) + sizeof(bus::CommandsDone) +
+      sizeof(ServicerAttitude) + sizeof(Reported) + 1024;
   return sizeof(Fingerprint) + kValuesMax + sizeof(WorkLost) + 2 * kPlace +
          limits::kKeyframes * (kPlace + sizeof(Keyframe)) +
          limits::kLandmarks * (kPlace + sizeof(Landmark));

@@ -7,7 +7,6 @@ namespace polhode {
 void reset_map_and_motion(Component::State* s) {
   reset_map(&s->mapping);
   reset_poses(&s->motion);
-  s->known_body = {};
   s->shape = {};
   s->bus.predictions.walk.under_way = false;
   invalidate_all(&s->jobs);

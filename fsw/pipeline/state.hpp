@@ -17,7 +17,6 @@
 #include "pipeline/job.hpp"
 #include "pipeline/modes.hpp"
 #include "pipeline/picture.hpp"
-#include "pipeline/target_model.hpp"
 #include "shape/scale_reading.hpp"
 #include "shape/scale_state.hpp"
 #include "shape/shape_state.hpp"
@@ -70,7 +69,6 @@ struct Component::State {
   InitialisationState initialisation;
   MapState mapping;
   MotionEstimate motion;
-  KnownBody known_body;  ///< from a model of the target
   ShapeState shape;
   ScaleState scale;
   CameraState camera;

@@ -12,6 +12,7 @@
 #include "map/soundness.hpp"
 #include "pipeline/reset.hpp"
 #include "pipeline/state.hpp"
+#include "shape/soundness.hpp"
 
 namespace polhode {
 namespace {
@@ -182,7 +183,7 @@ Head head_of(const Component::State& s) {
                       .scale_known = s.scale.known,
                       .metres_per_mu = s.scale.metres_per_mu,
                       .scale_sigma = s.scale.relative_sigma,
-                      .body = surer(s.known_body, body_of(s.motion.model))},
+                      .body = surer(s.shape.known_body, body_of(s.motion.model))},
             .drift = s.mapping.drift};
   return head;
 }
@@ -231,17 +232,10 @@ bool is_error(const PoseCovariance& covariance) {
   return Eigen::LDLT<PoseCovariance>(covariance).isPositive();
 }
 
-bool is_sound(const KnownBody& body) {
-  using sound::is_bounded;
-  return is_bounded(body.shape) && is_bounded(body.shape_sigma) && is_bounded(body.mass_centre_T) &&
-         is_bounded(body.mass_centre_sigma) && body.shape_sigma.minCoeff() >= 0.0 &&
-         body.mass_centre_sigma.minCoeff() >= 0.0;
-}
-
 bool is_sound(const Head& head) {
   const MapDrift& d = head.drift;
   return sound::is_at_least(head.facts.metres_per_mu, 1e-12) &&
-         sound::is_at_least(head.facts.scale_sigma, 0.0) && is_sound(head.facts.body) &&
+         sound::is_at_least(head.facts.scale_sigma, 0.0) && polhode::is_sound(head.facts.body) &&
          polhode::is_sound(d) && is_error(d.walk) && is_error(d.held) && is_error(d.reanchoring) &&
          d.reanchored_keyframe < head.facts.keyframes;
 }
@@ -362,7 +356,7 @@ Result<TargetModelFacts> load_target_model(std::span<const std::uint8_t> octets,
     return Error{ErrorCode::kBadParameter, refusal};
   }
   mapping.drift = head.drift;
-  s->known_body = head.facts.body;
+  s->shape.known_body = head.facts.body;
   mapping.target_frame = 1;
   s->bus.reported.target_frame = 1;
   s->bus.reported.mode = Mode::kLost;  // so that it is told to be found again

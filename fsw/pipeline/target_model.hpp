@@ -5,14 +5,13 @@
 // Whoever stores it checks that it is whole. Each value is checked all the same.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "base/result.hpp"
 #include "pipeline/component.hpp"
-#include "solve/rigid_body.hpp"
+#include "shape/known_body.hpp"
 
 namespace polhode {
 
@@ -21,16 +20,6 @@ struct MotionEstimate;
 
 /// Of a content that another version wrote nothing is read.
 inline constexpr std::uint32_t kTargetModelVersion = 1;
-
-/// A target's inertia and mass centre, as a motion that was fitted has them. They are kept from
-/// pass to pass until one knows them better; no fit starts from them.
-struct KnownBody {
-  bool known = false;  ///< else the others are not valid
-  InertiaShape shape = InertiaShape::Zero();
-  InertiaShape shape_sigma = InertiaShape::Zero();
-  Eigen::Vector3d mass_centre_T = Eigen::Vector3d::Zero();  ///< map units
-  Eigen::Vector3d mass_centre_sigma = Eigen::Vector3d::Zero();
-};
 
 /// What a model says of itself.
 struct TargetModelFacts {
