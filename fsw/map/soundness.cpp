@@ -84,8 +84,9 @@ bool is_sound(const Feature& feature, const CameraModel& camera) {
   };
   return near(feature.u_px, camera.width_px) && near(feature.v_px, camera.height_px) &&
          is_bounded(feature.normalised) && feature.sigma_px > 0.0F &&
-         is_bounded(feature.sigma_px) && feature.scale_px > 0.0F && is_bounded(feature.scale_px) &&
-         is_bounded(feature.angle_rad);
+         is_bounded(static_cast<double>(feature.sigma_px)) && feature.scale_px > 0.0F &&
+         is_bounded(static_cast<double>(feature.scale_px)) &&
+         is_bounded(static_cast<double>(feature.angle_rad));
 }
 
 bool tie_is_sound(LandmarkId landmark, const Map& map) {
@@ -154,7 +155,8 @@ bool is_sound(const FlowReference& reference, const Map& map) {
          points.size() <= points.capacity() &&
          std::all_of(points.begin(), points.end(), [&](const LandmarkMatch& point) {
            return point.landmark.valid() && point.landmark.index() < map.landmarks.size() &&
-                  is_bounded(point.u_px) && is_bounded(point.v_px);
+                  is_bounded(static_cast<double>(point.u_px)) &&
+                  is_bounded(static_cast<double>(point.v_px));
          });
 }
 

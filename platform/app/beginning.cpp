@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "app/model_file.hpp"
+#include "errors.hpp"
 #include "input_text.hpp"
 #include "pipeline/checkpoint.hpp"
 
