@@ -80,6 +80,7 @@ def test_my_video_and_my_photographs(desk, sample, original):
     assert (desk / "run.mp4").stat().st_size > 10_000
 
 
+@pytest.mark.further
 def test_my_laboratory(desk, sample, original):
     store, messages = sources.ros_types(2), []
     for index, time_ns in enumerate(sample.timestamp_ns.tolist()):

@@ -124,6 +124,7 @@ def test_a_run_that_fell_into_two_frames_T(run):
     assert "attitudes are in 2 different frames of the target" in made_of(run)
 
 
+@pytest.mark.further
 def test_a_long_run_is_thinned(tmp_path):
     errors = Errors(attitude_rms_rad=0.01, position_rms_m=0.02, rate_rms_rad_s=0.001, velocity_rms_m_s=0.001)
     body = tumbling_body(frames=20_000, step_s=0.1, velocity_m_s=(0, 0, 0))

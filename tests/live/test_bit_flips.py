@@ -92,7 +92,7 @@ def test_a_stripped_program_is_refused(tmp_path):
         symbol_address(pathlib.Path("/bin/true"))
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_flipped_and_found_by_the_scrubber(tmp_path):
     """4096 flips hit the map with near certainty (22 of its 63 MB are the map's)."""
     done = subprocess.run([sys.executable, REPOSITORY / "hil/seu_campaign.py", tmp_path / "runs", "--runs", "1", "--flips", "0,4096",
