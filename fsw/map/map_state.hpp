@@ -39,6 +39,7 @@ struct LastAdjustment {
 /// What recognise_frame() has found so far.
 struct RecognisedPose {
   int frames = 0;           ///< in succession that show the same side; 0: none
+  int agreeing = 0;         ///< blobs, in all of them
   std::uint32_t frame = 0;  ///< the last of them
   Pose pose;                ///< in it
 };

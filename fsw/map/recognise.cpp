@@ -1,7 +1,9 @@
 #include "map/recognise.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -9,17 +11,23 @@
 #include <vector>
 
 #include "geometry/so3.hpp"
+#include "map/blob_agreement.hpp"
 #include "map/descriptor_table.hpp"
 
 namespace polhode {
 namespace {
 
-/// Within so much of where a pose that is roughly known has its landmark a feature is looked for,
-/// in the image plane z = 1.
-double reach_of(const LocaliseInput& input, double depth) {
-  constexpr double kPart = 0.15;  // of the radius: a side seen 20 deg from where it was
+/// Poses this near show the same side. A blob's orientation is good to 10 or 20 deg where the light
+/// is another one, and the side that is seen differs from the keyframe's.
+constexpr double kSameSideHalfCosine = 0.966;  // 30 deg
+
+/// Features are searched within this part of the radius about a pose that is known to 20 deg.
+constexpr double kReachPart = 0.15;
+
+/// So much of the radius about the map's middle, in the image plane z = 1.
+double reach_of(const LocaliseInput& input, double part, const Pose& pose) {
   return std::max(input.options->search_floor_px / input.camera->focal_px(),
-                  kPart * input.map->radius_mu / depth);
+                  part * input.map->radius_mu / pose.to_camera(input.map->centre_T).z());
 }
 
 /// What a feature and a view that look alike say of the pose.
@@ -101,14 +109,15 @@ std::vector<Vote> votes_of(const LocaliseInput& input, const DescriptorTable& ta
   return votes;
 }
 
-/// Do two votes mean one pose? A blob's orientation is good to 10 or 20 deg where the light is
-/// another one, its size to a quarter, and the side that is seen differs from the keyframe's.
+bool is_same_side(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  return std::abs(a.dot(b)) > kSameSideHalfCosine;
+}
+
+/// Do two votes mean one pose? A blob's size is good to a quarter.
 bool agree(const Vote& a, const Vote& b, double radius) {
-  constexpr double kHalfCosine = 0.966;  // 30 deg
-  constexpr double kLogDepth = 0.4;      // a factor of 1.5
-  constexpr double kCentre = 0.35;       // of the radius: 30 deg about a blob halfway out, and more
-  return std::abs(a.q_CT.dot(b.q_CT)) > kHalfCosine &&
-         std::abs(a.log_depth - b.log_depth) < kLogDepth &&
+  constexpr double kLogDepth = 0.4;  // a factor of 1.5
+  constexpr double kCentre = 0.35;   // of the radius: 30 deg about a blob halfway out, and more
+  return is_same_side(a.q_CT, b.q_CT) && std::abs(a.log_depth - b.log_depth) < kLogDepth &&
          (a.centre - b.centre).squaredNorm() <
              kCentre * kCentre * radius * radius * std::exp(-2.0 * a.log_depth);
 }
@@ -165,11 +174,10 @@ std::vector<std::size_t> of_different_sides(const std::vector<std::size_t>& name
                                             const std::vector<Vote>& votes,
                                             std::size_t count) {
   constexpr int kAlike = 3;  // with two of eight in all, two of ten passes are recognised no more
-  constexpr double kHalfCosine = 0.985;  // 20 deg
   std::vector<std::size_t> chosen;
   for (const std::size_t i : named) {
     const auto alike = std::count_if(chosen.begin(), chosen.end(), [&](std::size_t k) {
-      return std::abs(votes[i].q_CT.dot(votes[k].q_CT)) > kHalfCosine;
+      return is_same_side(votes[i].q_CT, votes[k].q_CT);
     });
     if (chosen.size() < count && alike < kAlike) {
       chosen.push_back(i);
@@ -178,13 +186,44 @@ std::vector<std::size_t> of_different_sides(const std::vector<std::size_t>& name
   return chosen;
 }
 
+/// A pose fitted to the places of the votes' features that bear it out, which come nearer from
+/// round to round. A vote has the side that its keyframe saw, up to 20 deg and more from this one;
+/// the places of many tell this one.
+Pose fit_to_votes(const LocaliseInput& input, const std::vector<Vote>& votes, Pose pose) {
+  constexpr int kRounds = 4;
+  constexpr double kNearer = 0.7;  // to a third in all
+  constexpr double kSigmas = 4.0;  // within reach of what is searched for
+  std::vector<PoseObservation> observations;
+  double part = kReachPart;
+  for (int round = 0; round < kRounds; ++round, part *= kNearer) {
+    const double reach = reach_of(input, part, pose);
+    observations.clear();
+    std::int32_t last = -1;
+    for (const Vote& vote : votes) {  // in the order of features
+      if (vote.feature != last && bears_out(vote, *input.map, pose, reach)) {
+        last = vote.feature;
+        const auto slot = static_cast<std::size_t>(vote.landmark);
+        observations.push_back({.p_T = input.map->landmarks[slot].p_T,
+                                .normalised = vote.seen,
+                                .sigma_normalised = reach / kSigmas});
+      }
+    }
+    const std::vector<std::uint8_t> all(observations.size(), 1);
+    const Result<AbsolutePose> fitted = refine_pose(observations, pose, all);
+    if (!fitted) {
+      return pose;
+    }
+    pose = fitted.value().pose;
+  }
+  return pose;
+}
+
 /// Poses that many votes mean, those first that most features bear out.
-std::vector<Pose> poses_to_try(const LocaliseInput& input, const DescriptorTable& table) {
+std::vector<Pose> poses_to_try(const LocaliseInput& input, const std::vector<Vote>& votes) {
   // Of 1600 votes so many are held against all others, and so many tried: 20 to 50 ms in all. With
   // five times as many hardly more frames are recognised.
   constexpr std::size_t kLooked = 150;
   constexpr std::size_t kTried = 12;
-  const std::vector<Vote> votes = votes_of(input, table);
   std::vector<std::size_t> order(votes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   order = best_of(order, kLooked, [&](std::size_t i) {
@@ -193,7 +232,7 @@ std::vector<Pose> poses_to_try(const LocaliseInput& input, const DescriptorTable
   });
   order = best_of(order, kLooked, [&](std::size_t i) {
     const Pose pose = pose_of(votes[i]);
-    const double reach = reach_of(input, std::exp(votes[i].log_depth));
+    const double reach = reach_of(input, kReachPart, pose);
     return features_of(votes, [&](const Vote& v) { return bears_out(v, *input.map, pose, reach); });
   });
   std::vector<Pose> poses;
@@ -203,48 +242,97 @@ std::vector<Pose> poses_to_try(const LocaliseInput& input, const DescriptorTable
   return poses;
 }
 
+/// A pose, and so many blobs that agree with it, of those that were tried.
+struct Trials {
+  const LocaliseInput* input = nullptr;
+  const std::vector<Vote>* votes = nullptr;
+  LocaliseScratch* scratch = nullptr;
+  std::unique_ptr<LocalisedFrame> best = std::make_unique<LocalisedFrame>();
+  int agreeing = 0;  ///< blobs, with the best one
+  int rival = 0;     ///< with the best one elsewhere
+};
+
+/// @param out  working memory.
+void try_pose(const Pose& pose, Trials* trials, LocalisedFrame* out) {
+  const LocaliseInput& input = *trials->input;
+  const Pose near = fit_to_votes(input, *trials->votes, pose);
+  const double reach_px = reach_of(input, kReachPart / 3.0, near) * input.camera->focal_px();
+  if (!localise_guided(input, near, reach_px, trials->scratch, out)) {
+    return;
+  }
+  const int count = agreeing_blobs(input, *out);
+  const bool same =
+      trials->agreeing > 0 && is_same_side(trials->best->absolute.pose, out->absolute.pose);
+  if (count > trials->agreeing) {
+    trials->rival = same ? trials->rival : std::max(trials->rival, trials->agreeing);
+    trials->agreeing = count;
+    *trials->best = *out;
+  } else if (!same) {
+    trials->rival = std::max(trials->rival, count);
+  }
+}
+
+/// The poses that bodies of two, three, four or six alike sides have as well, about each of the
+/// landmarks' principal axes.
+std::vector<Pose> turned_about_axes(const Map& map, const Pose& pose) {
+  constexpr std::array kTurns_deg = {60.0, 90.0, 120.0, 180.0, 240.0, 270.0, 300.0};
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Landmark& landmark : map.landmarks) {
+    const Eigen::Vector3d arm = landmark.p_T - map.centre_T;
+    scatter += landmark.used ? Eigen::Matrix3d(arm * arm.transpose()) : Eigen::Matrix3d::Zero();
+  }
+  const Eigen::Matrix3d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors();
+  std::vector<Pose> poses;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double turn_deg : kTurns_deg) {
+      Pose turned;
+      turned.R_CT = pose.R_CT * so3_exp(turn_deg * M_PI / 180.0 * axes.col(axis));
+      turned.p_CT = pose.to_camera(map.centre_T) - turned.R_CT * map.centre_T;
+      poses.push_back(turned);
+    }
+  }
+  return poses;
+}
+
 }  // namespace
 
 bool is_same_side(const Pose& a, const Pose& b) {
-  constexpr double kApart_rad = 0.52;  // 30 deg
-  return rotation_angle_rad(a.R_CT, b.R_CT) < kApart_rad;
+  return is_same_side(Eigen::Quaterniond(a.R_CT), Eigen::Quaterniond(b.R_CT));
 }
 
-Result<bool> localise_roughly(const LocaliseInput& input,
-                              const Pose& pose,
-                              LocaliseScratch* scratch,
-                              LocalisedFrame* out) {
-  const double depth = pose.to_camera(input.map->centre_T).z();
-  const double reach_px = reach_of(input, depth) * input.camera->focal_px();
-  return localise_guided(input, pose, reach_px, scratch, out);
-}
-
-Result<bool> recognise(const LocaliseInput& input, LocaliseScratch* scratch, LocalisedFrame* out) {
+Result<int> recognise(const LocaliseInput& input,
+                      const Pose* before,
+                      LocaliseScratch* scratch,
+                      LocalisedFrame* out) {
   const auto all = [](const Landmark&) { return true; };
   const DescriptorTable table = views_of(*input.map, input.stream, all);
   if (table.landmark.empty() || input.features->empty()) {
     return ErrorCode::kTooFewObservations;
   }
-  const auto best = std::make_unique<LocalisedFrame>();
-  int rival = 0;  // inliers of the best one elsewhere
-  for (const Pose& pose : poses_to_try(input, table)) {
-    if (!localise_roughly(input, pose, scratch, out)) {
-      continue;
-    }
-    const bool any = best->absolute.inliers > 0;
-    const bool same = any && is_same_side(best->absolute.pose, out->absolute.pose);
-    if (out->absolute.inliers > best->absolute.inliers) {
-      rival = same ? rival : std::max(rival, best->absolute.inliers);
-      *best = *out;
-    } else if (!same) {
-      rival = std::max(rival, out->absolute.inliers);
+  const std::vector<Vote> votes = votes_of(input, table);
+  std::vector<Pose> poses = poses_to_try(input, votes);
+  if (before != nullptr) {
+    poses.push_back(*before);
+  }
+  Trials trials{.input = &input, .votes = &votes, .scratch = scratch};
+  for (const Pose& pose : poses) {
+    try_pose(pose, &trials, out);
+  }
+  if (trials.agreeing >= kAgreeingBlobsMin) {
+    const Pose found = trials.best->absolute.pose;
+    for (const Pose& pose : turned_about_axes(*input.map, found)) {
+      try_pose(pose, &trials, out);
     }
   }
-  if (best->absolute.inliers == 0 || !outnumbers(best->absolute.inliers, rival)) {
+  // Of a right pose two thirds of the inliers agree, of a like pattern's a third.
+  const bool most_agree = 2 * trials.agreeing >= trials.best->absolute.inliers;
+  if (trials.agreeing < kAgreeingBlobsMin || !most_agree ||
+      !outnumbers(trials.agreeing, trials.rival)) {
     return ErrorCode::kNoConsensus;
   }
-  take_matches(input, *best, scratch, out);
-  return true;
+  take_matches(input, *trials.best, scratch, out);
+  return trials.agreeing;
 }
 
 }  // namespace polhode

@@ -221,25 +221,25 @@ bool relocalise_frame(const MapInput& input, MapState* s) {
 }
 
 bool recognise_frame(const MapInput& input, MapState* s) {
-  constexpr int kFramesMin = 3;         // that show the same side
+  // As three frames that just have a pose each; foil and shadows make one, which the next denies.
+  constexpr int kAgreeingMin = 3 * kAgreeingBlobsMin;
+  constexpr int kFramesMin = 2;
   constexpr std::uint32_t kGapMax = 3;  // frames: after them it has turned too far
   const LocaliseInput localise = localise_input(input, s->map);
   RecognisedPose& last = s->before.recognised;
-  const auto agreed = [&](const Result<bool>& done) {
-    return done && agrees(s->localised, input.localise->inliers_min);
-  };
   const bool goes_on = last.frames > 0 && input.frame - last.frame <= kGapMax;
-  const bool anew = agreed(recognise(localise, &s->scratch.localise, &s->localised));
-  if (!anew && !(goes_on && agreed(localise_roughly(
-                                localise, last.pose, &s->scratch.localise, &s->localised)))) {
+  const Result<int> agreeing =
+      recognise(localise, goes_on ? &last.pose : nullptr, &s->scratch.localise, &s->localised);
+  if (!agreeing) {
     return false;
   }
   const bool same = goes_on && is_same_side(s->localised.absolute.pose, last.pose);
   last = {.frames = same ? last.frames + 1 : 1,
+          .agreeing = same ? last.agreeing + agreeing.value() : agreeing.value(),
           .frame = input.frame,
           .pose = s->localised.absolute.pose};
   s->localised.absolute.covariance = with_clutter(s->localised);
-  return last.frames >= kFramesMin;
+  return last.frames >= kFramesMin && last.agreeing >= kAgreeingMin;
 }
 
 bool is_ambiguous(const MapInput& input, const std::optional<ExpectedPose>& expected, MapState* s) {

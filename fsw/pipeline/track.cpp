@@ -37,7 +37,7 @@ FoundBy find_pose(const std::optional<ExpectedPose>& expected, Component::State*
        !is_ambiguous(input, expected, mapping))) {
     return FoundBy::kFeatures;
   }
-  if (!expected && recognise_frame(input, mapping) && !is_ambiguous(input, expected, mapping)) {
+  if (!expected && recognise_frame(input, mapping)) {
     // What it leaves open all poses share from here on, as the map goes on by it.
     const PoseCovariance& open = mapping->localised.absolute.covariance;
     add_reanchoring(worst_sigma(open.topLeftCorner<3, 3>()),

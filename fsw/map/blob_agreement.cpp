@@ -1,0 +1,77 @@
+#include "map/blob_agreement.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+
+namespace polhode {
+namespace {
+
+/// The feature of a keyframe that looks most like this one, among a landmark's views.
+struct AlikeView {
+  const Keyframe* keyframe = nullptr;
+  const Feature* feature = nullptr;
+};
+
+AlikeView most_alike(const Map& map, const Landmark& landmark, const Feature& feature) {
+  AlikeView alike;
+  int least = std::numeric_limits<int>::max();
+  for (const LandmarkView& view : landmark.views) {
+    const Keyframe& keyframe = map.keyframes[view.keyframe.index()];
+    const auto place = static_cast<std::size_t>(view.feature);
+    const int distance = distance2(view.descriptor, feature.descriptor);
+    // A keyframe may be gone since the views were refreshed.
+    if (keyframe.used && place < keyframe.features.size() && distance < least) {
+      least = distance;
+      alike = {.keyframe = &keyframe, .feature = &keyframe.features[place]};
+    }
+  }
+  return alike;
+}
+
+/// Where a view's orientation points in the image of another pose: it lies in the surface.
+double angle_from(const Pose& pose, const Landmark& landmark, const AlikeView& view) {
+  constexpr double kStep = 1e-3;  // small against any body in the image, in the plane z = 1
+  const Pose& seen_by = view.keyframe->pose;
+  const Eigen::Vector3d p_C = seen_by.to_camera(landmark.p_T);
+  const Eigen::Vector3d normal_C = seen_by.R_CT * landmark.normal_T;
+  const auto angle_rad = static_cast<double>(view.feature->angle_rad);
+  const Eigen::Vector2d step = kStep * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
+  const Eigen::Vector3d ray = (p_C.hnormalized() + step).homogeneous();
+  const Eigen::Vector3d beside_C = normal_C.dot(p_C) / normal_C.dot(ray) * ray;
+  const Eigen::Vector3d beside_T = seen_by.R_CT.transpose() * (beside_C - seen_by.p_CT);
+  const Eigen::Vector2d by =
+      pose.to_camera(beside_T).hnormalized() - pose.to_camera(landmark.p_T).hnormalized();
+  return std::atan2(by.y(), by.x());
+}
+
+}  // namespace
+
+int agreeing_blobs(const LocaliseInput& input, const LocalisedFrame& frame) {
+  constexpr double kAngle_rad = 0.35;  // 2 sigma of a blob's orientation in other light
+  constexpr double kLogSize = 0.35;    // half an octave: one step of the scales
+  const Pose& pose = frame.absolute.pose;
+  int agreeing = 0;
+  for (const LandmarkMatch& match : frame.matches) {
+    const Landmark& landmark = input.map->landmarks[match.landmark.index()];
+    if (!match.inlier || match.feature < 0) {
+      continue;
+    }
+    const Feature& feature = (*input.features)[static_cast<std::size_t>(match.feature)];
+    const AlikeView view = most_alike(*input.map, landmark, feature);
+    if (view.feature == nullptr) {
+      continue;
+    }
+    const double size_px =
+        landmark.size_mu * input.camera->focal_px() / pose.to_camera(landmark.p_T).z();
+    const double off_rad = std::remainder(
+        angle_from(pose, landmark, view) - static_cast<double>(feature.angle_rad), 2.0 * M_PI);
+    const bool agrees =
+        std::abs(off_rad) < kAngle_rad &&
+        std::abs(std::log(static_cast<double>(feature.scale_px) / size_px)) < kLogSize;
+    agreeing += agrees ? 1 : 0;
+  }
+  return agreeing;
+}
+
+}  // namespace polhode
