@@ -220,6 +220,7 @@ void prepare_fit(const Map& map,
   snapshot->body_radius = map.radius_mu;
   snapshot->options = options;
   snapshot->previous = m->model;
+  snapshot->known_body = m->known_body;
 }
 
 void take_fit(const RigidModel& model,
@@ -282,6 +283,7 @@ void reset_poses(MotionEstimate* m) {
   m->poses_since_fit = 0;
   m->poses_since_start = 0;
   m->moves_so_since_ns = INT64_MIN;
+  m->known_body = {};
   forget_seen(m);
 }
 

@@ -109,17 +109,19 @@ std::optional<FreeBodyMotion> motion_of_poses(const JointFitInput& input,
                                               const RigidModel& model,
                                               std::size_t reference,
                                               JointFitWorkspace* w) {
-  RotationProblem problem{
-      .samples = w->attitudes.view(), .reference = reference, .orbit = model.orbit};
-  problem.shape_sigma = kModelShapeSigma;
+  const RotationProblem problem{.samples = w->attitudes.view(),
+                                .reference = reference,
+                                .orbit = model.orbit,
+                                .prior = {.sigma = InertiaShape::Constant(kModelShapeSigma)}};
   const auto rotation = fit_attitudes(problem, model.reference_ns, input.previous);
   if (!rotation || !trace(problem, rotation.value(), w)) {
     return std::nullopt;
   }
-  const auto path = solve_translation({.samples = w->positions.view(),
-                                       .reference_s = 0.0,
-                                       .orbit = model.orbit,
-                                       .mass_centre_sigma = input.body_radius});
+  const auto path =
+      solve_translation({.samples = w->positions.view(),
+                         .reference_s = 0.0,
+                         .orbit = model.orbit,
+                         .mass_centre_sigma = Eigen::Vector3d::Constant(input.body_radius)});
   if (!path) {
     return std::nullopt;
   }

@@ -13,9 +13,10 @@ namespace polhode {
 struct MotionEstimate {
   Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();  ///< the observer's attitude at this frame
   bool observer_known = false;                         ///< it was reported; else C stands in for I
-  PoseHistory recent;  ///< in I, one by one; errors of single frames, without the map's drift
-  PoseHistory past;    ///< as recent, thinned: what the dynamics are fitted to
-  RigidModel model;    ///< of the last fit; used while it is accepted and the poses agree
+  PoseHistory recent;    ///< in I, one by one; errors of single frames, without the map's drift
+  PoseHistory past;      ///< as recent, thinned: what the dynamics are fitted to
+  RigidModel model;      ///< of the last fit; used while it is accepted and the poses agree
+  KnownBody known_body;  ///< from a model of the target, in this T
   std::uint32_t poses_since_fit = 0;
   std::uint32_t poses_since_start =
       0;  ///< found one by one; those of an initialisation are right or wrong together

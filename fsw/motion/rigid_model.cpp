@@ -123,6 +123,7 @@ Matrix widened_inverse(const Matrix& information, const Matrix& prior, double fa
 }
 
 void add_path(std::span<const PoseSample> poses,
+              const KnownBody& prior_body,
               const MotionSnapshot& snapshot,
               MotionWorkspace& work,
               RigidModel& model) {
@@ -131,7 +132,8 @@ void add_path(std::span<const PoseSample> poses,
   const TranslationProblem problem{.samples = work.positions.view(),
                                    .reference_s = 0.0,
                                    .orbit = model.orbit,
-                                   .mass_centre_sigma = snapshot.body_radius};
+                                   .mass_centre_T = prior_body.mass_centre_T,
+                                   .mass_centre_sigma = prior_body.mass_centre_sigma};
   const Result<TranslationSolution> solved = solve_translation(problem);
   if (!solved) {
     return;
@@ -146,7 +148,7 @@ void add_path(std::span<const PoseSample> poses,
   }
   model.position = residual_level(residual_input(poses, snapshot.drift, false, work));
   TranslationCovariance prior = TranslationCovariance::Zero();
-  prior.diagonal().tail<3>().setConstant(1.0 / (snapshot.body_radius * snapshot.body_radius));
+  prior.diagonal().tail<3>() = prior_body.mass_centre_sigma.cwiseAbs2().cwiseInverse();
   const TranslationCovariance own =
       widened_inverse(path.information, prior, widening(model.position));
   model.path = path.unknowns;
@@ -181,7 +183,7 @@ bool take_rotation(const RotationSolution& rotation,
     return false;
   }
   RotationCovariance prior = RotationCovariance::Zero();
-  prior.diagonal().tail<5>().setConstant(1.0 / (problem.shape_sigma * problem.shape_sigma));
+  prior.diagonal().tail<5>() = problem.prior.information();
   const RotationCovariance covariance =
       widened_inverse(rotation.information, prior, widening(model.attitude));
   if (!covariance.allFinite() || !(covariance.diagonal().minCoeff() > 0.0)) {
@@ -194,11 +196,11 @@ bool take_rotation(const RotationSolution& rotation,
 
 /// Do the poses know the inertia ratios well, while the prior still moves the shape? So it is with
 /// sheets and thin rods: the prior moves a second moment that is nearly zero by several sigmas.
-bool prior_outlived(const RigidModel& model, double shape_sigma) {
+bool prior_outlived(const RigidModel& model, const ShapePrior& prior) {
   // Relative sigma of the ratios, and sigmas of the shape (decision 0049).
   constexpr double kKnown = 0.01;
   constexpr double kMoved = 0.1;
-  const InertiaShape pull = model.shape / (shape_sigma * shape_sigma);
+  const InertiaShape pull = prior.information().cwiseProduct(model.shape - prior.mean);
   const double moved2 = pull.dot(model.covariance.block<5, 5>(6, 6) * pull);
   if (!(moved2 > kMoved * kMoved)) {
     return false;
@@ -208,7 +210,14 @@ bool prior_outlived(const RigidModel& model, double shape_sigma) {
   return body && known(body.value().middle_over_least) && known(body.value().largest_over_least);
 }
 
+/// What holds of any body of this size.
+KnownBody unknown_body(double body_radius) {
+  return {.shape_sigma = InertiaShape::Constant(kModelShapeSigma),
+          .mass_centre_sigma = Eigen::Vector3d::Constant(body_radius)};
+}
+
 RigidModel fit_window(std::span<const PoseSample> poses,
+                      const KnownBody& prior,
                       const MotionSnapshot& snapshot,
                       MotionWorkspace& work) {
   RigidModel model;
@@ -222,8 +231,10 @@ RigidModel fit_window(std::span<const PoseSample> poses,
   model.span_s = seconds_between(poses.front().timestamp_ns, poses.back().timestamp_ns);
   model.orbit = orbit_at(snapshot.options, model.reference_ns);
   model.mass_centre_sigma = snapshot.body_radius;
-  RotationProblem problem{.samples = {}, .reference = middle, .orbit = model.orbit};
-  problem.shape_sigma = kModelShapeSigma;
+  RotationProblem problem{.samples = {},
+                          .reference = middle,
+                          .orbit = model.orbit,
+                          .prior = {.mean = prior.shape, .sigma = prior.shape_sigma}};
   if (!load(poses, snapshot.drift, model.reference_ns, work)) {
     return model;
   }
@@ -233,16 +244,16 @@ RigidModel fit_window(std::span<const PoseSample> poses,
   if (!found || !take_rotation(found.value(), problem, poses, snapshot, work, model)) {
     return model;
   }
-  if (prior_outlived(model, problem.shape_sigma)) {
-    problem.shape_sigma = kReleasedShapeSigma;
+  if (!prior.known && prior_outlived(model, problem.prior)) {
+    problem.prior.sigma.setConstant(kReleasedShapeSigma);
     problem.iterations_max = kReleasedIterationsMax;
     const auto released = refine_rotation(problem, found.value(), 0, problem.samples.size());
     if (!released || !take_rotation(released.value(), problem, poses, snapshot, work, model)) {
-      problem.shape_sigma = kModelShapeSigma;
+      problem.prior.sigma = prior.shape_sigma;
       (void)take_rotation(found.value(), problem, poses, snapshot, work, model);
     }
   }
-  add_path(poses, snapshot, work, model);
+  add_path(poses, prior, snapshot, work, model);
   return model;
 }
 
@@ -277,14 +288,21 @@ Orbit orbit_at(const MotionOptions& options, std::int64_t reference_ns) {
 
 RigidModel fit_rigid_model(const MotionSnapshot& snapshot, MotionWorkspace& workspace) {
   const std::span<const PoseSample> poses = snapshot.poses.view();
-  RigidModel model = fit_window(poses, snapshot, workspace);
+  if (snapshot.known_body.known) {
+    RigidModel known = fit_window(poses, snapshot.known_body, snapshot, workspace);
+    if (known.accepted() && move_reference(poses.back().timestamp_ns, known)) {
+      return known;
+    }
+  }
+  const KnownBody prior = unknown_body(snapshot.body_radius);
+  RigidModel model = fit_window(poses, prior, snapshot, workspace);
   // A disturbance of the target may lie before the later half, or the later quarter.
   for (const std::size_t part : {2U, 4U}) {
     const std::size_t count = poses.size() / part;
     if (model.accepted() || count < 2 * kModelPosesMin) {
       break;
     }
-    const RigidModel later = fit_window(poses.last(count), snapshot, workspace);
+    const RigidModel later = fit_window(poses.last(count), prior, snapshot, workspace);
     model = later.accepted() ? later : model;
   }
   if (model.accepted() && !move_reference(poses.back().timestamp_ns, model)) {

@@ -12,6 +12,7 @@
 #include <span>
 
 #include "base/result.hpp"
+#include "motion/known_body.hpp"
 #include "motion/model.hpp"
 #include "motion/options.hpp"
 #include "motion/pose_history.hpp"
@@ -24,7 +25,8 @@ struct MotionSnapshot {
   PoseCovariance drift = PoseCovariance::Zero();  ///< error that poses of one visible face share
   double body_radius = 1.0;                       ///< unit of the poses, > 0
   MotionOptions options;
-  RigidModel previous;  ///< where accepted, the fit starts from it
+  RigidModel previous;   ///< where accepted, the fit starts from it
+  KnownBody known_body;  ///< of an earlier pass, a prior as long as the poses do not contradict it
 };
 
 /// Workspace of a fit.

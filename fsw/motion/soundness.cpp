@@ -67,9 +67,20 @@ bool is_sound_of_repeats(const MotionEstimate& motion, std::int64_t now_ns) {
          (!motion.any_seen || is_sound(motion.seen_C, now_ns));
 }
 
+bool is_sound(const KnownBody& body) {
+  // Nothing is known exactly: a fit divides by the sigmas.
+  constexpr double kSigmaMin = 1e-9;
+  const bool bounded = is_bool(body.known) && is_bounded(body.shape) &&
+                       is_bounded(body.shape_sigma) && is_bounded(body.mass_centre_T) &&
+                       is_bounded(body.mass_centre_sigma);
+  return bounded && (!body.known || (body.shape_sigma.minCoeff() >= kSigmaMin &&
+                                     body.mass_centre_sigma.minCoeff() >= kSigmaMin));
+}
+
 bool is_sound(const MotionEstimate& motion, std::int64_t now_ns) {
-  return is_rotation(motion.R_IC) && is_bool(motion.observer_known) &&
-         is_sound(motion.recent, now_ns) && is_sound(motion.past, now_ns) &&
+  return is_sound(motion.known_body) && is_rotation(motion.R_IC) &&
+         is_bool(motion.observer_known) && is_sound(motion.recent, now_ns) &&
+         is_sound(motion.past, now_ns) &&
          (motion.moves_so_since_ns == INT64_MIN || is_past(motion.moves_so_since_ns, now_ns)) &&
          motion.departures <= motion.recent.size() && is_sound_of_repeats(motion, now_ns) &&
          is_sound(motion.model, now_ns);

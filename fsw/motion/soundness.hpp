@@ -15,6 +15,7 @@ bool is_sound(const MotionEstimate& motion, std::int64_t now_ns);
 /// Parts of it:
 bool is_sound(const PoseSample& sample, std::int64_t now_ns);
 bool is_sound(const RigidModel& model, std::int64_t now_ns);
+bool is_sound(const KnownBody& body);
 /// What the next pose is held against, to tell a repeat.
 bool is_sound_of_repeats(const MotionEstimate& motion, std::int64_t now_ns);
 

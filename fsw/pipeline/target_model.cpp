@@ -10,9 +10,9 @@
 #include "base/assert.hpp"
 #include "base/sound.hpp"
 #include "map/soundness.hpp"
+#include "motion/soundness.hpp"
 #include "pipeline/reset.hpp"
 #include "pipeline/state.hpp"
-#include "shape/soundness.hpp"
 
 namespace polhode {
 namespace {
@@ -183,7 +183,7 @@ Head head_of(const Component::State& s) {
                       .scale_known = s.scale.known,
                       .metres_per_mu = s.scale.metres_per_mu,
                       .scale_sigma = s.scale.relative_sigma,
-                      .body = surer(s.shape.known_body, body_of(s.motion.model))},
+                      .body = surer(s.motion.known_body, body_of(s.motion.model))},
             .drift = s.mapping.drift};
   return head;
 }
@@ -356,7 +356,7 @@ Result<TargetModelFacts> load_target_model(std::span<const std::uint8_t> octets,
     return Error{ErrorCode::kBadParameter, refusal};
   }
   mapping.drift = head.drift;
-  s->shape.known_body = head.facts.body;
+  s->motion.known_body = head.facts.body;
   mapping.target_frame = 1;
   s->bus.reported.target_frame = 1;
   s->bus.reported.mode = Mode::kLost;  // so that it is told to be found again

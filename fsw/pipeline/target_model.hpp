@@ -10,8 +10,8 @@
 #include <span>
 
 #include "base/result.hpp"
+#include "motion/known_body.hpp"
 #include "pipeline/component.hpp"
-#include "shape/known_body.hpp"
 
 namespace polhode {
 

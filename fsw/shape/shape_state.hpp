@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 
-#include "shape/known_body.hpp"
 #include "shape/shape.hpp"
 
 namespace polhode {
@@ -17,7 +16,6 @@ struct ShapeState {
   bool is_new = false;  ///< the last estimate has come with this frame
   std::uint32_t frame_asked = 0;
   std::uint32_t keyframe_asked = 0;  ///< number of the next keyframe at that time
-  KnownBody known_body;              ///< from a model of the target
 };
 
 }  // namespace polhode

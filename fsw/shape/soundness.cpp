@@ -74,15 +74,8 @@ bool is_sound(const ScaleReading& reading) {
 
 }  // namespace
 
-bool is_sound(const KnownBody& body) {
-  return is_bool(body.known) && is_bounded(body.shape) && is_bounded(body.shape_sigma) &&
-         is_bounded(body.mass_centre_T) && is_bounded(body.mass_centre_sigma) &&
-         body.shape_sigma.minCoeff() >= 0.0 && body.mass_centre_sigma.minCoeff() >= 0.0;
-}
-
 bool is_sound(const ShapeState& shape) {
-  return is_sound(shape.known_body) && is_bool(shape.asked) && is_bool(shape.is_new) &&
-         (!shape.shape || is_sound(*shape.shape));
+  return is_bool(shape.asked) && is_bool(shape.is_new) && (!shape.shape || is_sound(*shape.shape));
 }
 
 bool is_sound(const ScaleState& scale) {

@@ -7,8 +7,6 @@
 
 namespace polhode {
 
-bool is_sound(const KnownBody& body);
-
 /// Counts within their tables, numbers finite, axes unit, kinds that exist.
 bool is_sound(const ShapeState& shape);
 

@@ -106,14 +106,14 @@ Result<TranslationSolution> solve_translation(const TranslationProblem& problem)
   if (count < kSamplesMin) {
     return ErrorCode::kTooFewObservations;
   }
-  if (!(problem.mass_centre_sigma > 0.0) || !std::isfinite(problem.mass_centre_sigma)) {
+  if (!(problem.mass_centre_sigma.minCoeff() > 0.0) || !problem.mass_centre_sigma.allFinite()) {
     return ErrorCode::kBadParameter;
   }
   if (count > limits::kMotionPoses ||
       !(problem.samples.back().time_s > problem.samples.front().time_s)) {
     return ErrorCode::kDegenerate;
   }
-  const double prior = 1.0 / (problem.mass_centre_sigma * problem.mass_centre_sigma);
+  const Eigen::Vector3d prior = problem.mass_centre_sigma.cwiseAbs2().cwiseInverse();
   TranslationSolution solution;
   Squares squares{};
   System system;
@@ -123,8 +123,10 @@ Result<TranslationSolution> solve_translation(const TranslationProblem& problem)
         accumulate(problem, round == 0 ? nullptr : &squares, scale2, solution.unknowns.tail<3>());
     // The data are scaled to the noise as found; the prior keeps its own sigma.
     TranslationCovariance H = system.H / scale2;
-    H.diagonal().tail<3>().array() += prior;
-    solution.unknowns = H.ldlt().solve(system.g / scale2);
+    H.diagonal().tail<3>() += prior;
+    TranslationVector g = system.g / scale2;
+    g.tail<3>() += prior.cwiseProduct(problem.mass_centre_T);
+    solution.unknowns = H.ldlt().solve(g);
     if (!solution.unknowns.allFinite()) {
       return ErrorCode::kDegenerate;
     }
@@ -135,7 +137,7 @@ Result<TranslationSolution> solve_translation(const TranslationProblem& problem)
     }
   }
   solution.information = system.H;
-  solution.information.diagonal().tail<3>().array() += prior;
+  solution.information.diagonal().tail<3>() += prior;
   solution.by_rotation = solution.information.ldlt().solve(system.by_rotation);
   return solution;
 }

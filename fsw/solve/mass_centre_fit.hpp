@@ -28,7 +28,9 @@ struct TranslationProblem {
   std::span<const PositionSample> samples;
   double reference_s = 0.0;
   Orbit orbit;
-  double mass_centre_sigma = 1.0;  ///< prior 1-sigma of each coordinate of c: half the body's size
+  Eigen::Vector3d mass_centre_T = Eigen::Vector3d::Zero();  ///< prior
+  Eigen::Vector3d mass_centre_sigma =
+      Eigen::Vector3d::Ones();  ///< half the body's size, if unknown
   double cauchy_sigma = kPoseCauchySigma;
 };
 
@@ -48,7 +50,7 @@ Eigen::Matrix<double, 6, 6> translation_transition(const Orbit& orbit,
                                                    double interval_s);
 
 /// @errors TooFewObservations (under 4 samples), Degenerate (no time passes, or a covariance is not
-/// usable), BadParameter (mass_centre_sigma not positive).
+/// usable), BadParameter (a mass_centre_sigma not positive).
 /// @cost   four rounds over the samples.
 Result<TranslationSolution> solve_translation(const TranslationProblem& problem);
 

@@ -24,6 +24,14 @@ inline constexpr double kShapeSigma = 1.5;
 /// Takes 2 % of the information of normal data.
 inline constexpr double kPoseCauchySigma = 4.0;
 
+/// What is known of a shape before the motion is.
+struct ShapePrior {
+  InertiaShape mean = InertiaShape::Zero();
+  InertiaShape sigma = InertiaShape::Constant(kShapeSigma);
+
+  [[nodiscard]] InertiaShape information() const { return sigma.cwiseAbs2().cwiseInverse(); }
+};
+
 struct Inertia {
   Eigen::Matrix3d J_T = Eigen::Matrix3d::Identity();  ///< J = I tr S - S, largest moment 1
   Eigen::Matrix3d J_inverse = Eigen::Matrix3d::Identity();

@@ -74,10 +74,11 @@ bool linearise(const RotationProblem& problem,
                  system);
     }
   }
-  const double prior = 1.0 / (problem.shape_sigma * problem.shape_sigma);
-  system->H.diagonal().tail<5>().array() += prior;
-  system->g.tail<5>() += prior * at.shape;
-  system->cost += prior * at.shape.squaredNorm();
+  const InertiaShape prior = problem.prior.information();
+  const InertiaShape off = at.shape - problem.prior.mean;
+  system->H.diagonal().tail<5>() += prior;
+  system->g.tail<5>() += prior.cwiseProduct(off);
+  system->cost += prior.dot(off.cwiseAbs2());
   return std::isfinite(system->cost) && system->H.allFinite();
 }
 
@@ -174,10 +175,10 @@ Result<RotationSolution> refine_rotation(const RotationProblem& problem,
   }
   fill_statistics(system, count, scale2, &solution);
   // Back to the declared noise: the data's part is scaled, the prior's is not.
-  const double prior = 1.0 / (problem.shape_sigma * problem.shape_sigma);
-  solution.information.diagonal().tail<5>().array() -= prior;
+  const InertiaShape prior = problem.prior.information();
+  solution.information.diagonal().tail<5>() -= prior;
   solution.information *= scale2;
-  solution.information.diagonal().tail<5>().array() += prior;
+  solution.information.diagonal().tail<5>() += prior;
   return solution;
 }
 

@@ -21,7 +21,7 @@ struct RotationProblem {
   std::span<const AttitudeSample> samples;  ///< in order of time
   std::size_t reference = 0;                ///< sample at whose time the unknowns are
   Orbit orbit;                              ///< same epoch as the samples
-  double shape_sigma = kShapeSigma;         ///< prior 1-sigma of each number of the shape
+  ShapePrior prior = {};
   double cauchy_sigma = kPoseCauchySigma;
   int iterations_max = 12;  ///< a bound: it ends when chi-square has settled
 };

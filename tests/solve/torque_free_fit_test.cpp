@@ -28,7 +28,7 @@ RotationSolution disturbed(const TumblingAttitudes& body) {
 TEST(RotationFit, FindsTheExactMotionFromNearIt) {
   const TumblingAttitudes body = tumbling_attitudes(60, kSigma_rad, 0.0, 1);
   RotationProblem problem = body.problem();
-  problem.shape_sigma = 1e3;  // else it draws
+  problem.prior.sigma.setConstant(1e3);  // else it draws
   problem.iterations_max = 50;
   const auto found = refine_rotation(problem, disturbed(body), 0, 60);
   ASSERT_TRUE(found.ok());

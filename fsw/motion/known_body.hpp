@@ -7,8 +7,8 @@
 
 namespace polhode {
 
-/// A target's inertia and mass centre, as a motion that was fitted has them. They are kept from
-/// pass to pass until one knows them better; no fit starts from them.
+/// A target's inertia and mass centre in T, as a motion that was fitted has them. They are kept
+/// from pass to pass until one knows them better. Fits of a later pass take them as a prior.
 struct KnownBody {
   bool known = false;  ///< else the others are not valid
   InertiaShape shape = InertiaShape::Zero();
