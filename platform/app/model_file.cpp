@@ -7,15 +7,13 @@
 
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <fstream>
 #include <span>
-#include <string_view>
 #include <system_error>
 
-#include "base/crc.hpp"
 #include "errors.hpp"
 #include "input_text.hpp"
+#include "model_octets.hpp"
 #include "os/linux/memory/table_memory.hpp"
 #include "output_file.hpp"
 
@@ -24,28 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMagic = "PLHMODEL";
-constexpr std::size_t kNumberOctets = 8;
-constexpr std::size_t kHeaderOctets = kMagic.size() + 2 * kNumberOctets;  // octets, CRC-32
-
-void put_number(std::uint64_t number, std::uint8_t* out) {
-  for (std::size_t i = 0; i < kNumberOctets; ++i) {
-    out[i] = static_cast<std::uint8_t>(number >> 8 * i);
-  }
-}
-
-std::uint64_t number_at(const std::uint8_t* octets) {
-  std::uint64_t number = 0;
-  for (std::size_t i = 0; i < kNumberOctets; ++i) {
-    number |= std::uint64_t{octets[i]} << 8 * i;
-  }
-  return number;
-}
-
 bool begins_as_model(const fs::path& file) {
-  std::array<char, kMagic.size()> begin{};
-  std::ifstream(file, std::ios::binary).read(begin.data(), begin.size());
-  return std::string_view(begin.data(), begin.size()) == kMagic;
+  std::array<std::uint8_t, kModelHeadOctets> begin{};
+  std::ifstream(file, std::ios::binary).read(reinterpret_cast<char*>(begin.data()), begin.size());
+  return platform::begins_as_model(begin);
 }
 
 std::span<std::uint8_t> octets_of(const TableMemory& memory) {
@@ -92,10 +72,10 @@ std::string load_model_file(const fs::path& file, Component* component, TargetMo
     return problem ? fmt::format("cannot be read: {}", problem.message()) : "no regular file";
   }
   const std::uintmax_t octets = fs::file_size(file, problem);
-  if (problem || octets < kHeaderOctets || !begins_as_model(file)) {
+  if (problem || !begins_as_model(file)) {
     return "no model of a target";
   }
-  if (octets > kHeaderOctets + target_model_octets_max()) {
+  if (octets > model_octets_max()) {
     return "larger than this program's tables";
   }
   const TableMemory memory(octets);  // beside the pools, which are the libraries'
@@ -105,17 +85,7 @@ std::string load_model_file(const fs::path& file, Component* component, TargetMo
   if (!in) {
     return "cannot be read to its end";
   }
-  const std::span<const std::uint8_t> content = whole.subspan(kHeaderOctets);
-  if (number_at(&whole[kMagic.size()]) != content.size() ||
-      number_at(&whole[kMagic.size() + kNumberOctets]) != crc32_iso_hdlc(content)) {
-    return "cut off or damaged";
-  }
-  const Result<TargetModelFacts> loaded = load_target_model(content, component);
-  if (!loaded) {
-    return loaded.error().message;
-  }
-  *facts = loaded.value();
-  return "";
+  return load_model_octets(whole, component, facts);
 }
 
 void check_model_place(const fs::path& file) {
@@ -136,17 +106,13 @@ void check_model_place(const fs::path& file) {
 }
 
 void write_model_file(const fs::path& file, const Component& component) {
-  const TableMemory memory(kHeaderOctets + target_model_octets_max());
+  const TableMemory memory(model_octets_max());
   const std::span<std::uint8_t> out = octets_of(memory);
-  const std::size_t octets = save_target_model(component, out.subspan(kHeaderOctets));
+  const std::size_t octets = save_model_octets(component, out);
   if (octets == 0) {
     throw RunFailure(fmt::format("{}: not written: there is no map", file.string()));
   }
-  std::memcpy(out.data(), kMagic.data(), kMagic.size());
-  put_number(octets, &out[kMagic.size()]);
-  put_number(crc32_iso_hdlc(out.subspan(kHeaderOctets, octets)),
-             &out[kMagic.size() + kNumberOctets]);
-  write_file(file, {reinterpret_cast<const char*>(out.data()), kHeaderOctets + octets});
+  write_file(file, {reinterpret_cast<const char*>(out.data()), octets});
 }
 
 std::string describe(const TargetModelFacts& f) {

@@ -12,24 +12,13 @@
 #include "bus/capacities.hpp"
 #include "bus/counter_table.hpp"
 #include "bus/packet_layout.hpp"
+#include "capi/handle.hpp"
 #include "capi/parameters.hpp"
 #include "capi/polhode.h"
 #include "capi/problem.hpp"
 #include "os/linux/libraries.hpp"
 #include "pipeline/checkpoint.hpp"
 #include "pipeline/component.hpp"
-
-/// A job that is out.
-struct polhode_job {
-  polhode::Job* work = nullptr;  ///< null: the place is free
-  bool done = false;
-};
-
-struct polhode_component {
-  polhode::Component* component = nullptr;
-  std::array<polhode_job, POLHODE_JOBS_MAX> jobs{};
-  bool failed = false;  ///< a step was left by an exception: what the tables hold is unknown
-};
 
 namespace {
 
@@ -217,7 +206,8 @@ const char* polhode_status_name(polhode_status status) {
                               "not a checkpoint of this build",
                               "finished jobs are not those due",
                               "failed",
-                              "not known"};
+                              "not known",
+                              "not a model that this build can take"};
   const bool known = status >= 0 && static_cast<std::size_t>(status) < kNames.size();
   return known ? kNames[static_cast<std::size_t>(status)] : "unknown status";
 }

@@ -34,7 +34,8 @@ enum {
   POLHODE_BAD_CHECKPOINT = 4,   /* of another build, or cut off; nothing changed */
   POLHODE_JOBS_DIFFER = 5,      /* the finished jobs are not those due at this step, or one was not run; nothing changed */
   POLHODE_FAILED = 6,           /* a library failed, for want of memory as a rule: destroy the component, create it anew */
-  POLHODE_NOT_KNOWN = 7         /* the question has no answer now; the problem's text says why */
+  POLHODE_NOT_KNOWN = 7,        /* the question has no answer now; the problem's text says why */
+  POLHODE_BAD_MODEL = 8         /* of another version, cut off, or larger than this build's tables; nothing changed */
 };
 
 const char* polhode_version(void); /* "0.1.0" */
@@ -180,6 +181,16 @@ size_t polhode_checkpoint_octets_max(void);
 polhode_status polhode_save_checkpoint(const polhode_component* component, uint8_t* out, size_t octets, size_t* written);
 /* Before the first step. The caller checks that the octets are whole: only the build's layout is checked here. */
 polhode_status polhode_restore_checkpoint(polhode_component* component, const uint8_t* octets, size_t length);
+
+/* --- the next pass -------------------------------------------------------------------------------------------------------- */
+
+size_t polhode_model_octets_max(void);
+/* What was learnt of the target: map, inertia, mass centre, scale. The same octets as of `polhode model save`, on every machine.
+   `octets` is at least polhode_model_octets_max(). Between steps. POLHODE_NOT_KNOWN: there is no map. */
+polhode_status polhode_save_model(const polhode_component* component, uint8_t* out, size_t octets, size_t* written);
+/* Before the first step. The target is looked for by it; poses by it are in frame T number 1. Of POLHODE_BAD_MODEL the problem's text
+   says why; nothing changed. */
+polhode_status polhode_load_model(polhode_component* component, const uint8_t* octets, size_t length, char* problem, size_t problem_octets);
 
 /* --- mistakes of our own -------------------------------------------------------------------------------------------------- */
 

@@ -185,3 +185,43 @@ def test_a_checkpoint_brings_the_counters_back(library, component):
     assert library.polhode_restore_checkpoint(other.handle, saved, written) == OK
     assert counter(library, other, b"frames_unreadable") == 1 and library.polhode_next_step(other.handle) == 1
     assert library.polhode_restore_checkpoint(other.handle, saved, written) == BAD_ARGUMENT  # it has stepped
+
+
+NOT_KNOWN, BAD_MODEL = 7, 8
+
+
+def saved_model(library, component) -> bytes:
+    octets = library.polhode_model_octets_max()
+    model, written = (c.c_uint8 * octets)(), c.c_size_t()
+    assert library.polhode_save_model(component.handle, model, c.c_size_t(octets - 1), c.byref(written)) == MEMORY_TOO_SMALL
+    status = library.polhode_save_model(component.handle, model, c.c_size_t(octets), c.byref(written))
+    assert (status == OK) == (written.value > 0) and status in (OK, NOT_KNOWN)
+    return bytes(model[:written.value])
+
+
+def load_model(library, component, model: bytes) -> tuple[int, str]:
+    problem = c.create_string_buffer(256)
+    octets = (c.c_uint8 * len(model)).from_buffer_copy(model)
+    status = library.polhode_load_model(component.handle, octets, c.c_size_t(len(model)), problem, c.c_size_t(256))
+    return status, problem.value.decode()
+
+
+# verifies: MAP-12, DEL-01
+def test_what_the_program_has_learnt_is_given_to_a_host_and_comes_back_the_same(library, component, tmp_path):
+    file = tmp_path / "target.model"
+    done = run(BUILD / "bin/polhode", "replay", "--config", REPOSITORY / "config/default.toml", "--sequence", SAMPLE,
+               "--out", tmp_path / "out", "--save-model", file)
+    assert done.returncode == 0, done.stderr
+    model = file.read_bytes()
+    for wrong, says in ((model[:-1], "cut off or damaged"), (b"x" + model[1:], "no model"), (model[:10], "no model"),
+                        (model + b"\0", "cut off or damaged")):
+        status, problem = load_model(library, component, wrong)
+        assert status == BAD_MODEL and says in problem
+    assert saved_model(library, component) == b""
+    assert load_model(library, component, model) == (OK, "")
+    host = Component(library, SMALL)
+    again = saved_model(library, component)
+    assert load_model(library, host, again) == (OK, "") and saved_model(library, host) == again
+    library.polhode_destroy(host.handle)
+    component.step(1_000_000_000, None)
+    assert load_model(library, component, model)[0] == BAD_ARGUMENT  # it has stepped
