@@ -93,20 +93,20 @@ bool repeats_last(const PoseSample& seen_C, MotionEstimate* m) {
   double chi2 = 0.0;
   double step_rad = 0.0;
   double interval_s = 0.0;
-  if (m->any_seen) {
-    chi2 = chi2_of_same(seen_C, m->seen_C);
-    step_rad = rotation_angle_rad(seen_C.pose.R_CT, m->seen_C.pose.R_CT);
-    interval_s = seconds_between(m->seen_C.timestamp_ns, seen_C.timestamp_ns);
+  if (m->last_seen.any) {
+    chi2 = chi2_of_same(seen_C, m->last_seen.pose_C);
+    step_rad = rotation_angle_rad(seen_C.pose.R_CT, m->last_seen.pose_C.pose.R_CT);
+    interval_s = seconds_between(m->last_seen.pose_C.timestamp_ns, seen_C.timestamp_ns);
   }
   if (m->repeats < kRepeatsMax && chi2 < kChi2Max &&
-      step_rad < kPart * m->moved_rad_s * interval_s) {
+      step_rad < kPart * m->last_seen.moved_rad_s * interval_s) {
     ++m->repeats;
     return true;
   }
-  m->moved_rad_s = chi2 > kChi2Max && interval_s > 0.0 ? step_rad / interval_s : 0.0;
+  m->last_seen.moved_rad_s = chi2 > kChi2Max && interval_s > 0.0 ? step_rad / interval_s : 0.0;
   m->repeats = 0;
-  m->any_seen = true;
-  m->seen_C = seen_C;
+  m->last_seen.any = true;
+  m->last_seen.pose_C = seen_C;
   return false;
 }
 
@@ -122,11 +122,11 @@ void judge_place(const PoseSample& sample, const PoseCovariance& drift_I, Motion
 
 void pass_over_pose(MotionEstimate* m) { m->departures = 0; }
 
-void move_seen(const Pose& pose_C, MotionEstimate* m) { m->seen_C.pose = pose_C; }
+void move_seen(const Pose& pose_C, MotionEstimate* m) { m->last_seen.pose_C.pose = pose_C; }
 
 void forget_seen(MotionEstimate* m) {
-  m->any_seen = false;
-  m->moved_rad_s = 0.0;
+  m->last_seen.any = false;
+  m->last_seen.moved_rad_s = 0.0;
   m->repeats = 0;
 }
 

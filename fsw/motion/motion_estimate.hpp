@@ -9,6 +9,13 @@
 
 namespace polhode {
 
+/// The last pose judged, as the camera saw it: what the next one is held against, to tell a repeat.
+struct LastSeen {
+  bool any = false;
+  PoseSample pose_C;
+  double moved_rad_s = 0.0;  ///< since the one before; 0 where that is not told from none
+};
+
 /// The state of this room. Poses are kept in I, so that they stay right when the observer turns.
 struct MotionEstimate {
   Eigen::Matrix3d R_IC = Eigen::Matrix3d::Identity();  ///< the observer's attitude at this frame
@@ -23,11 +30,9 @@ struct MotionEstimate {
   std::uint32_t disagreements = 0;  ///< poses in succession that are not where the model has them
   std::uint32_t departures =
       0;  ///< poses in succession to which its motion from the last one before does not lead
-  bool any_seen = false;
-  PoseSample seen_C;          ///< the last pose judged, as the camera saw it
-  double moved_rad_s = 0.0;   ///< since the one before; 0 where that is not told from none
-  std::uint32_t repeats = 0;  ///< poses since that show the same
-  std::uint32_t led_to = 0;   ///< poses so far to which its motion did lead
+  LastSeen last_seen;
+  std::uint32_t repeats = 0;                   ///< poses since that show the same
+  std::uint32_t led_to = 0;                    ///< poses so far to which its motion did lead
   std::int64_t moves_so_since_ns = INT64_MIN;  ///< it was disturbed then, the last time
 };
 

@@ -63,8 +63,8 @@ bool is_sound(const RigidModel& model, std::int64_t now_ns) {
 }
 
 bool is_sound_of_repeats(const MotionEstimate& motion, std::int64_t now_ns) {
-  return is_bool(motion.any_seen) && is_at_least(motion.moved_rad_s, 0.0) &&
-         (!motion.any_seen || is_sound(motion.seen_C, now_ns));
+  return is_bool(motion.last_seen.any) && is_at_least(motion.last_seen.moved_rad_s, 0.0) &&
+         (!motion.last_seen.any || is_sound(motion.last_seen.pose_C, now_ns));
 }
 
 bool is_sound(const KnownBody& body) {

@@ -59,7 +59,7 @@ MapCorrection take_over(Component::State* s) {
 /// What was seen after the adjusted keyframes moves along.
 void move_since(const MapCorrection& correction, Component::State* s) {
   correct_reference(correction, &s->mapping);
-  move_seen(correction.moved(s->motion.seen_C.pose), &s->motion);
+  move_seen(correction.moved(s->motion.last_seen.pose_C.pose), &s->motion);
   if (move_poses_with_map(s->mapping.map, correction.timestamp_ns, &s->motion)) {
     s->mapping.moved_rad = rotation_angle_rad(correction.before.R_CT, correction.after.R_CT);
   }

@@ -79,7 +79,7 @@ inline const std::vector<Damage>& damages() {
       {"the drift", [](auto& s) { s.mapping.drift.walk(2, 2) = -1.0; }},
       {"a pose's covariance", [](auto& s) { s.motion.recent[0].covariance(0, 0) = -1.0; }},
       {"the order of poses", [](auto& s) { s.motion.past[0].timestamp_ns = s.clock.timestamp_ns; }},
-      {"the last pose seen", [](auto& s) { s.motion.seen_C.pose.R_CT(0, 0) += 1e-3; }},
+      {"the last pose seen", [](auto& s) { s.motion.last_seen.pose_C.pose.R_CT(0, 0) += 1e-3; }},
       {"the model's kind", [](auto& s) { s.motion.model.status = static_cast<ModelStatus>(9); }},
       {"the scale", [](auto& s) { s.scale.metres_per_mu = 0.0; }},
       {"what was found of the camera", [](auto& s) { s.camera.found.value[0] = kNan; }},
