@@ -12,9 +12,8 @@ import pathlib
 import sys
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(REPOSITORY / "tools"))
-from busgen import c_client, ccsdspy_csv, cpp, display, document, python_client, xtce, xtce_commands  # noqa: E402
-from busgen.table import TableError, read_table  # noqa: E402
+from polhode_ground.busgen import c_client, ccsdspy_csv, cpp, display, document, python_client, xtce, xtce_commands
+from polhode_ground.busgen.table import TableError, read_table
 
 WRITER = b"tools/generate_bus.py"  # stands in each document
 

@@ -3,11 +3,9 @@
 
 import pathlib
 import struct
-import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parents[1] / "platform/transport/client/python"))
-from polhode_bus import crc16, make_command, make_table_activate, make_table_load  # noqa: E402
+from polhode_bus import crc16, make_command, make_table_activate, make_table_load
 
 LOAD = {"features.count_max": 500, "features.sigma_px": 0.3, "mask.enabled": True}
 

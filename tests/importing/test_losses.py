@@ -5,14 +5,13 @@ import json
 import numpy as np
 import pytest
 import made_sources as sources
-from importing import colmap_project, video
-from importing.numbering import frame_numbers
-from importing.plan import NOT_DECODED, Part, Plan
-from importing.recognise import open_source
-from importing.source import Account, Frame, Options, Source
-from importing.stamps import find_gaps
+from polhode_ground.importing import colmap_project, video
+from polhode_ground.importing.numbering import frame_numbers
+from polhode_ground.importing.plan import NOT_DECODED, Part, Plan
+from polhode_ground.importing.source import Account, Frame, Options, Source
+from polhode_ground.importing.stamps import find_gaps
 
-from judge.errors import BadInput
+from polhode_ground.common.errors import BadInput
 
 NS = sources.NS
 COUNT = 40

@@ -4,9 +4,9 @@ import io
 
 import numpy as np
 import pytest
-from importing.plan import Part, Plan
-from importing.recognise import open_source
-from importing.source import Options
+from polhode_ground.importing.plan import Part, Plan
+from polhode_ground.importing.recognise import open_source
+from polhode_ground.importing.source import Options
 from PIL import Image
 
 NS = 1_000_000_000

@@ -7,11 +7,11 @@ import sys
 
 import numpy
 import pytest
-from bit_flips import service, verdict
-from bit_flips.tables import symbol_address
-from judge.errors import BadInput
-from judge.tables import read_motion
-from replay_files import PROGRAM, REPOSITORY
+from polhode_ground.faults import service, verdict
+from polhode_ground.faults.tables import symbol_address
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.tables import read_motion
+from polhode_ground.testing.replay_files import REPOSITORY
 
 TRUTH = REPOSITORY / "hil/data/sample/truth.csv"
 
