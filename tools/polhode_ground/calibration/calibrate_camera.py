@@ -48,8 +48,13 @@ def values(calibration, rate_hz: float) -> dict:
     named = dict(zip(("fu", "fv", "cu", "cv"), calibration.intrinsics))
     named |= dict(zip(("sfu", "sfv", "scu", "scv"), calibration.sigma_intrinsics))
     named |= dict(zip(("k1", "k2", "p1", "p2"), calibration.distortion))
-    return named | {"width": calibration.width_px, "height": calibration.height_px, "rate": rate_hz,
-                    "rms": calibration.rms_px, "views": len(calibration.views)}
+    return named | {
+        "width": calibration.width_px,
+        "height": calibration.height_px,
+        "rate": rate_hz,
+        "rms": calibration.rms_px,
+        "views": len(calibration.views),
+    }
 
 
 def squares(text: str) -> tuple[int, int]:
@@ -81,6 +86,7 @@ def picture_of(file: pathlib.Path):
     import cv2
     from polhode_ground.importing.decoding import read_picture
     from polhode_ground.common.errors import BadInput
+
     gray = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION)
     if gray is not None:
         return gray
@@ -97,6 +103,7 @@ def pictures_of(files: list[pathlib.Path]):
     from polhode_ground.importing.source import Options
     from polhode_ground.importing.video import open_video
     from polhode_ground.common.errors import BadInput
+
     for file in files:
         gray = picture_of(file)
         if gray is not None:
@@ -116,6 +123,7 @@ def find_views(files: list[pathlib.Path], board) -> tuple[list, tuple[int, int]]
     from polhode_ground.calibration import diagnose
     from polhode_ground.calibration.boards import find_view
     from polhode_ground.calibration.solve import NotCalibrated
+
     views, size, without = [], None, []
     looked_at = 0
     for name, gray in pictures_of(files):
@@ -142,6 +150,7 @@ def main() -> int:
     from polhode_ground.calibration.solve import NotCalibrated, calibrate, warnings
     from polhode_ground.common.errors import BadInput
     from polhode_ground.common.whole_file import MARK, beside, check_replaceable, write_whole
+
     plot = asked.out.with_suffix(".png")
     if plot == asked.out:
         raise BadInput(f"--out {asked.out}: the residuals' picture has this name; allowed is another suffix, as in sensor.yaml")

@@ -21,8 +21,16 @@ COVERED_MIN = 0.15
 FOCAL_SIGMA_MAX = 0.02
 RESAMPLES = 24  # of the views: a sigma is then known to 15 %
 # What `polhode replay` takes (config/default.toml, [camera]).
-RANGES = {"fu": (10.0, 1e6), "fv": (10.0, 1e6), "cu": (-8192.0, 16384.0), "cv": (-8192.0, 16384.0),
-          "k1": (-10.0, 10.0), "k2": (-100.0, 100.0), "p1": (-1.0, 1.0), "p2": (-1.0, 1.0)}
+RANGES = {
+    "fu": (10.0, 1e6),
+    "fv": (10.0, 1e6),
+    "cu": (-8192.0, 16384.0),
+    "cv": (-8192.0, 16384.0),
+    "k1": (-10.0, 10.0),
+    "k2": (-100.0, 100.0),
+    "p1": (-1.0, 1.0),
+    "p2": (-1.0, 1.0),
+}
 # A view whose RMS is so many times the median of all has a wrong corner or moved while it was taken.
 OUTLIER_RATIO = 3.0
 
@@ -58,18 +66,26 @@ def solve_once(views: list[View], width_px: int, height_px: int) -> Calibration:
     board = [view.board_m.astype(numpy.float32) for view in views]
     image = [view.image_px.astype(numpy.float32).reshape(-1, 1, 2) for view in views]
     rms, matrix, distortion, turns, places, sigma, _, _ = cv2.calibrateCameraExtended(
-        board, image, size, None, None, flags=cv2.CALIB_FIX_K3)
+        board, image, size, None, None, flags=cv2.CALIB_FIX_K3
+    )
     residuals = []
     for view, turn, place in zip(views, turns, places):
         reprojected, _ = cv2.projectPoints(view.board_m, turn, place, matrix, distortion)
         residuals.append(view.image_px - reprojected.reshape(-1, 2))
     sigma = numpy.asarray(sigma).ravel()
     return Calibration(
-        width_px=width_px, height_px=height_px,
+        width_px=width_px,
+        height_px=height_px,
         intrinsics=numpy.array([matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]]),
-        distortion=numpy.asarray(distortion).ravel()[:4], sigma_intrinsics=sigma[:4], sigma_distortion=sigma[4:8],
-        rms_px=float(rms), views=views, residuals_px=residuals, left_out=[],
-        normals=numpy.array([cv2.Rodrigues(turn)[0][:, 2] for turn in turns]))
+        distortion=numpy.asarray(distortion).ravel()[:4],
+        sigma_intrinsics=sigma[:4],
+        sigma_distortion=sigma[4:8],
+        rms_px=float(rms),
+        views=views,
+        residuals_px=residuals,
+        left_out=[],
+        normals=numpy.array([cv2.Rodrigues(turn)[0][:, 2] for turn in turns]),
+    )
 
 
 def view_rms_px(residuals: numpy.ndarray) -> float:
@@ -80,8 +96,13 @@ def distinct(views: list[View]) -> list[View]:
     """Without those that repeat another one: they would only seem to know more."""
     kept: list[View] = []
     for view in views:
-        same = (other for other in kept if view.board_m.shape == other.board_m.shape and numpy.array_equal(view.board_m, other.board_m)
-                and numpy.mean(numpy.linalg.norm(view.image_px - other.image_px, axis=1)) < SAME_VIEW_PX)
+        same = (
+            other
+            for other in kept
+            if view.board_m.shape == other.board_m.shape
+            and numpy.array_equal(view.board_m, other.board_m)
+            and numpy.mean(numpy.linalg.norm(view.image_px - other.image_px, axis=1)) < SAME_VIEW_PX
+        )
         if next(same, None) is None:
             kept.append(view)
     return kept
@@ -96,9 +117,13 @@ def missing(calibration: Calibration) -> list[str]:
     told = []
     tilt = widest_tilt_deg(calibration.normals)
     if tilt < TILT_MIN_DEG:
-        told.append(f"tilts: the boards differ by {tilt:.0f} deg at most, at least {TILT_MIN_DEG:.0f} are needed; tilt by 30 to 45 deg in all directions")
+        told.append(
+            f"tilts: the boards differ by {tilt:.0f} deg at most, at least {TILT_MIN_DEG:.0f} are needed; tilt by 30 to 45 deg in all directions"
+        )
     if calibration.covered() < COVERED_MIN:
-        told.append(f"coverage: corners cover {100 * calibration.covered():.0f} % of the picture, at least {100 * COVERED_MIN:.0f} are needed")
+        told.append(
+            f"coverage: corners cover {100 * calibration.covered():.0f} % of the picture, at least {100 * COVERED_MIN:.0f} are needed"
+        )
     return told
 
 
@@ -113,8 +138,13 @@ def bootstrap(calibration: Calibration) -> tuple[numpy.ndarray, numpy.ndarray]:
     for _ in range(RESAMPLES):
         drawn = [calibration.views[i] for i in random.integers(0, len(calibration.views), len(calibration.views))]
         _, camera, distortion, _, _ = cv2.calibrateCamera(
-            [view.board_m.astype(numpy.float32) for view in drawn], [view.image_px.astype(numpy.float32).reshape(-1, 1, 2) for view in drawn],
-            size, matrix.copy(), numpy.append(calibration.distortion, 0.0), flags=cv2.CALIB_FIX_K3 | cv2.CALIB_USE_INTRINSIC_GUESS)
+            [view.board_m.astype(numpy.float32) for view in drawn],
+            [view.image_px.astype(numpy.float32).reshape(-1, 1, 2) for view in drawn],
+            size,
+            matrix.copy(),
+            numpy.append(calibration.distortion, 0.0),
+            flags=cv2.CALIB_FIX_K3 | cv2.CALIB_USE_INTRINSIC_GUESS,
+        )
         found.append([camera[0, 0], camera[1, 1], camera[0, 2], camera[1, 2], *numpy.ravel(distortion)[:4]])
     # By quartiles: a draw of few different views may have no solution near this one.
     low, high = numpy.percentile(found, [25, 75], axis=0)
@@ -126,7 +156,9 @@ def check_ranges(calibration: Calibration) -> None:
     for name, value in zip(RANGES, (*calibration.intrinsics, *calibration.distortion)):
         low, high = RANGES[name]
         if not low <= value <= high:
-            raise NotCalibrated(f"the views do not determine the camera: {name} = {value:.4g}, which is beyond what a replay takes, {low:g} .. {high:g}")
+            raise NotCalibrated(
+                f"the views do not determine the camera: {name} = {value:.4g}, which is beyond what a replay takes, {low:g} .. {high:g}"
+            )
 
 
 def fitted(views: list[View], width_px: int, height_px: int) -> Calibration:
@@ -157,8 +189,10 @@ def calibrate(views: list[View], width_px: int, height_px: int) -> Calibration:
     calibration.sigma_distortion = numpy.maximum(calibration.sigma_distortion, sigma_distortion)
     relative = float((calibration.sigma_intrinsics[:2] / calibration.intrinsics[:2]).max())
     if relative > FOCAL_SIGMA_MAX:
-        raise NotCalibrated(f"the views leave the focal length open by {100 * relative:.1f} %, at most {100 * FOCAL_SIGMA_MAX:.0f} are allowed: "
-                            "tilt the board by 30 to 45 deg, in all parts of the picture")
+        raise NotCalibrated(
+            f"the views leave the focal length open by {100 * relative:.1f} %, at most {100 * FOCAL_SIGMA_MAX:.0f} are allowed: "
+            "tilt the board by 30 to 45 deg, in all parts of the picture"
+        )
     return calibration
 
 

@@ -21,14 +21,24 @@ BOOK_FILE = "campaign.json"
 LIMIT_PROGRAM = REPOSITORY / "build/release/bin/bench_start_limit"
 
 _PACKAGE = "tools/polhode_ground"
-TRANSFORM_SOURCES = (f"{_PACKAGE}/transforms/*.py", f"{_PACKAGE}/common/sequence.py", f"{_PACKAGE}/common/tables.py", f"{_PACKAGE}/judge/align.py",
-                     f"{_PACKAGE}/common/fault_log.py")
+TRANSFORM_SOURCES = (
+    f"{_PACKAGE}/transforms/*.py",
+    f"{_PACKAGE}/common/sequence.py",
+    f"{_PACKAGE}/common/tables.py",
+    f"{_PACKAGE}/judge/align.py",
+    f"{_PACKAGE}/common/fault_log.py",
+)
 # The code behind each kind of task.
 SOURCES = {
     "render": (f"{_PACKAGE}/scenes/**/*.py", "hil/render_scene.sh"),
     "draw": (f"{_PACKAGE}/paths/*.py", *TRANSFORM_SOURCES),
     "transform": TRANSFORM_SOURCES,
-    "judge": (f"{_PACKAGE}/common/*.py", f"{_PACKAGE}/judge/*.py", f"{_PACKAGE}/campaigns/measures.py", "platform/transport/client/python/polhode_bus/*.py"),
+    "judge": (
+        f"{_PACKAGE}/common/*.py",
+        f"{_PACKAGE}/judge/*.py",
+        f"{_PACKAGE}/campaigns/measures.py",
+        "platform/transport/client/python/polhode_bus/*.py",
+    ),
 }
 
 
@@ -145,32 +155,63 @@ class _Maker:
         if run.transform.steps:
             steps = list(run.transform.steps)
             key = digest("transform", key, steps, run.transform.seed, self.sources["transform"])
-            tasks.append(self.task("transform", key, f"{scene.name}/{run.transform.name}", self.store.transformed(key), source=str(folder),
-                                   steps=steps, seed=run.transform.seed))
+            tasks.append(
+                self.task(
+                    "transform",
+                    key,
+                    f"{scene.name}/{run.transform.name}",
+                    self.store.transformed(key),
+                    source=str(folder),
+                    steps=steps,
+                    seed=run.transform.seed,
+                )
+            )
             folder = tasks[-1].place
         return tasks, key, folder
 
     def chain(self, run: Run) -> Chain:
         tasks, sequence_key, folder = self.sequence(run)
         setting = run.setting
-        replay_key = digest("replay", sequence_key, self.program_key, setting.config.read_bytes(), list(setting.settings),
-                            *(file_digest(file) for file in _named_files(setting.config, setting.settings)))
-        options = {"program": str(self.program), "config": str(self.configs[setting.config]), "settings": list(setting.settings),
-                   "sequence": str(folder), "timeout_s": self.plan.replay_timeout_s}
+        replay_key = digest(
+            "replay",
+            sequence_key,
+            self.program_key,
+            setting.config.read_bytes(),
+            list(setting.settings),
+            *(file_digest(file) for file in _named_files(setting.config, setting.settings)),
+        )
+        options = {
+            "program": str(self.program),
+            "config": str(self.configs[setting.config]),
+            "settings": list(setting.settings),
+            "sequence": str(folder),
+            "timeout_s": self.plan.replay_timeout_s,
+        }
         replay = self.task("replay", replay_key, run.name, self.store.run(replay_key), **options)
         judge_key = digest("judge", replay_key, self.plan.shape, self.sources["judge"])
-        judge = self.task("judge", judge_key, run.name, self.store.result(judge_key), run=str(replay.place), sequence=str(folder),
-                          shape=self.plan.shape)
-        return Chain(run, sequence_key, (*tasks, replay, judge), self.task("time", replay_key, run.name, self.store.time(replay_key), **options),
-                     self._limit(run, sequence_key, options))
+        judge = self.task(
+            "judge", judge_key, run.name, self.store.result(judge_key), run=str(replay.place), sequence=str(folder), shape=self.plan.shape
+        )
+        return Chain(
+            run,
+            sequence_key,
+            (*tasks, replay, judge),
+            self.task("time", replay_key, run.name, self.store.time(replay_key), **options),
+            self._limit(run, sequence_key, options),
+        )
 
     def _limit(self, run: Run, sequence_key: str, options: dict) -> Task | None:
         """Of the sequence and the configuration alone, so that other programs find it there."""
         if self.limit_key is None:
             return None
         key = digest("limit", sequence_key, self.limit_key, run.setting.config.read_bytes(), list(run.setting.settings))
-        return self.task("limit", key, run.name, self.store.limit(key),
-                         **(options | {"program": str(self.store.input(self.limit_key, LIMIT_PROGRAM.name))}))
+        return self.task(
+            "limit",
+            key,
+            run.name,
+            self.store.limit(key),
+            **(options | {"program": str(self.store.input(self.limit_key, LIMIT_PROGRAM.name))}),
+        )
 
 
 def open_book(plan: Plan, store: Store, program: pathlib.Path) -> list[Chain]:
@@ -183,19 +224,39 @@ def open_book(plan: Plan, store: Store, program: pathlib.Path) -> list[Chain]:
             write_whole(store.out / "scenes" / f"{scene.name}.toml", scene.text, ours=True)
     maker = _Maker(plan, store, program.resolve())
     chains = [maker.chain(run) for run in plan.runs]
-    write_whole(store.out / BOOK_FILE, json.dumps({
-        "plan": plan.name, "program": str(program), "program_key": maker.program_key, "judge_key": maker.sources["judge"],
-        "cache": str(store.cache),
-        "draws": list(plan.draws), "runs": [_entry(chain, plan) for chain in chains]}, indent=1) + "\n", ours=True)
+    write_whole(
+        store.out / BOOK_FILE,
+        json.dumps(
+            {
+                "plan": plan.name,
+                "program": str(program),
+                "program_key": maker.program_key,
+                "judge_key": maker.sources["judge"],
+                "cache": str(store.cache),
+                "draws": list(plan.draws),
+                "runs": [_entry(chain, plan) for chain in chains],
+            },
+            indent=1,
+        )
+        + "\n",
+        ours=True,
+    )
     return chains
 
 
 def _entry(chain: Chain, plan: Plan) -> dict:
     judge = chain.task("judge")
-    return {"scene": chain.run.scene.name, "transform": chain.run.transform.name, "setting": chain.run.setting.name,
-            "result": judge.key, "time": chain.time.key if plan.time_alone else None,
-            "limit": chain.limit.key if chain.limit is not None else None,
-            "run": judge.options["run"], "sequence": judge.options["sequence"], "sequence_key": chain.sequence_key}
+    return {
+        "scene": chain.run.scene.name,
+        "transform": chain.run.transform.name,
+        "setting": chain.run.setting.name,
+        "result": judge.key,
+        "time": chain.time.key if plan.time_alone else None,
+        "limit": chain.limit.key if chain.limit is not None else None,
+        "run": judge.options["run"],
+        "sequence": judge.options["sequence"],
+        "sequence_key": chain.sequence_key,
+    }
 
 
 def read_book(folder: pathlib.Path) -> dict:

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 import numpy as np
 
 
-
 def packets_of(bus_file: pathlib.Path, name: str) -> Iterator:
     """Those of one name, in order; none where there is no such file."""
     if not bus_file.exists():
         return
     from polhode_bus import open_bus
+
     with open_bus(f"file:{bus_file}") as bus:
         yield from (packet for packet in bus.packets(timeout_s=0.0) if packet.name == name)
 

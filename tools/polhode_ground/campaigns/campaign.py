@@ -24,19 +24,28 @@ FAILED, SCHEDULER_LOST, INTERRUPTED = 1, 1, 130
 
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
-        description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter,
+        description=__doc__.strip(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog="Exit status: 0 all is done, 1 some tasks failed or the scheduler was lost (run the same command again), 2 unusable input,\n"
-               "130 interrupted.\n"
-               "hil/campaigns/README.md describes plans; hil/campaigns/standing.toml is the standing set.")
+        "130 interrupted.\n"
+        "hil/campaigns/README.md describes plans; hil/campaigns/standing.toml is the standing set.",
+    )
     parser.add_argument("plan", metavar="PLAN.toml", type=pathlib.Path, nargs="?")
     parser.add_argument("--out", metavar="DIR", type=pathlib.Path, help="folder of the campaign: runs, results, report")
-    parser.add_argument("--program", metavar="FILE", type=pathlib.Path, default=REPOSITORY / "build/release/bin/polhode",
-                        help="the program to run (default: build/release/bin/polhode)")
+    parser.add_argument(
+        "--program",
+        metavar="FILE",
+        type=pathlib.Path,
+        default=REPOSITORY / "build/release/bin/polhode",
+        help="the program to run (default: build/release/bin/polhode)",
+    )
     parser.add_argument("--vs", metavar="DIR2", type=pathlib.Path, help="another campaign's folder, for paired differences")
     parser.add_argument("--report", metavar="DIR", type=pathlib.Path, help="only write the report of what is done in DIR so far")
     parser.add_argument("--workers", type=whole(1, 1024), default=os.cpu_count(), help="on this machine (default: as many as cores)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="use the workers of a Dask scheduler, as tcp://host:8786")
-    parser.add_argument("--slurm", metavar="FILE.toml", type=pathlib.Path, help="use SLURM jobs as workers (hil/campaigns/slurm_example.toml)")
+    parser.add_argument(
+        "--slurm", metavar="FILE.toml", type=pathlib.Path, help="use SLURM jobs as workers (hil/campaigns/slurm_example.toml)"
+    )
     parser.add_argument("--cache", metavar="DIR", type=pathlib.Path, help="scenes (default: $POLHODE_CACHE/campaigns)")
     parser.add_argument("--report-every", metavar="S", type=number(1.0, 86400.0), default=60.0, help="seconds between reports (default 60)")
     parser.add_argument("--check", action="store_true", help="read the plan, list its runs, do nothing")
@@ -46,6 +55,7 @@ def arguments() -> argparse.Namespace:
 def install_missing() -> None:
     """What only campaigns need stands in requirements of its own; set up on first use."""
     import importlib.util
+
     if any(importlib.util.find_spec(name) is None for name in ("distributed", "pyarrow", "dask_jobqueue")):
         print("campaign: installing what it needs: tools/setup.sh campaign", file=sys.stderr)
         if subprocess.run([REPOSITORY / "tools/setup.sh", "campaign"], stdout=sys.stderr).returncode != 0:
@@ -57,11 +67,13 @@ class Reporter:
 
     def __init__(self, out: pathlib.Path, every_s: float):
         import time
+
         self.out, self.every_s, self.clock = out, every_s, time.monotonic
         self.last_s = self.clock()
 
     def __call__(self, outcome) -> None:
         from polhode_ground.campaigns.report import write_report
+
         if outcome.task.kind == "judge" and self.clock() - self.last_s > self.every_s:
             try:
                 write_report(self.out, pictures=False)
@@ -77,9 +89,12 @@ def run_campaign(options: argparse.Namespace) -> int:
     from polhode_ground.campaigns.report import write_report
     from polhode_ground.campaigns.store import Store
     from polhode_ground.common.replay import cache_folder
+
     plan = read_plan(options.plan)
     if options.check:
-        print(f"{options.plan}: {len(plan.scenes)} scenes x {len(plan.transforms)} transforms x {len(plan.settings)} settings = {len(plan.runs)} runs")
+        print(
+            f"{options.plan}: {len(plan.scenes)} scenes x {len(plan.transforms)} transforms x {len(plan.settings)} settings = {len(plan.runs)} runs"
+        )
         print("\n".join(run.name for run in plan.runs))
         return 0
     if options.vs is not None:
@@ -101,8 +116,10 @@ def run_campaign(options: argparse.Namespace) -> int:
     waiting = sum(one.not_tried for one in failed)
     for one in failed:
         if not one.not_tried:
-            print(f"campaign: {one.task.kind} of {one.task.name} failed: {one.why}" + (f" ({one.task.log})" if one.task.log.exists() else ""),
-                  file=sys.stderr)
+            print(
+                f"campaign: {one.task.kind} of {one.task.name} failed: {one.why}" + (f" ({one.task.log})" if one.task.log.exists() else ""),
+                file=sys.stderr,
+            )
     if waiting:
         print(f"campaign: {waiting} tasks that need them were not tried", file=sys.stderr)
     print(f"report: {page}")
@@ -112,6 +129,7 @@ def run_campaign(options: argparse.Namespace) -> int:
 def main() -> int:
     options = arguments()
     from polhode_ground.common.errors import BadInput
+
     if options.report is None and (options.plan is None or (options.out is None and not options.check)):
         raise BadInput("PLAN.toml and --out DIR are needed, or --report DIR")
     install_missing()
@@ -119,6 +137,7 @@ def main() -> int:
         if options.report is None:
             return run_campaign(options)
         from polhode_ground.campaigns.report import write_report
+
         page, figures = write_report(options.report.resolve(), options.vs)
         print(f"{figures}\nreport: {page}")
         return 0

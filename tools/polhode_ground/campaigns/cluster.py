@@ -25,8 +25,16 @@ SETTINGS = {
 
 
 def _local(workers: int) -> Client:
-    return Client(LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=None,
-                               silence_logs=logging.CRITICAL))
+    return Client(
+        LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address=":0",
+            memory_limit=None,
+            silence_logs=logging.CRITICAL,
+        )
+    )
 
 
 def _at(address: str) -> Client:
@@ -39,6 +47,7 @@ def _at(address: str) -> Client:
 def _slurm(file: pathlib.Path) -> Client:
     """file: table [cluster] with the keywords of dask_jobqueue.SLURMCluster, and how many jobs."""
     from dask_jobqueue import SLURMCluster
+
     try:
         table = tomllib.loads(file.read_text())
     except OSError as problem:

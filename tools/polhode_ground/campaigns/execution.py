@@ -157,8 +157,11 @@ def execute(client: Client, chains: list[Chain], out: pathlib.Path, time_alone: 
     if time_alone:
         outcomes += _time_alone(client, chains, progress)
     progress.tell(last=True)
-    failures = [{"kind": one.task.kind, "name": one.task.name, "why": one.why, "log": str(one.task.log) if one.task.log.exists() else None}
-                for one in outcomes if not one.ok]
+    failures = [
+        {"kind": one.task.kind, "name": one.task.name, "why": one.why, "log": str(one.task.log) if one.task.log.exists() else None}
+        for one in outcomes
+        if not one.ok
+    ]
     write_whole(out / FAILURES_FILE, json.dumps(failures, indent=1) + "\n", ours=True)
     return outcomes
 
@@ -166,7 +169,13 @@ def execute(client: Client, chains: list[Chain], out: pathlib.Path, time_alone: 
 def _note_session(out: pathlib.Path, workers: int, wall_s: float, outcomes: list[Outcome]) -> None:
     """How well the workers were used: a line a session, for the report."""
     kinds = collections.Counter(one.task.kind for one in outcomes)
-    line = {"workers": workers, "wall_s": wall_s, "task_wall_s": sum(one.wall_s for one in outcomes),
-            "task_cpu_s": sum(one.cpu_s for one in outcomes), "tasks": dict(kinds), "ended": time.strftime("%Y-%m-%d %H:%M:%S")}
+    line = {
+        "workers": workers,
+        "wall_s": wall_s,
+        "task_wall_s": sum(one.wall_s for one in outcomes),
+        "task_cpu_s": sum(one.cpu_s for one in outcomes),
+        "tasks": dict(kinds),
+        "ended": time.strftime("%Y-%m-%d %H:%M:%S"),
+    }
     with open(out / SESSIONS_FILE, "a") as stream:
         stream.write(json.dumps(line) + "\n")

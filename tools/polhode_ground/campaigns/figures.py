@@ -27,8 +27,14 @@ def first_pose(groups: dict[str, list[dict]]) -> str:
     figure, axis = plt.subplots(figsize=(7.2, 4.2))
     for number, (name, rows) in enumerate(groups.items()):
         turns, share = first_pose_curve(rows)
-        axis.step([*turns, max(row["turn_total_deg"] for row in rows)], 100 * np.array([*share, share[-1]]), where="post",
-                  label=f"{name} ({len(rows)} runs)", color=f"C{number % 10}", ls=("-", "--", ":")[number // 10 % 3])
+        axis.step(
+            [*turns, max(row["turn_total_deg"] for row in rows)],
+            100 * np.array([*share, share[-1]]),
+            where="post",
+            label=f"{name} ({len(rows)} runs)",
+            color=f"C{number % 10}",
+            ls=("-", "--", ":")[number // 10 % 3],
+        )
     axis.set_xscale("symlog", linthresh=10)
     axis.set_xlim(0, None)
     axis.set_ylim(0, 102)
@@ -49,8 +55,14 @@ def distributions(groups: dict[str, list[dict]]) -> str:
             values = np.sort(values_of(rows, measure))
             values = values[np.isfinite(values)]
             if len(values):
-                axis.step([values[0], *values], np.linspace(0, 100 * len(values) / len(rows), len(values) + 1), where="post", label=name,
-                          color=f"C{number % 10}", ls=("-", "--", ":")[number // 10 % 3])
+                axis.step(
+                    [values[0], *values],
+                    np.linspace(0, 100 * len(values) / len(rows), len(values) + 1),
+                    where="post",
+                    label=name,
+                    color=f"C{number % 10}",
+                    ls=("-", "--", ":")[number // 10 % 3],
+                )
         if measure.factor == 1.0:
             axis.set_xscale("log" if "RMS" in measure.title else "symlog")
         axis.set_xlabel(measure.title)
@@ -66,6 +78,7 @@ def of_run(row: dict, folder: pathlib.Path) -> list[pathlib.Path]:
     """PNGs of one run: frames with what was followed, errors, rates, counts. Kept between calls; none where the run has gone."""
     from polhode_ground.judge.run import read_run, read_truth
     from polhode_ground.common.sequence import read_sequence
+
     if folder.is_dir() and any(folder.iterdir()):
         return sorted(folder.iterdir())
     run_folder, sequence_folder = pathlib.Path(row["run_folder"]), pathlib.Path(row["sequence_folder"])
@@ -74,5 +87,6 @@ def of_run(row: dict, folder: pathlib.Path) -> list[pathlib.Path]:
     run, sequence = read_run(run_folder), read_sequence(sequence_folder)
     truth = read_truth(sequence)
     style.prepare(folder)
-    return sorted([*sheet.draw(run, sequence, folder), *errors.draw(run, truth, folder), *motion.draw(run, truth, folder),
-                   *counts.draw(run, folder)])
+    return sorted(
+        [*sheet.draw(run, sequence, folder), *errors.draw(run, truth, folder), *motion.draw(run, truth, folder), *counts.draw(run, folder)]
+    )

@@ -25,10 +25,29 @@ from polhode_ground.common.tables import Motion, join
 # A frame is confidently wrong when it is farther off than the one and says that it is not farther off than the other.
 WRONG_DEG, CONFIDENT_DEG = 5.0, 2.0
 PROBABILITIES = (0.95, 0.99)
-FRAME_COLUMNS = ("frame", "timestamp_ns", "turn_deg", "pose_valid", "target_frame", "attitude_error_deg", "attitude_sigma_deg",
-                 "attitude_nees", "position_error_percent", "position_error_m", "position_sigma_m", "rate_error_deg_s",
-                 "rate_sigma_deg_s", "smoothed_attitude_error_deg", "smoothed_attitude_sigma_deg", "smoothed_position_error_m",
-                 "smoothed_position_sigma_m", "features", "matches", "inliers", "fault")
+FRAME_COLUMNS = (
+    "frame",
+    "timestamp_ns",
+    "turn_deg",
+    "pose_valid",
+    "target_frame",
+    "attitude_error_deg",
+    "attitude_sigma_deg",
+    "attitude_nees",
+    "position_error_percent",
+    "position_error_m",
+    "position_sigma_m",
+    "rate_error_deg_s",
+    "rate_sigma_deg_s",
+    "smoothed_attitude_error_deg",
+    "smoothed_attitude_sigma_deg",
+    "smoothed_position_error_m",
+    "smoothed_position_sigma_m",
+    "features",
+    "matches",
+    "inliers",
+    "fault",
+)
 
 
 def turned_deg(truth: Motion) -> np.ndarray:
@@ -49,7 +68,9 @@ def longest_run(flags: np.ndarray) -> tuple[int, int]:
 
 def attitude_covariances(bus_file: pathlib.Path) -> dict[int, np.ndarray]:
     """Covariance [3,3] of the attitude error by frame index, in C, from the motion packets; {} where there is no bus file."""
-    return {packet.frame: pose_covariance(packet.cov_pose)[:3, :3] for packet in packets_of(bus_file, "motion") if packet.cov_pose is not None}
+    return {
+        packet.frame: pose_covariance(packet.cov_pose)[:3, :3] for packet in packets_of(bus_file, "motion") if packet.cov_pose is not None
+    }
 
 
 def attitude_nees(part, covariances: dict[int, np.ndarray]) -> np.ndarray:
@@ -69,8 +90,16 @@ def _errors(estimate: Motion, truth: Motion, covariances: dict) -> dict[str, np.
     Positions are laid over the truth by one similarity a target frame T: in percent by a fitted scale, in metres by the run's
     own where it claims one, since its sigma holds the error of that.
     """
-    names = ("attitude_error_deg", "attitude_sigma_deg", "attitude_nees", "position_error_percent", "position_error_m", "position_sigma_m",
-             "rate_error_deg_s", "rate_sigma_deg_s")
+    names = (
+        "attitude_error_deg",
+        "attitude_sigma_deg",
+        "attitude_nees",
+        "position_error_percent",
+        "position_error_m",
+        "position_sigma_m",
+        "rate_error_deg_s",
+        "rate_sigma_deg_s",
+    )
     found = {name: np.full(len(estimate.timestamp_ns), np.nan) for name in names}
     for part in align_each(estimate, truth):
         rows = part.rows_E
@@ -95,12 +124,19 @@ def _availability(causal: Motion, frames: int, seconds: np.ndarray, turn_deg: np
     silent_from += first or 0
     last = min(silent_from + silence, frames - 1)
     return {
-        "frames": frames, "turn_total_deg": float(turn_deg[-1]), "time_total_s": float(seconds[-1]), "acquired": acquired,
-        "first_pose_frame": first, "first_pose_s": float(seconds[first]) if acquired else None,
+        "frames": frames,
+        "turn_total_deg": float(turn_deg[-1]),
+        "time_total_s": float(seconds[-1]),
+        "acquired": acquired,
+        "first_pose_frame": first,
+        "first_pose_s": float(seconds[first]) if acquired else None,
         "first_pose_turn_deg": float(turn_deg[first]) if acquired else None,
-        "coverage": int(valid.sum()) / frames, "coverage_after_first": int(valid[first:].sum()) / (frames - first) if acquired else 0.0,
-        "silence_frames": silence, "silence_s": float(seconds[last] - seconds[silent_from]) if silence else 0.0,
-        "silence_turn_deg": float(turn_deg[last] - turn_deg[silent_from]) if silence else 0.0}
+        "coverage": int(valid.sum()) / frames,
+        "coverage_after_first": int(valid[first:].sum()) / (frames - first) if acquired else 0.0,
+        "silence_frames": silence,
+        "silence_s": float(seconds[last] - seconds[silent_from]) if silence else 0.0,
+        "silence_turn_deg": float(turn_deg[last] - turn_deg[silent_from]) if silence else 0.0,
+    }
 
 
 def _rms(values: np.ndarray) -> float | None:
@@ -116,13 +152,18 @@ def _accuracy(prefix: str, found: dict[str, np.ndarray], motion: dict) -> dict:
     """Errors of one motion file; None where it has no pose that can be judged."""
     error, sigma = found["attitude_error_deg"], found["attitude_sigma_deg"]
     known = np.isfinite(error) & np.isfinite(sigma)
-    row = {"attitude_rms_deg": _rms(error), "attitude_max_deg": float(np.nanmax(error)) if np.isfinite(error).any() else None,
-           "position_rms_percent": _rms(found["position_error_percent"]), "rate_rms_deg_s": _rms(found["rate_error_deg_s"]),
-           "rate_mean_error_percent": lookup(motion, "rates.mean_error_percent"),
-           "frames_wrong": int(np.sum(known & (error > WRONG_DEG))),
-           "frames_wrong_confident": int(np.sum(known & (error > WRONG_DEG) & (sigma <= CONFIDENT_DEG))),
-           "depth_reversed": lookup(motion, "twin.verdict") == "twin", "verdict": lookup(motion, "twin.verdict"),
-           "target_frames": lookup(motion, "target_frames.count") or 0}
+    row = {
+        "attitude_rms_deg": _rms(error),
+        "attitude_max_deg": float(np.nanmax(error)) if np.isfinite(error).any() else None,
+        "position_rms_percent": _rms(found["position_error_percent"]),
+        "rate_rms_deg_s": _rms(found["rate_error_deg_s"]),
+        "rate_mean_error_percent": lookup(motion, "rates.mean_error_percent"),
+        "frames_wrong": int(np.sum(known & (error > WRONG_DEG))),
+        "frames_wrong_confident": int(np.sum(known & (error > WRONG_DEG) & (sigma <= CONFIDENT_DEG))),
+        "depth_reversed": lookup(motion, "twin.verdict") == "twin",
+        "verdict": lookup(motion, "twin.verdict"),
+        "target_frames": lookup(motion, "target_frames.count") or 0,
+    }
     row["begun_anew"] = row["target_frames"] > 1
     for what, unit in (("attitude", "deg"), ("position", "m"), ("rate", "deg_s")):
         norms, sigmas = found[f"{what}_error_{unit}"], found[f"{what}_sigma_{unit}"]
@@ -150,51 +191,70 @@ def measure(run_folder: pathlib.Path, sequence_folder: pathlib.Path, shape: bool
     run, sequence = read_run(run_folder), read_sequence(sequence_folder)
     truth = read_truth(sequence)
     causal, smoothed = run.motions["causal"], run.motions["smoothed"]
-    judged = judge_run(run, sequence, truth) if shape else {"motion": {
-        kind: metrics.judge_motion(motion, truth, len(sequence.timestamp_ns)) for kind, motion in run.motions.items()}}
+    judged = (
+        judge_run(run, sequence, truth)
+        if shape
+        else {"motion": {kind: metrics.judge_motion(motion, truth, len(sequence.timestamp_ns)) for kind, motion in run.motions.items()}}
+    )
     found = _errors(causal, truth, attitude_covariances(run_folder / "bus.ccsds"))
     found_smoothed = _errors(smoothed, truth, {})
     frames = len(sequence.timestamp_ns)
     rows_E, rows_T = join(causal, truth)
     # Frames without truth are placed between those that have it, and count no turn beyond them.
-    turn_deg = np.interp(causal.timestamp_ns - causal.timestamp_ns[0], causal.timestamp_ns[rows_E] - causal.timestamp_ns[0],
-                         turned_deg(truth)[rows_T])
+    turn_deg = np.interp(
+        causal.timestamp_ns - causal.timestamp_ns[0], causal.timestamp_ns[rows_E] - causal.timestamp_ns[0], turned_deg(truth)[rows_T]
+    )
     row = _availability(causal, frames, causal.seconds, turn_deg)
     row |= _accuracy("causal", found, judged["motion"]["causal"]) | _accuracy("smoothed", found_smoothed, judged["motion"]["smoothed"])
     row |= _nees(found["attitude_nees"])
     row |= judge_points(run_folder / "bus.ccsds", sequence.folder, truth, align_each(causal, truth))
-    row |= {"cloud_rmse_percent": lookup(judged, "shape.distance_rmse_percent"),
-            "inertia_middle_error_percent": lookup(judged, "dynamics.inertia_ratios.middle_over_least.error_percent"),
-            "inertia_largest_error_percent": lookup(judged, "dynamics.inertia_ratios.largest_over_least.error_percent"),
-            "centre_of_mass_error_m": lookup(judged, "dynamics.centre_of_mass.error_m"),
-            "losses": lookup(run.summary, "counters.lost"), "bus_sha256": lookup(run.summary, "bus_sha256")}
+    row |= {
+        "cloud_rmse_percent": lookup(judged, "shape.distance_rmse_percent"),
+        "inertia_middle_error_percent": lookup(judged, "dynamics.inertia_ratios.middle_over_least.error_percent"),
+        "inertia_largest_error_percent": lookup(judged, "dynamics.inertia_ratios.largest_over_least.error_percent"),
+        "centre_of_mass_error_m": lookup(judged, "dynamics.centre_of_mass.error_m"),
+        "losses": lookup(run.summary, "counters.lost"),
+        "bus_sha256": lookup(run.summary, "bus_sha256"),
+    }
     row |= _faults(run, sequence)
     kinds = {one.timestamp_ns: one.kind for one in read_log(sequence.folder / LOG_FILE)}
     columns = found | {
-        "frame": np.arange(frames), "timestamp_ns": causal.timestamp_ns, "turn_deg": turn_deg, "pose_valid": causal.pose_valid,
-        "target_frame": causal.target_frame, "smoothed_attitude_error_deg": found_smoothed["attitude_error_deg"],
+        "frame": np.arange(frames),
+        "timestamp_ns": causal.timestamp_ns,
+        "turn_deg": turn_deg,
+        "pose_valid": causal.pose_valid,
+        "target_frame": causal.target_frame,
+        "smoothed_attitude_error_deg": found_smoothed["attitude_error_deg"],
         "smoothed_attitude_sigma_deg": found_smoothed["attitude_sigma_deg"],
-        "smoothed_position_error_m": found_smoothed["position_error_m"], "smoothed_position_sigma_m": found_smoothed["position_sigma_m"],
+        "smoothed_position_error_m": found_smoothed["position_error_m"],
+        "smoothed_position_sigma_m": found_smoothed["position_sigma_m"],
         "fault": [kinds.get(int(stamp), "") for stamp in causal.timestamp_ns],
-        **{name: causal.columns[name] for name in ("features", "matches", "inliers")}}
+        **{name: causal.columns[name] for name in ("features", "matches", "inliers")},
+    }
     return row, {name: columns[name] for name in FRAME_COLUMNS}
 
 
 def _faults(run, sequence) -> dict:
     """Of the transform "faults": coverage of the good frames, wrong poses of bad ones, counters that are off; else None."""
     from polhode_ground.judge.faulted import COUNTER_OF, judge_faulted
+
     log = read_log(sequence.folder / LOG_FILE)
     if not log or not {one.kind for one in log} <= set(COUNTER_OF):
         return {"faults_injected": None, "faults_coverage_of_good": None, "faults_wrong_poses": None, "faults_miscounted": None}
     verdict = judge_faulted(run.folder, sequence)
-    return {"faults_injected": sum(verdict.injected.values()), "faults_coverage_of_good": verdict.coverage,
-            "faults_wrong_poses": len(verdict.wrong_poses),
-            "faults_miscounted": sum(abs(verdict.counted[kind] - verdict.injected[kind]) for kind in COUNTER_OF)}
+    return {
+        "faults_injected": sum(verdict.injected.values()),
+        "faults_coverage_of_good": verdict.coverage,
+        "faults_wrong_poses": len(verdict.wrong_poses),
+        "faults_miscounted": sum(abs(verdict.counted[kind] - verdict.injected[kind]) for kind in COUNTER_OF),
+    }
 
 
 def write_result(row: dict, frames: dict, folder: pathlib.Path) -> None:
     """run.json and frames.parquet; NaN becomes null."""
     (folder / "run.json").write_text(json.dumps(row, indent=1, default=lambda value: value.item()) + "\n")
-    columns = {name: pyarrow.array(values, from_pandas=True) if isinstance(values, np.ndarray) else pyarrow.array(values)
-               for name, values in frames.items()}
+    columns = {
+        name: pyarrow.array(values, from_pandas=True) if isinstance(values, np.ndarray) else pyarrow.array(values)
+        for name, values in frames.items()
+    }
     pyarrow.parquet.write_table(pyarrow.table(columns), folder / "frames.parquet")

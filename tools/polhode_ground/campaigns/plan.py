@@ -170,10 +170,12 @@ def _resolution(reader: _Reader, where: str, table: dict, default: list[int]) ->
 
 
 def _picture(reader: _Reader, table: dict) -> Picture:
-    return Picture(frames=reader.value("scenes", table, "frames", int, 80, 3, 100000),
-                   resolution=tuple(_resolution(reader, "scenes", table, [640, 480])),
-                   texture_px=reader.value("scenes", table, "texture_px", int, 1024, 64, 8192),
-                   samples=reader.value("scenes", table, "samples", int, 16, 1, 4096))
+    return Picture(
+        frames=reader.value("scenes", table, "frames", int, 80, 3, 100000),
+        resolution=tuple(_resolution(reader, "scenes", table, [640, 480])),
+        texture_px=reader.value("scenes", table, "texture_px", int, 1024, 64, 8192),
+        samples=reader.value("scenes", table, "samples", int, 16, 1, 4096),
+    )
 
 
 def _drawn(reader: _Reader) -> tuple[list[Scene], list[dict]]:
@@ -181,7 +183,9 @@ def _drawn(reader: _Reader) -> tuple[list[Scene], list[dict]]:
         return [], []
     table = reader.raw["scenes"]
     reader.keys("scenes", table)
-    draws, seed = (reader.value("scenes", table, key, int, None, least, most) for key, least, most in (("draws", 1, 4096), ("seed", 0, 2**31)))
+    draws, seed = (
+        reader.value("scenes", table, key, int, None, least, most) for key, least, most in (("draws", 1, 4096), ("seed", 0, 2**31))
+    )
     picture = _picture(reader, table)
     space = narrowed(f"{reader.path}: scenes.space", reader.value("scenes", table, "space", dict, {}))
     found = points(space, draws, seed)
@@ -198,9 +202,13 @@ def _paths(reader: _Reader) -> list[Scene]:
         return []
     table = reader.raw["paths"]
     reader.keys("paths", table)
-    draws, seed = (reader.value("paths", table, key, int, None, least, most) for key, least, most in (("draws", 1, 100000), ("seed", 0, 2**31)))
-    common = {"frames": reader.value("paths", table, "frames", int, 60, 8, 10000),
-              "resolution": _resolution(reader, "paths", table, [240, 180])}
+    draws, seed = (
+        reader.value("paths", table, key, int, None, least, most) for key, least, most in (("draws", 1, 100000), ("seed", 0, 2**31))
+    )
+    common = {
+        "frames": reader.value("paths", table, "frames", int, 60, 8, 10000),
+        "resolution": _resolution(reader, "paths", table, [240, 180]),
+    }
     return [Scene(f"path_{number:05d}", path=common | {"seed": seed, "number": number}) for number in range(draws)]
 
 
@@ -260,7 +268,7 @@ def _unlike_names(reader: _Reader, what: str, names: list[str]) -> None:
     for name in names:
         if names.count(name) > 1:
             reader.refuse(what, f"two are called '{name}'")
-        if not name or any(not (c.isalnum() or c in "_-+.,=\"[] ") for c in name):
+        if not name or any(not (c.isalnum() or c in '_-+.,="[] ') for c in name):
             reader.refuse(what, f"'{name}' is no name: letters, digits and _-+., are allowed")
 
 
@@ -278,8 +286,14 @@ def read_plan(path: pathlib.Path) -> Plan:
         _unlike_names(reader, what, [entry.name for entry in entries])
     judge = reader.value("", reader.raw, "judge", dict, {})
     reader.keys("judge", judge)
-    return Plan(name=reader.value("", reader.raw, "name", str, reader.path.stem), scenes=tuple(scenes), transforms=tuple(transforms),
-                settings=tuple(settings), shape=reader.value("judge", judge, "shape", bool, True),
-                time_alone=reader.value("judge", judge, "time_alone", bool, True),
-                limit=reader.value("judge", judge, "limit", bool, False),
-                replay_timeout_s=float(reader.value("judge", judge, "replay_timeout_s", (int, float), 1800.0, 1, 1e6)), draws=tuple(draws))
+    return Plan(
+        name=reader.value("", reader.raw, "name", str, reader.path.stem),
+        scenes=tuple(scenes),
+        transforms=tuple(transforms),
+        settings=tuple(settings),
+        shape=reader.value("judge", judge, "shape", bool, True),
+        time_alone=reader.value("judge", judge, "time_alone", bool, True),
+        limit=reader.value("judge", judge, "limit", bool, False),
+        replay_timeout_s=float(reader.value("judge", judge, "replay_timeout_s", (int, float), 1800.0, 1, 1e6)),
+        draws=tuple(draws),
+    )

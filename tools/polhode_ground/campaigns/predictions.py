@@ -39,9 +39,21 @@ class Predicted:
 
 def read_predictions(bus_file: pathlib.Path) -> list[tuple[int, bool, Predicted]]:
     """[(frame, in metres?, what it predicted)] of the packets that have attitude and position."""
-    return [(packet.frame, packet.scale_known, Predicted(packet.timestamp_ns, packet.predicted_timestamp_ns, align.rotations(np.array(packet.q_CT)),
-                                                         np.array(packet.p_CT), pose_covariance(packet.cov_pose)))
-            for packet in packets_of(bus_file, "prediction") if packet.q_CT is not None and packet.p_CT is not None]
+    return [
+        (
+            packet.frame,
+            packet.scale_known,
+            Predicted(
+                packet.timestamp_ns,
+                packet.predicted_timestamp_ns,
+                align.rotations(np.array(packet.q_CT)),
+                np.array(packet.p_CT),
+                pose_covariance(packet.cov_pose),
+            ),
+        )
+        for packet in packets_of(bus_file, "prediction")
+        if packet.q_CT is not None and packet.p_CT is not None
+    ]
 
 
 def body_points(scene: dict) -> np.ndarray:
@@ -60,6 +72,7 @@ def truth_later(truth: Motion, scene: dict, at_ns: int) -> tuple[Rotation, np.nd
     if motion is None or at_ns < truth.timestamp_ns[0]:
         return None
     from polhode_ground.scenes.truth import motion_at
+
     later = motion_at(motion, [], np.array([(at_ns - scene["scene"]["time"]["epoch_ns"]) * 1e-9]))
     return align.rotations(later.q_CT[0]), later.p_CT_m[0]
 

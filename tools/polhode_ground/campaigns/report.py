@@ -37,14 +37,20 @@ Summaries = dict[tuple[str, str], dict[str, dict | None]]
 
 def summarised(rows: list[dict]) -> Summaries:
     """Every measure of every group, from which all tables are made: the bootstrap is what takes the time."""
-    return {group: {measure.title: summaries.summary(members, measure) for measure in summaries.MEASURES}
-            for group, members in _groups(rows).items()}
+    return {
+        group: {measure.title: summaries.summary(members, measure) for measure in summaries.MEASURES}
+        for group, members in _groups(rows).items()
+    }
 
 
 def summary_table(found: Summaries) -> list[dict]:
     """One row for each group and measure that has a value."""
-    return [{"transform": transform, "setting": setting, "measure": title, **summary}
-            for (transform, setting), by_title in found.items() for title, summary in by_title.items() if summary is not None]
+    return [
+        {"transform": transform, "setting": setting, "measure": title, **summary}
+        for (transform, setting), by_title in found.items()
+        for title, summary in by_title.items()
+        if summary is not None
+    ]
 
 
 def paired_table(base: list[dict], new: list[dict]) -> list[dict]:
@@ -95,10 +101,25 @@ def _paired_html(table: list[dict]) -> list[list[str]]:
     rows = []
     for one in table:
         layout = by_title[one["measure"]].layout.replace("{:", "{:+")
-        interval = "-" if one["mean"] is None else (f"<b>{_text(one['mean'], layout)}</b>" + (
-            "" if one["low"] is None else f" [{_text(one['low'], layout)}, {_text(one['high'], layout)}]"))
-        rows.append([_name((one["transform"], one["setting"])), one["measure"], str(one["pairs"]), interval, _text(one["better"], "{}"),
-                     _text(one["worse"], "{}"), _text(one["probability"], "{:.2g}")])
+        interval = (
+            "-"
+            if one["mean"] is None
+            else (
+                f"<b>{_text(one['mean'], layout)}</b>"
+                + ("" if one["low"] is None else f" [{_text(one['low'], layout)}, {_text(one['high'], layout)}]")
+            )
+        )
+        rows.append(
+            [
+                _name((one["transform"], one["setting"])),
+                one["measure"],
+                str(one["pairs"]),
+                interval,
+                _text(one["better"], "{}"),
+                _text(one["worse"], "{}"),
+                _text(one["probability"], "{:.2g}"),
+            ]
+        )
     return rows
 
 
@@ -149,15 +170,36 @@ def write_report(out: pathlib.Path, vs: pathlib.Path | None = None, pictures: bo
     if rows:
         write_whole(folder / "summary.md", markdown(found, rows), ours=True)
     failures = out / FAILURES_FILE
-    page = jinja2.Environment(loader=jinja2.FileSystemLoader(pathlib.Path(__file__).parent), trim_blocks=True, lstrip_blocks=True,
-                              autoescape=True, undefined=jinja2.StrictUndefined).get_template(TEMPLATE).render(
-        book=book, done=len(rows), names=list(groups), main=_table(found, _cell), turns=_turn_table(groups) if rows else [],
-        base=base[0] if base else None, other_judge=bool(base) and base[0].get("judge_key") != book.get("judge_key"),
-        unpaired=len(rows) - len(summaries.pairs(base[1], rows)) if base else 0,
-        base_main=_table(base_found, _cell), base_groups=[_name(key) for key in base_found], paired=_paired_html(differences),
-        figures=[figures.first_pose(groups), figures.distributions(groups)] if rows else [],
-        worst=_worst(out, rows) if pictures else [], sessions=_sessions(out), base_sessions=_sessions(vs) if vs else [],
-        failures=json.loads(failures.read_text()) if failures.exists() else [], rows=rows, text=_text)
+    page = (
+        jinja2.Environment(
+            loader=jinja2.FileSystemLoader(pathlib.Path(__file__).parent),
+            trim_blocks=True,
+            lstrip_blocks=True,
+            autoescape=True,
+            undefined=jinja2.StrictUndefined,
+        )
+        .get_template(TEMPLATE)
+        .render(
+            book=book,
+            done=len(rows),
+            names=list(groups),
+            main=_table(found, _cell),
+            turns=_turn_table(groups) if rows else [],
+            base=base[0] if base else None,
+            other_judge=bool(base) and base[0].get("judge_key") != book.get("judge_key"),
+            unpaired=len(rows) - len(summaries.pairs(base[1], rows)) if base else 0,
+            base_main=_table(base_found, _cell),
+            base_groups=[_name(key) for key in base_found],
+            paired=_paired_html(differences),
+            figures=[figures.first_pose(groups), figures.distributions(groups)] if rows else [],
+            worst=_worst(out, rows) if pictures else [],
+            sessions=_sessions(out),
+            base_sessions=_sessions(vs) if vs else [],
+            failures=json.loads(failures.read_text()) if failures.exists() else [],
+            rows=rows,
+            text=_text,
+        )
+    )
     write_whole(folder / "index.html", page, ours=True)
     return folder / "index.html", printed(found)
 
@@ -176,6 +218,7 @@ def _header(found: Summaries) -> list[str]:
 def printed(found: Summaries) -> str:
     """The figures for the terminal."""
     from polhode_ground.judge.report import table
+
     lines = _table(found, _plain_cell)
     return table(_header(found), lines) if lines else "no run is judged yet"
 
@@ -183,5 +226,8 @@ def printed(found: Summaries) -> str:
 def markdown(found: Summaries, rows: list[dict]) -> str:
     """The figures and the curve of the first pose as Markdown tables, for a document."""
     header, lines = _header(found), _table(found, _plain_cell)
-    turns = [[f"first pose within {row[0]} of turn", *row[1:]] for row in _turn_table({_name(key): members for key, members in _groups(rows).items()})]
+    turns = [
+        [f"first pose within {row[0]} of turn", *row[1:]]
+        for row in _turn_table({_name(key): members for key, members in _groups(rows).items()})
+    ]
     return "\n".join(f"| {' | '.join(line)} |" for line in [header, ["---"] * len(header), *lines, *turns]) + "\n"

@@ -40,7 +40,12 @@ def _row(entry: dict, point: dict, store: Store) -> dict:
     limit = store.limit(entry["limit"]) if entry.get("limit") else None
     if limit is not None and is_whole(limit):
         row |= _against_limit(row, json.loads((limit / "limit.json").read_text()))
-    return row | {"run_folder": entry["run"], "sequence_folder": entry["sequence"], "result": entry["result"], "sequence_key": entry["sequence_key"]}
+    return row | {
+        "run_folder": entry["run"],
+        "sequence_folder": entry["sequence"],
+        "result": entry["result"],
+        "sequence_key": entry["sequence_key"],
+    }
 
 
 def rows_so_far(out: pathlib.Path) -> tuple[dict, list[dict]]:

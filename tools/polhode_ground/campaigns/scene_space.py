@@ -55,10 +55,14 @@ SPACE = {
     "axes_clock_deg": Range(0, 360),
     "tilt_deg": Range(15, 75),  # of the angular velocity to the axis of largest inertia, in a tumble
     "tilt_clock_deg": Range(0, 360),
-    "attitude_1": Range(0, 1), "attitude_2": Range(0, 1), "attitude_3": Range(0, 1),  # uniform over all attitudes
+    "attitude_1": Range(0, 1),
+    "attitude_2": Range(0, 1),
+    "attitude_3": Range(0, 1),  # uniform over all attitudes
     "range_ratio": Range(0.6, 1.5, True),  # range at the end over range at the beginning
-    "begin_off": Range(0, 1), "begin_clock_deg": Range(0, 360),  # place in the picture, part of what keeps the body in it
-    "end_off": Range(0, 1), "end_clock_deg": Range(0, 360),
+    "begin_off": Range(0, 1),
+    "begin_clock_deg": Range(0, 360),  # place in the picture, part of what keeps the body in it
+    "end_off": Range(0, 1),
+    "end_clock_deg": Range(0, 360),
     "phase_deg": Range(20, 110),  # between the directions to the camera and to the sun, seen from the body
     "sun_clock_deg": Range(0, 360),
     "earthshine": Range(0.1, 0.5),
@@ -73,7 +77,8 @@ SPACE = {
     "blur": Choice({"none": 0.5, "some": 0.5}),
     "blur_px": Range(0.3, 2.5),  # at the body's rim, where there is some
     "mass_off": Range(0, 0.12),  # centre of mass from the model's origin, part of the size
-    "mass_clock_deg": Range(0, 360), "mass_height": Range(-1, 1),
+    "mass_clock_deg": Range(0, 360),
+    "mass_height": Range(-1, 1),
     "camera": Choice({"fixed": 0.75, "turning": 0.25}),
     "camera_rate": Range(-0.5, 0.5),  # about the line of sight, part of the body's rate
     "distortion": Choice({"none": 0.5, "some": 0.5}),
@@ -119,8 +124,13 @@ def _dimension(where: str, default, value):
         names = [*default.weights, "box"] if "cubesat" in default.weights else list(default.weights)
         if isinstance(value, str):
             value = {value: 1.0}
-        if not isinstance(value, dict) or not value or not set(value) <= set(names) or not all(
-                _number(weight) and weight >= 0 for weight in value.values()) or sum(value.values()) <= 0:
+        if (
+            not isinstance(value, dict)
+            or not value
+            or not set(value) <= set(names)
+            or not all(_number(weight) and weight >= 0 for weight in value.values())
+            or sum(value.values()) <= 0
+        ):
             raise BadInput(f"{where}: allowed is one of {', '.join(names)}, or a table of their weights")
         return Choice(dict(value))
     if _number(value):
@@ -193,8 +203,11 @@ def _places(p: dict, focal_px: float, size_m: float, radius: float, picture: Pic
 def _light(p: dict) -> dict:
     """Sun and Earth, as directions from the target in C; the camera is at -z from it."""
     sun = _direction(180.0 - p["phase_deg"], p["sun_clock_deg"])
-    return {"sun_direction_C": _listed(sun), "earth_direction_C": _listed(_direction(p["earth_deg"], p["earth_clock_deg"])),
-            "earthshine": round(p["earthshine"], 4)}
+    return {
+        "sun_direction_C": _listed(sun),
+        "earth_direction_C": _listed(_direction(p["earth_deg"], p["earth_clock_deg"])),
+        "earthshine": round(p["earthshine"], 4),
+    }
 
 
 def _listed(values, digits: int = 9) -> list[float]:
@@ -225,13 +238,21 @@ def scene_of(p: dict, picture: Picture, name: str, seed: int) -> dict:
     mass_off = p["mass_off"] * size_m * np.array([across * np.cos(clock), across * np.sin(clock), p["mass_height"]])
     width, height = picture.resolution
     scene = {
-        "name": name, "seed": seed,
+        "name": name,
+        "seed": seed,
         "target": {"kind": p["body"], "size_m": size_m, "detail_seed": int(p["detail"]), "texture_px": picture.texture_px},
-        "motion": {"inertia_kg_m2": [_listed(row) for row in inertia], "w0_T_deg_s": _listed(_rate_T_deg_s(p, main_axis)),
-                   "q_CT0": _uniform_attitude(p["attitude_1"], p["attitude_2"], p["attitude_3"]),
-                   "p_CT0_m": _listed(begin), "v_C0_m_s": _listed(velocity), "centre_of_mass_G_m": _listed(mass_off)},
-        "camera": {"resolution": [width, height],
-                   "intrinsics_px": [round(focal_px, 6), round(focal_px, 6), (width - 1) / 2, (height - 1) / 2]},
+        "motion": {
+            "inertia_kg_m2": [_listed(row) for row in inertia],
+            "w0_T_deg_s": _listed(_rate_T_deg_s(p, main_axis)),
+            "q_CT0": _uniform_attitude(p["attitude_1"], p["attitude_2"], p["attitude_3"]),
+            "p_CT0_m": _listed(begin),
+            "v_C0_m_s": _listed(velocity),
+            "centre_of_mass_G_m": _listed(mass_off),
+        },
+        "camera": {
+            "resolution": [width, height],
+            "intrinsics_px": [round(focal_px, 6), round(focal_px, 6), (width - 1) / 2, (height - 1) / 2],
+        },
         "time": {"period_s": round(period_s, 9), "frames": picture.frames},
         "background": {"kind": p["background"], "seed": int(p["background_detail"])},
         "sensor": _sensor(p, period_s),
@@ -250,8 +271,12 @@ def scene_of(p: dict, picture: Picture, name: str, seed: int) -> dict:
 
 
 def _sensor(p: dict, period_s: float) -> dict:
-    sensor = {"exposure": round(p["exposure"], 4), "full_well_e": round(p["full_well_e"], 1),
-              "read_noise_e": round(p["read_noise_e"], 2), "gamma": float(p["gamma"])}
+    sensor = {
+        "exposure": round(p["exposure"], 4),
+        "full_well_e": round(p["full_well_e"], 1),
+        "read_noise_e": round(p["read_noise_e"], 2),
+        "gamma": float(p["gamma"]),
+    }
     if p["blur"] == "some" and p["motion"] != "still":
         rim_px_s = np.radians(p["rate_deg_s"]) * p["size_px"] / 2
         sensor |= {"exposure_s": round(min(p["blur_px"] / rim_px_s, 0.5 * period_s), 9), "blur_samples": 3}

@@ -72,8 +72,14 @@ MEASURES = (
     Measure("rate inside its 95 % bound, smoothed [%]", "smoothed_rate_in_95", "mean", 1, 100, "{:.1f}"),
     Measure("NEES of attitude over 3, causal (1 is right)", "causal_nees", "median", 0),
     Measure("inside the 95 % ellipsoid, causal [%]", "causal_nees_in_95", "mean", 0, 100, "{:.1f}"),
-    *(Measure(f"NEES of points predicted {seconds} s ahead over 3 (1 is right)", f"predicted_nees_{seconds}_s", "median", 0) for seconds in AHEAD_S),
-    *(Measure(f"points predicted {seconds} s ahead beyond 99 % [%]", f"predicted_beyond_99_{seconds}_s", "mean", -1, 100, "{:.1f}") for seconds in AHEAD_S),
+    *(
+        Measure(f"NEES of points predicted {seconds} s ahead over 3 (1 is right)", f"predicted_nees_{seconds}_s", "median", 0)
+        for seconds in AHEAD_S
+    ),
+    *(
+        Measure(f"points predicted {seconds} s ahead beyond 99 % [%]", f"predicted_beyond_99_{seconds}_s", "mean", -1, 100, "{:.1f}")
+        for seconds in AHEAD_S
+    ),
     Measure("depth-reversed, causal [runs]", "causal_depth_reversed", "sum", -1, 1, "{:.0f}"),
     Measure("depth-reversed, smoothed [runs]", "smoothed_depth_reversed", "sum", -1, 1, "{:.0f}"),
     Measure("over 5 deg off with 2 deg reported, causal [frames]", "causal_frames_wrong_confident", "sum", -1, 1, "{:.0f}"),
@@ -115,8 +121,12 @@ def _share_interval(values: np.ndarray, measure: Measure) -> list[float]:
     return [measure.factor * float(found.low), measure.factor * float(found.high)]
 
 
-CENTRES = {"share": lambda values, axis=None: values.mean(axis=axis), "mean": lambda values, axis=None: values.mean(axis=axis), "median": lambda values, axis=None: _quantile(values, 50, axis),
-           "sum": lambda values, axis=None: values.sum(axis=axis)}
+CENTRES = {
+    "share": lambda values, axis=None: values.mean(axis=axis),
+    "mean": lambda values, axis=None: values.mean(axis=axis),
+    "median": lambda values, axis=None: _quantile(values, 50, axis),
+    "sum": lambda values, axis=None: values.sum(axis=axis),
+}
 
 
 def summary(rows: list[dict], measure: Measure) -> dict | None:
@@ -129,8 +139,15 @@ def summary(rows: list[dict], measure: Measure) -> dict | None:
     if len(known) < SCENES_MIN:
         low = high = None
     bad_side = (10, 0) if measure.better > 0 else (90, 100)
-    return {"count": len(known), "of": len(values), "centre": float(CENTRES[measure.how](known)), "low": low, "high": high,
-            "p90": float(_quantile(known, bad_side[0])), "worst": float(_quantile(known, bad_side[1]))}
+    return {
+        "count": len(known),
+        "of": len(values),
+        "centre": float(CENTRES[measure.how](known)),
+        "low": low,
+        "high": high,
+        "p90": float(_quantile(known, bad_side[0])),
+        "worst": float(_quantile(known, bad_side[1])),
+    }
 
 
 def first_pose_curve(rows: list[dict]) -> tuple[np.ndarray, np.ndarray]:
@@ -156,8 +173,10 @@ def share_by_turn(rows: list[dict], turn_deg: float) -> float | None:
 
 def pairs(base: list[dict], new: list[dict]) -> list[tuple[dict, dict]]:
     """Runs of the very same sequence in a setting of the same name in both."""
+
     def place(row):
         return row["sequence_key"], row["setting"]
+
     at = {place(row): row for row in base}
     return [(at[place(row)], row) for row in new if place(row) in at]
 
@@ -175,18 +194,33 @@ def paired(base: list[dict], new: list[dict], measure: Measure) -> dict | None:
     difference = b[both] - a[both]
     gain = np.where(a == b, 0, np.where(b > a, 1, -1)) * measure.better
     judged = measure.better != 0  # where neither more nor less is better nobody can say
-    result = {"pairs": int(both.sum()), "better": int((gain > 0).sum()) if judged else None,
-              "worse": int((gain < 0).sum()) if judged else None, "mean": None, "low": None,
-              "high": None, "probability": None}
+    result = {
+        "pairs": int(both.sum()),
+        "better": int((gain > 0).sum()) if judged else None,
+        "worse": int((gain < 0).sum()) if judged else None,
+        "mean": None,
+        "low": None,
+        "high": None,
+        "probability": None,
+    }
     if len(difference):
         low, high = _interval(_resampled(difference).mean(axis=1)) if len(difference) >= SCENES_MIN else (None, None)
-        result |= {"mean": float(difference.mean()), "low": low, "high": high,
-                   "probability": float(wilcoxon(difference).pvalue) if np.any(difference != 0) else 1.0}
+        result |= {
+            "mean": float(difference.mean()),
+            "low": low,
+            "high": high,
+            "probability": float(wilcoxon(difference).pvalue) if np.any(difference != 0) else 1.0,
+        }
     return result
 
 
 def badness(row: dict) -> tuple:
     """Sorts runs from worst to best: confidently wrong, reversed, never acquired, silent, off."""
-    return (-row["causal_frames_wrong_confident"] - row["smoothed_frames_wrong_confident"],
-            -int(row["causal_depth_reversed"]) - int(row["smoothed_depth_reversed"]), row["coverage"],
-            -(row["causal_attitude_rms_deg"] or 0.0), row["scene"], row["setting"])
+    return (
+        -row["causal_frames_wrong_confident"] - row["smoothed_frames_wrong_confident"],
+        -int(row["causal_depth_reversed"]) - int(row["smoothed_depth_reversed"]),
+        row["coverage"],
+        -(row["causal_attitude_rms_deg"] or 0.0),
+        row["scene"],
+        row["setting"],
+    )

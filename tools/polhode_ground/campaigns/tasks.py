@@ -56,8 +56,14 @@ def run_program(words: list, log: pathlib.Path, timeout_s: float, lock: int) -> 
     """Runs a program to its end, what it says goes to the log; Failed with its last line where it fails."""
     log.parent.mkdir(parents=True, exist_ok=True)
     with open(log, "w") as stream:
-        process = subprocess.Popen([*TOGETHER, *APART, *TOGETHER, *map(str, words)], stdout=stream, stderr=subprocess.STDOUT,
-                                   stdin=subprocess.DEVNULL, pass_fds=(lock,), start_new_session=True)
+        process = subprocess.Popen(
+            [*TOGETHER, *APART, *TOGETHER, *map(str, words)],
+            stdout=stream,
+            stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+            pass_fds=(lock,),
+            start_new_session=True,
+        )
         try:
             status = process.wait(timeout_s)
         except subprocess.TimeoutExpired:
@@ -84,12 +90,14 @@ def _render(task: Task, lock: int) -> None:
 
 def _draw(task: Task, lock: int) -> None:
     from polhode_ground.paths.draw import draw_path
+
     shutil.rmtree(task.place, ignore_errors=True)  # what an interrupted worker left
     draw_path([task.options["seed"], task.options["number"]], task.options["frames"], tuple(task.options["resolution"]), task.place)
 
 
 def _transform(task: Task, lock: int) -> None:
     from polhode_ground.transforms.table import transform
+
     with store.appearing(task.place) as part:
         transform(pathlib.Path(task.options["source"]), part / "made", task.options["steps"], task.options["seed"])
         for made in (part / "made").iterdir():
@@ -98,8 +106,17 @@ def _transform(task: Task, lock: int) -> None:
 
 
 def _replay_words(task: Task, out: pathlib.Path) -> list:
-    words = [task.options["program"], "replay", "--config", task.options["config"], "--sequence", task.options["sequence"], "--out", out,
-             "--one-core"]
+    words = [
+        task.options["program"],
+        "replay",
+        "--config",
+        task.options["config"],
+        "--sequence",
+        task.options["sequence"],
+        "--out",
+        out,
+        "--one-core",
+    ]
     return words + [word for setting in task.options["settings"] for word in ("--set", setting)]
 
 
@@ -110,6 +127,7 @@ def _replay(task: Task, lock: int) -> None:
 
 def _judge(task: Task, lock: int) -> None:
     from polhode_ground.campaigns.measures import measure, write_result
+
     row, frames = measure(pathlib.Path(task.options["run"]), pathlib.Path(task.options["sequence"]), shape=task.options["shape"])
     with store.appearing(task.place) as part:
         write_result(row, frames, part)
@@ -122,17 +140,34 @@ def _time(task: Task, lock: int) -> None:
         summary = json.loads((part / "run/summary.json").read_text())
         shutil.rmtree(part / "run")
         frames, step = summary["frames"]["in"], summary["timings"]["step"]
-        (part / "time.json").write_text(json.dumps({
-            "cpu_ms_a_frame": 1e3 * summary["cost"]["cpu_s"] / frames, "step_cpu_median_ms": step["cpu_p50_us"] / 1e3,
-            "step_cpu_longest_ms": step["cpu_max_us"] / 1e3, "step_wall_longest_ms": step["max_us"] / 1e3,
-            "peak_resident_mb": summary["memory"]["peak_resident_octets"] / 1e6}))
+        (part / "time.json").write_text(
+            json.dumps(
+                {
+                    "cpu_ms_a_frame": 1e3 * summary["cost"]["cpu_s"] / frames,
+                    "step_cpu_median_ms": step["cpu_p50_us"] / 1e3,
+                    "step_cpu_longest_ms": step["cpu_max_us"] / 1e3,
+                    "step_wall_longest_ms": step["max_us"] / 1e3,
+                    "peak_resident_mb": summary["memory"]["peak_resident_octets"] / 1e6,
+                }
+            )
+        )
 
 
 def _limit(task: Task, lock: int) -> None:
     """From which frame on the images could decide on the depth sign, by the truth."""
     with store.appearing(task.place) as part:
-        words = [task.options["program"], "--config", task.options["config"], "--sequence", task.options["sequence"], "--json", part / "limit.json"]
-        run_program(words + [word for setting in task.options["settings"] for word in ("--set", setting)], task.log, task.options["timeout_s"], lock)
+        words = [
+            task.options["program"],
+            "--config",
+            task.options["config"],
+            "--sequence",
+            task.options["sequence"],
+            "--json",
+            part / "limit.json",
+        ]
+        run_program(
+            words + [word for setting in task.options["settings"] for word in ("--set", setting)], task.log, task.options["timeout_s"], lock
+        )
 
 
 def _same_sources(task: Task) -> None:

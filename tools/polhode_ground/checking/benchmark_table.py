@@ -1,6 +1,6 @@
 """The cost of a replay from its summary.json, as a table.
 
-    tools/benchmark_table.py SUMMARY.json
+tools/benchmark_table.py SUMMARY.json
 """
 
 import argparse
@@ -25,8 +25,10 @@ def rows(timings: dict) -> list[tuple[str, ...]]:
 def text_of(summary: dict) -> str:
     lines = [f"{row[0]:<10}" + "".join(f"{cell:>10}" for cell in row[1:]) for row in rows(summary["timings"])]
     cost = summary["cost"]
-    lines.append(f"{cost['frames_per_s']:.1f} frames/s, {1000 * cost['cpu_per_frame_s']:.1f} ms of processor time a frame, "
-                 f"{summary['memory']['peak_resident_octets'] / 1e6:.0f} MB resident at most")
+    lines.append(
+        f"{cost['frames_per_s']:.1f} frames/s, {1000 * cost['cpu_per_frame_s']:.1f} ms of processor time a frame, "
+        f"{summary['memory']['peak_resident_octets'] / 1e6:.0f} MB resident at most"
+    )
     return "\n".join(lines)
 
 

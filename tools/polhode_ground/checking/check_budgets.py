@@ -20,10 +20,12 @@ SAMPLE = REPOSITORY / "hil/data/sample"
 WORSE_MAX = 1.5
 # Configuration, and the build that runs it.
 BUDGETS = {"default": "release", "small": "small", "standard": "release", "full": "release"}
-MEASURES = {"causal attitude [deg]": ("causal", "attitude", "rmse_deg"),
-            "smoothed attitude [deg]": ("smoothed", "attitude", "rmse_deg"),
-            "causal position [% of range]": ("causal", "position", "rmse_percent_of_range"),
-            "smoothed position [% of range]": ("smoothed", "position", "rmse_percent_of_range")}
+MEASURES = {
+    "causal attitude [deg]": ("causal", "attitude", "rmse_deg"),
+    "smoothed attitude [deg]": ("smoothed", "attitude", "rmse_deg"),
+    "causal position [% of range]": ("causal", "position", "rmse_percent_of_range"),
+    "smoothed position [% of range]": ("smoothed", "position", "rmse_percent_of_range"),
+}
 
 
 def build(preset: str) -> None:
@@ -34,22 +36,43 @@ def build(preset: str) -> None:
 def replay(budget: str, seed: int, folder: Path) -> dict:
     """What it took and what came out. @return octets resident at most, octets planned, and the measures."""
     program = REPOSITORY / f"build/{BUDGETS[budget]}/bin/polhode"
-    subprocess.run([program, "replay", "--config", REPOSITORY / f"config/{budget}.toml", "--sequence", SAMPLE, "--out", folder,
-                    "--set", f"seed={seed}"], check=True, capture_output=True)
+    subprocess.run(
+        [
+            program,
+            "replay",
+            "--config",
+            REPOSITORY / f"config/{budget}.toml",
+            "--sequence",
+            SAMPLE,
+            "--out",
+            folder,
+            "--set",
+            f"seed={seed}",
+        ],
+        check=True,
+        capture_output=True,
+    )
     report = folder / "judgement.json"
     subprocess.run([sys.executable, REPOSITORY / "hil/evaluate.py", folder, SAMPLE, "--json", report], check=True, capture_output=True)
     motion = json.loads(report.read_text())["runs"][0]["motion"]
     memory = json.loads((folder / "summary.json").read_text())["memory"]
     found = {name: motion[a][b][c] for name, (a, b, c) in MEASURES.items()}
     # What follows the last frame is the ground's work.
-    return {"resident": memory["components"]["peak_resident_after_last_frame_octets"], "allowed": memory["budget_octets"],
-            "overdrawn": memory["pools"]["reserve"]["peak_octets"], **found}
+    return {
+        "resident": memory["components"]["peak_resident_after_last_frame_octets"],
+        "allowed": memory["budget_octets"],
+        "overdrawn": memory["pools"]["reserve"]["peak_octets"],
+        **found,
+    }
 
 
 def verdicts(budget: str, found: dict[str, float], default: dict[str, float]) -> list[str]:
     """One line for each promise that is not kept."""
-    wrong = [f"{budget}: {name} {found[name]:.3f}, the default reaches {default[name]:.3f}"
-             for name in MEASURES if found[name] > WORSE_MAX * default[name]]
+    wrong = [
+        f"{budget}: {name} {found[name]:.3f}, the default reaches {default[name]:.3f}"
+        for name in MEASURES
+        if found[name] > WORSE_MAX * default[name]
+    ]
     if found["resident"] > found["allowed"]:
         wrong.append(f"{budget}: {found['resident']} octets resident, {found['allowed']} allowed")
     if found["overdrawn"] > 0:
@@ -69,8 +92,11 @@ def main() -> int:
             runs = [replay(budget, seed, Path(scratch) / f"{budget}-{seed}") for seed in seeds]
             found[budget] = {key: statistics.median(run[key] for run in runs) for key in runs[0]}
             found[budget]["resident"] = max(run["resident"] for run in runs)
-            print(f"{budget:<10} {found[budget]['resident'] / 2**20:6.1f} of {found[budget]['allowed'] / 2**20:.0f} MiB   "
-                  + "   ".join(f"{name} {found[budget][name]:.3f}" for name in MEASURES), flush=True)
+            print(
+                f"{budget:<10} {found[budget]['resident'] / 2**20:6.1f} of {found[budget]['allowed'] / 2**20:.0f} MiB   "
+                + "   ".join(f"{name} {found[budget][name]:.3f}" for name in MEASURES),
+                flush=True,
+            )
     wrong = [line for budget in BUDGETS for line in verdicts(budget, found[budget], found["default"])]
     print("\n".join(wrong) or "all promises are kept")
     return 1 if wrong else 0

@@ -31,7 +31,9 @@ OF_ONE_BUILD = ("control", "md5sums")  # control files that differ by architectu
 
 
 def said(*command: object) -> str:
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, env={"LC_ALL": "C", "PATH": "/usr/bin:/bin"})
+    done = subprocess.run(
+        [str(word) for word in command], capture_output=True, text=True, check=False, env={"LC_ALL": "C", "PATH": "/usr/bin:/bin"}
+    )
     return done.stdout
 
 
@@ -39,7 +41,7 @@ def said(*command: object) -> str:
 class Package:
     file: pathlib.Path
     fields: dict[str, str]
-    tree: pathlib.Path     # its files, unpacked
+    tree: pathlib.Path  # its files, unpacked
     control: pathlib.Path  # its control files
 
     @property
@@ -52,7 +54,11 @@ class Package:
 
     def paths(self) -> set[str]:
         folder = MACHINES[self.architecture][1]
-        return {str(path.relative_to(self.tree)).replace(folder, "ARCHITECTURE") for path in self.tree.rglob("*") if path.is_symlink() or not path.is_dir()}
+        return {
+            str(path.relative_to(self.tree)).replace(folder, "ARCHITECTURE")
+            for path in self.tree.rglob("*")
+            if path.is_symlink() or not path.is_dir()
+        }
 
     def depends(self) -> set[str]:
         return {re.split(r"[ (|:]", one.strip())[0] for one in self.fields.get("Depends", "").split(",") if one.strip()}
@@ -109,11 +115,17 @@ def wrong_code(package: Package, debug: set[str]) -> list[str]:
 
 
 def debug_files(folder: pathlib.Path, name: str) -> set[str]:
-    return {path for file in folder.glob(f"{name}-dbgsym_*.ddeb") for path in re.findall(r" \./(\S+\.debug)$", said("dpkg-deb", "-c", file), re.MULTILINE)}
+    return {
+        path
+        for file in folder.glob(f"{name}-dbgsym_*.ddeb")
+        for path in re.findall(r" \./(\S+\.debug)$", said("dpkg-deb", "-c", file), re.MULTILINE)
+    }
 
 
 def needed_libraries(package: Package) -> set[str]:
-    return {name for file in package.starting_with(b"\x7fELF") for name in re.findall(r"\(NEEDED\).*\[(.+?)\]", said("readelf", "-dW", file))}
+    return {
+        name for file in package.starting_with(b"\x7fELF") for name in re.findall(r"\(NEEDED\).*\[(.+?)\]", said("readelf", "-dW", file))
+    }
 
 
 def wrong_dependencies(package: Package, everything: dict[str, Package], database: pathlib.Path) -> list[str]:
@@ -123,20 +135,35 @@ def wrong_dependencies(package: Package, everything: dict[str, Package], databas
         return []
     folder = MACHINES[package.architecture][1]
     lines = said("dpkg-query", f"--admindir={database}", "--search", *(f"*/lib/{folder}/{name}" for name in sorted(needed))).splitlines()
-    owners = {name: {other.name for other in everything.values() if any(path.endswith(f"/{name}") for path in other.paths())} for name in needed}
+    owners = {
+        name: {other.name for other in everything.values() if any(path.endswith(f"/{name}") for path in other.paths())} for name in needed
+    }
     for names, path in (line.split(": ", 1) for line in lines):
         owners[path.rsplit("/", 1)[1]] |= {name.split(":")[0] for name in names.split(", ")}
-    return [f"{package.name}: needs {name}, which {'is in ' + ', '.join(sorted(owners[name])) + ', no dependency' if owners[name] else 'no package has'}"
-            for name in sorted(needed) if not owners[name] & (package.depends() | {package.name})]
+    return [
+        f"{package.name}: needs {name}, which {'is in ' + ', '.join(sorted(owners[name])) + ', no dependency' if owners[name] else 'no package has'}"
+        for name in sorted(needed)
+        if not owners[name] & (package.depends() | {package.name})
+    ]
 
 
 def differences(package: Package, other: Package) -> list[str]:
-    found = [f"{package.name}: {path}: only in {one.file}" for one, two in ((package, other), (other, package)) for path in sorted(one.paths() - two.paths())]
-    found += [f"{package.name}: other {field} than {other.file}" for field in SAME_FIELDS if package.fields.get(field) != other.fields.get(field)]
+    found = [
+        f"{package.name}: {path}: only in {one.file}"
+        for one, two in ((package, other), (other, package))
+        for path in sorted(one.paths() - two.paths())
+    ]
+    found += [
+        f"{package.name}: other {field} than {other.file}" for field in SAME_FIELDS if package.fields.get(field) != other.fields.get(field)
+    ]
     for name in sorted(package.depends() ^ other.depends()):
         found.append(f"{package.name}: {name}: a dependency only of {(package if name in package.depends() else other).file}")
     texts = [{file.name: file.read_bytes() for file in one.control.iterdir() if file.name not in OF_ONE_BUILD} for one in (package, other)]
-    found += [f"{package.name}: other {name} than {other.file}" for name in sorted(texts[0].keys() | texts[1].keys()) if texts[0].get(name) != texts[1].get(name)]
+    found += [
+        f"{package.name}: other {name} than {other.file}"
+        for name in sorted(texts[0].keys() | texts[1].keys())
+        if texts[0].get(name) != texts[1].get(name)
+    ]
     return found
 
 
@@ -146,8 +173,10 @@ def check(folder: pathlib.Path, like: pathlib.Path | None, database: pathlib.Pat
         found = []
         for package in packages.values():
             found += wrong_code(package, debug_files(folder, package.name)) + wrong_dependencies(package, packages, database)
-            print(f"{package.name} {package.fields['Version']} {package.architecture}: {len(package.paths())} files, "
-                  f"{len(needed_libraries(package))} libraries needed, {len(package.depends())} dependencies")
+            print(
+                f"{package.name} {package.fields['Version']} {package.architecture}: {len(package.paths())} files, "
+                f"{len(needed_libraries(package))} libraries needed, {len(package.depends())} dependencies"
+            )
         others = packages_in(like, pathlib.Path(work) / "those") if like else {}
         for name, other in others.items():
             found += differences(packages[name], other) if name in packages else [f"{name}: not in {folder}"]
@@ -158,8 +187,13 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path, metavar="FOLDER")
     parser.add_argument("--like", type=pathlib.Path, metavar="FOLDER", help="packages of another architecture that these shall equal")
-    parser.add_argument("--database", type=pathlib.Path, metavar="DIR", default=pathlib.Path("/var/lib/dpkg"),
-                        help="dpkg's, with the packages of the libraries; default: this machine's")
+    parser.add_argument(
+        "--database",
+        type=pathlib.Path,
+        metavar="DIR",
+        default=pathlib.Path("/var/lib/dpkg"),
+        help="dpkg's, with the packages of the libraries; default: this machine's",
+    )
     arguments = parser.parse_args()
     if not (arguments.database / "status").is_file():
         raise BadInput(f"--database: {arguments.database}: no database of dpkg; for arm64, tools/setup.sh arm64 makes one")

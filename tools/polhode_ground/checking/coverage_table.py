@@ -48,12 +48,22 @@ def row(name: str, counts: dict[str, int]) -> str:
 def table(units: dict[str, dict[str, int]]) -> list[str]:
     stages = by_stage(units)
     total = {count: sum(counts[count] for counts in stages.values()) for count in COUNTS}
-    least = sorted((counts["branch_covered"] / counts["branch_total"], unit, counts) for unit, counts in units.items()
-                   if counts["branch_total"] >= FEW_BRANCHES and 100 * counts["branch_covered"] < LEAST_PERCENT * counts["branch_total"])
+    least = sorted(
+        (counts["branch_covered"] / counts["branch_total"], unit, counts)
+        for unit, counts in units.items()
+        if counts["branch_total"] >= FEW_BRANCHES and 100 * counts["branch_covered"] < LEAST_PERCENT * counts["branch_total"]
+    )
     head = ["lines [%]", "branches [%]", "branches", ""]
-    return ["| stage | " + " | ".join(head[:3]) + " |", "| --- | --- | --- | --- |", *(row(name, counts) for name, counts in stages.items()),
-            row("all", total), "", f"| unit under {LEAST_PERCENT} % of its branches | " + " | ".join(head[:3]) + " |", "| --- | --- | --- | --- |",
-            *(row(f"`fsw/{unit}`", counts) for _, unit, counts in least)]
+    return [
+        "| stage | " + " | ".join(head[:3]) + " |",
+        "| --- | --- | --- | --- |",
+        *(row(name, counts) for name, counts in stages.items()),
+        row("all", total),
+        "",
+        f"| unit under {LEAST_PERCENT} % of its branches | " + " | ".join(head[:3]) + " |",
+        "| --- | --- | --- | --- |",
+        *(row(f"`fsw/{unit}`", counts) for _, unit, counts in least),
+    ]
 
 
 def main() -> None:

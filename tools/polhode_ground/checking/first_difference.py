@@ -52,8 +52,10 @@ def first_difference(expected: list[dict], found: list[dict]) -> str | None:
         for field in [*left, *(key for key in right if key not in left)]:
             if left.get(field) != right.get(field):
                 others = sum(left.get(key) != right.get(key) for key in {*left, *right}) - 1
-                return (f"packet {number}, {field}: expected {left.get(field)!r}, found {right.get(field)!r}"
-                        f" ({others} other fields of this packet differ too)")
+                return (
+                    f"packet {number}, {field}: expected {left.get(field)!r}, found {right.get(field)!r}"
+                    f" ({others} other fields of this packet differ too)"
+                )
     if len(expected) != len(found):
         return f"packet {min(len(expected), len(found))}: expected {len(expected)} packets, found {len(found)}"
     return None
@@ -67,8 +69,10 @@ def main() -> int:
     if octets(arguments.expected) == octets(arguments.found):
         print("the same octets")
         return 0
-    print(first_difference(packets(arguments.expected), packets(arguments.found))
-          or "all fields are the same, the octets are not: headers or check sums differ")
+    print(
+        first_difference(packets(arguments.expected), packets(arguments.found))
+        or "all fields are the same, the octets are not: headers or check sums differ"
+    )
     return 1
 
 

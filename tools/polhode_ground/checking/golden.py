@@ -39,8 +39,23 @@ def recorded() -> pathlib.Path:
 def stream(name: str, folder: pathlib.Path, runner: tuple = ()) -> pathlib.Path:
     """The stream of a replay into FOLDER. `runner` is a command before the program's, as an emulator."""
     configuration, settings = CONFIGURATIONS[name]
-    subprocess.run([*runner, *COMMAND, "replay", "--config", REPOSITORY / f"config/{configuration}.toml", "--sequence", SAMPLE,
-                    "--out", folder, *settings], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    subprocess.run(
+        [
+            *runner,
+            *COMMAND,
+            "replay",
+            "--config",
+            REPOSITORY / f"config/{configuration}.toml",
+            "--sequence",
+            SAMPLE,
+            "--out",
+            folder,
+            *settings,
+        ],
+        check=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
     return folder / "bus.ccsds"
 
 

@@ -68,19 +68,36 @@ def measure() -> dict[str, float]:
         folder = Path(scratch)
         profile = folder / "callgrind.out"
         subprocess.run(
-            ["valgrind", "--tool=callgrind", f"--callgrind-out-file={profile}", PROGRAM, "replay", "--config",
-             REPOSITORY / "config/default.toml", "--sequence", short_sequence(folder / "sequence"), "--out", folder / "run"],
-            check=True, capture_output=True)
-        annotation = subprocess.run(["callgrind_annotate", "--inclusive=yes", "--threshold=100", profile], check=True,
-                                    capture_output=True, text=True).stdout
+            [
+                "valgrind",
+                "--tool=callgrind",
+                f"--callgrind-out-file={profile}",
+                PROGRAM,
+                "replay",
+                "--config",
+                REPOSITORY / "config/default.toml",
+                "--sequence",
+                short_sequence(folder / "sequence"),
+                "--out",
+                folder / "run",
+            ],
+            check=True,
+            capture_output=True,
+        )
+        annotation = subprocess.run(
+            ["callgrind_annotate", "--inclusive=yes", "--threshold=100", profile], check=True, capture_output=True, text=True
+        ).stdout
     counts = inclusive_counts(annotation)
     return {stage: round(counts.get(function, 0) / FRAMES / 1e6, 3) for stage, function in STAGES.items()}
 
 
 def verdicts(recorded: dict[str, float], found: dict[str, float]) -> list[str]:
     """One line for each stage that costs more than it may."""
-    return [f"{stage}: {found[stage]} million instructions a frame, recorded are {recorded[stage]}"
-            for stage in recorded if found.get(stage, 0.0) > recorded[stage] * (1 + TOLERANCE) + 0.01]
+    return [
+        f"{stage}: {found[stage]} million instructions a frame, recorded are {recorded[stage]}"
+        for stage in recorded
+        if found.get(stage, 0.0) > recorded[stage] * (1 + TOLERANCE) + 0.01
+    ]
 
 
 def main() -> int:

@@ -30,8 +30,11 @@ def totals(report: str) -> tuple[int, int, int]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter,
-                                     epilog="Exit status 0: some passed and none failed; 1: not so; 2: a report cannot be read.")
+    parser = argparse.ArgumentParser(
+        description=__doc__.strip(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="Exit status 0: some passed and none failed; 1: not so; 2: a report cannot be read.",
+    )
     parser.add_argument("reports", metavar="REPORT.xml", nargs="+")
     passed, failed, skipped = (sum(column) for column in zip(*map(totals, parser.parse_args().reports)))
     print(f"{passed} passed, {failed} failed, {skipped} skipped")

@@ -35,7 +35,9 @@ def replay(model: str, name: str, folder: pathlib.Path) -> bool:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--models", nargs="+", default=MODELS, metavar="MODEL", help=f"default: {' '.join(MODELS)}; more: {EMULATOR} -cpu help")
+    parser.add_argument(
+        "--models", nargs="+", default=MODELS, metavar="MODEL", help=f"default: {' '.join(MODELS)}; more: {EMULATOR} -cpu help"
+    )
     parser.add_argument("--configurations", nargs="+", choices=golden.CONFIGURATIONS, default=["default", "full"])
     parser.add_argument("--jobs", type=whole(1, 256), default=os.cpu_count(), help="replays at a time (default: one a core)")
     asked = parser.parse_args()

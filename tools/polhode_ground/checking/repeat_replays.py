@@ -30,14 +30,20 @@ def busy() -> None:
 def draw(chance: random.Random, delayed: bool) -> dict:
     """One replay's circumstances. @param delayed whether jobs are beside the steps: with a delay of 0 there is nothing to hold back."""
     cores = sorted(os.sched_getaffinity(0))
-    return {"programs": chance.randint(0, 3),
-            "cores": chance.choice([cores, cores[:1], cores[-1:]]),
-            "one_core": delayed and chance.random() < 0.3,
-            "latency_ms": chance.choice([0, 0, 5, 40]) if delayed else 0,
-            "fixed_addresses": chance.random() < 0.3,
-            "nice": chance.choice([0, 2, 5]),
-            "environment": {"LANG": chance.choice(["C", "C.UTF-8", "de_DE.UTF-8"]), "TZ": chance.choice(["UTC", "Asia/Tokyo"]),
-                            "OMP_NUM_THREADS": str(chance.randint(1, 8)), "PADDING": "x" * chance.randint(0, 60000)}}
+    return {
+        "programs": chance.randint(0, 3),
+        "cores": chance.choice([cores, cores[:1], cores[-1:]]),
+        "one_core": delayed and chance.random() < 0.3,
+        "latency_ms": chance.choice([0, 0, 5, 40]) if delayed else 0,
+        "fixed_addresses": chance.random() < 0.3,
+        "nice": chance.choice([0, 2, 5]),
+        "environment": {
+            "LANG": chance.choice(["C", "C.UTF-8", "de_DE.UTF-8"]),
+            "TZ": chance.choice(["UTC", "Asia/Tokyo"]),
+            "OMP_NUM_THREADS": str(chance.randint(1, 8)),
+            "PADDING": "x" * chance.randint(0, 60000),
+        },
+    }
 
 
 def replay(arguments: argparse.Namespace, found: dict, folder: Path) -> str:
@@ -56,8 +62,15 @@ def replay(arguments: argparse.Namespace, found: dict, folder: Path) -> str:
     try:
         for program in programs:
             program.start()
-        done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace", cwd=folder.parent,
-                              env={**os.environ, **found["environment"]})
+        done = subprocess.run(
+            command,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+            cwd=folder.parent,
+            env={**os.environ, **found["environment"]},
+        )
     finally:
         for program in programs:
             program.kill()

@@ -35,11 +35,11 @@ def significant_bits(octets: bytes) -> int:
         return FULL_BITS if len(numbers) == 3 and numbers[2].isdigit() and 255 < int(numbers[2]) < 65535 else 0
     at = len(PNG_MAGIC)
     while octets.startswith(PNG_MAGIC) and at + 12 < len(octets):
-        length, kind = struct.unpack(">I4s", octets[at:at + 8])
+        length, kind = struct.unpack(">I4s", octets[at : at + 8])
         if kind == b"IDAT":
             return 0
         if kind == b"sBIT" and length:
-            return max(octets[at + 8:at + 8 + (1 if length < 3 else 3)])
+            return max(octets[at + 8 : at + 8 + (1 if length < 3 else 3)])
         at += length + 12
     return 0
 
@@ -60,11 +60,13 @@ def read_levels(path: pathlib.Path) -> tuple[np.ndarray, int]:
     import io
 
     from PIL import Image
+
     octets = read_octets(path)
     bits = png_bits(octets)
     try:
         if bits == FULL_BITS:
             import cv2
+
             pixels = cv2.imdecode(np.frombuffer(octets, np.uint8), cv2.IMREAD_UNCHANGED)
             if pixels is None:
                 raise BadInput(f"{path}: not a PNG that can be read")
@@ -85,7 +87,7 @@ def depth_for(level: int) -> int:
 def depth_of(paths: list[pathlib.Path]) -> int:
     """Bits of the largest level in a sequence's 16-bit pictures; 16 for others. By a few pictures, as the replay does it."""
     largest, said = 0, 0
-    for path in paths[::max(1, len(paths) // LOOKED_AT)]:
+    for path in paths[:: max(1, len(paths) // LOOKED_AT)]:
         try:
             levels, bits = read_levels(path)
         except BadInput:
@@ -107,7 +109,7 @@ def eight_bits(levels: np.ndarray, depth_bits: int) -> np.ndarray:
 
 
 def viewable(octets: bytes) -> str | None:
-    """"png" or "jpeg" where every viewer shows the file as the replay sees it: 8 bits a level; None for others."""
+    """ "png" or "jpeg" where every viewer shows the file as the replay sees it: 8 bits a level; None for others."""
     if octets.startswith(JPEG_MAGIC):
         return "jpeg"
     return "png" if 0 < png_bits(octets) <= 8 else None

@@ -16,6 +16,7 @@ AGREEING_MIN = 0.75
 def without_mosaic(pixels: np.ndarray) -> np.ndarray:
     """Each pixel the mean of what is around it, 1-2-1 both ways: any pattern of 2x2 pixels gives its mean."""
     import cv2
+
     return np.floor(_smooth(pixels) + 0.5).astype(pixels.dtype) if pixels.dtype.kind in "ui" else cv2.sepFilter2D(pixels, -1, *_KERNELS)
 
 
@@ -24,6 +25,7 @@ _KERNELS = (np.array([0.25, 0.5, 0.25]), np.array([0.25, 0.5, 0.25]))
 
 def _smooth(pixels: np.ndarray) -> np.ndarray:
     import cv2
+
     return cv2.sepFilter2D(pixels.astype(np.float64), cv2.CV_64F, *_KERNELS)
 
 
@@ -35,8 +37,14 @@ def contrast_of(pixels: np.ndarray) -> float:
     part = slice(0, TILES * height), slice(0, TILES * width)
     mean = _smooth(pixels)
     lit = (mean > LIT * pixels.max(initial=0))[part]
-    sums = [np.where(lit, image[part], 0.0).reshape(TILES, height // 2, 2, TILES, width // 2, 2).sum(axis=(1, 4)).transpose(0, 2, 1, 3).reshape(-1, 4)
-            for image in (pixels - mean, mean)]
+    sums = [
+        np.where(lit, image[part], 0.0)
+        .reshape(TILES, height // 2, 2, TILES, width // 2, 2)
+        .sum(axis=(1, 4))
+        .transpose(0, 2, 1, 3)
+        .reshape(-1, 4)
+        for image in (pixels - mean, mean)
+    ]
     count = lit.reshape(TILES, height, TILES, width).sum(axis=(1, 3)).ravel()
     used = count >= TILE_PIXELS_MIN
     if used.sum() < TILES_MIN:

@@ -98,11 +98,22 @@ def read_sequence(folder: pathlib.Path, any_lens: bool = False) -> Sequence:
     if not folder.is_dir():
         raise BadInput(f"{folder}: no such sequence folder")
     tables = read_tables(folder, any_lens)
-    camera = Camera(*tables["resolution"], np.array(tables["intrinsics"], dtype=float), np.array(tables["distortion_coefficients"], dtype=float),
-                    tables["line_time_ns"])
+    camera = Camera(
+        *tables["resolution"],
+        np.array(tables["intrinsics"], dtype=float),
+        np.array(tables["distortion_coefficients"], dtype=float),
+        tables["line_time_ns"],
+    )
     frames = tables["frames"]
-    return Sequence(folder, camera, np.array([time_ns for time_ns, _ in frames], dtype=np.int64), [name for _, name in frames],
-                    tables["rate_hz"], tables["intrinsics_known"], tables["fields"])
+    return Sequence(
+        folder,
+        camera,
+        np.array([time_ns for time_ns, _ in frames], dtype=np.int64),
+        [name for _, name in frames],
+        tables["rate_hz"],
+        tables["intrinsics_known"],
+        tables["fields"],
+    )
 
 
 def read_json(path: pathlib.Path) -> dict:

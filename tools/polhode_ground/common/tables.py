@@ -110,9 +110,11 @@ def read_motion(path: pathlib.Path) -> Motion:
     if not rows:
         raise BadInput(f"{path}: no rows after the header")
     cells = dict(zip(header, zip(*rows)))
-    known = {name: numbers(path, name, cells[name])
-             for name in (*QUATERNION, *POSITION, *VELOCITY, *RATE, *FLAGS, *SIGMAS, *COUNTS, *COST, TARGET_FRAME)
-             if name in cells}
+    known = {
+        name: numbers(path, name, cells[name])
+        for name in (*QUATERNION, *POSITION, *VELOCITY, *RATE, *FLAGS, *SIGMAS, *COUNTS, *COST, TARGET_FRAME)
+        if name in cells
+    }
     unknown = np.full(len(rows), np.nan)
 
     def block(names):
@@ -127,11 +129,20 @@ def read_motion(path: pathlib.Path) -> Motion:
     # A predicted pose counts as silence.
     coasted = np.array(cells.get("mode", [""] * len(rows))) == "COASTING"
     return Motion(
-        path=path, timestamp_ns=timestamps(path, cells["timestamp_ns"]), q_CT=_unit_quaternions(path, q_CT),
-        p_CT=p_CT, v_C=v_C, w_T=w_T, pose_valid=valid("pose_valid", q_CT, p_CT) & ~coasted, rate_valid=valid("rate_valid", w_T),
-        velocity_valid=valid("velocity_valid", v_C), scale_known=known.get("scale_known", unknown + 1) > 0,
-        mode=list(cells.get("mode", [])), columns={name: known.get(name, unknown) for name in (*SIGMAS, *COUNTS, *COST)},
-        target_frame=known.get(TARGET_FRAME))
+        path=path,
+        timestamp_ns=timestamps(path, cells["timestamp_ns"]),
+        q_CT=_unit_quaternions(path, q_CT),
+        p_CT=p_CT,
+        v_C=v_C,
+        w_T=w_T,
+        pose_valid=valid("pose_valid", q_CT, p_CT) & ~coasted,
+        rate_valid=valid("rate_valid", w_T),
+        velocity_valid=valid("velocity_valid", v_C),
+        scale_known=known.get("scale_known", unknown + 1) > 0,
+        mode=list(cells.get("mode", [])),
+        columns={name: known.get(name, unknown) for name in (*SIGMAS, *COUNTS, *COST)},
+        target_frame=known.get(TARGET_FRAME),
+    )
 
 
 def target_frames(motion: Motion) -> list[int]:
@@ -149,8 +160,9 @@ def in_frame(motion: Motion, number: int) -> Motion:
     if motion.target_frame is None:
         return motion
     here = motion.target_frame == number
-    return replace(motion, pose_valid=motion.pose_valid & here, rate_valid=motion.rate_valid & here,
-                   velocity_valid=motion.velocity_valid & here)
+    return replace(
+        motion, pose_valid=motion.pose_valid & here, rate_valid=motion.rate_valid & here, velocity_valid=motion.velocity_valid & here
+    )
 
 
 def where_also(estimate: Motion, other: Motion) -> Motion:
@@ -161,8 +173,7 @@ def where_also(estimate: Motion, other: Motion) -> Motion:
 
 def join(estimate: Motion, truth: Motion) -> tuple[np.ndarray, np.ndarray]:
     """Row indices (into estimate, into truth) of equal time stamps; an error where there is none."""
-    _, rows_estimate, rows_truth = np.intersect1d(
-        estimate.timestamp_ns, truth.timestamp_ns, assume_unique=True, return_indices=True)
+    _, rows_estimate, rows_truth = np.intersect1d(estimate.timestamp_ns, truth.timestamp_ns, assume_unique=True, return_indices=True)
     if rows_estimate.size == 0:
         raise BadInput(f"{estimate.path}: shares no timestamp_ns with {truth.path}: another sequence?")
     return rows_estimate, rows_truth

@@ -26,8 +26,11 @@ def likely_units(values: Sequence, stated: str) -> list[str]:
     step = median_step(values)
     if not is_impossible(step * UNITS[stated]) and DOUBTFUL_NS[0] <= step * UNITS[stated] <= DOUBTFUL_NS[1] or len(values) < 3 or not step:
         return [stated]
-    since_1970 = [unit for unit, scale in UNITS.items() if SINCE_1970_NS[0] <= float(values[len(values) // 2]) * scale < SINCE_1970_NS[1]
-                  and not is_impossible(step * scale)]
+    since_1970 = [
+        unit
+        for unit, scale in UNITS.items()
+        if SINCE_1970_NS[0] <= float(values[len(values) // 2]) * scale < SINCE_1970_NS[1] and not is_impossible(step * scale)
+    ]
     if since_1970 or not is_impossible(step * UNITS[stated]):
         return since_1970 or [stated]
     return [unit for unit, scale in UNITS.items() if USUAL_NS[0] <= step * scale <= USUAL_NS[1]]

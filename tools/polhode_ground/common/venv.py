@@ -21,7 +21,10 @@ def is_isolated() -> bool:
 
 def own_environment() -> dict[str, str]:
     """Without other Pythons' variables; the interpreters that are started from here get it, too."""
-    return {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")} | {"PYTHONNOUSERSITE": "1", "PYTHONUTF8": "1"}
+    return {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")} | {
+        "PYTHONNOUSERSITE": "1",
+        "PYTHONUTF8": "1",
+    }
 
 
 def enter_venv(name: str = ".venv") -> None:
@@ -42,6 +45,7 @@ def run_main(main, program: str) -> None:
     os.environ.update(environment)
     try:
         from polhode_ground.common.errors import BadInput
+
         sys.exit(main())
     except ImportError as problem:
         sys.exit(f"{program}: {problem}; run tools/setup.sh once, it installs tools/requirements.txt into .venv")

@@ -30,7 +30,9 @@ def check_replaceable(path: pathlib.Path) -> None:
     """@raise BadInput where a file or folder of others is in the way."""
     try:
         if path.is_dir() or (path.is_file() and not bears_mark(path)):
-            raise BadInput(f"{path}: is there already and was not made by this command, or by a version that left no mark in it; move it away or give another name")
+            raise BadInput(
+                f"{path}: is there already and was not made by this command, or by a version that left no mark in it; move it away or give another name"
+            )
     except OSError as problem:
         raise BadInput(f"{path}: {problem.strerror}") from None
 
@@ -49,7 +51,9 @@ def claim_folder(folder: pathlib.Path, mark: str, *others: str) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         if not (folder / mark).exists():
             if any(folder.iterdir()) and not any((folder / name).exists() for name in others):
-                raise BadInput(f"{folder}: holds other files, or those of a version that left no mark ({mark}); allowed is a new, an empty or an earlier call's folder")
+                raise BadInput(
+                    f"{folder}: holds other files, or those of a version that left no mark ({mark}); allowed is a new, an empty or an earlier call's folder"
+                )
             (folder / mark).touch()
     except OSError as problem:
         raise BadInput(f"{folder}: {problem.strerror}") from None

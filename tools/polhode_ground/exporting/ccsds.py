@@ -43,7 +43,9 @@ def _header_fields(message: Message, poses: Poses) -> tuple:
 
 def _sigma_comment(poses: Poses) -> list[str]:
     sigma = poses.sigma_att_rad[np.isfinite(poses.sigma_att_rad)]
-    return [f"attitude, 1-sigma of the worst axis: {sigma.min():.3g} to {sigma.max():.3g} rad"] if len(sigma) else ["attitude: sigma unknown"]
+    return (
+        [f"attitude, 1-sigma of the worst axis: {sigma.min():.3g} to {sigma.max():.3g} rad"] if len(sigma) else ["attitude: sigma unknown"]
+    )
 
 
 def _attitudes(poses: Poses, rates: bool) -> np.ndarray:
@@ -60,37 +62,66 @@ def aem(poses: Poses, message: Message) -> tuple[object, str, list[str]]:
     for rows in runs_of(poses, message.gap_ns):
         part = chosen(poses, rows)
         epochs, body = [date_of(time_ns) for time_ns in part.time_ns], names.frame_of(part.last_target, part.kind)
-        metadata = ndm.AemMetadata(names.target, names.target_id, names.camera_frame, body, epochs[0], epochs[-1], message.time_system, kind,
-                                   center_name=names.servicer, angvel_frame=body if message.rates else None,
-                                   comment=definition(part.last_target, part.kind, part.source, names))
-        data = ndm.AemData.from_numpy(epochs, _attitudes(part, message.rates), attitude_type=kind,
-                                      comment=_sigma_comment(part) + [RATE_COMMENT] * message.rates)
+        metadata = ndm.AemMetadata(
+            names.target,
+            names.target_id,
+            names.camera_frame,
+            body,
+            epochs[0],
+            epochs[-1],
+            message.time_system,
+            kind,
+            center_name=names.servicer,
+            angvel_frame=body if message.rates else None,
+            comment=definition(part.last_target, part.kind, part.source, names),
+        )
+        data = ndm.AemData.from_numpy(
+            epochs, _attitudes(part, message.rates), attitude_type=kind, comment=_sigma_comment(part) + [RATE_COMMENT] * message.rates
+        )
         segments.append(ndm.AemSegment(metadata, data))
-    return ndm.Aem(ndm.AdmHeader(*_header_fields(message, poses)), segments), f"{counted(len(poses), 'attitude')} in {counted(len(segments), 'segment')}", poses.remarks
+    return (
+        ndm.Aem(ndm.AdmHeader(*_header_fields(message, poses)), segments),
+        f"{counted(len(poses), 'attitude')} in {counted(len(segments), 'segment')}",
+        poses.remarks,
+    )
 
 
 def apm(poses: Poses, message: Message) -> tuple[object, str, list[str]]:
     """One attitude."""
     rows = np.flatnonzero(poses.frame == message.frame) if message.frame is not None else np.array([len(poses) - 1])
     if not len(rows):
-        raise BadInput(f"--frame {message.frame}: has no pose in {poses.source}; allowed are frames with one, from {poses.frame[0]} to {poses.frame[-1]}")
+        raise BadInput(
+            f"--frame {message.frame}: has no pose in {poses.source}; allowed are frames with one, from {poses.frame[0]} to {poses.frame[-1]}"
+        )
     one, names = chosen(poses, rows), message.names
     one = with_rates(one) if message.rates else one
     body = names.frame_of(one.last_target, one.kind)
     frames = (names.camera_frame, body)
-    metadata = ndm.ApmMetadata(names.target, names.target_id, message.time_system, names.servicer, definition(one.last_target, one.kind, one.source, names))
+    metadata = ndm.ApmMetadata(
+        names.target, names.target_id, message.time_system, names.servicer, definition(one.last_target, one.kind, one.source, names)
+    )
     attitude = _attitudes(one, message.rates)[0]
     rates = [ndm.AngVelState(*frames, body, *attitude[4:], [RATE_COMMENT])] if message.rates else None
-    data = ndm.ApmData(date_of(one.time_ns[0]), [ndm.QuaternionState(*frames, *attitude[:4], None, None, None, None, [])], angular_velocity=rates,
-                       comment=_sigma_comment(one))
-    return ndm.Apm(ndm.AdmHeader(*_header_fields(message, one)), ndm.ApmSegment(metadata, data)), f"the attitude of frame {one.frame[0]}", one.remarks
+    data = ndm.ApmData(
+        date_of(one.time_ns[0]),
+        [ndm.QuaternionState(*frames, *attitude[:4], None, None, None, None, [])],
+        angular_velocity=rates,
+        comment=_sigma_comment(one),
+    )
+    return (
+        ndm.Apm(ndm.AdmHeader(*_header_fields(message, one)), ndm.ApmSegment(metadata, data)),
+        f"the attitude of frame {one.frame[0]}",
+        one.remarks,
+    )
 
 
 def oem(poses: Poses, message: Message) -> tuple[object, str, list[str]]:
     """Place and velocity of T's origin seen from the camera, in C, with covariances."""
     if not poses.metres.any():
-        raise BadInput(f"{poses.source}: its lengths are in map units, and an OEM is in km; give the replay a known length ([scale] in its configuration), "
-                       "or here --metres-per-unit")
+        raise BadInput(
+            f"{poses.source}: its lengths are in map units, and an OEM is in km; give the replay a known length ([scale] in its configuration), "
+            "or here --metres-per-unit"
+        )
     poses = without(poses, poses.metres, "are in map units: their scale was not known yet")
     moving = np.isfinite(poses.v_C).all(axis=1)
     if not moving.any():
@@ -101,15 +132,36 @@ def oem(poses: Poses, message: Message) -> tuple[object, str, list[str]]:
     states, covariances = np.concatenate([poses.p_CT, poses.v_C], axis=1) * KM, _covariances_km2(poses)
     for rows in runs_of(poses, message.gap_ns):
         part, epochs = chosen(poses, rows), [date_of(time_ns) for time_ns in poses.time_ns[rows]]
-        comments = [f"place of the origin of T seen from the camera of {names.servicer}, in axes of {names.camera_frame}", VELOCITY_COMMENT,
-                    *definition(part.last_target, part.kind, part.source, names), COVARIANCE_SOURCE]
-        metadata = ndm.OemMetadata(names.target, names.target_id, epochs[0], epochs[-1], center_name=names.servicer, ref_frame=names.camera_frame,
-                                   time_system=message.time_system, comment=comments)
+        comments = [
+            f"place of the origin of T seen from the camera of {names.servicer}, in axes of {names.camera_frame}",
+            VELOCITY_COMMENT,
+            *definition(part.last_target, part.kind, part.source, names),
+            COVARIANCE_SOURCE,
+        ]
+        metadata = ndm.OemMetadata(
+            names.target,
+            names.target_id,
+            epochs[0],
+            epochs[-1],
+            center_name=names.servicer,
+            ref_frame=names.camera_frame,
+            time_system=message.time_system,
+            comment=comments,
+        )
         known = [row for row in rows if np.isfinite(covariances[row]).all()]
-        data = ndm.OemData.from_numpy(epochs, states[rows], [date_of(poses.time_ns[row]) for row in known] or None,
-                                      covariances[known] if known else None, [names.camera_frame] * len(known) or None)
+        data = ndm.OemData.from_numpy(
+            epochs,
+            states[rows],
+            [date_of(poses.time_ns[row]) for row in known] or None,
+            covariances[known] if known else None,
+            [names.camera_frame] * len(known) or None,
+        )
         segments.append(ndm.OemSegment(metadata, data))
-    return ndm.Oem(ndm.OdmHeader(*_header_fields(message, poses)), segments), f"{counted(len(poses), 'state')} in {counted(len(segments), 'segment')}", poses.remarks
+    return (
+        ndm.Oem(ndm.OdmHeader(*_header_fields(message, poses)), segments),
+        f"{counted(len(poses), 'state')} in {counted(len(segments), 'segment')}",
+        poses.remarks,
+    )
 
 
 def _covariances_km2(poses: Poses) -> np.ndarray:

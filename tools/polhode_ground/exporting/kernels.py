@@ -94,10 +94,25 @@ def frames_text(poses: Poses, names: Names, naif_id: int) -> str:
     definitions = [sentence for target in targets for sentence in definition(target, poses.kind, poses.source, names)]
     camera_id, servicer = frame_id(naif_id, CAMERA_NUMBER), naif_id - 1
     frames = [FRAME.format(name=names.camera_frame, number=camera_id, centre=servicer, target_id=naif_id)]
-    frames += [FRAME.format(name=names.frame_of(target, poses.kind), number=frame_id(naif_id, frame_number(target, poses.kind)), centre=naif_id,
-                            target_id=naif_id) for target in targets]
-    return FRAMES.format(mark=MARK, source=poses.source, definitions="\n".join(f"{one}." for one in dict.fromkeys(definitions)), camera=names.camera_frame,
-                         camera_id=camera_id, target=names.target, target_id=naif_id, frames="\n".join(frames))
+    frames += [
+        FRAME.format(
+            name=names.frame_of(target, poses.kind),
+            number=frame_id(naif_id, frame_number(target, poses.kind)),
+            centre=naif_id,
+            target_id=naif_id,
+        )
+        for target in targets
+    ]
+    return FRAMES.format(
+        mark=MARK,
+        source=poses.source,
+        definitions="\n".join(f"{one}." for one in dict.fromkeys(definitions)),
+        camera=names.camera_frame,
+        camera_id=camera_id,
+        target=names.target,
+        target_id=naif_id,
+        frames="\n".join(frames),
+    )
 
 
 def frame_id(naif_id: int, number: int) -> int:
@@ -113,21 +128,35 @@ def clock_text(poses: Poses, naif_id: int, clock: str) -> str:
     begin, end = clock_begin_s(poses), int(poses.time_ns[-1]) // NS
     leaps = leap_seconds()
     if leaps.at(begin, clock) != leaps.at(end, clock):
-        raise BadInput(f"{poses.source}: a leap second lies within it, which Unix time does not tell from the second before; allowed is --clock tai")
-    return CLOCK.format(mark=MARK, target_id=naif_id, number=-naif_id, source=poses.source, begin=date_of(begin * NS).split(".")[0], scale=clock.upper(),
-                        terrestrial_s=terrestrial_s(begin, clock, leaps))
+        raise BadInput(
+            f"{poses.source}: a leap second lies within it, which Unix time does not tell from the second before; allowed is --clock tai"
+        )
+    return CLOCK.format(
+        mark=MARK,
+        target_id=naif_id,
+        number=-naif_id,
+        source=poses.source,
+        begin=date_of(begin * NS).split(".")[0],
+        scale=clock.upper(),
+        terrestrial_s=terrestrial_s(begin, clock, leaps),
+    )
 
 
 def leap_seconds_text() -> str:
     leaps = leap_seconds()
-    steps = [f"{value:.0f}, @{np.datetime64(int(second), 's').item():%Y-%b-%d}".upper() for second, value in zip(leaps.unix_s, leaps.tai_less_utc_s)]
+    steps = [
+        f"{value:.0f}, @{np.datetime64(int(second), 's').item():%Y-%b-%d}".upper()
+        for second, value in zip(leaps.unix_s, leaps.tai_less_utc_s)
+    ]
     return LEAP_SECONDS.format(mark=MARK, expires=leaps.expires, steps="\n                    ".join(steps))
 
 
 def ticks_of(poses: Poses) -> np.ndarray:
     ticks = poses.time_ns - clock_begin_s(poses) * NS
     if ticks[-1] > TICKS_MAX:
-        raise BadInput(f"{poses.source}: spans {ticks[-1] / NS / 86400:.0f} days; a C-kernel holds nanoseconds of 104 days, so export parts of it")
+        raise BadInput(
+            f"{poses.source}: spans {ticks[-1] / NS / 86400:.0f} days; a C-kernel holds nanoseconds of 104 days, so export parts of it"
+        )
     return ticks.astype(float)
 
 
@@ -142,15 +171,32 @@ def write_segments(handle: int, poses: Poses, names: Names, naif_id: int, gap_ns
         rows = np.concatenate([[run[0], *run, run[-1]] for run in own])
         times = np.concatenate([[ticks[run[0]] - HELD_TICKS, *ticks[run], ticks[run[-1]] + HELD_TICKS] for run in own])
         starts = [ticks[run[0]] - HELD_TICKS for run in own]
-        spiceypy.ckw03(handle, times[0], times[-1], frame_id(naif_id, frame_number(int(target), poses.kind)), names.camera_frame, rates,
-                       names.frame_of(int(target), poses.kind), len(rows), times, q_TC[rows], w_C[rows], len(starts), starts)
+        spiceypy.ckw03(
+            handle,
+            times[0],
+            times[-1],
+            frame_id(naif_id, frame_number(int(target), poses.kind)),
+            names.camera_frame,
+            rates,
+            names.frame_of(int(target), poses.kind),
+            len(rows),
+            times,
+            q_TC[rows],
+            w_C[rows],
+            len(starts),
+            starts,
+        )
     return len(runs)
 
 
-def write_ck(poses: Poses, out: pathlib.Path, names: Names, naif_id: int, clock: str, gap_ns: int | None, rates: bool) -> tuple[str, list[str]]:
+def write_ck(
+    poses: Poses, out: pathlib.Path, names: Names, naif_id: int, clock: str, gap_ns: int | None, rates: bool
+) -> tuple[str, list[str]]:
     """@return what is in it, and what was left out."""
     if out.suffix != ".bc":
-        raise BadInput(f"--out {out}: a C-kernel's name ends in .bc; its text kernels have the same name with {', '.join(SUFFIXES.values())}")
+        raise BadInput(
+            f"--out {out}: a C-kernel's name ends in .bc; its text kernels have the same name with {', '.join(SUFFIXES.values())}"
+        )
     if poses.target.max() > TARGETS_MAX:
         raise BadInput(f"{poses.source}: has a frame T number {poses.target.max()}; allowed in a C-kernel are 1 .. {TARGETS_MAX}")
     poses = with_rates(poses) if rates else poses
@@ -168,11 +214,18 @@ def write_ck(poses: Poses, out: pathlib.Path, names: Names, naif_id: int, clock:
     return f"{counted(len(poses), 'attitude')} in {counted(runs, 'interval')}; beside it {beside_it}", poses.remarks
 
 
-def _write_binary(part: pathlib.Path, frames: pathlib.Path, poses: Poses, names: Names, naif_id: int, gap_ns: int | None, rates: bool) -> int:
+def _write_binary(
+    part: pathlib.Path, frames: pathlib.Path, poses: Poses, names: Names, naif_id: int, gap_ns: int | None, rates: bool
+) -> int:
     sigma = poses.sigma_att_rad[np.isfinite(poses.sigma_att_rad)]
-    comments = [f"{MARK} of {poses.source}", *poses.remarks,
-                *([f"attitude, 1-sigma of the worst axis: {sigma.min():.3g} to {sigma.max():.3g} rad"] if len(sigma) else []),
-                "angular velocities are relative to inertial space: the user states that the camera does not rotate" if rates else "no angular velocities"]
+    comments = [
+        f"{MARK} of {poses.source}",
+        *poses.remarks,
+        *([f"attitude, 1-sigma of the worst axis: {sigma.min():.3g} to {sigma.max():.3g} rad"] if len(sigma) else []),
+        "angular velocities are relative to inertial space: the user states that the camera does not rotate"
+        if rates
+        else "no angular velocities",
+    ]
     spiceypy.kclear()
     spiceypy.furnsh(str(frames))
     try:

@@ -37,6 +37,8 @@ def name(text: str) -> str:
 def definition(target: int, kind: str, source: str, names: Names) -> list[str]:
     """What a reader of a file has to know of the two frames, in sentences."""
     other = "motion.csv" if kind == "smoothed" else "motion_smoothed.csv"
-    return [f"{names.camera_frame} is the camera's frame C: x right, y down in the image, z forward; origin in its centre of projection",
-            f"{names.frame_of(target, kind)} is the target frame T number {target} of {source}: fixed to the body, origin near its centroid",
-            f"T of {other}, and T of another number, have other axes and another origin"]
+    return [
+        f"{names.camera_frame} is the camera's frame C: x right, y down in the image, z forward; origin in its centre of projection",
+        f"{names.frame_of(target, kind)} is the target frame T number {target} of {source}: fixed to the body, origin near its centroid",
+        f"T of {other}, and T of another number, have other axes and another origin",
+    ]

@@ -95,8 +95,14 @@ def read_poses(folder: pathlib.Path, kind: str) -> Poses:
     elif packets and kind == "causal":
         poses = _of_packets(folder / PACKETS, packets, camera_turns)
     else:
-        raise BadInput(f"{folder}: holds no {file.name}" + (f", and no {PACKETS} with packets of motion" if kind == "causal" else
-                       "; it is of a replay that went to its end: replay the recording of a live run, or leave out --smoothed"))
+        raise BadInput(
+            f"{folder}: holds no {file.name}"
+            + (
+                f", and no {PACKETS} with packets of motion"
+                if kind == "causal"
+                else "; it is of a replay that went to its end: replay the recording of a live run, or leave out --smoothed"
+            )
+        )
     if not len(poses):
         raise BadInput(f"{folder / poses.source}: none of {poses.frames} frames has a pose: the target was not acquired")
     return poses
@@ -108,12 +114,20 @@ def in_metres(poses: Poses, metres_per_unit: float) -> Poses:
     if len(units) == 0:
         raise BadInput(f"--metres-per-unit: all lengths of {poses.source} are in metres already")
     if len(units) > 1:
-        raise BadInput(f"--metres-per-unit: {poses.source} has {len(units)} map units (scale_number {', '.join(map(str, units))}), which one number can't convert")
+        raise BadInput(
+            f"--metres-per-unit: {poses.source} has {len(units)} map units (scale_number {', '.join(map(str, units))}), which one number can't convert"
+        )
     by = np.where(poses.metres, 1.0, metres_per_unit)
     to = np.concatenate([np.ones((len(poses), 3)), np.tile(by[:, None], 3)], axis=1)
-    return replace(poses, p_CT=poses.p_CT * by[:, None], v_C=poses.v_C * by[:, None], cov_v=poses.cov_v * (by**2)[:, None, None],
-                   cov_pose=poses.cov_pose * to[:, :, None] * to[:, None, :], metres=np.ones(len(poses), dtype=bool),
-                   remarks=[*poses.remarks, f"lengths are metres by --metres-per-unit {metres_per_unit:g}, whose error is in no covariance"])
+    return replace(
+        poses,
+        p_CT=poses.p_CT * by[:, None],
+        v_C=poses.v_C * by[:, None],
+        cov_v=poses.cov_v * (by**2)[:, None, None],
+        cov_pose=poses.cov_pose * to[:, :, None] * to[:, None, :],
+        metres=np.ones(len(poses), dtype=bool),
+        remarks=[*poses.remarks, f"lengths are metres by --metres-per-unit {metres_per_unit:g}, whose error is in no covariance"],
+    )
 
 
 def _of_table(file: pathlib.Path, kind: str, packets: list, camera_turns: bool) -> Poses:
@@ -128,10 +142,28 @@ def _of_table(file: pathlib.Path, kind: str, packets: list, camera_turns: bool) 
         raise BadInput(f"{file}: target_frame is empty in a row with a pose")
     cov_pose, cov_v, covariances_from = _covariances(motion, packets, kind)
     at = np.flatnonzero(valid)
-    return Poses(file.name, kind, motion.timestamp_ns[at], at, target[at].astype(int), np.nan_to_num(unit[at]).astype(int), motion.scale_known[at],
-                 motion.q_CT[at], motion.p_CT[at], np.where(motion.velocity_valid[:, None], motion.v_C, np.nan)[at],
-                 np.where(motion.rate_valid[:, None], motion.w_T, np.nan)[at], motion.columns["sigma_att_rad"][at], cov_pose[at], cov_v[at],
-                 int(motion.timestamp_ns[0]), _usual_interval(motion.timestamp_ns), len(valid), covariances_from, camera_turns, _left_out(motion.mode, valid))
+    return Poses(
+        file.name,
+        kind,
+        motion.timestamp_ns[at],
+        at,
+        target[at].astype(int),
+        np.nan_to_num(unit[at]).astype(int),
+        motion.scale_known[at],
+        motion.q_CT[at],
+        motion.p_CT[at],
+        np.where(motion.velocity_valid[:, None], motion.v_C, np.nan)[at],
+        np.where(motion.rate_valid[:, None], motion.w_T, np.nan)[at],
+        motion.columns["sigma_att_rad"][at],
+        cov_pose[at],
+        cov_v[at],
+        int(motion.timestamp_ns[0]),
+        _usual_interval(motion.timestamp_ns),
+        len(valid),
+        covariances_from,
+        camera_turns,
+        _left_out(motion.mode, valid),
+    )
 
 
 def _left_out(modes: list[str], valid: np.ndarray) -> list[str]:
@@ -148,13 +180,22 @@ def _covariances(motion: Motion, packets: list, kind: str) -> tuple[np.ndarray, 
     """[N,6,6], [N,3,3], and where they are from."""
     sigma_att, sigma_pos, sigma_vel = (motion.columns[name] for name in ("sigma_att_rad", "sigma_pos", "sigma_vel"))
     variances = np.stack([sigma_att**2] * 3 + [sigma_pos**2] * 3, axis=1)
-    cov_pose, cov_v = variances[:, :, None] * np.eye(6), sigma_vel[:, None, None]**2 * np.eye(3)
+    cov_pose, cov_v = variances[:, :, None] * np.eye(6), sigma_vel[:, None, None] ** 2 * np.eye(3)
     by_time = {packet.timestamp_ns: packet for packet in packets}
     ours = [by_time.get(int(time_ns)) for time_ns in motion.timestamp_ns]
-    agree = all(packet is not None and packet.pose_valid and np.abs(packet.q_CT - q).max() < SAME_POSE
-                for packet, q, valid in zip(ours, motion.q_CT, motion.pose_valid) if valid)
+    agree = all(
+        packet is not None and packet.pose_valid and np.abs(packet.q_CT - q).max() < SAME_POSE
+        for packet, q, valid in zip(ours, motion.q_CT, motion.pose_valid)
+        if valid
+    )
     if not packets or not agree:
-        why = f"{PACKETS} is not of these poses" if packets else "none is published with them" if kind == "smoothed" else f"no {PACKETS} is there"
+        why = (
+            f"{PACKETS} is not of these poses"
+            if packets
+            else "none is published with them"
+            if kind == "smoothed"
+            else f"no {PACKETS} is there"
+        )
         return cov_pose, cov_v, f"covariances are the squared sigma of the worst axis, on all axes and without correlations ({why})"
     for row in np.flatnonzero(motion.pose_valid):
         cov_pose[row] = symmetric(ours[row].cov_pose, 6)
@@ -173,6 +214,7 @@ def symmetric(upper: list[float], size: int) -> np.ndarray:
 def _packets_of(path: pathlib.Path) -> tuple[list, bool]:
     """The motion packets in order, of which those that begin a map have `begins` set; whether the servicer reported its attitude."""
     from polhode_bus import name_of, open_bus
+
     if not path.exists() or path.stat().st_size == 0:
         return [], False
     found, camera_turns = [], False
@@ -200,14 +242,31 @@ def _of_packets(path: pathlib.Path, packets: list, camera_turns: bool) -> Poses:
     poses = [packets[row] for row in at]
 
     def block(name: str, flag: str, empty: np.ndarray, of=np.array) -> np.ndarray:
-        return np.array([of(getattr(packet, name)) if getattr(packet, flag) else empty for packet in poses]).reshape(len(poses), *empty.shape)
+        return np.array([of(getattr(packet, name)) if getattr(packet, flag) else empty for packet in poses]).reshape(
+            len(poses), *empty.shape
+        )
 
     unknown = np.full(3, np.nan)
     q_CT = block("q_CT", "pose_valid", np.full(4, np.nan))
-    return Poses(path.name, "causal", time_ns[at], at, target[at], np.array([packet.scale_number for packet in poses], dtype=int),
-                 np.array([packet.scale_known for packet in poses], dtype=bool), q_CT / np.linalg.norm(q_CT, axis=1, keepdims=True),
-                 block("p_CT", "pose_valid", unknown), block("v_C", "velocity_valid", unknown), block("w_T_rad_s", "rate_valid", unknown),
-                 np.array([packet.sigma_att_rad for packet in poses], dtype=float),
-                 block("cov_pose", "pose_valid", np.full((6, 6), np.nan), lambda upper: symmetric(upper, 6)),
-                 block("cov_v", "velocity_valid", np.full((3, 3), np.nan), lambda upper: symmetric(upper, 3)), int(time_ns[0]), _usual_interval(time_ns), len(packets),
-                 PUBLISHED, camera_turns, _left_out([packet.mode for packet in packets], valid))
+    return Poses(
+        path.name,
+        "causal",
+        time_ns[at],
+        at,
+        target[at],
+        np.array([packet.scale_number for packet in poses], dtype=int),
+        np.array([packet.scale_known for packet in poses], dtype=bool),
+        q_CT / np.linalg.norm(q_CT, axis=1, keepdims=True),
+        block("p_CT", "pose_valid", unknown),
+        block("v_C", "velocity_valid", unknown),
+        block("w_T_rad_s", "rate_valid", unknown),
+        np.array([packet.sigma_att_rad for packet in poses], dtype=float),
+        block("cov_pose", "pose_valid", np.full((6, 6), np.nan), lambda upper: symmetric(upper, 6)),
+        block("cov_v", "velocity_valid", np.full((3, 3), np.nan), lambda upper: symmetric(upper, 3)),
+        int(time_ns[0]),
+        _usual_interval(time_ns),
+        len(packets),
+        PUBLISHED,
+        camera_turns,
+        _left_out([packet.mode for packet in packets], valid),
+    )

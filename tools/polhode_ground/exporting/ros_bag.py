@@ -19,10 +19,22 @@ from rosbags.typesys import Stores, get_typestore
 BAG_MARK = ".polhode-export"
 BAG_VERSION = 9
 CAMERA_FRAME = "camera_optical_frame"
-POSE, TF, VECTOR, CLOUD = ("geometry_msgs/msg/PoseWithCovarianceStamped", "tf2_msgs/msg/TFMessage", "geometry_msgs/msg/Vector3Stamped",
-                           "sensor_msgs/msg/PointCloud2")
+POSE, TF, VECTOR, CLOUD = (
+    "geometry_msgs/msg/PoseWithCovarianceStamped",
+    "tf2_msgs/msg/TFMessage",
+    "geometry_msgs/msg/Vector3Stamped",
+    "sensor_msgs/msg/PointCloud2",
+)
 # (name, numpy's type, code of PointField); PointCloud2's viewers take colours from "rgb".
-CLOUD_FIELDS = (("x", "<f4", 7), ("y", "<f4", 7), ("z", "<f4", 7), ("rgb", "<u4", 7), ("sigma", "<f4", 7), ("views", "<i4", 5), ("added", "u1", 2))
+CLOUD_FIELDS = (
+    ("x", "<f4", 7),
+    ("y", "<f4", 7),
+    ("z", "<f4", 7),
+    ("rgb", "<u4", 7),
+    ("sigma", "<f4", 7),
+    ("views", "<i4", 5),
+    ("added", "u1", 2),
+)
 # ROS has the position before the rotation. Both are perturbations in the axes of the parent frame, as ours are.
 POSITION_FIRST = [3, 4, 5, 0, 1, 2]
 
@@ -61,19 +73,44 @@ class Messages:
         camera, target = frames_of(poses, row)
         header = self.header(int(poses.time_ns[row]), camera)
         x, y, z = map(float, poses.p_CT[row])
-        pose = self.make("geometry_msgs/msg/Pose", position=self.make("geometry_msgs/msg/Point", x=x, y=y, z=z), orientation=self.quaternion(poses.q_CT[row]))
+        pose = self.make(
+            "geometry_msgs/msg/Pose",
+            position=self.make("geometry_msgs/msg/Point", x=x, y=y, z=z),
+            orientation=self.quaternion(poses.q_CT[row]),
+        )
         covariance = np.nan_to_num(poses.cov_pose[row][np.ix_(POSITION_FIRST, POSITION_FIRST)].reshape(-1))  # ROS: zeros are "unknown"
-        yield "pose", POSE, self.make(POSE, header=header, pose=self.make("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=covariance))
+        yield (
+            "pose",
+            POSE,
+            self.make(POSE, header=header, pose=self.make("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=covariance)),
+        )
         transform = self.make("geometry_msgs/msg/Transform", translation=self.vector(poses.p_CT[row]), rotation=pose.orientation)
         stamped = self.make("geometry_msgs/msg/TransformStamped", header=header, child_frame_id=target, transform=transform)
         yield "/tf", TF, self.make(TF, transforms=[stamped])
         if np.isfinite(poses.w_T[row]).all():
-            yield "angular_velocity", VECTOR, self.make(VECTOR, header=self.header(int(poses.time_ns[row]), target), vector=self.vector(poses.w_T[row]))
+            yield (
+                "angular_velocity",
+                VECTOR,
+                self.make(VECTOR, header=self.header(int(poses.time_ns[row]), target), vector=self.vector(poses.w_T[row])),
+            )
 
     def cloud(self, rows: np.ndarray, time_ns: int, frame: str):
-        fields = [self.make("sensor_msgs/msg/PointField", name=name, offset=rows.dtype.fields[name][1], datatype=code, count=1) for name, _, code in CLOUD_FIELDS]
-        return self.make(CLOUD, header=self.header(time_ns, frame), height=1, width=len(rows), fields=fields, is_bigendian=False,
-                         point_step=rows.dtype.itemsize, row_step=rows.nbytes, data=np.frombuffer(rows.tobytes(), np.uint8), is_dense=True)
+        fields = [
+            self.make("sensor_msgs/msg/PointField", name=name, offset=rows.dtype.fields[name][1], datatype=code, count=1)
+            for name, _, code in CLOUD_FIELDS
+        ]
+        return self.make(
+            CLOUD,
+            header=self.header(time_ns, frame),
+            height=1,
+            width=len(rows),
+            fields=fields,
+            is_bigendian=False,
+            point_step=rows.dtype.itemsize,
+            row_step=rows.nbytes,
+            data=np.frombuffer(rows.tobytes(), np.uint8),
+            is_dense=True,
+        )
 
 
 def cloud_rows(path: pathlib.Path, metres_per_unit: float) -> np.ndarray | None:
@@ -103,7 +140,9 @@ def check_bag(out: pathlib.Path) -> None:
         raise BadInput(f"{out}: is there already and is no folder; a ROS 2 bag is one; move it away or give another name")
     others = sorted(file.name for file in out.iterdir() if file.name not in ours and file.suffix != ".mcap")
     if others or (any(out.iterdir()) and not (out / BAG_MARK).exists()):
-        raise BadInput(f"{out}: holds files that this command did not write ({', '.join(others) or 'no ' + BAG_MARK}); allowed is a new, an empty or an earlier call's folder")
+        raise BadInput(
+            f"{out}: holds files that this command did not write ({', '.join(others) or 'no ' + BAG_MARK}); allowed is a new, an empty or an earlier call's folder"
+        )
 
 
 def write_rosbag2(motions: list[Poses], run: pathlib.Path, out: pathlib.Path, metres_per_unit: float | None) -> tuple[str, list[str]]:
@@ -134,12 +173,15 @@ def _rename(folder: pathlib.Path, file: pathlib.Path, name: str) -> None:
 def _fill(part: pathlib.Path, motions: list[Poses], run: pathlib.Path, metres_per_unit: float | None) -> tuple[list[str], list[str]]:
     messages, connections, counts, remarks = Messages(), {}, [], []
     with Writer(part, version=BAG_VERSION, storage_plugin=StoragePlugin.MCAP) as writer:
+
         def add(topic: str, kind: str, time_ns: int, message) -> None:
             if topic not in connections:
                 connections[topic] = writer.add_connection(topic, kind, typestore=messages.store)
             writer.write(connections[topic], time_ns, messages.store.serialize_cdr(message, kind))
 
-        for time_ns, poses, row in sorted(((int(time_ns), poses, row) for poses in motions for row, time_ns in enumerate(poses.time_ns)), key=lambda one: one[0]):
+        for time_ns, poses, row in sorted(
+            ((int(time_ns), poses, row) for poses in motions for row, time_ns in enumerate(poses.time_ns)), key=lambda one: one[0]
+        ):
             for topic, kind, message in messages.of_pose(poses, row):
                 add(topic if topic.startswith("/") else f"/target/{poses.kind}/{topic}", kind, time_ns, message)
         counts += [f"{counted(len(poses), 'pose')} of {poses.source}" for poses in motions]

@@ -30,8 +30,7 @@ IMAGE_SCHEMA = {
     "title": "foxglove.CompressedImage",
     "type": "object",
     "properties": {
-        "timestamp": {"type": "object", "title": "time",
-                      "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}},
+        "timestamp": {"type": "object", "title": "time", "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}},
         "frame_id": {"type": "string"},
         "data": {"type": "string", "contentEncoding": "base64"},
         "format": {"type": "string"},
@@ -44,6 +43,7 @@ CUC_AT = 6  # P-field, four octets of seconds, three of their fraction (docs/bus
 def packets_of(bus: pathlib.Path):
     """Packet by packet, passing over what is none, as a run that was cut off leaves it."""
     from polhode_bus import open_bus
+
     with open_bus(f"file:{bus}") as source:
         while (packet := source.next_octets(timeout_s=0.0)) is not None:
             yield packet
@@ -51,8 +51,8 @@ def packets_of(bus: pathlib.Path):
 
 def time_of(packet: bytes) -> int:
     """Nanoseconds, to the 60 ns that the field resolves."""
-    whole = int.from_bytes(packet[CUC_AT + 1:CUC_AT + 5], "big")
-    fraction = int.from_bytes(packet[CUC_AT + 5:CUC_AT + 8], "big")
+    whole = int.from_bytes(packet[CUC_AT + 1 : CUC_AT + 5], "big")
+    fraction = int.from_bytes(packet[CUC_AT + 5 : CUC_AT + 8], "big")
     return whole * 1_000_000_000 + round(fraction * 1e9 / 2**24)
 
 
@@ -60,6 +60,7 @@ def image_of(sequence, index: int) -> tuple[bytes, str, bool]:
     """@return octets that viewers show, their format, and whether they are another picture than the file."""
     import cv2
     from polhode_ground.common.levels import read_octets, viewable
+
     octets = read_octets(sequence.frame_path(index))
     kind = viewable(octets)
     if kind is not None and not sequence.mosaic:
@@ -70,6 +71,7 @@ def image_of(sequence, index: int) -> tuple[bytes, str, bool]:
 def write_images(writer, sequence) -> tuple[int, int, int]:
     """@return images; of them converted ones; files that can't be read."""
     from polhode_ground.common.errors import BadInput
+
     schema = writer.register_schema("foxglove.CompressedImage", "jsonschema", json.dumps(IMAGE_SCHEMA).encode())
     channel = writer.register_channel("/camera/image", "json", schema)
     count, converted, unreadable = 0, 0, 0
@@ -82,8 +84,12 @@ def write_images(writer, sequence) -> tuple[int, int, int]:
             unreadable += 1
             continue
         converted += other
-        message = {"timestamp": {"sec": stamp // 1_000_000_000, "nsec": stamp % 1_000_000_000}, "frame_id": "C",
-                   "data": base64.b64encode(octets).decode(), "format": kind}
+        message = {
+            "timestamp": {"sec": stamp // 1_000_000_000, "nsec": stamp % 1_000_000_000},
+            "frame_id": "C",
+            "data": base64.b64encode(octets).decode(),
+            "format": kind,
+        }
         writer.add_message(channel, stamp, json.dumps(message).encode(), stamp, count)
         count += 1
     return count, converted, unreadable
@@ -105,6 +111,7 @@ def write_run(writer, run: pathlib.Path, sequence: pathlib.Path) -> int:
     from mcap_protobuf.schema import build_file_descriptor_set
     from polhode_ground.reporting.foxglove_messages import messages_of
     from polhode_ground.reporting.gather import gather
+
     channels, schemas, count = {}, {}, 0
     for topic, time_ns, message in messages_of(gather(run, sequence)):
         kind = message.DESCRIPTOR.full_name
@@ -117,11 +124,14 @@ def write_run(writer, run: pathlib.Path, sequence: pathlib.Path) -> int:
     return count
 
 
-def convert(folder: pathlib.Path, bus: pathlib.Path | None, run: pathlib.Path | None, out: pathlib.Path) -> tuple[tuple[int, int, int], int, int, int]:
+def convert(
+    folder: pathlib.Path, bus: pathlib.Path | None, run: pathlib.Path | None, out: pathlib.Path
+) -> tuple[tuple[int, int, int], int, int, int]:
     """@return images as write_images() counts them, packets, octets among the packets that were none, messages of the run."""
     from polhode_ground.common.sequence import read_json, read_sequence
     from polhode_ground.common.whole_file import MARK, beside
     from mcap.writer import Writer
+
     sequence = read_sequence(folder)
     sequence.see_as(read_json(run / "summary.json") if run is not None else {})
     if bus is None and run is not None:
@@ -129,8 +139,11 @@ def convert(folder: pathlib.Path, bus: pathlib.Path | None, run: pathlib.Path | 
     with beside(out) as part, open(part, "wb") as file:
         writer = Writer(file)
         writer.start(library=f"polhode ({MARK})")
-        counts = (write_images(writer, sequence), *((0, 0) if bus is None else write_packets(writer, bus)),
-                  0 if run is None else write_run(writer, run, folder))
+        counts = (
+            write_images(writer, sequence),
+            *((0, 0) if bus is None else write_packets(writer, bus)),
+            0 if run is None else write_run(writer, run, folder),
+        )
         for name in ATTACHMENTS:
             if (folder / name).exists():
                 stamp = int(sequence.timestamp_ns[0]) if len(sequence.timestamp_ns) else 0
@@ -140,26 +153,36 @@ def convert(folder: pathlib.Path, bus: pathlib.Path | None, run: pathlib.Path | 
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter,
-                                     epilog="Exit status: 0 made; 2 SEQ, the packets or the run cannot be read (one line says which).")
+    parser = argparse.ArgumentParser(
+        description=__doc__.strip(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="Exit status: 0 made; 2 SEQ, the packets or the run cannot be read (one line says which).",
+    )
     parser.add_argument("sequence", type=pathlib.Path, metavar="SEQ", help="sequence folder")
     parser.add_argument("--bus", type=pathlib.Path, metavar="bus.ccsds", help="the packets (default: those of --run)")
     parser.add_argument("--run", type=pathlib.Path, metavar="DIR", help="output folder of a replay of SEQ")
     parser.add_argument("--out", type=pathlib.Path, required=True, metavar="run.mcap")
     asked = parser.parse_args()
     from polhode_ground.common.errors import BadInput
+
     try:
         (images, converted, unreadable), packets, damaged, found = convert(asked.sequence, asked.bus, asked.run, asked.out)
     except (BadInput, OSError) as problem:
         print(f"sequence_to_mcap: {problem}", file=sys.stderr)
         return 2
     if converted:
-        print(f"sequence_to_mcap: {converted} images were converted to PNG of 8 bits, as bright as a replay sees them: viewers show PNG and JPEG of 8 bits only", file=sys.stderr)
+        print(
+            f"sequence_to_mcap: {converted} images were converted to PNG of 8 bits, as bright as a replay sees them: viewers show PNG and JPEG of 8 bits only",
+            file=sys.stderr,
+        )
     if unreadable:
         print(f"sequence_to_mcap: {unreadable} images can't be read and were left out", file=sys.stderr)
     print(f"{images} images, {packets} packets, {found} messages of the run: {asked.out}")
     if damaged:
-        print(f"sequence_to_mcap: {asked.bus or asked.run / 'bus.ccsds'}: {damaged} octets are no packet and were passed over", file=sys.stderr)
+        print(
+            f"sequence_to_mcap: {asked.bus or asked.run / 'bus.ccsds'}: {damaged} octets are no packet and were passed over",
+            file=sys.stderr,
+        )
     return 0
 
 

@@ -45,17 +45,22 @@ class LeapSeconds:
             return 0.0
         before = np.flatnonzero(self.unix_s <= unix_s)
         if not len(before):
-            raise BadInput(f"stamps begin at {date_of(unix_s * NS)}: UTC as we know it begins in {FIRST_LEAP_YEAR}, so its leap seconds there are unknown; allowed is --clock tai")
+            raise BadInput(
+                f"stamps begin at {date_of(unix_s * NS)}: UTC as we know it begins in {FIRST_LEAP_YEAR}, so its leap seconds there are unknown; allowed is --clock tai"
+            )
         return float(self.tai_less_utc_s[before[-1]])
 
 
 def leap_seconds() -> LeapSeconds:
     """IERS' table, which is installed with astropy. Nothing is fetched."""
     from astropy_iers_data import IERS_LEAP_SECOND_FILE
+
     text = pathlib.Path(IERS_LEAP_SECOND_FILE).read_text()
     modified_julian_day, _, _, _, tai_less_utc_s = np.loadtxt(text.splitlines(), unpack=True)
     expires = re.search(r"File expires on (.*)", text)
-    return LeapSeconds((modified_julian_day.astype(np.int64) - UNIX_EPOCH_DAY) * 86400, tai_less_utc_s, expires.group(1) if expires else "an unknown day")
+    return LeapSeconds(
+        (modified_julian_day.astype(np.int64) - UNIX_EPOCH_DAY) * 86400, tai_less_utc_s, expires.group(1) if expires else "an unknown day"
+    )
 
 
 def terrestrial_s(second: int, clock: str, leaps: LeapSeconds) -> float:

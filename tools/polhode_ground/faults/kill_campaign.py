@@ -63,8 +63,9 @@ class Start:
         self.folder.mkdir()
         self.stderr = open(self.folder / "stderr.txt", "w")
         self.begun_s = time.monotonic()
-        self.process = subprocess.Popen([PROGRAM, "run", "--config", config, "--set", f'run.folder="{self.folder}"'],
-                                        stdout=subprocess.DEVNULL, stderr=self.stderr)
+        self.process = subprocess.Popen(
+            [PROGRAM, "run", "--config", config, "--set", f'run.folder="{self.folder}"'], stdout=subprocess.DEVNULL, stderr=self.stderr
+        )
 
     def octets(self) -> int:
         file = self.folder / "bus.ccsds"
@@ -97,12 +98,17 @@ class Start:
         said = (self.folder / "stderr.txt").read_text()
         begun = next((line for line in said.splitlines() if line.startswith("start ")), "")
         valid = self.poses_valid()
-        return {"begun": begun, "first_packet_s": round(first_packet_s, 3), "frames": len(valid),
-                "frames_to_pose": valid.index(True) + 1 if True in valid else None}
+        return {
+            "begun": begun,
+            "first_packet_s": round(first_packet_s, 3),
+            "frames": len(valid),
+            "frames_to_pose": valid.index(True) + 1 if True in valid else None,
+        }
 
 
 def make_config(folder: pathlib.Path, interval_s: float) -> pathlib.Path:
     from polhode_ground.v4l2 import sequences
+
     sequence = folder / "body"
     sequences.write(sequence, sequences.body(40), 600.0)
     config = folder / "live.toml"
@@ -134,9 +140,13 @@ def judge(accounts: list[dict]) -> dict:
     cold = [a for a in after if "warm" not in a["begun"]]
     late = [a for a in after if (a["frames_to_pose"] or 99) > FRAMES_TO_POSE_MAX]
     times = sorted(a["first_packet_s"] for a in after)
-    return {"kills": len(after), "cold_starts": len(cold), "later_than_third_frame": len(late),
-            "frames_to_pose": sorted(a["frames_to_pose"] or 99 for a in after),
-            "first_packet_s": {"p50": times[len(times) // 2], "max": times[-1]}}
+    return {
+        "kills": len(after),
+        "cold_starts": len(cold),
+        "later_than_third_frame": len(late),
+        "frames_to_pose": sorted(a["frames_to_pose"] or 99 for a in after),
+        "first_packet_s": {"p50": times[len(times) // 2], "max": times[-1]},
+    }
 
 
 def main() -> int:

@@ -67,6 +67,7 @@ class Flipping:
 
     def __call__(self, process, frames: int) -> bool:
         from polhode_ground.faults.tables import flip
+
         if frames <= self.frame:
             return False
         process.send_signal(signal.SIGSTOP)
@@ -91,13 +92,20 @@ def sequence_from(folder: pathlib.Path, rows: list[str], first: int) -> pathlib.
 def one_run(folder: pathlib.Path, flipping: Flipping, rows: list[str], watchdog_s: float) -> list:
     """@return its starts; the last one came to the end of the frames, or the run stays down."""
     from polhode_ground.faults.service import run
+
     folder.mkdir()
     starts, first = [], 0
     while first < len(rows) and len(starts) < STARTS_MAX:
         place = folder / f"start{len(starts)}"
         config = folder / f"start{len(starts)}.toml"
-        config.write_text(CONFIG.format(sequence=sequence_from(folder / f"frames{len(starts)}", rows, first), folder=place,
-                                        checkpoint=folder / "checkpoint", every=CHECKPOINT_FRAMES))
+        config.write_text(
+            CONFIG.format(
+                sequence=sequence_from(folder / f"frames{len(starts)}", rows, first),
+                folder=place,
+                checkpoint=folder / "checkpoint",
+                every=CHECKPOINT_FRAMES,
+            )
+        )
         starts.append(run([PROGRAM, "run", "--config", config], place, watchdog_s, None if starts else flipping))
         if not starts[-1].failed:
             break
@@ -108,6 +116,7 @@ def one_run(folder: pathlib.Path, flipping: Flipping, rows: list[str], watchdog_
 def campaign(folder: pathlib.Path, runs: int, all_flips: list[int], seed: int, watchdog_s: float) -> list[dict]:
     from polhode_ground.faults.verdict import account, faults_of
     from polhode_ground.common.tables import read_motion
+
     truth = read_motion(SAMPLE / "truth.csv")
     rows = (SAMPLE / "mav0/cam0/data.csv").read_text().splitlines()[1:]
     accounts = []
@@ -117,14 +126,25 @@ def campaign(folder: pathlib.Path, runs: int, all_flips: list[int], seed: int, w
         flipping = Flipping(chance.randint(FRAME_FIRST, FRAME_LAST), flips, chance)
         begun_s = time.monotonic()
         starts = one_run(folder / f"run{number:04d}", flipping, rows, watchdog_s)
-        one = {"run": number, "flips": flips, "frame": flipping.frame, "flipped": flipping.tables_octets > 0,
-               **account(starts, truth, int(rows[flipping.frame].split(",")[0])), "seconds": round(time.monotonic() - begun_s, 1)}
+        one = {
+            "run": number,
+            "flips": flips,
+            "frame": flipping.frame,
+            "flipped": flipping.tables_octets > 0,
+            **account(starts, truth, int(rows[flipping.frame].split(",")[0])),
+            "seconds": round(time.monotonic() - begun_s, 1),
+        }
         accounts.append(one)
         if not faults_of(one):
             shutil.rmtree(folder / f"run{number:04d}")
-        print(f"{number:4d}  {flips:4d} flips at frame {flipping.frame:2d}: {one['kind']}; {', '.join(one['ends'])}"
-              + "".join(f"; {fault}" for fault in faults_of(one)), flush=True)
-        (folder / "campaign.json").write_text(json.dumps({"seed": seed, "tables_octets": flipping.tables_octets, "runs": accounts}, indent=1))
+        print(
+            f"{number:4d}  {flips:4d} flips at frame {flipping.frame:2d}: {one['kind']}; {', '.join(one['ends'])}"
+            + "".join(f"; {fault}" for fault in faults_of(one)),
+            flush=True,
+        )
+        (folder / "campaign.json").write_text(
+            json.dumps({"seed": seed, "tables_octets": flipping.tables_octets, "runs": accounts}, indent=1)
+        )
     return accounts
 
 
@@ -143,6 +163,7 @@ def main() -> int:
     check_program()
     from polhode_ground.faults.tables import symbol_address
     from polhode_ground.faults.verdict import summary, text_of
+
     symbol_address(PROGRAM)
     accounts = campaign(new_folder(asked.folder), asked.runs, asked.flips, asked.seed, asked.watchdog_s)
     by_flips = summary(accounts)

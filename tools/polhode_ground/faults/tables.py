@@ -47,7 +47,9 @@ class Memory:
         octets = ctypes.sizeof(buffer)
         here = Span(ctypes.addressof(buffer), octets)
         there = Span(address, octets)
-        done = getattr(self._calls, call)(self._pid, ctypes.byref(here), ctypes.c_ulong(1), ctypes.byref(there), ctypes.c_ulong(1), ctypes.c_ulong(0))
+        done = getattr(self._calls, call)(
+            self._pid, ctypes.byref(here), ctypes.c_ulong(1), ctypes.byref(there), ctypes.c_ulong(1), ctypes.c_ulong(0)
+        )
         if done != octets:
             number = ctypes.get_errno()
             raise OSError(number, f"{call} at {address:#x}: {os.strerror(number)}")

@@ -35,8 +35,9 @@ def poses_of(starts: list[Start]) -> list[Pose]:
     poses, target_frame = [], 0
     for start in starts:
         target_frame += 0 if start.warm else 1
-        begun_ns = [packet.timestamp_ns for packet in start.packets
-                    if packet.name == "event" and packet.id in (TARGET_ACQUIRED, TARGET_FRAME_NEW)]
+        begun_ns = [
+            packet.timestamp_ns for packet in start.packets if packet.name == "event" and packet.id in (TARGET_ACQUIRED, TARGET_FRAME_NEW)
+        ]
         for packet in start.packets:
             if packet.name == "motion" and packet.q_CT is not None:
                 number = target_frame + sum(time_ns <= packet.timestamp_ns for time_ns in begun_ns)
@@ -58,8 +59,11 @@ def wrong_poses(poses: list[Pose], truth: Motion, flipped_ns: int) -> list[dict]
         R_CE = align.rotations(np.array([pose.q_CT for pose in mine]))
         R_CT = align.rotations(np.array([true_q[pose.timestamp_ns] for pose in mine]))
         error_deg = np.degrees(align.angles_rad(R_CE * align.align_rotation(R_CE[by], R_CT[by]), R_CT))
-        wrong += [{"timestamp_ns": pose.timestamp_ns, "error_deg": round(float(error), 2), "sigma_deg": round(pose.sigma_deg, 3)}
-                  for pose, error in zip(mine, error_deg) if error > ERROR_DEG and pose.sigma_deg < SIGMA_DEG]
+        wrong += [
+            {"timestamp_ns": pose.timestamp_ns, "error_deg": round(float(error), 2), "sigma_deg": round(pose.sigma_deg, 3)}
+            for pose, error in zip(mine, error_deg)
+            if error > ERROR_DEG and pose.sigma_deg < SIGMA_DEG
+        ]
     return wrong
 
 
@@ -78,14 +82,16 @@ def account(starts: list[Start], truth: Motion, flipped_ns: int) -> dict:
     """One run as plain data."""
     wrong = wrong_poses(poses_of(starts), truth, flipped_ns)
     events = [packet for start in starts for packet in start.packets if packet.name == "event" and packet.id == TABLE_DAMAGED]
-    return {"kind": kind_of(starts, wrong, len(events)),
-            "ends": [start.end for start in starts],
-            "words": [start.last_words for start in starts if start.failed],
-            "begun": [start.begun for start in starts],
-            "damage_reported": [event.text for event in events],
-            "wrong_poses": wrong,
-            "frames": [len(start.poses_valid) for start in starts],
-            "frames_to_pose": [start.poses_valid.index(True) + 1 if True in start.poses_valid else None for start in starts]}
+    return {
+        "kind": kind_of(starts, wrong, len(events)),
+        "ends": [start.end for start in starts],
+        "words": [start.last_words for start in starts if start.failed],
+        "begun": [start.begun for start in starts],
+        "damage_reported": [event.text for event in events],
+        "wrong_poses": wrong,
+        "frames": [len(start.poses_valid) for start in starts],
+        "frames_to_pose": [start.poses_valid.index(True) + 1 if True in start.poses_valid else None for start in starts],
+    }
 
 
 def faults_of(one: dict) -> list[str]:
@@ -114,18 +120,34 @@ def summary(accounts: list[dict]) -> dict:
     for flips in sorted({one["flips"] for one in accounts}):
         mine = [one for one in accounts if one["flips"] == flips]
         again = [place for one in mine for place in range(1, len(one["begun"]))]
-        warm = [one["frames_to_pose"][place] for one in mine for place in range(1, len(one["begun"])) if one["begun"][place].startswith("start warm")]
-        by_flips[str(flips)] = {"runs": len(mine),
-                                **{kind: sum(one["kind"] == kind for one in mine) for kind in KINDS},
-                                "starts_again": len(again), "warm": len(warm), "frames_to_pose_warm": sorted(f or 99 for f in warm),
-                                "faults": [f"run {one['run']}: {fault}" for one in mine for fault in faults_of(one)]}
+        warm = [
+            one["frames_to_pose"][place]
+            for one in mine
+            for place in range(1, len(one["begun"]))
+            if one["begun"][place].startswith("start warm")
+        ]
+        by_flips[str(flips)] = {
+            "runs": len(mine),
+            **{kind: sum(one["kind"] == kind for one in mine) for kind in KINDS},
+            "starts_again": len(again),
+            "warm": len(warm),
+            "frames_to_pose_warm": sorted(f or 99 for f in warm),
+            "faults": [f"run {one['run']}: {fault}" for one in mine for fault in faults_of(one)],
+        }
     return by_flips
 
 
 def text_of(by_flips: dict) -> str:
-    rows = [f"{'flips':>6} {'runs':>5} " + " ".join(f"{kind:>10}" for kind in KINDS) + f" {'started again':>14} {'warm':>5} {'frames to a pose':>17}  faults"]
+    rows = [
+        f"{'flips':>6} {'runs':>5} "
+        + " ".join(f"{kind:>10}" for kind in KINDS)
+        + f" {'started again':>14} {'warm':>5} {'frames to a pose':>17}  faults"
+    ]
     for flips, one in by_flips.items():
         late = max(one["frames_to_pose_warm"], default=0)
-        rows.append(f"{flips:>6} {one['runs']:>5} " + " ".join(f"{one[kind]:>10}" for kind in KINDS)
-                    + f" {one['starts_again']:>14} {one['warm']:>5} {late or '-':>17}  {len(one['faults'])}")
+        rows.append(
+            f"{flips:>6} {one['runs']:>5} "
+            + " ".join(f"{one[kind]:>10}" for kind in KINDS)
+            + f" {one['starts_again']:>14} {one['warm']:>5} {late or '-':>17}  {len(one['faults'])}"
+        )
     return "\n".join(rows + [fault for one in by_flips.values() for fault in one["faults"]])

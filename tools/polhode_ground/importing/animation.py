@@ -14,6 +14,7 @@ KINDS = ("webp", "avif")
 
 def is_animation(path: pathlib.Path) -> bool:
     from PIL import Image
+
     if kind_of_file(path) not in KINDS:
         return False
     try:
@@ -38,6 +39,7 @@ def open_animation(path: pathlib.Path, options: Options) -> Source:
 def _shown(path: pathlib.Path, account: Account) -> Iterator[tuple[int, np.ndarray]]:
     """(duration [ms], pixels) of each frame."""
     from PIL import Image
+
     with Image.open(path) as picture:
         for index in range(picture.n_frames):
             try:

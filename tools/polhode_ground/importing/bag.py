@@ -27,20 +27,41 @@ DISTANCE_ENCODINGS = ("16UC1", "32FC1", "mono16")
 NEEDED = "give --intrinsics FILE, 'fu,fv,cu,cv' or auto"
 # Encodings of sensor_msgs/Image: (type, channels, OpenCV's conversion to gray or None).
 ENCODINGS = {
-    "mono8": ("u1", 1, None), "8UC1": ("u1", 1, None), "mono16": ("u2", 1, None), "16UC1": ("u2", 1, None),
-    "8SC1": ("i1", 1, None), "16SC1": ("i2", 1, None), "32SC1": ("i4", 1, None), "32FC1": ("f4", 1, None), "64FC1": ("f8", 1, None),
+    "mono8": ("u1", 1, None),
+    "8UC1": ("u1", 1, None),
+    "mono16": ("u2", 1, None),
+    "16UC1": ("u2", 1, None),
+    "8SC1": ("i1", 1, None),
+    "16SC1": ("i2", 1, None),
+    "32SC1": ("i4", 1, None),
+    "32FC1": ("f4", 1, None),
+    "64FC1": ("f8", 1, None),
     "32FC3": ("f4", 3, "COLOR_BGR2GRAY"),
-    "rgb8": ("u1", 3, "COLOR_RGB2GRAY"), "bgr8": ("u1", 3, "COLOR_BGR2GRAY"), "8UC3": ("u1", 3, "COLOR_BGR2GRAY"),
-    "rgba8": ("u1", 4, "COLOR_RGBA2GRAY"), "bgra8": ("u1", 4, "COLOR_BGRA2GRAY"), "8UC4": ("u1", 4, "COLOR_BGRA2GRAY"),
-    "rgb16": ("u2", 3, "COLOR_RGB2GRAY"), "bgr16": ("u2", 3, "COLOR_BGR2GRAY"),
-    "rgba16": ("u2", 4, "COLOR_RGBA2GRAY"), "bgra16": ("u2", 4, "COLOR_BGRA2GRAY"), "16UC3": ("u2", 3, "COLOR_BGR2GRAY"), "16UC4": ("u2", 4, "COLOR_BGRA2GRAY"),
+    "rgb8": ("u1", 3, "COLOR_RGB2GRAY"),
+    "bgr8": ("u1", 3, "COLOR_BGR2GRAY"),
+    "8UC3": ("u1", 3, "COLOR_BGR2GRAY"),
+    "rgba8": ("u1", 4, "COLOR_RGBA2GRAY"),
+    "bgra8": ("u1", 4, "COLOR_BGRA2GRAY"),
+    "8UC4": ("u1", 4, "COLOR_BGRA2GRAY"),
+    "rgb16": ("u2", 3, "COLOR_RGB2GRAY"),
+    "bgr16": ("u2", 3, "COLOR_BGR2GRAY"),
+    "rgba16": ("u2", 4, "COLOR_RGBA2GRAY"),
+    "bgra16": ("u2", 4, "COLOR_BGRA2GRAY"),
+    "16UC3": ("u2", 3, "COLOR_BGR2GRAY"),
+    "16UC4": ("u2", 4, "COLOR_BGRA2GRAY"),
     # OpenCV names a Bayer pattern by its second row, ROS by its first.
-    "bayer_rggb8": ("u1", 1, "COLOR_BayerBG2GRAY"), "bayer_bggr8": ("u1", 1, "COLOR_BayerRG2GRAY"),
-    "bayer_gbrg8": ("u1", 1, "COLOR_BayerGR2GRAY"), "bayer_grbg8": ("u1", 1, "COLOR_BayerGB2GRAY"),
-    "bayer_rggb16": ("u2", 1, "COLOR_BayerBG2GRAY"), "bayer_bggr16": ("u2", 1, "COLOR_BayerRG2GRAY"),
-    "bayer_gbrg16": ("u2", 1, "COLOR_BayerGR2GRAY"), "bayer_grbg16": ("u2", 1, "COLOR_BayerGB2GRAY"),
-    "yuv422": ("u1", 2, "COLOR_YUV2GRAY_UYVY"), "uyvy": ("u1", 2, "COLOR_YUV2GRAY_UYVY"),
-    "yuv422_yuy2": ("u1", 2, "COLOR_YUV2GRAY_YUY2"), "yuyv": ("u1", 2, "COLOR_YUV2GRAY_YUY2"),
+    "bayer_rggb8": ("u1", 1, "COLOR_BayerBG2GRAY"),
+    "bayer_bggr8": ("u1", 1, "COLOR_BayerRG2GRAY"),
+    "bayer_gbrg8": ("u1", 1, "COLOR_BayerGR2GRAY"),
+    "bayer_grbg8": ("u1", 1, "COLOR_BayerGB2GRAY"),
+    "bayer_rggb16": ("u2", 1, "COLOR_BayerBG2GRAY"),
+    "bayer_bggr16": ("u2", 1, "COLOR_BayerRG2GRAY"),
+    "bayer_gbrg16": ("u2", 1, "COLOR_BayerGR2GRAY"),
+    "bayer_grbg16": ("u2", 1, "COLOR_BayerGB2GRAY"),
+    "yuv422": ("u1", 2, "COLOR_YUV2GRAY_UYVY"),
+    "uyvy": ("u1", 2, "COLOR_YUV2GRAY_UYVY"),
+    "yuv422_yuy2": ("u1", 2, "COLOR_YUV2GRAY_YUY2"),
+    "yuyv": ("u1", 2, "COLOR_YUV2GRAY_YUY2"),
 }
 # Their first plane is the luminance, of as many rows as the picture has; then comes the colour, (rows of both) / (rows of the first).
 PLANAR = {"nv12": 1.5, "nv21": 1.5, "i420": 1.5, "yuv420": 1.5, "yv12": 1.5, "nv16": 2, "nv24": 3, "yuv444": 3}
@@ -66,8 +87,16 @@ def open_bag(path: pathlib.Path, options: Options) -> Source:
         lens, lens_from = lens_if_any(lambda: _camera_info(reader, topic, messages.frame_id, account), account)
         kind = images[topic].msgtype.rsplit("/", 1)[-1]
     times_ns = messages.taken(messages.stamps_ns)
-    return Source(f"bag, topic {topic} ({kind}), {len(times_ns)} pictures", _frames(path, topic, messages.left_out, account), account, count=len(times_ns), lens=lens,
-                  lens_from=lens_from, times_ns=times_ns, received_ns=messages.taken(messages.received_ns))
+    return Source(
+        f"bag, topic {topic} ({kind}), {len(times_ns)} pictures",
+        _frames(path, topic, messages.left_out, account),
+        account,
+        count=len(times_ns),
+        lens=lens,
+        lens_from=lens_from,
+        times_ns=times_ns,
+        received_ns=messages.taken(messages.received_ns),
+    )
 
 
 def _of_light(reader, topics: list[str], asked: str | None, account: Account) -> list[str]:
@@ -80,7 +109,9 @@ def _of_light(reader, topics: list[str], asked: str | None, account: Account) ->
         account.assumed.append(f"topics of distances are left out: {', '.join(distances)}")
     if distances and not light:
         raw = [c.topic for c in reader.connections if c.topic in distances and c.msgtype in RAW]
-        raise BadInput(f"{', '.join(distances)}: holds distances, allowed are pictures of light{f'; --topic {raw[0]} takes it all the same' if raw else ''}")
+        raise BadInput(
+            f"{', '.join(distances)}: holds distances, allowed are pictures of light{f'; --topic {raw[0]} takes it all the same' if raw else ''}"
+        )
     return light
 
 
@@ -112,7 +143,9 @@ def _camera_info(reader, topic: str, frame_id: str, account: Account) -> tuple[L
         if infos:
             raise BadInput(f"which CameraInfo belongs to {topic} is not clear ({', '.join(infos)}): {NEEDED}")
         return None, ""
-    messages = [(time_ns, reader.deserialize(raw, connection.msgtype)) for connection, time_ns, raw in reader.messages(connections=[infos[name]])]
+    messages = [
+        (time_ns, reader.deserialize(raw, connection.msgtype)) for connection, time_ns, raw in reader.messages(connections=[infos[name]])
+    ]
     if not messages:
         return None, ""
     messages = _of_camera(messages, frame_id, name)
@@ -122,8 +155,10 @@ def _camera_info(reader, topic: str, frame_id: str, account: Account) -> tuple[L
         raise BadInput(f"{name} is of a camera without calibration: {NEEDED}")
     changed = [time_ns for time_ns, other in messages if numbers_of(other) != numbers_of(info)]
     if changed:
-        account.assumed.append(f"{name} changes: {len(changed)} of {len(messages)} messages differ from the first, from {(changed[0] - began_ns) / NS:.3f} s on: "
-                               "the first is taken for all pictures, which is wrong for those; leave them out by --to")
+        account.assumed.append(
+            f"{name} changes: {len(changed)} of {len(messages)} messages differ from the first, from {(changed[0] - began_ns) / NS:.3f} s on: "
+            "the first is taken for all pictures, which is wrong for those; leave them out by --to"
+        )
     return lens_of_info(info, rectified, name), f"{name}, of rectified pictures" if rectified else name
 
 
@@ -165,8 +200,10 @@ def stamp_ns(message) -> int:
     stamp = message.header.stamp if hasattr(message, "header") else message.timestamp
     if isinstance(stamp, str):
         return int(np.datetime64(stamp.removesuffix("Z"), "ns").astype(np.int64))
-    seconds, nanoseconds = (next((int(getattr(stamp, name)) for name in names if hasattr(stamp, name)), 0)
-                            for names in (("sec", "seconds", "secs"), ("nanosec", "nanos", "nsec", "nsecs")))
+    seconds, nanoseconds = (
+        next((int(getattr(stamp, name)) for name in names if hasattr(stamp, name)), 0)
+        for names in (("sec", "seconds", "secs"), ("nanosec", "nanos", "nsec", "nsecs"))
+    )
     return seconds * NS + nanoseconds
 
 
@@ -181,6 +218,7 @@ def _pixels(message, msgtype: str, where: str, account: Account) -> np.ndarray |
 def mosaic_of(said: str, octets: bytes) -> str | None:
     """The mosaic that a compressed picture is, by CompressedImage's format: "bayer_rggb8; png compressed bayer_rggb8"."""
     import cv2
+
     compressed = re.search(r"compressed\s+(\w+)", said)  # what was compressed, after conversions
     named = compressed.group(1) if compressed else next(iter(re.findall(r"bayer_\w+", said)), "")
     if not named.startswith("bayer_") or named not in ENCODINGS:
@@ -192,6 +230,7 @@ def mosaic_of(said: str, octets: bytes) -> str | None:
 def decoded(octets: bytes, said: str = "", account: Account | None = None) -> np.ndarray | None:
     """Gray [H,W] of a compressed picture in memory; None where it can't be decoded. @param said  CompressedImage's format"""
     import cv2
+
     try:
         pixels = decode(octets, "message").pixels
     except BadInput:
@@ -207,6 +246,7 @@ def decoded(octets: bytes, said: str = "", account: Account | None = None) -> np
 def raw_pixels(message, where: str) -> np.ndarray | None:
     """Gray [H,W] of an Image or RawImage; None where it holds fewer octets than it says."""
     import cv2
+
     octets = np.frombuffer(bytes(message.data), np.uint8)
     if message.encoding.lower() in PLANAR:
         return _luminance(message, octets, PLANAR[message.encoding.lower()])
@@ -217,7 +257,7 @@ def raw_pixels(message, where: str) -> np.ndarray | None:
     width_octets = message.width * channels * int(kind[1])
     if message.step < width_octets or len(octets) < message.step * message.height:
         return None
-    rows = octets[:message.step * message.height].reshape(message.height, message.step)[:, :width_octets]
+    rows = octets[: message.step * message.height].reshape(message.height, message.step)[:, :width_octets]
     pixels = np.ascontiguousarray(rows).view(order + kind).astype(kind).reshape(message.height, message.width, channels)
     return pixels[:, :, 0] if conversion is None else cv2.cvtColor(np.ascontiguousarray(pixels), getattr(cv2, conversion))
 
@@ -229,4 +269,4 @@ def _luminance(message, octets: np.ndarray, planes: float) -> np.ndarray | None:
         height = round(height / planes) if len(octets) >= step * height else 0
     if not height:
         return None
-    return np.ascontiguousarray(octets[:step * height].reshape(height, step)[:, :message.width])
+    return np.ascontiguousarray(octets[: step * height].reshape(height, step)[:, : message.width])

@@ -6,15 +6,38 @@ from dataclasses import replace
 
 from polhode_ground.importing.camera_info import lens_of_info
 from polhode_ground.importing.calibration_text import opencv_values, text_of, with_hint, yaml_values
-from polhode_ground.importing.calibration_tools import camodocal, coefficients_of, flat, intrinsics_of, matlab, mrcal, plain, size_of, xml_lens
+from polhode_ground.importing.calibration_tools import (
+    camodocal,
+    coefficients_of,
+    flat,
+    intrinsics_of,
+    matlab,
+    mrcal,
+    plain,
+    size_of,
+    xml_lens,
+)
 from polhode_ground.importing.colmap_lens import read_cameras
 from polhode_ground.importing.row_times import row_time_of
 from polhode_ground.importing.lens import Lens, lens_of
 from polhode_ground.common.errors import BadInput
 
 NO_DISTORTION = "{} tells no coefficients of a distortion: none is assumed"
-MATRIX_KEYS = ("camera_matrix", "cameraMatrix", "CameraMatrix", "camera_Matrix", "Camera_Matrix", "K", "mtx", "intrinsic_matrix", "intrinsics_matrix",
-               "M1", "K1", "cameraMatrix1", "camera_matrix_1")
+MATRIX_KEYS = (
+    "camera_matrix",
+    "cameraMatrix",
+    "CameraMatrix",
+    "camera_Matrix",
+    "Camera_Matrix",
+    "K",
+    "mtx",
+    "intrinsic_matrix",
+    "intrinsics_matrix",
+    "M1",
+    "K1",
+    "cameraMatrix1",
+    "camera_matrix_1",
+)
 FIRST_OF_TWO = ("M1", "K1", "cameraMatrix1", "camera_matrix_1")
 SIZE_KEYS = ("image_size", "imageSize", "img_size", "resolution")
 SHAPE_KEYS = ("img_shape", "image_shape", "shape")
@@ -28,7 +51,9 @@ KALIBR_CAMERAS = {"omni": 1, "ds": 2, "eucm": 2}
 
 def read_lens(path: pathlib.Path, camera: str = "cam0") -> Lens:
     """@param camera  which of a Kalibr camchain's cameras, or the number of one of COLMAP's."""
-    path = next((folder / name for folder in (path, path / "0", path / "sparse/0") for name in COLMAP_FILES if (folder / name).is_file()), path)
+    path = next(
+        (folder / name for folder in (path, path / "0", path / "sparse/0") for name in COLMAP_FILES if (folder / name).is_file()), path
+    )
     if path.is_dir():
         raise BadInput(f"{path}: a folder without {' or '.join(COLMAP_FILES)}; name a calibration file")
     if not path.is_file():
@@ -52,9 +77,14 @@ def read_lens(path: pathlib.Path, camera: str = "cam0") -> Lens:
     try:
         lens = _lens_of_values(path, values)
     except BadInput as problem:
-        raise BadInput(f"{problem}{'' if path.suffix == '.npz' or 'decimal points' in str(problem) else with_hint(text_of(path))}") from None
+        raise BadInput(
+            f"{problem}{'' if path.suffix == '.npz' or 'decimal points' in str(problem) else with_hint(text_of(path))}"
+        ) from None
     line_time_ns, said = row_time_of(values, str(path))
-    lens, notes = replace(lens, line_time_ns=line_time_ns, camera=camera if several else "", others=others), notes + ((said,) if said else ())
+    lens, notes = (
+        replace(lens, line_time_ns=line_time_ns, camera=camera if several else "", others=others),
+        notes + ((said,) if said else ()),
+    )
     if not lens.width_px:
         notes += (f"{path} tells no size of pictures: it is taken to be of these",)
     return replace(lens, notes=lens.notes + notes)
@@ -68,16 +98,22 @@ def _lens_of_values(path: pathlib.Path, values: dict) -> Lens:
         return _kalibr_or_euroc(path, values)
     if any(key in values for key in ("K", "k")) and "distortion_model" in values and "width" in values:
         return lens_of_info(values, False, str(path))  # a message, as `ros2 topic echo` prints it
-    if any(key in values and not isinstance(values[key], dict) or isinstance(values.get(key), dict) and "data" in values[key] for key in MATRIX_KEYS):
+    if any(
+        key in values and not isinstance(values[key], dict) or isinstance(values.get(key), dict) and "data" in values[key]
+        for key in MATRIX_KEYS
+    ):
         return _opencv_or_ros(path, values)
     if intrinsics_of(values):
         return _of_numbers(path, values, intrinsics_of(values))
-    raise BadInput(f"{path}: holds neither intrinsics (Kalibr, EuRoC) nor a camera matrix (OpenCV, ROS); it has {', '.join(map(str, values)) or 'nothing'}")
+    raise BadInput(
+        f"{path}: holds neither intrinsics (Kalibr, EuRoC) nor a camera matrix (OpenCV, ROS); it has {', '.join(map(str, values)) or 'nothing'}"
+    )
 
 
 def _numpy_values(path: pathlib.Path) -> dict:
     """What numpy.savez wrote of OpenCV's results."""
     import numpy as np
+
     try:
         with np.load(path, allow_pickle=False) as arrays:
             return {key: arrays[key].tolist() for key in arrays.files}
@@ -97,12 +133,14 @@ def _kalibr_or_euroc(path: pathlib.Path, values: dict) -> Lens:
         return lens if coefficients or distortion == "none" else replace(lens, notes=(NO_DISTORTION.format(path),))
     if model not in KALIBR_CAMERAS:
         raise BadInput(f"{path}: camera_model '{model}', allowed are pinhole, {', '.join(KALIBR_CAMERAS)}")
-    own = numbers[:KALIBR_CAMERAS[model]]
+    own = numbers[: KALIBR_CAMERAS[model]]
     if model == "omni" and distortion in ("radtan", "none", ""):
         own += coefficients or [0.0] * 4
     elif any(coefficients):
-        raise BadInput(f"{path}: camera_model '{model}' with distortion_model '{distortion}', allowed is {'radtan or ' * (model == 'omni')}none")
-    return lens_of(*size, numbers[KALIBR_CAMERAS[model]:], model, own, str(path))
+        raise BadInput(
+            f"{path}: camera_model '{model}' with distortion_model '{distortion}', allowed is {'radtan or ' * (model == 'omni')}none"
+        )
+    return lens_of(*size, numbers[KALIBR_CAMERAS[model] :], model, own, str(path))
 
 
 def _opencv_or_ros(path: pathlib.Path, values: dict) -> Lens:
@@ -151,5 +189,7 @@ def _of_matrix(path: pathlib.Path, key: str, matrix: list) -> tuple:
     if any(matrix[6:8]) and not any((matrix[2], matrix[5])):
         raise BadInput(f"{path}: {key}: the principal point stands in the last row, as in MATLAB; needed is the transposed matrix")
     if abs(matrix[1]) > SKEW_MAX * abs(matrix[0]):
-        raise BadInput(f"{path}: {key}: a skew of {matrix[1]:g} px, allowed is up to {SKEW_MAX * matrix[0]:.2g}: axes of pixels at a right angle")
+        raise BadInput(
+            f"{path}: {key}: a skew of {matrix[1]:g} px, allowed is up to {SKEW_MAX * matrix[0]:.2g}: axes of pixels at a right angle"
+        )
     return matrix[0], matrix[4], matrix[2], matrix[5]

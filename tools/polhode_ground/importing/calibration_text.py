@@ -8,10 +8,15 @@ import re
 from polhode_ground.common.errors import BadInput
 
 # What begins so is no text that is read here: (first octets, what it is and what to do).
-BINARY = ((b"MATLAB 5.0", "a MAT file: write its camera matrix, distortion and size as OpenCV does (cameraIntrinsicsToOpenCV), or by hand as YAML"),
-          (b"\x89HDF", "an HDF5 file (MATLAB 7.3 writes such): write its camera matrix, distortion and size as YAML"),
-          (b"\x93NUMPY", "a single NumPy array: write matrix and distortion by numpy.savez(FILE, mtx=..., dist=...)"),
-          (b"\x80", "a pickle, which is not opened as it may run code: write matrix and distortion by numpy.savez(FILE, mtx=..., dist=...)"))
+BINARY = (
+    (
+        b"MATLAB 5.0",
+        "a MAT file: write its camera matrix, distortion and size as OpenCV does (cameraIntrinsicsToOpenCV), or by hand as YAML",
+    ),
+    (b"\x89HDF", "an HDF5 file (MATLAB 7.3 writes such): write its camera matrix, distortion and size as YAML"),
+    (b"\x93NUMPY", "a single NumPy array: write matrix and distortion by numpy.savez(FILE, mtx=..., dist=...)"),
+    (b"\x80", "a pickle, which is not opened as it may run code: write matrix and distortion by numpy.savez(FILE, mtx=..., dist=...)"),
+)
 COMMAS, POINTS = re.compile(r"\d,\d+\s*(?:,\s|<|\s+-?\d|\n|\])"), re.compile(r"\d\.\d")
 OPENCV_KEY = re.compile(r"(?m)^([A-Za-z_]\w*)\s*:")
 
@@ -36,6 +41,7 @@ def with_hint(text: str) -> str:
 def opencv_values(path: pathlib.Path) -> dict:
     """What cv::FileStorage wrote, if it did: XML, JSON, or YAML with matrices of its own type."""
     import cv2
+
     text = text_of(path)
     if "opencv" not in text:
         return {}
@@ -64,6 +70,7 @@ def _node_value(node):
 def yaml_values(path: pathlib.Path) -> dict:
     """@errors BadInput of what is no table, or has a field twice"""
     import yaml
+
     whole = text_of(path)
     # EuRoC in the wild begins with OpenCV's "%YAML:1.0", which is no YAML.
     text = "\n".join(line for line in whole.splitlines() if not line.startswith("%")).replace("\t", " ")
@@ -73,13 +80,16 @@ def yaml_values(path: pathlib.Path) -> dict:
     except (yaml.YAMLError, RecursionError) as problem:
         raise BadInput(f"{path}: not YAML: {' '.join(str(problem).split())}") from None
     if not isinstance(values, dict):
-        raise BadInput(f"{path}: not a table of fields; read are YAML, JSON, XML and NumPy's .npz, as Kalibr, OpenCV, ROS, camodocal, mrcal, "
-                       "MATLAB (jsonencode) and Metashape write them, and COLMAP's cameras.txt and cameras.bin of these names")
+        raise BadInput(
+            f"{path}: not a table of fields; read are YAML, JSON, XML and NumPy's .npz, as Kalibr, OpenCV, ROS, camodocal, mrcal, "
+            "MATLAB (jsonencode) and Metashape write them, and COLMAP's cameras.txt and cameras.bin of these names"
+        )
     return values
 
 
 def _refuse_twice(path: pathlib.Path, root) -> None:
     import yaml
+
     waiting, seen = [root], set()
     while waiting:
         node = waiting.pop()

@@ -8,15 +8,36 @@ from polhode_ground.importing.lens_models import model_named
 
 from polhode_ground.common.errors import BadInput
 
-FIELDS = {"fu": ("fx", "fu", "flx", "focallengthx", "focalx", "gamma1", "mu", "alphax", "f"),
-          "fv": ("fy", "fv", "fly", "focallengthy", "focaly", "gamma2", "mv", "alphay", "f"),
-          "cu": ("cx", "cu", "ppx", "u0", "principalpointx"), "cv": ("cy", "cv", "ppy", "v0", "principalpointy")}
+FIELDS = {
+    "fu": ("fx", "fu", "flx", "focallengthx", "focalx", "gamma1", "mu", "alphax", "f"),
+    "fv": ("fy", "fv", "fly", "focallengthy", "focaly", "gamma2", "mv", "alphay", "f"),
+    "cu": ("cx", "cu", "ppx", "u0", "principalpointx"),
+    "cv": ("cy", "cv", "ppy", "v0", "principalpointy"),
+}
 TABLES = ("projection_parameters", "intrinsics", "intrinsic", "camera_matrix", "camera_intrinsics", "K")
 OPENCV_ORDER = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4")
 CAMODOCAL_FISHEYE = ("k2", "k3", "k4", "k5")
 PREFIX = re.compile(r"^(camera|cam)[01]?")
-DISTORTIONS = ("distortioncoefficients", "distcoeffs", "distcoeff", "distcoefs", "distcoef", "distortioncoeffs", "distortioncoeff", "distortioncoefs",
-               "distortioncoef", "distortion", "distortionparameters", "distortionparams", "distortionvector", "dist", "d", "d1", "coeffs", "distcoefficients")
+DISTORTIONS = (
+    "distortioncoefficients",
+    "distcoeffs",
+    "distcoeff",
+    "distcoefs",
+    "distcoef",
+    "distortioncoeffs",
+    "distortioncoeff",
+    "distortioncoefs",
+    "distortioncoef",
+    "distortion",
+    "distortionparameters",
+    "distortionparams",
+    "distortionvector",
+    "dist",
+    "d",
+    "d1",
+    "coeffs",
+    "distcoefficients",
+)
 SIZES = (("width", "imagewidth", "w", "imgwidth", "cols"), ("height", "imageheight", "h", "imgheight", "rows"))
 LOOKS_DISTORTED = re.compile(r"dist|coef")
 
@@ -61,7 +82,11 @@ def coefficients_of(values: dict, model: str, where: str) -> list | None:
     radial, tangential = (flat(found.get(name)) for name in ("radialdistortion", "tangentialdistortion"))
     if radial:
         return [*(radial + [0.0])[:2], *(tangential or [0.0, 0.0]), *radial[2:]]
-    looks = [str(name) for name, value in values.items() if value and LOOKS_DISTORTED.search(plain(name)) and not re.search("model|type", plain(name))]
+    looks = [
+        str(name)
+        for name, value in values.items()
+        if value and LOOKS_DISTORTED.search(plain(name)) and not re.search("model|type", plain(name))
+    ]
     if looks:
         raise BadInput(f"{where}: {', '.join(looks)}: looks like a distortion, but is none that is read; write distortion_coefficients")
     return None
@@ -131,6 +156,7 @@ def matlab(path: pathlib.Path, values: dict) -> Lens:
 def xml_lens(path: pathlib.Path, text: str) -> Lens | None:
     """Of Metashape's XML; None where the text is no XML."""
     import xml.etree.ElementTree as trees
+
     if not text.lstrip().startswith("<"):
         return None
     try:
@@ -139,7 +165,9 @@ def xml_lens(path: pathlib.Path, text: str) -> Lens | None:
         raise BadInput(f"{path}: not XML that can be read: {problem}") from None
     table = next((node for node in root.iter("calibration") if node.find("f") is not None), None)
     if table is None:
-        raise BadInput(f"{path}: XML of a kind that is not read ({root.tag.split('}')[-1]}); read are OpenCV's and Metashape's; export the lens as OpenCV's")
+        raise BadInput(
+            f"{path}: XML of a kind that is not read ({root.tag.split('}')[-1]}); read are OpenCV's and Metashape's; export the lens as OpenCV's"
+        )
     return _metashape(path, {node.tag: (node.text or "").strip() for node in table} | dict(table.attrib))
 
 
@@ -150,10 +178,13 @@ def _metashape(path: pathlib.Path, fields: dict) -> Lens:
         raise BadInput(f"{path}: Metashape's projection '{kind}', allowed is 'frame'; export it as OpenCV's")
     try:
         f, cx, cy, b1, b2, k1, k2, k3, k4, p1, p2 = (
-            float(fields.get(name) or 0) for name in ("f", "cx", "cy", "b1", "b2", "k1", "k2", "k3", "k4", "p1", "p2"))
+            float(fields.get(name) or 0) for name in ("f", "cx", "cy", "b1", "b2", "k1", "k2", "k3", "k4", "p1", "p2")
+        )
         width, height = int(fields["width"]), int(fields["height"])
     except (KeyError, ValueError) as problem:
         raise BadInput(f"{path}: Metashape's width, height, f, cx, cy and coefficients are needed as numbers: {problem}") from None
     if k4 or abs(b2) > 1e-3 * f:
-        raise BadInput(f"{path}: Metashape's k4 {k4:g} and b2 {b2:g}, allowed are 0 and up to {1e-3 * f:.2g}: adjust without them, or export undistorted pictures")
+        raise BadInput(
+            f"{path}: Metashape's k4 {k4:g} and b2 {b2:g}, allowed are 0 and up to {1e-3 * f:.2g}: adjust without them, or export undistorted pictures"
+        )
     return lens_of(width, height, (f + b1, f, width / 2 + cx - 0.5, height / 2 + cy - 0.5), "radtan", (k1, k2, p2, p1, k3), str(path))

@@ -74,8 +74,10 @@ def _read_out(lens: Lens, read: Readout, where: str) -> Lens:
         raise BadInput(f"{where}: {said}: the region is not within the sensor; {advice}")
     of_sensor, of_picture = _off_centre(lens, lens.width_px, lens.height_px), _off_centre(lens, width, height)
     if of_sensor > OFF_CENTRE_MAX and of_picture < of_sensor:
-        raise BadInput(f"{where}: {said}, but the principal point ({cu:g}, {cv:g}) is near the middle of the picture read out, not of the sensor: "
-                       f"which of them K is of is not clear; {advice}")
+        raise BadInput(
+            f"{where}: {said}, but the principal point ({cu:g}, {cv:g}) is near the middle of the picture read out, not of the sensor: "
+            f"which of them K is of is not clear; {advice}"
+        )
     numbers = (fu / read.bin_x, fv / read.bin_y, (cu - read.x + 0.5) / read.bin_x - 0.5, (cv - read.y + 0.5) / read.bin_y - 0.5)
     note = f"{where}: {said}: intrinsics {', '.join(f'{value:.6g}' for value in numbers)}"
     return replace(lens, width_px=width, height_px=height, intrinsics_px=numbers, notes=(note,), size_from=said)

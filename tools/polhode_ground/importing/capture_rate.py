@@ -23,8 +23,10 @@ def slowed_by(path: pathlib.Path, container, stream, account: Account) -> float:
     slowed = capture / (played or play)
     if abs(slowed - 1) < SAME:
         return 1.0
-    account.assumed.append(f"{who} tells that the camera took {capture:g} frames a second, played at {played or play:.4g}: "
-                           f"times are {f'{slowed:.4g} times shorter' if slowed > 1 else f'{1 / slowed:.4g} times longer'} than the video's")
+    account.assumed.append(
+        f"{who} tells that the camera took {capture:g} frames a second, played at {played or play:.4g}: "
+        f"times are {f'{slowed:.4g} times shorter' if slowed > 1 else f'{1 / slowed:.4g} times longer'} than the video's"
+    )
     return slowed
 
 
@@ -52,4 +54,6 @@ def tell_mode(container, account: Account) -> None:
     """Phones that tell the mode, but no rate."""
     mode = str(container.metadata.get(APPLE_MODE, ""))
     if "lapse" in mode.lower():
-        account.assumed.append(f"the video is a time lapse ({APPLE_MODE}), and does not tell how fast time runs: rates and velocity are those of the film")
+        account.assumed.append(
+            f"the video is a time lapse ({APPLE_MODE}), and does not tell how fast time runs: rates and velocity are those of the film"
+        )

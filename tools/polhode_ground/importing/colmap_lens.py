@@ -14,12 +14,23 @@ from polhode_ground.importing.source import Account
 from polhode_ground.common.errors import BadInput
 
 # COLMAP's models by where their parameters stand: (model here, focal lengths, where the distortion begins, its length here).
-MODELS = {"SIMPLE_PINHOLE": (RADTAN, 1, 3, 4), "PINHOLE": (RADTAN, 2, 4, 4), "SIMPLE_RADIAL": (RADTAN, 1, 3, 4),
-          "RADIAL": (RADTAN, 1, 3, 4), "OPENCV": (RADTAN, 2, 4, 4), "FULL_OPENCV": (RADTAN, 2, 4, 8),
-          "SIMPLE_FISHEYE": (FISHEYE, 1, 3, 4), "FISHEYE": (FISHEYE, 2, 4, 4), "SIMPLE_RADIAL_FISHEYE": (FISHEYE, 1, 3, 4),
-          "RADIAL_FISHEYE": (FISHEYE, 1, 3, 4), "OPENCV_FISHEYE": (FISHEYE, 2, 4, 4), "FOV": (FOV, 2, 4, 1), "EUCM": (UNIFIED, 2, 4, 2),
-          "SIMPLE_DIVISION": ("COLMAP's DIVISION", 1, 3, 1),
-          **{name: (f"COLMAP's {name}", 2, 4, length) for name, length in COLMAP_MODELS.items()}}
+MODELS = {
+    "SIMPLE_PINHOLE": (RADTAN, 1, 3, 4),
+    "PINHOLE": (RADTAN, 2, 4, 4),
+    "SIMPLE_RADIAL": (RADTAN, 1, 3, 4),
+    "RADIAL": (RADTAN, 1, 3, 4),
+    "OPENCV": (RADTAN, 2, 4, 4),
+    "FULL_OPENCV": (RADTAN, 2, 4, 8),
+    "SIMPLE_FISHEYE": (FISHEYE, 1, 3, 4),
+    "FISHEYE": (FISHEYE, 2, 4, 4),
+    "SIMPLE_RADIAL_FISHEYE": (FISHEYE, 1, 3, 4),
+    "RADIAL_FISHEYE": (FISHEYE, 1, 3, 4),
+    "OPENCV_FISHEYE": (FISHEYE, 2, 4, 4),
+    "FOV": (FOV, 2, 4, 1),
+    "EUCM": (UNIFIED, 2, 4, 2),
+    "SIMPLE_DIVISION": ("COLMAP's DIVISION", 1, 3, 1),
+    **{name: (f"COLMAP's {name}", 2, 4, length) for name, length in COLMAP_MODELS.items()},
+}
 
 
 def lens_of_camera(camera: dict, where: str) -> Lens:
@@ -43,15 +54,22 @@ def with_one_camera(project: dict, account: Account) -> dict:
     used = {image["camera"] for image in images}
     if len(used) < 2 or 2 * len(used) < len(images):
         return project
-    kinds = Counter((cameras[image["camera"]]["model"], cameras[image["camera"]]["width"], cameras[image["camera"]]["height"]) for image in images)
+    kinds = Counter(
+        (cameras[image["camera"]]["model"], cameras[image["camera"]]["width"], cameras[image["camera"]]["height"]) for image in images
+    )
     model, width, height = kind = kinds.most_common(1)[0][0]
     alike = [number for number in used if (cameras[number]["model"], cameras[number]["width"], cameras[number]["height"]) == kind]
     params = np.array([cameras[number]["params"] for number in alike])
     median = np.median(params, axis=0)
-    account.assumed.append(f"the project has {len(alike)} cameras for {kinds[kind]} pictures: the median of their numbers is taken, "
-                           f"focal lengths differ from it by up to {100 * np.abs(params[:, 0] / median[0] - 1).max():.2g} %")
+    account.assumed.append(
+        f"the project has {len(alike)} cameras for {kinds[kind]} pictures: the median of their numbers is taken, "
+        f"focal lengths differ from it by up to {100 * np.abs(params[:, 0] / median[0] - 1).max():.2g} %"
+    )
     one = {"model": model, "width": width, "height": height, "params": median.tolist()}
-    return {"cameras": cameras | {alike[0]: one}, "images": [image | {"camera": alike[0]} if image["camera"] in alike else image for image in images]}
+    return {
+        "cameras": cameras | {alike[0]: one},
+        "images": [image | {"camera": alike[0]} if image["camera"] in alike else image for image in images],
+    }
 
 
 def read_cameras(file: pathlib.Path, asked: str) -> Lens:

@@ -24,7 +24,9 @@ def model_folder(path: pathlib.Path) -> pathlib.Path | None:
 def model_folders(path: pathlib.Path) -> list[pathlib.Path]:
     """A project that falls apart has several, which share no point."""
     for places in PLACES:
-        found = [folder for place in places for folder in (sorted(path.glob(place), key=natural_order) if place else [path]) if _is_model(folder)]
+        found = [
+            folder for place in places for folder in (sorted(path.glob(place), key=natural_order) if place else [path]) if _is_model(folder)
+        ]
         if found:
             return found
     return []
@@ -42,13 +44,23 @@ def largest_model(path: pathlib.Path) -> tuple[pathlib.Path, str]:
     listed = ", ".join(f"{folder.relative_to(path)} ({counts[folder]})" for folder in folders)
     equal = [folder for folder in folders if counts[folder] == counts[folders[0]] and not _same_model(folder, folders[0])]
     if equal:
-        raise BadInput(f"{path}: {len(folders)} models, by their pictures: {listed}; the largest are equal: name the folder of one as SOURCE")
-    said = f"{len(folders)} models, by their pictures: {listed}; the largest is taken, the others' pictures are left out" if len(folders) > 1 else ""
+        raise BadInput(
+            f"{path}: {len(folders)} models, by their pictures: {listed}; the largest are equal: name the folder of one as SOURCE"
+        )
+    said = (
+        f"{len(folders)} models, by their pictures: {listed}; the largest is taken, the others' pictures are left out"
+        if len(folders) > 1
+        else ""
+    )
     return folders[0], said
 
 
 def _same_model(one: pathlib.Path, other: pathlib.Path) -> bool:
-    return all((one / name).read_bytes() == (other / name).read_bytes() for name in ("images.bin", "images.txt") if (one / name).is_file() and (other / name).is_file())
+    return all(
+        (one / name).read_bytes() == (other / name).read_bytes()
+        for name in ("images.bin", "images.txt")
+        if (one / name).is_file() and (other / name).is_file()
+    )
 
 
 def _picture_count(folder: pathlib.Path) -> int:
@@ -79,15 +91,29 @@ def open_colmap(path: pathlib.Path, options: Options) -> Source:
     times_ns, nominal, said = times_of(files, options.rate_hz, root)
     account.assumed += [*said, "COLMAP's poses are left out: Polhode finds its own"]
     if len(files) > count:
-        account.assumed.append(f"{len(files) - count} of {len(files)} pictures are not registered in the model: they are left out, the times keep the gaps")
-    lens, lens_from = lens_if_any(lambda: (lens_of_camera(project["cameras"][number], str(folder)), f"the project's camera {number}"), account)
-    return Source(f"COLMAP project, {count} pictures, camera {project['cameras'][number]['model']}", _registered(frames_of(files, times_ns), registered, account),
-                  account, times_ns, count, lens, lens_from, nominal)
+        account.assumed.append(
+            f"{len(files) - count} of {len(files)} pictures are not registered in the model: they are left out, the times keep the gaps"
+        )
+    lens, lens_from = lens_if_any(
+        lambda: (lens_of_camera(project["cameras"][number], str(folder)), f"the project's camera {number}"), account
+    )
+    return Source(
+        f"COLMAP project, {count} pictures, camera {project['cameras'][number]['model']}",
+        _registered(frames_of(files, times_ns), registered, account),
+        account,
+        times_ns,
+        count,
+        lens,
+        lens_from,
+        nominal,
+    )
 
 
 def _with_slashes(path: pathlib.Path, model: pathlib.Path, images: list[dict]) -> None:
     """Names that Windows wrote, where no picture has such a name here."""
-    if any("\\" in image["name"] for image in images) and not any((root / image["name"]).is_file() for root in _roots(path, model) for image in images):
+    if any("\\" in image["name"] for image in images) and not any(
+        (root / image["name"]).is_file() for root in _roots(path, model) for image in images
+    ):
         for image in images:
             image["name"] = image["name"].replace("\\", "/")
 
@@ -99,7 +125,9 @@ def _roots(path: pathlib.Path, model: pathlib.Path) -> tuple[pathlib.Path, ...]:
 def _all_pictures(root: pathlib.Path, registered: set[pathlib.Path], others: set[pathlib.Path]) -> list[pathlib.Path]:
     """In order, those too that COLMAP did not register: they tell the gaps. @param others  of other cameras"""
     beside = {file for folder in {file.parent for file in registered} for file in in_folder(folder)}
-    return sorted((beside | registered) - others, key=lambda file: [natural_order(pathlib.Path(part)) for part in file.relative_to(root).parts])
+    return sorted(
+        (beside | registered) - others, key=lambda file: [natural_order(pathlib.Path(part)) for part in file.relative_to(root).parts]
+    )
 
 
 def _registered(frames: Iterator[Frame], registered: set[pathlib.Path], account: Account) -> Iterator[Frame]:

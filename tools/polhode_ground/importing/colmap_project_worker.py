@@ -35,7 +35,7 @@ def names_in_binary(file: pathlib.Path) -> dict[int, str]:
     names, at = {}, 8
     for _ in range(struct.unpack_from("<Q", octets)[0]):
         end = octets.index(b"\0", at + 64)
-        names[struct.unpack_from("<I", octets, at)[0]] = os.fsdecode(octets[at + 64:end])
+        names[struct.unpack_from("<I", octets, at)[0]] = os.fsdecode(octets[at + 64 : end])
         at = end + 9 + 24 * struct.unpack_from("<Q", octets, end + 1)[0]
     if at > len(octets):
         raise EOFError
@@ -61,9 +61,13 @@ def read(folder: str) -> None:
     names = names_of(pathlib.Path(folder))
     model = pycolmap.Reconstruction(folder)
     check_cameras(pathlib.Path(folder) / "cameras.bin", model)
-    images = sorted(({"name": names[number], "camera": str(image.camera_id)} for number, image in model.images.items()), key=lambda one: one["name"])
-    cameras = {str(number): {"model": camera.model.name, "width": camera.width, "height": camera.height, "params": list(map(float, camera.params))}
-               for number, camera in sorted(model.cameras.items())}
+    images = sorted(
+        ({"name": names[number], "camera": str(image.camera_id)} for number, image in model.images.items()), key=lambda one: one["name"]
+    )
+    cameras = {
+        str(number): {"model": camera.model.name, "width": camera.width, "height": camera.height, "params": list(map(float, camera.params))}
+        for number, camera in sorted(model.cameras.items())
+    }
     print(json.dumps({"cameras": cameras, "images": images}))
 
 

@@ -59,8 +59,13 @@ class DamagedDb3:
     def _definition(self, msgtype: str) -> str:
         """Bags before ROS 2 Iron have no table of them."""
         try:
-            found = self._database().execute("SELECT encoded_message_definition FROM message_definitions WHERE topic_type = ? AND encoding = 'ros2msg'",
-                                             (msgtype,)).fetchone()
+            found = (
+                self._database()
+                .execute(
+                    "SELECT encoded_message_definition FROM message_definitions WHERE topic_type = ? AND encoding = 'ros2msg'", (msgtype,)
+                )
+                .fetchone()
+            )
         except sqlite3.Error:
             return ""
         return found[0] if found else ""

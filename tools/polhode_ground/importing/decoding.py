@@ -24,7 +24,9 @@ TRANSPARENT = "transparency is left out: transparent pixels show the colour that
 ONE_BIT = "the pictures have one bit: black and white alone"
 BY_FFMPEG = {"exr": "exr", "dpx": "dpx", "pam": "pam"}
 DEEP = ("tiff", "jpeg 2000", "avif", "hdr")  # may hold more than 8 bits, which Pillow cuts
-FLOATS = re.compile(r"(gray|ya|gbra?|rgba?)p?f(16|32)(le|be)$")  # FFmpeg's names of formats: planes or packed colours, bits, order of octets
+FLOATS = re.compile(
+    r"(gray|ya|gbra?|rgba?)p?f(16|32)(le|be)$"
+)  # FFmpeg's names of formats: planes or packed colours, bits, order of octets
 COLOUR_NETPBM = (b"P3", b"P6")
 PAM_HEADER_MAX = 1024
 ORIENTATION, DNG_VERSION = 0x0112, 50706
@@ -45,6 +47,7 @@ class Decoded:
 def decode(octets: bytes, name: str) -> Decoded:
     """@param name  for messages, and for raw files that begin like a TIFF. @throws BadInput where it can't be read"""
     from PIL import UnidentifiedImageError
+
     kind = kind_of(octets)
     if kind is None:
         raise BadInput(f"{name}: not a picture that can be read")
@@ -66,9 +69,13 @@ def decode(octets: bytes, name: str) -> Decoded:
     except BadInput as problem:
         raise BadInput(f"{name}: {problem}") from None
     except UnidentifiedImageError:
-        raise BadInput(f"{name}: a {kind} file that can't be read (damaged, or of a kind that is not known here: convert it to PNG or TIFF)") from None
+        raise BadInput(
+            f"{name}: a {kind} file that can't be read (damaged, or of a kind that is not known here: convert it to PNG or TIFF)"
+        ) from None
     except Exception as problem:  # a damaged file: every library has errors of its own
-        raise BadInput(f"{name}: a {kind} file that can't be read ({' '.join(str(problem).split())[:120] or type(problem).__name__})") from None
+        raise BadInput(
+            f"{name}: a {kind} file that can't be read ({' '.join(str(problem).split())[:120] or type(problem).__name__})"
+        ) from None
 
 
 def tiff_tags(file) -> dict:
@@ -79,6 +86,7 @@ def tiff_tags(file) -> dict:
 def tags_of_pages(file) -> Iterator[dict]:
     """Page by page, without an end: empty from where it is damaged, and behind the last."""
     from PIL import TiffImagePlugin
+
     with open(file, "rb") if isinstance(file, pathlib.Path) else file as stream:
         try:
             begin = stream.read(16)
@@ -99,7 +107,9 @@ def black_is_zero(pixels: np.ndarray, tags: dict, remark: str = "") -> tuple[np.
     if tags.get(PHOTOMETRIC) != WHITE_IS_ZERO or pixels.dtype == np.uint8:
         return pixels, remark
     if pixels.dtype.kind != "u":
-        raise BadInput(f"a TIFF of {pixels.dtype.name} levels that says that 0 is white: which level is black is not told; write it with PhotometricInterpretation 1")
+        raise BadInput(
+            f"a TIFF of {pixels.dtype.name} levels that says that 0 is white: which level is black is not told; write it with PhotometricInterpretation 1"
+        )
     bits = tags.get(BITS_PER_SAMPLE, 0)
     largest = 2 ** int(bits[0] if isinstance(bits, tuple) else bits or 8 * pixels.dtype.itemsize) - 1
     return (largest - np.minimum(pixels, largest)).astype(pixels.dtype), INVERTED
@@ -112,6 +122,7 @@ def _is_raw(octets: bytes, name: str) -> bool:
 def _by_opencv(octets: bytes, kind: str) -> Decoded | None:
     """None where it is 8 bits of a usual kind (Pillow knows palettes and CMYK), or OpenCV does not read it."""
     import cv2
+
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # a file that it can't read is told in our words
     pixels = cv2.imdecode(np.frombuffer(octets, np.uint8), cv2.IMREAD_UNCHANGED)
     if pixels is None or pixels.dtype == np.uint8:
@@ -126,6 +137,7 @@ def _by_opencv(octets: bytes, kind: str) -> Decoded | None:
 def _turned(pixels: np.ndarray, octets: bytes) -> np.ndarray:
     """As EXIF's orientation says; formats that Pillow does not know have none."""
     from PIL import Image, UnidentifiedImageError
+
     try:
         with Image.open(io.BytesIO(octets)) as picture:
             turn = int(picture.getexif().get(ORIENTATION, 1) or 1)
@@ -139,6 +151,7 @@ def _turned(pixels: np.ndarray, octets: bytes) -> np.ndarray:
 
 def _by_pillow(octets: bytes, kind: str) -> Decoded:
     from PIL import Image, ImageOps
+
     if kind == "heic":
         register_heif()
     with Image.open(io.BytesIO(octets)) as picture:
@@ -177,6 +190,7 @@ def _by_libraw(octets: bytes, name: str) -> Decoded:
 
 def _by_ffmpeg(octets: bytes, demuxer: str) -> Decoded:
     import av
+
     with av.open(io.BytesIO(octets), format=f"{demuxer}_pipe") as container:
         return frame_levels(next(container.decode(video=0)))
 
@@ -187,7 +201,9 @@ def _numpy(octets: bytes) -> Decoded:
         raise BadInput(f"a NumPy array of {'x'.join(map(str, pixels.shape))}, needed are rows, columns and up to 4 colours")
     if pixels.dtype == bool:
         return Decoded(luminance(np.where(pixels, np.uint8(255), np.uint8(0))), 8, ONE_BIT)
-    return Decoded(luminance(pixels), 0, "colours of NumPy arrays are taken to be red, green, blue" if pixels.ndim == 3 and pixels.shape[2] > 1 else "")
+    return Decoded(
+        luminance(pixels), 0, "colours of NumPy arrays are taken to be red, green, blue" if pixels.ndim == 3 and pixels.shape[2] > 1 else ""
+    )
 
 
 def frame_levels(frame) -> Decoded:
@@ -210,7 +226,7 @@ def _floats(frame) -> Decoded:
     kind, planes = np.dtype(f"{'>' if end == 'be' else '<'}f{int(bits) // 8}"), []
     for plane in frame.planes:
         rows = np.frombuffer(plane, kind).reshape(plane.height, -1)
-        planes.append(rows[:, :frame.width * channels].reshape(plane.height, frame.width, channels))
+        planes.append(rows[:, : frame.width * channels].reshape(plane.height, frame.width, channels))
     return Decoded(luminance(np.concatenate(planes, axis=2).astype(np.float32), order))
 
 
@@ -230,6 +246,7 @@ def read_picture(path: pathlib.Path) -> Decoded:
 def pages_of_tiff(path: pathlib.Path) -> int:
     """1 of a camera's raw file: what else is in it is smaller copies."""
     import cv2
+
     if path.suffix.lower() in RAW_SUFFIXES:
         return 1
     with name_in_utf8(path) as name:

@@ -42,8 +42,11 @@ def estimate_and_write(folder: pathlib.Path) -> int:
                 write(sensor, sequence.camera, found, len(names))
                 return 0
             print(f"{words}, from {factor:g} picture widths: {why}", file=sys.stderr)
-    print(f"import_sequence: {folder}: the focal length can't be known from these pictures: {why}; calibrate the camera "
-          "(tools/calibrate_camera.py) or give --intrinsics FILE", file=sys.stderr)
+    print(
+        f"import_sequence: {folder}: the focal length can't be known from these pictures: {why}; calibrate the camera "
+        "(tools/calibrate_camera.py) or give --intrinsics FILE",
+        file=sys.stderr,
+    )
     return 1
 
 
@@ -66,9 +69,15 @@ def run_worker(python: pathlib.Path, sequence: Sequence, indices: list[int], fac
         names = prepare_images(part, work / "images")
         stretch(work / "images", names, by)
         centre_px = [factor * (float(place) + 0.5) - 0.5 for factor, place in zip(by, camera.intrinsics_px[2:])]
-        job = {"images": str(work / "images"), "names": names, "work": str(work / "colmap"), "result": str(work / "result.json"),
-               "focal_px": factor * max(camera.width_px * by[0], camera.height_px * by[1]), "centre_px": centre_px,
-               "k1_k2": [float(value) for value in camera.distortion[:2]]}
+        job = {
+            "images": str(work / "images"),
+            "names": names,
+            "work": str(work / "colmap"),
+            "result": str(work / "result.json"),
+            "focal_px": factor * max(camera.width_px * by[0], camera.height_px * by[1]),
+            "centre_px": centre_px,
+            "k1_k2": [float(value) for value in camera.distortion[:2]],
+        }
         (work / "job.json").write_text(json.dumps(job))
         print(f"estimating the focal length from {len(names)} frames, a minute or so", file=sys.stderr)
         done = subprocess.run([python, WORKER, work / "job.json"], capture_output=True, text=True, errors="backslashreplace")

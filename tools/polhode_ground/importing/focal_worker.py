@@ -32,8 +32,14 @@ def reconstruct(job: dict):
     centre = [value + 0.5 for value in job["centre_px"]]  # COLMAP's pixel centres lie at + 0.5
     params = [job["focal_px"], *centre, *job["k1_k2"]]
     reader.camera_params = ",".join(f"{value:.17g}" for value in params)
-    pycolmap.extract_features(database, job["images"], image_names=job["names"], camera_mode=pycolmap.CameraMode.SINGLE,
-                              reader_options=reader, device=pycolmap.Device.cpu)
+    pycolmap.extract_features(
+        database,
+        job["images"],
+        image_names=job["names"],
+        camera_mode=pycolmap.CameraMode.SINGLE,
+        reader_options=reader,
+        device=pycolmap.Device.cpu,
+    )
     pycolmap.match_exhaustive(database, device=pycolmap.Device.cpu)
     options = pycolmap.IncrementalPipelineOptions()
     options.ba_refine_focal_length = True
@@ -87,8 +93,13 @@ def main() -> None:
         for number in [number for number, point in model.points3D.items() if point.track.length() < TRACK_MIN]:
             model.delete_point3D(number)
         cost = adjust(model, True)
-        result = {"placed": model.num_reg_images(), "points": model.num_points3D(), "focal_px": focal_of(model),
-                  "sigma_px": sigma_px(model, cost), "residual_px": model.compute_mean_reprojection_error()}
+        result = {
+            "placed": model.num_reg_images(),
+            "points": model.num_points3D(),
+            "focal_px": focal_of(model),
+            "sigma_px": sigma_px(model, cost),
+            "residual_px": model.compute_mean_reprojection_error(),
+        }
     pathlib.Path(job["result"]).write_text(json.dumps(result))
 
 

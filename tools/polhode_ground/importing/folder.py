@@ -7,7 +7,15 @@ from collections.abc import Iterator
 
 from polhode_ground.importing import fits
 from polhode_ground.importing.formats import kind_of_file
-from polhode_ground.importing.numbering import BEGINS_AGAIN, DATE_AND_CLOCK, decimals_of, frame_numbers, in_order, numbers_of, parts_of_seconds
+from polhode_ground.importing.numbering import (
+    BEGINS_AGAIN,
+    DATE_AND_CLOCK,
+    decimals_of,
+    frame_numbers,
+    in_order,
+    numbers_of,
+    parts_of_seconds,
+)
 from polhode_ground.importing.outsiders import of_the_series
 from polhode_ground.importing.pictures import exif_lens, exif_time_ns, in_folder, is_broken
 from polhode_ground.importing.series import of_one_camera
@@ -32,7 +40,9 @@ def open_folder(path: pathlib.Path, options: Options) -> Source:
     account = Account()
     files = in_folder(path, account)
     if all(map(is_broken, files)):
-        raise BadInput(f"{path}: {'only links to files that are not there' if files else 'no pictures'} in it; expected are a folder of pictures, a sequence, a COLMAP project or a bag")
+        raise BadInput(
+            f"{path}: {'only links to files that are not there' if files else 'no pictures'} in it; expected are a folder of pictures, a sequence, a COLMAP project or a bag"
+        )
     files = of_the_series(of_one_camera(files, options.camera, account), options.camera, account)
     files, ordered_by = in_order(files)
     account.assumed += ordered_by
@@ -42,8 +52,18 @@ def open_folder(path: pathlib.Path, options: Options) -> Source:
     lost = {place: BROKEN_LINK for place, file in enumerate(files) if is_broken(file)}
     times_ns = [None if place in lost else time for place, time in enumerate(times_ns)]
     count = len(files) - len(lost)
-    return Source(f"folder of {count} pictures", frames_of(files, times_ns), account, times_ns, count, lens, lens_from, nominal, lost=lost,
-                  unwrapped=any(text.startswith(BEGINS_AGAIN) for text in ordered_by))
+    return Source(
+        f"folder of {count} pictures",
+        frames_of(files, times_ns),
+        account,
+        times_ns,
+        count,
+        lens,
+        lens_from,
+        nominal,
+        lost=lost,
+        unwrapped=any(text.startswith(BEGINS_AGAIN) for text in ordered_by),
+    )
 
 
 def _times(path: pathlib.Path, files: list[pathlib.Path], options: Options, account: Account) -> tuple[list[int | None], bool]:
@@ -62,7 +82,9 @@ def _times(path: pathlib.Path, files: list[pathlib.Path], options: Options, acco
     return times_ns, nominal
 
 
-def times_of(files: list[pathlib.Path], rate_hz: float | None, root: pathlib.Path | None = None) -> tuple[list[int | None], bool, list[str]]:
+def times_of(
+    files: list[pathlib.Path], rate_hz: float | None, root: pathlib.Path | None = None
+) -> tuple[list[int | None], bool, list[str]]:
     """(times, None of a file that tells none where nearly all others do; whether they are made up; where they are from in words).
 
     @param root  of files in several folders
@@ -150,7 +172,11 @@ def _clock_of_name(stem: str) -> int | None:
 # (what tells times, what is said of them, the times of files or None), the best first.
 TIME_TELLERS = (
     ("the times in the pictures' names", "times are those in the pictures' names", _times_of_names),
-    ("the times of FITS' DATE-OBS", "times are FITS' DATE-OBS: when the exposures began", _each(lambda path: fits.time_ns(path) if kind_of_file(path) == "fits" else None)),
+    (
+        "the times of FITS' DATE-OBS",
+        "times are FITS' DATE-OBS: when the exposures began",
+        _each(lambda path: fits.time_ns(path) if kind_of_file(path) == "fits" else None),
+    ),
     ("EXIF's times", "times are EXIF's; they tell when the shutter was pressed, not the middle of the exposure", _each(exif_time_ns)),
     ("the clocks in the pictures' names", "times are the dates and clocks in the pictures' names, taken for UTC", _clocks_of_names),
 )

@@ -24,22 +24,50 @@ PROGRESS_FRAMES = 100  # a line of progress after so many
 
 def parse() -> argparse.Namespace:
     from polhode_ground.importing.arguments import at_least_one, positive, seconds
+
     parser = argparse.ArgumentParser(
-        description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter,
+        description=__doc__.strip(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog="Exit status: 0 done, with a warning in the last line where a tenth of the frames is lost or missing; 1 half of the frames are lost, or the "
-               "focal length can't be known from the pictures; 2 unusable arguments or source (one line says which).")
+        "focal length can't be known from the pictures; 2 unusable arguments or source (one line says which).",
+    )
     parser.add_argument("source", metavar="SOURCE", type=pathlib.Path)
-    parser.add_argument("sequence", metavar="SEQ", type=pathlib.Path, nargs="?", help="to be made; left out: SOURCE is a sequence, only its intrinsics change")
-    parser.add_argument("--intrinsics", metavar="HOW", help="a calibration file (Kalibr, OpenCV, NumPy, ROS, EuRoC, COLMAP), 'fu,fv,cu,cv' in px, or 'auto': "
-                        "the focal length is estimated from the pictures (default: the source's own, else EXIF's)")
-    parser.add_argument("--camera", default="cam0", help="which camera of an EuRoC sequence, a Kalibr file or COLMAP's cameras, the frame_id "
-                        "in a bag's topic, the word in the names of pictures (no-mask: those without it), the number, title or language of a video's track, "
-                        "the channel and slice of a TIFF's pages, as c2z1 (default: cam0)")
+    parser.add_argument(
+        "sequence",
+        metavar="SEQ",
+        type=pathlib.Path,
+        nargs="?",
+        help="to be made; left out: SOURCE is a sequence, only its intrinsics change",
+    )
+    parser.add_argument(
+        "--intrinsics",
+        metavar="HOW",
+        help="a calibration file (Kalibr, OpenCV, NumPy, ROS, EuRoC, COLMAP), 'fu,fv,cu,cv' in px, or 'auto': "
+        "the focal length is estimated from the pictures (default: the source's own, else EXIF's)",
+    )
+    parser.add_argument(
+        "--camera",
+        default="cam0",
+        help="which camera of an EuRoC sequence, a Kalibr file or COLMAP's cameras, the frame_id "
+        "in a bag's topic, the word in the names of pictures (no-mask: those without it), the number, title or language of a video's track, "
+        "the channel and slice of a TIFF's pages, as c2z1 (default: cam0)",
+    )
     parser.add_argument("--topic", help="of a bag's pictures, where it has several")
     parser.add_argument("--rate-hz", type=positive, metavar="HZ", help="of pictures and bare video streams, which tell no time")
-    parser.add_argument("--stamp-unit", choices=("s", "ms", "us", "ns"), help="of the times in a list of pictures, or of the numbers in their names (default: as the kind of list has it; another "
-                        "is taken where that can't be)")
-    parser.add_argument("--from", dest="from_s", type=seconds, default=0.0, metavar="S", help="leave out what is earlier than S seconds after the first frame")
+    parser.add_argument(
+        "--stamp-unit",
+        choices=("s", "ms", "us", "ns"),
+        help="of the times in a list of pictures, or of the numbers in their names (default: as the kind of list has it; another "
+        "is taken where that can't be)",
+    )
+    parser.add_argument(
+        "--from",
+        dest="from_s",
+        type=seconds,
+        default=0.0,
+        metavar="S",
+        help="leave out what is earlier than S seconds after the first frame",
+    )
     parser.add_argument("--to", dest="to_s", type=seconds, metavar="S", help="leave out what is later")
     parser.add_argument("--unwrap", action="store_true", help="the stamps are those of a counter that begins again at its end")
     parser.add_argument("--allow-loss", action="store_true", help="write the sequence also where half of the frames or more are lost")
@@ -57,6 +85,7 @@ def chosen_lens(asked: argparse.Namespace, source):
     from polhode_ground.importing.arguments import lens_of_numbers
     from polhode_ground.importing.calibration_files import read_lens
     from polhode_ground.common.errors import BadInput
+
     if asked.intrinsics == "auto":
         return None, "to be estimated"
     if asked.intrinsics is not None:
@@ -67,8 +96,10 @@ def chosen_lens(asked: argparse.Namespace, source):
     if source.lens is None:
         raise BadInput(f"{asked.source}: {source.kind}; it tells no intrinsics: give --intrinsics FILE, 'fu,fv,cu,cv' or auto")
     if source.lens_from.startswith("EXIF"):
-        source.account.assumed.append(f"focal length {source.lens.intrinsics_px[0]:.1f} px, principal point in the middle and no distortion, by "
-                                      f"{source.lens_from}: good to some per cent, --intrinsics auto is better")
+        source.account.assumed.append(
+            f"focal length {source.lens.intrinsics_px[0]:.1f} px, principal point in the middle and no distortion, by "
+            f"{source.lens_from}: good to some per cent, --intrinsics auto is better"
+        )
     return source.lens, source.lens_from
 
 
@@ -93,6 +124,7 @@ def import_source(asked: argparse.Namespace):
     from polhode_ground.importing.video import ROLLING
     from polhode_ground.importing.writing import Writer
     from polhode_ground.common.errors import BadInput
+
     if asked.sequence.exists():
         raise BadInput(f"{asked.sequence}: is there already")
     if asked.sequence.is_symlink():
@@ -110,10 +142,19 @@ def import_source(asked: argparse.Namespace):
     try:
         writer.write_all(Levels(account).of(plan.frames()), progress)
         if not writer.rows:
-            raise BadInput(f"{asked.source}: {source.kind}: no frame is left ({', '.join([*account.dropped, *writer.problems]) or 'it holds none'})")
+            raise BadInput(
+                f"{asked.source}: {source.kind}: no frame is left ({', '.join([*account.dropped, *writer.problems]) or 'it holds none'})"
+            )
         loss = plan.loss()
-        record = {"source": str(asked.source), "kind": source.kind, "dropped": dict(account.dropped), "missing": plan.gaps.said,
-                  "lost": loss.said if loss.frames else "", "assumed": account.assumed, "nominal_time": source.nominal_time}
+        record = {
+            "source": str(asked.source),
+            "kind": source.kind,
+            "dropped": dict(account.dropped),
+            "missing": plan.gaps.said,
+            "lost": loss.said if loss.frames else "",
+            "assumed": account.assumed,
+            "nominal_time": source.nominal_time,
+        }
         if loss.is_refused and not asked.allow_loss:
             writer.abandon()
             tell(record)
@@ -124,13 +165,16 @@ def import_source(asked: argparse.Namespace):
         raise
     tell(record)
     span_s = (writer.rows[-1][0] - writer.rows[0][0]) * 1e-9
-    print(f"written: {len(writer.rows)} frames of {writer.size[0]}x{writer.size[1]} over {span_s:.3f} s to {asked.sequence}; intrinsics: {where}")
+    print(
+        f"written: {len(writer.rows)} frames of {writer.size[0]}x{writer.size[1]} over {span_s:.3f} s to {asked.sequence}; intrinsics: {where}"
+    )
     return loss
 
 
 def main() -> int:
     asked = parse()
     from polhode_ground.common.errors import BadInput
+
     if asked.to_s is not None and asked.to_s < asked.from_s:
         raise BadInput(f"--from {asked.from_s:g} --to {asked.to_s:g}: --to is before --from, allowed is at least that")
     if asked.sequence is None and asked.intrinsics != "auto":
@@ -142,6 +186,7 @@ def main() -> int:
     status = 0
     if asked.intrinsics == "auto":
         from polhode_ground.importing import focal
+
         status = focal.estimate_and_write(asked.sequence or asked.source)
     if loss and loss.is_told:
         print(f"warning: {loss.said}", file=sys.stderr)

@@ -28,11 +28,18 @@ def check_is_one(path: pathlib.Path, container: str) -> None:
     if not path.is_file() or not path.stat().st_size:
         return
     with open(path, "rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as octets:
-        begins = _files_of_boxes(octets) if container.startswith("mov") else \
-            [found.start() for found in BEGINNINGS[container].finditer(octets)] if container in BEGINNINGS else []
+        begins = (
+            _files_of_boxes(octets)
+            if container.startswith("mov")
+            else [found.start() for found in BEGINNINGS[container].finditer(octets)]
+            if container in BEGINNINGS
+            else []
+        )
     if len(begins) > 1:
-        raise JoinedVideos(f"{path}: {len(begins)} videos one behind the other in one file, the second from octet {begins[1]} on: how long the pause "
-                           "between them is, the file does not tell; import each by itself, or, where there is none, join them by FFmpeg's `-f concat`")
+        raise JoinedVideos(
+            f"{path}: {len(begins)} videos one behind the other in one file, the second from octet {begins[1]} on: how long the pause "
+            "between them is, the file does not tell; import each by itself, or, where there is none, join them by FFmpeg's `-f concat`"
+        )
 
 
 def _files_of_boxes(octets) -> list[int]:
@@ -48,7 +55,7 @@ def _boxes(octets) -> Iterator[tuple[int, bytes]]:
     """(place, kind) of those that are in no other."""
     at = 0
     for _ in range(TOO_MANY_BOXES):
-        head = octets[at:at + 16]
+        head = octets[at : at + 16]
         if len(head) < 8:
             return
         size = int.from_bytes(head[:4], "big")

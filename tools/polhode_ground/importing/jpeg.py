@@ -27,6 +27,7 @@ def whole(octets: bytes) -> bytes:
 def _remark(octets: bytes) -> str:
     """What the library has to say of the picture; empty where nothing."""
     import simplejpeg
+
     try:
         simplejpeg.decode_jpeg(octets, colorspace="GRAY", strict=True)
     except ValueError as problem:
@@ -39,11 +40,12 @@ def _harmless(remark: str, octets: bytes) -> bool:
     if stray is None:
         return False
     count, marker = int(stray.group(1)), octets.rfind(END)
-    filled = stray.group(2) == "d9" and len(set(octets[marker - count:marker])) == 1
+    filled = stray.group(2) == "d9" and len(set(octets[marker - count : marker])) == 1
     return count <= STRAY_MAX or filled
 
 
 def _in_several_scans(octets: bytes) -> bool:
     from PIL import Image
+
     with Image.open(io.BytesIO(octets)) as picture:
         return bool(picture.info.get("progressive"))

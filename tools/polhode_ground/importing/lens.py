@@ -33,8 +33,11 @@ class Lens:
     @property
     def native(self) -> bool:
         """`polhode` can read it as it is. Telephoto lenses have coefficients beyond its range."""
-        return self.model == RADTAN and not any(self.coefficients[4:]) and all(
-            abs(value) <= most for value, most in zip(self.coefficients, RANGE))
+        return (
+            self.model == RADTAN
+            and not any(self.coefficients[4:])
+            and all(abs(value) <= most for value, most in zip(self.coefficients, RANGE))
+        )
 
     @property
     def words(self) -> str:
@@ -63,11 +66,15 @@ def lens_of(width_px, height_px, intrinsics, model: str, coefficients, where: st
     if model.lower() == "none" and any(values):
         raise BadInput(f"{where}: distortion model 'none', but coefficients {', '.join(f'{value:g}' for value in values)}: name the model")
     if not all(np.isfinite((fu, fv, cu, cv, *values))):
-        raise BadInput(f"{where}: intrinsics {fu:g}, {fv:g}, {cu:g}, {cv:g} and coefficients {', '.join(f'{value:g}' for value in values)}: "
-                       "allowed are finite numbers")
+        raise BadInput(
+            f"{where}: intrinsics {fu:g}, {fv:g}, {cu:g}, {cv:g} and coefficients {', '.join(f'{value:g}' for value in values)}: "
+            "allowed are finite numbers"
+        )
     if len(values) >= 8 and any(values) and all(value == int(value) for value in values):
-        raise BadInput(f"{where}: coefficients {', '.join(f'{value:g}' for value in values)}, all of them whole numbers: "
-                       "where commas stand for decimal points, write points")
+        raise BadInput(
+            f"{where}: coefficients {', '.join(f'{value:g}' for value in values)}, all of them whole numbers: "
+            "where commas stand for decimal points, write points"
+        )
     if min(fu, fv) <= 0:
         raise BadInput(f"{where}: intrinsics {fu:g}, {fv:g}, {cu:g}, {cv:g}: focal lengths must be positive")
     return Lens(width, height, (fu, fv, cu, cv), kind, values or (0.0,) * (4 if 4 in counts else 0))
@@ -82,23 +89,40 @@ def scaled_to(lens: Lens, width_px: int, height_px: int, where: str, aspect: flo
         return replace(lens, width_px=width_px, height_px=height_px), ""
     off_px = max(abs(lens.width_px - width_px), abs(lens.height_px - height_px))
     if lens.size_from and off_px > SIZE_PX:
-        raise BadInput(f"{where}: {lens.size_from} makes pictures of {lens.width_px}x{lens.height_px}, but they are {width_px}x{height_px}: "
-                       "give --intrinsics FILE or 'fu,fv,cu,cv' of these pictures")
+        raise BadInput(
+            f"{where}: {lens.size_from} makes pictures of {lens.width_px}x{lens.height_px}, but they are {width_px}x{height_px}: "
+            "give --intrinsics FILE or 'fu,fv,cu,cv' of these pictures"
+        )
     found = f"{where}: {lens.camera and f'{lens.camera} is '}calibrated for {lens.width_px}x{lens.height_px}, but the pictures are {width_px}x{height_px}"
     fitting = [name for name, size in lens.others if size == (width_px, height_px)]
-    choice = f"{' and '.join(fitting)} of the same file {'is' if len(fitting) == 1 else 'are'} of this size: --camera {fitting[0]} takes it" if fitting else ""
+    choice = (
+        f"{' and '.join(fitting)} of the same file {'is' if len(fitting) == 1 else 'are'} of this size: --camera {fitting[0]} takes it"
+        if fitting
+        else ""
+    )
     factors = width_px / lens.width_px, height_px / lens.height_px
     stretched = aspect != 1 and abs(factors[1] * lens.width_px - width_px * aspect) <= SIZE_PX * aspect
     if abs(factors[0] * lens.height_px - height_px) > SIZE_PX and not stretched:
         turned = (lens.height_px, lens.width_px) == (width_px, height_px)
-        why = "width and height are exchanged: in the calibration, or by pictures that are turned by 90 deg" if turned else "not the same shape, cropped?"
+        why = (
+            "width and height are exchanged: in the calibration, or by pictures that are turned by 90 deg"
+            if turned
+            else "not the same shape, cropped?"
+        )
         raise BadInput(f"{found}: {choice or why}")
     fu, fv, cu, cv = lens.intrinsics_px
     centre = tuple(factor * (place + 0.5) - 0.5 for factor, place in zip(factors, (cu, cv)))
     by = f"{factors[0]:.4g}" if not stretched else f"{factors[0]:.4g} and {factors[1]:.4g}, by the shape of the pixels"
-    return (replace(lens, width_px=width_px, height_px=height_px, intrinsics_px=(factors[0] * fu, factors[1] * fv, *centre),
-                    line_time_ns=lens.line_time_ns / factors[1]),
-            f"{found}: intrinsics scaled by {by}{choice and f'; {choice}'}")
+    return (
+        replace(
+            lens,
+            width_px=width_px,
+            height_px=height_px,
+            intrinsics_px=(factors[0] * fu, factors[1] * fv, *centre),
+            line_time_ns=lens.line_time_ns / factors[1],
+        ),
+        f"{found}: intrinsics scaled by {by}{choice and f'; {choice}'}",
+    )
 
 
 def has_shape(lens: Lens | None, aspect: float) -> bool:

@@ -24,12 +24,14 @@ class Model:
 
 def _by_opencv(directions: np.ndarray, coefficients: tuple[float, ...]) -> np.ndarray:
     import cv2
+
     none = np.zeros(3)
     return cv2.projectPoints(directions, none, none, np.eye(3), np.array(coefficients))[0].reshape(-1, 2)
 
 
 def _by_opencv_fisheye(directions: np.ndarray, coefficients: tuple[float, ...]) -> np.ndarray:
     import cv2
+
     none = np.zeros(3)
     return cv2.fisheye.projectPoints(directions[:, None], none, none, np.eye(3), np.array(coefficients))[0].reshape(-1, 2)
 
@@ -64,7 +66,7 @@ def _unified(directions: np.ndarray, coefficients: tuple[float, ...]) -> np.ndar
 
 def _fov(directions: np.ndarray, coefficients: tuple[float, ...]) -> np.ndarray:
     """Devernay and Faugeras 2001: omega."""
-    omega, = coefficients
+    (omega,) = coefficients
     plane = _divided(directions, directions[:, 2])
     radius = np.linalg.norm(plane, axis=1, keepdims=True)
     if abs(omega) < 1e-8:
@@ -82,7 +84,9 @@ def _panorama(directions: np.ndarray, coefficients: tuple[float, ...]) -> np.nda
 def _by_colmap(name: str) -> Callable[[np.ndarray, tuple[float, ...]], np.ndarray]:
     def project(directions: np.ndarray, coefficients: tuple[float, ...]) -> np.ndarray:
         from polhode_ground.importing.colmap_library import project as by_library
+
         return by_library(name, coefficients, directions)
+
     return project
 
 
@@ -106,9 +110,29 @@ def _plain(name: str) -> str:
 
 # As OpenCV, ROS, Kalibr, EuRoC and drivers of cameras write them; only letters and digits are compared.
 NAMES = {_plain(name): name for name in MODELS} | {
-    "": RADTAN, "none": RADTAN, "pinhole": RADTAN, "opencv": RADTAN, "opencvfisheye": FISHEYE, "radtan": RADTAN, "plumbbob": RADTAN, "rationalpolynomial": RADTAN, "thinprism": RADTAN, "brownconrady": RADTAN,
-    "equi": FISHEYE, "fisheye": FISHEYE, "kannalabrandt": FISHEYE, "kannalabrandt4": FISHEYE, "kannalabrandt8": FISHEYE, "kb4": FISHEYE,
-    "kb8": FISHEYE, "fov": FOV, "omni": OMNI, "mei": OMNI, "ds": DOUBLE_SPHERE, "eucm": UNIFIED}
+    "": RADTAN,
+    "none": RADTAN,
+    "pinhole": RADTAN,
+    "opencv": RADTAN,
+    "opencvfisheye": FISHEYE,
+    "radtan": RADTAN,
+    "plumbbob": RADTAN,
+    "rationalpolynomial": RADTAN,
+    "thinprism": RADTAN,
+    "brownconrady": RADTAN,
+    "equi": FISHEYE,
+    "fisheye": FISHEYE,
+    "kannalabrandt": FISHEYE,
+    "kannalabrandt4": FISHEYE,
+    "kannalabrandt8": FISHEYE,
+    "kb4": FISHEYE,
+    "kb8": FISHEYE,
+    "fov": FOV,
+    "omni": OMNI,
+    "mei": OMNI,
+    "ds": DOUBLE_SPHERE,
+    "eucm": UNIFIED,
+}
 SAID = "radtan, plumb_bob, rational_polynomial, thin_prism, equidistant, fisheye, fov, omni, ds, eucm, none"
 
 

@@ -47,7 +47,7 @@ class Seen:
         if not values.size:
             return
         self.smallest, self.largest = min(self.smallest, float(values.min())), max(self.largest, float(values.max()))
-        some = values[::max(1, values.size // SAMPLES_MAX)].astype(np.float64)
+        some = values[:: max(1, values.size // SAMPLES_MAX)].astype(np.float64)
         self.low = min(self.low, float(np.percentile(some, 100 - COMMON_PERCENT)))
         above = some[some > some.min()]
         self.common = max(self.common, float(np.percentile(above, COMMON_PERCENT)) if above.size else float(some[0]))
@@ -78,7 +78,11 @@ class Scale:
     def words(self) -> str:
         found = f"{self.seen.kind.name} levels, found {self.seen.smallest:.6g} to {self.seen.largest:.6g}"
         text = f"{found}: scaled to 16 bits, {self.zero:.6g} became 0 and {self.zero + self.full:.6g} became {FULL}"
-        lost = ((self.cut, "beyond were cut"), (self.negative, "below were set to 0"), (self.not_finite, "not finite (NaN is 0, infinite is cut)"))
+        lost = (
+            (self.cut, "beyond were cut"),
+            (self.negative, "below were set to 0"),
+            (self.not_finite, "not finite (NaN is 0, infinite is cut)"),
+        )
         parts = [f"{100 * count / self.pixels:.2g} % of the pixels {what}" for count, what in lost if count]
         return ", ".join([text, *parts])
 

@@ -34,7 +34,9 @@ def open_tum(path: pathlib.Path, options: Options) -> Source:
     return Source(f"TUM sequence of {len(rows)} pictures", _existing(rows, account), account, [time for time, _ in rows], len(rows))
 
 
-def _timed(table: pathlib.Path, folder: pathlib.Path, wanted: str, unit: str, options: Options, account: Account) -> list[tuple[int, pathlib.Path]]:
+def _timed(
+    table: pathlib.Path, folder: pathlib.Path, wanted: str, unit: str, options: Options, account: Account
+) -> list[tuple[int, pathlib.Path]]:
     """(time, file) of a list's rows. @param unit  that such lists have where they tell none"""
     listed = read_list(table, wanted)
     times = in_ns([time for time, _ in listed.rows], listed.unit or unit, options.stamp_unit, str(table), account, options.rate_hz)
@@ -63,7 +65,9 @@ class _Present:
         if len(meant) != 1:
             return written
         if not any(sentence.startswith(OTHER_LETTERS) for sentence in self.account.assumed):
-            self.account.note(f"{OTHER_LETTERS}, as {name}: the one file that differs in small and large letters or in how accents are written is taken, {meant[0].name}")
+            self.account.note(
+                f"{OTHER_LETTERS}, as {name}: the one file that differs in small and large letters or in how accents are written is taken, {meant[0].name}"
+            )
         return meant[0]
 
 
@@ -90,8 +94,17 @@ def open_euroc(path: pathlib.Path, options: Options) -> Source:
     beside = sum(file.name not in listed for file in (folder / "data").iterdir()) if (folder / "data").is_dir() else 0
     if beside:
         account.assumed.append(f"{beside} files in {folder / 'data'} are not in data.csv and are left out")
-    return Source(f"ASL/EuRoC sequence, {folder.name}, {len(rows)} pictures", _existing(rows, account), account, [time for time, _ in rows],
-                  len(rows), lens, lens_from, beside=_beside(folder, account), line_time_ns=line_time_ns)
+    return Source(
+        f"ASL/EuRoC sequence, {folder.name}, {len(rows)} pictures",
+        _existing(rows, account),
+        account,
+        [time for time, _ in rows],
+        len(rows),
+        lens,
+        lens_from,
+        beside=_beside(folder, account),
+        line_time_ns=line_time_ns,
+    )
 
 
 def _row_time(sensor: pathlib.Path, account: Account) -> float:
@@ -105,8 +118,10 @@ def _row_time(sensor: pathlib.Path, account: Account) -> float:
 
 def _beside(folder: pathlib.Path, account: Account) -> tuple[pathlib.Path, ...]:
     """The truth and the model of a sequence of this layout's own; what EuRoC has beside the pictures is told."""
-    account.assumed += [f"{file.parent.name} is left out: it is the path of the camera's carrier in a room, not a target's"
-                        for file in sorted(folder.parent.glob("state_groundtruth*/data.csv"))]
+    account.assumed += [
+        f"{file.parent.name} is left out: it is the path of the camera's carrier in a room, not a target's"
+        for file in sorted(folder.parent.glob("state_groundtruth*/data.csv"))
+    ]
     root = folder.parent.parent if folder.parent.name == "mav0" else folder.parent
     return tuple(root / name for name in ("truth.csv", "model.ply") if folder.name == "cam0" and (root / name).is_file())
 
@@ -118,7 +133,12 @@ def _euroc_rows(folder: pathlib.Path, options: Options, account: Account) -> lis
         files = sorted((int(file.stem), file) for file in (folder / "data").iterdir() if file.stem.isdecimal())
         if not files:
             raise BadInput(f"{folder}: no data.csv, and in data no pictures whose names are times")
-        return list(zip(in_ns([time for time, _ in files], "ns", options.stamp_unit, str(folder / "data"), account, options.rate_hz), [file for _, file in files]))
+        return list(
+            zip(
+                in_ns([time for time, _ in files], "ns", options.stamp_unit, str(folder / "data"), account, options.rate_hz),
+                [file for _, file in files],
+            )
+        )
     rows = _timed(table, folder / "data", "a time in nanoseconds and a name", "ns", options, account)
     return [(time, _found(file, folder)) for time, file in rows]
 

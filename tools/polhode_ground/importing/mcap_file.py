@@ -57,6 +57,7 @@ class McapFile:
     def _summary(self):
         from mcap.exceptions import McapError
         from mcap.reader import SeekingReader
+
         try:
             with open(self.path, "rb") as stream:
                 return SeekingReader(stream).get_summary()
@@ -67,6 +68,7 @@ class McapFile:
     def _scan(self) -> None:
         """Finds the channels of a file without an index, and how many messages each has."""
         from mcap.records import Channel, Message, Schema
+
         self._counts = Counter()
         for record in self._records(None):
             if isinstance(record, Schema):
@@ -82,12 +84,19 @@ class McapFile:
             count = self._counts[channel.id]
         else:
             count = self.summary.statistics.channel_message_counts.get(channel.id, 0) if self.summary.statistics else None
-        return Connection(channel.id, channel.topic, ros_name(schema.name) if schema and schema.name else "without a type", count, channel.message_encoding)
+        return Connection(
+            channel.id,
+            channel.topic,
+            ros_name(schema.name) if schema and schema.name else "without a type",
+            count,
+            channel.message_encoding,
+        )
 
     def _records(self, channels: set[int] | None) -> Iterator:
         """All that can be read of these channels; None: of all. A chunk that is damaged costs itself."""
         from mcap.records import Chunk
         from mcap.stream_reader import breakup_chunk
+
         broken = 0
         for record in self._indexed_chunks(channels) if self.indexed else self._in_a_row():
             if not isinstance(record, Chunk):
@@ -105,6 +114,7 @@ class McapFile:
     def _indexed_chunks(self, channels: set[int] | None) -> Iterator:
         from mcap.data_stream import ReadDataStream
         from mcap.records import Chunk
+
         with open(self.path, "rb") as stream:
             for index in sorted(self.summary.chunk_indexes, key=lambda one: one.message_start_time):
                 if channels is not None and index.message_index_offsets and not channels & set(index.message_index_offsets):
@@ -119,6 +129,7 @@ class McapFile:
 
     def _in_a_row(self) -> Iterator:
         from mcap.stream_reader import StreamReader
+
         with open(self.path, "rb") as stream:
             try:
                 yield from StreamReader(stream, emit_chunks=True, record_size_limit=self.path.stat().st_size).records
@@ -134,6 +145,7 @@ class McapFile:
     def messages(self, connections: Collection[Connection]) -> Iterator[tuple[Connection, int, object]]:
         """(connection, time received, what `deserialize` takes)."""
         from mcap.records import Message
+
         by_id = {one.id: one for one in connections}
         for record in self._records(set(by_id)):
             if isinstance(record, Message) and record.channel_id in by_id:
@@ -149,10 +161,13 @@ class McapFile:
     def _decoder(self, channel, schema, msgtype: str):
         encoding = schema.encoding if schema else ""
         if (channel.message_encoding, encoding) not in READABLE:
-            raise BadInput(f"{self.path}: topic {channel.topic} ({msgtype}) in '{channel.message_encoding}' with a schema in '{encoding}', "
-                           "allowed are CDR, ROS 1, Protobuf and JSON")
+            raise BadInput(
+                f"{self.path}: topic {channel.topic} ({msgtype}) in '{channel.message_encoding}' with a schema in '{encoding}', "
+                "allowed are CDR, ROS 1, Protobuf and JSON"
+            )
         if channel.message_encoding == "protobuf":
             from mcap_protobuf.decoder import DecoderFactory
+
             return DecoderFactory().decoder_for("protobuf", schema)
         if channel.message_encoding == "json":
             return of_json
@@ -162,6 +177,7 @@ class McapFile:
 def ros_decoder(text: str, language: str, encoding: str, msgtype: str):
     """@param text  the message's definition, in `language`; empty: that of ROS 2 Humble"""
     from rosbags.typesys import get_types_from_idl, get_types_from_msg
+
     if not text.strip():
         store = ros_store()
     elif language == "ros2idl":
@@ -175,6 +191,7 @@ def ros_decoder(text: str, language: str, encoding: str, msgtype: str):
 
 def _store_of(types: dict):
     from rosbags.typesys import Stores, get_typestore
+
     store = get_typestore(Stores.EMPTY)
     store.register(types)
     return store
@@ -185,14 +202,14 @@ PICTURES_OF_OTHERS = {
     "foxglove_msgs/msg/CompressedVideo": "builtin_interfaces/Time timestamp\nstring frame_id\nuint8[] data\nstring format",
     "foxglove_msgs/msg/CompressedImage": "builtin_interfaces/Time timestamp\nstring frame_id\nuint8[] data\nstring format",
     "foxglove_msgs/msg/RawImage": "builtin_interfaces/Time timestamp\nstring frame_id\nuint32 width\nuint32 height\nstring encoding\nuint32 step\nuint8[] data",
-    "ffmpeg_image_transport_msgs/msg/FFMPEGPacket":
-        "std_msgs/Header header\nint32 width\nint32 height\nstring encoding\nuint64 pts\nuint8 flags\nbool is_bigendian\nuint8[] data",
+    "ffmpeg_image_transport_msgs/msg/FFMPEGPacket": "std_msgs/Header header\nint32 width\nint32 height\nstring encoding\nuint64 pts\nuint8 flags\nbool is_bigendian\nuint8[] data",
 }
 
 
 def ros_store():
     """The messages of ROS 2 Humble, and those of others that hold pictures."""
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
     store = get_typestore(Stores.ROS2_HUMBLE)
     for name, text in PICTURES_OF_OTHERS.items():
         store.register(get_types_from_msg(text, name))

@@ -25,6 +25,7 @@ class MessageVideo:
 
     def feed(self, message, time_ns: int) -> Iterator[Frame]:
         import av
+
         codec = codec_of(message)
         if codec is None or codec != (self._codec or codec):
             said = getattr(message, "format", getattr(message, "encoding", ""))

@@ -64,7 +64,7 @@ def times_of_parts(path: pathlib.Path, options: Options, account: Account) -> Pa
 
 def _parts(octets) -> Iterator[tuple[int, dict[str, str]]]:
     """(where the picture begins, fields by their small names) of each part."""
-    first = PART.search(octets[:BEGIN_MAX + HEAD_MAX])
+    first = PART.search(octets[: BEGIN_MAX + HEAD_MAX])
     if first is None or b"image/jpeg" not in first[2].lower():
         return
     boundary, found = first[1], first
@@ -76,7 +76,7 @@ def _parts(octets) -> Iterator[tuple[int, dict[str, str]]]:
             yield body, fields
         length = fields.get("content-length", "")
         begin = octets.find(boundary, body + int(length) if length.isdecimal() else body)
-        found = PART.match(octets[begin:begin + HEAD_MAX]) if begin >= 0 else None
+        found = PART.match(octets[begin : begin + HEAD_MAX]) if begin >= 0 else None
 
 
 def _name_of_times(parts: list[dict[str, str]]) -> str:

@@ -5,8 +5,10 @@ import pathlib
 import re
 
 BLANK = rb"(?:\s|#[^\n]*\n)+"
-HEADERS = {kind: re.compile(rb"\s*P" + kind + rb"".join(BLANK + rb"(\d{1,9})" for _ in range(numbers)) + rb"\s")
-           for kind, numbers in ((b"4", 2), (b"5", 3), (b"6", 3))}
+HEADERS = {
+    kind: re.compile(rb"\s*P" + kind + rb"".join(BLANK + rb"(\d{1,9})" for _ in range(numbers)) + rb"\s")
+    for kind, numbers in ((b"4", 2), (b"5", 3), (b"6", 3))
+}
 
 
 def places_of(octets) -> list[tuple[int, int]]:
@@ -14,7 +16,9 @@ def places_of(octets) -> list[tuple[int, int]]:
     places, begin = [], 0
     while found := next(filter(None, (header.match(octets, begin) for header in HEADERS.values())), None):
         width, height, *largest = map(int, found.groups())
-        row = (width + 7) // 8 if not largest else width * (3 if found[0].lstrip().startswith(b"P6") else 1) * (2 if largest[0] > 255 else 1)
+        row = (
+            (width + 7) // 8 if not largest else width * (3 if found[0].lstrip().startswith(b"P6") else 1) * (2 if largest[0] > 255 else 1)
+        )
         places.append((begin, found.end() + row * height))
         begin = places[-1][1]
     return places

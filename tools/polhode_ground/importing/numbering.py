@@ -15,7 +15,9 @@ from polhode_ground.common.units import is_impossible, median_step
 # Chosen: so many steps between numbers are alike where they count frames.
 ALIKE_SHARE = 0.5
 HEX_ALIKE_SHARE = 0.8  # letters may stand for much else
-DATE_AND_CLOCK = re.compile(r"(?<!\d)((?:19|20)\d\d)[-_.]?([01]\d)[-_.]?([0-3]\d)(?:[-_T. ]| at )?([0-2]\d)[-_.:h]?([0-5]\d)[-_.:m]?([0-5]\d)(?:\.?(\d{3}|\d{6}|\d{9}))?(?!\d)")
+DATE_AND_CLOCK = re.compile(
+    r"(?<!\d)((?:19|20)\d\d)[-_.]?([01]\d)[-_.]?([0-3]\d)(?:[-_T. ]| at )?([0-2]\d)[-_.:h]?([0-5]\d)[-_.:m]?([0-5]\d)(?:\.?(\d{3}|\d{6}|\d{9}))?(?!\d)"
+)
 # Behind a date and a clock: parts of a second, or a count of what was taken in that second.
 FIELD_AFTER_CLOCK = re.compile(r"[-_.,s](\d{3}|\d{6}|\d{9})(?!\d)")
 DECIMAL, FIGURES = re.compile(r"\d+(?:[.,](\d+))?"), "0123456789.,"
@@ -46,8 +48,8 @@ def decimals_of(stems: list[str]) -> list[Decimal] | None:
     no decimal number: 1.9 is followed by 1.10 in versions, and of seconds and unpadded nanoseconds nobody knows."""
     texts = [DATE_AND_CLOCK.sub("@", stem) for stem in stems]
     begin = len(os.path.commonprefix(texts).rstrip(FIGURES))
-    end = len(os.path.commonprefix([text[:begin - 1 if begin else None:-1] for text in texts]).rstrip(FIGURES))
-    found = [DECIMAL.fullmatch(text[begin:len(text) - end]) for text in texts]
+    end = len(os.path.commonprefix([text[: begin - 1 if begin else None : -1] for text in texts]).rstrip(FIGURES))
+    found = [DECIMAL.fullmatch(text[begin : len(text) - end]) for text in texts]
     parts = [one[1] for one in found if one and one[1]]
     if None in found or not parts or len(set(map(len, parts))) > 1 and any(len(part) > 1 and part.endswith("0") for part in parts):
         return None
@@ -118,7 +120,9 @@ def _that_count_alike(names: list[str]) -> list[list[str]]:
     folders = [list(group) for _, group in itertools.groupby(names, lambda name: pathlib.PurePath(name).parent)]
     groups = []
     for folder in folders:
-        parts = [list(group) for _, group in itertools.groupby(folder, lambda name: re.sub(r"\d+(?=\D*$)", "", pathlib.PurePath(name).stem))]
+        parts = [
+            list(group) for _, group in itertools.groupby(folder, lambda name: re.sub(r"\d+(?=\D*$)", "", pathlib.PurePath(name).stem))
+        ]
         groups += parts if numbers_of(folder) is None and 3 * len(parts) <= len(folder) else [folder]
     return groups
 
@@ -128,7 +132,9 @@ def _said(jumps: list[tuple[int, str, str]]) -> str:
         return ""
     _, before, after = max(jumps, key=lambda jump: jump[0])
     where = f"from {before} to {after}" if len(jumps) == 1 else f"{len(jumps)} times, most from {before} to {after}"
-    return f"the numbers in the pictures' names jump {where}: {sum(jump[0] for jump in jumps)} pictures are missing, the times keep the gaps"
+    return (
+        f"the numbers in the pictures' names jump {where}: {sum(jump[0] for jump in jumps)} pictures are missing, the times keep the gaps"
+    )
 
 
 def _hold_numbers(names: list[str]) -> bool:

@@ -8,12 +8,19 @@ from polhode_ground.importing.source import PICTURES, VIDEOS
 
 UNPACK = "unpack it first"
 BEGINNINGS = (
-    (b"#ROSBAG V", "a bag of ROS 1", "give it a name that ends in .bag"), (b"\x89MCAP0\r\n", "an MCAP file", "give it a name that ends in .mcap"),
+    (b"#ROSBAG V", "a bag of ROS 1", "give it a name that ends in .bag"),
+    (b"\x89MCAP0\r\n", "an MCAP file", "give it a name that ends in .mcap"),
     (b"SQLite format 3\0", "a file of SQLite, as bags of ROS 2 are", "if it is one, give it a name that ends in .db3"),
-    (b"PK\x03\x04", "a ZIP archive", UNPACK), (b"\x1f\x8b", "a file packed by gzip", UNPACK), (b"BZh", "a file packed by bzip2", UNPACK),
-    (b"\xfd7zXZ\0", "a file packed by xz", UNPACK), (b"\x28\xb5\x2f\xfd", "a file packed by zstd", UNPACK), (b"7z\xbc\xaf\x27\x1c", "a 7z archive", UNPACK),
-    (b"Rar!", "a RAR archive", UNPACK), (b"\x93NUMPY", "a NumPy array", "write its pictures into a folder"),
-    (b"\x89HDF\r\n\x1a\n", "an HDF5 file", "write its pictures into a folder"), (b"MATLAB 5.0 MAT", "a file of Matlab", "write its pictures into a folder"),
+    (b"PK\x03\x04", "a ZIP archive", UNPACK),
+    (b"\x1f\x8b", "a file packed by gzip", UNPACK),
+    (b"BZh", "a file packed by bzip2", UNPACK),
+    (b"\xfd7zXZ\0", "a file packed by xz", UNPACK),
+    (b"\x28\xb5\x2f\xfd", "a file packed by zstd", UNPACK),
+    (b"7z\xbc\xaf\x27\x1c", "a 7z archive", UNPACK),
+    (b"Rar!", "a RAR archive", UNPACK),
+    (b"\x93NUMPY", "a NumPy array", "write its pictures into a folder"),
+    (b"\x89HDF\r\n\x1a\n", "an HDF5 file", "write its pictures into a folder"),
+    (b"MATLAB 5.0 MAT", "a file of Matlab", "write its pictures into a folder"),
 )
 TAR_AT, TAR = 257, b"ustar"
 
@@ -41,5 +48,7 @@ def told_by_entries(folder: pathlib.Path) -> str:
     videos = sorted(path.name for path in folder.iterdir() if path.suffix.lower() in VIDEOS)
     if videos:
         return f"it holds videos: name one of them, as {videos[0]}"
-    below = sorted(path.name for path in folder.iterdir() if path.is_dir() and any(file.suffix.lower() in PICTURES for file in path.iterdir()))
+    below = sorted(
+        path.name for path in folder.iterdir() if path.is_dir() and any(file.suffix.lower() in PICTURES for file in path.iterdir())
+    )
     return f"pictures are in folders below: name one of them, as {below[0]}" if below else ""

@@ -100,7 +100,9 @@ def _original(file: pathlib.Path, series: list[pathlib.Path]) -> pathlib.Path | 
     stem = file.stem.casefold()
     for one in series:
         name = one.stem.casefold()
-        if stem != name and (stem.startswith(name) and not stem[len(name)].isalnum() or stem.endswith(name) and not stem[-len(name) - 1].isalnum()):
+        if stem != name and (
+            stem.startswith(name) and not stem[len(name)].isalnum() or stem.endswith(name) and not stem[-len(name) - 1].isalnum()
+        ):
             return one
     return None
 
@@ -121,19 +123,27 @@ def _ask_of_large_ones(series: list[pathlib.Path], others: list[pathlib.Path]) -
     large = {name: members for name, members in groups.items() if len(members) > SMALL_SHARE * len(series)}
     if large:
         found = {_pattern(series[0]): series, **large}
-        raise BadInput(f"{series[0].parent}: pictures of {len(found)} series in one folder, by their names: {words_of_choice(found)}, or put those of one "
-                       "into a folder; names that count on from one another are one series")
+        raise BadInput(
+            f"{series[0].parent}: pictures of {len(found)} series in one folder, by their names: {words_of_choice(found)}, or put those of one "
+            "into a folder; names that count on from one another are one series"
+        )
 
 
 def _tell(copies: dict[pathlib.Path, pathlib.Path], others: list[pathlib.Path], series: list[pathlib.Path], account: Account) -> None:
     if copies:
         account.dropped[COPIES] += len(copies)
-        account.assumed.append(f"{len(copies)} pictures are left out as copies: {_named([f'{file.name} of {copies[file].name}' for file in sorted(copies)])}")
+        account.assumed.append(
+            f"{len(copies)} pictures are left out as copies: {_named([f'{file.name} of {copies[file].name}' for file in sorted(copies)])}"
+        )
     if others:
         account.dropped[OTHER_SERIES] += len(others)
-        hint = next((f"; --camera and a word of their names, as {word}, takes them in its place" for word in _words_of_own(others, series)), "")
-        account.assumed.append(f"{len(others)} pictures are left out, as their names are not those of the series {_pattern(series[0])}: "
-                               f"{_named([file.name for file in others])}{hint}")
+        hint = next(
+            (f"; --camera and a word of their names, as {word}, takes them in its place" for word in _words_of_own(others, series)), ""
+        )
+        account.assumed.append(
+            f"{len(others)} pictures are left out, as their names are not those of the series {_pattern(series[0])}: "
+            f"{_named([file.name for file in others])}{hint}"
+        )
 
 
 def _named(names: list[str]) -> str:

@@ -25,6 +25,7 @@ PLACES_NAMED = 3
 def heard(level: int) -> Iterator[list[tuple[int, str, str]]]:
     """What FFmpeg says meanwhile, in all its threads, each time that it says it."""
     import av.logging
+
     av.logging.set_skip_repeated(False)
     av.logging.set_level(level)
     try:
@@ -37,6 +38,7 @@ def heard(level: int) -> Iterator[list[tuple[int, str, str]]]:
 def complaint(logs: list[tuple[int, str, str]]) -> str:
     """What FFmpeg says against a picture; empty where nothing."""
     import av.logging
+
     for level, name, text in logs:
         if (level <= av.logging.ERROR or text.startswith((GAP, CONCEALED))) and not text.startswith(HARMLESS):
             return f"{name}: {'earlier pictures are missing' if text.startswith(GAP) else ' '.join(text.split())}"
@@ -86,6 +88,7 @@ class Decoder:
         """Whole pictures in order of display. @param packet  None: the stream has ended"""
         import av
         import av.logging
+
         frames, why, number, self.ended = [], "", len(self.times_ns), packet is None
         if packet is not None:
             packet.pts = packet.dts = number  # the decoder hands it on to the frame

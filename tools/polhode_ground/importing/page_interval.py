@@ -12,8 +12,22 @@ FIRST = "ImageJ="
 LINE = r"^{}=(.+?)\s*$"
 PIXELS, CHANNEL = re.compile(r"<Pixels\b[^>]*>"), re.compile(r"<Channel\b[^>]*>")
 ATTRIBUTE = r'\b{}="([^"]*)"'
-SECONDS = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "us": 1e-6, "usec": 1e-6, "µs": 1e-6, "μs": 1e-6, "\\u00b5s": 1e-6,
-           "ns": 1e-9, "min": 60.0, "h": 3600.0}
+SECONDS = {
+    "s": 1.0,
+    "sec": 1.0,
+    "second": 1.0,
+    "seconds": 1.0,
+    "ms": 1e-3,
+    "msec": 1e-3,
+    "us": 1e-6,
+    "usec": 1e-6,
+    "µs": 1e-6,
+    "μs": 1e-6,
+    "\\u00b5s": 1e-6,
+    "ns": 1e-9,
+    "min": 60.0,
+    "h": 3600.0,
+}
 IMAGEJ_ORDER = "XYCZT"
 ANY, ALL_PAGES = Options().camera, "pages"
 SHORT, WORDS = {"C": "c", "Z": "z"}, {"C": "channels", "Z": "slices"}
@@ -40,23 +54,43 @@ class Header:
 def header_of(tags: dict) -> Header | None:
     """@param tags  of the first page"""
     text = tags.get(IMAGE_DESCRIPTION) or ""
-    text = (text if isinstance(text, bytes) else str(text).encode("latin-1", errors="replace")).decode(errors="replace")  # Pillow has UTF-8 as Latin-1
+    text = (text if isinstance(text, bytes) else str(text).encode("latin-1", errors="replace")).decode(
+        errors="replace"
+    )  # Pillow has UTF-8 as Latin-1
     if text.startswith(FIRST):
+
         def told(name):
             return re.search(LINE.format(name), text, re.MULTILINE)
-        return Header("ImageJ", "ImageJ's finterval", *map(_count, map(told, ("frames", "channels", "slices"))), IMAGEJ_ORDER, _seconds(told("finterval"), told("tunit")))
+
+        return Header(
+            "ImageJ",
+            "ImageJ's finterval",
+            *map(_count, map(told, ("frames", "channels", "slices"))),
+            IMAGEJ_ORDER,
+            _seconds(told("finterval"), told("tunit")),
+        )
     pixels = PIXELS.search(text)
     if pixels is None:
         return None
 
     def has(name, tag=pixels.group()):
         return re.search(ATTRIBUTE.format(name), tag)
-    channels = CHANNEL.findall(text[pixels.start():text.find("</Pixels>") + 1 or len(text)])
+
+    channels = CHANNEL.findall(text[pixels.start() : text.find("</Pixels>") + 1 or len(text)])
     names = tuple(found.group(1) if (found := has("Name", tag)) else "" for tag in channels)
     # Of colours in one page SizeC counts each, and they are one channel.
     count = len(channels) or _count(has("SizeC"))
     order = found.group(1) if (found := has("DimensionOrder")) else IMAGEJ_ORDER
-    return Header("OME", "OME's TimeIncrement", _count(has("SizeT")), count, _count(has("SizeZ")), order, _seconds(has("TimeIncrement"), has("TimeIncrementUnit")), names)
+    return Header(
+        "OME",
+        "OME's TimeIncrement",
+        _count(has("SizeT")),
+        count,
+        _count(has("SizeZ")),
+        order,
+        _seconds(has("TimeIncrement"), has("TimeIncrementUnit")),
+        names,
+    )
 
 
 def _count(found) -> int:
@@ -91,7 +125,9 @@ def frames_in(header: Header | None, pages: int, camera: str, where: str) -> tup
         names = ", ".join(f"{number + 1}: {name}" for number, name in enumerate(header.names) if name)
         example = "".join(f"{SHORT[axis]}1" for axis, _ in several)
         last = "".join(f"{SHORT[axis]}{count}" for axis, count in several)
-        raise BadInput(f"{found}{names and f' (channels {names})'}: choose by --camera {example} ... {last}; --camera {ALL_PAGES} takes all for frames")
+        raise BadInput(
+            f"{found}{names and f' (channels {names})'}: choose by --camera {example} ... {last}; --camera {ALL_PAGES} takes all for frames"
+        )
     sizes = {"C": max(1, header.channels), "Z": max(1, header.slices), "T": frames}
     places, step = dict.fromkeys("CZT", 0), 1
     for axis in [axis for axis in header.order if axis in sizes]:
@@ -108,4 +144,8 @@ def _chosen(header: Header, several: list[tuple[str, int]], camera: str) -> dict
         return {"C": names.index(camera)}
     found = re.fullmatch("".join(rf"{SHORT[axis]}(\d+)" for axis, _ in several), camera)
     numbers = [int(number) - 1 for number in found.groups()] if found else []
-    return dict(zip((axis for axis, _ in several), numbers)) if numbers and all(0 <= number < count for number, (_, count) in zip(numbers, several)) else None
+    return (
+        dict(zip((axis for axis, _ in several), numbers))
+        if numbers and all(0 <= number < count for number, (_, count) in zip(numbers, several))
+        else None
+    )

@@ -16,7 +16,11 @@ from polhode_ground.common.units import SINCE_1970_NS, UNITS, WORDS, doubt, like
 TIME_NAME = re.compile(r"\W*(time|stamp|t\b|t_)", re.IGNORECASE)
 FILE_NAME = re.compile(r"file|image|picture|frame|name|path|img", re.IGNORECASE)
 UNIT = r"(?P<count>10*|0\.\d+)?\s?(?P<scale>n|u|µ|μ|m|nano|micro|milli)?(?:s|secs?|seconds?)\b"
-IN_BRACKETS, UNIT_IN_BRACKETS, UNIT_AT_END = re.compile(r"([\[(])\s*(.*?)\s*[\])]"), re.compile(UNIT, re.IGNORECASE), re.compile("[_ ]" + UNIT, re.IGNORECASE)
+IN_BRACKETS, UNIT_IN_BRACKETS, UNIT_AT_END = (
+    re.compile(r"([\[(])\s*(.*?)\s*[\])]"),
+    re.compile(UNIT, re.IGNORECASE),
+    re.compile("[_ ]" + UNIT, re.IGNORECASE),
+)
 UNIT_OF_SCALE = {"": "s", "n": "ns", "nano": "ns", "u": "us", "µ": "us", "μ": "us", "micro": "us", "m": "ms", "milli": "ms"}
 # Square brackets hold a unit, or a scale of time; others hold anything.
 NO_UNIT = re.compile(r"|.*(:|yy|\b(utc|gps|tai|unix|epoch|posix|iso.?\d*|local|date|time|stamp|from|since|of)\b).*", re.IGNORECASE)
@@ -59,7 +63,10 @@ def read_times(path: pathlib.Path, files: list[pathlib.Path], needs_names: bool 
         raise BadInput(f"{path}: {' and '.join(of_time)} may both be the times: a file times.csv with one of these columns tells which")
     place, of_name = _columns(rows, names)
     if of_name is not None:
-        times = {pathlib.PurePath(name).name: time for time, name in (_row(path, number, cells, place, of_name, "a time") for number, cells in rows)}
+        times = {
+            pathlib.PurePath(name).name: time
+            for time, name in (_row(path, number, cells, place, of_name, "a time") for number, cells in rows)
+        }
         if all(file.name in times for file in files):
             return [times[file.name] for file in files], _unit(names, place), True
     if needs_names:
@@ -73,7 +80,11 @@ def read_times(path: pathlib.Path, files: list[pathlib.Path], needs_names: bool 
 def _counts(rows: list[tuple[int, list[str]]]) -> bool:
     """Whether the first column is the number of the row."""
     first = rows[0][1][0]
-    return first.isdecimal() and all(cells[0] == f"{int(first) + place:0{len(first)}d}" for place, (_, cells) in enumerate(rows)) and _is_number(rows[0][1][1])
+    return (
+        first.isdecimal()
+        and all(cells[0] == f"{int(first) + place:0{len(first)}d}" for place, (_, cells) in enumerate(rows))
+        and _is_number(rows[0][1][1])
+    )
 
 
 def read_list(path: pathlib.Path, wanted: str) -> PictureList:
@@ -109,12 +120,14 @@ def _unit_beside(head: str) -> str:
 def _with_dates(cells: list[str]) -> list[str]:
     """A date and a clock with a blank between them are one time."""
     place = next((place for place, (day, clock) in enumerate(zip(cells, cells[1:])) if DAY.fullmatch(day) and CLOCK.fullmatch(clock)), None)
-    return cells if place is None else [*cells[:place], " ".join(cells[place:place + 2]), *cells[place + 2:]]
+    return cells if place is None else [*cells[:place], " ".join(cells[place : place + 2]), *cells[place + 2 :]]
 
 
 def _is_row(cells: list[str]) -> bool:
     """Not the names of columns: also a row whose time is none, which must be told and not passed over."""
-    return any(_is_number(cell) or _is_picture(cell) or BAD_STAMP.fullmatch(cell) for cell in cells) or not any(map(str.isalpha, "".join(cells)))
+    return any(_is_number(cell) or _is_picture(cell) or BAD_STAMP.fullmatch(cell) for cell in cells) or not any(
+        map(str.isalpha, "".join(cells))
+    )
 
 
 def _is_number(cell: str) -> bool:
@@ -149,12 +162,25 @@ def _with_blanks(cells: list[str], folder: pathlib.Path) -> list[str]:
 def _check_decimal_commas(path: pathlib.Path, names: list[str], rows: list[tuple[int, list[str]]], separator: str) -> None:
     number, cells = rows[0]
     parts = [row[1] for _, row in rows if len(row) == 2]
-    if separator == "," and not names and len(parts) == len(rows) > 1 and all(map(str.isdecimal, [*cells, *parts])) and \
-            len(set(map(len, parts))) == 1 and any(part.startswith("0") for part in parts):
+    if (
+        separator == ","
+        and not names
+        and len(parts) == len(rows) > 1
+        and all(map(str.isdecimal, [*cells, *parts]))
+        and len(set(map(len, parts))) == 1
+        and any(part.startswith("0") for part in parts)
+    ):
         raise BadInput(f"{path}:{number}: '{','.join(cells)}' looks like a number with a decimal comma: write a point")
-    if separator == "," and len(names) > 1 and all(len(row) == len(names) + 1 for _, row in rows) and all(cell.isdecimal() for cell in cells[:2]):
-        raise BadInput(f"{path}:{number}: {len(cells)} cells where the head has {len(names)}, as with a decimal comma: "
-                       "write a point, or separate the cells by semicolons")
+    if (
+        separator == ","
+        and len(names) > 1
+        and all(len(row) == len(names) + 1 for _, row in rows)
+        and all(cell.isdecimal() for cell in cells[:2])
+    ):
+        raise BadInput(
+            f"{path}:{number}: {len(cells)} cells where the head has {len(names)}, as with a decimal comma: "
+            "write a point, or separate the cells by semicolons"
+        )
 
 
 def _is_picture(cell: str) -> bool:
@@ -219,7 +245,9 @@ def in_ns(values: Sequence, stated: str, asked: str | None, where: str, account:
     values, stated = (values, asked) if asked else _counted(values, stated, where, account)
     are_counts = _count_frames(values)
     if are_counts and rate_hz and not asked:
-        account.assumed.append(f"the list has numbers of frames in place of times: {1 / rate_hz:g} s from one to the next, as --rate-hz says")
+        account.assumed.append(
+            f"the list has numbers of frames in place of times: {1 / rate_hz:g} s from one to the next, as --rate-hz says"
+        )
         return [round(value * NS / Decimal(rate_hz)) for value in map(Decimal, values)]
     if rate_hz:
         account.assumed.append("--rate-hz is left out: the list tells its times")
@@ -231,7 +259,9 @@ def in_ns(values: Sequence, stated: str, asked: str | None, where: str, account:
         raise BadInput(f"{where}: stamps that are no {WORDS[stated]}, so far apart are no pictures of a camera: {likely}; {advice}")
     unit = units[0]
     if unit != stated and not asked:
-        account.assumed.append(f"the stamps can't be {WORDS[stated]}: they are taken for {WORDS[unit]}, as their steps are those of a camera; {advice}")
+        account.assumed.append(
+            f"the stamps can't be {WORDS[stated]}: they are taken for {WORDS[unit]}, as their steps are those of a camera; {advice}"
+        )
     elif not asked and doubt(values, unit):
         account.assumed.append(f"{doubt(values, unit)}; if that is wrong, {advice}")
     elif are_counts:

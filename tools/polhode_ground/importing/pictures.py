@@ -32,6 +32,7 @@ DIAGONAL_35MM = 43.27  # of a frame of 36 mm x 24 mm, which "35 mm equivalent" r
 
 def open_picture(path: pathlib.Path):
     from PIL import Image
+
     try:
         if kind_of_file(path) == "heic":
             register_heif()
@@ -98,7 +99,9 @@ def in_folder(folder: pathlib.Path, account: Account | None = None) -> list[path
         account.assumed += [f"{len(twice)} raw files are left out: pictures of the same names are there"] if twice else []
         account.assumed += [f"{len(thumbnails)} pictures are left out: thumbnails of videos"] if thumbnails else []
         others = sorted(path.name for path in set(files) - set(pictures) - thumbnails)
-        account.assumed += [f"{len(others)} files are no pictures: {', '.join(others[:3])}{', ...' if others[3:] else ''}"] if others else []
+        account.assumed += (
+            [f"{len(others)} files are no pictures: {', '.join(others[:3])}{', ...' if others[3:] else ''}"] if others else []
+        )
     return sorted(set(pictures) - set(twice), key=natural_order)
 
 
@@ -125,7 +128,9 @@ def _tell_others(entries: list[pathlib.Path], account: Account) -> None:
     """Pictures in folders below are not asked for."""
     folders = sorted(path.name for path in entries if path.is_dir() and any(file.suffix.lower() in PICTURES for file in path.iterdir()))
     if folders:
-        account.assumed.append(f"{len(folders)} folders with pictures below this one are left out: {', '.join(folders[:3])}{', ...' if folders[3:] else ''}")
+        account.assumed.append(
+            f"{len(folders)} folders with pictures below this one are left out: {', '.join(folders[:3])}{', ...' if folders[3:] else ''}"
+        )
 
 
 def _is_raw(path: pathlib.Path) -> bool:
@@ -135,6 +140,7 @@ def _is_raw(path: pathlib.Path) -> bool:
 def natural_order(path: pathlib.Path) -> list:
     """Numbers by their value; img.png before img (1).png."""
     import re
+
     stem, suffix = (path.stem, path.suffix) if re.search("[^\\W\\d]", path.suffix) else (path.name, "")
     parts = [(1, int(part), "") if part.isdecimal() else (0, 0, part) for part in re.split(r"(\d+)", stem) if part]
     return [*parts, (-1, 0, suffix)]
@@ -189,8 +195,10 @@ def _check_zoom(zoom: float, by: float, focal_px: float, of_plane: bool, path: p
     if abs(by * zoom - 1) <= SHAPE_SAME:
         raise BadInput(f"{said}, and its picture is smaller by as much: it was cropped or resized, and which is not told; {ADVICE}")
     if not of_plane:
-        raise BadInput(f"{said}, and some cameras count it in the 35 mm equivalent and others do not: the focal length is {focal_px:.0f} px or "
-                       f"{zoom * focal_px:.0f} px; {ADVICE}")
+        raise BadInput(
+            f"{said}, and some cameras count it in the 35 mm equivalent and others do not: the focal length is {focal_px:.0f} px or "
+            f"{zoom * focal_px:.0f} px; {ADVICE}"
+        )
 
 
 def _focal(fields, width: int, height: int, is_zoomed: bool) -> tuple[float, str, bool] | None:
@@ -211,5 +219,7 @@ def _resized_by(stored: tuple[int, int], taken: tuple[int, int], path: pathlib.P
         across, down = stored[0] / width, stored[1] / height
         if abs(across / down - 1) <= SHAPE_SAME:
             return across
-    raise BadInput(f"EXIF of {path.name} is of a picture of {taken[0]}x{taken[1]}, but this one has {stored[0]}x{stored[1]}, another shape: "
-                   f"it was cropped, and its focal length in pixels is not known; {ADVICE}")
+    raise BadInput(
+        f"EXIF of {path.name} is of a picture of {taken[0]}x{taken[1]}, but this one has {stored[0]}x{stored[1]}, another shape: "
+        f"it was cropped, and its focal length in pixels is not known; {ADVICE}"
+    )

@@ -12,6 +12,7 @@ ASPECT_SAME = 0.002  # nearer to square the stretching would change no picture b
 def aspect_of(sensor: pathlib.Path) -> float:
     """Width by height of a pixel: as the source told it, or as fu and fv have it that are to be estimated again."""
     import yaml
+
     try:
         values = values_of(sensor.read_bytes().decode("utf-8-sig", errors="surrogateescape"))
         intrinsics = values.get("intrinsics", "auto")
@@ -30,6 +31,7 @@ def stretch_of(aspect: float) -> tuple[float, float]:
 
 def stretch(images: pathlib.Path, names: list[str], by: tuple[float, float]) -> None:
     from PIL import Image
+
     for name in names if by != (1.0, 1.0) else []:
         with Image.open(images / name) as picture:
             size = tuple(round(side * factor) for side, factor in zip(picture.size, by))

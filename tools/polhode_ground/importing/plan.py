@@ -85,7 +85,7 @@ class Plan:
         # Whole numbers: a float of nanoseconds since 1970 has steps of 256.
         begin, end = rows[0][0] + round(part.from_s * NS), rows[-1][0] if part.to_s is None else rows[0][0] + round(part.to_s * NS)
         inside = [(place, time) for time, place in rows if begin <= time <= end]
-        chosen = dict(inside[::part.step])
+        chosen = dict(inside[:: part.step])
         early = sum(time < begin for time, _ in rows)
         self.account.dropped += Counter({BEFORE_FROM: early, BY_STEP: len(inside) - len(chosen)})
         return chosen
@@ -120,7 +120,9 @@ class Plan:
         files, names = self.source.beside, " and ".join(file.name for file in self.source.beside)
         moved = any(time is not None and time != own for time, own in zip(self.judgement.times_ns, self.source.times_ns))
         if files:
-            self.account.assumed.append(f"{names} of the source {'is left out: its stamps are not those of the sequence' if moved else 'is copied'}")
+            self.account.assumed.append(
+                f"{names} of the source {'is left out: its stamps are not those of the sequence' if moved else 'is copied'}"
+            )
         return () if moved else files
 
     def _read(self) -> Iterator[Frame]:

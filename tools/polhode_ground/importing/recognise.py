@@ -41,7 +41,9 @@ def open_source(path: pathlib.Path, options: Options) -> Source:
     if bag.is_bag(path):
         return bag.open_bag(path, options)
     if path.suffix in UNFINISHED:
-        raise BadInput(f"{path}: a recording that its recorder did not close; give it the name without {path.suffix}, after `rosbag reindex` of a bag of ROS 1")
+        raise BadInput(
+            f"{path}: a recording that its recorder did not close; give it the name without {path.suffix}, after `rosbag reindex` of a bag of ROS 1"
+        )
     other = told_by_content(path)
     if other:
         raise BadInput(f"{path}: found {other}; expected {EXPECTED}")

@@ -57,6 +57,7 @@ def _single(path: pathlib.Path, stack: contextlib.ExitStack):
 def _is_packed(path: pathlib.Path) -> bool:
     """ROS 2 packs files or single messages; only rosbags undoes that."""
     import yaml
+
     try:
         values = yaml.safe_load((path / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
     except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError):
@@ -69,6 +70,7 @@ class RosBag:
 
     def __init__(self, path: pathlib.Path, stack: contextlib.ExitStack):
         from rosbags.highlevel import AnyReader
+
         self.damage: list[str] = []
         try:
             self._reader = stack.enter_context(AnyReader([path], default_typestore=ros_store()))

@@ -20,7 +20,7 @@ class Repeats:
     _before: np.ndarray | None = None
 
     def add(self, pixels: np.ndarray) -> None:
-        some = pixels[::max(1, pixels.shape[0] // SAMPLES), ::max(1, pixels.shape[1] // SAMPLES)].astype(np.float32)
+        some = pixels[:: max(1, pixels.shape[0] // SAMPLES), :: max(1, pixels.shape[1] // SAMPLES)].astype(np.float32)
         if self._before is not None:
             self.differences.append(float(np.abs(some - self._before).mean()))
         self._before = some
@@ -32,5 +32,7 @@ class Repeats:
             return
         steps = Counter(np.diff(alike).tolist()).most_common(1)
         period = f", one of {steps[0][0]} as if made of a lower rate" if steps[0][1] >= 0.8 * (len(alike) - 1) and steps[0][0] > 1 else ""
-        account.assumed.append(f"{len(alike)} of {len(self.differences) + 1} pictures repeat the one before{period}, first picture {alike[0] + 1}: a body that turns "
-                               "does not stand still, so their times are not those of the exposures")
+        account.assumed.append(
+            f"{len(alike)} of {len(self.differences) + 1} pictures repeat the one before{period}, first picture {alike[0] + 1}: a body that turns "
+            "does not stand still, so their times are not those of the exposures"
+        )

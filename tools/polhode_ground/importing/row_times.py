@@ -22,7 +22,10 @@ def row_time_of(values: dict, where: str) -> tuple[float, str]:
             continue
         unit = line and (line[1] or ("s" if plain == KALIBR else None))
         if not unit:
-            return 0.0, f"{where}: {name}: {value}: a rolling shutter, whose time from one row to the next is not told in a known unit: state line_time_ns in sensor.yaml"
+            return (
+                0.0,
+                f"{where}: {name}: {value}: a rolling shutter, whose time from one row to the next is not told in a known unit: state line_time_ns in sensor.yaml",
+            )
         try:
             time_ns = float(value) * UNITS_NS[unit]
         except (TypeError, ValueError):

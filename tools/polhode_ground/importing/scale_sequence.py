@@ -36,6 +36,7 @@ def scale(sequence: pathlib.Path, out: pathlib.Path, width: int, height: int) ->
     import yaml
     from PIL import Image
     from polhode_ground.common.levels import depth_of, eight_bits, read_levels
+
     source, target = sequence / "mav0/cam0", out / "mav0/cam0"
     sensor = yaml.safe_load((source / "sensor.yaml").read_text())
     (target / "data").mkdir(parents=True)
@@ -61,6 +62,7 @@ def scale(sequence: pathlib.Path, out: pathlib.Path, width: int, height: int) ->
 
 def main() -> int:
     from polhode_ground.common.errors import BadInput
+
     parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sequence", metavar="SEQUENCE", type=pathlib.Path)
     parser.add_argument("out", metavar="OUT", type=pathlib.Path)

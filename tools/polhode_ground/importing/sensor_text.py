@@ -17,12 +17,14 @@ def for_parser(text: str) -> str:
 def values_of(text: str) -> dict:
     """@errors yaml.YAMLError"""
     import yaml
+
     return next(yaml.safe_load_all(for_parser(text)), None) or {}
 
 
 def _fields(text: str) -> tuple[object, dict]:
     """(the table, its keys and values by name)."""
     import yaml
+
     root = next(yaml.compose_all(for_parser(text), yaml.SafeLoader))
     return root, {key.value: (key, value) for key, value in root.value}
 
@@ -33,13 +35,22 @@ def with_intrinsics(text: str, said: str, intrinsics: str, sigma_px: float) -> s
     @errors BadInput where something else would change, too
     """
     import yaml
+
     end = "\r\n" if "\r\n" in text else "\n"
     try:
         before = values_of(text)
-        new = _exchanged("".join(line for line in text.splitlines(keepends=True) if not line.startswith(REMARKS)), said, intrinsics, f"{sigma_px:.4g}", end)
+        new = _exchanged(
+            "".join(line for line in text.splitlines(keepends=True) if not line.startswith(REMARKS)),
+            said,
+            intrinsics,
+            f"{sigma_px:.4g}",
+            end,
+        )
         after = values_of(new)
     except (yaml.YAMLError, StopIteration, AttributeError, KeyError) as problem:
-        raise BadInput(f"its intrinsics can't be exchanged ({' '.join(str(problem).split()) or 'not a table'}); write them as plain fields without anchors") from None
+        raise BadInput(
+            f"its intrinsics can't be exchanged ({' '.join(str(problem).split()) or 'not a table'}); write them as plain fields without anchors"
+        ) from None
     own = {"intrinsics", "sigma_focal_px"}
     if {key: value for key, value in before.items() if key not in own} != {key: value for key, value in after.items() if key not in own}:
         raise BadInput("other fields refer to its intrinsics; write them out, without anchors")
@@ -55,7 +66,7 @@ def _exchanged(text: str, said: str, intrinsics: str, sigma: str, end: str) -> s
     if not root.flow_style:
         remark = re.compile(r"[ \t]*#[^\r\n]*").match(text, stop)  # that on the old ones goes with them
         stop = remark.end() if remark else stop
-        new += COLUMNS + ("" if text[stop:stop + 1] in ("\n", "\r") else end)
+        new += COLUMNS + ("" if text[stop : stop + 1] in ("\n", "\r") else end)
     edits = [(begin, stop, new), *([(old[1].start_mark.index, old[1].end_mark.index, sigma)] if old else [])]
     for first, last, words in sorted(edits, reverse=True):
         text = text[:first] + words + text[last:]

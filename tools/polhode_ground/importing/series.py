@@ -22,8 +22,10 @@ def of_one_camera(files: list[pathlib.Path], camera: str, account: Account) -> l
     if series is None:
         return files
     if not has_word(files, camera) or all(_is_meant(file, camera) for file in files):
-        raise BadInput(f"{files[0].parent}: pictures of {len(series)} cameras or formats in one folder, by their names: {words_of_choice(series)}, "
-                       "or put those of one into a folder")
+        raise BadInput(
+            f"{files[0].parent}: pictures of {len(series)} cameras or formats in one folder, by their names: {words_of_choice(series)}, "
+            "or put those of one into a folder"
+        )
     return choose(files, camera, OTHER_CAMERA, account, f"pictures of {len(series)} cameras or formats in one folder, {_found(series)}")
 
 
@@ -41,7 +43,11 @@ def choose(files: list[pathlib.Path], word: str, reason: str, account: Account, 
     """Those with the word in their names. @param reason  why the others are left out"""
     chosen = [file for file in files if _is_meant(file, word)]
     account.dropped[reason] += len(files) - len(chosen)
-    by = f"without {' and '.join(word[len(WITHOUT):].split('-'))}" if not any(word.casefold() in _words(file) for file in chosen) else f"with '{word}'"
+    by = (
+        f"without {' and '.join(word[len(WITHOUT) :].split('-'))}"
+        if not any(word.casefold() in _words(file) for file in chosen)
+        else f"with '{word}'"
+    )
     account.assumed.append(f"{what}: those {by} in their names are taken")
     return chosen
 
@@ -81,7 +87,11 @@ def _by_words(files: list[pathlib.Path]) -> dict | None:
         name = re.sub(r"\d+", "#", file.stem) + file.suffix.casefold()
         series[name].append(file)
         numbers[name].add(tuple(map(int, re.findall(r"\d+", file.stem))))
-    if not 1 < len(series) <= SERIES_MAX or any(len(members) < SERIES_MIN for members in series.values()) or () in set().union(*numbers.values()):
+    if (
+        not 1 < len(series) <= SERIES_MAX
+        or any(len(members) < SERIES_MIN for members in series.values())
+        or () in set().union(*numbers.values())
+    ):
         return None
     shared = set.intersection(*numbers.values())
     # Names that differ in their suffix alone are formats of one picture, though not each may have both.

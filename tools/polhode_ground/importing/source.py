@@ -12,7 +12,27 @@ from polhode_ground.common.errors import BadInput
 
 NS = 1_000_000_000
 # Files of these names are pictures even where their content is damaged.
-PICTURES = (".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp", ".webp", ".ppm", ".avif", ".heic", ".heif", ".jp2", ".exr", ".dpx", ".dng", ".fits", ".fit", ".fts")
+PICTURES = (
+    ".png",
+    ".jpg",
+    ".jpeg",
+    ".pgm",
+    ".tif",
+    ".tiff",
+    ".bmp",
+    ".webp",
+    ".ppm",
+    ".avif",
+    ".heic",
+    ".heif",
+    ".jp2",
+    ".exr",
+    ".dpx",
+    ".dng",
+    ".fits",
+    ".fit",
+    ".fts",
+)
 VIDEOS = (".mp4", ".mov", ".avi", ".mkv", ".mts", ".m2ts", ".ts", ".webm", ".wmv", ".flv", ".mpg", ".m4v", ".3gp", ".insv", ".360")
 # Left out on purpose: no loss.
 BEFORE_FROM, BY_STEP, OTHER_CAMERA = "before --from", "by --step", "taken by another camera"
@@ -77,7 +97,9 @@ class Source:
     line_time_ns: float = 0.0  # from one row to the next, where the source's own sensor.yaml tells it
     received_ns: list[int] | None = None  # when each frame was recorded, by another clock
     unwrapped: bool = False  # a counter in the pictures' names began again, and was counted on
-    lost: dict[int, str] = field(default_factory=dict)  # places whose frames are known to be lost before any is read, and why; their times are None
+    lost: dict[int, str] = field(
+        default_factory=dict
+    )  # places whose frames are known to be lost before any is read, and why; their times are None
     beside: tuple[pathlib.Path, ...] = ()  # files that hold for the pictures at these times: a truth, a model
 
 

@@ -41,8 +41,16 @@ def open_stack(path: pathlib.Path, options: Options) -> Source:
     times_ns = [round(index * NS * interval) for index in range(len(places))]
     of_pages = dict(zip(places, times_ns))
     words, frames = {"tiff": (f"TIFF of {count} pages", _pages_of_tiff), "fits": (f"FITS of {count} pages", _cube)}.get(
-        kind, (f"{count} Netpbm pictures in one file", _pages_of_netpbm))
-    return Source(words, frames(path, [of_pages.get(page) for page in range(count)], account), account, times_ns, len(places), nominal_time=not is_told)
+        kind, (f"{count} Netpbm pictures in one file", _pages_of_netpbm)
+    )
+    return Source(
+        words,
+        frames(path, [of_pages.get(page) for page in range(count)], account),
+        account,
+        times_ns,
+        len(places),
+        nominal_time=not is_told,
+    )
 
 
 def _interval_s(told_s: float, who: str, rate_hz: float | None, account: Account) -> tuple[float, bool]:
@@ -51,8 +59,11 @@ def _interval_s(told_s: float, who: str, rate_hz: float | None, account: Account
         other = f"; {who} says {told_s:g} s" if told_s and abs(told_s * rate_hz - 1) > SAME_INTERVAL else ""
         account.assumed.append(f"pages are {1 / rate_hz:g} s apart, as --rate-hz says{other}")
         return 1 / rate_hz, True
-    account.assumed.append(f"pages are {told_s:g} s apart, as {who} says" if told_s else
-                           "pages tell no time: one a second is assumed, so rates and velocity are per picture; give --rate-hz")
+    account.assumed.append(
+        f"pages are {told_s:g} s apart, as {who} says"
+        if told_s
+        else "pages tell no time: one a second is assumed, so rates and velocity are per picture; give --rate-hz"
+    )
     return told_s or 1.0, told_s > 0
 
 
@@ -78,14 +89,15 @@ def _pages_of_netpbm(path: pathlib.Path, times_ns: list[int], account: Account) 
 def _pages_of_tiff(path: pathlib.Path, times_ns: list[int | None], account: Account) -> Iterator[Frame]:
     """@param times_ns  None of pages that are not taken"""
     import cv2
+
     tags = tags_of_pages(path)
     for first in range(0, len(times_ns), PAGES_AT_ONCE):
-        times = times_ns[first:first + PAGES_AT_ONCE]
+        times = times_ns[first : first + PAGES_AT_ONCE]
         of_batch = list(islice(tags, len(times)))
         with name_in_utf8(path) as name:
             _, pages = cv2.imreadmulti(name, first, len(times), flags=cv2.IMREAD_UNCHANGED)
         if len(pages) < len(times):
-            account.dropped[UNREADABLE_PAGE] += sum(time is not None for time in times[len(pages):])
+            account.dropped[UNREADABLE_PAGE] += sum(time is not None for time in times[len(pages) :])
         for time_ns, page, own_tags in zip(times, pages, of_batch):
             if time_ns is None:
                 continue

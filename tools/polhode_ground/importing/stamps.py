@@ -60,8 +60,10 @@ class Gaps:
     def said(self) -> str:
         """Empty where nothing is missing."""
         if self.pauses:
-            return (f"{self.pauses} pauses of over {PAUSE:g} times the median interval of {self.interval_ns / NS:.6g} s, "
-                    f"the longest {self.longest_s:.6g} s: irregular times, frames can't be counted")
+            return (
+                f"{self.pauses} pauses of over {PAUSE:g} times the median interval of {self.interval_ns / NS:.6g} s, "
+                f"the longest {self.longest_s:.6g} s: irregular times, frames can't be counted"
+            )
         if not self.frames:
             return ""
         many = f"{self.count} gaps, the longest" if self.count > 1 else "a gap"
@@ -106,8 +108,10 @@ def _judge_unit(judgement: Judgement, received_ns: Sequence[int]) -> None:
         return
     first = judgement.times_ns[0]
     judgement.times_ns = [first + factor * (time - first) for time in judgement.times_ns]
-    judgement.assumed.append(f"header.stamp is {step:.6g} ns from frame to frame, and the messages came {received / NS:.6g} s apart: the stamps' steps are "
-                             f"taken for a unit of {factor} ns")
+    judgement.assumed.append(
+        f"header.stamp is {step:.6g} ns from frame to frame, and the messages came {received / NS:.6g} s apart: the stamps' steps are "
+        f"taken for a unit of {factor} ns"
+    )
 
 
 def _leave_out(judgement: Judgement, kept: set[int], reason: str) -> None:
@@ -142,8 +146,11 @@ class _Line:
         self._judge_receipts(places)
         if self._is_a_list_out_of_order(places):
             is_backward = all(step < 0 for step in self._steps(places))
-            self.judgement.assumed.append("the list of pictures runs from the newest to the oldest: reversed" if is_backward else
-                                          "the list of pictures is not in order of time: sorted")
+            self.judgement.assumed.append(
+                "the list of pictures runs from the newest to the oldest: reversed"
+                if is_backward
+                else "the list of pictures is not in order of time: sorted"
+            )
             places = sorted(places, key=self._time)
             repeats = {b for a, b in zip(places, places[1:]) if self._step(a, b) == 0}
             self.judgement.reasons |= dict.fromkeys(repeats, REPEATS)
@@ -224,8 +231,8 @@ class _Line:
         for part in (parts[-1], max(parts, key=len)):
             removed = self._removed(part, run)
             if removed is not None:
-                del part[len(part) - removed[0]:]
-                part += run[removed[1]:]
+                del part[len(part) - removed[0] :]
+                part += run[removed[1] :]
                 return True
         return False
 
@@ -242,7 +249,7 @@ class _Line:
         step = self._step(before, after)
         if step <= 0 or self._is_far(before, after):
             return False
-        around = (part[max(0, end - NEIGHBOURS):end + 1], run[start:start + NEIGHBOURS + 1])
+        around = (part[max(0, end - NEIGHBOURS) : end + 1], run[start : start + NEIGHBOURS + 1])
         interval = min([self._interval(places) for places in around if len(places) > 2] or [self.interval])
         expected = (after - before) * interval
         is_late = after - before > 1 and step > 2 * expected + LOST_AT_ONCE * interval  # what is left out explains no pause
@@ -267,7 +274,9 @@ class _Line:
         note = f"the stamps are those of a counter that begins again after {period / NS:.9g} s"
         if not any(one.startswith(note) for one in self.judgement.assumed):
             self.judgement.assumed.append(f"{note}, first after picture {place + 1} of the source: unwrapped")
-            self.judgement.wraps.append(f"the stamps begin again after picture {place + 1} of the source, as a counter does after {period / NS:.9g} s")
+            self.judgement.wraps.append(
+                f"the stamps begin again after picture {place + 1} of the source, as a counter does after {period / NS:.9g} s"
+            )
 
     def _longest(self, parts: list[list[int]]) -> list[int]:
         """The longest part; a short one is bad stamps, the others are told as those of a clock that was set."""
@@ -280,8 +289,10 @@ class _Line:
         for before, part in zip(long_ones, long_ones[1:]):
             last = max(place for place in before if place < part[0])
             step_s = (self._step(last, part[0]) - (part[0] - last) * self.interval) / NS
-            self.judgement.assumed.append(f"the clock was set {'ahead' if step_s > 0 else 'back'} by {abs(step_s):.6g} s before picture {part[0] + 1} of the "
-                                          f"source: of {len(long_ones)} parts the longest is taken, of {len(longest)} pictures")
+            self.judgement.assumed.append(
+                f"the clock was set {'ahead' if step_s > 0 else 'back'} by {abs(step_s):.6g} s before picture {part[0] + 1} of the "
+                f"source: of {len(long_ones)} parts the longest is taken, of {len(longest)} pictures"
+            )
         return longest
 
     def _without_lone_ends(self, places: list[int]) -> list[int]:
@@ -324,5 +335,10 @@ def find_gaps(times_ns: list[int | None], held: range) -> Gaps:
             missing[widest] = max(0, missing[widest] - 1)
     if any(missing):
         longest = max(range(len(steps)), key=lambda i: missing[i])
-        gaps.frames, gaps.count, gaps.longest_s, gaps.after = sum(missing), sum(one > 0 for one in missing), steps[longest] / NS, kept[longest]
+        gaps.frames, gaps.count, gaps.longest_s, gaps.after = (
+            sum(missing),
+            sum(one > 0 for one in missing),
+            steps[longest] / NS,
+            kept[longest],
+        )
     return gaps

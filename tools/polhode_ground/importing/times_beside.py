@@ -27,7 +27,9 @@ def times_beside(folder: pathlib.Path, files: list[pathlib.Path], options: Optio
             account.assumed.append(f"{path} is left out: it has {len(values)} times for {len(files)} pictures")
             continue
         times = in_ns(values, unit or "s", options.stamp_unit, str(path), account, options.rate_hz)
-        account.assumed.append(f"times are those of {path}, {'by the names in it' if by_name else 'one a picture in the order of their names'}")
+        account.assumed.append(
+            f"times are those of {path}, {'by the names in it' if by_name else 'one a picture in the order of their names'}"
+        )
         return times
     return None
 

@@ -57,7 +57,9 @@ class TopicMessages:
             account.dropped[OTHER_CAMERA] += len(self.left_out)
             account.assumed.append(f"{where}: pictures of several frame_ids, {found}: those of {camera} are taken, as --camera says")
         elif counts.most_common()[1][1] >= SECOND_CAMERA_SHARE * len(self.frame_ids) and changes > CHANGES_OF_ONE_CAMERA:
-            raise BadInput(f"{where}: pictures of {len(counts)} cameras by turns, by their frame_id: {found}; choose one by --camera {next(iter(counts))}")
+            raise BadInput(
+                f"{where}: pictures of {len(counts)} cameras by turns, by their frame_id: {found}; choose one by --camera {next(iter(counts))}"
+            )
         else:
             account.assumed.append(f"{where}: the frame_id changes, {found}: taken to be one camera; --camera takes one of them")
 

@@ -22,23 +22,28 @@ class Undistorter:
         fu, fv = self.zoom * self._focal_px
         half = np.array([lens.width_px - 1, lens.height_px - 1]) / 2
         self.lens = Lens(lens.width_px, lens.height_px, (fu, fv, *(half - self._middle * (fu, fv))))
-        v, u = np.mgrid[0:lens.height_px, 0:lens.width_px]
+        v, u = np.mgrid[0 : lens.height_px, 0 : lens.width_px]
         places = lens.project(self._rays(np.column_stack([u.ravel(), v.ravel()]), self.zoom))
         self._maps = [places[:, i].reshape(u.shape).astype(np.float32) for i in (0, 1)]
 
     def __call__(self, pixels: np.ndarray) -> np.ndarray:
         import cv2
+
         return cv2.remap(pixels, *self._maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
 
     @property
     def words(self) -> str:
         fu, fv, cu, cv = self.lens.intrinsics_px
-        fields = [np.degrees(np.arctan((side - 0.5 - centre) / focal) + np.arctan((centre + 0.5) / focal))
-                  for side, centre, focal in ((self.lens.width_px, cu, fu), (self.lens.height_px, cv, fv))]
+        fields = [
+            np.degrees(np.arctan((side - 0.5 - centre) / focal) + np.arctan((centre + 0.5) / focal))
+            for side, centre, focal in ((self.lens.width_px, cu, fu), (self.lens.height_px, cv, fv))
+        ]
         x, y = self._given.project(self._rays(self._border(), self.zoom)).T
         kept = abs(np.dot(x, np.roll(y, 1)) - np.dot(y, np.roll(x, 1))) / 2 / (self.lens.width_px * self.lens.height_px)
-        return (f"the lens' model is {self._given.words}: the pictures are undistorted to a pinhole of {fields[0]:.4g} deg x {fields[1]:.4g} deg, "
-                f"which leaves out {100 * max(0.0, 1 - kept):.2g} % at their edges")
+        return (
+            f"the lens' model is {self._given.words}: the pictures are undistorted to a pinhole of {fields[0]:.4g} deg x {fields[1]:.4g} deg, "
+            f"which leaves out {100 * max(0.0, 1 - kept):.2g} % at their edges"
+        )
 
     def _focal_on_axis(self) -> np.ndarray:
         """fu and fv of the pinhole that is like the lens on its axis."""

@@ -34,6 +34,7 @@ ERRORS_IN_A_ROW = 20
 def open_video(path: pathlib.Path, options: Options) -> Source:
     import av
     import av.logging
+
     account, logs = Account(), []
     try:
         with heard(av.logging.ERROR) as logs, av.open(str(path)) as container:
@@ -54,7 +55,15 @@ def open_video(path: pathlib.Path, options: Options) -> Source:
     times_ns, lost = clock.all_ns()
     rate = rate_hz or slowed * _rate_of(times_ns)
     words += f", {rate:.4g} frames/s" if rate else ""
-    return Source(words, _frames(path, number, account, clock), account, count=len(times_ns) - len(lost), nominal_time=nominal, times_ns=times_ns, lost=lost)
+    return Source(
+        words,
+        _frames(path, number, account, clock),
+        account,
+        count=len(times_ns) - len(lost),
+        nominal_time=nominal,
+        times_ns=times_ns,
+        lost=lost,
+    )
 
 
 def _rate_of(times_ns: list[int | None]) -> float:
@@ -70,7 +79,9 @@ def _reason(path: pathlib.Path, problem, logs: list[tuple[int, str, str]]) -> st
     with open(path, "rb") as file:
         box = file.read(8)[4:]
     if box in (b"ftyp", b"mdat", b"wide", b"free", b"skip"):  # the first of a real one (ISO 14496-12, QuickTime)
-        return "its index, the box moov, is missing: the recording was not closed, or the file is cut or damaged at its end or its beginning"
+        return (
+            "its index, the box moov, is missing: the recording was not closed, or the file is cut or damaged at its end or its beginning"
+        )
     return "its content is not what its name says"
 
 
@@ -80,6 +91,7 @@ def chosen_stream(container, path: pathlib.Path, account: Account, camera: str =
     @errors BadInput where there are several, and none is called so
     """
     import av
+
     streams = [one for one in container.streams.video if not one.disposition & av.stream.Disposition.attached_pic]
     if not streams:
         raise BadInput(f"{path}: a media file without a video stream")
@@ -89,7 +101,9 @@ def chosen_stream(container, path: pathlib.Path, account: Account, camera: str =
     found = ", ".join(_words_of(number, one) for number, one in enumerate(streams))
     asked = [one for number, one in enumerate(streams) if camera.casefold() in _names_of(number, one)]
     if camera != ANY_CAMERA and len(asked) != 1:
-        raise BadInput(f"{path}: {len(streams)} videos in one file: {found}; {len(asked)} of them are called '{camera}': --camera takes a number, a title or a language")
+        raise BadInput(
+            f"{path}: {len(streams)} videos in one file: {found}; {len(asked)} of them are called '{camera}': --camera takes a number, a title or a language"
+        )
     best = asked[0] if len(asked) == 1 else best
     number = streams.index(best)
     other = (number + 1) % len(streams)
@@ -112,9 +126,12 @@ def _words_of(number: int, stream) -> str:
     return f"number {number}, {stream.width}x{stream.height}{f' ({said})' if said else ''}"
 
 
-def rate_of(path: pathlib.Path, container, stream, options: Options, account: Account, parts: PartTimes | None) -> tuple[float | None, bool]:
+def rate_of(
+    path: pathlib.Path, container, stream, options: Options, account: Account, parts: PartTimes | None
+) -> tuple[float | None, bool]:
     """(frames per second where the file tells no times, else None; whether that is made up)."""
     import av
+
     if parts:
         account.assumed.append(parts.said)
     if parts and parts.at:
@@ -129,8 +146,13 @@ def rate_of(path: pathlib.Path, container, stream, options: Options, account: Ac
         return None, False
     stated = 0.0 if container.format.name == SER else float(stream.codec_context.framerate or 0)  # FFmpeg's own guess
     rate_hz = options.rate_hz or stated or 1.0
-    how = "as --rate-hz says" if options.rate_hz else "as its header says" if stated else \
-        "so rates and velocity are per picture: give --rate-hz"
+    how = (
+        "as --rate-hz says"
+        if options.rate_hz
+        else "as its header says"
+        if stated
+        else "so rates and velocity are per picture: give --rate-hz"
+    )
     if options.rate_hz and stated and abs(options.rate_hz / stated - 1) > 0.01:
         how += f"; its header says {stated:g}"
     account.assumed.append(f"a bare {container.format.name} stream tells no times: {rate_hz:g} frames a second, {how}")
@@ -171,6 +193,7 @@ class Packets:
 
     def _next(self, source):
         import av.logging
+
         with heard(av.logging.ERROR) as logs:
             packet = next(source)
         said = complaint([entry for entry in logs if entry[1] != self._stream.codec_context.name])
@@ -189,9 +212,12 @@ class Packets:
             self._account.dropped[EDITED_OUT] += self.edited
 
 
-def read_clock(path: pathlib.Path, number: int, rate_hz: float | None, account: Account, slowed: float = 1.0, parts: PartTimes | None = None) -> "Clock":
+def read_clock(
+    path: pathlib.Path, number: int, rate_hz: float | None, account: Account, slowed: float = 1.0, parts: PartTimes | None = None
+) -> "Clock":
     """Reads all packets, and decodes none. @param number  of the stream in its container. @param slowed  by how much the video is slower than the world"""
     import av
+
     with av.open(str(path)) as container:
         stream = container.streams[number]
         packets = Packets(container, stream, account)
@@ -199,7 +225,7 @@ def read_clock(path: pathlib.Path, number: int, rate_hz: float | None, account: 
         for packet in packets:
             clock.add(packet)
         if container.format.name == SER and rate_hz is None:
-            clock.shown_ns = (times_of_ser(path) or [])[:packets.count]
+            clock.shown_ns = (times_of_ser(path) or [])[: packets.count]
         clock.settle(account)
         clock.missing = missing_at_end(path, container, stream, packets, clock)
         if container.format.name == "avi":
@@ -230,6 +256,7 @@ def missing_at_end(path: pathlib.Path, container, stream, packets: Packets, cloc
 
 def _frames(path: pathlib.Path, number: int, account: Account, clock: "Clock") -> Iterator[Frame]:
     import av
+
     with av.open(str(path)) as container:
         stream = container.streams[number]
         decoder = Decoder(stream.codec_context, account)
@@ -290,8 +317,11 @@ class Clock:
     def find_empty(self) -> None:
         """Of a container that numbers its places: those that it counts as frames, and that have none."""
         known = sorted(time for time in self.shown_ns if time is not None)
-        empty = [round(before + self._tick_ns * number) for before, after in zip(known, known[1:])
-                 for number in range(1, min(round((after - before) / self._tick_ns), self.missing + 2))]
+        empty = [
+            round(before + self._tick_ns * number)
+            for before, after in zip(known, known[1:])
+            for number in range(1, min(round((after - before) / self._tick_ns), self.missing + 2))
+        ]
         if len(empty) <= self.missing:
             self.empty_ns, self.missing = empty, self.missing - len(empty)
 
@@ -341,16 +371,20 @@ def _pictures(pictures, stream, clock: Clock, account: Account) -> Iterator[Fram
         if frame.interlaced_frame:
             account.note("interlaced: the two fields are of different times; the second is left out, its lines are interpolated")
             pixels = first_field(pixels)
-        yield Frame(time_ns, pixels=mirrored(upright(pixels, frame.rotation, account), frame, account), bits=levels.bits,
-                    pixel_aspect=aspect_of(stream, frame.rotation))
+        yield Frame(
+            time_ns,
+            pixels=mirrored(upright(pixels, frame.rotation, account), frame, account),
+            bits=levels.bits,
+            pixel_aspect=aspect_of(stream, frame.rotation),
+        )
 
 
 def first_field(pixels: np.ndarray) -> np.ndarray:
     """Every second line between those of the first field is the mean of its neighbours."""
     whole = pixels.copy()
-    above, below = pixels[0:-1:2][:len(pixels[1::2])], pixels[2::2]
-    whole[1:1 + 2 * len(below):2] = (above[:len(below)].astype(np.uint32) + below + 1) // 2
-    whole[1 + 2 * len(below)::2] = above[len(below):]
+    above, below = pixels[0:-1:2][: len(pixels[1::2])], pixels[2::2]
+    whole[1 : 1 + 2 * len(below) : 2] = (above[: len(below)].astype(np.uint32) + below + 1) // 2
+    whole[1 + 2 * len(below) :: 2] = above[len(below) :]
     return whole
 
 
@@ -364,10 +398,14 @@ def upright(pixels: np.ndarray, rotation_deg: int, account: Account) -> np.ndarr
     """Turned as a player shows it. @param rotation_deg  FFmpeg's: anticlockwise, in -180 .. 180"""
     quarters = round(rotation_deg / 90) % 4
     if abs(rotation_deg / 90 - round(rotation_deg / 90)) > 0.01:
-        account.note(f"the video's display matrix turns by {rotation_deg:g} deg: only quarters are undone, the pictures stay as they are stored")
+        account.note(
+            f"the video's display matrix turns by {rotation_deg:g} deg: only quarters are undone, the pictures stay as they are stored"
+        )
         return pixels
     if quarters:
-        account.note(f"turned by {90 * quarters} deg anticlockwise, as the video's rotation flag says, and the intrinsics taken to be of turned pictures")
+        account.note(
+            f"turned by {90 * quarters} deg anticlockwise, as the video's rotation flag says, and the intrinsics taken to be of turned pictures"
+        )
     return np.ascontiguousarray(np.rot90(pixels, quarters))
 
 

@@ -49,11 +49,20 @@ def numbers_text(lens: Lens) -> str:
     return "[" + ", ".join(f"{value:.10g}" for value in lens.intrinsics_px) + "]"
 
 
-def write_sensor(path: pathlib.Path, lens: Lens, rate_hz: float, said: str, intrinsics: str | None = None, pixel_aspect: float = 1.0,
-                 line_time_ns: float = 0.0) -> None:
+def write_sensor(
+    path: pathlib.Path,
+    lens: Lens,
+    rate_hz: float,
+    said: str,
+    intrinsics: str | None = None,
+    pixel_aspect: float = 1.0,
+    line_time_ns: float = 0.0,
+) -> None:
     """@param intrinsics  the text in place of the lens' numbers: `auto`"""
     k1, k2, p1, p2 = lens.coefficients[:4]
-    text = SENSOR.format(said=" ".join(said.split()), rate=rate_hz, lens=lens, intrinsics=intrinsics or numbers_text(lens), k1=k1, k2=k2, p1=p1, p2=p2)
+    text = SENSOR.format(
+        said=" ".join(said.split()), rate=rate_hz, lens=lens, intrinsics=intrinsics or numbers_text(lens), k1=k1, k2=k2, p1=p1, p2=p2
+    )
     text += f"pixel_aspect: {pixel_aspect:.15g}  # width by height of a pixel, as the source tells it\n" if pixel_aspect != 1 else ""
     text += f"line_time_ns: {line_time_ns:.10g}  # from one row to the next\n" if line_time_ns else ""
     path.write_text(text, errors="backslashreplace")  # YAML is UTF-8, names of files need not be
@@ -62,6 +71,7 @@ def write_sensor(path: pathlib.Path, lens: Lens, rate_hz: float, said: str, intr
 def write_png(path: pathlib.Path, pixels: np.ndarray, bits: int) -> None:
     """@param bits  that 16-bit levels use, for the replay; 0: it looks itself"""
     from PIL import Image, PngImagePlugin
+
     said = PngImagePlugin.PngInfo()
     if pixels.dtype == np.uint16 and 0 < bits <= FULL_BITS:
         said.add(b"sBIT", bytes([bits]))
@@ -139,12 +149,16 @@ class Writer:
         self.depth = self.depth or pixels.dtype
         if pixels.dtype != self.depth and not self.mixed:
             self.mixed = True
-            self.account.assumed.append(f"pictures of 8 and of 16 bits are mixed: {name} is the first that differs; each kind is taken to fill its own scale")
+            self.account.assumed.append(
+                f"pictures of 8 and of 16 bits are mixed: {name} is the first that differs; each kind is taken to fill its own scale"
+            )
 
     def _undistorted(self, pixels: np.ndarray) -> np.ndarray:
         if not self.mosaic and (contrast := contrast_of(pixels)):
             self.mosaic = True
-            self.account.assumed.append(f"neighbouring pixels differ by {100 * contrast:.0f} % as a colour sensor's mosaic does: levelled before the lens is undone")
+            self.account.assumed.append(
+                f"neighbouring pixels differ by {100 * contrast:.0f} % as a colour sensor's mosaic does: levelled before the lens is undone"
+            )
         # What overshoots at edges must not look like a level that the camera has.
         return np.minimum(self.undistort(without_mosaic(pixels) if self.mosaic else pixels), pixels.max())
 
@@ -187,7 +201,9 @@ class Writer:
         if not self.line_time_ns:
             return ""
         self.line_time_ns *= self.lens.intrinsics_px[1] / self.undistort.lens.intrinsics_px[1]
-        return f"undistorted rows are not those that the camera read: line_time_ns {self.line_time_ns:.6g} holds in the middle of the picture"
+        return (
+            f"undistorted rows are not those that the camera read: line_time_ns {self.line_time_ns:.6g} holds in the middle of the picture"
+        )
 
     def rate_hz(self) -> float:
         """Of the frames in the median, which gaps do not change; 1 of a single one."""
@@ -198,8 +214,15 @@ class Writer:
         camera = self.beside / "mav0/cam0"
         (camera / "data.csv").write_text("#timestamp [ns],filename\n" + "".join(f"{time},{name}\n" for time, name in rows))
         lens = self.lens or centred(*self.size)
-        write_sensor(camera / "sensor.yaml", lens, self.rate_hz(), f"intrinsics: {self.where}", None if self.lens else "auto",
-                     self.aspect if has_shape(lens if self.lens else None, self.aspect) else 1.0, self.line_time_ns)
+        write_sensor(
+            camera / "sensor.yaml",
+            lens,
+            self.rate_hz(),
+            f"intrinsics: {self.where}",
+            None if self.lens else "auto",
+            self.aspect if has_shape(lens if self.lens else None, self.aspect) else 1.0,
+            self.line_time_ns,
+        )
 
     def _asked(self) -> list[str]:
         """What the program doubts of the tables. @errors BadInput where it would refuse them; no doubts where it is not built"""
@@ -209,14 +232,18 @@ class Writer:
         try:
             return [warning.replace(beside, "") for warning in read_tables(self.beside, self.lens is None)["warnings"]]
         except BadInput as problem:
-            raise BadInput(f"{self.folder}: polhode would not take it (intrinsics: {self.where}): {str(problem).replace(beside, '')}") from None
+            raise BadInput(
+                f"{self.folder}: polhode would not take it (intrinsics: {self.where}): {str(problem).replace(beside, '')}"
+            ) from None
 
     def finish(self, record: dict) -> dict:
         """@return the record with what the program doubts."""
         self.rows.sort()  # a source's order may be another than that of its times
         self._write_tables(self.rows)
         record = record | {"doubtful": self._asked()}
-        (self.beside / "import.json").write_text(json.dumps(record | {"frames": len(self.rows), "intrinsics_from": self.where}, indent=2) + "\n")
+        (self.beside / "import.json").write_text(
+            json.dumps(record | {"frames": len(self.rows), "intrinsics_from": self.where}, indent=2) + "\n"
+        )
         for file in self.beside_files:
             shutil.copyfile(file, self.beside / file.name)
         try:

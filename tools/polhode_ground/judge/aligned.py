@@ -79,8 +79,19 @@ def _align_one(number: int, estimate: Motion, truth: Motion) -> Aligned | None:
     known = estimate.scale_known[rows_E]
     metric = int(known.sum()) >= 2
     one_unit = known if metric else ~known
-    return Aligned(number, estimate, truth, rows_E, rows_T, R_CE, R_CT, align.align_rotation(R_CE, R_CT),
-                   _align_lengths(estimate, truth, rows_E, rows_T, one_unit), one_unit, metric)
+    return Aligned(
+        number,
+        estimate,
+        truth,
+        rows_E,
+        rows_T,
+        R_CE,
+        R_CT,
+        align.align_rotation(R_CE, R_CT),
+        _align_lengths(estimate, truth, rows_E, rows_T, one_unit),
+        one_unit,
+        metric,
+    )
 
 
 def align_each(estimate: Motion, truth: Motion) -> list[Aligned]:

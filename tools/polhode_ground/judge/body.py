@@ -14,7 +14,16 @@ from scipy.spatial import ConvexHull, QhullError
 from polhode_ground.judge.align import axis_angle_deg
 from polhode_ground.common.errors import BadInput
 from polhode_ground.judge.aligned import Aligned
-from polhode_ground.judge.shape import SURFACE_SAMPLES, cloud_in_truth, load_ply, nearest_m, property_of, read_cloud, sample_mesh, seen_samples
+from polhode_ground.judge.shape import (
+    SURFACE_SAMPLES,
+    cloud_in_truth,
+    load_ply,
+    nearest_m,
+    property_of,
+    read_cloud,
+    sample_mesh,
+    seen_samples,
+)
 
 # The mesh belongs to a found side where it runs this near, in parts of the body's size, and this parallel.
 NEAR_SIZES = 0.025
@@ -68,8 +77,11 @@ def judge_plane(plane: dict, truth: Truth) -> dict:
     half_m = 0.5 * np.array([truth.length_m(length) for length in plane["extents"]])
     off = (truth.points_T - centre) @ normal
     along = (truth.points_T - centre) @ axes.T
-    near = (np.abs(off) < NEAR_SIZES * truth.size_m) & np.all(np.abs(along) <= half_m, axis=1) \
+    near = (
+        (np.abs(off) < NEAR_SIZES * truth.size_m)
+        & np.all(np.abs(along) <= half_m, axis=1)
         & (np.abs(truth.normals_T @ normal) > PARALLEL_MIN)
+    )
     cells = np.unique(np.floor((along[near] / half_m * 0.5 + 0.5).clip(0, 0.999) * GRID).astype(int) @ [1, GRID])
     filled = len(cells) / GRID**2
     result = {"inliers": plane["inliers"], "filled_by_mesh": filled, "made_up": bool(filled < FILLED_MIN)}
@@ -77,16 +89,21 @@ def judge_plane(plane: dict, truth: Truth) -> dict:
         return result
     turned = truth.normals_T[near] * np.sign(truth.normals_T[near] @ normal)[:, None]
     mean = turned.mean(axis=0)
-    return result | {"angle_deg": axis_angle_deg(normal, mean), "distance_m": float(np.median(off[near])),
-                     "sigma_angle_deg": float(np.degrees(plane.get("sigma_normal_rad", np.nan)))}
+    return result | {
+        "angle_deg": axis_angle_deg(normal, mean),
+        "distance_m": float(np.median(off[near])),
+        "sigma_angle_deg": float(np.degrees(plane.get("sigma_normal_rad", np.nan))),
+    }
 
 
 def _true_cylinder(points_T, normals_T, axis, centre, radius, length):
     """(axis, radius) of the mesh's round part around a guess; None where it has none."""
+
     def parts(axis, centre, points):
         apart = points - centre
         height = apart @ axis
         return apart - height[:, None] * axis, height
+
     radial, height = parts(axis, centre, points_T)
     distance = np.linalg.norm(radial, axis=1)
     facing = np.abs(np.einsum("ij,ij->i", radial, normals_T)) >= RADIAL_MIN * distance
@@ -104,6 +121,7 @@ def _true_cylinder(points_T, normals_T, axis, centre, radius, length):
     def residual(x):
         turned, moved, r = unpack(x)
         return np.linalg.norm(parts(turned, moved, points)[0], axis=1) - r
+
     fit = least_squares(residual, [0, 0, 0, 0, radius], loss="soft_l1", f_scale=0.01 * radius)
     turned, _, true_radius = unpack(fit.x)
     return turned, float(true_radius)
@@ -116,18 +134,22 @@ def judge_cylinder(cylinder: dict, truth: Truth) -> dict:
     if found is None:
         return {"made_up": True}
     true_axis, true_radius_m = found
-    return {"made_up": False, "axis_error_deg": axis_angle_deg(axis, true_axis),
-            "sigma_axis_deg": float(np.degrees(cylinder.get("sigma_axis_rad", np.nan))),
-            "radius_error_percent": 100 * (radius_m / true_radius_m - 1),
-            "sigma_radius_percent": 100 * cylinder.get("sigma_radius", np.nan) / cylinder["radius"]}
+    return {
+        "made_up": False,
+        "axis_error_deg": axis_angle_deg(axis, true_axis),
+        "sigma_axis_deg": float(np.degrees(cylinder.get("sigma_axis_rad", np.nan))),
+        "radius_error_percent": 100 * (radius_m / true_radius_m - 1),
+        "sigma_radius_percent": 100 * cylinder.get("sigma_radius", np.nan) / cylinder["radius"],
+    }
 
 
 def judge_centroid(shape: dict, truth: Truth) -> dict:
-    before, after = (float(np.linalg.norm(truth.point(shape[key]) - truth.centre_T))
-                     for key in ("centroid_of_measured_T", "centroid_T"))
-    return {"error_before_completion_percent": 100 * before / truth.size_m,
-            "error_percent": 100 * after / truth.size_m,
-            "nearer_by": before / after if after > 0 else None}
+    before, after = (float(np.linalg.norm(truth.point(shape[key]) - truth.centre_T)) for key in ("centroid_of_measured_T", "centroid_T"))
+    return {
+        "error_before_completion_percent": 100 * before / truth.size_m,
+        "error_percent": 100 * after / truth.size_m,
+        "nearer_by": before / after if after > 0 else None,
+    }
 
 
 def _side_m(truth: Truth, outward: np.ndarray, at_m: float) -> float | None:
@@ -140,7 +162,7 @@ def _side_m(truth: Truth, outward: np.ndarray, at_m: float) -> float | None:
     begin, end = np.searchsorted(facing, [at_m - NEAR_SIZES * truth.size_m, at_m + NEAR_SIZES * truth.size_m])
     if end - begin < SIDE_SAMPLES_MIN:
         return None
-    gaps = np.flatnonzero(np.diff(facing[end - 1:]) > GAP_SIZES * truth.size_m)
+    gaps = np.flatnonzero(np.diff(facing[end - 1 :]) > GAP_SIZES * truth.size_m)
     end += int(gaps[0]) if len(gaps) else len(facing) - end
     return float(np.percentile(facing[begin:end], OUTERMOST_PERCENT))
 
@@ -167,14 +189,23 @@ def judge_dimensions(shape: dict, truth: Truth) -> list[dict]:
         true_m = _true_length_m(shape, truth, axis, found_m, rests_on)
         sigma_m = truth.length_m(shape["sigma_dimensions"][k])
         off_m = max(0.0, found_m - true_m) if rests_on in ("points", "nothing") else abs(found_m - true_m)
-        result.append({"axis": name, "true_m": true_m, "found_m": found_m, "error_percent": 100 * (found_m / true_m - 1),
-                       "sigmas_off": off_m / sigma_m if sigma_m > 0 else None, "rests_on": rests_on})
+        result.append(
+            {
+                "axis": name,
+                "true_m": true_m,
+                "found_m": found_m,
+                "error_percent": 100 * (found_m / true_m - 1),
+                "sigmas_off": off_m / sigma_m if sigma_m > 0 else None,
+                "rests_on": rests_on,
+            }
+        )
     return result
 
 
 def judge_surface(path: pathlib.Path, truth: Truth) -> dict | None:
     """The coarse surface against the convex hull of the mesh; None where it holds no volume."""
     import trimesh
+
     corners_E = read_cloud(path)
     if len(corners_E) < 4:
         return None
@@ -187,17 +218,21 @@ def judge_surface(path: pathlib.Path, truth: Truth) -> dict | None:
     def samples(hull):
         mesh = trimesh.Trimesh(hull.points, hull.simplices, process=False)
         return np.asarray(trimesh.sample.sample_surface(mesh, HULL_SAMPLES, seed=1)[0])
+
     found_points, true_points = samples(found), samples(true)
     outward, inward = nearest_m(found_points, true_points), nearest_m(true_points, found_points)
     # The spacing of the samples is left in: about 0.4 % of the size.
-    return {"volume_error_percent": 100 * (found.volume / true.volume - 1),
-            "distance_rmse_percent": 100 * float(np.sqrt(np.mean(outward**2))) / truth.size_m,
-            "complete_within_5_percent": float(np.mean(inward <= 0.05 * truth.size_m))}
+    return {
+        "volume_error_percent": 100 * (found.volume / true.volume - 1),
+        "distance_rmse_percent": 100 * float(np.sqrt(np.mean(outward**2))) / truth.size_m,
+        "complete_within_5_percent": float(np.mean(inward <= 0.05 * truth.size_m)),
+    }
 
 
 def judge_faces(path: pathlib.Path, truth: Truth) -> dict | None:
     """A surface's measured faces against the mesh, and how near what was seen of the mesh is to any face; None where it has no faces."""
     import trimesh
+
     found = load_ply(path)
     if len(getattr(found, "faces", ())) == 0:
         return None
@@ -207,12 +242,17 @@ def judge_faces(path: pathlib.Path, truth: Truth) -> dict | None:
 
     def samples(faces):
         return np.asarray(trimesh.sample.sample_surface(trimesh.Trimesh(vertices_T, faces, process=False), FACE_SAMPLES, seed=1)[0])
+
     result = {"faces": len(found.faces), "measured_rmse_percent": None, "seen_rmse_percent": None}
     if measured.any():
-        result["measured_rmse_percent"] = 100 * float(np.sqrt(np.mean(nearest_m(samples(found.faces[measured]), truth.points_T)**2))) / truth.size_m
+        result["measured_rmse_percent"] = (
+            100 * float(np.sqrt(np.mean(nearest_m(samples(found.faces[measured]), truth.points_T) ** 2))) / truth.size_m
+        )
     seen = seen_samples(truth.points_T, truth.normals_T, truth.aligned.R_CT, truth.aligned.truth.p_CT[truth.aligned.rows_T])
     if seen.any():
-        result["seen_rmse_percent"] = 100 * float(np.sqrt(np.mean(nearest_m(truth.points_T[seen], samples(found.faces))**2))) / truth.size_m
+        result["seen_rmse_percent"] = (
+            100 * float(np.sqrt(np.mean(nearest_m(truth.points_T[seen], samples(found.faces)) ** 2))) / truth.size_m
+        )
     return result
 
 
@@ -232,12 +272,17 @@ def judge_body(folder: pathlib.Path, model_path: pathlib.Path, scene: dict, alig
     planes = [judge_plane(plane, truth) for plane in shape["planes"]]
     angles = [plane["angle_deg"] for plane in planes if not plane["made_up"]]
     surface = folder / "surface.ply"
-    return {"found": True, "planes": planes, "planes_found": len(planes),
-            "planes_made_up": sum(plane["made_up"] for plane in planes),
-            "plane_angle_max_deg": max(angles) if angles else None,
-            "plane_angle_median_deg": float(np.median(angles)) if angles else None,
-            "cylinder": judge_cylinder(shape["cylinder"], truth) if shape["cylinder"] else None,
-            "centroid": judge_centroid(shape, truth), "dimensions": judge_dimensions(shape, truth),
-            "surface": judge_surface(surface, truth) if surface.exists() else None,
-            "faces": judge_faces(surface, truth) if surface.exists() else None,
-            "scale_contradiction": report.get("scale", {}).get("contradiction")}
+    return {
+        "found": True,
+        "planes": planes,
+        "planes_found": len(planes),
+        "planes_made_up": sum(plane["made_up"] for plane in planes),
+        "plane_angle_max_deg": max(angles) if angles else None,
+        "plane_angle_median_deg": float(np.median(angles)) if angles else None,
+        "cylinder": judge_cylinder(shape["cylinder"], truth) if shape["cylinder"] else None,
+        "centroid": judge_centroid(shape, truth),
+        "dimensions": judge_dimensions(shape, truth),
+        "surface": judge_surface(surface, truth) if surface.exists() else None,
+        "faces": judge_faces(surface, truth) if surface.exists() else None,
+        "scale_contradiction": report.get("scale", {}).get("contradiction"),
+    }

@@ -42,6 +42,7 @@ def colmap_params(camera: Camera) -> list[float]:
 def prepare_images(sequence: Sequence, folder: pathlib.Path) -> list[str]:
     """8-bit pictures under names that sort by time: links where the file serves as it is, else converted copies."""
     from PIL import Image
+
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     names = []
@@ -62,15 +63,21 @@ def run_colmap(sequence: Sequence, out: pathlib.Path) -> dict:
     """Runs COLMAP at low priority; its result as the worker wrote it. The log is out/colmap.log."""
     python = ensure_venv()
     names = prepare_images(sequence, out / "images")
-    job = {"images": str(out / "images"), "names": names, "work": str(out / "work"),
-           "camera_params": colmap_params(sequence.camera), "result": str(out / "colmap.json"),
-           "matcher": "exhaustive" if len(names) <= EXHAUSTIVE_FRAMES_MAX else "sequential"}
+    job = {
+        "images": str(out / "images"),
+        "names": names,
+        "work": str(out / "work"),
+        "camera_params": colmap_params(sequence.camera),
+        "result": str(out / "colmap.json"),
+        "matcher": "exhaustive" if len(names) <= EXHAUSTIVE_FRAMES_MAX else "sequential",
+    }
     (out / "job.json").write_text(json.dumps(job, indent=1))
     worker = pathlib.Path(__file__).with_name("colmap_worker.py")
     print(f"running COLMAP on {len(names)} frames ({job['matcher']} matching), log in {out / 'colmap.log'}", file=sys.stderr)
     with open(out / "colmap.log", "w") as log:
-        done = subprocess.run([*APART, "nice", "-n", "10", str(python), str(worker), str(out / "job.json")],
-                              stdout=log, stderr=subprocess.STDOUT)
+        done = subprocess.run(
+            [*APART, "nice", "-n", "10", str(python), str(worker), str(out / "job.json")], stdout=log, stderr=subprocess.STDOUT
+        )
     if done.returncode != 0:
         last = (out / "colmap.log").read_text(errors="replace").strip().splitlines()[-1:]
         raise BadInput(f"{out / 'colmap.log'}: COLMAP ended with {done.returncode}: {' '.join(last)}")
@@ -79,8 +86,7 @@ def run_colmap(sequence: Sequence, out: pathlib.Path) -> dict:
 
 def _write_motion(path: pathlib.Path, names: list[str], sequence: Sequence, poses: dict) -> None:
     """One model's poses in the columns of motion.csv; frames that it lacks have no pose."""
-    header = ["frame", "timestamp_ns", "mode", "pose_valid", "rate_valid", "velocity_valid", "scale_known",
-              *QUATERNION, *POSITION]
+    header = ["frame", "timestamp_ns", "mode", "pose_valid", "rate_valid", "velocity_valid", "scale_known", *QUATERNION, *POSITION]
     with open(path, "w", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(header)
@@ -105,11 +111,16 @@ def write_output(sequence: Sequence, result: dict, out: pathlib.Path) -> None:
     cloud = out / "work" / "cloud.ply"
     if cloud.exists():
         shutil.copyfile(cloud, out / "cloud.ply")
-    summary = {"program": f"COLMAP {result['version']}, {result['matcher']} matching", "models": result["models"],
-               "points": result.get("points"), "mean_reprojection_error_px": result.get("mean_reprojection_error_px"),
-               "sequence": str(sequence.folder), "frames": {"in": result["images"], "with_pose": len(result["poses"])},
-               "cost": {"cpu_s": result["cpu_s"], "wall_s": result["wall_s"]},
-               "memory": {"peak_resident_octets": round(result["peak_rss_mb"] * 2**20)}}
+    summary = {
+        "program": f"COLMAP {result['version']}, {result['matcher']} matching",
+        "models": result["models"],
+        "points": result.get("points"),
+        "mean_reprojection_error_px": result.get("mean_reprojection_error_px"),
+        "sequence": str(sequence.folder),
+        "frames": {"in": result["images"], "with_pose": len(result["poses"])},
+        "cost": {"cpu_s": result["cpu_s"], "wall_s": result["wall_s"]},
+        "memory": {"peak_resident_octets": round(result["peak_rss_mb"] * 2**20)},
+    }
     (out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n")
 
 

@@ -26,9 +26,14 @@ def extract_and_match(job: dict, database: pathlib.Path) -> None:
     reader = pycolmap.ImageReaderOptions()
     reader.camera_model = "OPENCV"
     reader.camera_params = ",".join(f"{value:.17g}" for value in job["camera_params"])
-    pycolmap.extract_features(database, job["images"], image_names=job["names"],
-                              camera_mode=pycolmap.CameraMode.SINGLE, reader_options=reader,
-                              device=pycolmap.Device.cpu)
+    pycolmap.extract_features(
+        database,
+        job["images"],
+        image_names=job["names"],
+        camera_mode=pycolmap.CameraMode.SINGLE,
+        reader_options=reader,
+        device=pycolmap.Device.cpu,
+    )
     match = pycolmap.match_exhaustive if job["matcher"] == "exhaustive" else pycolmap.match_sequential
     match(database, device=pycolmap.Device.cpu)
 
@@ -65,14 +70,25 @@ def main() -> None:
     started_s, cpu_started_s = time.monotonic(), cpu_s()
     extract_and_match(job, work / "database.db")
     models = list(reconstruct(job, work / "database.db", work / "models").values())
-    result = {"version": pycolmap.__version__, "matcher": job["matcher"], "images": len(job["names"]),
-              "models": len(models), "wall_s": time.monotonic() - started_s, "cpu_s": cpu_s() - cpu_started_s,
-              "peak_rss_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, "poses": {}}
+    result = {
+        "version": pycolmap.__version__,
+        "matcher": job["matcher"],
+        "images": len(job["names"]),
+        "models": len(models),
+        "wall_s": time.monotonic() - started_s,
+        "cpu_s": cpu_s() - cpu_started_s,
+        "peak_rss_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        "poses": {},
+    }
     if models:
         models.sort(key=lambda model: model.num_reg_images(), reverse=True)
         best = models[0]
-        result |= {"poses": poses_of(best), "other_poses": [poses_of(model) for model in models[1:]], "points": best.num_points3D(),
-                   "mean_reprojection_error_px": best.compute_mean_reprojection_error()}
+        result |= {
+            "poses": poses_of(best),
+            "other_poses": [poses_of(model) for model in models[1:]],
+            "points": best.num_points3D(),
+            "mean_reprojection_error_px": best.compute_mean_reprojection_error(),
+        }
         best.export_PLY(str(work / "cloud.ply"))
         result["camera_params"] = list(next(iter(best.cameras.values())).params)
     pathlib.Path(job["result"]).write_text(json.dumps(result))

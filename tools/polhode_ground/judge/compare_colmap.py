@@ -19,10 +19,17 @@ from polhode_ground.common.venv import enter_venv, run_main
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder")
-    parser.add_argument("--run", metavar="RUN", type=pathlib.Path, nargs="+", default=[],
-                        help="output folders of replays of the same sequence, set beside COLMAP")
-    parser.add_argument("--out", metavar="DIR", type=pathlib.Path,
-                        help="output folder (default: colmap/NAME in the cache); a finished one is reused")
+    parser.add_argument(
+        "--run",
+        metavar="RUN",
+        type=pathlib.Path,
+        nargs="+",
+        default=[],
+        help="output folders of replays of the same sequence, set beside COLMAP",
+    )
+    parser.add_argument(
+        "--out", metavar="DIR", type=pathlib.Path, help="output folder (default: colmap/NAME in the cache); a finished one is reused"
+    )
     parser.add_argument("--again", action="store_true", help="run COLMAP even if its result is there")
     parser.add_argument("--json", metavar="FILE", type=pathlib.Path, help="write the reports as JSON")
     return parser.parse_args()
@@ -31,6 +38,7 @@ def arguments() -> argparse.Namespace:
 def print_shared_frames(run, peer, truth) -> None:
     """One line for each motion file: its attitude error over COLMAP's frames alone, so that nobody gains by leaving some out."""
     from polhode_ground.judge.colmap import attitude_on_shared_frames
+
     for kind, found in attitude_on_shared_frames(run, peer, truth).items():
         name = "COLMAP" if run is peer else f"{run.name} {kind}"
         print(f"{name}: attitude RMSE {found['rmse_deg']:.3f} deg over {found['frames']} of COLMAP's frames")
@@ -41,34 +49,41 @@ def print_other_models(out: pathlib.Path, truth) -> None:
     from polhode_ground.judge.aligned import align_last
     from polhode_ground.judge.run import read_run
     from polhode_ground.judge.twin import judge_twin
+
     for folder in sorted(out.glob("model_*"), key=lambda path: int(path.name.removeprefix("model_"))):
         aligned = align_last(read_run(folder).motions["smoothed"], truth)
         if aligned is None:
             continue
         found = judge_twin(aligned.R_CE, aligned.R_CT, truth.p_CT[aligned.rows_T])
-        print(f"COLMAP's {folder.name}: {len(aligned.rows_E)} frames, {found['verdict']} "
-              f"({found['rmse_to_truth_deg']:.2f} deg from the truth, {found['rmse_to_twin_deg']:.2f} deg from its twin)")
+        print(
+            f"COLMAP's {folder.name}: {len(aligned.rows_E)} frames, {found['verdict']} "
+            f"({found['rmse_to_truth_deg']:.2f} deg from the truth, {found['rmse_to_twin_deg']:.2f} deg from its twin)"
+        )
 
 
 def main() -> int:
     options = arguments()
     from polhode_ground.judge.evaluate import write_json
     from polhode_ground.common.whole_file import check_replaceable
+
     if options.json:
         check_replaceable(options.json)
     from polhode_ground.judge import colmap, report
     from polhode_ground.common.replay import cache_folder
     from polhode_ground.judge.run import judge_run, read_run, read_truth
     from polhode_ground.common.sequence import read_sequence
+
     sequence = read_sequence(options.sequence)
     truth = read_truth(sequence) if sequence.truth_path.exists() else None
     runs = [read_run(folder) for folder in options.run]
     out = (options.out or cache_folder("colmap", sequence.name)).absolute()
     colmap.colmap_output(sequence, out, options.again)
     peer = read_run(out)
-    print(f"{peer.summary['program']}: {peer.summary['models']} model(s), {peer.summary.get('points')} points, "
-          f"mean reprojection error {report.text_of(peer.summary.get('mean_reprojection_error_px'), '{:.2f}')} px, "
-          f"in {out}")
+    print(
+        f"{peer.summary['program']}: {peer.summary['models']} model(s), {peer.summary.get('points')} points, "
+        f"mean reprojection error {report.text_of(peer.summary.get('mean_reprojection_error_px'), '{:.2f}')} px, "
+        f"in {out}"
+    )
     if truth is None:
         print(f"{sequence.truth_path}: not there, nothing to judge by")
         return 0

@@ -31,8 +31,7 @@ def judge_ratio(entry: dict, true: float) -> dict:
     result = {"observability": entry["observability"], "true": true, "error_percent": None, "sigmas_off": None}
     if _known(entry):
         error = entry["value"] - true
-        result |= {"error_percent": 100 * error / true,
-                   "sigmas_off": abs(error) / entry["sigma"] if entry["sigma"] else None}
+        result |= {"error_percent": 100 * error / true, "sigmas_off": abs(error) / entry["sigma"] if entry["sigma"] else None}
     return result
 
 
@@ -49,8 +48,10 @@ def judge_axes(axes: list[dict], in_order: bool, inertia, aligned: Aligned) -> l
         true = [i for i in ([k] if in_order else range(3)) if alone[i]]
         if true and axis["axis_T"] is not None and axis["observability"] != "unobserved":
             found = aligned.R_ET.inv().apply(axis["axis_T"])
-            judged |= {"error_deg": min(axis_angle_deg(found, axes_T[:, i]) for i in true),
-                       "sigma_deg": None if axis["sigma_rad"] is None else float(np.degrees(axis["sigma_rad"]))}
+            judged |= {
+                "error_deg": min(axis_angle_deg(found, axes_T[:, i]) for i in true),
+                "sigma_deg": None if axis["sigma_rad"] is None else float(np.degrees(axis["sigma_rad"])),
+            }
         result.append(judged)
     return result
 
@@ -62,12 +63,18 @@ def judge_centre_of_mass(entries: list[dict], aligned: Aligned) -> dict:
     for entry in entries:
         judged = {"observability": entry["observability"], "error_m": None, "sigma_m": None}
         if _known(entry):
-            judged |= {"error_m": scale * float(entry["value"] - true_E @ np.asarray(entry["axis_T"])),
-                       "sigma_m": scale * entry["sigma"] if entry["sigma"] is not None else None}
+            judged |= {
+                "error_m": scale * float(entry["value"] - true_E @ np.asarray(entry["axis_T"])),
+                "sigma_m": scale * entry["sigma"] if entry["sigma"] is not None else None,
+            }
         axes.append(judged)
     errors = [axis["error_m"] for axis in axes if axis["error_m"] is not None]
-    return {"axes": axes, "axes_known": len(errors), "error_m": float(np.linalg.norm(errors)) if errors else None,
-            "worst_axis_m": float(np.max(np.abs(errors))) if errors else None}
+    return {
+        "axes": axes,
+        "axes_known": len(errors),
+        "error_m": float(np.linalg.norm(errors)) if errors else None,
+        "worst_axis_m": float(np.max(np.abs(errors))) if errors else None,
+    }
 
 
 def judge_dynamics(model_path, scene: dict, aligned: Aligned | None) -> dict | None:
@@ -76,13 +83,17 @@ def judge_dynamics(model_path, scene: dict, aligned: Aligned | None) -> dict | N
     if aligned is None or not model.get("inertia_ratios"):
         return None
     inertia = _inertia(scene)
-    result = {"inertia_ratios": None, "principal_axes": None,
-              "centre_of_mass": judge_centre_of_mass((model.get("translation") or {}).get("centre_of_mass") or [], aligned)}
+    result = {
+        "inertia_ratios": None,
+        "principal_axes": None,
+        "centre_of_mass": judge_centre_of_mass((model.get("translation") or {}).get("centre_of_mass") or [], aligned),
+    }
     if inertia is None:
         return result
     moments = inertia[0]
-    result["inertia_ratios"] = {name: judge_ratio(model["inertia_ratios"][name], float(moments[k + 1] / moments[0]))
-                                for k, name in enumerate(RATIOS)}
+    result["inertia_ratios"] = {
+        name: judge_ratio(model["inertia_ratios"][name], float(moments[k + 1] / moments[0])) for k, name in enumerate(RATIOS)
+    }
     in_order = any(_known(model["inertia_ratios"][name]) for name in RATIOS)
     result["principal_axes"] = judge_axes(model["principal_axes_T"], in_order, inertia, aligned)
     errors = [axis["error_deg"] for axis in result["principal_axes"] if axis["error_deg"] is not None]

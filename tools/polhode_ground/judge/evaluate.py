@@ -21,14 +21,18 @@ from polhode_ground.common.venv import enter_venv, run_main
 
 def arguments() -> argparse.Namespace:
     from polhode_ground.judge.truth_options import add_truth_options
+
     parser = argparse.ArgumentParser(
-        description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter,
+        description=__doc__.strip(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog="Sigmas are taken as one sigma of the worst axis: 95 % of the error norms should lie within 2.80.\n"
-               "Exit status: 0 judged, 2 unusable input (one line on stderr says which).")
+        "Exit status: 0 judged, 2 unusable input (one line on stderr says which).",
+    )
     parser.add_argument("run", metavar="RUN", type=pathlib.Path, help="output folder of a replay")
     parser.add_argument("sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder with truth.csv")
-    parser.add_argument("--vs", metavar="RUN2", type=pathlib.Path, nargs="+", default=[],
-                        help="more runs of the same sequence, set beside the first")
+    parser.add_argument(
+        "--vs", metavar="RUN2", type=pathlib.Path, nargs="+", default=[], help="more runs of the same sequence, set beside the first"
+    )
     add_truth_options(parser, "truth instead of SEQ/truth.csv")
     parser.add_argument("--json", metavar="FILE", type=pathlib.Path, help="write the reports of all runs as JSON")
     parser.add_argument("--plots", metavar="DIR", type=pathlib.Path, help="write PNGs of each run's errors into DIR")
@@ -38,6 +42,7 @@ def arguments() -> argparse.Namespace:
 def write_json(path: pathlib.Path, reports: list[dict]) -> None:
     from polhode_ground.common.errors import BadInput
     from polhode_ground.common.whole_file import MARK, write_whole
+
     try:
         write_whole(path, json.dumps({"note": MARK, "runs": reports}, indent=2, default=lambda value: value.item()) + "\n")
     except OSError as problem:
@@ -46,10 +51,10 @@ def write_json(path: pathlib.Path, reports: list[dict]) -> None:
 
 def write_plots(folder: pathlib.Path, runs: list, truth) -> None:
     from polhode_ground.plots import errors, motion, style
+
     style.prepare(folder)
     for run in runs:
-        for path in (*motion.draw(run, truth, folder, prefix=f"{run.name}_"),
-                     *errors.draw(run, truth, folder, prefix=f"{run.name}_")):
+        for path in (*motion.draw(run, truth, folder, prefix=f"{run.name}_"), *errors.draw(run, truth, folder, prefix=f"{run.name}_")):
             print(path)
 
 
@@ -57,6 +62,7 @@ def write_truth(folder: pathlib.Path, truth) -> None:
     """RUN/truth.tum beside the run's causal.tum and smoothed.tum; a remark where RUN may not be written to, or holds another's."""
     from polhode_ground.judge.trajectory import tum_text
     from polhode_ground.common.whole_file import REPLAY_MARK, write_whole
+
     path, text = folder / "truth.tum", tum_text(truth)
     try:
         if (folder / REPLAY_MARK).exists() or not path.exists():
@@ -72,13 +78,18 @@ def main() -> int:
     from polhode_ground.judge import report
     from polhode_ground.judge.run import judge_run, read_run, read_truth_for
     from polhode_ground.common.whole_file import check_replaceable
+
     if options.json:
         check_replaceable(options.json)
     from polhode_ground.common.sequence import read_sequence
+
     sequence = read_sequence(options.sequence)
     runs = [read_run(folder) for folder in (options.run, *options.vs)]
     from polhode_ground.judge.truth import Matching
-    truth = read_truth_for(runs[0], sequence.timestamp_ns, options.truth or sequence.truth_path, Matching(options.truth_gap_s, options.clock_offset))
+
+    truth = read_truth_for(
+        runs[0], sequence.timestamp_ns, options.truth or sequence.truth_path, Matching(options.truth_gap_s, options.clock_offset)
+    )
     reports = [judge_run(run, sequence, truth) for run in runs]
     print(report.text_report(reports))
     for run in runs:

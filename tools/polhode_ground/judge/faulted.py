@@ -10,8 +10,14 @@ from polhode_ground.common.fault_log import LOG_FILE, read_log
 from polhode_ground.judge.run import read_run, read_truth
 
 # The counter that has to tell of each kind of the transform "faults".
-COUNTER_OF = {"dark": "frames_dark", "saturated": "frames_saturated", "frozen": "frames_frozen", "torn": "frames_torn",
-              "bits": "frames_bit_errors", "dropped": "frames_missing"}
+COUNTER_OF = {
+    "dark": "frames_dark",
+    "saturated": "frames_saturated",
+    "frozen": "frames_frozen",
+    "torn": "frames_torn",
+    "bits": "frames_bit_errors",
+    "dropped": "frames_missing",
+}
 # Published sigmas are of the worst axis.
 SIGMAS = 3.0
 
@@ -35,8 +41,13 @@ class Verdict:
         return {kind: abs(self.counted[kind] - self.injected[kind]) / max(self.injected[kind], 1) for kind in COUNTER_OF}
 
     def __add__(self, other: "Verdict") -> "Verdict":
-        return Verdict(self.injected + other.injected, self.counted + other.counted, self.good_frames + other.good_frames,
-                       self.good_with_pose + other.good_with_pose, self.wrong_poses + other.wrong_poses)
+        return Verdict(
+            self.injected + other.injected,
+            self.counted + other.counted,
+            self.good_frames + other.good_frames,
+            self.good_with_pose + other.good_with_pose,
+            self.wrong_poses + other.wrong_poses,
+        )
 
 
 def judge_faulted(run_folder, sequence, after_first_pose=True) -> Verdict:

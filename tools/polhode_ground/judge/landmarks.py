@@ -18,8 +18,9 @@ def outline_overlaps(masks, sequence) -> list[float]:
     if not sharp:
         return []
     silhouettes, camera = Silhouettes(sequence), sequence.camera
-    return [overlap(mask.full("target", camera.height_px, camera.width_px), silhouettes.of(sequence.timestamp_ns[mask.frame]))
-            for mask in sharp]
+    return [
+        overlap(mask.full("target", camera.height_px, camera.width_px), silhouettes.of(sequence.timestamp_ns[mask.frame])) for mask in sharp
+    ]
 
 
 def on_background(run_folder, sequence) -> tuple[int, int]:
@@ -29,6 +30,7 @@ def on_background(run_folder, sequence) -> tuple[int, int]:
     inliers in at least three frames.
     """
     from scipy.ndimage import binary_dilation
+
     sightings, by_frame = defaultdict(list), defaultdict(list)
     with open(run_folder / "observations.csv", newline="") as file:
         for row in csv.DictReader(file):
@@ -42,6 +44,5 @@ def on_background(run_folder, sequence) -> tuple[int, int]:
             row = min(max(int(round(v)), 0), camera.height_px - 1)
             sightings[landmark].append(not target[row, column])
     final = read_landmark_numbers(run_folder / "cloud_raw.ply")
-    kept = {landmark: outside for landmark, outside in sightings.items()
-            if (len(outside) >= 3 if final is None else landmark in final)}
+    kept = {landmark: outside for landmark, outside in sightings.items() if (len(outside) >= 3 if final is None else landmark in final)}
     return sum(np.mean(outside) > 0.5 for outside in kept.values()), len(kept)

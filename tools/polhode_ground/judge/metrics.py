@@ -25,8 +25,13 @@ def coverage(estimate: Motion, frames_in: int) -> dict:
     valid = estimate.pose_valid
     first = int(np.argmax(valid)) if valid.any() else None
     after = int(valid[first:].sum()) / max(frames_in - first, 1) if first is not None else None
-    return {"frames_in": frames_in, "frames_with_pose": int(valid.sum()), "coverage": int(valid.sum()) / frames_in,
-            "frames_until_first_pose": first, "coverage_after_first_pose": after}
+    return {
+        "frames_in": frames_in,
+        "frames_with_pose": int(valid.sum()),
+        "coverage": int(valid.sum()) / frames_in,
+        "frames_until_first_pose": first,
+        "coverage_after_first_pose": after,
+    }
 
 
 def counts(estimate: Motion) -> list[dict]:
@@ -38,8 +43,10 @@ def counts(estimate: Motion) -> list[dict]:
     result = []
     for rows in parts:
         told = {name: estimate.columns[name][rows] for name in COUNTS}
-        result.append({"from_s": float(estimate.seconds[rows[0]]), "to_s": float(estimate.seconds[rows[-1]])} | {
-            name: float(np.nanmean(values)) if np.isfinite(values).any() else None for name, values in told.items()})
+        result.append(
+            {"from_s": float(estimate.seconds[rows[0]]), "to_s": float(estimate.seconds[rows[-1]])}
+            | {name: float(np.nanmean(values)) if np.isfinite(values).any() else None for name, values in told.items()}
+        )
     return result
 
 
@@ -61,8 +68,9 @@ def attitude(parts: list[Aligned]) -> dict:
 def _camera_path_error(part: Aligned) -> np.ndarray:
     """[N] error of the camera's path in the body frame over range, in the frames of one unit."""
     kept = part.one_unit
-    path_m = align.camera_path_errors(part.R_CE[kept], part.estimate.p_CT[part.rows_E][kept], part.R_CT[kept],
-                                      part.truth.p_CT[part.rows_T][kept], part.R_ET)
+    path_m = align.camera_path_errors(
+        part.R_CE[kept], part.estimate.p_CT[part.rows_E][kept], part.R_CT[kept], part.truth.p_CT[part.rows_T][kept], part.R_ET
+    )
     return path_m / part.range_m[kept]
 
 
@@ -75,10 +83,15 @@ def position(parts: list[Aligned]) -> dict:
     path = _joined([_camera_path_error(part) for part in parts])
     seen = _joined([(part.position_error_m / part.range_m)[part.one_unit] for part in parts])
     metric = [part for part in parts if part.metric]
-    result = {"rmse_percent_of_range": 100 * rms(path), "max_percent_of_range": 100 * float(np.max(path)),
-              "rmse_from_camera_percent_of_range": 100 * rms(seen),
-              "max_from_camera_percent_of_range": 100 * float(np.max(seen)),
-              "metric": bool(metric), "rmse_m": None, "scale_error_percent": None}
+    result = {
+        "rmse_percent_of_range": 100 * rms(path),
+        "max_percent_of_range": 100 * float(np.max(path)),
+        "rmse_from_camera_percent_of_range": 100 * rms(seen),
+        "max_from_camera_percent_of_range": 100 * float(np.max(seen)),
+        "metric": bool(metric),
+        "rmse_m": None,
+        "scale_error_percent": None,
+    }
     if metric:
         result["rmse_m"] = rms(_joined([part.own_position_error_m[part.one_unit] for part in metric]))
         result["scale_error_percent"] = 100 * (1 / float(metric[-1].similarity.scale) - 1)
@@ -90,8 +103,7 @@ def rate_pairs(part: Aligned) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     rows_E, rows_T = join(part.estimate, part.truth)
     both = part.estimate.rate_valid[rows_E] & part.truth.rate_valid[rows_T]
     rows_E, rows_T = rows_E[both], rows_T[both]
-    return rows_E, part.R_ET.inv().apply(part.estimate.w_T[rows_E]) if both.any() else np.empty((0, 3)), \
-        part.truth.w_T[rows_T]
+    return rows_E, part.R_ET.inv().apply(part.estimate.w_T[rows_E]) if both.any() else np.empty((0, 3)), part.truth.w_T[rows_T]
 
 
 def all_rate_pairs(parts: list[Aligned]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -120,7 +132,8 @@ def rates(parts: list[Aligned]) -> dict | None:
         "median_norm_deg_s": float(np.median(np.linalg.norm(error_deg_s, axis=1))),
         "mean_speed_error_percent": 100 * float(abs(speed - speed_true) / speed_true) if speed_true > 0 else None,
         "mean_error_percent": 100 * float(mean_error / speed_true) if speed_true > 0 else None,
-        "period": {axis: period.period_error(time_s, w_E[:, i], w_T[:, i], speed_true) for i, axis in enumerate("xyz")}}
+        "period": {axis: period.period_error(time_s, w_E[:, i], w_T[:, i], speed_true) for i, axis in enumerate("xyz")},
+    }
 
 
 def velocity_pairs(part: Aligned) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -179,9 +192,12 @@ def _normalised(error: np.ndarray, sigma: np.ndarray) -> dict | None:
         return None
     error, sigma = error[known], sigma[known]
     ratio = error[sigma > 0] / sigma[sigma > 0]
-    return {"frames": len(error), "within_95_percent_bound": float(np.mean(error <= NORMALISED_BOUND * sigma)),
-            "rms_normalised": rms(ratio) / np.sqrt(3.0) if len(ratio) else None,
-            "median_normalised": float(np.median(ratio)) if len(ratio) else None}
+    return {
+        "frames": len(error),
+        "within_95_percent_bound": float(np.mean(error <= NORMALISED_BOUND * sigma)),
+        "rms_normalised": rms(ratio) / np.sqrt(3.0) if len(ratio) else None,
+        "median_normalised": float(np.median(ratio)) if len(ratio) else None,
+    }
 
 
 def consistency(parts: list[Aligned]) -> dict:
@@ -205,10 +221,21 @@ def consistency(parts: list[Aligned]) -> dict:
 
 def judge_frames(parts: list[Aligned], estimate: Motion) -> dict:
     """How many target frames T the poses are in, and each by itself; poses in a T of a single frame can't be judged."""
-    judged = [{"target_frame": part.target_frame, "frames": len(part.rows_E), "attitude_rmse_deg": rms(np.degrees(part.attitude_error_rad)),
-               "twin": twin.judge_twin(part.R_CE, part.R_CT, part.truth.p_CT[part.rows_T])} for part in parts]
-    return {"count": len(target_frames(estimate)), "poses_judged": sum(one["frames"] for one in judged), "poses_not_judged": int(estimate.pose_valid.sum()) - sum(one["frames"] for one in judged),
-            "each": judged}
+    judged = [
+        {
+            "target_frame": part.target_frame,
+            "frames": len(part.rows_E),
+            "attitude_rmse_deg": rms(np.degrees(part.attitude_error_rad)),
+            "twin": twin.judge_twin(part.R_CE, part.R_CT, part.truth.p_CT[part.rows_T]),
+        }
+        for part in parts
+    ]
+    return {
+        "count": len(target_frames(estimate)),
+        "poses_judged": sum(one["frames"] for one in judged),
+        "poses_not_judged": int(estimate.pose_valid.sum()) - sum(one["frames"] for one in judged),
+        "each": judged,
+    }
 
 
 def judge_motion(estimate: Motion, truth: Motion, frames_in: int) -> dict:
@@ -218,9 +245,17 @@ def judge_motion(estimate: Motion, truth: Motion, frames_in: int) -> dict:
     if not parts:
         return report
     frames, last = judge_frames(parts, estimate), parts[-1]
-    return report | {"attitude": attitude(parts), "position": position(parts), "rates": rates(parts),
-                     "velocity": velocity(parts), "consistency": consistency(parts), "target_frames": frames,
-                     "twin": twin.worst([one["twin"] for one in frames["each"]]),
-                     "alignment": {"R_ET_rotvec_rad": [float(x) for x in last.R_ET.as_rotvec()],
-                                   "scale": float(last.similarity.scale),
-                                   "offset_E": [float(x) for x in last.similarity.offset_E]}}
+    return report | {
+        "attitude": attitude(parts),
+        "position": position(parts),
+        "rates": rates(parts),
+        "velocity": velocity(parts),
+        "consistency": consistency(parts),
+        "target_frames": frames,
+        "twin": twin.worst([one["twin"] for one in frames["each"]]),
+        "alignment": {
+            "R_ET_rotvec_rad": [float(x) for x in last.R_ET.as_rotvec()],
+            "scale": float(last.similarity.scale),
+            "offset_E": [float(x) for x in last.similarity.offset_E],
+        },
+    }

@@ -50,8 +50,14 @@ def scale_arguments(sequence: pathlib.Path) -> list[str]:
     chosen = next((one for one in lengths if one["name"] == PREFERRED_LENGTH), lengths[0])
     try:
         ends = ", ".join(f"[{u:.4f}, {v:.4f}]" for u, v in chosen["points_px"])
-        return ["--set", f"scale.known_length_m={chosen['length_m']!r}", "--set", f"scale.points_px=[{ends}]",
-                "--set", f"scale.frame_timestamp_ns={int(chosen['frame_timestamp_ns'])}"]
+        return [
+            "--set",
+            f"scale.known_length_m={chosen['length_m']!r}",
+            "--set",
+            f"scale.points_px=[{ends}]",
+            "--set",
+            f"scale.frame_timestamp_ns={int(chosen['frame_timestamp_ns'])}",
+        ]
     except (KeyError, TypeError, ValueError) as problem:
         raise BadInput(f"{path}: known_lengths: {problem!r}") from None
 
@@ -74,8 +80,7 @@ def counts_table(reports: dict[str, dict]) -> str:
     rows = []
     for case, report in reports.items():
         for part in lookup(report, "motion.causal.counts") or []:
-            rows.append([f"{case} {part['from_s']:.0f} to {part['to_s']:.0f} s",
-                         *(text_of(part[name], "{:.0f}") for name in COUNTS)])
+            rows.append([f"{case} {part['from_s']:.0f} to {part['to_s']:.0f} s", *(text_of(part[name], "{:.0f}") for name in COUNTS)])
     return table(["", "features", "matches", "inliers", "points in the map", "keyframes"], rows)
 
 
@@ -84,8 +89,9 @@ def main() -> int:
         print("\n".join(scale_arguments(pathlib.Path(sys.argv[2]))))
         return 0
     if len(sys.argv) == 4 and sys.argv[1] == "table":
-        reports = {case: json.loads(pathlib.Path(path).read_text())["runs"][0]
-                   for case, path in zip(("2D", "3D"), sys.argv[2:]) if path != "-"}
+        reports = {
+            case: json.loads(pathlib.Path(path).read_text())["runs"][0] for case, path in zip(("2D", "3D"), sys.argv[2:]) if path != "-"
+        }
         print(f"{paper_table(reports)}\n\nPoints and features over time, means over tenths of the run:\n{counts_table(reports)}")
         return 0
     raise BadInput("usage: paper.py scale SEQ | table 2D.json 3D.json")
@@ -93,4 +99,5 @@ def main() -> int:
 
 if __name__ == "__main__":
     from polhode_ground.common.venv import run_main
+
     run_main(main, "paper")

@@ -14,8 +14,19 @@ import sys
 
 from polhode_ground.common.venv import REPOSITORY, enter_venv, run_main
 
-HEADER = ["", "causal [deg]", "smoothed [deg]", "COLMAP [deg]", "its frames", "smoothed on them [deg]", "COLMAP follows",
-          "CPU a frame [ms]", "COLMAP's [ms]", "memory [MB]", "COLMAP's [MB]"]
+HEADER = [
+    "",
+    "causal [deg]",
+    "smoothed [deg]",
+    "COLMAP [deg]",
+    "its frames",
+    "smoothed on them [deg]",
+    "COLMAP follows",
+    "CPU a frame [ms]",
+    "COLMAP's [ms]",
+    "memory [MB]",
+    "COLMAP's [MB]",
+]
 
 
 def arguments() -> argparse.Namespace:
@@ -31,6 +42,7 @@ def replays(sequence, options) -> list:
     """Runs with the seeds 1 .. options.seeds."""
     from polhode_ground.common.replay import cache_folder, replay
     from polhode_ground.judge.run import read_run
+
     runs = []
     for seed in range(1, options.seeds + 1):
         out = cache_folder("replays", f"{sequence.name}_seed{seed}")
@@ -46,6 +58,7 @@ def row_of(folder: pathlib.Path, options) -> list[str]:
     from polhode_ground.common.replay import cache_folder
     from polhode_ground.judge.run import judge_run, read_run, read_truth
     from polhode_ground.common.sequence import read_sequence
+
     sequence = read_sequence(folder)
     truth = read_truth(sequence)
     runs = replays(sequence, options)
@@ -56,20 +69,28 @@ def row_of(folder: pathlib.Path, options) -> list[str]:
     def median(reports, path, layout):
         found = [value for value in (report.lookup(one, path) for one in reports) if value is not None]
         return report.text_of(statistics.median(found) if found else None, layout)
+
     coverage = theirs["motion"]["smoothed"]["coverage"]
-    return [sequence.name, median(ours, "motion.causal.attitude.rmse_deg", "{:.2f}"),
-            median(ours, "motion.smoothed.attitude.rmse_deg", "{:.2f}"),
-            median([theirs], "motion.smoothed.attitude.rmse_deg", "{:.2f}"),
-            f"{coverage['frames_with_pose']} of {coverage['frames_in']}", median(shared, "smoothed.rmse_deg", "{:.2f}"),
-            report.text_of(report.lookup(theirs, "motion.smoothed.twin.verdict"), "{}"),
-            median(ours, "cost.cpu_total_per_frame_ms", "{:.0f}"), median([theirs], "cost.cpu_total_per_frame_ms", "{:.0f}"),
-            median(ours, "cost.peak_resident_mb", "{:.0f}"), median([theirs], "cost.peak_resident_mb", "{:.0f}")]
+    return [
+        sequence.name,
+        median(ours, "motion.causal.attitude.rmse_deg", "{:.2f}"),
+        median(ours, "motion.smoothed.attitude.rmse_deg", "{:.2f}"),
+        median([theirs], "motion.smoothed.attitude.rmse_deg", "{:.2f}"),
+        f"{coverage['frames_with_pose']} of {coverage['frames_in']}",
+        median(shared, "smoothed.rmse_deg", "{:.2f}"),
+        report.text_of(report.lookup(theirs, "motion.smoothed.twin.verdict"), "{}"),
+        median(ours, "cost.cpu_total_per_frame_ms", "{:.0f}"),
+        median([theirs], "cost.cpu_total_per_frame_ms", "{:.0f}"),
+        median(ours, "cost.peak_resident_mb", "{:.0f}"),
+        median([theirs], "cost.peak_resident_mb", "{:.0f}"),
+    ]
 
 
 def main() -> int:
     options = arguments()
     from polhode_ground.common.errors import BadInput
     from polhode_ground.judge.report import table
+
     if options.seeds < 1:
         raise BadInput(f"--seeds: at least 1, not {options.seeds}")
     print(table(HEADER, [row_of(folder, options) for folder in options.sequences]))

@@ -49,8 +49,14 @@ def fit_sine(time_s: np.ndarray, value: np.ndarray) -> dict | None:
     offset, cosine, sine, cycles = fit.x
     if cycles <= 0:
         return None
-    return {"offset": float(offset), "amplitude": float(np.hypot(cosine, sine)), "cycles": float(cycles),
-            "period_s": float(span_s / cycles), "cosine": float(cosine), "sine": float(sine)}
+    return {
+        "offset": float(offset),
+        "amplitude": float(np.hypot(cosine, sine)),
+        "cycles": float(cycles),
+        "period_s": float(span_s / cycles),
+        "cosine": float(cosine),
+        "sine": float(sine),
+    }
 
 
 def sine_curve(fit: dict, time_s: np.ndarray, start_s: float) -> np.ndarray:
@@ -70,5 +76,9 @@ def period_error(time_s: np.ndarray, estimate: np.ndarray, truth: np.ndarray, ra
     if fit_estimate is None:
         return None
     period_true_s, period_s = fit_true["period_s"], fit_estimate["period_s"]
-    return {"period_true_s": period_true_s, "period_s": period_s, "cycles": fit_true["cycles"],
-            "error_percent": 100 * abs(period_s - period_true_s) / period_true_s}
+    return {
+        "period_true_s": period_true_s,
+        "period_s": period_s,
+        "cycles": fit_true["cycles"],
+        "error_percent": 100 * abs(period_s - period_true_s) / period_true_s,
+    }

@@ -34,6 +34,7 @@ def shorten(sequence, frames: int, out: pathlib.Path) -> pathlib.Path:
     """The sequence with its first frames only; pictures stay where they are."""
     from polhode_ground.common.errors import BadInput
     from polhode_ground.common.whole_file import claim_folder
+
     source = sequence.folder / "mav0" / "cam0"
     target = out / "mav0" / "cam0"
     try:
@@ -59,6 +60,7 @@ def main() -> int:
     from polhode_ground.common.replay import replay
     from polhode_ground.judge.run import best_alignment, read_run, read_truth
     from polhode_ground.common.sequence import read_sequence
+
     sequence = read_sequence(options.sequence)
     truth = read_truth(sequence)
     frames_max = len(sequence.filenames) - 1  # something must be left to be predicted

@@ -35,19 +35,22 @@ def judge_row(row: dict, aligned: Aligned) -> dict | None:
     R_CT, p_CT, w_T = true
     R_CE = align.rotations(np.array(row["q_CT"]))
     attitude_rad = float(align.angles_rad(R_CE * aligned.R_ET, R_CT))
-    result = {"ahead_s": row["ahead_s"], "attitude_deg": np.degrees(attitude_rad),
-              "sigma_attitude_deg": np.degrees(row["sigma_att_rad"]),
-              "attitude_within_95_percent_bound": attitude_rad <= NORMALISED_BOUND * row["sigma_att_rad"],
-              "rate_deg_s": float(np.degrees(np.linalg.norm(aligned.R_ET.inv().apply(row["w_T_rad_s"]) - w_T))),
-              "position_percent_of_range": None, "position_within_95_percent_bound": None}
+    result = {
+        "ahead_s": row["ahead_s"],
+        "attitude_deg": np.degrees(attitude_rad),
+        "sigma_attitude_deg": np.degrees(row["sigma_att_rad"]),
+        "attitude_within_95_percent_bound": attitude_rad <= NORMALISED_BOUND * row["sigma_att_rad"],
+        "rate_deg_s": float(np.degrees(np.linalg.norm(aligned.R_ET.inv().apply(row["w_T_rad_s"]) - w_T))),
+        "position_percent_of_range": None,
+        "position_within_95_percent_bound": None,
+    }
     if row["p_CT"] is not None:
         p_E = np.array(row["p_CT"])[None, :]
         similarity = aligned.own_similarity
         moved = align.apply_similarity(similarity, Rotation.concatenate([R_CE]), p_E)[0]
         error_m = float(np.linalg.norm(moved - p_CT))
         result["position_percent_of_range"] = 100 * error_m / float(np.linalg.norm(p_CT))
-        result["position_within_95_percent_bound"] = (
-            error_m <= NORMALISED_BOUND * similarity.scale * row["sigma_pos"])
+        result["position_within_95_percent_bound"] = error_m <= NORMALISED_BOUND * similarity.scale * row["sigma_pos"]
     return result
 
 

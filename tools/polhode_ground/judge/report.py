@@ -95,8 +95,9 @@ def text_of(value, layout: str) -> str:
 def table(header: list[str], rows: list[list[str]]) -> str:
     """Columns padded to their widest cell, the first to the left, the rest to the right."""
     widths = [max(len(row[i]) for row in [header, *rows]) for i in range(len(header))]
-    lines = ["  ".join(cell.ljust(w) if i == 0 else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths)))
-             for row in [header, *rows]]
+    lines = [
+        "  ".join(cell.ljust(w) if i == 0 else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths))) for row in [header, *rows]
+    ]
     lines.insert(1, "  ".join("-" * w for w in widths))
     return "\n".join(line.rstrip() for line in lines)
 
@@ -114,8 +115,9 @@ def _body(title: str, cells: list[str]) -> list[list[str]]:
 
 
 def motion_table(reports: list[dict]) -> str:
-    columns = [(f"{label} {kind}", report["motion"][kind], report)
-               for label, report in zip(_labels(reports), reports) for kind in report["motion"]]
+    columns = [
+        (f"{label} {kind}", report["motion"][kind], report) for label, report in zip(_labels(reports), reports) for kind in report["motion"]
+    ]
     rows = []
     for title, path, layout in MOTION_ROWS:
         rows += _body(title, [text_of(lookup(motion, path), layout) for _, motion, _ in columns])
@@ -137,17 +139,25 @@ def notes(reports: list[dict]) -> list[str]:
                 continue
             twin = motion["twin"]
             if twin["verdict"] == "twin":
-                lines.append(f"{who}: DEPTH-REVERSED TWIN: {twin['rmse_to_twin_deg']:.2f} deg from the mirror image, "
-                             f"{twin['rmse_to_truth_deg']:.2f} deg from the truth")
+                lines.append(
+                    f"{who}: DEPTH-REVERSED TWIN: {twin['rmse_to_twin_deg']:.2f} deg from the mirror image, "
+                    f"{twin['rmse_to_truth_deg']:.2f} deg from the truth"
+                )
             elif twin["verdict"] == "neither":
-                lines.append(f"{who}: follows neither the truth ({twin['rmse_to_truth_deg']:.1f} deg) "
-                             f"nor its depth-reversed twin ({twin['rmse_to_twin_deg']:.1f} deg)")
+                lines.append(
+                    f"{who}: follows neither the truth ({twin['rmse_to_truth_deg']:.1f} deg) "
+                    f"nor its depth-reversed twin ({twin['rmse_to_twin_deg']:.1f} deg)"
+                )
             frames = motion["target_frames"]
             if frames["poses_not_judged"]:
-                lines.append(f"{who}: {frames['poses_judged']} of {frames['poses_judged'] + frames['poses_not_judged']} poses are judged, the others have no truth "
-                             "or stand alone in their target frame T")
+                lines.append(
+                    f"{who}: {frames['poses_judged']} of {frames['poses_judged'] + frames['poses_not_judged']} poses are judged, the others have no truth "
+                    "or stand alone in their target frame T"
+                )
             if frames["count"] > 1:
-                each = ", ".join(f"T{one['target_frame']}: {one['frames']} frames, {one['attitude_rmse_deg']:.3f} deg" for one in frames["each"])
+                each = ", ".join(
+                    f"T{one['target_frame']}: {one['frames']} frames, {one['attitude_rmse_deg']:.3f} deg" for one in frames["each"]
+                )
                 lines.append(f"{who}: poses are in {frames['count']} target frames T, each aligned by itself ({each})")
             if lookup(motion, "velocity.scale_from_alignment"):
                 lines.append(f"{who}: scale unknown, velocity judged with the scale of the alignment")
@@ -164,16 +174,27 @@ def notes(reports: list[dict]) -> list[str]:
 
 def prediction_table(judged: list[dict] | None) -> str:
     """Errors over the horizon; empty where the truth ends with the run."""
-    rows = [[f"{row['ahead_s']:.0f}", f"{row['attitude_deg']:.3f}", f"{row['sigma_attitude_deg']:.3f}",
-             f"{row['rate_deg_s']:.5f}", text_of(row["position_percent_of_range"], "{:.3f}")]
-            for row in judged or [] if row["ahead_s"] > 0]
-    header = ["predicted ahead [s]", "attitude error [deg]", "its sigma [deg]", "rate error [deg/s]",
-              "position error [% of range]"]
+    rows = [
+        [
+            f"{row['ahead_s']:.0f}",
+            f"{row['attitude_deg']:.3f}",
+            f"{row['sigma_attitude_deg']:.3f}",
+            f"{row['rate_deg_s']:.5f}",
+            text_of(row["position_percent_of_range"], "{:.3f}"),
+        ]
+        for row in judged or []
+        if row["ahead_s"] > 0
+    ]
+    header = ["predicted ahead [s]", "attitude error [deg]", "its sigma [deg]", "rate error [deg/s]", "position error [% of range]"]
     return table(header, rows) if rows else ""
 
 
 def text_report(reports: list[dict]) -> str:
     """The whole report as printed."""
-    parts = [f"sequence {reports[0]['sequence']}", motion_table(reports),
-             *(prediction_table(report.get("prediction")) for report in reports), "\n".join(notes(reports))]
+    parts = [
+        f"sequence {reports[0]['sequence']}",
+        motion_table(reports),
+        *(prediction_table(report.get("prediction")) for report in reports),
+        "\n".join(notes(reports)),
+    ]
     return "\n\n".join(part for part in parts if part)

@@ -95,10 +95,12 @@ def cost(run: Run) -> dict | None:
     octets = _number(summary, "memory.peak_resident_octets")
     step_us = next(iter(run.motions.values())).columns["step_us"]
     step_us = step_us[np.isfinite(step_us)]
-    result = {"cpu_per_frame_ms": 1e3 * cpu_s / frames if cpu_s is not None and frames else None,
-              "cpu_total_per_frame_ms": 1e3 * (cpu_s + finish_s) / frames if cpu_s is not None and frames else None,
-              "wall_per_frame_ms": 1e3 * wall_s / frames if wall_s is not None and frames else None,
-              "peak_resident_mb": octets / 1e6 if octets else None}
+    result = {
+        "cpu_per_frame_ms": 1e3 * cpu_s / frames if cpu_s is not None and frames else None,
+        "cpu_total_per_frame_ms": 1e3 * (cpu_s + finish_s) / frames if cpu_s is not None and frames else None,
+        "wall_per_frame_ms": 1e3 * wall_s / frames if wall_s is not None and frames else None,
+        "peak_resident_mb": octets / 1e6 if octets else None,
+    }
     for name, percent in (("p50", 50), ("p95", 95), ("p99", 99), ("max", 100)):
         stated_us = _number(summary, f"timings.step.{name}_us")
         measured_us = float(np.percentile(step_us, percent)) if len(step_us) else None
@@ -120,8 +122,12 @@ def determinism(run: Run) -> dict | None:
 def judge_run(run: Run, sequence: Sequence, truth: Motion) -> dict:
     """The whole report of one run as plain data, ready for JSON."""
     frames_in = len(sequence.timestamp_ns)
-    report = {"run": str(run.folder), "sequence": sequence.name, "truth": truth.remark,
-              "motion": {kind: judge_motion(motion, truth, frames_in) for kind, motion in run.motions.items()}}
+    report = {
+        "run": str(run.folder),
+        "sequence": sequence.name,
+        "truth": truth.remark,
+        "motion": {kind: judge_motion(motion, truth, frames_in) for kind, motion in run.motions.items()},
+    }
     aligned = best_alignment(run, truth)
     report["shape"] = judge_shape(run.folder / "cloud.ply", sequence.model_path, aligned) if aligned else None
     scene = read_json(sequence.model_path.parent / "scene.json")

@@ -22,6 +22,7 @@ DEPTH_CELLS = 220
 
 def load_ply(path: pathlib.Path):
     import trimesh
+
     try:
         return trimesh.load(path, process=False)
     except Exception as problem:  # the reader's own errors have no common base class
@@ -60,6 +61,7 @@ def property_of(mesh, name: str, count: int) -> np.ndarray | None:
 def sample_mesh(path: pathlib.Path) -> tuple[np.ndarray, np.ndarray, float]:
     """(points [S,3], outward normals [S,3], size) of a mesh; size is its bounding box's diagonal [m]."""
     import trimesh
+
     mesh = load_ply(path)
     if isinstance(mesh, trimesh.Scene):
         mesh = mesh.to_mesh()
@@ -124,11 +126,14 @@ def judge_shape(cloud_path: pathlib.Path, model_path: pathlib.Path, aligned: Ali
     distance = 100 * nearest_m(points_T, surface_T) / size_m
     seen = seen_samples(surface_T, normals_T, aligned.R_CT, aligned.truth.p_CT[aligned.rows_T])
     to_cloud = 100 * nearest_m(surface_T, points_T) / size_m
-    result = {"points": len(points_T), "body_size_m": size_m,
-              "distance_rmse_percent": float(np.sqrt(np.mean(distance**2))),
-              "distance_median_percent": float(np.median(distance)),
-              "distance_p95_percent": float(np.percentile(distance, 95)),
-              "seen_share_of_surface": float(seen.mean())}
+    result = {
+        "points": len(points_T),
+        "body_size_m": size_m,
+        "distance_rmse_percent": float(np.sqrt(np.mean(distance**2))),
+        "distance_median_percent": float(np.median(distance)),
+        "distance_p95_percent": float(np.percentile(distance, 95)),
+        "seen_share_of_surface": float(seen.mean()),
+    }
     for bound in COVERED_PERCENT:
         result[f"complete_within_{bound:g}_percent"] = float(np.mean(to_cloud <= bound))
         result[f"complete_seen_within_{bound:g}_percent"] = float(np.mean(to_cloud[seen] <= bound)) if seen.any() else None

@@ -15,6 +15,7 @@ class Silhouettes:
 
     def __init__(self, sequence):
         import trimesh
+
         if not sequence.model_path.exists():
             raise BadInput(f"{sequence.model_path}: no mesh to draw silhouettes from")
         mesh = trimesh.load(sequence.model_path, process=False)
@@ -25,6 +26,7 @@ class Silhouettes:
     def of(self, timestamp_ns: int) -> np.ndarray:
         """Every triangle filled: a closed body's silhouette needs no depth."""
         from PIL import Image, ImageDraw
+
         row = self.row_of[int(timestamp_ns)]
         p_C = rotations(self.truth.q_CT[row : row + 1])[0].apply(self.vertices_T) + self.truth.p_CT[row]
         # Corner of the finer grid's pixel (0, 0) is at -0.5, as that of the picture.

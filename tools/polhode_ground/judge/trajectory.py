@@ -1,6 +1,5 @@
 """Trajectories as the field's tools read them: `timestamp_s tx ty tz qx qy qz qw`, the camera in the target's frame T."""
 
-
 import numpy as np
 
 from polhode_ground.judge import align

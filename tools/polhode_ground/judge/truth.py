@@ -56,7 +56,9 @@ def _half_filled(truth: Motion) -> str:
     bad = np.flatnonzero(~known.all(axis=1) & known.any(axis=1))
     if not known.all(axis=1).any():
         missing = " and ".join(name for name, column in zip(("the quaternion q_CT", "the position p_CT"), known.T) if not column.any())
-        raise BadInput(f"{truth.path}:2: no row of {len(known)} has a whole pose: {missing or 'one part of it'} has empty or nan cells from this line on")
+        raise BadInput(
+            f"{truth.path}:2: no row of {len(known)} has a whole pose: {missing or 'one part of it'} has empty or nan cells from this line on"
+        )
     return f"{len(bad)} of its {len(known)} rows have a part of a pose and are not used, the first in line {bad[0] + 2}" if len(bad) else ""
 
 
@@ -76,18 +78,24 @@ def _check_unit(truth: Motion) -> None:
     units = likely_units(truth.timestamp_ns.tolist(), "ns")
     if "ns" not in units:
         likely = f": these look like {' or '.join(WORDS[unit] for unit in units)}" if units else ""
-        raise BadInput(f"{truth.path}: timestamp_ns in steps of {np.median(np.diff(truth.timestamp_ns)):.6g} are no nanoseconds{likely}; write nanoseconds")
+        raise BadInput(
+            f"{truth.path}: timestamp_ns in steps of {np.median(np.diff(truth.timestamp_ns)):.6g} are no nanoseconds{likely}; write nanoseconds"
+        )
 
 
 def _no_overlap(truth: Motion, own_ns: np.ndarray, frames_ns: np.ndarray, matching: Matching) -> str:
     apart_s = float(np.median(np.diff(own_ns))) * 1e-9 if len(own_ns) > 1 else 0.0
-    fitting = [unit for unit, scale in UNITS.items() if scale > 1 and frames_ns[0] <= int(own_ns[len(own_ns) // 2]) * scale <= frames_ns[-1]]
+    fitting = [
+        unit for unit, scale in UNITS.items() if scale > 1 and frames_ns[0] <= int(own_ns[len(own_ns) // 2]) * scale <= frames_ns[-1]
+    ]
     if fitting:
         return f"{truth.path}: timestamp_ns does not lie among the frames', but would in {WORDS[fitting[0]]}: write nanoseconds"
     begin_s, end_s = (own_ns[[0, -1]] - frames_ns[0]) * 1e-9
-    return (f"{truth.path}: no frame lies between two of its rows at most {matching.gap_max_s:g} s apart: its {len(own_ns)} rows are {apart_s:.6g} s apart, from "
-            f"{begin_s:.6g} s to {end_s:.6g} s after the first frame, the frames end at {(frames_ns[-1] - frames_ns[0]) * 1e-9:.6g} s; another sequence, "
-            "a clock of its own (--clock-offset), or a wider gap (--truth-gap-s)?")
+    return (
+        f"{truth.path}: no frame lies between two of its rows at most {matching.gap_max_s:g} s apart: its {len(own_ns)} rows are {apart_s:.6g} s apart, from "
+        f"{begin_s:.6g} s to {end_s:.6g} s after the first frame, the frames end at {(frames_ns[-1] - frames_ns[0]) * 1e-9:.6g} s; another sequence, "
+        "a clock of its own (--clock-offset), or a wider gap (--truth-gap-s)?"
+    )
 
 
 def _interpolated(truth: Motion, frames_ns: np.ndarray, gap_max_ns: int) -> Motion:
@@ -112,23 +120,41 @@ def _interpolated(truth: Motion, frames_ns: np.ndarray, gap_max_ns: int) -> Moti
     first, second = align.rotations(truth.q_CT[before]), align.rotations(truth.q_CT[after])
     turned = first * Rotation.from_rotvec(part[:, None] * (first.inv() * second).as_rotvec())
     w_T, v_C = line(truth.w_T), line(truth.v_C)
-    return replace(truth, timestamp_ns=frames_ns, q_CT=turned.as_quat(scalar_first=True), p_CT=line(truth.p_CT), v_C=v_C, w_T=w_T,
-                   pose_valid=covered, rate_valid=np.isfinite(w_T).all(axis=1) & truth.rate_valid[before] & truth.rate_valid[after],
-                   velocity_valid=np.isfinite(v_C).all(axis=1) & truth.velocity_valid[before] & truth.velocity_valid[after],
-                   scale_known=truth.scale_known[before], mode=[], columns={name: np.full(count, np.nan) for name in truth.columns},
-                   target_frame=None)
+    return replace(
+        truth,
+        timestamp_ns=frames_ns,
+        q_CT=turned.as_quat(scalar_first=True),
+        p_CT=line(truth.p_CT),
+        v_C=v_C,
+        w_T=w_T,
+        pose_valid=covered,
+        rate_valid=np.isfinite(w_T).all(axis=1) & truth.rate_valid[before] & truth.rate_valid[after],
+        velocity_valid=np.isfinite(v_C).all(axis=1) & truth.velocity_valid[before] & truth.velocity_valid[after],
+        scale_known=truth.scale_known[before],
+        mode=[],
+        columns={name: np.full(count, np.nan) for name in truth.columns},
+        target_frame=None,
+    )
 
 
 def _rows(motion: Motion, kept: np.ndarray) -> Motion:
-    return replace(motion, **{name: getattr(motion, name)[kept] for name in ARRAYS}, mode=[], target_frame=None,
-                   columns={name: values[kept] for name, values in motion.columns.items()})
+    return replace(
+        motion,
+        **{name: getattr(motion, name)[kept] for name in ARRAYS},
+        mode=[],
+        target_frame=None,
+        columns={name: values[kept] for name, values in motion.columns.items()},
+    )
 
 
 def _together(one: Motion, other: Motion) -> Motion:
     """Rows of both, in order of time."""
     order = np.argsort(np.concatenate([one.timestamp_ns, other.timestamp_ns]), kind="stable")
-    return replace(one, **{name: np.concatenate([getattr(one, name), getattr(other, name)])[order] for name in ARRAYS},
-                   columns={name: np.concatenate([values, other.columns[name]])[order] for name, values in one.columns.items()})
+    return replace(
+        one,
+        **{name: np.concatenate([getattr(one, name), getattr(other, name)])[order] for name in ARRAYS},
+        columns={name: np.concatenate([values, other.columns[name]])[order] for name, values in one.columns.items()},
+    )
 
 
 def estimated_offset(estimate: Motion, truth: Motion, gap_max_s: float = GAP_MAX_S) -> Matching:
@@ -145,7 +171,9 @@ def estimated_offset(estimate: Motion, truth: Motion, gap_max_s: float = GAP_MAX
 
     def residual_rad(offset_s: float) -> np.ndarray:
         """[N,3] after the best constant rotation; NaN where there is no truth."""
-        at = _interpolated(replace(truth, timestamp_ns=truth.timestamp_ns - np.int64(round(offset_s * 1e9))), frames_ns, round(gap_max_s * 1e9))
+        at = _interpolated(
+            replace(truth, timestamp_ns=truth.timestamp_ns - np.int64(round(offset_s * 1e9))), frames_ns, round(gap_max_s * 1e9)
+        )
         error = np.full((len(frames_ns), 3), np.nan)
         kept = at.pose_valid
         if 2 * kept.sum() > len(kept):
@@ -161,13 +189,17 @@ def estimated_offset(estimate: Motion, truth: Motion, gap_max_s: float = GAP_MAX
     grid = np.linspace(-OFFSET_SEARCH_S, OFFSET_SEARCH_S, OFFSET_STEPS)
     costs = [cost(offset_s) for offset_s in grid] if len(rows) > 2 else [np.inf]
     if not np.isfinite(min(costs)):
-        raise BadInput(f"{truth.path}: --clock-offset auto: within {OFFSET_SEARCH_S:g} s, no clock gives half of the frames with a pose a truth; give SECONDS")
+        raise BadInput(
+            f"{truth.path}: --clock-offset auto: within {OFFSET_SEARCH_S:g} s, no clock gives half of the frames with a pose a truth; give SECONDS"
+        )
     step_s, best_s = grid[1] - grid[0], grid[int(np.argmin(costs))]
     best_s = float(minimize_scalar(cost, bounds=(best_s - step_s, best_s + step_s), method="bounded", options={"xatol": 1e-4}).x)
     sigma_s = _offset_sigma_s(residual_rad, best_s, step_s)
     if sigma_s > OFFSET_SIGMA_MAX_S or abs(best_s) > OFFSET_SEARCH_S - step_s:
-        raise BadInput(f"{truth.path}: --clock-offset auto: the motion does not tell it (best {best_s:+.3g} s, sigma {sigma_s:.2g} s, searched within "
-                       f"{OFFSET_SEARCH_S:g} s); give SECONDS")
+        raise BadInput(
+            f"{truth.path}: --clock-offset auto: the motion does not tell it (best {best_s:+.3g} s, sigma {sigma_s:.2g} s, searched within "
+            f"{OFFSET_SEARCH_S:g} s); give SECONDS"
+        )
     return Matching(gap_max_s, best_s, sigma_s)
 
 

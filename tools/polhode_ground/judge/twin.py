@@ -67,8 +67,13 @@ def judge_twin(R_CE: Rotation, R_CT: Rotation, p_CT: np.ndarray) -> dict:
         verdict = "neither"
     else:
         verdict = "twin" if to_twin_deg < to_truth_deg else "truth"
-    return {"verdict": verdict, "rmse_to_truth_deg": to_truth_deg, "rmse_to_twin_deg": to_twin_deg,
-            "truth_to_twin_deg": separation_deg, "in_plane_rate_factor": in_plane_factor(R_CE, R_CT)}
+    return {
+        "verdict": verdict,
+        "rmse_to_truth_deg": to_truth_deg,
+        "rmse_to_twin_deg": to_twin_deg,
+        "truth_to_twin_deg": separation_deg,
+        "in_plane_rate_factor": in_plane_factor(R_CE, R_CT),
+    }
 
 
 def worst(judged: list[dict]) -> dict:

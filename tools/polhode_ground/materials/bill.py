@@ -15,14 +15,28 @@ def component_of(material: Material) -> Component:
     factory = LicenseFactory()
     expressions = [factory.make_from_string(text) for text in material.licences]
     if len(expressions) > 1:  # of several, none may be an expression: each is named by its text
-        expressions = [factory.make_with_name(text) if not hasattr(made, "name") else made for text, made in zip(material.licences, expressions)]
-    return Component(name=material.name, version=material.version, type=ComponentType.LIBRARY, licenses=expressions, bom_ref=material.purl,
-                     purl=PackageURL.from_string(material.purl), properties=[Property(name="polhode:use", value=material.use)])
+        expressions = [
+            factory.make_with_name(text) if not hasattr(made, "name") else made for text, made in zip(material.licences, expressions)
+        ]
+    return Component(
+        name=material.name,
+        version=material.version,
+        type=ComponentType.LIBRARY,
+        licenses=expressions,
+        bom_ref=material.purl,
+        purl=PackageURL.from_string(material.purl),
+        properties=[Property(name="polhode:use", value=material.use)],
+    )
 
 
 def write_bill(version: str, *groups: list[Material]) -> str:
-    root = Component(name="polhode", version=version, type=ComponentType.APPLICATION, bom_ref="polhode",
-                     licenses=[LicenseFactory().make_from_string("Apache-2.0")])
+    root = Component(
+        name="polhode",
+        version=version,
+        type=ComponentType.APPLICATION,
+        bom_ref="polhode",
+        licenses=[LicenseFactory().make_from_string("Apache-2.0")],
+    )
     bill = Bom()
     bill.metadata.component = root
     bill.metadata.properties.add(Property(name="polhode:note", value=MARK))

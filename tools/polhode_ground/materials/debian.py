@@ -14,10 +14,25 @@ LOADER = re.compile(r"(?:\S+ => )?(/\S+) \(0x")
 NEEDED = re.compile(r"\(NEEDED\)\s+Shared library: \[(.+?)\]")
 # Debian's short names, where SPDX has another name for the same licence.
 SPDX = {
-    "apache-2": "Apache-2.0", "bsd-2-clause": "BSD-2-Clause", "bsd-3-clause": "BSD-3-Clause", "bsd-3": "BSD-3-Clause", "boost-1.0": "BSL-1.0",
-    "cc0": "CC0-1.0", "expat": "MIT", "gpl-2": "GPL-2.0-only", "gpl-2+": "GPL-2.0-or-later", "gpl-2.0+": "GPL-2.0-or-later",
-    "gpl-3": "GPL-3.0-only", "gpl-3+": "GPL-3.0-or-later", "lgpl-2+": "LGPL-2.0-or-later", "lgpl-2.1": "LGPL-2.1-only",
-    "lgpl-2.1+": "LGPL-2.1-or-later", "lgpl-3": "LGPL-3.0-only", "lgpl-3+": "LGPL-3.0-or-later", "mpl-2": "MPL-2.0", "zlib": "Zlib",
+    "apache-2": "Apache-2.0",
+    "bsd-2-clause": "BSD-2-Clause",
+    "bsd-3-clause": "BSD-3-Clause",
+    "bsd-3": "BSD-3-Clause",
+    "boost-1.0": "BSL-1.0",
+    "cc0": "CC0-1.0",
+    "expat": "MIT",
+    "gpl-2": "GPL-2.0-only",
+    "gpl-2+": "GPL-2.0-or-later",
+    "gpl-2.0+": "GPL-2.0-or-later",
+    "gpl-3": "GPL-3.0-only",
+    "gpl-3+": "GPL-3.0-or-later",
+    "lgpl-2+": "LGPL-2.0-or-later",
+    "lgpl-2.1": "LGPL-2.1-only",
+    "lgpl-2.1+": "LGPL-2.1-or-later",
+    "lgpl-3": "LGPL-3.0-only",
+    "lgpl-3+": "LGPL-3.0-or-later",
+    "mpl-2": "MPL-2.0",
+    "zlib": "Zlib",
 }
 COMMON = re.compile(r"/usr/share/common-licenses/([A-Za-z]+(?:-\d+(?:\.\d+)*)?)")
 DOC = pathlib.Path("/usr/share/doc")
@@ -41,8 +56,10 @@ def package_by_library(libraries: list[pathlib.Path]) -> dict[str, str]:
     asked = {path.removeprefix("/usr") for paths in places.values() for path in paths}
     lines = said("dpkg-query", "-S", *sorted(asked | {"/usr" + path for path in asked})).splitlines()
     owner = {path.removeprefix("/usr"): packages.split(",")[0] for packages, path in (line.split(": ", 1) for line in lines)}
-    found = {library.name: next((owner[at] for path in paths if (at := path.removeprefix("/usr")) in owner), "")
-             for library, paths in places.items()}
+    found = {
+        library.name: next((owner[at] for path in paths if (at := path.removeprefix("/usr")) in owner), "")
+        for library, paths in places.items()
+    }
     strangers = [name for name, package in found.items() if not package]
     if strangers:
         raise BadInput(f"{', '.join(strangers)}: of no Debian package")

@@ -42,6 +42,14 @@ def requirements(files: list[pathlib.Path]) -> list[Material]:
     versions = {name: one.version if one else pinned[name] for name, one in reached.items()}
     purls = {name: f"pkg:pypi/{name}@{versions[name]}" for name in reached}
     return [
-        Material(name, versions[name], licences_of(one) if one else ("not installed here: as in the package",), purls[name], "tool", name in pinned,
-                 tuple(sorted(purls[need] for need in (needs_of(one) if one else []) if need in purls and need != name)))
-        for name, one in sorted(reached.items())]
+        Material(
+            name,
+            versions[name],
+            licences_of(one) if one else ("not installed here: as in the package",),
+            purls[name],
+            "tool",
+            name in pinned,
+            tuple(sorted(purls[need] for need in (needs_of(one) if one else []) if need in purls and need != name)),
+        )
+        for name, one in sorted(reached.items())
+    ]

@@ -43,6 +43,7 @@ def main() -> None:
     if not arguments.out.parent.is_dir():
         raise BadInput(f"--out: {arguments.out.parent}: no such folder")
     from polhode_ground.common.whole_file import check_replaceable, write_whole
+
     check_replaceable(arguments.out)
     enter_venv()
     write_whole(arguments.out, bill_of(arguments.program.resolve()))

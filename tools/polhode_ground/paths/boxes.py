@@ -71,8 +71,17 @@ def _pixels_of(box: Box, camera: Camera, R_CT: Rotation, p_CT: np.ndarray) -> tu
     if centre_C[2] < 2 * radius:
         return whole
     near = centre_C[2] - radius
-    ends = [np.clip([min((x - radius) / near, (x - radius) / (near + 2 * radius)) * f + c, max((x + radius) / near, (x + radius) / (near + 2 * radius)) * f + c + 1],
-                    0, size).astype(int) for x, f, c, size in ((centre_C[1], fv, cv, camera.height_px), (centre_C[0], fu, cu, camera.width_px))]
+    ends = [
+        np.clip(
+            [
+                min((x - radius) / near, (x - radius) / (near + 2 * radius)) * f + c,
+                max((x + radius) / near, (x + radius) / (near + 2 * radius)) * f + c + 1,
+            ],
+            0,
+            size,
+        ).astype(int)
+        for x, f, c, size in ((centre_C[1], fv, cv, camera.height_px), (centre_C[0], fu, cu, camera.width_px))
+    ]
     return slice(*ends[0]), slice(*ends[1])
 
 
@@ -107,6 +116,7 @@ def _radiance(box: Box, origin_T, rays_T, distance, face, light_T) -> np.ndarray
     texel = ((np.stack([place[(axis + 1) % 3, column], place[(axis + 2) % 3, column]]) + 1) / 2 * (TEXELS - 1)).clip(0, TEXELS - 1)
     low = np.minimum(texel.astype(int), TEXELS - 2)
     (a, b), (i, j) = texel - low, low
-    reflectance = ((1 - a) * ((1 - b) * box.texture[face, i, j] + b * box.texture[face, i, j + 1])
-                   + a * ((1 - b) * box.texture[face, i + 1, j] + b * box.texture[face, i + 1, j + 1]))
+    reflectance = (1 - a) * ((1 - b) * box.texture[face, i, j] + b * box.texture[face, i, j + 1]) + a * (
+        (1 - b) * box.texture[face, i + 1, j] + b * box.texture[face, i + 1, j + 1]
+    )
     return reflectance * (AMBIENT + (1 - AMBIENT) * np.maximum(0.0, np.where(face % 2 == 1, 1.0, -1.0) * light_T[axis]))

@@ -47,7 +47,7 @@ def _background(rng: np.random.Generator, camera: Camera) -> np.ndarray:
         return np.zeros(shape)
     if kind == "stars":
         return np.where(rng.random(shape) < 0.002, rng.uniform(0.1, 1.0, shape), 0.0)
-    v, u = np.mgrid[0:shape[0], 0:shape[1]] / shape[0]
+    v, u = np.mgrid[0 : shape[0], 0 : shape[1]] / shape[0]
     return 0.25 + 0.2 * np.sin(u * rng.uniform(2, 9) + rng.uniform(0, 6)) * np.sin(v * rng.uniform(2, 9))
 
 
@@ -65,8 +65,19 @@ def random_path(seed: list[int], frames: int, resolution: tuple[int, int]) -> tu
         radiance = picture(body, camera, flight.q_CT[frame], flight.p_CT[frame], light_C, background)
         return noisy(gain * radiance, noise, np.random.default_rng([*seed, 2, frame]))
 
-    shots = [Shot(FIRST_NS + round(1e9 * flight.seconds[i]), lambda i=i: pixels(i), None, flight.q_CT[i], flight.p_CT[i], flight.v_C[i],
-                  flight.w_T[i], flight.q_IC[i] if flight.told else None) for i in range(frames)]
+    shots = [
+        Shot(
+            FIRST_NS + round(1e9 * flight.seconds[i]),
+            lambda i=i: pixels(i),
+            None,
+            flight.q_CT[i],
+            flight.p_CT[i],
+            flight.v_C[i],
+            flight.w_T[i],
+            flight.q_IC[i] if flight.told else None,
+        )
+        for i in range(frames)
+    ]
     period_s = float(flight.seconds[1] - flight.seconds[0])
     steps = random_steps(rng, frames)
     return Footage(camera, 1.0 / period_s, shots, None, {"path": {"seed": seed, "flight": flight.words, "steps": steps}}), steps

@@ -35,6 +35,7 @@ def _inertia(rng: np.random.Generator) -> np.ndarray:
 
 def _turn(q_IT: np.ndarray, w_T: np.ndarray, inertia: np.ndarray, seconds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(q_IT, w_T) at `seconds`, the first of which is now: torque-free."""
+
     def derivative(_, state):
         q, w = state[:4], state[4:]
         spin = np.array([-q[1:] @ w, *(q[0] * w + np.cross(q[1:], w))])
@@ -90,5 +91,14 @@ def random_flight(rng: np.random.Generator, frames: int, half_field: float) -> F
     words = [f"turn {np.degrees(turn_rad):.2f} deg a frame", *(f"contact at {n}" for n in contacts)]
     words += ["wild"] if wild else []
     words += [f"camera turns, {'told' if told else 'not told'}"] if turns else []
-    return Flight(seconds, (R_IC.inv() * Rotation.from_quat(q_IT, scalar_first=True)).as_quat(scalar_first=True), R_IC.inv().apply(p_I),
-                  R_IC.inv().apply(np.gradient(p_I, seconds, axis=0)), w_T, R_IC.as_quat(scalar_first=True), turns and told, tuple(contacts), ", ".join(words))
+    return Flight(
+        seconds,
+        (R_IC.inv() * Rotation.from_quat(q_IT, scalar_first=True)).as_quat(scalar_first=True),
+        R_IC.inv().apply(p_I),
+        R_IC.inv().apply(np.gradient(p_I, seconds, axis=0)),
+        w_T,
+        R_IC.as_quat(scalar_first=True),
+        turns and told,
+        tuple(contacts),
+        ", ".join(words),
+    )

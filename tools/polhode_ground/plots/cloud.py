@@ -49,8 +49,16 @@ def draw(run, truth, folder, prefix: str = "") -> list:
         sign = -1 if (i, j) == (0, 2) else 1  # x-z is looked at along +y, the others against their third axis
         order = np.argsort(sign * points[:, depth])
         upper, lower = axes[:, column]
-        upper.scatter(points[order, i], points[order, j], s=3, c=sign * points[order, depth], cmap="cividis", lw=0,
-                      vmin=min(sign * body[:, depth]), vmax=max(sign * body[:, depth]))
+        upper.scatter(
+            points[order, i],
+            points[order, j],
+            s=3,
+            c=sign * points[order, depth],
+            cmap="cividis",
+            lw=0,
+            vmin=min(sign * body[:, depth]),
+            vmax=max(sign * body[:, depth]),
+        )
         _limits(upper, body, i, j)
         lower.plot(camera[:, i], camera[:, j], color="#bbbbbb", lw=0.7, zorder=1)
         dots = lower.scatter(camera[:, i], camera[:, j], s=7, c=time, cmap="viridis", lw=0, zorder=2)

@@ -16,8 +16,14 @@ def _mode_bands(axis, time, modes: list[str]) -> list:
     edges = [0, *[i for i in range(1, len(modes)) if modes[i] != modes[i - 1]], len(modes)]
     step = np.median(np.diff(time))
     for first, end in zip(edges[:-1], edges[1:]):
-        axis.axvspan(time[first] - step / 2, time[end - 1] + step / 2, lw=0, zorder=0,
-                     color=style.MODE_COLOURS.get(modes[first], "#ffffff"), alpha=0.45)
+        axis.axvspan(
+            time[first] - step / 2,
+            time[end - 1] + step / 2,
+            lw=0,
+            zorder=0,
+            color=style.MODE_COLOURS.get(modes[first], "#ffffff"),
+            alpha=0.45,
+        )
     return [Patch(color=style.MODE_COLOURS.get(mode, "#ffffff"), alpha=0.45, label=mode) for mode in dict.fromkeys(modes)]
 
 

@@ -11,8 +11,15 @@ def _curve(axis, time, error, sigma, kind: str, sigma_name: str) -> None:
     rmse = metrics.rms(error[np.isfinite(error)])
     axis.plot(time, error, ".-", ms=3.5, lw=0.7, color=colour, label=name, zorder=3)
     axis.axhline(rmse, color=colour, lw=1, ls=":", zorder=2)
-    axis.annotate(f"RMSE {rmse:.3g}", (1.005, rmse), xycoords=("axes fraction", "data"), color=colour, fontsize=8,
-                  va="bottom" if kind == "causal" else "top", annotation_clip=False)
+    axis.annotate(
+        f"RMSE {rmse:.3g}",
+        (1.005, rmse),
+        xycoords=("axes fraction", "data"),
+        color=colour,
+        fontsize=8,
+        va="bottom" if kind == "causal" else "top",
+        annotation_clip=False,
+    )
     if np.isfinite(sigma).any():
         axis.plot(time, sigma, color=colour, lw=1.2, ls="--", label=f"{name}, {sigma_name}", zorder=4)
 

@@ -17,8 +17,15 @@ def _truth_lines(axis, time, truth, series_list, factor: float, i: int) -> None:
         return
     for one, dashes in zip(series_list, ("-", ":")):
         if one.truth is not None:
-            axis.plot(one.seconds * factor, one.truth[:, i], dashes, color=style.TRUTH, lw=1.5, zorder=2,
-                      label=f"truth at the origin of {style.KIND_NAMES[one.kind]}")
+            axis.plot(
+                one.seconds * factor,
+                one.truth[:, i],
+                dashes,
+                color=style.TRUTH,
+                lw=1.5,
+                zorder=2,
+                label=f"truth at the origin of {style.KIND_NAMES[one.kind]}",
+            )
 
 
 def _panel(axis, one: series.Series, factor: float, i: int, sine: bool) -> None:
@@ -33,7 +40,9 @@ def _panel(axis, one: series.Series, factor: float, i: int, sine: bool) -> None:
     seconds = one.seconds[kept]
     fit = period.fit_sine(seconds, value[kept])
     if fit and fit["amplitude"] > FIT_MIN * np.linalg.norm(one.value[kept], axis=1).mean() and fit["cycles"] > CYCLES_MIN:
-        axis.plot(seconds * factor, period.sine_curve(fit, seconds, seconds[0]), "--", lw=1, color=colour, label=f"{name}, sine fit", zorder=4)
+        axis.plot(
+            seconds * factor, period.sine_curve(fit, seconds, seconds[0]), "--", lw=1, color=colour, label=f"{name}, sine fit", zorder=4
+        )
 
 
 def _figure(found: list[series.Series], truth_seconds, truth_values, labels, unit: str, title: str, sine: bool):
@@ -65,15 +74,29 @@ def draw(run, truth, folder, prefix: str = "") -> list:
     if rates:
         values = np.degrees(truth.w_T) if truth is not None and np.isfinite(truth.w_T).any() else None
         axes_of = "truth's" if truth is not None else "estimate's own"
-        figure = _figure(rates, truth_seconds, values, ["w_x", "w_y", "w_z"], "deg/s",
-                         f"Angular velocity of the target, in the {axes_of} body axes", sine=True)
+        figure = _figure(
+            rates,
+            truth_seconds,
+            values,
+            ["w_x", "w_y", "w_z"],
+            "deg/s",
+            f"Angular velocity of the target, in the {axes_of} body axes",
+            sine=True,
+        )
         paths.append(style.save(figure, folder, f"{prefix}rates.png"))
     velocities = [one for one in (series.velocity_series(run, kind, truth) for kind in run.motions) if one]
     if velocities:
         known = series.velocity_in_metres(run)
         unit = "mm/s" if known or truth is not None else "map units/s / 1000"
         note = "" if known else ", scale taken from the truth" if truth is not None else ", scale unknown"
-        figure = _figure(velocities, truth_seconds, None, ["v_x", "v_y", "v_z"], unit,
-                         f"Velocity of the target's origin in the camera frame{note}", sine=False)
+        figure = _figure(
+            velocities,
+            truth_seconds,
+            None,
+            ["v_x", "v_y", "v_z"],
+            unit,
+            f"Velocity of the target's origin in the camera frame{note}",
+            sine=False,
+        )
         paths.append(style.save(figure, folder, f"{prefix}velocity.png"))
     return paths

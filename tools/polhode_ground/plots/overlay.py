@@ -52,8 +52,9 @@ def read_masks(path) -> list[Mask]:
         if at > len(data):
             raise BadInput(f"{path}: ends within the picture of frame {frame}")
         pixels = np.frombuffer(data[match.end() : at], np.uint8).reshape(height, width)
-        masks.append(Mask(frame, bool(used), bool(behind), bool(found), bool(sharp), decimation,
-                          (pixels & TARGET) > 0, (pixels & OPEN) > 0))
+        masks.append(
+            Mask(frame, bool(used), bool(behind), bool(found), bool(sharp), decimation, (pixels & TARGET) > 0, (pixels & OPEN) > 0)
+        )
     return masks
 
 
@@ -84,15 +85,19 @@ def draw_frame(axes, gray, mask: Mask, tracks: list[dict], observations: list[di
         axes.contour(target, levels=[0.5], colors="#30b0ff", linewidths=1.0)
     for kind, colour in COLOUR_OF.items():
         own = [row for row in tracks if row["class"] == kind]
-        axes.plot([[float(r["from_u_px"]) for r in own], [float(r["u_px"]) for r in own]],
-                  [[float(r["from_v_px"]) for r in own], [float(r["v_px"]) for r in own]], color=colour, linewidth=0.8)
+        axes.plot(
+            [[float(r["from_u_px"]) for r in own], [float(r["u_px"]) for r in own]],
+            [[float(r["from_v_px"]) for r in own], [float(r["v_px"]) for r in own]],
+            color=colour,
+            linewidth=0.8,
+        )
         axes.plot([float(r["u_px"]) for r in own], [float(r["v_px"]) for r in own], ".", color=colour, markersize=3)
     for inlier, kind in (("1", "target"), ("0", "unassigned")):
         own = [row for row in observations if row["inlier"] == inlier]
-        axes.plot([float(r["u_px"]) for r in own], [float(r["v_px"]) for r in own], "+", color=COLOUR_OF[kind], markersize=4,
-                  markeredgewidth=0.6)
-    state = "not used" if not mask.used else "before space" if not mask.behind else \
-        "target found" if mask.found else "target not found"
+        axes.plot(
+            [float(r["u_px"]) for r in own], [float(r["v_px"]) for r in own], "+", color=COLOUR_OF[kind], markersize=4, markeredgewidth=0.6
+        )
+    state = "not used" if not mask.used else "before space" if not mask.behind else "target found" if mask.found else "target not found"
     axes.set_title(f"frame {mask.frame}: {state}{', at edges' if mask.sharp else ''}", fontsize=8)
     axes.set_xlim(-0.5, width - 0.5)
     axes.set_ylim(height - 0.5, -0.5)
@@ -102,6 +107,7 @@ def draw_frame(axes, gray, mask: Mask, tracks: list[dict], observations: list[di
 def draw(run_folder, masks: list[Mask], sequence, frames: list[int], out) -> list:
     """One PNG per frame asked for. @param masks  those of the run (read_masks)."""
     from matplotlib import pyplot
+
     masks = {mask.frame: mask for mask in masks}
     tracks, seen = read_tracks(run_folder / "mask_tracks.csv"), read_observations(run_folder / "observations.csv")
     paths = []

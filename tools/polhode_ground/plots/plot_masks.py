@@ -32,6 +32,7 @@ def main() -> int:
     from polhode_ground.judge.landmarks import on_background, outline_overlaps
     from polhode_ground.common.sequence import read_sequence
     from polhode_ground.plots import overlay, style
+
     sequence = read_sequence(options.sequence)
     masks = overlay.read_masks(options.run / "masks.pgms")  # before anything is made: DIR may not be there
     frames = options.frames or sorted({int(one) for one in np.linspace(0, len(sequence.filenames) - 1, 9)})

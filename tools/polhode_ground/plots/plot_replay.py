@@ -20,10 +20,12 @@ from polhode_ground.common.venv import enter_venv, run_main
 
 def arguments() -> argparse.Namespace:
     from polhode_ground.judge.truth_options import add_truth_options
+
     parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("run", metavar="DIR", type=pathlib.Path, help="output folder of a replay")
-    parser.add_argument("--sequence", metavar="SEQ", type=pathlib.Path,
-                        help="sequence folder (default: the one that DIR/summary.json names)")
+    parser.add_argument(
+        "--sequence", metavar="SEQ", type=pathlib.Path, help="sequence folder (default: the one that DIR/summary.json names)"
+    )
     add_truth_options(parser, "truth (default: SEQ/truth.csv if it is there)")
     parser.add_argument("--out", metavar="OUT", type=pathlib.Path, help="folder for the pictures (default: DIR/plots)")
     return parser.parse_args()
@@ -32,6 +34,7 @@ def arguments() -> argparse.Namespace:
 def find_sequence(run, folder: pathlib.Path | None):
     """The sequence of a run; None, with a remark, where it is not known or has moved."""
     from polhode_ground.common.sequence import read_sequence
+
     if folder is not None:
         return read_sequence(folder)
     named = run.summary.get("sequence")
@@ -51,6 +54,7 @@ def main() -> int:
     from polhode_ground.judge.run import read_run, read_truth_for
     from polhode_ground.judge.truth import Matching
     from polhode_ground.plots import cloud, counts, errors, motion, sheet, style
+
     run = read_run(options.run)
     sequence = find_sequence(run, options.sequence)
     truth_path = options.truth or (sequence.truth_path if sequence and sequence.truth_path.exists() else None)

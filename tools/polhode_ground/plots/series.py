@@ -127,7 +127,9 @@ def velocity_series(run: Run, kind: str, truth: Motion | None) -> Series | None:
         rows, published, moved, v_true = metrics.velocity_pairs(part)
         true[rows] = v_true + published - moved
     known = np.isfinite(true).any()
-    return _series(run, kind, valid, 1e3 * scale[:, None] * motion.v_C, 1e3 * scale * motion.columns["sigma_vel"], 1e3 * true if known else None)
+    return _series(
+        run, kind, valid, 1e3 * scale[:, None] * motion.v_C, 1e3 * scale * motion.columns["sigma_vel"], 1e3 * true if known else None
+    )
 
 
 def _untrue_velocity_series(run: Run, kind: str) -> Series:
@@ -146,13 +148,16 @@ def _untrue_velocity_series(run: Run, kind: str) -> Series:
 
 def velocity_in_metres(run: Run) -> bool:
     """Whether the run itself knows the unit of the velocities that are drawn."""
-    drawn = [run.motions["smoothed"]] if "smoothed" in run.motions and run.motions["smoothed"].velocity_valid.any() else run.motions.values()
+    drawn = (
+        [run.motions["smoothed"]] if "smoothed" in run.motions and run.motions["smoothed"].velocity_valid.any() else run.motions.values()
+    )
     return all(motion.scale_known[motion.velocity_valid].all() for motion in drawn)
 
 
 def events_of(folder: pathlib.Path) -> list:
     """The event packets of a run's bus.ccsds in order; [] where there is none."""
     from polhode_bus import open_bus
+
     path = folder / "bus.ccsds"
     if not path.exists() or path.stat().st_size == 0:
         return []
@@ -168,7 +173,7 @@ def time_ns_of(packet) -> int:
 def scale_sigmas(run: Run, kind: str) -> np.ndarray:
     """Relative sigma of the scale [N] that is in each row's metres; NaN before there is one."""
     motion = run.motions[kind]
-    scale = (read_json(run.folder / "shape.json").get("scale") or {})
+    scale = read_json(run.folder / "shape.json").get("scale") or {}
     at_end = scale["sigma"] / scale["metres_per_map_unit"] if scale.get("known") and scale.get("sigma") else np.nan
     if kind == "smoothed":
         return np.full(len(motion.timestamp_ns), at_end)
@@ -213,6 +218,7 @@ def cloud_and_path(run: Run, truth: Motion | None):
     """(cloud [N,3], camera path [M,3], rows [M] of its motion file, that file's kind, alignment or None, unit) or None."""
     from polhode_ground.judge.shape import cloud_in_truth, read_cloud
     from polhode_ground.judge.aligned import align_last
+
     kind = next((kind for kind in ("smoothed", "causal") if kind in run.motions and run.motions[kind].pose_valid.any()), None)
     path = next((run.folder / name for name in ("cloud.ply", "cloud_raw.ply") if (run.folder / name).exists()), None)
     if kind is None or path is None:

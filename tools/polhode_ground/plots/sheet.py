@@ -30,8 +30,7 @@ class Observations:
 
     def of(self, timestamp_ns: int) -> "Observations":
         rows = np.flatnonzero(self.timestamp_ns == timestamp_ns)
-        return Observations(self.timestamp_ns[rows], self.landmark[rows], self.seen_px[rows], self.predicted_px[rows],
-                            self.inlier[rows])
+        return Observations(self.timestamp_ns[rows], self.landmark[rows], self.seen_px[rows], self.predicted_px[rows], self.inlier[rows])
 
 
 def read_observations(path) -> Observations | None:
@@ -48,8 +47,13 @@ def read_observations(path) -> Observations | None:
         timestamp_ns = np.array([int(cell) for cell in cells["timestamp_ns"]], dtype=np.int64)
     except ValueError:
         raise BadInput(f"{path}: timestamp_ns holds something that is not a whole number") from None
-    return Observations(timestamp_ns, value["landmark"], np.stack([value["u_px"], value["v_px"]], axis=1),
-                        np.stack([value["predicted_u_px"], value["predicted_v_px"]], axis=1), value["inlier"] > 0)
+    return Observations(
+        timestamp_ns,
+        value["landmark"],
+        np.stack([value["u_px"], value["v_px"]], axis=1),
+        np.stack([value["predicted_u_px"], value["predicted_v_px"]], axis=1),
+        value["inlier"] > 0,
+    )
 
 
 def _choose(run, sequence, observations) -> list[int]:
@@ -68,21 +72,20 @@ def _window(points_px: np.ndarray, width_px: int, height_px: int) -> tuple[float
     width = min(max((high - low)[0] * 1.35, (high - low)[1] * 1.35 * aspect, 0.12 * width_px), width_px)
     height = width / aspect
     centre = np.clip((low + high) / 2, [width / 2, height / 2], [width_px - width / 2, height_px - height / 2])
-    return (centre[0] - width / 2 - 0.5, centre[0] + width / 2 - 0.5,
-            centre[1] + height / 2 - 0.5, centre[1] - height / 2 - 0.5)
+    return (centre[0] - width / 2 - 0.5, centre[0] + width / 2 - 0.5, centre[1] + height / 2 - 0.5, centre[1] - height / 2 - 0.5)
 
 
 def _trails(axis, now: Observations, before: list[Observations]) -> None:
     """Lines from where each inlier was seen in the frames before to where it is seen now."""
     segments = []
-    end = {int(number): point for number, point in zip(now.landmark[now.inlier], now.seen_px[now.inlier])
-           if np.isfinite(number)}
+    end = {int(number): point for number, point in zip(now.landmark[now.inlier], now.seen_px[now.inlier]) if np.isfinite(number)}
     for earlier in before:
         places = {int(number): point for number, point in zip(earlier.landmark, earlier.seen_px) if np.isfinite(number)}
         segments += [(places[number], end[number]) for number in places if number in end]
         end = {number: places.get(number, point) for number, point in end.items()}
     if segments:
         from matplotlib.collections import LineCollection
+
         axis.add_collection(LineCollection(segments, colors=style.CAUSAL, linewidths=0.6, alpha=0.8))
 
 
@@ -124,8 +127,12 @@ def _title(run, index: int, timestamp_ns: int) -> str:
 
 
 def _legend(figure, observed: bool) -> None:
-    marks = [("o", style.GOOD, "landmark seen, inlier"), ("o", style.BAD, "landmark seen, rejected"),
-             ("+", style.TRUTH, "landmark reprojected"), (".", TRACK, "track, no landmark yet")]
+    marks = [
+        ("o", style.GOOD, "landmark seen, inlier"),
+        ("o", style.BAD, "landmark seen, rejected"),
+        ("+", style.TRUTH, "landmark reprojected"),
+        (".", TRACK, "track, no landmark yet"),
+    ]
     handles = [Line2D([], [], marker=m, color=c, ls="", mfc="none" if m == "o" else c, label=t) for m, c, t in marks]
     handles.append(Line2D([], [], color=style.CAUSAL, label=f"way through the last {TRAIL_FRAMES} frames"))
     if not observed:
@@ -153,7 +160,7 @@ def draw(run, sequence, folder, prefix: str = "") -> list:
         if observations is None:
             pixels = _draw_cloud(axis, run, sequence, timestamp_ns, points_E)
         else:
-            before = [observations.of(int(t)) for t in sequence.timestamp_ns[max(0, index - TRAIL_FRAMES):index][::-1]]
+            before = [observations.of(int(t)) for t in sequence.timestamp_ns[max(0, index - TRAIL_FRAMES) : index][::-1]]
             now = observations.of(timestamp_ns)
             _trails(axis, now, before)
             pixels = _draw_observations(axis, now)

@@ -25,10 +25,22 @@ MINUTES_FROM_S = 1200  # longer runs are drawn in minutes
 
 def prepare(folder: pathlib.Path) -> None:
     """Sets the defaults and makes the folder."""
-    matplotlib.rcParams.update({
-        "figure.dpi": DPI, "savefig.dpi": DPI, "font.size": 10, "axes.grid": True, "grid.color": "#e3e3e3",
-        "grid.linewidth": 0.6, "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
-        "legend.frameon": False, "axes.xmargin": 0.01, "figure.constrained_layout.use": True})
+    matplotlib.rcParams.update(
+        {
+            "figure.dpi": DPI,
+            "savefig.dpi": DPI,
+            "font.size": 10,
+            "axes.grid": True,
+            "grid.color": "#e3e3e3",
+            "grid.linewidth": 0.6,
+            "axes.spines.top": False,
+            "axes.spines.right": False,
+            "axes.axisbelow": True,
+            "legend.frameon": False,
+            "axes.xmargin": 0.01,
+            "figure.constrained_layout.use": True,
+        }
+    )
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
@@ -37,6 +49,7 @@ def prepare(folder: pathlib.Path) -> None:
 
 def save(figure, folder: pathlib.Path, name: str) -> pathlib.Path:
     from polhode_ground.common.whole_file import MARK, beside
+
     path = folder / name
     try:
         with beside(path) as part:

@@ -36,7 +36,7 @@ def thinned(seconds: np.ndarray, *columns: np.ndarray) -> list[np.ndarray]:
 
 def colour(name: str, opacity: float) -> str:
     """'#rrggbb' as rgba()."""
-    return f"rgba({', '.join(str(int(name[i:i + 2], 16)) for i in (1, 3, 5))}, {opacity})"
+    return f"rgba({', '.join(str(int(name[i : i + 2], 16)) for i in (1, 3, 5))}, {opacity})"
 
 
 def _stacked(rows: int, titles) -> go.Figure:
@@ -46,8 +46,13 @@ def _stacked(rows: int, titles) -> go.Figure:
 
 
 def laid_out(figure: go.Figure, x_title: str = "time [s]") -> go.Figure:
-    figure.update_layout(template="plotly_white", margin={"l": 60, "r": 15, "t": 40, "b": 40}, font={"size": 13}, hovermode="closest",
-                         legend={"orientation": "h", "yanchor": "top", "y": -0.12 * HEIGHT_PX[3] / figure.layout.height, "x": 0})
+    figure.update_layout(
+        template="plotly_white",
+        margin={"l": 60, "r": 15, "t": 40, "b": 40},
+        font={"size": 13},
+        hovermode="closest",
+        legend={"orientation": "h", "yanchor": "top", "y": -0.12 * HEIGHT_PX[3] / figure.layout.height, "x": 0},
+    )
     figure.update_annotations(font_size=13, x=0, xanchor="left")
     figure.update_xaxes(title_text=x_title, row=None if not figure._grid_ref else len(figure._grid_ref))
     return figure
@@ -63,9 +68,22 @@ def _band(figure, row: int, seconds, value, sigma, kind: str, show: bool) -> Non
         if good.sum() < 2:
             continue
         x, low, high = seconds[part][good], (value - sigma)[part][good], (value + sigma)[part][good]
-        figure.add_trace(go.Scatter(x=np.concatenate([x, x[::-1]]), y=np.concatenate([high, low[::-1]]).astype(np.float32), fill="toself", mode="lines", line={"width": 0},
-                                    fillcolor=colour(style.KIND_COLOURS[kind], 0.25), hoverinfo="skip", name=name, legendgroup=name,
-                                    showlegend=show), row=row, col=1)
+        figure.add_trace(
+            go.Scatter(
+                x=np.concatenate([x, x[::-1]]),
+                y=np.concatenate([high, low[::-1]]).astype(np.float32),
+                fill="toself",
+                mode="lines",
+                line={"width": 0},
+                fillcolor=colour(style.KIND_COLOURS[kind], 0.25),
+                hoverinfo="skip",
+                name=name,
+                legendgroup=name,
+                showlegend=show,
+            ),
+            row=row,
+            col=1,
+        )
         show = False
 
 
@@ -77,11 +95,34 @@ def _components(found: list[series.Series], names: list[str], truth_name: str) -
         for i in range(3):
             _band(figure, i + 1, seconds, value[:, i], sigma, one.kind, i == 0)
             if rest:
-                figure.add_trace(go.Scatter(x=seconds, y=rest[0][:, i].astype(np.float32), mode="lines", name=f"{truth_name}, {style.KIND_NAMES[one.kind]}",
-                                            legendgroup=f"truth{one.kind}", showlegend=i == 0, opacity=0.55, line={"color": style.TRUTH, "width": 5}), row=i + 1, col=1)
-            figure.add_trace(go.Scatter(x=seconds, y=value[:, i].astype(np.float32), mode="markers" if one.kind == "causal" else "lines", name=style.KIND_NAMES[one.kind],
-                                        legendgroup=one.kind, showlegend=i == 0, marker={"size": 3, "color": style.KIND_COLOURS[one.kind]},
-                                        line={"color": style.KIND_COLOURS[one.kind], "width": 1.5}), row=i + 1, col=1)
+                figure.add_trace(
+                    go.Scatter(
+                        x=seconds,
+                        y=rest[0][:, i].astype(np.float32),
+                        mode="lines",
+                        name=f"{truth_name}, {style.KIND_NAMES[one.kind]}",
+                        legendgroup=f"truth{one.kind}",
+                        showlegend=i == 0,
+                        opacity=0.55,
+                        line={"color": style.TRUTH, "width": 5},
+                    ),
+                    row=i + 1,
+                    col=1,
+                )
+            figure.add_trace(
+                go.Scatter(
+                    x=seconds,
+                    y=value[:, i].astype(np.float32),
+                    mode="markers" if one.kind == "causal" else "lines",
+                    name=style.KIND_NAMES[one.kind],
+                    legendgroup=one.kind,
+                    showlegend=i == 0,
+                    marker={"size": 3, "color": style.KIND_COLOURS[one.kind]},
+                    line={"color": style.KIND_COLOURS[one.kind], "width": 1.5},
+                ),
+                row=i + 1,
+                col=1,
+            )
     for i in range(3):
         values = [one.value[:, i] for one in found] + [one.truth[:, i] for one in found if one.truth is not None]
         figure.update_yaxes(range=style.robust_limits(np.empty(0), values), row=i + 1, col=1)
@@ -110,12 +151,27 @@ def errors(material: Material) -> go.Figure | None:
     figure = _stacked(3, ["attitude [deg]", "position, scale as published [% of range]", "position, scale fitted [% of range]"])
     for one in found:
         name, line = style.KIND_NAMES[one.kind], style.KIND_COLOURS[one.kind]
-        pairs = ((one.attitude_deg, one.sigma_attitude_deg), (one.position, one.sigma_position), (one.shape_position, one.sigma_shape_position))
+        pairs = (
+            (one.attitude_deg, one.sigma_attitude_deg),
+            (one.position, one.sigma_position),
+            (one.shape_position, one.sigma_shape_position),
+        )
         for row, (error, sigma) in enumerate(pairs, 1):
             seconds, error, sigma = thinned(one.seconds, error, sigma)
             for values, dash, label in ((error, None, f"{name}, error"), (sigma, "dash", f"{name}, its 1 sigma")):
-                figure.add_trace(go.Scatter(x=seconds, y=values.astype(np.float32), mode="lines", line={"color": line, "dash": dash, "width": 1.5},
-                                            name=label, legendgroup=label, showlegend=row == 1), row=row, col=1)
+                figure.add_trace(
+                    go.Scatter(
+                        x=seconds,
+                        y=values.astype(np.float32),
+                        mode="lines",
+                        line={"color": line, "dash": dash, "width": 1.5},
+                        name=label,
+                        legendgroup=label,
+                        showlegend=row == 1,
+                    ),
+                    row=row,
+                    col=1,
+                )
     figure.update_yaxes(type="log", dtick=1, exponentformat="none")
     return laid_out(figure)
 
@@ -130,13 +186,33 @@ def timeline(material: Material) -> go.Figure:
     shown = set()
     for first, end in zip(edges[:-1], edges[1:]):
         mode, length = modes[first], seconds[end - 1] - seconds[first] + step
-        figure.add_trace(go.Bar(x=[length], base=[seconds[first] - step / 2], y=["mode"], orientation="h", name=mode, legendgroup=mode, showlegend=mode not in shown,
-                                marker={"color": style.MODE_COLOURS.get(mode, "#cccccc"), "line": {"width": 0}}, hovertemplate=f"{mode}: frames {first} to {end - 1}<extra></extra>"))
+        figure.add_trace(
+            go.Bar(
+                x=[length],
+                base=[seconds[first] - step / 2],
+                y=["mode"],
+                orientation="h",
+                name=mode,
+                legendgroup=mode,
+                showlegend=mode not in shown,
+                marker={"color": style.MODE_COLOURS.get(mode, "#cccccc"), "line": {"width": 0}},
+                hovertemplate=f"{mode}: frames {first} to {end - 1}<extra></extra>",
+            )
+        )
         shown.add(mode)
     if material.events:
         times = np.array([series.time_ns_of(event) - int(motion.timestamp_ns[0]) for event in material.events]) * 1e-9
-        figure.add_trace(go.Scatter(x=times, y=["events"] * len(times), mode="markers", name="event (touch for its text)", marker={"symbol": "line-ns-open", "size": 16, "color": "#333333"},
-                                    text=[event.text for event in material.events], hovertemplate="%{x:.1f} s: %{text}<extra></extra>"))
+        figure.add_trace(
+            go.Scatter(
+                x=times,
+                y=["events"] * len(times),
+                mode="markers",
+                name="event (touch for its text)",
+                marker={"symbol": "line-ns-open", "size": 16, "color": "#333333"},
+                text=[event.text for event in material.events],
+                hovertemplate="%{x:.1f} s: %{text}<extra></extra>",
+            )
+        )
     figure.update_layout(height=HEIGHT_PX[1] - 80, barmode="overlay", bargap=0.3)
     figure = laid_out(figure)
     figure.update_layout(legend={"y": 1.02, "yanchor": "bottom"})
@@ -145,7 +221,10 @@ def timeline(material: Material) -> go.Figure:
 
 def counts(material: Material) -> go.Figure | None:
     motion = material.run.motions.get("causal") or next(iter(material.run.motions.values()))
-    groups = ((("features", "#7a8087"), ("matches", style.CAUSAL), ("inliers", style.GOOD)), (("landmarks", style.SMOOTHED), ("keyframes", "#6b4c9a")))
+    groups = (
+        (("features", "#7a8087"), ("matches", style.CAUSAL), ("inliers", style.GOOD)),
+        (("landmarks", style.SMOOTHED), ("keyframes", "#6b4c9a")),
+    )
     if not any(np.isfinite(motion.columns[name]).any() for group in groups for name, _ in group):
         return None
     figure = _stacked(2, ["points in each frame", "landmarks and keyframes in the map"])
@@ -162,7 +241,11 @@ def step_times(material: Material) -> go.Figure | None:
     if not np.isfinite(motion.columns["step_us"]).any():
         return None
     seconds, values = thinned(motion.seconds, motion.columns["step_us"] / 1e3)
-    figure = go.Figure(go.Scatter(x=seconds, y=values, mode="markers", marker={"size": 4, "color": style.BAD}, name="time of each step [ms]", showlegend=True))
+    figure = go.Figure(
+        go.Scatter(
+            x=seconds, y=values, mode="markers", marker={"size": 4, "color": style.BAD}, name="time of each step [ms]", showlegend=True
+        )
+    )
     figure.update_layout(height=HEIGHT_PX[1])
     figure.update_yaxes(title_text="ms", rangemode="tozero")
     return laid_out(figure)
@@ -177,12 +260,44 @@ def prediction(material: Material) -> go.Figure | None:
     figure = _stacked(2, ["predicted rate, target's axes [deg/s]", "attitude: cone of one sigma [deg]"])
     w, sigma = np.degrees([row["w_T_rad_s"] for row in rows]), np.degrees([row.get("sigma_rate_rad_s") or np.nan for row in rows])
     for i, line in enumerate(("#0b4f9e", "#2ca02c", "#9467bd")):
-        figure.add_trace(go.Scatter(x=ahead, y=w[:, i], error_y={"type": "data", "array": sigma, "thickness": 1}, mode="markers", name=f"w_{AXES[i]}", marker={"color": line}), row=1, col=1)
+        figure.add_trace(
+            go.Scatter(
+                x=ahead,
+                y=w[:, i],
+                error_y={"type": "data", "array": sigma, "thickness": 1},
+                mode="markers",
+                name=f"w_{AXES[i]}",
+                marker={"color": line},
+            ),
+            row=1,
+            col=1,
+        )
     cone = np.degrees([row.get("sigma_att_rad") or np.nan for row in rows])
-    figure.add_trace(go.Scatter(x=np.concatenate([ahead, ahead[::-1]]), y=np.concatenate([cone, -cone[::-1]]), fill="toself", mode="lines", line={"width": 0},
-                                fillcolor=colour(style.SMOOTHED, 0.25), name="1 sigma about the prediction"), row=2, col=1)
+    figure.add_trace(
+        go.Scatter(
+            x=np.concatenate([ahead, ahead[::-1]]),
+            y=np.concatenate([cone, -cone[::-1]]),
+            fill="toself",
+            mode="lines",
+            line={"width": 0},
+            fillcolor=colour(style.SMOOTHED, 0.25),
+            name="1 sigma about the prediction",
+        ),
+        row=2,
+        col=1,
+    )
     aligned = best_alignment(material.run, material.truth) if material.truth is not None else None
     judged = judge_prediction(material.run.folder / "motion_model.json", aligned) or []
     if len([one for one in judged if one["ahead_s"] > 0]):
-        figure.add_trace(go.Scatter(x=[one["ahead_s"] for one in judged], y=[one["attitude_deg"] for one in judged], mode="markers", name="error", marker={"color": style.TRUTH}), row=2, col=1)
+        figure.add_trace(
+            go.Scatter(
+                x=[one["ahead_s"] for one in judged],
+                y=[one["attitude_deg"] for one in judged],
+                mode="markers",
+                name="error",
+                marker={"color": style.TRUTH},
+            ),
+            row=2,
+            col=1,
+        )
     return laid_out(figure, "seconds after the last frame of the fit")

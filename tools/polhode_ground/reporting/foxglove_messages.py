@@ -16,10 +16,18 @@ from polhode_ground.plots.series import time_ns_of
 from polhode_ground.reporting.gather import Material
 
 CAMERA_FRAME = "C"  # as the pictures' frame_id
-CLOUD_FIELDS = (("x", "<f4", PackedElementField.FLOAT32), ("y", "<f4", PackedElementField.FLOAT32), ("z", "<f4", PackedElementField.FLOAT32),
-                ("sigma", "<f4", PackedElementField.FLOAT32), ("views", "<i4", PackedElementField.INT32), ("added", "u1", PackedElementField.UINT8),
-                ("red", "u1", PackedElementField.UINT8), ("green", "u1", PackedElementField.UINT8), ("blue", "u1", PackedElementField.UINT8),
-                ("alpha", "u1", PackedElementField.UINT8))
+CLOUD_FIELDS = (
+    ("x", "<f4", PackedElementField.FLOAT32),
+    ("y", "<f4", PackedElementField.FLOAT32),
+    ("z", "<f4", PackedElementField.FLOAT32),
+    ("sigma", "<f4", PackedElementField.FLOAT32),
+    ("views", "<i4", PackedElementField.INT32),
+    ("added", "u1", PackedElementField.UINT8),
+    ("red", "u1", PackedElementField.UINT8),
+    ("green", "u1", PackedElementField.UINT8),
+    ("blue", "u1", PackedElementField.UINT8),
+    ("alpha", "u1", PackedElementField.UINT8),
+)
 
 
 def target_frame_name(kind: str) -> str:
@@ -28,9 +36,16 @@ def target_frame_name(kind: str) -> str:
 
 def calibration(camera: Camera, time_ns: int) -> CameraCalibration:
     fu, fv, cu, cv = (float(value) for value in camera.intrinsics_px)
-    message = CameraCalibration(frame_id=CAMERA_FRAME, width=camera.width_px, height=camera.height_px, distortion_model="plumb_bob",
-                                D=[*(float(value) for value in camera.distortion), 0.0], K=[fu, 0, cu, 0, fv, cv, 0, 0, 1],
-                                R=[1, 0, 0, 0, 1, 0, 0, 0, 1], P=[fu, 0, cu, 0, 0, fv, cv, 0, 0, 0, 1, 0])
+    message = CameraCalibration(
+        frame_id=CAMERA_FRAME,
+        width=camera.width_px,
+        height=camera.height_px,
+        distortion_model="plumb_bob",
+        D=[*(float(value) for value in camera.distortion), 0.0],
+        K=[fu, 0, cu, 0, fv, cv, 0, 0, 1],
+        R=[1, 0, 0, 0, 1, 0, 0, 0, 1],
+        P=[fu, 0, cu, 0, 0, fv, cv, 0, 0, 0, 1, 0],
+    )
     message.timestamp.FromNanoseconds(time_ns)
     return message
 
@@ -58,8 +73,12 @@ def cloud(path: pathlib.Path, time_ns: int) -> PointCloud | None:
         values = property_of(mesh, name, count)
         if values is not None:
             rows[name] = values
-    message = PointCloud(frame_id=target_frame_name("smoothed"), point_stride=rows.dtype.itemsize, data=rows.tobytes(),
-                         fields=[PackedElementField(name=name, offset=rows.dtype.fields[name][1], type=kind) for name, _, kind in CLOUD_FIELDS])
+    message = PointCloud(
+        frame_id=target_frame_name("smoothed"),
+        point_stride=rows.dtype.itemsize,
+        data=rows.tobytes(),
+        fields=[PackedElementField(name=name, offset=rows.dtype.fields[name][1], type=kind) for name, _, kind in CLOUD_FIELDS],
+    )
     message.pose.orientation.w = 1.0
     message.timestamp.FromNanoseconds(time_ns)
     return message

@@ -55,5 +55,7 @@ def picked(material: Material) -> list[dict]:
         scale = min(1.0, WIDTH_PX / picture.shape[1])
         small = cv2.resize(picture, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
         jpeg = cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, 85])[1].tobytes()
-        shown.append({"title": f"frame {index}, {seconds:.1f} s, {mode}{'' if has_pose else ', no pose'}", "jpeg": base64.b64encode(jpeg).decode()})
+        shown.append(
+            {"title": f"frame {index}, {seconds:.1f} s, {mode}{'' if has_pose else ', no pose'}", "jpeg": base64.b64encode(jpeg).decode()}
+        )
     return shown

@@ -55,12 +55,20 @@ def _truth_of(run: Run, sequence: Sequence | None, asked: pathlib.Path | None, m
         return None
 
 
-def gather(folder: pathlib.Path, sequence: pathlib.Path | None = None, truth: pathlib.Path | None = None,
-           matching: Matching = Matching()) -> Material:
+def gather(
+    folder: pathlib.Path, sequence: pathlib.Path | None = None, truth: pathlib.Path | None = None, matching: Matching = Matching()
+) -> Material:
     run, remarks = read_run(folder), []
     found = _sequence_of(run, sequence, remarks)
-    material = Material(run, read_json(folder / "motion_model.json"), read_json(folder / "shape.json"), series.events_of(folder), found,
-                        _truth_of(run, found, truth, matching, remarks), remarks=remarks)
+    material = Material(
+        run,
+        read_json(folder / "motion_model.json"),
+        read_json(folder / "shape.json"),
+        series.events_of(folder),
+        found,
+        _truth_of(run, found, truth, matching, remarks),
+        remarks=remarks,
+    )
     if found is not None:
         found.see_as(run.summary)
         material.sensor = found.fields

@@ -45,32 +45,93 @@ def sections(material: Material) -> list[dict]:
     known = material.truth is not None
     approach = corridor.corridor(material)
     return [
-        _section("When what happened", "The mode of the estimator and its own events. ACQUIRING: it looks for the target's motion. TRACKING: poses come from what is seen. "
-                 "COASTING: they are predicted. LOST: there are none.", figures.timeline(material)),
-        _section("How it turns", f"Angular velocity in the body's axes{', beside the truth in red' if known else ''}. Dots: as it was known at each frame. Line: from all frames. "
-                 "Bands: one sigma.", figures.rates(material)),
-        _section("How it moves", "Velocity of the body's origin in camera axes; z is away from the camera. The origin circles the centre of mass, so a turning body shows waves.",
-                 figures.velocity(material)),
-        *([_section("How wrong it is", "Distance from the truth (line) and what the estimator itself promised (dashes). The line should mostly be below 2.8 times its dashes. "
-                    "The published sigma of a position holds the scale's; the last panel shows both without it.", figures.errors(material))] if known else []),
-        _section("The motion as a law", "What a free body's motion fixes: periods, ratios of the moments of inertia, centre of mass. Below, where it will be: bars and band are one sigma.",
-                 figures.prediction(material), tables.motion_rows(material), "No torque-free motion was fitted, so nothing is predicted."),
-        *([_section("Where it may be approached", "The corridor of one face, from corridor.csv. Green: open, as the face looks at the servicer and its normal is known well enough.",
-                    approach)] if approach is not None else []),
-        _section("What it looks like", "Drag to turn, scroll to come nearer. Touch a name below the picture to hide or show it; surface and camera's path are hidden at first.", scene.scene(material),
-                 tables.shape_rows(material), "No cloud was made."),
-        _section("What each frame gave", "Few features: the target is small, dark or smooth. Few inliers: it was seen, but did not fit the map.", figures.counts(material)),
-        _section("What it cost", "Time and memory on the machine of this run.", figures.step_times(material), tables.machine_rows(material)),
+        _section(
+            "When what happened",
+            "The mode of the estimator and its own events. ACQUIRING: it looks for the target's motion. TRACKING: poses come from what is seen. "
+            "COASTING: they are predicted. LOST: there are none.",
+            figures.timeline(material),
+        ),
+        _section(
+            "How it turns",
+            f"Angular velocity in the body's axes{', beside the truth in red' if known else ''}. Dots: as it was known at each frame. Line: from all frames. "
+            "Bands: one sigma.",
+            figures.rates(material),
+        ),
+        _section(
+            "How it moves",
+            "Velocity of the body's origin in camera axes; z is away from the camera. The origin circles the centre of mass, so a turning body shows waves.",
+            figures.velocity(material),
+        ),
+        *(
+            [
+                _section(
+                    "How wrong it is",
+                    "Distance from the truth (line) and what the estimator itself promised (dashes). The line should mostly be below 2.8 times its dashes. "
+                    "The published sigma of a position holds the scale's; the last panel shows both without it.",
+                    figures.errors(material),
+                )
+            ]
+            if known
+            else []
+        ),
+        _section(
+            "The motion as a law",
+            "What a free body's motion fixes: periods, ratios of the moments of inertia, centre of mass. Below, where it will be: bars and band are one sigma.",
+            figures.prediction(material),
+            tables.motion_rows(material),
+            "No torque-free motion was fitted, so nothing is predicted.",
+        ),
+        *(
+            [
+                _section(
+                    "Where it may be approached",
+                    "The corridor of one face, from corridor.csv. Green: open, as the face looks at the servicer and its normal is known well enough.",
+                    approach,
+                )
+            ]
+            if approach is not None
+            else []
+        ),
+        _section(
+            "What it looks like",
+            "Drag to turn, scroll to come nearer. Touch a name below the picture to hide or show it; surface and camera's path are hidden at first.",
+            scene.scene(material),
+            tables.shape_rows(material),
+            "No cloud was made.",
+        ),
+        _section(
+            "What each frame gave",
+            "Few features: the target is small, dark or smooth. Few inliers: it was seen, but did not fit the map.",
+            figures.counts(material),
+        ),
+        _section(
+            "What it cost", "Time and memory on the machine of this run.", figures.step_times(material), tables.machine_rows(material)
+        ),
     ]
 
 
 def page(material: Material) -> str:
-    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(pathlib.Path(__file__).parent), autoescape=True, undefined=jinja2.StrictUndefined)
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(pathlib.Path(__file__).parent), autoescape=True, undefined=jinja2.StrictUndefined
+    )
     made = sections(material)
     header, truth_rows = tables.truth_rows(material)
     sequence = material.run.summary.get("sequence") or material.run.name
     return environment.get_template(TEMPLATE).render(
-        mark=MARK, title=pathlib.Path(str(sequence)).name, warnings=words.warnings(material), acquired=words.acquired(material), result=words.result(material), tiles=tiles(material), frames=frames.picked(material),
-        sections=made, has_figures=any(one["figure"] for one in made), plotly=get_plotlyjs(), truth_header=header, truth_rows=truth_rows,
-        counters=tables.counter_rows(material), folder=str(material.run.folder), version=material.run.summary.get("version", "unknown"),
-        bus=str(lookup(material.run.summary, "bus.sha256") or ""))
+        mark=MARK,
+        title=pathlib.Path(str(sequence)).name,
+        warnings=words.warnings(material),
+        acquired=words.acquired(material),
+        result=words.result(material),
+        tiles=tiles(material),
+        frames=frames.picked(material),
+        sections=made,
+        has_figures=any(one["figure"] for one in made),
+        plotly=get_plotlyjs(),
+        truth_header=header,
+        truth_rows=truth_rows,
+        counters=tables.counter_rows(material),
+        folder=str(material.run.folder),
+        version=material.run.summary.get("version", "unknown"),
+        bus=str(lookup(material.run.summary, "bus.sha256") or ""),
+    )

@@ -30,8 +30,17 @@ def _at(recording, time_ns: int) -> None:
 def _log_camera(rr, recording, sequence) -> None:
     fu, fv, cu, cv = sequence.camera.intrinsics_px
     # Rerun's pixels begin at their corner, ours are named by their centre. It knows no distortion.
-    recording.log("camera", rr.Pinhole(focal_length=[fu, fv], principal_point=[cu + 0.5, cv + 0.5], width=sequence.camera.width_px,
-                                       height=sequence.camera.height_px, camera_xyz=rr.ViewCoordinates.RDF), static=True)
+    recording.log(
+        "camera",
+        rr.Pinhole(
+            focal_length=[fu, fv],
+            principal_point=[cu + 0.5, cv + 0.5],
+            width=sequence.camera.width_px,
+            height=sequence.camera.height_px,
+            camera_xyz=rr.ViewCoordinates.RDF,
+        ),
+        static=True,
+    )
 
 
 def _log_pictures(rr, recording, sequence) -> None:
@@ -62,8 +71,13 @@ def _log_body(rr, recording, entity: str, folder: pathlib.Path) -> None:
     surface = load_ply(folder / "surface.ply") if (folder / "surface.ply").exists() else None
     if len(getattr(surface, "faces", ())):
         added = property_of(surface, "added", len(surface.vertices))
-        colours = np.where((np.zeros(len(surface.vertices)) if added is None else added)[:, None] > 0, (240, 140, 40, 90), (120, 150, 190, 90))
-        recording.log(f"{entity}/surface", rr.Mesh3D(vertex_positions=surface.vertices, triangle_indices=surface.faces, vertex_colors=colours.astype(np.uint8)))
+        colours = np.where(
+            (np.zeros(len(surface.vertices)) if added is None else added)[:, None] > 0, (240, 140, 40, 90), (120, 150, 190, 90)
+        )
+        recording.log(
+            f"{entity}/surface",
+            rr.Mesh3D(vertex_positions=surface.vertices, triangle_indices=surface.faces, vertex_colors=colours.astype(np.uint8)),
+        )
 
 
 def _log_poses(rr, recording, kind: str, motion: Motion, length: float, folder: pathlib.Path | None) -> int:
@@ -115,9 +129,16 @@ def _log_words(rr, recording, material: Material) -> None:
 def _blueprint():
     """The surface is in the scene alone: over the picture it would hide what the camera saw."""
     import rerun.blueprint as rrb
-    return rrb.Blueprint(rrb.Horizontal(
-        rrb.Vertical(rrb.Spatial3DView(origin="/", name="target before the camera"), rrb.Spatial2DView(origin="camera", contents=["/**", "- /target/smoothed/surface"], name="picture")),
-        rrb.Vertical(rrb.TimeSeriesView(origin="rates", name="angular velocity"), rrb.TextLogView(origin="/", name="modes and events"))))
+
+    return rrb.Blueprint(
+        rrb.Horizontal(
+            rrb.Vertical(
+                rrb.Spatial3DView(origin="/", name="target before the camera"),
+                rrb.Spatial2DView(origin="camera", contents=["/**", "- /target/smoothed/surface"], name="picture"),
+            ),
+            rrb.Vertical(rrb.TimeSeriesView(origin="rates", name="angular velocity"), rrb.TextLogView(origin="/", name="modes and events")),
+        )
+    )
 
 
 def write_rrd(material: Material, path: pathlib.Path) -> int:

@@ -71,8 +71,13 @@ def lines_of_sight(folder: pathlib.Path) -> tuple[np.ndarray, np.ndarray]:
     places = {int(number): place for place, number in enumerate(numbers if numbers is not None else ())}
     camera_T = np.full((len(last.timestamp_ns), 3), np.nan)
     camera_T[last.pose_valid] = -align.rotations(last.q_CT[last.pose_valid]).inv().apply(last.p_CT[last.pose_valid])
-    seen = [(places[number], rows[time_ns]) for time_ns, found in observations_by_time(folder / "observations.csv") if time_ns in rows
-            for number, (_, _, inlier) in found.items() if inlier and number in places]
+    seen = [
+        (places[number], rows[time_ns])
+        for time_ns, found in observations_by_time(folder / "observations.csv")
+        if time_ns in rows
+        for number, (_, _, inlier) in found.items()
+        if inlier and number in places
+    ]
     if not seen:
         return np.empty((0, 3)), np.empty((0, 3))
     at, row = np.array(seen).T
@@ -91,6 +96,7 @@ def within(hull: ConvexHull, points: np.ndarray) -> np.ndarray:
 def unseen_sides(hull: ConvexHull, points: np.ndarray, sight: tuple[np.ndarray, np.ndarray], pitch: float) -> tuple[np.ndarray, np.ndarray]:
     """(points, normals) on the convex hull where nothing was measured and no line of sight leaves the body: there the hull is the best guess."""
     import trimesh
+
     facets = trimesh.Trimesh(hull.points, hull.simplices, process=False)
     samples, faces = trimesh.sample.sample_surface(facets, min(SIDE_POINTS_MAX, math.ceil(hull.area / pitch**2)), seed=1)
     samples, reach = np.asarray(samples), REACH_PITCHES * pitch
@@ -103,7 +109,9 @@ def unseen_sides(hull: ConvexHull, points: np.ndarray, sight: tuple[np.ndarray, 
             away = -(from_T @ hull.equations[:, :3].T + hull.equations[:, 3]) / ahead
         away = np.where(ahead > 0, away, np.inf).min(axis=1)
         leaves = from_T + np.maximum(away, 0)[:, None] * step
-        lonely &= np.array([len(near) < SIGHTS_MIN for near in cKDTree(leaves[np.isfinite(leaves).all(axis=1)]).query_ball_point(samples, reach)])
+        lonely &= np.array(
+            [len(near) < SIGHTS_MIN for near in cKDTree(leaves[np.isfinite(leaves).all(axis=1)]).query_ball_point(samples, reach)]
+        )
     return samples[lonely], hull.equations[faces[lonely], :3]
 
 
@@ -121,7 +129,9 @@ def write_points(path: pathlib.Path, points: np.ndarray, normals: np.ndarray) ->
     """As COLMAP reads them."""
     rows = np.zeros(len(points), dtype=[("place", "<f4", 3), ("normal", "<f4", 3), ("rgb", "u1", 3)])
     rows["place"], rows["normal"] = points, normals
-    names = [f"property float {name}" for name in ("x", "y", "z", "nx", "ny", "nz")] + [f"property uchar {name}" for name in ("red", "green", "blue")]
+    names = [f"property float {name}" for name in ("x", "y", "z", "nx", "ny", "nz")] + [
+        f"property uchar {name}" for name in ("red", "green", "blue")
+    ]
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}", *names, "end_header", ""]
     path.write_bytes("\n".join(header).encode() + rows.tobytes())
 
@@ -133,8 +143,18 @@ def write_surface(path: pathlib.Path, vertices: np.ndarray, faces: np.ndarray, a
     triangles = np.zeros(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
     triangles["count"], triangles["corners"] = 3, faces
     names = [*(f"property float {name}" for name in "xyz"), *(f"property uchar {name}" for name in ("red", "green", "blue", "added"))]
-    header = ["ply", "format binary_little_endian 1.0", f"comment {COMMENT}", f"comment {MARK}", f"element vertex {len(vertices)}", *names,
-              f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header", ""]
+    header = [
+        "ply",
+        "format binary_little_endian 1.0",
+        f"comment {COMMENT}",
+        f"comment {MARK}",
+        f"element vertex {len(vertices)}",
+        *names,
+        f"element face {len(faces)}",
+        "property list uchar int vertex_indices",
+        "end_header",
+        "",
+    ]
     write_whole(path, "\n".join(header).encode() + corners.tobytes() + triangles.tobytes(), ours=True)
 
 
@@ -145,9 +165,16 @@ def reconstruct(points: np.ndarray, normals: np.ndarray, pitch: float) -> tuple[
     with tempfile.TemporaryDirectory() as place:
         work = pathlib.Path(place)
         write_points(work / "points.ply", points, normals)
-        done = subprocess.run([ensure_venv(), WORKER, work / "points.ply", work / "surface.ply", str(depth), str(FACES_MAX)], capture_output=True, text=True, errors="backslashreplace")
+        done = subprocess.run(
+            [ensure_venv(), WORKER, work / "points.ply", work / "surface.ply", str(depth), str(FACES_MAX)],
+            capture_output=True,
+            text=True,
+            errors="backslashreplace",
+        )
         if done.returncode != 0:
-            raise BadInput(f"the surface can't be made: pycolmap ended with {done.returncode}: {' '.join(done.stderr.strip().splitlines()[-1:])}")
+            raise BadInput(
+                f"the surface can't be made: pycolmap ended with {done.returncode}: {' '.join(done.stderr.strip().splitlines()[-1:])}"
+            )
         mesh = load_ply(work / "surface.ply")
     if len(getattr(mesh, "faces", ())) == 0:
         raise BadInput("the surface can't be made: pycolmap found none through these points")

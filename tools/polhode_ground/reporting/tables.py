@@ -26,9 +26,16 @@ def motion_rows(material: Material) -> list[tuple[str, str, str]]:
     mean = lookup(model, "model.mean_rate_rad_s")
     if mean is not None:
         rows.append(("mean rate of rotation", f"{math.degrees(mean):.4g} deg/s", "over all frames"))
-    for name, title in (("rotation", "one rotation takes"), ("spin", "spin about the long or short axis, period"), ("precession", "precession, period")):
+    for name, title in (
+        ("rotation", "one rotation takes"),
+        ("spin", "spin about the long or short axis, period"),
+        ("precession", "precession, period"),
+    ):
         rows += _entry(lookup(model, f"periods_s.{name}"), title, "s")
-    for name, title in (("middle_over_least", "moments of inertia, middle over least"), ("largest_over_least", "moments of inertia, largest over least")):
+    for name, title in (
+        ("middle_over_least", "moments of inertia, middle over least"),
+        ("largest_over_least", "moments of inertia, largest over least"),
+    ):
         rows += _entry(lookup(model, f"inertia_ratios.{name}"), title, "")
     speed = lookup(model, "translation.speed")
     if speed is not None:
@@ -81,10 +88,15 @@ def truth_rows(material: Material) -> tuple[list[str], list[list[str]]]:
 def machine_rows(material: Material) -> list[tuple[str, str, str]]:
     summary, rows = material.run.summary, []
     for title, path, factor, unit in (
-            ("time of a step, median", "timings.step.p50_us", 1e-3, "ms"), ("time of a step, 99 of 100 below", "timings.step.p99_us", 1e-3, "ms"),
-            ("time of a step, longest", "timings.step.max_us", 1e-3, "ms"), ("processor time of a frame, mean", "cost.cpu_per_frame_s", 1e3, "ms"),
-            ("memory of the process, peak", "memory.peak_resident_octets", 1e-6, "MB"), ("memory planned", "memory.planned_octets", 1e-6, "MB"),
-            ("memory allowed", "memory.budget_octets", 1e-6, "MB"), ("telemetry", "bus.octets", 1e-3, "kB")):
+        ("time of a step, median", "timings.step.p50_us", 1e-3, "ms"),
+        ("time of a step, 99 of 100 below", "timings.step.p99_us", 1e-3, "ms"),
+        ("time of a step, longest", "timings.step.max_us", 1e-3, "ms"),
+        ("processor time of a frame, mean", "cost.cpu_per_frame_s", 1e3, "ms"),
+        ("memory of the process, peak", "memory.peak_resident_octets", 1e-6, "MB"),
+        ("memory planned", "memory.planned_octets", 1e-6, "MB"),
+        ("memory allowed", "memory.budget_octets", 1e-6, "MB"),
+        ("telemetry", "bus.octets", 1e-3, "kB"),
+    ):
         value = lookup(summary, path)
         if value is not None:
             rows.append((title, _quantity(factor * value, unit), ""))

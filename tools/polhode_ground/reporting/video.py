@@ -42,6 +42,7 @@ def observations_by_time(path: pathlib.Path) -> Iterator[tuple[int, dict[int, tu
 def surface_of(folder: pathlib.Path):
     """(vertices [N,3], faces [M,3]) of surface.ply, None where there is none."""
     import trimesh
+
     path = folder / "surface.ply"
     mesh = trimesh.load(path, process=False) if path.exists() else None
     return (np.asarray(mesh.vertices), np.asarray(mesh.faces)) if mesh is not None and hasattr(mesh, "faces") and len(mesh.faces) else None
@@ -60,7 +61,9 @@ def draw_surface(picture: np.ndarray, camera, R_CT, p_CT: np.ndarray, surface) -
         cv2.polylines(picture, net, True, SURFACE_BGR, 1, cv2.LINE_AA)
         return
     towards = corners[facing].mean(axis=1)
-    shade = np.abs(np.einsum("ij,ij->i", normals[facing], towards)) / np.maximum(np.linalg.norm(normals[facing], axis=1) * np.linalg.norm(towards, axis=1), 1e-300)
+    shade = np.abs(np.einsum("ij,ij->i", normals[facing], towards)) / np.maximum(
+        np.linalg.norm(normals[facing], axis=1) * np.linalg.norm(towards, axis=1), 1e-300
+    )
     layer, covered = np.zeros_like(picture), np.zeros(picture.shape[:2], np.uint8)
     for at in np.argsort(-np.linalg.norm(towards, axis=1)):  # the far ones first
         cv2.fillConvexPoly(layer, net[at], [float(shade[at] * 1.5 * value) for value in SURFACE_BGR])
@@ -80,7 +83,16 @@ def draw_tracks(picture: np.ndarray, history: list[dict[int, tuple[float, float,
 
 def _caption(picture: np.ndarray, index: int, seconds: float, mode: str) -> None:
     size = max(0.4, picture.shape[1] / 1600)
-    cv2.putText(picture, f"frame {index}  {seconds:.2f} s  {mode}", (8, picture.shape[0] - 10), cv2.FONT_HERSHEY_SIMPLEX, size, TEXT_BGR, 1, cv2.LINE_AA)
+    cv2.putText(
+        picture,
+        f"frame {index}  {seconds:.2f} s  {mode}",
+        (8, picture.shape[0] - 10),
+        cv2.FONT_HERSHEY_SIMPLEX,
+        size,
+        TEXT_BGR,
+        1,
+        cv2.LINE_AA,
+    )
 
 
 def pictures(material: Material) -> Iterator[np.ndarray]:
@@ -114,6 +126,7 @@ def pictures(material: Material) -> Iterator[np.ndarray]:
 def write_video(material: Material, path: pathlib.Path) -> int:
     """@return frames written."""
     import av
+
     if material.sequence is None:
         raise BadInput(f"--video {path}: {material.remarks[0] if material.remarks else 'the sequence is needed: give --sequence'}")
     count = 0
@@ -121,10 +134,12 @@ def write_video(material: Material, path: pathlib.Path) -> int:
         with beside(path) as part, av.open(str(part), "w", format="mp4") as container:
             container.metadata["comment"] = MARK
             stream = container.add_stream("libx264", rate=RATE_HZ, options={"crf": "20"})
-            stream.width, stream.height = (size - size % 2 for size in (material.sequence.camera.width_px, material.sequence.camera.height_px))
+            stream.width, stream.height = (
+                size - size % 2 for size in (material.sequence.camera.width_px, material.sequence.camera.height_px)
+            )
             stream.pix_fmt = "yuv420p"  # what every player shows; it needs even sizes
             for picture in pictures(material):
-                frame = np.ascontiguousarray(picture[:stream.height, :stream.width])
+                frame = np.ascontiguousarray(picture[: stream.height, : stream.width])
                 container.mux(stream.encode(av.VideoFrame.from_ndarray(frame, format="bgr24")))
                 count += 1
             container.mux(stream.encode(None))

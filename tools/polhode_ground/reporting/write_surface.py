@@ -17,12 +17,16 @@ from polhode_ground.common.venv import enter_venv, run_main
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter,
-                                     epilog="Exit status: 0 made; 2 unusable input (one line says which).")
+    parser = argparse.ArgumentParser(
+        description=__doc__.strip(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="Exit status: 0 made; 2 unusable input (one line says which).",
+    )
     parser.add_argument("run", metavar="DIR", type=pathlib.Path, help="output folder of a replay")
     options = parser.parse_args()
     from polhode_ground.common.errors import BadInput
     from polhode_ground.reporting.surface import make_surface
+
     try:
         faces, measured = make_surface(options.run)
     except OSError as problem:

@@ -142,9 +142,9 @@ def share_samples(image):
 def _cubic_weights(t):
     """Catmull-Rom weights (4, N) for fractions t in [0, 1)."""
     t2, t3 = t * t, t * t * t
-    return np.stack(
-        [-0.5 * t + t2 - 0.5 * t3, 1 - 2.5 * t2 + 1.5 * t3, 0.5 * t + 2 * t2 - 1.5 * t3, -0.5 * t2 + 0.5 * t3]
-    ).astype(np.float32)
+    return np.stack([-0.5 * t + t2 - 0.5 * t3, 1 - 2.5 * t2 + 1.5 * t3, 0.5 * t + 2 * t2 - 1.5 * t3, -0.5 * t2 + 0.5 * t3]).astype(
+        np.float32
+    )
 
 
 def sample_cubic(image, uv):

@@ -168,12 +168,8 @@ def _room(unit):
             "whiteboard",
             0.1 * unit,
         ),
-        mesh.box(
-            "poster_a", [1.0 * unit, d - 0.3 * unit, -1.2 * unit], [4.5 * unit, d - 0.1 * unit, 4 * unit], "poster_a"
-        ),
-        mesh.box(
-            "poster_b", [6.5 * unit, d - 0.3 * unit, 1 * unit], [11 * unit, d - 0.1 * unit, 5.5 * unit], "poster_b"
-        ),
+        mesh.box("poster_a", [1.0 * unit, d - 0.3 * unit, -1.2 * unit], [4.5 * unit, d - 0.1 * unit, 4 * unit], "poster_a"),
+        mesh.box("poster_b", [6.5 * unit, d - 0.3 * unit, 1 * unit], [11 * unit, d - 0.1 * unit, 5.5 * unit], "poster_b"),
         mesh.box("door", [13 * unit, d - 0.3 * unit, low], [19 * unit, d - 0.1 * unit, 5 * unit], "door", 0.1 * unit),
     ]
 
@@ -210,9 +206,7 @@ def _shelves(unit, rng):
 
 def _bench(unit, rng):
     """A bench with screens, instruments and a lattice of profile bars right of the table."""
-    parts = [
-        mesh.box("bench", [4.8 * unit, 11 * unit, -2.4 * unit], [20 * unit, 16 * unit, -2 * unit], "table", 0.05 * unit)
-    ]
+    parts = [mesh.box("bench", [4.8 * unit, 11 * unit, -2.4 * unit], [20 * unit, 16 * unit, -2 * unit], "table", 0.05 * unit)]
     for k, x in enumerate((5.6, 9.6)):
         parts.append(
             mesh.box(
@@ -244,14 +238,8 @@ def _bench(unit, rng):
             )
         )
     for x in (-8.6, 8.4):
-        parts.append(
-            mesh.box(
-                "post", [x * unit, 6 * unit, -8 * unit], [(x + 0.4) * unit, 6.4 * unit, 9 * unit], "bar", 0.04 * unit
-            )
-        )
-    parts.append(
-        mesh.box("beam", [-8.6 * unit, 6 * unit, 8.6 * unit], [8.8 * unit, 6.4 * unit, 9 * unit], "bar", 0.04 * unit)
-    )
+        parts.append(mesh.box("post", [x * unit, 6 * unit, -8 * unit], [(x + 0.4) * unit, 6.4 * unit, 9 * unit], "bar", 0.04 * unit))
+    parts.append(mesh.box("beam", [-8.6 * unit, 6 * unit, 8.6 * unit], [8.8 * unit, 6.4 * unit, 9 * unit], "bar", 0.04 * unit))
     for k in range(3):
         x = -10.0 + 1.4 * k
         parts.append(
@@ -275,9 +263,7 @@ def _materials(seed):
         "table": plate(0, (0.42, 0.43, 0.45), panels=False, decals=False, wear=1.0, shape=(1024, 1024), unit=700),
         "floor": surfaces.weave((1024, 1024), 9000, noise.generator(seed, 33), (0.42, 0.43, 0.42)),
         "wall": plate(1, (0.66, 0.67, 0.66), panels=False, decals=False, wear=1.0, shape=(512, 1024)),
-        "whiteboard": plate(
-            3, (0.85, 0.85, 0.86), ("I W - W X I W", "T 0 1 2 3 4", "SFM / PNP"), panels=False, wear=2.0, unit=500
-        ),
+        "whiteboard": plate(3, (0.85, 0.85, 0.86), ("I W - W X I W", "T 0 1 2 3 4", "SFM / PNP"), panels=False, wear=2.0, unit=500),
         "poster_a": surfaces.solar_cells((512, 384), 900, noise.generator(seed, 34), (0.11, 0.16)),
         "poster_b": plate(4, (0.55, 0.50, 0.36), ("LAB 3", "ORBIT", "DEBRIS"), wear=4.0),
         "door": plate(5, (0.45, 0.41, 0.36), panels=True, decals=False),

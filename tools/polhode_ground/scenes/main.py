@@ -75,4 +75,3 @@ def main():
         status = 1
     own.flush()
     os._exit(status)
-

@@ -74,9 +74,7 @@ class Plan:
             return settings["attitude_history"]
         if any(settings["w_C_deg_s"]):
             steps = max(2, int(np.ceil(end_s)) + 1)
-            return relative_motion.turning_history(
-                [1, 0, 0, 0], np.radians(settings["w_C_deg_s"]), np.linspace(0, end_s, steps)
-            )
+            return relative_motion.turning_history([1, 0, 0, 0], np.radians(settings["w_C_deg_s"]), np.linspace(0, end_s, steps))
         return []
 
     def _camera(self):
@@ -213,9 +211,7 @@ def prepare_folder(out, plan, parts, known):
             "body_size_m": float(extent.max()),
             "extent_T_m": extent.tolist(),
             "bounding_box_T_m": [vertices_T.min(axis=0).tolist(), vertices_T.max(axis=0).tolist()],
-            "fiducials_T_m": [
-                (np.array(p) - plan.centre_of_mass_G_m).tolist() for p in plan.scene["target"]["fiducials_G_m"]
-            ],
+            "fiducials_T_m": [(np.array(p) - plan.centre_of_mass_G_m).tolist() for p in plan.scene["target"]["fiducials_G_m"]],
             "known_lengths": truth.known_lengths(
                 known, plan.centre_of_mass_G_m, plan.camera, plan.timestamps_ns, plan.motion, camera_model.project
             ),
@@ -289,9 +285,7 @@ class Painter:
             self.background.prepare(self.plan.sub_motion, row)
             layer = self._target_layer(row, seed)
             behind = self.background.radiance(self.plan.sub_motion, row)
-            picture = (
-                layer[..., :3] if behind is None else layer[..., :3] + (1 - np.clip(layer[..., 3:], 0, 1)) * behind
-            )
+            picture = layer[..., :3] if behind is None else layer[..., :3] + (1 - np.clip(layer[..., 3:], 0, 1)) * behind
             total = picture if total is None else total + picture
         return sensor.expose(total / len(self.plan.rows[i]), self.plan.sensor, self.plan.scene["seed"], i)
 
@@ -308,10 +302,7 @@ def render(plan, parts, materials, out, report=lambda text: print(text, file=sys
             write_atomically(folder / f"{plan.timestamps_ns[i]}.png", png.encode(painter.frame(i)))
             each_s = (time.monotonic() - begin) / done
             left_s = round(each_s * (len(missing) - done))
-            report(
-                f"frame {i + 1}/{len(plan.timestamps_ns)}  {each_s:.2f} s/frame"
-                f"  {left_s // 60} min {left_s % 60:02d} s left"
-            )
+            report(f"frame {i + 1}/{len(plan.timestamps_ns)}  {each_s:.2f} s/frame  {left_s // 60} min {left_s % 60:02d} s left")
     for leftover in [*folder.glob("*.part"), Path(out) / "window.exr"]:
         leftover.unlink(missing_ok=True)
     truth.write_data_csv(Path(out) / "mav0/cam0/data.csv", plan.timestamps_ns)

@@ -274,9 +274,7 @@ def _check_camera(scene):
         isinstance(width, int) and isinstance(height, int) and 16 <= width <= 8192 and 16 <= height <= 8192,
         "camera.resolution: two whole numbers from 16 to 8192 expected",
     )
-    require(
-        camera["lens_mm"] > 0 and camera["sensor_width_mm"] > 0, "camera.lens_mm and sensor_width_mm: must be positive"
-    )
+    require(camera["lens_mm"] > 0 and camera["sensor_width_mm"] > 0, "camera.lens_mm and sensor_width_mm: must be positive")
     if camera["intrinsics_px"] is not None:
         require(min(camera["intrinsics_px"][:2]) > 0, "camera.intrinsics_px: focal lengths must be positive")
     stamps = [row[0] for row in camera["attitude_history"]]

@@ -148,9 +148,7 @@ def _wear_of_cells(image, inside, iu, iv, rng):
         image[area] += disc[..., None] * (np.float32(rng.choice([0.75, 0.03])) - image[area])
 
 
-def plate(
-    shape, texels_per_m, rng, color=(0.80, 0.80, 0.78), text=(), metallic=0.0, panels=True, wear=1.0, decals=True
-):
+def plate(shape, texels_per_m, rng, color=(0.80, 0.80, 0.78), text=(), metallic=0.0, panels=True, wear=1.0, decals=True):
     """Painted or bare plate: panel gaps, screws, lettering, stripes, fiducial-like decals, dirt and scratches."""
     image = _canvas(shape, color)
     dirt = noise.fractal(shape, rng, 2.2, 0.25 * texels_per_m)

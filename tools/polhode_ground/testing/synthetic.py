@@ -9,12 +9,12 @@ import numpy as np
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
-TRUTH_HEADER = ("timestamp_ns,p_CT_x,p_CT_y,p_CT_z,q_CT_w,q_CT_x,q_CT_y,q_CT_z,"
-                "v_C_x,v_C_y,v_C_z,w_T_x,w_T_y,w_T_z").split(",")
+TRUTH_HEADER = ("timestamp_ns,p_CT_x,p_CT_y,p_CT_z,q_CT_w,q_CT_x,q_CT_y,q_CT_z,v_C_x,v_C_y,v_C_z,w_T_x,w_T_y,w_T_z").split(",")
 MOTION_HEADER = (
     "frame,timestamp_ns,mode,pose_valid,rate_valid,velocity_valid,scale_known,"
     "q_CT_w,q_CT_x,q_CT_y,q_CT_z,p_CT_x,p_CT_y,p_CT_z,v_C_x,v_C_y,v_C_z,w_T_x,w_T_y,w_T_z,"
-    "sigma_att_rad,sigma_pos,sigma_vel,sigma_rate_rad_s,features,matches,inliers,landmarks,keyframes,step_us,target_frame").split(",")
+    "sigma_att_rad,sigma_pos,sigma_vel,sigma_rate_rad_s,features,matches,inliers,landmarks,keyframes,step_us,target_frame"
+).split(",")
 START_NS = 1_700_000_000_000_000_000
 WIDTH_PX, HEIGHT_PX, FOCAL_PX = 320, 240, 500.0
 BOX_M = np.array([0.6, 0.4, 1.0])
@@ -101,8 +101,10 @@ def write_motion(path: pathlib.Path, body: Body, errors: Errors) -> None:
     """One motion file; rows before errors.first_frame have no pose."""
     values = estimate_of(body, errors)
     random = np.random.default_rng(errors.seed)
-    sigmas = [x / np.sqrt(3) if x else "" for x in (
-        errors.attitude_rms_rad, errors.scale * errors.position_rms_m, errors.velocity_rms_m_s, errors.rate_rms_rad_s)]
+    sigmas = [
+        x / np.sqrt(3) if x else ""
+        for x in (errors.attitude_rms_rad, errors.scale * errors.position_rms_m, errors.velocity_rms_m_s, errors.rate_rms_rad_s)
+    ]
     with open(path, "w", newline="") as stream:
         writer = csv.writer(stream)
         writer.writerow(MOTION_HEADER)
@@ -110,10 +112,23 @@ def write_motion(path: pathlib.Path, body: Body, errors: Errors) -> None:
             known = i >= errors.first_frame
             row = [*values["q_CT"][i], *values["p_CT"][i], *values["v_C"][i], *values["w_T"][i], *sigmas]
             features = 150 + 3 * i // 4 + int(random.integers(20))
-            writer.writerow([
-                i, body.timestamp_ns[i], "TRACKING" if known else "ACQUIRING", *([int(known)] * 3),
-                int(known and errors.scale_known), *(row if known else [""] * len(row)), features,
-                features * 3 // 4, features * 2 // 3 if known else 0, 400 + i if known else 0, 1 + i // 6, 9000 + 40 * i, 1 if known else ""])
+            writer.writerow(
+                [
+                    i,
+                    body.timestamp_ns[i],
+                    "TRACKING" if known else "ACQUIRING",
+                    *([int(known)] * 3),
+                    int(known and errors.scale_known),
+                    *(row if known else [""] * len(row)),
+                    features,
+                    features * 3 // 4,
+                    features * 2 // 3 if known else 0,
+                    400 + i if known else 0,
+                    1 + i // 6,
+                    9000 + 40 * i,
+                    1 if known else "",
+                ]
+            )
 
 
 def box_points(count: int, seed: int = 3) -> np.ndarray:
@@ -152,7 +167,8 @@ def write_sequence(folder: pathlib.Path, body: Body, rates: bool = True) -> path
     (cam0 / "sensor.yaml").write_text(
         f"sensor_type: camera\nrate_hz: 1\nresolution: [{WIDTH_PX}, {HEIGHT_PX}]\ncamera_model: pinhole\n"
         f"intrinsics: [{FOCAL_PX}, {FOCAL_PX}, {(WIDTH_PX - 1) / 2}, {(HEIGHT_PX - 1) / 2}]\n"
-        "distortion_model: radial-tangential\ndistortion_coefficients: [0, 0, 0, 0]\n")
+        "distortion_model: radial-tangential\ndistortion_coefficients: [0, 0, 0, 0]\n"
+    )
     points_T = box_points(400)
     with open(cam0 / "data.csv", "w") as stream:
         stream.write("#timestamp [ns],filename\n")
@@ -181,8 +197,9 @@ def write_acquired(folder: pathlib.Path, frames: int) -> tuple[pathlib.Path, pat
     return sequence, write_run(folder / "run", body, errors, sequence=sequence)
 
 
-def write_run(folder: pathlib.Path, body: Body, causal: Errors, smoothed: Errors | None = None,
-              sequence: pathlib.Path | None = None) -> pathlib.Path:
+def write_run(
+    folder: pathlib.Path, body: Body, causal: Errors, smoothed: Errors | None = None, sequence: pathlib.Path | None = None
+) -> pathlib.Path:
     """An output folder of a replay with these errors, cloud and observations included."""
     folder.mkdir(parents=True)
     smoothed = smoothed or causal
@@ -191,10 +208,18 @@ def write_run(folder: pathlib.Path, body: Body, causal: Errors, smoothed: Errors
     points_T = box_points(600)
     write_ply(folder / "cloud.ply", smoothed.scale * (smoothed.R_ET.apply(points_T) + smoothed.offset_E_m))
     (folder / "bus.ccsds").write_bytes(b"\x08\x01" * 100)
-    (folder / "summary.json").write_text(json.dumps({
-        "version": "0", "sequence": str(sequence or ""), "frames": {"in": len(body.time_s)},
-        "cost": {"cpu_s": 0.01 * len(body.time_s), "wall_s": 0.02 * len(body.time_s), "finish_cpu_s": 0.5},
-        "memory": {"peak_resident_octets": 50_000_000}, "timings": {"step": {"p50_us": 9000, "max_us": 12000}}}))
+    (folder / "summary.json").write_text(
+        json.dumps(
+            {
+                "version": "0",
+                "sequence": str(sequence or ""),
+                "frames": {"in": len(body.time_s)},
+                "cost": {"cpu_s": 0.01 * len(body.time_s), "wall_s": 0.02 * len(body.time_s), "finish_cpu_s": 0.5},
+                "memory": {"peak_resident_octets": 50_000_000},
+                "timings": {"step": {"p50_us": 9000, "max_us": 12000}},
+            }
+        )
+    )
     random = np.random.default_rng(1)
     with open(folder / "observations.csv", "w") as stream:
         stream.write("frame,timestamp_ns,landmark,u_px,v_px,predicted_u_px,predicted_v_px,inlier\n")

@@ -10,26 +10,41 @@ from polhode_ground.transforms.footage import Footage
 
 def claimed(footage: Footage, kind: str, detail: str, intrinsics_px: np.ndarray) -> Footage:
     """The same pictures with another statement of the camera."""
-    return footage.changed(footage.shots, [LogEntry(0, footage.shots[0].timestamp_ns, kind, detail)],
-                           camera=replace(footage.camera, intrinsics_px=intrinsics_px))
+    return footage.changed(
+        footage.shots,
+        [LogEntry(0, footage.shots[0].timestamp_ns, kind, detail)],
+        camera=replace(footage.camera, intrinsics_px=intrinsics_px),
+    )
 
 
 def focal_length(footage: Footage, options: dict, seed: int) -> Footage:
     """sensor.yaml states `factor` times the focal length that the pictures were made with."""
-    return claimed(footage, "focal_length", f"stated {options['factor']} times too long",
-                   footage.camera.intrinsics_px * [options["factor"], options["factor"], 1, 1])
+    return claimed(
+        footage,
+        "focal_length",
+        f"stated {options['factor']} times too long",
+        footage.camera.intrinsics_px * [options["factor"], options["factor"], 1, 1],
+    )
 
 
 def aspect(footage: Footage, options: dict, seed: int) -> Footage:
     """sensor.yaml states fv / fu `factor` times as large as it is; fu is right."""
-    return claimed(footage, "aspect", f"fv / fu stated {options['factor']} times too large",
-                   footage.camera.intrinsics_px * [1, options["factor"], 1, 1])
+    return claimed(
+        footage,
+        "aspect",
+        f"fv / fu stated {options['factor']} times too large",
+        footage.camera.intrinsics_px * [1, options["factor"], 1, 1],
+    )
 
 
 def principal_point(footage: Footage, options: dict, seed: int) -> Footage:
     """sensor.yaml states the principal point elsewhere."""
-    return claimed(footage, "principal_point", f"stated {options['du_px']}, {options['dv_px']} px away",
-                   footage.camera.intrinsics_px + [0, 0, options["du_px"], options["dv_px"]])
+    return claimed(
+        footage,
+        "principal_point",
+        f"stated {options['du_px']}, {options['dv_px']} px away",
+        footage.camera.intrinsics_px + [0, 0, options["du_px"], options["dv_px"]],
+    )
 
 
 def stamps(footage: Footage, options: dict, seed: int) -> Footage:

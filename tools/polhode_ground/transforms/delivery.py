@@ -40,16 +40,20 @@ def _spoiled(footage: Footage, frames: list[int], kind: str, change) -> Footage:
 
 def repeated(footage: Footage, options: dict, seed: int) -> Footage:
     """The picture delivered before comes again, octet for octet."""
-    return _spoiled(footage, _chosen(footage, options, seed), "repeated",
-                    lambda frame, shot, before: (shot.showing(before[-1]), "the picture before"))
+    return _spoiled(
+        footage, _chosen(footage, options, seed), "repeated", lambda frame, shot, before: (shot.showing(before[-1]), "the picture before")
+    )
 
 
 def near_repeated(footage: Footage, options: dict, seed: int) -> Footage:
     """The picture delivered before comes again, encoded anew: no octet need be the same."""
+
     def change(frame, shot, before):
         rng = [seed, 2, frame]
         return shot.showing(before[-1]).redrawn(
-            lambda gray: noisy(gray, options["sigma_gray"], np.random.default_rng(rng))), "the picture before, with noise"
+            lambda gray: noisy(gray, options["sigma_gray"], np.random.default_rng(rng))
+        ), "the picture before, with noise"
+
     return _spoiled(footage, _chosen(footage, options, seed), "near_repeated", change)
 
 
@@ -58,15 +62,21 @@ def stale(footage: Footage, options: dict, seed: int) -> Footage:
     age = options["age_frames"]
     if age + 1 >= len(footage.shots):
         raise BadInput(f"stale: age_frames = {age}: the sequence has {len(footage.shots)} frames only")
-    return _spoiled(footage, _chosen(footage, options, seed, spared=age), "stale",
-                    lambda frame, shot, before: (shot.showing(footage.shots[frame - age]), f"the picture of {age} frames before"))
+    return _spoiled(
+        footage,
+        _chosen(footage, options, seed, spared=age),
+        "stale",
+        lambda frame, shot, before: (shot.showing(footage.shots[frame - age]), f"the picture of {age} frames before"),
+    )
 
 
 def missing(footage: Footage, options: dict, seed: int) -> Footage:
     """Frames that never come."""
     gone = _chosen(footage, options, seed)
-    return footage.changed([shot for frame, shot in enumerate(footage.shots) if frame not in gone],
-                           [LogEntry(frame, footage.shots[frame].timestamp_ns, "missing", "never came") for frame in gone])
+    return footage.changed(
+        [shot for frame, shot in enumerate(footage.shots) if frame not in gone],
+        [LogEntry(frame, footage.shots[frame].timestamp_ns, "missing", "never came") for frame in gone],
+    )
 
 
 def excerpt(footage: Footage, options: dict, seed: int) -> Footage:
@@ -75,8 +85,10 @@ def excerpt(footage: Footage, options: dict, seed: int) -> Footage:
     if first + 2 > len(footage.shots):
         raise BadInput(f"excerpt: first_frame = {first}: the sequence has {len(footage.shots)} frames only, and two are the least")
     kept = range(first, first + frames)
-    return footage.changed(footage.shots[first:first + frames],
-                           [LogEntry(frame, shot.timestamp_ns, "excerpt", "left out") for frame, shot in enumerate(footage.shots) if frame not in kept])
+    return footage.changed(
+        footage.shots[first : first + frames],
+        [LogEntry(frame, shot.timestamp_ns, "excerpt", "left out") for frame, shot in enumerate(footage.shots) if frame not in kept],
+    )
 
 
 def _foreign_picture(shape, rng) -> np.ndarray:
@@ -104,23 +116,28 @@ def foreign(footage: Footage, options: dict, seed: int) -> Footage:
     def change(frame, shot, _before):
         key = [seed, 2, first[frame]]
         return replace(shot, pixels=lambda: _foreign_picture(shape, np.random.default_rng(key)), file=None), "another scene"
+
     return _spoiled(footage, frames, "foreign", change)
 
 
 def torn(footage: Footage, options: dict, seed: int) -> Footage:
     """The upper or lower half is still the picture before."""
+
     def change(frame, shot, before):
         picture, detail = tear(shot.pixels(), before[-1].pixels(), np.random.default_rng([seed, 2, frame]))
         return replace(shot, pixels=lambda: picture, file=None), detail
+
     return _spoiled(footage, _chosen(footage, options, seed), "torn", change)
 
 
 def halves(footage: Footage, options: dict, seed: int) -> Footage:
     """The upper half of every picture is still the picture before."""
+
     def change(frame, shot, _before):
         row = footage.camera.height_px // 2
         picture = np.concatenate([footage.shots[frame - 1].pixels()[:row], shot.pixels()[row:]])
         return replace(shot, pixels=lambda: picture, file=None), f"rows 0 to {row - 1} of the frame before"
+
     return _spoiled(footage, list(range(1, len(footage.shots))), "halves", change)
 
 
@@ -132,10 +149,14 @@ def shuffled(footage: Footage, options: dict, seed: int) -> Footage:
     """All pictures in random order under the old time stamps. Each has its pose; there is no velocity and no rate."""
     order = np.random.default_rng([seed, 1]).permutation(len(footage.shots))
     unknown = np.full(3, np.nan)
-    shots = [_restamped(footage.shots[source], shot.timestamp_ns, v_C=unknown, w_T=unknown)
-             for source, shot in zip(order, footage.shots)]
-    return footage.changed(shots, [LogEntry(frame, shot.timestamp_ns, "shuffled", f"picture {source}")
-                                   for frame, (source, shot) in enumerate(zip(order, footage.shots))])
+    shots = [_restamped(footage.shots[source], shot.timestamp_ns, v_C=unknown, w_T=unknown) for source, shot in zip(order, footage.shots)]
+    return footage.changed(
+        shots,
+        [
+            LogEntry(frame, shot.timestamp_ns, "shuffled", f"picture {source}")
+            for frame, (source, shot) in enumerate(zip(order, footage.shots))
+        ],
+    )
 
 
 def rate_jump(footage: Footage, options: dict, seed: int) -> Footage:
@@ -148,5 +169,6 @@ def rate_jump(footage: Footage, options: dict, seed: int) -> Footage:
     later = footage.shots[at::factor] if factor > 0 else footage.shots[at - 1 :: factor][1:]
     stamps = [shot.timestamp_ns for shot in footage.shots]
     shots = footage.shots[:at] + [
-        _restamped(shot, stamp, v_C=factor * shot.v_C, w_T=factor * shot.w_T) for shot, stamp in zip(later, stamps[at:])]
+        _restamped(shot, stamp, v_C=factor * shot.v_C, w_T=factor * shot.w_T) for shot, stamp in zip(later, stamps[at:])
+    ]
     return footage.changed(shots, [LogEntry(at, stamps[at], "rate_jump", f"{factor} times as fast from here on")])

@@ -81,7 +81,9 @@ def _attitudes(path: pathlib.Path) -> dict[int, np.ndarray]:
     """q_IC by time stamp; {} where the sequence has no such file."""
     if not path.exists():
         return {}
-    rows = [line.replace(",", " ").split() for line in path.read_text(encoding="utf-8-sig").splitlines() if line and not line.startswith("#")]
+    rows = [
+        line.replace(",", " ").split() for line in path.read_text(encoding="utf-8-sig").splitlines() if line and not line.startswith("#")
+    ]
     try:
         return {int(row[0]): np.array(row[1:5], dtype=float).reshape(4) for row in rows}
     except (ValueError, IndexError):
@@ -100,13 +102,19 @@ def read_footage(folder: pathlib.Path) -> Footage:
         row = row_at.get(stamp)
         known = unknown if row is None else [values[row] for values in (truth.q_CT, truth.p_CT, truth.v_C, truth.w_T)]
         shots.append(Shot(stamp, lambda i=index: sequence.read_gray(i), sequence.frame_path(index), *known, attitude.get(stamp)))
-    return Footage(sequence.camera, sequence.rate_hz or 1.0, shots,
-                   sequence.model_path if sequence.model_path.exists() else None, read_json(folder / "scene.json"))
+    return Footage(
+        sequence.camera,
+        sequence.rate_hz or 1.0,
+        shots,
+        sequence.model_path if sequence.model_path.exists() else None,
+        read_json(folder / "scene.json"),
+    )
 
 
 def _write_picture(shot: Shot, data: pathlib.Path) -> str:
     """A picture that nothing changed has the same octets; a changed one is a PNG."""
     import cv2
+
     if shot.file is not None:
         name = f"{shot.timestamp_ns}{shot.file.suffix}"
         shutil.copy(shot.file, data / name)  # no link: the source may be changed in its place
@@ -125,7 +133,8 @@ def write_sensor_yaml(path: pathlib.Path, camera: Camera, rate_hz: float) -> Non
         f"sensor_type: camera\nrate_hz: {rate_hz!r}\nresolution: [{camera.width_px}, {camera.height_px}]\ncamera_model: pinhole\n"
         f"intrinsics: [{intrinsics}]  # fu, fv, cu, cv [px]; pixel centres at integers\n"
         f"distortion_model: radial-tangential\ndistortion_coefficients: [{distortion}]  # k1, k2, p1, p2\n"
-        + (f"line_time_ns: {camera.line_time_ns!r}\n" if camera.line_time_ns else ""))
+        + (f"line_time_ns: {camera.line_time_ns!r}\n" if camera.line_time_ns else "")
+    )
 
 
 def _write_table(path: pathlib.Path, header, rows) -> None:
@@ -147,6 +156,7 @@ def _write_truth(path: pathlib.Path, shots: list[Shot]) -> None:
 
 def _mirror_mesh(source: pathlib.Path, out: pathlib.Path) -> None:
     import trimesh
+
     mesh = trimesh.load(source, process=False)
     mesh.apply_transform(np.diag([-1.0, 1.0, 1.0, 1.0]))
     mesh.export(out)

@@ -28,15 +28,19 @@ def _encoded(radiance: np.ndarray) -> np.ndarray:
 
 def jpeg(footage: Footage, options: dict, seed: int) -> Footage:
     """Encoded as JPEG and decoded again."""
+
     def change(gray, _frame):
         return cv2.imdecode(cv2.imencode(".jpg", gray, [cv2.IMWRITE_JPEG_QUALITY, options["quality"]])[1], cv2.IMREAD_GRAYSCALE)
+
     return _each(footage, "jpeg", f"quality {options['quality']}", change)
 
 
 def noise(footage: Footage, options: dict, seed: int) -> Footage:
     """Normal noise of every pixel, independent."""
+
     def change(gray, frame):
         return noisy(gray, options["sigma_gray"], np.random.default_rng([seed, 1, frame]))
+
     return _each(footage, "noise", f"sigma {options['sigma_gray']} gray levels", change)
 
 
@@ -51,9 +55,11 @@ def eclipse(footage: Footage, options: dict, seed: int) -> Footage:
     light = options["darkness"] ** footage.ramps(options)
     shots, log = list(footage.shots), []
     for frame in np.flatnonzero(light < 1):
+
         def change(gray, factor=light[frame], frame=frame):
             rng = np.random.default_rng([seed, 1, int(frame)])
             return _encoded(factor * _linear(gray) + rng.normal(0, 2e-4, gray.shape).astype(np.float32))
+
         shots[frame] = shots[frame].redrawn(change)
         log.append(LogEntry(int(frame), shots[frame].timestamp_ns, "eclipse", f"{light[frame]:.4f} of the light"))
     return footage.changed(shots, log)
@@ -76,8 +82,12 @@ def _flare_picture(shape, strength: float, part: float) -> np.ndarray:
 def flare(footage: Footage, options: dict, seed: int) -> Footage:
     """Stray light of a sun beside the picture."""
     count = len(footage.shots)
-    return _each(footage, "flare", f"strength {options['strength']}", lambda gray, frame: _encoded(
-        _linear(gray) + _flare_picture(gray.shape, options["strength"], frame / max(count - 1, 1))))
+    return _each(
+        footage,
+        "flare",
+        f"strength {options['strength']}",
+        lambda gray, frame: _encoded(_linear(gray) + _flare_picture(gray.shape, options["strength"], frame / max(count - 1, 1))),
+    )
 
 
 def dirt(footage: Footage, options: dict, seed: int) -> Footage:
@@ -94,12 +104,14 @@ def dirt(footage: Footage, options: dict, seed: int) -> Footage:
 
 def caption(footage: Footage, options: dict, seed: int) -> Footage:
     """Text burnt into the picture: a title at rest above, a counter that runs below."""
+
     def change(gray, frame):
         picture, height = gray.copy(), gray.shape[0]
         scale = options["height_part"] * height / 22
         for text, row in (("CAM 1  POLHODE", options["height_part"] * height), (f"T+{frame:05d}", height - 4)):
             cv2.putText(picture, text, (6, int(row)), cv2.FONT_HERSHEY_SIMPLEX, scale, 230, max(1, round(scale)), cv2.LINE_AA)
         return picture
+
     return _each(footage, "caption", f"{options['height_part']} of the height", change)
 
 
@@ -107,12 +119,16 @@ def own_structure(footage: Footage, options: dict, seed: int) -> Footage:
     """A part of the servicer at rest in the picture: a lit, patterned arm from the lower left."""
     height, width = footage.camera.height_px, footage.camera.width_px
     rng, reach = np.random.default_rng([seed, 1]), options["reach_part"]
-    outline = np.array([[0, height * (1 - reach)], [reach * width * 0.9, height - 0.25 * reach * height], [reach * width, height],
-                        [0, height]]).astype(np.int32)
+    outline = np.array(
+        [[0, height * (1 - reach)], [reach * width * 0.9, height - 0.25 * reach * height], [reach * width, height], [0, height]]
+    ).astype(np.int32)
     cover = cv2.fillPoly(np.zeros((height, width), dtype=np.uint8), [outline], 255) > 0
-    pattern = cv2.resize(rng.uniform(60, 220, (height // 8, width // 8)).astype(np.float32), (width, height), interpolation=cv2.INTER_NEAREST)
+    pattern = cv2.resize(
+        rng.uniform(60, 220, (height // 8, width // 8)).astype(np.float32), (width, height), interpolation=cv2.INTER_NEAREST
+    )
 
     def change(gray, frame):
         grain = np.random.default_rng([seed, 2, frame]).normal(0, 1.5, gray.shape)
         return np.where(cover, np.clip(pattern + grain, 0, 255), gray).astype(np.uint8)
+
     return _each(footage, "own_structure", f"{reach} of the width", change)

@@ -26,6 +26,7 @@ def arguments() -> argparse.Namespace:
 
 def listing() -> str:
     from polhode_ground.transforms.table import KINDS
+
     lines = []
     for name, kind in KINDS.items():
         lines.append(f"{name}: {kind.what}")
@@ -35,6 +36,7 @@ def listing() -> str:
 
 def steps_of(kinds: list[str], settings: list[str]) -> list[dict]:
     from polhode_ground.common.errors import BadInput
+
     steps = [{"kind": kind} for kind in kinds]
     for setting in settings:
         name, _, text = setting.partition("=")
@@ -55,6 +57,7 @@ def main() -> int:
     options = arguments()
     from polhode_ground.common.errors import BadInput
     from polhode_ground.transforms.table import transform
+
     if options.list:
         print(listing())
         return 0

@@ -36,6 +36,7 @@ def _sampled(gray: np.ndarray, source_px: np.ndarray) -> np.ndarray:
 
 def _turned(shot: Shot, camera: Camera, rays: np.ndarray, turn: Rotation, known: bool) -> Shot:
     """The shot as a camera sees it that is turned: new components = turn * old ones. The servicer knows of it, or not."""
+
     def change(gray):
         old_rays = turn.inv().apply(rays.reshape(-1, 3))
         return _sampled(gray, camera.project(old_rays).reshape(*rays.shape[:2], 2))
@@ -44,18 +45,22 @@ def _turned(shot: Shot, camera: Camera, rays: np.ndarray, turn: Rotation, known:
     q_IC = shot.q_IC if shot.q_IC is not None else np.array([1.0, 0.0, 0.0, 0.0])
     if known:
         q_IC = (rotations(q_IC) * turn.inv()).as_quat(scalar_first=True)
-    return replace(shot.redrawn(change), q_CT=q_CT, p_CT=turn.apply(shot.p_CT), v_C=turn.apply(shot.v_C),
-                   q_IC=q_IC if known else shot.q_IC)
+    return replace(shot.redrawn(change), q_CT=q_CT, p_CT=turn.apply(shot.p_CT), v_C=turn.apply(shot.v_C), q_IC=q_IC if known else shot.q_IC)
 
 
 def shake(footage: Footage, options: dict, seed: int) -> Footage:
     """Small turns of the camera, new in each frame, that the servicer knows nothing of."""
     rng, rays = np.random.default_rng([seed, 1]), _rays(footage.camera)
     angles_rad = rng.normal(0, options["sigma_px"] / footage.camera.intrinsics_px[0], (len(footage.shots), 3))
-    shots = [_turned(shot, footage.camera, rays, Rotation.from_rotvec(angle), known=False)
-             for shot, angle in zip(footage.shots, angles_rad)]
-    log = [LogEntry(frame, shot.timestamp_ns, "shake", "turned by {:.2f}, {:.2f}, {:.2f} px".format(
-        *(angle * footage.camera.intrinsics_px[0]))) for frame, (shot, angle) in enumerate(zip(footage.shots, angles_rad))]
+    shots = [
+        _turned(shot, footage.camera, rays, Rotation.from_rotvec(angle), known=False) for shot, angle in zip(footage.shots, angles_rad)
+    ]
+    log = [
+        LogEntry(
+            frame, shot.timestamp_ns, "shake", "turned by {:.2f}, {:.2f}, {:.2f} px".format(*(angle * footage.camera.intrinsics_px[0]))
+        )
+        for frame, (shot, angle) in enumerate(zip(footage.shots, angles_rad))
+    ]
     return footage.changed(shots, log)
 
 
@@ -106,6 +111,7 @@ def rolling_shutter(footage: Footage, options: dict, seed: int) -> Footage:
     With `stated` sensor.yaml says so.
     """
     import trimesh
+
     if footage.model is None or len(footage.shots) < 2 or not all(np.isfinite(shot.q_CT).all() for shot in footage.shots):
         raise BadInput("rolling_shutter: needs model.ply and the truth of every frame, of two frames or more")
     mesh = trimesh.load(footage.model, process=False)
@@ -130,7 +136,7 @@ def zoom(footage: Footage, options: dict, seed: int) -> Footage:
     cu_px, cv_px = footage.camera.intrinsics_px[2:]
 
     def change(gray, factor):
-        v, u = np.mgrid[0:gray.shape[0], 0:gray.shape[1]].astype(np.float64)
+        v, u = np.mgrid[0 : gray.shape[0], 0 : gray.shape[1]].astype(np.float64)
         return _sampled(gray, np.stack([cu_px + (u - cu_px) / factor, cv_px + (v - cv_px) / factor], axis=-1))
 
     factors = np.geomspace(1.0, options["factor"], len(footage.shots))
@@ -144,9 +150,14 @@ MIRROR = np.array([-1.0, 1.0, 1.0])
 def _mirrored_shot(shot: Shot) -> Shot:
     """R' = F R F and p' = F p with F = diag(-1, 1, 1): a body that is the mirror image, turning the other way about y and z."""
     q_CT = shot.q_CT * [1, 1, -1, -1]
-    return replace(shot.redrawn(lambda gray: np.ascontiguousarray(gray[:, ::-1])), q_CT=q_CT, p_CT=MIRROR * shot.p_CT,
-                   v_C=MIRROR * shot.v_C, w_T=-MIRROR * shot.w_T,
-                   q_IC=None if shot.q_IC is None else shot.q_IC * [1, 1, -1, -1])
+    return replace(
+        shot.redrawn(lambda gray: np.ascontiguousarray(gray[:, ::-1])),
+        q_CT=q_CT,
+        p_CT=MIRROR * shot.p_CT,
+        v_C=MIRROR * shot.v_C,
+        w_T=-MIRROR * shot.w_T,
+        q_IC=None if shot.q_IC is None else shot.q_IC * [1, 1, -1, -1],
+    )
 
 
 def _mirrored_scene(scene: dict) -> dict:
@@ -169,8 +180,15 @@ def _mirrored_scene(scene: dict) -> dict:
 def mirrored(footage: Footage, options: dict, seed: int) -> Footage:
     """Left and right change places: another body and another motion, as good as the first."""
     fu, fv, cu, cv = footage.camera.intrinsics_px
-    camera = replace(footage.camera, intrinsics_px=np.array([fu, fv, footage.camera.width_px - 1 - cu, cv]),
-                     distortion=footage.camera.distortion * [1, 1, 1, -1])
-    return footage.changed([_mirrored_shot(shot) for shot in footage.shots],
-                           [LogEntry(0, footage.shots[0].timestamp_ns, "mirrored", "all frames")],
-                           camera=camera, scene=_mirrored_scene(footage.scene), mirror=not footage.mirror)
+    camera = replace(
+        footage.camera,
+        intrinsics_px=np.array([fu, fv, footage.camera.width_px - 1 - cu, cv]),
+        distortion=footage.camera.distortion * [1, 1, 1, -1],
+    )
+    return footage.changed(
+        [_mirrored_shot(shot) for shot in footage.shots],
+        [LogEntry(0, footage.shots[0].timestamp_ns, "mirrored", "all frames")],
+        camera=camera,
+        scene=_mirrored_scene(footage.scene),
+        mirror=not footage.mirror,
+    )

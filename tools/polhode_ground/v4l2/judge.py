@@ -49,8 +49,12 @@ def replayed(sequence: pathlib.Path, out: pathlib.Path) -> bytes:
     shutil.rmtree(out, ignore_errors=True)
     config = out.parent / "defaults.toml"  # the program's own, as in the guest
     config.write_text("")
-    subprocess.run(["nice", PROGRAM, "replay", "--config", config, "--sequence", sequence, "--out", out, *SETTINGS],
-                   check=True, capture_output=True, env=os.environ | {"OPENCV_CPU_DISABLE": NOT_EMULATED})
+    subprocess.run(
+        ["nice", PROGRAM, "replay", "--config", config, "--sequence", sequence, "--out", out, *SETTINGS],
+        check=True,
+        capture_output=True,
+        env=os.environ | {"OPENCV_CPU_DISABLE": NOT_EMULATED},
+    )
     return (out / "bus.ccsds").read_bytes()
 
 
@@ -79,8 +83,10 @@ def capture(results: pathlib.Path) -> None:
     full = report(results / "full_hd")
     outside = full["outside_cpu_us"]
     lost = full["camera"]["frames_missing"] + full["camera"]["frames_late"]
-    print(f"1080p GREY at 30 Hz: {full['frames_accepted']} frames, {lost} lost; outside the step p50 {outside['p50'] / 1000:.2f} ms, "
-          f"p99 {outside['p99'] / 1000:.2f} ms of the guest's processor")
+    print(
+        f"1080p GREY at 30 Hz: {full['frames_accepted']} frames, {lost} lost; outside the step p50 {outside['p50'] / 1000:.2f} ms, "
+        f"p99 {outside['p99'] / 1000:.2f} ms of the guest's processor"
+    )
     require(outside["p99"] < 2000, "under 2 ms a frame outside the estimator")
 
 
@@ -97,8 +103,10 @@ def run(results: pathlib.Path) -> None:
     truth = replayed(results / "sequences/body", results / "replay")
     about = report(results / "live")
     require(live == truth, f"the bus stream of the replay: {len(live)} octets, {len(truth)} expected")
-    print(f"the bus stream of {about['frames_accepted']} frames through /dev/video0 is the replay's, {len(live)} octets; "
-          f"{about['frames_with_pose']} poses")
+    print(
+        f"the bus stream of {about['frames_accepted']} frames through /dev/video0 is the replay's, {len(live)} octets; "
+        f"{about['frames_with_pose']} poses"
+    )
     latency = about["latency_us"]
     print(f"frame available to packet, virtual time: p50 {latency['p50'] / 1000:.1f} ms, p99 {latency['p99'] / 1000:.1f} ms")
 
@@ -116,8 +124,10 @@ def faults(results: pathlib.Path) -> None:
     shutil.copytree(results / "sequences/body", spoiled)
     sorted((spoiled / "mav0/cam0/data").iterdir())[6].write_bytes(b"damaged")
     require((results / "faults/bus.ccsds").read_bytes() == replayed(spoiled, results / "replay"), "the replay's bus stream")
-    print(f"error flag, gap, fatal error, unplugged for 1.5 s, silent for 3 s: 24 of 24 frames, the replay's bus stream; "
-          f"{about['frames_with_pose']} poses")
+    print(
+        f"error flag, gap, fatal error, unplugged for 1.5 s, silent for 3 s: 24 of 24 frames, the replay's bus stream; "
+        f"{about['frames_with_pose']} poses"
+    )
     second = report(results / "killed/2")
     first_err = (results / "killed/stderr1.txt").read_text()
     require("busy" in first_err, "the first start has found the device busy")
@@ -131,12 +141,14 @@ def faults(results: pathlib.Path) -> None:
     require(cycles["camera"]["disconnects"] == 10, f"{cycles['camera']['disconnects']} disconnects")
     require(cycles["frames_accepted"] == 8, f"{cycles['frames_accepted']} of 8 frames")
     require("/dev/video1" in (results / "cycles/stderr.txt").read_text(), "found under its other number")
-    first, second = rows[: len(rows) // 2], rows[len(rows) // 2:]
+    first, second = rows[: len(rows) // 2], rows[len(rows) // 2 :]
     require(max(row[2] for row in second) <= max(row[2] for row in first), "descriptors grow")
     require(max(row[1] for row in second) <= max(row[1] for row in first), "mapped memory grows")
     require(late[0] <= early[0] * 1.01 + 64, f"memory grows from {early[0]} to {late[0]} kB")
-    print(f"10 times unplugged and back, under another number: 8 of 8 frames, resident {early[0]} kB then {late[0]} kB, mapped at "
-          f"most {max(row[1] for row in rows)} kB, at most {max(row[2] for row in rows)} descriptors")
+    print(
+        f"10 times unplugged and back, under another number: 8 of 8 frames, resident {early[0]} kB then {late[0]} kB, mapped at "
+        f"most {max(row[1] for row in rows)} kB, at most {max(row[2] for row in rows)} descriptors"
+    )
 
 
 def service(results: pathlib.Path) -> None:
@@ -159,14 +171,21 @@ def package(results: pathlib.Path) -> None:
     """By the client of the ground package, as it is installed in the guest's root."""
     about = report(results)
     client = REPOSITORY / "build/v4l2_vm/package_root/usr/lib/python3/dist-packages"
-    done = subprocess.run([sys.executable, "-c", DECODE, results / "bus.ccsds"], capture_output=True, text=True, check=True,
-                          env=os.environ | {"PYTHONPATH": str(client)})
+    done = subprocess.run(
+        [sys.executable, "-c", DECODE, results / "bus.ccsds"],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | {"PYTHONPATH": str(client)},
+    )
     decoded = json.loads(done.stdout)
     names, modes = decoded["names"], decoded["modes"]
     require(about["frames_accepted"] > 0 and names.count("motion") == about["frames_accepted"], "a packet of motion for every frame")
     require(len(modes) > 0 and decoded["missing"] == 0, "housekeeping, and no packet missing")
-    print(f"the packaged unit, {about['start']}: {about['frames_accepted']} frames; decoded by the ground package: {len(names)} packets, "
-          f"{len(modes)} of housekeeping, the first in mode {modes[0]}")
+    print(
+        f"the packaged unit, {about['start']}: {about['frames_accepted']} frames; decoded by the ground package: {len(names)} packets, "
+        f"{len(modes)} of housekeeping, the first in mode {modes[0]}"
+    )
 
 
 BRIGHT = 0.8 * 255  # where the controller puts the level that a fiftieth of the target's pixels exceed
@@ -190,10 +209,21 @@ def exposure(results: pathlib.Path) -> None:
     require(max(row[1] for row in rows) <= 50_000, "no longer exposed than a frame's time")
     require(dark <= brightened - 4, f"the level is not reached before the light changes: {[row[4] for row in rows]}")
     require(bright <= len(rows) - brightened - 4, f"nor after it: {[row[4] for row in rows]}")
-    print(f"sixteen times too dark: level reached after {dark} frames; four times the light: after {bright}; "
-          f"{about['exposure_changes']} settings made, {about['frames_with_pose']} poses")
+    print(
+        f"sixteen times too dark: level reached after {dark} frames; four times the light: after {bright}; "
+        f"{about['exposure_changes']} settings made, {about['frames_with_pose']} poses"
+    )
 
 
 if __name__ == "__main__":
-    jobs = {"compliance": compliance, "capture": capture, "planes": planes, "run": run, "faults": faults, "exposure": exposure, "service": service, "package": package}
+    jobs = {
+        "compliance": compliance,
+        "capture": capture,
+        "planes": planes,
+        "run": run,
+        "faults": faults,
+        "exposure": exposure,
+        "service": service,
+        "package": package,
+    }
     jobs[sys.argv[1]](pathlib.Path(sys.argv[2]))

@@ -29,8 +29,7 @@ def write(folder: pathlib.Path, images: list[numpy.ndarray], focal: float) -> No
     camera = folder / "mav0" / "cam0"
     (camera / "data").mkdir(parents=True, exist_ok=True)
     height, width = images[0].shape
-    (camera / "sensor.yaml").write_text(
-        SENSOR.format(width=width, height=height, focal=focal, cu=(width - 1) / 2, cv=(height - 1) / 2))
+    (camera / "sensor.yaml").write_text(SENSOR.format(width=width, height=height, focal=focal, cu=(width - 1) / 2, cv=(height - 1) / 2))
     rows = ["#timestamp [ns],filename"]
     for i, image in enumerate(images):
         stamp = FIRST_NS + i * STEP_NS
@@ -75,8 +74,7 @@ def turn(angle_rad: float) -> numpy.ndarray:
 
 def body(frames: int = 24, width: int = 320) -> list[numpy.ndarray]:
     ball = Ball(3)
-    return [ball.seen_from(turn(0.07 * i), numpy.array([0.05, -0.02, 8.0]), width, width * 3 // 4, width * 1.875)
-            for i in range(frames)]
+    return [ball.seen_from(turn(0.07 * i), numpy.array([0.05, -0.02, 8.0]), width, width * 3 // 4, width * 1.875) for i in range(frames)]
 
 
 def main(folder: pathlib.Path) -> None:

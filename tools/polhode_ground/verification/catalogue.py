@@ -45,8 +45,10 @@ def read_stage(file: pathlib.Path) -> Stage:
             raise BadInput(f"{file}: {identifier}: not a table of texts")
         missing = {"text", "source", "reason", "method"} - set(table)
         if missing or set(table) - FIELDS:
-            raise BadInput(f"{file}: {identifier}: needs text, source, reason, method, and may have evidence; "
-                           f"{', '.join(sorted(missing | (set(table) - FIELDS)))}")
+            raise BadInput(
+                f"{file}: {identifier}: needs text, source, reason, method, and may have evidence; "
+                f"{', '.join(sorted(missing | (set(table) - FIELDS)))}"
+            )
         found.append(Requirement(identifier, **table))
     title = text.partition("\n")[0]
     if not title.startswith("# "):
@@ -92,8 +94,10 @@ def faults_of(stages: list[Stage], repository: pathlib.Path) -> list[str]:
             if one.method not in METHODS:
                 faults.append(f"{name}: method {one.method}: allowed is {', '.join(METHODS)}")
             if not source_exists(one.source, repository):
-                faults.append(f"{name}: source {one.source}: allowed is paper: SECTION, interfaces: SECTION, card: HEADING of the README, "
-                              "decision NNNN, docs/FILE.md; it must be there")
+                faults.append(
+                    f"{name}: source {one.source}: allowed is paper: SECTION, interfaces: SECTION, card: HEADING of the README, "
+                    "decision NNNN, docs/FILE.md; it must be there"
+                )
             if one.method != "test" and not (repository / one.evidence).is_file():
                 faults.append(f"{name}: {one.method} needs evidence, a file of the repository")
     return faults

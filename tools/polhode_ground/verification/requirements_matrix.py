@@ -63,7 +63,9 @@ def outcome(results: list[str]) -> str:
     return next((result for result in ("failed", "not run", "passed", "skipped") if result in results), "not run")
 
 
-def rows_of(stages: list[Stage], tests: dict[str, list[str]], results: dict[str, str], further: frozenset[str] | set[str] = frozenset()) -> list[tuple[Requirement, str, list[tuple[str, str]]]]:
+def rows_of(
+    stages: list[Stage], tests: dict[str, list[str]], results: dict[str, str], further: frozenset[str] | set[str] = frozenset()
+) -> list[tuple[Requirement, str, list[tuple[str, str]]]]:
     """@return for each requirement its outcome, and its tests with their results."""
     tagged = verified_by(tests)
     rows = []
@@ -85,7 +87,11 @@ def print_matrix(rows, results: dict[str, str], only_open: bool) -> bool:
             print(f"         {of_test if results else '':10}  {test}")
     counts = {word: sum(result == word for _, result, _ in rows) for word in ("passed", "failed", "skipped", "not run")}
     tests = len({test for _, _, with_results in rows for test, _ in with_results})
-    said = f": {counts['passed']} verified, {counts['failed']} failed, {counts['skipped']} skipped here, {counts['not run']} not run" if results else ""
+    said = (
+        f": {counts['passed']} verified, {counts['failed']} failed, {counts['skipped']} skipped here, {counts['not run']} not run"
+        if results
+        else ""
+    )
     print(f"requirements: {len(rows)}, {tests} tests{said}")
     return not (results and (counts["failed"] or counts["not run"]))
 
@@ -98,8 +104,15 @@ def write_pages(folder: pathlib.Path, stages: list[Stage], rows) -> None:
         lines = [f"# {stage.title}"]
         for one in stage.requirements:
             _, _, with_results = by_identifier[one.identifier]
-            lines += ["", f"## {one.identifier}", one.text, "", f"- **Reason:** {one.reason}", f"- **Source:** {one.source}",
-                      f"- **Method:** {one.method}" + (f", `{one.evidence}`" if one.evidence else "")]
+            lines += [
+                "",
+                f"## {one.identifier}",
+                one.text,
+                "",
+                f"- **Reason:** {one.reason}",
+                f"- **Source:** {one.source}",
+                f"- **Method:** {one.method}" + (f", `{one.evidence}`" if one.evidence else ""),
+            ]
             lines += [f"- **Test:** `{test}`" for test, _ in with_results]
         (folder / f"{stage.name}.md").write_text("\n".join(lines) + "\n")
 
@@ -124,6 +137,7 @@ def main() -> int:
     rows = rows_of(stages, tests, results, further_tests(REPOSITORY))
     if arguments.pages:
         from polhode_ground.common.whole_file import claim_folder
+
         claim_folder(arguments.pages, ".polhode-pages")
         write_pages(arguments.pages, stages, rows)
         return 0

@@ -22,8 +22,11 @@ def tests_of_cpp(text: str) -> dict[int, str]:
 
 def tests_of_python(text: str) -> dict[int, str]:
     """Line of each test or of its first decorator, from 0: its name."""
-    return {min([node.lineno] + [decorator.lineno for decorator in node.decorator_list]) - 1: node.name
-            for node in ast.parse(text).body if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")}
+    return {
+        min([node.lineno] + [decorator.lineno for decorator in node.decorator_list]) - 1: node.name
+        for node in ast.parse(text).body
+        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
+    }
 
 
 def is_further(node: ast.AST) -> bool:
@@ -35,9 +38,14 @@ def further_tests(repository: pathlib.Path) -> set[str]:
     found = set()
     for file in sorted((repository / "tests").rglob("test_*.py")):
         body = ast.parse(file.read_text()).body
-        all_are = any(isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "pytestmark" and is_further(node) for node in body)
-        found |= {f"{file.relative_to(repository).as_posix()}::{node.name}" for node in body
-                  if isinstance(node, ast.FunctionDef) and (all_are or any(map(is_further, node.decorator_list)))}
+        all_are = any(
+            isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "pytestmark" and is_further(node) for node in body
+        )
+        found |= {
+            f"{file.relative_to(repository).as_posix()}::{node.name}"
+            for node in body
+            if isinstance(node, ast.FunctionDef) and (all_are or any(map(is_further, node.decorator_list)))
+        }
     return found
 
 
@@ -53,8 +61,11 @@ def read_tests(repository: pathlib.Path) -> tuple[dict[str, list[str]], list[str
         for line, test in tests.items():
             tag = TAG.match(lines[line - 1]) if line else None
             found[f"{name}::{test}"] = [word.strip() for word in tag[1].split(",")] if tag else []
-        faults += [f"{name}:{line + 1}: `verifies` stands above no test"
-                   for line, text in enumerate(lines) if TAG.match(text) and line + 1 not in tests]
+        faults += [
+            f"{name}:{line + 1}: `verifies` stands above no test"
+            for line, text in enumerate(lines)
+            if TAG.match(text) and line + 1 not in tests
+        ]
     return found, faults
 
 

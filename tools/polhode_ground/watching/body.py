@@ -18,6 +18,7 @@ SIZE_UNKNOWN = 0.08  # of the distance: axes of a body whose shape is not known 
 @dataclass(frozen=True)
 class Body:
     """In T; lengths as the packets have them."""
+
     points: np.ndarray  # [N,3] on the body; N = 0: nothing is known of its shape
     corners: np.ndarray  # [8,3] of the box of its dimensions, or [0,3]
     origin: np.ndarray  # [3]

@@ -18,8 +18,12 @@ def check_address(address: str) -> None:
     """@errors BadInput: a form that readers of the bus do not take."""
     kind, _, rest = address.partition(":")
     port = rest.rpartition(":")[2]
-    right = {"unix": bool(rest), "file": bool(rest), "shm": rest.startswith("/") and len(rest) > 1 and "/" not in rest[1:],
-             "udp": port.isdecimal() and 0 < int(port) < 65536}
+    right = {
+        "unix": bool(rest),
+        "file": bool(rest),
+        "shm": rest.startswith("/") and len(rest) > 1 and "/" not in rest[1:],
+        "udp": port.isdecimal() and 0 < int(port) < 65536,
+    }
     if not right.get(kind, False):
         raise BadInput(f"{address}: {ALLOWED}")
 

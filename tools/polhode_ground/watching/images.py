@@ -126,8 +126,12 @@ def camera_of(parameters: str) -> Camera | None:
     found = dict(line.split(" = ", 1) for line in parameters.splitlines() if line.startswith("camera.") and " = " in line)
     try:
         number = {name.removeprefix("camera."): float(value) for name, value in found.items()}
-        return Camera(int(number["width_px"]), int(number["height_px"]), np.array([number[name] for name in ("fu_px", "fv_px", "cu_px", "cv_px")]),
-                      np.array([number[name] for name in ("k1", "k2", "p1", "p2")]))
+        return Camera(
+            int(number["width_px"]),
+            int(number["height_px"]),
+            np.array([number[name] for name in ("fu_px", "fv_px", "cu_px", "cv_px")]),
+            np.array([number[name] for name in ("k1", "k2", "p1", "p2")]),
+        )
     except (KeyError, ValueError):
         return None
 

@@ -62,16 +62,36 @@ class Page:
         self._image = None
         if has_images:
             self._image = gui.add_image(np.full((480, 640, 3), 40, np.uint8), jpeg_quality=JPEG_QUALITY)
-        self._noted = "" if has_images else words.block('<p class="dim">No images: packets carry none. Start with <code>--images FOLDER</code>, the recording '
-                                                         "of the run or the sequence that it plays.</p>")
+        self._noted = (
+            ""
+            if has_images
+            else words.block(
+                '<p class="dim">No images: packets carry none. Start with <code>--images FOLDER</code>, the recording '
+                "of the run or the sequence that it plays.</p>"
+            )
+        )
         self._note = gui.add_html(self._noted)
         self._motion = gui.add_html("")
-        series = ({}, *({"stroke": colour, "width": 1.5} for colour in words.AXIS_COLOURS),
-                  *({"stroke": "rgba(0,0,0,0)", "width": 0} for _ in range(6)))
+        series = (
+            {},
+            *({"stroke": colour, "width": 1.5} for colour in words.AXIS_COLOURS),
+            *({"stroke": "rgba(0,0,0,0)", "width": 0} for _ in range(6)),
+        )
         bands = tuple({"series": (4 + 2 * i, 5 + 2 * i), "fill": f"{colour}30"} for i, colour in enumerate(words.AXIS_COLOURS))
-        self._plot = gui.add_uplot(self._plotted([], 0), series, bands=bands, height=170, padding=(10, 24, 0, 0), legend={"show": False}, cursor={"show": False},
-                                   scales={"x": {"time": False, "range": (-RATES_S, 0.0)}},
-                                   axes=({"label": "s before the last frame", "labelSize": 16, "size": 28}, {"label": "rate in T, deg/s", "labelSize": 16, "size": 44}))
+        self._plot = gui.add_uplot(
+            self._plotted([], 0),
+            series,
+            bands=bands,
+            height=170,
+            padding=(10, 24, 0, 0),
+            legend={"show": False},
+            cursor={"show": False},
+            scales={"x": {"time": False, "range": (-RATES_S, 0.0)}},
+            axes=(
+                {"label": "s before the last frame", "labelSize": 16, "size": 28},
+                {"label": "rate in T, deg/s", "labelSize": 16, "size": 44},
+            ),
+        )
 
     def _make_left(self, apid_first: int) -> None:
         panel = self._server.gui.add_panel()
@@ -119,7 +139,7 @@ class Page:
     @staticmethod
     def _plotted(rates, now_ns: int) -> tuple[np.ndarray, ...]:
         """Seconds before now_ns, w_T of x, y, z, and for each above and below by a sigma."""
-        kept = list(rates)[::-1][::max(1, len(rates) // PLOT_POINTS_MAX)][::-1]
+        kept = list(rates)[::-1][:: max(1, len(rates) // PLOT_POINTS_MAX)][::-1]
         if not kept:
             return tuple(np.zeros(0) for _ in range(10))
         seconds = np.array([one.timestamp_ns - now_ns for one in kept]) * 1e-9

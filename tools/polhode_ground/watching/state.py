@@ -18,6 +18,7 @@ CLOUD_POINTS_MAX = 20_000  # more do not make the body plainer, and a viewer has
 @dataclass(frozen=True)
 class Pose:
     """T to C: p_C = R(q_CT) p_T + p_CT; q is w, x, y, z; lengths in m or map units."""
+
     q_CT: tuple[float, float, float, float]
     p_CT: tuple[float, float, float]
 
@@ -25,6 +26,7 @@ class Pose:
 @dataclass(frozen=True)
 class Rate:
     """w_T in deg/s and its 1-sigma, worst axis, at a frame's time."""
+
     timestamp_ns: int
     w_T_deg_s: tuple[float, float, float]
     sigma_deg_s: float
@@ -40,6 +42,7 @@ class Event:
 @dataclass
 class State:
     """The newest packet of each kind by its name, and what is kept of earlier ones."""
+
     latest: dict[str, Packet] = field(default_factory=dict)
     packets: int = 0
     frames: int = 0  # motion packets
@@ -55,7 +58,9 @@ class State:
     def take(self, packet: Packet) -> None:
         self.packets += 1
         self.arrived_s = time.monotonic()
-        take = {"motion": self._take_motion, "event": self._take_event, "platform_event": self._take_event, "cloud": self._take_cloud}.get(packet.name)
+        take = {"motion": self._take_motion, "event": self._take_event, "platform_event": self._take_event, "cloud": self._take_cloud}.get(
+            packet.name
+        )
         if take is not None:
             take(packet)
         self.latest[packet.name] = packet
@@ -74,7 +79,9 @@ class State:
         while self.rates and self.rates[-1].timestamp_ns >= packet.timestamp_ns:  # another run
             self.rates.pop()
         if packet.rate_valid:
-            self.rates.append(Rate(packet.timestamp_ns, tuple(math.degrees(w) for w in packet.w_T_rad_s), math.degrees(packet.sigma_rate_rad_s)))
+            self.rates.append(
+                Rate(packet.timestamp_ns, tuple(math.degrees(w) for w in packet.w_T_rad_s), math.degrees(packet.sigma_rate_rad_s))
+            )
         while self.rates and packet.timestamp_ns - self.rates[0].timestamp_ns > RATES_S * 1e9:
             self.rates.popleft()
 
@@ -87,7 +94,7 @@ class State:
         if packet.cloud != self.cloud_number[0]:
             self.cloud_T = []
         room = CLOUD_POINTS_MAX - len(self.cloud_T)
-        self.cloud_T = self.cloud_T + [tuple(point) for point in packet.p_T[:min(packet.points, room)]]  # anew: a copy may be being drawn
+        self.cloud_T = self.cloud_T + [tuple(point) for point in packet.p_T[: min(packet.points, room)]]  # anew: a copy may be being drawn
         self.cloud_number = (packet.cloud, len(self.cloud_T))
 
     @property

@@ -23,12 +23,24 @@ from polhode_ground.common.venv import REPOSITORY, enter_venv, run_main
 
 def arguments() -> argparse.Namespace:
     from polhode_ground.common.ranges import whole
-    parser = argparse.ArgumentParser(description=__doc__.strip(), formatter_class=argparse.RawDescriptionHelpFormatter,
-                                     epilog="Exit status: 0 ended by a signal; 1 the address can't be read any more; 2 unusable input (one line says which).")
-    parser.add_argument("address", metavar="ADDRESS", help="where the packets are: unix:PATH, udp:PORT, udp:HOST:PORT, shm:/NAME, file:PATH")
-    parser.add_argument("--images", metavar="FOLDER", type=pathlib.Path,
-                        help="recording.folder of the run, or the sequence that it plays: the newest image is shown")
-    parser.add_argument("--host", metavar="HOST", default="127.0.0.1", help="own address that the page is served at; 0.0.0.0: all (default: 127.0.0.1)")
+
+    parser = argparse.ArgumentParser(
+        description=__doc__.strip(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="Exit status: 0 ended by a signal; 1 the address can't be read any more; 2 unusable input (one line says which).",
+    )
+    parser.add_argument(
+        "address", metavar="ADDRESS", help="where the packets are: unix:PATH, udp:PORT, udp:HOST:PORT, shm:/NAME, file:PATH"
+    )
+    parser.add_argument(
+        "--images",
+        metavar="FOLDER",
+        type=pathlib.Path,
+        help="recording.folder of the run, or the sequence that it plays: the newest image is shown",
+    )
+    parser.add_argument(
+        "--host", metavar="HOST", default="127.0.0.1", help="own address that the page is served at; 0.0.0.0: all (default: 127.0.0.1)"
+    )
     parser.add_argument("--port", metavar="PORT", type=whole(0, 65535), default=8080, help="0: one that is free (default: 8080)")
     parser.add_argument("--apid-first", metavar="N", type=whole(1, 2031), default=416, help="bus.apid_first of the run (default: 416)")
     return parser.parse_args()
@@ -39,6 +51,7 @@ def main() -> int:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: ended.set())
     from polhode_ground.watching.serve import serve
+
     return serve(asked, REPOSITORY, ended)
 
 

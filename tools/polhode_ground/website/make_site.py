@@ -43,8 +43,26 @@ def write_source(source: pathlib.Path) -> None:
 def make_site(out: pathlib.Path) -> int:
     write_source(out / "source")
     shutil.rmtree(out / "html", ignore_errors=True)
-    subprocess.run([sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-j", "auto", "-d", out / "doctrees", "-b", "html", out / "source", out / "html"],
-                   env={**os.environ, "POLHODE_VERSION": version()}, check=True)
+    subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "sphinx",
+            "-W",
+            "--keep-going",
+            "-q",
+            "-j",
+            "auto",
+            "-d",
+            out / "doctrees",
+            "-b",
+            "html",
+            out / "source",
+            out / "html",
+        ],
+        env={**os.environ, "POLHODE_VERSION": version()},
+        check=True,
+    )
     dead = dead_links(out / "html")
     if dead:
         print("\n".join(dead), file=sys.stderr)
@@ -54,12 +72,21 @@ def make_site(out: pathlib.Path) -> int:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
-                                     epilog="Exit status 0: made; 1: a warning or a dead link; 2: something is not installed.")
-    parser.add_argument("--out", type=pathlib.Path, default=REPOSITORY / "build/site", metavar="FOLDER",
-                        help="gets html/, and source/ beside it; default: build/site")
+    parser = argparse.ArgumentParser(
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="Exit status 0: made; 1: a warning or a dead link; 2: something is not installed.",
+    )
+    parser.add_argument(
+        "--out",
+        type=pathlib.Path,
+        default=REPOSITORY / "build/site",
+        metavar="FOLDER",
+        help="gets html/, and source/ beside it; default: build/site",
+    )
     out = parser.parse_args().out.resolve()
     from polhode_ground.common.whole_file import claim_folder
+
     claim_folder(out, ".polhode-site", "source/docs/interface_control.md")
     enter_venv()
     missing = [name for name in ("sphinx", "myst_parser", "breathe") if not importlib.util.find_spec(name)]

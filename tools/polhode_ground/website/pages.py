@@ -6,8 +6,17 @@ import shutil
 
 from polhode_ground.common.errors import BadInput
 
-DOCUMENTS = ("*.md", "docs/*.md", "docs/decisions/*.md", "docs/requirements/README.md", "fsw/*/README.md", "platform/README.md",
-             "platform/*/*/README.md", "hil/*/README.md", "tools/polhode_ground/*/README.md")
+DOCUMENTS = (
+    "*.md",
+    "docs/*.md",
+    "docs/decisions/*.md",
+    "docs/requirements/README.md",
+    "fsw/*/README.md",
+    "platform/README.md",
+    "platform/*/*/README.md",
+    "hil/*/README.md",
+    "tools/polhode_ground/*/README.md",
+)
 LINK = re.compile(r"\]\(([^()\s:#]+)(?:#[^()\s]*)?\)")
 CODE = re.compile(r"^```.*?^```|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 

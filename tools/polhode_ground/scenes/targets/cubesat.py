@@ -82,9 +82,7 @@ def _instruments(s):
     """What stands out of the box: telescope, star tracker, boxes, patch antennas, launch ring."""
     w, h = HALF_WIDTH * s, HALF_HEIGHT * s
     return [
-        mesh.cylinder(
-            "telescope", [w, 0.02 * s, 0.20 * s], [w + 0.055 * s, 0.02 * s, 0.20 * s], 0.085 * s, "black", 48
-        ),
+        mesh.cylinder("telescope", [w, 0.02 * s, 0.20 * s], [w + 0.055 * s, 0.02 * s, 0.20 * s], 0.085 * s, "black", 48),
         mesh.lathe(
             "telescope_rim",
             np.array([(0.05, 0.072), (0.062, 0.072), (0.062, 0.088), (0.0, 0.088)]) * s,
@@ -102,9 +100,7 @@ def _instruments(s):
             "glass",
             48,
         ),
-        mesh.box(
-            "electronics", [w, -0.13 * s, -0.28 * s], [w + 0.035 * s, -0.02 * s, -0.13 * s], "box_white", 0.004 * s
-        ),
+        mesh.box("electronics", [w, -0.13 * s, -0.28 * s], [w + 0.035 * s, -0.02 * s, -0.13 * s], "box_white", 0.004 * s),
         mesh.box(
             "connector",
             [w + 0.035 * s, -0.11 * s, -0.22 * s],
@@ -113,9 +109,7 @@ def _instruments(s):
             0.002 * s,
         ),
         mesh.box("patch_antenna", [w, 0.04 * s, -0.33 * s], [w + 0.012 * s, 0.14 * s, -0.23 * s], "ceramic", 0.003 * s),
-        mesh.cylinder(
-            "star_tracker", [-0.06 * s, 0.05 * s, h], [-0.085 * s, 0.08 * s, h + 0.068 * s], 0.042 * s, "black", 32
-        ),
+        mesh.cylinder("star_tracker", [-0.06 * s, 0.05 * s, h], [-0.085 * s, 0.08 * s, h + 0.068 * s], 0.042 * s, "black", 32),
         mesh.box("gps_patch", [0.04 * s, -0.12 * s, h], [0.12 * s, -0.04 * s, h + 0.018 * s], "ceramic", 0.003 * s),
         mesh.box("valve_box", [0.05 * s, 0.05 * s, h], [0.13 * s, 0.12 * s, h + 0.045 * s], "box_white", 0.004 * s),
         mesh.lathe(
@@ -140,9 +134,7 @@ def _rods_and_thrusters(s):
         tip = np.array([x * 2.1 * s, y * 0.9 * s, h + 0.068 * s])
         if k in (0, 2):
             parts.append(mesh.cylinder(f"antenna_{k}", [x * s, y * s, h], tip, 0.0035 * s, "metal", 10))
-    path = [
-        [w + 0.006 * s, -0.06 * s + 0.015 * s * np.sin(t * 9), (-0.13 + 0.26 * t) * s] for t in np.linspace(0, 1, 24)
-    ]
+    path = [[w + 0.006 * s, -0.06 * s + 0.015 * s * np.sin(t * 9), (-0.13 + 0.26 * t) * s] for t in np.linspace(0, 1, 24)]
     parts.append(mesh.tube("cable", path, 0.005 * s, "cable"))
     return parts
 

@@ -21,9 +21,7 @@ class Tear:
         for frequency, amplitude in ((3.1, 0.050), (7.3, 0.030), (17.0, 0.014), (39.0, 0.005)):
             for _ in range(3):
                 heading = rng.uniform(0, 2 * np.pi)
-                self.waves.append(
-                    (frequency * np.cos(heading), frequency * np.sin(heading), rng.uniform(0, 1), amplitude)
-                )
+                self.waves.append((frequency * np.cos(heading), frequency * np.sin(heading), rng.uniform(0, 1), amplitude))
         self.lean = rng.uniform(-0.16, 0.16, 2)
 
     def cut(self, y, z):
@@ -130,16 +128,10 @@ def _inside(s, rng):
     parts = [
         mesh.sphere("tank", [-0.12 * s, 0.18 * s, -0.16 * s], 0.185 * s, "tank", 40, 20),
         mesh.box("deck", [-0.47 * s, -0.47 * s, 0.03 * s], [0.05 * s, 0.47 * s, 0.05 * s], "inner", 0.002 * s),
-        mesh.box(
-            "computer", [-0.40 * s, -0.38 * s, 0.05 * s], [-0.05 * s, -0.06 * s, 0.26 * s], "box_black", 0.008 * s
-        ),
+        mesh.box("computer", [-0.40 * s, -0.38 * s, 0.05 * s], [-0.05 * s, -0.06 * s, 0.26 * s], "box_black", 0.008 * s),
         mesh.box("radio", [-0.35 * s, 0.02 * s, 0.05 * s], [-0.02 * s, 0.34 * s, 0.17 * s], "box_white", 0.006 * s),
-        mesh.box(
-            "battery", [-0.40 * s, -0.40 * s, -0.44 * s], [-0.02 * s, -0.10 * s, -0.22 * s], "box_green", 0.008 * s
-        ),
-        mesh.cylinder(
-            "wheel", [-0.18 * s, -0.22 * s, -0.20 * s], [-0.18 * s, -0.22 * s, -0.08 * s], 0.10 * s, "metal", 36
-        ),
+        mesh.box("battery", [-0.40 * s, -0.40 * s, -0.44 * s], [-0.02 * s, -0.10 * s, -0.22 * s], "box_green", 0.008 * s),
+        mesh.cylinder("wheel", [-0.18 * s, -0.22 * s, -0.20 * s], [-0.18 * s, -0.22 * s, -0.08 * s], 0.10 * s, "metal", 36),
         mesh.cylinder("strut", [-0.42 * s, 0.42 * s, 0.42 * s], [0.22 * s, 0.30 * s, 0.24 * s], 0.012 * s, "metal", 12),
     ]
     for k in range(4):

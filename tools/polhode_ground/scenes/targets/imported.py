@@ -21,11 +21,7 @@ def build(path, scale):
     if not objects:
         raise SceneError(f"target.path: {path} holds no mesh")
     # The glTF importer turns the file's y-up axes into z-up ones; undo it.
-    back = (
-        Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1)))
-        if kind in (".gltf", ".glb")
-        else Matrix.Identity(4)
-    )
+    back = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1))) if kind in (".gltf", ".glb") else Matrix.Identity(4)
     parts = []
     worlds = [(thing, back @ Matrix.Scale(scale, 4) @ thing.matrix_world.copy()) for thing in objects]
     for thing, world in worlds:

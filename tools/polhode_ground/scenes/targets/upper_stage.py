@@ -79,12 +79,8 @@ def _engine(s):
             48,
         ),
         _lathe("thrust_cone", [(-0.285, 0.03), (TANK_LOW - 0.055, 0.075)], s, "engine", 12, False),
-        _lathe(
-            "bell_ring", [(-0.43, 0.069), (-0.43, 0.0725), (-0.424, 0.0725), (-0.424, 0.067)], s, "metal", 72, False
-        ),
-        mesh.cylinder(
-            "pump", [0.05 * s, 0.02 * s, -0.27 * s], [0.05 * s, 0.02 * s, -0.335 * s], 0.018 * s, "engine", 20
-        ),
+        _lathe("bell_ring", [(-0.43, 0.069), (-0.43, 0.0725), (-0.424, 0.0725), (-0.424, 0.067)], s, "metal", 72, False),
+        mesh.cylinder("pump", [0.05 * s, 0.02 * s, -0.27 * s], [0.05 * s, 0.02 * s, -0.335 * s], 0.018 * s, "engine", 20),
     ]
     for k in range(4):
         angle = np.pi / 4 + k * np.pi / 2
@@ -121,12 +117,8 @@ def _fittings(s):
             "raceway",
             16,
         ),
-        mesh.box(
-            "avionics", [-0.02 * s, r - 0.004 * s, 0.27 * s], [0.03 * s, r + 0.014 * s, 0.33 * s], "raceway", 0.003 * s
-        ),
-        mesh.box(
-            "antenna", [-r - 0.01 * s, 0.03 * s, 0.20 * s], [-r + 0.01 * s, 0.045 * s, 0.25 * s], "dome", 0.002 * s
-        ),
+        mesh.box("avionics", [-0.02 * s, r - 0.004 * s, 0.27 * s], [0.03 * s, r + 0.014 * s, 0.33 * s], "raceway", 0.003 * s),
+        mesh.box("antenna", [-r - 0.01 * s, 0.03 * s, 0.20 * s], [-r + 0.01 * s, 0.045 * s, 0.25 * s], "dome", 0.002 * s),
     ]
     for k, angle in enumerate((np.pi * 0.75, -np.pi * 0.25)):
         axis = np.array([np.cos(angle), np.sin(angle), 0])
@@ -166,9 +158,7 @@ def _tank_skin(s, seed, texture_px):
     scars = noise.generator(seed, 41)
     for _ in range(46):
         y, x, r = scars.uniform(0, height), scars.uniform(0, width), scars.uniform(0.0012, 0.006) * unit
-        yy, xx = np.ogrid[
-            max(0, int(y - r)) : min(height, int(y + r) + 1), max(0, int(x - r)) : min(width, int(x + r) + 1)
-        ]
+        yy, xx = np.ogrid[max(0, int(y - r)) : min(height, int(y + r) + 1), max(0, int(x - r)) : min(width, int(x + r) + 1)]
         spot = (np.hypot(yy - y, xx - x) < r)[..., None]
         area = (
             slice(max(0, int(y - r)), min(height, int(y + r) + 1)),
@@ -209,12 +199,8 @@ def _materials(s, seed, texture_px):
         "dome": surfaces.plate(small, texture_px, rng[0], (0.66, 0.63, 0.56), (), 0.3, panels=False, decals=False),
         "adapter": surfaces.weave(small, texture_px, rng[1], (0.20, 0.20, 0.21)),
         "inside": Material((0.25, 0.24, 0.22), 0.7),
-        "engine": surfaces.plate(
-            small, texture_px, rng[2], (0.46, 0.44, 0.42), (), 0.6, panels=False, decals=False, wear=2
-        ),
-        "nozzle": surfaces.plate(
-            small, texture_px, rng[3], (0.30, 0.27, 0.26), (), 0.55, panels=False, decals=False, wear=2
-        ),
+        "engine": surfaces.plate(small, texture_px, rng[2], (0.46, 0.44, 0.42), (), 0.6, panels=False, decals=False, wear=2),
+        "nozzle": surfaces.plate(small, texture_px, rng[3], (0.30, 0.27, 0.26), (), 0.55, panels=False, decals=False, wear=2),
         "raceway": surfaces.plate(small, texture_px, rng[4], (0.74, 0.74, 0.72), (), panels=False, decals=False),
         "bottle": surfaces.foil(small, texture_px, rng[5], surfaces.GOLD, 0.03),
         "metal": Material((0.70, 0.70, 0.71), 0.32, 0.9),
