@@ -11,9 +11,10 @@ import argparse
 import pathlib
 import sys
 
-REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 from polhode_ground.busgen import c_client, ccsdspy_csv, cpp, display, document, python_client, xtce, xtce_commands
 from polhode_ground.busgen.table import TableError, read_table
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 
 WRITER = b"tools/generate_bus.py"  # stands in each document
 

@@ -186,7 +186,7 @@ def test_what_an_edit_list_leaves_out_is_said(tmp_path):
 
 
 def test_of_interlaced_frames_one_field_is_taken():
-    from polhode_ground.importing.video import first_field
+    from polhode_ground.importing.shown import first_field
     rows = np.array([[0], [99], [20], [99], [41], [99]], np.uint8)
     assert first_field(rows).ravel().tolist() == [0, 10, 20, 31, 41, 41]
     assert first_field(rows[:5]).ravel().tolist() == [0, 10, 20, 31, 41]

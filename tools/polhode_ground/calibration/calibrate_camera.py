@@ -84,8 +84,9 @@ def parse() -> argparse.Namespace:
 def picture_of(file: pathlib.Path):
     """Gray as it is stored; None where it is no picture."""
     import cv2
-    from polhode_ground.importing.decoding import read_picture
+
     from polhode_ground.common.errors import BadInput
+    from polhode_ground.importing.decoding import read_picture
 
     gray = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE | cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION)
     if gray is not None:
@@ -100,9 +101,9 @@ def pictures_of(files: list[pathlib.Path]):
     """(name, gray [H,W] of 8 bits) of each picture; of a video one frame in each part of it, as many parts as VIDEO_FRAMES."""
     from polhode_ground.calibration.boards import eight_bits
     from polhode_ground.calibration.solve import NotCalibrated
+    from polhode_ground.common.errors import BadInput
     from polhode_ground.importing.source import Options
     from polhode_ground.importing.video import open_video
-    from polhode_ground.common.errors import BadInput
 
     for file in files:
         gray = picture_of(file)
@@ -145,6 +146,7 @@ def find_views(files: list[pathlib.Path], board) -> tuple[list, tuple[int, int]]
 def main() -> int:
     asked = parse()
     import cv2
+
     from polhode_ground.calibration import pictures
     from polhode_ground.calibration.boards import Board
     from polhode_ground.calibration.solve import NotCalibrated, calibrate, warnings

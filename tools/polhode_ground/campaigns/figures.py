@@ -7,7 +7,6 @@ import pathlib
 import numpy as np
 
 from polhode_ground.campaigns.summaries import MEASURES, first_pose_curve, values_of
-
 from polhode_ground.plots import counts, errors, motion, sheet, style
 from polhode_ground.plots.style import plt
 
@@ -76,8 +75,8 @@ def distributions(groups: dict[str, list[dict]]) -> str:
 
 def of_run(row: dict, folder: pathlib.Path) -> list[pathlib.Path]:
     """PNGs of one run: frames with what was followed, errors, rates, counts. Kept between calls; none where the run has gone."""
-    from polhode_ground.judge.run import read_run, read_truth
     from polhode_ground.common.sequence import read_sequence
+    from polhode_ground.judge.run import read_run, read_truth
 
     if folder.is_dir() and any(folder.iterdir()):
         return sorted(folder.iterdir())

@@ -14,13 +14,13 @@ from scipy.stats import chi2
 
 from polhode_ground.campaigns.bus_file import packets_of, pose_covariance
 from polhode_ground.campaigns.predictions import judge_points
-from polhode_ground.judge import align, metrics
-from polhode_ground.judge.aligned import align_each
 from polhode_ground.common.fault_log import LOG_FILE, read_log
-from polhode_ground.judge.report import lookup
-from polhode_ground.judge.run import judge_run, read_run, read_truth
 from polhode_ground.common.sequence import read_sequence
 from polhode_ground.common.tables import Motion, join
+from polhode_ground.judge import align, metrics
+from polhode_ground.judge.aligned import align_each
+from polhode_ground.judge.report import lookup
+from polhode_ground.judge.run import judge_run, read_run, read_truth
 
 # A frame is confidently wrong when it is farther off than the one and says that it is not farther off than the other.
 WRONG_DEG, CONFIDENT_DEG = 5.0, 2.0

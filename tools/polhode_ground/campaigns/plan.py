@@ -8,6 +8,7 @@ import json
 import pathlib
 import tomllib
 from dataclasses import dataclass, field
+from typing import NoReturn
 
 from polhode_ground.campaigns.scene_space import Picture, narrowed, points, scene_of
 from polhode_ground.common.errors import BadInput
@@ -105,7 +106,7 @@ class _Reader:
             raise BadInput(f"{path}: not TOML: {problem}") from None
         self.keys("", self.raw)
 
-    def refuse(self, where: str, what: str):
+    def refuse(self, where: str, what: str) -> NoReturn:
         raise BadInput(f"{self.path}: {where}: {what}")
 
     def keys(self, table: str, given, where: str = "") -> None:
@@ -159,7 +160,7 @@ class _Reader:
         for base in (self.path.parent, REPOSITORY):
             if (base / text).exists():
                 return (base / text).resolve()
-        self.refuse(where, f"{text} is neither beside the plan nor in the project")
+        return self.refuse(where, f"{text} is neither beside the plan nor in the project")
 
 
 def _resolution(reader: _Reader, where: str, table: dict, default: list[int]) -> list[int]:

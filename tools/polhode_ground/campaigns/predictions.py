@@ -13,10 +13,10 @@ from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
 from polhode_ground.campaigns.bus_file import packets_of, pose_covariance
+from polhode_ground.common.tables import Motion
 from polhode_ground.judge import align
 from polhode_ground.judge.aligned import Aligned
 from polhode_ground.judge.prediction import truth_at
-from polhode_ground.common.tables import Motion
 
 AHEAD_S = (10, 60, 300)
 SCENE_FILE = "scene.json"

@@ -17,9 +17,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from polhode_ground.common.venv import REPOSITORY
-
 from polhode_ground.common.program import PROGRAM
+from polhode_ground.common.venv import REPOSITORY
 
 SAMPLE = REPOSITORY / "hil/data/sample"
 RECORD = REPOSITORY / "tests/budget/instructions.json"

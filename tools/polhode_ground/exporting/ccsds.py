@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 
 import ccsds_ndm as ndm
 import numpy as np
+
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.whole_file import MARK
 from polhode_ground.exporting.names import Names, definition
 from polhode_ground.exporting.poses import Poses, chosen, counted, runs_of, with_rates, without
 from polhode_ground.exporting.times import date_of
-from polhode_ground.common.errors import BadInput
-from polhode_ground.common.whole_file import MARK
 
 KM = 1e-3
 VELOCITY_COMMENT = "velocity is relative to inertial space; it is the derivative of the place where the camera does not rotate"
@@ -37,7 +38,7 @@ class Message:
 
 def _header_fields(message: Message, poses: Poses) -> tuple:
     """creation date, originator, classification, id, comments"""
-    now = datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%S")
+    now = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%S")
     return now, message.names.originator, None, None, [f"{MARK} of {poses.source}", *poses.remarks]
 
 

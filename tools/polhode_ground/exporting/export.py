@@ -37,9 +37,8 @@ ONLY_FOR = {
 
 
 def arguments() -> argparse.Namespace:
-    from polhode_ground.exporting.names import name
-    from polhode_ground.exporting.times import CLOCKS
     from polhode_ground.common.ranges import number, whole
+    from polhode_ground.exporting.times import CLOCKS
 
     parser = argparse.ArgumentParser(
         description=__doc__.strip(),
@@ -78,6 +77,15 @@ def arguments() -> argparse.Namespace:
         "--gap-s", metavar="S", type=number(1e-9, 1e9), help="aem, oem, ck: a longer interval ends a segment (default: 1.5 usual intervals)"
     )
     parser.add_argument("--frame", metavar="N", type=whole(0), help="apm: number of the frame, from 0 (default: the last one with a pose)")
+    add_names(parser)
+    return parser.parse_args()
+
+
+def add_names(parser: argparse.ArgumentParser) -> None:
+    """What the message calls things."""
+    from polhode_ground.common.ranges import whole
+    from polhode_ground.exporting.names import name
+
     parser.add_argument("--target", metavar="NAME", type=name, default="TARGET", help="name of the target (default: TARGET)")
     parser.add_argument(
         "--target-id", metavar="ID", type=name, default="UNKNOWN", help="international designator, as 1998-067A (default: UNKNOWN)"
@@ -102,7 +110,6 @@ def arguments() -> argparse.Namespace:
         type=whole(-9999, -1),
         help="ck: NAIF's number of the target; one for each run, where they are loaded together (default: -999)",
     )
-    return parser.parse_args()
 
 
 def check_options(asked: argparse.Namespace) -> None:
@@ -121,8 +128,8 @@ def poses_of(asked: argparse.Namespace, kind: str):
 
 
 def write_message(asked: argparse.Namespace, names, out: pathlib.Path, gap_ns: int | None) -> tuple[str, list[str]]:
-    from polhode_ground.exporting.ccsds import WRITERS, Message, text_of
     from polhode_ground.common.whole_file import check_replaceable, write_whole
+    from polhode_ground.exporting.ccsds import WRITERS, Message, text_of
 
     check_replaceable(out)
     poses = poses_of(asked, "smoothed" if asked.smoothed else "causal")

@@ -10,12 +10,13 @@ import pathlib
 
 import numpy as np
 import spiceypy
+
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.whole_file import MARK, beside, check_replaceable
 from polhode_ground.exporting.names import Names, definition, frame_number
 from polhode_ground.exporting.poses import Poses, counted, runs_of, with_rates
 from polhode_ground.exporting.times import NS, date_of, leap_seconds, terrestrial_s
 from polhode_ground.judge.align import rotations
-from polhode_ground.common.errors import BadInput
-from polhode_ground.common.whole_file import MARK, beside, check_replaceable
 
 CAMERA_NUMBER = 999  # of the camera's frame: -999999 beside -999001 of T number 1
 TARGETS_MAX = 99

@@ -4,9 +4,10 @@ import pathlib
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+
 from polhode_ground.common.errors import BadInput
-from polhode_ground.judge.run import MOTION_FILES
 from polhode_ground.common.tables import Motion, numbers, read_cells, read_motion
+from polhode_ground.judge.run import MOTION_FILES
 
 # An interval between frames that is longer than this many usual ones is a gap.
 GAP_INTERVALS = 1.5

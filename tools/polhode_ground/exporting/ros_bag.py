@@ -8,13 +8,14 @@ import pathlib
 import shutil
 
 import numpy as np
-from polhode_ground.exporting.poses import Poses, counted
-from polhode_ground.exporting.times import NS
-from polhode_ground.common.errors import BadInput
-from polhode_ground.judge.shape import load_ply, property_of
-from polhode_ground.common.whole_file import fresh_beside
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
+
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.whole_file import fresh_beside
+from polhode_ground.exporting.poses import Poses, counted
+from polhode_ground.exporting.times import NS
+from polhode_ground.judge.shape import load_ply, property_of
 
 BAG_MARK = ".polhode-export"
 BAG_VERSION = 9
@@ -179,11 +180,11 @@ def _fill(part: pathlib.Path, motions: list[Poses], run: pathlib.Path, metres_pe
                 connections[topic] = writer.add_connection(topic, kind, typestore=messages.store)
             writer.write(connections[topic], time_ns, messages.store.serialize_cdr(message, kind))
 
-        for time_ns, poses, row in sorted(
+        for time_ns, moving, row in sorted(
             ((int(time_ns), poses, row) for poses in motions for row, time_ns in enumerate(poses.time_ns)), key=lambda one: one[0]
         ):
-            for topic, kind, message in messages.of_pose(poses, row):
-                add(topic if topic.startswith("/") else f"/target/{poses.kind}/{topic}", kind, time_ns, message)
+            for topic, kind, message in messages.of_pose(moving, row):
+                add(topic if topic.startswith("/") else f"/target/{moving.kind}/{topic}", kind, time_ns, message)
         counts += [f"{counted(len(poses), 'pose')} of {poses.source}" for poses in motions]
         for poses in motions:
             remarks += _unit_remarks(poses)

@@ -59,6 +59,7 @@ def time_of(packet: bytes) -> int:
 def image_of(sequence, index: int) -> tuple[bytes, str, bool]:
     """@return octets that viewers show, their format, and whether they are another picture than the file."""
     import cv2
+
     from polhode_ground.common.levels import read_octets, viewable
 
     octets = read_octets(sequence.frame_path(index))
@@ -109,6 +110,7 @@ def write_packets(writer, bus: pathlib.Path) -> tuple[int, int]:
 def write_run(writer, run: pathlib.Path, sequence: pathlib.Path) -> int:
     """What the replay found. @return messages."""
     from mcap_protobuf.schema import build_file_descriptor_set
+
     from polhode_ground.reporting.foxglove_messages import messages_of
     from polhode_ground.reporting.gather import gather
 
@@ -128,9 +130,10 @@ def convert(
     folder: pathlib.Path, bus: pathlib.Path | None, run: pathlib.Path | None, out: pathlib.Path
 ) -> tuple[tuple[int, int, int], int, int, int]:
     """@return images as write_images() counts them, packets, octets among the packets that were none, messages of the run."""
+    from mcap.writer import Writer
+
     from polhode_ground.common.sequence import read_json, read_sequence
     from polhode_ground.common.whole_file import MARK, beside
-    from mcap.writer import Writer
 
     sequence = read_sequence(folder)
     sequence.see_as(read_json(run / "summary.json") if run is not None else {})

@@ -8,6 +8,7 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
+
 from polhode_ground.common.errors import BadInput
 
 NS = 1_000_000_000

@@ -23,7 +23,6 @@ from polhode_ground.common.program import PROGRAM, check_program, new_folder
 from polhode_ground.common.ranges import number, whole
 from polhode_ground.common.venv import enter_venv, run_main
 
-
 FRAMES_TO_POSE_MAX = 3
 
 CONFIG = """\
@@ -61,11 +60,10 @@ class Start:
     def __init__(self, folder: pathlib.Path, number: int, config: pathlib.Path):
         self.folder = folder / f"start{number:03d}"
         self.folder.mkdir()
-        self.stderr = open(self.folder / "stderr.txt", "w")
-        self.begun_s = time.monotonic()
-        self.process = subprocess.Popen(
-            [PROGRAM, "run", "--config", config, "--set", f'run.folder="{self.folder}"'], stdout=subprocess.DEVNULL, stderr=self.stderr
-        )
+        command = [PROGRAM, "run", "--config", config, "--set", f'run.folder="{self.folder}"']
+        with open(self.folder / "stderr.txt", "w") as stderr:
+            self.begun_s = time.monotonic()
+            self.process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=stderr)
 
     def octets(self) -> int:
         file = self.folder / "bus.ccsds"
@@ -92,7 +90,6 @@ class Start:
     def kill(self) -> None:
         self.process.send_signal(signal.SIGKILL)
         self.process.wait()
-        self.stderr.close()
 
     def account(self, first_packet_s: float) -> dict:
         said = (self.folder / "stderr.txt").read_text()
@@ -120,18 +117,18 @@ def campaign(folder: pathlib.Path, kills: int, seed: int, interval_s: float) -> 
     chance = random.Random(seed)
     config = make_config(folder, interval_s)
     accounts = []
-    for number in range(kills + 1):
-        start = Start(folder, number, config)
+    for kill in range(kills + 1):
+        start = Start(folder, kill, config)
         try:
             first_s = start.wait_for_packet()
             # The first run must have a map before it is killed; the others have one from the checkpoint. Three frames at
             # least, so that there is something to judge; then any moment.
-            start.wait_for_frames(12 if number == 0 else FRAMES_TO_POSE_MAX)
+            start.wait_for_frames(12 if kill == 0 else FRAMES_TO_POSE_MAX)
             time.sleep(chance.uniform(0.0, 4.0 * interval_s))
         finally:
             start.kill()
         accounts.append(start.account(first_s))
-        print(f"{number:3d}  {accounts[-1]}", flush=True)
+        print(f"{kill:3d}  {accounts[-1]}", flush=True)
     return accounts
 
 

@@ -8,7 +8,6 @@ import socket
 import subprocess
 import time
 
-
 from polhode_bus import open_bus
 
 START_S = 120.0  # until it is ready

@@ -114,20 +114,20 @@ def one_run(folder: pathlib.Path, flipping: Flipping, rows: list[str], watchdog_
 
 
 def campaign(folder: pathlib.Path, runs: int, all_flips: list[int], seed: int, watchdog_s: float) -> list[dict]:
-    from polhode_ground.faults.verdict import account, faults_of
     from polhode_ground.common.tables import read_motion
+    from polhode_ground.faults.verdict import account, faults_of
 
     truth = read_motion(SAMPLE / "truth.csv")
     rows = (SAMPLE / "mav0/cam0/data.csv").read_text().splitlines()[1:]
     accounts = []
-    for number in range(runs * len(all_flips)):
-        flips = all_flips[number % len(all_flips)]
-        chance = random.Random(f"{seed}/{number}")
+    for drawn in range(runs * len(all_flips)):
+        flips = all_flips[drawn % len(all_flips)]
+        chance = random.Random(f"{seed}/{drawn}")
         flipping = Flipping(chance.randint(FRAME_FIRST, FRAME_LAST), flips, chance)
         begun_s = time.monotonic()
-        starts = one_run(folder / f"run{number:04d}", flipping, rows, watchdog_s)
+        starts = one_run(folder / f"run{drawn:04d}", flipping, rows, watchdog_s)
         one = {
-            "run": number,
+            "run": drawn,
             "flips": flips,
             "frame": flipping.frame,
             "flipped": flipping.tables_octets > 0,
@@ -136,9 +136,9 @@ def campaign(folder: pathlib.Path, runs: int, all_flips: list[int], seed: int, w
         }
         accounts.append(one)
         if not faults_of(one):
-            shutil.rmtree(folder / f"run{number:04d}")
+            shutil.rmtree(folder / f"run{drawn:04d}")
         print(
-            f"{number:4d}  {flips:4d} flips at frame {flipping.frame:2d}: {one['kind']}; {', '.join(one['ends'])}"
+            f"{drawn:4d}  {flips:4d} flips at frame {flipping.frame:2d}: {one['kind']}; {', '.join(one['ends'])}"
             + "".join(f"; {fault}" for fault in faults_of(one)),
             flush=True,
         )

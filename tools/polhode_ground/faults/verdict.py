@@ -3,11 +3,11 @@
 import dataclasses
 
 import numpy as np
-
 from polhode_bus.packets import EVENTS
+
+from polhode_ground.common.tables import Motion
 from polhode_ground.faults.service import Start
 from polhode_ground.judge import align
-from polhode_ground.common.tables import Motion
 
 # Wrong, and said to be right: what no run may publish.
 ERROR_DEG = 5.0

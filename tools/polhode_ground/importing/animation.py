@@ -4,10 +4,10 @@ import pathlib
 from collections.abc import Iterator
 
 import numpy as np
-from polhode_ground.importing.formats import kind_of_file
-from polhode_ground.importing.source import Account, Frame, Options, Source
 
 from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.formats import kind_of_file
+from polhode_ground.importing.source import Account, Frame, Options, Source
 
 KINDS = ("webp", "avif")
 

@@ -4,8 +4,8 @@ import argparse
 import math
 import re
 
-from polhode_ground.importing.lens import Lens, lens_of
 from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.lens import Lens, lens_of
 
 NUMBERS = re.compile(r"[-+\d.eE,;\s]+")
 

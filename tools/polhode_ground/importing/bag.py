@@ -5,6 +5,8 @@ import re
 from collections.abc import Iterator
 
 import numpy as np
+
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing.camera_info import field, lens_of_info, numbers_of
 from polhode_ground.importing.decoding import decode
 from polhode_ground.importing.lens import Lens
@@ -12,8 +14,6 @@ from polhode_ground.importing.message_video import MessageVideo, codec_of
 from polhode_ground.importing.recordings import is_recording, opened, read_messages
 from polhode_ground.importing.source import NS, Account, Frame, Options, Source, lens_if_any
 from polhode_ground.importing.topic_messages import TopicMessages, frame_id_of
-
-from polhode_ground.common.errors import BadInput
 
 RAW = ("sensor_msgs/msg/Image", "foxglove.RawImage", "foxglove_msgs/msg/RawImage")
 COMPRESSED = ("sensor_msgs/msg/CompressedImage", "foxglove.CompressedImage", "foxglove_msgs/msg/CompressedImage")

@@ -4,7 +4,7 @@ import pathlib
 import zipfile
 from dataclasses import replace
 
-from polhode_ground.importing.camera_info import lens_of_info
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing.calibration_text import opencv_values, text_of, with_hint, yaml_values
 from polhode_ground.importing.calibration_tools import (
     camodocal,
@@ -17,10 +17,10 @@ from polhode_ground.importing.calibration_tools import (
     size_of,
     xml_lens,
 )
+from polhode_ground.importing.camera_info import lens_of_info
 from polhode_ground.importing.colmap_lens import read_cameras
-from polhode_ground.importing.row_times import row_time_of
 from polhode_ground.importing.lens import Lens, lens_of
-from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.row_times import row_time_of
 
 NO_DISTORTION = "{} tells no coefficients of a distortion: none is assumed"
 MATRIX_KEYS = (

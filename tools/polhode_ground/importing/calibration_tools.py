@@ -3,10 +3,9 @@
 import pathlib
 import re
 
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing.lens import Lens, lens_of
 from polhode_ground.importing.lens_models import model_named
-
-from polhode_ground.common.errors import BadInput
 
 FIELDS = {
     "fu": ("fx", "fu", "flx", "focallengthx", "focalx", "gamma1", "mu", "alphax", "f"),

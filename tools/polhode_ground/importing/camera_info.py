@@ -3,9 +3,9 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from polhode_ground.importing.lens import Lens, lens_of
 
 from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.lens import Lens, lens_of
 
 # The principal point of lenses is near the middle, in shares of the picture's side. Beyond this K is of another picture than it says,
 # if it is nearer the middle of the picture that was read out.

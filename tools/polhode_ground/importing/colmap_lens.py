@@ -6,12 +6,12 @@ import tempfile
 from collections import Counter
 
 import numpy as np
+
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing.colmap_library import read_project
 from polhode_ground.importing.lens import Lens, lens_of
 from polhode_ground.importing.lens_models import COLMAP_MODELS, FISHEYE, FOV, PANORAMA, RADTAN, UNIFIED
 from polhode_ground.importing.source import Account
-
-from polhode_ground.common.errors import BadInput
 
 # COLMAP's models by where their parameters stand: (model here, focal lengths, where the distortion begins, its length here).
 MODELS = {

@@ -8,8 +8,8 @@ import tempfile
 
 import numpy as np
 
-from polhode_ground.judge.colmap import ensure_venv
 from polhode_ground.common.errors import BadInput
+from polhode_ground.judge.colmap import ensure_venv
 
 WRONG_PARAMETERS = "; a camera has more or fewer parameters than its model, or such as are no numbers with decimal points"
 WORKER = pathlib.Path(__file__).with_name("colmap_project_worker.py")

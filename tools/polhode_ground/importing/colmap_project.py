@@ -4,13 +4,12 @@ import pathlib
 from collections import Counter
 from collections.abc import Iterator
 
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing.colmap_lens import lens_of_camera, with_one_camera
 from polhode_ground.importing.colmap_library import read_project
 from polhode_ground.importing.folder import frames_of, times_of
 from polhode_ground.importing.pictures import in_folder, natural_order
 from polhode_ground.importing.source import OTHER_CAMERA, Account, Frame, Options, Source, lens_if_any
-
-from polhode_ground.common.errors import BadInput
 
 # Of cameras and images below a project's folder, the first group that has any: where COLMAP, its undistorter and others put models.
 PLACES = (("",), ("sparse/*", "sparse"), ("[0-9]*",), ("dense/sparse", "dense/*/sparse"), ("colmap/sparse/*", "distorted/sparse/*"))

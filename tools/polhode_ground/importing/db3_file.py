@@ -4,9 +4,8 @@ import pathlib
 import sqlite3
 from collections.abc import Collection, Iterator
 
-from polhode_ground.importing.mcap_file import Connection, ros_decoder
-
 from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.mcap_file import Connection, ros_decoder
 
 
 class DamagedDb3:

@@ -14,11 +14,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from polhode_ground.importing import fits, jpeg, netpbm
-from polhode_ground.importing.formats import RAW_SUFFIXES, kind_of
 
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.levels import FULL_BITS, luminance, png_bits, significant_bits
+from polhode_ground.importing import fits, jpeg, netpbm
+from polhode_ground.importing.formats import RAW_SUFFIXES, kind_of
 
 TRANSPARENT = "transparency is left out: transparent pixels show the colour that the file has below them"
 ONE_BIT = "the pictures have one bit: black and white alone"

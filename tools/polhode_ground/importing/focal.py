@@ -6,15 +6,14 @@ import subprocess
 import sys
 import tempfile
 
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.sequence import Camera, Sequence, read_sequence
+from polhode_ground.common.whole_file import write_whole
 from polhode_ground.importing.lens import Lens
 from polhode_ground.importing.pixel_shape import aspect_of, stretch, stretch_of
 from polhode_ground.importing.sensor_text import with_intrinsics
 from polhode_ground.importing.writing import numbers_text
-
 from polhode_ground.judge.colmap import ensure_venv, prepare_images
-from polhode_ground.common.errors import BadInput
-from polhode_ground.common.sequence import Camera, Sequence, read_sequence
-from polhode_ground.common.whole_file import write_whole
 
 WORKER = pathlib.Path(__file__).with_name("focal_worker.py")
 # All pairs of 100 pictures are matched in half a minute on two cores; more pictures hardly tell more.

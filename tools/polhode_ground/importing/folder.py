@@ -5,6 +5,8 @@ import pathlib
 import re
 from collections.abc import Iterator
 
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.units import SINCE_1970_NS, UNITS, WORDS, is_impossible, median_step
 from polhode_ground.importing import fits
 from polhode_ground.importing.formats import kind_of_file
 from polhode_ground.importing.numbering import (
@@ -21,9 +23,6 @@ from polhode_ground.importing.pictures import exif_lens, exif_time_ns, in_folder
 from polhode_ground.importing.series import of_one_camera
 from polhode_ground.importing.source import BROKEN_LINK, NS, Account, Frame, Options, Source, lens_if_any
 from polhode_ground.importing.times_beside import times_beside
-
-from polhode_ground.common.errors import BadInput
-from polhode_ground.common.units import SINCE_1970_NS, UNITS, WORDS, is_impossible, median_step
 
 # A name of 16 digits is taken for microseconds since 1970, of more for nanoseconds since then or since start, as EuRoC and ROS tools write them.
 MICROSECONDS_DIGITS = 16

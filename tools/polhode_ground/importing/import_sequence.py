@@ -82,9 +82,9 @@ def progress(count: int) -> None:
 
 def chosen_lens(asked: argparse.Namespace, source):
     """(lens or None where it is to be estimated, where it is from)."""
+    from polhode_ground.common.errors import BadInput
     from polhode_ground.importing.arguments import lens_of_numbers
     from polhode_ground.importing.calibration_files import read_lens
-    from polhode_ground.common.errors import BadInput
 
     if asked.intrinsics == "auto":
         return None, "to be estimated"
@@ -117,13 +117,13 @@ def tell(record: dict) -> None:
 
 def import_source(asked: argparse.Namespace):
     """@return what was lost of the source's frames."""
+    from polhode_ground.common.errors import BadInput
     from polhode_ground.importing.levels import Levels
     from polhode_ground.importing.plan import Part, Plan
     from polhode_ground.importing.recognise import open_source
     from polhode_ground.importing.source import Options
     from polhode_ground.importing.video import ROLLING
     from polhode_ground.importing.writing import Writer
-    from polhode_ground.common.errors import BadInput
 
     if asked.sequence.exists():
         raise BadInput(f"{asked.sequence}: is there already")

@@ -6,9 +6,9 @@ Other distortions are taken out of the pictures (undistorting.py). Pixel centres
 from dataclasses import dataclass, replace
 
 import numpy as np
-from polhode_ground.importing.lens_models import MODELS, RADTAN, model_named
 
 from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.lens_models import MODELS, RADTAN, model_named
 
 SAME_RATIO = 0.05  # fu / fv of a calibration and the shape of the pixels agree to this; calibrations of square pixels differ by 0.01
 RANGE = (10.0, 100.0, 1.0, 1.0)  # of k1, k2, p1, p2 in `polhode`'s table of parameters

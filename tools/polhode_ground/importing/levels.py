@@ -8,12 +8,12 @@ from dataclasses import dataclass, field, replace
 from itertools import chain
 
 import numpy as np
-from polhode_ground.importing.decoding import Decoded, read_picture
-from polhode_ground.importing.pictures import may_be_copied, pages_in_copy
-from polhode_ground.importing.source import Account, Frame
 
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.levels import FULL_BITS
+from polhode_ground.importing.decoding import Decoded, read_picture
+from polhode_ground.importing.pictures import may_be_copied, pages_in_copy
+from polhode_ground.importing.source import Account, Frame
 
 FULL = 65535
 # What writers take for full scale: 1 for floats, else the largest level of a camera's bits.

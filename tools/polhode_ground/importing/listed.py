@@ -5,13 +5,12 @@ import unicodedata
 from collections import defaultdict
 from collections.abc import Iterator
 
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing.calibration_files import read_lens
 from polhode_ground.importing.calibration_text import yaml_values
 from polhode_ground.importing.picture_list import in_ns, read_list
 from polhode_ground.importing.row_times import row_time_of
 from polhode_ground.importing.source import Account, Frame, Options, Source, lens_if_any
-
-from polhode_ground.common.errors import BadInput
 
 OTHER_LETTERS = "the list has names in other letters than the files have"
 TUM_LISTS = ("rgb.txt", "gray.txt", "images.txt")

@@ -2,11 +2,10 @@
 
 from collections.abc import Iterator
 
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing.decoding import frame_levels
 from polhode_ground.importing.packets import Decoder
 from polhode_ground.importing.source import Account, Frame
-
-from polhode_ground.common.errors import BadInput
 
 # Parts of the formats' names, and FFmpeg's decoder. FFMPEGPacket names encoders, such as hevc_nvenc.
 CODECS = {"264": "h264", "265": "hevc", "hevc": "hevc", "vp8": "vp8", "vp9": "vp9", "av1": "libdav1d"}

@@ -10,10 +10,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing.picture_list import in_ns
 from polhode_ground.importing.source import Account, Options
-
-from polhode_ground.common.errors import BadInput
 
 HEAD_MAX = 4096  # octets of a part's header
 BEGIN_MAX = 4096  # within which the first boundary stands; the server's own header may stand before it

@@ -8,9 +8,8 @@ import statistics
 from collections import Counter
 from decimal import Decimal
 
-from polhode_ground.importing.stamps import COUNTER_BITS
-
 from polhode_ground.common.units import is_impossible, median_step
+from polhode_ground.importing.stamps import COUNTER_BITS
 
 # Chosen: so many steps between numbers are alike where they count frames.
 ALIKE_SHARE = 0.5

@@ -6,12 +6,12 @@ import re
 from collections import Counter, defaultdict
 
 import numpy as np
+
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing.decoding import read_picture
 from polhode_ground.importing.numbering import DATE_AND_CLOCK, HEX
 from polhode_ground.importing.series import SERIES_MAX, SERIES_MIN, choose, has_word, words_of_choice
 from polhode_ground.importing.source import COPIES, OTHER_SERIES, Account
-
-from polhode_ground.common.errors import BadInput
 
 SMALL_SHARE = 0.5  # of the series: a larger group may as well be what the user wants, and is asked for
 NAMED = 3

@@ -3,9 +3,8 @@
 import re
 from dataclasses import dataclass, replace
 
-from polhode_ground.importing.source import Options
-
 from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.source import Options
 
 IMAGE_DESCRIPTION = 270
 FIRST = "ImageJ="
@@ -73,7 +72,9 @@ def header_of(tags: dict) -> Header | None:
     if pixels is None:
         return None
 
-    def has(name, tag=pixels.group()):
+    whole = pixels.group()
+
+    def has(name, tag=whole):
         return re.search(ATTRIBUTE.format(name), tag)
 
     channels = CHANNEL.findall(text[pixels.start() : text.find("</Pixels>") + 1 or len(text)])

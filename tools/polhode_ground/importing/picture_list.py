@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 
-from polhode_ground.importing.source import NS, PICTURES, Account
-
 from polhode_ground.common.delimited import rows_of, separator_of, text_of
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.units import SINCE_1970_NS, UNITS, WORDS, doubt, likely_units, median_step
+from polhode_ground.importing.source import NS, PICTURES, Account
 
 TIME_NAME = re.compile(r"\W*(time|stamp|t\b|t_)", re.IGNORECASE)
 FILE_NAME = re.compile(r"file|image|picture|frame|name|path|img", re.IGNORECASE)

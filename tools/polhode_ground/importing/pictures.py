@@ -6,13 +6,13 @@ import struct
 import zlib
 
 import numpy as np
+
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing import netpbm
 from polhode_ground.importing.decoding import register_heif
 from polhode_ground.importing.formats import RAW_SUFFIXES, READ_BY_REPLAY, kind_of_file
 from polhode_ground.importing.lens import Lens
 from polhode_ground.importing.source import NS, PICTURES, VIDEOS, Account
-
-from polhode_ground.common.errors import BadInput
 
 # EXIF's numbers of the fields that are read.
 ORIENTATION, EXIF_FOLDER, MAKE, MODEL = 0x0112, 0x8769, 0x010F, 0x0110

@@ -2,9 +2,8 @@
 
 import pathlib
 
-from polhode_ground.importing.sensor_text import values_of
-
 from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.sensor_text import values_of
 
 ASPECT_SAME = 0.002  # nearer to square the stretching would change no picture by two pixels
 

@@ -7,10 +7,9 @@ from collections import Counter, defaultdict, deque
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing.source import BEFORE_FROM, BY_STEP, CHOSEN_AWAY, NS, Frame, Source
 from polhode_ground.importing.stamps import find_gaps, judge
-
-from polhode_ground.common.errors import BadInput
 
 NOT_DECODED = "in the source, but could not be decoded"
 UNLISTED = "time is not among those that the source lists"

@@ -2,14 +2,13 @@
 
 import pathlib
 
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing import animation, bag, colmap_project, folder, listed, stack, video
 from polhode_ground.importing.formats import kind_of_file
 from polhode_ground.importing.joined import JoinedVideos
 from polhode_ground.importing.other_files import told_by_content, told_by_entries
 from polhode_ground.importing.pictures import in_folder
 from polhode_ground.importing.source import Options, Source
-
-from polhode_ground.common.errors import BadInput
 
 UNFINISHED = (".active",)  # ROS 1 names a bag so while it is recorded
 RAW_DUMPS = " (raw dumps tell neither size nor depth: write them as PNG, TIFF or NumPy's .npy)"

@@ -4,12 +4,11 @@ import contextlib
 import pathlib
 from collections.abc import Collection, Iterator
 
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing.db3_file import DamagedDb3
 from polhode_ground.importing.mcap_file import McapFile, ros_store, words_of
 from polhode_ground.importing.pictures import natural_order
 from polhode_ground.importing.source import Account
-
-from polhode_ground.common.errors import BadInput
 
 SUFFIXES = (".bag", ".mcap", ".db3")
 

@@ -35,6 +35,7 @@ def scale(sequence: pathlib.Path, out: pathlib.Path, width: int, height: int) ->
     """@return the number of pictures."""
     import yaml
     from PIL import Image
+
     from polhode_ground.common.levels import depth_of, eight_bits, read_levels
 
     source, target = sequence / "mav0/cam0", out / "mav0/cam0"

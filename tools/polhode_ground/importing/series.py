@@ -4,9 +4,8 @@ import pathlib
 import re
 from collections import defaultdict
 
-from polhode_ground.importing.source import OTHER_CAMERA, Account
-
 from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.source import OTHER_CAMERA, Account
 
 # Words that name a camera. "L" and "R" are those of stereo rigs.
 CAMERA = re.compile(r"(?<![a-z])(left|right|l|r|cam(?:era)?[-_ ]?\d{1,2})(?![a-z\d])", re.IGNORECASE)

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-from polhode_ground.importing.lens import Lens
 
 from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.lens import Lens
 
 NS = 1_000_000_000
 # Files of these names are pictures even where their content is damaged.

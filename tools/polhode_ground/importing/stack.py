@@ -5,14 +5,13 @@ from collections import Counter
 from collections.abc import Iterator
 from itertools import islice
 
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.levels import luminance
 from polhode_ground.importing import fits, netpbm
 from polhode_ground.importing.decoding import black_is_zero, decode, name_in_utf8, pages_of_tiff, tags_of_pages, tiff_tags
 from polhode_ground.importing.formats import kind_of_file
 from polhode_ground.importing.page_interval import frames_in, header_of
 from polhode_ground.importing.source import NS, OTHER_CAMERA, Account, Frame, Options, Source
-
-from polhode_ground.common.errors import BadInput
-from polhode_ground.common.levels import luminance
 
 PAGES_AT_ONCE = 16
 SAME_INTERVAL = 0.01  # rates are rounded

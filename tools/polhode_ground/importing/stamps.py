@@ -9,9 +9,8 @@ import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from polhode_ground.importing.source import NS
-
 from polhode_ground.common.units import is_impossible, median_step
+from polhode_ground.importing.source import NS
 
 OUT_OF_LINE = "time out of line with its neighbours'"
 REPEATS = "time repeats that of the frame before"

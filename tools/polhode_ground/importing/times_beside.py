@@ -2,10 +2,9 @@
 
 import pathlib
 
+from polhode_ground.common.errors import BadInput
 from polhode_ground.importing.picture_list import has_columns, in_ns, read_times
 from polhode_ground.importing.source import Account, Options
-
-from polhode_ground.common.errors import BadInput
 
 TABLES = (".csv", ".tsv")  # of any name, where a head says that they have times and pictures' names
 NAMES = ("times.txt", "timestamps.txt", "timestamp.txt", "times.csv", "timestamps.csv", "time.txt", "time.csv")

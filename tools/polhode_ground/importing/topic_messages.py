@@ -5,9 +5,9 @@ from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy as np
-from polhode_ground.importing.source import OTHER_CAMERA, RECORDED_TWICE, Account
 
 from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.source import OTHER_CAMERA, RECORDED_TWICE, Account
 
 SECOND_CAMERA_SHARE = 0.1  # of the messages; fewer are those of a driver that starts
 CHANGES_OF_ONE_CAMERA = 3  # of its name: a driver that was started again, and not two cameras by turns

@@ -1,9 +1,9 @@
 """Takes a lens' distortion out of pictures."""
 
 import numpy as np
-from polhode_ground.importing.lens import Lens
 
 from polhode_ground.common.errors import BadInput
+from polhode_ground.importing.lens import Lens
 
 # Nothing wider than 120 deg is a useful pinhole (the replay doubts it): a pixel at its edge sees a quarter of what one in its middle does.
 EDGE_MAX = np.tan(np.radians(59.0))

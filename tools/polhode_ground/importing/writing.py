@@ -8,13 +8,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-from polhode_ground.importing.decoding import Decoded, read_picture
-from polhode_ground.importing.formats import READ_BY_REPLAY, kind_of_file
-from polhode_ground.importing.lens import Lens, has_shape, scaled_to, shape_of_pixels
-from polhode_ground.importing.pictures import open_picture, pixel_aspect, turned
-from polhode_ground.importing.repeats import Repeats
-from polhode_ground.importing.source import NS, Account, Frame
-from polhode_ground.importing.undistorting import Undistorter
 
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.levels import FULL_BITS, luminance
@@ -22,6 +15,13 @@ from polhode_ground.common.mosaic import contrast_of, without_mosaic
 from polhode_ground.common.program import PROGRAM
 from polhode_ground.common.sequence import read_tables
 from polhode_ground.common.whole_file import fresh_beside
+from polhode_ground.importing.decoding import Decoded, read_picture
+from polhode_ground.importing.formats import READ_BY_REPLAY, kind_of_file
+from polhode_ground.importing.lens import Lens, has_shape, scaled_to, shape_of_pixels
+from polhode_ground.importing.pictures import open_picture, pixel_aspect, turned
+from polhode_ground.importing.repeats import Repeats
+from polhode_ground.importing.source import NS, Account, Frame
+from polhode_ground.importing.undistorting import Undistorter
 
 SINGLE_SHAPE = (1 / 2.4, 2.4)  # width by height; cinema has 2.39, two pictures of 4:3 side by side 2.67
 UNREADABLE = "picture can't be read"

@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from polhode_ground.judge import align
 from polhode_ground.common.tables import Motion, in_frame, join, target_frames
+from polhode_ground.judge import align
 
 
 @dataclass

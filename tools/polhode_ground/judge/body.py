@@ -11,8 +11,8 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial import ConvexHull, QhullError
 
-from polhode_ground.judge.align import axis_angle_deg
 from polhode_ground.common.errors import BadInput
+from polhode_ground.judge.align import axis_angle_deg
 from polhode_ground.judge.aligned import Aligned
 from polhode_ground.judge.shape import (
     SURFACE_SAMPLES,

@@ -10,14 +10,14 @@ import sys
 
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.levels import read_octets, viewable
-from polhode_ground.judge.aligned import align_each
-from polhode_ground.judge.metrics import attitude
 from polhode_ground.common.replay import APART
-from polhode_ground.judge.run import Run
 from polhode_ground.common.sequence import Camera, Sequence, read_json
 from polhode_ground.common.tables import POSITION, QUATERNION, Motion, where_also
 from polhode_ground.common.venv import REPOSITORY
 from polhode_ground.common.whole_file import claim_folder
+from polhode_ground.judge.aligned import align_each
+from polhode_ground.judge.metrics import attitude
+from polhode_ground.judge.run import Run
 
 COLMAP_VENV = REPOSITORY / ".venv-colmap"
 SET_UP = REPOSITORY / "tools" / "setup.sh"

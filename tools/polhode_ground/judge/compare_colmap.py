@@ -63,15 +63,15 @@ def print_other_models(out: pathlib.Path, truth) -> None:
 
 def main() -> int:
     options = arguments()
-    from polhode_ground.judge.evaluate import write_json
     from polhode_ground.common.whole_file import check_replaceable
+    from polhode_ground.judge.evaluate import write_json
 
     if options.json:
         check_replaceable(options.json)
-    from polhode_ground.judge import colmap, report
     from polhode_ground.common.replay import cache_folder
-    from polhode_ground.judge.run import judge_run, read_run, read_truth
     from polhode_ground.common.sequence import read_sequence
+    from polhode_ground.judge import colmap, report
+    from polhode_ground.judge.run import judge_run, read_run, read_truth
 
     sequence = read_sequence(options.sequence)
     truth = read_truth(sequence) if sequence.truth_path.exists() else None

@@ -5,9 +5,9 @@ Only what the run calls observed or weak is judged; a quantity that it calls uno
 
 import numpy as np
 
+from polhode_ground.common.sequence import read_json
 from polhode_ground.judge.align import axis_angle_deg
 from polhode_ground.judge.aligned import Aligned
-from polhode_ground.common.sequence import read_json
 
 RATIOS = ("middle_over_least", "largest_over_least")
 # Moments nearer than this to each other leave their two axes free in their plane.

@@ -60,8 +60,8 @@ def write_plots(folder: pathlib.Path, runs: list, truth) -> None:
 
 def write_truth(folder: pathlib.Path, truth) -> None:
     """RUN/truth.tum beside the run's causal.tum and smoothed.tum; a remark where RUN may not be written to, or holds another's."""
-    from polhode_ground.judge.trajectory import tum_text
     from polhode_ground.common.whole_file import REPLAY_MARK, write_whole
+    from polhode_ground.judge.trajectory import tum_text
 
     path, text = folder / "truth.tum", tum_text(truth)
     try:
@@ -75,9 +75,9 @@ def write_truth(folder: pathlib.Path, truth) -> None:
 
 def main() -> int:
     options = arguments()
+    from polhode_ground.common.whole_file import check_replaceable
     from polhode_ground.judge import report
     from polhode_ground.judge.run import judge_run, read_run, read_truth_for
-    from polhode_ground.common.whole_file import check_replaceable
 
     if options.json:
         check_replaceable(options.json)

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from polhode_ground.judge.aligned import align_each
 from polhode_ground.common.fault_log import LOG_FILE, read_log
+from polhode_ground.judge.aligned import align_each
 from polhode_ground.judge.run import read_run, read_truth
 
 # The counter that has to tell of each kind of the transform "faults".

@@ -6,9 +6,9 @@ dictionary over the frames of all of them; a value that can't be computed is Non
 
 import numpy as np
 
+from polhode_ground.common.tables import COUNTS, Motion, join, target_frames
 from polhode_ground.judge import align, period, twin
 from polhode_ground.judge.aligned import Aligned, align_each
-from polhode_ground.common.tables import COUNTS, Motion, join, target_frames
 
 # 95 % bound of the norm of three independent unit normal errors: sqrt(chi2.ppf(0.95, 3)).
 NORMALISED_BOUND = 2.7955

@@ -9,9 +9,9 @@ import pathlib
 import sys
 
 from polhode_ground.common.errors import BadInput
-from polhode_ground.judge.report import UNKNOWN, lookup, table, text_of
 from polhode_ground.common.sequence import read_json
 from polhode_ground.common.tables import COUNTS
+from polhode_ground.judge.report import UNKNOWN, lookup, table, text_of
 
 # The paper's scale in its 2D case is the longer edge of a solar panel.
 PREFERRED_LENGTH = "panel_long_edge"

@@ -54,10 +54,10 @@ def replays(sequence, options) -> list:
 
 def row_of(folder: pathlib.Path, options) -> list[str]:
     """Cells of one sequence; '-' for what is not there, such as the attitude of a target that was never acquired."""
-    from polhode_ground.judge import colmap, report
     from polhode_ground.common.replay import cache_folder
-    from polhode_ground.judge.run import judge_run, read_run, read_truth
     from polhode_ground.common.sequence import read_sequence
+    from polhode_ground.judge import colmap, report
+    from polhode_ground.judge.run import judge_run, read_run, read_truth
 
     sequence = read_sequence(folder)
     truth = read_truth(sequence)

@@ -54,12 +54,12 @@ def shorten(sequence, frames: int, out: pathlib.Path) -> pathlib.Path:
 
 def main() -> int:
     options = arguments()
-    from polhode_ground.judge import report
     from polhode_ground.common.errors import BadInput
-    from polhode_ground.judge.prediction import judge_prediction
     from polhode_ground.common.replay import replay
-    from polhode_ground.judge.run import best_alignment, read_run, read_truth
     from polhode_ground.common.sequence import read_sequence
+    from polhode_ground.judge import report
+    from polhode_ground.judge.prediction import judge_prediction
+    from polhode_ground.judge.run import best_alignment, read_run, read_truth
 
     sequence = read_sequence(options.sequence)
     truth = read_truth(sequence)

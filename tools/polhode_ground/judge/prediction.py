@@ -7,11 +7,11 @@ run's own smoothed motion: nothing later goes into it.
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
+from polhode_ground.common.sequence import read_json
+from polhode_ground.common.tables import Motion
 from polhode_ground.judge import align
 from polhode_ground.judge.aligned import Aligned
 from polhode_ground.judge.metrics import NORMALISED_BOUND
-from polhode_ground.common.sequence import read_json
-from polhode_ground.common.tables import Motion
 
 
 def truth_at(truth: Motion, timestamp_ns: int) -> tuple[Rotation, np.ndarray, np.ndarray] | None:

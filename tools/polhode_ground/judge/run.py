@@ -6,16 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.sequence import Sequence, read_json
+from polhode_ground.common.tables import Motion, read_motion
+from polhode_ground.judge.aligned import Aligned, align_last
 from polhode_ground.judge.body import judge_body
 from polhode_ground.judge.dynamics import judge_dynamics
-from polhode_ground.common.errors import BadInput
-from polhode_ground.judge.aligned import Aligned, align_last
 from polhode_ground.judge.metrics import judge_motion
 from polhode_ground.judge.prediction import judge_prediction
 from polhode_ground.judge.report import lookup
-from polhode_ground.common.sequence import Sequence, read_json
 from polhode_ground.judge.shape import judge_shape
-from polhode_ground.common.tables import Motion, read_motion
 from polhode_ground.judge.truth import Matching, at_frames, estimated_offset
 
 MOTION_FILES = {"causal": "motion.csv", "smoothed": "motion_smoothed.csv"}

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from polhode_ground.judge.align import rotations
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.tables import read_motion
+from polhode_ground.judge.align import rotations
 
 # Pixels are drawn this much finer and counted as target when half of them is.
 FINER = 3

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from polhode_ground.judge import align
 from polhode_ground.common.tables import Motion
+from polhode_ground.judge import align
 
 SECOND_NS = 1_000_000_000
 

@@ -6,10 +6,10 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation
 
-from polhode_ground.judge import align
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.tables import Motion, in_frame, target_frames
 from polhode_ground.common.units import UNITS, WORDS, likely_units
+from polhode_ground.judge import align
 
 # Between rows as far apart as this, a body of 10 deg/s that nutates at the rate of its spin strays from a steady turn by
 # rate^2 * gap^2 / 8 = 0.01 deg; motion capture has ten rows in it.

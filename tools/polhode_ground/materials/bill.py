@@ -5,8 +5,9 @@ from cyclonedx.model import Property
 from cyclonedx.model.bom import Bom
 from cyclonedx.model.component import Component, ComponentType
 from cyclonedx.output.json import JsonV1Dot6
-from polhode_ground.common.whole_file import MARK
 from packageurl import PackageURL
+
+from polhode_ground.common.whole_file import MARK
 
 from .material import Material
 

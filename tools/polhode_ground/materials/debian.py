@@ -6,6 +6,7 @@ import re
 import subprocess
 
 from polhode_ground.common.errors import BadInput
+
 from .material import Material
 
 # Header-only, so that no loader names them: what is included from them is compiled into the program.

@@ -1,6 +1,7 @@
 """The cloud in three views, alone and with the camera's path around it."""
 
 import numpy as np
+
 from polhode_ground.plots import series, style
 from polhode_ground.plots.style import plt
 

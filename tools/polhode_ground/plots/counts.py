@@ -1,8 +1,9 @@
 """Features, matches, inliers and landmarks over time, the mode behind them, and the time of each step."""
 
 import numpy as np
-from polhode_ground.common.tables import COST, COUNTS
 from matplotlib.patches import Patch
+
+from polhode_ground.common.tables import COST, COUNTS
 from polhode_ground.plots import style
 from polhode_ground.plots.style import plt
 

@@ -1,6 +1,7 @@
 """Attitude and position errors over time against the truth, with the published sigmas."""
 
 import numpy as np
+
 from polhode_ground.judge import metrics
 from polhode_ground.plots import series, style
 from polhode_ground.plots.style import plt

@@ -1,8 +1,9 @@
 """Angular and linear velocity against the truth, with one-sigma bands, as in the paper's figures."""
 
 import numpy as np
-from polhode_ground.judge import period
+
 from polhode_ground.common.tables import join
+from polhode_ground.judge import period
 from polhode_ground.plots import series, style
 from polhode_ground.plots.style import plt
 

@@ -29,8 +29,9 @@ def arguments() -> argparse.Namespace:
 def main() -> int:
     options = arguments()
     import numpy as np
-    from polhode_ground.judge.landmarks import on_background, outline_overlaps
+
     from polhode_ground.common.sequence import read_sequence
+    from polhode_ground.judge.landmarks import on_background, outline_overlaps
     from polhode_ground.plots import overlay, style
 
     sequence = read_sequence(options.sequence)

@@ -7,12 +7,12 @@ import pathlib
 from dataclasses import dataclass
 
 import numpy as np
+
+from polhode_ground.common.sequence import read_json
+from polhode_ground.common.tables import Motion
 from polhode_ground.judge import align, metrics
 from polhode_ground.judge.aligned import Aligned, align_each
 from polhode_ground.judge.run import Run, best_alignment
-from polhode_ground.common.sequence import read_json
-from polhode_ground.common.tables import Motion
-
 
 SCALE_KNOWN_EVENT = 6  # its values: metres per map unit, relative sigma (config/bus/events.toml)
 
@@ -216,8 +216,8 @@ def error_series(run: Run, kind: str, truth: Motion) -> ErrorSeries | None:
 
 def cloud_and_path(run: Run, truth: Motion | None):
     """(cloud [N,3], camera path [M,3], rows [M] of its motion file, that file's kind, alignment or None, unit) or None."""
-    from polhode_ground.judge.shape import cloud_in_truth, read_cloud
     from polhode_ground.judge.aligned import align_last
+    from polhode_ground.judge.shape import cloud_in_truth, read_cloud
 
     kind = next((kind for kind in ("smoothed", "causal") if kind in run.motions and run.motions[kind].pose_valid.any()), None)
     path = next((run.folder / name for name in ("cloud.ply", "cloud_raw.ply") if (run.folder / name).exists()), None)

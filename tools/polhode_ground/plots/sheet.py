@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from polhode_ground.judge import align
-from polhode_ground.common.errors import BadInput
-from polhode_ground.judge.shape import read_cloud
-from polhode_ground.common.tables import numbers, read_cells
 from matplotlib.lines import Line2D
+
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.tables import numbers, read_cells
+from polhode_ground.judge import align
+from polhode_ground.judge.shape import read_cloud
 from polhode_ground.plots import style
 from polhode_ground.plots.style import plt
 
@@ -41,7 +42,7 @@ def read_observations(path) -> Observations | None:
     missing = [name for name in OBSERVATION_COLUMNS if name not in header]
     if missing:
         raise BadInput(f"{path}: column {missing[0]} is missing")
-    cells = dict(zip(header, zip(*rows))) if rows else {name: () for name in header}
+    cells = dict(zip(header, zip(*rows))) if rows else dict.fromkeys(header, ())
     value = {name: numbers(path, name, cells[name]) for name in OBSERVATION_COLUMNS[1:]}
     try:
         timestamp_ns = np.array([int(cell) for cell in cells["timestamp_ns"]], dtype=np.int64)

@@ -8,6 +8,7 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import matplotlib.ticker
+
 from polhode_ground.common.errors import BadInput
 
 # As in the paper: blue for what was estimated, red for the truth. Distinct in gray and for colour-blind eyes.

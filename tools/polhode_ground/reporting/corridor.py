@@ -5,10 +5,11 @@ import pathlib
 
 import numpy as np
 import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.tables import numbers, read_cells
 from polhode_ground.plots import style
-from plotly.subplots import make_subplots
 from polhode_ground.reporting.figures import HEIGHT_PX, colour, laid_out
 from polhode_ground.reporting.gather import Material
 

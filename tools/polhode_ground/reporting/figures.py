@@ -2,9 +2,10 @@
 
 import numpy as np
 import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
 from polhode_ground.judge.prediction import judge_prediction
 from polhode_ground.judge.run import best_alignment
-from plotly.subplots import make_subplots
 from polhode_ground.plots import series, style
 from polhode_ground.reporting.gather import Material
 

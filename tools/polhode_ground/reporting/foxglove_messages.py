@@ -9,9 +9,10 @@ from foxglove_schemas_protobuf.FrameTransform_pb2 import FrameTransform
 from foxglove_schemas_protobuf.Log_pb2 import Log
 from foxglove_schemas_protobuf.PackedElementField_pb2 import PackedElementField
 from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
+
 from polhode_ground.common.sequence import Camera
-from polhode_ground.judge.shape import load_ply, property_of
 from polhode_ground.common.tables import Motion, in_frame, target_frames
+from polhode_ground.judge.shape import load_ply, property_of
 from polhode_ground.plots.series import time_ns_of
 from polhode_ground.reporting.gather import Material
 

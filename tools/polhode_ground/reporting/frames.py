@@ -4,9 +4,10 @@ import base64
 
 import cv2
 import numpy as np
-from polhode_ground.judge import align
+
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.tables import in_frame, target_frames
+from polhode_ground.judge import align
 from polhode_ground.plots.series import cloud_and_path
 from polhode_ground.reporting.drawing import draw_target
 from polhode_ground.reporting.gather import Material

@@ -4,9 +4,9 @@ import pathlib
 from dataclasses import dataclass, field
 
 from polhode_ground.common.errors import BadInput
-from polhode_ground.judge.run import Run, judge_run, read_run, read_truth_for
 from polhode_ground.common.sequence import Sequence, read_json, read_sequence
 from polhode_ground.common.tables import Motion, join
+from polhode_ground.judge.run import Run, judge_run, read_run, read_truth_for
 from polhode_ground.judge.truth import Matching
 from polhode_ground.plots import series
 

@@ -4,9 +4,10 @@ import math
 import pathlib
 
 import jinja2
-from polhode_ground.judge.report import lookup
-from polhode_ground.common.whole_file import MARK
 from plotly.offline import get_plotlyjs
+
+from polhode_ground.common.whole_file import MARK
+from polhode_ground.judge.report import lookup
 from polhode_ground.reporting import corridor, figures, frames, scene, tables, words
 from polhode_ground.reporting.gather import Material
 
@@ -42,8 +43,11 @@ def _section(title: str, hint: str, figure, rows=(), absent: str = NO_POSE) -> d
 
 
 def sections(material: Material) -> list[dict]:
+    return [*_motion_sections(material), *_other_sections(material)]
+
+
+def _motion_sections(material: Material) -> list[dict]:
     known = material.truth is not None
-    approach = corridor.corridor(material)
     return [
         _section(
             "When what happened",
@@ -81,6 +85,12 @@ def sections(material: Material) -> list[dict]:
             tables.motion_rows(material),
             "No torque-free motion was fitted, so nothing is predicted.",
         ),
+    ]
+
+
+def _other_sections(material: Material) -> list[dict]:
+    approach = corridor.corridor(material)
+    return [
         *(
             [
                 _section(

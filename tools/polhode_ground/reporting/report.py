@@ -56,8 +56,8 @@ def arguments() -> argparse.Namespace:
 def main() -> int:
     options = arguments()
     from polhode_ground.common.errors import BadInput
-    from polhode_ground.judge.truth import Matching
     from polhode_ground.common.whole_file import check_replaceable, write_whole
+    from polhode_ground.judge.truth import Matching
     from polhode_ground.reporting.gather import gather
     from polhode_ground.reporting.page import page
 

@@ -9,12 +9,13 @@ import pathlib
 
 import cv2
 import numpy as np
+
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.levels import read_octets, viewable
-from polhode_ground.judge.shape import load_ply, property_of
-from polhode_ground.judge.run import Run
 from polhode_ground.common.tables import Motion, in_frame, target_frames
 from polhode_ground.common.whole_file import MARK, beside
+from polhode_ground.judge.run import Run
+from polhode_ground.judge.shape import load_ply, property_of
 from polhode_ground.plots.series import common_rates, time_ns_of
 from polhode_ground.reporting.gather import Material
 

@@ -4,6 +4,7 @@ import pathlib
 
 import numpy as np
 import plotly.graph_objects as go
+
 from polhode_ground.plots import series, style
 from polhode_ground.reporting.gather import Material
 

@@ -7,16 +7,17 @@ import sys
 import tempfile
 
 import numpy as np
-from polhode_ground.judge import align
-from polhode_ground.judge.colmap import ensure_venv
-from polhode_ground.common.errors import BadInput
-from polhode_ground.judge.shape import load_ply, property_of
-from polhode_ground.common.tables import in_frame, read_motion, target_frames
-from polhode_ground.common.whole_file import MARK, REPLAY_MARK, check_replaceable, write_whole
-from polhode_ground.reporting.video import observations_by_time
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError, cKDTree
+
+from polhode_ground.common.errors import BadInput
+from polhode_ground.common.tables import in_frame, read_motion, target_frames
+from polhode_ground.common.whole_file import MARK, REPLAY_MARK, check_replaceable, write_whole
+from polhode_ground.judge import align
+from polhode_ground.judge.colmap import ensure_venv
+from polhode_ground.judge.shape import load_ply, property_of
+from polhode_ground.reporting.video import observations_by_time
 
 WORKER = pathlib.Path(__file__).with_name("surface_worker.py")
 # With fewer points a surface is a guess; a face of a box alone needs a dozen.

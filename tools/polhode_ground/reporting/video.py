@@ -6,10 +6,11 @@ from collections.abc import Iterator
 
 import cv2
 import numpy as np
-from polhode_ground.judge import align
+
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.tables import in_frame, target_frames
 from polhode_ground.common.whole_file import MARK, beside
+from polhode_ground.judge import align
 from polhode_ground.plots.series import cloud_and_path
 from polhode_ground.reporting.frames import overlaid
 from polhode_ground.reporting.gather import Material

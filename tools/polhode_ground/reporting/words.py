@@ -1,6 +1,7 @@
 """The result in words, and what a reader must know before believing it."""
 
 import numpy as np
+
 from polhode_ground.judge.report import lookup, notes
 from polhode_ground.reporting.gather import Material
 

@@ -12,4 +12,4 @@ class Empty:
     def radiance(self, motion, row):
         """None: nothing is added. Called after the target was rendered at that row."""
         del motion, row
-        return None
+        return

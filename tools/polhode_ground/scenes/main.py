@@ -5,7 +5,6 @@ Arguments: -- SCENE.toml OUT [--variant NAME] [--threads N] [--check]. Exit 0, 1
 import os
 import sys
 
-
 USAGE = "usage: render_scene.sh SCENE.toml OUT [--variant NAME] [--threads N] [--check]"
 THREADS = 2
 

@@ -10,7 +10,22 @@ import numpy as np
 from . import relative_motion, rigid_body
 from .rotations import continuous_signs, quat_conjugate, quat_multiply, quat_to_matrix
 
-TRUTH_HEADER = ("timestamp_ns,p_CT_x,p_CT_y,p_CT_z,q_CT_w,q_CT_x,q_CT_y,q_CT_z,v_C_x,v_C_y,v_C_z,w_T_x,w_T_y,w_T_z").split(",")
+TRUTH_HEADER = [
+    "timestamp_ns",
+    "p_CT_x",
+    "p_CT_y",
+    "p_CT_z",
+    "q_CT_w",
+    "q_CT_x",
+    "q_CT_y",
+    "q_CT_z",
+    "v_C_x",
+    "v_C_y",
+    "v_C_z",
+    "w_T_x",
+    "w_T_y",
+    "w_T_z",
+]
 
 
 @dataclass

@@ -9,12 +9,55 @@ import numpy as np
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
-TRUTH_HEADER = ("timestamp_ns,p_CT_x,p_CT_y,p_CT_z,q_CT_w,q_CT_x,q_CT_y,q_CT_z,v_C_x,v_C_y,v_C_z,w_T_x,w_T_y,w_T_z").split(",")
-MOTION_HEADER = (
-    "frame,timestamp_ns,mode,pose_valid,rate_valid,velocity_valid,scale_known,"
-    "q_CT_w,q_CT_x,q_CT_y,q_CT_z,p_CT_x,p_CT_y,p_CT_z,v_C_x,v_C_y,v_C_z,w_T_x,w_T_y,w_T_z,"
-    "sigma_att_rad,sigma_pos,sigma_vel,sigma_rate_rad_s,features,matches,inliers,landmarks,keyframes,step_us,target_frame"
-).split(",")
+TRUTH_HEADER = [
+    "timestamp_ns",
+    "p_CT_x",
+    "p_CT_y",
+    "p_CT_z",
+    "q_CT_w",
+    "q_CT_x",
+    "q_CT_y",
+    "q_CT_z",
+    "v_C_x",
+    "v_C_y",
+    "v_C_z",
+    "w_T_x",
+    "w_T_y",
+    "w_T_z",
+]
+MOTION_HEADER = [
+    "frame",
+    "timestamp_ns",
+    "mode",
+    "pose_valid",
+    "rate_valid",
+    "velocity_valid",
+    "scale_known",
+    "q_CT_w",
+    "q_CT_x",
+    "q_CT_y",
+    "q_CT_z",
+    "p_CT_x",
+    "p_CT_y",
+    "p_CT_z",
+    "v_C_x",
+    "v_C_y",
+    "v_C_z",
+    "w_T_x",
+    "w_T_y",
+    "w_T_z",
+    "sigma_att_rad",
+    "sigma_pos",
+    "sigma_vel",
+    "sigma_rate_rad_s",
+    "features",
+    "matches",
+    "inliers",
+    "landmarks",
+    "keyframes",
+    "step_us",
+    "target_frame",
+]
 START_NS = 1_700_000_000_000_000_000
 WIDTH_PX, HEIGHT_PX, FOCAL_PX = 320, 240, 500.0
 BOX_M = np.array([0.6, 0.4, 1.0])

@@ -11,8 +11,8 @@ import numpy as np
 
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.fault_log import LogEntry
-from polhode_ground.transforms.footage import Footage, Shot, noisy
 from polhode_ground.transforms.camera_faults import tear
+from polhode_ground.transforms.footage import Footage, Shot, noisy
 
 # The first frames stay as they are, so that there is something to repeat.
 SPARED = 2

@@ -10,10 +10,10 @@ import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from polhode_ground.judge.align import rotations
 from polhode_ground.common.errors import BadInput
-from polhode_ground.common.sequence import Camera
 from polhode_ground.common.fault_log import LogEntry
+from polhode_ground.common.sequence import Camera
+from polhode_ground.judge.align import rotations
 from polhode_ground.transforms.footage import Footage, Shot
 
 MESH_SAMPLES = 60_000

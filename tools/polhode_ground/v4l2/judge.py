@@ -11,10 +11,10 @@ import shutil
 import subprocess
 import sys
 
-from polhode_ground.common.venv import REPOSITORY
-
 import numpy
 from PIL import Image
+
+from polhode_ground.common.venv import REPOSITORY
 
 PROGRAM = REPOSITORY / "build/v4l2_vm/bin/polhode"
 NOT_EMULATED = "AVX512_SKX"  # vector units of the host that the guest does not have

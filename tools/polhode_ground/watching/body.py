@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from polhode_ground.reporting.drawing import draw_target
 from scipy.spatial.transform import Rotation
+
+from polhode_ground.reporting.drawing import draw_target
 from polhode_ground.watching.state import Pose, State
 
 CORNERS = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])

@@ -6,8 +6,9 @@ import pathlib
 import threading
 import time
 
-from polhode_ground.common.errors import BadInput
 from polhode_bus import Bus, decode, open_bus
+
+from polhode_ground.common.errors import BadInput
 from polhode_ground.watching.state import State
 
 ALLOWED = "allowed are unix:PATH, udp:PORT, udp:HOST:PORT (bound here), shm:/NAME, file:PATH"

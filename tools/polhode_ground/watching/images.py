@@ -7,6 +7,7 @@ from collections import deque
 
 import lz4.block
 import numpy as np
+
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.levels import depth_for, eight_bits
 from polhode_ground.common.sequence import Camera, Sequence, read_sequence

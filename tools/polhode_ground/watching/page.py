@@ -8,6 +8,7 @@ import time
 
 import numpy as np
 import viser
+
 from polhode_ground.busgen.table import Table
 from polhode_ground.common.errors import BadInput
 from polhode_ground.watching import body, words

@@ -17,8 +17,8 @@ import sys
 
 from polhode_ground.common.errors import BadInput
 from polhode_ground.common.venv import REPOSITORY, enter_venv, run_main
-from polhode_ground.verification.requirements_matrix import rows_of, write_pages
 from polhode_ground.verification.catalogue import read_stages
+from polhode_ground.verification.requirements_matrix import rows_of, write_pages
 from polhode_ground.verification.tests import read_tests
 from polhode_ground.website.links import dead_links
 from polhode_ground.website.pages import copy_pages
